@@ -1,0 +1,152 @@
+#pragma once
+// The registry of checks.  One record per check feeds the report's row, the optimiser's constraint,
+// the named rejection and the key in [limits].
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "backlash/lost_motion.hpp"
+#include "train/train_geometry.hpp"
+
+namespace gear3k::design {
+
+enum class Unit { kNone, kModule, kMillimetre, kMicrometre, kArcmin, kDegree };
+/// Name of a unit as files and tables print it; "" for kNone.
+std::string_view unit_name(Unit unit);
+/// SI value (m, rad, or a number) in the unit.
+double in_unit(double si_value, Unit unit);
+double from_unit(double value, Unit unit);
+
+/// What one value of a check belongs to.
+enum class CheckScope {
+  kExternalGear,
+  kRing,
+  kMesh,
+  kTip,         ///< a mesh and the one of its gears whose tip is examined (1 or 2)
+  kPlanetStep,  ///< P1 or P2 against its neighbour
+  kTrain
+};
+
+enum class CheckId {
+  kUndercut,
+  kTipThickness,
+  kRingTipThickness,
+  kRingTipOutsideBase,
+  kInvoluteInterference,
+  kPlanetGap,
+  kContactRatioMin,
+  kContactRatioMax,
+  kNormalBacklash,
+  kOutputBacklashMin,
+  kOutputBacklashMax,
+  kRingRootDiameter,
+  kEqualSpacing,
+  kIdenticalPlanets
+};
+inline constexpr std::size_t kCheckCount = 14;
+
+/// What the checks look at: a whole train, or one pair.
+template <class T>
+struct Gearing {
+  std::span<const geometry::GearGeometry<T>> gears;
+  std::span<const geometry::MeshGeometry<T>> meshes;
+  std::span<const std::array<int, 2>> mesh_gears;
+  std::span<const T> normal_backlash_m;
+  const train::TrainGeometry<T>* train = nullptr;  ///< null for a pair
+  backlash::LostMotionModel model = backlash::LostMotionModel::kKinematic;
+};
+
+/// One value of one check: which gear (kExternalGear, kRing, kPlanetStep) or mesh (kMesh, kTip).
+struct CheckSubject {
+  int member = 0;
+  /// kTip: the gear of the mesh, 1 or 2.  Output backlash: 0 the whole model, 1 or 2 one branch of
+  /// the paper's max(φ_2, φ_3), smooth each.
+  int which = 0;
+};
+
+template <class T>
+using CheckValue = T (*)(const Gearing<T>&, CheckSubject);
+
+struct CheckRecord {
+  CheckId id;
+  std::string_view name;   ///< in JSON, in rejections and in [limits]
+  std::string_view title;  ///< in tables
+  Unit unit;
+  CheckScope scope;
+  bool at_least;                        ///< value ≥ limit; else value ≤ limit
+  std::optional<double> default_limit;  ///< in `unit`; empty = off unless asked for
+  /// Key outside [limits] that sets the limit, e.g. "backlash.max_output_arcmin"; "" = [limits].
+  std::string_view limit_key;
+  std::string_view help;
+  CheckValue<double> value = nullptr;
+  CheckValue<Jet1> value1 = nullptr;
+  CheckValue<Jet2> value2 = nullptr;
+};
+
+std::span<const CheckRecord> check_records();
+const CheckRecord& check_record(CheckId id);
+
+/// Limits in force, in SI, by check; an empty one switches the check off.
+struct Limits {
+  std::array<std::optional<double>, kCheckCount> limit;
+  backlash::LostMotionModel model = backlash::LostMotionModel::kKinematic;
+
+  const std::optional<double>& operator[](CheckId id) const {
+    return limit[static_cast<std::size_t>(id)];
+  }
+  std::optional<double>& operator[](CheckId id) { return limit[static_cast<std::size_t>(id)]; }
+};
+Limits default_limits();
+
+/// A check to be evaluated on one subject.
+struct CheckInstance {
+  const CheckRecord* record = nullptr;
+  CheckSubject subject;
+  double limit = 0.0;  ///< SI
+  double scale = 1.0;  ///< SI; feasible means margin ≥ −kFeasibilityTolerance · scale
+};
+inline constexpr double kFeasibilityTolerance = 1e-6;
+
+/// Kinds of gears and meshes that a list of checks is made for.
+struct GearingLayout {
+  std::span<const geometry::GearKind> gear_kinds;
+  std::span<const std::array<int, 2>> mesh_gears;
+  int planets = 0;               ///< 0 for a pair: no planet steps, no train
+  double length_scale_m = 1e-3;  ///< scale of checks on lengths: the module
+};
+/// Layout of a 3K train.
+GearingLayout train_layout(int planets, double stage1_module_m);
+
+/// All checks that are switched on, in the order of the registry, then of the members.
+std::vector<CheckInstance> list_checks(const Limits& limits, const GearingLayout& layout);
+
+/// Value of a check on its subject, in SI.
+template <class T>
+T check_value(const CheckInstance& check, const Gearing<T>& gearing);
+
+/// Signed margin in SI: value − limit or limit − value; negative = failed.
+template <class T>
+T check_margin(const CheckInstance& check, const Gearing<T>& gearing) {
+  const T value = check_value(check, gearing);
+  return check.record->at_least ? T(value - check.limit) : T(check.limit - value);
+}
+
+/// Names of what a check of a train is about: mesh and gear, "" where there is none.
+struct SubjectNames {
+  std::string mesh, gear;
+};
+SubjectNames subject_names(const CheckInstance& check, std::span<const std::string_view> gears,
+                           std::span<const std::string_view> meshes,
+                           std::span<const std::array<int, 2>> mesh_gears);
+
+/// View of a train's geometry for the checks; both arguments must outlive it.
+template <class T>
+Gearing<T> gearing_of(const train::TrainGeometry<T>& train,
+                      const std::array<T, train::kMeshCount>& normal_backlash_m,
+                      backlash::LostMotionModel model);
+
+}  // namespace gear3k::design

@@ -1,0 +1,326 @@
+#include "design/evaluation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "backlash/normal_backlash.hpp"
+#include "efficiency/train_efficiency.hpp"
+#include "inertia/mass_properties.hpp"
+
+namespace gear3k::design {
+
+namespace {
+
+using geometry::GearGeometry;
+
+double base_radius_sum(const GearGeometry<double>& gear1, const GearGeometry<double>& gear2) {
+  return gear2.base_radius_m + geometry::mesh_sign(gear2.gear.kind) * gear1.base_radius_m;
+}
+
+NotDefined no_working_angle(std::string_view mesh, double center_distance_m, double base_sum_m) {
+  if (!(base_sum_m > 0.0)) {
+    return {fmt::format("mesh {}: the ring needs more teeth than the planet", mesh)};
+  }
+  return {fmt::format(
+      "mesh {}: center distance = {:.6g} mm leaves no working pressure angle, allowed: above "
+      "{:.6g} mm (base radii)",
+      mesh, center_distance_m * 1e3, base_sum_m * 1e3)};
+}
+
+GearResult gear_result(std::string_view name, const GearGeometry<double>& g) {
+  return {.name = std::string(name),
+          .teeth = g.gear.teeth,
+          .profile_shift = g.gear.profile_shift,
+          .pitch_diameter_m = 2.0 * g.reference_radius_m,
+          .base_diameter_m = 2.0 * g.base_radius_m,
+          .tip_diameter_m = 2.0 * g.tip_radius_m,
+          .root_diameter_m = 2.0 * g.root_radius_m,
+          .tip_thickness_m = geometry::tooth_thickness(g, g.tip_radius_m)};
+}
+
+struct Pairing {
+  std::string_view name;
+  const GearGeometry<double>& gear1;
+  const GearGeometry<double>& gear2;
+  const geometry::MeshGeometry<double>& mesh;
+  bool gear1_drives;  ///< forward
+};
+
+MeshResult mesh_result(const Pairing& p, const Friction& friction) {
+  const double e1 = p.mesh.addendum_contact_ratio1;
+  const double e2 = p.mesh.addendum_contact_ratio2;
+  const double approach = p.gear1_drives ? e2 : e1;
+  const double recess = p.gear1_drives ? e1 : e2;
+  const auto efficiency = [&](double ea, double er) {
+    return efficiency::mesh_efficiency<double>({.z1 = p.gear1.gear.teeth,
+                                                .z2 = p.gear2.gear.teeth,
+                                                .sign = geometry::mesh_sign(p.gear2.gear.kind),
+                                                .approach_contact_ratio = ea,
+                                                .recess_contact_ratio = er},
+                                               friction.coefficient, friction.model);
+  };
+  return {
+      .name = std::string(p.name),
+      .working_pressure_angle_rad = p.mesh.alpha_w_rad,
+      .zero_backlash_center_distance_m = geometry::zero_backlash_center_distance(p.gear1, p.gear2),
+      .contact_ratio = p.mesh.contact_ratio,
+      .approach_contact_ratio = approach,
+      .recess_contact_ratio = recess,
+      .normal_backlash_m = backlash::normal_backlash(p.gear1, p.gear2, p.mesh),
+      .efficiency_forward = efficiency(approach, recess),
+      .efficiency_backward = efficiency(recess, approach),
+      .loss_model_in_range = efficiency::loss_model_in_range(friction.model, approach, recess),
+      .hunting_period_teeth = train::hunting_period_teeth(p.gear1.gear.teeth, p.gear2.gear.teeth)};
+}
+
+struct CheckNames {
+  std::span<const std::string_view> gears, meshes;
+};
+
+std::vector<CheckResult> run_checks(const std::vector<CheckInstance>& checks,
+                                    const Gearing<double>& gearing, const CheckNames& names) {
+  std::vector<CheckResult> results;
+  for (const CheckInstance& check : checks) {
+    const double value = check_value(check, gearing);
+    const double margin = check.record->at_least ? value - check.limit : check.limit - value;
+    SubjectNames subject = subject_names(check, names.gears, names.meshes, gearing.mesh_gears);
+    results.push_back({.record = check.record,
+                       .mesh = std::move(subject.mesh),
+                       .gear = std::move(subject.gear),
+                       .value = value,
+                       .limit = check.limit,
+                       .margin = margin,
+                       .ok = margin >= -kFeasibilityTolerance * check.scale});
+  }
+  return results;
+}
+
+void note_loss_model(const std::vector<MeshResult>& meshes, std::vector<std::string>& notes) {
+  for (const MeshResult& mesh : meshes) {
+    if (mesh.loss_model_in_range) continue;
+    notes.push_back(fmt::format(
+        "loss model ohlendorf is outside its range at mesh {}: approach {:.3f}, recess {:.3f}, "
+        "valid for 0 to 1; it overestimates the loss there (loss_model = \"sliding\" does not)",
+        mesh.name, mesh.approach_contact_ratio, mesh.recess_contact_ratio));
+  }
+}
+
+/// The bodies' inertias as given or from geometry; else the name of what is missing.
+std::variant<inertia::BodyInertias<double>, std::string> body_inertias(
+    const Masses& masses, const train::TrainGeometry<double>& train) {
+  std::vector<std::string> missing;
+  const auto gear_body = [&](train::GearId id) -> std::optional<inertia::MassProperties<double>> {
+    const auto index = static_cast<std::size_t>(id);
+    const auto& width = masses.face_width_m[static_cast<std::size_t>(train::stage_of(id))];
+    if (!width || !masses.density_kgm3) return std::nullopt;
+    if (id == train::kR2 && !masses.ring2_outer_radius_m) return std::nullopt;
+    const double other =
+        id == train::kR2 ? *masses.ring2_outer_radius_m : masses.bore_radius_m[index];
+    return inertia::gear_body(train.gears[index], other, *width, *masses.density_kgm3);
+  };
+  const auto inertia_of = [&](const std::optional<double>& given, train::GearId id,
+                              std::string_view hint) {
+    if (given) return *given;
+    if (const auto body = gear_body(id)) return body->inertia_kgm2;
+    missing.emplace_back(hint);
+    return 0.0;
+  };
+  inertia::BodyInertias<double> bodies{};
+  bodies.sun_kgm2 = inertia_of(masses.sun_kgm2, train::kS, "inertia.S_kgm2");
+  bodies.planet1_kgm2 = inertia_of(masses.planet1_kgm2, train::kP1, "inertia.P1_kgm2");
+  bodies.planet2_kgm2 = inertia_of(masses.planet2_kgm2, train::kP2, "inertia.P2_kgm2");
+  bodies.ring2_kgm2 = inertia_of(masses.ring2_kgm2, train::kR2, "inertia.R2_kgm2");
+  const auto step1 = gear_body(train::kP1);
+  const auto step2 = gear_body(train::kP2);
+  if (masses.planet_mass_kg) {
+    bodies.planet_mass_kg = *masses.planet_mass_kg;
+  } else if (step1 && step2) {
+    bodies.planet_mass_kg = step1->mass_kg + step2->mass_kg;
+  } else {
+    missing.emplace_back("inertia.planet_mass_kg");
+  }
+  bodies.carrier_kgm2 = masses.carrier_kgm2.value_or(0.0);
+  if (!missing.empty()) {
+    return fmt::format("{} (or density_kg_m3 with face widths, and outer_diameter_mm of R2)",
+                       fmt::join(missing, ", "));
+  }
+  return bodies;
+}
+
+InertiaResult inertia_result(const inertia::InertialTrain<double>& train,
+                             const inertia::DirectionalEfficiencies<double>& eta) {
+  InertiaResult result{.lossless_kgm2 = inertia::lossless_inertia(train),
+                       .backward_kgm2 = std::nullopt,
+                       .forward_kgm2 = std::nullopt,
+                       .paper_kgm2 = std::nullopt};
+  const auto positive = [](double e) { return e > 0.0; };
+  if (!std::ranges::all_of(eta.forward, positive) || !std::ranges::all_of(eta.backward, positive)) {
+    return result;
+  }
+  result.backward_kgm2 = inertia::effective_inertia(train, eta, false);
+  result.forward_kgm2 = inertia::effective_inertia(train, eta, true);
+  result.paper_kgm2 = inertia::paper_inertia(train, eta.backward);
+  return result;
+}
+
+}  // namespace
+
+std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
+  train::TrainParameters<double> parameters = design.train;
+  const auto gears = train::make_train_gears(parameters);
+  if (train::ratio(parameters.teeth) == 0.0) return NotDefined{"the ratio is zero"};
+  const auto pair_of = [&](std::size_t mesh) {
+    const auto [first, second] = train::kMeshGears[mesh];
+    return std::pair<const GearGeometry<double>&, const GearGeometry<double>&>(
+        gears[static_cast<std::size_t>(first)], gears[static_cast<std::size_t>(second)]);
+  };
+  if (!design.center_distance_given) {
+    const auto [p1, r1] = pair_of(train::kMeshP1R1);
+    const auto distance = geometry::zero_backlash_center_distance(p1, r1);
+    if (!distance) {
+      return NotDefined{
+          "mesh P1-R1 has no zero-backlash centre distance for these profile shifts: state "
+          "center_distance_mm"};
+    }
+    parameters.center_distance_m = *distance;
+  }
+  const auto train = train::make_train_geometry(parameters);
+  if (!train) {
+    for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+      const auto [gear1, gear2] = pair_of(k);
+      const double sum = base_radius_sum(gear1, gear2);
+      if (!(sum > 0.0 && parameters.center_distance_m > sum)) {
+        return no_working_angle(train::kMeshNames[k], parameters.center_distance_m, sum);
+      }
+    }
+  }
+  const auto j_bn = backlash::normal_backlashes(*train);
+
+  Evaluation e{};
+  e.name = design.name;
+  e.teeth = parameters.teeth;
+  e.planets = parameters.planets;
+  e.ratio = train::ratio(e.teeth);
+  e.g1 = train::g1(e.teeth);
+  e.g2 = train::g2(e.teeth);
+  e.center_distance_m = parameters.center_distance_m;
+  e.center_distance_given = design.center_distance_given;
+  e.module_m = parameters.module_m;
+  const bool g2_below_one = e.g2 < 1.0;
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    const auto [gear1, gear2] = pair_of(k);
+    e.meshes.push_back(mesh_result(
+        {.name = train::kMeshNames[k],
+         .gear1 = gear1,
+         .gear2 = gear2,
+         .mesh = train->meshes[k],
+         .gear1_drives = train::gear1_drives(static_cast<train::MeshId>(k), g2_below_one, true)},
+        design.friction));
+  }
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    e.gears.push_back(gear_result(train::kGearNames[i], gears[i]));
+  }
+
+  inertia::DirectionalEfficiencies<double> eta{};
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    eta.forward[k] = e.meshes[k].efficiency_forward;
+    eta.backward[k] = e.meshes[k].efficiency_backward;
+  }
+  const double margin = efficiency::backdriving_margin(e.teeth, eta.backward);
+  e.efficiency = {.forward = efficiency::forward_efficiency(e.teeth, eta.forward),
+                  .backward = efficiency::backward_efficiency(e.teeth, eta.backward),
+                  .backdrivable = margin > 0.0,
+                  .backdriving_margin = margin};
+
+  using backlash::LostMotionModel;
+  const double kinematic = backlash::output_lost_motion(*train, j_bn, LostMotionModel::kKinematic);
+  e.backlash = {.paper_rad = backlash::output_lost_motion(*train, j_bn, LostMotionModel::kPaper),
+                .kinematic_rad = kinematic,
+                .input_kinematic_rad = kinematic * std::abs(e.ratio),
+                .kinematic_share_rad = backlash::kinematic_lost_motion(*train, j_bn)};
+
+  const auto bodies = body_inertias(design.masses, *train);
+  if (const auto* missing = std::get_if<std::string>(&bodies)) {
+    e.inertia_missing = *missing;
+  } else {
+    e.inertia = inertia_result({.teeth = e.teeth,
+                                .planets = e.planets,
+                                .center_distance_m = e.center_distance_m,
+                                .bodies = std::get<inertia::BodyInertias<double>>(bodies)},
+                               eta);
+    if (!design.masses.carrier_kgm2) {
+      e.notes.emplace_back("inertia counts no carrier: state inertia.carrier_kgm2");
+    }
+  }
+  e.assembly = train::assembly(e.teeth, e.planets);
+  e.checks = run_checks(list_checks(design.limits, train_layout(e.planets, parameters.module_m[0])),
+                        gearing_of(*train, j_bn, design.limits.model),
+                        {.gears = train::kGearNames, .meshes = train::kMeshNames});
+  note_loss_model(e.meshes, e.notes);
+  if (!design.center_distance_given) {
+    e.notes.emplace_back(
+        "no center_distance_mm given: the zero-backlash distance of mesh P1-R1 is used");
+  }
+  return e;
+}
+
+std::variant<PairEvaluation, NotDefined> evaluate(const PairDesign& design) {
+  static constexpr std::array<std::string_view, 2> kGears{"1", "2"};
+  static constexpr std::array<std::string_view, 1> kMeshes{"1-2"};
+  static constexpr std::array<std::array<int, 2>, 1> kPair{{{0, 1}}};
+  const auto angle = geometry::make_pressure_angle(design.pressure_angle_rad);
+  const std::array<GearGeometry<double>, 2> gears{
+      geometry::make_gear_geometry(design.gear1, angle),
+      geometry::make_gear_geometry(design.gear2, angle)};
+  const std::optional<double> distance =
+      design.center_distance_m ? design.center_distance_m
+                               : geometry::zero_backlash_center_distance(gears[0], gears[1]);
+  const double sum = base_radius_sum(gears[0], gears[1]);
+  if (!(sum > 0.0)) return NotDefined{"the ring needs more teeth than its mate"};
+  if (!distance) {
+    return NotDefined{
+        "the pair has no zero-backlash centre distance for these profile shifts: state "
+        "center_distance_mm"};
+  }
+  const auto mesh = geometry::make_mesh_geometry(gears[0], gears[1], *distance);
+  if (!mesh) return no_working_angle(kMeshes[0], *distance, sum);
+
+  PairEvaluation e{};
+  e.name = design.name;
+  e.center_distance_m = *distance;
+  e.center_distance_given = design.center_distance_m.has_value();
+  e.mesh = mesh_result({.name = kMeshes[0],
+                        .gear1 = gears[0],
+                        .gear2 = gears[1],
+                        .mesh = *mesh,
+                        .gear1_drives = true},
+                       design.friction);
+  for (std::size_t i = 0; i < 2; ++i) e.gears.push_back(gear_result(kGears[i], gears[i]));
+  const std::array<double, 1> j_bn{e.mesh.normal_backlash_m};
+  const std::array<geometry::MeshGeometry<double>, 1> meshes{*mesh};
+  const std::array<geometry::GearKind, 2> kinds{gears[0].gear.kind, gears[1].gear.kind};
+  const Gearing<double> gearing{.gears = gears,
+                                .meshes = meshes,
+                                .mesh_gears = kPair,
+                                .normal_backlash_m = j_bn,
+                                .train = nullptr,
+                                .model = design.limits.model};
+  e.checks = run_checks(list_checks(design.limits, {.gear_kinds = kinds,
+                                                    .mesh_gears = kPair,
+                                                    .planets = 0,
+                                                    .length_scale_m = design.gear1.module_m}),
+                        gearing, {.gears = kGears, .meshes = kMeshes});
+  note_loss_model({e.mesh}, e.notes);
+  if (!e.center_distance_given) {
+    e.notes.emplace_back("no center_distance_mm given: the zero-backlash distance is used");
+  }
+  return e;
+}
+
+bool all_ok(const std::vector<CheckResult>& checks) {
+  return std::ranges::all_of(checks, [](const CheckResult& c) { return c.ok; });
+}
+
+}  // namespace gear3k::design

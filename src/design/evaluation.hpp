@@ -1,0 +1,101 @@
+#pragma once
+// The one place where geometry, backlash, efficiency and inertia of a design meet.
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "design/design.hpp"
+
+namespace gear3k::design {
+
+struct MeshResult {
+  std::string name;
+  double working_pressure_angle_rad;
+  std::optional<double> zero_backlash_center_distance_m;  ///< of the full teeth (q = 0)
+  double contact_ratio;
+  double approach_contact_ratio, recess_contact_ratio;  ///< forward drive direction
+  double normal_backlash_m;
+  double efficiency_forward, efficiency_backward;
+  bool loss_model_in_range;
+  long long hunting_period_teeth;
+};
+
+struct GearResult {
+  std::string name;
+  int teeth;
+  double profile_shift;
+  double pitch_diameter_m, base_diameter_m, tip_diameter_m, root_diameter_m, tip_thickness_m;
+};
+
+struct CheckResult {
+  const CheckRecord* record;
+  std::string mesh, gear;       ///< "" where the check has none
+  double value, limit, margin;  ///< SI
+  bool ok;
+};
+
+struct InertiaResult {
+  double lossless_kgm2;
+  std::optional<double> backward_kgm2, forward_kgm2;  ///< empty where the train locks
+  std::optional<double> paper_kgm2;                   ///< empty where a mesh efficiency is ≤ 0
+};
+
+struct BacklashResult {
+  double paper_rad, kinematic_rad, input_kinematic_rad;
+  std::array<double, train::kMeshCount> kinematic_share_rad;
+};
+
+struct EfficiencyResult {
+  double forward, backward;  ///< by the formulas, unclamped
+  bool backdrivable;
+  double backdriving_margin;
+};
+
+struct Evaluation {
+  std::string name;
+  train::ToothSet teeth;
+  int planets;
+  double ratio, g1, g2;
+  double center_distance_m;
+  bool center_distance_given;
+  std::array<double, 2> module_m;
+  EfficiencyResult efficiency;
+  std::vector<MeshResult> meshes;
+  std::vector<GearResult> gears;
+  BacklashResult backlash;
+  std::optional<InertiaResult> inertia;
+  std::string inertia_missing;  ///< what input it lacks, when inertia is empty
+  train::Assembly assembly;
+  std::vector<CheckResult> checks;
+  std::vector<std::string> notes;
+};
+
+struct PairEvaluation {
+  std::string name;
+  double center_distance_m;
+  bool center_distance_given;
+  MeshResult mesh;
+  std::vector<GearResult> gears;
+  std::vector<CheckResult> checks;
+  std::vector<std::string> notes;
+};
+
+/// Why a design cannot be evaluated at all; a message that names the quantity and its bound.
+struct NotDefined {
+  std::string message;
+};
+
+/// Everything known about a gearbox.
+/// Without a given centre distance, the zero-backlash distance of mesh P1-R1 is taken.
+/// @throws std::invalid_argument for values outside the geometry functions' ranges
+std::variant<Evaluation, NotDefined> evaluate(const Design& design);
+
+/// Everything known about one pair (its zero-backlash distance is taken when none is given).
+std::variant<PairEvaluation, NotDefined> evaluate(const PairDesign& design);
+
+/// True when no check failed.
+bool all_ok(const std::vector<CheckResult>& checks);
+
+}  // namespace gear3k::design

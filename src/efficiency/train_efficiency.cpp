@@ -1,0 +1,71 @@
+#include "efficiency/train_efficiency.hpp"
+
+namespace gear3k::efficiency {
+
+template <class T>
+MeshContact<T> mesh_contact(const train::TrainGeometry<T>& train, train::MeshId mesh,
+                            bool forward) {
+  const auto index = static_cast<std::size_t>(mesh);
+  const auto [first, second] = train::kMeshGears[index];
+  const geometry::MeshGeometry<T>& m = train.meshes[index];
+  const bool gear1_drives = train::gear1_drives(mesh, train::g2(train.teeth) < 1.0, forward);
+  const auto& gear2 = train.gears[static_cast<std::size_t>(second)].gear;
+  return {
+      .z1 = train.gears[static_cast<std::size_t>(first)].gear.teeth,
+      .z2 = gear2.teeth,
+      .sign = geometry::mesh_sign(gear2.kind),
+      .approach_contact_ratio =
+          gear1_drives ? m.addendum_contact_ratio2 : m.addendum_contact_ratio1,
+      .recess_contact_ratio = gear1_drives ? m.addendum_contact_ratio1 : m.addendum_contact_ratio2};
+}
+
+template <class T>
+MeshEfficiencies<T> mesh_efficiencies(const train::TrainGeometry<T>& train, const T& mu,
+                                      LossModel model, bool forward) {
+  MeshEfficiencies<T> eta;
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    eta[k] =
+        mesh_efficiency(mesh_contact(train, static_cast<train::MeshId>(k), forward), mu, model);
+  }
+  return eta;
+}
+
+template <class T>
+T forward_efficiency(const train::ToothSet& z, const MeshEfficiencies<T>& eta) {
+  const double g1 = train::g1(z);
+  const double g2 = train::g2(z);
+  const auto& [eta1, eta2, eta3] = eta;
+  if (g2 < 1.0) {
+    return (1.0 + g1 * eta1 * eta2) * (1.0 - g2) / ((1.0 + g1) * (1.0 - g2 * eta2 * eta3));
+  }
+  return eta3 * (eta2 + g1 * eta1) * (g2 - 1.0) / ((1.0 + g1) * (g2 - eta2 * eta3));
+}
+
+template <class T>
+T backward_efficiency(const train::ToothSet& z, const MeshEfficiencies<T>& eta) {
+  const double g1 = train::g1(z);
+  const double g2 = train::g2(z);
+  const auto& [eta1, eta2, eta3] = eta;
+  if (g2 < 1.0) {
+    return (1.0 + g1) * eta1 * (eta2 * eta3 - g2) / ((1.0 - g2) * eta3 * (g1 + eta1 * eta2));
+  }
+  return (1.0 + g1) * eta1 * (g2 * eta2 * eta3 - 1.0) / ((g2 - 1.0) * (eta1 + g1 * eta2));
+}
+
+template <class T>
+T backdriving_margin(const train::ToothSet& z, const MeshEfficiencies<T>& eta) {
+  const double g2 = train::g2(z);
+  const T product = eta[1] * eta[2];
+  return g2 < 1.0 ? T(product - g2) : T(g2 * product - 1.0);
+}
+
+#define INSTANTIATE(T)                                                                          \
+  template MeshContact<T> mesh_contact<T>(const train::TrainGeometry<T>&, train::MeshId, bool); \
+  template MeshEfficiencies<T> mesh_efficiencies<T>(const train::TrainGeometry<T>&, const T&,   \
+                                                    LossModel, bool);                           \
+  template T forward_efficiency<T>(const train::ToothSet&, const MeshEfficiencies<T>&);         \
+  template T backward_efficiency<T>(const train::ToothSet&, const MeshEfficiencies<T>&);        \
+  template T backdriving_margin<T>(const train::ToothSet&, const MeshEfficiencies<T>&);
+GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
+
+}  // namespace gear3k::efficiency

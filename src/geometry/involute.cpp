@@ -1,0 +1,60 @@
+#include "geometry/involute.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "geometry/scalar.hpp"
+
+namespace gear3k::geometry {
+
+template <class T>
+T involute(const T& angle) {
+  using std::tan;
+  return tan(angle) - angle;
+}
+
+namespace {
+
+double inverse_involute_value(double value) {
+  if (!(value >= 0.0)) {
+    throw std::invalid_argument(
+        fmt::format("inverse_involute: value = {} rad, allowed: at least 0", value));
+  }
+  if (value == 0.0) return 0.0;
+  // Both are upper bounds: inv a >= a^3/3, and inv a >= tan a - pi/2.
+  double a = std::min(std::cbrt(3.0 * value), std::atan(value + std::numbers::pi / 2.0));
+  for (int iteration = 0; iteration < 60; ++iteration) {
+    const double t = std::tan(a);
+    const double step = (t - a - value) / (t * t);
+    a -= step;
+    if (!(std::abs(step) > 1e-15 * a)) break;
+  }
+  return a;
+}
+
+}  // namespace
+
+template <class T>
+T inverse_involute(const T& value) {
+  using std::tan;
+  T a = constant<T>(inverse_involute_value(value_of(value)));
+  if constexpr (!std::is_floating_point_v<T>) {
+    // Each Newton step at the converged value makes one more order of derivatives exact.
+    for (int order = 0; order < 2; ++order) {
+      const T t = tan(a);
+      a = a - (t - a - value) / (t * t);
+    }
+  }
+  return a;
+}
+
+#define INSTANTIATE(T)              \
+  template T involute<T>(const T&); \
+  template T inverse_involute<T>(const T&);
+GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
+
+}  // namespace gear3k::geometry
