@@ -1,0 +1,168 @@
+#include "optimize/ipopt.hpp"
+
+#include <IpIpoptApplication.hpp>
+#include <IpTNLP.hpp>
+#include <algorithm>
+#include <mutex>
+
+namespace gear3k::optimize {
+
+namespace {
+
+using Ipopt::Index;
+using Ipopt::Number;
+
+/// One refinement problem as Ipopt reads it: dense Jacobian, dense lower triangle of the Hessian.
+class RefinementNlp : public Ipopt::TNLP {
+ public:
+  RefinementNlp(const RefinementProblem& problem, const Point& start)
+      : problem_(problem),
+        n_(static_cast<std::size_t>(problem.variables)),
+        start_(start),
+        end_(start),
+        g_(problem.rows.size()),
+        g1_(problem.rows.size()),
+        g2_(problem.rows.size()) {}
+
+  [[nodiscard]] const Point& end() const { return end_; }
+
+  bool get_nlp_info(Index& n, Index& m, Index& nnz_jac_g, Index& nnz_h_lag,
+                    IndexStyleEnum& index_style) override {
+    n = static_cast<Index>(n_);
+    m = static_cast<Index>(g_.size());
+    nnz_jac_g = n * m;
+    nnz_h_lag = n * (n + 1) / 2;
+    index_style = C_STYLE;
+    return true;
+  }
+
+  bool get_bounds_info(Index n, Number* x_l, Number* x_u, Index m, Number* g_l,
+                       Number* g_u) override {
+    constexpr double kInfinity = 2e19;  // Ipopt's default nlp_upper_bound_inf is 1e19
+    std::copy_n(problem_.lower.begin(), n, x_l);
+    std::copy_n(problem_.upper.begin(), n, x_u);
+    std::fill_n(g_l, m, 0.0);
+    std::fill_n(g_u, m, kInfinity);
+    return true;
+  }
+
+  bool get_starting_point(Index n, bool /*init_x*/, Number* x, bool /*init_z*/, Number* /*z_L*/,
+                          Number* /*z_U*/, Index /*m*/, bool /*init_lambda*/,
+                          Number* /*lambda*/) override {
+    std::copy_n(start_.begin(), n, x);
+    return true;
+  }
+
+  bool eval_f(Index /*n*/, const Number* x, bool /*new_x*/, Number& value) override {
+    return evaluate<double>(problem_, std::span<const double>(x, n_), value, g_);
+  }
+
+  bool eval_grad_f(Index n, const Number* x, bool /*new_x*/, Number* gradient) override {
+    Jet1 f;
+    if (!evaluate_jet1(x, f)) return false;
+    std::copy_n(f.v.data(), n, gradient);
+    return true;
+  }
+
+  bool eval_g(Index /*n*/, const Number* x, bool /*new_x*/, Index /*m*/, Number* g) override {
+    double f = 0.0;
+    if (!evaluate<double>(problem_, std::span<const double>(x, n_), f, g_)) return false;
+    std::copy(g_.begin(), g_.end(), g);
+    return true;
+  }
+
+  bool eval_jac_g(Index n, const Number* x, bool /*new_x*/, Index m, Index /*nnz*/, Index* row,
+                  Index* column, Number* values) override {
+    if (values == nullptr) {
+      for (Index i = 0; i < m; ++i) {
+        for (Index j = 0; j < n; ++j) {
+          *row++ = i;
+          *column++ = j;
+        }
+      }
+      return true;
+    }
+    Jet1 f;
+    if (!evaluate_jet1(x, f)) return false;
+    for (const Jet1& g : g1_) values = std::copy_n(g.v.data(), n, values);
+    return true;
+  }
+
+  bool eval_h(Index n, const Number* x, bool /*new_x*/, Number obj_factor, Index /*m*/,
+              const Number* lambda, bool /*new_lambda*/, Index /*nnz*/, Index* row, Index* column,
+              Number* values) override {
+    if (values == nullptr) {
+      for (Index i = 0; i < n; ++i) {
+        for (Index j = 0; j <= i; ++j) {
+          *row++ = i;
+          *column++ = j;
+        }
+      }
+      return true;
+    }
+    std::array<Jet2, kMaxVariables> jets;
+    for (Index k = 0; k < n; ++k) {
+      Jet2& jet = jets[static_cast<std::size_t>(k)];
+      jet.a = Jet1(x[k], k);
+      jet.v[k] = Jet1(1.0);
+    }
+    Jet2 f;
+    if (!evaluate<Jet2>(problem_, std::span<const Jet2>(jets.data(), n_), f, g2_)) return false;
+    for (Index i = 0; i < n; ++i) {
+      for (Index j = 0; j <= i; ++j) {
+        double sum = obj_factor * f.v[i].v[j];
+        for (std::size_t k = 0; k < g2_.size(); ++k) sum += lambda[k] * g2_[k].v[i].v[j];
+        *values++ = sum;
+      }
+    }
+    return true;
+  }
+
+  void finalize_solution(Ipopt::SolverReturn /*status*/, Index n, const Number* x,
+                         const Number* /*z_L*/, const Number* /*z_U*/, Index /*m*/,
+                         const Number* /*g*/, const Number* /*lambda*/, Number /*obj_value*/,
+                         const Ipopt::IpoptData* /*data*/,
+                         Ipopt::IpoptCalculatedQuantities* /*quantities*/) override {
+    for (std::size_t k = 0; k < static_cast<std::size_t>(n); ++k) {
+      end_[k] = std::clamp(x[k], problem_.lower[k], problem_.upper[k]);
+    }
+  }
+
+ private:
+  bool evaluate_jet1(const Number* x, Jet1& f) {
+    std::array<Jet1, kMaxVariables> jets;
+    for (std::size_t k = 0; k < n_; ++k) jets[k] = Jet1(x[k], static_cast<int>(k));
+    return evaluate<Jet1>(problem_, std::span<const Jet1>(jets.data(), n_), f, g1_);
+  }
+
+  const RefinementProblem& problem_;
+  std::size_t n_;
+  Point start_, end_;
+  std::vector<double> g_;
+  std::vector<Jet1> g1_;
+  std::vector<Jet2> g2_;
+};
+
+}  // namespace
+
+SolveOutcome solve_ipopt(const RefinementProblem& problem, const Point& start) {
+  static std::mutex mutex;
+  const std::scoped_lock lock(mutex);
+  const Ipopt::SmartPtr<Ipopt::IpoptApplication> application = IpoptApplicationFactory();
+  application->Options()->SetIntegerValue("print_level", 0);
+  application->Options()->SetStringValue("sb", "yes");
+  application->Options()->SetNumericValue("tol", 1e-10);
+  application->Options()->SetIntegerValue("max_iter", 300);
+  // The feasible set is the stated one, not one widened by 1e-8.
+  application->Options()->SetNumericValue("bound_relax_factor", 0.0);
+  application->Initialize("");
+  // The smart pointer takes ownership of the raw one, as Ipopt's interface has it.
+  RefinementNlp* nlp = new RefinementNlp(problem, start);
+  const Ipopt::SmartPtr<Ipopt::TNLP> owner(nlp);
+  const Ipopt::ApplicationReturnStatus status = application->OptimizeTNLP(owner);
+  return outcome_at(problem, nlp->end(),
+                    status == Ipopt::Solve_Succeeded ||
+                        status == Ipopt::Solved_To_Acceptable_Level);
+}
+
+}  // namespace gear3k::optimize

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace gear3k::optimize {
+
+/// min ‖A x − b‖₂ subject to x ≥ 0, by the active-set method of Lawson and Hanson.
+///
+/// Meant for small dense problems (tens of columns).
+/// Source: Lawson, Hanson, Solving Least Squares Problems, 1974, ch. 23 (algorithm NNLS).
+/// @returns x; Karush-Kuhn-Tucker conditions hold to about 1e-12 ‖A‖ ‖b‖
+Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
+
+}  // namespace gear3k::optimize

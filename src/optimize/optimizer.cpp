@@ -1,0 +1,266 @@
+#include "optimize/optimizer.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "efficiency/train_efficiency.hpp"
+#include "optimize/ipopt.hpp"
+#include "optimize/refinement_problem.hpp"
+#include "optimize/slsqp.hpp"
+#include "optimize/starting_points.hpp"
+
+namespace gear3k::optimize {
+
+namespace {
+
+using design::CheckId;
+
+/// The modules that one refinement runs with: empty = continuous.
+using FixedModules = std::array<std::optional<double>, 2>;
+
+std::vector<std::optional<double>> module_options(const ModuleChoice& choice) {
+  if (choice.range_m) {
+    if (choice.range_m->min < choice.range_m->max) return {std::nullopt};
+    return {choice.range_m->min};
+  }
+  return {choice.series_m.begin(), choice.series_m.end()};
+}
+
+std::vector<FixedModules> module_combinations(const Specification& spec) {
+  std::vector<FixedModules> combinations;
+  for (const auto& m1 : module_options(spec.module[0])) {
+    for (const auto& m2 : module_options(spec.module[1])) combinations.push_back({m1, m2});
+  }
+  return combinations;
+}
+
+double least_module(const ModuleChoice& choice) {
+  return choice.range_m ? choice.range_m->min
+                        : *std::min_element(choice.series_m.begin(), choice.series_m.end());
+}
+
+/// A constraint that no point of the box can meet, by checks that are monotone in their variables.
+struct Proof {
+  CheckId check;
+  double violation;  ///< scaled
+};
+std::optional<Proof> proven_infeasible(const Specification& spec, const Candidate& candidate) {
+  const auto z = train::teeth_of(candidate.teeth);
+  const double sin_alpha = std::sin(spec.pressure_angle_rad);
+  const double form_depth = spec.rack.dedendum - spec.rack.root_radius * (1.0 - sin_alpha);
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    const int id = static_cast<int>(i);
+    if (train::kind_of(id) == geometry::GearKind::kExternal) {
+      const auto& limit = spec.limits[CheckId::kUndercut];
+      const double best = spec.profile_shift.max - form_depth + 0.5 * z[i] * sin_alpha * sin_alpha;
+      if (limit && best < *limit - design::kFeasibilityTolerance) {
+        return Proof{.check = CheckId::kUndercut, .violation = *limit - best};
+      }
+    } else {
+      const auto& limit = spec.limits[CheckId::kRingRootDiameter];
+      const double module = least_module(spec.module[static_cast<std::size_t>(train::stage_of(id))]);
+      const double least =
+          2.0 * module * (0.5 * z[i] + spec.rack.dedendum + spec.profile_shift.min);
+      if (limit && least > *limit * (1.0 + design::kFeasibilityTolerance)) {
+        return Proof{.check = CheckId::kRingRootDiameter, .violation = least / *limit - 1.0};
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+SolveOutcome solve(const RefinementProblem& problem, const Point& start) {
+  return problem.spec->solver.refine == Refine::kIpopt ? solve_ipopt(problem, start)
+                                                       : solve_slsqp(problem, start, {});
+}
+
+bool feasible(const SolveOutcome& outcome) {
+  return outcome.defined && outcome.violation.amount <= design::kFeasibilityTolerance;
+}
+
+/// The best end of all starts, or the one that violates least.
+struct BestEnd {
+  std::optional<RefinementProblem> problem;
+  SolveOutcome outcome;
+  bool found = false;  ///< feasible
+
+  void offer(const RefinementProblem& p, const SolveOutcome& o) {
+    if (!o.defined) return;
+    const bool ok = feasible(o);
+    const bool better =
+        !problem || (ok && !found) ||
+        (ok == found && (ok ? o.objective < outcome.objective
+                            : o.violation.amount < outcome.violation.amount));
+    if (!better) return;
+    problem = p;
+    outcome = o;
+    found = ok;
+  }
+};
+
+void polish(BestEnd& best) {
+  const SolveOutcome polished = solve_ipopt(*best.problem, best.outcome.v);
+  if (!feasible(polished)) return;
+  const double gain = best.outcome.objective - polished.objective;
+  const auto residual = [&](const SolveOutcome& o) {
+    return kkt_residual(*best.problem,
+                        std::span<const double>(o.v.data(),
+                                                static_cast<std::size_t>(best.problem->variables)));
+  };
+  constexpr double kSameObjective = 1e-9;
+  if (gain > kSameObjective ||
+      (gain > -kSameObjective && residual(polished) < residual(best.outcome))) {
+    best.outcome = polished;
+  }
+}
+
+void fill_optimum(const Specification& spec, const BestEnd& best, RefinedSet& set) {
+  const std::span<const double> v(best.outcome.v.data(),
+                                  static_cast<std::size_t>(best.problem->variables));
+  set.status = Status::kOptimal;
+  set.train = parameters_at(*best.problem, v);
+  set.kkt_residual = kkt_residual(*best.problem, v);
+  const auto train = train::make_train_geometry(set.train);
+  const auto j_bn = backlash::normal_backlashes(*train);
+  set.lost_motion_rad = backlash::output_lost_motion(*train, j_bn, spec.limits.model);
+  const auto& teeth = set.candidate.teeth;
+  const auto efficiencies = [&](bool forward) {
+    return efficiency::mesh_efficiencies(*train, spec.friction.coefficient, spec.friction.model,
+                                         forward);
+  };
+  set.eta_b = efficiency::backward_efficiency(teeth, efficiencies(false));
+  set.eta_f = efficiency::forward_efficiency(teeth, efficiencies(true));
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    set.contact_ratio[k] = train->meshes[k].contact_ratio;
+  }
+  set.ring_root_diameter_m = 2.0 * std::max(train->gears[train::kR1].root_radius_m,
+                                            train->gears[train::kR2].root_radius_m);
+}
+
+}  // namespace
+
+double objective_of(const RefinedSet& set, Objective objective) {
+  return objective == Objective::kForwardEfficiency ? set.eta_f : set.eta_b;
+}
+
+RefinedSet refine(const Specification& spec, const Candidate& candidate) {
+  RefinedSet set;
+  set.candidate = candidate;
+  if (const auto proof = proven_infeasible(spec, candidate)) {
+    set.status = Status::kInfeasible;
+    set.reason = design::check_record(proof->check).name;
+    set.violation = proof->violation;
+    return set;
+  }
+  // Either branch of the paper's max() may carry the lower limit; elsewhere they are the same.
+  const bool branches = spec.limits.model == backlash::LostMotionModel::kPaper &&
+                        spec.limits[CheckId::kOutputBacklashMin].value_or(0.0) > 0.0;
+  BestEnd best;
+  for (const FixedModules& modules : module_combinations(spec)) {
+    for (int branch = 1; branch <= (branches ? 2 : 1); ++branch) {
+      const RefinementProblem problem = make_refinement_problem(spec, candidate, modules, branch);
+      BestEnd local;
+      for (const Point& start : starting_points(problem, spec.solver.starts, spec.solver.seed)) {
+        local.offer(problem, solve(problem, start));
+      }
+      if (local.problem && !local.found) {
+        const SolveOutcome nearest = least_violation(problem, local.outcome.v, {});
+        local.offer(problem, nearest);
+        if (feasible(nearest)) local.offer(problem, solve(problem, nearest.v));
+      }
+      if (local.problem) best.offer(*local.problem, local.outcome);
+    }
+  }
+  if (!best.problem) {
+    set.status = Status::kFailed;
+    set.reason = "undefined";
+    return set;
+  }
+  if (!best.found) {
+    set.status = Status::kNoFeasibleFound;
+    set.violation = best.outcome.violation.amount;
+    const int row = best.outcome.violation.row;
+    if (row >= 0) set.reason = best.problem->rows[static_cast<std::size_t>(row)].name;
+    return set;
+  }
+  if (spec.solver.refine == Refine::kBoth) polish(best);
+  fill_optimum(spec, best, set);
+  return set;
+}
+
+OptimizeResult optimize(const Specification& spec, Progress& progress) {
+  OptimizeResult result;
+  result.search = search_teeth(spec, progress.stop);
+  const std::vector<Candidate>& candidates = result.search.candidates;
+  progress.total = candidates.size();
+  std::vector<std::optional<RefinedSet>> refined(candidates.size());
+#pragma omp parallel for schedule(dynamic)
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    if (progress.stop.load(std::memory_order_relaxed)) continue;
+    try {
+      refined[k] = refine(spec, candidates[k]);
+    } catch (const std::exception&) {
+      // Nothing may leave the parallel region; the set is reported as failed.
+      refined[k].emplace();
+      refined[k]->candidate = candidates[k];
+      refined[k]->reason = "exception";
+    }
+    if (refined[k]->status == Status::kOptimal) {
+      ++progress.feasible;
+      const double value = objective_of(*refined[k], spec.objective);
+      double seen = progress.best_objective.load();
+      while (value > seen && !progress.best_objective.compare_exchange_weak(seen, value)) {
+      }
+    }
+    ++progress.done;
+  }
+  for (auto& set : refined) {
+    if (set) result.sets.push_back(*set);
+  }
+  result.interrupted = progress.stop.load() || result.search.interrupted;
+  for (std::size_t k = 0; k < result.sets.size(); ++k) {
+    if (result.sets[k].status != Status::kOptimal) continue;
+    if (!result.best || objective_of(result.sets[k], spec.objective) >
+                            objective_of(result.sets[*result.best], spec.objective)) {
+      result.best = k;
+    }
+  }
+  result.pareto = pareto_front(result.sets);
+  return result;
+}
+
+std::vector<std::size_t> pareto_front(const std::vector<RefinedSet>& sets) {
+  const auto as_costs = [](const RefinedSet& s) {
+    return std::array<double, 4>{-s.eta_b, -s.eta_f, s.lost_motion_rad, s.ring_root_diameter_m};
+  };
+  std::vector<std::size_t> front;
+  for (std::size_t k = 0; k < sets.size(); ++k) {
+    if (sets[k].status != Status::kOptimal) continue;
+    const auto mine = as_costs(sets[k]);
+    bool dominated = false;
+    for (std::size_t j = 0; j < sets.size() && !dominated; ++j) {
+      if (j == k || sets[j].status != Status::kOptimal) continue;
+      const auto other = as_costs(sets[j]);
+      const bool no_worse = std::ranges::equal(other, mine, std::less_equal<>());
+      dominated = no_worse && (other != mine || j < k);
+    }
+    if (!dominated) front.push_back(k);
+  }
+  return front;
+}
+
+design::Design design_of(const Specification& spec, const RefinedSet& set) {
+  const auto& z = set.candidate.teeth;
+  design::Design design;
+  design.name = fmt::format("{}{}/{}/{}/{}/{}", spec.name.empty() ? "" : spec.name + " ", z.S, z.P1,
+                            z.R1, z.P2, z.R2);
+  design.train = set.train;
+  design.center_distance_given = true;
+  design.friction = spec.friction;
+  design.limits = spec.limits;
+  return design;
+}
+
+}  // namespace gear3k::optimize

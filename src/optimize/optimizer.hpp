@@ -1,0 +1,72 @@
+#pragma once
+// The whole task: search the tooth sets, refine every one, pick the best.
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "optimize/specification.hpp"
+#include "optimize/tooth_search.hpp"
+
+namespace gear3k::optimize {
+
+enum class Status { kOptimal, kNoFeasibleFound, kInfeasible, kFailed };
+inline constexpr std::size_t kStatusCount = 4;
+/// Names in result files, in the order of the enum.
+inline constexpr std::array<std::string_view, kStatusCount> kStatusNames{
+    "optimal", "no_feasible_found", "infeasible", "failed"};
+
+/// What refinement made of one tooth set.
+struct RefinedSet {
+  Candidate candidate;
+  Status status = Status::kFailed;
+  /// Constraint that blocks the set (no_feasible_found: the one violated most at the point that
+  /// violates least; infeasible: the one that no point of the box can meet); "" when optimal.
+  std::string_view reason;
+  double violation = 0.0;  ///< of `reason`, scaled to order 1; 0 when optimal
+  // The rest only when optimal.
+  train::TrainParameters<double> train;
+  double eta_b = 0.0, eta_f = 0.0;
+  double lost_motion_rad = 0.0;  ///< by the specification's model
+  std::array<double, train::kMeshCount> contact_ratio{};
+  double ring_root_diameter_m = 0.0;  ///< the larger ring's
+  double kkt_residual = 0.0;
+};
+
+/// Counters that another thread may watch.
+struct Progress {
+  std::atomic<std::size_t> done{0}, total{0}, feasible{0};
+  std::atomic<double> best_objective{0.0};
+  std::atomic<bool> stop{false};  ///< set it to end the run, keeping what is done
+};
+
+struct OptimizeResult {
+  ToothSearchResult search;
+  std::vector<RefinedSet> sets;  ///< in the order of search.candidates; done ones only
+  std::optional<std::size_t> best;
+  std::vector<std::size_t> pareto;  ///< see pareto_front()
+  bool interrupted = false;
+};
+
+/// Efficiency that a specification maximises.
+double objective_of(const RefinedSet& set, Objective objective);
+
+/// Refines one tooth set: every module of the series, several starts each, the best feasible end;
+/// when no start ends feasible, one more from the point of least violation.
+RefinedSet refine(const Specification& spec, const Candidate& candidate);
+
+/// Searches and refines everything, OpenMP over the tooth sets.  The result does not depend on the
+/// number of threads.  Ties go to the set that comes first.
+OptimizeResult optimize(const Specification& spec, Progress& progress);
+
+/// Indices of the optimal sets that no other one beats or equals in all of eta_b, eta_f, lost
+/// motion and ring root diameter at once, in the order of the sets.
+std::vector<std::size_t> pareto_front(const std::vector<RefinedSet>& sets);
+
+/// The design of a refined set, with the specification's limits and friction.
+design::Design design_of(const Specification& spec, const RefinedSet& set);
+
+}  // namespace gear3k::optimize

@@ -1,0 +1,232 @@
+#include "optimize/refinement_problem.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "efficiency/train_efficiency.hpp"
+#include "optimize/nonnegative_least_squares.hpp"
+
+namespace gear3k::optimize {
+
+namespace {
+
+using design::CheckId;
+
+constexpr double kDegree_rad = std::numbers::pi / 180.0;
+/// Working angles outside this range are not searched.
+constexpr double kLeastAngle_rad = 1.0 * kDegree_rad;
+constexpr double kGreatestAngle_rad = 65.0 * kDegree_rad;
+/// Keeps ring tips off their base circles, where the tip's curvature has no derivative [modules].
+constexpr double kBaseCircleClearance = 1e-6;
+constexpr double kActive = 1e-6;
+constexpr int kAngleA = train::kGearCount;  // index of a in v
+
+/// z1 + z2, or zR − zP.
+std::array<double, train::kMeshCount> tooth_sums(const train::ToothSet& z) {
+  return {static_cast<double>(z.S + z.P1), static_cast<double>(z.R1 - z.P1),
+          static_cast<double>(z.R2 - z.P2)};
+}
+
+bool stage2_angle_is_variable(const RefinementProblem& p) {
+  return !p.fixed_module_m[0] || !p.fixed_module_m[1];
+}
+
+void append_checks(RefinementProblem& p, int backlash_branch) {
+  const design::Limits& limits = p.spec->limits;
+  for (const design::CheckInstance& check :
+       list_checks(limits, design::train_layout(p.candidate.planets, p.length_scale_m))) {
+    const CheckId id = check.record->id;
+    // Properties of the tooth numbers alone were settled by the search.
+    if (id == CheckId::kEqualSpacing || id == CheckId::kIdenticalPlanets) continue;
+    const bool paper = limits.model == backlash::LostMotionModel::kPaper;
+    ConstraintRow row{.check = check,
+                      .stage = 0,
+                      .bound_m = 0.0,
+                      .at_least = true,
+                      .name = check.record->name};
+    if (id == CheckId::kOutputBacklashMin) {
+      // Implied by meshes that do not interfere.
+      if (check.limit <= 0.0 && limits[CheckId::kNormalBacklash].value_or(-1.0) >= 0.0) continue;
+      if (paper) row.check->subject.which = backlash_branch;
+      p.rows.push_back(row);
+    } else if (id == CheckId::kOutputBacklashMax && paper) {
+      for (const int branch : {1, 2}) {
+        row.check->subject.which = branch;
+        p.rows.push_back(row);
+      }
+    } else {
+      p.rows.push_back(row);
+    }
+  }
+}
+
+void append_module_bounds(RefinementProblem& p, int stage) {
+  const auto& range = p.spec->module[static_cast<std::size_t>(stage)].range_m;
+  if (!range) return;
+  for (const bool at_least : {true, false}) {
+    p.rows.push_back({.check = std::nullopt,
+                      .stage = stage,
+                      .bound_m = at_least ? range->min : range->max,
+                      .at_least = at_least,
+                      .name = stage == 0 ? "stage1_module" : "stage2_module"});
+  }
+}
+
+}  // namespace
+
+RefinementProblem make_refinement_problem(const Specification& spec, const Candidate& candidate,
+                                          std::array<std::optional<double>, 2> fixed_module_m,
+                                          int backlash_branch) {
+  RefinementProblem p;
+  p.candidate = candidate;
+  p.spec = &spec;
+  p.fixed_module_m = fixed_module_m;
+  p.length_scale_m = length_scale_m(spec);
+
+  const std::array<int, train::kGearCount> z = train::teeth_of(candidate.teeth);
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    p.lower[i] = spec.profile_shift.min;
+    p.upper[i] = spec.profile_shift.max;
+    if (train::kind_of(static_cast<int>(i)) == geometry::GearKind::kRing) {
+      const double base = spec.rack.addendum - spec.tip_shortening[i] -
+                          0.5 * z[i] * (1.0 - std::cos(spec.pressure_angle_rad));
+      p.lower[i] = std::min(p.upper[i], std::max(p.lower[i], base + kBaseCircleClearance));
+    }
+  }
+  const auto sums = tooth_sums(candidate.teeth);
+  p.angle_mesh = sums[0] >= sums[1] ? train::kMeshSP1 : train::kMeshP1R1;
+  if (!stage2_angle_is_variable(p) &&
+      *fixed_module_m[1] * sums[2] >
+          *fixed_module_m[0] * sums[static_cast<std::size_t>(p.angle_mesh)]) {
+    p.angle_mesh = train::kMeshP2R2;
+  }
+  p.variables = kAngleA + (stage2_angle_is_variable(p) ? 2 : 1);
+  for (int k = kAngleA; k < p.variables; ++k) {
+    p.lower[static_cast<std::size_t>(k)] = kLeastAngle_rad;
+    p.upper[static_cast<std::size_t>(k)] = kGreatestAngle_rad;
+  }
+  const bool both_free = !fixed_module_m[0] && !fixed_module_m[1];
+  if (both_free) {
+    const auto k = static_cast<std::size_t>(p.variables++);
+    p.lower[k] = spec.module[0].range_m->min / p.length_scale_m;
+    p.upper[k] = spec.module[0].range_m->max / p.length_scale_m;
+  }
+  append_checks(p, backlash_branch);
+  if (!fixed_module_m[0] && !both_free) append_module_bounds(p, 0);
+  if (!fixed_module_m[1]) append_module_bounds(p, 1);
+  return p;
+}
+
+template <class T>
+train::TrainParameters<T> parameters_at(const RefinementProblem& p, std::span<const T> v) {
+  using std::cos;
+  const Specification& spec = *p.spec;
+  const auto sums = tooth_sums(p.candidate.teeth);
+  const double half_cos_alpha = 0.5 * std::cos(spec.pressure_angle_rad);
+  const double sum_a = sums[static_cast<std::size_t>(p.angle_mesh)];
+
+  train::TrainParameters<T> t;
+  t.teeth = p.candidate.teeth;
+  t.planets = p.candidate.planets;
+  t.pressure_angle_rad = constant<T>(spec.pressure_angle_rad);
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    t.profile_shift[i] = v[i];
+    t.machining_allowance[i] = constant<T>(spec.machining_allowance[i]);
+    t.tip_shortening[i] = constant<T>(spec.tip_shortening[i]);
+    t.rack[i] = {.addendum = constant<T>(spec.rack.addendum),
+                 .dedendum = constant<T>(spec.rack.dedendum),
+                 .root_radius = constant<T>(spec.rack.root_radius)};
+  }
+  const T cos_a = cos(v[kAngleA]);
+  T& m1 = t.module_m[0];
+  T& m2 = t.module_m[1];
+  T& d = t.center_distance_m;
+  if (!stage2_angle_is_variable(p)) {
+    m1 = constant<T>(*p.fixed_module_m[0]);
+    m2 = constant<T>(*p.fixed_module_m[1]);
+    d = half_cos_alpha * sum_a * (p.angle_mesh == train::kMeshP2R2 ? m2 : m1) / cos_a;
+    return t;
+  }
+  const T cos_b = cos(v[kAngleA + 1]);
+  if (!p.fixed_module_m[0] && p.fixed_module_m[1]) {
+    m2 = constant<T>(*p.fixed_module_m[1]);
+    d = half_cos_alpha * sums[2] * m2 / cos_b;
+    m1 = d * cos_a / (half_cos_alpha * sum_a);
+    return t;
+  }
+  m1 = p.fixed_module_m[0] ? constant<T>(*p.fixed_module_m[0])
+                           : T(p.length_scale_m * v[kAngleA + 2]);
+  d = half_cos_alpha * sum_a * m1 / cos_a;
+  m2 = d * cos_b / (half_cos_alpha * sums[2]);
+  return t;
+}
+
+template <class T>
+bool evaluate(const RefinementProblem& p, std::span<const T> v, T& objective,
+              std::span<T> constraints) {
+  const Specification& spec = *p.spec;
+  const auto parameters = parameters_at(p, v);
+  const auto train = train::make_train_geometry(parameters);
+  if (!train) return false;
+  const auto j_bn = backlash::normal_backlashes(*train);
+  const bool forward = spec.objective == Objective::kForwardEfficiency;
+  const auto eta = efficiency::mesh_efficiencies(*train, constant<T>(spec.friction.coefficient),
+                                                 spec.friction.model, forward);
+  objective = forward ? T(-efficiency::forward_efficiency(p.candidate.teeth, eta))
+                      : T(-efficiency::backward_efficiency(p.candidate.teeth, eta));
+  const auto gearing = design::gearing_of(*train, j_bn, spec.limits.model);
+  for (std::size_t k = 0; k < p.rows.size(); ++k) {
+    const ConstraintRow& row = p.rows[k];
+    if (row.check) {
+      constraints[k] = check_margin(*row.check, gearing) / row.check->scale;
+    } else {
+      const T& module = parameters.module_m[static_cast<std::size_t>(row.stage)];
+      constraints[k] =
+          (row.at_least ? T(module - row.bound_m) : T(row.bound_m - module)) / p.length_scale_m;
+    }
+  }
+  return std::isfinite(value_of(objective));
+}
+
+Violation worst_violation(std::span<const double> constraints) {
+  Violation worst;
+  for (std::size_t k = 0; k < constraints.size(); ++k) {
+    const double amount = -constraints[k];
+    if (!(amount <= worst.amount)) worst = {.amount = amount, .row = static_cast<int>(k)};
+  }
+  return worst;
+}
+
+double kkt_residual(const RefinementProblem& p, std::span<const double> v) {
+  const auto n = static_cast<std::size_t>(p.variables);
+  std::array<Jet1, kMaxVariables> jets;
+  for (std::size_t k = 0; k < n; ++k) jets[k] = Jet1(v[k], static_cast<int>(k));
+  Jet1 f;
+  std::vector<Jet1> g(p.rows.size());
+  if (!evaluate<Jet1>(p, std::span<const Jet1>(jets.data(), n), f, g)) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  const Eigen::Index rows = p.variables;
+  Eigen::MatrixXd gradients(rows, static_cast<Eigen::Index>(g.size() + 2 * n));
+  Eigen::Index active = 0;
+  for (const Jet1& row : g) {
+    if (row.a <= kActive) gradients.col(active++) = row.v.head(rows);
+  }
+  for (std::size_t k = 0; k < n; ++k) {
+    const auto axis = static_cast<Eigen::Index>(k);
+    if (v[k] - p.lower[k] <= kActive) gradients.col(active++) = Eigen::VectorXd::Unit(rows, axis);
+    if (p.upper[k] - v[k] <= kActive) gradients.col(active++) = -Eigen::VectorXd::Unit(rows, axis);
+  }
+  const Eigen::MatrixXd a = gradients.leftCols(active);
+  const Eigen::VectorXd b = f.v.head(rows);
+  return (a * nonnegative_least_squares(a, b) - b).norm();
+}
+
+#define INSTANTIATE(T)                                                                     \
+  template train::TrainParameters<T> parameters_at<T>(const RefinementProblem&, std::span<const T>); \
+  template bool evaluate<T>(const RefinementProblem&, std::span<const T>, T&, std::span<T>);
+GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
+
+}  // namespace gear3k::optimize

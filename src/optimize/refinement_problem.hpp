@@ -1,0 +1,78 @@
+#pragma once
+// The nonlinear programme behind one tooth set: shifts, modules and centre distance for the best
+// efficiency under the checks.  Independent of any solver.
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "optimize/specification.hpp"
+#include "optimize/tooth_search.hpp"
+
+namespace gear3k::optimize {
+
+/// One inequality g ≥ 0: a check, or a bound on a module that is a dependent quantity.
+struct ConstraintRow {
+  std::optional<design::CheckInstance> check;
+  int stage = 0;          ///< module bound: 0 or 1
+  double bound_m = 0.0;   ///< module bound [m]
+  bool at_least = true;   ///< module bound: module ≥ bound, else ≤
+  std::string_view name;  ///< the check's name, or stage1_module / stage2_module
+};
+
+/// One tooth set with its modules, as a programme in at most kMaxVariables variables of order 1:
+///
+///   v = (x_S, x_P1, x_R1, x_P2, x_R2, a [, b] [, m1/scale])
+///
+/// a = working pressure angle [rad] of the mesh with the largest base-circle sum among those whose
+/// module is known with a, b = that of mesh P2-R2 when stage 2's module is free.  Angles instead of
+/// (m, d) keep every point of the box inside the model's domain: with
+///   d = m z_sum cos α/(2 cos α_w)
+/// the meshes of smaller base sums have cos α_w < 1 whenever a > 0.
+/// Minimise f = −η subject to g_k ≥ 0 and the box.  Source: own derivation, docs/theory.md §12.
+struct RefinementProblem {
+  Candidate candidate;
+  const Specification* spec = nullptr;  ///< must outlive the problem
+  std::array<std::optional<double>, 2> fixed_module_m;
+  int angle_mesh = 0;  ///< mesh whose working angle is v[5]
+  int variables = 0;
+  std::array<double, kMaxVariables> lower{}, upper{};
+  double length_scale_m = 1e-3;
+  std::vector<ConstraintRow> rows;
+};
+
+/// @param fixed_module_m  a module for each stage that is not refined continuously
+/// @param backlash_branch 1 or 2: which of the paper's φ_2, φ_3 has to reach the lower limit of the
+///        lost motion (either suffices); without effect in the kinematic model
+RefinementProblem make_refinement_problem(const Specification& spec, const Candidate& candidate,
+                                          std::array<std::optional<double>, 2> fixed_module_m,
+                                          int backlash_branch);
+
+/// The train at a point of the box.
+template <class T>
+train::TrainParameters<T> parameters_at(const RefinementProblem& problem, std::span<const T> v);
+
+/// f and g at v, scaled to order 1; constraints.size() must be rows.size().
+/// @returns false where the model is not defined
+template <class T>
+bool evaluate(const RefinementProblem& problem, std::span<const T> v, T& objective,
+              std::span<T> constraints);
+
+/// Largest violation max(0, −g_k) and its row (−1 when all hold); v inside the box.
+struct Violation {
+  double amount = 0.0;
+  int row = -1;
+};
+Violation worst_violation(std::span<const double> constraints);
+
+/// Norm of the Lagrangian's gradient with least-squares multipliers, which are non-negative on the
+/// constraints and bounds active within 1e-6 (others have none).
+///
+///   min_{λ ≥ 0} ‖∇f − Σ_active λ_k ∇g_k‖₂     in the scaled variables
+///
+/// @returns the residual; NaN where the model is not defined
+double kkt_residual(const RefinementProblem& problem, std::span<const double> v);
+
+}  // namespace gear3k::optimize

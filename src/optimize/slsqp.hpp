@@ -1,0 +1,36 @@
+#pragma once
+
+#include "optimize/refinement_problem.hpp"
+#include "optimize/starting_points.hpp"
+
+namespace gear3k::optimize {
+
+/// Where a solver stopped.
+struct SolveOutcome {
+  Point v{};
+  double objective = 0.0;  ///< −η
+  Violation violation;     ///< in scaled units
+  bool defined = false;    ///< the model could be evaluated at v
+  bool converged = false;  ///< the solver met its own stopping rule
+};
+
+struct SlsqpOptions {
+  int max_evaluations = 200;
+  /// Stops when a step changes every variable by less than this, relatively.
+  double x_tolerance = 1e-11;
+  double f_tolerance = 1e-13;  ///< or the objective by less than this, relatively
+};
+
+/// Refines from a start by NLopt's SLSQP with exact gradients.  Thread-safe.
+SolveOutcome solve_slsqp(const RefinementProblem& problem, const Point& start,
+                         const SlsqpOptions& options);
+
+/// The least t with g_k + t ≥ 0 for all k, from a start: the point that violates the constraints
+/// least (locally), or a feasible one.  `objective` of the outcome is −η there.
+SolveOutcome least_violation(const RefinementProblem& problem, const Point& start,
+                             const SlsqpOptions& options);
+
+/// Values of the problem at v, as an outcome.
+SolveOutcome outcome_at(const RefinementProblem& problem, const Point& v, bool converged);
+
+}  // namespace gear3k::optimize

@@ -1,0 +1,75 @@
+#pragma once
+// What a user asks for (SPEC.toml), in SI.
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "design/design.hpp"
+
+namespace gear3k::optimize {
+
+enum class Objective { kBackwardEfficiency, kForwardEfficiency };
+inline constexpr std::array<std::string_view, 2> kObjectiveNames{"backward_efficiency",
+                                                                 "forward_efficiency"};
+
+enum class Refine { kSlsqp, kIpopt, kBoth };
+inline constexpr std::array<std::string_view, 3> kRefineNames{"slsqp", "ipopt", "both"};
+
+/// Both ends belong to the range.
+struct IntegerRange {
+  int min = 0, max = 0;
+};
+struct NumberRange {
+  double min = 0.0, max = 0.0;
+};
+
+/// Module of a stage: a continuous range, or a list of which one is chosen.
+struct ModuleChoice {
+  std::optional<NumberRange> range_m;
+  std::vector<double> series_m;
+};
+
+/// Which tooth sets are looked at.
+struct ToothRanges {
+  IntegerRange S, P1, P2;
+  int R1_max = 0, R2_max = 0;
+  int max_coaxial_offset = 4;       ///< |zR1 − (zS + 2 zP1)| ≤
+  int min_internal_difference = 8;  ///< zR − zP ≥, both internal meshes
+};
+
+struct RatioTarget {
+  double target = 0.0;     ///< signed: negative = the output turns against the input
+  double tolerance = 0.0;  ///< |ratio/target − 1| ≤
+};
+
+struct Solver {
+  Refine refine = Refine::kSlsqp;
+  int starts = 4;
+  unsigned long long seed = 1;
+};
+
+struct Specification {
+  std::string name;
+  std::vector<int> planets{3};
+  bool identical_planets = true;
+  double pressure_angle_rad = 0.0;
+  Objective objective = Objective::kBackwardEfficiency;
+  RatioTarget ratio;
+  ToothRanges teeth;
+  std::array<ModuleChoice, 2> module;
+  NumberRange profile_shift{.min = 0.0, .max = 1.0};
+  geometry::BasicRack<double> rack;
+  std::array<double, train::kGearCount> tip_shortening{};
+  std::array<double, train::kGearCount> machining_allowance{};
+  design::Limits limits = design::default_limits();
+  design::Friction friction;
+  Solver solver;
+};
+
+/// Length that makes lengths of this task of order 1: the middle of stage 1's modules [m].
+double length_scale_m(const Specification& spec);
+
+}  // namespace gear3k::optimize

@@ -1,0 +1,141 @@
+#include "optimize/starting_points.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/involute.hpp"
+
+namespace gear3k::optimize {
+
+namespace {
+
+using train::kP1, train::kP2, train::kR1, train::kR2, train::kS;
+
+/// Fractions of the shift range for x_S, x_P1, x_P2, x_R2.
+struct ShiftFractions {
+  double S, P1, P2, R2;
+};
+constexpr std::array<ShiftFractions, 4> kFixedStarts{{{0.50, 0.25, 0.30, 0.95},
+                                                      {0.35, 0.05, 0.10, 0.50},
+                                                      {0.80, 0.60, 0.50, 0.95},
+                                                      {0.30, 0.40, 0.70, 0.80}}};
+
+/// Counter-based uniform numbers in [0, 1): the same for a set whatever is refined before it.
+class Uniform {
+ public:
+  explicit Uniform(unsigned long long seed) : state_(seed) {}
+  double next() {
+    // splitmix64 (Steele, Lea, Flood, 2014).
+    state_ += 0x9E3779B97F4A7C15ULL;
+    unsigned long long x = state_;
+    x = (x ^ (x >> 30U)) * 0xBF58476D1CE4E5B9ULL;
+    x = (x ^ (x >> 27U)) * 0x94D049BB133111EBULL;
+    x ^= x >> 31U;
+    return static_cast<double>(x >> 11U) * 0x1.0p-53;
+  }
+
+ private:
+  unsigned long long state_;
+};
+
+/// Shift with the effect of the machining allowance on backlash folded in: j of (x, q) equals j of
+/// (x − q/(2 sin α), 0) for external gears and of (x + q/(2 sin α), 0) for rings.
+double thinned_shift(const Specification& spec, int gear, double x) {
+  const double sign = train::kind_of(gear) == geometry::GearKind::kRing ? 1.0 : -1.0;
+  return x + sign * spec.machining_allowance[static_cast<std::size_t>(gear)] /
+                 (2.0 * std::sin(spec.pressure_angle_rad));
+}
+
+/// Angle whose involute is inv α + 2 tan α x_sum/z_sum, clipped to [low, high].
+struct AngleRange {
+  double low, high;
+};
+double closing_angle(const Specification& spec, double x_sum, double z_sum, AngleRange range) {
+  const double alpha = spec.pressure_angle_rad;
+  const double inv =
+      geometry::involute(alpha) + 2.0 * std::tan(alpha) * x_sum / z_sum;
+  if (!(inv > geometry::involute(range.low))) return range.low;
+  return std::clamp(geometry::inverse_involute(inv), range.low, range.high);
+}
+
+/// x_sum that closes a mesh of working angle α_w: the inverse of closing_angle().
+double closing_shift(const Specification& spec, double alpha_w, double z_sum) {
+  const double alpha = spec.pressure_angle_rad;
+  return (geometry::involute(alpha_w) - geometry::involute(alpha)) * z_sum /
+         (2.0 * std::tan(alpha));
+}
+
+double working_angle(double base_sum, double center_distance) {
+  return base_sum < center_distance ? std::acos(base_sum / center_distance) : 0.0;
+}
+
+Point start_from(const RefinementProblem& p, const ShiftFractions& fractions) {
+  const Specification& spec = *p.spec;
+  const train::ToothSet& z = p.candidate.teeth;
+  const double sum1 = z.S + z.P1;
+  const double sum2 = z.R1 - z.P1;
+  const double sum3 = z.R2 - z.P2;
+  Point v{};
+  const auto within = [&](int k, double x) {
+    const auto i = static_cast<std::size_t>(k);
+    return std::clamp(x, p.lower[i], p.upper[i]);
+  };
+  const auto fraction = [&](double f) {
+    return spec.profile_shift.min + f * (spec.profile_shift.max - spec.profile_shift.min);
+  };
+  v[kS] = within(kS, fraction(fractions.S));
+  v[kP1] = within(kP1, fraction(fractions.P1));
+  v[kP2] = within(kP2, fraction(fractions.P2));
+  v[kR2] = within(kR2, fraction(fractions.R2));
+
+  const AngleRange range{.low = p.lower[5], .high = p.upper[5]};
+  const double cos_alpha = std::cos(spec.pressure_angle_rad);
+  // Work in units of stage 1's module; a module of stage 2 that is given comes with its ratio.
+  const double angle1 = closing_angle(
+      spec, thinned_shift(spec, kS, v[kS]) + thinned_shift(spec, kP1, v[kP1]), sum1, range);
+  const double distance = 0.5 * cos_alpha * sum1 / std::cos(angle1);
+  const double angle2 = working_angle(0.5 * cos_alpha * sum2, distance);
+  const double ring1 =
+      closing_shift(spec, std::max(angle2, range.low), sum2) + thinned_shift(spec, kP1, v[kP1]);
+  v[kR1] = within(kR1, ring1 - thinned_shift(spec, kR1, 0.0));
+
+  if (p.fixed_module_m[0] && p.fixed_module_m[1]) {
+    const double base3 = 0.5 * cos_alpha * sum3 * *p.fixed_module_m[1] / *p.fixed_module_m[0];
+    const double angle3 = std::max(working_angle(base3, distance), range.low);
+    const double ring2 = closing_shift(spec, angle3, sum3) + thinned_shift(spec, kP2, v[kP2]);
+    v[kR2] = within(kR2, ring2 - thinned_shift(spec, kR2, 0.0));
+    const double angle_of_mesh[] = {angle1, angle2, angle3};
+    v[5] = std::clamp(angle_of_mesh[p.angle_mesh], range.low, range.high);
+    return v;
+  }
+  v[5] = std::clamp(p.angle_mesh == train::kMeshSP1 ? angle1 : angle2, range.low, range.high);
+  v[6] = closing_angle(
+      spec, thinned_shift(spec, kR2, v[kR2]) - thinned_shift(spec, kP2, v[kP2]), sum3, range);
+  if (p.variables > 7) v[7] = 0.5 * (p.lower[7] + p.upper[7]);
+  return v;
+}
+
+}  // namespace
+
+std::vector<Point> starting_points(const RefinementProblem& problem, int count,
+                                   unsigned long long seed) {
+  const train::ToothSet& z = problem.candidate.teeth;
+  unsigned long long stream = seed;
+  for (const int count_of_teeth : {z.S, z.P1, z.R1, z.P2, z.R2, problem.candidate.planets}) {
+    stream = stream * 1000003ULL + static_cast<unsigned long long>(count_of_teeth);
+  }
+  Uniform uniform(stream);
+  std::vector<Point> points;
+  for (int k = 0; k < count; ++k) {
+    const auto index = static_cast<std::size_t>(k);
+    points.push_back(start_from(problem, index < kFixedStarts.size()
+                                             ? kFixedStarts[index]
+                                             : ShiftFractions{.S = uniform.next(),
+                                                              .P1 = uniform.next(),
+                                                              .P2 = uniform.next(),
+                                                              .R2 = uniform.next()}));
+  }
+  return points;
+}
+
+}  // namespace gear3k::optimize

@@ -1,0 +1,55 @@
+#pragma once
+// Every tooth set that meets the ratio, generated rather than filtered.
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <string_view>
+#include <vector>
+
+#include "optimize/specification.hpp"
+
+namespace gear3k::optimize {
+
+/// A tooth set with its number of planets.
+struct Candidate {
+  train::ToothSet teeth;
+  int planets = 3;
+  auto operator<=>(const Candidate&) const = default;
+};
+
+/// Why a set within the tooth ranges and the ratio's tolerance is not a candidate.
+enum class ToothRejection { kInternalDifference, kEqualSpacing, kIdenticalPlanets };
+inline constexpr std::size_t kToothRejectionCount = 3;
+/// Names in result files, in the order of the enum; the last two are names of checks.
+inline constexpr std::array<std::string_view, kToothRejectionCount> kToothRejectionNames{
+    "min_internal_difference", "equal_spacing", "identical_planets"};
+
+struct ToothSearchResult {
+  /// Ordered by planets, S, P1, R1, P2, R2, whatever the number of threads.
+  std::vector<Candidate> candidates;
+  /// Sets (per number of planets) within all tooth ranges, the coaxial offset and the ratio.
+  std::uint64_t within_ratio = 0;
+  /// Of those, the rejected ones by their first failing rule in the order of ToothRejection.
+  std::array<std::uint64_t, kToothRejectionCount> rejected{};
+  /// Closest miss when nothing is within the ratio: the ratio of the tooth sets that comes nearest
+  /// to the target (0 when the ranges hold no set at all).
+  double nearest_ratio = 0.0;
+  bool interrupted = false;
+};
+
+/// Whether a ratio is within the tolerance of the target.
+bool ratio_matches(double ratio, const RatioTarget& target);
+
+/// All tooth sets of a specification.
+///
+/// For each (S, P1, R1, P2) the ratio confines zR2 to
+///   zP2 zR1/(zP1 zR2) = G2 = 1 − (1 + G1)/ratio,
+/// so only the few zR2 of that band are visited; each is then tested by ratio_matches() on the
+/// exactly computed ratio, with a tooth of slack on the band, so that none is lost to rounding.
+/// OpenMP over (S, P1).  Ranges are taken as they are: a range with min > max holds nothing.
+/// @param stop  ends the search early when it becomes true (result.interrupted)
+ToothSearchResult search_teeth(const Specification& spec, const std::atomic<bool>& stop);
+
+}  // namespace gear3k::optimize
