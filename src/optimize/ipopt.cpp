@@ -160,9 +160,9 @@ SolveOutcome solve_ipopt(const RefinementProblem& problem, const Point& start) {
   RefinementNlp* nlp = new RefinementNlp(problem, start);
   const Ipopt::SmartPtr<Ipopt::TNLP> owner(nlp);
   const Ipopt::ApplicationReturnStatus status = application->OptimizeTNLP(owner);
-  return outcome_at(problem, nlp->end(),
-                    status == Ipopt::Solve_Succeeded ||
-                        status == Ipopt::Solved_To_Acceptable_Level);
+  return outcome_at(
+      problem, nlp->end(),
+      status == Ipopt::Solve_Succeeded || status == Ipopt::Solved_To_Acceptable_Level);
 }
 
 }  // namespace gear3k::optimize

@@ -60,7 +60,8 @@ std::optional<Proof> proven_infeasible(const Specification& spec, const Candidat
       }
     } else {
       const auto& limit = spec.limits[CheckId::kRingRootDiameter];
-      const double module = least_module(spec.module[static_cast<std::size_t>(train::stage_of(id))]);
+      const double module =
+          least_module(spec.module[static_cast<std::size_t>(train::stage_of(id))]);
       const double least =
           2.0 * module * (0.5 * z[i] + spec.rack.dedendum + spec.profile_shift.min);
       if (limit && least > *limit * (1.0 + design::kFeasibilityTolerance)) {
@@ -89,10 +90,9 @@ struct BestEnd {
   void offer(const RefinementProblem& p, const SolveOutcome& o) {
     if (!o.defined) return;
     const bool ok = feasible(o);
-    const bool better =
-        !problem || (ok && !found) ||
-        (ok == found && (ok ? o.objective < outcome.objective
-                            : o.violation.amount < outcome.violation.amount));
+    const bool better = !problem || (ok && !found) ||
+                        (ok == found && (ok ? o.objective < outcome.objective
+                                            : o.violation.amount < outcome.violation.amount));
     if (!better) return;
     problem = p;
     outcome = o;
@@ -105,9 +105,9 @@ void polish(BestEnd& best) {
   if (!feasible(polished)) return;
   const double gain = best.outcome.objective - polished.objective;
   const auto residual = [&](const SolveOutcome& o) {
-    return kkt_residual(*best.problem,
-                        std::span<const double>(o.v.data(),
-                                                static_cast<std::size_t>(best.problem->variables)));
+    return kkt_residual(
+        *best.problem,
+        std::span<const double>(o.v.data(), static_cast<std::size_t>(best.problem->variables)));
   };
   constexpr double kSameObjective = 1e-9;
   if (gain > kSameObjective ||

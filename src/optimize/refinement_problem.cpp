@@ -41,11 +41,8 @@ void append_checks(RefinementProblem& p, int backlash_branch) {
     // Properties of the tooth numbers alone were settled by the search.
     if (id == CheckId::kEqualSpacing || id == CheckId::kIdenticalPlanets) continue;
     const bool paper = limits.model == backlash::LostMotionModel::kPaper;
-    ConstraintRow row{.check = check,
-                      .stage = 0,
-                      .bound_m = 0.0,
-                      .at_least = true,
-                      .name = check.record->name};
+    ConstraintRow row{
+        .check = check, .stage = 0, .bound_m = 0.0, .at_least = true, .name = check.record->name};
     if (id == CheckId::kOutputBacklashMin) {
       // Implied by meshes that do not interfere.
       if (check.limit <= 0.0 && limits[CheckId::kNormalBacklash].value_or(-1.0) >= 0.0) continue;
@@ -224,8 +221,9 @@ double kkt_residual(const RefinementProblem& p, std::span<const double> v) {
   return (a * nonnegative_least_squares(a, b) - b).norm();
 }
 
-#define INSTANTIATE(T)                                                                     \
-  template train::TrainParameters<T> parameters_at<T>(const RefinementProblem&, std::span<const T>); \
+#define INSTANTIATE(T)                                                          \
+  template train::TrainParameters<T> parameters_at<T>(const RefinementProblem&, \
+                                                      std::span<const T>);      \
   template bool evaluate<T>(const RefinementProblem&, std::span<const T>, T&, std::span<T>);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
 

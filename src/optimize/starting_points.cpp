@@ -52,8 +52,7 @@ struct AngleRange {
 };
 double closing_angle(const Specification& spec, double x_sum, double z_sum, AngleRange range) {
   const double alpha = spec.pressure_angle_rad;
-  const double inv =
-      geometry::involute(alpha) + 2.0 * std::tan(alpha) * x_sum / z_sum;
+  const double inv = geometry::involute(alpha) + 2.0 * std::tan(alpha) * x_sum / z_sum;
   if (!(inv > geometry::involute(range.low))) return range.low;
   return std::clamp(geometry::inverse_involute(inv), range.low, range.high);
 }
@@ -109,8 +108,8 @@ Point start_from(const RefinementProblem& p, const ShiftFractions& fractions) {
     return v;
   }
   v[5] = std::clamp(p.angle_mesh == train::kMeshSP1 ? angle1 : angle2, range.low, range.high);
-  v[6] = closing_angle(
-      spec, thinned_shift(spec, kR2, v[kR2]) - thinned_shift(spec, kP2, v[kP2]), sum3, range);
+  v[6] = closing_angle(spec, thinned_shift(spec, kR2, v[kR2]) - thinned_shift(spec, kP2, v[kP2]),
+                       sum3, range);
   if (p.variables > 7) v[7] = 0.5 * (p.lower[7] + p.upper[7]);
   return v;
 }

@@ -1,0 +1,585 @@
+#include "io/design_file.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "io/limit_keys.hpp"
+
+namespace gear3k::io {
+
+namespace {
+
+constexpr double kMillimetre = 1e-3;
+constexpr double kMicrometre = 1e-6;
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+/// A gear as the file states it.
+struct GearInput {
+  int teeth = 0;
+  double profile_shift = 0.0, machining_allowance = 0.0, tip_shortening = 0.0;
+  std::optional<double> normal_thinning_m;
+  double bore_diameter_m = 0.0;
+  std::optional<double> outer_diameter_m;
+};
+
+/// What DESIGN and PAIR have in common.
+struct CommonInput {
+  std::string name;
+  bool iso = false;
+  double pressure_angle_rad = 20.0 * kDegree;
+  std::optional<double> center_distance_m;
+  geometry::BasicRack<double> rack;
+  std::vector<GearInput> gears;
+  design::Friction friction;
+  LimitInput limits;
+};
+
+struct DesignInput : CommonInput {
+  int planets = 3;
+  std::array<double, 2> module_m{};
+  design::Masses masses;
+};
+
+struct PairInput : CommonInput {
+  bool internal = false;
+  double module_m = 0.0;
+};
+
+template <class Target>
+std::vector<Key<Target>> common_keys() {
+  std::vector<Key<Target>> keys{
+      {.record = {.path = "name",
+                  .type = KeyType::kText,
+                  .default_text = "\"\"",
+                  .help = "name in tables and results"},
+       .assign = [](Target& t, std::size_t, const TomlValue& v) { t.name = v.text; }},
+      {.record = {.path = "pressure_angle_deg",
+                  .type = KeyType::kNumber,
+                  .unit = "deg",
+                  .min = 5.0,
+                  .max = 45.0,
+                  .default_text = "20",
+                  .help = "standard pressure angle of the basic rack"},
+       .assign = [](Target& t, std::size_t,
+                    const TomlValue& v) { t.pressure_angle_rad = v.number * kDegree; }},
+      {.record = {.path = "sign_convention",
+                  .type = KeyType::kChoice,
+                  .choices = {"khk", "iso21771"},
+                  .default_text = "\"khk\"",
+                  .help = "rings: khk = teeth positive, shift positive outwards; iso21771 = teeth "
+                          "negative, shift of the opposite sign"},
+       .assign = [](Target& t, std::size_t, const TomlValue& v) { t.iso = v.text == "iso21771"; }},
+      {.record = {.path = "rack.addendum",
+                  .type = KeyType::kNumber,
+                  .unit = "modules",
+                  .min = 0.0,
+                  .max = 3.0,
+                  .min_excluded = true,
+                  .default_text = "1.0",
+                  .help = "addendum of the basic rack"},
+       .assign = [](Target& t, std::size_t, const TomlValue& v) { t.rack.addendum = v.number; }},
+      {.record = {.path = "rack.dedendum",
+                  .type = KeyType::kNumber,
+                  .unit = "modules",
+                  .min = 0.0,
+                  .max = 3.0,
+                  .min_excluded = true,
+                  .default_text = "1.25",
+                  .help = "dedendum of the basic rack"},
+       .assign = [](Target& t, std::size_t, const TomlValue& v) { t.rack.dedendum = v.number; }},
+      {.record = {.path = "rack.root_radius",
+                  .type = KeyType::kNumber,
+                  .unit = "modules",
+                  .min = 0.0,
+                  .max = 1.0,
+                  .default_text = "0.38",
+                  .help = "root fillet radius of the basic rack"},
+       .assign = [](Target& t, std::size_t, const TomlValue& v) { t.rack.root_radius = v.number; }},
+      {.record = {.path = "friction.coefficient",
+                  .type = KeyType::kNumber,
+                  .min = 0.0,
+                  .max = 1.0,
+                  .default_text = "0.1",
+                  .help = "coefficient of friction of the meshes"},
+       .assign = [](Target& t, std::size_t,
+                    const TomlValue& v) { t.friction.coefficient = v.number; }},
+      {.record = {.path = "friction.loss_model",
+                  .type = KeyType::kChoice,
+                  .choices = {efficiency::kLossModelNames.begin(),
+                              efficiency::kLossModelNames.end()},
+                  .default_text = "\"sliding\"",
+                  .help = "mesh loss: sliding = mean sliding over a base pitch, for any contact "
+                          "ratios; ohlendorf = the papers' closed form"},
+       .assign =
+           [](Target& t, std::size_t, const TomlValue& v) {
+             t.friction.model = v.text == "ohlendorf" ? efficiency::LossModel::kOhlendorf
+                                                      : efficiency::LossModel::kSliding;
+           }},
+      {.record = {.path = "center_distance_mm",
+                  .type = KeyType::kNumber,
+                  .unit = "mm",
+                  .min = 0.0,
+                  .max = 1e5,
+                  .min_excluded = true,
+                  .default_text = "zero-backlash distance",
+                  .help = "centre distance of all meshes; without it the zero-backlash distance "
+                          "(of mesh P1-R1 in a train) at q = 0"},
+       .assign = [](Target& t, std::size_t,
+                    const TomlValue& v) { t.center_distance_m = v.number * kMillimetre; }},
+  };
+  return keys;
+}
+
+template <class Target>
+void append_gear_keys(std::vector<Key<Target>>& keys, const std::string& prefix) {
+  const auto add = [&](KeyRecord record, auto assign) {
+    record.path = prefix + record.path;
+    keys.push_back({.record = std::move(record),
+                    .assign = [assign](Target& t, std::size_t gear, const TomlValue& v) {
+                      assign(t.gears[gear], v);
+                    }});
+  };
+  add({.path = "teeth",
+       .type = KeyType::kInteger,
+       .min = -2000,
+       .max = 2000,
+       .required = true,
+       .help = "number of teeth"},
+      [](GearInput& g, const TomlValue& v) { g.teeth = static_cast<int>(v.integer); });
+  add({.path = "profile_shift",
+       .type = KeyType::kNumber,
+       .unit = "modules",
+       .min = -5.0,
+       .max = 5.0,
+       .default_text = "0",
+       .help = "profile shift coefficient"},
+      [](GearInput& g, const TomlValue& v) { g.profile_shift = v.number; });
+  add({.path = "machining_allowance",
+       .type = KeyType::kNumber,
+       .unit = "modules",
+       .min = 0.0,
+       .max = 1.0,
+       .default_text = "0",
+       .help = "q: normal thinning of the whole tooth over the module"},
+      [](GearInput& g, const TomlValue& v) { g.machining_allowance = v.number; });
+  add({.path = "normal_thinning_um",
+       .type = KeyType::kNumber,
+       .unit = "um",
+       .min = 0.0,
+       .max = 1e5,
+       .default_text = "none",
+       .help = "the same as a length, instead of machining_allowance"},
+      [](GearInput& g, const TomlValue& v) { g.normal_thinning_m = v.number * kMicrometre; });
+  add({.path = "tip_shortening",
+       .type = KeyType::kNumber,
+       .unit = "modules",
+       .min = 0.0,
+       .max = 1.5,
+       .default_text = "0",
+       .help = "shortening of the tooth at its tip, on rings too"},
+      [](GearInput& g, const TomlValue& v) { g.tip_shortening = v.number; });
+}
+
+Schema<DesignInput> design_schema() {
+  Schema<DesignInput> schema{.file_kind = "DESIGN.toml",
+                             .gears = {train::kGearNames.begin(), train::kGearNames.end()},
+                             .keys = common_keys<DesignInput>()};
+  auto& keys = schema.keys;
+  using Input = DesignInput;
+  keys.push_back({.record = {.path = "planets",
+                             .type = KeyType::kInteger,
+                             .min = 1,
+                             .max = 24,
+                             .default_text = "3",
+                             .help = "number of equally spaced planets"},
+                  .assign = [](Input& t, std::size_t, const TomlValue& v) {
+                    t.planets = static_cast<int>(v.integer);
+                  }});
+  for (const std::size_t stage : {0U, 1U}) {
+    keys.push_back({.record = {.path = fmt::format("stage{}.module_mm", stage + 1),
+                               .type = KeyType::kNumber,
+                               .unit = "mm",
+                               .min = 0.0,
+                               .max = 100.0,
+                               .min_excluded = true,
+                               .required = true,
+                               .help = stage == 0 ? "module of S, P1, R1" : "module of P2, R2"},
+                    .assign = [stage](Input& t, std::size_t, const TomlValue& v) {
+                      t.module_m[stage] = v.number * kMillimetre;
+                    }});
+    keys.push_back({.record = {.path = fmt::format("stage{}.face_width_mm", stage + 1),
+                               .type = KeyType::kNumber,
+                               .unit = "mm",
+                               .min = 0.0,
+                               .max = 1000.0,
+                               .min_excluded = true,
+                               .default_text = "none",
+                               .help = "face width; without it no mass or inertia from geometry"},
+                    .assign = [stage](Input& t, std::size_t, const TomlValue& v) {
+                      t.masses.face_width_m[stage] = v.number * kMillimetre;
+                    }});
+  }
+  append_gear_keys(keys, "gears.{gear}.");
+  keys.push_back({.record = {.path = "gears.{gear}.bore_mm",
+                             .type = KeyType::kNumber,
+                             .unit = "mm",
+                             .min = 0.0,
+                             .max = 1000.0,
+                             .default_text = "0",
+                             .help = "bore diameter of an external gear, for its inertia"},
+                  .assign = [](Input& t, std::size_t gear, const TomlValue& v) {
+                    t.gears[gear].bore_diameter_m = v.number * kMillimetre;
+                  }});
+  keys.push_back({.record = {.path = "gears.{gear}.outer_diameter_mm",
+                             .type = KeyType::kNumber,
+                             .unit = "mm",
+                             .min = 0.0,
+                             .max = 10000.0,
+                             .min_excluded = true,
+                             .default_text = "none",
+                             .help = "outer diameter of ring R2, for its inertia"},
+                  .assign = [](Input& t, std::size_t gear, const TomlValue& v) {
+                    t.gears[gear].outer_diameter_m = v.number * kMillimetre;
+                  }});
+  keys.push_back({.record = {.path = "inertia.density_kg_m3",
+                             .type = KeyType::kNumber,
+                             .unit = "kg/m3",
+                             .min = 0.0,
+                             .max = 30000.0,
+                             .min_excluded = true,
+                             .default_text = "none",
+                             .help = "density of the gears, for inertia from geometry"},
+                  .assign = [](Input& t, std::size_t, const TomlValue& v) {
+                    t.masses.density_kgm3 = v.number;
+                  }});
+  struct Body {
+    const char* name;
+    std::optional<double> design::Masses::*member;
+    const char* unit;
+    const char* help;
+  };
+  static constexpr std::array<Body, 6> kBodies{
+      {{"S_kgm2", &design::Masses::sun_kgm2, "kg m2", "inertia of the sun about its axis"},
+       {"P1_kgm2", &design::Masses::planet1_kgm2, "kg m2", "inertia of one planet's step P1"},
+       {"P2_kgm2", &design::Masses::planet2_kgm2, "kg m2", "inertia of one planet's step P2"},
+       {"planet_mass_kg", &design::Masses::planet_mass_kg, "kg", "mass of one planet, both steps"},
+       {"carrier_kgm2", &design::Masses::carrier_kgm2, "kg m2",
+        "inertia of the carrier without planets about the main axis"},
+       {"R2_kgm2", &design::Masses::ring2_kgm2, "kg m2", "inertia of ring R2 with its output"}}};
+  for (const Body& body : kBodies) {
+    keys.push_back({.record = {.path = fmt::format("inertia.{}", body.name),
+                               .type = KeyType::kNumber,
+                               .unit = body.unit,
+                               .min = 0.0,
+                               .max = 1e6,
+                               .default_text = "from geometry",
+                               .help = body.help},
+                    .assign = [member = body.member](Input& t, std::size_t, const TomlValue& v) {
+                      t.masses.*member = v.number;
+                    }});
+  }
+  append_limit_keys<Input>(keys, &Input::limits, false);
+  return schema;
+}
+
+Schema<PairInput> pair_schema() {
+  Schema<PairInput> schema{
+      .file_kind = "PAIR.toml", .gears = {"gear1", "gear2"}, .keys = common_keys<PairInput>()};
+  auto& keys = schema.keys;
+  keys.push_back({.record = {.path = "kind",
+                             .type = KeyType::kChoice,
+                             .choices = {"external", "internal"},
+                             .required = true,
+                             .help = "external: two external gears; internal: gear2 is the ring"},
+                  .assign = [](PairInput& t, std::size_t, const TomlValue& v) {
+                    t.internal = v.text == "internal";
+                  }});
+  keys.push_back({.record = {.path = "module_mm",
+                             .type = KeyType::kNumber,
+                             .unit = "mm",
+                             .min = 0.0,
+                             .max = 100.0,
+                             .min_excluded = true,
+                             .required = true,
+                             .help = "module of both gears"},
+                  .assign = [](PairInput& t, std::size_t, const TomlValue& v) {
+                    t.module_m = v.number * kMillimetre;
+                  }});
+  append_gear_keys(keys, "{gear}.");
+  append_limit_keys<PairInput>(keys, &PairInput::limits, true);
+  return schema;
+}
+
+/// A gear in our convention; what cannot be one is said in `reading`.
+struct GearPlace {
+  std::string path;
+  bool ring = false;
+  double module_m = 0.0;
+};
+geometry::Gear<double> finish_gear(const CommonInput& input, const GearInput& g,
+                                   const GearPlace& place, FileReading& reading) {
+  const std::string teeth_key = place.path + ".teeth";
+  constexpr int kFewest = 3;
+  const bool flipped = place.ring && input.iso;
+  const int teeth = flipped ? -g.teeth : g.teeth;
+  if (reading.has(teeth_key) && teeth < kFewest) {
+    reading.error_at(
+        teeth_key,
+        fmt::format("{} = {}: allowed: {}", teeth_key, g.teeth,
+                    flipped ? fmt::format("at most -{} (sign_convention iso21771)", kFewest)
+                            : fmt::format("at least {}{}", kFewest,
+                                          place.ring ? " (sign_convention khk)" : "")));
+  }
+  if (reading.has(place.path + ".machining_allowance") && g.normal_thinning_m) {
+    reading.error_at(place.path + ".normal_thinning_um",
+                     fmt::format("{0}.normal_thinning_um and {0}.machining_allowance say the same: "
+                                 "allowed: one of them",
+                                 place.path));
+  }
+  if (g.tip_shortening >= input.rack.addendum + input.rack.dedendum) {
+    reading.error_at(
+        place.path + ".tip_shortening",
+        fmt::format("{}.tip_shortening = {}: allowed: below rack addendum + dedendum "
+                    "= {}",
+                    place.path, g.tip_shortening, input.rack.addendum + input.rack.dedendum));
+  }
+  const double x = flipped ? -g.profile_shift : g.profile_shift;
+  const double innermost =
+      0.5 * teeth + x - (place.ring ? input.rack.addendum : input.rack.dedendum);
+  if (teeth >= kFewest && innermost <= 0.0) {
+    reading.error_at(
+        place.path + ".profile_shift",
+        fmt::format("{}.profile_shift = {}: leaves no {} circle, allowed: {} {:.6g}", place.path,
+                    g.profile_shift, place.ring ? "tip" : "root", flipped ? "below" : "above",
+                    flipped ? g.profile_shift + innermost : g.profile_shift - innermost));
+  }
+  return {.teeth = teeth,
+          .kind = place.ring ? geometry::GearKind::kRing : geometry::GearKind::kExternal,
+          .module_m = place.module_m,
+          .profile_shift = x,
+          .machining_allowance = g.normal_thinning_m && place.module_m > 0.0
+                                     ? *g.normal_thinning_m / place.module_m
+                                     : g.machining_allowance,
+          .tip_shortening = g.tip_shortening,
+          .rack = input.rack};
+}
+
+void require_more_ring_teeth(const GearPlace& ring, const GearPlace& mate, int ring_teeth,
+                             int mate_teeth, FileReading& reading) {
+  if (ring_teeth >= 3 && mate_teeth >= 3 && ring_teeth <= mate_teeth) {
+    reading.error_at(ring.path + ".teeth",
+                     fmt::format("{}.teeth: {} teeth, allowed: more than the {} of {}", ring.path,
+                                 ring_teeth, mate_teeth, mate.path));
+  }
+}
+
+design::Design finish_design(const DesignInput& input, FileReading& reading) {
+  design::Design design;
+  design.name = input.name;
+  design.friction = input.friction;
+  design.masses = input.masses;
+  design.limits = finish_limits(input.limits, reading);
+  design.center_distance_given = input.center_distance_m.has_value();
+  auto& t = design.train;
+  t.planets = input.planets;
+  t.pressure_angle_rad = input.pressure_angle_rad;
+  t.center_distance_m = input.center_distance_m.value_or(0.0);
+  t.module_m = input.module_m;
+  std::array<int, train::kGearCount> teeth{};
+  std::array<GearPlace, train::kGearCount> places;
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    const int id = static_cast<int>(i);
+    places[i] = {.path = fmt::format("gears.{}", train::kGearNames[i]),
+                 .ring = train::kind_of(id) == geometry::GearKind::kRing,
+                 .module_m = input.module_m[static_cast<std::size_t>(train::stage_of(id))]};
+    const auto gear = finish_gear(input, input.gears[i], places[i], reading);
+    teeth[i] = gear.teeth;
+    t.profile_shift[i] = gear.profile_shift;
+    t.machining_allowance[i] = gear.machining_allowance;
+    t.tip_shortening[i] = gear.tip_shortening;
+    t.rack[i] = gear.rack;
+    design.masses.bore_radius_m[i] = 0.5 * input.gears[i].bore_diameter_m;
+    const double root_m = gear.module_m * (0.5 * gear.teeth + gear.profile_shift);
+    if (!places[i].ring && teeth[i] >= 3 && input.gears[i].bore_diameter_m >= 2.0 * root_m &&
+        root_m > 0.0) {
+      reading.error_at(places[i].path + ".bore_mm",
+                       fmt::format("{}.bore_mm = {:.6g}: allowed: below the toothed diameter "
+                                   "{:.6g}",
+                                   places[i].path, input.gears[i].bore_diameter_m / kMillimetre,
+                                   2.0 * root_m / kMillimetre));
+    }
+    if (input.gears[i].outer_diameter_m && id != train::kR2) {
+      reading.error_at(places[i].path + ".outer_diameter_mm",
+                       fmt::format("{}.outer_diameter_mm: allowed for R2 only (R1 is at rest, "
+                                   "external gears end at their teeth)",
+                                   places[i].path));
+    }
+    if (id == train::kR2 && input.gears[i].outer_diameter_m && teeth[i] >= 3) {
+      const double least =
+          2.0 * gear.module_m * (0.5 * gear.teeth + gear.profile_shift + gear.rack.dedendum);
+      if (*input.gears[i].outer_diameter_m <= least) {
+        reading.error_at(places[i].path + ".outer_diameter_mm",
+                         fmt::format("{}.outer_diameter_mm = {:.6g}: allowed: above the root "
+                                     "diameter {:.6g}",
+                                     places[i].path, *input.gears[i].outer_diameter_m / kMillimetre,
+                                     least / kMillimetre));
+      }
+      design.masses.ring2_outer_radius_m = 0.5 * *input.gears[i].outer_diameter_m;
+    }
+  }
+  t.teeth = {.S = teeth[0], .P1 = teeth[1], .R1 = teeth[2], .P2 = teeth[3], .R2 = teeth[4]};
+  require_more_ring_teeth(places[train::kR1], places[train::kP1], t.teeth.R1, t.teeth.P1, reading);
+  require_more_ring_teeth(places[train::kR2], places[train::kP2], t.teeth.R2, t.teeth.P2, reading);
+  if (t.teeth.R2 > 0 && 1LL * t.teeth.P1 * t.teeth.R2 == 1LL * t.teeth.P2 * t.teeth.R1) {
+    reading.error_at("gears.R2.teeth",
+                     fmt::format("gears: zP1 zR2 = zP2 zR1 = {}: the output would stand still, "
+                                 "allowed: different products",
+                                 1LL * t.teeth.P1 * t.teeth.R2));
+  }
+  return design;
+}
+
+design::Design design_from(const TomlValue& document, const std::string& name) {
+  FileReading reading(name);
+  DesignInput input;
+  input.gears.resize(train::kGearCount);
+  read_by_schema(document, design_schema(), input, reading);
+  design::Design design = finish_design(input, reading);
+  reading.throw_if_invalid();
+  return design;
+}
+
+}  // namespace
+
+design::Design read_design(const std::string& path) { return design_from(read_toml(path), path); }
+
+design::Design parse_design(const std::string& text, const std::string& name) {
+  return design_from(parse_toml(text, name), name);
+}
+
+design::PairDesign read_pair(const std::string& path) {
+  FileReading reading(path);
+  PairInput input;
+  input.gears.resize(2);
+  read_by_schema(read_toml(path), pair_schema(), input, reading);
+  const GearPlace place1{.path = "gear1", .ring = false, .module_m = input.module_m};
+  const GearPlace place2{.path = "gear2", .ring = input.internal, .module_m = input.module_m};
+  design::PairDesign pair{.name = input.name,
+                          .pressure_angle_rad = input.pressure_angle_rad,
+                          .center_distance_m = input.center_distance_m,
+                          .gear1 = finish_gear(input, input.gears[0], place1, reading),
+                          .gear2 = finish_gear(input, input.gears[1], place2, reading),
+                          .friction = input.friction,
+                          .limits = finish_limits(input.limits, reading)};
+  if (input.internal) {
+    require_more_ring_teeth(place2, place1, pair.gear2.teeth, pair.gear1.teeth, reading);
+  }
+  reading.throw_if_invalid();
+  return pair;
+}
+
+namespace {
+
+/// The quoted text of TOML.
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') result += '\\';
+    if (static_cast<unsigned char>(c) < 0x20) {
+      result += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
+    } else {
+      result += c;
+    }
+  }
+  return result + "\"";
+}
+
+/// A float as TOML wants it: with a point or an exponent.
+std::string number(double value) {
+  std::string text = fmt::format("{}", value);
+  if (text.find_first_of(".e") == std::string::npos) text += ".0";
+  return text;
+}
+
+std::string limits_text(const design::Limits& limits) {
+  using design::CheckId;
+  const auto in_unit = [&](CheckId id) {
+    return number(design::in_unit(*limits[id], design::check_record(id).unit));
+  };
+  std::string text = "\n[backlash]\n";
+  text += fmt::format("model = \"{}\"\n",
+                      limits.model == backlash::LostMotionModel::kPaper ? "paper" : "kinematic");
+  if (limits[CheckId::kNormalBacklash]) {
+    text += fmt::format("min_normal_um = {}\n", in_unit(CheckId::kNormalBacklash));
+  }
+  if (limits[CheckId::kOutputBacklashMin]) {
+    text += fmt::format("min_output_arcmin = {}\n", in_unit(CheckId::kOutputBacklashMin));
+  }
+  if (limits[CheckId::kOutputBacklashMax]) {
+    text += fmt::format("max_output_arcmin = {}\n", in_unit(CheckId::kOutputBacklashMax));
+  }
+  const auto& least = limits[CheckId::kContactRatioMin];
+  const auto& most = limits[CheckId::kContactRatioMax];
+  if (most) {
+    text += fmt::format("\n[contact_ratio]\nrange = [{}, {}]\n", number(least.value_or(0.0)),
+                        number(*most));
+  }
+  if (limits[CheckId::kRingRootDiameter]) {
+    text += fmt::format("\n[size]\nmax_ring_root_diameter_mm = {}\n",
+                        in_unit(CheckId::kRingRootDiameter));
+  }
+  text += "\n[limits]\n";
+  for (const design::CheckRecord& r : design::check_records()) {
+    if (r.id == CheckId::kIdenticalPlanets) continue;
+    if (r.limit_key.empty()) {
+      text += fmt::format("{} = {}\n", r.name, limits[r.id] ? in_unit(r.id) : "false");
+    } else if (!limits[r.id] && r.default_limit) {
+      text += fmt::format("{} = false\n", r.name);
+    }
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string design_text(const design::Design& design) {
+  const auto& t = design.train;
+  std::string text =
+      fmt::format("name = {}\nplanets = {}\nidentical_planets = {}\n", quoted(design.name),
+                  t.planets, design.limits[design::CheckId::kIdenticalPlanets].has_value());
+  text += fmt::format("pressure_angle_deg = {}\n", number(t.pressure_angle_rad / kDegree));
+  if (design.center_distance_given) {
+    text += fmt::format("center_distance_mm = {}\n", number(t.center_distance_m / kMillimetre));
+  }
+  text += "sign_convention = \"khk\"\n";
+  text += fmt::format("\n[rack]\naddendum = {}\ndedendum = {}\nroot_radius = {}\n",
+                      number(t.rack[0].addendum), number(t.rack[0].dedendum),
+                      number(t.rack[0].root_radius));
+  for (std::size_t stage = 0; stage < 2; ++stage) {
+    text += fmt::format("\n[stage{}]\nmodule_mm = {}\n", stage + 1,
+                        number(t.module_m[stage] / kMillimetre));
+    if (design.masses.face_width_m[stage]) {
+      text += fmt::format("face_width_mm = {}\n",
+                          number(*design.masses.face_width_m[stage] / kMillimetre));
+    }
+  }
+  const auto z = train::teeth_of(t.teeth);
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    text += fmt::format(
+        "\n[gears.{}]\nteeth = {}\nprofile_shift = {}\nmachining_allowance = {}\n"
+        "tip_shortening = {}\n",
+        train::kGearNames[i], z[i], number(t.profile_shift[i]), number(t.machining_allowance[i]),
+        number(t.tip_shortening[i]));
+  }
+  text += fmt::format("\n[friction]\ncoefficient = {}\nloss_model = \"{}\"\n",
+                      number(design.friction.coefficient),
+                      efficiency::kLossModelNames[static_cast<std::size_t>(design.friction.model)]);
+  return text + limits_text(design.limits);
+}
+
+std::string design_key_table() { return key_table(design_schema()); }
+std::string pair_key_table() { return key_table(pair_schema()); }
+
+}  // namespace gear3k::io

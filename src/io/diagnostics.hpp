@@ -1,0 +1,34 @@
+#pragma once
+// Messages about a user's file: all of them at once, each with its place.
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace gear3k::io {
+
+/// A place in a file; line and column count from 1, 0 = the file as a whole.
+struct Position {
+  int line = 0;
+  int column = 0;
+};
+
+struct Diagnostic {
+  Position position;
+  std::string message;
+};
+
+/// "file:line:col: message" lines, sorted by place.
+std::string format_diagnostics(const std::string& file, std::vector<Diagnostic> diagnostics);
+
+/// Thrown by readers when a file is invalid; what() is the formatted list of all diagnostics.
+class InvalidInput : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The known word closest to what was written, or "" when none is near (edit distance at most 3 and
+/// at most half of the word's length).
+std::string closest_word(const std::string& written, const std::vector<std::string>& known);
+
+}  // namespace gear3k::io

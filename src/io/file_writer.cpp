@@ -1,0 +1,49 @@
+#include "io/file_writer.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+
+namespace gear3k::io {
+
+void write_file(const std::string& path, const std::string& content) {
+  const std::string temporary = fmt::format("{}.{}.tmp", path, ::getpid());
+  {
+    std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
+    file << content;
+    file.flush();
+    if (!file) {
+      const std::string cause = std::strerror(errno);
+      std::error_code ignored;
+      std::filesystem::remove(temporary, ignored);
+      throw std::runtime_error(fmt::format("{}: cannot be written: {}", path, cause));
+    }
+  }
+  std::error_code status;
+  std::filesystem::rename(temporary, path, status);
+  if (status) {
+    std::error_code ignored;
+    std::filesystem::remove(temporary, ignored);
+    throw std::runtime_error(fmt::format("{}: cannot be written: {}", path, status.message()));
+  }
+}
+
+void prepare_folder(const std::string& path) {
+  std::error_code status;
+  std::filesystem::create_directories(path, status);
+  if (status || !std::filesystem::is_directory(path)) {
+    throw std::runtime_error(fmt::format("{}: cannot be made a folder: {}", path,
+                                         status ? status.message() : "a file is in the way"));
+  }
+  if (::access(path.c_str(), W_OK) != 0) {
+    throw std::runtime_error(
+        fmt::format("{}: cannot be written to: {}", path, std::strerror(errno)));
+  }
+}
+
+}  // namespace gear3k::io

@@ -1,0 +1,89 @@
+#pragma once
+// Keys of the basic rack and of friction: the same in DESIGN, PAIR and SPEC.
+
+#include <numbers>
+#include <string_view>
+
+#include "design/design.hpp"
+#include "io/key_registry.hpp"
+
+namespace gear3k::io {
+
+/// The values that the keys set, as references into a Target.
+struct ModelInput {
+  double& pressure_angle_rad;
+  geometry::BasicRack<double>& rack;
+  design::Friction& friction;
+};
+
+/// Position of a name in a list of names that holds it.
+template <class Names>
+std::size_t index_of(const Names& names, std::string_view name) {
+  std::size_t index = 0;
+  while (names[index] != name) ++index;
+  return index;
+}
+
+/// @param view  ModelInput(Target&)
+template <class Target, class View>
+void append_model_keys(std::vector<Key<Target>>& keys, View view) {
+  keys.push_back({.record = {.path = "pressure_angle_deg",
+                             .type = KeyType::kNumber,
+                             .unit = "deg",
+                             .min = 5.0,
+                             .max = 45.0,
+                             .default_text = "20",
+                             .help = "standard pressure angle of the basic rack"},
+                  .assign = [view](Target& t, std::size_t, const TomlValue& v) {
+                    view(t).pressure_angle_rad = v.number * std::numbers::pi / 180.0;
+                  }});
+  struct Rack {
+    const char* name;
+    double geometry::BasicRack<double>::*member;
+    double min, max;
+    const char* default_text;
+    const char* help;
+  };
+  using BasicRack = geometry::BasicRack<double>;
+  static constexpr std::array<Rack, 3> kRack{
+      {{"addendum", &BasicRack::addendum, 0.1, 3.0, "1.0", "addendum of the basic rack"},
+       {"dedendum", &BasicRack::dedendum, 0.1, 3.0, "1.25", "dedendum of the basic rack"},
+       {"root_radius", &BasicRack::root_radius, 0.0, 1.0, "0.38",
+        "root fillet radius of the basic rack"}}};
+  for (const Rack& r : kRack) {
+    keys.push_back(
+        {.record = {.path = std::string("rack.") + r.name,
+                    .type = KeyType::kNumber,
+                    .unit = "modules",
+                    .min = r.min,
+                    .max = r.max,
+                    .default_text = r.default_text,
+                    .help = r.help},
+         .assign = [view, member = r.member](Target& t, std::size_t, const TomlValue& v) {
+           view(t).rack.*member = v.number;
+         }});
+  }
+  keys.push_back({.record = {.path = "friction.coefficient",
+                             .type = KeyType::kNumber,
+                             .min = 0.0,
+                             .max = 1.0,
+                             .default_text = "0.1",
+                             .help = "coefficient of friction of the meshes"},
+                  .assign = [view](Target& t, std::size_t, const TomlValue& v) {
+                    view(t).friction.coefficient = v.number;
+                  }});
+  keys.push_back(
+      {.record = {.path = "friction.loss_model",
+                  .type = KeyType::kChoice,
+                  .choices = {efficiency::kLossModelNames.begin(),
+                              efficiency::kLossModelNames.end()},
+                  .default_text = "\"sliding\"",
+                  .help = "mesh loss: sliding = mean sliding over a base pitch, for any contact "
+                          "ratios; ohlendorf = the papers' closed form"},
+       .assign = [view](Target& t, std::size_t, const TomlValue& v) {
+         view(t).friction.model =
+             static_cast<efficiency::LossModel>(index_of(efficiency::kLossModelNames, v.text));
+       }});
+}
+
+}  // namespace gear3k::io

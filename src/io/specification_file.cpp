@@ -1,0 +1,352 @@
+#include "io/specification_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "io/limit_keys.hpp"
+
+namespace gear3k::io {
+
+namespace {
+
+constexpr double kMillimetre = 1e-3;
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+struct SpecificationInput {
+  optimize::Specification spec;
+  LimitInput limits;
+};
+
+using Input = SpecificationInput;
+
+optimize::ModuleChoice module_choice(const TomlValue& v) {
+  optimize::ModuleChoice choice;
+  if (v.is_number()) {
+    choice.range_m = optimize::NumberRange{v.number * kMillimetre, v.number * kMillimetre};
+  } else if (v.table.size() == 1) {
+    for (const TomlValue& e : v.table[0].second.list) {
+      choice.series_m.push_back(e.number * kMillimetre);
+    }
+    std::sort(choice.series_m.begin(), choice.series_m.end());
+    choice.series_m.erase(std::unique(choice.series_m.begin(), choice.series_m.end()),
+                          choice.series_m.end());
+  } else {
+    optimize::NumberRange range;
+    for (const auto& [key, end] : v.table) {
+      (key == "min" ? range.min : range.max) = end.number * kMillimetre;
+    }
+    choice.range_m = range;
+  }
+  return choice;
+}
+
+std::array<double, train::kGearCount> per_gear(const TomlValue& v) {
+  std::array<double, train::kGearCount> values{};
+  if (v.is_number()) {
+    values.fill(v.number);
+    return values;
+  }
+  for (const auto& [name, value] : v.table) {
+    const auto at = std::ranges::find(train::kGearNames, name);
+    values[static_cast<std::size_t>(at - train::kGearNames.begin())] = value.number;
+  }
+  return values;
+}
+
+optimize::IntegerRange integer_range(const TomlValue& v) {
+  return {.min = static_cast<int>(v.list[0].integer), .max = static_cast<int>(v.list[1].integer)};
+}
+
+void append_tooth_keys(std::vector<Key<Input>>& keys) {
+  struct Range {
+    const char* name;
+    optimize::IntegerRange optimize::ToothRanges::*member;
+  };
+  static constexpr std::array<Range, 3> kRanges{{{"S", &optimize::ToothRanges::S},
+                                                 {"P1", &optimize::ToothRanges::P1},
+                                                 {"P2", &optimize::ToothRanges::P2}}};
+  for (const Range& r : kRanges) {
+    keys.push_back({.record = {.path = fmt::format("teeth.{}", r.name),
+                               .type = KeyType::kIntegerRange,
+                               .min = 4,
+                               .max = 500,
+                               .required = true,
+                               .help = fmt::format("teeth of {}, both ends included", r.name)},
+                    .assign = [member = r.member](Input& t, std::size_t, const TomlValue& v) {
+                      t.spec.teeth.*member = integer_range(v);
+                    }});
+  }
+  struct Single {
+    const char* name;
+    int optimize::ToothRanges::*member;
+    double min, max;
+    const char* default_text;
+    const char* help;
+  };
+  static constexpr std::array<Single, 4> kSingles{
+      {{"R1_max", &optimize::ToothRanges::R1_max, 5, 2000, "", "most teeth of ring R1"},
+       {"R2_max", &optimize::ToothRanges::R2_max, 5, 2000, "", "most teeth of ring R2"},
+       {"max_coaxial_offset", &optimize::ToothRanges::max_coaxial_offset, 0, 100, "4",
+        "greatest |zR1 - (zS + 2 zP1)|"},
+       {"min_internal_difference", &optimize::ToothRanges::min_internal_difference, 1, 100, "8",
+        "least zR - zP of both internal meshes"}}};
+  for (const Single& s : kSingles) {
+    keys.push_back({.record = {.path = fmt::format("teeth.{}", s.name),
+                               .type = KeyType::kInteger,
+                               .min = s.min,
+                               .max = s.max,
+                               .required = std::string_view(s.default_text).empty(),
+                               .default_text = s.default_text,
+                               .help = s.help},
+                    .assign = [member = s.member](Input& t, std::size_t, const TomlValue& v) {
+                      t.spec.teeth.*member = static_cast<int>(v.integer);
+                    }});
+  }
+}
+
+Schema<Input> specification_schema() {
+  Schema<Input> schema{.file_kind = "SPEC.toml", .gears = {}, .keys = {}};
+  auto& keys = schema.keys;
+  keys.push_back(
+      {.record = {.path = "name",
+                  .type = KeyType::kText,
+                  .default_text = "\"\"",
+                  .help = "name in tables and results"},
+       .assign = [](Input& t, std::size_t, const TomlValue& v) { t.spec.name = v.text; }});
+  keys.push_back({.record = {.path = "planets",
+                             .type = KeyType::kIntegers,
+                             .min = 1,
+                             .max = 24,
+                             .default_text = "3",
+                             .help = "number of equally spaced planets, or a list to try"},
+                  .assign = [](Input& t, std::size_t, const TomlValue& v) {
+                    t.spec.planets.clear();
+                    if (v.kind != TomlValue::Kind::kList) {
+                      t.spec.planets.push_back(static_cast<int>(v.integer));
+                    }
+                    for (const TomlValue& e : v.list) {
+                      t.spec.planets.push_back(static_cast<int>(e.integer));
+                    }
+                    std::ranges::sort(t.spec.planets);
+                    const auto repeated = std::ranges::unique(t.spec.planets);
+                    t.spec.planets.erase(repeated.begin(), repeated.end());
+                  }});
+  keys.push_back({.record = {.path = "pressure_angle_deg",
+                             .type = KeyType::kNumber,
+                             .unit = "deg",
+                             .min = 5.0,
+                             .max = 45.0,
+                             .default_text = "20",
+                             .help = "standard pressure angle of the basic rack"},
+                  .assign = [](Input& t, std::size_t, const TomlValue& v) {
+                    t.spec.pressure_angle_rad = v.number * kDegree;
+                  }});
+  keys.push_back(
+      {.record = {.path = "objective",
+                  .type = KeyType::kChoice,
+                  .choices = {optimize::kObjectiveNames.begin(), optimize::kObjectiveNames.end()},
+                  .default_text = "\"backward_efficiency\"",
+                  .help = "what is maximised"},
+       .assign = [](Input& t, std::size_t, const TomlValue& v) {
+         t.spec.objective = v.text == optimize::kObjectiveNames[1]
+                                ? optimize::Objective::kForwardEfficiency
+                                : optimize::Objective::kBackwardEfficiency;
+       }});
+  keys.push_back({.record = {.path = "tip_shortening",
+                             .type = KeyType::kNumberPerGear,
+                             .unit = "modules",
+                             .min = 0.0,
+                             .max = 1.5,
+                             .default_text = "0",
+                             .help = "shortening of the teeth at their tips, on rings too"},
+                  .assign = [](Input& t, std::size_t, const TomlValue& v) {
+                    t.spec.tip_shortening = per_gear(v);
+                  }});
+  keys.push_back({.record = {.path = "ratio.target",
+                             .type = KeyType::kNumber,
+                             .min = -1e5,
+                             .max = 1e5,
+                             .required = true,
+                             .help = "w_S/w_R2; negative = output turns against the input"},
+                  .assign = [](Input& t, std::size_t, const TomlValue& v) {
+                    t.spec.ratio.target = v.number;
+                  }});
+  keys.push_back({.record = {.path = "ratio.tolerance",
+                             .type = KeyType::kNumber,
+                             .min = 0.0,
+                             .max = 0.5,
+                             .default_text = "0.005",
+                             .help = "greatest |ratio/target - 1|"},
+                  .assign = [](Input& t, std::size_t, const TomlValue& v) {
+                    t.spec.ratio.tolerance = v.number;
+                  }});
+  append_tooth_keys(keys);
+  for (const std::size_t stage : {0U, 1U}) {
+    keys.push_back(
+        {.record = {.path = fmt::format("module.stage{}_mm", stage + 1),
+                    .type = KeyType::kModule,
+                    .unit = "mm",
+                    .min = 0.0,
+                    .max = 100.0,
+                    .min_excluded = true,
+                    .required = true,
+                    .help = stage == 0 ? "module of S, P1, R1: refined in a range, chosen from a "
+                                         "series, or given"
+                                       : "module of P2, R2, in the same way"},
+         .assign = [stage](Input& t, std::size_t, const TomlValue& v) {
+           t.spec.module[stage] = module_choice(v);
+         }});
+  }
+  keys.push_back({.record = {.path = "profile_shift.range",
+                             .type = KeyType::kNumberRange,
+                             .unit = "modules",
+                             .min = -5.0,
+                             .max = 5.0,
+                             .default_text = "[0, 1]",
+                             .help = "profile shift of every gear"},
+                  .assign = [](Input& t, std::size_t, const TomlValue& v) {
+                    t.spec.profile_shift = {.min = v.list[0].number, .max = v.list[1].number};
+                  }});
+  keys.push_back({.record = {.path = "backlash.machining_allowance",
+                             .type = KeyType::kNumberPerGear,
+                             .unit = "modules",
+                             .min = 0.0,
+                             .max = 1.0,
+                             .default_text = "0",
+                             .help = "q: normal thinning of the whole tooth over the module"},
+                  .assign = [](Input& t, std::size_t, const TomlValue& v) {
+                    t.spec.machining_allowance = per_gear(v);
+                  }});
+  struct Rack {
+    const char* name;
+    double geometry::BasicRack<double>::*member;
+    double min, max;
+    const char* default_text;
+  };
+  static constexpr std::array<Rack, 3> kRack{
+      {{"addendum", &geometry::BasicRack<double>::addendum, 0.1, 3.0, "1.0"},
+       {"dedendum", &geometry::BasicRack<double>::dedendum, 0.1, 3.0, "1.25"},
+       {"root_radius", &geometry::BasicRack<double>::root_radius, 0.0, 1.0, "0.38"}}};
+  for (const Rack& r : kRack) {
+    keys.push_back({.record = {.path = fmt::format("rack.{}", r.name),
+                               .type = KeyType::kNumber,
+                               .unit = "modules",
+                               .min = r.min,
+                               .max = r.max,
+                               .default_text = r.default_text,
+                               .help = fmt::format("{} of the basic rack", r.name)},
+                    .assign = [member = r.member](Input& t, std::size_t, const TomlValue& v) {
+                      t.spec.rack.*member = v.number;
+                    }});
+  }
+  keys.push_back({.record = {.path = "friction.coefficient",
+                             .type = KeyType::kNumber,
+                             .min = 0.0,
+                             .max = 1.0,
+                             .default_text = "0.1",
+                             .help = "coefficient of friction of the meshes"},
+                  .assign = [](Input& t, std::size_t, const TomlValue& v) {
+                    t.spec.friction.coefficient = v.number;
+                  }});
+  keys.push_back({.record = {.path = "friction.loss_model",
+                             .type = KeyType::kChoice,
+                             .choices = {efficiency::kLossModelNames.begin(),
+                                         efficiency::kLossModelNames.end()},
+                             .default_text = "\"sliding\"",
+                             .help = "mesh loss model, as in DESIGN.toml"},
+                  .assign = [](Input& t, std::size_t, const TomlValue& v) {
+                    t.spec.friction.model = v.text == "ohlendorf"
+                                                ? efficiency::LossModel::kOhlendorf
+                                                : efficiency::LossModel::kSliding;
+                  }});
+  keys.push_back(
+      {.record = {.path = "solver.refine",
+                  .type = KeyType::kChoice,
+                  .choices = {optimize::kRefineNames.begin(), optimize::kRefineNames.end()},
+                  .default_text = "\"slsqp\"",
+                  .help = "slsqp = in all threads; ipopt = one at a time; both = SLSQP "
+                          "polished by Ipopt"},
+       .assign = [](Input& t, std::size_t, const TomlValue& v) {
+         const auto at = std::ranges::find(optimize::kRefineNames, v.text);
+         t.spec.solver.refine = static_cast<optimize::Refine>(at - optimize::kRefineNames.begin());
+       }});
+  keys.push_back({.record = {.path = "solver.starts",
+                             .type = KeyType::kInteger,
+                             .min = 1,
+                             .max = 1000,
+                             .default_text = "4",
+                             .help = "starting points per tooth set"},
+                  .assign = [](Input& t, std::size_t, const TomlValue& v) {
+                    t.spec.solver.starts = static_cast<int>(v.integer);
+                  }});
+  keys.push_back({.record = {.path = "solver.seed",
+                             .type = KeyType::kInteger,
+                             .min = 0,
+                             .max = 9007199254740992.0,
+                             .default_text = "1",
+                             .help = "seed of the starting points after the fourth"},
+                  .assign = [](Input& t, std::size_t, const TomlValue& v) {
+                    t.spec.solver.seed = static_cast<unsigned long long>(v.integer);
+                  }});
+  append_limit_keys<Input>(keys, &Input::limits, false);
+  return schema;
+}
+
+void check_relations(const Input& input, FileReading& reading) {
+  const optimize::Specification& spec = input.spec;
+  const auto& teeth = spec.teeth;
+  if (reading.has("ratio.target") && spec.ratio.target == 0.0) {
+    reading.error_at("ratio.target", "ratio.target = 0: allowed: any number but 0");
+  }
+  const auto ring_holds = [&](const char* key, int most, const char* planet, int least) {
+    if (reading.has(key) && reading.has(fmt::format("teeth.{}", planet)) &&
+        most < least + teeth.min_internal_difference) {
+      reading.error_at(key, fmt::format("{} = {}: allowed: at least the smallest {} plus "
+                                        "min_internal_difference = {}",
+                                        key, most, planet, least + teeth.min_internal_difference));
+    }
+  };
+  ring_holds("teeth.R1_max", teeth.R1_max, "P1", teeth.P1.min);
+  ring_holds("teeth.R2_max", teeth.R2_max, "P2", teeth.P2.min);
+  using design::CheckId;
+  const auto& least = input.limits.limits[CheckId::kOutputBacklashMin];
+  const auto& most = input.limits.limits[CheckId::kOutputBacklashMax];
+  if (least && most && *least > *most) {
+    reading.error_at("backlash.min_output_arcmin",
+                     fmt::format("backlash.min_output_arcmin = {:.6g}: allowed: at most "
+                                 "max_output_arcmin = {:.6g}",
+                                 design::in_unit(*least, design::Unit::kArcmin),
+                                 design::in_unit(*most, design::Unit::kArcmin)));
+  }
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    if (spec.tip_shortening[i] >= spec.rack.addendum + spec.rack.dedendum) {
+      reading.error_at("tip_shortening",
+                       fmt::format("tip_shortening of {} = {}: allowed: below rack addendum + "
+                                   "dedendum = {}",
+                                   train::kGearNames[i], spec.tip_shortening[i],
+                                   spec.rack.addendum + spec.rack.dedendum));
+    }
+  }
+}
+
+}  // namespace
+
+optimize::Specification read_specification(const std::string& path) {
+  FileReading reading(path);
+  Input input;
+  input.spec.pressure_angle_rad = 20.0 * kDegree;
+  input.spec.ratio.tolerance = 0.005;
+  read_by_schema(read_toml(path), specification_schema(), input, reading);
+  input.spec.limits = finish_limits(input.limits, reading);
+  input.spec.identical_planets = input.spec.limits[design::CheckId::kIdenticalPlanets].has_value();
+  check_relations(input, reading);
+  reading.throw_if_invalid();
+  return input.spec;
+}
+
+std::string specification_key_table() { return key_table(specification_schema()); }
+
+}  // namespace gear3k::io
