@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "io/limit_keys.hpp"
+#include "io/model_keys.hpp"
 
 namespace gear3k::io {
 
@@ -55,15 +56,6 @@ std::vector<Key<Target>> common_keys() {
                   .default_text = "\"\"",
                   .help = "name in tables and results"},
        .assign = [](Target& t, std::size_t, const TomlValue& v) { t.name = v.text; }},
-      {.record = {.path = "pressure_angle_deg",
-                  .type = KeyType::kNumber,
-                  .unit = "deg",
-                  .min = 5.0,
-                  .max = 45.0,
-                  .default_text = "20",
-                  .help = "standard pressure angle of the basic rack"},
-       .assign = [](Target& t, std::size_t,
-                    const TomlValue& v) { t.pressure_angle_rad = v.number * kDegree; }},
       {.record = {.path = "sign_convention",
                   .type = KeyType::kChoice,
                   .choices = {"khk", "iso21771"},
@@ -71,52 +63,6 @@ std::vector<Key<Target>> common_keys() {
                   .help = "rings: khk = teeth positive, shift positive outwards; iso21771 = teeth "
                           "negative, shift of the opposite sign"},
        .assign = [](Target& t, std::size_t, const TomlValue& v) { t.iso = v.text == "iso21771"; }},
-      {.record = {.path = "rack.addendum",
-                  .type = KeyType::kNumber,
-                  .unit = "modules",
-                  .min = 0.0,
-                  .max = 3.0,
-                  .min_excluded = true,
-                  .default_text = "1.0",
-                  .help = "addendum of the basic rack"},
-       .assign = [](Target& t, std::size_t, const TomlValue& v) { t.rack.addendum = v.number; }},
-      {.record = {.path = "rack.dedendum",
-                  .type = KeyType::kNumber,
-                  .unit = "modules",
-                  .min = 0.0,
-                  .max = 3.0,
-                  .min_excluded = true,
-                  .default_text = "1.25",
-                  .help = "dedendum of the basic rack"},
-       .assign = [](Target& t, std::size_t, const TomlValue& v) { t.rack.dedendum = v.number; }},
-      {.record = {.path = "rack.root_radius",
-                  .type = KeyType::kNumber,
-                  .unit = "modules",
-                  .min = 0.0,
-                  .max = 1.0,
-                  .default_text = "0.38",
-                  .help = "root fillet radius of the basic rack"},
-       .assign = [](Target& t, std::size_t, const TomlValue& v) { t.rack.root_radius = v.number; }},
-      {.record = {.path = "friction.coefficient",
-                  .type = KeyType::kNumber,
-                  .min = 0.0,
-                  .max = 1.0,
-                  .default_text = "0.1",
-                  .help = "coefficient of friction of the meshes"},
-       .assign = [](Target& t, std::size_t,
-                    const TomlValue& v) { t.friction.coefficient = v.number; }},
-      {.record = {.path = "friction.loss_model",
-                  .type = KeyType::kChoice,
-                  .choices = {efficiency::kLossModelNames.begin(),
-                              efficiency::kLossModelNames.end()},
-                  .default_text = "\"sliding\"",
-                  .help = "mesh loss: sliding = mean sliding over a base pitch, for any contact "
-                          "ratios; ohlendorf = the papers' closed form"},
-       .assign =
-           [](Target& t, std::size_t, const TomlValue& v) {
-             t.friction.model = v.text == "ohlendorf" ? efficiency::LossModel::kOhlendorf
-                                                      : efficiency::LossModel::kSliding;
-           }},
       {.record = {.path = "center_distance_mm",
                   .type = KeyType::kNumber,
                   .unit = "mm",
@@ -129,6 +75,9 @@ std::vector<Key<Target>> common_keys() {
        .assign = [](Target& t, std::size_t,
                     const TomlValue& v) { t.center_distance_m = v.number * kMillimetre; }},
   };
+  append_model_keys<Target>(keys, [](Target& t) {
+    return ModelInput{t.pressure_angle_rad, t.rack, t.friction};
+  });
   return keys;
 }
 

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "io/limit_keys.hpp"
+#include "io/model_keys.hpp"
 
 namespace gear3k::io {
 
@@ -50,8 +51,7 @@ std::array<double, train::kGearCount> per_gear(const TomlValue& v) {
     return values;
   }
   for (const auto& [name, value] : v.table) {
-    const auto at = std::ranges::find(train::kGearNames, name);
-    values[static_cast<std::size_t>(at - train::kGearNames.begin())] = value.number;
+    values[index_of(train::kGearNames, name)] = value.number;
   }
   return values;
 }
@@ -134,16 +134,9 @@ Schema<Input> specification_schema() {
                     const auto repeated = std::ranges::unique(t.spec.planets);
                     t.spec.planets.erase(repeated.begin(), repeated.end());
                   }});
-  keys.push_back({.record = {.path = "pressure_angle_deg",
-                             .type = KeyType::kNumber,
-                             .unit = "deg",
-                             .min = 5.0,
-                             .max = 45.0,
-                             .default_text = "20",
-                             .help = "standard pressure angle of the basic rack"},
-                  .assign = [](Input& t, std::size_t, const TomlValue& v) {
-                    t.spec.pressure_angle_rad = v.number * kDegree;
-                  }});
+  append_model_keys<Input>(keys, [](Input& t) {
+    return ModelInput{t.spec.pressure_angle_rad, t.spec.rack, t.spec.friction};
+  });
   keys.push_back(
       {.record = {.path = "objective",
                   .type = KeyType::kChoice,
@@ -151,9 +144,8 @@ Schema<Input> specification_schema() {
                   .default_text = "\"backward_efficiency\"",
                   .help = "what is maximised"},
        .assign = [](Input& t, std::size_t, const TomlValue& v) {
-         t.spec.objective = v.text == optimize::kObjectiveNames[1]
-                                ? optimize::Objective::kForwardEfficiency
-                                : optimize::Objective::kBackwardEfficiency;
+         t.spec.objective =
+             static_cast<optimize::Objective>(index_of(optimize::kObjectiveNames, v.text));
        }});
   keys.push_back({.record = {.path = "tip_shortening",
                              .type = KeyType::kNumberPerGear,
@@ -220,48 +212,6 @@ Schema<Input> specification_schema() {
                   .assign = [](Input& t, std::size_t, const TomlValue& v) {
                     t.spec.machining_allowance = per_gear(v);
                   }});
-  struct Rack {
-    const char* name;
-    double geometry::BasicRack<double>::*member;
-    double min, max;
-    const char* default_text;
-  };
-  static constexpr std::array<Rack, 3> kRack{
-      {{"addendum", &geometry::BasicRack<double>::addendum, 0.1, 3.0, "1.0"},
-       {"dedendum", &geometry::BasicRack<double>::dedendum, 0.1, 3.0, "1.25"},
-       {"root_radius", &geometry::BasicRack<double>::root_radius, 0.0, 1.0, "0.38"}}};
-  for (const Rack& r : kRack) {
-    keys.push_back({.record = {.path = fmt::format("rack.{}", r.name),
-                               .type = KeyType::kNumber,
-                               .unit = "modules",
-                               .min = r.min,
-                               .max = r.max,
-                               .default_text = r.default_text,
-                               .help = fmt::format("{} of the basic rack", r.name)},
-                    .assign = [member = r.member](Input& t, std::size_t, const TomlValue& v) {
-                      t.spec.rack.*member = v.number;
-                    }});
-  }
-  keys.push_back({.record = {.path = "friction.coefficient",
-                             .type = KeyType::kNumber,
-                             .min = 0.0,
-                             .max = 1.0,
-                             .default_text = "0.1",
-                             .help = "coefficient of friction of the meshes"},
-                  .assign = [](Input& t, std::size_t, const TomlValue& v) {
-                    t.spec.friction.coefficient = v.number;
-                  }});
-  keys.push_back({.record = {.path = "friction.loss_model",
-                             .type = KeyType::kChoice,
-                             .choices = {efficiency::kLossModelNames.begin(),
-                                         efficiency::kLossModelNames.end()},
-                             .default_text = "\"sliding\"",
-                             .help = "mesh loss model, as in DESIGN.toml"},
-                  .assign = [](Input& t, std::size_t, const TomlValue& v) {
-                    t.spec.friction.model = v.text == "ohlendorf"
-                                                ? efficiency::LossModel::kOhlendorf
-                                                : efficiency::LossModel::kSliding;
-                  }});
   keys.push_back(
       {.record = {.path = "solver.refine",
                   .type = KeyType::kChoice,
@@ -270,8 +220,8 @@ Schema<Input> specification_schema() {
                   .help = "slsqp = in all threads; ipopt = one at a time; both = SLSQP "
                           "polished by Ipopt"},
        .assign = [](Input& t, std::size_t, const TomlValue& v) {
-         const auto at = std::ranges::find(optimize::kRefineNames, v.text);
-         t.spec.solver.refine = static_cast<optimize::Refine>(at - optimize::kRefineNames.begin());
+         t.spec.solver.refine =
+             static_cast<optimize::Refine>(index_of(optimize::kRefineNames, v.text));
        }});
   keys.push_back({.record = {.path = "solver.starts",
                              .type = KeyType::kInteger,
