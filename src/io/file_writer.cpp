@@ -7,7 +7,8 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <stdexcept>
+
+#include "io/diagnostics.hpp"
 
 namespace gear3k::io {
 
@@ -21,7 +22,7 @@ void write_file(const std::string& path, const std::string& content) {
       const std::string cause = std::strerror(errno);
       std::error_code ignored;
       std::filesystem::remove(temporary, ignored);
-      throw std::runtime_error(fmt::format("{}: cannot be written: {}", path, cause));
+      throw InvalidInput(fmt::format("{}: cannot be written: {}", path, cause));
     }
   }
   std::error_code status;
@@ -29,7 +30,7 @@ void write_file(const std::string& path, const std::string& content) {
   if (status) {
     std::error_code ignored;
     std::filesystem::remove(temporary, ignored);
-    throw std::runtime_error(fmt::format("{}: cannot be written: {}", path, status.message()));
+    throw InvalidInput(fmt::format("{}: cannot be written: {}", path, status.message()));
   }
 }
 
@@ -37,12 +38,11 @@ void prepare_folder(const std::string& path) {
   std::error_code status;
   std::filesystem::create_directories(path, status);
   if (status || !std::filesystem::is_directory(path)) {
-    throw std::runtime_error(fmt::format("{}: cannot be made a folder: {}", path,
-                                         status ? status.message() : "a file is in the way"));
+    throw InvalidInput(fmt::format("{}: cannot be made a folder: {}", path,
+                                   status ? status.message() : "a file is in the way"));
   }
   if (::access(path.c_str(), W_OK) != 0) {
-    throw std::runtime_error(
-        fmt::format("{}: cannot be written to: {}", path, std::strerror(errno)));
+    throw InvalidInput(fmt::format("{}: cannot be written to: {}", path, std::strerror(errno)));
   }
 }
 

@@ -5,11 +5,11 @@
 namespace gear3k::io {
 
 /// Writes a file whole or not at all: to a temporary name in the same folder, then renamed.
-/// @throws std::runtime_error naming the path and the cause when it cannot be written
+/// @throws InvalidInput naming the path and the cause when it cannot be written
 void write_file(const std::string& path, const std::string& content);
 
 /// Makes sure that a folder exists and can be written to.
-/// @throws std::runtime_error naming the path and the cause otherwise
+/// @throws InvalidInput naming the path and the cause otherwise
 void prepare_folder(const std::string& path);
 
 }  // namespace gear3k::io

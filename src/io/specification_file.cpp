@@ -14,7 +14,6 @@ namespace gear3k::io {
 namespace {
 
 constexpr double kMillimetre = 1e-3;
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 struct SpecificationInput {
   optimize::Specification spec;
@@ -282,19 +281,27 @@ void check_relations(const Input& input, FileReading& reading) {
   }
 }
 
-}  // namespace
-
-optimize::Specification read_specification(const std::string& path) {
-  FileReading reading(path);
+optimize::Specification specification_from(const TomlValue& document, const std::string& name) {
+  FileReading reading(name);
   Input input;
-  input.spec.pressure_angle_rad = 20.0 * kDegree;
+  input.spec.pressure_angle_rad = 20.0 * std::numbers::pi / 180.0;
   input.spec.ratio.tolerance = 0.005;
-  read_by_schema(read_toml(path), specification_schema(), input, reading);
+  read_by_schema(document, specification_schema(), input, reading);
   input.spec.limits = finish_limits(input.limits, reading);
   input.spec.identical_planets = input.spec.limits[design::CheckId::kIdenticalPlanets].has_value();
   check_relations(input, reading);
   reading.throw_if_invalid();
   return input.spec;
+}
+
+}  // namespace
+
+optimize::Specification read_specification(const std::string& path) {
+  return specification_from(read_toml(path), path);
+}
+
+optimize::Specification parse_specification(const std::string& text, const std::string& name) {
+  return specification_from(parse_toml(text, name), name);
 }
 
 std::string specification_key_table() { return key_table(specification_schema()); }

@@ -44,7 +44,8 @@ double least_module(const ModuleChoice& choice) {
 /// A constraint that no point of the box can meet, by checks that are monotone in their variables.
 struct Proof {
   CheckId check;
-  double violation;  ///< scaled
+  double violation;  ///< scaled to order 1
+  double miss_si;
 };
 std::optional<Proof> proven_infeasible(const Specification& spec, const Candidate& candidate) {
   const auto z = train::teeth_of(candidate.teeth);
@@ -56,7 +57,8 @@ std::optional<Proof> proven_infeasible(const Specification& spec, const Candidat
       const auto& limit = spec.limits[CheckId::kUndercut];
       const double best = spec.profile_shift.max - form_depth + 0.5 * z[i] * sin_alpha * sin_alpha;
       if (limit && best < *limit - design::kFeasibilityTolerance) {
-        return Proof{.check = CheckId::kUndercut, .violation = *limit - best};
+        return Proof{
+            .check = CheckId::kUndercut, .violation = *limit - best, .miss_si = *limit - best};
       }
     } else {
       const auto& limit = spec.limits[CheckId::kRingRootDiameter];
@@ -65,7 +67,9 @@ std::optional<Proof> proven_infeasible(const Specification& spec, const Candidat
       const double least =
           2.0 * module * (0.5 * z[i] + spec.rack.dedendum + spec.profile_shift.min);
       if (limit && least > *limit * (1.0 + design::kFeasibilityTolerance)) {
-        return Proof{.check = CheckId::kRingRootDiameter, .violation = least / *limit - 1.0};
+        return Proof{.check = CheckId::kRingRootDiameter,
+                     .violation = least / *limit - 1.0,
+                     .miss_si = least - *limit};
       }
     }
   }
@@ -152,6 +156,9 @@ RefinedSet refine(const Specification& spec, const Candidate& candidate) {
     set.status = Status::kInfeasible;
     set.reason = design::check_record(proof->check).name;
     set.violation = proof->violation;
+    const design::Unit unit = design::check_record(proof->check).unit;
+    set.miss = design::in_unit(proof->miss_si, unit);
+    set.miss_unit = design::unit_name(unit);
     return set;
   }
   // Either branch of the paper's max() may carry the lower limit; elsewhere they are the same.
@@ -181,8 +188,14 @@ RefinedSet refine(const Specification& spec, const Candidate& candidate) {
   if (!best.found) {
     set.status = Status::kNoFeasibleFound;
     set.violation = best.outcome.violation.amount;
-    const int row = best.outcome.violation.row;
-    if (row >= 0) set.reason = best.problem->rows[static_cast<std::size_t>(row)].name;
+    const int index = best.outcome.violation.row;
+    if (index < 0) return set;
+    const ConstraintRow& row = best.problem->rows[static_cast<std::size_t>(index)];
+    const design::Unit unit = row.check ? row.check->record->unit : design::Unit::kMillimetre;
+    const double scale = row.check ? row.check->scale : best.problem->length_scale_m;
+    set.reason = row.name;
+    set.miss = design::in_unit(set.violation * scale, unit);
+    set.miss_unit = design::unit_name(unit);
     return set;
   }
   if (spec.solver.refine == Refine::kBoth) polish(best);

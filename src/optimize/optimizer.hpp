@@ -27,6 +27,8 @@ struct RefinedSet {
   /// violates least; infeasible: the one that no point of the box can meet); "" when optimal.
   std::string_view reason;
   double violation = 0.0;  ///< of `reason`, scaled to order 1; 0 when optimal
+  double miss = 0.0;       ///< the same in `miss_unit` (as files and tables print it)
+  std::string_view miss_unit;
   // The rest only when optimal.
   train::TrainParameters<double> train;
   double eta_b = 0.0, eta_f = 0.0;

@@ -1,0 +1,199 @@
+#include "cli/commands.hpp"
+
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+#include "cli/progress.hpp"
+#include "io/design_file.hpp"
+#include "io/diagnostics.hpp"
+#include "io/file_writer.hpp"
+#include "io/published_sources.hpp"
+#include "io/specification_file.hpp"
+#include "report/analysis_report.hpp"
+#include "report/search_report.hpp"
+
+namespace gear3k::cli {
+
+void deliver(const CommonOptions& options, const std::string& text) {
+  if (!options.out.empty()) {
+    io::write_file(options.out, text);
+    return;
+  }
+  if (std::fputs(text.c_str(), stdout) < 0 || std::fflush(stdout) != 0) {
+    throw io::InvalidInput("stdout: cannot be written");
+  }
+}
+
+int use_threads(const CommonOptions& options) {
+  if (options.threads > 0) omp_set_num_threads(options.threads);
+  return omp_get_max_threads();
+}
+
+namespace {
+
+template <class Result>
+std::string in_format(const CommonOptions& options, const Result& result) {
+  switch (options.format) {
+    case Format::kJson:
+      return report::analysis_json(result);
+    case Format::kCsv:
+      return report::analysis_csv(result);
+    case Format::kTable:
+      break;
+  }
+  return report::analysis_table(result);
+}
+
+template <class Design>
+auto evaluate_or_throw(const Design& design, const std::string& file) {
+  auto result = design::evaluate(design);
+  if (const auto* undefined = std::get_if<design::NotDefined>(&result)) {
+    throw io::InvalidInput(fmt::format("{}: {}", file, undefined->message));
+  }
+  return std::get<0>(std::move(result));
+}
+
+template <class Design>
+ExitCode analyze(const Design& design, const AnalyzeOptions& options) {
+  const auto result = evaluate_or_throw(design, options.file);
+  deliver(options, in_format(options, result));
+  return options.strict && !design::all_ok(result.checks) ? kNoFeasibleDesign : kDone;
+}
+
+}  // namespace
+
+ExitCode run_analyze(const AnalyzeOptions& options) {
+  return analyze(io::read_design(options.file), options);
+}
+
+ExitCode run_mesh(const AnalyzeOptions& options) {
+  return analyze(io::read_pair(options.file), options);
+}
+
+ExitCode run_search(const SearchOptions& options) {
+  const optimize::Specification spec = io::read_specification(options.file);
+  use_threads(options);
+  optimize::Progress progress;
+  optimize::ToothSearchResult search;
+  {
+    const ProgressDisplay display(progress, options.quiet);
+    search = optimize::search_teeth(spec, progress.stop);
+  }
+  if (search.interrupted) {
+    fmt::print(stderr, "interrupted: a partial search has no ranking\n");
+    return kInterrupted;
+  }
+  const auto sets = optimize::rank_at_zero_shift(spec, search.candidates);
+  switch (options.format) {
+    case Format::kJson:
+      deliver(options, report::search_json(spec, search, sets));
+      break;
+    case Format::kCsv:
+      deliver(options, report::search_csv(spec, sets));
+      break;
+    case Format::kTable:
+      deliver(options,
+              report::search_table(spec, search, sets, static_cast<std::size_t>(options.top)));
+      break;
+  }
+  if (!search.candidates.empty()) return kDone;
+  optimize::OptimizeResult nothing;
+  nothing.search = search;
+  fmt::print(stderr, "{}\n", report::blocking_text(spec, nothing));
+  return kNoFeasibleDesign;
+}
+
+ExitCode run_optimize(const OptimizeOptions& options) {
+  const optimize::Specification spec = io::read_specification(options.file);
+  io::prepare_folder(options.out);
+  const int threads = use_threads(options);
+  optimize::Progress progress;
+  optimize::OptimizeResult result;
+  double wall_time_s = 0.0;
+  {
+    const ProgressDisplay display(progress, options.quiet);
+    result = optimize::optimize(spec, progress);
+    wall_time_s = display.elapsed_s();
+  }
+  const std::filesystem::path folder(options.out);
+  const auto path_of = [&](const char* name) { return (folder / name).string(); };
+  const std::string best_path = path_of("best.toml");
+  io::write_file(path_of("refined.csv"), report::refined_csv(result));
+  io::write_file(path_of("pareto.csv"), report::pareto_csv(result));
+  const std::string summary =
+      report::summary_json(spec, result, {.wall_time_s = wall_time_s, .threads = threads});
+  io::write_file(path_of("summary.json"), summary);
+  if (result.best) {
+    io::write_file(best_path,
+                   io::design_text(optimize::design_of(spec, result.sets[*result.best])));
+  } else if (std::filesystem::remove(best_path)) {
+    // A best.toml of another run would pass for the result of this one.
+    fmt::print(stderr, "{}: removed, it came from an earlier run\n", best_path);
+  }
+  if (!options.quiet) {
+    fmt::print(stderr, "{}{}", report::search_counts_text(spec, result.search),
+               report::optimize_counts_text(result));
+  }
+  if (result.interrupted) {
+    fmt::print(stderr, "interrupted: {} holds the {} tooth sets that were done\n", options.out,
+               result.sets.size());
+  }
+  if (!result.best) {
+    if (result.interrupted) return kInterrupted;
+    fmt::print(stderr, "{}\n", report::blocking_text(spec, result));
+    const bool all_failed =
+        !result.sets.empty() && std::ranges::all_of(result.sets, [](const auto& s) {
+          return s.status == optimize::Status::kFailed;
+        });
+    return all_failed ? kSolverFailure : kNoFeasibleDesign;
+  }
+  // The design that is printed is the one that the file describes.
+  const auto best = evaluate_or_throw(io::read_design(best_path), best_path);
+  std::string text;
+  switch (options.format) {
+    case Format::kJson:
+      text = summary;
+      break;
+    case Format::kCsv:
+      text = report::refined_csv(result);
+      break;
+    case Format::kTable:
+      text = report::analysis_table(best) +
+             fmt::format(
+                 "\nFiles in {}: best.toml (this design), refined.csv ({} tooth sets), "
+                 "pareto.csv ({} designs), summary.json\n",
+                 options.out, result.sets.size(), result.pareto.size());
+      break;
+  }
+  CommonOptions to_stdout = options;
+  to_stdout.out.clear();
+  deliver(to_stdout, text);
+  if (!design::all_ok(best.checks)) {
+    fmt::print(stderr, "{}: fails a check when read back\n", best_path);
+    return kSolverFailure;
+  }
+  return result.interrupted ? kInterrupted : kDone;
+}
+
+ExitCode run_reproduce(const ReproduceOptions& options) {
+  use_threads(options);
+  const report::Reproduction reproduction = report::reproduce(io::published_sources());
+  switch (options.format) {
+    case Format::kJson:
+      deliver(options, report::reproduce_json(reproduction));
+      break;
+    case Format::kCsv:
+      deliver(options, report::reproduce_csv(reproduction));
+      break;
+    case Format::kTable:
+      deliver(options, report::reproduce_table(reproduction));
+      break;
+  }
+  return kDone;
+}
+
+}  // namespace gear3k::cli

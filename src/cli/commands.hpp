@@ -1,0 +1,48 @@
+#pragma once
+// The commands behind main(): each takes its options, prints, and returns an exit code.
+
+#include <string>
+
+#include "cli/exit_code.hpp"
+
+namespace gear3k::cli {
+
+enum class Format { kTable, kJson, kCsv };
+
+/// What every command takes.
+struct CommonOptions {
+  Format format = Format::kTable;
+  std::string out;  ///< file (or, for optimize, folder); "" = stdout
+  bool quiet = false;
+  int threads = 0;  ///< 0 = all processors
+};
+
+struct AnalyzeOptions : CommonOptions {
+  std::string file;
+  bool strict = false;  ///< a failed check ends with kNoFeasibleDesign
+};
+
+struct SearchOptions : CommonOptions {
+  std::string file;
+  int top = 20;  ///< rows of the table
+};
+
+struct OptimizeOptions : CommonOptions {
+  std::string file;
+};
+
+struct ReproduceOptions : CommonOptions {};
+
+ExitCode run_analyze(const AnalyzeOptions& options);
+ExitCode run_mesh(const AnalyzeOptions& options);
+ExitCode run_search(const SearchOptions& options);
+ExitCode run_optimize(const OptimizeOptions& options);
+ExitCode run_reproduce(const ReproduceOptions& options);
+
+/// Prints a result to stdout, or writes it to options.out.
+void deliver(const CommonOptions& options, const std::string& text);
+
+/// Runs OpenMP regions with the number of threads asked for.  @returns that number
+int use_threads(const CommonOptions& options);
+
+}  // namespace gear3k::cli

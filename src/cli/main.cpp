@@ -1,0 +1,107 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <functional>
+#include <map>
+
+#include "cli/commands.hpp"
+#include "io/design_file.hpp"
+#include "io/diagnostics.hpp"
+#include "io/specification_file.hpp"
+#include "report/version.hpp"
+
+namespace {
+
+using namespace gear3k;  // NOLINT(google-build-using-namespace): the program's own namespace
+
+void add_common_options(CLI::App& command, cli::CommonOptions& options) {
+  static const std::map<std::string, cli::Format> kFormats{
+      {"table", cli::Format::kTable}, {"json", cli::Format::kJson}, {"csv", cli::Format::kCsv}};
+  command.add_option("--format", options.format, "what is printed: table, json or csv")
+      ->transform(CLI::CheckedTransformer(kFormats).description("table|json|csv"))
+      ->option_text("FORMAT [table]");
+  command.add_flag("--quiet", options.quiet, "no progress and no talk on stderr, errors only");
+  command.add_option("--threads", options.threads, "OpenMP threads; all processors by default")
+      ->check(CLI::Range(1, 1024));
+}
+
+void add_out_file(CLI::App& command, cli::CommonOptions& options) {
+  command.add_option("--out", options.out, "file for the result, instead of stdout");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{
+      "gear3k designs 3K compound planetary gearboxes (Wolfrom gears) for robot actuators.\n"
+      "Exit codes: 0 done, 1 usage, 2 invalid input, 3 no feasible design or (--strict) a failed\n"
+      "check, 4 solver failure, 130 interrupted (what is done is kept)."};
+  app.set_version_flag("--version",
+                       fmt::format("gear3k {} ({})", report::version(), report::git_commit()));
+  app.require_subcommand(1);
+
+  // Deferred, so that a command runs after all arguments were accepted.
+  std::function<cli::ExitCode()> run;
+
+  cli::AnalyzeOptions analyze;
+  CLI::App* analyze_command = app.add_subcommand("analyze", "everything known about one gearbox");
+  analyze_command->add_option("DESIGN", analyze.file, "DESIGN.toml")->required();
+  analyze_command->add_flag("--strict", analyze.strict, "exit with 3 when a check fails");
+  add_common_options(*analyze_command, analyze);
+  add_out_file(*analyze_command, analyze);
+  analyze_command->footer([] { return "Keys of DESIGN.toml:\n" + io::design_key_table(); });
+  analyze_command->callback([&] { run = [&] { return cli::run_analyze(analyze); }; });
+
+  cli::AnalyzeOptions mesh;
+  CLI::App* mesh_command = app.add_subcommand("mesh", "one external or internal pair of gears");
+  mesh_command->add_option("PAIR", mesh.file, "PAIR.toml")->required();
+  mesh_command->add_flag("--strict", mesh.strict, "exit with 3 when a check fails");
+  add_common_options(*mesh_command, mesh);
+  add_out_file(*mesh_command, mesh);
+  mesh_command->footer([] { return "Keys of PAIR.toml:\n" + io::pair_key_table(); });
+  mesh_command->callback([&] { run = [&] { return cli::run_mesh(mesh); }; });
+
+  cli::SearchOptions search;
+  CLI::App* search_command =
+      app.add_subcommand("search", "the tooth sets that fit a ratio, ranked at zero profile shift");
+  search_command->add_option("SPEC", search.file, "SPEC.toml")->required();
+  search_command->add_option("--top", search.top, "rows of the table")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  add_common_options(*search_command, search);
+  add_out_file(*search_command, search);
+  search_command->footer([] { return "Keys of SPEC.toml:\n" + io::specification_key_table(); });
+  search_command->callback([&] { run = [&] { return cli::run_search(search); }; });
+
+  cli::OptimizeOptions optimize;
+  CLI::App* optimize_command =
+      app.add_subcommand("optimize", "search, refine every tooth set, write the best design");
+  optimize_command->add_option("SPEC", optimize.file, "SPEC.toml")->required();
+  optimize_command->add_option("--out", optimize.out, "folder for the result files")->required();
+  add_common_options(*optimize_command, optimize);
+  optimize_command->footer([] { return "Keys of SPEC.toml:\n" + io::specification_key_table(); });
+  optimize_command->callback([&] { run = [&] { return cli::run_optimize(optimize); }; });
+
+  cli::ReproduceOptions reproduce;
+  CLI::App* reproduce_command = app.add_subcommand(
+      "reproduce", "the published 96.2:1 gearboxes: paper, its equations, measurement; errata");
+  add_common_options(*reproduce_command, reproduce);
+  add_out_file(*reproduce_command, reproduce);
+  reproduce_command->callback([&] { run = [&] { return cli::run_reproduce(reproduce); }; });
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? cli::kDone : cli::kUsage;
+  }
+  try {
+    return run();
+  } catch (const io::InvalidInput& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return cli::kInvalidInput;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "gear3k: {}\n", error.what());
+    return cli::kSolverFailure;
+  }
+}

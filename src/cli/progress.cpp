@@ -1,0 +1,104 @@
+#include "cli/progress.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <csignal>
+#include <cstdio>
+#include <mutex>
+
+namespace gear3k::cli {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// The signal handler reaches the run through this; lock-free by the standard's atomic<bool> here.
+std::atomic<std::atomic<bool>*> stop_flag{nullptr};
+
+extern "C" void on_interrupt(int signal) {
+  if (std::atomic<bool>* flag = stop_flag.load()) *flag = true;
+  std::signal(signal, SIG_DFL);
+}
+
+std::string clock_text(double seconds) {
+  const auto whole = static_cast<long long>(seconds + 0.5);
+  if (whole >= 3600)
+    return fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
+  return fmt::format("{}:{:02}", whole / 60, whole % 60);
+}
+
+}  // namespace
+
+struct ProgressDisplay::State {
+  optimize::Progress& progress;
+  Clock::time_point start = Clock::now();
+  bool terminal = ::isatty(STDERR_FILENO) != 0;
+  bool bar_shown = false;
+  std::mutex mutex;
+  std::condition_variable wake;
+  bool done = false;
+  std::thread thread;
+
+  explicit State(optimize::Progress& p) : progress(p) {}
+
+  [[nodiscard]] double elapsed_s() const {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+  }
+
+  void show() {
+    const std::size_t total = progress.total.load();
+    const std::size_t finished = progress.done.load();
+    if (total == 0) return;
+    const double seconds = elapsed_s();
+    const double rate = seconds > 0.0 ? static_cast<double>(finished) / seconds : 0.0;
+    const std::string remaining =
+        rate > 0.0 ? clock_text(static_cast<double>(total - finished) / rate) : "?";
+    const std::string facts = fmt::format(
+        "{}/{} tooth sets, {:.0f}/s, {} left, {} feasible, best {:.5f}", finished, total, rate,
+        remaining, progress.feasible.load(), progress.best_objective.load());
+    if (terminal) {
+      constexpr std::size_t kWidth = 24;
+      const std::size_t filled = kWidth * finished / total;
+      fmt::print(stderr, "\r[{:#<{}}{:.<{}}] {}\033[K", "", filled, "", kWidth - filled, facts);
+      bar_shown = true;
+    } else {
+      fmt::print(stderr, "{}\n", facts);
+    }
+    std::fflush(stderr);
+  }
+
+  void watch() {
+    using std::chrono::milliseconds;
+    const auto interval = terminal ? milliseconds(200) : milliseconds(5000);
+    std::unique_lock lock(mutex);
+    while (!wake.wait_for(lock, interval, [this] { return done; })) show();
+  }
+};
+
+ProgressDisplay::ProgressDisplay(optimize::Progress& progress, bool quiet)
+    : state_(std::make_unique<State>(progress)) {
+  stop_flag = &progress.stop;
+  std::signal(SIGINT, on_interrupt);
+  std::signal(SIGTERM, on_interrupt);
+  if (!quiet) state_->thread = std::thread([s = state_.get()] { s->watch(); });
+}
+
+ProgressDisplay::~ProgressDisplay() {
+  {
+    const std::scoped_lock lock(state_->mutex);
+    state_->done = true;
+  }
+  state_->wake.notify_all();
+  if (state_->thread.joinable()) state_->thread.join();
+  if (state_->bar_shown) fmt::print(stderr, "\r\033[K");
+  std::signal(SIGINT, SIG_DFL);
+  std::signal(SIGTERM, SIG_DFL);
+  stop_flag = nullptr;
+}
+
+double ProgressDisplay::elapsed_s() const { return state_->elapsed_s(); }
+
+}  // namespace gear3k::cli

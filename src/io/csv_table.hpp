@@ -1,0 +1,32 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "io/diagnostics.hpp"
+
+namespace gear3k::io {
+
+/// A CSV text: lines beginning with '#' are notes, the first other line is the header.
+struct CsvTable {
+  struct Row {
+    int line = 0;  ///< in the file, from 1
+    std::vector<std::string> fields;
+  };
+  std::vector<std::string> notes;
+  std::vector<std::string> header;
+  std::vector<Row> rows;
+
+  /// The field of a row under a column; empty when the field is blank.
+  /// @throws std::invalid_argument when there is no such column
+  [[nodiscard]] std::optional<std::string> text(const Row& row, const std::string& column) const;
+  /// The same as a number.  @throws InvalidInput naming line, column and value when it is none
+  [[nodiscard]] std::optional<double> number(const Row& row, const std::string& column) const;
+};
+
+/// Parses RFC 4180 fields (quotes, doubled quotes; no line breaks inside fields).
+/// @throws InvalidInput for rows whose number of fields is not the header's, all at once
+CsvTable parse_csv(const std::string& text, const std::string& name);
+
+}  // namespace gear3k::io

@@ -1,0 +1,11 @@
+#pragma once
+// Files of the repository that are part of the program, so that it runs from anywhere.
+
+#include <string_view>
+
+namespace gear3k::io {
+
+std::string_view published_prototypes_csv();  ///< data/published_3k_prototypes.csv
+std::string_view rp96_toml();                 ///< examples/rp96.toml
+
+}  // namespace gear3k::io

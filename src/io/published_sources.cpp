@@ -1,0 +1,87 @@
+#include "io/published_sources.hpp"
+
+#include <fmt/format.h>
+
+#include <numbers>
+#include <stdexcept>
+
+#include "io/csv_table.hpp"
+#include "io/embedded_data.hpp"
+#include "io/specification_file.hpp"
+
+namespace gear3k::io {
+
+namespace {
+
+constexpr const char* kName = "published_3k_prototypes.csv";
+
+const CsvTable::Row& row_named(const CsvTable& table, const std::string& design) {
+  for (const CsvTable::Row& row : table.rows) {
+    if (table.text(row, "design") == design) return row;
+  }
+  throw std::invalid_argument(fmt::format("{}: no row {}", kName, design));
+}
+
+double required(const CsvTable& table, const CsvTable::Row& row, const std::string& column) {
+  const std::optional<double> value = table.number(row, column);
+  if (!value) throw std::invalid_argument(fmt::format("{}:{}: no {}", kName, row.line, column));
+  return *value;
+}
+
+std::optional<double> scaled(const CsvTable& table, const CsvTable::Row& row,
+                             const std::string& column, double factor) {
+  std::optional<double> value = table.number(row, column);
+  if (value) *value *= factor;
+  return value;
+}
+
+report::PublishedGearbox gearbox(const CsvTable& table, const CsvTable::Row& row,
+                                 const std::string& name) {
+  const auto number = [&](const std::string& column) { return required(table, row, column); };
+  const auto integer = [&](const std::string& column) {
+    return static_cast<int>(required(table, row, column));
+  };
+  constexpr double kMillimetre = 1e-3;
+  report::PublishedGearbox g;
+  g.design.name = name;
+  auto& t = g.design.train;
+  t.teeth = {.S = integer("zS"),
+             .P1 = integer("zP1"),
+             .R1 = integer("zR1"),
+             .P2 = integer("zP2"),
+             .R2 = integer("zR2")};
+  t.planets = integer("n_planets");
+  t.pressure_angle_rad = number("alpha_deg") * std::numbers::pi / 180.0;
+  t.module_m = {number("m1_mm") * kMillimetre, number("m2_mm") * kMillimetre};
+  t.profile_shift = {number("xS"), number("xP1"), number("xR1"), number("xP2"), number("xR2")};
+  constexpr double kPercent = 0.01;
+  const double arcmin = design::from_unit(1.0, design::Unit::kArcmin);
+  g.stated_ratio = table.number(row, "ratio_stated");
+  g.measured_lost_motion_rad = scaled(table, row, "backlash_arcmin", arcmin);
+  g.measured_forward = scaled(table, row, "fwd_eff_pct", kPercent);
+  g.measured_backward = scaled(table, row, "bwd_eff_pct", kPercent);
+  return g;
+}
+
+}  // namespace
+
+report::PublishedSources published_sources() {
+  const CsvTable table = parse_csv(std::string(published_prototypes_csv()), kName);
+  const CsvTable::Row& proposed = row_named(table, "low_backlash_proposed");
+  const CsvTable::Row& strain_wave = row_named(table, "harmonic_drive_csg25lw");
+  report::PublishedSources sources;
+  sources.low_backlash = gearbox(table, proposed, "low-backlash prototype");
+  // Low-backlash paper, section IV: "approximately 8 arcmin".
+  sources.low_backlash.stated_lost_motion_rad = design::from_unit(8.0, design::Unit::kArcmin);
+  sources.bilateral =
+      gearbox(table, row_named(table, "bilateral_drive_gear"), "bilateral drive gear");
+  // As the original (Matsuki, Nagano, Fujimoto, 2019) prints them: S shortened at its tip, P1 not.
+  sources.bilateral.stated_contact_ratio = std::array<double, 3>{1.232, 1.420, 1.565};
+  sources.backdrive_starting_torque_Nm = required(table, proposed, "backdrive_start_Nm");
+  sources.max_backdriving_torque_Nm = required(table, proposed, "max_backdrive_Nm");
+  sources.strain_wave_starting_torque_Nm = required(table, strain_wave, "backdrive_start_Nm");
+  sources.task = parse_specification(std::string(rp96_toml()), "rp96.toml");
+  return sources;
+}
+
+}  // namespace gear3k::io

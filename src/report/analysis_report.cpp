@@ -1,0 +1,355 @@
+#include "report/analysis_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "report/text_table.hpp"
+#include "report/version.hpp"
+
+namespace gear3k::report {
+
+namespace {
+
+using design::CheckResult, design::Evaluation, design::GearResult, design::MeshResult,
+    design::PairEvaluation, design::Unit;
+using nlohmann::ordered_json;
+
+double mm(double m) { return design::in_unit(m, Unit::kMillimetre); }
+double um(double m) { return design::in_unit(m, Unit::kMicrometre); }
+double arcmin(double rad) { return design::in_unit(rad, Unit::kArcmin); }
+double degrees(double rad) { return design::in_unit(rad, Unit::kDegree); }
+
+ordered_json number_or_null(const std::optional<double>& value) {
+  return value ? ordered_json(*value) : ordered_json(nullptr);
+}
+
+// --- tables
+
+std::string gear_table(const std::vector<GearResult>& gears) {
+  TextTable table({"gear", "teeth", "shift x", "pitch dia", "base dia", "tip dia", "root dia",
+                   "tip thickness"});
+  for (const GearResult& g : gears) {
+    table.add({g.name, fmt::format("{}", g.teeth), fmt::format("{:.4f}", g.profile_shift),
+               fmt::format("{:.4f}", mm(g.pitch_diameter_m)),
+               fmt::format("{:.4f}", mm(g.base_diameter_m)),
+               fmt::format("{:.4f}", mm(g.tip_diameter_m)),
+               fmt::format("{:.4f}", mm(g.root_diameter_m)),
+               fmt::format("{:.4f}", mm(g.tip_thickness_m))});
+  }
+  return "\nGears (mm)\n" + table.text(2);
+}
+
+std::string mesh_table(const std::vector<MeshResult>& meshes) {
+  TextTable table({"mesh", "working angle", "zero-backlash d", "contact ratio", "approach",
+                   "recess", "backlash j_bn", "eta forward", "eta backward", "hunting period"});
+  for (const MeshResult& m : meshes) {
+    table.add(
+        {m.name, fmt::format("{:.4f} deg", degrees(m.working_pressure_angle_rad)),
+         m.zero_backlash_center_distance_m
+             ? fmt::format("{:.4f} mm", mm(*m.zero_backlash_center_distance_m))
+             : "none",
+         fmt::format("{:.3f}", m.contact_ratio), fmt::format("{:.3f}", m.approach_contact_ratio),
+         fmt::format("{:.3f}", m.recess_contact_ratio),
+         fmt::format("{:.2f} um", um(m.normal_backlash_m)),
+         fmt::format("{:.5f}", m.efficiency_forward), fmt::format("{:.5f}", m.efficiency_backward),
+         fmt::format("{} teeth", m.hunting_period_teeth)});
+  }
+  return "\nMeshes (approach and recess of the forward drive direction)\n" + table.text(2);
+}
+
+std::string subject_of(const CheckResult& c) {
+  if (!c.mesh.empty() && !c.gear.empty()) return fmt::format("{}, {}", c.mesh, c.gear);
+  return c.mesh + c.gear;
+}
+
+/// Digits by unit: what a workshop can tell apart.
+std::string in_check_unit(const CheckResult& c, double si) {
+  const Unit unit = c.record->unit;
+  const double value = design::in_unit(si, unit);
+  const std::string name(design::unit_name(unit));
+  const int digits = unit == Unit::kMicrometre || unit == Unit::kArcmin ? 2 : 4;
+  // Rounding noise at an active limit is no negative margin.
+  const double shown = std::abs(value) < 0.5 * std::pow(10.0, -digits) ? 0.0 : value;
+  return fmt::format("{:.{}f}{}{}", shown, digits, name.empty() ? "" : " ", name);
+}
+
+std::string check_table(const std::vector<CheckResult>& checks) {
+  TextTable table({"", "check", "of", "value", "limit", "margin"});
+  table.align_left(1);
+  table.align_left(2);
+  std::size_t failed = 0;
+  for (const bool ok : {false, true}) {
+    for (const CheckResult& c : checks) {
+      if (c.ok != ok) continue;
+      failed += ok ? 0 : 1;
+      table.add({ok ? "ok" : "FAILED", std::string(c.record->title), subject_of(c),
+                 in_check_unit(c, c.value),
+                 fmt::format("{} {}", c.record->at_least ? ">=" : "<=", in_check_unit(c, c.limit)),
+                 in_check_unit(c, c.margin)});
+    }
+  }
+  return fmt::format("\nChecks: {} of {} passed\n", checks.size() - failed, checks.size()) +
+         table.text(2);
+}
+
+std::string note_lines(const std::vector<std::string>& notes) {
+  std::string text;
+  for (const std::string& note : notes) text += fmt::format("\nNote: {}", note);
+  return text.empty() ? "" : text + "\n";
+}
+
+std::string assembly_text(const Evaluation& e) {
+  if (!e.assembly.equal_spacing) {
+    return fmt::format("{} planets cannot be equally spaced: zS + zR1 = {} is not divisible by {}",
+                       e.planets, e.teeth.S + e.teeth.R1, e.planets);
+  }
+  if (e.assembly.identical_planets) {
+    return fmt::format("{} identical planets fit at equal spacing", e.planets);
+  }
+  std::string phases;
+  for (const double phase : e.assembly.planet_phase_rad) {
+    phases += fmt::format("{}{:.4f}", phases.empty() ? "" : ", ", degrees(phase));
+  }
+  return fmt::format(
+      "{} planets fit at equal spacing, but not as one part: P2 against P1 turned by {} deg "
+      "(modulo {:.4f} deg)",
+      e.planets, phases,
+      360.0 / static_cast<double>(train::hunting_period_teeth(e.teeth.P1, e.teeth.P2)));
+}
+
+std::string inertia_text(const Evaluation& e) {
+  if (!e.inertia) return fmt::format("not known: lacks {}", e.inertia_missing);
+  const auto value = [](const std::optional<double>& x) {
+    return x ? fmt::format("{:.4e}", *x) : std::string("locked");
+  };
+  return fmt::format(
+      "at output {} kg m2 (lossless {:.4e}; the paper's eq. 32: {}), at sun {} kg m2",
+      value(e.inertia->backward_kgm2), e.inertia->lossless_kgm2, value(e.inertia->paper_kgm2),
+      value(e.inertia->forward_kgm2));
+}
+
+// --- JSON
+
+ordered_json tool_json() { return {{"version", version()}, {"git", git_commit()}}; }
+
+ordered_json mesh_json(const MeshResult& m) {
+  std::optional<double> zero = m.zero_backlash_center_distance_m;
+  if (zero) zero = mm(*zero);
+  return {{"name", m.name},
+          {"working_pressure_angle_deg", degrees(m.working_pressure_angle_rad)},
+          {"zero_backlash_center_distance_mm", number_or_null(zero)},
+          {"contact_ratio", m.contact_ratio},
+          {"approach_contact_ratio", m.approach_contact_ratio},
+          {"recess_contact_ratio", m.recess_contact_ratio},
+          {"normal_backlash_um", um(m.normal_backlash_m)},
+          {"efficiency_forward", m.efficiency_forward},
+          {"efficiency_backward", m.efficiency_backward},
+          {"loss_model_in_range", m.loss_model_in_range},
+          {"hunting_period_teeth", m.hunting_period_teeth}};
+}
+
+ordered_json gear_json(const GearResult& g) {
+  return {{"name", g.name},
+          {"teeth", g.teeth},
+          {"profile_shift", g.profile_shift},
+          {"pitch_diameter_mm", mm(g.pitch_diameter_m)},
+          {"base_diameter_mm", mm(g.base_diameter_m)},
+          {"tip_diameter_mm", mm(g.tip_diameter_m)},
+          {"root_diameter_mm", mm(g.root_diameter_m)},
+          {"tip_thickness_mm", mm(g.tip_thickness_m)}};
+}
+
+ordered_json check_json(const CheckResult& c) {
+  ordered_json json{{"name", c.record->name}};
+  if (!c.mesh.empty()) json["mesh"] = c.mesh;
+  if (!c.gear.empty()) json["gear"] = c.gear;
+  const Unit unit = c.record->unit;
+  json["value"] = design::in_unit(c.value, unit);
+  json["limit"] = design::in_unit(c.limit, unit);
+  json["margin"] = design::in_unit(c.margin, unit);
+  json["unit"] = design::unit_name(unit);
+  json["ok"] = c.ok;
+  return json;
+}
+
+template <class Items, class ToJson>
+ordered_json list_json(const Items& items, ToJson to_json) {
+  ordered_json list = ordered_json::array();
+  for (const auto& item : items) list.push_back(to_json(item));
+  return list;
+}
+
+// --- CSV
+
+class CsvRows {
+ public:
+  void add(const std::string& item, const std::string& quantity, double value,
+           const std::string& unit) {
+    text_ += csv_line({item, quantity, exact(value), unit, "", ""});
+  }
+  void add_mesh(const MeshResult& m) {
+    add(m.name, "working_pressure_angle", degrees(m.working_pressure_angle_rad), "deg");
+    if (m.zero_backlash_center_distance_m) {
+      add(m.name, "zero_backlash_center_distance", mm(*m.zero_backlash_center_distance_m), "mm");
+    }
+    add(m.name, "contact_ratio", m.contact_ratio, "");
+    add(m.name, "approach_contact_ratio", m.approach_contact_ratio, "");
+    add(m.name, "recess_contact_ratio", m.recess_contact_ratio, "");
+    add(m.name, "normal_backlash", um(m.normal_backlash_m), "um");
+    add(m.name, "efficiency_forward", m.efficiency_forward, "");
+    add(m.name, "efficiency_backward", m.efficiency_backward, "");
+  }
+  void add_gear(const GearResult& g) {
+    add(g.name, "teeth", g.teeth, "");
+    add(g.name, "profile_shift", g.profile_shift, "module");
+    add(g.name, "pitch_diameter", mm(g.pitch_diameter_m), "mm");
+    add(g.name, "base_diameter", mm(g.base_diameter_m), "mm");
+    add(g.name, "tip_diameter", mm(g.tip_diameter_m), "mm");
+    add(g.name, "root_diameter", mm(g.root_diameter_m), "mm");
+    add(g.name, "tip_thickness", mm(g.tip_thickness_m), "mm");
+  }
+  void add_check(const CheckResult& c) {
+    const Unit unit = c.record->unit;
+    text_ += csv_line({subject_of(c), fmt::format("check {}", c.record->name),
+                       exact(design::in_unit(c.value, unit)), std::string(design::unit_name(unit)),
+                       exact(design::in_unit(c.limit, unit)), c.ok ? "true" : "false"});
+  }
+  [[nodiscard]] const std::string& text() const { return text_; }
+
+ private:
+  std::string text_ = "item,quantity,value,unit,limit,ok\n";
+};
+
+}  // namespace
+
+std::string analysis_table(const Evaluation& e) {
+  std::string text;
+  text += fmt::format("{}: S {} / P1 {} / R1 {} / P2 {} / R2 {}, {} planets\n",
+                      e.name.empty() ? "gearbox" : e.name, e.teeth.S, e.teeth.P1, e.teeth.R1,
+                      e.teeth.P2, e.teeth.R2, e.planets);
+  TextTable table({"  ratio", fmt::format("{:.4f}:1   (G1 {:.5f}, G2 {:.5f}){}", e.ratio, e.g1,
+                                          e.g2, e.g2 > 1.0 ? ", output turns backwards" : "")});
+  table.align_left(1);
+  table.add({"  module", fmt::format("stage 1 {:.5g} mm, stage 2 {:.5g} mm", mm(e.module_m[0]),
+                                     mm(e.module_m[1]))});
+  table.add({"  centre distance",
+             fmt::format("{:.4f} mm{}", mm(e.center_distance_m),
+                         e.center_distance_given ? "" : " (zero-backlash distance of P1-R1)")});
+  table.add({"  efficiency forward", fmt::format("{:.2f} %", 100.0 * e.efficiency.forward)});
+  table.add(
+      {"  efficiency backward",
+       e.efficiency.backdrivable
+           ? fmt::format("{:.2f} %   (back-drivable, margin {:.4f})", 100.0 * e.efficiency.backward,
+                         e.efficiency.backdriving_margin)
+           : fmt::format("not back-drivable (margin {:.4f})", e.efficiency.backdriving_margin)});
+  table.add(
+      {"  lost motion at output",
+       fmt::format("{:.2f} arcmin   (S-P1 {:.2f}, P1-R1 {:.2f}, P2-R2 {:.2f}; by the paper's "
+                   "eq. 17: {:.2f})",
+                   arcmin(e.backlash.kinematic_rad), arcmin(e.backlash.kinematic_share_rad[0]),
+                   arcmin(e.backlash.kinematic_share_rad[1]),
+                   arcmin(e.backlash.kinematic_share_rad[2]), arcmin(e.backlash.paper_rad))});
+  table.add({"  lost motion at input",
+             fmt::format("{:.1f} arcmin", arcmin(e.backlash.input_kinematic_rad))});
+  table.add({"  effective inertia", inertia_text(e)});
+  table.add({"  assembly", assembly_text(e)});
+  text += table.text(0);
+  return text + gear_table(e.gears) + mesh_table(e.meshes) + check_table(e.checks) +
+         note_lines(e.notes);
+}
+
+std::string analysis_table(const PairEvaluation& e) {
+  return fmt::format("{}: centre distance {:.4f} mm{}\n", e.name.empty() ? "pair" : e.name,
+                     mm(e.center_distance_m),
+                     e.center_distance_given ? "" : " (zero-backlash distance)") +
+         gear_table(e.gears) + mesh_table({e.mesh}) + check_table(e.checks) + note_lines(e.notes);
+}
+
+std::string analysis_json(const Evaluation& e) {
+  ordered_json json{{"tool", tool_json()},
+                    {"name", e.name},
+                    {"planets", e.planets},
+                    {"ratio", e.ratio},
+                    {"g1", e.g1},
+                    {"g2", e.g2},
+                    {"center_distance_mm", mm(e.center_distance_m)},
+                    {"center_distance_given", e.center_distance_given},
+                    {"module_mm", {mm(e.module_m[0]), mm(e.module_m[1])}},
+                    {"efficiency",
+                     {{"forward", e.efficiency.forward},
+                      {"backward", e.efficiency.backward},
+                      {"backdrivable", e.efficiency.backdrivable},
+                      {"backdriving_margin", e.efficiency.backdriving_margin}}},
+                    {"meshes", list_json(e.meshes, mesh_json)},
+                    {"gears", list_json(e.gears, gear_json)},
+                    {"backlash",
+                     {{"paper_arcmin", arcmin(e.backlash.paper_rad)},
+                      {"kinematic_arcmin", arcmin(e.backlash.kinematic_rad)},
+                      {"input_kinematic_arcmin", arcmin(e.backlash.input_kinematic_rad)}}}};
+  if (e.inertia) {
+    json["inertia"] = {{"backward_kgm2", number_or_null(e.inertia->backward_kgm2)},
+                       {"forward_kgm2", number_or_null(e.inertia->forward_kgm2)},
+                       {"lossless_kgm2", e.inertia->lossless_kgm2},
+                       {"paper_kgm2", number_or_null(e.inertia->paper_kgm2)}};
+  } else {
+    json["inertia"] = nullptr;
+  }
+  json["assembly"] = {{"equal_spacing", e.assembly.equal_spacing},
+                      {"identical_planets", e.assembly.identical_planets},
+                      {"planet_phase_deg", list_json(e.assembly.planet_phase_rad, degrees)}};
+  json["checks"] = list_json(e.checks, check_json);
+  json["notes"] = e.notes;
+  return json.dump(2) + "\n";
+}
+
+std::string analysis_json(const PairEvaluation& e) {
+  const ordered_json json{{"tool", tool_json()},
+                          {"name", e.name},
+                          {"center_distance_mm", mm(e.center_distance_m)},
+                          {"center_distance_given", e.center_distance_given},
+                          {"meshes", list_json(std::vector<MeshResult>{e.mesh}, mesh_json)},
+                          {"gears", list_json(e.gears, gear_json)},
+                          {"checks", list_json(e.checks, check_json)},
+                          {"notes", e.notes}};
+  return json.dump(2) + "\n";
+}
+
+std::string analysis_csv(const Evaluation& e) {
+  CsvRows rows;
+  rows.add("train", "ratio", e.ratio, "");
+  rows.add("train", "center_distance", mm(e.center_distance_m), "mm");
+  rows.add("train", "efficiency_forward", e.efficiency.forward, "");
+  rows.add("train", "efficiency_backward", e.efficiency.backward, "");
+  rows.add("train", "lost_motion_kinematic", arcmin(e.backlash.kinematic_rad), "arcmin");
+  rows.add("train", "lost_motion_paper", arcmin(e.backlash.paper_rad), "arcmin");
+  rows.add("train", "lost_motion_input_kinematic", arcmin(e.backlash.input_kinematic_rad),
+           "arcmin");
+  if (e.inertia) {
+    rows.add("train", "inertia_lossless", e.inertia->lossless_kgm2, "kg m2");
+    if (e.inertia->backward_kgm2) {
+      rows.add("train", "inertia_backward", *e.inertia->backward_kgm2, "kg m2");
+    }
+    if (e.inertia->forward_kgm2) {
+      rows.add("train", "inertia_forward", *e.inertia->forward_kgm2, "kg m2");
+    }
+  }
+  for (const MeshResult& m : e.meshes) rows.add_mesh(m);
+  for (const GearResult& g : e.gears) rows.add_gear(g);
+  for (const CheckResult& c : e.checks) rows.add_check(c);
+  return rows.text();
+}
+
+std::string analysis_csv(const PairEvaluation& e) {
+  CsvRows rows;
+  rows.add("pair", "center_distance", mm(e.center_distance_m), "mm");
+  rows.add_mesh(e.mesh);
+  for (const GearResult& g : e.gears) rows.add_gear(g);
+  for (const CheckResult& c : e.checks) rows.add_check(c);
+  return rows.text();
+}
+
+}  // namespace gear3k::report

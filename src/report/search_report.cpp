@@ -1,0 +1,292 @@
+#include "report/search_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <ranges>
+
+#include "report/text_table.hpp"
+#include "report/version.hpp"
+
+namespace gear3k::report {
+
+namespace {
+
+using nlohmann::ordered_json;
+using optimize::OptimizeResult, optimize::RefinedSet, optimize::Status, optimize::ZeroShiftSet,
+    optimize::ToothSearchResult, optimize::Specification;
+
+double mm(double m) { return design::in_unit(m, design::Unit::kMillimetre); }
+double arcmin(double rad) { return design::in_unit(rad, design::Unit::kArcmin); }
+
+std::string teeth_text(const train::ToothSet& z) {
+  return fmt::format("{}/{}/{}/{}/{}", z.S, z.P1, z.R1, z.P2, z.R2);
+}
+
+std::vector<std::string> teeth_fields(const train::ToothSet& z) {
+  std::vector<std::string> fields;
+  for (const int teeth : train::teeth_of(z)) fields.push_back(fmt::format("{}", teeth));
+  return fields;
+}
+
+ordered_json rejected_json(const ToothSearchResult& search) {
+  ordered_json rejected = ordered_json::object();
+  for (std::size_t k = 0; k < optimize::kToothRejectionCount; ++k) {
+    rejected[std::string(optimize::kToothRejectionNames[k])] = search.rejected[k];
+  }
+  return rejected;
+}
+
+ordered_json search_counts_json(const Specification& spec, const ToothSearchResult& search) {
+  return {{"within_ratio", search.within_ratio},
+          {"candidates", search.candidates.size()},
+          {"rejected", rejected_json(search)},
+          {"nearest_ratio", search.nearest_ratio != 0.0 ? ordered_json(search.nearest_ratio)
+                                                        : ordered_json(nullptr)},
+          {"ratio_target", spec.ratio.target},
+          {"ratio_tolerance", spec.ratio.tolerance}};
+}
+
+std::string refined_row(const RefinedSet& s) {
+  std::vector<std::string> fields = teeth_fields(s.candidate.teeth);
+  const bool optimal = s.status == Status::kOptimal;
+  const auto number = [&](double value) { return optimal ? exact(value) : std::string(); };
+  fields.emplace_back(optimize::kStatusNames[static_cast<std::size_t>(s.status)]);
+  fields.emplace_back(s.reason);
+  fields.push_back(exact(train::ratio(s.candidate.teeth)));
+  fields.push_back(number(s.eta_b));
+  fields.push_back(number(s.eta_f));
+  fields.push_back(number(arcmin(s.lost_motion_rad)));
+  for (const double x : s.train.profile_shift) fields.push_back(number(x));
+  fields.push_back(number(mm(s.train.module_m[0])));
+  fields.push_back(number(mm(s.train.module_m[1])));
+  fields.push_back(number(mm(s.train.center_distance_m)));
+  for (const double epsilon : s.contact_ratio) fields.push_back(number(epsilon));
+  fields.emplace_back();  // eta_b_bound: empty, this version bounds no set
+  fields.push_back(number(s.kkt_residual));
+  fields.push_back(fmt::format("{}", s.candidate.planets));
+  fields.push_back(number(mm(s.ring_root_diameter_m)));
+  fields.push_back(optimal ? "" : exact(s.violation));
+  return csv_line(fields);
+}
+
+constexpr const char* kRefinedHeader =
+    "zS,zP1,zR1,zP2,zR2,status,reason,ratio,eta_b,eta_f,backlash_arcmin,xS,xP1,xR1,xP2,xR2,m1_mm,"
+    "m2_mm,center_distance_mm,eps1,eps2,eps3,eta_b_bound,kkt_residual,planets,"
+    "ring_root_diameter_mm,violation\n";
+
+std::map<std::string, std::size_t> reasons_of(const OptimizeResult& result, Status status) {
+  std::map<std::string, std::size_t> reasons;
+  for (const RefinedSet& s : result.sets) {
+    if (s.status == status) ++reasons[std::string(s.reason)];
+  }
+  return reasons;
+}
+
+std::size_t count_of(const OptimizeResult& result, Status status) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(result.sets, [&](const RefinedSet& s) { return s.status == status; }));
+}
+
+}  // namespace
+
+std::string search_counts_text(const Specification& spec, const ToothSearchResult& search) {
+  std::string text =
+      fmt::format("{} tooth sets within {:g} % of {:g}:1; {} candidates", search.within_ratio,
+                  100.0 * spec.ratio.tolerance, spec.ratio.target, search.candidates.size());
+  for (std::size_t k = 0; k < optimize::kToothRejectionCount; ++k) {
+    if (search.rejected[k] == 0) continue;
+    text +=
+        fmt::format(", {} rejected by {}", search.rejected[k], optimize::kToothRejectionNames[k]);
+  }
+  return text + "\n";
+}
+
+std::string search_table(const Specification& spec, const ToothSearchResult& search,
+                         const std::vector<ZeroShiftSet>& sets, std::size_t rows) {
+  std::string text = search_counts_text(spec, search);
+  text +=
+      "At zero profile shift, P1-R1 and P2-R2 closed (before refinement; * = S-P1 interferes "
+      "there):\n";
+  TextTable table(
+      {"S/P1/R1/P2/R2", "planets", "ratio", "eta backward", "eta forward", "lost motion", "m2/m1"});
+  for (const ZeroShiftSet& s : sets | std::views::take(rows)) {
+    const auto percent = [&](double eta) {
+      return s.defined ? fmt::format("{:.2f} %", 100.0 * eta) : std::string("-");
+    };
+    table.add({teeth_text(s.candidate.teeth) + (s.meshes ? "" : " *"),
+               fmt::format("{}", s.candidate.planets), fmt::format("{:.4f}", s.ratio),
+               percent(s.eta_b), percent(s.eta_f),
+               s.defined ? fmt::format("{:.2f} arcmin", arcmin(s.lost_motion_rad)) : "-",
+               fmt::format("{:.4f}", s.module_ratio)});
+  }
+  text += table.text(2);
+  if (sets.size() > rows) {
+    text +=
+        fmt::format("  ... and {} more (--top N, or --format csv for all)\n", sets.size() - rows);
+  }
+  return text;
+}
+
+std::string search_csv(const Specification&, const std::vector<ZeroShiftSet>& sets) {
+  std::string text =
+      "zS,zP1,zR1,zP2,zR2,planets,ratio,module_ratio,meshes,eta_b,eta_f,backlash_arcmin,"
+      "sun_backlash_modules\n";
+  for (const ZeroShiftSet& s : sets) {
+    std::vector<std::string> fields = teeth_fields(s.candidate.teeth);
+    const auto number = [&](double x) { return s.defined ? exact(x) : std::string(); };
+    for (std::string& field : std::vector<std::string>{
+             fmt::format("{}", s.candidate.planets), exact(s.ratio), exact(s.module_ratio),
+             s.meshes ? "true" : "false", number(s.eta_b), number(s.eta_f),
+             number(arcmin(s.lost_motion_rad)), number(s.sun_backlash)}) {
+      fields.push_back(std::move(field));
+    }
+    text += csv_line(fields);
+  }
+  return text;
+}
+
+std::string search_json(const Specification& spec, const ToothSearchResult& search,
+                        const std::vector<ZeroShiftSet>& sets) {
+  ordered_json list = ordered_json::array();
+  for (const ZeroShiftSet& s : sets) {
+    const auto number = [&](double x) { return s.defined ? ordered_json(x) : ordered_json(); };
+    list.push_back({{"teeth", train::teeth_of(s.candidate.teeth)},
+                    {"planets", s.candidate.planets},
+                    {"ratio", s.ratio},
+                    {"module_ratio", s.module_ratio},
+                    {"meshes", s.meshes},
+                    {"eta_b", number(s.eta_b)},
+                    {"eta_f", number(s.eta_f)},
+                    {"backlash_arcmin", number(arcmin(s.lost_motion_rad))},
+                    {"sun_backlash_modules", number(s.sun_backlash)}});
+  }
+  const ordered_json json{{"tool", {{"version", version()}, {"git", git_commit()}}},
+                          {"name", spec.name},
+                          {"search", search_counts_json(spec, search)},
+                          {"sets", std::move(list)}};
+  return json.dump(2) + "\n";
+}
+
+std::string refined_csv(const OptimizeResult& result) {
+  std::string text = kRefinedHeader;
+  for (const RefinedSet& s : result.sets) text += refined_row(s);
+  return text;
+}
+
+std::string pareto_csv(const OptimizeResult& result) {
+  std::string text = kRefinedHeader;
+  for (const std::size_t k : result.pareto) text += refined_row(result.sets[k]);
+  return text;
+}
+
+std::string summary_json(const Specification& spec, const OptimizeResult& result,
+                         const RunFacts& facts) {
+  ordered_json status = ordered_json::object();
+  ordered_json reasons = ordered_json::object();
+  for (std::size_t k = 0; k < optimize::kStatusCount; ++k) {
+    const auto s = static_cast<Status>(k);
+    status[std::string(optimize::kStatusNames[k])] = count_of(result, s);
+    if (s == Status::kOptimal) continue;
+    ordered_json by_reason = ordered_json::object();
+    for (const auto& [reason, count] : reasons_of(result, s)) by_reason[reason] = count;
+    reasons[std::string(optimize::kStatusNames[k])] = std::move(by_reason);
+  }
+  status["bounded"] = 0;
+  ordered_json best = nullptr;
+  if (result.best) {
+    const RefinedSet& s = result.sets[*result.best];
+    best = {{"teeth", train::teeth_of(s.candidate.teeth)},
+            {"planets", s.candidate.planets},
+            {"ratio", train::ratio(s.candidate.teeth)},
+            {"eta_b", s.eta_b},
+            {"eta_f", s.eta_f},
+            {"backlash_arcmin", arcmin(s.lost_motion_rad)},
+            {"kkt_residual", s.kkt_residual}};
+  }
+  const ordered_json json{
+      {"tool", {{"version", version()}, {"git", git_commit()}}},
+      {"name", spec.name},
+      {"objective", optimize::kObjectiveNames[static_cast<std::size_t>(spec.objective)]},
+      {"refine", optimize::kRefineNames[static_cast<std::size_t>(spec.solver.refine)]},
+      {"starts", spec.solver.starts},
+      {"seed", spec.solver.seed},
+      {"search", search_counts_json(spec, result.search)},
+      {"refined", result.sets.size()},
+      {"status", std::move(status)},
+      {"reasons", std::move(reasons)},
+      {"best", std::move(best)},
+      {"pareto", result.pareto.size()},
+      {"interrupted", result.interrupted},
+      {"wall_time_s", facts.wall_time_s},
+      {"threads", facts.threads}};
+  return json.dump(2) + "\n";
+}
+
+std::string optimize_counts_text(const OptimizeResult& result) {
+  std::string text = fmt::format("{} of {} tooth sets refined", result.sets.size(),
+                                 result.search.candidates.size());
+  for (std::size_t k = 0; k < optimize::kStatusCount; ++k) {
+    const auto status = static_cast<Status>(k);
+    const std::size_t count = count_of(result, status);
+    if (count == 0) continue;
+    text += fmt::format("; {} {}", count, optimize::kStatusNames[k]);
+    if (status == Status::kOptimal) continue;
+    std::string reasons;
+    for (const auto& [reason, n] : reasons_of(result, status)) {
+      reasons += fmt::format("{}{} {}", reasons.empty() ? "" : ", ", reason, n);
+    }
+    text += fmt::format(" ({})", reasons);
+  }
+  return text + "\n";
+}
+
+std::string blocking_text(const Specification& spec, const OptimizeResult& result) {
+  const ToothSearchResult& search = result.search;
+  if (search.within_ratio == 0) {
+    const std::string nearest =
+        search.nearest_ratio != 0.0
+            ? fmt::format("; the nearest that these tooth ranges reach is {:.6g}:1, {:.3g} % off",
+                          search.nearest_ratio,
+                          100.0 * std::abs(search.nearest_ratio / spec.ratio.target - 1.0))
+            : std::string("; teeth.R1_max, teeth.R2_max or max_coaxial_offset leave no ring");
+    return fmt::format(
+        "no feasible design: blocked by ratio: no tooth set within {:g} % of {:g}:1{}",
+        100.0 * spec.ratio.tolerance, spec.ratio.target, nearest);
+  }
+  if (search.candidates.empty()) {
+    const auto worst = std::ranges::max_element(search.rejected);
+    const auto index = static_cast<std::size_t>(worst - search.rejected.begin());
+    return fmt::format(
+        "no feasible design: blocked by {}: it rejects {} of the {} tooth sets within the ratio{}",
+        optimize::kToothRejectionNames[index], *worst, search.within_ratio,
+        index == static_cast<std::size_t>(optimize::ToothRejection::kIdenticalPlanets)
+            ? " (identical_planets = false would allow individually phased planets)"
+            : "");
+  }
+  const RefinedSet* nearest = nullptr;
+  for (const RefinedSet& s : result.sets) {
+    if (s.reason.empty() || s.status == Status::kFailed) continue;
+    if (nearest == nullptr || s.violation < nearest->violation) nearest = &s;
+  }
+  if (nearest == nullptr) return "no feasible design: the solver failed on every tooth set";
+  std::map<std::string, std::size_t> reasons = reasons_of(result, Status::kNoFeasibleFound);
+  for (const auto& [reason, count] : reasons_of(result, Status::kInfeasible)) {
+    reasons[reason] += count;
+  }
+  std::string counts;
+  for (const auto& [reason, count] : reasons) {
+    counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", reason, count);
+  }
+  return fmt::format(
+      "no feasible design: blocked by {}: the nearest set, {}, misses it by {:.4g}{}{}; sets by "
+      "the constraint that they miss: {}",
+      nearest->reason, teeth_text(nearest->candidate.teeth), nearest->miss,
+      nearest->miss_unit.empty() ? "" : " ", nearest->miss_unit, counts);
+}
+
+}  // namespace gear3k::report
