@@ -196,4 +196,12 @@ ExitCode run_reproduce(const ReproduceOptions& options) {
   return kDone;
 }
 
+ExitCode run_keys(const CommonOptions& options) {
+  deliver(options,
+          fmt::format("# Keys of the input files\n\nPrinted by `gear3k keys`.\n\n"
+                      "## DESIGN.toml\n\n{}\n## PAIR.toml\n\n{}\n## SPEC.toml\n\n{}",
+                      io::design_key_table(), io::pair_key_table(), io::specification_key_table()));
+  return kDone;
+}
+
 }  // namespace gear3k::cli

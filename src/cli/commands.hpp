@@ -38,6 +38,8 @@ ExitCode run_mesh(const AnalyzeOptions& options);
 ExitCode run_search(const SearchOptions& options);
 ExitCode run_optimize(const OptimizeOptions& options);
 ExitCode run_reproduce(const ReproduceOptions& options);
+/// Prints docs/keys.md: every key of DESIGN, PAIR and SPEC files.
+ExitCode run_keys(const CommonOptions& options);
 
 /// Prints a result to stdout, or writes it to options.out.
 void deliver(const CommonOptions& options, const std::string& text);

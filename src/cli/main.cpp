@@ -90,6 +90,12 @@ int main(int argc, char** argv) {
   add_out_file(*reproduce_command, reproduce);
   reproduce_command->callback([&] { run = [&] { return cli::run_reproduce(reproduce); }; });
 
+  cli::CommonOptions keys;
+  CLI::App* keys_command =
+      app.add_subcommand("keys", "every key of the input files, as a Markdown document");
+  add_out_file(*keys_command, keys);
+  keys_command->callback([&] { run = [&] { return cli::run_keys(keys); }; });
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
