@@ -95,7 +95,7 @@ void append_gear_keys(std::vector<Key<Target>>& keys, const std::string& prefix)
        .min = -2000,
        .max = 2000,
        .required = true,
-       .help = "number of teeth"},
+       .help = "number of teeth, at least 3 (rings: negative with iso21771)"},
       [](GearInput& g, const TomlValue& v) { g.teeth = static_cast<int>(v.integer); });
   add({.path = "profile_shift",
        .type = KeyType::kNumber,
