@@ -10,7 +10,7 @@ using train::kR1, train::kR2, train::kS;
 
 template <class T>
 std::array<T, train::kMeshCount> normal_backlashes(const train::TrainGeometry<T>& train) {
-  std::array<T, train::kMeshCount> j;
+  std::array<T, train::kMeshCount> j{};
   for (std::size_t k = 0; k < train::kMeshCount; ++k) {
     const auto [first, second] = train::kMeshGears[k];
     j[k] = normal_backlash(train.gears[static_cast<std::size_t>(first)],

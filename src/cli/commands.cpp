@@ -18,13 +18,17 @@
 
 namespace gear3k::cli {
 
-void deliver(const CommonOptions& options, const std::string& text) {
-  if (!options.out.empty()) {
-    io::write_file(options.out, text);
-    return;
-  }
+void print_result(const std::string& text) {
   if (std::fputs(text.c_str(), stdout) < 0 || std::fflush(stdout) != 0) {
     throw io::InvalidInput("stdout: cannot be written");
+  }
+}
+
+void deliver(const CommonOptions& options, const std::string& text) {
+  if (options.out.empty()) {
+    print_result(text);
+  } else {
+    io::write_file(options.out, text);
   }
 }
 
@@ -169,9 +173,7 @@ ExitCode run_optimize(const OptimizeOptions& options) {
                  options.out, result.sets.size(), result.pareto.size());
       break;
   }
-  CommonOptions to_stdout = options;
-  to_stdout.out.clear();
-  deliver(to_stdout, text);
+  print_result(text);
   if (!design::all_ok(best.checks)) {
     fmt::print(stderr, "{}: fails a check when read back\n", best_path);
     return kSolverFailure;

@@ -41,6 +41,10 @@ ExitCode run_reproduce(const ReproduceOptions& options);
 /// Prints docs/keys.md: every key of DESIGN, PAIR and SPEC files.
 ExitCode run_keys(const CommonOptions& options);
 
+/// Prints a result to stdout.
+/// @throws io::InvalidInput when stdout cannot be written
+void print_result(const std::string& text);
+
 /// Prints a result to stdout, or writes it to options.out.
 void deliver(const CommonOptions& options, const std::string& text);
 

@@ -30,9 +30,7 @@ void add_out_file(CLI::App& command, cli::CommonOptions& options) {
   command.add_option("--out", options.out, "file for the result, instead of stdout");
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run_program(int argc, char** argv) {
   CLI::App app{
       "gear3k designs 3K compound planetary gearboxes (Wolfrom gears) for robot actuators.\n"
       "Exit codes: 0 done, 1 usage, 2 invalid input, 3 no feasible design or (--strict) a failed\n"
@@ -101,13 +99,19 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? cli::kDone : cli::kUsage;
   }
+  return run();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
   try {
-    return run();
+    return run_program(argc, argv);
   } catch (const io::InvalidInput& error) {
-    fmt::print(stderr, "{}\n", error.what());
+    std::fprintf(stderr, "%s\n", error.what());
     return cli::kInvalidInput;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "gear3k: {}\n", error.what());
+    std::fprintf(stderr, "gear3k: %s\n", error.what());
     return cli::kSolverFailure;
   }
 }

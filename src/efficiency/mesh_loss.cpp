@@ -30,20 +30,20 @@ T sliding_factor(const T& approach, const T& recess) {
     return value_of(middle) < 0.0 ? T(-middle) : middle;
   }
   // Over a share f of the pitch there are pairs + 1 in contact, over the rest there are `pairs`.
-  const double pairs = std::floor(value_of(epsilon));
-  const T f = epsilon - pairs;
+  const int pairs = static_cast<int>(std::floor(value_of(epsilon)));
+  const T f = epsilon - static_cast<double>(pairs);
   T sum_more = constant<T>(0.0);
-  for (double k = 0.0; k <= pairs; k += 1.0) {
-    const T start = k - approach;
+  for (int k = 0; k <= pairs; ++k) {
+    const T start = static_cast<double>(k) - approach;
     sum_more = sum_more + absolute_integral<T>(start, start + f);
   }
-  if (pairs < 1.0) return 2.0 * sum_more / f;
+  if (pairs == 0) return 2.0 * sum_more / f;
   T sum_fewer = constant<T>(0.0);
-  for (double k = 0.0; k < pairs; k += 1.0) {
-    const T start = k - approach;
+  for (int k = 0; k < pairs; ++k) {
+    const T start = static_cast<double>(k) - approach;
     sum_fewer = sum_fewer + absolute_integral<T>(start + f, start + 1.0);
   }
-  return 2.0 * (sum_more / (pairs + 1.0) + sum_fewer / pairs);
+  return 2.0 * (sum_more / (pairs + 1.0) + sum_fewer / (1.0 * pairs));
 }
 
 template <class T>

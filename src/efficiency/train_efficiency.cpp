@@ -22,7 +22,7 @@ MeshContact<T> mesh_contact(const train::TrainGeometry<T>& train, train::MeshId 
 template <class T>
 MeshEfficiencies<T> mesh_efficiencies(const train::TrainGeometry<T>& train, const T& mu,
                                       LossModel model, bool forward) {
-  MeshEfficiencies<T> eta;
+  MeshEfficiencies<T> eta{};
   for (std::size_t k = 0; k < train::kMeshCount; ++k) {
     eta[k] =
         mesh_efficiency(mesh_contact(train, static_cast<train::MeshId>(k), forward), mu, model);

@@ -18,7 +18,7 @@ struct BasicRack {
 /// Standard pressure angle α of the basic rack with its trigonometric values, computed once.
 template <class T>
 struct PressureAngle {
-  T alpha_rad, sin, cos, tan, involute;
+  T alpha_rad{}, sin{}, cos{}, tan{}, involute{};
 };
 
 /// @param alpha_rad  standard pressure angle [rad], 0 < α < π/2
@@ -32,10 +32,10 @@ template <class T>
 struct Gear {
   int teeth = 0;
   GearKind kind = GearKind::kExternal;
-  T module_m;             ///< m
-  T profile_shift;        ///< x, in modules
-  T machining_allowance;  ///< q, in modules: normal thinning of the whole tooth is m q
-  T tip_shortening;       ///< k ≥ 0, in modules; shortens the tooth on rings too
+  T module_m{};             ///< m
+  T profile_shift{};        ///< x, in modules
+  T machining_allowance{};  ///< q, in modules: normal thinning of the whole tooth is m q
+  T tip_shortening{};       ///< k ≥ 0, in modules; shortens the tooth on rings too
   BasicRack<T> rack;
 };
 
@@ -49,9 +49,9 @@ struct Gear {
 /// The root circle is that of the basic rack: a ring cut by a pinion cutter differs.
 template <class T>
 struct GearGeometry {
-  Gear<T> gear;
-  PressureAngle<T> angle;
-  T reference_radius_m, base_radius_m, tip_radius_m, root_radius_m;
+  Gear<T> gear{};
+  PressureAngle<T> angle{};
+  T reference_radius_m{}, base_radius_m{}, tip_radius_m{}, root_radius_m{};
 };
 
 /// @throws std::invalid_argument when teeth < 1 or the module is not positive

@@ -24,14 +24,14 @@ inline double mesh_sign(GearKind gear2) { return gear2 == GearKind::kRing ? -1.0
 /// Valid: equal module and pressure angle; tips outside their base circles.
 template <class T>
 struct MeshGeometry {
-  T center_distance_m;  ///< d
-  T alpha_w_rad;        ///< working pressure angle
-  T tan_alpha_w;
-  T tangent_length_m;         ///< d sin α_w: distance of the two base circles' tangent points
-  T base_pitch_m;             ///< p_b
-  T addendum_contact_ratio1;  ///< e1
-  T addendum_contact_ratio2;  ///< e2
-  T contact_ratio;            ///< ε
+  T center_distance_m{};  ///< d
+  T alpha_w_rad{};        ///< working pressure angle
+  T tan_alpha_w{};
+  T tangent_length_m{};         ///< d sin α_w: distance of the two base circles' tangent points
+  T base_pitch_m{};             ///< p_b
+  T addendum_contact_ratio1{};  ///< e1
+  T addendum_contact_ratio2{};  ///< e2
+  T contact_ratio{};            ///< ε
 };
 
 /// The geometry of a mesh; empty where the base circles leave no real working angle

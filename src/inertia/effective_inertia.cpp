@@ -41,7 +41,7 @@ std::optional<T> effective_inertia(const InertialTrain<T>& t, const DirectionalE
   std::optional<T> result;
   for (unsigned pattern = 0; pattern < 8 && !result; ++pattern) {
     std::array<bool, 3> planet_drives{};
-    std::array<T, 3> moment;  // on the planet per torque on the central gear
+    std::array<T, 3> moment{};  // on the planet per torque on the central gear
     for (std::size_t k = 0; k < 3; ++k) {
       planet_drives[k] = (pattern >> k & 1U) != 0;
       // Gear 1 of mesh S-P1 is the sun; of the internal meshes, the planet.
@@ -53,7 +53,7 @@ std::optional<T> effective_inertia(const InertialTrain<T>& t, const DirectionalE
     }
     // Torques of the meshes on S, R1, R2: two balances and the one that inertia alone gives.
     //   moment . torque = planet_moment,  T_S + T_R1 + T_R2 = -carried_moment
-    std::array<T, 3> torque;
+    std::array<T, 3> torque{};
     const std::size_t known = forward ? 2 : 0;
     const std::size_t other = forward ? 0 : 2;
     torque[known] = forward ? t.bodies.ring2_kgm2 : T(w.sun * t.bodies.sun_kgm2);

@@ -52,16 +52,16 @@ bool numbers_in_range(const KeyRecord& record, const std::vector<TomlValue>& lis
 bool module_fits(const KeyRecord& record, const TomlValue& value) {
   if (value.is_number()) return in_range(record, value.number);
   if (value.kind != TomlValue::Kind::kTable) return false;
-  if (value.table.size() == 1 && value.table[0].first == "series") {
-    const TomlValue& series = value.table[0].second;
+  if (value.table.size() == 1 && value.table[0].key == "series") {
+    const TomlValue& series = value.table[0];
     return series.kind == TomlValue::Kind::kList && !series.list.empty() &&
            numbers_in_range(record, series.list);
   }
   if (value.table.size() != 2) return false;
   std::map<std::string, double> ends;
-  for (const auto& [key, end] : value.table) {
+  for (const TomlValue& end : value.table) {
     if (!end.is_number() || !in_range(record, end.number)) return false;
-    ends[key] = end.number;
+    ends[end.key] = end.number;
   }
   return ends.contains("min") && ends.contains("max") && ends["min"] <= ends["max"];
 }
@@ -69,9 +69,9 @@ bool module_fits(const KeyRecord& record, const TomlValue& value) {
 bool per_gear_fits(const KeyRecord& record, const TomlValue& value) {
   if (value.is_number()) return in_range(record, value.number);
   if (value.kind != TomlValue::Kind::kTable || value.table.empty()) return false;
-  return std::ranges::all_of(value.table, [&](const auto& member) {
-    return std::ranges::find(train::kGearNames, member.first) != train::kGearNames.end() &&
-           member.second.is_number() && in_range(record, member.second.number);
+  return std::ranges::all_of(value.table, [&](const TomlValue& member) {
+    return std::ranges::find(train::kGearNames, member.key) != train::kGearNames.end() &&
+           member.is_number() && in_range(record, member.number);
   });
 }
 
@@ -109,11 +109,6 @@ bool fits(const KeyRecord& record, const TomlValue& value) {
       return value.kind == Kind::kBoolean || (value.is_number() && in_range(record, value.number));
   }
   return false;
-}
-
-/// Types whose value may be a table of its own.
-bool may_be_table(KeyType type) {
-  return type == KeyType::kModule || type == KeyType::kNumberPerGear;
 }
 
 std::string parent_of(const std::string& path) {
@@ -179,18 +174,19 @@ struct Matcher {
   }
 
   void walk(const TomlValue& table, const std::string& prefix) {
-    for (const auto& [name, member] : table.table) {
-      const std::string path = prefix.empty() ? name : prefix + "." + name;
+    for (const TomlValue& member : table.table) {
+      const std::string path =
+          prefix.empty() ? member.key : fmt::format("{}.{}", prefix, member.key);
       const auto key = by_path.find(path);
+      const bool known = key != by_path.end();
       const bool is_table = member.kind == TomlValue::Kind::kTable;
-      if (key != by_path.end() && (!is_table || may_be_table(key->second->record->type))) {
+      const bool known_table = tables.contains(path);
+      if (known && !(is_table && known_table)) {
         value(*key->second, member);
-      } else if (is_table && tables.contains(path)) {
+      } else if (is_table && known_table) {
         reading.remember(path, member.position);
         walk(member, path);
-      } else if (key != by_path.end()) {
-        value(*key->second, member);
-      } else if (tables.contains(path)) {
+      } else if (known_table) {
         reading.error(member.position,
                       fmt::format("{} = {}: allowed: a table [{}]", path, as_text(member), path));
       } else if (is_table) {

@@ -22,21 +22,25 @@ struct SpecificationInput {
 
 using Input = SpecificationInput;
 
+template <class Number>
+void sort_and_unify(std::vector<Number>& numbers) {
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+}
+
 optimize::ModuleChoice module_choice(const TomlValue& v) {
   optimize::ModuleChoice choice;
   if (v.is_number()) {
     choice.range_m = optimize::NumberRange{v.number * kMillimetre, v.number * kMillimetre};
   } else if (v.table.size() == 1) {
-    for (const TomlValue& e : v.table[0].second.list) {
+    for (const TomlValue& e : v.table[0].list) {
       choice.series_m.push_back(e.number * kMillimetre);
     }
-    std::sort(choice.series_m.begin(), choice.series_m.end());
-    choice.series_m.erase(std::unique(choice.series_m.begin(), choice.series_m.end()),
-                          choice.series_m.end());
+    sort_and_unify(choice.series_m);
   } else {
     optimize::NumberRange range;
-    for (const auto& [key, end] : v.table) {
-      (key == "min" ? range.min : range.max) = end.number * kMillimetre;
+    for (const TomlValue& end : v.table) {
+      (end.key == "min" ? range.min : range.max) = end.number * kMillimetre;
     }
     choice.range_m = range;
   }
@@ -49,8 +53,8 @@ std::array<double, train::kGearCount> per_gear(const TomlValue& v) {
     values.fill(v.number);
     return values;
   }
-  for (const auto& [name, value] : v.table) {
-    values[index_of(train::kGearNames, name)] = value.number;
+  for (const TomlValue& value : v.table) {
+    values[index_of(train::kGearNames, value.key)] = value.number;
   }
   return values;
 }
@@ -129,9 +133,7 @@ Schema<Input> specification_schema() {
                     for (const TomlValue& e : v.list) {
                       t.spec.planets.push_back(static_cast<int>(e.integer));
                     }
-                    std::ranges::sort(t.spec.planets);
-                    const auto repeated = std::ranges::unique(t.spec.planets);
-                    t.spec.planets.erase(repeated.begin(), repeated.end());
+                    sort_and_unify(t.spec.planets);
                   }});
   append_model_keys<Input>(keys, [](Input& t) {
     return ModelInput{t.spec.pressure_angle_rad, t.spec.rack, t.spec.friction};

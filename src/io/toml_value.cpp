@@ -44,12 +44,13 @@ TomlValue convert(const toml::node& node) {
     for (const auto& [key, member] : *table) {
       TomlValue converted = convert(member);
       converted.position = position_of(key.source());
-      value.table.emplace_back(std::string(key.str()), std::move(converted));
+      converted.key = key.str();
+      value.table.push_back(std::move(converted));
     }
     // The library orders keys by name; files are read from top to bottom.
-    std::stable_sort(value.table.begin(), value.table.end(), [](const auto& a, const auto& b) {
-      return std::tie(a.second.position.line, a.second.position.column) <
-             std::tie(b.second.position.line, b.second.position.column);
+    std::sort(value.table.begin(), value.table.end(), [](const TomlValue& a, const TomlValue& b) {
+      return std::tie(a.position.line, a.position.column) <
+             std::tie(b.position.line, b.position.column);
     });
   }
   return value;
@@ -80,8 +81,8 @@ std::string as_text(const TomlValue& value) {
       text = text.empty() ? "[]" : text + "]";
       break;
     case TomlValue::Kind::kTable:
-      for (const auto& [key, member] : value.table) {
-        text += (text.empty() ? "{ " : ", ") + key + " = " + as_text(member);
+      for (const TomlValue& member : value.table) {
+        text += fmt::format("{}{} = {}", text.empty() ? "{ " : ", ", member.key, as_text(member));
       }
       text = text.empty() ? "{}" : text + " }";
       break;

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "io/diagnostics.hpp"
@@ -19,8 +18,9 @@ struct TomlValue {
   double number = 0.0;  ///< also set for integers
   std::string text;
   std::vector<TomlValue> list;
-  std::vector<std::pair<std::string, TomlValue>> table;  ///< in the order of the file
-  Position position;                                     ///< of the key, or of a list's element
+  std::vector<TomlValue> table;  ///< in the order of the file
+  std::string key;               ///< of a member of a table
+  Position position;             ///< of the key, or of a list's element
 
   [[nodiscard]] bool is_number() const { return kind == Kind::kInteger || kind == Kind::kNumber; }
 };

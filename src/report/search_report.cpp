@@ -7,7 +7,6 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
-#include <ranges>
 
 #include "report/text_table.hpp"
 #include "report/version.hpp"
@@ -114,7 +113,8 @@ std::string search_table(const Specification& spec, const ToothSearchResult& sea
       "there):\n";
   TextTable table(
       {"S/P1/R1/P2/R2", "planets", "ratio", "eta backward", "eta forward", "lost motion", "m2/m1"});
-  for (const ZeroShiftSet& s : sets | std::views::take(rows)) {
+  for (std::size_t k = 0; k < std::min(rows, sets.size()); ++k) {
+    const ZeroShiftSet& s = sets[k];
     const auto percent = [&](double eta) {
       return s.defined ? fmt::format("{:.2f} %", 100.0 * eta) : std::string("-");
     };

@@ -14,13 +14,13 @@ template <class T>
 struct TrainParameters {
   ToothSet teeth;
   int planets = 3;
-  T pressure_angle_rad;
-  T center_distance_m;
-  std::array<T, 2> module_m;  ///< stage 1 (S, P1, R1), stage 2 (P2, R2)
-  std::array<T, kGearCount> profile_shift;
-  std::array<T, kGearCount> machining_allowance;
-  std::array<T, kGearCount> tip_shortening;
-  std::array<geometry::BasicRack<T>, kGearCount> rack;
+  T pressure_angle_rad{};
+  T center_distance_m{};
+  std::array<T, 2> module_m{};  ///< stage 1 (S, P1, R1), stage 2 (P2, R2)
+  std::array<T, kGearCount> profile_shift{};
+  std::array<T, kGearCount> machining_allowance{};
+  std::array<T, kGearCount> tip_shortening{};
+  std::array<geometry::BasicRack<T>, kGearCount> rack{};
 };
 
 /// Stage (0 or 1) that a gear belongs to.
@@ -33,9 +33,9 @@ template <class T>
 struct TrainGeometry {
   ToothSet teeth;
   int planets = 3;
-  T center_distance_m;
-  std::array<geometry::GearGeometry<T>, kGearCount> gears;
-  std::array<geometry::MeshGeometry<T>, kMeshCount> meshes;
+  T center_distance_m{};
+  std::array<geometry::GearGeometry<T>, kGearCount> gears{};
+  std::array<geometry::MeshGeometry<T>, kMeshCount> meshes{};
 };
 
 template <class T>

@@ -1,0 +1,28 @@
+# Sourced by ./run and ./check: installs what is missing of the named Debian or Ubuntu packages.
+
+build_packages="g++ cmake ninja-build pkg-config git libeigen3-dev libceres-dev coinor-libipopt-dev
+libnlopt-dev libfmt-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev"
+check_packages="libgtest-dev libbenchmark-dev clang-format clang-tidy"
+
+install_missing() {
+  local missing="" package
+  for package in "$@"; do
+    dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' ||
+      missing="$missing $package"
+  done
+  [ -z "$missing" ] && return 0
+  echo "Installing:$missing"
+  local as_root=""
+  if [ "$(id -u)" -ne 0 ]; then
+    if ! command -v sudo >/dev/null 2>&1; then
+      echo "$0: packages are missing and neither root nor sudo is at hand; as root run:" >&2
+      echo "  apt-get install --no-install-recommends$missing" >&2
+      return 1
+    fi
+    as_root="sudo"
+  fi
+  # shellcheck disable=SC2086  # the lists are words on purpose
+  $as_root apt-get update -qq &&
+    $as_root env DEBIAN_FRONTEND=noninteractive \
+      apt-get install -y -qq --no-install-recommends $missing >/dev/null
+}
