@@ -288,8 +288,8 @@ const std::array<CheckRecord, kCheckCount>& records() {
 }  // namespace
 
 std::string_view unit_name(Unit unit) { return kUnits[static_cast<std::size_t>(unit)].name; }
-double in_unit(double si_value, Unit unit) {
-  return si_value / kUnits[static_cast<std::size_t>(unit)].si;
+double in_unit(double value_si, Unit unit) {
+  return value_si / kUnits[static_cast<std::size_t>(unit)].si;
 }
 double from_unit(double value, Unit unit) {
   return value * kUnits[static_cast<std::size_t>(unit)].si;

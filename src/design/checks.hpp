@@ -18,7 +18,7 @@ enum class Unit { kNone, kModule, kMillimetre, kMicrometre, kArcmin, kDegree };
 /// Name of a unit as files and tables print it; "" for kNone.
 std::string_view unit_name(Unit unit);
 /// SI value (m, rad, or a number) in the unit.
-double in_unit(double si_value, Unit unit);
+double in_unit(double value_si, Unit unit);
 double from_unit(double value, Unit unit);
 
 /// What one value of a check belongs to.

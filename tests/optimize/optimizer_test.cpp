@@ -1,0 +1,301 @@
+#include "optimize/optimizer.hpp"
+
+#include <gtest/gtest.h>
+#include <omp.h>
+
+#include <map>
+
+#include "design/evaluation.hpp"
+#include "io/specification_file.hpp"
+#include "tests/optimize/rp96_problem.hpp"
+
+namespace gear3k::optimize {
+namespace {
+
+Specification example(const std::string& name) {
+  return io::read_specification(std::string(GEAR3K_SOURCE_DIR) + "/examples/" + name);
+}
+
+const OptimizeResult& rp96_result(Refine refine) {
+  static std::map<Refine, OptimizeResult> results;
+  if (!results.contains(refine)) {
+    Specification spec = example("rp96.toml");
+    spec.solver.refine = refine;
+    Progress progress;
+    results.emplace(refine, optimize(spec, progress));
+  }
+  return results.at(refine);
+}
+
+rp96::Values typed_anew(const RefinedSet& s) {
+  const auto& z = s.candidate.teeth;
+  const auto& x = s.train.profile_shift;
+  return rp96::evaluate({z.S, z.P1, z.R1, z.P2, z.R2, x[0], x[1], x[2], x[3], x[4],
+                         s.train.module_m[1] / s.train.module_m[0],
+                         s.train.center_distance_m / s.train.module_m[0]});
+}
+
+/// Largest violation that counts as feasible (docs/interface.md), as the typed-anew problem scales.
+constexpr double kFeasible = 1.01e-6;
+
+TEST(OptimizeRp96, ReachesWhatSciPyFinds) {
+  const OptimizeResult& r = rp96_result(Refine::kSlsqp);
+  ASSERT_EQ(r.sets.size(), 654U);
+  std::size_t optimal = 0;
+  for (const RefinedSet& s : r.sets) optimal += s.status == Status::kOptimal ? 1 : 0;
+  EXPECT_GE(optimal, 428U);
+  ASSERT_TRUE(r.best);
+  const RefinedSet& best = r.sets[*r.best];
+  const train::ToothSet expected{.S = 12, .P1 = 54, .R1 = 120, .P2 = 47, .R2 = 118};
+  EXPECT_EQ(best.candidate.teeth, expected);
+  const double half_digit = 0.5e-5;
+  EXPECT_GE(best.eta_b, 0.94340 - half_digit);
+  EXPECT_NEAR(best.eta_f, 0.94493, half_digit);
+  const auto set_with = [&](const train::ToothSet& z) {
+    return *std::ranges::find_if(r.sets,
+                                 [&](const RefinedSet& s) { return s.candidate.teeth == z; });
+  };
+  EXPECT_GE(set_with({.S = 12, .P1 = 52, .R1 = 117, .P2 = 45, .R2 = 114}).eta_b,
+            0.94183 - half_digit);
+}
+
+TEST(OptimizeRp96, EveryOptimumIsFeasibleInTheProblemTypedAnew) {
+  for (const RefinedSet& s : rp96_result(Refine::kSlsqp).sets) {
+    if (s.status != Status::kOptimal) continue;
+    const rp96::Values v = typed_anew(s);
+    EXPECT_GE(v.worst_margin, -kFeasible);
+    EXPECT_NEAR(v.eta_b, s.eta_b, 1e-12);
+    EXPECT_NEAR(v.eta_f, s.eta_f, 1e-12);
+    EXPECT_LT(s.kkt_residual, 1e-5);
+  }
+}
+
+TEST(OptimizeRp96, SlsqpAndIpoptAgreeOnEveryFeasibleSet) {
+  const auto& slsqp = rp96_result(Refine::kSlsqp).sets;
+  Specification spec = example("rp96.toml");
+  spec.solver.refine = Refine::kIpopt;
+  spec.solver.starts = 1;
+  Progress progress;
+  const auto ipopt = optimize(spec, progress).sets;
+  ASSERT_EQ(slsqp.size(), ipopt.size());
+  for (std::size_t k = 0; k < slsqp.size(); ++k) {
+    ASSERT_EQ(slsqp[k].candidate, ipopt[k].candidate);
+    EXPECT_EQ(slsqp[k].status, ipopt[k].status);
+    if (slsqp[k].status != Status::kOptimal) continue;
+    EXPECT_NEAR(slsqp[k].eta_b, ipopt[k].eta_b, 2e-6);
+    EXPECT_GE(typed_anew(ipopt[k]).worst_margin, -kFeasible);
+  }
+}
+
+TEST(OptimizeRp96, PolishingByIpoptLosesNothing) {
+  const auto& slsqp = rp96_result(Refine::kSlsqp).sets;
+  const auto& both = rp96_result(Refine::kBoth).sets;
+  for (std::size_t k = 0; k < slsqp.size(); ++k) {
+    if (slsqp[k].status != Status::kOptimal) continue;
+    EXPECT_GE(both[k].eta_b, slsqp[k].eta_b - 2e-9);
+    EXPECT_LE(both[k].kkt_residual, std::max(1e-6, slsqp[k].kkt_residual));
+  }
+}
+
+TEST(OptimizeRp96, PublishedTeethReachTheValuesOfTheReference) {
+  Specification spec = example("rp96.toml");
+  const Candidate proposed{.teeth = {.S = 14, .P1 = 40, .R1 = 94, .P2 = 36, .R2 = 92},
+                           .planets = 3};
+  const Candidate bilateral{.teeth = {.S = 12, .P1 = 39, .R1 = 90, .P2 = 32, .R2 = 81},
+                            .planets = 3};
+  const double half_digit = 0.5e-4;
+  EXPECT_GE(refine(spec, proposed).eta_b, 0.9091 - half_digit);
+  EXPECT_GE(refine(spec, bilateral).eta_b, 0.9093 - half_digit);
+  spec.profile_shift.max = 2.0;
+  EXPECT_GE(refine(spec, proposed).eta_b, 0.9218 - half_digit);
+  EXPECT_GE(refine(spec, bilateral).eta_b, 0.9224 - half_digit);
+}
+
+bool same_bits(const RefinedSet& a, const RefinedSet& b) {
+  return a.candidate == b.candidate && a.status == b.status && a.reason == b.reason &&
+         a.violation == b.violation && a.eta_b == b.eta_b && a.eta_f == b.eta_f &&
+         a.train.profile_shift == b.train.profile_shift && a.train.module_m == b.train.module_m &&
+         a.train.center_distance_m == b.train.center_distance_m && a.kkt_residual == b.kkt_residual;
+}
+
+TEST(Optimize, ResultsDoNotDependOnTheNumberOfThreads) {
+  Specification spec = example("ratio-96.toml");
+  spec.teeth.S = {.min = 12, .max = 13};
+  std::optional<OptimizeResult> first;
+  for (const int threads : {1, 2, 4}) {
+    omp_set_num_threads(threads);
+    Progress progress;
+    OptimizeResult result = optimize(spec, progress);
+    if (!first) {
+      first = std::move(result);
+      ASSERT_GT(first->sets.size(), 50U);
+      continue;
+    }
+    ASSERT_EQ(result.sets.size(), first->sets.size());
+    for (std::size_t k = 0; k < result.sets.size(); ++k) {
+      EXPECT_TRUE(same_bits(result.sets[k], first->sets[k]));
+    }
+    EXPECT_EQ(result.best, first->best);
+    EXPECT_EQ(result.pareto, first->pareto);
+  }
+  omp_set_num_threads(omp_get_num_procs());
+}
+
+/// What a specification asks for must hold in the analysis of the design that it gets.
+void expect_design_keeps_its_limits(const Specification& spec, const RefinedSet& set) {
+  const auto evaluation = design::evaluate(design_of(spec, set));
+  ASSERT_TRUE(std::holds_alternative<design::Evaluation>(evaluation));
+  const auto& e = std::get<design::Evaluation>(evaluation);
+  for (const design::CheckResult& c : e.checks) {
+    EXPECT_TRUE(c.ok) << c.record->name << " " << c.mesh << c.gear << " margin " << c.margin;
+  }
+  for (std::size_t stage = 0; stage < 2; ++stage) {
+    const ModuleChoice& choice = spec.module[stage];
+    const double m = set.train.module_m[stage];
+    if (choice.range_m) {
+      const double rounding = 1e-6 * length_scale_m(spec);
+      EXPECT_GE(m, choice.range_m->min - rounding);
+      EXPECT_LE(m, choice.range_m->max + rounding);
+    } else {
+      EXPECT_NE(std::ranges::find(choice.series_m, m), choice.series_m.end());
+    }
+  }
+}
+
+struct ModuleCase {
+  const char* name;
+  ModuleChoice stage1, stage2;
+};
+
+class OptimizeModules : public testing::TestWithParam<ModuleCase> {};
+
+TEST_P(OptimizeModules, EveryOptimumKeepsItsLimits) {
+  Specification spec = example("ratio-96.toml");
+  spec.teeth.S = {.min = 12, .max = 14};
+  spec.teeth.P1 = {.min = 40, .max = 64};
+  spec.module = {GetParam().stage1, GetParam().stage2};
+  Progress progress;
+  const OptimizeResult result = optimize(spec, progress);
+  std::size_t optimal = 0;
+  for (const RefinedSet& s : result.sets) {
+    if (s.status != Status::kOptimal) continue;
+    ++optimal;
+    expect_design_keeps_its_limits(spec, s);
+  }
+  EXPECT_GT(optimal, 3U);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Choices, OptimizeModules,
+    testing::Values(
+        ModuleCase{"BothRanges", {NumberRange{0.5e-3, 1e-3}, {}}, {NumberRange{0.5e-3, 1e-3}, {}}},
+        ModuleCase{"BothSeries", {{}, {0.5e-3, 0.6e-3}}, {{}, {0.5e-3, 0.55e-3, 0.6e-3}}},
+        ModuleCase{"SeriesAndRange", {{}, {0.5e-3, 0.6e-3}}, {NumberRange{0.4e-3, 1e-3}, {}}},
+        ModuleCase{"RangeAndSeries", {NumberRange{0.4e-3, 1e-3}, {}}, {{}, {0.5e-3, 0.6e-3}}}),
+    [](const auto& info) { return std::string(info.param.name); });
+
+TEST(Optimize, OutputThatTurnsBackwardsIsRefinedToo) {
+  Specification spec = example("ratio-96.toml");
+  spec.ratio.target = -96.2;
+  spec.teeth.S = {.min = 12, .max = 13};
+  Progress progress;
+  const OptimizeResult result = optimize(spec, progress);
+  ASSERT_TRUE(result.best);
+  const RefinedSet& best = result.sets[*result.best];
+  EXPECT_LT(train::ratio(best.candidate.teeth), 0.0);
+  EXPECT_GT(train::g2(best.candidate.teeth), 1.0);
+  EXPECT_GT(best.eta_b, 0.8);
+  expect_design_keeps_its_limits(spec, best);
+}
+
+TEST(Optimize, LowerLimitOfThePapersLostMotionHolds) {
+  Specification spec = example("rp96.toml");
+  spec.limits[design::CheckId::kOutputBacklashMin] = design::from_unit(6.0, design::Unit::kArcmin);
+  spec.teeth.S = {.min = 12, .max = 12};
+  Progress progress;
+  const OptimizeResult result = optimize(spec, progress);
+  ASSERT_TRUE(result.best);
+  for (const RefinedSet& s : result.sets) {
+    if (s.status == Status::kOptimal) expect_design_keeps_its_limits(spec, s);
+  }
+}
+
+TEST(Optimize, ForwardObjectiveBeatsTheBackwardOneForward) {
+  Specification spec = example("rp96.toml");
+  const Candidate candidate{.teeth = {.S = 12, .P1 = 54, .R1 = 120, .P2 = 47, .R2 = 118},
+                            .planets = 3};
+  const RefinedSet backward = refine(spec, candidate);
+  spec.objective = Objective::kForwardEfficiency;
+  const RefinedSet forward = refine(spec, candidate);
+  EXPECT_GE(forward.eta_f, backward.eta_f - 1e-9);
+  EXPECT_LE(forward.eta_b, backward.eta_b + 1e-9);
+}
+
+TEST(Optimize, ProvenInfeasibleSetsHaveNoFeasiblePointInTheBox) {
+  Specification spec = example("ratio-96.toml");
+  spec.limits[design::CheckId::kRingRootDiameter] = 0.055;
+  spec.teeth.S = {.min = 12, .max = 13};
+  Progress progress;
+  const OptimizeResult result = optimize(spec, progress);
+  std::size_t proven = 0;
+  for (const RefinedSet& s : result.sets) {
+    if (s.status != Status::kInfeasible) continue;
+    ++proven;
+    ASSERT_EQ(s.reason, "ring_root_diameter");
+    // At the least module and shift the larger ring is too large already.
+    const double m = 0.5e-3;
+    const int teeth = std::max(s.candidate.teeth.R1, s.candidate.teeth.R2);
+    EXPECT_GT(m * (teeth + 2.0 * 1.25), 0.055);
+  }
+  EXPECT_GT(proven, 10U);
+}
+
+TEST(Optimize, SetsWithoutFeasiblePointNameTheConstraintAndItsMiss) {
+  Specification spec = example("rp96.toml");
+  spec.limits[design::CheckId::kContactRatioMin] = 1.99;
+  spec.limits[design::CheckId::kContactRatioMax] = 2.0;
+  spec.teeth.S = {.min = 12, .max = 12};
+  Progress progress;
+  const OptimizeResult result = optimize(spec, progress);
+  EXPECT_FALSE(result.best);
+  for (const RefinedSet& s : result.sets) {
+    EXPECT_EQ(s.status, Status::kNoFeasibleFound);
+    EXPECT_FALSE(s.reason.empty());
+    EXPECT_GT(s.violation, design::kFeasibilityTolerance);
+    EXPECT_GT(s.miss, 0.0);
+  }
+}
+
+TEST(Optimize, StopKeepsWhatIsDone) {
+  const Specification spec = example("rp96.toml");
+  Progress progress;
+  progress.stop = true;
+  const OptimizeResult result = optimize(spec, progress);
+  EXPECT_TRUE(result.interrupted);
+  EXPECT_TRUE(result.sets.empty());
+  EXPECT_FALSE(result.best);
+}
+
+TEST(ParetoFront, HoldsExactlyTheSetsThatNothingDominates) {
+  const auto& r = rp96_result(Refine::kSlsqp);
+  const auto dominates = [](const RefinedSet& a, const RefinedSet& b) {
+    const bool no_worse = a.eta_b >= b.eta_b && a.eta_f >= b.eta_f &&
+                          a.lost_motion_rad <= b.lost_motion_rad &&
+                          a.ring_root_diameter_m <= b.ring_root_diameter_m;
+    const bool better = a.eta_b > b.eta_b || a.eta_f > b.eta_f ||
+                        a.lost_motion_rad < b.lost_motion_rad ||
+                        a.ring_root_diameter_m < b.ring_root_diameter_m;
+    return no_worse && better;
+  };
+  for (std::size_t k = 0; k < r.sets.size(); ++k) {
+    if (r.sets[k].status != Status::kOptimal) continue;
+    const bool dominated = std::ranges::any_of(r.sets, [&](const RefinedSet& s) {
+      return s.status == Status::kOptimal && dominates(s, r.sets[k]);
+    });
+    const bool on_front = std::ranges::find(r.pareto, k) != r.pareto.end();
+    EXPECT_EQ(on_front, !dominated);
+  }
+}
+
+}  // namespace
+}  // namespace gear3k::optimize

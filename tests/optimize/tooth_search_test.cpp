@@ -1,0 +1,143 @@
+#include "optimize/tooth_search.hpp"
+
+#include <gtest/gtest.h>
+#include <omp.h>
+
+#include <numeric>
+#include <random>
+#include <set>
+#include <tuple>
+
+#include "io/specification_file.hpp"
+
+namespace gear3k::optimize {
+namespace {
+
+Specification rp96() {
+  return io::read_specification(std::string(GEAR3K_SOURCE_DIR) + "/examples/rp96.toml");
+}
+
+using Teeth = std::tuple<int, int, int, int, int, int>;
+
+struct BruteForce {
+  std::set<Teeth> candidates;
+  std::uint64_t within_ratio = 0;
+};
+
+/// Five nested loops over every tooth count, with the rules as rp96.md states them.
+BruteForce brute_force(const Specification& spec) {
+  BruteForce result;
+  const ToothRanges& r = spec.teeth;
+  for (const int n : spec.planets) {
+    for (int s = r.S.min; s <= r.S.max; ++s) {
+      for (int p1 = r.P1.min; p1 <= r.P1.max; ++p1) {
+        for (int r1 = 1; r1 <= r.R1_max; ++r1) {
+          if (std::abs(r1 - (s + 2 * p1)) > r.max_coaxial_offset) continue;
+          for (int p2 = r.P2.min; p2 <= r.P2.max; ++p2) {
+            for (int r2 = 1; r2 <= r.R2_max; ++r2) {
+              const double g1 = static_cast<double>(r1) / s;
+              const double g2 = static_cast<double>(p2) * r1 / (static_cast<double>(p1) * r2);
+              if (g2 == 1.0) continue;
+              const double ratio = (1.0 + g1) / (1.0 - g2);
+              if (std::abs(ratio / spec.ratio.target - 1.0) > spec.ratio.tolerance) continue;
+              ++result.within_ratio;
+              if (r1 - p1 < r.min_internal_difference || r2 - p2 < r.min_internal_difference) {
+                continue;
+              }
+              if ((s + r1) % n != 0) continue;
+              if (spec.identical_planets && (r2 * p1 - r1 * p2) % (n * std::gcd(p1, p2)) != 0) {
+                continue;
+              }
+              result.candidates.insert({n, s, p1, r1, p2, r2});
+            }
+          }
+        }
+      }
+    }
+  }
+  return result;
+}
+
+void expect_equal_to_brute_force(const Specification& spec) {
+  const std::atomic<bool> stop{false};
+  const ToothSearchResult found = search_teeth(spec, stop);
+  const BruteForce all = brute_force(spec);
+  std::set<Teeth> set;
+  for (const Candidate& c : found.candidates) {
+    set.insert({c.planets, c.teeth.S, c.teeth.P1, c.teeth.R1, c.teeth.P2, c.teeth.R2});
+  }
+  EXPECT_EQ(set.size(), found.candidates.size()) << "a set was generated twice";
+  EXPECT_EQ(set, all.candidates);
+  EXPECT_EQ(found.within_ratio, all.within_ratio);
+  EXPECT_EQ(found.within_ratio,
+            found.candidates.size() +
+                std::accumulate(found.rejected.begin(), found.rejected.end(), std::uint64_t{0}));
+  EXPECT_TRUE(std::is_sorted(found.candidates.begin(), found.candidates.end(),
+                             [](const Candidate& a, const Candidate& b) {
+                               return std::tie(a.planets, a.teeth) < std::tie(b.planets, b.teeth);
+                             }));
+}
+
+TEST(ToothSearch, Rp96HasThe654SetsOfTheBruteForceLoop) {
+  const Specification spec = rp96();
+  expect_equal_to_brute_force(spec);
+  const std::atomic<bool> stop{false};
+  EXPECT_EQ(search_teeth(spec, stop).candidates.size(), 654U);  // docs/rp96.md
+}
+
+TEST(ToothSearch, Rp96WithoutIdenticalPlanetsHas2117Sets) {
+  Specification spec = rp96();
+  spec.identical_planets = false;
+  expect_equal_to_brute_force(spec);
+  const std::atomic<bool> stop{false};
+  EXPECT_EQ(search_teeth(spec, stop).candidates.size(), 2117U);  // docs/rp96.md
+}
+
+TEST(ToothSearch, LosesNothingForRandomSpecifications) {
+  std::mt19937 random(7);
+  const auto integer = [&](int low, int high) {
+    return std::uniform_int_distribution<int>(low, high)(random);
+  };
+  std::size_t found = 0;
+  for (int trial = 0; trial < 30; ++trial) {
+    Specification spec = rp96();
+    const double magnitude = std::uniform_real_distribution<double>(4.0, 250.0)(random);
+    spec.ratio.target = trial % 2 == 0 ? magnitude : -magnitude;
+    spec.ratio.tolerance = std::uniform_real_distribution<double>(0.0, 0.05)(random);
+    const int s = integer(6, 20);
+    const int p1 = integer(12, 40);
+    const int p2 = integer(12, 40);
+    spec.teeth = {.S = {s, s + 5},
+                  .P1 = {p1, p1 + 10},
+                  .P2 = {p2, p2 + 10},
+                  .R1_max = integer(60, 130),
+                  .R2_max = integer(60, 130),
+                  .max_coaxial_offset = integer(0, 6),
+                  .min_internal_difference = integer(1, 12)};
+    spec.planets = {integer(1, 3), integer(4, 6)};
+    spec.identical_planets = integer(0, 1) == 1;
+    expect_equal_to_brute_force(spec);
+    const std::atomic<bool> stop{false};
+    found += search_teeth(spec, stop).candidates.size();
+  }
+  EXPECT_GT(found, 1000U) << "the random specifications are too empty to prove anything";
+}
+
+TEST(ToothSearch, OrderDoesNotDependOnTheNumberOfThreads) {
+  const Specification spec = rp96();
+  const std::atomic<bool> stop{false};
+  omp_set_num_threads(1);
+  const auto one = search_teeth(spec, stop);
+  omp_set_num_threads(4);
+  const auto four = search_teeth(spec, stop);
+  EXPECT_EQ(one.candidates, four.candidates);
+  EXPECT_EQ(one.rejected, four.rejected);
+}
+
+TEST(ToothSearch, StopEndsTheSearchAndSaysSo) {
+  const std::atomic<bool> stop{true};
+  EXPECT_TRUE(search_teeth(rp96(), stop).interrupted);
+}
+
+}  // namespace
+}  // namespace gear3k::optimize
