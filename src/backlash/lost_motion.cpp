@@ -26,7 +26,7 @@ std::array<T, train::kMeshCount> kinematic_lost_motion(
   const double g2 = train::g2(train.teeth);
   const double ratio = std::abs(train::ratio(train.teeth));
   return {j_bn[0] / (ratio * train.gears[kS].base_radius_m),
-          std::abs(g1 + g2) / (1.0 + g1) * j_bn[1] / train.gears[kR1].base_radius_m,
+          (g1 + g2) / (1.0 + g1) * j_bn[1] / train.gears[kR1].base_radius_m,
           j_bn[2] / train.gears[kR2].base_radius_m};
 }
 

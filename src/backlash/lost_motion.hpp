@@ -18,7 +18,7 @@ std::array<T, train::kMeshCount> normal_backlashes(const train::TrainGeometry<T>
 
 /// Share of each mesh in the lost motion at the output, by the kinematic model.
 ///
-///   j1/(|i| rb_S),  j2 |G1 + G2|/((1 + G1) rb_R1),  j3/rb_R2
+///   j1/(|i| rb_S),  j2 (G1 + G2)/((1 + G1) rb_R1),  j3/rb_R2
 ///
 /// Their sum is the angle that R2 can turn with the sun locked, all bodies rigid and all planets
 /// alike; at the input (output locked) it is |i| times that.

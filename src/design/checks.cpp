@@ -268,8 +268,8 @@ const std::array<CheckRecord, kCheckCount>& records() {
                                             .limit_key = "",
                                             .help =
                                                 "zS + zR1 divisible by the number of planets; the "
-                                                "margin is the carrier angle to the nearest "
-                                                "position that fits"}),
+                                                "margin is the carrier angle from the first "
+                                                "planet to the nearest position that fits"}),
       with_values<IdenticalPlanets>(CheckRecord{.id = CheckId::kIdenticalPlanets,
                                                 .name = "identical_planets",
                                                 .title = "planets are one and the same part",

@@ -102,7 +102,8 @@ void note_loss_model(const std::vector<MeshResult>& meshes, std::vector<std::str
     if (mesh.loss_model_in_range) continue;
     notes.push_back(fmt::format(
         "loss model ohlendorf is outside its range at mesh {}: approach {:.3f}, recess {:.3f}, "
-        "valid for 0 to 1; it overestimates the loss there (loss_model = \"sliding\" does not)",
+        "valid for 0 to 1 each with a sum of at least 1; it overestimates the loss there "
+        "(loss_model = \"sliding\" does not)",
         mesh.name, mesh.approach_contact_ratio, mesh.recess_contact_ratio));
   }
 }

@@ -11,7 +11,7 @@ namespace gear3k::efficiency {
 
 enum class LossModel {
   kSliding,   ///< mean |sliding| over a base pitch, exact to first order for any contact ratios
-  kOhlendorf  ///< the papers' closed form, right for approach and recess ratios within [0, 1]
+  kOhlendorf  ///< the papers' closed form, right for 0 ≤ e_a, e_r ≤ 1 and ε ≥ 1
 };
 /// Names of the models in files, in the order of the enum.
 inline constexpr std::array<std::string_view, 2> kLossModelNames{"sliding", "ohlendorf"};
@@ -54,7 +54,8 @@ T sliding_factor(const T& approach, const T& recess);
 template <class T>
 T mesh_efficiency(const MeshContact<T>& contact, const T& mu, LossModel model);
 
-/// Whether the model is inside its range of validity for this mesh (ohlendorf: 0 ≤ e_a, e_r ≤ 1).
+/// Whether the model is inside its range of validity for this mesh (ohlendorf: 0 ≤ e_a, e_r ≤ 1 and
+/// ε ≥ 1).
 bool loss_model_in_range(LossModel model, double approach, double recess);
 
 }  // namespace gear3k::efficiency

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 
@@ -19,6 +20,8 @@ T involute(const T& angle) {
 
 namespace {
 
+constexpr double kRounding = 2.0 * std::numeric_limits<double>::epsilon();
+
 double inverse_involute_value(double value) {
   if (!(value >= 0.0)) {
     throw std::invalid_argument(
@@ -31,7 +34,8 @@ double inverse_involute_value(double value) {
     const double t = std::tan(a);
     const double step = (t - a - value) / (t * t);
     a -= step;
-    if (!(std::abs(step) > 1e-15 * a)) break;
+    // One ulp of tan a moves the root by eps/tan a.
+    if (!(std::abs(step) > kRounding * (a + 1.0 / t))) break;
   }
   return a;
 }
@@ -43,8 +47,9 @@ T inverse_involute(const T& value) {
   using std::tan;
   T a = constant<T>(inverse_involute_value(value_of(value)));
   if constexpr (!std::is_floating_point_v<T>) {
-    // Each Newton step at the converged value makes one more order of derivatives exact.
-    for (int order = 0; order < 2; ++order) {
+    // A Newton step at the converged value makes the first derivatives exact, a second step those
+    // up to the third.
+    for (int step = 0; step < 2; ++step) {
       const T t = tan(a);
       a = a - (t - a - value) / (t * t);
     }

@@ -7,7 +7,7 @@ namespace gear3k::geometry {
 ///   inv a = tan a − a
 ///
 /// Source: ISO 21771 (involute function).
-/// Valid: |a| < π/2.  Accuracy: rounding of tan a − a, that is 2 ulp of a.
+/// Valid: |a| < π/2.  Accuracy: rounding of tan a − a, that is 1 ulp of tan a.
 /// @param angle  pressure angle a [rad]
 /// @returns inv a [rad]
 template <class T>

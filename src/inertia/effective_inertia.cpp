@@ -68,7 +68,7 @@ std::optional<T> effective_inertia(const InertialTrain<T>& t, const DirectionalE
     }
     const T driving = forward ? T((w.sun * t.bodies.sun_kgm2 - torque[0]) / w.sun)
                               : T(t.bodies.ring2_kgm2 - torque[2]);
-    if (consistent && value_of(driving) >= 0.0) result = driving;
+    if (consistent) result = driving;
   }
   return result;
 }

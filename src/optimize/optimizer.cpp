@@ -161,13 +161,13 @@ RefinedSet refine(const Specification& spec, const Candidate& candidate) {
     set.miss_unit = design::unit_name(unit);
     return set;
   }
-  // Either branch of the paper's max() may carry the lower limit; elsewhere they are the same.
-  const bool branches = spec.limits.model == backlash::LostMotionModel::kPaper &&
-                        spec.limits[CheckId::kOutputBacklashMin].value_or(0.0) > 0.0;
   BestEnd best;
   for (const FixedModules& modules : module_combinations(spec)) {
-    for (int branch = 1; branch <= (branches ? 2 : 1); ++branch) {
+    // Either branch of the paper's max() may carry the lower limit.
+    int branches = 1;
+    for (int branch = 1; branch <= branches; ++branch) {
       const RefinementProblem problem = make_refinement_problem(spec, candidate, modules, branch);
+      if (problem.has_branches) branches = 2;
       BestEnd local;
       for (const Point& start : starting_points(problem, spec.solver.starts, spec.solver.seed)) {
         local.offer(problem, solve(problem, start));

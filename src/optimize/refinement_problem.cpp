@@ -46,7 +46,10 @@ void append_checks(RefinementProblem& p, int backlash_branch) {
     if (id == CheckId::kOutputBacklashMin) {
       // Implied by meshes that do not interfere.
       if (check.limit <= 0.0 && limits[CheckId::kNormalBacklash].value_or(-1.0) >= 0.0) continue;
-      if (paper) row.check->subject.which = backlash_branch;
+      if (paper) {
+        row.check->subject.which = backlash_branch;
+        p.has_branches = true;
+      }
       p.rows.push_back(row);
     } else if (id == CheckId::kOutputBacklashMax && paper) {
       for (const int branch : {1, 2}) {

@@ -40,12 +40,13 @@ struct RefinementProblem {
   int variables = 0;
   std::array<double, kMaxVariables> lower{}, upper{};
   double length_scale_m = 1e-3;
+  bool has_branches = false;  ///< the lower limit of the paper's lost motion is a row: see below
   std::vector<ConstraintRow> rows;
 };
 
 /// @param fixed_module_m  a module for each stage that is not refined continuously
 /// @param backlash_branch 1 or 2: which of the paper's φ_2, φ_3 has to reach the lower limit of the
-///        lost motion (either suffices); without effect in the kinematic model
+///        lost motion (either suffices); of no effect unless the result has_branches
 RefinementProblem make_refinement_problem(const Specification& spec, const Candidate& candidate,
                                           std::array<std::optional<double>, 2> fixed_module_m,
                                           int backlash_branch);

@@ -1,11 +1,13 @@
 #include "optimize/specification.hpp"
 
+#include <algorithm>
+
 namespace gear3k::optimize {
 
 double length_scale_m(const Specification& spec) {
   const ModuleChoice& stage1 = spec.module[0];
-  if (stage1.range_m) return 0.5 * (stage1.range_m->min + stage1.range_m->max);
-  return stage1.series_m[stage1.series_m.size() / 2];
+  if (stage1.range_m) return stage1.range_m->min;
+  return *std::min_element(stage1.series_m.begin(), stage1.series_m.end());
 }
 
 }  // namespace gear3k::optimize

@@ -69,7 +69,8 @@ struct Specification {
   Solver solver;
 };
 
-/// Length that makes lengths of this task of order 1: the middle of stage 1's modules [m].
+/// Length that makes lengths of this task of order 1: the least of stage 1's modules [m], so that
+/// what is feasible here is feasible to the analysis of the design with its own module.
 double length_scale_m(const Specification& spec);
 
 }  // namespace gear3k::optimize

@@ -110,7 +110,9 @@ Point start_from(const RefinementProblem& p, const ShiftFractions& fractions) {
   v[5] = std::clamp(p.angle_mesh == train::kMeshSP1 ? angle1 : angle2, range.low, range.high);
   v[6] = closing_angle(spec, thinned_shift(spec, kR2, v[kR2]) - thinned_shift(spec, kP2, v[kP2]),
                        sum3, range);
-  if (p.variables > 7) v[7] = 0.5 * (p.lower[7] + p.upper[7]);
+  // Efficiency does not depend on the scale: start at the coarsest module, so that limits of size
+  // are filled and teeth are as strong as they can be.
+  if (p.variables > 7) v[7] = p.upper[7];
   return v;
 }
 

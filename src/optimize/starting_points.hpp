@@ -13,8 +13,8 @@ using Point = std::array<double, kMaxVariables>;
 ///
 /// Each takes a pair of shifts for S, P1 and for P2, R2 (the first ones from a fixed table of
 /// fractions of the shift range, the rest drawn from `seed` and the tooth numbers), and closes the
-/// meshes one after the other: the angle at which S-P1 has a small backlash, the x_R1 with which
-/// P1-R1 has the same at that distance, the angle (or x_R2) at which P2-R2 has it.  Values are
+/// meshes one after the other: the angle at which S-P1 has no backlash, the x_R1 with which
+/// P1-R1 has none at that distance, the angle (or x_R2) at which P2-R2 has none.  Values are
 /// clipped to the box, so a start need not be feasible.
 /// Source: own derivation, docs/theory.md §12.
 std::vector<Point> starting_points(const RefinementProblem& problem, int count,

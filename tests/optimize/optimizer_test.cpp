@@ -192,7 +192,7 @@ INSTANTIATE_TEST_SUITE_P(
         ModuleCase{"BothSeries", {{}, {0.5e-3, 0.6e-3}}, {{}, {0.5e-3, 0.55e-3, 0.6e-3}}},
         ModuleCase{"SeriesAndRange", {{}, {0.5e-3, 0.6e-3}}, {NumberRange{0.4e-3, 1e-3}, {}}},
         ModuleCase{"RangeAndSeries", {NumberRange{0.4e-3, 1e-3}, {}}, {{}, {0.5e-3, 0.6e-3}}}),
-    [](const auto& info) { return std::string(info.param.name); });
+    [](const auto& variant) { return std::string(variant.param.name); });
 
 TEST(Optimize, OutputThatTurnsBackwardsIsRefinedToo) {
   Specification spec = example("ratio-96.toml");
@@ -218,6 +218,18 @@ TEST(Optimize, LowerLimitOfThePapersLostMotionHolds) {
   for (const RefinedSet& s : result.sets) {
     if (s.status == Status::kOptimal) expect_design_keeps_its_limits(spec, s);
   }
+}
+
+TEST(Optimize, LowerLimitOfZeroIsMetByEitherBranchOfThePapersMaximum) {
+  // With interference allowed a mesh may fall below zero while the other one holds the limit.
+  Specification spec = example("rp96.toml");
+  spec.limits[design::CheckId::kNormalBacklash] = -20e-6;
+  const Candidate candidate{.teeth = {.S = 12, .P1 = 36, .R1 = 87, .P2 = 42, .R2 = 111},
+                            .planets = 3};
+  spec.solver.starts = 8;
+  const double without_limit = refine(spec, candidate).eta_b;
+  spec.limits[design::CheckId::kOutputBacklashMin] = 0.0;
+  EXPECT_NEAR(refine(spec, candidate).eta_b, without_limit, 1e-8);
 }
 
 TEST(Optimize, ForwardObjectiveBeatsTheBackwardOneForward) {

@@ -1,0 +1,139 @@
+// Speed of the core: one evaluation, its gradient and Hessian, one refinement, the tooth search.
+// Ratios within one run are what counts; the machine's own speed cancels.
+//
+//   build/bench/benchmarks/core_benchmark --benchmark_repetitions=5 --benchmark_out=core.json
+
+#include <benchmark/benchmark.h>
+#include <omp.h>
+
+#include <stdexcept>
+
+#include "io/specification_file.hpp"
+#include "optimize/ipopt.hpp"
+#include "optimize/optimizer.hpp"
+#include "optimize/refinement_problem.hpp"
+#include "optimize/slsqp.hpp"
+#include "optimize/starting_points.hpp"
+#include "report/version.hpp"
+
+namespace {
+
+using namespace gear3k;            // NOLINT(google-build-using-namespace): a program
+using namespace gear3k::optimize;  // NOLINT(google-build-using-namespace)
+
+const Specification& rp96() {
+  static const Specification kSpec =
+      io::read_specification(std::string(GEAR3K_SOURCE_DIR) + "/examples/rp96.toml");
+  return kSpec;
+}
+
+const RefinementProblem& winner() {
+  static const RefinementProblem kProblem = make_refinement_problem(
+      rp96(), {.teeth = {.S = 12, .P1 = 54, .R1 = 120, .P2 = 47, .R2 = 118}, .planets = 3},
+      {1e-3, std::nullopt}, 1);
+  return kProblem;
+}
+
+/// Independent variables of any scalar type at a point.
+template <class T>
+std::vector<T> seeded(const RefinementProblem& p, const Point& v) {
+  std::vector<T> jets(static_cast<std::size_t>(p.variables));
+  for (std::size_t k = 0; k < jets.size(); ++k) {
+    const int axis = static_cast<int>(k);
+    if constexpr (std::is_same_v<T, double>) {
+      jets[k] = v[k];
+    } else if constexpr (std::is_same_v<T, Jet1>) {
+      jets[k] = Jet1(v[k], axis);
+    } else {
+      jets[k].a = Jet1(v[k], axis);
+      jets[k].v[axis] = Jet1(1.0);
+    }
+  }
+  return jets;
+}
+
+/// Objective and all constraints of rp96's winner: double = values, Jet1 = gradients, Jet2 =
+/// gradients and Hessians.
+template <class T>
+void evaluate_problem(benchmark::State& state) {
+  const RefinementProblem& p = winner();
+  const std::vector<T> v = seeded<T>(p, starting_points(p, 1, 1).front());
+  std::vector<T> g(p.rows.size());
+  T f{};
+  for (auto _ : state) {
+    if (!evaluate<T>(p, std::span<const T>(v), f, std::span<T>(g))) {
+      throw std::runtime_error("the starting point is not defined");
+    }
+    benchmark::DoNotOptimize(g.data());
+  }
+}
+BENCHMARK(evaluate_problem<double>);
+BENCHMARK(evaluate_problem<Jet1>);
+BENCHMARK(evaluate_problem<Jet2>);
+
+/// All derivatives by central differences of the values: what exact gradients replace.
+void gradient_by_differences(benchmark::State& state) {
+  const RefinementProblem& p = winner();
+  const Point start = starting_points(p, 1, 1).front();
+  std::vector<double> g(p.rows.size());
+  double f = 0.0;
+  for (auto _ : state) {
+    for (int k = 0; k < p.variables; ++k) {
+      for (const double step : {1e-6, -1e-6}) {
+        Point v = start;
+        v[static_cast<std::size_t>(k)] += step;
+        benchmark::DoNotOptimize(evaluate<double>(
+            p, std::span<const double>(v.data(), static_cast<std::size_t>(p.variables)), f,
+            std::span<double>(g)));
+      }
+    }
+  }
+}
+BENCHMARK(gradient_by_differences);
+
+void refine_slsqp_one_start(benchmark::State& state) {
+  const Point start = starting_points(winner(), 1, 1).front();
+  for (auto _ : state) benchmark::DoNotOptimize(solve_slsqp(winner(), start, {}));
+}
+BENCHMARK(refine_slsqp_one_start)->Unit(benchmark::kMicrosecond);
+
+void refine_ipopt_one_start(benchmark::State& state) {
+  const Point start = starting_points(winner(), 1, 1).front();
+  for (auto _ : state) benchmark::DoNotOptimize(solve_ipopt(winner(), start));
+}
+BENCHMARK(refine_ipopt_one_start)->Unit(benchmark::kMicrosecond);
+
+void search_rp96(benchmark::State& state) {
+  omp_set_num_threads(static_cast<int>(state.range(0)));
+  const std::atomic<bool> stop{false};
+  std::size_t sets = 0;
+  for (auto _ : state) sets += search_teeth(rp96(), stop).within_ratio;
+  state.counters["sets/s"] =
+      benchmark::Counter(static_cast<double>(sets), benchmark::Counter::kIsRate);
+}
+BENCHMARK(search_rp96)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+/// The whole of rp96 with its 4 starts a set.
+void optimize_rp96(benchmark::State& state) {
+  omp_set_num_threads(static_cast<int>(state.range(0)));
+  std::size_t sets = 0;
+  for (auto _ : state) {
+    Progress progress;
+    sets += optimize::optimize(rp96(), progress).sets.size();
+  }
+  state.counters["sets/s"] =
+      benchmark::Counter(static_cast<double>(sets), benchmark::Counter::kIsRate);
+}
+BENCHMARK(optimize_rp96)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  benchmark::AddCustomContext("gear3k", std::string(report::version()));
+  benchmark::AddCustomContext("commit", std::string(report::git_commit()));
+  benchmark::AddCustomContext("compiler", __VERSION__);
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  benchmark::RunSpecifiedBenchmarks();
+  return 0;
+}
