@@ -22,49 +22,49 @@ constexpr int kNoFeasibleDesign = 3;
 
 /// A design without fault; the rows below break one line of it each.
 const std::string kDesign =
-    "name = \"gear\"\n"                                //  1
-    "planets = 3\n"                                    //  2
-    "pressure_angle_deg = 20.0\n"                      //  3
-    "[stage1]\n"                                       //  4
-    "module_mm = 0.8\n"                                //  5
-    "[stage2]\n"                                       //  6
-    "module_mm = 0.8467\n"                             //  7
-    "[gears]\n"                                        //  8
-    "S = { teeth = 12, profile_shift = 0.476 }\n"      //  9
-    "P1 = { teeth = 39, profile_shift = 0.762 }\n"     // 10
-    "R1 = { teeth = 90, profile_shift = 2.0 }\n"       // 11
-    "P2 = { teeth = 32, profile_shift = 0.536 }\n"     // 12
-    "R2 = { teeth = 81, profile_shift = 1.21 }\n"      // 13
-    "[friction]\n"                                     // 14
-    "coefficient = 0.1\n";                             // 15
+    "name = \"gear\"\n"                             //  1
+    "planets = 3\n"                                 //  2
+    "pressure_angle_deg = 20.0\n"                   //  3
+    "[stage1]\n"                                    //  4
+    "module_mm = 0.8\n"                             //  5
+    "[stage2]\n"                                    //  6
+    "module_mm = 0.8467\n"                          //  7
+    "[gears]\n"                                     //  8
+    "S = { teeth = 12, profile_shift = 0.476 }\n"   //  9
+    "P1 = { teeth = 39, profile_shift = 0.762 }\n"  // 10
+    "R1 = { teeth = 90, profile_shift = 2.0 }\n"    // 11
+    "P2 = { teeth = 32, profile_shift = 0.536 }\n"  // 12
+    "R2 = { teeth = 81, profile_shift = 1.21 }\n"   // 13
+    "[friction]\n"                                  // 14
+    "coefficient = 0.1\n";                          // 15
 
 const std::string kPair =
-    "kind = \"internal\"\n"                         // 1
-    "module_mm = 3.0\n"                             // 2
-    "[gear1]\n"                                     // 3
-    "teeth = 16\n"                                  // 4
-    "[gear2]\n"                                     // 5
-    "teeth = 24\n"                                  // 6
-    "profile_shift = 0.5\n";                        // 7
+    "kind = \"internal\"\n"   // 1
+    "module_mm = 3.0\n"       // 2
+    "[gear1]\n"               // 3
+    "teeth = 16\n"            // 4
+    "[gear2]\n"               // 5
+    "teeth = 24\n"            // 6
+    "profile_shift = 0.5\n";  // 7
 
 const std::string kSpec =
-    "planets = 3\n"                                 //  1
-    "objective = \"backward_efficiency\"\n"         //  2
-    "[ratio]\n"                                     //  3
-    "target = 96.2\n"                               //  4
-    "[teeth]\n"                                     //  5
-    "S = [12, 13]\n"                                //  6
-    "P1 = [50, 60]\n"                               //  7
-    "R1_max = 120\n"                                //  8
-    "P2 = [40, 60]\n"                               //  9
-    "R2_max = 120\n"                                // 10
-    "[module]\n"                                    // 11
-    "stage1_mm = 1.0\n"                             // 12
-    "stage2_mm = { min = 0.1, max = 10.0 }\n"       // 13
-    "[backlash]\n"                                  // 14
-    "max_output_arcmin = 8.0\n"                     // 15
-    "[solver]\n"                                    // 16
-    "starts = 1\n";                                 // 17
+    "planets = 3\n"                            //  1
+    "objective = \"backward_efficiency\"\n"    //  2
+    "[ratio]\n"                                //  3
+    "target = 96.2\n"                          //  4
+    "[teeth]\n"                                //  5
+    "S = [12, 13]\n"                           //  6
+    "P1 = [50, 60]\n"                          //  7
+    "R1_max = 120\n"                           //  8
+    "P2 = [40, 60]\n"                          //  9
+    "R2_max = 120\n"                           // 10
+    "[module]\n"                               // 11
+    "stage1_mm = 1.0\n"                        // 12
+    "stage2_mm = { min = 0.1, max = 10.0 }\n"  // 13
+    "[backlash]\n"                             // 14
+    "max_output_arcmin = 8.0\n"                // 15
+    "[solver]\n"                               // 16
+    "starts = 1\n";                            // 17
 
 struct BadInput {
   std::string fact;                    ///< name of the test
@@ -90,9 +90,8 @@ BadInput bad_spec(const std::string& fact, const std::string& content,
 }
 BadInput bad_task(const std::string& fact, const std::string& content,
                   const std::vector<std::string>& fragments) {
-  return {fact,          {"optimize", "spec.toml", "--out", "out"},
-          "spec.toml",   content,
-          kInvalidInput, fragments};
+  return {fact,     {"optimize", "spec.toml", "--out", "out"}, "spec.toml", content, kInvalidInput,
+          fragments};
 }
 BadInput bad_usage(const std::string& fact, const std::vector<std::string>& arguments,
                    const std::vector<std::string>& fragments) {
@@ -103,8 +102,7 @@ std::vector<BadInput> usage_inputs() {
   return {
       bad_usage("NoCommand", {}, {"subcommand", "--help"}),
       bad_usage("UnknownCommandIsNamed", {"analyse", "gear.toml"}, {"analyse"}),
-      bad_usage("UnknownOptionIsNamed", {"analyze", "gear.toml", "--fromat", "json"},
-                {"--fromat"}),
+      bad_usage("UnknownOptionIsNamed", {"analyze", "gear.toml", "--fromat", "json"}, {"--fromat"}),
       bad_usage("NoFile", {"analyze"}, {"DESIGN"}),
       bad_usage("NoPairFile", {"mesh"}, {"PAIR"}),
       bad_usage("NoSpecFile", {"search"}, {"SPEC"}),
@@ -197,12 +195,16 @@ std::vector<BadInput> path_inputs() {
 
 std::vector<BadInput> design_inputs() {
   return {
-      bad_design("EmptyFileLacksEveryRequiredKey", "",
-                 {"gear.toml: stage1.module_mm is missing", "gear.toml: stage2.module_mm is missing",
-                  "gear.toml: gears.S.teeth is missing", "gear.toml: gears.P1.teeth is missing",
-                  "gear.toml: gears.R1.teeth is missing", "gear.toml: gears.P2.teeth is missing",
-                  "gear.toml: gears.R2.teeth is missing", "a number in mm, above 0"}),
-      bad_design("BinaryGarbage", std::string("\x7f" "ELF\x02\x01\0\0\xff\xfe\x80", 12),
+      bad_design(
+          "EmptyFileLacksEveryRequiredKey", "",
+          {"gear.toml: stage1.module_mm is missing", "gear.toml: stage2.module_mm is missing",
+           "gear.toml: gears.S.teeth is missing", "gear.toml: gears.P1.teeth is missing",
+           "gear.toml: gears.R1.teeth is missing", "gear.toml: gears.P2.teeth is missing",
+           "gear.toml: gears.R2.teeth is missing", "a number in mm, above 0"}),
+      bad_design("BinaryGarbage",
+                 std::string("\x7f"
+                             "ELF\x02\x01\0\0\xff\xfe\x80",
+                             11),
                  {"gear.toml:1:", "not valid TOML"}),
       bad_design("NotToml", "teeth: 12\n", {"gear.toml:1:", "not valid TOML"}),
       bad_design("UnclosedText", replaced(kDesign, "\"gear\"", "\"gear"),
@@ -241,7 +243,8 @@ std::vector<BadInput> design_inputs() {
                  {"gear.toml:9:7: gears.S.teeth = 12.5: allowed: an integer"}),
       bad_design("NumberForAText", replaced(kDesign, "\"gear\"", "7"),
                  {"gear.toml:1:1: name = 7: allowed: a text in quotes"}),
-      bad_design("DateForANumber", replaced(kDesign, "coefficient = 0.1", "coefficient = 2020-01-01"),
+      bad_design("DateForANumber",
+                 replaced(kDesign, "coefficient = 0.1", "coefficient = 2020-01-01"),
                  {"gear.toml:15:1: friction.coefficient = ", "allowed: a number, 0 to 1"}),
       bad_design("ListForAnInteger", replaced(kDesign, "planets = 3", "planets = [3, 4]"),
                  {"gear.toml:2:1: planets = [3, 4]: allowed: an integer, 1 to 24"}),
@@ -257,8 +260,7 @@ std::vector<BadInput> design_inputs() {
                  {"gear.toml:3:1: pressure_angle_deg = 90", "a number in deg, 5 to 45"}),
       bad_design("NoPlanets", replaced(kDesign, "planets = 3", "planets = 0"),
                  {"gear.toml:2:1: planets = 0: allowed: an integer, 1 to 24"}),
-      bad_design("GreatestInteger",
-                 replaced(kDesign, "teeth = 12", "teeth = 9223372036854775807"),
+      bad_design("GreatestInteger", replaced(kDesign, "teeth = 12", "teeth = 9223372036854775807"),
                  {"gear.toml:9:7: gears.S.teeth = 9223372036854775807: allowed: an integer, -2000 "
                   "to 2000"}),
       bad_design("IntegerBeyondSixtyFourBits",
@@ -266,19 +268,23 @@ std::vector<BadInput> design_inputs() {
                  {"gear.toml:9:", "not valid TOML"}),
       bad_design("TwoTeeth", replaced(kDesign, "teeth = 12", "teeth = 2"),
                  {"gear.toml:9:7: gears.S.teeth = 2: allowed: at least 3"}),
-      bad_design("MissingGear", replaced(kDesign, "R2 = { teeth = 81, profile_shift = 1.21 }\n", ""),
+      bad_design("MissingGear",
+                 replaced(kDesign, "R2 = { teeth = 81, profile_shift = 1.21 }\n", ""),
                  {"gear.toml:8:", "gears.R2.teeth is missing"}),
-      bad_design("RingSmallerThanItsPlanet", replaced(kDesign, "teeth = 90", "teeth = 39"),
-                 {"gear.toml:11:8: gears.R1.teeth: 39 teeth, allowed: more than the 39 of gears.P1"}),
-      bad_design("EqualProductsStopTheOutput",
-                 replaced(replaced(kDesign, "teeth = 39", "teeth = 40"), "teeth = 81", "teeth = 72"),
-                 {"gear.toml:13:8: ", "zP1 zR2 = zP2 zR1 = 2880"}),
+      bad_design(
+          "RingSmallerThanItsPlanet", replaced(kDesign, "teeth = 90", "teeth = 39"),
+          {"gear.toml:11:8: gears.R1.teeth: 39 teeth, allowed: more than the 39 of gears.P1"}),
+      bad_design(
+          "EqualProductsStopTheOutput",
+          replaced(replaced(kDesign, "teeth = 39", "teeth = 40"), "teeth = 81", "teeth = 72"),
+          {"gear.toml:13:8: ", "zP1 zR2 = zP2 zR1 = 2880"}),
       bad_design("KhkRingWithNegativeTeeth", replaced(kDesign, "teeth = 90", "teeth = -90"),
                  {"gear.toml:11:8: gears.R1.teeth = -90: allowed: at least 3", "khk"}),
-      bad_design("IsoRingsWithPositiveTeeth",
-                 replaced(kDesign, "planets = 3\n", "planets = 3\nsign_convention = \"iso21771\"\n"),
-                 {"gear.toml:12:8: gears.R1.teeth = 90: allowed: at most -3", "iso21771",
-                  "gear.toml:14:8: gears.R2.teeth = 81: allowed: at most -3"}),
+      bad_design(
+          "IsoRingsWithPositiveTeeth",
+          replaced(kDesign, "planets = 3\n", "planets = 3\nsign_convention = \"iso21771\"\n"),
+          {"gear.toml:12:8: gears.R1.teeth = 90: allowed: at most -3", "iso21771",
+           "gear.toml:14:8: gears.R2.teeth = 81: allowed: at most -3"}),
       bad_design("IsoPlanetWithNegativeTeeth",
                  replaced(replaced(replaced(replaced(kDesign, "planets = 3\n",
                                                      "planets = 3\nsign_convention = "
@@ -303,14 +309,16 @@ std::vector<BadInput> design_inputs() {
       bad_design("CentreDistanceWithoutARealWorkingAngle",
                  replaced(kDesign, "planets = 3\n", "planets = 3\ncenter_distance_mm = 15.0\n"),
                  {"gear.toml:3:1: ", "S-P1", "15 mm", "allowed: above 19.1697 mm"}),
-      bad_design("ShiftThatLeavesNoRootCircle",
-                 replaced(kDesign, "profile_shift = 0.476", "profile_shift = -5.0"),
-                 {"gear.toml:9:19: gears.S.profile_shift = -5: leaves no root circle", "allowed: above"}),
+      bad_design(
+          "ShiftThatLeavesNoRootCircle",
+          replaced(kDesign, "profile_shift = 0.476", "profile_shift = -5.0"),
+          {"gear.toml:9:19: gears.S.profile_shift = -5: leaves no root circle", "allowed: above"}),
       bad_design("TipBelowTheRoot",
                  replaced(kDesign, "teeth = 12,", "teeth = 12, tip_shortening = 2.5,"),
                  {"gear.toml:9:19: gears.S.tip_shortening = 2.5: allowed: a number in modules, 0 "
                   "to 1.5"}),
-      bad_design("BoreBeyondTheTeeth", replaced(kDesign, "teeth = 12,", "teeth = 12, bore_mm = 30.0,"),
+      bad_design("BoreBeyondTheTeeth",
+                 replaced(kDesign, "teeth = 12,", "teeth = 12, bore_mm = 30.0,"),
                  {"gear.toml:9:19: gears.S.bore_mm = 30: allowed: below"}),
       bad_design("OuterDiameterOfAPlanet",
                  replaced(kDesign, "teeth = 39,", "teeth = 39, outer_diameter_mm = 80.0,"),
@@ -318,9 +326,9 @@ std::vector<BadInput> design_inputs() {
       bad_design("OuterDiameterWithinTheTeeth",
                  replaced(kDesign, "teeth = 81,", "teeth = 81, outer_diameter_mm = 60.0,"),
                  {"gear.toml:13:20: gears.R2.outer_diameter_mm = 60: allowed: above"}),
-      bad_design("ReversedContactRatioRange", kDesign + "[contact_ratio]\nrange = [2.0, 1.2]\n",
-                 {"gear.toml:17:1: contact_ratio.range = [2, 1.2]: allowed: [low, high]",
-                  "low <= high"}),
+      bad_design(
+          "ReversedContactRatioRange", kDesign + "[contact_ratio]\nrange = [2.0, 1.2]\n",
+          {"gear.toml:17:1: contact_ratio.range = [2, 1.2]: allowed: [low, high]", "low <= high"}),
       bad_design("CheckSwitchedOnWithoutAThreshold",
                  kDesign + "[limits]\noutput_backlash_max = true\n",
                  {"gear.toml:17:1: limits.output_backlash_max = true", "no default",
@@ -350,13 +358,13 @@ std::vector<BadInput> pair_inputs() {
   return {
       bad_pair("PairWithoutKind", replaced(kPair, "kind = \"internal\"\n", ""),
                {"pair.toml: kind is missing", "\"external\" or \"internal\""}),
-      bad_pair("UnknownKindHasADidYouMean", replaced(kPair, "\"internal\"", "\"intenral\""),
-               {"pair.toml:1:1: kind = \"intenral\": allowed: \"external\" or \"internal\"; did you "
-                "mean \"internal\"?"}),
+      bad_pair(
+          "UnknownKindHasADidYouMean", replaced(kPair, "\"internal\"", "\"intenral\""),
+          {"pair.toml:1:1: kind = \"intenral\": allowed: \"external\" or \"internal\"; did you "
+           "mean \"internal\"?"}),
       bad_pair("PairRingSmallerThanItsPinion", replaced(kPair, "teeth = 24", "teeth = 16"),
                {"pair.toml:6:1: gear2.teeth: 16 teeth, allowed: more than the 16 of gear1"}),
-      bad_pair("PairCentreDistanceWithoutARealWorkingAngle",
-               "center_distance_mm = 2.0\n" + kPair,
+      bad_pair("PairCentreDistanceWithoutARealWorkingAngle", "center_distance_mm = 2.0\n" + kPair,
                {"pair.toml:1:1: ", "2 mm", "allowed: above 11.2763 mm"}),
       bad_pair("TrainKeyInAPair", "planets = 3\n" + kPair, {"pair.toml:1:1: unknown key planets"}),
       bad_pair("TrainCheckInAPair", kPair + "[limits]\nplanet_gap = 0.5\n",
@@ -366,11 +374,12 @@ std::vector<BadInput> pair_inputs() {
       bad_pair("DesignForAPair", kDesign,
                {"pair.toml:2:1: unknown key planets", "pair.toml:8:2: unknown table [gears]",
                 "kind is missing"}),
-      bad_pair("PairErrorsAtOnce",
-               replaced(replaced(kPair, "module_mm = 3.0", "module_mm = -3.0"), "profile_shift",
-                        "profil_shift"),
-               {"pair.toml:2:1: module_mm = -3: allowed: a number in mm, above 0 to 100",
-                "pair.toml:7:1: unknown key gear2.profil_shift; did you mean gear2.profile_shift?"}),
+      bad_pair(
+          "PairErrorsAtOnce",
+          replaced(replaced(kPair, "module_mm = 3.0", "module_mm = -3.0"), "profile_shift",
+                   "profil_shift"),
+          {"pair.toml:2:1: module_mm = -3: allowed: a number in mm, above 0 to 100",
+           "pair.toml:7:1: unknown key gear2.profil_shift; did you mean gear2.profile_shift?"}),
   };
 }
 
@@ -397,7 +406,8 @@ std::vector<BadInput> specification_inputs() {
                {"spec.toml:6:1: teeth.S = ", "two integers"}),
       bad_spec("RingTooSmallForThePlanets", replaced(kSpec, "R1_max = 120", "R1_max = 30"),
                {"spec.toml:8:1: teeth.R1_max = 30: allowed: at least", "58"}),
-      bad_spec("ReversedModuleRange", replaced(kSpec, stage2, "stage2_mm = { min = 2.0, max = 1.0 }"),
+      bad_spec("ReversedModuleRange",
+               replaced(kSpec, stage2, "stage2_mm = { min = 2.0, max = 1.0 }"),
                {"spec.toml:13:1: module.stage2_mm = { min = 2, max = 1 }: allowed:", "min <= max"}),
       bad_spec("HalfAModuleRange", replaced(kSpec, stage2, "stage2_mm = { min = 0.5 }"),
                {"spec.toml:13:1: module.stage2_mm = { min = 0.5 }: allowed:", "{ min, max }"}),
@@ -417,14 +427,16 @@ std::vector<BadInput> specification_inputs() {
       bad_spec("DesignForASpecification", kDesign,
                {"spec.toml:4:2: unknown table [stage1]", "spec.toml:8:2: unknown table [gears]",
                 "ratio.target is missing", "teeth.S is missing"}),
-      bad_spec("SpecErrorsAtOnce",
-               replaced(replaced(replaced(kSpec, "[12, 13]", "[13, 12]"), "R2_max", "R2_mx"),
-                        "starts = 1", "starts = 0"),
-               {"spec.toml:6:1: teeth.S = [13, 12]",
-                "spec.toml:10:1: unknown key teeth.R2_mx; did you mean teeth.R2_max?",
-                "teeth.R2_max is missing", "spec.toml:17:1: solver.starts = 0: allowed: an integer"}),
-      bad_task("EmptySpec", "", {"spec.toml: ratio.target is missing", "teeth.S is missing",
-                                 "module.stage1_mm is missing"}),
+      bad_spec(
+          "SpecErrorsAtOnce",
+          replaced(replaced(replaced(kSpec, "[12, 13]", "[13, 12]"), "R2_max", "R2_mx"),
+                   "starts = 1", "starts = 0"),
+          {"spec.toml:6:1: teeth.S = [13, 12]",
+           "spec.toml:10:1: unknown key teeth.R2_mx; did you mean teeth.R2_max?",
+           "teeth.R2_max is missing", "spec.toml:17:1: solver.starts = 0: allowed: an integer"}),
+      bad_task("EmptySpec", "",
+               {"spec.toml: ratio.target is missing", "teeth.S is missing",
+                "module.stage1_mm is missing"}),
       bad_task("ListOfObjectives",
                replaced(kSpec, "\"backward_efficiency\"",
                         "[\"backward_efficiency\", \"forward_efficiency\"]"),
@@ -439,22 +451,25 @@ std::vector<BadInput> specification_inputs() {
       bad_task("NegativeSeed", kSpec + "seed = -1\n",
                {"spec.toml:18:1: solver.seed = -1: allowed: an integer, 0 to"}),
       bad_task("AllowanceOfAnUnknownGear",
-               replaced(kSpec, "[backlash]\n", "[backlash]\nmachining_allowance = { S = 0.01, P3 = 0.01 }\n"),
+               replaced(kSpec, "[backlash]\n",
+                        "[backlash]\nmachining_allowance = { S = 0.01, P3 = 0.01 }\n"),
                {"spec.toml:15:1: backlash.machining_allowance = { S = 0.01, P3 = 0.01 }: allowed:",
                 "S, P1, R1, P2, R2"}),
       bad_task("TipShorteningBeyondTheTooth",
                "tip_shortening = 1.4\n" + kSpec + "[rack]\naddendum = 0.5\ndedendum = 0.5\n",
                {"spec.toml:1:1: tip_shortening", "1.4", "allowed: below", "1"}),
-      bad_task("UnknownBacklashModel", replaced(kSpec, "[backlash]\n", "[backlash]\nmodel = \"papper\"\n"),
-               {"spec.toml:15:1: backlash.model = \"papper\": allowed: \"kinematic\" or \"paper\"; did "
-                "you mean \"paper\"?"}),
+      bad_task(
+          "UnknownBacklashModel",
+          replaced(kSpec, "[backlash]\n", "[backlash]\nmodel = \"papper\"\n"),
+          {"spec.toml:15:1: backlash.model = \"papper\": allowed: \"kinematic\" or \"paper\"; did "
+           "you mean \"paper\"?"}),
   };
 }
 
 std::vector<BadInput> all_bad_inputs() {
   std::vector<BadInput> all;
-  for (const auto& inputs : {usage_inputs(), path_inputs(), design_inputs(), pair_inputs(),
-                             specification_inputs()}) {
+  for (const auto& inputs :
+       {usage_inputs(), path_inputs(), design_inputs(), pair_inputs(), specification_inputs()}) {
     all.insert(all.end(), inputs.begin(), inputs.end());
   }
   return all;
@@ -500,8 +515,8 @@ TEST_P(BadInputs, EndsWithItsCodeAndMessageAndLeavesNothing) {
       EXPECT_TRUE(named) << line;
     }
   }
-  EXPECT_EQ(place.listing(), input.file.empty() ? std::vector<std::string>{}
-                                                : std::vector<std::string>{input.file});
+  EXPECT_EQ(place.listing(),
+            input.file.empty() ? std::vector<std::string>{} : std::vector<std::string>{input.file});
   if (!input.file.empty()) {
     EXPECT_EQ(place.read(input.file), input.content);
   }
@@ -516,8 +531,10 @@ TEST(BadInput, TheFilesThatTheTableBreaksAreSound) {
   place.write("pair.toml", kPair);
   place.write("spec.toml", kSpec);
   for (const std::vector<std::string>& arguments :
-       {std::vector<std::string>{"analyze", "gear.toml"}, {"mesh", "pair.toml"},
-        {"search", "spec.toml"}, {"optimize", "spec.toml", "--out", "out"}}) {
+       {std::vector<std::string>{"analyze", "gear.toml"},
+        {"mesh", "pair.toml"},
+        {"search", "spec.toml"},
+        {"optimize", "spec.toml", "--out", "out"}}) {
     const ProgramResult result = place.run(arguments);
     EXPECT_EQ(result.exit_code, 0) << arguments[0] << "\n" << result.err;
     EXPECT_NE(result.out, "");
