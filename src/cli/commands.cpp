@@ -68,6 +68,17 @@ ExitCode analyze(const Design& design, const AnalyzeOptions& options) {
   return options.strict && !design::all_ok(result.checks) ? kNoFeasibleDesign : kDone;
 }
 
+/// Removes a result file of an earlier run that would pass for one of this run.
+void remove_stale(const std::string& path) {
+  std::error_code status;
+  if (std::filesystem::remove(path, status)) {
+    fmt::print(stderr, "{}: removed, it came from an earlier run\n", path);
+  } else if (status) {
+    throw io::InvalidInput(
+        fmt::format("{}: of an earlier run, cannot be removed: {}", path, status.message()));
+  }
+}
+
 }  // namespace
 
 ExitCode run_analyze(const AnalyzeOptions& options) {
@@ -134,9 +145,8 @@ ExitCode run_optimize(const OptimizeOptions& options) {
   if (result.best) {
     io::write_file(best_path,
                    io::design_text(optimize::design_of(spec, result.sets[*result.best])));
-  } else if (std::filesystem::remove(best_path)) {
-    // A best.toml of another run would pass for the result of this one.
-    fmt::print(stderr, "{}: removed, it came from an earlier run\n", best_path);
+  } else {
+    remove_stale(best_path);
   }
   if (!options.quiet) {
     fmt::print(stderr, "{}{}", report::search_counts_text(spec, result.search),

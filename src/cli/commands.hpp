@@ -1,13 +1,17 @@
 #pragma once
 // The commands behind main(): each takes its options, prints, and returns an exit code.
 
+#include <array>
 #include <string>
+#include <string_view>
 
 #include "cli/exit_code.hpp"
 
 namespace gear3k::cli {
 
 enum class Format { kTable, kJson, kCsv };
+/// Names on the command line, in the order of the enum.
+inline constexpr std::array<std::string_view, 3> kFormatNames{"table", "json", "csv"};
 
 /// What every command takes.
 struct CommonOptions {

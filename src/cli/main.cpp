@@ -1,9 +1,10 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <functional>
-#include <map>
+#include <iostream>
 
 #include "cli/commands.hpp"
 #include "io/design_file.hpp"
@@ -16,10 +17,16 @@ namespace {
 using namespace gear3k;  // NOLINT(google-build-using-namespace): the program's own namespace
 
 void add_common_options(CLI::App& command, cli::CommonOptions& options) {
-  static const std::map<std::string, cli::Format> kFormats{
-      {"table", cli::Format::kTable}, {"json", cli::Format::kJson}, {"csv", cli::Format::kCsv}};
-  command.add_option("--format", options.format, "what is printed: table, json or csv")
-      ->transform(CLI::CheckedTransformer(kFormats).description("table|json|csv"))
+  command
+      .add_option_function<std::string>(
+          "--format",
+          [&options](const std::string& name) {
+            options.format = static_cast<cli::Format>(std::ranges::find(cli::kFormatNames, name) -
+                                                      cli::kFormatNames.begin());
+          },
+          "what is printed: table, json or csv")
+      ->check(CLI::IsMember(
+          std::vector<std::string>(cli::kFormatNames.begin(), cli::kFormatNames.end())))
       ->option_text("FORMAT [table]");
   command.add_flag("--quiet", options.quiet, "no progress and no talk on stderr, errors only");
   command.add_option("--threads", options.threads, "OpenMP threads; all processors by default")
@@ -28,6 +35,43 @@ void add_common_options(CLI::App& command, cli::CommonOptions& options) {
 
 void add_out_file(CLI::App& command, cli::CommonOptions& options) {
   command.add_option("--out", options.out, "file for the result, instead of stdout");
+}
+
+std::vector<std::string> option_names(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return names;
+}
+
+/// A message about the first word that is no command, or no option of its command; "" when all are.
+std::string unknown_word(const CLI::App& app, int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return "";
+  std::vector<std::string> commands;
+  const CLI::App* command = nullptr;
+  for (const CLI::App* known : app.get_subcommands(nullptr)) {
+    commands.push_back(known->get_name());
+    if (known->get_name() == argv[1]) command = known;
+  }
+  const auto message = [](const char* kind, const std::string& word,
+                          const std::vector<std::string>& known) {
+    const std::string hint = io::closest_word(word, known);
+    return fmt::format("unknown {} {}{}; allowed: {}", kind, word,
+                       hint.empty() ? "" : fmt::format("; did you mean {}?", hint),
+                       fmt::join(known, ", "));
+  };
+  if (command == nullptr) return message("command", argv[1], commands);
+  const std::vector<std::string> options = option_names(*command);
+  for (int k = 2; k < argc; ++k) {
+    const std::string word(argv[k]);
+    const std::string name = word.substr(0, word.find('='));
+    if (name.starts_with("--") && name.size() > 2 &&
+        std::ranges::find(options, name) == options.end()) {
+      return message("option", name, options);
+    }
+  }
+  return "";
 }
 
 int run_program(int argc, char** argv) {
@@ -76,7 +120,11 @@ int run_program(int argc, char** argv) {
   CLI::App* optimize_command =
       app.add_subcommand("optimize", "search, refine every tooth set, write the best design");
   optimize_command->add_option("SPEC", optimize.file, "SPEC.toml")->required();
-  optimize_command->add_option("--out", optimize.out, "folder for the result files")->required();
+  optimize_command->add_option("--out", optimize.out, "folder for the result files")
+      ->required()
+      ->check([](const std::string& folder) {
+        return folder.empty() ? std::string("the name of a folder, not \"\"") : std::string();
+      });
   add_common_options(*optimize_command, optimize);
   optimize_command->footer([] { return "Keys of SPEC.toml:\n" + io::specification_key_table(); });
   optimize_command->callback([&] { run = [&] { return cli::run_optimize(optimize); }; });
@@ -94,10 +142,16 @@ int run_program(int argc, char** argv) {
   add_out_file(*keys_command, keys);
   keys_command->callback([&] { run = [&] { return cli::run_keys(keys); }; });
 
+  if (const std::string unknown = unknown_word(app, argc, argv); !unknown.empty()) {
+    fmt::print(stderr, "{}\nRun with --help for more information.\n", unknown);
+    return cli::kUsage;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? cli::kDone : cli::kUsage;
+    const int code = app.exit(error);
+    if (!std::cout.flush()) throw io::InvalidInput("stdout: cannot be written");
+    return code == 0 ? cli::kDone : cli::kUsage;
   }
   return run();
 }

@@ -166,37 +166,55 @@ InertiaResult inertia_result(const inertia::InertialTrain<double>& train,
   return result;
 }
 
+/// The centre distance as given, or the zero-backlash distance of mesh P1-R1 where it exists.
+std::optional<double> resolved_center_distance(
+    const Design& design, const std::array<GearGeometry<double>, train::kGearCount>& gears) {
+  if (design.center_distance_given) return design.train.center_distance_m;
+  return geometry::zero_backlash_center_distance(gears[train::kP1], gears[train::kR1]);
+}
+
+std::array<GearGeometry<double>, 2> gears_of(const PairDesign& design) {
+  const auto angle = geometry::make_pressure_angle(design.pressure_angle_rad);
+  return {geometry::make_gear_geometry(design.gear1, angle),
+          geometry::make_gear_geometry(design.gear2, angle)};
+}
+
+std::optional<double> resolved_center_distance(const PairDesign& design,
+                                               const std::array<GearGeometry<double>, 2>& gears) {
+  return design.center_distance_m ? design.center_distance_m
+                                  : geometry::zero_backlash_center_distance(gears[0], gears[1]);
+}
+
+constexpr std::array<std::string_view, 1> kPairMesh{"1-2"};
+
 }  // namespace
 
+std::optional<NotDefined> why_undefined(const Design& design) {
+  const auto gears = train::make_train_gears(design.train);
+  const auto distance = resolved_center_distance(design, gears);
+  if (!distance) {
+    return NotDefined{
+        "mesh P1-R1 has no zero-backlash centre distance for these profile shifts: state "
+        "center_distance_mm"};
+  }
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    const auto [first, second] = train::kMeshGears[k];
+    const double sum = base_radius_sum(gears[static_cast<std::size_t>(first)],
+                                       gears[static_cast<std::size_t>(second)]);
+    if (!(sum > 0.0 && *distance > sum)) {
+      return no_working_angle(train::kMeshNames[k], *distance, sum);
+    }
+  }
+  return std::nullopt;
+}
+
 std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
+  if (auto undefined = why_undefined(design)) return *std::move(undefined);
   train::TrainParameters<double> parameters = design.train;
-  const auto gears = train::make_train_gears(parameters);
-  if (train::ratio(parameters.teeth) == 0.0) return NotDefined{"the ratio is zero"};
-  const auto pair_of = [&](std::size_t mesh) {
-    const auto [first, second] = train::kMeshGears[mesh];
-    return std::pair<const GearGeometry<double>&, const GearGeometry<double>&>(
-        gears[static_cast<std::size_t>(first)], gears[static_cast<std::size_t>(second)]);
-  };
-  if (!design.center_distance_given) {
-    const auto [p1, r1] = pair_of(train::kMeshP1R1);
-    const auto distance = geometry::zero_backlash_center_distance(p1, r1);
-    if (!distance) {
-      return NotDefined{
-          "mesh P1-R1 has no zero-backlash centre distance for these profile shifts: state "
-          "center_distance_mm"};
-    }
-    parameters.center_distance_m = *distance;
-  }
+  parameters.center_distance_m =
+      *resolved_center_distance(design, train::make_train_gears(parameters));
   const auto train = train::make_train_geometry(parameters);
-  if (!train) {
-    for (std::size_t k = 0; k < train::kMeshCount; ++k) {
-      const auto [gear1, gear2] = pair_of(k);
-      const double sum = base_radius_sum(gear1, gear2);
-      if (!(sum > 0.0 && parameters.center_distance_m > sum)) {
-        return no_working_angle(train::kMeshNames[k], parameters.center_distance_m, sum);
-      }
-    }
-  }
+  const auto& gears = train->gears;
   const auto j_bn = backlash::normal_backlashes(*train);
 
   Evaluation e{};
@@ -211,11 +229,11 @@ std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
   e.module_m = parameters.module_m;
   const bool g2_below_one = e.g2 < 1.0;
   for (std::size_t k = 0; k < train::kMeshCount; ++k) {
-    const auto [gear1, gear2] = pair_of(k);
+    const auto [first, second] = train::kMeshGears[k];
     e.meshes.push_back(mesh_result(
         {.name = train::kMeshNames[k],
-         .gear1 = gear1,
-         .gear2 = gear2,
+         .gear1 = gears[static_cast<std::size_t>(first)],
+         .gear2 = gears[static_cast<std::size_t>(second)],
          .mesh = train->meshes[k],
          .gear1_drives = train::gear1_drives(static_cast<train::MeshId>(k), g2_below_one, true)},
         design.friction));
@@ -267,32 +285,34 @@ std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
   return e;
 }
 
-std::variant<PairEvaluation, NotDefined> evaluate(const PairDesign& design) {
-  static constexpr std::array<std::string_view, 2> kGears{"1", "2"};
-  static constexpr std::array<std::string_view, 1> kMeshes{"1-2"};
-  static constexpr std::array<std::array<int, 2>, 1> kPair{{{0, 1}}};
-  const auto angle = geometry::make_pressure_angle(design.pressure_angle_rad);
-  const std::array<GearGeometry<double>, 2> gears{
-      geometry::make_gear_geometry(design.gear1, angle),
-      geometry::make_gear_geometry(design.gear2, angle)};
-  const std::optional<double> distance =
-      design.center_distance_m ? design.center_distance_m
-                               : geometry::zero_backlash_center_distance(gears[0], gears[1]);
+std::optional<NotDefined> why_undefined(const PairDesign& design) {
+  const auto gears = gears_of(design);
   const double sum = base_radius_sum(gears[0], gears[1]);
-  if (!(sum > 0.0)) return NotDefined{"the ring needs more teeth than its mate"};
-  if (!distance) {
+  const auto distance = resolved_center_distance(design, gears);
+  if (sum > 0.0 && !distance) {
     return NotDefined{
         "the pair has no zero-backlash centre distance for these profile shifts: state "
         "center_distance_mm"};
   }
+  if (!(sum > 0.0 && *distance > sum)) {
+    return no_working_angle(kPairMesh[0], distance.value_or(0.0), sum);
+  }
+  return std::nullopt;
+}
+
+std::variant<PairEvaluation, NotDefined> evaluate(const PairDesign& design) {
+  static constexpr std::array<std::string_view, 2> kGears{"1", "2"};
+  static constexpr std::array<std::array<int, 2>, 1> kPair{{{0, 1}}};
+  if (auto undefined = why_undefined(design)) return *std::move(undefined);
+  const auto gears = gears_of(design);
+  const auto distance = resolved_center_distance(design, gears);
   const auto mesh = geometry::make_mesh_geometry(gears[0], gears[1], *distance);
-  if (!mesh) return no_working_angle(kMeshes[0], *distance, sum);
 
   PairEvaluation e{};
   e.name = design.name;
   e.center_distance_m = *distance;
   e.center_distance_given = design.center_distance_m.has_value();
-  e.mesh = mesh_result({.name = kMeshes[0],
+  e.mesh = mesh_result({.name = kPairMesh[0],
                         .gear1 = gears[0],
                         .gear2 = gears[1],
                         .mesh = *mesh,
@@ -312,7 +332,7 @@ std::variant<PairEvaluation, NotDefined> evaluate(const PairDesign& design) {
                                                     .mesh_gears = kPair,
                                                     .planets = 0,
                                                     .length_scale_m = design.gear1.module_m}),
-                        gearing, {.gears = kGears, .meshes = kMeshes});
+                        gearing, {.gears = kGears, .meshes = kPairMesh});
   note_loss_model({e.mesh}, e.notes);
   if (!e.center_distance_given) {
     e.notes.emplace_back("no center_distance_mm given: the zero-backlash distance is used");

@@ -87,6 +87,12 @@ struct NotDefined {
   std::string message;
 };
 
+/// Why the geometry of a design is not defined (no real working angle at its centre distance, or
+/// no zero-backlash distance to take); empty when it is.
+/// @throws std::invalid_argument for values outside the geometry functions' ranges
+std::optional<NotDefined> why_undefined(const Design& design);
+std::optional<NotDefined> why_undefined(const PairDesign& design);
+
 /// Everything known about a gearbox.
 /// Without a given centre distance, the zero-backlash distance of mesh P1-R1 is taken.
 /// @throws std::invalid_argument for values outside the geometry functions' ranges

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <sstream>
 #include <stdexcept>
 
@@ -11,6 +12,7 @@ namespace gear3k::io {
 
 namespace {
 
+/// The fields of a line; empty when a quote is left open.
 std::vector<std::string> split_fields(const std::string& line) {
   std::vector<std::string> fields(1);
   bool quoted = false;
@@ -27,6 +29,7 @@ std::vector<std::string> split_fields(const std::string& line) {
       fields.back() += c;
     }
   }
+  if (quoted) fields.clear();
   return fields;
 }
 
@@ -48,15 +51,17 @@ std::optional<double> CsvTable::number(const Row& row, const std::string& column
   if (!field) return std::nullopt;
   double value = 0.0;
   const auto [end, error] = std::from_chars(field->data(), field->data() + field->size(), value);
-  if (error != std::errc() || end != field->data() + field->size()) {
-    throw InvalidInput(
-        fmt::format("line {}: {} = \"{}\": allowed: a number", row.line, column, *field));
+  if (error != std::errc() || end != field->data() + field->size() || !std::isfinite(value)) {
+    throw InvalidInput(format_diagnostics(
+        name, {{.position = {.line = row.line, .column = 1},
+                .message = fmt::format("{} = \"{}\": allowed: a finite number", column, *field)}}));
   }
   return value;
 }
 
 CsvTable parse_csv(const std::string& text, const std::string& name) {
   CsvTable table;
+  table.name = name;
   std::vector<Diagnostic> diagnostics;
   std::istringstream stream(text);
   std::string line;
@@ -65,6 +70,9 @@ CsvTable parse_csv(const std::string& text, const std::string& name) {
     if (line.empty()) continue;
     if (line.front() == '#') {
       table.notes.push_back(line.substr(1));
+    } else if (split_fields(line).empty()) {
+      diagnostics.push_back(
+          {.position = {.line = number, .column = 1}, .message = "a quote is left open"});
     } else if (table.header.empty()) {
       table.header = split_fields(line);
     } else {

@@ -14,6 +14,7 @@ struct CsvTable {
     int line = 0;  ///< in the file, from 1
     std::vector<std::string> fields;
   };
+  std::string name;  ///< stands for the file in messages
   std::vector<std::string> notes;
   std::vector<std::string> header;
   std::vector<Row> rows;
@@ -21,12 +22,14 @@ struct CsvTable {
   /// The field of a row under a column; empty when the field is blank.
   /// @throws std::invalid_argument when there is no such column
   [[nodiscard]] std::optional<std::string> text(const Row& row, const std::string& column) const;
-  /// The same as a number.  @throws InvalidInput naming line, column and value when it is none
+  /// The same as a number.
+  /// @throws InvalidInput naming line, column and value when it is no finite number
   [[nodiscard]] std::optional<double> number(const Row& row, const std::string& column) const;
 };
 
 /// Parses RFC 4180 fields (quotes, doubled quotes; no line breaks inside fields).
-/// @throws InvalidInput for rows whose number of fields is not the header's, all at once
+/// @throws InvalidInput for open quotes and rows whose number of fields is not the header's, all at
+///         once
 CsvTable parse_csv(const std::string& text, const std::string& name);
 
 }  // namespace gear3k::io

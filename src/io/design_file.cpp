@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -14,7 +16,24 @@ namespace {
 
 constexpr double kMillimetre = 1e-3;
 constexpr double kMicrometre = 1e-6;
+constexpr int kFewestTeeth = 3;
 constexpr double kDegree = std::numbers::pi / 180.0;
+
+/// A key of [inertia] that states a body.
+struct Body {
+  const char* name;
+  std::optional<double> design::Masses::*member;
+  const char* unit;
+  const char* help;
+};
+constexpr std::array<Body, 6> kBodies{
+    {{"S_kgm2", &design::Masses::sun_kgm2, "kg m2", "inertia of the sun about its axis"},
+     {"P1_kgm2", &design::Masses::planet1_kgm2, "kg m2", "inertia of one planet's step P1"},
+     {"P2_kgm2", &design::Masses::planet2_kgm2, "kg m2", "inertia of one planet's step P2"},
+     {"planet_mass_kg", &design::Masses::planet_mass_kg, "kg", "mass of one planet, both steps"},
+     {"carrier_kgm2", &design::Masses::carrier_kgm2, "kg m2",
+      "inertia of the carrier without planets about the main axis"},
+     {"R2_kgm2", &design::Masses::ring2_kgm2, "kg m2", "inertia of ring R2 with its output"}}};
 
 /// A gear as the file states it.
 struct GearInput {
@@ -203,20 +222,6 @@ Schema<DesignInput> design_schema() {
                   .assign = [](Input& t, std::size_t, const TomlValue& v) {
                     t.masses.density_kgm3 = v.number;
                   }});
-  struct Body {
-    const char* name;
-    std::optional<double> design::Masses::*member;
-    const char* unit;
-    const char* help;
-  };
-  static constexpr std::array<Body, 6> kBodies{
-      {{"S_kgm2", &design::Masses::sun_kgm2, "kg m2", "inertia of the sun about its axis"},
-       {"P1_kgm2", &design::Masses::planet1_kgm2, "kg m2", "inertia of one planet's step P1"},
-       {"P2_kgm2", &design::Masses::planet2_kgm2, "kg m2", "inertia of one planet's step P2"},
-       {"planet_mass_kg", &design::Masses::planet_mass_kg, "kg", "mass of one planet, both steps"},
-       {"carrier_kgm2", &design::Masses::carrier_kgm2, "kg m2",
-        "inertia of the carrier without planets about the main axis"},
-       {"R2_kgm2", &design::Masses::ring2_kgm2, "kg m2", "inertia of ring R2 with its output"}}};
   for (const Body& body : kBodies) {
     keys.push_back({.record = {.path = fmt::format("inertia.{}", body.name),
                                .type = KeyType::kNumber,
@@ -270,15 +275,14 @@ struct GearPlace {
 geometry::Gear<double> finish_gear(const CommonInput& input, const GearInput& g,
                                    const GearPlace& place, FileReading& reading) {
   const std::string teeth_key = place.path + ".teeth";
-  constexpr int kFewest = 3;
   const bool flipped = place.ring && input.iso;
   const int teeth = flipped ? -g.teeth : g.teeth;
-  if (reading.has(teeth_key) && teeth < kFewest) {
+  if (reading.has(teeth_key) && teeth < kFewestTeeth) {
     reading.error_at(
         teeth_key,
         fmt::format("{} = {}: allowed: {}", teeth_key, g.teeth,
-                    flipped ? fmt::format("at most -{} (sign_convention iso21771)", kFewest)
-                            : fmt::format("at least {}{}", kFewest,
+                    flipped ? fmt::format("at most -{} (sign_convention iso21771)", kFewestTeeth)
+                            : fmt::format("at least {}{}", kFewestTeeth,
                                           place.ring ? " (sign_convention khk)" : "")));
   }
   if (reading.has(place.path + ".machining_allowance") && g.normal_thinning_m) {
@@ -297,7 +301,7 @@ geometry::Gear<double> finish_gear(const CommonInput& input, const GearInput& g,
   const double x = flipped ? -g.profile_shift : g.profile_shift;
   const double innermost =
       0.5 * teeth + x - (place.ring ? input.rack.addendum : input.rack.dedendum);
-  if (teeth >= kFewest && innermost <= 0.0) {
+  if (teeth >= kFewestTeeth && innermost <= 0.0) {
     reading.error_at(
         place.path + ".profile_shift",
         fmt::format("{}.profile_shift = {}: leaves no {} circle, allowed: {} {:.6g}", place.path,
@@ -317,11 +321,16 @@ geometry::Gear<double> finish_gear(const CommonInput& input, const GearInput& g,
 
 void require_more_ring_teeth(const GearPlace& ring, const GearPlace& mate, int ring_teeth,
                              int mate_teeth, FileReading& reading) {
-  if (ring_teeth >= 3 && mate_teeth >= 3 && ring_teeth <= mate_teeth) {
+  if (ring_teeth >= kFewestTeeth && mate_teeth >= kFewestTeeth && ring_teeth <= mate_teeth) {
     reading.error_at(ring.path + ".teeth",
                      fmt::format("{}.teeth: {} teeth, allowed: more than the {} of {}", ring.path,
                                  ring_teeth, mate_teeth, mate.path));
   }
+}
+
+/// Where an impossible centre distance is reported: at its key, else at the file.
+std::string center_distance_place(const FileReading& reading) {
+  return reading.has("center_distance_mm") ? "center_distance_mm" : "";
 }
 
 design::Design finish_design(const DesignInput& input, FileReading& reading) {
@@ -351,8 +360,8 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
     t.rack[i] = gear.rack;
     design.masses.bore_radius_m[i] = 0.5 * input.gears[i].bore_diameter_m;
     const double root_m = gear.module_m * (0.5 * gear.teeth + gear.profile_shift);
-    if (!places[i].ring && teeth[i] >= 3 && input.gears[i].bore_diameter_m >= 2.0 * root_m &&
-        root_m > 0.0) {
+    if (!places[i].ring && teeth[i] >= kFewestTeeth &&
+        input.gears[i].bore_diameter_m >= 2.0 * root_m && root_m > 0.0) {
       reading.error_at(places[i].path + ".bore_mm",
                        fmt::format("{}.bore_mm = {:.6g}: allowed: below the toothed diameter "
                                    "{:.6g}",
@@ -365,7 +374,7 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
                                    "external gears end at their teeth)",
                                    places[i].path));
     }
-    if (id == train::kR2 && input.gears[i].outer_diameter_m && teeth[i] >= 3) {
+    if (id == train::kR2 && input.gears[i].outer_diameter_m && teeth[i] >= kFewestTeeth) {
       const double least =
           2.0 * gear.module_m * (0.5 * gear.teeth + gear.profile_shift + gear.rack.dedendum);
       if (*input.gears[i].outer_diameter_m <= least) {
@@ -386,6 +395,12 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
                      fmt::format("gears: zP1 zR2 = zP2 zR1 = {}: the output would stand still, "
                                  "allowed: different products",
                                  1LL * t.teeth.P1 * t.teeth.R2));
+  }
+  const bool teeth_known = std::ranges::all_of(teeth, [](int z) { return z >= kFewestTeeth; });
+  if (teeth_known && t.module_m[0] > 0.0 && t.module_m[1] > 0.0) {
+    if (const auto undefined = design::why_undefined(design)) {
+      reading.error_at(center_distance_place(reading), undefined->message);
+    }
   }
   return design;
 }
@@ -425,6 +440,12 @@ design::PairDesign read_pair(const std::string& path) {
   if (input.internal) {
     require_more_ring_teeth(place2, place1, pair.gear2.teeth, pair.gear1.teeth, reading);
   }
+  if (pair.gear1.teeth >= kFewestTeeth && pair.gear2.teeth >= kFewestTeeth &&
+      input.module_m > 0.0) {
+    if (const auto undefined = design::why_undefined(pair)) {
+      reading.error_at(center_distance_place(reading), undefined->message);
+    }
+  }
   reading.throw_if_invalid();
   return pair;
 }
@@ -436,8 +457,9 @@ std::string quoted(const std::string& text) {
   std::string result = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') result += '\\';
-    if (static_cast<unsigned char>(c) < 0x20) {
-      result += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
+    const auto code = static_cast<unsigned char>(c);
+    if (code < 0x20 || code == 0x7F) {
+      result += fmt::format("\\u{:04x}", static_cast<unsigned>(code));
     } else {
       result += c;
     }
@@ -469,11 +491,13 @@ std::string limits_text(const design::Limits& limits) {
   if (limits[CheckId::kOutputBacklashMax]) {
     text += fmt::format("max_output_arcmin = {}\n", in_unit(CheckId::kOutputBacklashMax));
   }
+  // A range has two ends; the one that is off is switched off below.
   const auto& least = limits[CheckId::kContactRatioMin];
   const auto& most = limits[CheckId::kContactRatioMax];
-  if (most) {
+  const bool has_range = least || most;
+  if (has_range) {
     text += fmt::format("\n[contact_ratio]\nrange = [{}, {}]\n", number(least.value_or(0.0)),
-                        number(*most));
+                        number(most.value_or(kGreatestContactRatio)));
   }
   if (limits[CheckId::kRingRootDiameter]) {
     text += fmt::format("\n[size]\nmax_ring_root_diameter_mm = {}\n",
@@ -484,11 +508,25 @@ std::string limits_text(const design::Limits& limits) {
     if (r.id == CheckId::kIdenticalPlanets) continue;
     if (r.limit_key.empty()) {
       text += fmt::format("{} = {}\n", r.name, limits[r.id] ? in_unit(r.id) : "false");
-    } else if (!limits[r.id] && r.default_limit) {
+    } else if (!limits[r.id] &&
+               (r.default_limit || (has_range && r.id == CheckId::kContactRatioMax))) {
       text += fmt::format("{} = false\n", r.name);
     }
   }
   return text;
+}
+
+std::string inertia_text(const design::Masses& masses) {
+  std::string text;
+  if (masses.density_kgm3) {
+    text += fmt::format("density_kg_m3 = {}\n", number(*masses.density_kgm3));
+  }
+  for (const Body& body : kBodies) {
+    if (masses.*body.member) {
+      text += fmt::format("{} = {}\n", body.name, number(*(masses.*body.member)));
+    }
+  }
+  return text.empty() ? "" : "\n[inertia]\n" + text;
 }
 
 }  // namespace
@@ -514,6 +552,7 @@ std::string design_text(const design::Design& design) {
                           number(*design.masses.face_width_m[stage] / kMillimetre));
     }
   }
+  const design::Masses& masses = design.masses;
   const auto z = train::teeth_of(t.teeth);
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
     text += fmt::format(
@@ -521,7 +560,15 @@ std::string design_text(const design::Design& design) {
         "tip_shortening = {}\n",
         train::kGearNames[i], z[i], number(t.profile_shift[i]), number(t.machining_allowance[i]),
         number(t.tip_shortening[i]));
+    if (masses.bore_radius_m[i] > 0.0) {
+      text += fmt::format("bore_mm = {}\n", number(2.0 * masses.bore_radius_m[i] / kMillimetre));
+    }
+    if (i == train::kR2 && masses.ring2_outer_radius_m) {
+      text += fmt::format("outer_diameter_mm = {}\n",
+                          number(2.0 * *masses.ring2_outer_radius_m / kMillimetre));
+    }
   }
+  text += inertia_text(masses);
   text += fmt::format("\n[friction]\ncoefficient = {}\nloss_model = \"{}\"\n",
                       number(design.friction.coefficient),
                       efficiency::kLossModelNames[static_cast<std::size_t>(design.friction.model)]);

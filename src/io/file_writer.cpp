@@ -12,7 +12,28 @@
 
 namespace gear3k::io {
 
+namespace {
+
+[[noreturn]] void refuse(const std::string& path, const std::string& cause) {
+  throw InvalidInput(fmt::format("{}: cannot be written: {}", path, cause));
+}
+
+void write_through(const std::string& path, const std::string& content) {
+  std::ofstream file(path, std::ios::binary);
+  file << content;
+  file.flush();
+  if (!file) refuse(path, std::strerror(errno));
+}
+
+}  // namespace
+
 void write_file(const std::string& path, const std::string& content) {
+  std::error_code unknown;
+  const auto target = std::filesystem::status(path, unknown);
+  if (std::filesystem::is_other(target)) {
+    write_through(path, content);
+    return;
+  }
   const std::string temporary = fmt::format("{}.{}.tmp", path, ::getpid());
   {
     std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
@@ -22,7 +43,7 @@ void write_file(const std::string& path, const std::string& content) {
       const std::string cause = std::strerror(errno);
       std::error_code ignored;
       std::filesystem::remove(temporary, ignored);
-      throw InvalidInput(fmt::format("{}: cannot be written: {}", path, cause));
+      refuse(path, cause);
     }
   }
   std::error_code status;
@@ -30,7 +51,7 @@ void write_file(const std::string& path, const std::string& content) {
   if (status) {
     std::error_code ignored;
     std::filesystem::remove(temporary, ignored);
-    throw InvalidInput(fmt::format("{}: cannot be written: {}", path, status.message()));
+    refuse(path, status.message());
   }
 }
 

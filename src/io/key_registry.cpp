@@ -292,14 +292,20 @@ std::vector<FoundValue> match_keys(const TomlValue& document, const std::vector<
 
 std::string key_table(const std::vector<const KeyRecord*>& records,
                       const std::vector<std::string>& gears) {
+  const auto cell = [](std::string content) {
+    for (std::size_t at = 0; (at = content.find('|', at)) != std::string::npos; at += 2) {
+      content.insert(at, 1, '\\');
+    }
+    return content;
+  };
   std::string text = "| key | value | default | meaning |\n|---|---|---|---|\n";
   const std::string any_gear = gears.empty() ? "" : fmt::format("<{}>", fmt::join(gears, ","));
   for (const KeyRecord* r : records) {
     std::string path = r->path;
     const auto at = path.find("{gear}");
     if (at != std::string::npos) path.replace(at, 6, any_gear);
-    text += fmt::format("| `{}` | {} | {} | {} |\n", path, allowed_text(*r),
-                        r->required ? "required" : r->default_text, r->help);
+    text += fmt::format("| `{}` | {} | {} | {} |\n", path, cell(allowed_text(*r)),
+                        cell(r->required ? "required" : r->default_text), cell(r->help));
   }
   return text;
 }

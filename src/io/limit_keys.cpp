@@ -63,7 +63,7 @@ std::vector<Key<LimitInput>> limit_keys(bool for_pair) {
   keys.push_back({.record = {.path = "contact_ratio.range",
                              .type = KeyType::kNumberRange,
                              .min = 0.0,
-                             .max = 10.0,
+                             .max = kGreatestContactRatio,
                              .default_text = "at least 1",
                              .help = "least and greatest contact ratio of every mesh"},
                   .assign = [](LimitInput& t, std::size_t, const TomlValue& v) {
@@ -79,7 +79,9 @@ std::vector<Key<LimitInput>> limit_keys(bool for_pair) {
                     .unit = threshold_here ? std::string(design::unit_name(r.unit)) : "",
                     .min = -1e6,
                     .max = 1e6,
-                    .default_text = threshold_here ? default_text(r) : "true",
+                    .default_text = threshold_here    ? default_text(r)
+                                    : r.default_limit ? "true"
+                                                      : "true when stated",
                     .help = threshold_here
                                 ? std::string(r.help)
                                 : fmt::format("switch of the check; its limit is {}", r.limit_key)},

@@ -10,6 +10,9 @@
 
 namespace gear3k::io {
 
+/// Greatest contact ratio that a file may state.
+inline constexpr double kGreatestContactRatio = 10.0;
+
 /// Limits as a file states them; finish_limits() turns them into design::Limits.
 struct LimitInput {
   design::Limits limits = design::default_limits();

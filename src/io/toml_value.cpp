@@ -90,8 +90,11 @@ std::string as_text(const TomlValue& value) {
       text = "a date or time";
       break;
   }
-  if (text.size() > kLongest) text = text.substr(0, kLongest) + "...";
-  return text;
+  if (text.size() <= kLongest) return text;
+  std::size_t end = kLongest;
+  // Not within a character of several bytes (UTF-8 continuation bytes are 10xxxxxx).
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
+  return text.substr(0, end) + "...";
 }
 
 TomlValue parse_toml(const std::string& text, const std::string& name) {

@@ -143,6 +143,31 @@ void fill_optimum(const Specification& spec, const BestEnd& best, RefinedSet& se
                                             train->gears[train::kR2].root_radius_m);
 }
 
+/// Names the constraints that a point misses most.  Least violation balances the constraints that
+/// are in conflict, so that several are missed alike: the first of them in the order of the checks
+/// is the reason.
+void name_blocking_rows(const RefinementProblem& problem, const Point& v, RefinedSet& set) {
+  constexpr double kAlike = 0.01;
+  std::vector<double> g(problem.rows.size());
+  double objective = 0.0;
+  const auto n = static_cast<std::size_t>(problem.variables);
+  if (!evaluate<double>(problem, std::span<const double>(v.data(), n), objective, g)) return;
+  for (std::size_t k = 0; k < g.size(); ++k) {
+    if (-g[k] < (1.0 - kAlike) * set.violation) continue;
+    const ConstraintRow& row = problem.rows[k];
+    if (set.reason.empty()) {
+      const design::Unit unit = row.check ? row.check->record->unit : design::Unit::kMillimetre;
+      const double scale = row.check ? row.check->scale : problem.length_scale_m;
+      set.reason = row.name;
+      set.miss = design::in_unit(-g[k] * scale, unit);
+      set.miss_unit = design::unit_name(unit);
+    } else if (row.name != set.reason) {
+      set.conflict = row.name;
+      return;
+    }
+  }
+}
+
 }  // namespace
 
 double objective_of(const RefinedSet& set, Objective objective) {
@@ -150,6 +175,12 @@ double objective_of(const RefinedSet& set, Objective objective) {
 }
 
 RefinedSet refine(const Specification& spec, const Candidate& candidate) {
+  const std::atomic<bool> never{false};
+  return *refine(spec, candidate, never);
+}
+
+std::optional<RefinedSet> refine(const Specification& spec, const Candidate& candidate,
+                                 const std::atomic<bool>& stop) {
   RefinedSet set;
   set.candidate = candidate;
   if (const auto proof = proven_infeasible(spec, candidate)) {
@@ -170,6 +201,7 @@ RefinedSet refine(const Specification& spec, const Candidate& candidate) {
       if (problem.has_branches) branches = 2;
       BestEnd local;
       for (const Point& start : starting_points(problem, spec.solver.starts, spec.solver.seed)) {
+        if (stop.load(std::memory_order_relaxed)) return std::nullopt;
         local.offer(problem, solve(problem, start));
       }
       if (local.problem && !local.found) {
@@ -188,14 +220,7 @@ RefinedSet refine(const Specification& spec, const Candidate& candidate) {
   if (!best.found) {
     set.status = Status::kNoFeasibleFound;
     set.violation = best.outcome.violation.amount;
-    const int index = best.outcome.violation.row;
-    if (index < 0) return set;
-    const ConstraintRow& row = best.problem->rows[static_cast<std::size_t>(index)];
-    const design::Unit unit = row.check ? row.check->record->unit : design::Unit::kMillimetre;
-    const double scale = row.check ? row.check->scale : best.problem->length_scale_m;
-    set.reason = row.name;
-    set.miss = design::in_unit(set.violation * scale, unit);
-    set.miss_unit = design::unit_name(unit);
+    name_blocking_rows(*best.problem, best.outcome.v, set);
     return set;
   }
   if (spec.solver.refine == Refine::kBoth) polish(best);
@@ -213,13 +238,14 @@ OptimizeResult optimize(const Specification& spec, Progress& progress) {
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     if (progress.stop.load(std::memory_order_relaxed)) continue;
     try {
-      refined[k] = refine(spec, candidates[k]);
+      refined[k] = refine(spec, candidates[k], progress.stop);
     } catch (const std::exception&) {
       // Nothing may leave the parallel region; the set is reported as failed.
       refined[k].emplace();
       refined[k]->candidate = candidates[k];
       refined[k]->reason = "exception";
     }
+    if (!refined[k]) continue;
     if (refined[k]->status == Status::kOptimal) {
       ++progress.feasible;
       const double value = objective_of(*refined[k], spec.objective);

@@ -29,6 +29,8 @@ struct RefinedSet {
   double violation = 0.0;  ///< of `reason`, scaled to order 1; 0 when optimal
   double miss = 0.0;       ///< the same in `miss_unit` (as files and tables print it)
   std::string_view miss_unit;
+  /// Another constraint that the same point misses as much: the two are in conflict; "" when none.
+  std::string_view conflict;
   // The rest only when optimal.
   train::TrainParameters<double> train;
   double eta_b = 0.0, eta_f = 0.0;
@@ -59,6 +61,9 @@ double objective_of(const RefinedSet& set, Objective objective);
 /// Refines one tooth set: every module of the series, several starts each, the best feasible end;
 /// when no start ends feasible, one more from the point of least violation.
 RefinedSet refine(const Specification& spec, const Candidate& candidate);
+/// The same; empty when `stop` became true before the set was done.
+std::optional<RefinedSet> refine(const Specification& spec, const Candidate& candidate,
+                                 const std::atomic<bool>& stop);
 
 /// Searches and refines everything, OpenMP over the tooth sets.  The result does not depend on the
 /// number of threads.  Ties go to the set that comes first.
