@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "efficiency/train_efficiency.hpp"
 #include "optimize/ipopt.hpp"
@@ -143,29 +145,64 @@ void fill_optimum(const Specification& spec, const BestEnd& best, RefinedSet& se
                                             train->gears[train::kR2].root_radius_m);
 }
 
-/// Names the constraints that a point misses most.  Least violation balances the constraints that
-/// are in conflict, so that several are missed alike: the first of them in the order of the checks
-/// is the reason.
-void name_blocking_rows(const RefinementProblem& problem, const Point& v, RefinedSet& set) {
-  constexpr double kAlike = 0.01;
+/// Violations of a problem's rows at a point, by name: the largest of each, in the order of rows.
+std::vector<std::pair<std::string_view, double>> violations_by_name(
+    const RefinementProblem& problem, const Point& v) {
   std::vector<double> g(problem.rows.size());
   double objective = 0.0;
+  std::vector<std::pair<std::string_view, double>> result;
   const auto n = static_cast<std::size_t>(problem.variables);
-  if (!evaluate<double>(problem, std::span<const double>(v.data(), n), objective, g)) return;
+  if (!evaluate<double>(problem, std::span<const double>(v.data(), n), objective, g)) return result;
   for (std::size_t k = 0; k < g.size(); ++k) {
-    if (-g[k] < (1.0 - kAlike) * set.violation) continue;
-    const ConstraintRow& row = problem.rows[k];
-    if (set.reason.empty()) {
-      const design::Unit unit = row.check ? row.check->record->unit : design::Unit::kMillimetre;
-      const double scale = row.check ? row.check->scale : problem.length_scale_m;
-      set.reason = row.name;
-      set.miss = design::in_unit(-g[k] * scale, unit);
-      set.miss_unit = design::unit_name(unit);
-    } else if (row.name != set.reason) {
-      set.conflict = row.name;
-      return;
+    const std::string_view name = problem.rows[k].name;
+    if (result.empty() || result.back().first != name) result.emplace_back(name, 0.0);
+    result.back().second = std::max(result.back().second, -g[k]);
+  }
+  return result;
+}
+
+/// Unit that a row's violation is shown in, and its size there per scaled violation.
+void set_miss(const RefinementProblem& problem, RefinedSet& set) {
+  for (const ConstraintRow& row : problem.rows) {
+    if (row.name != set.reason) continue;
+    const design::Unit unit = row.check ? row.check->record->unit : design::Unit::kMillimetre;
+    const double scale = row.check ? row.check->scale : problem.length_scale_m;
+    set.miss = design::in_unit(set.violation * scale, unit);
+    set.miss_unit = design::unit_name(unit);
+    return;
+  }
+}
+
+/// Names the constraint that blocks a set, from the point of least violation.  That point balances
+/// the constraints in conflict, which are missed alike there; each of them is relaxed alone to find
+/// the one that has to give way least.
+void name_blocking_constraint(const RefinementProblem& problem, const SolveOutcome& nearest,
+                              RefinedSet& set) {
+  constexpr double kAlike = 0.01;
+  set.violation = nearest.violation.amount;
+  std::vector<std::string_view> conflict;
+  for (const auto& [name, amount] : violations_by_name(problem, nearest.v)) {
+    if (amount >= (1.0 - kAlike) * nearest.violation.amount) conflict.push_back(name);
+  }
+  if (conflict.empty()) return;
+  set.reason = conflict.front();
+  double least = std::numeric_limits<double>::infinity();
+  for (const std::string_view name : conflict) {
+    if (conflict.size() == 1) break;
+    const SolveOutcome alone = least_violation(problem, nearest.v, {}, name);
+    double own = 0.0;
+    double others = 0.0;
+    for (const auto& [other, amount] : violations_by_name(problem, alone.v)) {
+      double& worst = other == name ? own : others;
+      worst = std::max(worst, amount);
+    }
+    if (alone.defined && others <= design::kFeasibilityTolerance && own < least) {
+      least = own;
+      set.reason = name;
+      set.violation = own;
     }
   }
+  set_miss(problem, set);
 }
 
 }  // namespace
@@ -219,8 +256,7 @@ std::optional<RefinedSet> refine(const Specification& spec, const Candidate& can
   }
   if (!best.found) {
     set.status = Status::kNoFeasibleFound;
-    set.violation = best.outcome.violation.amount;
-    name_blocking_rows(*best.problem, best.outcome.v, set);
+    name_blocking_constraint(*best.problem, best.outcome, set);
     return set;
   }
   if (spec.solver.refine == Refine::kBoth) polish(best);

@@ -23,14 +23,13 @@ inline constexpr std::array<std::string_view, kStatusCount> kStatusNames{
 struct RefinedSet {
   Candidate candidate;
   Status status = Status::kFailed;
-  /// Constraint that blocks the set (no_feasible_found: the one violated most at the point that
-  /// violates least; infeasible: the one that no point of the box can meet); "" when optimal.
+  /// Constraint that blocks the set; "" when optimal.  infeasible: the one that no point of the box
+  /// can meet.  no_feasible_found: of the constraints in conflict, the one that has to give way
+  /// least when all others are kept.
   std::string_view reason;
-  double violation = 0.0;  ///< of `reason`, scaled to order 1; 0 when optimal
+  double violation = 0.0;  ///< least found violation of `reason`, scaled to order 1
   double miss = 0.0;       ///< the same in `miss_unit` (as files and tables print it)
   std::string_view miss_unit;
-  /// Another constraint that the same point misses as much: the two are in conflict; "" when none.
-  std::string_view conflict;
   // The rest only when optimal.
   train::TrainParameters<double> train;
   double eta_b = 0.0, eta_f = 0.0;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <utility>
 
 namespace gear3k::optimize {
 
@@ -18,10 +19,12 @@ constexpr double kInterior = 1e-3;
 /// f and g with derivatives at the last point asked for; NLopt asks for f and g separately.
 class CachedProblem {
  public:
-  CachedProblem(const RefinementProblem& problem, bool elastic)
+  /// @param elastic_rows  rows that t relaxes; empty = there is no t
+  CachedProblem(const RefinementProblem& problem, std::vector<bool> elastic_rows)
       : problem_(problem),
         n_(static_cast<std::size_t>(problem.variables)),
-        elastic_(elastic),
+        elastic_rows_(std::move(elastic_rows)),
+        elastic_(!elastic_rows_.empty()),
         g_(problem.rows.size()) {}
 
   /// Variables that the solver sees: those of the problem and, when elastic, t.
@@ -43,11 +46,12 @@ class CachedProblem {
   void constraints(const double* x, double* result, double* gradient) {
     update(x);
     for (std::size_t k = 0; k < g_.size(); ++k) {
-      result[k] = -g_[k].a - (elastic_ ? x[n_] : 0.0);
+      const bool relaxed = elastic_ && elastic_rows_[k];
+      result[k] = -g_[k].a - (relaxed ? x[n_] : 0.0);
       if (gradient == nullptr) continue;
       double* row = gradient + k * size();
       for (std::size_t j = 0; j < n_; ++j) row[j] = -g_[k].v[static_cast<Eigen::Index>(j)];
-      if (elastic_) row[n_] = -1.0;
+      if (elastic_) row[n_] = relaxed ? -1.0 : 0.0;
     }
   }
 
@@ -65,6 +69,7 @@ class CachedProblem {
 
   const RefinementProblem& problem_;
   std::size_t n_;
+  std::vector<bool> elastic_rows_;
   bool elastic_;
   bool valid_ = false;
   Point x_{};
@@ -149,7 +154,7 @@ SolveOutcome outcome_at(const RefinementProblem& problem, const Point& v, bool c
 
 SolveOutcome solve_slsqp(const RefinementProblem& problem, const Point& start,
                          const SlsqpOptions& options) {
-  CachedProblem functions(problem, false);
+  CachedProblem functions(problem, {});
   const RunResult result =
       run(functions, box_of(problem),
           {start.begin(), start.begin() + static_cast<std::ptrdiff_t>(problem.variables)},
@@ -158,8 +163,12 @@ SolveOutcome solve_slsqp(const RefinementProblem& problem, const Point& start,
 }
 
 SolveOutcome least_violation(const RefinementProblem& problem, const Point& start,
-                             const SlsqpOptions& options) {
-  CachedProblem functions(problem, true);
+                             const SlsqpOptions& options, std::string_view elastic_name) {
+  std::vector<bool> elastic_rows;
+  for (const ConstraintRow& row : problem.rows) {
+    elastic_rows.push_back(elastic_name.empty() || row.name == elastic_name);
+  }
+  CachedProblem functions(problem, std::move(elastic_rows));
   Bounds bounds = box_of(problem);
   bounds.lower.push_back(-kInterior);
   bounds.upper.push_back(2.0 * kUndefinedPenalty);

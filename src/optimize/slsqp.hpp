@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string_view>
+
 #include "optimize/refinement_problem.hpp"
 #include "optimize/starting_points.hpp"
 
@@ -25,10 +27,11 @@ struct SlsqpOptions {
 SolveOutcome solve_slsqp(const RefinementProblem& problem, const Point& start,
                          const SlsqpOptions& options);
 
-/// The least t with g_k + t ≥ 0 for all k, from a start: the point that violates the constraints
-/// least (locally), or a feasible one.  `objective` of the outcome is −η there.
+/// The least t with g_k + t ≥ 0 for the rows of one name and g_k ≥ 0 for the others, from a start;
+/// with an empty name g_k + t ≥ 0 for all rows: the point that violates the constraints least
+/// (locally), or a feasible one.  `objective` of the outcome is −η there.
 SolveOutcome least_violation(const RefinementProblem& problem, const Point& start,
-                             const SlsqpOptions& options);
+                             const SlsqpOptions& options, std::string_view elastic_name = {});
 
 /// Values of the problem at v, as an outcome.
 SolveOutcome outcome_at(const RefinementProblem& problem, const Point& v, bool converged);

@@ -283,12 +283,10 @@ std::string blocking_text(const Specification& spec, const OptimizeResult& resul
     counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", reason, count);
   }
   return fmt::format(
-      "no feasible design: blocked by {}{}: the nearest set, {}, misses it by {:.4g}{}{}; sets by "
+      "no feasible design: blocked by {}: the nearest set, {}, misses it by {:.4g}{}{}; sets by "
       "the constraint that they miss: {}",
-      nearest->reason,
-      nearest->conflict.empty() ? "" : fmt::format(" in conflict with {}", nearest->conflict),
-      teeth_text(nearest->candidate.teeth), nearest->miss, nearest->miss_unit.empty() ? "" : " ",
-      nearest->miss_unit, counts);
+      nearest->reason, teeth_text(nearest->candidate.teeth), nearest->miss,
+      nearest->miss_unit.empty() ? "" : " ", nearest->miss_unit, counts);
 }
 
 }  // namespace gear3k::report

@@ -117,8 +117,8 @@ TEST(CsvTable, TextForANumberIsAnErrorWithLineColumnAndValue) {
       FAIL() << "no exception for " << value;
     } catch (const InvalidInput& error) {
       const std::string message = error.what();
-      for (const std::string& word : {std::string("line 3"), std::string("speed"),
-                                      std::string(value), std::string("a number")}) {
+      for (const std::string& word : {std::string("data.csv:3:"), std::string("speed"),
+                                      std::string(value), std::string("a finite number")}) {
         EXPECT_NE(message.find(word), std::string::npos) << message;
       }
     }

@@ -333,9 +333,13 @@ TEST(DesignText, RoundTripsRandomDesigns) {
     d.train.teeth.R2 = d.train.teeth.P2 + integer(9, 80);
     if (d.train.teeth.P1 * d.train.teeth.R2 == d.train.teeth.P2 * d.train.teeth.R1) continue;
     d.train.pressure_angle_rad = uniform(14.0, 30.0) * kDegree;
-    d.center_distance_given = k % 3 != 0;
-    d.train.center_distance_m = uniform(0.005, 0.2);
+    d.center_distance_given = true;
     d.train.module_m = {uniform(1e-4, 5e-3), uniform(1e-4, 5e-3)};
+    // Above the reference distance of every mesh, hence with a real working angle.
+    const auto& z = d.train.teeth;
+    const double reference = 0.5 * std::max(d.train.module_m[0] * std::max(z.S + z.P1, z.R1 - z.P1),
+                                            d.train.module_m[1] * (z.R2 - z.P2));
+    d.train.center_distance_m = reference * uniform(1.0, 1.2);
     for (std::size_t i = 0; i < train::kGearCount; ++i) {
       d.train.profile_shift[i] = uniform(-0.5, 1.5);
       d.train.machining_allowance[i] = uniform(0.0, 0.2);
