@@ -161,48 +161,47 @@ std::vector<std::pair<std::string_view, double>> violations_by_name(
   return result;
 }
 
-/// Unit that a row's violation is shown in, and its size there per scaled violation.
-void set_miss(const RefinementProblem& problem, RefinedSet& set) {
-  for (const ConstraintRow& row : problem.rows) {
-    if (row.name != set.reason) continue;
-    const design::Unit unit = row.check ? row.check->record->unit : design::Unit::kMillimetre;
-    const double scale = row.check ? row.check->scale : problem.length_scale_m;
-    set.miss = design::in_unit(set.violation * scale, unit);
-    set.miss_unit = design::unit_name(unit);
-    return;
-  }
+/// A scaled violation of the rows of a name, with its unit.
+Miss miss_of(const RefinementProblem& problem, std::string_view name, double violation) {
+  const auto row = std::ranges::find(problem.rows, name, &ConstraintRow::name);
+  const design::Unit unit = row->check ? row->check->record->unit : design::Unit::kMillimetre;
+  const double scale = row->check ? row->check->scale : problem.length_scale_m;
+  return {.name = name,
+          .violation = violation,
+          .amount = design::in_unit(violation * scale, unit),
+          .unit = design::unit_name(unit)};
 }
 
-/// Names the constraint that blocks a set, from the point of least violation.  That point balances
-/// the constraints in conflict, which are missed alike there; each of them is relaxed alone to find
-/// the one that has to give way least.
-void name_blocking_constraint(const RefinementProblem& problem, const SolveOutcome& nearest,
-                              RefinedSet& set) {
+/// The constraints that block a problem, from the point of least violation.  That point balances
+/// the constraints in conflict, which are missed alike there; relaxing each of them alone tells by
+/// how much it has to give way.
+std::vector<Miss> blocking_constraints(const RefinementProblem& problem,
+                                       const SolveOutcome& nearest) {
   constexpr double kAlike = 0.01;
-  set.violation = nearest.violation.amount;
-  std::vector<std::string_view> conflict;
+  std::vector<Miss> alike;
   for (const auto& [name, amount] : violations_by_name(problem, nearest.v)) {
-    if (amount >= (1.0 - kAlike) * nearest.violation.amount) conflict.push_back(name);
+    if (amount >= (1.0 - kAlike) * nearest.violation.amount) {
+      alike.push_back(miss_of(problem, name, amount));
+    }
   }
-  if (conflict.empty()) return;
-  set.reason = conflict.front();
-  double least = std::numeric_limits<double>::infinity();
-  for (const std::string_view name : conflict) {
-    if (conflict.size() == 1) break;
-    const SolveOutcome alone = least_violation(problem, nearest.v, {}, name);
+  if (alike.size() < 2) return alike;
+  std::vector<Miss> blocking;
+  for (const Miss& miss : alike) {
+    const SolveOutcome alone = least_violation(problem, nearest.v, {}, miss.name);
     double own = 0.0;
     double others = 0.0;
-    for (const auto& [other, amount] : violations_by_name(problem, alone.v)) {
-      double& worst = other == name ? own : others;
+    for (const auto& [name, amount] : violations_by_name(problem, alone.v)) {
+      double& worst = name == miss.name ? own : others;
       worst = std::max(worst, amount);
     }
-    if (alone.defined && others <= design::kFeasibilityTolerance && own < least) {
-      least = own;
-      set.reason = name;
-      set.violation = own;
+    if (alone.defined && others <= design::kFeasibilityTolerance) {
+      blocking.push_back(miss_of(problem, miss.name, own));
     }
   }
-  set_miss(problem, set);
+  // No single one suffices: what is missed together is all that can be said.
+  if (blocking.empty()) return alike;
+  std::ranges::stable_sort(blocking, {}, &Miss::violation);
+  return blocking;
 }
 
 }  // namespace
@@ -222,11 +221,11 @@ std::optional<RefinedSet> refine(const Specification& spec, const Candidate& can
   set.candidate = candidate;
   if (const auto proof = proven_infeasible(spec, candidate)) {
     set.status = Status::kInfeasible;
-    set.reason = design::check_record(proof->check).name;
-    set.violation = proof->violation;
-    const design::Unit unit = design::check_record(proof->check).unit;
-    set.miss = design::in_unit(proof->miss_si, unit);
-    set.miss_unit = design::unit_name(unit);
+    const design::CheckRecord& record = design::check_record(proof->check);
+    set.blocked_by = {{.name = record.name,
+                       .violation = proof->violation,
+                       .amount = design::in_unit(proof->miss_si, record.unit),
+                       .unit = design::unit_name(record.unit)}};
     return set;
   }
   BestEnd best;
@@ -251,12 +250,11 @@ std::optional<RefinedSet> refine(const Specification& spec, const Candidate& can
   }
   if (!best.problem) {
     set.status = Status::kFailed;
-    set.reason = "undefined";
     return set;
   }
   if (!best.found) {
     set.status = Status::kNoFeasibleFound;
-    name_blocking_constraint(*best.problem, best.outcome, set);
+    set.blocked_by = blocking_constraints(*best.problem, best.outcome);
     return set;
   }
   if (spec.solver.refine == Refine::kBoth) polish(best);
@@ -279,7 +277,6 @@ OptimizeResult optimize(const Specification& spec, Progress& progress) {
       // Nothing may leave the parallel region; the set is reported as failed.
       refined[k].emplace();
       refined[k]->candidate = candidates[k];
-      refined[k]->reason = "exception";
     }
     if (!refined[k]) continue;
     if (refined[k]->status == Status::kOptimal) {

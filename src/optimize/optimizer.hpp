@@ -19,17 +19,22 @@ inline constexpr std::size_t kStatusCount = 4;
 inline constexpr std::array<std::string_view, kStatusCount> kStatusNames{
     "optimal", "no_feasible_found", "infeasible", "failed"};
 
+/// By how much one constraint is missed when all others are kept.
+struct Miss {
+  std::string_view name;   ///< a check, or stage1_module / stage2_module
+  double violation = 0.0;  ///< scaled to order 1
+  double amount = 0.0;     ///< the same in `unit`, as files and tables print it
+  std::string_view unit;
+};
+
 /// What refinement made of one tooth set.
 struct RefinedSet {
   Candidate candidate;
   Status status = Status::kFailed;
-  /// Constraint that blocks the set; "" when optimal.  infeasible: the one that no point of the box
-  /// can meet.  no_feasible_found: of the constraints in conflict, the one that has to give way
-  /// least when all others are kept.
-  std::string_view reason;
-  double violation = 0.0;  ///< least found violation of `reason`, scaled to order 1
-  double miss = 0.0;       ///< the same in `miss_unit` (as files and tables print it)
-  std::string_view miss_unit;
+  /// What blocks the set; empty when optimal or failed.  infeasible: the constraint that no point
+  /// of the box can meet.  no_feasible_found: the constraints in conflict, any one of which could
+  /// give way for the others, the one that has to give way least (scaled) first.
+  std::vector<Miss> blocked_by;
   // The rest only when optimal.
   train::TrainParameters<double> train;
   double eta_b = 0.0, eta_f = 0.0;
@@ -53,6 +58,11 @@ struct OptimizeResult {
   std::vector<std::size_t> pareto;  ///< see pareto_front()
   bool interrupted = false;
 };
+
+/// The first constraint that blocks a set; "" when there is none.
+inline std::string_view reason_of(const RefinedSet& set) {
+  return set.blocked_by.empty() ? std::string_view() : set.blocked_by.front().name;
+}
 
 /// Efficiency that a specification maximises.
 double objective_of(const RefinedSet& set, Objective objective);

@@ -55,7 +55,7 @@ std::string refined_row(const RefinedSet& s) {
   const bool optimal = s.status == Status::kOptimal;
   const auto number = [&](double value) { return optimal ? exact(value) : std::string(); };
   fields.emplace_back(optimize::kStatusNames[static_cast<std::size_t>(s.status)]);
-  fields.emplace_back(s.reason);
+  fields.emplace_back(reason_of(s));
   fields.push_back(exact(train::ratio(s.candidate.teeth)));
   fields.push_back(number(s.eta_b));
   fields.push_back(number(s.eta_f));
@@ -69,7 +69,7 @@ std::string refined_row(const RefinedSet& s) {
   fields.push_back(number(s.kkt_residual));
   fields.push_back(fmt::format("{}", s.candidate.planets));
   fields.push_back(number(mm(s.ring_root_diameter_m)));
-  fields.push_back(optimal ? "" : exact(s.violation));
+  fields.push_back(s.blocked_by.empty() ? "" : exact(s.blocked_by.front().violation));
   return csv_line(fields);
 }
 
@@ -81,7 +81,7 @@ constexpr const char* kRefinedHeader =
 std::map<std::string, std::size_t> reasons_of(const OptimizeResult& result, Status status) {
   std::map<std::string, std::size_t> reasons;
   for (const RefinedSet& s : result.sets) {
-    if (s.status == status) ++reasons[std::string(s.reason)];
+    if (s.status == status) ++reasons[std::string(reason_of(s))];
   }
   return reasons;
 }
@@ -270,8 +270,11 @@ std::string blocking_text(const Specification& spec, const OptimizeResult& resul
   }
   const RefinedSet* nearest = nullptr;
   for (const RefinedSet& s : result.sets) {
-    if (s.reason.empty() || s.status == Status::kFailed) continue;
-    if (nearest == nullptr || s.violation < nearest->violation) nearest = &s;
+    if (s.blocked_by.empty()) continue;
+    if (nearest == nullptr ||
+        s.blocked_by.front().violation < nearest->blocked_by.front().violation) {
+      nearest = &s;
+    }
   }
   if (nearest == nullptr) return "no feasible design: the solver failed on every tooth set";
   std::map<std::string, std::size_t> reasons = reasons_of(result, Status::kNoFeasibleFound);
@@ -282,11 +285,16 @@ std::string blocking_text(const Specification& spec, const OptimizeResult& resul
   for (const auto& [reason, count] : reasons) {
     counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", reason, count);
   }
+  std::string misses;
+  for (const optimize::Miss& miss : nearest->blocked_by) {
+    misses += fmt::format("{}{} by {:.4g}{}{}", misses.empty() ? "" : ", or ", miss.name,
+                          miss.amount, miss.unit.empty() ? "" : " ", miss.unit);
+  }
   return fmt::format(
-      "no feasible design: blocked by {}: the nearest set, {}, misses it by {:.4g}{}{}; sets by "
-      "the constraint that they miss: {}",
-      nearest->reason, teeth_text(nearest->candidate.teeth), nearest->miss,
-      nearest->miss_unit.empty() ? "" : " ", nearest->miss_unit, counts);
+      "no feasible design: blocked by {}: the nearest set, {}, misses {}{}; sets by the constraint "
+      "that blocks them: {}",
+      reason_of(*nearest), teeth_text(nearest->candidate.teeth), misses,
+      nearest->blocked_by.size() > 1 ? ", each with all other limits kept" : "", counts);
 }
 
 }  // namespace gear3k::report
