@@ -13,6 +13,8 @@
 #include <string>
 
 #include "backlash/normal_backlash.hpp"
+#include "tests/largest_deviation.hpp"
+#include "tests/random_train.hpp"
 
 namespace gear3k::backlash {
 namespace {
@@ -25,53 +27,12 @@ constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kPi = std::numbers::pi;
 constexpr int kCases = 3000;
 
-/// Largest deviation over a test's random cases, as a share of what is allowed.
-struct Largest {
-  double share = 0.0;
-  int at_case = -1;
-
-  void see(int number, double deviation, double allowed) {
-    const double s = std::abs(deviation) / allowed;
-    if (s <= share) return;
-    share = std::isnan(s) ? std::numeric_limits<double>::infinity() : s;
-    at_case = number;
-  }
-  void expect_allowed(const std::string& what) const {
-    EXPECT_LE(share, 1.0) << what << ", case " << at_case;
-    ::testing::Test::RecordProperty(what + "_share_of_tolerance", fmt::format("{:.3g}", share));
-  }
-};
-
-class Random {
+class Random : public RandomTrain {
  public:
-  double between(double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(generator_);
-  }
-  int count(int low, int high) { return std::uniform_int_distribution<int>(low, high)(generator_); }
-  /// A 3K train with G2 below or above 1 whose meshes all have a working angle.
-  TrainGeometry<double> train(bool g2_below_one) {
-    for (;;) {
-      train::TrainParameters<double> p{};
-      auto& z = p.teeth;
-      z = {.S = count(10, 24), .P1 = count(18, 50), .R1 = 0, .P2 = count(18, 50), .R2 = 0};
-      z.R1 = z.S + 2 * z.P1 + count(-2, 3);
-      z.R2 = z.P2 + z.R1 - z.P1 + count(-2, 2);
-      const int gap = z.P1 * z.R2 - z.P2 * z.R1;
-      if (gap == 0 || (gap > 0) != g2_below_one) continue;
-      p.pressure_angle_rad = between(18.0, 25.0) * kPi / 180.0;
-      p.module_m[0] = between(0.4e-3, 1e-3);
-      p.module_m[1] = p.module_m[0] * (z.R1 - z.P1) / (z.R2 - z.P2) * between(0.98, 1.02);
-      for (double& x : p.profile_shift) x = between(0.0, 1.0);
-      p.center_distance_m = 0.5 * p.module_m[0] * (z.R1 - z.P1) * between(1.0, 1.06);
-      if (auto result = make_train_geometry(p)) return *result;
-    }
-  }
+  Random() : RandomTrain(8) {}
   std::array<double, 3> backlashes() {
     return {between(0.0, 50e-6), between(0.0, 50e-6), between(0.0, 50e-6)};
   }
-
- private:
-  std::mt19937_64 generator_{8};
 };
 
 /// Which end of the train is held while the other is turned.
@@ -129,7 +90,7 @@ INSTANTIATE_TEST_SUITE_P(Trains, LostMotion, ::testing::Bool(),
 
 TEST_P(LostMotion, KinematicModelIsTheRangeOfRigidBodiesWithPlay) {
   Random random;
-  Largest largest;
+  LargestDeviation largest;
   for (int i = 0; i < kCases; ++i) {
     const auto t = random.train(GetParam());
     const auto j = random.backlashes();
@@ -142,7 +103,7 @@ TEST_P(LostMotion, KinematicModelIsTheRangeOfRigidBodiesWithPlay) {
 
 TEST_P(LostMotion, EachMeshAloneMovesTheOutputByItsShare) {
   Random random;
-  Largest largest;
+  LargestDeviation largest;
   for (int i = 0; i < kCases; ++i) {
     const auto t = random.train(GetParam());
     const auto j = random.backlashes();
@@ -161,7 +122,7 @@ TEST_P(LostMotion, EachMeshAloneMovesTheOutputByItsShare) {
 
 TEST_P(LostMotion, AtTheInputIsTheRatioTimesThatAtTheOutput) {
   Random random;
-  Largest largest;
+  LargestDeviation largest;
   for (int i = 0; i < kCases; ++i) {
     const auto t = random.train(GetParam());
     const auto j = random.backlashes();
@@ -190,7 +151,7 @@ TEST_P(LostMotion, NegativeBacklashKeepsItsSignInTheShares) {
 
 TEST_P(LostMotion, PaperModelAddsTheFirstAngleToTheLargerOfTheOthers) {
   Random random;
-  Largest largest;
+  LargestDeviation largest;
   for (int i = 0; i < kCases; ++i) {
     const auto t = random.train(GetParam());
     const auto j = random.backlashes();

@@ -10,6 +10,8 @@
 #include <random>
 #include <string>
 
+#include "tests/largest_deviation.hpp"
+
 namespace gear3k::backlash {
 namespace {
 
@@ -18,23 +20,6 @@ using geometry::GearKind;
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kPi = std::numbers::pi;
 constexpr int kCases = 10000;
-
-/// Largest deviation over a test's random cases, as a share of what is allowed.
-struct Largest {
-  double share = 0.0;
-  int at_case = -1;
-
-  void see(int number, double deviation, double allowed) {
-    const double s = std::abs(deviation) / allowed;
-    if (s <= share) return;
-    share = std::isnan(s) ? std::numeric_limits<double>::infinity() : s;
-    at_case = number;
-  }
-  void expect_allowed(const std::string& what) const {
-    EXPECT_LE(share, 1.0) << what << ", case " << at_case;
-    ::testing::Test::RecordProperty(what + "_share_of_tolerance", fmt::format("{:.3g}", share));
-  }
-};
 
 /// One pair as numbers, for the test's own derivation.
 struct PairNumbers {
@@ -132,7 +117,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, BacklashOfBothKinds, ::testing::Bool(),
 
 TEST_P(BacklashOfBothKinds, IsTheGapOnTheWorkingPitchCirclesAlongTheLineOfAction) {
   RandomPairs random;
-  Largest largest;
+  LargestDeviation largest;
   for (int i = 0; i < kCases; ++i) {
     const PairNumbers n = random(GetParam());
     const double size =
@@ -145,7 +130,7 @@ TEST_P(BacklashOfBothKinds, IsTheGapOnTheWorkingPitchCirclesAlongTheLineOfAction
 
 TEST_P(BacklashOfBothKinds, IsZeroAtTheZeroBacklashDistanceOfFullTeeth) {
   RandomPairs random;
-  Largest largest;
+  LargestDeviation largest;
   int seen = 0;
   for (int i = 0; i < kCases; ++i) {
     PairNumbers n = random(GetParam());
@@ -173,7 +158,7 @@ TEST_P(BacklashOfBothKinds, IsZeroAtTheZeroBacklashDistanceOfFullTeeth) {
 
 TEST_P(BacklashOfBothKinds, GrowsByTheModuleTimesTheAllowancesOfBothGears) {
   RandomPairs random;
-  Largest largest;
+  LargestDeviation largest;
   for (int i = 0; i < kCases; ++i) {
     PairNumbers n = random(GetParam());
     const double thinned = library_backlash(n);

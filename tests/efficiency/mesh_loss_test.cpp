@@ -13,29 +13,13 @@
 #include <string>
 
 #include "geometry/mesh.hpp"
+#include "tests/largest_deviation.hpp"
 
 namespace gear3k::efficiency {
 namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kPi = std::numbers::pi;
-
-/// Largest deviation over a test's random cases, as a share of what is allowed.
-struct Largest {
-  double share = 0.0;
-  int at_case = -1;
-
-  void see(int number, double deviation, double allowed) {
-    const double s = std::abs(deviation) / allowed;
-    if (s <= share) return;
-    share = std::isnan(s) ? std::numeric_limits<double>::infinity() : s;
-    at_case = number;
-  }
-  void expect_allowed(const std::string& what) const {
-    EXPECT_LE(share, 1.0) << what << ", case " << at_case;
-    ::testing::Test::RecordProperty(what + "_share_of_tolerance", fmt::format("{:.3g}", share));
-  }
-};
 
 class Random {
  public:
@@ -74,7 +58,7 @@ TEST(SlidingFactor, IsTheMeanSlidingByNumericalIntegration) {
   // rule is exact for the linear pieces.
   constexpr int kSteps = 512;
   Random random;
-  Largest largest;
+  LargestDeviation largest;
   for (int i = 0; i < 3000; ++i) {
     const double approach = random.count(-kSteps, 3 * kSteps) / static_cast<double>(kSteps);
     const double epsilon = random.count(1, 4 * kSteps) / static_cast<double>(kSteps);
@@ -89,7 +73,7 @@ TEST(SlidingFactor, IsTheMeanSlidingForContactRatiosBetweenTheGridPoints) {
   // Truncation: two jumps of at most max |s| may lie up to half a cell off.
   constexpr int kSteps = 4000;
   Random random;
-  Largest largest;
+  LargestDeviation largest;
   for (int i = 0; i < 500; ++i) {
     const double approach = random.between(-1.0, 3.0);
     const double recess = random.between(0.2, 4.0) - approach;
@@ -103,7 +87,7 @@ TEST(SlidingFactor, IsTheMeanSlidingForContactRatiosBetweenTheGridPoints) {
 
 TEST(SlidingFactor, HasTheClosedFormOfOneToTwoPairs) {
   Random random;
-  Largest largest;
+  LargestDeviation largest;
   for (int i = 0; i < 20000; ++i) {
     const double ea = random.between(-1.0, 2.5);
     const double epsilon = random.between(1.0, 2.0);
@@ -119,7 +103,7 @@ TEST(SlidingFactor, HasTheClosedFormOfOneToTwoPairs) {
 
 TEST(SlidingFactor, EqualsOhlendorfWithinItsRangeAndIsNotAboveItBeyond) {
   Random random;
-  Largest largest;
+  LargestDeviation largest;
   int beyond = 0;
   for (int i = 0; i < 20000; ++i) {
     const double ea = random.between(-0.5, 2.0);
@@ -139,7 +123,7 @@ TEST(SlidingFactor, EqualsOhlendorfWithinItsRangeAndIsNotAboveItBeyond) {
 
 TEST(SlidingFactor, IsTheSameWhenApproachAndRecessChangePlaces) {
   Random random;
-  Largest largest;
+  LargestDeviation largest;
   for (int i = 0; i < 5000; ++i) {
     const double ea = random.between(-1.0, 3.0);
     const double er = random.between(0.1, 4.0) - ea;
@@ -176,7 +160,7 @@ TEST(MeshEfficiency, LosesTheFrictionWorkOfTheContactPointsInThePlane) {
   constexpr int kSteps = 256;
   constexpr double kMu = 0.01;
   Random random;
-  Largest largest;
+  LargestDeviation largest;
   for (int i = 0; i < 500; ++i) {
     const bool ring = i % 2 == 1;
     const int z1 = random.count(12, 50);

@@ -13,6 +13,9 @@
 #include <string>
 #include <vector>
 
+#include "tests/largest_deviation.hpp"
+#include "tests/random_train.hpp"
+
 namespace gear3k::efficiency {
 namespace {
 
@@ -23,57 +26,12 @@ constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kPi = std::numbers::pi;
 constexpr int kCases = 4000;
 
-/// Largest deviation over a test's random cases, as a share of what is allowed.
-struct Largest {
-  double share = 0.0;
-  int at_case = -1;
-
-  void see(int number, double deviation, double allowed) {
-    const double s = std::abs(deviation) / allowed;
-    if (s <= share) return;
-    share = std::isnan(s) ? std::numeric_limits<double>::infinity() : s;
-    at_case = number;
-  }
-  void expect_allowed(const std::string& what) const {
-    EXPECT_LE(share, 1.0) << what << ", case " << at_case;
-    ::testing::Test::RecordProperty(what + "_share_of_tolerance", fmt::format("{:.3g}", share));
-  }
-};
-
-class Random {
+class Random : public RandomTrain {
  public:
-  double between(double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(generator_);
-  }
-  int count(int low, int high) { return std::uniform_int_distribution<int>(low, high)(generator_); }
-  ToothSet teeth(bool g2_below_one) {
-    for (;;) {
-      ToothSet z{.S = count(10, 24), .P1 = count(18, 50), .R1 = 0, .P2 = count(18, 50), .R2 = 0};
-      z.R1 = z.S + 2 * z.P1 + count(-2, 3);
-      z.R2 = z.P2 + z.R1 - z.P1 + count(-2, 2);
-      const int gap = z.P1 * z.R2 - z.P2 * z.R1;
-      if (gap != 0 && (gap > 0) == g2_below_one) return z;
-    }
-  }
+  Random() : RandomTrain(10) {}
   MeshEfficiencies<double> efficiencies(double least) {
     return {between(least, 1.0), between(least, 1.0), between(least, 1.0)};
   }
-  train::TrainGeometry<double> train(bool g2_below_one) {
-    for (;;) {
-      train::TrainParameters<double> p{};
-      p.teeth = teeth(g2_below_one);
-      const ToothSet& z = p.teeth;
-      p.pressure_angle_rad = between(18.0, 25.0) * kPi / 180.0;
-      p.module_m[0] = between(0.4e-3, 1e-3);
-      p.module_m[1] = p.module_m[0] * (z.R1 - z.P1) / (z.R2 - z.P2);
-      for (double& x : p.profile_shift) x = between(0.0, 1.0);
-      p.center_distance_m = 0.5 * p.module_m[0] * (z.R1 - z.P1) * between(1.0, 1.05);
-      if (auto result = make_train_geometry(p)) return *result;
-    }
-  }
-
- private:
-  std::mt19937_64 generator_{10};
 };
 
 /// A consistent flow of power through the train: efficiency, and which meshes are driven by their
@@ -133,7 +91,7 @@ INSTANTIATE_TEST_SUITE_P(Trains, TrainOfEitherSense, ::testing::Bool(),
 
 TEST_P(TrainOfEitherSense, FormulasAreTheOnlyConsistentPowerFlowWhereTheTrainCanBeDrivenBack) {
   Random random;
-  Largest forward, backward;
+  LargestDeviation forward, backward;
   int seen = 0;
   for (int i = 0; i < kCases; ++i) {
     const ToothSet z = random.teeth(GetParam());
@@ -222,7 +180,7 @@ TEST_P(TrainOfEitherSense, EfficienciesLieBetweenZeroAndOne) {
 TEST_P(TrainOfEitherSense, LosslessMeshesMakeALosslessTrain) {
   constexpr MeshEfficiencies<double> kLossless{1.0, 1.0, 1.0};
   Random random;
-  Largest largest;
+  LargestDeviation largest;
   for (int i = 0; i < kCases; ++i) {
     const ToothSet z = random.teeth(GetParam());
     const double allowed = 4.0 * kEps * (1.0 + std::abs(train::ratio(z)));

@@ -9,6 +9,8 @@
 #include <random>
 #include <string>
 
+#include "tests/largest_deviation.hpp"
+
 namespace gear3k::geometry {
 namespace {
 
@@ -16,23 +18,6 @@ constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kPi = std::numbers::pi;
 constexpr double kAlpha20_rad = 20.0 * kPi / 180.0;
 constexpr int kCases = 5000;
-
-/// Largest deviation over a test's random cases, as a share of what is allowed.
-struct Largest {
-  double share = 0.0;
-  int at_case = -1;
-
-  void see(int number, double deviation, double allowed) {
-    const double s = std::abs(deviation) / allowed;
-    if (s <= share) return;
-    share = std::isnan(s) ? std::numeric_limits<double>::infinity() : s;
-    at_case = number;
-  }
-  void expect_allowed(const std::string& what) const {
-    EXPECT_LE(share, 1.0) << what << ", case " << at_case;
-    ::testing::Test::RecordProperty(what + "_share_of_tolerance", fmt::format("{:.3g}", share));
-  }
-};
 
 struct RandomGear {
   Gear<double> gear;
@@ -122,7 +107,7 @@ TEST(GearGeometry, RefusalNamesTheValue) {
 
 TEST(GearGeometry, BaseCircumferenceIsTeethTimesBasePitch) {
   RandomGears random;
-  Largest largest;
+  LargestDeviation largest;
   for (int i = 0; i < kCases; ++i) {
     const RandomGear r = random(i % 2 == 0 ? GearKind::kExternal : GearKind::kRing);
     const auto g = geometry_of(r);
@@ -163,7 +148,7 @@ TEST(GearGeometry, TipShorteningShortensTheToothOfGearsAndRings) {
 
 TEST(ToothThickness, OnTheReferenceCircleIsTheRackSpaceThatRollsOnIt) {
   RandomGears random;
-  Largest largest;
+  LargestDeviation largest;
   for (int i = 0; i < kCases; ++i) {
     const bool ring = i % 2 == 1;
     const RandomGear r = random(ring ? GearKind::kRing : GearKind::kExternal);
@@ -180,7 +165,7 @@ TEST(ToothThickness, OnTheReferenceCircleIsTheRackSpaceThatRollsOnIt) {
 
 TEST(ToothThickness, FollowsTheUnwoundStringToAnyCircle) {
   RandomGears random;
-  Largest largest;
+  LargestDeviation largest;
   for (int i = 0; i < kCases; ++i) {
     const bool ring = i % 2 == 1;
     const auto g = geometry_of(random(ring ? GearKind::kRing : GearKind::kExternal));
@@ -197,7 +182,7 @@ TEST(ToothThickness, FollowsTheUnwoundStringToAnyCircle) {
 
 TEST(ToothThickness, OnTheReferenceCircleEqualsTheReferenceThickness) {
   RandomGears random;
-  Largest largest;
+  LargestDeviation largest;
   for (int i = 0; i < kCases; ++i) {
     const auto g = geometry_of(random(i % 2 == 1 ? GearKind::kRing : GearKind::kExternal));
     largest.see(i, tooth_thickness(g, g.reference_radius_m) - reference_tooth_thickness(g),
@@ -223,7 +208,7 @@ TEST(ToothThickness, IsNegativeBeyondThePointWhereFlanksCross) {
 TEST(ToothThickness, MachiningAllowanceThinsEveryCircleByTheSameNormalAmount) {
   // The flanks are parallel curves: m q measured along the line of action on any circle.
   RandomGears random;
-  Largest largest;
+  LargestDeviation largest;
   for (int i = 0; i < kCases; ++i) {
     RandomGear r = random(i % 2 == 1 ? GearKind::kRing : GearKind::kExternal);
     const auto thinned = geometry_of(r);
@@ -239,7 +224,7 @@ TEST(ToothThickness, MachiningAllowanceThinsEveryCircleByTheSameNormalAmount) {
 
 TEST(TipCurvatureRadius, IsTheLengthOfTheStringToTheTip) {
   RandomGears random;
-  Largest largest;
+  LargestDeviation largest;
   for (int i = 0; i < kCases; ++i) {
     const auto g = geometry_of(random(GearKind::kExternal));
     if (!(g.tip_radius_m > 1.001 * g.base_radius_m)) continue;

@@ -10,6 +10,8 @@
 #include <random>
 #include <string>
 
+#include "tests/largest_deviation.hpp"
+
 namespace gear3k::geometry {
 namespace {
 
@@ -17,23 +19,6 @@ constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kPi = std::numbers::pi;
 constexpr double kAlpha20_rad = 20.0 * kPi / 180.0;
 constexpr int kCases = 5000;
-
-/// Largest deviation over a test's random cases, as a share of what is allowed.
-struct Largest {
-  double share = 0.0;
-  int at_case = -1;
-
-  void see(int number, double deviation, double allowed) {
-    const double s = std::abs(deviation) / allowed;
-    if (s <= share) return;
-    share = std::isnan(s) ? std::numeric_limits<double>::infinity() : s;
-    at_case = number;
-  }
-  void expect_allowed(const std::string& what) const {
-    EXPECT_LE(share, 1.0) << what << ", case " << at_case;
-    ::testing::Test::RecordProperty(what + "_share_of_tolerance", fmt::format("{:.3g}", share));
-  }
-};
 
 class Random {
  public:
@@ -69,7 +54,7 @@ double straight_flank_depth(const BasicRack<double>& rack, double alpha_rad) {
 
 TEST(Undercut, MarginIsTheSignedFlankCurvatureWhereTheRackFlankEnds) {
   Random random;
-  Largest largest;
+  LargestDeviation largest;
   for (int i = 0; i < kCases; ++i) {
     const double alpha = random.between(14.5, 28.0) * kPi / 180.0;
     const double m = random.between(0.3e-3, 5e-3);
@@ -145,7 +130,7 @@ TEST(InvoluteInterference, OfARingHasTheSignOfTheTangentCriterion) {
 
 TEST(InvoluteInterference, MarginIsTheDistanceFromTheTipsContactPointToTheMatesTangentPoint) {
   Random random;
-  Largest largest;
+  LargestDeviation largest;
   for (int i = 0; i < kCases; ++i) {
     const bool internal = i % 2 == 1;
     const double alpha = random.between(17.0, 26.0) * kPi / 180.0;

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "geometry/scalar.hpp"
+#include "tests/largest_deviation.hpp"
 
 namespace gear3k::geometry {
 namespace {
@@ -17,23 +18,6 @@ namespace {
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kInverseAccuracy_rad = 1e-14;  // stated by inverse_involute()
 constexpr int kCases = 20000;
-
-/// Largest deviation over a test's random cases, as a share of what is allowed.
-struct Largest {
-  double share = 0.0;
-  int at_case = -1;
-
-  void see(int number, double deviation, double allowed) {
-    const double s = std::abs(deviation) / allowed;
-    if (s <= share) return;
-    share = std::isnan(s) ? std::numeric_limits<double>::infinity() : s;
-    at_case = number;
-  }
-  void expect_allowed(const std::string& what) const {
-    EXPECT_LE(share, 1.0) << what << ", case " << at_case;
-    ::testing::Test::RecordProperty(what + "_share_of_tolerance", fmt::format("{:.3g}", share));
-  }
-};
 
 class RandomAngle {
  public:
@@ -51,7 +35,7 @@ double exact_involute(double a) {
 
 TEST(Involute, IsTangentMinusAngleWithinTwoRoundings) {
   RandomAngle angle;
-  Largest largest;
+  LargestDeviation largest;
   for (int i = 0; i < kCases; ++i) {
     const double a = angle();
     largest.see(i, involute(a) - exact_involute(a), 2.0 * kEps * std::tan(a));
@@ -74,7 +58,7 @@ TEST(Involute, OfTwentyDegreesIsTheTabulatedValue) {
 
 TEST(InverseInvolute, RoundTripRestoresTheAngle) {
   RandomAngle angle;
-  Largest largest;
+  LargestDeviation largest;
   for (int i = 0; i < kCases; ++i) {
     const double a = angle();
     largest.see(i, inverse_involute(exact_involute(a)) - a, kInverseAccuracy_rad);
@@ -99,7 +83,7 @@ TEST(InverseInvolute, IsZeroAtZero) { EXPECT_EQ(inverse_involute(0.0), 0.0); }
 
 TEST(InverseInvolute, FirstAndSecondDerivativeAreThoseOfTheImplicitFunction) {
   RandomAngle angle;
-  Largest first, second;
+  LargestDeviation first, second;
   for (int i = 0; i < kCases / 10; ++i) {
     const double a = angle();
     const double value = exact_involute(a);

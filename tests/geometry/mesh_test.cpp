@@ -12,29 +12,14 @@
 #include <random>
 #include <string>
 
+#include "tests/largest_deviation.hpp"
+
 namespace gear3k::geometry {
 namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kPi = std::numbers::pi;
 constexpr int kCases = 4000;
-
-/// Largest deviation over a test's random cases, as a share of what is allowed.
-struct Largest {
-  double share = 0.0;
-  int at_case = -1;
-
-  void see(int number, double deviation, double allowed) {
-    const double s = std::abs(deviation) / allowed;
-    if (s <= share) return;
-    share = std::isnan(s) ? std::numeric_limits<double>::infinity() : s;
-    at_case = number;
-  }
-  void expect_allowed(const std::string& what) const {
-    EXPECT_LE(share, 1.0) << what << ", case " << at_case;
-    ::testing::Test::RecordProperty(what + "_share_of_tolerance", fmt::format("{:.3g}", share));
-  }
-};
 
 struct Pair {
   GearGeometry<double> gear1, gear2;
@@ -139,7 +124,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, MeshOfBothKinds,
 
 TEST_P(MeshOfBothKinds, PathOfContactIsTheOneDrawnInThePlane) {
   RandomPairs random;
-  Largest angle, length, ratio1, ratio2, sum;
+  LargestDeviation angle, length, ratio1, ratio2, sum;
   int seen = 0;
   for (int i = 0; i < kCases; ++i) {
     const Pair p = random(GetParam());
@@ -172,7 +157,7 @@ TEST_P(MeshOfBothKinds, PathOfContactIsTheOneDrawnInThePlane) {
 
 TEST_P(MeshOfBothKinds, WorkingAngleTangentAndTangentLengthAreOfOneTriangle) {
   RandomPairs random;
-  Largest largest;
+  LargestDeviation largest;
   for (int i = 0; i < kCases; ++i) {
     const Pair p = random(GetParam());
     const double base_sum = p.gear2.base_radius_m + mesh_sign(GetParam()) * p.gear1.base_radius_m;
@@ -188,7 +173,7 @@ TEST_P(MeshOfBothKinds, WorkingAngleTangentAndTangentLengthAreOfOneTriangle) {
 
 TEST_P(MeshOfBothKinds, FullTeethFillTheWorkingPitchCircleAtTheZeroBacklashDistance) {
   RandomPairs random;
-  Largest largest;
+  LargestDeviation largest;
   int seen = 0;
   for (int i = 0; i < kCases; ++i) {
     Pair p = random(GetParam());
@@ -217,7 +202,7 @@ TEST_P(MeshOfBothKinds, FullTeethFillTheWorkingPitchCircleAtTheZeroBacklashDista
 
 TEST_P(MeshOfBothKinds, ZeroShiftSumLeavesReferenceGeometry) {
   RandomPairs random;
-  Largest distance, angle;
+  LargestDeviation distance, angle;
   for (int i = 0; i < kCases; ++i) {
     Pair p = random(GetParam());
     p.gear1.gear.profile_shift = -mesh_sign(GetParam()) * p.gear2.gear.profile_shift;

@@ -12,6 +12,9 @@
 #include <string>
 #include <vector>
 
+#include "tests/largest_deviation.hpp"
+#include "tests/random_train.hpp"
+
 namespace gear3k::inertia {
 namespace {
 
@@ -20,38 +23,9 @@ using train::ToothSet;
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr int kCases = 4000;
 
-/// Largest deviation over a test's random cases, as a share of what is allowed.
-struct Largest {
-  double share = 0.0;
-  int at_case = -1;
-
-  void see(int number, double deviation, double allowed) {
-    const double s = std::abs(deviation) / allowed;
-    if (s <= share) return;
-    share = std::isnan(s) ? std::numeric_limits<double>::infinity() : s;
-    at_case = number;
-  }
-  void expect_allowed(const std::string& what) const {
-    EXPECT_LE(share, 1.0) << what << ", case " << at_case;
-    ::testing::Test::RecordProperty(what + "_share_of_tolerance", fmt::format("{:.3g}", share));
-  }
-};
-
-class Random {
+class Random : public RandomTrain {
  public:
-  double between(double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(generator_);
-  }
-  int count(int low, int high) { return std::uniform_int_distribution<int>(low, high)(generator_); }
-  ToothSet teeth(bool g2_below_one) {
-    for (;;) {
-      ToothSet z{.S = count(10, 24), .P1 = count(18, 50), .R1 = 0, .P2 = count(18, 50), .R2 = 0};
-      z.R1 = z.S + 2 * z.P1 + count(-2, 3);
-      z.R2 = z.P2 + z.R1 - z.P1 + count(-2, 2);
-      const int gap = z.P1 * z.R2 - z.P2 * z.R1;
-      if (gap != 0 && (gap > 0) == g2_below_one) return z;
-    }
-  }
+  Random() : RandomTrain(12) {}
   InertialTrain<double> train(bool g2_below_one) {
     return {.teeth = teeth(g2_below_one),
             .planets = count(1, 6),
@@ -71,9 +45,6 @@ class Random {
     }
     return eta;
   }
-
- private:
-  std::mt19937_64 generator_{12};
 };
 
 constexpr DirectionalEfficiencies<double> kLossless{.forward = {1.0, 1.0, 1.0},
@@ -182,7 +153,7 @@ INSTANTIATE_TEST_SUITE_P(Trains, TrainOfEitherSense, ::testing::Bool(),
 
 TEST_P(TrainOfEitherSense, LosslessInertiaIsTwiceTheKineticEnergyAtUnitOutputSpeed) {
   Random random;
-  Largest largest;
+  LargestDeviation largest;
   for (int i = 0; i < kCases; ++i) {
     const auto t = random.train(GetParam());
     const double expected = kinetic_energy_doubled(t, speeds_of(t.teeth, false));
@@ -194,7 +165,7 @@ TEST_P(TrainOfEitherSense, LosslessInertiaIsTwiceTheKineticEnergyAtUnitOutputSpe
 
 TEST_P(TrainOfEitherSense, EffectiveInertiaIsTheTorqueOfTheConsistentMotion) {
   Random random;
-  Largest largest;
+  LargestDeviation largest;
   int seen = 0, locked = 0;
   for (int i = 0; i < kCases; ++i) {
     const auto t = random.train(GetParam());
@@ -219,7 +190,7 @@ TEST_P(TrainOfEitherSense, EffectiveInertiaIsTheTorqueOfTheConsistentMotion) {
 
 TEST_P(TrainOfEitherSense, DrivingPowerIsTheRateOfKineticEnergyAndTheLosses) {
   Random random;
-  Largest largest;
+  LargestDeviation largest;
   for (int i = 0; i < kCases; ++i) {
     const auto t = random.train(GetParam());
     const auto eta = random.efficiencies(0.97);
@@ -238,7 +209,7 @@ TEST_P(TrainOfEitherSense, DrivingPowerIsTheRateOfKineticEnergyAndTheLosses) {
 
 TEST_P(TrainOfEitherSense, WithoutLossesItIsTheKineticEnergyOfEitherEnd) {
   Random random;
-  Largest largest;
+  LargestDeviation largest;
   for (int i = 0; i < kCases; ++i) {
     const auto t = random.train(GetParam());
     const double i2 = train::ratio(t.teeth) * train::ratio(t.teeth);
@@ -255,7 +226,7 @@ TEST_P(TrainOfEitherSense, WithoutLossesItIsTheKineticEnergyOfEitherEnd) {
 
 TEST_P(TrainOfEitherSense, OfTheSunAloneIsSeenFromTheOutputThroughTheBackwardEfficiency) {
   Random random;
-  Largest largest;
+  LargestDeviation largest;
   int seen = 0, locked = 0;
   for (int i = 0; i < kCases; ++i) {
     auto t = random.train(GetParam());
@@ -283,7 +254,7 @@ TEST_P(TrainOfEitherSense, OfTheSunAloneIsSeenFromTheOutputThroughTheBackwardEff
 
 TEST_P(TrainOfEitherSense, OfTheOutputAloneIsSeenFromTheSunThroughTheForwardEfficiency) {
   Random random;
-  Largest largest;
+  LargestDeviation largest;
   for (int i = 0; i < kCases; ++i) {
     auto t = random.train(GetParam());
     t.bodies = {};
@@ -331,7 +302,7 @@ TEST_P(TrainOfEitherSense, LossesNeverMakeATrainLighter) {
 
 TEST_P(TrainOfEitherSense, PaperInertiaHasTheTermsOfEquations32And33) {
   Random random;
-  Largest largest;
+  LargestDeviation largest;
   for (int i = 0; i < kCases; ++i) {
     const auto t = random.train(GetParam());
     const auto eta = random.efficiencies(0.9).backward;

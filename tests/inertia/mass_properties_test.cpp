@@ -10,29 +10,14 @@
 #include <random>
 #include <string>
 
+#include "tests/largest_deviation.hpp"
+
 namespace gear3k::inertia {
 namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kPi = std::numbers::pi;
 constexpr int kCases = 2000;
-
-/// Largest deviation over a test's random cases, as a share of what is allowed.
-struct Largest {
-  double share = 0.0;
-  int at_case = -1;
-
-  void see(int number, double deviation, double allowed) {
-    const double s = std::abs(deviation) / allowed;
-    if (s <= share) return;
-    share = std::isnan(s) ? std::numeric_limits<double>::infinity() : s;
-    at_case = number;
-  }
-  void expect_allowed(const std::string& what) const {
-    EXPECT_LE(share, 1.0) << what << ", case " << at_case;
-    ::testing::Test::RecordProperty(what + "_share_of_tolerance", fmt::format("{:.3g}", share));
-  }
-};
 
 class Random {
  public:
@@ -62,7 +47,7 @@ class Random {
 
 TEST(HollowCylinder, SumsUpThinTubes) {
   Random random;
-  Largest mass, inertia;
+  LargestDeviation mass, inertia;
   for (int i = 0; i < kCases; ++i) {
     const auto c = random.cylinder();
     // Simpson's rule is exact for the integrands 2 pi r and 2 pi r^3.
@@ -139,7 +124,7 @@ TEST(GearBody, ReachesHalfWayFromTipToRootCircle) {
 
 TEST(GearBody, InertiaGrowsWithTheFifthPowerOfSizeAndMassWithTheThird) {
   Random random;
-  Largest mass, inertia;
+  LargestDeviation mass, inertia;
   for (int i = 0; i < kCases; ++i) {
     const bool ring = i % 2 == 1;
     auto gear = random.gear(ring);

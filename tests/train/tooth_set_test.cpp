@@ -13,28 +13,13 @@
 #include <random>
 #include <string>
 
+#include "tests/largest_deviation.hpp"
+
 namespace gear3k::train {
 namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kPi = std::numbers::pi;
-
-/// Largest deviation over a test's random cases, as a share of what is allowed.
-struct Largest {
-  double share = 0.0;
-  int at_case = -1;
-
-  void see(int number, double deviation, double allowed) {
-    const double s = std::abs(deviation) / allowed;
-    if (s <= share) return;
-    share = std::isnan(s) ? std::numeric_limits<double>::infinity() : s;
-    at_case = number;
-  }
-  void expect_allowed(const std::string& what) const {
-    EXPECT_LE(share, 1.0) << what << ", case " << at_case;
-    ::testing::Test::RecordProperty(what + "_share_of_tolerance", fmt::format("{:.3g}", share));
-  }
-};
 
 class RandomTeeth {
  public:
@@ -74,7 +59,7 @@ SolvedSpeeds solve_willis(const ToothSet& z) {
 
 TEST(SpeedRatios, SolveTheWillisEquations) {
   RandomTeeth random;
-  Largest largest;
+  LargestDeviation largest;
   int reversed = 0;
   for (int i = 0; i < 5000; ++i) {
     const ToothSet z = random();
@@ -94,7 +79,7 @@ TEST(SpeedRatios, SolveTheWillisEquations) {
 
 TEST(SpeedRatios, RollingSpeedsAreTheAbsoluteOnesSeenFromTheCarrier) {
   RandomTeeth random;
-  Largest largest;
+  LargestDeviation largest;
   for (int i = 0; i < 5000; ++i) {
     const SpeedRatios w = speed_ratios(random());
     const double output = 1.0 - w.carrier;
@@ -173,7 +158,7 @@ TriedAssembly try_assembly(const ToothSet& z, int planets) {
 
 TEST(Assembly, AgreesWithTryingTheTeethAtEveryPlanetPosition) {
   RandomTeeth random;
-  Largest largest;
+  LargestDeviation largest;
   int spaced = 0, identical = 0, phased = 0;
   for (int i = 0; i < 600; ++i) {
     const ToothSet z = random(40);

@@ -1,0 +1,19 @@
+#!/usr/bin/env bash
+# Prints, for every identity that the tests check over random cases, the largest deviation as a share
+# of the tolerance that the test states:   tools/accuracy.sh build/release
+set -euo pipefail
+build=$1
+records=$(mktemp -d)
+trap 'rm -rf "$records"' EXIT
+for folder in geometry train backlash efficiency inertia design; do
+  "$build/tests/${folder}_test" --gtest_output="xml:$records/$folder.xml" >/dev/null
+done
+for file in "$records"/*.xml; do
+  awk -v folder="$(basename "$file" .xml)" '
+    /<testcase /  { match($0, /name="[^"]*"/); test = substr($0, RSTART + 6, RLENGTH - 7)
+                    match($0, /classname="[^"]*"/); suite = substr($0, RSTART + 11, RLENGTH - 12) }
+    /_share_of_tolerance/ { match($0, /name="[^"]*"/); what = substr($0, RSTART + 6, RLENGTH - 7)
+                    sub(/_share_of_tolerance/, "", what)
+                    match($0, /value="[^"]*"/); value = substr($0, RSTART + 7, RLENGTH - 8)
+                    printf "%-12s %8s  %s.%s: %s\n", folder, value, suite, test, what }' "$file"
+done
