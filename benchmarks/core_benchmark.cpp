@@ -59,9 +59,8 @@ void evaluate_problem(benchmark::State& state) {
   const RefinementProblem& p = winner();
   const std::vector<T> v = seeded<T>(p, starting_points(p, 1, 1).front());
   std::vector<T> g(p.rows.size());
-  T f{};
   for (auto _ : state) {
-    if (!evaluate<T>(p, std::span<const T>(v), f, std::span<T>(g))) {
+    if (!evaluate<T>(p, std::span<const T>(v), std::span<T>(g))) {
       throw std::runtime_error("the starting point is not defined");
     }
     benchmark::DoNotOptimize(g.data());
@@ -76,15 +75,12 @@ void gradient_by_differences(benchmark::State& state) {
   const RefinementProblem& p = winner();
   const Point start = starting_points(p, 1, 1).front();
   std::vector<double> g(p.rows.size());
-  double f = 0.0;
   for (auto _ : state) {
     for (int k = 0; k < p.variables; ++k) {
       for (const double step : {1e-6, -1e-6}) {
         Point v = start;
         v[static_cast<std::size_t>(k)] += step;
-        benchmark::DoNotOptimize(evaluate<double>(
-            p, std::span<const double>(v.data(), static_cast<std::size_t>(p.variables)), f,
-            std::span<double>(g)));
+        benchmark::DoNotOptimize(evaluate<double>(p, used(p, v), std::span<double>(g)));
       }
     }
   }
@@ -105,9 +101,11 @@ BENCHMARK(refine_ipopt_one_start)->Unit(benchmark::kMicrosecond);
 
 void search_rp96(benchmark::State& state) {
   omp_set_num_threads(static_cast<int>(state.range(0)));
-  const std::atomic<bool> stop{false};
   std::size_t sets = 0;
-  for (auto _ : state) sets += search_teeth(rp96(), stop).within_ratio;
+  for (auto _ : state) {
+    Progress progress;
+    sets += search_teeth(rp96(), progress).within_ratio;
+  }
   state.counters["sets/s"] =
       benchmark::Counter(static_cast<double>(sets), benchmark::Counter::kIsRate);
 }

@@ -1,5 +1,5 @@
 # Writes OUTPUT with the commit of SOURCE_DIR, only when it changed (so nothing rebuilds in vain).
-execute_process(COMMAND git -C ${SOURCE_DIR} rev-parse --short=12 HEAD
+execute_process(COMMAND git -C ${SOURCE_DIR} describe --always --dirty --abbrev=12 --exclude=*
                 OUTPUT_VARIABLE commit OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
 if(NOT commit)
   set(commit "unknown")

@@ -63,6 +63,7 @@ auto evaluate_or_throw(const Design& design, const std::string& file) {
 
 template <class Design>
 ExitCode analyze(const Design& design, const AnalyzeOptions& options) {
+  use_threads(options);
   const auto result = evaluate_or_throw(design, options.file);
   deliver(options, in_format(options, result));
   return options.strict && !design::all_ok(result.checks) ? kNoFeasibleDesign : kDone;
@@ -96,7 +97,7 @@ ExitCode run_search(const SearchOptions& options) {
   optimize::ToothSearchResult search;
   {
     const ProgressDisplay display(progress, options.quiet);
-    search = optimize::search_teeth(spec, progress.stop);
+    search = optimize::search_teeth(spec, progress);
   }
   if (search.interrupted) {
     fmt::print(stderr, "interrupted: a partial search has no ranking\n");
@@ -108,7 +109,7 @@ ExitCode run_search(const SearchOptions& options) {
       deliver(options, report::search_json(spec, search, sets));
       break;
     case Format::kCsv:
-      deliver(options, report::search_csv(spec, sets));
+      deliver(options, report::search_csv(sets));
       break;
     case Format::kTable:
       deliver(options,

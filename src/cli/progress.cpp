@@ -38,6 +38,8 @@ struct ProgressDisplay::State {
   Clock::time_point start = Clock::now();
   bool terminal = ::isatty(STDERR_FILENO) != 0;
   bool bar_shown = false;
+  optimize::Progress::Phase shown_phase = optimize::Progress::Phase::kSearch;
+  Clock::time_point phase_start = start;
   std::mutex mutex;
   std::condition_variable wake;
   bool done = false;
@@ -53,13 +55,22 @@ struct ProgressDisplay::State {
     const std::size_t total = progress.total.load();
     const std::size_t finished = progress.done.load();
     if (total == 0) return;
-    const double seconds = elapsed_s();
+    // Rates are those of the phase: refinement starts its own clock.
+    if (progress.phase.load() != shown_phase) {
+      shown_phase = progress.phase.load();
+      phase_start = Clock::now();
+    }
+    const double seconds = std::chrono::duration<double>(Clock::now() - phase_start).count();
     const double rate = seconds > 0.0 ? static_cast<double>(finished) / seconds : 0.0;
     const std::string remaining =
         rate > 0.0 ? clock_text(static_cast<double>(total - finished) / rate) : "?";
-    const std::string facts = fmt::format(
-        "{}/{} tooth sets, {:.0f}/s, {} left, {} feasible, best {:.5f}", finished, total, rate,
-        remaining, progress.feasible.load(), progress.best_objective.load());
+    const bool searching = progress.phase.load() == optimize::Progress::Phase::kSearch;
+    const std::size_t feasible = progress.feasible.load();
+    std::string facts =
+        fmt::format("{}/{} {}, {:.0f}/s, {} left", finished, total,
+                    searching ? "(S, P1) pairs searched" : "tooth sets refined", rate, remaining);
+    if (!searching) facts += fmt::format(", {} feasible", feasible);
+    if (feasible > 0) facts += fmt::format(", best {:.5f}", progress.best_objective.load());
     if (terminal) {
       constexpr std::size_t kWidth = 24;
       const std::size_t filled = kWidth * finished / total;

@@ -2,9 +2,8 @@
 
 #include <memory>
 #include <string>
-#include <thread>
 
-#include "optimize/optimizer.hpp"
+#include "optimize/progress.hpp"
 
 namespace gear3k::cli {
 

@@ -116,9 +116,9 @@ struct EqualSpacing {
 
 struct IdenticalPlanets {
   template <class T>
-  static T value(const Gearing<T>& g, CheckSubject) {
+  static T value(const Gearing<T>& g, CheckSubject s) {
     const auto result = train::assembly(g.train->teeth, g.train->planets);
-    if (result.planet_phase_rad.empty()) return constant<T>(-std::numbers::pi);
+    if (!result.equal_spacing) return EqualSpacing::value(g, s);
     const auto& z = g.train->teeth;
     const double period =
         2.0 * std::numbers::pi / static_cast<double>(train::hunting_period_teeth(z.P1, z.P2));
@@ -265,6 +265,7 @@ const std::array<CheckRecord, kCheckCount>& records() {
                                             .scope = CheckScope::kTrain,
                                             .at_least = true,
                                             .default_limit = 0.0,
+                                            .threshold = false,
                                             .limit_key = "",
                                             .help =
                                                 "zS + zR1 divisible by the number of planets; the "
@@ -277,6 +278,7 @@ const std::array<CheckRecord, kCheckCount>& records() {
                                                 .scope = CheckScope::kTrain,
                                                 .at_least = true,
                                                 .default_limit = 0.0,
+                                                .threshold = false,
                                                 .limit_key = "identical_planets",
                                                 .help =
                                                     "equal planets can be assembled; the margin is "
@@ -310,8 +312,8 @@ Limits default_limits() {
 GearingLayout train_layout(int planets, double stage1_module_m) {
   using geometry::GearKind;
   static constexpr std::array<GearKind, train::kGearCount> kKinds{
-      GearKind::kExternal, GearKind::kExternal, GearKind::kRing, GearKind::kExternal,
-      GearKind::kRing};
+      train::kind_of(train::kS), train::kind_of(train::kP1), train::kind_of(train::kR1),
+      train::kind_of(train::kP2), train::kind_of(train::kR2)};
   return {.gear_kinds = kKinds,
           .mesh_gears = train::kMeshGears,
           .planets = planets,
@@ -332,7 +334,8 @@ double scale_of(const CheckRecord& record, double limit, double length_scale_m) 
     case Unit::kArcmin:
       return limit > 0.0 ? limit : kArcmin_rad;
     case Unit::kDegree:
-      return 1.0;
+      // Angles of assembly are zero when it fits, and never small otherwise.
+      return 1e-6;
   }
   return 1.0;
 }

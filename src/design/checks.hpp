@@ -79,6 +79,7 @@ struct CheckRecord {
   CheckScope scope;
   bool at_least;                        ///< value ≥ limit; else value ≤ limit
   std::optional<double> default_limit;  ///< in `unit`; empty = off unless asked for
+  bool threshold = true;                ///< a limit may be stated; else the check is only on or off
   /// Key outside [limits] that sets the limit, e.g. "backlash.max_output_arcmin"; "" = [limits].
   std::string_view limit_key;
   std::string_view help;

@@ -15,10 +15,6 @@ namespace {
 
 using geometry::GearGeometry;
 
-double base_radius_sum(const GearGeometry<double>& gear1, const GearGeometry<double>& gear2) {
-  return gear2.base_radius_m + geometry::mesh_sign(gear2.gear.kind) * gear1.base_radius_m;
-}
-
 NotDefined no_working_angle(std::string_view mesh, double center_distance_m, double base_sum_m) {
   if (!(base_sum_m > 0.0)) {
     return {fmt::format("mesh {}: the ring needs more teeth than the planet", mesh)};
@@ -49,18 +45,11 @@ struct Pairing {
 };
 
 MeshResult mesh_result(const Pairing& p, const Friction& friction) {
-  const double e1 = p.mesh.addendum_contact_ratio1;
-  const double e2 = p.mesh.addendum_contact_ratio2;
-  const double approach = p.gear1_drives ? e2 : e1;
-  const double recess = p.gear1_drives ? e1 : e2;
-  const auto efficiency = [&](double ea, double er) {
-    return efficiency::mesh_efficiency<double>({.z1 = p.gear1.gear.teeth,
-                                                .z2 = p.gear2.gear.teeth,
-                                                .sign = geometry::mesh_sign(p.gear2.gear.kind),
-                                                .approach_contact_ratio = ea,
-                                                .recess_contact_ratio = er},
-                                               friction.coefficient, friction.model);
-  };
+  const auto forward = efficiency::contact_of(p.gear1, p.gear2, p.mesh, p.gear1_drives);
+  const auto backward = efficiency::contact_of(p.gear1, p.gear2, p.mesh, !p.gear1_drives);
+  const double approach = forward.approach_contact_ratio;
+  const double recess = forward.recess_contact_ratio;
+  const double mu = friction.coefficient;
   return {
       .name = std::string(p.name),
       .working_pressure_angle_rad = p.mesh.alpha_w_rad,
@@ -69,8 +58,8 @@ MeshResult mesh_result(const Pairing& p, const Friction& friction) {
       .approach_contact_ratio = approach,
       .recess_contact_ratio = recess,
       .normal_backlash_m = backlash::normal_backlash(p.gear1, p.gear2, p.mesh),
-      .efficiency_forward = efficiency(approach, recess),
-      .efficiency_backward = efficiency(recess, approach),
+      .efficiency_forward = efficiency::mesh_efficiency(forward, mu, friction.model),
+      .efficiency_backward = efficiency::mesh_efficiency(backward, mu, friction.model),
       .loss_model_in_range = efficiency::loss_model_in_range(friction.model, approach, recess),
       .hunting_period_teeth = train::hunting_period_teeth(p.gear1.gear.teeth, p.gear2.gear.teeth)};
 }
@@ -84,7 +73,7 @@ std::vector<CheckResult> run_checks(const std::vector<CheckInstance>& checks,
   std::vector<CheckResult> results;
   for (const CheckInstance& check : checks) {
     const double value = check_value(check, gearing);
-    const double margin = check.record->at_least ? value - check.limit : check.limit - value;
+    const double margin = check_margin(check, gearing);
     SubjectNames subject = subject_names(check, names.gears, names.meshes, gearing.mesh_gears);
     results.push_back({.record = check.record,
                        .mesh = std::move(subject.mesh),
@@ -199,8 +188,8 @@ std::optional<NotDefined> why_undefined(const Design& design) {
   }
   for (std::size_t k = 0; k < train::kMeshCount; ++k) {
     const auto [first, second] = train::kMeshGears[k];
-    const double sum = base_radius_sum(gears[static_cast<std::size_t>(first)],
-                                       gears[static_cast<std::size_t>(second)]);
+    const double sum = geometry::base_radius_sum(gears[static_cast<std::size_t>(first)],
+                                                 gears[static_cast<std::size_t>(second)]);
     if (!(sum > 0.0 && *distance > sum)) {
       return no_working_angle(train::kMeshNames[k], *distance, sum);
     }
@@ -287,7 +276,7 @@ std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
 
 std::optional<NotDefined> why_undefined(const PairDesign& design) {
   const auto gears = gears_of(design);
-  const double sum = base_radius_sum(gears[0], gears[1]);
+  const double sum = geometry::base_radius_sum(gears[0], gears[1]);
   const auto distance = resolved_center_distance(design, gears);
   if (sum > 0.0 && !distance) {
     return NotDefined{

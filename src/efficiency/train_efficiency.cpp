@@ -3,20 +3,26 @@
 namespace gear3k::efficiency {
 
 template <class T>
+MeshContact<T> contact_of(const geometry::GearGeometry<T>& gear1,
+                          const geometry::GearGeometry<T>& gear2,
+                          const geometry::MeshGeometry<T>& mesh, bool gear1_drives) {
+  const T& e1 = mesh.addendum_contact_ratio1;
+  const T& e2 = mesh.addendum_contact_ratio2;
+  return {.z1 = gear1.gear.teeth,
+          .z2 = gear2.gear.teeth,
+          .sign = geometry::mesh_sign(gear2.gear.kind),
+          .approach_contact_ratio = gear1_drives ? e2 : e1,
+          .recess_contact_ratio = gear1_drives ? e1 : e2};
+}
+
+template <class T>
 MeshContact<T> mesh_contact(const train::TrainGeometry<T>& train, train::MeshId mesh,
                             bool forward) {
   const auto index = static_cast<std::size_t>(mesh);
   const auto [first, second] = train::kMeshGears[index];
-  const geometry::MeshGeometry<T>& m = train.meshes[index];
-  const bool gear1_drives = train::gear1_drives(mesh, train::g2(train.teeth) < 1.0, forward);
-  const auto& gear2 = train.gears[static_cast<std::size_t>(second)].gear;
-  return {
-      .z1 = train.gears[static_cast<std::size_t>(first)].gear.teeth,
-      .z2 = gear2.teeth,
-      .sign = geometry::mesh_sign(gear2.kind),
-      .approach_contact_ratio =
-          gear1_drives ? m.addendum_contact_ratio2 : m.addendum_contact_ratio1,
-      .recess_contact_ratio = gear1_drives ? m.addendum_contact_ratio1 : m.addendum_contact_ratio2};
+  return contact_of(train.gears[static_cast<std::size_t>(first)],
+                    train.gears[static_cast<std::size_t>(second)], train.meshes[index],
+                    train::gear1_drives(mesh, train::g2(train.teeth) < 1.0, forward));
 }
 
 template <class T>
@@ -60,6 +66,9 @@ T backdriving_margin(const train::ToothSet& z, const MeshEfficiencies<T>& eta) {
 }
 
 #define INSTANTIATE(T)                                                                          \
+  template MeshContact<T> contact_of<T>(const geometry::GearGeometry<T>&,                       \
+                                        const geometry::GearGeometry<T>&,                       \
+                                        const geometry::MeshGeometry<T>&, bool);                \
   template MeshContact<T> mesh_contact<T>(const train::TrainGeometry<T>&, train::MeshId, bool); \
   template MeshEfficiencies<T> mesh_efficiencies<T>(const train::TrainGeometry<T>&, const T&,   \
                                                     LossModel, bool);                           \

@@ -11,6 +11,12 @@ namespace gear3k::efficiency {
 template <class T>
 using MeshEfficiencies = std::array<T, train::kMeshCount>;
 
+/// A mesh as its friction sees it when gear 1 or gear 2 drives.
+template <class T>
+MeshContact<T> contact_of(const geometry::GearGeometry<T>& gear1,
+                          const geometry::GearGeometry<T>& gear2,
+                          const geometry::MeshGeometry<T>& mesh, bool gear1_drives);
+
 /// Approach and recess contact ratio of a mesh in a drive direction of the train.
 template <class T>
 MeshContact<T> mesh_contact(const train::TrainGeometry<T>& train, train::MeshId mesh, bool forward);

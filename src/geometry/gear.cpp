@@ -37,6 +37,13 @@ GearGeometry<T> make_gear_geometry(const Gear<T>& gear, const PressureAngle<T>& 
     throw std::invalid_argument(
         fmt::format("gear: module = {} m, allowed: above 0", value_of(gear.module_m)));
   }
+  for (const T& x : {gear.profile_shift, gear.machining_allowance, gear.tip_shortening}) {
+    if (!std::isfinite(value_of(x))) {
+      throw std::invalid_argument(fmt::format(
+          "gear: profile shift, machining allowance or tip shortening = {}, allowed: finite",
+          value_of(x)));
+    }
+  }
   // Symbols as in ISO 21771.
   const T& m = gear.module_m;
   const double z_half = 0.5 * gear.teeth;

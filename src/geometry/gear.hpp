@@ -54,7 +54,9 @@ struct GearGeometry {
   T reference_radius_m{}, base_radius_m{}, tip_radius_m{}, root_radius_m{};
 };
 
-/// @throws std::invalid_argument when teeth < 1 or the module is not positive
+/// @throws std::invalid_argument when teeth < 1, the module is not positive, or a shift, allowance
+/// or
+///         shortening is not finite
 template <class T>
 GearGeometry<T> make_gear_geometry(const Gear<T>& gear, const PressureAngle<T>& angle);
 

@@ -23,9 +23,9 @@ namespace {
 constexpr double kRounding = 2.0 * std::numeric_limits<double>::epsilon();
 
 double inverse_involute_value(double value) {
-  if (!(value >= 0.0)) {
+  if (!(value >= 0.0 && std::isfinite(value))) {
     throw std::invalid_argument(
-        fmt::format("inverse_involute: value = {} rad, allowed: at least 0", value));
+        fmt::format("inverse_involute: value = {} rad, allowed: at least 0, finite", value));
   }
   if (value == 0.0) return 0.0;
   // Both are upper bounds: inv a >= a^3/3, and inv a >= tan a - pi/2.
@@ -47,6 +47,10 @@ T inverse_involute(const T& value) {
   using std::tan;
   T a = constant<T>(inverse_involute_value(value_of(value)));
   if constexpr (!std::is_floating_point_v<T>) {
+    if (value_of(value) == 0.0) {
+      throw std::invalid_argument(
+          "inverse_involute: value = 0 rad, allowed with derivatives: above 0");
+    }
     // A Newton step at the converged value makes the first derivatives exact, a second step those
     // up to the third.
     for (int step = 0; step < 2; ++step) {

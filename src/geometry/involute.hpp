@@ -20,9 +20,9 @@ T involute(const T& angle);
 ///
 /// Source: own derivation, docs/theory.md §1.
 /// Accuracy: 1e-14 rad for a in [0.02, 1.3] (property-tested).
-/// @param value  inv a [rad], value ≥ 0; at 0 the derivative is infinite
+/// @param value  inv a [rad], finite, value ≥ 0; above 0 for derivatives, which are infinite at 0
 /// @returns a [rad] in [0, π/2)
-/// @throws std::invalid_argument when value < 0 or NaN
+/// @throws std::invalid_argument outside that range or NaN
 template <class T>
 T inverse_involute(const T& value);
 

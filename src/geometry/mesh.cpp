@@ -7,14 +7,10 @@
 
 namespace gear3k::geometry {
 
-namespace {
-
 template <class T>
 T base_radius_sum(const GearGeometry<T>& gear1, const GearGeometry<T>& gear2) {
   return gear2.base_radius_m + mesh_sign(gear2.gear.kind) * gear1.base_radius_m;
 }
-
-}  // namespace
 
 template <class T>
 std::optional<MeshGeometry<T>> make_mesh_geometry(const GearGeometry<T>& gear1,
@@ -63,6 +59,7 @@ std::optional<T> zero_backlash_center_distance(const GearGeometry<T>& gear1,
 }
 
 #define INSTANTIATE(T)                                                                             \
+  template T base_radius_sum<T>(const GearGeometry<T>&, const GearGeometry<T>&);                   \
   template std::optional<MeshGeometry<T>> make_mesh_geometry<T>(const GearGeometry<T>&,            \
                                                                 const GearGeometry<T>&, const T&); \
   template std::optional<T> zero_backlash_angle<T>(const GearGeometry<T>&,                         \

@@ -10,6 +10,11 @@ namespace gear3k::geometry {
 /// Sign of gear 2's tooth number in formulas that hold for both kinds: +1 external, −1 ring.
 inline double mesh_sign(GearKind gear2) { return gear2 == GearKind::kRing ? -1.0 : 1.0; }
 
+/// Sum of the base radii, rb2 ± rb1 (− for a ring): the least centre distance of the mesh is above
+/// it.
+template <class T>
+T base_radius_sum(const GearGeometry<T>& gear1, const GearGeometry<T>& gear2);
+
 /// A mesh of gear 1 (external) with gear 2 (external or ring) at centre distance d.
 ///
 ///   cos α_w = (rb2 ± rb1)/d                (+ external, − ring)

@@ -26,18 +26,24 @@ MassProperties<T> hollow_cylinder(const HollowCylinder<T>& body) {
 }
 
 template <class T>
+T toothed_radius(const geometry::GearGeometry<T>& g) {
+  return 0.5 * (g.tip_radius_m + g.root_radius_m);
+}
+
+template <class T>
 MassProperties<T> gear_body(const geometry::GearGeometry<T>& g, const T& other_radius_m,
                             const T& width_m, const T& density_kgm3) {
-  const T toothed_radius = 0.5 * (g.tip_radius_m + g.root_radius_m);
+  const T toothed = toothed_radius(g);
   const bool ring = g.gear.kind == geometry::GearKind::kRing;
-  return hollow_cylinder(HollowCylinder<T>{.outer_radius_m = ring ? other_radius_m : toothed_radius,
-                                           .inner_radius_m = ring ? toothed_radius : other_radius_m,
+  return hollow_cylinder(HollowCylinder<T>{.outer_radius_m = ring ? other_radius_m : toothed,
+                                           .inner_radius_m = ring ? toothed : other_radius_m,
                                            .width_m = width_m,
                                            .density_kgm3 = density_kgm3});
 }
 
 #define INSTANTIATE(T)                                                                          \
   template MassProperties<T> hollow_cylinder<T>(const HollowCylinder<T>&);                      \
+  template T toothed_radius<T>(const geometry::GearGeometry<T>&);                               \
   template MassProperties<T> gear_body<T>(const geometry::GearGeometry<T>&, const T&, const T&, \
                                           const T&);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)

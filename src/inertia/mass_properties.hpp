@@ -22,6 +22,10 @@ struct HollowCylinder {
 template <class T>
 MassProperties<T> hollow_cylinder(const HollowCylinder<T>& body);
 
+/// Radius half-way between tip and root circle: where the teeth end as a body.  @returns [m]
+template <class T>
+T toothed_radius(const geometry::GearGeometry<T>& g);
+
 /// A gear as a cylinder whose toothed side lies half-way between tip and root circle.
 ///
 /// External gears reach from the bore to that circle, rings from that circle to the outer radius.

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "inertia/mass_properties.hpp"
 #include "io/limit_keys.hpp"
 #include "io/model_keys.hpp"
 
@@ -17,6 +18,7 @@ namespace {
 constexpr double kMillimetre = 1e-3;
 constexpr double kMicrometre = 1e-6;
 constexpr int kFewestTeeth = 3;
+constexpr double kGreatestAllowance = 1.0;  // modules
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// A key of [inertia] that states a body.
@@ -128,7 +130,7 @@ void append_gear_keys(std::vector<Key<Target>>& keys, const std::string& prefix)
        .type = KeyType::kNumber,
        .unit = "modules",
        .min = 0.0,
-       .max = 1.0,
+       .max = kGreatestAllowance,
        .default_text = "0",
        .help = "q: normal thinning of the whole tooth over the module"},
       [](GearInput& g, const TomlValue& v) { g.machining_allowance = v.number; });
@@ -151,8 +153,7 @@ void append_gear_keys(std::vector<Key<Target>>& keys, const std::string& prefix)
 }
 
 Schema<DesignInput> design_schema() {
-  Schema<DesignInput> schema{.file_kind = "DESIGN.toml",
-                             .gears = {train::kGearNames.begin(), train::kGearNames.end()},
+  Schema<DesignInput> schema{.gears = {train::kGearNames.begin(), train::kGearNames.end()},
                              .keys = common_keys<DesignInput>()};
   auto& keys = schema.keys;
   using Input = DesignInput;
@@ -239,8 +240,7 @@ Schema<DesignInput> design_schema() {
 }
 
 Schema<PairInput> pair_schema() {
-  Schema<PairInput> schema{
-      .file_kind = "PAIR.toml", .gears = {"gear1", "gear2"}, .keys = common_keys<PairInput>()};
+  Schema<PairInput> schema{.gears = {"gear1", "gear2"}, .keys = common_keys<PairInput>()};
   auto& keys = schema.keys;
   keys.push_back({.record = {.path = "kind",
                              .type = KeyType::kChoice,
@@ -272,6 +272,12 @@ struct GearPlace {
   bool ring = false;
   double module_m = 0.0;
 };
+geometry::GearGeometry<double> circles_of(const CommonInput& input,
+                                          const geometry::Gear<double>& gear) {
+  return geometry::make_gear_geometry(gear,
+                                      geometry::make_pressure_angle(input.pressure_angle_rad));
+}
+
 geometry::Gear<double> finish_gear(const CommonInput& input, const GearInput& g,
                                    const GearPlace& place, FileReading& reading) {
   const std::string teeth_key = place.path + ".teeth";
@@ -299,24 +305,37 @@ geometry::Gear<double> finish_gear(const CommonInput& input, const GearInput& g,
                     place.path, g.tip_shortening, input.rack.addendum + input.rack.dedendum));
   }
   const double x = flipped ? -g.profile_shift : g.profile_shift;
+  geometry::Gear<double> gear{
+      .teeth = teeth,
+      .kind = place.ring ? geometry::GearKind::kRing : geometry::GearKind::kExternal,
+      .module_m = place.module_m,
+      .profile_shift = x,
+      .machining_allowance = g.machining_allowance,
+      .tip_shortening = g.tip_shortening,
+      .rack = input.rack};
+  if (teeth < kFewestTeeth || !(place.module_m > 0.0)) return gear;
+  const geometry::GearGeometry<double> circles = circles_of(input, gear);
   const double innermost =
-      0.5 * teeth + x - (place.ring ? input.rack.addendum : input.rack.dedendum);
-  if (teeth >= kFewestTeeth && innermost <= 0.0) {
+      (place.ring ? circles.tip_radius_m : circles.root_radius_m) / place.module_m;
+  if (innermost <= 0.0) {
     reading.error_at(
         place.path + ".profile_shift",
         fmt::format("{}.profile_shift = {}: leaves no {} circle, allowed: {} {:.6g}", place.path,
                     g.profile_shift, place.ring ? "tip" : "root", flipped ? "below" : "above",
                     flipped ? g.profile_shift + innermost : g.profile_shift - innermost));
   }
-  return {.teeth = teeth,
-          .kind = place.ring ? geometry::GearKind::kRing : geometry::GearKind::kExternal,
-          .module_m = place.module_m,
-          .profile_shift = x,
-          .machining_allowance = g.normal_thinning_m && place.module_m > 0.0
-                                     ? *g.normal_thinning_m / place.module_m
-                                     : g.machining_allowance,
-          .tip_shortening = g.tip_shortening,
-          .rack = input.rack};
+  if (g.normal_thinning_m) {
+    gear.machining_allowance = *g.normal_thinning_m / place.module_m;
+    if (gear.machining_allowance > kGreatestAllowance) {
+      reading.error_at(
+          place.path + ".normal_thinning_um",
+          fmt::format("{}.normal_thinning_um = {:.6g}: allowed: at most {:.6g} ({:g} "
+                      "module)",
+                      place.path, *g.normal_thinning_m / kMicrometre,
+                      kGreatestAllowance * place.module_m / kMicrometre, kGreatestAllowance));
+    }
+  }
+  return gear;
 }
 
 void require_more_ring_teeth(const GearPlace& ring, const GearPlace& mate, int ring_teeth,
@@ -359,14 +378,16 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
     t.tip_shortening[i] = gear.tip_shortening;
     t.rack[i] = gear.rack;
     design.masses.bore_radius_m[i] = 0.5 * input.gears[i].bore_diameter_m;
-    const double root_m = gear.module_m * (0.5 * gear.teeth + gear.profile_shift);
-    if (!places[i].ring && teeth[i] >= kFewestTeeth &&
-        input.gears[i].bore_diameter_m >= 2.0 * root_m && root_m > 0.0) {
-      reading.error_at(places[i].path + ".bore_mm",
-                       fmt::format("{}.bore_mm = {:.6g}: allowed: below the toothed diameter "
-                                   "{:.6g}",
-                                   places[i].path, input.gears[i].bore_diameter_m / kMillimetre,
-                                   2.0 * root_m / kMillimetre));
+    const bool has_circles = teeth[i] >= kFewestTeeth && gear.module_m > 0.0;
+    if (has_circles && !places[i].ring) {
+      const double toothed = 2.0 * inertia::toothed_radius(circles_of(input, gear));
+      if (input.gears[i].bore_diameter_m >= toothed) {
+        reading.error_at(places[i].path + ".bore_mm",
+                         fmt::format("{}.bore_mm = {:.6g}: allowed: below {:.6g}, half-way between "
+                                     "tip and root circle",
+                                     places[i].path, input.gears[i].bore_diameter_m / kMillimetre,
+                                     toothed / kMillimetre));
+      }
     }
     if (input.gears[i].outer_diameter_m && id != train::kR2) {
       reading.error_at(places[i].path + ".outer_diameter_mm",
@@ -374,9 +395,8 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
                                    "external gears end at their teeth)",
                                    places[i].path));
     }
-    if (id == train::kR2 && input.gears[i].outer_diameter_m && teeth[i] >= kFewestTeeth) {
-      const double least =
-          2.0 * gear.module_m * (0.5 * gear.teeth + gear.profile_shift + gear.rack.dedendum);
+    if (id == train::kR2 && input.gears[i].outer_diameter_m && has_circles) {
+      const double least = 2.0 * circles_of(input, gear).root_radius_m;
       if (*input.gears[i].outer_diameter_m <= least) {
         reading.error_at(places[i].path + ".outer_diameter_mm",
                          fmt::format("{}.outer_diameter_mm = {:.6g}: allowed: above the root "
@@ -506,7 +526,7 @@ std::string limits_text(const design::Limits& limits) {
   text += "\n[limits]\n";
   for (const design::CheckRecord& r : design::check_records()) {
     if (r.id == CheckId::kIdenticalPlanets) continue;
-    if (r.limit_key.empty()) {
+    if (r.limit_key.empty() && r.threshold) {
       text += fmt::format("{} = {}\n", r.name, limits[r.id] ? in_unit(r.id) : "false");
     } else if (!limits[r.id] &&
                (r.default_limit || (has_range && r.id == CheckId::kContactRatioMax))) {

@@ -55,7 +55,6 @@ struct Key {
 
 template <class Target>
 struct Schema {
-  std::string_view file_kind;      ///< e.g. "DESIGN.toml"
   std::vector<std::string> gears;  ///< what "{gear}" stands for
   std::vector<Key<Target>> keys;
 };
@@ -71,7 +70,6 @@ class FileReading {
     diagnostics_.push_back({.position = position, .message = message});
   }
   [[nodiscard]] bool has(const std::string& path) const;
-  [[nodiscard]] bool clean() const { return diagnostics_.empty(); }
   /// @throws InvalidInput with all messages, when there are any
   void throw_if_invalid() const;
 

@@ -72,7 +72,7 @@ std::vector<Key<LimitInput>> limit_keys(bool for_pair) {
                   }});
   for (const CheckRecord& r : design::check_records()) {
     if (r.id == CheckId::kIdenticalPlanets || (for_pair && !belongs_to_pair(r))) continue;
-    const bool threshold_here = r.limit_key.empty();
+    const bool threshold_here = r.threshold && r.limit_key.empty();
     keys.push_back(
         {.record = {.path = fmt::format("limits.{}", r.name),
                     .type = threshold_here ? KeyType::kNumberOrSwitch : KeyType::kBoolean,
@@ -82,9 +82,10 @@ std::vector<Key<LimitInput>> limit_keys(bool for_pair) {
                     .default_text = threshold_here    ? default_text(r)
                                     : r.default_limit ? "true"
                                                       : "true when stated",
-                    .help = threshold_here
-                                ? std::string(r.help)
-                                : fmt::format("switch of the check; its limit is {}", r.limit_key)},
+                    .help = threshold_here ? std::string(r.help)
+                            : r.threshold
+                                ? fmt::format("switch of the check; its limit is {}", r.limit_key)
+                                : std::string(r.help)},
          .assign = [id = r.id, unit = r.unit](LimitInput& t, std::size_t, const TomlValue& v) {
            if (v.kind == TomlValue::Kind::kBoolean) {
              t.switched[static_cast<std::size_t>(id)] = v.boolean;

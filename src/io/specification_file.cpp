@@ -111,7 +111,7 @@ void append_tooth_keys(std::vector<Key<Input>>& keys) {
 }
 
 Schema<Input> specification_schema() {
-  Schema<Input> schema{.file_kind = "SPEC.toml", .gears = {}, .keys = {}};
+  Schema<Input> schema{.gears = {}, .keys = {}};
   auto& keys = schema.keys;
   keys.push_back(
       {.record = {.path = "name",
@@ -290,7 +290,6 @@ optimize::Specification specification_from(const TomlValue& document, const std:
   input.spec.ratio.tolerance = 0.005;
   read_by_schema(document, specification_schema(), input, reading);
   input.spec.limits = finish_limits(input.limits, reading);
-  input.spec.identical_planets = input.spec.limits[design::CheckId::kIdenticalPlanets].has_value();
   check_relations(input, reading);
   reading.throw_if_invalid();
   return input.spec;

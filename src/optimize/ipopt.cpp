@@ -54,19 +54,20 @@ class RefinementNlp : public Ipopt::TNLP {
   }
 
   bool eval_f(Index /*n*/, const Number* x, bool /*new_x*/, Number& value) override {
-    return evaluate<double>(problem_, std::span<const double>(x, n_), value, g_);
+    const auto f = evaluate<double>(problem_, std::span<const double>(x, n_), g_);
+    if (f) value = *f;
+    return f.has_value();
   }
 
   bool eval_grad_f(Index n, const Number* x, bool /*new_x*/, Number* gradient) override {
-    Jet1 f;
-    if (!evaluate_jet1(x, f)) return false;
-    std::copy_n(f.v.data(), n, gradient);
+    const auto f = evaluate_jet1(x);
+    if (!f) return false;
+    std::copy_n(f->v.data(), n, gradient);
     return true;
   }
 
   bool eval_g(Index /*n*/, const Number* x, bool /*new_x*/, Index /*m*/, Number* g) override {
-    double f = 0.0;
-    if (!evaluate<double>(problem_, std::span<const double>(x, n_), f, g_)) return false;
+    if (!evaluate<double>(problem_, std::span<const double>(x, n_), g_)) return false;
     std::copy(g_.begin(), g_.end(), g);
     return true;
   }
@@ -82,8 +83,7 @@ class RefinementNlp : public Ipopt::TNLP {
       }
       return true;
     }
-    Jet1 f;
-    if (!evaluate_jet1(x, f)) return false;
+    if (!evaluate_jet1(x)) return false;
     for (const Jet1& g : g1_) values = std::copy_n(g.v.data(), n, values);
     return true;
   }
@@ -106,11 +106,11 @@ class RefinementNlp : public Ipopt::TNLP {
       jet.a = Jet1(x[k], k);
       jet.v[k] = Jet1(1.0);
     }
-    Jet2 f;
-    if (!evaluate<Jet2>(problem_, std::span<const Jet2>(jets.data(), n_), f, g2_)) return false;
+    const auto f = evaluate<Jet2>(problem_, used(problem_, jets), g2_);
+    if (!f) return false;
     for (Index i = 0; i < n; ++i) {
       for (Index j = 0; j <= i; ++j) {
-        double sum = obj_factor * f.v[i].v[j];
+        double sum = obj_factor * f->v[i].v[j];
         for (std::size_t k = 0; k < g2_.size(); ++k) sum += lambda[k] * g2_[k].v[i].v[j];
         *values++ = sum;
       }
@@ -129,10 +129,10 @@ class RefinementNlp : public Ipopt::TNLP {
   }
 
  private:
-  bool evaluate_jet1(const Number* x, Jet1& f) {
+  std::optional<Jet1> evaluate_jet1(const Number* x) {
     std::array<Jet1, kMaxVariables> jets;
     for (std::size_t k = 0; k < n_; ++k) jets[k] = Jet1(x[k], static_cast<int>(k));
-    return evaluate<Jet1>(problem_, std::span<const Jet1>(jets.data(), n_), f, g1_);
+    return evaluate<Jet1>(problem_, used(problem_, jets), g1_);
   }
 
   const RefinementProblem& problem_;
@@ -159,10 +159,8 @@ SolveOutcome solve_ipopt(const RefinementProblem& problem, const Point& start) {
   // The smart pointer takes ownership of the raw one, as Ipopt's interface has it.
   RefinementNlp* nlp = new RefinementNlp(problem, start);
   const Ipopt::SmartPtr<Ipopt::TNLP> owner(nlp);
-  const Ipopt::ApplicationReturnStatus status = application->OptimizeTNLP(owner);
-  return outcome_at(
-      problem, nlp->end(),
-      status == Ipopt::Solve_Succeeded || status == Ipopt::Solved_To_Acceptable_Level);
+  application->OptimizeTNLP(owner);  // the end is judged by the problem, not by the status
+  return outcome_at(problem, nlp->end());
 }
 
 }  // namespace gear3k::optimize

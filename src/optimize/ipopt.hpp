@@ -1,6 +1,6 @@
 #pragma once
 
-#include "optimize/slsqp.hpp"
+#include "optimize/solve_outcome.hpp"
 
 namespace gear3k::optimize {
 

@@ -8,7 +8,9 @@
 #include <utility>
 
 #include "efficiency/train_efficiency.hpp"
+#include "geometry/interference.hpp"
 #include "optimize/ipopt.hpp"
+#include "optimize/parallel.hpp"
 #include "optimize/refinement_problem.hpp"
 #include "optimize/slsqp.hpp"
 #include "optimize/starting_points.hpp"
@@ -38,11 +40,6 @@ std::vector<FixedModules> module_combinations(const Specification& spec) {
   return combinations;
 }
 
-double least_module(const ModuleChoice& choice) {
-  return choice.range_m ? choice.range_m->min
-                        : *std::min_element(choice.series_m.begin(), choice.series_m.end());
-}
-
 /// A constraint that no point of the box can meet, by checks that are monotone in their variables.
 struct Proof {
   CheckId check;
@@ -50,28 +47,27 @@ struct Proof {
   double miss_si;
 };
 std::optional<Proof> proven_infeasible(const Specification& spec, const Candidate& candidate) {
-  const auto z = train::teeth_of(candidate.teeth);
-  const double sin_alpha = std::sin(spec.pressure_angle_rad);
-  const double form_depth = spec.rack.dedendum - spec.rack.root_radius * (1.0 - sin_alpha);
+  // Undercut is least at the greatest shift, a ring smallest at the least shift and module.
+  const auto most_shifted = train::make_train_gears(
+      unrefined_train(spec, candidate, {.profile_shift = spec.profile_shift.max}));
+  const auto smallest = train::make_train_gears(
+      unrefined_train(spec, candidate, {.profile_shift = spec.profile_shift.min}));
+  const auto& undercut_limit = spec.limits[CheckId::kUndercut];
+  const auto& diameter_limit = spec.limits[CheckId::kRingRootDiameter];
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
-    const int id = static_cast<int>(i);
-    if (train::kind_of(id) == geometry::GearKind::kExternal) {
-      const auto& limit = spec.limits[CheckId::kUndercut];
-      const double best = spec.profile_shift.max - form_depth + 0.5 * z[i] * sin_alpha * sin_alpha;
-      if (limit && best < *limit - design::kFeasibilityTolerance) {
-        return Proof{
-            .check = CheckId::kUndercut, .violation = *limit - best, .miss_si = *limit - best};
+    if (train::kind_of(static_cast<int>(i)) == geometry::GearKind::kExternal) {
+      if (!undercut_limit) continue;
+      const double miss = *undercut_limit - geometry::undercut_margin(most_shifted[i]);
+      if (miss > design::kFeasibilityTolerance) {
+        return Proof{.check = CheckId::kUndercut, .violation = miss, .miss_si = miss};
       }
-    } else {
-      const auto& limit = spec.limits[CheckId::kRingRootDiameter];
-      const double module =
-          least_module(spec.module[static_cast<std::size_t>(train::stage_of(id))]);
-      const double least =
-          2.0 * module * (0.5 * z[i] + spec.rack.dedendum + spec.profile_shift.min);
-      if (limit && least > *limit * (1.0 + design::kFeasibilityTolerance)) {
+    } else if (diameter_limit && *diameter_limit > 0.0) {
+      const double least = 2.0 * smallest[i].root_radius_m;
+      const double miss = least / *diameter_limit - 1.0;
+      if (miss > design::kFeasibilityTolerance) {
         return Proof{.check = CheckId::kRingRootDiameter,
-                     .violation = least / *limit - 1.0,
-                     .miss_si = least - *limit};
+                     .violation = miss,
+                     .miss_si = least - *diameter_limit};
       }
     }
   }
@@ -84,7 +80,7 @@ SolveOutcome solve(const RefinementProblem& problem, const Point& start) {
 }
 
 bool feasible(const SolveOutcome& outcome) {
-  return outcome.defined && outcome.violation.amount <= design::kFeasibilityTolerance;
+  return outcome.violation <= design::kFeasibilityTolerance;
 }
 
 /// The best end of all starts, or the one that violates least.
@@ -94,11 +90,11 @@ struct BestEnd {
   bool found = false;  ///< feasible
 
   void offer(const RefinementProblem& p, const SolveOutcome& o) {
-    if (!o.defined) return;
+    if (!std::isfinite(o.violation)) return;
     const bool ok = feasible(o);
-    const bool better = !problem || (ok && !found) ||
-                        (ok == found && (ok ? o.objective < outcome.objective
-                                            : o.violation.amount < outcome.violation.amount));
+    const bool better =
+        !problem || (ok && !found) ||
+        (ok == found && (ok ? o.objective < outcome.objective : o.violation < outcome.violation));
     if (!better) return;
     problem = p;
     outcome = o;
@@ -110,11 +106,7 @@ void polish(BestEnd& best) {
   const SolveOutcome polished = solve_ipopt(*best.problem, best.outcome.v);
   if (!feasible(polished)) return;
   const double gain = best.outcome.objective - polished.objective;
-  const auto residual = [&](const SolveOutcome& o) {
-    return kkt_residual(
-        *best.problem,
-        std::span<const double>(o.v.data(), static_cast<std::size_t>(best.problem->variables)));
-  };
+  const auto residual = [&](const SolveOutcome& o) { return kkt_residual(*best.problem, o.v); };
   constexpr double kSameObjective = 1e-9;
   if (gain > kSameObjective ||
       (gain > -kSameObjective && residual(polished) < residual(best.outcome))) {
@@ -123,11 +115,9 @@ void polish(BestEnd& best) {
 }
 
 void fill_optimum(const Specification& spec, const BestEnd& best, RefinedSet& set) {
-  const std::span<const double> v(best.outcome.v.data(),
-                                  static_cast<std::size_t>(best.problem->variables));
-  set.status = Status::kOptimal;
-  set.train = parameters_at(*best.problem, v);
-  set.kkt_residual = kkt_residual(*best.problem, v);
+  set.train = parameters_at(*best.problem, used(*best.problem, best.outcome.v));
+  set.kkt_residual = kkt_residual(*best.problem, best.outcome.v);
+  set.status = set.kkt_residual <= kStationary ? Status::kOptimal : Status::kFailed;
   const auto train = train::make_train_geometry(set.train);
   const auto j_bn = backlash::normal_backlashes(*train);
   set.lost_motion_rad = backlash::output_lost_motion(*train, j_bn, spec.limits.model);
@@ -149,10 +139,8 @@ void fill_optimum(const Specification& spec, const BestEnd& best, RefinedSet& se
 std::vector<std::pair<std::string_view, double>> violations_by_name(
     const RefinementProblem& problem, const Point& v) {
   std::vector<double> g(problem.rows.size());
-  double objective = 0.0;
   std::vector<std::pair<std::string_view, double>> result;
-  const auto n = static_cast<std::size_t>(problem.variables);
-  if (!evaluate<double>(problem, std::span<const double>(v.data(), n), objective, g)) return result;
+  if (!evaluate<double>(problem, used(problem, v), g)) return result;
   for (std::size_t k = 0; k < g.size(); ++k) {
     const std::string_view name = problem.rows[k].name;
     if (result.empty() || result.back().first != name) result.emplace_back(name, 0.0);
@@ -180,7 +168,7 @@ std::vector<Miss> blocking_constraints(const RefinementProblem& problem,
   constexpr double kAlike = 0.01;
   std::vector<Miss> alike;
   for (const auto& [name, amount] : violations_by_name(problem, nearest.v)) {
-    if (amount >= (1.0 - kAlike) * nearest.violation.amount) {
+    if (amount >= (1.0 - kAlike) * nearest.violation) {
       alike.push_back(miss_of(problem, name, amount));
     }
   }
@@ -194,7 +182,7 @@ std::vector<Miss> blocking_constraints(const RefinementProblem& problem,
       double& worst = name == miss.name ? own : others;
       worst = std::max(worst, amount);
     }
-    if (alone.defined && others <= design::kFeasibilityTolerance) {
+    if (std::isfinite(alone.violation) && others <= design::kFeasibilityTolerance) {
       blocking.push_back(miss_of(problem, miss.name, own));
     }
   }
@@ -257,37 +245,35 @@ std::optional<RefinedSet> refine(const Specification& spec, const Candidate& can
     set.blocked_by = blocking_constraints(*best.problem, best.outcome);
     return set;
   }
-  if (spec.solver.refine == Refine::kBoth) polish(best);
+  if (spec.solver.refine == Refine::kBoth ||
+      !(kkt_residual(*best.problem, best.outcome.v) <= kStationary)) {
+    polish(best);
+  }
   fill_optimum(spec, best, set);
   return set;
 }
 
 OptimizeResult optimize(const Specification& spec, Progress& progress) {
   OptimizeResult result;
-  result.search = search_teeth(spec, progress.stop);
+  result.search = search_teeth(spec, progress);
   const std::vector<Candidate>& candidates = result.search.candidates;
+  progress.total = 0;  // while done and phase change, nothing is known
+  progress.done = 0;
+  progress.phase = Progress::Phase::kRefinement;
   progress.total = candidates.size();
   std::vector<std::optional<RefinedSet>> refined(candidates.size());
-#pragma omp parallel for schedule(dynamic)
-  for (std::size_t k = 0; k < candidates.size(); ++k) {
-    if (progress.stop.load(std::memory_order_relaxed)) continue;
-    try {
-      refined[k] = refine(spec, candidates[k], progress.stop);
-    } catch (const std::exception&) {
-      // Nothing may leave the parallel region; the set is reported as failed.
-      refined[k].emplace();
-      refined[k]->candidate = candidates[k];
-    }
-    if (!refined[k]) continue;
+  parallel_for(candidates.size(), [&](std::size_t k) {
+    refined[k] = refine(spec, candidates[k], progress.stop);
+    if (!refined[k]) return;
     if (refined[k]->status == Status::kOptimal) {
-      ++progress.feasible;
       const double value = objective_of(*refined[k], spec.objective);
       double seen = progress.best_objective.load();
       while (value > seen && !progress.best_objective.compare_exchange_weak(seen, value)) {
       }
+      ++progress.feasible;
     }
     ++progress.done;
-  }
+  });
   for (auto& set : refined) {
     if (set) result.sets.push_back(*set);
   }

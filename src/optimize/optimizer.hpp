@@ -8,11 +8,17 @@
 #include <string_view>
 #include <vector>
 
+#include "optimize/progress.hpp"
 #include "optimize/specification.hpp"
 #include "optimize/tooth_search.hpp"
 
 namespace gear3k::optimize {
 
+/// Largest KKT residual that counts as a local optimum.
+inline constexpr double kStationary = 1e-4;
+
+/// optimal: a feasible point with KKT residual ≤ kStationary.  failed: feasible points were found,
+/// but none that is stationary, or the model was defined nowhere.
 enum class Status { kOptimal, kNoFeasibleFound, kInfeasible, kFailed };
 inline constexpr std::size_t kStatusCount = 4;
 /// Names in result files, in the order of the enum.
@@ -42,13 +48,6 @@ struct RefinedSet {
   std::array<double, train::kMeshCount> contact_ratio{};
   double ring_root_diameter_m = 0.0;  ///< the larger ring's
   double kkt_residual = 0.0;
-};
-
-/// Counters that another thread may watch.
-struct Progress {
-  std::atomic<std::size_t> done{0}, total{0}, feasible{0};
-  std::atomic<double> best_objective{0.0};
-  std::atomic<bool> stop{false};  ///< set it to end the run, keeping what is done
 };
 
 struct OptimizeResult {

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "efficiency/train_efficiency.hpp"
+#include "geometry/interference.hpp"
 #include "optimize/nonnegative_least_squares.hpp"
 
 namespace gear3k::optimize {
@@ -21,7 +22,6 @@ constexpr double kGreatestAngle_rad = 65.0 * kDegree_rad;
 /// Keeps ring tips off their base circles, where the tip's curvature has no derivative [modules].
 constexpr double kBaseCircleClearance = 1e-6;
 constexpr double kActive = 1e-6;
-constexpr int kAngleA = train::kGearCount;  // index of a in v
 
 /// z1 + z2, or zR − zP.
 std::array<double, train::kMeshCount> tooth_sums(const train::ToothSet& z) {
@@ -76,6 +76,24 @@ void append_module_bounds(RefinementProblem& p, int stage) {
 
 }  // namespace
 
+train::TrainParameters<double> unrefined_train(const Specification& spec,
+                                               const Candidate& candidate,
+                                               const Unrefined& unrefined) {
+  train::TrainParameters<double> t{
+      .teeth = candidate.teeth,
+      .planets = candidate.planets,
+      .pressure_angle_rad = spec.pressure_angle_rad,
+      .center_distance_m = 0.0,
+      .module_m = {least_module(spec.module[0]), least_module(spec.module[1])},
+      .profile_shift = {},
+      .machining_allowance = spec.machining_allowance,
+      .tip_shortening = spec.tip_shortening,
+      .rack = {}};
+  t.profile_shift.fill(unrefined.profile_shift);
+  t.rack.fill(spec.rack);
+  return t;
+}
+
 RefinementProblem make_refinement_problem(const Specification& spec, const Candidate& candidate,
                                           std::array<std::optional<double>, 2> fixed_module_m,
                                           int backlash_branch) {
@@ -85,14 +103,15 @@ RefinementProblem make_refinement_problem(const Specification& spec, const Candi
   p.fixed_module_m = fixed_module_m;
   p.length_scale_m = length_scale_m(spec);
 
-  const std::array<int, train::kGearCount> z = train::teeth_of(candidate.teeth);
+  const auto unshifted =
+      train::make_train_gears(unrefined_train(spec, candidate, {.profile_shift = 0.0}));
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
     p.lower[i] = spec.profile_shift.min;
     p.upper[i] = spec.profile_shift.max;
     if (train::kind_of(static_cast<int>(i)) == geometry::GearKind::kRing) {
-      const double base = spec.rack.addendum - spec.tip_shortening[i] -
-                          0.5 * z[i] * (1.0 - std::cos(spec.pressure_angle_rad));
-      p.lower[i] = std::min(p.upper[i], std::max(p.lower[i], base + kBaseCircleClearance));
+      // The tip's distance from the base circle grows with the shift, one to one.
+      const double least = kBaseCircleClearance - geometry::ring_tip_above_base(unshifted[i]);
+      p.lower[i] = std::min(p.upper[i], std::max(p.lower[i], least));
     }
   }
   const auto sums = tooth_sums(candidate.teeth);
@@ -102,16 +121,16 @@ RefinementProblem make_refinement_problem(const Specification& spec, const Candi
           *fixed_module_m[0] * sums[static_cast<std::size_t>(p.angle_mesh)]) {
     p.angle_mesh = train::kMeshP2R2;
   }
-  p.variables = kAngleA + (stage2_angle_is_variable(p) ? 2 : 1);
-  for (int k = kAngleA; k < p.variables; ++k) {
-    p.lower[static_cast<std::size_t>(k)] = kLeastAngle_rad;
-    p.upper[static_cast<std::size_t>(k)] = kGreatestAngle_rad;
+  p.variables = stage2_angle_is_variable(p) ? kAngleB + 1 : kAngleA + 1;
+  for (std::size_t k = kAngleA; k < static_cast<std::size_t>(p.variables); ++k) {
+    p.lower[k] = kLeastAngle_rad;
+    p.upper[k] = kGreatestAngle_rad;
   }
   const bool both_free = !fixed_module_m[0] && !fixed_module_m[1];
   if (both_free) {
-    const auto k = static_cast<std::size_t>(p.variables++);
-    p.lower[k] = spec.module[0].range_m->min / p.length_scale_m;
-    p.upper[k] = spec.module[0].range_m->max / p.length_scale_m;
+    p.variables = kScale + 1;
+    p.lower[kScale] = spec.module[0].range_m->min / p.length_scale_m;
+    p.upper[kScale] = spec.module[0].range_m->max / p.length_scale_m;
   }
   append_checks(p, backlash_branch);
   if (!fixed_module_m[0] && !both_free) append_module_bounds(p, 0);
@@ -149,33 +168,36 @@ train::TrainParameters<T> parameters_at(const RefinementProblem& p, std::span<co
     d = half_cos_alpha * sum_a * (p.angle_mesh == train::kMeshP2R2 ? m2 : m1) / cos_a;
     return t;
   }
-  const T cos_b = cos(v[kAngleA + 1]);
+  const T cos_b = cos(v[kAngleB]);
   if (!p.fixed_module_m[0] && p.fixed_module_m[1]) {
     m2 = constant<T>(*p.fixed_module_m[1]);
     d = half_cos_alpha * sums[2] * m2 / cos_b;
     m1 = d * cos_a / (half_cos_alpha * sum_a);
     return t;
   }
-  m1 = p.fixed_module_m[0] ? constant<T>(*p.fixed_module_m[0])
-                           : T(p.length_scale_m * v[kAngleA + 2]);
+  m1 = p.fixed_module_m[0] ? constant<T>(*p.fixed_module_m[0]) : T(p.length_scale_m * v[kScale]);
   d = half_cos_alpha * sum_a * m1 / cos_a;
   m2 = d * cos_b / (half_cos_alpha * sums[2]);
   return t;
 }
 
 template <class T>
-bool evaluate(const RefinementProblem& p, std::span<const T> v, T& objective,
-              std::span<T> constraints) {
+std::optional<T> evaluate(const RefinementProblem& p, std::span<const T> v,
+                          std::span<T> constraints) {
+  for (const T& x : v) {
+    if (!std::isfinite(value_of(x))) return std::nullopt;
+  }
   const Specification& spec = *p.spec;
   const auto parameters = parameters_at(p, v);
   const auto train = train::make_train_geometry(parameters);
-  if (!train) return false;
+  if (!train) return std::nullopt;
   const auto j_bn = backlash::normal_backlashes(*train);
   const bool forward = spec.objective == Objective::kForwardEfficiency;
   const auto eta = efficiency::mesh_efficiencies(*train, constant<T>(spec.friction.coefficient),
                                                  spec.friction.model, forward);
-  objective = forward ? T(-efficiency::forward_efficiency(p.candidate.teeth, eta))
-                      : T(-efficiency::backward_efficiency(p.candidate.teeth, eta));
+  const T objective = forward ? T(-efficiency::forward_efficiency(p.candidate.teeth, eta))
+                              : T(-efficiency::backward_efficiency(p.candidate.teeth, eta));
+  bool finite = std::isfinite(value_of(objective));
   const auto gearing = design::gearing_of(*train, j_bn, spec.limits.model);
   for (std::size_t k = 0; k < p.rows.size(); ++k) {
     const ConstraintRow& row = p.rows[k];
@@ -186,28 +208,28 @@ bool evaluate(const RefinementProblem& p, std::span<const T> v, T& objective,
       constraints[k] =
           (row.at_least ? T(module - row.bound_m) : T(row.bound_m - module)) / p.length_scale_m;
     }
+    finite = finite && std::isfinite(value_of(constraints[k]));
   }
-  return std::isfinite(value_of(objective));
+  if (!finite) return std::nullopt;
+  return objective;
 }
 
-Violation worst_violation(std::span<const double> constraints) {
-  Violation worst;
-  for (std::size_t k = 0; k < constraints.size(); ++k) {
-    const double amount = -constraints[k];
-    if (!(amount <= worst.amount)) worst = {.amount = amount, .row = static_cast<int>(k)};
+double worst_violation(std::span<const double> constraints) {
+  double worst = 0.0;
+  for (const double g : constraints) {
+    if (std::isnan(g)) return std::numeric_limits<double>::infinity();
+    worst = std::max(worst, -g);
   }
   return worst;
 }
 
-double kkt_residual(const RefinementProblem& p, std::span<const double> v) {
+double kkt_residual(const RefinementProblem& p, const Point& v) {
   const auto n = static_cast<std::size_t>(p.variables);
   std::array<Jet1, kMaxVariables> jets;
   for (std::size_t k = 0; k < n; ++k) jets[k] = Jet1(v[k], static_cast<int>(k));
-  Jet1 f;
   std::vector<Jet1> g(p.rows.size());
-  if (!evaluate<Jet1>(p, std::span<const Jet1>(jets.data(), n), f, g)) {
-    return std::numeric_limits<double>::quiet_NaN();
-  }
+  const auto f = evaluate<Jet1>(p, used(p, jets), g);
+  if (!f) return std::numeric_limits<double>::quiet_NaN();
   const Eigen::Index rows = p.variables;
   Eigen::MatrixXd gradients(rows, static_cast<Eigen::Index>(g.size() + 2 * n));
   Eigen::Index active = 0;
@@ -220,14 +242,14 @@ double kkt_residual(const RefinementProblem& p, std::span<const double> v) {
     if (p.upper[k] - v[k] <= kActive) gradients.col(active++) = -Eigen::VectorXd::Unit(rows, axis);
   }
   const Eigen::MatrixXd a = gradients.leftCols(active);
-  const Eigen::VectorXd b = f.v.head(rows);
+  const Eigen::VectorXd b = f->v.head(rows);
   return (a * nonnegative_least_squares(a, b) - b).norm();
 }
 
 #define INSTANTIATE(T)                                                          \
   template train::TrainParameters<T> parameters_at<T>(const RefinementProblem&, \
                                                       std::span<const T>);      \
-  template bool evaluate<T>(const RefinementProblem&, std::span<const T>, T&, std::span<T>);
+  template std::optional<T> evaluate<T>(const RefinementProblem&, std::span<const T>, std::span<T>);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
 
 }  // namespace gear3k::optimize

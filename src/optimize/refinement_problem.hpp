@@ -22,6 +22,13 @@ struct ConstraintRow {
   std::string_view name;  ///< the check's name, or stage1_module / stage2_module
 };
 
+/// Values of the variables; a problem uses the first `variables` of them.
+using Point = std::array<double, kMaxVariables>;
+/// Places of the variables after the five shifts (in the order of train::GearId).
+inline constexpr std::size_t kAngleA = train::kGearCount;      ///< a
+inline constexpr std::size_t kAngleB = train::kGearCount + 1;  ///< b, if any
+inline constexpr std::size_t kScale = train::kGearCount + 2;   ///< m1/scale, if any
+
 /// One tooth set with its modules, as a programme in at most kMaxVariables variables of order 1:
 ///
 ///   v = (x_S, x_P1, x_R1, x_P2, x_R2, a [, b] [, m1/scale])
@@ -44,6 +51,15 @@ struct RefinementProblem {
   std::vector<ConstraintRow> rows;
 };
 
+/// What a tooth set is before refinement: one shift for all gears, the least modules.
+struct Unrefined {
+  double profile_shift = 0.0;
+};
+/// The specification's train with these teeth, without a centre distance.
+train::TrainParameters<double> unrefined_train(const Specification& spec,
+                                               const Candidate& candidate,
+                                               const Unrefined& unrefined);
+
 /// @param fixed_module_m  a module for each stage that is not refined continuously
 /// @param backlash_branch 1 or 2: which of the paper's φ_2, φ_3 has to reach the lower limit of the
 ///        lost motion (either suffices); of no effect unless the result has_branches
@@ -55,18 +71,15 @@ RefinementProblem make_refinement_problem(const Specification& spec, const Candi
 template <class T>
 train::TrainParameters<T> parameters_at(const RefinementProblem& problem, std::span<const T> v);
 
-/// f and g at v, scaled to order 1; constraints.size() must be rows.size().
-/// @returns false where the model is not defined
+/// f at v, scaled to order 1, and g into the caller's buffer (the solvers call this without
+/// allocating); constraints.size() must be rows.size().
+/// @returns f; empty where the model is not defined or anything is not finite
 template <class T>
-bool evaluate(const RefinementProblem& problem, std::span<const T> v, T& objective,
-              std::span<T> constraints);
+std::optional<T> evaluate(const RefinementProblem& problem, std::span<const T> v,
+                          std::span<T> constraints);
 
-/// Largest violation max(0, −g_k) and its row (−1 when all hold); v inside the box.
-struct Violation {
-  double amount = 0.0;
-  int row = -1;
-};
-Violation worst_violation(std::span<const double> constraints);
+/// Largest violation max(0, −g_k); infinite when a g_k is NaN.
+double worst_violation(std::span<const double> constraints);
 
 /// Norm of the Lagrangian's gradient with least-squares multipliers, which are non-negative on the
 /// constraints and bounds active within 1e-6 (others have none).
@@ -74,6 +87,13 @@ Violation worst_violation(std::span<const double> constraints);
 ///   min_{λ ≥ 0} ‖∇f − Σ_active λ_k ∇g_k‖₂     in the scaled variables
 ///
 /// @returns the residual; NaN where the model is not defined
-double kkt_residual(const RefinementProblem& problem, std::span<const double> v);
+double kkt_residual(const RefinementProblem& problem, const Point& v);
+
+/// The variables in use.
+template <class T>
+std::span<const T> used(const RefinementProblem& problem,
+                        const std::array<T, kMaxVariables>& values) {
+  return {values.data(), static_cast<std::size_t>(problem.variables)};
+}
 
 }  // namespace gear3k::optimize

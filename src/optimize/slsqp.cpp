@@ -61,7 +61,9 @@ class CachedProblem {
     std::copy_n(x, n_, x_.begin());
     valid_ = true;
     for (std::size_t k = 0; k < n_; ++k) jets_[k] = Jet1(x[k], static_cast<int>(k));
-    if (!evaluate<Jet1>(problem_, std::span<const Jet1>(jets_.data(), n_), f_, g_)) {
+    if (const auto f = evaluate<Jet1>(problem_, used(problem_, jets_), g_)) {
+      f_ = *f;
+    } else {
       f_ = Jet1(kUndefinedPenalty);
       std::fill(g_.begin(), g_.end(), Jet1(-kUndefinedPenalty));
     }
@@ -91,13 +93,9 @@ struct Bounds {
   std::vector<double> lower, upper;
 };
 
-struct RunResult {
-  std::vector<double> x;
-  bool converged;
-};
-
-RunResult run(CachedProblem& functions, const Bounds& bounds, std::vector<double> x,
-              std::size_t rows, const SlsqpOptions& options) {
+/// The point where NLopt stops; the caller judges it, whatever the reason to stop was.
+std::vector<double> run(CachedProblem& functions, const Bounds& bounds, std::vector<double> x,
+                        std::size_t rows, const SlsqpOptions& options) {
   const std::unique_ptr<nlopt_opt_s, decltype(&nlopt_destroy)> solver(
       nlopt_create(NLOPT_LD_SLSQP, static_cast<unsigned>(x.size())), &nlopt_destroy);
   nlopt_set_lower_bounds(solver.get(), bounds.lower.data());
@@ -113,11 +111,8 @@ RunResult run(CachedProblem& functions, const Bounds& bounds, std::vector<double
     x[k] = std::clamp(x[k], bounds.lower[k], bounds.upper[k]);
   }
   double f = 0.0;
-  const nlopt_result code = nlopt_optimize(solver.get(), x.data(), &f);
-  // Rounding-limited ends are as good as the tolerances ask for; the caller judges the point.
-  const bool converged = code == NLOPT_SUCCESS || code == NLOPT_FTOL_REACHED ||
-                         code == NLOPT_XTOL_REACHED || code == NLOPT_ROUNDOFF_LIMITED;
-  return {.x = std::move(x), .converged = converged};
+  nlopt_optimize(solver.get(), x.data(), &f);
+  return x;
 }
 
 Bounds box_of(const RefinementProblem& p) {
@@ -136,30 +131,14 @@ Point point_of(const RefinementProblem& p, const std::vector<double>& x) {
 
 }  // namespace
 
-SolveOutcome outcome_at(const RefinementProblem& problem, const Point& v, bool converged) {
-  SolveOutcome outcome;
-  outcome.v = v;
-  outcome.converged = converged;
-  std::vector<double> g(problem.rows.size());
-  outcome.defined = evaluate<double>(
-      problem, std::span<const double>(v.data(), static_cast<std::size_t>(problem.variables)),
-      outcome.objective, g);
-  if (outcome.defined) {
-    outcome.violation = worst_violation(g);
-  } else {
-    outcome.violation = {.amount = kUndefinedPenalty, .row = -1};
-  }
-  return outcome;
-}
-
 SolveOutcome solve_slsqp(const RefinementProblem& problem, const Point& start,
                          const SlsqpOptions& options) {
   CachedProblem functions(problem, {});
-  const RunResult result =
+  const std::vector<double> end =
       run(functions, box_of(problem),
           {start.begin(), start.begin() + static_cast<std::ptrdiff_t>(problem.variables)},
           problem.rows.size(), options);
-  return outcome_at(problem, point_of(problem, result.x), result.converged);
+  return outcome_at(problem, point_of(problem, end));
 }
 
 SolveOutcome least_violation(const RefinementProblem& problem, const Point& start,
@@ -174,9 +153,10 @@ SolveOutcome least_violation(const RefinementProblem& problem, const Point& star
   bounds.upper.push_back(2.0 * kUndefinedPenalty);
   std::vector<double> x(start.begin(),
                         start.begin() + static_cast<std::ptrdiff_t>(problem.variables));
-  x.push_back(outcome_at(problem, start, true).violation.amount);
-  const RunResult result = run(functions, bounds, std::move(x), problem.rows.size(), options);
-  return outcome_at(problem, point_of(problem, result.x), result.converged);
+  x.push_back(std::min(outcome_at(problem, start).violation, kUndefinedPenalty));
+  const std::vector<double> end =
+      run(functions, bounds, std::move(x), problem.rows.size(), options);
+  return outcome_at(problem, point_of(problem, end));
 }
 
 }  // namespace gear3k::optimize

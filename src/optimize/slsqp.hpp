@@ -2,19 +2,9 @@
 
 #include <string_view>
 
-#include "optimize/refinement_problem.hpp"
-#include "optimize/starting_points.hpp"
+#include "optimize/solve_outcome.hpp"
 
 namespace gear3k::optimize {
-
-/// Where a solver stopped.
-struct SolveOutcome {
-  Point v{};
-  double objective = 0.0;  ///< −η
-  Violation violation;     ///< in scaled units
-  bool defined = false;    ///< the model could be evaluated at v
-  bool converged = false;  ///< the solver met its own stopping rule
-};
 
 struct SlsqpOptions {
   int max_evaluations = 200;
@@ -32,8 +22,5 @@ SolveOutcome solve_slsqp(const RefinementProblem& problem, const Point& start,
 /// (locally), or a feasible one.  `objective` of the outcome is −η there.
 SolveOutcome least_violation(const RefinementProblem& problem, const Point& start,
                              const SlsqpOptions& options, std::string_view elastic_name = {});
-
-/// Values of the problem at v, as an outcome.
-SolveOutcome outcome_at(const RefinementProblem& problem, const Point& v, bool converged);
 
 }  // namespace gear3k::optimize

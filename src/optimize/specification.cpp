@@ -4,10 +4,11 @@
 
 namespace gear3k::optimize {
 
-double length_scale_m(const Specification& spec) {
-  const ModuleChoice& stage1 = spec.module[0];
-  if (stage1.range_m) return stage1.range_m->min;
-  return *std::min_element(stage1.series_m.begin(), stage1.series_m.end());
+double least_module(const ModuleChoice& choice) {
+  if (choice.range_m) return choice.range_m->min;
+  return *std::min_element(choice.series_m.begin(), choice.series_m.end());
 }
+
+double length_scale_m(const Specification& spec) { return least_module(spec.module[0]); }
 
 }  // namespace gear3k::optimize

@@ -54,7 +54,6 @@ struct Solver {
 struct Specification {
   std::string name;
   std::vector<int> planets{3};
-  bool identical_planets = true;
   double pressure_angle_rad = 0.0;
   Objective objective = Objective::kBackwardEfficiency;
   RatioTarget ratio;
@@ -68,6 +67,9 @@ struct Specification {
   design::Friction friction;
   Solver solver;
 };
+
+/// The least module that a choice offers [m].
+double least_module(const ModuleChoice& choice);
 
 /// Length that makes lengths of this task of order 1: the least of stage 1's modules [m], so that
 /// what is feasible here is feasible to the analysis of the design with its own module.

@@ -87,7 +87,7 @@ Point start_from(const RefinementProblem& p, const ShiftFractions& fractions) {
   v[kP2] = within(kP2, fraction(fractions.P2));
   v[kR2] = within(kR2, fraction(fractions.R2));
 
-  const AngleRange range{.low = p.lower[5], .high = p.upper[5]};
+  const AngleRange range{.low = p.lower[kAngleA], .high = p.upper[kAngleA]};
   const double cos_alpha = std::cos(spec.pressure_angle_rad);
   // Work in units of stage 1's module; a module of stage 2 that is given comes with its ratio.
   const double angle1 = closing_angle(
@@ -104,15 +104,15 @@ Point start_from(const RefinementProblem& p, const ShiftFractions& fractions) {
     const double ring2 = closing_shift(spec, angle3, sum3) + thinned_shift(spec, kP2, v[kP2]);
     v[kR2] = within(kR2, ring2 - thinned_shift(spec, kR2, 0.0));
     const double angle_of_mesh[] = {angle1, angle2, angle3};
-    v[5] = std::clamp(angle_of_mesh[p.angle_mesh], range.low, range.high);
+    v[kAngleA] = std::clamp(angle_of_mesh[p.angle_mesh], range.low, range.high);
     return v;
   }
-  v[5] = std::clamp(p.angle_mesh == train::kMeshSP1 ? angle1 : angle2, range.low, range.high);
-  v[6] = closing_angle(spec, thinned_shift(spec, kR2, v[kR2]) - thinned_shift(spec, kP2, v[kP2]),
-                       sum3, range);
+  v[kAngleA] = std::clamp(p.angle_mesh == train::kMeshSP1 ? angle1 : angle2, range.low, range.high);
+  v[kAngleB] = closing_angle(
+      spec, thinned_shift(spec, kR2, v[kR2]) - thinned_shift(spec, kP2, v[kP2]), sum3, range);
   // Efficiency does not depend on the scale: start at the coarsest module, so that limits of size
   // are filled and teeth are as strong as they can be.
-  if (p.variables > 7) v[7] = p.upper[7];
+  if (static_cast<std::size_t>(p.variables) > kScale) v[kScale] = p.upper[kScale];
   return v;
 }
 

@@ -1,13 +1,10 @@
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include "optimize/refinement_problem.hpp"
 
 namespace gear3k::optimize {
-
-using Point = std::array<double, kMaxVariables>;
 
 /// Starting points for the refinement of one tooth set, in closed form.
 ///

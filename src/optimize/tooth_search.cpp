@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "optimize/parallel.hpp"
+
 namespace gear3k::optimize {
 
 namespace {
@@ -33,6 +35,8 @@ IntegerRange ring2_band(const train::ToothSet& z, const Specification& spec) {
 void search_outer(const OuterCount& outer, const Specification& spec, ToothSearchResult& result) {
   const ToothRanges& ranges = spec.teeth;
   train::ToothSet z{.S = outer.S, .P1 = outer.P1};
+  const bool equal_spacing = spec.limits[design::CheckId::kEqualSpacing].has_value();
+  const bool identical_planets = spec.limits[design::CheckId::kIdenticalPlanets].has_value();
   const int coaxial = z.S + 2 * z.P1;
   const int r1_last = std::min(ranges.R1_max, coaxial + ranges.max_coaxial_offset);
   for (z.R1 = std::max(1, coaxial - ranges.max_coaxial_offset); z.R1 <= r1_last; ++z.R1) {
@@ -43,8 +47,9 @@ void search_outer(const OuterCount& outer, const Specification& spec, ToothSearc
         if (1LL * z.P1 * z.R2 == 1LL * z.P2 * z.R1) continue;
         const double ratio = train::ratio(z);
         const double miss = std::abs(ratio / spec.ratio.target - 1.0);
-        if (result.nearest_ratio == 0.0 ||
-            miss < std::abs(result.nearest_ratio / spec.ratio.target - 1.0)) {
+        const bool possible = ratio * spec.ratio.target > 0.0 && z.R1 > z.P1 && z.R2 > z.P2;
+        if (possible && (result.nearest_ratio == 0.0 ||
+                         miss < std::abs(result.nearest_ratio / spec.ratio.target - 1.0))) {
           result.nearest_ratio = ratio;
         }
         if (!ratio_matches(ratio, spec.ratio)) continue;
@@ -58,9 +63,9 @@ void search_outer(const OuterCount& outer, const Specification& spec, ToothSearc
           continue;
         }
         const train::Assembly assembly = train::assembly(z, outer.planets);
-        if (!assembly.equal_spacing) {
+        if (equal_spacing && !assembly.equal_spacing) {
           reject(ToothRejection::kEqualSpacing);
-        } else if (spec.identical_planets && !assembly.identical_planets) {
+        } else if (identical_planets && !assembly.identical_planets) {
           reject(ToothRejection::kIdenticalPlanets);
         } else {
           result.candidates.push_back({.teeth = z, .planets = outer.planets});
@@ -76,7 +81,7 @@ bool ratio_matches(double ratio, const RatioTarget& target) {
   return std::abs(ratio / target.target - 1.0) <= target.tolerance;
 }
 
-ToothSearchResult search_teeth(const Specification& spec, const std::atomic<bool>& stop) {
+ToothSearchResult search_teeth(const Specification& spec, Progress& progress) {
   std::vector<OuterCount> outer;
   for (const int planets : spec.planets) {
     for (int s = spec.teeth.S.min; s <= spec.teeth.S.max; ++s) {
@@ -86,14 +91,16 @@ ToothSearchResult search_teeth(const Specification& spec, const std::atomic<bool
     }
   }
   std::vector<ToothSearchResult> parts(outer.size());
-#pragma omp parallel for schedule(dynamic)
-  for (std::size_t k = 0; k < outer.size(); ++k) {
-    if (stop.load(std::memory_order_relaxed)) {
+  progress.phase = Progress::Phase::kSearch;
+  progress.total = outer.size();
+  parallel_for(outer.size(), [&](std::size_t k) {
+    if (progress.stop.load(std::memory_order_relaxed)) {
       parts[k].interrupted = true;
     } else {
       search_outer(outer[k], spec, parts[k]);
     }
-  }
+    ++progress.done;
+  });
   ToothSearchResult result;
   for (const ToothSearchResult& part : parts) {
     result.within_ratio += part.within_ratio;

@@ -2,12 +2,11 @@
 // Every tooth set that meets the ratio, generated rather than filtered.
 
 #include <array>
-#include <atomic>
 #include <cstdint>
-#include <functional>
 #include <string_view>
 #include <vector>
 
+#include "optimize/progress.hpp"
 #include "optimize/specification.hpp"
 
 namespace gear3k::optimize {
@@ -33,8 +32,8 @@ struct ToothSearchResult {
   std::uint64_t within_ratio = 0;
   /// Of those, the rejected ones by their first failing rule in the order of ToothRejection.
   std::array<std::uint64_t, kToothRejectionCount> rejected{};
-  /// Closest miss when nothing is within the ratio: the ratio of the tooth sets that comes nearest
-  /// to the target (0 when the ranges hold no set at all).
+  /// The ratio nearest to the target, of its sign and with rings larger than their planets, among
+  /// the tooth sets visited (0 when there is none): the closest miss when nothing is within.
   double nearest_ratio = 0.0;
   bool interrupted = false;
 };
@@ -49,7 +48,8 @@ bool ratio_matches(double ratio, const RatioTarget& target);
 /// so only the few zR2 of that band are visited; each is then tested by ratio_matches() on the
 /// exactly computed ratio, with a tooth of slack on the band, so that none is lost to rounding.
 /// OpenMP over (S, P1).  Ranges are taken as they are: a range with min > max holds nothing.
-/// @param stop  ends the search early when it becomes true (result.interrupted)
-ToothSearchResult search_teeth(const Specification& spec, const std::atomic<bool>& stop);
+/// Which rules apply: the checks equal_spacing and identical_planets, where they are switched on.
+/// @param progress  counts the (S, P1) pairs; its stop ends the search early (result.interrupted)
+ToothSearchResult search_teeth(const Specification& spec, Progress& progress);
 
 }  // namespace gear3k::optimize

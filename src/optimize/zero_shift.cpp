@@ -4,6 +4,8 @@
 #include <tuple>
 
 #include "efficiency/train_efficiency.hpp"
+#include "optimize/parallel.hpp"
+#include "optimize/refinement_problem.hpp"
 
 namespace gear3k::optimize {
 
@@ -15,16 +17,10 @@ ZeroShiftSet at_zero_shift(const Specification& spec, const Candidate& candidate
   const double d = 0.5 * m1 * (z.R1 - z.P1);
   const double m2 = 2.0 * d / (z.R2 - z.P2);
   ZeroShiftSet set{.candidate = candidate, .ratio = train::ratio(z), .module_ratio = m2 / m1};
-  train::TrainParameters<double> parameters{.teeth = z,
-                                            .planets = candidate.planets,
-                                            .pressure_angle_rad = spec.pressure_angle_rad,
-                                            .center_distance_m = d,
-                                            .module_m = {m1, m2},
-                                            .profile_shift = {},
-                                            .machining_allowance = spec.machining_allowance,
-                                            .tip_shortening = spec.tip_shortening,
-                                            .rack = {}};
-  parameters.rack.fill(spec.rack);
+  train::TrainParameters<double> parameters =
+      unrefined_train(spec, candidate, {.profile_shift = 0.0});
+  parameters.center_distance_m = d;
+  parameters.module_m = {m1, m2};
   const auto train = train::make_train_geometry(parameters);
   if (!train) return set;
   set.defined = true;
@@ -47,10 +43,8 @@ ZeroShiftSet at_zero_shift(const Specification& spec, const Candidate& candidate
 std::vector<ZeroShiftSet> rank_at_zero_shift(const Specification& spec,
                                              const std::vector<Candidate>& candidates) {
   std::vector<ZeroShiftSet> sets(candidates.size());
-#pragma omp parallel for schedule(static)
-  for (std::size_t k = 0; k < candidates.size(); ++k) {
-    sets[k] = at_zero_shift(spec, candidates[k]);
-  }
+  parallel_for(candidates.size(),
+               [&](std::size_t k) { sets[k] = at_zero_shift(spec, candidates[k]); });
   const bool forward = spec.objective == Objective::kForwardEfficiency;
   std::ranges::stable_sort(sets, [&](const ZeroShiftSet& a, const ZeroShiftSet& b) {
     return std::tuple(!a.meshes, !a.defined, forward ? -a.eta_f : -a.eta_b) <

@@ -128,7 +128,8 @@ std::string inertia_text(const Evaluation& e) {
   };
   return fmt::format(
       "at output {} kg m2 (lossless {:.4e}; the paper's eq. 32: {}), at sun {} kg m2",
-      value(e.inertia->backward_kgm2), e.inertia->lossless_kgm2, value(e.inertia->paper_kgm2),
+      value(e.inertia->backward_kgm2), e.inertia->lossless_kgm2,
+      e.inertia->paper_kgm2 ? value(e.inertia->paper_kgm2) : std::string("undefined"),
       value(e.inertia->forward_kgm2));
 }
 

@@ -132,7 +132,7 @@ std::string search_table(const Specification& spec, const ToothSearchResult& sea
   return text;
 }
 
-std::string search_csv(const Specification&, const std::vector<ZeroShiftSet>& sets) {
+std::string search_csv(const std::vector<ZeroShiftSet>& sets) {
   std::string text =
       "zS,zP1,zR1,zP2,zR2,planets,ratio,module_ratio,meshes,eta_b,eta_f,backlash_arcmin,"
       "sun_backlash_modules\n";

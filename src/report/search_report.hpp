@@ -16,8 +16,7 @@ std::string search_counts_text(const optimize::Specification& spec,
 std::string search_table(const optimize::Specification& spec,
                          const optimize::ToothSearchResult& search,
                          const std::vector<optimize::ZeroShiftSet>& sets, std::size_t rows);
-std::string search_csv(const optimize::Specification& spec,
-                       const std::vector<optimize::ZeroShiftSet>& sets);
+std::string search_csv(const std::vector<optimize::ZeroShiftSet>& sets);
 std::string search_json(const optimize::Specification& spec,
                         const optimize::ToothSearchResult& search,
                         const std::vector<optimize::ZeroShiftSet>& sets);

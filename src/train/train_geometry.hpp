@@ -24,8 +24,8 @@ struct TrainParameters {
 };
 
 /// Stage (0 or 1) that a gear belongs to.
-inline int stage_of(int gear) { return gear >= kP2 ? 1 : 0; }
-inline geometry::GearKind kind_of(int gear) {
+constexpr int stage_of(int gear) { return gear >= kP2 ? 1 : 0; }
+constexpr geometry::GearKind kind_of(int gear) {
   return gear == kR1 || gear == kR2 ? geometry::GearKind::kRing : geometry::GearKind::kExternal;
 }
 

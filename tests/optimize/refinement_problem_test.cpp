@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <limits>
 #include <random>
 
 #include "io/specification_file.hpp"
@@ -47,8 +49,8 @@ class RefinementProblemOf : public testing::TestWithParam<Variant> {
     spec_.friction.model = v.loss;
     spec_.objective = v.objective;
     spec_.ratio.target = v.ratio;
-    const std::atomic<bool> stop{false};
-    const auto candidates = search_teeth(spec_, stop).candidates;
+    Progress progress;
+    const auto candidates = search_teeth(spec_, progress).candidates;
     for (std::size_t k = 0; k < candidates.size(); k += 1 + candidates.size() / 25) {
       problems_.push_back(make_refinement_problem(spec_, candidates[k], v.fixed_module_m, 1));
     }
@@ -70,9 +72,7 @@ TEST_P(RefinementProblemOf, IsDefinedEverywhereInItsBox) {
         const double u = trial < 2 ? trial : unit(random);
         v[k] = p.lower[k] + u * (p.upper[k] - p.lower[k]);
       }
-      double f = 0.0;
-      EXPECT_TRUE(evaluate<double>(
-          p, std::span<const double>(v.data(), static_cast<std::size_t>(p.variables)), f, g));
+      EXPECT_TRUE(evaluate<double>(p, used(p, v), g));
       for (const double value : g) EXPECT_TRUE(std::isfinite(value));
     }
   }
@@ -111,18 +111,18 @@ TEST_P(RefinementProblemOf, GradientsAndHessiansEqualCentralDifferences) {
       jets[k].a = Jet1(v[k], static_cast<int>(k));
       jets[k].v[static_cast<Eigen::Index>(k)] = Jet1(1.0);
     }
-    Jet2 f;
     std::vector<Jet2> g(p.rows.size());
-    ASSERT_TRUE(evaluate<Jet2>(p, std::span<const Jet2>(jets.data(), n), f, g));
+    const auto f = evaluate<Jet2>(p, used(p, jets), g);
+    ASSERT_TRUE(f);
     const auto jet1_at = [&](const Point& at) {
       std::array<Jet1, kMaxVariables> jets1;
       for (std::size_t k = 0; k < n; ++k) jets1[k] = Jet1(at[k], static_cast<int>(k));
       std::vector<Jet1> values(p.rows.size() + 1);
-      EXPECT_TRUE(evaluate<Jet1>(p, std::span<const Jet1>(jets1.data(), n), values.back(),
-                                 std::span<Jet1>(values.data(), p.rows.size())));
+      values.back() =
+          evaluate<Jet1>(p, used(p, jets1), std::span<Jet1>(values.data(), p.rows.size())).value();
       return values;
     };
-    g.push_back(f);
+    g.push_back(*f);
     constexpr double kStep = 1e-3;
     for (std::size_t k = 0; k < n; ++k) {
       std::vector<std::vector<Jet1>> at;  // at v - 2h, v - h, v + h, v + 2h
@@ -181,10 +181,20 @@ INSTANTIATE_TEST_SUITE_P(
                 -96.2}),
     [](const auto& variant) { return std::string(variant.param.name); });
 
+TEST(RefinementProblem, ViolationIsInfiniteWhereverAConstraintIsNotANumber) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const auto& g :
+       {std::array{nan, -3.0, 2.0}, std::array{-3.0, nan, 2.0}, std::array{0.5, 2.0, nan}}) {
+    EXPECT_EQ(worst_violation(g), std::numeric_limits<double>::infinity());
+  }
+  EXPECT_EQ(worst_violation(std::array{0.5, -3.0, 2.0}), 3.0);
+  EXPECT_EQ(worst_violation(std::array{0.5, 2.0}), 0.0);
+}
+
 TEST(RefinementProblem, AgreesWithRp96TypedAnew) {
   const Specification spec = rp96_specification();
-  const std::atomic<bool> stop{false};
-  const auto candidates = search_teeth(spec, stop).candidates;
+  Progress progress;
+  const auto candidates = search_teeth(spec, progress).candidates;
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   int feasible = 0;
@@ -200,15 +210,15 @@ TEST(RefinementProblem, AgreesWithRp96TypedAnew) {
         const double spread = near ? 1e-3 : 0.05;
         v[k] = std::clamp(v[k] + spread * (unit(random) - 0.5), p.lower[k], p.upper[k]);
       }
-      double f = 0.0;
       std::vector<double> g(p.rows.size());
-      ASSERT_TRUE(evaluate<double>(p, std::span<const double>(v.data(), 7), f, g));
+      const auto f = evaluate<double>(p, used(p, v), g);
+      ASSERT_TRUE(f);
       const auto t = parameters_at<double>(p, std::span<const double>(v.data(), 7));
       const auto& z = candidates[c].teeth;
       const rp96::Values expected =
           rp96::evaluate({z.S, z.P1, z.R1, z.P2, z.R2, v[0], v[1], v[2], v[3], v[4],
                           t.module_m[1] * 1e3, t.center_distance_m * 1e3});
-      EXPECT_NEAR(-f, expected.eta_b, 1e-12);
+      EXPECT_NEAR(-*f, expected.eta_b, 1e-12);
       const bool ours = *std::min_element(g.begin(), g.end()) >= 0.0;
       if (std::abs(expected.worst_margin) > 1e-9) {
         EXPECT_EQ(ours, expected.worst_margin >= 0.0);
@@ -225,9 +235,9 @@ TEST(RefinementProblem, KktResidualVanishesAtAnOptimumAndNotAtAStart) {
       spec, {.teeth = {.S = 12, .P1 = 54, .R1 = 120, .P2 = 47, .R2 = 118}, .planets = 3},
       {1e-3, std::nullopt}, 1);
   const Point v = starting_points(p, 1, 1).front();
-  EXPECT_GT(kkt_residual(p, std::span<const double>(v.data(), 7)), 1e-3);
+  EXPECT_GT(kkt_residual(p, v), 1e-3);
   const Point end = solve_slsqp(p, v, {}).v;
-  EXPECT_LT(kkt_residual(p, std::span<const double>(end.data(), 7)), 1e-6);
+  EXPECT_LT(kkt_residual(p, end), 1e-6);
 }
 
 }  // namespace

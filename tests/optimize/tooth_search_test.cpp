@@ -44,8 +44,10 @@ BruteForce brute_force(const Specification& spec) {
               if (r1 - p1 < r.min_internal_difference || r2 - p2 < r.min_internal_difference) {
                 continue;
               }
-              if ((s + r1) % n != 0) continue;
-              if (spec.identical_planets && (r2 * p1 - r1 * p2) % (n * std::gcd(p1, p2)) != 0) {
+              const bool spaced = (s + r1) % n == 0;
+              if (spec.limits[design::CheckId::kEqualSpacing] && !spaced) continue;
+              if (spec.limits[design::CheckId::kIdenticalPlanets] &&
+                  (!spaced || (r2 * p1 - r1 * p2) % (n * std::gcd(p1, p2)) != 0)) {
                 continue;
               }
               result.candidates.insert({n, s, p1, r1, p2, r2});
@@ -59,8 +61,8 @@ BruteForce brute_force(const Specification& spec) {
 }
 
 void expect_equal_to_brute_force(const Specification& spec) {
-  const std::atomic<bool> stop{false};
-  const ToothSearchResult found = search_teeth(spec, stop);
+  Progress progress;
+  const ToothSearchResult found = search_teeth(spec, progress);
   const BruteForce all = brute_force(spec);
   std::set<Teeth> set;
   for (const Candidate& c : found.candidates) {
@@ -81,16 +83,16 @@ void expect_equal_to_brute_force(const Specification& spec) {
 TEST(ToothSearch, Rp96HasThe654SetsOfTheBruteForceLoop) {
   const Specification spec = rp96();
   expect_equal_to_brute_force(spec);
-  const std::atomic<bool> stop{false};
-  EXPECT_EQ(search_teeth(spec, stop).candidates.size(), 654U);  // docs/rp96.md
+  Progress progress;
+  EXPECT_EQ(search_teeth(spec, progress).candidates.size(), 654U);  // docs/rp96.md
 }
 
 TEST(ToothSearch, Rp96WithoutIdenticalPlanetsHas2117Sets) {
   Specification spec = rp96();
-  spec.identical_planets = false;
+  spec.limits[design::CheckId::kIdenticalPlanets].reset();
   expect_equal_to_brute_force(spec);
-  const std::atomic<bool> stop{false};
-  EXPECT_EQ(search_teeth(spec, stop).candidates.size(), 2117U);  // docs/rp96.md
+  Progress progress;
+  EXPECT_EQ(search_teeth(spec, progress).candidates.size(), 2117U);  // docs/rp96.md
 }
 
 TEST(ToothSearch, LosesNothingForRandomSpecifications) {
@@ -115,28 +117,30 @@ TEST(ToothSearch, LosesNothingForRandomSpecifications) {
                   .max_coaxial_offset = integer(0, 6),
                   .min_internal_difference = integer(1, 12)};
     spec.planets = {integer(1, 3), integer(4, 6)};
-    spec.identical_planets = integer(0, 1) == 1;
+    if (integer(0, 1) == 1) spec.limits[design::CheckId::kIdenticalPlanets].reset();
+    if (trial % 7 == 0) spec.limits[design::CheckId::kEqualSpacing].reset();
     expect_equal_to_brute_force(spec);
-    const std::atomic<bool> stop{false};
-    found += search_teeth(spec, stop).candidates.size();
+    Progress progress;
+    found += search_teeth(spec, progress).candidates.size();
   }
   EXPECT_GT(found, 1000U) << "the random specifications are too empty to prove anything";
 }
 
 TEST(ToothSearch, OrderDoesNotDependOnTheNumberOfThreads) {
   const Specification spec = rp96();
-  const std::atomic<bool> stop{false};
+  Progress progress;
   omp_set_num_threads(1);
-  const auto one = search_teeth(spec, stop);
+  const auto one = search_teeth(spec, progress);
   omp_set_num_threads(4);
-  const auto four = search_teeth(spec, stop);
+  const auto four = search_teeth(spec, progress);
   EXPECT_EQ(one.candidates, four.candidates);
   EXPECT_EQ(one.rejected, four.rejected);
 }
 
 TEST(ToothSearch, StopEndsTheSearchAndSaysSo) {
-  const std::atomic<bool> stop{true};
-  EXPECT_TRUE(search_teeth(rp96(), stop).interrupted);
+  Progress progress;
+  progress.stop = true;
+  EXPECT_TRUE(search_teeth(rp96(), progress).interrupted);
 }
 
 }  // namespace

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+
+namespace gear3k::optimize {
+
+/// Counters of a run that another thread may watch, and its switch.
+struct Progress {
+  enum class Phase { kSearch, kRefinement };
+  std::atomic<Phase> phase{Phase::kSearch};
+  std::atomic<std::size_t> done{0};   ///< (zS, zP1) pairs searched, or tooth sets refined
+  std::atomic<std::size_t> total{0};  ///< 0 until it is known
+  std::atomic<std::size_t> feasible{0};
+  std::atomic<double> best_objective{0.0};  ///< meaningless while feasible is 0
+  std::atomic<bool> stop{false};            ///< set it to end the run, keeping what is done
+};
+
+}  // namespace gear3k::optimize

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "optimize/refinement_problem.hpp"
+
+namespace gear3k::optimize {
+
+/// Where a solver stopped, judged by the problem itself.
+struct SolveOutcome {
+  Point v{};
+  double objective = 0.0;  ///< −η
+  double violation = 0.0;  ///< largest, in scaled units; infinite where the model is not defined
+};
+
+/// Values of the problem at v.
+SolveOutcome outcome_at(const RefinementProblem& problem, const Point& v);
+
+}  // namespace gear3k::optimize
