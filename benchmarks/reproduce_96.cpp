@@ -98,7 +98,13 @@ void reference_problem(Bands& bands) {
   bands.expect("rp96: tooth sets", count, 654, 654, source);
   bands.expect("  feasible", static_cast<double>(feasible), 428, 654, source);
   const double best = slsqp.best ? slsqp.sets[*slsqp.best].eta_b : 0.0;
-  bands.expect("  best eta_b", best, 0.943395, 1.0, source);
+  bands.expect("  best eta_b", best, 0.94340, 1.0, source);
+  if (slsqp.best) {
+    const design::Design winner = optimize::design_of(spec, slsqp.sets[*slsqp.best]);
+    const double arcmin = design::from_unit(1.0, design::Unit::kArcmin);
+    bands.expect_printed("  the winner's lost motion, kinematic [arcmin]",
+                         analyzed(winner).backlash.kinematic_rad / arcmin, 15.92, 2, source);
+  }
   bands.expect("  largest KKT residual", worst_kkt, 0.0, 1e-5, "stationary in scaled variables");
   spec.solver.refine = optimize::Refine::kIpopt;
   spec.solver.starts = 1;
@@ -134,9 +140,8 @@ void buildable(Bands& bands) {
   bands.expect("  ring root diameter [mm]", root_diameter_mm, 0.0, 76.0 * (1.0 + 1e-6), source);
   bands.expect("  smaller module [mm]", std::min(e.module_m[0], e.module_m[1]) * 1e3,
                0.5 * (1.0 - 1e-6), 1.0, source);
-  // Better than either published gearbox at the same friction and loss model.
-  bands.expect("  eta_b, mu 0.1, sliding", e.efficiency.backward, 0.9123, 1.0,
-               "bilateral drive gear 0.9123");
+  bands.expect("  eta_b, mu 0.1, sliding", e.efficiency.backward, 0.9512, 1.0,
+               "best of 4 and of 32 starts; bilateral drive gear 0.9123");
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "io/published_sources.hpp"
 #include "io/specification_file.hpp"
 #include "report/analysis_report.hpp"
+#include "report/reproduce_report.hpp"
 #include "report/search_report.hpp"
 
 namespace gear3k::cli {

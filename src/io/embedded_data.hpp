@@ -6,6 +6,7 @@
 namespace gear3k::io {
 
 std::string_view published_prototypes_csv();  ///< data/published_3k_prototypes.csv
+std::string_view paper_statements_csv();      ///< data/low_backlash_paper_statements.csv
 std::string_view rp96_toml();                 ///< examples/rp96.toml
 
 }  // namespace gear3k::io

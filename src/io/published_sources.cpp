@@ -13,18 +13,21 @@ namespace gear3k::io {
 
 namespace {
 
-constexpr const char* kName = "published_3k_prototypes.csv";
+constexpr const char* kPrototypes = "published_3k_prototypes.csv";
+constexpr const char* kStatements = "low_backlash_paper_statements.csv";
 
-const CsvTable::Row& row_named(const CsvTable& table, const std::string& design) {
+const CsvTable::Row& row_named(const CsvTable& table, const std::string& column,
+                               const std::string& name) {
   for (const CsvTable::Row& row : table.rows) {
-    if (table.text(row, "design") == design) return row;
+    if (table.text(row, column) == name) return row;
   }
-  throw std::invalid_argument(fmt::format("{}: no row {}", kName, design));
+  throw std::invalid_argument(fmt::format("{}: no row {}", table.name, name));
 }
 
 double required(const CsvTable& table, const CsvTable::Row& row, const std::string& column) {
   const std::optional<double> value = table.number(row, column);
-  if (!value) throw std::invalid_argument(fmt::format("{}:{}: no {}", kName, row.line, column));
+  if (!value)
+    throw std::invalid_argument(fmt::format("{}:{}: no {}", table.name, row.line, column));
   return *value;
 }
 
@@ -66,17 +69,26 @@ report::PublishedGearbox gearbox(const CsvTable& table, const CsvTable::Row& row
 }  // namespace
 
 report::PublishedSources published_sources() {
-  const CsvTable table = parse_csv(std::string(published_prototypes_csv()), kName);
-  const CsvTable::Row& proposed = row_named(table, "low_backlash_proposed");
-  const CsvTable::Row& strain_wave = row_named(table, "harmonic_drive_csg25lw");
+  const CsvTable table = parse_csv(std::string(published_prototypes_csv()), kPrototypes);
+  const CsvTable statements = parse_csv(std::string(paper_statements_csv()), kStatements);
+  const auto stated = [&](const std::string& name) {
+    return required(statements, row_named(statements, "name", name), "value");
+  };
+  const CsvTable::Row& proposed = row_named(table, "design", "low_backlash_proposed");
+  const CsvTable::Row& strain_wave = row_named(table, "design", "harmonic_drive_csg25lw");
   report::PublishedSources sources;
   sources.low_backlash = gearbox(table, proposed, "low-backlash prototype");
-  // Low-backlash paper, section IV: "approximately 8 arcmin".
-  sources.low_backlash.stated_lost_motion_rad = design::from_unit(8.0, design::Unit::kArcmin);
+  sources.low_backlash.stated_lost_motion_rad =
+      design::from_unit(stated("simulated_lost_motion"), design::Unit::kArcmin);
   sources.bilateral =
-      gearbox(table, row_named(table, "bilateral_drive_gear"), "bilateral drive gear");
-  // As the original (Matsuki, Nagano, Fujimoto, 2019) prints them: S shortened at its tip, P1 not.
-  sources.bilateral.stated_contact_ratio = std::array<double, 3>{1.232, 1.420, 1.565};
+      gearbox(table, row_named(table, "design", "bilateral_drive_gear"), "bilateral drive gear");
+  sources.bilateral.stated_contact_ratio = std::array<double, train::kMeshCount>{
+      stated("bilateral_contact_ratio_SP1"), stated("bilateral_contact_ratio_P1R1"),
+      stated("bilateral_contact_ratio_P2R2")};
+  sources.statements = {.backlash_accuracy_percent = stated("backlash_accuracy"),
+                        .bilateral_xP2_printed = stated("bilateral_xP2_printed"),
+                        .starting_torque_ratio = stated("starting_torque_ratio"),
+                        .eq10_factor = stated("eq10_factor_printed")};
   sources.backdrive_starting_torque_Nm = required(table, proposed, "backdrive_start_Nm");
   sources.max_backdriving_torque_Nm = required(table, proposed, "max_backdrive_Nm");
   sources.strain_wave_starting_torque_Nm = required(table, strain_wave, "backdrive_start_Nm");

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "report/display.hpp"
 #include "report/text_table.hpp"
-#include "report/version.hpp"
 
 namespace gear3k::report {
 
@@ -17,15 +17,6 @@ namespace {
 using design::CheckResult, design::Evaluation, design::GearResult, design::MeshResult,
     design::PairEvaluation, design::Unit;
 using nlohmann::ordered_json;
-
-double mm(double m) { return design::in_unit(m, Unit::kMillimetre); }
-double um(double m) { return design::in_unit(m, Unit::kMicrometre); }
-double arcmin(double rad) { return design::in_unit(rad, Unit::kArcmin); }
-double degrees(double rad) { return design::in_unit(rad, Unit::kDegree); }
-
-ordered_json number_or_null(const std::optional<double>& value) {
-  return value ? ordered_json(*value) : ordered_json(nullptr);
-}
 
 // --- tables
 
@@ -134,8 +125,6 @@ std::string inertia_text(const Evaluation& e) {
 }
 
 // --- JSON
-
-ordered_json tool_json() { return {{"version", version()}, {"git", git_commit()}}; }
 
 ordered_json mesh_json(const MeshResult& m) {
   std::optional<double> zero = m.zero_backlash_center_distance_m;

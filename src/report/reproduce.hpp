@@ -22,8 +22,17 @@ struct PublishedGearbox {
   std::optional<double> measured_forward, measured_backward;  ///< efficiencies
 };
 
+/// Figures that the paper's text states.
+struct PaperStatements {
+  double backlash_accuracy_percent = 0.0;
+  double bilateral_xP2_printed = 0.0;
+  double starting_torque_ratio = 0.0;
+  double eq10_factor = 0.0;
+};
+
 struct PublishedSources {
   PublishedGearbox low_backlash, bilateral;
+  PaperStatements statements;
   double max_backdriving_torque_Nm = 0.0;  ///< low-backlash gear, measured
   double backdrive_starting_torque_Nm = 0.0;
   double strain_wave_starting_torque_Nm = 0.0;  ///< of the paper's comparison
@@ -31,19 +40,22 @@ struct PublishedSources {
   optimize::Specification task;
 };
 
-/// One compared quantity; empty = the source does not say.
+/// One compared quantity; empty = nothing said or nothing to say.
 struct ComparedRow {
   std::string quantity, unit;
-  std::optional<double> paper, equations, measured;
+  std::optional<double> paper;      ///< printed
+  std::optional<double> equations;  ///< the paper's own equations, evaluated
+  std::optional<double> exact;      ///< where the equations are an approximation or wrong
+  std::optional<double> measured;
   int decimals = 4;
 };
 
 struct FrictionFit {
   std::string model;
-  double mu = 0.0;           ///< that reproduces the measured forward efficiency
-  double backward = 0.0;     ///< η_b predicted with it
-  double backward_mu = 0.0;  ///< that reproduces the measured backward efficiency
   double measured_forward = 0.0, measured_backward = 0.0;
+  /// Friction that reproduces the measured forward (backward) efficiency; empty when none does.
+  std::optional<double> mu, backward_mu;
+  std::optional<double> backward;  ///< η_b predicted with `mu`
 };
 
 struct EfficiencyPoint {
@@ -58,10 +70,18 @@ struct GearboxComparison {
   std::vector<FrictionFit> fits;
 };
 
-/// One erratum: place, what is printed, what the equations or the arithmetic give.
+/// A computed figure of the ledger; NaN when it could not be computed.
+struct Figure {
+  std::string name, unit;
+  double value = 0.0;
+  int decimals = 3;
+};
+
+/// One erratum: place, what is printed, what it comes to, and the figures that show it.
 struct LedgerEntry {
-  int number;
-  std::string where, paper, computed;
+  int number = 0;
+  std::string where, paper, finding;
+  std::vector<Figure> figures;
 };
 
 struct Reproduction {
@@ -69,10 +89,8 @@ struct Reproduction {
   std::vector<LedgerEntry> ledger;
 };
 
+/// Evaluates everything.
+/// @throws std::invalid_argument when a published gearbox has no defined geometry
 Reproduction reproduce(const PublishedSources& sources);
-
-std::string reproduce_table(const Reproduction& r);
-std::string reproduce_json(const Reproduction& r);
-std::string reproduce_csv(const Reproduction& r);
 
 }  // namespace gear3k::report

@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "report/display.hpp"
 #include "report/text_table.hpp"
-#include "report/version.hpp"
 
 namespace gear3k::report {
 
@@ -18,9 +18,6 @@ namespace {
 using nlohmann::ordered_json;
 using optimize::OptimizeResult, optimize::RefinedSet, optimize::Status, optimize::ZeroShiftSet,
     optimize::ToothSearchResult, optimize::Specification;
-
-double mm(double m) { return design::in_unit(m, design::Unit::kMillimetre); }
-double arcmin(double rad) { return design::in_unit(rad, design::Unit::kArcmin); }
 
 std::string teeth_text(const train::ToothSet& z) {
   return fmt::format("{}/{}/{}/{}/{}", z.S, z.P1, z.R1, z.P2, z.R2);
@@ -165,7 +162,7 @@ std::string search_json(const Specification& spec, const ToothSearchResult& sear
                     {"backlash_arcmin", number(arcmin(s.lost_motion_rad))},
                     {"sun_backlash_modules", number(s.sun_backlash)}});
   }
-  const ordered_json json{{"tool", {{"version", version()}, {"git", git_commit()}}},
+  const ordered_json json{{"tool", tool_json()},
                           {"name", spec.name},
                           {"search", search_counts_json(spec, search)},
                           {"sets", std::move(list)}};
@@ -209,7 +206,7 @@ std::string summary_json(const Specification& spec, const OptimizeResult& result
             {"kkt_residual", s.kkt_residual}};
   }
   const ordered_json json{
-      {"tool", {{"version", version()}, {"git", git_commit()}}},
+      {"tool", tool_json()},
       {"name", spec.name},
       {"objective", optimize::kObjectiveNames[static_cast<std::size_t>(spec.objective)]},
       {"refine", optimize::kRefineNames[static_cast<std::size_t>(spec.solver.refine)]},

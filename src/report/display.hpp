@@ -1,0 +1,28 @@
+#pragma once
+// What the reports have in common: units as tables show them, and pieces of JSON.
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "design/checks.hpp"
+#include "report/version.hpp"
+
+namespace gear3k::report {
+
+inline double mm(double m) { return design::in_unit(m, design::Unit::kMillimetre); }
+inline double um(double m) { return design::in_unit(m, design::Unit::kMicrometre); }
+inline double arcmin(double rad) { return design::in_unit(rad, design::Unit::kArcmin); }
+inline double degrees(double rad) { return design::in_unit(rad, design::Unit::kDegree); }
+
+inline nlohmann::ordered_json tool_json() {
+  return {{"version", version()}, {"git", git_commit()}};
+}
+
+/// null where there is no finite number: JSON has none.
+inline nlohmann::ordered_json number_or_null(const std::optional<double>& value) {
+  if (!value || !std::isfinite(*value)) return nullptr;
+  return *value;
+}
+
+}  // namespace gear3k::report
