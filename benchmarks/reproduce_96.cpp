@@ -58,14 +58,16 @@ void published(Bands& bands) {
         fmt::format("  zero-backlash centre distance {} [mm]", sliding.meshes[k].name),
         *sliding.meshes[k].zero_backlash_center_distance_m * 1e3, distances[k], 4, errata);
   }
-  bands.expect_printed("  eta_f sliding, mu 0.1", sliding.efficiency.forward, 0.881, 3, errata);
-  bands.expect_printed("  eta_b sliding, mu 0.1", sliding.efficiency.backward, 0.869, 3, errata);
+  bands.expect_printed("  eta_f sliding, mu 0.1", sliding.efficiency.forward.value(), 0.881, 3,
+                       errata);
+  bands.expect_printed("  eta_b sliding, mu 0.1", sliding.efficiency.backward.value(), 0.869, 3,
+                       errata);
   proposed.friction.model = efficiency::LossModel::kOhlendorf;
   const design::Evaluation ohlendorf = analyzed(proposed);
-  bands.expect_printed("  eta_f ohlendorf, mu 0.1", ohlendorf.efficiency.forward, 0.8761, 4,
+  bands.expect_printed("  eta_f ohlendorf, mu 0.1", ohlendorf.efficiency.forward.value(), 0.8761, 4,
                        errata);
-  bands.expect_printed("  eta_b ohlendorf, mu 0.1", ohlendorf.efficiency.backward, 0.8630, 4,
-                       errata);
+  bands.expect_printed("  eta_b ohlendorf, mu 0.1", ohlendorf.efficiency.backward.value(), 0.8630,
+                       4, errata);
 
   const design::Evaluation bilateral =
       analyzed(io::read_design(path_of("designs/bilateral_drive_gear.toml")));
@@ -140,7 +142,7 @@ void buildable(Bands& bands) {
   bands.expect("  ring root diameter [mm]", root_diameter_mm, 0.0, 76.0 * (1.0 + 1e-6), source);
   bands.expect("  smaller module [mm]", std::min(e.module_m[0], e.module_m[1]) * 1e3,
                0.5 * (1.0 - 1e-6), 1.0, source);
-  bands.expect("  eta_b, mu 0.1, sliding", e.efficiency.backward, 0.9512, 1.0,
+  bands.expect("  eta_b, mu 0.1, sliding", e.efficiency.backward.value(), 0.9512, 1.0,
                "best of 4 and of 32 starts; bilateral drive gear 0.9123");
 }
 

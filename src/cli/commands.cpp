@@ -62,23 +62,35 @@ auto evaluate_or_throw(const Design& design, const std::string& file) {
   return std::get<0>(std::move(result));
 }
 
+/// An output that would overwrite its own input is a slip.
+void refuse_overwriting_input(const std::string& input, const std::string& output) {
+  std::error_code status;
+  if (!output.empty() && std::filesystem::equivalent(input, output, status)) {
+    throw io::InvalidInput(
+        fmt::format("--out {}: is the input file, allowed: another file", output));
+  }
+}
+
 template <class Design>
 ExitCode analyze(const Design& design, const AnalyzeOptions& options) {
   use_threads(options);
+  refuse_overwriting_input(options.file, options.out);
   const auto result = evaluate_or_throw(design, options.file);
   deliver(options, in_format(options, result));
   return options.strict && !design::all_ok(result.checks) ? kNoFeasibleDesign : kDone;
 }
 
-/// Removes a result file of an earlier run that would pass for one of this run.
-void remove_stale(const std::string& path) {
+/// Moves a file out of the way that would pass for a result of this run.
+void set_aside(const std::string& path) {
   std::error_code status;
-  if (std::filesystem::remove(path, status)) {
-    fmt::print(stderr, "{}: removed, it came from an earlier run\n", path);
-  } else if (status) {
+  if (!std::filesystem::exists(path, status)) return;
+  const std::string aside = path + ".previous";
+  std::filesystem::rename(path, aside, status);
+  if (status) {
     throw io::InvalidInput(
-        fmt::format("{}: of an earlier run, cannot be removed: {}", path, status.message()));
+        fmt::format("{}: is not of this run and cannot be renamed: {}", path, status.message()));
   }
+  fmt::print(stderr, "{}: is not of this run, renamed to {}\n", path, aside);
 }
 
 }  // namespace
@@ -93,6 +105,7 @@ ExitCode run_mesh(const AnalyzeOptions& options) {
 
 ExitCode run_search(const SearchOptions& options) {
   const optimize::Specification spec = io::read_specification(options.file);
+  refuse_overwriting_input(options.file, options.out);
   use_threads(options);
   optimize::Progress progress;
   optimize::ToothSearchResult search;
@@ -104,6 +117,7 @@ ExitCode run_search(const SearchOptions& options) {
     fmt::print(stderr, "interrupted: a partial search has no ranking\n");
     return kInterrupted;
   }
+  const bool empty = search.candidates.empty();
   const auto sets = optimize::rank_at_zero_shift(spec, search.candidates);
   switch (options.format) {
     case Format::kJson:
@@ -113,11 +127,13 @@ ExitCode run_search(const SearchOptions& options) {
       deliver(options, report::search_csv(sets));
       break;
     case Format::kTable:
+      // Scripts get their header and no set; a reader gets the message below.
+      if (empty) break;
       deliver(options,
               report::search_table(spec, search, sets, static_cast<std::size_t>(options.top)));
       break;
   }
-  if (!search.candidates.empty()) return kDone;
+  if (!empty) return kDone;
   optimize::OptimizeResult nothing;
   nothing.search = search;
   fmt::print(stderr, "{}\n", report::blocking_text(spec, nothing));
@@ -148,7 +164,7 @@ ExitCode run_optimize(const OptimizeOptions& options) {
     io::write_file(best_path,
                    io::design_text(optimize::design_of(spec, result.sets[*result.best])));
   } else {
-    remove_stale(best_path);
+    set_aside(best_path);
   }
   if (!options.quiet) {
     fmt::print(stderr, "{}{}", report::search_counts_text(spec, result.search),
@@ -186,6 +202,10 @@ ExitCode run_optimize(const OptimizeOptions& options) {
       break;
   }
   print_result(text);
+  if (!best.efficiency.backdrivable) {
+    fmt::print(stderr, "the best design found cannot be back-driven (margin {:.4f})\n",
+               best.efficiency.backdriving_margin);
+  }
   if (!design::all_ok(best.checks)) {
     fmt::print(stderr, "{}: fails a check when read back\n", best_path);
     return kSolverFailure;

@@ -139,6 +139,7 @@ int run_program(int argc, char** argv) {
   cli::CommonOptions keys;
   CLI::App* keys_command =
       app.add_subcommand("keys", "every key of the input files, as a Markdown document");
+  add_common_options(*keys_command, keys);
   add_out_file(*keys_command, keys);
   keys_command->callback([&] { run = [&] { return cli::run_keys(keys); }; });
 

@@ -88,6 +88,18 @@ std::vector<CheckResult> run_checks(const std::vector<CheckInstance>& checks,
 
 void note_loss_model(const std::vector<MeshResult>& meshes, std::vector<std::string>& notes) {
   for (const MeshResult& mesh : meshes) {
+    if (mesh.contact_ratio < 1.0) {
+      notes.push_back(fmt::format(
+          "mesh {} has a contact ratio of {:.3f}: it does not run continuously, and its efficiency "
+          "is that of the part of the pitch with a pair in contact",
+          mesh.name, mesh.contact_ratio));
+    }
+    if (!(mesh.efficiency_forward > 0.0 && mesh.efficiency_backward > 0.0)) {
+      notes.push_back(fmt::format(
+          "mesh {} has no positive efficiency to first order in friction: those of the train are "
+          "undefined",
+          mesh.name));
+    }
     if (mesh.loss_model_in_range) continue;
     notes.push_back(fmt::format(
         "loss model ohlendorf is outside its range at mesh {}: approach {:.3f}, recess {:.3f}, "
@@ -95,6 +107,27 @@ void note_loss_model(const std::vector<MeshResult>& meshes, std::vector<std::str
         "(loss_model = \"sliding\" does not)",
         mesh.name, mesh.approach_contact_ratio, mesh.recess_contact_ratio));
   }
+}
+
+bool all_positive(const efficiency::MeshEfficiencies<double>& eta) {
+  return std::ranges::all_of(eta, [](double e) { return e > 0.0; });
+}
+
+EfficiencyResult efficiency_result(const train::ToothSet& teeth,
+                                   const inertia::DirectionalEfficiencies<double>& eta) {
+  EfficiencyResult result{
+      .forward = {},
+      .backward = {},
+      .backdrivable = false,
+      .backdriving_margin = efficiency::backdriving_margin(teeth, eta.backward)};
+  if (all_positive(eta.forward)) {
+    result.forward = efficiency::forward_efficiency(teeth, eta.forward);
+  }
+  if (all_positive(eta.backward)) {
+    result.backward = efficiency::backward_efficiency(teeth, eta.backward);
+    result.backdrivable = result.backdriving_margin > 0.0;
+  }
+  return result;
 }
 
 /// The bodies' inertias as given or from geometry; else the name of what is missing.
@@ -145,10 +178,7 @@ InertiaResult inertia_result(const inertia::InertialTrain<double>& train,
                        .backward_kgm2 = std::nullopt,
                        .forward_kgm2 = std::nullopt,
                        .paper_kgm2 = std::nullopt};
-  const auto positive = [](double e) { return e > 0.0; };
-  if (!std::ranges::all_of(eta.forward, positive) || !std::ranges::all_of(eta.backward, positive)) {
-    return result;
-  }
+  if (!all_positive(eta.forward) || !all_positive(eta.backward)) return result;
   result.backward_kgm2 = inertia::effective_inertia(train, eta, false);
   result.forward_kgm2 = inertia::effective_inertia(train, eta, true);
   result.paper_kgm2 = inertia::paper_inertia(train, eta.backward);
@@ -236,11 +266,7 @@ std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
     eta.forward[k] = e.meshes[k].efficiency_forward;
     eta.backward[k] = e.meshes[k].efficiency_backward;
   }
-  const double margin = efficiency::backdriving_margin(e.teeth, eta.backward);
-  e.efficiency = {.forward = efficiency::forward_efficiency(e.teeth, eta.forward),
-                  .backward = efficiency::backward_efficiency(e.teeth, eta.backward),
-                  .backdrivable = margin > 0.0,
-                  .backdriving_margin = margin};
+  e.efficiency = efficiency_result(e.teeth, eta);
 
   using backlash::LostMotionModel;
   const double kinematic = backlash::output_lost_motion(*train, j_bn, LostMotionModel::kKinematic);

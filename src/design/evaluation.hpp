@@ -48,7 +48,9 @@ struct BacklashResult {
 };
 
 struct EfficiencyResult {
-  double forward, backward;  ///< by the formulas, unclamped
+  /// By the formulas, unclamped; empty where a mesh efficiency is not positive, as then no first-
+  /// order loss describes the mesh.
+  std::optional<double> forward, backward;
   bool backdrivable;
   double backdriving_margin;
 };

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "inertia/mass_properties.hpp"
 #include "io/limit_keys.hpp"
 #include "io/model_keys.hpp"
 
@@ -349,7 +348,7 @@ void require_more_ring_teeth(const GearPlace& ring, const GearPlace& mate, int r
 
 /// Where an impossible centre distance is reported: at its key, else at the file.
 std::string center_distance_place(const FileReading& reading) {
-  return reading.has("center_distance_mm") ? "center_distance_mm" : "";
+  return reading.stated("center_distance_mm") ? "center_distance_mm" : "";
 }
 
 design::Design finish_design(const DesignInput& input, FileReading& reading) {
@@ -380,13 +379,12 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
     design.masses.bore_radius_m[i] = 0.5 * input.gears[i].bore_diameter_m;
     const bool has_circles = teeth[i] >= kFewestTeeth && gear.module_m > 0.0;
     if (has_circles && !places[i].ring) {
-      const double toothed = 2.0 * inertia::toothed_radius(circles_of(input, gear));
-      if (input.gears[i].bore_diameter_m >= toothed) {
+      const double root = 2.0 * circles_of(input, gear).root_radius_m;
+      if (input.gears[i].bore_diameter_m >= root) {
         reading.error_at(places[i].path + ".bore_mm",
-                         fmt::format("{}.bore_mm = {:.6g}: allowed: below {:.6g}, half-way between "
-                                     "tip and root circle",
+                         fmt::format("{}.bore_mm = {:.6g}: allowed: below the root diameter {:.6g}",
                                      places[i].path, input.gears[i].bore_diameter_m / kMillimetre,
-                                     toothed / kMillimetre));
+                                     root / kMillimetre));
       }
     }
     if (input.gears[i].outer_diameter_m && id != train::kR2) {
@@ -416,7 +414,8 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
                                  "allowed: different products",
                                  1LL * t.teeth.P1 * t.teeth.R2));
   }
-  const bool teeth_known = std::ranges::all_of(teeth, [](int z) { return z >= kFewestTeeth; });
+  const bool teeth_known = std::ranges::all_of(teeth, [](int z) { return z >= kFewestTeeth; }) &&
+                           t.teeth.R1 > t.teeth.P1 && t.teeth.R2 > t.teeth.P2;
   if (teeth_known && t.module_m[0] > 0.0 && t.module_m[1] > 0.0) {
     if (const auto undefined = design::why_undefined(design)) {
       reading.error_at(center_distance_place(reading), undefined->message);
@@ -460,7 +459,8 @@ design::PairDesign read_pair(const std::string& path) {
   if (input.internal) {
     require_more_ring_teeth(place2, place1, pair.gear2.teeth, pair.gear1.teeth, reading);
   }
-  if (pair.gear1.teeth >= kFewestTeeth && pair.gear2.teeth >= kFewestTeeth &&
+  const bool ring_fits = !input.internal || pair.gear2.teeth > pair.gear1.teeth;
+  if (pair.gear1.teeth >= kFewestTeeth && pair.gear2.teeth >= kFewestTeeth && ring_fits &&
       input.module_m > 0.0) {
     if (const auto undefined = design::why_undefined(pair)) {
       reading.error_at(center_distance_place(reading), undefined->message);

@@ -170,6 +170,7 @@ struct Matcher {
       reading.error(v.position, message);
       return;
     }
+    reading.accept(key.path);
     found.push_back({.key = key.key, .gear = key.gear, .value = &v});
   }
 
@@ -240,10 +241,12 @@ void FileReading::error_at(const std::string& path, const std::string& message) 
     if (place.empty()) break;
     place = parent_of(place);
   }
-  error({}, message);
+  error({.line = 1, .column = 1}, message);
 }
 
-bool FileReading::has(const std::string& path) const {
+bool FileReading::has(const std::string& path) const { return accepted_.contains(path); }
+
+bool FileReading::stated(const std::string& path) const {
   return std::ranges::any_of(places_, [&](const auto& place) { return place.first == path; });
 }
 
@@ -282,7 +285,7 @@ std::vector<FoundValue> match_keys(const TomlValue& document, const std::vector<
   }
   matcher.walk(document, "");
   for (const ExpandedKey& key : keys) {
-    if (key.record->required && !reading.has(key.path)) {
+    if (key.record->required && !reading.stated(key.path)) {
       reading.error_at(key.path, fmt::format("{} is missing: {}; allowed: {}", key.path,
                                              key.record->help, allowed_text(*key.record)));
     }

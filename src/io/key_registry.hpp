@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -69,6 +70,9 @@ class FileReading {
   void error(Position position, const std::string& message) {
     diagnostics_.push_back({.position = position, .message = message});
   }
+  /// Whether a key is in the file, with whatever value.
+  [[nodiscard]] bool stated(const std::string& path) const;
+  /// Whether a key is in the file with a value of its type and range.
   [[nodiscard]] bool has(const std::string& path) const;
   /// @throws InvalidInput with all messages, when there are any
   void throw_if_invalid() const;
@@ -76,10 +80,12 @@ class FileReading {
   void remember(const std::string& path, Position position) {
     places_.emplace_back(path, position);
   }
+  void accept(const std::string& path) { accepted_.insert(path); }
 
  private:
   std::string file_;
   std::vector<std::pair<std::string, Position>> places_;
+  std::set<std::string> accepted_;
   std::vector<Diagnostic> diagnostics_;
 };
 

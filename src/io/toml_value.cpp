@@ -70,6 +70,7 @@ std::string as_text(const TomlValue& value) {
       break;
     case TomlValue::Kind::kNumber:
       text = fmt::format("{}", value.number);
+      if (text.find_first_of(".en") == std::string::npos) text += ".0";  // as TOML writes it
       break;
     case TomlValue::Kind::kText:
       text = fmt::format("\"{}\"", value.text);

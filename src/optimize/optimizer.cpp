@@ -102,6 +102,47 @@ struct BestEnd {
   }
 };
 
+/// The problem with the contact ratio of a mesh kept on one side of a value.
+RefinementProblem with_contact_ratio_bound(const RefinementProblem& problem, int mesh, double value,
+                                           bool at_least) {
+  RefinementProblem bounded = problem;
+  const design::CheckRecord& record =
+      design::check_record(at_least ? CheckId::kContactRatioMin : CheckId::kContactRatioMax);
+  bounded.rows.push_back({.check = design::CheckInstance{.record = &record,
+                                                         .subject = {.member = mesh, .which = 0},
+                                                         .limit = value,
+                                                         .scale = 1.0},
+                          .stage = 0,
+                          .bound_m = 0.0,
+                          .at_least = true,
+                          .name = record.name});
+  return bounded;
+}
+
+/// The loss model `sliding` has kinks where the contact ratio of a mesh passes an integer, which
+/// split the problem into basins: from a good end, the basin on the other side is tried too.
+void cross_contact_ratio_kinks(BestEnd& best) {
+  const RefinementProblem problem = *best.problem;
+  if (problem.spec->friction.model != efficiency::LossModel::kSliding) return;
+  constexpr double kReachDown = 0.5;  // from above the kink
+  constexpr double kReachUp = 0.15;   // from below it
+  constexpr double kBeyond = 1e-3;
+  const Point from = best.outcome.v;
+  const auto train = train::make_train_geometry(parameters_at(problem, used(problem, from)));
+  for (int mesh = 0; mesh < train::kMeshCount; ++mesh) {
+    const double epsilon = train->meshes[static_cast<std::size_t>(mesh)].contact_ratio;
+    for (const double kink : {2.0, 3.0}) {
+      const bool above = epsilon >= kink && epsilon < kink + kReachDown;
+      const bool below = epsilon < kink && epsilon > kink - kReachUp;
+      if (!above && !below) continue;
+      const RefinementProblem beyond =
+          with_contact_ratio_bound(problem, mesh, above ? kink - kBeyond : kink + kBeyond, below);
+      const SolveOutcome crossed = solve_slsqp(beyond, from, {});
+      if (feasible(crossed)) best.offer(problem, solve(problem, crossed.v));
+    }
+  }
+}
+
 void polish(BestEnd& best) {
   const SolveOutcome polished = solve_ipopt(*best.problem, best.outcome.v);
   if (!feasible(polished)) return;
@@ -160,11 +201,33 @@ Miss miss_of(const RefinementProblem& problem, std::string_view name, double vio
           .unit = design::unit_name(unit)};
 }
 
-/// The constraints that block a problem, from the point of least violation.  That point balances
-/// the constraints in conflict, which are missed alike there; relaxing each of them alone tells by
-/// how much it has to give way.
-std::vector<Miss> blocking_constraints(const RefinementProblem& problem,
-                                       const SolveOutcome& nearest) {
+/// The least violation found of one constraint at a point that meets all others; empty when none
+/// was found.  Sought from the given point and from a point that meets the others.
+std::optional<double> least_violation_alone(const RefinementProblem& problem, const Point& from,
+                                            std::string_view name) {
+  RefinementProblem without = problem;
+  std::erase_if(without.rows, [&](const ConstraintRow& row) { return row.name == name; });
+  std::optional<double> least;
+  for (const Point& start : {from, solve_slsqp(without, from, {}).v,
+                             solve_slsqp(without, starting_points(problem, 1, 0).front(), {}).v}) {
+    const SolveOutcome alone = least_violation(problem, start, {}, name);
+    if (!std::isfinite(alone.violation)) continue;
+    double own = 0.0;
+    double others = 0.0;
+    for (const auto& [other, amount] : violations_by_name(problem, alone.v)) {
+      double& worst = other == name ? own : others;
+      worst = std::max(worst, amount);
+    }
+    if (others <= design::kFeasibilityTolerance) least = std::min(least.value_or(own), own);
+  }
+  return least;
+}
+
+/// Says what blocks a problem, from the point of least violation.  That point balances the
+/// constraints in conflict, which are missed alike there; relaxing each of them alone tells whether
+/// it suffices, and by how much it has to give way.
+void name_blocking_constraints(const RefinementProblem& problem, const SolveOutcome& nearest,
+                               RefinedSet& set) {
   constexpr double kAlike = 0.01;
   std::vector<Miss> alike;
   for (const auto& [name, amount] : violations_by_name(problem, nearest.v)) {
@@ -172,24 +235,14 @@ std::vector<Miss> blocking_constraints(const RefinementProblem& problem,
       alike.push_back(miss_of(problem, name, amount));
     }
   }
-  if (alike.size() < 2) return alike;
-  std::vector<Miss> blocking;
   for (const Miss& miss : alike) {
-    const SolveOutcome alone = least_violation(problem, nearest.v, {}, miss.name);
-    double own = 0.0;
-    double others = 0.0;
-    for (const auto& [name, amount] : violations_by_name(problem, alone.v)) {
-      double& worst = name == miss.name ? own : others;
-      worst = std::max(worst, amount);
-    }
-    if (std::isfinite(alone.violation) && others <= design::kFeasibilityTolerance) {
-      blocking.push_back(miss_of(problem, miss.name, own));
+    if (const auto own = least_violation_alone(problem, nearest.v, miss.name)) {
+      set.blocked_by.push_back(miss_of(problem, miss.name, *own));
     }
   }
-  // No single one suffices: what is missed together is all that can be said.
-  if (blocking.empty()) return alike;
-  std::ranges::stable_sort(blocking, {}, &Miss::violation);
-  return blocking;
+  set.blocked_together = set.blocked_by.empty();
+  if (set.blocked_together) set.blocked_by = alike;
+  std::ranges::stable_sort(set.blocked_by, {}, &Miss::violation);
 }
 
 }  // namespace
@@ -224,15 +277,20 @@ std::optional<RefinedSet> refine(const Specification& spec, const Candidate& can
       const RefinementProblem problem = make_refinement_problem(spec, candidate, modules, branch);
       if (problem.has_branches) branches = 2;
       BestEnd local;
+      std::vector<Point> ends;
       for (const Point& start : starting_points(problem, spec.solver.starts, spec.solver.seed)) {
         if (stop.load(std::memory_order_relaxed)) return std::nullopt;
-        local.offer(problem, solve(problem, start));
+        const SolveOutcome end = solve(problem, start);
+        ends.push_back(end.v);
+        local.offer(problem, end);
       }
-      if (local.problem && !local.found) {
-        const SolveOutcome nearest = least_violation(problem, local.outcome.v, {});
+      for (std::size_t k = 0; k < ends.size() && !local.found; ++k) {
+        if (stop.load(std::memory_order_relaxed)) return std::nullopt;
+        const SolveOutcome nearest = least_violation(problem, ends[k], {});
         local.offer(problem, nearest);
         if (feasible(nearest)) local.offer(problem, solve(problem, nearest.v));
       }
+      if (local.found) cross_contact_ratio_kinks(local);
       if (local.problem) best.offer(*local.problem, local.outcome);
     }
   }
@@ -242,7 +300,7 @@ std::optional<RefinedSet> refine(const Specification& spec, const Candidate& can
   }
   if (!best.found) {
     set.status = Status::kNoFeasibleFound;
-    set.blocked_by = blocking_constraints(*best.problem, best.outcome);
+    name_blocking_constraints(*best.problem, best.outcome, set);
     return set;
   }
   if (spec.solver.refine == Refine::kBoth ||
@@ -256,6 +314,10 @@ std::optional<RefinedSet> refine(const Specification& spec, const Candidate& can
 OptimizeResult optimize(const Specification& spec, Progress& progress) {
   OptimizeResult result;
   result.search = search_teeth(spec, progress);
+  if (result.search.interrupted) {
+    result.interrupted = true;
+    return result;
+  }
   const std::vector<Candidate>& candidates = result.search.candidates;
   progress.total = 0;  // while done and phase change, nothing is known
   progress.done = 0;

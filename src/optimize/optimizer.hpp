@@ -25,7 +25,7 @@ inline constexpr std::size_t kStatusCount = 4;
 inline constexpr std::array<std::string_view, kStatusCount> kStatusNames{
     "optimal", "no_feasible_found", "infeasible", "failed"};
 
-/// By how much one constraint is missed when all others are kept.
+/// By how much one constraint is missed.
 struct Miss {
   std::string_view name;   ///< a check, or stage1_module / stage2_module
   double violation = 0.0;  ///< scaled to order 1
@@ -38,9 +38,11 @@ struct RefinedSet {
   Candidate candidate;
   Status status = Status::kFailed;
   /// What blocks the set; empty when optimal or failed.  infeasible: the constraint that no point
-  /// of the box can meet.  no_feasible_found: the constraints in conflict, any one of which could
-  /// give way for the others, the one that has to give way least (scaled) first.
+  /// of the box can meet.  no_feasible_found: the constraints any one of which may give way alone
+  /// (a point was found that meets all others), least (scaled) first; or, when none was found to
+  /// suffice, those that the least violating point misses most, together.
   std::vector<Miss> blocked_by;
+  bool blocked_together = false;  ///< none of blocked_by was found to suffice alone
   // The rest only when optimal.
   train::TrainParameters<double> train;
   double eta_b = 0.0, eta_f = 0.0;

@@ -47,7 +47,7 @@ void search_outer(const OuterCount& outer, const Specification& spec, ToothSearc
         if (1LL * z.P1 * z.R2 == 1LL * z.P2 * z.R1) continue;
         const double ratio = train::ratio(z);
         const double miss = std::abs(ratio / spec.ratio.target - 1.0);
-        const bool possible = ratio * spec.ratio.target > 0.0 && z.R1 > z.P1 && z.R2 > z.P2;
+        const bool possible = z.R1 > z.P1 && z.R2 > z.P2;
         if (possible && (result.nearest_ratio == 0.0 ||
                          miss < std::abs(result.nearest_ratio / spec.ratio.target - 1.0))) {
           result.nearest_ratio = ratio;

@@ -32,8 +32,8 @@ struct ToothSearchResult {
   std::uint64_t within_ratio = 0;
   /// Of those, the rejected ones by their first failing rule in the order of ToothRejection.
   std::array<std::uint64_t, kToothRejectionCount> rejected{};
-  /// The ratio nearest to the target, of its sign and with rings larger than their planets, among
-  /// the tooth sets visited (0 when there is none): the closest miss when nothing is within.
+  /// The ratio nearest to the target, with rings larger than their planets, among the tooth sets
+  /// visited (0 when there is none): the closest miss when nothing is within.
   double nearest_ratio = 0.0;
   bool interrupted = false;
 };

@@ -27,6 +27,10 @@ ZeroShiftSet at_zero_shift(const Specification& spec, const Candidate& candidate
   const auto j = backlash::normal_backlashes(*train);
   // At this distance P1-R1 and P2-R2 close exactly; what is left of them is rounding.
   set.meshes = *std::min_element(j.begin(), j.end()) >= -1e-9 * m1;
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    set.contact_ratio[k] = train->meshes[k].contact_ratio;
+    set.meshes = set.meshes && set.contact_ratio[k] >= 1.0;
+  }
   set.sun_backlash = j[0] / m1;
   set.lost_motion_rad = backlash::output_lost_motion(*train, j, spec.limits.model);
   const auto eta = [&](bool forward) {

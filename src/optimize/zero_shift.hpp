@@ -1,6 +1,7 @@
 #pragma once
 // Ranking of tooth sets before any refinement: the low-backlash paper's step 2.
 
+#include <array>
 #include <vector>
 
 #include "optimize/tooth_search.hpp"
@@ -17,7 +18,9 @@ struct ZeroShiftSet {
   double ratio = 0.0;
   double module_ratio = 0.0;  ///< m2/m1
   bool defined = false;       ///< S-P1 has a real working angle; else the rest is 0
-  bool meshes = false;        ///< no mesh interferes (j_bn ≥ 0, with rounding allowed)
+  /// No mesh interferes (j_bn ≥ 0, with rounding allowed) and every contact ratio is at least 1.
+  bool meshes = false;
+  std::array<double, train::kMeshCount> contact_ratio{};
   double eta_b = 0.0, eta_f = 0.0;
   double lost_motion_rad = 0.0;  ///< by the specification's model
   double sun_backlash = 0.0;     ///< j_bn of S-P1 in modules of stage 1

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
@@ -44,12 +45,15 @@ std::string mesh_table(const std::vector<MeshResult>& meshes) {
              ? fmt::format("{:.4f} mm", mm(*m.zero_backlash_center_distance_m))
              : "none",
          fmt::format("{:.3f}", m.contact_ratio), fmt::format("{:.3f}", m.approach_contact_ratio),
-         fmt::format("{:.3f}", m.recess_contact_ratio),
-         fmt::format("{:.2f} um", um(m.normal_backlash_m)),
+         fmt::format("{:.3f}", m.recess_contact_ratio), fixed(um(m.normal_backlash_m), 2) + " um",
          fmt::format("{:.5f}", m.efficiency_forward), fmt::format("{:.5f}", m.efficiency_backward),
          fmt::format("{} teeth", m.hunting_period_teeth)});
   }
   return "\nMeshes (approach and recess of the forward drive direction)\n" + table.text(2);
+}
+
+double or_nan(const std::optional<double>& value) {
+  return value.value_or(std::numeric_limits<double>::quiet_NaN());
 }
 
 std::string subject_of(const CheckResult& c) {
@@ -63,9 +67,7 @@ std::string in_check_unit(const CheckResult& c, double si) {
   const double value = design::in_unit(si, unit);
   const std::string name(design::unit_name(unit));
   const int digits = unit == Unit::kMicrometre || unit == Unit::kArcmin ? 2 : 4;
-  // Rounding noise at an active limit is no negative margin.
-  const double shown = std::abs(value) < 0.5 * std::pow(10.0, -digits) ? 0.0 : value;
-  return fmt::format("{:.{}f}{}{}", shown, digits, name.empty() ? "" : " ", name);
+  return fmt::format("{}{}{}", fixed(value, digits), name.empty() ? "" : " ", name);
 }
 
 std::string check_table(const std::vector<CheckResult>& checks) {
@@ -110,6 +112,15 @@ std::string assembly_text(const Evaluation& e) {
       "(modulo {:.4f} deg)",
       e.planets, phases,
       360.0 / static_cast<double>(train::hunting_period_teeth(e.teeth.P1, e.teeth.P2)));
+}
+
+std::string backward_text(const design::EfficiencyResult& e) {
+  if (!e.backward) return "undefined";
+  if (!e.backdrivable) {
+    return fmt::format("not back-drivable (margin {:.4f})", e.backdriving_margin);
+  }
+  return fmt::format("{:.2f} %   (back-drivable, margin {:.4f})", 100.0 * *e.backward,
+                     e.backdriving_margin);
 }
 
 std::string inertia_text(const Evaluation& e) {
@@ -229,27 +240,27 @@ std::string analysis_table(const Evaluation& e) {
   table.add({"  centre distance",
              fmt::format("{:.4f} mm{}", mm(e.center_distance_m),
                          e.center_distance_given ? "" : " (zero-backlash distance of P1-R1)")});
-  table.add({"  efficiency forward", fmt::format("{:.2f} %", 100.0 * e.efficiency.forward)});
-  table.add(
-      {"  efficiency backward",
-       e.efficiency.backdrivable
-           ? fmt::format("{:.2f} %   (back-drivable, margin {:.4f})", 100.0 * e.efficiency.backward,
-                         e.efficiency.backdriving_margin)
-           : fmt::format("not back-drivable (margin {:.4f})", e.efficiency.backdriving_margin)});
-  table.add(
-      {"  lost motion at output",
-       fmt::format("{:.2f} arcmin   (S-P1 {:.2f}, P1-R1 {:.2f}, P2-R2 {:.2f}; by the paper's "
-                   "eq. 17: {:.2f})",
-                   arcmin(e.backlash.kinematic_rad), arcmin(e.backlash.kinematic_share_rad[0]),
-                   arcmin(e.backlash.kinematic_share_rad[1]),
-                   arcmin(e.backlash.kinematic_share_rad[2]), arcmin(e.backlash.paper_rad))});
+  table.add({"  efficiency forward", e.efficiency.forward
+                                         ? fmt::format("{:.2f} %", 100.0 * *e.efficiency.forward)
+                                         : std::string("undefined")});
+  table.add({"  efficiency backward", backward_text(e.efficiency)});
+  const auto& share = e.backlash.kinematic_share_rad;
+  table.add({"  lost motion at output",
+             fmt::format("{} arcmin, kinematic   (S-P1 {}, P1-R1 {}, P2-R2 {}; by the paper's eq. "
+                         "17: {})",
+                         fixed(arcmin(e.backlash.kinematic_rad), 2), fixed(arcmin(share[0]), 2),
+                         fixed(arcmin(share[1]), 2), fixed(arcmin(share[2]), 2),
+                         fixed(arcmin(e.backlash.paper_rad), 2))});
   table.add({"  lost motion at input",
              fmt::format("{:.1f} arcmin", arcmin(e.backlash.input_kinematic_rad))});
   table.add({"  effective inertia", inertia_text(e)});
   table.add({"  assembly", assembly_text(e)});
   text += table.text(0);
   return text + gear_table(e.gears) + mesh_table(e.meshes) + check_table(e.checks) +
-         note_lines(e.notes);
+         note_lines(e.notes) +
+         "\nNot checked by this version: strength, root clearance, trochoid and trimming "
+         "interference, "
+         "axial overlap, tolerances.\n";
 }
 
 std::string analysis_table(const PairEvaluation& e) {
@@ -270,8 +281,8 @@ std::string analysis_json(const Evaluation& e) {
                     {"center_distance_given", e.center_distance_given},
                     {"module_mm", {mm(e.module_m[0]), mm(e.module_m[1])}},
                     {"efficiency",
-                     {{"forward", e.efficiency.forward},
-                      {"backward", e.efficiency.backward},
+                     {{"forward", number_or_null(e.efficiency.forward)},
+                      {"backward", number_or_null(e.efficiency.backward)},
                       {"backdrivable", e.efficiency.backdrivable},
                       {"backdriving_margin", e.efficiency.backdriving_margin}}},
                     {"meshes", list_json(e.meshes, mesh_json)},
@@ -312,8 +323,14 @@ std::string analysis_csv(const Evaluation& e) {
   CsvRows rows;
   rows.add("train", "ratio", e.ratio, "");
   rows.add("train", "center_distance", mm(e.center_distance_m), "mm");
-  rows.add("train", "efficiency_forward", e.efficiency.forward, "");
-  rows.add("train", "efficiency_backward", e.efficiency.backward, "");
+  rows.add("train", "planets", e.planets, "");
+  rows.add("train", "g1", e.g1, "");
+  rows.add("train", "g2", e.g2, "");
+  rows.add("stage 1", "module", mm(e.module_m[0]), "mm");
+  rows.add("stage 2", "module", mm(e.module_m[1]), "mm");
+  rows.add("train", "efficiency_forward", or_nan(e.efficiency.forward), "");
+  rows.add("train", "efficiency_backward", or_nan(e.efficiency.backward), "");
+  rows.add("train", "backdriving_margin", e.efficiency.backdriving_margin, "");
   rows.add("train", "lost_motion_kinematic", arcmin(e.backlash.kinematic_rad), "arcmin");
   rows.add("train", "lost_motion_paper", arcmin(e.backlash.paper_rad), "arcmin");
   rows.add("train", "lost_motion_input_kinematic", arcmin(e.backlash.input_kinematic_rad),
@@ -326,6 +343,12 @@ std::string analysis_csv(const Evaluation& e) {
     if (e.inertia->forward_kgm2) {
       rows.add("train", "inertia_forward", *e.inertia->forward_kgm2, "kg m2");
     }
+  }
+  if (e.inertia && e.inertia->paper_kgm2) {
+    rows.add("train", "inertia_paper", *e.inertia->paper_kgm2, "kg m2");
+  }
+  for (std::size_t k = 0; k < e.assembly.planet_phase_rad.size(); ++k) {
+    rows.add(fmt::format("planet {}", k), "phase", degrees(e.assembly.planet_phase_rad[k]), "deg");
   }
   for (const MeshResult& m : e.meshes) rows.add_mesh(m);
   for (const GearResult& g : e.gears) rows.add_gear(g);

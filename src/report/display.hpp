@@ -1,9 +1,12 @@
 #pragma once
 // What the reports have in common: units as tables show them, and pieces of JSON.
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
 
 #include "design/checks.hpp"
 #include "report/version.hpp"
@@ -14,6 +17,12 @@ inline double mm(double m) { return design::in_unit(m, design::Unit::kMillimetre
 inline double um(double m) { return design::in_unit(m, design::Unit::kMicrometre); }
 inline double arcmin(double rad) { return design::in_unit(rad, design::Unit::kArcmin); }
 inline double degrees(double rad) { return design::in_unit(rad, design::Unit::kDegree); }
+
+/// A number with fixed decimals; rounding noise below zero shows no minus sign.
+inline std::string fixed(double value, int decimals) {
+  const double shown = std::abs(value) < 0.5 * std::pow(10.0, -decimals) ? 0.0 : value;
+  return fmt::format("{:.{}f}", shown, decimals);
+}
 
 inline nlohmann::ordered_json tool_json() {
   return {{"version", version()}, {"git", git_commit()}};

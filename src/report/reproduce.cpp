@@ -81,7 +81,7 @@ enum class Direction { kForward, kBackward };
 
 double efficiency_at(const Design& design, double mu, LossModel model, Direction direction) {
   const Evaluation e = evaluated(with_friction(design, mu, model));
-  return direction == Direction::kForward ? e.efficiency.forward : e.efficiency.backward;
+  return or_nan(direction == Direction::kForward ? e.efficiency.forward : e.efficiency.backward);
 }
 
 /// The friction that gives a measured efficiency (efficiency falls with μ).
@@ -93,6 +93,16 @@ std::optional<double> fitted_friction(const Design& design, LossModel model, Dir
 
 std::string model_name(LossModel model) {
   return std::string(efficiency::kLossModelNames[static_cast<std::size_t>(model)]);
+}
+
+/// Contact ratio of S-P1 with the sun's tip at m (z/2 + 1 + y - x_P1), y = d/m - (zS + zP1)/2: the
+/// tip rule of KHK Gear Technical Data for profile-shifted external gears.
+double contact_ratio_with_shortened_sun(Design design, const Evaluation& e) {
+  const auto& t = design.train;
+  const double y = e.center_distance_m / t.module_m[0] - 0.5 * (t.teeth.S + t.teeth.P1);
+  design.train.tip_shortening[train::kS] =
+      t.profile_shift[train::kS] + t.profile_shift[train::kP1] - y;
+  return evaluated(at_distance(design, e.center_distance_m)).meshes[train::kMeshSP1].contact_ratio;
 }
 
 void append_geometry_rows(const PublishedGearbox& gearbox, const Evaluation& e,
@@ -119,11 +129,23 @@ void append_geometry_rows(const PublishedGearbox& gearbox, const Evaluation& e,
   }
   for (std::size_t k = 0; k < e.meshes.size(); ++k) {
     std::optional<double> stated;
-    if (gearbox.stated_contact_ratio) stated = (*gearbox.stated_contact_ratio)[k];
+    // The original prints S-P1 with a shortened sun: a row of its own, below.
+    if (gearbox.stated_contact_ratio && k != train::kMeshSP1) {
+      stated = (*gearbox.stated_contact_ratio)[k];
+    }
     add({.quantity = "contact ratio " + e.meshes[k].name + ", full teeth" + at,
          .unit = "",
          .paper = stated,
          .equations = e.meshes[k].contact_ratio,
+         .exact = {},
+         .measured = {},
+         .decimals = 3});
+  }
+  if (gearbox.stated_contact_ratio) {
+    add({.quantity = "contact ratio S-P1, S shortened by the KHK tip rule" + at,
+         .unit = "",
+         .paper = (*gearbox.stated_contact_ratio)[train::kMeshSP1],
+         .equations = contact_ratio_with_shortened_sun(gearbox.design, e),
          .exact = {},
          .measured = {},
          .decimals = 3});
@@ -176,7 +198,7 @@ void append_lost_motion_rows(const PublishedGearbox& gearbox, const Evaluation& 
     }
     return std::optional<double>(um(*least));
   };
-  rows.push_back({.quantity = "  least normal backlash of a mesh with that q",
+  rows.push_back({.quantity = "least normal backlash of a mesh with that q",
                   .unit = "um",
                   .paper = {},
                   .equations = least_backlash(q17),
@@ -196,7 +218,7 @@ void append_inertia_rows(const Evaluation& e, std::vector<ComparedRow>& rows) {
        .paper = {},
        .equations =
            w.sun * w.sun / (e.meshes[0].efficiency_backward * e.meshes[1].efficiency_backward),
-       .exact = w.sun * w.sun / e.efficiency.backward,
+       .exact = w.sun * w.sun / or_nan(e.efficiency.backward),
        .measured = {},
        .decimals = 1});
   rows.push_back({.quantity = "J_S factor, lossless",
@@ -316,7 +338,7 @@ class Ledger {
          .figures = {{.name = "eta_f as printed", .unit = "", .value = printed, .decimals = 4},
                      {.name = "eta_f with G2",
                       .unit = "",
-                      .value = proposed_.efficiency.forward,
+                      .value = or_nan(proposed_.efficiency.forward),
                       .decimals = 4}}});
   }
 
@@ -459,14 +481,14 @@ class Ledger {
          .paper = "i_T as a ratio of rolling speeds; planets by their rolling speed",
          .finding = "eq. 31 is a ratio of absolute speeds; kinetic energy needs the planets' "
                     "absolute spin; w'_C is zero by definition",
-         .figures = {
-             {"w'_S/w'_R2 rolling", "", w.sun_rolling, 2},
-             {"w_S/w_R2 absolute", "", w.sun, 3},
-             {"J_P factor by eq. 32", "", w.planet_rolling * w.planet_rolling, 2},
-             {"J_P factor by energy", "", w.planet * w.planet, 1},
-             {"J_S factor by eq. 32", "",
-              w.sun * w.sun / (m[0].efficiency_backward * m[1].efficiency_backward), 0},
-             {"J_S factor i^2/eta_b", "", w.sun * w.sun / proposed_.efficiency.backward, 0}}});
+         .figures = {{"w'_S/w'_R2 rolling", "", w.sun_rolling, 2},
+                     {"w_S/w_R2 absolute", "", w.sun, 3},
+                     {"J_P factor by eq. 32", "", w.planet_rolling * w.planet_rolling, 2},
+                     {"J_P factor by energy", "", w.planet * w.planet, 1},
+                     {"J_S factor by eq. 32", "",
+                      w.sun * w.sun / (m[0].efficiency_backward * m[1].efficiency_backward), 0},
+                     {"J_S factor i^2/eta_b", "",
+                      w.sun * w.sun / or_nan(proposed_.efficiency.backward), 0}}});
   }
 
   void add_friction() {
@@ -502,7 +524,7 @@ class Ledger {
              s_.task.profile_shift.min, s_.task.profile_shift.max,
              arcmin(s_.task.limits[design::CheckId::kOutputBacklashMax].value_or(0.0)),
              s_.task.friction.coefficient),
-         .figures = {{"eta_b published", "%", 100.0 * proposed_.efficiency.backward, 1},
+         .figures = {{"eta_b published", "%", 100.0 * or_nan(proposed_.efficiency.backward), 1},
                      {"eta_b reached", "%", 100.0 * or_nan(reached), 1}}});
   }
 

@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <utility>
 
 #include "report/display.hpp"
 #include "report/text_table.hpp"
@@ -106,20 +107,23 @@ std::string search_table(const Specification& spec, const ToothSearchResult& sea
                          const std::vector<ZeroShiftSet>& sets, std::size_t rows) {
   std::string text = search_counts_text(spec, search);
   text +=
-      "At zero profile shift, P1-R1 and P2-R2 closed (before refinement; * = S-P1 interferes "
-      "there):\n";
-  TextTable table(
-      {"S/P1/R1/P2/R2", "planets", "ratio", "eta backward", "eta forward", "lost motion", "m2/m1"});
+      "At zero profile shift, P1-R1 and P2-R2 closed (before refinement; * = a mesh interferes or "
+      "has "
+      "a contact ratio below 1 there):\n";
+  TextTable table({"S/P1/R1/P2/R2", "planets", "ratio", "eta backward", "eta forward",
+                   "lost motion", "eps S-P1", "eps P1-R1", "eps P2-R2", "m2/m1"});
   for (std::size_t k = 0; k < std::min(rows, sets.size()); ++k) {
     const ZeroShiftSet& s = sets[k];
     const auto percent = [&](double eta) {
-      return s.defined ? fmt::format("{:.2f} %", 100.0 * eta) : std::string("-");
+      if (!s.defined) return std::string("-");
+      return eta > 0.0 ? fmt::format("{:.2f} %", 100.0 * eta) : std::string("locks");
     };
     table.add({teeth_text(s.candidate.teeth) + (s.meshes ? "" : " *"),
                fmt::format("{}", s.candidate.planets), fmt::format("{:.4f}", s.ratio),
                percent(s.eta_b), percent(s.eta_f),
-               s.defined ? fmt::format("{:.2f} arcmin", arcmin(s.lost_motion_rad)) : "-",
-               fmt::format("{:.4f}", s.module_ratio)});
+               s.defined ? fixed(arcmin(s.lost_motion_rad), 2) + " arcmin" : "-",
+               fixed(s.contact_ratio[0], 2), fixed(s.contact_ratio[1], 2),
+               fixed(s.contact_ratio[2], 2), fmt::format("{:.4f}", s.module_ratio)});
   }
   text += table.text(2);
   if (sets.size() > rows) {
@@ -132,14 +136,15 @@ std::string search_table(const Specification& spec, const ToothSearchResult& sea
 std::string search_csv(const std::vector<ZeroShiftSet>& sets) {
   std::string text =
       "zS,zP1,zR1,zP2,zR2,planets,ratio,module_ratio,meshes,eta_b,eta_f,backlash_arcmin,"
-      "sun_backlash_modules\n";
+      "sun_backlash_modules,eps1,eps2,eps3\n";
   for (const ZeroShiftSet& s : sets) {
     std::vector<std::string> fields = teeth_fields(s.candidate.teeth);
     const auto number = [&](double x) { return s.defined ? exact(x) : std::string(); };
     for (std::string& field : std::vector<std::string>{
              fmt::format("{}", s.candidate.planets), exact(s.ratio), exact(s.module_ratio),
              s.meshes ? "true" : "false", number(s.eta_b), number(s.eta_f),
-             number(arcmin(s.lost_motion_rad)), number(s.sun_backlash)}) {
+             number(arcmin(s.lost_motion_rad)), number(s.sun_backlash), number(s.contact_ratio[0]),
+             number(s.contact_ratio[1]), number(s.contact_ratio[2])}) {
       fields.push_back(std::move(field));
     }
     text += csv_line(fields);
@@ -160,7 +165,8 @@ std::string search_json(const Specification& spec, const ToothSearchResult& sear
                     {"eta_b", number(s.eta_b)},
                     {"eta_f", number(s.eta_f)},
                     {"backlash_arcmin", number(arcmin(s.lost_motion_rad))},
-                    {"sun_backlash_modules", number(s.sun_backlash)}});
+                    {"sun_backlash_modules", number(s.sun_backlash)},
+                    {"contact_ratio", s.defined ? ordered_json(s.contact_ratio) : ordered_json()}});
   }
   const ordered_json json{{"tool", tool_json()},
                           {"name", spec.name},
@@ -250,7 +256,9 @@ std::string blocking_text(const Specification& spec, const OptimizeResult& resul
             ? fmt::format("; the nearest that these tooth ranges reach is {:.6g}:1, {:.3g} % off",
                           search.nearest_ratio,
                           100.0 * std::abs(search.nearest_ratio / spec.ratio.target - 1.0))
-            : std::string("; teeth.R1_max, teeth.R2_max or max_coaxial_offset leave no ring");
+            : std::string(
+                  "; teeth.R1_max, teeth.R2_max or max_coaxial_offset leave no ring larger than "
+                  "its planet");
     return fmt::format(
         "no feasible design: blocked by ratio: no tooth set within {:g} % of {:g}:1{}",
         100.0 * spec.ratio.tolerance, spec.ratio.target, nearest);
@@ -268,8 +276,11 @@ std::string blocking_text(const Specification& spec, const OptimizeResult& resul
   const RefinedSet* nearest = nullptr;
   for (const RefinedSet& s : result.sets) {
     if (s.blocked_by.empty()) continue;
-    if (nearest == nullptr ||
-        s.blocked_by.front().violation < nearest->blocked_by.front().violation) {
+    // Sets that one constraint alone keeps from being feasible say most.
+    const auto key = [](const RefinedSet& set) {
+      return std::pair(set.blocked_together, set.blocked_by.front().violation);
+    };
+    if (nearest == nullptr || key(s) < key(*nearest)) {
       nearest = &s;
     }
   }
@@ -284,14 +295,20 @@ std::string blocking_text(const Specification& spec, const OptimizeResult& resul
   }
   std::string misses;
   for (const optimize::Miss& miss : nearest->blocked_by) {
-    misses += fmt::format("{}{} by {:.4g}{}{}", misses.empty() ? "" : ", or ", miss.name,
-                          miss.amount, miss.unit.empty() ? "" : " ", miss.unit);
+    misses += fmt::format("{}{} by {:.4g}{}{}",
+                          misses.empty()              ? ""
+                          : nearest->blocked_together ? ", "
+                                                      : ", or ",
+                          miss.name, miss.amount, miss.unit.empty() ? "" : " ", miss.unit);
   }
   return fmt::format(
       "no feasible design: blocked by {}: the nearest set, {}, misses {}{}; sets by the constraint "
       "that blocks them: {}",
       reason_of(*nearest), teeth_text(nearest->candidate.teeth), misses,
-      nearest->blocked_by.size() > 1 ? ", each with all other limits kept" : "", counts);
+      nearest->blocked_together        ? ", together"
+      : nearest->blocked_by.size() > 1 ? ", each with all other limits kept"
+                                       : " with all other limits kept",
+      counts);
 }
 
 }  // namespace gear3k::report

@@ -902,7 +902,10 @@ void expect_consistent_files(const Workplace& place) {
       refined.rows, [&](const auto& row) { return refined.text(row, "status") == "optimal"; });
   std::vector<std::string> expected = kResultFiles;
   if (!found) expected.erase(expected.begin());
-  EXPECT_EQ(names_in(place.file("out")), expected);
+  // A best.toml of another run is set aside, where there was one.
+  std::vector<std::string> names = names_in(place.file("out"));
+  std::erase(names, "best.toml.previous");
+  EXPECT_EQ(names, expected);
   if (found) {
     EXPECT_EQ(place.run({"analyze", "out/best.toml", "--strict"}).exit_code, 0);
   }

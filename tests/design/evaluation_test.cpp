@@ -98,12 +98,12 @@ TEST(Evaluation, PublishedEfficienciesAreReproducedToTheirPrintedDigits) {
     d.friction = {.coefficient = box["expect"]["friction"].value<double>().value(),
                   .model = LossModel::kOhlendorf};
     const Evaluation ohlendorf = evaluated(d);
-    EXPECT_NEAR(ohlendorf.efficiency.forward, expected("ohlendorf", 0), 0.5e-4);
-    EXPECT_NEAR(ohlendorf.efficiency.backward, expected("ohlendorf", 1), 0.5e-4);
+    EXPECT_NEAR(ohlendorf.efficiency.forward.value(), expected("ohlendorf", 0), 0.5e-4);
+    EXPECT_NEAR(ohlendorf.efficiency.backward.value(), expected("ohlendorf", 1), 0.5e-4);
     d.friction.model = LossModel::kSliding;
     const Evaluation sliding = evaluated(d);
-    EXPECT_NEAR(sliding.efficiency.forward, expected("sliding", 0), 0.5e-3);
-    EXPECT_NEAR(sliding.efficiency.backward, expected("sliding", 1), 0.5e-3);
+    EXPECT_NEAR(sliding.efficiency.forward.value(), expected("sliding", 0), 0.5e-3);
+    EXPECT_NEAR(sliding.efficiency.backward.value(), expected("sliding", 1), 0.5e-3);
     for (const std::size_t k : {1U, 2U}) {
       const MeshResult& m = sliding.meshes[k];
       EXPECT_NEAR(std::max(m.approach_contact_ratio, m.recess_contact_ratio),
@@ -125,7 +125,7 @@ TEST(Evaluation, FrictionFittedToMeasuredEfficienciesIsReproduced) {
         Design d = prototype(box);
         d.friction = {.coefficient = mu, .model = LossModel::kOhlendorf};
         const Evaluation e = evaluated(d);
-        return forward ? e.efficiency.forward : e.efficiency.backward;
+        return forward ? e.efficiency.forward.value() : e.efficiency.backward.value();
       };
       const double mu = fit["mu"].value<double>().value();
       constexpr double kHalfUnit = 0.5e-3;  // of mu and of the efficiency
@@ -198,8 +198,8 @@ TEST(Evaluation, OptimumOfAnotherProgramIsReproducedWithinTheDigitsOfItsVariable
     const Evaluation e = evaluated(d);
     return std::map<std::string, double>{
         {"ratio", e.ratio},
-        {"forward", e.efficiency.forward},
-        {"backward", e.efficiency.backward},
+        {"forward", e.efficiency.forward.value()},
+        {"backward", e.efficiency.backward.value()},
         {"contact_ratio1", e.meshes[0].contact_ratio},
         {"contact_ratio2", e.meshes[1].contact_ratio},
         {"contact_ratio3", e.meshes[2].contact_ratio},
@@ -331,8 +331,8 @@ TEST(Evaluation, OutputTurnsBackwardsWhenG2ExceedsOne) {
   const Evaluation e = evaluated(reversed());
   EXPECT_GT(e.g2, 1.0);
   EXPECT_LT(e.ratio, 0.0);
-  EXPECT_GT(e.efficiency.forward, 0.0);
-  EXPECT_LT(e.efficiency.forward, 1.0);
+  EXPECT_GT(e.efficiency.forward.value(), 0.0);
+  EXPECT_LT(e.efficiency.forward.value(), 1.0);
   EXPECT_EQ(e.backlash.input_kinematic_rad, e.backlash.kinematic_rad * std::abs(e.ratio));
 }
 
@@ -342,16 +342,16 @@ TEST(Evaluation, LockedTrainIsAResultWithItsMargin) {
   const Evaluation e = evaluated(d);
   EXPECT_FALSE(e.efficiency.backdrivable);
   EXPECT_LT(e.efficiency.backdriving_margin, 0.0);
-  EXPECT_LT(e.efficiency.backward, 0.0);
-  EXPECT_GT(e.efficiency.forward, 0.0);
+  EXPECT_LT(e.efficiency.backward.value(), 0.0);
+  EXPECT_GT(e.efficiency.forward.value(), 0.0);
 }
 
 TEST(Evaluation, FrictionlessTrainIsLossless) {
   Design d = low_backlash();
   d.friction.coefficient = 0.0;
   const Evaluation e = evaluated(d);
-  EXPECT_NEAR(e.efficiency.forward, 1.0, 4.0 * kEps * e.ratio);
-  EXPECT_NEAR(e.efficiency.backward, 1.0, 4.0 * kEps * e.ratio);
+  EXPECT_NEAR(e.efficiency.forward.value(), 1.0, 4.0 * kEps * e.ratio);
+  EXPECT_NEAR(e.efficiency.backward.value(), 1.0, 4.0 * kEps * e.ratio);
   EXPECT_TRUE(e.efficiency.backdrivable);
   for (const MeshResult& m : e.meshes) EXPECT_EQ(m.efficiency_forward, 1.0);
 }
@@ -443,8 +443,8 @@ TEST(Evaluation, SizeChangesLengthsAndInertiasButNoAnglesRatiosOrEfficiencies) {
     const auto& a = std::get<Evaluation>(first);
     const auto& b = std::get<Evaluation>(second);
     constexpr double kRounding = 1e-11;  // of the backlash, a small difference of lengths
-    EXPECT_NEAR(b.efficiency.forward, a.efficiency.forward, kRounding);
-    EXPECT_NEAR(b.efficiency.backward, a.efficiency.backward, kRounding);
+    EXPECT_NEAR(b.efficiency.forward.value(), a.efficiency.forward.value(), kRounding);
+    EXPECT_NEAR(b.efficiency.backward.value(), a.efficiency.backward.value(), kRounding);
     EXPECT_NEAR(b.backlash.kinematic_rad, a.backlash.kinematic_rad, kRounding);
     EXPECT_NEAR(b.center_distance_m, a.center_distance_m * s, kRounding);
     ASSERT_TRUE(a.inertia && b.inertia);

@@ -244,7 +244,6 @@ TEST(DesignLimits, AreConvertedToSi) {
   EXPECT_DOUBLE_EQ(*limit_of(stated, CheckId::kRingRootDiameter), 0.076);
   EXPECT_EQ(limit_of(stated, CheckId::kContactRatioMin), 1.2);
   EXPECT_EQ(limit_of(stated, CheckId::kContactRatioMax), 2.0);
-  EXPECT_EQ(limit_of("[limits]\nequal_spacing = 0.5\n", CheckId::kEqualSpacing), 0.5 * kDegree);
 }
 
 TEST(DesignLimits, NumberSetsTheThreshold) {

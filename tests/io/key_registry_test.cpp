@@ -217,7 +217,7 @@ TEST(MatchKeys, MissingKeyIsReportedAtItsTableWhereThereIsOne) {
       match({kTeeth}, "# comment\n\n[gears.S]\n", {"S"}).errors.starts_with("file.toml:3:"));
   const std::string absent = match({kTeeth}, "", {"S"}).errors;
   EXPECT_TRUE(
-      absent.starts_with("file.toml: gears.S.teeth is missing: number of teeth; allowed: "
+      absent.starts_with("file.toml:1:1: gears.S.teeth is missing: number of teeth; allowed: "
                          "an integer, 3 to 100"))
       << absent;
 }

@@ -48,7 +48,7 @@ Specification example(const std::string& name) {
 TEST(ReadSpecification, DefaultsAreThoseOfTheContract) {
   const Specification spec = parse(kMinimal);
   EXPECT_EQ(spec.planets, std::vector<int>{3});
-  EXPECT_TRUE(spec.identical_planets);
+  EXPECT_TRUE(spec.limits[design::CheckId::kIdenticalPlanets].has_value());
   EXPECT_DOUBLE_EQ(spec.pressure_angle_rad, 20.0 * kDegree);
   EXPECT_EQ(spec.objective, optimize::Objective::kBackwardEfficiency);
   EXPECT_EQ(spec.ratio.tolerance, 0.005);
@@ -157,10 +157,10 @@ TEST(ReadSpecification, FalseWinsOverAThresholdAndTrueWithoutOneIsAnError) {
 
 TEST(ReadSpecification, IdenticalPlanetsAreASwitchOfSearchAndChecks) {
   const Specification free = parse("identical_planets = false\n" + kMinimal);
-  EXPECT_FALSE(free.identical_planets);
+  EXPECT_FALSE(free.limits[design::CheckId::kIdenticalPlanets].has_value());
   EXPECT_EQ(free.limits[CheckId::kIdenticalPlanets], std::nullopt);
   const Specification same = parse("identical_planets = true\n" + kMinimal);
-  EXPECT_TRUE(same.identical_planets);
+  EXPECT_TRUE(same.limits[design::CheckId::kIdenticalPlanets].has_value());
   EXPECT_NE(same.limits[CheckId::kIdenticalPlanets], std::nullopt);
 }
 
@@ -189,7 +189,7 @@ TEST(ReadSpecification, Rp96IsTheReferenceProblem) {
   // docs/rp96.md, inequality by inequality.
   const Specification spec = example("rp96.toml");
   EXPECT_EQ(spec.planets, std::vector<int>{3});
-  EXPECT_TRUE(spec.identical_planets);
+  EXPECT_TRUE(spec.limits[design::CheckId::kIdenticalPlanets].has_value());
   EXPECT_DOUBLE_EQ(spec.pressure_angle_rad, 20.0 * kDegree);
   EXPECT_EQ(spec.ratio.target, 96.2);
   EXPECT_EQ(spec.ratio.tolerance, 0.005);
@@ -234,7 +234,7 @@ TEST(ReadSpecification, Ratio96IsAGearboxThatOneCouldBuild) {
   EXPECT_EQ(spec.ratio.target, 96.2);
   EXPECT_LE(spec.ratio.tolerance, 0.005);
   EXPECT_EQ(spec.planets, std::vector<int>{3});
-  EXPECT_TRUE(spec.identical_planets);
+  EXPECT_TRUE(spec.limits[design::CheckId::kIdenticalPlanets].has_value());
   ASSERT_TRUE(spec.limits[CheckId::kRingRootDiameter]);
   EXPECT_LE(*spec.limits[CheckId::kRingRootDiameter], 0.076);
   ASSERT_TRUE(spec.limits[CheckId::kOutputBacklashMax]);
