@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "io/limit_keys.hpp"
+#include "io/mass_keys.hpp"
 #include "io/model_keys.hpp"
 
 namespace gear3k::io {
@@ -19,22 +20,6 @@ constexpr double kMicrometre = 1e-6;
 constexpr int kFewestTeeth = 3;
 constexpr double kGreatestAllowance = 1.0;  // modules
 constexpr double kDegree = std::numbers::pi / 180.0;
-
-/// A key of [inertia] that states a body.
-struct Body {
-  const char* name;
-  std::optional<double> design::Masses::*member;
-  const char* unit;
-  const char* help;
-};
-constexpr std::array<Body, 6> kBodies{
-    {{"S_kgm2", &design::Masses::sun_kgm2, "kg m2", "inertia of the sun about its axis"},
-     {"P1_kgm2", &design::Masses::planet1_kgm2, "kg m2", "inertia of one planet's step P1"},
-     {"P2_kgm2", &design::Masses::planet2_kgm2, "kg m2", "inertia of one planet's step P2"},
-     {"planet_mass_kg", &design::Masses::planet_mass_kg, "kg", "mass of one planet, both steps"},
-     {"carrier_kgm2", &design::Masses::carrier_kgm2, "kg m2",
-      "inertia of the carrier without planets about the main axis"},
-     {"R2_kgm2", &design::Masses::ring2_kgm2, "kg m2", "inertia of ring R2 with its output"}}};
 
 /// A gear as the file states it.
 struct GearInput {
@@ -468,131 +453,6 @@ design::PairDesign read_pair(const std::string& path) {
   }
   reading.throw_if_invalid();
   return pair;
-}
-
-namespace {
-
-/// The quoted text of TOML.
-std::string quoted(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') result += '\\';
-    const auto code = static_cast<unsigned char>(c);
-    if (code < 0x20 || code == 0x7F) {
-      result += fmt::format("\\u{:04x}", static_cast<unsigned>(code));
-    } else {
-      result += c;
-    }
-  }
-  return result + "\"";
-}
-
-/// A float as TOML wants it: with a point or an exponent.
-std::string number(double value) {
-  std::string text = fmt::format("{}", value);
-  if (text.find_first_of(".e") == std::string::npos) text += ".0";
-  return text;
-}
-
-std::string limits_text(const design::Limits& limits) {
-  using design::CheckId;
-  const auto in_unit = [&](CheckId id) {
-    return number(design::in_unit(*limits[id], design::check_record(id).unit));
-  };
-  std::string text = "\n[backlash]\n";
-  text += fmt::format("model = \"{}\"\n",
-                      limits.model == backlash::LostMotionModel::kPaper ? "paper" : "kinematic");
-  if (limits[CheckId::kNormalBacklash]) {
-    text += fmt::format("min_normal_um = {}\n", in_unit(CheckId::kNormalBacklash));
-  }
-  if (limits[CheckId::kOutputBacklashMin]) {
-    text += fmt::format("min_output_arcmin = {}\n", in_unit(CheckId::kOutputBacklashMin));
-  }
-  if (limits[CheckId::kOutputBacklashMax]) {
-    text += fmt::format("max_output_arcmin = {}\n", in_unit(CheckId::kOutputBacklashMax));
-  }
-  // A range has two ends; the one that is off is switched off below.
-  const auto& least = limits[CheckId::kContactRatioMin];
-  const auto& most = limits[CheckId::kContactRatioMax];
-  const bool has_range = least || most;
-  if (has_range) {
-    text += fmt::format("\n[contact_ratio]\nrange = [{}, {}]\n", number(least.value_or(0.0)),
-                        number(most.value_or(kGreatestContactRatio)));
-  }
-  if (limits[CheckId::kRingRootDiameter]) {
-    text += fmt::format("\n[size]\nmax_ring_root_diameter_mm = {}\n",
-                        in_unit(CheckId::kRingRootDiameter));
-  }
-  text += "\n[limits]\n";
-  for (const design::CheckRecord& r : design::check_records()) {
-    if (r.id == CheckId::kIdenticalPlanets) continue;
-    if (r.limit_key.empty() && r.threshold) {
-      text += fmt::format("{} = {}\n", r.name, limits[r.id] ? in_unit(r.id) : "false");
-    } else if (!limits[r.id] &&
-               (r.default_limit || (has_range && r.id == CheckId::kContactRatioMax))) {
-      text += fmt::format("{} = false\n", r.name);
-    }
-  }
-  return text;
-}
-
-std::string inertia_text(const design::Masses& masses) {
-  std::string text;
-  if (masses.density_kgm3) {
-    text += fmt::format("density_kg_m3 = {}\n", number(*masses.density_kgm3));
-  }
-  for (const Body& body : kBodies) {
-    if (masses.*body.member) {
-      text += fmt::format("{} = {}\n", body.name, number(*(masses.*body.member)));
-    }
-  }
-  return text.empty() ? "" : "\n[inertia]\n" + text;
-}
-
-}  // namespace
-
-std::string design_text(const design::Design& design) {
-  const auto& t = design.train;
-  std::string text =
-      fmt::format("name = {}\nplanets = {}\nidentical_planets = {}\n", quoted(design.name),
-                  t.planets, design.limits[design::CheckId::kIdenticalPlanets].has_value());
-  text += fmt::format("pressure_angle_deg = {}\n", number(t.pressure_angle_rad / kDegree));
-  if (design.center_distance_given) {
-    text += fmt::format("center_distance_mm = {}\n", number(t.center_distance_m / kMillimetre));
-  }
-  text += "sign_convention = \"khk\"\n";
-  text += fmt::format("\n[rack]\naddendum = {}\ndedendum = {}\nroot_radius = {}\n",
-                      number(t.rack[0].addendum), number(t.rack[0].dedendum),
-                      number(t.rack[0].root_radius));
-  for (std::size_t stage = 0; stage < 2; ++stage) {
-    text += fmt::format("\n[stage{}]\nmodule_mm = {}\n", stage + 1,
-                        number(t.module_m[stage] / kMillimetre));
-    if (design.masses.face_width_m[stage]) {
-      text += fmt::format("face_width_mm = {}\n",
-                          number(*design.masses.face_width_m[stage] / kMillimetre));
-    }
-  }
-  const design::Masses& masses = design.masses;
-  const auto z = train::teeth_of(t.teeth);
-  for (std::size_t i = 0; i < train::kGearCount; ++i) {
-    text += fmt::format(
-        "\n[gears.{}]\nteeth = {}\nprofile_shift = {}\nmachining_allowance = {}\n"
-        "tip_shortening = {}\n",
-        train::kGearNames[i], z[i], number(t.profile_shift[i]), number(t.machining_allowance[i]),
-        number(t.tip_shortening[i]));
-    if (masses.bore_radius_m[i] > 0.0) {
-      text += fmt::format("bore_mm = {}\n", number(2.0 * masses.bore_radius_m[i] / kMillimetre));
-    }
-    if (i == train::kR2 && masses.ring2_outer_radius_m) {
-      text += fmt::format("outer_diameter_mm = {}\n",
-                          number(2.0 * *masses.ring2_outer_radius_m / kMillimetre));
-    }
-  }
-  text += inertia_text(masses);
-  text += fmt::format("\n[friction]\ncoefficient = {}\nloss_model = \"{}\"\n",
-                      number(design.friction.coefficient),
-                      efficiency::kLossModelNames[static_cast<std::size_t>(design.friction.model)]);
-  return text + limits_text(design.limits);
 }
 
 std::string design_key_table() { return key_table(design_schema()); }
