@@ -415,7 +415,7 @@ class Ledger {
       const auto whole = [](long long value) { return static_cast<double>(value); };
       figures.push_back({e.name + ": zS + zR1", "", whole(z.S + z.R1), 0});
       figures.push_back({"|zR2 zP1 - zR1 zP2|", "", whole(difference), 0});
-      figures.push_back({"N gcd(zP1, zP2)", "", whole(e.planets * std::gcd(z.P1, z.P2)), 0});
+      figures.push_back({"N gcd(zP1, zP2)", "", whole(1LL * e.planets * std::gcd(z.P1, z.P2)), 0});
     };
     append(proposed_);
     append(bilateral_);
