@@ -201,24 +201,23 @@ Miss miss_of(const RefinementProblem& problem, std::string_view name, double vio
           .unit = design::unit_name(unit)};
 }
 
-/// The least violation found of one constraint at a point that meets all others; empty when none
-/// was found.  Sought from the given point and from a point that meets the others.
-std::optional<double> least_violation_alone(const RefinementProblem& problem, const Point& from,
-                                            std::string_view name) {
+/// The point with the least violation found of one constraint that meets all others; empty when
+/// none was found.  Sought from the given point and from points that meet the others.
+std::optional<SolveOutcome> least_violation_alone(const RefinementProblem& problem,
+                                                  const Point& from, std::string_view name) {
   RefinementProblem without = problem;
   std::erase_if(without.rows, [&](const ConstraintRow& row) { return row.name == name; });
-  std::optional<double> least;
+  std::optional<SolveOutcome> least;
   for (const Point& start : {from, solve_slsqp(without, from, {}).v,
                              solve_slsqp(without, starting_points(problem, 1, 0).front(), {}).v}) {
     const SolveOutcome alone = least_violation(problem, start, {}, name);
     if (!std::isfinite(alone.violation)) continue;
-    double own = 0.0;
     double others = 0.0;
     for (const auto& [other, amount] : violations_by_name(problem, alone.v)) {
-      double& worst = other == name ? own : others;
-      worst = std::max(worst, amount);
+      if (other != name) others = std::max(others, amount);
     }
-    if (others <= design::kFeasibilityTolerance) least = std::min(least.value_or(own), own);
+    if (others > design::kFeasibilityTolerance) continue;
+    if (!least || alone.violation < least->violation) least = alone;
   }
   return least;
 }
@@ -226,8 +225,10 @@ std::optional<double> least_violation_alone(const RefinementProblem& problem, co
 /// Says what blocks a problem, from the point of least violation.  That point balances the
 /// constraints in conflict, which are missed alike there; relaxing each of them alone tells whether
 /// it suffices, and by how much it has to give way.
-void name_blocking_constraints(const RefinementProblem& problem, const SolveOutcome& nearest,
-                               RefinedSet& set) {
+/// @returns a feasible point, should the search come across one; nothing blocks then
+std::optional<SolveOutcome> name_blocking_constraints(const RefinementProblem& problem,
+                                                      const SolveOutcome& nearest,
+                                                      RefinedSet& set) {
   constexpr double kAlike = 0.01;
   std::vector<Miss> alike;
   for (const auto& [name, amount] : violations_by_name(problem, nearest.v)) {
@@ -236,13 +237,18 @@ void name_blocking_constraints(const RefinementProblem& problem, const SolveOutc
     }
   }
   for (const Miss& miss : alike) {
-    if (const auto own = least_violation_alone(problem, nearest.v, miss.name)) {
-      set.blocked_by.push_back(miss_of(problem, miss.name, *own));
+    const auto alone = least_violation_alone(problem, nearest.v, miss.name);
+    if (!alone) continue;
+    if (feasible(*alone)) {
+      set.blocked_by.clear();
+      return alone;
     }
+    set.blocked_by.push_back(miss_of(problem, miss.name, alone->violation));
   }
   set.blocked_together = set.blocked_by.empty();
   if (set.blocked_together) set.blocked_by = alike;
   std::ranges::stable_sort(set.blocked_by, {}, &Miss::violation);
+  return std::nullopt;
 }
 
 }  // namespace
@@ -299,9 +305,14 @@ std::optional<RefinedSet> refine(const Specification& spec, const Candidate& can
     return set;
   }
   if (!best.found) {
-    set.status = Status::kNoFeasibleFound;
-    name_blocking_constraints(*best.problem, best.outcome, set);
-    return set;
+    const RefinementProblem problem = *best.problem;
+    const auto found = name_blocking_constraints(problem, best.outcome, set);
+    if (!found) {
+      set.status = Status::kNoFeasibleFound;
+      return set;
+    }
+    best.offer(problem, *found);
+    best.offer(problem, solve(problem, found->v));
   }
   if (spec.solver.refine == Refine::kBoth ||
       !(kkt_residual(*best.problem, best.outcome.v) <= kStationary)) {
