@@ -2,7 +2,7 @@
 
 build_packages="g++ cmake ninja-build pkg-config git libeigen3-dev libceres-dev coinor-libipopt-dev
 libnlopt-dev libfmt-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev"
-check_packages="libgtest-dev libbenchmark-dev clang-format-14 clang-tidy-14"
+check_packages="libgtest-dev libbenchmark-dev clang-format-14 clang-tidy-14 libomp-14-dev"
 
 install_missing() {
   local missing="" package
