@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <functional>
 #include <iostream>
+#include <new>
 
 #include "cli/commands.hpp"
 #include "io/design_file.hpp"
@@ -165,6 +166,9 @@ int main(int argc, char** argv) {
   } catch (const io::InvalidInput& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return cli::kInvalidInput;
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "gear3k: out of memory: allowed: fewer tooth sets (narrower ranges)\n");
+    return cli::kSolverFailure;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "gear3k: %s\n", error.what());
     return cli::kSolverFailure;

@@ -40,6 +40,7 @@ struct ProgressDisplay::State {
   bool bar_shown = false;
   optimize::Progress::Phase shown_phase = optimize::Progress::Phase::kSearch;
   Clock::time_point phase_start = start;
+  std::size_t phase_done = 0;  ///< when the phase was first seen
   std::mutex mutex;
   std::condition_variable wake;
   bool done = false;
@@ -59,9 +60,12 @@ struct ProgressDisplay::State {
     if (progress.phase.load() != shown_phase) {
       shown_phase = progress.phase.load();
       phase_start = Clock::now();
+      phase_done = finished;
+      return;
     }
     const double seconds = std::chrono::duration<double>(Clock::now() - phase_start).count();
-    const double rate = seconds > 0.0 ? static_cast<double>(finished) / seconds : 0.0;
+    const double rate =
+        finished > phase_done ? static_cast<double>(finished - phase_done) / seconds : 0.0;
     const std::string remaining =
         rate > 0.0 ? clock_text(static_cast<double>(total - finished) / rate) : "?";
     const bool searching = progress.phase.load() == optimize::Progress::Phase::kSearch;

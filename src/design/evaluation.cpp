@@ -88,6 +88,13 @@ std::vector<CheckResult> run_checks(const std::vector<CheckInstance>& checks,
 
 void note_loss_model(const std::vector<MeshResult>& meshes, std::vector<std::string>& notes) {
   for (const MeshResult& mesh : meshes) {
+    if (mesh.contact_ratio <= 0.0) {
+      notes.push_back(
+          fmt::format("mesh {} has no contact (contact ratio {:.3f}): the train's "
+                      "efficiency is undefined",
+                      mesh.name, mesh.contact_ratio));
+      continue;
+    }
     if (mesh.contact_ratio < 1.0) {
       notes.push_back(fmt::format(
           "mesh {} has a contact ratio of {:.3f}: it does not run continuously, and its efficiency "
@@ -114,12 +121,14 @@ bool all_positive(const efficiency::MeshEfficiencies<double>& eta) {
 }
 
 EfficiencyResult efficiency_result(const train::ToothSet& teeth,
-                                   const inertia::DirectionalEfficiencies<double>& eta) {
+                                   const inertia::DirectionalEfficiencies<double>& eta,
+                                   bool in_contact) {
   EfficiencyResult result{
       .forward = {},
       .backward = {},
       .backdrivable = false,
       .backdriving_margin = efficiency::backdriving_margin(teeth, eta.backward)};
+  if (!in_contact) return result;
   if (all_positive(eta.forward)) {
     result.forward = efficiency::forward_efficiency(teeth, eta.forward);
   }
@@ -266,7 +275,9 @@ std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
     eta.forward[k] = e.meshes[k].efficiency_forward;
     eta.backward[k] = e.meshes[k].efficiency_backward;
   }
-  e.efficiency = efficiency_result(e.teeth, eta);
+  const bool in_contact = std::ranges::all_of(
+      e.meshes, [](const MeshResult& mesh) { return mesh.contact_ratio > 0.0; });
+  e.efficiency = efficiency_result(e.teeth, eta, in_contact);
 
   using backlash::LostMotionModel;
   const double kinematic = backlash::output_lost_motion(*train, j_bn, LostMotionModel::kKinematic);

@@ -49,7 +49,7 @@ struct BacklashResult {
 
 struct EfficiencyResult {
   /// By the formulas, unclamped; empty where a mesh efficiency is not positive, as then no first-
-  /// order loss describes the mesh.
+  /// order loss describes the mesh, or where a mesh has no contact.
   std::optional<double> forward, backward;
   bool backdrivable;
   double backdriving_margin;

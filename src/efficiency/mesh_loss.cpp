@@ -57,7 +57,7 @@ T mesh_efficiency(const MeshContact<T>& contact, const T& mu, LossModel model) {
 }
 
 bool loss_model_in_range(LossModel model, double approach, double recess) {
-  if (model != LossModel::kOhlendorf) return true;
+  if (model != LossModel::kOhlendorf) return approach + recess > 0.0;
   return approach >= 0.0 && approach <= 1.0 && recess >= 0.0 && recess <= 1.0 &&
          approach + recess >= 1.0;
 }

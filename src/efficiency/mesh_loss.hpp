@@ -55,7 +55,7 @@ template <class T>
 T mesh_efficiency(const MeshContact<T>& contact, const T& mu, LossModel model);
 
 /// Whether the model is inside its range of validity for this mesh (ohlendorf: 0 ≤ e_a, e_r ≤ 1 and
-/// ε ≥ 1).
+/// ε ≥ 1; sliding: ε > 0).
 bool loss_model_in_range(LossModel model, double approach, double recess);
 
 }  // namespace gear3k::efficiency

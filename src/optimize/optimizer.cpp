@@ -40,7 +40,8 @@ std::vector<FixedModules> module_combinations(const Specification& spec) {
   return combinations;
 }
 
-/// A constraint that no point of the box can meet, by checks that are monotone in their variables.
+/// The constraint that every point of the box misses most, and by how much at least, by checks that
+/// are monotone in their variables.
 struct Proof {
   CheckId check;
   double violation;  ///< scaled to order 1
@@ -54,24 +55,23 @@ std::optional<Proof> proven_infeasible(const Specification& spec, const Candidat
       unrefined_train(spec, candidate, {.profile_shift = spec.profile_shift.min}));
   const auto& undercut_limit = spec.limits[CheckId::kUndercut];
   const auto& diameter_limit = spec.limits[CheckId::kRingRootDiameter];
+  std::optional<Proof> worst;
+  const auto offer = [&](CheckId check, double violation, double miss_si) {
+    if (violation > design::kFeasibilityTolerance && (!worst || violation > worst->violation)) {
+      worst = Proof{.check = check, .violation = violation, .miss_si = miss_si};
+    }
+  };
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
     if (train::kind_of(static_cast<int>(i)) == geometry::GearKind::kExternal) {
       if (!undercut_limit) continue;
       const double miss = *undercut_limit - geometry::undercut_margin(most_shifted[i]);
-      if (miss > design::kFeasibilityTolerance) {
-        return Proof{.check = CheckId::kUndercut, .violation = miss, .miss_si = miss};
-      }
+      offer(CheckId::kUndercut, miss, miss);
     } else if (diameter_limit && *diameter_limit > 0.0) {
-      const double least = 2.0 * smallest[i].root_radius_m;
-      const double miss = least / *diameter_limit - 1.0;
-      if (miss > design::kFeasibilityTolerance) {
-        return Proof{.check = CheckId::kRingRootDiameter,
-                     .violation = miss,
-                     .miss_si = least - *diameter_limit};
-      }
+      const double miss = 2.0 * smallest[i].root_radius_m - *diameter_limit;
+      offer(CheckId::kRingRootDiameter, miss / *diameter_limit, miss);
     }
   }
-  return std::nullopt;
+  return worst;
 }
 
 SolveOutcome solve(const RefinementProblem& problem, const Point& start) {

@@ -1,29 +1,35 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <exception>
-#include <vector>
 
 namespace gear3k::optimize {
 
 /// Calls body(k) for k in [0, count) in OpenMP threads, in any order.
 ///
-/// Nothing leaves the parallel region: of the exceptions thrown, that of the lowest k is rethrown
-/// when all calls are done, so that the outcome does not depend on timing.
+/// Nothing leaves the parallel region: after an exception no further call begins, and that of the
+/// lowest k is rethrown when the running ones are done.
 template <class Body>
 void parallel_for(std::size_t count, Body body) {
-  std::vector<std::exception_ptr> errors(count);
+  std::atomic<bool> failed{false};
+  std::exception_ptr first;
+  std::size_t first_at = count;
 #pragma omp parallel for schedule(dynamic)
   for (std::size_t k = 0; k < count; ++k) {
+    if (failed.load(std::memory_order_relaxed)) continue;
     try {
       body(k);
     } catch (...) {
-      errors[k] = std::current_exception();
+      failed = true;
+#pragma omp critical(gear3k_parallel_for_error)
+      if (k < first_at) {
+        first_at = k;
+        first = std::current_exception();
+      }
     }
   }
-  for (const std::exception_ptr& error : errors) {
-    if (error) std::rethrow_exception(error);
-  }
+  if (first) std::rethrow_exception(first);
 }
 
 }  // namespace gear3k::optimize

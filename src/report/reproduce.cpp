@@ -95,13 +95,14 @@ std::string model_name(LossModel model) {
   return std::string(efficiency::kLossModelNames[static_cast<std::size_t>(model)]);
 }
 
-/// Contact ratio of S-P1 with the sun's tip at m (z/2 + 1 + y - x_P1), y = d/m - (zS + zP1)/2: the
+/// Contact ratio of S-P1 with tips at m (z/2 + 1 + y - x of the mate), y = d/m - (zS + zP1)/2: the
 /// tip rule of KHK Gear Technical Data for profile-shifted external gears.
-double contact_ratio_with_shortened_sun(Design design, const Evaluation& e) {
+double contact_ratio_with_shortened_tips(Design design, const Evaluation& e) {
   const auto& t = design.train;
   const double y = e.center_distance_m / t.module_m[0] - 0.5 * (t.teeth.S + t.teeth.P1);
-  design.train.tip_shortening[train::kS] =
-      t.profile_shift[train::kS] + t.profile_shift[train::kP1] - y;
+  const double shortening = t.profile_shift[train::kS] + t.profile_shift[train::kP1] - y;
+  design.train.tip_shortening[train::kS] = shortening;
+  design.train.tip_shortening[train::kP1] = shortening;
   return evaluated(at_distance(design, e.center_distance_m)).meshes[train::kMeshSP1].contact_ratio;
 }
 
@@ -129,7 +130,7 @@ void append_geometry_rows(const PublishedGearbox& gearbox, const Evaluation& e,
   }
   for (std::size_t k = 0; k < e.meshes.size(); ++k) {
     std::optional<double> stated;
-    // The original prints S-P1 with a shortened sun: a row of its own, below.
+    // The original prints S-P1 with shortened tips: a row of its own, below.
     if (gearbox.stated_contact_ratio && k != train::kMeshSP1) {
       stated = (*gearbox.stated_contact_ratio)[k];
     }
@@ -142,10 +143,10 @@ void append_geometry_rows(const PublishedGearbox& gearbox, const Evaluation& e,
          .decimals = 3});
   }
   if (gearbox.stated_contact_ratio) {
-    add({.quantity = "contact ratio S-P1, S shortened by the KHK tip rule" + at,
+    add({.quantity = "contact ratio S-P1, both tips shortened by the KHK rule" + at,
          .unit = "",
          .paper = (*gearbox.stated_contact_ratio)[train::kMeshSP1],
-         .equations = contact_ratio_with_shortened_sun(gearbox.design, e),
+         .equations = contact_ratio_with_shortened_tips(gearbox.design, e),
          .exact = {},
          .measured = {},
          .decimals = 3});

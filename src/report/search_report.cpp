@@ -7,7 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
-#include <utility>
+#include <tuple>
 
 #include "report/display.hpp"
 #include "report/text_table.hpp"
@@ -278,7 +278,8 @@ std::string blocking_text(const Specification& spec, const OptimizeResult& resul
     if (s.blocked_by.empty()) continue;
     // Sets that one constraint alone keeps from being feasible say most.
     const auto key = [](const RefinedSet& set) {
-      return std::pair(set.blocked_together, set.blocked_by.front().violation);
+      return std::tuple(set.status == Status::kInfeasible, set.blocked_together,
+                        set.blocked_by.front().violation);
     };
     if (nearest == nullptr || key(s) < key(*nearest)) {
       nearest = &s;
@@ -293,22 +294,22 @@ std::string blocking_text(const Specification& spec, const OptimizeResult& resul
   for (const auto& [reason, count] : reasons) {
     counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", reason, count);
   }
+  const bool proven = nearest->status == Status::kInfeasible;
   std::string misses;
   for (const optimize::Miss& miss : nearest->blocked_by) {
-    misses += fmt::format("{}{} by {:.4g}{}{}",
-                          misses.empty()              ? ""
-                          : nearest->blocked_together ? ", "
-                                                      : ", or ",
-                          miss.name, miss.amount, miss.unit.empty() ? "" : " ", miss.unit);
+    const char* separator = nearest->blocked_together ? ", " : ", or ";
+    misses += fmt::format("{}{} by {}{:.4g}{}{}", misses.empty() ? "" : separator, miss.name,
+                          proven ? "at least " : "", miss.amount, miss.unit.empty() ? "" : " ",
+                          miss.unit);
   }
+  const char* others = ", each with all other limits kept";
+  if (nearest->blocked_by.size() == 1) others = " with all other limits kept";
+  if (nearest->blocked_together) others = ", together";
+  if (proven) others = "";
   return fmt::format(
       "no feasible design: blocked by {}: the nearest set, {}, misses {}{}; sets by the constraint "
       "that blocks them: {}",
-      reason_of(*nearest), teeth_text(nearest->candidate.teeth), misses,
-      nearest->blocked_together        ? ", together"
-      : nearest->blocked_by.size() > 1 ? ", each with all other limits kept"
-                                       : " with all other limits kept",
-      counts);
+      reason_of(*nearest), teeth_text(nearest->candidate.teeth), misses, others, counts);
 }
 
 }  // namespace gear3k::report

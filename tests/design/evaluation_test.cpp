@@ -581,5 +581,19 @@ TEST(PairEvaluation, OfARingNotLargerThanItsMateIsNotDefined) {
   }
 }
 
+TEST(Evaluation, EfficiencyIsUndefinedWhereAMeshHasNoContact) {
+  Design d = bilateral();
+  d.center_distance_given = true;
+  d.train.center_distance_m = 40e-3;  // twice the distance at which the teeth reach each other
+  const auto result = evaluate(d);
+  const Evaluation& e = std::get<Evaluation>(result);
+  ASSERT_LT(e.meshes[0].contact_ratio, 0.0);
+  EXPECT_FALSE(e.efficiency.forward.has_value());
+  EXPECT_FALSE(e.efficiency.backward.has_value());
+  EXPECT_FALSE(e.efficiency.backdrivable);
+  EXPECT_FALSE(e.meshes[0].loss_model_in_range);
+  EXPECT_FALSE(e.notes.empty());
+}
+
 }  // namespace
 }  // namespace gear3k::design

@@ -257,7 +257,10 @@ TEST(Optimize, ProvenInfeasibleSetsHaveNoFeasiblePointInTheBox) {
     // At the least module and shift the larger ring is too large already.
     const double m = 0.5e-3;
     const int teeth = std::max(s.candidate.teeth.R1, s.candidate.teeth.R2);
-    EXPECT_GT(m * (teeth + 2.0 * 1.25), 0.055);
+    const double diameter = m * (teeth + 2.0 * 1.25);
+    EXPECT_GT(diameter, 0.055);
+    // Rings of the same module: the miss is that of the larger one, in mm.
+    EXPECT_NEAR(s.blocked_by.front().amount, 1e3 * (diameter - 0.055), 1e-9);
   }
   EXPECT_GT(proven, 10U);
 }

@@ -41,6 +41,13 @@ TEST(Reproduce, RatiosAndDistancesAreThoseOfTheErrata) {
   EXPECT_NEAR(*row(1, "zero-backlash centre distance P2-R2").equations, 21.2687, half_digit);
 }
 
+TEST(Reproduce, OriginalsContactRatiosNeedShortenedTipsAtTheSunAndFullOnesAtTheRing) {
+  const double half_digit = 0.5e-3;
+  EXPECT_NEAR(*row(1, "contact ratio S-P1, both tips").equations, 1.232, half_digit);
+  EXPECT_NEAR(*row(1, "contact ratio S-P1, full teeth").equations, 1.416, half_digit);
+  EXPECT_NEAR(*row(1, "contact ratio P1-R1, full teeth").equations, 1.420, half_digit);
+}
+
 TEST(Reproduce, InertiaFactorsAreThoseOfTheErrata) {
   EXPECT_NEAR(*row(0, "J_P factor per planet, lossless").equations, 6.5, 0.05);
   EXPECT_NEAR(*row(0, "J_P factor per planet, lossless").exact, 282.0, 0.5);

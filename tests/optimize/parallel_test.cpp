@@ -1,0 +1,34 @@
+#include "optimize/parallel.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace gear3k::optimize {
+namespace {
+
+TEST(ParallelFor, CallsEveryIndexOnce) {
+  std::vector<std::atomic<int>> calls(1000);
+  parallel_for(calls.size(), [&](std::size_t k) { ++calls[k]; });
+  for (const auto& count : calls) EXPECT_EQ(count.load(), 1);
+}
+
+TEST(ParallelFor, RethrowsAnExceptionAndBeginsNothingMore) {
+  std::atomic<int> calls{0};
+  try {
+    parallel_for(100000, [&](std::size_t k) {
+      ++calls;
+      if (k == 3) throw std::runtime_error("three");
+    });
+    FAIL() << "the exception was lost";
+  } catch (const std::runtime_error& error) {
+    EXPECT_EQ(std::string(error.what()), "three");
+  }
+  EXPECT_LT(calls.load(), 100000);
+}
+
+}  // namespace
+}  // namespace gear3k::optimize
