@@ -231,6 +231,10 @@ ExitCode run_reproduce(const ReproduceOptions& options) {
 }
 
 ExitCode run_keys(const CommonOptions& options) {
+  if (options.format != Format::kTable) {
+    fmt::print(stderr, "keys: --format: allowed: table (the document is Markdown)\n");
+    return kUsage;
+  }
   deliver(options,
           fmt::format("# Keys of the input files\n\nPrinted by `gear3k keys`.\n\n"
                       "## DESIGN.toml\n\n{}\n## PAIR.toml\n\n{}\n## SPEC.toml\n\n{}",

@@ -104,6 +104,7 @@ std::vector<BadInput> usage_inputs() {
       bad_usage("UnknownCommandIsNamed", {"analyse", "gear.toml"}, {"analyse"}),
       bad_usage("UnknownOptionIsNamed", {"analyze", "gear.toml", "--fromat", "json"}, {"--fromat"}),
       bad_usage("NoFile", {"analyze"}, {"DESIGN"}),
+      bad_usage("KeysAreMarkdownOnly", {"keys", "--format", "json"}, {"--format", "table"}),
       bad_usage("NoPairFile", {"mesh"}, {"PAIR"}),
       bad_usage("NoSpecFile", {"search"}, {"SPEC"}),
       bad_usage("TwoFiles", {"analyze", "gear.toml", "second.toml"}, {"second.toml"}),
