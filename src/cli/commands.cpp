@@ -10,12 +10,16 @@
 #include "cli/progress.hpp"
 #include "io/design_file.hpp"
 #include "io/diagnostics.hpp"
+#include "io/file_set.hpp"
 #include "io/file_writer.hpp"
 #include "io/published_sources.hpp"
 #include "io/specification_file.hpp"
 #include "report/analysis_report.hpp"
+#include "report/dxf_drawing.hpp"
+#include "report/export_report.hpp"
 #include "report/reproduce_report.hpp"
 #include "report/search_report.hpp"
+#include "report/svg_drawing.hpp"
 
 namespace gear3k::cli {
 
@@ -225,6 +229,53 @@ ExitCode run_reproduce(const ReproduceOptions& options) {
       break;
     case Format::kTable:
       deliver(options, report::reproduce_table(reproduction));
+      break;
+  }
+  return kDone;
+}
+
+ExitCode run_export(const ExportOptions& options) {
+  use_threads(options);
+  const design::Design design = io::read_design(options.file);
+  const design::Evaluation evaluation = evaluate_or_throw(design, options.file);
+  const double chord_error_m = options.chord_error_um * 1e-6;
+  const report::DrawingSet set = report::make_drawings(design, evaluation, chord_error_m);
+
+  report::ExportSummary summary{
+      .name = evaluation.name, .chord_error_m = chord_error_m, .files = {}, .notes = set.notes};
+  std::vector<io::FileText> files;
+  const auto add = [&](const std::string& folder, const char* format,
+                       std::string (*text_of)(const report::Drawing&)) {
+    if (folder.empty()) return;
+    for (const report::Drawing& drawing : set.drawings) {
+      const std::string path =
+          (std::filesystem::path(folder) / fmt::format("{}.{}", drawing.name, format)).string();
+      std::size_t points = 0;
+      for (const report::DrawnGear& gear : drawing.gears) points += gear.contour.size();
+      files.push_back({.path = path, .text = text_of(drawing)});
+      summary.files.push_back({.path = path,
+                               .drawing = drawing.name,
+                               .format = format,
+                               .contours = drawing.gears.size(),
+                               .points = points});
+    }
+  };
+  add(options.dxf_folder, "dxf", report::dxf_text);
+  add(options.svg_folder, "svg", report::svg_text);
+  io::write_files(files, options.file);
+
+  if (!options.quiet) {
+    for (const std::string& note : set.notes) fmt::print(stderr, "note: {}\n", note);
+  }
+  switch (options.format) {
+    case Format::kJson:
+      print_result(report::export_json(summary));
+      break;
+    case Format::kCsv:
+      print_result(report::export_csv(summary));
+      break;
+    case Format::kTable:
+      print_result(report::export_table(summary));
       break;
   }
   return kDone;

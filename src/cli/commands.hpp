@@ -37,11 +37,21 @@ struct OptimizeOptions : CommonOptions {
 
 struct ReproduceOptions : CommonOptions {};
 
+/// Bounds of --chord-error-um: below, coordinates are rounded as coarsely; above, teeth lose shape.
+inline constexpr double kLeastChordErrorUm = 0.01, kGreatestChordErrorUm = 100.0;
+
+struct ExportOptions : CommonOptions {
+  std::string file;
+  std::string dxf_folder, svg_folder;  ///< "" = none; at least one is given
+  double chord_error_um = 1.0;
+};
+
 ExitCode run_analyze(const AnalyzeOptions& options);
 ExitCode run_mesh(const AnalyzeOptions& options);
 ExitCode run_search(const SearchOptions& options);
 ExitCode run_optimize(const OptimizeOptions& options);
 ExitCode run_reproduce(const ReproduceOptions& options);
+ExitCode run_export(const ExportOptions& options);
 /// Prints docs/keys.md: every key of DESIGN, PAIR and SPEC files.
 ExitCode run_keys(const CommonOptions& options);
 

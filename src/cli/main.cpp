@@ -38,6 +38,52 @@ void add_out_file(CLI::App& command, cli::CommonOptions& options) {
   command.add_option("--out", options.out, "file for the result, instead of stdout");
 }
 
+/// A message when a name cannot be a folder's; "" when it can.
+std::string folder_name(const std::string& folder) {
+  return folder.empty() ? "the name of a folder, not \"\"" : "";
+}
+
+/// Options of `export`; its callback runs after all were read.
+void add_export_options(CLI::App& command, cli::ExportOptions& options) {
+  command.add_option("DESIGN", options.file, "DESIGN.toml")->required();
+  command.add_option("--dxf", options.dxf_folder, "folder for DXF files; made when missing")
+      ->check(folder_name)
+      ->option_text("DIR");
+  command.add_option("--svg", options.svg_folder, "folder for SVG files; made when missing")
+      ->check(folder_name)
+      ->option_text("DIR");
+  command
+      .add_option("--chord-error-um", options.chord_error_um,
+                  fmt::format("greatest distance of a drawn chord from the contour, {} to {} um",
+                              cli::kLeastChordErrorUm, cli::kGreatestChordErrorUm))
+      ->option_text("UM [1]");
+  add_common_options(command, options);
+  command.footer([] {
+    return "At least one of --dxf and --svg is needed.  Each folder gets S, P1, R1, P2, R2 (one "
+           "gear each,\ntooth 0 on the +x axis) and train (all of them in mesh, backlash centred); "
+           "files of these\nnames are replaced, all of them or none.  Planets that cannot be "
+           "equally "
+           "spaced: the train shows\nplanet 1 alone.  A design that fails checks is drawn all the "
+           "same; stderr names them.\n\nKeys of DESIGN.toml:\n" +
+           io::design_key_table();
+  });
+}
+
+/// What is wrong with the options of `export` together; "" when nothing is.
+std::string export_usage_error(const cli::ExportOptions& options) {
+  std::string text;
+  if (options.dxf_folder.empty() && options.svg_folder.empty()) {
+    text = "--dxf DIR, --svg DIR: neither is given, allowed: one or both";
+  }
+  const double um = options.chord_error_um;
+  if (!(um >= cli::kLeastChordErrorUm && um <= cli::kGreatestChordErrorUm)) {
+    text +=
+        fmt::format("{}--chord-error-um = {:g} um: allowed: {} to {} um", text.empty() ? "" : "\n",
+                    um, cli::kLeastChordErrorUm, cli::kGreatestChordErrorUm);
+  }
+  return text;
+}
+
 std::vector<std::string> option_names(const CLI::App& command) {
   std::vector<std::string> names;
   for (const CLI::Option* option : command.get_options()) {
@@ -123,12 +169,21 @@ int run_program(int argc, char** argv) {
   optimize_command->add_option("SPEC", optimize.file, "SPEC.toml")->required();
   optimize_command->add_option("--out", optimize.out, "folder for the result files")
       ->required()
-      ->check([](const std::string& folder) {
-        return folder.empty() ? std::string("the name of a folder, not \"\"") : std::string();
-      });
+      ->check(folder_name);
   add_common_options(*optimize_command, optimize);
   optimize_command->footer([] { return "Keys of SPEC.toml:\n" + io::specification_key_table(); });
   optimize_command->callback([&] { run = [&] { return cli::run_optimize(optimize); }; });
+
+  cli::ExportOptions drawings;
+  CLI::App* export_command = app.add_subcommand(
+      "export", "tooth outlines and the assembled train as DXF and SVG drawings");
+  add_export_options(*export_command, drawings);
+  export_command->callback([&] {
+    if (const std::string error = export_usage_error(drawings); !error.empty()) {
+      throw CLI::ValidationError(error, CLI::ExitCodes::ValidationError);
+    }
+    run = [&] { return cli::run_export(drawings); };
+  });
 
   cli::ReproduceOptions reproduce;
   CLI::App* reproduce_command = app.add_subcommand(

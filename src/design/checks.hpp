@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "backlash/lost_motion.hpp"
+#include "geometry/tooth_form.hpp"
+#include "train/axial_layout.hpp"
 #include "train/train_geometry.hpp"
 
 namespace gear3k::design {
@@ -25,9 +27,13 @@ double from_unit(double value, Unit unit);
 enum class CheckScope {
   kExternalGear,
   kRing,
+  kCutRing,  ///< a ring that is shaped by a cutter
   kMesh,
-  kTip,         ///< a mesh and the one of its gears whose tip is examined (1 or 2)
+  kInternalMesh,
+  kTip,         ///< a mesh and the one of its gears whose tip is examined (1 or 2); no pinion tips
+  kMember,      ///< a mesh and one of its gears (1 or 2)
   kPlanetStep,  ///< P1 or P2 against its neighbour
+  kBodyPair,    ///< two bodies that overlap along the axis
   kTrain
 };
 
@@ -37,9 +43,17 @@ enum class CheckId {
   kRingTipThickness,
   kRingTipOutsideBase,
   kInvoluteInterference,
+  kFormCircle,
+  kTipFouling,
+  kRootClearance,
+  kTrochoidInterference,
+  kTrimming,
+  kRingCutter,
   kPlanetGap,
+  kBodyGap,
   kContactRatioMin,
   kContactRatioMax,
+  kCoaxiality,
   kNormalBacklash,
   kOutputBacklashMin,
   kOutputBacklashMax,
@@ -47,7 +61,7 @@ enum class CheckId {
   kEqualSpacing,
   kIdenticalPlanets
 };
-inline constexpr std::size_t kCheckCount = 14;
+inline constexpr std::size_t kCheckCount = 22;
 
 /// What the checks look at: a whole train, or one pair.
 template <class T>
@@ -56,15 +70,19 @@ struct Gearing {
   std::span<const geometry::MeshGeometry<T>> meshes;
   std::span<const std::array<int, 2>> mesh_gears;
   std::span<const T> normal_backlash_m;
+  /// Root of each gear; empty where no check needs it (CheckRecord::tooth_form).
+  std::span<const geometry::ToothForm<T>> forms;
   const train::TrainGeometry<T>* train = nullptr;  ///< null for a pair
+  const train::AxialLayout* axial = nullptr;       ///< null where nothing is known of it
   backlash::LostMotionModel model = backlash::LostMotionModel::kKinematic;
 };
 
-/// One value of one check: which gear (kExternalGear, kRing, kPlanetStep) or mesh (kMesh, kTip).
+/// One value of one check: which gear (kExternalGear, kRing, kCutRing, kPlanetStep), mesh (kMesh,
+/// kInternalMesh, kTip, kMember) or pair of bodies (kBodyPair, index into train::kPassingBodies).
 struct CheckSubject {
   int member = 0;
-  /// kTip: the gear of the mesh, 1 or 2.  Output backlash: 0 the whole model, 1 or 2 one branch of
-  /// the paper's max(φ_2, φ_3), smooth each.
+  /// kTip, kMember: the gear of the mesh, 1 or 2.  Output backlash: 0 the whole model, 1 or 2 one
+  /// branch of the paper's max(φ_2, φ_3), smooth each.
   int which = 0;
 };
 
@@ -75,6 +93,7 @@ struct CheckRecord {
   CheckId id;
   std::string_view name;   ///< in JSON, in rejections and in [limits]
   std::string_view title;  ///< in tables
+  std::string_view group;  ///< what tables put together
   Unit unit;
   CheckScope scope;
   bool at_least;                        ///< value ≥ limit; else value ≤ limit
@@ -82,6 +101,7 @@ struct CheckRecord {
   bool threshold = true;                ///< a limit may be stated; else the check is only on or off
   /// Key outside [limits] that sets the limit, e.g. "backlash.max_output_arcmin"; "" = [limits].
   std::string_view limit_key;
+  bool tooth_form = false;  ///< its value needs Gearing::forms
   std::string_view help;
   CheckValue<double> value = nullptr;
   CheckValue<Jet1> value1 = nullptr;
@@ -116,11 +136,19 @@ inline constexpr double kFeasibilityTolerance = 1e-6;
 struct GearingLayout {
   std::span<const geometry::GearKind> gear_kinds;
   std::span<const std::array<int, 2>> mesh_gears;
-  int planets = 0;               ///< 0 for a pair: no planet steps, no train
-  double length_scale_m = 1e-3;  ///< scale of checks on lengths: the module
+  std::vector<bool> shaped{};         ///< by gear: a ring shaped by a cutter
+  std::vector<int> passing_bodies{};  ///< indices into train::kPassingBodies that overlap
+  int planets = 0;                    ///< 0 for a pair: no planet steps, no train
+  double length_scale_m = 1e-3;       ///< scale of checks on lengths: the module
 };
-/// Layout of a 3K train.
-GearingLayout train_layout(int planets, double stage1_module_m);
+/// What of a train decides which checks it has.
+struct TrainLayout {
+  int planets = 0;
+  double stage1_module_m = 1e-3;
+  std::array<geometry::PinionCutter, train::kGearCount> cutter{};
+  train::AxialLayout axial{};
+};
+GearingLayout train_layout(const TrainLayout& train);
 
 /// All checks that are switched on, in the order of the registry, then of the members.
 std::vector<CheckInstance> list_checks(const Limits& limits, const GearingLayout& layout);
@@ -144,7 +172,8 @@ SubjectNames subject_names(const CheckInstance& check, std::span<const std::stri
                            std::span<const std::string_view> meshes,
                            std::span<const std::array<int, 2>> mesh_gears);
 
-/// View of a train's geometry for the checks; both arguments must outlive it.
+/// View of a train's geometry for the checks, without tooth forms and axial layout; both arguments
+/// must outlive it.
 template <class T>
 Gearing<T> gearing_of(const train::TrainGeometry<T>& train,
                       const std::array<T, train::kMeshCount>& normal_backlash_m,

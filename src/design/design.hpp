@@ -35,6 +35,9 @@ struct Design {
   bool center_distance_given = false;
   Friction friction;
   Masses masses;
+  train::AxialLayout axial;
+  /// Measuring pins, by gear; empty: chosen by geometry::pin_measure().
+  std::array<std::optional<double>, train::kGearCount> pin_diameter_m;
   Limits limits = default_limits();
 };
 
@@ -43,6 +46,8 @@ struct PairDesign {
   double pressure_angle_rad = 0.0;
   std::optional<double> center_distance_m;
   geometry::Gear<double> gear1, gear2;
+  std::array<bool, 2> khk_tip{};  ///< tip shortened by the KHK rule, external pairs only
+  std::array<std::optional<double>, 2> pin_diameter_m;
   Friction friction;
   Limits limits = default_limits();
 };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "backlash/normal_backlash.hpp"
 #include "efficiency/train_efficiency.hpp"
@@ -25,15 +26,47 @@ NotDefined no_working_angle(std::string_view mesh, double center_distance_m, dou
       mesh, center_distance_m * 1e3, base_sum_m * 1e3)};
 }
 
-GearResult gear_result(std::string_view name, const GearGeometry<double>& g) {
+ToothResult tooth_result(const GearGeometry<double>& g, const geometry::ToothForm<double>& form,
+                         std::optional<double> pin_diameter_m) {
+  const bool cutter = form.fillet.tool == geometry::RootTool::kCutter;
+  const double asked = g.gear.module_m * g.gear.rack.root_radius;
+  return {.tool = form.fillet.tool,
+          .form_diameter_m = 2.0 * form.form_radius_m,
+          .undercut = form.undercut,
+          .fillet_radius_m = form.fillet.rounding_radius_m,
+          .full_round = !cutter && form.fillet.rounding_radius_m < asked,
+          .form_thickness_m = geometry::form_circle_thickness(g, form),
+          .root_space_m = geometry::root_space_width(g),
+          .span = geometry::span_measure(g),
+          .pins = geometry::pin_measure(g, pin_diameter_m),
+          .chordal = geometry::chordal_thickness(g),
+          .infeed = geometry::infeed(g),
+          .cutter_teeth = g.gear.kind == geometry::GearKind::kRing ? g.gear.cutter.teeth : 0,
+          .cutter_tip_diameter_m = 2.0 * form.cutter_tip_radius_m,
+          .cutter_center_distance_m = form.cutter_center_distance_m};
+}
+
+GearResult gear_result(std::string_view name, const GearGeometry<double>& g,
+                       const geometry::ToothForm<double>& form,
+                       std::optional<double> pin_diameter_m) {
   return {.name = std::string(name),
           .teeth = g.gear.teeth,
           .profile_shift = g.gear.profile_shift,
+          .tip_shortening = g.gear.tip_shortening,
           .pitch_diameter_m = 2.0 * g.reference_radius_m,
           .base_diameter_m = 2.0 * g.base_radius_m,
           .tip_diameter_m = 2.0 * g.tip_radius_m,
           .root_diameter_m = 2.0 * g.root_radius_m,
-          .tip_thickness_m = geometry::tooth_thickness(g, g.tip_radius_m)};
+          .tip_thickness_m = geometry::tooth_thickness(g, g.tip_radius_m),
+          .tooth = tooth_result(g, form, pin_diameter_m)};
+}
+
+template <std::size_t N>
+std::array<geometry::ToothForm<double>, N> tooth_forms(
+    const std::array<GearGeometry<double>, N>& gears) {
+  std::array<geometry::ToothForm<double>, N> forms;
+  std::ranges::transform(gears, forms.begin(), geometry::make_tooth_form<double>);
+  return forms;
 }
 
 struct Pairing {
@@ -50,7 +83,7 @@ MeshResult mesh_result(const Pairing& p, const Friction& friction) {
   const double approach = forward.approach_contact_ratio;
   const double recess = forward.recess_contact_ratio;
   const double mu = friction.coefficient;
-  return {
+  MeshResult result{
       .name = std::string(p.name),
       .working_pressure_angle_rad = p.mesh.alpha_w_rad,
       .zero_backlash_center_distance_m = geometry::zero_backlash_center_distance(p.gear1, p.gear2),
@@ -61,7 +94,22 @@ MeshResult mesh_result(const Pairing& p, const Friction& friction) {
       .efficiency_forward = efficiency::mesh_efficiency(forward, mu, friction.model),
       .efficiency_backward = efficiency::mesh_efficiency(backward, mu, friction.model),
       .loss_model_in_range = efficiency::loss_model_in_range(friction.model, approach, recess),
-      .hunting_period_teeth = train::hunting_period_teeth(p.gear1.gear.teeth, p.gear2.gear.teeth)};
+      .hunting_period_teeth = train::hunting_period_teeth(p.gear1.gear.teeth, p.gear2.gear.teeth),
+      .common_factor = std::gcd(p.gear1.gear.teeth, p.gear2.gear.teeth),
+      .active_root_diameter_m = {},
+      .root_clearance_m = {},
+      .tip_sliding = {},
+      .planet_phase = {}};
+  for (const int which : {1, 2}) {
+    const auto i = static_cast<std::size_t>(which - 1);
+    const double length = geometry::active_root_length(p.gear1, p.gear2, p.mesh, which);
+    const double base = (which == 1 ? p.gear1 : p.gear2).base_radius_m;
+    if (length >= 0.0) result.active_root_diameter_m[i] = 2.0 * std::hypot(base, length);
+    result.root_clearance_m[i] =
+        geometry::root_clearance(p.gear1, p.gear2, p.mesh, which) * p.gear1.gear.module_m;
+    result.tip_sliding[i] = geometry::tip_sliding(p.gear1, p.gear2, p.mesh, which);
+  }
+  return result;
 }
 
 struct CheckNames {
@@ -201,10 +249,21 @@ std::optional<double> resolved_center_distance(
   return geometry::zero_backlash_center_distance(gears[train::kP1], gears[train::kR1]);
 }
 
-std::array<GearGeometry<double>, 2> gears_of(const PairDesign& design) {
+/// The gears of a pair; by the KHK rule where asked for and the distance is known.
+std::array<GearGeometry<double>, 2> gears_of(const PairDesign& design,
+                                             std::optional<double> center_distance_m) {
   const auto angle = geometry::make_pressure_angle(design.pressure_angle_rad);
-  return {geometry::make_gear_geometry(design.gear1, angle),
-          geometry::make_gear_geometry(design.gear2, angle)};
+  std::array<geometry::Gear<double>, 2> gears{design.gear1, design.gear2};
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (!design.khk_tip[i] || !center_distance_m) continue;
+    gears[i].tip_shortening = geometry::khk_tip_shortening<double>(
+        {.teeth_sum = design.gear1.teeth + design.gear2.teeth,
+         .module_m = design.gear1.module_m,
+         .shift_sum = design.gear1.profile_shift + design.gear2.profile_shift,
+         .center_distance_m = *center_distance_m});
+  }
+  return {geometry::make_gear_geometry(gears[0], angle),
+          geometry::make_gear_geometry(gears[1], angle)};
 }
 
 std::optional<double> resolved_center_distance(const PairDesign& design,
@@ -243,6 +302,7 @@ std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
       *resolved_center_distance(design, train::make_train_gears(parameters));
   const auto train = train::make_train_geometry(parameters);
   const auto& gears = train->gears;
+  const auto forms = tooth_forms(gears);
   const auto j_bn = backlash::normal_backlashes(*train);
 
   Evaluation e{};
@@ -267,7 +327,8 @@ std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
         design.friction));
   }
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
-    e.gears.push_back(gear_result(train::kGearNames[i], gears[i]));
+    e.gears.push_back(
+        gear_result(train::kGearNames[i], gears[i], forms[i], design.pin_diameter_m[i]));
   }
 
   inertia::DirectionalEfficiencies<double> eta{};
@@ -300,9 +361,18 @@ std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
     }
   }
   e.assembly = train::assembly(e.teeth, e.planets);
-  e.checks = run_checks(list_checks(design.limits, train_layout(e.planets, parameters.module_m[0])),
-                        gearing_of(*train, j_bn, design.limits.model),
-                        {.gears = train::kGearNames, .meshes = train::kMeshNames});
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    e.meshes[k].planet_phase =
+        train::mesh_phases(e.teeth, static_cast<train::MeshId>(k), e.planets);
+  }
+  Gearing<double> gearing = gearing_of(*train, j_bn, design.limits.model);
+  gearing.forms = forms;
+  gearing.axial = &design.axial;
+  e.checks = run_checks(list_checks(design.limits, train_layout({.planets = e.planets,
+                                                                 .stage1_module_m = e.module_m[0],
+                                                                 .cutter = parameters.cutter,
+                                                                 .axial = design.axial})),
+                        gearing, {.gears = train::kGearNames, .meshes = train::kMeshNames});
   note_loss_model(e.meshes, e.notes);
   if (!design.center_distance_given) {
     e.notes.emplace_back(
@@ -312,7 +382,7 @@ std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
 }
 
 std::optional<NotDefined> why_undefined(const PairDesign& design) {
-  const auto gears = gears_of(design);
+  const auto gears = gears_of(design, std::nullopt);
   const double sum = geometry::base_radius_sum(gears[0], gears[1]);
   const auto distance = resolved_center_distance(design, gears);
   if (sum > 0.0 && !distance) {
@@ -330,8 +400,9 @@ std::variant<PairEvaluation, NotDefined> evaluate(const PairDesign& design) {
   static constexpr std::array<std::string_view, 2> kGears{"1", "2"};
   static constexpr std::array<std::array<int, 2>, 1> kPair{{{0, 1}}};
   if (auto undefined = why_undefined(design)) return *std::move(undefined);
-  const auto gears = gears_of(design);
-  const auto distance = resolved_center_distance(design, gears);
+  const auto distance = resolved_center_distance(design, gears_of(design, std::nullopt));
+  const auto gears = gears_of(design, distance);
+  const auto forms = tooth_forms(gears);
   const auto mesh = geometry::make_mesh_geometry(gears[0], gears[1], *distance);
 
   PairEvaluation e{};
@@ -344,18 +415,26 @@ std::variant<PairEvaluation, NotDefined> evaluate(const PairDesign& design) {
                         .mesh = *mesh,
                         .gear1_drives = true},
                        design.friction);
-  for (std::size_t i = 0; i < 2; ++i) e.gears.push_back(gear_result(kGears[i], gears[i]));
+  for (std::size_t i = 0; i < 2; ++i) {
+    e.gears.push_back(gear_result(kGears[i], gears[i], forms[i], design.pin_diameter_m[i]));
+  }
   const std::array<double, 1> j_bn{e.mesh.normal_backlash_m};
   const std::array<geometry::MeshGeometry<double>, 1> meshes{*mesh};
   const std::array<geometry::GearKind, 2> kinds{gears[0].gear.kind, gears[1].gear.kind};
+  const std::vector<bool> shaped{e.gears[0].tooth.cutter_teeth > 0,
+                                 e.gears[1].tooth.cutter_teeth > 0};
   const Gearing<double> gearing{.gears = gears,
                                 .meshes = meshes,
                                 .mesh_gears = kPair,
                                 .normal_backlash_m = j_bn,
+                                .forms = forms,
                                 .train = nullptr,
+                                .axial = nullptr,
                                 .model = design.limits.model};
   e.checks = run_checks(list_checks(design.limits, {.gear_kinds = kinds,
                                                     .mesh_gears = kPair,
+                                                    .shaped = shaped,
+                                                    .passing_bodies = {},
                                                     .planets = 0,
                                                     .length_scale_m = design.gear1.module_m}),
                         gearing, {.gears = kGears, .meshes = kPairMesh});

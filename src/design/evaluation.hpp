@@ -7,6 +7,9 @@
 #include <vector>
 
 #include "design/design.hpp"
+#include "geometry/interference.hpp"
+#include "geometry/sliding.hpp"
+#include "geometry/tooth_measures.hpp"
 
 namespace gear3k::design {
 
@@ -20,13 +23,41 @@ struct MeshResult {
   double efficiency_forward, efficiency_backward;
   bool loss_model_in_range;
   long long hunting_period_teeth;
+  int common_factor;  ///< gcd of the tooth numbers; 1 = hunting tooth
+  /// Of gear 1 and 2: diameter where the active flank ends; empty beyond the base circle (involute
+  /// interference).
+  std::array<std::optional<double>, 2> active_root_diameter_m;
+  std::array<double, 2> root_clearance_m;  ///< between the tip of gear 1 or 2 and its mate's root
+  std::array<geometry::TipSliding, 2> tip_sliding;  ///< at the tip of gear 1, 2
+  /// Where in its pitch the mesh of each planet stands, in [0, 1): the phase of planet k less that
+  /// of planet 0.  Empty for a pair.
+  std::vector<double> planet_phase;
+};
+
+/// The cut tooth and what is measured on it.
+struct ToothResult {
+  geometry::RootTool tool;
+  double form_diameter_m;
+  bool undercut;
+  double fillet_radius_m;   ///< of the tool's rounding, or of the arc
+  bool full_round;          ///< one arc instead of two: the space has no room for both
+  double form_thickness_m;  ///< chord of the tooth at its form circle
+  std::optional<double> root_space_m;
+  std::optional<geometry::SpanMeasure> span;
+  std::optional<geometry::PinMeasure> pins;
+  geometry::ChordalThickness chordal;
+  geometry::Infeed infeed;
+  int cutter_teeth;  ///< 0 without cutter
+  double cutter_tip_diameter_m, cutter_center_distance_m;
 };
 
 struct GearResult {
   std::string name;
   int teeth;
   double profile_shift;
+  double tip_shortening;
   double pitch_diameter_m, base_diameter_m, tip_diameter_m, root_diameter_m, tip_thickness_m;
+  ToothResult tooth;
 };
 
 struct CheckResult {

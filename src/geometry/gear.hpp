@@ -26,6 +26,14 @@ struct PressureAngle {
 template <class T>
 PressureAngle<T> make_pressure_angle(const T& alpha_rad);
 
+/// The pinion-type cutter that shapes a ring.  Its addendum is not given: it follows from the
+/// ring's root circle, docs/theory.md §15.
+struct PinionCutter {
+  int teeth = 0;               ///< z0; 0: no cutter, the ring's root is filleted by an arc
+  double profile_shift = 0.0;  ///< x0, in modules
+  double tip_radius = 0.0;     ///< ρ_a0*, in modules: rounding of the cutter's tip corners
+};
+
 /// What is given of one gear.  Ring teeth are counted positive; ring profile shift is positive when
 /// it moves the ring's tooth space outwards (KHK convention).
 template <class T>
@@ -37,6 +45,7 @@ struct Gear {
   T machining_allowance{};  ///< q, in modules: normal thinning of the whole tooth is m q
   T tip_shortening{};       ///< k ≥ 0, in modules; shortens the tooth on rings too
   BasicRack<T> rack;
+  PinionCutter cutter{};  ///< rings only
 };
 
 /// The circles of a gear.
@@ -46,7 +55,8 @@ struct Gear {
 ///   ring:     ra = m (z/2 − haP* + x + k),  rf = m (z/2 + hfP* + x)
 ///
 /// Source: ISO 21771 with the KHK sign for rings; KHK Gear Technical Data, internal gears.
-/// The root circle is that of the basic rack: a ring cut by a pinion cutter differs.
+/// Thinning by q leaves every circle where it is: the tool's teeth are thicker by it
+/// (docs/theory.md §14).
 template <class T>
 struct GearGeometry {
   Gear<T> gear{};

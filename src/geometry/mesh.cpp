@@ -58,6 +58,12 @@ std::optional<T> zero_backlash_center_distance(const GearGeometry<T>& gear1,
   return T(base_radius_sum(gear1, gear2) / cos(*alpha_w));
 }
 
+template <class T>
+T khk_tip_shortening(const ExternalShifts<T>& mesh) {
+  const T y = mesh.center_distance_m / mesh.module_m - 0.5 * mesh.teeth_sum;
+  return larger(T(mesh.shift_sum - y), constant<T>(0.0));
+}
+
 #define INSTANTIATE(T)                                                                             \
   template T base_radius_sum<T>(const GearGeometry<T>&, const GearGeometry<T>&);                   \
   template std::optional<MeshGeometry<T>> make_mesh_geometry<T>(const GearGeometry<T>&,            \
@@ -65,7 +71,8 @@ std::optional<T> zero_backlash_center_distance(const GearGeometry<T>& gear1,
   template std::optional<T> zero_backlash_angle<T>(const GearGeometry<T>&,                         \
                                                    const GearGeometry<T>&);                        \
   template std::optional<T> zero_backlash_center_distance<T>(const GearGeometry<T>&,               \
-                                                             const GearGeometry<T>&);
+                                                             const GearGeometry<T>&);              \
+  template T khk_tip_shortening<T>(const ExternalShifts<T>&);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
 
 }  // namespace gear3k::geometry

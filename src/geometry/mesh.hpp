@@ -63,4 +63,23 @@ template <class T>
 std::optional<T> zero_backlash_center_distance(const GearGeometry<T>& gear1,
                                                const GearGeometry<T>& gear2);
 
+/// What the KHK tip rule needs of an external mesh.
+template <class T>
+struct ExternalShifts {
+  int teeth_sum = 0;  ///< z1 + z2
+  T module_m{};
+  T shift_sum{};  ///< x1 + x2
+  T center_distance_m{};
+};
+
+/// Tip shortening by the KHK rule, equal on both gears of an external mesh: it keeps the root
+/// clearance of the basic rack where the shifts bring the gears closer than x1 + x2 says.
+///
+///   k = x1 + x2 − y,  y = d/m − (z1 + z2)/2,  so that h_a1 = (1 + y − x2) m;  k ≥ 0
+///
+/// Source: KHK Gear Technical Data (profile-shifted spur gears; h_a1, h_a2).
+/// @returns k in modules; 0 where the rule would lengthen the teeth
+template <class T>
+T khk_tip_shortening(const ExternalShifts<T>& mesh);
+
 }  // namespace gear3k::geometry

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "io/axial_keys.hpp"
+#include "io/cutter_keys.hpp"
 #include "io/limit_keys.hpp"
 #include "io/mass_keys.hpp"
 #include "io/model_keys.hpp"
@@ -26,6 +28,9 @@ struct GearInput {
   int teeth = 0;
   double profile_shift = 0.0, machining_allowance = 0.0, tip_shortening = 0.0;
   std::optional<double> normal_thinning_m;
+  bool khk_tip = false;
+  geometry::PinionCutter cutter;
+  std::optional<double> pin_diameter_m;
   double bore_diameter_m = 0.0;
   std::optional<double> outer_diameter_m;
 };
@@ -46,6 +51,7 @@ struct DesignInput : CommonInput {
   int planets = 3;
   std::array<double, 2> module_m{};
   design::Masses masses;
+  train::AxialLayout axial;
 };
 
 struct PairInput : CommonInput {
@@ -134,6 +140,26 @@ void append_gear_keys(std::vector<Key<Target>>& keys, const std::string& prefix)
        .default_text = "0",
        .help = "shortening of the tooth at its tip, on rings too"},
       [](GearInput& g, const TomlValue& v) { g.tip_shortening = v.number; });
+  add({.path = "tip_rule",
+       .type = KeyType::kChoice,
+       .choices = {"full", "khk"},
+       .default_text = "\"full\"",
+       .help = "full = tip_shortening as stated; khk = x1 + x2 - y of the external mesh instead, "
+               "for its two gears"},
+      [](GearInput& g, const TomlValue& v) { g.khk_tip = v.text == "khk"; });
+  add({.path = "pin_diameter_mm",
+       .type = KeyType::kNumber,
+       .unit = "mm",
+       .min = 0.0,
+       .max = 1000.0,
+       .min_excluded = true,
+       .default_text = "by geometry",
+       .help = "measuring pin; without it the one that touches on the circle d + 2 x m, rounded up "
+               "to 0.01 mm"},
+      [](GearInput& g, const TomlValue& v) { g.pin_diameter_m = v.number * kMillimetre; });
+  append_cutter_keys<Target>(
+      keys, prefix + "cutter",
+      [](Target& t, std::size_t gear) -> geometry::PinionCutter& { return t.gears[gear].cutter; });
 }
 
 Schema<DesignInput> design_schema() {
@@ -219,6 +245,7 @@ Schema<DesignInput> design_schema() {
                       t.masses.*member = v.number;
                     }});
   }
+  append_axial_keys<Input>(keys, [](Input& t) -> train::AxialLayout& { return t.axial; });
   append_limit_keys<Input>(keys, &Input::limits, false);
   return schema;
 }
@@ -255,6 +282,7 @@ struct GearPlace {
   std::string path;
   bool ring = false;
   double module_m = 0.0;
+  bool external_mesh = false;  ///< has a mesh that the KHK tip rule applies to
 };
 geometry::GearGeometry<double> circles_of(const CommonInput& input,
                                           const geometry::Gear<double>& gear) {
@@ -288,6 +316,31 @@ geometry::Gear<double> finish_gear(const CommonInput& input, const GearInput& g,
                     "= {}",
                     place.path, g.tip_shortening, input.rack.addendum + input.rack.dedendum));
   }
+  if (g.khk_tip && !place.external_mesh) {
+    reading.error_at(place.path + ".tip_rule",
+                     fmt::format("{}.tip_rule = \"khk\": allowed: \"full\" (the rule is for the "
+                                 "gears of an external mesh)",
+                                 place.path));
+  }
+  if (g.khk_tip && reading.has(place.path + ".tip_shortening")) {
+    reading.error_at(place.path + ".tip_shortening",
+                     fmt::format("{0}.tip_shortening and {0}.tip_rule = \"khk\" say the same: "
+                                 "allowed: one of them",
+                                 place.path));
+  }
+  const std::string cutter_path = place.path + ".cutter";
+  if (!place.ring) {
+    for (const char* key : {".teeth", ".profile_shift", ".tip_radius"}) {
+      if (reading.stated(cutter_path + key)) {
+        reading.error_at(cutter_path + key,
+                         fmt::format("{}{}: allowed for rings only (external gears are cut by the "
+                                     "rack)",
+                                     cutter_path, key));
+      }
+    }
+  } else {
+    check_cutter(cutter_path, g.cutter, teeth, reading);
+  }
   const double x = flipped ? -g.profile_shift : g.profile_shift;
   geometry::Gear<double> gear{
       .teeth = teeth,
@@ -296,7 +349,8 @@ geometry::Gear<double> finish_gear(const CommonInput& input, const GearInput& g,
       .profile_shift = x,
       .machining_allowance = g.machining_allowance,
       .tip_shortening = g.tip_shortening,
-      .rack = input.rack};
+      .rack = input.rack,
+      .cutter = g.cutter};
   if (teeth < kFewestTeeth || !(place.module_m > 0.0)) return gear;
   const geometry::GearGeometry<double> circles = circles_of(input, gear);
   const double innermost =
@@ -341,6 +395,9 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
   design.name = input.name;
   design.friction = input.friction;
   design.masses = input.masses;
+  design.axial = input.axial;
+  check_axial(input.axial, reading);
+  check_rack(input.rack, input.pressure_angle_rad, reading);
   design.limits = finish_limits(input.limits, reading);
   design.center_distance_given = input.center_distance_m.has_value();
   auto& t = design.train;
@@ -354,13 +411,17 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
     const int id = static_cast<int>(i);
     places[i] = {.path = fmt::format("gears.{}", train::kGearNames[i]),
                  .ring = train::kind_of(id) == geometry::GearKind::kRing,
-                 .module_m = input.module_m[static_cast<std::size_t>(train::stage_of(id))]};
+                 .module_m = input.module_m[static_cast<std::size_t>(train::stage_of(id))],
+                 .external_mesh = id == train::kS || id == train::kP1};
     const auto gear = finish_gear(input, input.gears[i], places[i], reading);
     teeth[i] = gear.teeth;
     t.profile_shift[i] = gear.profile_shift;
     t.machining_allowance[i] = gear.machining_allowance;
     t.tip_shortening[i] = gear.tip_shortening;
     t.rack[i] = gear.rack;
+    t.khk_tip[i] = input.gears[i].khk_tip;
+    t.cutter[i] = gear.cutter;
+    design.pin_diameter_m[i] = input.gears[i].pin_diameter_m;
     design.masses.bore_radius_m[i] = 0.5 * input.gears[i].bore_diameter_m;
     const bool has_circles = teeth[i] >= kFewestTeeth && gear.module_m > 0.0;
     if (has_circles && !places[i].ring) {
@@ -432,15 +493,23 @@ design::PairDesign read_pair(const std::string& path) {
   PairInput input;
   input.gears.resize(2);
   read_by_schema(read_toml(path), pair_schema(), input, reading);
-  const GearPlace place1{.path = "gear1", .ring = false, .module_m = input.module_m};
-  const GearPlace place2{.path = "gear2", .ring = input.internal, .module_m = input.module_m};
-  design::PairDesign pair{.name = input.name,
-                          .pressure_angle_rad = input.pressure_angle_rad,
-                          .center_distance_m = input.center_distance_m,
-                          .gear1 = finish_gear(input, input.gears[0], place1, reading),
-                          .gear2 = finish_gear(input, input.gears[1], place2, reading),
-                          .friction = input.friction,
-                          .limits = finish_limits(input.limits, reading)};
+  const GearPlace place1{
+      .path = "gear1", .ring = false, .module_m = input.module_m, .external_mesh = !input.internal};
+  const GearPlace place2{.path = "gear2",
+                         .ring = input.internal,
+                         .module_m = input.module_m,
+                         .external_mesh = !input.internal};
+  check_rack(input.rack, input.pressure_angle_rad, reading);
+  design::PairDesign pair{
+      .name = input.name,
+      .pressure_angle_rad = input.pressure_angle_rad,
+      .center_distance_m = input.center_distance_m,
+      .gear1 = finish_gear(input, input.gears[0], place1, reading),
+      .gear2 = finish_gear(input, input.gears[1], place2, reading),
+      .khk_tip = {input.gears[0].khk_tip, input.gears[1].khk_tip},
+      .pin_diameter_m = {input.gears[0].pin_diameter_m, input.gears[1].pin_diameter_m},
+      .friction = input.friction,
+      .limits = finish_limits(input.limits, reading)};
   if (input.internal) {
     require_more_ring_teeth(place2, place1, pair.gear2.teeth, pair.gear1.teeth, reading);
   }

@@ -77,6 +77,21 @@ std::string limits_text(const design::Limits& limits) {
   return text;
 }
 
+std::string axial_text(const train::AxialLayout& layout) {
+  std::string text;
+  for (std::size_t i = 0; i < train::kBodyCount; ++i) {
+    const auto& extent = layout.extent[i];
+    if (!extent) continue;
+    text += fmt::format("{}_mm = [{}, {}]\n", train::kBodyNames[i],
+                        number(extent->from_m / kMillimetre), number(extent->to_m / kMillimetre));
+  }
+  if (layout.carrier_radius_m > 0.0) {
+    text += fmt::format("carrier_diameter_mm = {}\n",
+                        number(2.0 * layout.carrier_radius_m / kMillimetre));
+  }
+  return text.empty() ? "" : "\n[axial]\n" + text;
+}
+
 std::string inertia_text(const design::Masses& masses) {
   std::string text;
   if (masses.density_kgm3) {
@@ -116,11 +131,15 @@ std::string design_text(const design::Design& design) {
   const design::Masses& masses = design.masses;
   const auto z = train::teeth_of(t.teeth);
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
-    text += fmt::format(
-        "\n[gears.{}]\nteeth = {}\nprofile_shift = {}\nmachining_allowance = {}\n"
-        "tip_shortening = {}\n",
-        train::kGearNames[i], z[i], number(t.profile_shift[i]), number(t.machining_allowance[i]),
-        number(t.tip_shortening[i]));
+    text += fmt::format("\n[gears.{}]\nteeth = {}\nprofile_shift = {}\nmachining_allowance = {}\n",
+                        train::kGearNames[i], z[i], number(t.profile_shift[i]),
+                        number(t.machining_allowance[i]));
+    text += t.khk_tip[i] ? "tip_rule = \"khk\"\n"
+                         : fmt::format("tip_shortening = {}\n", number(t.tip_shortening[i]));
+    if (design.pin_diameter_m[i]) {
+      text +=
+          fmt::format("pin_diameter_mm = {}\n", number(*design.pin_diameter_m[i] / kMillimetre));
+    }
     if (masses.bore_radius_m[i] > 0.0) {
       text += fmt::format("bore_mm = {}\n", number(2.0 * masses.bore_radius_m[i] / kMillimetre));
     }
@@ -128,7 +147,13 @@ std::string design_text(const design::Design& design) {
       text += fmt::format("outer_diameter_mm = {}\n",
                           number(2.0 * *masses.ring2_outer_radius_m / kMillimetre));
     }
+    if (t.cutter[i].teeth > 0) {
+      text += fmt::format("[gears.{}.cutter]\nteeth = {}\nprofile_shift = {}\ntip_radius = {}\n",
+                          train::kGearNames[i], t.cutter[i].teeth,
+                          number(t.cutter[i].profile_shift), number(t.cutter[i].tip_radius));
+    }
   }
+  text += axial_text(design.axial);
   text += inertia_text(masses);
   text += fmt::format("\n[friction]\ncoefficient = {}\nloss_model = \"{}\"\n",
                       number(design.friction.coefficient),

@@ -10,11 +10,16 @@ using design::CheckId, design::CheckRecord, design::CheckScope;
 
 bool belongs_to_pair(const CheckRecord& r) {
   return r.scope != CheckScope::kTrain && r.scope != CheckScope::kPlanetStep &&
-         r.id != CheckId::kRingRootDiameter;
+         r.scope != CheckScope::kBodyPair && r.id != CheckId::kRingRootDiameter;
 }
 
 std::string default_text(const CheckRecord& r) {
   return r.default_limit ? fmt::format("{}", *r.default_limit) : "off";
+}
+
+std::string unit_in_words(const CheckRecord& r) {
+  const std::string_view unit = design::unit_name(r.unit);
+  return unit.empty() ? "" : fmt::format(" in {}", unit);
 }
 
 /// A limit with a table of its own: a number in the record's unit.
@@ -106,9 +111,13 @@ design::Limits finish_limits(const LimitInput& input, FileReading& reading) {
       limits[r.id].reset();
     } else if (!limits[r.id]) {
       reading.error_at(fmt::format("limits.{}", r.name),
-                       fmt::format("limits.{} = true: the check has no default; allowed with {} "
-                                   "stated",
-                                   r.name, r.limit_key));
+                       r.limit_key.empty()
+                           ? fmt::format("limits.{} = true: the check has no default; allowed: a "
+                                         "number{} or false",
+                                         r.name, unit_in_words(r))
+                           : fmt::format("limits.{} = true: the check has no default; allowed with "
+                                         "{} stated",
+                                         r.name, r.limit_key));
     }
   }
   return limits;

@@ -1,6 +1,9 @@
 #pragma once
 // Keys of the basic rack and of friction: the same in DESIGN, PAIR and SPEC.
 
+#include <fmt/format.h>
+
+#include <cmath>
 #include <numbers>
 #include <string_view>
 
@@ -84,6 +87,18 @@ void append_model_keys(std::vector<Key<Target>>& keys, View view) {
          view(t).friction.model =
              static_cast<efficiency::LossModel>(index_of(efficiency::kLossModelNames, v.text));
        }});
+}
+
+/// The rack's tooth must not come to a point before its tip: hfP* < π/(4 tan α).
+inline void check_rack(const geometry::BasicRack<double>& rack, double pressure_angle_rad,
+                       FileReading& reading) {
+  const double greatest = std::numbers::pi / (4.0 * std::tan(pressure_angle_rad));
+  if (rack.dedendum >= greatest) {
+    reading.error_at("rack.dedendum",
+                     fmt::format("rack.dedendum = {}: allowed: below {:.6g}, where the rack's "
+                                 "tooth comes to a point",
+                                 rack.dedendum, greatest));
+  }
 }
 
 }  // namespace gear3k::io

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "io/axial_keys.hpp"
+#include "io/cutter_keys.hpp"
 #include "io/limit_keys.hpp"
 #include "io/model_keys.hpp"
 
@@ -111,7 +113,7 @@ void append_tooth_keys(std::vector<Key<Input>>& keys) {
 }
 
 Schema<Input> specification_schema() {
-  Schema<Input> schema{.gears = {}, .keys = {}};
+  Schema<Input> schema{.gears = {"R1", "R2"}, .keys = {}};
   auto& keys = schema.keys;
   keys.push_back(
       {.record = {.path = "name",
@@ -158,6 +160,22 @@ Schema<Input> specification_schema() {
                   .assign = [](Input& t, std::size_t, const TomlValue& v) {
                     t.spec.tip_shortening = per_gear(v);
                   }});
+  for (const std::size_t gear : {train::kS, train::kP1}) {
+    keys.push_back({.record = {.path = fmt::format("tip_rule.{}", train::kGearNames[gear]),
+                               .type = KeyType::kChoice,
+                               .choices = {"full", "khk"},
+                               .default_text = "\"full\"",
+                               .help = "full = tip_shortening as stated; khk = x1 + x2 - y of mesh "
+                                       "S-P1 instead"},
+                    .assign = [gear](Input& t, std::size_t, const TomlValue& v) {
+                      t.spec.khk_tip[gear] = v.text == "khk";
+                    }});
+  }
+  append_cutter_keys<Input>(keys, "cutter.{gear}",
+                            [](Input& t, std::size_t ring) -> geometry::PinionCutter& {
+                              return t.spec.cutter[ring == 0 ? train::kR1 : train::kR2];
+                            });
+  append_axial_keys<Input>(keys, [](Input& t) -> train::AxialLayout& { return t.spec.axial; });
   keys.push_back({.record = {.path = "ratio.target",
                              .type = KeyType::kNumber,
                              .min = -1e5,
@@ -272,7 +290,19 @@ void check_relations(const Input& input, FileReading& reading) {
                                  design::in_unit(*least, design::Unit::kArcmin),
                                  design::in_unit(*most, design::Unit::kArcmin)));
   }
+  check_axial(spec.axial, reading);
+  check_rack(spec.rack, spec.pressure_angle_rad, reading);
+  check_cutter("cutter.R1", spec.cutter[train::kR1],
+               spec.teeth.P1.min + teeth.min_internal_difference, reading);
+  check_cutter("cutter.R2", spec.cutter[train::kR2],
+               spec.teeth.P2.min + teeth.min_internal_difference, reading);
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    if (spec.khk_tip[i] && spec.tip_shortening[i] > 0.0) {
+      reading.error_at("tip_shortening",
+                       fmt::format("tip_shortening of {0} and tip_rule.{0} = \"khk\" say the same: "
+                                   "allowed: one of them",
+                                   train::kGearNames[i]));
+    }
     if (spec.tip_shortening[i] >= spec.rack.addendum + spec.rack.dedendum) {
       reading.error_at("tip_shortening",
                        fmt::format("tip_shortening of {} = {}: allowed: below rack addendum + "

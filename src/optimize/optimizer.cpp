@@ -390,6 +390,7 @@ design::Design design_of(const Specification& spec, const RefinedSet& set) {
   design.train = set.train;
   design.center_distance_given = true;
   design.friction = spec.friction;
+  design.axial = spec.axial;
   design.limits = spec.limits;
   return design;
 }

@@ -36,7 +36,10 @@ bool stage2_angle_is_variable(const RefinementProblem& p) {
 void append_checks(RefinementProblem& p, int backlash_branch) {
   const design::Limits& limits = p.spec->limits;
   for (const design::CheckInstance& check :
-       list_checks(limits, design::train_layout(p.candidate.planets, p.length_scale_m))) {
+       list_checks(limits, design::train_layout({.planets = p.candidate.planets,
+                           .stage1_module_m = p.length_scale_m,
+                           .cutter = p.spec->cutter,
+                           .axial = p.spec->axial}))) {
     const CheckId id = check.record->id;
     // Properties of the tooth numbers alone were settled by the search.
     if (id == CheckId::kEqualSpacing || id == CheckId::kIdenticalPlanets) continue;
@@ -88,7 +91,9 @@ train::TrainParameters<double> unrefined_train(const Specification& spec,
       .profile_shift = {},
       .machining_allowance = spec.machining_allowance,
       .tip_shortening = spec.tip_shortening,
-      .rack = {}};
+      .khk_tip = spec.khk_tip,
+      .rack = {},
+      .cutter = spec.cutter};
   t.profile_shift.fill(unrefined.profile_shift);
   t.rack.fill(spec.rack);
   return t;
@@ -133,6 +138,8 @@ RefinementProblem make_refinement_problem(const Specification& spec, const Candi
     p.upper[kScale] = spec.module[0].range_m->max / p.length_scale_m;
   }
   append_checks(p, backlash_branch);
+  p.tooth_forms = std::ranges::any_of(
+      p.rows, [](const ConstraintRow& row) { return row.check && row.check->record->tooth_form; });
   if (!fixed_module_m[0] && !both_free) append_module_bounds(p, 0);
   if (!fixed_module_m[1]) append_module_bounds(p, 1);
   return p;
@@ -150,6 +157,8 @@ train::TrainParameters<T> parameters_at(const RefinementProblem& p, std::span<co
   t.teeth = p.candidate.teeth;
   t.planets = p.candidate.planets;
   t.pressure_angle_rad = constant<T>(spec.pressure_angle_rad);
+  t.khk_tip = spec.khk_tip;
+  t.cutter = spec.cutter;
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
     t.profile_shift[i] = v[i];
     t.machining_allowance[i] = constant<T>(spec.machining_allowance[i]);
@@ -198,7 +207,13 @@ std::optional<T> evaluate(const RefinementProblem& p, std::span<const T> v,
   const T objective = forward ? T(-efficiency::forward_efficiency(p.candidate.teeth, eta))
                               : T(-efficiency::backward_efficiency(p.candidate.teeth, eta));
   bool finite = std::isfinite(value_of(objective));
-  const auto gearing = design::gearing_of(*train, j_bn, spec.limits.model);
+  auto gearing = design::gearing_of(*train, j_bn, spec.limits.model);
+  std::array<geometry::ToothForm<T>, train::kGearCount> forms;
+  if (p.tooth_forms) {
+    std::ranges::transform(train->gears, forms.begin(), geometry::make_tooth_form<T>);
+    gearing.forms = forms;
+  }
+  gearing.axial = &spec.axial;
   for (std::size_t k = 0; k < p.rows.size(); ++k) {
     const ConstraintRow& row = p.rows[k];
     if (row.check) {

@@ -47,6 +47,7 @@ struct RefinementProblem {
   int variables = 0;
   std::array<double, kMaxVariables> lower{}, upper{};
   double length_scale_m = 1e-3;
+  bool tooth_forms = false;   ///< a row needs the gears' tooth forms
   bool has_branches = false;  ///< the lower limit of the paper's lost motion is a row: see below
   std::vector<ConstraintRow> rows;
 };

@@ -62,6 +62,9 @@ struct Specification {
   NumberRange profile_shift{.min = 0.0, .max = 1.0};
   geometry::BasicRack<double> rack;
   std::array<double, train::kGearCount> tip_shortening{};
+  std::array<bool, train::kGearCount> khk_tip{};  ///< S and P1
+  std::array<geometry::PinionCutter, train::kGearCount> cutter{};
+  train::AxialLayout axial;
   std::array<double, train::kGearCount> machining_allowance{};
   design::Limits limits = design::default_limits();
   design::Friction friction;

@@ -22,22 +22,60 @@ using nlohmann::ordered_json;
 // --- tables
 
 std::string gear_table(const std::vector<GearResult>& gears) {
-  TextTable table({"gear", "teeth", "shift x", "pitch dia", "base dia", "tip dia", "root dia",
-                   "tip thickness"});
+  TextTable table({"gear", "teeth", "shift x", "tip shortening", "pitch dia", "base dia", "tip dia",
+                   "form dia", "root dia", "tip thickness"});
   for (const GearResult& g : gears) {
-    table.add({g.name, fmt::format("{}", g.teeth), fmt::format("{:.4f}", g.profile_shift),
-               fmt::format("{:.4f}", mm(g.pitch_diameter_m)),
-               fmt::format("{:.4f}", mm(g.base_diameter_m)),
-               fmt::format("{:.4f}", mm(g.tip_diameter_m)),
-               fmt::format("{:.4f}", mm(g.root_diameter_m)),
-               fmt::format("{:.4f}", mm(g.tip_thickness_m))});
+    table.add(
+        {g.name, fmt::format("{}", g.teeth), fmt::format("{:.4f}", g.profile_shift),
+         fmt::format("{:.4f}", g.tip_shortening), fmt::format("{:.4f}", mm(g.pitch_diameter_m)),
+         fmt::format("{:.4f}", mm(g.base_diameter_m)), fmt::format("{:.4f}", mm(g.tip_diameter_m)),
+         fmt::format("{:.4f}{}", mm(g.tooth.form_diameter_m), g.tooth.undercut ? " u" : ""),
+         fmt::format("{:.4f}", mm(g.root_diameter_m)),
+         fmt::format("{:.4f}", mm(g.tip_thickness_m))});
   }
-  return "\nGears (mm)\n" + table.text(2);
+  const bool undercut =
+      std::ranges::any_of(gears, [](const GearResult& g) { return g.tooth.undercut; });
+  return "\nGears (mm; shift and shortening in modules; the involute begins, on a ring ends, at "
+         "the "
+         "form circle)\n" +
+         table.text(2) + (undercut ? "  u = undercut\n" : "");
+}
+
+std::string tool_name(const design::ToothResult& t) {
+  switch (t.tool) {
+    case geometry::RootTool::kRack:
+      return "rack";
+    case geometry::RootTool::kCutter:
+      return fmt::format("cutter z {}, dia {:.4f}", t.cutter_teeth, mm(t.cutter_tip_diameter_m));
+    case geometry::RootTool::kArc:
+      break;
+  }
+  return "arc";
+}
+
+std::string tooth_table(const std::vector<GearResult>& gears) {
+  TextTable table({"gear", "root cut by", "rounding", "thickness at form dia", "span W_k", "k",
+                   "pin", "over pins", "chord", "chord height", "x_E", "root dia by infeed"});
+  table.align_left(1);
+  for (const GearResult& g : gears) {
+    const design::ToothResult& t = g.tooth;
+    const auto length = [](double value_m) { return fmt::format("{:.4f}", mm(value_m)); };
+    table.add({g.name, tool_name(t), length(t.fillet_radius_m) + (t.full_round ? " full" : ""),
+               length(t.form_thickness_m), t.span ? length(t.span->length_m) : "none",
+               t.span ? fmt::format("{}", t.span->count) : "",
+               t.pins ? length(t.pins->pin_diameter_m) : "none",
+               t.pins ? length(t.pins->over_pins_m) : "none", length(t.chordal.chord_m),
+               length(t.chordal.height_m), fmt::format("{:.4f}", t.infeed.profile_shift),
+               length(2.0 * t.infeed.root_radius_m)});
+  }
+  return "\nTeeth and measures (mm; rings: span over spaces, pins between; x_E and its root: if a "
+         "nominal tool is fed deeper to thin the teeth)\n" +
+         table.text(2);
 }
 
 std::string mesh_table(const std::vector<MeshResult>& meshes) {
   TextTable table({"mesh", "working angle", "zero-backlash d", "contact ratio", "approach",
-                   "recess", "backlash j_bn", "eta forward", "eta backward", "hunting period"});
+                   "recess", "backlash j_bn", "eta forward", "eta backward"});
   for (const MeshResult& m : meshes) {
     table.add(
         {m.name, fmt::format("{:.4f} deg", degrees(m.working_pressure_angle_rad)),
@@ -46,10 +84,50 @@ std::string mesh_table(const std::vector<MeshResult>& meshes) {
              : "none",
          fmt::format("{:.3f}", m.contact_ratio), fmt::format("{:.3f}", m.approach_contact_ratio),
          fmt::format("{:.3f}", m.recess_contact_ratio), fixed(um(m.normal_backlash_m), 2) + " um",
-         fmt::format("{:.5f}", m.efficiency_forward), fmt::format("{:.5f}", m.efficiency_backward),
-         fmt::format("{} teeth", m.hunting_period_teeth)});
+         fmt::format("{:.5f}", m.efficiency_forward),
+         fmt::format("{:.5f}", m.efficiency_backward)});
   }
   return "\nMeshes (approach and recess of the forward drive direction)\n" + table.text(2);
+}
+
+std::string flank_table(const std::vector<MeshResult>& meshes,
+                        const std::vector<std::array<std::string, 2>>& gears) {
+  TextTable table({"mesh", "gear", "active flank from dia", "tip clearance", "sliding at tip",
+                   "sliding at root", "K_g at tip"});
+  table.align_left(1);
+  for (std::size_t k = 0; k < meshes.size(); ++k) {
+    const MeshResult& m = meshes[k];
+    for (const std::size_t i : {0U, 1U}) {
+      const auto& active = m.active_root_diameter_m[i];
+      table.add({i == 0 ? m.name : "", gears[k][i],
+                 active ? fmt::format("{:.4f}", mm(*active)) : "beyond base",
+                 fmt::format("{:.4f}", mm(m.root_clearance_m[i])),
+                 fixed(m.tip_sliding[i].specific_at_tip, 3),
+                 fixed(m.tip_sliding[1 - i].specific_at_root, 3),
+                 fixed(m.tip_sliding[i].sliding_factor, 3)});
+    }
+  }
+  return "\nFlanks (mm; clearance of the tip to its mate's root; specific sliding, its value over "
+         "the pitch-line speed K_g)\n" +
+         table.text(2);
+}
+
+std::string phase_table(const std::vector<MeshResult>& meshes) {
+  TextTable table({"mesh", "common factor", "same teeth meet after", "phase of each planet"});
+  table.align_left(3);
+  for (const MeshResult& m : meshes) {
+    std::string phases;
+    for (const double phase : m.planet_phase) {
+      phases += fmt::format("{}{:.4f}", phases.empty() ? "" : ", ", phase);
+    }
+    table.add({m.name,
+               fmt::format("{}{}", m.common_factor, m.common_factor == 1 ? " (hunting)" : ""),
+               fmt::format("{} teeth", m.hunting_period_teeth), phases});
+  }
+  return "\nTooth numbers and mesh phases (share of a pitch by which each planet's mesh is ahead "
+         "of "
+         "the first's)\n" +
+         table.text(2);
 }
 
 double or_nan(const std::optional<double>& value) {
@@ -70,23 +148,64 @@ std::string in_check_unit(const CheckResult& c, double si) {
   return fmt::format("{}{}{}", fixed(value, digits), name.empty() ? "" : " ", name);
 }
 
-std::string check_table(const std::vector<CheckResult>& checks) {
-  TextTable table({"", "check", "of", "value", "limit", "margin"});
-  table.align_left(1);
-  table.align_left(2);
+std::string limit_text(const CheckResult& c) {
+  return fmt::format("{} {}", c.record->at_least ? ">=" : "<=", in_check_unit(c, c.limit));
+}
+
+/// Every check that failed, one row each; nothing when all passed.
+std::string failed_table(const std::vector<CheckResult>& checks) {
+  TextTable table({"", "check", "of", "value", "limit", "margin", "key in [limits]"});
+  for (const std::size_t column : {1U, 2U, 6U}) table.align_left(column);
   std::size_t failed = 0;
-  for (const bool ok : {false, true}) {
-    for (const CheckResult& c : checks) {
-      if (c.ok != ok) continue;
-      failed += ok ? 0 : 1;
-      table.add({ok ? "ok" : "FAILED", std::string(c.record->title), subject_of(c),
-                 in_check_unit(c, c.value),
-                 fmt::format("{} {}", c.record->at_least ? ">=" : "<=", in_check_unit(c, c.limit)),
-                 in_check_unit(c, c.margin)});
+  for (const CheckResult& c : checks) {
+    if (c.ok) continue;
+    ++failed;
+    table.add({"FAILED", std::string(c.record->title), subject_of(c), in_check_unit(c, c.value),
+               limit_text(c), in_check_unit(c, c.margin), std::string(c.record->name)});
+  }
+  if (failed == 0) return "";
+  return fmt::format("\nChecks: {} of {} failed\n", failed, checks.size()) + table.text(2);
+}
+
+/// The checks that passed, by group: of each the subject with the least margin.
+std::string passed_table(const std::vector<CheckResult>& checks) {
+  struct Row {
+    const CheckResult* tightest = nullptr;
+    int count = 0;
+  };
+  std::vector<Row> rows;
+  std::vector<std::string_view> groups;
+  std::size_t passed = 0;
+  for (const CheckResult& c : checks) {
+    if (!c.ok) continue;
+    ++passed;
+    auto row =
+        std::ranges::find_if(rows, [&](const Row& r) { return r.tightest->record == c.record; });
+    if (row == rows.end()) {
+      rows.push_back({.tightest = &c, .count = 1});
+      if (std::ranges::find(groups, c.record->group) == groups.end()) {
+        groups.push_back(c.record->group);
+      }
+    } else {
+      ++row->count;
+      if (c.margin < row->tightest->margin) row->tightest = &c;
     }
   }
-  return fmt::format("\nChecks: {} of {} passed\n", checks.size() - failed, checks.size()) +
-         table.text(2);
+  if (rows.empty()) return "";
+  TextTable table({"", "group", "check", "tightest", "of", "value", "limit", "margin"});
+  for (const std::size_t column : {1U, 2U, 3U}) table.align_left(column);
+  for (const std::string_view group : groups) {
+    bool first = true;
+    for (const Row& row : rows) {
+      const CheckResult& c = *row.tightest;
+      if (c.record->group != group) continue;
+      table.add({"ok", first ? std::string(group) : "", std::string(c.record->title), subject_of(c),
+                 fmt::format("{}", row.count), in_check_unit(c, c.value), limit_text(c),
+                 in_check_unit(c, c.margin)});
+      first = false;
+    }
+  }
+  return fmt::format("\nChecks: {} of {} passed\n", passed, checks.size()) + table.text(2);
 }
 
 std::string note_lines(const std::vector<std::string>& notes) {
@@ -137,6 +256,18 @@ std::string inertia_text(const Evaluation& e) {
 
 // --- JSON
 
+template <class Items, class ToJson>
+ordered_json list_json(const Items& items, ToJson to_json) {
+  ordered_json list = ordered_json::array();
+  for (const auto& item : items) list.push_back(to_json(item));
+  return list;
+}
+
+/// A number, or null where there is none (NaN, infinite).
+ordered_json finite_json(double value) {
+  return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
+}
+
 ordered_json mesh_json(const MeshResult& m) {
   std::optional<double> zero = m.zero_backlash_center_distance_m;
   if (zero) zero = mm(*zero);
@@ -150,7 +281,56 @@ ordered_json mesh_json(const MeshResult& m) {
           {"efficiency_forward", m.efficiency_forward},
           {"efficiency_backward", m.efficiency_backward},
           {"loss_model_in_range", m.loss_model_in_range},
-          {"hunting_period_teeth", m.hunting_period_teeth}};
+          {"hunting_period_teeth", m.hunting_period_teeth},
+          {"common_factor", m.common_factor},
+          {"planet_phase", m.planet_phase},
+          {"active_root_diameter_mm", list_json(m.active_root_diameter_m,
+                                                [](const std::optional<double>& d) {
+                                                  return d ? ordered_json(mm(*d))
+                                                           : ordered_json(nullptr);
+                                                })},
+          {"root_clearance_mm", list_json(m.root_clearance_m, mm)},
+          {"specific_sliding_tip",
+           list_json(m.tip_sliding, [](const auto& t) { return finite_json(t.specific_at_tip); })},
+          {"specific_sliding_root",
+           {finite_json(m.tip_sliding[1].specific_at_root),
+            finite_json(m.tip_sliding[0].specific_at_root)}},
+          {"sliding_factor_tip",
+           list_json(m.tip_sliding, [](const auto& t) { return finite_json(t.sliding_factor); })}};
+}
+
+ordered_json tooth_json(const design::ToothResult& t) {
+  ordered_json json{{"form_diameter_mm", mm(t.form_diameter_m)},
+                    {"undercut", t.undercut},
+                    {"fillet_radius_mm", mm(t.fillet_radius_m)},
+                    {"full_round", t.full_round},
+                    {"form_circle_thickness_mm", mm(t.form_thickness_m)},
+                    {"root_space_width_mm", nullptr},
+                    {"span", nullptr},
+                    {"pins", nullptr},
+                    {"chordal_thickness_mm", mm(t.chordal.chord_m)},
+                    {"chordal_height_mm", mm(t.chordal.height_m)},
+                    {"infeed",
+                     {{"profile_shift", t.infeed.profile_shift},
+                      {"root_diameter_mm", 2.0 * mm(t.infeed.root_radius_m)}}},
+                    {"cutter", nullptr}};
+  if (t.root_space_m) json["root_space_width_mm"] = mm(*t.root_space_m);
+  if (t.span) {
+    json["span"] = {{"count", t.span->count},
+                    {"length_mm", mm(t.span->length_m)},
+                    {"contact_diameter_mm", 2.0 * mm(t.span->contact_radius_m)}};
+  }
+  if (t.pins) {
+    json["pins"] = {{"pin_diameter_mm", mm(t.pins->pin_diameter_m)},
+                    {"over_pins_mm", mm(t.pins->over_pins_m)},
+                    {"contact_diameter_mm", 2.0 * mm(t.pins->contact_radius_m)}};
+  }
+  if (t.cutter_teeth > 0) {
+    json["cutter"] = {{"teeth", t.cutter_teeth},
+                      {"tip_diameter_mm", mm(t.cutter_tip_diameter_m)},
+                      {"center_distance_mm", mm(t.cutter_center_distance_m)}};
+  }
+  return json;
 }
 
 ordered_json gear_json(const GearResult& g) {
@@ -161,11 +341,13 @@ ordered_json gear_json(const GearResult& g) {
           {"base_diameter_mm", mm(g.base_diameter_m)},
           {"tip_diameter_mm", mm(g.tip_diameter_m)},
           {"root_diameter_mm", mm(g.root_diameter_m)},
-          {"tip_thickness_mm", mm(g.tip_thickness_m)}};
+          {"tip_thickness_mm", mm(g.tip_thickness_m)},
+          {"tip_shortening", g.tip_shortening},
+          {"tooth", tooth_json(g.tooth)}};
 }
 
 ordered_json check_json(const CheckResult& c) {
-  ordered_json json{{"name", c.record->name}};
+  ordered_json json{{"name", c.record->name}, {"group", c.record->group}};
   if (!c.mesh.empty()) json["mesh"] = c.mesh;
   if (!c.gear.empty()) json["gear"] = c.gear;
   const Unit unit = c.record->unit;
@@ -175,13 +357,6 @@ ordered_json check_json(const CheckResult& c) {
   json["unit"] = design::unit_name(unit);
   json["ok"] = c.ok;
   return json;
-}
-
-template <class Items, class ToJson>
-ordered_json list_json(const Items& items, ToJson to_json) {
-  ordered_json list = ordered_json::array();
-  for (const auto& item : items) list.push_back(to_json(item));
-  return list;
 }
 
 // --- CSV
@@ -203,6 +378,21 @@ class CsvRows {
     add(m.name, "normal_backlash", um(m.normal_backlash_m), "um");
     add(m.name, "efficiency_forward", m.efficiency_forward, "");
     add(m.name, "efficiency_backward", m.efficiency_backward, "");
+    add(m.name, "common_factor", m.common_factor, "");
+    add(m.name, "hunting_period", static_cast<double>(m.hunting_period_teeth), "teeth");
+    for (const std::size_t i : {0U, 1U}) {
+      const std::string of = fmt::format("_gear{}", i + 1);
+      if (m.active_root_diameter_m[i]) {
+        add(m.name, "active_root_diameter" + of, mm(*m.active_root_diameter_m[i]), "mm");
+      }
+      add(m.name, "root_clearance" + of, mm(m.root_clearance_m[i]), "mm");
+      add(m.name, "specific_sliding_tip" + of, m.tip_sliding[i].specific_at_tip, "");
+      add(m.name, "specific_sliding_root" + of, m.tip_sliding[1 - i].specific_at_root, "");
+      add(m.name, "sliding_factor_tip" + of, m.tip_sliding[i].sliding_factor, "");
+    }
+    for (std::size_t k = 0; k < m.planet_phase.size(); ++k) {
+      add(m.name, fmt::format("phase_planet{}", k), m.planet_phase[k], "pitch");
+    }
   }
   void add_gear(const GearResult& g) {
     add(g.name, "teeth", g.teeth, "");
@@ -212,6 +402,20 @@ class CsvRows {
     add(g.name, "tip_diameter", mm(g.tip_diameter_m), "mm");
     add(g.name, "root_diameter", mm(g.root_diameter_m), "mm");
     add(g.name, "tip_thickness", mm(g.tip_thickness_m), "mm");
+    add(g.name, "tip_shortening", g.tip_shortening, "module");
+    add(g.name, "form_diameter", mm(g.tooth.form_diameter_m), "mm");
+    add(g.name, "form_circle_thickness", mm(g.tooth.form_thickness_m), "mm");
+    add(g.name, "fillet_radius", mm(g.tooth.fillet_radius_m), "mm");
+    if (g.tooth.span) {
+      add(g.name, "span_count", g.tooth.span->count, "");
+      add(g.name, "span", mm(g.tooth.span->length_m), "mm");
+    }
+    if (g.tooth.pins) {
+      add(g.name, "pin_diameter", mm(g.tooth.pins->pin_diameter_m), "mm");
+      add(g.name, "over_pins", mm(g.tooth.pins->over_pins_m), "mm");
+    }
+    add(g.name, "chordal_thickness", mm(g.tooth.chordal.chord_m), "mm");
+    add(g.name, "chordal_height", mm(g.tooth.chordal.height_m), "mm");
   }
   void add_check(const CheckResult& c) {
     const Unit unit = c.record->unit;
@@ -256,18 +460,25 @@ std::string analysis_table(const Evaluation& e) {
   table.add({"  effective inertia", inertia_text(e)});
   table.add({"  assembly", assembly_text(e)});
   text += table.text(0);
-  return text + gear_table(e.gears) + mesh_table(e.meshes) + check_table(e.checks) +
-         note_lines(e.notes) +
-         "\nNot checked by this version: strength, root clearance, trochoid and trimming "
-         "interference, "
-         "axial overlap, tolerances.\n";
+  std::vector<std::array<std::string, 2>> gears;
+  for (const auto& [first, second] : train::kMeshGears) {
+    gears.push_back({std::string(train::kGearNames[static_cast<std::size_t>(first)]),
+                     std::string(train::kGearNames[static_cast<std::size_t>(second)])});
+  }
+  return text + failed_table(e.checks) + gear_table(e.gears) + tooth_table(e.gears) +
+         mesh_table(e.meshes) + flank_table(e.meshes, gears) + phase_table(e.meshes) +
+         passed_table(e.checks) + note_lines(e.notes) +
+         "\nNot checked by this version: strength, tolerances.\n";
 }
 
 std::string analysis_table(const PairEvaluation& e) {
   return fmt::format("{}: centre distance {:.4f} mm{}\n", e.name.empty() ? "pair" : e.name,
                      mm(e.center_distance_m),
                      e.center_distance_given ? "" : " (zero-backlash distance)") +
-         gear_table(e.gears) + mesh_table({e.mesh}) + check_table(e.checks) + note_lines(e.notes);
+         failed_table(e.checks) + gear_table(e.gears) + tooth_table(e.gears) +
+         mesh_table({e.mesh}) + flank_table({e.mesh}, {{"1", "2"}}) + phase_table({e.mesh}) +
+         passed_table(e.checks) + note_lines(e.notes) +
+         "\nNot checked by this version: strength, tolerances.\n";
 }
 
 std::string analysis_json(const Evaluation& e) {

@@ -73,6 +73,19 @@ Assembly assembly(const ToothSet& z, int planets) {
   return result;
 }
 
+std::vector<double> mesh_phases(const ToothSet& z, MeshId mesh, int planets) {
+  if (planets < 1) {
+    throw std::invalid_argument(fmt::format("planets = {}, allowed: at least 1", planets));
+  }
+  const long long teeth = mesh == kMeshSP1 ? z.S : mesh == kMeshP1R1 ? -z.R1 : -z.R2;
+  std::vector<double> phases;
+  for (long long k = 0; k < planets; ++k) {
+    const long long remainder = ((k * teeth) % planets + planets) % planets;
+    phases.push_back(static_cast<double>(remainder) / planets);
+  }
+  return phases;
+}
+
 long long hunting_period_teeth(int z1, int z2) {
   return std::lcm(static_cast<long long>(z1), static_cast<long long>(z2));
 }

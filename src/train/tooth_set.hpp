@@ -72,6 +72,16 @@ struct Assembly {
 /// @throws std::invalid_argument when planets < 1
 Assembly assembly(const ToothSet& z, int planets);
 
+/// Where in its tooth pitch one mesh stands at each of N equally spaced planets, less that of
+/// planet 0, in [0, 1):
+///
+///   S-P1  k zS/N,  P1-R1  −k zR1/N,  P2-R2  −k zR2/N  (mod 1)
+///
+/// All zero: the planets mesh in step; evenly spread: their mesh forces follow one another.
+/// Source: own derivation, docs/theory.md §7.
+/// @throws std::invalid_argument when planets < 1
+std::vector<double> mesh_phases(const ToothSet& z, MeshId mesh, int planets);
+
 /// Number of teeth that must pass until the same two teeth meet again: lcm(z1, z2).
 /// gcd(z1, z2) = 1 is a hunting-tooth mesh.
 long long hunting_period_teeth(int z1, int z2);

@@ -9,6 +9,16 @@ template <class T>
 std::array<geometry::GearGeometry<T>, kGearCount> make_train_gears(const TrainParameters<T>& p) {
   const geometry::PressureAngle<T> angle = geometry::make_pressure_angle(p.pressure_angle_rad);
   const std::array<int, kGearCount> z = teeth_of(p.teeth);
+  std::array<T, kGearCount> shortening = p.tip_shortening;
+  for (const std::size_t i : {kS, kP1}) {
+    if (p.khk_tip[i]) {
+      shortening[i] =
+          geometry::khk_tip_shortening<T>({.teeth_sum = z[kS] + z[kP1],
+                                           .module_m = p.module_m[0],
+                                           .shift_sum = p.profile_shift[kS] + p.profile_shift[kP1],
+                                           .center_distance_m = p.center_distance_m});
+    }
+  }
   std::array<geometry::GearGeometry<T>, kGearCount> gears;
   for (std::size_t i = 0; i < kGearCount; ++i) {
     const int id = static_cast<int>(i);
@@ -18,8 +28,9 @@ std::array<geometry::GearGeometry<T>, kGearCount> make_train_gears(const TrainPa
                           .module_m = p.module_m[static_cast<std::size_t>(stage_of(id))],
                           .profile_shift = p.profile_shift[i],
                           .machining_allowance = p.machining_allowance[i],
-                          .tip_shortening = p.tip_shortening[i],
-                          .rack = p.rack[i]},
+                          .tip_shortening = shortening[i],
+                          .rack = p.rack[i],
+                          .cutter = p.cutter[i]},
         angle);
   }
   return gears;

@@ -20,7 +20,10 @@ struct TrainParameters {
   std::array<T, kGearCount> profile_shift{};
   std::array<T, kGearCount> machining_allowance{};
   std::array<T, kGearCount> tip_shortening{};
+  /// S and P1: the tip is shortened by the KHK rule of mesh S-P1 instead of by tip_shortening.
+  std::array<bool, kGearCount> khk_tip{};
   std::array<geometry::BasicRack<T>, kGearCount> rack{};
+  std::array<geometry::PinionCutter, kGearCount> cutter{};
 };
 
 /// Stage (0 or 1) that a gear belongs to.
@@ -38,6 +41,7 @@ struct TrainGeometry {
   std::array<geometry::MeshGeometry<T>, kMeshCount> meshes{};
 };
 
+/// The gears alone.  The centre distance matters only where khk_tip asks for it.
 template <class T>
 std::array<geometry::GearGeometry<T>, kGearCount> make_train_gears(const TrainParameters<T>& p);
 

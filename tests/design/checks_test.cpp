@@ -51,17 +51,40 @@ train::TrainParameters<double> bilateral() {
 /// A train with all that its checks look at.
 struct Subject {
   explicit Subject(const train::TrainParameters<double>& parameters)
-      : train(make_train_geometry(parameters).value()), j(backlash::normal_backlashes(train)) {}
+      : train(make_train_geometry(parameters).value()), j(backlash::normal_backlashes(train)) {
+    std::ranges::transform(train.gears, forms.begin(), geometry::make_tooth_form<double>);
+    axial.extent.fill(train::AxialInterval{.from_m = 0.0, .to_m = 0.01});
+    axial.carrier_radius_m = 0.02;
+  }
+
+  [[nodiscard]] Gearing<double> gearing(
+      backlash::LostMotionModel model = backlash::LostMotionModel::kKinematic) const {
+    Gearing<double> g = gearing_of(train, j, model);
+    g.forms = forms;
+    g.axial = &axial;
+    return g;
+  }
 
   double value(CheckId id, CheckSubject subject = {},
                backlash::LostMotionModel model = backlash::LostMotionModel::kKinematic) const {
     return check_value(CheckInstance{.record = &check_record(id), .subject = subject},
-                       gearing_of(train, j, model));
+                       gearing(model));
   }
 
   train::TrainGeometry<double> train;
   std::array<double, train::kMeshCount> j;
+  std::array<geometry::ToothForm<double>, train::kGearCount> forms;
+  train::AxialLayout axial;
 };
+
+/// A train whose bodies all overlap along the axis and whose rings are shaped by cutters.
+TrainLayout full_layout(int planets = 3, double stage1_module_m = 1e-3) {
+  TrainLayout layout{.planets = planets, .stage1_module_m = stage1_module_m};
+  layout.cutter[train::kR1].teeth = 25;
+  layout.cutter[train::kR2].teeth = 25;
+  layout.axial.extent.fill(train::AxialInterval{.from_m = 0.0, .to_m = 0.01});
+  return layout;
+}
 
 TEST(CheckRegistry, EveryRecordIsCompleteAndAtThePlaceOfItsId) {
   ASSERT_EQ(check_records().size(), kCheckCount);
@@ -96,9 +119,12 @@ TEST(CheckRegistry, OfEachLeastAndGreatestPairOneIsAtLeastAndTheOtherAtMost) {
   EXPECT_TRUE(check_record(CheckId::kOutputBacklashMin).at_least);
   EXPECT_FALSE(check_record(CheckId::kOutputBacklashMax).at_least);
   EXPECT_FALSE(check_record(CheckId::kRingRootDiameter).at_least);
+  EXPECT_FALSE(check_record(CheckId::kCoaxiality).at_least);
   for (const CheckId id :
        {CheckId::kUndercut, CheckId::kTipThickness, CheckId::kRingTipThickness,
-        CheckId::kRingTipOutsideBase, CheckId::kInvoluteInterference, CheckId::kPlanetGap,
+        CheckId::kRingTipOutsideBase, CheckId::kInvoluteInterference, CheckId::kFormCircle,
+        CheckId::kTipFouling, CheckId::kRootClearance, CheckId::kTrochoidInterference,
+        CheckId::kTrimming, CheckId::kRingCutter, CheckId::kBodyGap, CheckId::kPlanetGap,
         CheckId::kNormalBacklash, CheckId::kEqualSpacing, CheckId::kIdenticalPlanets}) {
     EXPECT_TRUE(check_record(id).at_least) << check_record(id).name;
   }
@@ -140,17 +166,21 @@ std::map<CheckScope, std::set<std::size_t>> counts_by_scope(const GearingLayout&
 using Counts = std::set<std::size_t>;
 
 TEST(ListChecks, OfATrainHasOneEntryPerMemberOfItsScope) {
-  auto counts = counts_by_scope(train_layout(3, 1e-3));
+  auto counts = counts_by_scope(train_layout(full_layout()));
   EXPECT_EQ(counts[CheckScope::kExternalGear], Counts{3});  // S, P1, P2
   EXPECT_EQ(counts[CheckScope::kRing], Counts{2});
   EXPECT_EQ(counts[CheckScope::kMesh], Counts{3});
   EXPECT_EQ(counts[CheckScope::kTip], Counts{4});  // both gears of S-P1, the rings of the others
+  EXPECT_EQ(counts[CheckScope::kMember], Counts{6});
+  EXPECT_EQ(counts[CheckScope::kInternalMesh], Counts{2});
+  EXPECT_EQ(counts[CheckScope::kCutRing], Counts{2});
+  EXPECT_EQ(counts[CheckScope::kBodyPair], Counts{5});
   EXPECT_EQ(counts[CheckScope::kPlanetStep], Counts{2});
   EXPECT_EQ(counts[CheckScope::kTrain], Counts{1});
 }
 
 TEST(ListChecks, OfOnePlanetHasNoGapBetweenPlanets) {
-  auto counts = counts_by_scope(train_layout(1, 1e-3));
+  auto counts = counts_by_scope(train_layout(full_layout(1)));
   EXPECT_EQ(counts[CheckScope::kPlanetStep], Counts{0});
   EXPECT_EQ(counts[CheckScope::kTrain], Counts{1});
 }
@@ -160,12 +190,18 @@ TEST(ListChecks, OfAPairHasNeitherPlanetsNorATrain) {
   for (const GearKind second : {GearKind::kExternal, GearKind::kRing}) {
     const std::array<GearKind, 2> kinds{GearKind::kExternal, second};
     const bool ring = second == GearKind::kRing;
-    auto counts =
-        counts_by_scope({.gear_kinds = kinds, .mesh_gears = kPair, .length_scale_m = 1e-3});
+    auto counts = counts_by_scope({.gear_kinds = kinds,
+                                   .mesh_gears = kPair,
+                                   .shaped = {false, false},
+                                   .length_scale_m = 1e-3});
     EXPECT_EQ(counts[CheckScope::kExternalGear], Counts{ring ? 1U : 2U});
     EXPECT_EQ(counts[CheckScope::kRing], Counts{ring ? 1U : 0U});
     EXPECT_EQ(counts[CheckScope::kMesh], Counts{1});
     EXPECT_EQ(counts[CheckScope::kTip], Counts{ring ? 1U : 2U});
+    EXPECT_EQ(counts[CheckScope::kMember], Counts{2});
+    EXPECT_EQ(counts[CheckScope::kInternalMesh], Counts{ring ? 1U : 0U});
+    EXPECT_EQ(counts[CheckScope::kCutRing], Counts{0});
+    EXPECT_EQ(counts[CheckScope::kBodyPair], Counts{0});
     EXPECT_EQ(counts[CheckScope::kPlanetStep], Counts{0});
     EXPECT_EQ(counts[CheckScope::kTrain], Counts{0});
   }
@@ -176,7 +212,7 @@ TEST(ListChecks, LeavesOutWhatIsSwitchedOffAndKeepsTheOrderOfTheRegistry) {
     Limits limits = all_on();
     limits[off.id] = std::nullopt;
     int last = -1;
-    for (const CheckInstance& c : list_checks(limits, train_layout(3, 1e-3))) {
+    for (const CheckInstance& c : list_checks(limits, train_layout(full_layout()))) {
       EXPECT_NE(c.record->id, off.id);
       EXPECT_GE(static_cast<int>(c.record->id), last);
       last = static_cast<int>(c.record->id);
@@ -188,7 +224,7 @@ TEST(ListChecks, CarriesTheLimitInForceAndAPositiveScale) {
   Limits limits = all_on();
   double value = 0.01;
   for (auto& limit : limits.limit) limit = value += 0.01;
-  for (const CheckInstance& c : list_checks(limits, train_layout(3, 1e-3))) {
+  for (const CheckInstance& c : list_checks(limits, train_layout(full_layout()))) {
     EXPECT_EQ(c.limit, *limits[c.record->id]);
     EXPECT_GT(c.scale, 0.0);
   }
@@ -196,8 +232,8 @@ TEST(ListChecks, CarriesTheLimitInForceAndAPositiveScale) {
 
 TEST(CheckMargin, IsPositiveOnTheGoodSideOfTheLimitAndZeroOnIt) {
   const Subject s(low_backlash());
-  const auto gearing = gearing_of(s.train, s.j, backlash::LostMotionModel::kKinematic);
-  for (CheckInstance c : list_checks(all_on(), train_layout(3, 0.59e-3))) {
+  const auto gearing = s.gearing();
+  for (CheckInstance c : list_checks(all_on(), train_layout(full_layout(3, 0.59e-3)))) {
     SCOPED_TRACE(c.record->name);
     const double value = check_value(c, gearing);
     c.limit = value;
@@ -217,8 +253,9 @@ TEST(CheckValue, LengthsOfAToothAreInTheModuleOfTheirOwnGear) {
   const Subject small(p);
   p.center_distance_m *= 10.0;
   for (double& m : p.module_m) m *= 10.0;
-  const Subject large(p);
-  for (const CheckInstance& c : list_checks(all_on(), train_layout(3, 1e-3))) {
+  Subject large(p);
+  large.axial.carrier_radius_m *= 10.0;
+  for (const CheckInstance& c : list_checks(all_on(), train_layout(full_layout()))) {
     const CheckId id = c.record->id;
     const double ratio = large.value(id, c.subject) / small.value(id, c.subject);
     const bool length = c.record->unit == Unit::kMillimetre || c.record->unit == Unit::kMicrometre;
@@ -239,6 +276,41 @@ TEST(CheckValue, PlanetGapIsInModulesOfStageOneForBothSteps) {
               64.0 * kEps * 40.0);
   EXPECT_NEAR(s.value(CheckId::kPlanetGap, {.member = train::kP2}), (chord - 2.0 * tip2) / 0.59e-3,
               64.0 * kEps * 40.0);
+}
+
+TEST(CheckValue, BodyGapIsTheRadialRoomBetweenTipCircles) {
+  const Subject s(low_backlash());
+  // Tip radii m (z/2 + 1 + x), of rings m (z/2 - 1 + x); d = 16.19 mm, carrier radius 20 mm.
+  const double d = 16.19, m1 = 0.59, m2 = 0.58;
+  const double tip_S = m1 * 8.5, tip_P1 = m1 * 21.0, tip_R1 = m1 * 46.45;
+  const double tip_P2 = m2 * 19.4, tip_R2 = m2 * 45.29;
+  const std::array<double, 5> gap_mm{d - tip_P2 - tip_S, tip_R1 - d - tip_P2, tip_R2 - d - tip_P1,
+                                     tip_R1 - 20.0, tip_R2 - 20.0};
+  for (int pair = 0; pair < 5; ++pair) {
+    EXPECT_NEAR(s.value(CheckId::kBodyGap, {.member = pair}),
+                gap_mm[static_cast<std::size_t>(pair)] / m1, 256.0 * kEps * 50.0);
+  }
+}
+
+TEST(CheckValue, CoaxialityIsTheDistanceFromEachMeshsOwnCentreDistance) {
+  // Zero-backlash distances of the proposed gear: 16.2077, 16.1813, 16.1752 mm (errata, 4).
+  const Subject s(low_backlash());
+  const std::array<double, 3> off_mm{0.0177, 0.0087, 0.0148};
+  for (int mesh = 0; mesh < 3; ++mesh) {
+    EXPECT_NEAR(s.value(CheckId::kCoaxiality, {.member = mesh}) * 1e3,
+                off_mm[static_cast<std::size_t>(mesh)], 0.5e-4 + 1e-9);
+  }
+}
+
+TEST(ListChecks, OfBodiesApartAlongTheAxisHasNoBodyGap) {
+  TrainLayout layout = full_layout();
+  layout.axial.extent[train::kP2] = train::AxialInterval{.from_m = 0.01, .to_m = 0.02};  // touching
+  layout.axial.extent[train::kCarrier] = std::nullopt;
+  std::set<int> pairs;
+  for (const CheckInstance& c : list_checks(all_on(), train_layout(layout))) {
+    if (c.record->id == CheckId::kBodyGap) pairs.insert(c.subject.member);
+  }
+  EXPECT_EQ(pairs, std::set<int>{2});  // P1, R2
 }
 
 TEST(CheckValue, RingRootDiameterIsTwiceTheRootRadius) {
@@ -289,7 +361,7 @@ TEST(CheckValue, IdenticalPlanetsIsTheLargestPhaseThatAPlanetNeeds) {
 
 TEST(SubjectNames, AreThoseOfTheGearMeshOrTrainThatACheckIsAbout) {
   std::map<std::string, std::set<std::string>> seen;
-  for (const CheckInstance& c : list_checks(all_on(), train_layout(3, 1e-3))) {
+  for (const CheckInstance& c : list_checks(all_on(), train_layout(full_layout()))) {
     const auto names = subject_names(c, train::kGearNames, train::kMeshNames, train::kMeshGears);
     seen[std::string(c.record->name)].insert(names.mesh + "/" + names.gear);
   }
@@ -299,6 +371,12 @@ TEST(SubjectNames, AreThoseOfTheGearMeshOrTrainThatACheckIsAbout) {
   EXPECT_EQ(seen["contact_ratio_min"], (Names{"S-P1/", "P1-R1/", "P2-R2/"}));
   EXPECT_EQ(seen["involute_interference"], (Names{"S-P1/S", "S-P1/P1", "P1-R1/R1", "P2-R2/R2"}));
   EXPECT_EQ(seen["planet_gap"], (Names{"/P1", "/P2"}));
+  EXPECT_EQ(seen["form_circle"],
+            (Names{"S-P1/S", "S-P1/P1", "P1-R1/P1", "P1-R1/R1", "P2-R2/P2", "P2-R2/R2"}));
+  EXPECT_EQ(seen["trochoid_interference"], (Names{"P1-R1/", "P2-R2/"}));
+  EXPECT_EQ(seen["ring_cutter"], (Names{"/R1", "/R2"}));
+  EXPECT_EQ(seen["body_gap"],
+            (Names{"/P2, S", "/P2, R1", "/P1, R2", "/carrier, R1", "/carrier, R2"}));
   EXPECT_EQ(seen["output_backlash_max"], (Names{"/"}));
 }
 

@@ -1,4 +1,5 @@
 #include "design/checks.hpp"
+#include "geometry/interference.hpp"
 
 // Gradients (Jet1) and Hessians (Jet2) of everything that an optimiser sees, against differences.
 
@@ -49,12 +50,20 @@ struct RandomDesign {
   double pressure_angle_rad = 0.0;
   double ring2_outer_radius_m = 0.0;
   Variables<double> at{};
+  train::AxialLayout axial;
 
   /// Change that counts as one unit of each variable.
   Variables<double> scales() const {
     return {1.0, 1.0, 1.0, 1.0, 1.0, at[6], 0.1 * at[6], 0.1 * at[7]};
   }
 };
+
+/// R1 is shaped, R2 has the arc.
+std::array<geometry::PinionCutter, train::kGearCount> cutters(const RandomDesign& d) {
+  std::array<geometry::PinionCutter, train::kGearCount> result;
+  result[train::kR1] = {.teeth = d.teeth.R1 / 3, .profile_shift = 0.1, .tip_radius = 0.15};
+  return result;
+}
 
 template <class T>
 std::optional<train::TrainGeometry<T>> geometry_at(const RandomDesign& d, const Variables<T>& v) {
@@ -66,7 +75,8 @@ std::optional<train::TrainGeometry<T>> geometry_at(const RandomDesign& d, const 
                               .profile_shift = {v[0], v[1], v[2], v[3], v[4]},
                               .machining_allowance = {},
                               .tip_shortening = {},
-                              .rack = {}};
+                              .rack = {},
+                              .cutter = cutters(d)};
   p.machining_allowance.fill(constant<T>(0.02));
   p.tip_shortening.fill(constant<T>(0.05));
   return make_train_geometry(p);
@@ -98,9 +108,20 @@ std::vector<T> quantities(const RandomDesign& d, const Variables<T>& v,
   for (const auto model : {LostMotionModel::kKinematic, LostMotionModel::kPaper}) {
     add(model == LostMotionModel::kPaper ? "lost motion paper" : "lost motion kinematic",
         output_lost_motion(*train, j, model));
-    const auto gearing = gearing_of(*train, j, model);
-    for (const CheckInstance& check :
-         list_checks(all_limits(), train_layout(d.planets, value_of(v[6])))) {
+    std::array<geometry::ToothForm<T>, train::kGearCount> forms;
+    std::ranges::transform(train->gears, forms.begin(), geometry::make_tooth_form<T>);
+    auto gearing = gearing_of(*train, j, model);
+    gearing.forms = forms;
+    gearing.axial = &d.axial;
+    for (const CheckInstance& check : list_checks(all_limits(), train_layout({.planets = d.planets,
+                                                                .stage1_module_m = value_of(v[6]),
+                                                                .cutter = cutters(d),
+                                                                .axial = d.axial}))) {
+      // The least gap changes its place in jumps: its derivatives are tested where it stays,
+      // tests/geometry/tooth_form_test.cpp.
+      if (check.record->id == CheckId::kTipFouling) continue;
+      // Nor is there a single formula behind the least of the cutter's three margins.
+      if (check.record->id == CheckId::kRingCutter) continue;
       const auto subject =
           subject_names(check, train::kGearNames, train::kMeshNames, train::kMeshGears);
       add(fmt::format("check {} {}{}", check.record->name, subject.mesh, subject.gear),
@@ -181,6 +202,8 @@ class RandomDesigns {
             m1,
             m2};
     d.ring2_outer_radius_m = 1.3 * m2 * z.R2 / 2.0;
+    d.axial.extent.fill(train::AxialInterval{.from_m = 0.0, .to_m = 0.01});
+    d.axial.carrier_radius_m = 0.4 * m1 * z.R1;
     return d;
   }
 
@@ -201,6 +224,7 @@ class RandomDesigns {
         if (distance_to_integer(e) < 0.03) return false;
       }
     }
+    if (!is_smooth_at_root_and_tips(*train)) return false;
     const auto j = backlash::normal_backlashes(*train);
     const auto phi = backlash::paper_lost_motion(*train, j);
     if (std::abs(phi[1] - phi[2]) < 0.02 * std::max(std::abs(phi[1]), std::abs(phi[2]))) {
@@ -209,6 +233,44 @@ class RandomDesigns {
     for (const LossModel model : {LossModel::kSliding, LossModel::kOhlendorf}) {
       const auto eta = mesh_efficiencies(*train, 0.05, model, false);
       if (efficiency::backward_efficiency(d.teeth, eta) < 0.3) return false;
+    }
+    return true;
+  }
+
+  /// Free of undercut, away from where two root roundings become one, from tip circles
+  /// that hardly cross or pinions that pass radially, and from a mesh at its own distance.
+  static bool is_smooth_at_root_and_tips(const train::TrainGeometry<double>& train) {
+    for (const auto& g : train.gears) {
+      const auto form = geometry::make_tooth_form(g);
+      const double asked = g.gear.rack.root_radius * g.gear.module_m;
+      if (g.gear.kind == geometry::GearKind::kExternal) {
+        if (geometry::undercut_margin(g) < 0.05) return false;
+        continue;
+      }
+      const bool two_arcs = form.fillet.rounding_radius_m == asked;
+      if (form.fillet.tool == geometry::RootTool::kArc && two_arcs &&
+          form.fillet.center_offset * g.root_radius_m < 0.03 * g.gear.module_m) {
+        return false;
+      }
+      if (!two_arcs && form.fillet.tool == geometry::RootTool::kArc &&
+          form.fillet.rounding_radius_m > 0.9 * asked) {
+        return false;
+      }
+    }
+    const double d = train.center_distance_m;
+    for (const auto& [first, second] : train::kMeshGears) {
+      const auto& gear1 = train.gears[static_cast<std::size_t>(first)];
+      const auto& gear2 = train.gears[static_cast<std::size_t>(second)];
+      const auto own = geometry::zero_backlash_center_distance(gear1, gear2);
+      if (!own || std::abs(d - *own) < 0.01 * gear1.gear.module_m) return false;
+      if (*geometry::zero_backlash_angle(gear1, gear2) < 0.2) return false;
+      if (gear2.gear.kind == geometry::GearKind::kExternal) continue;
+      const double ra1 = gear1.tip_radius_m, ra2 = gear2.tip_radius_m;
+      if (std::abs((ra2 * ra2 - ra1 * ra1 - d * d) / (2.0 * d * ra1)) > 0.97) return false;
+      const double share = gear1.base_radius_m * ra2 / (gear2.base_radius_m * ra1);
+      const double ratio = gear1.base_radius_m / gear2.base_radius_m;
+      const double square = (1.0 - share * share) / (1.0 - ratio * ratio);
+      if (square < 0.02 || square > 0.9) return false;
     }
     return true;
   }
@@ -375,10 +437,11 @@ TEST(Derivatives, HessiansAreTheCentralDifferencesOfTheGradients) {
   symmetry.expect_allowed("symmetry", names);
 }
 
-TEST(Derivatives, CoverEveryCheckOfTheRegistry) {
+TEST(Derivatives, CoverEveryCheckOfTheRegistryButTheLeastOfSeveral) {
   RandomDesigns random;
   const auto names = quantity_names(random());
   for (const CheckRecord& record : check_records()) {
+    if (record.id == CheckId::kTipFouling || record.id == CheckId::kRingCutter) continue;
     EXPECT_TRUE(std::ranges::any_of(names, [&](const std::string& name) {
       return name.starts_with(fmt::format("check {} ", record.name));
     })) << record.name;

@@ -399,8 +399,9 @@ TEST(Evaluation, ChecksAreOkExactlyWithinToleranceOfTheirLimits) {
   for (Design d : {low_backlash(), bilateral(), reversed()}) {
     for (auto& limit : d.limits.limit) limit = limit.value_or(0.0);
     const Evaluation e = evaluated(d);
-    const auto instances =
-        list_checks(d.limits, train_layout(d.train.planets, d.train.module_m[0]));
+    const auto instances = list_checks(
+        d.limits,
+        train_layout({.planets = d.train.planets, .stage1_module_m = d.train.module_m[0]}));
     ASSERT_EQ(e.checks.size(), instances.size());
     for (std::size_t i = 0; i < e.checks.size(); ++i) {
       const CheckResult& c = e.checks[i];

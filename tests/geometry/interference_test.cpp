@@ -60,7 +60,10 @@ TEST(Undercut, MarginIsTheSignedFlankCurvatureWhereTheRackFlankEnds) {
     const double m = random.between(0.3e-3, 5e-3);
     const int z = random.count(6, 80);
     const double x = random.between(-0.6, 1.0);
-    const auto g = gear_with(z, GearKind::kExternal, x, alpha, m);
+    // A rounding that fits on the rack's tip at every angle drawn.
+    auto gear = gear_with(z, GearKind::kExternal, x, alpha, m).gear;
+    gear.rack.root_radius = random.between(0.0, 0.2);
+    const auto g = make_gear_geometry(gear, make_pressure_angle(alpha));
     // Generating with the rack's line of action from the pitch point at the top of the reference
     // circle: the flank's end, at this depth below the rolling line, touches at ...
     const double depth = m * (straight_flank_depth(g.gear.rack, alpha) - x);

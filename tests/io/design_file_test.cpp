@@ -288,7 +288,7 @@ TEST(DesignLimits, TrueWithoutAnyThresholdIsAnErrorThatNamesItsKey) {
     EXPECT_NE(errors.find("limits." + name + " = true"), std::string::npos) << errors;
     EXPECT_NE(errors.find(record.limit_key), std::string::npos) << errors;
   }
-  EXPECT_EQ(without_default, 4U);
+  EXPECT_EQ(without_default, 6U);
 }
 
 TEST(DesignLimits, IdenticalPlanetsHaveASwitchOfTheirOwn) {
@@ -345,7 +345,7 @@ TEST(DesignText, RoundTripsRandomDesigns) {
       d.train.tip_shortening[i] = uniform(0.0, 0.3);
     }
     d.train.rack.fill({.addendum = uniform(0.8, 1.2),
-                       .dedendum = uniform(1.1, 1.4),
+                       .dedendum = uniform(1.1, 1.3),
                        .root_radius = uniform(0.0, 0.4)});
     d.friction.coefficient = uniform(0.0, 0.3);
     d.friction.model =

@@ -1,0 +1,50 @@
+#pragma once
+// Where the bodies of a train lie along the axis, and which of them pass each other.
+
+#include <array>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "train/train_geometry.hpp"
+
+namespace gear3k::train {
+
+/// Bodies: the five gears (GearId), then the carrier.
+inline constexpr int kCarrier = kGearCount;
+inline constexpr int kBodyCount = kGearCount + 1;
+inline constexpr std::array<std::string_view, kBodyCount> kBodyNames{"S",  "P1", "R1",
+                                                                     "P2", "R2", "carrier"};
+
+struct AxialInterval {
+  double from_m = 0.0, to_m = 0.0;
+};
+
+/// Extent of each body along the axis, where it is known.
+struct AxialLayout {
+  std::array<std::optional<AxialInterval>, kBodyCount> extent;
+  double carrier_radius_m = 0.0;  ///< outer radius of the carrier where it passes a ring's bore
+};
+
+/// Two bodies that do not mesh but may pass each other radially.
+struct BodyPair {
+  int first = 0, second = 0;
+};
+inline constexpr std::array<BodyPair, 5> kPassingBodies{
+    {{kP2, kS}, {kP2, kR1}, {kP1, kR2}, {kCarrier, kR1}, {kCarrier, kR2}}};
+
+/// Indices into kPassingBodies of the pairs that overlap along the axis.
+std::vector<int> overlapping_bodies(const AxialLayout& layout);
+
+/// Radial gap between two passing bodies, tip circle to tip circle.
+///
+///   P2, S        d − ra_P2 − ra_S
+///   P2, R1       ra_R1 − d − ra_P2, likewise P1, R2
+///   carrier, R   ra_R − r_carrier
+///
+/// Source: docs/theory.md §19.
+/// @param pair  index into kPassingBodies  @returns [m], negative = overlap
+template <class T>
+T passing_gap(const TrainGeometry<T>& train, const AxialLayout& layout, int pair);
+
+}  // namespace gear3k::train

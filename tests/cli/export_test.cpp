@@ -1,0 +1,296 @@
+// `gear3k export`: files, what is printed, exit codes; LibreCAD as a second reader.
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "io/csv_table.hpp"
+#include "tests/cli/run_program.hpp"
+
+namespace gear3k {
+namespace {
+
+using nlohmann::json;
+using test::example, test::ProgramResult, test::read_text, test::replaced, test::Workplace,
+    test::write_text;
+
+const std::vector<std::string> kDrawings{"S", "P1", "R1", "P2", "R2", "train"};
+
+std::string bilateral() { return example("designs/bilateral_drive_gear.toml"); }
+std::string prototype() { return example("designs/low_backlash_prototype.toml"); }
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(Export, WritesEveryGearAndTheTrainInBothFormats) {
+  const Workplace place;
+  place.write("gear.toml", bilateral());
+  const ProgramResult result =
+      place.run({"export", "gear.toml", "--dxf", "a/dxf", "--svg", "svg", "--format", "json"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  std::vector<std::string> expected{"a", "a/dxf", "gear.toml", "svg"};
+  std::vector<std::string> paths;
+  for (const std::string& name : kDrawings) paths.push_back("a/dxf/" + name + ".dxf");
+  for (const std::string& name : kDrawings) paths.push_back("svg/" + name + ".svg");
+  expected.insert(expected.end(), paths.begin(), paths.end());
+  std::ranges::sort(expected);
+  EXPECT_EQ(place.listing(), expected);
+
+  const json list = json::parse(result.out);
+  EXPECT_EQ(list.at("name"), "bilateral drive gear");
+  EXPECT_EQ(list.at("chord_error_um"), 1.0);
+  EXPECT_TRUE(list.at("notes").is_array());
+  EXPECT_TRUE(list.at("tool").contains("version"));
+  ASSERT_EQ(list.at("files").size(), paths.size());
+  for (std::size_t k = 0; k < paths.size(); ++k) {
+    const json& file = list.at("files")[k];
+    EXPECT_EQ(file.at("path"), paths[k]);
+    EXPECT_EQ(file.at("drawing"), kDrawings[k % 6]);
+    EXPECT_EQ(file.at("format"), k < 6 ? "dxf" : "svg");
+    EXPECT_EQ(file.at("contours"), k % 6 == 5 ? 9 : 1);
+    EXPECT_GT(file.at("points"), 12 * 10);
+  }
+}
+
+TEST(Export, WritesTheOneFormatThatWasAskedFor) {
+  for (const std::string format : {"dxf", "svg"}) {
+    const Workplace place;
+    place.write("gear.toml", bilateral());
+    const ProgramResult result =
+        place.run({"export", "gear.toml", "--" + format, "out", "--format", "csv"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(place.listing().size(), 8U);
+    const io::CsvTable table = io::parse_csv(result.out, "stdout");
+    ASSERT_EQ(table.rows.size(), 6U);
+    EXPECT_EQ(table.rows[5].fields[0], "out/train." + format);
+  }
+}
+
+TEST(Export, TableNamesEveryFile) {
+  const Workplace place;
+  place.write("gear.toml", bilateral());
+  const ProgramResult result = place.run({"export", "gear.toml", "--svg", "out"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  for (const std::string& name : kDrawings) {
+    EXPECT_TRUE(contains(result.out, "out/" + name + ".svg")) << result.out;
+  }
+}
+
+TEST(Export, SameInputGivesTheSameBytesAndReplacesWhatWasThere) {
+  const Workplace place;
+  place.write("gear.toml", bilateral());
+  EXPECT_EQ(place.run({"export", "gear.toml", "--dxf", "1", "--svg", "1"}).exit_code, 0);
+  std::filesystem::create_directory(place.file("2"));
+  place.write("2/S.dxf", "old");
+  place.write("2/mine.txt", "kept");
+  const std::vector<std::string> again{"export", "gear.toml", "--dxf",     "2",
+                                       "--svg",  "2",         "--threads", "2"};
+  EXPECT_EQ(place.run(again).exit_code, 0);
+  for (const std::string& name : kDrawings) {
+    for (const char* format : {".dxf", ".svg"}) {
+      EXPECT_EQ(place.read("1/" + name + format), place.read("2/" + name + format)) << name;
+    }
+  }
+  EXPECT_EQ(place.read("2/mine.txt"), "kept");
+}
+
+TEST(Export, ASmallerChordErrorTakesMorePoints) {
+  const Workplace place;
+  place.write("gear.toml", bilateral());
+  const auto points = [&](const std::string& um) {
+    const ProgramResult result = place.run(
+        {"export", "gear.toml", "--svg", "out", "--chord-error-um", um, "--format", "json"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return json::parse(result.out).at("files").at(5).at("points").get<int>();
+  };
+  // The sagitta of a chord goes with its square.
+  EXPECT_GT(points("0.01"), 5 * points("1"));
+  EXPECT_GT(points("1"), points("100"));
+}
+
+TEST(Export, DrawsADesignThatFailsChecksAndNamesThem) {
+  const Workplace place;
+  place.write("gear.toml", prototype());
+  const ProgramResult result =
+      place.run({"export", "gear.toml", "--svg", "out", "--format", "json"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_TRUE(contains(result.err, "checks failed")) << result.err;
+  EXPECT_TRUE(contains(result.err, "normal backlash (S-P1)")) << result.err;
+  EXPECT_TRUE(contains(result.err, "not one part")) << result.err;
+  EXPECT_TRUE(contains(result.err, "zero-backlash distance of mesh P1-R1, 16.1813 mm"))
+      << result.err;
+  EXPECT_TRUE(contains(json::parse(result.out).at("notes").dump(), "normal backlash (S-P1)"));
+  EXPECT_TRUE(place.has("out/train.svg"));
+}
+
+TEST(Export, DrawsOnePlanetWhereTheyCannotBeEquallySpaced) {
+  const Workplace place;
+  place.write("gear.toml", replaced(bilateral(), "planets = 3", "planets = 4"));
+  const ProgramResult result =
+      place.run({"export", "gear.toml", "--dxf", "out", "--format", "json"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_TRUE(contains(result.err,
+                       "4 planets cannot be equally spaced (zS + zR1 = 102 is not "
+                       "divisible by 4): the train is drawn with planet 1 alone"))
+      << result.err;
+  EXPECT_EQ(json::parse(result.out).at("files").at(5).at("contours"), 5);
+}
+
+TEST(Export, QuietKeepsTheNotesOffStderr) {
+  const Workplace place;
+  place.write("gear.toml", prototype());
+  const ProgramResult result = place.run({"export", "gear.toml", "--svg", "out", "--quiet"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.err, "");
+  EXPECT_FALSE(result.out.empty());
+}
+
+TEST(Export, HelpSaysWhatIsDrawnWithUnitsAndRanges) {
+  const Workplace place;
+  const ProgramResult result = place.run({"export", "--help"});
+  EXPECT_EQ(result.exit_code, 0);
+  for (const char* part : {"--dxf", "--svg", "--chord-error-um", "0.01 to 100 um", "planet 1 alone",
+                           "stage1.module_mm"}) {
+    EXPECT_TRUE(contains(result.out, part)) << part;
+  }
+}
+
+// --- refusals: exit code, message, nothing left behind
+
+struct Refusal {
+  std::string name;
+  std::vector<std::string> arguments;  ///< after `export`
+  int exit_code;
+  std::vector<std::string> messages;
+};
+
+void PrintTo(const Refusal& refusal, std::ostream* stream) { *stream << refusal.name; }
+
+class ExportRefuses : public testing::TestWithParam<Refusal> {};
+
+TEST_P(ExportRefuses, WithItsCodeAndMessageAndLeavesNothing) {
+  const Refusal& refusal = GetParam();
+  const Workplace place;
+  place.write("gear.toml", bilateral());
+  place.write("bad.toml", replaced(replaced(bilateral(), "planets = 3", "planets = 0"),
+                                   "teeth = 12", "teth = 12"));
+  place.write("undefined.toml", "center_distance_mm = 1.0\n" + bilateral());
+  place.write("file", "a file");
+  std::filesystem::create_directories(place.file("blocked/R2.svg"));
+  place.write("blocked/S.svg", "old");
+  std::filesystem::create_directory(place.file("own"));
+  place.write("own/P1.dxf", bilateral());
+  const std::vector<std::string> before = place.listing();
+
+  std::vector<std::string> arguments{"export"};
+  arguments.insert(arguments.end(), refusal.arguments.begin(), refusal.arguments.end());
+  const ProgramResult result = place.run(arguments);
+  EXPECT_EQ(result.exit_code, refusal.exit_code) << result.err;
+  EXPECT_EQ(result.out, "");
+  for (const std::string& message : refusal.messages) {
+    EXPECT_TRUE(contains(result.err, message)) << message << "\nin\n" << result.err;
+  }
+  EXPECT_EQ(place.listing(), before);
+  EXPECT_EQ(place.read("blocked/S.svg"), "old");
+  EXPECT_EQ(place.read("own/P1.dxf"), bilateral());
+}
+
+std::vector<Refusal> refusals() {
+  const std::string range = "allowed: 0.01 to 100 um";
+  return {
+      {"NoFormat", {"gear.toml"}, 1, {"--dxf DIR, --svg DIR: neither is given"}},
+      {"NoDesign", {"--dxf", "out"}, 1, {"DESIGN"}},
+      {"NoFormatAndNoChord",
+       {"gear.toml", "--chord-error-um", "0"},
+       1,
+       {"neither is given", "--chord-error-um = 0 um", range}},
+      {"ChordTooSmall", {"gear.toml", "--svg", "out", "--chord-error-um", "0.009"}, 1, {range}},
+      {"ChordTooLarge", {"gear.toml", "--svg", "out", "--chord-error-um", "101"}, 1, {range}},
+      {"ChordNegative", {"gear.toml", "--svg", "out", "--chord-error-um=-1"}, 1, {range}},
+      {"ChordNan", {"gear.toml", "--svg", "out", "--chord-error-um", "nan"}, 1, {range}},
+      {"ChordNoNumber",
+       {"gear.toml", "--svg", "out", "--chord-error-um", "1um"},
+       1,
+       {"--chord-error-um"}},
+      {"EmptyFolder", {"gear.toml", "--svg", ""}, 1, {"--svg"}},
+      {"UnknownOption", {"gear.toml", "--dfx", "out"}, 1, {"did you mean --dxf?"}},
+      {"MissingDesign", {"none.toml", "--dxf", "out"}, 2, {"none.toml"}},
+      {"BadDesign",
+       {"bad.toml", "--dxf", "out"},
+       2,
+       {"planets = 0", "did you mean gears.S.teeth?"}},
+      {"UndefinedDesign",
+       {"undefined.toml", "--dxf", "out"},
+       2,
+       {"undefined.toml:1:1: mesh S-P1: center distance = 1 mm"}},
+      {"FileInTheWay", {"gear.toml", "--dxf", "new/a", "--svg", "file"}, 2, {"file: cannot be"}},
+      {"FilesInTheWayOfBoth",
+       {"gear.toml", "--dxf", "file/x", "--svg", "file"},
+       2,
+       {"file/x: cannot be", "file: cannot be"}},
+      {"FolderNamedAsAFile",
+       {"gear.toml", "--dxf", "new/a", "--svg", "blocked"},
+       2,
+       {"blocked/R2.svg: cannot be written: a folder has this name"}},
+      {"OverItsOwnInput", {"own/P1.dxf", "--dxf", "own"}, 2, {"own/P1.dxf: is the input file"}},
+      {"NoPlaceForFolders", {"gear.toml", "--dxf", "/proc/gear3k"}, 2, {"/proc/gear3k"}}};
+}
+
+INSTANTIATE_TEST_SUITE_P(Table, ExportRefuses, testing::ValuesIn(refusals()),
+                         [](const auto& test) { return test.param.name; });
+
+TEST(Export, StdoutThatCannotBeWrittenIsAnError) {
+  const Workplace place;
+  place.write("gear.toml", bilateral());
+  const ProgramResult result = place.run({"export", "gear.toml", "--svg", "out"}, "/dev/full");
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, "stdout: cannot be written")) << result.err;
+}
+
+// --- LibreCAD
+
+/// Runs a command line in a folder with its output in files there.  @returns the exit code
+int run_in(const std::filesystem::path& folder, const std::string& command) {
+  const std::string line =
+      "cd '" + folder.string() + "' && (" + command + ") >stdout.txt 2>stderr.txt </dev/null";
+  const int status = std::system(line.c_str());
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+TEST(Export, LibreCadOpensEveryDxfAndPrintsIt) {
+  if (std::system("command -v librecad >/dev/null 2>&1") != 0) {
+    GTEST_SKIP() << "LibreCAD is not installed: apt-get install --no-install-recommends librecad";
+  }
+  const Workplace place;
+  place.write("gear.toml", bilateral());
+  ASSERT_EQ(place.run({"export", "gear.toml", "--dxf", "dxf", "--chord-error-um", "2"}).exit_code,
+            0);
+  const std::filesystem::path folder = place.file("dxf");
+  std::filesystem::create_directory(folder / "home");
+  std::filesystem::permissions(folder / "home", std::filesystem::perms::owner_all);
+  // A file that it cannot read makes LibreCAD wait for an answer: the time is limited.
+  const int code = run_in(folder,
+                          "HOME=\"$PWD/home\" XDG_RUNTIME_DIR=\"$PWD/home\" "
+                          "QT_QPA_PLATFORM=offscreen timeout 60 librecad dxf2pdf -a *.dxf");
+  const std::string talk = read_text(folder / "stderr.txt") + read_text(folder / "stdout.txt");
+  EXPECT_EQ(code, 0) << talk;
+  for (const char* sign : {"ERROR", "rror:", "ailed", "arning"}) {
+    EXPECT_FALSE(contains(talk, sign)) << talk;
+  }
+  for (const std::string& name : kDrawings) {
+    const std::filesystem::path pdf = folder / (name + ".pdf");
+    ASSERT_TRUE(std::filesystem::exists(pdf)) << name << "\n" << talk;
+    EXPECT_TRUE(read_text(pdf).starts_with("%PDF-")) << name;
+    // An empty page takes about 1 kB.
+    EXPECT_GT(std::filesystem::file_size(pdf), 4000U) << name;
+  }
+}
+
+}  // namespace
+}  // namespace gear3k
