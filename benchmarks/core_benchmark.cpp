@@ -34,6 +34,28 @@ const RefinementProblem& winner() {
   return kProblem;
 }
 
+/// ratio-96's winner with every check that a train can have: the default ones, radial assembly,
+/// coaxiality, all bodies overlapping along the axis, both rings shaped by cutters.
+const RefinementProblem& winner_with_all_checks() {
+  static const Specification kSpec = [] {
+    Specification spec =
+        io::read_specification(std::string(GEAR3K_SOURCE_DIR) + "/examples/ratio-96.toml");
+    spec.limits[design::CheckId::kTrimming] = 0.0;
+    spec.limits[design::CheckId::kCoaxiality] = 0.1e-3;
+    spec.limits[design::CheckId::kOutputBacklashMin] = 1e-4;
+    for (const auto ring : {train::kR1, train::kR2}) {
+      spec.cutter[ring] = {.teeth = 40, .profile_shift = 0.0, .tip_radius = 0.2};
+    }
+    spec.axial.extent.fill(train::AxialInterval{.from_m = 0.0, .to_m = 0.01});
+    spec.axial.carrier_radius_m = 0.03;
+    return spec;
+  }();
+  static const RefinementProblem kProblem = make_refinement_problem(
+      kSpec, {.teeth = {.S = 12, .P1 = 64, .R1 = 141, .P2 = 52, .R2 = 132}, .planets = 3},
+      {std::nullopt, std::nullopt}, 1);
+  return kProblem;
+}
+
 /// Independent variables of any scalar type at a point.
 template <class T>
 std::vector<T> seeded(const RefinementProblem& p, const Point& v) {
@@ -52,11 +74,11 @@ std::vector<T> seeded(const RefinementProblem& p, const Point& v) {
   return jets;
 }
 
-/// Objective and all constraints of rp96's winner: double = values, Jet1 = gradients, Jet2 =
+/// Objective and all constraints of a winner: double = values, Jet1 = gradients, Jet2 =
 /// gradients and Hessians.
-template <class T>
+template <class T, const RefinementProblem& (*problem)()>
 void evaluate_problem(benchmark::State& state) {
-  const RefinementProblem& p = winner();
+  const RefinementProblem& p = problem();
   const std::vector<T> v = seeded<T>(p, starting_points(p, 1, 1).front());
   std::vector<T> g(p.rows.size());
   for (auto _ : state) {
@@ -66,9 +88,12 @@ void evaluate_problem(benchmark::State& state) {
     benchmark::DoNotOptimize(g.data());
   }
 }
-BENCHMARK(evaluate_problem<double>);
-BENCHMARK(evaluate_problem<Jet1>);
-BENCHMARK(evaluate_problem<Jet2>);
+BENCHMARK_TEMPLATE(evaluate_problem, double, winner);
+BENCHMARK_TEMPLATE(evaluate_problem, Jet1, winner);
+BENCHMARK_TEMPLATE(evaluate_problem, Jet2, winner);
+BENCHMARK_TEMPLATE(evaluate_problem, double, winner_with_all_checks);
+BENCHMARK_TEMPLATE(evaluate_problem, Jet1, winner_with_all_checks);
+BENCHMARK_TEMPLATE(evaluate_problem, Jet2, winner_with_all_checks);
 
 /// All derivatives by central differences of the values: what exact gradients replace.
 void gradient_by_differences(benchmark::State& state) {
