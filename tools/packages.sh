@@ -4,6 +4,9 @@ build_packages="g++ cmake ninja-build pkg-config git libeigen3-dev libceres-dev 
 libnlopt-dev libdxflib-dev libfmt-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev"
 check_packages="libgtest-dev libbenchmark-dev clang-format-14 clang-tidy-14 libomp-14-dev"
 
+# A second program that opens the drawings; its test is skipped where it cannot be installed.
+optional_check_packages="librecad"
+
 install_missing() {
   local missing="" package
   for package in "$@"; do

@@ -461,6 +461,7 @@ std::string analysis_table(const Evaluation& e) {
   table.add({"  assembly", assembly_text(e)});
   text += table.text(0);
   std::vector<std::array<std::string, 2>> gears;
+  gears.reserve(train::kMeshGears.size());
   for (const auto& [first, second] : train::kMeshGears) {
     gears.push_back({std::string(train::kGearNames[static_cast<std::size_t>(first)]),
                      std::string(train::kGearNames[static_cast<std::size_t>(second)])});
