@@ -107,7 +107,9 @@ std::vector<CheckInstance> list_checks(const Limits& limits, const GearingLayout
       }
       case CheckScope::kCutRing:
         for (int i = 0; i < gears; ++i) {
-          if (layout.shaped[static_cast<std::size_t>(i)]) add({.member = i, .which = 0});
+          const auto index = static_cast<std::size_t>(i);
+          const bool shaped = index < layout.shaped.size() && layout.shaped[index];
+          if (shaped && kind(i) == geometry::GearKind::kRing) add({.member = i, .which = 0});
         }
         break;
       case CheckScope::kMesh:

@@ -28,13 +28,11 @@ NotDefined no_working_angle(std::string_view mesh, double center_distance_m, dou
 
 ToothResult tooth_result(const GearGeometry<double>& g, const geometry::ToothForm<double>& form,
                          std::optional<double> pin_diameter_m) {
-  const bool cutter = form.fillet.tool == geometry::RootTool::kCutter;
-  const double asked = g.gear.module_m * g.gear.rack.root_radius;
   return {.tool = form.fillet.tool,
           .form_diameter_m = 2.0 * form.form_radius_m,
           .undercut = form.undercut,
           .fillet_radius_m = form.fillet.rounding_radius_m,
-          .full_round = !cutter && form.fillet.rounding_radius_m < asked,
+          .full_round = form.full_round,
           .form_thickness_m = geometry::form_circle_thickness(g, form),
           .root_space_m = geometry::root_space_width(g),
           .span = geometry::span_measure(g),
@@ -161,6 +159,21 @@ void note_loss_model(const std::vector<MeshResult>& meshes, std::vector<std::str
         "valid for 0 to 1 each with a sum of at least 1; it overestimates the loss there "
         "(loss_model = \"sliding\" does not)",
         mesh.name, mesh.approach_contact_ratio, mesh.recess_contact_ratio));
+  }
+}
+
+/// Says which bodies have no place along the axis, as their gaps are then not checked.
+void note_axial_overlap(const Design& design, std::vector<std::string>& notes) {
+  if (!design.limits[CheckId::kBodyGap]) return;
+  std::vector<std::string_view> unknown;
+  for (std::size_t i = 0; i < train::kBodyCount; ++i) {
+    if (!design.axial.extent[i]) unknown.push_back(train::kBodyNames[i]);
+  }
+  if (unknown.size() == train::kBodyCount) {
+    notes.emplace_back("axial overlap is not checked: the design has no [axial] table");
+  } else if (!unknown.empty()) {
+    notes.push_back(fmt::format("axial overlap is not checked for {}: not in [axial]",
+                                fmt::join(unknown, ", ")));
   }
 }
 
@@ -361,7 +374,7 @@ std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
     }
   }
   e.assembly = train::assembly(e.teeth, e.planets);
-  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+  for (std::size_t k = 0; e.assembly.equal_spacing && k < train::kMeshCount; ++k) {
     e.meshes[k].planet_phase =
         train::mesh_phases(e.teeth, static_cast<train::MeshId>(k), e.planets);
   }
@@ -374,6 +387,7 @@ std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
                                                                  .axial = design.axial})),
                         gearing, {.gears = train::kGearNames, .meshes = train::kMeshNames});
   note_loss_model(e.meshes, e.notes);
+  note_axial_overlap(design, e.notes);
   if (!design.center_distance_given) {
     e.notes.emplace_back(
         "no center_distance_mm given: the zero-backlash distance of mesh P1-R1 is used");

@@ -309,8 +309,7 @@ T trimming_margin(const GearGeometry<T>& pinion, const GearGeometry<T>& ring,
 template <class T>
 T ring_cutter_margin(const GearGeometry<T>& ring, const ToothForm<T>& form) {
   const T& angle = form.fillet.normal_angle_rad;
-  // Without a cutting angle there is no place for the cutter at all.
-  if (!form.cutter_fits) return constant<T>(-1.0);
+  if (form.fillet.tool != RootTool::kCutter) return form.cutter_room;
   const double teeth_ratio = form.fillet.tool_teeth_ratio;
   const InternalTips<T> tips{.teeth_ratio = teeth_ratio,
                              .base_radius1_m = ring.base_radius_m * teeth_ratio,
@@ -320,7 +319,9 @@ T ring_cutter_margin(const GearGeometry<T>& ring, const ToothForm<T>& form) {
                              .center_distance_m = form.cutter_center_distance_m,
                              .working_involute = involute(angle)};
   const T reach = tip_curvature_radius(ring) - form.generated_length_m;
-  return smaller(reach, smaller(trochoid_arc(tips), trimming_arc(tips))) / ring.gear.module_m;
+  return smaller(
+      form.cutter_room,
+      T(smaller(reach, smaller(trochoid_arc(tips), trimming_arc(tips))) / ring.gear.module_m));
 }
 
 template <class T>

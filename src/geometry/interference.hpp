@@ -95,8 +95,9 @@ template <class T>
 T trimming_margin(const GearGeometry<T>& pinion, const GearGeometry<T>& ring,
                   const MeshGeometry<T>& mesh);
 
-/// What the cutter of a ring leaves of its flanks: the least of three margins, in modules.
+/// What the cutter of a ring leaves of its flanks: the least of four margins, in modules.
 ///
+///   ToothForm::cutter_room: cutter and ring have a generating distance;
 ///   (ρ_a2 − a0 sin α_w0)/m: the cutter's involute reaches to the ring's tip;
 ///   trochoid_margin() and trimming_margin() of the cutter in the ring at a0: its corners do not
 ///   cut the ring's tips while it rolls and while it is fed in.

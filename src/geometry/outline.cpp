@@ -13,6 +13,7 @@ namespace gear3k::geometry {
 namespace {
 
 constexpr int kBisections = 60;
+constexpr double kOnAxis_rad = 1e-12;
 constexpr int kGreatestDepth = 20;
 /// Share of the chord error that the sampled deviations may use up; the rest is for the deviation
 /// between the samples.
@@ -65,6 +66,8 @@ class HalfTooth {
     if (open && radial_end) {
       points_.push_back({.radius_m = gear_.tip_radius_m, .angle_rad = points_.back().angle_rad});
     }
+    // A pointed tooth was followed to its axis, to rounding.
+    if (points_.back().angle_rad < kOnAxis_rad) points_.back().angle_rad = 0.0;
     if (points_.back().angle_rad > 0.0) {
       add_arc(points_.back().radius_m, points_.back().angle_rad, 0.0);
     }

@@ -1,5 +1,7 @@
 #include "geometry/sliding.hpp"
 
+#include <limits>
+
 #include "geometry/interference.hpp"
 
 namespace gear3k::geometry {
@@ -16,8 +18,9 @@ TipSliding tip_sliding(const GearGeometry<double>& gear1, const GearGeometry<dou
   const double r_w1 = gear1.base_radius_m * over_cos, r_w2 = gear2.base_radius_m * over_cos;
   const double g_a = rho_tip - tip.base_radius_m * mesh.tan_alpha_w;
   const double sign = mesh_sign(gear2.gear.kind);
-  return {.specific_at_tip = 1.0 - rho_mate * u / rho_tip,
-          .specific_at_root = 1.0 - rho_tip / (rho_mate * u),
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  return {.specific_at_tip = rho_mate > 0.0 ? 1.0 - rho_mate * u / rho_tip : kNone,
+          .specific_at_root = rho_mate > 0.0 ? 1.0 - rho_tip / (rho_mate * u) : kNone,
           .sliding_factor =
               (tip.gear.kind == GearKind::kRing ? -g_a : g_a) * (1.0 / r_w1 + sign / r_w2)};
 }

@@ -13,6 +13,14 @@ constexpr double kRightAngle = std::numbers::pi / 2.0;
 /// Least involute of the cutting angle: below it a cutter has no working angle in the ring.
 constexpr double kLeastCuttingInvolute = 1e-9;
 constexpr int kBisections = 60;
+/// Missing flank up to this length [modules] is within what the undercut check lets pass.
+constexpr double kUndercutTolerance = 1e-5;
+/// Slopes dr/dγ below this share of the radius are those of the root circle's end, where no step is
+/// taken.
+constexpr double kLeastSlope = 1e-9;
+/// Below this share of the reference radius, an undercut flank's end is taken from its series at
+/// the onset: the crossing itself is lost in rounding there.  The two differ by 1e-7 of it.
+constexpr double kOnsetShare = 1e-4;
 
 /// sqrt(hypotenuse² − leg²); 0 without derivatives where it has no real value.
 template <class T>
@@ -123,8 +131,14 @@ ToothForm<T> rack_form(const GearGeometry<T>& g) {
       .normal_angle_rad = g.angle.alpha_rad};
   form.form_normal_angle_rad = form.fillet.normal_angle_rad;
   form.form_length_m = g.reference_radius_m * g.angle.sin - m * (form_depth - x) / g.angle.sin;
-  form.undercut = value_of(form.form_length_m) < 0.0;
-  if (form.undercut) {
+  form.full_round = value_of(rounding) < value_of(rack.root_radius);
+  form.undercut = value_of(form.form_length_m) < -kUndercutTolerance * value_of(m);
+  if (form.undercut &&
+      value_of(form.form_length_m) > -kOnsetShare * value_of(g.reference_radius_m)) {
+    form.form_length_m = -0.5 * form.form_length_m;
+    form.form_radius_m =
+        sqrt(g.base_radius_m * g.base_radius_m + form.form_length_m * form.form_length_m);
+  } else if (form.undercut) {
     form.form_normal_angle_rad = undercut_normal_angle(g, form.fillet);
     form.form_radius_m = fillet_point(form.fillet, form.form_normal_angle_rad).radius_m;
     form.form_length_m = other_leg(form.form_radius_m, g.base_radius_m);
@@ -143,6 +157,7 @@ struct CornerRounding {
   T center_radius_m{};  ///< of its centre
   T center_angle{};     ///< of its centre, from the middle of the space or of the cutter's tooth
   T to_center_m{};      ///< sqrt(center_radius² − rb²)
+  bool full_round = false;
 };
 
 /// Rounds a corner by ρ.  Its neighbour on the other flank is as large: where both do not fit, they
@@ -162,12 +177,13 @@ CornerRounding<T> round_corner(const T& base_radius_m, const T& base_angle,
   if (value_of(corner.center_angle) < 0.0) {
     // δ falls with ρ, and is concave: Newton descends monotonically from above.
     T& rho = corner.radius_m;
-    for (int i = 0; i < kNewtonSteps; ++i) {
+    for (int i = 0; i < kNewtonSteps && value_of(rho) > 0.0; ++i) {
       const T radius = circle_radius_m - rho;
       const T slope = (other_leg(radius, base_radius_m) / radius - 1.0) / base_radius_m;
       rho = rho - center_angle(rho) / slope;
     }
     corner.center_angle = constant<T>(0.0);
+    corner.full_round = true;
     // The flanks cross inside the circle: no corner is left to round.
     if (!(value_of(rho) > 0.0)) rho = constant<T>(0.0);
   }
@@ -177,6 +193,9 @@ CornerRounding<T> round_corner(const T& base_radius_m, const T& base_angle,
 }
 
 template <class T>
+ToothForm<T> arc_form(const GearGeometry<T>& g);
+
+template <class T>
 ToothForm<T> cutter_form(const GearGeometry<T>& g) {
   using std::cos, std::sqrt, std::tan;
   // Index 0: the cutter.
@@ -184,6 +203,11 @@ ToothForm<T> cutter_form(const GearGeometry<T>& g) {
   const T& m = g.gear.module_m;
   const double z = g.gear.teeth;
   const double z0 = cutter.teeth;
+  if (z0 >= z) {
+    ToothForm<T> form = arc_form(g);
+    form.cutter_room = constant<T>(z - z0 - 1.0);
+    return form;
+  }
   const T cutting_involute = g.angle.involute + 2.0 * g.angle.tan *
                                                     (g.gear.profile_shift - cutter.profile_shift) /
                                                     (z - z0);
@@ -191,7 +215,7 @@ ToothForm<T> cutter_form(const GearGeometry<T>& g) {
   const T cos_angle = cos(angle);
   const T rb0 = g.base_radius_m * (z0 / z);
   ToothForm<T> form;
-  form.cutter_fits = value_of(cutting_involute) > kLeastCuttingInvolute;
+  form.cutter_room = (cutting_involute - kLeastCuttingInvolute) * (z - z0) / (2.0 * g.angle.tan);
   form.cutter_center_distance_m = (g.base_radius_m - rb0) / cos_angle;
   form.cutter_tip_radius_m = g.root_radius_m - form.cutter_center_distance_m;
   form.generated_length_m = (g.base_radius_m - rb0) * tan(angle);
@@ -209,6 +233,7 @@ ToothForm<T> cutter_form(const GearGeometry<T>& g) {
                  .tool_teeth_ratio = z0 / z,
                  .normal_angle_rad = angle};
   form.form_normal_angle_rad = angle;
+  form.full_round = corner.full_round;
   form.form_length_m = form.generated_length_m + corner.radius_m + corner.to_center_m;
   form.form_radius_m =
       sqrt(g.base_radius_m * g.base_radius_m + form.form_length_m * form.form_length_m);
@@ -226,6 +251,7 @@ ToothForm<T> arc_form(const GearGeometry<T>& g) {
                  .pitch_radius_m = corner.center_radius_m,
                  .center_offset = corner.center_angle,
                  .normal_angle_rad = atan2(corner.to_center_m, g.base_radius_m)};
+  form.full_round = corner.full_round;
   form.form_normal_angle_rad = form.fillet.normal_angle_rad;
   form.form_length_m = corner.radius_m + corner.to_center_m;
   form.form_radius_m =
@@ -302,6 +328,8 @@ T contour_half_angle(const GearGeometry<T>& g, const ToothForm<T>& form, const T
   if (outwards * (radius - value_of(form.form_radius_m)) >= 0.0) {
     return space_half_angle(g, radius_m);
   }
+  const FilletPoint<T> root = fillet_point(form.fillet, constant<T>(kRightAngle));
+  if (outwards * (radius - value_of(root.radius_m)) <= 0.0) return root.angle_rad;
   const Fillet<double> fillet = without_derivatives(form.fillet);
   // The fillet's radius falls towards the root of an external gear, and rises on a ring.
   double low = value_of(form.form_normal_angle_rad), high = kRightAngle;
@@ -313,7 +341,7 @@ T contour_half_angle(const GearGeometry<T>& g, const ToothForm<T>& form, const T
   if constexpr (!std::is_floating_point_v<T>) {
     for (int step = 0; step < 2; ++step) {
       const FilletPoint<T> point = fillet_point(form.fillet, gamma);
-      if (!(std::abs(value_of(point.radius_slope_m)) > 0.0)) break;
+      if (!(std::abs(value_of(point.radius_slope_m)) > kLeastSlope * radius)) break;
       gamma = gamma - (point.radius_m - radius_m) / point.radius_slope_m;
     }
   }

@@ -71,12 +71,16 @@ struct ToothForm {
   /// ρ_F = sqrt(r_F² − rb²): the same as a distance along the line of action from the base circle's
   /// tangent point.
   T form_length_m{};
-  bool undercut = false;
+  bool undercut = false;  ///< ρ_F of the rack below −1e-5 modules
   /// kCutter: least distance along the line of action at which the cutter generates involute flank,
   /// a0 sin α_w0: from its base circle on.  Else 0.
   T generated_length_m{};
-  /// False where inv α_w0 ≤ 0: cutter and ring have no generating distance.
-  bool cutter_fits = true;
+  /// The rounding is less than asked for: both neighbours have become one arc.
+  bool full_round = false;
+  /// kCutter: profile shift [modules] that the ring has above the one at which it and its cutter
+  /// lose their generating distance (inv α_w0 = 0); at most z − z0 − 1 < 0 for a cutter with too
+  /// many teeth, for which the root is that of kArc.
+  T cutter_room{};
   /// kCutter: generating centre distance a0, radius of the cutter's tip circle.  Else 0.
   T cutter_center_distance_m{}, cutter_tip_radius_m{};
 };
@@ -84,7 +88,8 @@ struct ToothForm {
 /// Form of the root.
 ///
 ///   rack    ρ_F = r sin α − h_F/sin α,  h_F = m (hfP* − ρfP* (1 − sin α) − x); where that is
-///           negative the rack undercuts: r_F is where fillet and involute cross
+///           negative the rack undercuts: r_F is where fillet and involute cross, near the onset
+///           ρ_F = −ρ_F,rack/2
 ///   cutter  ρ_F = a0 sin α_w0 + ρ_F0,   ρ_F0 = ρ0 + sqrt((r_a0 − ρ0)² − rb0²)
 ///   arc     ρ_F = ρ + sqrt((r_f − ρ)² − rb²)
 ///

@@ -1,5 +1,6 @@
 #include "geometry/tooth_measures.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -20,8 +21,7 @@ double middle_radius(const GearGeometry<double>& g) {
   return g.reference_radius_m + g.gear.profile_shift * g.gear.module_m;
 }
 
-bool on_flank(const GearGeometry<double>& g, double radius_m) {
-  const double form_radius = make_tooth_form(g).form_radius_m;
+bool on_flank(const GearGeometry<double>& g, double form_radius, double radius_m) {
   return g.gear.kind == GearKind::kExternal ? radius_m >= form_radius && radius_m <= g.tip_radius_m
                                             : radius_m <= form_radius && radius_m >= g.tip_radius_m;
 }
@@ -44,17 +44,18 @@ std::optional<SpanMeasure> span_measure(const GearGeometry<double>& g) {
     w.contact_radius_m = std::hypot(g.base_radius_m, 0.5 * w.length_m);
     return w;
   };
-  const double r = middle_radius(g);
-  if (!(r > g.base_radius_m)) return std::nullopt;
+  // Half the wanted measure is the flank's normal on the middle circle; 0 inside the base circle.
+  const double r = std::max(middle_radius(g), g.base_radius_m);
   const double wanted =
-      2.0 * std::sqrt((r - g.base_radius_m) * (r + g.base_radius_m)) / base_pitch + 0.5;
-  const int nearest = static_cast<int>(std::lround(wanted - shifted / base_pitch));
-  for (const int k : {nearest, nearest - 1, nearest + 1}) {
-    if (k < 1) continue;
+      (2.0 * std::sqrt((r - g.base_radius_m) * (r + g.base_radius_m)) - shifted) / base_pitch + 0.5;
+  const double form_radius = make_tooth_form(g).form_radius_m;
+  std::optional<SpanMeasure> nearest;
+  for (int k = 1; k <= g.gear.teeth; ++k) {
     const SpanMeasure measure = at(k);
-    if (measure.length_m > 0.0 && on_flank(g, measure.contact_radius_m)) return measure;
+    if (!(measure.length_m > 0.0) || !on_flank(g, form_radius, measure.contact_radius_m)) continue;
+    if (!nearest || std::abs(k - wanted) < std::abs(nearest->count - wanted)) nearest = measure;
   }
-  return std::nullopt;
+  return nearest;
 }
 
 std::optional<PinMeasure> pin_measure(const GearGeometry<double>& g,
@@ -89,7 +90,8 @@ std::optional<PinMeasure> pin_measure(const GearGeometry<double>& g,
                            .contact_radius_m = std::hypot(rb, rho_contact)};
   const double bottom = r_M - sign * 0.5 * diameter;
   const bool off_root = sign * (bottom - g.root_radius_m) >= 0.0;
-  if (!off_root || !on_flank(g, measure.contact_radius_m)) return std::nullopt;
+  if (!off_root || !on_flank(g, make_tooth_form(g).form_radius_m, measure.contact_radius_m))
+    return std::nullopt;
   return measure;
 }
 

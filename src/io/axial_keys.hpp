@@ -42,6 +42,14 @@ void append_axial_keys(std::vector<Key<Target>>& keys, View view) {
 
 /// What the keys say together.
 inline void check_axial(const train::AxialLayout& layout, FileReading& reading) {
+  for (std::size_t i = 0; i < train::kBodyCount; ++i) {
+    const auto& body = layout.extent[i];
+    if (body && !(body->from_m < body->to_m)) {
+      const std::string key = fmt::format("axial.{}_mm", train::kBodyNames[i]);
+      reading.error_at(key, fmt::format("{} = [{:g}, {:g}]: allowed: from below to", key,
+                                        body->from_m * 1e3, body->to_m * 1e3));
+    }
+  }
   const bool extent = layout.extent[train::kCarrier].has_value();
   const bool radius = layout.carrier_radius_m > 0.0;
   if (extent == radius) return;

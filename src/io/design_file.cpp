@@ -323,10 +323,11 @@ geometry::Gear<double> finish_gear(const CommonInput& input, const GearInput& g,
                                  place.path));
   }
   if (g.khk_tip && reading.has(place.path + ".tip_shortening")) {
-    reading.error_at(place.path + ".tip_shortening",
-                     fmt::format("{0}.tip_shortening and {0}.tip_rule = \"khk\" say the same: "
-                                 "allowed: one of them",
-                                 place.path));
+    reading.error_at(
+        place.path + ".tip_shortening",
+        fmt::format("{0}.tip_shortening and {0}.tip_rule = \"khk\" exclude each other: "
+                    "allowed: one of them",
+                    place.path));
   }
   const std::string cutter_path = place.path + ".cutter";
   if (!place.ring) {

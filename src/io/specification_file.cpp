@@ -292,16 +292,15 @@ void check_relations(const Input& input, FileReading& reading) {
   }
   check_axial(spec.axial, reading);
   check_rack(spec.rack, spec.pressure_angle_rad, reading);
-  check_cutter("cutter.R1", spec.cutter[train::kR1],
-               spec.teeth.P1.min + teeth.min_internal_difference, reading);
-  check_cutter("cutter.R2", spec.cutter[train::kR2],
-               spec.teeth.P2.min + teeth.min_internal_difference, reading);
+  check_cutter("cutter.R1", spec.cutter[train::kR1], teeth.R1_max, reading);
+  check_cutter("cutter.R2", spec.cutter[train::kR2], teeth.R2_max, reading);
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
     if (spec.khk_tip[i] && spec.tip_shortening[i] > 0.0) {
-      reading.error_at("tip_shortening",
-                       fmt::format("tip_shortening of {0} and tip_rule.{0} = \"khk\" say the same: "
-                                   "allowed: one of them",
-                                   train::kGearNames[i]));
+      reading.error_at(
+          "tip_shortening",
+          fmt::format("tip_shortening of {0} and tip_rule.{0} = \"khk\" exclude each other: "
+                      "allowed: one of them",
+                      train::kGearNames[i]));
     }
     if (spec.tip_shortening[i] >= spec.rack.addendum + spec.rack.dedendum) {
       reading.error_at("tip_shortening",

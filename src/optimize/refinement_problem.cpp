@@ -190,6 +190,20 @@ train::TrainParameters<T> parameters_at(const RefinementProblem& p, std::span<co
   return t;
 }
 
+namespace {
+
+bool all_finite(double x) { return std::isfinite(x); }
+template <class T, int N>
+bool all_finite(const ceres::Jet<T, N>& x) {
+  if (!all_finite(x.a)) return false;
+  for (int k = 0; k < N; ++k) {
+    if (!all_finite(x.v[k])) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
 template <class T>
 std::optional<T> evaluate(const RefinementProblem& p, std::span<const T> v,
                           std::span<T> constraints) {
@@ -206,7 +220,7 @@ std::optional<T> evaluate(const RefinementProblem& p, std::span<const T> v,
                                                  spec.friction.model, forward);
   const T objective = forward ? T(-efficiency::forward_efficiency(p.candidate.teeth, eta))
                               : T(-efficiency::backward_efficiency(p.candidate.teeth, eta));
-  bool finite = std::isfinite(value_of(objective));
+  bool finite = all_finite(objective);
   auto gearing = design::gearing_of(*train, j_bn, spec.limits.model);
   std::array<geometry::ToothForm<T>, train::kGearCount> forms;
   if (p.tooth_forms) {
@@ -223,7 +237,7 @@ std::optional<T> evaluate(const RefinementProblem& p, std::span<const T> v,
       constraints[k] =
           (row.at_least ? T(module - row.bound_m) : T(row.bound_m - module)) / p.length_scale_m;
     }
-    finite = finite && std::isfinite(value_of(constraints[k]));
+    finite = finite && all_finite(constraints[k]);
   }
   if (!finite) return std::nullopt;
   return objective;

@@ -90,6 +90,8 @@ std::string mesh_table(const std::vector<MeshResult>& meshes) {
   return "\nMeshes (approach and recess of the forward drive direction)\n" + table.text(2);
 }
 
+std::string or_none(double value) { return std::isfinite(value) ? fixed(value, 3) : "none"; }
+
 std::string flank_table(const std::vector<MeshResult>& meshes,
                         const std::vector<std::array<std::string, 2>>& gears) {
   TextTable table({"mesh", "gear", "active flank from dia", "tip clearance", "sliding at tip",
@@ -102,8 +104,8 @@ std::string flank_table(const std::vector<MeshResult>& meshes,
       table.add({i == 0 ? m.name : "", gears[k][i],
                  active ? fmt::format("{:.4f}", mm(*active)) : "beyond base",
                  fmt::format("{:.4f}", mm(m.root_clearance_m[i])),
-                 fixed(m.tip_sliding[i].specific_at_tip, 3),
-                 fixed(m.tip_sliding[1 - i].specific_at_root, 3),
+                 or_none(m.tip_sliding[i].specific_at_tip),
+                 or_none(m.tip_sliding[1 - i].specific_at_root),
                  fixed(m.tip_sliding[i].sliding_factor, 3)});
     }
   }
@@ -299,8 +301,21 @@ ordered_json mesh_json(const MeshResult& m) {
            list_json(m.tip_sliding, [](const auto& t) { return finite_json(t.sliding_factor); })}};
 }
 
+std::string_view root_name(geometry::RootTool tool) {
+  switch (tool) {
+    case geometry::RootTool::kRack:
+      return "rack";
+    case geometry::RootTool::kCutter:
+      return "cutter";
+    case geometry::RootTool::kArc:
+      break;
+  }
+  return "arc";
+}
+
 ordered_json tooth_json(const design::ToothResult& t) {
-  ordered_json json{{"form_diameter_mm", mm(t.form_diameter_m)},
+  ordered_json json{{"root", root_name(t.tool)},
+                    {"form_diameter_mm", mm(t.form_diameter_m)},
                     {"undercut", t.undercut},
                     {"fillet_radius_mm", mm(t.fillet_radius_m)},
                     {"full_round", t.full_round},
@@ -365,6 +380,7 @@ class CsvRows {
  public:
   void add(const std::string& item, const std::string& quantity, double value,
            const std::string& unit) {
+    if (std::isnan(value)) return;
     text_ += csv_line({item, quantity, exact(value), unit, "", ""});
   }
   void add_mesh(const MeshResult& m) {
@@ -404,6 +420,15 @@ class CsvRows {
     add(g.name, "tip_thickness", mm(g.tip_thickness_m), "mm");
     add(g.name, "tip_shortening", g.tip_shortening, "module");
     add(g.name, "form_diameter", mm(g.tooth.form_diameter_m), "mm");
+    add(g.name, "undercut", g.tooth.undercut ? 1.0 : 0.0, "");
+    add(g.name, "full_round", g.tooth.full_round ? 1.0 : 0.0, "");
+    add(g.name, "infeed_profile_shift", g.tooth.infeed.profile_shift, "module");
+    add(g.name, "infeed_root_diameter", 2.0 * mm(g.tooth.infeed.root_radius_m), "mm");
+    if (g.tooth.root_space_m) add(g.name, "root_space_width", mm(*g.tooth.root_space_m), "mm");
+    if (g.tooth.cutter_teeth > 0) {
+      add(g.name, "cutter_tip_diameter", mm(g.tooth.cutter_tip_diameter_m), "mm");
+      add(g.name, "cutter_center_distance", mm(g.tooth.cutter_center_distance_m), "mm");
+    }
     add(g.name, "form_circle_thickness", mm(g.tooth.form_thickness_m), "mm");
     add(g.name, "fillet_radius", mm(g.tooth.fillet_radius_m), "mm");
     if (g.tooth.span) {

@@ -131,7 +131,9 @@ double drawn_outer_radius(const DrawnGear& ring) {
 
 DrawingSet make_drawings(const design::Design& design, const design::Evaluation& evaluation,
                          double chord_error_m) {
-  const auto gears = train::make_train_gears(design.train);
+  train::TrainParameters<double> parameters = design.train;
+  parameters.center_distance_m = evaluation.center_distance_m;  // as the KHK tip rule needs it
+  const auto gears = train::make_train_gears(parameters);
   DrawingSet set;
   std::vector<DrawnGear> alone;
   for (const GearId id : {kS, kP1, kR1, kP2, kR2}) {

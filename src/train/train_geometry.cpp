@@ -11,7 +11,7 @@ std::array<geometry::GearGeometry<T>, kGearCount> make_train_gears(const TrainPa
   const std::array<int, kGearCount> z = teeth_of(p.teeth);
   std::array<T, kGearCount> shortening = p.tip_shortening;
   for (const std::size_t i : {kS, kP1}) {
-    if (p.khk_tip[i]) {
+    if (p.khk_tip[i] && value_of(p.center_distance_m) > 0.0) {
       shortening[i] =
           geometry::khk_tip_shortening<T>({.teeth_sum = z[kS] + z[kP1],
                                            .module_m = p.module_m[0],

@@ -41,7 +41,8 @@ struct TrainGeometry {
   std::array<geometry::MeshGeometry<T>, kMeshCount> meshes{};
 };
 
-/// The gears alone.  The centre distance matters only where khk_tip asks for it.
+/// The gears alone.  The centre distance matters only where khk_tip asks for it; while it is not
+/// known (0), those tips are as tip_shortening says.
 template <class T>
 std::array<geometry::GearGeometry<T>, kGearCount> make_train_gears(const TrainParameters<T>& p);
 

@@ -204,12 +204,12 @@ class RingCutter {
     half_on_base_ = thickness_m / (2.0 * reference_m) + involute_polar_angle(base_m_, reference_m);
     const auto corner = [&](double rho) { return corner_of(base_m_, half_on_base_, tip_m_, rho); };
     if (corner(0.0).center_angle > 0.0 && corner(rounding_m_).center_angle < 0.0) {
-      double low = 0.0, high = rounding_m_;
+      double fits = 0.0, too_large = rounding_m_;
       for (int i = 0; i < 200; ++i) {
-        const double middle = 0.5 * (low + high);
-        (corner(middle).center_angle < 0.0 ? high : low) = middle;
+        const double middle = 0.5 * (fits + too_large);
+        (corner(middle).center_angle < 0.0 ? too_large : fits) = middle;
       }
-      rounding_m_ = low;
+      rounding_m_ = fits;
       one_arc_ = true;
     }
     corner_ = corner(rounding_m_);

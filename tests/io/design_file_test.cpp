@@ -13,6 +13,7 @@
 #include <random>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "io/diagnostics.hpp"
 
@@ -108,7 +109,19 @@ void expect_same_design(const Design& a, const Design& b) {
     EXPECT_EQ(a.train.rack[i].addendum, b.train.rack[i].addendum);
     EXPECT_EQ(a.train.rack[i].dedendum, b.train.rack[i].dedendum);
     EXPECT_EQ(a.train.rack[i].root_radius, b.train.rack[i].root_radius);
+    EXPECT_EQ(a.train.khk_tip[i], b.train.khk_tip[i]);
+    EXPECT_EQ(a.train.cutter[i].teeth, b.train.cutter[i].teeth);
+    EXPECT_EQ(a.train.cutter[i].profile_shift, b.train.cutter[i].profile_shift);
+    EXPECT_EQ(a.train.cutter[i].tip_radius, b.train.cutter[i].tip_radius);
+    expect_ulp(a.pin_diameter_m[i], b.pin_diameter_m[i], "pin diameter");
   }
+  for (std::size_t i = 0; i < train::kBodyCount; ++i) {
+    ASSERT_EQ(a.axial.extent[i].has_value(), b.axial.extent[i].has_value());
+    if (!a.axial.extent[i]) continue;
+    expect_ulp(a.axial.extent[i]->from_m, b.axial.extent[i]->from_m, "axial from");
+    expect_ulp(a.axial.extent[i]->to_m, b.axial.extent[i]->to_m, "axial to");
+  }
+  expect_ulp(a.axial.carrier_radius_m, b.axial.carrier_radius_m, "carrier radius");
   EXPECT_EQ(a.friction.coefficient, b.friction.coefficient);
   EXPECT_EQ(a.friction.model, b.friction.model);
   expect_same_limits(a.limits, b.limits);
@@ -347,6 +360,23 @@ TEST(DesignText, RoundTripsRandomDesigns) {
     d.train.rack.fill({.addendum = uniform(0.8, 1.2),
                        .dedendum = uniform(1.1, 1.3),
                        .root_radius = uniform(0.0, 0.4)});
+    for (const std::size_t i : {train::kS, train::kP1}) {
+      if (integer(0, 2) > 0) continue;
+      d.train.khk_tip[i] = true;
+      d.train.tip_shortening[i] = 0.0;
+    }
+    for (const std::size_t i : {train::kR1, train::kR2}) {
+      if (integer(0, 1) > 0) continue;
+      d.train.cutter[i] = {.teeth = integer(6, 20),
+                           .profile_shift = uniform(-0.3, 0.5),
+                           .tip_radius = uniform(0.0, 0.3)};
+    }
+    d.pin_diameter_m[static_cast<std::size_t>(integer(0, 4))] = uniform(5e-4, 5e-3);
+    for (std::size_t i = 0; i < train::kBodyCount; ++i) {
+      const double from = uniform(-0.02, 0.02);
+      d.axial.extent[i] = train::AxialInterval{.from_m = from, .to_m = from + uniform(1e-3, 0.02)};
+    }
+    d.axial.carrier_radius_m = uniform(0.01, 0.05);
     d.friction.coefficient = uniform(0.0, 0.3);
     d.friction.model =
         k % 2 == 0 ? efficiency::LossModel::kSliding : efficiency::LossModel::kOhlendorf;
@@ -362,6 +392,47 @@ TEST(DesignText, RoundTripsRandomDesigns) {
     d.limits[CheckId::kContactRatioMax] = uniform(1.6, 2.5);
     expect_round_trip(d);
   }
+}
+
+TEST(ToothKeys, ThatContradictTheGearAreAnError) {
+  // Gear, what is added to it, and what the message must say.
+  struct Case {
+    std::string gear, added, message;
+  };
+  const std::vector<Case> cases{
+      {"S", "cutter = { teeth = 10 }", "gears.S.cutter.teeth: allowed for rings only"},
+      {"R1", "cutter = { tip_radius = 0.2 }",
+       "gears.R1.cutter.tip_radius without gears.R1.cutter.teeth"},
+      {"R1", "cutter = { teeth = 90 }",
+       "gears.R1.cutter.teeth = 90: allowed: below the 90 of the ring"},
+      {"R2", "tip_rule = \"khk\"", "gears.R2.tip_rule = \"khk\": allowed: \"full\""},
+      {"P2", "tip_rule = \"khk\"", "gears.P2.tip_rule = \"khk\": allowed: \"full\""},
+      {"S", "tip_rule = \"khk\", tip_shortening = 0.1",
+       "gears.S.tip_shortening and gears.S.tip_rule"},
+      {"P1", "pin_diameter_mm = 0.0", "gears.P1.pin_diameter_mm = 0"}};
+  for (const Case& c : cases) {
+    const auto line = kBilateral.find("\n" + c.gear + " = ");
+    ASSERT_NE(line, std::string::npos);
+    const auto brace = kBilateral.find(" }", line);
+    std::string text = kBilateral;
+    text.insert(brace, ", " + c.added);
+    EXPECT_NE(errors_of(text).find(c.message), std::string::npos) << errors_of(text);
+  }
+}
+
+TEST(AxialKeys, ReversedAndHalfStatedOnesAreAnError) {
+  const auto errors = [](const std::string& table) { return errors_of(kBilateral + table); };
+  EXPECT_NE(errors("[axial]\nS_mm = [3, 3]\n").find("axial.S_mm = [3, 3]: allowed: from below to"),
+            std::string::npos);
+  EXPECT_NE(errors("[axial]\nS_mm = [5, 3]\n").find("axial.S_mm"), std::string::npos);
+  EXPECT_NE(errors("[axial]\ncarrier_mm = [0, 3]\n")
+                .find("axial.carrier_mm without axial.carrier_diameter_mm"),
+            std::string::npos);
+  EXPECT_NE(errors("[axial]\ncarrier_diameter_mm = 30\n")
+                .find("axial.carrier_diameter_mm without axial.carrier_mm"),
+            std::string::npos);
+  EXPECT_NE(errors("[rack]\ndedendum = 2.5\n").find("rack.dedendum = 2.5: allowed: below 2.157"),
+            std::string::npos);
 }
 
 TEST(DesignText, RoundTripsWithoutACentreDistance) {

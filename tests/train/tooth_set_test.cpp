@@ -253,5 +253,27 @@ TEST(PublishedGearbox, RatioAndPlanetPhasesAreReproduced) {
   EXPECT_EQ(gearboxes, 2);
 }
 
+TEST(MeshPhases, AreWhereATurnByTheCarriersAngleLeavesTheTeeth) {
+  // At planet k the line of centres is turned by 2 pi k/N: sun teeth pass it with their own turn,
+  // ring teeth against it.  Rolling: the sun's tooth that meets planet 0 lies at angle 0.
+  const ToothSet z{.S = 14, .P1 = 40, .R1 = 94, .P2 = 36, .R2 = 92};
+  for (const int planets : {2, 3, 4, 6}) {
+    for (const MeshId mesh : {kMeshSP1, kMeshP1R1, kMeshP2R2}) {
+      const double teeth = mesh == kMeshSP1 ? z.S : mesh == kMeshP1R1 ? -z.R1 : -z.R2;
+      const auto phases = mesh_phases(z, mesh, planets);
+      ASSERT_EQ(phases.size(), static_cast<std::size_t>(planets));
+      for (int k = 0; k < planets; ++k) {
+        const double pitches = teeth * k / planets;
+        EXPECT_NEAR(phases[static_cast<std::size_t>(k)], pitches - std::floor(pitches), 1e-12);
+      }
+    }
+    // Where the planets fit, the meshes of P1 with sun and ring stand alike.
+    if ((z.S + z.R1) % planets == 0) {
+      EXPECT_EQ(mesh_phases(z, kMeshSP1, planets), mesh_phases(z, kMeshP1R1, planets));
+    }
+  }
+  EXPECT_THROW(mesh_phases(z, kMeshSP1, 0), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace gear3k::train
