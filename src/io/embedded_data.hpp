@@ -7,6 +7,8 @@ namespace gear3k::io {
 
 std::string_view published_prototypes_csv();  ///< data/published_3k_prototypes.csv
 std::string_view paper_statements_csv();      ///< data/low_backlash_paper_statements.csv
+std::string_view pair_losses_csv();           ///< data/spur_pair_loss_dry_steel.csv
+std::string_view thesis_statements_csv();     ///< data/directional_impedance_statements.csv
 std::string_view rp96_toml();                 ///< examples/rp96.toml
 
 }  // namespace gear3k::io

@@ -15,6 +15,8 @@ namespace {
 
 constexpr const char* kPrototypes = "published_3k_prototypes.csv";
 constexpr const char* kStatements = "low_backlash_paper_statements.csv";
+constexpr const char* kPairLosses = "spur_pair_loss_dry_steel.csv";
+constexpr const char* kThesisStatements = "directional_impedance_statements.csv";
 
 const CsvTable::Row& row_named(const CsvTable& table, const std::string& column,
                                const std::string& name) {
@@ -66,6 +68,36 @@ report::PublishedGearbox gearbox(const CsvTable& table, const CsvTable::Row& row
   return g;
 }
 
+report::ThesisSources thesis_sources() {
+  report::ThesisSources sources;
+  const CsvTable losses = parse_csv(std::string(pair_losses_csv()), kPairLosses);
+  sources.measured.reserve(losses.rows.size());
+  for (const CsvTable::Row& row : losses.rows) {
+    sources.measured.push_back(
+        {.driving_teeth = static_cast<int>(required(losses, row, "driving_teeth")),
+         .driven_teeth = static_cast<int>(required(losses, row, "driven_teeth")),
+         .loss = required(losses, row, "loss_factor")});
+  }
+  const CsvTable statements = parse_csv(std::string(thesis_statements_csv()), kThesisStatements);
+  const auto stated = [&](const std::string& name) {
+    return required(statements, row_named(statements, "name", name), "value");
+  };
+  sources.statements = {
+      .module_m = design::from_unit(stated("module"), design::Unit::kMillimetre),
+      .pressure_angle_rad = design::from_unit(stated("pressure_angle"), design::Unit::kDegree),
+      .map_friction = stated("map_friction"),
+      .corrected_friction = stated("corrected_friction"),
+      .corrected_symmetric_scale = stated("corrected_symmetric_scale"),
+      .corrected_offset = stated("corrected_offset"),
+      .corrected_skew_factor = stated("corrected_skew_factor"),
+      .largest_model_skew_percent = stated("largest_model_skew"),
+      .single_pair_contact_ratio = stated("single_pair_contact_ratio"),
+      .small_skew_teeth = static_cast<int>(stated("small_skew_teeth")),
+      .small_skew_percent = stated("small_skew"),
+      .sensor_sensitivity_error_percent = stated("sensor_sensitivity_error")};
+  return sources;
+}
+
 }  // namespace
 
 report::PublishedSources published_sources() {
@@ -93,6 +125,7 @@ report::PublishedSources published_sources() {
   sources.max_backdriving_torque_Nm = required(table, proposed, "max_backdrive_Nm");
   sources.strain_wave_starting_torque_Nm = required(table, strain_wave, "backdrive_start_Nm");
   sources.task = parse_specification(std::string(rp96_toml()), "rp96.toml");
+  sources.thesis = thesis_sources();
   return sources;
 }
 

@@ -4,7 +4,7 @@
 
 namespace gear3k::io {
 
-/// The published gearboxes and the task RP-96, from the files inside the program.
+/// The published gearboxes, the task RP-96 and the thesis, from the files inside the program.
 report::PublishedSources published_sources();
 
 }  // namespace gear3k::io

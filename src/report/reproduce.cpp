@@ -258,10 +258,41 @@ FrictionFit friction_fit(const PublishedGearbox& gearbox, LossModel model) {
   return fit;
 }
 
+/// The asymmetry a, friction (1 + a) mu in approach and (1 - a) mu in recess, with which one mu
+/// explains the measured efficiencies in both directions.
+std::optional<DirectionalFit> directional_fit(const PublishedGearbox& gearbox) {
+  const auto with_asymmetry = [&](double mu, double a) {
+    Design design = with_friction(gearbox.design, mu, LossModel::kDirectional);
+    design.friction.approach_factor = 1.0 + a;
+    design.friction.recess_factor = 1.0 - a;
+    return evaluated(design).efficiency;
+  };
+  const auto forward_mu = [&](double a) {
+    return root_of_increasing(
+        [&](double mu) {
+          return *gearbox.measured_forward - or_nan(with_asymmetry(mu, a).forward);
+        },
+        0.0, 0.5);
+  };
+  const auto excess = [&](double a) {
+    const auto mu = forward_mu(a);
+    return or_nan(mu ? with_asymmetry(*mu, a).backward : std::nullopt) - *gearbox.measured_backward;
+  };
+  constexpr double kMostAsymmetric = 1.0;  // all friction on one side of the pitch point
+  std::optional<double> a = root_of_increasing(excess, -kMostAsymmetric, kMostAsymmetric);
+  if (!a) {
+    a = root_of_increasing([&](double x) { return -excess(x); }, -kMostAsymmetric, kMostAsymmetric);
+  }
+  if (!a) return std::nullopt;
+  return DirectionalFit{
+      .mu = *forward_mu(*a), .approach_factor = 1.0 + *a, .recess_factor = 1.0 - *a};
+}
+
 GearboxComparison compare(const PublishedGearbox& gearbox) {
   const Evaluation e =
       evaluated(with_friction(gearbox.design, kTableFriction, LossModel::kOhlendorf));
-  GearboxComparison comparison{.name = e.name, .rows = {}, .efficiency = {}, .fits = {}};
+  GearboxComparison comparison{
+      .name = e.name, .rows = {}, .efficiency = {}, .fits = {}, .directional = {}};
   append_geometry_rows(gearbox, e, comparison.rows);
   append_lost_motion_rows(gearbox, e, comparison.rows);
   append_inertia_rows(e, comparison.rows);
@@ -277,9 +308,11 @@ GearboxComparison compare(const PublishedGearbox& gearbox) {
          .sliding_backward = eta(LossModel::kSliding, Direction::kBackward)});
   }
   if (gearbox.measured_forward && gearbox.measured_backward) {
-    for (const LossModel model : {LossModel::kOhlendorf, LossModel::kSliding}) {
+    for (const LossModel model :
+         {LossModel::kOhlendorf, LossModel::kSliding, LossModel::kCoulombPath}) {
       comparison.fits.push_back(friction_fit(gearbox, model));
     }
+    comparison.directional = directional_fit(gearbox);
   }
   return comparison;
 }
@@ -580,7 +613,8 @@ class Ledger {
 
 Reproduction reproduce(const PublishedSources& sources) {
   return {.gearboxes = {compare(sources.low_backlash), compare(sources.bilateral)},
-          .ledger = Ledger(sources).entries()};
+          .ledger = Ledger(sources).entries(),
+          .thesis = compare_thesis(sources.thesis)};
 }
 
 }  // namespace gear3k::report

@@ -1,6 +1,7 @@
 #pragma once
 // The published 96.2:1 gearboxes: what the paper says, what its own equations give, what was
-// measured; and the ledger of the paper's errata, computed.
+// measured; and the ledger of the paper's errata, computed.  With them the directional-impedance
+// thesis, see thesis_comparison.hpp.
 
 #include <array>
 #include <optional>
@@ -9,6 +10,8 @@
 
 #include "design/evaluation.hpp"
 #include "optimize/specification.hpp"
+#include "report/ledger.hpp"
+#include "report/thesis_comparison.hpp"
 
 namespace gear3k::report {
 
@@ -38,6 +41,7 @@ struct PublishedSources {
   double strain_wave_starting_torque_Nm = 0.0;  ///< of the paper's comparison
   /// The paper's optimisation task (RP-96), for what its tooth counts could reach.
   optimize::Specification task;
+  ThesisSources thesis;
 };
 
 /// One compared quantity; empty = nothing said or nothing to say.
@@ -58,6 +62,12 @@ struct FrictionFit {
   std::optional<double> backward;  ///< η_b predicted with `mu`
 };
 
+/// Loss model `directional` fitted to both measured efficiencies.
+struct DirectionalFit {
+  double mu = 0.0;
+  double approach_factor = 1.0, recess_factor = 1.0;  ///< 1 + a and 1 - a
+};
+
 struct EfficiencyPoint {
   double mu;
   double ohlendorf_forward, ohlendorf_backward, sliding_forward, sliding_backward;
@@ -68,25 +78,14 @@ struct GearboxComparison {
   std::vector<ComparedRow> rows;
   std::vector<EfficiencyPoint> efficiency;
   std::vector<FrictionFit> fits;
-};
-
-/// A computed figure of the ledger; NaN when it could not be computed.
-struct Figure {
-  std::string name, unit;
-  double value = 0.0;
-  int decimals = 3;
-};
-
-/// One erratum: place, what is printed, what it comes to, and the figures that show it.
-struct LedgerEntry {
-  int number = 0;
-  std::string where, paper, finding;
-  std::vector<Figure> figures;
+  /// Different friction in approach and recess that explains both directions; empty when none does.
+  std::optional<DirectionalFit> directional;
 };
 
 struct Reproduction {
   std::vector<GearboxComparison> gearboxes;
   std::vector<LedgerEntry> ledger;
+  ThesisComparison thesis;
 };
 
 /// Evaluates everything.

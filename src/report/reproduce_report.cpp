@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -39,6 +40,185 @@ std::string fit_text(const FrictionFit& f) {
       in_percent(f.measured_backward), difference, shown(f.backward_mu, 3));
 }
 
+std::string directional_text(const std::optional<DirectionalFit>& f) {
+  if (!f) {
+    return "  directional: no difference between approach and recess explains both directions\n";
+  }
+  return fmt::format(
+      "  directional: both directions are explained by mu = {:.3f} with {:.3f} times as much "
+      "friction in approach as in recess\n",
+      f->mu, f->approach_factor / f->recess_factor);
+}
+
+std::string ledger_text(const std::vector<LedgerEntry>& ledger, const char* source) {
+  std::string text;
+  for (const LedgerEntry& entry : ledger) {
+    std::string figures;
+    for (const Figure& f : entry.figures) {
+      figures += (figures.empty() ? "" : ", ") + figure_text(f);
+    }
+    text += fmt::format("{:>3}. {}\n     {:<9} {}\n     finding:  {}\n     computed: {}\n",
+                        entry.number, entry.where, fmt::format("{}:", source), entry.paper,
+                        entry.finding, figures);
+  }
+  return text;
+}
+
+ordered_json ledger_json(const std::vector<LedgerEntry>& entries) {
+  ordered_json ledger = ordered_json::array();
+  for (const LedgerEntry& entry : entries) {
+    ordered_json figures = ordered_json::array();
+    for (const Figure& f : entry.figures) {
+      figures.push_back({{"name", f.name}, {"unit", f.unit}, {"value", number_or_null(f.value)}});
+    }
+    ledger.push_back({{"number", entry.number},
+                      {"where", entry.where},
+                      {"paper", entry.paper},
+                      {"finding", entry.finding},
+                      {"figures", std::move(figures)}});
+  }
+  return ledger;
+}
+
+std::string ledger_csv(const std::vector<LedgerEntry>& ledger, const std::string& name) {
+  std::string text;
+  for (const LedgerEntry& entry : ledger) {
+    for (const Figure& f : entry.figures) {
+      text += csv_line({fmt::format("{} {}", name, entry.number),
+                        fmt::format("{}: {}", entry.where, f.name), f.unit, "", "", exact(f.value),
+                        ""});
+    }
+  }
+  return text;
+}
+
+// --- the thesis
+
+constexpr const char* kThesis = "directional-impedance thesis";
+
+std::string map_excerpt(const LossMap& map, const char* title, double LossMap::Point::*part,
+                        int decimals) {
+  const auto shown_teeth = {20, 40, 80, 120};
+  std::vector<std::string> header{"driving \\ driven"};
+  header.reserve(shown_teeth.size() + 1);
+  for (const int z : shown_teeth) header.push_back(fmt::format("{}", z));
+  TextTable table(std::move(header));
+  for (const int driving : shown_teeth) {
+    std::vector<std::string> row{fmt::format("{}", driving)};
+    for (const LossMap::Point& p : map.points) {
+      if (p.driving_teeth != driving ||
+          std::ranges::find(shown_teeth, p.driven_teeth) == shown_teeth.end()) {
+        continue;
+      }
+      row.push_back(fixed(100.0 * p.*part, decimals));
+    }
+    table.add(std::move(row));
+  }
+  return fmt::format("  {}\n{}", title, table.text(4));
+}
+
+std::string thesis_table(const ThesisComparison& t) {
+  std::string text = fmt::format("\n{}: single-tooth loss model, full teeth, mu = {:g}\n", kThesis,
+                                 t.map.friction);
+  text += map_excerpt(t.map, "Mean torque loss in % (excerpt; all of it with --format json or csv)",
+                      &LossMap::Point::loss, 3);
+  text += map_excerpt(t.map, "Its symmetric part in %", &LossMap::Point::symmetric, 3);
+  text += map_excerpt(t.map, "Its skew part in %", &LossMap::Point::skew, 5);
+  text += fmt::format("  Models of its Table 3.1, {} rows\n", t.rows.size());
+  TextTable models({"model", "mu", "symmetric scale", "offset", "skew factor", "rms error"});
+  for (const PairLossModel& m : t.models) {
+    models.add({m.description, fixed(m.friction, 3), fixed(m.symmetric_scale, 3),
+                fixed(m.offset, 3), fixed(m.skew_factor, 0), fixed(m.rms_error, 4)});
+  }
+  text += models.text(4);
+  text += "\nLedger of errata: directional-impedance thesis\n";
+  return text + ledger_text(t.ledger, "thesis");
+}
+
+ordered_json thesis_json(const ThesisComparison& t) {
+  const std::size_t n = t.map.teeth.size();
+  const auto matrix = [&](auto part) {
+    ordered_json rows = ordered_json::array();
+    for (std::size_t i = 0; i < n; ++i) {
+      ordered_json row = ordered_json::array();
+      for (std::size_t j = 0; j < n; ++j) row.push_back(t.map.points[i * n + j].*part);
+      rows.push_back(std::move(row));
+    }
+    return rows;
+  };
+  ordered_json models = ordered_json::array();
+  for (const PairLossModel& m : t.models) {
+    models.push_back({{"name", m.name},
+                      {"description", m.description},
+                      {"mu", m.friction},
+                      {"symmetric_scale", m.symmetric_scale},
+                      {"offset", m.offset},
+                      {"skew_factor", m.skew_factor},
+                      {"rms_error", m.rms_error}});
+  }
+  ordered_json rows = ordered_json::array();
+  for (const PairLossRow& row : t.rows) {
+    ordered_json predicted;
+    ordered_json residual;
+    for (std::size_t k = 0; k < t.models.size(); ++k) {
+      predicted[t.models[k].name] = row.predicted[k];
+      residual[t.models[k].name] = row.measured.loss - row.predicted[k];
+    }
+    rows.push_back({{"driving_teeth", row.measured.driving_teeth},
+                    {"driven_teeth", row.measured.driven_teeth},
+                    {"measured", row.measured.loss},
+                    {"predicted", std::move(predicted)},
+                    {"residual", std::move(residual)}});
+  }
+  return {{"loss_map",
+           {{"mu", t.map.friction},
+            {"teeth", t.map.teeth},
+            {"loss", matrix(&LossMap::Point::loss)},
+            {"symmetric", matrix(&LossMap::Point::symmetric)},
+            {"skew", matrix(&LossMap::Point::skew)},
+            {"on_involutes", matrix(&LossMap::Point::on_involutes)}}},
+          {"models", std::move(models)},
+          {"rows", std::move(rows)},
+          {"ledger", ledger_json(t.ledger)}};
+}
+
+std::string thesis_csv(const ThesisComparison& t) {
+  std::string text;
+  for (const LossMap::Point& p : t.map.points) {
+    const auto line = [&](const char* part, double value) {
+      text += csv_line({kThesis,
+                        fmt::format("{}, {} driving {}, mu = {:g}", part, p.driving_teeth,
+                                    p.driven_teeth, t.map.friction),
+                        "", "", exact(value), "", ""});
+    };
+    line("loss", p.loss);
+    line("symmetric loss", p.symmetric);
+    line("skew loss", p.skew);
+  }
+  for (const PairLossModel& m : t.models) {
+    const auto line = [&](const char* what, double value) {
+      text +=
+          csv_line({kThesis, fmt::format("{}: {}", m.name, what), "", "", exact(value), "", ""});
+    };
+    line("mu", m.friction);
+    line("symmetric scale", m.symmetric_scale);
+    line("offset", m.offset);
+    line("skew factor", m.skew_factor);
+    line("rms error", m.rms_error);
+  }
+  for (const PairLossRow& row : t.rows) {
+    for (std::size_t k = 0; k < t.models.size(); ++k) {
+      const std::string pair = fmt::format("{} driving {}, {}", row.measured.driving_teeth,
+                                           row.measured.driven_teeth, t.models[k].name);
+      text += csv_line({kThesis, "loss of " + pair, "", "", exact(row.predicted[k]), "",
+                        exact(row.measured.loss)});
+      text += csv_line({kThesis, "residual (measured - model) of " + pair, "", "", "",
+                        exact(row.measured.loss - row.predicted[k]), ""});
+    }
+  }
+  return text + ledger_csv(t.ledger, "thesis ledger");
+}
+
 }  // namespace
 
 std::string reproduce_table(const Reproduction& r) {
@@ -63,16 +243,11 @@ std::string reproduce_table(const Reproduction& r) {
     }
     text += efficiency.text(4);
     for (const FrictionFit& f : g.fits) text += fit_text(f);
+    if (!g.fits.empty()) text += directional_text(g.directional);
   }
   text += "\nLedger of errata: low-backlash 3K gearbox paper\n";
-  for (const LedgerEntry& entry : r.ledger) {
-    std::string figures;
-    for (const Figure& f : entry.figures) {
-      figures += (figures.empty() ? "" : ", ") + figure_text(f);
-    }
-    text += fmt::format("{:>3}. {}\n     paper:    {}\n     finding:  {}\n     computed: {}\n",
-                        entry.number, entry.where, entry.paper, entry.finding, figures);
-  }
+  text += ledger_text(r.ledger, "paper");
+  text += thesis_table(r.thesis);
   return text;
 }
 
@@ -103,25 +278,22 @@ std::string reproduce_json(const Reproduction& r) {
                       {"backward_measured", f.measured_backward},
                       {"mu_backward", number_or_null(f.backward_mu)}});
     }
+    ordered_json directional = nullptr;
+    if (g.directional) {
+      directional = {{"mu", g.directional->mu},
+                     {"approach_factor", g.directional->approach_factor},
+                     {"recess_factor", g.directional->recess_factor}};
+    }
     gearboxes.push_back({{"name", g.name},
                          {"rows", std::move(rows)},
                          {"efficiency", std::move(efficiency)},
-                         {"friction_fits", std::move(fits)}});
+                         {"friction_fits", std::move(fits)},
+                         {"directional_fit", std::move(directional)}});
   }
-  ordered_json ledger = ordered_json::array();
-  for (const LedgerEntry& entry : r.ledger) {
-    ordered_json figures = ordered_json::array();
-    for (const Figure& f : entry.figures) {
-      figures.push_back({{"name", f.name}, {"unit", f.unit}, {"value", number_or_null(f.value)}});
-    }
-    ledger.push_back({{"number", entry.number},
-                      {"where", entry.where},
-                      {"paper", entry.paper},
-                      {"finding", entry.finding},
-                      {"figures", std::move(figures)}});
-  }
-  const ordered_json json{
-      {"tool", tool_json()}, {"gearboxes", std::move(gearboxes)}, {"ledger", std::move(ledger)}};
+  const ordered_json json{{"tool", tool_json()},
+                          {"gearboxes", std::move(gearboxes)},
+                          {"ledger", ledger_json(r.ledger)},
+                          {"directional_impedance_thesis", thesis_json(r.thesis)}};
   return json.dump(2) + "\n";
 }
 
@@ -150,14 +322,18 @@ std::string reproduce_csv(const Reproduction& r) {
           {g.name, "mu from measured backward, " + f.model, "", "", field(f.backward_mu), "", ""});
     }
   }
-  for (const LedgerEntry& entry : r.ledger) {
-    for (const Figure& f : entry.figures) {
-      text += csv_line({fmt::format("ledger {}", entry.number),
-                        fmt::format("{}: {}", entry.where, f.name), f.unit, "", "", exact(f.value),
-                        ""});
-    }
+  for (const GearboxComparison& g : r.gearboxes) {
+    if (!g.directional) continue;
+    const auto line = [&](const char* what, double value) {
+      text +=
+          csv_line({g.name, fmt::format("{}, directional", what), "", "", exact(value), "", ""});
+    };
+    line("mu from both directions", g.directional->mu);
+    line("approach factor", g.directional->approach_factor);
+    line("recess factor", g.directional->recess_factor);
   }
-  return text;
+  text += ledger_csv(r.ledger, "ledger");
+  return text + thesis_csv(r.thesis);
 }
 
 }  // namespace gear3k::report
