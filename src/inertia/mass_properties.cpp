@@ -26,6 +26,11 @@ MassProperties<T> hollow_cylinder(const HollowCylinder<T>& body) {
 }
 
 template <class T>
+T inertia_about_parallel_axis(const MassProperties<T>& body, const T& distance_m) {
+  return body.inertia_kgm2 + body.mass_kg * distance_m * distance_m;
+}
+
+template <class T>
 T toothed_radius(const geometry::GearGeometry<T>& g) {
   return 0.5 * (g.tip_radius_m + g.root_radius_m);
 }
@@ -43,6 +48,7 @@ MassProperties<T> gear_body(const geometry::GearGeometry<T>& g, const T& other_r
 
 #define INSTANTIATE(T)                                                                          \
   template MassProperties<T> hollow_cylinder<T>(const HollowCylinder<T>&);                      \
+  template T inertia_about_parallel_axis<T>(const MassProperties<T>&, const T&);                \
   template T toothed_radius<T>(const geometry::GearGeometry<T>&);                               \
   template MassProperties<T> gear_body<T>(const geometry::GearGeometry<T>&, const T&, const T&, \
                                           const T&);

@@ -22,6 +22,14 @@ struct HollowCylinder {
 template <class T>
 MassProperties<T> hollow_cylinder(const HollowCylinder<T>& body);
 
+/// Inertia of a body about an axis parallel to its own, at a distance from it.
+///
+///   J' = J + m d²
+///
+/// Source: parallel-axis theorem.  @returns [kg m²]
+template <class T>
+T inertia_about_parallel_axis(const MassProperties<T>& body, const T& distance_m);
+
 /// Radius half-way between tip and root circle: where the teeth end as a body.  @returns [m]
 template <class T>
 T toothed_radius(const geometry::GearGeometry<T>& g);

@@ -144,37 +144,97 @@ TEST(GearBody, InertiaGrowsWithTheFifthPowerOfSizeAndMassWithTheThird) {
   inertia.expect_allowed("inertia");
 }
 
+TEST(ParallelAxis, InertiaIsThatOfPointMassesOnTheShiftedBody) {
+  // A ring of n >= 3 equal points has the inertia of a thin tube about every axis along it.
+  Random random;
+  LargestDeviation inertia;
+  for (int i = 0; i < kCases; ++i) {
+    const int points = 3 + i % 20;
+    const double radius = random.between(1e-3, 20e-3);
+    const double mass = random.between(1e-3, 1.0);
+    const double distance = random.between(0.0, 60e-3);
+    const double start = random.between(0.0, 2.0 * kPi);
+    double sum = 0.0;
+    for (int k = 0; k < points; ++k) {
+      const double angle = start + 2.0 * kPi * k / points;
+      const double x = distance + radius * std::cos(angle);
+      const double y = radius * std::sin(angle);
+      sum += mass / points * (x * x + y * y);
+    }
+    const MassProperties<double> tube{.mass_kg = mass, .inertia_kgm2 = mass * radius * radius};
+    inertia.see(i, inertia_about_parallel_axis(tube, distance) - sum, 16.0 * kEps * sum);
+  }
+  inertia.expect_allowed("inertia");
+}
+
+const toml::table& published_stages() {
+  static const toml::table kFile =
+      toml::parse_file(GEAR3K_SOURCE_DIR "/tests/golden/gear_masses.toml");
+  return kFile;
+}
+
+double given(const toml::table& table, const char* key) {
+  return table[key].value<double>().value();
+}
+
+/// A published gear as a body.
+MassProperties<double> published_body(const toml::table& stage, const toml::table& c) {
+  const bool ring = c["ring"].value<bool>().value();
+  const auto angle = geometry::make_pressure_angle(given(stage, "alpha") * kPi / 180.0);
+  geometry::Gear<double> gear{
+      .teeth = c["teeth"].value<int>().value(),
+      .kind = ring ? geometry::GearKind::kRing : geometry::GearKind::kExternal,
+      .module_m = given(stage, "module") * 1e-3,
+      .profile_shift = given(c, "shift"),
+      .machining_allowance = 0.0,
+      .tip_shortening = 0.0,
+      .rack = {}};
+  const double full = geometry::make_gear_geometry(gear, angle).tip_radius_m;
+  gear.tip_shortening = std::abs(full - 0.5e-3 * given(c, "tip_diameter")) / gear.module_m;
+  return gear_body(geometry::make_gear_geometry(gear, angle), 0.5e-3 * given(c, "other_diameter"),
+                   given(stage, "width") * 1e-3, given(published_stages(), "density"));
+}
+
 TEST(GearBody, PublishedMassesAreReproducedToTheDigitsOfTheDensity) {
-  const toml::table file = toml::parse_file(GEAR3K_SOURCE_DIR "/tests/golden/gear_masses.toml");
+  const toml::table& file = published_stages();
   ASSERT_NE(std::string(file["cite"].value_or("")), "");
   ASSERT_NE(std::string(file["locator"].value_or("")), "");
-  const auto given = [&](const char* key) { return file[key].value<double>().value(); };
-  const double half_unit = 0.5 * given("density_unit") / given("density");
-  const auto angle = geometry::make_pressure_angle(given("alpha") * kPi / 180.0);
+  const double half_unit = 0.5 * given(file, "density_unit") / given(file, "density");
   int gears = 0;
-  for (const toml::node& node : *file["gear"].as_array()) {
-    const toml::table& c = *node.as_table();
-    SCOPED_TRACE(c["id"].value_or(""));
-    const auto number = [&](const char* key) { return c[key].value<double>().value(); };
-    const bool ring = c["ring"].value<bool>().value();
-    geometry::Gear<double> gear{
-        .teeth = c["teeth"].value<int>().value(),
-        .kind = ring ? geometry::GearKind::kRing : geometry::GearKind::kExternal,
-        .module_m = given("module") * 1e-3,
-        .profile_shift = number("shift"),
-        .machining_allowance = 0.0,
-        .tip_shortening = 0.0,
-        .rack = {}};
-    const double full = geometry::make_gear_geometry(gear, angle).tip_radius_m;
-    gear.tip_shortening = std::abs(full - 0.5e-3 * number("tip_diameter")) / gear.module_m;
-    const auto body =
-        gear_body(geometry::make_gear_geometry(gear, angle), 0.5e-3 * number("other_diameter"),
-                  given("width") * 1e-3, given("density"));
-    EXPECT_NEAR(body.mass_kg / number("mass_kg"), 1.0, half_unit);
-    EXPECT_NEAR(body.inertia_kgm2 / number("inertia_kgm2"), 1.0, half_unit);
-    ++gears;
+  for (const toml::node& stage_node : *file["stage"].as_array()) {
+    const toml::table& stage = *stage_node.as_table();
+    for (const toml::node& node : *stage["gear"].as_array()) {
+      const toml::table& c = *node.as_table();
+      SCOPED_TRACE(fmt::format("{} {}", stage["id"].value_or(""), c["id"].value_or("")));
+      const auto body = published_body(stage, c);
+      EXPECT_NEAR(body.mass_kg / given(c, "mass_kg"), 1.0, half_unit);
+      EXPECT_NEAR(body.inertia_kgm2 / given(c, "inertia_kgm2"), 1.0, half_unit);
+      ++gears;
+    }
   }
-  EXPECT_EQ(gears, 3);
+  EXPECT_EQ(gears, 6);
+}
+
+TEST(GearBody, PublishedTotalMassCountsEveryPlanetAndTheRing) {
+  const toml::table& file = published_stages();
+  const double half_digit = 0.5 * std::pow(10.0, -given(file, "decimals"));
+  const double half_unit = 0.5 * given(file, "density_unit") / given(file, "density");
+  for (const toml::node& stage_node : *file["stage"].as_array()) {
+    const toml::table& stage = *stage_node.as_table();
+    SCOPED_TRACE(stage["id"].value_or(""));
+    double printed = 0.0, computed = 0.0, parts = 0.0;
+    for (const toml::node& node : *stage["gear"].as_array()) {
+      const toml::table& c = *node.as_table();
+      const double count =
+          c["id"].value_or("") == std::string("planet") ? given(stage, "planets") : 1;
+      printed += count * given(c, "mass_kg");
+      computed += count * published_body(stage, c).mass_kg;
+      parts += count;
+    }
+    const double total = given(stage, "total_mass_kg");
+    EXPECT_NEAR(printed, total, half_digit * (parts + 1.0));
+    EXPECT_NEAR(computed / total, 1.0, half_unit);
+  }
 }
 
 }  // namespace
