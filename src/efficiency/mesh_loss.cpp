@@ -1,7 +1,9 @@
 #include "efficiency/mesh_loss.hpp"
 
+#include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 namespace gear3k::efficiency {
 
@@ -46,14 +48,139 @@ T sliding_factor(const T& approach, const T& recess) {
   return 2.0 * (sum_more / (pairs + 1.0) + sum_fewer / (1.0 * pairs));
 }
 
+namespace {
+
+/// Signed tooth numbers: of a ring negative.
+struct SignedTeeth {
+  double driving, driven;
+};
 template <class T>
-T mesh_efficiency(const MeshContact<T>& contact, const T& mu, LossModel model) {
+SignedTeeth signed_teeth(const MeshContact<T>& c) {
+  const double z1 = c.z1;
+  const double z2 = c.sign * c.z2;
+  return c.gear1_drives ? SignedTeeth{z1, z2} : SignedTeeth{z2, z1};
+}
+
+/// Torques on the driving and the driven gear over normal force and base radius.
+template <class T>
+struct FlankTorques {
+  T driving, driven;
+};
+
+/// Of the pair at s base pitches from the pitch point, on its side of it.
+template <class T>
+FlankTorques<T> flank_torques(const MeshContact<T>& c, const FlankFriction<T>& mu, const T& s,
+                              bool approach) {
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  const SignedTeeth z = signed_teeth(c);
+  const T friction =
+      approach ? T(mu.coefficient * mu.approach_factor) : T(-mu.coefficient * mu.recess_factor);
+  return {.driving = 1.0 - friction * (c.tan_alpha_w + s * (kTurn / z.driving)),
+          .driven = 1.0 - friction * (c.tan_alpha_w - s * (kTurn / z.driven))};
+}
+
+/// Nodes and weights of the Gauss-Legendre rule on [0, 1].
+struct QuadratureNode {
+  double position, weight;
+};
+constexpr std::size_t kNodes = 12;
+std::array<QuadratureNode, kNodes> quadrature_nodes() {
+  using Rule = boost::math::quadrature::gauss<double, kNodes>;
+  std::array<QuadratureNode, kNodes> nodes{};
+  for (std::size_t i = 0; i < Rule::abscissa().size(); ++i) {
+    const double x = Rule::abscissa()[i];
+    const double weight = 0.5 * Rule::weights()[i];
+    nodes[2 * i] = {0.5 * (1.0 - x), weight};
+    nodes[2 * i + 1] = {0.5 * (1.0 + x), weight};
+  }
+  return nodes;
+}
+
+/// Pairs k = 0 .. pairs - 1 in contact while the first runs from `start` to `end`, the k-th k base
+/// pitches ahead of it.
+template <class T>
+struct ContactSpan {
+  T start, end;
+  int pairs;
+};
+
+/// Integral of the loss 1 − η over a span; empty where the flanks jam.
+template <class T>
+std::optional<T> loss_integral(const MeshContact<T>& c, const FlankFriction<T>& mu,
+                               const ContactSpan<T>& span) {
+  static const std::array<QuadratureNode, kNodes> nodes = quadrature_nodes();
+  // The pair that passes the pitch point splits the span: friction changes sides there.
+  std::array<T, 3> ends{span.start, span.end, span.end};
+  int pieces = 1;
+  for (int k = 0; k < span.pairs; ++k) {
+    const double crossing = -static_cast<double>(k);
+    if (value_of(span.start) < crossing && crossing < value_of(span.end)) {
+      ends = {span.start, constant<T>(crossing), span.end};
+      pieces = 2;
+    }
+  }
+  T integral = constant<T>(0.0);
+  for (std::size_t piece = 0; piece < static_cast<std::size_t>(pieces); ++piece) {
+    const T length = ends[piece + 1] - ends[piece];
+    const double middle = 0.5 * (value_of(ends[piece]) + value_of(ends[piece + 1]));
+    for (const QuadratureNode& node : nodes) {
+      const T s = ends[piece] + length * node.position;
+      FlankTorques<T> sum{constant<T>(0.0), constant<T>(0.0)};
+      for (int k = 0; k < span.pairs; ++k) {
+        const double ahead = k;
+        const FlankTorques<T> one = flank_torques<T>(c, mu, s + ahead, middle + ahead < 0.0);
+        if (!(value_of(one.driving) > 0.0 && value_of(one.driven) > 0.0)) return std::nullopt;
+        sum.driving = sum.driving + one.driving;
+        sum.driven = sum.driven + one.driven;
+      }
+      integral = integral + length * (sum.driving - sum.driven) / sum.driving * node.weight;
+    }
+  }
+  return integral;
+}
+
+}  // namespace
+
+template <class T>
+T path_efficiency(const MeshContact<T>& contact, const FlankFriction<T>& mu, const T& s) {
+  const FlankTorques<T> torque = flank_torques<T>(contact, mu, s, value_of(s) < 0.0);
+  if (!(value_of(torque.driving) > 0.0 && value_of(torque.driven) > 0.0)) return constant<T>(0.0);
+  return torque.driven / torque.driving;
+}
+
+template <class T>
+T coulomb_path_efficiency(const MeshContact<T>& contact, const FlankFriction<T>& mu) {
+  const T& approach = contact.approach_contact_ratio;
+  const T epsilon = approach + contact.recess_contact_ratio;
+  if (value_of(epsilon) <= 0.0) {
+    return path_efficiency<T>(contact, mu, 0.5 * (contact.recess_contact_ratio - approach));
+  }
+  // As in sliding_factor(): over a share f of the pitch there are pairs + 1 in contact.
+  const int pairs = static_cast<int>(std::floor(value_of(epsilon)));
+  const T f = epsilon - static_cast<double>(pairs);
+  const T first = -approach;
+  const auto more =
+      loss_integral<T>(contact, mu, {.start = first, .end = first + f, .pairs = pairs + 1});
+  if (!more) return constant<T>(0.0);
+  if (pairs == 0) return 1.0 - *more / f;
+  const auto fewer =
+      loss_integral<T>(contact, mu, {.start = first + f, .end = first + 1.0, .pairs = pairs});
+  if (!fewer) return constant<T>(0.0);
+  return 1.0 - (*more + *fewer);
+}
+
+template <class T>
+T mesh_efficiency(const MeshContact<T>& contact, const FlankFriction<T>& mu, LossModel model) {
+  if (model == LossModel::kCoulombPath) {
+    return coulomb_path_efficiency<T>(contact, {.coefficient = mu.coefficient});
+  }
+  if (model == LossModel::kDirectional) return coulomb_path_efficiency(contact, mu);
   const T factor =
       model == LossModel::kOhlendorf
           ? ohlendorf_factor(contact.approach_contact_ratio, contact.recess_contact_ratio)
           : sliding_factor(contact.approach_contact_ratio, contact.recess_contact_ratio);
   const double teeth = 1.0 / contact.z1 + contact.sign / contact.z2;
-  return 1.0 - std::numbers::pi * teeth * mu * factor;
+  return 1.0 - std::numbers::pi * teeth * mu.coefficient * factor;
 }
 
 bool loss_model_in_range(LossModel model, double approach, double recess) {
@@ -62,10 +189,12 @@ bool loss_model_in_range(LossModel model, double approach, double recess) {
          approach + recess >= 1.0;
 }
 
-#define INSTANTIATE(T)                                \
-  template T ohlendorf_factor<T>(const T&, const T&); \
-  template T sliding_factor<T>(const T&, const T&);   \
-  template T mesh_efficiency<T>(const MeshContact<T>&, const T&, LossModel);
+#define INSTANTIATE(T)                                                                     \
+  template T ohlendorf_factor<T>(const T&, const T&);                                      \
+  template T sliding_factor<T>(const T&, const T&);                                        \
+  template T path_efficiency<T>(const MeshContact<T>&, const FlankFriction<T>&, const T&); \
+  template T coulomb_path_efficiency<T>(const MeshContact<T>&, const FlankFriction<T>&);   \
+  template T mesh_efficiency<T>(const MeshContact<T>&, const FlankFriction<T>&, LossModel);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
 
 }  // namespace gear3k::efficiency

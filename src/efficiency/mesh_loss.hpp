@@ -10,11 +10,22 @@
 namespace gear3k::efficiency {
 
 enum class LossModel {
-  kSliding,   ///< mean |sliding| over a base pitch, exact to first order for any contact ratios
-  kOhlendorf  ///< the papers' closed form, right for 0 ≤ e_a, e_r ≤ 1 and ε ≥ 1
+  kSliding,      ///< mean |sliding| over a base pitch, exact to first order for any contact ratios
+  kOhlendorf,    ///< the papers' closed form, right for 0 ≤ e_a, e_r ≤ 1 and ε ≥ 1
+  kCoulombPath,  ///< exact Coulomb friction along the path of contact, each direction by itself
+  kDirectional   ///< kCoulombPath with different friction in approach and in recess
 };
 /// Names of the models in files, in the order of the enum.
-inline constexpr std::array<std::string_view, 2> kLossModelNames{"sliding", "ohlendorf"};
+inline constexpr std::array<std::string_view, 4> kLossModelNames{"sliding", "ohlendorf",
+                                                                 "coulomb_path", "directional"};
+
+/// Coefficient of friction of a mesh.  The factors act in kDirectional only.
+template <class T>
+struct FlankFriction {
+  T coefficient;                         ///< μ
+  T approach_factor = constant<T>(1.0);  ///< friction in approach over μ
+  T recess_factor = constant<T>(1.0);    ///< friction in recess over μ
+};
 
 /// A mesh as its friction sees it.
 template <class T>
@@ -24,6 +35,9 @@ struct MeshContact {
   double sign = 1.0;         ///< +1 external, −1 when gear 2 is a ring
   T approach_contact_ratio;  ///< e_a
   T recess_contact_ratio;    ///< e_r
+  /// What the path models need besides.
+  T tan_alpha_w = constant<T>(0.0);  ///< tangent of the working pressure angle
+  bool gear1_drives = true;
 };
 
 /// Factor B of the mesh loss by Ohlendorf: 1 − ε + e_a² + e_r², ε = e_a + e_r.
@@ -43,19 +57,50 @@ T ohlendorf_factor(const T& approach, const T& recess);
 template <class T>
 T sliding_factor(const T& approach, const T& recess);
 
-/// Efficiency of one mesh under Coulomb friction, to first order in μ.
+/// Efficiency of a pair of flanks at a distance of s base pitches from the pitch point.
 ///
-///   η = 1 − μ π (1/z1 ± 1/z2) B            (+ external, − ring)
+///   (1 − σ μ ρ_f/r_bf)/(1 − σ μ ρ_d/r_bd),  ρ_d/r_bd = tan α_w + 2π s/z_d,
+///                                           ρ_f/r_bf = tan α_w − 2π s/z_f
 ///
-/// The same for both drive directions, as approach and recess enter symmetrically.
-/// Valid: μ small enough that η > 0; a value ≤ 0 is returned as it is.
-/// Does not account for: load sharing by stiffness, churning, the second order in μ.
-/// @param mu  coefficient of friction
+/// d the driving, f the driven gear; s < 0 in approach (σ = +1), s > 0 in recess (σ = −1); teeth of
+/// a ring negative.  Source: balance of two rigid gears with one contact point,
+/// docs/theory.md §23; the same as eqs. 2.1-2.2 of the directional-impedance thesis.
+/// Valid: positive numerator and denominator; else the flanks jam, and 0 is returned.
 template <class T>
-T mesh_efficiency(const MeshContact<T>& contact, const T& mu, LossModel model);
+T path_efficiency(const MeshContact<T>& contact, const FlankFriction<T>& mu, const T& s);
+
+/// Efficiency of a mesh under exact Coulomb friction: the mean over one base pitch, at constant
+/// torque of the driving gear, of driven over driving torque with all pairs in contact at equal
+/// normal forces.
+///
+///   η = ⟨ Σ (1 − σ_i μ ρ_fi/r_bf) / Σ (1 − σ_i μ ρ_di/r_bd) ⟩
+///
+/// Any e_a, e_r and ε, also ε ≤ 0, as sliding_factor().  Tends to the first-order model
+/// as μ → 0 with a remainder of second order.  Integrals by Gauss-Legendre quadrature on pieces
+/// without kinks, exact to rounding while μ tan α_w ≤ 0.5.
+/// Source: own derivation, docs/theory.md §23.
+/// @returns 0 where the flanks jam in some position
+template <class T>
+T coulomb_path_efficiency(const MeshContact<T>& contact, const FlankFriction<T>& mu);
+
+/// Efficiency of one mesh in its drive direction.
+///
+///   sliding, ohlendorf: η = 1 − μ π (1/z1 ± 1/z2) B            (+ external, − ring),
+///   the same for both drive directions, as approach and recess enter symmetrically;
+///   coulomb_path, directional: coulomb_path_efficiency()
+///
+/// Valid: μ small enough that η > 0; a value ≤ 0 is returned as it is.
+/// Does not account for: load sharing by stiffness, churning, rolling friction; in the first-order
+/// models, the second order in μ.
+template <class T>
+T mesh_efficiency(const MeshContact<T>& contact, const FlankFriction<T>& mu, LossModel model);
+template <class T>
+T mesh_efficiency(const MeshContact<T>& contact, const T& mu, LossModel model) {
+  return mesh_efficiency(contact, FlankFriction<T>{.coefficient = mu}, model);
+}
 
 /// Whether the model is inside its range of validity for this mesh (ohlendorf: 0 ≤ e_a, e_r ≤ 1 and
-/// ε ≥ 1; sliding: ε > 0).
+/// ε ≥ 1; the others: ε > 0).
 bool loss_model_in_range(LossModel model, double approach, double recess);
 
 }  // namespace gear3k::efficiency

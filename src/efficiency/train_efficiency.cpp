@@ -12,7 +12,9 @@ MeshContact<T> contact_of(const geometry::GearGeometry<T>& gear1,
           .z2 = gear2.gear.teeth,
           .sign = geometry::mesh_sign(gear2.gear.kind),
           .approach_contact_ratio = gear1_drives ? e2 : e1,
-          .recess_contact_ratio = gear1_drives ? e1 : e2};
+          .recess_contact_ratio = gear1_drives ? e1 : e2,
+          .tan_alpha_w = mesh.tan_alpha_w,
+          .gear1_drives = gear1_drives};
 }
 
 template <class T>
@@ -26,8 +28,8 @@ MeshContact<T> mesh_contact(const train::TrainGeometry<T>& train, train::MeshId 
 }
 
 template <class T>
-MeshEfficiencies<T> mesh_efficiencies(const train::TrainGeometry<T>& train, const T& mu,
-                                      LossModel model, bool forward) {
+MeshEfficiencies<T> mesh_efficiencies(const train::TrainGeometry<T>& train,
+                                      const FlankFriction<T>& mu, LossModel model, bool forward) {
   MeshEfficiencies<T> eta{};
   for (std::size_t k = 0; k < train::kMeshCount; ++k) {
     eta[k] =
@@ -70,8 +72,8 @@ T backdriving_margin(const train::ToothSet& z, const MeshEfficiencies<T>& eta) {
                                         const geometry::GearGeometry<T>&,                       \
                                         const geometry::MeshGeometry<T>&, bool);                \
   template MeshContact<T> mesh_contact<T>(const train::TrainGeometry<T>&, train::MeshId, bool); \
-  template MeshEfficiencies<T> mesh_efficiencies<T>(const train::TrainGeometry<T>&, const T&,   \
-                                                    LossModel, bool);                           \
+  template MeshEfficiencies<T> mesh_efficiencies<T>(const train::TrainGeometry<T>&,             \
+                                                    const FlankFriction<T>&, LossModel, bool);  \
   template T forward_efficiency<T>(const train::ToothSet&, const MeshEfficiencies<T>&);         \
   template T backward_efficiency<T>(const train::ToothSet&, const MeshEfficiencies<T>&);        \
   template T backdriving_margin<T>(const train::ToothSet&, const MeshEfficiencies<T>&);

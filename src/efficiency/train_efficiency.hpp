@@ -23,8 +23,13 @@ MeshContact<T> mesh_contact(const train::TrainGeometry<T>& train, train::MeshId 
 
 /// Efficiency of each mesh for a drive direction of the train.
 template <class T>
+MeshEfficiencies<T> mesh_efficiencies(const train::TrainGeometry<T>& train,
+                                      const FlankFriction<T>& mu, LossModel model, bool forward);
+template <class T>
 MeshEfficiencies<T> mesh_efficiencies(const train::TrainGeometry<T>& train, const T& mu,
-                                      LossModel model, bool forward);
+                                      LossModel model, bool forward) {
+  return mesh_efficiencies(train, FlankFriction<T>{.coefficient = mu}, model, forward);
+}
 
 /// Efficiency when the sun drives and R2 is the output.
 ///

@@ -45,8 +45,8 @@ struct DirectionalEfficiencies {
 /// Effective inertia seen from the output (backward) or the sun (forward), with mesh losses.
 ///
 /// Torque over acceleration of the driving end when nothing loads the train but the inertia torque
-/// of its own bodies: three mesh torques from the balance of sun, planets with carrier, and R2,
-/// each mesh losing in the direction in which its power flows.
+/// of its own bodies, by train::solve_power_flow(): each mesh loses in the direction in which its
+/// power flows.
 /// Reduces to J_S i²/η_b (backward, sun only) and to the kinetic energy without losses.
 /// Source: own derivation, docs/theory.md §11 (errata 9 on the paper's eq. 32).
 /// @returns [kg m²]; empty where no direction of the power flows is consistent: the train locks

@@ -119,11 +119,11 @@ RefinementProblem with_contact_ratio_bound(const RefinementProblem& problem, int
   return bounded;
 }
 
-/// The loss model `sliding` has kinks where the contact ratio of a mesh passes an integer, which
-/// split the problem into basins: from a good end, the basin on the other side is tried too.
+/// All loss models but `ohlendorf` have kinks where the contact ratio of a mesh passes an integer,
+/// which split the problem into basins: from a good end, the basin on the other side is tried too.
 void cross_contact_ratio_kinks(BestEnd& best) {
   const RefinementProblem problem = *best.problem;
-  if (problem.spec->friction.model != efficiency::LossModel::kSliding) return;
+  if (problem.spec->friction.model == efficiency::LossModel::kOhlendorf) return;
   constexpr double kReachDown = 0.5;  // from above the kink
   constexpr double kReachUp = 0.15;   // from below it
   constexpr double kBeyond = 1e-3;
@@ -164,8 +164,8 @@ void fill_optimum(const Specification& spec, const BestEnd& best, RefinedSet& se
   set.lost_motion_rad = backlash::output_lost_motion(*train, j_bn, spec.limits.model);
   const auto& teeth = set.candidate.teeth;
   const auto efficiencies = [&](bool forward) {
-    return efficiency::mesh_efficiencies(*train, spec.friction.coefficient, spec.friction.model,
-                                         forward);
+    return efficiency::mesh_efficiencies(
+        *train, efficiency::constant_friction<double>(spec.friction), spec.friction.model, forward);
   };
   set.eta_b = efficiency::backward_efficiency(teeth, efficiencies(false));
   set.eta_f = efficiency::forward_efficiency(teeth, efficiencies(true));

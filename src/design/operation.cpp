@@ -1,0 +1,274 @@
+#include "design/operation.hpp"
+
+#include <cmath>
+
+namespace gear3k::design {
+
+namespace {
+
+using train::kMeshCount;
+
+template <class T>
+T magnitude(const T& x) {
+  return value_of(x) < 0.0 ? T(-x) : x;
+}
+double sign_of(double x) { return x < 0.0 ? -1.0 : 1.0; }
+
+/// What of a mesh does not depend on its load.
+template <class T>
+struct MeshKinematics {
+  T sliding_speed_m_s, sum_speed_m_s, reduced_radius_m;
+  T central_base_radius_m;  ///< of S, R1 or R2
+  T central_working_radius_m;
+  std::array<efficiency::MeshContact<T>, 2> contact;  ///< gear 1 drives, gear 2 drives
+};
+
+template <class T>
+std::array<MeshKinematics<T>, kMeshCount> kinematics(const train::TrainGeometry<T>& g,
+                                                     const T& output_speed_rad_s) {
+  const std::array<double, kMeshCount> rolling = train::central_rolling_speeds(g.teeth);
+  std::array<MeshKinematics<T>, kMeshCount> result;
+  for (std::size_t k = 0; k < kMeshCount; ++k) {
+    const auto [first, second] = train::kMeshGears[k];
+    const auto& gear1 = g.gears[static_cast<std::size_t>(first)];
+    const auto& gear2 = g.gears[static_cast<std::size_t>(second)];
+    const auto& central = k == train::kMeshSP1 ? gear1 : gear2;
+    const auto& mesh = g.meshes[k];
+    const double sign = geometry::mesh_sign(gear2.gear.kind);
+    // Speed along the line of action and the sum (difference) of the gears' rolling speeds.
+    const T line_speed = central.base_radius_m * std::abs(rolling[k]) * output_speed_rad_s;
+    const T turning = line_speed * (1.0 / gear1.base_radius_m + sign / gear2.base_radius_m);
+    auto& m = result[k];
+    m.contact = {efficiency::contact_of(gear1, gear2, mesh, true),
+                 efficiency::contact_of(gear1, gear2, mesh, false)};
+    const T factor = efficiency::sliding_factor(m.contact[0].approach_contact_ratio,
+                                                m.contact[0].recess_contact_ratio);
+    m.sliding_speed_m_s = 0.5 * factor * mesh.base_pitch_m * turning;
+    m.sum_speed_m_s = 2.0 * line_speed * mesh.tan_alpha_w;
+    m.reduced_radius_m =
+        mesh.tan_alpha_w / (1.0 / gear1.base_radius_m + sign / gear2.base_radius_m);
+    m.central_base_radius_m = central.base_radius_m;
+    m.central_working_radius_m =
+        central.base_radius_m * mesh.center_distance_m / geometry::base_radius_sum(gear1, gear2);
+  }
+  return result;
+}
+
+/// Resultant of the mesh forces on one planet.
+template <class T>
+T planet_force(const train::TrainGeometry<T>& g,
+               const std::array<MeshKinematics<T>, kMeshCount>& mesh,
+               const std::array<T, kMeshCount>& torque_Nm) {
+  using std::sqrt;
+  T tangential = constant<T>(0.0);
+  T radial = constant<T>(0.0);
+  for (std::size_t k = 0; k < kMeshCount; ++k) {
+    const T force =
+        torque_Nm[k] / (static_cast<double>(g.planets) * mesh[k].central_working_radius_m);
+    tangential = tangential - force;
+    // The sun presses the planet outwards, the rings press it inwards.
+    const double outward = k == train::kMeshSP1 ? 1.0 : -1.0;
+    radial = radial + outward * magnitude(force) * g.meshes[k].tan_alpha_w;
+  }
+  const T square = tangential * tangential + radial * radial;
+  return value_of(square) > 0.0 ? T(sqrt(square)) : constant<T>(0.0);
+}
+
+template <class T>
+T drag_torque(const ShaftDrag<T>& drag, const T& speed_rad_s) {
+  const T w = magnitude(speed_rad_s);
+  return drag.constant_Nm + drag.viscous_Nms * w + drag.quadratic_Nms2 * w * w;
+}
+
+/// Load at one end, along the rotation at w_R2 = 1.
+template <class T>
+struct EndLoad {
+  train::End end;
+  T torque_Nm;
+};
+
+/// A train in motion before it is told in terms of a drive direction.
+template <class T>
+struct Motion {
+  train::PowerFlow<T> flow;
+  std::array<MeshOperation<T>, kMeshCount> mesh;
+  std::array<T, kShaftCount> drag_Nm;  ///< magnitudes, all planets together
+  T bearing_Nm;                        ///< magnitude, all planets together
+};
+
+template <class T>
+struct MotionResult {
+  std::optional<Motion<T>> motion;
+  NoOperation reason = NoOperation::kLocks;
+};
+
+template <class T>
+MotionResult<T> move(const LossyTrain<T>& t, const OperatingPoint<T>& point,
+                     const EndLoad<T>& load) {
+  const train::TrainGeometry<T>& g = t.geometry;
+  const train::SpeedRatios w = train::speed_ratios(g.teeth);
+  const T output_speed = point.sun_speed_rad_s / std::abs(w.sun);
+  const double planet_on_pin = w.planet - w.carrier;
+  const double planets = g.planets;
+  const auto mesh = kinematics(g, output_speed);
+
+  Motion<T> motion{};
+  const std::array<double, kShaftCount> speed{w.sun, planet_on_pin, w.carrier, 1.0};
+  for (std::size_t i = 0; i < kShaftCount; ++i) {
+    motion.drag_Nm[i] = drag_torque(t.shafts.drag[i], T(speed[i] * output_speed));
+  }
+  motion.drag_Nm[kPlanetShaft] = motion.drag_Nm[kPlanetShaft] * planets;
+  const T pin_lever =
+      planets * t.shafts.planet_bearing_coefficient * t.shafts.planet_bearing_radius_m;
+  train::LoadedTrain<T> loaded{
+      .teeth = g.teeth,
+      .efficiency = {},
+      .known = {.sun = -sign_of(w.sun) * motion.drag_Nm[kSunShaft],
+                .planet = constant<T>(0.0),
+                .pin = constant<T>(0.0),
+                .carrier = -sign_of(w.carrier) * motion.drag_Nm[kCarrierShaft],
+                .ring2 = -motion.drag_Nm[kOutputShaft]},
+      .given_end = load.end,
+      .given_torque_Nm = load.torque_Nm};
+  // The first pass takes the forces without flank and bearing friction.
+  motion.bearing_Nm = constant<T>(0.0);
+  for (auto& pair : loaded.efficiency) pair.fill(constant<T>(1.0));
+  loaded.known.pin = -sign_of(planet_on_pin) * motion.drag_Nm[kPlanetShaft];
+  auto flow = train::solve_power_flow(loaded);
+  if (!flow) return {.motion = std::nullopt, .reason = NoOperation::kLocks};
+
+  // Derivatives follow the values at the same rate, one pass behind: as many passes again.
+  constexpr int kMostPasses = 100;
+  int passes = kMostPasses;
+  for (int pass = 0; pass < passes; ++pass) {
+    const std::array<T, kMeshCount> before = flow->mesh_torque_Nm;
+    for (std::size_t k = 0; k < kMeshCount; ++k) {
+      auto& m = motion.mesh[k];
+      m.normal_force_N = magnitude(before[k]) / (planets * mesh[k].central_base_radius_m);
+      m.sliding_speed_m_s = mesh[k].sliding_speed_m_s;
+      const auto stage = static_cast<std::size_t>(train::stage_of(train::kMeshGears[k][0]));
+      const auto mu = efficiency::friction_coefficient<T>(
+          t.friction, {.normal_force_N = m.normal_force_N,
+                       .sliding_speed_m_s = m.sliding_speed_m_s,
+                       .sum_speed_m_s = mesh[k].sum_speed_m_s,
+                       .reduced_radius_m = mesh[k].reduced_radius_m,
+                       .face_width_m = t.face_width_m[stage],
+                       .temperature_K = point.temperature_K});
+      if (!mu) return {.motion = std::nullopt, .reason = NoOperation::kNoFriction};
+      m.friction = *mu;
+      const auto flank = efficiency::flank_friction(t.friction, *mu);
+      for (const std::size_t driver : {0U, 1U}) {
+        loaded.efficiency[k][driver] =
+            efficiency::mesh_efficiency(mesh[k].contact[driver], flank, t.friction.model);
+        if (!(value_of(loaded.efficiency[k][driver]) > 0.0)) {
+          return {.motion = std::nullopt, .reason = NoOperation::kLocks};
+        }
+      }
+    }
+    motion.bearing_Nm = pin_lever * planet_force(g, mesh, before);
+    loaded.known.pin = -sign_of(planet_on_pin) * (motion.drag_Nm[kPlanetShaft] + motion.bearing_Nm);
+    flow = train::solve_power_flow(loaded);
+    if (!flow) return {.motion = std::nullopt, .reason = NoOperation::kLocks};
+    double change = 0.0;
+    double scale = 0.0;
+    for (std::size_t k = 0; k < kMeshCount; ++k) {
+      const double after = value_of(flow->mesh_torque_Nm[k]);
+      change = std::max(change, std::abs(after - value_of(before[k])));
+      scale = std::max(scale, std::abs(after));
+    }
+    constexpr double kRounding = 1e-15;
+    if (passes == kMostPasses && change <= kRounding * scale) {
+      passes = std::min(kMostPasses - 1, 2 * (pass + 1));
+    }
+  }
+  for (std::size_t k = 0; k < kMeshCount; ++k) {
+    auto& m = motion.mesh[k];
+    m.gear1_drives = flow->gear1_drives[k];
+    m.efficiency = loaded.efficiency[k][m.gear1_drives ? 0 : 1];
+    m.loss_W = flow->mesh_loss_Nm[k] * output_speed;
+  }
+  motion.flow = *flow;
+  return {.motion = motion, .reason = NoOperation::kLocks};
+}
+
+template <class T>
+OperationResult<T> operation_of(const LossyTrain<T>& t, const OperatingPoint<T>& point,
+                                Direction direction, const EndLoad<T>& load) {
+  const MotionResult<T> moved = move(t, point, load);
+  if (!moved.motion) return {.operation = std::nullopt, .reason = moved.reason};
+  const Motion<T>& motion = *moved.motion;
+  const train::SpeedRatios w = train::speed_ratios(t.geometry.teeth);
+  const double ratio = std::abs(w.sun);
+  const T output_speed = point.sun_speed_rad_s / ratio;
+  const double forward = direction == Direction::kForward ? 1.0 : -1.0;
+  Operation<T> o{};
+  o.sun_torque_Nm = forward * sign_of(w.sun) * motion.flow.sun_torque_Nm;
+  o.output_torque_Nm = -forward * motion.flow.output_torque_Nm;
+  const T sun_end = ratio * o.sun_torque_Nm;
+  const T& numerator = forward > 0.0 ? o.output_torque_Nm : sun_end;
+  const T& denominator = forward > 0.0 ? sun_end : o.output_torque_Nm;
+  if (value_of(denominator) > 0.0) o.efficiency = T(numerator / denominator);
+  o.mesh = motion.mesh;
+  const std::array<double, kShaftCount> speed{w.sun, w.planet - w.carrier, w.carrier, 1.0};
+  o.loss_W = constant<T>(0.0);
+  for (std::size_t i = 0; i < kShaftCount; ++i) {
+    o.drag_loss_W[i] = motion.drag_Nm[i] * std::abs(speed[i]) * output_speed;
+    o.loss_W = o.loss_W + o.drag_loss_W[i];
+  }
+  o.bearing_loss_W = motion.bearing_Nm * std::abs(speed[kPlanetShaft]) * output_speed;
+  o.loss_W = o.loss_W + o.bearing_loss_W;
+  for (const auto& m : o.mesh) o.loss_W = o.loss_W + m.loss_W;
+  // Positive at the ends that drive; with a helped sun, both.
+  const T sun_power = forward * sun_end * output_speed;
+  const T output_power = -forward * o.output_torque_Nm * output_speed;
+  o.input_power_W = larger(sun_power, constant<T>(0.0)) + larger(output_power, constant<T>(0.0));
+  return {.operation = o, .reason = NoOperation::kLocks};
+}
+
+}  // namespace
+
+std::string_view no_operation_text(NoOperation reason) {
+  return reason == NoOperation::kLocks ? "it locks: no torques are in balance while it turns"
+                                       : "the friction law has no value here";
+}
+
+template <class T>
+OperationResult<T> operate(const LossyTrain<T>& train, const OperatingPoint<T>& point,
+                           Direction direction) {
+  const T torque =
+      direction == Direction::kForward ? T(-point.output_torque_Nm) : point.output_torque_Nm;
+  return operation_of<T>(train, point, direction,
+                         {.end = train::End::kOutput, .torque_Nm = torque});
+}
+
+template <class T>
+OperationResult<T> drive_free_sun(const LossyTrain<T>& train, const OperatingPoint<T>& point) {
+  return operation_of<T>(train, point, Direction::kBackward,
+                         {.end = train::End::kSun, .torque_Nm = constant<T>(0.0)});
+}
+
+template <class T>
+std::optional<std::array<T, kMeshCount>> mesh_friction(const LossyTrain<T>& train,
+                                                       const OperatingPoint<T>& point,
+                                                       Direction direction) {
+  std::array<T, kMeshCount> mu;
+  if (!efficiency::depends_on_state(train.friction.law)) {
+    mu.fill(train.friction.coefficient);
+    return mu;
+  }
+  const OperationResult<T> result = operate(train, point, direction);
+  if (!result.operation) return std::nullopt;
+  for (std::size_t k = 0; k < kMeshCount; ++k) mu[k] = result.operation->mesh[k].friction;
+  return mu;
+}
+
+#define INSTANTIATE(T)                                                                           \
+  template OperationResult<T> operate<T>(const LossyTrain<T>&, const OperatingPoint<T>&,         \
+                                         Direction);                                             \
+  template OperationResult<T> drive_free_sun<T>(const LossyTrain<T>&, const OperatingPoint<T>&); \
+  template std::optional<std::array<T, kMeshCount>> mesh_friction<T>(                            \
+      const LossyTrain<T>&, const OperatingPoint<T>&, Direction);
+INSTANTIATE(double)
+INSTANTIATE(Jet1)
+
+}  // namespace gear3k::design

@@ -1,0 +1,90 @@
+#include "train/power_flow.hpp"
+
+#include "geometry/scalar.hpp"
+
+namespace gear3k::train {
+
+namespace {
+
+using Pattern = std::array<bool, kMeshCount>;  ///< by mesh: gear 1 drives
+
+/// Gear 1 of mesh S-P1 is the central gear, of the internal ones the planet.
+bool central_is_gear1(std::size_t mesh) { return mesh == kMeshSP1; }
+
+/// The train in balance when the given members drive, whether or not the powers agree.
+template <class T>
+PowerFlow<T> balance(const LoadedTrain<T>& t, const Pattern& gear1_drives) {
+  const ToothSet& z = t.teeth;
+  const std::array<double, kMeshCount> lever{static_cast<double>(z.P1) / z.S,
+                                             -static_cast<double>(z.P1) / z.R1,
+                                             -static_cast<double>(z.P2) / z.R2};
+  std::array<T, kMeshCount> moment{};
+  for (std::size_t k = 0; k < kMeshCount; ++k) {
+    const T& eta = t.efficiency[k][gear1_drives[k] ? 0 : 1];
+    const bool central_drives = gear1_drives[k] == central_is_gear1(k);
+    moment[k] = central_drives ? T(lever[k] * eta) : T(lever[k] / eta);
+  }
+  const bool from_output = t.given_end == End::kOutput;
+  const std::size_t known = from_output ? kMeshP2R2 : kMeshSP1;
+  const std::size_t other = from_output ? kMeshSP1 : kMeshP2R2;
+  PowerFlow<T> flow{};
+  flow.gear1_drives = gear1_drives;
+  auto& torque = flow.mesh_torque_Nm;
+  torque[known] = -(t.given_torque_Nm + (from_output ? t.known.ring2 : t.known.sun));
+  const T rest_moment = -t.known.planet - t.known.pin - moment[known] * torque[known];
+  const T rest_sum = t.known.carrier + t.known.planet - torque[known];
+  torque[other] =
+      (rest_moment - moment[kMeshP1R1] * rest_sum) / (moment[other] - moment[kMeshP1R1]);
+  torque[kMeshP1R1] = rest_sum - torque[other];
+  flow.sun_torque_Nm = from_output ? T(-torque[kMeshSP1] - t.known.sun) : t.given_torque_Nm;
+  flow.output_torque_Nm = from_output ? t.given_torque_Nm : T(-torque[kMeshP2R2] - t.known.ring2);
+  return flow;
+}
+
+}  // namespace
+
+std::array<double, kMeshCount> central_rolling_speeds(const ToothSet& z) {
+  const SpeedRatios w = speed_ratios(z);
+  return {w.sun - w.carrier, -w.carrier, 1.0 - w.carrier};
+}
+
+template <class T>
+std::optional<PowerFlow<T>> solve_power_flow(const LoadedTrain<T>& train) {
+  const std::array<double, kMeshCount> speed = central_rolling_speeds(train.teeth);
+  const auto pattern_of = [&](const PowerFlow<T>& flow, const Pattern& at_rest) {
+    Pattern pattern = at_rest;
+    for (std::size_t k = 0; k < kMeshCount; ++k) {
+      const double into_central = value_of(flow.mesh_torque_Nm[k]) * speed[k];
+      if (into_central != 0.0) pattern[k] = (into_central < 0.0) == central_is_gear1(k);
+    }
+    return pattern;
+  };
+  LoadedTrain<T> lossless = train;
+  for (auto& mesh : lossless.efficiency) mesh.fill(constant<T>(1.0));
+  const Pattern nominal = pattern_of(balance(lossless, Pattern{}), Pattern{});
+
+  constexpr unsigned kPatterns = 1U << kMeshCount;
+  for (unsigned flips = 0; flips < kPatterns; ++flips) {
+    Pattern pattern = nominal;
+    for (std::size_t k = 0; k < kMeshCount; ++k) {
+      if ((flips >> k & 1U) != 0) pattern[k] = !pattern[k];
+    }
+    PowerFlow<T> flow = balance(train, pattern);
+    if (pattern_of(flow, pattern) != pattern) continue;
+    for (std::size_t k = 0; k < kMeshCount; ++k) {
+      const T into_central = flow.mesh_torque_Nm[k] * speed[k];
+      const T& eta = train.efficiency[k][pattern[k] ? 0 : 1];
+      const bool central_drives = pattern[k] == central_is_gear1(k);
+      flow.mesh_loss_Nm[k] =
+          central_drives ? T(-into_central * (1.0 - eta)) : T(into_central * (1.0 - eta) / eta);
+    }
+    return flow;
+  }
+  return std::nullopt;
+}
+
+#define INSTANTIATE(T) \
+  template std::optional<PowerFlow<T>> solve_power_flow<T>(const LoadedTrain<T>&);
+GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
+
+}  // namespace gear3k::train
