@@ -2,31 +2,47 @@
 // What a user describes: one gearbox (Design) or one pair of gears (PairDesign).  SI units inside.
 
 #include <array>
+#include <numbers>
 #include <optional>
 #include <string>
 
 #include "backlash/lost_motion.hpp"
 #include "design/checks.hpp"
-#include "efficiency/mesh_loss.hpp"
+#include "design/operating_point.hpp"
+#include "efficiency/friction_law.hpp"
 #include "inertia/effective_inertia.hpp"
 #include "train/train_geometry.hpp"
 
 namespace gear3k::design {
 
-struct Friction {
-  double coefficient = 0.1;  ///< μ
-  efficiency::LossModel model = efficiency::LossModel::kSliding;
+using Friction = efficiency::Friction<double>;
+
+/// Grid of an operating map: from, to and number of points, ends included.
+struct GridAxis {
+  double from = 0.0, to = 0.0;
+  int points = 2;
+};
+/// By default the range of the low-backlash paper's experiment, 200-1000 rpm and 5-50 Nm.
+struct MapGrid {
+  GridAxis sun_speed_rad_s{
+      .from = 200.0 * std::numbers::pi / 30.0, .to = 1000.0 * std::numbers::pi / 30.0, .points = 9};
+  GridAxis output_torque_Nm{.from = 5.0, .to = 50.0, .points = 10};
 };
 
-/// What is known of the moving masses.  A body's inertia is the value given or, without one,
-/// follows from face width, density and the gear's bore or outer radius.
+/// What is known of the masses.  A body's inertia is the value given or, without one, follows from
+/// its geometry (mass_model.hpp): of a gear, face width, density and bore or outer radius.
 struct Masses {
   std::optional<double> sun_kgm2, planet1_kgm2, planet2_kgm2, planet_mass_kg, carrier_kgm2,
       ring2_kgm2;
   std::optional<double> density_kgm3;
   std::array<std::optional<double>, 2> face_width_m;  ///< by stage
   std::array<double, train::kGearCount> bore_radius_m{};
-  std::optional<double> ring2_outer_radius_m;
+  std::optional<double> ring1_outer_radius_m, ring2_outer_radius_m;
+  /// The carrier's plates, together one hollow cylinder.
+  std::optional<double> carrier_outer_radius_m, carrier_bore_radius_m, carrier_thickness_m;
+  std::optional<double> carrier_density_kgm3;  ///< of the plates; empty: density_kgm3
+  /// One pin per planet, fixed in the carrier.
+  std::optional<double> planet_pin_radius_m, planet_pin_length_m;
 };
 
 struct Design {
@@ -34,6 +50,11 @@ struct Design {
   train::TrainParameters<double> train;  ///< center_distance_m as given, or resolved by evaluate()
   bool center_distance_given = false;
   Friction friction;
+  ShaftLosses<double> shafts;
+  /// Where the gearbox runs; required by friction laws other than kConstant.
+  std::optional<OperatingPoint<double>> operating_point;
+  /// Grid of the operating map.
+  MapGrid map;
   Masses masses;
   train::AxialLayout axial;
   /// Measuring pins, by gear; empty: chosen by geometry::pin_measure().

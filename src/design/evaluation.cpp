@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "backlash/normal_backlash.hpp"
 #include "efficiency/train_efficiency.hpp"
-#include "inertia/mass_properties.hpp"
 
 namespace gear3k::design {
 
@@ -75,12 +75,20 @@ struct Pairing {
   bool gear1_drives;  ///< forward
 };
 
-MeshResult mesh_result(const Pairing& p, const Friction& friction) {
+/// Coefficients of friction of a mesh when the train is driven forward and backward.
+struct MeshFriction {
+  double forward, backward;
+};
+
+MeshResult mesh_result(const Pairing& p, const Friction& friction, const MeshFriction& mu) {
   const auto forward = efficiency::contact_of(p.gear1, p.gear2, p.mesh, p.gear1_drives);
   const auto backward = efficiency::contact_of(p.gear1, p.gear2, p.mesh, !p.gear1_drives);
   const double approach = forward.approach_contact_ratio;
   const double recess = forward.recess_contact_ratio;
-  const double mu = friction.coefficient;
+  const auto efficiency = [&](const efficiency::MeshContact<double>& contact, double coefficient) {
+    return efficiency::mesh_efficiency(contact, efficiency::flank_friction(friction, coefficient),
+                                       friction.model);
+  };
   MeshResult result{
       .name = std::string(p.name),
       .working_pressure_angle_rad = p.mesh.alpha_w_rad,
@@ -89,8 +97,10 @@ MeshResult mesh_result(const Pairing& p, const Friction& friction) {
       .approach_contact_ratio = approach,
       .recess_contact_ratio = recess,
       .normal_backlash_m = backlash::normal_backlash(p.gear1, p.gear2, p.mesh),
-      .efficiency_forward = efficiency::mesh_efficiency(forward, mu, friction.model),
-      .efficiency_backward = efficiency::mesh_efficiency(backward, mu, friction.model),
+      .friction_forward = mu.forward,
+      .friction_backward = mu.backward,
+      .efficiency_forward = efficiency(forward, mu.forward),
+      .efficiency_backward = efficiency(backward, mu.backward),
       .loss_model_in_range = efficiency::loss_model_in_range(friction.model, approach, recess),
       .hunting_period_teeth = train::hunting_period_teeth(p.gear1.gear.teeth, p.gear2.gear.teeth),
       .common_factor = std::gcd(p.gear1.gear.teeth, p.gear2.gear.teeth),
@@ -177,6 +187,59 @@ void note_axial_overlap(const Design& design, std::vector<std::string>& notes) {
   }
 }
 
+/// The gearbox at its operating point; empty without one.
+std::optional<OperatingResult> operation_result(const LossyTrain<double>& train,
+                                                const Design& design) {
+  if (!design.operating_point) return std::nullopt;
+  const OperatingPoint<double>& point = *design.operating_point;
+  return OperatingResult{.point = point,
+                         .forward = operate(train, point, Direction::kForward),
+                         .backward = operate(train, point, Direction::kBackward)};
+}
+
+/// Friction of each mesh: that of the law at the operating point, where it depends on it.  NaN, and
+/// with it no efficiency, where the gearbox does not run there.
+std::array<MeshFriction, train::kMeshCount> mesh_frictions(
+    const LossyTrain<double>& train, const std::optional<OperatingResult>& operation) {
+  std::array<MeshFriction, train::kMeshCount> mu{};
+  mu.fill({.forward = train.friction.coefficient, .backward = train.friction.coefficient});
+  if (!efficiency::depends_on_state(train.friction.law)) return mu;
+  const auto at = [&](const OperationResult<double>& result, std::size_t k) {
+    return result.operation ? result.operation->mesh[k].friction
+                            : std::numeric_limits<double>::quiet_NaN();
+  };
+  for (std::size_t k = 0; operation && k < mu.size(); ++k) {
+    mu[k] = {.forward = at(operation->forward, k), .backward = at(operation->backward, k)};
+  }
+  return mu;
+}
+
+void note_operation(const std::optional<OperatingResult>& operation,
+                    std::vector<std::string>& notes) {
+  if (!operation) return;
+  const auto note = [&](const OperationResult<double>& result, std::string_view direction) {
+    if (result.operation) return;
+    notes.push_back(fmt::format("at the operating point, driven {}: {}", direction,
+                                no_operation_text(result.reason)));
+  };
+  note(operation->forward, "forward");
+  note(operation->backward, "backward");
+}
+
+/// Says what the inertias leave out or count twice.
+void note_masses(const MassModel& masses, std::vector<std::string>& notes) {
+  if (masses.bodies && !masses.counts_carrier) {
+    notes.emplace_back(
+        "inertia counts no carrier: state inertia.carrier_kgm2, or its carrier_outer_diameter_mm "
+        "and carrier_thickness_mm");
+  }
+  if (masses.pins_in_solid_planets) {
+    notes.emplace_back(
+        "masses count the pins' place in the planets twice: state gears.P1.bore_mm and "
+        "gears.P2.bore_mm");
+  }
+}
+
 bool all_positive(const efficiency::MeshEfficiencies<double>& eta) {
   return std::ranges::all_of(eta, [](double e) { return e > 0.0; });
 }
@@ -198,48 +261,6 @@ EfficiencyResult efficiency_result(const train::ToothSet& teeth,
     result.backdrivable = result.backdriving_margin > 0.0;
   }
   return result;
-}
-
-/// The bodies' inertias as given or from geometry; else the name of what is missing.
-std::variant<inertia::BodyInertias<double>, std::string> body_inertias(
-    const Masses& masses, const train::TrainGeometry<double>& train) {
-  std::vector<std::string> missing;
-  const auto gear_body = [&](train::GearId id) -> std::optional<inertia::MassProperties<double>> {
-    const auto index = static_cast<std::size_t>(id);
-    const auto& width = masses.face_width_m[static_cast<std::size_t>(train::stage_of(id))];
-    if (!width || !masses.density_kgm3) return std::nullopt;
-    if (id == train::kR2 && !masses.ring2_outer_radius_m) return std::nullopt;
-    const double other =
-        id == train::kR2 ? *masses.ring2_outer_radius_m : masses.bore_radius_m[index];
-    return inertia::gear_body(train.gears[index], other, *width, *masses.density_kgm3);
-  };
-  const auto inertia_of = [&](const std::optional<double>& given, train::GearId id,
-                              std::string_view hint) {
-    if (given) return *given;
-    if (const auto body = gear_body(id)) return body->inertia_kgm2;
-    missing.emplace_back(hint);
-    return 0.0;
-  };
-  inertia::BodyInertias<double> bodies{};
-  bodies.sun_kgm2 = inertia_of(masses.sun_kgm2, train::kS, "inertia.S_kgm2");
-  bodies.planet1_kgm2 = inertia_of(masses.planet1_kgm2, train::kP1, "inertia.P1_kgm2");
-  bodies.planet2_kgm2 = inertia_of(masses.planet2_kgm2, train::kP2, "inertia.P2_kgm2");
-  bodies.ring2_kgm2 = inertia_of(masses.ring2_kgm2, train::kR2, "inertia.R2_kgm2");
-  const auto step1 = gear_body(train::kP1);
-  const auto step2 = gear_body(train::kP2);
-  if (masses.planet_mass_kg) {
-    bodies.planet_mass_kg = *masses.planet_mass_kg;
-  } else if (step1 && step2) {
-    bodies.planet_mass_kg = step1->mass_kg + step2->mass_kg;
-  } else {
-    missing.emplace_back("inertia.planet_mass_kg");
-  }
-  bodies.carrier_kgm2 = masses.carrier_kgm2.value_or(0.0);
-  if (!missing.empty()) {
-    return fmt::format("{} (or density_kg_m3 with face widths, and outer_diameter_mm of R2)",
-                       fmt::join(missing, ", "));
-  }
-  return bodies;
 }
 
 InertiaResult inertia_result(const inertia::InertialTrain<double>& train,
@@ -308,11 +329,24 @@ std::optional<NotDefined> why_undefined(const Design& design) {
   return std::nullopt;
 }
 
-std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
-  if (auto undefined = why_undefined(design)) return *std::move(undefined);
+train::TrainParameters<double> resolved_parameters(const Design& design) {
   train::TrainParameters<double> parameters = design.train;
   parameters.center_distance_m =
       *resolved_center_distance(design, train::make_train_gears(parameters));
+  return parameters;
+}
+
+LossyTrain<double> lossy_train(const Design& design, const train::TrainGeometry<double>& geometry) {
+  return {.geometry = geometry,
+          .friction = design.friction,
+          .shafts = design.shafts,
+          .face_width_m = {design.masses.face_width_m[0].value_or(0.0),
+                           design.masses.face_width_m[1].value_or(0.0)}};
+}
+
+std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
+  if (auto undefined = why_undefined(design)) return *std::move(undefined);
+  const train::TrainParameters<double> parameters = resolved_parameters(design);
   const auto train = train::make_train_geometry(parameters);
   const auto& gears = train->gears;
   const auto forms = tooth_forms(gears);
@@ -329,6 +363,10 @@ std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
   e.center_distance_given = design.center_distance_given;
   e.module_m = parameters.module_m;
   const bool g2_below_one = e.g2 < 1.0;
+  const LossyTrain<double> lossy = lossy_train(design, *train);
+  e.operation = operation_result(lossy, design);
+  const auto mu = mesh_frictions(lossy, e.operation);
+  note_operation(e.operation, e.notes);
   for (std::size_t k = 0; k < train::kMeshCount; ++k) {
     const auto [first, second] = train::kMeshGears[k];
     e.meshes.push_back(mesh_result(
@@ -337,7 +375,7 @@ std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
          .gear2 = gears[static_cast<std::size_t>(second)],
          .mesh = train->meshes[k],
          .gear1_drives = train::gear1_drives(static_cast<train::MeshId>(k), g2_below_one, true)},
-        design.friction));
+        design.friction, mu[k]));
   }
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
     e.gears.push_back(
@@ -360,19 +398,20 @@ std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
                 .input_kinematic_rad = kinematic * std::abs(e.ratio),
                 .kinematic_share_rad = backlash::kinematic_lost_motion(*train, j_bn)};
 
-  const auto bodies = body_inertias(design.masses, *train);
-  if (const auto* missing = std::get_if<std::string>(&bodies)) {
-    e.inertia_missing = *missing;
+  MassModel masses = mass_model(design.masses, *train);
+  e.parts = std::move(masses.parts);
+  e.total_mass_kg = masses.total_mass_kg;
+  e.total_mass_missing = std::move(masses.total_mass_missing);
+  if (!masses.bodies) {
+    e.inertia_missing = std::move(masses.bodies_missing);
   } else {
     e.inertia = inertia_result({.teeth = e.teeth,
                                 .planets = e.planets,
                                 .center_distance_m = e.center_distance_m,
-                                .bodies = std::get<inertia::BodyInertias<double>>(bodies)},
+                                .bodies = *masses.bodies},
                                eta);
-    if (!design.masses.carrier_kgm2) {
-      e.notes.emplace_back("inertia counts no carrier: state inertia.carrier_kgm2");
-    }
   }
+  note_masses(masses, e.notes);
   e.assembly = train::assembly(e.teeth, e.planets);
   for (std::size_t k = 0; e.assembly.equal_spacing && k < train::kMeshCount; ++k) {
     e.meshes[k].planet_phase =
@@ -423,12 +462,14 @@ std::variant<PairEvaluation, NotDefined> evaluate(const PairDesign& design) {
   e.name = design.name;
   e.center_distance_m = *distance;
   e.center_distance_given = design.center_distance_m.has_value();
-  e.mesh = mesh_result({.name = kPairMesh[0],
-                        .gear1 = gears[0],
-                        .gear2 = gears[1],
-                        .mesh = *mesh,
-                        .gear1_drives = true},
-                       design.friction);
+  e.mesh = mesh_result(
+      {.name = kPairMesh[0],
+       .gear1 = gears[0],
+       .gear2 = gears[1],
+       .mesh = *mesh,
+       .gear1_drives = true},
+      design.friction,
+      {.forward = design.friction.coefficient, .backward = design.friction.coefficient});
   for (std::size_t i = 0; i < 2; ++i) {
     e.gears.push_back(gear_result(kGears[i], gears[i], forms[i], design.pin_diameter_m[i]));
   }

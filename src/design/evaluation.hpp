@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "design/design.hpp"
+#include "design/mass_model.hpp"
+#include "design/operation.hpp"
 #include "geometry/interference.hpp"
 #include "geometry/sliding.hpp"
 #include "geometry/tooth_measures.hpp"
@@ -20,6 +22,7 @@ struct MeshResult {
   double contact_ratio;
   double approach_contact_ratio, recess_contact_ratio;  ///< forward drive direction
   double normal_backlash_m;
+  double friction_forward, friction_backward;  ///< coefficient of friction
   double efficiency_forward, efficiency_backward;
   bool loss_model_in_range;
   long long hunting_period_teeth;
@@ -86,6 +89,12 @@ struct EfficiencyResult {
   double backdriving_margin;
 };
 
+/// The gearbox at its operating point, with the losses of its shafts.
+struct OperatingResult {
+  OperatingPoint<double> point;
+  OperationResult<double> forward, backward;
+};
+
 struct Evaluation {
   std::string name;
   train::ToothSet teeth;
@@ -94,12 +103,16 @@ struct Evaluation {
   double center_distance_m;
   bool center_distance_given;
   std::array<double, 2> module_m;
-  EfficiencyResult efficiency;
+  EfficiencyResult efficiency;               ///< of the meshes alone
+  std::optional<OperatingResult> operation;  ///< where the design has an operating point
   std::vector<MeshResult> meshes;
   std::vector<GearResult> gears;
   BacklashResult backlash;
   std::optional<InertiaResult> inertia;
   std::string inertia_missing;  ///< what input it lacks, when inertia is empty
+  std::vector<PartMass> parts;
+  std::optional<double> total_mass_kg;
+  std::string total_mass_missing;  ///< what input it lacks, when the total is empty
   train::Assembly assembly;
   std::vector<CheckResult> checks;
   std::vector<std::string> notes;
@@ -125,6 +138,13 @@ struct NotDefined {
 /// @throws std::invalid_argument for values outside the geometry functions' ranges
 std::optional<NotDefined> why_undefined(const Design& design);
 std::optional<NotDefined> why_undefined(const PairDesign& design);
+
+/// What is given of a design's train, with the centre distance that evaluate() takes: the stated
+/// one, else the zero-backlash distance of mesh P1-R1.  The design must be defined.
+train::TrainParameters<double> resolved_parameters(const Design& design);
+
+/// A train with what a design loses; refers to both arguments.
+LossyTrain<double> lossy_train(const Design& design, const train::TrainGeometry<double>& geometry);
 
 /// Everything known about a gearbox.
 /// Without a given centre distance, the zero-backlash distance of mesh P1-R1 is taken.

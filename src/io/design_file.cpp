@@ -10,6 +10,7 @@
 #include "io/axial_keys.hpp"
 #include "io/cutter_keys.hpp"
 #include "io/limit_keys.hpp"
+#include "io/loss_keys.hpp"
 #include "io/mass_keys.hpp"
 #include "io/model_keys.hpp"
 
@@ -52,6 +53,7 @@ struct DesignInput : CommonInput {
   std::array<double, 2> module_m{};
   design::Masses masses;
   train::AxialLayout axial;
+  LossInput losses;
 };
 
 struct PairInput : CommonInput {
@@ -207,7 +209,7 @@ Schema<DesignInput> design_schema() {
                              .min = 0.0,
                              .max = 1000.0,
                              .default_text = "0",
-                             .help = "bore diameter of an external gear, for its inertia"},
+                             .help = "bore diameter of an external gear, for its mass and inertia"},
                   .assign = [](Input& t, std::size_t gear, const TomlValue& v) {
                     t.gears[gear].bore_diameter_m = v.number * kMillimetre;
                   }});
@@ -218,34 +220,13 @@ Schema<DesignInput> design_schema() {
                              .max = 10000.0,
                              .min_excluded = true,
                              .default_text = "none",
-                             .help = "outer diameter of ring R2, for its inertia"},
+                             .help = "outer diameter of ring R1 or R2, for its mass and inertia"},
                   .assign = [](Input& t, std::size_t gear, const TomlValue& v) {
                     t.gears[gear].outer_diameter_m = v.number * kMillimetre;
                   }});
-  keys.push_back({.record = {.path = "inertia.density_kg_m3",
-                             .type = KeyType::kNumber,
-                             .unit = "kg/m3",
-                             .min = 0.0,
-                             .max = 30000.0,
-                             .min_excluded = true,
-                             .default_text = "none",
-                             .help = "density of the gears, for inertia from geometry"},
-                  .assign = [](Input& t, std::size_t, const TomlValue& v) {
-                    t.masses.density_kgm3 = v.number;
-                  }});
-  for (const Body& body : kBodies) {
-    keys.push_back({.record = {.path = fmt::format("inertia.{}", body.name),
-                               .type = KeyType::kNumber,
-                               .unit = body.unit,
-                               .min = 0.0,
-                               .max = 1e6,
-                               .default_text = "from geometry",
-                               .help = body.help},
-                    .assign = [member = body.member](Input& t, std::size_t, const TomlValue& v) {
-                      t.masses.*member = v.number;
-                    }});
-  }
+  append_mass_keys<Input>(keys, [](Input& t) -> design::Masses& { return t.masses; });
   append_axial_keys<Input>(keys, [](Input& t) -> train::AxialLayout& { return t.axial; });
+  append_loss_keys<Input>(keys, [](Input& t) -> LossInput& { return t.losses; });
   append_limit_keys<Input>(keys, &Input::limits, false);
   return schema;
 }
@@ -398,6 +379,8 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
   design.masses = input.masses;
   design.axial = input.axial;
   check_axial(input.axial, reading);
+  finish_losses(input.losses, design, reading);
+  check_friction(input.friction, reading);
   check_rack(input.rack, input.pressure_angle_rad, reading);
   design.limits = finish_limits(input.limits, reading);
   design.center_distance_given = input.center_distance_m.has_value();
@@ -434,13 +417,13 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
                                      root / kMillimetre));
       }
     }
-    if (input.gears[i].outer_diameter_m && id != train::kR2) {
+    if (input.gears[i].outer_diameter_m && !places[i].ring) {
       reading.error_at(places[i].path + ".outer_diameter_mm",
-                       fmt::format("{}.outer_diameter_mm: allowed for R2 only (R1 is at rest, "
-                                   "external gears end at their teeth)",
+                       fmt::format("{}.outer_diameter_mm: allowed for R1 and R2 only (external "
+                                   "gears end at their teeth)",
                                    places[i].path));
     }
-    if (id == train::kR2 && input.gears[i].outer_diameter_m && has_circles) {
+    if (places[i].ring && input.gears[i].outer_diameter_m && has_circles) {
       const double least = 2.0 * circles_of(input, gear).root_radius_m;
       if (*input.gears[i].outer_diameter_m <= least) {
         reading.error_at(places[i].path + ".outer_diameter_mm",
@@ -449,9 +432,11 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
                                      places[i].path, *input.gears[i].outer_diameter_m / kMillimetre,
                                      least / kMillimetre));
       }
-      design.masses.ring2_outer_radius_m = 0.5 * *input.gears[i].outer_diameter_m;
+      (id == train::kR1 ? design.masses.ring1_outer_radius_m : design.masses.ring2_outer_radius_m) =
+          0.5 * *input.gears[i].outer_diameter_m;
     }
   }
+  check_masses(design.masses, reading);
   t.teeth = {.S = teeth[0], .P1 = teeth[1], .R1 = teeth[2], .P2 = teeth[3], .R2 = teeth[4]};
   require_more_ring_teeth(places[train::kR1], places[train::kP1], t.teeth.R1, t.teeth.P1, reading);
   require_more_ring_teeth(places[train::kR2], places[train::kP2], t.teeth.R2, t.teeth.P2, reading);
@@ -501,6 +486,7 @@ design::PairDesign read_pair(const std::string& path) {
                          .module_m = input.module_m,
                          .external_mesh = !input.internal};
   check_rack(input.rack, input.pressure_angle_rad, reading);
+  check_friction(input.friction, reading);
   design::PairDesign pair{
       .name = input.name,
       .pressure_angle_rad = input.pressure_angle_rad,

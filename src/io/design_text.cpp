@@ -4,6 +4,7 @@
 
 #include "io/design_file.hpp"
 #include "io/limit_keys.hpp"
+#include "io/loss_keys.hpp"
 #include "io/mass_keys.hpp"
 
 namespace gear3k::io {
@@ -102,6 +103,11 @@ std::string inertia_text(const design::Masses& masses) {
       text += fmt::format("{} = {}\n", body.name, number(*(masses.*body.member)));
     }
   }
+  for (const CarrierSize& size : kCarrierSizes) {
+    if (masses.*size.member) {
+      text += fmt::format("{} = {}\n", size.name, number(*(masses.*size.member) / size.per_unit));
+    }
+  }
   return text.empty() ? "" : "\n[inertia]\n" + text;
 }
 
@@ -143,10 +149,10 @@ std::string design_text(const design::Design& design) {
     if (masses.bore_radius_m[i] > 0.0) {
       text += fmt::format("bore_mm = {}\n", number(2.0 * masses.bore_radius_m[i] / kMillimetre));
     }
-    if (i == train::kR2 && masses.ring2_outer_radius_m) {
-      text += fmt::format("outer_diameter_mm = {}\n",
-                          number(2.0 * *masses.ring2_outer_radius_m / kMillimetre));
-    }
+    const auto outer = i == train::kR1   ? masses.ring1_outer_radius_m
+                       : i == train::kR2 ? masses.ring2_outer_radius_m
+                                         : std::nullopt;
+    if (outer) text += fmt::format("outer_diameter_mm = {}\n", number(2.0 * *outer / kMillimetre));
     if (t.cutter[i].teeth > 0) {
       text += fmt::format("[gears.{}.cutter]\nteeth = {}\nprofile_shift = {}\ntip_radius = {}\n",
                           train::kGearNames[i], t.cutter[i].teeth,
@@ -155,10 +161,18 @@ std::string design_text(const design::Design& design) {
   }
   text += axial_text(design.axial);
   text += inertia_text(masses);
-  text += fmt::format("\n[friction]\ncoefficient = {}\nloss_model = \"{}\"\n",
-                      number(design.friction.coefficient),
+  text += "\n[friction]\n";
+  if (efficiency::reads_coefficient(design.friction.law)) {
+    text += fmt::format("coefficient = {}\n", number(design.friction.coefficient));
+  }
+  text += fmt::format("loss_model = \"{}\"\n",
                       efficiency::kLossModelNames[static_cast<std::size_t>(design.friction.model)]);
-  return text + limits_text(design.limits);
+  if (design.friction.model == efficiency::LossModel::kDirectional) {
+    text +=
+        fmt::format("approach_factor = {}\nrecess_factor = {}\n",
+                    number(design.friction.approach_factor), number(design.friction.recess_factor));
+  }
+  return text + loss_text(design) + limits_text(design.limits);
 }
 
 }  // namespace gear3k::io

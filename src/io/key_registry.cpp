@@ -101,6 +101,9 @@ bool fits(const KeyRecord& record, const TomlValue& value) {
         return !value.list.empty() && integers_in_range(record, value.list);
       }
       return value.kind == Kind::kInteger && in_range(record, value.number);
+    case KeyType::kNumbers:
+      return value.kind == Kind::kList && !value.list.empty() &&
+             numbers_in_range(record, value.list);
     case KeyType::kModule:
       return module_fits(record, value);
     case KeyType::kNumberPerGear:
@@ -219,6 +222,8 @@ std::string allowed_text(const KeyRecord& record) {
       return with_unit("[low, high], two integers", record) + ", low <= high";
     case KeyType::kIntegers:
       return with_unit("an integer or a list of integers", record);
+    case KeyType::kNumbers:
+      return with_unit("a list of numbers", record);
     case KeyType::kModule:
       return with_unit("a number, { min, max } with min <= max, or { series = [..] }", record);
     case KeyType::kNumberPerGear:

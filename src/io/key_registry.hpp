@@ -23,6 +23,7 @@ enum class KeyType {
   kNumberRange,    ///< [low, high]
   kIntegerRange,   ///< [low, high]
   kIntegers,       ///< an integer or a list of them
+  kNumbers,        ///< a list of numbers
   kModule,         ///< a number, { min, max } or { series = [..] }
   kNumberPerGear,  ///< a number for all gears, or { S = .., P1 = .., .. }
   kNumberOrSwitch  ///< a number, or true (default limit) or false (off)

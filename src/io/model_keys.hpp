@@ -82,11 +82,45 @@ void append_model_keys(std::vector<Key<Target>>& keys, View view) {
                               efficiency::kLossModelNames.end()},
                   .default_text = "\"sliding\"",
                   .help = "mesh loss: sliding = mean sliding over a base pitch, for any contact "
-                          "ratios; ohlendorf = the papers' closed form"},
+                          "ratios; ohlendorf = the papers' closed form; coulomb_path = exact "
+                          "friction along the path of contact; directional = the same with "
+                          "approach_factor and recess_factor"},
        .assign = [view](Target& t, std::size_t, const TomlValue& v) {
          view(t).friction.model =
              static_cast<efficiency::LossModel>(index_of(efficiency::kLossModelNames, v.text));
        }});
+  struct Factor {
+    const char* path;
+    double design::Friction::*member;
+    const char* help;
+  };
+  static constexpr std::array<Factor, 2> kFactors{
+      {{"friction.approach_factor", &design::Friction::approach_factor,
+        "directional: friction in approach over the coefficient"},
+       {"friction.recess_factor", &design::Friction::recess_factor,
+        "directional: friction in recess over the coefficient"}}};
+  for (const Factor& f : kFactors) {
+    keys.push_back(
+        {.record = {.path = f.path,
+                    .type = KeyType::kNumber,
+                    .min = 0.0,
+                    .max = 10.0,
+                    .default_text = "with directional: 1",
+                    .help = f.help},
+         .assign = [view, member = f.member](Target& t, std::size_t, const TomlValue& v) {
+           view(t).friction.*member = v.number;
+         }});
+  }
+}
+
+/// The factors act in one loss model only.
+inline void check_friction(const design::Friction& friction, FileReading& reading) {
+  if (friction.model == efficiency::LossModel::kDirectional) return;
+  for (const char* path : {"friction.approach_factor", "friction.recess_factor"}) {
+    if (!reading.stated(path)) continue;
+    reading.error_at(
+        path, fmt::format("{}: allowed with friction.loss_model = \"directional\" only", path));
+  }
 }
 
 /// The rack's tooth must not come to a point before its tip: hfP* < π/(4 tan α).

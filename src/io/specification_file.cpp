@@ -292,6 +292,7 @@ void check_relations(const Input& input, FileReading& reading) {
   }
   check_axial(spec.axial, reading);
   check_rack(spec.rack, spec.pressure_angle_rad, reading);
+  check_friction(spec.friction, reading);
   check_cutter("cutter.R1", spec.cutter[train::kR1], teeth.R1_max, reading);
   check_cutter("cutter.R2", spec.cutter[train::kR2], teeth.R2_max, reading);
   for (std::size_t i = 0; i < train::kGearCount; ++i) {

@@ -9,6 +9,9 @@
 #include <numbers>
 
 #include "report/display.hpp"
+#include "report/mass_report.hpp"
+#include "report/operation_report.hpp"
+#include "report/sensitivity_report.hpp"
 #include "report/text_table.hpp"
 
 namespace gear3k::report {
@@ -36,8 +39,7 @@ std::string gear_table(const std::vector<GearResult>& gears) {
   const bool undercut =
       std::ranges::any_of(gears, [](const GearResult& g) { return g.tooth.undercut; });
   return "\nGears (mm; shift and shortening in modules; the involute begins, on a ring ends, at "
-         "the "
-         "form circle)\n" +
+         "the form circle)\n" +
          table.text(2) + (undercut ? "  u = undercut\n" : "");
 }
 
@@ -127,8 +129,7 @@ std::string phase_table(const std::vector<MeshResult>& meshes) {
                fmt::format("{} teeth", m.hunting_period_teeth), phases});
   }
   return "\nTooth numbers and mesh phases (share of a pitch by which each planet's mesh is ahead "
-         "of "
-         "the first's)\n" +
+         "of the first's)\n" +
          table.text(2);
 }
 
@@ -280,6 +281,8 @@ ordered_json mesh_json(const MeshResult& m) {
           {"approach_contact_ratio", m.approach_contact_ratio},
           {"recess_contact_ratio", m.recess_contact_ratio},
           {"normal_backlash_um", um(m.normal_backlash_m)},
+          {"friction_forward", m.friction_forward},
+          {"friction_backward", m.friction_backward},
           {"efficiency_forward", m.efficiency_forward},
           {"efficiency_backward", m.efficiency_backward},
           {"loss_model_in_range", m.loss_model_in_range},
@@ -456,7 +459,7 @@ class CsvRows {
 
 }  // namespace
 
-std::string analysis_table(const Evaluation& e) {
+std::string analysis_table(const Evaluation& e, const design::Sensitivities& s) {
   std::string text;
   text += fmt::format("{}: S {} / P1 {} / R1 {} / P2 {} / R2 {}, {} planets\n",
                       e.name.empty() ? "gearbox" : e.name, e.teeth.S, e.teeth.P1, e.teeth.R1,
@@ -492,9 +495,9 @@ std::string analysis_table(const Evaluation& e) {
                      std::string(train::kGearNames[static_cast<std::size_t>(second)])});
   }
   return text + failed_table(e.checks) + gear_table(e.gears) + tooth_table(e.gears) +
-         mesh_table(e.meshes) + flank_table(e.meshes, gears) + phase_table(e.meshes) +
-         passed_table(e.checks) + note_lines(e.notes) +
-         "\nNot checked by this version: strength, tolerances.\n";
+         mesh_table(e.meshes) + operation_table(e) + flank_table(e.meshes, gears) +
+         phase_table(e.meshes) + mass_table(e) + passed_table(e.checks) + sensitivity_table(s) +
+         note_lines(e.notes) + "\nNot checked by this version: strength, tolerances.\n";
 }
 
 std::string analysis_table(const PairEvaluation& e) {
@@ -507,7 +510,7 @@ std::string analysis_table(const PairEvaluation& e) {
          "\nNot checked by this version: strength, tolerances.\n";
 }
 
-std::string analysis_json(const Evaluation& e) {
+std::string analysis_json(const Evaluation& e, const design::Sensitivities& s) {
   ordered_json json{{"tool", tool_json()},
                     {"name", e.name},
                     {"planets", e.planets},
@@ -536,10 +539,13 @@ std::string analysis_json(const Evaluation& e) {
   } else {
     json["inertia"] = nullptr;
   }
+  add_masses(json, e);
+  add_operation(json, e);
   json["assembly"] = {{"equal_spacing", e.assembly.equal_spacing},
                       {"identical_planets", e.assembly.identical_planets},
                       {"planet_phase_deg", list_json(e.assembly.planet_phase_rad, degrees)}};
   json["checks"] = list_json(e.checks, check_json);
+  add_sensitivities(json, s);
   json["notes"] = e.notes;
   return json.dump(2) + "\n";
 }
@@ -556,7 +562,7 @@ std::string analysis_json(const PairEvaluation& e) {
   return json.dump(2) + "\n";
 }
 
-std::string analysis_csv(const Evaluation& e) {
+std::string analysis_csv(const Evaluation& e, const design::Sensitivities& s) {
   CsvRows rows;
   rows.add("train", "ratio", e.ratio, "");
   rows.add("train", "center_distance", mm(e.center_distance_m), "mm");
@@ -590,7 +596,7 @@ std::string analysis_csv(const Evaluation& e) {
   for (const MeshResult& m : e.meshes) rows.add_mesh(m);
   for (const GearResult& g : e.gears) rows.add_gear(g);
   for (const CheckResult& c : e.checks) rows.add_check(c);
-  return rows.text();
+  return rows.text() + operation_csv(e) + mass_csv(e) + sensitivity_csv(s);
 }
 
 std::string analysis_csv(const PairEvaluation& e) {

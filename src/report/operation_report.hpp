@@ -1,0 +1,20 @@
+#pragma once
+// A gearbox at its operating point, as `analyze` prints it.
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "design/evaluation.hpp"
+
+namespace gear3k::report {
+
+/// Torques, efficiency and losses in both drive directions; nothing without an operating point.
+std::string operation_table(const design::Evaluation& e);
+
+/// Adds `operating_point`: null without one.
+void add_operation(nlohmann::ordered_json& json, const design::Evaluation& e);
+
+/// Lines of analysis_csv().
+std::string operation_csv(const design::Evaluation& e);
+
+}  // namespace gear3k::report
