@@ -8,6 +8,9 @@
 
 #include <stdexcept>
 
+#include "design/evaluation.hpp"
+#include "efficiency/train_efficiency.hpp"
+#include "io/design_file.hpp"
 #include "io/specification_file.hpp"
 #include "optimize/ipopt.hpp"
 #include "optimize/optimizer.hpp"
@@ -123,6 +126,35 @@ void refine_ipopt_one_start(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(solve_ipopt(winner(), start));
 }
 BENCHMARK(refine_ipopt_one_start)->Unit(benchmark::kMicrosecond);
+
+/// A gearbox of the task ratio-96 with losses of every kind.
+const design::Design& lossy_gearbox() {
+  static const design::Design kDesign = io::read_design(
+      std::string(GEAR3K_SOURCE_DIR) + "/examples/designs/ratio_96_with_losses.toml");
+  return kDesign;
+}
+
+/// Efficiencies of the three meshes of a train.
+template <efficiency::LossModel model>
+void mesh_losses(benchmark::State& state) {
+  const auto train = train::make_train_geometry(lossy_gearbox().train);
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(efficiency::mesh_efficiencies(*train, 0.1, model, true));
+  }
+}
+BENCHMARK_TEMPLATE(mesh_losses, efficiency::LossModel::kSliding);
+BENCHMARK_TEMPLATE(mesh_losses, efficiency::LossModel::kCoulombPath);
+
+/// One operating point: friction by load and speed, drags, bearings, torques in balance.
+void operate_backward(benchmark::State& state) {
+  const auto train = train::make_train_geometry(lossy_gearbox().train);
+  const auto lossy = design::lossy_train(lossy_gearbox(), *train);
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(
+        design::operate(lossy, *lossy_gearbox().operating_point, design::Direction::kBackward));
+  }
+}
+BENCHMARK(operate_backward);
 
 void search_rp96(benchmark::State& state) {
   omp_set_num_threads(static_cast<int>(state.range(0)));

@@ -37,6 +37,18 @@ void deliver(const CommonOptions& options, const std::string& text) {
   }
 }
 
+void set_aside(const std::string& path) {
+  std::error_code status;
+  if (!std::filesystem::exists(path, status)) return;
+  const std::string aside = path + ".previous";
+  std::filesystem::rename(path, aside, status);
+  if (status) {
+    throw io::InvalidInput(
+        fmt::format("{}: is not of this run and cannot be renamed: {}", path, status.message()));
+  }
+  fmt::print(stderr, "{}: is not of this run, renamed to {}\n", path, aside);
+}
+
 int use_threads(const CommonOptions& options) {
   if (options.threads > 0) omp_set_num_threads(options.threads);
   return omp_get_max_threads();
@@ -44,17 +56,26 @@ int use_threads(const CommonOptions& options) {
 
 namespace {
 
-template <class Result>
-std::string in_format(const CommonOptions& options, const Result& result) {
+template <class... Results>
+std::string in_format(const CommonOptions& options, const Results&... results) {
   switch (options.format) {
     case Format::kJson:
-      return report::analysis_json(result);
+      return report::analysis_json(results...);
     case Format::kCsv:
-      return report::analysis_csv(result);
+      return report::analysis_csv(results...);
     case Format::kTable:
       break;
   }
-  return report::analysis_table(result);
+  return report::analysis_table(results...);
+}
+
+std::string analysis(const CommonOptions& options, const design::Design& design,
+                     const design::Evaluation& evaluation) {
+  return in_format(options, evaluation, design::sensitivities(design));
+}
+std::string analysis(const CommonOptions& options, const design::PairDesign&,
+                     const design::PairEvaluation& evaluation) {
+  return in_format(options, evaluation);
 }
 
 template <class Design>
@@ -80,21 +101,8 @@ ExitCode analyze(const Design& design, const AnalyzeOptions& options) {
   use_threads(options);
   refuse_overwriting_input(options.file, options.out);
   const auto result = evaluate_or_throw(design, options.file);
-  deliver(options, in_format(options, result));
+  deliver(options, analysis(options, design, result));
   return options.strict && !design::all_ok(result.checks) ? kNoFeasibleDesign : kDone;
-}
-
-/// Moves a file out of the way that would pass for a result of this run.
-void set_aside(const std::string& path) {
-  std::error_code status;
-  if (!std::filesystem::exists(path, status)) return;
-  const std::string aside = path + ".previous";
-  std::filesystem::rename(path, aside, status);
-  if (status) {
-    throw io::InvalidInput(
-        fmt::format("{}: is not of this run and cannot be renamed: {}", path, status.message()));
-  }
-  fmt::print(stderr, "{}: is not of this run, renamed to {}\n", path, aside);
 }
 
 }  // namespace
@@ -188,7 +196,8 @@ ExitCode run_optimize(const OptimizeOptions& options) {
     return all_failed ? kSolverFailure : kNoFeasibleDesign;
   }
   // The design that is printed is the one that the file describes.
-  const auto best = evaluate_or_throw(io::read_design(best_path), best_path);
+  const design::Design best_design = io::read_design(best_path);
+  const auto best = evaluate_or_throw(best_design, best_path);
   std::string text;
   switch (options.format) {
     case Format::kJson:
@@ -198,7 +207,7 @@ ExitCode run_optimize(const OptimizeOptions& options) {
       text = report::refined_csv(result);
       break;
     case Format::kTable:
-      text = report::analysis_table(best) +
+      text = report::analysis_table(best, design::sensitivities(best_design)) +
              fmt::format(
                  "\nFiles in {}: best.toml (this design), refined.csv ({} tooth sets), "
                  "pareto.csv ({} designs), summary.json\n",

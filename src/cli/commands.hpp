@@ -37,6 +37,10 @@ struct OptimizeOptions : CommonOptions {
 
 struct ReproduceOptions : CommonOptions {};
 
+struct MapOptions : CommonOptions {  ///< out: a folder; "" = none
+  std::string file;
+};
+
 /// Bounds of --chord-error-um: below, coordinates are rounded as coarsely; above, teeth lose shape.
 inline constexpr double kLeastChordErrorUm = 0.01, kGreatestChordErrorUm = 100.0;
 
@@ -51,6 +55,7 @@ ExitCode run_mesh(const AnalyzeOptions& options);
 ExitCode run_search(const SearchOptions& options);
 ExitCode run_optimize(const OptimizeOptions& options);
 ExitCode run_reproduce(const ReproduceOptions& options);
+ExitCode run_map(const MapOptions& options);
 ExitCode run_export(const ExportOptions& options);
 /// Prints docs/keys.md: every key of DESIGN, PAIR and SPEC files.
 ExitCode run_keys(const CommonOptions& options);
@@ -61,6 +66,10 @@ void print_result(const std::string& text);
 
 /// Prints a result to stdout, or writes it to options.out.
 void deliver(const CommonOptions& options, const std::string& text);
+
+/// Moves a file out of the way that would pass for a result of this run, and says so.
+/// @throws io::InvalidInput when it cannot be renamed
+void set_aside(const std::string& path);
 
 /// Runs OpenMP regions with the number of threads asked for.  @returns that number
 int use_threads(const CommonOptions& options);

@@ -185,6 +185,20 @@ int run_program(int argc, char** argv) {
     run = [&] { return cli::run_export(drawings); };
   });
 
+  cli::MapOptions map;
+  CLI::App* map_command = app.add_subcommand(
+      "map", "efficiency over speed and load in both directions, no-load and breakaway torque");
+  map_command->add_option("DESIGN", map.file, "DESIGN.toml")->required();
+  map_command
+      ->add_option("--out", map.out,
+                   "folder for map.csv, map.json and figures; made when missing; figures need "
+                   "gnuplot")
+      ->check(folder_name)
+      ->option_text("DIR");
+  add_common_options(*map_command, map);
+  map_command->footer([] { return "Keys of DESIGN.toml:\n" + io::design_key_table(); });
+  map_command->callback([&] { run = [&] { return cli::run_map(map); }; });
+
   cli::ReproduceOptions reproduce;
   CLI::App* reproduce_command = app.add_subcommand(
       "reproduce", "the published 96.2:1 gearboxes: paper, its equations, measurement; errata");

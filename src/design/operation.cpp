@@ -1,6 +1,8 @@
 #include "design/operation.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 namespace gear3k::design {
 
@@ -138,7 +140,10 @@ MotionResult<T> move(const LossyTrain<T>& t, const OperatingPoint<T>& point,
   if (!flow) return {.motion = std::nullopt, .reason = NoOperation::kLocks};
 
   // Derivatives follow the values at the same rate, one pass behind: as many passes again.
-  constexpr int kMostPasses = 100;
+  // Where bearing friction takes nearly all that moves a planet, passes gain little, and beyond
+  // that none: the train locks.
+  constexpr int kMostPasses = 5000;
+  bool repeats = false;
   int passes = kMostPasses;
   for (int pass = 0; pass < passes; ++pass) {
     const std::array<T, kMeshCount> before = flow->mesh_torque_Nm;
@@ -160,9 +165,6 @@ MotionResult<T> move(const LossyTrain<T>& t, const OperatingPoint<T>& point,
       for (const std::size_t driver : {0U, 1U}) {
         loaded.efficiency[k][driver] =
             efficiency::mesh_efficiency(mesh[k].contact[driver], flank, t.friction.model);
-        if (!(value_of(loaded.efficiency[k][driver]) > 0.0)) {
-          return {.motion = std::nullopt, .reason = NoOperation::kLocks};
-        }
       }
     }
     motion.bearing_Nm = pin_lever * planet_force(g, mesh, before);
@@ -176,11 +178,13 @@ MotionResult<T> move(const LossyTrain<T>& t, const OperatingPoint<T>& point,
       change = std::max(change, std::abs(after - value_of(before[k])));
       scale = std::max(scale, std::abs(after));
     }
-    constexpr double kRounding = 1e-15;
-    if (passes == kMostPasses && change <= kRounding * scale) {
-      passes = std::min(kMostPasses - 1, 2 * (pass + 1));
+    constexpr double kRounding = 4e-15;
+    if (!repeats && change <= kRounding * scale) {
+      repeats = true;
+      passes = std::is_floating_point_v<T> ? pass + 1 : 2 * (pass + 1);
     }
   }
+  if (!repeats) return {.motion = std::nullopt, .reason = NoOperation::kLocks};
   for (std::size_t k = 0; k < kMeshCount; ++k) {
     auto& m = motion.mesh[k];
     m.gear1_drives = flow->gear1_drives[k];

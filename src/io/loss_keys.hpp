@@ -34,7 +34,7 @@ const std::vector<LossNumber>& loss_numbers();
 /// A key that holds a list of numbers of the friction table.
 struct LossList {
   KeyRecord record;
-  std::vector<double> efficiency::FrictionTable::*member;
+  std::vector<double> efficiency::FrictionTable::*member = nullptr;
   bool required = false;
 };
 const std::vector<LossList>& loss_lists();
@@ -43,7 +43,7 @@ KeyRecord friction_law_record();
 /// A key of [map]: a range or a number of points.
 struct MapKey {
   KeyRecord record;
-  design::GridAxis design::MapGrid::*axis;
+  design::GridAxis design::MapGrid::*axis = nullptr;
   bool points = false;
   double per_unit = 1.0;
 };

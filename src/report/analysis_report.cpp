@@ -476,6 +476,7 @@ std::string analysis_table(const Evaluation& e, const design::Sensitivities& s) 
                                          ? fmt::format("{:.2f} %", 100.0 * *e.efficiency.forward)
                                          : std::string("undefined")});
   table.add({"  efficiency backward", backward_text(e.efficiency)});
+  if (e.operation) table.add({"  with all losses", operation_summary(e)});
   const auto& share = e.backlash.kinematic_share_rad;
   table.add({"  lost motion at output",
              fmt::format("{} arcmin, kinematic   (S-P1 {}, P1-R1 {}, P2-R2 {}; by the paper's eq. "

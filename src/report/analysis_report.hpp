@@ -4,19 +4,21 @@
 #include <string>
 
 #include "design/evaluation.hpp"
+#include "design/sensitivity.hpp"
 
 namespace gear3k::report {
 
 /// Tables for the terminal; failed checks come first.
-std::string analysis_table(const design::Evaluation& e);
+/// @param s  of the same design; {} = not wanted
+std::string analysis_table(const design::Evaluation& e, const design::Sensitivities& s);
 std::string analysis_table(const design::PairEvaluation& e);
 
 /// JSON by the contract of docs/interface.md.
-std::string analysis_json(const design::Evaluation& e);
+std::string analysis_json(const design::Evaluation& e, const design::Sensitivities& s);
 std::string analysis_json(const design::PairEvaluation& e);
 
 /// CSV with the columns item, quantity, value, unit, limit, ok.
-std::string analysis_csv(const design::Evaluation& e);
+std::string analysis_csv(const design::Evaluation& e, const design::Sensitivities& s);
 std::string analysis_csv(const design::PairEvaluation& e);
 
 }  // namespace gear3k::report

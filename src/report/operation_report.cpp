@@ -100,6 +100,15 @@ std::string operation_table(const Evaluation& e) {
          losses.text(2) + "\n" + meshes.text(2);
 }
 
+std::string operation_summary(const Evaluation& e) {
+  std::string text;
+  for (const auto& [name, result] : directions(e.operation.value())) {
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name,
+                        result->operation ? efficiency_text(*result->operation) : "does not run");
+  }
+  return text + " at the operating point";
+}
+
 void add_operation(ordered_json& json, const Evaluation& e) {
   json["operating_point"] = nullptr;
   if (!e.operation) return;

@@ -11,6 +11,10 @@ namespace gear3k::report {
 /// Torques, efficiency and losses in both drive directions; nothing without an operating point.
 std::string operation_table(const design::Evaluation& e);
 
+/// Both efficiencies with all losses, in one line.  @throws std::bad_optional_access without an
+/// operating point
+std::string operation_summary(const design::Evaluation& e);
+
 /// Adds `operating_point`: null without one.
 void add_operation(nlohmann::ordered_json& json, const design::Evaluation& e);
 

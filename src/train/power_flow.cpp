@@ -1,5 +1,8 @@
 #include "train/power_flow.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "geometry/scalar.hpp"
 
 namespace gear3k::train {
@@ -33,12 +36,28 @@ PowerFlow<T> balance(const LoadedTrain<T>& t, const Pattern& gear1_drives) {
   torque[known] = -(t.given_torque_Nm + (from_output ? t.known.ring2 : t.known.sun));
   const T rest_moment = -t.known.planet - t.known.pin - moment[known] * torque[known];
   const T rest_sum = t.known.carrier + t.known.planet - torque[known];
-  torque[other] =
-      (rest_moment - moment[kMeshP1R1] * rest_sum) / (moment[other] - moment[kMeshP1R1]);
-  torque[kMeshP1R1] = rest_sum - torque[other];
+  // Each by its own quotient: a difference would let rounding decide the sign of a small torque.
+  const T difference = moment[other] - moment[kMeshP1R1];
+  torque[other] = (rest_moment - moment[kMeshP1R1] * rest_sum) / difference;
+  torque[kMeshP1R1] = (moment[other] * rest_sum - rest_moment) / difference;
   flow.sun_torque_Nm = from_output ? T(-torque[kMeshSP1] - t.known.sun) : t.given_torque_Nm;
   flow.output_torque_Nm = from_output ? t.given_torque_Nm : T(-torque[kMeshP2R2] - t.known.ring2);
   return flow;
+}
+
+/// Whether every mesh can run with its driver.
+template <class T>
+bool runs(const LoadedTrain<T>& t, const Pattern& gear1_drives) {
+  for (std::size_t k = 0; k < kMeshCount; ++k) {
+    if (!(value_of(t.efficiency[k][gear1_drives[k] ? 0 : 1]) > 0.0)) return false;
+  }
+  return true;
+}
+
+template <class T>
+bool finite(const PowerFlow<T>& flow) {
+  return std::ranges::all_of(flow.mesh_torque_Nm,
+                             [](const T& torque) { return std::isfinite(value_of(torque)); });
 }
 
 }  // namespace
@@ -69,8 +88,9 @@ std::optional<PowerFlow<T>> solve_power_flow(const LoadedTrain<T>& train) {
     for (std::size_t k = 0; k < kMeshCount; ++k) {
       if ((flips >> k & 1U) != 0) pattern[k] = !pattern[k];
     }
+    if (!runs(train, pattern)) continue;
     PowerFlow<T> flow = balance(train, pattern);
-    if (pattern_of(flow, pattern) != pattern) continue;
+    if (!finite(flow) || pattern_of(flow, pattern) != pattern) continue;
     for (std::size_t k = 0; k < kMeshCount; ++k) {
       const T into_central = flow.mesh_torque_Nm[k] * speed[k];
       const T& eta = train.efficiency[k][pattern[k] ? 0 : 1];

@@ -13,7 +13,7 @@ namespace gear3k::train {
 enum class End { kSun, kOutput };
 
 /// Torques on the bodies other than from the meshes and at the ends: drag, inertia.  Each [Nm],
-/// positive along the body's positive rotation (that of speed_ratios() with w_R2 = 1).
+/// positive in the sense in which R2 turns; for G2 > 1 sun and carrier turn against it.
 template <class T>
 struct BodyTorques {
   T sun{};
@@ -30,7 +30,8 @@ using DriverEfficiencies = std::array<T, 2>;
 template <class T>
 struct LoadedTrain {
   ToothSet teeth;
-  std::array<DriverEfficiencies<T>, kMeshCount> efficiency;  ///< positive
+  /// A value ≤ 0 says that the mesh cannot run with that driver.
+  std::array<DriverEfficiencies<T>, kMeshCount> efficiency;
   BodyTorques<T> known;
   End given_end = End::kOutput;
   T given_torque_Nm{};  ///< from outside, on the sun or on R2, positive along w_R2 = 1

@@ -325,7 +325,7 @@ std::vector<BadInput> design_inputs() {
                  {"gear.toml:9:19: gears.S.bore_mm = 30: allowed: below"}),
       bad_design("OuterDiameterOfAPlanet",
                  replaced(kDesign, "teeth = 39,", "teeth = 39, outer_diameter_mm = 80.0,"),
-                 {"gear.toml:10:20: gears.P1.outer_diameter_mm: allowed for R2 only"}),
+                 {"gear.toml:10:20: gears.P1.outer_diameter_mm: allowed for R1 and R2 only"}),
       bad_design("OuterDiameterWithinTheTeeth",
                  replaced(kDesign, "teeth = 81,", "teeth = 81, outer_diameter_mm = 60.0,"),
                  {"gear.toml:13:20: gears.R2.outer_diameter_mm = 60: allowed: above"}),

@@ -344,6 +344,59 @@ TEST(Analyze, TableSaysThatTheCentreDistanceWasChosenByTheProgram) {
   EXPECT_EQ(line_of(given).find(note), std::string::npos) << line_of(given);
 }
 
+TEST(Analyze, SensitivitiesForetellWhatAChangedFileGives) {
+  const std::string text = example(bilateral().file);
+  const json before = analysis_of(text);
+  const json after = analysis_of(
+      replaced(text, "profile_shift = 0.536", "profile_shift = 0.5361"));  // P2, one step/100
+  const json& rows = before.at("sensitivities");
+  ASSERT_GT(rows.size(), 15U);
+  const auto row = std::ranges::find_if(
+      rows, [](const json& r) { return r.at("input") == "gears.P2.profile_shift"; });
+  ASSERT_NE(row, rows.end());
+  expect_keys(*row, {{"unit", Type::kText},
+                     {"stated", Type::kBoolean},
+                     {"value", Type::kNumber},
+                     {"step", Type::kNumber},
+                     {"d_eta_f", Type::kNumber},
+                     {"d_eta_b", Type::kNumber},
+                     {"d_lost_motion_arcmin", Type::kNumber},
+                     {"d_margin", Type::kList}});
+  EXPECT_EQ(row->at("value"), 0.536);
+  // The rest of the series, at a hundredth of the step, is far below a percent of the change.
+  const auto expect_foretold = [&](const char* field, const char* group, const char* number) {
+    const double change =
+        after.at(group).at(number).get<double>() - before.at(group).at(number).get<double>();
+    EXPECT_NEAR(row->at(field).get<double>() * 1e-4, change, 1e-2 * std::abs(change)) << field;
+  };
+  expect_foretold("d_eta_f", "efficiency", "forward");
+  expect_foretold("d_eta_b", "efficiency", "backward");
+  expect_foretold("d_lost_motion_arcmin", "backlash", "kinematic_arcmin");
+  ASSERT_EQ(before.at("tightest_checks").size(), 5U);
+  EXPECT_EQ(row->at("d_margin").size(), 5U);
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    const auto effect = [&](std::size_t k) {
+      return std::abs(rows[k].at("d_eta_b").get<double>() * rows[k].at("step").get<double>());
+    };
+    EXPECT_GE(effect(i - 1), effect(i)) << rows[i].at("input");
+  }
+}
+
+TEST(Analyze, TableHasTheSensitivitiesAndWhatMovesTheTightestChecks) {
+  const Workplace place;
+  place.write("gear.toml", example(bilateral().file));
+  const std::string table = place.run({"analyze", "gear.toml"}).out;
+  const auto sensitivities = table.find("\nSensitivities (");
+  const auto tightest = table.find("\nTightest checks (");
+  ASSERT_NE(sensitivities, std::string::npos);
+  ASSERT_NE(tightest, std::string::npos);
+  for (const char* input : {"friction.coefficient ", "gears.R1.profile_shift ",
+                            "center_distance_mm (not stated) ", "stage2.module_mm "}) {
+    const auto at = table.find(input, sensitivities);
+    EXPECT_LT(at, tightest) << input;
+  }
+}
+
 // --- mesh
 
 TEST(Mesh, PairHasTheMeshGearsAndChecksOfAnAnalysis) {
@@ -453,6 +506,8 @@ TEST(Formats, CsvAndJsonOfAnAnalysisAgree) {
             result.at("meshes")[2].at("contact_ratio").get<double>());
   EXPECT_EQ(value("R2", "root_diameter"),
             result.at("gears")[4].at("root_diameter_mm").get<double>());
+  const json& most = result.at("sensitivities")[0];
+  EXPECT_EQ(value(most.at("input"), "d_eta_b"), most.at("d_eta_b").get<double>());
 }
 
 TEST(Quiet, PrintsNothingOnStderrWhenAllIsWell) {

@@ -68,6 +68,45 @@ TEST(Reproduce, FrictionFitsAreThoseOfTheErrata) {
   }
 }
 
+TEST(Reproduce, NoLossModelWithOneFrictionExplainsBothDirections) {
+  for (const std::size_t gearbox : {0U, 1U}) {
+    const GearboxComparison& g = reproduction().gearboxes[gearbox];
+    ASSERT_EQ(g.fits.size(), 3U);
+    for (const FrictionFit& fit : g.fits) {
+      const double points = 100.0 * (fit.backward.value() - fit.measured_backward);
+      EXPECT_GT(points, 2.5) << g.name << " " << fit.model;
+      EXPECT_LT(points, 4.0) << g.name << " " << fit.model;
+    }
+  }
+}
+
+TEST(Reproduce, FittedFrictionGivesTheMeasuredEfficienciesWhenEvaluated) {
+  const PublishedSources sources = io::published_sources();
+  const auto evaluated = [](design::Design design, const design::Friction& friction) {
+    design.friction = friction;
+    return std::get<design::Evaluation>(design::evaluate(design)).efficiency;
+  };
+  for (const std::size_t gearbox : {0U, 1U}) {
+    const PublishedGearbox& published = gearbox == 0 ? sources.low_backlash : sources.bilateral;
+    const GearboxComparison& g = reproduction().gearboxes[gearbox];
+    const FrictionFit& path = g.fits.at(2);
+    EXPECT_EQ(path.model, "coulomb_path");
+    const auto eta = evaluated(published.design, {.coefficient = path.mu.value(),
+                                                  .model = efficiency::LossModel::kCoulombPath});
+    EXPECT_NEAR(eta.forward.value(), published.measured_forward.value(), 1e-12);
+    EXPECT_NEAR(eta.backward.value(), path.backward.value(), 1e-12);
+    if (!g.directional) continue;
+    const auto both =
+        evaluated(published.design, {.coefficient = g.directional->mu,
+                                     .model = efficiency::LossModel::kDirectional,
+                                     .approach_factor = g.directional->approach_factor,
+                                     .recess_factor = g.directional->recess_factor});
+    EXPECT_NEAR(both.forward.value(), published.measured_forward.value(), 1e-12);
+    EXPECT_NEAR(both.backward.value(), published.measured_backward.value(), 1e-12);
+  }
+  EXPECT_TRUE(reproduction().gearboxes[0].directional.has_value());
+}
+
 TEST(Reproduce, ExplainingAllowanceGivesTheMeasuredLostMotionWhenEvaluated) {
   const PublishedSources sources = io::published_sources();
   for (const std::size_t gearbox : {0U, 1U}) {

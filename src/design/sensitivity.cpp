@@ -1,0 +1,419 @@
+#include "design/sensitivity.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <tuple>
+
+#include "backlash/normal_backlash.hpp"
+#include "design/evaluation.hpp"
+#include "design/operation.hpp"
+
+namespace gear3k::design {
+
+namespace {
+
+/// The continuous inputs of a design.
+template <class T>
+struct Parameters {
+  T pressure_angle_rad{};
+  T center_distance_m{};  ///< as stated, or where the train sits
+  std::array<T, 2> module_m{}, face_width_m{};
+  std::array<T, train::kGearCount> profile_shift{}, machining_allowance{}, tip_shortening{};
+  geometry::BasicRack<T> rack{};  ///< of the first gear
+  efficiency::Friction<T> friction{};
+  ShaftLosses<T> shafts{};
+  OperatingPoint<T> point{};
+};
+
+/// A unit of the file, and the step of inputs in it.
+struct FileUnit {
+  std::string_view name;
+  double si = 1.0;       ///< per unit
+  double zero_si = 0.0;  ///< SI value at 0 units
+  double step = 0.01;    ///< units; of a relative step, share of the value
+  bool relative = true;
+};
+constexpr FileUnit kNumber{.name = ""};
+constexpr FileUnit kModules{.name = "modules", .relative = false};
+constexpr FileUnit kDistance{.name = "mm", .si = 1e-3, .relative = false};
+constexpr FileUnit kModuleLength{.name = "mm", .si = 1e-3, .step = 0.001, .relative = false};
+constexpr FileUnit kDegree{
+    .name = "deg", .si = std::numbers::pi / 180.0, .step = 0.1, .relative = false};
+constexpr FileUnit kCelsius{.name = "C", .zero_si = 273.15, .step = 1.0, .relative = false};
+constexpr FileUnit kLength{.name = "mm", .si = 1e-3};
+constexpr FileUnit kRoughness{.name = "um", .si = 1e-6};
+constexpr FileUnit kViscosity{.name = "mm2/s", .si = 1e-6};
+constexpr FileUnit kDensity{.name = "kg/m3"};
+constexpr FileUnit kForce{.name = "N"};
+constexpr FileUnit kTorque{.name = "N m"};
+constexpr FileUnit kSpeed{.name = "m/s"};
+constexpr FileUnit kPerSpeed{.name = "s/m"};
+constexpr FileUnit kTurning{.name = "rpm", .si = std::numbers::pi / 30.0};
+constexpr FileUnit kViscousDrag{.name = "N m s/rad"};
+constexpr FileUnit kQuadraticDrag{.name = "N m s2/rad2"};
+
+/// Record of an input.
+template <class T>
+struct Input {
+  std::string key;  ///< of the file
+  const FileUnit& unit;
+  T* at = nullptr;   ///< its place
+  bool acts = true;  ///< a design that is otherwise as this one changes with it
+};
+
+/// What of a design decides which of its inputs act.
+struct ActingLosses {
+  bool load_power, stribeck, schlenk;  ///< the law
+  bool coefficient;                    ///< the law reads it
+  bool directional, bearing, drag, speed_drag;
+};
+ActingLosses acting_losses(const Design& design) {
+  using efficiency::FrictionLaw;
+  const FrictionLaw law = design.friction.law;
+  const auto& shafts = design.shafts;
+  ActingLosses acting{
+      .load_power = law == FrictionLaw::kLoadPower,
+      .stribeck = law == FrictionLaw::kStribeck,
+      .schlenk = law == FrictionLaw::kSchlenk,
+      .coefficient = efficiency::reads_coefficient(law),
+      .directional = design.friction.model == efficiency::LossModel::kDirectional,
+      .bearing = shafts.planet_bearing_coefficient > 0.0 && shafts.planet_bearing_radius_m > 0.0,
+      .drag = false,
+      .speed_drag = false};
+  for (const ShaftDrag<double>& d : shafts.drag) {
+    if (d.viscous_Nms > 0.0 || d.quadratic_Nms2 > 0.0) acting.speed_drag = true;
+    if (d.constant_Nm > 0.0) acting.drag = true;
+  }
+  acting.drag = acting.drag || acting.speed_drag;
+  return acting;
+}
+
+/// Every input, in the order of the file; the same list for any scalar type.
+template <class T>
+std::vector<Input<T>> inputs_of(const Design& design, Parameters<T>& p) {
+  const ActingLosses acting = acting_losses(design);
+  const bool runs = design.operating_point.has_value();
+  const bool turns = runs && design.operating_point->sun_speed_rad_s > 0.0;
+  const bool loaded = runs && design.operating_point->output_torque_Nm > 0.0;
+  const bool by_speed =
+      acting.stribeck || acting.schlenk || design.friction.law == efficiency::FrictionLaw::kTable;
+  const bool by_force =
+      acting.load_power || acting.schlenk || design.friction.law == efficiency::FrictionLaw::kTable;
+  std::vector<Input<T>> list;
+  const auto add = [&](const std::string& key, const FileUnit& unit, T& at, bool acts = true) {
+    list.push_back({.key = key, .unit = unit, .at = &at, .acts = acts});
+  };
+  add("pressure_angle_deg", kDegree, p.pressure_angle_rad);
+  add("center_distance_mm", kDistance, p.center_distance_m);
+  add("rack.addendum", kModules, p.rack.addendum);
+  add("rack.dedendum", kModules, p.rack.dedendum);
+  add("rack.root_radius", kModules, p.rack.root_radius);
+  for (const std::size_t stage : {0U, 1U}) {
+    const std::string table = fmt::format("stage{}.", stage + 1);
+    add(table + "module_mm", kModuleLength, p.module_m[stage]);
+    add(table + "face_width_mm", kLength, p.face_width_m[stage], acting.schlenk);
+  }
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    const std::string table = fmt::format("gears.{}.", train::kGearNames[i]);
+    add(table + "profile_shift", kModules, p.profile_shift[i]);
+    add(table + "machining_allowance", kModules, p.machining_allowance[i]);
+    add(table + "tip_shortening", kModules, p.tip_shortening[i], !design.train.khk_tip[i]);
+  }
+  auto& f = p.friction;
+  add("friction.coefficient", kNumber, f.coefficient, acting.coefficient);
+  add("friction.approach_factor", kNumber, f.approach_factor, acting.directional);
+  add("friction.recess_factor", kNumber, f.recess_factor, acting.directional);
+  add("friction.load_exponent", kNumber, f.load_exponent, acting.load_power);
+  add("friction.reference_force_n", kForce, f.reference_force_N, acting.load_power);
+  add("friction.static_coefficient", kNumber, f.static_coefficient, acting.stribeck);
+  add("friction.stribeck_speed_m_s", kSpeed, f.stribeck_speed_m_s, acting.stribeck);
+  add("friction.stribeck_exponent", kNumber, f.stribeck_exponent, acting.stribeck);
+  add("friction.viscous_s_per_m", kPerSpeed, f.viscous_s_m, acting.stribeck);
+  add("friction.roughness_um", kRoughness, f.roughness_m, acting.schlenk);
+  add("friction.lubricant_factor", kNumber, f.lubricant_factor, acting.schlenk);
+  for (const std::size_t i : {0U, 1U}) {
+    add(fmt::format("lubricant.temperature{}_c", i + 1), kCelsius, f.lubricant.temperature_K[i],
+        acting.schlenk);
+    add(fmt::format("lubricant.viscosity{}_mm2_s", i + 1), kViscosity,
+        f.lubricant.viscosity_m2_s[i], acting.schlenk);
+  }
+  add("lubricant.density_kg_m3", kDensity, f.lubricant.density_kgm3, acting.schlenk);
+  for (std::size_t i = 0; i < kShaftCount; ++i) {
+    const std::string table = fmt::format("drag.{}.", kShaftNames[i]);
+    const ShaftDrag<double>& stated = design.shafts.drag[i];
+    ShaftDrag<T>& drag = p.shafts.drag[i];
+    add(table + "constant_nm", kTorque, drag.constant_Nm, runs && stated.constant_Nm > 0.0);
+    add(table + "viscous_nms_per_rad", kViscousDrag, drag.viscous_Nms,
+        runs && stated.viscous_Nms > 0.0);
+    add(table + "quadratic_nms2_per_rad2", kQuadraticDrag, drag.quadratic_Nms2,
+        runs && stated.quadratic_Nms2 > 0.0);
+  }
+  add("bearings.planet_coefficient", kNumber, p.shafts.planet_bearing_coefficient,
+      runs && acting.bearing);
+  add("bearings.planet_radius_mm", kLength, p.shafts.planet_bearing_radius_m,
+      runs && acting.bearing);
+  add("operating_point.sun_speed_rpm", kTurning, p.point.sun_speed_rad_s,
+      turns && (by_speed || acting.speed_drag));
+  add("operating_point.output_torque_nm", kTorque, p.point.output_torque_Nm,
+      loaded && (by_force || acting.drag));
+  add("operating_point.temperature_c", kCelsius, p.point.temperature_K, runs && acting.schlenk);
+  return list;
+}
+
+/// The inputs as the design states them, with the distance at which its train sits.
+Parameters<double> parameters_of(const Design& design, double center_distance_m) {
+  const auto& t = design.train;
+  return {.pressure_angle_rad = t.pressure_angle_rad,
+          .center_distance_m = center_distance_m,
+          .module_m = t.module_m,
+          .face_width_m = {design.masses.face_width_m[0].value_or(0.0),
+                           design.masses.face_width_m[1].value_or(0.0)},
+          .profile_shift = t.profile_shift,
+          .machining_allowance = t.machining_allowance,
+          .tip_shortening = t.tip_shortening,
+          .rack = t.rack[0],
+          .friction = design.friction,
+          .shafts = design.shafts,
+          .point = design.operating_point.value_or(OperatingPoint<double>{})};
+}
+
+/// The train for given inputs.  `center_distance_m` is the distance where it is stated; else its
+/// derivatives are added to those of the zero-backlash distance.
+template <class T>
+train::TrainParameters<T> train_parameters(const Design& design, const Parameters<T>& p) {
+  const auto& stated = design.train;
+  train::TrainParameters<T> t{.teeth = stated.teeth,
+                              .planets = stated.planets,
+                              .pressure_angle_rad = p.pressure_angle_rad,
+                              .center_distance_m = constant<T>(0.0),
+                              .module_m = p.module_m,
+                              .profile_shift = p.profile_shift,
+                              .machining_allowance = p.machining_allowance,
+                              .tip_shortening = p.tip_shortening,
+                              .khk_tip = stated.khk_tip,
+                              .rack = {},
+                              .cutter = stated.cutter};
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    const auto& first = stated.rack[0];
+    const auto& own = stated.rack[i];
+    t.rack[i] = {.addendum = p.rack.addendum + (own.addendum - first.addendum),
+                 .dedendum = p.rack.dedendum + (own.dedendum - first.dedendum),
+                 .root_radius = p.rack.root_radius + (own.root_radius - first.root_radius)};
+  }
+  if (design.center_distance_given) {
+    t.center_distance_m = p.center_distance_m;
+  } else {
+    const auto gears = train::make_train_gears(t);
+    const auto zero_backlash =
+        geometry::zero_backlash_center_distance(gears[train::kP1], gears[train::kR1]);
+    t.center_distance_m = *zero_backlash + (p.center_distance_m - value_of(p.center_distance_m));
+  }
+  return t;
+}
+
+template <class T>
+struct Responses {
+  std::array<std::optional<T>, kQuantityCount> quantity{};
+  std::vector<T> margin;
+};
+
+/// The train's efficiency in a direction; empty where evaluate() has none, or it is not positive.
+template <class T>
+std::optional<T> train_efficiency(const LossyTrain<T>& lossy,
+                                  const std::optional<OperatingPoint<T>>& point,
+                                  Direction direction) {
+  const bool forward = direction == Direction::kForward;
+  const auto& friction = lossy.friction;
+  if (efficiency::depends_on_state(friction.law) && !point) return std::nullopt;
+  const auto mu = mesh_friction(lossy, point.value_or(OperatingPoint<T>{}), direction);
+  if (!mu) return std::nullopt;
+  efficiency::MeshEfficiencies<T> eta;
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    if (!(value_of(lossy.geometry.meshes[k].contact_ratio) > 0.0)) return std::nullopt;
+    eta[k] = efficiency::mesh_efficiency(
+        efficiency::mesh_contact(lossy.geometry, static_cast<train::MeshId>(k), forward),
+        efficiency::flank_friction(friction, (*mu)[k]), friction.model);
+    if (!(value_of(eta[k]) > 0.0)) return std::nullopt;
+  }
+  const train::ToothSet& z = lossy.geometry.teeth;
+  const T result =
+      forward ? efficiency::forward_efficiency(z, eta) : efficiency::backward_efficiency(z, eta);
+  if (!(value_of(result) > 0.0)) return std::nullopt;
+  return result;
+}
+
+template <class T>
+Responses<T> responses(const Design& design, const Parameters<T>& p,
+                       const std::vector<CheckInstance>& checks) {
+  const auto train = train::make_train_geometry(train_parameters(design, p));
+  Responses<T> r;
+  const LossyTrain<T> lossy{.geometry = *train,
+                            .friction = p.friction,
+                            .shafts = p.shafts,
+                            .face_width_m = p.face_width_m};
+  std::optional<OperatingPoint<T>> point;
+  if (design.operating_point) point = p.point;
+  r.quantity[kEtaForward] = train_efficiency(lossy, point, Direction::kForward);
+  r.quantity[kEtaBackward] = train_efficiency(lossy, point, Direction::kBackward);
+  bool in_contact = true;
+  for (const auto& mesh : train->meshes) {
+    in_contact = in_contact && value_of(mesh.contact_ratio) > 0.0;
+  }
+  if (point && in_contact) {
+    const auto total = [&](Direction direction) -> std::optional<T> {
+      const auto result = operate(lossy, *point, direction);
+      return result.operation ? result.operation->efficiency : std::nullopt;
+    };
+    r.quantity[kTotalEtaForward] = total(Direction::kForward);
+    r.quantity[kTotalEtaBackward] = total(Direction::kBackward);
+  }
+  const auto j_bn = backlash::normal_backlashes(*train);
+  r.quantity[kLostMotion] =
+      backlash::output_lost_motion(*train, j_bn, backlash::LostMotionModel::kKinematic);
+
+  std::array<geometry::ToothForm<T>, train::kGearCount> forms;
+  std::ranges::transform(train->gears, forms.begin(), geometry::make_tooth_form<T>);
+  Gearing<T> gearing = gearing_of(*train, j_bn, design.limits.model);
+  gearing.forms = forms;
+  gearing.axial = &design.axial;
+  r.margin.reserve(checks.size());
+  for (const CheckInstance& check : checks) r.margin.push_back(check_margin(check, gearing));
+  return r;
+}
+
+std::optional<double> finite(double value) {
+  return std::isfinite(value) ? std::optional(value + 0.0) : std::nullopt;  // no -0
+}
+
+/// The design's inputs that act, without derivatives.
+std::vector<Sensitivity> acting_inputs(const std::vector<Input<double>>& inputs,
+                                       std::size_t checks) {
+  std::vector<Sensitivity> list;
+  list.reserve(inputs.size());
+  for (const Input<double>& input : inputs) {
+    if (!input.acts) continue;
+    const double value = (*input.at - input.unit.zero_si) / input.unit.si;
+    const double size = input.unit.relative && value != 0.0 ? std::abs(value) : 1.0;
+    list.push_back({.input = input.key,
+                    .unit = std::string(input.unit.name),
+                    .value = value,
+                    .step = input.unit.step * size,
+                    .slope = {},
+                    .margin_slope = std::vector<std::optional<double>>(checks)});
+  }
+  return list;
+}
+
+/// Fills the derivatives of the inputs that act, kMaxVariables in a pass.
+void derive(const Design& design, Parameters<double>& at, const std::vector<CheckInstance>& checks,
+            std::vector<Sensitivity>& rows) {
+  const auto values = inputs_of(design, at);
+  for (std::size_t begin = 0; begin < rows.size(); begin += kMaxVariables) {
+    const std::size_t end = std::min(begin + kMaxVariables, rows.size());
+    Parameters<Jet1> p;
+    p.friction.model = design.friction.model;
+    p.friction.law = design.friction.law;
+    p.friction.table = design.friction.table;
+    const auto jets = inputs_of(design, p);
+    std::array<double, kMaxVariables> si{};
+    std::size_t row = 0;
+    for (std::size_t i = 0; i < jets.size(); ++i) {
+      *jets[i].at = constant<Jet1>(*values[i].at);
+      if (!jets[i].acts) continue;
+      if (row >= begin && row < end) {
+        jets[i].at->v[static_cast<Eigen::Index>(row - begin)] = 1.0;
+        si[row - begin] = jets[i].unit.si;
+      }
+      ++row;
+    }
+    const Responses<Jet1> r = responses(design, p, checks);
+    for (std::size_t k = begin; k < end; ++k) {
+      const auto slope = [&](const Jet1& jet) {
+        return finite(jet.v[static_cast<Eigen::Index>(k - begin)] * si[k - begin]);
+      };
+      for (std::size_t q = 0; q < kQuantityCount; ++q) {
+        if (r.quantity[q]) rows[k].slope[q] = slope(*r.quantity[q]);
+      }
+      for (std::size_t c = 0; c < checks.size(); ++c) {
+        rows[k].margin_slope[c] = slope(r.margin[c]);
+      }
+    }
+  }
+}
+
+/// Indices of the tightest checks that any input moves.
+std::vector<std::size_t> tightest_checks(const std::vector<CheckInstance>& checks,
+                                         const std::vector<double>& margin,
+                                         const std::vector<Sensitivity>& rows, std::size_t count) {
+  std::vector<std::size_t> order;
+  order.reserve(checks.size());
+  for (std::size_t c = 0; c < checks.size(); ++c) {
+    const bool moves = std::ranges::any_of(
+        rows, [&](const Sensitivity& s) { return s.margin_slope[c].value_or(0.0) != 0.0; });
+    if (moves) order.push_back(c);
+  }
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
+    return margin[a] / checks[a].scale < margin[b] / checks[b].scale;
+  });
+  if (order.size() > count) order.resize(count);
+  return order;
+}
+
+}  // namespace
+
+std::optional<double> Sensitivity::effect(QuantityId quantity) const {
+  const auto& s = slope[static_cast<std::size_t>(quantity)];
+  return s ? std::optional(*s * step) : std::nullopt;
+}
+
+std::optional<double> Sensitivity::margin_effect(std::size_t check) const {
+  const auto& s = margin_slope[check];
+  return s ? std::optional(*s * step) : std::nullopt;
+}
+
+Sensitivities sensitivities(const Design& design, std::size_t tightest) {
+  Sensitivities result;
+  result.center_distance_given = design.center_distance_given;
+  result.operating_point = design.operating_point.has_value();
+  if (why_undefined(design)) return result;
+  Parameters<double> at = parameters_of(design, design.train.center_distance_m);
+  at.center_distance_m = train_parameters(design, at).center_distance_m;
+  const std::vector<CheckInstance> checks =
+      list_checks(design.limits, train_layout({.planets = design.train.planets,
+                                               .stage1_module_m = design.train.module_m[0],
+                                               .cutter = design.train.cutter,
+                                               .axial = design.axial}));
+  const Responses<double> r = responses(design, at, checks);
+  result.value = r.quantity;
+  std::vector<Sensitivity> rows = acting_inputs(inputs_of(design, at), checks.size());
+  derive(design, at, checks, rows);
+
+  const std::vector<std::size_t> kept = tightest_checks(checks, r.margin, rows, tightest);
+  for (Sensitivity& row : rows) {
+    std::vector<std::optional<double>> slopes;
+    slopes.reserve(kept.size());
+    for (const std::size_t c : kept) slopes.push_back(row.margin_slope[c]);
+    row.margin_slope = std::move(slopes);
+  }
+  result.checks.reserve(kept.size());
+  for (const std::size_t c : kept) {
+    SubjectNames subject =
+        subject_names(checks[c], train::kGearNames, train::kMeshNames, train::kMeshGears);
+    result.checks.push_back({.record = checks[c].record,
+                             .mesh = std::move(subject.mesh),
+                             .gear = std::move(subject.gear),
+                             .margin = r.margin[c]});
+  }
+  const auto size = [](const Sensitivity& s) {
+    const auto of = [&](QuantityId q) { return -std::abs(s.effect(q).value_or(0.0)); };
+    return std::tuple(of(kEtaBackward), of(kEtaForward), of(kLostMotion));
+  };
+  std::ranges::stable_sort(rows, [&](const auto& a, const auto& b) { return size(a) < size(b); });
+  result.inputs = std::move(rows);
+  return result;
+}
+
+}  // namespace gear3k::design

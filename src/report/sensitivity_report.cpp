@@ -1,0 +1,209 @@
+#include "report/sensitivity_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "report/display.hpp"
+#include "report/text_table.hpp"
+
+namespace gear3k::report {
+
+namespace {
+
+using design::QuantityId, design::Sensitivities, design::Sensitivity, design::TightCheck,
+    design::Unit;
+
+/// How a quantity is shown.
+struct Column {
+  QuantityId quantity;
+  const char* title;
+  double per_si;      ///< number in the table per SI
+  const char* field;  ///< in JSON and CSV
+  Unit field_unit;
+  bool needs_operating_point;
+};
+constexpr int kDecimals = 4;
+constexpr double kPercent = 100.0, kArcmin = 10800.0 / std::numbers::pi;
+constexpr std::array<Column, design::kQuantityCount> kColumns{
+    {{design::kEtaForward, "eta forward %", kPercent, "d_eta_f", Unit::kNone, false},
+     {design::kEtaBackward, "eta backward %", kPercent, "d_eta_b", Unit::kNone, false},
+     {design::kTotalEtaForward, "total forward %", kPercent, "d_total_eta_f", Unit::kNone, true},
+     {design::kTotalEtaBackward, "total backward %", kPercent, "d_total_eta_b", Unit::kNone, true},
+     {design::kLostMotion, "lost motion arcmin", kArcmin, "d_lost_motion_arcmin", Unit::kArcmin,
+      false}}};
+
+std::vector<Column> columns_of(const Sensitivities& s) {
+  std::vector<Column> columns;
+  columns.reserve(kColumns.size());
+  for (const Column& c : kColumns) {
+    if (!c.needs_operating_point || s.operating_point) columns.push_back(c);
+  }
+  return columns;
+}
+
+std::string signed_number(double value, int decimals) {
+  if (std::abs(value) < 0.5 * std::pow(10.0, -decimals)) return "0";
+  return fmt::format("{:+.{}f}", value, decimals);
+}
+
+std::string with_unit(const std::string& number, std::string_view unit) {
+  return unit.empty() ? number : fmt::format("{} {}", number, unit);
+}
+
+std::string step_text(const Sensitivity& row) {
+  return with_unit(fmt::format("{:+.3g}", row.step), row.unit);
+}
+
+std::string subject_of(const TightCheck& c) {
+  if (!c.mesh.empty() && !c.gear.empty()) return fmt::format("{}, {}", c.mesh, c.gear);
+  return c.mesh + c.gear;
+}
+
+bool unstated(const Sensitivities& s, const Sensitivity& row) {
+  return !s.center_distance_given && row.input == "center_distance_mm";
+}
+
+std::string quantity_table(const Sensitivities& s) {
+  const std::vector<Column> columns = columns_of(s);
+  std::vector<std::string> header{"input", "value", "step"};
+  for (const Column& c : columns) header.emplace_back(c.title);
+  TextTable table(header);
+  std::vector<std::string> idle;
+  for (const Sensitivity& row : s.inputs) {
+    const bool moves = std::ranges::any_of(
+        columns, [&](const Column& c) { return row.effect(c.quantity).value_or(0.0) != 0.0; });
+    if (!moves) {
+      idle.push_back(row.input);
+      continue;
+    }
+    std::vector<std::string> cells{row.input + (unstated(s, row) ? " (not stated)" : ""),
+                                   fmt::format("{:.5g}", row.value), step_text(row)};
+    for (const Column& c : columns) {
+      const auto effect = row.effect(c.quantity);
+      cells.push_back(effect ? signed_number(*effect * c.per_si, kDecimals) : "none");
+    }
+    table.add(std::move(cells));
+  }
+  std::string text =
+      "\nSensitivities (change per step of each input, to first order; the most effective on eta "
+      "backward first)\n" +
+      table.text(2);
+  if (!s.center_distance_given) {
+    text +=
+        "  center_distance_mm is not stated: it follows mesh P1-R1, and the other rows count that; "
+        "its own row is as if it were\n";
+  }
+  if (!idle.empty()) text += fmt::format("  no effect on these: {}\n", fmt::join(idle, ", "));
+  return text;
+}
+
+/// The inputs that move a margin most per step, at most three.
+std::vector<const Sensitivity*> strongest_inputs(const Sensitivities& s, std::size_t check) {
+  constexpr std::size_t kMost = 3;
+  const auto size = [&](const Sensitivity* row) {
+    return std::abs(row->margin_effect(check).value_or(0.0));
+  };
+  std::vector<const Sensitivity*> rows;
+  rows.reserve(s.inputs.size());
+  for (const Sensitivity& row : s.inputs) {
+    if (size(&row) > 0.0) rows.push_back(&row);
+  }
+  std::ranges::stable_sort(rows, [&](const auto* a, const auto* b) { return size(a) > size(b); });
+  if (rows.size() > kMost) rows.resize(kMost);
+  return rows;
+}
+
+std::string check_table(const Sensitivities& s) {
+  if (s.checks.empty()) return "";
+  TextTable table({"check", "of", "margin", "moved most by", "step", "change"});
+  for (const std::size_t column : {1U, 3U}) table.align_left(column);
+  for (std::size_t i = 0; i < s.checks.size(); ++i) {
+    const TightCheck& check = s.checks[i];
+    const Unit unit = check.record->unit;
+    const int decimals = unit == Unit::kMicrometre || unit == Unit::kArcmin ? 2 : 4;
+    std::vector<std::string> cells{
+        std::string(check.record->title), subject_of(check),
+        with_unit(fixed(design::in_unit(check.margin, unit), decimals), design::unit_name(unit))};
+    for (const Sensitivity* row : strongest_inputs(s, i)) {
+      cells.push_back(row->input);
+      cells.push_back(step_text(*row));
+      cells.push_back(
+          signed_number(design::in_unit(row->margin_effect(i).value_or(0.0), unit), decimals));
+      table.add(std::move(cells));
+      cells = {"", "", ""};
+    }
+  }
+  return "\nTightest checks (least margin over scale; what moves the margin most per step)\n" +
+         table.text(2);
+}
+
+nlohmann::ordered_json in_unit_or_null(const std::optional<double>& si, Unit unit) {
+  if (!si) return nullptr;
+  return number_or_null(design::in_unit(*si, unit));
+}
+
+}  // namespace
+
+std::string sensitivity_table(const Sensitivities& s) {
+  if (s.inputs.empty()) return "";
+  return quantity_table(s) + check_table(s);
+}
+
+void add_sensitivities(nlohmann::ordered_json& json, const Sensitivities& s) {
+  auto& list = json["sensitivities"] = nlohmann::ordered_json::array();
+  for (const Sensitivity& row : s.inputs) {
+    nlohmann::ordered_json item{{"input", row.input},
+                                {"unit", row.unit},
+                                {"stated", !unstated(s, row)},
+                                {"value", row.value},
+                                {"step", row.step}};
+    for (const Column& c : columns_of(s)) {
+      item[c.field] =
+          in_unit_or_null(row.slope[static_cast<std::size_t>(c.quantity)], c.field_unit);
+    }
+    auto& margins = item["d_margin"] = nlohmann::ordered_json::array();
+    for (std::size_t i = 0; i < s.checks.size(); ++i) {
+      margins.push_back(in_unit_or_null(row.margin_slope[i], s.checks[i].record->unit));
+    }
+    list.push_back(std::move(item));
+  }
+  auto& checks = json["tightest_checks"] = nlohmann::ordered_json::array();
+  for (const TightCheck& check : s.checks) {
+    nlohmann::ordered_json item{{"name", check.record->name}};
+    if (!check.mesh.empty()) item["mesh"] = check.mesh;
+    if (!check.gear.empty()) item["gear"] = check.gear;
+    item["margin"] = design::in_unit(check.margin, check.record->unit);
+    item["unit"] = design::unit_name(check.record->unit);
+    checks.push_back(std::move(item));
+  }
+}
+
+std::string sensitivity_csv(const Sensitivities& s) {
+  std::string text;
+  for (const Sensitivity& row : s.inputs) {
+    const auto add = [&](const std::string& quantity, const std::optional<double>& si, Unit unit) {
+      if (!si) return;
+      const std::string of(design::unit_name(unit));
+      const bool product = row.unit.find_first_of(" /") != std::string::npos;
+      const std::string by = product ? fmt::format("({})", row.unit) : row.unit;
+      text += csv_line({row.input, quantity, exact(design::in_unit(*si, unit)),
+                        by.empty() ? of : fmt::format("{}/{}", of.empty() ? "1" : of, by), "", ""});
+    };
+    for (const Column& c : columns_of(s)) {
+      add(c.field, row.slope[static_cast<std::size_t>(c.quantity)], c.field_unit);
+    }
+    for (std::size_t i = 0; i < s.checks.size(); ++i) {
+      const TightCheck& check = s.checks[i];
+      add(fmt::format("d_margin {} {}", check.record->name, subject_of(check)), row.margin_slope[i],
+          check.record->unit);
+    }
+  }
+  return text;
+}
+
+}  // namespace gear3k::report

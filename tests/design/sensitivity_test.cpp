@@ -1,0 +1,455 @@
+// Derivatives by automatic differentiation against differences of evaluate() over the text of the
+// file: one number of the file is changed, the file is read and evaluated again.
+
+#include "design/sensitivity.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <numbers>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "design/evaluation.hpp"
+#include "io/design_file.hpp"
+#include "io/diagnostics.hpp"
+#include "io/loss_keys.hpp"
+#include "tests/random_train.hpp"
+
+namespace gear3k::design {
+namespace {
+
+using efficiency::FrictionLaw;
+using efficiency::LossModel;
+
+constexpr double kArcmin_rad = std::numbers::pi / 10800.0;
+constexpr std::size_t kEveryCheck = 1000;
+
+std::string text_of_file(const std::string& path) {
+  std::ifstream file(std::string(GEAR3K_SOURCE_DIR) + "/" + path);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+Design published(const std::string& name) {
+  return io::parse_design(text_of_file("examples/designs/" + name + ".toml"), name);
+}
+Design low_backlash() { return published("low_backlash_prototype"); }
+Design bilateral() { return published("bilateral_drive_gear"); }
+
+Evaluation evaluated(const Design& design) { return std::get<Evaluation>(evaluate(design)); }
+
+/// The text of a DESIGN file with the number of one key replaced, or added.
+std::string with_number(const std::string& text, const std::string& key, double number) {
+  const auto dot = key.rfind('.');
+  const std::string line =
+      fmt::format("{} = {}\n", key.substr(dot == std::string::npos ? 0 : dot + 1), number);
+  const std::string name = line.substr(0, line.find('=') + 1);
+  std::size_t begin = 0;
+  if (dot != std::string::npos) {
+    const std::string header = fmt::format("[{}]\n", key.substr(0, dot));
+    const auto at = text.find(header);
+    if (at == std::string::npos) return text + "\n" + header + line;
+    begin = at + header.size();
+  }
+  const std::size_t end = std::min(text.find('[', begin), text.size());
+  for (std::size_t at = begin; at < end; at = text.find('\n', at) + 1) {
+    if (text.compare(at, name.size(), name) != 0) continue;
+    return text.substr(0, at) + line + text.substr(text.find('\n', at) + 1);
+  }
+  return text.substr(0, begin) + line + text.substr(begin);
+}
+
+/// What is derived, in units of which a hundredth is much: the five quantities, then the margins of
+/// every check.
+struct Numbers {
+  std::array<std::optional<double>, kQuantityCount> quantity;
+  std::vector<double> margin;
+};
+constexpr std::array<double, kQuantityCount> kSize{1.0, 1.0, 1.0, 1.0, 10.0 * kArcmin_rad};
+double size_of(const CheckResult& check) {
+  switch (check.record->unit) {
+    case Unit::kNone:
+    case Unit::kModule:
+      return 1.0;
+    case Unit::kMillimetre:
+      return 1e-3;
+    case Unit::kMicrometre:
+      return 1e-4;
+    case Unit::kArcmin:
+      return 10.0 * kArcmin_rad;
+    case Unit::kDegree:
+      break;
+  }
+  return 1.0;
+}
+
+Numbers numbers_of(const Evaluation& e) {
+  Numbers n{};
+  n.quantity[kEtaForward] = e.efficiency.forward;
+  if (e.efficiency.backdrivable) n.quantity[kEtaBackward] = e.efficiency.backward;
+  if (e.operation) {
+    if (e.operation->forward.operation) {
+      n.quantity[kTotalEtaForward] = e.operation->forward.operation->efficiency;
+    }
+    if (e.operation->backward.operation) {
+      n.quantity[kTotalEtaBackward] = e.operation->backward.operation->efficiency;
+    }
+  }
+  n.quantity[kLostMotion] = e.backlash.kinematic_rad;
+  for (const CheckResult& c : e.checks) n.margin.push_back(c.margin);
+  return n;
+}
+
+std::string name_of(const CheckResult& c) {
+  return fmt::format("{} {} {}", c.record->name, c.mesh, c.gear);
+}
+std::string name_of(const TightCheck& c) {
+  return fmt::format("{} {} {}", c.record->name, c.mesh, c.gear);
+}
+
+/// Differences of fourth order, h apart: central, or from one side where a key has its bound.
+struct Stencil {
+  std::vector<double> at, weight;
+};
+const Stencil kCentral{.at = {-2, -1, 1, 2}, .weight = {1. / 12, -8. / 12, 8. / 12, -1. / 12}};
+const Stencil kFromBound{.at = {0, 1, 2, 3, 4},
+                         .weight = {-25. / 12, 48. / 12, -36. / 12, 16. / 12, -3. / 12}};
+
+/// What happened to the comparisons of a test.
+struct Tally {
+  int compared = 0, kinks = 0;
+  double worst = 0.0;
+  std::string worst_of;
+  std::set<std::string> inputs;
+
+  /// `fine` and `coarse` are differences at two steps: they disagree where a branch changes nearby.
+  void see(const std::string& what, std::optional<double> jet, double fine, double coarse,
+           double size) {
+    constexpr double kAllowed = 1e-7;
+    const double floor = 1e-3 * size;
+    const double allowed = kAllowed * std::max(std::abs(fine), floor);
+    if (std::abs(fine - coarse) > 0.3 * allowed) {
+      ++kinks;
+      return;
+    }
+    ++compared;
+    ASSERT_TRUE(jet.has_value()) << what;
+    const double share = std::abs(*jet - fine) / allowed;
+    EXPECT_LE(share, 1.0) << what << ": " << *jet << " against " << fine;
+    if (share > worst) {
+      worst = share;
+      worst_of = what;
+    }
+  }
+};
+
+/// Compares every derivative of a design, as change per step.
+void compare(const std::string& name, const Design& design, Tally& tally) {
+  const std::string text = io::design_text(design);
+  const Evaluation base = evaluated(io::parse_design(text, name));
+  const Sensitivities s = sensitivities(io::parse_design(text, name), kEveryCheck);
+  const Numbers at = numbers_of(base);
+  ASSERT_FALSE(s.inputs.empty()) << name;
+  for (std::size_t q = 0; q < kQuantityCount; ++q) {
+    ASSERT_EQ(s.value[q].has_value(), at.quantity[q].has_value()) << name << " " << q;
+    if (s.value[q]) {
+      EXPECT_NEAR(*s.value[q], *at.quantity[q], 1e-14 * kSize[q]);
+    }
+  }
+  for (const Sensitivity& row : s.inputs) {
+    tally.inputs.insert(row.input);
+    const auto numbers = [&](double number) {
+      return numbers_of(
+          evaluated(io::parse_design(with_number(text, row.input, number), row.input)));
+    };
+    const auto difference = [&](double h) {
+      std::vector<double> slope(kQuantityCount + at.margin.size(), 0.0);
+      const auto add = [&](const Stencil& stencil) {
+        std::vector<Numbers> n;
+        for (const double k : stencil.at) n.push_back(numbers(row.value + k * h));
+        for (std::size_t i = 0; i < n.size(); ++i) {
+          const double w = stencil.weight[i] * row.step / h;
+          for (std::size_t q = 0; q < kQuantityCount; ++q) {
+            slope[q] += w * n[i].quantity[q].value_or(std::nan(""));
+          }
+          for (std::size_t c = 0; c < at.margin.size(); ++c) {
+            slope[kQuantityCount + c] += w * n[i].margin[c];
+          }
+        }
+      };
+      try {
+        add(kCentral);
+      } catch (const io::InvalidInput&) {
+        add(kFromBound);
+      }
+      return slope;
+    };
+    const double h = 0.05 * row.step;
+    const auto fine = difference(h);
+    const auto coarse = difference(2.0 * h);
+    for (std::size_t q = 0; q < kQuantityCount; ++q) {
+      if (!at.quantity[q]) {
+        EXPECT_FALSE(row.slope[q].has_value());
+        continue;
+      }
+      tally.see(fmt::format("{}: quantity {} by {}", name, q, row.input),
+                row.effect(static_cast<QuantityId>(q)), fine[q], coarse[q], kSize[q]);
+    }
+    for (std::size_t c = 0; c < base.checks.size(); ++c) {
+      const auto tight = std::ranges::find_if(
+          s.checks, [&](const TightCheck& t) { return name_of(t) == name_of(base.checks[c]); });
+      const auto index = static_cast<std::size_t>(tight - s.checks.begin());
+      const auto jet = tight == s.checks.end() ? 0.0 : row.margin_effect(index);
+      tally.see(fmt::format("{}: {} by {}", name, name_of(base.checks[c]), row.input), jet,
+                fine[kQuantityCount + c], coarse[kQuantityCount + c], size_of(base.checks[c]));
+    }
+  }
+}
+
+/// Few of the comparisons may fall to a kink nearby.
+void expect_few_kinks(const Tally& tally) {
+  EXPECT_LE(tally.kinks, 0.03 * tally.compared);
+  ::testing::Test::RecordProperty("compared", tally.compared);
+  ::testing::Test::RecordProperty("kinks", tally.kinks);
+  ::testing::Test::RecordProperty("worst_share_of_tolerance",
+                                  fmt::format("{:.3g} ({})", tally.worst, tally.worst_of));
+}
+
+Design thinned(Design design) {
+  design.train.machining_allowance = {0.02, 0.03, 0.01, 0.025, 0.015};
+  design.train.tip_shortening = {0.03, 0.02, 0.05, 0.04, 0.01};
+  return design;
+}
+
+/// The low-backlash gearbox, which runs with every loss that there is.
+Design running(FrictionLaw law) {
+  Design d = thinned(low_backlash());
+  d.name = fmt::format("running {}", efficiency::kFrictionLawNames[static_cast<std::size_t>(law)]);
+  d.masses.face_width_m = {6e-3, 7e-3};
+  d.operating_point = OperatingPoint<double>{
+      .sun_speed_rad_s = 60.0, .output_torque_Nm = 8.0, .temperature_K = 308.0};
+  d.friction.law = law;
+  d.friction.coefficient = 0.06;
+  d.friction.load_exponent = -0.15;
+  d.friction.reference_force_N = 50.0;
+  d.friction.static_coefficient = 0.12;
+  d.friction.stribeck_speed_m_s = 0.1;
+  d.friction.stribeck_exponent = 1.3;
+  d.friction.viscous_s_m = 0.01;
+  d.friction.roughness_m = 0.8e-6;
+  d.friction.lubricant_factor = 0.9;
+  d.friction.lubricant = {
+      .temperature_K = {313.15, 373.15}, .viscosity_m2_s = {220e-6, 19e-6}, .density_kgm3 = 890.0};
+  if (law == FrictionLaw::kTable) {
+    d.friction.table = {.sliding_speed_m_s = {0.0, 1.0},
+                        .tooth_force_N = {1.0, 1000.0},
+                        .coefficient = {0.1, 0.06, 0.07, 0.05}};
+  }
+  for (std::size_t i = 0; i < kShaftCount; ++i) {
+    const double size = 1e-4 * static_cast<double>(i + 1);
+    d.shafts.drag[i] = {
+        .constant_Nm = 10.0 * size, .viscous_Nms = size, .quadratic_Nms2 = 0.01 * size};
+  }
+  d.shafts.planet_bearing_coefficient = 0.02;
+  d.shafts.planet_bearing_radius_m = 3e-3;
+  return d;
+}
+
+TEST(Sensitivity, OfThePublishedGearboxesAreTheDifferencesOfTheirEvaluation) {
+  Tally tally;
+  compare("low-backlash prototype", low_backlash(), tally);
+  compare("bilateral drive gear", bilateral(), tally);
+  EXPECT_EQ(tally.inputs.count("center_distance_mm"), 1U);
+  expect_few_kinks(tally);
+}
+
+TEST(Sensitivity, OfAnUnstatedDistanceAndTipsByRuleCountWhatBothBringAlong) {
+  Tally tally;
+  Design d = thinned(bilateral());
+  ASSERT_FALSE(d.center_distance_given);
+  d.train.khk_tip = {true, true, false, false, false};
+  d.train.tip_shortening[train::kS] = d.train.tip_shortening[train::kP1] = 0.0;
+  compare("unstated", d, tally);
+  EXPECT_EQ(tally.inputs.count("gears.S.tip_shortening"), 0U);
+  EXPECT_EQ(tally.inputs.count("gears.P2.tip_shortening"), 1U);
+  d.center_distance_given = true;
+  d.train.center_distance_m = 21.29e-3;
+  compare("stated", d, tally);
+  expect_few_kinks(tally);
+}
+
+TEST(Sensitivity, ToThePlanetsShiftHoldsAStatedDistanceAndFollowsAnUnstatedOne) {
+  // Opposite facts that a slip between partial and total derivatives would make equal: with the
+  // distance stated, P1's shift opens or closes mesh P1-R1; else this mesh stays without backlash.
+  Design d = low_backlash();
+  const auto slope = [](const Design& design) {
+    const Sensitivities s = sensitivities(design, kEveryCheck);
+    const auto check = std::ranges::find_if(s.checks, [](const TightCheck& c) {
+      return c.record->id == CheckId::kNormalBacklash && c.mesh == "P1-R1";
+    });
+    const auto row = std::ranges::find(s.inputs, "gears.P1.profile_shift", &Sensitivity::input);
+    return row->margin_slope[static_cast<std::size_t>(check - s.checks.begin())].value();
+  };
+  const double module_m = d.train.module_m[0];
+  const double held_open = 2.0 * std::sin(d.train.pressure_angle_rad) * module_m;
+  EXPECT_NEAR(slope(d), 0.0, 1e-12 * module_m);
+  d.train.center_distance_m = evaluated(d).center_distance_m;
+  d.center_distance_given = true;
+  // j_bn of a ring falls by 2 m sin α per module of the pinion's shift (paper, eq. 15).
+  EXPECT_NEAR(slope(d), -held_open, 1e-12 * module_m);
+}
+
+TEST(Sensitivity, OfRandomGearboxesAreTheDifferencesOfTheirEvaluation) {
+  Tally tally;
+  RandomTrain random(41);
+  constexpr std::array<LossModel, 4> kModels{LossModel::kSliding, LossModel::kOhlendorf,
+                                             LossModel::kCoulombPath, LossModel::kDirectional};
+  int done = 0;
+  while (done < 8) {
+    Design d;
+    d.name = fmt::format("random {}", done);
+    const auto geometry = random.train(done % 2 == 0);
+    d.train.teeth = geometry.teeth;
+    d.train.planets = random.count(1, 5);
+    d.train.pressure_angle_rad = geometry.gears[0].angle.alpha_rad;
+    d.train.module_m = {geometry.gears[train::kS].gear.module_m,
+                        geometry.gears[train::kP2].gear.module_m};
+    for (std::size_t i = 0; i < train::kGearCount; ++i) {
+      d.train.profile_shift[i] = geometry.gears[i].gear.profile_shift;
+      d.train.machining_allowance[i] = random.between(0.01, 0.1);
+      d.train.tip_shortening[i] = random.between(0.02, 0.2);
+      d.train.rack[i] = {.addendum = 0.95, .dedendum = 1.3, .root_radius = 0.25};
+    }
+    d.center_distance_given = done % 3 != 0;
+    d.train.center_distance_m = d.center_distance_given ? geometry.center_distance_m : 0.0;
+    d.train.cutter[train::kR1] = {
+        .teeth = d.train.teeth.R1 / 3, .profile_shift = 0.1, .tip_radius = 0.15};
+    d.axial.extent.fill(train::AxialInterval{.from_m = 0.0, .to_m = 0.01});
+    d.axial.carrier_radius_m = 0.4 * d.train.module_m[0] * d.train.teeth.R1;
+    d.friction.coefficient = 0.05;
+    d.friction.model = kModels[static_cast<std::size_t>(done) % 4];
+    if (d.friction.model == LossModel::kDirectional) {
+      d.friction.approach_factor = 1.3;
+      d.friction.recess_factor = 0.8;
+    }
+    // A gearbox that runs, as a designer would print it.
+    const auto result = evaluate(d);
+    const auto* e = std::get_if<Evaluation>(&result);
+    if (e == nullptr || !e->efficiency.backdrivable) continue;
+    if (std::ranges::any_of(e->meshes, [](const auto& m) { return m.contact_ratio < 1.02; })) {
+      continue;
+    }
+    compare(d.name, d, tally);
+    ++done;
+  }
+  expect_few_kinks(tally);
+}
+
+TEST(Sensitivity, OfEveryFrictionLawAndLossAreTheDifferencesOfTheirEvaluation) {
+  Tally tally;
+  for (const FrictionLaw law :
+       {FrictionLaw::kConstant, FrictionLaw::kLoadPower, FrictionLaw::kStribeck,
+        FrictionLaw::kSchlenk, FrictionLaw::kTable}) {
+    const Design d = running(law);
+    compare(d.name, d, tally);
+  }
+  expect_few_kinks(tally);
+  // No number of the losses is forgotten, and each has the key that the file knows.
+  for (const io::LossNumber& number : io::loss_numbers()) {
+    EXPECT_EQ(tally.inputs.count(number.record.path), 1U) << number.record.path;
+  }
+}
+
+TEST(Sensitivity, UnitsAndValuesAreThoseOfTheFile) {
+  const Sensitivities s = sensitivities(running(FrictionLaw::kSchlenk));
+  for (const io::LossNumber& number : io::loss_numbers()) {
+    const auto row = std::ranges::find(s.inputs, number.record.path, &Sensitivity::input);
+    if (row == s.inputs.end()) continue;
+    EXPECT_EQ(row->unit, number.record.unit) << row->input;
+  }
+  const auto value = [&](const char* key) {
+    return std::ranges::find(s.inputs, key, &Sensitivity::input)->value;
+  };
+  EXPECT_DOUBLE_EQ(value("stage1.module_mm"), 0.59);
+  EXPECT_DOUBLE_EQ(value("lubricant.viscosity1_mm2_s"), 220.0);
+  EXPECT_NEAR(value("operating_point.temperature_c"), 308.0 - 273.15, 1e-12);
+  EXPECT_NEAR(value("pressure_angle_deg"), 20.0, 1e-12);
+  for (const Sensitivity& row : s.inputs) {
+    EXPECT_GT(row.step, 0.0) << row.input;
+    // Every key is in the table that users read.
+    std::string key = row.input;
+    const auto gear = key.find("gears.");
+    if (gear == 0) key = "gears.<S,P1,R1,P2,R2>" + key.substr(key.find('.', 6));
+    EXPECT_NE(io::design_key_table().find(fmt::format("`{}`", key)), std::string::npos)
+        << row.input;
+  }
+}
+
+TEST(Sensitivity, RowsFallWithTheirEffectOnBackwardEfficiency) {
+  for (const Design& d : {low_backlash(), bilateral(), running(FrictionLaw::kStribeck)}) {
+    const Sensitivities s = sensitivities(d);
+    const auto size = [](const Sensitivity& row, QuantityId q) {
+      return std::abs(row.effect(q).value());
+    };
+    for (std::size_t i = 1; i < s.inputs.size(); ++i) {
+      const Sensitivity &before = s.inputs[i - 1], &after = s.inputs[i];
+      EXPECT_GE(size(before, kEtaBackward), size(after, kEtaBackward)) << after.input;
+      if (size(before, kEtaBackward) == 0.0 && size(before, kEtaForward) == 0.0) {
+        EXPECT_GE(size(before, kLostMotion), size(after, kLostMotion)) << after.input;
+      }
+    }
+  }
+}
+
+TEST(Sensitivity, TightestChecksAreThoseOfLeastMarginThatAnInputMoves) {
+  const Design d = low_backlash();
+  const Sensitivities s = sensitivities(d, 5);
+  const Evaluation e = evaluated(d);
+  ASSERT_EQ(s.checks.size(), 5U);
+  // Scales by docs/interface.md: all in modules or numbers but normal backlash, over the module.
+  const auto scaled = [&](const CheckRecord& record, double margin) {
+    return record.unit == Unit::kMicrometre ? margin / d.train.module_m[0] : margin;
+  };
+  std::vector<double> margins;
+  for (const CheckResult& c : e.checks) {
+    if (c.record->unit != Unit::kDegree) margins.push_back(scaled(*c.record, c.margin));
+  }
+  std::ranges::sort(margins);
+  for (std::size_t i = 0; i < 5; ++i) {
+    EXPECT_NEAR(scaled(*s.checks[i].record, s.checks[i].margin), margins[i], 1e-12);
+  }
+}
+
+TEST(Sensitivity, OfWhatIsNotDefinedIsEmpty) {
+  // Locked: friction beyond what R2 can drive.
+  Design locked = low_backlash();
+  locked.friction.coefficient = 2.0;
+  ASSERT_FALSE(evaluated(locked).efficiency.backdrivable);
+  Design apart = low_backlash();
+  apart.train.tip_shortening.fill(1.4);
+  ASSERT_FALSE(evaluated(apart).efficiency.forward.has_value());
+  for (const bool contact : {true, false}) {
+    const Sensitivities s = sensitivities(contact ? locked : apart);
+    ASSERT_FALSE(s.inputs.empty());
+    for (const Sensitivity& row : s.inputs) {
+      EXPECT_EQ(row.slope[kEtaForward].has_value(), contact) << row.input;
+      EXPECT_FALSE(row.slope[kEtaBackward].has_value()) << row.input;
+      EXPECT_FALSE(row.slope[kTotalEtaForward].has_value()) << row.input;
+      EXPECT_TRUE(row.slope[kLostMotion].has_value()) << row.input;
+      for (const auto& slope : row.slope) EXPECT_FALSE(slope && std::isnan(*slope)) << row.input;
+    }
+  }
+  Design nowhere = low_backlash();
+  nowhere.train.profile_shift[train::kP1] = 4.0;
+  ASSERT_TRUE(std::holds_alternative<NotDefined>(evaluate(nowhere)));
+  EXPECT_TRUE(sensitivities(nowhere).inputs.empty());
+}
+
+}  // namespace
+}  // namespace gear3k::design
