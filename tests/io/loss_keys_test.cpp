@@ -166,7 +166,7 @@ TEST(LossKeys, ThatDoNotFitTogetherAreAnError) {
       {"[drag.S]\nconstant_nm = -0.1\n", "drag.S.constant_nm = -0.1: allowed: a number in N m, 0"},
       {"[drag.P1]\nconstant_nm = 0.1\n", "unknown table [drag.P1]"},
       {"[map]\nsun_speed_rpm = [0, 100]\n", "map.sun_speed_rpm = [0, 100]"},
-      {"[map]\nspeed_points = 1\n", "map.speed_points = 1: allowed: an integer, 2 to 1000"}};
+      {"[map]\nspeed_points = 1\n", "map.speed_points = 1: allowed: an integer, 2 to 200"}};
   for (const Case& c : cases) {
     const std::string errors = errors_of(kGears + c.losses);
     EXPECT_NE(errors.find(c.message), std::string::npos) << c.losses << "got: " << errors;

@@ -1,0 +1,335 @@
+#include "report/map_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "report/display.hpp"
+#include "report/map_units.hpp"
+#include "report/text_table.hpp"
+
+namespace gear3k::report {
+
+namespace {
+
+using design::Direction, design::MapPair, design::MapPoint, design::MapStatus, design::MapTorque,
+    design::Operation, design::OperatingMap;
+using nlohmann::ordered_json;
+
+std::string status_name(MapStatus status) {
+  return std::string(design::kMapStatusNames[static_cast<std::size_t>(status)]);
+}
+
+constexpr std::array<const char*, 2> kDirectionNames{"forward", "backward"};
+
+const MapPoint& point_of(const MapPair& pair, Direction direction) {
+  return direction == Direction::kForward ? pair.forward : pair.backward;
+}
+
+// --- table
+
+/// Places along an axis that a table has room for, the first and the last among them.
+std::vector<std::size_t> shown_places(std::size_t count) {
+  constexpr std::size_t kMost = 12;
+  const std::size_t step = (count + kMost - 1) / kMost;
+  std::vector<std::size_t> places;
+  places.reserve(kMost + 1);
+  for (std::size_t k = 0; k < count; k += step) places.push_back(k);
+  if (places.back() + 1 != count) places.push_back(count - 1);
+  return places;
+}
+
+std::string efficiency_cell(const MapPoint& point) {
+  switch (point.status) {
+    case MapStatus::kHelped:
+      return "helped";
+    case MapStatus::kLocks:
+      return "locks";
+    case MapStatus::kNoFriction:
+      return "no value";
+    case MapStatus::kRuns:
+      break;
+  }
+  const std::optional<double>& eta = point.operation->efficiency;
+  return eta ? fixed(percent(*eta), 2) : "none";
+}
+
+std::string efficiency_table(const OperatingMap& map, Direction direction) {
+  const auto speeds = shown_places(map.sun_speed_rad_s.size());
+  const auto torques = shown_places(map.output_torque_Nm.size());
+  std::vector<std::string> header{"torque at R2 (Nm)"};
+  header.reserve(speeds.size() + 1);
+  for (const std::size_t i : speeds) {
+    header.push_back(fmt::format("{:.6g}", rpm(map.sun_speed_rad_s[i])));
+  }
+  TextTable table(header);
+  for (const std::size_t j : torques) {
+    std::vector<std::string> row{fmt::format("{:.6g}", map.output_torque_Nm[j])};
+    row.reserve(speeds.size() + 1);
+    for (const std::size_t i : speeds) {
+      row.push_back(
+          efficiency_cell(point_of(map.points[i * map.output_torque_Nm.size() + j], direction)));
+    }
+    table.add(row);
+  }
+  const bool forward = direction == Direction::kForward;
+  const bool thinned =
+      speeds.size() < map.sun_speed_rad_s.size() || torques.size() < map.output_torque_Nm.size();
+  return fmt::format("\nEfficiency {} in percent, over sun speed in rpm{}\n{}",
+                     forward ? "forward (sun drives)" : "backward (R2 drives)",
+                     thinned ? "; every point: --format csv" : "", table.text(2));
+}
+
+std::string torque_text(const MapTorque& torque) {
+  return torque.torque_Nm ? fmt::format("{:.5g} Nm", clean(*torque.torque_Nm))
+                          : "none: " + torque.reason;
+}
+
+std::string torque_cell(const MapTorque& torque) {
+  if (torque.torque_Nm) return fmt::format("{:.5g}", clean(*torque.torque_Nm));
+  return torque.status == MapStatus::kLocks ? "locks" : "no value";
+}
+
+std::string running_table(const OperatingMap& map) {
+  TextTable table({"sun speed (rpm)", "R2 speed (rpm)", "no-load torque at the sun (Nm)",
+                   "back-driving torque at R2 (Nm)"});
+  for (const std::size_t i : shown_places(map.sun_speed_rad_s.size())) {
+    table.add({fmt::format("{:.6g}", rpm(map.sun_speed_rad_s[i])),
+               fmt::format("{:.5g}", rpm(map.sun_speed_rad_s[i] / std::abs(map.ratio))),
+               torque_cell(map.running[i].sun), torque_cell(map.running[i].output)});
+  }
+  return "\nTorques without load, running (no-load: sun drives, R2 free; back-driving: R2 drives, "
+         "sun free)\n" +
+         table.text(2);
+}
+
+std::string margin_text(const OperatingMap& map) {
+  const bool below_one = train::g2(map.teeth) < 1.0;
+  std::string text = fmt::format("\nBack-driving margin {} (positive: R2 can drive the sun)\n",
+                                 below_one ? "eta2 eta3 - G2" : "eta2 eta3 G2 - 1");
+  const auto least = design::least_margin(map);
+  if (!least) return text + "  none: no point of the grid has a friction value\n";
+  return text + fmt::format("  least: {} at {:.6g} rpm, {:.6g} Nm{}\n",
+                            fixed(*least->backward.backdriving_margin, 5),
+                            rpm(least->point.sun_speed_rad_s), least->point.output_torque_Nm,
+                            *least->backward.backdriving_margin > 0.0 ? "" : ": self-locking");
+}
+
+std::string heat_table(const OperatingMap& map) {
+  const MapPair& at = map.reference;
+  TextTable table({"", "forward (W)", "backward (W)", "friction forward", "friction backward"});
+  const auto cell = [](const MapPoint& point, auto value, const char* format) {
+    return point.operation ? fmt::format(fmt::runtime(format), clean(value(*point.operation)))
+                           : efficiency_cell(point);
+  };
+  const auto add = [&](std::string name, auto value) {
+    table.add(
+        {std::move(name), cell(at.forward, value, "{:.4g}"), cell(at.backward, value, "{:.4g}")});
+  };
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    const auto heat = [k](const Operation<double>& o) { return o.mesh[k].loss_W; };
+    const auto friction = [k](const Operation<double>& o) { return o.mesh[k].friction; };
+    table.add({fmt::format("mesh {}", train::kMeshNames[k]), cell(at.forward, heat, "{:.4g}"),
+               cell(at.backward, heat, "{:.4g}"), cell(at.forward, friction, "{:.5f}"),
+               cell(at.backward, friction, "{:.5f}")});
+  }
+  constexpr std::array<const char*, design::kShaftCount> kDragRows{
+      "drag on the sun", "drag on the planets", "drag on the carrier", "drag on R2"};
+  for (std::size_t k = 0; k < design::kShaftCount; ++k) {
+    add(kDragRows[k], [k](const Operation<double>& o) { return o.drag_loss_W[k]; });
+  }
+  add("planet bearings", [](const Operation<double>& o) { return o.bearing_loss_W; });
+  add("all losses", [](const Operation<double>& o) { return o.loss_W; });
+  add("input power", [](const Operation<double>& o) { return o.input_power_W; });
+  return fmt::format("\nHeat at {:.6g} rpm of the sun and {:.6g} Nm at R2 ({})\n{}",
+                     rpm(at.point.sun_speed_rad_s), clean(at.point.output_torque_Nm),
+                     map.reference_given ? "the operating point"
+                                         : "the grid's most power; no operating point is stated",
+                     table.text(2));
+}
+
+// --- CSV
+
+std::vector<std::string> csv_header() {
+  std::vector<std::string> header{"direction",     "sun_speed_rpm", "output_torque_nm",
+                                  "sun_torque_nm", "efficiency",    "input_power_w",
+                                  "loss_w"};
+  constexpr std::array<const char*, train::kMeshCount> kMeshes{"s_p1", "p1_r1", "p2_r2"};
+  for (const char* quantity : {"heat_{}_w", "friction_{}", "mesh_efficiency_{}"}) {
+    for (const char* mesh : kMeshes) {
+      header.push_back(fmt::format(fmt::runtime(quantity), mesh));
+    }
+  }
+  for (const char* shaft : {"sun", "planet", "carrier", "r2"}) {
+    header.push_back(fmt::format("drag_loss_{}_w", shaft));
+  }
+  for (const char* last : {"bearing_loss_w", "temperature_c", "backdriving_margin", "status"}) {
+    header.emplace_back(last);
+  }
+  return header;
+}
+
+std::string optional_text(const std::optional<double>& value) {
+  return value ? exact(*value + 0.0) : "";  // no negative zero
+}
+
+std::vector<std::string> csv_row(const OperatingMap& map, const MapPair& pair,
+                                 Direction direction) {
+  const MapPoint& point = point_of(pair, direction);
+  std::vector<std::string> row{kDirectionNames[static_cast<std::size_t>(direction)],
+                               exact(rpm(pair.point.sun_speed_rad_s)),
+                               exact(clean(pair.point.output_torque_Nm))};
+  const std::optional<Operation<double>>& o = point.operation;
+  const auto add = [&](auto value) { row.push_back(o ? optional_text(value(*o)) : ""); };
+  add([](const auto& at) { return at.sun_torque_Nm; });
+  add([](const auto& at) { return at.efficiency; });
+  add([](const auto& at) { return at.input_power_W; });
+  add([](const auto& at) { return at.loss_W; });
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    add([k](const auto& at) { return at.mesh[k].loss_W; });
+  }
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    add([k](const auto& at) { return at.mesh[k].friction; });
+  }
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    add([k](const auto& at) { return at.mesh[k].efficiency; });
+  }
+  for (std::size_t k = 0; k < design::kShaftCount; ++k) {
+    add([k](const auto& at) { return at.drag_loss_W[k]; });
+  }
+  add([](const auto& at) { return at.bearing_loss_W; });
+  row.push_back(exact(celsius(map.temperature_K)));
+  row.push_back(optional_text(point.backdriving_margin));
+  row.push_back(status_name(point.status));
+  return row;
+}
+
+// --- JSON
+
+ordered_json operation_json(const Operation<double>& o) {
+  ordered_json meshes = ordered_json::array();
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    const design::MeshOperation<double>& m = o.mesh[k];
+    meshes.push_back({{"name", train::kMeshNames[k]},
+                      {"friction", m.friction},
+                      {"normal_force_n", m.normal_force_N},
+                      {"sliding_speed_m_s", m.sliding_speed_m_s},
+                      {"gear1_drives", m.gear1_drives},
+                      {"efficiency", m.efficiency},
+                      {"heat_w", m.loss_W}});
+  }
+  ordered_json drag;
+  for (std::size_t k = 0; k < design::kShaftCount; ++k) {
+    drag[std::string(design::kShaftNames[k])] = o.drag_loss_W[k];
+  }
+  return {{"sun_torque_nm", o.sun_torque_Nm + 0.0},  // no negative zero
+          {"efficiency", number_or_null(o.efficiency)},
+          {"input_power_w", o.input_power_W},
+          {"loss_w", o.loss_W},
+          {"meshes", meshes},
+          {"drag_loss_w", drag},
+          {"bearing_loss_w", o.bearing_loss_W}};
+}
+
+ordered_json point_json(const MapPair& pair, Direction direction) {
+  const MapPoint& point = point_of(pair, direction);
+  ordered_json json{{"direction", kDirectionNames[static_cast<std::size_t>(direction)]},
+                    {"sun_speed_rpm", rpm(pair.point.sun_speed_rad_s)},
+                    {"output_torque_nm", clean(pair.point.output_torque_Nm)},
+                    {"status", status_name(point.status)}};
+  if (direction == Direction::kBackward) {
+    json["backdriving_margin"] = number_or_null(point.backdriving_margin);
+  }
+  if (point.operation) {
+    json.update(operation_json(*point.operation));
+  } else {
+    for (const char* key : {"sun_torque_nm", "efficiency", "input_power_w", "loss_w", "meshes",
+                            "drag_loss_w", "bearing_loss_w"}) {
+      json[key] = nullptr;
+    }
+  }
+  return json;
+}
+
+ordered_json torque_json(const MapTorque& torque) {
+  return {{"torque_nm", number_or_null(torque.torque_Nm)},
+          {"status", status_name(torque.status)},
+          {"reason", torque.reason}};
+}
+
+ordered_json unloaded_json(const design::UnloadedTorques& torques) {
+  return {{"sun", torque_json(torques.sun)}, {"output", torque_json(torques.output)}};
+}
+
+}  // namespace
+
+std::string map_table(const OperatingMap& map) {
+  std::string text = fmt::format(
+      "{}: ratio {:.4f}, {} planets, friction law {}, {:.4g} C\n", map.name, map.ratio, map.planets,
+      efficiency::kFrictionLawNames[static_cast<std::size_t>(map.law)], celsius(map.temperature_K));
+  text += efficiency_table(map, Direction::kForward);
+  text += efficiency_table(map, Direction::kBackward);
+  text += running_table(map);
+  text += fmt::format("\nBreakaway torque\n  at the sun, R2 free: {}\n  at R2, sun free:     {}\n",
+                      torque_text(map.breakaway.sun), torque_text(map.breakaway.output));
+  text += margin_text(map) + heat_table(map);
+  if (!map.notes.empty()) text += '\n';
+  for (const std::string& note : map.notes) text += fmt::format("Note: {}\n", note);
+  return text;
+}
+
+std::string map_json(const OperatingMap& map) {
+  ordered_json speeds = ordered_json::array();
+  ordered_json torques = ordered_json::array();
+  ordered_json running = ordered_json::array();
+  ordered_json points = ordered_json::array();
+  for (std::size_t i = 0; i < map.sun_speed_rad_s.size(); ++i) {
+    speeds.push_back(rpm(map.sun_speed_rad_s[i]));
+    ordered_json at = unloaded_json(map.running[i]);
+    running.push_back({{"sun_speed_rpm", rpm(map.sun_speed_rad_s[i])},
+                       {"sun", at["sun"]},
+                       {"output", at["output"]}});
+  }
+  for (const double torque : map.output_torque_Nm) torques.push_back(clean(torque));
+  for (const Direction direction : {Direction::kForward, Direction::kBackward}) {
+    for (const MapPair& pair : map.points) points.push_back(point_json(pair, direction));
+  }
+  ordered_json margin = nullptr;
+  if (const auto least = design::least_margin(map)) {
+    margin = {{"least", *least->backward.backdriving_margin},
+              {"sun_speed_rpm", rpm(least->point.sun_speed_rad_s)},
+              {"output_torque_nm", clean(least->point.output_torque_Nm)},
+              {"self_locking", !(*least->backward.backdriving_margin > 0.0)}};
+  }
+  const ordered_json json{
+      {"tool", tool_json()},
+      {"name", map.name},
+      {"ratio", map.ratio},
+      {"planets", map.planets},
+      {"friction_law", efficiency::kFrictionLawNames[static_cast<std::size_t>(map.law)]},
+      {"temperature_c", celsius(map.temperature_K)},
+      {"sun_speed_rpm", speeds},
+      {"output_torque_nm", torques},
+      {"points", points},
+      {"running", running},
+      {"breakaway", unloaded_json(map.breakaway)},
+      {"backdriving_margin", margin},
+      {"reference",
+       {{"from", map.reference_given ? "operating_point" : "grid"},
+        {"forward", point_json(map.reference, Direction::kForward)},
+        {"backward", point_json(map.reference, Direction::kBackward)}}},
+      {"notes", map.notes}};
+  return json.dump(2) + "\n";
+}
+
+std::string map_csv(const OperatingMap& map) {
+  std::string text = "# kind: transmission\n" + csv_line(csv_header());
+  for (const Direction direction : {Direction::kForward, Direction::kBackward}) {
+    for (const MapPair& pair : map.points) text += csv_line(csv_row(map, pair, direction));
+  }
+  return text;
+}
+
+}  // namespace gear3k::report

@@ -1,0 +1,21 @@
+#pragma once
+// An operating map as `map` prints and writes it.
+
+#include <string>
+
+#include "design/operating_map.hpp"
+
+namespace gear3k::report {
+
+/// Efficiency grids in percent, torques over speed, breakaway, margin, heat.  Of a large grid every
+/// n-th line and column, and the last.
+std::string map_table(const design::OperatingMap& map);
+
+/// docs/interface.md, "map".
+std::string map_json(const design::OperatingMap& map);
+
+/// One row per direction, speed and torque, a measurement file of kind `transmission` at that:
+/// where there is no operation, its fields are empty.
+std::string map_csv(const design::OperatingMap& map);
+
+}  // namespace gear3k::report
