@@ -145,8 +145,14 @@ MotionResult<T> move(const LossyTrain<T>& t, const OperatingPoint<T>& point,
   constexpr int kMostPasses = 5000;
   bool repeats = false;
   int passes = kMostPasses;
+  std::array<T, kMeshCount> before{};  // the torques that friction is taken at
   for (int pass = 0; pass < passes; ++pass) {
-    const std::array<T, kMeshCount> before = flow->mesh_torque_Nm;
+    // A steep friction law may alternate between two states: then half steps.
+    constexpr int kFullSteps = 50;
+    for (std::size_t k = 0; k < kMeshCount; ++k) {
+      const T& latest = flow->mesh_torque_Nm[k];
+      before[k] = pass < kFullSteps ? latest : T(0.5 * (before[k] + latest));
+    }
     for (std::size_t k = 0; k < kMeshCount; ++k) {
       auto& m = motion.mesh[k];
       m.normal_force_N = magnitude(before[k]) / (planets * mesh[k].central_base_radius_m);
@@ -245,10 +251,70 @@ OperationResult<T> operate(const LossyTrain<T>& train, const OperatingPoint<T>& 
                          {.end = train::End::kOutput, .torque_Nm = torque});
 }
 
+namespace {
+
+template <class T>
+OperatingPoint<T> with_output_torque(OperatingPoint<T> point, const T& torque_Nm) {
+  point.output_torque_Nm = torque_Nm;
+  return point;
+}
+
+/// Torque at R2, found by bisection of the backward operation, at which the sun's torque passes
+/// through zero; empty where it does not, or jumps over it.
+template <class T>
+std::optional<T> freeing_torque(const LossyTrain<T>& train, const OperatingPoint<T>& point) {
+  const auto driven_by = [&](const T& torque_Nm) {
+    return operate(train, with_output_torque(point, torque_Nm), Direction::kBackward).operation;
+  };
+  const auto sun_torque = [&](double torque_Nm) {
+    const auto operation = driven_by(constant<T>(torque_Nm));
+    return operation ? value_of(operation->sun_torque_Nm) : -1.0;  // not driven
+  };
+  constexpr double kLeast = 1e-9;
+  constexpr double kGreatest = 1e9;
+  constexpr double kGrowth = 1.25;
+  double low = kLeast;
+  double high = low;
+  while (!(sun_torque(high) > 0.0)) {
+    low = high;
+    high *= kGrowth;
+    if (high > kGreatest) return std::nullopt;
+  }
+  for (double middle = 0.5 * (low + high); middle > low && middle < high;
+       middle = 0.5 * (low + high)) {
+    (sun_torque(middle) > 0.0 ? high : low) = middle;
+  }
+  const auto root = driven_by(constant<T>(high));
+  constexpr double kJump = 1e-12;
+  if (!root || value_of(root->sun_torque_Nm) > kJump * high) return std::nullopt;
+  T torque = constant<T>(high);
+  if constexpr (!std::is_floating_point_v<T>) {
+    // Implicit function theorem; its slope from the same point with all of the torque's own
+    // derivatives at 1.
+    T moved = torque;
+    moved.v.setOnes();
+    const auto slope = driven_by(moved);
+    if (!slope) return std::nullopt;
+    const auto& own = root->sun_torque_Nm.v;
+    torque.v = -own.cwiseQuotient(slope->sun_torque_Nm.v - own);
+  }
+  return torque;
+}
+
+}  // namespace
+
 template <class T>
 OperationResult<T> drive_free_sun(const LossyTrain<T>& train, const OperatingPoint<T>& point) {
-  return operation_of<T>(train, point, Direction::kBackward,
-                         {.end = train::End::kSun, .torque_Nm = constant<T>(0.0)});
+  const OperationResult<T> direct = operation_of<T>(
+      train, point, Direction::kBackward, {.end = train::End::kSun, .torque_Nm = constant<T>(0.0)});
+  if (direct.operation || direct.reason != NoOperation::kLocks) return direct;
+  // Some pass may lock on the way to a balance that exists: search it from R2's side.
+  const auto torque = freeing_torque(train, point);
+  if (!torque) return direct;
+  OperationResult<T> found =
+      operate(train, with_output_torque(point, *torque), Direction::kBackward);
+  if (found.operation) found.operation->sun_torque_Nm = constant<T>(0.0);
+  return found;
 }
 
 template <class T>

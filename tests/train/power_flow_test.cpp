@@ -523,5 +523,31 @@ TEST_P(LoadedTrainOfEitherSense, GradientIsThatOfCentralDifferences) {
   largest.expect_allowed("gradient");
 }
 
+TEST(PowerFlow, FreeSunLocksWhereTheMarginIsExactlyZero) {
+  // eta2 eta3 = G2: R2 would need an infinite torque against the sun's drag.
+  const ToothSet z{.S = 12, .P1 = 40, .R1 = 80, .P2 = 20, .R2 = 80};
+  ASSERT_EQ(g2(z), 0.5);
+  LoadedTrain<double> train{.teeth = z,
+                            .efficiency = {{{1.0, 1.0}, {0.5, 0.5}, {1.0, 1.0}}},
+                            .known = {.sun = -1.0},
+                            .given_end = End::kSun,
+                            .given_torque_Nm = 0.0};
+  EXPECT_FALSE(solve_power_flow(train).has_value());
+  train.efficiency[kMeshP1R1].fill(0.6);
+  EXPECT_TRUE(solve_power_flow(train).has_value());
+}
+
+TEST(PowerFlow, AMeshThatCannotRunWithADriverLocksThatDirectionOnly) {
+  const ToothSet z{.S = 12, .P1 = 39, .R1 = 90, .P2 = 32, .R2 = 81};
+  LoadedTrain<double> train{.teeth = z,
+                            .efficiency = {{{0.9, 0.0}, {0.95, 0.95}, {0.95, 0.95}}},
+                            .known = {},
+                            .given_end = End::kOutput,
+                            .given_torque_Nm = -10.0};
+  EXPECT_TRUE(solve_power_flow(train).has_value()) << "sun drives";
+  train.given_torque_Nm = 10.0;
+  EXPECT_FALSE(solve_power_flow(train).has_value()) << "P1 would drive S";
+}
+
 }  // namespace
 }  // namespace gear3k::train
