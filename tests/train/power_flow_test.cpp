@@ -540,7 +540,7 @@ TEST(PowerFlow, FreeSunLocksWhereTheMarginIsExactlyZero) {
 TEST(PowerFlow, AMeshThatCannotRunWithADriverLocksThatDirectionOnly) {
   const ToothSet z{.S = 12, .P1 = 39, .R1 = 90, .P2 = 32, .R2 = 81};
   LoadedTrain<double> train{.teeth = z,
-                            .efficiency = {{{0.9, 0.0}, {0.95, 0.95}, {0.95, 0.95}}},
+                            .efficiency = {{{0.9, 0.0}, {0.99, 0.99}, {0.99, 0.99}}},
                             .known = {},
                             .given_end = End::kOutput,
                             .given_torque_Nm = -10.0};
