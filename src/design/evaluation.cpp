@@ -198,15 +198,18 @@ std::optional<OperatingResult> operation_result(const LossyTrain<double>& train,
 }
 
 /// Friction of each mesh: that of the law at the operating point, where it depends on it.  NaN, and
-/// with it no efficiency, where the gearbox does not run there.
+/// with it no efficiency, without a point or where the gearbox does not run there.
 std::array<MeshFriction, train::kMeshCount> mesh_frictions(
     const LossyTrain<double>& train, const std::optional<OperatingResult>& operation) {
   std::array<MeshFriction, train::kMeshCount> mu{};
-  mu.fill({.forward = train.friction.coefficient, .backward = train.friction.coefficient});
-  if (!efficiency::depends_on_state(train.friction.law)) return mu;
+  if (!efficiency::depends_on_state(train.friction.law)) {
+    mu.fill({.forward = train.friction.coefficient, .backward = train.friction.coefficient});
+    return mu;
+  }
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  mu.fill({.forward = kNone, .backward = kNone});
   const auto at = [&](const OperationResult<double>& result, std::size_t k) {
-    return result.operation ? result.operation->mesh[k].friction
-                            : std::numeric_limits<double>::quiet_NaN();
+    return result.operation ? result.operation->mesh[k].friction : kNone;
   };
   for (std::size_t k = 0; operation && k < mu.size(); ++k) {
     mu[k] = {.forward = at(operation->forward, k), .backward = at(operation->backward, k)};

@@ -22,7 +22,9 @@ struct MeshResult {
   double contact_ratio;
   double approach_contact_ratio, recess_contact_ratio;  ///< forward drive direction
   double normal_backlash_m;
-  double friction_forward, friction_backward;  ///< coefficient of friction
+  /// Coefficient of friction; NaN where the law has none (no operating point, or no operation
+  /// there).
+  double friction_forward, friction_backward;
   double efficiency_forward, efficiency_backward;
   bool loss_model_in_range;
   long long hunting_period_teeth;

@@ -61,7 +61,16 @@ std::optional<double> margin_at(const LossyTrain<double>& train,
 
 MapStatus status_of(const OperationResult<double>& result, Direction direction) {
   if (!result.operation) {
-    return result.reason == NoOperation::kLocks ? MapStatus::kLocks : MapStatus::kNoFriction;
+    switch (result.reason) {
+      case NoOperation::kNoFriction:
+        return MapStatus::kNoFriction;
+      case NoOperation::kNotConverged:
+        return MapStatus::kNotConverged;
+      case NoOperation::kLocks:
+      case NoOperation::kNoContact:  // make_operating_map() has excluded it
+        break;
+    }
+    return MapStatus::kLocks;
   }
   const bool helped = direction == Direction::kBackward && result.operation->sun_torque_Nm < 0.0;
   return helped ? MapStatus::kHelped : MapStatus::kRuns;
@@ -102,6 +111,9 @@ UnloadedTorques unloaded_torques(const LossyTrain<double>& train,
     } else if (result.reason == NoOperation::kNoFriction) {
       torque.status = MapStatus::kNoFriction;
       torque.reason = no_friction_reason(train, at_rest);
+    } else if (result.reason == NoOperation::kNotConverged) {
+      torque.status = MapStatus::kNotConverged;
+      torque.reason = no_operation_text(result.reason);
     }
     if (torque.status == MapStatus::kLocks) {
       torque.reason = forward ? "the train locks" : "the train locks: R2 cannot drive the sun";

@@ -1,6 +1,7 @@
 #pragma once
 // A gearbox over speed and load: efficiency in both drive directions, drag, back-driving.
 
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -15,12 +16,13 @@ namespace gear3k::design {
 /// What a gearbox does at an operating point.
 enum class MapStatus {
   kRuns,
-  kHelped,     ///< backward, and only with torque on the sun along its rotation
-  kLocks,      ///< no torques are in balance while the train turns
-  kNoFriction  ///< the friction law has no value there
+  kHelped,       ///< backward, and only with torque on the sun along its rotation
+  kLocks,        ///< no torques are in balance while the train turns
+  kNoFriction,   ///< the friction law has no value there
+  kNotConverged  ///< no torques were found, close to locking
 };
-inline constexpr std::array<std::string_view, 4> kMapStatusNames{"runs", "helped", "locks",
-                                                                 "no_friction_value"};
+inline constexpr std::array<std::string_view, 5> kMapStatusNames{
+    "runs", "helped", "locks", "no_friction_value", "not_converged"};
 
 /// One drive direction at one point.
 struct MapPoint {

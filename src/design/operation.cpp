@@ -1,7 +1,10 @@
 #include "design/operation.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <type_traits>
 
 namespace gear3k::design {
@@ -19,10 +22,10 @@ double sign_of(double x) { return x < 0.0 ? -1.0 : 1.0; }
 /// What of a mesh does not depend on its load.
 template <class T>
 struct MeshKinematics {
-  T sliding_speed_m_s, sum_speed_m_s, reduced_radius_m;
-  T central_base_radius_m;  ///< of S, R1 or R2
-  T central_working_radius_m;
-  std::array<efficiency::MeshContact<T>, 2> contact;  ///< gear 1 drives, gear 2 drives
+  T sliding_speed_m_s{}, sum_speed_m_s{}, reduced_radius_m{};
+  T central_base_radius_m{};  ///< of S, R1 or R2
+  T central_working_radius_m{};
+  std::array<efficiency::MeshContact<T>, 2> contact{};  ///< gear 1 drives, gear 2 drives
 };
 
 template <class T>
@@ -104,93 +107,147 @@ struct MotionResult {
   NoOperation reason = NoOperation::kLocks;
 };
 
+/// Speeds that the drags act at, over |w_R2|, by ShaftId.
+std::array<double, kShaftCount> shaft_speeds(const train::ToothSet& z) {
+  const train::SpeedRatios w = train::speed_ratios(z);
+  return {w.sun, w.planet - w.carrier, w.carrier, 1.0};
+}
+
+/// Magnitudes, all planets together.
+template <class T>
+std::array<T, kShaftCount> drag_torques(const LossyTrain<T>& t, const T& output_speed_rad_s) {
+  const auto speed = shaft_speeds(t.geometry.teeth);
+  std::array<T, kShaftCount> drag{};
+  for (std::size_t i = 0; i < kShaftCount; ++i) {
+    drag[i] = drag_torque(t.shafts.drag[i], T(speed[i] * output_speed_rad_s));
+  }
+  drag[kPlanetShaft] = drag[kPlanetShaft] * static_cast<double>(t.geometry.planets);
+  return drag;
+}
+
+/// Torque on all planets from their pins.
+template <class T>
+T pin_torque(const LossyTrain<T>& t, const Motion<T>& motion) {
+  const double on_pin = shaft_speeds(t.geometry.teeth)[kPlanetShaft];
+  return -sign_of(on_pin) * (motion.drag_Nm[kPlanetShaft] + motion.bearing_Nm);
+}
+
+/// The train under drag and load, without friction of flanks and bearings.
+template <class T>
+train::LoadedTrain<T> frictionless_train(const LossyTrain<T>& t, const Motion<T>& motion,
+                                         const EndLoad<T>& load) {
+  const auto speed = shaft_speeds(t.geometry.teeth);
+  const auto against = [&](ShaftId shaft) {
+    return T(-sign_of(speed[shaft]) * motion.drag_Nm[shaft]);
+  };
+  train::LoadedTrain<T> loaded{.teeth = t.geometry.teeth,
+                               .efficiency = {},
+                               .known = {.sun = against(kSunShaft),
+                                         .planet = constant<T>(0.0),
+                                         .pin = pin_torque(t, motion),
+                                         .carrier = against(kCarrierShaft),
+                                         .ring2 = against(kOutputShaft)},
+                               .given_end = load.end,
+                               .given_torque_Nm = load.torque_Nm};
+  for (auto& pair : loaded.efficiency) pair.fill(constant<T>(1.0));
+  return loaded;
+}
+
+template <class T>
+using MeshTorques = std::array<T, kMeshCount>;
+
+/// Sets the friction of flanks and bearings that the given mesh torques make.
+/// @returns false where the friction law has no value
+template <class T>
+bool apply_friction(const LossyTrain<T>& t, const T& temperature_K,
+                    const std::array<MeshKinematics<T>, kMeshCount>& mesh,
+                    const MeshTorques<T>& torque_Nm, Motion<T>& motion,
+                    train::LoadedTrain<T>& loaded) {
+  const double planets = t.geometry.planets;
+  for (std::size_t k = 0; k < kMeshCount; ++k) {
+    auto& m = motion.mesh[k];
+    m.normal_force_N = magnitude(torque_Nm[k]) / (planets * mesh[k].central_base_radius_m);
+    m.sliding_speed_m_s = mesh[k].sliding_speed_m_s;
+    const auto stage = static_cast<std::size_t>(train::stage_of(train::kMeshGears[k][0]));
+    const auto mu = efficiency::friction_coefficient<T>(
+        t.friction, {.normal_force_N = m.normal_force_N,
+                     .sliding_speed_m_s = m.sliding_speed_m_s,
+                     .sum_speed_m_s = mesh[k].sum_speed_m_s,
+                     .reduced_radius_m = mesh[k].reduced_radius_m,
+                     .face_width_m = t.face_width_m[stage],
+                     .temperature_K = temperature_K});
+    if (!mu) return false;
+    m.friction = *mu;
+    const auto flank = efficiency::flank_friction(t.friction, *mu);
+    for (const std::size_t driver : {0U, 1U}) {
+      loaded.efficiency[k][driver] =
+          efficiency::mesh_efficiency(mesh[k].contact[driver], flank, t.friction.model);
+    }
+  }
+  motion.bearing_Nm = planets * t.shafts.planet_bearing_coefficient *
+                      t.shafts.planet_bearing_radius_m * planet_force(t.geometry, mesh, torque_Nm);
+  loaded.known.pin = pin_torque(t, motion);
+  return true;
+}
+
+/// Largest change of the torques over the largest torque; 0 without torque.
+template <class T>
+double relative_change(const MeshTorques<T>& from, const MeshTorques<T>& to) {
+  double change = 0.0;
+  double scale = 0.0;
+  for (std::size_t k = 0; k < kMeshCount; ++k) {
+    change = std::max(change, std::abs(value_of(to[k]) - value_of(from[k])));
+    scale = std::max(scale, std::abs(value_of(to[k])));
+  }
+  return scale > 0.0 ? change / scale : 0.0;
+}
+
+// Torques that repeat to some roundings end the iteration.  Where bearing friction takes nearly all
+// that moves a planet passes gain little, and beyond that none: the torques then grow without end.
+constexpr double kRepeats = 4e-15;
+constexpr int kMostPasses = 5000;
+// A steep friction law may alternate between two states: half steps after so many whole ones.
+constexpr int kFullSteps = 50;
+
 template <class T>
 MotionResult<T> move(const LossyTrain<T>& t, const OperatingPoint<T>& point,
                      const EndLoad<T>& load) {
-  const train::TrainGeometry<T>& g = t.geometry;
-  const train::SpeedRatios w = train::speed_ratios(g.teeth);
-  const T output_speed = point.sun_speed_rad_s / std::abs(w.sun);
-  const double planet_on_pin = w.planet - w.carrier;
-  const double planets = g.planets;
-  const auto mesh = kinematics(g, output_speed);
-
-  Motion<T> motion{};
-  const std::array<double, kShaftCount> speed{w.sun, planet_on_pin, w.carrier, 1.0};
-  for (std::size_t i = 0; i < kShaftCount; ++i) {
-    motion.drag_Nm[i] = drag_torque(t.shafts.drag[i], T(speed[i] * output_speed));
+  const auto none = [](NoOperation reason) {
+    return MotionResult<T>{.motion = std::nullopt, .reason = reason};
+  };
+  for (const auto& mesh : t.geometry.meshes) {
+    if (!(value_of(mesh.contact_ratio) > 0.0)) return none(NoOperation::kNoContact);
   }
-  motion.drag_Nm[kPlanetShaft] = motion.drag_Nm[kPlanetShaft] * planets;
-  const T pin_lever =
-      planets * t.shafts.planet_bearing_coefficient * t.shafts.planet_bearing_radius_m;
-  train::LoadedTrain<T> loaded{
-      .teeth = g.teeth,
-      .efficiency = {},
-      .known = {.sun = -sign_of(w.sun) * motion.drag_Nm[kSunShaft],
-                .planet = constant<T>(0.0),
-                .pin = constant<T>(0.0),
-                .carrier = -sign_of(w.carrier) * motion.drag_Nm[kCarrierShaft],
-                .ring2 = -motion.drag_Nm[kOutputShaft]},
-      .given_end = load.end,
-      .given_torque_Nm = load.torque_Nm};
-  // The first pass takes the forces without flank and bearing friction.
+  const T output_speed =
+      point.sun_speed_rad_s / std::abs(train::speed_ratios(t.geometry.teeth).sun);
+  const auto mesh = kinematics(t.geometry, output_speed);
+  Motion<T> motion{};
+  motion.drag_Nm = drag_torques(t, output_speed);
   motion.bearing_Nm = constant<T>(0.0);
-  for (auto& pair : loaded.efficiency) pair.fill(constant<T>(1.0));
-  loaded.known.pin = -sign_of(planet_on_pin) * motion.drag_Nm[kPlanetShaft];
+  train::LoadedTrain<T> loaded = frictionless_train(t, motion, load);
   auto flow = train::solve_power_flow(loaded);
-  if (!flow) return {.motion = std::nullopt, .reason = NoOperation::kLocks};
+  if (!flow) return none(NoOperation::kLocks);
 
-  // Derivatives follow the values at the same rate, one pass behind: as many passes again.
-  // Where bearing friction takes nearly all that moves a planet, passes gain little, and beyond
-  // that none: the train locks.
-  constexpr int kMostPasses = 5000;
   bool repeats = false;
   int passes = kMostPasses;
-  std::array<T, kMeshCount> before{};  // the torques that friction is taken at
+  MeshTorques<T> taken{};  // the torques that friction is taken at
   for (int pass = 0; pass < passes; ++pass) {
-    // A steep friction law may alternate between two states: then half steps.
-    constexpr int kFullSteps = 50;
     for (std::size_t k = 0; k < kMeshCount; ++k) {
       const T& latest = flow->mesh_torque_Nm[k];
-      before[k] = pass < kFullSteps ? latest : T(0.5 * (before[k] + latest));
+      taken[k] = pass < kFullSteps ? latest : T(0.5 * (taken[k] + latest));
     }
-    for (std::size_t k = 0; k < kMeshCount; ++k) {
-      auto& m = motion.mesh[k];
-      m.normal_force_N = magnitude(before[k]) / (planets * mesh[k].central_base_radius_m);
-      m.sliding_speed_m_s = mesh[k].sliding_speed_m_s;
-      const auto stage = static_cast<std::size_t>(train::stage_of(train::kMeshGears[k][0]));
-      const auto mu = efficiency::friction_coefficient<T>(
-          t.friction, {.normal_force_N = m.normal_force_N,
-                       .sliding_speed_m_s = m.sliding_speed_m_s,
-                       .sum_speed_m_s = mesh[k].sum_speed_m_s,
-                       .reduced_radius_m = mesh[k].reduced_radius_m,
-                       .face_width_m = t.face_width_m[stage],
-                       .temperature_K = point.temperature_K});
-      if (!mu) return {.motion = std::nullopt, .reason = NoOperation::kNoFriction};
-      m.friction = *mu;
-      const auto flank = efficiency::flank_friction(t.friction, *mu);
-      for (const std::size_t driver : {0U, 1U}) {
-        loaded.efficiency[k][driver] =
-            efficiency::mesh_efficiency(mesh[k].contact[driver], flank, t.friction.model);
-      }
+    if (!apply_friction(t, point.temperature_K, mesh, taken, motion, loaded)) {
+      return none(NoOperation::kNoFriction);
     }
-    motion.bearing_Nm = pin_lever * planet_force(g, mesh, before);
-    loaded.known.pin = -sign_of(planet_on_pin) * (motion.drag_Nm[kPlanetShaft] + motion.bearing_Nm);
     flow = train::solve_power_flow(loaded);
-    if (!flow) return {.motion = std::nullopt, .reason = NoOperation::kLocks};
-    double change = 0.0;
-    double scale = 0.0;
-    for (std::size_t k = 0; k < kMeshCount; ++k) {
-      const double after = value_of(flow->mesh_torque_Nm[k]);
-      change = std::max(change, std::abs(after - value_of(before[k])));
-      scale = std::max(scale, std::abs(after));
-    }
-    constexpr double kRounding = 4e-15;
-    if (!repeats && change <= kRounding * scale) {
+    if (!flow) return none(NoOperation::kLocks);
+    if (!repeats && relative_change(taken, flow->mesh_torque_Nm) <= kRepeats) {
       repeats = true;
+      // Derivatives follow the values at the same rate, one pass behind: as many passes again.
       passes = std::is_floating_point_v<T> ? pass + 1 : 2 * (pass + 1);
     }
   }
-  if (!repeats) return {.motion = std::nullopt, .reason = NoOperation::kLocks};
+  if (!repeats) return none(NoOperation::kNotConverged);
   for (std::size_t k = 0; k < kMeshCount; ++k) {
     auto& m = motion.mesh[k];
     m.gear1_drives = flow->gear1_drives[k];
@@ -201,9 +258,17 @@ MotionResult<T> move(const LossyTrain<T>& t, const OperatingPoint<T>& point,
   return {.motion = motion, .reason = NoOperation::kLocks};
 }
 
+void require_magnitude(const char* name, double value) {
+  if (value >= 0.0 && std::isfinite(value)) return;
+  throw std::invalid_argument(
+      fmt::format("operate: {} = {}, allowed: finite, 0 or more", name, value));
+}
+
 template <class T>
 OperationResult<T> operation_of(const LossyTrain<T>& t, const OperatingPoint<T>& point,
                                 Direction direction, const EndLoad<T>& load) {
+  require_magnitude("sun_speed_rad_s", value_of(point.sun_speed_rad_s));
+  require_magnitude("output_torque_Nm", value_of(point.output_torque_Nm));
   const MotionResult<T> moved = move(t, point, load);
   if (!moved.motion) return {.operation = std::nullopt, .reason = moved.reason};
   const Motion<T>& motion = *moved.motion;
@@ -219,7 +284,7 @@ OperationResult<T> operation_of(const LossyTrain<T>& t, const OperatingPoint<T>&
   const T& denominator = forward > 0.0 ? sun_end : o.output_torque_Nm;
   if (value_of(denominator) > 0.0) o.efficiency = T(numerator / denominator);
   o.mesh = motion.mesh;
-  const std::array<double, kShaftCount> speed{w.sun, w.planet - w.carrier, w.carrier, 1.0};
+  const auto speed = shaft_speeds(t.geometry.teeth);
   o.loss_W = constant<T>(0.0);
   for (std::size_t i = 0; i < kShaftCount; ++i) {
     o.drag_loss_W[i] = motion.drag_Nm[i] * std::abs(speed[i]) * output_speed;
@@ -238,8 +303,17 @@ OperationResult<T> operation_of(const LossyTrain<T>& t, const OperatingPoint<T>&
 }  // namespace
 
 std::string_view no_operation_text(NoOperation reason) {
-  return reason == NoOperation::kLocks ? "it locks: no torques are in balance while it turns"
-                                       : "the friction law has no value here";
+  switch (reason) {
+    case NoOperation::kLocks:
+      break;
+    case NoOperation::kNoFriction:
+      return "the friction law has no value here";
+    case NoOperation::kNoContact:
+      return "a mesh has no contact";
+    case NoOperation::kNotConverged:
+      return "no torques found: friction and tooth forces do not settle, close to locking";
+  }
+  return "it locks: no torques are in balance while it turns";
 }
 
 template <class T>
@@ -307,7 +381,9 @@ template <class T>
 OperationResult<T> drive_free_sun(const LossyTrain<T>& train, const OperatingPoint<T>& point) {
   const OperationResult<T> direct = operation_of<T>(
       train, point, Direction::kBackward, {.end = train::End::kSun, .torque_Nm = constant<T>(0.0)});
-  if (direct.operation || direct.reason != NoOperation::kLocks) return direct;
+  const bool may_run =
+      direct.reason == NoOperation::kLocks || direct.reason == NoOperation::kNotConverged;
+  if (direct.operation || !may_run) return direct;
   // Some pass may lock on the way to a balance that exists: search it from R2's side.
   const auto torque = freeing_torque(train, point);
   if (!torque) return direct;
@@ -321,7 +397,7 @@ template <class T>
 std::optional<std::array<T, kMeshCount>> mesh_friction(const LossyTrain<T>& train,
                                                        const OperatingPoint<T>& point,
                                                        Direction direction) {
-  std::array<T, kMeshCount> mu;
+  std::array<T, kMeshCount> mu{};
   if (!efficiency::depends_on_state(train.friction.law)) {
     mu.fill(train.friction.coefficient);
     return mu;

@@ -53,8 +53,10 @@ struct Operation {
 
 /// Why there is no operation.
 enum class NoOperation {
-  kLocks,      ///< no torques are in balance while the train turns
-  kNoFriction  ///< the friction law has no value here (friction_coefficient())
+  kLocks,        ///< no torques are in balance while the train turns
+  kNoFriction,   ///< the friction law has no value here (friction_coefficient())
+  kNoContact,    ///< a mesh has a contact ratio ≤ 0
+  kNotConverged  ///< the iteration found no torques that repeat
 };
 
 /// In words.
@@ -70,6 +72,7 @@ struct OperationResult {
 ///
 /// Friction depends on tooth forces and these on friction: iterated from the forces without
 /// losses until they repeat to rounding.  Power in = power out + losses to rounding at any time.
+/// @throws std::invalid_argument unless speed and torque are finite and at least 0
 /// At rest (speed 0) the torques are those at the onset of motion.
 /// Does not account for: inertia, gravity, tilting of the planets, rolling friction.
 /// Source: docs/theory.md §24-§26.

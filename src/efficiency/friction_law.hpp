@@ -20,8 +20,8 @@ enum class FrictionLaw {
 inline constexpr std::array<std::string_view, 5> kFrictionLawNames{"constant", "load_power",
                                                                    "stribeck", "schlenk", "table"};
 
-/// Bounds of what a law may return, so that a small load or speed cannot leave the range of
-/// Coulomb friction.
+/// Greatest value that a law may return (without slope there), so that a small load or speed cannot
+/// leave the range of Coulomb friction.
 inline constexpr double kGreatestFriction = 1.0;
 
 /// Kinematic viscosity at two temperatures, and density.
@@ -38,7 +38,10 @@ struct Lubricant {
 ///
 /// Source: DIN 51563 (Ubbelohde-Walther, constant 0.8), as used in a published gearbox loss
 /// calculation, docs/theory.md §25.  The density is taken as constant.
-/// @throws std::invalid_argument unless both temperatures and viscosities are positive and differ
+/// Accuracy: between the two points and near them; by the constant 0.7 of ASTM D341 in place of 0.8
+/// it differs by less than 1 % there (docs/theory.md §25).
+/// @throws std::invalid_argument unless all temperatures are above 0 K, the two of the oil differ,
+/// and its viscosities are above 0.2 mm²/s
 /// @returns η [Pa s]
 template <class T>
 T dynamic_viscosity(const Lubricant<T>& oil, const T& temperature_K);
@@ -115,6 +118,8 @@ constexpr bool reads_coefficient(FrictionLaw law) {
 /// Source: load_power, stribeck: empirical forms, their constants are the user's; schlenk:
 /// ISO/TR 14179-2 (Schlenk), constants as in cfernandesFEUP/Gear-Calculation, GearC/contact.py,
 /// commit 02d9129, and in a second published loss calculation, docs/theory.md §25.
+/// Valid: schlenk is a fit to industrial gears at some 100 N/mm and above 1 m/s; small and slow
+/// gears extrapolate it, and its scatter is not stated by the sources.
 /// @returns μ; empty where the law has none: schlenk at rest, load_power with n < 0 without load
 template <class T>
 std::optional<T> friction_coefficient(const Friction<T>& friction, const MeshState<T>& state);

@@ -30,11 +30,11 @@ struct FlankFriction {
 /// A mesh as its friction sees it.
 template <class T>
 struct MeshContact {
-  int z1 = 0;                ///< teeth of gear 1
-  int z2 = 0;                ///< teeth of gear 2, counted positive
-  double sign = 1.0;         ///< +1 external, −1 when gear 2 is a ring
-  T approach_contact_ratio;  ///< e_a
-  T recess_contact_ratio;    ///< e_r
+  int z1 = 0;                  ///< teeth of gear 1
+  int z2 = 0;                  ///< teeth of gear 2, counted positive
+  double sign = 1.0;           ///< +1 external, −1 when gear 2 is a ring
+  T approach_contact_ratio{};  ///< e_a
+  T recess_contact_ratio{};    ///< e_r
   /// What the path models need besides.
   T tan_alpha_w = constant<T>(0.0);  ///< tangent of the working pressure angle
   bool gear1_drives = true;
@@ -77,7 +77,7 @@ T path_efficiency(const MeshContact<T>& contact, const FlankFriction<T>& mu, con
 ///
 /// Any e_a, e_r and ε, also ε ≤ 0, as sliding_factor().  Tends to the first-order model
 /// as μ → 0 with a remainder of second order.  Integrals by Gauss-Legendre quadrature on pieces
-/// without kinks, exact to rounding while μ tan α_w ≤ 0.5.
+/// without kinks, exact to rounding while μ times factor times tan α_w ≤ 0.5.
 /// Source: own derivation, docs/theory.md §23.
 /// @returns 0 where the flanks jam in some position
 template <class T>
@@ -89,7 +89,8 @@ T coulomb_path_efficiency(const MeshContact<T>& contact, const FlankFriction<T>&
 ///   the same for both drive directions, as approach and recess enter symmetrically;
 ///   coulomb_path, directional: coulomb_path_efficiency()
 ///
-/// Valid: μ small enough that η > 0; a value ≤ 0 is returned as it is.
+/// Valid: μ small enough that η > 0; the first-order models return a value ≤ 0 as it is, the path
+/// models 0, without slope, where the flanks jam.
 /// Does not account for: load sharing by stiffness, churning, rolling friction; in the first-order
 /// models, the second order in μ.
 template <class T>

@@ -3,6 +3,7 @@
 // [bearings], [operating_point] and [map] of a DESIGN.
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -91,7 +92,8 @@ void append_loss_keys(std::vector<Key<Target>>& keys, View view) {
 /// set; says in `reading` what does not fit together.
 void finish_losses(const LossInput& input, design::Design& design, FileReading& reading);
 
-/// The keys of a design's losses as text, those that are read and differ from their default.
+/// The keys of a design's losses as text, those that are read and differ from their default. Begins
+/// inside the table [friction]: it follows the keys of loss model and coefficient.
 std::string loss_text(const design::Design& design);
 
 }  // namespace gear3k::io

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <optional>
 #include <string>
 
@@ -17,6 +18,16 @@ inline double mm(double m) { return design::in_unit(m, design::Unit::kMillimetre
 inline double um(double m) { return design::in_unit(m, design::Unit::kMicrometre); }
 inline double arcmin(double rad) { return design::in_unit(rad, design::Unit::kArcmin); }
 inline double degrees(double rad) { return design::in_unit(rad, design::Unit::kDegree); }
+
+/// A stated number without the rounding of its way through SI units: 12 significant digits.
+inline double clean(double value) {
+  if (value == 0.0 || !std::isfinite(value)) return 0.0 * value + 0.0;
+  const double power = std::pow(10.0, 11.0 - std::floor(std::log10(std::abs(value))));
+  return std::round(value * power) / power;
+}
+inline double rpm(double rad_s) { return clean(rad_s * 30.0 / std::numbers::pi); }
+inline double celsius(double kelvin) { return clean(kelvin - 273.15); }
+inline double percent(double share) { return 100.0 * share; }
 
 /// A number with fixed decimals; rounding noise below zero shows no minus sign.
 inline std::string fixed(double value, int decimals) {

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "report/map_units.hpp"
+#include "report/display.hpp"
 #include "report/text_table.hpp"
 
 namespace gear3k::report {
@@ -111,6 +111,8 @@ const char* absence(MapStatus status) {
       return "locks";
     case MapStatus::kNoFriction:
       return "no value";
+    case MapStatus::kNotConverged:
+      return "unsolved";
     case MapStatus::kRuns:
       break;
   }

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "report/display.hpp"
-#include "report/map_units.hpp"
+#include "report/operation_report.hpp"
 #include "report/text_table.hpp"
 
 namespace gear3k::report {
@@ -49,6 +49,8 @@ std::string efficiency_cell(const MapPoint& point) {
       return "locks";
     case MapStatus::kNoFriction:
       return "no value";
+    case MapStatus::kNotConverged:
+      return "unsolved";
     case MapStatus::kRuns:
       break;
   }
@@ -110,7 +112,8 @@ std::string margin_text(const OperatingMap& map) {
   std::string text = fmt::format("\nBack-driving margin {} (positive: R2 can drive the sun)\n",
                                  below_one ? "eta2 eta3 - G2" : "eta2 eta3 G2 - 1");
   const auto least = design::least_margin(map);
-  if (!least) return text + "  none: no point of the grid has a friction value\n";
+  if (!least)
+    return text + "  none: no point of the grid has friction with which every mesh runs backward\n";
   return text + fmt::format("  least: {} at {:.6g} rpm, {:.6g} Nm{}\n",
                             fixed(*least->backward.backdriving_margin, 5),
                             rpm(least->point.sun_speed_rad_s), least->point.output_torque_Nm,
@@ -208,31 +211,6 @@ std::vector<std::string> csv_row(const OperatingMap& map, const MapPair& pair,
 
 // --- JSON
 
-ordered_json operation_json(const Operation<double>& o) {
-  ordered_json meshes = ordered_json::array();
-  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
-    const design::MeshOperation<double>& m = o.mesh[k];
-    meshes.push_back({{"name", train::kMeshNames[k]},
-                      {"friction", m.friction},
-                      {"normal_force_n", m.normal_force_N},
-                      {"sliding_speed_m_s", m.sliding_speed_m_s},
-                      {"gear1_drives", m.gear1_drives},
-                      {"efficiency", m.efficiency},
-                      {"heat_w", m.loss_W}});
-  }
-  ordered_json drag;
-  for (std::size_t k = 0; k < design::kShaftCount; ++k) {
-    drag[std::string(design::kShaftNames[k])] = o.drag_loss_W[k];
-  }
-  return {{"sun_torque_nm", o.sun_torque_Nm + 0.0},  // no negative zero
-          {"efficiency", number_or_null(o.efficiency)},
-          {"input_power_w", o.input_power_W},
-          {"loss_w", o.loss_W},
-          {"meshes", meshes},
-          {"drag_loss_w", drag},
-          {"bearing_loss_w", o.bearing_loss_W}};
-}
-
 ordered_json point_json(const MapPair& pair, Direction direction) {
   const MapPoint& point = point_of(pair, direction);
   ordered_json json{{"direction", kDirectionNames[static_cast<std::size_t>(direction)]},
@@ -244,6 +222,7 @@ ordered_json point_json(const MapPair& pair, Direction direction) {
   }
   if (point.operation) {
     json.update(operation_json(*point.operation));
+    json["output_torque_nm"] = clean(pair.point.output_torque_Nm);
   } else {
     for (const char* key : {"sun_torque_nm", "efficiency", "input_power_w", "loss_w", "meshes",
                             "drag_loss_w", "bearing_loss_w"}) {

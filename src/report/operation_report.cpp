@@ -15,9 +15,6 @@ namespace {
 using design::Evaluation, design::Operation, design::OperationResult;
 using nlohmann::ordered_json;
 
-double rpm(double rad_s) { return rad_s * 30.0 / std::numbers::pi; }
-double celsius(double kelvin) { return kelvin - 273.15; }
-
 struct DirectedResult {
   const char* name;
   const OperationResult<double>* result;
@@ -36,31 +33,38 @@ std::string efficiency_text(const Operation<double>& o) {
 
 ordered_json direction_json(const OperationResult<double>& result) {
   if (!result.operation) return {{"runs", false}, {"reason", no_operation_text(result.reason)}};
-  const Operation<double>& o = *result.operation;
-  ordered_json json{{"runs", true},
-                    {"sun_torque_nm", o.sun_torque_Nm},
-                    {"output_torque_nm", o.output_torque_Nm},
-                    {"efficiency", number_or_null(o.efficiency)},
-                    {"input_power_w", o.input_power_W},
-                    {"loss_w", o.loss_W}};
-  json["meshes"] = ordered_json::array();
-  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
-    const auto& m = o.mesh[k];
-    json["meshes"].push_back({{"name", train::kMeshNames[k]},
-                              {"friction", m.friction},
-                              {"normal_force_n", m.normal_force_N},
-                              {"sliding_speed_m_s", m.sliding_speed_m_s},
-                              {"efficiency", m.efficiency},
-                              {"loss_w", m.loss_W}});
-  }
-  for (std::size_t i = 0; i < design::kShaftCount; ++i) {
-    json["drag_loss_w"][std::string(design::kShaftNames[i])] = o.drag_loss_W[i];
-  }
-  json["bearing_loss_w"] = o.bearing_loss_W;
+  ordered_json json{{"runs", true}};
+  json.update(operation_json(*result.operation));
   return json;
 }
 
 }  // namespace
+
+ordered_json operation_json(const Operation<double>& o) {
+  ordered_json meshes = ordered_json::array();
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    const design::MeshOperation<double>& m = o.mesh[k];
+    meshes.push_back({{"name", train::kMeshNames[k]},
+                      {"friction", m.friction},
+                      {"normal_force_n", m.normal_force_N},
+                      {"sliding_speed_m_s", m.sliding_speed_m_s},
+                      {"gear1_drives", m.gear1_drives},
+                      {"efficiency", m.efficiency},
+                      {"heat_w", m.loss_W}});
+  }
+  ordered_json drag;
+  for (std::size_t k = 0; k < design::kShaftCount; ++k) {
+    drag[std::string(design::kShaftNames[k])] = o.drag_loss_W[k];
+  }
+  return {{"sun_torque_nm", o.sun_torque_Nm + 0.0},  // no negative zero
+          {"output_torque_nm", o.output_torque_Nm + 0.0},
+          {"efficiency", number_or_null(o.efficiency)},
+          {"input_power_w", o.input_power_W},
+          {"loss_w", o.loss_W},
+          {"meshes", meshes},
+          {"drag_loss_w", drag},
+          {"bearing_loss_w", o.bearing_loss_W}};
+}
 
 std::string operation_table(const Evaluation& e) {
   if (!e.operation) return "";
@@ -138,7 +142,7 @@ std::string operation_csv(const Evaluation& e) {
     for (std::size_t k = 0; k < train::kMeshCount; ++k) {
       const std::string mesh(train::kMeshNames[k]);
       add("friction " + mesh, o.mesh[k].friction, "");
-      add("loss " + mesh, o.mesh[k].loss_W, "W");
+      add("heat " + mesh, o.mesh[k].loss_W, "W");
     }
     for (std::size_t i = 0; i < design::kShaftCount; ++i) {
       add(fmt::format("drag_loss {}", design::kShaftNames[i]), o.drag_loss_W[i], "W");

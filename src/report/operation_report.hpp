@@ -8,6 +8,9 @@
 
 namespace gear3k::report {
 
+/// One operation as JSON: torques, efficiency, powers, what each mesh, shaft and bearing loses.
+nlohmann::ordered_json operation_json(const design::Operation<double>& operation);
+
 /// Torques, efficiency and losses in both drive directions; nothing without an operating point.
 std::string operation_table(const design::Evaluation& e);
 

@@ -13,7 +13,7 @@
 #include "io/csv_table.hpp"
 #include "io/gnuplot.hpp"
 #include "report/map_plot.hpp"
-#include "report/map_units.hpp"
+#include "report/display.hpp"
 
 namespace gear3k::report {
 namespace {
