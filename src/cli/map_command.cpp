@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "cli/commands.hpp"
+#include "cli/progress.hpp"
 #include "design/operating_map.hpp"
 #include "io/design_file.hpp"
 #include "io/diagnostics.hpp"
@@ -57,6 +58,7 @@ ExitCode write_map(const MapOptions& options, const design::OperatingMap& map,
 }  // namespace
 
 ExitCode run_map(const MapOptions& options) {
+  end_on_interrupt();
   use_threads(options);
   const design::OperatingMap map = map_or_throw(io::read_design(options.file), options.file);
   std::vector<std::string> written;

@@ -9,6 +9,9 @@
 #include <csignal>
 #include <cstdio>
 #include <mutex>
+#include <string_view>
+
+#include "cli/exit_code.hpp"
 
 namespace gear3k::cli {
 
@@ -24,6 +27,13 @@ extern "C" void on_interrupt(int signal) {
   std::signal(signal, SIG_DFL);
 }
 
+extern "C" void on_interrupt_without_progress(int) {
+  constexpr std::string_view kMessage = "interrupted\n";
+  const auto written = ::write(STDERR_FILENO, kMessage.data(), kMessage.size());
+  static_cast<void>(written);
+  ::_exit(kInterrupted);
+}
+
 std::string clock_text(double seconds) {
   const long long whole = std::llround(seconds);
   if (whole >= 3600)
@@ -32,6 +42,11 @@ std::string clock_text(double seconds) {
 }
 
 }  // namespace
+
+void end_on_interrupt() {
+  std::signal(SIGINT, on_interrupt_without_progress);
+  std::signal(SIGTERM, on_interrupt_without_progress);
+}
 
 struct ProgressDisplay::State {
   optimize::Progress& progress;

@@ -7,6 +7,10 @@
 
 namespace gear3k::cli {
 
+/// Lets Ctrl-C and SIGTERM end a command without ProgressDisplay: with kInterrupted and a word on
+/// stderr.
+void end_on_interrupt();
+
 /// Shows the progress of a run on stderr while it exists, and turns Ctrl-C into progress.stop.
 ///
 /// On a terminal a bar with rate and remaining time, else a plain line every few seconds; nothing

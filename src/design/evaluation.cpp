@@ -159,8 +159,7 @@ void note_loss_model(const std::vector<MeshResult>& meshes, std::vector<std::str
     }
     if (!(mesh.efficiency_forward > 0.0 && mesh.efficiency_backward > 0.0)) {
       notes.push_back(fmt::format(
-          "mesh {} has no positive efficiency to first order in friction: those of the train are "
-          "undefined",
+          "mesh {} has no positive efficiency with this friction: those of the train are undefined",
           mesh.name));
     }
     if (mesh.loss_model_in_range) continue;
@@ -227,6 +226,12 @@ void note_operation(const std::optional<OperatingResult>& operation,
   };
   note(operation->forward, "forward");
   note(operation->backward, "backward");
+  const auto& backward = operation->backward.operation;
+  if (backward && backward->sun_torque_Nm < 0.0) {
+    notes.emplace_back(
+        "at the operating point R2 alone does not turn the gearbox: drags and friction take more "
+        "than it transmits, the sun must help");
+  }
 }
 
 /// Says what the inertias leave out or count twice.

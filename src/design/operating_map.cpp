@@ -34,12 +34,8 @@ std::optional<double> margin_of(const LossyTrain<double>& train,
   for (std::size_t k = 0; k < train::kMeshCount; ++k) {
     const auto contact =
         efficiency::mesh_contact(train.geometry, static_cast<train::MeshId>(k), false);
-    eta[k] = efficiency::mesh_efficiency(
-        contact,
-        efficiency::FlankFriction<double>{.coefficient = friction[k],
-                                          .approach_factor = law.approach_factor,
-                                          .recess_factor = law.recess_factor},
-        law.model);
+    eta[k] = efficiency::mesh_efficiency(contact, efficiency::flank_friction(law, friction[k]),
+                                         law.model);
     if (!(eta[k] > 0.0)) return std::nullopt;
   }
   return efficiency::backdriving_margin(train.geometry.teeth, eta);
@@ -57,6 +53,18 @@ std::optional<double> margin_at(const LossyTrain<double>& train,
     return std::nullopt;
   }
   return margin_of(train, friction);
+}
+
+/// Whether R2 drives the sun at a point when no shaft has drag.
+bool drives_without_drag(const LossyTrain<double>& train, const OperatingPoint<double>& point) {
+  ShaftLosses<double> bearings = train.shafts;
+  bearings.drag = {};
+  const LossyTrain<double> free{.geometry = train.geometry,
+                                .friction = train.friction,
+                                .shafts = bearings,
+                                .face_width_m = train.face_width_m};
+  const auto driven = operate(free, point, Direction::kBackward);
+  return driven.operation && driven.operation->sun_torque_Nm > 0.0;
 }
 
 MapStatus status_of(const OperationResult<double>& result, Direction direction) {
@@ -85,7 +93,8 @@ MapPair pair_at(const LossyTrain<double>& train, const OperatingPoint<double>& p
   const auto backward = operate(train, point, Direction::kBackward);
   pair.backward = {.status = status_of(backward, Direction::kBackward),
                    .operation = backward.operation,
-                   .backdriving_margin = margin_at(train, backward.operation)};
+                   .backdriving_margin = margin_at(train, backward.operation),
+                   .drives_sun = drives_without_drag(train, point)};
   return pair;
 }
 
@@ -97,8 +106,9 @@ std::string no_friction_reason(const LossyTrain<double>& train, bool at_rest) {
 }
 
 /// Torques without load at a speed; 0: at the onset of motion.
+/// @param least_torque_Nm  least torque at R2 to judge by whether R2 can drive the sun
 UnloadedTorques unloaded_torques(const LossyTrain<double>& train,
-                                 const OperatingPoint<double>& point) {
+                                 const OperatingPoint<double>& point, double least_torque_Nm) {
   const bool at_rest = point.sun_speed_rad_s == 0.0;
   const auto told = [&](const OperationResult<double>& result, bool forward) {
     MapTorque torque;
@@ -106,8 +116,10 @@ UnloadedTorques unloaded_torques(const LossyTrain<double>& train,
       torque.torque_Nm =
           forward ? result.operation->sun_torque_Nm : result.operation->output_torque_Nm;
       torque.status = MapStatus::kRuns;
-      const auto margin = forward ? std::nullopt : margin_at(train, result.operation);
-      if (!forward && !(margin && *margin > 0.0)) torque = {};
+      // Without anything to overcome a locking train balances too, with all torques zero.
+      OperatingPoint<double> loaded = point;
+      loaded.output_torque_Nm = std::max(result.operation->output_torque_Nm, least_torque_Nm);
+      if (!forward && !drives_without_drag(train, loaded)) torque = {};
     } else if (result.reason == NoOperation::kNoFriction) {
       torque.status = MapStatus::kNoFriction;
       torque.reason = no_friction_reason(train, at_rest);
@@ -166,11 +178,7 @@ std::variant<OperatingMap, NotDefined> make_operating_map(const Design& design) 
         fmt::format("mesh {} has no contact (contact ratio {:.3f}): no torque passes it",
                     train::kMeshNames[k], contact_ratio)};
   }
-  const LossyTrain<double> train{.geometry = *geometry,
-                                 .friction = design.friction,
-                                 .shafts = design.shafts,
-                                 .face_width_m = {design.masses.face_width_m[0].value_or(0.0),
-                                                  design.masses.face_width_m[1].value_or(0.0)}};
+  const LossyTrain<double> train = lossy_train(design, *geometry);
 
   OperatingMap map;
   map.name = design.name;
@@ -184,6 +192,7 @@ std::variant<OperatingMap, NotDefined> make_operating_map(const Design& design) 
   map.output_torque_Nm = points_of(design.map.output_torque_Nm, "output torque");
   map.points.reserve(map.sun_speed_rad_s.size() * map.output_torque_Nm.size());
   map.running.reserve(map.sun_speed_rad_s.size());
+  const double least_torque_Nm = std::ranges::min(map.output_torque_Nm);
   OperatingPoint<double> point = stated;
   for (const double speed_rad_s : map.sun_speed_rad_s) {
     point.sun_speed_rad_s = speed_rad_s;
@@ -191,10 +200,10 @@ std::variant<OperatingMap, NotDefined> make_operating_map(const Design& design) 
       point.output_torque_Nm = torque_Nm;
       map.points.push_back(pair_at(train, point));
     }
-    map.running.push_back(unloaded_torques(train, point));
+    map.running.push_back(unloaded_torques(train, point, least_torque_Nm));
   }
   point.sun_speed_rad_s = 0.0;
-  map.breakaway = unloaded_torques(train, point);
+  map.breakaway = unloaded_torques(train, point, least_torque_Nm);
   map.reference_given = design.operating_point.has_value();
   if (map.reference_given) {
     point = stated;

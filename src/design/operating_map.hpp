@@ -31,6 +31,9 @@ struct MapPoint {
   /// efficiency::backdriving_margin() with the friction of this point; backward only, empty where
   /// a mesh has no friction value or no positive efficiency there.
   std::optional<double> backdriving_margin;
+  /// Backward: whether R2 would drive the sun there without drags, against the friction of flanks
+  /// and planet bearings alone.
+  bool drives_sun = false;
 };
 
 /// A torque, or why there is none.

@@ -414,6 +414,14 @@ void finish_losses(const LossInput& input, design::Design& design, FileReading& 
   design.friction.recess_factor = friction.recess_factor;
   design.shafts = input.shafts;
   design.map = input.map;
+  for (const MapKey& key : map_keys()) {
+    const design::GridAxis& axis = input.map.*key.axis;
+    if (!key.points && reading.has(key.record.path) && !(axis.from < axis.to)) {
+      reading.error_at(key.record.path,
+                       fmt::format("{} = [{:g}, {:g}]: allowed: from below to", key.record.path,
+                                   axis.from / key.per_unit, axis.to / key.per_unit));
+    }
+  }
   both_or_neither(reading, "bearings.planet_coefficient", "bearings.planet_radius_mm");
   both_or_neither(reading, "operating_point.sun_speed_rpm", "operating_point.output_torque_nm");
   const bool point = reading.stated("operating_point.sun_speed_rpm") ||

@@ -21,9 +21,10 @@ inline double degrees(double rad) { return design::in_unit(rad, design::Unit::kD
 
 /// A stated number without the rounding of its way through SI units: 12 significant digits.
 inline double clean(double value) {
-  if (value == 0.0 || !std::isfinite(value)) return 0.0 * value + 0.0;
-  const double power = std::pow(10.0, 11.0 - std::floor(std::log10(std::abs(value))));
-  return std::round(value * power) / power;
+  constexpr int kDigits = 12;
+  if (value == 0.0 || !std::isfinite(value)) return value == 0.0 ? 0.0 : value;
+  const double power = std::pow(10.0, kDigits - 1.0 - std::floor(std::log10(std::abs(value))));
+  return std::isfinite(power) ? std::round(value * power) / power : value;
 }
 inline double rpm(double rad_s) { return clean(rad_s * 30.0 / std::numbers::pi); }
 inline double celsius(double kelvin) { return clean(kelvin - 273.15); }

@@ -107,17 +107,33 @@ std::string running_table(const OperatingMap& map) {
          table.text(2);
 }
 
+bool self_locking(const OperatingMap& map) {
+  return std::ranges::any_of(map.points,
+                             [](const MapPair& pair) { return !pair.backward.drives_sun; });
+}
+
+std::string self_locking_text(const OperatingMap& map) {
+  if (!self_locking(map)) return "; with planet bearings R2 drives the sun at every point";
+  const auto locked = std::ranges::count_if(
+      map.points, [](const MapPair& pair) { return !pair.backward.drives_sun; });
+  return fmt::format(
+      "; self-locking: flanks and planet bearings let R2 drive the sun at {} of {} points",
+      static_cast<long>(map.points.size()) - locked, map.points.size());
+}
+
 std::string margin_text(const OperatingMap& map) {
   const bool below_one = train::g2(map.teeth) < 1.0;
-  std::string text = fmt::format("\nBack-driving margin {} (positive: R2 can drive the sun)\n",
-                                 below_one ? "eta2 eta3 - G2" : "eta2 eta3 G2 - 1");
+  std::string text = fmt::format(
+      "\nBack-driving margin of the meshes {} (positive: without drags and bearings R2 drives the "
+      "sun)\n",
+      below_one ? "eta2 eta3 - G2" : "eta2 eta3 G2 - 1");
   const auto least = design::least_margin(map);
   if (!least)
     return text + "  none: no point of the grid has friction with which every mesh runs backward\n";
   return text + fmt::format("  least: {} at {:.6g} rpm, {:.6g} Nm{}\n",
                             fixed(*least->backward.backdriving_margin, 5),
                             rpm(least->point.sun_speed_rad_s), least->point.output_torque_Nm,
-                            *least->backward.backdriving_margin > 0.0 ? "" : ": self-locking");
+                            self_locking_text(map));
 }
 
 std::string heat_table(const OperatingMap& map) {
@@ -280,7 +296,7 @@ std::string map_json(const OperatingMap& map) {
     margin = {{"least", *least->backward.backdriving_margin},
               {"sun_speed_rpm", rpm(least->point.sun_speed_rad_s)},
               {"output_torque_nm", clean(least->point.output_torque_Nm)},
-              {"self_locking", !(*least->backward.backdriving_margin > 0.0)}};
+              {"self_locking", self_locking(map)}};
   }
   const ordered_json json{
       {"tool", tool_json()},

@@ -24,7 +24,8 @@ std::array<DirectedResult, 2> directions(const design::OperatingResult& o) {
 }
 
 std::string sun_torque_text(const Operation<double>& o) {
-  return fmt::format("{:.5g} N m{}", o.sun_torque_Nm, o.sun_torque_Nm < 0.0 ? " (helps)" : "");
+  return fmt::format("{:.5g} N m{}", o.sun_torque_Nm + 0.0,
+                     o.sun_torque_Nm < 0.0 ? " (helps)" : "");
 }
 
 std::string efficiency_text(const Operation<double>& o) {
@@ -83,7 +84,7 @@ std::string operation_table(const Evaluation& e) {
       continue;
     }
     const Operation<double>& o = *result->operation;
-    const auto watts = [](double w) { return fmt::format("{:.4g} W", w); };
+    const auto watts = [](double w) { return fmt::format("{:.4g} W", w + 0.0); };
     std::vector<std::string> row{name, sun_torque_text(o), efficiency_text(o), watts(o.loss_W)};
     for (const auto& m : o.mesh) row.push_back(watts(m.loss_W));
     for (const double w : o.drag_loss_W) row.push_back(watts(w));
@@ -92,7 +93,7 @@ std::string operation_table(const Evaluation& e) {
     for (std::size_t k = 0; k < train::kMeshCount; ++k) {
       const auto& m = o.mesh[k];
       meshes.add({std::string(train::kMeshNames[k]), name, fmt::format("{:.4f}", m.friction),
-                  fmt::format("{:.1f} N", m.normal_force_N),
+                  fmt::format("{:.1f} N", m.normal_force_N + 0.0),
                   fmt::format("{:.4f} m/s", m.sliding_speed_m_s),
                   fmt::format("{:.5f}", m.efficiency)});
     }

@@ -215,5 +215,20 @@ TEST(Map, AMeshWithoutContactIsNamed) {
   EXPECT_TRUE(contains(result.err, "gear.toml: mesh S-P1 has no contact")) << result.err;
 }
 
+TEST(MapInterrupt, EndsWithItsCodeAndLeavesNothing) {
+  const Workplace place;
+  place.write("gear.toml", bilateral() + "\n[map]\nspeed_points = 200\ntorque_points = 200\n");
+  test::RunningProgram program = place.start({"map", "gear.toml", "--out", "out"});
+  ASSERT_TRUE(program.wait_until_it_catches(SIGTERM, std::chrono::seconds(10)));
+  program.send(SIGTERM);
+  const auto result = program.wait(std::chrono::seconds(5));
+  ASSERT_TRUE(result.has_value());
+  EXPECT_EQ(result->signal, 0);
+  EXPECT_EQ(result->exit_code, 130);
+  EXPECT_EQ(result->err, "interrupted\n");
+  EXPECT_EQ(result->out, "");
+  EXPECT_FALSE(std::filesystem::exists(place.file("out")));
+}
+
 }  // namespace
 }  // namespace gear3k

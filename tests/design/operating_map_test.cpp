@@ -340,5 +340,26 @@ TEST(OperatingMap, AnAxisWithoutPointsIsRefused) {
   EXPECT_THROW(make_operating_map(design), std::invalid_argument);
 }
 
+TEST(OperatingMap, PlanetBearingsThatLockTheTrainAreToldWithAndWithoutDrag) {
+  for (const double drag_Nm : {0.0, 1e-3}) {
+    Design d = g2_below_one();
+    d.friction.coefficient = 0.05;
+    d.shafts.drag[kSunShaft].constant_Nm = drag_Nm;
+    const OperatingMap free = map_of(d);
+    d.shafts.planet_bearing_coefficient = 1.0;
+    d.shafts.planet_bearing_radius_m = 8e-3;
+    const OperatingMap locked = map_of(d);
+    for (std::size_t k = 0; k < free.points.size(); ++k) {
+      EXPECT_GT(locked.points[k].backward.backdriving_margin.value(), 0.0) << "meshes alone";
+      EXPECT_TRUE(free.points[k].backward.drives_sun);
+      EXPECT_FALSE(locked.points[k].backward.drives_sun);
+      EXPECT_EQ(locked.points[k].backward.status, MapStatus::kHelped);
+    }
+    EXPECT_EQ(free.breakaway.output.status, MapStatus::kRuns);
+    EXPECT_EQ(locked.breakaway.output.status, MapStatus::kLocks);
+    EXPECT_EQ(locked.running.front().output.status, MapStatus::kLocks);
+  }
+}
+
 }  // namespace
 }  // namespace gear3k::design
