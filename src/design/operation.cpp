@@ -379,7 +379,7 @@ std::optional<T> freeing_torque(const LossyTrain<T>& train, const OperatingPoint
 
 template <class T>
 OperationResult<T> drive_free_sun(const LossyTrain<T>& train, const OperatingPoint<T>& point) {
-  const OperationResult<T> direct = operation_of<T>(
+  OperationResult<T> direct = operation_of<T>(
       train, point, Direction::kBackward, {.end = train::End::kSun, .torque_Nm = constant<T>(0.0)});
   const bool may_run =
       direct.reason == NoOperation::kLocks || direct.reason == NoOperation::kNotConverged;

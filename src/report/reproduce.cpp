@@ -258,41 +258,56 @@ FrictionFit friction_fit(const PublishedGearbox& gearbox, LossModel model) {
   return fit;
 }
 
-/// The asymmetry a, friction (1 + a) mu in approach and (1 - a) mu in recess, with which one mu
-/// explains the measured efficiencies in both directions.
-std::optional<DirectionalFit> directional_fit(const PublishedGearbox& gearbox) {
-  const auto with_asymmetry = [&](double mu, double a) {
-    Design design = with_friction(gearbox.design, mu, LossModel::kDirectional);
+/// Loss model `directional` with friction (1 + a) mu in approach and (1 - a) mu in recess; a = -1,
+/// 1: all of it on one side of the pitch point.
+class AsymmetricFriction {
+ public:
+  explicit AsymmetricFriction(const PublishedGearbox& gearbox) : gearbox_(gearbox) {}
+
+  /// mu with which it gives the measured forward efficiency.
+  [[nodiscard]] std::optional<double> forward_mu(double a) const {
+    return root_of_increasing(
+        [&](double mu) { return *gearbox_.measured_forward - or_nan(efficiency(mu, a).forward); },
+        0.0, 0.5);
+  }
+  /// Backward efficiency with that mu.
+  [[nodiscard]] std::optional<double> backward(double a) const {
+    const auto mu = forward_mu(a);
+    return mu ? efficiency(*mu, a).backward : std::nullopt;
+  }
+
+ private:
+  [[nodiscard]] design::EfficiencyResult efficiency(double mu, double a) const {
+    Design design = with_friction(gearbox_.design, mu, LossModel::kDirectional);
     design.friction.approach_factor = 1.0 + a;
     design.friction.recess_factor = 1.0 - a;
     return evaluated(design).efficiency;
-  };
-  const auto forward_mu = [&](double a) {
-    return root_of_increasing(
-        [&](double mu) {
-          return *gearbox.measured_forward - or_nan(with_asymmetry(mu, a).forward);
-        },
-        0.0, 0.5);
-  };
-  const auto excess = [&](double a) {
-    const auto mu = forward_mu(a);
-    return or_nan(mu ? with_asymmetry(*mu, a).backward : std::nullopt) - *gearbox.measured_backward;
-  };
-  constexpr double kMostAsymmetric = 1.0;  // all friction on one side of the pitch point
-  std::optional<double> a = root_of_increasing(excess, -kMostAsymmetric, kMostAsymmetric);
-  if (!a) {
-    a = root_of_increasing([&](double x) { return -excess(x); }, -kMostAsymmetric, kMostAsymmetric);
   }
+  const PublishedGearbox& gearbox_;
+};
+
+/// Friction in approach and in recess that explains the measured efficiencies in both directions.
+std::optional<DirectionalFit> directional_fit(const PublishedGearbox& gearbox) {
+  const AsymmetricFriction friction(gearbox);
+  const auto excess = [&](double a) {
+    return or_nan(friction.backward(a)) - *gearbox.measured_backward;
+  };
+  std::optional<double> a = root_of_increasing(excess, -1.0, 1.0);
+  if (!a) a = root_of_increasing([&](double x) { return -excess(x); }, -1.0, 1.0);
   if (!a) return std::nullopt;
   return DirectionalFit{
-      .mu = *forward_mu(*a), .approach_factor = 1.0 + *a, .recess_factor = 1.0 - *a};
+      .mu = *friction.forward_mu(*a), .approach_factor = 1.0 + *a, .recess_factor = 1.0 - *a};
 }
 
 GearboxComparison compare(const PublishedGearbox& gearbox) {
   const Evaluation e =
       evaluated(with_friction(gearbox.design, kTableFriction, LossModel::kOhlendorf));
-  GearboxComparison comparison{
-      .name = e.name, .rows = {}, .efficiency = {}, .fits = {}, .directional = {}};
+  GearboxComparison comparison{.name = e.name,
+                               .rows = {},
+                               .efficiency = {},
+                               .fits = {},
+                               .directional = {},
+                               .recess_only_backward = {}};
   append_geometry_rows(gearbox, e, comparison.rows);
   append_lost_motion_rows(gearbox, e, comparison.rows);
   append_inertia_rows(e, comparison.rows);
@@ -313,6 +328,7 @@ GearboxComparison compare(const PublishedGearbox& gearbox) {
       comparison.fits.push_back(friction_fit(gearbox, model));
     }
     comparison.directional = directional_fit(gearbox);
+    comparison.recess_only_backward = AsymmetricFriction(gearbox).backward(-1.0);
   }
   return comparison;
 }

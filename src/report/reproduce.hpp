@@ -80,6 +80,8 @@ struct GearboxComparison {
   std::vector<FrictionFit> fits;
   /// Different friction in approach and recess that explains both directions; empty when none does.
   std::optional<DirectionalFit> directional;
+  /// Backward efficiency predicted with all friction in recess, mu fitted to the forward one.
+  std::optional<double> recess_only_backward;
 };
 
 struct Reproduction {

@@ -40,14 +40,17 @@ std::string fit_text(const FrictionFit& f) {
       in_percent(f.measured_backward), difference, shown(f.backward_mu, 3));
 }
 
-std::string directional_text(const std::optional<DirectionalFit>& f) {
-  if (!f) {
-    return "  directional: no difference between approach and recess explains both directions\n";
+std::string directional_text(const GearboxComparison& g) {
+  if (!g.directional) {
+    return fmt::format(
+        "  directional: no difference between approach and recess explains both directions; with "
+        "all friction in recess backward is {}\n",
+        in_percent(g.recess_only_backward));
   }
   return fmt::format(
       "  directional: both directions are explained by mu = {:.3f} with {:.3f} times as much "
       "friction in approach as in recess\n",
-      f->mu, f->approach_factor / f->recess_factor);
+      g.directional->mu, g.directional->approach_factor / g.directional->recess_factor);
 }
 
 std::string ledger_text(const std::vector<LedgerEntry>& ledger, const char* source) {
@@ -243,7 +246,7 @@ std::string reproduce_table(const Reproduction& r) {
     }
     text += efficiency.text(4);
     for (const FrictionFit& f : g.fits) text += fit_text(f);
-    if (!g.fits.empty()) text += directional_text(g.directional);
+    if (!g.fits.empty()) text += directional_text(g);
   }
   text += "\nLedger of errata: low-backlash 3K gearbox paper\n";
   text += ledger_text(r.ledger, "paper");
@@ -288,7 +291,8 @@ std::string reproduce_json(const Reproduction& r) {
                          {"rows", std::move(rows)},
                          {"efficiency", std::move(efficiency)},
                          {"friction_fits", std::move(fits)},
-                         {"directional_fit", std::move(directional)}});
+                         {"directional_fit", std::move(directional)},
+                         {"recess_only_backward", number_or_null(g.recess_only_backward)}});
   }
   const ordered_json json{{"tool", tool_json()},
                           {"gearboxes", std::move(gearboxes)},

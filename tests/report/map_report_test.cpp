@@ -12,8 +12,8 @@
 
 #include "io/csv_table.hpp"
 #include "io/gnuplot.hpp"
-#include "report/map_plot.hpp"
 #include "report/display.hpp"
+#include "report/map_plot.hpp"
 
 namespace gear3k::report {
 namespace {
