@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <optional>
@@ -38,6 +39,11 @@ inline std::string fixed(double value, int decimals) {
 
 inline nlohmann::ordered_json tool_json() {
   return {{"version", version()}, {"git", git_commit()}};
+}
+
+/// NaN for nothing: what exact() writes as an empty field.
+inline double or_nan(const std::optional<double>& value) {
+  return value.value_or(std::numeric_limits<double>::quiet_NaN());
 }
 
 /// null where there is no finite number: JSON has none.

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "report/display.hpp"
+#include "report/map_report.hpp"
 #include "report/text_table.hpp"
 
 namespace gear3k::report {
@@ -100,23 +101,6 @@ const MapPoint& point_of(const MapPair& pair, Direction direction) {
 std::optional<double> shown_percent(const MapPoint& point) {
   if (point.status != MapStatus::kRuns || !point.operation->efficiency) return std::nullopt;
   return percent(*point.operation->efficiency);
-}
-
-/// What a cell says in place of an efficiency.
-const char* absence(MapStatus status) {
-  switch (status) {
-    case MapStatus::kHelped:
-      return "helped";
-    case MapStatus::kLocks:
-      return "locks";
-    case MapStatus::kNoFriction:
-      return "no value";
-    case MapStatus::kNotConverged:
-      return "unsolved";
-    case MapStatus::kRuns:
-      break;
-  }
-  return "-";
 }
 
 Scale efficiency_scale(const OperatingMap& map) {

@@ -12,6 +12,23 @@
 
 namespace gear3k::report {
 
+const char* absence(design::MapStatus status) {
+  using design::MapStatus;
+  switch (status) {
+    case MapStatus::kHelped:
+      return "helped";
+    case MapStatus::kLocks:
+      return "locks";
+    case MapStatus::kNoFriction:
+      return "no value";
+    case MapStatus::kNotConverged:
+      return "unsolved";
+    case MapStatus::kRuns:
+      break;
+  }
+  return "-";
+}
+
 namespace {
 
 using design::Direction, design::MapPair, design::MapPoint, design::MapStatus, design::MapTorque,
@@ -42,18 +59,7 @@ std::vector<std::size_t> shown_places(std::size_t count) {
 }
 
 std::string efficiency_cell(const MapPoint& point) {
-  switch (point.status) {
-    case MapStatus::kHelped:
-      return "helped";
-    case MapStatus::kLocks:
-      return "locks";
-    case MapStatus::kNoFriction:
-      return "no value";
-    case MapStatus::kNotConverged:
-      return "unsolved";
-    case MapStatus::kRuns:
-      break;
-  }
+  if (point.status != MapStatus::kRuns) return absence(point.status);
   const std::optional<double>& eta = point.operation->efficiency;
   return eta ? fixed(percent(*eta), 2) : "none";
 }

@@ -7,6 +7,9 @@
 
 namespace gear3k::report {
 
+/// What a cell of table or figure says in place of an efficiency.
+const char* absence(design::MapStatus status);
+
 /// Efficiency grids in percent, torques over speed, breakaway, margin, heat.  Of a large grid every
 /// n-th line and column, and the last.
 std::string map_table(const design::OperatingMap& map);

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <string>
+
+#include "design/evaluation.hpp"
+
+namespace gear3k::report {
+
+/// What a check is about, as tables and CSV name it: "S", "P1-R1" or "P1-R1, R1"; "" for the train.
+inline std::string subject_of(const design::CheckResult& c) {
+  if (!c.mesh.empty() && !c.gear.empty()) return fmt::format("{}, {}", c.mesh, c.gear);
+  return c.mesh + c.gear;
+}
+
+}  // namespace gear3k::report
