@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "calibrate/model_range.hpp"
+#include "cli/model_option.hpp"
 #include "cli/progress.hpp"
 #include "io/design_file.hpp"
 #include "io/diagnostics.hpp"
@@ -14,6 +16,7 @@
 #include "io/file_writer.hpp"
 #include "io/published_sources.hpp"
 #include "io/specification_file.hpp"
+#include "io/subject_file.hpp"
 #include "report/analysis_report.hpp"
 #include "report/dxf_drawing.hpp"
 #include "report/export_report.hpp"
@@ -56,26 +59,33 @@ int use_threads(const CommonOptions& options) {
 
 namespace {
 
-template <class... Results>
-std::string in_format(const CommonOptions& options, const Results&... results) {
+std::string analysis(const CommonOptions& options, const design::Design& design,
+                     const design::Evaluation& evaluation,
+                     const std::optional<LoadedModel>& model) {
+  const auto sensitivities = design::sensitivities(design);
+  const report::ModelUse* use = model ? &model->use : nullptr;
   switch (options.format) {
     case Format::kJson:
-      return report::analysis_json(results...);
+      return report::analysis_json(evaluation, sensitivities, use);
     case Format::kCsv:
-      return report::analysis_csv(results...);
+      return report::analysis_csv(evaluation, sensitivities);
     case Format::kTable:
       break;
   }
-  return report::analysis_table(results...);
-}
-
-std::string analysis(const CommonOptions& options, const design::Design& design,
-                     const design::Evaluation& evaluation) {
-  return in_format(options, evaluation, design::sensitivities(design));
+  return report::analysis_table(evaluation, sensitivities, use);
 }
 std::string analysis(const CommonOptions& options, const design::PairDesign&,
-                     const design::PairEvaluation& evaluation) {
-  return in_format(options, evaluation);
+                     const design::PairEvaluation& evaluation,
+                     const std::optional<LoadedModel>& /*model*/) {
+  switch (options.format) {
+    case Format::kJson:
+      return report::analysis_json(evaluation);
+    case Format::kCsv:
+      return report::analysis_csv(evaluation);
+    case Format::kTable:
+      break;
+  }
+  return report::analysis_table(evaluation);
 }
 
 template <class Design>
@@ -97,22 +107,31 @@ void refuse_overwriting_input(const std::string& input, const std::string& outpu
 }
 
 template <class Design>
-ExitCode analyze(const Design& design, const AnalyzeOptions& options) {
+ExitCode analyze(const Design& design, const AnalyzeOptions& options,
+                 const std::optional<LoadedModel>& model, const Notes& notes) {
   use_threads(options);
   refuse_overwriting_input(options.file, options.out);
-  const auto result = evaluate_or_throw(design, options.file);
-  deliver(options, analysis(options, design, result));
+  auto result = evaluate_or_throw(design, options.file);
+  result.notes.insert(result.notes.end(), notes.begin(), notes.end());
+  warn(notes, options.quiet);
+  deliver(options, analysis(options, design, result, model));
   return options.strict && !design::all_ok(result.checks) ? kNoFeasibleDesign : kDone;
 }
 
 }  // namespace
 
 ExitCode run_analyze(const AnalyzeOptions& options) {
-  return analyze(io::read_design(options.file), options);
+  const design::Design design = io::read_design(options.file);
+  const std::optional<LoadedModel> model = load_model(options.model);
+  if (!model) return analyze(design, options, model, {});
+  refuse_overwriting_input(options.model, options.out);
+  Notes notes;
+  const design::Design extended = with_model(design, *model, notes);
+  return analyze(extended, options, model, notes);
 }
 
 ExitCode run_mesh(const AnalyzeOptions& options) {
-  return analyze(io::read_pair(options.file), options);
+  return analyze(io::read_pair(options.file), options, std::nullopt, {});
 }
 
 ExitCode run_search(const SearchOptions& options) {
@@ -153,7 +172,12 @@ ExitCode run_search(const SearchOptions& options) {
 }
 
 ExitCode run_optimize(const OptimizeOptions& options) {
-  const optimize::Specification spec = io::read_specification(options.file);
+  optimize::Specification spec = io::read_specification(options.file);
+  std::optional<LoadedModel> model = load_model(options.model);
+  Notes notes;
+  if (model) spec = with_model(spec, *model, notes);
+  const report::ModelUse* use = model ? &model->use : nullptr;
+  warn(notes, options.quiet);
   io::prepare_folder(options.out);
   const int threads = use_threads(options);
   optimize::Progress progress;
@@ -167,10 +191,11 @@ ExitCode run_optimize(const OptimizeOptions& options) {
   const std::filesystem::path folder(options.out);
   const auto path_of = [&](const char* name) { return (folder / name).string(); };
   const std::string best_path = path_of("best.toml");
-  io::write_file(path_of("refined.csv"), report::refined_csv(result));
-  io::write_file(path_of("pareto.csv"), report::pareto_csv(result));
+  const std::string refined = report::refined_csv(result, model.has_value());
+  io::write_file(path_of("refined.csv"), refined);
+  io::write_file(path_of("pareto.csv"), report::pareto_csv(result, model.has_value()));
   const std::string summary =
-      report::summary_json(spec, result, {.wall_time_s = wall_time_s, .threads = threads});
+      report::summary_json(spec, result, {.wall_time_s = wall_time_s, .threads = threads}, use);
   io::write_file(path_of("summary.json"), summary);
   if (result.best) {
     io::write_file(best_path,
@@ -196,18 +221,23 @@ ExitCode run_optimize(const OptimizeOptions& options) {
     return all_failed ? kSolverFailure : kNoFeasibleDesign;
   }
   // The design that is printed is the one that the file describes.
-  const design::Design best_design = io::read_design(best_path);
-  const auto best = evaluate_or_throw(best_design, best_path);
+  design::Design best_design = io::read_design(best_path);
+  if (model && (spec.operating_point || !calibrate::needs_operating_point(model->extension))) {
+    best_design = design::extended(best_design, model->extension);
+    best_design.operating_point = spec.operating_point;
+  }
+  auto best = evaluate_or_throw(best_design, best_path);
+  best.notes.insert(best.notes.end(), notes.begin(), notes.end());
   std::string text;
   switch (options.format) {
     case Format::kJson:
       text = summary;
       break;
     case Format::kCsv:
-      text = report::refined_csv(result);
+      text = refined;
       break;
     case Format::kTable:
-      text = report::analysis_table(best, design::sensitivities(best_design)) +
+      text = report::analysis_table(best, design::sensitivities(best_design), use) +
              fmt::format(
                  "\nFiles in {}: best.toml (this design), refined.csv ({} tooth sets), "
                  "pareto.csv ({} designs), summary.json\n",
@@ -295,10 +325,11 @@ ExitCode run_keys(const CommonOptions& options) {
     fmt::print(stderr, "keys: --format: allowed: table (the document is Markdown)\n");
     return kUsage;
   }
-  deliver(options,
-          fmt::format("# Keys of the input files\n\nPrinted by `gear3k keys`.\n\n"
-                      "## DESIGN.toml\n\n{}\n## PAIR.toml\n\n{}\n## SPEC.toml\n\n{}",
-                      io::design_key_table(), io::pair_key_table(), io::specification_key_table()));
+  deliver(options, fmt::format("# Keys of the input files\n\nPrinted by `gear3k keys`.\n\n"
+                               "## DESIGN.toml\n\n{}\n## PAIR.toml\n\n{}\n## SPEC.toml\n\n{}\n"
+                               "## Black box (in place of a DESIGN)\n\n{}",
+                               io::design_key_table(), io::pair_key_table(),
+                               io::specification_key_table(), io::black_box_key_table()));
   return kDone;
 }
 

@@ -2,8 +2,11 @@
 // The commands behind main(): each takes its options, prints, and returns an exit code.
 
 #include <array>
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "cli/exit_code.hpp"
 
@@ -23,6 +26,7 @@ struct CommonOptions {
 
 struct AnalyzeOptions : CommonOptions {
   std::string file;
+  std::string model;    ///< MODEL.toml of `analyze`; "" = none
   bool strict = false;  ///< a failed check ends with kNoFeasibleDesign
 };
 
@@ -33,12 +37,28 @@ struct SearchOptions : CommonOptions {
 
 struct OptimizeOptions : CommonOptions {
   std::string file;
+  std::string model;  ///< MODEL.toml; "" = none
 };
 
 struct ReproduceOptions : CommonOptions {};
 
 struct MapOptions : CommonOptions {  ///< out: a folder; "" = none
   std::string file;
+  std::string model;  ///< MODEL.toml; "" = none
+};
+
+/// A limit of the next experiment; an end that is not stated follows from the data.
+struct ConditionLimit {
+  std::optional<double> least{}, greatest{};
+};
+
+struct DiagnoseOptions : CommonOptions {  ///< out: a folder; "" = none
+  std::string file;                       ///< DESIGN, PAIR or a black box
+  std::vector<std::string> data;
+  std::string model;  ///< MODEL.toml; "" = none
+  double false_discovery_rate = 0.05;
+  std::uint64_t seed = 1;
+  ConditionLimit sun_speed_rpm, output_torque_nm, test_torque_nm, temperature_c;
 };
 
 /// Bounds of --chord-error-um: below, coordinates are rounded as coarsely; above, teeth lose shape.
@@ -56,6 +76,7 @@ ExitCode run_search(const SearchOptions& options);
 ExitCode run_optimize(const OptimizeOptions& options);
 ExitCode run_reproduce(const ReproduceOptions& options);
 ExitCode run_map(const MapOptions& options);
+ExitCode run_diagnose(const DiagnoseOptions& options);
 ExitCode run_export(const ExportOptions& options);
 /// Prints docs/keys.md: every key of DESIGN, PAIR and SPEC files.
 ExitCode run_keys(const CommonOptions& options);

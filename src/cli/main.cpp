@@ -2,6 +2,8 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdio>
 #include <functional>
 #include <iostream>
@@ -36,6 +38,16 @@ void add_common_options(CLI::App& command, cli::CommonOptions& options) {
 
 void add_out_file(CLI::App& command, cli::CommonOptions& options) {
   command.add_option("--out", options.out, "file for the result, instead of stdout");
+}
+
+void add_model_option(CLI::App& command, std::string& model) {
+  command
+      .add_option("--model", model,
+                  "MODEL.toml that diagnose wrote: what measurements add to the simulation")
+      ->check([](const std::string& file) {
+        return file.empty() ? "the name of a file, not \"\"" : std::string();
+      })
+      ->option_text("MODEL");
 }
 
 /// A message when a name cannot be a folder's; "" when it can.
@@ -82,6 +94,92 @@ std::string export_usage_error(const cli::ExportOptions& options) {
                     um, cli::kLeastChordErrorUm, cli::kGreatestChordErrorUm);
   }
   return text;
+}
+
+struct LimitOption {
+  const char* name;  ///< of the quantity with its unit, as in the options
+  const char* text;
+  cli::ConditionLimit cli::DiagnoseOptions::*limit;
+  double least;  ///< of what may be stated
+};
+constexpr double kAbsoluteZero_c = -273.15;
+constexpr std::array<LimitOption, 4> kLimitOptions{
+    {{.name = "sun-speed-rpm",
+      .text = "sun speed of the next experiment",
+      .limit = &cli::DiagnoseOptions::sun_speed_rpm,
+      .least = 0.0},
+     {.name = "output-torque-nm",
+      .text = "output torque of the next experiment",
+      .limit = &cli::DiagnoseOptions::output_torque_nm,
+      .least = 0.0},
+     {.name = "test-torque-nm",
+      .text = "test torque of the next experiment (lost motion)",
+      .limit = &cli::DiagnoseOptions::test_torque_nm,
+      .least = 0.0},
+     {.name = "temperature-c",
+      .text = "temperature of the next experiment",
+      .limit = &cli::DiagnoseOptions::temperature_c,
+      .least = kAbsoluteZero_c}}};
+
+/// Options of `diagnose`; its callback runs after all were read.
+void add_diagnose_options(CLI::App& command, cli::DiagnoseOptions& options) {
+  command
+      .add_option("SUBJECT", options.file,
+                  "DESIGN.toml, PAIR.toml, or a table [gearbox] of catalogue values")
+      ->required();
+  command.add_option("DATA", options.data, "measurements, one or more CSV files")->required();
+  command
+      .add_option("--out", options.out,
+                  "folder for diagnosis.json, model.toml, residuals.csv and figures; made when "
+                  "missing; figures need gnuplot")
+      ->check(folder_name)
+      ->option_text("DIR");
+  add_model_option(command, options.model);
+  command
+      .add_option("--false-discovery-rate", options.false_discovery_rate,
+                  "probability of finding anything where nothing is wrong, up to 0.5")
+      ->option_text("RATE [0.05]");
+  command.add_option("--seed", options.seed, "of subsamples and of random signs")
+      ->option_text("SEED [1]");
+  for (const LimitOption& limit : kLimitOptions) {
+    command
+        .add_option(fmt::format("--min-{}", limit.name), (options.*limit.limit).least,
+                    fmt::format("least {}; a quarter below the data by default", limit.text))
+        ->option_text("MIN");
+    command
+        .add_option(fmt::format("--max-{}", limit.name), (options.*limit.limit).greatest,
+                    fmt::format("greatest {}; a quarter above the data by default", limit.text))
+        ->option_text("MAX");
+  }
+  add_common_options(command, options);
+  command.footer(
+      "Kinds and columns of DATA.csv, causes and results: docs/interface.md.  Several files and "
+      "kinds\nmay be given together.  --format csv prints residuals.csv.");
+}
+
+/// What is wrong with the options of `diagnose` together; "" when nothing is.
+std::string diagnose_usage_error(const cli::DiagnoseOptions& options) {
+  std::vector<std::string> errors;
+  const double rate = options.false_discovery_rate;
+  if (!(rate > 0.0 && rate <= 0.5)) {
+    errors.push_back(
+        fmt::format("--false-discovery-rate = {:g}: allowed: above 0, up to 0.5", rate));
+  }
+  for (const LimitOption& limit : kLimitOptions) {
+    const auto& [least, greatest] = options.*limit.limit;
+    const auto check = [&](const char* end, const std::optional<double>& value) {
+      if (!value || (std::isfinite(*value) && *value >= limit.least)) return;
+      errors.push_back(fmt::format("--{}-{} = {:g}: allowed: a finite number, {:g} or more", end,
+                                   limit.name, *value, limit.least));
+    };
+    check("min", least);
+    check("max", greatest);
+    if (least && greatest && *least > *greatest) {
+      errors.push_back(fmt::format("--min-{0} = {1:g}, --max-{0} = {2:g}: allowed: min <= max",
+                                   limit.name, *least, *greatest));
+    }
+  }
+  return fmt::format("{}", fmt::join(errors, "\n"));
 }
 
 std::vector<std::string> option_names(const CLI::App& command) {
@@ -137,6 +235,7 @@ int run_program(int argc, char** argv) {
   CLI::App* analyze_command = app.add_subcommand("analyze", "everything known about one gearbox");
   analyze_command->add_option("DESIGN", analyze.file, "DESIGN.toml")->required();
   analyze_command->add_flag("--strict", analyze.strict, "exit with 3 when a check fails");
+  add_model_option(*analyze_command, analyze.model);
   add_common_options(*analyze_command, analyze);
   add_out_file(*analyze_command, analyze);
   analyze_command->footer([] { return "Keys of DESIGN.toml:\n" + io::design_key_table(); });
@@ -170,6 +269,7 @@ int run_program(int argc, char** argv) {
   optimize_command->add_option("--out", optimize.out, "folder for the result files")
       ->required()
       ->check(folder_name);
+  add_model_option(*optimize_command, optimize.model);
   add_common_options(*optimize_command, optimize);
   optimize_command->footer([] { return "Keys of SPEC.toml:\n" + io::specification_key_table(); });
   optimize_command->callback([&] { run = [&] { return cli::run_optimize(optimize); }; });
@@ -195,9 +295,21 @@ int run_program(int argc, char** argv) {
                    "gnuplot")
       ->check(folder_name)
       ->option_text("DIR");
+  add_model_option(*map_command, map.model);
   add_common_options(*map_command, map);
   map_command->footer([] { return "Keys of DESIGN.toml:\n" + io::design_key_table(); });
   map_command->callback([&] { run = [&] { return cli::run_map(map); }; });
+
+  cli::DiagnoseOptions diagnose;
+  CLI::App* diagnose_command = app.add_subcommand(
+      "diagnose", "what the simulation gets wrong on measurements, why, and what to measure next");
+  add_diagnose_options(*diagnose_command, diagnose);
+  diagnose_command->callback([&] {
+    if (const std::string error = diagnose_usage_error(diagnose); !error.empty()) {
+      throw CLI::ValidationError(error, CLI::ExitCodes::ValidationError);
+    }
+    run = [&] { return cli::run_diagnose(diagnose); };
+  });
 
   cli::ReproduceOptions reproduce;
   CLI::App* reproduce_command = app.add_subcommand(

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "cli/commands.hpp"
+#include "cli/model_option.hpp"
 #include "cli/progress.hpp"
 #include "design/operating_map.hpp"
 #include "io/design_file.hpp"
@@ -28,11 +29,12 @@ design::OperatingMap map_or_throw(const design::Design& design, const std::strin
 /// Writes the result files; without gnuplot no figures, and says so on stderr.
 /// @param written  the names of the files written
 ExitCode write_map(const MapOptions& options, const design::OperatingMap& map,
-                   std::vector<std::string>& written) {
+                   const report::ModelUse* model, std::vector<std::string>& written) {
   const std::filesystem::path folder(options.out);
   const auto path_of = [&](const std::string& name) { return (folder / name).string(); };
-  std::vector<io::FileText> files{{.path = path_of("map.csv"), .text = report::map_csv(map)},
-                                  {.path = path_of("map.json"), .text = report::map_json(map)}};
+  std::vector<io::FileText> files{
+      {.path = path_of("map.csv"), .text = report::map_csv(map)},
+      {.path = path_of("map.json"), .text = report::map_json(map, model)}};
   const std::vector<report::Plot> plots = report::map_plots(map);
   std::vector<io::FileText> figures;
   std::string failure;
@@ -60,18 +62,25 @@ ExitCode write_map(const MapOptions& options, const design::OperatingMap& map,
 ExitCode run_map(const MapOptions& options) {
   end_on_interrupt();
   use_threads(options);
-  const design::OperatingMap map = map_or_throw(io::read_design(options.file), options.file);
+  design::Design design = io::read_design(options.file);
+  const std::optional<LoadedModel> model = load_model(options.model);
+  Notes notes;
+  if (model) design = with_model_on_grid(design, *model, notes);
+  const report::ModelUse* use = model ? &model->use : nullptr;
+  design::OperatingMap map = map_or_throw(design, options.file);
+  map.notes.insert(map.notes.end(), notes.begin(), notes.end());
+  warn(notes, options.quiet);
   std::vector<std::string> written;
-  const ExitCode code = options.out.empty() ? kDone : write_map(options, map, written);
+  const ExitCode code = options.out.empty() ? kDone : write_map(options, map, use, written);
   switch (options.format) {
     case Format::kJson:
-      print_result(report::map_json(map));
+      print_result(report::map_json(map, use));
       break;
     case Format::kCsv:
       print_result(report::map_csv(map));
       break;
     case Format::kTable:
-      print_result(report::map_table(map) +
+      print_result(report::map_table(map, use) +
                    (written.empty() ? "" : fmt::format("\nFiles: {}\n", fmt::join(written, ", "))));
       break;
   }

@@ -85,10 +85,13 @@ struct ProgressDisplay::State {
         rate > 0.0 ? clock_text(static_cast<double>(total - finished) / rate) : "?";
     const bool searching = progress.phase.load() == optimize::Progress::Phase::kSearch;
     const std::size_t feasible = progress.feasible.load();
+    const bool diagnosing = progress.phase.load() == optimize::Progress::Phase::kDiagnosis;
     std::string facts =
-        fmt::format("{}/{} {}, {:.0f}/s, {} left", finished, total,
-                    searching ? "(S, P1) pairs searched" : "tooth sets refined", rate, remaining);
-    if (!searching) facts += fmt::format(", {} feasible", feasible);
+        diagnosing ? fmt::format("{} % diagnosed, {} left", 100 * finished / total, remaining)
+                   : fmt::format("{}/{} {}, {:.0f}/s, {} left", finished, total,
+                                 searching ? "(S, P1) pairs searched" : "tooth sets refined", rate,
+                                 remaining);
+    if (!searching && !diagnosing) facts += fmt::format(", {} feasible", feasible);
     if (feasible > 0) facts += fmt::format(", best {:.5f}", progress.best_objective.load());
     if (terminal) {
       constexpr std::size_t kWidth = 24;

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "backlash/lost_motion.hpp"
+#include "backlash/lost_motion_extension.hpp"
 #include "design/checks.hpp"
 #include "design/operating_point.hpp"
 #include "efficiency/friction_law.hpp"
@@ -55,6 +56,7 @@ struct Design {
   std::optional<OperatingPoint<double>> operating_point;
   /// Grid of the operating map.
   MapGrid map;
+  backlash::LostMotionExtension<double> lost_motion;  ///< of a calibrated model
   Masses masses;
   train::AxialLayout axial;
   /// Measuring pins, by gear; empty: chosen by geometry::pin_measure().

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "backlash/normal_backlash.hpp"
+#include "design/measured_lost_motion.hpp"
 #include "efficiency/train_efficiency.hpp"
 
 namespace gear3k::design {
@@ -201,8 +202,11 @@ std::optional<OperatingResult> operation_result(const LossyTrain<double>& train,
 std::array<MeshFriction, train::kMeshCount> mesh_frictions(
     const LossyTrain<double>& train, const std::optional<OperatingResult>& operation) {
   std::array<MeshFriction, train::kMeshCount> mu{};
-  if (!efficiency::depends_on_state(train.friction.law)) {
-    mu.fill({.forward = train.friction.coefficient, .backward = train.friction.coefficient});
+  if (!efficiency::depends_on_state(train.friction)) {
+    const auto constant_mu = [&](bool forward) {
+      return train.friction.coefficient * constant_factor(train.friction.extension, forward);
+    };
+    mu.fill({.forward = constant_mu(true), .backward = constant_mu(false)});
     return mu;
   }
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -269,6 +273,17 @@ EfficiencyResult efficiency_result(const train::ToothSet& teeth,
     result.backdrivable = result.backdriving_margin > 0.0;
   }
   return result;
+}
+
+/// Lost motion with a calibrated model; empty without one.
+std::optional<double> measured_result(const Design& design,
+                                      const train::TrainParameters<double>& parameters,
+                                      const train::TrainGeometry<double>& geometry) {
+  if (!changes_lost_motion(design.lost_motion)) return std::nullopt;
+  const OperatingPoint<double> point = design.operating_point.value_or(OperatingPoint<double>{});
+  return measured_lost_motion<double>(
+      parameters, geometry, design.lost_motion,
+      {.torque_Nm = point.output_torque_Nm, .temperature_K = point.temperature_K});
 }
 
 InertiaResult inertia_result(const inertia::InertialTrain<double>& train,
@@ -404,7 +419,8 @@ std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
   e.backlash = {.paper_rad = backlash::output_lost_motion(*train, j_bn, LostMotionModel::kPaper),
                 .kinematic_rad = kinematic,
                 .input_kinematic_rad = kinematic * std::abs(e.ratio),
-                .kinematic_share_rad = backlash::kinematic_lost_motion(*train, j_bn)};
+                .kinematic_share_rad = backlash::kinematic_lost_motion(*train, j_bn),
+                .measured_rad = measured_result(design, parameters, *train)};
 
   MassModel masses = mass_model(design.masses, *train);
   e.parts = std::move(masses.parts);

@@ -79,8 +79,11 @@ struct InertiaResult {
 };
 
 struct BacklashResult {
-  double paper_rad, kinematic_rad, input_kinematic_rad;
+  double paper_rad, kinematic_rad, input_kinematic_rad;  ///< rigid bodies
   std::array<double, train::kMeshCount> kinematic_share_rad;
+  /// With the calibrated model that changes it, at the operating point (its torque as ±T), without
+  /// one at T = 0 and 20 °C; empty without such a model, or where a mesh has no working angle.
+  std::optional<double> measured_rad;
 };
 
 struct EfficiencyResult {

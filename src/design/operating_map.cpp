@@ -47,8 +47,8 @@ std::optional<double> margin_at(const LossyTrain<double>& train,
   std::array<double, train::kMeshCount> friction{};
   if (operation) {
     for (std::size_t k = 0; k < train::kMeshCount; ++k) friction[k] = operation->mesh[k].friction;
-  } else if (!efficiency::depends_on_state(train.friction.law)) {
-    friction.fill(train.friction.coefficient);
+  } else if (!efficiency::depends_on_state(train.friction)) {
+    friction.fill(train.friction.coefficient * constant_factor(train.friction.extension, false));
   } else {
     return std::nullopt;
   }

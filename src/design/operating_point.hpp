@@ -39,6 +39,11 @@ struct ShaftLosses {
   /// forces on the planet.
   T planet_bearing_coefficient{};
   T planet_bearing_radius_m{};
+  /// Friction of R2's bearing: this share of the torque that R2's teeth carry.
+  T output_bearing_share{};
+  /// All drags times exp(β (θ − θ_0)).
+  T drag_temperature_1_K{};                      ///< β
+  double drag_reference_temperature_K = 293.15;  ///< θ_0
 };
 
 }  // namespace gear3k::design

@@ -99,6 +99,7 @@ struct Motion {
   std::array<MeshOperation<T>, kMeshCount> mesh;
   std::array<T, kShaftCount> drag_Nm;  ///< magnitudes, all planets together
   T bearing_Nm;                        ///< magnitude, all planets together
+  T output_bearing_Nm;                 ///< magnitude
 };
 
 template <class T>
@@ -115,11 +116,18 @@ std::array<double, kShaftCount> shaft_speeds(const train::ToothSet& z) {
 
 /// Magnitudes, all planets together.
 template <class T>
-std::array<T, kShaftCount> drag_torques(const LossyTrain<T>& t, const T& output_speed_rad_s) {
+std::array<T, kShaftCount> drag_torques(const LossyTrain<T>& t, const T& output_speed_rad_s,
+                                        const T& temperature_K) {
+  using std::exp;
   const auto speed = shaft_speeds(t.geometry.teeth);
   std::array<T, kShaftCount> drag{};
   for (std::size_t i = 0; i < kShaftCount; ++i) {
     drag[i] = drag_torque(t.shafts.drag[i], T(speed[i] * output_speed_rad_s));
+  }
+  if (!is_neutral(t.shafts.drag_temperature_1_K, 0.0)) {
+    const T factor = exp(T(t.shafts.drag_temperature_1_K *
+                           (temperature_K - t.shafts.drag_reference_temperature_K)));
+    for (T& torque : drag) torque = torque * factor;
   }
   drag[kPlanetShaft] = drag[kPlanetShaft] * static_cast<double>(t.geometry.planets);
   return drag;
@@ -156,10 +164,17 @@ train::LoadedTrain<T> frictionless_train(const LossyTrain<T>& t, const Motion<T>
 template <class T>
 using MeshTorques = std::array<T, kMeshCount>;
 
+/// What friction depends on besides the torques.
+template <class T>
+struct FrictionState {
+  T temperature_K;
+  bool forward;
+};
+
 /// Sets the friction of flanks and bearings that the given mesh torques make.
 /// @returns false where the friction law has no value
 template <class T>
-bool apply_friction(const LossyTrain<T>& t, const T& temperature_K,
+bool apply_friction(const LossyTrain<T>& t, const FrictionState<T>& state,
                     const std::array<MeshKinematics<T>, kMeshCount>& mesh,
                     const MeshTorques<T>& torque_Nm, Motion<T>& motion,
                     train::LoadedTrain<T>& loaded) {
@@ -175,7 +190,8 @@ bool apply_friction(const LossyTrain<T>& t, const T& temperature_K,
                      .sum_speed_m_s = mesh[k].sum_speed_m_s,
                      .reduced_radius_m = mesh[k].reduced_radius_m,
                      .face_width_m = t.face_width_m[stage],
-                     .temperature_K = temperature_K});
+                     .temperature_K = state.temperature_K,
+                     .forward = state.forward});
     if (!mu) return false;
     m.friction = *mu;
     const auto flank = efficiency::flank_friction(t.friction, *mu);
@@ -187,6 +203,9 @@ bool apply_friction(const LossyTrain<T>& t, const T& temperature_K,
   motion.bearing_Nm = planets * t.shafts.planet_bearing_coefficient *
                       t.shafts.planet_bearing_radius_m * planet_force(t.geometry, mesh, torque_Nm);
   loaded.known.pin = pin_torque(t, motion);
+  motion.output_bearing_Nm =
+      t.shafts.output_bearing_share * magnitude(torque_Nm[train::kMeshP2R2]);
+  loaded.known.ring2 = -motion.drag_Nm[kOutputShaft] - motion.output_bearing_Nm;
   return true;
 }
 
@@ -210,7 +229,7 @@ constexpr int kMostPasses = 5000;
 constexpr int kFullSteps = 50;
 
 template <class T>
-MotionResult<T> move(const LossyTrain<T>& t, const OperatingPoint<T>& point,
+MotionResult<T> move(const LossyTrain<T>& t, const OperatingPoint<T>& point, Direction direction,
                      const EndLoad<T>& load) {
   const auto none = [](NoOperation reason) {
     return MotionResult<T>{.motion = std::nullopt, .reason = reason};
@@ -222,8 +241,11 @@ MotionResult<T> move(const LossyTrain<T>& t, const OperatingPoint<T>& point,
       point.sun_speed_rad_s / std::abs(train::speed_ratios(t.geometry.teeth).sun);
   const auto mesh = kinematics(t.geometry, output_speed);
   Motion<T> motion{};
-  motion.drag_Nm = drag_torques(t, output_speed);
+  motion.drag_Nm = drag_torques(t, output_speed, point.temperature_K);
   motion.bearing_Nm = constant<T>(0.0);
+  motion.output_bearing_Nm = constant<T>(0.0);
+  const FrictionState<T> state{.temperature_K = point.temperature_K,
+                               .forward = direction == Direction::kForward};
   train::LoadedTrain<T> loaded = frictionless_train(t, motion, load);
   auto flow = train::solve_power_flow(loaded);
   if (!flow) return none(NoOperation::kLocks);
@@ -236,7 +258,7 @@ MotionResult<T> move(const LossyTrain<T>& t, const OperatingPoint<T>& point,
       const T& latest = flow->mesh_torque_Nm[k];
       taken[k] = pass < kFullSteps ? latest : T(0.5 * (taken[k] + latest));
     }
-    if (!apply_friction(t, point.temperature_K, mesh, taken, motion, loaded)) {
+    if (!apply_friction(t, state, mesh, taken, motion, loaded)) {
       return none(NoOperation::kNoFriction);
     }
     flow = train::solve_power_flow(loaded);
@@ -269,7 +291,7 @@ OperationResult<T> operation_of(const LossyTrain<T>& t, const OperatingPoint<T>&
                                 Direction direction, const EndLoad<T>& load) {
   require_magnitude("sun_speed_rad_s", value_of(point.sun_speed_rad_s));
   require_magnitude("output_torque_Nm", value_of(point.output_torque_Nm));
-  const MotionResult<T> moved = move(t, point, load);
+  const MotionResult<T> moved = move(t, point, direction, load);
   if (!moved.motion) return {.operation = std::nullopt, .reason = moved.reason};
   const Motion<T>& motion = *moved.motion;
   const train::SpeedRatios w = train::speed_ratios(t.geometry.teeth);
@@ -290,7 +312,8 @@ OperationResult<T> operation_of(const LossyTrain<T>& t, const OperatingPoint<T>&
     o.drag_loss_W[i] = motion.drag_Nm[i] * std::abs(speed[i]) * output_speed;
     o.loss_W = o.loss_W + o.drag_loss_W[i];
   }
-  o.bearing_loss_W = motion.bearing_Nm * std::abs(speed[kPlanetShaft]) * output_speed;
+  o.bearing_loss_W =
+      (motion.bearing_Nm * std::abs(speed[kPlanetShaft]) + motion.output_bearing_Nm) * output_speed;
   o.loss_W = o.loss_W + o.bearing_loss_W;
   for (const auto& m : o.mesh) o.loss_W = o.loss_W + m.loss_W;
   // Positive at the ends that drive; with a helped sun, both.
@@ -398,8 +421,9 @@ std::optional<std::array<T, kMeshCount>> mesh_friction(const LossyTrain<T>& trai
                                                        const OperatingPoint<T>& point,
                                                        Direction direction) {
   std::array<T, kMeshCount> mu{};
-  if (!efficiency::depends_on_state(train.friction.law)) {
-    mu.fill(train.friction.coefficient);
+  if (!efficiency::depends_on_state(train.friction)) {
+    mu.fill(train.friction.coefficient *
+            constant_factor(train.friction.extension, direction == Direction::kForward));
     return mu;
   }
   const OperationResult<T> result = operate(train, point, direction);

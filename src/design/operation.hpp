@@ -46,7 +46,7 @@ struct Operation {
   std::optional<T> efficiency;
   std::array<MeshOperation<T>, train::kMeshCount> mesh;
   std::array<T, kShaftCount> drag_loss_W;  ///< by ShaftId; all planets together
-  T bearing_loss_W;                        ///< planets on their pins
+  T bearing_loss_W;                        ///< planets on their pins, R2 in its bearing
   T input_power_W;                         ///< of whatever drives
   T loss_W;                                ///< sum of all losses
 };

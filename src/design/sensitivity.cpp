@@ -9,6 +9,7 @@
 
 #include "backlash/normal_backlash.hpp"
 #include "design/evaluation.hpp"
+#include "design/extension_scalar.hpp"
 #include "design/operation.hpp"
 
 namespace gear3k::design {
@@ -98,10 +99,15 @@ std::vector<Input<T>> inputs_of(const Design& design, Parameters<T>& p) {
   const bool runs = design.operating_point.has_value();
   const bool turns = runs && design.operating_point->sun_speed_rad_s > 0.0;
   const bool loaded = runs && design.operating_point->output_torque_Nm > 0.0;
-  const bool by_speed =
-      acting.stribeck || acting.schlenk || design.friction.law == efficiency::FrictionLaw::kTable;
-  const bool by_force =
-      acting.load_power || acting.schlenk || design.friction.law == efficiency::FrictionLaw::kTable;
+  const auto& model = design.friction.extension;
+  const bool by_speed = acting.stribeck || acting.schlenk ||
+                        design.friction.law == efficiency::FrictionLaw::kTable ||
+                        model.slow_excess != 0.0 || model.speed_exponent != 0.0;
+  const bool by_force = acting.load_power || acting.schlenk ||
+                        design.friction.law == efficiency::FrictionLaw::kTable ||
+                        model.load_exponent != 0.0;
+  const bool by_temperature = acting.schlenk || model.temperature_1_K != 0.0 ||
+                              (acting.drag && design.shafts.drag_temperature_1_K != 0.0);
   std::vector<Input<T>> list;
   const auto add = [&](const std::string& key, const FileUnit& unit, T& at, bool acts = true) {
     list.push_back({.key = key, .unit = unit, .at = &at, .acts = acts});
@@ -159,7 +165,7 @@ std::vector<Input<T>> inputs_of(const Design& design, Parameters<T>& p) {
       turns && (by_speed || acting.speed_drag));
   add("operating_point.output_torque_nm", kTorque, p.point.output_torque_Nm,
       loaded && (by_force || acting.drag));
-  add("operating_point.temperature_c", kCelsius, p.point.temperature_K, runs && acting.schlenk);
+  add("operating_point.temperature_c", kCelsius, p.point.temperature_K, runs && by_temperature);
   return list;
 }
 
@@ -227,7 +233,7 @@ std::optional<T> train_efficiency(const LossyTrain<T>& lossy,
                                   Direction direction) {
   const bool forward = direction == Direction::kForward;
   const auto& friction = lossy.friction;
-  if (efficiency::depends_on_state(friction.law) && !point) return std::nullopt;
+  if (efficiency::depends_on_state(friction) && !point) return std::nullopt;
   const auto mu = mesh_friction(lossy, point.value_or(OperatingPoint<T>{}), direction);
   if (!mu) return std::nullopt;
   efficiency::MeshEfficiencies<T> eta;
@@ -317,6 +323,10 @@ void derive(const Design& design, Parameters<double>& at, const std::vector<Chec
     p.friction.model = design.friction.model;
     p.friction.law = design.friction.law;
     p.friction.table = design.friction.table;
+    p.friction.extension = extension_as<Jet1>(design.friction.extension);
+    p.shafts.output_bearing_share = constant<Jet1>(design.shafts.output_bearing_share);
+    p.shafts.drag_temperature_1_K = constant<Jet1>(design.shafts.drag_temperature_1_K);
+    p.shafts.drag_reference_temperature_K = design.shafts.drag_reference_temperature_K;
     const auto jets = inputs_of(design, p);
     std::array<double, kMaxVariables> si{};
     std::size_t row = 0;

@@ -125,7 +125,10 @@ T dynamic_viscosity(const Lubricant<T>& oil, const T& temperature_K) {
 template <class T>
 std::optional<T> friction_coefficient(const Friction<T>& friction, const MeshState<T>& state) {
   std::optional<T> mu = unbounded_friction(friction, state);
-  if (mu) mu = smaller(*mu, constant<T>(kGreatestFriction));
+  if (!mu) return mu;
+  const T factor = friction_factor(friction.extension, state.normal_force_N,
+                                   state.sliding_speed_m_s, state.temperature_K, state.forward);
+  mu = smaller(T(*mu * factor), constant<T>(kGreatestFriction));
   return mu;
 }
 

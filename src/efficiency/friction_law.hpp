@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "efficiency/friction_extension.hpp"
 #include "efficiency/mesh_loss.hpp"
 
 namespace gear3k::efficiency {
@@ -70,22 +71,25 @@ struct Friction {
   T lubricant_factor{};                    ///< X_L of kSchlenk
   Lubricant<T> lubricant{};                ///< kSchlenk
   FrictionTable table{};                   ///< kTable
+  FrictionExtension<T> extension{};        ///< of a calibrated model, with any law
 };
 
 /// The flanks' friction for a coefficient that a law gave.
 template <class T>
 FlankFriction<T> flank_friction(const Friction<T>& friction, const T& coefficient) {
   return {.coefficient = coefficient,
-          .approach_factor = friction.approach_factor,
-          .recess_factor = friction.recess_factor};
+          .approach_factor = friction.approach_factor * friction.extension.approach,
+          .recess_factor = friction.recess_factor * friction.extension.recess};
 }
 
 /// The same for FrictionLaw::kConstant, as constants of a scalar.
 template <class T>
-FlankFriction<T> constant_friction(const Friction<double>& friction) {
-  return {.coefficient = constant<T>(friction.coefficient),
-          .approach_factor = constant<T>(friction.approach_factor),
-          .recess_factor = constant<T>(friction.recess_factor)};
+FlankFriction<T> constant_friction(const Friction<double>& friction, bool forward) {
+  const auto flank =
+      flank_friction(friction, friction.coefficient * constant_factor(friction.extension, forward));
+  return {.coefficient = constant<T>(flank.coefficient),
+          .approach_factor = constant<T>(flank.approach_factor),
+          .recess_factor = constant<T>(flank.recess_factor)};
 }
 
 /// A running mesh as its friction sees it; forces and speeds are magnitudes.
@@ -97,10 +101,15 @@ struct MeshState {
   T reduced_radius_m;   ///< of curvature at the pitch point, ρ_redC
   T face_width_m;
   T temperature_K;
+  bool forward = true;  ///< the sun drives the train
 };
 
 /// Whether a law needs to know where the mesh runs, and whether it reads Friction::coefficient.
 constexpr bool depends_on_state(FrictionLaw law) { return law != FrictionLaw::kConstant; }
+template <class T>
+bool depends_on_state(const Friction<T>& friction) {
+  return depends_on_state(friction.law) || depends_on_state(friction.extension);
+}
 constexpr bool reads_coefficient(FrictionLaw law) {
   return law != FrictionLaw::kSchlenk && law != FrictionLaw::kTable;
 }
@@ -114,7 +123,7 @@ constexpr bool reads_coefficient(FrictionLaw law) {
 ///               (N/mm, m/s, mm, mPa s, µm)
 ///   table       bilinear
 ///
-/// never above kGreatestFriction.
+/// times the factors of the extension, never above kGreatestFriction.
 /// Source: load_power, stribeck: empirical forms, their constants are the user's; schlenk:
 /// ISO/TR 14179-2 (Schlenk), constants as in cfernandesFEUP/Gear-Calculation, GearC/contact.py,
 /// commit 02d9129, and in a second published loss calculation, docs/theory.md §25.

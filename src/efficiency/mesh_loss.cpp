@@ -171,16 +171,20 @@ T coulomb_path_efficiency(const MeshContact<T>& contact, const FlankFriction<T>&
 
 template <class T>
 T mesh_efficiency(const MeshContact<T>& contact, const FlankFriction<T>& mu, LossModel model) {
-  if (model == LossModel::kCoulombPath) {
-    return coulomb_path_efficiency<T>(contact, {.coefficient = mu.coefficient});
+  if (model == LossModel::kCoulombPath || model == LossModel::kDirectional) {
+    return coulomb_path_efficiency(contact, mu);
   }
-  if (model == LossModel::kDirectional) return coulomb_path_efficiency(contact, mu);
   const T factor =
       model == LossModel::kOhlendorf
           ? ohlendorf_factor(contact.approach_contact_ratio, contact.recess_contact_ratio)
           : sliding_factor(contact.approach_contact_ratio, contact.recess_contact_ratio);
   const double teeth = 1.0 / contact.z1 + contact.sign / contact.z2;
-  return 1.0 - std::numbers::pi * teeth * mu.coefficient * factor;
+  T efficiency = 1.0 - std::numbers::pi * teeth * mu.coefficient * factor;
+  if (!(is_neutral(mu.approach_factor, 1.0) && is_neutral(mu.recess_factor, 1.0))) {
+    efficiency = efficiency + coulomb_path_efficiency(contact, mu) -
+                 coulomb_path_efficiency<T>(contact, {.coefficient = mu.coefficient});
+  }
+  return efficiency;
 }
 
 bool loss_model_in_range(LossModel model, double approach, double recess) {

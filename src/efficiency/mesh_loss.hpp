@@ -19,7 +19,8 @@ enum class LossModel {
 inline constexpr std::array<std::string_view, 4> kLossModelNames{"sliding", "ohlendorf",
                                                                  "coulomb_path", "directional"};
 
-/// Coefficient of friction of a mesh.  The factors act in kDirectional only.
+/// Coefficient of friction of a mesh.  Factors other than 1 act in the first-order models by the
+/// difference that they make to the path of contact, docs/theory.md §29.
 template <class T>
 struct FlankFriction {
   T coefficient;                         ///< μ

@@ -73,6 +73,20 @@ T constant(double value) {
   }
 }
 
+/// Whether a parameter has its neutral value and no derivatives, so that it may be left out.
+template <class T>
+bool is_neutral(const T& parameter, double neutral) {
+  if constexpr (std::is_floating_point_v<T>) {
+    return parameter == neutral;
+  } else {
+    if (!is_neutral(parameter.a, neutral)) return false;
+    for (int k = 0; k < T::DIMENSION; ++k) {
+      if (!is_neutral(parameter.v[k], 0.0)) return false;
+    }
+    return true;
+  }
+}
+
 /// The larger (smaller) of two scalars with its derivatives; the first one at a tie.
 template <class T>
 T larger(const T& a, const T& b) {

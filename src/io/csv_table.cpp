@@ -10,30 +10,45 @@
 
 namespace gear3k::io {
 
-namespace {
-
-/// The fields of a line; empty when a quote is left open.
-std::vector<std::string> split_fields(const std::string& line) {
-  std::vector<std::string> fields(1);
+bool CsvFields::split(std::string_view line) {
+  values_.clear();
+  columns_.clear();
+  std::size_t begin = 0;
+  if (line.find('"') == std::string_view::npos) {
+    while (true) {
+      const std::size_t comma = line.find(',', begin);
+      values_.push_back(line.substr(begin, comma - begin));
+      columns_.push_back(static_cast<int>(begin) + 1);
+      if (comma == std::string_view::npos) return true;
+      begin = comma + 1;
+    }
+  }
+  unquoted_.clear();
+  unquoted_.reserve(line.size());  // the views below point into it
+  std::size_t written = 0;
   bool quoted = false;
+  const auto end_field = [&](std::size_t next) {
+    values_.push_back(std::string_view(unquoted_).substr(written));
+    columns_.push_back(static_cast<int>(begin) + 1);
+    written = unquoted_.size();
+    begin = next;
+  };
   for (std::size_t k = 0; k < line.size(); ++k) {
     const char c = line[k];
     if (quoted && c == '"' && k + 1 < line.size() && line[k + 1] == '"') {
-      fields.back() += '"';
+      unquoted_ += '"';
       ++k;
     } else if (c == '"') {
       quoted = !quoted;
     } else if (c == ',' && !quoted) {
-      fields.emplace_back();
+      end_field(k + 1);
     } else {
-      fields.back() += c;
+      unquoted_ += c;
     }
   }
-  if (quoted) fields.clear();
-  return fields;
+  end_field(line.size());
+  return !quoted;
 }
-
-}  // namespace
 
 std::optional<std::string> CsvTable::text(const Row& row, const std::string& column) const {
   const auto at = std::ranges::find(header, column);
@@ -65,23 +80,27 @@ CsvTable parse_csv(const std::string& text, const std::string& name) {
   std::vector<Diagnostic> diagnostics;
   std::istringstream stream(text);
   std::string line;
+  CsvFields fields;
+  const auto copied = [&] {
+    return std::vector<std::string>(fields.values().begin(), fields.values().end());
+  };
   for (int number = 1; std::getline(stream, line); ++number) {
     if (!line.empty() && line.back() == '\r') line.pop_back();
     if (line.empty()) continue;
     if (line.front() == '#') {
       table.notes.push_back(line.substr(1));
-    } else if (split_fields(line).empty()) {
+    } else if (!fields.split(line)) {
       diagnostics.push_back(
           {.position = {.line = number, .column = 1}, .message = "a quote is left open"});
     } else if (table.header.empty()) {
-      table.header = split_fields(line);
+      table.header = copied();
     } else {
-      table.rows.push_back({.line = number, .fields = split_fields(line)});
-      const std::size_t fields = table.rows.back().fields.size();
-      if (fields != table.header.size()) {
+      table.rows.push_back({.line = number, .fields = copied()});
+      const std::size_t count = fields.values().size();
+      if (count != table.header.size()) {
         diagnostics.push_back({.position = {.line = number, .column = 1},
                                .message = fmt::format("{} fields, allowed: {} as in the header",
-                                                      fields, table.header.size())});
+                                                      count, table.header.size())});
       }
     }
   }

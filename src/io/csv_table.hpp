@@ -2,11 +2,30 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "io/diagnostics.hpp"
 
 namespace gear3k::io {
+
+/// The fields of one line after the other; keeps its buffers for long files.
+class CsvFields {
+ public:
+  /// Splits RFC 4180 fields (quotes, doubled quotes; no line breaks inside fields).
+  /// @returns false when a quote is left open
+  bool split(std::string_view line);
+
+  /// Valid until the next split() and as long as the line.
+  [[nodiscard]] const std::vector<std::string_view>& values() const { return values_; }
+  /// Where a field begins in its line, from 1.
+  [[nodiscard]] int column(std::size_t field) const { return columns_[field]; }
+
+ private:
+  std::vector<std::string_view> values_;
+  std::vector<int> columns_;
+  std::string unquoted_;
+};
 
 /// A CSV text: lines beginning with '#' are notes, the first other line is the header.
 struct CsvTable {

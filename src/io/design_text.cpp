@@ -6,6 +6,7 @@
 #include "io/limit_keys.hpp"
 #include "io/loss_keys.hpp"
 #include "io/mass_keys.hpp"
+#include "io/toml_text.hpp"
 
 namespace gear3k::io {
 
@@ -14,32 +15,10 @@ namespace {
 constexpr double kMillimetre = 1e-3;
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-/// The quoted text of TOML.
-std::string quoted(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') result += '\\';
-    const auto code = static_cast<unsigned char>(c);
-    if (code < 0x20 || code == 0x7F) {
-      result += fmt::format("\\u{:04x}", static_cast<unsigned>(code));
-    } else {
-      result += c;
-    }
-  }
-  return result + "\"";
-}
-
-/// A float as TOML wants it: with a point or an exponent.
-std::string number(double value) {
-  std::string text = fmt::format("{}", value);
-  if (text.find_first_of(".e") == std::string::npos) text += ".0";
-  return text;
-}
-
 std::string limits_text(const design::Limits& limits) {
   using design::CheckId;
   const auto in_unit = [&](CheckId id) {
-    return number(design::in_unit(*limits[id], design::check_record(id).unit));
+    return toml_number(design::in_unit(*limits[id], design::check_record(id).unit));
   };
   std::string text = "\n[backlash]\n";
   text += fmt::format("model = \"{}\"\n",
@@ -58,8 +37,8 @@ std::string limits_text(const design::Limits& limits) {
   const auto& most = limits[CheckId::kContactRatioMax];
   const bool has_range = least || most;
   if (has_range) {
-    text += fmt::format("\n[contact_ratio]\nrange = [{}, {}]\n", number(least.value_or(0.0)),
-                        number(most.value_or(kGreatestContactRatio)));
+    text += fmt::format("\n[contact_ratio]\nrange = [{}, {}]\n", toml_number(least.value_or(0.0)),
+                        toml_number(most.value_or(kGreatestContactRatio)));
   }
   if (limits[CheckId::kRingRootDiameter]) {
     text += fmt::format("\n[size]\nmax_ring_root_diameter_mm = {}\n",
@@ -84,11 +63,12 @@ std::string axial_text(const train::AxialLayout& layout) {
     const auto& extent = layout.extent[i];
     if (!extent) continue;
     text += fmt::format("{}_mm = [{}, {}]\n", train::kBodyNames[i],
-                        number(extent->from_m / kMillimetre), number(extent->to_m / kMillimetre));
+                        toml_number(extent->from_m / kMillimetre),
+                        toml_number(extent->to_m / kMillimetre));
   }
   if (layout.carrier_radius_m > 0.0) {
     text += fmt::format("carrier_diameter_mm = {}\n",
-                        number(2.0 * layout.carrier_radius_m / kMillimetre));
+                        toml_number(2.0 * layout.carrier_radius_m / kMillimetre));
   }
   return text.empty() ? "" : "\n[axial]\n" + text;
 }
@@ -96,16 +76,17 @@ std::string axial_text(const train::AxialLayout& layout) {
 std::string inertia_text(const design::Masses& masses) {
   std::string text;
   if (masses.density_kgm3) {
-    text += fmt::format("density_kg_m3 = {}\n", number(*masses.density_kgm3));
+    text += fmt::format("density_kg_m3 = {}\n", toml_number(*masses.density_kgm3));
   }
   for (const Body& body : kBodies) {
     if (masses.*body.member) {
-      text += fmt::format("{} = {}\n", body.name, number(*(masses.*body.member)));
+      text += fmt::format("{} = {}\n", body.name, toml_number(*(masses.*body.member)));
     }
   }
   for (const CarrierSize& size : kCarrierSizes) {
     if (masses.*size.member) {
-      text += fmt::format("{} = {}\n", size.name, number(*(masses.*size.member) / size.per_unit));
+      text +=
+          fmt::format("{} = {}\n", size.name, toml_number(*(masses.*size.member) / size.per_unit));
     }
   }
   return text.empty() ? "" : "\n[inertia]\n" + text;
@@ -116,61 +97,65 @@ std::string inertia_text(const design::Masses& masses) {
 std::string design_text(const design::Design& design) {
   const auto& t = design.train;
   std::string text =
-      fmt::format("name = {}\nplanets = {}\nidentical_planets = {}\n", quoted(design.name),
+      fmt::format("name = {}\nplanets = {}\nidentical_planets = {}\n", toml_quoted(design.name),
                   t.planets, design.limits[design::CheckId::kIdenticalPlanets].has_value());
-  text += fmt::format("pressure_angle_deg = {}\n", number(t.pressure_angle_rad / kDegree));
+  text += fmt::format("pressure_angle_deg = {}\n", toml_number(t.pressure_angle_rad / kDegree));
   if (design.center_distance_given) {
-    text += fmt::format("center_distance_mm = {}\n", number(t.center_distance_m / kMillimetre));
+    text +=
+        fmt::format("center_distance_mm = {}\n", toml_number(t.center_distance_m / kMillimetre));
   }
   text += "sign_convention = \"khk\"\n";
   text += fmt::format("\n[rack]\naddendum = {}\ndedendum = {}\nroot_radius = {}\n",
-                      number(t.rack[0].addendum), number(t.rack[0].dedendum),
-                      number(t.rack[0].root_radius));
+                      toml_number(t.rack[0].addendum), toml_number(t.rack[0].dedendum),
+                      toml_number(t.rack[0].root_radius));
   for (std::size_t stage = 0; stage < 2; ++stage) {
     text += fmt::format("\n[stage{}]\nmodule_mm = {}\n", stage + 1,
-                        number(t.module_m[stage] / kMillimetre));
+                        toml_number(t.module_m[stage] / kMillimetre));
     if (design.masses.face_width_m[stage]) {
       text += fmt::format("face_width_mm = {}\n",
-                          number(*design.masses.face_width_m[stage] / kMillimetre));
+                          toml_number(*design.masses.face_width_m[stage] / kMillimetre));
     }
   }
   const design::Masses& masses = design.masses;
   const auto z = train::teeth_of(t.teeth);
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
     text += fmt::format("\n[gears.{}]\nteeth = {}\nprofile_shift = {}\nmachining_allowance = {}\n",
-                        train::kGearNames[i], z[i], number(t.profile_shift[i]),
-                        number(t.machining_allowance[i]));
+                        train::kGearNames[i], z[i], toml_number(t.profile_shift[i]),
+                        toml_number(t.machining_allowance[i]));
     text += t.khk_tip[i] ? "tip_rule = \"khk\"\n"
-                         : fmt::format("tip_shortening = {}\n", number(t.tip_shortening[i]));
+                         : fmt::format("tip_shortening = {}\n", toml_number(t.tip_shortening[i]));
     if (design.pin_diameter_m[i]) {
-      text +=
-          fmt::format("pin_diameter_mm = {}\n", number(*design.pin_diameter_m[i] / kMillimetre));
+      text += fmt::format("pin_diameter_mm = {}\n",
+                          toml_number(*design.pin_diameter_m[i] / kMillimetre));
     }
     if (masses.bore_radius_m[i] > 0.0) {
-      text += fmt::format("bore_mm = {}\n", number(2.0 * masses.bore_radius_m[i] / kMillimetre));
+      text +=
+          fmt::format("bore_mm = {}\n", toml_number(2.0 * masses.bore_radius_m[i] / kMillimetre));
     }
     const auto outer = i == train::kR1   ? masses.ring1_outer_radius_m
                        : i == train::kR2 ? masses.ring2_outer_radius_m
                                          : std::nullopt;
-    if (outer) text += fmt::format("outer_diameter_mm = {}\n", number(2.0 * *outer / kMillimetre));
+    if (outer)
+      text += fmt::format("outer_diameter_mm = {}\n", toml_number(2.0 * *outer / kMillimetre));
     if (t.cutter[i].teeth > 0) {
-      text += fmt::format("[gears.{}.cutter]\nteeth = {}\nprofile_shift = {}\ntip_radius = {}\n",
-                          train::kGearNames[i], t.cutter[i].teeth,
-                          number(t.cutter[i].profile_shift), number(t.cutter[i].tip_radius));
+      text +=
+          fmt::format("[gears.{}.cutter]\nteeth = {}\nprofile_shift = {}\ntip_radius = {}\n",
+                      train::kGearNames[i], t.cutter[i].teeth,
+                      toml_number(t.cutter[i].profile_shift), toml_number(t.cutter[i].tip_radius));
     }
   }
   text += axial_text(design.axial);
   text += inertia_text(masses);
   text += "\n[friction]\n";
   if (efficiency::reads_coefficient(design.friction.law)) {
-    text += fmt::format("coefficient = {}\n", number(design.friction.coefficient));
+    text += fmt::format("coefficient = {}\n", toml_number(design.friction.coefficient));
   }
   text += fmt::format("loss_model = \"{}\"\n",
                       efficiency::kLossModelNames[static_cast<std::size_t>(design.friction.model)]);
   if (design.friction.model == efficiency::LossModel::kDirectional) {
-    text +=
-        fmt::format("approach_factor = {}\nrecess_factor = {}\n",
-                    number(design.friction.approach_factor), number(design.friction.recess_factor));
+    text += fmt::format("approach_factor = {}\nrecess_factor = {}\n",
+                        toml_number(design.friction.approach_factor),
+                        toml_number(design.friction.recess_factor));
   }
   return text + loss_text(design) + limits_text(design.limits);
 }

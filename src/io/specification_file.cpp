@@ -9,6 +9,7 @@
 #include "io/axial_keys.hpp"
 #include "io/cutter_keys.hpp"
 #include "io/limit_keys.hpp"
+#include "io/loss_keys.hpp"
 #include "io/model_keys.hpp"
 
 namespace gear3k::io {
@@ -20,6 +21,7 @@ constexpr double kMillimetre = 1e-3;
 struct SpecificationInput {
   optimize::Specification spec;
   LimitInput limits;
+  LossInput losses;  ///< its operating point
 };
 
 using Input = SpecificationInput;
@@ -109,6 +111,19 @@ void append_tooth_keys(std::vector<Key<Input>>& keys) {
                     .assign = [member = s.member](Input& t, std::size_t, const TomlValue& v) {
                       t.spec.teeth.*member = static_cast<int>(v.integer);
                     }});
+  }
+}
+
+/// The keys of a DESIGN's operating point.
+void append_operating_point_keys(std::vector<Key<Input>>& keys) {
+  for (const LossNumber& n : loss_numbers()) {
+    if (!n.record.path.starts_with("operating_point.")) continue;
+    KeyRecord record = n.record;
+    record.help += "; read with --model, which judges the refined sets there";
+    keys.push_back(
+        {.record = std::move(record), .assign = [&n](Input& t, std::size_t, const TomlValue& v) {
+           n.member(t.losses) = v.number * n.per_unit + n.offset;
+         }});
   }
 }
 
@@ -260,6 +275,7 @@ Schema<Input> specification_schema() {
                   .assign = [](Input& t, std::size_t, const TomlValue& v) {
                     t.spec.solver.seed = static_cast<unsigned long long>(v.integer);
                   }});
+  append_operating_point_keys(keys);
   append_limit_keys<Input>(keys, &Input::limits, false);
   return schema;
 }
@@ -289,6 +305,19 @@ void check_relations(const Input& input, FileReading& reading) {
                                  "max_output_arcmin = {:.6g}",
                                  design::in_unit(*least, design::Unit::kArcmin),
                                  design::in_unit(*most, design::Unit::kArcmin)));
+  }
+  const std::array<const char*, 2> both{"operating_point.sun_speed_rpm",
+                                        "operating_point.output_torque_nm"};
+  const bool point = reading.stated(both[0]) || reading.stated(both[1]);
+  for (const std::size_t k : {0U, 1U}) {
+    if (!point || reading.stated(both[k])) continue;
+    reading.error_at(both[1 - k],
+                     fmt::format("{} without {}: allowed: both or neither", both[1 - k], both[k]));
+  }
+  if (!point && reading.stated("operating_point.temperature_c")) {
+    reading.error_at("operating_point.temperature_c",
+                     "operating_point.temperature_c without sun_speed_rpm and output_torque_nm: "
+                     "allowed: all three");
   }
   check_axial(spec.axial, reading);
   check_rack(spec.rack, spec.pressure_angle_rad, reading);
@@ -322,6 +351,9 @@ optimize::Specification specification_from(const TomlValue& document, const std:
   input.spec.limits = finish_limits(input.limits, reading);
   check_relations(input, reading);
   reading.throw_if_invalid();
+  if (reading.has("operating_point.sun_speed_rpm")) {
+    input.spec.operating_point = input.losses.operating_point;
+  }
   return input.spec;
 }
 

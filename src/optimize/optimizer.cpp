@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "design/evaluation.hpp"
 #include "efficiency/train_efficiency.hpp"
 #include "geometry/interference.hpp"
 #include "optimize/ipopt.hpp"
@@ -155,6 +156,19 @@ void polish(BestEnd& best) {
   }
 }
 
+/// Efficiencies with the calibrated model at the operating point.
+void judge_by_model(const Specification& spec, const train::TrainGeometry<double>& train,
+                    RefinedSet& set) {
+  const design::Design design = design::extended(design_of(spec, set), *spec.model);
+  const auto lossy = design::lossy_train(design, train);
+  const auto efficiency = [&](design::Direction direction) -> std::optional<double> {
+    const auto result = design::operate(lossy, *spec.operating_point, direction);
+    return result.operation ? result.operation->efficiency : std::nullopt;
+  };
+  set.eta_b_model = efficiency(design::Direction::kBackward);
+  set.eta_f_model = efficiency(design::Direction::kForward);
+}
+
 void fill_optimum(const Specification& spec, const BestEnd& best, RefinedSet& set) {
   set.train = parameters_at(*best.problem, used(*best.problem, best.outcome.v));
   set.kkt_residual = kkt_residual(*best.problem, best.outcome.v);
@@ -165,7 +179,8 @@ void fill_optimum(const Specification& spec, const BestEnd& best, RefinedSet& se
   const auto& teeth = set.candidate.teeth;
   const auto efficiencies = [&](bool forward) {
     return efficiency::mesh_efficiencies(
-        *train, efficiency::constant_friction<double>(spec.friction), spec.friction.model, forward);
+        *train, efficiency::constant_friction<double>(spec.friction, forward), spec.friction.model,
+        forward);
   };
   set.eta_b = efficiency::backward_efficiency(teeth, efficiencies(false));
   set.eta_f = efficiency::forward_efficiency(teeth, efficiencies(true));
@@ -174,6 +189,7 @@ void fill_optimum(const Specification& spec, const BestEnd& best, RefinedSet& se
   }
   set.ring_root_diameter_m = 2.0 * std::max(train->gears[train::kR1].root_radius_m,
                                             train->gears[train::kR2].root_radius_m);
+  if (judged_by_model(spec)) judge_by_model(spec, *train, set);
 }
 
 /// Violations of a problem's rows at a point, by name: the largest of each, in the order of rows.
@@ -255,6 +271,17 @@ std::optional<SolveOutcome> name_blocking_constraints(const RefinementProblem& p
 
 double objective_of(const RefinedSet& set, Objective objective) {
   return objective == Objective::kForwardEfficiency ? set.eta_f : set.eta_b;
+}
+
+bool judged_by_model(const Specification& spec) {
+  return spec.model.has_value() && spec.operating_point.has_value();
+}
+
+double judged_objective(const Specification& spec, const RefinedSet& set) {
+  if (!judged_by_model(spec)) return objective_of(set, spec.objective);
+  const auto& eta =
+      spec.objective == Objective::kForwardEfficiency ? set.eta_f_model : set.eta_b_model;
+  return eta.value_or(-std::numeric_limits<double>::infinity());
 }
 
 RefinedSet refine(const Specification& spec, const Candidate& candidate) {
@@ -339,7 +366,7 @@ OptimizeResult optimize(const Specification& spec, Progress& progress) {
     refined[k] = refine(spec, candidates[k], progress.stop);
     if (!refined[k]) return;
     if (refined[k]->status == Status::kOptimal) {
-      const double value = objective_of(*refined[k], spec.objective);
+      const double value = judged_objective(spec, *refined[k]);
       double seen = progress.best_objective.load();
       while (value > seen && !progress.best_objective.compare_exchange_weak(seen, value)) {
       }
@@ -353,18 +380,21 @@ OptimizeResult optimize(const Specification& spec, Progress& progress) {
   result.interrupted = progress.stop.load() || result.search.interrupted;
   for (std::size_t k = 0; k < result.sets.size(); ++k) {
     if (result.sets[k].status != Status::kOptimal) continue;
-    if (!result.best || objective_of(result.sets[k], spec.objective) >
-                            objective_of(result.sets[*result.best], spec.objective)) {
+    if (!result.best || judged_objective(spec, result.sets[k]) >
+                            judged_objective(spec, result.sets[*result.best])) {
       result.best = k;
     }
   }
-  result.pareto = pareto_front(result.sets);
+  result.pareto = pareto_front(result.sets, judged_by_model(spec));
   return result;
 }
 
-std::vector<std::size_t> pareto_front(const std::vector<RefinedSet>& sets) {
-  const auto as_costs = [](const RefinedSet& s) {
-    return std::array<double, 4>{-s.eta_b, -s.eta_f, s.lost_motion_rad, s.ring_root_diameter_m};
+std::vector<std::size_t> pareto_front(const std::vector<RefinedSet>& sets, bool by_model) {
+  const auto as_costs = [&](const RefinedSet& s) {
+    constexpr double kNone = -std::numeric_limits<double>::infinity();
+    const double eta_b = by_model ? s.eta_b_model.value_or(kNone) : s.eta_b;
+    const double eta_f = by_model ? s.eta_f_model.value_or(kNone) : s.eta_f;
+    return std::array<double, 4>{-eta_b, -eta_f, s.lost_motion_rad, s.ring_root_diameter_m};
   };
   std::vector<std::size_t> front;
   for (std::size_t k = 0; k < sets.size(); ++k) {
@@ -390,6 +420,7 @@ design::Design design_of(const Specification& spec, const RefinedSet& set) {
   design.train = set.train;
   design.center_distance_given = true;
   design.friction = spec.friction;
+  design.friction.extension = {};
   design.axial = spec.axial;
   design.limits = spec.limits;
   return design;

@@ -46,6 +46,9 @@ struct RefinedSet {
   // The rest only when optimal.
   train::TrainParameters<double> train;
   double eta_b = 0.0, eta_f = 0.0;
+  /// With all losses of the calibrated model at the operating point; empty without them, or where
+  /// the gearbox does not run.
+  std::optional<double> eta_b_model, eta_f_model;
   double lost_motion_rad = 0.0;  ///< by the specification's model
   std::array<double, train::kMeshCount> contact_ratio{};
   double ring_root_diameter_m = 0.0;  ///< the larger ring's
@@ -68,6 +71,13 @@ inline std::string_view reason_of(const RefinedSet& set) {
 /// Efficiency that a specification maximises.
 double objective_of(const RefinedSet& set, Objective objective);
 
+/// Whether a calibrated model decides between the refined sets.
+bool judged_by_model(const Specification& spec);
+
+/// Efficiency by which refined sets are compared: objective_of(), or that with the model; minus
+/// infinity where the gearbox does not run with it.
+double judged_objective(const Specification& spec, const RefinedSet& set);
+
 /// Refines one tooth set: every module of the series, several starts each, the best feasible end;
 /// when no start ends feasible, one more from the point of least violation.
 RefinedSet refine(const Specification& spec, const Candidate& candidate);
@@ -80,10 +90,11 @@ std::optional<RefinedSet> refine(const Specification& spec, const Candidate& can
 OptimizeResult optimize(const Specification& spec, Progress& progress);
 
 /// Indices of the optimal sets that no other one beats or equals in all of eta_b, eta_f, lost
-/// motion and ring root diameter at once, in the order of the sets.
-std::vector<std::size_t> pareto_front(const std::vector<RefinedSet>& sets);
+/// motion and ring root diameter at once, in the order of the sets.  With `by_model` the
+/// efficiencies are those with the model; sets that do not run with it are beaten by any that do.
+std::vector<std::size_t> pareto_front(const std::vector<RefinedSet>& sets, bool by_model = false);
 
-/// The design of a refined set, with the specification's limits and friction.
+/// The design of a refined set, with the specification's limits and friction; without its model.
 design::Design design_of(const Specification& spec, const RefinedSet& set);
 
 }  // namespace gear3k::optimize

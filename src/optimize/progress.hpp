@@ -7,9 +7,9 @@ namespace gear3k::optimize {
 
 /// Counters of a run that another thread may watch, and its switch.
 struct Progress {
-  enum class Phase { kSearch, kRefinement };
+  enum class Phase { kSearch, kRefinement, kDiagnosis };
   std::atomic<Phase> phase{Phase::kSearch};
-  std::atomic<std::size_t> done{0};   ///< (zS, zP1) pairs searched, or tooth sets refined
+  std::atomic<std::size_t> done{0};   ///< (zS, zP1) pairs searched, tooth sets refined, or shares
   std::atomic<std::size_t> total{0};  ///< 0 until it is known
   std::atomic<std::size_t> feasible{0};
   std::atomic<double> best_objective{0.0};  ///< meaningless while feasible is 0

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "design/design.hpp"
+#include "design/extension.hpp"
 
 namespace gear3k::optimize {
 
@@ -67,7 +68,12 @@ struct Specification {
   train::AxialLayout axial;
   std::array<double, train::kGearCount> machining_allowance{};
   design::Limits limits = design::default_limits();
+  /// Its extension acts in the refinement with what does not depend on where the gearbox runs.
   design::Friction friction;
+  /// Where a calibrated model judges the refined sets.
+  std::optional<design::OperatingPoint<double>> operating_point;
+  /// Of a calibrated model: with an operating point, its efficiencies there decide between sets.
+  std::optional<design::Extension<double>> model;
   Solver solver;
 };
 

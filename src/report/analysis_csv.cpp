@@ -113,6 +113,9 @@ std::string analysis_csv(const Evaluation& e, const design::Sensitivities& s) {
   rows.add("train", "lost_motion_paper", arcmin(e.backlash.paper_rad), "arcmin");
   rows.add("train", "lost_motion_input_kinematic", arcmin(e.backlash.input_kinematic_rad),
            "arcmin");
+  if (e.backlash.measured_rad) {
+    rows.add("train", "lost_motion_measured", arcmin(*e.backlash.measured_rad), "arcmin");
+  }
   if (e.inertia) {
     rows.add("train", "inertia_lossless", e.inertia->lossless_kgm2, "kg m2");
     if (e.inertia->backward_kgm2) {

@@ -136,7 +136,8 @@ ordered_json check_json(const CheckResult& c) {
 
 }  // namespace
 
-std::string analysis_json(const Evaluation& e, const design::Sensitivities& s) {
+std::string analysis_json(const Evaluation& e, const design::Sensitivities& s,
+                          const ModelUse* model) {
   ordered_json json{{"tool", tool_json()},
                     {"name", e.name},
                     {"planets", e.planets},
@@ -157,6 +158,9 @@ std::string analysis_json(const Evaluation& e, const design::Sensitivities& s) {
                      {{"paper_arcmin", arcmin(e.backlash.paper_rad)},
                       {"kinematic_arcmin", arcmin(e.backlash.kinematic_rad)},
                       {"input_kinematic_arcmin", arcmin(e.backlash.input_kinematic_rad)}}}};
+  if (e.backlash.measured_rad) {
+    json["backlash"]["measured_arcmin"] = arcmin(*e.backlash.measured_rad);
+  }
   if (e.inertia) {
     json["inertia"] = {{"backward_kgm2", number_or_null(e.inertia->backward_kgm2)},
                        {"forward_kgm2", number_or_null(e.inertia->forward_kgm2)},
@@ -172,6 +176,7 @@ std::string analysis_json(const Evaluation& e, const design::Sensitivities& s) {
                       {"planet_phase_deg", list_json(e.assembly.planet_phase_rad, degrees)}};
   json["checks"] = list_json(e.checks, check_json);
   add_sensitivities(json, s);
+  if (model != nullptr) add_model(json, *model);
   json["notes"] = e.notes;
   return json.dump(2) + "\n";
 }

@@ -5,16 +5,20 @@
 
 #include "design/evaluation.hpp"
 #include "design/sensitivity.hpp"
+#include "report/model_report.hpp"
 
 namespace gear3k::report {
 
 /// Tables for the terminal; failed checks come first.
 /// @param s  of the same design; {} = not wanted
-std::string analysis_table(const design::Evaluation& e, const design::Sensitivities& s);
+/// @param model  with which the design was evaluated; null: none
+std::string analysis_table(const design::Evaluation& e, const design::Sensitivities& s,
+                           const ModelUse* model = nullptr);
 std::string analysis_table(const design::PairEvaluation& e);
 
 /// JSON by the contract of docs/interface.md.
-std::string analysis_json(const design::Evaluation& e, const design::Sensitivities& s);
+std::string analysis_json(const design::Evaluation& e, const design::Sensitivities& s,
+                          const ModelUse* model = nullptr);
 std::string analysis_json(const design::PairEvaluation& e);
 
 /// CSV with the columns item, quantity, value, unit, limit, ok.

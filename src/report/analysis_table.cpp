@@ -244,7 +244,8 @@ std::string inertia_text(const Evaluation& e) {
 
 }  // namespace
 
-std::string analysis_table(const Evaluation& e, const design::Sensitivities& s) {
+std::string analysis_table(const Evaluation& e, const design::Sensitivities& s,
+                           const ModelUse* model) {
   std::string text;
   text += fmt::format("{}: S {} / P1 {} / R1 {} / P2 {} / R2 {}, {} planets\n",
                       e.name.empty() ? "gearbox" : e.name, e.teeth.S, e.teeth.P1, e.teeth.R1,
@@ -269,10 +270,21 @@ std::string analysis_table(const Evaluation& e, const design::Sensitivities& s) 
                          fixed(arcmin(e.backlash.kinematic_rad), 2), fixed(arcmin(share[0]), 2),
                          fixed(arcmin(share[1]), 2), fixed(arcmin(share[2]), 2),
                          fixed(arcmin(e.backlash.paper_rad), 2))});
+  if (e.backlash.measured_rad) {
+    table.add(
+        {"  lost motion, measured",
+         fmt::format(
+             "{} arcmin with the model, {}", fixed(arcmin(*e.backlash.measured_rad), 2),
+             e.operation ? "between +T and -T of the operating point" : "at T = 0 and 20 C")});
+  }
   table.add({"  lost motion at input",
              fmt::format("{:.1f} arcmin", arcmin(e.backlash.input_kinematic_rad))});
   table.add({"  effective inertia", inertia_text(e)});
   table.add({"  assembly", assembly_text(e)});
+  if (model != nullptr) {
+    table.add({"  model", model->file});
+    for (const std::string& line : cause_lines(*model)) table.add({"", "  " + line});
+  }
   text += table.text(0);
   std::vector<std::array<std::string, 2>> gears;
   gears.reserve(train::kMeshGears.size());

@@ -20,26 +20,6 @@ using design::Direction, design::MapPair, design::MapPoint, design::MapStatus, d
 /// Above as many points on an axis, cells have no text and the axis takes round ticks.
 constexpr std::size_t kMostWrittenCells = 15;
 
-/// A text for gnuplot, which reads single quotes literally but for '' and line ends.
-std::string quoted(const std::string& text) {
-  std::string result = "'";
-  for (const char c : text) {
-    if (c == '\'') result += '\'';
-    result += static_cast<unsigned char>(c) < 0x20U ? ' ' : c;
-  }
-  return result + "'";
-}
-
-std::string prologue(int width, int height) {
-  return fmt::format(
-      "set encoding utf8\n"
-      "set decimalsign '.'\n"
-      "set terminal svg size {},{} noenhanced font 'sans-serif,14' background '#ffffff'\n"
-      "set border lc rgb '#404040'\n"
-      "set tics nomirror\n",
-      width, height);
-}
-
 /// A range with round ticks.
 struct Scale {
   double low, high, step;
@@ -144,7 +124,7 @@ std::string efficiency_script(const OperatingMap& map, Direction direction, cons
   }
   const bool contours = !written && !cells.empty() && std::min(speeds.size(), torques.size()) > 1;
   const bool forward = direction == Direction::kForward;
-  std::string text = prologue(900, 620);
+  std::string text = plot_prologue(900, 620);
   text += fmt::format(
       "set title {} offset 0,0.5\n"
       "set xlabel 'sun speed (rpm)'\nset ylabel 'torque at R2 (Nm)'\n"
@@ -153,8 +133,8 @@ std::string efficiency_script(const OperatingMap& map, Direction direction, cons
       "set cbrange [{}:{}]\nset cbtics {}\nset format cb '%g'\n"
       "set palette defined (0 '#fff7bc', 0.35 '#fee08b', 0.7 '#a6d96a', 1 '#4bb062')\n"
       "set style fill solid 1.0 {}\n",
-      quoted(fmt::format("{}: efficiency {}", map.name,
-                         forward ? "forward (sun drives)" : "backward (R2 drives)")),
+      plot_text(fmt::format("{}: efficiency {}", map.name,
+                            forward ? "forward (sun drives)" : "backward (R2 drives)")),
       contours ? ", lines at the ticks" : "", axis_text('x', speeds), axis_text('y', torques),
       exact(std::abs(map.ratio)), exact(std::abs(map.ratio)), exact(scale.low), exact(scale.high),
       exact(scale.step), written ? "border rgb '#ffffff'" : "noborder");
@@ -221,12 +201,12 @@ std::string torque_panel(const OperatingMap& map, const TorquePanel& panel, int 
         number));
   } else {
     text += fmt::format("set label 1 {} at graph 0.03,0.09 left\n",
-                        quoted("no breakaway torque: " + breakaway.reason));
+                        plot_text("no breakaway torque: " + breakaway.reason));
   }
   if (!runs) {
     const auto& reason = (map.running.front().*panel.torque).reason;
     text += fmt::format("set label 2 {} at graph 0.03,0.18 left\n",
-                        quoted("no running torque: " + reason));
+                        plot_text("no running torque: " + reason));
   }
   if (layers.empty()) layers.emplace_back("NaN notitle");
   return text + fmt::format("plot {}\n", fmt::join(layers, ", \\\n  "));
@@ -234,12 +214,12 @@ std::string torque_panel(const OperatingMap& map, const TorquePanel& panel, int 
 
 std::string torque_script(const OperatingMap& map) {
   const double greatest = rpm(std::ranges::max(map.sun_speed_rad_s));
-  return prologue(900, 680) +
+  return plot_prologue(900, 680) +
          fmt::format(
              "set multiplot layout 2,1 title {}\nset lmargin 12\nset rmargin 4\nset grid lc rgb "
              "'#e0e0e0'\nset key bottom right\nset xlabel 'sun speed (rpm)'\nset xrange "
              "[{}:{}]\nset format '%g'\nset samples 2\n",
-             quoted(map.name + ": torques without load"), exact(-0.02 * greatest),
+             plot_text(map.name + ": torques without load"), exact(-0.02 * greatest),
              exact(greatest > 0.0 ? 1.02 * greatest : 1.0)) +
          torque_panel(map,
                       {.label = "torque at the sun (Nm)",

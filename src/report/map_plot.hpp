@@ -1,18 +1,15 @@
 #pragma once
 // Figures of an operating map, as scripts for gnuplot.
 
-#include <string>
 #include <vector>
 
 #include "design/operating_map.hpp"
+#include "report/plot.hpp"
 
 namespace gear3k::report {
 
-struct Plot {
-  std::string name;    ///< efficiency_forward, efficiency_backward, torques
-  std::string script;  ///< for `gnuplot -d`, which then prints an SVG
-};
-
+/// efficiency_forward, efficiency_backward, torques.
+///
 /// Efficiency over speed and load, a coloured cell per point, with its value where cells are large
 /// enough and contour lines where they are small; grey cells have none.  Both directions share one
 /// colour scale.  No-load, back-driving and breakaway torques over speed.

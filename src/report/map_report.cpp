@@ -266,7 +266,7 @@ ordered_json unloaded_json(const design::UnloadedTorques& torques) {
 
 }  // namespace
 
-std::string map_table(const OperatingMap& map) {
+std::string map_table(const OperatingMap& map, const ModelUse* model) {
   std::string text = fmt::format(
       "{}: ratio {:.4f}, {} planets, friction law {}, {:.4g} C\n", map.name, map.ratio, map.planets,
       efficiency::kFrictionLawNames[static_cast<std::size_t>(map.law)], celsius(map.temperature_K));
@@ -276,12 +276,13 @@ std::string map_table(const OperatingMap& map) {
   text += fmt::format("\nBreakaway torque\n  at the sun, R2 free: {}\n  at R2, sun free:     {}\n",
                       torque_text(map.breakaway.sun), torque_text(map.breakaway.output));
   text += margin_text(map) + heat_table(map);
+  if (model != nullptr) text += model_paragraph(*model);
   if (!map.notes.empty()) text += '\n';
   for (const std::string& note : map.notes) text += fmt::format("Note: {}\n", note);
   return text;
 }
 
-std::string map_json(const OperatingMap& map) {
+std::string map_json(const OperatingMap& map, const ModelUse* model) {
   ordered_json speeds = ordered_json::array();
   ordered_json torques = ordered_json::array();
   ordered_json running = ordered_json::array();
@@ -304,7 +305,7 @@ std::string map_json(const OperatingMap& map) {
               {"output_torque_nm", clean(least->point.output_torque_Nm)},
               {"self_locking", self_locking(map)}};
   }
-  const ordered_json json{
+  ordered_json json{
       {"tool", tool_json()},
       {"name", map.name},
       {"ratio", map.ratio},
@@ -322,6 +323,7 @@ std::string map_json(const OperatingMap& map) {
         {"forward", point_json(map.reference, Direction::kForward)},
         {"backward", point_json(map.reference, Direction::kBackward)}}},
       {"notes", map.notes}};
+  if (model != nullptr) add_model(json, *model);
   return json.dump(2) + "\n";
 }
 

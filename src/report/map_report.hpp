@@ -4,6 +4,7 @@
 #include <string>
 
 #include "design/operating_map.hpp"
+#include "report/model_report.hpp"
 
 namespace gear3k::report {
 
@@ -12,10 +13,11 @@ const char* absence(design::MapStatus status);
 
 /// Efficiency grids in percent, torques over speed, breakaway, margin, heat.  Of a large grid every
 /// n-th line and column, and the last.
-std::string map_table(const design::OperatingMap& map);
+/// @param model  with which the map was made; null: none
+std::string map_table(const design::OperatingMap& map, const ModelUse* model = nullptr);
 
 /// docs/interface.md, "map".
-std::string map_json(const design::OperatingMap& map);
+std::string map_json(const design::OperatingMap& map, const ModelUse* model = nullptr);
 
 /// One row per direction, speed and torque, a measurement file of kind `transmission` at that:
 /// where there is no operation, its fields are empty.

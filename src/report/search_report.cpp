@@ -48,7 +48,7 @@ ordered_json search_counts_json(const Specification& spec, const ToothSearchResu
           {"ratio_tolerance", spec.ratio.tolerance}};
 }
 
-std::string refined_row(const RefinedSet& s) {
+std::string refined_row(const RefinedSet& s, bool by_model) {
   std::vector<std::string> fields = teeth_fields(s.candidate.teeth);
   const bool optimal = s.status == Status::kOptimal;
   const auto number = [&](double value) { return optimal ? exact(value) : std::string(); };
@@ -68,13 +68,21 @@ std::string refined_row(const RefinedSet& s) {
   fields.push_back(fmt::format("{}", s.candidate.planets));
   fields.push_back(number(mm(s.ring_root_diameter_m)));
   fields.push_back(s.blocked_by.empty() ? "" : exact(s.blocked_by.front().violation));
+  if (by_model) {
+    fields.push_back(number(or_nan(s.eta_b_model)));
+    fields.push_back(number(or_nan(s.eta_f_model)));
+  }
   return csv_line(fields);
 }
 
 constexpr const char* kRefinedHeader =
     "zS,zP1,zR1,zP2,zR2,status,reason,ratio,eta_b,eta_f,backlash_arcmin,xS,xP1,xR1,xP2,xR2,m1_mm,"
     "m2_mm,center_distance_mm,eps1,eps2,eps3,eta_b_bound,kkt_residual,planets,"
-    "ring_root_diameter_mm,violation\n";
+    "ring_root_diameter_mm,violation";
+
+std::string refined_header(bool by_model) {
+  return std::string(kRefinedHeader) + (by_model ? ",eta_b_model,eta_f_model\n" : "\n");
+}
 
 std::map<std::string, std::size_t> reasons_of(const OptimizeResult& result, Status status) {
   std::map<std::string, std::size_t> reasons;
@@ -175,20 +183,20 @@ std::string search_json(const Specification& spec, const ToothSearchResult& sear
   return json.dump(2) + "\n";
 }
 
-std::string refined_csv(const OptimizeResult& result) {
-  std::string text = kRefinedHeader;
-  for (const RefinedSet& s : result.sets) text += refined_row(s);
+std::string refined_csv(const OptimizeResult& result, bool by_model) {
+  std::string text = refined_header(by_model);
+  for (const RefinedSet& s : result.sets) text += refined_row(s, by_model);
   return text;
 }
 
-std::string pareto_csv(const OptimizeResult& result) {
-  std::string text = kRefinedHeader;
-  for (const std::size_t k : result.pareto) text += refined_row(result.sets[k]);
+std::string pareto_csv(const OptimizeResult& result, bool by_model) {
+  std::string text = refined_header(by_model);
+  for (const std::size_t k : result.pareto) text += refined_row(result.sets[k], by_model);
   return text;
 }
 
 std::string summary_json(const Specification& spec, const OptimizeResult& result,
-                         const RunFacts& facts) {
+                         const RunFacts& facts, const ModelUse* model) {
   ordered_json status = ordered_json::object();
   ordered_json reasons = ordered_json::object();
   for (std::size_t k = 0; k < optimize::kStatusCount; ++k) {
@@ -210,8 +218,12 @@ std::string summary_json(const Specification& spec, const OptimizeResult& result
             {"eta_f", s.eta_f},
             {"backlash_arcmin", arcmin(s.lost_motion_rad)},
             {"kkt_residual", s.kkt_residual}};
+    if (model != nullptr) {
+      best["eta_b_model"] = number_or_null(s.eta_b_model);
+      best["eta_f_model"] = number_or_null(s.eta_f_model);
+    }
   }
-  const ordered_json json{
+  ordered_json json{
       {"tool", tool_json()},
       {"name", spec.name},
       {"objective", optimize::kObjectiveNames[static_cast<std::size_t>(spec.objective)]},
@@ -227,6 +239,7 @@ std::string summary_json(const Specification& spec, const OptimizeResult& result
       {"interrupted", result.interrupted},
       {"wall_time_s", facts.wall_time_s},
       {"threads", facts.threads}};
+  if (model != nullptr) add_model(json, *model);
   return json.dump(2) + "\n";
 }
 

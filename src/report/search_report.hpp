@@ -5,6 +5,7 @@
 
 #include "optimize/optimizer.hpp"
 #include "optimize/zero_shift.hpp"
+#include "report/model_report.hpp"
 
 namespace gear3k::report {
 
@@ -22,17 +23,20 @@ std::string search_json(const optimize::Specification& spec,
                         const std::vector<optimize::ZeroShiftSet>& sets);
 
 /// refined.csv: a row for every tooth set that was refined, in the order of the search.
-std::string refined_csv(const optimize::OptimizeResult& result);
+/// @param by_model  with the columns eta_b_model and eta_f_model
+std::string refined_csv(const optimize::OptimizeResult& result, bool by_model = false);
 /// pareto.csv: the same columns for the sets of result.pareto.
-std::string pareto_csv(const optimize::OptimizeResult& result);
+std::string pareto_csv(const optimize::OptimizeResult& result, bool by_model = false);
 
 /// What may differ from run to run, kept apart in summary.json.
 struct RunFacts {
   double wall_time_s = 0.0;
   int threads = 1;
 };
+/// @param model  with which the sets were judged; null: none
 std::string summary_json(const optimize::Specification& spec,
-                         const optimize::OptimizeResult& result, const RunFacts& facts);
+                         const optimize::OptimizeResult& result, const RunFacts& facts,
+                         const ModelUse* model = nullptr);
 
 /// Counts by status and reason, for the terminal.
 std::string optimize_counts_text(const optimize::OptimizeResult& result);

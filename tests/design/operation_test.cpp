@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "design/extension_scalar.hpp"
 #include "tests/largest_deviation.hpp"
 #include "tests/random_train.hpp"
 
@@ -686,6 +687,236 @@ TEST(Operation, GradientIsThatOfCentralDifferencesForEveryLawAndModel) {
   largest.expect_allowed("gradient");
   EXPECT_GT(compared, 15000);
   EXPECT_LT(kinks, compared / 50);
+}
+
+// --- extensions of a calibrated model
+
+/// With every extension at once.
+void extend(Random& random, Gearbox& g) {
+  auto& e = g.friction.extension;
+  e.level = random.between(0.5, 1.3);
+  e.load_exponent = random.between(-0.2, 0.2);
+  e.reference_force_N = random.scale(5.0, 200.0);
+  e.slow_excess = random.between(-0.3, 0.5);
+  e.slow_speed_m_s = random.scale(1e-2, 1.0);
+  e.speed_exponent = random.between(-0.1, 0.1);
+  e.reference_speed_m_s = random.scale(1e-2, 1.0);
+  e.temperature_1_K = random.between(-5e-3, 5e-3);
+  e.forward = random.between(0.8, 1.2);
+  e.backward = random.between(0.8, 1.2);
+  e.approach = random.between(0.8, 1.2);
+  e.recess = random.between(0.8, 1.2);
+  g.shafts.output_bearing_share = random.between(0.0, 0.05);
+  g.shafts.drag_temperature_1_K = random.between(-0.02, 0.02);
+}
+
+TEST(ExtendedOperation, InputLessOutputPowerIsTheSumOfTheLosses) {
+  Random random(261);
+  LargestDeviation power;
+  int operating = 0;
+  for (int i = 0; i < 4000; ++i) {
+    Gearbox g = random.gearbox(kLaws[static_cast<std::size_t>(i % 5)],
+                               kModels[static_cast<std::size_t>(i / 5 % 4)]);
+    extend(random, g);
+    const OperatingPoint<double> point = random.point();
+    const Direction direction = kDirections[static_cast<std::size_t>(i / 20 % 2)];
+    const auto result = operate(g.train(), point, direction);
+    if (!result.operation) continue;
+    ++operating;
+    const Operation<double>& o = *result.operation;
+    const Speeds w = speeds_of(g.geometry.teeth, point.sun_speed_rad_s);
+    const double sun = o.sun_torque_Nm * std::abs(w.sun);
+    const double output = o.output_torque_Nm * w.output;
+    double losses = o.bearing_loss_W;
+    for (const auto& m : o.mesh) losses += m.loss_W;
+    for (const double loss : o.drag_loss_W) losses += loss;
+    const double in_less_out = direction == Direction::kForward ? sun - output : output - sun;
+    power.see(i, in_less_out - losses, 1e-12 * (std::abs(sun) + std::abs(output) + losses));
+  }
+  power.expect_allowed("power");
+  EXPECT_GT(operating, 3000);
+}
+
+TEST(ExtendedOperation, ANeutralExtensionChangesNoBit) {
+  Random random(262);
+  for (int i = 0; i < 400; ++i) {
+    const Gearbox g = random.gearbox(kLaws[static_cast<std::size_t>(i % 5)],
+                                     kModels[static_cast<std::size_t>(i / 5 % 4)]);
+    const OperatingPoint<double> point = random.point();
+    Gearbox neutral = g;
+    // Constants without effect while the exponents are 0.
+    auto& e = neutral.friction.extension;
+    e.reference_force_N = 37.0;
+    e.slow_speed_m_s = 0.3;
+    e.reference_speed_m_s = 0.7;
+    e.reference_temperature_K = 350.0;
+    neutral.shafts.drag_reference_temperature_K = 400.0;
+    for (const Direction direction : kDirections) {
+      const auto plain = operate(g.train(), point, direction);
+      const auto extended = operate(neutral.train(), point, direction);
+      ASSERT_EQ(plain.operation.has_value(), extended.operation.has_value());
+      if (!plain.operation) continue;
+      EXPECT_EQ(plain.operation->sun_torque_Nm, extended.operation->sun_torque_Nm);
+      EXPECT_EQ(plain.operation->loss_W, extended.operation->loss_W);
+    }
+  }
+}
+
+/// Own derivation: R2's teeth carry the load and the bearing's friction.  Forward
+/// M_teeth = M_load + s M_teeth, backward M_teeth = M_drive − s M_teeth; the rest of the train,
+/// with friction proportional to load, sees the same gearbox under that torque.
+TEST(ExtendedOperation, AnOutputBearingLoadsTheTeethByItsShareOfTheirTorque) {
+  Random random(263);
+  LargestDeviation largest;
+  int seen = 0;
+  for (int i = 0; i < 500; ++i) {
+    Gearbox g = random.gearbox(FrictionLaw::kConstant, kModels[static_cast<std::size_t>(i % 4)]);
+    g.shafts = {};
+    Gearbox with_bearing = g;
+    const double share = random.between(0.0, 0.1);
+    with_bearing.shafts.output_bearing_share = share;
+    const OperatingPoint<double> point = random.point();
+    for (const Direction direction : kDirections) {
+      const bool forward = direction == Direction::kForward;
+      OperatingPoint<double> at_teeth = point;
+      at_teeth.output_torque_Nm *= forward ? 1.0 / (1.0 - share) : 1.0 / (1.0 + share);
+      const auto plain = operate(g.train(), at_teeth, direction);
+      const auto bearing = operate(with_bearing.train(), point, direction);
+      if (!plain.operation || !bearing.operation) continue;
+      // A train that R2 cannot turn is helped at the sun; the teeth's torque then changes sides.
+      if (!(plain.operation->sun_torque_Nm > 0.0)) continue;
+      ++seen;
+      const double expected = plain.operation->sun_torque_Nm;
+      largest.see(i, bearing.operation->sun_torque_Nm - expected, 1e-11 * expected);
+      const double loss = share * at_teeth.output_torque_Nm *
+                          std::abs(speeds_of(g.geometry.teeth, point.sun_speed_rad_s).output);
+      largest.see(i, bearing.operation->bearing_loss_W - loss, 1e-11 * loss + 1e-300);
+    }
+  }
+  largest.expect_allowed("torque of the sun");
+  EXPECT_GT(seen, 500);
+}
+
+TEST(ExtendedOperation, DragsFollowTheTemperatureTogether) {
+  Random random(264);
+  LargestDeviation largest;
+  for (int i = 0; i < 300; ++i) {
+    Gearbox g = random.gearbox(FrictionLaw::kConstant, LossModel::kSliding);
+    OperatingPoint<double> point = random.point();
+    const auto cold = operate(g.train(), point, Direction::kForward);
+    const double per_kelvin = random.between(-0.03, 0.03);
+    g.shafts.drag_temperature_1_K = per_kelvin;
+    g.shafts.drag_reference_temperature_K = 300.0;
+    const auto warm = operate(g.train(), point, Direction::kForward);
+    ASSERT_TRUE(cold.operation && warm.operation);
+    const double factor = std::exp(per_kelvin * (point.temperature_K - 300.0));
+    for (std::size_t k = 0; k < kShaftCount; ++k) {
+      const double expected = factor * cold.operation->drag_loss_W[k];
+      largest.see(i, warm.operation->drag_loss_W[k] - expected, 1e-13 * expected + 1e-300);
+    }
+  }
+  largest.expect_allowed("drag");
+}
+
+TEST(ExtendedOperation, LevelAndSideAreThoseOfAnotherCoefficient) {
+  Random random(265);
+  for (int i = 0; i < 200; ++i) {
+    const Gearbox g =
+        random.gearbox(FrictionLaw::kConstant, kModels[static_cast<std::size_t>(i % 4)]);
+    const OperatingPoint<double> point = random.point();
+    Gearbox extended = g;
+    extended.friction.extension.level = 1.25;
+    extended.friction.extension.forward = 0.5;
+    extended.friction.extension.backward = 1.5;
+    for (const Direction direction : kDirections) {
+      Gearbox other = g;
+      other.friction.coefficient *= 1.25 * (direction == Direction::kForward ? 0.5 : 1.5);
+      const auto a = operate(extended.train(), point, direction);
+      const auto b = operate(other.train(), point, direction);
+      ASSERT_EQ(a.operation.has_value(), b.operation.has_value());
+      if (!a.operation) continue;
+      EXPECT_NEAR(a.operation->sun_torque_Nm, b.operation->sun_torque_Nm,
+                  1e-12 * std::abs(b.operation->output_torque_Nm));
+    }
+  }
+}
+
+TEST(ExtendedOperation, GradientsByTheModelsParametersAreThoseOfCentralDifferences) {
+  Random random(266);
+  int seen = 0;
+  for (int i = 0; i < 60; ++i) {
+    Gearbox g = random.gearbox(FrictionLaw::kConstant, LossModel::kSliding);
+    extend(random, g);
+    const OperatingPoint<double> point = random.point();
+    const auto torque = [&](std::size_t which, double step) -> std::optional<double> {
+      Gearbox moved = g;
+      auto& e = moved.friction.extension;
+      const std::array<double*, 6> places{&e.level,    &e.load_exponent,
+                                          &e.approach, &moved.shafts.output_bearing_share,
+                                          &e.forward,  &moved.shafts.drag_temperature_1_K};
+      *places[which] += step;
+      const auto result = operate(moved.train(), point, Direction::kForward);
+      if (!result.operation) return std::nullopt;
+      return result.operation->sun_torque_Nm;
+    };
+    // The same through Jets.
+    train::TrainParameters<Jet1> p;
+    p.teeth = g.parameters.teeth;
+    p.planets = g.parameters.planets;
+    p.pressure_angle_rad = constant<Jet1>(g.parameters.pressure_angle_rad);
+    p.center_distance_m = constant<Jet1>(g.parameters.center_distance_m);
+    for (std::size_t k = 0; k < 2; ++k) p.module_m[k] = constant<Jet1>(g.parameters.module_m[k]);
+    for (std::size_t k = 0; k < train::kGearCount; ++k) {
+      p.profile_shift[k] = constant<Jet1>(g.parameters.profile_shift[k]);
+      p.rack[k] = {.addendum = constant<Jet1>(g.parameters.rack[k].addendum),
+                   .dedendum = constant<Jet1>(g.parameters.rack[k].dedendum),
+                   .root_radius = constant<Jet1>(g.parameters.rack[k].root_radius)};
+    }
+    const auto geometry = train::make_train_geometry(p);
+    ASSERT_TRUE(geometry);
+    Friction<Jet1> friction{};
+    friction.model = g.friction.model;
+    friction.coefficient = constant<Jet1>(g.friction.coefficient);
+    friction.approach_factor = constant<Jet1>(g.friction.approach_factor);
+    friction.recess_factor = constant<Jet1>(g.friction.recess_factor);
+    friction.extension = extension_as<Jet1>(g.friction.extension);
+    Extension<double> shafts{};
+    shafts.drag = g.shafts.drag;
+    const Extension<Jet1> jets = extension_as<Jet1>(shafts);
+    ShaftLosses<Jet1> losses{};
+    losses.drag = jets.drag;
+    losses.planet_bearing_coefficient = constant<Jet1>(g.shafts.planet_bearing_coefficient);
+    losses.planet_bearing_radius_m = constant<Jet1>(g.shafts.planet_bearing_radius_m);
+    losses.output_bearing_share = constant<Jet1>(g.shafts.output_bearing_share);
+    losses.drag_temperature_1_K = constant<Jet1>(g.shafts.drag_temperature_1_K);
+    losses.drag_reference_temperature_K = g.shafts.drag_reference_temperature_K;
+    auto& e = friction.extension;
+    const std::array<Jet1*, 6> places{&e.level,    &e.load_exponent,
+                                      &e.approach, &losses.output_bearing_share,
+                                      &e.forward,  &losses.drag_temperature_1_K};
+    for (std::size_t k = 0; k < places.size(); ++k)
+      places[k]->v[static_cast<Eigen::Index>(k)] = 1.0;
+    const auto result = operate<Jet1>(
+        {.geometry = *geometry, .friction = friction, .shafts = losses, .face_width_m = {}},
+        {.sun_speed_rad_s = constant<Jet1>(point.sun_speed_rad_s),
+         .output_torque_Nm = constant<Jet1>(point.output_torque_Nm),
+         .temperature_K = constant<Jet1>(point.temperature_K)},
+        Direction::kForward);
+    if (!result.operation) continue;
+    ++seen;
+    const Jet1& sun = result.operation->sun_torque_Nm;
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      constexpr double kStep = 1e-5;
+      const auto above = torque(k, kStep);
+      const auto below = torque(k, -kStep);
+      ASSERT_TRUE(above && below);
+      // Truncation of third order and the rounding of the torques over the step.
+      EXPECT_NEAR(sun.v[static_cast<Eigen::Index>(k)], (*above - *below) / (2.0 * kStep),
+                  1e-6 * sun.a + 1e-6 * std::abs(sun.v[static_cast<Eigen::Index>(k)]))
+          << "case " << i << " parameter " << k;
+    }
+  }
+  EXPECT_GT(seen, 40);
 }
 
 }  // namespace

@@ -570,5 +570,72 @@ TEST(Viscosity, OutsideItsRangeNamesWhatIsWrong) {
   EXPECT_NE(message(oil, 300.0).find("temperature"), std::string::npos);
 }
 
+/// The factor in plain words, one power at a time.
+TEST(FrictionExtension, EachFactorActsAsItsFormulaSays) {
+  Random random;
+  for (int i = 0; i < 200; ++i) {
+    const MeshState<double> state = some_state(random);
+    const auto factor = [&](auto set, bool forward = true) {
+      Friction<double> f = friction_of(FrictionLaw::kConstant);
+      f.coefficient = 1e-4;  // far from the greatest value
+      set(f.extension);
+      MeshState<double> s = state;
+      s.forward = forward;
+      return coefficient(f, s) / 1e-4;
+    };
+    using Extension = FrictionExtension<double>;
+    const double n = random.between(-0.4, 0.4);
+    const auto near = [](double value, double expected) {
+      EXPECT_NEAR(value, expected, 1e-12 * expected);
+    };
+    near(factor([](Extension& e) { e.level = 1.7; }), 1.7);
+    near(factor([](Extension& e) { e.forward = 0.6; }), 0.6);
+    near(factor([](Extension& e) { e.forward = 0.6; }, false), 1.0);
+    near(factor([](Extension& e) { e.backward = 1.3; }, false), 1.3);
+    near(factor([&](Extension& e) {
+           e.load_exponent = n;
+           e.reference_force_N = 40.0;
+         }),
+         std::pow(std::max(state.normal_force_N / 40.0, 1e-3), n));
+    near(factor([&](Extension& e) {
+           e.speed_exponent = n;
+           e.reference_speed_m_s = 0.2;
+         }),
+         std::pow(std::max(state.sliding_speed_m_s / 0.2, 1e-3), n));
+    near(factor([&](Extension& e) {
+           e.slow_excess = 0.8;
+           e.slow_speed_m_s = 0.05;
+         }),
+         1.0 + 0.8 * std::exp(-state.sliding_speed_m_s / 0.05));
+    near(factor([&](Extension& e) {
+           e.temperature_1_K = -0.01;
+           e.reference_temperature_K = 310.0;
+         }),
+         std::exp(-0.01 * (state.temperature_K - 310.0)));
+  }
+}
+
+TEST(FrictionExtension, OfAnyLawItMultipliesTheCoefficientUpToTheGreatest) {
+  Random random;
+  Friction<double> f = schlenk_of(random);
+  const MeshState<double> state = some_state(random);
+  const double plain = coefficient(f, state);
+  f.extension.level = 2.0;
+  EXPECT_NEAR(coefficient(f, state), std::min(2.0 * plain, kGreatestFriction), 1e-15);
+  f.extension.level = 1e6;
+  EXPECT_EQ(coefficient(f, state), kGreatestFriction);
+}
+
+TEST(FrictionExtension, LoadAndSpeedMakeConstantFrictionDependOnTheState) {
+  Friction<double> f = friction_of(FrictionLaw::kConstant);
+  EXPECT_FALSE(depends_on_state(f));
+  f.extension.level = 2.0;
+  f.extension.approach = 1.2;
+  f.extension.backward = 0.9;
+  EXPECT_FALSE(depends_on_state(f));
+  f.extension.load_exponent = 0.1;
+  EXPECT_TRUE(depends_on_state(f));
+}
+
 }  // namespace
 }  // namespace gear3k::efficiency

@@ -292,5 +292,59 @@ TEST(MeshEfficiency, PublishedLossFactorsAreReproducedToTheirPrintedDigits) {
   EXPECT_EQ(cases, 2);
 }
 
+/// To first order each side of the pitch point contributes its sliding times its friction: by the
+/// midpoint rule over a base pitch, pairs in contact sharing the load equally.
+TEST(ApproachAndRecess, ScaleTheirSideOfTheLossInFirstOrderModels) {
+  Random random;
+  constexpr int kSteps = 20000;
+  constexpr double kMu = 1e-5;  // second order far below the tolerance
+  for (int i = 0; i < 100; ++i) {
+    const bool ring = i % 2 == 1;
+    MeshContact<double> c{.z1 = random.count(15, 40),
+                          .z2 = random.count(60, 90),
+                          .sign = ring ? -1.0 : 1.0,
+                          .approach_contact_ratio = random.between(0.2, 1.2),
+                          .recess_contact_ratio = random.between(0.2, 1.2),
+                          .tan_alpha_w = std::tan(random.between(0.3, 0.5)),
+                          .gear1_drives = i % 4 < 2};
+    const double approach = random.between(0.3, 1.9);
+    const double recess = random.between(0.3, 1.9);
+    double sliding = 0.0;
+    int phases = 0;
+    for (int step = 0; step < kSteps; ++step) {
+      double sum = 0.0;
+      int pairs = 0;
+      for (double s = (step + 0.5) / kSteps - c.approach_contact_ratio; s < c.recess_contact_ratio;
+           s += 1.0) {
+        sum += std::abs(s) * (s < 0.0 ? approach : recess);
+        ++pairs;
+      }
+      if (pairs == 0) continue;
+      sliding += sum / pairs;
+      ++phases;
+    }
+    const double expected = kMu * 2.0 * kPi * (1.0 / c.z1 + c.sign / c.z2) * sliding / phases;
+    const double loss =
+        1.0 - mesh_efficiency<double>(
+                  c, {.coefficient = kMu, .approach_factor = approach, .recess_factor = recess},
+                  LossModel::kSliding);
+    EXPECT_NEAR(loss, expected, 1e-3 * expected) << i;
+  }
+}
+
+TEST(ApproachAndRecess, NeutralFactorsChangeNoBit) {
+  Random random;
+  for (const LossModel model : {LossModel::kSliding, LossModel::kOhlendorf}) {
+    const MeshContact<double> c{.z1 = 20,
+                                .z2 = 60,
+                                .approach_contact_ratio = random.between(0.2, 1.0),
+                                .recess_contact_ratio = random.between(0.2, 1.0),
+                                .tan_alpha_w = 0.4};
+    EXPECT_EQ(mesh_efficiency<double>(c, {.coefficient = 0.1}, model),
+              mesh_efficiency<double>(
+                  c, {.coefficient = 0.1, .approach_factor = 1.0, .recess_factor = 1.0}, model));
+  }
+}
+
 }  // namespace
 }  // namespace gear3k::efficiency

@@ -4,6 +4,8 @@
 
 #include <stdexcept>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "report/text_table.hpp"
@@ -49,6 +51,17 @@ TEST(ParseCsv, ReadsBackWhatReportsWrite) {
 TEST(ParseCsv, QuotesOnlyWhereNeeded) {
   EXPECT_EQ(report::csv_line({"a", "b c", "1.5"}), "a,b c,1.5\n");
   EXPECT_EQ(report::csv_line({"a,b", "say \"x\""}), "\"a,b\",\"say \"\"x\"\"\"\n");
+}
+
+TEST(CsvFields, KnowTheColumnThatEachBeginsAt) {
+  CsvFields fields;
+  ASSERT_TRUE(fields.split("ab, c,,\"x,\"\"y\"\"\",1"));
+  EXPECT_EQ(fields.values(), (std::vector<std::string_view>{"ab", " c", "", "x,\"y\"", "1"}));
+  for (const auto& [field, column] : {std::pair(0U, 1), std::pair(1U, 4), std::pair(2U, 7),
+                                      std::pair(3U, 8), std::pair(4U, 18)}) {
+    EXPECT_EQ(fields.column(field), column) << field;
+  }
+  EXPECT_FALSE(fields.split("a,\"b"));
 }
 
 TEST(ParseCsv, LinesWithAHashAreNotesWhereverTheyStand) {

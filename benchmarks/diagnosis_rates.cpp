@@ -1,0 +1,87 @@
+// How often `diagnose` is right: campaigns of the rig with hidden causes, over many seeds.
+//
+//   diagnosis_rates [SEEDS [SCENARIO-PREFIX]]
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "calibrate/diagnosis.hpp"
+#include "io/design_file.hpp"
+#include "io/measurement_file.hpp"
+#include "optimize/parallel.hpp"
+#include "tests/calibrate/diagnosis_scoring.hpp"
+
+namespace {
+
+using namespace gear3k;  // NOLINT(google-build-using-namespace): a program's own namespace
+
+struct Interval {
+  double low, high;
+};
+/// Wilson's 95 % interval of a share.
+Interval wilson(int hits, int count) {
+  constexpr double kZ = 1.959963984540054;
+  const double n = count;
+  const double p = hits / n;
+  const double middle = (p + kZ * kZ / (2.0 * n)) / (1.0 + kZ * kZ / n);
+  const double half =
+      kZ / (1.0 + kZ * kZ / n) * std::sqrt(p * (1.0 - p) / n + kZ * kZ / (4.0 * n * n));
+  return {middle - half, middle + half};
+}
+
+std::string share(int hits, int count) {
+  if (count == 0) return fmt::format("{:>22}", "-");
+  const auto [low, high] = wilson(hits, count);
+  return fmt::format("{:6.1f} [{:5.1f}, {:5.1f}]", 100.0 * hits / count, 100.0 * low, 100.0 * high);
+}
+
+void print(const rig::Scenario& scenario, int seeds) {
+  std::vector<rig::Score> scores(static_cast<std::size_t>(seeds));
+  const auto start = std::chrono::steady_clock::now();
+  optimize::parallel_for(scores.size(), [&](std::size_t seed) {
+    scores[seed] = rig::score(scenario, static_cast<std::uint64_t>(seed) + 1);
+  });
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const auto count = [&](bool rig::Score::*what) {
+    return static_cast<int>(std::ranges::count_if(scores, [&](const auto& s) { return s.*what; }));
+  };
+  const int intervals = count(&rig::Score::has_interval);
+  std::map<std::string, int> answers;
+  for (const rig::Score& s : scores) ++answers[s.answer];
+  std::vector<std::pair<int, std::string>> common;
+  for (const auto& [answer, times] : answers) common.emplace_back(times, answer);
+  std::ranges::sort(common, std::greater<>());
+  std::string text;
+  for (std::size_t k = 0; k < common.size() && k < 3; ++k) {
+    text += fmt::format(" {}x {};", common[k].first, common[k].second);
+  }
+  fmt::print("{:<44} {} {} {} {:6.0f}  {}\n", scenario.name,
+             share(count(&rig::Score::right), seeds), share(count(&rig::Score::wrong), seeds),
+             share(count(&rig::Score::inside), intervals), 1e3 * seconds / seeds, text);
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int seeds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 200;
+  const std::string_view prefix = argc > 2 ? argv[2] : "";
+  fmt::print(
+      "{} seeds; percent with 95 % intervals\n{:<44} {:>22} {:>22} {:>22} {:>6}  most frequent "
+      "answers\n",
+      seeds, "scenario", "right", "wrong name", "truth in interval", "ms");
+  for (const rig::Scenario& scenario : rig::scenarios()) {
+    if (scenario.name.starts_with(prefix)) print(scenario, seeds);
+  }
+}

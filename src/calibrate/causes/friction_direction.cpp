@@ -1,0 +1,67 @@
+#include "calibrate/cause.hpp"
+
+namespace gear3k::calibrate {
+
+namespace {
+
+std::vector<ParameterRecord> parameters(const Form& form, Kind) {
+  const auto record = [](std::string_view name) {
+    return ParameterRecord{.name = name,
+                           .unit = "",
+                           .lower = -50.0,
+                           .upper = 50.0,
+                           .plausible_low = -0.6,
+                           .plausible_high = 0.6};
+  };
+  if (form.name == "approach_and_recess") {
+    return {record("approach_change"), record("recess_change")};
+  }
+  return {record("asymmetry")};
+}
+
+/// Friction differs before and behind the pitch point, or with the end that drives.  One gearbox
+/// cannot tell these apart; in data of pairs only the first can be meant.
+std::vector<Form> forms(const Occasion& o) {
+  if (o.kind == Kind::kPairLoss) {
+    return {{.name = "approach_recess", .weight = 0.4},
+            {.name = "approach", .weight = 0.1},
+            {.name = "recess", .weight = 0.1},
+            {.name = "approach_and_recess", .weight = 0.4}};
+  }
+  if (o.kind != Kind::kTransmission) return {};
+  std::vector<Form> result{{.name = "forward_backward", .weight = 0.6},
+                           {.name = "forward", .weight = 0.2},
+                           {.name = "backward", .weight = 0.2}};
+  // What the flanks do can be told from these only by other gearboxes: it takes their place where
+  // it explains the data as well.
+  if (o.teeth != nullptr) result.push_back({.name = "approach_recess", .weight = 0.0});
+  return result;
+}
+
+void apply(const Form& form, std::span<const Scalar> p, const Condition&, Kind, Modification& m) {
+  auto& f = m.gearbox.friction;
+  const auto scale = [&](Scalar& factor, const Scalar& change) {
+    factor = factor * (1.0 + change);
+  };
+  if (form.name == "forward_backward" || form.name == "forward") scale(f.forward, p[0]);
+  if (form.name == "backward") scale(f.backward, p[0]);
+  if (form.name == "forward_backward") scale(f.backward, -p[0]);
+  if (form.name.starts_with("approach")) scale(f.approach, p[0]);
+  if (form.name == "recess") scale(f.recess, p[0]);
+  if (form.name == "approach_recess") scale(f.recess, -p[0]);
+  if (form.name == "approach_and_recess") scale(f.recess, p[1]);
+}
+
+}  // namespace
+
+extern const Cause friction_direction;
+const Cause friction_direction{.id = "friction_direction",
+                               .title = "mesh friction differs with the side that drives",
+                               .remedy = Remedy::kFlanks,
+                               .place = Place::kGearbox,
+                               .exclusive_forms = false,
+                               .parameters = parameters,
+                               .forms = forms,
+                               .apply = apply};
+
+}  // namespace gear3k::calibrate

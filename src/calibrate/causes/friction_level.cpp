@@ -1,0 +1,31 @@
+#include "calibrate/cause.hpp"
+#include "calibrate/friction_change.hpp"
+
+namespace gear3k::calibrate {
+
+namespace {
+
+std::vector<ParameterRecord> parameters(const Form&, Kind) { return {level_parameter()}; }
+
+std::vector<Form> forms(const Occasion& o) {
+  if (o.kind != Kind::kTransmission && o.kind != Kind::kPairLoss) return {};
+  return {{.name = "coefficient"}};
+}
+
+void apply(const Form&, std::span<const Scalar> p, const Condition&, Kind, Modification& m) {
+  change_level(p[0], m);
+}
+
+}  // namespace
+
+extern const Cause friction_level;
+const Cause friction_level{.id = "friction_level",
+                           .title = "the coefficient of friction is not the stated one",
+                           .remedy = Remedy::kFrictionValue,
+                           .place = Place::kGearbox,
+                           .exclusive_forms = false,
+                           .parameters = parameters,
+                           .forms = forms,
+                           .apply = apply};
+
+}  // namespace gear3k::calibrate

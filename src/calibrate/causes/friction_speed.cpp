@@ -1,0 +1,75 @@
+#include <cmath>
+
+#include "calibrate/cause.hpp"
+
+namespace gear3k::calibrate {
+
+namespace {
+
+constexpr const char* kSlowExcess = "slow_excess";
+
+std::vector<ParameterRecord> parameters(const Form& form, Kind) {
+  if (form.name == kSlowExcess) {
+    return {{.name = "excess",
+             .unit = "",
+             .lower = -0.99,
+             .upper = 50.0,
+             .plausible_low = -0.6,
+             .plausible_high = 4.0}};
+  }
+  return {{.name = "exponent",
+           .unit = "",
+           .lower = -2.0,
+           .upper = 2.0,
+           .plausible_low = -0.7,
+           .plausible_high = 0.5}};
+}
+
+/// Falling from a static value to the design's (mixed lubrication), or a power of the speed.
+std::vector<Form> forms(const Occasion& o) {
+  if (o.kind != Kind::kTransmission || !(o.speed[1] > 0.0)) return {};
+  const auto form = [&](const char* name, const char* constant, double speed, double weight) {
+    return Form{
+        .name = name,
+        .constants = {{.name = constant, .unit = std::string(o.speed_unit), .value = speed},
+                      {.name = "slowest", .unit = std::string(o.speed_unit), .value = o.speed[0]},
+                      {.name = "fastest", .unit = std::string(o.speed_unit), .value = o.speed[1]}},
+        .weight = weight};
+  };
+  std::vector<Form> result;
+  for (const double share : {0.12, 0.25, 0.5}) {
+    result.push_back(form(kSlowExcess, "speed_scale", share * o.speed[1], 0.2));
+  }
+  if (o.speed[0] > 0.0 && o.speed[1] > 1.001 * o.speed[0]) {
+    const double middle = std::sqrt(o.speed[0] * o.speed[1]);
+    result.push_back(form("power_about_middle", "reference_speed", middle, 0.2));
+    result.push_back(form("power_from_highest", "reference_speed", o.speed[1], 0.1));
+    result.push_back(form("power_from_lowest", "reference_speed", o.speed[0], 0.1));
+  }
+  return result;
+}
+
+void apply(const Form& form, std::span<const Scalar> p, const Condition&, Kind, Modification& m) {
+  auto& friction = m.gearbox.friction;
+  if (form.name == kSlowExcess) {
+    friction.slow_excess = p[0];
+    friction.slow_speed_m_s = form.constant("speed_scale");
+  } else {
+    friction.speed_exponent = p[0];
+    friction.reference_speed_m_s = form.constant("reference_speed");
+  }
+}
+
+}  // namespace
+
+extern const Cause friction_speed;
+const Cause friction_speed{.id = "friction_speed",
+                           .title = "friction depends on sliding speed",
+                           .remedy = Remedy::kFlanks,
+                           .place = Place::kGearbox,
+                           .exclusive_forms = true,
+                           .parameters = parameters,
+                           .forms = forms,
+                           .apply = apply};
+
+}  // namespace gear3k::calibrate

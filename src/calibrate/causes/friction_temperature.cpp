@@ -1,0 +1,69 @@
+#include "calibrate/cause.hpp"
+#include "calibrate/friction_change.hpp"
+
+namespace gear3k::calibrate {
+
+namespace {
+
+constexpr const char* kDrag = "drag";
+
+constexpr const char* kAnyLevel = "any_level";
+
+std::vector<ParameterRecord> parameters(const Form& form, Kind) {
+  std::vector<ParameterRecord> result{{.name = "coefficient",
+                                       .unit = "1/K",
+                                       .lower = -0.5,
+                                       .upper = 0.5,
+                                       .plausible_low = -0.06,
+                                       .plausible_high = 0.04}};
+  if (form.name == kAnyLevel) result.push_back(level_parameter());
+  return result;
+}
+
+std::vector<Form> forms(const Occasion& o) {
+  if (o.kind != Kind::kTransmission || !(o.temperature_K[1] > o.temperature_K[0])) return {};
+  const auto form = [&](const char* name, double reference_K, double weight) {
+    constexpr double kCelsius = 273.15;
+    return Form{.name = name,
+                .constants = {{.name = "reference_temperature",
+                               .unit = "c",
+                               .value = reference_K - kCelsius}},
+                .weight = weight};
+  };
+  const double span = o.temperature_K[1] - o.temperature_K[0];
+  std::vector<Form> result{form("from_design", o.design_temperature_K, 0.3),
+                           form("from_coldest", o.temperature_K[0], 0.15),
+                           form("about_middle", o.temperature_K[0] + 0.5 * span, 0.4),
+                           form("from_warmest", o.temperature_K[1], 0.15)};
+  // Once it is found: with the coefficient at the middle as a parameter of its own.
+  result.push_back(form(kAnyLevel, o.temperature_K[0] + 0.5 * span, 0.0));
+  if (o.has_drag) result.push_back(form(kDrag, o.design_temperature_K, 0.3));
+  return result;
+}
+
+void apply(const Form& form, std::span<const Scalar> p, const Condition&, Kind, Modification& m) {
+  constexpr double kCelsius = 273.15;
+  const double reference_K = form.constant("reference_temperature") + kCelsius;
+  if (form.name == kDrag) {
+    m.gearbox.drag_temperature_1_K = p[0];
+    m.gearbox.drag_reference_temperature_K = reference_K;
+  } else {
+    if (form.name == kAnyLevel) change_level(p[1], m);
+    m.gearbox.friction.temperature_1_K = p[0];
+    m.gearbox.friction.reference_temperature_K = reference_K;
+  }
+}
+
+}  // namespace
+
+extern const Cause friction_temperature;
+const Cause friction_temperature{.id = "friction_temperature",
+                                 .title = "friction or viscosity follows temperature",
+                                 .remedy = Remedy::kFlanks,
+                                 .place = Place::kGearbox,
+                                 .exclusive_forms = true,
+                                 .parameters = parameters,
+                                 .forms = forms,
+                                 .apply = apply};
+
+}  // namespace gear3k::calibrate

@@ -1,0 +1,25 @@
+#include "calibrate/angle_order.hpp"
+#include "calibrate/cause.hpp"
+
+namespace gear3k::calibrate {
+
+namespace {
+
+std::vector<Form> forms(const Occasion& o) {
+  if (o.teeth == nullptr) return {};
+  return angle_forms(o, mesh_orders(*o.teeth));
+}
+
+}  // namespace
+
+extern const Cause mesh_order;
+const Cause mesh_order{.id = "mesh_order",
+                       .title = "an error that repeats with the teeth (pitch error)",
+                       .remedy = Remedy::kAccuracy,
+                       .place = Place::kMeasurement,
+                       .exclusive_forms = false,
+                       .parameters = angle_parameters,
+                       .forms = forms,
+                       .apply = apply_angle};
+
+}  // namespace gear3k::calibrate

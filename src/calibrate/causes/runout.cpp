@@ -1,0 +1,31 @@
+#include <cmath>
+
+#include "calibrate/angle_order.hpp"
+#include "calibrate/cause.hpp"
+
+namespace gear3k::calibrate {
+
+namespace {
+
+std::vector<Form> forms(const Occasion& o) {
+  // Of a black box only its two shafts are known.
+  if (o.teeth == nullptr) {
+    const double ratio = std::abs(o.ratio);
+    return angle_forms(o, {{.body = "sun", .order = ratio}, {.body = "output", .order = 1.0}});
+  }
+  return angle_forms(o, shaft_orders(*o.teeth));
+}
+
+}  // namespace
+
+extern const Cause runout;
+const Cause runout{.id = "runout",
+                   .title = "run-out of a body",
+                   .remedy = Remedy::kAccuracy,
+                   .place = Place::kMeasurement,
+                   .exclusive_forms = false,
+                   .parameters = angle_parameters,
+                   .forms = forms,
+                   .apply = apply_angle};
+
+}  // namespace gear3k::calibrate

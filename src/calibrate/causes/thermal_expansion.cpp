@@ -1,0 +1,51 @@
+#include "calibrate/cause.hpp"
+
+namespace gear3k::calibrate {
+
+namespace {
+
+constexpr double kCelsius = 273.15;
+constexpr double kMicro = 1e-6;
+
+std::vector<ParameterRecord> parameters(const Form&, Kind) {
+  return {{.name = "expansion",
+           .unit = "um/m/K",
+           .lower = -2000.0,
+           .upper = 2000.0,
+           .plausible_low = -80.0,
+           .plausible_high = 80.0}};
+}
+
+std::vector<Form> forms(const Occasion& o) {
+  if (o.kind != Kind::kLostMotion || !(o.temperature_K[1] > o.temperature_K[0])) return {};
+  if (o.teeth == nullptr) return {};
+  const auto form = [&](const char* name, double reference_K, double weight) {
+    return Form{.name = name,
+                .constants = {{.name = "reference_temperature",
+                               .unit = "c",
+                               .value = reference_K - kCelsius}},
+                .weight = weight};
+  };
+  const double middle = 0.5 * (o.temperature_K[0] + o.temperature_K[1]);
+  return {form("from_design", o.design_temperature_K, 0.6), form("about_middle", middle, 0.4)};
+}
+
+void apply(const Form& form, std::span<const Scalar> p, const Condition&, Kind, Modification& m) {
+  auto& e = m.gearbox.lost_motion;
+  e.expansion_1_K = e.expansion_1_K + p[0] * kMicro;
+  e.reference_temperature_K = form.constant("reference_temperature") + kCelsius;
+}
+
+}  // namespace
+
+extern const Cause thermal_expansion;
+const Cause thermal_expansion{.id = "thermal_expansion",
+                              .title = "the centre distance follows temperature",
+                              .remedy = Remedy::kHousing,
+                              .place = Place::kGearbox,
+                              .exclusive_forms = true,
+                              .parameters = parameters,
+                              .forms = forms,
+                              .apply = apply};
+
+}  // namespace gear3k::calibrate

@@ -1,0 +1,276 @@
+#include "calibrate/experiment.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace gear3k::calibrate {
+
+namespace {
+
+constexpr int kMostConditions = 4;
+constexpr int kRepeats = 6;
+constexpr int kMostRows = 60;
+/// χ² that tells two explanations apart, and at which more of it is of no use.
+constexpr double kTold = 9.0, kEnough = 25.0;
+
+using Range = std::array<double, 2>;
+
+Range range_of(const MeasurementSet& data, double Condition::*member) {
+  Range range{kUnknown, kUnknown};
+  for (const Observation& row : data.rows) {
+    const double v = row.condition.*member;
+    if (!(range[0] <= v)) range[0] = v;
+    if (!(range[1] >= v)) range[1] = v;
+  }
+  return range;
+}
+
+std::vector<double> levels(const std::optional<Range>& limits, const Range& data, int count) {
+  if (!std::isfinite(data[0])) return {kUnknown};
+  const Range range = limits.value_or(Range{0.75 * data[0], 1.25 * data[1]});
+  if (!(range[1] > range[0])) return {range[0]};
+  std::vector<double> result;
+  result.reserve(static_cast<std::size_t>(count));
+  for (int k = 0; k < count; ++k) {
+    result.push_back(range[0] + (range[1] - range[0]) * k / (count - 1));
+  }
+  return result;
+}
+
+bool about_sensor(const std::vector<Explanation>& explanations) {
+  return std::ranges::any_of(explanations, [](const Explanation& e) {
+    return std::ranges::any_of(e.fit.hypothesis.effects, [](const Candidate& c) {
+      return c.cause->remedy == Remedy::kSensor;
+    });
+  });
+}
+
+std::vector<Condition> possible_conditions(const Problem& problem,
+                                           const std::vector<Explanation>& explanations,
+                                           const DiagnoseOptions& options) {
+  const MeasurementSet& data = problem.data;
+  const Range time = range_of(data, &Condition::time_s);
+  const Range temperature = range_of(data, &Condition::temperature_K);
+  std::optional<Range> temperatures = options.temperature_K;
+  constexpr double kMargin_K = 10.0;
+  if (!temperatures && std::isfinite(temperature[0])) {
+    temperatures = Range{temperature[0] - kMargin_K, temperature[1] + kMargin_K};
+  }
+  Condition start;
+  start.run = data.runs.empty() ? -1 : static_cast<int>(data.runs.size());
+  start.time_s = time[1];
+  std::vector<Condition> result;
+  const std::vector<double> warm = levels(temperatures, temperature, 2);
+  const auto with_temperature = [&](Condition c) {
+    for (const double t : warm) {
+      c.temperature_K = t;
+      result.push_back(c);
+    }
+  };
+  switch (problem.simulation.kind()) {
+    case Kind::kTransmission: {
+      const bool rotations = std::ranges::any_of(
+          data.rows, [](const auto& row) { return row.condition.rotation != 0; });
+      for (const double speed :
+           levels(options.sun_speed_rad_s, range_of(data, &Condition::sun_speed_rad_s), 3)) {
+        for (const double load :
+             levels(options.output_torque_Nm, range_of(data, &Condition::output_torque_Nm), 3)) {
+          for (const auto direction : {design::Direction::kForward, design::Direction::kBackward}) {
+            for (const int rotation : {1, -1}) {
+              if (!rotations && rotation < 0) continue;
+              Condition c = start;
+              c.sun_speed_rad_s = speed;
+              c.output_torque_Nm = load;
+              c.direction = direction;
+              c.rotation = rotation;
+              with_temperature(c);
+            }
+          }
+        }
+      }
+      break;
+    }
+    case Kind::kLostMotion:
+    case Kind::kTorqueAngle:
+      for (const double torque :
+           levels(options.test_torque_Nm, range_of(data, &Condition::test_torque_Nm), 4)) {
+        Condition c = start;
+        c.test_torque_Nm = torque;
+        with_temperature(c);
+      }
+      break;
+    case Kind::kPairLoss: {
+      std::set<int> teeth;
+      for (const Observation& row : data.rows) {
+        teeth.insert(row.condition.driving_teeth);
+        teeth.insert(row.condition.driven_teeth);
+      }
+      for (const int driving : teeth) {
+        for (const int driven : teeth) {
+          Condition c = start;
+          c.driving_teeth = driving;
+          c.driven_teeth = driven;
+          c.module_m = data.rows.front().condition.module_m;
+          result.push_back(c);
+        }
+      }
+      break;
+    }
+  }
+  if (about_sensor(explanations)) {
+    const std::size_t count = result.size();
+    result.reserve(2 * count);
+    for (std::size_t k = 0; k < count; ++k) {
+      result.push_back(result[k]);
+      result.back().reference_sensor = true;
+    }
+  }
+  return result;
+}
+
+/// An explanation as the choice of conditions sees it; everything over a row's deviation.
+struct View {
+  Eigen::VectorXd old_rows;  ///< simulated, whitened
+  Eigen::MatrixXd normal;    ///< of the old rows
+  Eigen::MatrixXd jacobian;  ///< of the old rows
+  Eigen::VectorXd possible;  ///< simulated at the possible conditions
+  Eigen::MatrixXd possible_jacobian;
+};
+
+/// χ² that remains between explanation `a`, taken as true, and `b` refitted to it.
+class Distance {
+ public:
+  Distance(const View& a, const View& b)
+      : a_(a),
+        b_(b),
+        normal_(b.normal),
+        moment_(b.jacobian.transpose() * (a.old_rows - b.old_rows)),
+        total_((a.old_rows - b.old_rows).squaredNorm()) {
+    // What the old rows hold against `b` is known already: only what is new counts.
+    known_ = value(normal_, moment_, total_);
+  }
+  [[nodiscard]] double with(Eigen::Index condition, double repeats) const {
+    const double d = a_.possible[condition] - b_.possible[condition];
+    const Eigen::VectorXd j = b_.possible_jacobian.row(condition).transpose();
+    return value(normal_ + repeats * j * j.transpose(), moment_ + repeats * d * j,
+                 total_ + repeats * d * d) -
+           known_;
+  }
+  void take(Eigen::Index condition, double repeats) {
+    const double d = a_.possible[condition] - b_.possible[condition];
+    const Eigen::VectorXd j = b_.possible_jacobian.row(condition).transpose();
+    normal_ += repeats * j * j.transpose();
+    moment_ += repeats * d * j;
+    total_ += repeats * d * d;
+  }
+  [[nodiscard]] double now() const { return value(normal_, moment_, total_) - known_; }
+
+ private:
+  static double value(const Eigen::MatrixXd& normal, const Eigen::VectorXd& moment, double total) {
+    if (moment.size() == 0) return total;
+    return total - moment.dot(normal.completeOrthogonalDecomposition().solve(moment));
+  }
+  const View& a_;
+  const View& b_;
+  Eigen::MatrixXd normal_;
+  Eigen::VectorXd moment_;
+  double total_;
+  double known_ = 0.0;
+};
+
+double total_use(const std::vector<double>& distances) {
+  double sum = 0.0;
+  double least = kEnough;
+  for (const double d : distances) {
+    sum += std::min(std::max(d, 0.0), kEnough);
+    least = std::min(least, d);
+  }
+  return sum / static_cast<double>(distances.size()) + least;
+}
+
+}  // namespace
+
+NextExperiment plan_experiment(const Problem& problem, const std::vector<Explanation>& explanations,
+                               double row_deviation, const DiagnoseOptions& options) {
+  NextExperiment plan;
+  for (const Explanation& e : explanations) plan.separates.push_back(e.id);
+  const std::vector<Condition> conditions = possible_conditions(problem, explanations, options);
+  MeasurementSet possible;
+  possible.kind = problem.data.kind;
+  possible.runs = problem.data.runs;
+  possible.rows.reserve(conditions.size());
+  for (const Condition& c : conditions) possible.rows.push_back({.condition = c});
+  const Problem imagined{.simulation = problem.simulation, .data = possible, .noise = {}};
+
+  std::vector<View> views;
+  views.reserve(explanations.size());
+  for (const Explanation& e : explanations) {
+    const Columns old = columns_at(problem, e.fit.hypothesis, {}, 0.0);
+    const Linearisation fresh = linearise(imagined, e.fit.hypothesis, {});
+    // Whitened columns are in units of weight; the weight of a new row is that of a typical one.
+    const double unit = row_deviation * problem.noise.weight.mean();
+    Eigen::MatrixXd measured_rows = measured(problem.data);
+    problem.noise.whiten(measured_rows);
+    View view;
+    view.old_rows = (measured_rows.col(0) - old.residual) / unit;
+    view.jacobian = old.own / unit;
+    view.normal = view.jacobian.transpose() * view.jacobian;
+    view.possible = fresh.simulated / row_deviation;
+    view.possible_jacobian = fresh.own / row_deviation;
+    views.push_back(std::move(view));
+  }
+  std::vector<Distance> pairs;
+  for (std::size_t a = 0; a < views.size(); ++a) {
+    for (std::size_t b = 0; b < views.size(); ++b) {
+      if (a != b) pairs.emplace_back(views[a], views[b]);
+    }
+  }
+  if (pairs.empty() || conditions.empty()) return plan;
+  const auto least = [&] {
+    double value = HUGE_VAL;
+    for (const Distance& pair : pairs) value = std::min(value, pair.now());
+    return value;
+  };
+  std::vector<Eigen::Index> taken;
+  int rows = 0;
+  while (static_cast<int>(plan.conditions.size()) < kMostConditions && rows < kMostRows &&
+         least() < kEnough) {
+    Eigen::Index best = -1;
+    double best_use = -1.0;
+    std::vector<double> distances(pairs.size());
+    for (Eigen::Index c = 0; c < static_cast<Eigen::Index>(conditions.size()); ++c) {
+      std::ranges::transform(pairs, distances.begin(),
+                             [&](const Distance& pair) { return pair.with(c, kRepeats); });
+      const double use = total_use(distances);
+      if (use > best_use * (1.0 + 1e-9)) {
+        best_use = use;
+        best = c;
+      }
+    }
+    if (best < 0) break;
+    for (Distance& pair : pairs) pair.take(best, kRepeats);
+    const auto& condition = conditions[static_cast<std::size_t>(best)];
+    const auto same = std::ranges::find(taken, best);
+    if (same == taken.end()) {
+      taken.push_back(best);
+      plan.conditions.push_back({.condition = condition, .repeats = kRepeats});
+    } else {
+      plan.conditions[static_cast<std::size_t>(same - taken.begin())].repeats += kRepeats;
+    }
+    rows += kRepeats;
+  }
+  plan.expected_statistic = least();
+  if (plan.expected_statistic < kTold) {
+    plan.advice = fmt::format(
+        "These conditions alone will hardly tell them apart (expected chi-square {:.2g}, {:g} is "
+        "needed): repeat more often, or widen the limits.",
+        std::max(0.0, plan.expected_statistic), kTold);
+  }
+  return plan;
+}
+
+}  // namespace gear3k::calibrate

@@ -1,0 +1,23 @@
+#pragma once
+// The measurement that would tell explanations apart.
+
+#include <vector>
+
+#include "calibrate/diagnosis.hpp"
+#include "calibrate/search.hpp"
+
+namespace gear3k::calibrate {
+
+/// An explanation of the data: a fit and what it is called.
+struct Explanation {
+  std::string id;
+  Fit fit;
+};
+
+/// Chooses up to four conditions, within the limits of the options, after which the explanations
+/// would differ most, each refitted to old and new rows together.
+/// @param row_deviation  standard deviation of a new row [SI]
+NextExperiment plan_experiment(const Problem& problem, const std::vector<Explanation>& explanations,
+                               double row_deviation, const DiagnoseOptions& options);
+
+}  // namespace gear3k::calibrate

@@ -1,0 +1,30 @@
+#pragma once
+// Prediction of rows that a fit has not seen.
+
+#include <string>
+#include <vector>
+
+#include "calibrate/fit.hpp"
+#include "calibrate/remainder.hpp"
+
+namespace gear3k::calibrate {
+
+/// Blocks of rows that are left out together.
+struct Blocks {
+  std::string name;     ///< "pinion", "load", "test torque", "speed", "run", "angle" or "rows"
+  std::vector<int> of;  ///< of each row, from 0
+  int count = 0;
+};
+
+/// Whole pinions, load levels, test torques, speeds, sessions or sectors of the angle: the first of
+/// these of which there are at least three; else tenths of the rows in their order.
+Blocks holdout_blocks(const MeasurementSet& data, const std::vector<Levels>& levels);
+
+/// Each row as a fit without its block predicts it [SI].
+///
+/// Along the linearisation at the full fit; exact for what is linear in its parameters.
+/// @returns NaN in blocks without which the parameters are not determined
+Eigen::VectorXd predict_held_out(const Problem& problem, const Hypothesis& hypothesis,
+                                 const Blocks& blocks);
+
+}  // namespace gear3k::calibrate

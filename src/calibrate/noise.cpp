@@ -1,0 +1,134 @@
+#include "calibrate/noise.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+namespace gear3k::calibrate {
+
+namespace {
+
+/// Bins of 2 % of a range; rows on either side of an edge count as different.
+constexpr double kSameShare = 0.02;
+
+using Key = std::array<long long, 9>;
+
+struct Range {
+  double low = kUnknown, high = kUnknown;
+  void extend(double x) {
+    if (!(low <= x)) low = x;
+    if (!(high >= x)) high = x;
+  }
+  [[nodiscard]] long long bin(double x) const {
+    if (!std::isfinite(x) || !(high > low)) return 0;
+    return std::llround((x - low) / (kSameShare * (high - low)));
+  }
+};
+
+}  // namespace
+
+Repeats find_repeats(const MeasurementSet& data) {
+  Range speed;
+  Range load;
+  Range test;
+  Range temperature;
+  for (const Observation& row : data.rows) {
+    speed.extend(row.condition.sun_speed_rad_s);
+    load.extend(row.condition.output_torque_Nm);
+    test.extend(row.condition.test_torque_Nm);
+    temperature.extend(row.condition.temperature_K);
+  }
+  std::map<Key, int> cells;
+  Repeats result;
+  result.cell.reserve(data.rows.size());
+  for (const Observation& row : data.rows) {
+    const Condition& c = row.condition;
+    const Key key{c.direction == design::Direction::kForward ? 0 : 1,
+                  c.rotation,
+                  c.driving_teeth,
+                  c.driven_teeth,
+                  c.run,
+                  speed.bin(c.sun_speed_rad_s),
+                  load.bin(c.output_torque_Nm),
+                  test.bin(c.test_torque_Nm),
+                  temperature.bin(c.temperature_K)};
+    const auto [at, inserted] = cells.emplace(key, static_cast<int>(cells.size()));
+    if (!inserted) ++result.degrees;
+    result.cell.push_back(at->second);
+  }
+  result.cells = static_cast<int>(cells.size());
+  return result;
+}
+
+NoiseModel make_noise_model(const MeasurementSet& data) {
+  const auto n = static_cast<Eigen::Index>(data.rows.size());
+  NoiseModel noise;
+  noise.weight = Eigen::VectorXd::Ones(n);
+  const bool stated =
+      n > 0 && std::ranges::all_of(data.rows, [](const auto& row) { return row.sigma > 0.0; });
+  if (stated) {
+    noise.source = NoiseSource::kStated;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      noise.weight[i] = 1.0 / data.rows[static_cast<std::size_t>(i)].sigma;
+    }
+  }
+  noise.runs = static_cast<int>(data.runs.size());
+  noise.rows_per_run.assign(data.runs.size(), 0.0);
+  noise.run.reserve(data.rows.size());
+  for (const Observation& row : data.rows) {
+    noise.run.push_back(row.condition.run);
+    if (row.condition.run >= 0)
+      noise.rows_per_run[static_cast<std::size_t>(row.condition.run)] += 1;
+  }
+  return noise;
+}
+
+void NoiseModel::whiten(Eigen::MatrixXd& columns) const {
+  columns.array().colwise() *= weight.array();
+  if (!(session_variance > 0.0) || runs == 0) return;
+  Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(runs, columns.cols());
+  for (Eigen::Index i = 0; i < columns.rows(); ++i) {
+    const int r = run[static_cast<std::size_t>(i)];
+    if (r >= 0) mean.row(r) += columns.row(i);
+  }
+  for (int r = 0; r < runs; ++r) {
+    // (I + q 11ᵀ)^(−1/2) = I − (1 − 1/√(1 + n q)) 11ᵀ/n
+    const double n = rows_per_run[static_cast<std::size_t>(r)];
+    if (n > 0.0) mean.row(r) *= (1.0 - 1.0 / std::sqrt(1.0 + n * session_variance)) / n;
+  }
+  for (Eigen::Index i = 0; i < columns.rows(); ++i) {
+    const int r = run[static_cast<std::size_t>(i)];
+    if (r >= 0) columns.row(i) -= mean.row(r);
+  }
+}
+
+PureError pure_error(const Repeats& repeats, const Eigen::VectorXd& weighted) {
+  std::vector<double> sum(static_cast<std::size_t>(repeats.cells), 0.0);
+  std::vector<double> count(sum.size(), 0.0);
+  for (std::size_t i = 0; i < repeats.cell.size(); ++i) {
+    const auto cell = static_cast<std::size_t>(repeats.cell[i]);
+    sum[cell] += weighted[static_cast<Eigen::Index>(i)];
+    count[cell] += 1.0;
+  }
+  PureError error{.sum_of_squares = 0.0, .degrees = repeats.degrees};
+  for (std::size_t i = 0; i < repeats.cell.size(); ++i) {
+    const auto cell = static_cast<std::size_t>(repeats.cell[i]);
+    const double d = weighted[static_cast<Eigen::Index>(i)] - sum[cell] / count[cell];
+    error.sum_of_squares += d * d;
+  }
+  return error;
+}
+
+double robust_deviation(const Eigen::VectorXd& x) {
+  if (x.size() == 0) return 0.0;
+  std::vector<double> sizes(static_cast<std::size_t>(x.size()));
+  for (std::size_t i = 0; i < sizes.size(); ++i)
+    sizes[i] = std::abs(x[static_cast<Eigen::Index>(i)]);
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::ranges::nth_element(sizes, middle);
+  constexpr double kNormalMedian = 0.674489750196082;
+  return *middle / kNormalMedian;
+}
+
+}  // namespace gear3k::calibrate

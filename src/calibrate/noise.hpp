@@ -1,0 +1,54 @@
+#pragma once
+// How much measurements scatter, and what they look like when every row counts alike.
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "calibrate/measurement.hpp"
+
+namespace gear3k::calibrate {
+
+/// Where the noise level comes from.
+enum class NoiseSource { kStated, kRepeats, kResiduals };
+
+/// Rows that were measured under the same condition.
+struct Repeats {
+  std::vector<int> cell;  ///< of each row; rows of one cell repeat each other
+  int cells = 0;
+  int degrees = 0;  ///< rows beyond the first of each cell
+};
+
+/// Rows agree in direction, rotation, teeth, run, and to 2 % of their range in speed, load, test
+/// torque and temperature (without a range: exactly).  Output angle and time are not compared.
+Repeats find_repeats(const MeasurementSet& data);
+
+/// Scale of the rows and correlation within sessions.
+struct NoiseModel {
+  NoiseSource source = NoiseSource::kResiduals;
+  Eigen::VectorXd weight;  ///< 1/σ of each row, up to the common factor `scale`
+  double scale = 1.0;      ///< σ of a row = scale/weight
+  std::vector<int> run;    ///< of each row, -1 = none
+  int runs = 0;
+  std::vector<double> rows_per_run;
+  /// Variance of sessions over that of a row, τ²/σ²; 0: sessions do not scatter.
+  double session_variance = 0.0;
+
+  /// Weights rows and takes out of each session's mean what sessions scatter: afterwards all rows
+  /// are independent with standard deviation `scale`.
+  void whiten(Eigen::MatrixXd& columns) const;
+};
+
+NoiseModel make_noise_model(const MeasurementSet& data);
+
+/// Sum of squares of weighted rows about the means of their cells, and its degrees of freedom.
+struct PureError {
+  double sum_of_squares = 0.0;
+  int degrees = 0;
+};
+PureError pure_error(const Repeats& repeats, const Eigen::VectorXd& weighted);
+
+/// Median of |x| over that of a normal deviate: a standard deviation that outliers do not move.
+double robust_deviation(const Eigen::VectorXd& x);
+
+}  // namespace gear3k::calibrate

@@ -1,0 +1,80 @@
+#pragma once
+// What each candidate would add to a fit, by linearisation, and how much of that is luck.
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "calibrate/fit.hpp"
+
+namespace gear3k::calibrate {
+
+/// A block of columns that explains part of a residual.
+struct Block {
+  Eigen::Index first = 0, count = 0;  ///< columns
+  /// Bounds of a single parameter at 0: +1 it can only grow, −1 only fall, 0 either.
+  int side = 0;
+  double log_weight = 0.0;  ///< of its share before the data
+};
+
+/// What a block adds.
+struct Gain {
+  double sum_of_squares = 0.0;  ///< that it takes off the residual's
+  double statistic = 0.0;       ///< like a χ² of its number of parameters
+  double evidence = 0.0;        ///< −ln of its p-value by itself, plus log_weight
+};
+
+/// Blocks of columns against a residual, after what is already fitted.
+class Screen {
+ public:
+  /// @param own  columns of what is fitted; @param columns  of the blocks; all whitened
+  /// @param known_scale  standard deviation of the rows when it is known, else 0: it is then taken
+  /// from what the block leaves
+  Screen(const Eigen::MatrixXd& own, const Eigen::MatrixXd& columns, std::vector<Block> blocks,
+         double known_scale);
+
+  [[nodiscard]] const std::vector<Block>& blocks() const { return blocks_; }
+  /// Of every block on a residual (projected on what is free first).
+  [[nodiscard]] std::vector<Gain> gains(const Eigen::VectorXd& residual) const;
+
+  /// Distribution of the greatest evidence of any block where there is nothing: of residuals with
+  /// random signs.
+  struct Luck {
+    double threshold = 0.0;  ///< that the greatest evidence passes with the probability asked for
+    double rate = 0.0;       ///< that probability
+    /// Probability of an evidence at least as great by luck.
+    [[nodiscard]] double p_value(double evidence) const;
+  };
+  [[nodiscard]] Luck luck(const Eigen::VectorXd& residual, double rate, int simulations,
+                          std::uint64_t seed) const;
+
+ private:
+  [[nodiscard]] Eigen::MatrixXd free_part(const Eigen::MatrixXd& x) const;
+  [[nodiscard]] Gain gain_of(const Block& block, const double* projection, double total) const;
+
+  std::vector<Block> blocks_;
+  Eigen::MatrixXd own_basis_;
+  Eigen::MatrixXd basis_;  ///< of the blocks, orthonormal within each, free of `own`
+  std::vector<Eigen::Index> rank_;
+  double known_scale_ = 0.0;
+  double degrees_ = 1.0;
+};
+
+/// −ln P(χ²_k ≥ x).
+double chi_square_evidence(double x, Eigen::Index k);
+
+/// Orthonormal basis of columns; columns that add less than 1e-6 of their length are left out.
+Eigen::MatrixXd orthonormal_basis(const Eigen::MatrixXd& columns);
+
+/// A generator of reproducible streams: the same numbers on every machine.
+class RandomBits {
+ public:
+  explicit RandomBits(std::uint64_t seed) : state_(seed) {}
+  std::uint64_t next();
+  double uniform();  ///< [0, 1)
+
+ private:
+  std::uint64_t state_;
+};
+
+}  // namespace gear3k::calibrate

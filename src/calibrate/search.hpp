@@ -1,0 +1,70 @@
+#pragma once
+// Which causes explain a discrepancy: sets of up to three, and what else explains it as well.
+
+#include <cstdint>
+#include <vector>
+
+#include "calibrate/fit.hpp"
+#include "calibrate/screen.hpp"
+
+namespace gear3k::calibrate {
+
+struct SearchOptions {
+  double rate = 0.04;  ///< probability of finding something where there is nothing
+  int most_effects = 3;
+  std::uint64_t seed = 1;
+};
+
+/// Another cause in the place of an effect.
+struct Replacement {
+  Candidate candidate;
+  bool with_level = false;
+  double statistic = 0.0;  ///< χ² of the set with it less that of the set found
+  Fit fit;
+};
+
+struct FoundEffect {
+  double p_value = 1.0;    ///< given the other effects
+  double delta_bic = 0.0;  ///< of leaving it out
+  std::vector<Replacement> replacements;
+};
+
+struct SearchResult {
+  Fit fit;  ///< of all effects found; of the baseline when there are none
+  std::vector<FoundEffect> effects;
+  double scale = 0.0;  ///< standard deviation of whitened rows about that fit
+  /// The first step: of each candidate by itself.
+  std::vector<Candidate> candidates;
+  std::vector<Gain> first_gains;
+  Screen::Luck first_luck;
+  double first_p = 1.0;
+};
+
+/// Forms of all causes that the data could show, with the weight of each among its cause's forms.
+std::vector<Candidate> candidates_for(const Simulation& simulation, const MeasurementSet& data);
+
+SearchResult search_causes(const Problem& problem, const std::vector<Candidate>& candidates,
+                           const SearchOptions& options);
+
+/// Columns of a hypothesis and of candidates, whitened, and the residual, whitened and winsorised.
+struct Columns {
+  Eigen::VectorXd residual;
+  Eigen::MatrixXd own, other;
+  bool runs = true;
+};
+Columns columns_at(const Problem& problem, const Hypothesis& hypothesis,
+                   const std::vector<Candidate>& others, double scale);
+
+/// Blocks of candidates, in their order.
+std::vector<Block> blocks_of(const std::vector<Candidate>& candidates);
+
+/// What the screens of a problem take for known, Screen::Screen().
+double known_scale(const Problem& problem);
+
+/// Share of random halves of the rows in which a search along the linearisation finds each cause:
+/// by position in `groups`, sets of causes that count as one.
+std::vector<double> inclusion_frequency(const Problem& problem, const SearchResult& result,
+                                        const std::vector<std::vector<std::string_view>>& groups,
+                                        const SearchOptions& options);
+
+}  // namespace gear3k::calibrate

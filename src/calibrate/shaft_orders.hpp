@@ -1,0 +1,23 @@
+#pragma once
+// Orders that the bodies of a 3K train leave in what is measured over the output's angle.
+
+#include <string>
+#include <vector>
+
+#include "train/tooth_set.hpp"
+
+namespace gear3k::calibrate {
+
+struct ShaftOrder {
+  std::string body;  ///< "sun", "planet", "carrier", "output"; of mesh orders "stage 1", "stage 2"
+  double order;      ///< per revolution of the output
+};
+
+/// Revolutions of the bodies per revolution of the output, relative to the carrier and absolute.
+/// Orders that coincide (carrier and R1) stand once.
+std::vector<ShaftOrder> shaft_orders(const train::ToothSet& z);
+
+/// Teeth of the two stages that mesh per revolution of the output.
+std::vector<ShaftOrder> mesh_orders(const train::ToothSet& z);
+
+}  // namespace gear3k::calibrate

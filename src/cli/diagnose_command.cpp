@@ -1,0 +1,332 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <numbers>
+#include <stdexcept>
+
+#include "calibrate/diagnosis.hpp"
+#include "calibrate/loop_observations.hpp"
+#include "calibrate/model_range.hpp"
+#include "calibrate/model_update.hpp"
+#include "cli/commands.hpp"
+#include "cli/progress.hpp"
+#include "io/diagnostics.hpp"
+#include "io/file_set.hpp"
+#include "io/gnuplot.hpp"
+#include "io/measurement_file.hpp"
+#include "io/model_file.hpp"
+#include "io/subject_file.hpp"
+#include "report/diagnosis_plot.hpp"
+#include "report/diagnosis_report.hpp"
+
+namespace gear3k::cli {
+
+namespace {
+
+using calibrate::Diagnosis, calibrate::ExtendedModel, calibrate::Kind, calibrate::MeasurementSet,
+    calibrate::Simulation, calibrate::Subject;
+
+constexpr double kRpm = std::numbers::pi / 30.0;
+constexpr double kCelsius = 273.15;
+
+/// Everything that was read, ready to be diagnosed.
+struct Task {
+  std::string subject;  ///< its name
+  std::vector<ExtendedModel> models;
+  std::vector<MeasurementSet> sets;
+  std::vector<Simulation> simulations;  ///< of each set
+};
+
+/// Errors of several files, told together.
+class Errors {
+ public:
+  /// Runs a step; an error in it is kept.
+  template <class Step>
+  void collect(Step step) {
+    try {
+      step();
+    } catch (const io::InvalidInput& error) {
+      if (!text_.empty()) text_ += '\n';
+      text_ += error.what();
+    }
+  }
+  void throw_if_any() const {
+    if (!text_.empty()) throw io::InvalidInput(text_);
+  }
+
+ private:
+  std::string text_;
+};
+
+std::string name_of(const Subject& subject) {
+  return std::visit([](const auto& s) { return s.name; }, subject);
+}
+
+/// Torque-angle records become rows of lost motion, with those of lost_motion files where there are
+/// any.
+void read_loops(io::Measurements& data, double ratio) {
+  const auto own = std::ranges::find(data.sets, Kind::kTorqueAngle, &MeasurementSet::kind);
+  if (own == data.sets.end()) return;
+  std::vector<calibrate::LockedShaftRecord> records;
+  records.reserve(data.loops.size());
+  for (io::TorqueAngleFile& file : data.loops) {
+    const auto place = std::ranges::find(own->files, file.path) - own->files.begin();
+    records.push_back({.samples = {.time_s = std::move(file.time_s),
+                                   .angle_rad = std::move(file.angle_rad),
+                                   .torque_Nm = std::move(file.torque_Nm)},
+                       .run = std::move(file.run),
+                       .sun_locked = file.sun_locked,
+                       .file = static_cast<int>(place),
+                       .name = file.path});
+  }
+  const calibrate::LoopObservations loops = calibrate::loop_observations(records, ratio);
+  if (loops.rows.empty()) {
+    throw io::InvalidInput(
+        fmt::format("{}: no loop could be measured, allowed: a torque that goes to and fro through "
+                    "zero, with the loop closed\n{}",
+                    fmt::join(own->files, ", "), fmt::join(loops.notes, "\n")));
+  }
+  const auto pool = std::ranges::find(data.sets, Kind::kLostMotion, &MeasurementSet::kind);
+  if (pool == data.sets.end()) {
+    calibrate::add_loops(*own, loops, 0);
+    return;
+  }
+  const auto offset = static_cast<int>(pool->files.size());
+  pool->files.insert(pool->files.end(), own->files.begin(), own->files.end());
+  pool->notes.insert(pool->notes.end(), own->notes.begin(), own->notes.end());
+  calibrate::add_loops(*pool, loops, offset);
+  // FNV-1a goes on with the other fingerprint's bytes.
+  constexpr std::uint64_t kPrime = 0x100000001b3U;
+  constexpr unsigned kByte = 8;
+  for (unsigned k = 0; k < sizeof own->fingerprint; ++k) {
+    pool->fingerprint ^= own->fingerprint >> (k * kByte) & 0xffU;
+    pool->fingerprint *= kPrime;
+  }
+  data.sets.erase(own);
+}
+
+/// What of a model means something for a subject only.
+void refuse_foreign_model(const Subject& subject, const std::vector<ExtendedModel>& models,
+                          const DiagnoseOptions& options) {
+  const bool black_box = std::holds_alternative<calibrate::BlackBox>(subject);
+  std::vector<std::string> ids;
+  if (black_box) {
+    for (const ExtendedModel& model : models) {
+      for (const calibrate::AppliedCause& cause : model.causes) {
+        if (std::ranges::any_of(cause.form.constants, [](const auto& constant) {
+              return constant.unit == "N" || constant.unit == "m/s";
+            })) {
+          ids.push_back(cause.id);
+        }
+      }
+    }
+  } else {
+    ids = calibrate::black_box_causes(models);
+  }
+  if (ids.empty()) return;
+  throw io::InvalidInput(fmt::format(
+      "{}: {}: measured on {}, allowed for {}: a model that diagnose found with {}", options.model,
+      fmt::join(ids, ", "), black_box ? "a DESIGN, by its tooth forces and sliding" : "a black box",
+      options.file, black_box ? "a black box" : "a DESIGN"));
+}
+
+Task read_task(const DiagnoseOptions& options) {
+  Task task;
+  Errors errors;
+  Subject subject;
+  io::Measurements data;
+  errors.collect([&] { subject = io::read_subject(options.file); });
+  errors.collect([&] { data = io::read_measurements(options.data); });
+  if (!options.model.empty()) {
+    errors.collect([&] { task.models = io::read_model(options.model); });
+  }
+  errors.throw_if_any();
+  refuse_foreign_model(subject, task.models, options);
+  task.subject = name_of(subject);
+  for (MeasurementSet& set : data.sets) {
+    errors.collect([&] {
+      try {
+        task.simulations.emplace_back(subject, set.kind, task.models);
+      } catch (const std::invalid_argument& error) {
+        throw io::InvalidInput(fmt::format("{}: {}", options.file, error.what()));
+      }
+      if (set.kind == Kind::kTorqueAngle) return;
+      io::check_physics(set, task.simulations.back().ratio());
+    });
+  }
+  errors.throw_if_any();
+  const bool pooled =
+      std::ranges::find(data.sets, Kind::kTorqueAngle, &MeasurementSet::kind) != data.sets.end() &&
+      std::ranges::find(data.sets, Kind::kLostMotion, &MeasurementSet::kind) != data.sets.end();
+  const double ratio = task.simulations.front().ratio();
+  read_loops(data, ratio);
+  if (pooled) {
+    std::erase_if(task.simulations,
+                  [](const Simulation& s) { return s.kind() == Kind::kTorqueAngle; });
+  }
+  task.sets = std::move(data.sets);
+  for (const ExtendedModel& model : task.models) {
+    if (model.name.empty() || task.subject.empty() || model.name == task.subject) continue;
+    task.sets.front().notes.push_back(fmt::format("{}: measured on \"{}\", applied to \"{}\"",
+                                                  options.model, model.name, task.subject));
+    break;
+  }
+  return task;
+}
+
+/// A limit of the next experiment [SI]; an end that is not stated is a quarter beyond the data.
+std::optional<std::array<double, 2>> limits_of(const ConditionLimit& limit, double per_unit,
+                                               double offset, const MeasurementSet& set,
+                                               double calibrate::Condition::*member) {
+  if (!limit.least && !limit.greatest) return std::nullopt;
+  double low = calibrate::kUnknown;
+  double high = calibrate::kUnknown;
+  for (const auto& row : set.rows) {
+    const double value = row.condition.*member;
+    if (!(low <= value)) low = value;
+    if (!(high >= value)) high = value;
+  }
+  constexpr double kBeyond = 0.25;
+  // Of a temperature a quarter is one of its range.
+  const double room = offset != 0.0 ? kBeyond * (high - low) : 0.0;
+  const double least = limit.least ? *limit.least * per_unit + offset
+                                   : (offset != 0.0 ? low - room : (1.0 - kBeyond) * low);
+  const double greatest = limit.greatest ? *limit.greatest * per_unit + offset
+                                         : (offset != 0.0 ? high + room : (1.0 + kBeyond) * high);
+  if (!std::isfinite(least) || !std::isfinite(greatest)) return std::nullopt;
+  return std::array<double, 2>{std::min(least, greatest), std::max(least, greatest)};
+}
+
+/// @returns empty when it was interrupted
+std::optional<std::vector<Diagnosis>> diagnose_all(const Task& task,
+                                                   const DiagnoseOptions& options) {
+  using calibrate::Condition;
+  optimize::Progress progress;
+  constexpr std::size_t kSteps = 1000;
+  progress.phase = optimize::Progress::Phase::kDiagnosis;
+  progress.total = kSteps;
+  const ProgressDisplay display(progress, options.quiet);
+  std::vector<Diagnosis> results;
+  results.reserve(task.sets.size());
+  for (std::size_t k = 0; k < task.sets.size(); ++k) {
+    const MeasurementSet& set = task.sets[k];
+    calibrate::DiagnoseOptions how;
+    how.false_discovery_rate = options.false_discovery_rate;
+    how.seed = options.seed;
+    how.sun_speed_rad_s =
+        limits_of(options.sun_speed_rpm, kRpm, 0.0, set, &Condition::sun_speed_rad_s);
+    how.output_torque_Nm =
+        limits_of(options.output_torque_nm, 1.0, 0.0, set, &Condition::output_torque_Nm);
+    how.test_torque_Nm =
+        limits_of(options.test_torque_nm, 1.0, 0.0, set, &Condition::test_torque_Nm);
+    how.temperature_K =
+        limits_of(options.temperature_c, 1.0, kCelsius, set, &Condition::temperature_K);
+    how.progress = [&](double share) {
+      const double all = (static_cast<double>(k) + share) / static_cast<double>(task.sets.size());
+      progress.done = static_cast<std::size_t>(all * static_cast<double>(kSteps));
+      return !progress.stop.load();
+    };
+    std::optional<Diagnosis> result;
+    try {
+      result = calibrate::diagnose(task.simulations[k], set, how);
+    } catch (const std::invalid_argument& error) {
+      throw io::InvalidInput(fmt::format("{}: {}", fmt::join(set.files, ", "), error.what()));
+    }
+    if (!result) return std::nullopt;
+    result->subject = task.subject;
+    result->model.name = task.subject;
+    results.push_back(std::move(*result));
+  }
+  if (progress.stop.load()) return std::nullopt;
+  return results;
+}
+
+/// No result may replace a file that it was made from.
+void refuse_overwriting_inputs(const std::vector<std::string>& paths,
+                               const DiagnoseOptions& options) {
+  std::vector<std::string> inputs = options.data;
+  inputs.push_back(options.file);
+  if (!options.model.empty()) inputs.push_back(options.model);
+  for (const std::string& path : paths) {
+    for (const std::string& input : inputs) {
+      std::error_code status;
+      if (std::filesystem::equivalent(path, input, status)) {
+        throw io::InvalidInput(fmt::format("--out {}: {} is an input file, allowed: another folder",
+                                           options.out, path));
+      }
+    }
+  }
+}
+
+/// Writes the result files; without gnuplot no figures, and says so on stderr.
+/// @param written  the names of the files written
+ExitCode write_diagnosis(const DiagnoseOptions& options, const Task& task,
+                         const std::vector<Diagnosis>& results, std::vector<std::string>& written) {
+  const std::filesystem::path folder(options.out);
+  const auto path_of = [&](const std::string& name) { return (folder / name).string(); };
+  std::vector<ExtendedModel> found;
+  found.reserve(results.size());
+  for (const Diagnosis& result : results) found.push_back(result.model);
+  std::vector<io::FileText> files{
+      {.path = path_of("diagnosis.json"), .text = report::diagnosis_json(results, task.sets)},
+      {.path = path_of("model.toml"),
+       .text = io::model_text(calibrate::updated_models(task.models, found))},
+      {.path = path_of("residuals.csv"), .text = report::residual_csv(results, task.sets)}};
+  const std::vector<report::Plot> plots = report::diagnosis_plots(results, task.sets);
+  std::vector<io::FileText> figures;
+  std::string failure;
+  try {
+    figures.reserve(plots.size());
+    for (const report::Plot& plot : plots) {
+      figures.push_back(
+          {.path = path_of(plot.name + ".svg"), .text = io::run_gnuplot(plot.script)});
+    }
+    files.insert(files.end(), figures.begin(), figures.end());
+  } catch (const io::InvalidInput& error) {
+    failure = error.what();
+  }
+  for (const io::FileText& file : files) written.push_back(file.path);
+  refuse_overwriting_inputs(written, options);
+  io::write_files(files, options.file);
+  if (failure.empty()) return kDone;
+  // Figures of an earlier run would pass for results of this one.
+  for (const report::Plot& plot : plots) set_aside(path_of(plot.name + ".svg"));
+  fmt::print(stderr, "{}\nwritten without figures: {}\n", failure, fmt::join(written, ", "));
+  return kInvalidInput;
+}
+
+}  // namespace
+
+ExitCode run_diagnose(const DiagnoseOptions& options) {
+  end_on_interrupt();
+  use_threads(options);
+  const Task task = read_task(options);
+  const std::optional<std::vector<Diagnosis>> results = diagnose_all(task, options);
+  if (!results) {
+    fmt::print(stderr, "interrupted: a partial diagnosis has no result\n");
+    return kInterrupted;
+  }
+  end_on_interrupt();
+  std::vector<std::string> written;
+  const ExitCode code =
+      options.out.empty() ? kDone : write_diagnosis(options, task, *results, written);
+  switch (options.format) {
+    case Format::kJson:
+      print_result(report::diagnosis_json(*results, task.sets));
+      break;
+    case Format::kCsv:
+      print_result(report::residual_csv(*results, task.sets));
+      break;
+    case Format::kTable:
+      print_result(report::diagnosis_table(*results, task.sets) +
+                   (written.empty() ? "" : fmt::format("\nFiles: {}\n", fmt::join(written, ", "))));
+      break;
+  }
+  return code;
+}
+
+}  // namespace gear3k::cli

@@ -1,0 +1,171 @@
+#include "cli/model_option.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <numbers>
+
+#include "calibrate/model_range.hpp"
+#include "design/checks.hpp"
+#include "design/measured_lost_motion.hpp"
+#include "io/diagnostics.hpp"
+#include "io/model_file.hpp"
+
+namespace gear3k::cli {
+
+namespace {
+
+using calibrate::ExtendedModel;
+using Point = design::OperatingPoint<double>;
+
+std::string point_text(const Point& point) {
+  constexpr double kRpm = std::numbers::pi / 30.0;
+  return fmt::format("{:.6g} rpm, {:.6g} Nm, {:.4g} C", point.sun_speed_rad_s / kRpm,
+                     point.output_torque_Nm, point.temperature_K - 273.15);
+}
+
+void note_name(const std::string& name, const LoadedModel& model, Notes& notes) {
+  for (const ExtendedModel& m : model.use.models) {
+    if (m.name.empty() || name.empty() || m.name == name) continue;
+    notes.push_back(
+        fmt::format("{}: measured on \"{}\", applied to \"{}\"", model.use.file, m.name, name));
+    return;
+  }
+}
+
+void note_range(const LoadedModel& model, const calibrate::UsedRange& used, Notes& notes) {
+  for (std::string& note : calibrate::outside_range(model.use.models, used)) {
+    notes.push_back(std::move(note));
+  }
+}
+
+/// The stated point, or the middle of the model's range, which is noted.
+std::optional<Point> point_or_middle(const std::optional<Point>& stated, const LoadedModel& model,
+                                     const char* file, Notes& notes) {
+  if (stated) return stated;
+  const auto middle = calibrate::middle_of_range(model.use.models);
+  if (middle) {
+    notes.push_back(
+        fmt::format("no [operating_point] in {}: the middle of the model's range is "
+                    "taken, {}",
+                    file, point_text(*middle)));
+  }
+  return middle;
+}
+
+/// Lost motion at a torque that the model adds to that of the teeth.
+double added_lost_motion(const backlash::LostMotionExtension<double>& e, double torque_Nm) {
+  return e.clearance_rad + 2.0 * torque_Nm * e.compliance_rad_Nm;
+}
+
+/// Lowers the limits of lost motion by what the model adds to that of the teeth.
+void lower_limits(optimize::Specification& spec, LoadedModel& model, Notes& notes) {
+  const auto& e = model.extension.lost_motion;
+  if (!design::changes_lost_motion(e)) return;
+  const double torque_Nm = spec.operating_point ? spec.operating_point->output_torque_Nm : 0.0;
+  const double shift = added_lost_motion(e, torque_Nm);
+  using design::CheckId;
+  bool lowered = false;
+  for (const CheckId id : {CheckId::kOutputBacklashMin, CheckId::kOutputBacklashMax}) {
+    auto& limit = spec.limits[id];
+    if (!limit || shift == 0.0) continue;
+    *limit -= shift;
+    lowered = true;
+  }
+  if (lowered) {
+    model.use.lost_motion_shift_rad = shift;
+    notes.push_back(fmt::format(
+        "limits of lost motion hold with the {:.4g} arcmin that the model adds at {:.6g} Nm: the "
+        "teeth alone, and best.toml, get limits lower by that",
+        design::in_unit(shift, design::Unit::kArcmin), torque_Nm));
+  }
+  if (e.expansion_1_K != 0.0) {
+    notes.emplace_back(
+        "limits of lost motion hold at the model's reference temperature: its thermal expansion is "
+        "not taken into account");
+  }
+}
+
+}  // namespace
+
+std::optional<LoadedModel> load_model(const std::string& path) {
+  if (path.empty()) return std::nullopt;
+  LoadedModel model{.use = {.file = path, .models = io::read_model(path)}, .extension = {}};
+  const auto refused = calibrate::black_box_causes(model.use.models);
+  if (!refused.empty()) {
+    throw io::InvalidInput(fmt::format(
+        "{}: {}: measured on a black box, by torque and speed of its shafts: allowed: a model that "
+        "diagnose found with a DESIGN",
+        path, fmt::join(refused, ", ")));
+  }
+  model.extension = calibrate::extension_of(model.use.models);
+  return model;
+}
+
+design::Design with_model(const design::Design& design, const LoadedModel& model, Notes& notes) {
+  note_name(design.name, model, notes);
+  design::Design extended = design::extended(design, model.extension);
+  if (calibrate::needs_operating_point(model.extension)) {
+    extended.operating_point = point_or_middle(design.operating_point, model, "the design", notes);
+    if (!extended.operating_point) {
+      notes.emplace_back(
+          "neither design nor model states an operating point: what of the model depends on load, "
+          "speed or temperature, drags and bearings have no effect");
+    }
+  }
+  if (extended.operating_point) {
+    note_range(model,
+               {.where = "the operating point",
+                .low = *extended.operating_point,
+                .high = *extended.operating_point},
+               notes);
+  }
+  return extended;
+}
+
+design::Design with_model_on_grid(const design::Design& design, const LoadedModel& model,
+                                  Notes& notes) {
+  note_name(design.name, model, notes);
+  const Point stated = design.operating_point.value_or(Point{});
+  const design::MapGrid& grid = design.map;
+  note_range(
+      model,
+      {.where = "the map's grid",
+       .low = {.sun_speed_rad_s = std::min(grid.sun_speed_rad_s.from, grid.sun_speed_rad_s.to),
+               .output_torque_Nm = std::min(grid.output_torque_Nm.from, grid.output_torque_Nm.to),
+               .temperature_K = stated.temperature_K},
+       .high = {.sun_speed_rad_s = std::max(grid.sun_speed_rad_s.from, grid.sun_speed_rad_s.to),
+                .output_torque_Nm = std::max(grid.output_torque_Nm.from, grid.output_torque_Nm.to),
+                .temperature_K = stated.temperature_K}},
+      notes);
+  return design::extended(design, model.extension);
+}
+
+optimize::Specification with_model(const optimize::Specification& spec, LoadedModel& model,
+                                   Notes& notes) {
+  optimize::Specification extended = spec;
+  extended.friction.extension = model.extension.friction;
+  extended.operating_point = point_or_middle(spec.operating_point, model, "SPEC", notes);
+  extended.model = model.extension;
+  if (extended.operating_point) {
+    note_range(model,
+               {.where = "the operating point",
+                .low = *extended.operating_point,
+                .high = *extended.operating_point},
+               notes);
+  } else {
+    notes.emplace_back(
+        "neither SPEC nor model states an operating point: the refined sets are not judged with "
+        "the model; its friction level and side enter their refinement");
+  }
+  lower_limits(extended, model, notes);
+  return extended;
+}
+
+void warn(const Notes& notes, bool quiet) {
+  if (quiet) return;
+  for (const std::string& note : notes) fmt::print(stderr, "model: {}\n", note);
+}
+
+}  // namespace gear3k::cli

@@ -1,0 +1,74 @@
+#pragma once
+// How the friction of the meshes differs from a design's law: what a calibrated model carries.
+
+#include <cmath>
+
+#include "geometry/scalar.hpp"
+
+namespace gear3k::efficiency {
+
+/// Factors on the coefficient of friction that a design states; by default all are 1.
+///
+///   μ = μ_design · level · (F/F_0)^n · (1 + a exp(−v/v_0)) · (v/v_1)^m · exp(β (θ − θ_0)) · side
+///
+/// F, v: normal force and mean sliding speed of a mesh; θ: temperature of the lubricant; side:
+/// `forward` or `backward`, by which end drives the train.  `approach` and `recess` multiply the
+/// friction on either side of the pitch point.
+/// Source: empirical forms, docs/theory.md §29; the parameters come from measurements.
+template <class T>
+struct FrictionExtension {
+  T level = constant<T>(1.0);
+  T load_exponent{};                        ///< n
+  double reference_force_N = 1.0;           ///< F_0 > 0
+  T slow_excess{};                          ///< a
+  double slow_speed_m_s = 1.0;              ///< v_0 > 0
+  T speed_exponent{};                       ///< m
+  double reference_speed_m_s = 1.0;         ///< v_1 > 0
+  T temperature_1_K{};                      ///< β
+  double reference_temperature_K = 293.15;  ///< θ_0
+  T forward = constant<T>(1.0), backward = constant<T>(1.0);
+  T approach = constant<T>(1.0), recess = constant<T>(1.0);
+};
+
+/// Whether the factor needs to know where a mesh runs.
+template <class T>
+bool depends_on_state(const FrictionExtension<T>& e) {
+  return !(is_neutral(e.load_exponent, 0.0) && is_neutral(e.slow_excess, 0.0) &&
+           is_neutral(e.speed_exponent, 0.0) && is_neutral(e.temperature_1_K, 0.0));
+}
+
+/// The part of the factor that does not: level and side.
+template <class T>
+T constant_factor(const FrictionExtension<T>& e, bool forward) {
+  return e.level * (forward ? e.forward : e.backward);
+}
+
+/// Least force and speed over their references that the powers see: they have no value at 0.
+inline constexpr double kLeastReduced = 1e-3;
+
+/// The whole factor.
+template <class T>
+T friction_factor(const FrictionExtension<T>& e, const T& normal_force_N,
+                  const T& sliding_speed_m_s, const T& temperature_K, bool forward) {
+  using std::exp;
+  using std::log;
+  T factor = constant_factor(e, forward);
+  const auto power = [](const T& x, double reference, const T& exponent) {
+    return T(exp(T(exponent * log(larger(T(x / reference), constant<T>(kLeastReduced))))));
+  };
+  if (!is_neutral(e.load_exponent, 0.0)) {
+    factor = factor * power(normal_force_N, e.reference_force_N, e.load_exponent);
+  }
+  if (!is_neutral(e.slow_excess, 0.0)) {
+    factor = factor * (1.0 + e.slow_excess * exp(T(sliding_speed_m_s * (-1.0 / e.slow_speed_m_s))));
+  }
+  if (!is_neutral(e.speed_exponent, 0.0)) {
+    factor = factor * power(sliding_speed_m_s, e.reference_speed_m_s, e.speed_exponent);
+  }
+  if (!is_neutral(e.temperature_1_K, 0.0)) {
+    factor = factor * exp(T(e.temperature_1_K * (temperature_K - e.reference_temperature_K)));
+  }
+  return factor;
+}
+
+}  // namespace gear3k::efficiency

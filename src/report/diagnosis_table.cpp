@@ -1,0 +1,408 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "report/condition_columns.hpp"
+#include "report/diagnosis_report.hpp"
+#include "report/display.hpp"
+#include "report/text_table.hpp"
+
+namespace gear3k::report {
+
+namespace {
+
+using calibrate::Alternative, calibrate::CovariateTest, calibrate::Diagnosis, calibrate::Effect,
+    calibrate::Form, calibrate::Kind, calibrate::MeasurementSet, calibrate::NextExperiment,
+    calibrate::NoiseSource, calibrate::ParameterResult, calibrate::Verdict;
+
+std::string spaced(std::string text) {
+  std::ranges::replace(text, '_', ' ');
+  return text;
+}
+
+std::string with_unit(const std::string& number, std::string_view unit) {
+  return unit.empty() ? number : fmt::format("{} {}", number, unit);
+}
+
+/// A value and half its 95 % interval, to two digits of that; the interval itself where it is
+/// lopsided.
+std::string value_text(const ParameterResult& p) {
+  const double half = 0.5 * (p.high - p.low);
+  if (!std::isfinite(half) || half <= 0.0) {
+    return with_unit(fmt::format("{:.4g}", clean(p.value)), p.unit);
+  }
+  constexpr double kRounding = 1e-9;
+  const int decimals = 1 - static_cast<int>(std::floor(std::log10(half) + kRounding));
+  constexpr int kMostDecimals = 6;
+  const bool plain = decimals <= kMostDecimals;
+  const auto number = [&](double x) {
+    return plain ? fixed(x, std::max(0, decimals)) : fmt::format("{:.4g}", clean(x));
+  };
+  constexpr double kLopsided = 0.1;  // of the interval's width
+  if (std::abs(p.high - p.value - half) > kLopsided * 2.0 * half) {
+    return with_unit(
+        fmt::format("{} (95 %: {} to {})", number(p.value), number(p.low), number(p.high)), p.unit);
+  }
+  return with_unit(
+      fmt::format("{} ± {}", number(p.value), plain ? number(half) : fmt::format("{:.2g}", half)),
+      p.unit);
+}
+
+std::string parameters_text(const std::vector<ParameterResult>& parameters) {
+  std::vector<std::string> parts;
+  parts.reserve(parameters.size());
+  for (const ParameterResult& p : parameters) {
+    parts.push_back(fmt::format("{} {}", spaced(p.name), value_text(p)));
+  }
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+/// Where a cause acts, as the end of its title: " at the sun"; " of the planet, 29.2 per ...".
+std::string place_clause(const std::string& id, const Form& form) {
+  const std::string place = place_text(form);
+  std::string text;
+  if (!place.empty()) {
+    // The title of a run-out ends with "of a body".
+    text = fmt::format("{} the {}", form.order > 0.0 && id == "runout" ? ":" : " at", place);
+    if (form.order > 0.0 && id != "runout") text = fmt::format(" of {}", place);
+  }
+  if (form.order > 0.0) text += fmt::format(", {:.4g} times per turn of the output", form.order);
+  return text;
+}
+
+std::string form_clause(const Form& form, const std::vector<std::string>& runs) {
+  const std::string text = form_text(form, runs);
+  return text.empty() ? "" : fmt::format(" (form: {})", text);
+}
+
+std::string limits_text(const ParameterResult& p) {
+  std::string text;
+  if (p.at_bound) {
+    text += fmt::format("  {} stands at a bound of the fit: take it as a limit, not as a value.\n",
+                        spaced(p.name));
+  }
+  if (!p.plausible) {
+    text += fmt::format(
+        "  {} = {} is not plausible ({:.4g} to {:.4g} would be): distrust this cause, or the "
+        "data.\n",
+        spaced(p.name), with_unit(fmt::format("{:.4g}", clean(p.value)), p.unit), p.plausible_low,
+        p.plausible_high);
+  }
+  return text;
+}
+
+std::string alternative_text(const Alternative& a, const std::vector<std::string>& runs) {
+  std::string text =
+      fmt::format("    {}: {}{}{}: {}{}\n", a.id, a.title, place_clause(a.id, a.form),
+                  form_clause(a.form, runs), parameters_text(a.parameters),
+                  a.with_level ? ", with another coefficient of friction" : "");
+  for (const ParameterResult& p : a.parameters) {
+    if (!p.plausible) {
+      text +=
+          fmt::format("      {} = {:.4g} would not be plausible\n", spaced(p.name), clean(p.value));
+    }
+  }
+  return text;
+}
+
+std::string effect_text(const Effect& e, const std::vector<std::string>& runs) {
+  std::string text = fmt::format("Cause: {}{}: {}{}. [{}]\n", e.title, place_clause(e.id, e.form),
+                                 parameters_text(e.parameters), form_clause(e.form, runs), e.id);
+  if (e.id == "friction_level") text += "  This is a parameter, not a missing effect.\n";
+  if (e.preferred_parameter) {
+    text +=
+        "  A missing effect explains the data as well; the parameter is preferred because it "
+        "needs no new physics.\n";
+  }
+  for (const ParameterResult& p : e.parameters) text += limits_text(p);
+  if (!e.alternatives.empty()) {
+    text += "  These data cannot tell it from:\n";
+    for (const Alternative& a : e.alternatives) text += alternative_text(a, runs);
+  }
+  return text;
+}
+
+// --- errors
+
+/// Mean magnitude of the measured response, in its unit.
+double mean_response(const MeasurementSet& set) {
+  double sum = 0.0;
+  for (const auto& row : set.rows) sum += std::abs(row.response);
+  return set.rows.empty() ? 0.0 : sum / static_cast<double>(set.rows.size());
+}
+
+/// A share in percent, to two digits.
+std::string share_text(double si, double mean) {
+  const double share = percent(si / mean);
+  return fixed(share, share < 0.095 ? 2 : share < 9.95 ? 1 : 0) + " %";
+}
+
+/// "0.00432 Nm (4.1 %)": percent of the mean response.
+std::string error_text(double si, const Diagnosis& d, double mean) {
+  if (!std::isfinite(si)) return "not known";
+  const ResponseText response = response_text(d.kind);
+  const std::string number =
+      with_unit(fmt::format("{:.3g}", clean(si / response.si)), response.unit);
+  return mean > 0.0 ? fmt::format("{} ({})", number, share_text(si, mean)) : number;
+}
+
+std::string noise_text(const Diagnosis& d) {
+  switch (d.noise_source) {
+    case NoiseSource::kStated:
+      return "as the data state it";
+    case NoiseSource::kRepeats:
+      return fmt::format("from {} repeats", d.repeat_degrees);
+    case NoiseSource::kResiduals:
+      break;
+  }
+  return "from what is left, for want of sigma and of enough repeats";
+}
+
+std::string headline(const Diagnosis& d, const MeasurementSet& set) {
+  const double mean = mean_response(set);
+  const ResponseText response = response_text(d.kind);
+  std::string off;
+  std::string noise;
+  if (mean > 0.0) {
+    off = share_text(d.errors.baseline_train, mean);
+    noise = share_text(d.errors.noise_floor, mean);
+  } else {
+    off = error_text(d.errors.baseline_train, d, 0.0);
+    noise = error_text(d.errors.noise_floor, d, 0.0);
+  }
+  std::string text = fmt::format(
+      "The simulation is {} off where noise is {}.\n"
+      "(Root mean square {} of a mean {} of {}; noise {}, {}.)\n",
+      off, noise, error_text(d.errors.baseline_train, d, 0.0), response.title,
+      error_text(mean, d, 0.0), error_text(d.errors.noise_floor, d, 0.0), noise_text(d));
+  if (d.session_deviation > 0.0) {
+    text += fmt::format("Sessions scatter by {} beyond that.\n",
+                        error_text(d.session_deviation, d, 0.0));
+  }
+  return text;
+}
+
+std::string verdict_text(const Diagnosis& d) {
+  switch (d.verdict) {
+    case Verdict::kNoDiscrepancy:
+      return "Verdict: no discrepancy. The simulation agrees with these data within their noise.\n";
+    case Verdict::kExplained:
+      return "Verdict: explained.\n";
+    case Verdict::kAmbiguous:
+      return "Verdict: ambiguous. Several causes explain these data as well and would lead to "
+             "different remedies; see the next experiment.\n";
+    case Verdict::kUnexplained:
+      break;
+  }
+  return d.effects.empty()
+             ? "Verdict: unexplained. The simulation is off and no known cause explains it.\n"
+             : "Verdict: unexplained. Something is left that no known cause explains.\n";
+}
+
+// --- tables
+
+std::string p_text(double p) {
+  if (!std::isfinite(p)) return "-";
+  constexpr double kLeastShown = 1e-99;
+  if (p < kLeastShown) return "<1e-99";
+  return p < 1e-4 ? fmt::format("{:.0e}", p) : fmt::format("{:.2g}", p);
+}
+
+std::string evidence_table(const Diagnosis& d) {
+  if (d.effects.empty()) return "";
+  TextTable table({"cause", "delta BIC", "found in subsamples", "p-value"});
+  for (const Effect& e : d.effects) {
+    table.add({e.id, fixed(e.delta_bic, 1),
+               fmt::format("{} %", fixed(percent(e.inclusion_frequency), 0)), p_text(e.p_value)});
+  }
+  return "\nEvidence (delta BIC above 10 is strong)\n" + table.text(2);
+}
+
+std::string covariate_table(const Diagnosis& d) {
+  if (d.covariates_before.empty()) return "";
+  TextTable table({"along", "p-value before", "after"});
+  for (auto before = d.covariates_before.begin(); before != d.covariates_before.end(); ++before) {
+    // A name may stand twice: by levels, then by periods.
+    const bool again = std::find_if(d.covariates_before.begin(), before, [&](const auto& t) {
+                         return t.name == before->name;
+                       }) != before;
+    auto after = std::ranges::find(d.covariates_after, before->name, &CovariateTest::name);
+    if (again && after != d.covariates_after.end()) {
+      after = std::find_if(after + 1, d.covariates_after.end(),
+                           [&](const auto& t) { return t.name == before->name; });
+    }
+    const bool periods = again || before->name == "angle";
+    const bool nothing = d.effects.empty() || after == d.covariates_after.end();
+    table.add({before->name + (periods ? ", periodic" : ""), p_text(before->p_value),
+               nothing ? "-" : p_text(after->p_value)});
+  }
+  return "\nStructure of the residuals (small: the simulation misses something along this)\n" +
+         table.text(2);
+}
+
+std::string gain_table(const Diagnosis& d, const MeasurementSet& set) {
+  const double mean = mean_response(set);
+  TextTable table({"error (root mean square)", "as given", "extended"});
+  const auto add = [&](const std::string& name, double before, double after) {
+    table.add({name, error_text(before, d, mean), error_text(after, d, mean)});
+  };
+  add("all rows", d.errors.baseline_train, d.errors.extended_train);
+  if (!d.holdout_blocks.empty()) {
+    add(fmt::format("held out (by {})", d.holdout_blocks), d.errors.baseline_holdout,
+        d.errors.extended_holdout);
+  }
+  if (!d.extrapolation.along.empty()) {
+    const auto column = column_of(d.extrapolation.along, d.kind);
+    add(fmt::format("beyond the fit, {} {} ({} rows)", d.extrapolation.along,
+                    with_unit(fmt::format("{:.4g}", clean(d.extrapolation.left_out)),
+                              column ? column->unit : ""),
+                    d.extrapolation.rows),
+        d.extrapolation.baseline, d.extrapolation.extended);
+  }
+  std::string text = fmt::format("\n{}", table.text(0));
+  const double gain = 1.0 - d.errors.extended_holdout / d.errors.baseline_holdout;
+  if (std::isfinite(gain) && !d.effects.empty()) {
+    text += gain >= 0.0
+                ? fmt::format("On data that it has not seen the extended model is {} % better.\n",
+                              fixed(percent(gain), 0))
+                : fmt::format(
+                      "On data that it has not seen the extended model is {} % worse: do not use "
+                      "it.\n",
+                      fixed(-percent(gain), 0));
+  } else if (!std::isfinite(gain)) {
+    text += "These data have too few blocks to hold some out.\n";
+  }
+  return text;
+}
+
+std::string remainder_text(const Diagnosis& d) {
+  const auto& r = d.remainder;
+  if (!r.significant) return "Left over: nothing beyond noise.\n";
+  if (r.along.empty()) {
+    return fmt::format("Left over: more than noise, along nothing that the data state (p = {}).\n",
+                       p_text(r.p_value));
+  }
+  std::string text = fmt::format("Left over: structure along {}", r.along);
+  if (r.order > 0.0 && r.along == "angle") {
+    text += fmt::format(", {:.4g} times per turn of the output", r.order);
+  } else if (r.order > 0.0 && r.along == "time") {
+    text += fmt::format(", {:.3g} periods over the data", r.order);
+  }
+  return text + fmt::format(", which is {} % of what is left (p = {}). No known cause does this.\n",
+                            fixed(percent(r.share), 0), p_text(r.p_value));
+}
+
+std::string lack_text(const Diagnosis& d) {
+  if (d.lack_degrees <= 0 || d.pure_degrees <= 0) return "";
+  return fmt::format("Lack of fit of the simulation as given: F({}, {}) = {:.3g}, p = {}.\n",
+                     d.lack_degrees, d.pure_degrees, clean(d.lack_of_fit), p_text(d.lack_of_fit_p));
+}
+
+std::string next_text(const Diagnosis& d) {
+  if (!d.next_experiment) return "";
+  const NextExperiment& next = *d.next_experiment;
+  std::string text =
+      fmt::format("\nNext experiment, to tell apart {}", fmt::join(next.separates, ", "));
+  if (next.expected_statistic > 0.0) {
+    text += fmt::format(" (expected chi-square {:.3g}; 9 tells them apart)",
+                        clean(next.expected_statistic));
+  }
+  text += "\n";
+  std::vector<ConditionColumn> columns;
+  for (const ConditionColumn& column : condition_columns(d.kind)) {
+    if (column.name == "run" || column.name == "time_s") continue;
+    const bool stated = std::ranges::any_of(next.conditions, [&](const auto& proposed) {
+      return std::isfinite(column.value(proposed.condition));
+    });
+    if (stated) columns.push_back(column);
+  }
+  if (!next.conditions.empty()) {
+    const bool reference = std::ranges::any_of(
+        next.conditions, [](const auto& c) { return c.condition.reference_sensor; });
+    std::vector<std::string> header;
+    header.reserve(columns.size() + 2);
+    for (const ConditionColumn& column : columns) header.emplace_back(column.name);
+    if (reference) header.emplace_back("sensor");
+    header.emplace_back("repeats");
+    TextTable table(header);
+    for (const auto& proposed : next.conditions) {
+      std::vector<std::string> row;
+      row.reserve(header.size());
+      for (const ConditionColumn& column : columns) {
+        const double value = column.value(proposed.condition);
+        row.push_back(column.name == "direction" ? condition_text(column, proposed.condition, {})
+                      : std::isfinite(value)     ? fmt::format("{:.5g}", value)
+                                                 : "");
+      }
+      if (reference) {
+        row.emplace_back(proposed.condition.reference_sensor ? "reference" : "as before");
+      }
+      row.push_back(fmt::format("{}", proposed.repeats));
+      table.add(row);
+    }
+    text += table.text(2);
+  }
+  if (!next.advice.empty()) text += fmt::format("  {}\n", next.advice);
+  return text;
+}
+
+std::string notes_text(const Diagnosis& d) {
+  std::string text;
+  const auto outliers = std::ranges::count_if(d.rows, [](const auto& row) { return row.outlier; });
+  if (outliers > 0) {
+    text += fmt::format("Note: {} of {} rows are outliers; they count less in the fit\n", outliers,
+                        d.rows.size());
+  }
+  for (const std::string& note : d.notes) text += fmt::format("Note: {}\n", note);
+  return text.empty() ? "" : fmt::format("\n{}", text);
+}
+
+std::string kind_text(const Diagnosis& d, const MeasurementSet& set) {
+  std::string text = fmt::format("{}: {} rows of kind {} from {}\n\n", d.subject, set.rows.size(),
+                                 calibrate::kKindNames[static_cast<std::size_t>(d.kind)],
+                                 fmt::join(set.files, ", "));
+  text += headline(d, set) + verdict_text(d);
+  for (const Effect& effect : d.effects) text += effect_text(effect, set.runs);
+  if (!d.effects.empty()) text += "(± is half of the 95 % interval.)\n";
+  text += evidence_table(d) + covariate_table(d) + gain_table(d, set) + remainder_text(d) +
+          lack_text(d) + next_text(d) + notes_text(d);
+  return text;
+}
+
+}  // namespace
+
+std::string place_text(const Form& form) {
+  return form.body == "output" ? "output (R2)" : form.body;
+}
+
+std::string form_text(const Form& form, const std::vector<std::string>& runs) {
+  // A form that is called as its body says nothing more.
+  std::vector<std::string> parts;
+  if (form.name != form.body && !form.name.empty()) parts.push_back(spaced(form.name));
+  for (const auto& constant : form.constants) {
+    const auto run = static_cast<std::size_t>(std::max(0.0, constant.value));
+    if (constant.name == "first_run" && run < runs.size()) {
+      parts.push_back(fmt::format("run {}", runs[run]));
+    } else {
+      parts.push_back(
+          fmt::format("{} {}", spaced(constant.name),
+                      with_unit(fmt::format("{:.4g}", clean(constant.value)), constant.unit)));
+    }
+  }
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::string diagnosis_table(const std::vector<Diagnosis>& diagnoses,
+                            const std::vector<MeasurementSet>& sets) {
+  require_matching(diagnoses, sets);
+  std::string text;
+  for (std::size_t k = 0; k < sets.size(); ++k) {
+    if (k > 0) text += '\n';
+    text += kind_text(diagnoses[k], sets[k]);
+  }
+  return text;
+}
+
+}  // namespace gear3k::report

@@ -1,0 +1,30 @@
+#pragma once
+// The extended model that a result was made with.
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "calibrate/extended_model.hpp"
+
+namespace gear3k::report {
+
+/// A model as a command used it.
+struct ModelUse {
+  std::string file;
+  std::vector<calibrate::ExtendedModel> models;
+  /// What optimize moved its limits of lost motion by; 0 elsewhere.
+  double lost_motion_shift_rad = 0.0;
+};
+
+/// Each cause with its parameters in words: "load-independent drag (drag_constant, sun): torque
+/// 0.021 Nm, sd 0.0003"; those that do not change the gearbox say so.
+std::vector<std::string> cause_lines(const ModelUse& model);
+
+/// A paragraph for tables that have no rows for it.
+std::string model_paragraph(const ModelUse& model);
+
+/// Adds `model`: { "file", "causes": [...] }.
+void add_model(nlohmann::ordered_json& json, const ModelUse& model);
+
+}  // namespace gear3k::report

@@ -1,0 +1,26 @@
+#include "report/plot.hpp"
+
+#include <fmt/format.h>
+
+namespace gear3k::report {
+
+std::string plot_text(const std::string& text) {
+  std::string result = "'";
+  for (const char c : text) {
+    if (c == '\'') result += '\'';
+    result += static_cast<unsigned char>(c) < 0x20U ? ' ' : c;
+  }
+  return result + "'";
+}
+
+std::string plot_prologue(int width, int height) {
+  return fmt::format(
+      "set encoding utf8\n"
+      "set decimalsign '.'\n"
+      "set terminal svg size {},{} noenhanced font 'sans-serif,14' background '#ffffff'\n"
+      "set border lc rgb '#404040'\n"
+      "set tics nomirror\n",
+      width, height);
+}
+
+}  // namespace gear3k::report

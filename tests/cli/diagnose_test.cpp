@@ -1,0 +1,382 @@
+// `gear3k diagnose`: what is printed, files, figures, exit codes, bad input.
+
+#include <gtest/gtest.h>
+
+#include <boost/property_tree/xml_parser.hpp>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "io/csv_table.hpp"
+#include "tests/cli/run_program.hpp"
+#include "tests/rig/rig.hpp"
+
+namespace gear3k {
+namespace {
+
+using nlohmann::json;
+using test::lines_of, test::ProgramResult, test::replaced, test::Workplace;
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+std::string design() { return rig::design_toml(rig::bilateral_drive_gear()); }
+
+rig::Plan small_plan() {
+  rig::Plan plan = rig::transmission_plan();
+  plan.sun_speeds_rpm = {200.0, 600.0, 1000.0};
+  plan.torques_Nm = {5.0, 20.0, 50.0};
+  return plan;
+}
+
+/// What a bench measures whose sun drags by 20 mNm.
+std::string dragged_data() {
+  return rig::measure(rig::bilateral_drive_gear(), small_plan(),
+                      {{.id = "drag_constant", .variant = "sun", .amplitude = 0.02}}, 7)
+      .csv;
+}
+
+std::string faultless_data() {
+  return rig::measure(rig::bilateral_drive_gear(), small_plan(), {}, 7).csv;
+}
+
+/// A folder with the design and the data of a dragging sun.
+void prepare(const Workplace& place) {
+  place.write("gear.toml", design());
+  place.write("data.csv", dragged_data());
+}
+
+const std::vector<std::string> kFigures{"evidence.svg", "measured_vs_simulated.svg",
+                                        "residuals.svg"};
+
+TEST(Diagnose, FindsTheDragAndSaysSoInWords) {
+  const Workplace place;
+  prepare(place);
+  const ProgramResult result = place.run({"diagnose", "gear.toml", "data.csv"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  for (const char* part : {"The simulation is ", " % off where noise is ",
+                           "Cause: load-independent drag at the sun: torque 0.0", "held out"}) {
+    EXPECT_TRUE(contains(result.out, part)) << part << '\n' << result.out;
+  }
+  EXPECT_EQ(place.listing(), (std::vector<std::string>{"data.csv", "gear.toml"}))
+      << "nothing is written without --out";
+}
+
+TEST(Diagnose, AFaultlessSimulationHasNoDiscrepancy) {
+  const Workplace place;
+  place.write("gear.toml", design());
+  place.write("data.csv", faultless_data());
+  const ProgramResult result = place.run({"diagnose", "gear.toml", "data.csv", "--format", "json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const json data = json::parse(result.out);
+  EXPECT_EQ(data.at("verdict"), "no_discrepancy");
+  EXPECT_TRUE(data.at("effects").empty());
+}
+
+TEST(Diagnose, WritesResultsAndFigures) {
+  const Workplace place;
+  prepare(place);
+  const ProgramResult result =
+      place.run({"diagnose", "gear.toml", "data.csv", "--out", "a/b", "--format", "json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(
+      place.listing(),
+      (std::vector<std::string>{
+          "a", "a/b", "a/b/diagnosis.json", "a/b/evidence.svg", "a/b/measured_vs_simulated.svg",
+          "a/b/model.toml", "a/b/residuals.csv", "a/b/residuals.svg", "data.csv", "gear.toml"}));
+  EXPECT_EQ(place.read("a/b/diagnosis.json"), result.out);
+  EXPECT_EQ(place.read("a/b/residuals.csv"),
+            place.run({"diagnose", "gear.toml", "data.csv", "--format", "csv"}).out);
+  for (const std::string& name : kFigures) {
+    std::istringstream stream(place.read("a/b/" + name));
+    boost::property_tree::ptree tree;
+    ASSERT_NO_THROW(boost::property_tree::read_xml(stream, tree)) << name;
+  }
+}
+
+TEST(Diagnose, JsonKeepsTheContract) {
+  const Workplace place;
+  prepare(place);
+  const json data =
+      json::parse(place.run({"diagnose", "gear.toml", "data.csv", "--format", "json"}).out);
+  for (const char* key :
+       {"verdict", "effects", "rmse", "gain", "remainder", "next_experiment", "tool", "subject"}) {
+    EXPECT_TRUE(data.contains(key)) << key;
+  }
+  ASSERT_FALSE(data.at("effects").empty());
+  const json& effect = data.at("effects").at(0);
+  for (const char* key : {"id", "alternatives", "parameters", "evidence"}) {
+    EXPECT_TRUE(effect.contains(key)) << key;
+  }
+  const json& parameter = effect.at("parameters").at(0);
+  EXPECT_LT(parameter.at("ci95").at(0), parameter.at("value"));
+  EXPECT_GT(parameter.at("ci95").at(1), parameter.at("value"));
+  EXPECT_GT(data.at("gain").get<double>(), 0.3);
+}
+
+TEST(Diagnose, ResidualsAreMeasuredLessSimulated) {
+  const Workplace place;
+  prepare(place);
+  const io::CsvTable rows = io::parse_csv(
+      place.run({"diagnose", "gear.toml", "data.csv", "--format", "csv"}).out, "stdout");
+  const io::CsvTable data = io::parse_csv(place.read("data.csv"), "data.csv");
+  ASSERT_EQ(rows.rows.size(), data.rows.size());
+  for (std::size_t k = 0; k < rows.rows.size(); ++k) {
+    const auto& row = rows.rows[k];
+    EXPECT_EQ(rows.number(row, "line"), data.rows[k].line);
+    EXPECT_NEAR(*rows.number(row, "measured"), *data.number(data.rows[k], "sun_torque_nm"), 1e-12);
+    EXPECT_NEAR(*rows.number(row, "measured") - *rows.number(row, "extended"),
+                *rows.number(row, "residual_extended"), 1e-11);
+  }
+}
+
+TEST(Diagnose, ItsModelLeavesNothingToFind) {
+  const Workplace place;
+  prepare(place);
+  ASSERT_EQ(place.run({"diagnose", "gear.toml", "data.csv", "--out", "first"}).exit_code, 0);
+  const ProgramResult again =
+      place.run({"diagnose", "gear.toml", "data.csv", "--model", "first/model.toml", "--format",
+                 "json", "--out", "second"});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  const json data = json::parse(again.out);
+  EXPECT_EQ(data.at("verdict"), "no_discrepancy");
+  EXPECT_EQ(place.read("second/model.toml"), place.read("first/model.toml"));
+}
+
+TEST(Diagnose, TheModelThatItReadIsNotReplaced) {
+  const Workplace place;
+  prepare(place);
+  ASSERT_EQ(place.run({"diagnose", "gear.toml", "data.csv", "--out", "out"}).exit_code, 0);
+  const std::string model = place.read("out/model.toml");
+  const ProgramResult again =
+      place.run({"diagnose", "gear.toml", "data.csv", "--model", "out/model.toml", "--out", "out"});
+  EXPECT_EQ(again.exit_code, 2);
+  EXPECT_TRUE(contains(again.err, "out/model.toml is an input file")) << again.err;
+  EXPECT_EQ(place.read("out/model.toml"), model);
+}
+
+TEST(Diagnose, SameInputGivesTheSameBytesWhateverTheThreads) {
+  const Workplace place;
+  prepare(place);
+  ASSERT_EQ(
+      place.run({"diagnose", "gear.toml", "data.csv", "--out", "1", "--threads", "1"}).exit_code,
+      0);
+  ASSERT_EQ(
+      place.run({"diagnose", "gear.toml", "data.csv", "--out", "2", "--threads", "4"}).exit_code,
+      0);
+  for (const char* name : {"diagnosis.json", "model.toml", "residuals.csv", "residuals.svg",
+                           "evidence.svg", "measured_vs_simulated.svg"}) {
+    EXPECT_EQ(place.read(std::string("1/") + name), place.read(std::string("2/") + name)) << name;
+  }
+}
+
+TEST(Diagnose, ABlackBoxStandsInForADesign) {
+  const Workplace place;
+  place.write("box.toml",
+              "name = \"box\"\n[gearbox]\nratio = 96.24\nefficiency_forward = 0.9\n"
+              "efficiency_backward = 0.88\n");
+  place.write("data.csv", dragged_data());
+  const ProgramResult result = place.run({"diagnose", "box.toml", "data.csv", "--format", "json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(json::parse(result.out).at("subject"), "box");
+}
+
+TEST(Diagnose, TorqueAngleRecordsBecomeLostMotion) {
+  const Workplace place;
+  place.write("gear.toml", design());
+  place.write("loops.csv", rig::measure(rig::bilateral_drive_gear(), rig::torque_angle_plan(),
+                                        {{.id = "clearance", .amplitude = 6.0}}, 3)
+                               .csv);
+  const ProgramResult result =
+      place.run({"diagnose", "gear.toml", "loops.csv", "--format", "json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const json data = json::parse(result.out);
+  EXPECT_EQ(data.at("kind"), "torque_angle");
+  EXPECT_EQ(data.at("rmse").at("unit"), "arcmin");
+  ASSERT_FALSE(data.at("effects").empty());
+  EXPECT_EQ(data.at("effects").at(0).at("id"), "clearance");
+}
+
+TEST(Diagnose, SeveralKindsAreDiagnosedOneByOne) {
+  const Workplace place;
+  prepare(place);
+  place.write("lost.csv",
+              rig::measure(rig::bilateral_drive_gear(), rig::lost_motion_plan(), {}, 3).csv);
+  const ProgramResult result = place.run(
+      {"diagnose", "gear.toml", "lost.csv", "data.csv", "--out", "out", "--format", "json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const json data = json::parse(result.out);
+  ASSERT_EQ(data.at("kinds").size(), 2U);
+  EXPECT_EQ(data.at("kinds").at(0).at("kind"), "transmission");
+  EXPECT_EQ(data.at("kinds").at(1).at("kind"), "lost_motion");
+  EXPECT_TRUE(place.has("out/residuals_lost_motion.svg"));
+}
+
+TEST(Diagnose, TheNextExperimentKeepsItsLimits) {
+  const Workplace place;
+  place.write("gear.toml", design());
+  rig::Plan plan = small_plan();
+  plan.both_rotations = false;
+  place.write("data.csv",
+              rig::measure(rig::bilateral_drive_gear(), plan,
+                           {{.id = "drag_constant", .variant = "sun", .amplitude = 0.02}}, 7)
+                  .csv);
+  const ProgramResult result =
+      place.run({"diagnose", "gear.toml", "data.csv", "--format", "json", "--max-sun-speed-rpm",
+                 "450", "--max-output-torque-nm", "12"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const json next = json::parse(result.out).at("next_experiment");
+  ASSERT_FALSE(next.is_null());
+  ASSERT_FALSE(next.at("conditions").empty());
+  for (const json& condition : next.at("conditions")) {
+    EXPECT_LE(condition.at("sun_speed_rpm").get<double>(), 450.0 + 1e-9);
+    EXPECT_LE(condition.at("output_torque_nm").get<double>(), 12.0 + 1e-9);
+    EXPECT_GE(condition.at("repeats").get<int>(), 1);
+  }
+}
+
+/// The environment's PATH while it is another one.
+class OtherPath {
+ public:
+  explicit OtherPath(const char* path) {
+    if (const char* before = std::getenv("PATH")) before_ = before;
+    ::setenv("PATH", path, 1);
+  }
+  ~OtherPath() { ::setenv("PATH", before_.c_str(), 1); }
+  OtherPath(const OtherPath&) = delete;
+  OtherPath& operator=(const OtherPath&) = delete;
+
+ private:
+  std::string before_;
+};
+
+TEST(Diagnose, WithoutGnuplotTheResultsAreThereAndOldFiguresAreNot) {
+  const Workplace place;
+  prepare(place);
+  ASSERT_EQ(place.run({"diagnose", "gear.toml", "data.csv", "--out", "out"}).exit_code, 0);
+  ProgramResult result;
+  {
+    const OtherPath path("");
+    result = place.run({"diagnose", "gear.toml", "data.csv", "--out", "out"});
+  }
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err,
+                       "written without figures: out/diagnosis.json, out/model.toml, "
+                       "out/residuals.csv"))
+      << result.err;
+  for (const std::string& name : kFigures) {
+    EXPECT_FALSE(place.has("out/" + name)) << name;
+    EXPECT_TRUE(place.has("out/" + name + ".previous")) << name;
+  }
+}
+
+TEST(Diagnose, ErrorsOfAllFilesAreToldAtOnce) {
+  const Workplace place;
+  prepare(place);
+  place.write("gear.toml", replaced(design(), "planets", "planetz"));
+  place.write("data.csv", replaced(dragged_data(), "sun_torque_nm", "sun_torque_Nm"));
+  const ProgramResult result =
+      place.run({"diagnose", "gear.toml", "data.csv", "--model", "none.toml", "--out", "out"});
+  EXPECT_EQ(result.exit_code, 2);
+  for (const char* part : {"gear.toml:", "planets", "data.csv:", "sun_torque_nm", "none.toml"}) {
+    EXPECT_TRUE(contains(result.err, part)) << part << '\n' << result.err;
+  }
+  EXPECT_EQ(result.out, "");
+  EXPECT_FALSE(place.has("out"));
+}
+
+TEST(Diagnose, EfficienciesAboveOneAreNamedOrRefused) {
+  const Workplace place;
+  place.write("gear.toml", design());
+  std::string swapped = dragged_data();
+  const auto swap = [&](const std::string& from, const std::string& to) {
+    for (auto at = swapped.find(from); at != std::string::npos; at = swapped.find(from, at)) {
+      swapped.replace(at, from.size(), to);
+    }
+  };
+  swap("\nforward,", "\n#,");
+  swap("\nbackward,", "\nforward,");
+  swap("\n#,", "\nbackward,");
+  ASSERT_NE(swapped, dragged_data());
+  place.write("data.csv", swapped);
+  const ProgramResult result = place.run({"diagnose", "gear.toml", "data.csv"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, "efficiency above 1")) << result.err;
+}
+
+TEST(Diagnose, DataThatTheSubjectCannotAnswerAreRefused) {
+  const Workplace place;
+  prepare(place);
+  place.write("pair.toml", test::example("pair_internal.toml"));
+  const ProgramResult result = place.run({"diagnose", "pair.toml", "data.csv"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, "pair.toml: ")) << result.err;
+  EXPECT_TRUE(contains(result.err, "transmission")) << result.err;
+}
+
+TEST(Diagnose, ARecordWithoutALoopIsAnError) {
+  const Workplace place;
+  place.write("gear.toml", design());
+  std::string csv = "# kind: torque_angle\n# locked: sun\ntime_s,angle_deg,torque_nm\n";
+  for (int k = 0; k < 400; ++k) {
+    csv +=
+        std::to_string(k) + "," + std::to_string(0.001 * k) + "," + std::to_string(0.01 * k) + "\n";
+  }
+  place.write("ramp.csv", csv);
+  const ProgramResult result = place.run({"diagnose", "gear.toml", "ramp.csv"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, "ramp.csv: no loop could be measured")) << result.err;
+}
+
+TEST(Diagnose, UsageErrors) {
+  const Workplace place;
+  prepare(place);
+  EXPECT_EQ(place.run({"diagnose"}).exit_code, 1);
+  EXPECT_EQ(place.run({"diagnose", "gear.toml"}).exit_code, 1) << "without data";
+  EXPECT_EQ(place.run({"diagnose", "gear.toml", "data.csv", "--out", ""}).exit_code, 1);
+  const ProgramResult typo = place.run({"diagnose", "gear.toml", "data.csv", "--modle", "m.toml"});
+  EXPECT_EQ(typo.exit_code, 1);
+  EXPECT_TRUE(contains(typo.err, "did you mean --model?")) << typo.err;
+  const ProgramResult limits =
+      place.run({"diagnose", "gear.toml", "data.csv", "--false-discovery-rate", "0",
+                 "--min-sun-speed-rpm", "500", "--max-sun-speed-rpm", "100"});
+  EXPECT_EQ(limits.exit_code, 1);
+  EXPECT_TRUE(contains(limits.err, "--false-discovery-rate = 0: allowed: above 0, up to 0.5"))
+      << limits.err;
+  EXPECT_TRUE(contains(limits.err, "allowed: min <= max")) << limits.err;
+  EXPECT_EQ(place.run({"diagnose", "--help"}).exit_code, 0);
+}
+
+TEST(Diagnose, AFolderThatCannotBeMadeLeavesNothingBehind) {
+  const Workplace place;
+  prepare(place);
+  place.write("file", "");
+  const ProgramResult result = place.run({"diagnose", "gear.toml", "data.csv", "--out", "file"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.out, "");
+  EXPECT_EQ(place.listing(), (std::vector<std::string>{"data.csv", "file", "gear.toml"}));
+}
+
+TEST(DiagnoseInterrupt, EndsWithItsCodeAndLeavesNothing) {
+  const Workplace place;
+  place.write("gear.toml", design());
+  rig::Plan plan = rig::transmission_plan();
+  plan.repeats = 200;
+  place.write("data.csv", rig::measure(rig::bilateral_drive_gear(), plan, {}, 7).csv);
+  test::RunningProgram program =
+      place.start({"diagnose", "gear.toml", "data.csv", "--out", "out", "--quiet"});
+  ASSERT_TRUE(program.wait_until_it_catches(SIGTERM, std::chrono::seconds(10)));
+  program.send(SIGTERM);
+  const auto result = program.wait(std::chrono::seconds(50));
+  ASSERT_TRUE(result.has_value());
+  EXPECT_EQ(result->signal, 0);
+  EXPECT_EQ(result->exit_code, 130);
+  EXPECT_EQ(result->out, "");
+  EXPECT_FALSE(std::filesystem::exists(place.file("out")));
+}
+
+}  // namespace
+}  // namespace gear3k

@@ -1,0 +1,397 @@
+#include "report/diagnosis_report.hpp"
+
+#include <gtest/gtest.h>
+
+#include <boost/property_tree/xml_parser.hpp>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <sstream>
+#include <stdexcept>
+
+#include "io/csv_table.hpp"
+#include "io/gnuplot.hpp"
+#include "report/condition_columns.hpp"
+#include "report/diagnosis_plot.hpp"
+
+namespace gear3k::report {
+namespace {
+
+using calibrate::Condition, calibrate::Diagnosis, calibrate::Effect, calibrate::Kind,
+    calibrate::kUnknown, calibrate::MeasurementSet, calibrate::Verdict;
+using nlohmann::json;
+
+constexpr double kRpm = std::numbers::pi / 30.0;
+constexpr double kArcmin = std::numbers::pi / 10800.0;
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+struct Case {
+  std::vector<Diagnosis> diagnoses;
+  std::vector<MeasurementSet> sets;
+  [[nodiscard]] std::string table() const { return diagnosis_table(diagnoses, sets); }
+  [[nodiscard]] json as_json() const { return json::parse(diagnosis_json(diagnoses, sets)); }
+};
+
+/// Eight rows whose mean sun torque is 0.5 Nm; the simulation lacks 0.021 Nm of drag.
+Case dragged() {
+  MeasurementSet set;
+  set.kind = Kind::kTransmission;
+  set.files = {"a.csv"};
+  set.runs = {"Monday", "Tuesday"};
+  set.fingerprint = 0xabcU;
+  Diagnosis d;
+  d.subject = "gear";
+  for (int k = 0; k < 8; ++k) {
+    Condition c;
+    c.direction = k % 2 == 0 ? design::Direction::kForward : design::Direction::kBackward;
+    c.sun_speed_rad_s = (200.0 + 100.0 * k) * kRpm;
+    c.output_torque_Nm = 5.0 + 5.0 * k;
+    c.rotation = k < 4 ? 1 : -1;
+    c.temperature_K = 298.15;
+    c.run = k / 4;
+    const double torque = 0.15 + 0.1 * k;
+    set.rows.push_back({.condition = c, .response = torque, .file = 0, .line = 3 + k});
+    d.rows.push_back({.baseline = torque - 0.021,
+                      .extended = torque - 0.001,
+                      .sigma = 0.003,
+                      .holdout = torque - 0.002,
+                      .block = k % 3});
+  }
+  d.verdict = Verdict::kExplained;
+  Effect drag;
+  drag.id = "drag_constant";
+  drag.title = "load-independent drag";
+  drag.form = {.name = "sun", .body = "sun"};
+  drag.remedy = calibrate::Remedy::kDrag;
+  drag.parameters = {{.name = "torque",
+                      .unit = "Nm",
+                      .value = 0.021,
+                      .low = 0.019,
+                      .high = 0.023,
+                      .plausible_low = 0.0,
+                      .plausible_high = 5.0}};
+  drag.delta_bic = 42.5;
+  drag.inclusion_frequency = 0.97;
+  drag.p_value = 1e-6;
+  d.effects.push_back(drag);
+  d.errors = {.baseline_train = 0.0205,
+              .extended_train = 0.0031,
+              .baseline_holdout = 0.02,
+              .extended_holdout = 0.004,
+              .noise_floor = 0.003};
+  d.holdout_blocks = "load";
+  d.extrapolation = {
+      .along = "load", .left_out = 40.0, .rows = 1, .baseline = 0.0208, .extended = 0.0035};
+  d.noise_source = calibrate::NoiseSource::kRepeats;
+  d.repeat_degrees = 4;
+  d.lack_of_fit = 30.0;
+  d.lack_of_fit_p = 1e-5;
+  d.lack_degrees = 4;
+  d.pure_degrees = 4;
+  d.evidence = {{.id = "drag_constant", .delta_bic = 42.5, .evidence = 25.0},
+                {.id = "friction_level", .delta_bic = -2.0, .evidence = 0.5}};
+  d.covariates_before = {{.name = "load", .statistic = 20.0, .degrees = 3, .p_value = 2e-4}};
+  d.covariates_after = {{.name = "load", .statistic = 2.0, .degrees = 3, .p_value = 0.57}};
+  return {.diagnoses = {d}, .sets = {set}};
+}
+
+Case ambiguous() {
+  Case c = dragged();
+  Diagnosis& d = c.diagnoses[0];
+  d.verdict = Verdict::kAmbiguous;
+  d.effects[0].alternatives = {{.id = "sensor_offset",
+                                .title = "offset of the torque sensor",
+                                .form = {.name = "constant"},
+                                .with_level = true,
+                                .statistic = 0.3,
+                                .parameters = {{.name = "offset",
+                                                .unit = "Nm",
+                                                .value = 7.0,
+                                                .low = 6.9,
+                                                .high = 7.1,
+                                                .plausible = false,
+                                                .plausible_low = -1.0,
+                                                .plausible_high = 1.0}},
+                                .remedy = calibrate::Remedy::kSensor}};
+  calibrate::NextExperiment next;
+  next.separates = {"drag_constant", "sensor_offset"};
+  Condition proposed;
+  proposed.sun_speed_rad_s = 600.0 * kRpm;
+  proposed.output_torque_Nm = 5.0;
+  proposed.rotation = -1;
+  proposed.temperature_K = kUnknown;
+  next.conditions = {{.condition = proposed, .repeats = 6}};
+  next.expected_statistic = 25.0;
+  next.advice = "Turn the other way.";
+  d.next_experiment = next;
+  return c;
+}
+
+TEST(DiagnosisTable, SaysInPercentHowFarOffTheSimulationIsAndWhy) {
+  const std::string text = dragged().table();
+  // 0.0205 and 0.003 of a mean of 0.5 Nm.
+  EXPECT_TRUE(contains(text, "The simulation is 4.1 % off where noise is 0.6 %")) << text;
+  EXPECT_TRUE(contains(text, "from 4 repeats")) << text;
+  EXPECT_TRUE(contains(text, "Verdict: explained.")) << text;
+  EXPECT_TRUE(contains(
+      text, "Cause: load-independent drag at the sun: torque 0.0210 ± 0.0020 Nm. [drag_constant]"))
+      << text;
+  // 1 - 0.004/0.02.
+  EXPECT_TRUE(contains(text, "80 % better")) << text;
+  EXPECT_TRUE(contains(text, "beyond the fit, load 40 Nm (1 rows)")) << text;
+  EXPECT_TRUE(contains(text, "nothing beyond noise")) << text;
+}
+
+TEST(DiagnosisTable, NamesWhatExplainsAsWellWithItsValueAndWhatIsImplausible) {
+  const std::string text = ambiguous().table();
+  EXPECT_TRUE(contains(text, "Verdict: ambiguous.")) << text;
+  EXPECT_TRUE(contains(text, "sensor_offset: offset of the torque sensor")) << text;
+  EXPECT_TRUE(contains(text, "offset 7.00 ± 0.10 Nm, with another coefficient of friction"))
+      << text;
+  EXPECT_TRUE(contains(text, "offset = 7 would not be plausible")) << text;
+  EXPECT_TRUE(contains(text, "Next experiment, to tell apart drag_constant, sensor_offset"))
+      << text;
+  EXPECT_TRUE(contains(text, "Turn the other way.")) << text;
+}
+
+TEST(DiagnosisTable, FrictionLevelIsAParameterAndSaysWhenItIsPreferred) {
+  Case c = dragged();
+  Effect& effect = c.diagnoses[0].effects[0];
+  effect.id = "friction_level";
+  EXPECT_TRUE(contains(c.table(), "This is a parameter, not a missing effect."));
+  EXPECT_FALSE(contains(c.table(), "is preferred"));
+  effect.preferred_parameter = true;
+  EXPECT_TRUE(contains(c.table(), "the parameter is preferred"));
+}
+
+TEST(DiagnosisTable, SaysWhereAValueIsABoundOrNotPlausible) {
+  Case c = dragged();
+  auto& p = c.diagnoses[0].effects[0].parameters[0];
+  EXPECT_FALSE(contains(c.table(), "bound"));
+  p.at_bound = true;
+  p.plausible = false;
+  const std::string text = c.table();
+  EXPECT_TRUE(contains(text, "torque stands at a bound of the fit")) << text;
+  EXPECT_TRUE(contains(text, "torque = 0.021 Nm is not plausible (0 to 5 would be)")) << text;
+}
+
+TEST(DiagnosisTable, AnUnexplainedRemainderIsDescribed) {
+  Case c = dragged();
+  Diagnosis& d = c.diagnoses[0];
+  d.verdict = Verdict::kUnexplained;
+  d.remainder.significant = true;
+  d.remainder.along = "angle";
+  d.remainder.p_value = 1e-5;
+  d.remainder.order = 7.3;
+  d.remainder.share = 0.4;
+  const std::string text = c.table();
+  EXPECT_TRUE(contains(text, "Verdict: unexplained.")) << text;
+  EXPECT_TRUE(contains(text, "structure along angle, 7.3 times per turn of the output")) << text;
+}
+
+TEST(DiagnosisTable, AWorsePredictionIsSaid) {
+  Case c = dragged();
+  c.diagnoses[0].errors.extended_holdout = 0.03;
+  EXPECT_TRUE(contains(c.table(), "50 % worse"));
+}
+
+TEST(DiagnosisTable, ASessionIsCalledByItsLabel) {
+  const calibrate::Form form{.name = "from", .constants = {{.name = "first_run", .value = 1.0}}};
+  EXPECT_EQ(form_text(form, {"Monday", "Tuesday"}), "from, run Tuesday");
+}
+
+TEST(DiagnosisJson, KeepsTheContract) {
+  const json data = ambiguous().as_json();
+  EXPECT_EQ(data.at("verdict"), "ambiguous");
+  const json& effect = data.at("effects").at(0);
+  EXPECT_EQ(effect.at("id"), "drag_constant");
+  EXPECT_EQ(effect.at("body"), "sun");
+  EXPECT_FALSE(effect.contains("order"));
+  EXPECT_EQ(effect.at("alternatives"), json({"sensor_offset"}));
+  const json& parameter = effect.at("parameters").at(0);
+  EXPECT_EQ(parameter.at("name"), "torque");
+  EXPECT_EQ(parameter.at("unit"), "Nm");
+  EXPECT_EQ(parameter.at("value"), 0.021);
+  EXPECT_EQ(parameter.at("ci95"), json({0.019, 0.023}));
+  EXPECT_EQ(effect.at("evidence"),
+            json({{"delta_bic", 42.5}, {"inclusion_frequency", 0.97}, {"p_value", 1e-6}}));
+  const json& rmse = data.at("rmse");
+  EXPECT_EQ(rmse.at("baseline_train"), 0.0205);
+  EXPECT_EQ(rmse.at("extended_train"), 0.0031);
+  EXPECT_EQ(rmse.at("baseline_holdout"), 0.02);
+  EXPECT_EQ(rmse.at("extended_holdout"), 0.004);
+  EXPECT_EQ(rmse.at("noise_floor"), 0.003);
+  EXPECT_EQ(rmse.at("unit"), "Nm");
+  EXPECT_DOUBLE_EQ(data.at("gain").get<double>(), 0.8);
+  EXPECT_EQ(data.at("remainder").at("significant"), false);
+  EXPECT_TRUE(data.at("remainder").at("along").is_null());
+  EXPECT_EQ(data.at("next_experiment").at("separates"), json({"drag_constant", "sensor_offset"}));
+  EXPECT_FALSE(data.contains("kinds"));
+}
+
+TEST(DiagnosisJson, ProposedConditionsAreRowsOfDataCsv) {
+  const json condition = ambiguous().as_json().at("next_experiment").at("conditions").at(0);
+  EXPECT_EQ(condition, json({{"direction", "forward"},
+                             {"sun_speed_rpm", 600.0},
+                             {"output_torque_nm", 5.0},
+                             {"rotation", -1},
+                             {"repeats", 6}}));
+}
+
+TEST(DiagnosisJson, WhatIsNotKnownIsNull) {
+  Case c = dragged();
+  c.diagnoses[0].errors.baseline_holdout = c.diagnoses[0].errors.extended_holdout = kUnknown;
+  c.diagnoses[0].lack_degrees = 0;
+  c.diagnoses[0].extrapolation = {};
+  const json data = c.as_json();
+  EXPECT_TRUE(data.at("gain").is_null());
+  EXPECT_TRUE(data.at("rmse").at("extended_holdout").is_null());
+  EXPECT_TRUE(data.at("next_experiment").is_null());
+  EXPECT_TRUE(data.at("lack_of_fit").is_null());
+  EXPECT_TRUE(data.at("extrapolation").is_null());
+}
+
+TEST(DiagnosisJson, BodyAndOrderOfARunOut) {
+  Case c = dragged();
+  c.diagnoses[0].effects[0].form = {.name = "proportional", .body = "planet", .order = 29.2};
+  const json effect = c.as_json().at("effects").at(0);
+  EXPECT_EQ(effect.at("body"), "planet");
+  EXPECT_EQ(effect.at("order"), 29.2);
+}
+
+/// The transmission above and lost motion of two rows, 20 arcmin measured, 19 simulated.
+Case two_kinds() {
+  Case c = dragged();
+  MeasurementSet set;
+  set.kind = Kind::kLostMotion;
+  set.files = {"b.csv"};
+  Diagnosis d;
+  d.kind = Kind::kLostMotion;
+  d.verdict = Verdict::kUnexplained;
+  for (int k = 0; k < 2; ++k) {
+    Condition condition;
+    condition.test_torque_Nm = 1.0 + k;
+    condition.output_angle_rad = std::numbers::pi * k;
+    set.rows.push_back({.condition = condition, .response = 20.0 * kArcmin, .line = 3 + k});
+    d.rows.push_back({.baseline = 19.0 * kArcmin, .extended = 19.0 * kArcmin, .sigma = kArcmin});
+  }
+  d.errors = {.baseline_train = kArcmin, .extended_train = kArcmin, .noise_floor = 0.5 * kArcmin};
+  Effect clearance;
+  clearance.id = clearance.title = "clearance";
+  clearance.form = {.name = "output"};
+  clearance.parameters = {
+      {.name = "clearance", .unit = "arcmin", .value = 1.0, .low = 0.5, .high = 1.5}};
+  d.effects = {clearance};
+  c.diagnoses.push_back(d);
+  c.sets.push_back(set);
+  return c;
+}
+
+TEST(DiagnosisJson, SeveralKindsGiveTheWorstVerdictAndAllEffects) {
+  const json data = two_kinds().as_json();
+  EXPECT_EQ(data.at("verdict"), "unexplained");
+  ASSERT_EQ(data.at("effects").size(), 2U);
+  EXPECT_EQ(data.at("effects").at(0).at("kind"), "transmission");
+  EXPECT_EQ(data.at("effects").at(1).at("kind"), "lost_motion");
+  EXPECT_EQ(data.at("rmse").at("unit"), "Nm");
+  ASSERT_EQ(data.at("kinds").size(), 2U);
+  EXPECT_EQ(data.at("kinds").at(0).at("verdict"), "explained");
+  EXPECT_EQ(data.at("kinds").at(1).at("rmse").at("unit"), "arcmin");
+  EXPECT_NEAR(data.at("kinds").at(1).at("rmse").at("baseline_train").get<double>(), 1.0, 1e-12);
+}
+
+TEST(ResidualCsv, HasARowPerMeasurementInUnitsOfTheData) {
+  const Case c = two_kinds();
+  const io::CsvTable table = io::parse_csv(residual_csv(c.diagnoses, c.sets), "residuals.csv");
+  ASSERT_EQ(table.rows.size(), 10U);
+  const auto& first = table.rows.front();
+  EXPECT_EQ(table.text(first, "file"), "a.csv");
+  EXPECT_EQ(table.number(first, "line"), 3.0);
+  EXPECT_EQ(table.text(first, "direction"), "forward");
+  EXPECT_EQ(table.number(first, "sun_speed_rpm"), 200.0);
+  EXPECT_EQ(table.number(first, "temperature_c"), 25.0);
+  EXPECT_EQ(table.text(first, "run"), "Monday");
+  EXPECT_EQ(table.number(first, "measured"), 0.15);
+  EXPECT_EQ(table.number(first, "residual_baseline"), 0.021);
+  EXPECT_EQ(table.number(first, "residual_extended"), 0.001);
+  EXPECT_EQ(table.number(first, "residual_holdout"), 0.002);
+  EXPECT_FALSE(table.text(first, "test_torque_nm").has_value());
+  const auto& last = table.rows.back();
+  EXPECT_EQ(table.text(last, "kind"), "lost_motion");
+  EXPECT_EQ(table.text(last, "unit"), "arcmin");
+  EXPECT_EQ(table.number(last, "measured"), 20.0);
+  EXPECT_EQ(table.number(last, "residual_baseline"), 1.0);
+  EXPECT_EQ(table.number(last, "output_angle_deg"), 180.0);
+  EXPECT_FALSE(table.text(last, "holdout").has_value());
+  EXPECT_FALSE(table.text(last, "direction").has_value());
+}
+
+TEST(DiagnosisReport, ResultsAndDataMustGoTogether) {
+  Case c = dragged();
+  c.diagnoses[0].rows.pop_back();
+  EXPECT_THROW(static_cast<void>(c.table()), std::invalid_argument);
+  EXPECT_THROW(diagnosis_json({}, {}), std::invalid_argument);
+}
+
+TEST(ConditionColumns, CovariatesAreFoundByTheirShortNames) {
+  EXPECT_EQ(column_of("load", Kind::kTransmission)->name, "output_torque_nm");
+  EXPECT_EQ(column_of("load", Kind::kLostMotion)->name, "test_torque_nm");
+  EXPECT_EQ(column_of("driven teeth", Kind::kPairLoss)->name, "driven_teeth");
+  EXPECT_EQ(column_of("temperature_c", Kind::kTransmission)->unit, "C");
+  EXPECT_FALSE(column_of("humidity", Kind::kTransmission).has_value());
+}
+
+TEST(DiagnosisPlots, AreWellFormedAndTellTheirFacts) {
+  for (const Case& c : {dragged(), ambiguous(), two_kinds()}) {
+    const std::vector<Plot> plots = diagnosis_plots(c.diagnoses, c.sets);
+    ASSERT_EQ(plots.size(), 3 * c.sets.size());
+    for (const Plot& plot : plots) {
+      const std::string svg = io::run_gnuplot(plot.script);
+      std::istringstream stream(svg);
+      boost::property_tree::ptree tree;
+      ASSERT_NO_THROW(boost::property_tree::read_xml(stream, tree)) << plot.name;
+      EXPECT_EQ(tree.count("svg"), 1U) << plot.name;
+      EXPECT_FALSE(contains(svg, "NaN")) << plot.name;
+    }
+  }
+  const Case c = dragged();
+  const std::vector<Plot> plots = diagnosis_plots(c.diagnoses, c.sets);
+  EXPECT_EQ(plots[0].name, "measured_vs_simulated");
+  EXPECT_TRUE(contains(io::run_gnuplot(plots[0].script), "0.0205 Nm off"));
+  EXPECT_EQ(plots[1].name, "residuals");
+  EXPECT_TRUE(contains(io::run_gnuplot(plots[1].script), "output torque (Nm)"));
+  EXPECT_EQ(plots[2].name, "evidence");
+  EXPECT_TRUE(contains(io::run_gnuplot(plots[2].script), "drag_constant"));
+}
+
+TEST(DiagnosisPlots, WithSeveralKindsNamesEndWithTheKind) {
+  const Case c = two_kinds();
+  const std::vector<Plot> plots = diagnosis_plots(c.diagnoses, c.sets);
+  EXPECT_EQ(plots[0].name, "measured_vs_simulated_transmission");
+  EXPECT_EQ(plots[5].name, "evidence_lost_motion");
+}
+
+TEST(DiagnosisPlots, ResidualsOfARunOutAreOverTheAngleOfItsBody) {
+  Case c = dragged();
+  for (auto& row : c.sets[0].rows) row.condition.output_angle_rad = row.condition.output_torque_Nm;
+  Effect& effect = c.diagnoses[0].effects[0];
+  effect.id = "runout";
+  effect.form = {.name = "proportional", .body = "planet", .order = 29.2};
+  const std::string script = diagnosis_plots(c.diagnoses, c.sets)[1].script;
+  EXPECT_TRUE(contains(script, "angle of planet (deg), 29.2 periods")) << script;
+}
+
+TEST(DiagnosisPlots, LongDataAreThinnedAndSaySo) {
+  Case c = dragged();
+  while (c.sets[0].rows.size() <= kMostPlottedRows) {
+    c.sets[0].rows.push_back(c.sets[0].rows[c.sets[0].rows.size() % 8]);
+    c.diagnoses[0].rows.push_back(c.diagnoses[0].rows[0]);
+  }
+  EXPECT_TRUE(contains(diagnosis_plots(c.diagnoses, c.sets)[0].script, "1 of 2 rows shown"));
+}
+
+}  // namespace
+}  // namespace gear3k::report
