@@ -50,7 +50,6 @@ std::vector<Form> angle_forms(const Occasion& o, const std::vector<ShaftOrder>& 
       result.push_back(form("constant", 1.0));
     }
   }
-  for (Form& form : result) form.weight /= static_cast<double>(orders.size());
   return result;
 }
 

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
-#include <tuple>
 
 #include "calibrate/experiment.hpp"
 #include "calibrate/holdout.hpp"
@@ -22,8 +21,8 @@ namespace gear3k::calibrate {
 namespace {
 
 /// Of the stated rate of false discoveries, what the search for causes and that for remainders get.
-constexpr double kCauseShare = 0.8;
-constexpr double kRemainderShare = 0.2;
+constexpr double kCauseShare = 0.85;
+constexpr double kRemainderShare = 0.15;
 
 double root_mean_square(const Eigen::VectorXd& x) {
   return x.size() == 0 ? 0.0 : std::sqrt(x.squaredNorm() / static_cast<double>(x.size()));
@@ -68,6 +67,31 @@ MeasurementSet simulated_rows(const Simulation& simulation, const MeasurementSet
         lines.size(), data.rows.size(), lines.front()));
   }
   return result;
+}
+
+/// Weights rows by a power of the simulated response where the scatter about the fit clearly
+/// follows it; a stated σ is left as it is.
+bool weigh_by_response(Problem& problem, const SearchResult& found) {
+  if (problem.noise.source == NoiseSource::kStated) return false;
+  const Eigen::VectorXd simulated = found.fit.simulated.cwiseAbs();
+  const double middle = simulated.mean();
+  constexpr double kLeast = 0.05;
+  const Eigen::VectorXd size = (simulated / middle).cwiseMax(kLeast);
+  const Eigen::VectorXd residual = winsorised(found.fit.residual, found.scale);
+  const auto n = static_cast<double>(residual.size());
+  const auto likelihood = [&](double power) {
+    const Eigen::VectorXd weight = size.array().pow(-power);
+    return weight.array().log().sum() -
+           0.5 * n * std::log(residual.cwiseProduct(weight).squaredNorm() / n);
+  };
+  double best = 0.0;
+  for (const double power : {0.5, 1.0}) {
+    if (likelihood(power) > likelihood(best)) best = power;
+  }
+  constexpr double kClearly = 4.0;
+  if (likelihood(best) < likelihood(0.0) + kClearly) return false;
+  problem.noise.weight = size.array().pow(-best);
+  return true;
 }
 
 /// Scatter between sessions over that of rows, where it is more than chance and no step.
@@ -117,10 +141,10 @@ double session_variance(const Problem& problem, const SearchResult& found) {
   constexpr double kChance = 0.01;
   constexpr int kSeveralRuns = 5;
   if (noise.runs < kSeveralRuns && f_tail(f, degrees, rest) > kChance) return 0.0;
-  // The fifth of values that chance makes smallest is guarded against: few sessions say little of
-  // how much sessions scatter.
+  // The twentieth of values that chance makes smallest is guarded against: few sessions say little
+  // of how much sessions scatter.
   const double guard =
-      boost::math::quantile(boost::math::complement(boost::math::fisher_f(rest, degrees), 0.2));
+      boost::math::quantile(boost::math::complement(boost::math::fisher_f(rest, degrees), 0.05));
   const double rows = static_cast<double>(left.size()) / noise.runs;
   return std::max(0.0, (f * std::max(1.0, guard) - 1.0) / rows);
 }
@@ -140,25 +164,27 @@ ParameterResult parameter_result(const ParameterRecord& record, double value, do
 
 /// Friction at the slowest over that at the fastest sliding speed of the data: what the forms of
 /// the law have in common.
-ParameterResult slow_over_fast(const Form& form, const ParameterResult& own) {
-  const double slow = form.constant("slowest");
-  const double fast = form.constant("fastest");
-  const auto ratio = [&](double p) {
-    if (form.name.starts_with("slow_excess")) {
-      const double scale = form.constant("speed_scale");
-      return (1.0 + p * std::exp(-slow / scale)) / (1.0 + p * std::exp(-fast / scale));
-    }
-    return std::pow(slow / fast, p);
+ParameterResult slow_over_fast(const Candidate& effect, const Eigen::VectorXd& value,
+                               const Eigen::MatrixXd& covariance, double factor) {
+  std::vector<Scalar> p;
+  for (Eigen::Index k = 0; k < value.size(); ++k) p.emplace_back(value[k], static_cast<int>(k));
+  Modification m;
+  effect.cause->apply(effect.form, p, {}, Kind::kTransmission, m);
+  const auto friction = [&](const char* speed) {
+    return friction_factor(m.gearbox.friction, Scalar(1.0), Scalar(effect.form.constant(speed)),
+                           Scalar(m.gearbox.friction.reference_temperature_K), true);
   };
-  ParameterResult result = own;
-  result.name = "slow_over_fast";
-  result.unit = "";
-  result.value = ratio(own.value);
-  std::tie(result.low, result.high) = std::minmax(ratio(own.low), ratio(own.high));
-  result.derived = true;
-  result.plausible = true;
-  result.at_bound = false;
-  return result;
+  const Scalar ratio = friction("slowest") / friction("fastest");
+  const Eigen::VectorXd slope = ratio.v.head(value.size());
+  const double deviation = std::sqrt(std::max(0.0, slope.dot(covariance * slope)));
+  return {.name = "slow_over_fast",
+          .unit = "",
+          .value = ratio.a,
+          .low = ratio.a - factor * deviation,
+          .high = ratio.a + factor * deviation,
+          .plausible_low = 0.0,
+          .plausible_high = HUGE_VAL,
+          .derived = true};
 }
 
 /// Parameters of one effect of a fit; of a wave its amplitude too.
@@ -189,9 +215,16 @@ std::vector<ParameterResult> effect_parameters(const FinalFit& fit, std::size_t 
     derived.derived = true;
     result.insert(result.begin(), derived);
   }
-  const auto& form = fit.hypothesis.effects[effect].form;
-  if (fit.hypothesis.effects[effect].cause->id == "friction_speed" && !form.constants.empty()) {
-    result.push_back(slow_over_fast(form, result.front()));
+  const Candidate& own = fit.hypothesis.effects[effect];
+  if (own.cause->id == "friction_speed") {
+    const auto at = static_cast<Eigen::Index>(first);
+    const auto count = static_cast<Eigen::Index>(records.size());
+    const Eigen::VectorXd value =
+        Eigen::Map<const Eigen::VectorXd>(fit.hypothesis.value.data(),
+                                          static_cast<Eigen::Index>(fit.hypothesis.value.size()))
+            .segment(at, count);
+    result.push_back(
+        slow_over_fast(own, value, fit.covariance.block(at, at, count, count), factor));
   }
   return result;
 }
@@ -352,6 +385,10 @@ std::optional<Diagnosis> diagnose(const Simulation& simulation, const Measuremen
                                      .seed = options.seed};
   SearchResult found = search_causes(problem, candidates, search_options);
   if (!tell(0.4)) return std::nullopt;
+  if (weigh_by_response(problem, found)) {
+    d.notes.emplace_back("the noise grows with the response: rows are weighted accordingly");
+    found = search_causes(problem, candidates, search_options);
+  }
   const double scatter = session_variance(problem, found);
   if (scatter > 0.0) {
     problem.noise.session_variance = scatter;
@@ -473,10 +510,10 @@ std::optional<Diagnosis> diagnose(const Simulation& simulation, const Measuremen
   for (std::size_t e = 0; e < d.effects.size(); ++e) {
     d.effects[e].inclusion_frequency = frequency[e];
   }
-  for (std::size_t k = 0; k < candidates.size(); ++k) {
-    const std::string id(candidates[k].cause->id);
+  for (std::size_t k = 0; k < found.candidates.size(); ++k) {
+    const std::string id(found.candidates[k].cause->id);
     const Gain& gain = found.first_gains[k];
-    const double bic = gain.statistic - static_cast<double>(candidates[k].parameters.size()) *
+    const double bic = gain.statistic - static_cast<double>(found.candidates[k].parameters.size()) *
                                             std::log(static_cast<double>(y.size()));
     const auto at = std::ranges::find(d.evidence, id, &CauseEvidence::id);
     if (at == d.evidence.end()) {

@@ -151,6 +151,53 @@ Scan scan_orders(const std::vector<double>& phase, double first, double step, in
   return scan;
 }
 
+/// A covariate as a number: those with a natural zero over their greatest value, others from −1 to
+/// 1 over their range.
+struct Trend {
+  std::string name;
+  Eigen::VectorXd value;
+};
+
+std::vector<Trend> trends_of(const MeasurementSet& data) {
+  std::vector<Trend> result;
+  const auto n = static_cast<Eigen::Index>(data.rows.size());
+  const auto add = [&](const char* name, bool natural_zero, auto get) {
+    Eigen::VectorXd value(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      value[i] = get(data.rows[static_cast<std::size_t>(i)].condition);
+    }
+    if (!value.allFinite()) return;
+    const double low = value.minCoeff();
+    const double high = value.maxCoeff();
+    if (!(high > low)) return;
+    if (natural_zero) {
+      value /= high;
+    } else {
+      value = (2.0 * value.array() - low - high) / (high - low);
+    }
+    result.push_back({.name = name, .value = std::move(value)});
+  };
+  add("load", true, [](const Condition& c) { return c.output_torque_Nm; });
+  add("speed", true, [](const Condition& c) { return c.sun_speed_rad_s; });
+  add("test torque", true, [](const Condition& c) { return c.test_torque_Nm; });
+  add("temperature", false, [](const Condition& c) { return c.temperature_K; });
+  add("time", false, [](const Condition& c) { return c.time_s; });
+  add("direction", false,
+      [](const Condition& c) { return c.direction == design::Direction::kForward ? 1.0 : -1.0; });
+  add("rotation", false, [](const Condition& c) { return static_cast<double>(c.rotation); });
+  return result;
+}
+
+/// +1 forward, −1 backward.
+Eigen::VectorXd losing_sign(const MeasurementSet& data) {
+  Eigen::VectorXd sign(static_cast<Eigen::Index>(data.rows.size()));
+  for (Eigen::Index i = 0; i < sign.size(); ++i) {
+    const Condition& c = data.rows[static_cast<std::size_t>(i)].condition;
+    sign[i] = c.direction == design::Direction::kForward ? 1.0 : -1.0;
+  }
+  return sign;
+}
+
 std::vector<double> column_of(const MeasurementSet& data, double Condition::*member) {
   std::vector<double> result;
   result.reserve(data.rows.size());
@@ -234,6 +281,16 @@ RemainderSearch search_remainder(const Problem& problem, const Columns& at,
       if (o != levels.end() && o->name != l.name) add(crossed(l, *o), false, 0.5);
     }
   }
+  // What is lost adds to the sun's torque forward and takes from it backward.
+  const Eigen::VectorXd losing = losing_sign(problem.data);
+  for (const Levels& l : levels) {
+    if (l.name == "direction" || l.count > n / 3) continue;
+    if (l.name == "run" && problem.noise.session_variance > 0.0) continue;
+    Eigen::MatrixXd columns = indicators(l);
+    columns.array().colwise() *= losing.array();
+    problem.noise.whiten(columns);
+    terms.push_back({.along = l.name, .columns = std::move(columns), .main = false, .weight = 0.7});
+  }
   const auto load = find("load");
   const auto speed = find("speed");
   const auto direction = find("direction");
@@ -245,7 +302,42 @@ RemainderSearch search_remainder(const Problem& problem, const Columns& at,
   if (load != levels.end() && direction != levels.end() && rotation != levels.end()) {
     add(crossed(crossed(*load, *direction), *rotation), false, 0.3);
   }
-  // A shift of all rows, and of each direction against the other, is a level as well.
+  const auto add_column = [&](const std::string& along, const Eigen::VectorXd& column,
+                              double weight) {
+    Eigen::MatrixXd columns = column;
+    problem.noise.whiten(columns);
+    terms.push_back(
+        {.along = along, .columns = std::move(columns), .main = false, .weight = weight});
+  };
+  // One cell of loads and speeds by itself.
+  if (load != levels.end() && speed != levels.end()) {
+    const Levels cells = crossed(*load, *speed);
+    constexpr int kMostCells = 64;
+    if (cells.count <= kMostCells) {
+      const Eigen::MatrixXd each = indicators(cells);
+      const double share = 0.5 / static_cast<double>(each.cols());
+      for (Eigen::Index k = 0; k < each.cols(); ++k) {
+        add_column(load->name, each.col(k), share);
+        add_column(load->name, each.col(k).cwiseProduct(losing), share);
+      }
+    }
+  }
+  // Products of up to three covariates.
+  const std::vector<Trend> trends = trends_of(problem.data);
+  std::vector<std::pair<std::string, Eigen::VectorXd>> products;
+  for (std::size_t i = 0; i < trends.size(); ++i) {
+    products.emplace_back(trends[i].name, trends[i].value);
+    for (std::size_t j = i; j < trends.size(); ++j) {
+      const Eigen::VectorXd two = trends[i].value.cwiseProduct(trends[j].value);
+      products.emplace_back(trends[i].name, two);
+      for (std::size_t k = j; k < trends.size(); ++k) {
+        products.emplace_back(trends[i].name, two.cwiseProduct(trends[k].value));
+      }
+    }
+  }
+  for (const auto& [along, column] : products) {
+    add_column(along, column, 1.0 / static_cast<double>(products.size()));
+  }
   Eigen::Index total = 0;
   for (const Term& t : terms) total += t.columns.cols();
   Eigen::MatrixXd all(n, total);
@@ -264,7 +356,8 @@ RemainderSearch search_remainder(const Problem& problem, const Columns& at,
   if (!terms.empty()) {
     const Screen screen(at.own, all, blocks, 0.0);
     const std::vector<Gain> gains = screen.gains(left);
-    const auto luck = screen.luck(left, rate, n > 5000 ? 128 : 256, seed);
+    const auto luck =
+        screen.luck(left, rate, n > 5000 ? 128 : 256, seed, Screen::Chance::kShuffled);
     std::size_t best = 0;
     for (std::size_t k = 0; k < terms.size(); ++k) {
       const double own_evidence = gains[k].evidence - blocks[k].log_weight;

@@ -5,6 +5,7 @@
 #include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 namespace gear3k::calibrate {
@@ -123,20 +124,27 @@ double Screen::Luck::p_value(double evidence) const {
 }
 
 Screen::Luck Screen::luck(const Eigen::VectorXd& residual, double rate, int simulations,
-                          std::uint64_t seed) const {
+                          std::uint64_t seed, Chance chance) const {
   const Eigen::VectorXd left = free_part(residual);
   const Eigen::Index n = left.size();
   RandomBits random(seed);
+  std::vector<Eigen::Index> place(static_cast<std::size_t>(n));
+  std::iota(place.begin(), place.end(), Eigen::Index{0});
   std::vector<double> greatest;
   greatest.reserve(static_cast<std::size_t>(simulations));
   constexpr Eigen::Index kBatch = 64;
   for (int done = 0; done < simulations; done += static_cast<int>(kBatch)) {
     Eigen::MatrixXd sample(n, kBatch);
     for (Eigen::Index k = 0; k < kBatch; ++k) {
+      for (std::size_t i = place.size(); chance == Chance::kShuffled && i > 1; --i) {
+        const double at = random.uniform() * static_cast<double>(i);
+        std::swap(place[i - 1], place[static_cast<std::size_t>(at)]);
+      }
       std::uint64_t bits = 0;
       for (Eigen::Index i = 0; i < n; ++i) {
         if (i % 64 == 0) bits = random.next();
-        sample(i, k) = (bits & 1U) != 0 ? left[i] : -left[i];
+        const double r = left[place[static_cast<std::size_t>(i)]];
+        sample(i, k) = (bits & 1U) != 0 ? r : -r;
         bits >>= 1U;
       }
     }

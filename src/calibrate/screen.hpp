@@ -37,8 +37,14 @@ class Screen {
   /// Of every block on a residual (projected on what is free first).
   [[nodiscard]] std::vector<Gain> gains(const Eigen::VectorXd& residual) const;
 
-  /// Distribution of the greatest evidence of any block where there is nothing: of residuals with
-  /// random signs.
+  /// How residuals without structure are made of the residuals at hand.
+  enum class Chance {
+    kSigns,    ///< random signs: rows keep their own scatter
+    kShuffled  ///< random signs and places: rows scatter alike; blocks of few rows need it, as a
+               ///< structure in six rows survives every 32nd choice of their signs
+  };
+
+  /// Distribution of the greatest evidence of any block where there is nothing.
   struct Luck {
     double threshold = 0.0;  ///< that the greatest evidence passes with the probability asked for
     double rate = 0.0;       ///< that probability
@@ -46,7 +52,7 @@ class Screen {
     [[nodiscard]] double p_value(double evidence) const;
   };
   [[nodiscard]] Luck luck(const Eigen::VectorXd& residual, double rate, int simulations,
-                          std::uint64_t seed) const;
+                          std::uint64_t seed, Chance chance = Chance::kSigns) const;
 
  private:
   [[nodiscard]] Eigen::MatrixXd free_part(const Eigen::MatrixXd& x) const;

@@ -15,7 +15,9 @@ namespace {
 /// χ² by which an explanation may be worse than the best and still count as one: two hypotheses at
 /// any distance are then confused with the truth left out in less than 1 % (z = √6 = 2.4).
 constexpr double kAsWell = 6.0;
-/// χ² within which a parameter, or a step between sessions, is preferred to another cause.
+/// χ² within which the coefficient of friction, a parameter, is preferred to a missing effect; and
+/// a step between sessions to a law.
+constexpr double kParameter = 4.0;
 constexpr double kPreferred = 2.0;
 /// Share of the rate that each further effect gets: what one cause leaves by its form is small.
 constexpr double kFurtherShare = 0.4;
@@ -192,7 +194,7 @@ std::vector<std::vector<std::size_t>> best_linear_sets(const std::vector<Candida
 
 double log_weight_of(const Hypothesis& h) {
   double sum = 0.0;
-  for (const Candidate& c : h.effects) sum += std::log(c.form.weight);
+  for (const Candidate& c : h.effects) sum += std::log(c.form.weight * c.cause->weight);
   return sum;
 }
 
@@ -220,11 +222,9 @@ std::vector<Candidate> candidates_for(const Simulation& simulation, const Measur
   const Occasion occasion = simulation.occasion(data);
   std::vector<Candidate> result;
   for (const Cause* cause : causes()) {
-    std::vector<Form> forms = cause->forms(occasion);
-    double sum = 0.0;
-    for (const Form& form : forms) sum += form.weight;
-    for (Form& form : forms) {
-      if (sum > 0.0) form.weight /= sum;
+    // A model holds one form of such a cause, and a second one would take its place.
+    if (cause->exclusive_forms && simulation.models_cause(cause->id)) continue;
+    for (Form& form : cause->forms(occasion)) {
       auto parameters = cause->parameters(form, simulation.kind());
       result.push_back(
           {.cause = cause, .form = std::move(form), .parameters = std::move(parameters)});
@@ -253,8 +253,10 @@ std::vector<Block> blocks_of(const std::vector<Candidate>& candidates) {
     const auto count = static_cast<Eigen::Index>(c.parameters.size());
     int side = 0;
     if (count == 1) side = c.parameters[0].lower >= 0.0 ? 1 : c.parameters[0].upper <= 0.0 ? -1 : 0;
-    blocks.push_back(
-        {.first = first, .count = count, .side = side, .log_weight = std::log(c.form.weight)});
+    blocks.push_back({.first = first,
+                      .count = count,
+                      .side = side,
+                      .log_weight = std::log(c.form.weight * c.cause->weight)});
     first += count;
   }
   return blocks;
@@ -358,7 +360,7 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
     const double added = chi(fit_rest) - chi_best;
     const auto own_parameters = static_cast<Eigen::Index>(own.parameters.size());
     found.p_value = result.first_luck.p_value(chi_square_evidence(added, own_parameters) +
-                                              std::log(own.form.weight));
+                                              std::log(own.form.weight * own.cause->weight));
     found.delta_bic = added - static_cast<double>(own_parameters) * std::log(n);
     // Screening along the linearisation without the effect, then fits of the likely ones.
     std::vector<Candidate> others = others_than(candidates, best.hypothesis);
@@ -419,6 +421,7 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
     constexpr double kTie = 1e-3;
     const auto better = std::ranges::find_if(found.replacements, [&](const Replacement& r) {
       if (r.with_level) return false;
+      if (r.candidate.cause->remedy == Remedy::kFrictionValue) return r.statistic <= kParameter;
       if (preferred(*r.candidate.cause)) return r.statistic <= kPreferred;
       return r.statistic <= kTie && rank(r.candidate) < rank(own);
     });
@@ -448,7 +451,7 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
       // A form with a level of its own makes no sense beside the level.
       const bool refines = form.parameters.size() > own.parameters.size();
       const bool has_level = level == candidates.end() || has_cause(best.hypothesis, level->cause);
-      if (refines && has_level) continue;
+      if (form.form.name == "any_level" && has_level) continue;
       Hypothesis h = best.hypothesis;
       h.effects[e] = form;
       const std::size_t at = value_offset(best.hypothesis, e);

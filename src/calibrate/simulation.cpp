@@ -163,6 +163,13 @@ Modification Simulation::unmodified(const Condition& condition) const {
   return m;
 }
 
+bool Simulation::models_cause(std::string_view id) const {
+  return std::ranges::any_of(models_, [&](const ExtendedModel& model) {
+    return model.kind == kind_ &&
+           std::ranges::find(model.causes, id, &AppliedCause::id) != model.causes.end();
+  });
+}
+
 double Simulation::ratio() const {
   if (const auto* box = std::get_if<BlackBox>(&subject_)) return box->ratio;
   if (const auto* gearbox = std::get_if<Gearbox>(&subject_)) {

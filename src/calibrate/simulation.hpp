@@ -34,6 +34,8 @@ class Simulation {
                                const Modification& m) const;
 
   [[nodiscard]] Kind kind() const { return kind_; }
+  /// Whether a model holds a cause for data of this kind.
+  [[nodiscard]] bool models_cause(std::string_view id) const;
   /// The ratio of the gearbox; 0 for pairs.
   [[nodiscard]] double ratio() const;
   /// What causes need to know of these data; refers to `data` and to this object.

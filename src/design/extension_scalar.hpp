@@ -24,7 +24,7 @@ efficiency::FrictionExtension<To> extension_as(const efficiency::FrictionExtensi
           .load_exponent = as(e.load_exponent),
           .reference_force_N = e.reference_force_N,
           .slow_excess = as(e.slow_excess),
-          .slow_speed_m_s = e.slow_speed_m_s,
+          .slow_speed_m_s = as(e.slow_speed_m_s),
           .speed_exponent = as(e.speed_exponent),
           .reference_speed_m_s = e.reference_speed_m_s,
           .temperature_1_K = as(e.temperature_1_K),

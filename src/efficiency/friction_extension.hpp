@@ -21,7 +21,7 @@ struct FrictionExtension {
   T load_exponent{};                        ///< n
   double reference_force_N = 1.0;           ///< F_0 > 0
   T slow_excess{};                          ///< a
-  double slow_speed_m_s = 1.0;              ///< v_0 > 0
+  T slow_speed_m_s = constant<T>(1.0);      ///< v_0 > 0
   T speed_exponent{};                       ///< m
   double reference_speed_m_s = 1.0;         ///< v_1 > 0
   T temperature_1_K{};                      ///< β
@@ -60,7 +60,7 @@ T friction_factor(const FrictionExtension<T>& e, const T& normal_force_N,
     factor = factor * power(normal_force_N, e.reference_force_N, e.load_exponent);
   }
   if (!is_neutral(e.slow_excess, 0.0)) {
-    factor = factor * (1.0 + e.slow_excess * exp(T(sliding_speed_m_s * (-1.0 / e.slow_speed_m_s))));
+    factor = factor * (1.0 + e.slow_excess * exp(T(-sliding_speed_m_s / e.slow_speed_m_s)));
   }
   if (!is_neutral(e.speed_exponent, 0.0)) {
     factor = factor * power(sliding_speed_m_s, e.reference_speed_m_s, e.speed_exponent);

@@ -190,12 +190,27 @@ ordered_json extrapolation_json(const Diagnosis& d) {
           {"extended", finite(e.extended / si)}};
 }
 
+/// Parameters that explain the data with values that no gearbox shows.
+ordered_json implausible_json(const Diagnosis& d) {
+  ordered_json list = ordered_json::array();
+  for (const Effect& effect : d.effects) {
+    for (const ParameterResult& p : effect.parameters) {
+      if (p.plausible) continue;
+      ordered_json json{{"id", effect.id}};
+      json.update(parameter_json(p));
+      list.push_back(std::move(json));
+    }
+  }
+  return list;
+}
+
 /// Everything about one kind.
 ordered_json kind_json(const Diagnosis& d, const MeasurementSet& set) {
   const double si = response_text(d.kind).si;
   ordered_json json{{"kind", kind_name(d.kind)}, {"verdict", verdict_name(d.verdict)}};
   json["effects"] =
       list_of(d.effects, [&](const Effect& effect) { return effect_json(effect, set.runs); });
+  json["physically_implausible"] = implausible_json(d);
   json["rmse"] = rmse_json(d);
   json["gain"] = finite(gain_of(d));
   json["remainder"] = remainder_json(d);

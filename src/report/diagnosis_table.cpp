@@ -85,8 +85,8 @@ std::string limits_text(const ParameterResult& p) {
   }
   if (!p.plausible) {
     text += fmt::format(
-        "  {} = {} is not plausible ({:.4g} to {:.4g} would be): distrust this cause, or the "
-        "data.\n",
+        "  {} = {} is physically implausible ({:.4g} to {:.4g} would be plausible): distrust this "
+        "cause, or the data.\n",
         spaced(p.name), with_unit(fmt::format("{:.4g}", clean(p.value)), p.unit), p.plausible_low,
         p.plausible_high);
   }
@@ -182,6 +182,21 @@ std::string headline(const Diagnosis& d, const MeasurementSet& set) {
                         error_text(d.session_deviation, d, 0.0));
   }
   return text;
+}
+
+/// What the effects need that no gearbox shows.
+std::string implausible_text(const Diagnosis& d) {
+  std::vector<std::string> values;
+  for (const auto& effect : d.effects) {
+    for (const ParameterResult& p : effect.parameters) {
+      if (p.plausible) continue;
+      values.push_back(fmt::format("{} {} [{}]", spaced(p.name),
+                                   with_unit(fmt::format("{:.2g}", clean(p.value)), p.unit),
+                                   effect.id));
+    }
+  }
+  if (values.empty()) return "";
+  return fmt::format("  It takes physically implausible values: {}.\n", fmt::join(values, ", "));
 }
 
 std::string verdict_text(const Diagnosis& d) {
@@ -363,7 +378,7 @@ std::string kind_text(const Diagnosis& d, const MeasurementSet& set) {
   std::string text = fmt::format("{}: {} rows of kind {} from {}\n\n", d.subject, set.rows.size(),
                                  calibrate::kKindNames[static_cast<std::size_t>(d.kind)],
                                  fmt::join(set.files, ", "));
-  text += headline(d, set) + verdict_text(d);
+  text += headline(d, set) + verdict_text(d) + implausible_text(d);
   for (const Effect& effect : d.effects) text += effect_text(effect, set.runs);
   if (!d.effects.empty()) text += "(± is half of the 95 % interval.)\n";
   text += evidence_table(d) + covariate_table(d) + gain_table(d, set) + remainder_text(d) +

@@ -206,7 +206,8 @@ std::vector<Scenario> scenarios() {
   const std::vector<Alone> in_lost_motion{
       {"clearance", "", 1}, {"compliance", "", 1},   {"thermal_expansion", "", 1}, {"drift", "", 1},
       {"run_step", "", 1},  {"runout", "planet", 1}, {"mesh_order", "stage2", 1}};
-  const Plan pairs = pair_loss_plan();
+  Plan pairs = pair_loss_plan();
+  pairs.repeats = 6;
   const std::vector<Alone> in_pairs{{"friction_level", "", 1},
                                     {"friction_direction", "", 1},
                                     {"bearing_load", "", 1},

@@ -175,7 +175,13 @@ TEST(DiagnosisTable, SaysWhereAValueIsABoundOrNotPlausible) {
   p.plausible = false;
   const std::string text = c.table();
   EXPECT_TRUE(contains(text, "torque stands at a bound of the fit")) << text;
-  EXPECT_TRUE(contains(text, "torque = 0.021 Nm is not plausible (0 to 5 would be)")) << text;
+  EXPECT_TRUE(
+      contains(text, "torque = 0.021 Nm is physically implausible (0 to 5 would be plausible)"))
+      << text;
+  EXPECT_TRUE(contains(text,
+                       "Verdict: explained.\n  It takes physically implausible values: "
+                       "torque 0.021 Nm [drag_constant].\n"))
+      << text;
 }
 
 TEST(DiagnosisTable, AnUnexplainedRemainderIsDescribed) {

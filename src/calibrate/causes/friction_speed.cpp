@@ -7,15 +7,25 @@ namespace gear3k::calibrate {
 namespace {
 
 constexpr const char* kSlowExcess = "slow_excess";
+constexpr const char* kAnyScale = "slow_excess_any_scale";
 
 std::vector<ParameterRecord> parameters(const Form& form, Kind) {
-  if (form.name == kSlowExcess) {
-    return {{.name = "excess",
-             .unit = "",
-             .lower = -0.99,
-             .upper = 50.0,
-             .plausible_low = -0.6,
-             .plausible_high = 4.0}};
+  if (form.name.starts_with(kSlowExcess)) {
+    std::vector<ParameterRecord> result{{.name = "excess",
+                                         .unit = "",
+                                         .lower = -0.99,
+                                         .upper = 50.0,
+                                         .plausible_low = -0.6,
+                                         .plausible_high = 4.0}};
+    if (form.name == kAnyScale) {
+      result.push_back({.name = "log_scale_change",
+                        .unit = "",
+                        .lower = -1.5,
+                        .upper = 1.5,
+                        .plausible_low = -1.5,
+                        .plausible_high = 1.5});
+    }
+    return result;
   }
   return {{.name = "exponent",
            .unit = "",
@@ -40,6 +50,8 @@ std::vector<Form> forms(const Occasion& o) {
   for (const double share : {0.12, 0.25, 0.5}) {
     result.push_back(form(kSlowExcess, "speed_scale", share * o.speed[1], 0.2));
   }
+  // Once it is found: with the scale as a parameter of its own.
+  result.push_back(form(kAnyScale, "speed_scale", 0.25 * o.speed[1], 0.0));
   if (o.speed[0] > 0.0 && o.speed[1] > 1.001 * o.speed[0]) {
     const double middle = std::sqrt(o.speed[0] * o.speed[1]);
     result.push_back(form("power_about_middle", "reference_speed", middle, 0.2));
@@ -51,9 +63,10 @@ std::vector<Form> forms(const Occasion& o) {
 
 void apply(const Form& form, std::span<const Scalar> p, const Condition&, Kind, Modification& m) {
   auto& friction = m.gearbox.friction;
-  if (form.name == kSlowExcess) {
+  if (form.name.starts_with(kSlowExcess)) {
     friction.slow_excess = p[0];
-    friction.slow_speed_m_s = form.constant("speed_scale");
+    friction.slow_speed_m_s = Scalar(form.constant("speed_scale"));
+    if (form.name == kAnyScale) friction.slow_speed_m_s = friction.slow_speed_m_s * exp(p[1]);
   } else {
     friction.speed_exponent = p[0];
     friction.reference_speed_m_s = form.constant("reference_speed");
@@ -67,6 +80,7 @@ const Cause friction_speed{.id = "friction_speed",
                            .title = "friction depends on sliding speed",
                            .remedy = Remedy::kFlanks,
                            .place = Place::kGearbox,
+                           .weight = 2.5,
                            .exclusive_forms = true,
                            .parameters = parameters,
                            .forms = forms,

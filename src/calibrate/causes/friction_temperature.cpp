@@ -31,9 +31,9 @@ std::vector<Form> forms(const Occasion& o) {
                 .weight = weight};
   };
   const double span = o.temperature_K[1] - o.temperature_K[0];
-  std::vector<Form> result{form("from_design", o.design_temperature_K, 0.3),
+  std::vector<Form> result{form("from_design", o.design_temperature_K, 0.4),
                            form("from_coldest", o.temperature_K[0], 0.15),
-                           form("about_middle", o.temperature_K[0] + 0.5 * span, 0.4),
+                           form("about_middle", o.temperature_K[0] + 0.5 * span, 0.6),
                            form("from_warmest", o.temperature_K[1], 0.15)};
   // Once it is found: with the coefficient at the middle as a parameter of its own.
   result.push_back(form(kAnyLevel, o.temperature_K[0] + 0.5 * span, 0.0));
@@ -61,6 +61,7 @@ const Cause friction_temperature{.id = "friction_temperature",
                                  .title = "friction or viscosity follows temperature",
                                  .remedy = Remedy::kFlanks,
                                  .place = Place::kGearbox,
+                                 .weight = 2.0,
                                  .exclusive_forms = true,
                                  .parameters = parameters,
                                  .forms = forms,

@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "calibrate/cause.hpp"
 #include "calibrate/response_unit.hpp"
 
@@ -51,12 +53,12 @@ std::vector<Form> forms(const Occasion& o) {
   }
   std::vector<Form> result;
   for (const FormConstant& place : places) {
-    const double share = 1.0 / static_cast<double>(places.size());
+    const double share = 1.0 / std::sqrt(static_cast<double>(places.size()));
     result.push_back({.name = "from", .constants = {place}, .weight = 0.5 * share});
     result.push_back({.name = "until", .constants = {place}, .weight = 0.25 * share});
     if (o.kind == Kind::kTransmission) {
-      result.push_back({.name = "sensor_from", .constants = {place}, .weight = 0.15 * share});
-      result.push_back({.name = "sensor_until", .constants = {place}, .weight = 0.1 * share});
+      result.push_back({.name = "sensor_from", .constants = {place}, .weight = 0.3 * share});
+      result.push_back({.name = "sensor_until", .constants = {place}, .weight = 0.15 * share});
     }
   }
   return result;
@@ -80,6 +82,7 @@ const Cause run_step{.id = "run_step",
                      .title = "a step between measuring sessions",
                      .remedy = Remedy::kProcedure,
                      .place = Place::kMeasurement,
+                     .weight = 1.5,
                      .exclusive_forms = false,
                      .parameters = parameters,
                      .forms = forms,
