@@ -36,6 +36,7 @@ Usage run(std::vector<std::string> words, const std::filesystem::path& folder) {
   const std::string out = (folder / "stdout").string();
   const std::string err = (folder / "stderr").string();
   const auto start = std::chrono::steady_clock::now();
+  std::fflush(nullptr);
   const pid_t process = ::fork();
   if (process == 0) {
     if (std::freopen(out.c_str(), "w", stdout) == nullptr ||

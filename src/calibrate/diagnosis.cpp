@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <boost/math/distributions/fisher_f.hpp>
 #include <boost/math/distributions/students_t.hpp>
+#include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <stdexcept>
 
 #include "calibrate/experiment.hpp"
@@ -187,8 +189,43 @@ ParameterResult slow_over_fast(const Candidate& effect, const Eigen::VectorXd& v
           .derived = true};
 }
 
-/// Parameters of one effect of a fit; of a wave its amplitude too.
-std::vector<ParameterResult> effect_parameters(const FinalFit& fit, std::size_t effect) {
+/// Friction on either side of the pitch point that all causes of a fit make together.
+std::vector<ParameterResult> flank_coefficients(const Simulation& simulation, const FinalFit& fit,
+                                                double factor) {
+  const auto& value = fit.hypothesis.value;
+  std::vector<Scalar> p;
+  p.reserve(value.size());
+  for (std::size_t k = 0; k < value.size(); ++k) p.emplace_back(value[k], static_cast<int>(k));
+  Modification m = simulation.unmodified({});
+  std::size_t first = 0;
+  for (const Candidate& c : fit.hypothesis.effects) {
+    c.cause->apply(c.form, std::span(p).subspan(first, c.parameters.size()), {}, Kind::kPairLoss,
+                   m);
+    first += c.parameters.size();
+  }
+  const auto coefficients = simulation.flank_coefficients(m);
+  // Clean metals without lubricant reach about 1; friction below 0 would drive.
+  constexpr ParameterRecord kPlausible{.name = "",
+                                       .unit = "",
+                                       .lower = -HUGE_VAL,
+                                       .upper = HUGE_VAL,
+                                       .plausible_low = 0.0,
+                                       .plausible_high = 1.0};
+  std::vector<ParameterResult> result;
+  for (const std::size_t side : {0U, 1U}) {
+    const Eigen::VectorXd slope =
+        coefficients[side].v.head(static_cast<Eigen::Index>(value.size()));
+    const double deviation = std::sqrt(std::max(0.0, slope.dot(fit.covariance * slope)));
+    result.push_back(parameter_result(kPlausible, coefficients[side].a, deviation, factor, false));
+    result.back().name = side == 0 ? "friction_in_approach" : "friction_in_recess";
+    result.back().derived = true;
+  }
+  return result;
+}
+
+/// Parameters of one effect of a fit, and what is derived from them: of a wave its amplitude.
+std::vector<ParameterResult> effect_parameters(const Simulation& simulation, const FinalFit& fit,
+                                               std::size_t effect) {
   std::size_t first = 0;
   for (std::size_t k = 0; k < effect; ++k) {
     first += fit.hypothesis.effects[k].parameters.size();
@@ -216,6 +253,11 @@ std::vector<ParameterResult> effect_parameters(const FinalFit& fit, std::size_t 
     result.insert(result.begin(), derived);
   }
   const Candidate& own = fit.hypothesis.effects[effect];
+  if (own.cause->id == "friction_direction" && simulation.kind() == Kind::kPairLoss) {
+    for (ParameterResult& p : flank_coefficients(simulation, fit, factor)) {
+      result.push_back(std::move(p));
+    }
+  }
   if (own.cause->id == "friction_speed") {
     const auto at = static_cast<Eigen::Index>(first);
     const auto count = static_cast<Eigen::Index>(records.size());
@@ -439,15 +481,17 @@ std::optional<Diagnosis> diagnose(const Simulation& simulation, const Measuremen
     }
   }
   if (count > 0 && remainder_before.p_value <= remainder_rate) {
-    // χ² of the causes together, with the number of sets that they were chosen from.
+    // χ² of the causes together, with the number of causes that each was chosen from.
+    const auto offered = std::ranges::count_if(causes(), [&](const Cause* cause) {
+      return std::ranges::find(candidates, cause, &Candidate::cause) != candidates.end();
+    });
     const double after_squares = winsorised(after.residual, found.scale).squaredNorm();
     const double before_squares = before.residual.squaredNorm();
     const auto n = static_cast<double>(y.size());
     const auto p = static_cast<Eigen::Index>(found.fit.hypothesis.value.size());
     const double statistic =
         (n - static_cast<double>(p)) * std::log(std::max(before_squares / after_squares, 1.0));
-    const double choices =
-        static_cast<double>(count) * std::log(static_cast<double>(candidates.size()));
+    const double choices = static_cast<double>(count) * std::log(static_cast<double>(offered));
     const double causes_evidence = chi_square_evidence(statistic, p) - choices;
     constexpr double kClearly = 3.0;
     if (remainder_before.best.evidence > causes_evidence + kClearly) {
@@ -480,7 +524,7 @@ std::optional<Diagnosis> diagnose(const Simulation& simulation, const Measuremen
                   .title = std::string(c.cause->title),
                   .form = c.form,
                   .remedy = c.cause->remedy,
-                  .parameters = effect_parameters(final, e),
+                  .parameters = effect_parameters(simulation, final, e),
                   .alternatives = {},
                   .delta_bic = kept_found[e].delta_bic,
                   .p_value = kept_found[e].p_value};
@@ -494,7 +538,7 @@ std::optional<Diagnosis> diagnose(const Simulation& simulation, const Measuremen
                                      .form = r.candidate.form,
                                      .with_level = r.with_level,
                                      .statistic = r.statistic,
-                                     .parameters = effect_parameters(other, at),
+                                     .parameters = effect_parameters(simulation, other, at),
                                      .remedy = r.candidate.cause->remedy});
     }
     effect.preferred_parameter =
@@ -566,9 +610,19 @@ std::optional<Diagnosis> diagnose(const Simulation& simulation, const Measuremen
     row.outlier = std::abs(y[k] - extended[k]) > kOutlier * row.sigma;
   }
 
+  // Few rows have no structure that a test could see, but the scatter that they state.
+  if (!structure && known_scale(problem) > 0.0 && final.degrees > 0) {
+    const double squares = (y - extended).cwiseProduct(problem.noise.weight).squaredNorm();
+    const double chance = boost::math::gamma_q(0.5 * final.degrees, 0.5 * squares);
+    if (chance <= remainder_rate) {
+      structure = true;
+      remainder_after.best = {};
+      remainder_after.p_value = chance;
+    }
+  }
   d.remainder.significant = structure;
   d.remainder.p_value = remainder_after.p_value;
-  if (structure) {
+  if (structure && !remainder_after.best.along.empty()) {
     d.remainder.along = remainder_after.best.along;
     d.remainder.order = remainder_after.best.order;
     const Columns left = columns_at(problem, kept_effects, {}, found.scale);

@@ -22,7 +22,8 @@ struct DiagnoseOptions {
   double false_discovery_rate = 0.05;  ///< of all findings together where nothing is wrong
   int most_effects = 3;
   std::uint64_t seed = 1;
-  /// Limits of the next experiment; by default those of the data, widened by a quarter.
+  /// Limits of the next experiment; by default what the design's map spans, and the data
+  /// widened by a quarter.
   std::optional<std::array<double, 2>> sun_speed_rad_s, output_torque_Nm, test_torque_Nm,
       temperature_K;
   /// Told now and then how far the work is, 0 to 1; returning false ends it (the result is then

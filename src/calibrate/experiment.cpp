@@ -13,9 +13,9 @@ namespace {
 
 constexpr int kMostConditions = 4;
 constexpr int kRepeats = 6;
-constexpr int kMostRows = 60;
+constexpr int kMostRows = 72;
 /// χ² that tells two explanations apart, and at which more of it is of no use.
-constexpr double kTold = 9.0, kEnough = 25.0;
+constexpr double kTold = 9.0, kEnough = 40.0;
 
 using Range = std::array<double, 2>;
 
@@ -29,9 +29,15 @@ Range range_of(const MeasurementSet& data, double Condition::*member) {
   return range;
 }
 
-std::vector<double> levels(const std::optional<Range>& limits, const Range& data, int count) {
+/// Evenly over the limits; without any, over what the design is meant for and the data widened by a
+/// quarter.
+std::vector<double> levels(const std::optional<Range>& limits, const Range& data,
+                           const design::GridAxis* meant, int count) {
   if (!std::isfinite(data[0])) return {kUnknown};
-  const Range range = limits.value_or(Range{0.75 * data[0], 1.25 * data[1]});
+  Range range = limits.value_or(Range{0.75 * data[0], 1.25 * data[1]});
+  if (!limits && meant != nullptr) {
+    range = {std::min(range[0], meant->from), std::max(range[1], meant->to)};
+  }
   if (!(range[1] > range[0])) return {range[0]};
   std::vector<double> result;
   result.reserve(static_cast<std::size_t>(count));
@@ -64,7 +70,7 @@ std::vector<Condition> possible_conditions(const Problem& problem,
   start.run = data.runs.empty() ? -1 : static_cast<int>(data.runs.size());
   start.time_s = time[1];
   std::vector<Condition> result;
-  const std::vector<double> warm = levels(temperatures, temperature, 2);
+  const std::vector<double> warm = levels(temperatures, temperature, nullptr, 2);
   const auto with_temperature = [&](Condition c) {
     for (const double t : warm) {
       c.temperature_K = t;
@@ -73,12 +79,15 @@ std::vector<Condition> possible_conditions(const Problem& problem,
   };
   switch (problem.simulation.kind()) {
     case Kind::kTransmission: {
+      const design::MapGrid* grid = problem.simulation.grid();
       const bool rotations = std::ranges::any_of(
           data.rows, [](const auto& row) { return row.condition.rotation != 0; });
       for (const double speed :
-           levels(options.sun_speed_rad_s, range_of(data, &Condition::sun_speed_rad_s), 3)) {
+           levels(options.sun_speed_rad_s, range_of(data, &Condition::sun_speed_rad_s),
+                  grid == nullptr ? nullptr : &grid->sun_speed_rad_s, 3)) {
         for (const double load :
-             levels(options.output_torque_Nm, range_of(data, &Condition::output_torque_Nm), 3)) {
+             levels(options.output_torque_Nm, range_of(data, &Condition::output_torque_Nm),
+                    grid == nullptr ? nullptr : &grid->output_torque_Nm, 3)) {
           for (const auto direction : {design::Direction::kForward, design::Direction::kBackward}) {
             for (const int rotation : {1, -1}) {
               if (!rotations && rotation < 0) continue;
@@ -97,7 +106,7 @@ std::vector<Condition> possible_conditions(const Problem& problem,
     case Kind::kLostMotion:
     case Kind::kTorqueAngle:
       for (const double torque :
-           levels(options.test_torque_Nm, range_of(data, &Condition::test_torque_Nm), 4)) {
+           levels(options.test_torque_Nm, range_of(data, &Condition::test_torque_Nm), nullptr, 4)) {
         Condition c = start;
         c.test_torque_Nm = torque;
         with_temperature(c);

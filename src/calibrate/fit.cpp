@@ -218,7 +218,10 @@ Fit fit(const Problem& problem, Hypothesis start, double scale) {
   constexpr int kPasses = 12;
   constexpr double kSmall = 1e-4;
   for (int pass = 0; pass < kPasses && p > 0; ++pass) {
-    const Eigen::VectorXd psi = winsorised(step.residual, scale);
+    // Far from the fit all rows are off: they are no outliers yet, and clipped they would hold it
+    // back.
+    const double wide = std::max(scale, robust_deviation(step.residual));
+    const Eigen::VectorXd psi = winsorised(step.residual, wide);
     const Eigen::VectorXd change = step.jacobian.colPivHouseholderQr().solve(psi);
     bool improved = false;
     double share = 1.0;

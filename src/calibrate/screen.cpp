@@ -58,6 +58,12 @@ double RandomBits::uniform() {
   return static_cast<double>(next() >> 11U) * kUnit;
 }
 
+double RandomBits::normal() {
+  // Box and Muller 1958; the second deviate is not kept.
+  const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
+  return radius * std::cos(2.0 * std::numbers::pi * uniform());
+}
+
 Screen::Screen(const Eigen::MatrixXd& own, const Eigen::MatrixXd& columns,
                std::vector<Block> blocks, double known_scale)
     : blocks_(std::move(blocks)),
@@ -142,6 +148,11 @@ Screen::Luck Screen::luck(const Eigen::VectorXd& residual, double rate, int simu
       }
       std::uint64_t bits = 0;
       for (Eigen::Index i = 0; i < n; ++i) {
+        if (known_scale_ > 0.0) {
+          // Few rows have few patterns of signs, and what they show is not their scatter.
+          sample(i, k) = known_scale_ * random.normal();
+          continue;
+        }
         if (i % 64 == 0) bits = random.next();
         const double r = left[place[static_cast<std::size_t>(i)]];
         sample(i, k) = (bits & 1U) != 0 ? r : -r;

@@ -78,6 +78,7 @@ class RandomBits {
   explicit RandomBits(std::uint64_t seed) : state_(seed) {}
   std::uint64_t next();
   double uniform();  ///< [0, 1)
+  double normal();   ///< of mean 0 and deviation 1
 
  private:
   std::uint64_t state_;

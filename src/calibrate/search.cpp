@@ -23,6 +23,8 @@ constexpr double kPreferred = 2.0;
 constexpr double kFurtherShare = 0.4;
 constexpr int kSimulations = 768;
 constexpr int kFitsPerStep = 5;
+/// So few forms are all fitted in the place of an effect, without screening.
+constexpr std::size_t kFewForms = 12;
 
 bool preferred(const Cause& cause) {
   return cause.remedy == Remedy::kFrictionValue || cause.id == "run_step";
@@ -61,6 +63,17 @@ std::vector<Candidate> others_than(const std::vector<Candidate>& all, const Hypo
   return result;
 }
 
+/// Whether the last effect has values that a gearbox may show.
+bool last_is_plausible(const Hypothesis& h) {
+  const auto& records = h.effects.back().parameters;
+  const std::size_t first = h.value.size() - records.size();
+  for (std::size_t k = 0; k < records.size(); ++k) {
+    const double value = h.value[first + k];
+    if (!(value >= records[k].plausible_low && value <= records[k].plausible_high)) return false;
+  }
+  return true;
+}
+
 /// Order of the best evidence, at most `forms` forms of a cause.
 std::vector<std::size_t> ranked(const std::vector<Candidate>& candidates,
                                 const std::vector<Gain>& gains, int forms) {
@@ -79,9 +92,9 @@ std::vector<std::size_t> ranked(const std::vector<Candidate>& candidates,
 double score_of(const Problem& problem, const Fit& fit, double scale, double log_weight) {
   const auto n = static_cast<double>(problem.data.rows.size());
   const auto p = static_cast<double>(fit.hypothesis.value.size());
-  (void)scale;
-  const double likelihood = known_scale(problem) > 0.0
-                                ? -0.5 * fit.sum_of_squares
+  const double known = known_scale(problem);
+  const double likelihood = known > 0.0
+                                ? -0.5 * fit.sum_of_squares * scale * scale / (known * known)
                                 : -0.5 * n * std::log(std::max(fit.sum_of_squares, 1e-12));
   return likelihood - 0.5 * p * std::log(std::max(n, 2.0)) + log_weight;
 }
@@ -270,7 +283,9 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
   const std::vector<Candidate>& candidates = result.candidates;
   const double known = known_scale(problem);
   const Columns base = columns_at(problem, {}, candidates, 0.0);
-  double scale = known > 0.0 ? known : std::max(robust_deviation(base.residual), 1e-300);
+  // Known scatter bounds outliers only once something is fitted: what the simulation misses is far
+  // beyond it.
+  double scale = std::max({known, robust_deviation(base.residual), 1e-300});
   const auto n = static_cast<double>(problem.data.rows.size());
   const int simulations = n > 5000.0 ? kSimulations / 4 : kSimulations;
 
@@ -337,7 +352,7 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
     }
     if (!std::isfinite(winner_score)) break;
     best = std::move(winner);
-    if (!(known > 0.0)) scale = std::max(robust_deviation(best.residual), 1e-300);
+    scale = std::max({known, robust_deviation(best.residual), 1e-300});
   }
 
   // What each effect adds to the others, and what explains as well in its place.
@@ -372,15 +387,23 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
       const double chi_start = chi(fit_start);
       // Where the level alone explains, what is added to it explains nothing.
       if (with_level && chi_start <= chi_best + kAsWell) continue;
-      const std::vector<Candidate> pool = others_than(others, start);
-      const Columns columns = columns_at(problem, fit_start.hypothesis, pool, scale);
+      // The effect itself, last in the pool, says what a replacement has to do: judged alike, by
+      // columns that hold for small changes only and with the same rows clipped.
+      std::vector<Candidate> pool = others_than(others, start);
+      pool.push_back(own);
+      const double wide = std::max(scale, robust_deviation(fit_start.residual));
+      const Columns columns = columns_at(problem, fit_start.hypothesis, pool, wide);
       if (columns.own.cols() >= columns.own.rows()) continue;
       const Screen screen(columns.own, columns.other, blocks_of(pool), known);
       const std::vector<Gain> gains = screen.gains(columns.residual);
       std::map<const Cause*, std::vector<std::size_t>> forms;
-      for (std::size_t k = 0; k < pool.size(); ++k) {
-        const double left = chi_start - gains[k].sum_of_squares / variance;
-        if (left <= chi_best + 3.0 * kAsWell) forms[pool[k].cause].push_back(k);
+      constexpr double kBent = 0.05;  // of what the effect explains: the columns are tangents
+      const double needed = (1.0 - kBent) * gains.back().sum_of_squares - 3.0 * kAsWell * variance;
+      for (std::size_t k = 0; k + 1 < pool.size(); ++k) {
+        const double gain = gains[k].sum_of_squares;
+        if ((gain > 0.0 && gain >= needed) || pool.size() <= kFewForms) {
+          forms[pool[k].cause].push_back(k);
+        }
       }
       for (auto& [cause, list] : forms) {
         const bool named = std::ranges::any_of(
@@ -392,7 +415,8 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
         Replacement replacement;
         replacement.statistic = std::numeric_limits<double>::infinity();
         for (std::size_t k = 0; k < list.size() && k < 2; ++k) {
-          Hypothesis h = with(fit_start.hypothesis, pool[list[k]]);
+          // From the values beside the effect: without it the others may lie far off.
+          Hypothesis h = with(with_level ? with(rest, *level) : rest, pool[list[k]]);
           if (h.value.size() > static_cast<std::size_t>(kMaxVariables)) continue;
           Fit trial = fit(problem, std::move(h), scale);
           const double difference = chi(trial) - chi_best;
@@ -421,7 +445,9 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
     constexpr double kTie = 1e-3;
     const auto better = std::ranges::find_if(found.replacements, [&](const Replacement& r) {
       if (r.with_level) return false;
-      if (r.candidate.cause->remedy == Remedy::kFrictionValue) return r.statistic <= kParameter;
+      if (r.candidate.cause->remedy == Remedy::kFrictionValue) {
+        return r.statistic <= kParameter && last_is_plausible(r.fit.hypothesis);
+      }
       if (preferred(*r.candidate.cause)) return r.statistic <= kPreferred;
       return r.statistic <= kTie && rank(r.candidate) < rank(own);
     });
@@ -442,6 +468,22 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
     found.replacements.insert(found.replacements.begin(), std::move(given));
     best = taken.fit;
     chi_best = chi(best);
+    // What may stand in the place of the other effects now stands beside this one.
+    for (std::size_t other = 0; other < count; ++other) {
+      if (other == e) continue;
+      std::vector<Replacement>& list = result.effects[other].replacements;
+      for (Replacement& r : list) {
+        Hypothesis beside = without(best.hypothesis, other);
+        if (has_cause(beside, r.candidate.cause)) {
+          r.statistic = std::numeric_limits<double>::infinity();
+          continue;
+        }
+        if (r.with_level && !has_cause(beside, level->cause)) beside = with(beside, *level);
+        r.fit = fit(problem, with(std::move(beside), r.candidate), scale);
+        r.statistic = chi(r.fit) - chi_best;
+      }
+      std::erase_if(list, [](const Replacement& r) { return !(r.statistic <= kAsWell); });
+    }
   }
   // Forms that were not searched for.
   for (std::size_t e = 0; e < count; ++e) {
@@ -509,8 +551,9 @@ std::vector<double> inclusion_frequency(const Problem& problem, const SearchResu
       grown << own, other.middleCols(block.first, block.count);
       own = std::move(grown);
     }
-    for (std::size_t g = 0; g < groups.size(); ++g) frequency[g] += hit[g] ? 1.0 / kSamples : 0.0;
+    for (std::size_t g = 0; g < groups.size(); ++g) frequency[g] += hit[g] ? 1.0 : 0.0;
   }
+  for (double& f : frequency) f /= kSamples;
   return frequency;
 }
 

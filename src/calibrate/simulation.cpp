@@ -117,6 +117,23 @@ Scalar black_box_torque(const BlackBox& box, const Condition& c, const Modificat
   return through * (1.0 + sign * friction) + sign * drag;
 }
 
+/// Loss per friction in approach and in recess: slopes of the exact loss where there is none.
+std::array<double, 2> first_order_sides(const efficiency::MeshContact<Scalar>& contact) {
+  const Scalar efficiency =
+      efficiency::coulomb_path_efficiency<Scalar>(contact, {.coefficient = number(1.0),
+                                                            .approach_factor = Scalar(0.0, 0),
+                                                            .recess_factor = Scalar(0.0, 1)});
+  return {-efficiency.v[0], -efficiency.v[1]};
+}
+
+/// Friction of a pair's flanks.
+efficiency::FlankFriction<Scalar> flanks_of(const design::Friction& stated, const Modification& m) {
+  efficiency::Friction<Scalar> friction = numbers_of(stated);
+  friction.extension = m.gearbox.friction;
+  const Scalar mu = friction.coefficient * constant_factor(friction.extension, true);
+  return efficiency::flank_friction(friction, mu);
+}
+
 const geometry::BasicRack<double>& rack_of(const design::PairDesign& pair) {
   return pair.gear1.rack;
 }
@@ -168,6 +185,11 @@ bool Simulation::models_cause(std::string_view id) const {
     return model.kind == kind_ &&
            std::ranges::find(model.causes, id, &AppliedCause::id) != model.causes.end();
   });
+}
+
+const design::MapGrid* Simulation::grid() const {
+  const auto* gearbox = std::get_if<Gearbox>(&subject_);
+  return gearbox == nullptr ? nullptr : &gearbox->design.map;
 }
 
 double Simulation::ratio() const {
@@ -232,19 +254,26 @@ std::optional<Scalar> Simulation::lost_motion(const Condition& c, const Modifica
   return Scalar(rigid + e.clearance_rad + 2.0 * c.test_torque_Nm * e.compliance_rad_Nm);
 }
 
+const design::Friction& Simulation::stated_friction() const {
+  const auto* pair = std::get_if<design::PairDesign>(&subject_);
+  return pair != nullptr ? pair->friction : std::get<Gearbox>(subject_).design.friction;
+}
+
+std::array<Scalar, 2> Simulation::flank_coefficients(const Modification& m) const {
+  const auto flank = flanks_of(stated_friction(), m);
+  return {flank.coefficient * flank.approach_factor, flank.coefficient * flank.recess_factor};
+}
+
 Scalar Simulation::pair_loss(const Condition& c, const Modification& m) const {
   double pressure_angle_rad = 0.0;
   geometry::BasicRack<double> rack;
-  const design::Friction* friction = nullptr;
   if (const auto* pair = std::get_if<design::PairDesign>(&subject_)) {
     pressure_angle_rad = pair->pressure_angle_rad;
     rack = rack_of(*pair);
-    friction = &pair->friction;
   } else {
     const auto& design = std::get<Gearbox>(subject_).design;
     pressure_angle_rad = design.train.pressure_angle_rad;
     rack = design.train.rack.front();
-    friction = &design.friction;
   }
   const auto angle = geometry::make_pressure_angle(pressure_angle_rad);
   const auto gear = [&](int teeth) {
@@ -260,20 +289,26 @@ Scalar Simulation::pair_loss(const Condition& c, const Modification& m) const {
   const auto mesh = geometry::make_mesh_geometry(
       driver, driven, driver.reference_radius_m + driven.reference_radius_m);
   const auto contact = efficiency::contact_of(driver, driven, *mesh, true);
-  efficiency::Friction<Scalar> f = numbers_of(*friction);
-  f.extension = m.gearbox.friction;
-  const Scalar mu = f.coefficient * constant_factor(f.extension, true);
-  const Scalar efficiency = efficiency::mesh_efficiency(
-      efficiency::MeshContact<Scalar>{
-          .z1 = contact.z1,
-          .z2 = contact.z2,
-          .sign = contact.sign,
-          .approach_contact_ratio = number(contact.approach_contact_ratio),
-          .recess_contact_ratio = number(contact.recess_contact_ratio),
-          .tan_alpha_w = number(contact.tan_alpha_w),
-          .gear1_drives = contact.gear1_drives},
-      efficiency::flank_friction(f, mu), f.model);
-  return 1.0 - efficiency;
+  const efficiency::MeshContact<Scalar> scalar_contact{
+      .z1 = contact.z1,
+      .z2 = contact.z2,
+      .sign = contact.sign,
+      .approach_contact_ratio = number(contact.approach_contact_ratio),
+      .recess_contact_ratio = number(contact.recess_contact_ratio),
+      .tan_alpha_w = number(contact.tan_alpha_w),
+      .gear1_drives = contact.gear1_drives};
+  const efficiency::FlankFriction<Scalar> flanks = flanks_of(stated_friction(), m);
+  const Scalar mu = flanks.coefficient;
+  const efficiency::LossModel model = stated_friction().model;
+  if (model == efficiency::LossModel::kCoulombPath ||
+      model == efficiency::LossModel::kDirectional) {
+    return 1.0 - efficiency::mesh_efficiency(scalar_contact, flanks, model);
+  }
+  // A model of first order in the friction stays one: the change on either side is linear too, and
+  // defined for any value.
+  const std::array<double, 2> side = first_order_sides(scalar_contact);
+  return 1.0 - efficiency::mesh_efficiency(scalar_contact, mu, model) +
+         mu * (side[0] * (flanks.approach_factor - 1.0) + side[1] * (flanks.recess_factor - 1.0));
 }
 
 std::optional<Scalar> Simulation::response(const Condition& c, const Modification& m) const {

@@ -33,9 +33,14 @@ class Simulation {
   [[nodiscard]] Scalar reading(const Scalar& response, const Condition& condition,
                                const Modification& m) const;
 
+  /// Coefficients of friction in approach and in recess under a modification; of pairs.
+  [[nodiscard]] std::array<Scalar, 2> flank_coefficients(const Modification& m) const;
+
   [[nodiscard]] Kind kind() const { return kind_; }
   /// Whether a model holds a cause for data of this kind.
   [[nodiscard]] bool models_cause(std::string_view id) const;
+  /// Speeds and loads that the gearbox is meant for: those of the design's map; null without one.
+  [[nodiscard]] const design::MapGrid* grid() const;
   /// The ratio of the gearbox; 0 for pairs.
   [[nodiscard]] double ratio() const;
   /// What causes need to know of these data; refers to `data` and to this object.
@@ -54,6 +59,7 @@ class Simulation {
   [[nodiscard]] std::optional<Scalar> sun_torque(const Condition& c, const Modification& m) const;
   [[nodiscard]] std::optional<Scalar> lost_motion(const Condition& c, const Modification& m) const;
   [[nodiscard]] Scalar pair_loss(const Condition& c, const Modification& m) const;
+  [[nodiscard]] const design::Friction& stated_friction() const;
   /// Tooth load and sliding speed as Occasion tells them.
   [[nodiscard]] std::array<double, 2> load_and_speed(const Condition& c) const;
 

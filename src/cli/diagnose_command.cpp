@@ -210,6 +210,9 @@ std::optional<std::vector<Diagnosis>> diagnose_all(const Task& task,
   progress.phase = optimize::Progress::Phase::kDiagnosis;
   progress.total = kSteps;
   const ProgressDisplay display(progress, options.quiet);
+  // A partial diagnosis has no result and nothing is written before the end: an interrupt need not
+  // wait for the next step, which takes minutes for 100 000 rows.
+  end_on_interrupt();
   std::vector<Diagnosis> results;
   results.reserve(task.sets.size());
   for (std::size_t k = 0; k < task.sets.size(); ++k) {

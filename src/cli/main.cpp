@@ -144,11 +144,13 @@ void add_diagnose_options(CLI::App& command, cli::DiagnoseOptions& options) {
   for (const LimitOption& limit : kLimitOptions) {
     command
         .add_option(fmt::format("--min-{}", limit.name), (options.*limit.limit).least,
-                    fmt::format("least {}; a quarter below the data by default", limit.text))
+                    fmt::format("least {}; by default below data and design, docs/interface.md",
+                                limit.text))
         ->option_text("MIN");
     command
         .add_option(fmt::format("--max-{}", limit.name), (options.*limit.limit).greatest,
-                    fmt::format("greatest {}; a quarter above the data by default", limit.text))
+                    fmt::format("greatest {}; by default above data and design, docs/interface.md",
+                                limit.text))
         ->option_text("MAX");
   }
   add_common_options(command, options);

@@ -125,8 +125,8 @@ std::array<T, kShaftCount> drag_torques(const LossyTrain<T>& t, const T& output_
     drag[i] = drag_torque(t.shafts.drag[i], T(speed[i] * output_speed_rad_s));
   }
   if (!is_neutral(t.shafts.drag_temperature_1_K, 0.0)) {
-    const T factor = exp(T(t.shafts.drag_temperature_1_K *
-                           (temperature_K - t.shafts.drag_reference_temperature_K)));
+    const T factor = exp(
+        T(t.shafts.drag_temperature_1_K * (temperature_K - t.shafts.drag_reference_temperature_K)));
     for (T& torque : drag) torque = torque * factor;
   }
   drag[kPlanetShaft] = drag[kPlanetShaft] * static_cast<double>(t.geometry.planets);
@@ -203,8 +203,7 @@ bool apply_friction(const LossyTrain<T>& t, const FrictionState<T>& state,
   motion.bearing_Nm = planets * t.shafts.planet_bearing_coefficient *
                       t.shafts.planet_bearing_radius_m * planet_force(t.geometry, mesh, torque_Nm);
   loaded.known.pin = pin_torque(t, motion);
-  motion.output_bearing_Nm =
-      t.shafts.output_bearing_share * magnitude(torque_Nm[train::kMeshP2R2]);
+  motion.output_bearing_Nm = t.shafts.output_bearing_share * magnitude(torque_Nm[train::kMeshP2R2]);
   loaded.known.ring2 = -motion.drag_Nm[kOutputShaft] - motion.output_bearing_Nm;
   return true;
 }

@@ -217,7 +217,8 @@ std::optional<T> evaluate(const RefinementProblem& p, std::span<const T> v,
   const auto j_bn = backlash::normal_backlashes(*train);
   const bool forward = spec.objective == Objective::kForwardEfficiency;
   const auto eta = efficiency::mesh_efficiencies(
-      *train, efficiency::constant_friction<T>(spec.friction, forward), spec.friction.model, forward);
+      *train, efficiency::constant_friction<T>(spec.friction, forward), spec.friction.model,
+      forward);
   const T objective = forward ? T(-efficiency::forward_efficiency(p.candidate.teeth, eta))
                               : T(-efficiency::backward_efficiency(p.candidate.teeth, eta));
   bool finite = all_finite(objective);

@@ -107,7 +107,8 @@ std::string alternative_text(const Alternative& a, const std::vector<std::string
   return text;
 }
 
-std::string effect_text(const Effect& e, const std::vector<std::string>& runs) {
+/// @param several  whether other causes act beside it
+std::string effect_text(const Effect& e, const std::vector<std::string>& runs, bool several) {
   std::string text = fmt::format("Cause: {}{}: {}{}. [{}]\n", e.title, place_clause(e.id, e.form),
                                  parameters_text(e.parameters), form_clause(e.form, runs), e.id);
   if (e.id == "friction_level") text += "  This is a parameter, not a missing effect.\n";
@@ -118,7 +119,8 @@ std::string effect_text(const Effect& e, const std::vector<std::string>& runs) {
   }
   for (const ParameterResult& p : e.parameters) text += limits_text(p);
   if (!e.alternatives.empty()) {
-    text += "  These data cannot tell it from:\n";
+    text += several ? "  These data cannot tell it from (each beside another cause as above):\n"
+                    : "  These data cannot tell it from:\n";
     for (const Alternative& a : e.alternatives) text += alternative_text(a, runs);
   }
   return text;
@@ -379,7 +381,11 @@ std::string kind_text(const Diagnosis& d, const MeasurementSet& set) {
                                  calibrate::kKindNames[static_cast<std::size_t>(d.kind)],
                                  fmt::join(set.files, ", "));
   text += headline(d, set) + verdict_text(d) + implausible_text(d);
-  for (const Effect& effect : d.effects) text += effect_text(effect, set.runs);
+  const bool several = d.effects.size() > 1;
+  if (several && std::ranges::find(d.effects, "friction_level", &Effect::id) != d.effects.end()) {
+    text += "One coefficient of friction cannot explain these data by itself.\n";
+  }
+  for (const Effect& effect : d.effects) text += effect_text(effect, set.runs, several);
   if (!d.effects.empty()) text += "(± is half of the 95 % interval.)\n";
   text += evidence_table(d) + covariate_table(d) + gain_table(d, set) + remainder_text(d) +
           lack_text(d) + next_text(d) + notes_text(d);

@@ -125,6 +125,64 @@ std::string answer_of(const calibrate::Diagnosis& d) {
 
 }  // namespace
 
+namespace {
+
+/// Measures the proposed experiment on the rig and diagnoses old and new rows together.  Resolved:
+/// the true cause is named, and none of its aliases beside it.
+Score score_after_experiment(const Scenario& scenario, const Gearbox& gearbox, const Dataset& first,
+                             const calibrate::Diagnosis& d, std::uint64_t seed) {
+  Score result;
+  result.answer = "no experiment proposed: " + answer_of(d);
+  if (!d.next_experiment) return result;
+  constexpr double kRpm = 0.10471975511965977;
+  std::vector<std::string> files{first.csv};
+  for (const bool reference : {false, true}) {
+    std::vector<Condition> conditions;
+    for (const auto& proposed : d.next_experiment->conditions) {
+      const calibrate::Condition& c = proposed.condition;
+      if (c.reference_sensor != reference) continue;
+      Condition row;
+      row.forward = c.direction == design::Direction::kForward;
+      row.sun_speed_rpm = c.sun_speed_rad_s / kRpm;
+      row.output_torque_Nm = c.output_torque_Nm;
+      row.rotation = c.rotation;
+      if (std::isfinite(c.temperature_K)) row.temperature_c = c.temperature_K - 273.15;
+      row.time_s = first.conditions.back().time_s + 3600.0;
+      row.session = scenario.plan.sessions;
+      row.repeats = proposed.repeats;
+      conditions.push_back(row);
+    }
+    if (conditions.empty()) continue;
+    std::vector<HiddenCause> causes;
+    for (const HiddenCause& cause : first.causes) {
+      if (!(reference && cause.id.starts_with("sensor_"))) causes.push_back(cause);
+    }
+    // The rig writes the columns of a plan; a proposed rotation needs its column.
+    Plan plan = scenario.plan;
+    plan.rotation = true;
+    std::string csv = measure_conditions(gearbox, plan, conditions, causes, first.noise_sd,
+                                         seed + 1000003, reference ? "reference" : "next")
+                          .csv;
+    if (reference) csv = "# sensor: reference\n" + csv;
+    files.push_back(csv);
+  }
+  const calibrate::Diagnosis after = diagnose_csv(gearbox, files);
+  result.answer = answer_of(after);
+  const std::string& hidden = scenario.causes[0].id;
+  for (const auto& effect : after.effects) {
+    if (effect.id != hidden) {
+      result.wrong = true;
+      continue;
+    }
+    result.right = std::ranges::none_of(
+        scenario.aliases, [&](const std::string& id) { return id != hidden && names(effect, id); });
+  }
+  result.right = result.right && !result.wrong;
+  return result;
+}
+
+}  // namespace
+
 calibrate::Diagnosis diagnose_campaign(const Scenario& scenario, std::uint64_t seed) {
   const Gearbox gearbox = gearbox_of(scenario);
   return diagnose_csv(gearbox, {measure(gearbox, scenario.plan, scenario.causes, seed).csv});
@@ -150,8 +208,10 @@ Score score(const Scenario& scenario, std::uint64_t seed) {
     case Expectation::kNamed:
       result.right = named;
       break;
-    case Expectation::kAliases:
     case Expectation::kResolved:
+      result = score_after_experiment(scenario, gearbox, data, d, seed);
+      break;
+    case Expectation::kAliases:
       result.right = named && std::ranges::any_of(d.effects, [&](const auto& effect) {
                        return std::ranges::all_of(
                            scenario.aliases, [&](const auto& id) { return names(effect, id); });
@@ -284,7 +344,9 @@ std::vector<Scenario> scenarios() {
                          const std::function<void(Plan&)>& change) {
     Scenario s{.name = fmt::format("alias {} {}", name, id),
                .plan = transmission,
-               .causes = {{.id = id, .rms_in_noise = 1.0}},
+               .causes = {{.id = id,
+                           .variant = std::string_view(id) == "friction_direction" ? "drive" : "",
+                           .rms_in_noise = 1.0}},
                .expectation = Expectation::kAliases,
                .aliases = all};
     change(s.plan);
@@ -308,6 +370,23 @@ std::vector<Scenario> scenarios() {
     alias("forward only", id,
           {"friction_level", "bearing_load", "friction_direction", "sensor_gain"}, forward_only);
   }
+  const auto resolved = [&](const char* name, const char* id, const std::vector<std::string>& all,
+                            const std::function<void(Plan&)>& change) {
+    alias(name, id, all, change);
+    list.back().name = fmt::format("resolved {} {}", name, id);
+    list.back().expectation = Expectation::kResolved;
+  };
+  for (const char* id : {"drag_constant", "sensor_offset"}) {
+    resolved("one rotation", id, {"drag_constant", "sensor_offset"}, one_rotation);
+  }
+  for (const char* id : {"drag_constant", "drag_viscous", "drag_quadratic"}) {
+    resolved("one speed", id, {"drag_constant", "drag_viscous", "drag_quadratic"}, one_speed);
+  }
+  resolved("forward only", "sensor_gain", {"friction_level", "friction_direction", "sensor_gain"},
+           forward_only);
+  resolved("both directions", "sensor_gain", {"friction_direction", "sensor_gain"}, [](Plan&) {});
+  resolved("both directions", "friction_direction", {"friction_direction", "sensor_gain"},
+           [](Plan&) {});
   alias("both directions", "sensor_gain", {"sensor_gain", "friction_direction"}, [](Plan&) {});
   alias("both directions", "friction_direction", {"sensor_gain", "friction_direction"},
         [](Plan&) {});

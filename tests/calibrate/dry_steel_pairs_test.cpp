@@ -11,6 +11,8 @@
 #include <numbers>
 #include <set>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "calibrate/diagnosis.hpp"
@@ -270,6 +272,69 @@ TEST(DrySteelPairs, TheAsymmetryIsSaidToBeImplausible) {
   EXPECT_TRUE(std::ranges::none_of(direction->parameters, &ParameterResult::plausible));
   // Beyond 1 the friction of one side is negative: it would drive.
   EXPECT_LT(direction->parameters.at(0).high, -1.0);
+  // What it makes of the design's coefficient on either side.
+  const double asymmetry = direction->parameters.at(0).value;
+  const auto value_of = [&](const char* name) {
+    return std::ranges::find(direction->parameters, name, &ParameterResult::name)->value;
+  };
+  EXPECT_NEAR(value_of("friction_in_approach"), kFriction * (1.0 + asymmetry), 1e-12);
+  EXPECT_NEAR(value_of("friction_in_recess"), kFriction * (1.0 - asymmetry), 1e-12);
+}
+
+TEST(DrySteelPairs, ALossOfAllPairsMayBeBearingsOrSensorOrAnotherCoefficient) {
+  // Chi-square of each in the place of the bearings, by refits of this file, is within 6.
+  const auto& [data, d] = dry_steel();
+  const auto bearings = std::ranges::find(d.effects, "bearing_load", &Effect::id);
+  ASSERT_NE(bearings, d.effects.end());
+  const auto asymmetric = [](const Condition& c, double level, double asymmetry) {
+    return own_loss(c, kFriction * level * (1.0 + asymmetry),
+                    kFriction * level * (1.0 - asymmetry));
+  };
+  const Model offset = [&](const Condition& c, const Parameters& p) {
+    return asymmetric(c, 1.0, p[0]) + p[1];
+  };
+  const Model gain = [&](const Condition& c, const Parameters& p) {
+    return 1.0 - (1.0 - asymmetric(c, 1.0, p[0])) * (1.0 + p[1]);
+  };
+  const Model level = [&](const Condition& c, const Parameters& p) {
+    return asymmetric(c, 1.0 + p[1], p[0]);
+  };
+  const auto squares = [&](const Model& model, const Parameters& start) {
+    return errors_of(data.rows, model, refit(data.rows, model, start)).squaredNorm();
+  };
+  const double least = squares(offset, vector_of({-8.0, 0.07}));
+  const double variance = least / static_cast<double>(data.rows.size() - 2);
+  const auto check = [&](const char* id, double sum) {
+    EXPECT_LT((sum - least) / variance, 6.0) << id;
+    const auto other = std::ranges::find(bearings->alternatives, id, &Alternative::id);
+    ASSERT_NE(other, bearings->alternatives.end()) << id;
+    EXPECT_NEAR(other->statistic, (sum - least) / variance, 0.1) << id;
+  };
+  check("sensor_gain", squares(gain, vector_of({-8.0, -0.07})));
+  check("friction_level", squares(level, vector_of({-2.4, 3.0})));
+  EXPECT_EQ(d.verdict, Verdict::kAmbiguous);
+}
+
+TEST(DrySteelPairs, AModelOfFirstOrderStaysLinearInTheFrictionOfEitherSide) {
+  auto pair = std::get<design::PairDesign>(
+      io::read_subject(GEAR3K_SOURCE_DIR "/examples/pairs/dry_steel_pair.toml"));
+  pair.friction.model = efficiency::LossModel::kSliding;
+  const Simulation simulation(pair, Kind::kPairLoss);
+  // Values at which the exact path would jam, against the exact loss of so little friction that
+  // its second order is below 1e-5 of it.
+  constexpr double kLittle = 1e-6;
+  for (const auto& [approach, recess] : {std::pair{9.0, -14.0}, {-9.0, 14.0}, {20.0, 0.0}}) {
+    Modification m;
+    m.gearbox.friction.approach = Scalar(approach);
+    m.gearbox.friction.recess = Scalar(recess);
+    for (const Observation& row : dry_steel().data.rows) {
+      const double little =
+          own_loss(row.condition, kLittle * kFriction * approach, kLittle * kFriction * recess);
+      constexpr double kMidpoint = 2e-3;  // and, where the sides cancel, that of their losses
+      EXPECT_NEAR(simulation.response(row.condition, m)->a, little / kLittle,
+                  kMidpoint * (std::abs(approach) + std::abs(recess)) * 0.2);
+    }
+  }
 }
 
 // --- What no plausible friction reaches

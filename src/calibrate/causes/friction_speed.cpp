@@ -37,7 +37,8 @@ std::vector<ParameterRecord> parameters(const Form& form, Kind) {
 
 /// Falling from a static value to the design's (mixed lubrication), or a power of the speed.
 std::vector<Form> forms(const Occasion& o) {
-  if (o.kind != Kind::kTransmission || !(o.speed[1] > 0.0)) return {};
+  // At one speed it is another coefficient of friction.
+  if (o.kind != Kind::kTransmission || !(o.speed[1] > 1.001 * o.speed[0])) return {};
   const auto form = [&](const char* name, const char* constant, double speed, double weight) {
     return Form{
         .name = name,

@@ -1,0 +1,185 @@
+#include "calibrate/noise.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <array>
+#include <boost/math/distributions/normal.hpp>
+#include <cmath>
+#include <vector>
+
+namespace gear3k::calibrate {
+namespace {
+
+Observation row_at(double speed_rad_s, double torque_Nm, int run = 0) {
+  Observation row;
+  row.condition.sun_speed_rad_s = speed_rad_s;
+  row.condition.output_torque_Nm = torque_Nm;
+  row.condition.temperature_K = 300.0;
+  row.condition.run = run;
+  return row;
+}
+
+MeasurementSet set_of(std::vector<Observation> rows, std::size_t runs = 1) {
+  MeasurementSet data;
+  data.rows = std::move(rows);
+  for (std::size_t k = 0; k < runs; ++k) data.runs.push_back(std::to_string(k));
+  return data;
+}
+
+// Repeats
+
+TEST(Repeats, AreRowsOfOneConditionWhateverAngleAndTime) {
+  MeasurementSet data = set_of({row_at(20.0, 5.0), row_at(20.0, 50.0), row_at(100.0, 5.0),
+                                row_at(20.0, 5.0), row_at(100.0, 5.0), row_at(20.0, 5.0)});
+  for (std::size_t k = 0; k < data.rows.size(); ++k) {
+    data.rows[k].condition.output_angle_rad = 10.0 * static_cast<double>(k);
+    data.rows[k].condition.time_s = 60.0 * static_cast<double>(k);
+  }
+  const Repeats repeats = find_repeats(data);
+  EXPECT_EQ(repeats.cell, (std::vector<int>{0, 1, 2, 0, 2, 0}));
+  EXPECT_EQ(repeats.cells, 3);
+  EXPECT_EQ(repeats.degrees, 3);
+}
+
+TEST(Repeats, DifferInEachPartOfTheirCondition) {
+  const Observation same = row_at(20.0, 5.0);
+  std::vector<Observation> rows{same, row_at(100.0, 50.0)};
+  const auto add = [&](auto change) {
+    rows.push_back(same);
+    change(rows.back().condition);
+  };
+  add([](Condition& c) { c.direction = design::Direction::kBackward; });
+  add([](Condition& c) { c.rotation = -1; });
+  add([](Condition& c) { c.run = 1; });
+  add([](Condition& c) { c.driving_teeth = 20; });
+  add([](Condition& c) { c.driven_teeth = 20; });
+  add([](Condition& c) { c.test_torque_Nm = 1.0; });
+  add([](Condition& c) { c.temperature_K = 310.0; });
+  add([](Condition& c) { c.sun_speed_rad_s = 60.0; });
+  add([](Condition& c) { c.output_torque_Nm = 20.0; });
+  const Repeats repeats = find_repeats(set_of(rows, 2));
+  EXPECT_EQ(repeats.cells, static_cast<int>(rows.size()));
+  EXPECT_EQ(repeats.degrees, 0);
+}
+
+TEST(Repeats, AgreeToTwoPercentOfTheRange) {
+  // Range 100 rad/s.  Within half a bin of its start a row repeats it, 2 % away never.
+  const Repeats repeats = find_repeats(
+      set_of({row_at(0.0, 5.0), row_at(100.0, 5.0), row_at(0.9, 5.0), row_at(2.5, 5.0)}));
+  EXPECT_EQ(repeats.cell[2], repeats.cell[0]);
+  EXPECT_NE(repeats.cell[3], repeats.cell[0]);
+  // Twice the range: half as far.
+  const Repeats wider = find_repeats(
+      set_of({row_at(0.0, 5.0), row_at(200.0, 5.0), row_at(0.9, 5.0), row_at(2.5, 5.0)}));
+  EXPECT_EQ(wider.cell[2], wider.cell[0]);
+  EXPECT_EQ(wider.degrees, 1);
+}
+
+TEST(Repeats, NeedNoTemperature) {
+  MeasurementSet data = set_of({row_at(20.0, 5.0), row_at(20.0, 5.0), row_at(20.0, 50.0)});
+  for (Observation& row : data.rows) row.condition.temperature_K = kUnknown;
+  const Repeats repeats = find_repeats(data);
+  EXPECT_EQ(repeats.cell, (std::vector<int>{0, 0, 1}));
+}
+
+TEST(Repeats, ARowWithoutTemperatureLeavesTheOthersApart) {
+  MeasurementSet data =
+      set_of({row_at(20.0, 5.0), row_at(20.0, 5.0), row_at(20.0, 5.0), row_at(20.0, 5.0)});
+  data.rows[0].condition.temperature_K = 290.0;
+  data.rows[1].condition.temperature_K = 320.0;
+  data.rows[2].condition.temperature_K = kUnknown;
+  data.rows[3].condition.temperature_K = 310.0;
+  const Repeats repeats = find_repeats(data);
+  EXPECT_NE(repeats.cell[0], repeats.cell[1]);
+  EXPECT_NE(repeats.cell[1], repeats.cell[3]);
+  EXPECT_NE(repeats.cell[0], repeats.cell[2]);
+}
+
+TEST(PureError, IsTheScatterAboutTheMeansOfCells) {
+  Repeats repeats;
+  repeats.cell = {0, 1, 0, 1, 1, 2};
+  repeats.cells = 3;
+  repeats.degrees = 3;
+  Eigen::VectorXd y(6);
+  y << 1.0, 2.0, 3.0, 2.0, 5.0, 100.0;
+  // Means 2, 3, 100: 1 + 1 + 1 + 1 + 4 + 0.
+  const PureError error = pure_error(repeats, y);
+  EXPECT_DOUBLE_EQ(error.sum_of_squares, 8.0);
+  EXPECT_EQ(error.degrees, 3);
+}
+
+// Weights and sessions
+
+TEST(NoiseModel, TakesStatedDeviationsWhereEveryRowHasOne) {
+  MeasurementSet data = set_of({row_at(20.0, 5.0), row_at(20.0, 5.0, 1), row_at(20.0, 5.0, 1)}, 2);
+  data.rows[0].sigma = 0.5;
+  data.rows[1].sigma = 2.0;
+  const NoiseModel without = make_noise_model(data);
+  EXPECT_NE(without.source, NoiseSource::kStated);
+  EXPECT_EQ(without.weight, Eigen::VectorXd::Ones(3));
+  EXPECT_EQ(without.rows_per_run, (std::vector<double>{1.0, 2.0}));
+  data.rows[2].sigma = 4.0;
+  const NoiseModel with = make_noise_model(data);
+  EXPECT_EQ(with.source, NoiseSource::kStated);
+  EXPECT_EQ(with.weight, Eigen::Vector3d(2.0, 0.5, 0.25));
+}
+
+TEST(Whiten, MakesRowsOfScatteringSessionsIndependent) {
+  // Unequal sessions, one row without any, unequal rows.
+  std::vector<Observation> rows;
+  const std::vector<int> run{0, 1, 0, 2, 2, 2, 2, -1, 1, 2};
+  rows.reserve(run.size());
+  for (std::size_t k = 0; k < run.size(); ++k) {
+    rows.push_back(row_at(20.0, 5.0, run[k]));
+    rows.back().sigma = 0.5 + 0.25 * static_cast<double>(k % 4);
+  }
+  NoiseModel noise = make_noise_model(set_of(rows, 3));
+  const auto n = static_cast<Eigen::Index>(run.size());
+  for (const double q : {0.0, 0.3, 5.0}) {
+    noise.session_variance = q;
+    // Covariance of the rows over scale²: their own, and that of the session, in units of rows of
+    // weight 1.
+    Eigen::MatrixXd covariance = Eigen::MatrixXd::Identity(n, n);
+    for (std::size_t i = 0; i < run.size(); ++i) {
+      for (std::size_t k = 0; k < run.size(); ++k) {
+        const bool same = run[i] == run[k] && run[i] >= 0;
+        if (same) covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) += q;
+      }
+    }
+    for (std::size_t i = 0; i < run.size(); ++i) {
+      covariance.row(static_cast<Eigen::Index>(i)) *= rows[i].sigma;
+      covariance.col(static_cast<Eigen::Index>(i)) *= rows[i].sigma;
+    }
+    Eigen::MatrixXd w = Eigen::MatrixXd::Identity(n, n);
+    noise.whiten(w);
+    EXPECT_LT((w * covariance * w.transpose() - Eigen::MatrixXd::Identity(n, n)).norm(), 1e-13)
+        << q;
+    EXPECT_LT((covariance * w.transpose() * w - Eigen::MatrixXd::Identity(n, n)).norm(), 1e-13)
+        << q;
+  }
+}
+
+TEST(RobustDeviation, IsThatOfANormalSample) {
+  constexpr int kCount = 2001;
+  Eigen::VectorXd x(kCount);
+  for (int k = 0; k < kCount; ++k) {
+    x[k] = 3.0 * boost::math::quantile(boost::math::normal(), (k + 0.5) / kCount);
+  }
+  // A rank of the sample moves the median by 1/(n φ(0.674)) = 0.0016 σ.
+  EXPECT_NEAR(robust_deviation(x), 3.0, 0.01);
+  // A tenth of the rows far away: the quantile of 1/2 becomes that of 1/1.8.
+  for (int k = 0; k < kCount; k += 10) x[k] = k % 20 == 0 ? 1e9 : -1e9;
+  const double quantile = boost::math::quantile(boost::math::normal(), 0.5 + 0.25 / 0.9);
+  const double third = boost::math::quantile(boost::math::normal(), 0.75);
+  EXPECT_NEAR(robust_deviation(x), 3.0 * quantile / third, 0.02);
+}
+
+TEST(RobustDeviation, OfThreeNumbersIsTheMiddleOne) {
+  // Upper quartile of the normal distribution in tables: 0.6745.
+  EXPECT_NEAR(robust_deviation(Eigen::Vector3d(-2.0, 0.1, 30.0)), 2.0 / 0.6745, 2e-4);
+  EXPECT_EQ(robust_deviation(Eigen::VectorXd(0)), 0.0);
+}
+
+}  // namespace
+}  // namespace gear3k::calibrate
