@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 namespace gear3k::calibrate {
 
@@ -233,9 +234,12 @@ NextExperiment plan_experiment(const Problem& problem, const std::vector<Explana
     views.push_back(std::move(view));
   }
   std::vector<Distance> pairs;
+  std::vector<std::pair<std::string, std::string>> names;
   for (std::size_t a = 0; a < views.size(); ++a) {
     for (std::size_t b = 0; b < views.size(); ++b) {
-      if (a != b) pairs.emplace_back(views[a], views[b]);
+      if (a == b) continue;
+      pairs.emplace_back(views[a], views[b]);
+      names.emplace_back(explanations[a].id, explanations[b].id);
     }
   }
   if (pairs.empty() || conditions.empty()) return plan;
@@ -244,17 +248,22 @@ NextExperiment plan_experiment(const Problem& problem, const std::vector<Explana
     for (const Distance& pair : pairs) value = std::min(value, pair.now());
     return value;
   };
+  // First as many different conditions as help, then more repeats of the best of them.
   std::vector<Eigen::Index> taken;
   int rows = 0;
-  while (static_cast<int>(plan.conditions.size()) < kMostConditions && rows < kMostRows &&
-         least() < kEnough) {
+  std::vector<double> distances(pairs.size());
+  const auto use_of = [&](Eigen::Index c) {
+    std::ranges::transform(pairs, distances.begin(),
+                           [&](const Distance& pair) { return pair.with(c, kRepeats); });
+    return total_use(distances);
+  };
+  while (rows < kMostRows && least() < kEnough) {
+    const bool fresh = static_cast<int>(taken.size()) < kMostConditions;
     Eigen::Index best = -1;
     double best_use = -1.0;
-    std::vector<double> distances(pairs.size());
     for (Eigen::Index c = 0; c < static_cast<Eigen::Index>(conditions.size()); ++c) {
-      std::ranges::transform(pairs, distances.begin(),
-                             [&](const Distance& pair) { return pair.with(c, kRepeats); });
-      const double use = total_use(distances);
+      if ((std::ranges::find(taken, c) == taken.end()) != fresh) continue;
+      const double use = use_of(c);
       if (use > best_use * (1.0 + 1e-9)) {
         best_use = use;
         best = c;
@@ -262,11 +271,11 @@ NextExperiment plan_experiment(const Problem& problem, const std::vector<Explana
     }
     if (best < 0) break;
     for (Distance& pair : pairs) pair.take(best, kRepeats);
-    const auto& condition = conditions[static_cast<std::size_t>(best)];
     const auto same = std::ranges::find(taken, best);
     if (same == taken.end()) {
       taken.push_back(best);
-      plan.conditions.push_back({.condition = condition, .repeats = kRepeats});
+      plan.conditions.push_back(
+          {.condition = conditions[static_cast<std::size_t>(best)], .repeats = kRepeats});
     } else {
       plan.conditions[static_cast<std::size_t>(same - taken.begin())].repeats += kRepeats;
     }
@@ -274,10 +283,13 @@ NextExperiment plan_experiment(const Problem& problem, const std::vector<Explana
   }
   plan.expected_statistic = least();
   if (plan.expected_statistic < kTold) {
+    const auto closest = std::ranges::min_element(pairs, {}, &Distance::now) - pairs.begin();
+    const auto& [one, other] = names[static_cast<std::size_t>(closest)];
     plan.advice = fmt::format(
-        "These conditions alone will hardly tell them apart (expected chi-square {:.2g}, {:g} is "
-        "needed): repeat more often, or widen the limits.",
-        std::max(0.0, plan.expected_statistic), kTold);
+        "These conditions will hardly tell {} from {} (expected chi-square {:.2g}, {:g} is "
+        "needed): "
+        "repeat more often, or widen the limits.",
+        one, other, std::max(0.0, plan.expected_statistic), kTold);
   }
   return plan;
 }

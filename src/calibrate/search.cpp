@@ -521,7 +521,8 @@ std::vector<double> inclusion_frequency(const Problem& problem, const SearchResu
   const Columns columns = columns_at(problem, {}, result.candidates, 0.0);
   const Eigen::Index n = columns.residual.size();
   const Eigen::Index half = std::min<Eigen::Index>(n / 2, 500);
-  if (half < 8) return frequency;
+  constexpr Eigen::Index kFewRows = 8;
+  if (half < kFewRows) return std::vector<double>(groups.size(), kUnknown);
   RandomBits random(options.seed + 77);
   std::vector<Eigen::Index> index(static_cast<std::size_t>(n));
   std::iota(index.begin(), index.end(), Eigen::Index{0});

@@ -62,7 +62,7 @@ std::vector<Block> blocks_of(const std::vector<Candidate>& candidates);
 double known_scale(const Problem& problem);
 
 /// Share of random halves of the rows in which a search along the linearisation finds each cause:
-/// by position in `groups`, sets of causes that count as one.
+/// by position in `groups`, sets of causes that count as one.  NaN: too few rows.
 std::vector<double> inclusion_frequency(const Problem& problem, const SearchResult& result,
                                         const std::vector<std::vector<std::string_view>>& groups,
                                         const SearchOptions& options);

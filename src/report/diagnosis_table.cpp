@@ -232,7 +232,10 @@ std::string evidence_table(const Diagnosis& d) {
   TextTable table({"cause", "delta BIC", "found in subsamples", "p-value"});
   for (const Effect& e : d.effects) {
     table.add({e.id, fixed(e.delta_bic, 1),
-               fmt::format("{} %", fixed(percent(e.inclusion_frequency), 0)), p_text(e.p_value)});
+               std::isfinite(e.inclusion_frequency)
+                   ? fmt::format("{} %", fixed(percent(e.inclusion_frequency), 0))
+                   : "not known",
+               p_text(e.p_value)});
   }
   return "\nEvidence (delta BIC above 10 is strong)\n" + table.text(2);
 }
