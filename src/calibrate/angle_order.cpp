@@ -33,6 +33,7 @@ std::vector<Form> angle_forms(const Occasion& o, const std::vector<ShaftOrder>& 
   double high = kUnknown;
   for (const Observation& row : o.data->rows) {
     const double angle = row.condition.output_angle_rad;
+    if (!std::isfinite(angle)) continue;
     if (!(low <= angle)) low = angle;
     if (!(high >= angle)) high = angle;
   }

@@ -384,6 +384,7 @@ std::vector<ConditionRange> ranges_of(const MeasurementSet& data) {
     double high = kUnknown;
     for (const Observation& row : data.rows) {
       const double v = (row.condition.*member - offset) / per_unit;
+      if (!std::isfinite(v)) continue;
       if (!(low <= v)) low = v;
       if (!(high >= v)) high = v;
     }

@@ -24,6 +24,7 @@ Range range_of(const MeasurementSet& data, double Condition::*member) {
   Range range{kUnknown, kUnknown};
   for (const Observation& row : data.rows) {
     const double v = row.condition.*member;
+    if (!std::isfinite(v)) continue;
     if (!(range[0] <= v)) range[0] = v;
     if (!(range[1] >= v)) range[1] = v;
   }

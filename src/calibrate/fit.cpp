@@ -195,6 +195,39 @@ Step step_at(const Problem& problem, const Hypothesis& h) {
   return step;
 }
 
+/// Whether a parameter stands at a bound that a step would cross.
+bool leaves(const ParameterRecord& record, double value, double step) {
+  return (value <= record.lower && step < 0.0) || (value >= record.upper && step > 0.0);
+}
+
+/// Gauss-Newton step of the parameters that are free to move: those at a bound that the step would
+/// take across it stay there, and the others are solved for without them.
+Eigen::VectorXd step_inside(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residual,
+                            const std::vector<ParameterRecord>& records,
+                            const std::vector<double>& value) {
+  const Eigen::Index p = jacobian.cols();
+  std::vector<bool> held(records.size(), false);
+  Eigen::VectorXd change = Eigen::VectorXd::Zero(p);
+  for (bool again = true; again;) {
+    std::vector<Eigen::Index> free;
+    free.reserve(records.size());
+    for (Eigen::Index k = 0; k < p; ++k) {
+      if (!held[static_cast<std::size_t>(k)]) free.push_back(k);
+    }
+    change.setZero();
+    if (free.empty()) break;
+    change(free) = jacobian(Eigen::all, free).colPivHouseholderQr().solve(residual);
+    again = false;
+    for (const Eigen::Index k : free) {
+      const auto i = static_cast<std::size_t>(k);
+      if (!leaves(records[i], value[i], change[k])) continue;
+      held[i] = true;
+      again = true;
+    }
+  }
+  return change;
+}
+
 double robust_sum(const Eigen::VectorXd& residual, double scale) {
   // Huber's ρ, twice: the square inside, linear beyond.
   const double k = kWinsor;
@@ -222,7 +255,8 @@ Fit fit(const Problem& problem, Hypothesis start, double scale) {
     // back.
     const double wide = std::max(scale, robust_deviation(step.residual));
     const Eigen::VectorXd psi = winsorised(step.residual, wide);
-    const Eigen::VectorXd change = step.jacobian.colPivHouseholderQr().solve(psi);
+    const Eigen::VectorXd change =
+        step_inside(step.jacobian, psi, records, result.hypothesis.value);
     bool improved = false;
     double share = 1.0;
     for (int half = 0; half < 6 && !improved; ++half, share *= 0.5) {
@@ -320,6 +354,14 @@ FinalFit final_fit(const Problem& problem, const Hypothesis& start, double scale
     ceres::Solve(options, &ceres_problem, &summary);
     result.converged = summary.IsSolutionUsable();
     if (result.converged) result.hypothesis.value = values;
+    // Ceres cuts a step at the bounds without solving again for the parameters that are free, and
+    // ends short of the best of them.
+    bool bounded = false;
+    for (std::size_t k = 0; k < records.size(); ++k) {
+      const double value = result.hypothesis.value[k];
+      bounded = bounded || value <= records[k].lower || value >= records[k].upper;
+    }
+    if (bounded) result.hypothesis = fit(problem, result.hypothesis, scale).hypothesis;
   }
   const Step step = step_at(problem, result.hypothesis);
   result.simulated = step.at.simulated;

@@ -17,11 +17,13 @@ using Key = std::array<long long, 9>;
 struct Range {
   double low = kUnknown, high = kUnknown;
   void extend(double x) {
+    if (!std::isfinite(x)) return;
     if (!(low <= x)) low = x;
     if (!(high >= x)) high = x;
   }
   [[nodiscard]] long long bin(double x) const {
-    if (!std::isfinite(x) || !(high > low)) return 0;
+    if (!std::isfinite(x)) return -1;
+    if (!(high > low)) return 0;
     return std::llround((x - low) / (kSameShare * (high - low)));
   }
 };

@@ -181,8 +181,9 @@ T mesh_efficiency(const MeshContact<T>& contact, const FlankFriction<T>& mu, Los
   const double teeth = 1.0 / contact.z1 + contact.sign / contact.z2;
   T efficiency = 1.0 - std::numbers::pi * teeth * mu.coefficient * factor;
   if (!(is_neutral(mu.approach_factor, 1.0) && is_neutral(mu.recess_factor, 1.0))) {
-    efficiency = efficiency + coulomb_path_efficiency(contact, mu) -
-                 coulomb_path_efficiency<T>(contact, {.coefficient = mu.coefficient});
+    efficiency =
+        efficiency + (coulomb_path_efficiency(contact, mu) -
+                      coulomb_path_efficiency<T>(contact, {.coefficient = mu.coefficient}));
   }
   return efficiency;
 }

@@ -301,7 +301,7 @@ TEST_F(FrictionAndDrag, ABoundThatIsHitIsFlagged) {
   EXPECT_EQ(fit(problem(), start_, 0.05).hypothesis.value[1], 0.0);
 }
 
-TEST_F(FrictionAndDrag, DISABLED_AtABoundTheOtherParametersAreTheBestThatAreLeft) {
+TEST_F(FrictionAndDrag, AtABoundTheOtherParametersAreTheBestThatAreLeft) {
   for (const double drag_Nm : {-0.02, -0.005, -0.001}) {
     measure({0.2, drag_Nm}, 0.0, 0);
     // The friction that is best without any drag, by golden section.

@@ -83,7 +83,7 @@ TEST(Repeats, NeedNoTemperature) {
   EXPECT_EQ(repeats.cell, (std::vector<int>{0, 0, 1}));
 }
 
-TEST(Repeats, DISABLED_ARowWithoutTemperatureLeavesTheOthersApart) {
+TEST(Repeats, ARowWithoutTemperatureLeavesTheOthersApart) {
   MeasurementSet data =
       set_of({row_at(20.0, 5.0), row_at(20.0, 5.0), row_at(20.0, 5.0), row_at(20.0, 5.0)});
   data.rows[0].condition.temperature_K = 290.0;

@@ -26,6 +26,7 @@ std::vector<Form> forms(const Occasion& o) {
     double last = kUnknown;
     for (const Observation& row : o.data->rows) {
       const double t = row.condition.*member;
+      if (!std::isfinite(t)) continue;
       if (!(first <= t)) first = t;
       if (!(last >= t)) last = t;
     }

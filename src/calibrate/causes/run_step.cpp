@@ -28,6 +28,7 @@ std::vector<double> instants(const MeasurementSet& data) {
   double last = kUnknown;
   for (const Observation& row : data.rows) {
     const double t = row.condition.time_s;
+    if (!std::isfinite(t)) continue;
     if (!(first <= t)) first = t;
     if (!(last >= t)) last = t;
   }
