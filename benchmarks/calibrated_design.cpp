@@ -90,9 +90,11 @@ std::string teeth_text(const rig::Gearbox& gearbox) {
 }
 
 std::string effects_text(const json& diagnosis) {
-  std::string text = diagnosis["verdict"].get<std::string>() + ":";
+  std::string text = diagnosis["verdict"].get<std::string>();
+  text += ':';
   for (const json& effect : diagnosis["effects"]) {
-    text += " " + effect["id"].get<std::string>();
+    text += ' ';
+    text += effect["id"].get<std::string>();
     const json& p = effect["parameters"][0];
     text += fmt::format(" {} {:.4g} {}", p["name"].get<std::string>(), p["value"].get<double>(),
                         p["unit"].get<std::string>());
