@@ -39,7 +39,7 @@ Levels levels_of(std::string name, const std::vector<double>& values, double per
     edges.clear();
     const std::size_t bins = std::min<std::size_t>(kMostLevels, sorted.size() / 8);
     for (std::size_t k = 1; k < bins; ++k) edges.push_back(sorted[k * sorted.size() / bins]);
-    edges.erase(std::ranges::unique(edges).begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   }
   levels.count = static_cast<int>(edges.size()) + 1;
   levels.at.assign(static_cast<std::size_t>(levels.count), 0.0);

@@ -30,6 +30,12 @@ bool preferred(const Cause& cause) {
   return cause.remedy == Remedy::kFrictionValue || cause.id == "run_step";
 }
 
+/// Laws of load, speed or temperature, which a session measured in order may imitate.
+bool is_law(const Cause& cause) {
+  return cause.remedy == Remedy::kFlanks || cause.remedy == Remedy::kDrag ||
+         cause.remedy == Remedy::kBearings || cause.remedy == Remedy::kStiffness;
+}
+
 bool has_cause(const Hypothesis& h, const Cause* cause) {
   return std::ranges::any_of(h.effects, [&](const Candidate& c) { return c.cause == cause; });
 }
@@ -448,7 +454,7 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
       if (r.candidate.cause->remedy == Remedy::kFrictionValue) {
         return r.statistic <= kParameter && last_is_plausible(r.fit.hypothesis);
       }
-      if (preferred(*r.candidate.cause)) return r.statistic <= kPreferred;
+      if (preferred(*r.candidate.cause)) return is_law(*own.cause) && r.statistic <= kPreferred;
       return r.statistic <= kTie && rank(r.candidate) < rank(own);
     });
     if (better == found.replacements.end()) continue;

@@ -27,7 +27,7 @@ struct Bound {
 };
 Bound bound_of(const std::string& name) {
   if (name.starts_with("alone 0.3")) return {.right = 1, .wrong = 2};
-  if (name.starts_with("triple")) return {.right = 5, .wrong = 1};
+  if (name.starts_with("pair ") || name.starts_with("triple")) return {.right = 5, .wrong = 1};
   if (name.starts_with("resolved")) return {.right = 3, .wrong = 2};
   return {.right = 6, .wrong = 2};
 }

@@ -462,11 +462,12 @@ TEST(Directional, WithFactorsOfOneIsTheCoulombPath) {
     const double expected = coulomb(c, mu);
     EXPECT_EQ(mesh_efficiency(c, even, LossModel::kDirectional), expected);
     EXPECT_EQ(mesh_efficiency(c, even, LossModel::kCoulombPath), expected);
-    // The factors act in the directional model only.
+    EXPECT_EQ(mesh_efficiency(c, even, LossModel::kSliding), sliding(c, mu));
+    // Other factors act on the path whatever the model is called.
     const FlankFriction<double> uneven{
         .coefficient = mu, .approach_factor = 3.0, .recess_factor = 0.2};
-    EXPECT_EQ(mesh_efficiency(c, uneven, LossModel::kCoulombPath), expected);
-    EXPECT_EQ(mesh_efficiency(c, uneven, LossModel::kSliding), sliding(c, mu));
+    EXPECT_EQ(mesh_efficiency(c, uneven, LossModel::kCoulombPath),
+              mesh_efficiency(c, uneven, LossModel::kDirectional));
   }
 }
 
