@@ -411,7 +411,9 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
           forms[pool[k].cause].push_back(k);
         }
       }
-      for (auto& [cause, list] : forms) {
+      for (auto& entry : forms) {
+        const Cause* cause = entry.first;
+        std::vector<std::size_t>& list = entry.second;
         const bool named = std::ranges::any_of(
             found.replacements, [&](const Replacement& r) { return r.candidate.cause == cause; });
         if (named) continue;
