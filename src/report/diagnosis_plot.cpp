@@ -200,7 +200,7 @@ std::string guilty_covariate(const std::string& id, const MeasurementSet& set) {
                                              {"run_step", "run"}}};
   const auto* const at = std::ranges::find(kCovariates, id, &Pair::first);
   if (at == kCovariates.end()) return "load";
-  const std::string covariate(at->second);
+  std::string covariate(at->second);
   const auto states = [&](const char* name) {
     const auto column = column_of(name, set.kind);
     return column && std::ranges::any_of(set.rows, [&](const auto& row) {

@@ -14,8 +14,8 @@ namespace gear3k::report {
 namespace {
 
 using calibrate::Alternative, calibrate::CovariateTest, calibrate::Diagnosis, calibrate::Effect,
-    calibrate::Form, calibrate::Kind, calibrate::MeasurementSet, calibrate::NextExperiment,
-    calibrate::NoiseSource, calibrate::ParameterResult, calibrate::Verdict;
+    calibrate::Form, calibrate::MeasurementSet, calibrate::NextExperiment, calibrate::NoiseSource,
+    calibrate::ParameterResult, calibrate::Verdict;
 
 std::string spaced(std::string text) {
   std::ranges::replace(text, '_', ' ');
