@@ -4,19 +4,17 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
-#include <numbers>
 #include <stdexcept>
 
+#include "calibrate/condition_quantity.hpp"
 #include "calibrate/diagnosis.hpp"
 #include "calibrate/loop_observations.hpp"
 #include "calibrate/model_range.hpp"
 #include "calibrate/model_update.hpp"
 #include "cli/commands.hpp"
 #include "cli/progress.hpp"
+#include "cli/result_files.hpp"
 #include "io/diagnostics.hpp"
-#include "io/file_set.hpp"
-#include "io/gnuplot.hpp"
 #include "io/measurement_file.hpp"
 #include "io/model_file.hpp"
 #include "io/subject_file.hpp"
@@ -29,9 +27,6 @@ namespace {
 
 using calibrate::Diagnosis, calibrate::ExtendedModel, calibrate::Kind, calibrate::MeasurementSet,
     calibrate::Simulation, calibrate::Subject;
-
-constexpr double kRpm = std::numbers::pi / 30.0;
-constexpr double kCelsius = 273.15;
 
 /// Everything that was read, ready to be diagnosed.
 struct Task {
@@ -179,24 +174,25 @@ Task read_task(const DiagnoseOptions& options) {
 }
 
 /// A limit of the next experiment [SI]; an end that is not stated is a quarter beyond the data.
-std::optional<std::array<double, 2>> limits_of(const ConditionLimit& limit, double per_unit,
-                                               double offset, const MeasurementSet& set,
-                                               double calibrate::Condition::*member) {
+std::optional<std::array<double, 2>> limits_of(const ConditionLimit& limit,
+                                               const calibrate::ConditionQuantity& quantity,
+                                               const MeasurementSet& set) {
   if (!limit.least && !limit.greatest) return std::nullopt;
   double low = calibrate::kUnknown;
   double high = calibrate::kUnknown;
   for (const auto& row : set.rows) {
-    const double value = row.condition.*member;
+    const double value = row.condition.*quantity.member;
     if (!(low <= value)) low = value;
     if (!(high >= value)) high = value;
   }
   constexpr double kBeyond = 0.25;
   // Of a temperature a quarter is one of its range.
-  const double room = offset != 0.0 ? kBeyond * (high - low) : 0.0;
-  const double least = limit.least ? *limit.least * per_unit + offset
-                                   : (offset != 0.0 ? low - room : (1.0 - kBeyond) * low);
-  const double greatest = limit.greatest ? *limit.greatest * per_unit + offset
-                                         : (offset != 0.0 ? high + room : (1.0 + kBeyond) * high);
+  const bool shifted = quantity.shift != 0.0;
+  const double room = shifted ? kBeyond * (high - low) : 0.0;
+  const double least =
+      limit.least ? quantity.si(*limit.least) : (shifted ? low - room : (1.0 - kBeyond) * low);
+  const double greatest = limit.greatest ? quantity.si(*limit.greatest)
+                                         : (shifted ? high + room : (1.0 + kBeyond) * high);
   if (!std::isfinite(least) || !std::isfinite(greatest)) return std::nullopt;
   return std::array<double, 2>{std::min(least, greatest), std::max(least, greatest)};
 }
@@ -204,7 +200,6 @@ std::optional<std::array<double, 2>> limits_of(const ConditionLimit& limit, doub
 /// @returns empty when it was interrupted
 std::optional<std::vector<Diagnosis>> diagnose_all(const Task& task,
                                                    const DiagnoseOptions& options) {
-  using calibrate::Condition;
   optimize::Progress progress;
   constexpr std::size_t kSteps = 1000;
   progress.phase = optimize::Progress::Phase::kDiagnosis;
@@ -220,14 +215,10 @@ std::optional<std::vector<Diagnosis>> diagnose_all(const Task& task,
     calibrate::DiagnoseOptions how;
     how.false_discovery_rate = options.false_discovery_rate;
     how.seed = options.seed;
-    how.sun_speed_rad_s =
-        limits_of(options.sun_speed_rpm, kRpm, 0.0, set, &Condition::sun_speed_rad_s);
-    how.output_torque_Nm =
-        limits_of(options.output_torque_nm, 1.0, 0.0, set, &Condition::output_torque_Nm);
-    how.test_torque_Nm =
-        limits_of(options.test_torque_nm, 1.0, 0.0, set, &Condition::test_torque_Nm);
-    how.temperature_K =
-        limits_of(options.temperature_c, 1.0, kCelsius, set, &Condition::temperature_K);
+    how.sun_speed_rad_s = limits_of(options.sun_speed_rpm, calibrate::kSunSpeed, set);
+    how.output_torque_Nm = limits_of(options.output_torque_nm, calibrate::kOutputTorque, set);
+    how.test_torque_Nm = limits_of(options.test_torque_nm, calibrate::kTestTorque, set);
+    how.temperature_K = limits_of(options.temperature_c, calibrate::kTemperature, set);
     how.progress = [&](double share) {
       const double all = (static_cast<double>(k) + share) / static_cast<double>(task.sets.size());
       progress.done = static_cast<std::size_t>(all * static_cast<double>(kSteps));
@@ -248,58 +239,21 @@ std::optional<std::vector<Diagnosis>> diagnose_all(const Task& task,
   return results;
 }
 
-/// No result may replace a file that it was made from.
-void refuse_overwriting_inputs(const std::vector<std::string>& paths,
-                               const DiagnoseOptions& options) {
-  std::vector<std::string> inputs = options.data;
-  inputs.push_back(options.file);
-  if (!options.model.empty()) inputs.push_back(options.model);
-  for (const std::string& path : paths) {
-    for (const std::string& input : inputs) {
-      std::error_code status;
-      if (std::filesystem::equivalent(path, input, status)) {
-        throw io::InvalidInput(fmt::format("--out {}: {} is an input file, allowed: another folder",
-                                           options.out, path));
-      }
-    }
-  }
-}
-
-/// Writes the result files; without gnuplot no figures, and says so on stderr.
-/// @param written  the names of the files written
-ExitCode write_diagnosis(const DiagnoseOptions& options, const Task& task,
-                         const std::vector<Diagnosis>& results, std::vector<std::string>& written) {
-  const std::filesystem::path folder(options.out);
-  const auto path_of = [&](const std::string& name) { return (folder / name).string(); };
+WrittenFiles write_diagnosis(const DiagnoseOptions& options, const Task& task,
+                             const std::vector<Diagnosis>& results) {
   std::vector<ExtendedModel> found;
   found.reserve(results.size());
   for (const Diagnosis& result : results) found.push_back(result.model);
-  std::vector<io::FileText> files{
-      {.path = path_of("diagnosis.json"), .text = report::diagnosis_json(results, task.sets)},
-      {.path = path_of("model.toml"),
-       .text = io::model_text(calibrate::updated_models(task.models, found))},
-      {.path = path_of("residuals.csv"), .text = report::residual_csv(results, task.sets)}};
-  const std::vector<report::Plot> plots = report::diagnosis_plots(results, task.sets);
-  std::vector<io::FileText> figures;
-  std::string failure;
-  try {
-    figures.reserve(plots.size());
-    for (const report::Plot& plot : plots) {
-      figures.push_back(
-          {.path = path_of(plot.name + ".svg"), .text = io::run_gnuplot(plot.script)});
-    }
-    files.insert(files.end(), figures.begin(), figures.end());
-  } catch (const io::InvalidInput& error) {
-    failure = error.what();
-  }
-  for (const io::FileText& file : files) written.push_back(file.path);
-  refuse_overwriting_inputs(written, options);
-  io::write_files(files, options.file);
-  if (failure.empty()) return kDone;
-  // Figures of an earlier run would pass for results of this one.
-  for (const report::Plot& plot : plots) set_aside(path_of(plot.name + ".svg"));
-  fmt::print(stderr, "{}\nwritten without figures: {}\n", failure, fmt::join(written, ", "));
-  return kInvalidInput;
+  ResultFolder folder{.path = options.out, .input = options.file, .protected_inputs = options.data};
+  folder.protected_inputs.push_back(options.file);
+  if (!options.model.empty()) folder.protected_inputs.push_back(options.model);
+  return write_results(
+      folder,
+      {{.path = "diagnosis.json", .text = report::diagnosis_json(results, task.sets)},
+       {.path = "model.toml",
+        .text = io::model_text(calibrate::updated_models(task.models, found))},
+       {.path = "residuals.csv", .text = report::residual_csv(results, task.sets)}},
+      report::diagnosis_plots(results, task.sets));
 }
 
 }  // namespace
@@ -314,9 +268,8 @@ ExitCode run_diagnose(const DiagnoseOptions& options) {
     return kInterrupted;
   }
   end_on_interrupt();
-  std::vector<std::string> written;
-  const ExitCode code =
-      options.out.empty() ? kDone : write_diagnosis(options, task, *results, written);
+  WrittenFiles written;
+  if (!options.out.empty()) written = write_diagnosis(options, task, *results);
   switch (options.format) {
     case Format::kJson:
       print_result(report::diagnosis_json(*results, task.sets));
@@ -325,11 +278,10 @@ ExitCode run_diagnose(const DiagnoseOptions& options) {
       print_result(report::residual_csv(*results, task.sets));
       break;
     case Format::kTable:
-      print_result(report::diagnosis_table(*results, task.sets) +
-                   (written.empty() ? "" : fmt::format("\nFiles: {}\n", fmt::join(written, ", "))));
+      print_result(report::diagnosis_table(*results, task.sets) + files_text(written));
       break;
   }
-  return code;
+  return written.code;
 }
 
 }  // namespace gear3k::cli

@@ -50,6 +50,14 @@ bool CsvFields::split(std::string_view line) {
   return !quoted;
 }
 
+std::optional<double> csv_number(std::string_view field) {
+  if (field.size() > 1 && field.front() == '+' && field[1] != '-') field.remove_prefix(1);
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
+  if (error != std::errc() || end != field.data() + field.size()) return std::nullopt;
+  return value;
+}
+
 std::optional<std::string> CsvTable::text(const Row& row, const std::string& column) const {
   const auto at = std::ranges::find(header, column);
   if (at == header.end()) {

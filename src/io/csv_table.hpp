@@ -27,6 +27,9 @@ class CsvFields {
   std::string unquoted_;
 };
 
+/// The number that a field without blanks around it holds; infinite or NaN where it says so.
+std::optional<double> csv_number(std::string_view field);
+
 /// A CSV text: lines beginning with '#' are notes, the first other line is the header.
 struct CsvTable {
   struct Row {

@@ -7,36 +7,42 @@
 #include <cmath>
 #include <numbers>
 
+#include "calibrate/condition_quantity.hpp"
 #include "io/diagnostics.hpp"
 
 namespace gear3k::io {
 
 namespace {
 
+using calibrate::ConditionQuantity;
 using calibrate::Kind;
 using calibrate::Observation;
 using Column = MeasurementColumn;
 using Type = MeasurementColumn::Type;
 
-constexpr double kRadPerDegree = std::numbers::pi / 180.0;
-constexpr double kRadPerArcmin = kRadPerDegree / 60.0;
-constexpr double kRadPerSecondPerRpm = std::numbers::pi / 30.0;
-constexpr double kMillimetre = 1e-3;
-constexpr double kZeroCelsius_K = 273.15;
+constexpr double kRadPerArcmin = std::numbers::pi / 180.0 / 60.0;
+constexpr double kAbsoluteZero_C = -calibrate::kTemperature.shift;
 constexpr double kFewestTeeth = 3, kMostTeeth = 2000;
 constexpr std::string_view kMagnitude =
     " (speeds and torques are magnitudes; direction and rotation give the signs)";
 
-/// A required magnitude.
-Column magnitude(std::string_view name, std::string_view unit, double factor,
-                 void (*store)(Observation&, double)) {
-  return {.name = name,
-          .unit = unit,
-          .required = true,
-          .min = 0.0,
-          .hint = kMagnitude,
-          .factor = factor,
-          .store = store};
+/// A column that states a condition.
+template <const ConditionQuantity& quantity>
+Column condition(bool required) {
+  return {.name = quantity.column,
+          .unit = quantity.unit,
+          .required = required,
+          .factor = quantity.factor,
+          .shift = quantity.shift,
+          .store = [](Observation& o, double si) { o.condition.*quantity.member = si; }};
+}
+
+/// A number that is required and not negative.
+Column magnitude(Column column) {
+  column.required = true;
+  column.min = 0.0;
+  column.hint = kMagnitude;
+  return column;
 }
 
 Column sigma(std::string_view name, std::string_view unit, double factor) {
@@ -49,33 +55,14 @@ Column sigma(std::string_view name, std::string_view unit, double factor) {
           .store = [](Observation& o, double si) { o.sigma = si; }};
 }
 
-Column output_angle(bool required) {
-  return {.name = "output_angle_deg",
-          .unit = "deg",
-          .required = required,
-          .factor = kRadPerDegree,
-          .store = [](Observation& o, double si) { o.condition.output_angle_rad = si; }};
-}
-
-Column time(bool required) {
-  return {
-      .name = "time_s", .unit = "s", .required = required, .store = [](Observation& o, double si) {
-        o.condition.time_s = si;
-      }};
-}
-
 /// Optional columns of every kind.
 void append_circumstances(std::vector<Column>& columns) {
-  columns.push_back({.name = "temperature_c",
-                     .unit = "c",
-                     .min = -kZeroCelsius_K,
-                     .hint = " (absolute zero)",
-                     .shift = kZeroCelsius_K,
-                     .store = [](Observation& o, double si) { o.condition.temperature_K = si; }});
-  columns.push_back({.name = "cycles", .min = 0.0, .store = [](Observation& o, double si) {
-                       o.condition.cycles = si;
-                     }});
-  columns.push_back(time(false));
+  columns.push_back(condition<calibrate::kTemperature>(false));
+  columns.back().min = kAbsoluteZero_C;
+  columns.back().hint = " (absolute zero)";
+  columns.push_back(condition<calibrate::kCycles>(false));
+  columns.back().min = 0.0;
+  columns.push_back(condition<calibrate::kTime>(false));
   columns.push_back({.name = "run", .type = Type::kRun});
 }
 
@@ -84,15 +71,13 @@ void store_response(Observation& o, double si) { o.response = si; }
 std::vector<Column> transmission_columns() {
   std::vector<Column> columns{
       {.name = "direction", .type = Type::kDirection, .required = true},
-      magnitude("sun_speed_rpm", "rpm", kRadPerSecondPerRpm,
-                [](Observation& o, double si) { o.condition.sun_speed_rad_s = si; }),
-      magnitude("output_torque_nm", "nm", 1.0,
-                [](Observation& o, double si) { o.condition.output_torque_Nm = si; }),
-      magnitude("sun_torque_nm", "nm", 1.0, store_response),
+      magnitude(condition<calibrate::kSunSpeed>(true)),
+      magnitude(condition<calibrate::kOutputTorque>(true)),
+      magnitude({.name = "sun_torque_nm", .unit = "nm", .store = store_response}),
       {.name = "rotation",
        .type = Type::kSense,
        .store = [](Observation& o, double si) { o.condition.rotation = si < 0.0 ? -1 : 1; }},
-      output_angle(false),
+      condition<calibrate::kOutputAngle>(false),
       sigma("sigma_nm", "nm", 1.0)};
   append_circumstances(columns);
   return columns;
@@ -100,9 +85,8 @@ std::vector<Column> transmission_columns() {
 
 std::vector<Column> lost_motion_columns() {
   std::vector<Column> columns{
-      output_angle(true),
-      magnitude("test_torque_nm", "nm", 1.0,
-                [](Observation& o, double si) { o.condition.test_torque_Nm = si; }),
+      condition<calibrate::kOutputAngle>(true),
+      magnitude(condition<calibrate::kTestTorque>(true)),
       {.name = "lost_motion_arcmin",
        .unit = "arcmin",
        .required = true,
@@ -116,19 +100,26 @@ std::vector<Column> lost_motion_columns() {
 }
 
 std::vector<Column> torque_angle_columns() {
-  return {time(true),
-          {.name = "angle_deg",
-           .unit = "deg",
+  return {condition<calibrate::kTime>(true),
+          condition<calibrate::kShaftAngle>(true),
+          {.name = calibrate::kShaftTorque.column,
+           .unit = calibrate::kShaftTorque.unit,
            .required = true,
-           .factor = kRadPerDegree,
-           .store = [](Observation& o, double si) { o.condition.output_angle_rad = si; }},
-          {.name = "torque_nm", .unit = "nm", .required = true, .store = store_response},
+           .store = store_response},
           {.name = "run", .type = Type::kRun}};
 }
 
+Column module_column() {
+  Column column = condition<calibrate::kModule>(false);
+  column.min = 0.0;
+  column.max = 100.0;
+  column.ends_excluded = true;
+  return column;
+}
+
 std::vector<Column> pair_loss_columns() {
-  const auto teeth = [](std::string_view name, void (*store)(Observation&, double)) {
-    return Column{.name = name,
+  const auto teeth = [](const ConditionQuantity& quantity, void (*store)(Observation&, double)) {
+    return Column{.name = quantity.column,
                   .type = Type::kInteger,
                   .required = true,
                   .min = kFewestTeeth,
@@ -136,9 +127,9 @@ std::vector<Column> pair_loss_columns() {
                   .store = store};
   };
   std::vector<Column> columns{
-      teeth("driving_teeth",
+      teeth(calibrate::kDrivingTeeth,
             [](Observation& o, double si) { o.condition.driving_teeth = static_cast<int>(si); }),
-      teeth("driven_teeth",
+      teeth(calibrate::kDrivenTeeth,
             [](Observation& o, double si) { o.condition.driven_teeth = static_cast<int>(si); }),
       {.name = "loss_factor",
        .required = true,
@@ -147,13 +138,7 @@ std::vector<Column> pair_loss_columns() {
        .ends_excluded = true,
        .hint = " (a fraction, not per cent)",
        .store = store_response},
-      {.name = "module_mm",
-       .unit = "mm",
-       .min = 0.0,
-       .max = 100.0,
-       .ends_excluded = true,
-       .factor = kMillimetre,
-       .store = [](Observation& o, double si) { o.condition.module_m = si; }},
+      module_column(),
       sigma("sigma", "", 1.0)};
   append_circumstances(columns);
   return columns;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "calibrate/condition_quantity.hpp"
 #include "calibrate/response_unit.hpp"
 #include "report/display.hpp"
 #include "report/text_table.hpp"
@@ -13,28 +14,35 @@ namespace gear3k::report {
 
 namespace {
 
-using calibrate::Condition, calibrate::Kind, calibrate::MeasurementSet;
+using calibrate::Condition, calibrate::ConditionQuantity, calibrate::Kind,
+    calibrate::MeasurementSet;
 
 constexpr std::string_view kDirection = "direction";
 constexpr std::string_view kRun = "run";
 
-constexpr ConditionColumn kAngle{
-    .name = "output_angle_deg",
-    .title = "output angle",
-    .unit = "deg",
-    .value = [](const Condition& c) { return clean(degrees(c.output_angle_rad)); }};
-constexpr ConditionColumn kTemperature{
-    .name = "temperature_c", .title = "temperature", .unit = "C", .value = [](const Condition& c) {
-      return celsius(c.temperature_K);
-    }};
-constexpr ConditionColumn kTime{
-    .name = "time_s", .title = "time", .unit = "s", .value = [](const Condition& c) {
-      return c.time_s;
-    }};
-constexpr ConditionColumn kCycles{
-    .name = "cycles", .title = "cycles", .unit = "", .value = [](const Condition& c) {
-      return c.cycles;
-    }};
+constexpr ConditionColumn column_for(const ConditionQuantity& quantity,
+                                     double (*value)(const Condition&)) {
+  return {.name = quantity.column,
+          .title = quantity.title,
+          .unit = quantity.shown_unit,
+          .value = value};
+}
+
+/// A column whose numbers went through SI units when they were read.
+template <const ConditionQuantity& quantity>
+constexpr ConditionColumn converted() {
+  return column_for(quantity,
+                    [](const Condition& c) { return clean(quantity.written(c.*quantity.member)); });
+}
+/// A column whose numbers are those of the file.
+template <const ConditionQuantity& quantity>
+constexpr ConditionColumn as_written() {
+  return column_for(quantity, [](const Condition& c) { return c.*quantity.member; });
+}
+
+constexpr ConditionColumn kAngle = converted<calibrate::kOutputAngle>();
+constexpr ConditionColumn kTemperature = converted<calibrate::kTemperature>();
+constexpr ConditionColumn kTime = as_written<calibrate::kTime>();
 constexpr ConditionColumn kRunColumn{
     .name = kRun, .title = "session", .unit = "", .value = [](const Condition& c) {
       return c.run >= 0 ? static_cast<double>(c.run) : calibrate::kUnknown;
@@ -48,14 +56,8 @@ std::vector<ConditionColumn> transmission_columns() {
                [](const Condition& c) {
                  return c.direction == design::Direction::kForward ? 0.0 : 1.0;
                }},
-          {.name = "sun_speed_rpm",
-           .title = "sun speed",
-           .unit = "rpm",
-           .value = [](const Condition& c) { return rpm(c.sun_speed_rad_s); }},
-          {.name = "output_torque_nm",
-           .title = "output torque",
-           .unit = "Nm",
-           .value = [](const Condition& c) { return clean(c.output_torque_Nm); }},
+          converted<calibrate::kSunSpeed>(),
+          converted<calibrate::kOutputTorque>(),
           {.name = "rotation",
            .title = "rotation",
            .unit = "",
@@ -67,35 +69,22 @@ std::vector<ConditionColumn> transmission_columns() {
 }
 
 std::vector<ConditionColumn> lost_motion_columns() {
-  return {kAngle,
-          {.name = "test_torque_nm",
-           .title = "test torque",
-           .unit = "Nm",
-           .value = [](const Condition& c) { return clean(c.test_torque_Nm); }},
-          kTemperature,
-          kCycles,
-          kTime,
-          kRunColumn};
+  return {kAngle,       converted<calibrate::kTestTorque>(),
+          kTemperature, as_written<calibrate::kCycles>(),
+          kTime,        kRunColumn};
 }
 
 std::vector<ConditionColumn> pair_loss_columns() {
-  return {{.name = "driving_teeth",
-           .title = "teeth of the driver",
-           .unit = "",
-           .value = [](const Condition& c) { return static_cast<double>(c.driving_teeth); }},
-          {.name = "driven_teeth",
-           .title = "teeth of the driven gear",
-           .unit = "",
-           .value = [](const Condition& c) { return static_cast<double>(c.driven_teeth); }},
-          {.name = "module_mm",
-           .title = "module",
-           .unit = "mm",
-           .value =
-               [](const Condition& c) {
-                 return c.module_m > 0.0 ? clean(mm(c.module_m)) : calibrate::kUnknown;
-               }},
-          kTime,
-          kRunColumn};
+  return {column_for(calibrate::kDrivingTeeth,
+                     [](const Condition& c) { return static_cast<double>(c.driving_teeth); }),
+          column_for(calibrate::kDrivenTeeth,
+                     [](const Condition& c) { return static_cast<double>(c.driven_teeth); }),
+          column_for(calibrate::kModule,
+                     [](const Condition& c) {
+                       return c.module_m > 0.0 ? clean(calibrate::kModule.written(c.module_m))
+                                               : calibrate::kUnknown;
+                     }),
+          kTime, kRunColumn};
 }
 
 }  // namespace

@@ -3,13 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <boost/property_tree/xml_parser.hpp>
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "io/csv_table.hpp"
+#include "tests/cli/other_path.hpp"
 #include "tests/cli/run_program.hpp"
 #include "tests/rig/rig.hpp"
 
@@ -17,7 +17,7 @@ namespace gear3k {
 namespace {
 
 using nlohmann::json;
-using test::lines_of, test::ProgramResult, test::replaced, test::Workplace;
+using test::lines_of, test::OtherPath, test::ProgramResult, test::replaced, test::Workplace;
 
 bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
@@ -237,21 +237,6 @@ TEST(Diagnose, TheNextExperimentKeepsItsLimits) {
     EXPECT_GE(condition.at("repeats").get<int>(), 1);
   }
 }
-
-/// The environment's PATH while it is another one.
-class OtherPath {
- public:
-  explicit OtherPath(const char* path) {
-    if (const char* before = std::getenv("PATH")) before_ = before;
-    ::setenv("PATH", path, 1);
-  }
-  ~OtherPath() { ::setenv("PATH", before_.c_str(), 1); }
-  OtherPath(const OtherPath&) = delete;
-  OtherPath& operator=(const OtherPath&) = delete;
-
- private:
-  std::string before_;
-};
 
 TEST(Diagnose, WithoutGnuplotTheResultsAreThereAndOldFiguresAreNot) {
   const Workplace place;

@@ -3,20 +3,20 @@
 #include <gtest/gtest.h>
 
 #include <boost/property_tree/xml_parser.hpp>
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "io/csv_table.hpp"
+#include "tests/cli/other_path.hpp"
 #include "tests/cli/run_program.hpp"
 
 namespace gear3k {
 namespace {
 
 using nlohmann::json;
-using test::example, test::ProgramResult, test::replaced, test::Workplace;
+using test::example, test::OtherPath, test::ProgramResult, test::replaced, test::Workplace;
 
 std::string bilateral() { return example("designs/bilateral_drive_gear.toml"); }
 
@@ -33,21 +33,6 @@ bool contains(const std::string& text, const std::string& part) {
 
 const std::vector<std::string> kFigures{"efficiency_forward.svg", "efficiency_backward.svg",
                                         "torques.svg"};
-
-/// The environment's PATH while it is another one.
-class OtherPath {
- public:
-  explicit OtherPath(const char* path) {
-    if (const char* before = std::getenv("PATH")) before_ = before;
-    ::setenv("PATH", path, 1);
-  }
-  ~OtherPath() { ::setenv("PATH", before_.c_str(), 1); }
-  OtherPath(const OtherPath&) = delete;
-  OtherPath& operator=(const OtherPath&) = delete;
-
- private:
-  std::string before_;
-};
 
 TEST(Map, PrintsTheGridOfTheDesign) {
   const Workplace place;

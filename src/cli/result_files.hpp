@@ -1,0 +1,34 @@
+#pragma once
+// Result files of a command in one folder, with figures where gnuplot can draw them.
+
+#include <string>
+#include <vector>
+
+#include "cli/exit_code.hpp"
+#include "io/file_set.hpp"
+#include "report/plot.hpp"
+
+namespace gear3k::cli {
+
+struct ResultFolder {
+  std::string path;                           ///< of --out
+  std::string input;                          ///< as write_files() takes it
+  std::vector<std::string> protected_inputs;  ///< that no result may replace
+};
+
+struct WrittenFiles {
+  ExitCode code = kDone;           ///< kInvalidInput: without figures
+  std::vector<std::string> paths;  ///< in the order given, then figures
+};
+
+/// Writes the files and a figure NAME.svg for each plot, all or none.  Without gnuplot: no figures,
+/// those of an earlier run are set aside, and stderr says so.
+/// @param files  named within the folder
+/// @throws io::InvalidInput where a file cannot be written or would replace an input
+WrittenFiles write_results(const ResultFolder& folder, std::vector<io::FileText> files,
+                           const std::vector<report::Plot>& plots);
+
+/// "\nFiles: a, b\n" for the end of a table; "" where nothing was written.
+std::string files_text(const WrittenFiles& written);
+
+}  // namespace gear3k::cli

@@ -1,0 +1,130 @@
+#include "io/measurement_repetitions.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+#include "io/fnv_hash.hpp"
+#include "io/measurement_rows.hpp"
+#include "io/text_lines.hpp"
+
+namespace gear3k::io {
+
+namespace {
+
+using calibrate::MeasurementSet;
+using calibrate::Observation;
+
+/// What two rows of different files have in common when one is a copy; the run may be named anew.
+auto values_of(const Observation& o) {
+  const calibrate::Condition& c = o.condition;
+  return std::array<double, 13>{static_cast<double>(c.direction),
+                                c.sun_speed_rad_s,
+                                c.output_torque_Nm,
+                                static_cast<double>(c.rotation),
+                                c.test_torque_Nm,
+                                static_cast<double>(c.driving_teeth),
+                                static_cast<double>(c.driven_teeth),
+                                c.module_m,
+                                c.output_angle_rad,
+                                c.temperature_K,
+                                c.cycles,
+                                o.response,
+                                o.sigma};
+}
+
+bool same_values(const Observation& a, const Observation& b) {
+  const auto x = values_of(a), y = values_of(b);
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    if (x[k] != y[k] && !(std::isnan(x[k]) && std::isnan(y[k]))) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+void RowTexts::add(std::string_view line, const CsvFields& fields) {
+  std::uint64_t hash = kHashBasis;
+  for (std::size_t k = 0; k < is_label_.size(); ++k) {
+    const std::string_view field = trimmed(fields.values()[k]);
+    const std::optional<double> value = is_label_[k] != 0 ? std::nullopt : csv_number(field);
+    hash = value ? hashed(hash, *value) : hashed(hash, field);
+    hash = (hash ^ 0xFFU) * kHashPrime;
+  }
+  lines_.push_back(line);
+  hash_.push_back(hash);
+}
+
+bool RowTexts::same(std::size_t a, std::size_t b) const {
+  CsvFields left, right;
+  left.split(lines_[a]);
+  right.split(lines_[b]);
+  for (std::size_t k = 0; k < is_label_.size(); ++k) {
+    const std::string_view x = trimmed(left.values()[k]), y = trimmed(right.values()[k]);
+    if (x == y) continue;
+    if (is_label_[k] != 0) return false;
+    const std::optional<double> u = csv_number(x), v = csv_number(y);
+    if (!u || !v || *u != *v) return false;
+  }
+  return true;
+}
+
+std::vector<char> RowTexts::repetitions() const {
+  std::vector<std::uint32_t> order(hash_.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::ranges::sort(order, [&](std::uint32_t a, std::uint32_t b) {
+    return std::pair(hash_[a], a) < std::pair(hash_[b], b);
+  });
+  std::vector<char> marked(order.size(), 0);
+  for (std::size_t first = 0, k = 1; k < order.size(); ++k) {
+    if (hash_[order[k]] != hash_[order[first]]) {
+      first = k;
+    } else if (same(order[first], order[k])) {
+      marked[order[k]] = 1;
+    }
+  }
+  return marked;
+}
+
+std::vector<char> copies_of_earlier_files(const MeasurementSet& set) {
+  std::vector<char> marked(set.rows.size(), 0);
+  if (set.files.size() < 2) return marked;
+  std::vector<std::uint32_t> order;
+  order.reserve(set.rows.size());
+  for (std::uint32_t k = 0; k < set.rows.size(); ++k) {
+    if (!std::isnan(set.rows[k].condition.time_s)) order.push_back(k);
+  }
+  const auto key = [&](std::uint32_t k) {
+    return std::tuple(set.rows[k].condition.time_s, set.rows[k].response, k);
+  };
+  std::ranges::sort(order, [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+  for (std::size_t k = 1; k < order.size(); ++k) {
+    const Observation& row = set.rows[order[k]];
+    for (std::size_t j = k; j-- > 0;) {
+      const Observation& other = set.rows[order[j]];
+      if (other.condition.time_s != row.condition.time_s || other.response != row.response) break;
+      if (other.file != row.file && marked[order[j]] == 0 && same_values(other, row)) {
+        marked[order[k]] = 1;
+        break;
+      }
+    }
+  }
+  return marked;
+}
+
+void leave_out_noted(MeasurementSet& set, const std::vector<char>& marked,
+                     std::string_view reason) {
+  const auto count = std::ranges::count(marked, 1);
+  if (count == 0) return;
+  set.notes.push_back(fmt::format("{}: {} left out, {}", places_of(set, marked),
+                                  count == 1 ? "row" : "rows", reason));
+  leave_out(set, marked);
+}
+
+}  // namespace gear3k::io

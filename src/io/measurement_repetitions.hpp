@@ -1,0 +1,42 @@
+#pragma once
+// Rows of measurements that stand twice, in one file or in several.
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "calibrate/measurement.hpp"
+#include "io/csv_table.hpp"
+
+namespace gear3k::io {
+
+/// The rows of one file as written, to find those that are the same in every column.
+class RowTexts {
+ public:
+  /// @param is_label  by column: compared as a text; others as numbers, 1.0 and 1.00 are the same
+  explicit RowTexts(std::vector<char> is_label) : is_label_(std::move(is_label)) {}
+
+  /// @param line    must stay until the rows are compared
+  /// @param fields  of the line
+  void add(std::string_view line, const CsvFields& fields);
+
+  /// Marks rows that are the same as one before.
+  [[nodiscard]] std::vector<char> repetitions() const;
+
+ private:
+  [[nodiscard]] bool same(std::size_t a, std::size_t b) const;
+
+  std::vector<char> is_label_;
+  std::vector<std::string_view> lines_;
+  std::vector<std::uint64_t> hash_;  ///< equal where rows are
+};
+
+/// Marks rows with their time that stand in an earlier file too, all columns equal but the run,
+/// which may be named anew.
+std::vector<char> copies_of_earlier_files(const calibrate::MeasurementSet& set);
+
+/// Leaves marked rows out, if any, and notes why: "a.csv: line 4: row left out, REASON".
+void leave_out_noted(calibrate::MeasurementSet& set, const std::vector<char>& marked,
+                     std::string_view reason);
+
+}  // namespace gear3k::io

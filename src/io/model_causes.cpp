@@ -1,0 +1,227 @@
+#include "io/model_causes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "calibrate/form_catalogue.hpp"
+#include "io/model_file_keys.hpp"
+
+namespace gear3k::io {
+
+namespace {
+
+using calibrate::AppliedCause, calibrate::CatalogueForm, calibrate::Cause, calibrate::Kind,
+    calibrate::kKindNames, calibrate::ParameterRecord;
+
+class CauseReader {
+ public:
+  CauseReader(Kind kind, TomlReader& reader) : kind_(kind), reader_(reader) {}
+
+  void read_cause(const TomlValue& table, const std::string& path) {
+    const Cause* cause = cause_named(table, path);
+    if (cause == nullptr || !reader_.is_table(table, path)) return;
+    const std::vector<CatalogueForm> catalogue = calibrate::form_catalogue(*cause, kind_);
+    if (catalogue.empty()) {
+      reader_.error(table.position, fmt::format("{}: {} data cannot show this cause", path,
+                                                kKindNames[static_cast<std::size_t>(kind_)]));
+      return;
+    }
+    const auto member = [&](std::string_view key) -> const TomlValue* {
+      const auto found = std::ranges::find(table.table, key, &TomlValue::key);
+      return found == table.table.end() ? nullptr : &*found;
+    };
+    std::vector<std::string> forms;
+    forms.reserve(catalogue.size());
+    for (const CatalogueForm& form : catalogue) forms.push_back(form.name);
+    const TomlValue* form_value = member("form");
+    if (form_value == nullptr) {
+      reader_.error(table.position, fmt::format("{}.form is missing: allowed: \"{}\"", path,
+                                                fmt::join(forms, "\" or \"")));
+      return;
+    }
+    const std::string form_name = reader_.text(*form_value, path + ".form");
+    const auto form = std::ranges::find(catalogue, form_name, &CatalogueForm::name);
+    if (form == catalogue.end()) {
+      if (form_value->kind == TomlValue::Kind::kText) {
+        const std::string hint = closest_word(form_name, forms);
+        reader_.refuse(
+            *form_value, path + ".form",
+            fmt::format("\"{}\"{}", fmt::join(forms, "\" or \""),
+                        hint.empty() ? "" : fmt::format("; did you mean \"{}\"?", hint)));
+      }
+      return;
+    }
+    AppliedCause applied{.id = std::string(cause->id), .form = {}, .value = {}};
+    applied.form.name = form_name;
+    std::vector<std::string> known{"form"};
+    const auto parameters = cause->parameters(applied.form, kind_);
+    applied.value.reserve(parameters.size());
+    for (const ParameterRecord& parameter : parameters) {
+      const std::string key = key_of(parameter);
+      known.push_back(key);
+      known.push_back(key + std::string(kDeviation));
+      const std::string allowed =
+          fmt::format("a number{}{}, {} to {}", parameter.unit.empty() ? "" : " in ",
+                      parameter.unit, parameter.lower, parameter.upper);
+      const TomlValue* value = member(key);
+      double x = 0.0;
+      if (value == nullptr) {
+        reader_.error(table.position,
+                      fmt::format("{}.{} is missing: allowed: {}", path, key, allowed));
+      } else if (!(value->is_number() && value->number >= parameter.lower &&
+                   value->number <= parameter.upper)) {
+        reader_.refuse(*value, fmt::format("{}.{}", path, key), allowed);
+      } else {
+        x = value->number;
+      }
+      applied.value.push_back(x);
+      read_.names.push_back(fmt::format("{}.{}", table.key, key));
+      read_deviation(member(key + std::string(kDeviation)),
+                     fmt::format("{}.{}{}", path, key, kDeviation));
+    }
+    read_constants(table, path, *form, applied.form, known);
+    for (const TomlValue& value : table.table) {
+      if (std::ranges::find(known, value.key) == known.end()) {
+        reader_.unknown(value, "key", fmt::format("{}.{}", path, value.key), known);
+      }
+    }
+    read_.causes.push_back(applied);
+  }
+
+  ModelCauses result() { return std::move(read_); }
+
+ private:
+  /// The cause of a table: its name is an id, or an id and a count from 2 on.
+  const Cause* cause_named(const TomlValue& table, const std::string& path) {
+    std::string id = table.key;
+    const auto end = id.find_last_not_of("0123456789");
+    if (end != std::string::npos && end + 1 < id.size() && id[end] == '_' && id[end + 1] > '0' &&
+        id.substr(end + 1) != "1") {
+      id.resize(end);
+    }
+    const Cause* cause = calibrate::find_cause(id);
+    if (cause != nullptr) return cause;
+    std::vector<std::string> known;
+    known.reserve(calibrate::causes().size());
+    for (const Cause* c : calibrate::causes()) known.emplace_back(c->id);
+    const std::string hint = closest_word(id, known);
+    reader_.error(table.position,
+                  fmt::format("unknown cause {}{}; allowed: {}", path,
+                              hint.empty() ? "" : fmt::format("; did you mean {}?", hint),
+                              fmt::join(known, ", ")));
+    return nullptr;
+  }
+
+  void read_deviation(const TomlValue* value, const std::string& path) {
+    StatedDeviation deviation;
+    if (value != nullptr) {
+      deviation.position = value->position;
+      if (value->is_number() && value->number >= 0.0 && std::isfinite(value->number)) {
+        deviation.value = value->number;
+        deviation.stated = true;
+      } else {
+        reader_.refuse(*value, path, "a number, at least 0");
+      }
+    }
+    read_.deviations.push_back(deviation);
+  }
+
+  /// Constants, body and order of a form; each constant of the form's name is stated in one of its
+  /// units.
+  void read_constants(const TomlValue& table, const std::string& path, const CatalogueForm& known,
+                      calibrate::Form& form, std::vector<std::string>& keys) {
+    std::vector<std::string> constant_keys;
+    constant_keys.reserve(known.constants.size());
+    for (const calibrate::FormConstant& constant : known.constants) {
+      constant_keys.push_back(key_of(constant));
+      keys.push_back(constant_keys.back());
+    }
+    for (const TomlValue& value : table.table) {
+      const auto at = std::ranges::find(constant_keys, value.key);
+      if (at == constant_keys.end()) continue;
+      calibrate::FormConstant constant =
+          known.constants[static_cast<std::size_t>(at - constant_keys.begin())];
+      constant.value = reader_.number(value, fmt::format("{}.{}", path, value.key));
+      // What forces, speeds and times are divided by.
+      const bool scale = constant.name.ends_with("load") || constant.name.ends_with("speed") ||
+                         constant.name == "speed_scale" || constant.name == "time_constant";
+      if (scale && value.is_number() && !(constant.value > 0.0)) {
+        reader_.refuse(value, fmt::format("{}.{}", path, value.key), "a number above 0");
+      }
+      form.constants.push_back(constant);
+    }
+    if (!known.bodies.empty()) {
+      keys.emplace_back("body");
+      const auto body = std::ranges::find(table.table, "body", &TomlValue::key);
+      if (body != table.table.end()) {
+        form.body = reader_.text(*body, path + ".body");
+        if (body->kind == TomlValue::Kind::kText &&
+            std::ranges::find(known.bodies, form.body) == known.bodies.end()) {
+          reader_.refuse(*body, path + ".body",
+                         fmt::format("\"{}\"", fmt::join(known.bodies, "\" or \"")));
+        }
+      }
+    }
+    if (known.has_order) {
+      keys.emplace_back("order");
+      const auto order = std::ranges::find(table.table, "order", &TomlValue::key);
+      if (order == table.table.end()) {
+        reader_.error(
+            table.position,
+            fmt::format("{}.order is missing: allowed: a number above 0, per output revolution",
+                        path));
+      } else if (!(order->is_number() && order->number > 0.0 && std::isfinite(order->number))) {
+        reader_.refuse(*order, path + ".order", "a number above 0, per output revolution");
+      } else {
+        form.order = order->number;
+      }
+    }
+    require_constants(table, path, known, form);
+  }
+
+  /// Every form needs all its constants; where a name is known in several units, or stands for
+  /// another one, one of them.
+  void require_constants(const TomlValue& table, const std::string& path,
+                         const CatalogueForm& known, const calibrate::Form& form) {
+    if (known.sets.empty()) return;
+    const auto holds = [&](const std::vector<calibrate::FormConstant>& set) {
+      return set.size() == form.constants.size() &&
+             std::ranges::all_of(set, [&](const calibrate::FormConstant& wanted) {
+               return std::ranges::any_of(form.constants, [&](const calibrate::FormConstant& c) {
+                 return c.name == wanted.name && c.unit == wanted.unit;
+               });
+             });
+    };
+    if (std::ranges::any_of(known.sets, holds)) return;
+    std::vector<std::string> choices;
+    choices.reserve(known.sets.size());
+    for (const auto& set : known.sets) {
+      std::vector<std::string> keys;
+      keys.reserve(set.size());
+      for (const calibrate::FormConstant& c : set) keys.push_back(key_of(c));
+      choices.push_back(fmt::format("{}", fmt::join(keys, " and ")));
+    }
+    reader_.error(table.position, fmt::format("{}: form \"{}\" needs {}", path, form.name,
+                                              fmt::join(choices, ", or ")));
+  }
+
+  Kind kind_;
+  TomlReader& reader_;
+  ModelCauses read_;
+};
+
+}  // namespace
+
+ModelCauses read_causes(const TomlValue& table, const std::string& path, Kind kind,
+                        TomlReader& reader) {
+  CauseReader causes(kind, reader);
+  for (const TomlValue& cause : table.table) {
+    causes.read_cause(cause, fmt::format("{}.{}", path, cause.key));
+  }
+  return causes.result();
+}
+
+}  // namespace gear3k::io
