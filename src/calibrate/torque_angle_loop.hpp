@@ -119,20 +119,6 @@ struct LoopAnalysis {
   std::vector<Loop> loops{};     ///< of neighbouring branches: each branch may be in two of them
 };
 
-/// Low-pass without phase: Butterworth of second order forward, then backward.
-///
-///   |H|² = 1/(1 + (tan(π f)/tan(π f_c))⁴)     (f in cycles per sample)
-///
-/// is the amplitude response of both passes together.  The ends are continued by the signal
-/// turned by 180° about its end point, and each pass starts in the steady state of its first value.
-/// Source: bilinear transform of the analogue filter; docs/theory.md, torque-angle loops.
-/// @throws std::invalid_argument unless 0 < f_c < 0.5 and there are more samples than
-/// filter_padding()
-std::vector<double> zero_phase_filter(const std::vector<double>& signal, double cutoff_per_sample);
-
-/// Samples by which zero_phase_filter() continues each end: the response has decayed to 1e-5.
-std::size_t filter_padding(double cutoff_per_sample);
-
 /// Finds the torque reversals, filters, and measures each pair of a falling and a rising branch.
 ///
 /// The filter works on the index of the samples, not on time: torque and angle are filtered alike,

@@ -1,0 +1,94 @@
+#include "calibrate/loop_creep.hpp"
+
+#include <cmath>
+
+#include "calibrate/loop_closing.hpp"
+
+namespace gear3k::calibrate {
+namespace {
+
+double square(double x) { return x * x; }
+
+double duration_s(const FilteredRecord& f, const Loop& loop) {
+  return f.raw.time_s[loop.last_sample] - f.raw.time_s[loop.first_sample];
+}
+
+}  // namespace
+
+CommonSlope common_slope(const std::vector<BranchZero>& branches) {
+  CommonSlope slope{.weight_per_s = std::vector<double>(branches.size(), 0.0)};
+  double sum_tt = 0.0;
+  for (const bool rising : {false, true}) {
+    const auto counts = [rising](const BranchZero& b) {
+      return b.rising == rising && b.at.has_value();
+    };
+    double mean = 0.0;
+    double count = 0.0;
+    for (const BranchZero& b : branches) {
+      if (!counts(b)) continue;
+      mean += b.at->time_s;
+      count += 1.0;
+    }
+    if (count == 0.0) continue;
+    mean /= count;
+    for (std::size_t k = 0; k < branches.size(); ++k) {
+      if (!counts(branches[k])) continue;
+      slope.weight_per_s[k] = branches[k].at->time_s - mean;
+      sum_tt += square(slope.weight_per_s[k]);
+    }
+  }
+  slope.repeats = sum_tt > 0.0;
+  if (slope.repeats) {
+    for (double& w : slope.weight_per_s) w /= sum_tt;
+  }
+  return slope;
+}
+
+std::optional<Creep> find_creep(const FilteredRecord& f, const std::vector<BranchZero>& branches,
+                                const std::vector<Loop>& loops) {
+  Creep creep;
+  double duration = 0.0;
+  for (const Loop& l : loops) duration += duration_s(f, l) / static_cast<double>(loops.size());
+  const CommonSlope slope = common_slope(branches);
+  if (slope.repeats) {
+    double variance = 0.0;
+    for (std::size_t k = 0; k < branches.size(); ++k) {
+      const double w = slope.weight_per_s[k];
+      if (w == 0.0) continue;
+      creep.rad_s += w * branches[k].at->angle_rad;
+      variance += square(w) * branches[k].variance_rad2;
+    }
+    creep.standard_deviation_rad_s = std::sqrt(variance);
+  } else {
+    std::size_t b = 0;
+    while (b < loops.size() && !loops[b].closing_error_rad) ++b;
+    if (b == loops.size()) return std::nullopt;
+    const double own = duration_s(f, loops[b]);
+    if (!(own > 0.0)) return std::nullopt;
+    creep.rad_s = *loops[b].closing_error_rad / own;
+    creep.standard_deviation_rad_s =
+        closing_deviation_rad(f.secant, branches[b], branches[b + 1]) / own;
+  }
+  creep.rad_per_loop = creep.rad_s * duration;
+  return creep;
+}
+
+double variance_without_creep_rad2(const std::vector<BranchZero>& branches, std::size_t b,
+                                   const Creep& creep) {
+  const CommonSlope slope = common_slope(branches);
+  const BranchZero& one = branches[b];
+  const BranchZero& two = branches[b + 1];
+  const double elapsed = two.at->time_s - one.at->time_s;
+  if (!slope.repeats) {
+    return one.variance_rad2 + two.variance_rad2 +
+           square(elapsed) * square(creep.standard_deviation_rad_s);
+  }
+  double variance = 0.0;
+  for (std::size_t k = 0; k < branches.size(); ++k) {
+    const double own = k == b + 1 ? 1.0 : (k == b ? -1.0 : 0.0);
+    variance += square(own - elapsed * slope.weight_per_s[k]) * branches[k].variance_rad2;
+  }
+  return variance;
+}
+
+}  // namespace gear3k::calibrate

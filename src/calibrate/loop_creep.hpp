@@ -1,0 +1,50 @@
+#pragma once
+// Slow drift of the angle over the loops of a torque-angle record.
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "calibrate/branch_zero.hpp"
+#include "calibrate/filtered_record.hpp"
+#include "calibrate/torque_angle_loop.hpp"
+
+namespace gear3k::calibrate {
+
+/// Slope in time that branches of the same sense have in common at zero torque, as weights of their
+/// angles: least squares with a mean of its own for each sense.
+///
+///   slope = Σ_k w_k θ_k,   w_k = (t_k - t̄)/Σ (t_l - t̄)²      (t̄: mean of the branch's sense)
+///
+/// Source: own derivation, docs/theory.md §31 (creep).
+struct CommonSlope {
+  bool repeats = false;              ///< two branches of one sense at different times
+  std::vector<double> weight_per_s;  ///< of each branch's angle; 0 where it has none
+};
+
+CommonSlope common_slope(const std::vector<BranchZero>& branches);
+
+/// The common slope; where no branch repeats, the closing error of the first loop that has one over
+/// its duration.
+/// Source: own derivation, docs/theory.md §31 (creep).
+/// Valid: drift linear in time over the whole record.
+/// @param branches  in order of time, loop b from branch b and b + 1
+/// @returns empty where no branch repeats and no loop has a closing error
+std::optional<Creep> find_creep(const FilteredRecord& record,
+                                const std::vector<BranchZero>& branches,
+                                const std::vector<Loop>& loops);
+
+/// Variance of the lost motion of loop b, whose creep was estimated from the same branches and
+/// removed from the angle.
+///
+///   var = Σ_k (±1 - Δt w_k)² var θ_k       (±1 for the loop's own branches, else 0)
+///
+/// where branches repeat; else the creep's own variance times Δt² is added, Δt between the two
+/// branches at zero torque.
+/// Source: own derivation, docs/theory.md §31 (creep).
+/// Valid: both branches of the loop have an angle at zero torque.
+/// @returns [rad²]
+double variance_without_creep_rad2(const std::vector<BranchZero>& branches, std::size_t b,
+                                   const Creep& creep);
+
+}  // namespace gear3k::calibrate
