@@ -4,6 +4,8 @@
 #include <numbers>
 
 #include "calibrate/response_unit.hpp"
+#include "calibrate/simulation.hpp"
+#include "calibrate/value_range.hpp"
 
 namespace gear3k::calibrate {
 
@@ -29,15 +31,8 @@ std::vector<ParameterRecord> angle_parameters(const Form& form, Kind kind) {
 }
 
 std::vector<Form> angle_forms(const Occasion& o, const std::vector<ShaftOrder>& orders) {
-  double low = kUnknown;
-  double high = kUnknown;
-  for (const Observation& row : o.data->rows) {
-    const double angle = row.condition.output_angle_rad;
-    if (!std::isfinite(angle)) continue;
-    if (!(low <= angle)) low = angle;
-    if (!(high >= angle)) high = angle;
-  }
-  const double revolutions = (high - low) / (2.0 * std::numbers::pi);
+  const ValueRange angle = range_of(*o.data, &Condition::output_angle_rad);
+  const double revolutions = (angle.high - angle.low) / (2.0 * std::numbers::pi);
   std::vector<Form> result;
   for (const ShaftOrder& order : orders) {
     if (!(revolutions * order.order >= 1.0)) continue;
@@ -52,6 +47,14 @@ std::vector<Form> angle_forms(const Occasion& o, const std::vector<ShaftOrder>& 
     }
   }
   return result;
+}
+
+std::vector<DerivedParameter> angle_amplitude(const Form& form, std::span<const Scalar> p,
+                                              const Simulation& simulation, const Modification&) {
+  using std::sqrt;
+  ParameterRecord record = angle_parameters(form, simulation.kind()).front();
+  record.name = "amplitude";
+  return {{.record = record, .value = sqrt(p[0] * p[0] + p[1] * p[1]), .leads = true}};
 }
 
 void apply_angle(const Form& form, std::span<const Scalar> p, const Condition& condition, Kind kind,

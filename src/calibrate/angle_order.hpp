@@ -14,6 +14,11 @@ std::vector<ParameterRecord> angle_parameters(const Form& form, Kind kind);
 /// Forms for orders that the data can show: they span at least a revolution of the body.
 std::vector<Form> angle_forms(const Occasion& occasion, const std::vector<ShaftOrder>& orders);
 
+/// The amplitude √(cosine² + sine²).
+std::vector<DerivedParameter> angle_amplitude(const Form& form, std::span<const Scalar> p,
+                                              const Simulation& simulation,
+                                              const Modification& all);
+
 void apply_angle(const Form& form, std::span<const Scalar> p, const Condition& condition, Kind kind,
                  Modification& m);
 

@@ -15,6 +15,8 @@ namespace gear3k::calibrate {
 /// Scalar of the simulation in fits: value and derivatives by the fitted parameters.
 using Scalar = Jet1;
 
+class Simulation;
+
 /// What causes may change in the simulation of one row.
 struct Modification {
   design::Extension<Scalar> gearbox;
@@ -29,6 +31,13 @@ struct ParameterRecord {
   std::string_view name, unit;
   double lower, upper;                   ///< bounds of the fit
   double plausible_low, plausible_high;  ///< what a gearbox may show
+};
+
+/// A quantity that follows from fitted parameters, with its derivatives by them.
+struct DerivedParameter {
+  ParameterRecord record;  ///< bounds: of nothing
+  Scalar value;
+  bool leads = false;  ///< is told before the parameters
 };
 
 /// A constant that tells forms of a cause apart: reference force, instant of a step, order.
@@ -95,13 +104,18 @@ struct Cause {
   /// forms and parameters make one harder to find (docs/theory.md §30).
   double weight;
   /// Forms of this cause set the same constants: only one of them can act at a time.
-  bool exclusive_forms;
+  bool exclusive_forms = false;
   std::vector<ParameterRecord> (*parameters)(const Form& form, Kind kind);
   /// Forms that these data could show at all; empty where they lack the column that it acts along.
   std::vector<Form> (*forms)(const Occasion& occasion);
   /// Changes the simulation of one row.  `p` in units of the parameters, all 0: no change.
   void (*apply)(const Form& form, std::span<const Scalar> p, const Condition& condition, Kind kind,
                 Modification& m);
+  /// What a reader wants to know beside the parameters; null where there is nothing.
+  /// @param p  of this cause; @param all  the simulation under all causes of the fit
+  std::vector<DerivedParameter> (*derived)(const Form& form, std::span<const Scalar> p,
+                                           const Simulation& simulation,
+                                           const Modification& all) = nullptr;
 };
 
 /// All causes; where two explain data as well, the earlier one is named first.

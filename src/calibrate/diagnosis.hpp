@@ -148,11 +148,8 @@ struct Diagnosis {
   NoiseSource noise_source = NoiseSource::kResiduals;
   int repeat_degrees = 0;
   double session_deviation = 0.0;  ///< standard deviation between sessions [SI]; 0 = none found
-  /// Lack of fit of the baseline: F against pure error, and its probability; 0 degrees = no
-  /// repeats.
-  double lack_of_fit = 0.0, lack_of_fit_p = 1.0;
-  int lack_degrees = 0, pure_degrees = 0;
-  double p_value = 1.0;  ///< of the greatest finding where nothing is wrong
+  LackOfFit lack_of_fit;           ///< of the baseline
+  double p_value = 1.0;            ///< of the greatest finding where nothing is wrong
   std::vector<CauseEvidence> evidence;
   std::vector<CovariateTest> covariates_before, covariates_after;
   Periodogram periodogram;

@@ -8,6 +8,8 @@
 #include <set>
 #include <utility>
 
+#include "calibrate/value_range.hpp"
+
 namespace gear3k::calibrate {
 
 namespace {
@@ -18,25 +20,14 @@ constexpr int kMostRows = 72;
 /// χ² that tells two explanations apart, and at which more of it is of no use.
 constexpr double kTold = 9.0, kEnough = 40.0;
 
-using Range = std::array<double, 2>;
-
-Range range_of(const MeasurementSet& data, double Condition::*member) {
-  Range range{kUnknown, kUnknown};
-  for (const Observation& row : data.rows) {
-    const double v = row.condition.*member;
-    if (!std::isfinite(v)) continue;
-    if (!(range[0] <= v)) range[0] = v;
-    if (!(range[1] >= v)) range[1] = v;
-  }
-  return range;
-}
+using Limits = std::array<double, 2>;
 
 /// Evenly over the limits; without any, over what the design is meant for and the data widened by a
 /// quarter.
-std::vector<double> levels(const std::optional<Range>& limits, const Range& data,
+std::vector<double> levels(const std::optional<Limits>& limits, const ValueRange& data,
                            const design::GridAxis* meant, int count) {
-  if (!std::isfinite(data[0])) return {kUnknown};
-  Range range = limits.value_or(Range{0.75 * data[0], 1.25 * data[1]});
+  if (!data.known()) return {kUnknown};
+  Limits range = limits.value_or(Limits{0.75 * data.low, 1.25 * data.high});
   if (!limits && meant != nullptr) {
     range = {std::min(range[0], meant->from), std::max(range[1], meant->to)};
   }
@@ -61,16 +52,16 @@ std::vector<Condition> possible_conditions(const Problem& problem,
                                            const std::vector<Explanation>& explanations,
                                            const DiagnoseOptions& options) {
   const MeasurementSet& data = problem.data;
-  const Range time = range_of(data, &Condition::time_s);
-  const Range temperature = range_of(data, &Condition::temperature_K);
-  std::optional<Range> temperatures = options.temperature_K;
+  const ValueRange time = range_of(data, &Condition::time_s);
+  const ValueRange temperature = range_of(data, &Condition::temperature_K);
+  std::optional<Limits> temperatures = options.temperature_K;
   constexpr double kMargin_K = 10.0;
-  if (!temperatures && std::isfinite(temperature[0])) {
-    temperatures = Range{temperature[0] - kMargin_K, temperature[1] + kMargin_K};
+  if (!temperatures && temperature.known()) {
+    temperatures = Limits{temperature.low - kMargin_K, temperature.high + kMargin_K};
   }
   Condition start;
   start.run = data.runs.empty() ? -1 : static_cast<int>(data.runs.size());
-  start.time_s = time[1];
+  start.time_s = time.high;
   std::vector<Condition> result;
   const std::vector<double> warm = levels(temperatures, temperature, nullptr, 2);
   const auto with_temperature = [&](Condition c) {

@@ -55,49 +55,17 @@ std::vector<Pass> make_passes(const std::vector<Candidate>& candidates, Place pl
   return passes;
 }
 
-void apply_hypothesis(const Hypothesis& h, const std::vector<Scalar>& own,
-                      const Condition& condition, Kind kind, Modification& m) {
-  std::size_t first = 0;
-  for (const Candidate& effect : h.effects) {
-    const std::size_t count = effect.parameters.size();
-    effect.cause->apply(effect.form, std::span(own).subspan(first, count), condition, kind, m);
-    first += count;
-  }
-}
-
 std::optional<Scalar> simulate(const Problem& problem, const Condition& condition,
                                const Hypothesis& h, const std::vector<Scalar>& own) {
   const Simulation& simulation = problem.simulation;
   Modification m = simulation.unmodified(condition);
-  apply_hypothesis(h, own, condition, simulation.kind(), m);
+  apply(h, own, condition, simulation.kind(), m);
   const auto response = simulation.response(condition, m);
   if (!response) return std::nullopt;
   return simulation.reading(*response, condition, m);
 }
 
-std::vector<Scalar> constants_of(const std::vector<double>& values) {
-  std::vector<Scalar> result;
-  result.reserve(values.size());
-  for (const double value : values) result.emplace_back(value);
-  return result;
-}
-std::vector<Scalar> variables_of(const std::vector<double>& values) {
-  std::vector<Scalar> result;
-  result.reserve(values.size());
-  for (std::size_t k = 0; k < values.size(); ++k)
-    result.emplace_back(values[k], static_cast<int>(k));
-  return result;
-}
-
 }  // namespace
-
-std::vector<ParameterRecord> parameters_of(const Hypothesis& h) {
-  std::vector<ParameterRecord> result;
-  for (const Candidate& effect : h.effects) {
-    result.insert(result.end(), effect.parameters.begin(), effect.parameters.end());
-  }
-  return result;
-}
 
 Eigen::VectorXd measured(const MeasurementSet& data) {
   Eigen::VectorXd y(static_cast<Eigen::Index>(data.rows.size()));
@@ -140,7 +108,7 @@ Linearisation linearise(const Problem& problem, const Hypothesis& hypothesis,
     const auto row = [&](const std::vector<Scalar>& own, const Pass* pass, bool reading_only,
                          const Scalar& known) -> std::optional<Scalar> {
       Modification m = simulation.unmodified(condition);
-      apply_hypothesis(hypothesis, own, condition, simulation.kind(), m);
+      apply(hypothesis, own, condition, simulation.kind(), m);
       for (std::size_t k = 0; pass != nullptr && k < pass->index.size(); ++k) {
         const Candidate& c = others[pass->index[k]];
         c.cause->apply(c.form, pass->values[k], condition, simulation.kind(), m);
@@ -169,7 +137,7 @@ Linearisation linearise(const Problem& problem, const Hypothesis& hypothesis,
     }
     if (in_reading.empty()) continue;
     Modification m = simulation.unmodified(condition);
-    apply_hypothesis(hypothesis, constants, condition, simulation.kind(), m);
+    apply(hypothesis, constants, condition, simulation.kind(), m);
     const auto response = simulation.response(condition, m);
     for (const Pass& pass : in_reading) store(pass, *row(constants, &pass, true, *response));
   }

@@ -4,24 +4,11 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "calibrate/hypothesis.hpp"
 #include "calibrate/noise.hpp"
 #include "calibrate/simulation.hpp"
 
 namespace gear3k::calibrate {
-
-/// A cause in one of its forms.
-struct Candidate {
-  const Cause* cause = nullptr;
-  Form form;
-  std::vector<ParameterRecord> parameters;  ///< of cause and form
-};
-
-/// Candidates with values for their parameters, in units of the parameters.
-struct Hypothesis {
-  std::vector<Candidate> effects;
-  std::vector<double> value;  ///< of all effects, one after the other
-};
-std::vector<ParameterRecord> parameters_of(const Hypothesis& h);
 
 /// Data, simulation and noise that belong together.
 struct Problem {

@@ -1,6 +1,8 @@
 #pragma once
 // A change of the coefficient of friction as a whole: by itself, or beside a law.
 
+#include <algorithm>
+
 #include "calibrate/cause.hpp"
 
 namespace gear3k::calibrate {
@@ -13,6 +15,12 @@ constexpr ParameterRecord level_parameter() {
           .upper = 9.0,
           .plausible_low = -0.7,
           .plausible_high = 2.0};
+}
+
+/// Whether a form has that change as a parameter of its own.
+inline bool has_level_parameter(const std::vector<ParameterRecord>& parameters) {
+  return std::ranges::any_of(
+      parameters, [](const ParameterRecord& r) { return r.name == level_parameter().name; });
 }
 
 inline void change_level(const Scalar& change, Modification& m) {

@@ -87,4 +87,32 @@ Eigen::VectorXd predict_held_out(const Problem& problem, const Hypothesis& hypot
   return predicted;
 }
 
+Extrapolation extrapolate(const Problem& problem, const Hypothesis& h,
+                          const std::vector<Levels>& levels, const Eigen::VectorXd& y,
+                          const Eigen::VectorXd& baseline) {
+  Extrapolation result;
+  for (const char* name : {"load", "speed", "test torque"}) {
+    const auto at = std::ranges::find(levels, name, &Levels::name);
+    if (at == levels.end() || at->count < 3) continue;
+    Blocks blocks{.name = name, .of = {}, .count = 2};
+    for (const int level : at->of) blocks.of.push_back(level == at->count - 1 ? 1 : 0);
+    const Eigen::VectorXd predicted = predict_held_out(problem, h, blocks);
+    double before = 0.0;
+    double after = 0.0;
+    for (std::size_t i = 0; i < blocks.of.size(); ++i) {
+      if (blocks.of[i] == 0) continue;
+      const auto k = static_cast<Eigen::Index>(i);
+      before += (y[k] - baseline[k]) * (y[k] - baseline[k]);
+      after += (y[k] - predicted[k]) * (y[k] - predicted[k]);
+      ++result.rows;
+    }
+    result.along = name;
+    result.left_out = at->at.back();
+    result.baseline = std::sqrt(before / result.rows);
+    result.extended = std::sqrt(after / result.rows);
+    return result;
+  }
+  return result;
+}
+
 }  // namespace gear3k::calibrate

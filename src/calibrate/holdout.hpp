@@ -27,4 +27,11 @@ Blocks holdout_blocks(const MeasurementSet& data, const std::vector<Levels>& lev
 Eigen::VectorXd predict_held_out(const Problem& problem, const Hypothesis& hypothesis,
                                  const Blocks& blocks);
 
+/// Errors at the highest load, speed or test torque (the first of these of which there are at least
+/// three) when the fit has not seen it.
+/// @param measured, baseline  of the rows [SI]
+Extrapolation extrapolate(const Problem& problem, const Hypothesis& hypothesis,
+                          const std::vector<Levels>& levels, const Eigen::VectorXd& measured,
+                          const Eigen::VectorXd& baseline);
+
 }  // namespace gear3k::calibrate

@@ -4,43 +4,36 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <span>
+
+#include "calibrate/condition_quantity.hpp"
+#include "calibrate/value_range.hpp"
 
 namespace gear3k::calibrate {
 
 namespace {
 
-constexpr double kRpm = std::numbers::pi / 30.0;
-constexpr double kCelsius = 273.15;
-
-/// Quantities of an operating point under the names and in the units of columns.
+/// A quantity of a row's condition, and what it is of the operating point where a model is used.
 struct Quantity {
-  std::string_view column, title, unit;
-  double per_unit = 1.0, offset = 0.0;
-  double design::OperatingPoint<double>::*member = nullptr;
+  const ConditionQuantity* condition;
+  double design::OperatingPoint<double>::*member;
 };
 using Point = design::OperatingPoint<double>;
-constexpr std::array<Quantity, 4> kQuantities{{{.column = "sun_speed",
-                                                .title = "sun speed",
-                                                .unit = "rpm",
-                                                .per_unit = kRpm,
-                                                .member = &Point::sun_speed_rad_s},
-                                               {.column = "output_torque",
-                                                .title = "output torque",
-                                                .unit = "Nm",
-                                                .member = &Point::output_torque_Nm},
-                                               {.column = "test_torque",
-                                                .title = "test torque",
-                                                .unit = "Nm",
-                                                .member = &Point::output_torque_Nm},
-                                               {.column = "temperature",
-                                                .title = "temperature",
-                                                .unit = "C",
-                                                .offset = kCelsius,
-                                                .member = &Point::temperature_K}}};
+constexpr std::array<Quantity, 4> kQuantities{
+    {{.condition = &kSunSpeed, .member = &Point::sun_speed_rad_s},
+     {.condition = &kOutputTorque, .member = &Point::output_torque_Nm},
+     {.condition = &kTestTorque, .member = &Point::output_torque_Nm},
+     {.condition = &kTemperature, .member = &Point::temperature_K}}};
+
+/// Whether responses of a kind are measured under a quantity.
+bool measured_under(const ConditionQuantity* q, Kind kind) {
+  if (q == &kTemperature) return true;
+  if (q == &kTestTorque) return kind == Kind::kLostMotion || kind == Kind::kTorqueAngle;
+  return kind == Kind::kTransmission;
+}
 
 double in_unit(const Quantity& q, const Point& point) {
-  return (point.*q.member - q.offset) / q.per_unit;
+  return q.condition->written(point.*q.member);
 }
 
 const ConditionRange* find_range(const ExtendedModel& model, std::string_view name) {
@@ -64,6 +57,20 @@ std::string interval_text(double low, double high, std::string_view unit) {
 
 }  // namespace
 
+std::vector<ConditionRange> ranges_of(const MeasurementSet& data) {
+  std::vector<ConditionRange> result;
+  for (const Quantity& q : kQuantities) {
+    const ConditionQuantity& condition = *q.condition;
+    const ValueRange range = range_of(data, condition.member);
+    if (!measured_under(q.condition, data.kind) || !range.known()) continue;
+    result.push_back({.name = std::string(condition.name),
+                      .unit = std::string(condition.unit),
+                      .low = condition.written(range.low),
+                      .high = condition.written(range.high)});
+  }
+  return result;
+}
+
 std::optional<Point> middle_of_range(const std::vector<ExtendedModel>& models) {
   for (const ExtendedModel& model : models) {
     if (find_range(model, "sun_speed") == nullptr ||
@@ -72,9 +79,9 @@ std::optional<Point> middle_of_range(const std::vector<ExtendedModel>& models) {
     }
     Point point;
     for (const Quantity& q : kQuantities) {
-      const ConditionRange* range = find_range(model, q.column);
+      const ConditionRange* range = find_range(model, q.condition->name);
       if (range == nullptr) continue;
-      point.*q.member = 0.5 * (range->low + range->high) * q.per_unit + q.offset;
+      point.*q.member = q.condition->si(0.5 * (range->low + range->high));
     }
     return point;
   }
@@ -86,7 +93,7 @@ std::vector<std::string> outside_range(const std::vector<ExtendedModel>& models,
   std::vector<std::string> notes;
   for (const ExtendedModel& model : models) {
     for (const Quantity& q : kQuantities) {
-      const ConditionRange* range = find_range(model, q.column);
+      const ConditionRange* range = find_range(model, q.condition->name);
       if (range == nullptr) continue;
       const double low = in_unit(q, used.low);
       const double high = in_unit(q, used.high);
@@ -94,14 +101,16 @@ std::vector<std::string> outside_range(const std::vector<ExtendedModel>& models,
       const double above = beyond(high - range->high, *range);
       if (!(below > 0.0 || above > 0.0)) continue;
       std::string by;
-      if (below > 0.0) by = fmt::format("by {:.6g} {} below", below, q.unit);
+      if (below > 0.0) by = fmt::format("by {:.6g} {} below", below, q.condition->shown_unit);
       if (above > 0.0) {
-        by += fmt::format("{}by {:.6g} {} above", by.empty() ? "" : " and ", above, q.unit);
+        by += fmt::format("{}by {:.6g} {} above", by.empty() ? "" : " and ", above,
+                          q.condition->shown_unit);
       }
-      notes.push_back(fmt::format("{}: {} {} leaves the range of the {} model, {}, {}", used.where,
-                                  q.title, interval_text(low, high, q.unit),
-                                  kKindNames[static_cast<std::size_t>(model.kind)],
-                                  interval_text(range->low, range->high, q.unit), by));
+      notes.push_back(
+          fmt::format("{}: {} {} leaves the range of the {} model, {}, {}", used.where,
+                      q.condition->title, interval_text(low, high, q.condition->shown_unit),
+                      kKindNames[static_cast<std::size_t>(model.kind)],
+                      interval_text(range->low, range->high, q.condition->shown_unit), by));
     }
   }
   return notes;

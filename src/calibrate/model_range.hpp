@@ -10,6 +10,9 @@
 
 namespace gear3k::calibrate {
 
+/// Ranges of the conditions that data of a kind state.
+std::vector<ConditionRange> ranges_of(const MeasurementSet& data);
+
 /// The middle of the range of a model of sun speed and output torque (20 °C where its data state no
 /// temperature); empty where there is none.
 std::optional<design::OperatingPoint<double>> middle_of_range(

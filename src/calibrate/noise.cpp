@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
 #include <map>
+
+#include "calibrate/covariate_levels.hpp"
+#include "calibrate/value_range.hpp"
 
 namespace gear3k::calibrate {
 
@@ -12,35 +16,23 @@ namespace {
 /// Bins of 2 % of a range; rows on either side of an edge count as different.
 constexpr double kSameShare = 0.02;
 
-using Key = std::array<long long, 9>;
+using Key = std::array<long long, 8>;
 
-struct Range {
-  double low = kUnknown, high = kUnknown;
-  void extend(double x) {
-    if (!std::isfinite(x)) return;
-    if (!(low <= x)) low = x;
-    if (!(high >= x)) high = x;
-  }
-  [[nodiscard]] long long bin(double x) const {
-    if (!std::isfinite(x)) return -1;
-    if (!(high > low)) return 0;
-    return std::llround((x - low) / (kSameShare * (high - low)));
-  }
-};
+long long bin_of(double x, const ValueRange& range) {
+  if (!std::isfinite(x)) return -1;
+  if (!range.varies()) return 0;
+  return std::llround((x - range.low) / (kSameShare * (range.high - range.low)));
+}
 
 }  // namespace
 
 Repeats find_repeats(const MeasurementSet& data) {
-  Range speed;
-  Range load;
-  Range test;
-  Range temperature;
-  for (const Observation& row : data.rows) {
-    speed.extend(row.condition.sun_speed_rad_s);
-    load.extend(row.condition.output_torque_Nm);
-    test.extend(row.condition.test_torque_Nm);
-    temperature.extend(row.condition.temperature_K);
-  }
+  const ValueRange speed = range_of(data, &Condition::sun_speed_rad_s);
+  const ValueRange load = range_of(data, &Condition::output_torque_Nm);
+  const ValueRange test = range_of(data, &Condition::test_torque_Nm);
+  const std::vector<Levels> levels = covariate_levels(data);
+  const auto temperature = std::ranges::find(levels, "temperature", &Levels::name);
+  const bool set_temperature = temperature != levels.end() && !temperature->binned;
   std::map<Key, int> cells;
   Repeats result;
   result.cell.reserve(data.rows.size());
@@ -50,11 +42,10 @@ Repeats find_repeats(const MeasurementSet& data) {
                   c.rotation,
                   c.driving_teeth,
                   c.driven_teeth,
-                  c.run,
-                  speed.bin(c.sun_speed_rad_s),
-                  load.bin(c.output_torque_Nm),
-                  test.bin(c.test_torque_Nm),
-                  temperature.bin(c.temperature_K)};
+                  bin_of(c.sun_speed_rad_s, speed),
+                  bin_of(c.output_torque_Nm, load),
+                  bin_of(c.test_torque_Nm, test),
+                  set_temperature ? temperature->of[result.cell.size()] : 0};
     const auto [at, inserted] = cells.emplace(key, static_cast<int>(cells.size()));
     if (!inserted) ++result.degrees;
     result.cell.push_back(at->second);
@@ -120,6 +111,26 @@ PureError pure_error(const Repeats& repeats, const Eigen::VectorXd& weighted) {
     error.sum_of_squares += d * d;
   }
   return error;
+}
+
+LackOfFit lack_of_fit(const Repeats& repeats, const Eigen::VectorXd& weighted) {
+  const PureError pure = pure_error(repeats, weighted);
+  if (pure.degrees < 1 || !(pure.sum_of_squares > 0.0)) return {};
+  const double f = (weighted.squaredNorm() - pure.sum_of_squares) / repeats.cells /
+                   (pure.sum_of_squares / pure.degrees);
+  return {.f = f,
+          .p_value = f_tail(f, repeats.cells, pure.degrees),
+          .degrees = repeats.cells,
+          .pure_degrees = pure.degrees};
+}
+
+double f_tail(double f, int degrees1, int degrees2) {
+  if (!(f > 0.0) || degrees1 < 1 || degrees2 < 1) return 1.0;
+  return boost::math::cdf(boost::math::complement(boost::math::fisher_f(degrees1, degrees2), f));
+}
+
+double root_mean_square(const Eigen::VectorXd& x) {
+  return x.size() == 0 ? 0.0 : std::sqrt(x.squaredNorm() / static_cast<double>(x.size()));
 }
 
 double robust_deviation(const Eigen::VectorXd& x) {

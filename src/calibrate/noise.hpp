@@ -19,8 +19,10 @@ struct Repeats {
   int degrees = 0;  ///< rows beyond the first of each cell
 };
 
-/// Rows agree in direction, rotation, teeth, run, and to 2 % of their range in speed, load, test
-/// torque and temperature (without a range: exactly).  Output angle and time are not compared.
+/// Rows agree in what was set: direction, rotation, teeth, and to 2 % of their range speed, load
+/// and test torque (without a range: exactly); temperature where it was set too, that is where it
+/// takes at most eight values.  What varies beside that, session, angle and time among it, is part
+/// of how measurements scatter.
 Repeats find_repeats(const MeasurementSet& data);
 
 /// Scale of the rows and correlation within sessions.
@@ -47,6 +49,20 @@ struct PureError {
   int degrees = 0;
 };
 PureError pure_error(const Repeats& repeats, const Eigen::VectorXd& weighted);
+
+/// Of a simulation: what it misses at the cells' means against pure error.
+struct LackOfFit {
+  double f = 0.0, p_value = 1.0;
+  int degrees = 0, pure_degrees = 0;  ///< 0: nothing was repeated
+};
+/// @param weighted  measured − simulated, weighted, of a simulation without fitted parameters
+LackOfFit lack_of_fit(const Repeats& repeats, const Eigen::VectorXd& weighted);
+
+/// P(F ≥ f) for Fisher's distribution; 1 where there are no degrees of freedom.
+double f_tail(double f, int degrees1, int degrees2);
+
+/// Root of the mean square; 0 of nothing.
+double root_mean_square(const Eigen::VectorXd& x);
 
 /// Median of |x| over that of a normal deviate: a standard deviation that outliers do not move.
 double robust_deviation(const Eigen::VectorXd& x);

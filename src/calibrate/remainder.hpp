@@ -4,22 +4,11 @@
 #include <string>
 #include <vector>
 
+#include "calibrate/covariate_levels.hpp"
 #include "calibrate/diagnosis.hpp"
 #include "calibrate/search.hpp"
 
 namespace gear3k::calibrate {
-
-/// A covariate of the rows and its levels: the values themselves while they are few, else bins of
-/// equal counts.
-struct Levels {
-  std::string name;     ///< "load", "speed", "temperature", ...
-  std::vector<int> of;  ///< of each row
-  int count = 0;
-  std::vector<double> at = {};  ///< mean value of each level, in the column's unit
-};
-
-/// Covariates along which these rows differ.
-std::vector<Levels> covariate_levels(const MeasurementSet& data);
 
 /// A term of levels, or of an order of the angle (or of time).
 struct EmpiricalTerm {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "calibrate/columns.hpp"
 #include "calibrate/fit.hpp"
 #include "calibrate/screen.hpp"
 
@@ -45,26 +46,5 @@ std::vector<Candidate> candidates_for(const Simulation& simulation, const Measur
 
 SearchResult search_causes(const Problem& problem, const std::vector<Candidate>& candidates,
                            const SearchOptions& options);
-
-/// Columns of a hypothesis and of candidates, whitened, and the residual, whitened and winsorised.
-struct Columns {
-  Eigen::VectorXd residual;
-  Eigen::MatrixXd own, other;
-  bool runs = true;
-};
-Columns columns_at(const Problem& problem, const Hypothesis& hypothesis,
-                   const std::vector<Candidate>& others, double scale);
-
-/// Blocks of candidates, in their order.
-std::vector<Block> blocks_of(const std::vector<Candidate>& candidates);
-
-/// What the screens of a problem take for known, Screen::Screen().
-double known_scale(const Problem& problem);
-
-/// Share of random halves of the rows in which a search along the linearisation finds each cause:
-/// by position in `groups`, sets of causes that count as one.  NaN: too few rows.
-std::vector<double> inclusion_frequency(const Problem& problem, const SearchResult& result,
-                                        const std::vector<std::vector<std::string_view>>& groups,
-                                        const SearchOptions& options);
 
 }  // namespace gear3k::calibrate

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "backlash/lost_motion.hpp"
+#include "calibrate/value_range.hpp"
 
 namespace gear3k::calibrate {
 
@@ -353,18 +354,10 @@ std::array<double, 2> Simulation::load_and_speed(const Condition& c) const {
 Occasion Simulation::occasion(const MeasurementSet& data) const {
   Occasion o{.kind = kind_, .data = &data};
   o.ratio = ratio();
-  const auto extend = [](std::array<double, 2>& range, double value) {
-    if (!std::isfinite(value)) return;
-    if (!(range[0] <= value)) range[0] = value;
-    if (!(range[1] >= value)) range[1] = value;
-  };
-  std::array<double, 2> torque{kUnknown, kUnknown};
-  std::array<double, 2> speed{kUnknown, kUnknown};
-  for (const Observation& row : data.rows) {
-    extend(torque, row.condition.output_torque_Nm);
-    extend(speed, row.condition.sun_speed_rad_s);
-    extend(o.temperature_K, row.condition.temperature_K);
-  }
+  const ValueRange torque = range_of(data, &Condition::output_torque_Nm);
+  const ValueRange speed = range_of(data, &Condition::sun_speed_rad_s);
+  const ValueRange temperature = range_of(data, &Condition::temperature_K);
+  o.temperature_K = {temperature.low, temperature.high};
   if (const auto* gearbox = std::get_if<Gearbox>(&subject_)) {
     o.teeth = &gearbox->design.train.teeth;
     o.design_temperature_K = temperature_of(gearbox->design);
@@ -376,12 +369,12 @@ Occasion Simulation::occasion(const MeasurementSet& data) const {
     o.speed_unit = "rad/s";
   }
   if (kind_ == Kind::kTransmission && !data.rows.empty()) {
-    for (const std::size_t end : {0U, 1U}) {
-      const auto at =
-          load_and_speed({.sun_speed_rad_s = speed[end], .output_torque_Nm = torque[end]});
-      o.load[end] = at[0];
-      o.speed[end] = at[1];
-    }
+    const auto least =
+        load_and_speed({.sun_speed_rad_s = speed.low, .output_torque_Nm = torque.low});
+    const auto most =
+        load_and_speed({.sun_speed_rad_s = speed.high, .output_torque_Nm = torque.high});
+    o.load = {least[0], most[0]};
+    o.speed = {least[1], most[1]};
   }
   return o;
 }

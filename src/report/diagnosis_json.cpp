@@ -224,11 +224,12 @@ ordered_json kind_json(const Diagnosis& d, const MeasurementSet& set) {
                     {"repeat_degrees", d.repeat_degrees},
                     {"session_deviation", finite(d.session_deviation / si)}}}};
   json["p_value"] = finite(d.p_value);
-  json["lack_of_fit"] = d.lack_degrees > 0 && d.pure_degrees > 0
-                            ? ordered_json{{"f", finite(d.lack_of_fit)},
-                                           {"p_value", finite(d.lack_of_fit_p)},
-                                           {"degrees", {d.lack_degrees, d.pure_degrees}}}
-                            : ordered_json(nullptr);
+  json["lack_of_fit"] =
+      d.lack_of_fit.degrees > 0 && d.lack_of_fit.pure_degrees > 0
+          ? ordered_json{{"f", finite(d.lack_of_fit.f)},
+                         {"p_value", finite(d.lack_of_fit.p_value)},
+                         {"degrees", {d.lack_of_fit.degrees, d.lack_of_fit.pure_degrees}}}
+          : ordered_json(nullptr);
   json["holdout_blocks"] = text_or_null(d.holdout_blocks);
   json["extrapolation"] = extrapolation_json(d);
   json["candidates"] = list_of(d.evidence, [](const auto& c) {

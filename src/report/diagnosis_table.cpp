@@ -315,9 +315,10 @@ std::string remainder_text(const Diagnosis& d) {
 }
 
 std::string lack_text(const Diagnosis& d) {
-  if (d.lack_degrees <= 0 || d.pure_degrees <= 0) return "";
+  if (d.lack_of_fit.degrees <= 0 || d.lack_of_fit.pure_degrees <= 0) return "";
   return fmt::format("Lack of fit of the simulation as given: F({}, {}) = {:.3g}, p = {}.\n",
-                     d.lack_degrees, d.pure_degrees, clean(d.lack_of_fit), p_text(d.lack_of_fit_p));
+                     d.lack_of_fit.degrees, d.lack_of_fit.pure_degrees, clean(d.lack_of_fit.f),
+                     p_text(d.lack_of_fit.p_value));
 }
 
 std::string next_text(const Diagnosis& d) {

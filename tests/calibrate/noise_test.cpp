@@ -51,7 +51,6 @@ TEST(Repeats, DifferInEachPartOfTheirCondition) {
   };
   add([](Condition& c) { c.direction = design::Direction::kBackward; });
   add([](Condition& c) { c.rotation = -1; });
-  add([](Condition& c) { c.run = 1; });
   add([](Condition& c) { c.driving_teeth = 20; });
   add([](Condition& c) { c.driven_teeth = 20; });
   add([](Condition& c) { c.test_torque_Nm = 1.0; });
@@ -74,6 +73,45 @@ TEST(Repeats, AgreeToTwoPercentOfTheRange) {
       set_of({row_at(0.0, 5.0), row_at(200.0, 5.0), row_at(0.9, 5.0), row_at(2.5, 5.0)}));
   EXPECT_EQ(wider.cell[2], wider.cell[0]);
   EXPECT_EQ(wider.degrees, 1);
+}
+
+TEST(Repeats, AreThoseOfWhatWasSetNotOfWhatDrifted) {
+  // Two set points, measured in turn over two sessions while the gearbox warms up.
+  std::vector<Observation> rows;
+  constexpr int kRows = 60;
+  for (int k = 0; k < kRows; ++k) {
+    rows.push_back(row_at(k % 2 == 0 ? 20.0 : 100.0, 5.0, k < kRows / 2 ? 0 : 1));
+    rows.back().condition.temperature_K = 295.0 + 0.3 * k;
+  }
+  MeasurementSet data = set_of(rows, 2);
+  const Repeats drifting = find_repeats(data);
+  EXPECT_EQ(drifting.cells, 2);
+  EXPECT_EQ(drifting.degrees, kRows - 2);
+  // Three temperatures that were held: each with both speeds.
+  for (int k = 0; k < kRows; ++k) {
+    data.rows[static_cast<std::size_t>(k)].condition.temperature_K = 295.0 + 10.0 * (k / 20);
+  }
+  EXPECT_EQ(find_repeats(data).cells, 6);
+}
+
+TEST(LackOfFit, ComparesWhatCellsMissWithHowRepeatsScatter) {
+  // Two cells of three: means 2 and −1 against a simulation of 0.
+  Repeats repeats;
+  repeats.cell = {0, 0, 0, 1, 1, 1};
+  repeats.cells = 2;
+  repeats.degrees = 4;
+  Eigen::VectorXd y(6);
+  y << 1.0, 2.0, 3.0, -1.5, -1.0, -0.5;
+  const LackOfFit lack = lack_of_fit(repeats, y);
+  // Between: 3·4 + 3·1 = 15 over 2 degrees; within: 2 + 0.5 over 4.
+  EXPECT_DOUBLE_EQ(lack.f, 7.5 / 0.625);
+  EXPECT_EQ(lack.degrees, 2);
+  EXPECT_EQ(lack.pure_degrees, 4);
+  // For 2 degrees above, P(F >= f) = (1 + 2 f/4)^(−2).
+  EXPECT_NEAR(lack.p_value, std::pow(1.0 + 0.5 * lack.f, -2.0), 1e-14);
+  repeats.degrees = 0;
+  EXPECT_EQ(lack_of_fit(repeats, y).pure_degrees, 0);
+  EXPECT_EQ(lack_of_fit(repeats, y).p_value, 1.0);
 }
 
 TEST(Repeats, NeedNoTemperature) {

@@ -87,10 +87,10 @@ Case dragged() {
       .along = "load", .left_out = 40.0, .rows = 1, .baseline = 0.0208, .extended = 0.0035};
   d.noise_source = calibrate::NoiseSource::kRepeats;
   d.repeat_degrees = 4;
-  d.lack_of_fit = 30.0;
-  d.lack_of_fit_p = 1e-5;
-  d.lack_degrees = 4;
-  d.pure_degrees = 4;
+  d.lack_of_fit.f = 30.0;
+  d.lack_of_fit.p_value = 1e-5;
+  d.lack_of_fit.degrees = 4;
+  d.lack_of_fit.pure_degrees = 4;
   d.evidence = {{.id = "drag_constant", .delta_bic = 42.5, .evidence = 25.0},
                 {.id = "friction_level", .delta_bic = -2.0, .evidence = 0.5}};
   d.covariates_before = {{.name = "load", .statistic = 20.0, .degrees = 3, .p_value = 2e-4}};
@@ -250,7 +250,7 @@ TEST(DiagnosisJson, ProposedConditionsAreRowsOfDataCsv) {
 TEST(DiagnosisJson, WhatIsNotKnownIsNull) {
   Case c = dragged();
   c.diagnoses[0].errors.baseline_holdout = c.diagnoses[0].errors.extended_holdout = kUnknown;
-  c.diagnoses[0].lack_degrees = 0;
+  c.diagnoses[0].lack_of_fit.degrees = 0;
   c.diagnoses[0].extrapolation = {};
   const json data = c.as_json();
   EXPECT_TRUE(data.at("gain").is_null());

@@ -51,7 +51,6 @@ const Cause bearing_load{.id = "bearing_load",
                          .remedy = Remedy::kBearings,
                          .place = Place::kGearbox,
                          .weight = 0.7,
-                         .exclusive_forms = false,
                          .parameters = parameters,
                          .forms = forms,
                          .apply = apply};

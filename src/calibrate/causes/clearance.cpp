@@ -32,7 +32,6 @@ const Cause clearance{.id = "clearance",
                       .remedy = Remedy::kClearance,
                       .place = Place::kGearbox,
                       .weight = 1.0,
-                      .exclusive_forms = false,
                       .parameters = parameters,
                       .forms = forms,
                       .apply = apply};

@@ -32,7 +32,6 @@ const Cause compliance{.id = "compliance",
                        .remedy = Remedy::kStiffness,
                        .place = Place::kGearbox,
                        .weight = 0.6,
-                       .exclusive_forms = false,
                        .parameters = parameters,
                        .forms = forms,
                        .apply = apply};

@@ -1,28 +1,16 @@
 #include "calibrate/cause.hpp"
+#include "calibrate/drag_change.hpp"
 
 namespace gear3k::calibrate {
 
 namespace {
 
 std::vector<ParameterRecord> parameters(const Form&, Kind) {
-  return {{.name = "torque",
-           .unit = "Nm",
-           .lower = 0.0,
-           .upper = 100.0,
-           .plausible_low = 0.0,
-           .plausible_high = 5.0}};
-}
-
-std::vector<Form> forms(const Occasion& o) {
-  if (o.kind != Kind::kTransmission) return {};
-  return {{.name = "sun", .body = "sun", .weight = 0.7},
-          {.name = "output", .body = "output", .weight = 0.3}};
+  return drag_parameter("torque", "Nm", 100.0, 5.0);
 }
 
 void apply(const Form& form, std::span<const Scalar> p, const Condition&, Kind, Modification& m) {
-  const auto shaft = form.name == "sun" ? design::kSunShaft : design::kOutputShaft;
-  Scalar& drag = m.gearbox.drag[shaft].constant_Nm;
-  drag = drag + p[0];
+  add_drag(form, &design::ShaftDrag<Scalar>::constant_Nm, p[0], m);
 }
 
 }  // namespace
@@ -33,9 +21,8 @@ const Cause drag_constant{.id = "drag_constant",
                           .remedy = Remedy::kDrag,
                           .place = Place::kGearbox,
                           .weight = 0.7,
-                          .exclusive_forms = false,
                           .parameters = parameters,
-                          .forms = forms,
+                          .forms = drag_forms,
                           .apply = apply};
 
 }  // namespace gear3k::calibrate

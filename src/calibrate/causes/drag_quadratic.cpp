@@ -1,28 +1,16 @@
 #include "calibrate/cause.hpp"
+#include "calibrate/drag_change.hpp"
 
 namespace gear3k::calibrate {
 
 namespace {
 
 std::vector<ParameterRecord> parameters(const Form&, Kind) {
-  return {{.name = "coefficient",
-           .unit = "Nms2",
-           .lower = 0.0,
-           .upper = 1.0,
-           .plausible_low = 0.0,
-           .plausible_high = 0.001}};
-}
-
-std::vector<Form> forms(const Occasion& o) {
-  if (o.kind != Kind::kTransmission) return {};
-  return {{.name = "sun", .body = "sun", .weight = 0.7},
-          {.name = "output", .body = "output", .weight = 0.3}};
+  return drag_parameter("coefficient", "Nms2", 1.0, 0.001);
 }
 
 void apply(const Form& form, std::span<const Scalar> p, const Condition&, Kind, Modification& m) {
-  const auto shaft = form.name == "sun" ? design::kSunShaft : design::kOutputShaft;
-  Scalar& drag = m.gearbox.drag[shaft].quadratic_Nms2;
-  drag = drag + p[0];
+  add_drag(form, &design::ShaftDrag<Scalar>::quadratic_Nms2, p[0], m);
 }
 
 }  // namespace
@@ -33,9 +21,8 @@ const Cause drag_quadratic{.id = "drag_quadratic",
                            .remedy = Remedy::kDrag,
                            .place = Place::kGearbox,
                            .weight = 0.7,
-                           .exclusive_forms = false,
                            .parameters = parameters,
-                           .forms = forms,
+                           .forms = drag_forms,
                            .apply = apply};
 
 }  // namespace gear3k::calibrate

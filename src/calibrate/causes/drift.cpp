@@ -2,6 +2,7 @@
 
 #include "calibrate/cause.hpp"
 #include "calibrate/response_unit.hpp"
+#include "calibrate/value_range.hpp"
 
 namespace gear3k::calibrate {
 
@@ -22,23 +23,16 @@ std::vector<ParameterRecord> parameters(const Form&, Kind kind) {
 std::vector<Form> forms(const Occasion& o) {
   std::vector<Form> result;
   const auto add = [&](const char* variable, const char* unit, double Condition::*member) {
-    double first = kUnknown;
-    double last = kUnknown;
-    for (const Observation& row : o.data->rows) {
-      const double t = row.condition.*member;
-      if (!std::isfinite(t)) continue;
-      if (!(first <= t)) first = t;
-      if (!(last >= t)) last = t;
-    }
-    if (!(last > first)) return;
+    const ValueRange range = range_of(*o.data, member);
+    if (!range.varies()) return;
+    const double span = range.high - range.low;
     const auto form = [&](const char* shape, double constant, double weight) {
       return Form{.name = std::string(shape) + "_" + variable,
-                  .constants = {{.name = "start", .unit = unit, .value = first},
-                                {.name = "span", .unit = unit, .value = last - first},
+                  .constants = {{.name = "start", .unit = unit, .value = range.low},
+                                {.name = "span", .unit = unit, .value = span},
                                 {.name = "time_constant", .unit = unit, .value = constant}},
                   .weight = weight};
     };
-    const double span = last - first;
     result.push_back(form("linear", span, 0.4));
     result.push_back(form("levelling", 0.3 * span, 0.15));
     result.push_back(form("levelling", 0.1 * span, 0.1));
@@ -72,7 +66,6 @@ const Cause drift{.id = "drift",
                   .remedy = Remedy::kProcedure,
                   .place = Place::kMeasurement,
                   .weight = 1.8,
-                  .exclusive_forms = false,
                   .parameters = parameters,
                   .forms = forms,
                   .apply = apply};

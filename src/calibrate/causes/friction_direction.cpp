@@ -1,4 +1,7 @@
+#include <cmath>
+
 #include "calibrate/cause.hpp"
+#include "calibrate/simulation.hpp"
 
 namespace gear3k::calibrate {
 
@@ -46,6 +49,26 @@ void apply(const Form& form, std::span<const Scalar> p, const Condition&, Kind, 
   if (form.name == "approach_recess") scale(f.recess, -p[0]);
 }
 
+/// In data of pairs the coefficients on either side of the pitch point, which all causes of a fit
+/// make together.  Clean metals without lubricant reach about 1; friction below 0 would drive.
+std::vector<DerivedParameter> flank_coefficients(const Form&, std::span<const Scalar>,
+                                                 const Simulation& simulation,
+                                                 const Modification& all) {
+  if (simulation.kind() != Kind::kPairLoss) return {};
+  const auto coefficients = simulation.flank_coefficients(all);
+  const auto side = [&](std::string_view name, const Scalar& value) {
+    return DerivedParameter{.record = {.name = name,
+                                       .unit = "",
+                                       .lower = -HUGE_VAL,
+                                       .upper = HUGE_VAL,
+                                       .plausible_low = 0.0,
+                                       .plausible_high = 1.0},
+                            .value = value};
+  };
+  return {side("friction_in_approach", coefficients[0]),
+          side("friction_in_recess", coefficients[1])};
+}
+
 }  // namespace
 
 extern const Cause friction_direction;
@@ -54,9 +77,9 @@ const Cause friction_direction{.id = "friction_direction",
                                .remedy = Remedy::kFlanks,
                                .place = Place::kGearbox,
                                .weight = 1.2,
-                               .exclusive_forms = false,
                                .parameters = parameters,
                                .forms = forms,
-                               .apply = apply};
+                               .apply = apply,
+                               .derived = flank_coefficients};
 
 }  // namespace gear3k::calibrate

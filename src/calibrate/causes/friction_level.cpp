@@ -24,7 +24,6 @@ const Cause friction_level{.id = "friction_level",
                            .remedy = Remedy::kFrictionValue,
                            .place = Place::kGearbox,
                            .weight = 0.8,
-                           .exclusive_forms = false,
                            .parameters = parameters,
                            .forms = forms,
                            .apply = apply};

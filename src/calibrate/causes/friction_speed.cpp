@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "calibrate/cause.hpp"
+#include "calibrate/simulation.hpp"
 
 namespace gear3k::calibrate {
 
@@ -74,6 +75,25 @@ void apply(const Form& form, std::span<const Scalar> p, const Condition&, Kind, 
   }
 }
 
+/// Friction at the slowest over that at the fastest sliding speed of the data: what the forms of
+/// the law have in common.
+std::vector<DerivedParameter> slow_over_fast(const Form& form, std::span<const Scalar> p,
+                                             const Simulation& simulation, const Modification&) {
+  Modification m;
+  apply(form, p, {}, simulation.kind(), m);
+  const auto friction = [&](const char* speed) {
+    return friction_factor(m.gearbox.friction, Scalar(1.0), Scalar(form.constant(speed)),
+                           Scalar(m.gearbox.friction.reference_temperature_K), true);
+  };
+  return {{.record = {.name = "slow_over_fast",
+                      .unit = "",
+                      .lower = 0.0,
+                      .upper = HUGE_VAL,
+                      .plausible_low = 0.0,
+                      .plausible_high = HUGE_VAL},
+           .value = friction("slowest") / friction("fastest")}};
+}
+
 }  // namespace
 
 extern const Cause friction_speed;
@@ -85,6 +105,7 @@ const Cause friction_speed{.id = "friction_speed",
                            .exclusive_forms = true,
                            .parameters = parameters,
                            .forms = forms,
-                           .apply = apply};
+                           .apply = apply,
+                           .derived = slow_over_fast};
 
 }  // namespace gear3k::calibrate

@@ -18,9 +18,9 @@ const Cause mesh_order{.id = "mesh_order",
                        .remedy = Remedy::kAccuracy,
                        .place = Place::kMeasurement,
                        .weight = 0.9,
-                       .exclusive_forms = false,
                        .parameters = angle_parameters,
                        .forms = forms,
-                       .apply = apply_angle};
+                       .apply = apply_angle,
+                       .derived = angle_amplitude};
 
 }  // namespace gear3k::calibrate

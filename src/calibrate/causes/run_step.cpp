@@ -2,6 +2,7 @@
 
 #include "calibrate/cause.hpp"
 #include "calibrate/response_unit.hpp"
+#include "calibrate/value_range.hpp"
 
 namespace gear3k::calibrate {
 
@@ -24,18 +25,13 @@ std::vector<ParameterRecord> parameters(const Form&, Kind kind) {
 /// Ends of equal parts of the time, where no runs are told apart.
 std::vector<double> instants(const MeasurementSet& data) {
   constexpr int kParts = 10;
-  double first = kUnknown;
-  double last = kUnknown;
-  for (const Observation& row : data.rows) {
-    const double t = row.condition.time_s;
-    if (!std::isfinite(t)) continue;
-    if (!(first <= t)) first = t;
-    if (!(last >= t)) last = t;
-  }
+  const ValueRange time = range_of(data, &Condition::time_s);
   std::vector<double> result;
-  if (!(last > first)) return result;
+  if (!time.varies()) return result;
   result.reserve(kParts - 1);
-  for (int k = 1; k < kParts; ++k) result.push_back(first + (last - first) * k / kParts);
+  for (int k = 1; k < kParts; ++k) {
+    result.push_back(time.low + (time.high - time.low) * k / kParts);
+  }
   return result;
 }
 
@@ -84,7 +80,6 @@ const Cause run_step{.id = "run_step",
                      .remedy = Remedy::kProcedure,
                      .place = Place::kMeasurement,
                      .weight = 1.5,
-                     .exclusive_forms = false,
                      .parameters = parameters,
                      .forms = forms,
                      .apply = apply};

@@ -24,9 +24,9 @@ const Cause runout{.id = "runout",
                    .remedy = Remedy::kAccuracy,
                    .place = Place::kMeasurement,
                    .weight = 0.6,
-                   .exclusive_forms = false,
                    .parameters = angle_parameters,
                    .forms = forms,
-                   .apply = apply_angle};
+                   .apply = apply_angle,
+                   .derived = angle_amplitude};
 
 }  // namespace gear3k::calibrate

@@ -31,7 +31,6 @@ const Cause sensor_gain{.id = "sensor_gain",
                         .remedy = Remedy::kSensor,
                         .place = Place::kMeasurement,
                         .weight = 0.9,
-                        .exclusive_forms = false,
                         .parameters = parameters,
                         .forms = forms,
                         .apply = apply};

@@ -31,7 +31,6 @@ const Cause sensor_offset{.id = "sensor_offset",
                           .remedy = Remedy::kSensor,
                           .place = Place::kMeasurement,
                           .weight = 0.7,
-                          .exclusive_forms = false,
                           .parameters = parameters,
                           .forms = forms,
                           .apply = apply};
