@@ -1,6 +1,8 @@
 // How often `diagnose` is right: campaigns of the rig with hidden causes, over many seeds.
 //
 //   diagnosis_rates [SEEDS [SCENARIO-PREFIX]]
+//
+// With a prefix ("alone 0.3", "resolved") the most frequent answers are listed too.
 
 #include <fmt/format.h>
 
@@ -40,12 +42,13 @@ Interval wilson(int hits, int count) {
 }
 
 std::string share(int hits, int count) {
-  if (count == 0) return fmt::format("{:>22}", "-");
+  if (count == 0) return fmt::format("{:>19}", "-");
   const auto [low, high] = wilson(hits, count);
-  return fmt::format("{:6.1f} [{:5.1f}, {:5.1f}]", 100.0 * hits / count, 100.0 * low, 100.0 * high);
+  return fmt::format("{:5.1f} [{:4.1f}, {:5.1f}]", 100.0 * hits / count, 100.0 * low, 100.0 * high);
 }
 
-void print(const rig::Scenario& scenario, int seeds) {
+/// @param answers_too  with the three most frequent answers
+void print(const rig::Scenario& scenario, int seeds, bool answers_too) {
   std::vector<rig::Score> scores(static_cast<std::size_t>(seeds));
   const auto start = std::chrono::steady_clock::now();
   optimize::parallel_for(scores.size(), [&](std::size_t seed) {
@@ -63,12 +66,12 @@ void print(const rig::Scenario& scenario, int seeds) {
   for (const auto& [answer, times] : answers) common.emplace_back(times, answer);
   std::ranges::sort(common, std::greater<>());
   std::string text;
-  for (std::size_t k = 0; k < common.size() && k < 3; ++k) {
+  for (std::size_t k = 0; answers_too && k < common.size() && k < 3; ++k) {
     text += fmt::format(" {}x {};", common[k].first, common[k].second);
   }
-  fmt::print("{:<44} {} {} {} {:6.0f}  {}\n", scenario.name,
-             share(count(&rig::Score::right), seeds), share(count(&rig::Score::wrong), seeds),
-             share(count(&rig::Score::inside), intervals), 1e3 * seconds / seeds, text);
+  fmt::print("{:<46} {} {} {} {:5.0f}{}\n", scenario.name, share(count(&rig::Score::right), seeds),
+             share(count(&rig::Score::wrong), seeds), share(count(&rig::Score::inside), intervals),
+             1e3 * seconds / seeds, text);
   std::fflush(stdout);
 }
 
@@ -77,11 +80,10 @@ void print(const rig::Scenario& scenario, int seeds) {
 int main(int argc, char** argv) {
   const int seeds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 200;
   const std::string_view prefix = argc > 2 ? argv[2] : "";
-  fmt::print(
-      "{} seeds; percent with 95 % intervals\n{:<44} {:>22} {:>22} {:>22} {:>6}  most frequent "
-      "answers\n",
-      seeds, "scenario", "right", "wrong name", "truth in interval", "ms");
+  fmt::print("{} seeds; percent with 95 % intervals\n{:<46} {:>19} {:>19} {:>19} {:>5}{}\n", seeds,
+             "scenario", "right", "wrong name", "truth in interval", "ms",
+             prefix.empty() ? "" : "  most frequent answers");
   for (const rig::Scenario& scenario : rig::scenarios()) {
-    if (scenario.name.starts_with(prefix)) print(scenario, seeds);
+    if (scenario.name.starts_with(prefix)) print(scenario, seeds, !prefix.empty());
   }
 }

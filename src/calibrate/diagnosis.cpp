@@ -132,7 +132,7 @@ std::vector<CauseEvidence> first_evidence(const SearchResult& found, double rows
     const Gain& gain = found.first_gains[k];
     const auto parameters = static_cast<double>(found.candidates[k].parameters.size());
     const CauseEvidence evidence{.id = std::string(found.candidates[k].cause->id),
-                                 .delta_bic = gain.statistic - parameters * std::log(rows),
+                                 .delta_bic = gain.likelihood_ratio - parameters * std::log(rows),
                                  .evidence = gain.evidence};
     const auto at = std::ranges::find(result, evidence.id, &CauseEvidence::id);
     if (at == result.end()) {
@@ -165,13 +165,23 @@ NoiseLevel noise_level(NoiseSource source, const PureError& pure, double scale_o
   return {.scale = scale_of_fit, .source = source};
 }
 
-/// Few rows have no structure that a test could see, but the scatter that they state.
-/// @returns the probability of residuals as large as these; 1 where the scatter is not known
+/// Whether rows scatter by more than they state, outliers aside, whatever the structure.
+/// @returns the probability of residuals as large as these; 1 where no scatter is stated, or where
+/// it is within a quarter of the stated one: nobody knows it better
 double chance_of_scatter(const Problem& problem, const FinalFit& final) {
-  if (!(known_scale(problem) > 0.0) || final.degrees < 1) return 1.0;
-  const double squares =
-      (measured(problem.data) - final.simulated).cwiseProduct(problem.noise.weight).squaredNorm();
+  if (problem.noise.source != NoiseSource::kStated || final.degrees < 1) return 1.0;
+  constexpr double kAsStated = 1.25;
+  const Eigen::VectorXd residual = winsorised(
+      (measured(problem.data) - final.simulated).cwiseProduct(problem.noise.weight), 1.0);
+  const double squares = residual.squaredNorm();
+  if (squares <= kAsStated * kAsStated * final.degrees) return 1.0;
   return boost::math::gamma_q(0.5 * final.degrees, 0.5 * squares);
+}
+
+/// Whether the rows say how much they scatter, by sigma, repeats or by being many.
+bool noise_is_known(NoiseSource source, const FinalFit& final) {
+  constexpr int kFewestDegrees = 8;
+  return source != NoiseSource::kResiduals || final.degrees >= kFewestDegrees;
 }
 
 Verdict verdict_of(const Diagnosis& d) {
@@ -296,6 +306,19 @@ std::optional<Diagnosis> diagnose(const Simulation& simulation, const Measuremen
   const NoiseLevel noise = noise_level(problem.noise.source, pure, row_scale);
   d.noise_source = noise.source;
   d.errors.noise_floor = noise.scale / typical_weight;
+  if (!noise_is_known(noise.source, final) && d.effects.empty()) {
+    d.noise_known = false;
+    d.notes.push_back(fmt::format(
+        "{} row{} without sigma or repeats: whether the simulation agrees within the noise is not "
+        "known",
+        data.rows.size(), data.rows.size() == 1 ? "" : "s"));
+  }
+  if (remainder_after.highest_order > 0.0) {
+    d.notes.push_back(fmt::format(
+        "orders of the angle above {:.4g} per turn of the output were not looked through: too many "
+        "rows and turns; run-outs and mesh orders were tested all the same",
+        remainder_after.highest_order));
+  }
   d.session_deviation = std::sqrt(problem.noise.session_variance) * row_scale / typical_weight;
 
   constexpr double kOutlier = 4.0;

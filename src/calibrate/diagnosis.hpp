@@ -131,8 +131,11 @@ struct ProposedCondition {
 struct NextExperiment {
   std::vector<std::string> separates;  ///< ids
   std::vector<ProposedCondition> conditions;
-  /// Expected χ² between the closest two of them after the measurement; 9 tells them apart.
+  /// Expected χ² between the closest two of them after the measurement, those left out that no
+  /// condition tells apart; 9 tells them apart.
   double expected_statistic = 0.0;
+  /// Pairs that even all possible conditions together, measured often, would not tell apart.
+  std::vector<std::array<std::string, 2>> inseparable;
   std::string advice;  ///< in words, e.g. where only a calibrated sensor can tell
 };
 
@@ -147,6 +150,8 @@ struct Diagnosis {
   Extrapolation extrapolation;
   NoiseSource noise_source = NoiseSource::kResiduals;
   int repeat_degrees = 0;
+  bool noise_known = true;  ///< false: too few rows without sigma or repeats; Errors::noise_floor
+                            ///< is then what the fit leaves
   double session_deviation = 0.0;  ///< standard deviation between sessions [SI]; 0 = none found
   LackOfFit lack_of_fit;           ///< of the baseline
   double p_value = 1.0;            ///< of the greatest finding where nothing is wrong

@@ -1,6 +1,7 @@
 #include "calibrate/experiment.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -73,8 +74,6 @@ std::vector<Condition> possible_conditions(const Problem& problem,
   switch (problem.simulation.kind()) {
     case Kind::kTransmission: {
       const design::MapGrid* grid = problem.simulation.grid();
-      const bool rotations = std::ranges::any_of(
-          data.rows, [](const auto& row) { return row.condition.rotation != 0; });
       for (const double speed :
            levels(options.sun_speed_rad_s, range_of(data, &Condition::sun_speed_rad_s),
                   grid == nullptr ? nullptr : &grid->sun_speed_rad_s, 3)) {
@@ -83,7 +82,6 @@ std::vector<Condition> possible_conditions(const Problem& problem,
                     grid == nullptr ? nullptr : &grid->output_torque_Nm, 3)) {
           for (const auto direction : {design::Direction::kForward, design::Direction::kBackward}) {
             for (const int rotation : {1, -1}) {
-              if (!rotations && rotation < 0) continue;
               Condition c = start;
               c.sun_speed_rad_s = speed;
               c.output_torque_Nm = load;
@@ -147,8 +145,8 @@ struct View {
 class Distance {
  public:
   Distance(const View& a, const View& b)
-      : a_(a),
-        b_(b),
+      : a_(&a),
+        b_(&b),
         normal_(b.normal),
         moment_(b.jacobian.transpose() * (a.old_rows - b.old_rows)),
         total_((a.old_rows - b.old_rows).squaredNorm()) {
@@ -156,15 +154,15 @@ class Distance {
     known_ = value(normal_, moment_, total_);
   }
   [[nodiscard]] double with(Eigen::Index condition, double repeats) const {
-    const double d = a_.possible[condition] - b_.possible[condition];
-    const Eigen::VectorXd j = b_.possible_jacobian.row(condition).transpose();
+    const double d = a_->possible[condition] - b_->possible[condition];
+    const Eigen::VectorXd j = b_->possible_jacobian.row(condition).transpose();
     return value(normal_ + repeats * j * j.transpose(), moment_ + repeats * d * j,
                  total_ + repeats * d * d) -
            known_;
   }
   void take(Eigen::Index condition, double repeats) {
-    const double d = a_.possible[condition] - b_.possible[condition];
-    const Eigen::VectorXd j = b_.possible_jacobian.row(condition).transpose();
+    const double d = a_->possible[condition] - b_->possible[condition];
+    const Eigen::VectorXd j = b_->possible_jacobian.row(condition).transpose();
     normal_ += repeats * j * j.transpose();
     moment_ += repeats * d * j;
     total_ += repeats * d * d;
@@ -176,13 +174,47 @@ class Distance {
     if (moment.size() == 0) return total;
     return total - moment.dot(normal.completeOrthogonalDecomposition().solve(moment));
   }
-  const View& a_;
-  const View& b_;
+  const View* a_;
+  const View* b_;
   Eigen::MatrixXd normal_;
   Eigen::VectorXd moment_;
   double total_;
   double known_ = 0.0;
 };
+
+/// Two explanations, either taken as true.
+struct Pair {
+  std::string one, other;
+  std::array<Distance, 2> distances;
+
+  [[nodiscard]] double now() const { return std::min(distances[0].now(), distances[1].now()); }
+  [[nodiscard]] double with(Eigen::Index condition, double repeats) const {
+    return std::min(distances[0].with(condition, repeats), distances[1].with(condition, repeats));
+  }
+  void take(Eigen::Index condition, double repeats) {
+    for (Distance& d : distances) d.take(condition, repeats);
+  }
+};
+
+std::vector<Pair> pairs_of(const std::vector<Explanation>& explanations,
+                           const std::vector<View>& views) {
+  std::vector<Pair> pairs;
+  for (std::size_t a = 0; a < views.size(); ++a) {
+    for (std::size_t b = a + 1; b < views.size(); ++b) {
+      pairs.push_back({.one = explanations[a].id,
+                       .other = explanations[b].id,
+                       .distances = {Distance(views[a], views[b]), Distance(views[b], views[a])}});
+    }
+  }
+  return pairs;
+}
+
+/// Whether not even all possible conditions together, each as often as the plan has rows, tell a
+/// pair apart.
+bool is_hopeless(Pair pair, Eigen::Index conditions) {
+  for (Eigen::Index c = 0; c < conditions; ++c) pair.take(c, kMostRows);
+  return pair.now() < kTold;
+}
 
 double total_use(const std::vector<double>& distances) {
   double sum = 0.0;
@@ -192,6 +224,15 @@ double total_use(const std::vector<double>& distances) {
     least = std::min(least, d);
   }
   return sum / static_cast<double>(distances.size()) + least;
+}
+
+std::string advice_on(const std::vector<std::array<std::string, 2>>& inseparable) {
+  if (inseparable.empty()) return "";
+  std::vector<std::string> pairs;
+  pairs.reserve(inseparable.size());
+  for (const auto& pair : inseparable) pairs.push_back(fmt::format("{} from {}", pair[0], pair[1]));
+  return fmt::format("No measurement of this kind within the limits tells {}.",
+                     fmt::join(pairs, ", or "));
 }
 
 }  // namespace
@@ -225,35 +266,30 @@ NextExperiment plan_experiment(const Problem& problem, const std::vector<Explana
     view.possible_jacobian = fresh.own / row_deviation;
     views.push_back(std::move(view));
   }
-  std::vector<Distance> pairs;
-  std::vector<std::pair<std::string, std::string>> names;
-  for (std::size_t a = 0; a < views.size(); ++a) {
-    for (std::size_t b = 0; b < views.size(); ++b) {
-      if (a == b) continue;
-      pairs.emplace_back(views[a], views[b]);
-      names.emplace_back(explanations[a].id, explanations[b].id);
-    }
-  }
-  if (pairs.empty() || conditions.empty()) return plan;
-  const auto least = [&] {
-    double value = HUGE_VAL;
-    for (const Distance& pair : pairs) value = std::min(value, pair.now());
-    return value;
-  };
+  const auto count = static_cast<Eigen::Index>(conditions.size());
+  std::vector<Pair> pairs = pairs_of(explanations, views);
+  std::erase_if(pairs, [&](const Pair& pair) {
+    if (!is_hopeless(pair, count)) return false;
+    plan.inseparable.push_back({pair.one, pair.other});
+    return true;
+  });
+  plan.advice = advice_on(plan.inseparable);
+  if (pairs.empty()) return plan;
+  const auto least = [&] { return std::ranges::min_element(pairs, {}, &Pair::now)->now(); };
   // First as many different conditions as help, then more repeats of the best of them.
   std::vector<Eigen::Index> taken;
   int rows = 0;
   std::vector<double> distances(pairs.size());
   const auto use_of = [&](Eigen::Index c) {
     std::ranges::transform(pairs, distances.begin(),
-                           [&](const Distance& pair) { return pair.with(c, kRepeats); });
+                           [&](const Pair& pair) { return pair.with(c, kRepeats); });
     return total_use(distances);
   };
   while (rows < kMostRows && least() < kEnough) {
     const bool fresh = static_cast<int>(taken.size()) < kMostConditions;
     Eigen::Index best = -1;
     double best_use = -1.0;
-    for (Eigen::Index c = 0; c < static_cast<Eigen::Index>(conditions.size()); ++c) {
+    for (Eigen::Index c = 0; c < count; ++c) {
       if ((std::ranges::find(taken, c) == taken.end()) != fresh) continue;
       const double use = use_of(c);
       if (use > best_use * (1.0 + 1e-9)) {
@@ -262,7 +298,7 @@ NextExperiment plan_experiment(const Problem& problem, const std::vector<Explana
       }
     }
     if (best < 0) break;
-    for (Distance& pair : pairs) pair.take(best, kRepeats);
+    for (Pair& pair : pairs) pair.take(best, kRepeats);
     const auto same = std::ranges::find(taken, best);
     if (same == taken.end()) {
       taken.push_back(best);
@@ -275,13 +311,12 @@ NextExperiment plan_experiment(const Problem& problem, const std::vector<Explana
   }
   plan.expected_statistic = least();
   if (plan.expected_statistic < kTold) {
-    const auto closest = std::ranges::min_element(pairs, {}, &Distance::now) - pairs.begin();
-    const auto& [one, other] = names[static_cast<std::size_t>(closest)];
-    plan.advice = fmt::format(
-        "These conditions will hardly tell {} from {} (expected chi-square {:.2g}, {:g} is "
-        "needed): "
-        "repeat more often, or widen the limits.",
-        one, other, std::max(0.0, plan.expected_statistic), kTold);
+    const Pair& closest = *std::ranges::min_element(pairs, {}, &Pair::now);
+    plan.advice += fmt::format(
+        "{}These conditions will hardly tell {} from {} (expected chi-square {:.2g}, {:g} is "
+        "needed): repeat more often, or widen the limits.",
+        plan.advice.empty() ? "" : " ", closest.one, closest.other,
+        std::max(0.0, plan.expected_statistic), kTold);
   }
   return plan;
 }

@@ -15,7 +15,8 @@ struct Explanation {
 };
 
 /// Chooses up to four conditions, within the limits of the options, after which the explanations
-/// would differ most, each refitted to old and new rows together.
+/// would differ most, each refitted to old and new rows together.  Pairs that no such measurement
+/// can tell apart are named and left out of the choice.
 /// @param row_deviation  standard deviation of a new row [SI]
 NextExperiment plan_experiment(const Problem& problem, const std::vector<Explanation>& explanations,
                                double row_deviation, const DiagnoseOptions& options);

@@ -8,13 +8,37 @@ namespace gear3k::calibrate {
 
 namespace {
 
-double share_of(const Eigen::MatrixXd& wave, const FreeResidual& residual) {
-  const Eigen::MatrixXd columns = free_columns(wave, residual);
-  const Eigen::Matrix2d gram = columns.transpose() * columns;
-  const Eigen::Vector2d moment = columns.transpose() * residual.left;
+/// Columns of which the fit leaves less than this share are not free.
+constexpr double kLeastFree = 1e-6;
+
+/// Share of the residual's squares that whitened cosines and sines take off.  The residual is free
+/// of the fit already, so that only the waves' squares need what they have in common with the fit
+/// taken off: CᵀC − (BᵀC)ᵀ(BᵀC).
+double share_of(const Eigen::MatrixXd& wave, const FreeResidual& residual, double total) {
+  const auto cosine = wave.col(0);
+  const auto sine = wave.col(1);
+  const double cc = cosine.squaredNorm();
+  const double ss = sine.squaredNorm();
+  double free_cc = cc;
+  double free_ss = ss;
+  double free_cs = cosine.dot(sine);
+  for (Eigen::Index k = 0; k < residual.own_basis.cols(); ++k) {
+    const double c = residual.own_basis.col(k).dot(cosine);
+    const double s = residual.own_basis.col(k).dot(sine);
+    free_cc -= c * c;
+    free_ss -= s * s;
+    free_cs -= c * s;
+  }
+  constexpr double kLeast = kLeastFree * kLeastFree;
+  const double determinant = free_cc * free_ss - free_cs * free_cs;
   constexpr double kDependent = 1e-9;
-  if (!(gram.determinant() > kDependent * gram(0, 0) * gram(1, 1))) return 0.0;
-  return moment.dot(gram.inverse() * moment) / residual.left.squaredNorm();
+  if (free_cc <= kLeast * cc || free_ss <= kLeast * ss ||
+      !(determinant > kDependent * free_cc * free_ss)) {
+    return 0.0;
+  }
+  const double mc = cosine.dot(residual.left);
+  const double ms = sine.dot(residual.left);
+  return (mc * mc * free_ss - 2.0 * mc * ms * free_cs + ms * ms * free_cc) / (determinant * total);
 }
 
 }  // namespace
@@ -32,11 +56,10 @@ Eigen::MatrixXd waves(const std::vector<double>& phase, double order) {
 Eigen::MatrixXd free_columns(Eigen::MatrixXd columns, const FreeResidual& residual) {
   residual.noise.whiten(columns);
   if (residual.own_basis.cols() == 0) return columns;
-  constexpr double kLeast = 1e-6;
   const Eigen::VectorXd whole = columns.colwise().norm();
   columns -= residual.own_basis * (residual.own_basis.transpose() * columns);
   for (Eigen::Index k = 0; k < columns.cols(); ++k) {
-    if (columns.col(k).norm() <= kLeast * whole[k]) columns.col(k).setZero();
+    if (columns.col(k).norm() <= kLeastFree * whole[k]) columns.col(k).setZero();
   }
   return columns;
 }
@@ -50,18 +73,22 @@ OrderScan scan_orders(const std::vector<double>& phase, double first, double ste
   // Neighbouring orders follow from one another by a rotation; begun afresh every so often.
   constexpr int kFresh = 128;
   const Eigen::MatrixXd turn = waves(phase, step);
+  const double total = residual.left.squaredNorm();
 #pragma omp parallel for schedule(static) if (residual.left.size() > 2000)
   for (int start = 0; start < count; start += kFresh) {
     Eigen::MatrixXd now = waves(phase, first + step * start);
+    Eigen::MatrixXd whitened;
     for (int k = start; k < std::min(count, start + kFresh); ++k) {
       const auto at = static_cast<std::size_t>(k);
       scan.order[at] = first + step * k;
-      scan.share[at] = share_of(now, residual);
-      const Eigen::ArrayXd cosine =
-          now.col(0).array() * turn.col(0).array() - now.col(1).array() * turn.col(1).array();
-      now.col(1) =
-          now.col(1).array() * turn.col(0).array() + now.col(0).array() * turn.col(1).array();
-      now.col(0) = cosine;
+      whitened = now;
+      residual.noise.whiten(whitened);
+      scan.share[at] = share_of(whitened, residual, total);
+      for (Eigen::Index i = 0; i < now.rows(); ++i) {
+        const double cosine = now(i, 0) * turn(i, 0) - now(i, 1) * turn(i, 1);
+        now(i, 1) = now(i, 1) * turn(i, 0) + now(i, 0) * turn(i, 1);
+        now(i, 0) = cosine;
+      }
     }
   }
   scan.best = static_cast<std::size_t>(std::ranges::max_element(scan.share) - scan.share.begin());

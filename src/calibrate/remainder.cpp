@@ -76,11 +76,14 @@ class TermCollection {
  public:
   TermCollection(const Problem& problem, const std::vector<Levels>& levels)
       : problem_(problem), levels_(levels), losing_(losing_sign(problem.data)) {
+    add_constant();
     add_levels();
     add_cells();
     add_products();
   }
   [[nodiscard]] const std::vector<Term>& terms() const { return terms_; }
+  /// The first term: what is there under all conditions alike, which is structure along none.
+  [[nodiscard]] const Eigen::MatrixXd& constant() const { return terms_.front().columns; }
 
  private:
   [[nodiscard]] const Levels* find(std::string_view name) const {
@@ -102,6 +105,11 @@ class TermCollection {
   }
   void add(const Levels& l, bool main, double weight) {
     if (l.count >= 2 && few(l)) add(l.name, indicators(l), main, weight);
+  }
+
+  void add_constant() {
+    const auto n = static_cast<Eigen::Index>(problem_.data.rows.size());
+    add("", Eigen::VectorXd::Ones(n), false, 1.0);
   }
 
   /// Levels of a covariate, by themselves and by direction or rotation, and of several together.
@@ -175,51 +183,82 @@ class TermCollection {
   std::vector<Term> terms_;
 };
 
-/// Judges all terms at once; the best and its p-value go into the result.
-void screen_terms(const std::vector<Term>& terms, const Eigen::MatrixXd& own,
-                  const Eigen::VectorXd& left, double rate, std::uint64_t seed,
-                  RemainderSearch& result) {
-  if (terms.empty()) return;
-  const Eigen::Index n = left.size();
+/// Terms side by side, as blocks.
+struct TermBlocks {
+  Eigen::MatrixXd columns;
+  std::vector<Block> blocks;
+};
+TermBlocks blocks_of_terms(const std::vector<const Term*>& terms, Eigen::Index rows) {
   Eigen::Index total = 0;
   double sum = 0.0;
-  for (const Term& t : terms) {
-    total += t.columns.cols();
-    sum += t.weight;
+  for (const Term* t : terms) {
+    total += t->columns.cols();
+    sum += t->weight;
   }
-  Eigen::MatrixXd all(n, total);
-  std::vector<Block> blocks;
-  blocks.reserve(terms.size());
+  TermBlocks result{.columns = Eigen::MatrixXd(rows, total), .blocks = {}};
+  result.blocks.reserve(terms.size());
   Eigen::Index first = 0;
+  for (const Term* t : terms) {
+    const Eigen::Index count = t->columns.cols();
+    result.columns.middleCols(first, count) = t->columns;
+    result.blocks.push_back(
+        {.first = first, .count = count, .side = 0, .log_weight = std::log(t->weight / sum)});
+    first += count;
+  }
+  return result;
+}
+
+/// Whether rows differ along each covariate by itself: its levels beside their common mean.
+std::vector<CovariateTest> test_covariates(const std::vector<Term>& terms,
+                                           const FreeResidual& residual) {
+  std::vector<const Term*> main;
   for (const Term& t : terms) {
-    all.middleCols(first, t.columns.cols()) = t.columns;
-    blocks.push_back({.first = first,
-                      .count = t.columns.cols(),
-                      .side = 0,
-                      .log_weight = std::log(t.weight / sum)});
-    first += t.columns.cols();
+    if (t.main) main.push_back(&t);
   }
-  const Screen screen(own, all, blocks, 0.0);
-  const std::vector<Gain> gains = screen.gains(left);
+  std::vector<CovariateTest> tests;
+  if (main.empty()) return tests;
+  const TermBlocks all = blocks_of_terms(main, residual.left.size());
+  const Screen screen(residual.own_basis, all.columns, all.blocks, 0.0);
+  const std::vector<Gain> gains = screen.gains(residual.left);
+  tests.reserve(main.size());
+  for (std::size_t k = 0; k < main.size(); ++k) {
+    tests.push_back({.name = main[k]->along,
+                     .statistic = gains[k].statistic,
+                     .degrees = static_cast<int>(all.blocks[k].count) - 1,
+                     .p_value = std::exp(all.blocks[k].log_weight - gains[k].evidence)});
+  }
+  return tests;
+}
+
+/// Judges all terms at once; the best and its p-value go into the result.
+void screen_terms(const std::vector<Term>& terms, const FreeResidual& residual, double rate,
+                  std::uint64_t seed, RemainderSearch& result) {
+  const Eigen::Index n = residual.left.size();
+  std::vector<const Term*> pointers;
+  pointers.reserve(terms.size());
+  for (const Term& t : terms) pointers.push_back(&t);
+  const TermBlocks all = blocks_of_terms(pointers, n);
+  const Screen screen(residual.own_basis, all.columns, all.blocks, 0.0);
+  const std::vector<Gain> gains = screen.gains(residual.left);
   const auto luck =
-      screen.luck(left, rate, n > kManyRows ? 128 : 256, seed, Screen::Chance::kShuffled);
-  std::size_t best = 0;
-  for (std::size_t k = 0; k < terms.size(); ++k) {
-    const double own_evidence = gains[k].evidence - blocks[k].log_weight;
-    if (terms[k].main) {
-      result.tests.push_back({.name = terms[k].along,
-                              .statistic = gains[k].statistic,
-                              .degrees = static_cast<int>(terms[k].columns.cols()) - 1,
-                              .p_value = std::exp(-own_evidence)});
-    }
-    if (gains[k].evidence > gains[best].evidence) best = k;
-  }
+      screen.luck(residual.left, rate, n > kManyRows ? 128 : 256, seed, Screen::Chance::kShuffled);
+  const auto best = static_cast<std::size_t>(std::ranges::max_element(gains, {}, &Gain::evidence) -
+                                             gains.begin());
   result.best = {.along = terms[best].along,
                  .columns = terms[best].columns,
                  .evidence = gains[best].evidence,
                  .p_value = luck.p_value(gains[best].evidence),
                  .statistic = gains[best].statistic};
   result.p_value = result.best.p_value;
+}
+
+/// A whitened residual without what columns explain of it.
+FreeResidual free_residual(const NoiseModel& noise, const Eigen::MatrixXd& own,
+                           const Eigen::VectorXd& residual) {
+  FreeResidual result{.noise = noise, .own_basis = orthonormal_basis(own), .left = residual};
+  const Eigen::MatrixXd& basis = result.own_basis;
+  if (basis.cols() > 0) result.left -= basis * (basis.transpose() * result.left);
+  return result;
 }
 
 /// Takes the best order of a scan as the result where its p-value is the lowest so far.
@@ -240,18 +279,19 @@ void consider_order(const char* along, const std::vector<double>& phase, const O
   result.p_value = p;
 }
 
-/// Orders of the output's angle: half the resolution apart; up to the sun's order and beyond while
-/// there are orders left.
-OrderScan scan_angle(const std::vector<double>& angle, double ratio, const FreeResidual& residual) {
-  constexpr int kMostOrders = 6000;
-  constexpr int kFewOrders = 1000;
+/// Orders of the output's angle, half the resolution apart, up to the sun's order and beyond; fewer
+/// where rows and turns are so many that it would take seconds.
+OrderScan scan_angle(const std::vector<double>& angle, double ratio, const FreeResidual& residual,
+                     double& highest_order) {
+  constexpr int kMostProducts = 40'000'000;  // of orders and rows
   const ValueRange range = range_of(angle);
   if (!range.varies()) return {};
   const double revolutions = (range.high - range.low) / (2.0 * std::numbers::pi);
   const double step = 0.5 / revolutions;
   const double highest = std::max(2.0, 1.25 * std::abs(ratio));
-  const int most = residual.left.size() > kManyRows ? kFewOrders : kMostOrders;
-  const int count = std::min(most, static_cast<int>(highest / step));
+  const auto most = static_cast<double>(kMostProducts / residual.left.size());
+  const auto count = static_cast<int>(std::min(most, highest / step));
+  if (most < highest / step) highest_order = step * (count + 1);
   return scan_orders(angle, 2.0 * step, step, count, residual);
 }
 
@@ -271,17 +311,22 @@ RemainderSearch search_remainder(const Problem& problem, const Columns& at,
                                  std::uint64_t seed) {
   RemainderSearch result;
   const Eigen::Index n = at.residual.size();
-  FreeResidual residual{
-      .noise = problem.noise, .own_basis = orthonormal_basis(at.own), .left = at.residual};
-  const Eigen::MatrixXd& basis = residual.own_basis;
-  if (basis.cols() > 0) residual.left -= basis * (basis.transpose() * residual.left);
+  const FreeResidual whole = free_residual(problem.noise, at.own, at.residual);
   constexpr Eigen::Index kFewestRows = 8;
-  if (n - basis.cols() < kFewestRows || !(residual.left.squaredNorm() > 0.0)) return result;
+  if (n - whole.own_basis.cols() < kFewestRows || !(whole.left.squaredNorm() > 0.0)) return result;
 
-  screen_terms(TermCollection(problem, levels).terms(), at.own, residual.left, rate, seed, result);
+  const TermCollection collection(problem, levels);
+  screen_terms(collection.terms(), whole, rate, seed, result);
+  // What all rows have in common is along no covariate.
+  Eigen::MatrixXd own_and_mean(n, at.own.cols() + 1);
+  own_and_mean << collection.constant(), at.own;
+  const FreeResidual residual = free_residual(problem.noise, own_and_mean, at.residual);
+  if (!(residual.left.squaredNorm() > 0.0)) return result;
+  result.tests = test_covariates(collection.terms(), residual);
   int searches = 1;
   const std::vector<double> angle = column_of(problem.data, &Condition::output_angle_rad);
-  if (OrderScan scan = scan_angle(angle, problem.simulation.ratio(), residual);
+  if (OrderScan scan =
+          scan_angle(angle, problem.simulation.ratio(), residual, result.highest_order);
       !scan.order.empty()) {
     ++searches;
     consider_order("angle", angle, scan, residual, result);

@@ -22,7 +22,8 @@ struct RemainderSearch {
   std::vector<CovariateTest> tests;  ///< along each covariate
   Periodogram periodogram;
   EmpiricalTerm best;
-  double p_value = 1.0;  ///< of the best, where there is nothing
+  double p_value = 1.0;        ///< of the best, where there is nothing
+  double highest_order = 0.0;  ///< of the angle, where higher ones were not looked through; else 0
 };
 
 /// Looks for structure in what a fit leaves.

@@ -205,10 +205,15 @@ FoundEffect judge_effect(const Judge& judge, const SearchResult& result, std::si
   const double added = judge.chi(gap.fit_rest) - judge.chi(result.fit);
   const auto parameters = static_cast<Eigen::Index>(gap.own.parameters.size());
   const auto rows = static_cast<double>(judge.problem().data.rows.size());
+  // Without a known scatter the likelihood is that of the variance which each fit leaves.
+  const double likelihood_ratio =
+      known_scale(judge.problem()) > 0.0
+          ? added
+          : rows * std::log(gap.fit_rest.sum_of_squares / result.fit.sum_of_squares);
   return {
       .p_value = result.first_luck.p_value(chi_square_evidence(added, parameters) +
                                            std::log(gap.own.form.weight * gap.own.cause->weight)),
-      .delta_bic = added - static_cast<double>(parameters) * std::log(rows),
+      .delta_bic = likelihood_ratio - static_cast<double>(parameters) * std::log(rows),
       .replacements = replacements_of(judge, result, gap)};
 }
 
@@ -221,14 +226,26 @@ void prefer_parameters(const Judge& judge, SearchResult& result) {
     const Candidate own = result.fit.hypothesis.effects[e];
     if (preferred(*own.cause)) continue;
     constexpr double kTie = 1e-3;
-    const auto better = std::ranges::find_if(found.replacements, [&](const Replacement& r) {
-      if (r.with_level) return false;
-      if (r.candidate.cause->remedy == Remedy::kFrictionValue) {
-        return r.statistic <= kParameter && last_is_plausible(r.fit.hypothesis);
-      }
-      if (preferred(*r.candidate.cause)) return is_law(*own.cause) && r.statistic <= kPreferred;
-      return r.statistic <= kTie && rank(r.candidate) < rank(own);
-    });
+    const auto is_parameter = [&](const Replacement& r) {
+      return !r.with_level && r.candidate.cause->remedy == Remedy::kFrictionValue &&
+             r.statistic <= kParameter && last_is_plausible(r.fit.hypothesis);
+    };
+    const auto is_step = [&](const Replacement& r) {
+      return !r.with_level && preferred(*r.candidate.cause) &&
+             r.candidate.cause->remedy != Remedy::kFrictionValue && is_law(*own.cause) &&
+             r.statistic <= kPreferred;
+    };
+    const auto is_earlier = [&](const Replacement& r) {
+      return !r.with_level && !preferred(*r.candidate.cause) && r.statistic <= kTie &&
+             rank(r.candidate) < rank(own);
+    };
+    auto better = std::ranges::find_if(found.replacements, is_parameter);
+    if (better == found.replacements.end()) {
+      better = std::ranges::find_if(found.replacements, is_step);
+    }
+    if (better == found.replacements.end()) {
+      better = std::ranges::find_if(found.replacements, is_earlier);
+    }
     if (better == found.replacements.end()) continue;
     const Replacement taken = *better;
     found.replacements.erase(better);

@@ -105,9 +105,11 @@ Gain Screen::gain_of(const Block& block, const double* projection, double total)
   const double left_degrees = degrees_ - static_cast<double>(rank);
   if (known_scale_ > 0.0) {
     gain.statistic = gain.sum_of_squares / (known_scale_ * known_scale_);
+    gain.likelihood_ratio = gain.statistic;
   } else if (left_degrees >= 1.0 && total > 0.0) {
     const double left = std::max(1.0 - gain.sum_of_squares / total, 1e-12);
     gain.statistic = -(left_degrees - 0.5) * std::log(left);
+    gain.likelihood_ratio = -static_cast<double>(basis_.rows()) * std::log(left);
   }
   gain.evidence = chi_square_evidence(gain.statistic, rank) + block.log_weight +
                   (block.side != 0 ? std::numbers::ln2 : 0.0);

@@ -21,7 +21,9 @@ struct Block {
 struct Gain {
   double sum_of_squares = 0.0;  ///< that it takes off the residual's
   double statistic = 0.0;       ///< like a χ² of its number of parameters
-  double evidence = 0.0;        ///< −ln of its p-value by itself, plus log_weight
+  /// −2 ln of the ratio of the likelihoods without and with it, as the BIC counts.
+  double likelihood_ratio = 0.0;
+  double evidence = 0.0;  ///< −ln of its p-value by itself, plus log_weight
 };
 
 /// Blocks of columns against a residual, after what is already fitted.
