@@ -307,7 +307,7 @@ std::optional<Diagnosis> diagnose(const Simulation& simulation, const Measuremen
   d.noise_source = noise.source;
   d.errors.noise_floor = noise.scale / typical_weight;
   if (!noise_is_known(noise.source, final) && d.effects.empty()) {
-    d.noise_known = false;
+    d.errors.noise_floor = kUnknown;
     d.notes.push_back(fmt::format(
         "{} row{} without sigma or repeats: whether the simulation agrees within the noise is not "
         "known",

@@ -111,7 +111,7 @@ struct RowResult {
 struct Errors {
   double baseline_train = 0.0, extended_train = 0.0;
   double baseline_holdout = kUnknown, extended_holdout = kUnknown;  ///< NaN: too few blocks
-  double noise_floor = 0.0;
+  double noise_floor = 0.0;  ///< NaN: nothing found in rows too few to tell their noise
 };
 
 /// A prediction outside the range that was fitted.
@@ -150,8 +150,6 @@ struct Diagnosis {
   Extrapolation extrapolation;
   NoiseSource noise_source = NoiseSource::kResiduals;
   int repeat_degrees = 0;
-  bool noise_known = true;  ///< false: too few rows without sigma or repeats; Errors::noise_floor
-                            ///< is then what the fit leaves
   double session_deviation = 0.0;  ///< standard deviation between sessions [SI]; 0 = none found
   LackOfFit lack_of_fit;           ///< of the baseline
   double p_value = 1.0;            ///< of the greatest finding where nothing is wrong

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,11 +12,17 @@
 
 namespace gear3k::calibrate {
 
+enum class Verdict;  // diagnosis.hpp
+
 /// A cause with its fitted parameters.
 struct AppliedCause {
   std::string id;
   Form form;
   std::vector<double> value;  ///< in units of the cause's parameters
+  /// Ids of the causes that explained the data as well in its place.
+  std::vector<std::string> alternatives = {};
+  /// Names of its parameters, derived ones too, whose values no gearbox shows.
+  std::vector<std::string> implausible = {};
 };
 
 /// Range of a condition in the data; NaN = the data do not state it.
@@ -33,6 +40,8 @@ struct ExtendedModel {
   std::vector<ConditionRange> range;  ///< of validity: that of the data
   std::uint64_t fingerprint = 0;      ///< of the data, MeasurementSet::fingerprint
   std::vector<std::string> files;
+  /// Of the diagnosis that found it; empty: not known.
+  std::optional<Verdict> verdict = std::nullopt;
 };
 
 /// Applies the causes to a simulation, one after the other.  Those that belong to the data

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "calibrate/diagnosis.hpp"
+
 namespace gear3k::calibrate {
 
 namespace {
@@ -24,8 +26,18 @@ bool of_procedure(const AppliedCause& applied) {
   return cause != nullptr && cause->remedy == Remedy::kProcedure;
 }
 
+/// What a model is worth together with what was found on top of it: a cause that could be another
+/// one stays so, and what could not be explained before may be now.
+std::optional<Verdict> joint_verdict(const std::optional<Verdict>& earlier,
+                                     const std::optional<Verdict>& found) {
+  if (!found) return earlier;
+  if (earlier == Verdict::kAmbiguous) return std::max(*earlier, *found);
+  return found;
+}
+
 ExtendedModel joined(const ExtendedModel& earlier, const ExtendedModel& found) {
   ExtendedModel result = found;
+  result.verdict = joint_verdict(earlier.verdict, found.verdict);
   result.causes.clear();
   // Where each parameter that stays is in the covariance that it comes from.
   struct Source {
@@ -67,6 +79,8 @@ std::vector<ExtendedModel> updated_models(const std::vector<ExtendedModel>& earl
       result.push_back(model);
     } else if (!model.causes.empty()) {
       *at = joined(*at, model);
+    } else if (model.verdict == Verdict::kUnexplained) {
+      at->verdict = model.verdict;
     }
   }
   std::ranges::stable_sort(result, {}, &ExtendedModel::kind);

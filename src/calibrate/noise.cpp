@@ -96,6 +96,11 @@ void NoiseModel::whiten(Eigen::MatrixXd& columns) const {
   }
 }
 
+bool NoiseModel::counts_rows_alike() const {
+  return weight.size() > 0 && (weight.array() == weight[0]).all() &&
+         !(session_variance > 0.0 && runs > 0);
+}
+
 PureError pure_error(const Repeats& repeats, const Eigen::VectorXd& weighted) {
   std::vector<double> sum(static_cast<std::size_t>(repeats.cells), 0.0);
   std::vector<double> count(sum.size(), 0.0);

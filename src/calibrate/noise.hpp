@@ -39,6 +39,8 @@ struct NoiseModel {
   /// Weights rows and takes out of each session's mean what sessions scatter: afterwards all rows
   /// are independent with standard deviation `scale`.
   void whiten(Eigen::MatrixXd& columns) const;
+  /// Whether whiten() only changes the unit.
+  [[nodiscard]] bool counts_rows_alike() const;
 };
 
 NoiseModel make_noise_model(const MeasurementSet& data);

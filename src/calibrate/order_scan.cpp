@@ -74,6 +74,8 @@ OrderScan scan_orders(const std::vector<double>& phase, double first, double ste
   constexpr int kFresh = 128;
   const Eigen::MatrixXd turn = waves(phase, step);
   const double total = residual.left.squaredNorm();
+  // Rows that count alike need no weights: a share does not depend on the waves' unit.
+  const bool alike = residual.noise.counts_rows_alike();
 #pragma omp parallel for schedule(static) if (residual.left.size() > 2000)
   for (int start = 0; start < count; start += kFresh) {
     Eigen::MatrixXd now = waves(phase, first + step * start);
@@ -81,9 +83,11 @@ OrderScan scan_orders(const std::vector<double>& phase, double first, double ste
     for (int k = start; k < std::min(count, start + kFresh); ++k) {
       const auto at = static_cast<std::size_t>(k);
       scan.order[at] = first + step * k;
-      whitened = now;
-      residual.noise.whiten(whitened);
-      scan.share[at] = share_of(whitened, residual, total);
+      if (!alike) {
+        whitened = now;
+        residual.noise.whiten(whitened);
+      }
+      scan.share[at] = share_of(alike ? now : whitened, residual, total);
       for (Eigen::Index i = 0; i < now.rows(); ++i) {
         const double cosine = now(i, 0) * turn(i, 0) - now(i, 1) * turn(i, 1);
         now(i, 1) = now(i, 1) * turn(i, 0) + now(i, 0) * turn(i, 1);

@@ -175,10 +175,22 @@ ExitCode run_optimize(const OptimizeOptions& options) {
   optimize::Specification spec = io::read_specification(options.file);
   std::optional<LoadedModel> model = load_model(options.model);
   Notes notes;
-  if (model) spec = with_model(spec, *model, notes);
+  std::string unreachable;
+  if (model) {
+    const optimize::Specification stated = spec;
+    spec = with_model(stated, *model, notes);
+    unreachable = unreachable_lost_motion(stated, *model);
+  }
   const report::ModelUse* use = model ? &model->use : nullptr;
   warn(notes, options.quiet);
   io::prepare_folder(options.out);
+  if (!unreachable.empty()) {
+    for (const char* name : {"best.toml", "refined.csv", "pareto.csv", "summary.json"}) {
+      set_aside((std::filesystem::path(options.out) / name).string());
+    }
+    fmt::print(stderr, "{}: {}\n", options.file, unreachable);
+    return kNoFeasibleDesign;
+  }
   const int threads = use_threads(options);
   optimize::Progress progress;
   optimize::OptimizeResult result;

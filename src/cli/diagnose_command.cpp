@@ -11,13 +11,16 @@
 #include "calibrate/loop_observations.hpp"
 #include "calibrate/model_range.hpp"
 #include "calibrate/model_update.hpp"
+#include "calibrate/shaft_orders.hpp"
 #include "cli/commands.hpp"
+#include "cli/model_option.hpp"
 #include "cli/progress.hpp"
 #include "cli/result_files.hpp"
 #include "io/diagnostics.hpp"
 #include "io/measurement_file.hpp"
 #include "io/model_file.hpp"
 #include "io/subject_file.hpp"
+#include "report/condition_columns.hpp"
 #include "report/diagnosis_plot.hpp"
 #include "report/diagnosis_report.hpp"
 
@@ -32,8 +35,10 @@ using calibrate::Diagnosis, calibrate::ExtendedModel, calibrate::Kind, calibrate
 struct Task {
   std::string subject;  ///< its name
   std::vector<ExtendedModel> models;
+  Notes model_notes;  ///< what there is to say about their use
   std::vector<MeasurementSet> sets;
-  std::vector<Simulation> simulations;  ///< of each set
+  std::vector<Simulation> simulations;          ///< of each set
+  std::vector<calibrate::ShaftOrder> orders{};  ///< of the shafts of a DESIGN
 };
 
 /// Errors of several files, told together.
@@ -45,6 +50,8 @@ class Errors {
     try {
       step();
     } catch (const io::InvalidInput& error) {
+      // What is wrong with a subject is so for every kind of data.
+      if (text_.find(error.what()) != std::string::npos) return;
       if (!text_.empty()) text_ += '\n';
       text_ += error.what();
     }
@@ -129,6 +136,31 @@ void refuse_foreign_model(const Subject& subject, const std::vector<ExtendedMode
       options.file, black_box ? "a black box" : "a DESIGN"));
 }
 
+/// Why a subject cannot say what data of a kind measure; "" where it can.
+std::string why_unanswerable(const Subject& subject, const MeasurementSet& set) {
+  const std::string data =
+      fmt::format("{} data ({})", calibrate::kKindNames[static_cast<std::size_t>(set.kind)],
+                  fmt::join(set.files, ", "));
+  if (std::holds_alternative<design::PairDesign>(subject)) {
+    if (set.kind == Kind::kPairLoss) return "";
+    return fmt::format(
+        "a PAIR explains pair_loss data only: {}: allowed with a DESIGN or a black box", data);
+  }
+  if (const auto* box = std::get_if<calibrate::BlackBox>(&subject)) {
+    if (set.kind == Kind::kPairLoss) {
+      return fmt::format("a black box has no gears: {}: allowed with a PAIR or a DESIGN", data);
+    }
+    if (set.kind != Kind::kTransmission && std::isnan(box->backlash_rad)) {
+      return fmt::format(
+          "gearbox.backlash_arcmin is not stated and {} need it: allowed: a number of at least 0",
+          data);
+    }
+    return "";
+  }
+  const auto undefined = design::why_undefined(std::get<design::Design>(subject));
+  return undefined ? undefined->message : "";
+}
+
 Task read_task(const DiagnoseOptions& options) {
   Task task;
   Errors errors;
@@ -144,11 +176,10 @@ Task read_task(const DiagnoseOptions& options) {
   task.subject = name_of(subject);
   for (MeasurementSet& set : data.sets) {
     errors.collect([&] {
-      try {
-        task.simulations.emplace_back(subject, set.kind, task.models);
-      } catch (const std::invalid_argument& error) {
-        throw io::InvalidInput(fmt::format("{}: {}", options.file, error.what()));
+      if (const std::string why = why_unanswerable(subject, set); !why.empty()) {
+        throw io::InvalidInput(fmt::format("{}: {}", options.file, why));
       }
+      task.simulations.emplace_back(subject, set.kind, task.models);
       if (set.kind == Kind::kTorqueAngle) return;
       io::check_physics(set, task.simulations.back().ratio());
     });
@@ -164,19 +195,22 @@ Task read_task(const DiagnoseOptions& options) {
                   [](const Simulation& s) { return s.kind() == Kind::kTorqueAngle; });
   }
   task.sets = std::move(data.sets);
-  for (const ExtendedModel& model : task.models) {
-    if (model.name.empty() || task.subject.empty() || model.name == task.subject) continue;
-    task.sets.front().notes.push_back(fmt::format("{}: measured on \"{}\", applied to \"{}\"",
-                                                  options.model, model.name, task.subject));
-    break;
+  if (!options.model.empty()) {
+    note_model(task.subject, {.file = options.model, .models = task.models}, task.model_notes);
+  }
+  auto& notes = task.sets.front().notes;
+  notes.insert(notes.end(), task.model_notes.begin(), task.model_notes.end());
+  if (const auto* design = std::get_if<design::Design>(&subject)) {
+    task.orders = calibrate::shaft_orders(design->train.teeth);
   }
   return task;
 }
 
 /// A limit of the next experiment [SI]; an end that is not stated is a quarter beyond the data.
-std::optional<std::array<double, 2>> limits_of(const ConditionLimit& limit,
-                                               const calibrate::ConditionQuantity& quantity,
-                                               const MeasurementSet& set) {
+using Ends = std::array<double, 2>;
+std::optional<Ends> limits_of(const ConditionLimit& limit,
+                              const calibrate::ConditionQuantity& quantity,
+                              const MeasurementSet& set) {
   if (!limit.least && !limit.greatest) return std::nullopt;
   double low = calibrate::kUnknown;
   double high = calibrate::kUnknown;
@@ -194,7 +228,57 @@ std::optional<std::array<double, 2>> limits_of(const ConditionLimit& limit,
   const double greatest = limit.greatest ? quantity.si(*limit.greatest)
                                          : (shifted ? high + room : (1.0 + kBeyond) * high);
   if (!std::isfinite(least) || !std::isfinite(greatest)) return std::nullopt;
-  return std::array<double, 2>{std::min(least, greatest), std::max(least, greatest)};
+  // The end that is stated holds where the other one, of the data, is beyond it.
+  if (least > greatest) return limit.least ? Ends{least, least} : Ends{greatest, greatest};
+  return Ends{least, greatest};
+}
+
+/// The limits that act on none of the data, in words.
+Notes idle_limits(const DiagnoseOptions& options, const std::vector<MeasurementSet>& sets) {
+  struct Option {
+    const char* column;
+    ConditionLimit DiagnoseOptions::*limit;
+  };
+  constexpr std::array<Option, 4> kOptions{
+      {{.column = "sun_speed_rpm", .limit = &DiagnoseOptions::sun_speed_rpm},
+       {.column = "output_torque_nm", .limit = &DiagnoseOptions::output_torque_nm},
+       {.column = "test_torque_nm", .limit = &DiagnoseOptions::test_torque_nm},
+       {.column = "temperature_c", .limit = &DiagnoseOptions::temperature_c}}};
+  Notes notes;
+  for (const Option& option : kOptions) {
+    const ConditionLimit& limit = options.*option.limit;
+    if (!limit.least && !limit.greatest) continue;
+    const bool acts = std::ranges::any_of(sets, [&](const MeasurementSet& set) {
+      const auto stated = report::stated_columns(set);
+      return std::ranges::find(stated, option.column, &report::ConditionColumn::name) !=
+             stated.end();
+    });
+    if (acts) continue;
+    std::string name = option.column;
+    std::ranges::replace(name, '_', '-');
+    std::vector<std::string> words;
+    if (limit.least) words.push_back("--min-" + name);
+    if (limit.greatest) words.push_back("--max-" + name);
+    notes.push_back(fmt::format("{}: no effect, as the data state no {}", fmt::join(words, ", "),
+                                option.column));
+  }
+  return notes;
+}
+
+/// What the diagnosis found out about its model, beside the values.
+void add_findings(Diagnosis& d) {
+  d.model.verdict = d.verdict;
+  for (std::size_t k = 0; k < d.effects.size() && k < d.model.causes.size(); ++k) {
+    calibrate::AppliedCause& cause = d.model.causes[k];
+    for (const calibrate::Alternative& a : d.effects[k].alternatives) {
+      if (std::ranges::find(cause.alternatives, a.id) == cause.alternatives.end()) {
+        cause.alternatives.push_back(a.id);
+      }
+    }
+    for (const calibrate::ParameterResult& p : d.effects[k].parameters) {
+      if (!p.plausible) cause.implausible.push_back(p.name);
+    }
+  }
 }
 
 /// @returns empty when it was interrupted
@@ -233,6 +317,7 @@ std::optional<std::vector<Diagnosis>> diagnose_all(const Task& task,
     if (!result) return std::nullopt;
     result->subject = task.subject;
     result->model.name = task.subject;
+    add_findings(*result);
     results.push_back(std::move(*result));
   }
   if (progress.stop.load()) return std::nullopt;
@@ -240,20 +325,24 @@ std::optional<std::vector<Diagnosis>> diagnose_all(const Task& task,
 }
 
 WrittenFiles write_diagnosis(const DiagnoseOptions& options, const Task& task,
-                             const std::vector<Diagnosis>& results) {
+                             const std::vector<Diagnosis>& results,
+                             const report::DiagnosisSetup& setup) {
   std::vector<ExtendedModel> found;
   found.reserve(results.size());
   for (const Diagnosis& result : results) found.push_back(result.model);
-  ResultFolder folder{.path = options.out, .input = options.file, .protected_inputs = options.data};
+  ResultFolder folder{.path = options.out,
+                      .input = options.file,
+                      .protected_inputs = options.data,
+                      .figures = report::diagnosis_plot_names()};
   folder.protected_inputs.push_back(options.file);
   if (!options.model.empty()) folder.protected_inputs.push_back(options.model);
   return write_results(
       folder,
-      {{.path = "diagnosis.json", .text = report::diagnosis_json(results, task.sets)},
+      {{.path = "diagnosis.json", .text = report::diagnosis_json(results, task.sets, setup)},
        {.path = "model.toml",
         .text = io::model_text(calibrate::updated_models(task.models, found))},
        {.path = "residuals.csv", .text = report::residual_csv(results, task.sets)}},
-      report::diagnosis_plots(results, task.sets));
+      report::diagnosis_plots(results, task.sets, task.orders));
 }
 
 }  // namespace
@@ -262,6 +351,12 @@ ExitCode run_diagnose(const DiagnoseOptions& options) {
   end_on_interrupt();
   use_threads(options);
   const Task task = read_task(options);
+  warn(task.model_notes, options.quiet);
+  if (!options.quiet) {
+    for (const std::string& note : idle_limits(options, task.sets)) {
+      fmt::print(stderr, "{}\n", note);
+    }
+  }
   const std::optional<std::vector<Diagnosis>> results = diagnose_all(task, options);
   if (!results) {
     fmt::print(stderr, "interrupted: a partial diagnosis has no result\n");
@@ -269,16 +364,21 @@ ExitCode run_diagnose(const DiagnoseOptions& options) {
   }
   end_on_interrupt();
   WrittenFiles written;
-  if (!options.out.empty()) written = write_diagnosis(options, task, *results);
+  report::DiagnosisSetup setup{.seed = options.seed,
+                               .false_discovery_rate = options.false_discovery_rate};
+  if (!options.model.empty()) {
+    setup.model = report::ModelUse{.file = options.model, .models = task.models};
+  }
+  if (!options.out.empty()) written = write_diagnosis(options, task, *results, setup);
   switch (options.format) {
     case Format::kJson:
-      print_result(report::diagnosis_json(*results, task.sets));
+      print_result(report::diagnosis_json(*results, task.sets, setup));
       break;
     case Format::kCsv:
       print_result(report::residual_csv(*results, task.sets));
       break;
     case Format::kTable:
-      print_result(report::diagnosis_table(*results, task.sets) + files_text(written));
+      print_result(report::diagnosis_table(*results, task.sets, setup) + files_text(written));
       break;
   }
   return written.code;

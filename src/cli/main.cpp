@@ -3,10 +3,13 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <functional>
 #include <iostream>
+#include <limits>
 #include <new>
 
 #include "cli/commands.hpp"
@@ -121,6 +124,17 @@ constexpr std::array<LimitOption, 4> kLimitOptions{
       .limit = &cli::DiagnoseOptions::temperature_c,
       .least = kAbsoluteZero_c}}};
 
+/// A seed from its decimal digits.
+std::uint64_t seed_of(const std::string& text) {
+  std::uint64_t seed = 0;
+  const char* last = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), last, seed);
+  if (read.ec == std::errc() && read.ptr == last) return seed;
+  throw CLI::ValidationError(fmt::format("--seed = {}: allowed: a whole number, 0 to {}", text,
+                                         std::numeric_limits<std::uint64_t>::max()),
+                             CLI::ExitCodes::ValidationError);
+}
+
 /// Options of `diagnose`; its callback runs after all were read.
 void add_diagnose_options(CLI::App& command, cli::DiagnoseOptions& options) {
   command
@@ -139,7 +153,10 @@ void add_diagnose_options(CLI::App& command, cli::DiagnoseOptions& options) {
       .add_option("--false-discovery-rate", options.false_discovery_rate,
                   "probability of finding anything where nothing is wrong, up to 0.5")
       ->option_text("RATE [0.05]");
-  command.add_option("--seed", options.seed, "of subsamples and of random signs")
+  command
+      .add_option_function<std::string>(
+          "--seed", [&options](const std::string& text) { options.seed = seed_of(text); },
+          "of subsamples and of random signs")
       ->option_text("SEED [1]");
   for (const LimitOption& limit : kLimitOptions) {
     command

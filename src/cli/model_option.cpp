@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <numbers>
+#include <utility>
 
 #include "calibrate/model_range.hpp"
 #include "design/checks.hpp"
@@ -23,15 +24,6 @@ std::string point_text(const Point& point) {
   constexpr double kRpm = std::numbers::pi / 30.0;
   return fmt::format("{:.6g} rpm, {:.6g} Nm, {:.4g} C", point.sun_speed_rad_s / kRpm,
                      point.output_torque_Nm, point.temperature_K - 273.15);
-}
-
-void note_name(const std::string& name, const LoadedModel& model, Notes& notes) {
-  for (const ExtendedModel& m : model.use.models) {
-    if (m.name.empty() || name.empty() || m.name == name) continue;
-    notes.push_back(
-        fmt::format("{}: measured on \"{}\", applied to \"{}\"", model.use.file, m.name, name));
-    return;
-  }
 }
 
 void note_range(const LoadedModel& model, const calibrate::UsedRange& used, Notes& notes) {
@@ -89,6 +81,28 @@ void lower_limits(optimize::Specification& spec, LoadedModel& model, Notes& note
 
 }  // namespace
 
+void note_model(const std::string& name, const report::ModelUse& model, Notes& notes) {
+  for (const ExtendedModel& m : model.models) {
+    if (m.name.empty() || name.empty() || m.name == name) continue;
+    notes.push_back(
+        fmt::format("{}: measured on \"{}\", applied to \"{}\"", model.file, m.name, name));
+    break;
+  }
+  for (std::string& caution : report::cautions(model)) notes.push_back(std::move(caution));
+}
+
+std::string unreachable_lost_motion(const optimize::Specification& stated,
+                                    const LoadedModel& model) {
+  const auto& limit = stated.limits[design::CheckId::kOutputBacklashMax];
+  const double added = model.use.lost_motion_shift_rad;
+  if (!limit || *limit >= added) return "";
+  const auto arcmin = [](double rad) { return design::in_unit(rad, design::Unit::kArcmin); };
+  return fmt::format(
+      "backlash.max_output_arcmin = {:.6g}: the model adds {:.4g} arcmin to the lost motion of the "
+      "teeth: no teeth can keep the limit, allowed with this model: {:.4g} or more",
+      arcmin(*limit), arcmin(added), arcmin(added));
+}
+
 std::optional<LoadedModel> load_model(const std::string& path) {
   if (path.empty()) return std::nullopt;
   LoadedModel model{.use = {.file = path, .models = io::read_model(path)}, .extension = {}};
@@ -104,7 +118,7 @@ std::optional<LoadedModel> load_model(const std::string& path) {
 }
 
 design::Design with_model(const design::Design& design, const LoadedModel& model, Notes& notes) {
-  note_name(design.name, model, notes);
+  note_model(design.name, model.use, notes);
   design::Design extended = design::extended(design, model.extension);
   if (calibrate::needs_operating_point(model.extension)) {
     extended.operating_point = point_or_middle(design.operating_point, model, "the design", notes);
@@ -126,7 +140,7 @@ design::Design with_model(const design::Design& design, const LoadedModel& model
 
 design::Design with_model_on_grid(const design::Design& design, const LoadedModel& model,
                                   Notes& notes) {
-  note_name(design.name, model, notes);
+  note_model(design.name, model.use, notes);
   const Point stated = design.operating_point.value_or(Point{});
   const design::MapGrid& grid = design.map;
   note_range(
@@ -144,6 +158,7 @@ design::Design with_model_on_grid(const design::Design& design, const LoadedMode
 
 optimize::Specification with_model(const optimize::Specification& spec, LoadedModel& model,
                                    Notes& notes) {
+  note_model(spec.name, model.use, notes);
   optimize::Specification extended = spec;
   extended.friction.extension = model.extension.friction;
   extended.operating_point = point_or_middle(spec.operating_point, model, "SPEC", notes);

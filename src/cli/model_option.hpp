@@ -37,6 +37,15 @@ design::Design with_model_on_grid(const design::Design& design, const LoadedMode
 optimize::Specification with_model(const optimize::Specification& spec, LoadedModel& model,
                                    Notes& notes);
 
+/// Notes what there is to say about any use of a model: that it was measured on a gearbox of
+/// another name, and why not to trust it as it stands.
+void note_model(const std::string& name, const report::ModelUse& model, Notes& notes);
+
+/// Why no teeth can keep a limit of lost motion with what the model adds to theirs; "" where they
+/// can.
+std::string unreachable_lost_motion(const optimize::Specification& stated,
+                                    const LoadedModel& model);
+
 /// Notes on stderr, unless quiet.
 void warn(const Notes& notes, bool quiet);
 

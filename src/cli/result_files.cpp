@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <utility>
@@ -25,6 +26,26 @@ void refuse_overwriting_inputs(const std::vector<std::string>& paths, const Resu
       }
     }
   }
+}
+
+/// Removes a file of an earlier run, which would pass for a result of this one.
+/// @throws io::InvalidInput when it cannot be removed
+void remove_earlier(const std::string& path) {
+  std::error_code status;
+  if (!std::filesystem::is_regular_file(path, status)) return;
+  if (!std::filesystem::remove(path, status) || status) {
+    throw io::InvalidInput(
+        fmt::format("{}: is of an earlier run and cannot be removed: {}", path, status.message()));
+  }
+  fmt::print(stderr, "{}: was of an earlier run, removed\n", path);
+}
+
+/// Whether a path is one of the inputs, by whatever name.
+bool is_input(const std::string& path, const ResultFolder& folder) {
+  return std::ranges::any_of(folder.protected_inputs, [&](const std::string& input) {
+    std::error_code status;
+    return std::filesystem::equivalent(path, input, status);
+  });
 }
 
 }  // namespace
@@ -52,8 +73,13 @@ WrittenFiles write_results(const ResultFolder& folder, std::vector<io::FileText>
   for (const io::FileText& file : files) written.paths.push_back(file.path);
   refuse_overwriting_inputs(written.paths, folder);
   io::write_files(files, folder.input);
-  if (failure.empty()) return written;
   // Figures of an earlier run would pass for results of this one.
+  for (const std::string& name : folder.figures) {
+    const std::string path = path_of(name + ".svg");
+    const bool own = std::ranges::find(plots, name, &report::Plot::name) != plots.end();
+    if (!own && !is_input(path, folder)) remove_earlier(path);
+  }
+  if (failure.empty()) return written;
   for (const report::Plot& plot : plots) set_aside(path_of(plot.name + ".svg"));
   fmt::print(stderr, "{}\nwritten without figures: {}\n", failure, fmt::join(written.paths, ", "));
   written.code = kInvalidInput;

@@ -14,6 +14,9 @@ struct ResultFolder {
   std::string path;                           ///< of --out
   std::string input;                          ///< as write_files() takes it
   std::vector<std::string> protected_inputs;  ///< that no result may replace
+  /// Names of all figures that the command may write, without .svg: those of an earlier run that
+  /// are none of this one's are removed.
+  std::vector<std::string> figures = {};
 };
 
 struct WrittenFiles {
@@ -22,7 +25,8 @@ struct WrittenFiles {
 };
 
 /// Writes the files and a figure NAME.svg for each plot, all or none.  Without gnuplot: no figures,
-/// those of an earlier run are set aside, and stderr says so.
+/// those of an earlier run are set aside, and stderr says so.  Figures of an earlier run that this
+/// one has not are removed, and stderr says so.
 /// @param files  named within the folder
 /// @throws io::InvalidInput where a file cannot be written or would replace an input
 WrittenFiles write_results(const ResultFolder& folder, std::vector<io::FileText> files,

@@ -47,6 +47,20 @@ bool same_values(const Observation& a, const Observation& b) {
   return true;
 }
 
+/// Whether rows that differ have, nearly all of them, a value of their own.
+bool tells_rows_apart(std::vector<double> value, const std::vector<char>& repetition) {
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < value.size(); ++k) {
+    if (repetition[k] == 0 && !std::isnan(value[k])) value[kept++] = value[k];
+  }
+  value.resize(kept);
+  std::ranges::sort(value);
+  const auto own =
+      static_cast<std::size_t>(std::unique(value.begin(), value.end()) - value.begin());
+  constexpr std::size_t kOf = 10, kMost = 9;
+  return own >= 2 && kOf * own >= kMost * kept;
+}
+
 }  // namespace
 
 void RowTexts::add(std::string_view line, const CsvFields& fields) {
@@ -90,6 +104,38 @@ std::vector<char> RowTexts::repetitions() const {
     }
   }
   return marked;
+}
+
+void leave_out_copies(MeasurementSet& set, const std::vector<char>& repetition) {
+  if (std::ranges::count(repetition, 1) == 0) return;
+  std::vector<char> copy(repetition.size(), 0);
+  const auto mark = [&](const std::vector<double>& value) {
+    for (std::size_t k = 0; k < copy.size(); ++k) {
+      if (repetition[k] != 0 && !std::isnan(value[k])) copy[k] = 1;
+    }
+  };
+  const auto column = [&](double calibrate::Condition::*member) {
+    std::vector<double> value;
+    value.reserve(set.rows.size());
+    for (const Observation& row : set.rows) value.push_back(row.condition.*member);
+    return value;
+  };
+  mark(column(&calibrate::Condition::time_s));
+  std::vector<std::vector<double>> others{column(&calibrate::Condition::output_angle_rad),
+                                          column(&calibrate::Condition::cycles)};
+  for (const auto& covariate : set.covariates) others.push_back(covariate.value);
+  for (const std::vector<double>& value : others) {
+    if (tells_rows_apart(value, repetition)) mark(value);
+  }
+  const auto kept = std::ranges::count(repetition, 1) - std::ranges::count(copy, 1);
+  if (kept > 0) {
+    set.notes.push_back(fmt::format(
+        "{}: {} the same in every column as one before, kept as {}: no time_s or output_angle_deg "
+        "tells copies from repeats",
+        set.files[0], kept == 1 ? "1 row is" : fmt::format("{} rows are", kept),
+        kept == 1 ? "a repeat" : "repeats"));
+  }
+  leave_out_noted(set, copy, "the same in every column as a row before");
 }
 
 std::vector<char> copies_of_earlier_files(const MeasurementSet& set) {

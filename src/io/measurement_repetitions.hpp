@@ -31,6 +31,16 @@ class RowTexts {
   std::vector<std::uint64_t> hash_;  ///< equal where rows are
 };
 
+/// Leaves out the rows of one file that are copies of a row before, and notes them.
+///
+/// A row that is the same in every column may as well be measured again by a coarse sensor: it is a
+/// copy only where a column tells rows apart that repeat each other, and states a value.  That is
+/// time_s; or an angle, a count of cycles or a column that the kind does not name, where at least
+/// nine in ten of the rows that differ have a value of their own in it.  Others are kept as repeats
+/// and counted in a note.
+/// @param repetition  RowTexts::repetitions()
+void leave_out_copies(calibrate::MeasurementSet& set, const std::vector<char>& repetition);
+
 /// Marks rows with their time that stand in an earlier file too, all columns equal but the run,
 /// which may be named anew.
 std::vector<char> copies_of_earlier_files(const calibrate::MeasurementSet& set);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "io/csv_table.hpp"
+#include "io/document_kind.hpp"
 #include "io/measurement_columns.hpp"
 #include "io/measurement_header.hpp"
 #include "io/measurement_repetitions.hpp"
@@ -17,6 +18,7 @@
 #include "io/measurement_saturation.hpp"
 #include "io/measurement_time.hpp"
 #include "io/text_lines.hpp"
+#include "io/toml_value.hpp"
 
 namespace gear3k::io {
 
@@ -283,11 +285,20 @@ void read_rows(std::string_view text, const MeasurementHeader& header, Measureme
   reader.read(text);
   if (!file.complaints.none()) return;
   reader.take_covariates();
-  leave_out_noted(file.set, reader.texts().repetitions(),
-                  "the same in every column as a row before");
+  leave_out_copies(file.set, reader.texts().repetitions());
   check_time(file.set, file.complaints);
   leave_out_saturated(file.set, file.complaints);
   reader.note_ignored();
+}
+
+/// What a text looks like that is no measurement but another file of ours; "" where it is none.
+std::string other_document(const std::string& path, std::string_view text) {
+  try {
+    return look_text(look_of(parse_toml(std::string(text), path)),
+                     "DATA takes measurements, CSV files with a note \"# kind: ...\"");
+  } catch (const InvalidInput&) {
+    return "";
+  }
 }
 
 }  // namespace
@@ -303,6 +314,13 @@ MeasurementText read_measurement_text(const std::string& path, std::string_view 
     return file;
   }
   file.notes = read_notes(text, file.complaints);
+  if (!file.notes.kind) {
+    if (const std::string other = other_document(path, text); !other.empty()) {
+      file.complaints = {};
+      file.complaints.add({}, other);
+      return file;
+    }
+  }
   MeasurementHeader header = read_header(text, file.complaints);
   std::vector<std::string> names;
   names.reserve(header.columns.size());

@@ -29,34 +29,12 @@ class CauseReader {
                                                 kKindNames[static_cast<std::size_t>(kind_)]));
       return;
     }
-    const auto member = [&](std::string_view key) -> const TomlValue* {
-      const auto found = std::ranges::find(table.table, key, &TomlValue::key);
-      return found == table.table.end() ? nullptr : &*found;
-    };
-    std::vector<std::string> forms;
-    forms.reserve(catalogue.size());
-    for (const CatalogueForm& form : catalogue) forms.push_back(form.name);
-    const TomlValue* form_value = member("form");
-    if (form_value == nullptr) {
-      reader_.error(table.position, fmt::format("{}.form is missing: allowed: \"{}\"", path,
-                                                fmt::join(forms, "\" or \"")));
-      return;
-    }
-    const std::string form_name = reader_.text(*form_value, path + ".form");
-    const auto form = std::ranges::find(catalogue, form_name, &CatalogueForm::name);
-    if (form == catalogue.end()) {
-      if (form_value->kind == TomlValue::Kind::kText) {
-        const std::string hint = closest_word(form_name, forms);
-        reader_.refuse(
-            *form_value, path + ".form",
-            fmt::format("\"{}\"{}", fmt::join(forms, "\" or \""),
-                        hint.empty() ? "" : fmt::format("; did you mean \"{}\"?", hint)));
-      }
-      return;
-    }
+    const auto member = [&](std::string_view key) { return member_of(table, key); };
+    const CatalogueForm* form = form_of(table, path, catalogue);
     AppliedCause applied{.id = std::string(cause->id), .form = {}, .value = {}};
-    applied.form.name = form_name;
-    std::vector<std::string> known{"form"};
+    // All forms of a cause have the same parameters: these can be told without it.
+    applied.form.name = form != nullptr ? form->name : catalogue.front().name;
+    std::vector<std::string> known{"form", std::string(kAlternatives), std::string(kImplausible)};
     const auto parameters = cause->parameters(applied.form, kind_);
     applied.value.reserve(parameters.size());
     for (const ParameterRecord& parameter : parameters) {
@@ -82,18 +60,90 @@ class CauseReader {
       read_deviation(member(key + std::string(kDeviation)),
                      fmt::format("{}.{}{}", path, key, kDeviation));
     }
-    read_constants(table, path, *form, applied.form, known);
+    if (const TomlValue* list = member(kAlternatives)) {
+      applied.alternatives = alternatives(*list, fmt::format("{}.{}", path, kAlternatives));
+    }
+    if (const TomlValue* list = member(kImplausible)) {
+      applied.implausible = reader_.texts(*list, fmt::format("{}.{}", path, kImplausible));
+    }
+    if (form != nullptr) {
+      read_constants(table, path, *form, applied.form, known);
+    } else {
+      for (const CatalogueForm& possible : catalogue) add_keys(possible, known);
+    }
     for (const TomlValue& value : table.table) {
       if (std::ranges::find(known, value.key) == known.end()) {
         reader_.unknown(value, "key", fmt::format("{}.{}", path, value.key), known);
       }
     }
-    read_.causes.push_back(applied);
+    if (form != nullptr) read_.causes.push_back(applied);
   }
 
   ModelCauses result() { return std::move(read_); }
 
  private:
+  static const TomlValue* member_of(const TomlValue& table, std::string_view key) {
+    const auto found = std::ranges::find(table.table, key, &TomlValue::key);
+    return found == table.table.end() ? nullptr : &*found;
+  }
+
+  static std::vector<std::string> cause_ids() {
+    std::vector<std::string> ids;
+    ids.reserve(calibrate::causes().size());
+    for (const Cause* cause : calibrate::causes()) ids.emplace_back(cause->id);
+    return ids;
+  }
+
+  /// The form that a table names; null, and an error, where it names none of the cause's.
+  const CatalogueForm* form_of(const TomlValue& table, const std::string& path,
+                               const std::vector<CatalogueForm>& catalogue) {
+    std::vector<std::string> forms;
+    forms.reserve(catalogue.size());
+    for (const CatalogueForm& form : catalogue) forms.push_back(form.name);
+    const TomlValue* value = member_of(table, "form");
+    if (value == nullptr) {
+      reader_.error(table.position, fmt::format("{}.form is missing: allowed: \"{}\"", path,
+                                                fmt::join(forms, "\" or \"")));
+      return nullptr;
+    }
+    const std::string name = reader_.text(*value, path + ".form");
+    const auto form = std::ranges::find(catalogue, name, &CatalogueForm::name);
+    if (form != catalogue.end()) return &*form;
+    if (value->kind == TomlValue::Kind::kText) {
+      const std::string hint = closest_word(name, forms);
+      reader_.refuse(*value, path + ".form",
+                     fmt::format("\"{}\"{}", fmt::join(forms, "\" or \""),
+                                 hint.empty() ? "" : fmt::format("; did you mean \"{}\"?", hint)));
+    }
+    return nullptr;
+  }
+
+  /// Keys that a form may have beside the parameters.
+  static void add_keys(const CatalogueForm& form, std::vector<std::string>& keys) {
+    const auto add = [&](const std::string& key) {
+      if (std::ranges::find(keys, key) == keys.end()) keys.push_back(key);
+    };
+    for (const calibrate::FormConstant& constant : form.constants) add(key_of(constant));
+    if (!form.bodies.empty()) add("body");
+    if (form.has_order) add("order");
+  }
+
+  /// Ids of causes.
+  std::vector<std::string> alternatives(const TomlValue& list, const std::string& path) {
+    std::vector<std::string> ids = reader_.texts(list, path);
+    for (std::size_t k = 0; k < ids.size(); ++k) {
+      const TomlValue& value = list.list[k];
+      if (value.kind != TomlValue::Kind::kText || calibrate::find_cause(ids[k]) != nullptr) {
+        continue;
+      }
+      const std::string hint = closest_word(ids[k], cause_ids());
+      reader_.refuse(value, path,
+                     fmt::format("ids of causes{}",
+                                 hint.empty() ? "" : fmt::format("; did you mean {}?", hint)));
+    }
+    return ids;
+  }
+
   /// The cause of a table: its name is an id, or an id and a count from 2 on.
   const Cause* cause_named(const TomlValue& table, const std::string& path) {
     std::string id = table.key;
@@ -104,9 +154,7 @@ class CauseReader {
     }
     const Cause* cause = calibrate::find_cause(id);
     if (cause != nullptr) return cause;
-    std::vector<std::string> known;
-    known.reserve(calibrate::causes().size());
-    for (const Cause* c : calibrate::causes()) known.emplace_back(c->id);
+    const std::vector<std::string> known = cause_ids();
     const std::string hint = closest_word(id, known);
     reader_.error(table.position,
                   fmt::format("unknown cause {}{}; allowed: {}", path,

@@ -7,6 +7,8 @@
 #include <cmath>
 
 #include "calibrate/condition_quantity.hpp"
+#include "calibrate/diagnosis.hpp"
+#include "io/document_kind.hpp"
 #include "io/model_causes.hpp"
 #include "io/model_covariance.hpp"
 #include "io/model_file_keys.hpp"
@@ -33,6 +35,16 @@ std::uint64_t fingerprint(const TomlValue& value, const std::string& path, TomlR
   }
   reader.refuse(value, path, fmt::format("\"{}\" and 16 hexadecimal digits", kFingerprint));
   return 0;
+}
+
+std::optional<calibrate::Verdict> verdict(const TomlValue& value, const std::string& path,
+                                          TomlReader& reader) {
+  const auto& names = calibrate::kVerdictNames;
+  const auto* known =
+      value.kind == TomlValue::Kind::kText ? std::ranges::find(names, value.text) : names.end();
+  if (known != names.end()) return static_cast<calibrate::Verdict>(known - names.begin());
+  reader.refuse(value, path, fmt::format("\"{}\"", fmt::join(names, "\" or \"")));
+  return std::nullopt;
 }
 
 /// [low, high] or [], not stated.
@@ -88,6 +100,8 @@ ExtendedModel model_of(const TomlValue& table, TomlReader& reader) {
       m.fingerprint = fingerprint(member, path, reader);
     } else if (member.key == "data_files") {
       m.files = reader.texts(member, path);
+    } else if (member.key == "verdict") {
+      m.verdict = verdict(member, path, reader);
     } else if (member.key == "range") {
       if (reader.is_table(member, path)) m.range = ranges(member, path, reader);
     } else if (member.key == "causes") {
@@ -95,8 +109,9 @@ ExtendedModel model_of(const TomlValue& table, TomlReader& reader) {
     } else if (member.key == "covariance") {
       covariance = &member;
     } else {
-      reader.unknown(member, "key", path,
-                     {"name", "data_fingerprint", "data_files", "range", "causes", "covariance"});
+      reader.unknown(
+          member, "key", path,
+          {"name", "data_fingerprint", "data_files", "verdict", "range", "causes", "covariance"});
     }
   }
   const std::size_t before = reader.errors();
@@ -139,6 +154,8 @@ std::vector<ExtendedModel> models_of(const TomlValue& document, TomlReader& read
 }
 
 std::vector<ExtendedModel> models_from(const TomlValue& document, const std::string& name) {
+  refuse_other_documents(document, name, {DocumentKind::kModel},
+                         "--model takes a model.toml of diagnose");
   TomlReader reader(name);
   std::vector<ExtendedModel> models = models_of(document, reader);
   reader.throw_if_invalid();

@@ -14,6 +14,9 @@ inline constexpr std::string_view kFingerprint = "fnv1a64:";
 /// Stands behind the key of a parameter for its standard deviation.
 inline constexpr std::string_view kDeviation = "_sd";
 
+/// Lists of a cause: what explained the data as well, and parameters that no gearbox shows.
+inline constexpr std::string_view kAlternatives = "alternatives", kImplausible = "implausible";
+
 inline std::string key_of(const calibrate::ParameterRecord& parameter) {
   return calibrate::file_key(parameter.name, parameter.unit);
 }

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "calibrate/condition_quantity.hpp"
+#include "calibrate/diagnosis.hpp"
 #include "io/model_file.hpp"
 #include "io/model_file_keys.hpp"
 #include "io/toml_text.hpp"
@@ -92,6 +93,10 @@ std::string one_model_text(const ExtendedModel& model) {
   std::string text = fmt::format(
       "\n[{}]\nname = {}\ndata_fingerprint = \"{}{:016x}\"\ndata_files = {}\n", kind,
       toml_quoted(model.name), kFingerprint, model.fingerprint, texts_text(model.files));
+  if (model.verdict) {
+    text += fmt::format("verdict = \"{}\"\n",
+                        calibrate::kVerdictNames[static_cast<std::size_t>(*model.verdict)]);
+  }
   text += range_text(model, kind);
   if (model.causes.empty()) text += fmt::format("\n[{}.causes]\n", kind);
   const std::vector<std::string> labels = labels_of(model);
@@ -133,6 +138,12 @@ std::string one_model_text(const ExtendedModel& model) {
     }
     if (applied.form.order != 0.0) {
       text += fmt::format("order = {}\n", toml_number(applied.form.order));
+    }
+    if (!applied.alternatives.empty()) {
+      text += fmt::format("{} = {}\n", kAlternatives, texts_text(applied.alternatives));
+    }
+    if (!applied.implausible.empty()) {
+      text += fmt::format("{} = {}\n", kImplausible, texts_text(applied.implausible));
     }
   }
   return text + covariance_text(model, kind, names);

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "io/design_file.hpp"
+#include "io/document_kind.hpp"
 #include "io/key_registry.hpp"
 #include "io/toml_value.hpp"
 
@@ -75,6 +76,9 @@ bool has_key(const TomlValue& document, const std::string& key) {
 
 calibrate::Subject read_subject(const std::string& path) {
   const TomlValue document = read_toml(path);
+  using enum DocumentKind;
+  refuse_other_documents(document, path, {kDesign, kPair, kBlackBox},
+                         "SUBJECT takes a DESIGN, a PAIR or a black box ([gearbox])");
   if (has_key(document, "gearbox")) return black_box_from(document, path);
   if (has_key(document, "kind")) return read_pair(path);
   return read_design(path);

@@ -142,6 +142,7 @@ ordered_json next_json(const std::optional<NextExperiment>& next, calibrate::Kin
           {"conditions",
            list_of(next->conditions, [&](const auto& c) { return condition_json(c, kind); })},
           {"expected_statistic", finite(next->expected_statistic)},
+          {"inseparable", next->inseparable},
           {"advice", next->advice}};
 }
 
@@ -243,6 +244,18 @@ ordered_json kind_json(const Diagnosis& d, const MeasurementSet& set) {
   return json;
 }
 
+/// A list of every kind, one after the other, each item with its kind.
+ordered_json all_of_kinds(const ordered_json& kinds, const char* list) {
+  ordered_json all = ordered_json::array();
+  for (const ordered_json& kind : kinds) {
+    for (ordered_json item : kind[list]) {
+      item["kind"] = kind["kind"];
+      all.push_back(std::move(item));
+    }
+  }
+  return all;
+}
+
 }  // namespace
 
 void require_matching(const std::vector<Diagnosis>& diagnoses,
@@ -268,26 +281,28 @@ Verdict worst_verdict(const std::vector<Diagnosis>& diagnoses) {
 }
 
 std::string diagnosis_json(const std::vector<Diagnosis>& diagnoses,
-                           const std::vector<MeasurementSet>& sets) {
+                           const std::vector<MeasurementSet>& sets, const DiagnosisSetup& setup) {
   require_matching(diagnoses, sets);
   ordered_json json{{"tool", tool_json()}, {"subject", diagnoses.front().subject}};
+  json["seed"] = setup.seed;
+  json["false_discovery_rate"] = setup.false_discovery_rate;
+  if (setup.model) add_model(json, *setup.model);
   ordered_json kinds = ordered_json::array();
   for (std::size_t k = 0; k < sets.size(); ++k) kinds.push_back(kind_json(diagnoses[k], sets[k]));
-  if (kinds.size() == 1) {
-    json.update(kinds.front());
-    return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
-  }
   json.update(kinds.front());
-  json["verdict"] = verdict_name(worst_verdict(diagnoses));
-  ordered_json effects = ordered_json::array();
-  for (std::size_t k = 0; k < sets.size(); ++k) {
-    for (ordered_json effect : kinds[k]["effects"]) {
-      effect["kind"] = kind_name(diagnoses[k].kind);
-      effects.push_back(std::move(effect));
+  if (kinds.size() > 1) {
+    json["verdict"] = verdict_name(worst_verdict(diagnoses));
+    for (const char* list : {"effects", "physically_implausible"}) {
+      json[list] = all_of_kinds(kinds, list);
     }
+    const auto next = std::ranges::find_if(
+        kinds, [](const ordered_json& one) { return !one["next_experiment"].is_null(); });
+    if (next != kinds.end()) {
+      json["next_experiment"] = (*next)["next_experiment"];
+      json["next_experiment"]["kind"] = (*next)["kind"];
+    }
+    json["kinds"] = kinds;
   }
-  json["effects"] = effects;
-  json["kinds"] = kinds;
   return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "report/condition_columns.hpp"
 #include "report/diagnosis_report.hpp"
@@ -173,7 +174,8 @@ std::string comparison_script(const Diagnosis& d, const MeasurementSet& set) {
   };
   panel("before",
         fmt::format("as given: {} off (noise {})", rms_text(d.errors.baseline_train, response),
-                    rms_text(d.errors.noise_floor, response)),
+                    std::isfinite(d.errors.noise_floor) ? rms_text(d.errors.noise_floor, response)
+                                                        : std::string("not known")),
         v.baseline);
   text += "unset key\n";
   panel("after",
@@ -451,25 +453,105 @@ std::string evidence_script(const Diagnosis& d) {
   return text + plot_line(plots);
 }
 
+// --- periodogram
+
+/// Orders in equal classes where there are many, each with its greatest power at its own order.
+std::string periodogram_data(const calibrate::Periodogram& p) {
+  const std::size_t count = p.order.size();
+  const std::size_t classes = std::min(count, kMostPlottedOrders);
+  std::string text;
+  for (std::size_t c = 0; c < classes; ++c) {
+    const auto first = static_cast<std::ptrdiff_t>(c * count / classes);
+    const auto last = static_cast<std::ptrdiff_t>((c + 1) * count / classes);
+    const auto top = std::max_element(p.power.begin() + first, p.power.begin() + last);
+    const auto at = static_cast<std::size_t>(top - p.power.begin());
+    text += fmt::format("{} {}\n", number(p.order[at]), number(p.power[at]));
+  }
+  return text;
+}
+
+bool more_than_a_turn(const MeasurementSet& set) {
+  double low = calibrate::kUnknown;
+  double high = calibrate::kUnknown;
+  for (const auto& row : set.rows) {
+    const double angle = row.condition.output_angle_rad;
+    if (std::isnan(angle)) continue;
+    if (!(low <= angle)) low = angle;
+    if (!(high >= angle)) high = angle;
+  }
+  return high - low > 2.0 * std::numbers::pi;
+}
+
+std::string periodogram_script(const Diagnosis& d,
+                               const std::vector<calibrate::ShaftOrder>& orders) {
+  const calibrate::Periodogram& p = d.periodogram;
+  const double greatest = *std::ranges::max_element(p.power);
+  const double top = greatest > 0.0 ? 1.35 * greatest : 1.0;
+  const double last = p.order.back();
+  std::string text = plot_prologue(1000, 480);
+  text += fmt::format(
+      "set title {}\nset grid lc rgb '#e0e0e0'\nset format '%g'\nunset key\n"
+      "set xlabel 'order (periods per turn of the output)'\n"
+      "set ylabel 'share of the variance that is left'\n"
+      "set xrange [0:{}]\nset yrange [0:{}]\n",
+      plot_text(subject_title(d) + "periodogram of what the causes leave, over the output angle"),
+      number(1.02 * last), number(top));
+  int mark = 0;
+  for (const calibrate::ShaftOrder& shaft : orders) {
+    if (!(shaft.order > 0.0 && shaft.order <= last)) continue;
+    ++mark;
+    text += fmt::format(
+        "set arrow {0} from {1},0 to {1},graph 0.8 nohead dt 2 lc rgb '#e59866' back\n"
+        "set label {0} {2} at {1},graph 0.81 rotate left font ',10' front\n",
+        mark, number(shaft.order),
+        plot_text(
+            fmt::format("{} {:.4g}", shaft.body == "output" ? "R2" : shaft.body, shaft.order)));
+  }
+  return text + fmt::format("$power << EOD\n{}EOD\n", periodogram_data(p)) +
+         plot_line({"$power using 1:2 with impulses lc rgb '#1f5fa8' notitle"});
+}
+
+constexpr std::array<const char*, 4> kPlotNames{"measured_vs_simulated", "residuals", "evidence",
+                                                "periodogram"};
+
+std::string kind_suffix(Kind kind) {
+  return fmt::format("_{}", calibrate::kKindNames[static_cast<std::size_t>(kind)]);
+}
+
 }  // namespace
 
 std::vector<Plot> diagnosis_plots(const std::vector<Diagnosis>& diagnoses,
-                                  const std::vector<MeasurementSet>& sets) {
+                                  const std::vector<MeasurementSet>& sets,
+                                  const std::vector<calibrate::ShaftOrder>& orders) {
   require_matching(diagnoses, sets);
   std::vector<Plot> plots;
-  plots.reserve(3 * sets.size());
+  plots.reserve(kPlotNames.size() * sets.size());
   for (std::size_t k = 0; k < sets.size(); ++k) {
     const Diagnosis& d = diagnoses[k];
-    const std::string suffix =
-        sets.size() == 1
-            ? ""
-            : fmt::format("_{}", calibrate::kKindNames[static_cast<std::size_t>(d.kind)]);
-    plots.push_back(
-        {.name = "measured_vs_simulated" + suffix, .script = comparison_script(d, sets[k])});
-    plots.push_back({.name = "residuals" + suffix, .script = residual_script(d, sets[k])});
-    plots.push_back({.name = "evidence" + suffix, .script = evidence_script(d)});
+    const std::string suffix = sets.size() == 1 ? "" : kind_suffix(d.kind);
+    const auto add = [&](std::size_t name, std::string script) {
+      plots.push_back({.name = kPlotNames.at(name) + suffix, .script = std::move(script)});
+    };
+    add(0, comparison_script(d, sets[k]));
+    add(1, residual_script(d, sets[k]));
+    add(2, evidence_script(d));
+    if (!d.periodogram.order.empty() && more_than_a_turn(sets[k])) {
+      add(3, periodogram_script(d, orders));
+    }
   }
   return plots;
+}
+
+std::vector<std::string> diagnosis_plot_names() {
+  std::vector<std::string> names;
+  names.reserve(kPlotNames.size() * (1 + calibrate::kKindNames.size()));
+  for (const char* name : kPlotNames) {
+    names.emplace_back(name);
+    for (const std::string_view kind : calibrate::kKindNames) {
+      names.push_back(fmt::format("{}_{}", name, kind));
+    }
+  }
+  return names;
 }
 
 }  // namespace gear3k::report

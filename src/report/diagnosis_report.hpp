@@ -1,12 +1,22 @@
 #pragma once
 // What `diagnose` found, in words, as JSON and row by row.
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "calibrate/diagnosis.hpp"
+#include "report/model_report.hpp"
 
 namespace gear3k::report {
+
+/// What a diagnosis was asked with, beside its data.
+struct DiagnosisSetup {
+  std::uint64_t seed = 1;
+  double false_discovery_rate = 0.05;
+  std::optional<ModelUse> model = std::nullopt;  ///< under the simulation
+};
 
 /// The results of the kinds of data that were given, one by one; results and data go together by
 /// their place.
@@ -14,11 +24,13 @@ namespace gear3k::report {
 /// In plain words: how far off the simulation is, the causes and what else could explain as well,
 /// evidence, residuals along the covariates, gain, what is left, the next experiment.
 std::string diagnosis_table(const std::vector<calibrate::Diagnosis>& diagnoses,
-                            const std::vector<calibrate::MeasurementSet>& sets);
+                            const std::vector<calibrate::MeasurementSet>& sets,
+                            const DiagnosisSetup& setup = {});
 
 /// docs/interface.md, "diagnose".
 std::string diagnosis_json(const std::vector<calibrate::Diagnosis>& diagnoses,
-                           const std::vector<calibrate::MeasurementSet>& sets);
+                           const std::vector<calibrate::MeasurementSet>& sets,
+                           const DiagnosisSetup& setup = {});
 
 /// A row per measurement: where it stands, its condition, measured and simulated before and after.
 std::string residual_csv(const std::vector<calibrate::Diagnosis>& diagnoses,

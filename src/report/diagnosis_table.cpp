@@ -26,6 +26,10 @@ std::string with_unit(const std::string& number, std::string_view unit) {
   return unit.empty() ? number : fmt::format("{} {}", number, unit);
 }
 
+std::string rows_text(std::size_t rows) {
+  return rows == 1 ? "1 row" : fmt::format("{} rows", rows);
+}
+
 /// A value and half its 95 % interval, to two digits of that; the interval itself where it is
 /// lopsided.
 std::string value_text(const ParameterResult& p) {
@@ -155,7 +159,7 @@ std::string noise_text(const Diagnosis& d) {
     case NoiseSource::kStated:
       return "as the data state it";
     case NoiseSource::kRepeats:
-      return fmt::format("from {} repeats", d.repeat_degrees);
+      return fmt::format("from {} repeat{}", d.repeat_degrees, d.repeat_degrees == 1 ? "" : "s");
     case NoiseSource::kResiduals:
       break;
   }
@@ -173,6 +177,13 @@ std::string headline(const Diagnosis& d, const MeasurementSet& set) {
   } else {
     off = error_text(d.errors.baseline_train, d, 0.0);
     noise = error_text(d.errors.noise_floor, d, 0.0);
+  }
+  if (!std::isfinite(d.errors.noise_floor)) {
+    return fmt::format(
+        "The simulation is {} off; {} row{} without sigma or repeats cannot say what of it is "
+        "noise.\n(Root mean square {} of a mean {} of {}.)\n",
+        off, set.rows.size(), set.rows.size() == 1 ? "" : "s",
+        error_text(d.errors.baseline_train, d, 0.0), response.title, error_text(mean, d, 0.0));
   }
   std::string text = fmt::format(
       "The simulation is {} off where noise is {}.\n"
@@ -204,6 +215,10 @@ std::string implausible_text(const Diagnosis& d) {
 std::string verdict_text(const Diagnosis& d) {
   switch (d.verdict) {
     case Verdict::kNoDiscrepancy:
+      if (!std::isfinite(d.errors.noise_floor)) {
+        return "Verdict: no discrepancy found, but too few rows to know whether the simulation "
+               "agrees: state sigma, or measure repeats.\n";
+      }
       return "Verdict: no discrepancy. The simulation agrees with these data within their noise.\n";
     case Verdict::kExplained:
       return "Verdict: explained.\n";
@@ -225,6 +240,12 @@ std::string p_text(double p) {
   constexpr double kLeastShown = 1e-99;
   if (p < kLeastShown) return "<1e-99";
   return p < 1e-4 ? fmt::format("{:.0e}", p) : fmt::format("{:.2g}", p);
+}
+
+/// "p = 0.02", "p < 1e-99"
+std::string p_statement(double p) {
+  const std::string text = p_text(p);
+  return text.starts_with('<') ? fmt::format("p < {}", text.substr(1)) : "p = " + text;
 }
 
 std::string evidence_table(const Diagnosis& d) {
@@ -275,10 +296,10 @@ std::string gain_table(const Diagnosis& d, const MeasurementSet& set) {
   }
   if (!d.extrapolation.along.empty()) {
     const auto column = column_of(d.extrapolation.along, d.kind);
-    add(fmt::format("beyond the fit, {} {} ({} rows)", d.extrapolation.along,
+    add(fmt::format("beyond the fit, {} {} ({})", d.extrapolation.along,
                     with_unit(fmt::format("{:.4g}", clean(d.extrapolation.left_out)),
                               column ? column->unit : ""),
-                    d.extrapolation.rows),
+                    rows_text(static_cast<std::size_t>(d.extrapolation.rows))),
         d.extrapolation.baseline, d.extrapolation.extended);
   }
   std::string text = fmt::format("\n{}", table.text(0));
@@ -299,10 +320,15 @@ std::string gain_table(const Diagnosis& d, const MeasurementSet& set) {
 
 std::string remainder_text(const Diagnosis& d) {
   const auto& r = d.remainder;
-  if (!r.significant) return "Left over: nothing beyond noise.\n";
+  if (!r.significant) {
+    return std::isfinite(d.errors.noise_floor) ? "Left over: nothing beyond noise.\n" : "";
+  }
   if (r.along.empty()) {
-    return fmt::format("Left over: more than noise, along nothing that the data state (p = {}).\n",
-                       p_text(r.p_value));
+    return fmt::format(
+        "Left over: more than noise, along nothing that the data state ({}): root mean square {} "
+        "where noise is {}.\n",
+        p_statement(r.p_value), error_text(d.errors.extended_train, d, 0.0),
+        error_text(d.errors.noise_floor, d, 0.0));
   }
   std::string text = fmt::format("Left over: structure along {}", r.along);
   if (r.order > 0.0 && r.along == "angle") {
@@ -310,15 +336,15 @@ std::string remainder_text(const Diagnosis& d) {
   } else if (r.order > 0.0 && r.along == "time") {
     text += fmt::format(", {:.3g} periods over the data", r.order);
   }
-  return text + fmt::format(", which is {} % of what is left (p = {}). No known cause does this.\n",
-                            fixed(percent(r.share), 0), p_text(r.p_value));
+  return text + fmt::format(", which is {} % of what is left ({}). No known cause does this.\n",
+                            fixed(percent(r.share), 0), p_statement(r.p_value));
 }
 
 std::string lack_text(const Diagnosis& d) {
   if (d.lack_of_fit.degrees <= 0 || d.lack_of_fit.pure_degrees <= 0) return "";
-  return fmt::format("Lack of fit of the simulation as given: F({}, {}) = {:.3g}, p = {}.\n",
+  return fmt::format("Lack of fit of the simulation as given: F({}, {}) = {:.3g}, {}.\n",
                      d.lack_of_fit.degrees, d.lack_of_fit.pure_degrees, clean(d.lack_of_fit.f),
-                     p_text(d.lack_of_fit.p_value));
+                     p_statement(d.lack_of_fit.p_value));
 }
 
 std::string next_text(const Diagnosis& d) {
@@ -373,15 +399,19 @@ std::string notes_text(const Diagnosis& d) {
   std::string text;
   const auto outliers = std::ranges::count_if(d.rows, [](const auto& row) { return row.outlier; });
   if (outliers > 0) {
-    text += fmt::format("Note: {} of {} rows are outliers; they count less in the fit\n", outliers,
-                        d.rows.size());
+    text += outliers == 1
+                ? fmt::format("Note: 1 of {} rows is an outlier; it counts less in the fit\n",
+                              d.rows.size())
+                : fmt::format("Note: {} of {} rows are outliers; they count less in the fit\n",
+                              outliers, d.rows.size());
   }
   for (const std::string& note : d.notes) text += fmt::format("Note: {}\n", note);
   return text.empty() ? "" : fmt::format("\n{}", text);
 }
 
 std::string kind_text(const Diagnosis& d, const MeasurementSet& set) {
-  std::string text = fmt::format("{}: {} rows of kind {} from {}\n\n", d.subject, set.rows.size(),
+  std::string text = fmt::format("{}{}{} of kind {} from {}\n\n", d.subject,
+                                 d.subject.empty() ? "" : ": ", rows_text(set.rows.size()),
                                  calibrate::kKindNames[static_cast<std::size_t>(d.kind)],
                                  fmt::join(set.files, ", "));
   text += headline(d, set) + verdict_text(d) + implausible_text(d);
@@ -420,9 +450,10 @@ std::string form_text(const Form& form, const std::vector<std::string>& runs) {
 }
 
 std::string diagnosis_table(const std::vector<Diagnosis>& diagnoses,
-                            const std::vector<MeasurementSet>& sets) {
+                            const std::vector<MeasurementSet>& sets, const DiagnosisSetup& setup) {
   require_matching(diagnoses, sets);
   std::string text;
+  if (setup.model) text = diagnosed_model_paragraph(*setup.model) + "\n";
   for (std::size_t k = 0; k < sets.size(); ++k) {
     if (k > 0) text += '\n';
     text += kind_text(diagnoses[k], sets[k]);

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "calibrate/diagnosis.hpp"
 #include "calibrate/model_range.hpp"
 #include "report/display.hpp"
 
@@ -22,6 +24,12 @@ std::optional<double> deviation_of(const ExtendedModel& model, std::size_t n) {
   return std::sqrt(model.covariance[n * (count + 1)]);
 }
 
+std::string spaced(std::string_view name) {
+  std::string text(name);
+  std::ranges::replace(text, '_', ' ');
+  return text;
+}
+
 /// Calls visit(model, cause, record, first parameter's place) for every cause.
 template <class Visit>
 void for_each_cause(const ModelUse& use, Visit visit) {
@@ -35,32 +43,118 @@ void for_each_cause(const ModelUse& use, Visit visit) {
   }
 }
 
+/// "load-independent drag (drag_constant, sun): torque 0.021 Nm, sd 0.0003"
+std::string cause_text(const ExtendedModel& model, const AppliedCause& applied,
+                       const calibrate::Cause& cause, std::size_t place) {
+  std::string text = fmt::format("{} ({}, {}", cause.title, cause.id, applied.form.name);
+  if (!applied.form.body.empty() && applied.form.body != applied.form.name) {
+    text += ", " + applied.form.body;
+  }
+  if (applied.form.order != 0.0) text += fmt::format(", order {:.5g}", applied.form.order);
+  text += "):";
+  const auto parameters = cause.parameters(applied.form, model.kind);
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    text += fmt::format("{} {} {:.5g}", i == 0 ? "" : ",", spaced(parameters[i].name),
+                        applied.value[i]);
+    if (!parameters[i].unit.empty()) text += fmt::format(" {}", parameters[i].unit);
+    if (const auto sd = deviation_of(model, place + i)) text += fmt::format(", sd {:.2g}", *sd);
+  }
+  return text;
+}
+
+std::string kind_name(const ExtendedModel& model) {
+  return std::string(calibrate::kKindNames[static_cast<std::size_t>(model.kind)]);
+}
+
+std::string fingerprint_text(const ExtendedModel& model) {
+  return fmt::format("fnv1a64:{:016x}", model.fingerprint);
+}
+
+/// What the diagnosis of a model left open; "" where nothing, or where it is not known.
+std::string verdict_caution(const ExtendedModel& model) {
+  using calibrate::Verdict;
+  if (model.verdict != Verdict::kAmbiguous && model.verdict != Verdict::kUnexplained) return "";
+  const bool ambiguous = model.verdict == Verdict::kAmbiguous;
+  std::string text = fmt::format(
+      "the diagnosis of {} was {}", kind_name(model),
+      ambiguous ? "ambiguous" : "unexplained: something is left that no cause explains");
+  const char* separator = ambiguous ? ": " : "; ";
+  for (const AppliedCause& applied : model.causes) {
+    if (applied.alternatives.empty()) continue;
+    text += fmt::format("{}{} could as well be {}", separator, applied.id,
+                        fmt::join(applied.alternatives, " or "));
+    separator = "; ";
+  }
+  return text;
+}
+
+/// Parameters of a cause that no gearbox shows.
+std::vector<std::string> implausible_parameters(const AppliedCause& applied,
+                                                const calibrate::Cause& cause,
+                                                calibrate::Kind kind) {
+  std::vector<std::string> lines;
+  const auto records = cause.parameters(applied.form, kind);
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const auto& record = records[i];
+    const double value = applied.value[i];
+    if (value >= record.plausible_low && value <= record.plausible_high) continue;
+    lines.push_back(fmt::format("{} {:.4g}{}{} is outside the plausible {:.4g} to {:.4g}",
+                                spaced(record.name), clean(value), record.unit.empty() ? "" : " ",
+                                record.unit, record.plausible_low, record.plausible_high));
+  }
+  // Those that follow from the parameters are known by their names only.
+  for (const std::string& name : applied.implausible) {
+    if (std::ranges::find(records, name, &calibrate::ParameterRecord::name) == records.end()) {
+      lines.push_back(fmt::format("{} is outside what is plausible", spaced(name)));
+    }
+  }
+  return lines;
+}
+
 }  // namespace
+
+std::vector<std::string> cautions(const ModelUse& use) {
+  std::vector<std::string> lines;
+  for (const ExtendedModel& model : use.models) {
+    const std::string verdict = verdict_caution(model);
+    if (!verdict.empty()) lines.push_back(fmt::format("{}: {}", use.file, verdict));
+  }
+  for_each_cause(use, [&](const ExtendedModel& model, const AppliedCause& applied,
+                          const calibrate::Cause& cause, std::size_t /*place*/) {
+    for (const std::string& line : implausible_parameters(applied, cause, model.kind)) {
+      lines.push_back(fmt::format("{}: {}: {}: distrust", use.file, cause.id, line));
+    }
+  });
+  return lines;
+}
+
+std::string diagnosed_model_paragraph(const ModelUse& use) {
+  std::string text = fmt::format("With the model {}\n", use.file);
+  for (const ExtendedModel& model : use.models) {
+    text += fmt::format("  {}, measured on \"{}\" ({}; {})\n", kind_name(model), model.name,
+                        model.files.empty() ? std::string("files not stated")
+                                            : fmt::format("{}", fmt::join(model.files, ", ")),
+                        fingerprint_text(model));
+    if (model.causes.empty()) text += "    no causes\n";
+    const ModelUse one{.file = use.file, .models = {model}};
+    for_each_cause(one, [&](const ExtendedModel& m, const AppliedCause& applied,
+                            const calibrate::Cause& cause, std::size_t place) {
+      const bool of_other_data = cause.remedy == calibrate::Remedy::kProcedure;
+      text += fmt::format("    {}{}\n", cause_text(m, applied, cause, place),
+                          of_other_data ? "; of other data, no part of this result" : "");
+    });
+  }
+  return text;
+}
 
 std::vector<std::string> cause_lines(const ModelUse& use) {
   std::vector<std::string> lines;
   for_each_cause(use, [&](const ExtendedModel& model, const AppliedCause& applied,
                           const calibrate::Cause& cause, std::size_t place) {
-    std::string text = fmt::format("{} ({}, {}", cause.title, cause.id, applied.form.name);
-    if (!applied.form.body.empty() && applied.form.body != applied.form.name) {
-      text += ", " + applied.form.body;
-    }
-    if (applied.form.order != 0.0) text += fmt::format(", order {:.5g}", applied.form.order);
-    text += "):";
-    const auto parameters = cause.parameters(applied.form, model.kind);
-    for (std::size_t i = 0; i < parameters.size(); ++i) {
-      std::string name(parameters[i].name);
-      for (char& c : name) {
-        if (c == '_') c = ' ';
-      }
-      text += fmt::format("{} {} {:.5g}", i == 0 ? "" : ",", name, applied.value[i]);
-      if (!parameters[i].unit.empty()) text += fmt::format(" {}", parameters[i].unit);
-      if (const auto sd = deviation_of(model, place + i)) text += fmt::format(", sd {:.2g}", *sd);
-    }
+    lines.push_back(cause_text(model, applied, cause, place));
     if (!calibrate::changes_gearbox(applied, model.kind)) {
-      text += "; of the measurement, no part of this result";
+      lines.back() += "; of the measurement, no part of this result";
     }
-    lines.push_back(text);
   });
   return lines;
 }
@@ -75,9 +169,7 @@ void add_model(ordered_json& json, const ModelUse& use) {
   ordered_json causes = ordered_json::array();
   for_each_cause(use, [&](const ExtendedModel& model, const AppliedCause& applied,
                           const calibrate::Cause& cause, std::size_t place) {
-    ordered_json one{{"id", cause.id},
-                     {"kind", calibrate::kKindNames[static_cast<std::size_t>(model.kind)]},
-                     {"form", applied.form.name}};
+    ordered_json one{{"id", cause.id}, {"kind", kind_name(model)}, {"form", applied.form.name}};
     if (!applied.form.body.empty()) one["body"] = applied.form.body;
     if (applied.form.order != 0.0) one["order"] = applied.form.order;
     ordered_json parameters = ordered_json::array();
@@ -92,7 +184,19 @@ void add_model(ordered_json& json, const ModelUse& use) {
     one["changes_gearbox"] = calibrate::changes_gearbox(applied, model.kind);
     causes.push_back(std::move(one));
   });
-  json["model"] = {{"file", use.file}, {"causes", std::move(causes)}};
+  ordered_json data = ordered_json::array();
+  for (const ExtendedModel& model : use.models) {
+    data.push_back(
+        {{"kind", kind_name(model)},
+         {"name", model.name},
+         {"data_files", model.files},
+         {"data_fingerprint", fingerprint_text(model)},
+         {"verdict",
+          model.verdict
+              ? ordered_json(calibrate::kVerdictNames[static_cast<std::size_t>(*model.verdict)])
+              : ordered_json(nullptr)}});
+  }
+  json["model"] = {{"file", use.file}, {"causes", std::move(causes)}, {"data", std::move(data)}};
   if (use.lost_motion_shift_rad != 0.0) {
     json["model"]["lost_motion_limits_lowered_arcmin"] = arcmin(use.lost_motion_shift_rad);
   }

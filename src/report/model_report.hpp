@@ -24,7 +24,15 @@ std::vector<std::string> cause_lines(const ModelUse& model);
 /// A paragraph for tables that have no rows for it.
 std::string model_paragraph(const ModelUse& model);
 
-/// Adds `model`: { "file", "causes": [...] }.
+/// The same for a diagnosis, with what each model was measured on.  There sensors act too; sessions
+/// and drift are those of other data.
+std::string diagnosed_model_paragraph(const ModelUse& model);
+
+/// Why not to trust a model as it stands, a line each: a diagnosis that was ambiguous or left
+/// something unexplained, parameters that no gearbox shows.
+std::vector<std::string> cautions(const ModelUse& model);
+
+/// Adds `model`: { "file", "causes": [...], "data": [...] }.
 void add_model(nlohmann::ordered_json& json, const ModelUse& model);
 
 }  // namespace gear3k::report

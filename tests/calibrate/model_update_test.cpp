@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "calibrate/diagnosis.hpp"
+
 namespace gear3k::calibrate {
 namespace {
 
@@ -47,6 +49,26 @@ TEST(ModelUpdate, StepsOfEarlierDataAreLeftOutWithTheirCovariance) {
   EXPECT_EQ(result[0].causes[0].id, "drag_constant");
   EXPECT_EQ(result[0].covariance,
             (std::vector<double>{4.0, 0.0, 0.0, 0.0, 7.0, 0.1, 0.0, 0.1, 9.0}));
+}
+
+TEST(ModelUpdate, WhatWasAmbiguousStaysSo) {
+  const auto joint = [](Verdict before, Verdict after, bool found_a_cause) {
+    auto earlier = model_of(Kind::kTransmission, {drag(0.02)}, {4.0}, 1);
+    earlier.causes[0].alternatives = {"sensor_offset"};
+    earlier.verdict = before;
+    auto found = found_a_cause ? model_of(Kind::kTransmission, {level(0.3)}, {9.0}, 2)
+                               : model_of(Kind::kTransmission, {}, {}, 2);
+    found.verdict = after;
+    const ExtendedModel result = updated_models({earlier}, {found}).at(0);
+    EXPECT_EQ(result.causes.at(0).alternatives, (std::vector<std::string>{"sensor_offset"}));
+    return result.verdict.value();
+  };
+  using enum Verdict;
+  EXPECT_EQ(joint(kAmbiguous, kExplained, true), kAmbiguous);
+  EXPECT_EQ(joint(kAmbiguous, kNoDiscrepancy, false), kAmbiguous);
+  EXPECT_EQ(joint(kAmbiguous, kUnexplained, true), kUnexplained);
+  EXPECT_EQ(joint(kExplained, kUnexplained, false), kUnexplained);
+  EXPECT_EQ(joint(kUnexplained, kExplained, true), kExplained);
 }
 
 TEST(ModelUpdate, WithNothingNewAModelStaysAsItIs) {

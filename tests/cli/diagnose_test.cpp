@@ -1,17 +1,21 @@
 // `gear3k diagnose`: what is printed, files, figures, exit codes, bad input.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <boost/property_tree/xml_parser.hpp>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "io/csv_table.hpp"
+#include "tests/calibrate/built_design.hpp"
 #include "tests/cli/other_path.hpp"
 #include "tests/cli/run_program.hpp"
 #include "tests/rig/rig.hpp"
+#include "tests/rig/rig_train.hpp"
 
 namespace gear3k {
 namespace {
@@ -50,7 +54,7 @@ void prepare(const Workplace& place) {
 }
 
 const std::vector<std::string> kFigures{"evidence.svg", "measured_vs_simulated.svg",
-                                        "residuals.svg"};
+                                        "periodogram.svg", "residuals.svg"};
 
 TEST(Diagnose, FindsTheDragAndSaysSoInWords) {
   const Workplace place;
@@ -82,11 +86,11 @@ TEST(Diagnose, WritesResultsAndFigures) {
   const ProgramResult result =
       place.run({"diagnose", "gear.toml", "data.csv", "--out", "a/b", "--format", "json"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_EQ(
-      place.listing(),
-      (std::vector<std::string>{
-          "a", "a/b", "a/b/diagnosis.json", "a/b/evidence.svg", "a/b/measured_vs_simulated.svg",
-          "a/b/model.toml", "a/b/residuals.csv", "a/b/residuals.svg", "data.csv", "gear.toml"}));
+  EXPECT_EQ(place.listing(),
+            (std::vector<std::string>{"a", "a/b", "a/b/diagnosis.json", "a/b/evidence.svg",
+                                      "a/b/measured_vs_simulated.svg", "a/b/model.toml",
+                                      "a/b/periodogram.svg", "a/b/residuals.csv",
+                                      "a/b/residuals.svg", "data.csv", "gear.toml"}));
   EXPECT_EQ(place.read("a/b/diagnosis.json"), result.out);
   EXPECT_EQ(place.read("a/b/residuals.csv"),
             place.run({"diagnose", "gear.toml", "data.csv", "--format", "csv"}).out);
@@ -146,6 +150,41 @@ TEST(Diagnose, ItsModelLeavesNothingToFind) {
   EXPECT_EQ(place.read("second/model.toml"), place.read("first/model.toml"));
 }
 
+TEST(Diagnose, TheResultSaysWithWhichModelItWasMade) {
+  const Workplace place;
+  prepare(place);
+  place.write("other.toml", replaced(design(), "name = \"", "name = \"other "));
+  ASSERT_EQ(place.run({"diagnose", "other.toml", "data.csv", "--out", "first"}).exit_code, 0);
+  const std::string model = place.read("first/model.toml");
+  EXPECT_TRUE(contains(model, "verdict = \"")) << model;
+  place.write("model.toml",
+              replaced(replaced(model, "verdict = \"explained\"", "verdict = \"ambiguous\""),
+                       "form = \"sun\"\n", "form = \"sun\"\nalternatives = [\"sensor_offset\"]\n"));
+  const std::vector<std::string> words{"diagnose", "gear.toml", "data.csv", "--model",
+                                       "model.toml"};
+  auto with = words;
+  with.insert(with.end(), {"--format", "json", "--seed", "3", "--false-discovery-rate", "0.02"});
+  const ProgramResult result = place.run(with);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const json data = json::parse(result.out);
+  EXPECT_EQ(data.at("seed"), 3);
+  EXPECT_EQ(data.at("false_discovery_rate"), 0.02);
+  EXPECT_EQ(data.at("model").at("file"), "model.toml");
+  EXPECT_EQ(data.at("model").at("causes").at(0).at("id"), "drag_constant");
+  EXPECT_EQ(data.at("model").at("data").at(0).at("data_files"), json::array({"data.csv"}));
+  for (const char* part :
+       {"model: model.toml: measured on \"other ", "could as well be sensor_offset"}) {
+    EXPECT_TRUE(contains(result.err, part)) << result.err;
+  }
+  EXPECT_TRUE(contains(data.at("notes").dump(), "could as well be sensor_offset"));
+  const std::string table = place.run(words).out;
+  EXPECT_TRUE(table.starts_with("With the model model.toml\n  transmission, measured on \"other "))
+      << table;
+  auto quiet = words;
+  quiet.emplace_back("--quiet");
+  EXPECT_EQ(place.run(quiet).err, "");
+}
+
 TEST(Diagnose, TheModelThatItReadIsNotReplaced) {
   const Workplace place;
   prepare(place);
@@ -174,14 +213,35 @@ TEST(Diagnose, SameInputGivesTheSameBytesWhateverTheThreads) {
 }
 
 TEST(Diagnose, ABlackBoxStandsInForADesign) {
+  // A catalogue that states the gearbox's own efficiencies: the drag is all that it misses.
+  const rig::Gearbox gearbox = rig::bilateral_drive_gear();
+  const auto efficiency = [&](bool forward) {
+    return rig::measured_efficiency(gearbox, {.forward = forward}, {});
+  };
   const Workplace place;
-  place.write("box.toml",
-              "name = \"box\"\n[gearbox]\nratio = 96.24\nefficiency_forward = 0.9\n"
-              "efficiency_backward = 0.88\n");
+  place.write(
+      "box.toml",
+      fmt::format("name = \"box\"\n[gearbox]\nratio = {:.12g}\nefficiency_forward = "
+                  "{:.12g}\nefficiency_backward = {:.12g}\n",
+                  std::abs(rig::make_train(gearbox).ratio), efficiency(true), efficiency(false)));
   place.write("data.csv", dragged_data());
   const ProgramResult result = place.run({"diagnose", "box.toml", "data.csv", "--format", "json"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_EQ(json::parse(result.out).at("subject"), "box");
+  const json data = json::parse(result.out);
+  EXPECT_EQ(data.at("subject"), "box");
+  ASSERT_EQ(data.at("effects").size(), 1U);
+  const json& effect = data.at("effects").at(0);
+  EXPECT_EQ(effect.at("id"), "drag_constant");
+  const json& torque = effect.at("parameters").at(0);
+  EXPECT_EQ(torque.at("name"), "torque");
+  EXPECT_EQ(torque.at("unit"), "Nm");
+  // Within its interval, which is no wider than a third of it.
+  constexpr double kHidden = 0.02;
+  const double low = torque.at("ci95").at(0).get<double>();
+  const double high = torque.at("ci95").at(1).get<double>();
+  EXPECT_LE(low, kHidden);
+  EXPECT_GE(high, kHidden);
+  EXPECT_LT(high - low, kHidden / 3.0);
 }
 
 TEST(Diagnose, TorqueAngleRecordsBecomeLostMotion) {
@@ -213,6 +273,51 @@ TEST(Diagnose, SeveralKindsAreDiagnosedOneByOne) {
   EXPECT_EQ(data.at("kinds").at(0).at("kind"), "transmission");
   EXPECT_EQ(data.at("kinds").at(1).at("kind"), "lost_motion");
   EXPECT_TRUE(place.has("out/residuals_lost_motion.svg"));
+}
+
+TEST(Diagnose, FiguresOfAnEarlierRunWithOtherKindsAreRemovedAndNothingElse) {
+  const Workplace place;
+  prepare(place);
+  std::filesystem::create_directory(place.file("out"));
+  place.write("out/evidence_lost_motion.svg", "");
+  place.write("out/periodogram_pair_loss.svg", "");
+  place.write("out/evidence_mine.svg", "");
+  place.write("out/evidence_lost_motion.svg.previous", "");
+  const ProgramResult result = place.run({"diagnose", "gear.toml", "data.csv", "--out", "out"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_FALSE(place.has("out/evidence_lost_motion.svg"));
+  EXPECT_FALSE(place.has("out/periodogram_pair_loss.svg"));
+  EXPECT_TRUE(contains(result.err, "out/evidence_lost_motion.svg: was of an earlier run, removed"))
+      << result.err;
+  EXPECT_TRUE(place.has("out/evidence_mine.svg"));
+  EXPECT_TRUE(place.has("out/evidence_lost_motion.svg.previous"));
+  for (const std::string& name : kFigures) EXPECT_TRUE(place.has("out/" + name)) << name;
+}
+
+TEST(Diagnose, ALimitBeyondTheDataIsBothEnds) {
+  const Workplace place;
+  place.write("gear.toml", design());
+  rig::Plan plan = small_plan();
+  plan.both_rotations = false;
+  place.write("data.csv",
+              rig::measure(rig::bilateral_drive_gear(), plan,
+                           {{.id = "drag_constant", .variant = "sun", .amplitude = 0.02}}, 7)
+                  .csv);
+  // The data end at 1000 rpm and begin at 5 Nm.
+  const ProgramResult result =
+      place.run({"diagnose", "gear.toml", "data.csv", "--format", "json", "--min-sun-speed-rpm",
+                 "1500", "--max-output-torque-nm", "2", "--max-test-torque-nm", "3"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const json next = json::parse(result.out).at("next_experiment");
+  ASSERT_FALSE(next.is_null());
+  for (const json& condition : next.at("conditions")) {
+    EXPECT_NEAR(condition.at("sun_speed_rpm").get<double>(), 1500.0, 1e-9);
+    EXPECT_NEAR(condition.at("output_torque_nm").get<double>(), 2.0, 1e-9);
+  }
+  EXPECT_TRUE(
+      contains(result.err, "--max-test-torque-nm: no effect, as the data state no test_torque_nm"))
+      << result.err;
+  EXPECT_FALSE(contains(result.err, "sun_speed")) << result.err;
 }
 
 TEST(Diagnose, TheNextExperimentKeepsItsLimits) {
@@ -298,8 +403,32 @@ TEST(Diagnose, DataThatTheSubjectCannotAnswerAreRefused) {
   place.write("pair.toml", test::example("pair_internal.toml"));
   const ProgramResult result = place.run({"diagnose", "pair.toml", "data.csv"});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_TRUE(contains(result.err, "pair.toml: ")) << result.err;
-  EXPECT_TRUE(contains(result.err, "transmission")) << result.err;
+  EXPECT_EQ(result.err,
+            "pair.toml: a PAIR explains pair_loss data only: transmission data (data.csv): allowed "
+            "with a DESIGN or a black box\n");
+  place.write("lost.csv",
+              rig::measure(rig::bilateral_drive_gear(), rig::lost_motion_plan(), {}, 3).csv);
+  place.write("box.toml",
+              "[gearbox]\nratio = 96.24\nefficiency_forward = 0.9\nefficiency_backward = 0.88\n");
+  EXPECT_EQ(place.run({"diagnose", "box.toml", "lost.csv"}).err,
+            "box.toml: gearbox.backlash_arcmin is not stated and lost_motion data (lost.csv) need "
+            "it: allowed: a number of at least 0\n");
+}
+
+TEST(Diagnose, FilesInTheWrongPlaceAreToldByWhatTheyLookLike) {
+  const Workplace place;
+  prepare(place);
+  place.write("spec.toml", test::example("rp96.toml"));
+  const ProgramResult result =
+      place.run({"diagnose", "spec.toml", "gear.toml", "--model", "gear.toml"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(lines_of(result.err).size(), 3U) << result.err;
+  for (const char* part :
+       {"spec.toml: looks like a SPEC: it has [ratio]; SUBJECT takes ",
+        "gear.toml: looks like a DESIGN: it has [gears]; DATA takes ",
+        "gear.toml: looks like a DESIGN: it has [gears]; --model takes a model.toml of diagnose"}) {
+    EXPECT_TRUE(contains(result.err, part)) << part << '\n' << result.err;
+  }
 }
 
 TEST(Diagnose, ARecordWithoutALoopIsAnError) {
@@ -332,6 +461,14 @@ TEST(Diagnose, UsageErrors) {
   EXPECT_TRUE(contains(limits.err, "--false-discovery-rate = 0: allowed: above 0, up to 0.5"))
       << limits.err;
   EXPECT_TRUE(contains(limits.err, "allowed: min <= max")) << limits.err;
+  for (const std::string& seed :
+       std::vector<std::string>{"-1", "18446744073709551616", "x", "1.5", "0x10"}) {
+    const ProgramResult wrong = place.run({"diagnose", "gear.toml", "data.csv", "--seed", seed});
+    EXPECT_EQ(wrong.exit_code, 1) << seed;
+    EXPECT_TRUE(contains(
+        wrong.err, "--seed = " + seed + ": allowed: a whole number, 0 to 18446744073709551615"))
+        << wrong.err;
+  }
   EXPECT_EQ(place.run({"diagnose", "--help"}).exit_code, 0);
 }
 

@@ -105,6 +105,38 @@ TEST(ModelOption, LeavingTheRangeAndAnotherGearboxAreToldOnStderrAndInTheNotes) 
   EXPECT_EQ(place.run({"analyze", "gear.toml", "--model", "model.toml", "--quiet"}).err, "");
 }
 
+/// A sun drag that could as well be the sensor, and one friction that no gearbox shows.
+std::string doubtful() {
+  return replaced(replaced(kDrag, "[transmission.range]",
+                           "verdict = \"ambiguous\"\n[transmission.range]"),
+                  "body = \"sun\"\n",
+                  "body = \"sun\"\nalternatives = [\"sensor_offset\", \"drag_viscous\"]\n") +
+         "[transmission.causes.friction_direction]\nform = \"forward_backward\"\nasymmetry = "
+         "-0.9\n";
+}
+
+TEST(ModelOption, ADoubtfulModelIsToldWhereverItIsUsed) {
+  const Workplace place;
+  place.write("gear.toml", at_point());
+  place.write("model.toml", doubtful());
+  for (const char* command : {"analyze", "map"}) {
+    const ProgramResult result =
+        place.run({command, "gear.toml", "--model", "model.toml", "--format", "json"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const std::string notes = json::parse(result.out).at("notes").dump();
+    for (const char* part :
+         {"the diagnosis of transmission was ambiguous: drag_constant could as well be "
+          "sensor_offset or drag_viscous",
+          "friction_direction: asymmetry -0.9 is outside the plausible -0.6 to 0.6: distrust"}) {
+      EXPECT_TRUE(contains(result.err, part)) << result.err;
+      EXPECT_TRUE(contains(notes, part)) << notes;
+    }
+  }
+  place.write("model.toml", kDrag);
+  EXPECT_EQ(place.run({"analyze", "gear.toml", "--model", "model.toml"}).err, "")
+      << "of a model that states no verdict nothing is known";
+}
+
 TEST(ModelOption, WithoutAnOperatingPointTheMiddleOfTheModelsRangeIsTakenAndSaid) {
   const Workplace place;
   place.write("gear.toml", bilateral());
@@ -230,6 +262,34 @@ TEST(ModelOption, OptimizeKeepsTheLimitOfLostMotionWithTheModelsClearance) {
   const io::CsvTable table = io::parse_csv(place.read("out/refined.csv"), "refined.csv");
   EXPECT_LE(table.number(table.rows[0], "backlash_arcmin").value(), 9.5 + 1e-4);
   EXPECT_TRUE(contains(place.read("out/best.toml"), "max_output_arcmin = 9.5"));
+}
+
+TEST(ModelOption, OptimizeTellsOfAnotherGearboxAndOfDoubts) {
+  const Workplace place;
+  place.write("spec.toml", "name = \"new gear\"\n" + one_set());
+  place.write("model.toml", doubtful());
+  const ProgramResult result =
+      place.run({"optimize", "spec.toml", "--out", "out", "--model", "model.toml"});
+  for (const char* part : {"measured on \"bilateral drive gear\", applied to \"new gear\"",
+                           "could as well be sensor_offset", "outside the plausible"}) {
+    EXPECT_TRUE(contains(result.err, part)) << part << '\n' << result.err;
+  }
+}
+
+TEST(ModelOption, OptimizeSaysAtOnceThatNoTeethKeepALimitBelowTheModelsLostMotion) {
+  const Workplace place;
+  place.write("spec.toml", one_set());
+  place.write("model.toml", replaced(replaced(kClearance, "0.1", "0.0"), "2.5", "30.0"));
+  std::filesystem::create_directory(place.file("out"));
+  place.write("out/best.toml", "");
+  const ProgramResult result =
+      place.run({"optimize", "spec.toml", "--out", "out", "--model", "model.toml"});
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_TRUE(
+      contains(result.err, "spec.toml: backlash.max_output_arcmin = 12: the model adds 30 arcmin"))
+      << result.err;
+  EXPECT_FALSE(place.has("out/refined.csv")) << "nothing is searched";
+  EXPECT_FALSE(place.has("out/best.toml")) << "of an earlier run";
 }
 
 }  // namespace

@@ -105,7 +105,18 @@ TEST_P(PublishedPrototypes, TheMeasurementThatWouldTellIsProposed) {
     for (const char* key : {"direction", "sun_speed_rpm", "output_torque_nm", "repeats"}) {
       EXPECT_TRUE(condition.contains(key)) << condition;
     }
+    EXPECT_GT(condition["repeats"].get<int>(), 0);
   }
+  // It tells some of them apart, or says of which that it cannot.
+  constexpr double kTold = 9.0;
+  const auto advice = next["advice"].get<std::string>();
+  const auto named = std::ranges::count_if(next["separates"], [&](const json& id) {
+    return advice.find(id.get<std::string>()) != std::string::npos;
+  });
+  if (next["expected_statistic"].get<double>() < kTold) {
+    EXPECT_GE(named, 2) << next["expected_statistic"] << ' ' << advice;
+  }
+  EXPECT_TRUE(advice.empty() || named >= 2) << advice;
 }
 
 TEST_P(PublishedPrototypes, TheTableSaysSo) {

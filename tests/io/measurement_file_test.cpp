@@ -719,15 +719,54 @@ TEST(Measurements, MoreThanAFifthMissingIsRefused) {
   EXPECT_EQ(errors_of(kTransmission + forward_rows(8) + "forward,200,30,\nforward,200,31,\n"), "");
 }
 
-TEST(Measurements, RepetitionsOfAWholeRowAreLeftOutOnceAndNamed) {
-  const auto set = set_of(kTransmission +
-                          "forward,200,5,0.06\nforward,200,6,0.07\nforward,200.0,5,6e-2\n"
-                          "backward,200,5,0.06\nforward,200,5,0.06\n");
+/// Rows of a transmission, with one more column.
+std::string transmission_with(const std::string& column, const std::string& rows) {
+  return "# kind: transmission\n"
+         "direction,sun_speed_rpm,output_torque_nm,sun_torque_nm," +
+         column + "\n" + rows;
+}
+
+TEST(Measurements, RepetitionsOfATimedRowAreLeftOutOnceAndNamed) {
+  const auto set = set_of(
+      transmission_with("time_s",
+                        "forward,200,5,0.06,1\nforward,200,6,0.07,2\nforward,200.0,5,6e-2,1\n"
+                        "backward,200,5,0.06,3\nforward,200,5,0.06,1.0\n"));
   ASSERT_EQ(set.rows.size(), 3U);
   EXPECT_EQ(set.rows[0].line, 3);
   EXPECT_EQ(set.rows[2].line, 6);
   expect_in("data.csv: lines 5, 7: rows left out, the same in every column as a row before",
             notes_of(set));
+}
+
+TEST(Measurements, EqualReadingsOfACoarseSensorAreRepeatsAndCounted) {
+  std::string rows;
+  for (int k = 0; k < 60; ++k) rows += fmt::format("forward,200,20,0.{}\n", 240 + k % 5);
+  const auto set = set_of(kTransmission + rows);
+  EXPECT_EQ(set.rows.size(), 60U);
+  expect_in(
+      "data.csv: 55 rows are the same in every column as one before, kept as repeats: no time_s or "
+      "output_angle_deg tells copies from repeats",
+      notes_of(set));
+  // Neither does a column that stays as it is.
+  std::string warm;
+  for (int k = 0; k < 60; ++k) warm += fmt::format("forward,200,20,0.{},45\n", 240 + k % 5);
+  EXPECT_EQ(set_of(transmission_with("humidity", warm)).rows.size(), 60U);
+}
+
+TEST(Measurements, AnAngleOrACountOfItsOwnTellsCopiesFromRepeats) {
+  for (const char* column : {"output_angle_deg", "sample"}) {
+    std::string rows;
+    for (int k = 0; k < 40; ++k) rows += fmt::format("forward,200,20,0.24,{}\n", 3 * (k % 30));
+    const auto set = set_of(transmission_with(column, rows));
+    EXPECT_EQ(set.rows.size(), 30U) << column;
+    expect_in("rows left out, the same in every column as a row before", notes_of(set));
+  }
+}
+
+TEST(Measurements, AnglesThatAreSetAgainDoNotMakeRepeatsCopies) {
+  std::string text = "# kind: lost_motion\noutput_angle_deg,test_torque_nm,lost_motion_arcmin\n";
+  for (int k = 0; k < 40; ++k) text += fmt::format("{},5,{}\n", 90 * (k % 4), 8 + k / 4 % 3);
+  EXPECT_EQ(set_of(text).rows.size(), 40U);
 }
 
 TEST(Measurements, RowsThatDifferInAnyColumnAreNoRepetitions) {

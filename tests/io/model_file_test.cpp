@@ -7,6 +7,7 @@
 #include <random>
 #include <stdexcept>
 
+#include "calibrate/diagnosis.hpp"
 #include "calibrate/form_catalogue.hpp"
 #include "io/diagnostics.hpp"
 
@@ -34,6 +35,7 @@ void expect_same(const ExtendedModel& a, const ExtendedModel& b) {
   EXPECT_EQ(a.kind, b.kind);
   EXPECT_EQ(a.fingerprint, b.fingerprint);
   EXPECT_EQ(a.files, b.files);
+  EXPECT_EQ(a.verdict, b.verdict);
   ASSERT_EQ(a.range.size(), b.range.size());
   for (std::size_t k = 0; k < a.range.size(); ++k) {
     EXPECT_EQ(a.range[k].name, b.range[k].name);
@@ -51,6 +53,8 @@ void expect_same(const ExtendedModel& a, const ExtendedModel& b) {
     const AppliedCause& other = b.causes[k];
     EXPECT_EQ(one.id, other.id);
     EXPECT_EQ(one.value, other.value);
+    EXPECT_EQ(one.alternatives, other.alternatives);
+    EXPECT_EQ(one.implausible, other.implausible);
     EXPECT_EQ(one.form.name, other.form.name);
     EXPECT_EQ(one.form.body, other.form.body);
     EXPECT_EQ(one.form.order, other.form.order);
@@ -72,6 +76,7 @@ ExtendedModel everything(Kind kind, std::mt19937_64& generator) {
   m.name = "gear \"A\"\\";
   m.files = {"a b.csv", "ü.csv"};
   m.fingerprint = generator();
+  m.verdict = static_cast<calibrate::Verdict>(static_cast<int>(kind));
   m.range = {{.name = "sun_speed", .unit = "rpm", .low = 200.0, .high = 1000.0 / 3.0},
              {.name = "temperature",
               .unit = "c",
@@ -92,6 +97,8 @@ ExtendedModel everything(Kind kind, std::mt19937_64& generator) {
           const double high = std::min(p.upper, 10.0);
           applied.value.push_back(low + (high - low) * share(generator));
         }
+        if (m.causes.size() % 2 == 0) applied.alternatives = {"sensor_gain", "bearing_load"};
+        if (m.causes.size() % 3 == 0) applied.implausible = {"amplitude"};
         count += applied.value.size();
         m.causes.push_back(applied);
       }
@@ -216,6 +223,27 @@ TEST(ModelFile, EveryErrorHasItsPlaceAndWhatIsAllowed) {
     for (const std::string& part : one.parts) {
       EXPECT_TRUE(contains(errors, part)) << "wanted: " << part << "\ngot: " << errors;
     }
+  }
+}
+
+TEST(ModelFile, AWrongFormDoesNotHideWhatElseIsWrongWithACause) {
+  const std::string errors = errors_of(
+      "[transmission.causes.drag_constant]\nform = \"sum\"\ntorqe_nm = 0.01\nbody = \"sun\"\n");
+  for (const char* part :
+       {"m.toml:2:", "did you mean \"sun\"?", "m.toml:3:", "did you mean torque_nm?"}) {
+    EXPECT_TRUE(contains(errors, part)) << part << '\n' << errors;
+  }
+  EXPECT_FALSE(contains(errors, "drag_constant.body")) << "another form has it: " << errors;
+}
+
+TEST(ModelFile, VerdictAndAlternativesAreChecked) {
+  const std::string errors = errors_of(
+      "[transmission]\nverdict = \"unsure\"\n[transmission.causes.drag_constant]\nform = "
+      "\"sun\"\ntorque_nm = 0.01\nalternatives = [\"sensor_ofset\"]\nimplausible = \"x\"\n");
+  for (const char* part :
+       {"m.toml:2:", "\"no_discrepancy\" or \"explained\" or \"ambiguous\" or \"unexplained\"",
+        "m.toml:6:", "did you mean sensor_offset?", "m.toml:7:", "a list of texts"}) {
+    EXPECT_TRUE(contains(errors, part)) << part << '\n' << errors;
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <boost/property_tree/xml_parser.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -141,7 +142,7 @@ TEST(DiagnosisTable, SaysInPercentHowFarOffTheSimulationIsAndWhy) {
       << text;
   // 1 - 0.004/0.02.
   EXPECT_TRUE(contains(text, "80 % better")) << text;
-  EXPECT_TRUE(contains(text, "beyond the fit, load 40 Nm (1 rows)")) << text;
+  EXPECT_TRUE(contains(text, "beyond the fit, load 40 Nm (1 row)")) << text;
   EXPECT_TRUE(contains(text, "nothing beyond noise")) << text;
 }
 
@@ -309,6 +310,70 @@ TEST(DiagnosisJson, SeveralKindsGiveTheWorstVerdictAndAllEffects) {
   EXPECT_NEAR(data.at("kinds").at(1).at("rmse").at("baseline_train").get<double>(), 1.0, 1e-12);
 }
 
+TEST(DiagnosisJson, OfSeveralKindsNothingOfTheLaterOnesIsHidden) {
+  Case c = two_kinds();
+  c.diagnoses[1].effects[0].parameters[0].plausible = false;
+  calibrate::NextExperiment next;
+  next.separates = {"clearance", "compliance"};
+  c.diagnoses[1].next_experiment = next;
+  const json data = c.as_json();
+  ASSERT_EQ(data.at("physically_implausible").size(), 1U);
+  EXPECT_EQ(data.at("physically_implausible").at(0).at("kind"), "lost_motion");
+  EXPECT_EQ(data.at("next_experiment").at("kind"), "lost_motion");
+  EXPECT_EQ(data.at("next_experiment").at("separates").at(0), "clearance");
+  EXPECT_TRUE(data.at("kinds").at(0).at("next_experiment").is_null());
+}
+
+DiagnosisSetup with_model() {
+  calibrate::ExtendedModel model;
+  model.name = "first gear";
+  model.files = {"old.csv"};
+  model.fingerprint = 0xabcU;
+  model.causes = {
+      {.id = "drag_constant", .form = {.name = "sun", .body = "sun"}, .value = {0.0125}}};
+  return {.seed = 17,
+          .false_discovery_rate = 0.01,
+          .model = ModelUse{.file = "m.toml", .models = {model}}};
+}
+
+TEST(DiagnosisJson, SaysWithWhichModelSeedAndRateItWasMade) {
+  const Case c = dragged();
+  const json data = json::parse(diagnosis_json(c.diagnoses, c.sets, with_model()));
+  EXPECT_EQ(data.at("seed"), 17);
+  EXPECT_EQ(data.at("false_discovery_rate"), 0.01);
+  const json& model = data.at("model");
+  EXPECT_EQ(model.at("file"), "m.toml");
+  EXPECT_EQ(model.at("causes").at(0).at("parameters").at(0).at("value"), 0.0125);
+  EXPECT_EQ(model.at("data").at(0).at("name"), "first gear");
+  EXPECT_EQ(model.at("data").at(0).at("data_files"), json::array({"old.csv"}));
+  EXPECT_EQ(model.at("data").at(0).at("data_fingerprint"), "fnv1a64:0000000000000abc");
+  EXPECT_FALSE(c.as_json().contains("model"));
+}
+
+TEST(DiagnosisTable, SaysWithWhichModelItWasMade) {
+  const Case c = dragged();
+  const std::string text = diagnosis_table(c.diagnoses, c.sets, with_model());
+  for (const char* part :
+       {"With the model m.toml\n", "measured on \"first gear\" (old.csv; fnv1a64:0000000000000abc)",
+        "torque 0.0125 Nm"}) {
+    EXPECT_TRUE(contains(text, part)) << part << '\n' << text;
+  }
+}
+
+TEST(DiagnosisTable, SmallThingsReadWell) {
+  Case c = dragged();
+  c.diagnoses[0].subject = "";
+  c.diagnoses[0].lack_of_fit.p_value = 0.0;
+  c.diagnoses[0].remainder.significant = true;
+  c.diagnoses[0].remainder.p_value = 1e-120;
+  const std::string text = c.table();
+  EXPECT_TRUE(text.starts_with("8 rows of kind transmission from a.csv\n")) << text;
+  EXPECT_TRUE(contains(text, "F(4, 4) = 30, p < 1e-99.")) << text;
+  EXPECT_TRUE(contains(text, "along nothing that the data state (p < 1e-99)")) << text;
+  EXPECT_TRUE(contains(text, "beyond the fit, load 40 Nm (1 row)")) << text;
+  EXPECT_FALSE(contains(text, "= <")) << text;
+}
+
 TEST(ResidualCsv, HasARowPerMeasurementInUnitsOfTheData) {
   const Case c = two_kinds();
   const io::CsvTable table = io::parse_csv(residual_csv(c.diagnoses, c.sets), "residuals.csv");
@@ -378,6 +443,52 @@ TEST(DiagnosisPlots, WithSeveralKindsNamesEndWithTheKind) {
   const std::vector<Plot> plots = diagnosis_plots(c.diagnoses, c.sets);
   EXPECT_EQ(plots[0].name, "measured_vs_simulated_transmission");
   EXPECT_EQ(plots[5].name, "evidence_lost_motion");
+}
+
+/// With angles over some turns and a line of 3000 orders whose highest is at 2.5.
+Case turning(double turns) {
+  Case c = dragged();
+  for (std::size_t k = 0; k < c.sets[0].rows.size(); ++k) {
+    c.sets[0].rows[k].condition.output_angle_rad =
+        2.0 * std::numbers::pi * turns * static_cast<double>(k) / 7.0;
+  }
+  for (int k = 1; k <= 3000; ++k) {
+    c.diagnoses[0].periodogram.order.push_back(0.01 * k);
+    c.diagnoses[0].periodogram.power.push_back(k == 250 ? 0.625 : 0.001);
+  }
+  return c;
+}
+
+TEST(DiagnosisPlots, APeriodogramIsDrawnOverMoreThanATurnAndKeepsItsPeaks) {
+  const Case c = turning(2.0);
+  const std::vector<Plot> plots = diagnosis_plots(
+      c.diagnoses, c.sets, {{.body = "sun", .order = 7.25}, {.body = "planet", .order = 99.0}});
+  ASSERT_EQ(plots.size(), 4U);
+  EXPECT_EQ(plots[3].name, "periodogram");
+  const std::string& script = plots[3].script;
+  const auto block = script.find("$power << EOD\n") + 14;
+  const std::string points = script.substr(block, script.find("\nEOD", block) + 1 - block);
+  EXPECT_EQ(std::ranges::count(points, '\n'), static_cast<std::ptrdiff_t>(kMostPlottedOrders));
+  EXPECT_TRUE(contains(points, "\n2.5 0.625\n"));
+  const std::string svg = io::run_gnuplot(script);
+  EXPECT_TRUE(contains(svg, "per turn of the output"));
+  EXPECT_TRUE(contains(svg, "sun 7.25"));
+  EXPECT_FALSE(contains(svg, "planet")) << "its order is beyond those that were looked at";
+  const Case less = turning(0.9);
+  EXPECT_EQ(diagnosis_plots(less.diagnoses, less.sets).size(), 3U);
+}
+
+TEST(DiagnosisPlots, EveryNameIsKnownBeforehand) {
+  const std::vector<std::string> names = diagnosis_plot_names();
+  Case several = turning(2.0);
+  const Case other = two_kinds();
+  several.diagnoses.push_back(other.diagnoses[1]);
+  several.sets.push_back(other.sets[1]);
+  for (const Case& c : {turning(2.0), several}) {
+    for (const Plot& plot : diagnosis_plots(c.diagnoses, c.sets)) {
+      EXPECT_NE(std::ranges::find(names, plot.name), names.end()) << plot.name;
+    }
+  }
 }
 
 TEST(DiagnosisPlots, ResidualsOfARunOutAreOverTheAngleOfItsBody) {
