@@ -219,6 +219,8 @@ Score score(const Scenario& scenario, std::uint64_t seed) {
       break;
     case Expectation::kUnexplained:
       result.right = d.remainder.significant;
+      // A cause beside a significant remainder is not named alone: the verdict is `unexplained`,
+      // and whoever reads it knows that the cause is not the whole of it.
       result.wrong = !d.effects.empty() && !d.remainder.significant;
       break;
   }

@@ -25,7 +25,8 @@ namespace {
 
 constexpr double kFriction = 0.5;  ///< of examples/pairs/dry_steel_pair.toml
 constexpr double kAlpha = std::numbers::pi / 9.0;
-/// Errors that the issue and the ledger of errata state, to their last digit.
+/// Errors to their last digit: of pinions left out, which a useful model has to reach; and of the
+/// thesis' own model over all rows, which docs/theory.md refits.
 constexpr double kClaimedError = 0.017;
 constexpr double kThesisError = 0.0276;
 
@@ -352,7 +353,7 @@ TEST(DrySteelPairs, ApproachAndRecessFrictionReachTheErrorOnlyWithImpossibleValu
   const Model whole = two_frictions(PathEnd::kTips);
   const Parameters other = refit(rows, whole, start);
   EXPECT_NEAR(other[0], -2.8, 0.05);
-  EXPECT_NEAR(other[1], 6.9, 0.2);
+  EXPECT_NEAR(other[1], 6.8, 0.05);
   EXPECT_NEAR(error_without_pinion(rows, whole, other), kClaimedError, 0.5e-3);
   // Any two coefficients between 0 and 2, and the loss of all pairs that suits them best, leave
   // more than twice as much, and more than the thesis's corrected model.
