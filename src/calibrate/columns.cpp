@@ -22,6 +22,7 @@ Columns columns_at(const Problem& problem, const Hypothesis& hypothesis,
   all << measured(problem.data) - at.simulated, at.own, at.other;
   problem.noise.whiten(all);
   return {.residual = winsorised(all.col(0), scale),
+          .raw = all.col(0),
           .own = all.middleCols(1, at.own.cols()),
           .other = all.rightCols(at.other.cols()),
           .runs = at.runs};

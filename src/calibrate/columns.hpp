@@ -12,6 +12,7 @@ namespace gear3k::calibrate {
 /// Columns of a hypothesis and of candidates, whitened, and the residual, whitened and winsorised.
 struct Columns {
   Eigen::VectorXd residual;
+  Eigen::VectorXd raw;  ///< the residual, whitened only
   Eigen::MatrixXd own, other;
   bool runs = true;
 };

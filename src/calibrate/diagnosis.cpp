@@ -60,7 +60,7 @@ MeasurementSet simulated_rows(const Simulation& simulation, const MeasurementSet
 /// problem's noise model is changed accordingly.
 SearchResult search_with_noise(Problem& problem, const std::vector<Candidate>& candidates,
                                const SearchOptions& options,
-                               const std::function<bool(double)>& tell,
+                               const std::function<bool(double)>& tell, SessionScatter& sessions,
                                std::vector<std::string>& notes) {
   SearchResult found = search_causes(problem, candidates, options);
   if (!tell(0.4)) return found;
@@ -69,8 +69,9 @@ SearchResult search_with_noise(Problem& problem, const std::vector<Candidate>& c
     notes.emplace_back("the noise grows with the response: rows are weighted accordingly");
     found = search_causes(problem, candidates, options);
   }
-  if (const double scatter = session_variance(problem, found); scatter > 0.0) {
-    problem.noise.session_variance = scatter;
+  sessions = session_scatter(problem, found);
+  if (sessions.guarded > 0.0) {
+    problem.noise.session_variance = sessions.guarded;
     found = search_causes(problem, candidates, options);
   }
   return found;
@@ -151,18 +152,19 @@ struct NoiseLevel {
   double scale = 0.0;
   NoiseSource source = NoiseSource::kResiduals;
 };
-NoiseLevel noise_level(NoiseSource source, const PureError& pure, double scale_of_fit) {
-  if (source == NoiseSource::kStated) return {.scale = 1.0, .source = source};
+NoiseLevel noise_level(const NoiseModel& noise, const PureError& pure, double scale_of_fit) {
+  if (noise.source == NoiseSource::kStated) return {.scale = 1.0, .source = noise.source};
   constexpr int kEnoughRepeats = 10;
-  // Repeats at other angles or times scatter by what varies with those.
+  // Repeats at other angles or times scatter by what varies with those; repeats that agree to the
+  // last digit say nothing.
   constexpr double kMost = 1.15;
   if (pure.degrees >= kEnoughRepeats) {
     const double of_repeats = std::sqrt(pure.sum_of_squares / pure.degrees);
-    if (of_repeats < kMost * scale_of_fit) {
+    if (of_repeats > noise.least_scale() && of_repeats < kMost * scale_of_fit) {
       return {.scale = of_repeats, .source = NoiseSource::kRepeats};
     }
   }
-  return {.scale = scale_of_fit, .source = source};
+  return {.scale = scale_of_fit, .source = noise.source};
 }
 
 /// Whether rows scatter by more than they state, outliers aside, whatever the structure.
@@ -251,8 +253,9 @@ std::optional<Diagnosis> diagnose(const Simulation& simulation, const Measuremen
   const SearchOptions search_options{.rate = kCauseShare * options.false_discovery_rate,
                                      .most_effects = options.most_effects,
                                      .seed = options.seed};
-  const SearchResult found =
-      search_with_noise(problem, candidates_for(simulation, data), search_options, tell, d.notes);
+  SessionScatter sessions;
+  const SearchResult found = search_with_noise(problem, candidates_for(simulation, data),
+                                               search_options, tell, sessions, d.notes);
   if (!tell(0.6)) return std::nullopt;
 
   const Eigen::VectorXd y = measured(data);
@@ -303,7 +306,7 @@ std::optional<Diagnosis> diagnose(const Simulation& simulation, const Measuremen
   d.extrapolation = extrapolate(problem, effects, levels, y, baseline);
   const double row_scale = final.scale > 0.0 ? final.scale : found.scale;
   const double typical_weight = 1.0 / root_mean_square(problem.noise.weight.cwiseInverse());
-  const NoiseLevel noise = noise_level(problem.noise.source, pure, row_scale);
+  const NoiseLevel noise = noise_level(problem.noise, pure, row_scale);
   d.noise_source = noise.source;
   d.errors.noise_floor = noise.scale / typical_weight;
   if (!noise_is_known(noise.source, final) && d.effects.empty()) {
@@ -319,7 +322,7 @@ std::optional<Diagnosis> diagnose(const Simulation& simulation, const Measuremen
         "rows and turns; run-outs and mesh orders were tested all the same",
         remainder_after.highest_order));
   }
-  d.session_deviation = std::sqrt(problem.noise.session_variance) * row_scale / typical_weight;
+  d.session_deviation = std::sqrt(sessions.estimate) * row_scale / typical_weight;
 
   constexpr double kOutlier = 4.0;
   d.rows.resize(all_data.rows.size());
@@ -342,6 +345,8 @@ std::optional<Diagnosis> diagnose(const Simulation& simulation, const Measuremen
   }
   d.remainder.significant = contest.structure;
   d.remainder.p_value = contest.remainder.p_value;
+  d.remainder.constant = contest.structure && contest.remainder.best.along.empty() &&
+                         contest.remainder.best.columns.cols() > 0;
   if (const EmpiricalTerm& term = contest.remainder.best;
       contest.structure && !term.along.empty()) {
     describe_shape(problem, columns_at(problem, effects, {}, found.scale), term, levels,

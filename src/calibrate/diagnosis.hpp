@@ -90,7 +90,8 @@ struct Periodogram {
 /// Structure that no cause explains.
 struct Remainder {
   bool significant = false;
-  std::string along;  ///< covariate; "" = none
+  std::string along;      ///< covariate; "" = none
+  bool constant = false;  ///< the same in all rows
   double p_value = 1.0;
   double order = 0.0;  ///< along "angle": per output revolution; along "time": per span
   /// Its shape: the best empirical term, over the covariate's values [in the column's unit], with

@@ -1,6 +1,8 @@
 #pragma once
 // What the laws of drag have in common: the shaft that the drag brakes.
 
+#include <span>
+#include <string_view>
 #include <vector>
 
 #include "calibrate/cause.hpp"
@@ -25,11 +27,26 @@ inline std::vector<Form> drag_forms(const Occasion& o) {
           {.name = "output", .body = "output", .weight = 0.3}};
 }
 
-inline void add_drag(const Form& form, Scalar design::ShaftDrag<Scalar>::*term,
-                     const Scalar& change, Modification& m) {
+/// Adds the parameter to a term of the shaft's drag.
+template <Scalar design::ShaftDrag<Scalar>::*kTerm>
+void add_drag(const Form& form, std::span<const Scalar> p, const Condition&, Kind,
+              Modification& m) {
   const auto shaft = form.name == "sun" ? design::kSunShaft : design::kOutputShaft;
-  Scalar& drag = m.gearbox.drag[shaft].*term;
-  drag = drag + change;
+  Scalar& drag = m.gearbox.drag[shaft].*kTerm;
+  drag = drag + p[0];
+}
+
+/// A law of drag; the laws are told apart by speeds alone and weigh alike.
+constexpr Cause drag_cause(std::string_view id, std::string_view title,
+                           decltype(Cause::parameters) parameters, decltype(Cause::apply) apply) {
+  return {.id = id,
+          .title = title,
+          .remedy = Remedy::kDrag,
+          .place = Place::kGearbox,
+          .weight = 0.7,
+          .parameters = parameters,
+          .forms = drag_forms,
+          .apply = apply};
 }
 
 }  // namespace gear3k::calibrate

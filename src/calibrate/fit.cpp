@@ -216,7 +216,8 @@ Fit fit(const Problem& problem, Hypothesis start, double scale) {
   result.hypothesis = std::move(start);
   Step step = step_at(problem, result.hypothesis);
   double best = step.at.runs ? robust_sum(step.residual, scale) : HUGE_VAL;
-  constexpr int kPasses = 12;
+  // Rows far off move a fit by a few deviations a pass only.
+  constexpr int kPasses = 60;
   constexpr double kSmall = 1e-4;
   for (int pass = 0; pass < kPasses && p > 0; ++pass) {
     // Far from the fit all rows are off: they are no outliers yet, and clipped they would hold it
@@ -339,7 +340,8 @@ FinalFit final_fit(const Problem& problem, const Hypothesis& start, double scale
   for (const double r : step.residual) inside += std::abs(r) <= kWinsor * scale ? 1.0 : 0.0;
   inside /= static_cast<double>(std::max<Eigen::Index>(n, 1));
   const double degrees = std::max(1, result.degrees);
-  result.scale = std::sqrt(psi.squaredNorm() / degrees) / std::max(inside, 0.5);
+  result.scale = std::max(std::sqrt(psi.squaredNorm() / degrees) / std::max(inside, 0.5),
+                          problem.noise.least_scale());
   if (problem.noise.source == NoiseSource::kStated && result.degrees < 1) result.scale = scale;
   for (std::size_t k = 0; k < records.size(); ++k) {
     const double margin = 1e-6 * (records[k].upper - records[k].lower);

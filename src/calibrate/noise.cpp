@@ -7,6 +7,7 @@
 #include <map>
 
 #include "calibrate/covariate_levels.hpp"
+#include "calibrate/response_unit.hpp"
 #include "calibrate/value_range.hpp"
 
 namespace gear3k::calibrate {
@@ -54,10 +55,25 @@ Repeats find_repeats(const MeasurementSet& data) {
   return result;
 }
 
+double resolution_of(const MeasurementSet& data) {
+  const double si = response_unit(data.kind).si;
+  constexpr double kFinest = 1e-9;
+  constexpr double kSame = 1e-6;
+  for (double unit = 1.0; unit > 0.5 * kFinest; unit *= 0.1) {
+    const bool multiples = std::ranges::all_of(data.rows, [&](const Observation& row) {
+      const double count = row.response / (unit * si);
+      return std::abs(count - std::round(count)) < kSame * std::max(1.0, std::abs(count) * kSame);
+    });
+    if (multiples) return unit * si;
+  }
+  return 0.0;
+}
+
 NoiseModel make_noise_model(const MeasurementSet& data) {
   const auto n = static_cast<Eigen::Index>(data.rows.size());
   NoiseModel noise;
   noise.weight = Eigen::VectorXd::Ones(n);
+  noise.rounding = resolution_of(data) / std::sqrt(12.0);
   const bool stated =
       n > 0 && std::ranges::all_of(data.rows, [](const auto& row) { return row.sigma > 0.0; });
   if (stated) {
@@ -94,6 +110,16 @@ void NoiseModel::whiten(Eigen::MatrixXd& columns) const {
     const int r = run[static_cast<std::size_t>(i)];
     if (r >= 0) columns.row(i) -= mean.row(r);
   }
+}
+
+double NoiseModel::least_scale() const {
+  constexpr double kLeast = 1e-300;
+  return weight.size() == 0 ? kLeast : std::max(rounding * weight.mean(), kLeast);
+}
+
+bool NoiseModel::within_rounding(const Eigen::VectorXd& whitened) const {
+  constexpr double kMost = 1.3;
+  return rounding > 0.0 && root_mean_square(whitened) <= kMost * least_scale();
 }
 
 bool NoiseModel::counts_rows_alike() const {

@@ -35,13 +35,23 @@ struct NoiseModel {
   std::vector<double> rows_per_run;
   /// Variance of sessions over that of a row, τ²/σ²; 0: sessions do not scatter.
   double session_variance = 0.0;
+  /// Deviation of a reading by the last digit alone [SI]: its unit over √12.
+  double rounding = 0.0;
 
   /// Weights rows and takes out of each session's mean what sessions scatter: afterwards all rows
   /// are independent with standard deviation `scale`.
   void whiten(Eigen::MatrixXd& columns) const;
+  /// Deviation of whitened rows that the last digit alone makes; above 0 in any case.
+  [[nodiscard]] double least_scale() const;
+  /// Whether weighted residuals are no more than the last digit makes.
+  [[nodiscard]] bool within_rounding(const Eigen::VectorXd& whitened) const;
   /// Whether whiten() only changes the unit.
   [[nodiscard]] bool counts_rows_alike() const;
 };
+
+/// Unit of the last digit of the responses: the greatest power of ten, in the column's unit, of
+/// which all are multiples; 0 below 1e-9 [SI].
+double resolution_of(const MeasurementSet& data);
 
 NoiseModel make_noise_model(const MeasurementSet& data);
 

@@ -14,8 +14,13 @@ namespace gear3k::calibrate {
 std::optional<Eigen::VectorXd> weights_by_response(const Problem& problem,
                                                    const SearchResult& found);
 
-/// Variance between sessions over that of rows, τ²/σ², where it is more than chance and neither a
-/// step nor a drift; 0 otherwise, and with fewer than four sessions.
-double session_variance(const Problem& problem, const SearchResult& found);
+/// Variance between sessions over that of rows, τ²/σ².
+struct SessionScatter {
+  double estimate = 0.0;
+  double guarded = 0.0;  ///< as much as the sessions can be thought to scatter, for the weights
+};
+/// Where it is more than chance and neither an offset common to all, nor a step, nor a drift; 0
+/// otherwise, and with fewer than four sessions.
+SessionScatter session_scatter(const Problem& problem, const SearchResult& found);
 
 }  // namespace gear3k::calibrate

@@ -313,7 +313,10 @@ RemainderSearch search_remainder(const Problem& problem, const Columns& at,
   const Eigen::Index n = at.residual.size();
   const FreeResidual whole = free_residual(problem.noise, at.own, at.residual);
   constexpr Eigen::Index kFewestRows = 8;
-  if (n - whole.own_basis.cols() < kFewestRows || !(whole.left.squaredNorm() > 0.0)) return result;
+  if (n - whole.own_basis.cols() < kFewestRows || !(whole.left.squaredNorm() > 0.0) ||
+      problem.noise.within_rounding(whole.left)) {
+    return result;
+  }
 
   const TermCollection collection(problem, levels);
   screen_terms(collection.terms(), whole, rate, seed, result);

@@ -183,7 +183,10 @@ Judge::Judge(const Problem& problem, const Fit& best, double scale)
   if (known_scale(problem) > 0.0) return;
   const auto n = static_cast<double>(problem.data.rows.size());
   const auto parameters = static_cast<double>(best.hypothesis.value.size());
-  variance_ = winsorised(best.residual, scale).squaredNorm() / std::max(1.0, n - parameters);
+  const double least = problem.noise.least_scale();
+  variance_ =
+      std::max(winsorised(best.residual, scale).squaredNorm() / std::max(1.0, n - parameters),
+               least * least);
 }
 
 double Judge::chi(const Fit& fit) const { return fit.sum_of_squares * scale_ * scale_ / variance_; }

@@ -20,7 +20,6 @@ constexpr double kFurtherShare = 0.4;
 constexpr int kSimulations = 768;
 constexpr double kManyRows = 5000.0;
 constexpr int kFitsPerStep = 5;
-constexpr double kLeastScale = 1e-300;
 
 /// Likelihood of a set with a price for its parameters and the choice of its forms.
 double score_of(const Problem& problem, const Fit& fit, double scale, double log_weight) {
@@ -109,7 +108,9 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
   Columns base = columns_at(problem, {}, candidates, 0.0);
   // Known scatter bounds outliers only once something is fitted: what the simulation misses is far
   // beyond it.
-  double scale = std::max({known, robust_deviation(base.residual), kLeastScale});
+  const double least = problem.noise.least_scale();
+  const bool agrees = problem.noise.within_rounding(base.residual);
+  double scale = std::max({known, robust_deviation(base.residual), least});
   base.residual = winsorised(base.residual, scale);
   const LinearSets linear(base, blocks_of(candidates), problem);
   const auto n = static_cast<double>(problem.data.rows.size());
@@ -126,7 +127,7 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
                                           options.seed + static_cast<std::uint64_t>(size));
     const std::vector<std::size_t> order = ranked(others, gains, 2);
     const double greatest = order.empty() ? 0.0 : gains[order[0]].evidence;
-    const double p_value = luck.p_value(greatest);
+    const double p_value = agrees ? 1.0 : luck.p_value(greatest);
     if (size == 1) {
       result.first_gains = gains;
       result.first_luck = luck;
@@ -150,7 +151,7 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
     std::optional<Fit> winner = proposals.best_fit(problem, scale);
     if (!winner) break;
     best = std::move(*winner);
-    scale = std::max({known, robust_deviation(best.residual), kLeastScale});
+    scale = std::max({known, robust_deviation(best.residual), least});
   }
 
   const Judge judge(problem, best, scale);

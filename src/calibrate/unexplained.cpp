@@ -31,10 +31,13 @@ bool needed_beside(const Columns& fitted, const Hypothesis& h, std::size_t effec
 }
 
 /// Evidence of all causes of a fit together, paid for by the number of causes that each was chosen
-/// from.
+/// from.  Rows far off count as less far in the baseline's residual, and so does what the causes
+/// take off it: a term has the same to explain.
 double evidence_of_causes(const SearchResult& found, const Columns& base, const Columns& fitted) {
-  const double before = base.residual.squaredNorm();
-  const double after = winsorised(fitted.residual, found.scale).squaredNorm();
+  const double bound = robust_deviation(base.raw);
+  const double before = winsorised(base.raw, bound).squaredNorm();
+  const double after =
+      (winsorised(base.raw, bound) - winsorised(base.raw - fitted.raw, bound)).squaredNorm();
   const auto n = static_cast<double>(base.residual.size());
   const auto p = static_cast<Eigen::Index>(found.fit.hypothesis.value.size());
   const double statistic = (n - static_cast<double>(p)) * std::log(std::max(before / after, 1.0));

@@ -10,6 +10,8 @@
 #include <tuple>
 #include <utility>
 
+#include "calibrate/noise.hpp"
+#include "calibrate/value_range.hpp"
 #include "io/fnv_hash.hpp"
 #include "io/measurement_rows.hpp"
 #include "io/text_lines.hpp"
@@ -59,6 +61,14 @@ bool tells_rows_apart(std::vector<double> value, const std::vector<char>& repeti
       static_cast<std::size_t>(std::unique(value.begin(), value.end()) - value.begin());
   constexpr std::size_t kOf = 10, kMost = 9;
   return own >= 2 && kOf * own >= kMost * kept;
+}
+
+/// Whether readings are so fine that none comes twice by chance.
+bool is_fine(const MeasurementSet& set) {
+  constexpr double kSteps = 1e4;
+  calibrate::ValueRange range;
+  for (const Observation& row : set.rows) range.extend(row.response);
+  return range.varies() && range.high - range.low >= kSteps * calibrate::resolution_of(set);
 }
 
 }  // namespace
@@ -127,6 +137,7 @@ void leave_out_copies(MeasurementSet& set, const std::vector<char>& repetition) 
   for (const std::vector<double>& value : others) {
     if (tells_rows_apart(value, repetition)) mark(value);
   }
+  if (is_fine(set)) copy = repetition;
   const auto kept = std::ranges::count(repetition, 1) - std::ranges::count(copy, 1);
   if (kept > 0) {
     set.notes.push_back(fmt::format(

@@ -219,6 +219,10 @@ std::string verdict_text(const Diagnosis& d) {
         return "Verdict: no discrepancy found, but too few rows to know whether the simulation "
                "agrees: state sigma, or measure repeats.\n";
       }
+      if (d.session_deviation > 0.0) {
+        return "Verdict: no discrepancy beyond what the sessions differ by. Within a session the "
+               "simulation agrees with these data within their noise.\n";
+      }
       return "Verdict: no discrepancy. The simulation agrees with these data within their noise.\n";
     case Verdict::kExplained:
       return "Verdict: explained.\n";
@@ -323,10 +327,17 @@ std::string remainder_text(const Diagnosis& d) {
   if (!r.significant) {
     return std::isfinite(d.errors.noise_floor) ? "Left over: nothing beyond noise.\n" : "";
   }
+  if (r.constant) {
+    return fmt::format(
+        "Left over: an offset that all rows have in common ({}). No known cause does this.\n",
+        p_statement(r.p_value));
+  }
   if (r.along.empty()) {
     return fmt::format(
         "Left over: more than noise, along nothing that the data state ({}): root mean square {} "
-        "where noise is {}.\n",
+        "where noise is {}. The stated sigma is too small, or rows differ in what the file does "
+        "not "
+        "say.\n",
         p_statement(r.p_value), error_text(d.errors.extended_train, d, 0.0),
         error_text(d.errors.noise_floor, d, 0.0));
   }

@@ -34,7 +34,7 @@ class NoiseFromFit : public testing::Test {
     data_.runs.clear();
     std::vector<double> mean;
     for (int r = 0; r < sessions; ++r) {
-      data_.runs.push_back("s" + std::to_string(r));
+      data_.runs.push_back(std::to_string(r));
       mean.push_back(deviation * random.normal());
     }
     const std::size_t length = data_.rows.size() / static_cast<std::size_t>(sessions);
@@ -101,9 +101,10 @@ TEST_F(NoiseFromFit, FindsSessionsThatScatter) {
     measure(seed, [&](double) { return sigma; });
     split(12, seed + 100, 3.0 * sigma);
     const Problem p = problem();
-    const double variance = session_variance(p, nothing(p));
-    EXPECT_GT(variance, 3.0) << seed;
-    EXPECT_LT(variance, 80.0) << seed;
+    const SessionScatter scatter = session_scatter(p, nothing(p));
+    EXPECT_GT(scatter.estimate, 1.0) << seed;
+    EXPECT_LT(scatter.estimate, 30.0) << seed;
+    EXPECT_GT(scatter.guarded, scatter.estimate) << seed;
   }
 }
 
@@ -116,12 +117,22 @@ TEST_F(NoiseFromFit, TakesASingleStepForNoScatter) {
       if (row.condition.run >= 2) row.response += 5.0 * sigma;
     }
     const Problem p = problem();
-    EXPECT_EQ(session_variance(p, nothing(p)), 0.0) << seed;
+    EXPECT_EQ(session_scatter(p, nothing(p)).guarded, 0.0) << seed;
+  }
+  // Nor is one odd session of four, nor an offset that all have in common, however great.
+  for (const int odd : {0, 1, 2, 3, -1}) {
+    measure(7, [&](double) { return sigma; });
+    split(4, 1, 0.0);
+    for (Observation& row : data_.rows) {
+      if (odd < 0 || row.condition.run == odd) row.response += 40.0 * sigma;
+    }
+    const Problem p = problem();
+    EXPECT_EQ(session_scatter(p, nothing(p)).guarded, 0.0) << odd;
   }
   // Three sessions cannot say how sessions scatter.
   split(3, 1, 10.0 * sigma);
   const Problem p = problem();
-  EXPECT_EQ(session_variance(p, nothing(p)), 0.0);
+  EXPECT_EQ(session_scatter(p, nothing(p)).guarded, 0.0);
 }
 
 }  // namespace

@@ -147,6 +147,31 @@ TEST(PureError, IsTheScatterAboutTheMeansOfCells) {
   EXPECT_EQ(error.degrees, 3);
 }
 
+TEST(Resolution, IsTheUnitOfTheLastDigit) {
+  MeasurementSet data = set_of({row_at(20.0, 5.0), row_at(20.0, 5.0), row_at(20.0, 5.0)});
+  const auto measured = [&](double a, double b, double c) {
+    data.rows[0].response = a;
+    data.rows[1].response = b;
+    data.rows[2].response = c;
+    return resolution_of(data);
+  };
+  EXPECT_DOUBLE_EQ(measured(0.31, 0.5, 12.07), 0.01);
+  EXPECT_DOUBLE_EQ(measured(0.3, 0.7, 12.1), 0.1);
+  EXPECT_NEAR(measured(0.314767, 0.2, 0.9), 1e-6, 1e-18);
+  EXPECT_EQ(measured(std::sqrt(2.0), 1.0 / 3.0, 0.9), 0.0);
+  // Of an angle in its own unit.
+  data.kind = Kind::kLostMotion;
+  constexpr double kArcmin = 3.14159265358979323846 / 10800.0;
+  EXPECT_NEAR(measured(6.01 * kArcmin, 5.09 * kArcmin, 7.5 * kArcmin), 0.01 * kArcmin, 1e-15);
+  // Its deviation is that of an even spread over the unit; residuals within it are no discrepancy.
+  data.kind = Kind::kTransmission;
+  measured(0.31, 0.5, 12.07);
+  const NoiseModel noise = make_noise_model(data);
+  EXPECT_NEAR(noise.rounding, 0.01 / std::sqrt(12.0), 1e-15);
+  EXPECT_TRUE(noise.within_rounding(Eigen::Vector3d(0.003, -0.002, 0.003)));
+  EXPECT_FALSE(noise.within_rounding(Eigen::Vector3d(0.01, -0.002, 0.003)));
+}
+
 // Weights and sessions
 
 TEST(NoiseModel, TakesStatedDeviationsWhereEveryRowHasOne) {

@@ -35,8 +35,8 @@ std::vector<double> instants(const MeasurementSet& data) {
   return result;
 }
 
-/// From one run (or instant) on; or up to there, when the later runs are those that fit; added to
-/// the magnitude, or in the sensor's own sign.
+/// From one run (or instant) on; or up to there, when the later runs are those that fit; or in one
+/// run alone, between others; added to the magnitude, or in the sensor's own sign.
 std::vector<Form> forms(const Occasion& o) {
   std::vector<FormConstant> places;
   const auto runs = static_cast<int>(o.data->runs.size());
@@ -57,6 +57,11 @@ std::vector<Form> forms(const Occasion& o) {
       result.push_back({.name = "sensor_from", .constants = {place}, .weight = 0.3 * share});
       result.push_back({.name = "sensor_until", .constants = {place}, .weight = 0.15 * share});
     }
+    if (place.name != kFirstRun || place.value + 1 >= runs) continue;
+    result.push_back({.name = "only", .constants = {place}, .weight = 0.25 * share});
+    if (o.kind == Kind::kTransmission) {
+      result.push_back({.name = "sensor_only", .constants = {place}, .weight = 0.15 * share});
+    }
   }
   return result;
 }
@@ -65,9 +70,13 @@ void apply(const Form& form, std::span<const Scalar> p, const Condition& conditi
            Modification& m) {
   const FormConstant& place = form.constants.front();
   const double at = place.name == kFirstRun ? condition.run : condition.time_s;
-  const bool later = at >= place.value;
-  const bool until = form.name.ends_with("until");
-  if (later == until) return;
+  if (form.name.ends_with("only")) {
+    if (at != place.value) return;
+  } else {
+    const bool later = at >= place.value;
+    const bool until = form.name.ends_with("until");
+    if (later == until) return;
+  }
   Scalar& changed = form.name.starts_with("sensor") ? m.sensor_offset : m.added;
   changed = changed + p[0] * response_unit(kind).si;
 }
