@@ -17,7 +17,7 @@ bool separates_sessions(const Candidate& c) { return c.cause->remedy == Remedy::
 Eigen::VectorXd clipped_in_sessions(const Eigen::VectorXd& residual, const NoiseModel& noise) {
   std::vector<std::vector<double>> rows(static_cast<std::size_t>(noise.runs) + 1);
   const auto session = [&](Eigen::Index i) {
-    return static_cast<std::size_t>(noise.run[static_cast<std::size_t>(i)] + 1);
+    return static_cast<std::size_t>(noise.run[static_cast<std::size_t>(i)]) + 1;
   };
   for (Eigen::Index i = 0; i < residual.size(); ++i) rows[session(i)].push_back(residual[i]);
   std::vector<double> median(rows.size(), 0.0);

@@ -283,13 +283,13 @@ void consider_order(const char* along, const std::vector<double>& phase, const O
 /// where rows and turns are so many that it would take seconds.
 OrderScan scan_angle(const std::vector<double>& angle, double ratio, const FreeResidual& residual,
                      double& highest_order) {
-  constexpr int kMostProducts = 40'000'000;  // of orders and rows
+  constexpr double kMostProducts = 4e7;  // of orders and rows
   const ValueRange range = range_of(angle);
   if (!range.varies()) return {};
   const double revolutions = (range.high - range.low) / (2.0 * std::numbers::pi);
   const double step = 0.5 / revolutions;
   const double highest = std::max(2.0, 1.25 * std::abs(ratio));
-  const auto most = static_cast<double>(kMostProducts / residual.left.size());
+  const double most = std::floor(kMostProducts / static_cast<double>(residual.left.size()));
   const auto count = static_cast<int>(std::min(most, highest / step));
   if (most < highest / step) highest_order = step * (count + 1);
   return scan_orders(angle, 2.0 * step, step, count, residual);
