@@ -38,7 +38,7 @@ Interval wilson(int hits, int count) {
   const double middle = (p + kZ * kZ / (2.0 * n)) / (1.0 + kZ * kZ / n);
   const double half =
       kZ / (1.0 + kZ * kZ / n) * std::sqrt(p * (1.0 - p) / n + kZ * kZ / (4.0 * n * n));
-  return {middle - half, middle + half};
+  return {std::max(0.0, middle - half), std::min(1.0, middle + half)};
 }
 
 std::string share(int hits, int count) {
