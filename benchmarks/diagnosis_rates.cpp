@@ -2,12 +2,12 @@
 //
 //   diagnosis_rates [SEEDS [SCENARIO-PREFIX]]
 //
-// With a prefix ("alone 0.3", "resolved") the most frequent answers are listed too.
+// "may be": the mean number of causes that an effect found may be, the named one and its
+// alternatives.  With a prefix ("alone 0.3", "resolved") the most frequent answers are listed too.
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -18,8 +18,6 @@
 #include <vector>
 
 #include "calibrate/diagnosis.hpp"
-#include "io/design_file.hpp"
-#include "io/measurement_file.hpp"
 #include "optimize/parallel.hpp"
 #include "tests/calibrate/diagnosis_scoring.hpp"
 
@@ -69,9 +67,16 @@ void print(const rig::Scenario& scenario, int seeds, bool answers_too) {
   for (std::size_t k = 0; answers_too && k < common.size() && k < 3; ++k) {
     text += fmt::format(" {}x {};", common[k].first, common[k].second);
   }
-  fmt::print("{:<46} {} {} {} {:5.0f}{}\n", scenario.name, share(count(&rig::Score::right), seeds),
-             share(count(&rig::Score::wrong), seeds), share(count(&rig::Score::inside), intervals),
-             1e3 * seconds / seeds, text);
+  double explanations = 0.0;
+  int named = 0;
+  for (const rig::Score& s : scores) {
+    explanations += s.explanations;
+    named += s.explanations > 0.0 ? 1 : 0;
+  }
+  fmt::print(
+      "{:<46} {} {} {} {:>6} {:5.0f}{}\n", scenario.name, share(count(&rig::Score::right), seeds),
+      share(count(&rig::Score::wrong), seeds), share(count(&rig::Score::inside), intervals),
+      named == 0 ? "-" : fmt::format("{:.1f}", explanations / named), 1e3 * seconds / seeds, text);
   std::fflush(stdout);
 }
 
@@ -80,8 +85,8 @@ void print(const rig::Scenario& scenario, int seeds, bool answers_too) {
 int main(int argc, char** argv) {
   const int seeds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 200;
   const std::string_view prefix = argc > 2 ? argv[2] : "";
-  fmt::print("{} seeds; percent with 95 % intervals\n{:<46} {:>19} {:>19} {:>19} {:>5}{}\n", seeds,
-             "scenario", "right", "wrong name", "truth in interval", "ms",
+  fmt::print("{} seeds; percent with 95 % intervals\n{:<46} {:>19} {:>19} {:>19} {:>6} {:>5}{}\n",
+             seeds, "scenario", "right", "wrong name", "truth in interval", "may be", "ms",
              prefix.empty() ? "" : "  most frequent answers");
   for (const rig::Scenario& scenario : rig::scenarios()) {
     if (scenario.name.starts_with(prefix)) print(scenario, seeds, !prefix.empty());

@@ -8,13 +8,6 @@
 
 namespace gear3k::calibrate {
 
-double known_scale(const Problem& problem) {
-  // Few rows say nothing of their own scatter; then the stated one must do.
-  constexpr std::size_t kFewRows = 15;
-  return problem.noise.source == NoiseSource::kStated && problem.data.rows.size() < kFewRows ? 1.0
-                                                                                             : 0.0;
-}
-
 Columns columns_at(const Problem& problem, const Hypothesis& hypothesis,
                    const std::vector<Candidate>& others, double scale) {
   const Linearisation at = linearise(problem, hypothesis, others);
@@ -24,8 +17,7 @@ Columns columns_at(const Problem& problem, const Hypothesis& hypothesis,
   return {.residual = winsorised(all.col(0), scale),
           .raw = all.col(0),
           .own = all.middleCols(1, at.own.cols()),
-          .other = all.rightCols(at.other.cols()),
-          .runs = at.runs};
+          .other = all.rightCols(at.other.cols())};
 }
 
 std::vector<Block> blocks_of(const std::vector<Candidate>& candidates) {

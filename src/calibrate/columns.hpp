@@ -14,16 +14,12 @@ struct Columns {
   Eigen::VectorXd residual;
   Eigen::VectorXd raw;  ///< the residual, whitened only
   Eigen::MatrixXd own, other;
-  bool runs = true;
 };
 Columns columns_at(const Problem& problem, const Hypothesis& hypothesis,
                    const std::vector<Candidate>& others, double scale);
 
 /// Blocks of candidates, in their order.
 std::vector<Block> blocks_of(const std::vector<Candidate>& candidates);
-
-/// What the screens of a problem take for known, Screen::Screen().
-double known_scale(const Problem& problem);
 
 /// Positions of the candidates that gain anything, the best evidence first, at most `forms` forms
 /// of a cause.

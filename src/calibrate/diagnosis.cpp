@@ -77,11 +77,12 @@ SearchResult search_with_noise(Problem& problem, const std::vector<Candidate>& c
   return found;
 }
 
-std::vector<Alternative> alternatives_of(const Problem& problem, const FoundEffect& found,
+std::vector<Alternative> alternatives_of(const Problem& problem,
+                                         const std::vector<Replacement>& replacements,
                                          double scale) {
   std::vector<Alternative> result;
-  result.reserve(found.replacements.size());
-  for (const Replacement& r : found.replacements) {
+  result.reserve(replacements.size());
+  for (const Replacement& r : replacements) {
     const FinalFit fit = final_fit(problem, r.fit.hypothesis, scale);
     const auto& effects = r.fit.hypothesis.effects;
     const auto at = static_cast<std::size_t>(
@@ -107,14 +108,16 @@ std::vector<Effect> effects_of(const Problem& problem, const FinalFit& final,
   groups.reserve(found.size());
   for (std::size_t e = 0; e < found.size(); ++e) {
     const Candidate& c = final.hypothesis.effects[e];
-    effects.push_back({.id = std::string(c.cause->id),
-                       .title = std::string(c.cause->title),
-                       .form = c.form,
-                       .remedy = c.cause->remedy,
-                       .parameters = parameter_results(problem.simulation, final, e),
-                       .alternatives = alternatives_of(problem, found[e], search.scale),
-                       .delta_bic = found[e].delta_bic,
-                       .p_value = found[e].p_value});
+    effects.push_back(
+        {.id = std::string(c.cause->id),
+         .title = std::string(c.cause->title),
+         .form = c.form,
+         .remedy = c.cause->remedy,
+         .parameters = parameter_results(problem.simulation, final, e),
+         .alternatives = alternatives_of(problem, found[e].replacements, search.scale),
+         .other_bodies = alternatives_of(problem, found[e].other_bodies, search.scale),
+         .delta_bic = found[e].delta_bic,
+         .p_value = found[e].p_value});
     Effect& effect = effects.back();
     effect.preferred_parameter =
         effect.remedy == Remedy::kFrictionValue && !effect.alternatives.empty();
@@ -168,16 +171,15 @@ NoiseLevel noise_level(const NoiseModel& noise, const PureError& pure, double sc
 }
 
 /// Whether rows scatter by more than they state, outliers aside, whatever the structure.
+/// @param whitened  residuals of the final fit
 /// @returns the probability of residuals as large as these; 1 where no scatter is stated, or where
 /// it is within a quarter of the stated one: nobody knows it better
-double chance_of_scatter(const Problem& problem, const FinalFit& final) {
-  if (problem.noise.source != NoiseSource::kStated || final.degrees < 1) return 1.0;
+double chance_of_scatter(const NoiseModel& noise, const Eigen::VectorXd& whitened, int degrees) {
+  if (noise.source != NoiseSource::kStated || degrees < 1) return 1.0;
   constexpr double kAsStated = 1.25;
-  const Eigen::VectorXd residual = winsorised(
-      (measured(problem.data) - final.simulated).cwiseProduct(problem.noise.weight), 1.0);
-  const double squares = residual.squaredNorm();
-  if (squares <= kAsStated * kAsStated * final.degrees) return 1.0;
-  return boost::math::gamma_q(0.5 * final.degrees, 0.5 * squares);
+  const double squares = winsorised(whitened, 1.0).squaredNorm();
+  if (squares <= kAsStated * kAsStated * degrees) return 1.0;
+  return boost::math::gamma_q(0.5 * degrees, 0.5 * squares);
 }
 
 /// Whether the rows say how much they scatter, by sigma, repeats or by being many.
@@ -197,9 +199,11 @@ Verdict verdict_of(const Diagnosis& d) {
 }
 
 /// What separates the explanations of the weightiest part of the discrepancy that has several.
+/// @param scale  of the treatment of outliers, as of fit()
+/// @param noise  standard deviation of the whitened rows
 std::optional<NextExperiment> next_experiment(const Problem& problem, const Hypothesis& effects,
                                               const std::vector<FoundEffect>& found, double scale,
-                                              double noise_floor, const DiagnoseOptions& options) {
+                                              double noise, const DiagnoseOptions& options) {
   const auto open =
       std::ranges::find_if(found, [](const FoundEffect& e) { return !e.replacements.empty(); });
   if (open == found.end()) return std::nullopt;
@@ -209,7 +213,7 @@ std::optional<NextExperiment> next_experiment(const Problem& problem, const Hypo
   for (const Replacement& r : open->replacements) {
     explanations.push_back({.id = std::string(r.candidate.cause->id), .fit = r.fit});
   }
-  return plan_experiment(problem, explanations, noise_floor, options);
+  return plan_experiment(problem, explanations, noise, options);
 }
 
 ExtendedModel model_of(const FinalFit& final, const MeasurementSet& data) {
@@ -251,7 +255,6 @@ std::optional<Diagnosis> diagnose(const Simulation& simulation, const Measuremen
   if (!tell(0.05)) return std::nullopt;
 
   const SearchOptions search_options{.rate = kCauseShare * options.false_discovery_rate,
-                                     .most_effects = options.most_effects,
                                      .seed = options.seed};
   SessionScatter sessions;
   const SearchResult found = search_with_noise(problem, candidates_for(simulation, data),
@@ -292,6 +295,9 @@ std::optional<Diagnosis> diagnose(const Simulation& simulation, const Measuremen
   }
   const FinalFit final = final_fit(problem, effects, found.scale);
   d.effects = effects_of(problem, final, found_effects, found, search_options);
+  if (!final.converged) {
+    d.notes.emplace_back("the final fit did not converge: values are those of the search");
+  }
 
   // Errors, held out and beyond.
   d.errors.baseline_train = root_mean_square(y - baseline);
@@ -324,6 +330,8 @@ std::optional<Diagnosis> diagnose(const Simulation& simulation, const Measuremen
   }
   d.session_deviation = std::sqrt(sessions.estimate) * row_scale / typical_weight;
 
+  Eigen::MatrixXd whitened = y - final.simulated;
+  problem.noise.whiten(whitened);
   constexpr double kOutlier = 4.0;
   d.rows.resize(all_data.rows.size());
   for (RowResult& row : d.rows) row.baseline = row.extended = row.sigma = kUnknown;
@@ -335,10 +343,10 @@ std::optional<Diagnosis> diagnose(const Simulation& simulation, const Measuremen
            .sigma = row_scale / problem.noise.weight[k],
            .holdout = held_out[k],
            .block = blocks.of[i]};
-    row.outlier = std::abs(y[k] - row.extended) > kOutlier * row.sigma;
+    row.outlier = std::abs(whitened(k, 0)) > kOutlier * row_scale;
   }
 
-  if (const double chance = chance_of_scatter(problem, final);
+  if (const double chance = chance_of_scatter(problem.noise, whitened, final.degrees);
       !contest.structure && chance <= remainder_rate) {
     contest = {.structure = true, .stays = {}, .remainder = {}};
     contest.remainder.p_value = chance;
@@ -354,7 +362,7 @@ std::optional<Diagnosis> diagnose(const Simulation& simulation, const Measuremen
   }
   d.verdict = verdict_of(d);
   d.next_experiment =
-      next_experiment(problem, effects, found_effects, found.scale, d.errors.noise_floor, options);
+      next_experiment(problem, effects, found_effects, found.scale, noise.scale, options);
   d.model = model_of(final, data);
   d.notes.insert(d.notes.begin(), data.notes.begin(), data.notes.end());
   if (!tell(1.0)) return std::nullopt;

@@ -20,7 +20,6 @@ inline constexpr std::array<std::string_view, 4> kVerdictNames{"no_discrepancy",
 
 struct DiagnoseOptions {
   double false_discovery_rate = 0.05;  ///< of all findings together where nothing is wrong
-  int most_effects = 3;
   std::uint64_t seed = 1;
   /// Limits of the next experiment; by default what the design's map spans, and the data
   /// widened by a quarter.
@@ -60,6 +59,7 @@ struct Effect {
   Remedy remedy = Remedy::kFlanks;
   std::vector<ParameterResult> parameters;
   std::vector<Alternative> alternatives;  ///< most likely first
+  std::vector<Alternative> other_bodies;  ///< the same cause elsewhere, as good as here
   double delta_bic = 0.0;  ///< of the model without it less that with it; > 0 speaks for it
   double inclusion_frequency = 0.0;  ///< share of subsamples that find it or an alternative
   double p_value = 1.0;              ///< of a gain as great where there is nothing

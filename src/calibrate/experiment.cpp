@@ -6,9 +6,11 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <set>
 #include <utility>
 
+#include "calibrate/replacements.hpp"
 #include "calibrate/value_range.hpp"
 
 namespace gear3k::calibrate {
@@ -17,7 +19,7 @@ namespace {
 
 constexpr int kMostConditions = 4;
 constexpr int kRepeats = 6;
-constexpr int kMostRows = 72;
+constexpr int kMostRows = 120;  // a campaign as long as the first one
 /// χ² that tells two explanations apart, and at which more of it is of no use.
 constexpr double kTold = 9.0, kEnough = 40.0;
 
@@ -49,6 +51,29 @@ bool about_sensor(const std::vector<Explanation>& explanations) {
   });
 }
 
+bool about_angle(const std::vector<Explanation>& explanations) {
+  return std::ranges::any_of(explanations, [](const Explanation& e) {
+    return std::ranges::any_of(e.fit.hypothesis.effects,
+                               [](const Candidate& c) { return c.form.order > 0.0; });
+  });
+}
+
+/// Each condition at angles of one turn of the output, in golden sections: no order repeats itself
+/// at all of them.
+std::vector<Condition> at_angles(const std::vector<Condition>& conditions) {
+  constexpr int kAngles = 12;
+  std::vector<Condition> result;
+  result.reserve(conditions.size() * kAngles);
+  for (const Condition& c : conditions) {
+    for (int k = 0; k < kAngles; ++k) {
+      const double turn = k / std::numbers::phi;
+      result.push_back(c);
+      result.back().output_angle_rad = 2.0 * std::numbers::pi * (turn - std::floor(turn));
+    }
+  }
+  return result;
+}
+
 std::vector<Condition> possible_conditions(const Problem& problem,
                                            const std::vector<Explanation>& explanations,
                                            const DiagnoseOptions& options) {
@@ -63,6 +88,7 @@ std::vector<Condition> possible_conditions(const Problem& problem,
   Condition start;
   start.run = data.runs.empty() ? -1 : static_cast<int>(data.runs.size());
   start.time_s = time.high;
+  start.cycles = range_of(data, &Condition::cycles).high;
   std::vector<Condition> result;
   const std::vector<double> warm = levels(temperatures, temperature, nullptr, 2);
   const auto with_temperature = [&](Condition c) {
@@ -121,6 +147,7 @@ std::vector<Condition> possible_conditions(const Problem& problem,
       break;
     }
   }
+  if (about_angle(explanations)) result = at_angles(result);
   if (about_sensor(explanations)) {
     const std::size_t count = result.size();
     result.reserve(2 * count);
@@ -135,34 +162,39 @@ std::vector<Condition> possible_conditions(const Problem& problem,
 /// An explanation as the choice of conditions sees it; everything over a row's deviation.
 struct View {
   Eigen::VectorXd old_rows;  ///< simulated, whitened
-  Eigen::MatrixXd normal;    ///< of the old rows
-  Eigen::MatrixXd jacobian;  ///< of the old rows
+  Eigen::MatrixXd jacobian;  ///< of the old rows: its parameters, then the level where it has none
   Eigen::VectorXd possible;  ///< simulated at the possible conditions
   Eigen::MatrixXd possible_jacobian;
+  Eigen::Index parameters = 0;  ///< of its own
+  bool has_level = false;       ///< the coefficient of friction is among them
 };
 
-/// χ² that remains between explanation `a`, taken as true, and `b` refitted to it.
+/// χ² that remains between explanation `a`, taken as true, and `b` refitted to it: with another
+/// coefficient of friction beside it, as a diagnosis of the new rows would try, unless that is what
+/// either of them says.
 class Distance {
  public:
   Distance(const View& a, const View& b)
-      : a_(&a),
-        b_(&b),
-        normal_(b.normal),
-        moment_(b.jacobian.transpose() * (a.old_rows - b.old_rows)),
-        total_((a.old_rows - b.old_rows).squaredNorm()) {
+      : difference_(a.possible - b.possible), total_((a.old_rows - b.old_rows).squaredNorm()) {
+    const bool beside = !a.has_level && !b.has_level;
+    const Eigen::Index count = beside ? b.jacobian.cols() : b.parameters;
+    const Eigen::MatrixXd jacobian = b.jacobian.leftCols(count);
+    jacobian_ = b.possible_jacobian.leftCols(count);
+    normal_ = jacobian.transpose() * jacobian;
+    moment_ = jacobian.transpose() * (a.old_rows - b.old_rows);
     // What the old rows hold against `b` is known already: only what is new counts.
     known_ = value(normal_, moment_, total_);
   }
   [[nodiscard]] double with(Eigen::Index condition, double repeats) const {
-    const double d = a_->possible[condition] - b_->possible[condition];
-    const Eigen::VectorXd j = b_->possible_jacobian.row(condition).transpose();
+    const double d = difference_[condition];
+    const Eigen::VectorXd j = jacobian_.row(condition).transpose();
     return value(normal_ + repeats * j * j.transpose(), moment_ + repeats * d * j,
                  total_ + repeats * d * d) -
            known_;
   }
   void take(Eigen::Index condition, double repeats) {
-    const double d = a_->possible[condition] - b_->possible[condition];
-    const Eigen::VectorXd j = b_->possible_jacobian.row(condition).transpose();
+    const double d = difference_[condition];
+    const Eigen::VectorXd j = jacobian_.row(condition).transpose();
     normal_ += repeats * j * j.transpose();
     moment_ += repeats * d * j;
     total_ += repeats * d * d;
@@ -174,8 +206,8 @@ class Distance {
     if (moment.size() == 0) return total;
     return total - moment.dot(normal.completeOrthogonalDecomposition().solve(moment));
   }
-  const View* a_;
-  const View* b_;
+  Eigen::VectorXd difference_;  ///< at the possible conditions
+  Eigen::MatrixXd jacobian_;    ///< there
   Eigen::MatrixXd normal_;
   Eigen::VectorXd moment_;
   double total_;
@@ -238,7 +270,7 @@ std::string advice_on(const std::vector<std::array<std::string, 2>>& inseparable
 }  // namespace
 
 NextExperiment plan_experiment(const Problem& problem, const std::vector<Explanation>& explanations,
-                               double row_deviation, const DiagnoseOptions& options) {
+                               double scale, const DiagnoseOptions& options) {
   NextExperiment plan;
   for (const Explanation& e : explanations) plan.separates.push_back(e.id);
   const std::vector<Condition> conditions = possible_conditions(problem, explanations, options);
@@ -249,21 +281,29 @@ NextExperiment plan_experiment(const Problem& problem, const std::vector<Explana
   for (const Condition& c : conditions) possible.rows.push_back({.condition = c});
   const Problem imagined{.simulation = problem.simulation, .data = possible, .noise = {}};
 
+  // A new row scatters like the old ones on average.
+  const double row_deviation = scale * root_mean_square(problem.noise.weight.cwiseInverse());
   std::vector<View> views;
   views.reserve(explanations.size());
+  std::vector<Candidate> level = candidates_for(problem.simulation, problem.data);
+  std::erase_if(level,
+                [](const Candidate& c) { return c.cause->remedy != Remedy::kFrictionValue; });
+  Eigen::MatrixXd measured_rows = measured(problem.data);
+  problem.noise.whiten(measured_rows);
   for (const Explanation& e : explanations) {
-    const Columns old = columns_at(problem, e.fit.hypothesis, {}, 0.0);
-    const Linearisation fresh = linearise(imagined, e.fit.hypothesis, {});
-    // Whitened columns are in units of weight; the weight of a new row is that of a typical one.
-    const double unit = row_deviation * problem.noise.weight.mean();
-    Eigen::MatrixXd measured_rows = measured(problem.data);
-    problem.noise.whiten(measured_rows);
-    View view;
-    view.old_rows = (measured_rows.col(0) - old.residual) / unit;
-    view.jacobian = old.own / unit;
-    view.normal = view.jacobian.transpose() * view.jacobian;
-    view.possible = fresh.simulated / row_deviation;
-    view.possible_jacobian = fresh.own / row_deviation;
+    const std::vector<Candidate> beside = candidates_beside(level, e.fit.hypothesis);
+    const Columns old = columns_at(problem, e.fit.hypothesis, beside, 0.0);
+    const Linearisation fresh = linearise(imagined, e.fit.hypothesis, beside);
+    View view{.old_rows = (measured_rows.col(0) - old.residual) / scale,
+              .jacobian = {},
+              .possible = fresh.simulated / row_deviation,
+              .possible_jacobian = {},
+              .parameters = old.own.cols(),
+              .has_level = !level.empty() && beside.empty()};
+    view.jacobian.resize(old.own.rows(), old.own.cols() + old.other.cols());
+    view.jacobian << old.own / scale, old.other / scale;
+    view.possible_jacobian.resize(fresh.own.rows(), fresh.own.cols() + fresh.other.cols());
+    view.possible_jacobian << fresh.own / row_deviation, fresh.other / row_deviation;
     views.push_back(std::move(view));
   }
   const auto count = static_cast<Eigen::Index>(conditions.size());

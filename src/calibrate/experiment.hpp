@@ -17,8 +17,8 @@ struct Explanation {
 /// Chooses up to four conditions, within the limits of the options, after which the explanations
 /// would differ most, each refitted to old and new rows together.  Pairs that no such measurement
 /// can tell apart are named and left out of the choice.
-/// @param row_deviation  standard deviation of a new row [SI]
+/// @param scale  standard deviation of the whitened rows
 NextExperiment plan_experiment(const Problem& problem, const std::vector<Explanation>& explanations,
-                               double row_deviation, const DiagnoseOptions& options);
+                               double scale, const DiagnoseOptions& options);
 
 }  // namespace gear3k::calibrate

@@ -40,10 +40,9 @@ void apply_cause(const AppliedCause& applied, const Condition& condition, Kind k
 }  // namespace
 
 void apply_model(const ExtendedModel& model, const Condition& condition, Kind kind,
-                 std::uint64_t fingerprint, Modification& m) {
-  const bool same_data = kind == model.kind && fingerprint == model.fingerprint;
+                 Modification& m) {
   for (const AppliedCause& applied : model.causes) {
-    if (cause_of(applied).remedy == Remedy::kProcedure && !same_data) continue;
+    if (cause_of(applied).remedy == Remedy::kProcedure) continue;
     if (kind == model.kind) {
       apply_cause(applied, condition, kind, m);
       continue;

@@ -45,9 +45,9 @@ struct ExtendedModel {
 };
 
 /// Applies the causes to a simulation, one after the other.  Those that belong to the data
-/// (sessions, drift) are left out unless the data are the same (`fingerprint`).
+/// (sessions, drift) are left out.
 void apply_model(const ExtendedModel& model, const Condition& condition, Kind kind,
-                 std::uint64_t fingerprint, Modification& m);
+                 Modification& m);
 
 /// What the causes change in the gearbox; those of sensor and procedure do not.
 design::Extension<double> extension_of(const std::vector<ExtendedModel>& models);

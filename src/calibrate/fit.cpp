@@ -197,17 +197,17 @@ Eigen::VectorXd step_inside(const Eigen::MatrixXd& jacobian, const Eigen::Vector
 }
 
 double robust_sum(const Eigen::VectorXd& residual, double scale) {
-  // Huber's ρ, twice: the square inside, linear beyond.
-  const double k = kWinsor;
   double sum = 0.0;
-  for (const double r : residual) {
-    const double u = std::abs(r) / scale;
-    sum += u <= k ? u * u : k * (2.0 * u - k);
-  }
+  for (const double r : residual) sum += huber_square(r / scale);
   return sum;
 }
 
 }  // namespace
+
+double huber_square(double deviations) {
+  const double u = std::abs(deviations);
+  return u <= kWinsor ? u * u : kWinsor * (2.0 * u - kWinsor);
+}
 
 Fit fit(const Problem& problem, Hypothesis start, double scale) {
   const auto records = parameters_of(start);
@@ -239,7 +239,6 @@ Fit fit(const Problem& problem, Hypothesis start, double scale) {
       const double sum = trial.at.runs ? robust_sum(trial.residual, scale) : HUGE_VAL;
       if (!(sum <= best)) continue;
       improved = best - sum > kSmall;
-      result.converged = !improved;
       best = sum;
       result.hypothesis = std::move(next);
       step = std::move(trial);
@@ -342,7 +341,10 @@ FinalFit final_fit(const Problem& problem, const Hypothesis& start, double scale
   const double degrees = std::max(1, result.degrees);
   result.scale = std::max(std::sqrt(psi.squaredNorm() / degrees) / std::max(inside, 0.5),
                           problem.noise.least_scale());
-  if (problem.noise.source == NoiseSource::kStated && result.degrees < 1) result.scale = scale;
+  if (const double known = problem.noise.known_scale(); known > 0.0) {
+    result.scale = known;
+    result.scale_is_known = true;
+  }
   for (std::size_t k = 0; k < records.size(); ++k) {
     const double margin = 1e-6 * (records[k].upper - records[k].lower);
     const double value = result.hypothesis.value[k];

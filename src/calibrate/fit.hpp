@@ -33,8 +33,7 @@ struct Fit {
   Hypothesis hypothesis;
   Eigen::VectorXd simulated;
   Eigen::VectorXd residual;     ///< measured − simulated, whitened, not scaled
-  double sum_of_squares = 0.0;  ///< of winsorised residuals over scale²
-  bool converged = false;
+  double sum_of_squares = 0.0;  ///< huber_square() of the residuals over the scale
 };
 
 /// Beyond this many standard deviations a residual counts as this many (Huber's function).
@@ -50,11 +49,15 @@ struct FinalFit {
   Eigen::VectorXd simulated;
   Eigen::MatrixXd covariance;  ///< of the parameters, in their units
   std::vector<bool> at_bound;
-  double scale = 0.0;  ///< standard deviation of the whitened rows after the fit
-  int degrees = 0;     ///< rows less parameters
+  double scale = 0.0;           ///< standard deviation of the whitened rows after the fit
+  bool scale_is_known = false;  ///< NoiseModel::known_scale(), not estimated
+  int degrees = 0;              ///< rows less parameters
   bool converged = false;
 };
 FinalFit final_fit(const Problem& problem, const Hypothesis& start, double scale);
+
+/// Huber's ρ, twice: the square of a residual in standard deviations, linear beyond kWinsor.
+double huber_square(double deviations);
 
 /// Residuals beyond ±kWinsor·scale are set to it.
 Eigen::VectorXd winsorised(Eigen::VectorXd residual, double scale);

@@ -8,12 +8,13 @@ namespace gear3k::calibrate {
 
 namespace {
 
-/// Two rows far apart in everything that forms are made from.
+/// Rows far apart in everything that forms are made from; with runs, one of them between others.
 MeasurementSet wide_data(Kind kind, bool with_runs) {
   MeasurementSet data;
   data.kind = kind;
-  if (with_runs) data.runs = {"1", "2"};
-  for (const double share : {0.0, 1.0}) {
+  if (with_runs) data.runs = {"1", "2", "3"};
+  for (const int step : {0, 1, 2}) {
+    const double share = 0.5 * step;
     constexpr double kFar = 1e4;
     Observation row;
     row.condition.output_angle_rad = share * kFar;
@@ -23,7 +24,7 @@ MeasurementSet wide_data(Kind kind, bool with_runs) {
     row.condition.sun_speed_rad_s = 1.0 + share;
     row.condition.output_torque_Nm = 1.0 + share;
     row.condition.test_torque_Nm = 1.0 + share;
-    row.condition.run = with_runs ? static_cast<int>(share) : -1;
+    row.condition.run = with_runs ? step : -1;
     row.response = 1.0;
     data.rows.push_back(row);
   }

@@ -87,6 +87,18 @@ Eigen::VectorXd predict_held_out(const Problem& problem, const Hypothesis& hypot
   return predicted;
 }
 
+bool predicts_no_worse(const Problem& problem, const Eigen::VectorXd& predicted,
+                       const Eigen::VectorXd& by_other, double scale) {
+  const Eigen::VectorXd y = measured(problem.data);
+  double worse = 0.0;
+  for (Eigen::Index i = 0; i < y.size(); ++i) {
+    if (!std::isfinite(predicted[i]) || !std::isfinite(by_other[i])) continue;
+    const double unit = scale / problem.noise.weight[i];
+    worse += huber_square((y[i] - predicted[i]) / unit) - huber_square((y[i] - by_other[i]) / unit);
+  }
+  return worse <= 0.0;
+}
+
 Extrapolation extrapolate(const Problem& problem, const Hypothesis& h,
                           const std::vector<Levels>& levels, const Eigen::VectorXd& y,
                           const Eigen::VectorXd& baseline) {

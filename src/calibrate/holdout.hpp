@@ -4,8 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "calibrate/covariate_levels.hpp"
+#include "calibrate/diagnosis.hpp"
 #include "calibrate/fit.hpp"
-#include "calibrate/remainder.hpp"
 
 namespace gear3k::calibrate {
 
@@ -26,6 +27,12 @@ Blocks holdout_blocks(const MeasurementSet& data, const std::vector<Levels>& lev
 /// @returns NaN in blocks without which the parameters are not determined
 Eigen::VectorXd predict_held_out(const Problem& problem, const Hypothesis& hypothesis,
                                  const Blocks& blocks);
+
+/// Whether predictions of held-out rows miss them by no more than others do: huber_square() of the
+/// weighted rows, summed over those that both predict.
+/// @param scale  standard deviation of the weighted rows
+bool predicts_no_worse(const Problem& problem, const Eigen::VectorXd& predicted,
+                       const Eigen::VectorXd& by_other, double scale);
 
 /// Errors at the highest load, speed or test torque (the first of these of which there are at least
 /// three) when the fit has not seen it.

@@ -16,7 +16,7 @@ LinearSets::LinearSets(const Columns& columns, std::vector<Block> blocks, const 
       moment_(columns.other.transpose() * columns.residual),
       total_(columns.residual.squaredNorm()),
       rows_(static_cast<double>(columns.residual.size())),
-      known_(known_scale(problem)) {}
+      known_(problem.noise.known_scale()) {}
 
 double LinearSets::score(const std::vector<std::size_t>& set) const {
   constexpr double kNever = -std::numeric_limits<double>::infinity();

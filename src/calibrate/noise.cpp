@@ -112,6 +112,11 @@ void NoiseModel::whiten(Eigen::MatrixXd& columns) const {
   }
 }
 
+double NoiseModel::known_scale() const {
+  constexpr Eigen::Index kFewRows = 15;
+  return source == NoiseSource::kStated && weight.size() < kFewRows ? 1.0 : 0.0;
+}
+
 double NoiseModel::least_scale() const {
   constexpr double kLeast = 1e-300;
   return weight.size() == 0 ? kLeast : std::max(rounding * weight.mean(), kLeast);

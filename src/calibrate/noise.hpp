@@ -2,7 +2,6 @@
 // How much measurements scatter, and what they look like when every row counts alike.
 
 #include <Eigen/Core>
-#include <optional>
 #include <vector>
 
 #include "calibrate/measurement.hpp"
@@ -28,8 +27,7 @@ Repeats find_repeats(const MeasurementSet& data);
 /// Scale of the rows and correlation within sessions.
 struct NoiseModel {
   NoiseSource source = NoiseSource::kResiduals;
-  Eigen::VectorXd weight;  ///< 1/σ of each row, up to the common factor `scale`
-  double scale = 1.0;      ///< σ of a row = scale/weight
+  Eigen::VectorXd weight;  ///< 1/σ of each row, up to a common factor
   std::vector<int> run;    ///< of each row, -1 = none
   int runs = 0;
   std::vector<double> rows_per_run;
@@ -39,8 +37,11 @@ struct NoiseModel {
   double rounding = 0.0;
 
   /// Weights rows and takes out of each session's mean what sessions scatter: afterwards all rows
-  /// are independent with standard deviation `scale`.
+  /// are independent and scatter alike.
   void whiten(Eigen::MatrixXd& columns) const;
+  /// Deviation of whitened rows where it must be taken as stated, as few rows say nothing of their
+  /// own scatter; 0: it is estimated.
+  [[nodiscard]] double known_scale() const;
   /// Deviation of whitened rows that the last digit alone makes; above 0 in any case.
   [[nodiscard]] double least_scale() const;
   /// Whether weighted residuals are no more than the last digit makes.

@@ -54,7 +54,7 @@ std::optional<Eigen::VectorXd> weights_by_response(const Problem& problem,
     if (likelihood(power) > likelihood(best)) best = power;
   }
   constexpr double kClearly = 4.0;
-  if (likelihood(best) < likelihood(0.0) + kClearly) return std::nullopt;
+  if (best == 0.0 || likelihood(best) < likelihood(0.0) + kClearly) return std::nullopt;
   return size.array().pow(-best).matrix();
 }
 

@@ -8,9 +8,6 @@ namespace gear3k::calibrate {
 
 namespace {
 
-/// Columns of which the fit leaves less than this share are not free.
-constexpr double kLeastFree = 1e-6;
-
 /// Share of the residual's squares that whitened cosines and sines take off.  The residual is free
 /// of the fit already, so that only the waves' squares need what they have in common with the fit
 /// taken off: CᵀC − (BᵀC)ᵀ(BᵀC).
@@ -29,7 +26,7 @@ double share_of(const Eigen::MatrixXd& wave, const FreeResidual& residual, doubl
     free_ss -= s * s;
     free_cs -= c * s;
   }
-  constexpr double kLeast = kLeastFree * kLeastFree;
+  constexpr double kLeast = 1e-12;  // share of its squares that a free wave keeps
   const double determinant = free_cc * free_ss - free_cs * free_cs;
   constexpr double kDependent = 1e-9;
   if (free_cc <= kLeast * cc || free_ss <= kLeast * ss ||
@@ -49,17 +46,6 @@ Eigen::MatrixXd waves(const std::vector<double>& phase, double order) {
     const double angle = order * phase[static_cast<std::size_t>(i)];
     columns(i, 0) = std::isfinite(angle) ? std::cos(angle) : 0.0;
     columns(i, 1) = std::isfinite(angle) ? std::sin(angle) : 0.0;
-  }
-  return columns;
-}
-
-Eigen::MatrixXd free_columns(Eigen::MatrixXd columns, const FreeResidual& residual) {
-  residual.noise.whiten(columns);
-  if (residual.own_basis.cols() == 0) return columns;
-  const Eigen::VectorXd whole = columns.colwise().norm();
-  columns -= residual.own_basis * (residual.own_basis.transpose() * columns);
-  for (Eigen::Index k = 0; k < columns.cols(); ++k) {
-    if (columns.col(k).norm() <= kLeastFree * whole[k]) columns.col(k).setZero();
   }
   return columns;
 }

@@ -18,10 +18,6 @@ struct FreeResidual {
 /// Cosine and sine of an order of a phase [rad], as they are; 0 where the phase is NaN.
 Eigen::MatrixXd waves(const std::vector<double>& phase, double order);
 
-/// The part of columns that whitening and the fit leave free; 0 where that is less than 1e-6 of
-/// them.
-Eigen::MatrixXd free_columns(Eigen::MatrixXd columns, const FreeResidual& residual);
-
 /// What waves of each order take off the residual.
 struct OrderScan {
   /// Orders, and the share of the residual's squares, 0 to 1, that cosine and sine of each take off

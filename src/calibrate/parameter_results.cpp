@@ -9,11 +9,12 @@ namespace gear3k::calibrate {
 
 namespace {
 
-/// Factor of a standard deviation for a 95 % interval.
-double interval_factor(int degrees) {
+/// Factor of a standard deviation for a 95 % interval: the normal's where the scatter is known,
+/// else Student's.
+double interval_factor(const FinalFit& fit) {
   constexpr double kNormal = 1.959963984540054;
-  if (degrees < 1) return kNormal;
-  return boost::math::quantile(boost::math::students_t(degrees), 0.975);
+  if (fit.scale_is_known || fit.degrees < 1) return kNormal;
+  return boost::math::quantile(boost::math::students_t(fit.degrees), 0.975);
 }
 
 ParameterResult parameter_result(const ParameterRecord& record, double value, double variance,
@@ -36,7 +37,7 @@ std::vector<ParameterResult> parameter_results(const Simulation& simulation, con
   const Hypothesis& h = fit.hypothesis;
   const std::size_t first = value_offset(h, effect);
   const Candidate& own = h.effects[effect];
-  const double factor = interval_factor(fit.degrees);
+  const double factor = interval_factor(fit);
   std::vector<ParameterResult> result;
   for (std::size_t k = 0; k < own.parameters.size(); ++k) {
     const auto at = static_cast<Eigen::Index>(first + k);

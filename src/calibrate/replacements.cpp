@@ -22,9 +22,8 @@ constexpr double kPreferred = 2.0;
 /// So few forms are all fitted in the place of an effect, without screening.
 constexpr std::size_t kFewForms = 12;
 
-bool preferred(const Cause& cause) {
-  return cause.remedy == Remedy::kFrictionValue || cause.id == "run_step";
-}
+bool is_parameter(const Cause& cause) { return cause.remedy == Remedy::kFrictionValue; }
+bool is_step(const Cause& cause) { return cause.id == "run_step"; }
 
 /// Laws of load, speed or temperature, which a session measured in order may imitate.
 bool is_law(const Cause& cause) {
@@ -75,7 +74,7 @@ FormsByCause likely_forms(const Judge& judge, const std::vector<Candidate>& othe
   const double wide = std::max(judge.scale(), robust_deviation(start.residual));
   const Columns columns = columns_at(problem, start.hypothesis, pool, wide);
   if (columns.own.cols() >= columns.own.rows()) return {};
-  const Screen screen(columns.own, columns.other, blocks_of(pool), known_scale(problem));
+  const Screen screen(columns.own, columns.other, blocks_of(pool), problem.noise.known_scale());
   const std::vector<Gain> gains = screen.gains(columns.residual);
   constexpr double kBent = 0.05;  // of what the effect explains: the columns are tangents
   const double needed =
@@ -180,7 +179,7 @@ void refit_beside(const Judge& judge, const SearchResult& result, std::size_t ot
 
 Judge::Judge(const Problem& problem, const Fit& best, double scale)
     : problem_(problem), scale_(scale) {
-  if (known_scale(problem) > 0.0) return;
+  if (problem.noise.known_scale() > 0.0) return;
   const auto n = static_cast<double>(problem.data.rows.size());
   const auto parameters = static_cast<double>(best.hypothesis.value.size());
   const double least = problem.noise.least_scale();
@@ -199,25 +198,80 @@ std::vector<Candidate> candidates_beside(const std::vector<Candidate>& all, cons
   return result;
 }
 
-FoundEffect judge_effect(const Judge& judge, const SearchResult& result, std::size_t effect) {
+namespace {
+
+/// The fit without an effect.
+Gap gap_of(const Judge& judge, const SearchResult& result, std::size_t effect) {
   const Hypothesis& best = result.fit.hypothesis;
   const Hypothesis rest = without(best, effect);
-  const Gap gap{.own = best.effects[effect],
-                .rest = rest,
-                .fit_rest = fit(judge.problem(), rest, judge.scale())};
+  return {.own = best.effects[effect],
+          .rest = rest,
+          .fit_rest = fit(judge.problem(), rest, judge.scale())};
+}
+
+/// p-value and BIC of an effect by what is left without it.
+/// @param form  as it was searched for
+void weigh(const Judge& judge, const SearchResult& result, const Gap& gap, const Form& form,
+           FoundEffect& found) {
   const double added = judge.chi(gap.fit_rest) - judge.chi(result.fit);
   const auto parameters = static_cast<Eigen::Index>(gap.own.parameters.size());
   const auto rows = static_cast<double>(judge.problem().data.rows.size());
   // Without a known scatter the likelihood is that of the variance which each fit leaves.
   const double likelihood_ratio =
-      known_scale(judge.problem()) > 0.0
+      judge.problem().noise.known_scale() > 0.0
           ? added
           : rows * std::log(gap.fit_rest.sum_of_squares / result.fit.sum_of_squares);
-  return {
-      .p_value = result.first_luck.p_value(chi_square_evidence(added, parameters) +
-                                           std::log(gap.own.form.weight * gap.own.cause->weight)),
-      .delta_bic = likelihood_ratio - static_cast<double>(parameters) * std::log(rows),
-      .replacements = replacements_of(judge, result, gap)};
+  found.p_value = result.first_luck.p_value(chi_square_evidence(added, parameters) +
+                                            std::log(form.weight * gap.own.cause->weight));
+  found.delta_bic = likelihood_ratio - static_cast<double>(parameters) * std::log(rows);
+}
+
+}  // namespace
+
+FoundEffect judge_effect(const Judge& judge, const SearchResult& result, std::size_t effect) {
+  const Gap gap = gap_of(judge, result, effect);
+  FoundEffect found;
+  weigh(judge, result, gap, gap.own.form, found);
+  found.replacements = replacements_of(judge, result, gap);
+  return found;
+}
+
+namespace {
+
+/// The effect's cause at its other bodies, where that explains as well.
+std::vector<Replacement> other_bodies_of(const Judge& judge, const SearchResult& result,
+                                         std::size_t effect) {
+  const Candidate& own = result.fit.hypothesis.effects[effect];
+  std::vector<Replacement> found;
+  if (own.form.body.empty()) return found;
+  for (const Candidate& c : result.candidates) {
+    if (c.cause != own.cause || c.form.body == own.form.body ||
+        c.parameters.size() != own.parameters.size()) {
+      continue;
+    }
+    Hypothesis h = result.fit.hypothesis;
+    h.effects[effect] = c;
+    const auto first = h.value.begin() + static_cast<std::ptrdiff_t>(value_offset(h, effect));
+    std::fill_n(first, c.parameters.size(), 0.0);
+    Replacement other{.candidate = c, .fit = fit(judge.problem(), std::move(h), judge.scale())};
+    other.statistic = judge.chi(other.fit) - judge.chi(result.fit);
+    if (other.statistic <= kAsWell) found.push_back(std::move(other));
+  }
+  std::ranges::stable_sort(found, {}, &Replacement::statistic);
+  return found;
+}
+
+}  // namespace
+
+void take_better_names(const Judge& judge, const std::vector<Candidate>& all,
+                       SearchResult& result) {
+  prefer_parameters(judge, result);
+  const std::vector<Candidate> searched = result.fit.hypothesis.effects;
+  take_unsearched_forms(judge, all, result);
+  for (std::size_t e = 0; e < result.effects.size(); ++e) {
+    weigh(judge, result, gap_of(judge, result, e), searched[e].form, result.effects[e]);
+    result.effects[e].other_bodies = other_bodies_of(judge, result, e);
+  }
 }
 
 void prefer_parameters(const Judge& judge, SearchResult& result) {
@@ -227,29 +281,28 @@ void prefer_parameters(const Judge& judge, SearchResult& result) {
   for (std::size_t e = 0; e < result.effects.size(); ++e) {
     FoundEffect& found = result.effects[e];
     const Candidate own = result.fit.hypothesis.effects[e];
-    if (preferred(*own.cause)) continue;
+    if (is_parameter(*own.cause)) continue;
     constexpr double kTie = 1e-3;
-    const auto is_parameter = [&](const Replacement& r) {
-      return !r.with_level && r.candidate.cause->remedy == Remedy::kFrictionValue &&
-             r.statistic <= kParameter && last_is_plausible(r.fit.hypothesis);
+    const auto parameter = [&](const Replacement& r) {
+      return is_parameter(*r.candidate.cause) && r.statistic <= kParameter &&
+             last_is_plausible(r.fit.hypothesis);
     };
-    const auto is_step = [&](const Replacement& r) {
-      return !r.with_level && preferred(*r.candidate.cause) &&
-             r.candidate.cause->remedy != Remedy::kFrictionValue && is_law(*own.cause) &&
-             r.statistic <= kPreferred;
+    const auto step = [&](const Replacement& r) {
+      return is_step(*r.candidate.cause) && is_law(*own.cause) && r.statistic <= kPreferred;
     };
-    const auto is_earlier = [&](const Replacement& r) {
-      return !r.with_level && !preferred(*r.candidate.cause) && r.statistic <= kTie &&
-             rank(r.candidate) < rank(own);
+    const auto earlier = [&](const Replacement& r) {
+      return !is_parameter(*r.candidate.cause) && !is_step(*r.candidate.cause) &&
+             !is_step(*own.cause) && r.statistic <= kTie && rank(r.candidate) < rank(own);
     };
-    auto better = std::ranges::find_if(found.replacements, is_parameter);
-    if (better == found.replacements.end()) {
-      better = std::ranges::find_if(found.replacements, is_step);
-    }
-    if (better == found.replacements.end()) {
-      better = std::ranges::find_if(found.replacements, is_earlier);
-    }
-    if (better == found.replacements.end()) continue;
+    const auto end = found.replacements.end();
+    const auto first_that = [&](const auto& reason) {
+      return std::ranges::find_if(found.replacements,
+                                  [&](const Replacement& r) { return !r.with_level && reason(r); });
+    };
+    auto better = first_that(parameter);
+    if (better == end) better = first_that(step);
+    if (better == end) better = first_that(earlier);
+    if (better == end) continue;
     const Replacement taken = *better;
     found.replacements.erase(better);
     for (Replacement& r : found.replacements) r.statistic -= taken.statistic;
@@ -270,7 +323,9 @@ void take_unsearched_forms(const Judge& judge, const std::vector<Candidate>& all
     for (const Candidate& form : all) {
       const Fit& best = result.fit;
       const Candidate own = best.hypothesis.effects[e];
-      if (form.form.weight > 0.0 || form.cause != own.cause) continue;
+      if (form.form.weight > 0.0 || form.cause != own.cause || form.form.law != own.form.law) {
+        continue;
+      }
       // A form with a level of its own makes no sense beside the level.
       const bool no_level = level == nullptr || has_cause(best.hypothesis, level->cause);
       if (no_level && has_level_parameter(form.parameters)) continue;

@@ -10,7 +10,8 @@ namespace gear3k::calibrate {
 /// One scale and variance by which all fits to a problem are compared.
 class Judge {
  public:
-  /// @param best  whose residual states the variance, unless it is known (known_scale())
+  /// @param best  whose residual states the variance, unless it is known
+  /// (NoiseModel::known_scale())
   /// @param scale  of the treatment of outliers, as of fit()
   Judge(const Problem& problem, const Fit& best, double scale);
 
@@ -43,5 +44,10 @@ void prefer_parameters(const Judge& judge, SearchResult& result);
 /// as well within χ² 2 and refine the form or are plausible.
 void take_unsearched_forms(const Judge& judge, const std::vector<Candidate>& all,
                            SearchResult& result);
+
+/// Takes both and looks for other bodies that show each cause as well; p-values and BIC become
+/// those of the names that stay, and of a form that is not searched for the p-value is that of the
+/// form which was.
+void take_better_names(const Judge& judge, const std::vector<Candidate>& all, SearchResult& result);
 
 }  // namespace gear3k::calibrate

@@ -45,6 +45,17 @@ Eigen::MatrixXd orthonormal_basis(const Eigen::MatrixXd& columns) {
   return basis.leftCols(rank);
 }
 
+Eigen::MatrixXd free_of(const Eigen::MatrixXd& basis, Eigen::MatrixXd columns) {
+  if (basis.cols() == 0) return columns;
+  const Eigen::VectorXd whole = columns.colwise().norm();
+  columns -= basis * (basis.transpose() * columns);
+  constexpr double kRounding = 1e-6;
+  for (Eigen::Index k = 0; k < columns.cols(); ++k) {
+    if (columns.col(k).norm() <= kRounding * whole[k]) columns.col(k).setZero();
+  }
+  return columns;
+}
+
 std::uint64_t RandomBits::next() {
   // SplitMix64 (Steele, Lea, Flood 2014).
   std::uint64_t z = (state_ += 0x9e3779b97f4a7c15ULL);

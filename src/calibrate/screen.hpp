@@ -74,6 +74,9 @@ double chi_square_evidence(double x, Eigen::Index k);
 /// Orthonormal basis of columns; columns that add less than 1e-6 of their length are left out.
 Eigen::MatrixXd orthonormal_basis(const Eigen::MatrixXd& columns);
 
+/// Columns without what an orthonormal basis takes of them; 0 where that is all.
+Eigen::MatrixXd free_of(const Eigen::MatrixXd& basis, Eigen::MatrixXd columns);
+
 /// A generator of reproducible streams: the same numbers on every machine.
 class RandomBits {
  public:

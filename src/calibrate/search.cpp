@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
+#include <numeric>
 #include <optional>
 #include <utility>
 
+#include "calibrate/holdout.hpp"
 #include "calibrate/linear_sets.hpp"
 #include "calibrate/replacements.hpp"
 
@@ -25,7 +26,7 @@ constexpr int kFitsPerStep = 5;
 double score_of(const Problem& problem, const Fit& fit, double scale, double log_weight) {
   const auto n = static_cast<double>(problem.data.rows.size());
   const auto p = static_cast<double>(fit.hypothesis.value.size());
-  const double known = known_scale(problem);
+  const double known = problem.noise.known_scale();
   const double likelihood = known > 0.0
                                 ? -0.5 * fit.sum_of_squares * scale * scale / (known * known)
                                 : -0.5 * n * std::log(std::max(fit.sum_of_squares, 1e-12));
@@ -46,19 +47,31 @@ class Proposals {
     if (std::ranges::any_of(sets_, [&](const Hypothesis& s) { return same_forms(s, h); })) return;
     sets_.push_back(std::move(h));
   }
-  /// The fit of the best score; not a fit of anything where none has one.
-  [[nodiscard]] std::optional<Fit> best_fit(const Problem& problem, double scale) const {
-    std::optional<Fit> winner;
-    double winner_score = -std::numeric_limits<double>::infinity();
+  /// The fit of the best score among those that predict rows held out of the fit no worse than the
+  /// last fit does.  Where none does: empty, or of an empty last fit the best in score: that
+  /// something is there has been tested, and the held-out error will say how little it helps.
+  [[nodiscard]] std::optional<Fit> best_fit(const Problem& problem, const Hypothesis& last,
+                                            const Blocks& blocks, double scale) const {
+    std::vector<Fit> fits;
+    std::vector<double> score;
+    fits.reserve(sets_.size());
+    score.reserve(sets_.size());
     for (const Hypothesis& h : sets_) {
-      Fit trial = fit(problem, h, scale);
-      const double score = score_of(problem, trial, scale, log_weight_of(trial.hypothesis));
-      if (score > winner_score) {
-        winner_score = score;
-        winner = std::move(trial);
-      }
+      fits.push_back(fit(problem, h, scale));
+      score.push_back(score_of(problem, fits.back(), scale, log_weight_of(h)));
     }
-    return winner;
+    std::vector<std::size_t> order(fits.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order,
+                             [&](std::size_t a, std::size_t b) { return score[a] > score[b]; });
+    std::erase_if(order, [&](std::size_t k) { return !std::isfinite(score[k]); });
+    const Eigen::VectorXd by_last = predict_held_out(problem, last, blocks);
+    for (const std::size_t k : order) {
+      const Eigen::VectorXd predicted = predict_held_out(problem, fits[k].hypothesis, blocks);
+      if (predicts_no_worse(problem, predicted, by_last, scale)) return fits[k];
+    }
+    if (order.empty() || !last.effects.empty()) return std::nullopt;
+    return fits[order.front()];
   }
 
  private:
@@ -104,7 +117,7 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
   std::ranges::copy_if(all, std::back_inserter(result.candidates),
                        [](const Candidate& c) { return c.form.weight > 0.0; });
   const std::vector<Candidate>& candidates = result.candidates;
-  const double known = known_scale(problem);
+  const double known = problem.noise.known_scale();
   Columns base = columns_at(problem, {}, candidates, 0.0);
   // Known scatter bounds outliers only once something is fitted: what the simulation misses is far
   // beyond it.
@@ -116,8 +129,9 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
   const auto n = static_cast<double>(problem.data.rows.size());
   const int simulations = n > kManyRows ? kSimulations / 4 : kSimulations;
 
+  const Blocks blocks = holdout_blocks(problem.data, covariate_levels(problem.data));
   Fit best = fit(problem, {}, scale);
-  for (int size = 1; size <= options.most_effects; ++size) {
+  for (int size = 1; size <= kMostEffects; ++size) {
     const std::vector<Candidate> others = candidates_beside(candidates, best.hypothesis);
     const Columns columns = size == 1 ? base : columns_at(problem, best.hypothesis, others, scale);
     if (static_cast<double>(columns.own.cols()) >= n) break;
@@ -148,7 +162,7 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
         proposals.add(std::move(h));
       }
     }
-    std::optional<Fit> winner = proposals.best_fit(problem, scale);
+    std::optional<Fit> winner = proposals.best_fit(problem, best.hypothesis, blocks, scale);
     if (!winner) break;
     best = std::move(*winner);
     scale = std::max({known, robust_deviation(best.residual), least});
@@ -159,8 +173,7 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
   for (std::size_t e = 0; e < result.fit.hypothesis.effects.size(); ++e) {
     result.effects.push_back(judge_effect(judge, result, e));
   }
-  prefer_parameters(judge, result);
-  take_unsearched_forms(judge, all, result);
+  take_better_names(judge, all, result);
   result.scale = std::sqrt(judge.variance());
   return result;
 }

@@ -10,9 +10,11 @@
 
 namespace gear3k::calibrate {
 
+/// Effects that a set may have: more than three are hardly told apart by a campaign.
+inline constexpr int kMostEffects = 3;
+
 struct SearchOptions {
   double rate = 0.04;  ///< probability of finding something where there is nothing
-  int most_effects = 3;
   std::uint64_t seed = 1;
 };
 
@@ -28,6 +30,7 @@ struct FoundEffect {
   double p_value = 1.0;    ///< given the other effects
   double delta_bic = 0.0;  ///< of leaving it out
   std::vector<Replacement> replacements;
+  std::vector<Replacement> other_bodies;  ///< the same cause elsewhere, as good as here
 };
 
 struct SearchResult {

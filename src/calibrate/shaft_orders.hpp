@@ -14,7 +14,6 @@ struct ShaftOrder {
 };
 
 /// Revolutions of the bodies per revolution of the output, relative to the carrier and absolute.
-/// Orders that coincide (carrier and R1) stand once.
 std::vector<ShaftOrder> shaft_orders(const train::ToothSet& z);
 
 /// Teeth of the two stages that mesh per revolution of the output.

@@ -177,7 +177,7 @@ Simulation::Simulation(const Subject& subject, Kind kind, std::vector<ExtendedMo
 
 Modification Simulation::unmodified(const Condition& condition) const {
   Modification m;
-  for (const ExtendedModel& model : models_) apply_model(model, condition, kind_, 0, m);
+  for (const ExtendedModel& model : models_) apply_model(model, condition, kind_, m);
   return m;
 }
 
@@ -369,8 +369,18 @@ Occasion Simulation::occasion(const MeasurementSet& data) const {
     o.speed_unit = "rad/s";
   }
   if (kind_ == Kind::kTransmission && !data.rows.empty()) {
+    // Rows without load or at rest have no place in a law of either.
+    const auto above_zero = [&](double Condition::*member) {
+      double least = kUnknown;
+      for (const Observation& row : data.rows) {
+        const double x = row.condition.*member;
+        if (x > 0.0 && !(x >= least)) least = x;
+      }
+      return least;
+    };
     const auto least =
-        load_and_speed({.sun_speed_rad_s = speed.low, .output_torque_Nm = torque.low});
+        load_and_speed({.sun_speed_rad_s = above_zero(&Condition::sun_speed_rad_s),
+                        .output_torque_Nm = above_zero(&Condition::output_torque_Nm)});
     const auto most =
         load_and_speed({.sun_speed_rad_s = speed.high, .output_torque_Nm = torque.high});
     o.load = {least[0], most[0]};

@@ -33,7 +33,7 @@ std::vector<double> inclusion_frequency(const Problem& problem, const SearchResu
     const Eigen::MatrixXd other = columns.other(rows, Eigen::all);
     Eigen::MatrixXd own(half, 0);
     std::vector<bool> hit(groups.size(), false);
-    for (int size = 0; size < options.most_effects; ++size) {
+    for (int size = 0; size < kMostEffects; ++size) {
       const Screen screen(own, other, blocks_of(result.candidates), 0.0);
       const auto gains = screen.gains(residual);
       const auto order = ranked(result.candidates, gains, 1);

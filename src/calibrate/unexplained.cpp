@@ -91,7 +91,9 @@ void describe_shape(const Problem& problem, const Columns& columns, const Empiri
                     Remainder& remainder) {
   remainder.along = term.along;
   remainder.order = term.order;
-  const Eigen::MatrixXd basis = orthonormal_basis(term.columns);
+  // Beside the fit: what of the term no effect takes.
+  const Eigen::MatrixXd basis =
+      orthonormal_basis(free_of(orthonormal_basis(columns.own), term.columns));
   Eigen::VectorXd fitted = basis * (basis.transpose() * columns.residual);
   remainder.share = fitted.squaredNorm() / columns.residual.squaredNorm();
   fitted = fitted.cwiseQuotient(problem.noise.weight);

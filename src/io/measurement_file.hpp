@@ -32,9 +32,9 @@ struct Measurements {
 ///
 /// Left out, and named in MeasurementSet::notes with file and lines:
 ///   - rows without a required value (more than 20 % of a file's rows: an error);
-///   - copies of a row, all columns equal, the first one stays, where a column tells copies from
-///     repeats (leave_out_copies(); others are kept and counted in a note); in another file, where
-///     time_s is stated and every named column but the run is equal;
+///   - copies of a row, all columns equal, the first one stays, where a column or a fine reading
+///     tells copies from repeats (leave_out_copies(); others are kept and counted in a note); in
+///     another file, where time_s is stated and every named column but the run is equal;
 ///   - transmission: rows at a limit of the sensor, that is the greatest or the least sun torque of
 ///     a file, repeated exactly in five rows or more whose loads differ by more than 5 % and by
 ///     more than the sensor's resolution can hide (more than half of a file's rows: an error).

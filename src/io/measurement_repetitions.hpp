@@ -36,8 +36,8 @@ class RowTexts {
 /// A row that is the same in every column may as well be measured again by a coarse sensor: it is a
 /// copy only where a column tells rows apart that repeat each other, and states a value.  That is
 /// time_s; or an angle, a count of cycles or a column that the kind does not name, where at least
-/// nine in ten of the rows that differ have a value of their own in it.  Others are kept as repeats
-/// and counted in a note.
+/// nine in ten of the rows that differ have a value of their own in it; or the response, if it is
+/// read to more than 10,000 steps.  Others are kept as repeats and counted in a note.
 /// @param repetition  RowTexts::repetitions()
 void leave_out_copies(calibrate::MeasurementSet& set, const std::vector<char>& repetition);
 

@@ -103,6 +103,8 @@ ordered_json effect_json(const Effect& e, const std::vector<std::string>& runs) 
                       {"p_value", finite(e.p_value)}};
   json["title"] = e.title;
   json["form"] = form_json(e.form, runs);
+  json["other_bodies"] =
+      list_of(e.other_bodies, [&](const Alternative& a) { return alternative_json(a, runs); });
   json["remedy"] = kRemedyNames[static_cast<std::size_t>(e.remedy)];
   json["preferred_parameter"] = e.preferred_parameter;
   json["alternatives_detail"] =

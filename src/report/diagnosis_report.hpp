@@ -18,9 +18,7 @@ struct DiagnosisSetup {
   std::optional<ModelUse> model = std::nullopt;  ///< under the simulation
 };
 
-/// The results of the kinds of data that were given, one by one; results and data go together by
-/// their place.
-
+/// Of the kinds of data that were given, one by one; results and data go together by their place.
 /// In plain words: how far off the simulation is, the causes and what else could explain as well,
 /// evidence, residuals along the covariates, gain, what is left, the next experiment.
 std::string diagnosis_table(const std::vector<calibrate::Diagnosis>& diagnoses,
@@ -45,7 +43,7 @@ std::string place_text(const calibrate::Form& form);
 /// What a form says beyond its cause: its name and constants, with the label of a run.
 std::string form_text(const calibrate::Form& form, const std::vector<std::string>& runs);
 
-/// Two results and data must go together.
+/// Results and data must go together.
 /// @throws std::invalid_argument when there are none, or numbers of results, data or rows differ
 void require_matching(const std::vector<calibrate::Diagnosis>& diagnoses,
                       const std::vector<calibrate::MeasurementSet>& sets);

@@ -122,6 +122,10 @@ std::string effect_text(const Effect& e, const std::vector<std::string>& runs, b
         "needs no new physics.\n";
   }
   for (const ParameterResult& p : e.parameters) text += limits_text(p);
+  for (const Alternative& other : e.other_bodies) {
+    text += fmt::format("  These data cannot tell where: as well{}: {}\n",
+                        place_clause(other.id, other.form), parameters_text(other.parameters));
+  }
   if (!e.alternatives.empty()) {
     text += several ? "  These data cannot tell it from (each beside another cause as above):\n"
                     : "  These data cannot tell it from:\n";

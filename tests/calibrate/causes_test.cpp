@@ -120,9 +120,48 @@ TEST(Causes, AreNothingToSearchWhereTheDataCannotShowThem) {
   EXPECT_FALSE(angle.contains("mesh_order"));
   const auto load = ids([](Condition& c) { c.output_torque_Nm = 20.0; });
   EXPECT_FALSE(load.contains("friction_load"));
+  // A row without load has no place in a law of the load; the others have.
+  bool first = true;
+  const auto idle = ids([&](Condition& c) {
+    if (first) c.output_torque_Nm = 0.0;
+    first = false;
+  });
+  EXPECT_TRUE(idle.contains("friction_load"));
+  EXPECT_TRUE(idle.contains("friction_speed"));
   const auto time = ids([](Condition& c) { c.time_s = kUnknown; });
   EXPECT_FALSE(time.contains("drift"));
   EXPECT_TRUE(time.contains("run_step"));
+}
+
+TEST(Causes, HaveEveryFormOfASearchInTheirCatalogue) {
+  // What diagnose may write into a model is what a model may hold.
+  for (const Kind kind : kKinds) {
+    MeasurementSet data = campaign(kind);
+    data.runs = {"a", "b", "c", "d"};
+    const auto rows = data.rows.size();
+    for (std::size_t i = 0; i < rows; ++i) {
+      data.rows[i].condition.run = static_cast<int>(4 * i / rows);
+    }
+    const design::Design design = design_of(rig::bilateral_drive_gear());
+    const Subject other =
+        kind == Kind::kPairLoss ? Subject(pair_of(design)) : Subject(some_black_box());
+    for (const Subject& subject : {Subject(design), other}) {
+      for (const Candidate& c : candidates_for(Simulation(subject, kind), data)) {
+        const auto catalogue = form_catalogue(*c.cause, kind);
+        const auto known = std::ranges::find(catalogue, c.form.name, &CatalogueForm::name);
+        ASSERT_NE(known, catalogue.end()) << c.cause->id << ' ' << c.form.name;
+        EXPECT_TRUE(c.form.body.empty() || std::ranges::count(known->bodies, c.form.body) == 1)
+            << c.form.body;
+        EXPECT_TRUE(std::ranges::any_of(known->sets,
+                                        [&](const auto& set) {
+                                          return std::ranges::equal(set, c.form.constants, {},
+                                                                    &FormConstant::name,
+                                                                    &FormConstant::name);
+                                        }))
+            << c.cause->id << ' ' << c.form.name;
+      }
+    }
+  }
 }
 
 TEST(Causes, OfNoSizeChangeNothing) {

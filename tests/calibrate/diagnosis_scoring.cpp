@@ -16,11 +16,6 @@ namespace gear3k::rig {
 
 namespace {
 
-Gearbox gearbox_of(const Scenario& scenario) {
-  (void)scenario;
-  return bilateral_drive_gear();
-}
-
 calibrate::Diagnosis diagnose_csv(const Gearbox& gearbox, const std::vector<std::string>& csv) {
   const design::Design design = io::parse_design(design_toml(gearbox), "design.toml");
   std::vector<io::FileText> files;
@@ -184,12 +179,12 @@ Score score_after_experiment(const Scenario& scenario, const Gearbox& gearbox, c
 }  // namespace
 
 calibrate::Diagnosis diagnose_campaign(const Scenario& scenario, std::uint64_t seed) {
-  const Gearbox gearbox = gearbox_of(scenario);
+  const Gearbox gearbox = bilateral_drive_gear();
   return diagnose_csv(gearbox, {measure(gearbox, scenario.plan, scenario.causes, seed).csv});
 }
 
 Score score(const Scenario& scenario, std::uint64_t seed) {
-  const Gearbox gearbox = gearbox_of(scenario);
+  const Gearbox gearbox = bilateral_drive_gear();
   const Dataset data = measure(gearbox, scenario.plan, scenario.causes, seed);
   const calibrate::Diagnosis d = diagnose_csv(gearbox, {data.csv});
   std::vector<std::string> hidden;
@@ -200,7 +195,9 @@ Score score(const Scenario& scenario, std::uint64_t seed) {
   for (const auto& effect : d.effects) {
     const bool hit = std::ranges::any_of(hidden, [&](const auto& id) { return names(effect, id); });
     result.wrong = result.wrong || !hit;
+    result.explanations += 1.0 + static_cast<double>(effect.alternatives.size());
   }
+  if (!d.effects.empty()) result.explanations /= static_cast<double>(d.effects.size());
   switch (scenario.expectation) {
     case Expectation::kNothing:
       result.right = d.verdict == calibrate::Verdict::kNoDiscrepancy;

@@ -29,7 +29,8 @@ struct Scenario {
 
 struct Score {
   bool right = false;
-  bool wrong = false;                         ///< something named that was not hidden
+  bool wrong = false;         ///< something named that was not hidden
+  double explanations = 0.0;  ///< mean number of causes that an effect may be; 0: no effect
   bool has_interval = false, inside = false;  ///< of the first hidden cause's parameter
   std::string answer;
 };

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <set>
@@ -23,6 +24,26 @@ MeasurementSet without_block(const MeasurementSet& data, const Blocks& blocks, i
   return rest;
 }
 
+/// Each row by the least squares line of the rows outside its block.
+Eigen::VectorXd line_without_its_block(const Eigen::MatrixXd& line, const Eigen::VectorXd& response,
+                                       const Blocks& blocks) {
+  Eigen::VectorXd predicted(response.size());
+  for (int block = 0; block < blocks.count; ++block) {
+    Eigen::MatrixXd x = line;
+    Eigen::VectorXd y = response;
+    for (Eigen::Index i = 0; i < y.size(); ++i) {
+      if (blocks.of[static_cast<std::size_t>(i)] != block) continue;
+      x.row(i).setZero();
+      y[i] = 0.0;
+    }
+    const Eigen::VectorXd refit = line * x.colPivHouseholderQr().solve(y);
+    for (Eigen::Index i = 0; i < y.size(); ++i) {
+      if (blocks.of[static_cast<std::size_t>(i)] == block) predicted[i] = refit[i];
+    }
+  }
+  return predicted;
+}
+
 class HeldOut : public testing::Test {
  protected:
   HeldOut()
@@ -30,15 +51,30 @@ class HeldOut : public testing::Test {
         data_(campaign(Kind::kTransmission)) {}
 
   /// Data of a hypothesis with even deviations, none of them far enough out to count less.
-  void measure(const Hypothesis& truth, double most) {
+  void measure(const Hypothesis& truth, double most, unsigned seed = 3) {
     const Eigen::VectorXd y = simulated(simulation_, data_, truth).value();
-    rig::DeterministicRandom random(3);
+    rig::DeterministicRandom random(seed);
     for (std::size_t i = 0; i < data_.rows.size(); ++i) {
       data_.rows[i].response = y[static_cast<Eigen::Index>(i)] + random.between(-most, most);
     }
   }
+  /// What the sensor shows is a line in the true torque: y = (1 + g) T + b s. [T, s]
+  [[nodiscard]] Eigen::MatrixXd sensor_line() const {
+    Eigen::MatrixXd line(static_cast<Eigen::Index>(data_.rows.size()), 2);
+    line.col(0) = simulated(simulation_, data_, {}).value();
+    for (Eigen::Index i = 0; i < line.rows(); ++i) {
+      const Condition& c = data_.rows[static_cast<std::size_t>(i)].condition;
+      line(i, 1) = c.direction == design::Direction::kForward ? c.rotation : -c.rotation;
+    }
+    return line;
+  }
   [[nodiscard]] Problem problem() const {
     return {.simulation = simulation_, .data = data_, .noise = make_noise_model(data_)};
+  }
+  [[nodiscard]] bool no_worse(const Hypothesis& h, const Hypothesis& other, const Blocks& blocks,
+                              double scale) const {
+    return predicts_no_worse(problem(), predict_held_out(problem(), h, blocks),
+                             predict_held_out(problem(), other, blocks), scale);
   }
   [[nodiscard]] Blocks by(const std::string& name) const {
     for (const Levels& levels : covariate_levels(data_)) {
@@ -56,40 +92,73 @@ TEST_F(HeldOut, OfTheSensorAreRefitsWithoutTheBlock) {
       {candidate("sensor_gain", {.name = "gain"}), candidate("sensor_offset", {.name = "offset"})},
       {0.04, 0.003});
   measure(sensor, 0.004);
-  // What the sensor shows is a line in the true torque: y = (1 + g) T + b s.
-  const Eigen::VectorXd torque = simulated(simulation_, data_, {}).value();
-  const auto n = static_cast<Eigen::Index>(data_.rows.size());
-  Eigen::MatrixXd line(n, 2);
-  line.col(0) = torque;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Condition& c = data_.rows[static_cast<std::size_t>(i)].condition;
-    line(i, 1) = c.direction == design::Direction::kForward ? c.rotation : -c.rotation;
-  }
+  const Eigen::MatrixXd line = sensor_line();
   for (const char* name : {"load", "speed", "run", "direction"}) {
     const Blocks blocks = by(name);
     ASSERT_GE(blocks.count, 2) << name;
+    const Eigen::VectorXd refit = line_without_its_block(line, measured(data_), blocks);
     // From any values of the parameters, as nothing depends on them but the residual.
     Hypothesis from = sensor;
     for (const double gain : {0.04, 0.02}) {
       from.value[0] = gain;
       const Eigen::VectorXd predicted = predict_held_out(problem(), from, blocks);
-      for (int block = 0; block < blocks.count; ++block) {
-        Eigen::MatrixXd x = line;
-        Eigen::VectorXd y = measured(data_);
-        for (Eigen::Index i = 0; i < n; ++i) {
-          if (blocks.of[static_cast<std::size_t>(i)] != block) continue;
-          x.row(i).setZero();
-          y[i] = 0.0;
-        }
-        const Eigen::VectorXd refit = line * x.colPivHouseholderQr().solve(y);
-        for (Eigen::Index i = 0; i < n; ++i) {
-          if (blocks.of[static_cast<std::size_t>(i)] == block) {
-            EXPECT_NEAR(predicted[i], refit[i], 1e-9 * torque.maxCoeff()) << name << ' ' << i;
-          }
-        }
+      for (Eigen::Index i = 0; i < refit.size(); ++i) {
+        EXPECT_NEAR(predicted[i], refit[i], 1e-9 * line.col(0).maxCoeff()) << name << ' ' << i;
       }
     }
   }
+}
+
+TEST_F(HeldOut, DecideWhetherAnEffectOnlyFitsOrAlsoPredicts) {
+  const Hypothesis offset = hypothesis({candidate("sensor_offset", {.name = "offset"})}, {0.0});
+  const Eigen::MatrixXd line = sensor_line();
+  const Blocks blocks = by("load");
+  constexpr double kMost = 0.004;
+  int fits_only = 0;
+  int predicts = 0;
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    measure({}, kMost, seed);
+    const Eigen::VectorXd shift = measured(data_) - line.col(0);
+    const Eigen::VectorXd refit = line_without_its_block(line.col(1), shift, blocks);
+    const bool expected = (shift - refit).squaredNorm() <= shift.squaredNorm();
+    EXPECT_EQ(no_worse(offset, {}, blocks, kMost), expected) << seed;
+    ++(expected ? predicts : fits_only);
+  }
+  // The fit to the rows themselves is better every time.
+  EXPECT_GT(fits_only, 10);
+  EXPECT_GT(predicts, 2);
+  Hypothesis truth = offset;
+  truth.value = {0.01};
+  measure(truth, kMost);
+  EXPECT_TRUE(no_worse(offset, {}, blocks, kMost));
+  EXPECT_FALSE(no_worse({}, offset, blocks, kMost));
+}
+
+TEST_F(HeldOut, DoNotSpeakAgainstWhatTheyCannotPredict) {
+  const auto last = static_cast<double>(data_.runs.size() - 1);
+  const Hypothesis step = hypothesis(
+      {candidate("run_step", {.name = "from",
+                              .constants = {{.name = "first_run", .unit = "", .value = last}}})},
+      {0.01});
+  measure(step, 0.004);
+  // Without the last session nobody knows its step; the others do not depend on it.
+  EXPECT_TRUE(no_worse(step, {}, by("run"), 0.004));
+  EXPECT_TRUE(no_worse({}, step, by("run"), 0.004));
+}
+
+TEST_F(HeldOut, OutliersCountByTheirDistanceNotItsSquare) {
+  measure({}, 0.004);
+  const Eigen::VectorXd y = measured(data_);
+  Eigen::VectorXd one_far = y;
+  one_far[0] += 100.0;
+  Eigen::VectorXd all_off = y;
+  // 2·3·100 − 9 = 591 deviations² in one row, or as many in all rows together.
+  const auto rows = static_cast<double>(y.size());
+  ASSERT_LT(591.0 / rows, 9.0);
+  all_off.array() += std::sqrt(591.5 / rows);
+  EXPECT_TRUE(predicts_no_worse(problem(), one_far, all_off, 1.0));
+  all_off = y.array() + std::sqrt(590.5 / rows);
+  EXPECT_FALSE(predicts_no_worse(problem(), one_far, all_off, 1.0));
 }
 
 TEST_F(HeldOut, OfFrictionAreCloseToRefitsWithoutTheBlock) {

@@ -108,6 +108,26 @@ TEST_F(OneSlope, ThatNoGearboxShowsIsNotGivenToIt) {
   EXPECT_NE(find(result.effects[0], "friction_level"), nullptr);
 }
 
+TEST_F(Replacements, OfAStepIsTheCoefficientOfFrictionWhereItDoesAsMuch) {
+  // The first session almost without load: another coefficient of friction shows in the second.
+  data_ = measured_grid({.sun_speeds_rpm = {600.0},
+                         .output_torques_Nm = {0.02, 20.0},
+                         .directions = {design::Direction::kForward},
+                         .rotations = {1},
+                         .repeats = 12});
+  data_.runs = {"idle", "loaded"};
+  for (Observation& row : data_.rows) row.condition.run = row.condition.output_torque_Nm > 1.0;
+  measure(hypothesis({candidate("friction_level", {.name = "coefficient"})}, {0.3}), 0.004);
+  const Problem p = problem();
+  const Candidate step = candidate(
+      "run_step", {.name = "from", .constants = {{.name = "first_run", .unit = "", .value = 1.0}}});
+  SearchResult result = found(p, hypothesis({step}, {0.0}));
+  const Judge judge(p, result.fit, result.scale);
+  prefer_parameters(judge, result);
+  EXPECT_EQ(name(result), "friction_level");
+  EXPECT_NE(find(result.effects[0], "run_step"), nullptr);
+}
+
 TEST_F(Replacements, OfALawIsAStepWhereSessionsAreInItsOrder) {
   // The first session at 2, the second at 1000 rpm: a drag proportional to speed adds a constant
   // from the second session on, but for 0.2 %.
@@ -235,8 +255,15 @@ TEST_F(Replacements, OfAPowerOfTheLoadHaveItsExponentWhateverTheReference) {
   const Problem p = problem();
   SearchResult result = found(p, hypothesis({form("about_middle")}, {0.0}));
   const Judge judge(p, result.fit, result.scale);
-  take_unsearched_forms(judge, all, result);
+  const double searched = result.effects[0].delta_bic;
+  take_better_names(judge, all, result);
   ASSERT_EQ(result.fit.hypothesis.value.size(), 2U);
+  // The evidence is that of the form with the level as a parameter of its own.
+  const auto n = static_cast<double>(data_.rows.size());
+  const double without = fit(p, {}, result.scale).sum_of_squares;
+  EXPECT_NEAR(result.effects[0].delta_bic,
+              n * std::log(without / result.fit.sum_of_squares) - 2.0 * std::log(n), 1e-6);
+  EXPECT_GT(std::abs(result.effects[0].delta_bic - searched), 1.0);
   EXPECT_NEAR(result.fit.hypothesis.value[0], kExponent, 0.01);
   EXPECT_NEAR(result.fit.hypothesis.value[1], std::pow(1.0 / 1.35, kExponent) - 1.0, 0.01);
 }

@@ -37,7 +37,10 @@ std::vector<Form> forms(const Occasion& o) {
                            form("from_warmest", o.temperature_K[1], 0.15)};
   // Once it is found: with the coefficient at the middle as a parameter of its own.
   result.push_back(form(kAnyLevel, o.temperature_K[0] + 0.5 * span, 0.0));
-  if (o.has_drag) result.push_back(form(kDrag, o.design_temperature_K, 0.3));
+  if (o.has_drag) {
+    result.push_back(form(kDrag, o.design_temperature_K, 0.3));
+    result.back().law = kDrag;
+  }
   return result;
 }
 

@@ -69,7 +69,9 @@ std::vector<Form> forms(const Occasion& o) {
 void apply(const Form& form, std::span<const Scalar> p, const Condition& condition, Kind kind,
            Modification& m) {
   const FormConstant& place = form.constants.front();
-  const double at = place.name == kFirstRun ? condition.run : condition.time_s;
+  const bool by_run = place.name == kFirstRun;
+  const double at = by_run ? condition.run : condition.time_s;
+  if (by_run ? condition.run < 0 : !std::isfinite(at)) return;
   if (form.name.ends_with("only")) {
     if (at != place.value) return;
   } else {
