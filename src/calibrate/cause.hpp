@@ -46,7 +46,8 @@ struct FormConstant {
   double value = 0.0;
 };
 
-/// One way in which a cause may act.  All forms of a cause have the same parameters.
+/// One way in which a cause may act.  Forms of a cause may differ in their parameters
+/// (Cause::parameters).
 struct Form {
   std::string name = {};
   std::vector<FormConstant> constants = {};

@@ -47,8 +47,6 @@ CommonSlope common_slope(const std::vector<BranchZero>& branches) {
 std::optional<Creep> find_creep(const FilteredRecord& f, const std::vector<BranchZero>& branches,
                                 const std::vector<Loop>& loops) {
   Creep creep;
-  double duration = 0.0;
-  for (const Loop& l : loops) duration += duration_s(f, l) / static_cast<double>(loops.size());
   const CommonSlope slope = common_slope(branches);
   if (slope.repeats) {
     double variance = 0.0;
@@ -69,26 +67,7 @@ std::optional<Creep> find_creep(const FilteredRecord& f, const std::vector<Branc
     creep.standard_deviation_rad_s =
         closing_deviation_rad(f.secant, branches[b], branches[b + 1]) / own;
   }
-  creep.rad_per_loop = creep.rad_s * duration;
   return creep;
-}
-
-double variance_without_creep_rad2(const std::vector<BranchZero>& branches, std::size_t b,
-                                   const Creep& creep) {
-  const CommonSlope slope = common_slope(branches);
-  const BranchZero& one = branches[b];
-  const BranchZero& two = branches[b + 1];
-  const double elapsed = two.at->time_s - one.at->time_s;
-  if (!slope.repeats) {
-    return one.variance_rad2 + two.variance_rad2 +
-           square(elapsed) * square(creep.standard_deviation_rad_s);
-  }
-  double variance = 0.0;
-  for (std::size_t k = 0; k < branches.size(); ++k) {
-    const double own = k == b + 1 ? 1.0 : (k == b ? -1.0 : 0.0);
-    variance += square(own - elapsed * slope.weight_per_s[k]) * branches[k].variance_rad2;
-  }
-  return variance;
 }
 
 }  // namespace gear3k::calibrate

@@ -34,17 +34,4 @@ std::optional<Creep> find_creep(const FilteredRecord& record,
                                 const std::vector<BranchZero>& branches,
                                 const std::vector<Loop>& loops);
 
-/// Variance of the lost motion of loop b, whose creep was estimated from the same branches and
-/// removed from the angle.
-///
-///   var = Σ_k (±1 - Δt w_k)² var θ_k       (±1 for the loop's own branches, else 0)
-///
-/// where branches repeat; else the creep's own variance times Δt² is added, Δt between the two
-/// branches at zero torque.
-/// Source: own derivation, docs/theory.md §31 (creep).
-/// Valid: both branches of the loop have an angle at zero torque.
-/// @returns [rad²]
-double variance_without_creep_rad2(const std::vector<BranchZero>& branches, std::size_t b,
-                                   const Creep& creep);
-
 }  // namespace gear3k::calibrate

@@ -5,20 +5,21 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <optional>
 #include <stdexcept>
+#include <utility>
+
+#include "calibrate/response_unit.hpp"
 
 namespace gear3k::calibrate {
 
 namespace {
 
-constexpr double kRadPerArcmin = std::numbers::pi / 180.0 / 60.0;
-
 /// Samples of one session, referred to the output.
 struct Session {
   TorqueAngleRecord samples;
   int run = -1, file = 0;
+  bool sun_locked = true;
   std::string label, name;  ///< of run and file
   std::vector<int> place;   ///< of each sample in the file's record, from 1
 };
@@ -55,6 +56,7 @@ std::vector<Session> sessions_of(const std::vector<LockedShaftRecord>& records, 
         if (known == sessions.end()) {
           Session session;
           session.file = record.file;
+          session.sun_locked = record.sun_locked;
           session.label = label;
           session.name = record.name;
           if (!record.run.empty() || records.size() > 1) {
@@ -156,6 +158,7 @@ LoopObservations loop_observations(const std::vector<LockedShaftRecord>& records
     analyses.push_back(analyse_loops(session.samples, options));
 
   std::vector<UsedLoop> used;
+  result.sessions.reserve(sessions.size());
   for (std::size_t s = 0; s < sessions.size(); ++s) {
     const LoopAnalysis& analysis = analyses[s];
     if (analysis.outcome != RecordOutcome::kLoops) {
@@ -164,6 +167,12 @@ LoopObservations loop_observations(const std::vector<LockedShaftRecord>& records
                                          record_outcome_text(analysis.outcome)));
       continue;
     }
+    LoopSession found{.file = sessions[s].file,
+                      .run = sessions[s].label,
+                      .sun_locked = sessions[s].sun_locked,
+                      .cutoff_Hz = analysis.cutoff_Hz,
+                      .creep = analysis.creep};
+    found.loops.reserve(analysis.loops.size());
     std::size_t free_from = 0;
     for (std::size_t k = 0; k < analysis.loops.size(); ++k) {
       const Loop& loop = analysis.loops[k];
@@ -176,7 +185,9 @@ LoopObservations loop_observations(const std::vector<LockedShaftRecord>& records
       if (loop.first_sample < free_from) continue;
       free_from = loop.last_sample;
       used.push_back({.session = &sessions[s], .loop = &loop});
+      found.loops.push_back({.number = static_cast<int>(k) + 1, .loop = loop});
     }
+    if (!found.loops.empty()) result.sessions.push_back(std::move(found));
   }
   result.measured = static_cast<int>(used.size());
   if (used.empty()) return result;
@@ -227,7 +238,7 @@ LoopObservations loop_observations(const std::vector<LockedShaftRecord>& records
     result.notes.push_back(fmt::format(
         "friction opens {} loop{} by {:.3g} arcmin at zero torque and takes as much off the travel "
         "(means): both are corrected for it",
-        taken, taken == 1 ? "" : "s", taken_sum / taken / kRadPerArcmin));
+        taken, taken == 1 ? "" : "s", taken_sum / taken / response_unit(Kind::kLostMotion).si));
   }
   return result;
 }
@@ -267,6 +278,11 @@ void add_loops(MeasurementSet& set, const LoopObservations& loops, int file_offs
     }
     if (!keep_sigma) row.sigma = kUnknown;
     set.rows.push_back(row);
+  }
+  set.loops.reserve(set.loops.size() + loops.sessions.size());
+  for (LoopSession session : loops.sessions) {
+    session.file += file_offset;
+    set.loops.push_back(std::move(session));
   }
   for (Covariate& covariate : set.covariates) covariate.value.resize(set.rows.size(), kUnknown);
   set.notes.insert(set.notes.end(), loops.notes.begin(), loops.notes.end());

@@ -25,8 +25,9 @@ struct LoopObservations {
   /// loop begins.
   std::vector<Observation> rows;
   std::vector<std::string> notes;
-  int measured = 0;  ///< loops used
-  int refused = 0;   ///< loops found and not used, and runs without any
+  std::vector<LoopSession> sessions;  ///< those with loops that were used
+  int measured = 0;                   ///< loops used
+  int refused = 0;                    ///< loops found and not used, and runs without any
 };
 
 /// Fractions of the smallest peak torque of all loops at which travel is read, as the mean over
@@ -56,7 +57,8 @@ LoopObservations loop_observations(const std::vector<LockedShaftRecord>& records
 
 /// Adds rows of loops to data of lost motion, or to a set of torque_angle that has none.  Rows of
 /// files without sessions become sessions named after their files.  Their sigma is kept where the
-/// set's rows have one, and of a single loop: several loops are repeats, which say more.
+/// set's rows have one, and of a single loop: several loops are repeats, which say more.  The
+/// sessions go along.
 /// @param file_offset  of the loops' files in set.files
 void add_loops(MeasurementSet& set, const LoopObservations& loops, int file_offset);
 

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "calibrate/loop_session.hpp"
 #include "design/operation.hpp"
 
 namespace gear3k::calibrate {
@@ -59,7 +60,8 @@ struct MeasurementSet {
   std::vector<Covariate> covariates;
   /// What was found and how it was handled, in words: rows left out, duplicates, saturation.
   std::vector<std::string> notes;
-  std::uint64_t fingerprint = 0;  ///< FNV-1a, 64 bit, of the files' bytes
+  std::uint64_t fingerprint = 0;     ///< FNV-1a, 64 bit, of the files' bytes
+  std::vector<LoopSession> loops{};  ///< from which rows were read, where they were
 };
 
 /// A gearbox of which only the catalogue values are known; the sun is its fast shaft.

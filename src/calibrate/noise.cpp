@@ -17,7 +17,14 @@ namespace {
 /// Bins of 2 % of a range; rows on either side of an edge count as different.
 constexpr double kSameShare = 0.02;
 
-using Key = std::array<long long, 8>;
+using Key = std::array<long long, 10>;
+
+/// Whole nanometres; not stated: that of 1 mm.
+long long module_nm(const Condition& c) {
+  constexpr double kNanometre = 1e-9;
+  constexpr double kDefault_m = 1e-3;
+  return std::llround((c.module_m > 0.0 ? c.module_m : kDefault_m) / kNanometre);
+}
 
 long long bin_of(double x, const ValueRange& range) {
   if (!std::isfinite(x)) return -1;
@@ -41,8 +48,10 @@ Repeats find_repeats(const MeasurementSet& data) {
     const Condition& c = row.condition;
     const Key key{c.direction == design::Direction::kForward ? 0 : 1,
                   c.rotation,
+                  c.reference_sensor ? 1 : 0,
                   c.driving_teeth,
                   c.driven_teeth,
+                  module_nm(c),
                   bin_of(c.sun_speed_rad_s, speed),
                   bin_of(c.output_torque_Nm, load),
                   bin_of(c.test_torque_Nm, test),

@@ -18,10 +18,10 @@ struct Repeats {
   int degrees = 0;  ///< rows beyond the first of each cell
 };
 
-/// Rows agree in what was set: direction, rotation, teeth, and to 2 % of their range speed, load
-/// and test torque (without a range: exactly); temperature where it was set too, that is where it
-/// takes at most eight values.  What varies beside that, session, angle and time among it, is part
-/// of how measurements scatter.
+/// Rows agree in what was set: direction, rotation, sensor, teeth, module, and to 2 % of their
+/// range speed, load and test torque (without a range: exactly); temperature where it was set too,
+/// that is where it takes at most eight values.  What varies beside that, session, angle and time
+/// among it, is part of how measurements scatter.
 Repeats find_repeats(const MeasurementSet& data);
 
 /// Scale of the rows and correlation within sessions.

@@ -152,39 +152,23 @@ Loop measure_loop(const BranchedRecord& r, const LoopOptions& options, std::size
 
 // --- one record ---------------------------------------------------------------------------------
 
-/// Loops of a record, and its branches, from which the variance without creep follows.
-struct RecordLoops {
+LoopAnalysis measure_record(FilteredRecord filtered, const LoopOptions& options) {
   LoopAnalysis analysis;
-  std::vector<BranchZero> zeros;
-};
-
-RecordLoops measure_record(FilteredRecord filtered, const LoopOptions& options) {
-  RecordLoops result;
-  LoopAnalysis& analysis = result.analysis;
   analysis.cutoff_per_sample = filtered.cutoff_per_sample;
   const std::vector<std::size_t> turns =
       turning_points(filtered.once.torque_Nm, options.reversal_fraction);
   if (turns.size() < 3) {
     analysis.outcome = RecordOutcome::kTooFewReversals;
-    return result;
+    return analysis;
   }
-  analysis.reversals.assign(turns.begin() + 1, turns.end() - 1);
   analysis.angle_sense = filtered.angle_sense;
-  BranchedRecord r = branch_record(std::move(filtered), turns, options.zero_reach_fraction);
+  const BranchedRecord r = branch_record(std::move(filtered), turns, options.zero_reach_fraction);
   analysis.loops.reserve(r.branches.size() - 1);
   for (std::size_t b = 0; b + 1 < r.branches.size(); ++b) {
     analysis.loops.push_back(measure_loop(r, options, b));
   }
   analysis.creep = find_creep(r.filtered, r.zeros, analysis.loops);
-  result.zeros = std::move(r.zeros);
-  return result;
-}
-
-TorqueAngleRecord without_creep(TorqueAngleRecord record, const Creep& creep) {
-  for (std::size_t i = 0; i < record.time_s.size(); ++i) {
-    record.angle_rad[i] -= creep.rad_s * (record.time_s[i] - record.time_s.front());
-  }
-  return record;
+  return analysis;
 }
 
 // --- input --------------------------------------------------------------------------------------
@@ -216,9 +200,6 @@ void check(const TorqueAngleRecord& record, const LoopOptions& options) {
       throw std::invalid_argument(fmt::format("time_s[{}] = {} is before time_s[{}] = {}", i,
                                               record.time_s[i], i - 1, record.time_s[i - 1]));
     }
-  }
-  if (options.cutoff_Hz && !(*options.cutoff_Hz > 0.0 && std::isfinite(*options.cutoff_Hz))) {
-    throw std::invalid_argument(fmt::format("cutoff_Hz = {} is not above 0", *options.cutoff_Hz));
   }
   check_fraction(options.reversal_fraction, "reversal_fraction");
   check_fraction(options.zero_reach_fraction, "zero_reach_fraction");
@@ -295,37 +276,16 @@ LoopAnalysis analyse_loops(const TorqueAngleRecord& record, const LoopOptions& o
     return refused;
   }
   const double period = samples_per_loop(raw_turns);
-  double cutoff = std::min(0.25, kCutoffHarmonic / period);
-  if (options.cutoff_Hz) {
-    if (!(*options.cutoff_Hz * step < 0.5 && step > 0.0)) {
-      throw std::invalid_argument(
-          fmt::format("cutoff_Hz = {} is not below half the sampling frequency of 1/({} s)",
-                      *options.cutoff_Hz, step));
-    }
-    cutoff = *options.cutoff_Hz * step;
-  }
+  const double cutoff = std::min(0.25, kCutoffHarmonic / period);
   refused.cutoff_per_sample = cutoff;
   if (n <= filter_padding(cutoff)) {
     refused.outcome = RecordOutcome::kTooFewSamples;
     return refused;
   }
 
-  const auto finish = [step](LoopAnalysis analysis) {
-    analysis.cutoff_Hz = step > 0.0 ? analysis.cutoff_per_sample / step : 0.0;
-    return analysis;
-  };
-  RecordLoops found = measure_record(filter_record(record, cutoff, period), options);
-  const std::optional<Creep> creep = found.analysis.creep;
-  if (!options.remove_creep || !creep) return finish(std::move(found.analysis));
-  RecordLoops steady =
-      measure_record(filter_record(without_creep(record, *creep), cutoff, period), options);
-  steady.analysis.creep = creep;
-  for (std::size_t b = 0; b < steady.analysis.loops.size(); ++b) {
-    Loop& loop = steady.analysis.loops[b];
-    if (loop.lost_motion_sd_rad == 0.0) continue;
-    loop.lost_motion_sd_rad = std::sqrt(variance_without_creep_rad2(steady.zeros, b, *creep));
-  }
-  return finish(std::move(steady.analysis));
+  LoopAnalysis analysis = measure_record(filter_record(record, cutoff, period), options);
+  analysis.cutoff_Hz = step > 0.0 ? cutoff / step : 0.0;
+  return analysis;
 }
 
 }  // namespace gear3k::calibrate

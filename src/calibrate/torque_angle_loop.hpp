@@ -18,10 +18,6 @@ struct TorqueAngleRecord {
 };
 
 struct LoopOptions {
-  /// Cut-off of one pass of the zero-phase filter; both passes halve the amplitude there.
-  /// Empty: kCutoffHarmonic times the frequency of the loop, at most a quarter of the sampling
-  /// frequency.
-  std::optional<double> cutoff_Hz{};
   /// Smallest torque swing that counts as a reversal, as a fraction of the record's torque range.
   double reversal_fraction = 0.15;
   /// A branch that ends short of zero torque by this fraction of its first torque is continued.
@@ -31,15 +27,14 @@ struct LoopOptions {
   /// A lost motion that changes by more than this fraction at twice the cut-off depends on it; one
   /// whose branches pass zero torque over more than this fraction of it is ambiguous.
   double filter_fraction = 0.05;
-  /// Take the creep of the whole record, linear in time, out of the angle.
-  bool remove_creep = false;
   /// Fractions of the loop's smaller filtered peak torque for Loop::travel, each in (0, 1).
   std::vector<double> travel_levels{0.1, 0.25, 0.5, 0.75, 0.9};
 };
 
 /// Part of the upper flank whose slope is the stiffness, as fractions of its peak torque.
 inline constexpr double kStiffnessFrom = 0.5, kStiffnessTo = 0.9;
-/// Automatic cut-off in units of the loop's frequency.
+/// Cut-off of one pass of the zero-phase filter in units of the loop's frequency; at most a quarter
+/// of the sampling frequency.  Both passes halve the amplitude there.
 inline constexpr double kCutoffHarmonic = 120.0;
 /// Fewest samples of a flank from which scatter or slope are estimated.
 inline constexpr std::size_t kFewestFlankSamples = 8;
@@ -93,10 +88,9 @@ struct Loop {
   std::vector<TravelAtTorque> travel{};
 };
 
-/// Common drift of the branches' angles at zero torque.
+/// Common drift of the branches' angles at zero torque; it stays in the angles.
 struct Creep {
   double rad_s = 0.0;
-  double rad_per_loop = 0.0;  ///< at the mean duration of a loop
   double standard_deviation_rad_s = 0.0;
 };
 
@@ -114,9 +108,8 @@ struct LoopAnalysis {
   double cutoff_per_sample = 0.0;  ///< of one pass, in cycles per sample
   double cutoff_Hz = 0.0;          ///< the same at the median time step; 0 where that is 0
   int angle_sense = 1;             ///< -1: the angle falls where the torque rises
-  std::vector<std::size_t> reversals{};
-  std::optional<Creep> creep{};  ///< empty where no loop closes and no branch repeats
-  std::vector<Loop> loops{};     ///< of neighbouring branches: each branch may be in two of them
+  std::optional<Creep> creep{};    ///< empty where no loop closes and no branch repeats
+  std::vector<Loop> loops{};       ///< of neighbouring branches: each branch may be in two of them
 };
 
 /// Finds the torque reversals, filters, and measures each pair of a falling and a rising branch.

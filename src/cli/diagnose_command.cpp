@@ -8,16 +8,17 @@
 
 #include "calibrate/condition_quantity.hpp"
 #include "calibrate/diagnosis.hpp"
-#include "calibrate/loop_observations.hpp"
 #include "calibrate/model_range.hpp"
 #include "calibrate/model_update.hpp"
 #include "calibrate/shaft_orders.hpp"
+#include "calibrate/value_range.hpp"
 #include "cli/commands.hpp"
 #include "cli/model_option.hpp"
 #include "cli/progress.hpp"
 #include "cli/result_files.hpp"
 #include "io/diagnostics.hpp"
 #include "io/measurement_file.hpp"
+#include "io/measurement_loops.hpp"
 #include "io/model_file.hpp"
 #include "io/subject_file.hpp"
 #include "report/condition_columns.hpp"
@@ -66,49 +67,6 @@ class Errors {
 
 std::string name_of(const Subject& subject) {
   return std::visit([](const auto& s) { return s.name; }, subject);
-}
-
-/// Torque-angle records become rows of lost motion, with those of lost_motion files where there are
-/// any.
-void read_loops(io::Measurements& data, double ratio) {
-  const auto own = std::ranges::find(data.sets, Kind::kTorqueAngle, &MeasurementSet::kind);
-  if (own == data.sets.end()) return;
-  std::vector<calibrate::LockedShaftRecord> records;
-  records.reserve(data.loops.size());
-  for (io::TorqueAngleFile& file : data.loops) {
-    const auto place = std::ranges::find(own->files, file.path) - own->files.begin();
-    records.push_back({.samples = {.time_s = std::move(file.time_s),
-                                   .angle_rad = std::move(file.angle_rad),
-                                   .torque_Nm = std::move(file.torque_Nm)},
-                       .run = std::move(file.run),
-                       .sun_locked = file.sun_locked,
-                       .file = static_cast<int>(place),
-                       .name = file.path});
-  }
-  const calibrate::LoopObservations loops = calibrate::loop_observations(records, ratio);
-  if (loops.rows.empty()) {
-    throw io::InvalidInput(
-        fmt::format("{}: no loop could be measured, allowed: a torque that goes to and fro through "
-                    "zero, with the loop closed\n{}",
-                    fmt::join(own->files, ", "), fmt::join(loops.notes, "\n")));
-  }
-  const auto pool = std::ranges::find(data.sets, Kind::kLostMotion, &MeasurementSet::kind);
-  if (pool == data.sets.end()) {
-    calibrate::add_loops(*own, loops, 0);
-    return;
-  }
-  const auto offset = static_cast<int>(pool->files.size());
-  pool->files.insert(pool->files.end(), own->files.begin(), own->files.end());
-  pool->notes.insert(pool->notes.end(), own->notes.begin(), own->notes.end());
-  calibrate::add_loops(*pool, loops, offset);
-  // FNV-1a goes on with the other fingerprint's bytes.
-  constexpr std::uint64_t kPrime = 0x100000001b3U;
-  constexpr unsigned kByte = 8;
-  for (unsigned k = 0; k < sizeof own->fingerprint; ++k) {
-    pool->fingerprint ^= own->fingerprint >> (k * kByte) & 0xffU;
-    pool->fingerprint *= kPrime;
-  }
-  data.sets.erase(own);
 }
 
 /// What of a model means something for a subject only.
@@ -185,12 +143,9 @@ Task read_task(const DiagnoseOptions& options) {
     });
   }
   errors.throw_if_any();
-  const bool pooled =
-      std::ranges::find(data.sets, Kind::kTorqueAngle, &MeasurementSet::kind) != data.sets.end() &&
-      std::ranges::find(data.sets, Kind::kLostMotion, &MeasurementSet::kind) != data.sets.end();
-  const double ratio = task.simulations.front().ratio();
-  read_loops(data, ratio);
-  if (pooled) {
+  io::read_loops(data, task.simulations.front().ratio());
+  if (std::ranges::find(data.sets, Kind::kTorqueAngle, &MeasurementSet::kind) == data.sets.end()) {
+    // Its rows went to the set of lost motion.
     std::erase_if(task.simulations,
                   [](const Simulation& s) { return s.kind() == Kind::kTorqueAngle; });
   }
@@ -212,13 +167,7 @@ std::optional<Ends> limits_of(const ConditionLimit& limit,
                               const calibrate::ConditionQuantity& quantity,
                               const MeasurementSet& set) {
   if (!limit.least && !limit.greatest) return std::nullopt;
-  double low = calibrate::kUnknown;
-  double high = calibrate::kUnknown;
-  for (const auto& row : set.rows) {
-    const double value = row.condition.*quantity.member;
-    if (!(low <= value)) low = value;
-    if (!(high >= value)) high = value;
-  }
+  const auto [low, high] = calibrate::range_of(set, quantity.member);
   constexpr double kBeyond = 0.25;
   // Of a temperature a quarter is one of its range.
   const bool shifted = quantity.shift != 0.0;

@@ -19,6 +19,15 @@ inline std::uint64_t hashed(std::uint64_t hash, std::string_view bytes) {
   return hash;
 }
 
+/// The same with the bytes of a whole number, the lowest first.
+inline std::uint64_t hashed_bytes(std::uint64_t hash, std::uint64_t number) {
+  constexpr unsigned kByte = 8;
+  for (unsigned k = 0; k < sizeof number; ++k, number >>= kByte) {
+    hash = (hash ^ (number & 0xFFU)) * kHashPrime;
+  }
+  return hash;
+}
+
 /// The same with a number, -0 as 0.
 inline std::uint64_t hashed(std::uint64_t hash, double value) {
   // Word by word: quick and good enough to find candidates, which are then compared.

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "calibrate/condition_quantity.hpp"
+#include "calibrate/response_unit.hpp"
 #include "io/diagnostics.hpp"
 
 namespace gear3k::io {
@@ -20,7 +20,7 @@ using calibrate::Observation;
 using Column = MeasurementColumn;
 using Type = MeasurementColumn::Type;
 
-constexpr double kRadPerArcmin = std::numbers::pi / 180.0 / 60.0;
+constexpr double kRadPerArcmin = calibrate::response_unit(Kind::kLostMotion).si;
 constexpr double kAbsoluteZero_C = -calibrate::kTemperature.shift;
 constexpr double kFewestTeeth = 3, kMostTeeth = 2000;
 constexpr std::string_view kMagnitude =

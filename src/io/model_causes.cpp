@@ -32,33 +32,12 @@ class CauseReader {
     const auto member = [&](std::string_view key) { return member_of(table, key); };
     const CatalogueForm* form = form_of(table, path, catalogue);
     AppliedCause applied{.id = std::string(cause->id), .form = {}, .value = {}};
-    // All forms of a cause have the same parameters: these can be told without it.
-    applied.form.name = form != nullptr ? form->name : catalogue.front().name;
     std::vector<std::string> known{"form", std::string(kAlternatives), std::string(kImplausible)};
-    const auto parameters = cause->parameters(applied.form, kind_);
-    applied.value.reserve(parameters.size());
-    for (const ParameterRecord& parameter : parameters) {
-      const std::string key = key_of(parameter);
-      known.push_back(key);
-      known.push_back(key + std::string(kDeviation));
-      const std::string allowed =
-          fmt::format("a number{}{}, {} to {}", parameter.unit.empty() ? "" : " in ",
-                      parameter.unit, parameter.lower, parameter.upper);
-      const TomlValue* value = member(key);
-      double x = 0.0;
-      if (value == nullptr) {
-        reader_.error(table.position,
-                      fmt::format("{}.{} is missing: allowed: {}", path, key, allowed));
-      } else if (!(value->is_number() && value->number >= parameter.lower &&
-                   value->number <= parameter.upper)) {
-        reader_.refuse(*value, fmt::format("{}.{}", path, key), allowed);
-      } else {
-        x = value->number;
-      }
-      applied.value.push_back(x);
-      read_.names.push_back(fmt::format("{}.{}", table.key, key));
-      read_deviation(member(key + std::string(kDeviation)),
-                     fmt::format("{}.{}{}", path, key, kDeviation));
+    if (form != nullptr) {
+      applied.form.name = form->name;
+      read_parameters(table, path, cause->parameters(applied.form, kind_), applied.value, known);
+    } else {
+      check_parameters(table, path, parameters_of(*cause, catalogue), known);
     }
     if (const TomlValue* list = member(kAlternatives)) {
       applied.alternatives = alternatives(*list, fmt::format("{}.{}", path, kAlternatives));
@@ -161,6 +140,73 @@ class CauseReader {
                               hint.empty() ? "" : fmt::format("; did you mean {}?", hint),
                               fmt::join(known, ", ")));
     return nullptr;
+  }
+
+  static std::string allowed_text(const ParameterRecord& parameter) {
+    return fmt::format("a number{}{}, {} to {}", parameter.unit.empty() ? "" : " in ",
+                       parameter.unit, parameter.lower, parameter.upper);
+  }
+
+  static bool allows(const ParameterRecord& parameter, const TomlValue& value) {
+    return value.is_number() && value.number >= parameter.lower && value.number <= parameter.upper;
+  }
+
+  void read_parameters(const TomlValue& table, const std::string& path,
+                       const std::vector<ParameterRecord>& parameters, std::vector<double>& values,
+                       std::vector<std::string>& known) {
+    values.reserve(parameters.size());
+    for (const ParameterRecord& parameter : parameters) {
+      const std::string key = key_of(parameter);
+      known.push_back(key);
+      known.push_back(key + std::string(kDeviation));
+      const TomlValue* value = member_of(table, key);
+      double x = 0.0;
+      if (value == nullptr) {
+        reader_.error(table.position, fmt::format("{}.{} is missing: allowed: {}", path, key,
+                                                  allowed_text(parameter)));
+      } else if (!allows(parameter, *value)) {
+        reader_.refuse(*value, fmt::format("{}.{}", path, key), allowed_text(parameter));
+      } else {
+        x = value->number;
+      }
+      values.push_back(x);
+      read_.names.push_back(fmt::format("{}.{}", table.key, key));
+      read_deviation(member_of(table, key + std::string(kDeviation)),
+                     fmt::format("{}.{}{}", path, key, kDeviation));
+    }
+  }
+
+  /// Of every form that the cause may take.
+  std::vector<ParameterRecord> parameters_of(const Cause& cause,
+                                             const std::vector<CatalogueForm>& catalogue) const {
+    std::vector<ParameterRecord> all;
+    for (const CatalogueForm& possible : catalogue) {
+      const auto own = cause.parameters({.name = possible.name}, kind_);
+      all.insert(all.end(), own.begin(), own.end());
+    }
+    return all;
+  }
+
+  /// While the form is not known none is required, and what any form allows is allowed.
+  void check_parameters(const TomlValue& table, const std::string& path,
+                        const std::vector<ParameterRecord>& possible,
+                        std::vector<std::string>& known) {
+    for (const ParameterRecord& parameter : possible) {
+      const std::string key = key_of(parameter);
+      if (std::ranges::find(known, key) != known.end()) continue;
+      known.push_back(key);
+      known.push_back(key + std::string(kDeviation));
+      const TomlValue* value = member_of(table, key);
+      const bool refused =
+          value != nullptr && std::ranges::none_of(possible, [&](const ParameterRecord& other) {
+            return key_of(other) == key && allows(other, *value);
+          });
+      if (refused) {
+        reader_.refuse(*value, fmt::format("{}.{}", path, key), allowed_text(parameter));
+      }
+      read_deviation(member_of(table, key + std::string(kDeviation)),
+                     fmt::format("{}.{}{}", path, key, kDeviation));
+    }
   }
 
   void read_deviation(const TomlValue* value, const std::string& path) {

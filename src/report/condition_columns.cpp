@@ -42,6 +42,7 @@ constexpr ConditionColumn as_written() {
 
 constexpr ConditionColumn kAngle = converted<calibrate::kOutputAngle>();
 constexpr ConditionColumn kTemperature = converted<calibrate::kTemperature>();
+constexpr ConditionColumn kCycles = as_written<calibrate::kCycles>();
 constexpr ConditionColumn kTime = as_written<calibrate::kTime>();
 constexpr ConditionColumn kRunColumn{
     .name = kRun, .title = "session", .unit = "", .value = [](const Condition& c) {
@@ -64,14 +65,13 @@ std::vector<ConditionColumn> transmission_columns() {
            .value = [](const Condition& c) { return static_cast<double>(c.rotation); }},
           kAngle,
           kTemperature,
+          kCycles,
           kTime,
           kRunColumn};
 }
 
 std::vector<ConditionColumn> lost_motion_columns() {
-  return {kAngle,       converted<calibrate::kTestTorque>(),
-          kTemperature, as_written<calibrate::kCycles>(),
-          kTime,        kRunColumn};
+  return {kAngle, converted<calibrate::kTestTorque>(), kTemperature, kCycles, kTime, kRunColumn};
 }
 
 std::vector<ConditionColumn> pair_loss_columns() {
@@ -84,7 +84,10 @@ std::vector<ConditionColumn> pair_loss_columns() {
                        return c.module_m > 0.0 ? clean(calibrate::kModule.written(c.module_m))
                                                : calibrate::kUnknown;
                      }),
-          kTime, kRunColumn};
+          kTemperature,
+          kCycles,
+          kTime,
+          kRunColumn};
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
 
 #include "report/condition_columns.hpp"
@@ -207,6 +208,52 @@ ordered_json implausible_json(const Diagnosis& d) {
   return list;
 }
 
+/// null for what is 0 where it is not known.
+ordered_json positive_or_null(double value) {
+  return value > 0.0 ? finite(value) : ordered_json(nullptr);
+}
+
+void add_stiffness(ordered_json& json, const std::string& flank,
+                   const std::optional<calibrate::FlankStiffness>& stiffness) {
+  const std::string key = "stiffness_" + flank;
+  json[key + "_nm_per_rad"] =
+      stiffness ? finite(stiffness->stiffness_Nm_rad) : ordered_json(nullptr);
+  json[key + "_sd_nm_per_rad"] =
+      stiffness ? positive_or_null(stiffness->standard_deviation_Nm_rad) : ordered_json(nullptr);
+}
+
+/// A loop of a torque-angle record, and what it has in common with the others of its session.
+ordered_json loop_json(const calibrate::SessionLoop& one, const calibrate::LoopSession& session,
+                       const MeasurementSet& set) {
+  const auto file = static_cast<std::size_t>(session.file);
+  const calibrate::Loop& loop = one.loop;
+  ordered_json json{{"file", file < set.files.size() ? set.files[file] : ""},
+                    {"run", text_or_null(session.run)},
+                    {"loop", one.number},
+                    {"measured_at", session.sun_locked ? "output" : "sun"},
+                    {"lost_motion_arcmin", finite(arcmin(loop.lost_motion_rad))},
+                    {"lost_motion_sd_arcmin", positive_or_null(arcmin(loop.lost_motion_sd_rad))}};
+  add_stiffness(json, "positive", loop.stiffness_positive);
+  add_stiffness(json, "negative", loop.stiffness_negative);
+  json["asymmetry"] = number_or_null(loop.asymmetry);
+  json["filter_cutoff_hz"] = positive_or_null(session.cutoff_Hz);
+  const calibrate::Creep creep =
+      session.creep.value_or(calibrate::Creep{.rad_s = calibrate::kUnknown});
+  json["creep_arcmin_per_s"] = finite(arcmin(creep.rad_s));
+  json["creep_sd_arcmin_per_s"] = positive_or_null(arcmin(creep.standard_deviation_rad_s));
+  return json;
+}
+
+ordered_json loops_json(const MeasurementSet& set) {
+  ordered_json list = ordered_json::array();
+  for (const calibrate::LoopSession& session : set.loops) {
+    for (const calibrate::SessionLoop& one : session.loops) {
+      list.push_back(loop_json(one, session, set));
+    }
+  }
+  return list;
+}
+
 /// Everything about one kind.
 ordered_json kind_json(const Diagnosis& d, const MeasurementSet& set) {
   const double si = response_text(d.kind).si;
@@ -226,6 +273,7 @@ ordered_json kind_json(const Diagnosis& d, const MeasurementSet& set) {
                    {{"source", kNoiseNames[static_cast<std::size_t>(d.noise_source)]},
                     {"repeat_degrees", d.repeat_degrees},
                     {"session_deviation", finite(d.session_deviation / si)}}}};
+  json["loops"] = loops_json(set);
   json["p_value"] = finite(d.p_value);
   json["lack_of_fit"] =
       d.lack_of_fit.degrees > 0 && d.lack_of_fit.pure_degrees > 0
@@ -294,7 +342,7 @@ std::string diagnosis_json(const std::vector<Diagnosis>& diagnoses,
   json.update(kinds.front());
   if (kinds.size() > 1) {
     json["verdict"] = verdict_name(worst_verdict(diagnoses));
-    for (const char* list : {"effects", "physically_implausible"}) {
+    for (const char* list : {"effects", "physically_implausible", "loops"}) {
       json[list] = all_of_kinds(kinds, list);
     }
     const auto next = std::ranges::find_if(

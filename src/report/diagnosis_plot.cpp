@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "calibrate/value_range.hpp"
 #include "report/condition_columns.hpp"
 #include "report/diagnosis_report.hpp"
 #include "report/display.hpp"
@@ -18,7 +19,8 @@ namespace gear3k::report {
 
 namespace {
 
-using calibrate::Condition, calibrate::Diagnosis, calibrate::Kind, calibrate::MeasurementSet;
+using calibrate::Condition, calibrate::Diagnosis, calibrate::Kind, calibrate::MeasurementSet,
+    calibrate::ValueRange;
 
 std::string number(double value) { return exact(clean(value)); }
 
@@ -67,24 +69,16 @@ std::string axis_title(std::string_view title, std::string_view unit) {
 }
 
 /// A range around values, with room.
-struct Range {
-  double low = 0.0, high = 0.0;
-};
-Range range_of(const std::vector<double>& values) {
-  Range range{.low = calibrate::kUnknown, .high = calibrate::kUnknown};
-  for (const double value : values) {
-    if (!std::isfinite(value)) continue;
-    if (!(range.low <= value)) range.low = value;
-    if (!(range.high >= value)) range.high = value;
-  }
-  if (!std::isfinite(range.low)) return {.low = 0.0, .high = 1.0};
+ValueRange range_around(const std::vector<double>& values) {
+  const ValueRange range = calibrate::range_of(values);
+  if (!range.known()) return {.low = 0.0, .high = 1.0};
   constexpr double kRoom = 0.06;
   double room = kRoom * (range.high - range.low);
   if (!(room > 0.0)) room = range.low != 0.0 ? kRoom * std::abs(range.low) : kRoom;
   return {.low = range.low - room, .high = range.high + room};
 }
 
-std::string range_text(const char* axis, const Range& range) {
+std::string range_text(const char* axis, const ValueRange& range) {
   return fmt::format("set {}range [{}:{}]\n", axis, number(range.low), number(range.high));
 }
 
@@ -156,7 +150,7 @@ std::string comparison_script(const Diagnosis& d, const MeasurementSet& set) {
   std::vector<double> all = v.measured;
   all.insert(all.end(), v.baseline.begin(), v.baseline.end());
   all.insert(all.end(), v.extended.begin(), v.extended.end());
-  const Range range = range_of(all);
+  const ValueRange range = range_around(all);
   std::string text = plot_prologue(1000, 560);
   text += fmt::format(
       "set multiplot layout 1,2 title {} margins 0.08,0.98,0.12,0.84 spacing 0.1\n"
@@ -335,7 +329,8 @@ std::string residual_script(const Diagnosis& d, const MeasurementSet& set) {
       plot_text(fmt::format("{}measured less simulated{}", subject_title(d), thinned_text(set))),
       plot_text(abscissa.title),
       plot_text(axis_title(fmt::format("residual of {}", response.title), response.unit)),
-      range_text("x", range_of(abscissa.value)), range_text("y", range_of(all)), abscissa.ticks);
+      range_text("x", range_around(abscissa.value)), range_text("y", range_around(all)),
+      abscissa.ticks);
   const double noise = d.errors.noise_floor / response.si;
   const auto panel = [&](const char* name, const char* label, const std::vector<double>& y) {
     std::vector<std::string> plots{"0 with lines lc rgb '#404040' notitle"};
@@ -471,15 +466,8 @@ std::string periodogram_data(const calibrate::Periodogram& p) {
 }
 
 bool more_than_a_turn(const MeasurementSet& set) {
-  double low = calibrate::kUnknown;
-  double high = calibrate::kUnknown;
-  for (const auto& row : set.rows) {
-    const double angle = row.condition.output_angle_rad;
-    if (std::isnan(angle)) continue;
-    if (!(low <= angle)) low = angle;
-    if (!(high >= angle)) high = angle;
-  }
-  return high - low > 2.0 * std::numbers::pi;
+  const ValueRange angle = calibrate::range_of(set, &Condition::output_angle_rad);
+  return angle.high - angle.low > 2.0 * std::numbers::pi;
 }
 
 std::string periodogram_script(const Diagnosis& d,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <optional>
 
 #include "report/condition_columns.hpp"
 #include "report/diagnosis_report.hpp"
@@ -14,8 +15,8 @@ namespace gear3k::report {
 namespace {
 
 using calibrate::Alternative, calibrate::CovariateTest, calibrate::Diagnosis, calibrate::Effect,
-    calibrate::Form, calibrate::MeasurementSet, calibrate::NextExperiment, calibrate::NoiseSource,
-    calibrate::ParameterResult, calibrate::Verdict;
+    calibrate::Form, calibrate::LoopSession, calibrate::MeasurementSet, calibrate::NextExperiment,
+    calibrate::NoiseSource, calibrate::ParameterResult, calibrate::Verdict;
 
 std::string spaced(std::string text) {
   std::ranges::replace(text, '_', ' ');
@@ -30,6 +31,13 @@ std::string rows_text(std::size_t rows) {
   return rows == 1 ? "1 row" : fmt::format("{} rows", rows);
 }
 
+/// Decimals that show two digits of a deviation; negative above 100.
+int decimals_of(double deviation) {
+  constexpr double kRounding = 1e-9;
+  return 1 - static_cast<int>(std::floor(std::log10(deviation) + kRounding));
+}
+constexpr int kMostDecimals = 6;
+
 /// A value and half its 95 % interval, to two digits of that; the interval itself where it is
 /// lopsided.
 std::string value_text(const ParameterResult& p) {
@@ -37,9 +45,7 @@ std::string value_text(const ParameterResult& p) {
   if (!std::isfinite(half) || half <= 0.0) {
     return with_unit(fmt::format("{:.4g}", clean(p.value)), p.unit);
   }
-  constexpr double kRounding = 1e-9;
-  const int decimals = 1 - static_cast<int>(std::floor(std::log10(half) + kRounding));
-  constexpr int kMostDecimals = 6;
+  const int decimals = decimals_of(half);
   const bool plain = decimals <= kMostDecimals;
   const auto number = [&](double x) {
     return plain ? fixed(x, std::max(0, decimals)) : fmt::format("{:.4g}", clean(x));
@@ -362,6 +368,64 @@ std::string lack_text(const Diagnosis& d) {
                      p_statement(d.lack_of_fit.p_value));
 }
 
+/// "12.30 ± 0.15", to two digits of the standard deviation; without one where it is not known.
+std::string deviation_text(double value, double deviation) {
+  if (!std::isfinite(deviation) || deviation <= 0.0) return fmt::format("{:.4g}", clean(value));
+  const int decimals = decimals_of(deviation);
+  if (decimals > kMostDecimals) return fmt::format("{:.4g} ± {:.2g}", clean(value), deviation);
+  return fmt::format("{} ± {}", fixed(value, std::max(0, decimals)),
+                     fixed(deviation, std::max(0, decimals)));
+}
+
+std::string stiffness_text(const std::optional<calibrate::FlankStiffness>& flank) {
+  return flank ? deviation_text(flank->stiffness_Nm_rad, flank->standard_deviation_Nm_rad) : "-";
+}
+
+std::string session_name(const LoopSession& session, const MeasurementSet& set) {
+  const auto file = static_cast<std::size_t>(session.file);
+  const std::string name = file < set.files.size() ? set.files[file] : "";
+  return session.run.empty() ? name : fmt::format("{}, run {}", name, session.run);
+}
+
+/// What the filter of a session's record was, and how its angle crept.
+std::string record_text(const LoopSession& session) {
+  std::vector<std::string> parts;
+  if (session.cutoff_Hz > 0.0) {
+    parts.push_back(fmt::format("filter cut-off {:.3g} Hz", session.cutoff_Hz));
+  }
+  if (session.creep) {
+    parts.push_back(fmt::format("creep of {} arcmin/s, which is not taken out",
+                                deviation_text(arcmin(session.creep->rad_s),
+                                               arcmin(session.creep->standard_deviation_rad_s))));
+  }
+  return fmt::format("{}", fmt::join(parts, "; "));
+}
+
+std::string loops_text(const MeasurementSet& set) {
+  if (set.loops.empty()) return "";
+  TextTable table({"record", "measured at", "loop", "lost motion (arcmin)",
+                   "stiffness at T > 0 (Nm/rad)", "at T < 0 (Nm/rad)", "asymmetry"});
+  std::string records;
+  bool at_sun = false;
+  for (const LoopSession& session : set.loops) {
+    const std::string name = session_name(session, set);
+    for (const auto& [number, loop] : session.loops) {
+      table.add({name, session.sun_locked ? "output" : "sun", fmt::format("{}", number),
+                 deviation_text(arcmin(loop.lost_motion_rad), arcmin(loop.lost_motion_sd_rad)),
+                 stiffness_text(loop.stiffness_positive), stiffness_text(loop.stiffness_negative),
+                 loop.asymmetry ? fmt::format("{} %", fixed(percent(*loop.asymmetry), 1)) : "-"});
+    }
+    at_sun = at_sun || !session.sun_locked;
+    const std::string record = record_text(session);
+    if (record.empty()) continue;
+    records += fmt::format("  {}: {}\n", name, record);
+  }
+  return fmt::format(
+      "\nLoops, friction included, at the output (± is one standard deviation)\n{}{}{}",
+      table.text(2), at_sun ? "  What was measured at the sun is referred to the output.\n" : "",
+      records);
+}
+
 std::string next_text(const Diagnosis& d) {
   if (!d.next_experiment) return "";
   const NextExperiment& next = *d.next_experiment;
@@ -437,7 +501,7 @@ std::string kind_text(const Diagnosis& d, const MeasurementSet& set) {
   for (const Effect& effect : d.effects) text += effect_text(effect, set.runs, several);
   if (!d.effects.empty()) text += "(± is half of the 95 % interval.)\n";
   text += evidence_table(d) + covariate_table(d) + gain_table(d, set) + remainder_text(d) +
-          lack_text(d) + next_text(d) + notes_text(d);
+          lack_text(d) + loops_text(set) + next_text(d) + notes_text(d);
   return text;
 }
 

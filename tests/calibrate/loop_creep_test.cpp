@@ -42,7 +42,7 @@ TEST(LoopCreep, CommonSlopeSeesDriftAndNoneOfTheLostMotion) {
   EXPECT_EQ(slope.weight_per_s[5], 0.0);
 }
 
-TEST(LoopCreep, IsTheSlopeThatBranchesHaveInCommonPerSecondAndPerLoop) {
+TEST(LoopCreep, IsTheSlopeThatBranchesHaveInCommon) {
   const std::vector<BranchZero> branches{branch(false, 0.0, 1.0, 4e-4), branch(true, 5.0, 0.0),
                                          branch(false, 10.0, 1.2, 4e-4)};
   const std::vector<Loop> loops{{.first_sample = 0, .last_sample = 8},
@@ -50,7 +50,6 @@ TEST(LoopCreep, IsTheSlopeThatBranchesHaveInCommonPerSecondAndPerLoop) {
   const auto creep = find_creep(seconds(17), branches, loops);
   ASSERT_TRUE(creep);
   EXPECT_NEAR(creep->rad_s, 0.02, 1e-15);
-  EXPECT_NEAR(creep->rad_per_loop, 0.2, 1e-14);  // the loops last 8 s and 12 s
   // By hand: the difference of two angles over 10 s.
   EXPECT_NEAR(creep->standard_deviation_rad_s, std::sqrt(2.0 * 4e-4) / 10.0, 1e-15);
 }
@@ -63,17 +62,6 @@ TEST(LoopCreep, OfOneLoopIsItsClosingErrorOverItsDuration) {
   const auto creep = find_creep(seconds(9), branches, {loop});
   ASSERT_TRUE(creep);
   EXPECT_NEAR(creep->rad_s, 0.05, 1e-15);
-}
-
-TEST(LoopCreep, RemovedFromThreeBranchesComparesTheMiddleWithTheMeanOfItsNeighbours) {
-  // By hand: 1 + 1/4 + 1/4, at even times.
-  const std::vector<BranchZero> three{branch(false, 0.0, 0.0), branch(true, 5.0, 0.0),
-                                      branch(false, 10.0, 0.0)};
-  EXPECT_NEAR(variance_without_creep_rad2(three, 0, {}), 1.5, 1e-14);
-  EXPECT_NEAR(variance_without_creep_rad2(three, 1, {}), 1.5, 1e-14);
-  // Without a repeat the creep is known from elsewhere: 1 + 1 + (5 s 0.2 rad/s)².
-  const std::vector<BranchZero> two{three[0], three[1]};
-  EXPECT_NEAR(variance_without_creep_rad2(two, 0, {.standard_deviation_rad_s = 0.2}), 3.0, 1e-14);
 }
 
 }  // namespace

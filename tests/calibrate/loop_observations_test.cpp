@@ -86,6 +86,33 @@ TEST(LoopObservations, AtTheSunAngleAndTorqueAreReferredToTheOutput) {
   }
 }
 
+TEST(LoopObservations, SessionsTellStiffnessAtTheOutputAndTheShaftThatWasMeasured) {
+  TorqueAngleRecord sun = wind_up({}, 3);
+  for (double& angle : sun.angle_rad) angle *= 96.0;
+  for (double& torque : sun.torque_Nm) torque /= 96.0;
+  const std::vector<std::string> run(sun.time_s.size(), "Monday");
+  const LoopObservations found = loop_observations(
+      {{.samples = sun, .run = run, .sun_locked = false, .name = "a.csv"}}, -96.0);
+  ASSERT_EQ(found.sessions.size(), 1U);
+  const LoopSession& session = found.sessions.front();
+  EXPECT_EQ(session.run, "Monday");
+  EXPECT_FALSE(session.sun_locked);
+  // 120 times the loops' frequency of 1/(800 · 0.05 s).
+  EXPECT_NEAR(session.cutoff_Hz, 3.0, 0.1);
+  ASSERT_EQ(session.loops.size(), static_cast<std::size_t>(found.measured));
+  const Shaft shaft;
+  for (const SessionLoop& one : session.loops) {
+    const Loop& loop = one.loop;
+    ASSERT_TRUE(loop.stiffness_positive && loop.stiffness_negative);
+    EXPECT_NEAR(loop.stiffness_positive->stiffness_Nm_rad, shaft.stiffness_Nm_rad, 1e-3);
+    EXPECT_NEAR(loop.stiffness_negative->stiffness_Nm_rad, shaft.stiffness_Nm_rad, 1e-3);
+    // The springs carry the friction to either side where the torque is zero.
+    EXPECT_NEAR(loop.lost_motion_rad,
+                shaft.dead_band_rad + 2.0 * shaft.friction_Nm / shaft.stiffness_Nm_rad,
+                0.02 * shaft.dead_band_rad);
+  }
+}
+
 TEST(LoopObservations, LoopsOfDifferentPeaksAreReadAtTheSameTorques) {
   Shaft small;
   small.peak_Nm = 3.0;
@@ -175,6 +202,8 @@ TEST(AddLoops, PooledRowsAreSessionsOfTheirFiles) {
   EXPECT_EQ(set.rows.front().condition.run, 0);
   EXPECT_EQ(set.rows.back().condition.run, 1);
   EXPECT_EQ(set.rows.back().file, 1);
+  ASSERT_EQ(set.loops.size(), 1U);
+  EXPECT_EQ(set.loops.front().file, 1);
   EXPECT_EQ(set.covariates.front().value.size(), set.rows.size());
   EXPECT_TRUE(std::isnan(set.covariates.front().value.back()));
 }

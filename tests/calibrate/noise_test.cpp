@@ -51,8 +51,10 @@ TEST(Repeats, DifferInEachPartOfTheirCondition) {
   };
   add([](Condition& c) { c.direction = design::Direction::kBackward; });
   add([](Condition& c) { c.rotation = -1; });
+  add([](Condition& c) { c.reference_sensor = true; });
   add([](Condition& c) { c.driving_teeth = 20; });
   add([](Condition& c) { c.driven_teeth = 20; });
+  add([](Condition& c) { c.module_m = 2e-3; });
   add([](Condition& c) { c.test_torque_Nm = 1.0; });
   add([](Condition& c) { c.temperature_K = 310.0; });
   add([](Condition& c) { c.sun_speed_rad_s = 60.0; });
@@ -60,6 +62,13 @@ TEST(Repeats, DifferInEachPartOfTheirCondition) {
   const Repeats repeats = find_repeats(set_of(rows, 2));
   EXPECT_EQ(repeats.cells, static_cast<int>(rows.size()));
   EXPECT_EQ(repeats.degrees, 0);
+}
+
+TEST(Repeats, WithoutAModuleAreThoseOfOneMillimetre) {
+  MeasurementSet data = set_of({row_at(0.0, 5.0), row_at(0.0, 5.0), row_at(0.0, 5.0)});
+  data.rows[1].condition.module_m = 1e-3;
+  data.rows[2].condition.module_m = 1.01e-3;
+  EXPECT_EQ(find_repeats(data).cell, (std::vector<int>{0, 0, 1}));
 }
 
 TEST(Repeats, AgreeToTwoPercentOfTheRange) {

@@ -16,6 +16,10 @@ TEST(FnvHash, GoesOnFromTextToText) {
   EXPECT_EQ(hashed(hashed(kHashBasis, "foo"), "bar"), hashed(kHashBasis, "foobar"));
 }
 
+TEST(FnvHash, OfAWholeNumberIsThatOfItsBytesFromTheLowestOn) {
+  EXPECT_EQ(hashed_bytes(kHashBasis, 0x6867666564636261U), hashed(kHashBasis, "abcdefgh"));
+}
+
 TEST(FnvHash, OfNumbersDoesNotSeeTheSignOfZero) {
   EXPECT_EQ(hashed(kHashBasis, -0.0), hashed(kHashBasis, 0.0));
   EXPECT_NE(hashed(kHashBasis, 1.0), hashed(kHashBasis, -1.0));

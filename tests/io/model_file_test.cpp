@@ -236,6 +236,32 @@ TEST(ModelFile, AWrongFormDoesNotHideWhatElseIsWrongWithACause) {
   EXPECT_FALSE(contains(errors, "drag_constant.body")) << "another form has it: " << errors;
 }
 
+TEST(ModelFile, AWrongFormAsksForNoParameterOfAnotherForm) {
+  struct Case {
+    std::string id, parameters;
+  };
+  // The parameters of the form that comes last among those of its cause.
+  const std::vector<Case> cases{
+      {"bearing_load", "share = 0.01\nshare_sd = 0.001\n"},
+      {"friction_load", "exponent = 0.1\nrelative_change = 0.1\nreference_load_n = 100.0\n"},
+      {"friction_speed", "exponent = -0.1\nreference_speed_m_per_s = 0.1\n"},
+      {"friction_temperature", "coefficient_per_k = 0.01\n"}};
+  for (const Case& one : cases) {
+    const std::string errors =
+        errors_of("[transmission.causes." + one.id + "]\nform = \"no_such\"\n" + one.parameters);
+    EXPECT_TRUE(contains(errors, "m.toml:2:")) << errors;
+    EXPECT_EQ(std::ranges::count(errors, '\n'), 0) << errors;
+  }
+}
+
+TEST(ModelFile, AWrongFormDoesNotHideAValueThatNoFormAllows) {
+  const std::string errors = errors_of(
+      "[transmission.causes.bearing_load]\nform = \"no_such\"\nshare = 99.0\nshare_sd = -1.0\n");
+  for (const char* part : {"m.toml:2:", "m.toml:3:", "m.toml:4:"}) {
+    EXPECT_TRUE(contains(errors, part)) << part << '\n' << errors;
+  }
+}
+
 TEST(ModelFile, VerdictAndAlternativesAreChecked) {
   const std::string errors = errors_of(
       "[transmission]\nverdict = \"unsure\"\n[transmission.causes.drag_constant]\nform = "

@@ -1,5 +1,6 @@
 #include "report/diagnosis_report.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 #include <numbers>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "io/csv_table.hpp"
 #include "io/gnuplot.hpp"
@@ -324,6 +326,83 @@ TEST(DiagnosisJson, OfSeveralKindsNothingOfTheLaterOnesIsHidden) {
   EXPECT_TRUE(data.at("kinds").at(0).at("next_experiment").is_null());
 }
 
+/// Two loops of one session, measured at the sun, among the rows of lost motion above.
+Case looped() {
+  Case c = two_kinds();
+  MeasurementSet& set = c.sets[1];
+  set.files.emplace_back("loops.csv");
+  calibrate::Loop loop;
+  loop.lost_motion_rad = 25.0 * kArcmin;
+  loop.lost_motion_sd_rad = 0.25 * kArcmin;
+  loop.stiffness_positive = {.stiffness_Nm_rad = 5000.0, .standard_deviation_Nm_rad = 12.0};
+  loop.stiffness_negative = {.stiffness_Nm_rad = 4000.0, .standard_deviation_Nm_rad = 120.0};
+  loop.asymmetry = 1000.0 / 4500.0;
+  calibrate::Loop bare;
+  bare.lost_motion_rad = 20.0 * kArcmin;
+  set.loops = {{.file = 1,
+                .run = "Monday",
+                .sun_locked = false,
+                .cutoff_Hz = 3.0,
+                .creep = calibrate::Creep{.rad_s = 0.01 * kArcmin,
+                                          .standard_deviation_rad_s = 0.002 * kArcmin},
+                .loops = {{.number = 2, .loop = loop}, {.number = 4, .loop = bare}}}};
+  return c;
+}
+
+TEST(DiagnosisTable, TellsEachLoopWithItsStiffnessAndHowItsRecordWasRead) {
+  const std::string text = looped().table();
+  for (const char* part :
+       {"Loops, friction included, at the output (± is one standard deviation)\n",
+        "  What was measured at the sun is referred to the output.\n",
+        "loops.csv, run Monday          sun     2          25.00 ± 0.25",
+        "5000 ± 12         4000 ± 120     22.2 %",
+        "                  20                            -                  -          -\n",
+        "loops.csv, run Monday: filter cut-off 3 Hz; creep of 0.0100 ± 0.0020 arcmin/s, which "
+        "is not taken out"}) {
+    EXPECT_TRUE(contains(text, part)) << part << '\n' << text;
+  }
+  EXPECT_FALSE(contains(two_kinds().table(), "Loops"));
+}
+
+TEST(DiagnosisTable, WithoutCreepOrTimeLittleIsSaidOfARecord) {
+  Case c = looped();
+  c.sets[1].loops[0].creep.reset();
+  EXPECT_TRUE(contains(c.table(), "run Monday: filter cut-off 3 Hz\n")) << c.table();
+  c.sets[1].loops[0].cutoff_Hz = 0.0;
+  c.sets[1].loops[0].sun_locked = true;
+  EXPECT_FALSE(contains(c.table(), "run Monday:")) << c.table();
+  EXPECT_FALSE(contains(c.table(), "measured at the sun is referred")) << c.table();
+}
+
+TEST(DiagnosisJson, TellsEachLoopInItsUnits) {
+  const json data = looped().as_json();
+  ASSERT_EQ(data.at("loops").size(), 2U);
+  const json& loop = data.at("loops").at(0);
+  EXPECT_EQ(loop.at("kind"), "lost_motion");
+  EXPECT_EQ(loop.at("file"), "loops.csv");
+  EXPECT_EQ(loop.at("run"), "Monday");
+  EXPECT_EQ(loop.at("loop"), 2);
+  EXPECT_EQ(loop.at("measured_at"), "sun");
+  const auto number = [&](const char* key) { return loop.at(key).get<double>(); };
+  EXPECT_DOUBLE_EQ(number("lost_motion_arcmin"), 25.0);
+  EXPECT_DOUBLE_EQ(number("lost_motion_sd_arcmin"), 0.25);
+  EXPECT_EQ(number("stiffness_positive_nm_per_rad"), 5000.0);
+  EXPECT_EQ(number("stiffness_positive_sd_nm_per_rad"), 12.0);
+  EXPECT_EQ(number("stiffness_negative_nm_per_rad"), 4000.0);
+  EXPECT_EQ(number("stiffness_negative_sd_nm_per_rad"), 120.0);
+  EXPECT_DOUBLE_EQ(number("asymmetry"), 2.0 / 9.0);
+  EXPECT_EQ(number("filter_cutoff_hz"), 3.0);
+  EXPECT_DOUBLE_EQ(number("creep_arcmin_per_s"), 0.01);
+  EXPECT_DOUBLE_EQ(number("creep_sd_arcmin_per_s"), 0.002);
+  const json& bare = data.at("loops").at(1);
+  for (const char* key : {"lost_motion_sd_arcmin", "stiffness_positive_nm_per_rad",
+                          "stiffness_negative_sd_nm_per_rad", "asymmetry"}) {
+    EXPECT_TRUE(bare.at(key).is_null()) << key;
+  }
+  EXPECT_TRUE(data.at("kinds").at(0).at("loops").empty());
+  EXPECT_TRUE(dragged().as_json().at("loops").empty());
+}
+
 DiagnosisSetup with_model() {
   calibrate::ExtendedModel model;
   model.name = "first gear";
@@ -398,6 +477,20 @@ TEST(ResidualCsv, HasARowPerMeasurementInUnitsOfTheData) {
   EXPECT_EQ(table.number(last, "output_angle_deg"), 180.0);
   EXPECT_FALSE(table.text(last, "holdout").has_value());
   EXPECT_FALSE(table.text(last, "direction").has_value());
+}
+
+TEST(ResidualCsv, HoldsEveryConditionThatTheDataState) {
+  Case c = two_kinds();
+  for (auto& row : c.sets[0].rows) row.condition.cycles = 1000.0 * row.line;
+  c.sets[1].kind = c.diagnoses[1].kind = Kind::kPairLoss;
+  for (auto& row : c.sets[1].rows) {
+    row.condition.temperature_K = 313.15;
+    row.condition.cycles = 7.0;
+  }
+  const io::CsvTable table = io::parse_csv(residual_csv(c.diagnoses, c.sets), "residuals.csv");
+  EXPECT_EQ(table.number(table.rows.front(), "cycles"), 3000.0);
+  EXPECT_EQ(table.number(table.rows.back(), "cycles"), 7.0);
+  EXPECT_EQ(table.number(table.rows.back(), "temperature_c"), 40.0);
 }
 
 TEST(DiagnosisReport, ResultsAndDataMustGoTogether) {
@@ -499,6 +592,24 @@ TEST(DiagnosisPlots, ResidualsOfARunOutAreOverTheAngleOfItsBody) {
   effect.form = {.name = "proportional", .body = "planet", .order = 29.2};
   const std::string script = diagnosis_plots(c.diagnoses, c.sets)[1].script;
   EXPECT_TRUE(contains(script, "angle of planet (deg), 29.2 periods")) << script;
+}
+
+TEST(DiagnosisPlots, ResidualsOfADriftAreOverWhatItDriftsAlong) {
+  Case c = dragged();
+  Effect& effect = c.diagnoses[0].effects[0];
+  effect.id = "drift";
+  for (auto& row : c.sets[0].rows) {
+    row.condition.time_s = 60.0 * row.line;
+    row.condition.cycles = 1000.0 * row.line;
+  }
+  for (const auto& [form, title] :
+       {std::pair{"linear_time", "time (s)"}, std::pair{"levelling_cycles", "cycles"}}) {
+    effect.form = {.name = form};
+    const std::string script = diagnosis_plots(c.diagnoses, c.sets)[1].script;
+    EXPECT_TRUE(contains(script, fmt::format("set xlabel '{}'", title)) ||
+                contains(script, fmt::format("set xlabel \"{}\"", title)))
+        << script;
+  }
 }
 
 TEST(DiagnosisPlots, LongDataAreThinnedAndSaySo) {
