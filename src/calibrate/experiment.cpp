@@ -161,12 +161,13 @@ std::vector<Condition> possible_conditions(const Problem& problem,
 
 /// An explanation as the choice of conditions sees it; everything over a row's deviation.
 struct View {
+  std::string id;
   Eigen::VectorXd old_rows;  ///< simulated, whitened
   Eigen::MatrixXd jacobian;  ///< of the old rows: its parameters, then the level where it has none
   Eigen::VectorXd possible;  ///< simulated at the possible conditions
   Eigen::MatrixXd possible_jacobian;
   Eigen::Index parameters = 0;  ///< of its own
-  bool has_level = false;       ///< the coefficient of friction is among them
+  bool has_level = false;       ///< the coefficient of friction is among them, or all that they do
 };
 
 /// χ² that remains between explanation `a`, taken as true, and `b` refitted to it: with another
@@ -200,6 +201,7 @@ class Distance {
     total_ += repeats * d * d;
   }
   [[nodiscard]] double now() const { return value(normal_, moment_, total_) - known_; }
+  [[nodiscard]] Eigen::Index conditions() const { return difference_.size(); }
 
  private:
   static double value(const Eigen::MatrixXd& normal, const Eigen::VectorXd& moment, double total) {
@@ -228,24 +230,37 @@ struct Pair {
   }
 };
 
-std::vector<Pair> pairs_of(const std::vector<Explanation>& explanations,
-                           const std::vector<View>& views) {
+/// Whether not even all possible conditions together, each as often as the plan has rows, tell a
+/// pair apart.
+bool is_hopeless(Pair pair) {
+  const Eigen::Index conditions = pair.distances[0].conditions();
+  for (Eigen::Index c = 0; c < conditions; ++c) pair.take(c, kMostRows);
+  return pair.now() < kTold;
+}
+
+Pair pair_of(const View& a, const View& b) {
+  return {.one = a.id, .other = b.id, .distances = {Distance(a, b), Distance(b, a)}};
+}
+
+/// What the level does as well would be nothing beside it, whatever stands there.
+void mark_what_is_as_good_as_the_level(std::vector<View>& views) {
+  std::vector<std::size_t> marked;
+  for (const View& level : views) {
+    for (std::size_t k = 0; level.has_level && k < views.size(); ++k) {
+      if (!views[k].has_level && is_hopeless(pair_of(views[k], level))) marked.push_back(k);
+    }
+  }
+  for (const std::size_t k : marked) views[k].has_level = true;
+}
+
+std::vector<Pair> pairs_of(const std::vector<View>& views) {
   std::vector<Pair> pairs;
   for (std::size_t a = 0; a < views.size(); ++a) {
     for (std::size_t b = a + 1; b < views.size(); ++b) {
-      pairs.push_back({.one = explanations[a].id,
-                       .other = explanations[b].id,
-                       .distances = {Distance(views[a], views[b]), Distance(views[b], views[a])}});
+      pairs.push_back(pair_of(views[a], views[b]));
     }
   }
   return pairs;
-}
-
-/// Whether not even all possible conditions together, each as often as the plan has rows, tell a
-/// pair apart.
-bool is_hopeless(Pair pair, Eigen::Index conditions) {
-  for (Eigen::Index c = 0; c < conditions; ++c) pair.take(c, kMostRows);
-  return pair.now() < kTold;
 }
 
 double total_use(const std::vector<double>& distances) {
@@ -294,7 +309,8 @@ NextExperiment plan_experiment(const Problem& problem, const std::vector<Explana
     const std::vector<Candidate> beside = candidates_beside(level, e.fit.hypothesis);
     const Columns old = columns_at(problem, e.fit.hypothesis, beside, 0.0);
     const Linearisation fresh = linearise(imagined, e.fit.hypothesis, beside);
-    View view{.old_rows = (measured_rows.col(0) - old.residual) / scale,
+    View view{.id = e.id,
+              .old_rows = (measured_rows.col(0) - old.residual) / scale,
               .jacobian = {},
               .possible = fresh.simulated / row_deviation,
               .possible_jacobian = {},
@@ -307,9 +323,10 @@ NextExperiment plan_experiment(const Problem& problem, const std::vector<Explana
     views.push_back(std::move(view));
   }
   const auto count = static_cast<Eigen::Index>(conditions.size());
-  std::vector<Pair> pairs = pairs_of(explanations, views);
+  mark_what_is_as_good_as_the_level(views);
+  std::vector<Pair> pairs = pairs_of(views);
   std::erase_if(pairs, [&](const Pair& pair) {
-    if (!is_hopeless(pair, count)) return false;
+    if (!is_hopeless(pair)) return false;
     plan.inseparable.push_back({pair.one, pair.other});
     return true;
   });

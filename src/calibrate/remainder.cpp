@@ -63,11 +63,14 @@ Eigen::VectorXd losing_sign(const MeasurementSet& data) {
   return sign;
 }
 
+/// What a term is to the table of covariates: nothing, the levels of one, or what they lose.
+enum class Entry { kNone, kLevels, kLosses };
+
 /// A term that a covariate, or several, could add.
 struct Term {
   std::string along;
   Eigen::MatrixXd columns;  // whitened
-  bool main = false;        // of one covariate, for the table
+  Entry entry = Entry::kNone;
   double weight = 1.0;
 };
 
@@ -84,6 +87,12 @@ class TermCollection {
   [[nodiscard]] const std::vector<Term>& terms() const { return terms_; }
   /// The first term: what is there under all conditions alike, which is structure along none.
   [[nodiscard]] const Eigen::MatrixXd& constant() const { return terms_.front().columns; }
+  /// The same as a loss; whitened.
+  [[nodiscard]] Eigen::MatrixXd constant_loss() const {
+    Eigen::MatrixXd column = losing_;
+    problem_.noise.whiten(column);
+    return column;
+  }
 
  private:
   [[nodiscard]] const Levels* find(std::string_view name) const {
@@ -98,28 +107,28 @@ class TermCollection {
   [[nodiscard]] bool is_noise(const Levels& l) const {
     return l.name == "run" && problem_.noise.session_variance > 0.0;
   }
-  void add(const std::string& along, Eigen::MatrixXd columns, bool main, double weight) {
+  void add(const std::string& along, Eigen::MatrixXd columns, Entry entry, double weight) {
     problem_.noise.whiten(columns);
     terms_.push_back(
-        {.along = along, .columns = std::move(columns), .main = main, .weight = weight});
+        {.along = along, .columns = std::move(columns), .entry = entry, .weight = weight});
   }
-  void add(const Levels& l, bool main, double weight) {
-    if (l.count >= 2 && few(l)) add(l.name, indicators(l), main, weight);
+  void add(const Levels& l, Entry entry, double weight) {
+    if (l.count >= 2 && few(l)) add(l.name, indicators(l), entry, weight);
   }
 
   void add_constant() {
     const auto n = static_cast<Eigen::Index>(problem_.data.rows.size());
-    add("", Eigen::VectorXd::Ones(n), false, 1.0);
+    add("", Eigen::VectorXd::Ones(n), Entry::kNone, 1.0);
   }
 
   /// Levels of a covariate, by themselves and by direction or rotation, and of several together.
   void add_levels() {
     for (const Levels& l : levels_) {
       if (is_noise(l)) continue;
-      add(l, true, 1.0);
+      add(l, Entry::kLevels, 1.0);
       for (const char* other : {"direction", "rotation"}) {
         const Levels* o = find(other);
-        if (o != nullptr && o->name != l.name) add(crossed(l, *o), false, 0.5);
+        if (o != nullptr && o->name != l.name) add(crossed(l, *o), Entry::kNone, 0.5);
       }
     }
     // What is lost adds to the sun's torque forward and takes from it backward.
@@ -128,18 +137,18 @@ class TermCollection {
       if (l.name == "direction" || !few(l) || is_noise(l)) continue;
       Eigen::MatrixXd columns = indicators(l);
       columns.array().colwise() *= losing_.array();
-      add(l.name, std::move(columns), both_ways, 0.7);
+      add(l.name, std::move(columns), both_ways ? Entry::kLosses : Entry::kNone, 0.7);
     }
     const Levels* load = find("load");
     const Levels* speed = find("speed");
     const Levels* direction = find("direction");
     const Levels* rotation = find("rotation");
     if (load != nullptr && speed != nullptr) {
-      add(crossed(*load, *speed), false, 0.3);
-      if (direction != nullptr) add(crossed(crossed(*load, *speed), *direction), false, 0.3);
+      add(crossed(*load, *speed), Entry::kNone, 0.3);
+      if (direction != nullptr) add(crossed(crossed(*load, *speed), *direction), Entry::kNone, 0.3);
     }
     if (load != nullptr && direction != nullptr && rotation != nullptr) {
-      add(crossed(crossed(*load, *direction), *rotation), false, 0.3);
+      add(crossed(crossed(*load, *direction), *rotation), Entry::kNone, 0.3);
     }
   }
 
@@ -154,8 +163,8 @@ class TermCollection {
     const Eigen::MatrixXd each = indicators(cells);
     const double share = 0.5 / static_cast<double>(each.cols());
     for (Eigen::Index k = 0; k < each.cols(); ++k) {
-      add(load->name, each.col(k), false, share);
-      add(load->name, each.col(k).cwiseProduct(losing_), false, share);
+      add(load->name, each.col(k), Entry::kNone, share);
+      add(load->name, each.col(k).cwiseProduct(losing_), Entry::kNone, share);
     }
   }
 
@@ -174,7 +183,7 @@ class TermCollection {
       }
     }
     for (const auto& product : products) {
-      add(product.first, product.second, false, 1.0 / static_cast<double>(products.size()));
+      add(product.first, product.second, Entry::kNone, 1.0 / static_cast<double>(products.size()));
     }
   }
 
@@ -209,35 +218,37 @@ TermBlocks blocks_of_terms(const std::vector<const Term*>& terms, Eigen::Index r
   return result;
 }
 
-/// Whether rows differ along each covariate by itself: its levels beside their common mean, or in
-/// data of both directions what its levels lose, whichever is the clearer.
-std::vector<CovariateTest> test_covariates(const std::vector<Term>& terms,
+/// Whether rows differ along each covariate by itself, by all terms that are one kind of entry.
+/// @param residual  without what all rows have in common: their mean, or their mean loss
+std::vector<CovariateTest> test_covariates(const std::vector<Term>& terms, Entry entry,
                                            const FreeResidual& residual) {
-  std::vector<const Term*> main;
+  std::vector<const Term*> entries;
   for (const Term& t : terms) {
-    if (t.main) main.push_back(&t);
+    if (t.entry == entry) entries.push_back(&t);
   }
   std::vector<CovariateTest> tests;
-  if (main.empty()) return tests;
-  const TermBlocks all = blocks_of_terms(main, residual.left.size());
+  if (entries.empty()) return tests;
+  const TermBlocks all = blocks_of_terms(entries, residual.left.size());
   const Screen screen(residual.own_basis, all.columns, all.blocks, 0.0);
   const std::vector<Gain> gains = screen.gains(residual.left);
-  tests.reserve(main.size());
-  for (std::size_t k = 0; k < main.size(); ++k) {
-    CovariateTest test{.name = main[k]->along,
-                       .statistic = gains[k].statistic,
-                       .degrees = static_cast<int>(all.blocks[k].count) - 1,
-                       .p_value = std::exp(all.blocks[k].log_weight - gains[k].evidence)};
-    const auto known = std::ranges::find(tests, test.name, &CovariateTest::name);
-    if (known == tests.end()) {
-      tests.push_back(std::move(test));
-      continue;
-    }
-    // The better of two has two chances.
-    if (test.p_value < known->p_value) *known = std::move(test);
-    known->p_value = std::min(1.0, 2.0 * known->p_value);
+  tests.reserve(entries.size());
+  for (std::size_t k = 0; k < entries.size(); ++k) {
+    tests.push_back({.name = entries[k]->along,
+                     .statistic = gains[k].statistic,
+                     .degrees = static_cast<int>(all.blocks[k].count) - 1,
+                     .p_value = std::exp(all.blocks[k].log_weight - gains[k].evidence)});
   }
   return tests;
+}
+
+/// The clearer of two tests of a covariate, which had two chances.
+void take_clearer(std::vector<CovariateTest>& tests, const std::vector<CovariateTest>& others) {
+  for (const CovariateTest& other : others) {
+    const auto known = std::ranges::find(tests, other.name, &CovariateTest::name);
+    if (known == tests.end()) continue;
+    if (other.p_value < known->p_value) *known = other;
+    known->p_value = std::min(1.0, 2.0 * known->p_value);
+  }
 }
 
 /// Judges all terms at once; the best and its p-value go into the result.
@@ -337,7 +348,11 @@ RemainderSearch search_remainder(const Problem& problem, const Columns& at,
   own_and_mean << collection.constant(), at.own;
   const FreeResidual residual = free_residual(problem.noise, own_and_mean, at.residual);
   if (!(residual.left.squaredNorm() > 0.0)) return result;
-  result.tests = test_covariates(collection.terms(), residual);
+  result.tests = test_covariates(collection.terms(), Entry::kLevels, residual);
+  Eigen::MatrixXd own_and_losses(n, own_and_mean.cols() + 1);
+  own_and_losses << collection.constant_loss(), own_and_mean;
+  const FreeResidual beside_losses = free_residual(problem.noise, own_and_losses, at.residual);
+  take_clearer(result.tests, test_covariates(collection.terms(), Entry::kLosses, beside_losses));
   int searches = 1;
   const std::vector<double> angle = column_of(problem.data, &Condition::output_angle_rad);
   if (OrderScan scan =
