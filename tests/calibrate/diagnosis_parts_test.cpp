@@ -14,39 +14,22 @@
 #include "calibrate/diagnosis.hpp"
 #include "calibrate/holdout.hpp"
 #include "calibrate/parameter_results.hpp"
+#include "tests/calibrate/bench.hpp"
 #include "tests/calibrate/measured_grid.hpp"
-#include "tests/calibrate/rig_campaign.hpp"
-#include "tests/rig/deterministic_random.hpp"
 
 namespace gear3k::calibrate {
 namespace {
 
 constexpr double kSigma = 0.004;
 
-class Part : public testing::Test {
+class Part : public Bench {
  protected:
-  Part() : simulation_(design_of(rig::bilateral_drive_gear()), Kind::kTransmission) {}
-
-  void measure(const Hypothesis& truth, double sigma, std::uint64_t seed) {
-    clean_ = simulated(simulation_, data_, truth).value();
-    rig::DeterministicRandom random(seed);
-    for (std::size_t i = 0; i < data_.rows.size(); ++i) {
-      data_.rows[i].response = clean_[static_cast<Eigen::Index>(i)] + sigma * random.normal();
-    }
-  }
   [[nodiscard]] Diagnosis diagnosed() const { return *diagnose(simulation_, data_, {}); }
-  [[nodiscard]] Problem problem() const {
-    return {.simulation = simulation_, .data = data_, .noise = make_noise_model(data_)};
-  }
   static Hypothesis sensor(double gain, double offset) {
     return hypothesis({candidate("sensor_gain", {.name = "gain"}),
                        candidate("sensor_offset", {.name = "offset"})},
                       {gain, offset});
   }
-
-  Simulation simulation_;
-  MeasurementSet data_;
-  Eigen::VectorXd clean_;
 };
 
 // Noise

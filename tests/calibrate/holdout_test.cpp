@@ -9,8 +9,7 @@
 #include <set>
 #include <vector>
 
-#include "tests/calibrate/rig_campaign.hpp"
-#include "tests/rig/deterministic_random.hpp"
+#include "tests/calibrate/bench.hpp"
 
 namespace gear3k::calibrate {
 namespace {
@@ -44,20 +43,10 @@ Eigen::VectorXd line_without_its_block(const Eigen::MatrixXd& line, const Eigen:
   return predicted;
 }
 
-class HeldOut : public testing::Test {
+class HeldOut : public Bench {
  protected:
-  HeldOut()
-      : simulation_(design_of(rig::bilateral_drive_gear()), Kind::kTransmission),
-        data_(campaign(Kind::kTransmission)) {}
+  HeldOut() { data_ = campaign(Kind::kTransmission); }
 
-  /// Data of a hypothesis with even deviations, none of them far enough out to count less.
-  void measure(const Hypothesis& truth, double most, unsigned seed = 3) {
-    const Eigen::VectorXd y = simulated(simulation_, data_, truth).value();
-    rig::DeterministicRandom random(seed);
-    for (std::size_t i = 0; i < data_.rows.size(); ++i) {
-      data_.rows[i].response = y[static_cast<Eigen::Index>(i)] + random.between(-most, most);
-    }
-  }
   /// What the sensor shows is a line in the true torque: y = (1 + g) T + b s. [T, s]
   [[nodiscard]] Eigen::MatrixXd sensor_line() const {
     Eigen::MatrixXd line(static_cast<Eigen::Index>(data_.rows.size()), 2);
@@ -67,9 +56,6 @@ class HeldOut : public testing::Test {
       line(i, 1) = c.direction == design::Direction::kForward ? c.rotation : -c.rotation;
     }
     return line;
-  }
-  [[nodiscard]] Problem problem() const {
-    return {.simulation = simulation_, .data = data_, .noise = make_noise_model(data_)};
   }
   [[nodiscard]] bool no_worse(const Hypothesis& h, const Hypothesis& other, const Blocks& blocks,
                               double scale) const {
@@ -82,16 +68,23 @@ class HeldOut : public testing::Test {
     }
     return {};
   }
-
-  Simulation simulation_;
-  MeasurementSet data_;
+  /// A step that only the last session shows.
+  [[nodiscard]] Hypothesis step_in_last_session() const {
+    return hypothesis(
+        {candidate("run_step",
+                   {.name = "from",
+                    .constants = {{.name = "first_run",
+                                   .unit = "",
+                                   .value = static_cast<double>(data_.runs.size() - 1)}}})},
+        {0.01});
+  }
 };
 
 TEST_F(HeldOut, OfTheSensorAreRefitsWithoutTheBlock) {
   const Hypothesis sensor = hypothesis(
       {candidate("sensor_gain", {.name = "gain"}), candidate("sensor_offset", {.name = "offset"})},
       {0.04, 0.003});
-  measure(sensor, 0.004);
+  measure_evenly(sensor, 0.004, 3);
   const Eigen::MatrixXd line = sensor_line();
   for (const char* name : {"load", "speed", "run", "direction"}) {
     const Blocks blocks = by(name);
@@ -117,7 +110,7 @@ TEST_F(HeldOut, DecideWhetherAnEffectOnlyFitsOrAlsoPredicts) {
   int fits_only = 0;
   int predicts = 0;
   for (unsigned seed = 1; seed <= 40; ++seed) {
-    measure({}, kMost, seed);
+    measure_evenly({}, kMost, seed);
     const Eigen::VectorXd shift = measured(data_) - line.col(0);
     const Eigen::VectorXd refit = line_without_its_block(line.col(1), shift, blocks);
     const bool expected = (shift - refit).squaredNorm() <= shift.squaredNorm();
@@ -129,25 +122,21 @@ TEST_F(HeldOut, DecideWhetherAnEffectOnlyFitsOrAlsoPredicts) {
   EXPECT_GT(predicts, 2);
   Hypothesis truth = offset;
   truth.value = {0.01};
-  measure(truth, kMost);
+  measure_evenly(truth, kMost, 3);
   EXPECT_TRUE(no_worse(offset, {}, blocks, kMost));
   EXPECT_FALSE(no_worse({}, offset, blocks, kMost));
 }
 
 TEST_F(HeldOut, DoNotSpeakAgainstWhatTheyCannotPredict) {
-  const auto last = static_cast<double>(data_.runs.size() - 1);
-  const Hypothesis step = hypothesis(
-      {candidate("run_step", {.name = "from",
-                              .constants = {{.name = "first_run", .unit = "", .value = last}}})},
-      {0.01});
-  measure(step, 0.004);
+  const Hypothesis step = step_in_last_session();
+  measure_evenly(step, 0.004, 3);
   // Without the last session nobody knows its step; the others do not depend on it.
   EXPECT_TRUE(no_worse(step, {}, by("run"), 0.004));
   EXPECT_TRUE(no_worse({}, step, by("run"), 0.004));
 }
 
 TEST_F(HeldOut, OutliersCountByTheirDistanceNotItsSquare) {
-  measure({}, 0.004);
+  measure_evenly({}, 0.004, 3);
   const Eigen::VectorXd y = measured(data_);
   Eigen::VectorXd one_far = y;
   one_far[0] += 100.0;
@@ -168,7 +157,7 @@ TEST_F(HeldOut, OfFrictionAreCloseToRefitsWithoutTheBlock) {
   Hypothesis truth = start;
   truth.value = {0.3, 0.02};
   constexpr double kNoise = 0.004;
-  measure(truth, kNoise);
+  measure_evenly(truth, kNoise, 3);
   Hypothesis full = start;
   for (const double scale : {0.05, kNoise, 1e-2 * kNoise}) {
     full = fit(problem(), full, std::max(scale, kNoise)).hypothesis;
@@ -206,17 +195,13 @@ TEST_F(HeldOut, WithoutParametersAreTheSimulation) {
 
 TEST_F(HeldOut, AreUnknownWhereTheRestDoesNotDetermineTheParameters) {
   // A step that only the last session shows.
-  const auto last = static_cast<double>(data_.runs.size() - 1);
-  const Hypothesis step = hypothesis(
-      {candidate("run_step", {.name = "from",
-                              .constants = {{.name = "first_run", .unit = "", .value = last}}})},
-      {0.01});
-  measure(step, 0.004);
+  const Hypothesis step = step_in_last_session();
+  measure_evenly(step, 0.004, 3);
   const Blocks blocks = by("run");
   ASSERT_EQ(blocks.count, static_cast<int>(data_.runs.size()));
   const Eigen::VectorXd predicted = predict_held_out(problem(), step, blocks);
   for (std::size_t i = 0; i < data_.rows.size(); ++i) {
-    const bool determined = data_.rows[i].condition.run != static_cast<int>(last);
+    const bool determined = data_.rows[i].condition.run != static_cast<int>(data_.runs.size()) - 1;
     EXPECT_EQ(std::isfinite(predicted[static_cast<Eigen::Index>(i)]), determined) << i;
   }
 }

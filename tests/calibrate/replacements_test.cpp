@@ -7,28 +7,15 @@
 #include <cmath>
 #include <string>
 
+#include "tests/calibrate/bench.hpp"
 #include "tests/calibrate/measured_grid.hpp"
-#include "tests/calibrate/rig_campaign.hpp"
-#include "tests/rig/deterministic_random.hpp"
 
 namespace gear3k::calibrate {
 namespace {
 
-class Replacements : public testing::Test {
+class Replacements : public Bench {
  protected:
-  Replacements() : simulation_(design_of(rig::bilateral_drive_gear()), Kind::kTransmission) {}
-
-  /// Responses of a hypothesis with even deviations.
-  void measure(const Hypothesis& truth, double most) {
-    const Eigen::VectorXd y = simulated(simulation_, data_, truth).value();
-    rig::DeterministicRandom random(5);
-    for (std::size_t i = 0; i < data_.rows.size(); ++i) {
-      data_.rows[i].response = y[static_cast<Eigen::Index>(i)] + random.between(-most, most);
-    }
-  }
-  [[nodiscard]] Problem problem() const {
-    return {.simulation = simulation_, .data = data_, .noise = make_noise_model(data_)};
-  }
+  void measure(const Hypothesis& truth, double most) { measure_evenly(truth, most, 5); }
   [[nodiscard]] Hypothesis fitted(const Problem& p, Hypothesis h) const {
     for (double scale = 1.0; scale > 1e-3; scale *= 0.5) h = fit(p, h, scale).hypothesis;
     return h;
@@ -56,9 +43,6 @@ class Replacements : public testing::Test {
   static std::string name(const SearchResult& result, std::size_t effect = 0) {
     return std::string(result.fit.hypothesis.effects.at(effect).cause->id);
   }
-
-  Simulation simulation_;
-  MeasurementSet data_;
 };
 
 // Preference

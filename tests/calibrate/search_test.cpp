@@ -6,34 +6,21 @@
 #include <algorithm>
 #include <string>
 
+#include "tests/calibrate/bench.hpp"
 #include "tests/calibrate/measured_grid.hpp"
-#include "tests/calibrate/rig_campaign.hpp"
 
 namespace gear3k::calibrate {
 namespace {
 
-class Search : public testing::Test {
+class Search : public Bench {
  protected:
-  Search() : simulation_(design_of(rig::bilateral_drive_gear()), Kind::kTransmission) {}
-
-  void measure(const Hypothesis& truth, double deviation, std::uint64_t seed) {
-    const Eigen::VectorXd y = simulated(simulation_, data_, truth).value();
-    RandomBits random(seed);
-    for (std::size_t i = 0; i < data_.rows.size(); ++i) {
-      data_.rows[i].response = y[static_cast<Eigen::Index>(i)] + deviation * random.normal();
-    }
-  }
   [[nodiscard]] SearchResult search() const {
-    const Problem p{.simulation = simulation_, .data = data_, .noise = make_noise_model(data_)};
-    return search_causes(p, candidates_for(simulation_, data_), {});
+    return search_causes(problem(), candidates_for(simulation_, data_), {});
   }
   static bool could_be(const FoundEffect& effect, const std::string& id) {
     return std::ranges::any_of(effect.replacements,
                                [&](const Replacement& r) { return r.candidate.cause->id == id; });
   }
-
-  Simulation simulation_;
-  MeasurementSet data_;
 };
 
 TEST_F(Search, NamesFrictionForAnyLossInProportionToTheLoadOfForwardData) {
