@@ -204,14 +204,26 @@ Verdict verdict_of(const Diagnosis& d) {
 std::optional<NextExperiment> next_experiment(const Problem& problem, const Hypothesis& effects,
                                               const std::vector<FoundEffect>& found, double scale,
                                               double noise, const DiagnoseOptions& options) {
-  const auto open =
+  // Which cause it is comes before where it sits: that is a question of its own, for its own rows.
+  auto open =
       std::ranges::find_if(found, [](const FoundEffect& e) { return !e.replacements.empty(); });
+  const bool asks_where = open == found.end();
+  if (asks_where) {
+    open =
+        std::ranges::find_if(found, [](const FoundEffect& e) { return !e.other_bodies.empty(); });
+  }
   if (open == found.end()) return std::nullopt;
   const Candidate& own = effects.effects[static_cast<std::size_t>(open - found.begin())];
-  std::vector<Explanation> explanations{
-      {.id = std::string(own.cause->id), .fit = fit(problem, effects, scale)}};
+  std::vector<Explanation> explanations{{.id = std::string(own.cause->id),
+                                         .fit = fit(problem, effects, scale),
+                                         .body = asks_where ? own.form.body : ""}};
   for (const Replacement& r : open->replacements) {
     explanations.push_back({.id = std::string(r.candidate.cause->id), .fit = r.fit});
+  }
+  for (std::size_t k = 0; asks_where && k < open->other_bodies.size(); ++k) {
+    const Replacement& r = open->other_bodies[k];
+    explanations.push_back(
+        {.id = std::string(r.candidate.cause->id), .fit = r.fit, .body = r.candidate.form.body});
   }
   return plan_experiment(problem, explanations, noise, options);
 }
@@ -295,9 +307,6 @@ std::optional<Diagnosis> diagnose(const Simulation& simulation, const Measuremen
   }
   const FinalFit final = final_fit(problem, effects, found.scale);
   d.effects = effects_of(problem, final, found_effects, found, search_options);
-  if (!final.converged) {
-    d.notes.emplace_back("the final fit did not converge: values are those of the search");
-  }
 
   // Errors, held out and beyond.
   d.errors.baseline_train = root_mean_square(y - baseline);
@@ -308,6 +317,11 @@ std::optional<Diagnosis> diagnose(const Simulation& simulation, const Measuremen
   if (blocks.count >= 2 && held_out.allFinite()) {
     d.errors.baseline_holdout = d.errors.baseline_train;
     d.errors.extended_holdout = root_mean_square(y - held_out);
+    const Eigen::VectorXd& weight = problem.noise.weight;
+    if (!(weight.array() == weight[0]).all()) {
+      d.errors.weighted_gain = 1.0 - root_mean_square((y - held_out).cwiseProduct(weight)) /
+                                         root_mean_square((y - baseline).cwiseProduct(weight));
+    }
   }
   d.extrapolation = extrapolate(problem, effects, levels, y, baseline);
   const double row_scale = final.scale > 0.0 ? final.scale : found.scale;

@@ -113,6 +113,8 @@ struct Errors {
   double baseline_train = 0.0, extended_train = 0.0;
   double baseline_holdout = kUnknown, extended_holdout = kUnknown;  ///< NaN: too few blocks
   double noise_floor = 0.0;  ///< NaN: nothing found in rows too few to tell their noise
+  /// 1 − extended/baseline of held-out rows, each over its own σ; NaN where rows count alike.
+  double weighted_gain = kUnknown;
 };
 
 /// A prediction outside the range that was fitted.

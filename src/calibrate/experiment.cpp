@@ -22,6 +22,8 @@ constexpr int kRepeats = 6;
 constexpr int kMostRows = 120;  // a campaign as long as the first one
 /// χ² that tells two explanations apart, and at which more of it is of no use.
 constexpr double kTold = 9.0, kEnough = 40.0;
+/// Below this it is chance: no rows are worth it.
+constexpr double kUseless = 1.0;
 
 using Limits = std::array<double, 2>;
 
@@ -72,6 +74,46 @@ std::vector<Condition> at_angles(const std::vector<Condition>& conditions) {
     }
   }
   return result;
+}
+
+/// Whether an explanation has the gearbox give more than it takes in (a sensor's error): such rows
+/// are left out when they are read.
+bool is_beyond_physics(const Condition& c, double sun_torque_Nm, double ratio) {
+  const double without_loss = c.output_torque_Nm / std::abs(ratio);
+  return c.direction == design::Direction::kForward ? sun_torque_Nm < without_loss
+                                                    : sun_torque_Nm > without_loss;
+}
+
+/// Rows to simulate, in the sessions of the data.
+MeasurementSet rows_at(const std::vector<Condition>& conditions, const MeasurementSet& data) {
+  MeasurementSet possible;
+  possible.kind = data.kind;
+  possible.runs = data.runs;
+  possible.rows.reserve(conditions.size());
+  for (const Condition& c : conditions) possible.rows.push_back({.condition = c});
+  return possible;
+}
+
+/// Conditions at which every explanation stays within physics, where there are any.
+std::vector<Condition> believable(const Problem& problem,
+                                  const std::vector<Explanation>& explanations,
+                                  const std::vector<Condition>& conditions) {
+  if (problem.simulation.kind() != Kind::kTransmission) return conditions;
+  const MeasurementSet possible = rows_at(conditions, problem.data);
+  const Problem imagined{.simulation = problem.simulation, .data = possible, .noise = {}};
+  std::vector<bool> out(conditions.size(), false);
+  for (const Explanation& e : explanations) {
+    const Eigen::VectorXd torque = linearise(imagined, e.fit.hypothesis, {}).simulated;
+    for (std::size_t k = 0; k < conditions.size(); ++k) {
+      out[k] = out[k] || is_beyond_physics(conditions[k], torque[static_cast<Eigen::Index>(k)],
+                                           problem.simulation.ratio());
+    }
+  }
+  std::vector<Condition> result;
+  for (std::size_t k = 0; k < conditions.size(); ++k) {
+    if (!out[k]) result.push_back(conditions[k]);
+  }
+  return result.empty() ? conditions : result;
 }
 
 std::vector<Condition> possible_conditions(const Problem& problem,
@@ -161,7 +203,7 @@ std::vector<Condition> possible_conditions(const Problem& problem,
 
 /// An explanation as the choice of conditions sees it; everything over a row's deviation.
 struct View {
-  std::string id;
+  std::string name;
   Eigen::VectorXd old_rows;  ///< simulated, whitened
   Eigen::MatrixXd jacobian;  ///< of the old rows: its parameters, then the level where it has none
   Eigen::VectorXd possible;  ///< simulated at the possible conditions
@@ -239,7 +281,7 @@ bool is_hopeless(Pair pair) {
 }
 
 Pair pair_of(const View& a, const View& b) {
-  return {.one = a.id, .other = b.id, .distances = {Distance(a, b), Distance(b, a)}};
+  return {.one = a.name, .other = b.name, .distances = {Distance(a, b), Distance(b, a)}};
 }
 
 /// What the level does as well would be nothing beside it, whatever stands there.
@@ -287,13 +329,14 @@ std::string advice_on(const std::vector<std::array<std::string, 2>>& inseparable
 NextExperiment plan_experiment(const Problem& problem, const std::vector<Explanation>& explanations,
                                double scale, const DiagnoseOptions& options) {
   NextExperiment plan;
-  for (const Explanation& e : explanations) plan.separates.push_back(e.id);
-  const std::vector<Condition> conditions = possible_conditions(problem, explanations, options);
-  MeasurementSet possible;
-  possible.kind = problem.data.kind;
-  possible.runs = problem.data.runs;
-  possible.rows.reserve(conditions.size());
-  for (const Condition& c : conditions) possible.rows.push_back({.condition = c});
+  for (const Explanation& e : explanations) {
+    if (std::ranges::find(plan.separates, e.id) == plan.separates.end()) {
+      plan.separates.push_back(e.id);
+    }
+  }
+  const std::vector<Condition> conditions =
+      believable(problem, explanations, possible_conditions(problem, explanations, options));
+  const MeasurementSet possible = rows_at(conditions, problem.data);
   const Problem imagined{.simulation = problem.simulation, .data = possible, .noise = {}};
 
   // A new row scatters like the old ones on average.
@@ -309,7 +352,7 @@ NextExperiment plan_experiment(const Problem& problem, const std::vector<Explana
     const std::vector<Candidate> beside = candidates_beside(level, e.fit.hypothesis);
     const Columns old = columns_at(problem, e.fit.hypothesis, beside, 0.0);
     const Linearisation fresh = linearise(imagined, e.fit.hypothesis, beside);
-    View view{.id = e.id,
+    View view{.name = e.body.empty() ? e.id : fmt::format("{} at the {}", e.id, e.body),
               .old_rows = (measured_rows.col(0) - old.residual) / scale,
               .jacobian = {},
               .possible = fresh.simulated / row_deviation,
@@ -369,11 +412,17 @@ NextExperiment plan_experiment(const Problem& problem, const std::vector<Explana
   plan.expected_statistic = least();
   if (plan.expected_statistic < kTold) {
     const Pair& closest = *std::ranges::min_element(pairs, {}, &Pair::now);
+    const bool useless = std::ranges::max_element(pairs, {}, &Pair::now)->now() < kUseless;
     plan.advice += fmt::format(
-        "{}These conditions will hardly tell {} from {} (expected chi-square {:.2g}, {:g} is "
-        "needed): repeat more often, or widen the limits.",
-        plan.advice.empty() ? "" : " ", closest.one, closest.other,
-        std::max(0.0, plan.expected_statistic), kTold);
+        "{}{} will hardly tell {} from {} (expected chi-square {:.2g}, {:g} is needed): {}widen "
+        "the "
+        "limits.",
+        plan.advice.empty() ? "" : " ",
+        useless ? fmt::format("Not even {} rows at {} conditions", kMostRows, kMostConditions)
+                : "These conditions",
+        closest.one, closest.other, std::max(0.0, plan.expected_statistic), kTold,
+        useless ? "measure something else, or " : "repeat more often, or ");
+    if (useless) plan.conditions.clear();
   }
   return plan;
 }

@@ -12,6 +12,7 @@ namespace gear3k::calibrate {
 struct Explanation {
   std::string id;
   Fit fit;
+  std::string body = {};  ///< where several bodies of the cause are in question
 };
 
 /// Chooses up to four conditions, within the limits of the options, after which the explanations

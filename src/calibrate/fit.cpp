@@ -295,7 +295,6 @@ FinalFit final_fit(const Problem& problem, const Hypothesis& start, double scale
   const auto n = static_cast<Eigen::Index>(problem.data.rows.size());
   result.degrees = static_cast<int>(n - p);
   result.at_bound.assign(records.size(), false);
-  result.converged = true;
   // Ceres knows no correlated rows: where sessions scatter, the search's fit is the last one.
   if (p > 0 && !(problem.noise.session_variance > 0.0)) {
     std::vector<double> values = start.value;
@@ -320,8 +319,9 @@ FinalFit final_fit(const Problem& problem, const Hypothesis& start, double scale
     options.max_num_iterations = 30;
     ceres::Solver::Summary summary;
     ceres::Solve(options, &ceres_problem, &summary);
-    result.converged = summary.IsSolutionUsable();
-    if (result.converged) result.hypothesis.value = values;
+    // Where no step goes downhill the start, a fit already, is the minimum; Ceres calls that a
+    // failure.
+    if (summary.IsSolutionUsable()) result.hypothesis.value = values;
     // Ceres cuts a step at the bounds without solving again for the parameters that are free, and
     // ends short of the best of them.
     bool bounded = false;

@@ -52,8 +52,8 @@ struct FinalFit {
   double scale = 0.0;           ///< standard deviation of the whitened rows after the fit
   bool scale_is_known = false;  ///< NoiseModel::known_scale(), not estimated
   int degrees = 0;              ///< rows less parameters
-  bool converged = false;
 };
+/// @param start  a fit already
 FinalFit final_fit(const Problem& problem, const Hypothesis& start, double scale);
 
 /// Huber's ρ, twice: the square of a residual in standard deviations, linear beyond kWinsor.

@@ -371,12 +371,11 @@ Occasion Simulation::occasion(const MeasurementSet& data) const {
   if (kind_ == Kind::kTransmission && !data.rows.empty()) {
     // Rows without load or at rest have no place in a law of either.
     const auto above_zero = [&](double Condition::*member) {
-      double least = kUnknown;
+      double least = HUGE_VAL;
       for (const Observation& row : data.rows) {
-        const double x = row.condition.*member;
-        if (x > 0.0 && !(x >= least)) least = x;
+        if (row.condition.*member > 0.0) least = std::min(least, row.condition.*member);
       }
-      return least;
+      return std::isfinite(least) ? least : 0.0;
     };
     const auto least =
         load_and_speed({.sun_speed_rad_s = above_zero(&Condition::sun_speed_rad_s),

@@ -12,9 +12,14 @@ namespace gear3k::calibrate {
 
 namespace {
 
-/// Whether the data need an effect once the best empirical term is there.
-bool needed_beside(const Columns& fitted, const Hypothesis& h, std::size_t effect,
-                   const EmpiricalTerm& term, double threshold) {
+/// Share of what a term takes off the squares that causes must take off to be most of it: a term of
+/// levels holds what all rows have in common as well, and would put out the plainest cause.
+constexpr double kMostOfIt = 2.0 / 3.0;
+
+/// Whether an effect is most of what the best empirical term does, or the data need it once the
+/// term is there.
+bool stays_beside(const Columns& fitted, const Hypothesis& h, std::size_t effect,
+                  const EmpiricalTerm& term, double threshold) {
   const auto first = static_cast<Eigen::Index>(value_offset(h, effect));
   const auto count = static_cast<Eigen::Index>(h.effects[effect].parameters.size());
   const Eigen::MatrixXd& own = fitted.own;
@@ -26,18 +31,31 @@ bool needed_beside(const Columns& fitted, const Hypothesis& h, std::size_t effec
   for (Eigen::Index k = 0; k < count; ++k) {
     without_it += mine.col(k) * h.value[static_cast<std::size_t>(first + k)];
   }
-  const Screen screen(rest, mine, {{.first = 0, .count = count}}, 0.0);
-  return screen.gains(without_it)[0].evidence > threshold;
+  const auto gain = [&](const Eigen::MatrixXd& beside, const Eigen::MatrixXd& columns) {
+    return Screen(beside, columns, {{.first = 0, .count = columns.cols()}}, 0.0)
+        .gains(without_it)[0];
+  };
+  const Eigen::MatrixXd others = rest.leftCols(own.cols() - count);
+  return gain(rest, mine).evidence > threshold ||
+         gain(others, mine).sum_of_squares >= kMostOfIt * gain(others, term.columns).sum_of_squares;
+}
+
+/// Squares of the baseline's residual and of what the causes leave of it.  Rows far off count as
+/// less far, and so does what the causes take off them: a term has the same to explain.
+struct Squares {
+  double before = 0.0, after = 0.0;
+};
+Squares squares_of(const Columns& base, const Columns& fitted) {
+  const double bound = robust_deviation(base.raw);
+  const Eigen::VectorXd clipped = winsorised(base.raw, bound);
+  return {.before = clipped.squaredNorm(),
+          .after = (clipped - winsorised(base.raw - fitted.raw, bound)).squaredNorm()};
 }
 
 /// Evidence of all causes of a fit together, paid for by the number of causes that each was chosen
-/// from.  Rows far off count as less far in the baseline's residual, and so does what the causes
-/// take off it: a term has the same to explain.
+/// from.
 double evidence_of_causes(const SearchResult& found, const Columns& base, const Columns& fitted) {
-  const double bound = robust_deviation(base.raw);
-  const double before = winsorised(base.raw, bound).squaredNorm();
-  const double after =
-      (winsorised(base.raw, bound) - winsorised(base.raw - fitted.raw, bound)).squaredNorm();
+  const auto [before, after] = squares_of(base, fitted);
   const auto n = static_cast<double>(base.residual.size());
   const auto p = static_cast<Eigen::Index>(found.fit.hypothesis.value.size());
   const double statistic = (n - static_cast<double>(p)) * std::log(std::max(before / after, 1.0));
@@ -45,6 +63,14 @@ double evidence_of_causes(const SearchResult& found, const Columns& base, const 
   for (const Candidate& c : found.candidates) offered.insert(c.cause);
   return chi_square_evidence(statistic, p) -
          static_cast<double>(found.effects.size()) * std::log(static_cast<double>(offered.size()));
+}
+
+/// Whether the causes are most of what a term does.
+bool are_most_of(const EmpiricalTerm& term, const Columns& base, const Columns& fitted) {
+  const auto [before, after] = squares_of(base, fitted);
+  const Eigen::VectorXd clipped = winsorised(base.raw, robust_deviation(base.raw));
+  return before - after >=
+         kMostOfIt * (orthonormal_basis(term.columns).transpose() * clipped).squaredNorm();
 }
 
 /// Twelfths of a wave, as levels.
@@ -76,10 +102,11 @@ Contest causes_against_structure(const SearchResult& found, const Columns& base,
                   .stays = std::vector<bool>(count, true),
                   .remainder = after};
   for (std::size_t e = 0; contest.structure && e < count; ++e) {
-    contest.stays[e] = needed_beside(fitted, h, e, after.best, found.first_luck.threshold);
+    contest.stays[e] = stays_beside(fitted, h, e, after.best, found.first_luck.threshold);
   }
   constexpr double kClearly = 3.0;
   if (count > 0 && before.p_value <= rate &&
+      !(contest.structure && are_most_of(before.best, base, fitted)) &&
       before.best.evidence > evidence_of_causes(found, base, fitted) + kClearly) {
     contest = {.structure = true, .stays = std::vector<bool>(count, false), .remainder = before};
   }

@@ -20,9 +20,11 @@ struct Contest {
 /// @param base, fitted  the columns of both
 /// @param rate  of false discoveries of structure
 ///
-/// An effect that the data no longer need beside a significant best term does not stay.  None stays
-/// where a term of the baseline's residuals explains clearly better than all causes together, each
-/// paid for by the number of causes it was chosen from: then the causes only imitate it.
+/// An effect that the data no longer need beside a significant best term does not stay, unless it
+/// is two thirds of what the term does.  None stays where a term of the baseline's residuals
+/// explains clearly better than all causes together, each paid for by the number of causes it was
+/// chosen from: then the causes only imitate it, unless they are two thirds of it and structure is
+/// left.
 Contest causes_against_structure(const SearchResult& found, const Columns& base,
                                  const Columns& fitted, const RemainderSearch& before,
                                  const RemainderSearch& after, double rate);

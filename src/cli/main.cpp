@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <glog/logging.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -361,6 +362,8 @@ int run_program(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // Ceres logs what it also returns; nobody but the program itself speaks to the user.
+  FLAGS_minloglevel = google::GLOG_FATAL;
   try {
     return run_program(argc, argv);
   } catch (const io::InvalidInput& error) {

@@ -263,6 +263,7 @@ ordered_json kind_json(const Diagnosis& d, const MeasurementSet& set) {
   json["physically_implausible"] = implausible_json(d);
   json["rmse"] = rmse_json(d);
   json["gain"] = finite(gain_of(d));
+  json["weighted_gain"] = finite(d.errors.weighted_gain);
   json["remainder"] = remainder_json(d);
   json["next_experiment"] = next_json(d.next_experiment, d.kind);
   json["data"] = {{"files", set.files},

@@ -317,15 +317,14 @@ std::string gain_table(const Diagnosis& d, const MeasurementSet& set) {
         d.extrapolation.baseline, d.extrapolation.extended);
   }
   std::string text = fmt::format("\n{}", table.text(0));
-  const double gain = 1.0 - d.errors.extended_holdout / d.errors.baseline_holdout;
+  const bool weighted = std::isfinite(d.errors.weighted_gain);
+  const double gain = weighted ? d.errors.weighted_gain
+                               : 1.0 - d.errors.extended_holdout / d.errors.baseline_holdout;
   if (std::isfinite(gain) && !d.effects.empty()) {
-    text += gain >= 0.0
-                ? fmt::format("On data that it has not seen the extended model is {} % better.\n",
-                              fixed(percent(gain), 0))
-                : fmt::format(
-                      "On data that it has not seen the extended model is {} % worse: do not use "
-                      "it.\n",
-                      fixed(-percent(gain), 0));
+    text += fmt::format("On data that it has not seen the extended model is {} % {}{}.\n",
+                        fixed(std::abs(percent(gain)), 0), gain >= 0.0 ? "better" : "worse",
+                        weighted ? ", each row over its own noise" : "");
+    if (gain < 0.0) text += "Do not use it.\n";
   } else if (!std::isfinite(gain)) {
     text += "These data have too few blocks to hold some out.\n";
   }
@@ -430,7 +429,9 @@ std::string next_text(const Diagnosis& d) {
   if (!d.next_experiment) return "";
   const NextExperiment& next = *d.next_experiment;
   std::string text =
-      fmt::format("\nNext experiment, to tell apart {}", fmt::join(next.separates, ", "));
+      next.separates.size() == 1
+          ? fmt::format("\nNext experiment, to tell where {} acts", next.separates[0])
+          : fmt::format("\nNext experiment, to tell apart {}", fmt::join(next.separates, ", "));
   if (next.expected_statistic > 0.0) {
     text += fmt::format(" (expected chi-square {:.3g}; 9 tells them apart)",
                         clean(next.expected_statistic));

@@ -128,6 +128,9 @@ TEST(Causes, AreNothingToSearchWhereTheDataCannotShowThem) {
   });
   EXPECT_TRUE(idle.contains("friction_load"));
   EXPECT_TRUE(idle.contains("friction_speed"));
+  const auto unloaded = ids([](Condition& c) { c.output_torque_Nm = 0.0; });
+  EXPECT_FALSE(unloaded.contains("friction_load"));
+  EXPECT_TRUE(unloaded.contains("drag_constant"));
   const auto time = ids([](Condition& c) { c.time_s = kUnknown; });
   EXPECT_FALSE(time.contains("drift"));
   EXPECT_TRUE(time.contains("run_step"));

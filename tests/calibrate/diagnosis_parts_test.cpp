@@ -135,6 +135,34 @@ TEST_F(Part, FewRowsTakeTheirStatedScatterForIntervalsToo) {
 
 // Held out and beyond
 
+TEST_F(Part, RowsOfUnequalNoiseCountByTheirOwnInTheGain) {
+  // A drag far above the noise of one half of the rows and far below that of the other.
+  data_ = measured_grid({.repeats = 4});
+  const auto half = data_.rows.size() / 2;
+  measure(hypothesis({candidate("drag_constant", {.name = "sun", .body = "sun"})}, {0.004}), 1.0,
+          9);
+  for (std::size_t i = 0; i < data_.rows.size(); ++i) {
+    Observation& row = data_.rows[i];
+    const double clean = clean_[static_cast<Eigen::Index>(i)];
+    row.sigma = i < half ? 0.0005 : 0.05;
+    row.response = clean + (row.response - clean) * row.sigma;
+  }
+  const Diagnosis d = diagnosed();
+  ASSERT_EQ(d.effects.size(), 1U);
+  double before = 0.0;
+  double after = 0.0;
+  for (std::size_t i = 0; i < data_.rows.size(); ++i) {
+    const Observation& row = data_.rows[i];
+    before += std::pow((row.response - d.rows[i].baseline) / row.sigma, 2);
+    after += std::pow((row.response - d.rows[i].holdout) / row.sigma, 2);
+  }
+  EXPECT_NEAR(d.errors.weighted_gain, 1.0 - std::sqrt(after / before), 1e-9);
+  // 0.004 of 0.0005 in half of the rows: χ² of 1 + 32 a row before, 1 after.
+  EXPECT_NEAR(d.errors.weighted_gain, 1.0 - 1.0 / std::sqrt(33.0), 0.03);
+  for (Observation& row : data_.rows) row.sigma = kSigma;
+  EXPECT_TRUE(std::isnan(diagnosed().errors.weighted_gain));
+}
+
 TEST_F(Part, ARowFarOffPullsPredictionsNoMoreThanOneLessFarOff) {
   data_ = measured_grid({.repeats = 2});
   const Hypothesis h = sensor(0.02, 0.01);

@@ -178,7 +178,7 @@ TEST_F(Plan, StaysWithinTheMapAndTheDataWidenedByAQuarter) {
   data_ = measured_grid({.sun_speeds_rpm = {590.0, 600.0}, .output_torques_Nm = {10.0, 20.0}});
   measure(hypothesis({constant()}, {0.02}));
   // Rows that scatter so much that no condition is more than enough.
-  const NextExperiment next = plan({constant(), viscous()}, {}, 0.1);
+  const NextExperiment next = plan({constant(), viscous()}, {}, 0.05);
   ASSERT_FALSE(next.conditions.empty());
   double fastest = 0.0;
   for (const ProposedCondition& c : next.conditions) {
@@ -301,6 +301,48 @@ TEST_F(Plan, TurnsTheSunBackwardToTellAnOffsetFromADrag) {
   EXPECT_TRUE(std::ranges::any_of(next.conditions, [](const ProposedCondition& c) {
     return c.condition.rotation < 0 || c.condition.reference_sensor;
   }));
+}
+
+TEST_F(Plan, KeepsToRowsThatNoExplanationPutsBeyondPhysics) {
+  // Of a zero error of 0.02 Nm, light loads would show an efficiency above 1 one way round.
+  data_ = measured_grid({.rotations = {1}});
+  measure(hypothesis({constant()}, {0.02}));
+  const NextExperiment next = plan({constant(), candidate("sensor_offset", {.name = "offset"})});
+  ASSERT_FALSE(next.conditions.empty());
+  const Simulation simulation(design_, Kind::kTransmission);
+  for (const ProposedCondition& c : next.conditions) {
+    for (const Explanation& e : fits_) {
+      const double torque = simulated(simulation, c.condition, e.fit.hypothesis);
+      const double efficiency =
+          c.condition.output_torque_Nm / std::abs(simulation.ratio()) / torque;
+      EXPECT_LE(
+          c.condition.direction == design::Direction::kForward ? efficiency : 1.0 / efficiency,
+          1.0);
+    }
+  }
+}
+
+TEST_F(Plan, TellsWhereACauseActs) {
+  // Forward a drag at the output is one at the sun, but for the load's share of the loss.
+  data_ = measured_grid({.directions = {design::Direction::kForward}, .rotations = {1}});
+  measure(hypothesis({constant()}, {0.02}));
+  const Simulation simulation(design_, Kind::kTransmission);
+  const Problem p{.simulation = simulation, .data = data_, .noise = make_noise_model(data_)};
+  std::vector<Explanation> bodies;
+  for (const char* body : {"sun", "output"}) {
+    const Hypothesis drag = with({}, candidate("drag_constant", {.name = body, .body = body}));
+    bodies.push_back(
+        {.id = "drag_constant", .fit = fit(p, fit(p, drag, 10.0).hypothesis, 10.0), .body = body});
+  }
+  const NextExperiment next = plan_experiment(p, bodies, kNoise, {});
+  EXPECT_EQ(next.separates, std::vector<std::string>{"drag_constant"});
+  EXPECT_GE(next.expected_statistic, kTold);
+  EXPECT_TRUE(std::ranges::any_of(next.conditions, [](const ProposedCondition& c) {
+    return c.condition.direction == design::Direction::kBackward;
+  }));
+  const NextExperiment hopeless = plan_experiment(p, bodies, 10.0, {});
+  EXPECT_TRUE(names(hopeless.advice, "drag_constant at the sun from drag_constant at the output"))
+      << hopeless.advice;
 }
 
 TEST_F(Plan, TakesACalibratedSensorWhereNothingElseTellsAGain) {

@@ -136,11 +136,24 @@ TEST_F(AContest, KeepsACauseThatTheDataNeed) {
 
 TEST_F(AContest, DropsACauseThatOnlyImitatesATerm) {
   const Problem p = problem(data_);
-  const Sides s = search(p);
-  // A term that holds the very thing that the drag does: the drag is not needed beside it.
+  Sides s = search(p);
+  // A term that holds the very thing that the drag does, as levels hold a constant: the drag is all
+  // of it, and stays.
   const EmpiricalTerm same{.along = "load", .columns = s.fitted.own, .evidence = 1.0};
-  const Contest beside = causes_against_structure(s.found, s.base, s.fitted, search_with(same, 1.0),
-                                                  search_with(same, 1e-6), 0.01);
+  const Contest most = causes_against_structure(s.found, s.base, s.fitted, search_with(same, 1.0),
+                                                search_with(same, 1e-6), 0.01);
+  EXPECT_EQ(most.stays, std::vector<bool>{true});
+  // As much again that is not the drag: a term that is both leaves nothing to the drag, which is
+  // half of it.
+  const Eigen::VectorXd drag = s.fitted.own.col(0) * s.found.fit.hypothesis.value[0];
+  Eigen::VectorXd other(drag.size());
+  for (Eigen::Index i = 0; i < other.size(); ++i) other[i] = i % 3 == 0 ? 1.0 : -0.5;
+  other -= drag * (drag.dot(other) / drag.squaredNorm());
+  other *= drag.norm() / other.norm();
+  s.fitted.residual += other;
+  const EmpiricalTerm whole{.along = "load", .columns = drag + other, .evidence = 1.0};
+  const Contest beside = causes_against_structure(
+      s.found, s.base, s.fitted, search_with(whole, 1.0), search_with(whole, 1e-6), 0.01);
   EXPECT_EQ(beside.stays, std::vector<bool>{false});
   // A term of the baseline's residuals that explains far more than the causes do.
   EmpiricalTerm far = same;
