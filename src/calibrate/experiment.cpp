@@ -76,12 +76,14 @@ std::vector<Condition> at_angles(const std::vector<Condition>& conditions) {
   return result;
 }
 
-/// Whether an explanation has the gearbox give more than it takes in (a sensor's error): such rows
-/// are left out when they are read.
+/// Whether an explanation has the gearbox give more than it takes in (a sensor's error), or turn
+/// the magnitude of a torque round (a sun that must be helped): such rows are not taken when they
+/// are read.
 bool is_beyond_physics(const Condition& c, double sun_torque_Nm, double ratio) {
   const double without_loss = c.output_torque_Nm / std::abs(ratio);
-  return c.direction == design::Direction::kForward ? sun_torque_Nm < without_loss
-                                                    : sun_torque_Nm > without_loss;
+  return sun_torque_Nm < 0.0 ||
+         (c.direction == design::Direction::kForward ? sun_torque_Nm < without_loss
+                                                     : sun_torque_Nm > without_loss);
 }
 
 /// Rows to simulate, in the sessions of the data.
@@ -414,14 +416,13 @@ NextExperiment plan_experiment(const Problem& problem, const std::vector<Explana
     const Pair& closest = *std::ranges::min_element(pairs, {}, &Pair::now);
     const bool useless = std::ranges::max_element(pairs, {}, &Pair::now)->now() < kUseless;
     plan.advice += fmt::format(
-        "{}{} will hardly tell {} from {} (expected chi-square {:.2g}, {:g} is needed): {}widen "
-        "the "
+        "{}{} tell {} from {} (expected chi-square {:.2g}, {:g} is needed): {}, or widen the "
         "limits.",
         plan.advice.empty() ? "" : " ",
-        useless ? fmt::format("Not even {} rows at {} conditions", kMostRows, kMostConditions)
-                : "These conditions",
+        useless ? fmt::format("Not even {} rows at {} conditions will", kMostRows, kMostConditions)
+                : "These conditions will hardly",
         closest.one, closest.other, std::max(0.0, plan.expected_statistic), kTold,
-        useless ? "measure something else, or " : "repeat more often, or ");
+        useless ? "measure something else" : "repeat more often");
     if (useless) plan.conditions.clear();
   }
   return plan;
