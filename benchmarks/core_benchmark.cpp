@@ -174,7 +174,7 @@ void optimize_rp96(benchmark::State& state) {
   std::size_t sets = 0;
   for (auto _ : state) {
     Progress progress;
-    sets += optimize::optimize(rp96(), progress).sets.size();
+    sets += optimize::optimize(rp96(), progress).search.candidates.size();
   }
   state.counters["sets/s"] =
       benchmark::Counter(static_cast<double>(sets), benchmark::Counter::kIsRate);

@@ -91,7 +91,7 @@ void reference_problem(Bands& bands) {
   const optimize::OptimizeResult slsqp = optimized(spec);
   std::size_t feasible = 0;
   double worst_kkt = 0.0;
-  for (const optimize::RefinedSet& s : slsqp.sets) {
+  for (const optimize::RefinedSet& s : slsqp.refined) {
     if (s.status != optimize::Status::kOptimal) continue;
     ++feasible;
     worst_kkt = std::max(worst_kkt, s.kkt_residual);
@@ -99,10 +99,10 @@ void reference_problem(Bands& bands) {
   const auto count = static_cast<double>(slsqp.search.candidates.size());
   bands.expect("rp96: tooth sets", count, 654, 654, source);
   bands.expect("  feasible", static_cast<double>(feasible), 428, 654, source);
-  const double best = slsqp.best ? slsqp.sets[*slsqp.best].eta_b : 0.0;
+  const double best = slsqp.best ? slsqp.best->eta_b : 0.0;
   bands.expect("  best eta_b", best, 0.94340, 1.0, source);
   if (slsqp.best) {
-    const design::Design winner = optimize::design_of(spec, slsqp.sets[*slsqp.best]);
+    const design::Design winner = optimize::design_of(spec, *slsqp.best);
     const double arcmin = design::from_unit(1.0, design::Unit::kArcmin);
     bands.expect_printed("  the winner's lost motion, kinematic [arcmin]",
                          analyzed(winner).backlash.kinematic_rad / arcmin, 15.92, 2, source);
@@ -112,8 +112,9 @@ void reference_problem(Bands& bands) {
   spec.solver.starts = 1;
   const optimize::OptimizeResult ipopt = optimized(spec);
   double largest = 0.0;
-  for (std::size_t k = 0; k < slsqp.sets.size(); ++k) {
-    largest = std::max(largest, std::abs(slsqp.sets[k].eta_b - ipopt.sets[k].eta_b));
+  for (std::size_t k = 0; k < slsqp.search.candidates.size(); ++k) {
+    largest = std::max(
+        largest, std::abs(optimize::set_at(slsqp, k)->eta_b - optimize::set_at(ipopt, k)->eta_b));
   }
   bands.expect("  largest |eta_b SLSQP - Ipopt|", largest, 0.0, 2e-6, "two solvers");
 }
@@ -126,7 +127,7 @@ void buildable(Bands& bands) {
     bands.expect("ratio-96: designs found", 0, 1, 1, source);
     return;
   }
-  const design::Evaluation e = analyzed(optimize::design_of(spec, result.sets[*result.best]));
+  const design::Evaluation e = analyzed(optimize::design_of(spec, *result.best));
   const auto failed = static_cast<double>(
       std::ranges::count_if(e.checks, [](const design::CheckResult& c) { return !c.ok; }));
   const double arcmin = design::from_unit(1.0, design::Unit::kArcmin);

@@ -37,7 +37,9 @@ struct SearchOptions : CommonOptions {
 
 struct OptimizeOptions : CommonOptions {
   std::string file;
-  std::string model;  ///< MODEL.toml; "" = none
+  std::string model;     ///< MODEL.toml; "" = none
+  bool certify = false;  ///< refine only what can still win, and prove that nothing else can
+  bool resume = false;   ///< go on with the journal of an interrupted run
 };
 
 struct ReproduceOptions : CommonOptions {};

@@ -289,6 +289,11 @@ int run_program(int argc, char** argv) {
   optimize_command->add_option("--out", optimize.out, "folder for the result files")
       ->required()
       ->check(folder_name);
+  optimize_command->add_flag(
+      "--certify", optimize.certify,
+      "refine only tooth sets whose bound reaches the best, and prove that no other holds more");
+  optimize_command->add_flag("--resume", optimize.resume,
+                             "go on with the run in --out that was interrupted or killed");
   add_model_option(*optimize_command, optimize.model);
   add_common_options(*optimize_command, optimize);
   optimize_command->footer([] { return "Keys of SPEC.toml:\n" + io::specification_key_table(); });

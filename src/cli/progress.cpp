@@ -83,16 +83,30 @@ struct ProgressDisplay::State {
         finished > phase_done ? static_cast<double>(finished - phase_done) / seconds : 0.0;
     const std::string remaining =
         rate > 0.0 ? clock_text(static_cast<double>(total - finished) / rate) : "?";
-    const bool searching = progress.phase.load() == optimize::Progress::Phase::kSearch;
-    const std::size_t feasible = progress.feasible.load();
-    const bool diagnosing = progress.phase.load() == optimize::Progress::Phase::kDiagnosis;
-    std::string facts =
-        diagnosing ? fmt::format("{} % diagnosed, {} left", 100 * finished / total, remaining)
-                   : fmt::format("{}/{} {}, {:.0f}/s, {} left", finished, total,
-                                 searching ? "(S, P1) pairs searched" : "tooth sets refined", rate,
-                                 remaining);
-    if (!searching && !diagnosing) facts += fmt::format(", {} feasible", feasible);
-    if (feasible > 0) facts += fmt::format(", best {:.5f}", progress.best_objective.load());
+    using Phase = optimize::Progress::Phase;
+    const Phase phase = progress.phase.load();
+    const auto count_of = [&](const char* what) {
+      return fmt::format("{}/{} {}, {:.0f}/s, {} left", finished, total, what, rate, remaining);
+    };
+    std::string facts;
+    switch (phase) {
+      case Phase::kSearch:
+        facts = count_of("(S, P1) pairs searched");
+        break;
+      case Phase::kBounds:
+        facts = count_of("stages bounded");
+        break;
+      case Phase::kRefinement:
+        facts =
+            count_of("tooth sets refined") + fmt::format(", {} feasible", progress.feasible.load());
+        break;
+      case Phase::kDiagnosis:
+        facts = fmt::format("{} % diagnosed, {} left", 100 * finished / total, remaining);
+        break;
+    }
+    if (progress.feasible.load() > 0) {
+      facts += fmt::format(", best {:.5f}", progress.best_objective.load());
+    }
     if (terminal) {
       constexpr std::size_t kWidth = 24;
       const std::size_t filled = kWidth * finished / total;

@@ -18,39 +18,46 @@ namespace {
   throw InvalidInput(fmt::format("{}: cannot be written: {}", path, cause));
 }
 
-void write_through(const std::string& path, const std::string& content) {
-  std::ofstream file(path, std::ios::binary);
-  file << content;
+using Produce = std::function<void(const std::function<void(std::string_view)>&)>;
+
+/// @returns whether all was written
+bool write_to(const std::string& path, const Produce& produce) {
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  produce([&](std::string_view piece) {
+    file.write(piece.data(), static_cast<std::streamsize>(piece.size()));
+  });
   file.flush();
-  if (!file) refuse(path, std::strerror(errno));
+  return file.good();
 }
 
 }  // namespace
 
 void write_file(const std::string& path, const std::string& content) {
+  write_file_in_pieces(path, [&](const auto& out) { out(content); });
+}
+
+void write_file_in_pieces(const std::string& path, const Produce& produce) {
   std::error_code unknown;
   const auto target = std::filesystem::status(path, unknown);
   if (std::filesystem::is_other(target)) {
-    write_through(path, content);
+    if (!write_to(path, produce)) refuse(path, std::strerror(errno));
     return;
   }
   const std::string temporary = fmt::format("{}.{}.tmp", path, ::getpid());
-  {
-    std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
-    file << content;
-    file.flush();
-    if (!file) {
-      const std::string cause = std::strerror(errno);
-      std::error_code ignored;
-      std::filesystem::remove(temporary, ignored);
-      refuse(path, cause);
-    }
+  const auto remove_temporary = [&] {
+    std::error_code ignored;
+    std::filesystem::remove(temporary, ignored);
+  };
+  try {
+    if (!write_to(temporary, produce)) refuse(path, std::strerror(errno));
+  } catch (...) {
+    remove_temporary();
+    throw;
   }
   std::error_code status;
   std::filesystem::rename(temporary, path, status);
   if (status) {
-    std::error_code ignored;
-    std::filesystem::remove(temporary, ignored);
+    remove_temporary();
     refuse(path, status.message());
   }
 }

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <functional>
 #include <string>
+#include <string_view>
 
 namespace gear3k::io {
 
@@ -8,6 +10,12 @@ namespace gear3k::io {
 /// What is no regular file (a pipe, a device) is written to as it is.
 /// @throws InvalidInput naming the path and the cause when it cannot be written
 void write_file(const std::string& path, const std::string& content);
+
+/// The same for a text that is made piece by piece.
+/// @param produce  called once with the function that takes the pieces
+void write_file_in_pieces(
+    const std::string& path,
+    const std::function<void(const std::function<void(std::string_view)>&)>& produce);
 
 /// Makes sure that a folder exists and can be written to.
 /// @throws InvalidInput naming the path and the cause otherwise

@@ -1,100 +1,79 @@
 #pragma once
-// The whole task: search the tooth sets, refine every one, pick the best.
+// The whole task: search the tooth sets, bound them, refine those that may win, pick the best.
 
-#include <array>
-#include <atomic>
 #include <cstddef>
+#include <functional>
+#include <memory>
 #include <optional>
-#include <string_view>
+#include <span>
 #include <vector>
 
+#include "optimize/pareto.hpp"
 #include "optimize/progress.hpp"
+#include "optimize/refine.hpp"
+#include "optimize/refined_set.hpp"
+#include "optimize/set_bounds.hpp"
 #include "optimize/specification.hpp"
 #include "optimize/tooth_search.hpp"
 
 namespace gear3k::optimize {
 
-/// Largest KKT residual that counts as a local optimum.
-inline constexpr double kStationary = 1e-4;
-
-/// optimal: a feasible point with KKT residual ≤ kStationary.  failed: feasible points were found,
-/// but none that is stationary, or the model was defined nowhere.
-enum class Status { kOptimal, kNoFeasibleFound, kInfeasible, kFailed };
-inline constexpr std::size_t kStatusCount = 4;
-/// Names in result files, in the order of the enum.
-inline constexpr std::array<std::string_view, kStatusCount> kStatusNames{
-    "optimal", "no_feasible_found", "infeasible", "failed"};
-
-/// By how much one constraint is missed.
-struct Miss {
-  std::string_view name;   ///< a check, or stage1_module / stage2_module
-  double violation = 0.0;  ///< scaled to order 1
-  double amount = 0.0;     ///< the same in `unit`, as files and tables print it
-  std::string_view unit;
+struct OptimizeOptions {
+  /// Refines only sets whose bound reaches the best that was found; else all.
+  bool best_only = false;
+  /// Sets that an earlier run refined, by rising index: they are taken as they are.
+  std::vector<RefinedSet> known;
+  /// Called with the sets of a wave, known ones left out, when all of them are done.
+  std::function<void(std::span<const RefinedSet>)> on_wave;
 };
 
-/// What refinement made of one tooth set.
-struct RefinedSet {
-  Candidate candidate;
-  Status status = Status::kFailed;
-  /// What blocks the set; empty when optimal or failed.  infeasible: the constraint that no point
-  /// of the box can meet.  no_feasible_found: the constraints any one of which may give way alone
-  /// (a point was found that meets all others), least (scaled) first; or, when none was found to
-  /// suffice, those that the least violating point misses most, together.
-  std::vector<Miss> blocked_by;
-  bool blocked_together = false;  ///< none of blocked_by was found to suffice alone
-  // The rest only when optimal.
-  train::TrainParameters<double> train;
-  double eta_b = 0.0, eta_f = 0.0;
-  /// With all losses of the calibrated model at the operating point; empty without them, or where
-  /// the gearbox does not run.
-  std::optional<double> eta_b_model, eta_f_model;
-  double lost_motion_rad = 0.0;  ///< by the specification's model
-  std::array<double, train::kMeshCount> contact_ratio{};
-  double ring_root_diameter_m = 0.0;  ///< the larger ring's
-  double kkt_residual = 0.0;
+/// What the bounds prove of a result, for the specification's model (its search space, its checks
+/// as inequalities, its loss model): a feasible design of an unrefined tooth set has at most
+/// `largest_unrefined_bound`, any design at most `global_bound`.
+struct Certificate {
+  double best = 0.0;  ///< objective of the best design
+  std::size_t refined = 0, bounded = 0, infeasible = 0;
+  /// Largest bound of the sets that were bounded away; empty when there is none.
+  std::optional<double> largest_unrefined_bound;
+  /// Largest bound of all sets, those of the refined ones that could still hold something better
+  /// than the best sharpened.
+  double global_bound = 0.0;
+  /// Refined sets whose sharpened bound is above the best by more than kProven: their optima are
+  /// local, and they might hold something better.
+  std::size_t open = 0;
 };
+/// What counts as nothing in a certificate.
+inline constexpr double kProven = 1e-6;
 
 struct OptimizeResult {
   ToothSearchResult search;
-  std::vector<RefinedSet> sets;  ///< in the order of search.candidates; done ones only
-  std::optional<std::size_t> best;
-  std::vector<std::size_t> pareto;  ///< see pareto_front()
+  /// Of the candidates; null when the search was interrupted.
+  std::shared_ptr<const SetBounds> bounds;
+  std::vector<RefinedSet> refined;  ///< by rising index
+  std::optional<RefinedSet> best;
+  std::vector<std::size_t> pareto;  ///< indices into `refined`, see pareto_front()
+  std::optional<Certificate> certificate;
   bool interrupted = false;
 };
 
-/// The first constraint that blocks a set; "" when there is none.
-inline std::string_view reason_of(const RefinedSet& set) {
-  return set.blocked_by.empty() ? std::string_view() : set.blocked_by.front().name;
-}
+/// What is known of candidate k: as refined, proven infeasible or bounded; empty when it was not
+/// reached.
+std::optional<RefinedSet> set_at(const OptimizeResult& result, std::size_t k);
 
-/// Efficiency that a specification maximises.
-double objective_of(const RefinedSet& set, Objective objective);
+/// Calls visit(k, set) for every candidate in the order of the search; `set` is empty where the run
+/// did not get to it.
+void for_each_set(const OptimizeResult& result,
+                  const std::function<void(std::size_t, const std::optional<RefinedSet>&)>& visit);
 
-/// Whether a calibrated model decides between the refined sets.
-bool judged_by_model(const Specification& spec);
+/// Bound of the objective.
+double objective_bound(const SetBound& bound, Objective objective);
 
-/// Efficiency by which refined sets are compared: objective_of(), or that with the model; minus
-/// infinity where the gearbox does not run with it.
-double judged_objective(const Specification& spec, const RefinedSet& set);
-
-/// Refines one tooth set: every module of the series, several starts each, the best feasible end;
-/// when no start ends feasible, one more from the point of least violation.
-RefinedSet refine(const Specification& spec, const Candidate& candidate);
-/// The same; empty when `stop` became true before the set was done.
-std::optional<RefinedSet> refine(const Specification& spec, const Candidate& candidate,
-                                 const std::atomic<bool>& stop);
-
-/// Searches and refines everything, OpenMP over the tooth sets.  The result does not depend on the
-/// number of threads.  Ties go to the set that comes first.
-OptimizeResult optimize(const Specification& spec, Progress& progress);
-
-/// Indices of the optimal sets that no other one beats or equals in all of eta_b, eta_f, lost
-/// motion and ring root diameter at once, in the order of the sets.  With `by_model` the
-/// efficiencies are those with the model; sets that do not run with it are beaten by any that do.
-std::vector<std::size_t> pareto_front(const std::vector<RefinedSet>& sets, bool by_model = false);
-
-/// The design of a refined set, with the specification's limits and friction; without its model.
-design::Design design_of(const Specification& spec, const RefinedSet& set);
+/// Searches, bounds and refines, OpenMP over stages and tooth sets, in waves of fixed order: the
+/// result does not depend on the number of threads.  Ties go to the set that comes first.
+/// @param spec  must outlive the result
+/// @throws std::invalid_argument for best_only where a calibrated model judges the sets: the bounds
+///   are those of the model without it
+OptimizeResult optimize(const Specification& spec, Progress& progress,
+                        const OptimizeOptions& options = {});
 
 }  // namespace gear3k::optimize

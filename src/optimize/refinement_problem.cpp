@@ -99,15 +99,52 @@ train::TrainParameters<double> unrefined_train(const Specification& spec,
   return t;
 }
 
-RefinementProblem make_refinement_problem(const Specification& spec, const Candidate& candidate,
-                                          std::array<std::optional<double>, 2> fixed_module_m,
-                                          int backlash_branch) {
-  RefinementProblem p;
+namespace {
+
+void set_box(RefinementProblem& p, const Candidate& candidate) {
   p.candidate = candidate;
+  const auto sums = tooth_sums(candidate.teeth);
+  p.angle_mesh = sums[0] >= sums[1] ? train::kMeshSP1 : train::kMeshP1R1;
+  if (!stage2_angle_is_variable(p) &&
+      *p.fixed_module_m[1] * sums[2] >
+          *p.fixed_module_m[0] * sums[static_cast<std::size_t>(p.angle_mesh)]) {
+    p.angle_mesh = train::kMeshP2R2;
+  }
+  p.variables = stage2_angle_is_variable(p) ? kAngleB + 1 : kAngleA + 1;
+  for (std::size_t k = kAngleA; k < static_cast<std::size_t>(p.variables); ++k) {
+    p.lower[k] = kLeastAngle_rad;
+    p.upper[k] = kGreatestAngle_rad;
+  }
+  if (!p.fixed_module_m[0] && !p.fixed_module_m[1]) {
+    const NumberRange& range = *p.spec->module[0].range_m;
+    p.variables = kScale + 1;
+    p.lower[kScale] = range.min / p.length_scale_m;
+    p.upper[kScale] = range.max / p.length_scale_m;
+  }
+}
+
+RefinementProblem with_rows(const Specification& spec, int planets,
+                            std::array<std::optional<double>, 2> fixed_module_m,
+                            int backlash_branch) {
+  RefinementProblem p;
+  p.candidate.planets = planets;
   p.spec = &spec;
   p.fixed_module_m = fixed_module_m;
   p.length_scale_m = length_scale_m(spec);
+  p.backlash_branch = backlash_branch;
+  append_checks(p, backlash_branch);
+  if (!fixed_module_m[0] && fixed_module_m[1]) append_module_bounds(p, 0);
+  if (!fixed_module_m[1]) append_module_bounds(p, 1);
+  return p;
+}
 
+}  // namespace
+
+RefinementProblem make_refinement_problem(const Specification& spec, const Candidate& candidate,
+                                          std::array<std::optional<double>, 2> fixed_module_m,
+                                          int backlash_branch) {
+  RefinementProblem p = with_rows(spec, candidate.planets, fixed_module_m, backlash_branch);
+  set_box(p, candidate);
   const auto unshifted =
       train::make_train_gears(unrefined_train(spec, candidate, {.profile_shift = 0.0}));
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
@@ -119,30 +156,29 @@ RefinementProblem make_refinement_problem(const Specification& spec, const Candi
       p.lower[i] = std::min(p.upper[i], std::max(p.lower[i], least));
     }
   }
-  const auto sums = tooth_sums(candidate.teeth);
-  p.angle_mesh = sums[0] >= sums[1] ? train::kMeshSP1 : train::kMeshP1R1;
-  if (!stage2_angle_is_variable(p) &&
-      *fixed_module_m[1] * sums[2] >
-          *fixed_module_m[0] * sums[static_cast<std::size_t>(p.angle_mesh)]) {
-    p.angle_mesh = train::kMeshP2R2;
-  }
-  p.variables = stage2_angle_is_variable(p) ? kAngleB + 1 : kAngleA + 1;
-  for (std::size_t k = kAngleA; k < static_cast<std::size_t>(p.variables); ++k) {
-    p.lower[k] = kLeastAngle_rad;
-    p.upper[k] = kGreatestAngle_rad;
-  }
-  const bool both_free = !fixed_module_m[0] && !fixed_module_m[1];
-  if (both_free) {
-    p.variables = kScale + 1;
-    p.lower[kScale] = spec.module[0].range_m->min / p.length_scale_m;
-    p.upper[kScale] = spec.module[0].range_m->max / p.length_scale_m;
-  }
-  append_checks(p, backlash_branch);
-  p.tooth_forms = std::ranges::any_of(
-      p.rows, [](const ConstraintRow& row) { return row.check && row.check->record->tooth_form; });
-  if (!fixed_module_m[0] && !both_free) append_module_bounds(p, 0);
-  if (!fixed_module_m[1]) append_module_bounds(p, 1);
   return p;
+}
+
+RefinementProblem make_problem_rows(const Specification& spec, int planets,
+                                    std::array<std::optional<double>, 2> fixed_module_m,
+                                    int backlash_branch) {
+  RefinementProblem p = with_rows(spec, planets, fixed_module_m, backlash_branch);
+  std::erase_if(p.rows, [&](const ConstraintRow& row) {
+    return row.check && in_shift_range(spec, *row.check);
+  });
+  return p;
+}
+
+void set_teeth(RefinementProblem& problem, const Candidate& candidate, const ShiftRanges& shifts) {
+  set_box(problem, candidate);
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    problem.lower[i] = shifts[i].range.lo;
+    problem.upper[i] = shifts[i].range.hi;
+  }
+}
+
+RefinementProblem with_all_rows(const RefinementProblem& p) {
+  return make_refinement_problem(*p.spec, p.candidate, p.fixed_module_m, p.backlash_branch);
 }
 
 template <class T>
@@ -204,9 +240,24 @@ bool all_finite(const ceres::Jet<T, N>& x) {
 
 }  // namespace
 
-template <class T>
-std::optional<T> evaluate(const RefinementProblem& p, std::span<const T> v,
-                          std::span<T> constraints) {
+namespace {
+
+/// Gears whose tooth forms a check reads.
+void mark_forms(const design::CheckInstance& check, std::array<bool, train::kGearCount>& needed) {
+  if (!check.record->tooth_form) return;
+  if (check.record->scope == design::CheckScope::kCutRing) {
+    needed[static_cast<std::size_t>(check.subject.member)] = true;
+    return;
+  }
+  for (const int gear : train::kMeshGears[static_cast<std::size_t>(check.subject.member)]) {
+    needed[static_cast<std::size_t>(gear)] = true;
+  }
+}
+
+/// @param index_of  place in problem.rows of the k-th of `constraints`
+template <class T, class IndexOf>
+std::optional<T> evaluate_rows(const RefinementProblem& p, std::span<const T> v, IndexOf index_of,
+                               std::span<T> constraints) {
   for (const T& x : v) {
     if (!std::isfinite(value_of(x))) return std::nullopt;
   }
@@ -223,14 +274,19 @@ std::optional<T> evaluate(const RefinementProblem& p, std::span<const T> v,
                               : T(-efficiency::backward_efficiency(p.candidate.teeth, eta));
   bool finite = all_finite(objective);
   auto gearing = design::gearing_of(*train, j_bn, spec.limits.model);
-  std::array<geometry::ToothForm<T>, train::kGearCount> forms;
-  if (p.tooth_forms) {
-    std::ranges::transform(train->gears, forms.begin(), geometry::make_tooth_form<T>);
-    gearing.forms = forms;
+  std::array<bool, train::kGearCount> needed{};
+  for (std::size_t k = 0; k < constraints.size(); ++k) {
+    const ConstraintRow& row = p.rows[index_of(k)];
+    if (row.check) mark_forms(*row.check, needed);
   }
+  std::array<geometry::ToothForm<T>, train::kGearCount> forms;
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    if (needed[i]) forms[i] = geometry::make_tooth_form<T>(train->gears[i]);
+  }
+  gearing.forms = forms;
   gearing.axial = &spec.axial;
-  for (std::size_t k = 0; k < p.rows.size(); ++k) {
-    const ConstraintRow& row = p.rows[k];
+  for (std::size_t k = 0; k < constraints.size(); ++k) {
+    const ConstraintRow& row = p.rows[index_of(k)];
     if (row.check) {
       constraints[k] = check_margin(*row.check, gearing) / row.check->scale;
     } else {
@@ -242,6 +298,22 @@ std::optional<T> evaluate(const RefinementProblem& p, std::span<const T> v,
   }
   if (!finite) return std::nullopt;
   return objective;
+}
+
+}  // namespace
+
+template <class T>
+std::optional<T> evaluate(const RefinementProblem& p, std::span<const T> v,
+                          std::span<T> constraints) {
+  return evaluate_rows<T>(
+      p, v, [](std::size_t k) { return k; }, constraints);
+}
+
+template <class T>
+std::optional<T> evaluate(const RefinementProblem& p, std::span<const T> v,
+                          std::span<const std::uint16_t> selection, std::span<T> constraints) {
+  return evaluate_rows<T>(
+      p, v, [&](std::size_t k) { return std::size_t{selection[k]}; }, constraints);
 }
 
 double worst_violation(std::span<const double> constraints) {
@@ -276,10 +348,13 @@ double kkt_residual(const RefinementProblem& p, const Point& v) {
   return (a * nonnegative_least_squares(a, b) - b).norm();
 }
 
-#define INSTANTIATE(T)                                                          \
-  template train::TrainParameters<T> parameters_at<T>(const RefinementProblem&, \
-                                                      std::span<const T>);      \
-  template std::optional<T> evaluate<T>(const RefinementProblem&, std::span<const T>, std::span<T>);
+#define INSTANTIATE(T)                                                                \
+  template train::TrainParameters<T> parameters_at<T>(const RefinementProblem&,       \
+                                                      std::span<const T>);            \
+  template std::optional<T> evaluate<T>(const RefinementProblem&, std::span<const T>, \
+                                        std::span<T>);                                \
+  template std::optional<T> evaluate<T>(const RefinementProblem&, std::span<const T>, \
+                                        std::span<const std::uint16_t>, std::span<T>);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
 
 }  // namespace gear3k::optimize

@@ -3,11 +3,13 @@
 // efficiency under the checks.  Independent of any solver.
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
 
+#include "optimize/shift_range.hpp"
 #include "optimize/specification.hpp"
 #include "optimize/tooth_search.hpp"
 
@@ -47,7 +49,7 @@ struct RefinementProblem {
   int variables = 0;
   std::array<double, kMaxVariables> lower{}, upper{};
   double length_scale_m = 1e-3;
-  bool tooth_forms = false;   ///< a row needs the gears' tooth forms
+  int backlash_branch = 1;    ///< see make_refinement_problem()
   bool has_branches = false;  ///< the lower limit of the paper's lost motion is a row: see below
   std::vector<ConstraintRow> rows;
 };
@@ -68,6 +70,15 @@ RefinementProblem make_refinement_problem(const Specification& spec, const Candi
                                           std::array<std::optional<double>, 2> fixed_module_m,
                                           int backlash_branch);
 
+/// The same in two steps, for many tooth sets: the rows, less those that shift ranges see to; then
+/// the tooth set with its shift ranges as a box.
+RefinementProblem make_problem_rows(const Specification& spec, int planets,
+                                    std::array<std::optional<double>, 2> fixed_module_m,
+                                    int backlash_branch);
+void set_teeth(RefinementProblem& problem, const Candidate& candidate, const ShiftRanges& shifts);
+/// As make_refinement_problem() makes it: every check a row, the whole shift range the box.
+RefinementProblem with_all_rows(const RefinementProblem& problem);
+
 /// The train at a point of the box.
 template <class T>
 train::TrainParameters<T> parameters_at(const RefinementProblem& problem, std::span<const T> v);
@@ -78,6 +89,12 @@ train::TrainParameters<T> parameters_at(const RefinementProblem& problem, std::s
 template <class T>
 std::optional<T> evaluate(const RefinementProblem& problem, std::span<const T> v,
                           std::span<T> constraints);
+
+/// The same with some of the rows only; constraints.size() must be selection.size().
+/// @param selection  rising indices into problem.rows
+template <class T>
+std::optional<T> evaluate(const RefinementProblem& problem, std::span<const T> v,
+                          std::span<const std::uint16_t> selection, std::span<T> constraints);
 
 /// Largest violation max(0, −g_k); infinite when a g_k is NaN.
 double worst_violation(std::span<const double> constraints);

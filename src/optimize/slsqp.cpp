@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <span>
 #include <utility>
 
 namespace gear3k::optimize {
@@ -16,16 +17,29 @@ constexpr double kUndefinedPenalty = 1e3;
 /// Interior margin that least_violation() is content with.
 constexpr double kInterior = 1e-3;
 
+/// Memory of a solve, kept by each thread from one solve to the next.
+struct Workspace {
+  std::vector<std::uint16_t> selection;  ///< rows that the solver sees
+  std::vector<bool> elastic;             ///< of those, the ones that t relaxes; empty: no t
+  std::vector<Jet1> g;
+  std::vector<double> values;  ///< of all rows
+  std::vector<double> x, lower, upper, tolerances;
+};
+Workspace& workspace() {
+  thread_local Workspace space;
+  return space;
+}
+
 /// f and g with derivatives at the last point asked for; NLopt asks for f and g separately.
 class CachedProblem {
  public:
-  /// @param elastic_rows  rows that t relaxes; empty = there is no t
-  CachedProblem(const RefinementProblem& problem, std::vector<bool> elastic_rows)
+  CachedProblem(const RefinementProblem& problem, Workspace& space)
       : problem_(problem),
         n_(static_cast<std::size_t>(problem.variables)),
-        elastic_rows_(std::move(elastic_rows)),
-        elastic_(!elastic_rows_.empty()),
-        g_(problem.rows.size()) {}
+        space_(space),
+        elastic_(!space.elastic.empty()) {
+    space_.g.resize(space.selection.size());
+  }
 
   /// Variables that the solver sees: those of the problem and, when elastic, t.
   [[nodiscard]] std::size_t size() const { return n_ + (elastic_ ? 1 : 0); }
@@ -45,12 +59,13 @@ class CachedProblem {
 
   void constraints(const double* x, double* result, double* gradient) {
     update(x);
-    for (std::size_t k = 0; k < g_.size(); ++k) {
-      const bool relaxed = elastic_ && elastic_rows_[k];
-      result[k] = -g_[k].a - (relaxed ? x[n_] : 0.0);
+    for (std::size_t k = 0; k < space_.g.size(); ++k) {
+      const bool relaxed = elastic_ && space_.elastic[k];
+      const Jet1& g = space_.g[k];
+      result[k] = -g.a - (relaxed ? x[n_] : 0.0);
       if (gradient == nullptr) continue;
       double* row = gradient + k * size();
-      for (std::size_t j = 0; j < n_; ++j) row[j] = -g_[k].v[static_cast<Eigen::Index>(j)];
+      for (std::size_t j = 0; j < n_; ++j) row[j] = -g.v[static_cast<Eigen::Index>(j)];
       if (elastic_) row[n_] = relaxed ? -1.0 : 0.0;
     }
   }
@@ -61,23 +76,24 @@ class CachedProblem {
     std::copy_n(x, n_, x_.begin());
     valid_ = true;
     for (std::size_t k = 0; k < n_; ++k) jets_[k] = Jet1(x[k], static_cast<int>(k));
-    if (const auto f = evaluate<Jet1>(problem_, used(problem_, jets_), g_)) {
+    const auto f =
+        evaluate<Jet1>(problem_, used(problem_, jets_), space_.selection, std::span(space_.g));
+    if (f) {
       f_ = *f;
     } else {
       f_ = Jet1(kUndefinedPenalty);
-      std::fill(g_.begin(), g_.end(), Jet1(-kUndefinedPenalty));
+      std::fill(space_.g.begin(), space_.g.end(), Jet1(-kUndefinedPenalty));
     }
   }
 
   const RefinementProblem& problem_;
   std::size_t n_;
-  std::vector<bool> elastic_rows_;
+  Workspace& space_;
   bool elastic_;
   bool valid_ = false;
   Point x_{};
   std::array<Jet1, kMaxVariables> jets_;
   Jet1 f_;
-  std::vector<Jet1> g_;
 };
 
 double objective_callback(unsigned /*n*/, const double* x, double* gradient, void* data) {
@@ -89,36 +105,34 @@ void constraint_callback(unsigned /*m*/, double* result, unsigned /*n*/, const d
   static_cast<CachedProblem*>(data)->constraints(x, result, gradient);
 }
 
-struct Bounds {
-  std::vector<double> lower, upper;
-};
-
-/// The point where NLopt stops; the caller judges it, whatever the reason to stop was.
-std::vector<double> run(CachedProblem& functions, const Bounds& bounds, std::vector<double> x,
-                        std::size_t rows, const SlsqpOptions& options) {
+/// Runs NLopt from space.x, which becomes the point where it stops; the caller judges it, whatever
+/// the reason to stop was.
+void run(CachedProblem& functions, Workspace& space, const SlsqpOptions& options) {
   const std::unique_ptr<nlopt_opt_s, decltype(&nlopt_destroy)> solver(
-      nlopt_create(NLOPT_LD_SLSQP, static_cast<unsigned>(x.size())), &nlopt_destroy);
-  nlopt_set_lower_bounds(solver.get(), bounds.lower.data());
-  nlopt_set_upper_bounds(solver.get(), bounds.upper.data());
+      nlopt_create(NLOPT_LD_SLSQP, static_cast<unsigned>(space.x.size())), &nlopt_destroy);
+  nlopt_set_lower_bounds(solver.get(), space.lower.data());
+  nlopt_set_upper_bounds(solver.get(), space.upper.data());
   nlopt_set_min_objective(solver.get(), objective_callback, &functions);
-  const std::vector<double> tolerances(rows, 1e-10);
-  nlopt_add_inequality_mconstraint(solver.get(), static_cast<unsigned>(rows), constraint_callback,
-                                   &functions, tolerances.data());
+  space.tolerances.assign(space.selection.size(), 1e-10);
+  if (!space.selection.empty()) {
+    nlopt_add_inequality_mconstraint(solver.get(), static_cast<unsigned>(space.selection.size()),
+                                     constraint_callback, &functions, space.tolerances.data());
+  }
   nlopt_set_maxeval(solver.get(), options.max_evaluations);
   nlopt_set_xtol_rel(solver.get(), options.x_tolerance);
   nlopt_set_ftol_rel(solver.get(), options.f_tolerance);
-  for (std::size_t k = 0; k < x.size(); ++k) {
-    x[k] = std::clamp(x[k], bounds.lower[k], bounds.upper[k]);
+  for (std::size_t k = 0; k < space.x.size(); ++k) {
+    space.x[k] = std::clamp(space.x[k], space.lower[k], space.upper[k]);
   }
   double f = 0.0;
-  nlopt_optimize(solver.get(), x.data(), &f);
-  return x;
+  nlopt_optimize(solver.get(), space.x.data(), &f);
 }
 
-Bounds box_of(const RefinementProblem& p) {
-  const auto n = static_cast<std::size_t>(p.variables);
-  return {.lower = {p.lower.begin(), p.lower.begin() + static_cast<std::ptrdiff_t>(n)},
-          .upper = {p.upper.begin(), p.upper.begin() + static_cast<std::ptrdiff_t>(n)}};
+void take_box(const RefinementProblem& p, const Point& start, Workspace& space) {
+  const auto n = static_cast<std::ptrdiff_t>(p.variables);
+  space.lower.assign(p.lower.begin(), p.lower.begin() + n);
+  space.upper.assign(p.upper.begin(), p.upper.begin() + n);
+  space.x.assign(start.begin(), start.begin() + n);
 }
 
 Point point_of(const RefinementProblem& p, const std::vector<double>& x) {
@@ -129,34 +143,86 @@ Point point_of(const RefinementProblem& p, const std::vector<double>& x) {
   return v;
 }
 
+/// Values of all rows at v into space.values.
+SolveOutcome judge(const RefinementProblem& problem, const Point& v, Workspace& space) {
+  space.values.resize(problem.rows.size());
+  return outcome_at(problem, v, space.values);
+}
+
+/// Adds the rows below a margin to the selection, and all that are cheap.
+/// @returns whether there was any
+bool select_below(const RefinementProblem& problem, double margin, Workspace& space) {
+  const std::size_t before = space.selection.size();
+  for (std::size_t k = 0; k < space.values.size(); ++k) {
+    const auto row = static_cast<std::uint16_t>(k);
+    const auto& check = problem.rows[k].check;
+    const bool costly = check && check->record->tooth_form;
+    if ((!costly || space.values[k] < margin) &&
+        !std::binary_search(space.selection.begin(),
+                            space.selection.begin() + static_cast<std::ptrdiff_t>(before), row)) {
+      space.selection.push_back(row);
+    }
+  }
+  std::sort(space.selection.begin(), space.selection.end());
+  return space.selection.size() > before;
+}
+
+void select_all(const RefinementProblem& problem, Workspace& space) {
+  space.selection.resize(problem.rows.size());
+  for (std::size_t k = 0; k < space.selection.size(); ++k) {
+    space.selection[k] = static_cast<std::uint16_t>(k);
+  }
+}
+
 }  // namespace
 
 SolveOutcome solve_slsqp(const RefinementProblem& problem, const Point& start,
                          const SlsqpOptions& options) {
-  CachedProblem functions(problem, {});
-  const std::vector<double> end =
-      run(functions, box_of(problem),
-          {start.begin(), start.begin() + static_cast<std::ptrdiff_t>(problem.variables)},
-          problem.rows.size(), options);
-  return outcome_at(problem, point_of(problem, end));
+  Workspace& space = workspace();
+  space.elastic.clear();
+  space.selection.clear();
+  SolveOutcome outcome = judge(problem, start, space);
+  if (std::isfinite(outcome.violation)) {
+    select_below(problem, options.working_margin, space);
+  } else {
+    select_all(problem, space);
+  }
+  Point from = start;
+  for (int round = 0;; ++round) {
+    CachedProblem functions(problem, space);
+    take_box(problem, from, space);
+    run(functions, space, options);
+    from = point_of(problem, space.x);
+    outcome = judge(problem, from, space);
+    if (outcome.violation <= design::kFeasibilityTolerance ||
+        space.selection.size() == problem.rows.size()) {
+      return outcome;
+    }
+    constexpr int kRounds = 4;
+    if (round == kRounds || !std::isfinite(outcome.violation)) {
+      select_all(problem, space);
+    } else if (!select_below(problem, -design::kFeasibilityTolerance, space)) {
+      return outcome;  // infeasible with the rows it saw
+    }
+  }
 }
 
 SolveOutcome least_violation(const RefinementProblem& problem, const Point& start,
                              const SlsqpOptions& options, std::string_view elastic_name) {
-  std::vector<bool> elastic_rows;
+  Workspace& space = workspace();
+  select_all(problem, space);
+  space.elastic.clear();
   for (const ConstraintRow& row : problem.rows) {
-    elastic_rows.push_back(elastic_name.empty() || row.name == elastic_name);
+    space.elastic.push_back(elastic_name.empty() || row.name == elastic_name);
   }
-  CachedProblem functions(problem, std::move(elastic_rows));
-  Bounds bounds = box_of(problem);
-  bounds.lower.push_back(-kInterior);
-  bounds.upper.push_back(2.0 * kUndefinedPenalty);
-  std::vector<double> x(start.begin(),
-                        start.begin() + static_cast<std::ptrdiff_t>(problem.variables));
-  x.push_back(std::min(outcome_at(problem, start).violation, kUndefinedPenalty));
-  const std::vector<double> end =
-      run(functions, bounds, std::move(x), problem.rows.size(), options);
-  return outcome_at(problem, point_of(problem, end));
+  const double violation = judge(problem, start, space).violation;
+  take_box(problem, start, space);
+  space.lower.push_back(-kInterior);
+  space.upper.push_back(2.0 * kUndefinedPenalty);
+  space.x.push_back(std::min(violation, kUndefinedPenalty));
+  CachedProblem functions(problem, space);
+  run(functions, space, options);
+  return judge(problem, point_of(problem, space.x), space);
 }
 
 }  // namespace gear3k::optimize

@@ -11,9 +11,15 @@ struct SlsqpOptions {
   /// Stops when a step changes every variable by less than this, relatively.
   double x_tolerance = 1e-11;
   double f_tolerance = 1e-13;  ///< or the objective by less than this, relatively
+  /// Rows that need tooth forms, which are costly, and are so far from their limits at the start
+  /// (in units of their scales) are left out until the solver violates them.
+  double working_margin = 0.05;
 };
 
 /// Refines from a start by NLopt's SLSQP with exact gradients.  Thread-safe.
+///
+/// Rows that were left out and that its end violates are added, and it goes on from there.  The
+/// outcome is judged by all rows.
 SolveOutcome solve_slsqp(const RefinementProblem& problem, const Point& start,
                          const SlsqpOptions& options);
 

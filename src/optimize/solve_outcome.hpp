@@ -13,5 +13,8 @@ struct SolveOutcome {
 
 /// Values of the problem at v.
 SolveOutcome outcome_at(const RefinementProblem& problem, const Point& v);
+/// The same; the constraints' values are left in `constraints`, of problem.rows.size().
+SolveOutcome outcome_at(const RefinementProblem& problem, const Point& v,
+                        std::span<double> constraints);
 
 }  // namespace gear3k::optimize

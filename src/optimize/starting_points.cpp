@@ -116,10 +116,41 @@ Point start_from(const RefinementProblem& p, const ShiftFractions& fractions) {
   return v;
 }
 
+/// The shifts and distances of a bound; where stage 2's module is given with stage 1's, R2 closes
+/// its mesh at stage 1's distance.
+Point start_at(const RefinementProblem& p, const SetBound& bound) {
+  const Specification& spec = *p.spec;
+  const train::ToothSet& z = p.candidate.teeth;
+  const double half_cos = 0.5 * std::cos(spec.pressure_angle_rad);
+  const std::array<double, train::kMeshCount> base_sum{
+      half_cos * (z.S + z.P1), half_cos * (z.R1 - z.P1), half_cos * (z.R2 - z.P2)};
+  Point v{};
+  const auto set = [&](std::size_t k, double x) { v[k] = std::clamp(x, p.lower[k], p.upper[k]); };
+  set(kS, bound.stage1.sun_shift);
+  set(kP1, bound.stage1.planet_shift);
+  set(kR1, bound.stage1.ring_shift);
+  set(kP2, bound.stage2.planet_shift);
+  set(kR2, bound.stage2.ring_shift);
+  double distance = bound.stage1.center_distance;
+  if (p.fixed_module_m[0] && p.fixed_module_m[1]) {
+    const double distance2 = distance * *p.fixed_module_m[0] / *p.fixed_module_m[1];
+    const double angle3 = std::max(working_angle(base_sum[2], distance2), p.lower[kAngleA]);
+    set(kR2, closing_shift(spec, angle3, z.R2 - z.P2) + thinned_shift(spec, kP2, v[kP2]) -
+                 thinned_shift(spec, kR2, 0.0));
+    if (p.angle_mesh == train::kMeshP2R2) distance = distance2;
+    set(kAngleA, working_angle(base_sum[static_cast<std::size_t>(p.angle_mesh)], distance));
+    return v;
+  }
+  set(kAngleA, working_angle(base_sum[static_cast<std::size_t>(p.angle_mesh)], distance));
+  set(kAngleB, working_angle(base_sum[2], bound.stage2.center_distance));
+  if (static_cast<std::size_t>(p.variables) > kScale) v[kScale] = p.upper[kScale];
+  return v;
+}
+
 }  // namespace
 
 std::vector<Point> starting_points(const RefinementProblem& problem, int count,
-                                   unsigned long long seed) {
+                                   unsigned long long seed, const SetBound* bound) {
   const train::ToothSet& z = problem.candidate.teeth;
   unsigned long long stream = seed;
   for (const int count_of_teeth : {z.S, z.P1, z.R1, z.P2, z.R2, problem.candidate.planets}) {
@@ -127,7 +158,9 @@ std::vector<Point> starting_points(const RefinementProblem& problem, int count,
   }
   Uniform uniform(stream);
   std::vector<Point> points;
-  for (int k = 0; k < count; ++k) {
+  points.reserve(static_cast<std::size_t>(count));
+  if (bound != nullptr && count > 0) points.push_back(start_at(problem, *bound));
+  for (int k = 0; points.size() < static_cast<std::size_t>(count); ++k) {
     const auto index = static_cast<std::size_t>(k);
     points.push_back(start_from(problem, index < kFixedStarts.size()
                                              ? kFixedStarts[index]

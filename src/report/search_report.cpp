@@ -48,7 +48,7 @@ ordered_json search_counts_json(const Specification& spec, const ToothSearchResu
           {"ratio_tolerance", spec.ratio.tolerance}};
 }
 
-std::string refined_row(const RefinedSet& s, bool by_model) {
+std::string refined_row(const OptimizeResult& result, const RefinedSet& s, bool by_model) {
   std::vector<std::string> fields = teeth_fields(s.candidate.teeth);
   const bool optimal = s.status == Status::kOptimal;
   const auto number = [&](double value) { return optimal ? exact(value) : std::string(); };
@@ -63,11 +63,12 @@ std::string refined_row(const RefinedSet& s, bool by_model) {
   fields.push_back(number(mm(s.train.module_m[1])));
   fields.push_back(number(mm(s.train.center_distance_m)));
   for (const double epsilon : s.contact_ratio) fields.push_back(number(epsilon));
-  fields.emplace_back();  // eta_b_bound: empty, this version bounds no set
+  fields.push_back(s.status == Status::kInfeasible ? "" : exact(result.bounds->of(s.index).eta_b));
   fields.push_back(number(s.kkt_residual));
   fields.push_back(fmt::format("{}", s.candidate.planets));
   fields.push_back(number(mm(s.ring_root_diameter_m)));
-  fields.push_back(s.blocked_by.empty() ? "" : exact(s.blocked_by.front().violation));
+  const double violation = s.blocked_by.empty() ? 0.0 : s.blocked_by.front().violation;
+  fields.push_back(violation > 0.0 ? exact(violation) : "");
   if (by_model) {
     fields.push_back(number(or_nan(s.eta_b_model)));
     fields.push_back(number(or_nan(s.eta_f_model)));
@@ -82,19 +83,6 @@ constexpr const char* kRefinedHeader =
 
 std::string refined_header(bool by_model) {
   return std::string(kRefinedHeader) + (by_model ? ",eta_b_model,eta_f_model\n" : "\n");
-}
-
-std::map<std::string, std::size_t> reasons_of(const OptimizeResult& result, Status status) {
-  std::map<std::string, std::size_t> reasons;
-  for (const RefinedSet& s : result.sets) {
-    if (s.status == status) ++reasons[std::string(reason_of(s))];
-  }
-  return reasons;
-}
-
-std::size_t count_of(const OptimizeResult& result, Status status) {
-  return static_cast<std::size_t>(
-      std::ranges::count_if(result.sets, [&](const RefinedSet& s) { return s.status == status; }));
 }
 
 }  // namespace
@@ -183,34 +171,79 @@ std::string search_json(const Specification& spec, const ToothSearchResult& sear
   return json.dump(2) + "\n";
 }
 
-std::string refined_csv(const OptimizeResult& result, bool by_model) {
-  std::string text = refined_header(by_model);
-  for (const RefinedSet& s : result.sets) text += refined_row(s, by_model);
-  return text;
+ResultTally tally_of(const OptimizeResult& result) {
+  ResultTally tally;
+  // Sets that one constraint alone keeps from being feasible say most.
+  const auto key = [](const RefinedSet& s) {
+    const double violation = s.blocked_by.front().violation;
+    return std::tuple(s.status == Status::kInfeasible, s.blocked_together, !(violation > 0.0),
+                      violation, s.index);
+  };
+  optimize::for_each_set(result, [&](std::size_t, const std::optional<RefinedSet>& set) {
+    if (!set) {
+      ++tally.open;
+      return;
+    }
+    const auto status = static_cast<std::size_t>(set->status);
+    ++tally.status[status];
+    if (set->status == Status::kOptimal) return;
+    ++tally.reasons[status][std::string(reason_of(*set))];
+    if (!set->blocked_by.empty() && (!tally.nearest || key(*set) < key(*tally.nearest))) {
+      tally.nearest = set;
+    }
+  });
+  return tally;
+}
+
+void write_refined_csv(const OptimizeResult& result, bool by_model,
+                       const std::function<void(std::string_view)>& out) {
+  out(refined_header(by_model));
+  optimize::for_each_set(result, [&](std::size_t, const std::optional<RefinedSet>& set) {
+    if (set) out(refined_row(result, *set, by_model));
+  });
 }
 
 std::string pareto_csv(const OptimizeResult& result, bool by_model) {
   std::string text = refined_header(by_model);
-  for (const std::size_t k : result.pareto) text += refined_row(result.sets[k], by_model);
+  for (const std::size_t k : result.pareto) {
+    text += refined_row(result, result.refined[k], by_model);
+  }
   return text;
 }
 
+namespace {
+
+ordered_json certificate_json(const Specification& spec, const OptimizeResult& result) {
+  if (!result.certificate) return nullptr;
+  const optimize::Certificate& c = *result.certificate;
+  return {{"objective", optimize::kObjectiveNames[static_cast<std::size_t>(spec.objective)]},
+          {"best", c.best},
+          {"refined", c.refined},
+          {"bounded", c.bounded},
+          {"infeasible", c.infeasible},
+          {"largest_unrefined_bound", number_or_null(c.largest_unrefined_bound)},
+          {"global_bound", c.global_bound},
+          {"gap", c.global_bound - c.best},
+          {"locally_optimal_only", c.open}};
+}
+
+}  // namespace
+
 std::string summary_json(const Specification& spec, const OptimizeResult& result,
-                         const RunFacts& facts, const ModelUse* model) {
+                         const ResultTally& tally, const RunFacts& facts, const ModelUse* model) {
   ordered_json status = ordered_json::object();
   ordered_json reasons = ordered_json::object();
   for (std::size_t k = 0; k < optimize::kStatusCount; ++k) {
     const auto s = static_cast<Status>(k);
-    status[std::string(optimize::kStatusNames[k])] = count_of(result, s);
-    if (s == Status::kOptimal) continue;
+    status[std::string(optimize::kStatusNames[k])] = tally.status[k];
+    if (s == Status::kOptimal || s == Status::kBounded) continue;
     ordered_json by_reason = ordered_json::object();
-    for (const auto& [reason, count] : reasons_of(result, s)) by_reason[reason] = count;
+    for (const auto& [reason, count] : tally.reasons[k]) by_reason[reason] = count;
     reasons[std::string(optimize::kStatusNames[k])] = std::move(by_reason);
   }
-  status["bounded"] = 0;
   ordered_json best = nullptr;
   if (result.best) {
-    const RefinedSet& s = result.sets[*result.best];
+    const RefinedSet& s = *result.best;
     best = {{"teeth", train::teeth_of(s.candidate.teeth)},
             {"planets", s.candidate.planets},
             {"ratio", train::ratio(s.candidate.teeth)},
@@ -231,10 +264,11 @@ std::string summary_json(const Specification& spec, const OptimizeResult& result
       {"starts", spec.solver.starts},
       {"seed", spec.solver.seed},
       {"search", search_counts_json(spec, result.search)},
-      {"refined", result.sets.size()},
+      {"refined", result.refined.size()},
       {"status", std::move(status)},
       {"reasons", std::move(reasons)},
       {"best", std::move(best)},
+      {"certificate", certificate_json(spec, result)},
       {"pareto", result.pareto.size()},
       {"interrupted", result.interrupted},
       {"wall_time_s", facts.wall_time_s},
@@ -243,17 +277,16 @@ std::string summary_json(const Specification& spec, const OptimizeResult& result
   return json.dump(2) + "\n";
 }
 
-std::string optimize_counts_text(const OptimizeResult& result) {
-  std::string text = fmt::format("{} of {} tooth sets refined", result.sets.size(),
+std::string optimize_counts_text(const OptimizeResult& result, const ResultTally& tally) {
+  std::string text = fmt::format("{} of {} tooth sets refined", result.refined.size(),
                                  result.search.candidates.size());
   for (std::size_t k = 0; k < optimize::kStatusCount; ++k) {
     const auto status = static_cast<Status>(k);
-    const std::size_t count = count_of(result, status);
-    if (count == 0) continue;
-    text += fmt::format("; {} {}", count, optimize::kStatusNames[k]);
-    if (status == Status::kOptimal) continue;
+    if (tally.status[k] == 0) continue;
+    text += fmt::format("; {} {}", tally.status[k], optimize::kStatusNames[k]);
+    if (status == Status::kOptimal || status == Status::kBounded) continue;
     std::string reasons;
-    for (const auto& [reason, n] : reasons_of(result, status)) {
+    for (const auto& [reason, n] : tally.reasons[k]) {
       reasons += fmt::format("{}{} {}", reasons.empty() ? "" : ", ", reason, n);
     }
     text += fmt::format(" ({})", reasons);
@@ -261,7 +294,29 @@ std::string optimize_counts_text(const OptimizeResult& result) {
   return text + "\n";
 }
 
-std::string blocking_text(const Specification& spec, const OptimizeResult& result) {
+std::string certificate_text(const Specification& spec, const OptimizeResult& result) {
+  if (!result.certificate) return "";
+  const optimize::Certificate& c = *result.certificate;
+  const auto name = optimize::kObjectiveNames[static_cast<std::size_t>(spec.objective)];
+  std::string text =
+      fmt::format("certificate under the stated model: best {} {:.6f}", name, c.best);
+  if (c.largest_unrefined_bound) {
+    text += fmt::format("; no design of the {} bounded sets has more than {:.6f}", c.bounded,
+                        *c.largest_unrefined_bound);
+  }
+  text += fmt::format(
+      "; {} sets are proven to have no feasible design; no design of any set has "
+      "more than {:.6f}",
+      c.infeasible, c.global_bound);
+  if (c.open > 0) {
+    text +=
+        fmt::format(" ({} refined sets are locally optimal only and may hold up to that)", c.open);
+  }
+  return text + "\n";
+}
+
+std::string blocking_text(const Specification& spec, const OptimizeResult& result,
+                          const ResultTally& tally) {
   const ToothSearchResult& search = result.search;
   if (search.within_ratio == 0) {
     const std::string nearest =
@@ -286,21 +341,11 @@ std::string blocking_text(const Specification& spec, const OptimizeResult& resul
             ? " (identical_planets = false would allow individually phased planets)"
             : "");
   }
-  const RefinedSet* nearest = nullptr;
-  for (const RefinedSet& s : result.sets) {
-    if (s.blocked_by.empty()) continue;
-    // Sets that one constraint alone keeps from being feasible say most.
-    const auto key = [](const RefinedSet& set) {
-      return std::tuple(set.status == Status::kInfeasible, set.blocked_together,
-                        set.blocked_by.front().violation);
-    };
-    if (nearest == nullptr || key(s) < key(*nearest)) {
-      nearest = &s;
-    }
-  }
-  if (nearest == nullptr) return "no feasible design: the solver failed on every tooth set";
-  std::map<std::string, std::size_t> reasons = reasons_of(result, Status::kNoFeasibleFound);
-  for (const auto& [reason, count] : reasons_of(result, Status::kInfeasible)) {
+  if (!tally.nearest) return "no feasible design: the solver failed on every tooth set";
+  const RefinedSet* nearest = &*tally.nearest;
+  std::map<std::string, std::size_t> reasons =
+      tally.reasons[static_cast<std::size_t>(Status::kNoFeasibleFound)];
+  for (const auto& [reason, count] : tally.reasons[static_cast<std::size_t>(Status::kInfeasible)]) {
     reasons[reason] += count;
   }
   std::string counts;
@@ -311,14 +356,16 @@ std::string blocking_text(const Specification& spec, const OptimizeResult& resul
   std::string misses;
   for (const optimize::Miss& miss : nearest->blocked_by) {
     const char* separator = nearest->blocked_together ? ", " : ", or ";
-    misses += fmt::format("{}{} by {}{:.4g}{}{}", misses.empty() ? "" : separator, miss.name,
-                          proven ? "at least " : "", miss.amount, miss.unit.empty() ? "" : " ",
-                          miss.unit);
+    misses += fmt::format("{}{}", misses.empty() ? "" : separator, miss.name);
+    if (miss.violation > 0.0) {
+      misses += fmt::format(" by {}{:.4g}{}{}", proven ? "at least " : "", miss.amount,
+                            miss.unit.empty() ? "" : " ", miss.unit);
+    }
   }
   const char* others = ", each with all other limits kept";
   if (nearest->blocked_by.size() == 1) others = " with all other limits kept";
   if (nearest->blocked_together) others = ", together";
-  if (proven) others = "";
+  if (proven) others = nearest->blocked_together ? ", together with other limits" : "";
   return fmt::format(
       "no feasible design: blocked by {}: the nearest set, {}, misses {}{}; sets by the constraint "
       "that blocks them: {}",

@@ -1,7 +1,12 @@
 #pragma once
 // What `search` and `optimize` print and write.
 
+#include <array>
+#include <functional>
+#include <map>
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "optimize/optimizer.hpp"
 #include "optimize/zero_shift.hpp"
@@ -22,9 +27,24 @@ std::string search_json(const optimize::Specification& spec,
                         const optimize::ToothSearchResult& search,
                         const std::vector<optimize::ZeroShiftSet>& sets);
 
-/// refined.csv: a row for every tooth set that was refined, in the order of the search.
+/// Counts over all tooth sets of a result.
+struct ResultTally {
+  std::array<std::size_t, optimize::kStatusCount> status{};
+  /// By status, how many sets each constraint blocks.
+  std::array<std::map<std::string, std::size_t>, optimize::kStatusCount> reasons;
+  std::size_t open = 0;  ///< not reached, as the run was interrupted
+  /// Of the sets without a feasible design the one that says most: found rather than proven so,
+  /// blocked by one constraint alone, by the least miss.
+  std::optional<optimize::RefinedSet> nearest;
+};
+ResultTally tally_of(const optimize::OptimizeResult& result);
+
+/// refined.csv: a row for every tooth set, in the order of the search; those that an interrupted
+/// run did not reach have none.
 /// @param by_model  with the columns eta_b_model and eta_f_model
-std::string refined_csv(const optimize::OptimizeResult& result, bool by_model = false);
+/// @param out       called with one piece of the text after the other
+void write_refined_csv(const optimize::OptimizeResult& result, bool by_model,
+                       const std::function<void(std::string_view)>& out);
 /// pareto.csv: the same columns for the sets of result.pareto.
 std::string pareto_csv(const optimize::OptimizeResult& result, bool by_model = false);
 
@@ -35,14 +55,18 @@ struct RunFacts {
 };
 /// @param model  with which the sets were judged; null: none
 std::string summary_json(const optimize::Specification& spec,
-                         const optimize::OptimizeResult& result, const RunFacts& facts,
-                         const ModelUse* model = nullptr);
+                         const optimize::OptimizeResult& result, const ResultTally& tally,
+                         const RunFacts& facts, const ModelUse* model = nullptr);
 
 /// Counts by status and reason, for the terminal.
-std::string optimize_counts_text(const optimize::OptimizeResult& result);
+std::string optimize_counts_text(const optimize::OptimizeResult& result, const ResultTally& tally);
+
+/// What a certificate proves, for the terminal; "" without one.
+std::string certificate_text(const optimize::Specification& spec,
+                             const optimize::OptimizeResult& result);
 
 /// Which constraint blocks a run without a feasible design, and by how much.
 std::string blocking_text(const optimize::Specification& spec,
-                          const optimize::OptimizeResult& result);
+                          const optimize::OptimizeResult& result, const ResultTally& tally);
 
 }  // namespace gear3k::report

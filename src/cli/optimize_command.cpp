@@ -1,0 +1,211 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <utility>
+
+#include "calibrate/model_range.hpp"
+#include "cli/commands.hpp"
+#include "cli/model_option.hpp"
+#include "cli/progress.hpp"
+#include "design/evaluation.hpp"
+#include "io/design_file.hpp"
+#include "io/diagnostics.hpp"
+#include "io/file_writer.hpp"
+#include "io/refinement_journal.hpp"
+#include "io/specification_file.hpp"
+#include "optimize/optimizer.hpp"
+#include "report/analysis_report.hpp"
+#include "report/search_report.hpp"
+
+namespace gear3k::cli {
+
+namespace {
+
+constexpr std::array kResultNames{"best.toml", "refined.csv", "pareto.csv", "summary.json"};
+constexpr const char* kJournalName = "optimize.journal";
+
+std::string path_in(const std::string& folder, const char* name) {
+  return (std::filesystem::path(folder) / name).string();
+}
+
+/// The task of a run, with what its model changes.
+struct Task {
+  optimize::Specification spec;
+  std::optional<LoadedModel> model;
+  Notes notes;
+  std::string unreachable;  ///< why no design can reach the lost motion; "" when one may
+
+  [[nodiscard]] const report::ModelUse* use() const { return model ? &model->use : nullptr; }
+};
+Task load_task(const OptimizeOptions& options) {
+  Task task{.spec = io::read_specification(options.file),
+            .model = load_model(options.model),
+            .notes = {},
+            .unreachable = {}};
+  if (task.model) {
+    const optimize::Specification stated = task.spec;
+    task.spec = with_model(stated, *task.model, task.notes);
+    task.unreachable = unreachable_lost_motion(stated, *task.model);
+  }
+  if (options.certify && optimize::judged_by_model(task.spec)) {
+    throw io::InvalidInput(
+        "--certify: bounds are those of the simulation without the model's losses at an operating "
+        "point, by which --model judges the sets; allowed: one of --certify and --model");
+  }
+  return task;
+}
+
+/// The journal to go on with; one that is in the way of a new run is kept under another name.
+io::Journal open_journal(const OptimizeOptions& options, const std::string& path,
+                         std::uint64_t fingerprint) {
+  if (options.resume) {
+    io::Journal journal = io::read_journal(path, fingerprint);
+    if (!options.quiet) {
+      fmt::print(stderr, "{}",
+                 journal.exists ? fmt::format("{}: goes on after {} refined tooth sets\n", path,
+                                              journal.sets.size())
+                                : fmt::format("{}: there is none, the run starts anew\n", path));
+    }
+    return journal;
+  }
+  std::error_code status;
+  if (std::filesystem::exists(path, status)) {
+    fmt::print(stderr, "{}: of a run that did not end; --resume would go on with it\n", path);
+    set_aside(path);
+  }
+  return {};
+}
+
+struct Outcome {
+  optimize::OptimizeResult result;
+  double wall_time_s = 0.0;
+};
+Outcome run(const OptimizeOptions& options, const Task& task) {
+  std::vector<std::string> files{options.file};
+  if (!options.model.empty()) files.push_back(options.model);
+  const std::string path = path_in(options.out, kJournalName);
+  const std::uint64_t fingerprint = io::task_fingerprint(files);
+  io::Journal journal = open_journal(options, path, fingerprint);
+  io::JournalWriter writer(path, fingerprint, journal);
+  optimize::Progress progress;
+  Outcome outcome;
+  {
+    const ProgressDisplay display(progress, options.quiet);
+    outcome.result = optimize::optimize(
+        task.spec, progress,
+        {.best_only = options.certify,
+         .known = std::move(journal.sets),
+         .on_wave = [&](std::span<const optimize::RefinedSet> sets) { writer.append(sets); }});
+    outcome.wall_time_s = display.elapsed_s();
+  }
+  return outcome;
+}
+
+void write_results(const OptimizeOptions& options, const Task& task, const Outcome& outcome,
+                   const report::ResultTally& tally, const std::string& summary) {
+  const optimize::OptimizeResult& result = outcome.result;
+  const bool by_model = task.model.has_value();
+  io::write_file_in_pieces(path_in(options.out, "refined.csv"), [&](const auto& out) {
+    report::write_refined_csv(result, by_model, out);
+  });
+  io::write_file(path_in(options.out, "pareto.csv"), report::pareto_csv(result, by_model));
+  io::write_file(path_in(options.out, "summary.json"), summary);
+  const std::string best_path = path_in(options.out, "best.toml");
+  if (result.best) {
+    io::write_file(best_path, io::design_text(optimize::design_of(task.spec, *result.best)));
+  } else {
+    set_aside(best_path);
+  }
+  if (!options.quiet) {
+    fmt::print(stderr, "{}{}{}", report::search_counts_text(task.spec, result.search),
+               report::optimize_counts_text(result, tally),
+               report::certificate_text(task.spec, result));
+  }
+  const std::string journal = path_in(options.out, kJournalName);
+  if (result.interrupted) {
+    fmt::print(stderr,
+               "interrupted: {} holds the {} tooth sets that were refined; --resume goes on with "
+               "the rest\n",
+               options.out, result.refined.size());
+  } else {
+    std::error_code ignored;
+    std::filesystem::remove(journal, ignored);
+  }
+}
+
+/// The design that is printed is the one that the file describes.
+std::pair<design::Design, design::Evaluation> best_of(const Task& task, const std::string& path) {
+  design::Design design = io::read_design(path);
+  if (task.model &&
+      (task.spec.operating_point || !calibrate::needs_operating_point(task.model->extension))) {
+    design = design::extended(design, task.model->extension);
+    design.operating_point = task.spec.operating_point;
+  }
+  auto evaluation = design::evaluate(design);
+  if (const auto* undefined = std::get_if<design::NotDefined>(&evaluation)) {
+    throw io::InvalidInput(fmt::format("{}: {}", path, undefined->message));
+  }
+  auto& best = std::get<design::Evaluation>(evaluation);
+  best.notes.insert(best.notes.end(), task.notes.begin(), task.notes.end());
+  return {std::move(design), std::move(best)};
+}
+
+}  // namespace
+
+ExitCode run_optimize(const OptimizeOptions& options) {
+  const Task task = load_task(options);
+  warn(task.notes, options.quiet);
+  io::prepare_folder(options.out);
+  if (!task.unreachable.empty()) {
+    for (const char* name : kResultNames) set_aside(path_in(options.out, name));
+    fmt::print(stderr, "{}: {}\n", options.file, task.unreachable);
+    return kNoFeasibleDesign;
+  }
+  const int threads = use_threads(options);
+  const Outcome outcome = run(options, task);
+  const optimize::OptimizeResult& result = outcome.result;
+  const report::ResultTally tally = report::tally_of(result);
+  const std::string summary =
+      report::summary_json(task.spec, result, tally,
+                           {.wall_time_s = outcome.wall_time_s, .threads = threads}, task.use());
+  write_results(options, task, outcome, tally, summary);
+  if (!result.best) {
+    if (result.interrupted) return kInterrupted;
+    fmt::print(stderr, "{}\n", report::blocking_text(task.spec, result, tally));
+    const bool all_failed =
+        tally.status[static_cast<std::size_t>(optimize::Status::kFailed)] > 0 && !tally.nearest;
+    return all_failed ? kSolverFailure : kNoFeasibleDesign;
+  }
+  const std::string best_path = path_in(options.out, "best.toml");
+  const auto [design, best] = best_of(task, best_path);
+  switch (options.format) {
+    case Format::kJson:
+      print_result(summary);
+      break;
+    case Format::kCsv:
+      report::write_refined_csv(result, task.model.has_value(),
+                                [](std::string_view piece) { print_result(std::string(piece)); });
+      break;
+    case Format::kTable:
+      print_result(report::analysis_table(best, design::sensitivities(design), task.use()) +
+                   fmt::format("\nFiles in {}: best.toml (this design), refined.csv ({} tooth "
+                               "sets), pareto.csv ({} designs), summary.json\n",
+                               options.out, result.search.candidates.size() - tally.open,
+                               result.pareto.size()));
+      break;
+  }
+  if (!best.efficiency.backdrivable) {
+    fmt::print(stderr, "the best design found cannot be back-driven (margin {:.4f})\n",
+               best.efficiency.backdriving_margin);
+  }
+  if (!design::all_ok(best.checks)) {
+    fmt::print(stderr, "{}: fails a check when read back\n", best_path);
+    return kSolverFailure;
+  }
+  return result.interrupted ? kInterrupted : kDone;
+}
+
+}  // namespace gear3k::cli

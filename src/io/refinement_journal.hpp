@@ -1,0 +1,45 @@
+#pragma once
+// What a long run has refined so far, on disk: the source of --resume.
+
+#include <cstdint>
+#include <fstream>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "optimize/refined_set.hpp"
+
+namespace gear3k::io {
+
+/// Tells tasks apart: a hash of the content of their files and of the program's version.
+/// @throws InvalidInput when a file cannot be read
+std::uint64_t task_fingerprint(const std::vector<std::string>& files);
+
+/// The sets of a journal, by rising index.
+///
+/// A journal is a header (name of the format, fingerprint) and a record for each set: its length,
+/// its fields as they are in memory, a hash of them.  A record that is cut short or damaged, as a
+/// killed program leaves it, ends the journal; what comes after it is refined again.
+struct Journal {
+  bool exists = false;
+  std::vector<optimize::RefinedSet> sets;
+  std::uint64_t valid_bytes = 0;  ///< length of the undamaged part
+};
+/// @throws InvalidInput when the file is there and cannot be read, or is of another task
+Journal read_journal(const std::string& path, std::uint64_t fingerprint);
+
+/// Appends refined sets to a journal, each call flushed to the operating system.
+class JournalWriter {
+ public:
+  /// Goes on after `journal`'s undamaged part, or starts anew when it does not exist.
+  /// @throws InvalidInput when the file cannot be written
+  JournalWriter(std::string path, std::uint64_t fingerprint, const Journal& journal);
+  /// @throws InvalidInput when the file cannot be written
+  void append(std::span<const optimize::RefinedSet> sets);
+
+ private:
+  std::string path_;
+  std::ofstream file_;
+};
+
+}  // namespace gear3k::io

@@ -1,0 +1,239 @@
+#include "optimize/refine.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "design/evaluation.hpp"
+#include "efficiency/train_efficiency.hpp"
+#include "optimize/blocking.hpp"
+#include "optimize/ipopt.hpp"
+#include "optimize/slsqp.hpp"
+#include "optimize/starting_points.hpp"
+
+namespace gear3k::optimize {
+
+namespace {
+
+using design::CheckId;
+
+/// The modules that one refinement runs with: empty = continuous.
+using FixedModules = std::array<std::optional<double>, 2>;
+
+std::vector<std::optional<double>> module_options(const ModuleChoice& choice) {
+  if (choice.range_m) {
+    if (choice.range_m->min < choice.range_m->max) return {std::nullopt};
+    return {choice.range_m->min};
+  }
+  return {choice.series_m.begin(), choice.series_m.end()};
+}
+
+std::vector<FixedModules> module_combinations(const Specification& spec) {
+  std::vector<FixedModules> combinations;
+  for (const auto& m1 : module_options(spec.module[0])) {
+    for (const auto& m2 : module_options(spec.module[1])) combinations.push_back({m1, m2});
+  }
+  return combinations;
+}
+
+SolveOutcome solve(const RefinementProblem& problem, const Point& start) {
+  return problem.spec->solver.refine == Refine::kIpopt ? solve_ipopt(problem, start)
+                                                       : solve_slsqp(problem, start, {});
+}
+
+bool feasible(const SolveOutcome& outcome) {
+  return outcome.violation <= design::kFeasibilityTolerance;
+}
+
+/// The best end of all starts, or the one that violates least.
+struct BestEnd {
+  std::optional<RefinementProblem> problem;
+  SolveOutcome outcome;
+  bool found = false;  ///< feasible
+
+  void offer(const RefinementProblem& p, const SolveOutcome& o) {
+    if (!std::isfinite(o.violation)) return;
+    const bool ok = feasible(o);
+    const bool better =
+        !problem || (ok && !found) ||
+        (ok == found && (ok ? o.objective < outcome.objective : o.violation < outcome.violation));
+    if (!better) return;
+    problem = p;
+    outcome = o;
+    found = ok;
+  }
+};
+
+/// The problem with the contact ratio of a mesh kept on one side of a value.
+RefinementProblem with_contact_ratio_bound(const RefinementProblem& problem, int mesh, double value,
+                                           bool at_least) {
+  RefinementProblem bounded = problem;
+  const design::CheckRecord& record =
+      design::check_record(at_least ? CheckId::kContactRatioMin : CheckId::kContactRatioMax);
+  bounded.rows.push_back({.check = design::CheckInstance{.record = &record,
+                                                         .subject = {.member = mesh, .which = 0},
+                                                         .limit = value,
+                                                         .scale = 1.0},
+                          .stage = 0,
+                          .bound_m = 0.0,
+                          .at_least = true,
+                          .name = record.name});
+  return bounded;
+}
+
+/// All loss models but `ohlendorf` have kinks where the contact ratio of a mesh passes an integer,
+/// which split the problem into basins: from a good end, the basin on the other side is tried too.
+void cross_contact_ratio_kinks(BestEnd& best) {
+  const RefinementProblem problem = *best.problem;
+  if (problem.spec->friction.model == efficiency::LossModel::kOhlendorf) return;
+  constexpr double kReachDown = 0.5;  // from above the kink
+  constexpr double kReachUp = 0.15;   // from below it
+  constexpr double kBeyond = 1e-3;
+  const Point from = best.outcome.v;
+  const auto train = train::make_train_geometry(parameters_at(problem, used(problem, from)));
+  for (int mesh = 0; mesh < train::kMeshCount; ++mesh) {
+    const double epsilon = train->meshes[static_cast<std::size_t>(mesh)].contact_ratio;
+    for (const double kink : {2.0, 3.0}) {
+      const bool above = epsilon >= kink && epsilon < kink + kReachDown;
+      const bool below = epsilon < kink && epsilon > kink - kReachUp;
+      if (!above && !below) continue;
+      const RefinementProblem beyond =
+          with_contact_ratio_bound(problem, mesh, above ? kink - kBeyond : kink + kBeyond, below);
+      const SolveOutcome crossed = solve_slsqp(beyond, from, {});
+      if (feasible(crossed)) best.offer(problem, solve(problem, crossed.v));
+    }
+  }
+}
+
+void polish(BestEnd& best) {
+  const SolveOutcome polished = solve_ipopt(*best.problem, best.outcome.v);
+  if (!feasible(polished)) return;
+  const double gain = best.outcome.objective - polished.objective;
+  const auto residual = [&](const SolveOutcome& o) { return kkt_residual(*best.problem, o.v); };
+  constexpr double kSameObjective = 1e-9;
+  if (gain > kSameObjective ||
+      (gain > -kSameObjective && residual(polished) < residual(best.outcome))) {
+    best.outcome = polished;
+  }
+}
+
+/// Efficiencies with the calibrated model at the operating point.
+void judge_by_model(const Specification& spec, const train::TrainGeometry<double>& train,
+                    RefinedSet& set) {
+  const design::Design design = design::extended(design_of(spec, set), *spec.model);
+  const auto lossy = design::lossy_train(design, train);
+  const auto efficiency = [&](design::Direction direction) -> std::optional<double> {
+    const auto result = design::operate(lossy, *spec.operating_point, direction);
+    return result.operation ? result.operation->efficiency : std::nullopt;
+  };
+  set.eta_b_model = efficiency(design::Direction::kBackward);
+  set.eta_f_model = efficiency(design::Direction::kForward);
+}
+
+void fill_optimum(const Specification& spec, const BestEnd& best, RefinedSet& set) {
+  const auto parameters = parameters_at(*best.problem, used(*best.problem, best.outcome.v));
+  set.train = {.profile_shift = parameters.profile_shift,
+               .module_m = parameters.module_m,
+               .center_distance_m = parameters.center_distance_m};
+  set.kkt_residual = kkt_residual(*best.problem, best.outcome.v);
+  set.status = set.kkt_residual <= kStationary ? Status::kOptimal : Status::kFailed;
+  const auto train = train::make_train_geometry(parameters);
+  const auto j_bn = backlash::normal_backlashes(*train);
+  set.lost_motion_rad = backlash::output_lost_motion(*train, j_bn, spec.limits.model);
+  const auto& teeth = set.candidate.teeth;
+  const auto efficiencies = [&](bool forward) {
+    return efficiency::mesh_efficiencies(
+        *train, efficiency::constant_friction<double>(spec.friction, forward), spec.friction.model,
+        forward);
+  };
+  set.eta_b = efficiency::backward_efficiency(teeth, efficiencies(false));
+  set.eta_f = efficiency::forward_efficiency(teeth, efficiencies(true));
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    set.contact_ratio[k] = train->meshes[k].contact_ratio;
+  }
+  set.ring_root_diameter_m = 2.0 * std::max(train->gears[train::kR1].root_radius_m,
+                                            train->gears[train::kR2].root_radius_m);
+  if (judged_by_model(spec)) judge_by_model(spec, *train, set);
+}
+
+}  // namespace
+
+Refiner::Refiner(const Specification& spec) : spec_(&spec) {
+  for (const int planets : spec.planets) {
+    for (const FixedModules& modules : module_combinations(spec)) {
+      // Either branch of the paper's max() may carry the lower limit.
+      int branches = 1;
+      for (int branch = 1; branch <= branches; ++branch) {
+        prototypes_.push_back(make_problem_rows(spec, planets, modules, branch));
+        if (prototypes_.back().has_branches) branches = 2;
+      }
+    }
+  }
+}
+
+std::optional<RefinedSet> Refiner::refine(const Candidate& candidate, const ShiftRanges& shifts,
+                                          const SetBound& bound,
+                                          const std::atomic<bool>& stop) const {
+  const Specification& spec = *spec_;
+  RefinedSet set;
+  set.candidate = candidate;
+  BestEnd best;
+  thread_local RefinementProblem problem;
+  for (const RefinementProblem& prototype : prototypes_) {
+    if (prototype.candidate.planets != candidate.planets) continue;
+    problem = prototype;  // keeps the memory of its rows
+    set_teeth(problem, candidate, shifts);
+    BestEnd local;
+    std::vector<Point> ends;
+    for (const Point& start :
+         starting_points(problem, spec.solver.starts, spec.solver.seed, &bound)) {
+      if (stop.load(std::memory_order_relaxed)) return std::nullopt;
+      const SolveOutcome end = solve(problem, start);
+      ends.push_back(end.v);
+      local.offer(problem, end);
+    }
+    for (std::size_t k = 0; k < ends.size() && !local.found; ++k) {
+      if (stop.load(std::memory_order_relaxed)) return std::nullopt;
+      const SolveOutcome nearest = least_violation(problem, ends[k], {});
+      local.offer(problem, nearest);
+      if (feasible(nearest)) local.offer(problem, solve(problem, nearest.v));
+    }
+    if (local.found) cross_contact_ratio_kinks(local);
+    if (local.problem) best.offer(*local.problem, local.outcome);
+  }
+  if (!best.problem) {
+    set.status = Status::kFailed;
+    return set;
+  }
+  if (!best.found) {
+    // The shifts' own checks may be what blocks: all rows take part.
+    const RefinementProblem all = with_all_rows(*best.problem);
+    const auto found = name_blocking_constraints(all, best.outcome, set);
+    if (!found) {
+      set.status = Status::kNoFeasibleFound;
+      return set;
+    }
+    best.offer(all, *found);
+    best.offer(all, solve(all, found->v));
+  }
+  if (spec.solver.refine == Refine::kBoth ||
+      !(kkt_residual(*best.problem, best.outcome.v) <= kStationary)) {
+    polish(best);
+  }
+  fill_optimum(spec, best, set);
+  return set;
+}
+
+RefinedSet refine(const Specification& spec, const Candidate& candidate) {
+  Progress progress;
+  const std::array one{candidate};
+  const SetBounds bounds(spec, one, progress);
+  const SetBound bound = bounds.of(0);
+  if (bound.infeasible) return proven_infeasible(candidate, *bound.infeasible);
+  Specification own = spec;
+  own.planets = {candidate.planets};
+  const std::atomic<bool> never{false};
+  return *Refiner(own).refine(candidate, bounds.shifts().of(candidate.teeth), bound, never);
+}
+
+}  // namespace gear3k::optimize

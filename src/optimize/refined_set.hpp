@@ -1,0 +1,87 @@
+#pragma once
+// What became of one tooth set.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "optimize/specification.hpp"
+#include "optimize/tooth_search.hpp"
+
+namespace gear3k::optimize {
+
+/// Largest KKT residual that counts as a local optimum.
+inline constexpr double kStationary = 1e-4;
+
+/// optimal: a feasible point with KKT residual ≤ kStationary.  no_feasible_found: the solver found
+/// none, which proves nothing.  infeasible: proven by SetBounds to have none.  failed: feasible
+/// points were found, but none that is stationary, or the model was defined nowhere.  bounded: not
+/// refined, as its bound is below the best that was found.
+enum class Status : std::uint8_t { kOptimal, kNoFeasibleFound, kInfeasible, kFailed, kBounded };
+inline constexpr std::size_t kStatusCount = 5;
+/// Names in result files, in the order of the enum.
+inline constexpr std::array<std::string_view, kStatusCount> kStatusNames{
+    "optimal", "no_feasible_found", "infeasible", "failed", "bounded"};
+
+/// By how much one constraint is missed.
+struct Miss {
+  std::string_view name;   ///< a check, or stage1_module / stage2_module
+  double violation = 0.0;  ///< scaled to order 1; 0 when it is not known
+  double amount = 0.0;     ///< the same in `unit`, as files and tables print it
+  std::string_view unit;
+};
+
+/// The variables of a refined train; the rest is the specification's.
+struct RefinedTrain {
+  std::array<double, train::kGearCount> profile_shift{};
+  std::array<double, 2> module_m{};
+  double center_distance_m = 0.0;
+};
+
+struct RefinedSet {
+  std::uint32_t index = 0;  ///< among the candidates of the search
+  Candidate candidate;
+  Status status = Status::kFailed;
+  bool blocked_together = false;  ///< none of blocked_by was found to suffice alone
+  /// What blocks the set; empty when optimal or failed.  infeasible: the constraint that no point
+  /// of the box can meet.  no_feasible_found: the constraints any one of which may give way alone
+  /// (a point was found that meets all others), least (scaled) first; or, when none was found to
+  /// suffice, those that the least violating point misses most, together.
+  std::vector<Miss> blocked_by;
+  // The rest only when optimal.
+  RefinedTrain train;
+  double eta_b = 0.0, eta_f = 0.0;
+  /// With all losses of the calibrated model at the operating point; empty without them, or where
+  /// the gearbox does not run.
+  std::optional<double> eta_b_model, eta_f_model;
+  double lost_motion_rad = 0.0;  ///< by the specification's model
+  std::array<double, train::kMeshCount> contact_ratio{};
+  double ring_root_diameter_m = 0.0;  ///< the larger ring's
+  double kkt_residual = 0.0;
+};
+
+/// The first constraint that blocks a set; "" when there is none.
+inline std::string_view reason_of(const RefinedSet& set) {
+  return set.blocked_by.empty() ? std::string_view() : set.blocked_by.front().name;
+}
+
+/// The train of a refined set.
+train::TrainParameters<double> train_of(const Specification& spec, const RefinedSet& set);
+
+/// The design of a refined set, with the specification's limits and friction; without its model.
+design::Design design_of(const Specification& spec, const RefinedSet& set);
+
+/// Efficiency that a specification maximises.
+double objective_of(const RefinedSet& set, Objective objective);
+
+/// Whether a calibrated model decides between the refined sets.
+bool judged_by_model(const Specification& spec);
+
+/// Efficiency by which refined sets are compared: objective_of(), or that with the model; minus
+/// infinity where the gearbox does not run with it.
+double judged_objective(const Specification& spec, const RefinedSet& set);
+
+}  // namespace gear3k::optimize

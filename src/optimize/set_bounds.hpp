@@ -1,0 +1,96 @@
+#pragma once
+// Upper bounds of the efficiency of every tooth set, from the least losses of its stages.
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "optimize/progress.hpp"
+#include "optimize/shift_range.hpp"
+#include "optimize/stage_relaxation.hpp"
+#include "optimize/tooth_search.hpp"
+
+namespace gear3k::optimize {
+
+struct SetBound {
+  std::optional<Infeasibility> infeasible;
+  double eta_b = 1.0, eta_f = 1.0;  ///< no feasible design of the set has more; 0 = cannot run so
+  /// Where both stages come nearest to it: shifts, and both distances in modules.
+  StagePoint stage1, stage2;
+  std::array<double, train::kMeshCount> losses{};  ///< of the meshes about there
+};
+
+/// Bounds of all tooth sets of a specification.
+///
+/// Efficiency rises with that of each mesh, so that least losses give most efficiency.  Stage 1
+/// (S, P1, R1) and stage 2 (P2, R2) are relaxed apart: what ties them (the centre distance in
+/// metres) is dropped, lost motion that they share is split between them in every way.  Tooth
+/// sets share stages, and each stage is searched once.
+/// Source: own derivation, docs/theory.md §32.
+class SetBounds {
+ public:
+  /// Relaxes the stages of these tooth sets; OpenMP over the stages, results independent of it.
+  /// @param candidates  must outlive the bounds, as must the specification
+  /// @param progress  its stop ends the work early: bounds must not be asked for then
+  SetBounds(const Specification& spec, std::span<const Candidate> candidates, Progress& progress);
+
+  /// @param k  index into the candidates
+  [[nodiscard]] SetBound of(std::size_t k) const;
+  /// The bound of one set with 100 times the effort.
+  [[nodiscard]] SetBound sharpened(std::size_t k) const;
+  /// Stages relaxed, of both kinds.
+  [[nodiscard]] std::size_t stages() const { return stage1_.size() + stage2_.size(); }
+  [[nodiscard]] const ShiftTable& shifts() const { return shifts_; }
+
+ private:
+  /// Shares of the lost motion that stages are relaxed with; the last is all of it.
+  static constexpr std::size_t kMostLevels = 4;
+  struct Effort {
+    StageEffort weighted, alone;  ///< for both losses together, for one of them
+  };
+  static constexpr Effort kUsual{.weighted = {.boxes = 200, .tolerance = 0.02},
+                                 .alone = {.boxes = 60, .tolerance = 0.05}};
+  static constexpr Effort kSharp{.weighted = {.boxes = 20000, .tolerance = 1e-4},
+                                 .alone = {.boxes = 2000, .tolerance = 1e-3}};
+
+  struct Stage1Level {
+    bool empty = true;
+    double sun = 0.0, ring = 0.0;  ///< least loss of S-P1, of P1-R1
+    double weighted = 0.0;         ///< least of sun_weight · loss S-P1 + loss P1-R1
+    StagePoint point;
+  };
+  struct Stage1 {
+    double sun_weight = 1.0;
+    double most_distance = 0.0;  ///< greatest centre distance [modules]
+    std::array<Stage1Level, kMostLevels> level;
+    std::optional<Infeasibility> infeasible;
+  };
+  struct Stage2Level {
+    bool empty = true;
+    double ring = 0.0;
+    StagePoint point;
+  };
+  struct Stage2 {
+    std::array<Stage2Level, kMostLevels> level;
+    std::optional<Infeasibility> infeasible;
+  };
+
+  [[nodiscard]] Stage1 relax1(const Candidate& key, const Effort& effort,
+                              std::optional<double> sun_weight) const;
+  [[nodiscard]] Stage2 relax2(const Candidate& key, const Effort& effort) const;
+  [[nodiscard]] SetBound combine(std::size_t k, const Stage1& stage1, const Stage2& stage2) const;
+  [[nodiscard]] double share_of(std::size_t level) const;
+
+  const Specification* spec_;
+  std::span<const Candidate> candidates_;
+  ShiftTable shifts_;
+  std::size_t levels_ = 1;
+  double most_distance_ = 0.0;  ///< of any stage 1 [modules]
+  std::vector<Stage1> stage1_;
+  std::vector<Stage2> stage2_;
+  std::vector<std::uint32_t> stage1_of_, stage2_of_;
+};
+
+}  // namespace gear3k::optimize

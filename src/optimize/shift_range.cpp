@@ -1,0 +1,173 @@
+#include "optimize/shift_range.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "geometry/interference.hpp"
+#include "optimize/parallel.hpp"
+
+namespace gear3k::optimize {
+
+using design::CheckId;
+
+namespace {
+
+/// A gear at a profile shift, with unit module.
+geometry::GearGeometry<double> unit_gear(const Specification& spec, int gear, int teeth,
+                                         double shift) {
+  const auto i = static_cast<std::size_t>(gear);
+  return geometry::make_gear_geometry<double>(
+      {.teeth = teeth,
+       .kind = train::kind_of(gear),
+       .module_m = 1.0,
+       .profile_shift = shift,
+       .machining_allowance = spec.machining_allowance[i],
+       .tip_shortening = spec.tip_shortening[i],
+       .rack = spec.rack,
+       .cutter = spec.cutter[i]},
+      geometry::make_pressure_angle(spec.pressure_angle_rad));
+}
+
+/// What holds of the greatest shift at which an external gear's tip is thick enough.
+struct TipShift {
+  double most = 0.0;      ///< the greatest shift; the range's end where nothing is proven
+  bool too_thin = false;  ///< nowhere in the range is it thick enough
+};
+
+/// Where the tip thickness s_a falls with the shift and is below the limit, it stays so for all
+/// greater shifts:
+///   ds_a/dx = 2 s_a/D − 2 (sin α_a − sin α)/cos α_a (per module, D = 2 r_a/m), and with falling
+///   s_a
+/// the first term falls and the second rises.
+TipShift shift_at_tip_thickness(const Specification& spec, int gear, int teeth,
+                                const Interval& range, double limit) {
+  const auto tip = [&](double x) { return unit_gear(spec, gear, teeth, x); };
+  const auto thickness = [&](double x) {
+    const auto g = tip(x);
+    return geometry::tooth_thickness(g, g.tip_radius_m);
+  };
+  const auto falls = [&](double x) {
+    const auto g = tip(x);
+    const double cosine = g.base_radius_m / g.tip_radius_m;
+    return cosine < 1.0 && thickness(x) / (2.0 * g.tip_radius_m) <
+                               (std::sqrt(1.0 - cosine * cosine) - g.angle.sin) / cosine;
+  };
+  if (thickness(range.hi) >= limit) return {.most = range.hi};
+  if (thickness(range.lo) < limit) return {.most = range.hi, .too_thin = falls(range.lo)};
+  double below = range.lo, above = range.hi;
+  while (above - below > 1e-13 * (1.0 + std::abs(above))) {
+    const double middle = 0.5 * (below + above);
+    if (middle <= below || middle >= above) break;
+    (thickness(middle) >= limit ? below : above) = middle;
+  }
+  return {.most = falls(above) ? below : range.hi};
+}
+
+}  // namespace
+
+Interval module_range(const ModuleChoice& choice) {
+  if (choice.range_m) return {choice.range_m->min, choice.range_m->max};
+  const auto [least, most] = std::minmax_element(choice.series_m.begin(), choice.series_m.end());
+  return {*least, *most};
+}
+
+ShiftRange shift_range(const Specification& spec, int gear, int teeth) {
+  const Interval all{spec.profile_shift.min, spec.profile_shift.max};
+  ShiftRange result{.range = all, .widest = all, .infeasible = std::nullopt};
+  const auto miss = [&](CheckId check, double miss_si, double violation) {
+    if (violation <= design::kFeasibilityTolerance) return;
+    if (!result.infeasible || violation > result.infeasible->violation) {
+      result.infeasible = {.check = check, .miss_si = miss_si, .violation = violation};
+    }
+  };
+  const auto at_least = [&](CheckId check, double shift) {
+    miss(check, shift - all.hi, shift - all.hi);
+    result.range.lo = std::max(result.range.lo, std::min(shift, all.hi));
+  };
+  const design::Limits& limits = spec.limits;
+  if (train::kind_of(gear) == geometry::GearKind::kRing) {
+    // Keeps ring tips off their base circles, where the tip's curvature has no derivative.
+    constexpr double kBaseCircleClearance = 1e-6;
+    const double above = geometry::ring_tip_above_base(unit_gear(spec, gear, teeth, 0.0));
+    result.range.lo = std::max(all.lo, std::min(all.hi, kBaseCircleClearance - above));
+    if (const auto& limit = limits[CheckId::kRingTipOutsideBase]) {
+      at_least(CheckId::kRingTipOutsideBase, *limit - above);
+    }
+    result.widest = result.range;
+    const auto& diameter = limits[CheckId::kRingRootDiameter];
+    if (diameter && *diameter > 0.0) {
+      const double module =
+          module_range(spec.module[static_cast<std::size_t>(train::stage_of(gear))]).lo;
+      const double root = unit_gear(spec, gear, teeth, all.lo).root_radius_m;
+      const double excess = 2.0 * root * module - *diameter;
+      miss(CheckId::kRingRootDiameter, excess, excess / *diameter);
+      const double most = all.lo + 0.5 * *diameter / module - root;
+      result.widest.hi = std::max(result.widest.lo, std::min(result.widest.hi, most));
+    }
+    return result;
+  }
+  if (const auto& limit = limits[CheckId::kUndercut]) {
+    at_least(CheckId::kUndercut,
+             *limit - geometry::undercut_margin(unit_gear(spec, gear, teeth, 0.0)));
+  }
+  const auto& limit = limits[CheckId::kTipThickness];
+  if (limit && !spec.khk_tip[static_cast<std::size_t>(gear)]) {
+    const TipShift tip = shift_at_tip_thickness(spec, gear, teeth, result.range, *limit);
+    if (tip.too_thin) {
+      const auto g = unit_gear(spec, gear, teeth, result.range.lo);
+      const double amount = *limit - geometry::tooth_thickness(g, g.tip_radius_m);
+      miss(CheckId::kTipThickness, amount, amount);
+    }
+    result.range.hi = tip.most;
+  }
+  result.widest = result.range;
+  return result;
+}
+
+bool in_shift_range(const Specification& spec, const design::CheckInstance& check) {
+  switch (check.record->id) {
+    case CheckId::kUndercut:
+    case CheckId::kRingTipOutsideBase:
+      return true;
+    case CheckId::kTipThickness:
+      return !spec.khk_tip[static_cast<std::size_t>(check.subject.member)];
+    default:
+      return false;
+  }
+}
+
+ShiftTable::ShiftTable(const Specification& spec, std::span<const Candidate> candidates) {
+  if (candidates.empty()) return;
+  std::array<IntegerRange, train::kGearCount> teeth;
+  teeth.fill({.min = std::numeric_limits<int>::max(), .max = 0});
+  for (const Candidate& c : candidates) {
+    const auto z = train::teeth_of(c.teeth);
+    for (std::size_t i = 0; i < train::kGearCount; ++i) {
+      teeth[i] = {.min = std::min(teeth[i].min, z[i]), .max = std::max(teeth[i].max, z[i])};
+    }
+  }
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    Gear& g = gear_[i];
+    g.first = teeth[i].min;
+    g.by_teeth.resize(static_cast<std::size_t>(teeth[i].max) - static_cast<std::size_t>(g.first) +
+                      1);
+    parallel_for(g.by_teeth.size(), [&](std::size_t k) {
+      g.by_teeth[k] = shift_range(spec, static_cast<int>(i), g.first + static_cast<int>(k));
+    });
+  }
+}
+
+const ShiftRange& ShiftTable::of(int gear, int teeth) const {
+  const Gear& g = gear_[static_cast<std::size_t>(gear)];
+  return g.by_teeth.at(static_cast<std::size_t>(teeth) - static_cast<std::size_t>(g.first));
+}
+
+ShiftRanges ShiftTable::of(const train::ToothSet& teeth) const {
+  const auto z = train::teeth_of(teeth);
+  ShiftRanges ranges;
+  for (std::size_t i = 0; i < train::kGearCount; ++i) ranges[i] = of(static_cast<int>(i), z[i]);
+  return ranges;
+}
+
+}  // namespace gear3k::optimize

@@ -1,0 +1,427 @@
+#include "optimize/stage_relaxation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "geometry/involute.hpp"
+
+namespace gear3k::optimize {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+double share_cost(double e, bool sliding) {
+  const double off = std::abs(e - 0.5);
+  return sliding && off > 0.5 ? off - 0.25 : off * off;
+}
+
+/// Least ½ + h(e1) + h(e2) over a rectangle cut by lo ≤ e1 + e2 ≤ hi.
+struct LeastShares {
+  double factor = kInfinity, e1 = 0.5, e2 = 0.5;
+};
+LeastShares least_shares(const Interval& e1, const Interval& e2, const Interval& epsilon,
+                         bool sliding) {
+  LeastShares least;
+  if (e1.empty() || e2.empty() || epsilon.empty() || e1.lo + e2.lo > epsilon.hi ||
+      e1.hi + e2.hi < epsilon.lo) {
+    return least;
+  }
+  least.e1 = std::clamp(0.5, e1.lo, e1.hi);
+  least.e2 = std::clamp(0.5, e2.lo, e2.hi);
+  const double sum = least.e1 + least.e2;
+  const double nearest = std::clamp(sum, epsilon.lo, epsilon.hi);
+  if (nearest != sum) {
+    // On the line e1 + e2 = nearest: the nearest point to its middle.
+    least.e1 =
+        std::clamp(0.5 * nearest, std::max(e1.lo, nearest - e2.hi),
+                   std::max(std::max(e1.lo, nearest - e2.hi), std::min(e1.hi, nearest - e2.lo)));
+    least.e2 = nearest - least.e1;
+  }
+  least.factor = 0.5 + share_cost(least.e1, sliding) + share_cost(least.e2, sliding);
+  return least;
+}
+
+/// The lines of action of a stage at one centre distance.
+struct Distance {
+  double d = 0.0;
+  double sun_tangent = 0.0, ring_tangent = 0.0;  ///< d sin α_w
+  double sun_opening = 0.0, ring_opening = 0.0;  ///< z_Σ cos α (inv α_w − inv α)
+};
+
+struct Box {
+  Distance low, high;
+  Interval planet_shift;
+  double bound = 0.0;
+  double error = 0.0;  ///< at most so much of the bound is owed to the size of the box
+  bool split_distance = true;
+  StagePoint point;
+};
+bool later(const Box& a, const Box& b) { return a.bound > b.bound; }
+
+class StageSearch {
+ public:
+  explicit StageSearch(const StageTask& task)
+      : t_(task),
+        sin_(std::sin(task.pressure_angle_rad)),
+        cos_(std::cos(task.pressure_angle_rad)),
+        involute_(std::tan(task.pressure_angle_rad) - task.pressure_angle_rad),
+        base_pitch_(std::numbers::pi * cos_),
+        ring_sum_(0.5 * cos_ * (task.ring.teeth - task.planet.teeth)),
+        sun_sum_(task.sun ? 0.5 * cos_ * (task.sun->teeth + task.planet.teeth) : 0.0),
+        planet_base_(0.5 * cos_ * task.planet.teeth),
+        ring_base_(0.5 * cos_ * task.ring.teeth),
+        sun_base_(task.sun ? 0.5 * cos_ * task.sun->teeth : 0.0) {}
+
+  StageBound run(const StageEffort& effort) {
+    StageBound result;
+    heap_.clear();
+    Box first;
+    if (!first_box(first)) {
+      result.empty = true;
+      return result;
+    }
+    result.center_distance = {first.low.d, first.high.d};
+    push(std::move(first));
+    result.boxes = 1;
+    while (!heap_.empty() && result.boxes < effort.boxes) {
+      const Box& top = heap_.front();
+      if (top.error <= effort.tolerance * top.bound) break;
+      Box parent = top;
+      std::pop_heap(heap_.begin(), heap_.end(), later);
+      heap_.pop_back();
+      Box left = parent, right = parent;
+      if (parent.split_distance) {
+        left.high = right.low = at(0.5 * (parent.low.d + parent.high.d));
+      } else {
+        left.planet_shift.hi = right.planet_shift.lo = parent.planet_shift.middle();
+      }
+      push(std::move(left));
+      push(std::move(right));
+      result.boxes += 2;
+    }
+    if (heap_.empty()) {
+      result.empty = true;
+      return result;
+    }
+    result.least = heap_.front().bound;
+    result.point = heap_.front().point;
+    Interval& hull = result.center_distance;
+    hull = {kInfinity, -kInfinity};
+    for (const Box& box : heap_) {
+      hull.lo = std::min(hull.lo, box.low.d);
+      hull.hi = std::max(hull.hi, box.high.d);
+    }
+    return result;
+  }
+
+ private:
+  [[nodiscard]] Distance at(double d) const {
+    Distance p;
+    p.d = d;
+    const auto line = [&](double sum, double& tangent, double& opening) {
+      tangent = std::sqrt(std::max(0.0, (d - sum) * (d + sum)));
+      const double tan_w = tangent / sum;
+      opening = 2.0 * sum * (tan_w - std::atan(tan_w) - involute_);
+    };
+    line(ring_sum_, p.ring_tangent, p.ring_opening);
+    if (t_.sun) line(sun_sum_, p.sun_tangent, p.sun_opening);
+    return p;
+  }
+
+  /// Centre distance at which z_Σ cos α (inv α_w − inv α) has a value; that of α_w = 0 below it.
+  [[nodiscard]] double distance_of(double sum, double opening) const {
+    const double inv = opening / (2.0 * sum) + involute_;
+    if (!(inv > 0.0)) return sum;
+    const double angle = inv > 100.0 ? 1.57 : geometry::inverse_involute(inv);
+    return sum / std::cos(angle);
+  }
+
+  bool first_box(Box& box) const {
+    if (t_.planet.profile_shift.empty() || t_.ring.profile_shift.empty() ||
+        t_.ring_backlash.empty() || t_.contact_ratio.empty() ||
+        (t_.sun && (t_.sun->profile_shift.empty() || t_.sun_backlash.empty())) ||
+        ring_sum_ <= 0.0) {
+      return false;
+    }
+    const double closest = std::max(ring_sum_, sun_sum_);
+    Interval d{closest * (1.0 + 1e-12), closest / std::cos(t_.greatest_angle_rad)};
+    const double q2 = t_.planet.machining_allowance + t_.ring.machining_allowance;
+    const Interval& xp = t_.planet.profile_shift;
+    const Interval& xr = t_.ring.profile_shift;
+    d.hi = std::min(
+        d.hi, distance_of(ring_sum_, 2.0 * sin_ * (xr.hi - xp.lo) + q2 - t_.ring_backlash.lo));
+    if (std::isfinite(t_.ring_backlash.hi)) {
+      d.lo = std::max(
+          d.lo, distance_of(ring_sum_, 2.0 * sin_ * (xr.lo - xp.hi) + q2 - t_.ring_backlash.hi));
+    }
+    if (t_.sun) {
+      const double q1 = t_.planet.machining_allowance + t_.sun->machining_allowance;
+      const Interval& xs = t_.sun->profile_shift;
+      if (std::isfinite(t_.sun_backlash.lo)) {
+        d.lo = std::max(
+            d.lo, distance_of(sun_sum_, 2.0 * sin_ * (xs.lo + xp.lo) - q1 + t_.sun_backlash.lo));
+      }
+      d.hi = std::min(
+          d.hi, distance_of(sun_sum_, 2.0 * sin_ * (xs.hi + xp.hi) - q1 + t_.sun_backlash.hi));
+    }
+    d.lo -= kRelaxationSlack;
+    d.hi += kRelaxationSlack;
+    d.lo = std::max(d.lo, closest * (1.0 + 1e-12));
+    if (d.empty()) return false;
+    box.low = at(d.lo);
+    box.high = at(d.hi);
+    box.planet_shift = xp;
+    return true;
+  }
+
+  static double flank_length(const StageGear& gear, double base, double tip) {
+    const double radius = 0.5 * gear.teeth + tip;
+    return radius > base ? std::sqrt((radius - base) * (radius + base)) : 0.0;
+  }
+  /// Profile shift plus tip height at which the tip is so far from the tangent point.
+  static double tip_at(const StageGear& gear, double base, double length) {
+    return std::sqrt(length * length + base * base) - 0.5 * gear.teeth;
+  }
+
+  /// Confines the box and bounds its losses.  @returns false when it holds no point
+  bool examine(Box& box) const {
+    constexpr double kSlack = kRelaxationSlack;
+    const Distance& low = box.low;
+    const Distance& high = box.high;
+    Interval& xp = box.planet_shift;
+    const double double_sin = 2.0 * sin_;
+    const double half_planet = 0.5 * t_.planet.teeth;
+    const double half_ring = 0.5 * t_.ring.teeth;
+    Interval planet_tip = t_.planet.tip_height;
+
+    // x_R − x_P and x_S + x_P from backlash and clearance.
+    const double q2 = t_.planet.machining_allowance + t_.ring.machining_allowance;
+    double most_ring_backlash = t_.ring_backlash.hi;
+    Interval sum{-kInfinity, kInfinity};
+    if (t_.sun) {
+      const double q1 = t_.planet.machining_allowance + t_.sun->machining_allowance;
+      if (t_.lost_motion) {
+        const double least =
+            std::max(t_.sun_backlash.lo,
+                     low.sun_opening + q1 - double_sin * (t_.sun->profile_shift.hi + xp.hi)) -
+            kSlack;
+        most_ring_backlash =
+            std::min(most_ring_backlash,
+                     (t_.lost_motion->most - t_.lost_motion->sun * least) / t_.lost_motion->ring);
+      }
+      sum = {(low.sun_opening + q1 - t_.sun_backlash.hi) / double_sin - kSlack,
+             (high.sun_opening + q1 - t_.sun_backlash.lo) / double_sin + kSlack};
+    }
+    Interval difference{(t_.ring_backlash.lo - q2 + low.ring_opening) / double_sin - kSlack,
+                        (most_ring_backlash - q2 + high.ring_opening) / double_sin + kSlack};
+    const Interval khk = khk_shortening(box, sum);
+    if (t_.planet_khk_tip) planet_tip = {planet_tip.lo - khk.hi, planet_tip.hi - khk.lo};
+    const Interval sun_tip = !t_.sun           ? Interval{}
+                             : !t_.sun_khk_tip ? t_.sun->tip_height
+                                               : Interval{t_.sun->tip_height.lo - khk.hi,
+                                                          t_.sun->tip_height.hi - khk.lo};
+    if (t_.root_clearance) {
+      const double room = *t_.root_clearance + low.d + half_planet - half_ring - kSlack;
+      difference.lo = std::max({difference.lo, room + planet_tip.lo - t_.ring.root_height,
+                                room + t_.planet.root_height - t_.ring.tip_height.hi});
+      if (t_.sun) {
+        const double free =
+            high.d - *t_.root_clearance - half_planet - 0.5 * t_.sun->teeth + kSlack;
+        sum.hi = std::min({sum.hi, free - sun_tip.lo - t_.planet.root_height,
+                           free - planet_tip.lo - t_.sun->root_height});
+      }
+    }
+    xp.lo = std::max(xp.lo, t_.ring.profile_shift.lo - difference.hi);
+    xp.hi = std::min(xp.hi, t_.ring.profile_shift.hi - difference.lo);
+    if (t_.sun) {
+      xp.lo = std::max(xp.lo, sum.lo - t_.sun->profile_shift.hi);
+      xp.hi = std::min(xp.hi, sum.hi - t_.sun->profile_shift.lo);
+      if (t_.interference) {
+        const double most = high.sun_tangent - *t_.interference + kSlack;
+        if (most < 0.0) return false;
+        xp.hi = std::min(xp.hi, tip_at(t_.planet, planet_base_, most) - planet_tip.lo);
+      }
+    }
+    if (t_.planet_gap) {
+      xp.hi = std::min(xp.hi, high.d * t_.planet_gap->half_spacing - t_.planet_gap->half_gap -
+                                  half_planet - planet_tip.lo + kSlack);
+    }
+    if (xp.empty()) return false;
+    const Interval planet_length{flank_length(t_.planet, planet_base_, xp.lo + planet_tip.lo),
+                                 flank_length(t_.planet, planet_base_, xp.hi + planet_tip.hi)};
+
+    // The ring.
+    Interval xr{std::max(t_.ring.profile_shift.lo, xp.lo + difference.lo),
+                std::min(t_.ring.profile_shift.hi, xp.hi + difference.hi)};
+    Interval ring_length{planet_length.lo + low.ring_tangent - base_pitch_ * t_.contact_ratio.hi,
+                         planet_length.hi + high.ring_tangent - base_pitch_ * t_.contact_ratio.lo};
+    if (t_.interference) {
+      ring_length.lo = std::max(ring_length.lo, low.ring_tangent + *t_.interference);
+    }
+    if (ring_length.hi < -kSlack) return false;
+    const Interval& ring_tip = t_.ring.tip_height;
+    if (std::isfinite(ring_length.hi)) {
+      xr.hi = std::min(
+          xr.hi, tip_at(t_.ring, ring_base_, std::max(0.0, ring_length.hi)) - ring_tip.lo + kSlack);
+    }
+    if (ring_length.lo > 0.0) {
+      xr.lo = std::max(xr.lo, tip_at(t_.ring, ring_base_, ring_length.lo) - ring_tip.hi - kSlack);
+    }
+    if (xr.empty()) return false;
+    ring_length = {flank_length(t_.ring, ring_base_, xr.lo + ring_tip.lo),
+                   flank_length(t_.ring, ring_base_, xr.hi + ring_tip.hi)};
+    const double low_tan = low.ring_tangent / ring_sum_;
+    const double high_tan = high.ring_tangent / ring_sum_;
+    const Interval e1{(planet_length.lo - planet_base_ * high_tan) / base_pitch_ - kSlack,
+                      (planet_length.hi - planet_base_ * low_tan) / base_pitch_ + kSlack};
+    const Interval e2{(ring_base_ * low_tan - ring_length.hi) / base_pitch_ - kSlack,
+                      (ring_base_ * high_tan - ring_length.lo) / base_pitch_ + kSlack};
+    const Interval ring_ratio{
+        std::max(t_.contact_ratio.lo,
+                 (planet_length.lo - ring_length.hi + low.ring_tangent) / base_pitch_) -
+            kSlack,
+        std::min(t_.contact_ratio.hi,
+                 (planet_length.hi - ring_length.lo + high.ring_tangent) / base_pitch_) +
+            kSlack};
+    const double ring_factor = least_loss_factor(e1, e2, ring_ratio, t_.sliding);
+    if (ring_factor == kInfinity) return false;
+    double distance_effect = t_.ring_weight * t_.ring_loss *
+                             ((planet_base_ + ring_base_) * (high_tan - low_tan) / base_pitch_);
+    double shift_effect = t_.ring_weight * t_.ring_loss * planet_length.width() / base_pitch_;
+    box.error = t_.ring_weight * t_.ring_loss * (e1.width() + e2.width());
+    box.bound = t_.ring_weight * t_.ring_loss * ring_factor;
+    box.point = {.center_distance = 0.5 * (low.d + high.d),
+                 .sun_shift = 0.0,
+                 .planet_shift = xp.middle(),
+                 .ring_shift = xr.middle()};
+    const double mid_tan = 0.5 * (low_tan + high_tan);
+    const LeastShares ring_shares = least_shares(e1, e2, ring_ratio, t_.sliding);
+    box.point.ring_shift =
+        std::clamp(tip_at(t_.ring, ring_base_,
+                          std::max(0.0, ring_base_ * mid_tan - base_pitch_ * ring_shares.e2)) -
+                       ring_tip.middle(),
+                   xr.lo, xr.hi);
+
+    if (t_.sun && !examine_sun(box, {sum, sun_tip, planet_length}, distance_effect, shift_effect)) {
+      return false;
+    }
+    box.split_distance = distance_effect > shift_effect;
+    return true;
+  }
+
+  /// k = x_S + x_P − y of the KHK rule, y = d − (z_S + z_P)/2; 0 where there is none.
+  [[nodiscard]] Interval khk_shortening(const Box& box, const Interval& sum) const {
+    if (!t_.sun_khk_tip && !t_.planet_khk_tip) return {};
+    const double half_sum = 0.5 * (t_.planet.teeth + t_.sun->teeth);
+    const Interval& xs = t_.sun->profile_shift;
+    return {std::max(0.0, std::max(sum.lo, xs.lo + box.planet_shift.lo) - (box.high.d - half_sum)),
+            std::max(0.0, std::min(sum.hi, xs.hi + box.planet_shift.hi) - (box.low.d - half_sum))};
+  }
+
+  struct SunView {
+    Interval sum;            ///< x_S + x_P
+    Interval sun_tip;        ///< tip height of the sun
+    Interval planet_length;  ///< ρ_a of the planet
+  };
+  bool examine_sun(Box& box, const SunView& view, double& distance_effect,
+                   double& shift_effect) const {
+    constexpr double kSlack = kRelaxationSlack;
+    const StageGear& sun = *t_.sun;
+    const Distance& low = box.low;
+    const Distance& high = box.high;
+    const auto& [sum, sun_tip, planet_length] = view;
+    Interval xs{std::max(sun.profile_shift.lo, sum.lo - box.planet_shift.hi),
+                std::min(sun.profile_shift.hi, sum.hi - box.planet_shift.lo)};
+    Interval sun_length{base_pitch_ * t_.contact_ratio.lo + low.sun_tangent - planet_length.hi,
+                        base_pitch_ * t_.contact_ratio.hi + high.sun_tangent - planet_length.lo};
+    if (t_.interference) {
+      sun_length.hi = std::min(sun_length.hi, high.sun_tangent - *t_.interference);
+      if (planet_length.lo > high.sun_tangent - *t_.interference + kSlack) return false;
+    }
+    if (sun_length.hi < -kSlack) return false;
+    if (std::isfinite(sun_length.hi)) {
+      xs.hi = std::min(xs.hi,
+                       tip_at(sun, sun_base_, std::max(0.0, sun_length.hi)) - sun_tip.lo + kSlack);
+    }
+    if (sun_length.lo > 0.0) {
+      xs.lo = std::max(xs.lo, tip_at(sun, sun_base_, sun_length.lo) - sun_tip.hi - kSlack);
+    }
+    if (xs.empty()) return false;
+    sun_length = {flank_length(sun, sun_base_, xs.lo + sun_tip.lo),
+                  flank_length(sun, sun_base_, xs.hi + sun_tip.hi)};
+    const double low_tan = low.sun_tangent / sun_sum_;
+    const double high_tan = high.sun_tangent / sun_sum_;
+    const Interval e1{(sun_length.lo - sun_base_ * high_tan) / base_pitch_ - kSlack,
+                      (sun_length.hi - sun_base_ * low_tan) / base_pitch_ + kSlack};
+    const Interval e2{(planet_length.lo - planet_base_ * high_tan) / base_pitch_ - kSlack,
+                      (planet_length.hi - planet_base_ * low_tan) / base_pitch_ + kSlack};
+    const Interval ratio{
+        std::max(t_.contact_ratio.lo,
+                 (sun_length.lo + planet_length.lo - high.sun_tangent) / base_pitch_) -
+            kSlack,
+        std::min(t_.contact_ratio.hi,
+                 (sun_length.hi + planet_length.hi - low.sun_tangent) / base_pitch_) +
+            kSlack};
+    const double factor = least_loss_factor(e1, e2, ratio, t_.sliding);
+    if (factor == kInfinity) return false;
+    const double scale = t_.sun_weight * t_.sun_loss;
+    box.bound += scale * factor;
+    box.error += scale * (e1.width() + e2.width());
+    distance_effect += scale * (planet_base_ + sun_base_) * (high_tan - low_tan) / base_pitch_;
+    shift_effect += scale * planet_length.width() / base_pitch_;
+    const LeastShares shares = least_shares(e1, e2, ratio, t_.sliding);
+    box.point.sun_shift = std::clamp(
+        tip_at(sun, sun_base_,
+               std::max(0.0, sun_base_ * 0.5 * (low_tan + high_tan) + base_pitch_ * shares.e1)) -
+            sun_tip.middle(),
+        xs.lo, xs.hi);
+    return true;
+  }
+
+  void push(Box&& box) {
+    if (!examine(box)) return;
+    heap_.push_back(std::move(box));
+    std::push_heap(heap_.begin(), heap_.end(), later);
+  }
+
+  const StageTask& t_;
+  double sin_, cos_, involute_, base_pitch_;
+  double ring_sum_, sun_sum_;  ///< base radii: rb2 ∓ rb1
+  double planet_base_, ring_base_, sun_base_;
+  std::vector<Box> heap_;
+};
+
+}  // namespace
+
+double least_loss_factor(const Interval& e1, const Interval& e2, const Interval& epsilon,
+                         bool sliding) {
+  if (!sliding) return least_shares(e1, e2, epsilon, false).factor;
+  double least = kInfinity;
+  const auto part = [&](double lo, double hi) {
+    return Interval{std::max(epsilon.lo, lo), std::min(epsilon.hi, hi)};
+  };
+  if (const Interval below = part(-kInfinity, 1.0); !below.empty() && below.lo < 1.0) {
+    if (least_shares(e1, e2, below, true).factor < kInfinity) {
+      least = std::max(0.0, 0.5 * below.lo);
+    }
+  }
+  if (const Interval usual = part(1.0, 2.0); !usual.empty()) {
+    least = std::min(least, least_shares(e1, e2, usual, true).factor);
+  }
+  if (const Interval above = part(2.0, kInfinity); !above.empty() && above.hi > 2.0) {
+    if (least_shares(e1, e2, above, true).factor < kInfinity) {
+      least = std::min(least, 1.0 + std::min(above.lo - 2.0, 1.0) / 3.0);
+    }
+  }
+  return least;
+}
+
+StageBound relax_stage(const StageTask& task, const StageEffort& effort) {
+  return StageSearch(task).run(effort);
+}
+
+}  // namespace gear3k::optimize

@@ -1,0 +1,98 @@
+#pragma once
+// The least friction losses that the meshes of one stage can have, by branch and bound: what no
+// design of a tooth set can undercut, whatever its shifts, modules and centre distance.
+
+#include <array>
+#include <cstddef>
+#include <optional>
+
+#include "optimize/shift_range.hpp"
+
+namespace gear3k::optimize {
+
+/// One gear of a stage, in modules.
+struct StageGear {
+  int teeth = 0;
+  Interval profile_shift;
+  /// Tip radius less z/2 + x: haP* − k external, k − haP* ring.
+  Interval tip_height{1.0, 1.0};
+  double root_height = 0.0;  ///< root radius less z/2 + x: −hfP* external, hfP* ring
+  double machining_allowance = 0.0;
+};
+
+/// A planet in its ring and, in stage 1, with the sun, under those limits that concern the stage
+/// alone.  Lengths in modules of the stage.
+struct StageTask {
+  StageGear planet, ring;
+  std::optional<StageGear> sun;
+  double pressure_angle_rad = 0.0;
+  bool sun_khk_tip = false, planet_khk_tip = false;  ///< tip shortened by the KHK rule of S-P1
+  /// Working angles beyond which nothing is looked for [rad].
+  double greatest_angle_rad = 0.0;
+  Interval sun_backlash, ring_backlash;  ///< j_bn
+  /// sun · j_bn of S-P1 + ring · j_bn of the ring's mesh ≤ most (in any one unit).
+  struct LostMotion {
+    double sun, ring, most;
+  };
+  std::optional<LostMotion> lost_motion;
+  Interval contact_ratio;                ///< of every mesh
+  std::optional<double> interference;    ///< least involute interference margin
+  std::optional<double> root_clearance;  ///< least root clearance
+  /// Neighbouring planets: d half_spacing − tip radius ≥ half_gap.
+  struct PlanetGap {
+    double half_spacing, half_gap;
+  };
+  std::optional<PlanetGap> planet_gap;
+  bool sliding = true;  ///< least_loss_factor() of the first-order model, else that of Ohlendorf
+  /// Loss over loss factor: μ π (1/z1 ± 1/z2).
+  double sun_loss = 0.0, ring_loss = 0.0;
+  /// Minimised: sun_weight · loss of S-P1 + ring_weight · loss of the ring's mesh.
+  double sun_weight = 0.0, ring_weight = 1.0;
+};
+
+/// When a search ends: no box is left, the lowest one is known to `tolerance` of its bound, or
+/// `boxes` were examined.
+struct StageEffort {
+  int boxes = 200;
+  double tolerance = 0.02;
+};
+
+/// Where the lowest box lies.
+struct StagePoint {
+  double center_distance = 0.0;  ///< in modules
+  double sun_shift = 0.0, planet_shift = 0.0, ring_shift = 0.0;
+};
+
+struct StageBound {
+  bool empty = false;          ///< proven: no point meets the limits
+  double least = 0.0;          ///< no point that meets them has a smaller weighted loss
+  Interval center_distance{};  ///< holds all points that meet the limits
+  StagePoint point{};          ///< near the least; need not meet the limits
+  int boxes = 0;
+};
+
+/// Lower bound of the weighted losses of a stage.
+///
+/// Branches over centre distance d and the planet's shift x_P.  In a box the shifts of ring and sun
+/// are confined by backlash, contact ratio, interference and clearance, each monotone in its
+/// variables, and the loss factors by least_loss_factor() on the resulting ranges of e1, e2 and ε.
+/// Source: own derivation, docs/theory.md §32.
+/// Valid: exact arithmetic; rounding is covered by kRelaxationSlack in every comparison.
+StageBound relax_stage(const StageTask& task, const StageEffort& effort);
+
+/// Slack of all comparisons, in modules and in shares of the contact ratio.
+inline constexpr double kRelaxationSlack = 1e-9;
+
+/// Least value of the loss factor B for e1, e2 and ε = e1 + e2 in intervals.
+///
+/// With h(e) = (e − ½)², for `sliding` continued outside [0, 1] by |e − ½| − ¼:
+///   1 ≤ ε ≤ 2            B = ½ + h(e1) + h(e2), convex: least at the point nearest to (½, ½)
+///   2 < ε, sliding       B ≥ 2 ⟨⌊n²/4⌋/n⟩ over the n pairs in contact = 1 + (ε − 2)/3 up to ε = 3
+///   ε < 1, sliding       B ≥ ε/2
+/// Ohlendorf's B is the first form for every ε.
+/// Source: own derivation, docs/theory.md §32.
+/// @returns the bound; +infinity when the intervals have no point in common
+double least_loss_factor(const Interval& e1, const Interval& e2, const Interval& epsilon,
+                         bool sliding);
+
+}  // namespace gear3k::optimize
