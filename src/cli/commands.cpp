@@ -10,6 +10,7 @@
 #include "calibrate/model_range.hpp"
 #include "cli/model_option.hpp"
 #include "cli/progress.hpp"
+#include "cli/result_files.hpp"
 #include "io/design_file.hpp"
 #include "io/diagnostics.hpp"
 #include "io/file_set.hpp"
@@ -20,6 +21,8 @@
 #include "report/analysis_report.hpp"
 #include "report/dxf_drawing.hpp"
 #include "report/export_report.hpp"
+#include "report/paper_figures_plot.hpp"
+#include "report/paper_figures_report.hpp"
 #include "report/reproduce_report.hpp"
 #include "report/search_report.hpp"
 #include "report/svg_drawing.hpp"
@@ -171,9 +174,52 @@ ExitCode run_search(const SearchOptions& options) {
   return kNoFeasibleDesign;
 }
 
+namespace {
+
+/// The paper's figures, drawn and written.
+struct WrittenFigures {
+  WrittenFiles files;
+  std::string table;  ///< what they show
+};
+
+/// @throws io::InvalidInput where a file cannot be written or is also that of --out
+WrittenFigures write_figures(const ReproduceOptions& options,
+                             const report::PublishedSources& sources) {
+  const auto canonical = [](const std::filesystem::path& path) {
+    std::error_code status;
+    const auto result = std::filesystem::weakly_canonical(path, status);
+    return status ? path : result;
+  };
+  for (const char* name : report::kFigureNames) {
+    if (options.out.empty()) break;
+    for (const char* type : {".csv", ".svg"}) {
+      const auto path = std::filesystem::path(options.figures) / (std::string(name) + type);
+      if (canonical(path) != canonical(options.out)) continue;
+      throw io::InvalidInput(
+          fmt::format("--out {}: is a file of --figures, allowed: another file", options.out));
+    }
+  }
+  const report::PaperFigures figures = report::paper_figures(sources);
+  std::vector<io::FileText> files;
+  for (const report::FigureData& data : report::figure_data(figures)) {
+    files.push_back({.path = data.name + ".csv", .text = data.csv});
+  }
+  return {.files = write_results({.path = options.figures, .input = "", .protected_inputs = {}},
+                                 std::move(files), report::figure_plots(figures)),
+          .table = report::figures_table(figures)};
+}
+
+}  // namespace
+
 ExitCode run_reproduce(const ReproduceOptions& options) {
   use_threads(options);
-  const report::Reproduction reproduction = report::reproduce(io::published_sources());
+  const report::PublishedSources sources = io::published_sources();
+  const report::Reproduction reproduction = report::reproduce(sources);
+  WrittenFigures figures;
+  if (!options.figures.empty()) {
+    end_on_interrupt();
+    figures = write_figures(options, sources);
+  }
   switch (options.format) {
     case Format::kJson:
       deliver(options, report::reproduce_json(reproduction));
@@ -182,10 +228,11 @@ ExitCode run_reproduce(const ReproduceOptions& options) {
       deliver(options, report::reproduce_csv(reproduction));
       break;
     case Format::kTable:
-      deliver(options, report::reproduce_table(reproduction));
+      deliver(options,
+              report::reproduce_table(reproduction) + figures.table + files_text(figures.files));
       break;
   }
-  return kDone;
+  return figures.files.code;
 }
 
 ExitCode run_export(const ExportOptions& options) {

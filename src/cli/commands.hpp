@@ -42,7 +42,9 @@ struct OptimizeOptions : CommonOptions {
   bool resume = false;   ///< go on with the journal of an interrupted run
 };
 
-struct ReproduceOptions : CommonOptions {};
+struct ReproduceOptions : CommonOptions {
+  std::string figures;  ///< folder; "" = none
+};
 
 struct MapOptions : CommonOptions {  ///< out: a folder; "" = none
   std::string file;

@@ -10,5 +10,6 @@ std::string_view paper_statements_csv();      ///< data/low_backlash_paper_state
 std::string_view pair_losses_csv();           ///< data/spur_pair_loss_dry_steel.csv
 std::string_view thesis_statements_csv();     ///< data/directional_impedance_statements.csv
 std::string_view rp96_toml();                 ///< examples/rp96.toml
+std::string_view paper_figures_toml();        ///< examples/paper-figures.toml
 
 }  // namespace gear3k::io

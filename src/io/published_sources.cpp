@@ -65,6 +65,7 @@ report::PublishedGearbox gearbox(const CsvTable& table, const CsvTable::Row& row
   g.measured_lost_motion_rad = scaled(table, row, "backlash_arcmin", arcmin);
   g.measured_forward = scaled(table, row, "fwd_eff_pct", kPercent);
   g.measured_backward = scaled(table, row, "bwd_eff_pct", kPercent);
+  g.outer_diameter_m = scaled(table, row, "diameter_mm", kMillimetre);
   return g;
 }
 
@@ -120,11 +121,20 @@ report::PublishedSources published_sources() {
   sources.statements = {.backlash_accuracy_percent = stated("backlash_accuracy"),
                         .bilateral_xP2_printed = stated("bilateral_xP2_printed"),
                         .starting_torque_ratio = stated("starting_torque_ratio"),
-                        .eq10_factor = stated("eq10_factor_printed")};
+                        .eq10_factor = stated("eq10_factor_printed"),
+                        .figure_outer_diameter_m = design::from_unit(
+                            stated("figure_outer_diameter"), design::Unit::kMillimetre),
+                        .lost_motion_before_rad =
+                            design::from_unit(stated("lost_motion_before"), design::Unit::kArcmin),
+                        .lost_motion_after_rad =
+                            design::from_unit(stated("lost_motion_after"), design::Unit::kArcmin),
+                        .efficiency_after = 0.01 * stated("efficiency_after")};
   sources.backdrive_starting_torque_Nm = required(table, proposed, "backdrive_start_Nm");
   sources.max_backdriving_torque_Nm = required(table, proposed, "max_backdrive_Nm");
   sources.strain_wave_starting_torque_Nm = required(table, strain_wave, "backdrive_start_Nm");
   sources.task = parse_specification(std::string(rp96_toml()), "rp96.toml");
+  sources.figure_task =
+      parse_specification(std::string(paper_figures_toml()), "paper-figures.toml");
   sources.thesis = thesis_sources();
   return sources;
 }

@@ -4,7 +4,8 @@
 
 namespace gear3k::io {
 
-/// The published gearboxes, the task RP-96 and the thesis, from the files inside the program.
+/// The published gearboxes, the tasks RP-96 and of the figures, and the thesis, from the files
+/// inside the program.
 report::PublishedSources published_sources();
 
 }  // namespace gear3k::io

@@ -23,6 +23,7 @@ struct PublishedGearbox {
   std::optional<double> measured_lost_motion_rad;
   std::optional<std::array<double, train::kMeshCount>> stated_contact_ratio;
   std::optional<double> measured_forward, measured_backward;  ///< efficiencies
+  std::optional<double> outer_diameter_m;
 };
 
 /// Figures that the paper's text states.
@@ -31,6 +32,11 @@ struct PaperStatements {
   double bilateral_xP2_printed = 0.0;
   double starting_torque_ratio = 0.0;
   double eq10_factor = 0.0;
+  // Of the simulation behind Figs. 6 to 8.
+  double figure_outer_diameter_m = 0.0;
+  double lost_motion_before_rad = 0.0;  ///< without profile shift
+  double lost_motion_after_rad = 0.0;   ///< with it
+  double efficiency_after = 0.0;        ///< backward, there
 };
 
 struct PublishedSources {
@@ -41,6 +47,7 @@ struct PublishedSources {
   double strain_wave_starting_torque_Nm = 0.0;  ///< of the paper's comparison
   /// The paper's optimisation task (RP-96), for what its tooth counts could reach.
   optimize::Specification task;
+  optimize::Specification figure_task;  ///< of the paper's figures, see paper_figures.hpp
   ThesisSources thesis;
 };
 

@@ -1,0 +1,193 @@
+// `gear3k reproduce --figures`: files, figures with and without gnuplot, exit codes.
+
+#include <gtest/gtest.h>
+
+#include <boost/property_tree/xml_parser.hpp>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "io/csv_table.hpp"
+#include "tests/cli/other_path.hpp"
+#include "tests/cli/run_program.hpp"
+
+namespace gear3k {
+namespace {
+
+using test::example, test::OtherPath, test::ProgramResult, test::Workplace;
+
+const std::vector<std::string> kNames{"fig6", "fig7", "fig8a", "fig8b", "fig8c"};
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+std::string teeth_of(const io::CsvTable& table, const io::CsvTable::Row& row) {
+  std::string text;
+  for (const char* gear : {"zS", "zP1", "zR1", "zP2", "zR2"})
+    text += table.text(row, gear).value_or("") + "/";
+  return text;
+}
+
+TEST(ReproduceFigures, WritesEveryFigureAsCsvAndSvg) {
+  const Workplace place;
+  const ProgramResult result = place.run({"reproduce", "--figures", "a/figures"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  std::vector<std::string> expected{"a", "a/figures"};
+  for (const std::string& name : kNames) {
+    expected.push_back("a/figures/" + name + ".csv");
+    expected.push_back("a/figures/" + name + ".svg");
+    EXPECT_TRUE(contains(result.out, "a/figures/" + name + ".svg")) << result.out;
+    const std::string svg = place.read("a/figures/" + name + ".svg");
+    std::istringstream stream(svg);
+    boost::property_tree::ptree tree;
+    ASSERT_NO_THROW(boost::property_tree::read_xml(stream, tree)) << name;
+    EXPECT_EQ(tree.count("svg"), 1U) << name;
+    for (const char* part : {"backward efficiency (%)", "(arcmin)", "mu = 0.1"}) {
+      EXPECT_TRUE(contains(svg, part)) << name << ": " << part;
+    }
+  }
+  EXPECT_EQ(place.listing(), expected);
+  // The table is that of `reproduce` alone, with the figures below it.
+  const std::string alone = place.run({"reproduce"}).out;
+  EXPECT_EQ(result.out.substr(0, alone.size()), alone);
+  EXPECT_TRUE(contains(result.out, "Figures of the low-backlash paper"));
+}
+
+TEST(ReproduceFigures, JsonAndCsvStayWhatTheyAre) {
+  const Workplace place;
+  for (const char* format : {"json", "csv"}) {
+    const ProgramResult result =
+        place.run({"reproduce", "--figures", "f", "--format", format, "--out", "result"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.out, "");
+    EXPECT_EQ(place.read("result"), place.run({"reproduce", "--format", format}).out);
+  }
+}
+
+TEST(ReproduceFigures, SameBytesWhateverTheThreads) {
+  const Workplace place;
+  const ProgramResult one = place.run({"reproduce", "--figures", "1", "--threads", "1"});
+  const ProgramResult four = place.run({"reproduce", "--figures", "4", "--threads", "4"});
+  ASSERT_EQ(one.exit_code, 0) << one.err;
+  ASSERT_EQ(four.exit_code, 0) << four.err;
+  for (const std::string& name : kNames) {
+    for (const char* type : {".csv", ".svg"}) {
+      EXPECT_EQ(place.read("1/" + name + type), place.read("4/" + name + type)) << name << type;
+    }
+  }
+}
+
+// The specification behind the figures is an example: `search` and `optimize` on it give the same
+// points.
+TEST(ReproduceFigures, PointsAreThoseOfSearchAndOptimize) {
+  const Workplace place;
+  place.write("spec.toml", example("paper-figures.toml"));
+  ASSERT_EQ(place.run({"reproduce", "--figures", "f"}).exit_code, 0);
+  const io::CsvTable figure = io::parse_csv(place.read("f/fig7.csv"), "fig7.csv");
+  std::map<std::string, const io::CsvTable::Row*> zero_shift;
+  std::map<std::string, const io::CsvTable::Row*> refined;
+  for (const auto& row : figure.rows) {
+    if (figure.text(row, "state") == "zero_shift") zero_shift[teeth_of(figure, row)] = &row;
+    if (figure.number(row, "limit_arcmin") == 8.0) refined[teeth_of(figure, row)] = &row;
+  }
+  const io::CsvTable search =
+      io::parse_csv(place.run({"search", "spec.toml", "--format", "csv"}).out, "search");
+  std::size_t meshing = 0;
+  for (const auto& row : search.rows) {
+    const auto at = zero_shift.find(teeth_of(search, row));
+    ASSERT_EQ(at != zero_shift.end(), search.text(row, "meshes") == "true")
+        << teeth_of(search, row);
+    if (at == zero_shift.end()) continue;
+    ++meshing;
+    for (const char* column : {"ratio", "eta_b", "eta_f", "backlash_arcmin", "eps2"}) {
+      EXPECT_EQ(search.text(row, column), figure.text(*at->second, column));
+    }
+  }
+  EXPECT_EQ(meshing, zero_shift.size());
+  ASSERT_EQ(place.run({"optimize", "spec.toml", "--out", "o", "--quiet"}).exit_code, 0);
+  const io::CsvTable sets = io::parse_csv(place.read("o/refined.csv"), "refined.csv");
+  std::size_t compared = 0;
+  for (const auto& row : sets.rows) {
+    const auto at = refined.find(teeth_of(sets, row));
+    if (at == refined.end()) continue;
+    ++compared;
+    EXPECT_EQ(sets.text(row, "status"), figure.text(*at->second, "status"));
+    const auto eta_b = sets.number(row, "eta_b");
+    ASSERT_EQ(eta_b.has_value(), figure.number(*at->second, "eta_b").has_value());
+    if (!eta_b) continue;
+    EXPECT_NEAR(*eta_b, *figure.number(*at->second, "eta_b"), 1e-5);
+  }
+  EXPECT_EQ(compared, refined.size());
+}
+
+TEST(ReproduceFigures, WithoutGnuplotTheDataAreThereAndOldFiguresAreNot) {
+  const Workplace place;
+  ASSERT_EQ(place.run({"reproduce", "--figures", "f"}).exit_code, 0);
+  const std::string data = place.read("f/fig6.csv");
+  place.write("f/fig6.csv", "old");
+  ProgramResult result;
+  {
+    const OtherPath path("");
+    result = place.run({"reproduce", "--figures", "f"});
+  }
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, "gnuplot: not found in PATH; figures need it")) << result.err;
+  EXPECT_TRUE(contains(result.err, "written without figures: f/fig6.csv, f/fig7.csv"))
+      << result.err;
+  EXPECT_TRUE(contains(result.out, "Figures of the low-backlash paper"));
+  EXPECT_EQ(place.read("f/fig6.csv"), data);
+  for (const std::string& name : kNames) {
+    EXPECT_FALSE(place.has("f/" + name + ".svg")) << name;
+    EXPECT_TRUE(place.has("f/" + name + ".svg.previous")) << name;
+  }
+}
+
+TEST(ReproduceFigures, AFolderThatCannotBeMadeLeavesNothingBehind) {
+  const Workplace place;
+  place.write("file", "");
+  const ProgramResult result = place.run({"reproduce", "--figures", "file"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, "file: cannot be made a folder")) << result.err;
+  EXPECT_EQ(result.out, "");
+  EXPECT_EQ(place.listing(), (std::vector<std::string>{"file"}));
+}
+
+TEST(ReproduceFigures, TheResultsFileMayNotBeAFigure) {
+  const Workplace place;
+  for (const char* file : {"f/fig7.csv", "f/../f/fig8a.svg"}) {
+    const ProgramResult result = place.run({"reproduce", "--figures", "f", "--out", file});
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_TRUE(contains(result.err, "is a file of --figures, allowed: another file"))
+        << result.err;
+    EXPECT_TRUE(place.listing().empty());
+  }
+}
+
+TEST(ReproduceFigures, AnInterruptLeavesNothing) {
+  const Workplace place;
+  test::RunningProgram program = place.start({"reproduce", "--figures", "f"});
+  ASSERT_TRUE(program.wait_until_it_catches(SIGTERM, std::chrono::seconds(10)));
+  program.send(SIGTERM);
+  const auto result = program.wait(std::chrono::seconds(5));
+  ASSERT_TRUE(result.has_value());
+  EXPECT_EQ(result->exit_code, 130);
+  EXPECT_EQ(result->err, "interrupted\n");
+  EXPECT_TRUE(place.listing().empty());
+}
+
+TEST(ReproduceFigures, UsageErrors) {
+  const Workplace place;
+  EXPECT_EQ(place.run({"reproduce", "--figures"}).exit_code, 1);
+  EXPECT_EQ(place.run({"reproduce", "--figures", ""}).exit_code, 1);
+  const ProgramResult typo = place.run({"reproduce", "--figurs", "f"});
+  EXPECT_EQ(typo.exit_code, 1);
+  EXPECT_TRUE(contains(typo.err, "did you mean --figures?")) << typo.err;
+  EXPECT_TRUE(contains(place.run({"reproduce", "--help"}).out, "--figures DIR"));
+}
+
+}  // namespace
+}  // namespace gear3k
