@@ -33,7 +33,7 @@ const Specification& rp96() {
 const RefinementProblem& winner() {
   static const RefinementProblem kProblem = make_refinement_problem(
       rp96(), {.teeth = {.S = 12, .P1 = 54, .R1 = 120, .P2 = 47, .R2 = 118}, .planets = 3},
-      {1e-3, std::nullopt}, 1);
+      {1e-3, std::nullopt});
   return kProblem;
 }
 
@@ -55,7 +55,7 @@ const RefinementProblem& winner_with_all_checks() {
   }();
   static const RefinementProblem kProblem = make_refinement_problem(
       kSpec, {.teeth = {.S = 12, .P1 = 64, .R1 = 141, .P2 = 52, .R2 = 132}, .planets = 3},
-      {std::nullopt, std::nullopt}, 1);
+      {std::nullopt, std::nullopt});
   return kProblem;
 }
 

@@ -55,6 +55,11 @@ Task load_task(const OptimizeOptions& options) {
         "--certify: bounds are those of the simulation without the model's losses at an operating "
         "point, by which --model judges the sets; allowed: one of --certify and --model");
   }
+  if (task.spec.objectives.size() > 1 && optimize::judged_by_model(task.spec)) {
+    throw io::InvalidInput(
+        "--model: a list of objectives asks for a Pareto front, which has none of the model's "
+        "losses at an operating point; allowed: one objective, or no --model");
+  }
   return task;
 }
 
@@ -81,7 +86,12 @@ io::Journal open_journal(const OptimizeOptions& options, const std::string& path
 
 struct Outcome {
   optimize::OptimizeResult result;
+  std::optional<optimize::ParetoFront> front;  ///< of several objectives
   double wall_time_s = 0.0;
+
+  [[nodiscard]] bool interrupted() const {
+    return result.interrupted || (front && front->interrupted);
+  }
 };
 Outcome run(const OptimizeOptions& options, const Task& task) {
   std::vector<std::string> files{options.file};
@@ -99,6 +109,9 @@ Outcome run(const OptimizeOptions& options, const Task& task) {
         {.best_only = options.certify,
          .known = std::move(journal.sets),
          .on_wave = [&](std::span<const optimize::RefinedSet> sets) { writer.append(sets); }});
+    if (task.spec.objectives.size() > 1 && !outcome.result.interrupted) {
+      outcome.front = optimize::search_pareto_front(task.spec, progress);
+    }
     outcome.wall_time_s = display.elapsed_s();
   }
   return outcome;
@@ -111,7 +124,9 @@ void write_results(const OptimizeOptions& options, const Task& task, const Outco
   io::write_file_in_pieces(path_in(options.out, "refined.csv"), [&](const auto& out) {
     report::write_refined_csv(result, by_model, out);
   });
-  io::write_file(path_in(options.out, "pareto.csv"), report::pareto_csv(result, by_model));
+  io::write_file(path_in(options.out, "pareto.csv"),
+                 outcome.front ? report::pareto_csv(task.spec, *outcome.front)
+                               : report::pareto_csv(result, by_model));
   io::write_file(path_in(options.out, "summary.json"), summary);
   const std::string best_path = path_in(options.out, "best.toml");
   if (result.best) {
@@ -125,7 +140,7 @@ void write_results(const OptimizeOptions& options, const Task& task, const Outco
                report::certificate_text(task.spec, result));
   }
   const std::string journal = path_in(options.out, kJournalName);
-  if (result.interrupted) {
+  if (outcome.interrupted()) {
     fmt::print(stderr,
                "interrupted: {} holds the {} tooth sets that were refined; --resume goes on with "
                "the rest\n",
@@ -168,12 +183,12 @@ ExitCode run_optimize(const OptimizeOptions& options) {
   const Outcome outcome = run(options, task);
   const optimize::OptimizeResult& result = outcome.result;
   const report::ResultTally tally = report::tally_of(result);
-  const std::string summary =
-      report::summary_json(task.spec, result, tally,
-                           {.wall_time_s = outcome.wall_time_s, .threads = threads}, task.use());
+  const std::string summary = report::summary_json(
+      task.spec, result, tally, {.wall_time_s = outcome.wall_time_s, .threads = threads},
+      task.use(), outcome.front ? &*outcome.front : nullptr);
   write_results(options, task, outcome, tally, summary);
   if (!result.best) {
-    if (result.interrupted) return kInterrupted;
+    if (outcome.interrupted()) return kInterrupted;
     fmt::print(stderr, "{}\n", report::blocking_text(task.spec, result, tally));
     const bool all_failed =
         tally.status[static_cast<std::size_t>(optimize::Status::kFailed)] > 0 && !tally.nearest;
@@ -190,11 +205,13 @@ ExitCode run_optimize(const OptimizeOptions& options) {
                                 [](std::string_view piece) { print_result(std::string(piece)); });
       break;
     case Format::kTable:
-      print_result(report::analysis_table(best, design::sensitivities(design), task.use()) +
-                   fmt::format("\nFiles in {}: best.toml (this design), refined.csv ({} tooth "
-                               "sets), pareto.csv ({} designs), summary.json\n",
-                               options.out, result.search.candidates.size() - tally.open,
-                               result.pareto.size()));
+      print_result(
+          report::analysis_table(best, design::sensitivities(design), task.use()) +
+          (outcome.front ? report::pareto_table(task.spec, *outcome.front) : "") +
+          fmt::format("\nFiles in {}: best.toml (this design), refined.csv ({} tooth "
+                      "sets), pareto.csv ({} designs), summary.json\n",
+                      options.out, result.search.candidates.size() - tally.open,
+                      outcome.front ? outcome.front->points.size() : result.pareto.size()));
       break;
   }
   if (!best.efficiency.backdrivable) {
@@ -205,7 +222,7 @@ ExitCode run_optimize(const OptimizeOptions& options) {
     fmt::print(stderr, "{}: fails a check when read back\n", best_path);
     return kSolverFailure;
   }
-  return result.interrupted ? kInterrupted : kDone;
+  return outcome.interrupted() ? kInterrupted : kDone;
 }
 
 }  // namespace gear3k::cli

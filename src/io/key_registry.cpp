@@ -89,6 +89,14 @@ bool fits(const KeyRecord& record, const TomlValue& value) {
     case KeyType::kChoice:
       return value.kind == Kind::kText &&
              std::ranges::find(record.choices, value.text) != record.choices.end();
+    case KeyType::kChoices: {
+      const auto fits = [&](const TomlValue& v) {
+        return v.kind == Kind::kText &&
+               std::ranges::find(record.choices, v.text) != record.choices.end();
+      };
+      if (value.kind != Kind::kList) return fits(value);
+      return !value.list.empty() && std::ranges::all_of(value.list, fits);
+    }
     case KeyType::kNumberRange:
       return value.kind == Kind::kList && value.list.size() == 2 &&
              numbers_in_range(record, value.list) && value.list[0].number <= value.list[1].number;
@@ -216,6 +224,8 @@ std::string allowed_text(const KeyRecord& record) {
       return "a text in quotes";
     case KeyType::kChoice:
       return fmt::format("\"{}\"", fmt::join(record.choices, "\" or \""));
+    case KeyType::kChoices:
+      return fmt::format("\"{}\", or a list of these", fmt::join(record.choices, "\" or \""));
     case KeyType::kNumberRange:
       return with_unit("[low, high], two numbers", record) + ", low <= high";
     case KeyType::kIntegerRange:

@@ -20,6 +20,7 @@ enum class KeyType {
   kBoolean,
   kText,
   kChoice,
+  kChoices,        ///< one of the choices, or a list of them
   kNumberRange,    ///< [low, high]
   kIntegerRange,   ///< [low, high]
   kIntegers,       ///< an integer or a list of them

@@ -61,9 +61,16 @@ class Fields {
   std::string_view rest_;
 };
 
+constexpr std::uint8_t kFirstObjective = 200;
+
 std::uint8_t code_of(std::string_view name) {
   if (name == "stage1_module") return kStage1Module;
   if (name == "stage2_module") return kStage2Module;
+  const auto objectives = optimize::objective_records();
+  const auto objective = std::ranges::find(objectives, name, &optimize::ObjectiveRecord::name);
+  if (objective != objectives.end()) {
+    return static_cast<std::uint8_t>(kFirstObjective + (objective - objectives.begin()));
+  }
   const auto records = design::check_records();
   const auto record = std::ranges::find(records, name, &design::CheckRecord::name);
   return record == records.end() ? kNoCheck : static_cast<std::uint8_t>(record - records.begin());
@@ -75,6 +82,10 @@ optimize::Miss miss_of(std::uint8_t code, double violation, double amount) {
   if (code < records.size()) {
     miss.name = records[code].name;
     miss.unit = design::unit_name(records[code].unit);
+  } else if (code >= kFirstObjective && code < kFirstObjective + optimize::kObjectiveCount) {
+    const auto& record = optimize::objective_records()[code - std::size_t{kFirstObjective}];
+    miss.name = record.name;
+    miss.unit = record.unit;
   } else {
     miss.name = code == kStage1Module ? "stage1_module" : "stage2_module";
     miss.unit = design::unit_name(design::Unit::kMillimetre);
@@ -109,6 +120,8 @@ std::string record_of(const optimize::RefinedSet& s) {
   put(record, s.lost_motion_rad);
   put(record, s.contact_ratio);
   put(record, s.ring_root_diameter_m);
+  put(record, s.mass_kg);
+  put(record, s.inertia_kgm2);
   put(record, s.kkt_residual);
   return record;
 }
@@ -130,7 +143,7 @@ bool read_record(std::string_view bytes, optimize::RefinedSet& s) {
   if (!(fields.get(s.train) && fields.get(s.eta_b) && fields.get(s.eta_f) &&
         fields.get(eta_b_model) && fields.get(eta_f_model) && fields.get(s.lost_motion_rad) &&
         fields.get(s.contact_ratio) && fields.get(s.ring_root_diameter_m) &&
-        fields.get(s.kkt_residual))) {
+        fields.get(s.mass_kg) && fields.get(s.inertia_kgm2) && fields.get(s.kkt_residual))) {
     return false;
   }
   s.eta_b_model = optional_of(eta_b_model);

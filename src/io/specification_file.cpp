@@ -11,6 +11,7 @@
 #include "io/limit_keys.hpp"
 #include "io/loss_keys.hpp"
 #include "io/model_keys.hpp"
+#include "optimize/objective_value.hpp"
 
 namespace gear3k::io {
 
@@ -65,6 +66,78 @@ std::array<double, train::kGearCount> per_gear(const TomlValue& v) {
 
 optimize::IntegerRange integer_range(const TomlValue& v) {
   return {.min = static_cast<int>(v.list[0].integer), .max = static_cast<int>(v.list[1].integer)};
+}
+
+std::vector<std::string> objective_names() {
+  std::vector<std::string> names;
+  for (const optimize::ObjectiveRecord& record : optimize::objective_records()) {
+    names.emplace_back(record.name);
+  }
+  return names;
+}
+
+void append_objective_keys(std::vector<Key<Input>>& keys) {
+  keys.push_back({.record = {.path = "objective",
+                             .type = KeyType::kChoices,
+                             .choices = objective_names(),
+                             .default_text = "\"backward_efficiency\"",
+                             .help = "what is best; a list asks for the Pareto front, the first "
+                                     "of it picks best.toml"},
+                  .assign = [](Input& t, std::size_t, const TomlValue& v) {
+                    t.spec.objectives.clear();
+                    const auto add = [&](const std::string& name) {
+                      t.spec.objectives.push_back(
+                          static_cast<optimize::Objective>(index_of(objective_names(), name)));
+                    };
+                    if (v.kind != TomlValue::Kind::kList) add(v.text);
+                    for (const TomlValue& e : v.list) add(e.text);
+                  }});
+  keys.push_back({.record = {.path = "pareto.points",
+                             .type = KeyType::kInteger,
+                             .min = 2,
+                             .max = 10000,
+                             .default_text = "15",
+                             .help = "steps of the front; with three objectives or more, of all "
+                                     "but the first together"},
+                  .assign = [](Input& t, std::size_t, const TomlValue& v) {
+                    t.spec.pareto_points = static_cast<int>(v.integer);
+                  }});
+  keys.push_back({.record = {.path = "inertia.density_kg_m3",
+                             .type = KeyType::kNumber,
+                             .unit = "kg/m3",
+                             .min = 0.0,
+                             .max = 30000.0,
+                             .min_excluded = true,
+                             .default_text = "none",
+                             .help = "density of the gears, for mass and inertia"},
+                  .assign = [](Input& t, std::size_t, const TomlValue& v) {
+                    t.spec.bodies.density_kgm3 = v.number;
+                  }});
+  for (const std::size_t stage : {0U, 1U}) {
+    keys.push_back({.record = {.path = fmt::format("stage{}.face_width_mm", stage + 1),
+                               .type = KeyType::kNumber,
+                               .unit = "mm",
+                               .min = 0.0,
+                               .max = 1000.0,
+                               .min_excluded = true,
+                               .default_text = "none",
+                               .help = stage == 0 ? "face width of S, P1, R1, for mass and inertia"
+                                                  : "face width of P2, R2, for mass and inertia"},
+                    .assign = [stage](Input& t, std::size_t, const TomlValue& v) {
+                      t.spec.bodies.face_width_m[stage] = v.number * kMillimetre;
+                    }});
+  }
+  keys.push_back({.record = {.path = "size.ring_rim_mm",
+                             .type = KeyType::kNumber,
+                             .unit = "mm",
+                             .min = 0.0,
+                             .max = 1000.0,
+                             .default_text = "0",
+                             .help = "rim of both rings outside their root circles, for mass, "
+                                     "inertia and outer diameter"},
+                  .assign = [](Input& t, std::size_t, const TomlValue& v) {
+                    t.spec.bodies.ring_rim_m = v.number * kMillimetre;
+                  }});
 }
 
 void append_tooth_keys(std::vector<Key<Input>>& keys) {
@@ -155,16 +228,7 @@ Schema<Input> specification_schema() {
   append_model_keys<Input>(keys, [](Input& t) {
     return ModelInput{t.spec.pressure_angle_rad, t.spec.rack, t.spec.friction};
   });
-  keys.push_back(
-      {.record = {.path = "objective",
-                  .type = KeyType::kChoice,
-                  .choices = {optimize::kObjectiveNames.begin(), optimize::kObjectiveNames.end()},
-                  .default_text = "\"backward_efficiency\"",
-                  .help = "what is maximised"},
-       .assign = [](Input& t, std::size_t, const TomlValue& v) {
-         t.spec.objective =
-             static_cast<optimize::Objective>(index_of(optimize::kObjectiveNames, v.text));
-       }});
+  append_objective_keys(keys);
   keys.push_back({.record = {.path = "tip_shortening",
                              .type = KeyType::kNumberPerGear,
                              .unit = "modules",
@@ -280,6 +344,27 @@ Schema<Input> specification_schema() {
   return schema;
 }
 
+void check_objectives(const optimize::Specification& spec, FileReading& reading) {
+  for (std::size_t k = 0; k < spec.objectives.size(); ++k) {
+    const auto name = optimize::objective_record(spec.objectives[k]).name;
+    const auto first =
+        std::find(spec.objectives.begin(), spec.objectives.end(), spec.objectives[k]);
+    if (first != spec.objectives.begin() + static_cast<std::ptrdiff_t>(k)) {
+      reading.error_at("objective",
+                       fmt::format("objective: \"{}\" twice: allowed: each once", name));
+    }
+    const bool needs_masses = spec.objectives[k] == optimize::Objective::kMass ||
+                              spec.objectives[k] == optimize::Objective::kInertia;
+    if (needs_masses && !optimize::knows_masses(spec)) {
+      reading.error_at("objective",
+                       fmt::format("objective \"{}\" without inertia.density_kg_m3, "
+                                   "stage1.face_width_mm and stage2.face_width_mm: allowed: with "
+                                   "all three",
+                                   name));
+    }
+  }
+}
+
 void check_relations(const Input& input, FileReading& reading) {
   const optimize::Specification& spec = input.spec;
   const auto& teeth = spec.teeth;
@@ -296,6 +381,7 @@ void check_relations(const Input& input, FileReading& reading) {
   };
   ring_holds("teeth.R1_max", teeth.R1_max, "P1", teeth.P1.min);
   ring_holds("teeth.R2_max", teeth.R2_max, "P2", teeth.P2.min);
+  check_objectives(spec, reading);
   using design::CheckId;
   const auto& least = input.limits.limits[CheckId::kOutputBacklashMin];
   const auto& most = input.limits.limits[CheckId::kOutputBacklashMax];

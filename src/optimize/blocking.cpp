@@ -29,6 +29,13 @@ std::vector<std::pair<std::string_view, double>> violations_by_name(
 /// A scaled violation of the rows of a name, with its unit.
 Miss miss_of(const RefinementProblem& problem, std::string_view name, double violation) {
   const auto row = std::ranges::find(problem.rows, name, &ConstraintRow::name);
+  if (row->objective) {
+    const ObjectiveRecord& record = objective_record(row->objective->objective);
+    return {.name = name,
+            .violation = violation,
+            .amount = violation * row->objective->scale / record.per_unit,
+            .unit = record.unit};
+  }
   const design::Unit unit = row->check ? row->check->record->unit : design::Unit::kMillimetre;
   const double scale = row->check ? row->check->scale : problem.length_scale_m;
   return {.name = name,

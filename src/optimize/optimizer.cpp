@@ -1,11 +1,13 @@
 #include "optimize/optimizer.hpp"
 
 #include <algorithm>
-#include <numeric>
+#include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
 #include "optimize/blocking.hpp"
+#include "optimize/objective_value.hpp"
 #include "optimize/parallel.hpp"
 
 namespace gear3k::optimize {
@@ -21,7 +23,15 @@ class Run {
  public:
   Run(const Specification& spec, Progress& progress, const OptimizeOptions& options,
       OptimizeResult& result)
-      : spec_(spec), progress_(progress), options_(options), result_(result), refiner_(spec) {}
+      : spec_(spec),
+        progress_(progress),
+        options_(options),
+        result_(result),
+        refiner_(spec),
+        no_gain_(is_efficiency(first_objective(spec))
+                     ? 0.0
+                     : 4.0 * design::kFeasibilityTolerance *
+                           objective_scale(first_objective(spec), spec)) {}
 
   void bound() {
     progress_.total = 0;  // while done and phase change, nothing is known
@@ -41,13 +51,14 @@ class Run {
       for (std::size_t k = block * kBlock; k < std::min(count, (block + 1) * kBlock); ++k) {
         const SetBound bound = result_.bounds->of(k);
         infeasible[k] = bound.infeasible ? 1 : 0;
-        bound_[k] = objective_bound(bound, spec_.objective);
+        bound_[k] = merit_bound(spec_, bound, result_.search.candidates[k]);
       }
     });
     for (std::size_t k = 0; k < count; ++k) {
-      if (infeasible[k] == 0) order.push_back(static_cast<std::uint32_t>(k));
+      infeasible_ += infeasible[k] != 0 ? 1 : 0;
+      const bool reaches = bound_[k] > -std::numeric_limits<double>::infinity();
+      if (infeasible[k] == 0 && reaches) order.push_back(static_cast<std::uint32_t>(k));
     }
-    infeasible_ = count - order.size();
     if (options_.best_only) {
       std::ranges::stable_sort(
           order, [&](std::uint32_t a, std::uint32_t b) { return bound_[a] > bound_[b]; });
@@ -65,10 +76,10 @@ class Run {
     for (std::size_t begin = 0; begin < order.size() && !progress_.stop.load();) {
       std::size_t end = std::min(order.size(), begin + size);
       if (options_.best_only && result_.best) {
-        const double best = objective_of(*result_.best, spec_.objective);
+        const double best = merit_of(spec_, *result_.best);
         const auto past =
             std::partition_point(order.begin() + static_cast<std::ptrdiff_t>(begin), order.end(),
-                                 [&](std::uint32_t k) { return bound_[k] >= best; });
+                                 [&](std::uint32_t k) { return bound_[k] > best + no_gain_; });
         const auto last = static_cast<std::size_t>(past - order.begin());
         progress_.total = last;
         end = std::min(end, last);
@@ -103,7 +114,7 @@ class Run {
       if (!refined[i]) return;
       refined[i]->index = k;
       if (refined[i]->status == Status::kOptimal) {
-        const double value = judged_objective(spec_, *refined[i]);
+        const double value = merit_of(spec_, *refined[i]);
         double seen = progress_.best_objective.load();
         while (value > seen && !progress_.best_objective.compare_exchange_weak(seen, value)) {
         }
@@ -127,29 +138,32 @@ class Run {
       result_.best = set;
       return;
     }
-    const double value = judged_objective(spec_, set);
-    const double best = judged_objective(spec_, *result_.best);
+    const double value = merit_of(spec_, set);
+    const double best = merit_of(spec_, *result_.best);
     if (value > best || (value == best && set.index < result_.best->index)) result_.best = set;
   }
 
   void certify(const std::vector<std::uint32_t>& order) {
     Certificate c;
-    c.best = objective_of(*result_.best, spec_.objective);
+    c.best = merit_of(spec_, *result_.best);
     c.refined = result_.refined.size();
     c.infeasible = infeasible_;
-    c.bounded = order.size() - c.refined;
-    if (c.bounded > 0) c.largest_unrefined_bound = bound_[order[c.refined]];
+    c.bounded = result_.search.candidates.size() - infeasible_ - c.refined;
+    if (c.refined < order.size()) c.largest_unrefined_bound = bound_[order[c.refined]];
+    const double proven = kProven * objective_scale(first_objective(spec_), spec_) + no_gain_;
     std::vector<double> sharp(result_.refined.size());
     parallel_for(sharp.size(), [&](std::size_t i) {
       const std::size_t k = result_.refined[i].index;
-      sharp[i] = bound_[k] > c.best + kProven && !progress_.stop.load()
-                     ? objective_bound(result_.bounds->sharpened(k), spec_.objective)
-                     : bound_[k];
+      sharp[i] =
+          bound_[k] > c.best + proven && !progress_.stop.load() &&
+                  is_efficiency(first_objective(spec_))
+              ? merit_bound(spec_, result_.bounds->sharpened(k), result_.search.candidates[k])
+              : bound_[k];
     });
     c.global_bound = std::max(c.best, c.largest_unrefined_bound.value_or(c.best));
     for (const double bound : sharp) {
       c.global_bound = std::max(c.global_bound, bound);
-      if (bound > c.best + kProven) ++c.open;
+      if (bound > c.best + proven) ++c.open;
     }
     result_.certificate = c;
   }
@@ -159,14 +173,34 @@ class Run {
   const OptimizeOptions& options_;
   OptimizeResult& result_;
   Refiner refiner_;
+  /// What a design may gain by missing its limits as far as it may.
+  double no_gain_;
   std::vector<double> bound_;
   std::size_t infeasible_ = 0;
 };
 
 }  // namespace
 
-double objective_bound(const SetBound& bound, Objective objective) {
-  return objective == Objective::kForwardEfficiency ? bound.eta_f : bound.eta_b;
+double merit_bound(const Specification& spec, const SetBound& bound, const Candidate& candidate) {
+  const auto best_of = [&](Objective objective) {
+    switch (objective) {
+      case Objective::kBackwardEfficiency:
+        return bound.eta_b;
+      case Objective::kForwardEfficiency:
+        return bound.eta_f;
+      default:
+        return best_value(objective, spec, candidate.teeth, candidate.planets);
+    }
+  };
+  for (const ObjectiveLimit& limit : spec.objective_limits) {
+    const double slack =
+        design::kFeasibilityTolerance * std::abs(objective_scale(limit.objective, spec));
+    if (sense_of(limit.objective) * (best_of(limit.objective) - limit.value) < -slack) {
+      return -std::numeric_limits<double>::infinity();
+    }
+  }
+  const Objective first = first_objective(spec);
+  return sense_of(first) * best_of(first);
 }
 
 std::optional<RefinedSet> set_at(const OptimizeResult& result, std::size_t k) {

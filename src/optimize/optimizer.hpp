@@ -22,16 +22,16 @@ struct OptimizeOptions {
   /// Refines only sets whose bound reaches the best that was found; else all.
   bool best_only = false;
   /// Sets that an earlier run refined, by rising index: they are taken as they are.
-  std::vector<RefinedSet> known;
+  std::vector<RefinedSet> known{};
   /// Called with the sets of a wave, known ones left out, when all of them are done.
-  std::function<void(std::span<const RefinedSet>)> on_wave;
+  std::function<void(std::span<const RefinedSet>)> on_wave{};
 };
 
 /// What the bounds prove of a result, for the specification's model (its search space, its checks
 /// as inequalities, its loss model): a feasible design of an unrefined tooth set has at most
 /// `largest_unrefined_bound`, any design at most `global_bound`.
 struct Certificate {
-  double best = 0.0;  ///< objective of the best design
+  double best = 0.0;  ///< merit_of() the best design, as are the bounds
   std::size_t refined = 0, bounded = 0, infeasible = 0;
   /// Largest bound of the sets that were bounded away; empty when there is none.
   std::optional<double> largest_unrefined_bound;
@@ -42,7 +42,7 @@ struct Certificate {
   /// local, and they might hold something better.
   std::size_t open = 0;
 };
-/// What counts as nothing in a certificate.
+/// What counts as nothing in a certificate, in units of the objective's scale.
 inline constexpr double kProven = 1e-6;
 
 struct OptimizeResult {
@@ -65,8 +65,9 @@ std::optional<RefinedSet> set_at(const OptimizeResult& result, std::size_t k);
 void for_each_set(const OptimizeResult& result,
                   const std::function<void(std::size_t, const std::optional<RefinedSet>&)>& visit);
 
-/// Bound of the objective.
-double objective_bound(const SetBound& bound, Objective objective);
+/// What merit_of() any feasible design of a set can have at most; minus infinity where a limit on
+/// an objective is out of its reach.
+double merit_bound(const Specification& spec, const SetBound& bound, const Candidate& candidate);
 
 /// Searches, bounds and refines, OpenMP over stages and tooth sets, in waves of fixed order: the
 /// result does not depend on the number of threads.  Ties go to the set that comes first.

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <limits>
 
+#include "optimize/objective_value.hpp"
 #include "optimize/refinement_problem.hpp"
 
 namespace gear3k::optimize {
@@ -27,22 +29,46 @@ design::Design design_of(const Specification& spec, const RefinedSet& set) {
   design.friction = spec.friction;
   design.friction.extension = {};
   design.axial = spec.axial;
+  design.masses.density_kgm3 = spec.bodies.density_kgm3;
+  design.masses.face_width_m = spec.bodies.face_width_m;
+  if (knows_masses(spec)) {
+    const auto gears = train::make_train_gears(design.train);
+    design.masses.ring1_outer_radius_m = gears[train::kR1].root_radius_m + spec.bodies.ring_rim_m;
+    design.masses.ring2_outer_radius_m = gears[train::kR2].root_radius_m + spec.bodies.ring_rim_m;
+  }
   design.limits = spec.limits;
   return design;
 }
 
-double objective_of(const RefinedSet& set, Objective objective) {
-  return objective == Objective::kForwardEfficiency ? set.eta_f : set.eta_b;
+double objective_of(const Specification& spec, const RefinedSet& set, Objective objective) {
+  switch (objective) {
+    case Objective::kBackwardEfficiency:
+      return set.eta_b;
+    case Objective::kForwardEfficiency:
+      return set.eta_f;
+    case Objective::kLostMotion:
+      return set.lost_motion_rad;
+    case Objective::kOuterDiameter:
+      return set.ring_root_diameter_m + 2.0 * spec.bodies.ring_rim_m;
+    case Objective::kInertia:
+      return set.inertia_kgm2;
+    case Objective::kMass:
+      return set.mass_kg;
+    case Objective::kRatioError:
+      return std::abs(train::ratio(set.candidate.teeth) / spec.ratio.target - 1.0);
+  }
+  return 0.0;
 }
 
 bool judged_by_model(const Specification& spec) {
-  return spec.model.has_value() && spec.operating_point.has_value();
+  const Objective first = first_objective(spec);
+  return spec.model.has_value() && spec.operating_point.has_value() && is_efficiency(first);
 }
 
-double judged_objective(const Specification& spec, const RefinedSet& set) {
-  if (!judged_by_model(spec)) return objective_of(set, spec.objective);
-  const auto& eta =
-      spec.objective == Objective::kForwardEfficiency ? set.eta_f_model : set.eta_b_model;
+double merit_of(const Specification& spec, const RefinedSet& set) {
+  const Objective first = first_objective(spec);
+  if (!judged_by_model(spec)) return sense_of(first) * objective_of(spec, set, first);
+  const auto& eta = first == Objective::kForwardEfficiency ? set.eta_f_model : set.eta_b_model;
   return eta.value_or(-std::numeric_limits<double>::infinity());
 }
 

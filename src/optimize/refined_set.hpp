@@ -59,7 +59,8 @@ struct RefinedSet {
   std::optional<double> eta_b_model, eta_f_model;
   double lost_motion_rad = 0.0;  ///< by the specification's model
   std::array<double, train::kMeshCount> contact_ratio{};
-  double ring_root_diameter_m = 0.0;  ///< the larger ring's
+  double ring_root_diameter_m = 0.0;         ///< the larger ring's
+  double mass_kg = 0.0, inertia_kgm2 = 0.0;  ///< see objective_value(); 0 when not known
   double kkt_residual = 0.0;
 };
 
@@ -74,14 +75,14 @@ train::TrainParameters<double> train_of(const Specification& spec, const Refined
 /// The design of a refined set, with the specification's limits and friction; without its model.
 design::Design design_of(const Specification& spec, const RefinedSet& set);
 
-/// Efficiency that a specification maximises.
-double objective_of(const RefinedSet& set, Objective objective);
+/// Value of an objective, SI.
+double objective_of(const Specification& spec, const RefinedSet& set, Objective objective);
 
 /// Whether a calibrated model decides between the refined sets.
 bool judged_by_model(const Specification& spec);
 
-/// Efficiency by which refined sets are compared: objective_of(), or that with the model; minus
-/// infinity where the gearbox does not run with it.
-double judged_objective(const Specification& spec, const RefinedSet& set);
+/// What refined sets are compared by, more is better: the first objective with its sense, or that
+/// efficiency with the model; minus infinity where the gearbox does not run with it.
+double merit_of(const Specification& spec, const RefinedSet& set);
 
 }  // namespace gear3k::optimize

@@ -8,6 +8,7 @@
 #include "efficiency/train_efficiency.hpp"
 #include "geometry/interference.hpp"
 #include "optimize/nonnegative_least_squares.hpp"
+#include "optimize/objective_value.hpp"
 
 namespace gear3k::optimize {
 
@@ -44,8 +45,12 @@ void append_checks(RefinementProblem& p, int backlash_branch) {
     // Properties of the tooth numbers alone were settled by the search.
     if (id == CheckId::kEqualSpacing || id == CheckId::kIdenticalPlanets) continue;
     const bool paper = limits.model == backlash::LostMotionModel::kPaper;
-    ConstraintRow row{
-        .check = check, .stage = 0, .bound_m = 0.0, .at_least = true, .name = check.record->name};
+    ConstraintRow row{.check = check,
+                      .objective = std::nullopt,
+                      .stage = 0,
+                      .bound_m = 0.0,
+                      .at_least = true,
+                      .name = check.record->name};
     if (id == CheckId::kOutputBacklashMin) {
       // Implied by meshes that do not interfere.
       if (check.limit <= 0.0 && limits[CheckId::kNormalBacklash].value_or(-1.0) >= 0.0) continue;
@@ -65,11 +70,35 @@ void append_checks(RefinementProblem& p, int backlash_branch) {
   }
 }
 
+void append_objectives(RefinementProblem& p) {
+  const auto append = [&](const ObjectiveRow& row) {
+    p.rows.push_back({.check = std::nullopt,
+                      .objective = row,
+                      .stage = 0,
+                      .bound_m = 0.0,
+                      .at_least = true,
+                      .name = objective_record(row.objective).name});
+  };
+  for (const ObjectiveLimit& limit : p.spec->objective_limits) {
+    append({.objective = limit.objective,
+            .limit = limit.value,
+            .branch = 0,
+            .scale = objective_scale(limit.objective, *p.spec)});
+  }
+  if (p.branch.objective > 0) {
+    append({.objective = p.objective,
+            .limit = std::nullopt,
+            .branch = p.branch.objective,
+            .scale = p.objective_scale});
+  }
+}
+
 void append_module_bounds(RefinementProblem& p, int stage) {
   const auto& range = p.spec->module[static_cast<std::size_t>(stage)].range_m;
   if (!range) return;
   for (const bool at_least : {true, false}) {
     p.rows.push_back({.check = std::nullopt,
+                      .objective = std::nullopt,
                       .stage = stage,
                       .bound_m = at_least ? range->min : range->max,
                       .at_least = at_least,
@@ -125,14 +154,17 @@ void set_box(RefinementProblem& p, const Candidate& candidate) {
 
 RefinementProblem with_rows(const Specification& spec, int planets,
                             std::array<std::optional<double>, 2> fixed_module_m,
-                            int backlash_branch) {
+                            const ProblemBranch& branch) {
   RefinementProblem p;
   p.candidate.planets = planets;
   p.spec = &spec;
   p.fixed_module_m = fixed_module_m;
   p.length_scale_m = length_scale_m(spec);
-  p.backlash_branch = backlash_branch;
-  append_checks(p, backlash_branch);
+  p.branch = branch;
+  p.objective = first_objective(spec);
+  p.objective_scale = objective_scale(p.objective, spec);
+  append_checks(p, branch.backlash);
+  append_objectives(p);
   if (!fixed_module_m[0] && fixed_module_m[1]) append_module_bounds(p, 0);
   if (!fixed_module_m[1]) append_module_bounds(p, 1);
   return p;
@@ -142,8 +174,8 @@ RefinementProblem with_rows(const Specification& spec, int planets,
 
 RefinementProblem make_refinement_problem(const Specification& spec, const Candidate& candidate,
                                           std::array<std::optional<double>, 2> fixed_module_m,
-                                          int backlash_branch) {
-  RefinementProblem p = with_rows(spec, candidate.planets, fixed_module_m, backlash_branch);
+                                          const ProblemBranch& branch) {
+  RefinementProblem p = with_rows(spec, candidate.planets, fixed_module_m, branch);
   set_box(p, candidate);
   const auto unshifted =
       train::make_train_gears(unrefined_train(spec, candidate, {.profile_shift = 0.0}));
@@ -161,8 +193,8 @@ RefinementProblem make_refinement_problem(const Specification& spec, const Candi
 
 RefinementProblem make_problem_rows(const Specification& spec, int planets,
                                     std::array<std::optional<double>, 2> fixed_module_m,
-                                    int backlash_branch) {
-  RefinementProblem p = with_rows(spec, planets, fixed_module_m, backlash_branch);
+                                    const ProblemBranch& branch) {
+  RefinementProblem p = with_rows(spec, planets, fixed_module_m, branch);
   std::erase_if(p.rows, [&](const ConstraintRow& row) {
     return row.check && in_shift_range(spec, *row.check);
   });
@@ -178,7 +210,7 @@ void set_teeth(RefinementProblem& problem, const Candidate& candidate, const Shi
 }
 
 RefinementProblem with_all_rows(const RefinementProblem& p) {
-  return make_refinement_problem(*p.spec, p.candidate, p.fixed_module_m, p.backlash_branch);
+  return make_refinement_problem(*p.spec, p.candidate, p.fixed_module_m, p.branch);
 }
 
 template <class T>
@@ -254,6 +286,16 @@ void mark_forms(const design::CheckInstance& check, std::array<bool, train::kGea
   }
 }
 
+/// By how much an objective reaches its limit, or one branch exceeds the other; scaled.
+template <class T>
+T objective_margin(const ObjectiveRow& row, const Specification& spec,
+                   const train::TrainGeometry<T>& train,
+                   const std::array<T, train::kMeshCount>& j_bn) {
+  const T value = objective_value(row.objective, spec, train, j_bn, row.branch);
+  if (row.limit) return (value - *row.limit) * (sense_of(row.objective) / row.scale);
+  return (value - objective_value(row.objective, spec, train, j_bn, 3 - row.branch)) / row.scale;
+}
+
 /// @param index_of  place in problem.rows of the k-th of `constraints`
 template <class T, class IndexOf>
 std::optional<T> evaluate_rows(const RefinementProblem& p, std::span<const T> v, IndexOf index_of,
@@ -266,12 +308,8 @@ std::optional<T> evaluate_rows(const RefinementProblem& p, std::span<const T> v,
   const auto train = train::make_train_geometry(parameters);
   if (!train) return std::nullopt;
   const auto j_bn = backlash::normal_backlashes(*train);
-  const bool forward = spec.objective == Objective::kForwardEfficiency;
-  const auto eta = efficiency::mesh_efficiencies(
-      *train, efficiency::constant_friction<T>(spec.friction, forward), spec.friction.model,
-      forward);
-  const T objective = forward ? T(-efficiency::forward_efficiency(p.candidate.teeth, eta))
-                              : T(-efficiency::backward_efficiency(p.candidate.teeth, eta));
+  const T objective = objective_value(p.objective, spec, *train, j_bn, p.branch.objective) *
+                      (-sense_of(p.objective) / p.objective_scale);
   bool finite = all_finite(objective);
   auto gearing = design::gearing_of(*train, j_bn, spec.limits.model);
   std::array<bool, train::kGearCount> needed{};
@@ -289,6 +327,8 @@ std::optional<T> evaluate_rows(const RefinementProblem& p, std::span<const T> v,
     const ConstraintRow& row = p.rows[index_of(k)];
     if (row.check) {
       constraints[k] = check_margin(*row.check, gearing) / row.check->scale;
+    } else if (row.objective) {
+      constraints[k] = objective_margin(*row.objective, spec, *train, j_bn);
     } else {
       const T& module = parameters.module_m[static_cast<std::size_t>(row.stage)];
       constraints[k] =

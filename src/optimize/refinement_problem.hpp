@@ -15,13 +15,24 @@
 
 namespace gear3k::optimize {
 
-/// One inequality g ≥ 0: a check, or a bound on a module that is a dependent quantity.
+/// An objective that has to reach a value, or (without one) a branch of the objective that is the
+/// larger one.
+struct ObjectiveRow {
+  Objective objective{};
+  std::optional<double> limit;  ///< SI
+  int branch = 0;               ///< see objective_value()
+  double scale = 1.0;
+};
+
+/// One inequality g ≥ 0: a check, an objective, or a bound on a module that is a dependent
+/// quantity.
 struct ConstraintRow {
   std::optional<design::CheckInstance> check;
+  std::optional<ObjectiveRow> objective;
   int stage = 0;          ///< module bound: 0 or 1
   double bound_m = 0.0;   ///< module bound [m]
   bool at_least = true;   ///< module bound: module ≥ bound, else ≤
-  std::string_view name;  ///< the check's name, or stage1_module / stage2_module
+  std::string_view name;  ///< of the check or objective, or stage1_module / stage2_module
 };
 
 /// Values of the variables; a problem uses the first `variables` of them.
@@ -30,6 +41,15 @@ using Point = std::array<double, kMaxVariables>;
 inline constexpr std::size_t kAngleA = train::kGearCount;      ///< a
 inline constexpr std::size_t kAngleB = train::kGearCount + 1;  ///< b, if any
 inline constexpr std::size_t kScale = train::kGearCount + 2;   ///< m1/scale, if any
+
+/// Which smooth part of a maximum a problem takes; the best of all branches counts.
+struct ProblemBranch {
+  /// 1 or 2: which of the paper's φ_2, φ_3 has to reach the lower limit of the lost motion (either
+  /// suffices); of no effect unless the problem has_branches.
+  int backlash = 1;
+  /// 1 or 2: which part of the objective is the larger one; 0 where it has none.
+  int objective = 0;
+};
 
 /// One tooth set with its modules, as a programme in at most kMaxVariables variables of order 1:
 ///
@@ -40,7 +60,8 @@ inline constexpr std::size_t kScale = train::kGearCount + 2;   ///< m1/scale, if
 /// (m, d) keep every point of the box inside the model's domain: with
 ///   d = m z_sum cos α/(2 cos α_w)
 /// the meshes of smaller base sums have cos α_w < 1 whenever a > 0.
-/// Minimise f = −η subject to g_k ≥ 0 and the box.  Source: own derivation, docs/theory.md §12.
+/// Minimise f subject to g_k ≥ 0 and the box; f is the objective, negative where it is maximised,
+/// in units of its scale: −η for efficiencies.  Source: own derivation, docs/theory.md §12.
 struct RefinementProblem {
   Candidate candidate;
   const Specification* spec = nullptr;  ///< must outlive the problem
@@ -49,7 +70,9 @@ struct RefinementProblem {
   int variables = 0;
   std::array<double, kMaxVariables> lower{}, upper{};
   double length_scale_m = 1e-3;
-  int backlash_branch = 1;    ///< see make_refinement_problem()
+  Objective objective = Objective::kBackwardEfficiency;
+  double objective_scale = 1.0;
+  ProblemBranch branch;
   bool has_branches = false;  ///< the lower limit of the paper's lost motion is a row: see below
   std::vector<ConstraintRow> rows;
 };
@@ -64,17 +87,15 @@ train::TrainParameters<double> unrefined_train(const Specification& spec,
                                                const Unrefined& unrefined);
 
 /// @param fixed_module_m  a module for each stage that is not refined continuously
-/// @param backlash_branch 1 or 2: which of the paper's φ_2, φ_3 has to reach the lower limit of the
-///        lost motion (either suffices); of no effect unless the result has_branches
 RefinementProblem make_refinement_problem(const Specification& spec, const Candidate& candidate,
                                           std::array<std::optional<double>, 2> fixed_module_m,
-                                          int backlash_branch);
+                                          const ProblemBranch& branch = {});
 
 /// The same in two steps, for many tooth sets: the rows, less those that shift ranges see to; then
 /// the tooth set with its shift ranges as a box.
 RefinementProblem make_problem_rows(const Specification& spec, int planets,
                                     std::array<std::optional<double>, 2> fixed_module_m,
-                                    int backlash_branch);
+                                    const ProblemBranch& branch = {});
 void set_teeth(RefinementProblem& problem, const Candidate& candidate, const ShiftRanges& shifts);
 /// As make_refinement_problem() makes it: every check a row, the whole shift range the box.
 RefinementProblem with_all_rows(const RefinementProblem& problem);

@@ -455,7 +455,7 @@ SetBounds::Stage1 SetBounds::relax1(const Candidate& key, const Effort& effort,
   } else {
     // At a typical loss factor, with stage 2 as stage 1 and the ratio that is asked for.
     constexpr double kTypical = 0.65;
-    const bool forward = spec.objective == Objective::kForwardEfficiency;
+    const bool forward = first_objective(spec) == Objective::kForwardEfficiency;
     const double g1 = train::g1(z);
     const double g2 = 1.0 - (1.0 + g1) / spec.ratio.target;
     const auto weight_at = [&](double factor) {
@@ -532,7 +532,7 @@ SetBound SetBounds::sharpened(std::size_t k) const {
   const SetBound usual = of(k);
   if (usual.infeasible) return usual;
   const train::ToothSet& z = candidates_[k].teeth;
-  const bool forward = spec_->objective == Objective::kForwardEfficiency;
+  const bool forward = first_objective(*spec_) == Objective::kForwardEfficiency;
   const auto w =
       loss_weights(train::g1(z), train::g2(z),
                    {1.0 - usual.losses[0], 1.0 - usual.losses[1], 1.0 - usual.losses[2]}, forward);
@@ -559,7 +559,7 @@ SetBound SetBounds::combine(std::size_t k, const Stage1& stage1, const Stage2& s
     return bound;
   }
   const train::ToothSet& z = candidates_[k].teeth;
-  const bool forward = spec_->objective == Objective::kForwardEfficiency;
+  const bool forward = first_objective(*spec_) == Objective::kForwardEfficiency;
   bound.eta_b = bound.eta_f = 0.0;
   double best = -1.0;
   // Stage 1 has at most the share of its level, stage 2 what the level below leaves.

@@ -51,7 +51,7 @@ class SetBounds {
     StageEffort weighted, alone;  ///< for both losses together, for one of them
   };
   static constexpr Effort kUsual{.weighted = {.boxes = 200, .tolerance = 0.02},
-                                 .alone = {.boxes = 60, .tolerance = 0.05}};
+                                 .alone = {.boxes = 24, .tolerance = 0.1}};
   static constexpr Effort kSharp{.weighted = {.boxes = 20000, .tolerance = 1e-4},
                                  .alone = {.boxes = 2000, .tolerance = 1e-3}};
 

@@ -17,6 +17,9 @@ constexpr double kUndefinedPenalty = 1e3;
 /// Interior margin that least_violation() is content with.
 constexpr double kInterior = 1e-3;
 
+/// Margin below which rows that need tooth forms take part.
+constexpr double kCostlyMargin = 0.05;
+
 /// Memory of a solve, kept by each thread from one solve to the next.
 struct Workspace {
   std::vector<std::uint16_t> selection;  ///< rows that the solver sees
@@ -149,7 +152,8 @@ SolveOutcome judge(const RefinementProblem& problem, const Point& v, Workspace& 
   return outcome_at(problem, v, space.values);
 }
 
-/// Adds the rows below a margin to the selection, and all that are cheap.
+/// Adds the rows below a margin to the selection; those that need tooth forms are costly and wait
+/// for a smaller one.
 /// @returns whether there was any
 bool select_below(const RefinementProblem& problem, double margin, Workspace& space) {
   const std::size_t before = space.selection.size();
@@ -157,7 +161,7 @@ bool select_below(const RefinementProblem& problem, double margin, Workspace& sp
     const auto row = static_cast<std::uint16_t>(k);
     const auto& check = problem.rows[k].check;
     const bool costly = check && check->record->tooth_form;
-    if ((!costly || space.values[k] < margin) &&
+    if (space.values[k] < (costly ? std::min(margin, kCostlyMargin) : margin) &&
         !std::binary_search(space.selection.begin(),
                             space.selection.begin() + static_cast<std::ptrdiff_t>(before), row)) {
       space.selection.push_back(row);

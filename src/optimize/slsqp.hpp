@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <string_view>
 
 #include "optimize/solve_outcome.hpp"
@@ -11,9 +12,9 @@ struct SlsqpOptions {
   /// Stops when a step changes every variable by less than this, relatively.
   double x_tolerance = 1e-11;
   double f_tolerance = 1e-13;  ///< or the objective by less than this, relatively
-  /// Rows that need tooth forms, which are costly, and are so far from their limits at the start
-  /// (in units of their scales) are left out until the solver violates them.
-  double working_margin = 0.05;
+  /// Rows that are farther from their limits at the start (in units of their scales) are left out
+  /// until the solver violates them: worth it where the start is near the end.
+  double working_margin = std::numeric_limits<double>::infinity();
 };
 
 /// Refines from a start by NLopt's SLSQP with exact gradients.  Thread-safe.

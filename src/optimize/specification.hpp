@@ -9,12 +9,9 @@
 
 #include "design/design.hpp"
 #include "design/extension.hpp"
+#include "optimize/objective.hpp"
 
 namespace gear3k::optimize {
-
-enum class Objective { kBackwardEfficiency, kForwardEfficiency };
-inline constexpr std::array<std::string_view, 2> kObjectiveNames{"backward_efficiency",
-                                                                 "forward_efficiency"};
 
 enum class Refine { kSlsqp, kIpopt, kBoth };
 inline constexpr std::array<std::string_view, 3> kRefineNames{"slsqp", "ipopt", "both"};
@@ -46,6 +43,13 @@ struct RatioTarget {
   double tolerance = 0.0;  ///< |ratio/target − 1| ≤
 };
 
+/// Sizes from which the gears' masses follow.
+struct GearBodySizes {
+  std::optional<double> density_kgm3;
+  std::array<std::optional<double>, 2> face_width_m;  ///< by stage
+  double ring_rim_m = 0.0;                            ///< of both rings outside their root circles
+};
+
 struct Solver {
   Refine refine = Refine::kSlsqp;
   int starts = 4;
@@ -56,7 +60,11 @@ struct Specification {
   std::string name;
   std::vector<int> planets{3};
   double pressure_angle_rad = 0.0;
-  Objective objective = Objective::kBackwardEfficiency;
+  /// Not empty; the first decides, several ask for their Pareto front.
+  std::vector<Objective> objectives{Objective::kBackwardEfficiency};
+  int pareto_points = 15;  ///< about so many steps of all other objectives together
+  /// What else designs have to reach; those on lost motion and diameter are in `limits` instead.
+  std::vector<ObjectiveLimit> objective_limits;
   RatioTarget ratio;
   ToothRanges teeth;
   std::array<ModuleChoice, 2> module;
@@ -66,6 +74,7 @@ struct Specification {
   std::array<bool, train::kGearCount> khk_tip{};  ///< S and P1
   std::array<geometry::PinionCutter, train::kGearCount> cutter{};
   train::AxialLayout axial;
+  GearBodySizes bodies;
   std::array<double, train::kGearCount> machining_allowance{};
   design::Limits limits = design::default_limits();
   /// Its extension acts in the refinement with what does not depend on where the gearbox runs.
@@ -76,6 +85,9 @@ struct Specification {
   std::optional<design::Extension<double>> model;
   Solver solver;
 };
+
+/// The objective that decides.
+inline Objective first_objective(const Specification& spec) { return spec.objectives.front(); }
 
 /// The least module that a choice offers [m].
 double least_module(const ModuleChoice& choice);

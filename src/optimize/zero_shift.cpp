@@ -50,7 +50,7 @@ std::vector<ZeroShiftSet> rank_at_zero_shift(const Specification& spec,
   std::vector<ZeroShiftSet> sets(candidates.size());
   parallel_for(candidates.size(),
                [&](std::size_t k) { sets[k] = at_zero_shift(spec, candidates[k]); });
-  const bool forward = spec.objective == Objective::kForwardEfficiency;
+  const bool forward = first_objective(spec) == Objective::kForwardEfficiency;
   std::ranges::stable_sort(sets, [&](const ZeroShiftSet& a, const ZeroShiftSet& b) {
     return std::tuple(!a.meshes, !a.defined, forward ? -a.eta_f : -a.eta_b) <
            std::tuple(!b.meshes, !b.defined, forward ? -b.eta_f : -b.eta_b);

@@ -48,7 +48,9 @@ ordered_json search_counts_json(const Specification& spec, const ToothSearchResu
           {"ratio_tolerance", spec.ratio.tolerance}};
 }
 
-std::string refined_row(const OptimizeResult& result, const RefinedSet& s, bool by_model) {
+/// @param bound  upper bound of eta_b; empty where there is none
+std::vector<std::string> refined_fields(const RefinedSet& s, const std::optional<double>& bound,
+                                        bool by_model) {
   std::vector<std::string> fields = teeth_fields(s.candidate.teeth);
   const bool optimal = s.status == Status::kOptimal;
   const auto number = [&](double value) { return optimal ? exact(value) : std::string(); };
@@ -63,7 +65,7 @@ std::string refined_row(const OptimizeResult& result, const RefinedSet& s, bool 
   fields.push_back(number(mm(s.train.module_m[1])));
   fields.push_back(number(mm(s.train.center_distance_m)));
   for (const double epsilon : s.contact_ratio) fields.push_back(number(epsilon));
-  fields.push_back(s.status == Status::kInfeasible ? "" : exact(result.bounds->of(s.index).eta_b));
+  fields.push_back(bound ? exact(*bound) : "");
   fields.push_back(number(s.kkt_residual));
   fields.push_back(fmt::format("{}", s.candidate.planets));
   fields.push_back(number(mm(s.ring_root_diameter_m)));
@@ -73,7 +75,19 @@ std::string refined_row(const OptimizeResult& result, const RefinedSet& s, bool 
     fields.push_back(number(or_nan(s.eta_b_model)));
     fields.push_back(number(or_nan(s.eta_f_model)));
   }
-  return csv_line(fields);
+  return fields;
+}
+
+std::string refined_row(const OptimizeResult& result, const RefinedSet& s, bool by_model) {
+  const bool bounded = s.status != Status::kInfeasible;
+  return csv_line(refined_fields(
+      s, bounded ? std::optional(result.bounds->of(s.index).eta_b) : std::nullopt, by_model));
+}
+
+/// A value of an objective in its unit, SI given.
+std::string with_unit(const optimize::ObjectiveRecord& record, double value) {
+  return fmt::format("{:.6g}{}{}", value / record.per_unit, record.unit.empty() ? "" : " ",
+                     record.unit);
 }
 
 constexpr const char* kRefinedHeader =
@@ -187,7 +201,7 @@ ResultTally tally_of(const OptimizeResult& result) {
     const auto status = static_cast<std::size_t>(set->status);
     ++tally.status[status];
     if (set->status == Status::kOptimal) return;
-    ++tally.reasons[status][std::string(reason_of(*set))];
+    if (!reason_of(*set).empty()) ++tally.reasons[status][std::string(reason_of(*set))];
     if (!set->blocked_by.empty() && (!tally.nearest || key(*set) < key(*tally.nearest))) {
       tally.nearest = set;
     }
@@ -211,26 +225,94 @@ std::string pareto_csv(const OptimizeResult& result, bool by_model) {
   return text;
 }
 
+std::string pareto_csv(const Specification& spec, const optimize::ParetoFront& front) {
+  std::string text = kRefinedHeader;
+  for (const optimize::Objective objective : spec.objectives) {
+    const optimize::ObjectiveRecord& record = optimize::objective_record(objective);
+    text +=
+        fmt::format(",objective_{}{}{}", record.name, record.unit.empty() ? "" : "_", record.unit);
+  }
+  text += "\n";
+  for (const optimize::ParetoPoint& point : front.points) {
+    std::vector<std::string> fields = refined_fields(point.set, std::nullopt, false);
+    for (std::size_t k = 0; k < spec.objectives.size(); ++k) {
+      fields.push_back(
+          exact(point.values[k] / optimize::objective_record(spec.objectives[k]).per_unit));
+    }
+    text += csv_line(fields);
+  }
+  return text;
+}
+
+std::string pareto_table(const Specification& spec, const optimize::ParetoFront& front) {
+  std::vector<std::string> head{"S/P1/R1/P2/R2", "planets", "ratio"};
+  for (const optimize::Objective objective : spec.objectives) {
+    const optimize::ObjectiveRecord& record = optimize::objective_record(objective);
+    head.push_back(record.unit.empty() ? std::string(record.title)
+                                       : fmt::format("{} [{}]", record.title, record.unit));
+  }
+  TextTable table(std::move(head));
+  for (const optimize::ParetoPoint& point : front.points) {
+    const train::ToothSet& z = point.set.candidate.teeth;
+    std::vector<std::string> row{teeth_text(z), fmt::format("{}", point.set.candidate.planets),
+                                 fmt::format("{:.4f}", train::ratio(z))};
+    for (std::size_t k = 0; k < spec.objectives.size(); ++k) {
+      row.push_back(fmt::format(
+          "{:.5g}", point.values[k] / optimize::objective_record(spec.objectives[k]).per_unit));
+    }
+    table.add(std::move(row));
+  }
+  return fmt::format(
+      "\nPareto front: {} designs from {} searches of the whole space; hypervolume {:.4f} of the "
+      "box between the best of each objective alone and the worst that the others' best designs "
+      "have\n{}",
+      front.points.size(), front.searches, front.hypervolume, table.text(2));
+}
+
 namespace {
+
+ordered_json front_json(const Specification& spec, const optimize::ParetoFront& front) {
+  ordered_json objectives = ordered_json::array();
+  for (std::size_t k = 0; k < spec.objectives.size(); ++k) {
+    const optimize::ObjectiveRecord& record = optimize::objective_record(spec.objectives[k]);
+    ordered_json entry{{"name", record.name}, {"unit", record.unit}, {"maximise", record.maximise}};
+    const bool known = !front.ideal.empty();
+    entry["ideal"] = known ? ordered_json(front.ideal[k] / record.per_unit) : nullptr;
+    entry["reference"] = known ? ordered_json(front.reference[k] / record.per_unit) : nullptr;
+    objectives.push_back(std::move(entry));
+  }
+  return {{"objectives", std::move(objectives)},
+          {"designs", front.points.size()},
+          {"searches", front.searches},
+          {"hypervolume", front.hypervolume}};
+}
 
 ordered_json certificate_json(const Specification& spec, const OptimizeResult& result) {
   if (!result.certificate) return nullptr;
   const optimize::Certificate& c = *result.certificate;
-  return {{"objective", optimize::kObjectiveNames[static_cast<std::size_t>(spec.objective)]},
-          {"best", c.best},
+  const optimize::ObjectiveRecord& record =
+      optimize::objective_record(optimize::first_objective(spec));
+  const auto shown = [&](double merit) {
+    return optimize::sense_of(record.id) * merit / record.per_unit;
+  };
+  return {{"objective", record.name},
+          {"unit", record.unit},
+          {"best", shown(c.best)},
           {"refined", c.refined},
           {"bounded", c.bounded},
           {"infeasible", c.infeasible},
-          {"largest_unrefined_bound", number_or_null(c.largest_unrefined_bound)},
-          {"global_bound", c.global_bound},
-          {"gap", c.global_bound - c.best},
+          {"largest_unrefined_bound",
+           c.largest_unrefined_bound ? ordered_json(shown(*c.largest_unrefined_bound)) : nullptr},
+          {"global_bound", shown(c.global_bound)},
+          {"gap", std::abs(c.global_bound - c.best) / record.per_unit},
           {"locally_optimal_only", c.open}};
 }
 
 }  // namespace
 
 std::string summary_json(const Specification& spec, const OptimizeResult& result,
-                         const ResultTally& tally, const RunFacts& facts, const ModelUse* model) {
+                         const ResultTally& tally, const RunFacts& facts, const ModelUse* model,
+                         const optimize::ParetoFront* front) {
   ordered_json status = ordered_json::object();
   ordered_json reasons = ordered_json::object();
   for (std::size_t k = 0; k < optimize::kStatusCount; ++k) {
@@ -259,7 +341,7 @@ std::string summary_json(const Specification& spec, const OptimizeResult& result
   ordered_json json{
       {"tool", tool_json()},
       {"name", spec.name},
-      {"objective", optimize::kObjectiveNames[static_cast<std::size_t>(spec.objective)]},
+      {"objective", optimize::objective_record(optimize::first_objective(spec)).name},
       {"refine", optimize::kRefineNames[static_cast<std::size_t>(spec.solver.refine)]},
       {"starts", spec.solver.starts},
       {"seed", spec.solver.seed},
@@ -269,8 +351,9 @@ std::string summary_json(const Specification& spec, const OptimizeResult& result
       {"reasons", std::move(reasons)},
       {"best", std::move(best)},
       {"certificate", certificate_json(spec, result)},
-      {"pareto", result.pareto.size()},
-      {"interrupted", result.interrupted},
+      {"pareto", front != nullptr ? front->points.size() : result.pareto.size()},
+      {"pareto_front", front != nullptr ? front_json(spec, *front) : ordered_json(nullptr)},
+      {"interrupted", result.interrupted || (front != nullptr && front->interrupted)},
       {"wall_time_s", facts.wall_time_s},
       {"threads", facts.threads}};
   if (model != nullptr) add_model(json, *model);
@@ -289,7 +372,7 @@ std::string optimize_counts_text(const OptimizeResult& result, const ResultTally
     for (const auto& [reason, n] : tally.reasons[k]) {
       reasons += fmt::format("{}{} {}", reasons.empty() ? "" : ", ", reason, n);
     }
-    text += fmt::format(" ({})", reasons);
+    if (!reasons.empty()) text += fmt::format(" ({})", reasons);
   }
   return text + "\n";
 }
@@ -297,17 +380,21 @@ std::string optimize_counts_text(const OptimizeResult& result, const ResultTally
 std::string certificate_text(const Specification& spec, const OptimizeResult& result) {
   if (!result.certificate) return "";
   const optimize::Certificate& c = *result.certificate;
-  const auto name = optimize::kObjectiveNames[static_cast<std::size_t>(spec.objective)];
+  const optimize::ObjectiveRecord& record =
+      optimize::objective_record(optimize::first_objective(spec));
+  const auto shown = [&](double merit) {
+    return with_unit(record, optimize::sense_of(record.id) * merit);
+  };
+  const char* than = record.maximise ? "more" : "less";
   std::string text =
-      fmt::format("certificate under the stated model: best {} {:.6f}", name, c.best);
+      fmt::format("certificate under the stated model: best {} {}", record.name, shown(c.best));
   if (c.largest_unrefined_bound) {
-    text += fmt::format("; no design of the {} bounded sets has more than {:.6f}", c.bounded,
-                        *c.largest_unrefined_bound);
+    text += fmt::format("; no design of the {} bounded sets has {} than {}", c.bounded, than,
+                        shown(*c.largest_unrefined_bound));
   }
   text += fmt::format(
-      "; {} sets are proven to have no feasible design; no design of any set has "
-      "more than {:.6f}",
-      c.infeasible, c.global_bound);
+      "; {} sets are proven to have no feasible design; no design of any set has {} than {}",
+      c.infeasible, than, shown(c.global_bound));
   if (c.open > 0) {
     text +=
         fmt::format(" ({} refined sets are locally optimal only and may hold up to that)", c.open);

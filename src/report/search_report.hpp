@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "optimize/optimizer.hpp"
+#include "optimize/pareto_search.hpp"
 #include "optimize/zero_shift.hpp"
 #include "report/model_report.hpp"
 
@@ -48,15 +49,21 @@ void write_refined_csv(const optimize::OptimizeResult& result, bool by_model,
 /// pareto.csv: the same columns for the sets of result.pareto.
 std::string pareto_csv(const optimize::OptimizeResult& result, bool by_model = false);
 
+/// pareto.csv of a list of objectives: the same columns, then each objective in its unit.
+std::string pareto_csv(const optimize::Specification& spec, const optimize::ParetoFront& front);
+std::string pareto_table(const optimize::Specification& spec, const optimize::ParetoFront& front);
+
 /// What may differ from run to run, kept apart in summary.json.
 struct RunFacts {
   double wall_time_s = 0.0;
   int threads = 1;
 };
 /// @param model  with which the sets were judged; null: none
+/// @param front  of several objectives; null: none was asked for
 std::string summary_json(const optimize::Specification& spec,
                          const optimize::OptimizeResult& result, const ResultTally& tally,
-                         const RunFacts& facts, const ModelUse* model = nullptr);
+                         const RunFacts& facts, const ModelUse* model = nullptr,
+                         const optimize::ParetoFront* front = nullptr);
 
 /// Counts by status and reason, for the terminal.
 std::string optimize_counts_text(const optimize::OptimizeResult& result, const ResultTally& tally);

@@ -50,7 +50,7 @@ TEST(ReadSpecification, DefaultsAreThoseOfTheContract) {
   EXPECT_EQ(spec.planets, std::vector<int>{3});
   EXPECT_TRUE(spec.limits[design::CheckId::kIdenticalPlanets].has_value());
   EXPECT_DOUBLE_EQ(spec.pressure_angle_rad, 20.0 * kDegree);
-  EXPECT_EQ(spec.objective, optimize::Objective::kBackwardEfficiency);
+  EXPECT_EQ(optimize::first_objective(spec), optimize::Objective::kBackwardEfficiency);
   EXPECT_EQ(spec.ratio.tolerance, 0.005);
   EXPECT_EQ(spec.teeth.max_coaxial_offset, 4);
   EXPECT_EQ(spec.teeth.min_internal_difference, 8);
@@ -168,7 +168,7 @@ TEST(ReadSpecification, SolverKeysReachTheSolver) {
   const Specification spec =
       parse("objective = \"forward_efficiency\"\n" + kMinimal +
             "[solver]\nrefine = \"both\"\nstarts = 7\nseed = 9007199254740992\n");
-  EXPECT_EQ(spec.objective, optimize::Objective::kForwardEfficiency);
+  EXPECT_EQ(optimize::first_objective(spec), optimize::Objective::kForwardEfficiency);
   EXPECT_EQ(spec.solver.refine, optimize::Refine::kBoth);
   EXPECT_EQ(spec.solver.starts, 7);
   EXPECT_EQ(spec.solver.seed, 9007199254740992ULL);

@@ -257,7 +257,7 @@ TEST(Optimize, ForwardObjectiveBeatsTheBackwardOneForward) {
   const Candidate candidate{.teeth = {.S = 12, .P1 = 54, .R1 = 120, .P2 = 47, .R2 = 118},
                             .planets = 3};
   const RefinedSet backward = refine(spec, candidate);
-  spec.objective = Objective::kForwardEfficiency;
+  spec.objectives = {Objective::kForwardEfficiency};
   const RefinedSet forward = refine(spec, candidate);
   EXPECT_GE(forward.eta_f, backward.eta_f - 1e-9);
   EXPECT_LE(forward.eta_b, backward.eta_b + 1e-9);

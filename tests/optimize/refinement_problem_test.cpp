@@ -47,12 +47,12 @@ class RefinementProblemOf : public testing::TestWithParam<Variant> {
     spec_.limits[design::CheckId::kRingTipThickness] = 0.2;
     spec_.machining_allowance.fill(0.02);
     spec_.friction.model = v.loss;
-    spec_.objective = v.objective;
+    spec_.objectives = {v.objective};
     spec_.ratio.target = v.ratio;
     Progress progress;
     const auto candidates = search_teeth(spec_, progress).candidates;
     for (std::size_t k = 0; k < candidates.size(); k += 1 + candidates.size() / 25) {
-      problems_.push_back(make_refinement_problem(spec_, candidates[k], v.fixed_module_m, 1));
+      problems_.push_back(make_refinement_problem(spec_, candidates[k], v.fixed_module_m));
     }
   }
 
@@ -200,7 +200,7 @@ TEST(RefinementProblem, AgreesWithRp96TypedAnew) {
   int feasible = 0;
   for (std::size_t c = 0; c < candidates.size(); c += 3) {
     const RefinementProblem p =
-        make_refinement_problem(spec, candidates[c], {1e-3, std::nullopt}, 1);
+        make_refinement_problem(spec, candidates[c], {1e-3, std::nullopt});
     for (int trial = 0; trial < 20; ++trial) {
       // Half of the points far from, half of them near a point inside the limits.
       const Point start = starting_points(p, 4, 1)[static_cast<std::size_t>(trial % 4)];
@@ -233,7 +233,7 @@ TEST(RefinementProblem, KktResidualVanishesAtAnOptimumAndNotAtAStart) {
   const Specification spec = rp96_specification();
   const RefinementProblem p = make_refinement_problem(
       spec, {.teeth = {.S = 12, .P1 = 54, .R1 = 120, .P2 = 47, .R2 = 118}, .planets = 3},
-      {1e-3, std::nullopt}, 1);
+      {1e-3, std::nullopt});
   const Point v = starting_points(p, 1, 1).front();
   EXPECT_GT(kkt_residual(p, v), 1e-3);
   const Point end = solve_slsqp(p, v, {}).v;

@@ -1,0 +1,51 @@
+#pragma once
+// What a task may ask for: one objective, or several for a Pareto front.
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <string_view>
+
+namespace gear3k::optimize {
+
+enum class Objective {
+  kBackwardEfficiency,
+  kForwardEfficiency,
+  kLostMotion,
+  kOuterDiameter,
+  kInertia,
+  kMass,
+  kRatioError
+};
+inline constexpr std::size_t kObjectiveCount = 7;
+
+/// One record per objective: names, sense and unit.
+struct ObjectiveRecord {
+  Objective id;
+  std::string_view name;   ///< in files
+  std::string_view title;  ///< in tables
+  bool maximise;           ///< else minimised
+  std::string_view unit;   ///< in files and tables; "" = dimensionless
+  double per_unit;         ///< SI value of one unit
+  std::string_view help;
+};
+std::span<const ObjectiveRecord> objective_records();
+const ObjectiveRecord& objective_record(Objective objective);
+
+/// Whether SetBounds bounds an objective; best_value() the others.
+inline bool is_efficiency(Objective objective) {
+  return objective == Objective::kBackwardEfficiency || objective == Objective::kForwardEfficiency;
+}
+
+/// Sign with which more is better.
+inline double sense_of(Objective objective) {
+  return objective_record(objective).maximise ? 1.0 : -1.0;
+}
+
+/// A value [SI] that an objective has to reach: at least it when maximised, else at most.
+struct ObjectiveLimit {
+  Objective objective = Objective::kBackwardEfficiency;
+  double value = 0.0;
+};
+
+}  // namespace gear3k::optimize

@@ -1,0 +1,196 @@
+#include "optimize/objective_value.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+
+#include "efficiency/train_efficiency.hpp"
+#include "inertia/effective_inertia.hpp"
+#include "inertia/mass_properties.hpp"
+#include "optimize/refinement_problem.hpp"
+#include "optimize/shift_range.hpp"
+
+namespace gear3k::optimize {
+
+namespace {
+
+template <class T>
+using GearBodies = std::array<inertia::MassProperties<T>, train::kGearCount>;
+
+template <class T>
+GearBodies<T> gear_bodies(const Specification& spec,
+                          const std::array<geometry::GearGeometry<T>, train::kGearCount>& gears) {
+  if (!knows_masses(spec)) {
+    throw std::invalid_argument("objective mass or inertia: density and face widths not stated");
+  }
+  GearBodies<T> bodies;
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    const int id = static_cast<int>(i);
+    const bool ring = train::kind_of(id) == geometry::GearKind::kRing;
+    const T other = ring ? T(gears[i].root_radius_m + spec.bodies.ring_rim_m) : constant<T>(0.0);
+    const auto stage = static_cast<std::size_t>(train::stage_of(id));
+    bodies[i] =
+        inertia::gear_body<T>(gears[i], other, constant<T>(*spec.bodies.face_width_m[stage]),
+                              constant<T>(*spec.bodies.density_kgm3));
+  }
+  return bodies;
+}
+
+template <class T>
+T mass_of(const GearBodies<T>& bodies, int planets) {
+  using train::kP1, train::kP2, train::kR1, train::kR2, train::kS;
+  return bodies[kS].mass_kg + (bodies[kP1].mass_kg + bodies[kP2].mass_kg) * (1.0 * planets) +
+         bodies[kR1].mass_kg + bodies[kR2].mass_kg;
+}
+
+template <class T>
+T inertia_of(const GearBodies<T>& bodies, const train::ToothSet& teeth, int planets,
+             const T& center_distance_m) {
+  using train::kP1, train::kP2, train::kR2, train::kS;
+  return inertia::lossless_inertia<T>(
+      {.teeth = teeth,
+       .planets = planets,
+       .center_distance_m = center_distance_m,
+       .bodies = {.sun_kgm2 = bodies[kS].inertia_kgm2,
+                  .planet1_kgm2 = bodies[kP1].inertia_kgm2,
+                  .planet2_kgm2 = bodies[kP2].inertia_kgm2,
+                  .planet_mass_kg = bodies[kP1].mass_kg + bodies[kP2].mass_kg,
+                  .carrier_kgm2 = constant<T>(0.0),
+                  .ring2_kgm2 = bodies[kR2].inertia_kgm2}});
+}
+
+double ratio_error(const Specification& spec, const train::ToothSet& teeth) {
+  return std::abs(train::ratio(teeth) / spec.ratio.target - 1.0);
+}
+
+}  // namespace
+
+bool knows_masses(const Specification& spec) {
+  const GearBodySizes& b = spec.bodies;
+  return b.density_kgm3 && b.face_width_m[0] && b.face_width_m[1];
+}
+
+bool has_objective_branches(Objective objective, const Specification& spec) {
+  return objective == Objective::kOuterDiameter ||
+         (objective == Objective::kLostMotion &&
+          spec.limits.model == backlash::LostMotionModel::kPaper);
+}
+
+template <class T>
+T objective_value(Objective objective, const Specification& spec,
+                  const train::TrainGeometry<T>& train,
+                  const std::array<T, train::kMeshCount>& normal_backlash_m, int branch) {
+  const auto mesh_efficiencies = [&](bool forward) {
+    return efficiency::mesh_efficiencies(train,
+                                         efficiency::constant_friction<T>(spec.friction, forward),
+                                         spec.friction.model, forward);
+  };
+  switch (objective) {
+    case Objective::kBackwardEfficiency:
+      return efficiency::backward_efficiency(train.teeth, mesh_efficiencies(false));
+    case Objective::kForwardEfficiency:
+      return efficiency::forward_efficiency(train.teeth, mesh_efficiencies(true));
+    case Objective::kLostMotion: {
+      if (branch == 0) {
+        return backlash::output_lost_motion(train, normal_backlash_m, spec.limits.model);
+      }
+      const auto phi = backlash::paper_lost_motion(train, normal_backlash_m);
+      return phi[0] + phi[static_cast<std::size_t>(branch)];
+    }
+    case Objective::kOuterDiameter: {
+      const T& first = train.gears[train::kR1].root_radius_m;
+      const T& second = train.gears[train::kR2].root_radius_m;
+      const T radius = branch == 0 ? larger(first, second) : branch == 1 ? first : second;
+      return 2.0 * radius + 2.0 * spec.bodies.ring_rim_m;
+    }
+    case Objective::kInertia:
+      return inertia_of(gear_bodies(spec, train.gears), train.teeth, train.planets,
+                        train.center_distance_m);
+    case Objective::kMass:
+      return mass_of(gear_bodies(spec, train.gears), train.planets);
+    case Objective::kRatioError:
+      return constant<T>(ratio_error(spec, train.teeth));
+  }
+  throw std::invalid_argument("objective_value: objective unknown");
+}
+
+double best_value(Objective objective, const Specification& spec, const train::ToothSet& teeth,
+                  int planets) {
+  // Sizes grow with module and shift; kFeasibilityTolerance of either is allowed for.
+  constexpr double kSlack = 1.0 - 4.0 * design::kFeasibilityTolerance;
+  const auto smallest = [&] {
+    return train::make_train_gears(unrefined_train(spec, {.teeth = teeth, .planets = planets},
+                                                   {.profile_shift = spec.profile_shift.min}));
+  };
+  switch (objective) {
+    case Objective::kBackwardEfficiency:
+    case Objective::kForwardEfficiency:
+      return 1.0;
+    case Objective::kLostMotion: {
+      const auto& limit = spec.limits[design::CheckId::kNormalBacklash];
+      if (!limit) return -std::numeric_limits<double>::infinity();
+      // Each mesh has at least this; a negative share is greatest on the smallest circle.
+      const double half_cos = 0.5 * std::cos(spec.pressure_angle_rad);
+      const double slack = design::kFeasibilityTolerance * length_scale_m(spec);
+      const bool kinematic = spec.limits.model == backlash::LostMotionModel::kKinematic;
+      const double ratio = train::ratio(teeth);
+      const auto share = [&](std::size_t stage, double base_teeth) {
+        const Interval module = module_range(spec.module[stage]);
+        const double least = *limit - slack;
+        return least / ((least > 0.0 ? module.hi : module.lo) * half_cos * base_teeth);
+      };
+      const double sun = share(0, std::abs(ratio) * teeth.S);
+      const double first = share(0, teeth.R1) * (kinematic ? 1.0 - 1.0 / ratio : 1.0);
+      const double second = share(1, teeth.R2);
+      return kinematic ? sun + first + second : sun + std::max(first, second);
+    }
+    case Objective::kOuterDiameter: {
+      const auto gears = smallest();
+      return kSlack *
+             (2.0 * std::max(gears[train::kR1].root_radius_m, gears[train::kR2].root_radius_m) +
+              2.0 * spec.bodies.ring_rim_m);
+    }
+    case Objective::kInertia:
+      // Base circles part at no less than their radii's difference.
+      return kSlack * kSlack *
+             inertia_of<double>(gear_bodies(spec, smallest()), teeth, planets,
+                                0.5 * least_module(spec.module[0]) *
+                                    std::cos(spec.pressure_angle_rad) * (teeth.R1 - teeth.P1));
+    case Objective::kMass:
+      return kSlack * mass_of(gear_bodies(spec, smallest()), planets);
+    case Objective::kRatioError:
+      return ratio_error(spec, teeth);
+  }
+  throw std::invalid_argument("best_value: objective unknown");
+}
+
+double objective_scale(Objective objective, const Specification& spec) {
+  switch (objective) {
+    case Objective::kLostMotion: {
+      const auto& most = spec.limits[design::CheckId::kOutputBacklashMax];
+      constexpr double kTypical_rad = 10.0 * std::numbers::pi / 180.0 / 60.0;
+      return most && *most > 0.0 ? *most : kTypical_rad;
+    }
+    case Objective::kOuterDiameter:
+    case Objective::kInertia:
+    case Objective::kMass: {
+      const train::ToothSet least{.S = spec.teeth.S.min,
+                                  .P1 = spec.teeth.P1.min,
+                                  .R1 = spec.teeth.S.min + 2 * spec.teeth.P1.min,
+                                  .P2 = spec.teeth.P2.min,
+                                  .R2 = spec.teeth.S.min + 2 * spec.teeth.P2.min + 1};
+      return best_value(objective, spec, least, spec.planets.front());
+    }
+    default:
+      return 1.0;
+  }
+}
+
+#define INSTANTIATE(T)                                                                           \
+  template T objective_value<T>(Objective, const Specification&, const train::TrainGeometry<T>&, \
+                                const std::array<T, train::kMeshCount>&, int);
+GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
+
+}  // namespace gear3k::optimize
