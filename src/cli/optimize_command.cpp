@@ -55,6 +55,13 @@ Task load_task(const OptimizeOptions& options) {
         "--certify: bounds are those of the simulation without the model's losses at an operating "
         "point, by which --model judges the sets; allowed: one of --certify and --model");
   }
+  const bool front = task.spec.objectives.size() > 1;
+  if ((options.certify || front) && !optimize::has_bounds(task.spec)) {
+    throw io::InvalidInput(fmt::format(
+        "{}: {} needs bounds, and with free.pressure_angle_deg there are none; allowed: one of "
+        "them",
+        options.file, options.certify ? "--certify" : "a list of objectives"));
+  }
   if (task.spec.objectives.size() > 1 && optimize::judged_by_model(task.spec)) {
     throw io::InvalidInput(
         "--model: a list of objectives asks for a Pareto front, which has none of the model's "
@@ -120,13 +127,13 @@ Outcome run(const OptimizeOptions& options, const Task& task) {
 void write_results(const OptimizeOptions& options, const Task& task, const Outcome& outcome,
                    const report::ResultTally& tally, const std::string& summary) {
   const optimize::OptimizeResult& result = outcome.result;
-  const bool by_model = task.model.has_value();
+  const report::RefinedColumns columns = report::refined_columns(task.spec);
   io::write_file_in_pieces(path_in(options.out, "refined.csv"), [&](const auto& out) {
-    report::write_refined_csv(result, by_model, out);
+    report::write_refined_csv(result, columns, out);
   });
   io::write_file(path_in(options.out, "pareto.csv"),
                  outcome.front ? report::pareto_csv(task.spec, *outcome.front)
-                               : report::pareto_csv(result, by_model));
+                               : report::pareto_csv(result, columns));
   io::write_file(path_in(options.out, "summary.json"), summary);
   const std::string best_path = path_in(options.out, "best.toml");
   if (result.best) {
@@ -201,7 +208,7 @@ ExitCode run_optimize(const OptimizeOptions& options) {
       print_result(summary);
       break;
     case Format::kCsv:
-      report::write_refined_csv(result, task.model.has_value(),
+      report::write_refined_csv(result, report::refined_columns(task.spec),
                                 [](std::string_view piece) { print_result(std::string(piece)); });
       break;
     case Format::kTable:

@@ -68,6 +68,77 @@ optimize::IntegerRange integer_range(const TomlValue& v) {
   return {.min = static_cast<int>(v.list[0].integer), .max = static_cast<int>(v.list[1].integer)};
 }
 
+optimize::NumberRange number_range(const TomlValue& v) {
+  return {.min = v.list[0].number, .max = v.list[1].number};
+}
+
+/// Variables that are fixed unless a range is stated.
+void append_free_keys(std::vector<Key<Input>>& keys) {
+  keys.push_back({.record = {.path = "profile_shift.ring_range",
+                             .type = KeyType::kNumberRange,
+                             .unit = "modules",
+                             .min = -5.0,
+                             .max = 5.0,
+                             .default_text = "profile_shift.range",
+                             .help = "profile shift of R1 and R2"},
+                  .assign = [](Input& t, std::size_t, const TomlValue& v) {
+                    t.spec.ring_shift = number_range(v);
+                  }});
+  keys.push_back({.record = {.path = "free.addendum",
+                             .type = KeyType::kNumberRange,
+                             .unit = "modules",
+                             .min = 0.2,
+                             .max = 2.0,
+                             .default_text = "rack.addendum",
+                             .help = "addendum of each gear, refined in this range; best.toml "
+                                     "states it as rack.addendum less tip_shortening"},
+                  .assign = [](Input& t, std::size_t, const TomlValue& v) {
+                    const optimize::NumberRange range = number_range(v);
+                    t.spec.rack.addendum = range.max;
+                    t.spec.free.tip_shortening = {.min = 0.0, .max = range.max - range.min};
+                  }});
+  keys.push_back({.record = {.path = "free.tip_shortening",
+                             .type = KeyType::kNumberRange,
+                             .unit = "modules",
+                             .min = 0.0,
+                             .max = 1.5,
+                             .default_text = "tip_shortening",
+                             .help = "tip shortening of each gear, refined in this range"},
+                  .assign = [](Input& t, std::size_t, const TomlValue& v) {
+                    t.spec.free.tip_shortening = number_range(v);
+                  }});
+  keys.push_back({.record = {.path = "free.pressure_angle_deg",
+                             .type = KeyType::kNumberRange,
+                             .unit = "deg",
+                             .min = 10.0,
+                             .max = 35.0,
+                             .default_text = "pressure_angle_deg",
+                             .help = "pressure angle, refined in this range; without bounds then"},
+                  .assign = [](Input& t, std::size_t, const TomlValue& v) {
+                    constexpr double kDegree = std::numbers::pi / 180.0;
+                    const optimize::NumberRange range = number_range(v);
+                    t.spec.free.pressure_angle_rad = {.min = range.min * kDegree,
+                                                      .max = range.max * kDegree};
+                  }});
+}
+
+/// What the free variables exclude.
+void check_free(const optimize::Specification& spec, FileReading& reading) {
+  const char* const tips = reading.has("free.addendum") ? "free.addendum" : "free.tip_shortening";
+  if (reading.has("free.addendum")) {
+    for (const char* other : {"rack.addendum", "free.tip_shortening", "tip_shortening"}) {
+      if (!reading.stated(other)) continue;
+      reading.error_at(other, fmt::format("{} and free.addendum: allowed: one of them", other));
+    }
+  } else if (reading.has("free.tip_shortening") && reading.stated("tip_shortening")) {
+    reading.error_at("tip_shortening",
+                     "tip_shortening and free.tip_shortening: allowed: one of them");
+  }
+  if (spec.free.tip_shortening && (spec.khk_tip[train::kS] || spec.khk_tip[train::kP1])) {
+    reading.error_at(tips, fmt::format("{} and tip_rule = \"khk\": allowed: one of them", tips));
+  }
+}
+
 std::vector<std::string> objective_names() {
   std::vector<std::string> names;
   for (const optimize::ObjectiveRecord& record : optimize::objective_records()) {
@@ -300,6 +371,7 @@ Schema<Input> specification_schema() {
                   .assign = [](Input& t, std::size_t, const TomlValue& v) {
                     t.spec.profile_shift = {.min = v.list[0].number, .max = v.list[1].number};
                   }});
+  append_free_keys(keys);
   keys.push_back({.record = {.path = "backlash.machining_allowance",
                              .type = KeyType::kNumberPerGear,
                              .unit = "modules",
@@ -382,6 +454,7 @@ void check_relations(const Input& input, FileReading& reading) {
   ring_holds("teeth.R1_max", teeth.R1_max, "P1", teeth.P1.min);
   ring_holds("teeth.R2_max", teeth.R2_max, "P2", teeth.P2.min);
   check_objectives(spec, reading);
+  check_free(spec, reading);
   using design::CheckId;
   const auto& least = input.limits.limits[CheckId::kOutputBacklashMin];
   const auto& most = input.limits.limits[CheckId::kOutputBacklashMax];

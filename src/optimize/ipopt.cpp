@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <mutex>
 
+#include "optimize/gradients.hpp"
+
 namespace gear3k::optimize {
 
 namespace {
@@ -21,7 +23,7 @@ class RefinementNlp : public Ipopt::TNLP {
         start_(start),
         end_(start),
         g_(problem.rows.size()),
-        g1_(problem.rows.size()),
+        rows_(all_rows(problem)),
         g2_(problem.rows.size()) {}
 
   [[nodiscard]] const Point& end() const { return end_; }
@@ -60,9 +62,8 @@ class RefinementNlp : public Ipopt::TNLP {
   }
 
   bool eval_grad_f(Index n, const Number* x, bool /*new_x*/, Number* gradient) override {
-    const auto f = evaluate_jet1(x);
-    if (!f) return false;
-    std::copy_n(f->v.data(), n, gradient);
+    if (!evaluate_gradients(problem_, {x, n_}, rows_, first_)) return false;
+    std::copy_n(first_.df.begin(), n, gradient);
     return true;
   }
 
@@ -83,8 +84,8 @@ class RefinementNlp : public Ipopt::TNLP {
       }
       return true;
     }
-    if (!evaluate_jet1(x)) return false;
-    for (const Jet1& g : g1_) values = std::copy_n(g.v.data(), n, values);
+    if (!evaluate_gradients(problem_, {x, n_}, rows_, first_)) return false;
+    std::copy(first_.dg.begin(), first_.dg.end(), values);
     return true;
   }
 
@@ -100,19 +101,10 @@ class RefinementNlp : public Ipopt::TNLP {
       }
       return true;
     }
-    std::array<Jet2, kMaxVariables> jets;
-    for (Index k = 0; k < n; ++k) {
-      Jet2& jet = jets[static_cast<std::size_t>(k)];
-      jet.a = Jet1(x[k], k);
-      jet.v[k] = Jet1(1.0);
-    }
-    const auto f = evaluate<Jet2>(problem_, used(problem_, jets), g2_);
-    if (!f) return false;
-    for (Index i = 0; i < n; ++i) {
-      for (Index j = 0; j <= i; ++j) {
-        double sum = obj_factor * f->v[i].v[j];
-        for (std::size_t k = 0; k < g2_.size(); ++k) sum += lambda[k] * g2_[k].v[i].v[j];
-        *values++ = sum;
+    // Blocks of kMaxVariables by kMaxVariables of the lower triangle.
+    for (Index rows = 0; rows < n; rows += kMaxVariables) {
+      for (Index columns = 0; columns <= rows; columns += kMaxVariables) {
+        if (!add_hessian_block(x, {rows, columns}, obj_factor, lambda, values)) return false;
       }
     }
     return true;
@@ -129,17 +121,41 @@ class RefinementNlp : public Ipopt::TNLP {
   }
 
  private:
-  std::optional<Jet1> evaluate_jet1(const Number* x) {
-    std::array<Jet1, kMaxVariables> jets;
-    for (std::size_t k = 0; k < n_; ++k) jets[k] = Jet1(x[k], static_cast<int>(k));
-    return evaluate<Jet1>(problem_, used(problem_, jets), g1_);
+  /// First row and first column of a block.
+  struct Block {
+    Index row, column;
+  };
+  bool add_hessian_block(const Number* x, const Block& block, Number obj_factor,
+                         const Number* lambda, Number* values) {
+    const auto n = static_cast<Index>(n_);
+    const Index rows = std::min<Index>(kMaxVariables, n - block.row);
+    const Index columns = std::min<Index>(kMaxVariables, n - block.column);
+    std::array<Jet2, kMostUnknowns> jets;
+    for (Index k = 0; k < n; ++k) {
+      Jet2& jet = jets[static_cast<std::size_t>(k)];
+      const bool in_columns = k >= block.column && k < block.column + columns;
+      jet.a = in_columns ? Jet1(x[k], k - block.column) : Jet1(x[k]);
+      if (k >= block.row && k < block.row + rows) jet.v[k - block.row] = Jet1(1.0);
+    }
+    const auto f = evaluate<Jet2>(problem_, used(problem_, jets), g2_);
+    if (!f) return false;
+    for (Index i = 0; i < rows; ++i) {
+      for (Index j = 0; j < columns && block.column + j <= block.row + i; ++j) {
+        double sum = obj_factor * f->v[i].v[j];
+        for (std::size_t k = 0; k < g2_.size(); ++k) sum += lambda[k] * g2_[k].v[i].v[j];
+        const Index row = block.row + i;
+        values[row * (row + 1) / 2 + block.column + j] = sum;
+      }
+    }
+    return true;
   }
 
   const RefinementProblem& problem_;
   std::size_t n_;
   Point start_, end_;
   std::vector<double> g_;
-  std::vector<Jet1> g1_;
+  std::vector<std::uint16_t> rows_;
+  Gradients first_;
   std::vector<Jet2> g2_;
 };
 

@@ -121,9 +121,16 @@ double best_value(Objective objective, const Specification& spec, const train::T
   // Sizes grow with module and shift; kFeasibilityTolerance of either is allowed for.
   constexpr double kSlack = 1.0 - 4.0 * design::kFeasibilityTolerance;
   const auto smallest = [&] {
-    return train::make_train_gears(unrefined_train(spec, {.teeth = teeth, .planets = planets},
-                                                   {.profile_shift = spec.profile_shift.min}));
+    auto train = unrefined_train(spec, {.teeth = teeth, .planets = planets},
+                                 {.profile_shift = spec.profile_shift.min});
+    for (std::size_t i = 0; i < train::kGearCount; ++i) {
+      train.profile_shift[i] = shift_limits(spec, static_cast<int>(i)).min;
+      if (spec.free.tip_shortening) train.tip_shortening[i] = spec.free.tip_shortening->max;
+    }
+    return train::make_train_gears(train);
   };
+  const double greatest_angle =
+      spec.free.pressure_angle_rad ? spec.free.pressure_angle_rad->max : spec.pressure_angle_rad;
   switch (objective) {
     case Objective::kBackwardEfficiency:
     case Objective::kForwardEfficiency:
@@ -132,7 +139,9 @@ double best_value(Objective objective, const Specification& spec, const train::T
       const auto& limit = spec.limits[design::CheckId::kNormalBacklash];
       if (!limit) return -std::numeric_limits<double>::infinity();
       // Each mesh has at least this; a negative share is greatest on the smallest circle.
-      const double half_cos = 0.5 * std::cos(spec.pressure_angle_rad);
+      const double least_angle = spec.free.pressure_angle_rad ? spec.free.pressure_angle_rad->min
+                                                              : spec.pressure_angle_rad;
+      const double half_cos = 0.5 * std::cos(*limit > 0.0 ? least_angle : greatest_angle);
       const double slack = design::kFeasibilityTolerance * length_scale_m(spec);
       const bool kinematic = spec.limits.model == backlash::LostMotionModel::kKinematic;
       const double ratio = train::ratio(teeth);
@@ -156,8 +165,8 @@ double best_value(Objective objective, const Specification& spec, const train::T
       // Base circles part at no less than their radii's difference.
       return kSlack * kSlack *
              inertia_of<double>(gear_bodies(spec, smallest()), teeth, planets,
-                                0.5 * least_module(spec.module[0]) *
-                                    std::cos(spec.pressure_angle_rad) * (teeth.R1 - teeth.P1));
+                                0.5 * least_module(spec.module[0]) * std::cos(greatest_angle) *
+                                    (teeth.R1 - teeth.P1));
     case Objective::kMass:
       return kSlack * mass_of(gear_bodies(spec, smallest()), planets);
     case Objective::kRatioError:

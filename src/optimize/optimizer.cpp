@@ -233,6 +233,10 @@ OptimizeResult optimize(const Specification& spec, Progress& progress,
     throw std::invalid_argument(
         "optimize: best_only with a calibrated model at an operating point, allowed: one of them");
   }
+  if (options.best_only && !has_bounds(spec)) {
+    throw std::invalid_argument(
+        "optimize: best_only with a free pressure angle, allowed: one of them");
+  }
   OptimizeResult result;
   result.search = search_teeth(spec, progress);
   if (result.search.interrupted) {

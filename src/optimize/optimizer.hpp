@@ -73,7 +73,7 @@ double merit_bound(const Specification& spec, const SetBound& bound, const Candi
 /// result does not depend on the number of threads.  Ties go to the set that comes first.
 /// @param spec  must outlive the result
 /// @throws std::invalid_argument for best_only where a calibrated model judges the sets: the bounds
-///   are those of the model without it
+///   are those of the model without it; and with a free pressure angle, where there are none
 OptimizeResult optimize(const Specification& spec, Progress& progress,
                         const OptimizeOptions& options = {});
 

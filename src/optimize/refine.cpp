@@ -8,6 +8,7 @@
 #include "efficiency/train_efficiency.hpp"
 #include "optimize/blocking.hpp"
 #include "optimize/ipopt.hpp"
+#include "optimize/kkt_residual.hpp"
 #include "optimize/objective_value.hpp"
 #include "optimize/slsqp.hpp"
 #include "optimize/starting_points.hpp"
@@ -117,7 +118,7 @@ void cross_contact_ratio_kinks(BestEnd& best) {
 
 bool near_bound(const Specification& spec, const SolveOutcome& end, const SetBound& bound) {
   const Objective objective = first_objective(spec);
-  if (!is_efficiency(objective)) return false;
+  if (!is_efficiency(objective) || !bound.known) return false;
   const double most = objective == Objective::kForwardEfficiency ? bound.eta_f : bound.eta_b;
   return most + end.objective <= kNearBound * (1.0 + end.objective);
 }
@@ -151,7 +152,9 @@ void fill_optimum(const Specification& spec, const BestEnd& best, RefinedSet& se
   const auto parameters = parameters_at(*best.problem, used(*best.problem, best.outcome.v));
   set.train = {.profile_shift = parameters.profile_shift,
                .module_m = parameters.module_m,
-               .center_distance_m = parameters.center_distance_m};
+               .center_distance_m = parameters.center_distance_m,
+               .tip_shortening = parameters.tip_shortening,
+               .pressure_angle_rad = parameters.pressure_angle_rad};
   set.kkt_residual = kkt_residual(*best.problem, best.outcome.v);
   set.status = set.kkt_residual <= kStationary ? Status::kOptimal : Status::kFailed;
   const auto train = train::make_train_geometry(parameters);
@@ -211,10 +214,11 @@ std::optional<RefinedSet> Refiner::refine(const Candidate& candidate, const Shif
     set_teeth(problem, candidate, shifts);
     BestEnd local;
     std::vector<Point> ends;
-    for (const Point& start :
-         starting_points(problem, spec.solver.starts, spec.solver.seed, &bound)) {
+    for (const Point& start : starting_points(problem, spec.solver.starts, spec.solver.seed,
+                                              bound.known ? &bound : nullptr)) {
       if (stop.load(std::memory_order_relaxed)) return std::nullopt;
-      const SolveOutcome end = solve(problem, start, ends.empty() ? kNearTheEnd : SlsqpOptions{});
+      const bool near = bound.known && ends.empty();
+      const SolveOutcome end = solve(problem, start, near ? kNearTheEnd : SlsqpOptions{});
       ends.push_back(end.v);
       local.offer(problem, end);
       if (local.found && near_bound(spec, local.outcome, bound)) break;

@@ -16,6 +16,8 @@ train::TrainParameters<double> train_of(const Specification& spec, const Refined
   train.profile_shift = set.train.profile_shift;
   train.module_m = set.train.module_m;
   train.center_distance_m = set.train.center_distance_m;
+  train.tip_shortening = set.train.tip_shortening;
+  train.pressure_angle_rad = set.train.pressure_angle_rad;
   return train;
 }
 

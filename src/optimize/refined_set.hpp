@@ -39,6 +39,8 @@ struct RefinedTrain {
   std::array<double, train::kGearCount> profile_shift{};
   std::array<double, 2> module_m{};
   double center_distance_m = 0.0;
+  std::array<double, train::kGearCount> tip_shortening{};
+  double pressure_angle_rad = 0.0;
 };
 
 struct RefinedSet {

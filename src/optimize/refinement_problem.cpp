@@ -7,7 +7,6 @@
 
 #include "efficiency/train_efficiency.hpp"
 #include "geometry/interference.hpp"
-#include "optimize/nonnegative_least_squares.hpp"
 #include "optimize/objective_value.hpp"
 
 namespace gear3k::optimize {
@@ -22,7 +21,6 @@ constexpr double kLeastAngle_rad = 1.0 * kDegree_rad;
 constexpr double kGreatestAngle_rad = 65.0 * kDegree_rad;
 /// Keeps ring tips off their base circles, where the tip's curvature has no derivative [modules].
 constexpr double kBaseCircleClearance = 1e-6;
-constexpr double kActive = 1e-6;
 
 /// z1 + z2, or zR − zP.
 std::array<double, train::kMeshCount> tooth_sums(const train::ToothSet& z) {
@@ -150,6 +148,19 @@ void set_box(RefinementProblem& p, const Candidate& candidate) {
     p.lower[kScale] = range.min / p.length_scale_m;
     p.upper[kScale] = range.max / p.length_scale_m;
   }
+  const auto append = [&](const NumberRange& range) {
+    const auto k = static_cast<std::size_t>(p.variables++);
+    p.lower[k] = range.min;
+    p.upper[k] = range.max;
+    return k;
+  };
+  const FreeVariables& free = p.spec->free;
+  p.first_tip = p.pressure_angle = 0;
+  if (free.tip_shortening) {
+    p.first_tip = append(*free.tip_shortening);
+    for (int i = 1; i < train::kGearCount; ++i) append(*free.tip_shortening);
+  }
+  if (free.pressure_angle_rad) p.pressure_angle = append(*free.pressure_angle_rad);
 }
 
 RefinementProblem with_rows(const Specification& spec, int planets,
@@ -180,8 +191,9 @@ RefinementProblem make_refinement_problem(const Specification& spec, const Candi
   const auto unshifted =
       train::make_train_gears(unrefined_train(spec, candidate, {.profile_shift = 0.0}));
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
-    p.lower[i] = spec.profile_shift.min;
-    p.upper[i] = spec.profile_shift.max;
+    const NumberRange& limits = shift_limits(spec, static_cast<int>(i));
+    p.lower[i] = limits.min;
+    p.upper[i] = limits.max;
     if (train::kind_of(static_cast<int>(i)) == geometry::GearKind::kRing) {
       // The tip's distance from the base circle grows with the shift, one to one.
       const double least = kBaseCircleClearance - geometry::ring_tip_above_base(unshifted[i]);
@@ -218,19 +230,21 @@ train::TrainParameters<T> parameters_at(const RefinementProblem& p, std::span<co
   using std::cos;
   const Specification& spec = *p.spec;
   const auto sums = tooth_sums(p.candidate.teeth);
-  const double half_cos_alpha = 0.5 * std::cos(spec.pressure_angle_rad);
+  const T alpha = p.pressure_angle > 0 ? v[p.pressure_angle] : constant<T>(spec.pressure_angle_rad);
+  const T half_cos_alpha = 0.5 * cos(alpha);
   const double sum_a = sums[static_cast<std::size_t>(p.angle_mesh)];
 
   train::TrainParameters<T> t;
   t.teeth = p.candidate.teeth;
   t.planets = p.candidate.planets;
-  t.pressure_angle_rad = constant<T>(spec.pressure_angle_rad);
+  t.pressure_angle_rad = alpha;
   t.khk_tip = spec.khk_tip;
   t.cutter = spec.cutter;
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
     t.profile_shift[i] = v[i];
     t.machining_allowance[i] = constant<T>(spec.machining_allowance[i]);
-    t.tip_shortening[i] = constant<T>(spec.tip_shortening[i]);
+    t.tip_shortening[i] =
+        p.first_tip > 0 ? v[p.first_tip + i] : constant<T>(spec.tip_shortening[i]);
     t.rack[i] = {.addendum = constant<T>(spec.rack.addendum),
                  .dedendum = constant<T>(spec.rack.dedendum),
                  .root_radius = constant<T>(spec.rack.root_radius)};
@@ -363,29 +377,6 @@ double worst_violation(std::span<const double> constraints) {
     worst = std::max(worst, -g);
   }
   return worst;
-}
-
-double kkt_residual(const RefinementProblem& p, const Point& v) {
-  const auto n = static_cast<std::size_t>(p.variables);
-  std::array<Jet1, kMaxVariables> jets;
-  for (std::size_t k = 0; k < n; ++k) jets[k] = Jet1(v[k], static_cast<int>(k));
-  std::vector<Jet1> g(p.rows.size());
-  const auto f = evaluate<Jet1>(p, used(p, jets), g);
-  if (!f) return std::numeric_limits<double>::quiet_NaN();
-  const Eigen::Index rows = p.variables;
-  Eigen::MatrixXd gradients(rows, static_cast<Eigen::Index>(g.size() + 2 * n));
-  Eigen::Index active = 0;
-  for (const Jet1& row : g) {
-    if (row.a <= kActive) gradients.col(active++) = row.v.head(rows);
-  }
-  for (std::size_t k = 0; k < n; ++k) {
-    const auto axis = static_cast<Eigen::Index>(k);
-    if (v[k] - p.lower[k] <= kActive) gradients.col(active++) = Eigen::VectorXd::Unit(rows, axis);
-    if (p.upper[k] - v[k] <= kActive) gradients.col(active++) = -Eigen::VectorXd::Unit(rows, axis);
-  }
-  const Eigen::MatrixXd a = gradients.leftCols(active);
-  const Eigen::VectorXd b = f->v.head(rows);
-  return (a * nonnegative_least_squares(a, b) - b).norm();
 }
 
 #define INSTANTIATE(T)                                                                \

@@ -35,8 +35,11 @@ struct ConstraintRow {
   std::string_view name;  ///< of the check or objective, or stage1_module / stage2_module
 };
 
+/// Most variables of a problem: five shifts, two working angles, a module, five tip shortenings and
+/// the pressure angle.
+inline constexpr std::size_t kMostUnknowns = 14;
 /// Values of the variables; a problem uses the first `variables` of them.
-using Point = std::array<double, kMaxVariables>;
+using Point = std::array<double, kMostUnknowns>;
 /// Places of the variables after the five shifts (in the order of train::GearId).
 inline constexpr std::size_t kAngleA = train::kGearCount;      ///< a
 inline constexpr std::size_t kAngleB = train::kGearCount + 1;  ///< b, if any
@@ -51,9 +54,9 @@ struct ProblemBranch {
   int objective = 0;
 };
 
-/// One tooth set with its modules, as a programme in at most kMaxVariables variables of order 1:
+/// One tooth set with its modules, as a programme in at most kMostUnknowns variables of order 1:
 ///
-///   v = (x_S, x_P1, x_R1, x_P2, x_R2, a [, b] [, m1/scale])
+///   v = (x_S, x_P1, x_R1, x_P2, x_R2, a [, b] [, m1/scale] [, k_S .. k_R2] [, α])
 ///
 /// a = working pressure angle [rad] of the mesh with the largest base-circle sum among those whose
 /// module is known with a, b = that of mesh P2-R2 when stage 2's module is free.  Angles instead of
@@ -68,7 +71,9 @@ struct RefinementProblem {
   std::array<std::optional<double>, 2> fixed_module_m;
   int angle_mesh = 0;  ///< mesh whose working angle is v[5]
   int variables = 0;
-  std::array<double, kMaxVariables> lower{}, upper{};
+  std::size_t first_tip = 0;       ///< place of k_S; 0: tips are as stated
+  std::size_t pressure_angle = 0;  ///< place of α [rad]; 0: as stated
+  std::array<double, kMostUnknowns> lower{}, upper{};
   double length_scale_m = 1e-3;
   Objective objective = Objective::kBackwardEfficiency;
   double objective_scale = 1.0;
@@ -120,18 +125,10 @@ std::optional<T> evaluate(const RefinementProblem& problem, std::span<const T> v
 /// Largest violation max(0, −g_k); infinite when a g_k is NaN.
 double worst_violation(std::span<const double> constraints);
 
-/// Norm of the Lagrangian's gradient with least-squares multipliers, which are non-negative on the
-/// constraints and bounds active within 1e-6 (others have none).
-///
-///   min_{λ ≥ 0} ‖∇f − Σ_active λ_k ∇g_k‖₂     in the scaled variables
-///
-/// @returns the residual; NaN where the model is not defined
-double kkt_residual(const RefinementProblem& problem, const Point& v);
-
 /// The variables in use.
 template <class T>
 std::span<const T> used(const RefinementProblem& problem,
-                        const std::array<T, kMaxVariables>& values) {
+                        const std::array<T, kMostUnknowns>& values) {
   return {values.data(), static_cast<std::size_t>(problem.variables)};
 }
 

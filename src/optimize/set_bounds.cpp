@@ -120,10 +120,13 @@ class TaskMaker {
   [[nodiscard]] StageGear gear(int id, int teeth, const Interval& shift) const {
     const auto i = static_cast<std::size_t>(id);
     const bool ring = train::kind_of(id) == geometry::GearKind::kRing;
-    const double tip = spec_.rack.addendum - (spec_.khk_tip[i] ? 0.0 : spec_.tip_shortening[i]);
+    const double stated = spec_.khk_tip[i] ? 0.0 : spec_.tip_shortening[i];
+    const NumberRange shortening =
+        spec_.free.tip_shortening.value_or(NumberRange{.min = stated, .max = stated});
+    const Interval tip{spec_.rack.addendum - shortening.max, spec_.rack.addendum - shortening.min};
     return {.teeth = teeth,
             .profile_shift = shift,
-            .tip_height = {ring ? -tip : tip, ring ? -tip : tip},
+            .tip_height = ring ? Interval{-tip.hi, -tip.lo} : tip,
             .root_height = ring ? spec_.rack.dedendum : -spec_.rack.dedendum,
             .machining_allowance = spec_.machining_allowance[i]};
   }
@@ -407,6 +410,7 @@ Infeasibility name_empty_stage(const StageTask& task, const StageEffort& effort,
 SetBounds::SetBounds(const Specification& spec, std::span<const Candidate> candidates,
                      Progress& progress)
     : spec_(&spec), candidates_(candidates), shifts_(spec, candidates) {
+  if (!has_bounds(spec)) return;
   levels_ = TaskMaker(spec).shares_lost_motion() ? kMostLevels : 1;
   const auto keys1 = distinct_stages(
       candidates,
@@ -525,12 +529,21 @@ double SetBounds::share_of(std::size_t level) const {
 }
 
 SetBound SetBounds::of(std::size_t k) const {
+  if (!has_bounds(*spec_)) {
+    SetBound unknown;
+    const auto z = train::teeth_of(candidates_[k].teeth);
+    for (std::size_t i = 0; i < train::kGearCount; ++i) {
+      const auto& infeasible = shifts_.of(static_cast<int>(i), z[i]).infeasible;
+      if (infeasible && !unknown.infeasible) unknown.infeasible = infeasible;
+    }
+    return unknown;
+  }
   return combine(k, stage1_[stage1_of_[k]], stage2_[stage2_of_[k]]);
 }
 
 SetBound SetBounds::sharpened(std::size_t k) const {
   const SetBound usual = of(k);
-  if (usual.infeasible) return usual;
+  if (usual.infeasible || !usual.known) return usual;
   const train::ToothSet& z = candidates_[k].teeth;
   const bool forward = first_objective(*spec_) == Objective::kForwardEfficiency;
   const auto w =
@@ -549,6 +562,7 @@ SetBound SetBounds::sharpened(std::size_t k) const {
 
 SetBound SetBounds::combine(std::size_t k, const Stage1& stage1, const Stage2& stage2) const {
   SetBound bound;
+  bound.known = true;
   bound.infeasible = stage1.infeasible;
   if (stage2.infeasible &&
       (!stage1.infeasible || stage2.infeasible->violation > stage1.infeasible->violation)) {

@@ -15,6 +15,7 @@
 namespace gear3k::optimize {
 
 struct SetBound {
+  bool known = false;  ///< else nothing is known of the set but a proof of infeasible shifts
   std::optional<Infeasibility> infeasible;
   double eta_b = 1.0, eta_f = 1.0;  ///< no feasible design of the set has more; 0 = cannot run so
   /// Where both stages come nearest to it: shifts, and both distances in modules.
@@ -22,7 +23,10 @@ struct SetBound {
   std::array<double, train::kMeshCount> losses{};  ///< of the meshes about there
 };
 
-/// Bounds of all tooth sets of a specification.
+/// Whether a specification has bounds: not with a free pressure angle.
+inline bool has_bounds(const Specification& spec) { return !spec.free.pressure_angle_rad; }
+
+/// Bounds of all tooth sets of a specification; unknown unless has_bounds().
 ///
 /// Efficiency rises with that of each mesh, so that least losses give most efficiency.  Stage 1
 /// (S, P1, R1) and stage 2 (P2, R2) are relaxed apart: what ties them (the centre distance in

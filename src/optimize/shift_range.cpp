@@ -73,7 +73,8 @@ Interval module_range(const ModuleChoice& choice) {
 }
 
 ShiftRange shift_range(const Specification& spec, int gear, int teeth) {
-  const Interval all{spec.profile_shift.min, spec.profile_shift.max};
+  const NumberRange& limits_of_shift = shift_limits(spec, gear);
+  const Interval all{limits_of_shift.min, limits_of_shift.max};
   ShiftRange result{.range = all, .widest = all, .infeasible = std::nullopt};
   const auto miss = [&](CheckId check, double miss_si, double violation) {
     if (violation <= design::kFeasibilityTolerance) return;
@@ -86,12 +87,19 @@ ShiftRange shift_range(const Specification& spec, int gear, int teeth) {
     result.range.lo = std::max(result.range.lo, std::min(shift, all.hi));
   };
   const design::Limits& limits = spec.limits;
+  const bool free_tips = spec.free.tip_shortening.has_value();
+  const bool free_angle = spec.free.pressure_angle_rad.has_value();
   if (train::kind_of(gear) == geometry::GearKind::kRing) {
-    // Keeps ring tips off their base circles, where the tip's curvature has no derivative.
+    // Keeps ring tips off their base circles, where the tip's curvature has no derivative: with the
+    // shortest tips and the greatest pressure angle that are free.
     constexpr double kBaseCircleClearance = 1e-6;
-    const double above = geometry::ring_tip_above_base(unit_gear(spec, gear, teeth, 0.0));
+    Specification least = spec;
+    if (free_tips) least.tip_shortening.fill(spec.free.tip_shortening->max);
+    if (free_angle) least.pressure_angle_rad = spec.free.pressure_angle_rad->max;
+    const double above = geometry::ring_tip_above_base(unit_gear(least, gear, teeth, 0.0));
     result.range.lo = std::max(all.lo, std::min(all.hi, kBaseCircleClearance - above));
-    if (const auto& limit = limits[CheckId::kRingTipOutsideBase]) {
+    const auto& limit = limits[CheckId::kRingTipOutsideBase];
+    if (limit && !free_tips && !free_angle) {
       at_least(CheckId::kRingTipOutsideBase, *limit - above);
     }
     result.widest = result.range;
@@ -107,12 +115,12 @@ ShiftRange shift_range(const Specification& spec, int gear, int teeth) {
     }
     return result;
   }
-  if (const auto& limit = limits[CheckId::kUndercut]) {
+  if (const auto& limit = limits[CheckId::kUndercut]; limit && !free_angle) {
     at_least(CheckId::kUndercut,
              *limit - geometry::undercut_margin(unit_gear(spec, gear, teeth, 0.0)));
   }
   const auto& limit = limits[CheckId::kTipThickness];
-  if (limit && !spec.khk_tip[static_cast<std::size_t>(gear)]) {
+  if (limit && !spec.khk_tip[static_cast<std::size_t>(gear)] && !free_tips && !free_angle) {
     const TipShift tip = shift_at_tip_thickness(spec, gear, teeth, result.range, *limit);
     if (tip.too_thin) {
       const auto g = unit_gear(spec, gear, teeth, result.range.lo);
@@ -126,12 +134,16 @@ ShiftRange shift_range(const Specification& spec, int gear, int teeth) {
 }
 
 bool in_shift_range(const Specification& spec, const design::CheckInstance& check) {
+  const bool free_tips = spec.free.tip_shortening.has_value();
+  const bool free_angle = spec.free.pressure_angle_rad.has_value();
   switch (check.record->id) {
     case CheckId::kUndercut:
+      return !free_angle;
     case CheckId::kRingTipOutsideBase:
-      return true;
+      return !free_tips && !free_angle;
     case CheckId::kTipThickness:
-      return !spec.khk_tip[static_cast<std::size_t>(check.subject.member)];
+      return !spec.khk_tip[static_cast<std::size_t>(check.subject.member)] && !free_tips &&
+             !free_angle;
     default:
       return false;
   }

@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <span>
 #include <utility>
+
+#include "optimize/gradients.hpp"
 
 namespace gear3k::optimize {
 
@@ -24,7 +25,7 @@ constexpr double kCostlyMargin = 0.05;
 struct Workspace {
   std::vector<std::uint16_t> selection;  ///< rows that the solver sees
   std::vector<bool> elastic;             ///< of those, the ones that t relaxes; empty: no t
-  std::vector<Jet1> g;
+  Gradients gradients;
   std::vector<double> values;  ///< of all rows
   std::vector<double> x, lower, upper, tolerances;
 };
@@ -40,9 +41,7 @@ class CachedProblem {
       : problem_(problem),
         n_(static_cast<std::size_t>(problem.variables)),
         space_(space),
-        elastic_(!space.elastic.empty()) {
-    space_.g.resize(space.selection.size());
-  }
+        elastic_(!space.elastic.empty()) {}
 
   /// Variables that the solver sees: those of the problem and, when elastic, t.
   [[nodiscard]] std::size_t size() const { return n_ + (elastic_ ? 1 : 0); }
@@ -56,19 +55,20 @@ class CachedProblem {
       return x[n_];
     }
     update(x);
-    if (gradient != nullptr) std::copy_n(f_.v.data(), n_, gradient);
-    return f_.a;
+    const Gradients& at = space_.gradients;
+    if (gradient != nullptr) std::copy_n(at.df.begin(), n_, gradient);
+    return at.f;
   }
 
   void constraints(const double* x, double* result, double* gradient) {
     update(x);
-    for (std::size_t k = 0; k < space_.g.size(); ++k) {
+    const Gradients& at = space_.gradients;
+    for (std::size_t k = 0; k < at.g.size(); ++k) {
       const bool relaxed = elastic_ && space_.elastic[k];
-      const Jet1& g = space_.g[k];
-      result[k] = -g.a - (relaxed ? x[n_] : 0.0);
+      result[k] = -at.g[k] - (relaxed ? x[n_] : 0.0);
       if (gradient == nullptr) continue;
       double* row = gradient + k * size();
-      for (std::size_t j = 0; j < n_; ++j) row[j] = -g.v[static_cast<Eigen::Index>(j)];
+      for (std::size_t j = 0; j < n_; ++j) row[j] = -at.dg[k * n_ + j];
       if (elastic_) row[n_] = relaxed ? -1.0 : 0.0;
     }
   }
@@ -78,15 +78,12 @@ class CachedProblem {
     if (valid_ && std::equal(x, x + n_, x_.begin())) return;
     std::copy_n(x, n_, x_.begin());
     valid_ = true;
-    for (std::size_t k = 0; k < n_; ++k) jets_[k] = Jet1(x[k], static_cast<int>(k));
-    const auto f =
-        evaluate<Jet1>(problem_, used(problem_, jets_), space_.selection, std::span(space_.g));
-    if (f) {
-      f_ = *f;
-    } else {
-      f_ = Jet1(kUndefinedPenalty);
-      std::fill(space_.g.begin(), space_.g.end(), Jet1(-kUndefinedPenalty));
-    }
+    Gradients& at = space_.gradients;
+    if (evaluate_gradients(problem_, {x, n_}, space_.selection, at)) return;
+    at.f = kUndefinedPenalty;
+    std::fill(at.df.begin(), at.df.end(), 0.0);
+    std::fill(at.g.begin(), at.g.end(), -kUndefinedPenalty);
+    std::fill(at.dg.begin(), at.dg.end(), 0.0);
   }
 
   const RefinementProblem& problem_;
@@ -95,8 +92,6 @@ class CachedProblem {
   bool elastic_;
   bool valid_ = false;
   Point x_{};
-  std::array<Jet1, kMaxVariables> jets_;
-  Jet1 f_;
 };
 
 double objective_callback(unsigned /*n*/, const double* x, double* gradient, void* data) {

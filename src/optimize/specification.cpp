@@ -9,6 +9,11 @@ double least_module(const ModuleChoice& choice) {
   return *std::min_element(choice.series_m.begin(), choice.series_m.end());
 }
 
+const NumberRange& shift_limits(const Specification& spec, int gear) {
+  const bool ring = train::kind_of(gear) == geometry::GearKind::kRing;
+  return ring && spec.ring_shift ? *spec.ring_shift : spec.profile_shift;
+}
+
 double length_scale_m(const Specification& spec) { return least_module(spec.module[0]); }
 
 }  // namespace gear3k::optimize

@@ -50,6 +50,12 @@ struct GearBodySizes {
   double ring_rim_m = 0.0;                            ///< of both rings outside their root circles
 };
 
+/// Variables that are fixed unless a range is stated.
+struct FreeVariables {
+  std::optional<NumberRange> tip_shortening;      ///< of every gear, in modules
+  std::optional<NumberRange> pressure_angle_rad;  ///< instead of Specification's
+};
+
 struct Solver {
   Refine refine = Refine::kSlsqp;
   int starts = 4;
@@ -69,6 +75,8 @@ struct Specification {
   ToothRanges teeth;
   std::array<ModuleChoice, 2> module;
   NumberRange profile_shift{.min = 0.0, .max = 1.0};
+  std::optional<NumberRange> ring_shift;  ///< of R1 and R2; empty: as all gears
+  FreeVariables free;
   geometry::BasicRack<double> rack;
   std::array<double, train::kGearCount> tip_shortening{};
   std::array<bool, train::kGearCount> khk_tip{};  ///< S and P1
@@ -88,6 +96,9 @@ struct Specification {
 
 /// The objective that decides.
 inline Objective first_objective(const Specification& spec) { return spec.objectives.front(); }
+
+/// Profile shifts that a gear may have.
+const NumberRange& shift_limits(const Specification& spec, int gear);
 
 /// The least module that a choice offers [m].
 double least_module(const ModuleChoice& choice);

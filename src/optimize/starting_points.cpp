@@ -68,6 +68,8 @@ double working_angle(double base_sum, double center_distance) {
   return base_sum < center_distance ? std::acos(base_sum / center_distance) : 0.0;
 }
 
+bool has_scale(const RefinementProblem& p) { return !p.fixed_module_m[0] && !p.fixed_module_m[1]; }
+
 Point start_from(const RefinementProblem& p, const ShiftFractions& fractions) {
   const Specification& spec = *p.spec;
   const train::ToothSet& z = p.candidate.teeth;
@@ -79,13 +81,15 @@ Point start_from(const RefinementProblem& p, const ShiftFractions& fractions) {
     const auto i = static_cast<std::size_t>(k);
     return std::clamp(x, p.lower[i], p.upper[i]);
   };
-  const auto fraction = [&](double f) {
-    return spec.profile_shift.min + f * (spec.profile_shift.max - spec.profile_shift.min);
+  const auto start = [&](int gear, double fraction) {
+    const NumberRange& range = shift_limits(spec, gear);
+    v[static_cast<std::size_t>(gear)] =
+        within(gear, range.min + fraction * (range.max - range.min));
   };
-  v[kS] = within(kS, fraction(fractions.S));
-  v[kP1] = within(kP1, fraction(fractions.P1));
-  v[kP2] = within(kP2, fraction(fractions.P2));
-  v[kR2] = within(kR2, fraction(fractions.R2));
+  start(kS, fractions.S);
+  start(kP1, fractions.P1);
+  start(kP2, fractions.P2);
+  start(kR2, fractions.R2);
 
   const AngleRange range{.low = p.lower[kAngleA], .high = p.upper[kAngleA]};
   const double cos_alpha = std::cos(spec.pressure_angle_rad);
@@ -112,8 +116,21 @@ Point start_from(const RefinementProblem& p, const ShiftFractions& fractions) {
       spec, thinned_shift(spec, kR2, v[kR2]) - thinned_shift(spec, kP2, v[kP2]), sum3, range);
   // Efficiency does not depend on the scale: start at the coarsest module, so that limits of size
   // are filled and teeth are as strong as they can be.
-  if (static_cast<std::size_t>(p.variables) > kScale) v[kScale] = p.upper[kScale];
+  if (has_scale(p)) v[kScale] = p.upper[kScale];
   return v;
+}
+
+/// Free tips and pressure angle: as stated, or as near to it as their ranges allow.
+void start_free_variables(const RefinementProblem& p, Point& v) {
+  const Specification& spec = *p.spec;
+  for (std::size_t i = 0; p.first_tip > 0 && i < train::kGearCount; ++i) {
+    const std::size_t k = p.first_tip + i;
+    v[k] = std::clamp(spec.tip_shortening[i], p.lower[k], p.upper[k]);
+  }
+  if (p.pressure_angle > 0) {
+    v[p.pressure_angle] =
+        std::clamp(spec.pressure_angle_rad, p.lower[p.pressure_angle], p.upper[p.pressure_angle]);
+  }
 }
 
 /// The shifts and distances of a bound; where stage 2's module is given with stage 1's, R2 closes
@@ -143,7 +160,7 @@ Point start_at(const RefinementProblem& p, const SetBound& bound) {
   }
   set(kAngleA, working_angle(base_sum[static_cast<std::size_t>(p.angle_mesh)], distance));
   set(kAngleB, working_angle(base_sum[2], bound.stage2.center_distance));
-  if (static_cast<std::size_t>(p.variables) > kScale) v[kScale] = p.upper[kScale];
+  if (has_scale(p)) v[kScale] = p.upper[kScale];
   return v;
 }
 
@@ -169,6 +186,7 @@ std::vector<Point> starting_points(const RefinementProblem& problem, int count,
                                                               .P2 = uniform.next(),
                                                               .R2 = uniform.next()}));
   }
+  for (Point& point : points) start_free_variables(problem, point);
   return points;
 }
 

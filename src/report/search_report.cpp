@@ -9,6 +9,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "optimize/objective_value.hpp"
 #include "report/display.hpp"
 #include "report/text_table.hpp"
 
@@ -50,7 +51,7 @@ ordered_json search_counts_json(const Specification& spec, const ToothSearchResu
 
 /// @param bound  upper bound of eta_b; empty where there is none
 std::vector<std::string> refined_fields(const RefinedSet& s, const std::optional<double>& bound,
-                                        bool by_model) {
+                                        const RefinedColumns& columns) {
   std::vector<std::string> fields = teeth_fields(s.candidate.teeth);
   const bool optimal = s.status == Status::kOptimal;
   const auto number = [&](double value) { return optimal ? exact(value) : std::string(); };
@@ -71,17 +72,26 @@ std::vector<std::string> refined_fields(const RefinedSet& s, const std::optional
   fields.push_back(number(mm(s.ring_root_diameter_m)));
   const double violation = s.blocked_by.empty() ? 0.0 : s.blocked_by.front().violation;
   fields.push_back(violation > 0.0 ? exact(violation) : "");
-  if (by_model) {
+  if (columns.model) {
     fields.push_back(number(or_nan(s.eta_b_model)));
     fields.push_back(number(or_nan(s.eta_f_model)));
+  }
+  if (columns.tips) {
+    for (const double k : s.train.tip_shortening) fields.push_back(number(k));
+  }
+  if (columns.pressure_angle) fields.push_back(number(degrees(s.train.pressure_angle_rad)));
+  if (columns.masses) {
+    fields.push_back(number(s.mass_kg));
+    fields.push_back(number(s.inertia_kgm2));
   }
   return fields;
 }
 
-std::string refined_row(const OptimizeResult& result, const RefinedSet& s, bool by_model) {
-  const bool bounded = s.status != Status::kInfeasible;
+std::string refined_row(const OptimizeResult& result, const RefinedSet& s,
+                        const RefinedColumns& columns) {
+  const bool bounded = s.status != Status::kInfeasible && result.bounds->of(s.index).known;
   return csv_line(refined_fields(
-      s, bounded ? std::optional(result.bounds->of(s.index).eta_b) : std::nullopt, by_model));
+      s, bounded ? std::optional(result.bounds->of(s.index).eta_b) : std::nullopt, columns));
 }
 
 /// A value of an objective in its unit, SI given.
@@ -95,8 +105,13 @@ constexpr const char* kRefinedHeader =
     "m2_mm,center_distance_mm,eps1,eps2,eps3,eta_b_bound,kkt_residual,planets,"
     "ring_root_diameter_mm,violation";
 
-std::string refined_header(bool by_model) {
-  return std::string(kRefinedHeader) + (by_model ? ",eta_b_model,eta_f_model\n" : "\n");
+std::string refined_header(const RefinedColumns& columns) {
+  std::string header = kRefinedHeader;
+  if (columns.model) header += ",eta_b_model,eta_f_model";
+  if (columns.tips) header += ",kS,kP1,kR1,kP2,kR2";
+  if (columns.pressure_angle) header += ",pressure_angle_deg";
+  if (columns.masses) header += ",mass_kg,inertia_kgm2";
+  return header;
 }
 
 }  // namespace
@@ -209,24 +224,32 @@ ResultTally tally_of(const OptimizeResult& result) {
   return tally;
 }
 
-void write_refined_csv(const OptimizeResult& result, bool by_model,
+RefinedColumns refined_columns(const Specification& spec) {
+  return {.model = spec.model.has_value(),
+          .tips = spec.free.tip_shortening.has_value(),
+          .pressure_angle = spec.free.pressure_angle_rad.has_value(),
+          .masses = optimize::knows_masses(spec)};
+}
+
+void write_refined_csv(const OptimizeResult& result, const RefinedColumns& columns,
                        const std::function<void(std::string_view)>& out) {
-  out(refined_header(by_model));
+  out(refined_header(columns) + "\n");
   optimize::for_each_set(result, [&](std::size_t, const std::optional<RefinedSet>& set) {
-    if (set) out(refined_row(result, *set, by_model));
+    if (set) out(refined_row(result, *set, columns));
   });
 }
 
-std::string pareto_csv(const OptimizeResult& result, bool by_model) {
-  std::string text = refined_header(by_model);
+std::string pareto_csv(const OptimizeResult& result, const RefinedColumns& columns) {
+  std::string text = refined_header(columns) + "\n";
   for (const std::size_t k : result.pareto) {
-    text += refined_row(result, result.refined[k], by_model);
+    text += refined_row(result, result.refined[k], columns);
   }
   return text;
 }
 
 std::string pareto_csv(const Specification& spec, const optimize::ParetoFront& front) {
-  std::string text = kRefinedHeader;
+  const RefinedColumns columns = refined_columns(spec);
+  std::string text = refined_header(columns);
   for (const optimize::Objective objective : spec.objectives) {
     const optimize::ObjectiveRecord& record = optimize::objective_record(objective);
     text +=
@@ -234,7 +257,7 @@ std::string pareto_csv(const Specification& spec, const optimize::ParetoFront& f
   }
   text += "\n";
   for (const optimize::ParetoPoint& point : front.points) {
-    std::vector<std::string> fields = refined_fields(point.set, std::nullopt, false);
+    std::vector<std::string> fields = refined_fields(point.set, std::nullopt, columns);
     for (std::size_t k = 0; k < spec.objectives.size(); ++k) {
       fields.push_back(
           exact(point.values[k] / optimize::objective_record(spec.objectives[k]).per_unit));

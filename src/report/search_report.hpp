@@ -40,14 +40,22 @@ struct ResultTally {
 };
 ResultTally tally_of(const optimize::OptimizeResult& result);
 
+/// Columns of refined.csv beyond those that are always there.
+struct RefinedColumns {
+  bool model = false;           ///< eta_b_model, eta_f_model
+  bool tips = false;            ///< kS .. kR2: tip shortenings
+  bool pressure_angle = false;  ///< pressure_angle_deg
+  bool masses = false;          ///< mass_kg, inertia_kgm2
+};
+RefinedColumns refined_columns(const optimize::Specification& spec);
+
 /// refined.csv: a row for every tooth set, in the order of the search; those that an interrupted
 /// run did not reach have none.
-/// @param by_model  with the columns eta_b_model and eta_f_model
-/// @param out       called with one piece of the text after the other
-void write_refined_csv(const optimize::OptimizeResult& result, bool by_model,
+/// @param out  called with one piece of the text after the other
+void write_refined_csv(const optimize::OptimizeResult& result, const RefinedColumns& columns,
                        const std::function<void(std::string_view)>& out);
 /// pareto.csv: the same columns for the sets of result.pareto.
-std::string pareto_csv(const optimize::OptimizeResult& result, bool by_model = false);
+std::string pareto_csv(const optimize::OptimizeResult& result, const RefinedColumns& columns);
 
 /// pareto.csv of a list of objectives: the same columns, then each objective in its unit.
 std::string pareto_csv(const optimize::Specification& spec, const optimize::ParetoFront& front);

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "io/specification_file.hpp"
+#include "optimize/kkt_residual.hpp"
 #include "optimize/slsqp.hpp"
 #include "optimize/starting_points.hpp"
 #include "tests/optimize/rp96_problem.hpp"
@@ -106,7 +107,7 @@ TEST_P(RefinementProblemOf, GradientsAndHessiansEqualCentralDifferences) {
     for (std::size_t k = 0; k < n; ++k) {
       v[k] = std::clamp(v[k] + 0.02 * unit(random), p.lower[k] + 0.01, p.upper[k] - 0.01);
     }
-    std::array<Jet2, kMaxVariables> jets;
+    std::array<Jet2, kMostUnknowns> jets;
     for (std::size_t k = 0; k < n; ++k) {
       jets[k].a = Jet1(v[k], static_cast<int>(k));
       jets[k].v[static_cast<Eigen::Index>(k)] = Jet1(1.0);
@@ -115,7 +116,7 @@ TEST_P(RefinementProblemOf, GradientsAndHessiansEqualCentralDifferences) {
     const auto f = evaluate<Jet2>(p, used(p, jets), g);
     ASSERT_TRUE(f);
     const auto jet1_at = [&](const Point& at) {
-      std::array<Jet1, kMaxVariables> jets1;
+      std::array<Jet1, kMostUnknowns> jets1;
       for (std::size_t k = 0; k < n; ++k) jets1[k] = Jet1(at[k], static_cast<int>(k));
       std::vector<Jet1> values(p.rows.size() + 1);
       values.back() =
