@@ -72,8 +72,11 @@ double scale_of(const CheckRecord& record, double limit, double length_scale_m) 
       return length_scale_m;
     case Unit::kMillimetre:
       return limit > 0.0 ? limit : length_scale_m;
-    case Unit::kArcmin:
-      return limit > 0.0 ? limit : kArcmin_rad;
+    case Unit::kArcmin: {
+      // A limit next to nothing is no measure of what matters.
+      constexpr double kLeast_rad = 0.1 * kArcmin_rad;
+      return limit > 0.0 ? std::max(limit, kLeast_rad) : kArcmin_rad;
+    }
     case Unit::kDegree:
       // Angles of assembly are zero when it fits, and never small otherwise.
       return 1e-6;

@@ -167,6 +167,13 @@ Journal read_journal(const std::string& path, std::uint64_t fingerprint) {
   journal.exists = std::filesystem::exists(path, status);
   if (!journal.exists) return journal;
   const std::string bytes = bytes_of(path);
+  std::string header(kFormat);
+  put(header, fingerprint);
+  if (bytes.size() < header.size() && header.starts_with(bytes)) {
+    // Killed before its header was written.
+    journal.exists = false;
+    return journal;
+  }
   Fields fields(bytes);
   std::string_view format;
   std::uint64_t task = 0;

@@ -127,6 +127,10 @@ double best_value(Objective objective, const Specification& spec, const train::T
       train.profile_shift[i] = shift_limits(spec, static_cast<int>(i)).min;
       if (spec.free.tip_shortening) train.tip_shortening[i] = spec.free.tip_shortening->max;
     }
+    // How far the KHK rule shortens a tip is not known; no tip lies inside its root circle.
+    for (const std::size_t gear : {train::kS, train::kP1}) {
+      if (spec.khk_tip[gear]) train.tip_shortening[gear] = spec.rack.addendum + spec.rack.dedendum;
+    }
     return train::make_train_gears(train);
   };
   const double greatest_angle =

@@ -13,8 +13,9 @@ namespace gear3k::optimize {
 namespace {
 
 /// Limits give way by this share of an objective's scale: refined values may lie beyond what is
-/// feasible by kFeasibilityTolerance of several scales.
+/// feasible, efficiencies by less than lost motion and sizes, which are themselves limits.
 constexpr double kLimitSlack = 20.0 * design::kFeasibilityTolerance;
+constexpr double kEfficiencySlack = 2.0 * design::kFeasibilityTolerance;
 
 /// The specification with one objective and limits on the others [SI].
 Specification limited(const Specification& spec, Objective first,
@@ -110,7 +111,9 @@ class FrontSearch {
   }
 
   [[nodiscard]] ObjectiveLimit limit_at(Objective objective, double value) const {
-    const double slack = kLimitSlack * objective_scale(objective, spec_);
+    const double slack = is_efficiency(objective)
+                             ? kEfficiencySlack
+                             : kLimitSlack * objective_scale(objective, spec_);
     return {.objective = objective, .value = value - sense_of(objective) * slack};
   }
 

@@ -22,20 +22,31 @@ constexpr double kGreatestAngle_rad = 80.0 * std::numbers::pi / 180.0;
 /// Least loss of a mesh over that of the first-order model with the design's coefficient.
 ///
 /// Path models: the loss of a pair at a point is the first-order one over 1 − σ μ ρ_d/r_bd, at
-/// least that over 1 + μ ρ_d/r_bd; docs/theory.md §32.
+/// least that over 1 + μ ρ_d/r_bd.  Factors on a first-order model add the difference of two such
+/// losses, which may be negative even where no factor is below 1.
+/// Source: own derivation, docs/theory.md §32.
 double least_friction(const Specification& spec, bool forward) {
   const auto flank = efficiency::constant_friction<double>(spec.friction, forward);
   const double mu = std::max(0.0, flank.coefficient);
-  const double least = std::min(flank.approach_factor, flank.recess_factor);
-  const double most = std::max(flank.approach_factor, flank.recess_factor);
-  // ρ_d/r_bd ≤ tan α_w + 2π e/z with e ≤ 3 and z ≥ 5.
+  const double approach = flank.approach_factor;
+  const double recess = flank.recess_factor;
+  const double least = std::min(approach, recess);
+  const double most = std::max(approach, recess);
+  // ρ_d/r_bd ≤ tan α_a of an external driver; on a driving ring at most tan α_w or that.
   const double lever = std::tan(65.0 * std::numbers::pi / 180.0) + 6.0 * std::numbers::pi / 5.0;
   const bool path = spec.friction.model == efficiency::LossModel::kCoulombPath ||
                     spec.friction.model == efficiency::LossModel::kDirectional;
   if (path) return mu * least / (1.0 + mu * most * lever);
-  if (least >= 1.0) return mu;
-  if (mu * lever >= 1.0) return 0.0;
-  return mu * std::max(0.0, 1.0 - (1.0 - least) / (1.0 - mu * lever));
+  if (mu * lever * std::max(1.0, approach) >= 1.0) {
+    return approach == 1.0 && recess == 1.0 ? mu : 0.0;
+  }
+  // Loss ≥ first order · (1 + least/u − 1/u_1), u and u_1 the driving torques with the factors and
+  // without, u/u_1 ≤ 1 + change.
+  const double change =
+      mu * lever * std::max(std::abs(1.0 - approach), recess - 1.0) / (1.0 - mu * lever);
+  const double lacking = 1.0 + change - least;
+  if (lacking <= 0.0) return mu;
+  return mu * std::max(0.0, 1.0 - lacking / (1.0 - mu * lever * approach));
 }
 
 /// Everything that the stages' tasks take from a specification.
@@ -268,12 +279,6 @@ double most_forward(const train::ToothSet& z, const LossRegion& r, double stage2
                   efficiency_at(z, {other_sun, r.ring, stage2}, true));
 }
 
-/// A range with the slack that feasible designs may take; a tip thickness changes by a tenth of a
-/// change of shift at least.
-Interval relaxed(const ShiftRange& range) {
-  return {range.widest.lo - kFeasibilitySlack, range.widest.hi + 10.0 * kFeasibilitySlack};
-}
-
 /// Sorted distinct keys, and the place of each candidate's key among them.
 template <class KeyOf>
 std::vector<Candidate> distinct_stages(std::span<const Candidate> candidates, KeyOf key_of,
@@ -451,8 +456,7 @@ SetBounds::Stage1 SetBounds::relax1(const Candidate& key, const Effort& effort,
                           &shifts_.of(train::kR1, z.R1)};
   stage.infeasible = worst_of(ranges);
   if (stage.infeasible) return stage;
-  const std::array<Interval, 3> shifts{relaxed(*ranges[0]), relaxed(*ranges[1]),
-                                       relaxed(*ranges[2])};
+  const std::array<Interval, 3> shifts{ranges[0]->widest, ranges[1]->widest, ranges[2]->widest};
   StageTask task = maker.stage1(key, shifts, 1.0);
   if (sun_weight) {
     stage.sun_weight = *sun_weight;
@@ -504,7 +508,7 @@ SetBounds::Stage2 SetBounds::relax2(const Candidate& key, const Effort& effort) 
   const std::array ranges{&shifts_.of(train::kP2, z.P2), &shifts_.of(train::kR2, z.R2)};
   stage.infeasible = worst_of(ranges);
   if (stage.infeasible) return stage;
-  const std::array<Interval, 2> shifts{relaxed(*ranges[0]), relaxed(*ranges[1])};
+  const std::array<Interval, 2> shifts{ranges[0]->widest, ranges[1]->widest};
   for (std::size_t level = 0; level < levels_; ++level) {
     Stage2Level& at = stage.level[level];
     const StageTask task = maker.stage2(key, shifts, share_of(level), most_distance_);

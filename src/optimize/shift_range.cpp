@@ -13,6 +13,9 @@ using design::CheckId;
 
 namespace {
 
+/// A feasible design may miss a limit by kFeasibilityTolerance of its scale.
+constexpr double kSlack = 2.0 * design::kFeasibilityTolerance;
+
 /// A gear at a profile shift, with unit module.
 geometry::GearGeometry<double> unit_gear(const Specification& spec, int gear, int teeth,
                                          double shift) {
@@ -77,7 +80,8 @@ ShiftRange shift_range(const Specification& spec, int gear, int teeth) {
   const Interval all{limits_of_shift.min, limits_of_shift.max};
   ShiftRange result{.range = all, .widest = all, .infeasible = std::nullopt};
   const auto miss = [&](CheckId check, double miss_si, double violation) {
-    if (violation <= design::kFeasibilityTolerance) return;
+    // Two limits that are missed by the tolerance each may be met together.
+    if (violation <= 2.0 * kSlack) return;
     if (!result.infeasible || violation > result.infeasible->violation) {
       result.infeasible = {.check = check, .miss_si = miss_si, .violation = violation};
     }
@@ -102,7 +106,7 @@ ShiftRange shift_range(const Specification& spec, int gear, int teeth) {
     if (limit && !free_tips && !free_angle) {
       at_least(CheckId::kRingTipOutsideBase, *limit - above);
     }
-    result.widest = result.range;
+    result.widest = {result.range.lo - kSlack, result.range.hi + kSlack};
     const auto& diameter = limits[CheckId::kRingRootDiameter];
     if (diameter && *diameter > 0.0) {
       const double module =
@@ -110,7 +114,7 @@ ShiftRange shift_range(const Specification& spec, int gear, int teeth) {
       const double root = unit_gear(spec, gear, teeth, all.lo).root_radius_m;
       const double excess = 2.0 * root * module - *diameter;
       miss(CheckId::kRingRootDiameter, excess, excess / *diameter);
-      const double most = all.lo + 0.5 * *diameter / module - root;
+      const double most = all.lo + 0.5 * *diameter * (1.0 + kSlack) / module - root;
       result.widest.hi = std::max(result.widest.lo, std::min(result.widest.hi, most));
     }
     return result;
@@ -119,6 +123,7 @@ ShiftRange shift_range(const Specification& spec, int gear, int teeth) {
     at_least(CheckId::kUndercut,
              *limit - geometry::undercut_margin(unit_gear(spec, gear, teeth, 0.0)));
   }
+  result.widest = {result.range.lo - kSlack, result.range.hi + kSlack};
   const auto& limit = limits[CheckId::kTipThickness];
   if (limit && !spec.khk_tip[static_cast<std::size_t>(gear)] && !free_tips && !free_angle) {
     const TipShift tip = shift_at_tip_thickness(spec, gear, teeth, result.range, *limit);
@@ -128,8 +133,10 @@ ShiftRange shift_range(const Specification& spec, int gear, int teeth) {
       miss(CheckId::kTipThickness, amount, amount);
     }
     result.range.hi = tip.most;
+    result.widest.hi =
+        kSlack +
+        shift_at_tip_thickness(spec, gear, teeth, {result.range.lo, all.hi}, *limit - kSlack).most;
   }
-  result.widest = result.range;
   return result;
 }
 

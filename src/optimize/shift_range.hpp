@@ -36,7 +36,8 @@ struct ShiftRange {
   /// Where undercut, ring_tip_outside_base and (but for the KHK tip rule) tip_thickness hold; never
   /// empty.  Beyond `hi` of a tip too thin, no shift is feasible (docs/theory.md §32).
   Interval range;
-  /// The same, less what a ring's root diameter takes away even at the stage's least module.
+  /// The same for bounds: with the slack that feasible designs may take, less what a ring's root
+  /// diameter takes away even at the stage's least module.
   Interval widest;
   /// Set where no shift in profile_shift.range will do.
   std::optional<Infeasibility> infeasible;

@@ -200,8 +200,7 @@ TEST(RefinementProblem, AgreesWithRp96TypedAnew) {
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   int feasible = 0;
   for (std::size_t c = 0; c < candidates.size(); c += 3) {
-    const RefinementProblem p =
-        make_refinement_problem(spec, candidates[c], {1e-3, std::nullopt});
+    const RefinementProblem p = make_refinement_problem(spec, candidates[c], {1e-3, std::nullopt});
     for (int trial = 0; trial < 20; ++trial) {
       // Half of the points far from, half of them near a point inside the limits.
       const Point start = starting_points(p, 4, 1)[static_cast<std::size_t>(trial % 4)];

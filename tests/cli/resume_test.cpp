@@ -1,0 +1,229 @@
+// optimize --resume: what a run that was killed or interrupted leaves, and how it is completed.
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/cli/run_program.hpp"
+
+namespace gear3k {
+namespace {
+
+using nlohmann::json;
+using std::chrono::milliseconds, std::chrono::seconds;
+using test::example, test::ProgramResult, test::read_text, test::replaced, test::RunningProgram,
+    test::Workplace;
+
+constexpr int kInvalidInput = 2;
+constexpr int kInterrupted = 130;
+
+/// Some thousands of tooth sets in several waves, a second or two in all; the path model, whose
+/// bounds leave --certify enough to refine.
+std::string long_task(const std::string& tolerance) {
+  std::string spec = replaced(example("rp96.toml"), "planets = 3", "planets = [3, 4]");
+  spec = replaced(spec, "tolerance = 0.005", "tolerance = " + tolerance);
+  spec = replaced(spec, "\"ohlendorf\"", "\"coulomb_path\"");
+  return replaced(spec, "starts = 4", "starts = 2");
+}
+
+struct ResultFiles {
+  std::string best, refined, pareto;
+  json summary;
+};
+ResultFiles results_in(const Workplace& place, const std::string& folder) {
+  ResultFiles files{.best = place.read(folder + "/best.toml"),
+                    .refined = place.read(folder + "/refined.csv"),
+                    .pareto = place.read(folder + "/pareto.csv"),
+                    .summary = json::parse(place.read(folder + "/summary.json"))};
+  for (const char* key : {"wall_time_s", "threads"}) {
+    EXPECT_EQ(files.summary.erase(key), 1U) << key;
+  }
+  return files;
+}
+
+void expect_same_files(const ResultFiles& a, const ResultFiles& b) {
+  EXPECT_EQ(a.best, b.best);
+  EXPECT_TRUE(a.refined == b.refined) << "refined.csv differs";
+  EXPECT_TRUE(a.pareto == b.pareto) << "pareto.csv differs";
+  EXPECT_EQ(a.summary, b.summary);
+}
+
+std::uintmax_t size_of(const std::filesystem::path& path) {
+  std::error_code none;
+  const std::uintmax_t size = std::filesystem::file_size(path, none);
+  return none ? 0 : size;
+}
+
+/// Sends a signal as soon as the journal holds more than so many bytes.
+/// @returns the result; empty where the program did not end
+std::optional<ProgramResult> ended_by(RunningProgram& program, const std::filesystem::path& journal,
+                                      std::uintmax_t bytes, int signal) {
+  const auto limit = std::chrono::steady_clock::now() + seconds(20);
+  while (size_of(journal) <= bytes && std::chrono::steady_clock::now() < limit) {
+    if (auto ended = program.wait(milliseconds(0))) return ended;
+    std::this_thread::sleep_for(milliseconds(1));
+  }
+  program.send(signal);
+  return program.wait(seconds(20));
+}
+
+using Arguments = std::vector<std::string>;
+
+Arguments optimize_arguments(const std::string& folder, bool certify, Arguments more = {}) {
+  Arguments arguments{"optimize", "spec.toml", "--out", folder, "--quiet"};
+  if (certify) arguments.emplace_back("--certify");
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+/// With and without --certify.
+class Resume : public testing::TestWithParam<bool> {
+ protected:
+  static std::string task() { return long_task(GetParam() ? "0.005" : "0.02"); }
+};
+
+TEST_P(Resume, AfterAKillGivesTheBytesOfAnUndisturbedRun) {
+  const Workplace place;
+  place.write("spec.toml", task());
+  ASSERT_EQ(place.run(optimize_arguments("whole", GetParam())).exit_code, 0);
+  const ResultFiles whole = results_in(place, "whole");
+  EXPECT_FALSE(place.has("whole/optimize.journal"));
+  // In the first wave, in the second, and later.
+  for (const std::uintmax_t bytes : {0U, 100U, GetParam() ? 12000U : 130000U}) {
+    const std::string folder = "killed" + std::to_string(bytes);
+    RunningProgram program = place.start(optimize_arguments(folder, GetParam()));
+    const auto killed = ended_by(program, place.file(folder) / "optimize.journal", bytes, SIGKILL);
+    ASSERT_TRUE(killed);
+    ASSERT_EQ(killed->signal, SIGKILL) << "it ended before it was killed";
+    ASSERT_TRUE(place.has(folder + "/optimize.journal"));
+    EXPECT_FALSE(place.has(folder + "/summary.json"));
+    const auto resumed = place.run(optimize_arguments(folder, GetParam(), {"--resume"}));
+    EXPECT_EQ(resumed.exit_code, 0) << resumed.err;
+    expect_same_files(results_in(place, folder), whole);
+    EXPECT_FALSE(place.has(folder + "/optimize.journal"));
+  }
+}
+
+TEST_P(Resume, MayBeKilledAgainAndAgain) {
+  const Workplace place;
+  place.write("spec.toml", task());
+  ASSERT_EQ(place.run(optimize_arguments("whole", GetParam())).exit_code, 0);
+  const auto journal = place.file("out") / "optimize.journal";
+  for (int run = 0; run < 2; ++run) {
+    RunningProgram program = place.start(
+        optimize_arguments("out", GetParam(), run > 0 ? Arguments{"--resume"} : Arguments{}));
+    const auto killed = ended_by(program, journal, size_of(journal) + 1000, SIGKILL);
+    ASSERT_TRUE(killed);
+    ASSERT_EQ(killed->signal, SIGKILL) << "run " << run << " ended before it was killed";
+    // As a disk that was full would leave it: a record cut short.
+    std::filesystem::resize_file(journal, size_of(journal) - 3);
+  }
+  EXPECT_EQ(place.run(optimize_arguments("out", GetParam(), {"--resume"})).exit_code, 0);
+  expect_same_files(results_in(place, "out"), results_in(place, "whole"));
+}
+
+TEST_P(Resume, AfterCtrlCCompletesUsableFiles) {
+  const Workplace place;
+  place.write("spec.toml", task());
+  ASSERT_EQ(place.run(optimize_arguments("whole", GetParam())).exit_code, 0);
+  RunningProgram program = place.start(optimize_arguments("out", GetParam()));
+  const auto stopped = ended_by(program, place.file("out") / "optimize.journal", 1000, SIGINT);
+  ASSERT_TRUE(stopped);
+  ASSERT_EQ(stopped->exit_code, kInterrupted) << stopped->err;
+  EXPECT_NE(stopped->err.find("--resume"), std::string::npos) << stopped->err;
+  ResultFiles partial = results_in(place, "out");
+  EXPECT_EQ(partial.summary.at("interrupted"), true);
+  EXPECT_EQ(place.run({"analyze", "out/best.toml", "--strict"}).exit_code, 0);
+  EXPECT_TRUE(place.has("out/optimize.journal"));
+  EXPECT_EQ(place.run(optimize_arguments("out", GetParam(), {"--resume"})).exit_code, 0);
+  expect_same_files(results_in(place, "out"), results_in(place, "whole"));
+  EXPECT_FALSE(place.has("out/optimize.journal"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Runs, Resume, testing::Bool(), [](const auto& certify) {
+  return std::string(certify.param ? "Certified" : "Full");
+});
+
+/// A folder out/ with the journal of a run that was killed.
+void leave_a_killed_run(const Workplace& place) {
+  place.write("spec.toml", long_task("0.01"));
+  RunningProgram program = place.start(optimize_arguments("out", false));
+  const auto killed = ended_by(program, place.file("out") / "optimize.journal", 1000, SIGKILL);
+  ASSERT_TRUE(killed);
+  ASSERT_EQ(killed->signal, SIGKILL);
+}
+
+TEST(ResumeOption, WithoutAJournalStartsAnewAndSaysSo) {
+  const Workplace place;
+  place.write("spec.toml", replaced(example("rp96.toml"), "S = [10, 20]", "S = [12, 12]"));
+  const auto plain = place.run({"optimize", "spec.toml", "--out", "plain"});
+  const auto resumed = place.run({"optimize", "spec.toml", "--out", "out", "--resume"});
+  EXPECT_EQ(resumed.exit_code, 0) << resumed.err;
+  EXPECT_NE(resumed.err.find("anew"), std::string::npos) << resumed.err;
+  expect_same_files(results_in(place, "out"), results_in(place, "plain"));
+}
+
+TEST(ResumeOption, RefusesTheJournalOfAChangedSpecificationAndLeavesIt) {
+  const Workplace place;
+  ASSERT_NO_FATAL_FAILURE(leave_a_killed_run(place));
+  const std::string journal = place.read("out/optimize.journal");
+  place.write("spec.toml", replaced(long_task("0.01"), "coefficient = 0.1", "coefficient = 0.11"));
+  const auto resumed = place.run(optimize_arguments("out", false, {"--resume"}));
+  EXPECT_EQ(resumed.exit_code, kInvalidInput);
+  EXPECT_NE(resumed.err.find("another task"), std::string::npos) << resumed.err;
+  EXPECT_NE(resumed.err.find("allowed:"), std::string::npos) << resumed.err;
+  EXPECT_TRUE(place.read("out/optimize.journal") == journal);
+  EXPECT_FALSE(place.has("out/summary.json"));
+}
+
+TEST(ResumeOption, NewRunWithoutItKeepsTheOldJournalUnderAnotherName) {
+  const Workplace place;
+  ASSERT_NO_FATAL_FAILURE(leave_a_killed_run(place));
+  const std::string journal = place.read("out/optimize.journal");
+  place.write("spec.toml", replaced(example("rp96.toml"), "S = [10, 20]", "S = [12, 12]"));
+  const auto fresh = place.run({"optimize", "spec.toml", "--out", "out"});
+  EXPECT_EQ(fresh.exit_code, 0) << fresh.err;
+  EXPECT_NE(fresh.err.find("--resume"), std::string::npos) << fresh.err;
+  EXPECT_TRUE(place.read("out/optimize.journal.previous") == journal);
+  EXPECT_FALSE(place.has("out/optimize.journal"));
+}
+
+TEST(CertifyOption, ExcludesAModelAtAnOperatingPoint) {
+  const Workplace place;
+  place.write("spec.toml", replaced(example("rp96.toml"), "S = [10, 20]", "S = [12, 12]") +
+                               "\n[operating_point]\nsun_speed_rpm = 600\noutput_torque_nm = 20\n"
+                               "temperature_c = 30\n");
+  place.write("model.toml",
+              "[transmission]\nname = \"any\"\n[transmission.range]\nsun_speed_rpm = [200, 1000]\n"
+              "output_torque_nm = [5, 50]\ntemperature_c = [25, 45]\n"
+              "[transmission.causes.drag_constant]\nform = \"sun\"\nbody = \"sun\"\n"
+              "torque_nm = 0.01\ntorque_nm_sd = 0.001\n");
+  const auto result =
+      place.run({"optimize", "spec.toml", "--out", "out", "--certify", "--model", "model.toml"});
+  EXPECT_EQ(result.exit_code, kInvalidInput);
+  EXPECT_NE(result.err.find("--certify"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("--model"), std::string::npos) << result.err;
+  EXPECT_FALSE(place.has("out/summary.json"));
+  const auto without =
+      place.run({"optimize", "spec.toml", "--out", "out", "--model", "model.toml"});
+  EXPECT_EQ(without.exit_code, 0) << without.err;
+}
+
+TEST(ResumeOption, JournalOfOneSearchServesTheOther) {
+  // Sets are refined alike with and without --certify.
+  const Workplace place;
+  ASSERT_NO_FATAL_FAILURE(leave_a_killed_run(place));
+  ASSERT_EQ(place.run(optimize_arguments("whole", true)).exit_code, 0);
+  EXPECT_EQ(place.run(optimize_arguments("out", true, {"--resume"})).exit_code, 0);
+  expect_same_files(results_in(place, "out"), results_in(place, "whole"));
+}
+
+}  // namespace
+}  // namespace gear3k

@@ -1,0 +1,135 @@
+#include "optimize/pareto_search.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "io/specification_file.hpp"
+
+namespace gear3k::optimize {
+namespace {
+
+TEST(Hypervolume, IsTheAreaThatPointsDominate) {
+  EXPECT_EQ(hypervolume({}), 0.0);
+  EXPECT_DOUBLE_EQ(hypervolume({{0.25}}), 0.75);
+  EXPECT_DOUBLE_EQ(hypervolume({{0.5, 0.5}}), 0.25);
+  // Two rectangles less what they share.
+  EXPECT_DOUBLE_EQ(hypervolume({{0.2, 0.6}, {0.5, 0.1}}), 0.8 * 0.4 + 0.5 * 0.9 - 0.5 * 0.4);
+  EXPECT_DOUBLE_EQ(hypervolume({{0.2, 0.6}, {0.2, 0.6}, {0.9, 0.9}}), 0.8 * 0.4);
+  EXPECT_DOUBLE_EQ(hypervolume({{0.0, 0.0, 0.0}}), 1.0);
+  EXPECT_DOUBLE_EQ(hypervolume({{1.5, -1.0}, {0.5, 0.5}}), 0.25) << "clipped to the cube";
+}
+
+TEST(Hypervolume, EqualsACountOfGridCellsInThreeDimensions) {
+  std::mt19937 random(1);
+  constexpr int kCells = 20;
+  std::uniform_int_distribution<int> cell(0, kCells);
+  for (int trial = 0; trial < 20; ++trial) {
+    std::vector<std::array<int, 3>> corners(6);
+    std::vector<std::vector<double>> points;
+    for (auto& c : corners) {
+      c = {cell(random), cell(random), cell(random)};
+      points.push_back({1.0 * c[0] / kCells, 1.0 * c[1] / kCells, 1.0 * c[2] / kCells});
+    }
+    int dominated = 0;
+    for (int i = 0; i < kCells * kCells * kCells; ++i) {
+      const std::array<int, 3> at{i % kCells, i / kCells % kCells, i / kCells / kCells};
+      dominated += std::ranges::any_of(
+          corners, [&](const auto& c) { return c[0] <= at[0] && c[1] <= at[1] && c[2] <= at[2]; });
+    }
+    EXPECT_NEAR(hypervolume(points), 1.0 * dominated / (kCells * kCells * kCells), 1e-12);
+  }
+}
+
+Specification few_sets() {
+  Specification spec =
+      io::read_specification(std::string(GEAR3K_SOURCE_DIR) + "/examples/rp96.toml");
+  spec.teeth.S = {.min = 12, .max = 13};
+  spec.bodies = {.density_kgm3 = 7850.0, .face_width_m = {0.01, 0.01}, .ring_rim_m = 0.005};
+  spec.pareto_points = 5;
+  return spec;
+}
+
+bool dominates(const Specification& spec, const ParetoPoint& a, const ParetoPoint& b) {
+  bool better = false;
+  for (std::size_t k = 0; k < spec.objectives.size(); ++k) {
+    const double gain = sense_of(spec.objectives[k]) * (a.values[k] - b.values[k]);
+    if (gain < 0.0) return false;
+    better = better || gain > 0.0;
+  }
+  return better;
+}
+
+class ParetoFrontOf : public testing::TestWithParam<std::vector<Objective>> {};
+
+TEST_P(ParetoFrontOf, HoldsNoDominatedDesignAndKeepsToItsBox) {
+  Specification spec = few_sets();
+  spec.objectives = GetParam();
+  Progress progress;
+  const ParetoFront front = search_pareto_front(spec, progress);
+  ASSERT_GT(front.points.size(), 1U);
+  EXPECT_GT(front.hypervolume, 0.0);
+  EXPECT_LE(front.hypervolume, 1.0);
+  for (const ParetoPoint& a : front.points) {
+    for (std::size_t k = 0; k < spec.objectives.size(); ++k) {
+      const Objective objective = spec.objectives[k];
+      EXPECT_EQ(a.values[k], objective_of(spec, a.set, objective));
+      // No design is better than the best alone (within what limits give way).
+      const double slack = 1e-4 * std::abs(front.ideal[k]) + 1e-7;
+      EXPECT_LE(sense_of(objective) * (a.values[k] - front.ideal[k]), slack);
+    }
+    for (const ParetoPoint& b : front.points) EXPECT_FALSE(dominates(spec, a, b));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Objectives, ParetoFrontOf,
+    testing::Values(std::vector{Objective::kBackwardEfficiency, Objective::kLostMotion},
+                    std::vector{Objective::kBackwardEfficiency, Objective::kMass,
+                                Objective::kRatioError},
+                    std::vector{Objective::kForwardEfficiency, Objective::kOuterDiameter},
+                    std::vector{Objective::kInertia, Objective::kBackwardEfficiency}));
+
+TEST(ParetoSearch, EveryPointIsTheBestOfAllSetsWithinItsLimit) {
+  Specification spec = few_sets();
+  spec.objectives = {Objective::kBackwardEfficiency, Objective::kLostMotion};
+  Progress progress;
+  const ParetoFront front = search_pareto_front(spec, progress);
+  for (const ParetoPoint& point : front.points) {
+    // All sets refined one by one with this much lost motion.
+    Specification limited = spec;
+    limited.objectives = {Objective::kBackwardEfficiency};
+    limited.limits[design::CheckId::kOutputBacklashMax] = std::max(point.values[1], 1e-9);
+    Progress unused;
+    const OptimizeResult all = optimize(limited, unused);
+    ASSERT_TRUE(all.best);
+    EXPECT_NEAR(point.values[0], all.best->eta_b, 1e-5);
+  }
+}
+
+TEST(ParetoSearch, TheFirstObjectiveAloneHasTheFirstPoint) {
+  Specification spec = few_sets();
+  spec.objectives = {Objective::kBackwardEfficiency, Objective::kMass};
+  Progress progress;
+  const ParetoFront front = search_pareto_front(spec, progress);
+  spec.objectives = {Objective::kBackwardEfficiency};
+  const OptimizeResult alone = optimize(spec, progress);
+  // What the limit at this efficiency gives way.
+  EXPECT_NEAR(front.points.front().values[0], alone.best->eta_b, 3e-6);
+  EXPECT_EQ(front.points.front().set.candidate, alone.best->candidate);
+}
+
+TEST(ParetoSearch, StoppedAtOnceHasNoPoints) {
+  Specification spec = few_sets();
+  spec.objectives = {Objective::kBackwardEfficiency, Objective::kMass};
+  Progress progress;
+  progress.stop = true;
+  const ParetoFront front = search_pareto_front(spec, progress);
+  EXPECT_TRUE(front.interrupted);
+  EXPECT_TRUE(front.points.empty());
+  EXPECT_EQ(front.hypervolume, 0.0);
+}
+
+}  // namespace
+}  // namespace gear3k::optimize
