@@ -111,9 +111,8 @@ class FrontSearch {
   }
 
   [[nodiscard]] ObjectiveLimit limit_at(Objective objective, double value) const {
-    const double slack = is_efficiency(objective)
-                             ? kEfficiencySlack
-                             : kLimitSlack * objective_scale(objective, spec_);
+    const double slack = is_efficiency(objective) ? kEfficiencySlack
+                                                  : kLimitSlack * objective_scale(objective, spec_);
     return {.objective = objective, .value = value - sense_of(objective) * slack};
   }
 

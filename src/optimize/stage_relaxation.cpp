@@ -85,7 +85,7 @@ class StageSearch {
       return result;
     }
     result.center_distance = {first.low.d, first.high.d};
-    push(std::move(first));
+    push(first);
     result.boxes = 1;
     while (!heap_.empty() && result.boxes < effort.boxes) {
       const Box& top = heap_.front();
@@ -99,8 +99,8 @@ class StageSearch {
       } else {
         left.planet_shift.hi = right.planet_shift.lo = parent.planet_shift.middle();
       }
-      push(std::move(left));
-      push(std::move(right));
+      push(left);
+      push(right);
       result.boxes += 2;
     }
     if (heap_.empty()) {
@@ -382,9 +382,9 @@ class StageSearch {
     return true;
   }
 
-  void push(Box&& box) {
+  void push(Box box) {
     if (!examine(box)) return;
-    heap_.push_back(std::move(box));
+    heap_.push_back(box);
     std::push_heap(heap_.begin(), heap_.end(), later);
   }
 

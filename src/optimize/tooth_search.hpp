@@ -15,7 +15,8 @@ namespace gear3k::optimize {
 struct Candidate {
   train::ToothSet teeth;
   int planets = 3;
-  auto operator<=>(const Candidate&) const = default;
+  // clang-tidy takes the 0 of a rewritten comparison for a pointer.
+  auto operator<=>(const Candidate&) const = default;  // NOLINT(modernize-use-nullptr)
 };
 
 /// Why a set within the tooth ranges and the ratio's tolerance is not a candidate.

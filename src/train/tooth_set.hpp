@@ -21,7 +21,8 @@ inline constexpr std::array<std::array<int, 2>, kMeshCount> kMeshGears{
 /// Tooth numbers; those of the rings are counted positive.
 struct ToothSet {
   int S = 0, P1 = 0, R1 = 0, P2 = 0, R2 = 0;
-  auto operator<=>(const ToothSet&) const = default;
+  // clang-tidy takes the 0 of a rewritten comparison for a pointer.
+  auto operator<=>(const ToothSet&) const = default;  // NOLINT(modernize-use-nullptr)
 };
 
 std::array<int, kGearCount> teeth_of(const ToothSet& z);
