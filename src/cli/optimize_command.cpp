@@ -117,7 +117,7 @@ Outcome run(const OptimizeOptions& options, const Task& task) {
          .known = std::move(journal.sets),
          .on_wave = [&](std::span<const optimize::RefinedSet> sets) { writer.append(sets); }});
     if (task.spec.objectives.size() > 1 && !outcome.result.interrupted) {
-      outcome.front = optimize::search_pareto_front(task.spec, progress);
+      outcome.front = optimize::search_pareto_front(task.spec, progress, outcome.result.refined);
     }
     outcome.wall_time_s = display.elapsed_s();
   }
@@ -177,8 +177,29 @@ std::pair<design::Design, design::Evaluation> best_of(const Task& task, const st
 
 }  // namespace
 
+namespace {
+
+/// A result that would overwrite its own input is a slip.
+void refuse_overwriting_input(const OptimizeOptions& options) {
+  for (const std::string& input : {options.file, options.model}) {
+    for (const char* name :
+         {"best.toml", "refined.csv", "pareto.csv", "summary.json", "optimize.journal"}) {
+      std::error_code status;
+      if (input.empty() ||
+          !std::filesystem::equivalent(input, path_in(options.out, name), status)) {
+        continue;
+      }
+      throw io::InvalidInput(fmt::format(
+          "{}: is a result file of --out {}, allowed: another folder", input, options.out));
+    }
+  }
+}
+
+}  // namespace
+
 ExitCode run_optimize(const OptimizeOptions& options) {
   const Task task = load_task(options);
+  refuse_overwriting_input(options);
   warn(task.notes, options.quiet);
   io::prepare_folder(options.out);
   if (!task.unreachable.empty()) {

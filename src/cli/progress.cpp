@@ -105,7 +105,8 @@ struct ProgressDisplay::State {
         break;
     }
     if (progress.feasible.load() > 0) {
-      facts += fmt::format(", best {:.5f}", progress.best_objective.load());
+      facts += fmt::format(", best {:.5g}",
+                           progress.best_merit.load() * progress.shown_per_merit.load());
     }
     if (terminal) {
       constexpr std::size_t kWidth = 24;

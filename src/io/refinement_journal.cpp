@@ -166,6 +166,9 @@ Journal read_journal(const std::string& path, std::uint64_t fingerprint) {
   std::error_code status;
   journal.exists = std::filesystem::exists(path, status);
   if (!journal.exists) return journal;
+  if (!std::filesystem::is_regular_file(path, status)) {
+    throw InvalidInput(fmt::format("{}: cannot be read: is no regular file", path));
+  }
   const std::string bytes = bytes_of(path);
   std::string header(kFormat);
   put(header, fingerprint);

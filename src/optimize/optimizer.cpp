@@ -16,7 +16,7 @@ namespace {
 
 /// Sets refined between two looks at the best: few at first, when it is still poor.
 constexpr std::size_t kFirstWave = 32;
-constexpr std::size_t kWave = 512;
+constexpr std::size_t kWave = 128;
 
 /// The refinement of one task's sets.
 class Run {
@@ -71,6 +71,10 @@ class Run {
     progress_.total = 0;
     progress_.done = 0;
     progress_.phase = Progress::Phase::kRefinement;
+    progress_.feasible = 0;
+    progress_.best_merit = -std::numeric_limits<double>::infinity();
+    const ObjectiveRecord& first = objective_record(first_objective(spec_));
+    progress_.shown_per_merit = sense_of(first.id) / first.per_unit;
     progress_.total = order.size();
     std::size_t size = options_.best_only ? kFirstWave : kWave;
     for (std::size_t begin = 0; begin < order.size() && !progress_.stop.load();) {
@@ -91,7 +95,13 @@ class Run {
     }
     result_.interrupted = progress_.stop.load();
     std::ranges::sort(result_.refined, {}, &RefinedSet::index);
-    if (options_.best_only && !result_.interrupted && result_.best) certify(order);
+    if (options_.best_only && !result_.interrupted && result_.best) {
+      certify(order);
+      if (progress_.stop.load()) {
+        result_.certificate.reset();
+        result_.interrupted = true;
+      }
+    }
   }
 
  private:
@@ -115,8 +125,8 @@ class Run {
       refined[i]->index = k;
       if (refined[i]->status == Status::kOptimal) {
         const double value = merit_of(spec_, *refined[i]);
-        double seen = progress_.best_objective.load();
-        while (value > seen && !progress_.best_objective.compare_exchange_weak(seen, value)) {
+        double seen = progress_.best_merit.load();
+        while (value > seen && !progress_.best_merit.compare_exchange_weak(seen, value)) {
         }
         ++progress_.feasible;
       }

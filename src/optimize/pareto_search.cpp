@@ -47,7 +47,12 @@ Specification limited(const Specification& spec, Objective first,
 
 class FrontSearch {
  public:
-  FrontSearch(const Specification& spec, Progress& progress) : spec_(spec), progress_(progress) {}
+  FrontSearch(const Specification& spec, Progress& progress, std::span<const RefinedSet> known)
+      : spec_(spec), progress_(progress) {
+    for (const RefinedSet& set : known) {
+      if (set.status == Status::kOptimal) points_.push_back(point_of(set));
+    }
+  }
 
   ParetoFront run() {
     const std::size_t count = spec_.objectives.size();
@@ -64,7 +69,7 @@ class FrontSearch {
           }
         }
       }
-      points_ = anchors;
+      points_.insert(points_.end(), anchors.begin(), anchors.end());
       over_grid();
     }
     keep_front();
@@ -84,9 +89,14 @@ class FrontSearch {
     ++front_.searches;
     const OptimizeResult result = optimize(task, progress_, {.best_only = true});
     if (!result.best) return std::nullopt;
-    ParetoPoint point{.set = *result.best, .values = {}};
+    return point_of(*result.best);
+  }
+
+  [[nodiscard]] ParetoPoint point_of(const RefinedSet& set) const {
+    ParetoPoint point{.set = set, .values = {}};
+    point.values.reserve(spec_.objectives.size());
     for (const Objective objective : spec_.objectives) {
-      point.values.push_back(objective_of(spec_, point.set, objective));
+      point.values.push_back(objective_of(spec_, set, objective));
     }
     return point;
   }
@@ -97,6 +107,7 @@ class FrontSearch {
     for (const Objective objective : spec_.objectives) {
       auto point = best_within(objective, {});
       if (!point) break;
+      points_.push_back(*point);
       std::vector<ObjectiveLimit> limits;
       Objective last = objective;
       for (const Objective other : spec_.objectives) {
@@ -141,8 +152,9 @@ class FrontSearch {
   /// Whether a is no worse than b everywhere, to the solver's accuracy.
   [[nodiscard]] bool covers(const ParetoPoint& a, const ParetoPoint& b) const {
     for (std::size_t k = 0; k < spec_.objectives.size(); ++k) {
-      const double slack =
-          2.0 * design::kFeasibilityTolerance * objective_scale(spec_.objectives[k], spec_);
+      const double slack = is_efficiency(spec_.objectives[k])
+                               ? kEfficiencySlack
+                               : 2.0 * kLimitSlack * objective_scale(spec_.objectives[k], spec_);
       if (cost(k, a.values[k]) > cost(k, b.values[k]) + slack) return false;
     }
     return true;
@@ -155,13 +167,18 @@ class FrontSearch {
       }
       return a.set.candidate < b.set.candidate;
     });
-    for (std::size_t i = 0; i < points_.size(); ++i) {
-      bool dominated = false;
-      for (std::size_t j = 0; j < points_.size() && !dominated; ++j) {
-        dominated =
-            j != i && covers(points_[j], points_[i]) && (j < i || !covers(points_[i], points_[j]));
+    // In this order a point is covered by ones before it, or after it within the slack.
+    std::vector<ParetoPoint> kept;
+    for (ParetoPoint& point : points_) {
+      if (std::ranges::none_of(kept, [&](const auto& other) { return covers(other, point); })) {
+        kept.push_back(std::move(point));
       }
-      if (!dominated) front_.points.push_back(points_[i]);
+    }
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+      const bool covered =
+          std::any_of(kept.begin() + static_cast<std::ptrdiff_t>(i) + 1, kept.end(),
+                      [&](const ParetoPoint& later) { return covers(later, kept[i]); });
+      if (!covered) front_.points.push_back(kept[i]);
     }
     if (front_.ideal.empty()) return;
     std::vector<std::vector<double>> unit;
@@ -203,8 +220,9 @@ double hypervolume(std::vector<std::vector<double>> points) {
   return volume;
 }
 
-ParetoFront search_pareto_front(const Specification& spec, Progress& progress) {
-  return FrontSearch(spec, progress).run();
+ParetoFront search_pareto_front(const Specification& spec, Progress& progress,
+                                std::span<const RefinedSet> known) {
+  return FrontSearch(spec, progress, known).run();
 }
 
 }  // namespace gear3k::optimize

@@ -1,6 +1,7 @@
 #pragma once
 // The Pareto front of a task over all of its tooth sets and their shifts, modules and distances.
 
+#include <span>
 #include <vector>
 
 #include "optimize/optimizer.hpp"
@@ -32,8 +33,10 @@ struct ParetoFront {
 /// the refinement of a set finds its optimum.  What other points dominate is dropped.
 /// Source: Haimes, Lasdon, Wismer, 1971 (ε-constraint method).
 /// @param spec  with two objectives or more; must outlive the call only
+/// @param known  designs that are offered to the front besides; those without an optimum are not
 /// @param progress  its stop ends the search, keeping the points found
-ParetoFront search_pareto_front(const Specification& spec, Progress& progress);
+ParetoFront search_pareto_front(const Specification& spec, Progress& progress,
+                                std::span<const RefinedSet> known = {});
 
 /// Volume of the part of the unit cube that points dominate, coordinates 0 = best, 1 = worst.
 ///

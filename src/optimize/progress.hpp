@@ -13,8 +13,9 @@ struct Progress {
       0};  ///< (zS, zP1) pairs searched, stages bounded, tooth sets refined, or shares
   std::atomic<std::size_t> total{0};  ///< 0 until it is known
   std::atomic<std::size_t> feasible{0};
-  std::atomic<double> best_objective{0.0};  ///< meaningless while feasible is 0
-  std::atomic<bool> stop{false};            ///< set it to end the run, keeping what is done
+  std::atomic<double> best_merit{0.0};       ///< meaningless while feasible is 0
+  std::atomic<double> shown_per_merit{1.0};  ///< of the objective in its unit
+  std::atomic<bool> stop{false};             ///< set it to end the run, keeping what is done
 };
 
 }  // namespace gear3k::optimize

@@ -46,10 +46,10 @@ SolveOutcome solve(const RefinementProblem& problem, const Point& start,
 
 /// For the start where the bound lies: rows far from their limits there seldom bind at the end.
 constexpr SlsqpOptions kNearTheEnd{.working_margin = 0.3};
-/// More starts are taken only where the best end is farther below the set's bound than this share
-/// of its loss.  On the 62,000 feasible sets of the wide space none of the starts so saved would
-/// have gained 1e-6.
-constexpr double kNearBound = 0.25;
+/// No more starts are taken where the best end is no farther below the set's bound than the first
+/// share of its loss; or than the second one, and two starts have ended alike.
+constexpr double kNearBound = 0.05, kLikelyNearBound = 0.25;
+constexpr double kAlike = 1e-8;  ///< of two ends' objectives
 
 bool feasible(const SolveOutcome& outcome) {
   return outcome.violation <= design::kFeasibilityTolerance;
@@ -116,11 +116,15 @@ void cross_contact_ratio_kinks(BestEnd& best) {
   }
 }
 
-bool near_bound(const Specification& spec, const SolveOutcome& end, const SetBound& bound) {
+/// Whether the best end is as good as proven, or (two starts ended alike) likely so.
+bool near_bound(const Specification& spec, const SolveOutcome& end, const SetBound& bound,
+                bool alike) {
   const Objective objective = first_objective(spec);
-  if (!is_efficiency(objective) || !bound.known) return false;
+  // The KHK rule has a kink, at which a start may stay.
+  const bool kinked = spec.khk_tip[train::kS] || spec.khk_tip[train::kP1];
+  if (!is_efficiency(objective) || !bound.known || kinked) return false;
   const double most = objective == Objective::kForwardEfficiency ? bound.eta_f : bound.eta_b;
-  return most + end.objective <= kNearBound * (1.0 + end.objective);
+  return most + end.objective <= (alike ? kLikelyNearBound : kNearBound) * (1.0 + end.objective);
 }
 
 void polish(BestEnd& best) {
@@ -219,9 +223,11 @@ std::optional<RefinedSet> Refiner::refine(const Candidate& candidate, const Shif
       if (stop.load(std::memory_order_relaxed)) return std::nullopt;
       const bool near = bound.known && ends.empty();
       const SolveOutcome end = solve(problem, start, near ? kNearTheEnd : SlsqpOptions{});
+      const bool alike = local.found && feasible(end) &&
+                         std::abs(end.objective - local.outcome.objective) <= kAlike;
       ends.push_back(end.v);
       local.offer(problem, end);
-      if (local.found && near_bound(spec, local.outcome, bound)) break;
+      if (local.found && near_bound(spec, local.outcome, bound, alike)) break;
     }
     for (std::size_t k = 0; k < ends.size() && !local.found; ++k) {
       if (stop.load(std::memory_order_relaxed)) return std::nullopt;

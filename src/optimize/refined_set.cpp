@@ -33,7 +33,7 @@ design::Design design_of(const Specification& spec, const RefinedSet& set) {
   design.axial = spec.axial;
   design.masses.density_kgm3 = spec.bodies.density_kgm3;
   design.masses.face_width_m = spec.bodies.face_width_m;
-  if (knows_masses(spec)) {
+  if (knows_masses(spec) && spec.bodies.ring_rim_m > 0.0) {
     const auto gears = train::make_train_gears(design.train);
     design.masses.ring1_outer_radius_m = gears[train::kR1].root_radius_m + spec.bodies.ring_rim_m;
     design.masses.ring2_outer_radius_m = gears[train::kR2].root_radius_m + spec.bodies.ring_rim_m;

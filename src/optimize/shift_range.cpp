@@ -148,9 +148,6 @@ bool in_shift_range(const Specification& spec, const design::CheckInstance& chec
       return !free_angle;
     case CheckId::kRingTipOutsideBase:
       return !free_tips && !free_angle;
-    case CheckId::kTipThickness:
-      return !spec.khk_tip[static_cast<std::size_t>(check.subject.member)] && !free_tips &&
-             !free_angle;
     default:
       return false;
   }

@@ -44,7 +44,8 @@ struct ShiftRange {
 };
 ShiftRange shift_range(const Specification& spec, int gear, int teeth);
 
-/// Whether shift_range() sees to a check, so that no constraint is needed for it.
+/// Whether shift_range() sees to a check, so that no constraint is needed for it.  Not to the tip
+/// thickness: its range leaves out thin tips at large shifts only.
 bool in_shift_range(const Specification& spec, const design::CheckInstance& check);
 
 /// The ranges of a tooth set, by train::GearId.

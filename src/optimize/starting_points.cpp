@@ -175,9 +175,9 @@ std::vector<Point> starting_points(const RefinementProblem& problem, int count,
   }
   Uniform uniform(stream);
   std::vector<Point> points;
-  points.reserve(static_cast<std::size_t>(count));
+  points.reserve(static_cast<std::size_t>(count) + 1);
   if (bound != nullptr && count > 0) points.push_back(start_at(problem, *bound));
-  for (int k = 0; points.size() < static_cast<std::size_t>(count); ++k) {
+  for (int k = 0; k < count; ++k) {
     const auto index = static_cast<std::size_t>(k);
     points.push_back(start_from(problem, index < kFixedStarts.size()
                                              ? kFixedStarts[index]

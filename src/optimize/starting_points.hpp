@@ -13,7 +13,7 @@ namespace gear3k::optimize {
 /// fractions of the shift range, the rest drawn from `seed` and the tooth numbers), and closes the
 /// meshes one after the other: the angle at which S-P1 has no backlash, the x_R1 with which
 /// P1-R1 has none at that distance, the angle (or x_R2) at which P2-R2 has none.  Values are
-/// clipped to the box, so a start need not be feasible.  With a bound, the first start is instead
+/// clipped to the box, so a start need not be feasible.  With a bound there is one more, the first:
 /// where the bound's stages have their least losses.
 /// Source: own derivation, docs/theory.md §12, §32.
 std::vector<Point> starting_points(const RefinementProblem& problem, int count,

@@ -408,16 +408,26 @@ std::string certificate_text(const Specification& spec, const OptimizeResult& re
   const auto shown = [&](double merit) {
     return with_unit(record, optimize::sense_of(record.id) * merit);
   };
+  // A bound is rounded to the side on which it still is one.
+  const auto bound_shown = [&](double merit) {
+    const double value = optimize::sense_of(record.id) * merit / record.per_unit;
+    if (value == 0.0) return shown(merit);
+    constexpr double kDigits = 6.0;
+    const double power = std::pow(10.0, kDigits - 1.0 - std::floor(std::log10(std::abs(value))));
+    const double rounded =
+        (record.maximise ? std::ceil(value * power) : std::floor(value * power)) / power;
+    return with_unit(record, rounded * record.per_unit);
+  };
   const char* than = record.maximise ? "more" : "less";
   std::string text =
       fmt::format("certificate under the stated model: best {} {}", record.name, shown(c.best));
   if (c.largest_unrefined_bound) {
     text += fmt::format("; no design of the {} bounded sets has {} than {}", c.bounded, than,
-                        shown(*c.largest_unrefined_bound));
+                        bound_shown(*c.largest_unrefined_bound));
   }
   text += fmt::format(
       "; {} sets are proven to have no feasible design; no design of any set has {} than {}",
-      c.infeasible, than, shown(c.global_bound));
+      c.infeasible, than, bound_shown(c.global_bound));
   if (c.open > 0) {
     text +=
         fmt::format(" ({} refined sets are locally optimal only and may hold up to that)", c.open);
