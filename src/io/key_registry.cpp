@@ -174,7 +174,9 @@ struct Matcher {
     if (!fits(*key.record, v)) {
       std::string message =
           fmt::format("{} = {}: allowed: {}", key.path, as_text(v), allowed_text(*key.record));
-      if (v.kind == TomlValue::Kind::kText && key.record->type == KeyType::kChoice) {
+      const bool choice =
+          key.record->type == KeyType::kChoice || key.record->type == KeyType::kChoices;
+      if (v.kind == TomlValue::Kind::kText && choice) {
         const std::string hint = closest_word(v.text, key.record->choices);
         if (!hint.empty()) message += fmt::format("; did you mean \"{}\"?", hint);
       }

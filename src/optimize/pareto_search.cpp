@@ -149,12 +149,13 @@ class FrontSearch {
     }
   }
 
-  /// Whether a is no worse than b everywhere, to the solver's accuracy.
+  /// Whether a is no worse than b everywhere, to what limits give way (an anchor's value may be at
+  /// its limit, and the grid begins there).
   [[nodiscard]] bool covers(const ParetoPoint& a, const ParetoPoint& b) const {
     for (std::size_t k = 0; k < spec_.objectives.size(); ++k) {
       const double slack = is_efficiency(spec_.objectives[k])
                                ? kEfficiencySlack
-                               : 2.0 * kLimitSlack * objective_scale(spec_.objectives[k], spec_);
+                               : 4.0 * kLimitSlack * objective_scale(spec_.objectives[k], spec_);
       if (cost(k, a.values[k]) > cost(k, b.values[k]) + slack) return false;
     }
     return true;

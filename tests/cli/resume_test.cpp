@@ -195,6 +195,43 @@ TEST(ResumeOption, NewRunWithoutItKeepsTheOldJournalUnderAnotherName) {
   EXPECT_FALSE(place.has("out/optimize.journal"));
 }
 
+TEST(ResumeOption, RefusesAJournalThatIsNoFile) {
+  const Workplace place;
+  place.write("spec.toml", example("rp96.toml"));
+  std::filesystem::create_directories(place.file("out/optimize.journal"));
+  const ProgramResult result =
+      place.run({"optimize", "spec.toml", "--out", "out", "--resume", "--quiet"});
+  EXPECT_EQ(result.exit_code, kInvalidInput);
+  EXPECT_NE(result.err.find("optimize.journal: cannot be read"), std::string::npos) << result.err;
+}
+
+TEST(Optimize, RefusesAFolderWhoseResultsWouldReplaceItsInput) {
+  const Workplace place;
+  std::filesystem::create_directory(place.file("out"));
+  place.write("out/best.toml", example("rp96.toml"));
+  const ProgramResult result = place.run({"optimize", "out/best.toml", "--out", "out", "--quiet"});
+  EXPECT_EQ(result.exit_code, kInvalidInput);
+  EXPECT_NE(result.err.find("is a result file of --out"), std::string::npos) << result.err;
+  EXPECT_EQ(place.read("out/best.toml"), example("rp96.toml"));
+}
+
+TEST(CertifyOption, StatesBoundsRoundedSoThatTheyHold) {
+  const Workplace place;
+  place.write("spec.toml", example("rp96.toml"));
+  const ProgramResult result =
+      place.run({"optimize", "spec.toml", "--out", "out", "--certify", "--format", "json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const json certificate = json::parse(result.out).at("certificate");
+  // "... has more than 0.923964; ..."
+  const std::string words = "bounded sets has more than ";
+  const auto at = result.err.find(words);
+  ASSERT_NE(at, std::string::npos) << result.err;
+  EXPECT_GE(std::stod(result.err.substr(at + words.size())),
+            certificate.at("largest_unrefined_bound").get<double>());
+  EXPECT_GE(certificate.at("global_bound"), certificate.at("best"));
+  EXPECT_LT(certificate.at("largest_unrefined_bound"), certificate.at("best"));
+}
+
 TEST(CertifyOption, ExcludesAModelAtAnOperatingPoint) {
   const Workplace place;
   place.write("spec.toml", replaced(example("rp96.toml"), "S = [10, 20]", "S = [12, 12]") +

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "design/evaluation.hpp"
+#include "io/design_file.hpp"
 #include "io/specification_file.hpp"
 #include "tests/optimize/rp96_problem.hpp"
 
@@ -300,6 +301,57 @@ TEST(Optimize, SetsWithoutFeasiblePointNameTheConstraintAndItsMiss) {
     known += s.blocked_by.front().amount > 0.0 ? 1 : 0;
   }
   EXPECT_GT(2 * known, result.search.candidates.size()) << "most misses are known";
+}
+
+TEST(Optimize, TipsAreThickEnoughWhereLargeAndSmallShiftsThinThem) {
+  // Without the undercut limit, tips are thin at both ends of this range.
+  Specification spec = example("rp96.toml");
+  spec.profile_shift = {.min = -2.0, .max = 1.0};
+  spec.limits[design::CheckId::kUndercut] = std::nullopt;
+  spec.teeth.S = {.min = 10, .max = 11};
+  spec.objectives = {Objective::kOuterDiameter};
+  Progress progress;
+  const OptimizeResult result = optimize(spec, progress);
+  std::size_t optimal = 0;
+  for (const RefinedSet& s : result.refined) {
+    if (s.status != Status::kOptimal) continue;
+    ++optimal;
+    expect_design_keeps_its_limits(spec, s);
+  }
+  EXPECT_GT(optimal, 20U);
+}
+
+TEST(Optimize, WithTheKhkTipRuleNoStartIsSpared) {
+  // The same four starts without a bound to lead or to spare them.
+  Specification spec = example("rp96.toml");
+  spec.khk_tip[train::kS] = spec.khk_tip[train::kP1] = true;
+  spec.teeth.S = {.min = 17, .max = 17};
+  Progress progress;
+  const OptimizeResult led = optimize(spec, progress);
+  Specification unbounded = spec;
+  unbounded.free.pressure_angle_rad = NumberRange{spec.pressure_angle_rad, spec.pressure_angle_rad};
+  const OptimizeResult all = optimize(unbounded, progress);
+  std::size_t compared = 0;
+  for (const RefinedSet& s : all.refined) {
+    const auto ours = set_at(led, s.index);
+    if (s.status != Status::kOptimal || !ours || ours->status != Status::kOptimal) continue;
+    ++compared;
+    EXPECT_GE(ours->eta_b, s.eta_b - 1e-6);
+  }
+  EXPECT_GT(compared, 10U);
+}
+
+TEST(Optimize, MassesWithoutARimGiveADesignThatCanBeReadBack) {
+  Specification spec = example("rp96.toml");
+  spec.teeth.S = {.min = 12, .max = 12};
+  spec.bodies = {.density_kgm3 = 7850.0, .face_width_m = {0.01, 0.01}, .ring_rim_m = 0.0};
+  spec.objectives = {Objective::kMass};
+  Progress progress;
+  const OptimizeResult result = optimize(spec, progress, {.best_only = true});
+  ASSERT_TRUE(result.best);
+  const design::Design design =
+      io::parse_design(io::design_text(design_of(spec, *result.best)), "best.toml");
+  EXPECT_EQ(design.train.teeth, result.best->candidate.teeth);
 }
 
 TEST(Optimize, StopKeepsWhatIsDone) {
