@@ -73,6 +73,10 @@ Task load_task(const OptimizeOptions& options) {
 /// The journal to go on with; one that is in the way of a new run is kept under another name.
 io::Journal open_journal(const OptimizeOptions& options, const std::string& path,
                          std::uint64_t fingerprint) {
+  if (io::journal_in_use(path)) {
+    throw io::InvalidInput(
+        fmt::format("{}: another run is writing it; allowed: another folder, or to wait", path));
+  }
   if (options.resume) {
     io::Journal journal = io::read_journal(path, fingerprint);
     if (!options.quiet) {
@@ -85,7 +89,9 @@ io::Journal open_journal(const OptimizeOptions& options, const std::string& path
   }
   std::error_code status;
   if (std::filesystem::exists(path, status)) {
-    fmt::print(stderr, "{}: of a run that did not end; --resume would go on with it\n", path);
+    if (!options.quiet) {
+      fmt::print(stderr, "{}: of a run that did not end; --resume would go on with it\n", path);
+    }
     set_aside(path);
   }
   return {};
@@ -150,8 +156,9 @@ void write_results(const OptimizeOptions& options, const Task& task, const Outco
   if (outcome.interrupted()) {
     fmt::print(stderr,
                "interrupted: {} holds the {} tooth sets that were refined; --resume goes on with "
-               "the rest\n",
-               options.out, result.refined.size());
+               "{}\n",
+               options.out, result.refined.size(),
+               result.interrupted ? "the rest" : "the front, which it searches anew");
   } else {
     std::error_code ignored;
     std::filesystem::remove(journal, ignored);

@@ -190,17 +190,9 @@ Schema<DesignInput> design_schema() {
                     .assign = [stage](Input& t, std::size_t, const TomlValue& v) {
                       t.module_m[stage] = v.number * kMillimetre;
                     }});
-    keys.push_back({.record = {.path = fmt::format("stage{}.face_width_mm", stage + 1),
-                               .type = KeyType::kNumber,
-                               .unit = "mm",
-                               .min = 0.0,
-                               .max = 1000.0,
-                               .min_excluded = true,
-                               .default_text = "none",
-                               .help = "face width; without it no mass or inertia from geometry"},
-                    .assign = [stage](Input& t, std::size_t, const TomlValue& v) {
-                      t.masses.face_width_m[stage] = v.number * kMillimetre;
-                    }});
+    append_face_width_key<Input>(keys, stage, [stage](Input& t) -> std::optional<double>& {
+      return t.masses.face_width_m[stage];
+    });
   }
   append_gear_keys(keys, "gears.{gear}.");
   keys.push_back({.record = {.path = "gears.{gear}.bore_mm",

@@ -55,20 +55,44 @@ inline constexpr std::array<CarrierSize, 6> kCarrierSizes{
      {"pin_length_mm", &design::Masses::planet_pin_length_m, 1e-3, "mm", 1e4, false, "none",
       "length of a planet's pin outside the carrier's plates"}}};
 
+/// @param view  std::optional<double>&(Target&), the density [kg/m³]
+template <class Target, class View>
+void append_density_key(std::vector<Key<Target>>& keys, View view) {
+  keys.push_back(
+      {.record = {.path = "inertia.density_kg_m3",
+                  .type = KeyType::kNumber,
+                  .unit = "kg/m3",
+                  .min = 0.0,
+                  .max = 30000.0,
+                  .min_excluded = true,
+                  .default_text = "none",
+                  .help = "density of the gears, for mass and inertia from geometry"},
+       .assign = [view](Target& t, std::size_t, const TomlValue& v) { view(t) = v.number; }});
+}
+
+/// Key of one stage's face width.
+/// @param stage  0 or 1  @param view  std::optional<double>&(Target&), the face width [m]
+template <class Target, class View>
+void append_face_width_key(std::vector<Key<Target>>& keys, std::size_t stage, View view) {
+  keys.push_back({.record = {.path = fmt::format("stage{}.face_width_mm", stage + 1),
+                             .type = KeyType::kNumber,
+                             .unit = "mm",
+                             .min = 0.0,
+                             .max = 1000.0,
+                             .min_excluded = true,
+                             .default_text = "none",
+                             .help = "face width; without it no mass or inertia from geometry"},
+                  .assign = [view](Target& t, std::size_t, const TomlValue& v) {
+                    constexpr double kMillimetre_m = 1e-3;
+                    view(t) = v.number * kMillimetre_m;
+                  }});
+}
+
 /// @param view  design::Masses&(Target&)
 template <class Target, class View>
 void append_mass_keys(std::vector<Key<Target>>& keys, View view) {
-  keys.push_back({.record = {.path = "inertia.density_kg_m3",
-                             .type = KeyType::kNumber,
-                             .unit = "kg/m3",
-                             .min = 0.0,
-                             .max = 30000.0,
-                             .min_excluded = true,
-                             .default_text = "none",
-                             .help = "density of the gears, for inertia from geometry"},
-                  .assign = [view](Target& t, std::size_t, const TomlValue& v) {
-                    view(t).density_kgm3 = v.number;
-                  }});
+  append_density_key<Target>(
+      keys, [view](Target& t) -> std::optional<double>& { return view(t).density_kgm3; });
   for (const Body& body : kBodies) {
     keys.push_back(
         {.record = {.path = fmt::format("inertia.{}", body.name),

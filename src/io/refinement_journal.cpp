@@ -1,6 +1,9 @@
 #include "io/refinement_journal.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -86,7 +89,7 @@ optimize::Miss miss_of(std::uint8_t code, double violation, double amount) {
     const auto& record = optimize::objective_records()[code - std::size_t{kFirstObjective}];
     miss.name = record.name;
     miss.unit = record.unit;
-  } else {
+  } else if (code != kNoCheck) {
     miss.name = code == kStage1Module ? "stage1_module" : "stage2_module";
     miss.unit = design::unit_name(design::Unit::kMillimetre);
   }
@@ -204,8 +207,25 @@ Journal read_journal(const std::string& path, std::uint64_t fingerprint) {
   return journal;
 }
 
+bool journal_in_use(const std::string& path) {
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) return false;
+  const bool used = ::flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  ::close(file);
+  return used;
+}
+
+JournalWriter::Descriptor::~Descriptor() {
+  if (value >= 0) ::close(value);
+}
+
 JournalWriter::JournalWriter(std::string path, std::uint64_t fingerprint, const Journal& journal)
-    : path_(std::move(path)) {
+    : path_(std::move(path)), lock_(::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
+  if (lock_.value < 0 || ::flock(lock_.value, LOCK_EX | LOCK_NB) != 0) {
+    const bool used = lock_.value >= 0 && errno == EWOULDBLOCK;
+    throw InvalidInput(fmt::format("{}: cannot be written: {}", path_,
+                                   used ? "another run is writing it" : std::strerror(errno)));
+  }
   if (journal.exists) {
     std::error_code status;
     std::filesystem::resize_file(path_, journal.valid_bytes, status);

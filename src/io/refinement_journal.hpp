@@ -28,17 +28,30 @@ struct Journal {
 /// @throws InvalidInput when the file is there and cannot be read, or is of another task
 Journal read_journal(const std::string& path, std::uint64_t fingerprint);
 
-/// Appends refined sets to a journal, each call flushed to the operating system.
+/// Whether a running program is writing a journal.
+bool journal_in_use(const std::string& path);
+
+/// Appends refined sets to a journal, each call flushed to the operating system; the file is locked
+/// while the writer lives.
 class JournalWriter {
  public:
   /// Goes on after `journal`'s undamaged part, or starts anew when it does not exist.
-  /// @throws InvalidInput when the file cannot be written
+  /// @throws InvalidInput when the file cannot be written, or another program is writing it
   JournalWriter(std::string path, std::uint64_t fingerprint, const Journal& journal);
   /// @throws InvalidInput when the file cannot be written
   void append(std::span<const optimize::RefinedSet> sets);
 
  private:
+  /// A descriptor, closed with its owner.
+  struct Descriptor {
+    explicit Descriptor(int descriptor) : value(descriptor) {}
+    ~Descriptor();
+    Descriptor(const Descriptor&) = delete;
+    Descriptor& operator=(const Descriptor&) = delete;
+    int value;
+  };
   std::string path_;
+  Descriptor lock_;
   std::ofstream file_;
 };
 

@@ -10,6 +10,7 @@
 #include "io/cutter_keys.hpp"
 #include "io/limit_keys.hpp"
 #include "io/loss_keys.hpp"
+#include "io/mass_keys.hpp"
 #include "io/model_keys.hpp"
 #include "optimize/objective_value.hpp"
 
@@ -173,30 +174,12 @@ void append_objective_keys(std::vector<Key<Input>>& keys) {
                   .assign = [](Input& t, std::size_t, const TomlValue& v) {
                     t.spec.pareto_points = static_cast<int>(v.integer);
                   }});
-  keys.push_back({.record = {.path = "inertia.density_kg_m3",
-                             .type = KeyType::kNumber,
-                             .unit = "kg/m3",
-                             .min = 0.0,
-                             .max = 30000.0,
-                             .min_excluded = true,
-                             .default_text = "none",
-                             .help = "density of the gears, for mass and inertia"},
-                  .assign = [](Input& t, std::size_t, const TomlValue& v) {
-                    t.spec.bodies.density_kgm3 = v.number;
-                  }});
+  append_density_key<Input>(
+      keys, [](Input& t) -> std::optional<double>& { return t.spec.bodies.density_kgm3; });
   for (const std::size_t stage : {0U, 1U}) {
-    keys.push_back({.record = {.path = fmt::format("stage{}.face_width_mm", stage + 1),
-                               .type = KeyType::kNumber,
-                               .unit = "mm",
-                               .min = 0.0,
-                               .max = 1000.0,
-                               .min_excluded = true,
-                               .default_text = "none",
-                               .help = stage == 0 ? "face width of S, P1, R1, for mass and inertia"
-                                                  : "face width of P2, R2, for mass and inertia"},
-                    .assign = [stage](Input& t, std::size_t, const TomlValue& v) {
-                      t.spec.bodies.face_width_m[stage] = v.number * kMillimetre;
-                    }});
+    append_face_width_key<Input>(keys, stage, [stage](Input& t) -> std::optional<double>& {
+      return t.spec.bodies.face_width_m[stage];
+    });
   }
   keys.push_back({.record = {.path = "size.ring_rim_mm",
                              .type = KeyType::kNumber,

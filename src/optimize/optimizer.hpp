@@ -45,7 +45,15 @@ struct Certificate {
 /// What counts as nothing in a certificate, in units of the objective's scale.
 inline constexpr double kProven = 1e-6;
 
+/// Its bounds look into its own candidates: it may be moved, not copied.
 struct OptimizeResult {
+  OptimizeResult() = default;
+  OptimizeResult(OptimizeResult&&) = default;
+  OptimizeResult& operator=(OptimizeResult&&) = default;
+  OptimizeResult(const OptimizeResult&) = delete;
+  OptimizeResult& operator=(const OptimizeResult&) = delete;
+  ~OptimizeResult() = default;
+
   ToothSearchResult search;
   /// Of the candidates; null when the search was interrupted.
   std::shared_ptr<const SetBounds> bounds;

@@ -195,6 +195,27 @@ TEST(ResumeOption, NewRunWithoutItKeepsTheOldJournalUnderAnotherName) {
   EXPECT_FALSE(place.has("out/optimize.journal"));
 }
 
+TEST(Optimize, RefusesAFolderThatAnotherRunIsWriting) {
+  const Workplace place;
+  place.write("spec.toml", long_task("0.02"));
+  RunningProgram first = place.start({"optimize", "spec.toml", "--out", "out", "--quiet"});
+  const auto limit = std::chrono::steady_clock::now() + seconds(20);
+  while (!std::filesystem::exists(place.file("out/optimize.journal")) &&
+         std::chrono::steady_clock::now() < limit) {
+    std::this_thread::sleep_for(milliseconds(1));
+  }
+  for (const bool resume : {false, true}) {
+    std::vector<std::string> arguments{"optimize", "spec.toml", "--out", "out", "--quiet"};
+    if (resume) arguments.emplace_back("--resume");
+    const ProgramResult second = place.run(arguments);
+    EXPECT_EQ(second.exit_code, kInvalidInput);
+    EXPECT_NE(second.err.find("another run is writing it"), std::string::npos) << second.err;
+  }
+  const auto done = first.wait(seconds(60));
+  ASSERT_TRUE(done);
+  EXPECT_EQ(done->exit_code, 0) << done->err;
+}
+
 TEST(ResumeOption, RefusesAJournalThatIsNoFile) {
   const Workplace place;
   place.write("spec.toml", example("rp96.toml"));

@@ -183,6 +183,17 @@ void expect_design_keeps_its_limits(const Specification& spec, const RefinedSet&
   }
 }
 
+/// Expects it of every optimum.  @returns how many there are
+std::size_t optima_within_limits(const Specification& spec, const OptimizeResult& result) {
+  std::size_t optimal = 0;
+  for (const RefinedSet& s : result.refined) {
+    if (s.status != Status::kOptimal) continue;
+    ++optimal;
+    expect_design_keeps_its_limits(spec, s);
+  }
+  return optimal;
+}
+
 struct ModuleCase {
   const char* name;
   ModuleChoice stage1, stage2;
@@ -197,13 +208,7 @@ TEST_P(OptimizeModules, EveryOptimumKeepsItsLimits) {
   spec.module = {GetParam().stage1, GetParam().stage2};
   Progress progress;
   const OptimizeResult result = optimize(spec, progress);
-  std::size_t optimal = 0;
-  for (const RefinedSet& s : result.refined) {
-    if (s.status != Status::kOptimal) continue;
-    ++optimal;
-    expect_design_keeps_its_limits(spec, s);
-  }
-  EXPECT_GT(optimal, 3U);
+  EXPECT_GT(optima_within_limits(spec, result), 3U);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -312,13 +317,7 @@ TEST(Optimize, TipsAreThickEnoughWhereLargeAndSmallShiftsThinThem) {
   spec.objectives = {Objective::kOuterDiameter};
   Progress progress;
   const OptimizeResult result = optimize(spec, progress);
-  std::size_t optimal = 0;
-  for (const RefinedSet& s : result.refined) {
-    if (s.status != Status::kOptimal) continue;
-    ++optimal;
-    expect_design_keeps_its_limits(spec, s);
-  }
-  EXPECT_GT(optimal, 20U);
+  EXPECT_GT(optima_within_limits(spec, result), 20U);
 }
 
 TEST(Optimize, WithTheKhkTipRuleNoStartIsSpared) {
