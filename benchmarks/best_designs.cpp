@@ -126,11 +126,12 @@ int main(int argc, char** argv) {
       io::write_file(fmt::format("{}/{}", argv[1], task.file), io::design_text(design));
     }
     const optimize::Certificate& c = *result.certificate;
-    fmt::print(
-        "{:<34} of {} sets {} were refined; unrefined ones hold at most {:.2f} %, any set at "
-        "most {:.2f} %\n",
-        "", result.search.candidates.size(), c.refined,
-        100.0 * c.largest_unrefined_bound.value_or(0.0), 100.0 * c.global_bound);
+    const std::string rest = c.largest_unrefined_bound
+                                 ? fmt::format("unrefined ones hold at most {:.2f} %",
+                                               100.0 * *c.largest_unrefined_bound)
+                                 : std::string("none was left out");
+    fmt::print("{:<34} of {} sets {} were refined; {}, any set holds at most {:.2f} %\n", "",
+               result.search.candidates.size(), c.refined, rest, 100.0 * c.global_bound);
   }
   return 0;
 }

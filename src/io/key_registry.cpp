@@ -122,6 +122,17 @@ bool fits(const KeyRecord& record, const TomlValue& value) {
   return false;
 }
 
+/// "; did you mean ...?" for the first text that is none of the choices; "" where nothing is near.
+std::string hint_of(const KeyRecord& record, const TomlValue& value) {
+  for (const TomlValue& element : value.list) {
+    if (const std::string hint = hint_of(record, element); !hint.empty()) return hint;
+  }
+  const bool unknown = value.kind == TomlValue::Kind::kText && !record.choices.empty() &&
+                       std::ranges::find(record.choices, value.text) == record.choices.end();
+  const std::string word = unknown ? closest_word(value.text, record.choices) : "";
+  return word.empty() ? "" : fmt::format("; did you mean \"{}\"?", word);
+}
+
 std::string parent_of(const std::string& path) {
   const auto dot = path.rfind('.');
   return dot == std::string::npos ? "" : path.substr(0, dot);
@@ -174,12 +185,7 @@ struct Matcher {
     if (!fits(*key.record, v)) {
       std::string message =
           fmt::format("{} = {}: allowed: {}", key.path, as_text(v), allowed_text(*key.record));
-      const bool choice =
-          key.record->type == KeyType::kChoice || key.record->type == KeyType::kChoices;
-      if (v.kind == TomlValue::Kind::kText && choice) {
-        const std::string hint = closest_word(v.text, key.record->choices);
-        if (!hint.empty()) message += fmt::format("; did you mean \"{}\"?", hint);
-      }
+      message += hint_of(*key.record, v);
       reading.error(v.position, message);
       return;
     }
