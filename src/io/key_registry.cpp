@@ -125,7 +125,7 @@ bool fits(const KeyRecord& record, const TomlValue& value) {
 /// "; did you mean ...?" for the first text that is none of the choices; "" where nothing is near.
 std::string hint_of(const KeyRecord& record, const TomlValue& value) {
   for (const TomlValue& element : value.list) {
-    if (const std::string hint = hint_of(record, element); !hint.empty()) return hint;
+    if (std::string hint = hint_of(record, element); !hint.empty()) return hint;
   }
   const bool unknown = value.kind == TomlValue::Kind::kText && !record.choices.empty() &&
                        std::ranges::find(record.choices, value.text) == record.choices.end();
