@@ -121,19 +121,16 @@ void print_speed_up(const Specification& spec, int threads) {
              seconds[0][1], threads, seconds[1][1], seconds[1][1] / seconds[0][1]);
 }
 
-/// The same task over fewer sun gears: time per tooth set as the space grows.
+/// The same task over ever wider bands of the ratio: spaces of like make-up and growing size.
 void time_per_set(Specification spec) {
-  fmt::print("\nTime per set as the space grows, every set bounded and refined\n");
+  fmt::print(
+      "\nTime per set as the space grows by its ratio's band, every set bounded and refined\n");
   spec.limits[design::CheckId::kIdenticalPlanets] = std::nullopt;
-  struct Size {
-    int S_max;
-    std::vector<int> planets;
-  };
-  for (const Size& size : {Size{8, {6}}, Size{11, {3}}, Size{20, {3, 4}}, Size{40, {3, 4, 5, 6}}}) {
-    spec.teeth.S.max = size.S_max;
-    spec.planets = size.planets;
+  const double widest = spec.ratio.tolerance;
+  for (const double share : {0.001, 0.01, 0.1, 1.0}) {
+    spec.ratio.tolerance = share * widest;
     const Run r = run(spec, false);
-    fmt::print("  {:8.0f} sets {:8.2f} s {:8.1f} us/set ({} refined)\n", r.sets(), r.seconds,
+    fmt::print("  {:8.0f} sets {:8.3f} s {:8.1f} us/set ({} refined)\n", r.sets(), r.seconds,
                1e6 * r.seconds / r.sets(), r.result.refined.size());
   }
 }

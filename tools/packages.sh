@@ -1,7 +1,7 @@
 # Sourced by ./run and ./check: installs what is missing of the named Debian or Ubuntu packages.
 
 build_packages="g++ cmake ninja-build pkg-config git libeigen3-dev libboost-dev libceres-dev coinor-libipopt-dev
-libnlopt-dev libdxflib-dev libfmt-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev
+libnlopt-dev libdxflib-dev librandom123-dev libfmt-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev
 gnuplot-nox"
 check_packages="libgtest-dev libbenchmark-dev clang-format-14 clang-tidy-14 libomp-14-dev"
 

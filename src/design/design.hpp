@@ -2,12 +2,14 @@
 // What a user describes: one gearbox (Design) or one pair of gears (PairDesign).  SI units inside.
 
 #include <array>
+#include <cstdint>
 #include <numbers>
 #include <optional>
 #include <string>
 
 #include "backlash/lost_motion.hpp"
 #include "backlash/lost_motion_extension.hpp"
+#include "backlash/tolerances.hpp"
 #include "design/checks.hpp"
 #include "design/operating_point.hpp"
 #include "efficiency/friction_law.hpp"
@@ -46,6 +48,12 @@ struct Masses {
   std::optional<double> planet_pin_radius_m, planet_pin_length_m;
 };
 
+/// Gearboxes built at random within their tolerances.
+struct Sampling {
+  std::int64_t samples = 1'000'000;
+  std::uint64_t seed = 1;
+};
+
 struct Design {
   std::string name;
   train::TrainParameters<double> train;  ///< center_distance_m as given, or resolved by evaluate()
@@ -62,6 +70,8 @@ struct Design {
   /// Measuring pins, by gear; empty: chosen by geometry::pin_measure().
   std::array<std::optional<double>, train::kGearCount> pin_diameter_m;
   Limits limits = default_limits();
+  std::optional<backlash::Tolerances> tolerances;
+  Sampling sampling;
 };
 
 struct PairDesign {
@@ -73,6 +83,7 @@ struct PairDesign {
   std::array<std::optional<double>, 2> pin_diameter_m;
   Friction friction;
   Limits limits = default_limits();
+  std::optional<backlash::PairTolerances> tolerances;
 };
 
 }  // namespace gear3k::design

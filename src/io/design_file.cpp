@@ -13,6 +13,7 @@
 #include "io/loss_keys.hpp"
 #include "io/mass_keys.hpp"
 #include "io/model_keys.hpp"
+#include "io/tolerance_keys.hpp"
 
 namespace gear3k::io {
 
@@ -46,6 +47,7 @@ struct CommonInput {
   std::vector<GearInput> gears;
   design::Friction friction;
   LimitInput limits;
+  ToleranceInput tolerances;
 };
 
 struct DesignInput : CommonInput {
@@ -219,6 +221,7 @@ Schema<DesignInput> design_schema() {
   append_mass_keys<Input>(keys, [](Input& t) -> design::Masses& { return t.masses; });
   append_axial_keys<Input>(keys, [](Input& t) -> train::AxialLayout& { return t.axial; });
   append_loss_keys<Input>(keys, [](Input& t) -> LossInput& { return t.losses; });
+  append_tolerance_keys<Input>(keys, [](Input& t) -> ToleranceInput& { return t.tolerances; });
   append_limit_keys<Input>(keys, &Input::limits, false);
   return schema;
 }
@@ -246,6 +249,8 @@ Schema<PairInput> pair_schema() {
                     t.module_m = v.number * kMillimetre;
                   }});
   append_gear_keys(keys, "{gear}.");
+  append_gear_tolerance_keys<PairInput>(
+      keys, [](PairInput& t) -> ToleranceInput& { return t.tolerances; });
   append_limit_keys<PairInput>(keys, &PairInput::limits, true);
   return schema;
 }
@@ -364,6 +369,16 @@ std::string center_distance_place(const FileReading& reading) {
   return reading.stated("center_distance_mm") ? "center_distance_mm" : "";
 }
 
+/// Tolerances of the gear that the file's table `name` is about.
+backlash::GearTolerances gear_tolerances(const ToleranceInput::Gear& input, const std::string& name,
+                                         const geometry::Gear<double>& gear, FileReading& reading) {
+  return finish_gear_tolerances(input,
+                                {.path = "tolerances." + name,
+                                 .module_m = gear.module_m,
+                                 .reference_diameter_m = gear.module_m * gear.teeth},
+                                reading);
+}
+
 design::Design finish_design(const DesignInput& input, FileReading& reading) {
   design::Design design;
   design.name = input.name;
@@ -383,6 +398,12 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
   t.module_m = input.module_m;
   std::array<int, train::kGearCount> teeth{};
   std::array<GearPlace, train::kGearCount> places;
+  backlash::Tolerances tolerances{.gears = {},
+                                  .center_distance_m = input.tolerances.center_distance_m,
+                                  .pin_position_m = input.tolerances.pin_position_m,
+                                  .planet_phase_rad = input.tolerances.planet_phase_rad,
+                                  .scatter = input.tolerances.scatter,
+                                  .sigma_level = input.tolerances.sigma_level};
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
     const int id = static_cast<int>(i);
     places[i] = {.path = fmt::format("gears.{}", train::kGearNames[i]),
@@ -397,6 +418,8 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
     t.rack[i] = gear.rack;
     t.khk_tip[i] = input.gears[i].khk_tip;
     t.cutter[i] = gear.cutter;
+    tolerances.gears[i] = gear_tolerances(input.tolerances.gears[i],
+                                          std::string(train::kGearNames[i]), gear, reading);
     design.pin_diameter_m[i] = input.gears[i].pin_diameter_m;
     design.masses.bore_radius_m[i] = 0.5 * input.gears[i].bore_diameter_m;
     const bool has_circles = teeth[i] >= kFewestTeeth && gear.module_m > 0.0;
@@ -428,6 +451,8 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
           0.5 * *input.gears[i].outer_diameter_m;
     }
   }
+  if (input.tolerances.stated) design.tolerances = tolerances;
+  design.sampling = input.tolerances.sampling;
   check_masses(design.masses, reading);
   t.teeth = {.S = teeth[0], .P1 = teeth[1], .R1 = teeth[2], .P2 = teeth[3], .R2 = teeth[4]};
   require_more_ring_teeth(places[train::kR1], places[train::kP1], t.teeth.R1, t.teeth.P1, reading);
@@ -488,7 +513,15 @@ design::PairDesign read_pair(const std::string& path) {
       .khk_tip = {input.gears[0].khk_tip, input.gears[1].khk_tip},
       .pin_diameter_m = {input.gears[0].pin_diameter_m, input.gears[1].pin_diameter_m},
       .friction = input.friction,
-      .limits = finish_limits(input.limits, reading)};
+      .limits = finish_limits(input.limits, reading),
+      .tolerances = {}};
+  if (input.tolerances.stated) {
+    const auto& stated = input.tolerances.gears;
+    pair.tolerances = backlash::PairTolerances{
+        .gears = {gear_tolerances(stated[0], "gear1", pair.gear1, reading),
+                  gear_tolerances(stated[1], "gear2", pair.gear2, reading)},
+        .center_distance_m = input.tolerances.center_distance_m};
+  }
   if (input.internal) {
     require_more_ring_teeth(place2, place1, pair.gear2.teeth, pair.gear1.teeth, reading);
   }

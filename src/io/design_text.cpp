@@ -6,6 +6,7 @@
 #include "io/limit_keys.hpp"
 #include "io/loss_keys.hpp"
 #include "io/mass_keys.hpp"
+#include "io/tolerance_keys.hpp"
 #include "io/toml_text.hpp"
 
 namespace gear3k::io {
@@ -157,6 +158,7 @@ std::string design_text(const design::Design& design) {
                         toml_number(design.friction.approach_factor),
                         toml_number(design.friction.recess_factor));
   }
+  if (design.tolerances) text += tolerances_text(*design.tolerances, design.sampling);
   return text + loss_text(design) + limits_text(design.limits);
 }
 

@@ -116,6 +116,12 @@ bool fits(const KeyRecord& record, const TomlValue& value) {
       return module_fits(record, value);
     case KeyType::kNumberPerGear:
       return per_gear_fits(record, value);
+    case KeyType::kNumberOrRange:
+      if (value.kind != Kind::kList) {
+        return value.is_number() && value.number >= 0.0 && in_range(record, value.number);
+      }
+      return value.list.size() == 2 && numbers_in_range(record, value.list) &&
+             value.list[0].number <= value.list[1].number;
     case KeyType::kNumberOrSwitch:
       return value.kind == Kind::kBoolean || (value.is_number() && in_range(record, value.number));
   }
@@ -246,6 +252,8 @@ std::string allowed_text(const KeyRecord& record) {
       return with_unit("a number, { min, max } with min <= max, or { series = [..] }", record);
     case KeyType::kNumberPerGear:
       return with_unit("a number, or a table with S, P1, R1, P2, R2", record);
+    case KeyType::kNumberOrRange:
+      return with_unit("a number >= 0, meaning +- it, or [lower, upper], lower <= upper", record);
     case KeyType::kNumberOrSwitch:
       return with_unit("true, false, or a number", record);
   }

@@ -27,6 +27,7 @@ enum class KeyType {
   kNumbers,        ///< a list of numbers
   kModule,         ///< a number, { min, max } or { series = [..] }
   kNumberPerGear,  ///< a number for all gears, or { S = .., P1 = .., .. }
+  kNumberOrRange,  ///< a number (± it), or [lower, upper]
   kNumberOrSwitch  ///< a number, or true (default limit) or false (off)
 };
 
