@@ -138,10 +138,15 @@ void time_per_set(Specification spec) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const bool quick = argc > 1 && std::string_view(argv[1]) == "--quick";
+  const std::string_view part = argc > 1 ? argv[1] : "";
+  const bool quick = part == "--quick";
   const Specification spec = wide_space();
   const int threads = omp_get_max_threads();
   fmt::print("examples/wide-96.toml on {} threads\n", threads);
+  if (part == "--sizes") {
+    time_per_set(spec);
+    return 0;
+  }
   const Run all = run(spec, false);
   print_run("every set refined", all);
   const Run best = run(spec, true);

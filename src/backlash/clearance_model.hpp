@@ -11,20 +11,6 @@
 
 namespace gear3k::backlash {
 
-/// What a tolerance is about.
-enum class ToleranceKind {
-  kCenterDistance,
-  kToothThickness,
-  kPinPosition,
-  kPlanetPhase,
-  kRunout,
-  kCumulativePitch,
-  kSinglePitch
-};
-inline constexpr std::array<std::string_view, 7> kToleranceKindNames{
-    "center_distance", "tooth_thickness",  "pin_position", "planet_phase",
-    "runout",          "cumulative_pitch", "single_pitch"};
-
 /// One stated tolerance: the limits of one or, on planets, of N independent deviations.
 struct ToleranceSource {
   ToleranceKind kind{};

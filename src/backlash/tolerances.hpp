@@ -17,6 +17,20 @@ struct DeviationLimits {
   [[nodiscard]] double half_width() const { return 0.5 * (upper - lower); }
 };
 
+/// What a tolerance is about.
+enum class ToleranceKind {
+  kCenterDistance,
+  kToothThickness,
+  kPinPosition,
+  kPlanetPhase,
+  kRunout,
+  kCumulativePitch,
+  kSinglePitch
+};
+inline constexpr std::array<std::string_view, 7> kToleranceKindNames{
+    "center_distance", "tooth_thickness",  "pin_position", "planet_phase",
+    "runout",          "cumulative_pitch", "single_pitch"};
+
 /// How built values scatter about the middle of their limits; none lies beyond them.
 enum class Scatter {
   kNormal,  ///< normal, cut off at the limits, which lie Tolerances::sigma_level deviations out

@@ -8,7 +8,7 @@
 
 namespace gear3k::io {
 
-/// @param prefix  path of the cutter's table, with "{gear}"
+/// @param prefix  path of the cutter's table, with "{gear}" or without
 /// @param view    geometry::PinionCutter&(Target&, std::size_t gear)
 template <class Target, class View>
 void append_cutter_keys(std::vector<Key<Target>>& keys, const std::string& prefix, View view) {

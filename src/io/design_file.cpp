@@ -398,12 +398,7 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
   t.module_m = input.module_m;
   std::array<int, train::kGearCount> teeth{};
   std::array<GearPlace, train::kGearCount> places;
-  backlash::Tolerances tolerances{.gears = {},
-                                  .center_distance_m = input.tolerances.center_distance_m,
-                                  .pin_position_m = input.tolerances.pin_position_m,
-                                  .planet_phase_rad = input.tolerances.planet_phase_rad,
-                                  .scatter = input.tolerances.scatter,
-                                  .sigma_level = input.tolerances.sigma_level};
+  backlash::Tolerances tolerances = stated_tolerances(input.tolerances);
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
     const int id = static_cast<int>(i);
     places[i] = {.path = fmt::format("gears.{}", train::kGearNames[i]),

@@ -12,6 +12,7 @@
 #include "io/loss_keys.hpp"
 #include "io/mass_keys.hpp"
 #include "io/model_keys.hpp"
+#include "io/tolerance_keys.hpp"
 #include "optimize/objective_value.hpp"
 
 namespace gear3k::io {
@@ -24,6 +25,7 @@ struct SpecificationInput {
   optimize::Specification spec;
   LimitInput limits;
   LossInput losses;  ///< its operating point
+  ToleranceInput tolerances;
 };
 
 using Input = SpecificationInput;
@@ -242,6 +244,50 @@ void append_tooth_keys(std::vector<Key<Input>>& keys) {
 }
 
 /// The keys of a DESIGN's operating point.
+/// What the limits have to hold for.
+void append_robust_keys(std::vector<Key<Input>>& keys) {
+  const auto add = [&](KeyRecord record, auto assign) {
+    keys.push_back({.record = std::move(record),
+                    .assign = [assign](Input& t, std::size_t, const TomlValue& v) {
+                      assign(t.spec.robust, v);
+                    }});
+  };
+  using optimize::Robust;
+  add({.path = "robust.hold",
+       .type = KeyType::kChoice,
+       .choices = {optimize::kHoldNames.begin(), optimize::kHoldNames.end()},
+       .default_text = "\"nominal\"",
+       .help = "what the limits hold for: the drawn gearbox, every gearbox within its "
+               "[tolerances], or a share of them"},
+      [](Robust& r, const TomlValue& v) {
+        r.hold = static_cast<optimize::Hold>(index_of(optimize::kHoldNames, v.text));
+      });
+  add({.path = "robust.yield",
+       .type = KeyType::kNumber,
+       .min = 0.01,
+       .max = 0.99999,
+       .default_text = "0.99",
+       .help = "share of the built gearboxes that assemble and keep the limits of lost motion"},
+      [](Robust& r, const TomlValue& v) { r.yield = v.number; });
+  add({.path = "robust.tolerances",
+       .type = KeyType::kChoice,
+       .choices = {"stated", "cheapest"},
+       .default_text = "\"stated\"",
+       .help = "cheapest: every tolerance may be tightened or widened in steps of sqrt(2) until "
+               "the yield is reached at the least cost"},
+      [](Robust& r, const TomlValue& v) { r.cheapest = v.text == "cheapest"; });
+  for (std::size_t kind = 0; kind < backlash::kToleranceKindNames.size(); ++kind) {
+    add({.path = fmt::format("robust.cost.{}", backlash::kToleranceKindNames[kind]),
+         .type = KeyType::kNumber,
+         .min = 0.0,
+         .max = 1e6,
+         .default_text = "1",
+         .help = "cost of holding this tolerance of one gear or part as stated; half of it costs "
+                 "twice as much"},
+        [kind](Robust& r, const TomlValue& v) { r.cost[kind] = v.number; });
+  }
+}
+
 void append_operating_point_keys(std::vector<Key<Input>>& keys) {
   for (const LossNumber& n : loss_numbers()) {
     if (!n.record.path.starts_with("operating_point.")) continue;
@@ -255,7 +301,7 @@ void append_operating_point_keys(std::vector<Key<Input>>& keys) {
 }
 
 Schema<Input> specification_schema() {
-  Schema<Input> schema{.gears = {"R1", "R2"}, .keys = {}};
+  Schema<Input> schema{.gears = {train::kGearNames.begin(), train::kGearNames.end()}, .keys = {}};
   auto& keys = schema.keys;
   keys.push_back(
       {.record = {.path = "name",
@@ -304,10 +350,11 @@ Schema<Input> specification_schema() {
                       t.spec.khk_tip[gear] = v.text == "khk";
                     }});
   }
-  append_cutter_keys<Input>(keys, "cutter.{gear}",
-                            [](Input& t, std::size_t ring) -> geometry::PinionCutter& {
-                              return t.spec.cutter[ring == 0 ? train::kR1 : train::kR2];
-                            });
+  for (const std::size_t ring : {train::kR1, train::kR2}) {
+    append_cutter_keys<Input>(
+        keys, fmt::format("cutter.{}", train::kGearNames[ring]),
+        [ring](Input& t, std::size_t) -> geometry::PinionCutter& { return t.spec.cutter[ring]; });
+  }
   append_axial_keys<Input>(keys, [](Input& t) -> train::AxialLayout& { return t.spec.axial; });
   keys.push_back({.record = {.path = "ratio.target",
                              .type = KeyType::kNumber,
@@ -396,6 +443,8 @@ Schema<Input> specification_schema() {
                   }});
   append_operating_point_keys(keys);
   append_limit_keys<Input>(keys, &Input::limits, false);
+  append_tolerance_keys<Input>(keys, [](Input& t) -> ToleranceInput& { return t.tolerances; });
+  append_robust_keys(keys);
   return schema;
 }
 
@@ -484,6 +533,29 @@ void check_relations(const Input& input, FileReading& reading) {
   }
 }
 
+/// Tolerances as lengths: a grade's depend on the gear's size, which the search chooses.
+void finish_tolerances(Input& input, FileReading& reading) {
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    if (!input.tolerances.gears[i].grade) continue;
+    const std::string key = fmt::format("tolerances.{}.accuracy_grade", train::kGearNames[i]);
+    reading.error_at(key, fmt::format("{} = {}: allowed in DESIGN and PAIR files; a SPEC states "
+                                      "runout_um, cumulative_pitch_um and single_pitch_um",
+                                      key, *input.tolerances.gears[i].grade));
+  }
+  if (input.spec.robust.hold != optimize::Hold::kNominal && !input.tolerances.stated) {
+    reading.error_at(
+        "robust.hold",
+        fmt::format("robust.hold = \"{}\" without [tolerances]: allowed: with them",
+                    optimize::kHoldNames[static_cast<std::size_t>(input.spec.robust.hold)]));
+  }
+  if (input.spec.robust.cheapest && input.spec.robust.hold != optimize::Hold::kYield) {
+    reading.error_at("robust.tolerances",
+                     "robust.tolerances = \"cheapest\": allowed with robust.hold = \"yield\"");
+  }
+  if (input.tolerances.stated) input.spec.tolerances = stated_tolerances(input.tolerances);
+  input.spec.sampling = input.tolerances.sampling;
+}
+
 optimize::Specification specification_from(const TomlValue& document, const std::string& name) {
   FileReading reading(name);
   Input input;
@@ -492,6 +564,7 @@ optimize::Specification specification_from(const TomlValue& document, const std:
   read_by_schema(document, specification_schema(), input, reading);
   input.spec.limits = finish_limits(input.limits, reading);
   check_relations(input, reading);
+  finish_tolerances(input, reading);
   reading.throw_if_invalid();
   if (reading.has("operating_point.sun_speed_rpm")) {
     input.spec.operating_point = input.losses.operating_point;

@@ -23,6 +23,19 @@ std::string length_line(const char* key, double length_m) {
 
 }  // namespace
 
+backlash::Tolerances stated_tolerances(const ToleranceInput& input) {
+  backlash::Tolerances result{.gears = {},
+                              .center_distance_m = input.center_distance_m,
+                              .pin_position_m = input.pin_position_m,
+                              .planet_phase_rad = input.planet_phase_rad,
+                              .scatter = input.scatter,
+                              .sigma_level = input.sigma_level};
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    result.gears[i] = input.gears[i].tolerances;
+  }
+  return result;
+}
+
 backlash::GearTolerances finish_gear_tolerances(const ToleranceInput::Gear& input,
                                                 const GradedGear& gear, FileReading& reading) {
   backlash::GearTolerances result = input.tolerances;

@@ -188,6 +188,9 @@ void append_tolerance_keys(std::vector<Key<Target>>& keys, View view) {
       });
 }
 
+/// The tolerances of a gearbox as stated, those of grades left out.
+backlash::Tolerances stated_tolerances(const ToleranceInput& input);
+
 /// What a grade has to say of a gear whose size is known.
 struct GradedGear {
   std::string path;  ///< of its table: "tolerances.S"

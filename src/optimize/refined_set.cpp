@@ -39,6 +39,8 @@ design::Design design_of(const Specification& spec, const RefinedSet& set) {
     design.masses.ring2_outer_radius_m = gears[train::kR2].root_radius_m + spec.bodies.ring_rim_m;
   }
   design.limits = spec.limits;
+  design.tolerances = spec.tolerances;
+  design.sampling = spec.sampling;
   return design;
 }
 

@@ -62,6 +62,21 @@ struct Solver {
   unsigned long long seed = 1;
 };
 
+/// What the limits hold for.
+enum class Hold {
+  kNominal,    ///< the drawn gearbox
+  kWorstCase,  ///< every gearbox within its tolerances
+  kYield       ///< a share of the gearboxes
+};
+inline constexpr std::array<std::string_view, 3> kHoldNames{"nominal", "worst_case", "yield"};
+struct Robust {
+  Hold hold = Hold::kNominal;
+  double yield = 0.99;    ///< share that assembles and keeps the limits of lost motion
+  bool cheapest = false;  ///< tolerances may be scaled, for the least cost at that yield
+  /// By backlash::ToleranceKind: cost of one stated tolerance as stated; cost ∝ 1/tolerance.
+  std::array<double, backlash::kToleranceKindNames.size()> cost{1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0};
+};
+
 struct Specification {
   std::string name;
   std::vector<int> planets{3};
@@ -91,6 +106,10 @@ struct Specification {
   std::optional<design::OperatingPoint<double>> operating_point;
   /// Of a calibrated model: with an operating point, its efficiencies there decide between sets.
   std::optional<design::Extension<double>> model;
+  /// Of the built gearboxes; required by `robust` unless it holds at nominal.
+  std::optional<backlash::Tolerances> tolerances;
+  design::Sampling sampling;
+  Robust robust;
   Solver solver;
 };
 
