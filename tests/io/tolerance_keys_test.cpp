@@ -142,9 +142,10 @@ std::string spec_errors(const std::string& text) {
 
 TEST(ToleranceKeys, ASpecStatesThemToo) {
   const auto spec = parse_specification(
-      kSpec + "[tolerances]\npin_position_um = 8\n[tolerances.P2]\nrunout_um = 5\n"
-              "[robust]\nhold = \"yield\"\nyield = 0.95\ntolerances = \"cheapest\"\n"
-              "cost = { runout = 2.5 }\n",
+      kSpec +
+          "[tolerances]\npin_position_um = 8\n[tolerances.P2]\nrunout_um = 5\n"
+          "[robust]\nhold = \"yield\"\nyield = 0.95\ntolerances = \"cheapest\"\n"
+          "cost = { runout = 2.5 }\n",
       "spec.toml");
   ASSERT_TRUE(spec.tolerances);
   EXPECT_DOUBLE_EQ(spec.tolerances->pin_position_m, 8e-6);
