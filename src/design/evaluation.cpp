@@ -143,6 +143,22 @@ std::vector<CheckResult> run_checks(const std::vector<CheckInstance>& checks,
   return results;
 }
 
+/// What the tolerances make of a gearing and its checks; says so where they leave no mesh.
+template <class Stated>
+std::optional<ToleranceLimits> limits_within(const std::optional<Stated>& tolerances,
+                                             const DrawnGearing& drawn,
+                                             const std::vector<CheckInstance>& checks,
+                                             std::vector<std::string>& notes) {
+  if (!tolerances) return std::nullopt;
+  auto limits = tolerance_limits(drawn, tolerances->gears, tolerances->center_distance_m, checks);
+  if (!limits) {
+    notes.emplace_back(
+        "the tolerances have no minimum and maximum: at an end of tolerances.center_distance_um a "
+        "mesh has no working pressure angle");
+  }
+  return limits;
+}
+
 void note_loss_model(const std::vector<MeshResult>& meshes, std::vector<std::string>& notes) {
   for (const MeshResult& mesh : meshes) {
     if (mesh.contact_ratio <= 0.0) {
@@ -444,11 +460,22 @@ std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
   Gearing<double> gearing = gearing_of(*train, j_bn, design.limits.model);
   gearing.forms = forms;
   gearing.axial = &design.axial;
-  e.checks = run_checks(list_checks(design.limits, train_layout({.planets = e.planets,
-                                                                 .stage1_module_m = e.module_m[0],
-                                                                 .cutter = parameters.cutter,
-                                                                 .axial = design.axial})),
-                        gearing, {.gears = train::kGearNames, .meshes = train::kMeshNames});
+  const auto checks = list_checks(design.limits, train_layout({.planets = e.planets,
+                                                               .stage1_module_m = e.module_m[0],
+                                                               .cutter = parameters.cutter,
+                                                               .axial = design.axial}));
+  e.checks = run_checks(checks, gearing, {.gears = train::kGearNames, .meshes = train::kMeshNames});
+  e.tolerance_limits = limits_within(design.tolerances,
+                                     {.gears = gears,
+                                      .forms = forms,
+                                      .mesh_gears = train::kMeshGears,
+                                      .gear_names = train::kGearNames,
+                                      .mesh_names = train::kMeshNames,
+                                      .center_distance_m = e.center_distance_m,
+                                      .train = &*train,
+                                      .axial = &design.axial,
+                                      .model = design.limits.model},
+                                     checks, e.notes);
   note_loss_model(e.meshes, e.notes);
   note_axial_overlap(design, e.notes);
   if (!design.center_distance_given) {
@@ -510,13 +537,24 @@ std::variant<PairEvaluation, NotDefined> evaluate(const PairDesign& design) {
                                 .train = nullptr,
                                 .axial = nullptr,
                                 .model = design.limits.model};
-  e.checks = run_checks(list_checks(design.limits, {.gear_kinds = kinds,
-                                                    .mesh_gears = kPair,
-                                                    .shaped = shaped,
-                                                    .passing_bodies = {},
-                                                    .planets = 0,
-                                                    .length_scale_m = design.gear1.module_m}),
-                        gearing, {.gears = kGears, .meshes = kPairMesh});
+  const auto checks = list_checks(design.limits, {.gear_kinds = kinds,
+                                                  .mesh_gears = kPair,
+                                                  .shaped = shaped,
+                                                  .passing_bodies = {},
+                                                  .planets = 0,
+                                                  .length_scale_m = design.gear1.module_m});
+  e.checks = run_checks(checks, gearing, {.gears = kGears, .meshes = kPairMesh});
+  e.tolerance_limits = limits_within(design.tolerances,
+                                     {.gears = gears,
+                                      .forms = forms,
+                                      .mesh_gears = kPair,
+                                      .gear_names = kGears,
+                                      .mesh_names = kPairMesh,
+                                      .center_distance_m = e.center_distance_m,
+                                      .train = nullptr,
+                                      .axial = nullptr,
+                                      .model = design.limits.model},
+                                     checks, e.notes);
   note_loss_model({e.mesh}, e.notes);
   if (!e.center_distance_given) {
     e.notes.emplace_back("no center_distance_mm given: the zero-backlash distance is used");

@@ -9,6 +9,7 @@
 #include "design/design.hpp"
 #include "design/mass_model.hpp"
 #include "design/operation.hpp"
+#include "design/tolerance_limits.hpp"
 #include "geometry/interference.hpp"
 #include "geometry/sliding.hpp"
 #include "geometry/tooth_measures.hpp"
@@ -120,6 +121,7 @@ struct Evaluation {
   std::string total_mass_missing;  ///< what input it lacks, when the total is empty
   train::Assembly assembly;
   std::vector<CheckResult> checks;
+  std::optional<ToleranceLimits> tolerance_limits;  ///< where the design has tolerances
   std::vector<std::string> notes;
 };
 
@@ -130,6 +132,7 @@ struct PairEvaluation {
   MeshResult mesh;
   std::vector<GearResult> gears;
   std::vector<CheckResult> checks;
+  std::optional<ToleranceLimits> tolerance_limits;  ///< where the design has tolerances
   std::vector<std::string> notes;
 };
 

@@ -9,6 +9,7 @@
 #include "report/operation_report.hpp"
 #include "report/sensitivity_report.hpp"
 #include "report/text_table.hpp"
+#include "report/tolerance_report.hpp"
 
 namespace gear3k::report {
 
@@ -134,7 +135,8 @@ std::string analysis_csv(const Evaluation& e, const design::Sensitivities& s) {
   for (const MeshResult& m : e.meshes) rows.add_mesh(m);
   for (const GearResult& g : e.gears) rows.add_gear(g);
   for (const CheckResult& c : e.checks) rows.add_check(c);
-  return rows.text() + operation_csv(e) + mass_csv(e) + sensitivity_csv(s);
+  return rows.text() + tolerance_csv(e.tolerance_limits) + operation_csv(e) + mass_csv(e) +
+         sensitivity_csv(s);
 }
 
 std::string analysis_csv(const PairEvaluation& e) {
@@ -143,7 +145,7 @@ std::string analysis_csv(const PairEvaluation& e) {
   rows.add_mesh(e.mesh);
   for (const GearResult& g : e.gears) rows.add_gear(g);
   for (const CheckResult& c : e.checks) rows.add_check(c);
-  return rows.text();
+  return rows.text() + tolerance_csv(e.tolerance_limits);
 }
 
 }  // namespace gear3k::report

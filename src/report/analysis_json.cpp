@@ -7,6 +7,7 @@
 #include "report/mass_report.hpp"
 #include "report/operation_report.hpp"
 #include "report/sensitivity_report.hpp"
+#include "report/tolerance_report.hpp"
 
 namespace gear3k::report {
 
@@ -175,6 +176,7 @@ std::string analysis_json(const Evaluation& e, const design::Sensitivities& s,
                       {"identical_planets", e.assembly.identical_planets},
                       {"planet_phase_deg", list_json(e.assembly.planet_phase_rad, degrees)}};
   json["checks"] = list_json(e.checks, check_json);
+  add_tolerances(json, e.tolerance_limits);
   add_sensitivities(json, s);
   if (model != nullptr) add_model(json, *model);
   json["notes"] = e.notes;
@@ -182,14 +184,15 @@ std::string analysis_json(const Evaluation& e, const design::Sensitivities& s,
 }
 
 std::string analysis_json(const PairEvaluation& e) {
-  const ordered_json json{{"tool", tool_json()},
-                          {"name", e.name},
-                          {"center_distance_mm", mm(e.center_distance_m)},
-                          {"center_distance_given", e.center_distance_given},
-                          {"meshes", list_json(std::vector<MeshResult>{e.mesh}, mesh_json)},
-                          {"gears", list_json(e.gears, gear_json)},
-                          {"checks", list_json(e.checks, check_json)},
-                          {"notes", e.notes}};
+  ordered_json json{{"tool", tool_json()},
+                    {"name", e.name},
+                    {"center_distance_mm", mm(e.center_distance_m)},
+                    {"center_distance_given", e.center_distance_given},
+                    {"meshes", list_json(std::vector<MeshResult>{e.mesh}, mesh_json)},
+                    {"gears", list_json(e.gears, gear_json)},
+                    {"checks", list_json(e.checks, check_json)}};
+  add_tolerances(json, e.tolerance_limits);
+  json["notes"] = e.notes;
   return json.dump(2) + "\n";
 }
 

@@ -10,6 +10,7 @@
 #include "report/operation_report.hpp"
 #include "report/sensitivity_report.hpp"
 #include "report/text_table.hpp"
+#include "report/tolerance_report.hpp"
 
 namespace gear3k::report {
 
@@ -202,6 +203,11 @@ std::string note_lines(const std::vector<std::string>& notes) {
   return text.empty() ? "" : text + "\n";
 }
 
+std::string not_checked(bool tolerances) {
+  return fmt::format("\nNot checked by this version: strength{}.\n",
+                     tolerances ? "" : ", tolerances");
+}
+
 std::string assembly_text(const Evaluation& e) {
   if (!e.assembly.equal_spacing) {
     return fmt::format("{} planets cannot be equally spaced: zS + zR1 = {} is not divisible by {}",
@@ -294,8 +300,9 @@ std::string analysis_table(const Evaluation& e, const design::Sensitivities& s,
   }
   return text + failed_table(e.checks) + gear_table(e.gears) + tooth_table(e.gears) +
          mesh_table(e.meshes) + operation_table(e) + flank_table(e.meshes, gears) +
-         phase_table(e.meshes) + mass_table(e) + passed_table(e.checks) + sensitivity_table(s) +
-         note_lines(e.notes) + "\nNot checked by this version: strength, tolerances.\n";
+         phase_table(e.meshes) + mass_table(e) + passed_table(e.checks) +
+         tolerance_table(e.tolerance_limits) + sensitivity_table(s) + note_lines(e.notes) +
+         not_checked(e.tolerance_limits.has_value());
 }
 
 std::string analysis_table(const PairEvaluation& e) {
@@ -304,8 +311,8 @@ std::string analysis_table(const PairEvaluation& e) {
                      e.center_distance_given ? "" : " (zero-backlash distance)") +
          failed_table(e.checks) + gear_table(e.gears) + tooth_table(e.gears) +
          mesh_table({e.mesh}) + flank_table({e.mesh}, {{"1", "2"}}) + phase_table({e.mesh}) +
-         passed_table(e.checks) + note_lines(e.notes) +
-         "\nNot checked by this version: strength, tolerances.\n";
+         passed_table(e.checks) + tolerance_table(e.tolerance_limits) + note_lines(e.notes) +
+         not_checked(e.tolerance_limits.has_value());
 }
 
 }  // namespace gear3k::report

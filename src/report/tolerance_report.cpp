@@ -1,0 +1,259 @@
+#include "report/tolerance_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+#include <vector>
+
+#include "report/display.hpp"
+#include "report/text_table.hpp"
+
+namespace gear3k::report {
+
+namespace {
+
+using design::BuiltRange, design::CheckLimits, design::GearLimits, design::MeshLimits,
+    design::ToleranceLimits, design::Unit;
+using nlohmann::ordered_json;
+
+/// A quantity of a report: its name in JSON without the unit, its value, unit and decimals.
+struct Quantity {
+  std::string_view name;
+  BuiltRange range;
+  Unit unit;
+  int decimals;
+};
+
+std::vector<Quantity> quantities(const MeshLimits& m) {
+  return {
+      {"normal_backlash", m.normal_backlash_m, Unit::kMicrometre, 2},
+      {"circumferential_backlash", m.circumferential_backlash_m, Unit::kMicrometre, 2},
+      {"radial_backlash", m.radial_backlash_m, Unit::kMicrometre, 2},
+      {"contact_ratio", m.contact_ratio, Unit::kNone, 3},
+      {"working_pressure_angle", m.working_pressure_angle_rad, Unit::kDegree, 3},
+  };
+}
+std::vector<Quantity> quantities(const MeshLimits& m, std::size_t gear) {
+  return {
+      {"root_clearance", m.root_clearance_m[gear], Unit::kMillimetre, 4},
+      {"active_root_diameter", m.active_root_diameter_m[gear], Unit::kMillimetre, 4},
+      {"form_reserve", m.form_reserve_m[gear], Unit::kMillimetre, 4},
+  };
+}
+std::vector<Quantity> quantities(const GearLimits& g) {
+  return {
+      {"generating_shift", g.generating_shift, Unit::kNone, 4},
+      {"tooth_thickness", g.tooth_thickness_m, Unit::kMillimetre, 4},
+      {"tip_diameter", g.tip_diameter_m, Unit::kMillimetre, 4},
+      {"root_diameter", g.root_diameter_m, Unit::kMillimetre, 4},
+      {"form_diameter", g.form_diameter_m, Unit::kMillimetre, 4},
+      {"tip_thickness", g.tip_thickness_m, Unit::kMillimetre, 4},
+  };
+}
+
+BuiltRange in_unit(const BuiltRange& r, Unit unit) {
+  return {.least = design::in_unit(r.least, unit),
+          .nominal = design::in_unit(r.nominal, unit),
+          .greatest = design::in_unit(r.greatest, unit)};
+}
+
+std::string cell(const Quantity& q) {
+  const BuiltRange r = in_unit(q.range, q.unit);
+  const auto number = [&](double x) {
+    return std::isfinite(x) ? fixed(x, q.decimals) : std::string("none");
+  };
+  return fmt::format("{} / {} / {}", number(r.least), number(r.nominal), number(r.greatest));
+}
+
+void add_cells(std::vector<std::string>& row, const std::vector<Quantity>& all) {
+  for (const Quantity& q : all) row.push_back(cell(q));
+}
+
+/// Subject as in the checks' tables.
+std::string subject_of(const CheckLimits& c) {
+  if (!c.mesh.empty() && !c.gear.empty()) return fmt::format("{}, {}", c.mesh, c.gear);
+  return c.mesh + c.gear;
+}
+
+std::string margin_cell(const CheckLimits& c) {
+  const Unit unit = c.record->unit;
+  const int decimals = unit == Unit::kMicrometre || unit == Unit::kArcmin ? 2 : 4;
+  const std::string_view name = design::unit_name(unit);
+  return cell({"", c.margin, unit, decimals}) + (name.empty() ? "" : fmt::format(" {}", name));
+}
+
+std::string mesh_table(const ToleranceLimits& limits) {
+  TextTable table({"mesh", "backlash j_bn, um", "j_wt on pitch circles, um", "radial j_r, um",
+                   "contact ratio", "working angle, deg"});
+  TextTable flanks({"mesh", "gear", "tip clearance, mm", "active flank from dia, mm",
+                    "reserve to form circle, mm"});
+  flanks.align_left(1);
+  for (const MeshLimits& m : limits.meshes) {
+    std::vector<std::string> row{m.name};
+    add_cells(row, quantities(m));
+    table.add(std::move(row));
+    for (const std::size_t i : {0U, 1U}) {
+      std::vector<std::string> flank{i == 0 ? m.name : "", m.gear_names[i]};
+      add_cells(flank, quantities(m, i));
+      flanks.add(std::move(flank));
+    }
+  }
+  return table.text(2) + "\n" + flanks.text(2);
+}
+
+std::string gear_table(const ToleranceLimits& limits) {
+  TextTable table({"gear", "x_E", "tooth thickness, mm", "tip dia, mm", "form dia, mm",
+                   "root dia, mm", "tip thickness, mm"});
+  for (const GearLimits& g : limits.gears) {
+    std::vector<std::string> row{g.name};
+    auto all = quantities(g);
+    std::swap(all[3], all[4]);  // form before root, as in the table of the drawn gears
+    add_cells(row, all);
+    table.add(std::move(row));
+  }
+  return fmt::format("\n{}", table.text(2));
+}
+
+/// Every check that fails at its worst corner, and of each other the subject with the least margin.
+std::string check_table(const std::vector<CheckLimits>& checks) {
+  TextTable table({"", "check", "tightest", "margin"});
+  for (const std::size_t column : {1U, 2U}) table.align_left(column);
+  std::vector<const CheckLimits*> rows;
+  for (const CheckLimits& c : checks) {
+    if (!c.holds) {
+      table.add({"FAILS", std::string(c.record->title), subject_of(c), margin_cell(c)});
+      continue;
+    }
+    const auto row =
+        std::ranges::find_if(rows, [&](const CheckLimits* r) { return r->record == c.record; });
+    if (row == rows.end()) {
+      rows.push_back(&c);
+    } else if (c.margin.least < (*row)->margin.least) {
+      *row = &c;
+    }
+  }
+  for (const CheckLimits* c : rows) {
+    table.add({"ok", std::string(c->record->title), subject_of(*c), margin_cell(*c)});
+  }
+  const auto failing = std::ranges::count_if(checks, [](const CheckLimits& c) { return !c.holds; });
+  return fmt::format("\n  Checks at their worst within the tolerances: {} of {} fail\n", failing,
+                     checks.size()) +
+         table.text(2);
+}
+
+ordered_json range_json(const BuiltRange& range, Unit unit) {
+  const BuiltRange r = in_unit(range, unit);
+  return {{"min", number_or_null(r.least)},
+          {"nominal", number_or_null(r.nominal)},
+          {"max", number_or_null(r.greatest)}};
+}
+
+std::string key_of(const Quantity& q) {
+  const std::string_view unit = design::unit_name(q.unit);
+  return unit.empty() ? std::string(q.name) : fmt::format("{}_{}", q.name, unit);
+}
+
+ordered_json mesh_json(const MeshLimits& m) {
+  ordered_json json{{"name", m.name}};
+  for (const Quantity& q : quantities(m)) json[key_of(q)] = range_json(q.range, q.unit);
+  for (const std::size_t i : {0U, 1U}) {
+    for (const Quantity& q : quantities(m, i)) {
+      json[key_of(q)].push_back(range_json(q.range, q.unit));
+    }
+  }
+  return json;
+}
+
+ordered_json gear_json(const GearLimits& g) {
+  ordered_json json{{"name", g.name}};
+  for (const Quantity& q : quantities(g)) json[key_of(q)] = range_json(q.range, q.unit);
+  return json;
+}
+
+ordered_json check_json(const CheckLimits& c) {
+  ordered_json json{{"name", c.record->name}};
+  if (!c.mesh.empty()) json["mesh"] = c.mesh;
+  if (!c.gear.empty()) json["gear"] = c.gear;
+  json["margin"] = range_json(c.margin, c.record->unit);
+  json["unit"] = design::unit_name(c.record->unit);
+  json["ok"] = c.holds;
+  return json;
+}
+
+std::string csv_rows(const std::string& item, const std::string& name, const BuiltRange& range,
+                     Unit unit) {
+  const BuiltRange r = in_unit(range, unit);
+  std::string text;
+  for (const auto& [end, value] : std::array<std::pair<std::string_view, double>, 3>{
+           {{"min", r.least}, {"nominal", r.nominal}, {"max", r.greatest}}}) {
+    if (!std::isfinite(value)) continue;
+    text += csv_line({item, fmt::format("built {} {}", name, end), exact(value),
+                      std::string(design::unit_name(unit)), "", ""});
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string tolerance_table(const std::optional<ToleranceLimits>& limits) {
+  if (!limits) return "";
+  std::string text =
+      "\nLimits of the built gearbox (min / nominal / max; nominal as drawn; without run-out, "
+      "pitch "
+      "deviations, pin position and planet phase)\n";
+  if (limits->lost_motion_rad) {
+    text += fmt::format("  lost motion at output, kinematic   {} arcmin\n\n",
+                        cell({"", *limits->lost_motion_rad, Unit::kArcmin, 2}));
+  }
+  return text + mesh_table(*limits) + gear_table(*limits) + check_table(limits->checks);
+}
+
+void add_tolerances(ordered_json& json, const std::optional<ToleranceLimits>& limits) {
+  if (!limits) return;
+  ordered_json& tolerances = json["tolerances"];
+  for (const MeshLimits& m : limits->meshes) tolerances["meshes"].push_back(mesh_json(m));
+  for (const GearLimits& g : limits->gears) tolerances["gears"].push_back(gear_json(g));
+  tolerances["checks"] = ordered_json::array();
+  for (const CheckLimits& c : limits->checks) tolerances["checks"].push_back(check_json(c));
+  if (limits->lost_motion_rad) {
+    tolerances["lost_motion_arcmin"] = range_json(*limits->lost_motion_rad, Unit::kArcmin);
+  }
+}
+
+std::string tolerance_csv(const std::optional<ToleranceLimits>& limits) {
+  if (!limits) return "";
+  std::string text;
+  if (limits->lost_motion_rad) {
+    text += csv_rows("train", "lost_motion_kinematic", *limits->lost_motion_rad, Unit::kArcmin);
+  }
+  for (const MeshLimits& m : limits->meshes) {
+    for (const Quantity& q : quantities(m)) {
+      text += csv_rows(m.name, std::string(q.name), q.range, q.unit);
+    }
+    for (const std::size_t i : {0U, 1U}) {
+      for (const Quantity& q : quantities(m, i)) {
+        text += csv_rows(m.name, fmt::format("{}_gear{}", q.name, i + 1), q.range, q.unit);
+      }
+    }
+  }
+  for (const GearLimits& g : limits->gears) {
+    for (const Quantity& q : quantities(g)) {
+      text += csv_rows(g.name, std::string(q.name), q.range, q.unit);
+    }
+  }
+  for (const CheckLimits& c : limits->checks) {
+    const BuiltRange r = in_unit(c.margin, c.record->unit);
+    const std::string unit(design::unit_name(c.record->unit));
+    for (const auto& [end, value] : std::array<std::pair<std::string_view, double>, 3>{
+             {{"min", r.least}, {"nominal", r.nominal}, {"max", r.greatest}}}) {
+      text += csv_line({subject_of(c), fmt::format("built margin {} {}", c.record->name, end),
+                        exact(value), unit, "0", end == "min" ? (c.holds ? "true" : "false") : ""});
+    }
+  }
+  return text;
+}
+
+}  // namespace gear3k::report
