@@ -30,11 +30,11 @@ std::vector<ParameterRecord> angle_parameters(const Form& form, Kind kind) {
   return {record("cosine"), record("sine")};
 }
 
-std::vector<Form> angle_forms(const Occasion& o, const std::vector<ShaftOrder>& orders) {
+std::vector<Form> angle_forms(const Occasion& o, const std::vector<train::ShaftOrder>& orders) {
   const ValueRange angle = range_of(*o.data, &Condition::output_angle_rad);
   const double revolutions = (angle.high - angle.low) / (2.0 * std::numbers::pi);
   std::vector<Form> result;
-  for (const ShaftOrder& order : orders) {
+  for (const train::ShaftOrder& order : orders) {
     if (!(revolutions * order.order >= 1.0)) continue;
     const auto form = [&](const char* name, double weight) {
       return Form{.name = name, .body = order.body, .order = order.order, .weight = weight};

@@ -3,7 +3,7 @@
 // output's angle.
 
 #include "calibrate/cause.hpp"
-#include "calibrate/shaft_orders.hpp"
+#include "train/shaft_orders.hpp"
 
 namespace gear3k::calibrate {
 
@@ -12,7 +12,8 @@ namespace gear3k::calibrate {
 std::vector<ParameterRecord> angle_parameters(const Form& form, Kind kind);
 
 /// Forms for orders that the data can show: they span at least a revolution of the body.
-std::vector<Form> angle_forms(const Occasion& occasion, const std::vector<ShaftOrder>& orders);
+std::vector<Form> angle_forms(const Occasion& occasion,
+                              const std::vector<train::ShaftOrder>& orders);
 
 /// The amplitude √(cosine² + sine²).
 std::vector<DerivedParameter> angle_amplitude(const Form& form, std::span<const Scalar> p,

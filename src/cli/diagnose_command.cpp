@@ -10,7 +10,6 @@
 #include "calibrate/diagnosis.hpp"
 #include "calibrate/model_range.hpp"
 #include "calibrate/model_update.hpp"
-#include "calibrate/shaft_orders.hpp"
 #include "calibrate/value_range.hpp"
 #include "cli/commands.hpp"
 #include "cli/model_option.hpp"
@@ -24,6 +23,7 @@
 #include "report/condition_columns.hpp"
 #include "report/diagnosis_plot.hpp"
 #include "report/diagnosis_report.hpp"
+#include "train/shaft_orders.hpp"
 
 namespace gear3k::cli {
 
@@ -38,8 +38,8 @@ struct Task {
   std::vector<ExtendedModel> models;
   Notes model_notes;  ///< what there is to say about their use
   std::vector<MeasurementSet> sets;
-  std::vector<Simulation> simulations;          ///< of each set
-  std::vector<calibrate::ShaftOrder> orders{};  ///< of the shafts of a DESIGN
+  std::vector<Simulation> simulations;      ///< of each set
+  std::vector<train::ShaftOrder> orders{};  ///< of the shafts of a DESIGN
 };
 
 /// Errors of several files, told together.
@@ -156,7 +156,7 @@ Task read_task(const DiagnoseOptions& options) {
   auto& notes = task.sets.front().notes;
   notes.insert(notes.end(), task.model_notes.begin(), task.model_notes.end());
   if (const auto* design = std::get_if<design::Design>(&subject)) {
-    task.orders = calibrate::shaft_orders(design->train.teeth);
+    task.orders = train::shaft_orders(design->train.teeth);
   }
   return task;
 }

@@ -471,7 +471,7 @@ bool more_than_a_turn(const MeasurementSet& set) {
 }
 
 std::string periodogram_script(const Diagnosis& d,
-                               const std::vector<calibrate::ShaftOrder>& orders) {
+                               const std::vector<train::ShaftOrder>& orders) {
   const calibrate::Periodogram& p = d.periodogram;
   const double greatest = *std::ranges::max_element(p.power);
   const double top = greatest > 0.0 ? 1.35 * greatest : 1.0;
@@ -485,7 +485,7 @@ std::string periodogram_script(const Diagnosis& d,
       plot_text(subject_title(d) + "periodogram of what the causes leave, over the output angle"),
       number(1.02 * last), number(top));
   int mark = 0;
-  for (const calibrate::ShaftOrder& shaft : orders) {
+  for (const train::ShaftOrder& shaft : orders) {
     if (!(shaft.order > 0.0 && shaft.order <= last)) continue;
     ++mark;
     text += fmt::format(
@@ -510,7 +510,7 @@ std::string kind_suffix(Kind kind) {
 
 std::vector<Plot> diagnosis_plots(const std::vector<Diagnosis>& diagnoses,
                                   const std::vector<MeasurementSet>& sets,
-                                  const std::vector<calibrate::ShaftOrder>& orders) {
+                                  const std::vector<train::ShaftOrder>& orders) {
   require_matching(diagnoses, sets);
   std::vector<Plot> plots;
   plots.reserve(kPlotNames.size() * sets.size());

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "calibrate/diagnosis.hpp"
-#include "calibrate/shaft_orders.hpp"
 #include "report/plot.hpp"
+#include "train/shaft_orders.hpp"
 
 namespace gear3k::report {
 
@@ -24,7 +24,7 @@ inline constexpr std::size_t kMostPlottedRows = 4000;
 /// @param orders  of the shafts, to be marked in the periodogram
 std::vector<Plot> diagnosis_plots(const std::vector<calibrate::Diagnosis>& diagnoses,
                                   const std::vector<calibrate::MeasurementSet>& sets,
-                                  const std::vector<calibrate::ShaftOrder>& orders = {});
+                                  const std::vector<train::ShaftOrder>& orders = {});
 
 inline constexpr std::size_t kMostPlottedOrders = 1000;
 

@@ -7,7 +7,7 @@ namespace {
 
 std::vector<Form> forms(const Occasion& o) {
   if (o.teeth == nullptr) return {};
-  return angle_forms(o, mesh_orders(*o.teeth));
+  return angle_forms(o, train::mesh_orders(*o.teeth));
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ std::vector<Form> forms(const Occasion& o) {
     const double ratio = std::abs(o.ratio);
     return angle_forms(o, {{.body = "sun", .order = ratio}, {.body = "output", .order = 1.0}});
   }
-  return angle_forms(o, shaft_orders(*o.teeth));
+  return angle_forms(o, train::shaft_orders(*o.teeth));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "calibrate/shaft_orders.hpp"
+#include "train/shaft_orders.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <set>
 #include <vector>
 
-namespace gear3k::calibrate {
+namespace gear3k::train {
 namespace {
 
 /// Orders of a body, in the order of the list: relative to the carrier, absolute.
@@ -44,7 +44,7 @@ struct Revolutions {
   long long sun_rolling, planet_rolling, output_rolling;  // relative to the carrier
   long long teeth_s_p1, teeth_p1_r1, teeth_p2_r2;         // that passed each mesh
 };
-Revolutions roll(const train::ToothSet& z) {
+Revolutions roll(const ToothSet& z) {
   const long long turns = 1LL * z.S * z.R1 * z.R2;
   Revolutions r{};
   r.planet_rolling = turns;
@@ -63,11 +63,10 @@ Revolutions roll(const train::ToothSet& z) {
 
 TEST(ShaftOrders, AreCountedRevolutions) {
   // The last two: the output turns against the input; a low ratio.
-  for (const train::ToothSet& z :
-       {train::ToothSet{.S = 14, .P1 = 40, .R1 = 94, .P2 = 36, .R2 = 92},
-        train::ToothSet{.S = 12, .P1 = 39, .R1 = 90, .P2 = 32, .R2 = 81},
-        train::ToothSet{.S = 18, .P1 = 30, .R1 = 78, .P2 = 36, .R2 = 84},
-        train::ToothSet{.S = 20, .P1 = 20, .R1 = 60, .P2 = 35, .R2 = 75}}) {
+  for (const ToothSet& z : {ToothSet{.S = 14, .P1 = 40, .R1 = 94, .P2 = 36, .R2 = 92},
+                            ToothSet{.S = 12, .P1 = 39, .R1 = 90, .P2 = 32, .R2 = 81},
+                            ToothSet{.S = 18, .P1 = 30, .R1 = 78, .P2 = 36, .R2 = 84},
+                            ToothSet{.S = 20, .P1 = 20, .R1 = 60, .P2 = 35, .R2 = 75}}) {
     const Revolutions r = roll(z);
     const auto per_output = [&](long long n) {
       return std::abs(static_cast<double>(n) / static_cast<double>(r.output));
@@ -94,7 +93,7 @@ TEST(ShaftOrders, AreCountedRevolutions) {
 }
 
 TEST(ShaftOrders, StandOnce) {
-  const train::ToothSet z{.S = 14, .P1 = 40, .R1 = 94, .P2 = 36, .R2 = 92};
+  const ToothSet z{.S = 14, .P1 = 40, .R1 = 94, .P2 = 36, .R2 = 92};
   const auto list = shaft_orders(z);
   std::set<long long> seen;
   for (const ShaftOrder& order : list) seen.insert(std::llround(order.order * 1e6));
@@ -102,4 +101,4 @@ TEST(ShaftOrders, StandOnce) {
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::train
