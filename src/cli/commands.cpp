@@ -66,16 +66,18 @@ std::string analysis(const CommonOptions& options, const design::Design& design,
                      const design::Evaluation& evaluation,
                      const std::optional<LoadedModel>& model) {
   const auto sensitivities = design::sensitivities(design);
+  const std::optional<design::BuiltSeries> series = design::table_series(design);
+  const design::BuiltSeries* built = series ? &*series : nullptr;
   const report::ModelUse* use = model ? &model->use : nullptr;
   switch (options.format) {
     case Format::kJson:
-      return report::analysis_json(evaluation, sensitivities, use);
+      return report::analysis_json(evaluation, sensitivities, use, built);
     case Format::kCsv:
-      return report::analysis_csv(evaluation, sensitivities);
+      return report::analysis_csv(evaluation, sensitivities, built);
     case Format::kTable:
       break;
   }
-  return report::analysis_table(evaluation, sensitivities, use);
+  return report::analysis_table(evaluation, sensitivities, use, built);
 }
 std::string analysis(const CommonOptions& options, const design::PairDesign&,
                      const design::PairEvaluation& evaluation,

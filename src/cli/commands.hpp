@@ -65,6 +65,12 @@ struct DiagnoseOptions : CommonOptions {  ///< out: a folder; "" = none
   ConditionLimit sun_speed_rpm, output_torque_nm, test_torque_nm, temperature_c;
 };
 
+struct TolerancesOptions : CommonOptions {  ///< out: a folder; "" = none
+  std::string file;
+  std::optional<std::int64_t> samples;  ///< instead of tolerances.samples
+  std::optional<std::uint64_t> seed;    ///< instead of tolerances.seed
+};
+
 /// Bounds of --chord-error-um: below, coordinates are rounded as coarsely; above, teeth lose shape.
 inline constexpr double kLeastChordErrorUm = 0.01, kGreatestChordErrorUm = 100.0;
 
@@ -81,6 +87,7 @@ ExitCode run_optimize(const OptimizeOptions& options);
 ExitCode run_reproduce(const ReproduceOptions& options);
 ExitCode run_map(const MapOptions& options);
 ExitCode run_diagnose(const DiagnoseOptions& options);
+ExitCode run_tolerances(const TolerancesOptions& options);
 ExitCode run_export(const ExportOptions& options);
 /// Prints docs/keys.md: every key of DESIGN, PAIR and SPEC files.
 ExitCode run_keys(const CommonOptions& options);

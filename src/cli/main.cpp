@@ -325,6 +325,29 @@ int run_program(int argc, char** argv) {
   map_command->footer([] { return "Keys of DESIGN.toml:\n" + io::design_key_table(); });
   map_command->callback([&] { run = [&] { return cli::run_map(map); }; });
 
+  cli::TolerancesOptions tolerances;
+  CLI::App* tolerances_command = app.add_subcommand(
+      "tolerances", "what gearboxes built within their tolerances will do: yield, jamming, spread");
+  tolerances_command->add_option("DESIGN", tolerances.file, "DESIGN.toml with [tolerances]")
+      ->required();
+  tolerances_command
+      ->add_option("--out", tolerances.out,
+                   "folder for tolerances.json, lost_motion.csv, tolerances.csv, turn.csv, "
+                   "turn_orders.csv and figures; made when missing; figures need gnuplot")
+      ->check(folder_name)
+      ->option_text("DIR");
+  tolerances_command
+      ->add_option("--samples", tolerances.samples, "gearboxes, instead of tolerances.samples")
+      ->check(CLI::Range(std::int64_t{1000}, std::int64_t{1'000'000'000}))
+      ->option_text("N");
+  tolerances_command
+      ->add_option("--seed", tolerances.seed, "of the random gearboxes, instead of tolerances.seed")
+      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{9'000'000'000'000'000}))
+      ->option_text("N");
+  add_common_options(*tolerances_command, tolerances);
+  tolerances_command->footer([] { return "Keys of DESIGN.toml:\n" + io::design_key_table(); });
+  tolerances_command->callback([&] { run = [&] { return cli::run_tolerances(tolerances); }; });
+
   cli::DiagnoseOptions diagnose;
   CLI::App* diagnose_command = app.add_subcommand(
       "diagnose", "what the simulation gets wrong on measurements, why, and what to measure next");

@@ -2,21 +2,26 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <utility>
 
 #include "calibrate/model_range.hpp"
 #include "cli/commands.hpp"
 #include "cli/model_option.hpp"
 #include "cli/progress.hpp"
+#include "design/built_series.hpp"
 #include "design/evaluation.hpp"
 #include "io/design_file.hpp"
 #include "io/diagnostics.hpp"
 #include "io/file_writer.hpp"
 #include "io/refinement_journal.hpp"
 #include "io/specification_file.hpp"
+#include "optimize/cheapest_tolerances.hpp"
 #include "optimize/optimizer.hpp"
+#include "optimize/robust.hpp"
 #include "report/analysis_report.hpp"
 #include "report/search_report.hpp"
 
@@ -36,7 +41,8 @@ struct Task {
   optimize::Specification spec;
   std::optional<LoadedModel> model;
   Notes notes;
-  std::string unreachable;  ///< why no design can reach the lost motion; "" when one may
+  std::string unreachable;       ///< why no design can reach the lost motion; "" when one may
+  design::Limits stated_limits;  ///< `spec` has those that hold for the built gearboxes
 
   [[nodiscard]] const report::ModelUse* use() const { return model ? &model->use : nullptr; }
 };
@@ -44,7 +50,8 @@ Task load_task(const OptimizeOptions& options) {
   Task task{.spec = io::read_specification(options.file),
             .model = load_model(options.model),
             .notes = {},
-            .unreachable = {}};
+            .unreachable = {},
+            .stated_limits = {}};
   if (task.model) {
     const optimize::Specification stated = task.spec;
     task.spec = with_model(stated, *task.model, task.notes);
@@ -67,7 +74,66 @@ Task load_task(const OptimizeOptions& options) {
         "--model: a list of objectives asks for a Pareto front, which has none of the model's "
         "losses at an operating point; allowed: one objective, or no --model");
   }
+  task.stated_limits = task.spec.limits;
   return task;
+}
+
+/// The design of a refined set as files state it.
+design::Design stated_design(const Task& task, const optimize::RefinedSet& set) {
+  design::Design design = optimize::design_of(task.spec, set);
+  design.limits = task.stated_limits;
+  return design;
+}
+
+/// Tolerances that cost least for the design found, instead of the stated ones.
+report::RobustRun::Cheapest cheapen(optimize::Specification& spec, const design::Design& design,
+                                    const report::RobustRun& run) {
+  auto model = design::clearance_model_of(design);
+  const auto& limit = design.limits[design::CheckId::kOutputBacklashMax];
+  constexpr std::uint64_t kSamples = 20'000;
+  report::RobustRun::Cheapest result{.model = std::move(*model), .tolerances = {}, .built = {}};
+  result.tolerances = optimize::cheapest_tolerances(
+      result.model, {.yield = spec.robust.yield,
+                     .limit_rad = limit.value_or(std::numeric_limits<double>::infinity()),
+                     .cost = spec.robust.cost,
+                     .scatter = {.scatter = spec.tolerances->scatter,
+                                 .sigma_level = spec.tolerances->sigma_level},
+                     .samples = kSamples,
+                     .seed = spec.sampling.seed});
+  spec.tolerances = optimize::scaled(*spec.tolerances, result.model, result.tolerances.factor,
+                                     std::cos(spec.pressure_angle_rad));
+  design::Design cheap = design;
+  cheap.tolerances = spec.tolerances;
+  result.built = optimize::built_outcome(cheap, run.samples, run.fresh_seed);
+  return result;
+}
+
+/// Tightens the task's limits until they hold as it asks; empty where it asks for the drawn gearbox
+/// only.
+std::optional<report::RobustRun> make_robust(const OptimizeOptions& options, Task& task) {
+  optimize::Specification& spec = task.spec;
+  if (spec.robust.hold == optimize::Hold::kNominal) return std::nullopt;
+  const bool best_only = optimize::has_bounds(spec) && !optimize::judged_by_model(spec);
+  report::RobustRun run;
+  run.search = optimize::robust_limits(spec, [&](const optimize::Specification& tightened) {
+    optimize::Progress progress;
+    const ProgressDisplay display(progress, options.quiet);
+    optimize::OptimizeResult result =
+        optimize::optimize(tightened, progress, {.best_only = best_only});
+    return optimize::SearchOutcome{.best = std::move(result.best),
+                                   .interrupted = result.interrupted};
+  });
+  if (!run.search.chosen) return run;
+  const optimize::RobustPass& chosen = run.search.passes[*run.search.chosen];
+  run.samples = static_cast<std::uint64_t>(spec.sampling.samples);
+  run.fresh_seed = spec.sampling.seed + 1;
+  run.nominal = optimize::built_outcome(stated_design(task, *run.search.passes.front().best),
+                                        run.samples, run.fresh_seed);
+  run.chosen =
+      optimize::built_outcome(stated_design(task, *chosen.best), run.samples, run.fresh_seed);
+  if (spec.robust.cheapest) run.cheapest = cheapen(spec, stated_design(task, *chosen.best), run);
+  spec.limits = chosen.limits;
+  return run;
 }
 
 /// The journal to go on with; one that is in the way of a new run is kept under another name.
@@ -143,7 +209,7 @@ void write_results(const OptimizeOptions& options, const Task& task, const Outco
   io::write_file(path_in(options.out, "summary.json"), summary);
   const std::string best_path = path_in(options.out, "best.toml");
   if (result.best) {
-    io::write_file(best_path, io::design_text(optimize::design_of(task.spec, *result.best)));
+    io::write_file(best_path, io::design_text(stated_design(task, *result.best)));
   } else {
     set_aside(best_path);
   }
@@ -205,7 +271,7 @@ void refuse_overwriting_input(const OptimizeOptions& options) {
 }  // namespace
 
 ExitCode run_optimize(const OptimizeOptions& options) {
-  const Task task = load_task(options);
+  Task task = load_task(options);
   refuse_overwriting_input(options);
   warn(task.notes, options.quiet);
   io::prepare_folder(options.out);
@@ -215,12 +281,24 @@ ExitCode run_optimize(const OptimizeOptions& options) {
     return kNoFeasibleDesign;
   }
   const int threads = use_threads(options);
+  const std::optional<report::RobustRun> robust = make_robust(options, task);
+  if (robust && !robust->search.chosen) {
+    for (const char* name : kResultNames) set_aside(path_in(options.out, name));
+    if (robust->search.interrupted) {
+      fmt::print(stderr,
+                 "interrupted before limits that hold for the built gearboxes were found\n");
+      return kInterrupted;
+    }
+    fmt::print(stderr, "{}: {}\n", options.file,
+               report::robust_blocking_text(task.spec, robust->search));
+    return kNoFeasibleDesign;
+  }
   const Outcome outcome = run(options, task);
   const optimize::OptimizeResult& result = outcome.result;
   const report::ResultTally tally = report::tally_of(result);
   const std::string summary = report::summary_json(
       task.spec, result, tally, {.wall_time_s = outcome.wall_time_s, .threads = threads},
-      task.use(), outcome.front ? &*outcome.front : nullptr);
+      task.use(), outcome.front ? &*outcome.front : nullptr, robust ? &*robust : nullptr);
   write_results(options, task, outcome, tally, summary);
   if (!result.best) {
     if (outcome.interrupted()) return kInterrupted;
@@ -239,15 +317,19 @@ ExitCode run_optimize(const OptimizeOptions& options) {
       report::write_refined_csv(result, report::refined_columns(task.spec),
                                 [](std::string_view piece) { print_result(std::string(piece)); });
       break;
-    case Format::kTable:
+    case Format::kTable: {
+      const std::optional<design::BuiltSeries> series = design::table_series(design);
       print_result(
-          report::analysis_table(best, design::sensitivities(design), task.use()) +
+          report::analysis_table(best, design::sensitivities(design), task.use(),
+                                 series ? &*series : nullptr) +
+          (robust ? report::robust_table(task.spec, *robust) : "") +
           (outcome.front ? report::pareto_table(task.spec, *outcome.front) : "") +
           fmt::format("\nFiles in {}: best.toml (this design), refined.csv ({} tooth "
                       "sets), pareto.csv ({} designs), summary.json\n",
                       options.out, result.search.candidates.size() - tally.open,
                       outcome.front ? outcome.front->points.size() : result.pareto.size()));
       break;
+    }
   }
   if (!best.efficiency.backdrivable) {
     fmt::print(stderr, "the best design found cannot be back-driven (margin {:.4f})\n",

@@ -103,6 +103,9 @@ struct ProgressDisplay::State {
       case Phase::kDiagnosis:
         facts = fmt::format("{} % diagnosed, {} left", 100 * finished / total, remaining);
         break;
+      case Phase::kGearboxes:
+        facts = count_of("gearboxes built at random");
+        break;
     }
     if (progress.feasible.load() > 0) {
       facts += fmt::format(", best {:.5g}",

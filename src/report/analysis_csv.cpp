@@ -10,6 +10,7 @@
 #include "report/sensitivity_report.hpp"
 #include "report/text_table.hpp"
 #include "report/tolerance_report.hpp"
+#include "report/yield_report.hpp"
 
 namespace gear3k::report {
 
@@ -98,7 +99,8 @@ class CsvRows {
 
 }  // namespace
 
-std::string analysis_csv(const Evaluation& e, const design::Sensitivities& s) {
+std::string analysis_csv(const Evaluation& e, const design::Sensitivities& s,
+                         const design::BuiltSeries* built) {
   CsvRows rows;
   rows.add("train", "ratio", e.ratio, "");
   rows.add("train", "center_distance", mm(e.center_distance_m), "mm");
@@ -135,7 +137,8 @@ std::string analysis_csv(const Evaluation& e, const design::Sensitivities& s) {
   for (const MeshResult& m : e.meshes) rows.add_mesh(m);
   for (const GearResult& g : e.gears) rows.add_gear(g);
   for (const CheckResult& c : e.checks) rows.add_check(c);
-  return rows.text() + tolerance_csv(e.tolerance_limits) + operation_csv(e) + mass_csv(e) +
+  return rows.text() + tolerance_csv(e.tolerance_limits) +
+         (built != nullptr ? yield_csv(*built) : "") + operation_csv(e) + mass_csv(e) +
          sensitivity_csv(s);
 }
 

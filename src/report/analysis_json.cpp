@@ -8,6 +8,7 @@
 #include "report/operation_report.hpp"
 #include "report/sensitivity_report.hpp"
 #include "report/tolerance_report.hpp"
+#include "report/yield_report.hpp"
 
 namespace gear3k::report {
 
@@ -138,7 +139,7 @@ ordered_json check_json(const CheckResult& c) {
 }  // namespace
 
 std::string analysis_json(const Evaluation& e, const design::Sensitivities& s,
-                          const ModelUse* model) {
+                          const ModelUse* model, const design::BuiltSeries* built) {
   ordered_json json{{"tool", tool_json()},
                     {"name", e.name},
                     {"planets", e.planets},
@@ -177,6 +178,7 @@ std::string analysis_json(const Evaluation& e, const design::Sensitivities& s,
                       {"planet_phase_deg", list_json(e.assembly.planet_phase_rad, degrees)}};
   json["checks"] = list_json(e.checks, check_json);
   add_tolerances(json, e.tolerance_limits);
+  if (built != nullptr) json["built"] = yield_json(*built);
   add_sensitivities(json, s);
   if (model != nullptr) add_model(json, *model);
   json["notes"] = e.notes;

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "design/built_series.hpp"
 #include "design/evaluation.hpp"
 #include "design/sensitivity.hpp"
 #include "report/model_report.hpp"
@@ -12,17 +13,21 @@ namespace gear3k::report {
 /// Tables for the terminal; failed checks come first.
 /// @param s  of the same design; {} = not wanted
 /// @param model  with which the design was evaluated; null: none
+/// @param built  gearboxes built within the design's tolerances; null: none
 std::string analysis_table(const design::Evaluation& e, const design::Sensitivities& s,
-                           const ModelUse* model = nullptr);
+                           const ModelUse* model = nullptr,
+                           const design::BuiltSeries* built = nullptr);
 std::string analysis_table(const design::PairEvaluation& e);
 
 /// JSON by the contract of docs/interface.md.
 std::string analysis_json(const design::Evaluation& e, const design::Sensitivities& s,
-                          const ModelUse* model = nullptr);
+                          const ModelUse* model = nullptr,
+                          const design::BuiltSeries* built = nullptr);
 std::string analysis_json(const design::PairEvaluation& e);
 
 /// CSV with the columns item, quantity, value, unit, limit, ok.
-std::string analysis_csv(const design::Evaluation& e, const design::Sensitivities& s);
+std::string analysis_csv(const design::Evaluation& e, const design::Sensitivities& s,
+                         const design::BuiltSeries* built = nullptr);
 std::string analysis_csv(const design::PairEvaluation& e);
 
 }  // namespace gear3k::report

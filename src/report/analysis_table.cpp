@@ -11,6 +11,7 @@
 #include "report/sensitivity_report.hpp"
 #include "report/text_table.hpp"
 #include "report/tolerance_report.hpp"
+#include "report/yield_report.hpp"
 
 namespace gear3k::report {
 
@@ -251,7 +252,7 @@ std::string inertia_text(const Evaluation& e) {
 }  // namespace
 
 std::string analysis_table(const Evaluation& e, const design::Sensitivities& s,
-                           const ModelUse* model) {
+                           const ModelUse* model, const design::BuiltSeries* built) {
   std::string text;
   text += fmt::format("{}: S {} / P1 {} / R1 {} / P2 {} / R2 {}, {} planets\n",
                       e.name.empty() ? "gearbox" : e.name, e.teeth.S, e.teeth.P1, e.teeth.R1,
@@ -301,8 +302,8 @@ std::string analysis_table(const Evaluation& e, const design::Sensitivities& s,
   return text + failed_table(e.checks) + gear_table(e.gears) + tooth_table(e.gears) +
          mesh_table(e.meshes) + operation_table(e) + flank_table(e.meshes, gears) +
          phase_table(e.meshes) + mass_table(e) + passed_table(e.checks) +
-         tolerance_table(e.tolerance_limits) + sensitivity_table(s) + note_lines(e.notes) +
-         not_checked(e.tolerance_limits.has_value());
+         tolerance_table(e.tolerance_limits) + (built != nullptr ? yield_table(*built) : "") +
+         sensitivity_table(s) + note_lines(e.notes) + not_checked(e.tolerance_limits.has_value());
 }
 
 std::string analysis_table(const PairEvaluation& e) {

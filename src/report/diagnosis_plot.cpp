@@ -470,8 +470,7 @@ bool more_than_a_turn(const MeasurementSet& set) {
   return angle.high - angle.low > 2.0 * std::numbers::pi;
 }
 
-std::string periodogram_script(const Diagnosis& d,
-                               const std::vector<train::ShaftOrder>& orders) {
+std::string periodogram_script(const Diagnosis& d, const std::vector<train::ShaftOrder>& orders) {
   const calibrate::Periodogram& p = d.periodogram;
   const double greatest = *std::ranges::max_element(p.power);
   const double top = greatest > 0.0 ? 1.35 * greatest : 1.0;

@@ -335,7 +335,7 @@ ordered_json certificate_json(const Specification& spec, const OptimizeResult& r
 
 std::string summary_json(const Specification& spec, const OptimizeResult& result,
                          const ResultTally& tally, const RunFacts& facts, const ModelUse* model,
-                         const optimize::ParetoFront* front) {
+                         const optimize::ParetoFront* front, const RobustRun* robust) {
   ordered_json status = ordered_json::object();
   ordered_json reasons = ordered_json::object();
   for (std::size_t k = 0; k < optimize::kStatusCount; ++k) {
@@ -379,6 +379,7 @@ std::string summary_json(const Specification& spec, const OptimizeResult& result
       {"interrupted", result.interrupted || (front != nullptr && front->interrupted)},
       {"wall_time_s", facts.wall_time_s},
       {"threads", facts.threads}};
+  if (robust != nullptr) json["robust"] = robust_json(spec, *robust);
   if (model != nullptr) add_model(json, *model);
   return json.dump(2) + "\n";
 }

@@ -12,6 +12,7 @@
 #include "optimize/pareto_search.hpp"
 #include "optimize/zero_shift.hpp"
 #include "report/model_report.hpp"
+#include "report/robust_report.hpp"
 
 namespace gear3k::report {
 
@@ -71,7 +72,8 @@ struct RunFacts {
 std::string summary_json(const optimize::Specification& spec,
                          const optimize::OptimizeResult& result, const ResultTally& tally,
                          const RunFacts& facts, const ModelUse* model = nullptr,
-                         const optimize::ParetoFront* front = nullptr);
+                         const optimize::ParetoFront* front = nullptr,
+                         const RobustRun* robust = nullptr);
 
 /// Counts by status and reason, for the terminal.
 std::string optimize_counts_text(const optimize::OptimizeResult& result, const ResultTally& tally);

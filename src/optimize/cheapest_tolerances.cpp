@@ -1,0 +1,221 @@
+#include "optimize/cheapest_tolerances.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+namespace gear3k::optimize {
+
+namespace {
+
+using backlash::ClearanceModel, backlash::DeviationLimits, backlash::ToleranceKind;
+
+constexpr int kSteps = 6;  // of √2 either way
+
+using Steps = std::vector<int>;
+
+double factor_of(int step) { return std::exp2(0.5 * step); }
+
+class Search {
+ public:
+  Search(const ClearanceModel& model, const CheapestOptions& options)
+      : model_(model), options_(options), steps_(model.sources.size(), 0) {}
+
+  CheapestTolerances run() {
+    CheapestTolerances result;
+    result.stated_cost = cost(steps_);
+    yield_ = yield(steps_);
+    result.stated_yield = yield_;
+    while (yield_ < options_.yield && !stopped() && tighten()) {
+    }
+    if (yield_ >= options_.yield) {
+      do {
+        while (!stopped() && widen()) {
+        }
+      } while (!stopped() && exchange());
+    }
+    for (const int step : steps_) result.factor.push_back(factor_of(step));
+    result.cost = cost(steps_);
+    result.yield = yield_;
+    result.reached = yield_ >= options_.yield;
+    return result;
+  }
+
+ private:
+  [[nodiscard]] bool stopped() const { return options_.stop && options_.stop(); }
+
+  [[nodiscard]] double cost_of(std::size_t source, int step) const {
+    return options_.cost[static_cast<std::size_t>(model_.sources[source].kind)] / factor_of(step);
+  }
+  [[nodiscard]] double cost(const Steps& steps) const {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < steps.size(); ++i) sum += cost_of(i, steps[i]);
+    return sum;
+  }
+  [[nodiscard]] double yield(const Steps& steps) const {
+    ClearanceModel scaled = model_;
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+      scaled.sources[i].half_width_m *= factor_of(steps[i]);
+    }
+    return backlash::monte_carlo(scaled, {.samples = options_.samples,
+                                          .seed = options_.seed,
+                                          .scatter = options_.scatter,
+                                          .limit_rad = options_.limit_rad})
+        .yield.value;
+  }
+  [[nodiscard]] bool may_step(std::size_t source, int by) const {
+    return std::abs(steps_[source] + by) <= kSteps;
+  }
+  [[nodiscard]] double yield_after(std::size_t source, int by) const {
+    Steps trial = steps_;
+    trial[source] += by;
+    return yield(trial);
+  }
+
+  /// One step down, the one that buys most yield per cost.
+  bool tighten() {
+    std::optional<std::size_t> best;
+    double best_rate = -std::numeric_limits<double>::infinity();
+    double best_yield = 0.0;
+    for (std::size_t i = 0; i < steps_.size(); ++i) {
+      if (!may_step(i, -1)) continue;
+      const double after = yield_after(i, -1);
+      const double price = cost_of(i, steps_[i] - 1) - cost_of(i, steps_[i]);
+      const double rate = (after - yield_) / std::max(price, kNothing);
+      if (rate > best_rate) {
+        best_rate = rate;
+        best = i;
+        best_yield = after;
+      }
+    }
+    // Where no single step gains anything, all of them together may: take the cheapest.
+    if (!best) return false;
+    --steps_[*best];
+    yield_ = best_yield;
+    return true;
+  }
+
+  /// One step up that leaves the yield, the one that saves most per yield lost.
+  bool widen() {
+    std::optional<std::size_t> best;
+    double best_rate = 0.0;
+    double best_yield = 0.0;
+    for (std::size_t i = 0; i < steps_.size(); ++i) {
+      if (!may_step(i, 1)) continue;
+      const double saving = cost_of(i, steps_[i]) - cost_of(i, steps_[i] + 1);
+      if (!(saving > 0.0)) continue;
+      const double after = yield_after(i, 1);
+      if (after < options_.yield) continue;
+      const double rate = saving / std::max(yield_ - after, kNothing);
+      if (rate > best_rate) {
+        best_rate = rate;
+        best = i;
+        best_yield = after;
+      }
+    }
+    if (!best) return false;
+    ++steps_[*best];
+    yield_ = best_yield;
+    return true;
+  }
+
+  /// One up for one down, where it saves and the yield stays; the one that saves most.
+  bool exchange() {
+    struct Trade {
+      double saving;
+      std::size_t up, down;
+    };
+    std::vector<Trade> trades;
+    for (std::size_t up = 0; up < steps_.size(); ++up) {
+      if (!may_step(up, 1)) continue;
+      for (std::size_t down = 0; down < steps_.size(); ++down) {
+        if (down == up || !may_step(down, -1)) continue;
+        const double saving = cost_of(up, steps_[up]) - cost_of(up, steps_[up] + 1) -
+                              cost_of(down, steps_[down] - 1) + cost_of(down, steps_[down]);
+        if (saving > kNothing) trades.push_back({.saving = saving, .up = up, .down = down});
+      }
+    }
+    std::ranges::stable_sort(trades, std::greater{}, &Trade::saving);
+    for (const Trade& trade : trades) {
+      if (stopped()) return false;
+      Steps trial = steps_;
+      ++trial[trade.up];
+      --trial[trade.down];
+      const double after = yield(trial);
+      if (after < options_.yield) continue;
+      steps_ = std::move(trial);
+      yield_ = after;
+      return true;
+    }
+    return false;
+  }
+
+  static constexpr double kNothing = 1e-12;
+  const ClearanceModel& model_;
+  const CheapestOptions& options_;
+  Steps steps_;
+  double yield_ = 0.0;
+};
+
+void scale(DeviationLimits& limits, double factor) {
+  const double middle = limits.middle();
+  const double half = factor * limits.half_width();
+  limits = {.lower = middle - half, .upper = middle + half};
+}
+
+}  // namespace
+
+CheapestTolerances cheapest_tolerances(const ClearanceModel& model,
+                                       const CheapestOptions& options) {
+  return Search(model, options).run();
+}
+
+backlash::Tolerances scaled(const backlash::Tolerances& tolerances, const ClearanceModel& model,
+                            const std::vector<double>& factor, double cos_pressure_angle) {
+  backlash::Tolerances result = tolerances;
+  // What F_p says beyond the run-out's share in it, docs/theory.md §33.
+  std::array<double, train::kGearCount> rest{};
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    const backlash::GearTolerances& g = tolerances.gears[i];
+    rest[i] = std::max(0.0, g.cumulative_pitch_m - g.runout_m / cos_pressure_angle);
+  }
+  for (std::size_t s = 0; s < factor.size(); ++s) {
+    const backlash::ToleranceSource& source = model.sources[s];
+    const auto gear = static_cast<std::size_t>(std::max(source.gear, 0));
+    backlash::GearTolerances& g = result.gears[gear];
+    switch (source.kind) {
+      case ToleranceKind::kCenterDistance:
+        scale(result.center_distance_m, factor[s]);
+        break;
+      case ToleranceKind::kToothThickness:
+        scale(g.tooth_thickness_m, factor[s]);
+        break;
+      case ToleranceKind::kPinPosition:
+        result.pin_position_m *= factor[s];
+        break;
+      case ToleranceKind::kPlanetPhase:
+        scale(result.planet_phase_rad, factor[s]);
+        break;
+      case ToleranceKind::kRunout:
+        g.runout_m *= factor[s];
+        break;
+      case ToleranceKind::kCumulativePitch:
+        rest[gear] *= factor[s];
+        break;
+      case ToleranceKind::kSinglePitch:
+        g.single_pitch_m *= factor[s];
+        break;
+    }
+  }
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    backlash::GearTolerances& g = result.gears[i];
+    if (g.cumulative_pitch_m > 0.0) {
+      g.cumulative_pitch_m = g.runout_m / cos_pressure_angle + rest[i];
+    }
+  }
+  return result;
+}
+
+}  // namespace gear3k::optimize

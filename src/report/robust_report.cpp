@@ -1,0 +1,151 @@
+#include "report/robust_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "report/display.hpp"
+#include "report/text_table.hpp"
+
+namespace gear3k::report {
+
+namespace {
+
+using design::CheckId;
+using nlohmann::ordered_json;
+using optimize::BuiltOutcome, optimize::Hold, optimize::RobustPass, optimize::Specification;
+
+std::string teeth_text(const RobustPass& pass) {
+  return fmt::format("{}", fmt::join(train::teeth_of(pass.best->candidate.teeth), "/"));
+}
+
+std::string limit_text(const std::optional<double>& limit, double (*unit)(double)) {
+  return limit ? fmt::format("{:.2f}", unit(*limit)) : "-";
+}
+
+ordered_json outcome_json(const BuiltOutcome& o) {
+  return {{"yield", o.yield},
+          {"jammed", o.jammed},
+          {"beyond_limit", o.beyond_limit},
+          {"worst_case_arcmin", arcmin(o.greatest_rad)},
+          {"least_margin_um", um(o.least_margin_m)},
+          {"checks_hold", o.checks_hold}};
+}
+
+ordered_json limit_json(const std::optional<double>& limit, double (*unit)(double)) {
+  return limit ? ordered_json(unit(*limit)) : ordered_json(nullptr);
+}
+
+}  // namespace
+
+std::string robust_table(const Specification& spec, const RobustRun& run) {
+  const RobustPass& nominal = run.search.passes.front();
+  const RobustPass& chosen = run.search.passes[*run.search.chosen];
+  TextTable table({"limits", "teeth", "eta_b %", "eta_f %", "lost motion arcmin",
+                   "least j um asked", "most arcmin asked", "yield %", "jam %", "beyond limit %",
+                   "worst case arcmin", "room there um"});
+  const auto add = [&](const std::string& name, const RobustPass& pass, const BuiltOutcome& o) {
+    table.add({name, teeth_text(pass), fmt::format("{:.2f}", percent(pass.best->eta_b)),
+               fmt::format("{:.2f}", percent(pass.best->eta_f)),
+               fmt::format("{:.2f}", arcmin(pass.best->lost_motion_rad)),
+               limit_text(pass.limits[CheckId::kNormalBacklash], um),
+               limit_text(pass.limits[CheckId::kOutputBacklashMax], arcmin),
+               fmt::format("{:.3f}", percent(o.yield)), fmt::format("{:.3f}", percent(o.jammed)),
+               fmt::format("{:.3f}", percent(o.beyond_limit)),
+               fmt::format("{:.2f}", arcmin(o.greatest_rad)),
+               fmt::format("{:.1f}", um(o.least_margin_m))});
+  };
+  add("as stated", nominal, run.nominal);
+  add(spec.robust.hold == Hold::kWorstCase ? "hold in the worst case" : "hold for the yield",
+      chosen, run.chosen);
+  std::string text = fmt::format(
+      "\nLimits that hold for the built gearboxes ({} searches; {} gearboxes each from seed {}, "
+      "which "
+      "no search used)\n",
+      run.search.passes.size(), run.samples, run.fresh_seed);
+  text += table.text(2);
+  if (!run.cheapest) return text;
+  const auto& c = run.cheapest->tolerances;
+  text += fmt::format(
+      "\nCheapest tolerances for a yield of {:g} %: cost {:.2f} instead of {:.2f}, yield {:.3f} % "
+      "instead of {:.3f} % ({:.3f} % from the fresh seed){}\n",
+      clean(percent(spec.robust.yield)), c.cost, c.stated_cost, percent(c.yield),
+      percent(c.stated_yield), percent(run.cheapest->built.yield),
+      c.reached ? "" : "; the yield is not reached");
+  TextTable tolerances({"tolerance", "stated um", "cheapest um", "factor"});
+  for (std::size_t i = 0; i < c.factor.size(); ++i) {
+    const backlash::ToleranceSource& source = run.cheapest->model.sources[i];
+    tolerances.add({source.name(), fmt::format("+-{:.2f}", um(source.half_width_m)),
+                    fmt::format("+-{:.2f}", um(c.factor[i] * source.half_width_m)),
+                    fmt::format("{:.3f}", c.factor[i])});
+  }
+  return text + tolerances.text(2);
+}
+
+ordered_json robust_json(const Specification& spec, const RobustRun& run) {
+  ordered_json passes = ordered_json::array();
+  for (const RobustPass& pass : run.search.passes) {
+    passes.push_back(
+        {{"share", pass.share},
+         {"min_normal_um", limit_json(pass.limits[CheckId::kNormalBacklash], um)},
+         {"max_output_arcmin", limit_json(pass.limits[CheckId::kOutputBacklashMax], arcmin)},
+         {"teeth", pass.best ? ordered_json(train::teeth_of(pass.best->candidate.teeth))
+                             : ordered_json(nullptr)},
+         {"eta_b", pass.best ? ordered_json(pass.best->eta_b) : ordered_json(nullptr)},
+         {"built", pass.best ? outcome_json(pass.outcome) : ordered_json(nullptr)}});
+  }
+  ordered_json json{
+      {"hold", optimize::kHoldNames[static_cast<std::size_t>(spec.robust.hold)]},
+      {"yield", spec.robust.yield},
+      {"passes", passes},
+      {"chosen", run.search.chosen ? ordered_json(*run.search.chosen) : ordered_json(nullptr)},
+      {"samples", run.samples},
+      {"fresh_seed", run.fresh_seed},
+      {"nominal", outcome_json(run.nominal)},
+      {"robust", outcome_json(run.chosen)},
+      {"cheapest", nullptr}};
+  if (run.cheapest) {
+    const auto& c = run.cheapest->tolerances;
+    ordered_json sources = ordered_json::array();
+    for (std::size_t i = 0; i < c.factor.size(); ++i) {
+      const backlash::ToleranceSource& source = run.cheapest->model.sources[i];
+      sources.push_back({{"tolerance", source.name()},
+                         {"stated_um", um(source.half_width_m)},
+                         {"factor", c.factor[i]}});
+    }
+    json["cheapest"] = {{"reached", c.reached}, {"stated_cost", c.stated_cost},
+                        {"cost", c.cost},       {"stated_yield", c.stated_yield},
+                        {"yield", c.yield},     {"fresh", outcome_json(run.cheapest->built)},
+                        {"tolerances", sources}};
+  }
+  return json;
+}
+
+std::string robust_blocking_text(const Specification& spec, const optimize::RobustResult& search) {
+  const RobustPass* best = nullptr;
+  bool any_infeasible = false;
+  for (const RobustPass& pass : search.passes) {
+    any_infeasible = any_infeasible || !pass.best;
+    if (pass.best && (best == nullptr || pass.outcome.yield > best->outcome.yield)) best = &pass;
+  }
+  if (best == nullptr) return "no design is feasible with the limits as stated";
+  const std::string reached = fmt::format(
+      "the best that was found yields {:.2f} % ({:.2f} % jam, {:.2f} % beyond the limit), worst "
+      "case {:.2f} arcmin{}",
+      percent(best->outcome.yield), percent(best->outcome.jammed),
+      percent(best->outcome.beyond_limit), arcmin(best->outcome.greatest_rad),
+      best->outcome.least_margin_m < 0.0
+          ? fmt::format(" and {:.1f} um short of assembling", -um(best->outcome.least_margin_m))
+          : "");
+  const std::string asked =
+      spec.robust.hold == Hold::kWorstCase
+          ? std::string("in the worst case of its tolerances")
+          : fmt::format("for a yield of {:g} %", clean(percent(spec.robust.yield)));
+  return fmt::format(
+      "no design holds {}: {}{}; wider limits or tighter [tolerances] would help (`gear3k "
+      "tolerances` on a design shows which)",
+      asked, reached, any_infeasible ? "; under limits tighter than that nothing is feasible" : "");
+}
+
+}  // namespace gear3k::report

@@ -1,0 +1,38 @@
+#pragma once
+// What holding for the built gearboxes cost, as `optimize` prints and writes it.
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+
+#include "optimize/cheapest_tolerances.hpp"
+#include "optimize/robust.hpp"
+
+namespace gear3k::report {
+
+/// A robust run: its passes, and both designs built again from a seed that the search did not see.
+struct RobustRun {
+  optimize::RobustResult search;
+  std::uint64_t samples = 0, fresh_seed = 0;
+  optimize::BuiltOutcome nominal, chosen;
+  /// Of robust.tolerances = "cheapest".
+  struct Cheapest {
+    backlash::ClearanceModel model;
+    optimize::CheapestTolerances tolerances;
+    optimize::BuiltOutcome built;  ///< with these tolerances, the fresh seed
+  };
+  std::optional<Cheapest> cheapest;
+};
+
+/// Both designs side by side, and the cheapest tolerances.
+std::string robust_table(const optimize::Specification& spec, const RobustRun& run);
+
+/// Member "robust" of summary.json.
+nlohmann::ordered_json robust_json(const optimize::Specification& spec, const RobustRun& run);
+
+/// Why no design holds as asked for.
+std::string robust_blocking_text(const optimize::Specification& spec,
+                                 const optimize::RobustResult& search);
+
+}  // namespace gear3k::report
