@@ -99,8 +99,10 @@ struct DrawnGearing {
 /// thickness, tip and (where stated) root diameter, the centre distance at either end; of a mesh
 /// those of its two gears, of the whole train the tooth thicknesses of all.  All planets are alike.
 /// Valid: quantities that are monotone in each deviation while the others stay, as all are next to
-/// a drawn gearbox that is one (tested with random gearboxes inside the limits).  The drawn gearbox
-/// counts as one more where the limits allow it.
+/// a drawn gearbox that is one, or are the least of several such: of a margin that is (tip_fouling,
+/// coaxiality), the least lies in a corner, and the greatest may be exceeded inside.  Tested with
+/// random gearboxes inside the limits.  The drawn gearbox counts as one more where the limits allow
+/// it.
 /// Does not cover: run-out, pitch deviations, pin position and phase of the planets, which differ
 /// from tooth to tooth and planet to planet (backlash::ClearanceModel); KISSsoft's minimum and
 /// maximum have none of them either.

@@ -214,6 +214,13 @@ std::vector<double> quantities(const Evaluation& e) {
                 m.contact_ratio, m.working_pressure_angle_rad, m.root_clearance_m[0],
                 m.root_clearance_m[1], m.active_root_diameter_m[0].value(),
                 m.active_root_diameter_m[1].value()});
+    const auto& pair = train::kMeshGears[static_cast<std::size_t>(&m - e.meshes.data())];
+    for (const std::size_t i : {0U, 1U}) {
+      const GearResult& g = e.gears[static_cast<std::size_t>(pair[i])];
+      const double room_m = 0.5 * (m.active_root_diameter_m[i].value() - g.tooth.form_diameter_m);
+      const auto kind = train::kind_of(pair[i]);
+      all.push_back(kind == geometry::GearKind::kRing ? -room_m : room_m);
+    }
   }
   for (const GearResult& g : e.gears) {
     all.insert(all.end(), {g.tooth.infeed.profile_shift, g.tip_diameter_m, g.root_diameter_m,
@@ -225,10 +232,10 @@ std::vector<double> quantities(const Evaluation& e) {
 std::vector<BuiltRange> quantities(const ToleranceLimits& limits) {
   std::vector<BuiltRange> all{limits.lost_motion_rad.value()};
   for (const MeshLimits& m : limits.meshes) {
-    all.insert(all.end(),
-               {m.normal_backlash_m, m.circumferential_backlash_m, m.contact_ratio,
-                m.working_pressure_angle_rad, m.root_clearance_m[0], m.root_clearance_m[1],
-                m.active_root_diameter_m[0], m.active_root_diameter_m[1]});
+    all.insert(all.end(), {m.normal_backlash_m, m.circumferential_backlash_m, m.contact_ratio,
+                           m.working_pressure_angle_rad, m.root_clearance_m[0],
+                           m.root_clearance_m[1], m.active_root_diameter_m[0],
+                           m.active_root_diameter_m[1], m.form_reserve_m[0], m.form_reserve_m[1]});
   }
   for (const GearLimits& g : limits.gears) {
     all.insert(all.end(), {g.generating_shift, g.tip_diameter_m, g.root_diameter_m,
@@ -314,7 +321,7 @@ TEST(ToleranceLimits, NoGearboxInsideTheTolerancesExceedsThem) {
       const auto limits = evaluated(design).tolerance_limits.value();
       const auto ranges = quantities(limits);
       const std::size_t first_check = ranges.size() - limits.checks.size();
-      for (int sample = 0; sample < 100; ++sample) {
+      for (int sample = 0; sample < 400; ++sample) {
         const Built built = built_by(*design.tolerances, [&](const backlash::DeviationLimits& l) {
           return std::uniform_real_distribution<double>(l.lower, l.upper)(generator);
         });
@@ -324,8 +331,9 @@ TEST(ToleranceLimits, NoGearboxInsideTheTolerancesExceedsThem) {
                                        ? std::to_string(i)
                                        : std::string(limits.checks[i - first_check].record->name);
           EXPECT_GE(values[i], ranges[i].least - kRounding) << name << " " << what;
-          // |d - own| is least inside, where the distance is the mesh's own.
-          if (what == "coaxiality") continue;
+          // |d - own| is least inside, where the distance is the mesh's own; a gap that is the
+          // least of several along a fillet may be greatest where two of them are equal.
+          if (what == "coaxiality" || what == "tip_fouling") continue;
           EXPECT_LE(values[i], ranges[i].greatest + kRounding) << name << " " << what;
         }
       }
