@@ -16,9 +16,11 @@ struct Strips {
   Block lower, upper;
 };
 
-inline void reset(Strips& s) {
+Strips everything() {
+  Strips s{};
   s.lower.fill(-std::numeric_limits<double>::infinity());
   s.upper.fill(std::numeric_limits<double>::infinity());
+  return s;
 }
 /// std::max and std::min, in a form that becomes one instruction each.
 inline double larger(double a, double b) { return a < b ? b : a; }
@@ -53,19 +55,16 @@ void GearboxBatch::ranges(std::span<const Lanes* const> values, BatchRange& resu
   const double kappa = levers_.planet;
   const double e = levers_.sun_side;
   const double f = levers_.ring_side;
-  const double inverse = levers_.output_m;
+  const double output_m = levers_.output_m;
+  std::array<Block, 6> u{};  // lower and upper bounds of one planet's plays
   for (std::size_t at = 0; at < kBatch; at += kBlock) {
-    Strips w, s13, s23;
-    reset(w);
-    reset(s13);
-    reset(s23);
-    Block margin;
+    Strips w = everything(), s13 = everything(), s23 = everything();
+    Block margin{};
     margin.fill(std::numeric_limits<double>::infinity());
     for (std::size_t planet = 0; 6 * planet < middle_m_.size(); ++planet) {
-      std::array<Block, 6> u;
       for (std::size_t k = 0; k < 6; ++k) {
         const std::size_t bound = 6 * planet + k;
-        Block sum;
+        Block sum{};
         sum.fill(middle_m_[bound]);
         for (std::size_t i = begins_[bound]; i < begins_[bound + 1]; ++i) {
           const double c = terms_[i].coefficient;
@@ -86,7 +85,7 @@ void GearboxBatch::ranges(std::span<const Lanes* const> values, BatchRange& resu
                             high3[b] - low3[b]);
       }
     }
-    // Output_range() takes the lower end from mirrored strips: signs change, roundings do not.
+    // output_range() takes the lower end from mirrored strips: signs change, roundings do not.
     const Block& w_up = f > 0.0 ? w.lower : w.upper;
     const Block& w_down = f > 0.0 ? w.upper : w.lower;
     const Block& s13_up = f > 0.0 ? s13.lower : s13.upper;
@@ -97,7 +96,7 @@ void GearboxBatch::ranges(std::span<const Lanes* const> values, BatchRange& resu
       const double down =
           smaller(smaller(e * w.upper[b] - s13.lower[b], f * w_down[b] - s23.lower[b]),
                   (f * s13_down[b] - e * s23.lower[b]) / kappa);
-      result.width_rad.lane[at + b] = up / inverse + down / inverse;
+      result.width_rad.lane[at + b] = up / output_m + down / output_m;
       const double chains = smaller(smaller(w.upper[b] - w.lower[b], s13.upper[b] - s13.lower[b]),
                                     s23.upper[b] - s23.lower[b]);
       const double across = smaller(kappa * w.upper[b] - (s13.lower[b] - s23.upper[b]),

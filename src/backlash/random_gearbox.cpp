@@ -150,8 +150,8 @@ RandomGearbox::RandomGearbox(const ClearanceModel& model, const ScatterOptions& 
 void RandomGearbox::draw(std::uint64_t first, std::vector<Lanes>& components) const {
   components.resize(components_);
   // Of one call after another; a vector may take its two numbers from two calls.
-  std::array<std::array<std::uint32_t, kBatch>, kPerCall> bits;
-  std::array<std::uint32_t, kBatch> radius_bits;
+  std::array<std::array<std::uint32_t, kBatch>, kPerCall> bits{};
+  std::array<std::uint32_t, kBatch> radius_bits{};
   std::size_t at = 0;  // components so far
   const auto next = [&]() -> const std::uint32_t* {
     if (at % kPerCall == 0) {

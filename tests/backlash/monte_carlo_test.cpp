@@ -107,7 +107,7 @@ TEST(JamProbability, OfOneThicknessIsItsDistributionFunction) {
 }
 
 TEST(MonteCarloResults, CountEveryGearboxOnce) {
-  ClearanceModel model = *clearance_model(thinned_bilateral_drive_gear(0.03), all_tolerances());
+  ClearanceModel model = *clearance_model(thinned_bilateral_drive_gear(0.01), all_tolerances());
   for (ToleranceSource& s : model.sources) s.half_width_m *= 2.0;
   const MonteCarloOptions unlimited{.samples = 100'001, .seed = 6};
   const auto all = monte_carlo(model, unlimited);
@@ -131,8 +131,8 @@ TEST(MonteCarloResults, CountEveryGearboxOnce) {
 }
 
 TEST(MonteCarloResults, AreThoseOfTheGearboxesOneByOne) {
-  ClearanceModel model = *clearance_model(thinned_bilateral_drive_gear(0.03), all_tolerances());
-  for (ToleranceSource& s : model.sources) s.half_width_m *= 1.5;
+  ClearanceModel model = *clearance_model(thinned_bilateral_drive_gear(0.01), all_tolerances());
+  for (ToleranceSource& s : model.sources) s.half_width_m *= 2.0;
   const MonteCarloOptions options{.samples = 10'007, .seed = 8, .limit_rad = 3e-3};
   const auto result = monte_carlo(model, options);
   const RandomGearbox random(model, options.scatter, options.seed);
@@ -202,7 +202,7 @@ bool same_bits(const MonteCarloResult& a, const MonteCarloResult& b) {
 }
 
 TEST(MonteCarloResults, AreTheSameBitsAtOneAndFourThreads) {
-  const auto model = *clearance_model(thinned_bilateral_drive_gear(0.03), all_tolerances());
+  const auto model = *clearance_model(thinned_bilateral_drive_gear(0.01), all_tolerances());
   const MonteCarloOptions options{.samples = 300'001, .seed = 10, .limit_rad = 3e-3};
   omp_set_num_threads(1);
   const auto one = monte_carlo(model, options);

@@ -85,8 +85,8 @@ TEST(ToleranceShares, TotalIsAtLeastFirstOrder) {
 }
 
 TEST(ToleranceShares, HalvedTolerancesAreModelsWithHalvedLimits) {
-  ClearanceModel model = *clearance_model(thinned_bilateral_drive_gear(0.03), all_tolerances());
-  for (ToleranceSource& s : model.sources) s.half_width_m *= 1.5;
+  ClearanceModel model = *clearance_model(thinned_bilateral_drive_gear(0.01), all_tolerances());
+  for (ToleranceSource& s : model.sources) s.half_width_m *= 2.0;
   MonteCarloOptions options{.samples = 30'000, .seed = 4};
   const auto as_is = monte_carlo(model, options);
   options.limit_rad = as_is.lost_motion.quantiles[6].value;
@@ -109,7 +109,7 @@ TEST(ToleranceShares, HalvedTolerancesAreModelsWithHalvedLimits) {
 }
 
 TEST(ToleranceShares, AreTheSameBitsAtOneAndFourThreads) {
-  const auto model = *clearance_model(thinned_bilateral_drive_gear(0.03), all_tolerances());
+  const auto model = *clearance_model(thinned_bilateral_drive_gear(0.01), all_tolerances());
   const MonteCarloOptions options{.samples = 30'000, .seed = 5, .limit_rad = 3e-3};
   omp_set_num_threads(1);
   const auto one = tolerance_shares(model, options);

@@ -42,12 +42,12 @@ class RandomToleranced : public RandomTrain {
  public:
   using RandomTrain::RandomTrain;
 
-  ClearanceModel model(bool g2_below_one, int least_planets = 1) {
+  ClearanceModel model(bool g2_below_one, int least_planets = 1, int most_planets = 5) {
     for (;;) {
       train::TrainParameters<double> p{};
       p.teeth = teeth(g2_below_one);
       const train::ToothSet& z = p.teeth;
-      p.planets = count(least_planets, 5);
+      p.planets = count(least_planets, most_planets);
       p.pressure_angle_rad = between(18.0, 25.0) * std::numbers::pi / 180.0;
       p.module_m[0] = between(0.4e-3, 1e-3);
       p.module_m[1] = p.module_m[0] * (z.R1 - z.P1) / (z.R2 - z.P2) * between(0.999, 1.001);
@@ -67,7 +67,7 @@ class RandomToleranced : public RandomTrain {
       if (!model) continue;
       // The plays that the teeth leave are of no importance: others take their place.
       for (int mesh = 0; mesh < train::kMeshCount; ++mesh) {
-        const double half = between(10e-6, 60e-6);
+        const double half = between(3e-6, 60e-6);
         for (int planet = 0; planet < p.planets; ++planet) {
           model->middle_m[bound_index(planet, mesh, false)] = -half;
           model->middle_m[bound_index(planet, mesh, true)] = half;
