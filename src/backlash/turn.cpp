@@ -143,7 +143,8 @@ std::vector<PlanetPlay> TurningPlays::at(double revolutions) const {
   }
   std::vector<PlanetPlay> plays(static_cast<std::size_t>(planets_));
   const auto bound_of = [&](std::size_t i) -> double& {
-    MeshPlay& play = plays[i / (2U * train::kMeshCount)][i / 2U % train::kMeshCount];
+    constexpr std::size_t kMeshes = train::kMeshCount;
+    MeshPlay& play = plays[i / 2U / kMeshes][i / 2U % kMeshes];
     return i % 2U == 0U ? play.lower_m : play.upper_m;
   };
   for (std::size_t i = 0; i < bounds_.size(); ++i) {

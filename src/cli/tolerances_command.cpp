@@ -113,7 +113,8 @@ ExitCode run_tolerances(const TolerancesOptions& options) {
     case Format::kTable:
       print_result(fmt::format("{}\n", evaluation.name) +
                    report::tolerance_table(evaluation.tolerance_limits) +
-                   report::yield_table(series) + report::turn_table(turn) + files_text(written));
+                   report::yield_table(series) + "\n" + report::turn_table(turn) +
+                   files_text(written));
       break;
   }
   if (series.result.samples < static_cast<std::uint64_t>(design.sampling.samples)) {

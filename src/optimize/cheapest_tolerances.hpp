@@ -40,7 +40,7 @@ struct CheapestTolerances {
 /// against steps down of another while they save.  No single step, and no such pair, improves the
 /// result; it is not proven to be the cheapest of all. The same numbers of the random gearboxes in
 /// every trial, so that trials differ by their tolerances only; the yield is that of this series.
-/// Source: own derivation, docs/theory.md §34; reciprocal cost: the usual model of tolerance
+/// Source: own derivation, docs/theory.md §35; reciprocal cost: the usual model of tolerance
 /// synthesis.
 CheapestTolerances cheapest_tolerances(const backlash::ClearanceModel& model,
                                        const CheapestOptions& options);

@@ -169,19 +169,22 @@ class RobustSearch {
     Tightening by = missing(nominal, stated_);
     double fails = 0.0;
     double too_much = 1.0;
+    // Where the deviations of the worst case would add as random ones do.
+    const double widest = nominal.worst.greatest_rad - nominal.worst.middle_rad;
+    double share = widest > 0.0 ? nominal.worst.root_sum_square_rad / widest : 0.5;
     for (int k = 0; k < kYieldPasses; ++k) {
-      const double share = 0.5 * (fails + too_much);
       const std::optional<Built> built = pass(share, tightened(stated_, by, share));
       if (result_.interrupted) return;
-      if (!built || holds(*built)) {
-        too_much = share;
-        continue;
+      if (built && !built->outcome.checks_hold) {
+        // Again with the same share: its other limits were too wide.
+        const Tightening more = missing(*built, stated_);
+        for (const design::CheckRecord& r : design::check_records()) {
+          if (!is_backlash(r.id)) at(by, r.id) += at_const(more, r.id);
+        }
+        if (built->outcome.yield >= spec_.robust.yield) continue;
       }
-      const Tightening more = missing(*built, stated_);
-      for (const design::CheckRecord& r : design::check_records()) {
-        if (!is_backlash(r.id)) at(by, r.id) += at_const(more, r.id);
-      }
-      if (built->outcome.yield < spec_.robust.yield) fails = share;
+      (!built || holds(*built) ? too_much : fails) = share;
+      share = 0.5 * (fails + too_much);
     }
   }
   static double at_const(const Tightening& tightening, CheckId id) {

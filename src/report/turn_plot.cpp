@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <string>
 #include <vector>
 
 #include "report/display.hpp"
@@ -26,6 +28,12 @@ constexpr Series kLostMotion{
     .title = "lost motion",
     .color = "#1f5fa8",
     .value = [](const Turn&, const TurnPoint& p) { return p.lost_motion_rad(); }};
+constexpr Series kLostMotionSwing{.name = "swing",
+                                  .title = "lost motion less its mean",
+                                  .color = "#1f5fa8",
+                                  .value = [](const Turn& turn, const TurnPoint& p) {
+                                    return turn.error_backward_rad(p) - turn.error_forward_rad(p);
+                                  }};
 constexpr Series kForward{
     .name = "forward",
     .title = "transmission error forward",
@@ -89,7 +97,11 @@ std::string panel_script(const Turn& turn, const std::vector<Series>& all, std::
     text += layer.data;
     if (!layer.plot.empty()) plots.push_back(layer.plot);
   }
-  if (plots.empty()) plots.emplace_back("NaN notitle");
+  if (plots.empty()) {
+    return text +
+           "set yrange [0:1]\nset label 1 'jams at every angle' at graph 0.5,0.5 center\n"
+           "plot NaN notitle\n";
+  }
   return text + fmt::format("plot {}\n", fmt::join(plots, ", \\\n  "));
 }
 
@@ -110,14 +122,14 @@ Plot turn_plot(const TurnResult& result, double carrier_order) {
   std::string text = plot_prologue(1000, 900);
   text += fmt::format(
       "set multiplot layout 3,1 title {}\nset lmargin 11\nset rmargin 3\nset grid lc rgb "
-      "'#e0e0e0'\nset key top right horizontal\nset format '%g'\nset samples 2\nset offsets "
+      "'#e0e0e0'\nset key above right horizontal\nset format '%g'\nset samples 2\nset offsets "
       "0,0,graph 0.02,graph 0.02\nset ylabel 'lost motion (arcmin)'\n",
       plot_text(title));
   text += panel_script(turn, {kLostMotion}, count, 1);
   text += "set ylabel 'error (arcmin)'\n";
   text += panel_script(turn, {kForward, kBackward}, count, 2);
   text += "set ylabel '(arcmin)'\nset xlabel 'angle of R2 (deg)'\n";
-  text += panel_script(turn, {kLostMotion, kForward, kBackward}, beginning, 3);
+  text += panel_script(turn, {kLostMotionSwing, kForward, kBackward}, beginning, 3);
   return {.name = "turn", .script = text + "unset multiplot\n"};
 }
 

@@ -11,7 +11,7 @@ namespace gear3k::report {
 inline constexpr std::size_t kMostTurnPoints = 1500;
 
 /// Lost motion and transmission errors over the window, and both over its beginning, one revolution
-/// of the slowest of sun, planets, rings against the carrier at most.
+/// of the carrier.
 /// @param carrier_order  revolutions of the carrier per revolution of the output
 Plot turn_plot(const TurnResult& result, double carrier_order);
 

@@ -3,7 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numbers>
+#include <array>
+#include <functional>
 #include <optional>
 
 #include "report/display.hpp"
