@@ -90,7 +90,6 @@ report::RobustRun::Cheapest cheapen(optimize::Specification& spec, const design:
                                     const report::RobustRun& run) {
   auto model = design::clearance_model_of(design);
   const auto& limit = design.limits[design::CheckId::kOutputBacklashMax];
-  constexpr std::uint64_t kSamples = 20'000;
   report::RobustRun::Cheapest result{.model = std::move(*model), .tolerances = {}, .built = {}};
   result.tolerances = optimize::cheapest_tolerances(
       result.model, {.yield = spec.robust.yield,
@@ -98,8 +97,13 @@ report::RobustRun::Cheapest cheapen(optimize::Specification& spec, const design:
                      .cost = spec.robust.cost,
                      .scatter = {.scatter = spec.tolerances->scatter,
                                  .sigma_level = spec.tolerances->sigma_level},
-                     .samples = kSamples,
-                     .seed = spec.sampling.seed});
+                     .seed = spec.sampling.seed,
+                     .may_widen = [&](const std::vector<double>& factor) {
+                       design::Design wide = design;
+                       wide.tolerances = optimize::scaled(*spec.tolerances, result.model, factor,
+                                                          std::cos(spec.pressure_angle_rad));
+                       return optimize::checks_hold(wide);
+                     }});
   spec.tolerances = optimize::scaled(*spec.tolerances, result.model, result.tolerances.factor,
                                      std::cos(spec.pressure_angle_rad));
   design::Design cheap = design;

@@ -26,24 +26,48 @@ class Search {
   CheapestTolerances run() {
     CheapestTolerances result;
     result.stated_cost = cost(steps_);
-    yield_ = yield(steps_);
-    result.stated_yield = yield_;
-    while (yield_ < options_.yield && !stopped() && tighten()) {
+    result.stated_yield = verified_yield();
+    constexpr int kRounds = 5;
+    for (int k = 0; k < kRounds && !stopped(); ++k) {
+      descend();
+      result.yield = verified_yield();
+      result.reached = result.yield >= options_.yield;
+      if (result.reached || yield_ < asked_) break;
+      asked_ += options_.yield - result.yield;
     }
-    if (yield_ >= options_.yield) {
-      do {
-        while (!stopped() && widen()) {
-        }
-      } while (!stopped() && exchange());
-    }
-    for (const int step : steps_) result.factor.push_back(factor_of(step));
+    result.factor = factors(steps_);
     result.cost = cost(steps_);
-    result.yield = yield_;
-    result.reached = yield_ >= options_.yield;
     return result;
   }
 
  private:
+  /// From the steps as they are to a local optimum at the yield asked for.
+  void descend() {
+    yield_ = yield(steps_);
+    while (yield_ < asked_ && !stopped() && tighten()) {
+    }
+    if (yield_ < asked_) return;
+    do {
+      while (!stopped() && widen()) {
+      }
+    } while (!stopped() && exchange());
+  }
+
+  [[nodiscard]] static std::vector<double> factors(const Steps& steps) {
+    std::vector<double> result;
+    result.reserve(steps.size());
+    for (const int step : steps) result.push_back(factor_of(step));
+    return result;
+  }
+  /// Whether the geometry's own checks let a source be as wide as in these steps.
+  [[nodiscard]] bool may_be_wide(const Steps& steps, std::size_t source) const {
+    const ToleranceKind kind = model_.sources[source].kind;
+    if (kind != ToleranceKind::kToothThickness && kind != ToleranceKind::kCenterDistance) {
+      return true;
+    }
+    return !options_.may_widen || options_.may_widen(factors(steps));
+  }
+
   [[nodiscard]] bool stopped() const { return options_.stop && options_.stop(); }
 
   [[nodiscard]] double cost_of(std::size_t source, int step) const {
@@ -55,12 +79,18 @@ class Search {
     return sum;
   }
   [[nodiscard]] double yield(const Steps& steps) const {
+    return yield(steps, options_.samples, options_.seed);
+  }
+  [[nodiscard]] double verified_yield() const {
+    return yield(steps_, options_.verifying_samples, options_.seed + 2);
+  }
+  [[nodiscard]] double yield(const Steps& steps, std::uint64_t samples, std::uint64_t seed) const {
     ClearanceModel scaled = model_;
     for (std::size_t i = 0; i < steps.size(); ++i) {
       scaled.sources[i].half_width_m *= factor_of(steps[i]);
     }
-    return backlash::monte_carlo(scaled, {.samples = options_.samples,
-                                          .seed = options_.seed,
+    return backlash::monte_carlo(scaled, {.samples = samples,
+                                          .seed = seed,
                                           .scatter = options_.scatter,
                                           .limit_rad = options_.limit_rad})
         .yield.value;
@@ -107,9 +137,11 @@ class Search {
       const double saving = cost_of(i, steps_[i]) - cost_of(i, steps_[i] + 1);
       if (!(saving > 0.0)) continue;
       const double after = yield_after(i, 1);
-      if (after < options_.yield) continue;
+      if (after < asked_) continue;
       const double rate = saving / std::max(yield_ - after, kNothing);
-      if (rate > best_rate) {
+      Steps trial = steps_;
+      ++trial[i];
+      if (rate > best_rate && may_be_wide(trial, i)) {
         best_rate = rate;
         best = i;
         best_yield = after;
@@ -144,7 +176,7 @@ class Search {
       ++trial[trade.up];
       --trial[trade.down];
       const double after = yield(trial);
-      if (after < options_.yield) continue;
+      if (after < asked_ || !may_be_wide(trial, trade.up)) continue;
       steps_ = std::move(trial);
       yield_ = after;
       return true;
@@ -156,7 +188,8 @@ class Search {
   const ClearanceModel& model_;
   const CheapestOptions& options_;
   Steps steps_;
-  double yield_ = 0.0;
+  double yield_ = 0.0;             ///< of steps_
+  double asked_ = options_.yield;  ///< of the search's own series
 };
 
 void scale(DeviationLimits& limits, double factor) {

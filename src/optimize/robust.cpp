@@ -46,6 +46,13 @@ struct Built {
   BuiltOutcome outcome;
 };
 
+bool corners_hold(const design::Evaluation& evaluation) {
+  return evaluation.tolerance_limits &&
+         std::ranges::all_of(evaluation.tolerance_limits->checks, [](const auto& check) {
+           return is_backlash(check.record->id) || check.holds;
+         });
+}
+
 Built build(const design::Design& design, std::uint64_t samples, std::uint64_t seed) {
   if (!design.tolerances) throw std::invalid_argument("built_outcome: a design without tolerances");
   auto evaluated = design::evaluate(design);
@@ -67,10 +74,7 @@ Built build(const design::Design& design, std::uint64_t samples, std::uint64_t s
                    .beyond_limit = series.beyond_limit.value,
                    .greatest_rad = built.worst.greatest_rad,
                    .least_margin_m = built.worst.least_margin_m,
-                   .checks_hold = std::ranges::all_of(
-                       built.evaluation.tolerance_limits->checks, [](const auto& check) {
-                         return is_backlash(check.record->id) || check.holds;
-                       })};
+                   .checks_hold = corners_hold(built.evaluation)};
   return built;
 }
 
@@ -202,6 +206,12 @@ class RobustSearch {
 RobustResult robust_limits(const Specification& spec,
                            const std::function<SearchOutcome(const Specification&)>& search) {
   return RobustSearch(spec, search).run();
+}
+
+bool checks_hold(const design::Design& design) {
+  const auto evaluated = design::evaluate(design);
+  const auto* evaluation = std::get_if<design::Evaluation>(&evaluated);
+  return evaluation != nullptr && corners_hold(*evaluation);
 }
 
 BuiltOutcome built_outcome(const design::Design& design, std::uint64_t samples,

@@ -63,4 +63,7 @@ inline constexpr std::uint64_t kRobustSamples = 200'000;
 /// @param seed  of the random gearboxes  @throws std::invalid_argument without tolerances
 BuiltOutcome built_outcome(const design::Design& design, std::uint64_t samples, std::uint64_t seed);
 
+/// Whether every check but those of backlash holds at the corners of the design's tolerances.
+bool checks_hold(const design::Design& design);
+
 }  // namespace gear3k::optimize
