@@ -72,6 +72,7 @@ Built build(const design::Design& design, std::uint64_t samples, std::uint64_t s
   built.outcome = {.yield = series.yield.value,
                    .jammed = series.jammed.value,
                    .beyond_limit = series.beyond_limit.value,
+                   .limit_of_99_percent_rad = series.limit_of_99_percent_rad,
                    .greatest_rad = built.worst.greatest_rad,
                    .least_margin_m = built.worst.least_margin_m,
                    .checks_hold = corners_hold(built.evaluation)};

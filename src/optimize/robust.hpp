@@ -14,6 +14,7 @@ namespace gear3k::optimize {
 /// How gearboxes built to a design turn out.
 struct BuiltOutcome {
   double yield = 0.0, jammed = 0.0, beyond_limit = 0.0;  ///< shares of all
+  std::optional<double> limit_of_99_percent_rad;         ///< empty: more than 1 % jam
   double greatest_rad = 0.0;                             ///< lost motion in the worst case
   double least_margin_m = 0.0;  ///< of assembly, in the worst case; negative: it may jam
   bool checks_hold = false;     ///< every check at the corners of the tolerances

@@ -24,17 +24,18 @@ std::string limit_text(const std::optional<double>& limit, double (*unit)(double
   return limit ? fmt::format("{:.2f}", unit(*limit)) : "-";
 }
 
+ordered_json limit_json(const std::optional<double>& limit, double (*unit)(double)) {
+  return limit ? ordered_json(unit(*limit)) : ordered_json(nullptr);
+}
+
 ordered_json outcome_json(const BuiltOutcome& o) {
   return {{"yield", o.yield},
           {"jammed", o.jammed},
           {"beyond_limit", o.beyond_limit},
+          {"limit_of_99_percent_arcmin", limit_json(o.limit_of_99_percent_rad, arcmin)},
           {"worst_case_arcmin", arcmin(o.greatest_rad)},
           {"least_margin_um", um(o.least_margin_m)},
           {"checks_hold", o.checks_hold}};
-}
-
-ordered_json limit_json(const std::optional<double>& limit, double (*unit)(double)) {
-  return limit ? ordered_json(unit(*limit)) : ordered_json(nullptr);
 }
 
 }  // namespace
@@ -43,14 +44,15 @@ std::string robust_table(const Specification& spec, const RobustRun& run) {
   const RobustPass& nominal = run.search.passes.front();
   const RobustPass& chosen = run.search.passes[*run.search.chosen];
   TextTable table({"limits", "teeth", "eta_b %", "eta_f %", "lost motion arcmin",
-                   "least j um asked", "most arcmin asked", "yield %", "jam %", "beyond limit %",
-                   "worst case arcmin", "room there um"});
+                   "least j um asked", "most arcmin asked", "99 % keep arcmin", "yield %", "jam %",
+                   "beyond limit %", "worst case arcmin", "room there um"});
   const auto add = [&](const std::string& name, const RobustPass& pass, const BuiltOutcome& o) {
     table.add({name, teeth_text(pass), fmt::format("{:.2f}", percent(pass.best->eta_b)),
                fmt::format("{:.2f}", percent(pass.best->eta_f)),
                fmt::format("{:.2f}", arcmin(pass.best->lost_motion_rad)),
                limit_text(pass.limits[CheckId::kNormalBacklash], um),
                limit_text(pass.limits[CheckId::kOutputBacklashMax], arcmin),
+               limit_text(o.limit_of_99_percent_rad, arcmin),
                fmt::format("{:.3f}", percent(o.yield)), fmt::format("{:.3f}", percent(o.jammed)),
                fmt::format("{:.3f}", percent(o.beyond_limit)),
                fmt::format("{:.2f}", arcmin(o.greatest_rad)),

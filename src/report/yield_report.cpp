@@ -107,6 +107,11 @@ std::string series_text(const BuiltSeries& series) {
   return text;
 }
 
+/// Whether tightening about the middles cannot help.
+bool mostly_beyond(const BuiltSeries& series) {
+  return series.limit_rad && series.result.beyond_limit.value > 0.5;
+}
+
 std::string tighten_text(const BuiltSeries& series) {
   const backlash::ToleranceShares& s = series.shares;
   if (s.sources.empty()) return "";
@@ -121,8 +126,7 @@ std::string tighten_text(const BuiltSeries& series) {
                fmt::format("{:.2f}", percent(share.halved.yield)),
                estimate_text(share.halved.yield_gain), estimate_text(share.halved.jam_change),
                fmt::format("{:.2f}", arcmin(share.halved.quantile_99_rad)),
-               fmt::format("{:.1f}", percent(share.first_order.value)),
-               fmt::format("{:.1f}", percent(share.total.value)),
+               fixed(percent(share.first_order.value), 1), fixed(percent(share.total.value), 1),
                fmt::format("+-{:.2f}", arcmin(series.result.worst.share_rad[i]))});
   }
   return fmt::format(
@@ -133,7 +137,13 @@ std::string tighten_text(const BuiltSeries& series) {
          table.text(2) +
          "  +- of gain and jam: one standard error; halved: half as wide about the middle of its "
          "limits; limits: half\n  width, radius of a circle, or arc on P2's base circle; variance: "
-         "of the lost motion, 0 where it jams\n";
+         "of the lost motion, 0 where it jams\n" +
+         (mostly_beyond(series)
+              ? "  Half of them and more exceed the limit: move the middle first (shifts, "
+                "machining "
+                "allowance, [robust] of a SPEC);\n  planets that differ have less lost motion than "
+                "alike ones, so that tighter tolerances then gain nothing\n"
+              : "");
 }
 
 ordered_json proportion_json(const Proportion& p) {
