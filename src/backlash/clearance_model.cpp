@@ -222,7 +222,7 @@ std::optional<ClearanceModel> clearance_model(const train::TrainParameters<doubl
                        .sources = {},
                        .deviations = {}};
   const auto j = normal_backlashes(*train);
-  model.middle_m.resize(2U * train::kMeshCount * static_cast<std::size_t>(p.planets));
+  model.middle_m.resize(bound_index(p.planets, 0, false));
   for (int planet = 0; planet < p.planets; ++planet) {
     for (int mesh = 0; mesh < train::kMeshCount; ++mesh) {
       const auto k = static_cast<std::size_t>(mesh);

@@ -10,8 +10,10 @@ namespace {
 
 constexpr Eigen::Index kQuantities = 3;
 
-double value_of(const Turn& turn, const TurnPoint& point, Eigen::Index quantity) {
-  switch (static_cast<TurnQuantity>(quantity)) {
+}  // namespace
+
+double value_of(const Turn& turn, const TurnPoint& point, TurnQuantity quantity) {
+  switch (quantity) {
     case TurnQuantity::kLostMotion:
       return point.lost_motion_rad();
     case TurnQuantity::kErrorForward:
@@ -21,8 +23,6 @@ double value_of(const Turn& turn, const TurnPoint& point, Eigen::Index quantity)
   }
   return turn.error_backward_rad(point);
 }
-
-}  // namespace
 
 std::vector<TurnOrder> turn_order_list(const train::ToothSet& z, int planets, double revolutions) {
   std::vector<TurnOrder> list;
@@ -75,7 +75,7 @@ std::vector<OrderFit> turn_orders(const Turn& turn, const std::vector<TurnOrder>
       row[at + 1] = std::sin(angle);
     }
     for (Eigen::Index q = 0; q < kQuantities; ++q) {
-      row[unknowns + q] = value_of(turn, point, q);
+      row[unknowns + q] = value_of(turn, point, static_cast<TurnQuantity>(q));
       sum[q] += row[unknowns + q];
     }
     if (filled == stack.rows()) reduce();
@@ -86,7 +86,7 @@ std::vector<OrderFit> turn_orders(const Turn& turn, const std::vector<TurnOrder>
   for (const TurnPoint& point : turn.points) {
     if (!point.range.assembles()) continue;
     for (Eigen::Index q = 0; q < kQuantities; ++q) {
-      const double off = value_of(turn, point, q) - mean[q];
+      const double off = value_of(turn, point, static_cast<TurnQuantity>(q)) - mean[q];
       squares[q] += off * off;
     }
   }

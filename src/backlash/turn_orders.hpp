@@ -15,6 +15,9 @@ enum class TurnQuantity { kLostMotion, kErrorForward, kErrorBackward };
 inline constexpr std::array<std::string_view, 3> kTurnQuantityNames{
     "lost motion", "transmission error forward", "transmission error backward"};
 
+/// Value [rad] of a quantity at a point of its turn.
+double value_of(const Turn& turn, const TurnPoint& point, TurnQuantity quantity);
+
 /// An order looked for: a multiple of one of a body or of a stage's teeth.
 struct TurnOrder {
   train::ShaftOrder of;

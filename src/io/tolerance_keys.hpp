@@ -51,49 +51,35 @@ void append_gear_tolerance_keys(std::vector<Key<Target>>& keys, View view) {
   };
   using Input = ToleranceInput;
   using Gear = ToleranceInput::Gear;
-  add({.path = "tolerances.center_distance_um",
-       .type = KeyType::kNumberOrRange,
-       .unit = "um",
-       .min = -1e4,
-       .max = 1e4,
-       .default_text = "0",
-       .help = "deviation of the built centre distance, in a gearbox that of the carrier at all "
-               "planets"},
-      [](Input& t, Gear&, const TomlValue& v) {
-        t.center_distance_m = deviation_limits(v, kMicrometre);
-      });
+  const auto add_limits = [&](const std::string& path, const char* default_text, const char* help,
+                              auto assign) {
+    add({.path = path,
+         .type = KeyType::kNumberOrRange,
+         .unit = "um",
+         .min = -1e4,
+         .max = 1e4,
+         .default_text = default_text,
+         .help = help},
+        [assign](Input& t, Gear& g, const TomlValue& v) {
+          assign(t, g.tolerances, deviation_limits(v, kMicrometre));
+        });
+  };
+  using Limits = backlash::DeviationLimits;
+  using Of = backlash::GearTolerances;
   const std::string prefix = "tolerances.{gear}.";
-  add({.path = prefix + "tooth_thickness_um",
-       .type = KeyType::kNumberOrRange,
-       .unit = "um",
-       .min = -1e4,
-       .max = 1e4,
-       .default_text = "0",
-       .help = "deviation of the tooth thickness (arc on the reference circle) from that of "
-               "profile shift and machining allowance"},
-      [](Input&, Gear& g, const TomlValue& v) {
-        g.tolerances.tooth_thickness_m = deviation_limits(v, kMicrometre);
-      });
-  add({.path = prefix + "tip_diameter_um",
-       .type = KeyType::kNumberOrRange,
-       .unit = "um",
-       .min = -1e4,
-       .max = 1e4,
-       .default_text = "0",
-       .help = "deviation of the tip diameter"},
-      [](Input&, Gear& g, const TomlValue& v) {
-        g.tolerances.tip_diameter_m = deviation_limits(v, kMicrometre);
-      });
-  add({.path = prefix + "root_diameter_um",
-       .type = KeyType::kNumberOrRange,
-       .unit = "um",
-       .min = -1e4,
-       .max = 1e4,
-       .default_text = "as the tool is fed in for the tooth thickness",
-       .help = "deviation of the root diameter"},
-      [](Input&, Gear& g, const TomlValue& v) {
-        g.tolerances.root_diameter_m = deviation_limits(v, kMicrometre);
-      });
+  add_limits("tolerances.center_distance_um", "0",
+             "deviation of the built centre distance, in a gearbox that of the carrier at all "
+             "planets",
+             [](Input& t, Of&, const Limits& limits) { t.center_distance_m = limits; });
+  add_limits(prefix + "tooth_thickness_um", "0",
+             "deviation of the tooth thickness (arc on the reference circle) from that of profile "
+             "shift and machining allowance",
+             [](Input&, Of& gear, const Limits& limits) { gear.tooth_thickness_m = limits; });
+  add_limits(prefix + "tip_diameter_um", "0", "deviation of the tip diameter",
+             [](Input&, Of& gear, const Limits& limits) { gear.tip_diameter_m = limits; });
+  add_limits(prefix + "root_diameter_um", "as the tool is fed in for the tooth thickness",
+             "deviation of the root diameter",
+             [](Input&, Of& gear, const Limits& limits) { gear.root_diameter_m = limits; });
   const auto add_length = [&](const char* name, double backlash::GearTolerances::*member,
                               bool Gear::*flag, const char* help) {
     add({.path = prefix + name,

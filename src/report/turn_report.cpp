@@ -17,18 +17,6 @@ namespace {
 using backlash::OrderFit, backlash::OrderPart, backlash::Turn, backlash::TurnPoint,
     backlash::TurnQuantity;
 
-double value_of(const Turn& turn, const TurnPoint& point, TurnQuantity quantity) {
-  switch (quantity) {
-    case TurnQuantity::kLostMotion:
-      return point.lost_motion_rad();
-    case TurnQuantity::kErrorForward:
-      return turn.error_forward_rad(point);
-    case TurnQuantity::kErrorBackward:
-      break;
-  }
-  return turn.error_backward_rad(point);
-}
-
 constexpr std::array<TurnQuantity, 3> kQuantities{
     TurnQuantity::kLostMotion, TurnQuantity::kErrorForward, TurnQuantity::kErrorBackward};
 
