@@ -127,7 +127,7 @@ std::optional<report::RobustRun> make_robust(const OptimizeOptions& options, Tas
     return optimize::SearchOutcome{.best = std::move(result.best),
                                    .interrupted = result.interrupted};
   });
-  if (!run.search.chosen) return run;
+  if (!run.search.chosen || run.search.interrupted) return run;
   const optimize::RobustPass& chosen = run.search.passes[*run.search.chosen];
   run.samples = static_cast<std::uint64_t>(spec.sampling.samples);
   run.fresh_seed = spec.sampling.seed + 1;
@@ -286,7 +286,7 @@ ExitCode run_optimize(const OptimizeOptions& options) {
   }
   const int threads = use_threads(options);
   const std::optional<report::RobustRun> robust = make_robust(options, task);
-  if (robust && !robust->search.chosen) {
+  if (robust && (!robust->search.chosen || robust->search.interrupted)) {
     for (const char* name : kResultNames) set_aside(path_in(options.out, name));
     if (robust->search.interrupted) {
       fmt::print(stderr,

@@ -243,14 +243,13 @@ void append_tooth_keys(std::vector<Key<Input>>& keys) {
   }
 }
 
-/// The keys of a DESIGN's operating point.
 /// What the limits have to hold for.
 void append_robust_keys(std::vector<Key<Input>>& keys) {
-  const auto add = [&](KeyRecord record, auto assign) {
-    keys.push_back({.record = std::move(record),
-                    .assign = [assign](Input& t, std::size_t, const TomlValue& v) {
-                      assign(t.spec.robust, v);
-                    }});
+  const auto add = [&](const KeyRecord& record, auto assign) {
+    keys.push_back(
+        {.record = record, .assign = [assign](Input& t, std::size_t, const TomlValue& v) {
+           assign(t.spec.robust, v);
+         }});
   };
   using optimize::Robust;
   add({.path = "robust.hold",
@@ -288,6 +287,7 @@ void append_robust_keys(std::vector<Key<Input>>& keys) {
   }
 }
 
+/// The keys of a DESIGN's operating point.
 void append_operating_point_keys(std::vector<Key<Input>>& keys) {
   for (const LossNumber& n : loss_numbers()) {
     if (!n.record.path.starts_with("operating_point.")) continue;

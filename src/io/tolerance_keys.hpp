@@ -42,8 +42,8 @@ inline backlash::DeviationLimits deviation_limits(const TomlValue& v, double uni
 template <class Target, class View>
 void append_gear_tolerance_keys(std::vector<Key<Target>>& keys, View view) {
   constexpr double kMicrometre = 1e-6;
-  const auto add = [&](KeyRecord record, auto assign) {
-    keys.push_back({.record = std::move(record),
+  const auto add = [&](const KeyRecord& record, auto assign) {
+    keys.push_back({.record = record,
                     .assign = [view, assign](Target& t, std::size_t gear, const TomlValue& v) {
                       view(t).stated = true;
                       assign(view(t), view(t).gears[gear], v);
@@ -117,12 +117,12 @@ template <class Target, class View>
 void append_tolerance_keys(std::vector<Key<Target>>& keys, View view) {
   constexpr double kArcmin = std::numbers::pi / 10800.0;
   append_gear_tolerance_keys<Target>(keys, view);
-  const auto add = [&](KeyRecord record, auto assign) {
-    keys.push_back({.record = std::move(record),
-                    .assign = [view, assign](Target& t, std::size_t, const TomlValue& v) {
-                      view(t).stated = true;
-                      assign(view(t), v);
-                    }});
+  const auto add = [&](const KeyRecord& record, auto assign) {
+    keys.push_back(
+        {.record = record, .assign = [view, assign](Target& t, std::size_t, const TomlValue& v) {
+           view(t).stated = true;
+           assign(view(t), v);
+         }});
   };
   using Input = ToleranceInput;
   add({.path = "tolerances.pin_position_um",

@@ -328,15 +328,15 @@ Plot tolerance_shares_plot(const std::string& name, const BuiltSeries& series) {
   }
   std::string text = plot_prologue(900, 160 + 22 * static_cast<int>(order.size()));
   text += fmt::format(
-      "set multiplot layout 1,2 title {}\nset style fill solid 0.8 noborder\nset boxwidth 0.7\n"
-      "set yrange [0.4:{}.6]\nset lmargin 26\nunset key\n",
+      "set multiplot layout 1,2 margins 0.22,0.97,0.12,0.93 spacing 0.05 title {}\nset style fill solid 0.8 noborder\nset boxwidth 0.7\n"
+      "set yrange [0.4:{}.6]\nunset key\n",
       plot_text(fmt::format("{}: which tolerance to tighten first", name)), order.size());
   if (rows.empty()) return {.name = "tolerances", .script = text + "unset multiplot\n"};
   text += fmt::format(
       "$rows << EOD\n{}EOD\n"
       "set xlabel 'yield gained when halved (%)'\n"
       "plot $rows using (0.5*$2):1:(0.5*$2):(0.35):ytic(4) with boxxyerror lc rgb '#4393c3'\n"
-      "set xlabel 'share of the variance of lost motion (%)'\nset lmargin 4\nset format y ''\n"
+      "set xlabel 'share of the variance of lost motion (%)'\nset format y ''\n"
       "plot $rows using (0.5*$3):1:(0.5*$3):(0.35) with boxxyerror lc rgb '#92c5de'\n"
       "unset multiplot\n",
       rows);
