@@ -183,7 +183,8 @@ class Builder {
   }
 
   void add_single_pitch(int gear) {
-    const double f_m = tolerances_.gears[static_cast<std::size_t>(gear)].single_pitch_m;
+    // A pitch is the distance of two flanks, each of which may stand off its place.
+    const double f_m = 0.5 * tolerances_.gears[static_cast<std::size_t>(gear)].single_pitch_m;
     if (!begin(ToleranceKind::kSinglePitch, gear, f_m)) return;
     for (int planet = 0; planet < model_.planets; ++planet) {
       meshes_of(gear, [&](int mesh) {

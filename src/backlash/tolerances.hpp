@@ -50,7 +50,7 @@ struct GearTolerances {
   double runout_m = 0.0;
   /// F_p: total cumulative pitch deviation, as it is measured: with what the eccentricity adds.
   double cumulative_pitch_m = 0.0;
-  /// f_pt: each tooth's pitch differs by up to ± this.
+  /// f_pt: each pitch differs by up to ± this, each flank stands within ± half of it.
   double single_pitch_m = 0.0;
 };
 

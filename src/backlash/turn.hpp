@@ -12,7 +12,7 @@
 namespace gear3k::backlash {
 
 /// By how much single flanks stand off their places: arcs on the reference circle [m], positive
-/// towards increasing angle, drawn within ± f_pt of the gear (kSinglePitch).
+/// towards increasing angle, drawn within ± f_pt/2 of the gear (kSinglePitch).
 struct ToothErrors {
   /// Of each gear by flank_place(); empty: none.  Of P1 and P2 those of all planets.
   std::array<std::vector<double>, train::kGearCount> flank_m{};

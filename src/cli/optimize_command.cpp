@@ -87,7 +87,10 @@ design::Design stated_design(const Task& task, const optimize::RefinedSet& set) 
 
 /// Tolerances that cost least for the design found, instead of the stated ones.
 report::RobustRun::Cheapest cheapen(optimize::Specification& spec, const design::Design& design,
-                                    const report::RobustRun& run) {
+                                    const report::RobustRun& run, bool quiet) {
+  optimize::Progress progress;
+  progress.phase = optimize::Progress::Phase::kGearboxes;
+  const ProgressDisplay display(progress, quiet);
   auto model = design::clearance_model_of(design);
   const auto& limit = design.limits[design::CheckId::kOutputBacklashMax];
   report::RobustRun::Cheapest result{.model = std::move(*model), .tolerances = {}, .built = {}};
@@ -98,18 +101,36 @@ report::RobustRun::Cheapest cheapen(optimize::Specification& spec, const design:
                      .scatter = {.scatter = spec.tolerances->scatter,
                                  .sigma_level = spec.tolerances->sigma_level},
                      .seed = spec.sampling.seed,
-                     .may_widen = [&](const std::vector<double>& factor) {
-                       design::Design wide = design;
-                       wide.tolerances = optimize::scaled(*spec.tolerances, result.model, factor,
-                                                          std::cos(spec.pressure_angle_rad));
-                       return optimize::checks_hold(wide);
-                     }});
+                     .may_widen =
+                         [&](const std::vector<double>& factor) {
+                           design::Design wide = design;
+                           wide.tolerances =
+                               optimize::scaled(*spec.tolerances, result.model, factor,
+                                                std::cos(spec.pressure_angle_rad));
+                           return optimize::checks_hold(wide);
+                         },
+                     .stop = [&] { return progress.stop.load(); }});
   spec.tolerances = optimize::scaled(*spec.tolerances, result.model, result.tolerances.factor,
                                      std::cos(spec.pressure_angle_rad));
   design::Design cheap = design;
   cheap.tolerances = spec.tolerances;
   result.built = optimize::built_outcome(cheap, run.samples, run.fresh_seed);
   return result;
+}
+
+/// Gearboxes of a design over a whole turn.
+design::TurnYield turn_of(const design::Design& design, std::uint64_t seed) {
+  const auto model = design::clearance_model_of(design);
+  const design::BuiltSeries series{.model = *model,
+                                   .scatter = {.scatter = design.tolerances->scatter,
+                                               .sigma_level = design.tolerances->sigma_level},
+                                   .seed = seed,
+                                   .limit_rad = design.limits[design::CheckId::kOutputBacklashMax],
+                                   .result = {},
+                                   .shares = {},
+                                   .rooms = {},
+                                   .turn = {}};
+  return design::turn_yield(design.train.teeth, series, design::kTurnGearboxes);
 }
 
 /// Tightens the task's limits until they hold as it asks; empty where it asks for the drawn gearbox
@@ -135,7 +156,10 @@ std::optional<report::RobustRun> make_robust(const OptimizeOptions& options, Tas
                                         run.samples, run.fresh_seed);
   run.chosen =
       optimize::built_outcome(stated_design(task, *chosen.best), run.samples, run.fresh_seed);
-  if (spec.robust.cheapest) run.cheapest = cheapen(spec, stated_design(task, *chosen.best), run);
+  run.nominal_turn = turn_of(stated_design(task, *run.search.passes.front().best), run.fresh_seed);
+  run.chosen_turn = turn_of(stated_design(task, *chosen.best), run.fresh_seed);
+  if (spec.robust.cheapest)
+    run.cheapest = cheapen(spec, stated_design(task, *chosen.best), run, options.quiet);
   spec.limits = chosen.limits;
   return run;
 }

@@ -86,6 +86,9 @@ ExitCode run_tolerances(const TolerancesOptions& options) {
       progress.done = static_cast<std::size_t>(done);
       return !progress.stop;
     });
+    if (!progress.stop) {
+      series.turn = design::turn_yield(design.train.teeth, series, design::kTurnGearboxes);
+    }
   }
   const report::TurnResult turn = turn_of(design, series);
   const std::string json = json_of(evaluation, series);

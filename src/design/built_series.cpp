@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "backlash/first_contact.hpp"
+#include "backlash/random_teeth.hpp"
 #include "design/evaluation.hpp"
 
 namespace gear3k::design {
@@ -45,6 +46,31 @@ FirstContactRooms first_contact_rooms(const backlash::ClearanceModel& model,
 
 }  // namespace
 
+TurnYield turn_yield(const train::ToothSet& z, const BuiltSeries& series, std::uint64_t gearboxes) {
+  const backlash::RandomGearbox random(series.model, series.scatter, series.seed);
+  const backlash::TurnWindow window = backlash::turn_window(z);
+  std::uint64_t assembled = 0;
+  std::uint64_t within = 0;
+#pragma omp parallel for schedule(dynamic) reduction(+ : assembled, within)
+  for (std::uint64_t i = 0; i < gearboxes; ++i) {
+    const backlash::TurningPlays plays(
+        series.model, z, random.deviations(i),
+        backlash::random_teeth(series.model, z,
+                               {.seed = series.seed, .gearbox = i, .scatter = series.scatter}));
+    const backlash::Turn turn = backlash::turn(series.model.levers, plays, window);
+    if (turn.jams()) continue;
+    ++assembled;
+    if (!series.limit_rad || std::ranges::all_of(turn.points, [&](const auto& point) {
+          return point.lost_motion_rad() <= *series.limit_rad;
+        })) {
+      ++within;
+    }
+  }
+  return {.gearboxes = gearboxes,
+          .assembled = backlash::proportion(assembled, gearboxes),
+          .yield = backlash::proportion(within, gearboxes)};
+}
+
 std::optional<backlash::ClearanceModel> clearance_model_of(const Design& design) {
   if (!design.tolerances || why_undefined(design)) return std::nullopt;
   return backlash::clearance_model(resolved_parameters(design), *design.tolerances);
@@ -53,24 +79,30 @@ std::optional<backlash::ClearanceModel> clearance_model_of(const Design& design)
 BuiltSeries build_series(const Design& design, const backlash::ClearanceModel& model,
                          std::uint64_t share_samples, const backlash::SeriesProgress& progress) {
   const auto samples = static_cast<std::uint64_t>(design.sampling.samples);
-  backlash::MonteCarloOptions options{.samples = samples,
-                                      .seed = design.sampling.seed,
-                                      .scatter = {.scatter = design.tolerances->scatter,
-                                                  .sigma_level = design.tolerances->sigma_level},
-                                      .limit_rad = design.limits[CheckId::kOutputBacklashMax],
-                                      .progress = progress};
-  BuiltSeries series{.model = model,
-                     .scatter = options.scatter,
-                     .seed = options.seed,
-                     .limit_rad = options.limit_rad,
-                     .result = backlash::monte_carlo(model, options),
-                     .shares = {},
-                     .rooms = {}};
+  const bool paper = design.limits.model == backlash::LostMotionModel::kPaper;
+  backlash::MonteCarloOptions options{
+      .samples = samples,
+      .seed = design.sampling.seed,
+      .scatter = {.scatter = design.tolerances->scatter,
+                  .sigma_level = design.tolerances->sigma_level},
+      .limit_rad = paper ? std::nullopt : design.limits[CheckId::kOutputBacklashMax],
+      .progress = progress};
+  BuiltSeries series{
+      .model = model,
+      .scatter = options.scatter,
+      .seed = options.seed,
+      .limit_rad = options.limit_rad,
+      .result = backlash::monte_carlo(model, options),
+      .shares = {},
+      .rooms = {},
+      .turn = {},
+      .paper_limit = paper && design.limits[CheckId::kOutputBacklashMax].has_value()};
   series.rooms =
       first_contact_rooms(model, backlash::RandomGearbox(model, options.scatter, options.seed),
                           std::min(samples, kRoomSamples));
   options.samples = std::min(samples, share_samples);
-  options.progress = {};
+  // The shares' own count is not that of the series; they can be stopped all the same.
+  options.progress = [&](std::uint64_t) { return !progress || progress(series.result.samples); };
   series.shares = backlash::tolerance_shares(model, options);
   return series;
 }

@@ -250,7 +250,7 @@ Schema<PairInput> pair_schema() {
                   }});
   append_gear_keys(keys, "{gear}.");
   append_gear_tolerance_keys<PairInput>(
-      keys, [](PairInput& t) -> ToleranceInput& { return t.tolerances; });
+      keys, [](PairInput& t) -> ToleranceInput& { return t.tolerances; }, true);
   append_limit_keys<PairInput>(keys, &PairInput::limits, true);
   return schema;
 }

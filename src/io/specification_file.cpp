@@ -257,7 +257,8 @@ void append_robust_keys(std::vector<Key<Input>>& keys) {
        .choices = {optimize::kHoldNames.begin(), optimize::kHoldNames.end()},
        .default_text = "\"nominal\"",
        .help = "what the limits hold for: the drawn gearbox, every gearbox within its "
-               "[tolerances], or a share of them"},
+               "[tolerances], or a share of them; with a share every check but that of normal "
+               "backlash holds at its worst corner"},
       [](Robust& r, const TomlValue& v) {
         r.hold = static_cast<optimize::Hold>(index_of(optimize::kHoldNames, v.text));
       });
@@ -551,6 +552,30 @@ void finish_tolerances(Input& input, FileReading& reading) {
   if (input.spec.robust.cheapest && input.spec.robust.hold != optimize::Hold::kYield) {
     reading.error_at("robust.tolerances",
                      "robust.tolerances = \"cheapest\": allowed with robust.hold = \"yield\"");
+  }
+  if (input.spec.robust.hold != optimize::Hold::kNominal) {
+    if (input.spec.limits[design::CheckId::kOutputBacklashMin].value_or(0.0) > 0.0) {
+      reading.error_at("backlash.min_output_arcmin",
+                       "backlash.min_output_arcmin above 0 with robust.hold: allowed: 0 (gearboxes "
+                       "that can jam have no least lost motion)");
+    }
+    if (input.spec.limits.model == backlash::LostMotionModel::kPaper) {
+      reading.error_at("backlash.model",
+                       "backlash.model = \"paper\" with robust.hold: allowed: \"kinematic\", which "
+                       "built gearboxes follow");
+    }
+  }
+  if (input.spec.robust.hold != optimize::Hold::kYield && reading.stated("robust.yield")) {
+    reading.error_at("robust.yield", "robust.yield: allowed with robust.hold = \"yield\"");
+  }
+  if (!input.spec.robust.cheapest) {
+    for (const std::string_view kind : backlash::kToleranceKindNames) {
+      const std::string key = fmt::format("robust.cost.{}", kind);
+      if (reading.stated(key)) {
+        reading.error_at(key,
+                         fmt::format("{}: allowed with robust.tolerances = \"cheapest\"", key));
+      }
+    }
   }
   if (input.tolerances.stated) input.spec.tolerances = stated_tolerances(input.tolerances);
   input.spec.sampling = input.tolerances.sampling;

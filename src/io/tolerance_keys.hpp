@@ -37,10 +37,11 @@ inline backlash::DeviationLimits deviation_limits(const TomlValue& v, double uni
   return {.lower = unit * v.list[0].number, .upper = unit * v.list[1].number};
 }
 
-/// Keys that a mesh of two gears has too.
+/// Keys of gears and centre distance.
 /// @param view  ToleranceInput&(Target&)
+/// @param pair  of two gears: without run-out and pitch, which its limits do not have
 template <class Target, class View>
-void append_gear_tolerance_keys(std::vector<Key<Target>>& keys, View view) {
+void append_gear_tolerance_keys(std::vector<Key<Target>>& keys, View view, bool pair) {
   constexpr double kMicrometre = 1e-6;
   const auto add = [&](const KeyRecord& record, auto assign) {
     keys.push_back({.record = record,
@@ -80,6 +81,7 @@ void append_gear_tolerance_keys(std::vector<Key<Target>>& keys, View view) {
   add_limits(prefix + "root_diameter_um", "as the tool is fed in for the tooth thickness",
              "deviation of the root diameter",
              [](Input&, Of& gear, const Limits& limits) { gear.root_diameter_m = limits; });
+  if (pair) return;
   const auto add_length = [&](const char* name, double backlash::GearTolerances::*member,
                               bool Gear::*flag, const char* help) {
     add({.path = prefix + name,
@@ -99,8 +101,9 @@ void append_gear_tolerance_keys(std::vector<Key<Target>>& keys, View view) {
   add_length("cumulative_pitch_um", &backlash::GearTolerances::cumulative_pitch_m,
              &Gear::cumulative_pitch,
              "F_p: total cumulative pitch deviation, with what the eccentricity adds to it");
-  add_length("single_pitch_um", &backlash::GearTolerances::single_pitch_m, &Gear::single_pitch,
-             "f_pt: each pitch differs by up to +- this");
+  add_length(
+      "single_pitch_um", &backlash::GearTolerances::single_pitch_m, &Gear::single_pitch,
+      "f_pt: each pitch differs by up to +- this, as each flank stands within +- half of it");
   add({.path = prefix + "accuracy_grade",
        .type = KeyType::kInteger,
        .min = backlash::kFinestGrade,
@@ -116,7 +119,7 @@ void append_gear_tolerance_keys(std::vector<Key<Target>>& keys, View view) {
 template <class Target, class View>
 void append_tolerance_keys(std::vector<Key<Target>>& keys, View view) {
   constexpr double kArcmin = std::numbers::pi / 10800.0;
-  append_gear_tolerance_keys<Target>(keys, view);
+  append_gear_tolerance_keys<Target>(keys, view, false);
   const auto add = [&](const KeyRecord& record, auto assign) {
     keys.push_back(
         {.record = record, .assign = [view, assign](Target& t, std::size_t, const TomlValue& v) {

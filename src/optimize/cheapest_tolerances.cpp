@@ -27,16 +27,25 @@ class Search {
     CheapestTolerances result;
     result.stated_cost = cost(steps_);
     result.stated_yield = verified_yield();
+    const auto keep = [&](double yield) {
+      result.factor = factors(steps_);
+      result.cost = cost(steps_);
+      result.yield = yield;
+      result.reached = yield >= options_.yield;
+    };
+    keep(result.stated_yield);
+    // As high as the search's own series can tell from 1.
+    const double most = 1.0 - 1.0 / static_cast<double>(options_.samples);
     constexpr int kRounds = 5;
-    for (int k = 0; k < kRounds && !stopped(); ++k) {
+    for (int k = 0; k < kRounds && !stopped() && asked_ <= most; ++k) {
       descend();
-      result.yield = verified_yield();
-      result.reached = result.yield >= options_.yield;
-      if (result.reached || yield_ < asked_) break;
-      asked_ += options_.yield - result.yield;
+      const double verified = verified_yield();
+      const bool better = verified >= options_.yield ? !result.reached || cost(steps_) < result.cost
+                                                     : !result.reached && verified > result.yield;
+      if (better) keep(verified);
+      if (verified >= options_.yield || yield_ < asked_) break;
+      asked_ += options_.yield - verified;
     }
-    result.factor = factors(steps_);
-    result.cost = cost(steps_);
     return result;
   }
 

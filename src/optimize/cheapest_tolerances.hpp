@@ -31,7 +31,7 @@ struct CheapestTolerances {
   std::vector<double> factor;
   double stated_cost = 0.0, cost = 0.0;
   double stated_yield = 0.0, yield = 0.0;  ///< of the verifying series
-  bool reached = false;  ///< whether the yield is; else `factor` is the tightest of all
+  bool reached = false;  ///< whether the yield is; else `factor` is what came nearest
 };
 
 /// Scales the stated tolerances about their middles, in steps of √2 (a grade of ISO 1328), for the

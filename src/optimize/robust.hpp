@@ -48,7 +48,7 @@ struct RobustResult {
 ///
 /// Tightening does not depend on the design in the search itself: among the designs under these
 /// limits the best is found (and may be certified), but a design elsewhere could need less.
-/// The lost motion of built gearboxes is the kinematic one, whatever model the limits are for.
+/// The lost motion of built gearboxes is the kinematic one, at one position of the turn.
 /// Built gearboxes are drawn with spec.sampling, at most kRobustSamples of them.
 /// Source: own derivation, docs/theory.md §35.
 /// @param search  the best design of a specification; empty where there is none; it may ask to stop

@@ -28,6 +28,12 @@ ordered_json limit_json(const std::optional<double>& limit, double (*unit)(doubl
   return limit ? ordered_json(unit(*limit)) : ordered_json(nullptr);
 }
 
+ordered_json turn_json(const design::TurnYield& turn) {
+  return {{"gearboxes", turn.gearboxes},
+          {"assembled", turn.assembled.value},
+          {"yield", turn.yield.value}};
+}
+
 ordered_json outcome_json(const BuiltOutcome& o) {
   return {{"yield", o.yield},
           {"jammed", o.jammed},
@@ -62,11 +68,18 @@ std::string robust_table(const Specification& spec, const RobustRun& run) {
   add(spec.robust.hold == Hold::kWorstCase ? "hold in the worst case" : "hold for the yield",
       chosen, run.chosen);
   std::string text = fmt::format(
-      "\nLimits that hold for the built gearboxes ({} searches; {} gearboxes each from seed {}, "
-      "which "
-      "no search used)\n",
+      "\nLimits that hold for the built gearboxes at one position of the turn ({} searches; {} "
+      "gearboxes "
+      "each from seed {}, which no search used)\n",
       run.search.passes.size(), run.samples, run.fresh_seed);
   text += table.text(2);
+  text += fmt::format(
+      "  at every position of a turn, {} gearboxes: {:.1f} % and {:.1f} % assemble, {:.1f} % and "
+      "{:.1f} "
+      "% also keep the limit\n",
+      run.nominal_turn.gearboxes, percent(run.nominal_turn.assembled.value),
+      percent(run.chosen_turn.assembled.value), percent(run.nominal_turn.yield.value),
+      percent(run.chosen_turn.yield.value));
   if (!run.cheapest) return text;
   const auto& c = run.cheapest->tolerances;
   text += fmt::format(
@@ -105,6 +118,8 @@ ordered_json robust_json(const Specification& spec, const RobustRun& run) {
       {"samples", run.samples},
       {"fresh_seed", run.fresh_seed},
       {"nominal", outcome_json(run.nominal)},
+      {"nominal_turn", turn_json(run.nominal_turn)},
+      {"robust_turn", turn_json(run.chosen_turn)},
       {"robust", outcome_json(run.chosen)},
       {"cheapest", nullptr}};
   if (run.cheapest) {
@@ -145,7 +160,8 @@ std::string robust_blocking_text(const Specification& spec, const optimize::Robu
           ? std::string("in the worst case of its tolerances")
           : fmt::format("for a yield of {:g} %", clean(percent(spec.robust.yield)));
   return fmt::format(
-      "no design holds {}: {}{}; wider limits or tighter [tolerances] would help (`gear3k "
+      "no design was found that holds {}: {}{}; wider limits or tighter [tolerances] would help "
+      "(`gear3k "
       "tolerances` on a design shows which)",
       asked, reached, any_infeasible ? "; under limits tighter than that nothing is feasible" : "");
 }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "design/built_series.hpp"
 #include "optimize/cheapest_tolerances.hpp"
 #include "optimize/robust.hpp"
 
@@ -16,6 +17,7 @@ struct RobustRun {
   optimize::RobustResult search;
   std::uint64_t samples = 0, fresh_seed = 0;
   optimize::BuiltOutcome nominal, chosen;
+  design::TurnYield nominal_turn, chosen_turn;
   /// Of robust.tolerances = "cheapest".
   struct Cheapest {
     backlash::ClearanceModel model;

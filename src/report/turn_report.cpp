@@ -62,6 +62,8 @@ std::string margin_text(const Turn& turn) {
 
 /// The strongest orders of a quantity, and how much of its variance they and the others explain.
 std::string orders_table(const OrderFit& fit, std::size_t quantity) {
+  if (!(fit.variance_rad2 > 0.0))
+    return fmt::format("\n  {}: does not vary\n", quantity_name(quantity));
   constexpr std::size_t kMost = 8;
   constexpr double kLeastShare = 1e-3;
   std::vector<const OrderPart*> parts;
