@@ -106,12 +106,12 @@ report::RobustRun::Cheapest cheapen(optimize::Specification& spec, const design:
                            design::Design wide = design;
                            wide.tolerances =
                                optimize::scaled(*spec.tolerances, result.model, factor,
-                                                std::cos(spec.pressure_angle_rad));
+                                                std::cos(design.train.pressure_angle_rad));
                            return optimize::checks_hold(wide);
                          },
                      .stop = [&] { return progress.stop.load(); }});
   spec.tolerances = optimize::scaled(*spec.tolerances, result.model, result.tolerances.factor,
-                                     std::cos(spec.pressure_angle_rad));
+                                     std::cos(design.train.pressure_angle_rad));
   design::Design cheap = design;
   cheap.tolerances = spec.tolerances;
   result.built = optimize::built_outcome(cheap, run.samples, run.fresh_seed);

@@ -242,6 +242,8 @@ backlash::Tolerances scaled(const backlash::Tolerances& tolerances, const Cleara
         break;
       case ToleranceKind::kRunout:
         g.runout_m *= factor[s];
+        // All of F_p is run-out's: it goes with it, and leaves no rest.
+        if (!(rest[gear] > 0.0)) g.cumulative_pitch_m *= factor[s];
         break;
       case ToleranceKind::kCumulativePitch:
         rest[gear] *= factor[s];
@@ -253,7 +255,7 @@ backlash::Tolerances scaled(const backlash::Tolerances& tolerances, const Cleara
   }
   for (std::size_t i = 0; i < rest.size(); ++i) {
     backlash::GearTolerances& g = result.gears[i];
-    if (g.cumulative_pitch_m > 0.0) {
+    if (rest[i] > 0.0) {
       g.cumulative_pitch_m = g.runout_m / cos_pressure_angle + rest[i];
     }
   }

@@ -328,10 +328,18 @@ Plot lost_motion_plot(const std::string& name, const BuiltSeries& series) {
   text += fmt::format(
       "set title {}\nset xlabel 'lost motion at the output (arcmin)'\nset ylabel 'gearboxes (%)'\n"
       "set yrange [0:*]\nset style fill solid 0.8 noborder\nset key top left\n",
-      plot_text(fmt::format("{}: {} built gearboxes, {:.2f} % assemble; worst case {:.2f} arcmin",
-                            name, r.samples, percent(r.assembled.value),
-                            arcmin(r.worst.greatest_rad))));
+      plot_text(fmt::format("{}: {} built gearboxes, {:.2f} % assemble", name, r.samples,
+                            percent(r.assembled.value))));
+  // Wide enough for every line, which gnuplot leaves out beyond its range.
+  double from = arcmin(r.worst.middle_rad);
+  double to = arcmin(r.worst.greatest_rad);
+  for (const backlash::HistogramBin& bin : r.lost_motion.histogram) {
+    from = std::min(from, arcmin(bin.lower));
+    to = std::max(to, arcmin(bin.upper));
+  }
   const auto line = [&](const std::string& label, double at, const char* style) {
+    from = std::min(from, at);
+    to = std::max(to, at);
     text +=
         fmt::format("set arrow from {0}, graph 0 to {0}, graph 1 nohead {1}\n", exact(at), style);
     text += fmt::format("set label {} at {}, graph 0.97 rotate by -90 offset 0.8,0 font ',10'\n",
@@ -339,8 +347,13 @@ Plot lost_motion_plot(const std::string& name, const BuiltSeries& series) {
   };
   if (series.limit_rad) line("limit", arcmin(*series.limit_rad), "lc rgb '#b2182b' lw 2");
   line("planets alike, middle", arcmin(r.worst.middle_rad), "lc rgb '#404040' dt 2");
+  line("worst case", arcmin(r.worst.greatest_rad), "lc rgb '#404040' dt 3");
+  const double border = std::max(0.05 * (to - from), 0.01);
+  text += fmt::format("set xrange [{}:{}]\n", exact(from - border), exact(to + border));
   if (bins.empty()) {
-    return {.name = "lost_motion", .script = text + "plot NaN notitle\n"};
+    // An empty frame: gnuplot fails where there is nothing at all to plot.
+    text += "set yrange [0:1]\nplot -1 notitle\n";
+    return {.name = "lost_motion", .script = text};
   }
   text += fmt::format(
       "$bins << EOD\n{}EOD\nplot $bins using 1:2:3 with boxes lc rgb '#4393c3' "
