@@ -119,18 +119,13 @@ report::RobustRun::Cheapest cheapen(optimize::Specification& spec, const design:
 }
 
 /// Gearboxes of a design over a whole turn.
-design::TurnYield turn_of(const design::Design& design, std::uint64_t seed) {
+backlash::TurnYield turn_of(const design::Design& design, std::uint64_t seed) {
   const auto model = design::clearance_model_of(design);
-  const design::BuiltSeries series{.model = *model,
-                                   .scatter = {.scatter = design.tolerances->scatter,
-                                               .sigma_level = design.tolerances->sigma_level},
-                                   .seed = seed,
-                                   .limit_rad = design.limits[design::CheckId::kOutputBacklashMax],
-                                   .result = {},
-                                   .shares = {},
-                                   .rooms = {},
-                                   .turn = {}};
-  return design::turn_yield(design.train.teeth, series, design::kTurnGearboxes);
+  return backlash::turn_yield(*model, design.train.teeth,
+                              {.seed = seed,
+                               .scatter = {.scatter = design.tolerances->scatter,
+                                           .sigma_level = design.tolerances->sigma_level},
+                               .limit_rad = design.limits[design::CheckId::kOutputBacklashMax]});
 }
 
 /// Tightens the task's limits until they hold as it asks; empty where it asks for the drawn gearbox

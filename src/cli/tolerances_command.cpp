@@ -87,7 +87,9 @@ ExitCode run_tolerances(const TolerancesOptions& options) {
       return !progress.stop;
     });
     if (!progress.stop) {
-      series.turn = design::turn_yield(design.train.teeth, series, design::kTurnGearboxes);
+      series.turn = backlash::turn_yield(
+          series.model, design.train.teeth,
+          {.seed = series.seed, .scatter = series.scatter, .limit_rad = series.limit_rad});
     }
   }
   const report::TurnResult turn = turn_of(design, series);

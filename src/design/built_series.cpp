@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "backlash/first_contact.hpp"
-#include "backlash/random_teeth.hpp"
 #include "design/evaluation.hpp"
 
 namespace gear3k::design {
@@ -45,31 +44,6 @@ FirstContactRooms first_contact_rooms(const backlash::ClearanceModel& model,
 }
 
 }  // namespace
-
-TurnYield turn_yield(const train::ToothSet& z, const BuiltSeries& series, std::uint64_t gearboxes) {
-  const backlash::RandomGearbox random(series.model, series.scatter, series.seed);
-  const backlash::TurnWindow window = backlash::turn_window(z);
-  std::uint64_t assembled = 0;
-  std::uint64_t within = 0;
-#pragma omp parallel for schedule(dynamic) reduction(+ : assembled, within)
-  for (std::uint64_t i = 0; i < gearboxes; ++i) {
-    const backlash::TurningPlays plays(
-        series.model, z, random.deviations(i),
-        backlash::random_teeth(series.model, z,
-                               {.seed = series.seed, .gearbox = i, .scatter = series.scatter}));
-    const backlash::Turn turn = backlash::turn(series.model.levers, plays, window);
-    if (turn.jams()) continue;
-    ++assembled;
-    if (!series.limit_rad || std::ranges::all_of(turn.points, [&](const auto& point) {
-          return point.lost_motion_rad() <= *series.limit_rad;
-        })) {
-      ++within;
-    }
-  }
-  return {.gearboxes = gearboxes,
-          .assembled = backlash::proportion(assembled, gearboxes),
-          .yield = backlash::proportion(within, gearboxes)};
-}
 
 std::optional<backlash::ClearanceModel> clearance_model_of(const Design& design) {
   if (!design.tolerances || why_undefined(design)) return std::nullopt;

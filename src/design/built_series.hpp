@@ -8,6 +8,7 @@
 
 #include "backlash/monte_carlo.hpp"
 #include "backlash/tolerance_shares.hpp"
+#include "backlash/turn_yield.hpp"
 #include "design/design.hpp"
 
 namespace gear3k::design {
@@ -22,14 +23,6 @@ struct FirstContactRooms {
   std::uint64_t samples = 0;  ///< gearboxes that assemble
 };
 
-/// Gearboxes of a series at every position of a turn (backlash::turn_window()), with the deviations
-/// of all their teeth.
-struct TurnYield {
-  std::uint64_t gearboxes = 0;
-  backlash::Proportion assembled;  ///< at every angle
-  backlash::Proportion yield;      ///< and with no more lost motion than the limit at any
-};
-
 struct BuiltSeries {
   backlash::ClearanceModel model;
   backlash::ScatterOptions scatter;
@@ -38,13 +31,9 @@ struct BuiltSeries {
   backlash::MonteCarloResult result;
   backlash::ToleranceShares shares;
   FirstContactRooms rooms;
-  std::optional<TurnYield> turn;  ///< empty unless asked for
-  bool paper_limit = false;       ///< the design's limit is for another model and does not count
+  std::optional<backlash::TurnYield> turn;  ///< empty unless asked for
+  bool paper_limit = false;  ///< the design's limit is for another model and does not count
 };
-
-/// The first gearboxes of the series over a turn, OpenMP over gearboxes; the limit is the series'.
-inline constexpr std::uint64_t kTurnGearboxes = 400;
-TurnYield turn_yield(const train::ToothSet& z, const BuiltSeries& series, std::uint64_t gearboxes);
 
 /// Gearboxes for the shares of the tolerances, and for the rooms at first contact, at most.
 inline constexpr std::uint64_t kShareSamples = 100'000, kRoomSamples = 20'000;

@@ -565,16 +565,15 @@ void finish_tolerances(Input& input, FileReading& reading) {
                        "built gearboxes follow");
     }
   }
-  if (input.spec.robust.hold != optimize::Hold::kYield && reading.stated("robust.yield")) {
+  if (input.spec.robust.hold != optimize::Hold::kYield &&
+      input.spec.robust.yield != optimize::Robust{}.yield) {
     reading.error_at("robust.yield", "robust.yield: allowed with robust.hold = \"yield\"");
   }
   if (!input.spec.robust.cheapest) {
-    for (const std::string_view kind : backlash::kToleranceKindNames) {
-      const std::string key = fmt::format("robust.cost.{}", kind);
-      if (reading.stated(key)) {
-        reading.error_at(key,
-                         fmt::format("{}: allowed with robust.tolerances = \"cheapest\"", key));
-      }
+    for (std::size_t kind = 0; kind < backlash::kToleranceKindNames.size(); ++kind) {
+      if (input.spec.robust.cost[kind] == optimize::Robust{}.cost[kind]) continue;
+      const std::string key = fmt::format("robust.cost.{}", backlash::kToleranceKindNames[kind]);
+      reading.error_at(key, fmt::format("{}: allowed with robust.tolerances = \"cheapest\"", key));
     }
   }
   if (input.tolerances.stated) input.spec.tolerances = stated_tolerances(input.tolerances);

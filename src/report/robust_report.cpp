@@ -28,7 +28,7 @@ ordered_json limit_json(const std::optional<double>& limit, double (*unit)(doubl
   return limit ? ordered_json(unit(*limit)) : ordered_json(nullptr);
 }
 
-ordered_json turn_json(const design::TurnYield& turn) {
+ordered_json turn_json(const backlash::TurnYield& turn) {
   return {{"gearboxes", turn.gearboxes},
           {"assembled", turn.assembled.value},
           {"yield", turn.yield.value}};

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "design/built_series.hpp"
+#include "backlash/turn_yield.hpp"
 #include "optimize/cheapest_tolerances.hpp"
 #include "optimize/robust.hpp"
 
@@ -17,7 +17,7 @@ struct RobustRun {
   optimize::RobustResult search;
   std::uint64_t samples = 0, fresh_seed = 0;
   optimize::BuiltOutcome nominal, chosen;
-  design::TurnYield nominal_turn, chosen_turn;
+  backlash::TurnYield nominal_turn, chosen_turn;
   /// Of robust.tolerances = "cheapest".
   struct Cheapest {
     backlash::ClearanceModel model;

@@ -108,7 +108,7 @@ TEST(JamProbability, OfOneThicknessIsItsDistributionFunction) {
 
 TEST(MonteCarloResults, CountEveryGearboxOnce) {
   ClearanceModel model = *clearance_model(thinned_bilateral_drive_gear(0.01), all_tolerances());
-  for (ToleranceSource& s : model.sources) s.half_width_m *= 2.0;
+  for (ToleranceSource& s : model.sources) s.half_width_m *= 2.5;
   const MonteCarloOptions unlimited{.samples = 100'001, .seed = 6};
   const auto all = monte_carlo(model, unlimited);
   MonteCarloOptions limited = unlimited;
