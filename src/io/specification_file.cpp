@@ -12,6 +12,7 @@
 #include "io/loss_keys.hpp"
 #include "io/mass_keys.hpp"
 #include "io/model_keys.hpp"
+#include "io/robust_keys.hpp"
 #include "io/tolerance_keys.hpp"
 #include "optimize/objective_value.hpp"
 
@@ -243,51 +244,6 @@ void append_tooth_keys(std::vector<Key<Input>>& keys) {
   }
 }
 
-/// What the limits have to hold for.
-void append_robust_keys(std::vector<Key<Input>>& keys) {
-  const auto add = [&](const KeyRecord& record, auto assign) {
-    keys.push_back(
-        {.record = record, .assign = [assign](Input& t, std::size_t, const TomlValue& v) {
-           assign(t.spec.robust, v);
-         }});
-  };
-  using optimize::Robust;
-  add({.path = "robust.hold",
-       .type = KeyType::kChoice,
-       .choices = {optimize::kHoldNames.begin(), optimize::kHoldNames.end()},
-       .default_text = "\"nominal\"",
-       .help = "what the limits hold for: the drawn gearbox, every gearbox within its "
-               "[tolerances], or a share of them; with a share every check but that of normal "
-               "backlash holds at its worst corner"},
-      [](Robust& r, const TomlValue& v) {
-        r.hold = static_cast<optimize::Hold>(index_of(optimize::kHoldNames, v.text));
-      });
-  add({.path = "robust.yield",
-       .type = KeyType::kNumber,
-       .min = 0.01,
-       .max = 0.99999,
-       .default_text = "0.99",
-       .help = "share of the built gearboxes that assemble and keep the limits of lost motion"},
-      [](Robust& r, const TomlValue& v) { r.yield = v.number; });
-  add({.path = "robust.tolerances",
-       .type = KeyType::kChoice,
-       .choices = {"stated", "cheapest"},
-       .default_text = "\"stated\"",
-       .help = "cheapest: every tolerance may be tightened or widened in steps of sqrt(2) until "
-               "the yield is reached at the least cost"},
-      [](Robust& r, const TomlValue& v) { r.cheapest = v.text == "cheapest"; });
-  for (std::size_t kind = 0; kind < backlash::kToleranceKindNames.size(); ++kind) {
-    add({.path = fmt::format("robust.cost.{}", backlash::kToleranceKindNames[kind]),
-         .type = KeyType::kNumber,
-         .min = 0.0,
-         .max = 1e6,
-         .default_text = "1",
-         .help = "cost of holding this tolerance of one gear or part as stated; half of it costs "
-                 "twice as much"},
-        [kind](Robust& r, const TomlValue& v) { r.cost[kind] = v.number; });
-  }
-}
-
 /// The keys of a DESIGN's operating point.
 void append_operating_point_keys(std::vector<Key<Input>>& keys) {
   for (const LossNumber& n : loss_numbers()) {
@@ -445,7 +401,7 @@ Schema<Input> specification_schema() {
   append_operating_point_keys(keys);
   append_limit_keys<Input>(keys, &Input::limits, false);
   append_tolerance_keys<Input>(keys, [](Input& t) -> ToleranceInput& { return t.tolerances; });
-  append_robust_keys(keys);
+  append_robust_keys<Input>(keys, [](Input& t) -> optimize::Robust& { return t.spec.robust; });
   return schema;
 }
 
@@ -534,52 +490,6 @@ void check_relations(const Input& input, FileReading& reading) {
   }
 }
 
-/// Tolerances as lengths: a grade's depend on the gear's size, which the search chooses.
-void finish_tolerances(Input& input, FileReading& reading) {
-  for (std::size_t i = 0; i < train::kGearCount; ++i) {
-    if (!input.tolerances.gears[i].grade) continue;
-    const std::string key = fmt::format("tolerances.{}.accuracy_grade", train::kGearNames[i]);
-    reading.error_at(key, fmt::format("{} = {}: allowed in DESIGN and PAIR files; a SPEC states "
-                                      "runout_um, cumulative_pitch_um and single_pitch_um",
-                                      key, *input.tolerances.gears[i].grade));
-  }
-  if (input.spec.robust.hold != optimize::Hold::kNominal && !input.tolerances.stated) {
-    reading.error_at(
-        "robust.hold",
-        fmt::format("robust.hold = \"{}\" without [tolerances]: allowed: with them",
-                    optimize::kHoldNames[static_cast<std::size_t>(input.spec.robust.hold)]));
-  }
-  if (input.spec.robust.cheapest && input.spec.robust.hold != optimize::Hold::kYield) {
-    reading.error_at("robust.tolerances",
-                     "robust.tolerances = \"cheapest\": allowed with robust.hold = \"yield\"");
-  }
-  if (input.spec.robust.hold != optimize::Hold::kNominal) {
-    if (input.spec.limits[design::CheckId::kOutputBacklashMin].value_or(0.0) > 0.0) {
-      reading.error_at("backlash.min_output_arcmin",
-                       "backlash.min_output_arcmin above 0 with robust.hold: allowed: 0 (gearboxes "
-                       "that can jam have no least lost motion)");
-    }
-    if (input.spec.limits.model == backlash::LostMotionModel::kPaper) {
-      reading.error_at("backlash.model",
-                       "backlash.model = \"paper\" with robust.hold: allowed: \"kinematic\", which "
-                       "built gearboxes follow");
-    }
-  }
-  if (input.spec.robust.hold != optimize::Hold::kYield &&
-      input.spec.robust.yield != optimize::Robust{}.yield) {
-    reading.error_at("robust.yield", "robust.yield: allowed with robust.hold = \"yield\"");
-  }
-  if (!input.spec.robust.cheapest) {
-    for (std::size_t kind = 0; kind < backlash::kToleranceKindNames.size(); ++kind) {
-      if (input.spec.robust.cost[kind] == optimize::Robust{}.cost[kind]) continue;
-      const std::string key = fmt::format("robust.cost.{}", backlash::kToleranceKindNames[kind]);
-      reading.error_at(key, fmt::format("{}: allowed with robust.tolerances = \"cheapest\"", key));
-    }
-  }
-  if (input.tolerances.stated) input.spec.tolerances = stated_tolerances(input.tolerances);
-  input.spec.sampling = input.tolerances.sampling;
-}
-
 optimize::Specification specification_from(const TomlValue& document, const std::string& name) {
   FileReading reading(name);
   Input input;
@@ -588,7 +498,9 @@ optimize::Specification specification_from(const TomlValue& document, const std:
   read_by_schema(document, specification_schema(), input, reading);
   input.spec.limits = finish_limits(input.limits, reading);
   check_relations(input, reading);
-  finish_tolerances(input, reading);
+  check_robust(input.spec, input.tolerances, reading);
+  if (input.tolerances.stated) input.spec.tolerances = stated_tolerances(input.tolerances);
+  input.spec.sampling = input.tolerances.sampling;
   reading.throw_if_invalid();
   if (reading.has("operating_point.sun_speed_rpm")) {
     input.spec.operating_point = input.losses.operating_point;
