@@ -1,5 +1,5 @@
 # Fails when a source file of src/ includes a folder that comes after its own.
-set(order geometry train backlash efficiency inertia strength design optimize calibrate actuator
+set(order units numerics geometry train backlash efficiency inertia strength design optimize calibrate actuator
           report io cli)
 file(GLOB_RECURSE files RELATIVE ${SOURCE_DIR}/src ${SOURCE_DIR}/src/*.hpp ${SOURCE_DIR}/src/*.cpp)
 set(bad 0)

@@ -23,7 +23,7 @@ Strips everything() {
   return s;
 }
 /// std::max and std::min, in a form that becomes one instruction each.
-inline double larger(double a, double b) { return a < b ? b : a; }
+inline double batch_larger(double a, double b) { return a < b ? b : a; }
 inline double smaller(double a, double b) { return b < a ? b : a; }
 
 }  // namespace
@@ -75,11 +75,11 @@ void GearboxBatch::ranges(std::span<const Lanes* const> values, BatchRange& resu
       }
       const auto& [low1, high1, low2, high2, low3, high3] = u;
       for (std::size_t b = 0; b < kBlock; ++b) {
-        w.lower[b] = larger(w.lower[b], low1[b] + low2[b]);
+        w.lower[b] = batch_larger(w.lower[b], low1[b] + low2[b]);
         w.upper[b] = smaller(w.upper[b], high1[b] + high2[b]);
-        s13.lower[b] = larger(s13.lower[b], kappa * low1[b] + low3[b]);
+        s13.lower[b] = batch_larger(s13.lower[b], kappa * low1[b] + low3[b]);
         s13.upper[b] = smaller(s13.upper[b], kappa * high1[b] + high3[b]);
-        s23.lower[b] = larger(s23.lower[b], low3[b] - kappa * high2[b]);
+        s23.lower[b] = batch_larger(s23.lower[b], low3[b] - kappa * high2[b]);
         s23.upper[b] = smaller(s23.upper[b], high3[b] - kappa * low2[b]);
         margin[b] = smaller(smaller(smaller(margin[b], high1[b] - low1[b]), high2[b] - low2[b]),
                             high3[b] - low3[b]);

@@ -59,5 +59,6 @@ T output_lost_motion(const train::TrainGeometry<T>& train,
   template T output_lost_motion<T>(const train::TrainGeometry<T>&,                                \
                                    const std::array<T, train::kMeshCount>&, LostMotionModel);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
+#undef INSTANTIATE
 
 }  // namespace gear3k::backlash

@@ -22,5 +22,6 @@ T normal_backlash(const geometry::GearGeometry<T>& gear1, const geometry::GearGe
                                 const geometry::GearGeometry<T>&, \
                                 const geometry::MeshGeometry<T>&);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
+#undef INSTANTIATE
 
 }  // namespace gear3k::backlash

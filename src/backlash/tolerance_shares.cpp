@@ -13,7 +13,7 @@ constexpr std::size_t kShareBins = std::size_t{1} << 14U;
 /// Streams of the generator: A is that of monte_carlo().
 constexpr std::uint64_t kStreamA = 0, kStreamB = 1;
 
-/// Sums of x, x² and x v, from which the mean of x over that of v gets its error.
+/// ShareSums of x, x² and x v, from which the mean of x over that of v gets its error.
 struct RatioSums {
   double x = 0.0, xx = 0.0, xv = 0.0;
   void add(double value, double v) {
@@ -46,12 +46,12 @@ struct SourceSums {
   Changed yield, jam;
 };
 
-struct Sums {
+struct ShareSums {
   double y = 0.0, v = 0.0, vv = 0.0;  ///< y of A and B from the reference, and their mean square
   std::uint64_t good = 0, jammed = 0;
   std::vector<SourceSums> sources;
 
-  void add(const Sums& s) {
+  void add(const ShareSums& s) {
     y += s.y;
     v += s.v;
     vv += s.vv;
@@ -84,9 +84,9 @@ double lost_motion(const BatchRange& range, std::size_t b) {
   return jams(range, b) ? 0.0 : range.width_rad.lane[b];
 }
 
-class Worker {
+class ShareWorker {
  public:
-  explicit Worker(const Series& series)
+  explicit ShareWorker(const Series& series)
       : as_is(0.0, series.greatest_rad, kShareBins),
         halved(series.sources.size(), as_is),
         series_(&series),
@@ -94,8 +94,8 @@ class Worker {
         b_(a_.size()),
         half_(a_.size()) {}
 
-  Sums run(std::uint64_t first, std::uint64_t count) {
-    Sums sums;
+  ShareSums run(std::uint64_t first, std::uint64_t count) {
+    ShareSums sums;
     sums.sources.resize(series_->sources.size());
     for (std::uint64_t at = 0; at < count; at += kBatch) {
       add_batch(first + at, static_cast<std::size_t>(std::min<std::uint64_t>(kBatch, count - at)),
@@ -108,7 +108,7 @@ class Worker {
   std::vector<FineHistogram> halved;
 
  private:
-  void add_batch(std::uint64_t first, std::size_t lanes, Sums& sums) {
+  void add_batch(std::uint64_t first, std::size_t lanes, ShareSums& sums) {
     series_->A.draw(first, a_);
     series_->B.draw(first, b_);
     for (std::size_t c = 0; c < a_.size(); ++c) {
@@ -179,7 +179,7 @@ std::vector<ComponentRange> component_ranges(const GearboxBatch& batch, std::siz
 }
 
 /// x̄/v̄ and its standard error.
-Estimate ratio(const RatioSums& s, const Sums& sums, double variance, double n) {
+Estimate ratio(const RatioSums& s, const ShareSums& sums, double variance, double n) {
   if (!(variance > 0.0)) return {};
   const double r = s.x / n / variance;
   const double square = std::max(0.0, s.xx - 2.0 * r * s.xv + r * r * sums.vv) / n;
@@ -231,12 +231,13 @@ ToleranceShares tolerance_shares(const ClearanceModel& model, const MonteCarloOp
   }
   series.sources = component_ranges(series.batch, model.sources.size());
   series.reference_rad = reference(series);
-  std::vector<Worker> workers(static_cast<std::size_t>(omp_get_max_threads()), Worker(series));
-  Sums sums;
+  std::vector<ShareWorker> workers(static_cast<std::size_t>(omp_get_max_threads()),
+                                   ShareWorker(series));
+  ShareSums sums;
   sums.sources.resize(model.sources.size());
   ToleranceShares result;
   result.samples = run_in_chunks(options.samples, workers, options.progress,
-                                 [&](const Sums& s) { sums.add(s); });
+                                 [&](const ShareSums& s) { sums.add(s); });
   for (std::size_t k = 1; k < workers.size(); ++k) {
     workers[0].as_is.merge(workers[k].as_is);
     for (std::size_t i = 0; i < model.sources.size(); ++i) {

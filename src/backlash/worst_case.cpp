@@ -7,14 +7,14 @@
 #include <limits>
 #include <span>
 
+#include "numerics/square.hpp"
+
 namespace gear3k::backlash {
 
 namespace {
 
 /// Linear function of the bounds of all plays: Σ coefficient · bound.
 using BoundFunction = std::vector<double>;
-
-double square(double x) { return x * x; }
 
 /// a f + b g, for bounds of the same model.
 BoundFunction combined(double a, const BoundFunction& f, double b, const BoundFunction& g) {
@@ -46,7 +46,8 @@ class LinearForms {
   [[nodiscard]] double swing(std::size_t d, std::span<const double> f,
                              std::span<const double> g) const {
     return model_.sources[model_.deviations[d].source].half_width_m *
-           std::sqrt(square(f[1 + 2 * d] + g[1 + 2 * d]) + square(f[2 + 2 * d] + g[2 + 2 * d]));
+           std::sqrt(numerics::square(f[1 + 2 * d] + g[1 + 2 * d]) +
+                     numerics::square(f[2 + 2 * d] + g[2 + 2 * d]));
   }
   /// Greatest part of all deviations in the sum of two forms.
   [[nodiscard]] double swing(std::span<const double> f, std::span<const double> g) const {
@@ -173,7 +174,8 @@ std::vector<DeviationValue> maximiser(const ClearanceModel& model, std::span<con
   values.reserve(model.deviations.size());
   for (std::size_t d = 0; d < model.deviations.size(); ++d) {
     const double half = model.sources[model.deviations[d].source].half_width_m;
-    const double size = std::sqrt(square(form[1 + 2 * d]) + square(form[2 + 2 * d]));
+    const double size =
+        std::sqrt(numerics::square(form[1 + 2 * d]) + numerics::square(form[2 + 2 * d]));
     const double scale = size > 1e-12 * largest ? half / size : 0.0;
     values.push_back({.x_m = scale * form[1 + 2 * d], .y_m = scale * form[2 + 2 * d]});
   }

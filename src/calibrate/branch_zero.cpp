@@ -43,12 +43,12 @@ BranchZero find_branch_zero(const FilteredRecord& f, const Branch& branch,
   }
   zero.at = at;
   zero.at_double = zero_torque_crossing(f.raw.time_s, f.twice, branch, continuation);
-  const double compliance = compliance_at(*at, f, branch);
+  const double branch_compliance = compliance_at(*at, f, branch);
   std::vector<double> scatter;
   scatter.reserve(to - from);
   for (std::size_t i = from; i < to; ++i) {
     scatter.push_back(f.raw.angle_rad[i] - f.smooth.angle_rad[i] -
-                      compliance * (f.raw.torque_Nm[i] - f.smooth.torque_Nm[i]));
+                      branch_compliance * (f.raw.torque_Nm[i] - f.smooth.torque_Nm[i]));
   }
   zero.noise = noise_of_left_out(scatter, f.left_out);
   std::vector<double> weight(f.raw.time_s.size(), 0.0);

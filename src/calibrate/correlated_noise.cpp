@@ -4,14 +4,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "numerics/square.hpp"
+
 namespace gear3k::calibrate {
 namespace {
 
 using std::numbers::pi;
 
 constexpr double kStrongestCorrelation = 0.95;
-
-double square(double x) { return x * x; }
 
 /// At lag 0 and 1.
 struct LagCovariance {
@@ -61,9 +61,9 @@ LeftOutSpectrum left_out_spectrum(double cutoff_per_sample) {
   const double t_c = std::tan(pi * cutoff_per_sample);
   for (std::size_t i = 0; i < LeftOutSpectrum::kSteps; ++i) {
     const double omega = pi * (static_cast<double>(i) + 0.5) / LeftOutSpectrum::kSteps;
-    const double ratio = square(square(std::tan(omega / 2.0) / t_c));
+    const double ratio = numerics::square(numerics::square(std::tan(omega / 2.0) / t_c));
     spectrum.cosine[i] = std::cos(omega);
-    spectrum.power[i] = square(ratio / (1.0 + ratio)) / LeftOutSpectrum::kSteps;
+    spectrum.power[i] = numerics::square(ratio / (1.0 + ratio)) / LeftOutSpectrum::kSteps;
   }
   return spectrum;
 }

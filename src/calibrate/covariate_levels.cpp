@@ -6,6 +6,8 @@
 #include <numbers>
 #include <utility>
 
+#include "units/units.hpp"
+
 namespace gear3k::calibrate {
 
 namespace {
@@ -88,7 +90,6 @@ std::vector<double> column_of(const MeasurementSet& data, double Condition::*mem
 }
 
 std::vector<Levels> covariate_levels(const MeasurementSet& data) {
-  constexpr double kRpm = std::numbers::pi / 30.0;
   std::vector<Levels> result;
   const auto add = [&](std::string name, const std::vector<double>& values, double per_unit,
                        double offset) {
@@ -102,7 +103,7 @@ std::vector<Levels> covariate_levels(const MeasurementSet& data) {
     return values;
   };
   add("load", column_of(data, &Condition::output_torque_Nm), 1.0, 0.0);
-  add("speed", column_of(data, &Condition::sun_speed_rad_s), kRpm, 0.0);
+  add("speed", column_of(data, &Condition::sun_speed_rad_s), units::kRpm, 0.0);
   add("test torque", column_of(data, &Condition::test_torque_Nm), 1.0, 0.0);
   add("temperature", column_of(data, &Condition::temperature_K), 1.0, 273.15);
   add("time", column_of(data, &Condition::time_s), 1.0, 0.0);

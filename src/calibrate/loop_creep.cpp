@@ -3,11 +3,10 @@
 #include <cmath>
 
 #include "calibrate/loop_closing.hpp"
+#include "numerics/square.hpp"
 
 namespace gear3k::calibrate {
 namespace {
-
-double square(double x) { return x * x; }
 
 double duration_s(const FilteredRecord& f, const Loop& loop) {
   return f.raw.time_s[loop.last_sample] - f.raw.time_s[loop.first_sample];
@@ -34,7 +33,7 @@ CommonSlope common_slope(const std::vector<BranchZero>& branches) {
     for (std::size_t k = 0; k < branches.size(); ++k) {
       if (!counts(branches[k])) continue;
       slope.weight_per_s[k] = branches[k].at->time_s - mean;
-      sum_tt += square(slope.weight_per_s[k]);
+      sum_tt += numerics::square(slope.weight_per_s[k]);
     }
   }
   slope.repeats = sum_tt > 0.0;
@@ -54,7 +53,7 @@ std::optional<Creep> find_creep(const FilteredRecord& f, const std::vector<Branc
       const double w = slope.weight_per_s[k];
       if (w == 0.0) continue;
       creep.rad_s += w * branches[k].at->angle_rad;
-      variance += square(w) * branches[k].variance_rad2;
+      variance += numerics::square(w) * branches[k].variance_rad2;
     }
     creep.standard_deviation_rad_s = std::sqrt(variance);
   } else {

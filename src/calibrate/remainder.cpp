@@ -14,7 +14,7 @@ namespace gear3k::calibrate {
 namespace {
 
 /// From here on fewer simulations and orders must do.
-constexpr Eigen::Index kManyRows = 5000;
+constexpr Eigen::Index kManyScreenedRows = 5000;
 
 /// A covariate as a number: those with a natural zero over their greatest value, others from −1 to
 /// 1 over their range.
@@ -261,8 +261,8 @@ void screen_terms(const std::vector<Term>& terms, const FreeResidual& residual, 
   const TermBlocks all = blocks_of_terms(pointers, n);
   const Screen screen(residual.own_basis, all.columns, all.blocks, 0.0);
   const std::vector<Gain> gains = screen.gains(residual.left);
-  const auto luck =
-      screen.luck(residual.left, rate, n > kManyRows ? 128 : 256, seed, Screen::Chance::kShuffled);
+  const auto luck = screen.luck(residual.left, rate, n > kManyScreenedRows ? 128 : 256, seed,
+                                Screen::Chance::kShuffled);
   const auto best = static_cast<std::size_t>(std::ranges::max_element(gains, {}, &Gain::evidence) -
                                              gains.begin());
   result.best = {.along = terms[best].along,

@@ -19,7 +19,7 @@ namespace {
 /// Share of the rate that each further effect gets: what one cause leaves by its form is small.
 constexpr double kFurtherShare = 0.4;
 constexpr int kSimulations = 768;
-constexpr double kManyRows = 5000.0;
+constexpr double kManySearchedRows = 5000.0;
 constexpr int kFitsPerStep = 5;
 
 /// Likelihood of a set with a price for its parameters and the choice of its forms.
@@ -127,7 +127,7 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
   base.residual = winsorised(base.residual, scale);
   const LinearSets linear(base, blocks_of(candidates), problem);
   const auto n = static_cast<double>(problem.data.rows.size());
-  const int simulations = n > kManyRows ? kSimulations / 4 : kSimulations;
+  const int simulations = n > kManySearchedRows ? kSimulations / 4 : kSimulations;
 
   const Blocks blocks = holdout_blocks(problem.data, covariate_levels(problem.data));
   Fit best = fit(problem, {}, scale);

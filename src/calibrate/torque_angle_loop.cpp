@@ -20,7 +20,7 @@ namespace {
 
 /// Swing of the unfiltered torque, as a fraction of its range, that counts in the first search.
 constexpr double kRawReversalFraction = 0.5;
-constexpr double kSignificant = 3.0;  ///< standard deviations
+constexpr double kSignificantMotion = 3.0;  ///< standard deviations
 /// Noise alone may pass zero torque several times, so far apart in angle [standard deviations].
 constexpr double kManyDeviations = 6.0;
 /// Differences below this fraction of the range of the angle are rounding.
@@ -107,7 +107,7 @@ LoopOutcome judge(const BranchedRecord& r, const LoopOptions& options, std::size
   LoopOutcome outcome = LoopOutcome::kMeasured;
   if (!(one.at_double && two.at_double) ||
       std::abs(loop.change_at_double_cutoff_rad) >
-          std::max({options.filter_fraction * lost, kSignificant * loop.lost_motion_sd_rad,
+          std::max({options.filter_fraction * lost, kSignificantMotion * loop.lost_motion_sd_rad,
                     r.rounding_rad})) {
     outcome = LoopOutcome::kDependsOnFilter;
   }
@@ -120,7 +120,7 @@ LoopOutcome judge(const BranchedRecord& r, const LoopOptions& options, std::size
   if (loop.closing_error_rad &&
       std::abs(*loop.closing_error_rad) >
           std::max({options.closing_fraction * lost,
-                    kSignificant * closing_deviation_rad(r.filtered.secant, one, two),
+                    kSignificantMotion * closing_deviation_rad(r.filtered.secant, one, two),
                     r.rounding_rad})) {
     outcome = LoopOutcome::kDoesNotClose;
   }

@@ -18,6 +18,7 @@
 #include "io/diagnostics.hpp"
 #include "io/specification_file.hpp"
 #include "report/version.hpp"
+#include "units/units.hpp"
 
 namespace {
 
@@ -106,7 +107,6 @@ struct LimitOption {
   cli::ConditionLimit cli::DiagnoseOptions::*limit;
   double least;  ///< of what may be stated
 };
-constexpr double kAbsoluteZero_c = -273.15;
 constexpr std::array<LimitOption, 4> kLimitOptions{
     {{.name = "sun-speed-rpm",
       .text = "sun speed of the next experiment",
@@ -123,7 +123,7 @@ constexpr std::array<LimitOption, 4> kLimitOptions{
      {.name = "temperature-c",
       .text = "temperature of the next experiment",
       .limit = &cli::DiagnoseOptions::temperature_c,
-      .least = kAbsoluteZero_c}}};
+      .least = units::kAbsoluteZero_c}}};
 
 /// A seed from its decimal digits.
 std::uint64_t seed_of(const std::string& text) {

@@ -12,6 +12,7 @@
 #include "design/measured_lost_motion.hpp"
 #include "io/diagnostics.hpp"
 #include "io/model_file.hpp"
+#include "units/units.hpp"
 
 namespace gear3k::cli {
 
@@ -21,8 +22,7 @@ using calibrate::ExtendedModel;
 using Point = design::OperatingPoint<double>;
 
 std::string point_text(const Point& point) {
-  constexpr double kRpm = std::numbers::pi / 30.0;
-  return fmt::format("{:.6g} rpm, {:.6g} Nm, {:.4g} C", point.sun_speed_rad_s / kRpm,
+  return fmt::format("{:.6g} rpm, {:.6g} Nm, {:.4g} C", point.sun_speed_rad_s / units::kRpm,
                      point.output_torque_Nm, point.temperature_K - 273.15);
 }
 

@@ -37,7 +37,7 @@ std::string path_in(const std::string& folder, const char* name) {
 }
 
 /// The task of a run, with what its model changes.
-struct Task {
+struct OptimizeTask {
   optimize::Specification spec;
   std::optional<LoadedModel> model;
   Notes notes;
@@ -46,12 +46,12 @@ struct Task {
 
   [[nodiscard]] const report::ModelUse* use() const { return model ? &model->use : nullptr; }
 };
-Task load_task(const OptimizeOptions& options) {
-  Task task{.spec = io::read_specification(options.file),
-            .model = load_model(options.model),
-            .notes = {},
-            .unreachable = {},
-            .stated_limits = {}};
+OptimizeTask load_task(const OptimizeOptions& options) {
+  OptimizeTask task{.spec = io::read_specification(options.file),
+                    .model = load_model(options.model),
+                    .notes = {},
+                    .unreachable = {},
+                    .stated_limits = {}};
   if (task.model) {
     const optimize::Specification stated = task.spec;
     task.spec = with_model(stated, *task.model, task.notes);
@@ -79,7 +79,7 @@ Task load_task(const OptimizeOptions& options) {
 }
 
 /// The design of a refined set as files state it.
-design::Design stated_design(const Task& task, const optimize::RefinedSet& set) {
+design::Design stated_design(const OptimizeTask& task, const optimize::RefinedSet& set) {
   design::Design design = optimize::design_of(task.spec, set);
   design.limits = task.stated_limits;
   return design;
@@ -130,7 +130,7 @@ backlash::TurnYield turn_of(const design::Design& design, std::uint64_t seed) {
 
 /// Tightens the task's limits until they hold as it asks; empty where it asks for the drawn gearbox
 /// only.
-std::optional<report::RobustRun> make_robust(const OptimizeOptions& options, Task& task) {
+std::optional<report::RobustRun> make_robust(const OptimizeOptions& options, OptimizeTask& task) {
   optimize::Specification& spec = task.spec;
   if (spec.robust.hold == optimize::Hold::kNominal) return std::nullopt;
   const bool best_only = optimize::has_bounds(spec) && !optimize::judged_by_model(spec);
@@ -195,7 +195,7 @@ struct Outcome {
     return result.interrupted || (front && front->interrupted);
   }
 };
-Outcome run(const OptimizeOptions& options, const Task& task) {
+Outcome run(const OptimizeOptions& options, const OptimizeTask& task) {
   std::vector<std::string> files{options.file};
   if (!options.model.empty()) files.push_back(options.model);
   const std::string path = path_in(options.out, kJournalName);
@@ -219,7 +219,7 @@ Outcome run(const OptimizeOptions& options, const Task& task) {
   return outcome;
 }
 
-void write_results(const OptimizeOptions& options, const Task& task, const Outcome& outcome,
+void write_results(const OptimizeOptions& options, const OptimizeTask& task, const Outcome& outcome,
                    const report::ResultTally& tally, const std::string& summary) {
   const optimize::OptimizeResult& result = outcome.result;
   const report::RefinedColumns columns = report::refined_columns(task.spec);
@@ -255,7 +255,8 @@ void write_results(const OptimizeOptions& options, const Task& task, const Outco
 }
 
 /// The design that is printed is the one that the file describes.
-std::pair<design::Design, design::Evaluation> best_of(const Task& task, const std::string& path) {
+std::pair<design::Design, design::Evaluation> best_of(const OptimizeTask& task,
+                                                      const std::string& path) {
   design::Design design = io::read_design(path);
   if (task.model &&
       (task.spec.operating_point || !calibrate::needs_operating_point(task.model->extension))) {
@@ -294,7 +295,7 @@ void refuse_overwriting_input(const OptimizeOptions& options) {
 }  // namespace
 
 ExitCode run_optimize(const OptimizeOptions& options) {
-  Task task = load_task(options);
+  OptimizeTask task = load_task(options);
   refuse_overwriting_input(options);
   warn(task.notes, options.quiet);
   io::prepare_folder(options.out);

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <numbers>
 
+#include "units/units.hpp"
+
 namespace gear3k::design {
 
 namespace {
-
-constexpr double kArcmin_rad = std::numbers::pi / 180.0 / 60.0;
 
 struct UnitRecord {
   std::string_view name;
@@ -19,7 +19,7 @@ constexpr std::array<UnitRecord, 6> kUnits{{{"", 1.0},
                                             {"module", 1.0},
                                             {"mm", 1e-3},
                                             {"um", 1e-6},
-                                            {"arcmin", kArcmin_rad},
+                                            {"arcmin", units::kArcmin},
                                             {"deg", std::numbers::pi / 180.0}}};
 
 }  // namespace
@@ -74,8 +74,8 @@ double scale_of(const CheckRecord& record, double limit, double length_scale_m) 
       return limit > 0.0 ? limit : length_scale_m;
     case Unit::kArcmin: {
       // A limit next to nothing is no measure of what matters.
-      constexpr double kLeast_rad = 0.1 * kArcmin_rad;
-      return limit > 0.0 ? std::max(limit, kLeast_rad) : kArcmin_rad;
+      constexpr double kLeast_rad = 0.1 * units::kArcmin;
+      return limit > 0.0 ? std::max(limit, kLeast_rad) : units::kArcmin;
     }
     case Unit::kDegree:
       // Angles of assembly are zero when it fits, and never small otherwise.
@@ -215,5 +215,6 @@ Gearing<T> gearing_of(const train::TrainGeometry<T>& train,
                                     const std::array<T, train::kMeshCount>&, \
                                     backlash::LostMotionModel);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
+#undef INSTANTIATE
 
 }  // namespace gear3k::design

@@ -50,5 +50,6 @@ std::optional<T> measured_lost_motion(const train::TrainParameters<T>& parameter
       const backlash::LostMotionExtension<T>&, const LostMotionTest<T>&);
 INSTANTIATE(double)
 INSTANTIATE(Jet1)
+#undef INSTANTIATE
 
 }  // namespace gear3k::design

@@ -54,6 +54,10 @@ struct MapPair {
   OperatingPoint<double> point;
   MapPoint forward, backward;
 };
+/// The point of a pair in one drive direction.
+inline const MapPoint& point_of(const MapPair& pair, Direction direction) {
+  return direction == Direction::kForward ? pair.forward : pair.backward;
+}
 
 struct OperatingMap {
   std::string name;

@@ -439,5 +439,6 @@ std::optional<std::array<T, kMeshCount>> mesh_friction(const LossyTrain<T>& trai
       const LossyTrain<T>&, const OperatingPoint<T>&, Direction);
 INSTANTIATE(double)
 INSTANTIATE(Jet1)
+#undef INSTANTIATE
 
 }  // namespace gear3k::design

@@ -136,5 +136,6 @@ std::optional<T> friction_coefficient(const Friction<T>& friction, const MeshSta
   template T dynamic_viscosity<T>(const Lubricant<T>&, const T&); \
   template std::optional<T> friction_coefficient<T>(const Friction<T>&, const MeshState<T>&);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
+#undef INSTANTIATE
 
 }  // namespace gear3k::efficiency

@@ -201,5 +201,6 @@ bool loss_model_in_range(LossModel model, double approach, double recess) {
   template T coulomb_path_efficiency<T>(const MeshContact<T>&, const FlankFriction<T>&);   \
   template T mesh_efficiency<T>(const MeshContact<T>&, const FlankFriction<T>&, LossModel);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
+#undef INSTANTIATE
 
 }  // namespace gear3k::efficiency

@@ -78,5 +78,6 @@ T backdriving_margin(const train::ToothSet& z, const MeshEfficiencies<T>& eta) {
   template T backward_efficiency<T>(const train::ToothSet&, const MeshEfficiencies<T>&);        \
   template T backdriving_margin<T>(const train::ToothSet&, const MeshEfficiencies<T>&);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
+#undef INSTANTIATE
 
 }  // namespace gear3k::efficiency

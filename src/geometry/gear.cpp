@@ -97,5 +97,6 @@ T tip_curvature_radius(const GearGeometry<T>& g) {
   template T tooth_thickness<T>(const GearGeometry<T>&, const T&);                         \
   template T tip_curvature_radius<T>(const GearGeometry<T>&);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
+#undef INSTANTIATE
 
 }  // namespace gear3k::geometry

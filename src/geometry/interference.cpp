@@ -404,5 +404,6 @@ T tip_fouling_gap(const GearGeometry<T>& gear1, const GearGeometry<T>& gear2,
   template T tip_fouling_gap<T>(const GearGeometry<T>&, const GearGeometry<T>&,              \
                                 const MeshGeometry<T>&, const ToothForm<T>&, int);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
+#undef INSTANTIATE
 
 }  // namespace gear3k::geometry

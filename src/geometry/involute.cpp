@@ -65,5 +65,6 @@ T inverse_involute(const T& value) {
   template T involute<T>(const T&); \
   template T inverse_involute<T>(const T&);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
+#undef INSTANTIATE
 
 }  // namespace gear3k::geometry

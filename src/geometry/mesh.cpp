@@ -74,5 +74,6 @@ T khk_tip_shortening(const ExternalShifts<T>& mesh) {
                                                              const GearGeometry<T>&);              \
   template T khk_tip_shortening<T>(const ExternalShifts<T>&);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
+#undef INSTANTIATE
 
 }  // namespace gear3k::geometry

@@ -12,7 +12,7 @@ namespace gear3k::geometry {
 
 namespace {
 
-constexpr int kBisections = 60;
+constexpr int kChordBisections = 60;
 constexpr double kOnAxis_rad = 1e-12;
 constexpr int kGreatestDepth = 20;
 /// Share of the chord error that the sampled deviations may use up; the rest is for the deviation
@@ -90,7 +90,7 @@ class HalfTooth {
     double end = 1.0;
     if (!whole) {
       double low = 0.0;
-      for (int i = 0; i < kBisections; ++i) {
+      for (int i = 0; i < kChordBisections; ++i) {
         const double middle = 0.5 * (low + end);
         (past_tip(piece(middle)) ? end : low) = middle;
       }

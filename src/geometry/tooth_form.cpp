@@ -12,7 +12,7 @@ namespace {
 constexpr double kRightAngle = std::numbers::pi / 2.0;
 /// Least involute of the cutting angle: below it a cutter has no working angle in the ring.
 constexpr double kLeastCuttingInvolute = 1e-9;
-constexpr int kBisections = 60;
+constexpr int kFilletBisections = 60;
 /// Missing flank up to this length [modules] is within what the undercut check lets pass.
 constexpr double kUndercutTolerance = 1e-5;
 /// Slopes dr/dγ below this share of the radius are those of the root circle's end, where no step is
@@ -89,7 +89,7 @@ T undercut_normal_angle(const GearGeometry<T>& g, const Fillet<T>& fillet) {
   const Fillet<double> fillet_value = without_derivatives(fillet);
   double low = fillet_value.normal_angle_rad;
   double high = kRightAngle;
-  for (int i = 0; i < kBisections; ++i) {
+  for (int i = 0; i < kFilletBisections; ++i) {
     const double middle = 0.5 * (low + high);
     const FilletPoint<double> point = fillet_point(fillet_value, middle);
     const bool cut = point.radius_m <= flank_value.base_radius_m ||
@@ -333,7 +333,7 @@ T contour_half_angle(const GearGeometry<T>& g, const ToothForm<T>& form, const T
   const Fillet<double> fillet = without_derivatives(form.fillet);
   // The fillet's radius falls towards the root of an external gear, and rises on a ring.
   double low = value_of(form.form_normal_angle_rad), high = kRightAngle;
-  for (int i = 0; i < kBisections; ++i) {
+  for (int i = 0; i < kFilletBisections; ++i) {
     const double middle = 0.5 * (low + high);
     (outwards * (fillet_point(fillet, middle).radius_m - radius) > 0.0 ? low : high) = middle;
   }
@@ -364,6 +364,7 @@ T rack_rounding(const GearGeometry<T>& g) {
   template T rack_rounding<T>(const GearGeometry<T>&);                                     \
   template ToothForm<T> make_tooth_form<T>(const GearGeometry<T>&);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
+#undef INSTANTIATE
 // For curvatures along the fillet.
 template FilletPoint<ceres::Jet<double, 1>> fillet_point(const Fillet<ceres::Jet<double, 1>>&,
                                                          const ceres::Jet<double, 1>&);

@@ -71,5 +71,6 @@ T paper_inertia(const InertialTrain<T>& t, const efficiency::MeshEfficiencies<T>
                                                  const DirectionalEfficiencies<T>&, bool); \
   template T paper_inertia<T>(const InertialTrain<T>&, const efficiency::MeshEfficiencies<T>&);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
+#undef INSTANTIATE
 
 }  // namespace gear3k::inertia

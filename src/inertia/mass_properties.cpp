@@ -53,5 +53,6 @@ MassProperties<T> gear_body(const geometry::GearGeometry<T>& g, const T& other_r
   template MassProperties<T> gear_body<T>(const geometry::GearGeometry<T>&, const T&, const T&, \
                                           const T&);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
+#undef INSTANTIATE
 
 }  // namespace gear3k::inertia

@@ -14,16 +14,14 @@
 #include "io/mass_keys.hpp"
 #include "io/model_keys.hpp"
 #include "io/tolerance_keys.hpp"
+#include "units/units.hpp"
 
 namespace gear3k::io {
 
 namespace {
 
-constexpr double kMillimetre = 1e-3;
-constexpr double kMicrometre = 1e-6;
 constexpr int kFewestTeeth = 3;
 constexpr double kGreatestAllowance = 1.0;  // modules
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// A gear as the file states it.
 struct GearInput {
@@ -41,7 +39,7 @@ struct GearInput {
 struct CommonInput {
   std::string name;
   bool iso = false;
-  double pressure_angle_rad = 20.0 * kDegree;
+  double pressure_angle_rad = 20.0 * units::kDegree;
   std::optional<double> center_distance_m;
   geometry::BasicRack<double> rack;
   std::vector<GearInput> gears;
@@ -88,7 +86,7 @@ std::vector<Key<Target>> common_keys() {
                   .help = "centre distance of all meshes; without it the zero-backlash distance "
                           "(of mesh P1-R1 in a train) at q = 0"},
        .assign = [](Target& t, std::size_t,
-                    const TomlValue& v) { t.center_distance_m = v.number * kMillimetre; }},
+                    const TomlValue& v) { t.center_distance_m = v.number * units::kMillimetre; }},
   };
   append_model_keys<Target>(keys, [](Target& t) {
     return ModelInput{t.pressure_angle_rad, t.rack, t.friction};
@@ -135,7 +133,9 @@ void append_gear_keys(std::vector<Key<Target>>& keys, const std::string& prefix)
        .max = 1e5,
        .default_text = "none",
        .help = "the same as a length, instead of machining_allowance"},
-      [](GearInput& g, const TomlValue& v) { g.normal_thinning_m = v.number * kMicrometre; });
+      [](GearInput& g, const TomlValue& v) {
+        g.normal_thinning_m = v.number * units::kMicrometre;
+      });
   add({.path = "tip_shortening",
        .type = KeyType::kNumber,
        .unit = "modules",
@@ -160,7 +160,7 @@ void append_gear_keys(std::vector<Key<Target>>& keys, const std::string& prefix)
        .default_text = "by geometry",
        .help = "measuring pin; without it the one that touches on the circle d + 2 x m, rounded up "
                "to 0.01 mm"},
-      [](GearInput& g, const TomlValue& v) { g.pin_diameter_m = v.number * kMillimetre; });
+      [](GearInput& g, const TomlValue& v) { g.pin_diameter_m = v.number * units::kMillimetre; });
   append_cutter_keys<Target>(
       keys, prefix + "cutter",
       [](Target& t, std::size_t gear) -> geometry::PinionCutter& { return t.gears[gear].cutter; });
@@ -190,7 +190,7 @@ Schema<DesignInput> design_schema() {
                                .required = true,
                                .help = stage == 0 ? "module of S, P1, R1" : "module of P2, R2"},
                     .assign = [stage](Input& t, std::size_t, const TomlValue& v) {
-                      t.module_m[stage] = v.number * kMillimetre;
+                      t.module_m[stage] = v.number * units::kMillimetre;
                     }});
     append_face_width_key<Input>(keys, stage, [stage](Input& t) -> std::optional<double>& {
       return t.masses.face_width_m[stage];
@@ -205,7 +205,7 @@ Schema<DesignInput> design_schema() {
                              .default_text = "0",
                              .help = "bore diameter of an external gear, for its mass and inertia"},
                   .assign = [](Input& t, std::size_t gear, const TomlValue& v) {
-                    t.gears[gear].bore_diameter_m = v.number * kMillimetre;
+                    t.gears[gear].bore_diameter_m = v.number * units::kMillimetre;
                   }});
   keys.push_back({.record = {.path = "gears.{gear}.outer_diameter_mm",
                              .type = KeyType::kNumber,
@@ -216,7 +216,7 @@ Schema<DesignInput> design_schema() {
                              .default_text = "none",
                              .help = "outer diameter of ring R1 or R2, for its mass and inertia"},
                   .assign = [](Input& t, std::size_t gear, const TomlValue& v) {
-                    t.gears[gear].outer_diameter_m = v.number * kMillimetre;
+                    t.gears[gear].outer_diameter_m = v.number * units::kMillimetre;
                   }});
   append_mass_keys<Input>(keys, [](Input& t) -> design::Masses& { return t.masses; });
   append_axial_keys<Input>(keys, [](Input& t) -> train::AxialLayout& { return t.axial; });
@@ -246,7 +246,7 @@ Schema<PairInput> pair_schema() {
                              .required = true,
                              .help = "module of both gears"},
                   .assign = [](PairInput& t, std::size_t, const TomlValue& v) {
-                    t.module_m = v.number * kMillimetre;
+                    t.module_m = v.number * units::kMillimetre;
                   }});
   append_gear_keys(keys, "{gear}.");
   append_gear_tolerance_keys<PairInput>(
@@ -344,12 +344,12 @@ geometry::Gear<double> finish_gear(const CommonInput& input, const GearInput& g,
   if (g.normal_thinning_m) {
     gear.machining_allowance = *g.normal_thinning_m / place.module_m;
     if (gear.machining_allowance > kGreatestAllowance) {
-      reading.error_at(
-          place.path + ".normal_thinning_um",
-          fmt::format("{}.normal_thinning_um = {:.6g}: allowed: at most {:.6g} ({:g} "
-                      "module)",
-                      place.path, *g.normal_thinning_m / kMicrometre,
-                      kGreatestAllowance * place.module_m / kMicrometre, kGreatestAllowance));
+      reading.error_at(place.path + ".normal_thinning_um",
+                       fmt::format("{}.normal_thinning_um = {:.6g}: allowed: at most {:.6g} ({:g} "
+                                   "module)",
+                                   place.path, *g.normal_thinning_m / units::kMicrometre,
+                                   kGreatestAllowance * place.module_m / units::kMicrometre,
+                                   kGreatestAllowance));
     }
   }
   return gear;
@@ -421,10 +421,11 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
     if (has_circles && !places[i].ring) {
       const double root = 2.0 * circles_of(input, gear).root_radius_m;
       if (input.gears[i].bore_diameter_m >= root) {
-        reading.error_at(places[i].path + ".bore_mm",
-                         fmt::format("{}.bore_mm = {:.6g}: allowed: below the root diameter {:.6g}",
-                                     places[i].path, input.gears[i].bore_diameter_m / kMillimetre,
-                                     root / kMillimetre));
+        reading.error_at(
+            places[i].path + ".bore_mm",
+            fmt::format("{}.bore_mm = {:.6g}: allowed: below the root diameter {:.6g}",
+                        places[i].path, input.gears[i].bore_diameter_m / units::kMillimetre,
+                        root / units::kMillimetre));
       }
     }
     if (input.gears[i].outer_diameter_m && !places[i].ring) {
@@ -436,11 +437,12 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
     if (places[i].ring && input.gears[i].outer_diameter_m && has_circles) {
       const double least = 2.0 * circles_of(input, gear).root_radius_m;
       if (*input.gears[i].outer_diameter_m <= least) {
-        reading.error_at(places[i].path + ".outer_diameter_mm",
-                         fmt::format("{}.outer_diameter_mm = {:.6g}: allowed: above the root "
-                                     "diameter {:.6g}",
-                                     places[i].path, *input.gears[i].outer_diameter_m / kMillimetre,
-                                     least / kMillimetre));
+        reading.error_at(
+            places[i].path + ".outer_diameter_mm",
+            fmt::format("{}.outer_diameter_mm = {:.6g}: allowed: above the root "
+                        "diameter {:.6g}",
+                        places[i].path, *input.gears[i].outer_diameter_m / units::kMillimetre,
+                        least / units::kMillimetre));
       }
       (id == train::kR1 ? design.masses.ring1_outer_radius_m : design.masses.ring2_outer_radius_m) =
           0.5 * *input.gears[i].outer_diameter_m;

@@ -8,13 +8,11 @@
 #include "io/mass_keys.hpp"
 #include "io/tolerance_keys.hpp"
 #include "io/toml_text.hpp"
+#include "units/units.hpp"
 
 namespace gear3k::io {
 
 namespace {
-
-constexpr double kMillimetre = 1e-3;
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 std::string limits_text(const design::Limits& limits) {
   using design::CheckId;
@@ -64,12 +62,12 @@ std::string axial_text(const train::AxialLayout& layout) {
     const auto& extent = layout.extent[i];
     if (!extent) continue;
     text += fmt::format("{}_mm = [{}, {}]\n", train::kBodyNames[i],
-                        toml_number(extent->from_m / kMillimetre),
-                        toml_number(extent->to_m / kMillimetre));
+                        toml_number(extent->from_m / units::kMillimetre),
+                        toml_number(extent->to_m / units::kMillimetre));
   }
   if (layout.carrier_radius_m > 0.0) {
     text += fmt::format("carrier_diameter_mm = {}\n",
-                        toml_number(2.0 * layout.carrier_radius_m / kMillimetre));
+                        toml_number(2.0 * layout.carrier_radius_m / units::kMillimetre));
   }
   return text.empty() ? "" : "\n[axial]\n" + text;
 }
@@ -100,10 +98,11 @@ std::string design_text(const design::Design& design) {
   std::string text =
       fmt::format("name = {}\nplanets = {}\nidentical_planets = {}\n", toml_quoted(design.name),
                   t.planets, design.limits[design::CheckId::kIdenticalPlanets].has_value());
-  text += fmt::format("pressure_angle_deg = {}\n", toml_number(t.pressure_angle_rad / kDegree));
+  text +=
+      fmt::format("pressure_angle_deg = {}\n", toml_number(t.pressure_angle_rad / units::kDegree));
   if (design.center_distance_given) {
-    text +=
-        fmt::format("center_distance_mm = {}\n", toml_number(t.center_distance_m / kMillimetre));
+    text += fmt::format("center_distance_mm = {}\n",
+                        toml_number(t.center_distance_m / units::kMillimetre));
   }
   text += "sign_convention = \"khk\"\n";
   text += fmt::format("\n[rack]\naddendum = {}\ndedendum = {}\nroot_radius = {}\n",
@@ -111,10 +110,10 @@ std::string design_text(const design::Design& design) {
                       toml_number(t.rack[0].root_radius));
   for (std::size_t stage = 0; stage < 2; ++stage) {
     text += fmt::format("\n[stage{}]\nmodule_mm = {}\n", stage + 1,
-                        toml_number(t.module_m[stage] / kMillimetre));
+                        toml_number(t.module_m[stage] / units::kMillimetre));
     if (design.masses.face_width_m[stage]) {
       text += fmt::format("face_width_mm = {}\n",
-                          toml_number(*design.masses.face_width_m[stage] / kMillimetre));
+                          toml_number(*design.masses.face_width_m[stage] / units::kMillimetre));
     }
   }
   const design::Masses& masses = design.masses;
@@ -127,17 +126,18 @@ std::string design_text(const design::Design& design) {
                          : fmt::format("tip_shortening = {}\n", toml_number(t.tip_shortening[i]));
     if (design.pin_diameter_m[i]) {
       text += fmt::format("pin_diameter_mm = {}\n",
-                          toml_number(*design.pin_diameter_m[i] / kMillimetre));
+                          toml_number(*design.pin_diameter_m[i] / units::kMillimetre));
     }
     if (masses.bore_radius_m[i] > 0.0) {
-      text +=
-          fmt::format("bore_mm = {}\n", toml_number(2.0 * masses.bore_radius_m[i] / kMillimetre));
+      text += fmt::format("bore_mm = {}\n",
+                          toml_number(2.0 * masses.bore_radius_m[i] / units::kMillimetre));
     }
     const auto outer = i == train::kR1   ? masses.ring1_outer_radius_m
                        : i == train::kR2 ? masses.ring2_outer_radius_m
                                          : std::nullopt;
     if (outer)
-      text += fmt::format("outer_diameter_mm = {}\n", toml_number(2.0 * *outer / kMillimetre));
+      text +=
+          fmt::format("outer_diameter_mm = {}\n", toml_number(2.0 * *outer / units::kMillimetre));
     if (t.cutter[i].teeth > 0) {
       text +=
           fmt::format("[gears.{}.cutter]\nteeth = {}\nprofile_shift = {}\ntip_radius = {}\n",

@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <numbers>
 
+#include "units/units.hpp"
+
 namespace gear3k::io {
 
 namespace {
 
 using efficiency::FrictionLaw;
 
-constexpr double kRpm = std::numbers::pi / 30.0;
-constexpr double kMillimetre = 1e-3;
 constexpr double kCelsius = 273.15;  // 0 °C in kelvin
 constexpr double kDefaultTemperatureC = 20.0;
 
@@ -191,7 +191,7 @@ std::vector<LossNumber> shaft_numbers() {
                           .default_text = "none",
                           .help = "radius at which that friction acts"},
                .member = [](Input& i) -> double& { return i.shafts.planet_bearing_radius_m; },
-               .per_unit = kMillimetre});
+               .per_unit = units::kMillimetre});
   return n;
 }
 
@@ -205,7 +205,7 @@ std::vector<LossNumber> point_numbers() {
                           .default_text = "none",
                           .help = "speed of the sun; with output_torque_nm"},
                .member = [](Input& i) -> double& { return i.operating_point.sun_speed_rad_s; },
-               .per_unit = kRpm});
+               .per_unit = units::kRpm});
   n.push_back({.record = {.path = "operating_point.output_torque_nm",
                           .unit = "N m",
                           .min = 0.0,
@@ -375,7 +375,7 @@ const std::vector<MapKey>& map_keys() {
                                                     .default_text = "[200, 1000]",
                                                     .help = "speeds of the operating map"},
                                          .axis = &design::MapGrid::sun_speed_rad_s,
-                                         .per_unit = kRpm},
+                                         .per_unit = units::kRpm},
                                         {.record = {.path = "map.speed_points",
                                                     .type = KeyType::kInteger,
                                                     .min = 2,

@@ -10,6 +10,7 @@
 
 #include "design/design.hpp"
 #include "io/key_registry.hpp"
+#include "units/units.hpp"
 
 namespace gear3k::io {
 
@@ -83,8 +84,7 @@ void append_face_width_key(std::vector<Key<Target>>& keys, std::size_t stage, Vi
                              .default_text = "none",
                              .help = "face width; without it no mass or inertia from geometry"},
                   .assign = [view](Target& t, std::size_t, const TomlValue& v) {
-                    constexpr double kMillimetre_m = 1e-3;
-                    view(t) = v.number * kMillimetre_m;
+                    view(t) = v.number * units::kMillimetre;
                   }});
 }
 

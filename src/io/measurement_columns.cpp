@@ -22,7 +22,7 @@ using Type = MeasurementColumn::Type;
 
 constexpr double kRadPerArcmin = calibrate::response_unit(Kind::kLostMotion).si;
 constexpr double kAbsoluteZero_C = -calibrate::kTemperature.shift;
-constexpr double kFewestTeeth = 3, kMostTeeth = 2000;
+constexpr double kFewestPairTeeth = 3, kMostTeeth = 2000;
 constexpr std::string_view kMagnitude =
     " (speeds and torques are magnitudes; direction and rotation give the signs)";
 
@@ -122,7 +122,7 @@ std::vector<Column> pair_loss_columns() {
     return Column{.name = quantity.column,
                   .type = Type::kInteger,
                   .required = true,
-                  .min = kFewestTeeth,
+                  .min = kFewestPairTeeth,
                   .max = kMostTeeth,
                   .store = store};
   };

@@ -8,6 +8,7 @@
 #include "io/csv_table.hpp"
 #include "io/embedded_data.hpp"
 #include "io/specification_file.hpp"
+#include "units/units.hpp"
 
 namespace gear3k::io {
 
@@ -46,7 +47,6 @@ report::PublishedGearbox gearbox(const CsvTable& table, const CsvTable::Row& row
   const auto integer = [&](const std::string& column) {
     return static_cast<int>(required(table, row, column));
   };
-  constexpr double kMillimetre = 1e-3;
   report::PublishedGearbox g;
   g.design.name = name;
   auto& t = g.design.train;
@@ -57,7 +57,7 @@ report::PublishedGearbox gearbox(const CsvTable& table, const CsvTable::Row& row
              .R2 = integer("zR2")};
   t.planets = integer("n_planets");
   t.pressure_angle_rad = number("alpha_deg") * std::numbers::pi / 180.0;
-  t.module_m = {number("m1_mm") * kMillimetre, number("m2_mm") * kMillimetre};
+  t.module_m = {number("m1_mm") * units::kMillimetre, number("m2_mm") * units::kMillimetre};
   t.profile_shift = {number("xS"), number("xP1"), number("xR1"), number("xP2"), number("xR2")};
   constexpr double kPercent = 0.01;
   const double arcmin = design::from_unit(1.0, design::Unit::kArcmin);
@@ -65,7 +65,7 @@ report::PublishedGearbox gearbox(const CsvTable& table, const CsvTable::Row& row
   g.measured_lost_motion_rad = scaled(table, row, "backlash_arcmin", arcmin);
   g.measured_forward = scaled(table, row, "fwd_eff_pct", kPercent);
   g.measured_backward = scaled(table, row, "bwd_eff_pct", kPercent);
-  g.outer_diameter_m = scaled(table, row, "diameter_mm", kMillimetre);
+  g.outer_diameter_m = scaled(table, row, "diameter_mm", units::kMillimetre);
   return g;
 }
 

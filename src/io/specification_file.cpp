@@ -15,12 +15,11 @@
 #include "io/robust_keys.hpp"
 #include "io/tolerance_keys.hpp"
 #include "optimize/objective_value.hpp"
+#include "units/units.hpp"
 
 namespace gear3k::io {
 
 namespace {
-
-constexpr double kMillimetre = 1e-3;
 
 struct SpecificationInput {
   optimize::Specification spec;
@@ -40,16 +39,17 @@ void sort_and_unify(std::vector<Number>& numbers) {
 optimize::ModuleChoice module_choice(const TomlValue& v) {
   optimize::ModuleChoice choice;
   if (v.is_number()) {
-    choice.range_m = optimize::NumberRange{v.number * kMillimetre, v.number * kMillimetre};
+    choice.range_m =
+        optimize::NumberRange{v.number * units::kMillimetre, v.number * units::kMillimetre};
   } else if (v.table.size() == 1) {
     for (const TomlValue& e : v.table[0].list) {
-      choice.series_m.push_back(e.number * kMillimetre);
+      choice.series_m.push_back(e.number * units::kMillimetre);
     }
     sort_and_unify(choice.series_m);
   } else {
     optimize::NumberRange range;
     for (const TomlValue& end : v.table) {
-      (end.key == "min" ? range.min : range.max) = end.number * kMillimetre;
+      (end.key == "min" ? range.min : range.max) = end.number * units::kMillimetre;
     }
     choice.range_m = range;
   }
@@ -119,10 +119,9 @@ void append_free_keys(std::vector<Key<Input>>& keys) {
                              .default_text = "pressure_angle_deg",
                              .help = "pressure angle, refined in this range; without bounds then"},
                   .assign = [](Input& t, std::size_t, const TomlValue& v) {
-                    constexpr double kDegree = std::numbers::pi / 180.0;
                     const optimize::NumberRange range = number_range(v);
-                    t.spec.free.pressure_angle_rad = {.min = range.min * kDegree,
-                                                      .max = range.max * kDegree};
+                    t.spec.free.pressure_angle_rad = {.min = range.min * units::kDegree,
+                                                      .max = range.max * units::kDegree};
                   }});
 }
 
@@ -193,7 +192,7 @@ void append_objective_keys(std::vector<Key<Input>>& keys) {
                              .help = "rim of both rings outside their root circles, for mass, "
                                      "inertia and outer diameter"},
                   .assign = [](Input& t, std::size_t, const TomlValue& v) {
-                    t.spec.bodies.ring_rim_m = v.number * kMillimetre;
+                    t.spec.bodies.ring_rim_m = v.number * units::kMillimetre;
                   }});
 }
 

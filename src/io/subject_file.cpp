@@ -7,14 +7,13 @@
 #include "io/document_kind.hpp"
 #include "io/key_registry.hpp"
 #include "io/toml_value.hpp"
+#include "units/units.hpp"
 
 namespace gear3k::io {
 
 namespace {
 
 using calibrate::BlackBox;
-
-constexpr double kArcmin = std::numbers::pi / (180.0 * 60.0);
 
 Schema<BlackBox> black_box_schema() {
   Schema<BlackBox> schema{.gears = {}, .keys = {}};
@@ -55,7 +54,7 @@ Schema<BlackBox> black_box_schema() {
                   .help = "lost motion at the output with the fast shaft locked; needed to explain "
                           "lost_motion and torque_angle data"},
        .assign = [](BlackBox& b, std::size_t, const TomlValue& v) {
-         b.backlash_rad = v.number * kArcmin;
+         b.backlash_rad = v.number * units::kArcmin;
        }}};
   return schema;
 }

@@ -3,13 +3,11 @@
 #include <fmt/format.h>
 
 #include "io/toml_text.hpp"
+#include "units/units.hpp"
 
 namespace gear3k::io {
 
 namespace {
-
-constexpr double kMicrometre = 1e-6;
-constexpr double kArcmin = std::numbers::pi / 10800.0;
 
 std::string limits_line(const char* key, const backlash::DeviationLimits& limits, double unit) {
   if (limits.lower == 0.0 && limits.upper == 0.0) return "";
@@ -18,7 +16,8 @@ std::string limits_line(const char* key, const backlash::DeviationLimits& limits
 }
 
 std::string length_line(const char* key, double length_m) {
-  return length_m > 0.0 ? fmt::format("{} = {}\n", key, toml_number(length_m / kMicrometre)) : "";
+  return length_m > 0.0 ? fmt::format("{} = {}\n", key, toml_number(length_m / units::kMicrometre))
+                        : "";
 }
 
 }  // namespace
@@ -65,21 +64,22 @@ backlash::GearTolerances finish_gear_tolerances(const ToleranceInput::Gear& inpu
 
 std::string tolerances_text(const backlash::Tolerances& tolerances,
                             const design::Sampling& sampling) {
-  std::string text = "\n[tolerances]\n" +
-                     limits_line("center_distance_um", tolerances.center_distance_m, kMicrometre) +
-                     length_line("pin_position_um", tolerances.pin_position_m) +
-                     limits_line("planet_phase_arcmin", tolerances.planet_phase_rad, kArcmin);
+  std::string text =
+      "\n[tolerances]\n" +
+      limits_line("center_distance_um", tolerances.center_distance_m, units::kMicrometre) +
+      length_line("pin_position_um", tolerances.pin_position_m) +
+      limits_line("planet_phase_arcmin", tolerances.planet_phase_rad, units::kArcmin);
   text += fmt::format("scatter = \"{}\"\nsigma_level = {}\nsamples = {}\nseed = {}\n",
                       backlash::kScatterNames[static_cast<std::size_t>(tolerances.scatter)],
                       toml_number(tolerances.sigma_level), sampling.samples, sampling.seed);
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
     const backlash::GearTolerances& g = tolerances.gears[i];
-    std::string gear = limits_line("tooth_thickness_um", g.tooth_thickness_m, kMicrometre) +
-                       limits_line("tip_diameter_um", g.tip_diameter_m, kMicrometre);
+    std::string gear = limits_line("tooth_thickness_um", g.tooth_thickness_m, units::kMicrometre) +
+                       limits_line("tip_diameter_um", g.tip_diameter_m, units::kMicrometre);
     if (g.root_diameter_m) {
       gear += fmt::format("root_diameter_um = [{}, {}]\n",
-                          toml_number(g.root_diameter_m->lower / kMicrometre),
-                          toml_number(g.root_diameter_m->upper / kMicrometre));
+                          toml_number(g.root_diameter_m->lower / units::kMicrometre),
+                          toml_number(g.root_diameter_m->upper / units::kMicrometre));
     }
     gear += length_line("runout_um", g.runout_m) +
             length_line("cumulative_pitch_um", g.cumulative_pitch_m) +

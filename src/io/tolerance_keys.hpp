@@ -12,6 +12,7 @@
 #include "backlash/tolerances.hpp"
 #include "design/design.hpp"
 #include "io/key_registry.hpp"
+#include "units/units.hpp"
 
 namespace gear3k::io {
 
@@ -42,7 +43,6 @@ inline backlash::DeviationLimits deviation_limits(const TomlValue& v, double uni
 /// @param pair  of two gears: without run-out and pitch, which its limits do not have
 template <class Target, class View>
 void append_gear_tolerance_keys(std::vector<Key<Target>>& keys, View view, bool pair) {
-  constexpr double kMicrometre = 1e-6;
   const auto add = [&](const KeyRecord& record, auto assign) {
     keys.push_back({.record = record,
                     .assign = [view, assign](Target& t, std::size_t gear, const TomlValue& v) {
@@ -62,7 +62,7 @@ void append_gear_tolerance_keys(std::vector<Key<Target>>& keys, View view, bool 
          .default_text = default_text,
          .help = help},
         [assign](Input& t, Gear& g, const TomlValue& v) {
-          assign(t, g.tolerances, deviation_limits(v, kMicrometre));
+          assign(t, g.tolerances, deviation_limits(v, units::kMicrometre));
         });
   };
   using Limits = backlash::DeviationLimits;
@@ -92,7 +92,7 @@ void append_gear_tolerance_keys(std::vector<Key<Target>>& keys, View view, bool 
          .default_text = "that of accuracy_grade, else 0",
          .help = help},
         [member, flag](Input&, Gear& g, const TomlValue& v) {
-          g.tolerances.*member = v.number * kMicrometre;
+          g.tolerances.*member = v.number * units::kMicrometre;
           g.*flag = true;
         });
   };
@@ -118,7 +118,6 @@ void append_gear_tolerance_keys(std::vector<Key<Target>>& keys, View view, bool 
 /// @param view  ToleranceInput&(Target&)
 template <class Target, class View>
 void append_tolerance_keys(std::vector<Key<Target>>& keys, View view) {
-  constexpr double kArcmin = std::numbers::pi / 10800.0;
   append_gear_tolerance_keys<Target>(keys, view, false);
   const auto add = [&](const KeyRecord& record, auto assign) {
     keys.push_back(
@@ -143,7 +142,9 @@ void append_tolerance_keys(std::vector<Key<Target>>& keys, View view) {
        .max = 600.0,
        .default_text = "0",
        .help = "angle of P2 against P1 on each planet, deviation from the drawn one"},
-      [](Input& t, const TomlValue& v) { t.planet_phase_rad = deviation_limits(v, kArcmin); });
+      [](Input& t, const TomlValue& v) {
+        t.planet_phase_rad = deviation_limits(v, units::kArcmin);
+      });
   add({.path = "tolerances.scatter",
        .type = KeyType::kChoice,
        .choices = {backlash::kScatterNames.begin(), backlash::kScatterNames.end()},

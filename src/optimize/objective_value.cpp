@@ -205,5 +205,6 @@ double objective_scale(Objective objective, const Specification& spec) {
   template T objective_value<T>(Objective, const Specification&, const train::TrainGeometry<T>&, \
                                 const std::array<T, train::kMeshCount>&, int);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
+#undef INSTANTIATE
 
 }  // namespace gear3k::optimize

@@ -387,5 +387,6 @@ double worst_violation(std::span<const double> constraints) {
   template std::optional<T> evaluate<T>(const RefinementProblem&, std::span<const T>, \
                                         std::span<const std::uint16_t>, std::span<T>);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
+#undef INSTANTIATE
 
 }  // namespace gear3k::optimize

@@ -14,7 +14,7 @@ using design::CheckId;
 namespace {
 
 /// A feasible design may miss a limit by kFeasibilityTolerance of its scale.
-constexpr double kSlack = 2.0 * design::kFeasibilityTolerance;
+constexpr double kShiftSlack = 2.0 * design::kFeasibilityTolerance;
 
 /// A gear at a profile shift, with unit module.
 geometry::GearGeometry<double> unit_gear(const Specification& spec, int gear, int teeth,
@@ -81,7 +81,7 @@ ShiftRange shift_range(const Specification& spec, int gear, int teeth) {
   ShiftRange result{.range = all, .widest = all, .infeasible = std::nullopt};
   const auto miss = [&](CheckId check, double miss_si, double violation) {
     // Two limits that are missed by the tolerance each may be met together.
-    if (violation <= 2.0 * kSlack) return;
+    if (violation <= 2.0 * kShiftSlack) return;
     if (!result.infeasible || violation > result.infeasible->violation) {
       result.infeasible = {.check = check, .miss_si = miss_si, .violation = violation};
     }
@@ -106,7 +106,7 @@ ShiftRange shift_range(const Specification& spec, int gear, int teeth) {
     if (limit && !free_tips && !free_angle) {
       at_least(CheckId::kRingTipOutsideBase, *limit - above);
     }
-    result.widest = {result.range.lo - kSlack, result.range.hi + kSlack};
+    result.widest = {result.range.lo - kShiftSlack, result.range.hi + kShiftSlack};
     const auto& diameter = limits[CheckId::kRingRootDiameter];
     if (diameter && *diameter > 0.0) {
       const double module =
@@ -114,7 +114,7 @@ ShiftRange shift_range(const Specification& spec, int gear, int teeth) {
       const double root = unit_gear(spec, gear, teeth, all.lo).root_radius_m;
       const double excess = 2.0 * root * module - *diameter;
       miss(CheckId::kRingRootDiameter, excess, excess / *diameter);
-      const double most = all.lo + 0.5 * *diameter * (1.0 + kSlack) / module - root;
+      const double most = all.lo + 0.5 * *diameter * (1.0 + kShiftSlack) / module - root;
       result.widest.hi = std::max(result.widest.lo, std::min(result.widest.hi, most));
     }
     return result;
@@ -123,7 +123,7 @@ ShiftRange shift_range(const Specification& spec, int gear, int teeth) {
     at_least(CheckId::kUndercut,
              *limit - geometry::undercut_margin(unit_gear(spec, gear, teeth, 0.0)));
   }
-  result.widest = {result.range.lo - kSlack, result.range.hi + kSlack};
+  result.widest = {result.range.lo - kShiftSlack, result.range.hi + kShiftSlack};
   const auto& limit = limits[CheckId::kTipThickness];
   if (limit && !spec.khk_tip[static_cast<std::size_t>(gear)] && !free_tips && !free_angle) {
     const TipShift tip = shift_at_tip_thickness(spec, gear, teeth, result.range, *limit);
@@ -134,8 +134,9 @@ ShiftRange shift_range(const Specification& spec, int gear, int teeth) {
     }
     result.range.hi = tip.most;
     result.widest.hi =
-        kSlack +
-        shift_at_tip_thickness(spec, gear, teeth, {result.range.lo, all.hi}, *limit - kSlack).most;
+        kShiftSlack +
+        shift_at_tip_thickness(spec, gear, teeth, {result.range.lo, all.hi}, *limit - kShiftSlack)
+            .most;
   }
   return result;
 }

@@ -12,8 +12,6 @@ namespace gear3k::optimize {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 double share_cost(double e, bool sliding) {
   const double off = std::abs(e - 0.5);
   return sliding && off > 0.5 ? off - 0.25 : off * off;

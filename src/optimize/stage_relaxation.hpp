@@ -81,6 +81,7 @@ struct StageBound {
 StageBound relax_stage(const StageTask& task, const StageEffort& effort);
 
 /// Slack of all comparisons, in modules and in shares of the contact ratio.
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 inline constexpr double kRelaxationSlack = 1e-9;
 
 /// Least value of the loss factor B for e1, e2 and ε = e1 + e2 in intervals.

@@ -12,10 +12,9 @@ namespace {
 
 using design::CheckId;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// A feasible design may miss a limit by kFeasibilityTolerance of its scale; bounds allow for it.
 constexpr double kFeasibilitySlack = 2.0 * design::kFeasibilityTolerance;
-constexpr double kGreatestAngle_rad = 80.0 * std::numbers::pi / 180.0;
+constexpr double kGreatestWorkingAngle_rad = 80.0 * std::numbers::pi / 180.0;
 
 }  // namespace
 
@@ -157,7 +156,7 @@ StageTask StageTasks::common(const Candidate& c, int planet, int ring, const Int
           .ring = gear(ring, z_ring, ring_x),
           .sun = std::nullopt,
           .pressure_angle_rad = spec_.pressure_angle_rad,
-          .greatest_angle_rad = kGreatestAngle_rad,
+          .greatest_angle_rad = kGreatestWorkingAngle_rad,
           .sun_backlash = {-kInfinity, kInfinity},
           .ring_backlash = backlash_floor(planet == train::kP1 ? 0 : 1),
           .lost_motion = std::nullopt,

@@ -23,10 +23,6 @@ std::string spaced(std::string text) {
   return text;
 }
 
-std::string with_unit(const std::string& number, std::string_view unit) {
-  return unit.empty() ? number : fmt::format("{} {}", number, unit);
-}
-
 std::string rows_text(std::size_t rows) {
   return rows == 1 ? "1 row" : fmt::format("{} rows", rows);
 }

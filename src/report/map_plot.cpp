@@ -73,10 +73,6 @@ std::vector<double> output_torques_nm(const OperatingMap& map) {
   return torques;
 }
 
-const MapPoint& point_of(const MapPair& pair, Direction direction) {
-  return direction == Direction::kForward ? pair.forward : pair.backward;
-}
-
 /// The efficiency of a point that has one to show.
 std::optional<double> shown_percent(const MapPoint& point) {
   if (point.status != MapStatus::kRuns || !point.operation->efficiency) return std::nullopt;

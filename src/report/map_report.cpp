@@ -41,10 +41,6 @@ std::string status_name(MapStatus status) {
 
 constexpr std::array<const char*, 2> kDirectionNames{"forward", "backward"};
 
-const MapPoint& point_of(const MapPair& pair, Direction direction) {
-  return direction == Direction::kForward ? pair.forward : pair.backward;
-}
-
 // --- table
 
 /// Places along an axis that a table has room for, the first and the last among them.

@@ -22,6 +22,7 @@ inline constexpr double kScatterTolerance = 0.05;
 
 /// Upper limits φ_U of the lost motion that Fig. 7's sets are refined under [arcmin].
 inline constexpr std::array<double, 4> kRefinementLimits_arcmin{2.0, 4.0, 8.0, 18.0};
+inline constexpr std::size_t kLimits = kRefinementLimits_arcmin.size();
 
 /// A tooth set at zero profile shift, meshes P1-R1 and P2-R2 closed but for the allowance, at the
 /// module with which the gearbox has the paper's outer diameter.

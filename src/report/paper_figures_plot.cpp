@@ -8,6 +8,7 @@
 #include "report/display.hpp"
 #include "report/paper_figures_report.hpp"
 #include "report/text_table.hpp"
+#include "report/tooth_set_text.hpp"
 
 namespace gear3k::report {
 
@@ -15,17 +16,12 @@ namespace {
 
 using optimize::RefinedSet, optimize::Status;
 
-constexpr std::size_t kLimits = kRefinementLimits_arcmin.size();
 constexpr const char* kPalette =
     "set palette defined (0 '#440154', 1 '#414487', 2 '#2a788e', 3 '#22a884', 4 '#7ad151', 5 "
     "'#fde725')\n";
 constexpr const char* kGrid = "set grid lc rgb '#e6e6e6' lt 1\n";
 constexpr const char* kInfeasible = "#d9d9d9";
 constexpr const char* kPublished = "#d62728";
-
-std::string teeth_text(const train::ToothSet& z) {
-  return fmt::format("{}/{}/{}/{}/{}", z.S, z.P1, z.R1, z.P2, z.R2);
-}
 
 /// Coordinates of a plot need no more: a hundredth of a pixel and less.
 std::string drawn(double value) { return fmt::format("{:.8g}", value); }
@@ -48,7 +44,7 @@ std::string key_below(int lines) {
       4 + lines, lines);
 }
 
-std::string friction_text(const optimize::Specification& task) {
+std::string friction_caption(const optimize::Specification& task) {
   return fmt::format("mu = {:g}, {}", task.friction.coefficient,
                      efficiency::kLossModelNames[static_cast<std::size_t>(task.friction.model)]);
 }
@@ -75,7 +71,7 @@ std::string scatter_script(const PaperFigures& f) {
       "set cblabel 'backward efficiency (%)' offset 1,0\n{}"
       "set xrange [{}:{}]\n",
       plot_text(fmt::format("{} tooth sets at zero profile shift ({})", f.scatter.points.size(),
-                            friction_text(f.task))),
+                            friction_caption(f.task))),
       key_below(1), drawn(ratio.target * (1.0 - 1.02 * kScatterTolerance)),
       drawn(ratio.target * (1.0 + 1.02 * kScatterTolerance)));
   std::vector<std::string> layers;
@@ -129,7 +125,7 @@ std::string refined_script(const PaperFigures& f) {
       "set ylabel 'backward efficiency (%)'\n{}set xrange [0:20]\n",
       plot_text(fmt::format("{} tooth sets within {:g} % of {:g}:1, zero shift and refined ({})",
                             f.refined.size(), percent(f.task.ratio.tolerance), f.task.ratio.target,
-                            friction_text(f.task))),
+                            friction_caption(f.task))),
       key_below(4));
   std::vector<std::string> layers;
   const auto add = [&](const std::string& name, const std::string& rows, const std::string& style,
@@ -171,11 +167,11 @@ std::string axis_range(const VariedInput& input) {
                      drawn(in_axis_unit(input, input.values.back()) + half));
 }
 
-struct Panel {
+struct FigurePanel {
   const char* title;
   double (*value)(const FigureMapPoint&);
 };
-constexpr std::array<Panel, 2> kPanels{
+constexpr std::array<FigurePanel, 2> kPanels{
     {{.title = "backward efficiency (%)",
       .value = [](const FigureMapPoint& p) { return percent(p.eta_b); }},
      {.title = "backlash at the output, eq. 17 (arcmin)",
@@ -184,7 +180,8 @@ constexpr std::array<Panel, 2> kPanels{
 std::string figure_title(const PaperFigures& f, const std::string& varied) {
   return plot_text(fmt::format("Published gear {} over {}, centre distance {} mm fixed ({})",
                                teeth_text(f.published.train.teeth), varied,
-                               fixed(mm(f.published_center_distance_m), 4), friction_text(f.task)));
+                               fixed(mm(f.published_center_distance_m), 4),
+                               friction_caption(f.task)));
 }
 
 /// Two maps side by side: the cells of a column that look alike are one box.

@@ -7,18 +7,13 @@
 
 #include "report/display.hpp"
 #include "report/text_table.hpp"
+#include "report/tooth_set_text.hpp"
 
 namespace gear3k::report {
 
 namespace {
 
 using optimize::RefinedSet, optimize::Status;
-
-constexpr std::size_t kLimits = kRefinementLimits_arcmin.size();
-
-std::string teeth_text(const train::ToothSet& z) {
-  return fmt::format("{}/{}/{}/{}/{}", z.S, z.P1, z.R1, z.P2, z.R2);
-}
 
 /// Range of what a function gives for some items, with fixed decimals.
 template <class Items, class Function>
@@ -46,13 +41,6 @@ std::string notes_text(const std::vector<std::string>& notes) {
   std::string text;
   for (const std::string& note : notes) text += "# " + note + '\n';
   return text;
-}
-
-std::vector<std::string> teeth_fields(const train::ToothSet& z) {
-  std::vector<std::string> fields;
-  fields.reserve(train::kGearCount);
-  for (const int teeth : train::teeth_of(z)) fields.push_back(fmt::format("{}", teeth));
-  return fields;
 }
 
 void append(std::vector<std::string>& fields, const std::vector<std::string>& more) {

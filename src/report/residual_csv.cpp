@@ -28,7 +28,7 @@ std::vector<ConditionColumn> all_columns(const std::vector<MeasurementSet>& sets
 }
 
 /// 12 significant digits: less than rounding on the way through SI units, more than any sensor.
-std::string number(double value) { return exact(clean(value)); }
+std::string clean_number(double value) { return exact(clean(value)); }
 
 void add_rows(std::string& text, const Diagnosis& d, const MeasurementSet& set,
               const std::vector<ConditionColumn>& columns) {
@@ -46,7 +46,7 @@ void add_rows(std::string& text, const Diagnosis& d, const MeasurementSet& set,
       const auto at = std::ranges::find(own, column.name, &ConditionColumn::name);
       fields.push_back(at == own.end() ? "" : condition_text(*at, row.condition, set.runs));
     }
-    const auto add = [&](double si) { fields.push_back(number(si / response.si)); };
+    const auto add = [&](double si) { fields.push_back(clean_number(si / response.si)); };
     fields.emplace_back(response.unit);
     add(row.response);
     add(result.baseline);

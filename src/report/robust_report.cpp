@@ -7,6 +7,7 @@
 
 #include "report/display.hpp"
 #include "report/text_table.hpp"
+#include "report/tooth_set_text.hpp"
 
 namespace gear3k::report {
 
@@ -15,10 +16,6 @@ namespace {
 using design::CheckId;
 using nlohmann::ordered_json;
 using optimize::BuiltOutcome, optimize::Hold, optimize::RobustPass, optimize::Specification;
-
-std::string teeth_text(const RobustPass& pass) {
-  return fmt::format("{}", fmt::join(train::teeth_of(pass.best->candidate.teeth), "/"));
-}
 
 std::string limit_text(const std::optional<double>& limit, double (*unit)(double)) {
   return limit ? fmt::format("{:.2f}", unit(*limit)) : "-";
@@ -53,7 +50,8 @@ std::string robust_table(const Specification& spec, const RobustRun& run) {
                    "least j um asked", "most arcmin asked", "99 % keep arcmin", "yield %", "jam %",
                    "beyond limit %", "worst case arcmin", "room there um"});
   const auto add = [&](const std::string& name, const RobustPass& pass, const BuiltOutcome& o) {
-    table.add({name, teeth_text(pass), fmt::format("{:.2f}", percent(pass.best->eta_b)),
+    table.add({name, teeth_text(pass.best->candidate.teeth),
+               fmt::format("{:.2f}", percent(pass.best->eta_b)),
                fmt::format("{:.2f}", percent(pass.best->eta_f)),
                fmt::format("{:.2f}", arcmin(pass.best->lost_motion_rad)),
                limit_text(pass.limits[CheckId::kNormalBacklash], um),

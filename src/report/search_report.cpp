@@ -12,6 +12,7 @@
 #include "optimize/objective_value.hpp"
 #include "report/display.hpp"
 #include "report/text_table.hpp"
+#include "report/tooth_set_text.hpp"
 
 namespace gear3k::report {
 
@@ -20,16 +21,6 @@ namespace {
 using nlohmann::ordered_json;
 using optimize::OptimizeResult, optimize::RefinedSet, optimize::Status, optimize::ZeroShiftSet,
     optimize::ToothSearchResult, optimize::Specification;
-
-std::string teeth_text(const train::ToothSet& z) {
-  return fmt::format("{}/{}/{}/{}/{}", z.S, z.P1, z.R1, z.P2, z.R2);
-}
-
-std::vector<std::string> teeth_fields(const train::ToothSet& z) {
-  std::vector<std::string> fields;
-  for (const int teeth : train::teeth_of(z)) fields.push_back(fmt::format("{}", teeth));
-  return fields;
-}
 
 ordered_json rejected_json(const ToothSearchResult& search) {
   ordered_json rejected = ordered_json::object();
@@ -95,7 +86,7 @@ std::string refined_row(const OptimizeResult& result, const RefinedSet& s,
 }
 
 /// A value of an objective in its unit, SI given.
-std::string with_unit(const optimize::ObjectiveRecord& record, double value) {
+std::string with_objective_unit(const optimize::ObjectiveRecord& record, double value) {
   return fmt::format("{:.6g}{}{}", value / record.per_unit, record.unit.empty() ? "" : " ",
                      record.unit);
 }
@@ -407,7 +398,7 @@ std::string certificate_text(const Specification& spec, const OptimizeResult& re
   const optimize::ObjectiveRecord& record =
       optimize::objective_record(optimize::first_objective(spec));
   const auto shown = [&](double merit) {
-    return with_unit(record, optimize::sense_of(record.id) * merit);
+    return with_objective_unit(record, optimize::sense_of(record.id) * merit);
   };
   // A bound is rounded to the side on which it still is one.
   const auto bound_shown = [&](double merit) {
@@ -417,7 +408,7 @@ std::string certificate_text(const Specification& spec, const OptimizeResult& re
     const double power = std::pow(10.0, kDigits - 1.0 - std::floor(std::log10(std::abs(value))));
     const double rounded =
         (record.maximise ? std::ceil(value * power) : std::floor(value * power)) / power;
-    return with_unit(record, rounded * record.per_unit);
+    return with_objective_unit(record, rounded * record.per_unit);
   };
   const char* than = record.maximise ? "more" : "less";
   std::string text =

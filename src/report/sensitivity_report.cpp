@@ -51,10 +51,6 @@ std::string signed_number(double value, int decimals) {
   return fmt::format("{:+.{}f}", value, decimals);
 }
 
-std::string with_unit(const std::string& number, std::string_view unit) {
-  return unit.empty() ? number : fmt::format("{} {}", number, unit);
-}
-
 std::string step_text(const Sensitivity& row) {
   return with_unit(fmt::format("{:+.3g}", row.step), row.unit);
 }

@@ -15,7 +15,7 @@ namespace {
 using geometry::Point;
 
 /// A length in mm, rounded to 1e-6, without trailing zeros.
-std::string number(double value_mm) {
+std::string millimetres(double value_mm) {
   std::string text = fmt::format("{:.6f}", value_mm);
   text.erase(text.find_last_not_of('0') + 1);
   if (text.back() == '.') text.pop_back();
@@ -135,15 +135,17 @@ class SvgWriter {
     const char* color = "#202020";
   };
   void add_text(const std::string& words, const TextPlace& place) {
-    add(fmt::format(R"(<text x="{}" y="{}" font-size="{}" fill="{}">{}</text>)", number(place.x),
-                    number(place.y), number(place.size), place.color, escaped(words)));
+    add(fmt::format(R"(<text x="{}" y="{}" font-size="{}" fill="{}">{}</text>)",
+                    millimetres(place.x), millimetres(place.y), millimetres(place.size),
+                    place.color, escaped(words)));
   }
 
   [[nodiscard]] std::string dashed_line(const ConstructionCircle& circle) const {
     return fmt::format(
         R"(fill="none" stroke="{}" stroke-width="{}" stroke-dasharray="{} {} {} {}")", circle.color,
-        number(0.05 * unit_), number(circle.dashes[0] * unit_), number(circle.dashes[1] * unit_),
-        number(circle.dashes[2] * unit_), number(circle.dashes[3] * unit_));
+        millimetres(0.05 * unit_), millimetres(circle.dashes[0] * unit_),
+        millimetres(circle.dashes[1] * unit_), millimetres(circle.dashes[2] * unit_),
+        millimetres(circle.dashes[3] * unit_));
   }
 
   void add_gear(const DrawnGear& gear) {
@@ -151,7 +153,7 @@ class SvgWriter {
     std::string path = "M";  // the points after the first are lines to them
     for (const Point& p : gear.contour) {
       if (path.size() > 1) path += ' ';
-      path += number(mm(p.x_m)) + ' ' + number(mm(p.y_m));
+      path += millimetres(mm(p.x_m)) + ' ' + millimetres(mm(p.y_m));
     }
     path += 'Z';
     if (is_ring(gear)) path += full_circle(gear.center, drawn_outer_radius(gear));
@@ -159,13 +161,14 @@ class SvgWriter {
     add(fmt::format(
         R"(<path id="{}" fill="{}" fill-opacity="0.8" fill-rule="evenodd" stroke="{}" stroke-width="{}" )"
         R"(stroke-linejoin="round" d="{}"/>)",
-        gear.name, colors.fill, colors.line, number(0.04 * unit_), path));
+        gear.name, colors.fill, colors.line, millimetres(0.04 * unit_), path));
   }
 
   void add_circle(const DrawnGear& gear, const ConstructionCircle& circle) {
     if (!(circle.radius_m > 0.0)) return;  // a root circle may fail to exist
-    add(fmt::format(R"(<circle cx="{}" cy="{}" r="{}" {}/>)", number(mm(gear.center.x_m)),
-                    number(mm(gear.center.y_m)), number(mm(circle.radius_m)), dashed_line(circle)));
+    add(fmt::format(R"(<circle cx="{}" cy="{}" r="{}" {}/>)", millimetres(mm(gear.center.x_m)),
+                    millimetres(mm(gear.center.y_m)), millimetres(mm(circle.radius_m)),
+                    dashed_line(circle)));
   }
 
   void add_center_mark(const DrawnGear& gear) {
@@ -174,18 +177,18 @@ class SvgWriter {
     const double half = 0.2 * mm(gear.reference_radius_m);
     add(fmt::format(
         R"(<path fill="none" stroke="#202020" stroke-width="{}" d="M{} {}H{}M{} {}V{}"/>)",
-        number(0.04 * unit_), number(x - half), number(y), number(x + half), number(x),
-        number(y - half), number(y + half)));
+        millimetres(0.04 * unit_), millimetres(x - half), millimetres(y), millimetres(x + half),
+        millimetres(x), millimetres(y - half), millimetres(y + half)));
   }
 
   [[nodiscard]] const std::string& text() const { return text_; }
 
  private:
   static std::string full_circle(const Point& center, double radius_m) {
-    const std::string r = number(mm(radius_m));
-    const std::string y = number(mm(center.y_m));
-    const std::string left = number(mm(center.x_m - radius_m));
-    const std::string right = number(mm(center.x_m + radius_m));
+    const std::string r = millimetres(mm(radius_m));
+    const std::string y = millimetres(mm(center.y_m));
+    const std::string left = millimetres(mm(center.x_m - radius_m));
+    const std::string right = millimetres(mm(center.x_m + radius_m));
     return fmt::format("M{2} {1}A{0} {0} 0 1 0 {3} {1}A{0} {0} 0 1 0 {2} {1}Z", r, y, right, left);
   }
 
@@ -203,8 +206,8 @@ void add_legend(SvgWriter& svg, const Panel& panel, double unit, Point corner) {
     y += 3.4 * unit;
   };
   const auto line_row = [&](const ConstructionCircle& circle, const std::string& words) {
-    add_row(fmt::format(R"(<path {} d="M{} {}h{}"/>)", svg.dashed_line(circle), number(corner.x_m),
-                        number(y), number(5.6 * unit)),
+    add_row(fmt::format(R"(<path {} d="M{} {}h{}"/>)", svg.dashed_line(circle),
+                        millimetres(corner.x_m), millimetres(y), millimetres(5.6 * unit)),
             words);
   };
   for (const DrawnGear* gear : panel.gears) {
@@ -213,8 +216,8 @@ void add_legend(SvgWriter& svg, const Panel& panel, double unit, Point corner) {
     const Colors colors = colors_of(gear->id);
     add_row(fmt::format(R"(<rect x="{}" y="{}" width="{}" height="{}" fill="{}" stroke="{}" )"
                         R"(stroke-width="{}"/>)",
-                        number(corner.x_m), number(y - unit), number(5.6 * unit),
-                        number(2.0 * unit), colors.fill, colors.line, number(0.1 * unit)),
+                        millimetres(corner.x_m), millimetres(y - unit), millimetres(5.6 * unit),
+                        millimetres(2.0 * unit), colors.fill, colors.line, millimetres(0.1 * unit)),
             fmt::format("{}: {} teeth, module {:.6g} mm, profile shift {:.4f}",
                         train::kGearNames[gear->id], gear->teeth, mm(gear->module_m),
                         gear->profile_shift));
@@ -252,12 +255,12 @@ std::string svg_text(const Drawing& drawing) {
   svg.add(R"(<?xml version="1.0" encoding="UTF-8"?>)");
   svg.add(fmt::format(R"(<svg xmlns="http://www.w3.org/2000/svg" width="{0}mm" height="{1}mm" )"
                       R"(viewBox="0 0 {0} {1}" font-family="DejaVu Sans, Arial, sans-serif">)",
-                      number(width), number(height)));
+                      millimetres(width), millimetres(height)));
   const std::string title =
       drawing.title.empty() ? drawing.name : fmt::format("{}: {}", drawing.title, drawing.name);
   svg.add(fmt::format("<title>{}</title>", escaped(title)));
-  svg.add(fmt::format(R"(<rect width="{}" height="{}" fill="#ffffff"/>)", number(width),
-                      number(height)));
+  svg.add(fmt::format(R"(<rect width="{}" height="{}" fill="#ffffff"/>)", millimetres(width),
+                      millimetres(height)));
   // A letter is some 0.6 of its height wide.
   const double fitting = (width - 2.0 * margin) / (0.62 * static_cast<double>(letters_in(title)));
   svg.add_text(title,
@@ -271,7 +274,8 @@ std::string svg_text(const Drawing& drawing) {
   for (const Panel& panel : panels) {
     svg.add_text(panel.caption, {.x = left, .y = panel_top - 2.5 * unit, .size = 2.6 * unit});
     svg.add(fmt::format(R"-(<g transform="translate({} {}) scale(1 -1)">)-",
-                        number(left + 0.5 * panel_width(panel)), number(panel_top + radius)));
+                        millimetres(left + 0.5 * panel_width(panel)),
+                        millimetres(panel_top + radius)));
     for (const DrawnGear* gear : panel.gears) svg.add_gear(*gear);
     for (const DrawnGear* gear : panel.gears) {
       const auto circles = circles_of(*gear);
@@ -290,8 +294,8 @@ std::string svg_text(const Drawing& drawing) {
   const double length = round_length(25.0 * unit);
   svg.add(
       fmt::format(R"(<path fill="none" stroke="#202020" stroke-width="{}" d="M{} {}v{}h{}v{}"/>)",
-                  number(0.2 * unit), number(margin), number(bar_top), number(unit), number(length),
-                  number(-unit)));
+                  millimetres(0.2 * unit), millimetres(margin), millimetres(bar_top),
+                  millimetres(unit), millimetres(length), millimetres(-unit)));
   svg.add_text(fmt::format("{:g} mm", length),
                {.x = margin + length + 1.5 * unit, .y = bar_top + 1.2 * unit, .size = 2.2 * unit});
   svg.add("</svg>");

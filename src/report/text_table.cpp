@@ -55,6 +55,10 @@ std::string csv_line(const std::vector<std::string>& fields) {
   return line + '\n';
 }
 
+std::string with_unit(const std::string& number, std::string_view unit) {
+  return unit.empty() ? number : fmt::format("{} {}", number, unit);
+}
+
 std::string exact(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
 
 }  // namespace gear3k::report

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace gear3k::report {
@@ -27,5 +28,8 @@ std::string csv_line(const std::vector<std::string>& fields);
 /// A number in full precision for files: shortest text that reads back as the same double; "" for
 /// NaN and infinities.
 std::string exact(double value);
+
+/// A number and its unit, if it has one.
+std::string with_unit(const std::string& number, std::string_view unit);
 
 }  // namespace gear3k::report

@@ -17,41 +17,42 @@ namespace {
 
 using backlash::Turn, backlash::TurnPoint;
 
-struct Series {
+struct TurnCurve {
   const char* name;   ///< of its data block
   const char* title;  ///< in the key
   const char* color;
   double (*value)(const Turn& turn, const TurnPoint& point);
 };
-constexpr Series kLostMotion{
+constexpr TurnCurve kLostMotion{
     .name = "lost",
     .title = "lost motion",
     .color = "#1f5fa8",
     .value = [](const Turn&, const TurnPoint& p) { return p.lost_motion_rad(); }};
-constexpr Series kLostMotionSwing{.name = "swing",
-                                  .title = "lost motion less its mean",
-                                  .color = "#1f5fa8",
-                                  .value = [](const Turn& turn, const TurnPoint& p) {
-                                    return turn.error_backward_rad(p) - turn.error_forward_rad(p);
-                                  }};
-constexpr Series kForward{
+constexpr TurnCurve kLostMotionSwing{.name = "swing",
+                                     .title = "lost motion less its mean",
+                                     .color = "#1f5fa8",
+                                     .value = [](const Turn& turn, const TurnPoint& p) {
+                                       return turn.error_backward_rad(p) -
+                                              turn.error_forward_rad(p);
+                                     }};
+constexpr TurnCurve kForward{
     .name = "forward",
     .title = "transmission error forward",
     .color = "#2e7d32",
     .value = [](const Turn& turn, const TurnPoint& p) { return turn.error_forward_rad(p); }};
-constexpr Series kBackward{
+constexpr TurnCurve kBackward{
     .name = "backward",
     .title = "transmission error backward",
     .color = "#c0392b",
     .value = [](const Turn& turn, const TurnPoint& p) { return turn.error_backward_rad(p); }};
 
-std::string number(double value) { return exact(clean(value)); }
+std::string plotted(double value) { return exact(clean(value)); }
 
 /// The first `count` angles of a series as a data block, and what plots it.
-struct Layer {
+struct TurnLayer {
   std::string data, plot;
 };
-Layer layer_of(const Turn& turn, const Series& series, std::size_t count, int panel) {
+TurnLayer layer_of(const Turn& turn, const TurnCurve& series, std::size_t count, int panel) {
   const std::size_t bin = (count + kMostTurnPoints - 1) / kMostTurnPoints;
   std::string rows;
   bool gap = false;
@@ -68,8 +69,8 @@ Layer layer_of(const Turn& turn, const Series& series, std::size_t count, int pa
       any = true;
     }
     if (any) {
-      rows += fmt::format("{} {} {}\n", number(degrees(turn.points[from].angle_rad)), number(least),
-                          number(greatest));
+      rows += fmt::format("{} {} {}\n", plotted(degrees(turn.points[from].angle_rad)),
+                          plotted(least), plotted(greatest));
     } else if (!gap) {
       rows += '\n';  // interrupts the line where it jams
     }
@@ -85,15 +86,15 @@ Layer layer_of(const Turn& turn, const Series& series, std::size_t count, int pa
           .plot = fmt::format("{} using {} title '{}'", block, style, series.title)};
 }
 
-std::string panel_script(const Turn& turn, const std::vector<Series>& all, std::size_t count,
+std::string panel_script(const Turn& turn, const std::vector<TurnCurve>& all, std::size_t count,
                          int panel) {
   const double end = degrees(turn.window.revolutions * 2.0 * std::numbers::pi) *
                      static_cast<double>(count) / static_cast<double>(turn.points.size());
-  std::string text = fmt::format("set xrange [0:{}]\n", number(end));
+  std::string text = fmt::format("set xrange [0:{}]\n", plotted(end));
   std::vector<std::string> plots;
   plots.reserve(all.size());
-  for (const Series& series : all) {
-    const Layer layer = layer_of(turn, series, count, panel);
+  for (const TurnCurve& series : all) {
+    const TurnLayer layer = layer_of(turn, series, count, panel);
     text += layer.data;
     if (!layer.plot.empty()) plots.push_back(layer.plot);
   }

@@ -25,5 +25,6 @@ T passing_gap(const TrainGeometry<T>& train, const AxialLayout& layout, int pair
 
 #define INSTANTIATE(T) template T passing_gap<T>(const TrainGeometry<T>&, const AxialLayout&, int);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
+#undef INSTANTIATE
 
 }  // namespace gear3k::train

@@ -67,5 +67,6 @@ T neighbour_gap(const TrainGeometry<T>& train, GearId planet_step) {
   template std::optional<TrainGeometry<T>> make_train_geometry<T>(const TrainParameters<T>&); \
   template T neighbour_gap<T>(const TrainGeometry<T>&, GearId);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
+#undef INSTANTIATE
 
 }  // namespace gear3k::train

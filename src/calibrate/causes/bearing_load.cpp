@@ -1,11 +1,11 @@
 #include "calibrate/cause.hpp"
+#include "units/units.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::bearing_load {
 
 namespace {
 
 constexpr const char* kPlanetBearings = "planet_bearings";
-constexpr double kMillimetre = 1e-3;
 
 std::vector<ParameterRecord> parameters(const Form& form, Kind) {
   if (form.name == kPlanetBearings) {
@@ -37,7 +37,7 @@ void apply(const Form& form, std::span<const Scalar> p, const Condition&, Kind k
   if (kind == Kind::kPairLoss) {
     m.added = m.added + p[0];
   } else if (form.name == kPlanetBearings) {
-    m.gearbox.planet_bearing_arm_m = m.gearbox.planet_bearing_arm_m + p[0] * kMillimetre;
+    m.gearbox.planet_bearing_arm_m = m.gearbox.planet_bearing_arm_m + p[0] * units::kMillimetre;
   } else {
     m.gearbox.output_bearing_share = m.gearbox.output_bearing_share + p[0];
   }
@@ -45,14 +45,14 @@ void apply(const Form& form, std::span<const Scalar> p, const Condition&, Kind k
 
 }  // namespace
 
-extern const Cause bearing_load;
-const Cause bearing_load{.id = "bearing_load",
-                         .title = "load-proportional loss outside the meshes (bearings)",
-                         .remedy = Remedy::kBearings,
-                         .place = Place::kGearbox,
-                         .weight = 0.7,
-                         .parameters = parameters,
-                         .forms = forms,
-                         .apply = apply};
+extern const Cause cause;
+const Cause cause{.id = "bearing_load",
+                  .title = "load-proportional loss outside the meshes (bearings)",
+                  .remedy = Remedy::kBearings,
+                  .place = Place::kGearbox,
+                  .weight = 0.7,
+                  .parameters = parameters,
+                  .forms = forms,
+                  .apply = apply};
 
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::bearing_load

@@ -1,7 +1,7 @@
 #include "calibrate/cause.hpp"
 #include "calibrate/response_unit.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::clearance {
 
 namespace {
 
@@ -26,14 +26,14 @@ void apply(const Form&, std::span<const Scalar> p, const Condition&, Kind kind, 
 
 }  // namespace
 
-extern const Cause clearance;
-const Cause clearance{.id = "clearance",
-                      .title = "constant extra lost motion (bearing play, thinner teeth)",
-                      .remedy = Remedy::kClearance,
-                      .place = Place::kGearbox,
-                      .weight = 1.0,
-                      .parameters = parameters,
-                      .forms = forms,
-                      .apply = apply};
+extern const Cause cause;
+const Cause cause{.id = "clearance",
+                  .title = "constant extra lost motion (bearing play, thinner teeth)",
+                  .remedy = Remedy::kClearance,
+                  .place = Place::kGearbox,
+                  .weight = 1.0,
+                  .parameters = parameters,
+                  .forms = forms,
+                  .apply = apply};
 
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::clearance

@@ -1,7 +1,7 @@
 #include "calibrate/cause.hpp"
 #include "calibrate/response_unit.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::compliance {
 
 namespace {
 
@@ -26,14 +26,14 @@ void apply(const Form&, std::span<const Scalar> p, const Condition&, Kind kind, 
 
 }  // namespace
 
-extern const Cause compliance;
-const Cause compliance{.id = "compliance",
-                       .title = "elastic wind-up under the test torque",
-                       .remedy = Remedy::kStiffness,
-                       .place = Place::kGearbox,
-                       .weight = 0.6,
-                       .parameters = parameters,
-                       .forms = forms,
-                       .apply = apply};
+extern const Cause cause;
+const Cause cause{.id = "compliance",
+                  .title = "elastic wind-up under the test torque",
+                  .remedy = Remedy::kStiffness,
+                  .place = Place::kGearbox,
+                  .weight = 0.6,
+                  .parameters = parameters,
+                  .forms = forms,
+                  .apply = apply};
 
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::compliance

@@ -1,11 +1,11 @@
 #include "calibrate/drag_change.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::drag_constant {
 
-extern const Cause drag_constant;
-constinit const Cause drag_constant = drag_cause(
+extern const Cause cause;
+constinit const Cause cause = drag_cause(
     "drag_constant", "load-independent drag",
     [](const Form&, Kind) { return drag_parameter("torque", "Nm", 100.0, 5.0); },
     add_drag<&design::ShaftDrag<Scalar>::constant_Nm>);
 
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::drag_constant

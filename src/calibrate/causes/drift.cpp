@@ -4,7 +4,7 @@
 #include "calibrate/response_unit.hpp"
 #include "calibrate/value_range.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::drift {
 
 namespace {
 
@@ -60,8 +60,8 @@ void apply(const Form& form, std::span<const Scalar> p, const Condition& conditi
 
 }  // namespace
 
-extern const Cause drift;
-const Cause drift{.id = "drift",
+extern const Cause cause;
+const Cause cause{.id = "drift",
                   .title = "a drift in time or cycles (wear, running-in)",
                   .remedy = Remedy::kProcedure,
                   .place = Place::kMeasurement,
@@ -70,4 +70,4 @@ const Cause drift{.id = "drift",
                   .forms = forms,
                   .apply = apply};
 
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::drift

@@ -3,7 +3,7 @@
 #include "calibrate/cause.hpp"
 #include "calibrate/simulation.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::friction_direction {
 
 namespace {
 
@@ -71,15 +71,15 @@ std::vector<DerivedParameter> flank_coefficients(const Form&, std::span<const Sc
 
 }  // namespace
 
-extern const Cause friction_direction;
-const Cause friction_direction{.id = "friction_direction",
-                               .title = "mesh friction differs with the side that drives",
-                               .remedy = Remedy::kFlanks,
-                               .place = Place::kGearbox,
-                               .weight = 1.2,
-                               .parameters = parameters,
-                               .forms = forms,
-                               .apply = apply,
-                               .derived = flank_coefficients};
+extern const Cause cause;
+const Cause cause{.id = "friction_direction",
+                  .title = "mesh friction differs with the side that drives",
+                  .remedy = Remedy::kFlanks,
+                  .place = Place::kGearbox,
+                  .weight = 1.2,
+                  .parameters = parameters,
+                  .forms = forms,
+                  .apply = apply,
+                  .derived = flank_coefficients};
 
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::friction_direction

@@ -1,7 +1,7 @@
 #include "calibrate/cause.hpp"
 #include "calibrate/friction_change.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::friction_level {
 
 namespace {
 
@@ -18,14 +18,14 @@ void apply(const Form&, std::span<const Scalar> p, const Condition&, Kind, Modif
 
 }  // namespace
 
-extern const Cause friction_level;
-const Cause friction_level{.id = "friction_level",
-                           .title = "the coefficient of friction is not the stated one",
-                           .remedy = Remedy::kFrictionValue,
-                           .place = Place::kGearbox,
-                           .weight = 0.8,
-                           .parameters = parameters,
-                           .forms = forms,
-                           .apply = apply};
+extern const Cause cause;
+const Cause cause{.id = "friction_level",
+                  .title = "the coefficient of friction is not the stated one",
+                  .remedy = Remedy::kFrictionValue,
+                  .place = Place::kGearbox,
+                  .weight = 0.8,
+                  .parameters = parameters,
+                  .forms = forms,
+                  .apply = apply};
 
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::friction_level

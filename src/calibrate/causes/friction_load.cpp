@@ -5,7 +5,7 @@
 #include "calibrate/cause.hpp"
 #include "calibrate/friction_change.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::friction_load {
 
 namespace {
 
@@ -56,15 +56,15 @@ void apply(const Form& form, std::span<const Scalar> p, const Condition&, Kind, 
 
 }  // namespace
 
-extern const Cause friction_load;
-const Cause friction_load{.id = "friction_load",
-                          .title = "friction depends on tooth load",
-                          .remedy = Remedy::kFlanks,
-                          .place = Place::kGearbox,
-                          .weight = 3.0,
-                          .exclusive_forms = true,
-                          .parameters = parameters,
-                          .forms = forms,
-                          .apply = apply};
+extern const Cause cause;
+const Cause cause{.id = "friction_load",
+                  .title = "friction depends on tooth load",
+                  .remedy = Remedy::kFlanks,
+                  .place = Place::kGearbox,
+                  .weight = 3.0,
+                  .exclusive_forms = true,
+                  .parameters = parameters,
+                  .forms = forms,
+                  .apply = apply};
 
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::friction_load

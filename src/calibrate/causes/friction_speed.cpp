@@ -3,7 +3,7 @@
 #include "calibrate/cause.hpp"
 #include "calibrate/simulation.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::friction_speed {
 
 namespace {
 
@@ -96,16 +96,16 @@ std::vector<DerivedParameter> slow_over_fast(const Form& form, std::span<const S
 
 }  // namespace
 
-extern const Cause friction_speed;
-const Cause friction_speed{.id = "friction_speed",
-                           .title = "friction depends on sliding speed",
-                           .remedy = Remedy::kFlanks,
-                           .place = Place::kGearbox,
-                           .weight = 2.5,
-                           .exclusive_forms = true,
-                           .parameters = parameters,
-                           .forms = forms,
-                           .apply = apply,
-                           .derived = slow_over_fast};
+extern const Cause cause;
+const Cause cause{.id = "friction_speed",
+                  .title = "friction depends on sliding speed",
+                  .remedy = Remedy::kFlanks,
+                  .place = Place::kGearbox,
+                  .weight = 2.5,
+                  .exclusive_forms = true,
+                  .parameters = parameters,
+                  .forms = forms,
+                  .apply = apply,
+                  .derived = slow_over_fast};
 
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::friction_speed

@@ -1,7 +1,7 @@
 #include "calibrate/cause.hpp"
 #include "calibrate/friction_change.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::friction_temperature {
 
 namespace {
 
@@ -59,15 +59,15 @@ void apply(const Form& form, std::span<const Scalar> p, const Condition&, Kind, 
 
 }  // namespace
 
-extern const Cause friction_temperature;
-const Cause friction_temperature{.id = "friction_temperature",
-                                 .title = "friction or viscosity follows temperature",
-                                 .remedy = Remedy::kFlanks,
-                                 .place = Place::kGearbox,
-                                 .weight = 2.0,
-                                 .exclusive_forms = true,
-                                 .parameters = parameters,
-                                 .forms = forms,
-                                 .apply = apply};
+extern const Cause cause;
+const Cause cause{.id = "friction_temperature",
+                  .title = "friction or viscosity follows temperature",
+                  .remedy = Remedy::kFlanks,
+                  .place = Place::kGearbox,
+                  .weight = 2.0,
+                  .exclusive_forms = true,
+                  .parameters = parameters,
+                  .forms = forms,
+                  .apply = apply};
 
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::friction_temperature

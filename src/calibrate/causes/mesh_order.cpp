@@ -1,7 +1,7 @@
 #include "calibrate/angle_order.hpp"
 #include "calibrate/cause.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::mesh_order {
 
 namespace {
 
@@ -12,15 +12,15 @@ std::vector<Form> forms(const Occasion& o) {
 
 }  // namespace
 
-extern const Cause mesh_order;
-const Cause mesh_order{.id = "mesh_order",
-                       .title = "an error that repeats with the teeth (pitch error)",
-                       .remedy = Remedy::kAccuracy,
-                       .place = Place::kMeasurement,
-                       .weight = 0.9,
-                       .parameters = angle_parameters,
-                       .forms = forms,
-                       .apply = apply_angle,
-                       .derived = angle_amplitude};
+extern const Cause cause;
+const Cause cause{.id = "mesh_order",
+                  .title = "an error that repeats with the teeth (pitch error)",
+                  .remedy = Remedy::kAccuracy,
+                  .place = Place::kMeasurement,
+                  .weight = 0.9,
+                  .parameters = angle_parameters,
+                  .forms = forms,
+                  .apply = apply_angle,
+                  .derived = angle_amplitude};
 
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::mesh_order

@@ -4,7 +4,7 @@
 #include "calibrate/response_unit.hpp"
 #include "calibrate/value_range.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::run_step {
 
 namespace {
 
@@ -85,14 +85,14 @@ void apply(const Form& form, std::span<const Scalar> p, const Condition& conditi
 
 }  // namespace
 
-extern const Cause run_step;
-const Cause run_step{.id = "run_step",
-                     .title = "a step between measuring sessions",
-                     .remedy = Remedy::kProcedure,
-                     .place = Place::kMeasurement,
-                     .weight = 1.5,
-                     .parameters = parameters,
-                     .forms = forms,
-                     .apply = apply};
+extern const Cause cause;
+const Cause cause{.id = "run_step",
+                  .title = "a step between measuring sessions",
+                  .remedy = Remedy::kProcedure,
+                  .place = Place::kMeasurement,
+                  .weight = 1.5,
+                  .parameters = parameters,
+                  .forms = forms,
+                  .apply = apply};
 
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::run_step

@@ -3,7 +3,7 @@
 #include "calibrate/angle_order.hpp"
 #include "calibrate/cause.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::runout {
 
 namespace {
 
@@ -18,15 +18,15 @@ std::vector<Form> forms(const Occasion& o) {
 
 }  // namespace
 
-extern const Cause runout;
-const Cause runout{.id = "runout",
-                   .title = "run-out of a body",
-                   .remedy = Remedy::kAccuracy,
-                   .place = Place::kMeasurement,
-                   .weight = 0.6,
-                   .parameters = angle_parameters,
-                   .forms = forms,
-                   .apply = apply_angle,
-                   .derived = angle_amplitude};
+extern const Cause cause;
+const Cause cause{.id = "runout",
+                  .title = "run-out of a body",
+                  .remedy = Remedy::kAccuracy,
+                  .place = Place::kMeasurement,
+                  .weight = 0.6,
+                  .parameters = angle_parameters,
+                  .forms = forms,
+                  .apply = apply_angle,
+                  .derived = angle_amplitude};
 
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::runout

@@ -1,6 +1,6 @@
 #include "calibrate/cause.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::sensor_gain {
 
 namespace {
 
@@ -25,14 +25,14 @@ void apply(const Form&, std::span<const Scalar> p, const Condition& condition, K
 
 }  // namespace
 
-extern const Cause sensor_gain;
-const Cause sensor_gain{.id = "sensor_gain",
-                        .title = "gain error of the torque sensor",
-                        .remedy = Remedy::kSensor,
-                        .place = Place::kMeasurement,
-                        .weight = 0.9,
-                        .parameters = parameters,
-                        .forms = forms,
-                        .apply = apply};
+extern const Cause cause;
+const Cause cause{.id = "sensor_gain",
+                  .title = "gain error of the torque sensor",
+                  .remedy = Remedy::kSensor,
+                  .place = Place::kMeasurement,
+                  .weight = 0.9,
+                  .parameters = parameters,
+                  .forms = forms,
+                  .apply = apply};
 
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::sensor_gain

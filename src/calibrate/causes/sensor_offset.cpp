@@ -1,6 +1,6 @@
 #include "calibrate/cause.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::sensor_offset {
 
 namespace {
 
@@ -25,14 +25,14 @@ void apply(const Form&, std::span<const Scalar> p, const Condition& condition, K
 
 }  // namespace
 
-extern const Cause sensor_offset;
-const Cause sensor_offset{.id = "sensor_offset",
-                          .title = "zero error of the torque sensor",
-                          .remedy = Remedy::kSensor,
-                          .place = Place::kMeasurement,
-                          .weight = 0.7,
-                          .parameters = parameters,
-                          .forms = forms,
-                          .apply = apply};
+extern const Cause cause;
+const Cause cause{.id = "sensor_offset",
+                  .title = "zero error of the torque sensor",
+                  .remedy = Remedy::kSensor,
+                  .place = Place::kMeasurement,
+                  .weight = 0.7,
+                  .parameters = parameters,
+                  .forms = forms,
+                  .apply = apply};
 
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::sensor_offset

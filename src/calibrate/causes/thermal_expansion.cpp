@@ -1,6 +1,6 @@
 #include "calibrate/cause.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::thermal_expansion {
 
 namespace {
 
@@ -38,15 +38,15 @@ void apply(const Form& form, std::span<const Scalar> p, const Condition&, Kind, 
 
 }  // namespace
 
-extern const Cause thermal_expansion;
-const Cause thermal_expansion{.id = "thermal_expansion",
-                              .title = "the centre distance follows temperature",
-                              .remedy = Remedy::kHousing,
-                              .place = Place::kGearbox,
-                              .weight = 1.0,
-                              .exclusive_forms = true,
-                              .parameters = parameters,
-                              .forms = forms,
-                              .apply = apply};
+extern const Cause cause;
+const Cause cause{.id = "thermal_expansion",
+                  .title = "the centre distance follows temperature",
+                  .remedy = Remedy::kHousing,
+                  .place = Place::kGearbox,
+                  .weight = 1.0,
+                  .exclusive_forms = true,
+                  .parameters = parameters,
+                  .forms = forms,
+                  .apply = apply};
 
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::thermal_expansion
