@@ -59,7 +59,7 @@ constexpr std::size_t bound_index(int planet, int mesh, bool upper) {
 /// deviation A taking cos α A/2 off each side.  A phase deviation χ of P2 adds rb_P2 χ to u3.
 /// Of F_p only what the eccentricity leaves counts here: max(0, F_p − F_r/cos α).
 /// A flank stands within ± f_pt/2 of its place, so that no pitch deviates by more than f_pt.
-/// Source: own derivation, docs/theory.md §33.
+/// Source: own derivation, docs/theory §33.
 /// Truncation: second order in displacements, cos² α_w Δ²/(d sin α_w) (0.05 µm for 20 µm at d = 20
 /// mm).  Does not cover: a gear of small eccentricity whose pitch
 /// uses all of F_p; profile and helix deviations, bearing play, elastic deformation, a sun or

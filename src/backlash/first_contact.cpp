@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kTogether_m = 1e-9;
 
-/// Bounds of w, s13 and s23 of one planet, docs/theory.md §33.
+/// Bounds of w, s13 and s23 of one planet, docs/theory §33.
 struct Chains {
   MeshPlay w, s13, s23;
 };

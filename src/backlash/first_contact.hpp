@@ -20,7 +20,7 @@ struct FirstContact {
 
 /// Shares are the multipliers of the program that output_range() solves; planets within 1 nm of
 /// each other share evenly.
-/// Source: own derivation, docs/theory.md §33.
+/// Source: own derivation, docs/theory §33.
 /// @param greatest  the upper end of the range, else the lower
 /// @throws std::invalid_argument where the gearbox does not assemble, or without planets
 FirstContact first_contact(const OutputLevers& levers, std::span<const PlanetPlay> planets,

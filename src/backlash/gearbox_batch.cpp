@@ -51,7 +51,7 @@ GearboxBatch::GearboxBatch(const ClearanceModel& model)
 }
 
 void GearboxBatch::ranges(std::span<const Lanes* const> values, BatchRange& result) const {
-  // Symbols as in docs/theory.md §33.
+  // Symbols as in docs/theory §33.
   const double kappa = levers_.planet;
   const double e = levers_.sun_side;
   const double f = levers_.ring_side;

@@ -22,7 +22,7 @@ std::array<T, train::kMeshCount> normal_backlashes(const train::TrainGeometry<T>
 ///
 /// Their sum is the angle that R2 can turn with the sun locked, all bodies rigid and all planets
 /// alike; at the input (output locked) it is |i| times that.
-/// Source: own derivation, docs/theory.md §8 (errata 8).
+/// Source: own derivation, docs/theory §8 (errata 8).
 /// @returns [rad] each; a negative share is interference, kept with its sign
 template <class T>
 std::array<T, train::kMeshCount> kinematic_lost_motion(

@@ -11,7 +11,7 @@ namespace gear3k::backlash {
 ///   φ = φ_kin(d (1 + α (θ − θ_0))) + φ_0 + 2 T c
 ///
 /// φ_kin: kinematic_lost_motion() at the centre distance of the temperature θ.
-/// Source: definition of the test, docs/theory.md §29.
+/// Source: definition of the test, docs/theory §29.
 template <class T>
 struct LostMotionExtension {
   T clearance_rad{};                        ///< φ_0

@@ -12,7 +12,7 @@ namespace gear3k::backlash {
 ///                     + m (z2 − z1 + 2 x2 − 2 x1) sin α + m (q1 + q2)
 ///
 /// Equal to (circular pitch − both tooth thicknesses) on the working pitch circles, times cos α_w.
-/// Source: low-backlash paper, eqs. 13-15 with one centre distance (errata 6); docs/theory.md §4.
+/// Source: low-backlash paper, eqs. 13-15 with one centre distance (errata 6); docs/theory §4.
 /// Accuracy: 1e-14 d (rounding; property-tested against the tooth thicknesses).
 /// @returns j_bn [m]; negative = the teeth interfere by that much
 template <class T>

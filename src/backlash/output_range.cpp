@@ -46,7 +46,7 @@ OutputLevers output_levers(const train::TrainGeometry<double>& train) {
 
 OutputRange output_range(const OutputLevers& levers, std::span<const PlanetPlay> planets) {
   if (planets.empty()) throw std::invalid_argument("output_range: 0 planets, allowed: at least 1");
-  // Symbols as in docs/theory.md §33.
+  // Symbols as in docs/theory §33.
   const double kappa = levers.planet;
   Strip w, s13, s23;
   double margin = std::numeric_limits<double>::infinity();

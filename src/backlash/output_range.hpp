@@ -9,7 +9,7 @@
 namespace gear3k::backlash {
 
 /// Where the flanks of one mesh of one planet let it stand: lower ≤ u ≤ upper, u the relative
-/// motion of the two flanks along the line of action as in docs/theory.md §8.  upper − lower is the
+/// motion of the two flanks along the line of action as in docs/theory §8.  upper − lower is the
 /// normal backlash there; the middle is not 0 where the planet stands off its place.
 struct MeshPlay {
   double lower_m = 0.0, upper_m = 0.0;
@@ -38,7 +38,7 @@ OutputLevers output_levers(const train::TrainGeometry<double>& train);
 ///
 /// of which the last line gives the greatest and the least output angle by linear duality.
 /// Alike planets: the range is kinematic_lost_motion().
-/// Source: own derivation, docs/theory.md §33.  Accuracy: rounding.
+/// Source: own derivation, docs/theory §33.  Accuracy: rounding.
 struct OutputRange {
   /// Whether any position of carrier, planets and output fits: margin_m ≥ 0.
   [[nodiscard]] bool assembles() const { return margin_m >= 0.0; }

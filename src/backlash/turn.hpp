@@ -34,7 +34,7 @@ std::size_t flank_count(const train::ToothSet& z, int gear, int planets);
 /// Run-out and cumulative pitch turn with sun, planets, R1 and R2 in the frame of the carrier; pins
 /// and all that is not planar stay.  In each mesh the two flanks nearest to the pitch point touch,
 /// from half a pitch before it to half a pitch after; there the next ones take over, in a step.
-/// Source: own derivation, docs/theory.md §34.
+/// Source: own derivation, docs/theory §34.
 /// Truncation: as of ClearanceModel.  Does not cover: two pairs of teeth sharing a mesh, of which
 /// the tighter one would hold the bound; tip contact ahead of the path of contact.
 class TurningPlays {

@@ -63,7 +63,7 @@ class LinearForms {
   const ClearanceModel& model_;
 };
 
-/// Ends of the strips of each planet, as functions of the bounds (docs/theory.md §33).
+/// Ends of the strips of each planet, as functions of the bounds (docs/theory §33).
 struct PlanetStrips {
   BoundFunction w_lower, w_upper, s13_lower, s13_upper, s23_lower, s23_upper;
 };

@@ -41,7 +41,7 @@ struct WorstCase {
 /// of that planet's own plays, so that width ≤ φ_p for every p, and width ≤ (1/N) Σ_p φ_p, again
 /// linear.  The deviations that maximise it make all planets alike: what displaces the sun or a
 /// ring cancels in the mean, and what remains is the same on every planet, where width = φ_p = the
-/// mean. Source: own derivation, docs/theory.md §35.
+/// mean. Source: own derivation, docs/theory §35.
 WorstCase worst_case(const ClearanceModel& model);
 
 }  // namespace gear3k::backlash

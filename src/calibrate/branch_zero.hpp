@@ -26,7 +26,7 @@ struct BranchZero {
 ///
 /// with σ² and φ of the noise that leaves u, and the weights w of all samples in the filtered and
 /// interpolated angle.
-/// Source: own derivation, docs/theory.md §31 (uncertainty).
+/// Source: own derivation, docs/theory §31 (uncertainty).
 /// Valid: noise faster than the filter.  dθ/dT is the secant over `secant` samples to either side
 /// of zero: where the torque's noise after the filter nears what the torque climbs there, the
 /// variance comes out too large.

@@ -103,7 +103,7 @@ struct Cause {
   Remedy remedy;
   Place place;
   /// Weight before the data: chosen so that campaigns show the causes about equally easily, as more
-  /// forms and parameters make one harder to find (docs/theory.md §30).
+  /// forms and parameters make one harder to find (docs/theory §30).
   double weight;
   /// Forms of this cause set the same constants: only one of them can act at a time.
   bool exclusive_forms = false;

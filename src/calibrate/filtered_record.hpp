@@ -28,7 +28,7 @@ struct FilteredRecord {
 ///
 /// Scatter is taken about a curve of at most 60 cycles per loop, and the part of a flank chosen by
 /// a torque of at most 15 cycles per loop, where the record is long enough for that filter.
-/// Source: docs/theory.md §31, eq. 31.1 and its uncertainty.
+/// Source: docs/theory §31, eq. 31.1 and its uncertainty.
 /// Valid: columns of equal length above filter_padding() of both cut-offs, the given one and that
 /// for the scatter.
 /// @throws std::invalid_argument as zero_phase_filter()

@@ -16,7 +16,7 @@ namespace gear3k::calibrate {
 ///
 ///   slope = Σ_k w_k θ_k,   w_k = (t_k - t̄)/Σ (t_l - t̄)²      (t̄: mean of the branch's sense)
 ///
-/// Source: own derivation, docs/theory.md §31 (creep).
+/// Source: own derivation, docs/theory §31 (creep).
 struct CommonSlope {
   bool repeats = false;              ///< two branches of one sense at different times
   std::vector<double> weight_per_s;  ///< of each branch's angle; 0 where it has none
@@ -26,7 +26,7 @@ CommonSlope common_slope(const std::vector<BranchZero>& branches);
 
 /// The common slope; where no branch repeats, the closing error of the first loop that has one over
 /// its duration.
-/// Source: own derivation, docs/theory.md §31 (creep).
+/// Source: own derivation, docs/theory §31 (creep).
 /// Valid: drift linear in time over the whole record.
 /// @param branches  in order of time, loop b from branch b and b + 1
 /// @returns empty where no branch repeats and no loop has a closing error

@@ -51,7 +51,7 @@ inline constexpr double kTravelBand = 0.05;
 /// A record without runs is a session of its own when there are several.
 /// Loops that share a branch are not independent: of those, every second one is used.  Sigma is
 /// that of the loop's filter at zero torque, for its travels too.
-/// Source: own derivation; branches as in docs/theory.md, torque-angle loops.
+/// Source: own derivation; branches as in docs/theory §31.
 /// @throws std::invalid_argument when the ratio is not finite or 0, or as analyse_loops()
 LoopObservations loop_observations(const std::vector<LockedShaftRecord>& records, double ratio);
 

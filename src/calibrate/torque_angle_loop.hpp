@@ -121,7 +121,7 @@ struct LoopAnalysis {
 /// filtered torque is zero.  Includes the hysteresis of friction.
 /// Not seen: a dead band that the torque crosses without friction (both branches then agree at
 /// zero torque; see Loop::travel), and noise slower than the filter.
-/// Source: docs/theory.md, torque-angle loops.
+/// Source: docs/theory §31.
 /// @throws std::invalid_argument when the columns differ in length, a value is not finite, time
 /// runs backwards, or an option is out of its range
 LoopAnalysis analyse_loops(const TorqueAngleRecord& record, const LoopOptions& options = {});

@@ -9,7 +9,7 @@ namespace gear3k::calibrate {
 
 /// First sample, reversals and last sample of a signal: extrema after which it swings back by more
 /// than this fraction of its range.  The first and the last are extrema too, not the record's ends.
-/// Source: docs/theory.md §31 (branches).
+/// Source: docs/theory §31 (branches).
 /// @returns indices in rising order; empty where the signal never swings so far
 std::vector<std::size_t> turning_points(const std::vector<double>& signal, double swing_fraction);
 
@@ -34,7 +34,7 @@ inline constexpr double kLoadedFraction = 0.5;
 /// The first begins with the record: it is loaded if it starts at kLoadedFraction of the peak
 /// torque or beyond, on the side it comes from.  On a record that stays on one side of zero torque
 /// every branch counts as loaded.
-/// Source: docs/theory.md §31 (branches).
+/// Source: docs/theory §31 (branches).
 /// @returns one branch less than turning points; empty without any
 std::vector<Branch> find_branches(const TorqueAngleCurve& curve,
                                   const std::vector<std::size_t>& turns);
@@ -61,7 +61,7 @@ struct Continuation {
 
 /// At zero torque; a branch that comes from the other side and ends just short of zero is continued
 /// along the secant of its last samples.
-/// Source: docs/theory.md §31 (branches).
+/// Source: docs/theory §31 (branches).
 std::optional<Crossing> zero_torque_crossing(const std::vector<double>& time_s,
                                              const TorqueAngleCurve& curve, const Branch& branch,
                                              const Continuation& continuation);

@@ -28,7 +28,7 @@ bool changes_lost_motion(const backlash::LostMotionExtension<T>& e) {
 ///
 /// The parts keep their size: α is the carrier's expansion relative to that of the gears.  A mesh
 /// that interferes keeps its negative share, as in backlash::kinematic_lost_motion().
-/// Source: definition of the test, docs/theory.md §29.
+/// Source: definition of the test, docs/theory §29.
 /// @returns φ [rad]; empty where a mesh has no working angle at the distance of the temperature
 template <class T>
 std::optional<T> measured_lost_motion(const train::TrainParameters<T>& parameters,

@@ -82,7 +82,7 @@ struct OperatingMap {
 /// Temperature: that of the design's operating point, else 20 °C.  A free sun that R2 cannot drive
 /// (backdriving margin not positive) counts as locked, also where no torque at all would balance
 /// the motion: any torque would lock it.
-/// Source: operate(), drive_free_sun(); docs/theory.md §24-§26.
+/// Source: operate(), drive_free_sun(); docs/theory §24-§26.
 /// @returns NotDefined as evaluate(), and for a mesh without contact
 /// @throws std::invalid_argument for a grid axis without points, and as evaluate()
 std::variant<OperatingMap, NotDefined> make_operating_map(const Design& design);

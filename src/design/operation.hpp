@@ -75,7 +75,7 @@ struct OperationResult {
 /// @throws std::invalid_argument unless speed and torque are finite and at least 0
 /// At rest (speed 0) the torques are those at the onset of motion.
 /// Does not account for: inertia, gravity, tilting of the planets, rolling friction.
-/// Source: docs/theory.md §24-§26.
+/// Source: docs/theory §24-§26.
 template <class T>
 OperationResult<T> operate(const LossyTrain<T>& train, const OperatingPoint<T>& point,
                            Direction direction);

@@ -76,7 +76,7 @@ struct Sensitivities {
 /// Does not cover: tooth numbers, cutters, limits, the axial layout, masses, and the points of a
 /// friction table; speed at rest and torque without load, where friction laws have their corner.
 /// η_b is empty where the train cannot be back-driven.  Where a formula changes branch exactly at
-/// the design, a derivative is that of one side. Source: docs/theory.md §3-§26 through their
+/// the design, a derivative is that of one side. Source: docs/theory §3-§26 through their
 /// templates; property-tested against central differences of evaluate().
 /// @returns no inputs where evaluate() returns NotDefined
 /// @throws std::invalid_argument as evaluate()

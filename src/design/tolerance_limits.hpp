@@ -41,7 +41,7 @@ struct BuiltGear {
 /// ring are those that the drawn gear's cutter, the same in size, leaves: with it the root circle
 /// would move by sin α/sin α_w0 of that only.  With a deviation of the root diameter the tool is as
 /// deep as that says, whatever the thickness, and form circle and fillet are that tool's.
-/// Source: ISO 21771 (generating profile shift); docs/theory.md §14.  Against KISSsoft's root, form
+/// Source: ISO 21771 (generating profile shift); docs/theory §14.  Against KISSsoft's root, form
 /// and active diameters at both limits: tests/golden/kisssoft_stage_01.toml.
 BuiltGear built_gear(const BuiltGear& drawn, const GearDeviation& deviation);
 

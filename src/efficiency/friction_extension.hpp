@@ -14,7 +14,7 @@ namespace gear3k::efficiency {
 /// F, v: normal force and mean sliding speed of a mesh; θ: temperature of the lubricant; side:
 /// `forward` or `backward`, by which end drives the train.  `approach` and `recess` multiply the
 /// friction on either side of the pitch point.
-/// Source: empirical forms, docs/theory.md §29; the parameters come from measurements.
+/// Source: empirical forms, docs/theory §29; the parameters come from measurements.
 template <class T>
 struct FrictionExtension {
   T level = constant<T>(1.0);

@@ -38,9 +38,9 @@ struct Lubricant {
 ///   η = ρ ν,  lg lg (ν + 0.8) = K − m lg T      (ν in mm²/s, T in kelvin; K, m from two points)
 ///
 /// Source: DIN 51563 (Ubbelohde-Walther, constant 0.8), as used in a published gearbox loss
-/// calculation, docs/theory.md §25.  The density is taken as constant.
+/// calculation, docs/theory §25.  The density is taken as constant.
 /// Accuracy: between the two points and near them; by the constant 0.7 of ASTM D341 in place of 0.8
-/// it differs by less than 1 % there (docs/theory.md §25).
+/// it differs by less than 1 % there (docs/theory §25).
 /// @throws std::invalid_argument unless all temperatures are above 0 K, the two of the oil differ,
 /// and its viscosities are above 0.2 mm²/s
 /// @returns η [Pa s]
@@ -96,7 +96,7 @@ FlankFriction<T> constant_friction(const Friction<double>& friction, bool forwar
 template <class T>
 struct MeshState {
   T normal_force_N;     ///< F_bt on the flanks of one planet's mesh, transverse, all pairs
-  T sliding_speed_m_s;  ///< mean over a base pitch, docs/theory.md §25
+  T sliding_speed_m_s;  ///< mean over a base pitch, docs/theory §25
   T sum_speed_m_s;      ///< of the flanks at the pitch point, v_ΣC
   T reduced_radius_m;   ///< of curvature at the pitch point, ρ_redC
   T face_width_m;
@@ -126,7 +126,7 @@ constexpr bool reads_coefficient(FrictionLaw law) {
 /// times the factors of the extension, never above kGreatestFriction.
 /// Source: load_power, stribeck: empirical forms, their constants are the user's; schlenk:
 /// ISO/TR 14179-2 (Schlenk), constants as in cfernandesFEUP/Gear-Calculation, GearC/contact.py,
-/// commit 02d9129, and in a second published loss calculation, docs/theory.md §25.
+/// commit 02d9129, and in a second published loss calculation, docs/theory §25.
 /// Valid: schlenk is a fit to industrial gears at some 100 N/mm and above 1 m/s; small and slow
 /// gears extrapolate it, and its scatter is not stated by the sources.
 /// @returns μ; empty where the law has none: schlenk at rest, load_power with n < 0 without load

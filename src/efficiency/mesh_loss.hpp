@@ -20,7 +20,7 @@ inline constexpr std::array<std::string_view, 4> kLossModelNames{"sliding", "ohl
                                                                  "coulomb_path", "directional"};
 
 /// Coefficient of friction of a mesh.  Factors other than 1 act in the first-order models by the
-/// difference that they make to the path of contact, docs/theory.md §29.
+/// difference that they make to the path of contact, docs/theory §29.
 template <class T>
 struct FlankFriction {
   T coefficient;                         ///< μ
@@ -54,7 +54,7 @@ T ohlendorf_factor(const T& approach, const T& recess);
 /// The pairs in contact share the load equally.  Any e_a, e_r, also negative, and any ε > 0: for
 /// ε < 1 the mean is over the part of the pitch with a pair in contact; for ε ≤ 0 there is no
 /// contact, and |s| at the middle of the (empty) path continues it.
-/// Source: own derivation, docs/theory.md §9; property-tested against numerical integration.
+/// Source: own derivation, docs/theory §9; property-tested against numerical integration.
 template <class T>
 T sliding_factor(const T& approach, const T& recess);
 
@@ -65,7 +65,7 @@ T sliding_factor(const T& approach, const T& recess);
 ///
 /// d the driving, f the driven gear; s < 0 in approach (σ = +1), s > 0 in recess (σ = −1); teeth of
 /// a ring negative.  Source: balance of two rigid gears with one contact point,
-/// docs/theory.md §23; the same as eqs. 2.1-2.2 of the directional-impedance thesis.
+/// docs/theory §23; the same as eqs. 2.1-2.2 of the directional-impedance thesis.
 /// Valid: positive numerator and denominator; else the flanks jam, and 0 is returned.
 template <class T>
 T path_efficiency(const MeshContact<T>& contact, const FlankFriction<T>& mu, const T& s);
@@ -79,7 +79,7 @@ T path_efficiency(const MeshContact<T>& contact, const FlankFriction<T>& mu, con
 /// Any e_a, e_r and ε, also ε ≤ 0, as sliding_factor().  Tends to the first-order model
 /// as μ → 0 with a remainder of second order.  Integrals by Gauss-Legendre quadrature on pieces
 /// without kinks, exact to rounding while μ times factor times tan α_w ≤ 0.5.
-/// Source: own derivation, docs/theory.md §23.
+/// Source: own derivation, docs/theory §23.
 /// @returns 0 where the flanks jam in some position
 template <class T>
 T coulomb_path_efficiency(const MeshContact<T>& contact, const FlankFriction<T>& mu);

@@ -37,7 +37,7 @@ MeshEfficiencies<T> mesh_efficiencies(const train::TrainGeometry<T>& train, cons
 ///   G2 > 1: η_f = η3 (η2 + η1 G1)(G2 − 1)/((1 + G1)(G2 − η2 η3))
 ///
 /// Source: low-backlash paper, eq. 18 with the misprint mended (errata 1); G2 > 1: own derivation,
-/// docs/theory.md §10.  Valid: 0 < η_k ≤ 1, G2 ≠ 1.
+/// docs/theory §10.  Valid: 0 < η_k ≤ 1, G2 ≠ 1.
 template <class T>
 T forward_efficiency(const train::ToothSet& z, const MeshEfficiencies<T>& eta);
 
@@ -46,7 +46,7 @@ T forward_efficiency(const train::ToothSet& z, const MeshEfficiencies<T>& eta);
 ///   G2 < 1: η_b = η1 (1 + G1)(η2 η3 − G2)/(η3 (G1 + η1 η2)(1 − G2))
 ///   G2 > 1: η_b = η1 (1 + G1)(η2 η3 G2 − 1)/((η1 + η2 G1)(G2 − 1))
 ///
-/// Source: low-backlash paper, eq. 19; G2 > 1: own derivation, docs/theory.md §10.
+/// Source: low-backlash paper, eq. 19; G2 > 1: own derivation, docs/theory §10.
 /// Values ≤ 0 mean that the train locks; they keep the sign and size of the formula, which is
 /// smooth, so that an optimiser can climb out.  See backdriving_margin().
 template <class T>

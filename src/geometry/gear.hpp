@@ -27,7 +27,7 @@ template <class T>
 PressureAngle<T> make_pressure_angle(const T& alpha_rad);
 
 /// The pinion-type cutter that shapes a ring.  Its addendum is not given: it follows from the
-/// ring's root circle, docs/theory.md §15.
+/// ring's root circle, docs/theory §15.
 struct PinionCutter {
   int teeth = 0;               ///< z0; 0: no cutter, the ring's root is filleted by an arc
   double profile_shift = 0.0;  ///< x0, in modules
@@ -56,7 +56,7 @@ struct Gear {
 ///
 /// Source: ISO 21771 with the KHK sign for rings; KHK Gear Technical Data, internal gears.
 /// Thinning by q leaves every circle where it is: the tool's teeth are thicker by it
-/// (docs/theory.md §14).
+/// (docs/theory §14).
 template <class T>
 struct GearGeometry {
   Gear<T> gear{};

@@ -12,7 +12,7 @@ namespace gear3k::geometry {
 ///
 /// h_Ff* is the depth of the basic rack's straight flank below its reference line (1.0 for the
 /// rack 1.25 / 0.38 at 20° to 4 decimals).
-/// Source: ISO 21771 (undercut by a rack), docs/theory.md §5, §14.
+/// Source: ISO 21771 (undercut by a rack), docs/theory §5, §14.
 /// Valid: external gears cut by a rack or hob.  @returns margin in modules, negative = undercut
 template <class T>
 T undercut_margin(const GearGeometry<T>& external);
@@ -41,7 +41,7 @@ T involute_interference_margin(const GearGeometry<T>& gear1, const GearGeometry<
 ///   external  ρ_Nf1 = d sin α_w − ρ_a2, likewise gear 2
 ///   internal  ρ_Nf1 = ρ_a2 − d sin α_w,  ρ_Nf2 = ρ_a1 + d sin α_w
 ///
-/// Source: ISO 21771 (start of active profile d_Nf = 2 sqrt(rb² + ρ_Nf²)), docs/theory.md §16.
+/// Source: ISO 21771 (start of active profile d_Nf = 2 sqrt(rb² + ρ_Nf²)), docs/theory §16.
 /// @param which  1 or 2  @returns [m]; negative = involute interference
 template <class T>
 T active_root_length(const GearGeometry<T>& gear1, const GearGeometry<T>& gear2,
@@ -60,7 +60,7 @@ T form_circle_margin(const GearGeometry<T>& gear1, const GearGeometry<T>& gear2,
 ///   external (d − ra_i − rf_j)/m;  pinion's tip (rf_2 − d − ra_1)/m;  ring's tip (ra_2 − d −
 ///   rf_1)/m
 ///
-/// Source: ISO 21771 (tip clearance c), docs/theory.md §16.  @param which  1 or 2: the gear whose
+/// Source: ISO 21771 (tip clearance c), docs/theory §16.  @param which  1 or 2: the gear whose
 /// tip it is
 /// @returns modules, negative = overlap
 template <class T>
@@ -74,8 +74,8 @@ T root_clearance(const GearGeometry<T>& gear1, const GearGeometry<T>& gear2,
 ///   cos θ1 = (ra_2² − ra_1² − d²)/(2 d ra_1),  cos θ2 = (d² + ra_2² − ra_1²)/(2 d ra_2)
 ///
 /// Flanks in contact on one side, so thinning has no part in it.  A tip corner that is free at the
-/// crossing is free of the mate's flank everywhere (docs/theory.md §17).
-/// Source: KHK Gear Technical Data (trochoid interference); derived again in docs/theory.md §17.
+/// crossing is free of the mate's flank everywhere (docs/theory §17).
+/// Source: KHK Gear Technical Data (trochoid interference); derived again in docs/theory §17.
 /// Valid: internal meshes.  @returns modules of arc on the ring's tip circle, negative =
 /// interference
 template <class T>
@@ -88,7 +88,7 @@ T trochoid_margin(const GearGeometry<T>& pinion, const GearGeometry<T>& ring,
 ///   ra_2 [ (θ1 + inv α_a1 − inv α_w) z1/z2 − (θ2 + inv α_a2 − inv α_w) ]/m
 ///   sin² θ1 = (1 − (cos α_a1/cos α_a2)²)/(1 − (z1/z2)²),  ra_1 sin θ1 = ra_2 sin θ2
 ///
-/// Source: KHK Gear Technical Data (trimming interference); derived again in docs/theory.md §17.
+/// Source: KHK Gear Technical Data (trimming interference); derived again in docs/theory §17.
 /// Valid: internal meshes; of no interest where planets are assembled along their axis.
 /// @returns modules of arc on the ring's tip circle, negative = interference
 template <class T>
@@ -102,7 +102,7 @@ T trimming_margin(const GearGeometry<T>& pinion, const GearGeometry<T>& ring,
 ///   trochoid_margin() and trimming_margin() of the cutter in the ring at a0: its corners do not
 ///   cut the ring's tips while it rolls and while it is fed in.
 ///
-/// Source: as for those, docs/theory.md §17.  Valid: rings with a cutter.
+/// Source: as for those, docs/theory §17.  Valid: rings with a cutter.
 template <class T>
 T ring_cutter_margin(const GearGeometry<T>& ring, const ToothForm<T>& form);
 
@@ -111,7 +111,7 @@ T ring_cutter_margin(const GearGeometry<T>& ring, const ToothForm<T>& form);
 ///
 /// The first 15 % of the fillet (in cot γ, from the flank) are left out: there the gap touches zero
 /// where form_circle_margin() does.
-/// Source: own derivation, docs/theory.md §18.  Derivatives are those
+/// Source: own derivation, docs/theory §18.  Derivatives are those
 /// of the least gap, whose place moves with the design.
 /// @param form  of the mate  @param which  1 or 2: the gear whose tip corner it is
 /// @returns modules, negative = the corner cuts into the fillet

@@ -18,7 +18,7 @@ T involute(const T& angle);
 /// Newton's method from an upper bound of the root, where it descends monotonically because inv is
 /// convex; derivatives are those of the implicit function, da/d(inv a) = 1/tan² a.
 ///
-/// Source: own derivation, docs/theory.md §1.
+/// Source: own derivation, docs/theory §1.
 /// Accuracy: 1e-14 rad for a in [0.02, 1.3] (property-tested).
 /// @param value  inv a [rad], finite, value ≥ 0; above 0 for derivatives, which are infinite at 0
 /// @returns a [rad] in [0, π/2)

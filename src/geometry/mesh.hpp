@@ -25,7 +25,7 @@ T base_radius_sum(const GearGeometry<T>& gear1, const GearGeometry<T>& gear2);
 /// The addendum of the driving gear is swept in recess, that of the driven gear in approach:
 /// e_a is that of the driven and e_r that of the driving gear.  A share may be negative (the whole
 /// path lies on one side of the pitch point) or exceed 1.
-/// Source: ISO 21771 (path of contact), docs/theory.md §3.
+/// Source: ISO 21771 (path of contact), docs/theory §3.
 /// Valid: equal module and pressure angle; tips outside their base circles.
 template <class T>
 struct MeshGeometry {

@@ -19,7 +19,7 @@ struct Point {
 /// Every point lies on the contour to rounding; between two points the chord leaves it by at most
 /// `chord_error_m`.  A tooth that is pointed below its tip circle ends at its point.  Where a
 /// ring's tip lies inside its base circle, the flank is continued radially.
-/// Source: docs/theory.md §22.
+/// Source: docs/theory §22.
 /// @throws std::invalid_argument unless chord_error_m > 0
 std::vector<Point> tooth_outline(const GearGeometry<double>& gear, double chord_error_m);
 

@@ -17,7 +17,7 @@ struct TipSliding {
 
 /// @param which  1 or 2: the gear whose tip it is
 /// NaN where the tip reaches the mate's base circle or beyond (involute interference).
-/// Source: ISO 21771 (specific sliding, sliding factor), docs/theory.md §20.  Valid: meshes with ρ
+/// Source: ISO 21771 (specific sliding, sliding factor), docs/theory §20.  Valid: meshes with ρ
 /// > 0 at both flanks.
 TipSliding tip_sliding(const GearGeometry<double>& gear1, const GearGeometry<double>& gear2,
                        const MeshGeometry<double>& mesh, int which);

@@ -25,7 +25,7 @@ enum class RootTool { kRack, kCutter, kArc };
 ///   rack    t = b/sin γ
 ///   cutter  t = sqrt(r_C0² − r_w0² cos² γ) − r_w0 sin γ
 ///   arc     t = 0, P = C
-/// Source: own derivation, docs/theory.md §14, §15.
+/// Source: own derivation, docs/theory §14, §15.
 template <class T>
 struct Fillet {
   RootTool tool = RootTool::kRack;
@@ -94,7 +94,7 @@ struct ToothForm {
 ///   arc     ρ_F = ρ + sqrt((r_f − ρ)² − rb²)
 ///
 /// Source: ISO 21771 (root form diameter); own derivation of the arc and of undercut,
-/// docs/theory.md §14, §15.  Against KISSsoft's root form diameters: tests/golden.
+/// docs/theory §14, §15.  Against KISSsoft's root form diameters: tests/golden.
 /// Valid: rack with 0 ≤ ρfP*, cutter with fewer teeth than the ring.  Where a tool's rounding would
 /// reach inside the base circle, the form circle is taken where it touches it.
 template <class T>
@@ -110,7 +110,7 @@ T contour_half_angle(const GearGeometry<T>& g, const ToothForm<T>& form, const T
 /// Rounding radius of the rack's tip corners, in modules: ρfP*, or the radius at which both
 /// roundings become one arc where that is less:
 ///   ρ ≤ (π/4 + q/(2 cos α) − hfP* tan α) cos α/(1 − sin α)
-/// Source: own derivation, docs/theory.md §14.
+/// Source: own derivation, docs/theory §14.
 template <class T>
 T rack_rounding(const GearGeometry<T>& external);
 

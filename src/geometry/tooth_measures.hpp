@@ -13,7 +13,7 @@ namespace gear3k::geometry {
 ///   ring:     W_k = m cos α ((k − ½) π + z inv α) + 2 x m sin α + q m
 ///
 /// k is the whole number whose flanks are touched nearest to the circle d + 2 x m.
-/// Source: ISO 21771 (span measurement), docs/theory.md §21.
+/// Source: ISO 21771 (span measurement), docs/theory §21.
 struct SpanMeasure {
   int count = 0;                  ///< k
   double length_m = 0.0;          ///< W_k
@@ -29,7 +29,7 @@ std::optional<SpanMeasure> span_measure(const GearGeometry<double>& g);
 ///   with η the half angle of the space on the reference circle, r_M = rb/cos α_M
 ///   M = 2 r_M (cos(π/2z) when z is odd) ± D_M
 ///
-/// Source: ISO 21771 (measurement over balls or pins), docs/theory.md §21.
+/// Source: ISO 21771 (measurement over balls or pins), docs/theory §21.
 struct PinMeasure {
   double pin_diameter_m = 0.0;    ///< D_M
   double over_pins_m = 0.0;       ///< M
@@ -46,7 +46,7 @@ std::optional<PinMeasure> pin_measure(const GearGeometry<double>& g,
 ///
 ///   s_c = d sin(s/d),  h_c = ± (ra − r + r (1 − cos(s/d))),  + external, − ring
 ///
-/// Source: ISO 21771 (chordal tooth thickness), docs/theory.md §21.
+/// Source: ISO 21771 (chordal tooth thickness), docs/theory §21.
 struct ChordalThickness {
   double chord_m = 0.0, height_m = 0.0;
 };
@@ -62,7 +62,7 @@ double form_circle_thickness(const GearGeometry<double>& g, const ToothForm<doub
 /// Generating profile shift and root radius when a tool of nominal thickness is fed deeper to thin
 /// the tooth by m q, instead of a thicker tool at nominal depth:
 ///   x_E = x − q/(2 sin α) external, x + q/(2 sin α) ring; the root circle moves with it
-/// Source: ISO 21771 (generating profile shift), docs/theory.md §21.
+/// Source: ISO 21771 (generating profile shift), docs/theory §21.
 struct Infeed {
   double profile_shift = 0.0;  ///< x_E
   double root_radius_m = 0.0;

@@ -32,7 +32,7 @@ struct InertialTrain {
 ///
 ///   J = Σ J_k (w_k/w_R2)² + N m_P d² (w_C/w_R2)²   (absolute speeds; twice the kinetic energy)
 ///
-/// Source: kinetic energy, docs/theory.md §11.  @returns [kg m²]
+/// Source: kinetic energy, docs/theory §11.  @returns [kg m²]
 template <class T>
 T lossless_inertia(const InertialTrain<T>& train);
 
@@ -48,7 +48,7 @@ struct DirectionalEfficiencies {
 /// of its own bodies, by train::solve_power_flow(): each mesh loses in the direction in which its
 /// power flows.
 /// Reduces to J_S i²/η_b (backward, sun only) and to the kinetic energy without losses.
-/// Source: own derivation, docs/theory.md §11 (errata 9 on the paper's eq. 32).
+/// Source: own derivation, docs/theory §11 (errata 9 on the paper's eq. 32).
 /// @returns [kg m²]; empty where no direction of the power flows is consistent: the train locks
 template <class T>
 std::optional<T> effective_inertia(const InertialTrain<T>& train,

@@ -217,7 +217,7 @@ CheapestTolerances cheapest_tolerances(const ClearanceModel& model,
 backlash::Tolerances scaled(const backlash::Tolerances& tolerances, const ClearanceModel& model,
                             const std::vector<double>& factor, double cos_pressure_angle) {
   backlash::Tolerances result = tolerances;
-  // What F_p says beyond the run-out's share in it, docs/theory.md §33.
+  // What F_p says beyond the run-out's share in it, docs/theory §33.
   std::array<double, train::kGearCount> rest{};
   for (std::size_t i = 0; i < rest.size(); ++i) {
     const backlash::GearTolerances& g = tolerances.gears[i];

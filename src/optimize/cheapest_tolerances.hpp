@@ -49,7 +49,7 @@ struct CheapestTolerances {
 /// tolerances only.  Where the verifying series then falls short, the search goes on with a yield
 /// as much higher, a few times at most.
 ///
-/// Source: own derivation, docs/theory.md §35; reciprocal cost: the usual model of tolerance
+/// Source: own derivation, docs/theory §35; reciprocal cost: the usual model of tolerance
 /// synthesis.
 CheapestTolerances cheapest_tolerances(const backlash::ClearanceModel& model,
                                        const CheapestOptions& options);

@@ -21,7 +21,7 @@ std::array<double, 2> loss_weights(double g1, double g2,
 /// Greatest backward efficiency over a region, the mesh P2-R2 losing `stage2`.
 ///
 /// 1/η_b is convex in the losses, so that tangents bound it along the region's edge.
-/// Source: own derivation, docs/theory.md §32.
+/// Source: own derivation, docs/theory §32.
 /// @returns η_b; 0 where the train cannot run backwards
 double most_backward(const train::ToothSet& z, const LossRegion& region, double stage2);
 
@@ -29,7 +29,7 @@ double most_backward(const train::ToothSet& z, const LossRegion& region, double 
 ///
 /// ln η_f is convex in λ = −ln(1 − loss), in which the region's cuts hold too: it is greatest in a
 /// corner.
-/// Source: own derivation, docs/theory.md §32.
+/// Source: own derivation, docs/theory §32.
 /// @returns η_f; 0 where a mesh passes nothing on
 double most_forward(const train::ToothSet& z, const LossRegion& region, double stage2);
 

@@ -64,7 +64,7 @@ struct ProblemBranch {
 ///   d = m z_sum cos α/(2 cos α_w)
 /// the meshes of smaller base sums have cos α_w < 1 whenever a > 0.
 /// Minimise f subject to g_k ≥ 0 and the box; f is the objective, negative where it is maximised,
-/// in units of its scale: −η for efficiencies.  Source: own derivation, docs/theory.md §12.
+/// in units of its scale: −η for efficiencies.  Source: own derivation, docs/theory §12.
 struct RefinementProblem {
   Candidate candidate;
   const Specification* spec = nullptr;  ///< must outlive the problem

@@ -50,7 +50,7 @@ struct RobustResult {
 /// limits the best is found (and may be certified), but a design elsewhere could need less.
 /// The lost motion of built gearboxes is the kinematic one, at one position of the turn.
 /// Built gearboxes are drawn with spec.sampling, at most kRobustSamples of them.
-/// Source: own derivation, docs/theory.md §35.
+/// Source: own derivation, docs/theory §35.
 /// @param search  the best design of a specification; empty where there is none; it may ask to stop
 ///   by returning interrupted
 struct SearchOutcome {

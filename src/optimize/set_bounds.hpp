@@ -32,7 +32,7 @@ inline bool has_bounds(const Specification& spec) { return !spec.free.pressure_a
 /// (S, P1, R1) and stage 2 (P2, R2) are relaxed apart: what ties them (the centre distance in
 /// metres) is dropped, lost motion that they share is split between them in every way.  Tooth
 /// sets share stages, and each stage is searched once.
-/// Source: own derivation, docs/theory.md §32.
+/// Source: own derivation, docs/theory §32.
 class SetBounds {
  public:
   /// Relaxes the stages of these tooth sets; OpenMP over the stages, results independent of it.

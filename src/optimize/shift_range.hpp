@@ -34,7 +34,7 @@ struct Infeasibility {
 /// Profile shifts of a gear with the limits that confine them.
 struct ShiftRange {
   /// Where undercut, ring_tip_outside_base and (but for the KHK tip rule) tip_thickness hold; never
-  /// empty.  Beyond `hi` of a tip too thin, no shift is feasible (docs/theory.md §32).
+  /// empty.  Beyond `hi` of a tip too thin, no shift is feasible (docs/theory §32).
   Interval range;
   /// The same for bounds: with the slack that feasible designs may take, less what a ring's root
   /// diameter takes away even at the stage's least module.

@@ -76,7 +76,7 @@ struct StageBound {
 /// Branches over centre distance d and the planet's shift x_P.  In a box the shifts of ring and sun
 /// are confined by backlash, contact ratio, interference and clearance, each monotone in its
 /// variables, and the loss factors by least_loss_factor() on the resulting ranges of e1, e2 and ε.
-/// Source: own derivation, docs/theory.md §32.
+/// Source: own derivation, docs/theory §32.
 /// Valid: exact arithmetic; rounding is covered by kRelaxationSlack in every comparison.
 StageBound relax_stage(const StageTask& task, const StageEffort& effort);
 
@@ -91,7 +91,7 @@ inline constexpr double kRelaxationSlack = 1e-9;
 ///   2 < ε, sliding       B ≥ 2 ⟨⌊n²/4⌋/n⟩ over the n pairs in contact = 1 + (ε − 2)/3 up to ε = 3
 ///   ε < 1, sliding       B ≥ ε/2
 /// Ohlendorf's B is the first form for every ε.
-/// Source: own derivation, docs/theory.md §32.
+/// Source: own derivation, docs/theory §32.
 /// @returns the bound; +infinity when the intervals have no point in common
 double least_loss_factor(const Interval& e1, const Interval& e2, const Interval& epsilon,
                          bool sliding);

@@ -15,14 +15,14 @@ namespace gear3k::optimize {
 /// Path models: the loss of a pair at a point is the first-order one over 1 − σ μ ρ_d/r_bd, at
 /// least that over 1 + μ ρ_d/r_bd.  Factors on a first-order model add the difference of two such
 /// losses, which may be negative even where no factor is below 1.
-/// Source: own derivation, docs/theory.md §32 (32.9, 32.10).
+/// Source: own derivation, docs/theory §32 (32.9, 32.10).
 /// Valid: tip pressure angles of the driving gears up to that of the lever 5.9 = ρ_d/r_bd.
 /// @returns μ of the bound; 0 where it says nothing
 double least_friction(const Specification& spec, bool forward);
 
 /// Makes the tasks of relax_stage() for the stages of a specification.  Every limit is given way by
 /// what feasible designs may miss it by; what ties the stages is dropped.
-/// Source: own derivation, docs/theory.md §32.
+/// Source: own derivation, docs/theory §32.
 class StageTasks {
  public:
   /// @param spec  must outlive the tasks' maker

@@ -15,7 +15,7 @@ namespace gear3k::optimize {
 /// P1-R1 has none at that distance, the angle (or x_R2) at which P2-R2 has none.  Values are
 /// clipped to the box, so a start need not be feasible.  With a bound there is one more, the first:
 /// where the bound's stages have their least losses.
-/// Source: own derivation, docs/theory.md §12, §32.
+/// Source: own derivation, docs/theory §12, §32.
 std::vector<Point> starting_points(const RefinementProblem& problem, int count,
                                    unsigned long long seed, const SetBound* bound = nullptr);
 

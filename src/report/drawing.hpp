@@ -47,7 +47,7 @@ struct TrainPlacement {
 /// (1) then asks for (zS + zR1) θ_i = 0 modulo 2π, that is N | zS + zR1: equal_spacing.  From (3),
 /// ψ_P2 − ψ_P1 = θ_i (zR1/zP1 − zR2/zP2), which is train::Assembly::planet_phase_rad modulo
 /// 2π/lcm(zP1, zP2).  Angles come from integers reduced to less than one tooth: no digits are lost.
-/// Source: own derivation, as above; docs/theory.md §7 for the phases.
+/// Source: own derivation, as above; docs/theory §7 for the phases.
 /// @throws std::invalid_argument when planets < 1
 TrainPlacement place_train(const train::ToothSet& z, int planets);
 

@@ -42,7 +42,7 @@ std::vector<int> overlapping_bodies(const AxialLayout& layout);
 ///   P2, R1       ra_R1 − d − ra_P2, likewise P1, R2
 ///   carrier, R   ra_R − r_carrier
 ///
-/// Source: docs/theory.md §19.
+/// Source: docs/theory §19.
 /// @param pair  index into kPassingBodies  @returns [m], negative = overlap
 template <class T>
 T passing_gap(const TrainGeometry<T>& train, const AxialLayout& layout, int pair);

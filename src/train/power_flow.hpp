@@ -62,7 +62,7 @@ std::array<double, kMeshCount> central_rolling_speeds(const ToothSet& z);
 /// Which member of each mesh drives is found, not assumed: of the eight combinations the one whose
 /// powers agree with it, that of the train without losses first.  The low-backlash paper's eqs. 18
 /// and 19 are the case without K.
-/// Source: own derivation, docs/theory.md §24.
+/// Source: own derivation, docs/theory §24.
 /// @returns empty where no combination is in balance: the train locks
 template <class T>
 std::optional<PowerFlow<T>> solve_power_flow(const LoadedTrain<T>& train);

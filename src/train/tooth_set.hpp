@@ -31,7 +31,7 @@ std::array<int, kGearCount> teeth_of(const ToothSet& z);
 ///
 /// Forward (sun drives the train): S drives P1 always; with G2 < 1, P1 drives R1 and R2 drives P2;
 /// with G2 > 1, R1 drives P1 and P2 drives R2.  Backward reverses every mesh.
-/// Source: own derivation, docs/theory.md §6 (sign of torque times speed in the carrier frame).
+/// Source: own derivation, docs/theory §6 (sign of torque times speed in the carrier frame).
 bool gear1_drives(MeshId mesh, bool g2_below_one, bool forward);
 
 /// G1 = zR1/zS.
@@ -49,7 +49,7 @@ double ratio(const ToothSet& z);
 ///
 ///   w_C/w_R2 = 1/(1 − G2),  w_P/w_R2 = (1 − zR1/zP1)/(1 − G2),  w_S/w_R2 = ratio
 ///
-/// Source: Willis relation, docs/theory.md §6.
+/// Source: Willis relation, docs/theory §6.
 struct SpeedRatios {
   double sun, planet, carrier;  ///< over w_R2; the planet's is its absolute spin
   double planet_rolling;        ///< (w_P − w_C)/(w_R2 − w_C) = zR2/zP2, relative to the carrier
@@ -69,7 +69,7 @@ struct Assembly {
   std::vector<double> planet_phase_rad;
 };
 
-/// Source: own derivation, docs/theory.md §7.
+/// Source: own derivation, docs/theory §7.
 /// @throws std::invalid_argument when planets < 1
 Assembly assembly(const ToothSet& z, int planets);
 
@@ -79,7 +79,7 @@ Assembly assembly(const ToothSet& z, int planets);
 ///   S-P1  k zS/N,  P1-R1  −k zR1/N,  P2-R2  −k zR2/N  (mod 1)
 ///
 /// All zero: the planets mesh in step; evenly spread: their mesh forces follow one another.
-/// Source: own derivation, docs/theory.md §7.
+/// Source: own derivation, docs/theory §7.
 /// @throws std::invalid_argument when planets < 1
 std::vector<double> mesh_phases(const ToothSet& z, MeshId mesh, int planets);
 

@@ -26,7 +26,7 @@ namespace {
 constexpr double kFriction = 0.5;  ///< of examples/pairs/dry_steel_pair.toml
 constexpr double kAlpha = std::numbers::pi / 9.0;
 /// Errors to their last digit: of pinions left out, which a useful model has to reach; and of the
-/// thesis' own model over all rows, which docs/theory.md refits.
+/// thesis' corrected model over the rows that it was fitted to.
 constexpr double kClaimedError = 0.017;
 constexpr double kThesisError = 0.0276;
 
