@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "design/evaluation.hpp"
-#include "io/design_file.hpp"
-#include "io/file_writer.hpp"
-#include "io/specification_file.hpp"
+#include "io/files/design_file.hpp"
+#include "io/files/specification_file.hpp"
+#include "io/text/file_writer.hpp"
 #include "optimize/objective_value.hpp"
 #include "optimize/optimizer.hpp"
 

@@ -18,7 +18,7 @@
 #include <string>
 #include <vector>
 
-#include "io/design_file.hpp"
+#include "io/files/design_file.hpp"
 #include "tests/calibrate/built_design.hpp"
 #include "tests/calibrate/redesign_spec.hpp"
 

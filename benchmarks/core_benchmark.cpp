@@ -10,14 +10,14 @@
 
 #include "design/evaluation.hpp"
 #include "efficiency/train_efficiency.hpp"
-#include "io/design_file.hpp"
-#include "io/specification_file.hpp"
+#include "io/files/design_file.hpp"
+#include "io/files/specification_file.hpp"
+#include "io/text/version.hpp"
 #include "optimize/ipopt.hpp"
 #include "optimize/optimizer.hpp"
 #include "optimize/refinement_problem.hpp"
 #include "optimize/slsqp.hpp"
 #include "optimize/starting_points.hpp"
-#include "report/version.hpp"
 
 namespace {
 
@@ -184,8 +184,8 @@ BENCHMARK(optimize_rp96)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseReal
 }  // namespace
 
 int main(int argc, char** argv) {
-  benchmark::AddCustomContext("gear3k", std::string(report::version()));
-  benchmark::AddCustomContext("commit", std::string(report::git_commit()));
+  benchmark::AddCustomContext("gear3k", std::string(io::version()));
+  benchmark::AddCustomContext("commit", std::string(io::git_commit()));
   benchmark::AddCustomContext("compiler", __VERSION__);
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;

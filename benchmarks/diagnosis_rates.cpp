@@ -17,7 +17,7 @@
 #include <string_view>
 #include <vector>
 
-#include "calibrate/diagnosis.hpp"
+#include "calibrate/verdict/diagnosis.hpp"
 #include "optimize/parallel.hpp"
 #include "tests/calibrate/diagnosis_scoring.hpp"
 

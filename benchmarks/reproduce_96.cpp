@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "design/evaluation.hpp"
-#include "io/design_file.hpp"
-#include "io/specification_file.hpp"
+#include "io/files/design_file.hpp"
+#include "io/files/specification_file.hpp"
 #include "optimize/optimizer.hpp"
 
 namespace {

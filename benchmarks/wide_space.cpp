@@ -15,7 +15,7 @@
 #include <string_view>
 #include <vector>
 
-#include "io/specification_file.hpp"
+#include "io/files/specification_file.hpp"
 #include "optimize/optimizer.hpp"
 #include "optimize/parallel.hpp"
 

@@ -4,7 +4,7 @@ execute_process(COMMAND git -C ${SOURCE_DIR} describe --always --dirty --abbrev=
 if(NOT commit)
   set(commit "unknown")
 endif()
-set(text "#include \"report/version.hpp\"\n\nnamespace gear3k::report {\n\nstd::string_view version() { return \"${VERSION}\"; }\nstd::string_view git_commit() { return \"${commit}\"; }\n\n}  // namespace gear3k::report\n")
+set(text "#include \"io/text/version.hpp\"\n\nnamespace gear3k::io {\n\nstd::string_view version() { return \"${VERSION}\"; }\nstd::string_view git_commit() { return \"${commit}\"; }\n\n}  // namespace gear3k::io\n")
 if(EXISTS ${OUTPUT})
   file(READ ${OUTPUT} old)
 endif()

@@ -18,7 +18,7 @@
 #include <string>
 #include <string_view>
 
-#include "io/specification_file.hpp"
+#include "io/files/specification_file.hpp"
 #include "optimize/parallel.hpp"
 #include "optimize/refinement_problem.hpp"
 #include "optimize/slsqp.hpp"

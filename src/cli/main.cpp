@@ -14,10 +14,10 @@
 #include <new>
 
 #include "cli/commands.hpp"
-#include "io/design_file.hpp"
-#include "io/diagnostics.hpp"
-#include "io/specification_file.hpp"
-#include "report/version.hpp"
+#include "io/files/design_file.hpp"
+#include "io/files/specification_file.hpp"
+#include "io/text/diagnostics.hpp"
+#include "io/text/version.hpp"
 #include "units/units.hpp"
 
 namespace {
@@ -244,8 +244,7 @@ int run_program(int argc, char** argv) {
       "gear3k designs 3K compound planetary gearboxes (Wolfrom gears) for robot actuators.\n"
       "Exit codes: 0 done, 1 usage, 2 invalid input, 3 no feasible design or (--strict) a failed\n"
       "check, 4 solver failure, 130 interrupted (what is done is kept)."};
-  app.set_version_flag("--version",
-                       fmt::format("gear3k {} ({})", report::version(), report::git_commit()));
+  app.set_version_flag("--version", fmt::format("gear3k {} ({})", io::version(), io::git_commit()));
   app.require_subcommand(1);
 
   // Deferred, so that a command runs after all arguments were accepted.

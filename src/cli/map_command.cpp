@@ -5,8 +5,8 @@
 #include "cli/progress.hpp"
 #include "cli/result_files.hpp"
 #include "design/operating_map.hpp"
-#include "io/design_file.hpp"
-#include "io/diagnostics.hpp"
+#include "io/files/design_file.hpp"
+#include "io/text/diagnostics.hpp"
 #include "report/map_plot.hpp"
 #include "report/map_report.hpp"
 

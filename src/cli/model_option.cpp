@@ -7,11 +7,11 @@
 #include <numbers>
 #include <utility>
 
-#include "calibrate/model_range.hpp"
+#include "calibrate/model/model_range.hpp"
 #include "design/checks.hpp"
 #include "design/measured_lost_motion.hpp"
-#include "io/diagnostics.hpp"
-#include "io/model_file.hpp"
+#include "io/files/model_file.hpp"
+#include "io/text/diagnostics.hpp"
 #include "units/units.hpp"
 
 namespace gear3k::cli {

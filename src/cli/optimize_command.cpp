@@ -8,17 +8,17 @@
 #include <limits>
 #include <utility>
 
-#include "calibrate/model_range.hpp"
+#include "calibrate/model/model_range.hpp"
 #include "cli/commands.hpp"
 #include "cli/model_option.hpp"
 #include "cli/progress.hpp"
 #include "design/built_series.hpp"
 #include "design/evaluation.hpp"
-#include "io/design_file.hpp"
-#include "io/diagnostics.hpp"
-#include "io/file_writer.hpp"
-#include "io/refinement_journal.hpp"
-#include "io/specification_file.hpp"
+#include "io/files/design_file.hpp"
+#include "io/files/refinement_journal.hpp"
+#include "io/files/specification_file.hpp"
+#include "io/text/diagnostics.hpp"
+#include "io/text/file_writer.hpp"
 #include "optimize/cheapest_tolerances.hpp"
 #include "optimize/optimizer.hpp"
 #include "optimize/robust.hpp"

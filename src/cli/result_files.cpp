@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "cli/commands.hpp"
-#include "io/diagnostics.hpp"
-#include "io/gnuplot.hpp"
+#include "io/text/diagnostics.hpp"
+#include "io/text/gnuplot.hpp"
 
 namespace gear3k::cli {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "cli/exit_code.hpp"
-#include "io/file_set.hpp"
+#include "io/text/file_set.hpp"
 #include "report/plot.hpp"
 
 namespace gear3k::cli {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
-#include "calibrate/condition_quantity.hpp"
-#include "calibrate/response_unit.hpp"
+#include "calibrate/measurement/condition_quantity.hpp"
+#include "calibrate/measurement/response_unit.hpp"
 #include "report/display.hpp"
 #include "report/text_table.hpp"
 

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "calibrate/measurement.hpp"
+#include "calibrate/measurement/measurement.hpp"
 
 namespace gear3k::report {
 

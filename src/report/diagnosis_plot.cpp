@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "calibrate/value_range.hpp"
+#include "calibrate/measurement/value_range.hpp"
 #include "report/condition_columns.hpp"
 #include "report/diagnosis_report.hpp"
 #include "report/display.hpp"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "calibrate/diagnosis.hpp"
+#include "calibrate/verdict/diagnosis.hpp"
 #include "report/plot.hpp"
 #include "train/shaft_orders.hpp"
 

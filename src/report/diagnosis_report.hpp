@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "calibrate/diagnosis.hpp"
+#include "calibrate/verdict/diagnosis.hpp"
 #include "report/model_report.hpp"
 
 namespace gear3k::report {

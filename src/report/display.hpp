@@ -11,7 +11,7 @@
 #include <string>
 
 #include "design/checks.hpp"
-#include "report/version.hpp"
+#include "io/text/version.hpp"
 
 namespace gear3k::report {
 
@@ -38,7 +38,7 @@ inline std::string fixed(double value, int decimals) {
 }
 
 inline nlohmann::ordered_json tool_json() {
-  return {{"version", version()}, {"git", git_commit()}};
+  return {{"version", io::version()}, {"git", io::git_commit()}};
 }
 
 /// NaN for nothing: what exact() writes as an empty field.

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "calibrate/diagnosis.hpp"
-#include "calibrate/model_range.hpp"
+#include "calibrate/model/model_range.hpp"
+#include "calibrate/verdict/diagnosis.hpp"
 #include "report/display.hpp"
 
 namespace gear3k::report {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "calibrate/extended_model.hpp"
+#include "calibrate/model/extended_model.hpp"
 
 namespace gear3k::report {
 

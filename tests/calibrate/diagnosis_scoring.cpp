@@ -9,8 +9,8 @@
 #include <set>
 #include <stdexcept>
 
-#include "io/design_file.hpp"
-#include "io/measurement_file.hpp"
+#include "io/files/design_file.hpp"
+#include "io/files/measurement_file.hpp"
 
 namespace gear3k::rig {
 

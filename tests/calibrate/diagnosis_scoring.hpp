@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "calibrate/diagnosis.hpp"
+#include "calibrate/verdict/diagnosis.hpp"
 #include "tests/rig/rig.hpp"
 
 namespace gear3k::rig {

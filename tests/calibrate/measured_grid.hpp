@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "calibrate/measurement.hpp"
+#include "calibrate/measurement/measurement.hpp"
 
 namespace gear3k::calibrate {
 

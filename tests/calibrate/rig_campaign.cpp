@@ -5,8 +5,8 @@
 #include <string>
 #include <utility>
 
-#include "io/design_file.hpp"
-#include "io/measurement_file.hpp"
+#include "io/files/design_file.hpp"
+#include "io/files/measurement_file.hpp"
 
 namespace gear3k::calibrate {
 

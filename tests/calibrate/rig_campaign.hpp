@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "calibrate/fit.hpp"
-#include "calibrate/search.hpp"
-#include "calibrate/simulation.hpp"
+#include "calibrate/fit/fit.hpp"
+#include "calibrate/model/simulation.hpp"
+#include "calibrate/search/search.hpp"
 #include "tests/rig/rig.hpp"
 
 namespace gear3k::calibrate {

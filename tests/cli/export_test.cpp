@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "io/csv_table.hpp"
+#include "io/text/csv_table.hpp"
 #include "tests/cli/run_program.hpp"
 
 namespace gear3k {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "io/csv_table.hpp"
+#include "io/text/csv_table.hpp"
 #include "tests/cli/run_program.hpp"
 
 namespace gear3k {

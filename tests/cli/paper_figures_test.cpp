@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "io/csv_table.hpp"
+#include "io/text/csv_table.hpp"
 #include "tests/cli/other_path.hpp"
 #include "tests/cli/run_program.hpp"
 

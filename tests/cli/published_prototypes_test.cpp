@@ -9,7 +9,7 @@
 #include <set>
 #include <string>
 
-#include "io/csv_table.hpp"
+#include "io/text/csv_table.hpp"
 #include "tests/cli/run_program.hpp"
 
 namespace gear3k {

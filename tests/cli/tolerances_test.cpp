@@ -16,7 +16,7 @@
 #include <thread>
 #include <vector>
 
-#include "io/csv_table.hpp"
+#include "io/text/csv_table.hpp"
 #include "tests/cli/other_path.hpp"
 #include "tests/cli/run_program.hpp"
 

@@ -17,9 +17,9 @@
 #include <vector>
 
 #include "design/evaluation.hpp"
-#include "io/design_file.hpp"
-#include "io/diagnostics.hpp"
-#include "io/loss_keys.hpp"
+#include "io/files/design_file.hpp"
+#include "io/keys/loss_keys.hpp"
+#include "io/text/diagnostics.hpp"
 #include "tests/random_train.hpp"
 
 namespace gear3k::design {

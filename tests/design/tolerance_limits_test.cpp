@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "design/evaluation.hpp"
-#include "io/design_file.hpp"
+#include "io/files/design_file.hpp"
 
 namespace gear3k::design {
 namespace {

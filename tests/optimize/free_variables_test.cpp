@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "design/evaluation.hpp"
-#include "io/design_file.hpp"
-#include "io/specification_file.hpp"
+#include "io/files/design_file.hpp"
+#include "io/files/specification_file.hpp"
 #include "optimize/gradients.hpp"
 #include "optimize/optimizer.hpp"
 #include "optimize/starting_points.hpp"

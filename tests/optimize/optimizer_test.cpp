@@ -6,8 +6,8 @@
 #include <map>
 
 #include "design/evaluation.hpp"
-#include "io/design_file.hpp"
-#include "io/specification_file.hpp"
+#include "io/files/design_file.hpp"
+#include "io/files/specification_file.hpp"
 #include "tests/optimize/rp96_problem.hpp"
 
 namespace gear3k::optimize {

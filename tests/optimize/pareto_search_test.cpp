@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <random>
 
-#include "io/specification_file.hpp"
+#include "io/files/specification_file.hpp"
 
 namespace gear3k::optimize {
 namespace {

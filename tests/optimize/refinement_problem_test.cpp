@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-#include "io/specification_file.hpp"
+#include "io/files/specification_file.hpp"
 #include "optimize/kkt_residual.hpp"
 #include "optimize/slsqp.hpp"
 #include "optimize/starting_points.hpp"

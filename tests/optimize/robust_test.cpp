@@ -10,7 +10,7 @@
 
 #include "design/built_series.hpp"
 #include "design/evaluation.hpp"
-#include "io/specification_file.hpp"
+#include "io/files/specification_file.hpp"
 #include "optimize/optimizer.hpp"
 
 namespace gear3k::optimize {

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "efficiency/train_efficiency.hpp"
-#include "io/specification_file.hpp"
+#include "io/files/specification_file.hpp"
 #include "optimize/optimizer.hpp"
 #include "optimize/refine.hpp"
 #include "tests/optimize/random_specification.hpp"

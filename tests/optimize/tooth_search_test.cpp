@@ -8,7 +8,7 @@
 #include <set>
 #include <tuple>
 
-#include "io/specification_file.hpp"
+#include "io/files/specification_file.hpp"
 
 namespace gear3k::optimize {
 namespace {

@@ -12,8 +12,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "io/csv_table.hpp"
-#include "io/gnuplot.hpp"
+#include "io/text/csv_table.hpp"
+#include "io/text/gnuplot.hpp"
 #include "report/condition_columns.hpp"
 #include "report/diagnosis_plot.hpp"
 

@@ -10,8 +10,8 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "io/csv_table.hpp"
-#include "io/gnuplot.hpp"
+#include "io/text/csv_table.hpp"
+#include "io/text/gnuplot.hpp"
 #include "report/display.hpp"
 #include "report/map_plot.hpp"
 

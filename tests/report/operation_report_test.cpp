@@ -6,8 +6,8 @@
 #include <map>
 #include <string>
 
-#include "io/csv_table.hpp"
-#include "io/design_file.hpp"
+#include "io/files/design_file.hpp"
+#include "io/text/csv_table.hpp"
 #include "report/analysis_report.hpp"
 
 namespace gear3k::report {

@@ -7,7 +7,7 @@
 #include <sstream>
 #include <string>
 
-#include "io/design_file.hpp"
+#include "io/files/design_file.hpp"
 #include "report/analysis_report.hpp"
 
 namespace gear3k::report {

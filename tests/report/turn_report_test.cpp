@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "io/csv_table.hpp"
-#include "io/gnuplot.hpp"
+#include "io/text/csv_table.hpp"
+#include "io/text/gnuplot.hpp"
 #include "report/turn_plot.hpp"
 
 namespace gear3k::report {

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "io/csv_table.hpp"
-#include "io/gnuplot.hpp"
+#include "io/text/csv_table.hpp"
+#include "io/text/gnuplot.hpp"
 #include "report/robust_report.hpp"
 #include "tests/backlash/toleranced_train.hpp"
 

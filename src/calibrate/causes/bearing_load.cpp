@@ -1,4 +1,4 @@
-#include "calibrate/cause.hpp"
+#include "calibrate/model/cause.hpp"
 #include "units/units.hpp"
 
 namespace gear3k::calibrate::bearing_load {

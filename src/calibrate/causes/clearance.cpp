@@ -1,5 +1,5 @@
-#include "calibrate/cause.hpp"
-#include "calibrate/response_unit.hpp"
+#include "calibrate/measurement/response_unit.hpp"
+#include "calibrate/model/cause.hpp"
 
 namespace gear3k::calibrate::clearance {
 

@@ -1,4 +1,4 @@
-#include "calibrate/drag_change.hpp"
+#include "calibrate/causes/drag_change.hpp"
 
 namespace gear3k::calibrate::drag_viscous {
 

@@ -1,7 +1,7 @@
 #include <cmath>
 
-#include "calibrate/cause.hpp"
-#include "calibrate/simulation.hpp"
+#include "calibrate/model/cause.hpp"
+#include "calibrate/model/simulation.hpp"
 
 namespace gear3k::calibrate::friction_direction {
 

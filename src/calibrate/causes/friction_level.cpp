@@ -1,5 +1,5 @@
-#include "calibrate/cause.hpp"
-#include "calibrate/friction_change.hpp"
+#include "calibrate/causes/friction_change.hpp"
+#include "calibrate/model/cause.hpp"
 
 namespace gear3k::calibrate::friction_level {
 

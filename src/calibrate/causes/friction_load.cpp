@@ -2,8 +2,8 @@
 #include <cmath>
 #include <utility>
 
-#include "calibrate/cause.hpp"
-#include "calibrate/friction_change.hpp"
+#include "calibrate/causes/friction_change.hpp"
+#include "calibrate/model/cause.hpp"
 
 namespace gear3k::calibrate::friction_load {
 

@@ -1,5 +1,5 @@
-#include "calibrate/angle_order.hpp"
-#include "calibrate/cause.hpp"
+#include "calibrate/causes/angle_order.hpp"
+#include "calibrate/model/cause.hpp"
 
 namespace gear3k::calibrate::mesh_order {
 

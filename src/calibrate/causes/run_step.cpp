@@ -1,8 +1,8 @@
 #include <cmath>
 
-#include "calibrate/cause.hpp"
-#include "calibrate/response_unit.hpp"
-#include "calibrate/value_range.hpp"
+#include "calibrate/measurement/response_unit.hpp"
+#include "calibrate/measurement/value_range.hpp"
+#include "calibrate/model/cause.hpp"
 
 namespace gear3k::calibrate::run_step {
 

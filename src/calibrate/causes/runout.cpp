@@ -1,7 +1,7 @@
 #include <cmath>
 
-#include "calibrate/angle_order.hpp"
-#include "calibrate/cause.hpp"
+#include "calibrate/causes/angle_order.hpp"
+#include "calibrate/model/cause.hpp"
 
 namespace gear3k::calibrate::runout {
 

@@ -1,4 +1,4 @@
-#include "calibrate/cause.hpp"
+#include "calibrate/model/cause.hpp"
 
 namespace gear3k::calibrate::sensor_offset {
 

@@ -1,0 +1,26 @@
+#pragma once
+// What run-out and pitch errors have in common: a response that repeats with an order of the
+// output's angle.
+
+#include "calibrate/model/cause.hpp"
+#include "train/shaft_orders.hpp"
+
+namespace gear3k::calibrate {
+
+/// Amplitudes of cosine and sine: a share of the response (form "proportional") or in its unit
+/// (form "constant").
+std::vector<ParameterRecord> angle_parameters(const Form& form, Kind kind);
+
+/// Forms for orders that the data can show: they span at least a revolution of the body.
+std::vector<Form> angle_forms(const Occasion& occasion,
+                              const std::vector<train::ShaftOrder>& orders);
+
+/// The amplitude √(cosine² + sine²).
+std::vector<DerivedParameter> angle_amplitude(const Form& form, std::span<const Scalar> p,
+                                              const Simulation& simulation,
+                                              const Modification& all);
+
+void apply_angle(const Form& form, std::span<const Scalar> p, const Condition& condition, Kind kind,
+                 Modification& m);
+
+}  // namespace gear3k::calibrate

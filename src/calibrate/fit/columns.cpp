@@ -1,0 +1,53 @@
+#include "calibrate/fit/columns.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+namespace gear3k::calibrate {
+
+Columns columns_at(const Problem& problem, const Hypothesis& hypothesis,
+                   const std::vector<Candidate>& others, double scale) {
+  const Linearisation at = linearise(problem, hypothesis, others);
+  Eigen::MatrixXd all(at.own.rows(), 1 + at.own.cols() + at.other.cols());
+  all << measured(problem.data) - at.simulated, at.own, at.other;
+  problem.noise.whiten(all);
+  return {.residual = winsorised(all.col(0), scale),
+          .raw = all.col(0),
+          .own = all.middleCols(1, at.own.cols()),
+          .other = all.rightCols(at.other.cols())};
+}
+
+std::vector<Block> blocks_of(const std::vector<Candidate>& candidates) {
+  std::vector<Block> blocks;
+  blocks.reserve(candidates.size());
+  Eigen::Index first = 0;
+  for (const Candidate& c : candidates) {
+    const auto count = static_cast<Eigen::Index>(c.parameters.size());
+    int side = 0;
+    if (count == 1) side = c.parameters[0].lower >= 0.0 ? 1 : c.parameters[0].upper <= 0.0 ? -1 : 0;
+    blocks.push_back({.first = first,
+                      .count = count,
+                      .side = side,
+                      .log_weight = std::log(c.form.weight * c.cause->weight)});
+    first += count;
+  }
+  return blocks;
+}
+
+std::vector<std::size_t> ranked(const std::vector<Candidate>& candidates,
+                                const std::vector<Gain>& gains, int forms) {
+  std::vector<std::size_t> order(candidates.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(
+      order, [&](std::size_t a, std::size_t b) { return gains[a].evidence > gains[b].evidence; });
+  std::map<const Cause*, int> taken;
+  std::erase_if(order, [&](std::size_t k) {
+    return gains[k].statistic <= 0.0 || taken[candidates[k].cause]++ >= forms;
+  });
+  return order;
+}
+
+}  // namespace gear3k::calibrate

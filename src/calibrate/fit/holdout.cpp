@@ -1,0 +1,130 @@
+#include "calibrate/fit/holdout.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+namespace gear3k::calibrate {
+
+Blocks holdout_blocks(const MeasurementSet& data, const std::vector<Levels>& levels) {
+  constexpr int kFewest = 3;
+  Blocks blocks;
+  const std::size_t n = data.rows.size();
+  if (data.kind == Kind::kPairLoss) {
+    std::map<int, int> pinions;
+    for (const Observation& row : data.rows) {
+      const int teeth = std::min(row.condition.driving_teeth, row.condition.driven_teeth);
+      const auto [at, inserted] = pinions.emplace(teeth, static_cast<int>(pinions.size()));
+      blocks.of.push_back(at->second);
+    }
+    blocks.name = "pinion";
+    blocks.count = static_cast<int>(pinions.size());
+    if (blocks.count >= kFewest) return blocks;
+  }
+  for (const char* name : {"load", "test torque", "speed", "run"}) {
+    const auto at = std::ranges::find(levels, name, &Levels::name);
+    if (at == levels.end() || at->count < kFewest) continue;
+    blocks = {.name = name, .of = at->of, .count = at->count};
+    for (int& of : blocks.of) of = std::max(of, 0);
+    return blocks;
+  }
+  const bool turns = std::ranges::all_of(
+      data.rows, [](const auto& row) { return std::isfinite(row.condition.output_angle_rad); });
+  constexpr int kParts = 10;
+  blocks.of.assign(n, 0);
+  blocks.count = std::min<int>(kParts, static_cast<int>(n));
+  blocks.name = turns ? "angle" : "rows";
+  for (std::size_t i = 0; i < n; ++i) {
+    if (turns) {
+      const double turn = data.rows[i].condition.output_angle_rad / (2.0 * std::numbers::pi);
+      blocks.of[i] =
+          std::min(static_cast<int>((turn - std::floor(turn)) * blocks.count), blocks.count - 1);
+    } else {
+      blocks.of[i] = static_cast<int>(i * static_cast<std::size_t>(blocks.count) / n);
+    }
+  }
+  return blocks;
+}
+
+Eigen::VectorXd predict_held_out(const Problem& problem, const Hypothesis& hypothesis,
+                                 const Blocks& blocks) {
+  const Linearisation at = linearise(problem, hypothesis, {});
+  Eigen::VectorXd predicted = at.simulated;
+  const Eigen::Index p = at.own.cols();
+  if (p == 0) return predicted;
+  Eigen::MatrixXd white(at.own.rows(), p + 1);
+  white << measured(problem.data) - at.simulated, at.own;
+  problem.noise.whiten(white);
+  const Eigen::MatrixXd j = white.rightCols(p);
+  const Eigen::VectorXd r = winsorised(white.col(0), robust_deviation(white.col(0)));
+  const Eigen::MatrixXd normal = j.transpose() * j;
+  const Eigen::VectorXd moment = j.transpose() * r;
+  std::vector<Eigen::MatrixXd> block_normal(static_cast<std::size_t>(blocks.count),
+                                            Eigen::MatrixXd::Zero(p, p));
+  std::vector<Eigen::VectorXd> block_moment(block_normal.size(), Eigen::VectorXd::Zero(p));
+  for (Eigen::Index i = 0; i < j.rows(); ++i) {
+    const auto b = static_cast<std::size_t>(blocks.of[static_cast<std::size_t>(i)]);
+    block_normal[b] += j.row(i).transpose() * j.row(i);
+    block_moment[b] += j.row(i).transpose() * r[i];
+  }
+  std::vector<Eigen::VectorXd> change(block_normal.size());
+  for (std::size_t b = 0; b < change.size(); ++b) {
+    // In units in which the full data determine every parameter equally well.
+    const Eigen::VectorXd unit = normal.diagonal().cwiseSqrt().cwiseInverse();
+    const Eigen::MatrixXd left = unit.asDiagonal() * (normal - block_normal[b]) * unit.asDiagonal();
+    constexpr double kDetermined = 1e-9;
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(left);
+    if (!(eigen.eigenvalues()[0] > kDetermined)) continue;
+    change[b] =
+        unit.asDiagonal() * left.ldlt().solve(unit.asDiagonal() * (moment - block_moment[b]));
+  }
+  for (Eigen::Index i = 0; i < predicted.size(); ++i) {
+    const auto b = static_cast<std::size_t>(blocks.of[static_cast<std::size_t>(i)]);
+    predicted[i] = change[b].size() == 0 ? kUnknown : predicted[i] + at.own.row(i).dot(change[b]);
+  }
+  return predicted;
+}
+
+bool predicts_no_worse(const Problem& problem, const Eigen::VectorXd& predicted,
+                       const Eigen::VectorXd& by_other, double scale) {
+  const Eigen::VectorXd y = measured(problem.data);
+  double worse = 0.0;
+  for (Eigen::Index i = 0; i < y.size(); ++i) {
+    if (!std::isfinite(predicted[i]) || !std::isfinite(by_other[i])) continue;
+    const double unit = scale / problem.noise.weight[i];
+    worse += huber_square((y[i] - predicted[i]) / unit) - huber_square((y[i] - by_other[i]) / unit);
+  }
+  return worse <= 0.0;
+}
+
+Extrapolation extrapolate(const Problem& problem, const Hypothesis& h,
+                          const std::vector<Levels>& levels, const Eigen::VectorXd& y,
+                          const Eigen::VectorXd& baseline) {
+  Extrapolation result;
+  for (const char* name : {"load", "speed", "test torque"}) {
+    const auto at = std::ranges::find(levels, name, &Levels::name);
+    if (at == levels.end() || at->count < 3) continue;
+    Blocks blocks{.name = name, .of = {}, .count = 2};
+    for (const int level : at->of) blocks.of.push_back(level == at->count - 1 ? 1 : 0);
+    const Eigen::VectorXd predicted = predict_held_out(problem, h, blocks);
+    double before = 0.0;
+    double after = 0.0;
+    for (std::size_t i = 0; i < blocks.of.size(); ++i) {
+      if (blocks.of[i] == 0) continue;
+      const auto k = static_cast<Eigen::Index>(i);
+      before += (y[k] - baseline[k]) * (y[k] - baseline[k]);
+      after += (y[k] - predicted[k]) * (y[k] - predicted[k]);
+      ++result.rows;
+    }
+    result.along = name;
+    result.left_out = at->at.back();
+    result.baseline = std::sqrt(before / result.rows);
+    result.extended = std::sqrt(after / result.rows);
+    return result;
+  }
+  return result;
+}
+
+}  // namespace gear3k::calibrate

@@ -1,0 +1,51 @@
+#pragma once
+// Prediction of rows that a fit has not seen.
+
+#include <string>
+#include <vector>
+
+#include "calibrate/fit/fit.hpp"
+#include "calibrate/measurement/covariate_levels.hpp"
+
+namespace gear3k::calibrate {
+
+/// A prediction outside the range that was fitted.
+struct Extrapolation {
+  std::string along;      ///< "load" or "speed"; "" = not possible with these data
+  double left_out = 0.0;  ///< its highest value [in the column's unit]
+  int rows = 0;
+  double baseline = kUnknown, extended = kUnknown;  ///< errors there
+};
+
+/// Blocks of rows that are left out together.
+struct Blocks {
+  std::string name;     ///< "pinion", "load", "test torque", "speed", "run", "angle" or "rows"
+  std::vector<int> of;  ///< of each row, from 0
+  int count = 0;
+};
+
+/// Whole pinions, load levels, test torques, speeds, sessions or sectors of the angle: the first of
+/// these of which there are at least three; else tenths of the rows in their order.
+Blocks holdout_blocks(const MeasurementSet& data, const std::vector<Levels>& levels);
+
+/// Each row as a fit without its block predicts it [SI].
+///
+/// Along the linearisation at the full fit; exact for what is linear in its parameters.
+/// @returns NaN in blocks without which the parameters are not determined
+Eigen::VectorXd predict_held_out(const Problem& problem, const Hypothesis& hypothesis,
+                                 const Blocks& blocks);
+
+/// Whether predictions of held-out rows miss them by no more than others do: huber_square() of the
+/// weighted rows, summed over those that both predict.
+/// @param scale  standard deviation of the weighted rows
+bool predicts_no_worse(const Problem& problem, const Eigen::VectorXd& predicted,
+                       const Eigen::VectorXd& by_other, double scale);
+
+/// Errors at the highest load, speed or test torque (the first of these of which there are at least
+/// three) when the fit has not seen it.
+/// @param measured, baseline  of the rows [SI]
+Extrapolation extrapolate(const Problem& problem, const Hypothesis& hypothesis,
+                          const std::vector<Levels>& levels, const Eigen::VectorXd& measured,
+                          const Eigen::VectorXd& baseline);
+
+}  // namespace gear3k::calibrate

@@ -1,0 +1,65 @@
+#pragma once
+// Torque-angle records as lost motion under test torques.
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "calibrate/loops/torque_angle_loop.hpp"
+#include "calibrate/measurement/measurement.hpp"
+
+namespace gear3k::calibrate {
+
+/// A record of one file, sample by sample in the order of the file.
+struct LockedShaftRecord {
+  TorqueAngleRecord samples;
+  std::vector<std::string> run{};  ///< label of each sample; empty: one session
+  bool sun_locked = true;          ///< measured at the output; false: output locked, at the sun
+  int file = 0;                    ///< of the set of data
+  std::string name{};              ///< of the file, for notes and as a label of its session
+};
+
+struct LoopObservations {
+  std::vector<std::string> runs;  ///< labels, in order of first appearance
+  /// Lost motion at the output; Observation::line is the sample of the record, from 1, at which the
+  /// loop begins.
+  std::vector<Observation> rows;
+  std::vector<std::string> notes;
+  std::vector<LoopSession> sessions;  ///< those with loops that were used
+  int measured = 0;                   ///< loops used
+  int refused = 0;                    ///< loops found and not used, and runs without any
+};
+
+/// Fractions of the smallest peak torque of all loops at which travel is read, as the mean over
+/// kTravelBand to either side (less would leave the noise of single samples).
+inline constexpr std::array<double, 6> kTravelFractions{0.3, 0.4, 0.5, 0.6, 0.7, 0.8};
+inline constexpr double kTravelBand = 0.05;
+
+/// Each loop as rows of lost motion at the output: one at test torque 0, the angle between the
+/// branches at zero torque, and the travel between -T and +T on the loading flanks at a few
+/// torques.
+///
+/// Measured at the sun (output locked), angle and torque are referred to the output: θ/|i|, T|i|.
+/// Friction torque T_f widens the loop at zero torque and holds the loading flanks back:
+///
+///   θ(0) = b + T_f c,   travel(T) = b + (T - T_f) c,   c = 1/k₊ + 1/k₋
+///
+/// so that half of h = θ(0) - travel extrapolated to T = 0 (= 2 T_f c) is taken from the first and
+/// added to the second, where h > 3 of its standard deviations: b + c T is what the gearbox gives
+/// without friction, which the lost motion of the design leaves out.  Notes say how much.
+///
+/// A record without runs is a session of its own when there are several.
+/// Loops that share a branch are not independent: of those, every second one is used.  Sigma is
+/// that of the loop's filter at zero torque, for its travels too.
+/// Source: own derivation; branches as in docs/theory §31.
+/// @throws std::invalid_argument when the ratio is not finite or 0, or as analyse_loops()
+LoopObservations loop_observations(const std::vector<LockedShaftRecord>& records, double ratio);
+
+/// Adds rows of loops to data of lost motion, or to a set of torque_angle that has none.  Rows of
+/// files without sessions become sessions named after their files.  Their sigma is kept where the
+/// set's rows have one, and of a single loop: several loops are repeats, which say more.  The
+/// sessions go along.
+/// @param file_offset  of the loops' files in set.files
+void add_loops(MeasurementSet& set, const LoopObservations& loops, int file_offset);
+
+}  // namespace gear3k::calibrate

@@ -1,0 +1,192 @@
+#include "calibrate/measurement/noise.hpp"
+
+#include <algorithm>
+#include <array>
+#include <boost/math/distributions/fisher_f.hpp>
+#include <cmath>
+#include <map>
+
+#include "calibrate/measurement/covariate_levels.hpp"
+#include "calibrate/measurement/response_unit.hpp"
+#include "calibrate/measurement/value_range.hpp"
+
+namespace gear3k::calibrate {
+
+namespace {
+
+/// Bins of 2 % of a range; rows on either side of an edge count as different.
+constexpr double kSameShare = 0.02;
+
+using Key = std::array<long long, 10>;
+
+/// Whole nanometres; not stated: that of 1 mm.
+long long module_nm(const Condition& c) {
+  constexpr double kNanometre = 1e-9;
+  constexpr double kDefault_m = 1e-3;
+  return std::llround((c.module_m > 0.0 ? c.module_m : kDefault_m) / kNanometre);
+}
+
+long long bin_of(double x, const ValueRange& range) {
+  if (!std::isfinite(x)) return -1;
+  if (!range.varies()) return 0;
+  return std::llround((x - range.low) / (kSameShare * (range.high - range.low)));
+}
+
+}  // namespace
+
+Repeats find_repeats(const MeasurementSet& data) {
+  const ValueRange speed = range_of(data, &Condition::sun_speed_rad_s);
+  const ValueRange load = range_of(data, &Condition::output_torque_Nm);
+  const ValueRange test = range_of(data, &Condition::test_torque_Nm);
+  const std::vector<Levels> levels = covariate_levels(data);
+  const auto temperature = std::ranges::find(levels, "temperature", &Levels::name);
+  const bool set_temperature = temperature != levels.end() && !temperature->binned;
+  std::map<Key, int> cells;
+  Repeats result;
+  result.cell.reserve(data.rows.size());
+  for (const Observation& row : data.rows) {
+    const Condition& c = row.condition;
+    const Key key{c.direction == design::Direction::kForward ? 0 : 1,
+                  c.rotation,
+                  c.reference_sensor ? 1 : 0,
+                  c.driving_teeth,
+                  c.driven_teeth,
+                  module_nm(c),
+                  bin_of(c.sun_speed_rad_s, speed),
+                  bin_of(c.output_torque_Nm, load),
+                  bin_of(c.test_torque_Nm, test),
+                  set_temperature ? temperature->of[result.cell.size()] : 0};
+    const auto [at, inserted] = cells.emplace(key, static_cast<int>(cells.size()));
+    if (!inserted) ++result.degrees;
+    result.cell.push_back(at->second);
+  }
+  result.cells = static_cast<int>(cells.size());
+  return result;
+}
+
+double resolution_of(const MeasurementSet& data) {
+  const double si = response_unit(data.kind).si;
+  constexpr double kFinest = 1e-9;
+  constexpr double kSame = 1e-6;
+  for (double unit = 1.0; unit > 0.5 * kFinest; unit *= 0.1) {
+    const bool multiples = std::ranges::all_of(data.rows, [&](const Observation& row) {
+      const double count = row.response / (unit * si);
+      return std::abs(count - std::round(count)) < kSame * std::max(1.0, std::abs(count) * kSame);
+    });
+    if (multiples) return unit * si;
+  }
+  return 0.0;
+}
+
+NoiseModel make_noise_model(const MeasurementSet& data) {
+  const auto n = static_cast<Eigen::Index>(data.rows.size());
+  NoiseModel noise;
+  noise.weight = Eigen::VectorXd::Ones(n);
+  noise.rounding = resolution_of(data) / std::sqrt(12.0);
+  const bool stated =
+      n > 0 && std::ranges::all_of(data.rows, [](const auto& row) { return row.sigma > 0.0; });
+  if (stated) {
+    noise.source = NoiseSource::kStated;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      noise.weight[i] = 1.0 / data.rows[static_cast<std::size_t>(i)].sigma;
+    }
+  }
+  noise.runs = static_cast<int>(data.runs.size());
+  noise.rows_per_run.assign(data.runs.size(), 0.0);
+  noise.run.reserve(data.rows.size());
+  for (const Observation& row : data.rows) {
+    noise.run.push_back(row.condition.run);
+    if (row.condition.run >= 0)
+      noise.rows_per_run[static_cast<std::size_t>(row.condition.run)] += 1;
+  }
+  return noise;
+}
+
+void NoiseModel::whiten(Eigen::MatrixXd& columns) const {
+  columns.array().colwise() *= weight.array();
+  if (!(session_variance > 0.0) || runs == 0) return;
+  Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(runs, columns.cols());
+  for (Eigen::Index i = 0; i < columns.rows(); ++i) {
+    const int r = run[static_cast<std::size_t>(i)];
+    if (r >= 0) mean.row(r) += columns.row(i);
+  }
+  for (int r = 0; r < runs; ++r) {
+    // (I + q 11ᵀ)^(−1/2) = I − (1 − 1/√(1 + n q)) 11ᵀ/n
+    const double n = rows_per_run[static_cast<std::size_t>(r)];
+    if (n > 0.0) mean.row(r) *= (1.0 - 1.0 / std::sqrt(1.0 + n * session_variance)) / n;
+  }
+  for (Eigen::Index i = 0; i < columns.rows(); ++i) {
+    const int r = run[static_cast<std::size_t>(i)];
+    if (r >= 0) columns.row(i) -= mean.row(r);
+  }
+}
+
+double NoiseModel::known_scale() const {
+  constexpr Eigen::Index kFewRows = 15;
+  return source == NoiseSource::kStated && weight.size() < kFewRows ? 1.0 : 0.0;
+}
+
+double NoiseModel::least_scale() const {
+  constexpr double kLeast = 1e-300;
+  return weight.size() == 0 ? kLeast : std::max(rounding * weight.mean(), kLeast);
+}
+
+bool NoiseModel::within_rounding(const Eigen::VectorXd& whitened) const {
+  constexpr double kMost = 1.3;
+  return rounding > 0.0 && root_mean_square(whitened) <= kMost * least_scale();
+}
+
+bool NoiseModel::counts_rows_alike() const {
+  return weight.size() > 0 && (weight.array() == weight[0]).all() &&
+         !(session_variance > 0.0 && runs > 0);
+}
+
+PureError pure_error(const Repeats& repeats, const Eigen::VectorXd& weighted) {
+  std::vector<double> sum(static_cast<std::size_t>(repeats.cells), 0.0);
+  std::vector<double> count(sum.size(), 0.0);
+  for (std::size_t i = 0; i < repeats.cell.size(); ++i) {
+    const auto cell = static_cast<std::size_t>(repeats.cell[i]);
+    sum[cell] += weighted[static_cast<Eigen::Index>(i)];
+    count[cell] += 1.0;
+  }
+  PureError error{.sum_of_squares = 0.0, .degrees = repeats.degrees};
+  for (std::size_t i = 0; i < repeats.cell.size(); ++i) {
+    const auto cell = static_cast<std::size_t>(repeats.cell[i]);
+    const double d = weighted[static_cast<Eigen::Index>(i)] - sum[cell] / count[cell];
+    error.sum_of_squares += d * d;
+  }
+  return error;
+}
+
+LackOfFit lack_of_fit(const Repeats& repeats, const Eigen::VectorXd& weighted) {
+  const PureError pure = pure_error(repeats, weighted);
+  if (pure.degrees < 1 || !(pure.sum_of_squares > 0.0)) return {};
+  const double f = (weighted.squaredNorm() - pure.sum_of_squares) / repeats.cells /
+                   (pure.sum_of_squares / pure.degrees);
+  return {.f = f,
+          .p_value = f_tail(f, repeats.cells, pure.degrees),
+          .degrees = repeats.cells,
+          .pure_degrees = pure.degrees};
+}
+
+double f_tail(double f, int degrees1, int degrees2) {
+  if (!(f > 0.0) || degrees1 < 1 || degrees2 < 1) return 1.0;
+  return boost::math::cdf(boost::math::complement(boost::math::fisher_f(degrees1, degrees2), f));
+}
+
+double root_mean_square(const Eigen::VectorXd& x) {
+  return x.size() == 0 ? 0.0 : std::sqrt(x.squaredNorm() / static_cast<double>(x.size()));
+}
+
+double robust_deviation(const Eigen::VectorXd& x) {
+  if (x.size() == 0) return 0.0;
+  std::vector<double> sizes(static_cast<std::size_t>(x.size()));
+  for (std::size_t i = 0; i < sizes.size(); ++i)
+    sizes[i] = std::abs(x[static_cast<Eigen::Index>(i)]);
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::ranges::nth_element(sizes, middle);
+  constexpr double kNormalMedian = 0.674489750196082;
+  return *middle / kNormalMedian;
+}
+
+}  // namespace gear3k::calibrate

@@ -1,0 +1,83 @@
+#pragma once
+// How much measurements scatter, and what they look like when every row counts alike.
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "calibrate/measurement/measurement.hpp"
+
+namespace gear3k::calibrate {
+
+/// Where the noise level comes from.
+enum class NoiseSource { kStated, kRepeats, kResiduals };
+
+/// Rows that were measured under the same condition.
+struct Repeats {
+  std::vector<int> cell;  ///< of each row; rows of one cell repeat each other
+  int cells = 0;
+  int degrees = 0;  ///< rows beyond the first of each cell
+};
+
+/// Rows agree in what was set: direction, rotation, sensor, teeth, module, and to 2 % of their
+/// range speed, load and test torque (without a range: exactly); temperature where it was set too,
+/// that is where it takes at most eight values.  What varies beside that, session, angle and time
+/// among it, is part of how measurements scatter.
+Repeats find_repeats(const MeasurementSet& data);
+
+/// Scale of the rows and correlation within sessions.
+struct NoiseModel {
+  NoiseSource source = NoiseSource::kResiduals;
+  Eigen::VectorXd weight;  ///< 1/σ of each row, up to a common factor
+  std::vector<int> run;    ///< of each row, -1 = none
+  int runs = 0;
+  std::vector<double> rows_per_run;
+  /// Variance of sessions over that of a row, τ²/σ²; 0: sessions do not scatter.
+  double session_variance = 0.0;
+  /// Deviation of a reading by the last digit alone [SI]: its unit over √12.
+  double rounding = 0.0;
+
+  /// Weights rows and takes out of each session's mean what sessions scatter: afterwards all rows
+  /// are independent and scatter alike.
+  void whiten(Eigen::MatrixXd& columns) const;
+  /// Deviation of whitened rows where it must be taken as stated, as few rows say nothing of their
+  /// own scatter; 0: it is estimated.
+  [[nodiscard]] double known_scale() const;
+  /// Deviation of whitened rows that the last digit alone makes; above 0 in any case.
+  [[nodiscard]] double least_scale() const;
+  /// Whether weighted residuals are no more than the last digit makes.
+  [[nodiscard]] bool within_rounding(const Eigen::VectorXd& whitened) const;
+  /// Whether whiten() only changes the unit.
+  [[nodiscard]] bool counts_rows_alike() const;
+};
+
+/// Unit of the last digit of the responses: the greatest power of ten, in the column's unit, of
+/// which all are multiples; 0 below 1e-9 [SI].
+double resolution_of(const MeasurementSet& data);
+
+NoiseModel make_noise_model(const MeasurementSet& data);
+
+/// Sum of squares of weighted rows about the means of their cells, and its degrees of freedom.
+struct PureError {
+  double sum_of_squares = 0.0;
+  int degrees = 0;
+};
+PureError pure_error(const Repeats& repeats, const Eigen::VectorXd& weighted);
+
+/// Of a simulation: what it misses at the cells' means against pure error.
+struct LackOfFit {
+  double f = 0.0, p_value = 1.0;
+  int degrees = 0, pure_degrees = 0;  ///< 0: nothing was repeated
+};
+/// @param weighted  measured − simulated, weighted, of a simulation without fitted parameters
+LackOfFit lack_of_fit(const Repeats& repeats, const Eigen::VectorXd& weighted);
+
+/// P(F ≥ f) for Fisher's distribution; 1 where there are no degrees of freedom.
+double f_tail(double f, int degrees1, int degrees2);
+
+/// Root of the mean square; 0 of nothing.
+double root_mean_square(const Eigen::VectorXd& x);
+
+/// Median of |x| over that of a normal deviate: a standard deviation that outliers do not move.
+double robust_deviation(const Eigen::VectorXd& x);
+
+}  // namespace gear3k::calibrate

@@ -1,0 +1,128 @@
+#pragma once
+// A cause that can make a simulation wrong: what it changes, with which parameters, in which forms.
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "calibrate/measurement/measurement.hpp"
+#include "design/extension.hpp"
+#include "train/tooth_set.hpp"
+
+namespace gear3k::calibrate {
+
+/// Scalar of the simulation in fits: value and derivatives by the fitted parameters.
+using Scalar = Jet1;
+
+class Simulation;
+
+/// What causes may change in the simulation of one row.
+struct Modification {
+  design::Extension<Scalar> gearbox;
+  Scalar response_factor{1.0};  ///< on the simulated response
+  Scalar added{0.0};            ///< to the response [its SI unit]
+  Scalar sensor_gain{1.0};      ///< of the sensor that measures the response
+  Scalar sensor_offset{0.0};    ///< in the sensor's own sign [SI]
+};
+
+/// A parameter of a cause; numbers in `unit`.
+struct ParameterRecord {
+  std::string_view name, unit;
+  double lower, upper;                   ///< bounds of the fit
+  double plausible_low, plausible_high;  ///< what a gearbox may show
+};
+
+/// A quantity that follows from fitted parameters, with its derivatives by them.
+struct DerivedParameter {
+  ParameterRecord record;  ///< bounds: of nothing
+  Scalar value;
+  bool leads = false;  ///< is told before the parameters
+};
+
+/// A constant that tells forms of a cause apart: reference force, instant of a step, order.
+struct FormConstant {
+  std::string name = {}, unit = {};
+  double value = 0.0;
+};
+
+/// One way in which a cause may act.  Forms of a cause may differ in their parameters
+/// (Cause::parameters).
+struct Form {
+  std::string name = {};
+  std::vector<FormConstant> constants = {};
+  std::string body = {};  ///< run-out: "sun", "planet", "carrier", "output"
+  double order = 0.0;     ///< run-out: per output revolution; 0 = none
+  /// Share of the forms that it is given in the search, before the data; 0: not searched for, but
+  /// taken in the place of a form that was found where it explains the data as well.
+  double weight = 1.0;
+  std::string_view law = "";  ///< one law of the cause among several; others do not take its place
+
+  /// @throws std::invalid_argument when there is no such constant
+  [[nodiscard]] double constant(std::string_view constant_name) const;
+};
+
+/// What a cause needs to know of data and gearbox to state its forms.
+struct Occasion {
+  Kind kind = Kind::kTransmission;
+  const MeasurementSet* data = nullptr;
+  const train::ToothSet* teeth = nullptr;  ///< null for a black box or pairs
+  double ratio = 0.0;                      ///< 0 for pairs
+  /// Range over the rows of what stands for tooth load and sliding speed: of the mesh P1-R1, N and
+  /// m/s; of a black box output torque, Nm, and sun speed, rad/s.
+  std::array<double, 2> load{}, speed{};
+  std::string_view load_unit = "N", speed_unit = "m/s";
+  std::array<double, 2> temperature_K{kUnknown, kUnknown};
+  double design_temperature_K = 293.15;  ///< that the simulation stands for
+  bool has_drag = false;                 ///< the simulation has drags whose size could change
+};
+
+/// What follows for whoever finds the cause; causes of one remedy need no telling apart.
+enum class Remedy {
+  kFrictionValue,  ///< take another coefficient of friction: a parameter, not a missing effect
+  kFlanks,         ///< surfaces, lubricant, flank geometry
+  kDrag,           ///< seals, preload, oil level
+  kBearings,
+  kSensor,     ///< calibrate the measurement
+  kProcedure,  ///< measuring sessions, running-in, wear
+  kAccuracy,   ///< run-out and pitch errors of parts
+  kClearance,
+  kStiffness,
+  kHousing  ///< materials, temperature
+};
+
+/// Where a cause acts.
+enum class Place {
+  kGearbox,     ///< in Modification::gearbox
+  kMeasurement  ///< everywhere else in Modification
+};
+
+struct Cause {
+  std::string_view id;     ///< of the interface
+  std::string_view title;  ///< "load-independent drag at the sun"
+  Remedy remedy;
+  Place place;
+  /// Weight before the data: chosen so that campaigns show the causes about equally easily, as more
+  /// forms and parameters make one harder to find (docs/theory §30).
+  double weight;
+  /// Forms of this cause set the same constants: only one of them can act at a time.
+  bool exclusive_forms = false;
+  std::vector<ParameterRecord> (*parameters)(const Form& form, Kind kind);
+  /// Forms that these data could show at all; empty where they lack the column that it acts along.
+  std::vector<Form> (*forms)(const Occasion& occasion);
+  /// Changes the simulation of one row.  `p` in units of the parameters, all 0: no change.
+  void (*apply)(const Form& form, std::span<const Scalar> p, const Condition& condition, Kind kind,
+                Modification& m);
+  /// What a reader wants to know beside the parameters; null where there is nothing.
+  /// @param p  of this cause; @param all  the simulation under all causes of the fit
+  std::vector<DerivedParameter> (*derived)(const Form& form, std::span<const Scalar> p,
+                                           const Simulation& simulation,
+                                           const Modification& all) = nullptr;
+};
+
+/// All causes; where two explain data as well, the earlier one is named first.
+const std::vector<const Cause*>& causes();
+/// @returns nullptr when there is none of this id
+const Cause* find_cause(std::string_view id);
+
+}  // namespace gear3k::calibrate

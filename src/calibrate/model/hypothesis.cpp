@@ -1,0 +1,85 @@
+#include "calibrate/model/hypothesis.hpp"
+
+#include <algorithm>
+
+namespace gear3k::calibrate {
+
+std::vector<ParameterRecord> parameters_of(const Hypothesis& h) {
+  std::vector<ParameterRecord> result;
+  for (const Candidate& effect : h.effects) {
+    result.insert(result.end(), effect.parameters.begin(), effect.parameters.end());
+  }
+  return result;
+}
+
+std::size_t value_offset(const Hypothesis& h, std::size_t effect) {
+  std::size_t first = 0;
+  for (std::size_t k = 0; k < effect; ++k) first += h.effects[k].parameters.size();
+  return first;
+}
+
+std::span<const double> values_of(const Hypothesis& h, std::size_t effect) {
+  return std::span(h.value).subspan(value_offset(h, effect), h.effects[effect].parameters.size());
+}
+
+bool has_cause(const Hypothesis& h, const Cause* cause) {
+  return std::ranges::any_of(h.effects, [&](const Candidate& c) { return c.cause == cause; });
+}
+
+bool same_forms(const Hypothesis& a, const Hypothesis& b) {
+  if (a.effects.size() != b.effects.size()) return false;
+  return std::ranges::all_of(a.effects, [&](const Candidate& c) {
+    return std::ranges::any_of(b.effects, [&](const Candidate& d) {
+      return c.cause == d.cause && c.form.name == d.form.name && c.form.order == d.form.order &&
+             std::ranges::equal(c.form.constants, d.form.constants, {}, &FormConstant::value,
+                                &FormConstant::value);
+    });
+  });
+}
+
+Hypothesis with(Hypothesis h, const Candidate& candidate) {
+  h.effects.push_back(candidate);
+  h.value.insert(h.value.end(), candidate.parameters.size(), 0.0);
+  return h;
+}
+
+Hypothesis without(const Hypothesis& h, std::size_t effect) {
+  std::vector<bool> stays(h.effects.size(), true);
+  stays[effect] = false;
+  return subset(h, stays);
+}
+
+Hypothesis subset(const Hypothesis& h, const std::vector<bool>& stays) {
+  Hypothesis result;
+  for (std::size_t k = 0; k < h.effects.size(); ++k) {
+    if (!stays[k]) continue;
+    const auto values = values_of(h, k);
+    result.effects.push_back(h.effects[k]);
+    result.value.insert(result.value.end(), values.begin(), values.end());
+  }
+  return result;
+}
+
+void apply(const Hypothesis& h, std::span<const Scalar> value, const Condition& condition,
+           Kind kind, Modification& m) {
+  for (const Candidate& effect : h.effects) {
+    const std::size_t count = effect.parameters.size();
+    effect.cause->apply(effect.form, value.first(count), condition, kind, m);
+    value = value.subspan(count);
+  }
+}
+
+std::vector<Scalar> constants_of(std::span<const double> values) {
+  return {values.begin(), values.end()};
+}
+
+std::vector<Scalar> variables_of(std::span<const double> values) {
+  std::vector<Scalar> result;
+  result.reserve(values.size());
+  for (const double value : values) {
+    result.emplace_back(value, static_cast<int>(result.size()));
+  }
+  return result;
+}
+
+}  // namespace gear3k::calibrate

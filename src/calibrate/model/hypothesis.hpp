@@ -1,0 +1,50 @@
+#pragma once
+// Causes that act together in a simulation, and the values of their parameters.
+
+#include <span>
+#include <vector>
+
+#include "calibrate/model/cause.hpp"
+
+namespace gear3k::calibrate {
+
+/// A cause in one of its forms.
+struct Candidate {
+  const Cause* cause = nullptr;
+  Form form;
+  std::vector<ParameterRecord> parameters;  ///< of cause and form
+};
+
+/// Candidates with values for their parameters, in units of the parameters.
+struct Hypothesis {
+  std::vector<Candidate> effects;
+  std::vector<double> value;  ///< of all effects, one after the other
+};
+std::vector<ParameterRecord> parameters_of(const Hypothesis& h);
+
+/// Where the values of an effect begin.
+std::size_t value_offset(const Hypothesis& h, std::size_t effect);
+/// The values of an effect.
+std::span<const double> values_of(const Hypothesis& h, std::size_t effect);
+
+bool has_cause(const Hypothesis& h, const Cause* cause);
+/// The same causes in the same forms, in any order and with any values.
+bool same_forms(const Hypothesis& a, const Hypothesis& b);
+
+/// With one more effect, its values 0.
+Hypothesis with(Hypothesis h, const Candidate& candidate);
+/// Without one of the effects.
+Hypothesis without(const Hypothesis& h, std::size_t effect);
+/// The effects for which `stays` holds, with their values.
+Hypothesis subset(const Hypothesis& h, const std::vector<bool>& stays);
+
+/// Changes the simulation of one row by all effects, one after the other.
+/// @param value  of all effects, as Hypothesis::value: as constants, or with derivatives
+void apply(const Hypothesis& h, std::span<const Scalar> value, const Condition& condition,
+           Kind kind, Modification& m);
+
+/// Values without derivatives, and with the derivative by each value in its own slot.
+std::vector<Scalar> constants_of(std::span<const double> values);
+std::vector<Scalar> variables_of(std::span<const double> values);
+
+}  // namespace gear3k::calibrate

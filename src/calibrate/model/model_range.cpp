@@ -1,0 +1,156 @@
+#include "calibrate/model/model_range.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "calibrate/measurement/condition_quantity.hpp"
+#include "calibrate/measurement/value_range.hpp"
+
+namespace gear3k::calibrate {
+
+namespace {
+
+/// A quantity of a row's condition, and what it is of the operating point where a model is used.
+struct Quantity {
+  const ConditionQuantity* condition;
+  double design::OperatingPoint<double>::*member;
+};
+using Point = design::OperatingPoint<double>;
+constexpr std::array<Quantity, 4> kQuantities{
+    {{.condition = &kSunSpeed, .member = &Point::sun_speed_rad_s},
+     {.condition = &kOutputTorque, .member = &Point::output_torque_Nm},
+     {.condition = &kTestTorque, .member = &Point::output_torque_Nm},
+     {.condition = &kTemperature, .member = &Point::temperature_K}}};
+
+/// Whether responses of a kind are measured under a quantity.
+bool measured_under(const ConditionQuantity* q, Kind kind) {
+  if (q == &kTemperature) return true;
+  if (q == &kTestTorque) return kind == Kind::kLostMotion || kind == Kind::kTorqueAngle;
+  return kind == Kind::kTransmission;
+}
+
+double in_unit(const Quantity& q, const Point& point) {
+  return q.condition->written(point.*q.member);
+}
+
+const ConditionRange* find_range(const ExtendedModel& model, std::string_view name) {
+  const auto found = std::ranges::find(model.range, name, &ConditionRange::name);
+  const bool stated = found != model.range.end() && found->low <= found->high;
+  return stated ? &*found : nullptr;
+}
+
+/// 0 where the difference is that of roundings.
+double beyond(double excess, const ConditionRange& range) {
+  constexpr double kRounding = 1e-9;
+  const double scale = std::max({std::abs(range.low), std::abs(range.high), 1.0});
+  return excess > kRounding * scale ? excess : 0.0;
+}
+
+std::string interval_text(double low, double high, std::string_view unit) {
+  if (high - low <= 1e-9 * std::max(1.0, std::abs(high)))
+    return fmt::format("{:.6g} {}", low, unit);
+  return fmt::format("{:.6g} to {:.6g} {}", low, high, unit);
+}
+
+}  // namespace
+
+std::vector<ConditionRange> ranges_of(const MeasurementSet& data) {
+  std::vector<ConditionRange> result;
+  for (const Quantity& q : kQuantities) {
+    const ConditionQuantity& condition = *q.condition;
+    const ValueRange range = range_of(data, condition.member);
+    if (!measured_under(q.condition, data.kind) || !range.known()) continue;
+    result.push_back({.name = std::string(condition.name),
+                      .unit = std::string(condition.unit),
+                      .low = condition.written(range.low),
+                      .high = condition.written(range.high)});
+  }
+  return result;
+}
+
+std::optional<Point> middle_of_range(const std::vector<ExtendedModel>& models) {
+  for (const ExtendedModel& model : models) {
+    if (find_range(model, "sun_speed") == nullptr ||
+        find_range(model, "output_torque") == nullptr) {
+      continue;
+    }
+    Point point;
+    for (const Quantity& q : kQuantities) {
+      const ConditionRange* range = find_range(model, q.condition->name);
+      if (range == nullptr) continue;
+      point.*q.member = q.condition->si(0.5 * (range->low + range->high));
+    }
+    return point;
+  }
+  return std::nullopt;
+}
+
+std::vector<std::string> outside_range(const std::vector<ExtendedModel>& models,
+                                       const UsedRange& used) {
+  std::vector<std::string> notes;
+  for (const ExtendedModel& model : models) {
+    for (const Quantity& q : kQuantities) {
+      const ConditionRange* range = find_range(model, q.condition->name);
+      if (range == nullptr) continue;
+      const double low = in_unit(q, used.low);
+      const double high = in_unit(q, used.high);
+      const double below = beyond(range->low - low, *range);
+      const double above = beyond(high - range->high, *range);
+      if (!(below > 0.0 || above > 0.0)) continue;
+      std::string by;
+      if (below > 0.0) by = fmt::format("by {:.6g} {} below", below, q.condition->shown_unit);
+      if (above > 0.0) {
+        by += fmt::format("{}by {:.6g} {} above", by.empty() ? "" : " and ", above,
+                          q.condition->shown_unit);
+      }
+      notes.push_back(
+          fmt::format("{}: {} {} leaves the range of the {} model, {}, {}", used.where,
+                      q.condition->title, interval_text(low, high, q.condition->shown_unit),
+                      kKindNames[static_cast<std::size_t>(model.kind)],
+                      interval_text(range->low, range->high, q.condition->shown_unit), by));
+    }
+  }
+  return notes;
+}
+
+bool changes_gearbox(const AppliedCause& applied, Kind kind) {
+  const Cause* cause = find_cause(applied.id);
+  if (cause == nullptr || cause->remedy == Remedy::kSensor || cause->remedy == Remedy::kProcedure ||
+      cause->remedy == Remedy::kAccuracy) {
+    return false;
+  }
+  // In data of pairs the bearings are the test rig's: they add to the response.
+  Modification m;
+  std::vector<Scalar> p;
+  p.reserve(applied.value.size());
+  for (const double value : applied.value) p.push_back(constant<Scalar>(value));
+  cause->apply(applied.form, p, {}, kind, m);
+  return is_neutral(m.added, 0.0) && is_neutral(m.response_factor, 1.0);
+}
+
+bool needs_operating_point(const design::Extension<double>& e) {
+  const bool drags = std::ranges::any_of(e.drag, [](const auto& d) {
+    return d.constant_Nm != 0.0 || d.viscous_Nms != 0.0 || d.quadratic_Nms2 != 0.0;
+  });
+  return drags || depends_on_state(e.friction) || e.planet_bearing_arm_m != 0.0 ||
+         e.output_bearing_share != 0.0 || e.drag_temperature_1_K != 0.0;
+}
+
+std::vector<std::string> black_box_causes(const std::vector<ExtendedModel>& models) {
+  std::vector<std::string> ids;
+  for (const ExtendedModel& model : models) {
+    for (const AppliedCause& cause : model.causes) {
+      const bool of_shafts =
+          std::ranges::any_of(cause.form.constants, [](const FormConstant& constant) {
+            return constant.unit == "Nm" || constant.unit == "rad/s";
+          });
+      if (of_shafts) ids.push_back(cause.id);
+    }
+  }
+  return ids;
+}
+
+}  // namespace gear3k::calibrate

@@ -1,0 +1,391 @@
+#include "calibrate/model/simulation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "backlash/lost_motion.hpp"
+#include "calibrate/measurement/value_range.hpp"
+
+namespace gear3k::calibrate {
+
+namespace {
+
+Scalar number(double value) { return constant<Scalar>(value); }
+
+template <class To, class From>
+To numbers(const From& from) {
+  To to{};
+  std::ranges::transform(from, to.begin(), number);
+  return to;
+}
+
+geometry::BasicRack<Scalar> numbers_of(const geometry::BasicRack<double>& rack) {
+  return {.addendum = number(rack.addendum),
+          .dedendum = number(rack.dedendum),
+          .root_radius = number(rack.root_radius)};
+}
+
+train::TrainParameters<Scalar> numbers_of(const train::TrainParameters<double>& p) {
+  train::TrainParameters<Scalar> result;
+  result.teeth = p.teeth;
+  result.planets = p.planets;
+  result.pressure_angle_rad = number(p.pressure_angle_rad);
+  result.center_distance_m = number(p.center_distance_m);
+  result.module_m = numbers<std::array<Scalar, 2>>(p.module_m);
+  using PerGear = std::array<Scalar, train::kGearCount>;
+  result.profile_shift = numbers<PerGear>(p.profile_shift);
+  result.machining_allowance = numbers<PerGear>(p.machining_allowance);
+  result.tip_shortening = numbers<PerGear>(p.tip_shortening);
+  result.khk_tip = p.khk_tip;
+  std::ranges::transform(p.rack, result.rack.begin(),
+                         [](const auto& rack) { return numbers_of(rack); });
+  result.cutter = p.cutter;
+  return result;
+}
+
+efficiency::Friction<Scalar> numbers_of(const design::Friction& f) {
+  return {
+      .coefficient = number(f.coefficient),
+      .model = f.model,
+      .approach_factor = number(f.approach_factor),
+      .recess_factor = number(f.recess_factor),
+      .law = f.law,
+      .load_exponent = number(f.load_exponent),
+      .reference_force_N = number(f.reference_force_N),
+      .static_coefficient = number(f.static_coefficient),
+      .stribeck_speed_m_s = number(f.stribeck_speed_m_s),
+      .stribeck_exponent = number(f.stribeck_exponent),
+      .viscous_s_m = number(f.viscous_s_m),
+      .roughness_m = number(f.roughness_m),
+      .lubricant_factor = number(f.lubricant_factor),
+      .lubricant = {.temperature_K = numbers<std::array<Scalar, 2>>(f.lubricant.temperature_K),
+                    .viscosity_m2_s = numbers<std::array<Scalar, 2>>(f.lubricant.viscosity_m2_s),
+                    .density_kgm3 = number(f.lubricant.density_kgm3)},
+      .table = f.table,
+      .extension = {}};
+}
+
+design::ShaftLosses<Scalar> numbers_of(const design::ShaftLosses<double>& shafts) {
+  design::ShaftLosses<Scalar> result;
+  for (std::size_t i = 0; i < shafts.drag.size(); ++i) {
+    result.drag[i] = {.constant_Nm = number(shafts.drag[i].constant_Nm),
+                      .viscous_Nms = number(shafts.drag[i].viscous_Nms),
+                      .quadratic_Nms2 = number(shafts.drag[i].quadratic_Nms2)};
+  }
+  // Coefficient and radius act as their product: the arm of the bearings' friction.
+  result.planet_bearing_coefficient = number(1.0);
+  result.planet_bearing_radius_m =
+      number(shafts.planet_bearing_coefficient * shafts.planet_bearing_radius_m);
+  result.output_bearing_share = number(shafts.output_bearing_share);
+  return result;
+}
+
+constexpr double kRoomTemperature_K = 293.15;
+
+double temperature_of(const design::Design& design) {
+  return design.operating_point ? design.operating_point->temperature_K : kRoomTemperature_K;
+}
+
+double stated_or(double value, double otherwise) {
+  return std::isfinite(value) ? value : otherwise;
+}
+
+/// Friction torque of a black box over what it would need without: forward 1/η − 1, backward 1 − η.
+Scalar black_box_torque(const BlackBox& box, const Condition& c, const Modification& m) {
+  const auto& e = m.gearbox;
+  const bool forward = c.direction == design::Direction::kForward;
+  const Scalar load = number(c.output_torque_Nm);
+  const Scalar speed = number(c.sun_speed_rad_s);
+  const Scalar temperature = number(stated_or(c.temperature_K, kRoomTemperature_K));
+  const double ratio = std::abs(box.ratio);
+  const double loss = forward ? 1.0 / box.efficiency_forward - 1.0 : 1.0 - box.efficiency_backward;
+  const Scalar friction = loss * friction_factor(e.friction, load, speed, temperature, forward) +
+                          e.output_bearing_share;
+  const Scalar through = load / ratio;
+  using std::exp;
+  const auto drag_at = [&](design::ShaftId shaft, double shaft_ratio) {
+    const Scalar w = speed / shaft_ratio;
+    const auto& drag = e.drag[shaft];
+    return Scalar((drag.constant_Nm + drag.viscous_Nms * w + drag.quadratic_Nms2 * w * w) /
+                  shaft_ratio);
+  };
+  const Scalar drag = drag_at(design::kSunShaft, 1.0) + drag_at(design::kOutputShaft, ratio);
+  const double sign = forward ? 1.0 : -1.0;
+  return through * (1.0 + sign * friction) + sign * drag;
+}
+
+/// Loss per friction in approach and in recess: slopes of the exact loss where there is none.
+std::array<double, 2> first_order_sides(const efficiency::MeshContact<Scalar>& contact) {
+  const Scalar efficiency =
+      efficiency::coulomb_path_efficiency<Scalar>(contact, {.coefficient = number(1.0),
+                                                            .approach_factor = Scalar(0.0, 0),
+                                                            .recess_factor = Scalar(0.0, 1)});
+  return {-efficiency.v[0], -efficiency.v[1]};
+}
+
+/// Friction of a pair's flanks.
+efficiency::FlankFriction<Scalar> flanks_of(const design::Friction& stated, const Modification& m) {
+  efficiency::Friction<Scalar> friction = numbers_of(stated);
+  friction.extension = m.gearbox.friction;
+  const Scalar mu = friction.coefficient * constant_factor(friction.extension, true);
+  return efficiency::flank_friction(friction, mu);
+}
+
+const geometry::BasicRack<double>& rack_of(const design::PairDesign& pair) {
+  return pair.gear1.rack;
+}
+
+}  // namespace
+
+Simulation::Simulation(const Subject& subject, Kind kind, std::vector<ExtendedModel> models)
+    : kind_(kind), models_(std::move(models)) {
+  const auto refuse = [&](const char* what) {
+    throw std::invalid_argument(
+        fmt::format("Simulation: {} data: {}", kKindNames[static_cast<std::size_t>(kind)], what));
+  };
+  if (const auto* box = std::get_if<BlackBox>(&subject)) {
+    if (kind == Kind::kPairLoss) refuse("a black box has no gears");
+    const bool angles = kind == Kind::kLostMotion || kind == Kind::kTorqueAngle;
+    if (angles && !std::isfinite(box->backlash_rad)) refuse("a black box needs its backlash");
+    subject_ = *box;
+    return;
+  }
+  if (const auto* pair = std::get_if<design::PairDesign>(&subject)) {
+    if (kind != Kind::kPairLoss) refuse("a pair is no gearbox");
+    subject_ = *pair;
+    return;
+  }
+  const auto& design = std::get<design::Design>(subject);
+  if (const auto undefined = design::why_undefined(design)) refuse(undefined->message.c_str());
+  Gearbox gearbox;
+  gearbox.design = design;
+  gearbox.parameters = numbers_of(design::resolved_parameters(design));
+  gearbox.geometry = *train::make_train_geometry(gearbox.parameters);
+  gearbox.friction = numbers_of(design.friction);
+  gearbox.shafts = numbers_of(design.shafts);
+  gearbox.face_width_m = {number(design.masses.face_width_m[0].value_or(0.0)),
+                          number(design.masses.face_width_m[1].value_or(0.0))};
+  gearbox.lost_motion_rad =
+      backlash::output_lost_motion(gearbox.geometry, backlash::normal_backlashes(gearbox.geometry),
+                                   backlash::LostMotionModel::kKinematic);
+  subject_ = std::move(gearbox);
+}
+
+Modification Simulation::unmodified(const Condition& condition) const {
+  Modification m;
+  for (const ExtendedModel& model : models_) apply_model(model, condition, kind_, m);
+  return m;
+}
+
+bool Simulation::models_cause(std::string_view id) const {
+  return std::ranges::any_of(models_, [&](const ExtendedModel& model) {
+    return model.kind == kind_ &&
+           std::ranges::find(model.causes, id, &AppliedCause::id) != model.causes.end();
+  });
+}
+
+const design::MapGrid* Simulation::grid() const {
+  const auto* gearbox = std::get_if<Gearbox>(&subject_);
+  return gearbox == nullptr ? nullptr : &gearbox->design.map;
+}
+
+double Simulation::ratio() const {
+  if (const auto* box = std::get_if<BlackBox>(&subject_)) return box->ratio;
+  if (const auto* gearbox = std::get_if<Gearbox>(&subject_)) {
+    return train::ratio(gearbox->design.train.teeth);
+  }
+  return 0.0;
+}
+
+std::optional<Scalar> Simulation::sun_torque(const Condition& c, const Modification& m) const {
+  if (const auto* box = std::get_if<BlackBox>(&subject_)) return black_box_torque(*box, c, m);
+  const auto& g = std::get<Gearbox>(subject_);
+  const auto& e = m.gearbox;
+  efficiency::Friction<Scalar> friction = g.friction;
+  friction.extension = e.friction;
+  design::ShaftLosses<Scalar> shafts = g.shafts;
+  for (std::size_t i = 0; i < shafts.drag.size(); ++i) {
+    auto& drag = shafts.drag[i];
+    drag.constant_Nm = drag.constant_Nm + e.drag[i].constant_Nm;
+    drag.viscous_Nms = drag.viscous_Nms + e.drag[i].viscous_Nms;
+    drag.quadratic_Nms2 = drag.quadratic_Nms2 + e.drag[i].quadratic_Nms2;
+  }
+  shafts.drag_temperature_1_K = e.drag_temperature_1_K;
+  shafts.drag_reference_temperature_K = e.drag_reference_temperature_K;
+  shafts.planet_bearing_radius_m = shafts.planet_bearing_radius_m + e.planet_bearing_arm_m;
+  shafts.output_bearing_share = shafts.output_bearing_share + e.output_bearing_share;
+  const design::LossyTrain<Scalar> train{.geometry = g.geometry,
+                                         .friction = friction,
+                                         .shafts = shafts,
+                                         .face_width_m = g.face_width_m};
+  const auto result = design::operate<Scalar>(
+      train,
+      {.sun_speed_rad_s = number(c.sun_speed_rad_s),
+       .output_torque_Nm = number(c.output_torque_Nm),
+       .temperature_K = number(stated_or(c.temperature_K, temperature_of(g.design)))},
+      c.direction);
+  if (!result.operation) return std::nullopt;
+  return result.operation->sun_torque_Nm;
+}
+
+std::optional<Scalar> Simulation::lost_motion(const Condition& c, const Modification& m) const {
+  const auto& e = m.gearbox.lost_motion;
+  Scalar rigid;
+  if (const auto* box = std::get_if<BlackBox>(&subject_)) {
+    rigid = number(box->backlash_rad);
+  } else {
+    const auto& g = std::get<Gearbox>(subject_);
+    rigid = g.lost_motion_rad;
+    if (!is_neutral(e.expansion_1_K, 0.0)) {
+      const double warmer =
+          stated_or(c.temperature_K, temperature_of(g.design)) - e.reference_temperature_K;
+      train::TrainParameters<Scalar> parameters = g.parameters;
+      parameters.center_distance_m =
+          parameters.center_distance_m * (1.0 + e.expansion_1_K * warmer);
+      const auto geometry = train::make_train_geometry(parameters);
+      if (!geometry) return std::nullopt;
+      rigid = backlash::output_lost_motion(*geometry, backlash::normal_backlashes(*geometry),
+                                           backlash::LostMotionModel::kKinematic);
+    }
+  }
+  return Scalar(rigid + e.clearance_rad + 2.0 * c.test_torque_Nm * e.compliance_rad_Nm);
+}
+
+const design::Friction& Simulation::stated_friction() const {
+  const auto* pair = std::get_if<design::PairDesign>(&subject_);
+  return pair != nullptr ? pair->friction : std::get<Gearbox>(subject_).design.friction;
+}
+
+std::array<Scalar, 2> Simulation::flank_coefficients(const Modification& m) const {
+  const auto flank = flanks_of(stated_friction(), m);
+  return {flank.coefficient * flank.approach_factor, flank.coefficient * flank.recess_factor};
+}
+
+Scalar Simulation::pair_loss(const Condition& c, const Modification& m) const {
+  double pressure_angle_rad = 0.0;
+  geometry::BasicRack<double> rack;
+  if (const auto* pair = std::get_if<design::PairDesign>(&subject_)) {
+    pressure_angle_rad = pair->pressure_angle_rad;
+    rack = rack_of(*pair);
+  } else {
+    const auto& design = std::get<Gearbox>(subject_).design;
+    pressure_angle_rad = design.train.pressure_angle_rad;
+    rack = design.train.rack.front();
+  }
+  const auto angle = geometry::make_pressure_angle(pressure_angle_rad);
+  const auto gear = [&](int teeth) {
+    geometry::Gear<double> g{};
+    g.kind = geometry::GearKind::kExternal;
+    g.teeth = teeth;
+    g.module_m = c.module_m > 0.0 ? c.module_m : 1e-3;
+    g.rack = rack;
+    return geometry::make_gear_geometry(g, angle);
+  };
+  const auto driver = gear(c.driving_teeth);
+  const auto driven = gear(c.driven_teeth);
+  const auto mesh = geometry::make_mesh_geometry(
+      driver, driven, driver.reference_radius_m + driven.reference_radius_m);
+  const auto contact = efficiency::contact_of(driver, driven, *mesh, true);
+  const efficiency::MeshContact<Scalar> scalar_contact{
+      .z1 = contact.z1,
+      .z2 = contact.z2,
+      .sign = contact.sign,
+      .approach_contact_ratio = number(contact.approach_contact_ratio),
+      .recess_contact_ratio = number(contact.recess_contact_ratio),
+      .tan_alpha_w = number(contact.tan_alpha_w),
+      .gear1_drives = contact.gear1_drives};
+  const efficiency::FlankFriction<Scalar> flanks = flanks_of(stated_friction(), m);
+  const Scalar mu = flanks.coefficient;
+  const efficiency::LossModel model = stated_friction().model;
+  if (model == efficiency::LossModel::kCoulombPath ||
+      model == efficiency::LossModel::kDirectional) {
+    return 1.0 - efficiency::mesh_efficiency(scalar_contact, flanks, model);
+  }
+  // A model of first order in the friction stays one: the change on either side is linear too, and
+  // defined for any value.
+  const std::array<double, 2> side = first_order_sides(scalar_contact);
+  return 1.0 - efficiency::mesh_efficiency(scalar_contact, mu, model) +
+         mu * (side[0] * (flanks.approach_factor - 1.0) + side[1] * (flanks.recess_factor - 1.0));
+}
+
+std::optional<Scalar> Simulation::response(const Condition& c, const Modification& m) const {
+  switch (kind_) {
+    case Kind::kTransmission:
+      return sun_torque(c, m);
+    case Kind::kLostMotion:
+    case Kind::kTorqueAngle:
+      return lost_motion(c, m);
+    case Kind::kPairLoss:
+      break;
+  }
+  return pair_loss(c, m);
+}
+
+Scalar Simulation::reading(const Scalar& response, const Condition& c,
+                           const Modification& m) const {
+  const Scalar real = response * m.response_factor + m.added;
+  if (kind_ == Kind::kPairLoss) return Scalar(1.0 - (1.0 - real) * m.sensor_gain);
+  // The sun's torque acts along its rotation when it drives and against it when it is driven.
+  const double sign = c.rotation * (c.direction == design::Direction::kForward ? 1.0 : -1.0);
+  return Scalar(real * m.sensor_gain + sign * m.sensor_offset);
+}
+
+std::array<double, 2> Simulation::load_and_speed(const Condition& c) const {
+  if (const auto* gearbox = std::get_if<Gearbox>(&subject_)) {
+    const train::TrainGeometry<double> geometry =
+        *train::make_train_geometry(design::resolved_parameters(gearbox->design));
+    const auto result = design::operate<double>(
+        design::lossy_train(gearbox->design, geometry),
+        {.sun_speed_rad_s = c.sun_speed_rad_s,
+         .output_torque_Nm = c.output_torque_Nm,
+         .temperature_K = stated_or(c.temperature_K, temperature_of(gearbox->design))},
+        c.direction);
+    if (!result.operation) return {kUnknown, kUnknown};
+    const auto& mesh = result.operation->mesh[train::kMeshP1R1];
+    return {mesh.normal_force_N, mesh.sliding_speed_m_s};
+  }
+  return {c.output_torque_Nm, c.sun_speed_rad_s};
+}
+
+Occasion Simulation::occasion(const MeasurementSet& data) const {
+  Occasion o{.kind = kind_, .data = &data};
+  o.ratio = ratio();
+  const ValueRange torque = range_of(data, &Condition::output_torque_Nm);
+  const ValueRange speed = range_of(data, &Condition::sun_speed_rad_s);
+  const ValueRange temperature = range_of(data, &Condition::temperature_K);
+  o.temperature_K = {temperature.low, temperature.high};
+  if (const auto* gearbox = std::get_if<Gearbox>(&subject_)) {
+    o.teeth = &gearbox->design.train.teeth;
+    o.design_temperature_K = temperature_of(gearbox->design);
+    o.has_drag = std::ranges::any_of(gearbox->design.shafts.drag, [](const auto& drag) {
+      return drag.constant_Nm > 0.0 || drag.viscous_Nms > 0.0 || drag.quadratic_Nms2 > 0.0;
+    });
+  } else {
+    o.load_unit = "Nm";
+    o.speed_unit = "rad/s";
+  }
+  if (kind_ == Kind::kTransmission && !data.rows.empty()) {
+    // Rows without load or at rest have no place in a law of either.
+    const auto above_zero = [&](double Condition::*member) {
+      double least = HUGE_VAL;
+      for (const Observation& row : data.rows) {
+        if (row.condition.*member > 0.0) least = std::min(least, row.condition.*member);
+      }
+      return std::isfinite(least) ? least : 0.0;
+    };
+    const auto least =
+        load_and_speed({.sun_speed_rad_s = above_zero(&Condition::sun_speed_rad_s),
+                        .output_torque_Nm = above_zero(&Condition::output_torque_Nm)});
+    const auto most =
+        load_and_speed({.sun_speed_rad_s = speed.high, .output_torque_Nm = torque.high});
+    o.load = {least[0], most[0]};
+    o.speed = {least[1], most[1]};
+  }
+  return o;
+}
+
+}  // namespace gear3k::calibrate

@@ -1,0 +1,107 @@
+#include "calibrate/search/linear_sets.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <utility>
+
+namespace gear3k::calibrate {
+
+LinearSets::LinearSets(const Columns& columns, std::vector<Block> blocks, const Problem& problem)
+    : blocks_(std::move(blocks)),
+      gram_(columns.other.transpose() * columns.other),
+      moment_(columns.other.transpose() * columns.residual),
+      total_(columns.residual.squaredNorm()),
+      rows_(static_cast<double>(columns.residual.size())),
+      known_(problem.noise.known_scale()) {}
+
+double LinearSets::score(const std::vector<std::size_t>& set) const {
+  constexpr double kNever = -std::numeric_limits<double>::infinity();
+  std::array<Eigen::Index, kMaxVariables> column{};
+  Eigen::Index count = 0;
+  double log_weight = 0.0;
+  for (const std::size_t b : set) {
+    for (Eigen::Index k = 0; k < blocks_[b].count; ++k) {
+      if (count == kMaxVariables) return kNever;
+      column[static_cast<std::size_t>(count++)] = blocks_[b].first + k;
+    }
+    log_weight += blocks_[b].log_weight;
+  }
+  using Small =
+      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxVariables, kMaxVariables>;
+  using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxVariables, 1>;
+  Small a(count, count);
+  SmallVector m(count);
+  SmallVector length(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Eigen::Index at = column[static_cast<std::size_t>(i)];
+    length[i] = std::sqrt(gram_(at, at));
+    if (!(length[i] > 0.0)) return kNever;
+  }
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Eigen::Index at = column[static_cast<std::size_t>(i)];
+    m[i] = moment_[at] / length[i];
+    for (Eigen::Index j = 0; j < count; ++j) {
+      a(i, j) = gram_(at, column[static_cast<std::size_t>(j)]) / (length[i] * length[j]);
+    }
+  }
+  const Eigen::LLT<Small> factor(a);
+  constexpr double kDependent = 1e-4;
+  if (factor.info() != Eigen::Success ||
+      factor.matrixL().toDenseMatrix().diagonal().minCoeff() < kDependent) {
+    return kNever;
+  }
+  const SmallVector x = factor.solve(m);
+  Eigen::Index first = 0;
+  for (const std::size_t b : set) {
+    if (blocks_[b].side != 0 && x[first] * blocks_[b].side <= 0.0) return kNever;
+    first += blocks_[b].count;
+  }
+  const double left = std::max(total_ - m.dot(x), 1e-12 * total_);
+  const double likelihood =
+      known_ > 0.0 ? -0.5 * left / (known_ * known_) : -0.5 * rows_ * std::log(left);
+  return likelihood - 0.5 * static_cast<double>(count) * std::log(rows_) + log_weight;
+}
+
+std::vector<std::vector<std::size_t>> best_linear_sets(const std::vector<Candidate>& candidates,
+                                                       const std::vector<std::size_t>& pool,
+                                                       const LinearSets& sets, int size, int most) {
+  struct Ranked {
+    double score;
+    std::vector<std::size_t> set;
+  };
+  std::vector<Ranked> best;
+  const auto consider = [&](std::vector<std::size_t> set) {
+    const double score = sets.score(set);
+    if (!std::isfinite(score)) return;
+    if (static_cast<int>(best.size()) == most && score <= best.back().score) return;
+    const auto at = std::ranges::upper_bound(best, score, std::greater<>(), &Ranked::score);
+    best.insert(at, {.score = score, .set = std::move(set)});
+    if (static_cast<int>(best.size()) > most) best.pop_back();
+  };
+  const auto alike = [&](std::size_t a, std::size_t b) {
+    return candidates[a].cause == candidates[b].cause;
+  };
+  for (std::size_t i = 0; i < pool.size(); ++i) {
+    for (std::size_t j = i + 1; j < pool.size(); ++j) {
+      if (alike(pool[i], pool[j])) continue;
+      if (size == 2) {
+        consider({pool[i], pool[j]});
+        continue;
+      }
+      for (std::size_t k = j + 1; k < pool.size(); ++k) {
+        if (alike(pool[i], pool[k]) || alike(pool[j], pool[k])) continue;
+        consider({pool[i], pool[j], pool[k]});
+      }
+    }
+  }
+  std::vector<std::vector<std::size_t>> result;
+  result.reserve(best.size());
+  for (Ranked& r : best) result.push_back(std::move(r.set));
+  return result;
+}
+
+}  // namespace gear3k::calibrate

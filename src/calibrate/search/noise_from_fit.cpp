@@ -1,0 +1,119 @@
+#include "calibrate/search/noise_from_fit.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <boost/math/distributions/fisher_f.hpp>
+#include <cmath>
+
+namespace gear3k::calibrate {
+
+namespace {
+
+/// A step or a drift: what sessions could differ by without scattering.
+bool separates_sessions(const Candidate& c) { return c.cause->remedy == Remedy::kProcedure; }
+
+/// Residuals of which those far from their session's median count as less far: the sessions' own
+/// distance, however great, is what is looked for.
+Eigen::VectorXd clipped_in_sessions(const Eigen::VectorXd& residual, const NoiseModel& noise) {
+  std::vector<std::vector<double>> rows(static_cast<std::size_t>(noise.runs) + 1);
+  const auto session = [&](Eigen::Index i) {
+    return static_cast<std::size_t>(noise.run[static_cast<std::size_t>(i)]) + 1;
+  };
+  for (Eigen::Index i = 0; i < residual.size(); ++i) rows[session(i)].push_back(residual[i]);
+  std::vector<double> median(rows.size(), 0.0);
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    if (rows[r].empty()) continue;
+    const auto middle = rows[r].begin() + static_cast<std::ptrdiff_t>(rows[r].size() / 2);
+    std::ranges::nth_element(rows[r], middle);
+    median[r] = *middle;
+  }
+  Eigen::VectorXd offset(residual.size());
+  for (Eigen::Index i = 0; i < residual.size(); ++i) offset[i] = median[session(i)];
+  const Eigen::VectorXd within = residual - offset;
+  return offset + winsorised(within, robust_deviation(within));
+}
+
+}  // namespace
+
+std::optional<Eigen::VectorXd> weights_by_response(const Problem& problem,
+                                                   const SearchResult& found) {
+  if (problem.noise.source == NoiseSource::kStated) return std::nullopt;
+  const Eigen::VectorXd simulated = found.fit.simulated.cwiseAbs();
+  const double middle = simulated.mean();
+  constexpr double kLeast = 0.05;
+  const Eigen::VectorXd size = (simulated / middle).cwiseMax(kLeast);
+  const Eigen::VectorXd residual = winsorised(found.fit.residual, found.scale);
+  const auto n = static_cast<double>(residual.size());
+  const auto likelihood = [&](double power) {
+    const Eigen::VectorXd weight = size.array().pow(-power);
+    return weight.array().log().sum() -
+           0.5 * n * std::log(residual.cwiseProduct(weight).squaredNorm() / n);
+  };
+  double best = 0.0;
+  for (const double power : {0.5, 1.0}) {
+    if (likelihood(power) > likelihood(best)) best = power;
+  }
+  constexpr double kClearly = 4.0;
+  if (best == 0.0 || likelihood(best) < likelihood(0.0) + kClearly) return std::nullopt;
+  return size.array().pow(-best).matrix();
+}
+
+SessionScatter session_scatter(const Problem& problem, const SearchResult& found) {
+  constexpr int kFewestRuns = 4;
+  constexpr int kSeveralRuns = 5;
+  const NoiseModel& noise = problem.noise;
+  if (noise.runs < kFewestRuns) return {};
+  // What a step or a drift would take off counts as theirs, not as scatter.
+  const Hypothesis& all = found.fit.hypothesis;
+  std::vector<bool> stays;
+  stays.reserve(all.effects.size());
+  for (const Candidate& c : all.effects) stays.push_back(!separates_sessions(c));
+  const Hypothesis h = subset(all, stays);
+  std::vector<Candidate> steps;
+  for (const Candidate& c : found.candidates) {
+    // Among several sessions that scatter one lies farthest off: that is no step.
+    const bool one_session = c.form.name.ends_with("only");
+    if (separates_sessions(c) && !(one_session && noise.runs >= kSeveralRuns)) steps.push_back(c);
+  }
+  const Columns columns = columns_at(problem, h, steps, 0.0);
+  const Eigen::VectorXd residual = clipped_in_sessions(columns.residual, noise);
+  // What is the same in all sessions is no scatter of theirs.
+  Eigen::MatrixXd fitted(columns.own.rows(), columns.own.cols() + 1);
+  Eigen::MatrixXd constant = Eigen::MatrixXd::Ones(columns.own.rows(), 1);
+  noise.whiten(constant);
+  fitted << constant, columns.own;
+  const Screen screen(fitted, columns.other, blocks_of(steps), 0.0);
+  const auto gains = screen.gains(residual);
+  const auto best = std::ranges::max_element(gains, {}, &Gain::sum_of_squares) - gains.begin();
+  const Block& block = screen.blocks()[static_cast<std::size_t>(best)];
+  Eigen::MatrixXd own(fitted.rows(), fitted.cols() + block.count);
+  own << fitted, columns.other.middleCols(block.first, block.count);
+  const Eigen::MatrixXd basis = orthonormal_basis(own);
+  const Eigen::VectorXd left = residual - basis * (basis.transpose() * residual);
+  Eigen::MatrixXd sessions = Eigen::MatrixXd::Zero(left.size(), noise.runs);
+  for (Eigen::Index i = 0; i < left.size(); ++i) {
+    const int r = noise.run[static_cast<std::size_t>(i)];
+    if (r >= 0) sessions(i, r) = 1.0;
+  }
+  sessions -= basis * (basis.transpose() * sessions);
+  const Eigen::MatrixXd session_basis = orthonormal_basis(sessions);
+  const auto degrees = static_cast<int>(session_basis.cols());
+  const auto rest = static_cast<int>(left.size() - basis.cols() - session_basis.cols());
+  if (degrees < 1 || rest < 4) return {};
+  const double between = (session_basis.transpose() * left).squaredNorm();
+  const double within = (left.squaredNorm() - between) / rest;
+  const double f = between / degrees / within;
+  // A few sessions that scatter are hardly told from one step; with more of them it is the rule
+  // that they do, until the data say otherwise.
+  constexpr double kChance = 0.01;
+  if (noise.runs < kSeveralRuns && f_tail(f, degrees, rest) > kChance) return {};
+  // The twentieth of values that chance makes smallest is guarded against: few sessions say little
+  // of how much sessions scatter.
+  const double guard =
+      boost::math::quantile(boost::math::complement(boost::math::fisher_f(rest, degrees), 0.05));
+  const double rows = static_cast<double>(left.size()) / noise.runs;
+  return {.estimate = std::max(0.0, (f - 1.0) / rows),
+          .guarded = std::max(0.0, (f * std::max(1.0, guard) - 1.0) / rows)};
+}
+
+}  // namespace gear3k::calibrate

@@ -1,0 +1,350 @@
+#include "calibrate/search/replacements.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "calibrate/causes/friction_change.hpp"
+
+namespace gear3k::calibrate {
+
+namespace {
+
+/// χ² by which an explanation may be worse than the best and still count as one: two hypotheses at
+/// any distance are then confused with the truth left out in less than 1 % (z = √6 = 2.4).
+constexpr double kAsWell = 6.0;
+/// χ² within which the coefficient of friction, a parameter, is preferred to a missing effect; and
+/// a step between sessions to a law.
+constexpr double kParameter = 4.0;
+constexpr double kPreferred = 2.0;
+/// So few forms are all fitted in the place of an effect, without screening.
+constexpr std::size_t kFewForms = 12;
+
+bool is_parameter(const Cause& cause) { return cause.remedy == Remedy::kFrictionValue; }
+bool is_step(const Cause& cause) { return cause.id == "run_step"; }
+
+/// Laws of load, speed or temperature, which a session measured in order may imitate.
+bool is_law(const Cause& cause) {
+  return cause.remedy == Remedy::kFlanks || cause.remedy == Remedy::kDrag ||
+         cause.remedy == Remedy::kBearings || cause.remedy == Remedy::kStiffness;
+}
+
+/// Whether the last effect has values that a gearbox may show.
+bool last_is_plausible(const Hypothesis& h) {
+  const auto& records = h.effects.back().parameters;
+  const std::size_t first = h.value.size() - records.size();
+  for (std::size_t k = 0; k < records.size(); ++k) {
+    const double value = h.value[first + k];
+    if (!(value >= records[k].plausible_low && value <= records[k].plausible_high)) return false;
+  }
+  return true;
+}
+
+bool fits_variables(const Hypothesis& h) {
+  return h.value.size() <= static_cast<std::size_t>(kMaxVariables);
+}
+
+/// The coefficient of friction among the candidates; null where the data have none.
+const Candidate* level_of(const SearchResult& result) {
+  const auto at = std::ranges::find_if(result.candidates, [](const Candidate& c) {
+    return c.cause->remedy == Remedy::kFrictionValue;
+  });
+  return at == result.candidates.end() ? nullptr : &*at;
+}
+
+/// An effect to be replaced, and the fit without it.
+struct Gap {
+  Candidate own;
+  Hypothesis rest;  ///< the other effects with their values beside the effect
+  Fit fit_rest;
+};
+
+/// Forms that a screening without the effect says could do what it does, by cause in the order of
+/// the library; the best of each cause first.
+using FormsByCause = std::vector<std::vector<Candidate>>;
+FormsByCause likely_forms(const Judge& judge, const std::vector<Candidate>& others, const Gap& gap,
+                          const Fit& start) {
+  // The effect itself, last in the pool, says what a replacement has to do: judged alike, by
+  // columns that hold for small changes only and with the same rows clipped.
+  std::vector<Candidate> pool = candidates_beside(others, start.hypothesis);
+  pool.push_back(gap.own);
+  const Problem& problem = judge.problem();
+  const double wide = std::max(judge.scale(), robust_deviation(start.residual));
+  const Columns columns = columns_at(problem, start.hypothesis, pool, wide);
+  if (columns.own.cols() >= columns.own.rows()) return {};
+  const Screen screen(columns.own, columns.other, blocks_of(pool), problem.noise.known_scale());
+  const std::vector<Gain> gains = screen.gains(columns.residual);
+  constexpr double kBent = 0.05;  // of what the effect explains: the columns are tangents
+  const double needed =
+      (1.0 - kBent) * gains.back().sum_of_squares - 3.0 * kAsWell * judge.variance();
+  std::vector<std::size_t> order(pool.size() - 1);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::erase_if(order, [&](std::size_t k) {
+    const double gain = gains[k].sum_of_squares;
+    return !(gain > 0.0 && gain >= needed) && pool.size() > kFewForms;
+  });
+  // The pool lists the causes one after the other.
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
+    return pool[a].cause == pool[b].cause ? gains[a].sum_of_squares > gains[b].sum_of_squares
+                                          : a < b;
+  });
+  FormsByCause likely;
+  for (const std::size_t k : order) {
+    if (likely.empty() || likely.back().front().cause != pool[k].cause) likely.emplace_back();
+    likely.back().push_back(pool[k]);
+  }
+  return likely;
+}
+
+/// The better of the two best forms of a cause in the place of an effect.
+Replacement best_replacement(const Judge& judge, const Fit& best, const Hypothesis& beside,
+                             const std::vector<Candidate>& forms) {
+  Replacement replacement;
+  replacement.statistic = std::numeric_limits<double>::infinity();
+  constexpr std::size_t kForms = 2;
+  for (std::size_t k = 0; k < forms.size() && k < kForms; ++k) {
+    Hypothesis h = with(beside, forms[k]);
+    if (!fits_variables(h)) continue;
+    Fit trial = fit(judge.problem(), std::move(h), judge.scale());
+    const double difference = judge.chi(trial) - judge.chi(best);
+    if (difference < replacement.statistic) {
+      replacement = {.candidate = forms[k], .statistic = difference, .fit = std::move(trial)};
+    }
+  }
+  return replacement;
+}
+
+/// What else explains as well in the place of an effect, by itself or with another level.
+std::vector<Replacement> replacements_of(const Judge& judge, const SearchResult& result,
+                                         const Gap& gap) {
+  const Problem& problem = judge.problem();
+  const Hypothesis& best = result.fit.hypothesis;
+  const Candidate* level = level_of(result);
+  const std::vector<Candidate> others = candidates_beside(result.candidates, best);
+  std::vector<Replacement> found;
+  for (const bool with_level : {false, true}) {
+    if (with_level && (level == nullptr || has_cause(best, level->cause))) continue;
+    const Fit start = with_level
+                          ? fit(problem, with(gap.fit_rest.hypothesis, *level), judge.scale())
+                          : gap.fit_rest;
+    // Where the level alone explains, what is added to it explains nothing.
+    if (with_level && judge.chi(start) <= judge.chi(result.fit) + kAsWell) continue;
+    // From the values beside the effect: without it the others may lie far off.
+    const Hypothesis beside = with_level ? with(gap.rest, *level) : gap.rest;
+    for (const std::vector<Candidate>& forms : likely_forms(judge, others, gap, start)) {
+      const Cause* cause = forms.front().cause;
+      const bool named = std::ranges::any_of(
+          found, [&](const Replacement& r) { return r.candidate.cause == cause; });
+      if (named) continue;
+      Replacement replacement = best_replacement(judge, result.fit, beside, forms);
+      replacement.with_level = with_level;
+      if (replacement.statistic <= kAsWell) found.push_back(std::move(replacement));
+    }
+  }
+  std::ranges::stable_sort(found, {}, &Replacement::statistic);
+  return found;
+}
+
+/// The fit of a replacement with the new effect, which is its last, in the place of the old one.
+Fit in_place(Fit fit, std::size_t effect) {
+  Hypothesis& h = fit.hypothesis;
+  const auto count = static_cast<std::ptrdiff_t>(h.effects.back().parameters.size());
+  const auto first = static_cast<std::ptrdiff_t>(value_offset(h, effect));
+  std::rotate(h.effects.begin() + static_cast<std::ptrdiff_t>(effect), h.effects.end() - 1,
+              h.effects.end());
+  std::rotate(h.value.begin() + first, h.value.end() - count, h.value.end());
+  return fit;
+}
+
+/// What may stand in the place of the other effects now stands beside a new one.
+void refit_beside(const Judge& judge, const SearchResult& result, std::size_t other,
+                  std::vector<Replacement>& list) {
+  const Candidate* level = level_of(result);
+  for (Replacement& r : list) {
+    Hypothesis beside = without(result.fit.hypothesis, other);
+    if (has_cause(beside, r.candidate.cause)) {
+      r.statistic = std::numeric_limits<double>::infinity();
+      continue;
+    }
+    if (r.with_level && !has_cause(beside, level->cause)) beside = with(beside, *level);
+    r.fit = fit(judge.problem(), with(std::move(beside), r.candidate), judge.scale());
+    r.statistic = judge.chi(r.fit) - judge.chi(result.fit);
+  }
+  std::erase_if(list, [](const Replacement& r) { return !(r.statistic <= kAsWell); });
+}
+
+}  // namespace
+
+Judge::Judge(const Problem& problem, const Fit& best, double scale)
+    : problem_(problem), scale_(scale) {
+  if (problem.noise.known_scale() > 0.0) return;
+  const auto n = static_cast<double>(problem.data.rows.size());
+  const auto parameters = static_cast<double>(best.hypothesis.value.size());
+  const double least = problem.noise.least_scale();
+  variance_ =
+      std::max(winsorised(best.residual, scale).squaredNorm() / std::max(1.0, n - parameters),
+               least * least);
+}
+
+double Judge::chi(const Fit& fit) const { return fit.sum_of_squares * scale_ * scale_ / variance_; }
+
+std::vector<Candidate> candidates_beside(const std::vector<Candidate>& all, const Hypothesis& h) {
+  std::vector<Candidate> result;
+  for (const Candidate& c : all) {
+    if (!has_cause(h, c.cause)) result.push_back(c);
+  }
+  return result;
+}
+
+namespace {
+
+/// The fit without an effect.
+Gap gap_of(const Judge& judge, const SearchResult& result, std::size_t effect) {
+  const Hypothesis& best = result.fit.hypothesis;
+  const Hypothesis rest = without(best, effect);
+  return {.own = best.effects[effect],
+          .rest = rest,
+          .fit_rest = fit(judge.problem(), rest, judge.scale())};
+}
+
+/// p-value and BIC of an effect by what is left without it.
+/// @param form  as it was searched for
+void weigh(const Judge& judge, const SearchResult& result, const Gap& gap, const Form& form,
+           FoundEffect& found) {
+  const double added = judge.chi(gap.fit_rest) - judge.chi(result.fit);
+  const auto parameters = static_cast<Eigen::Index>(gap.own.parameters.size());
+  const auto rows = static_cast<double>(judge.problem().data.rows.size());
+  // Without a known scatter the likelihood is that of the variance which each fit leaves.
+  const double likelihood_ratio =
+      judge.problem().noise.known_scale() > 0.0
+          ? added
+          : rows * std::log(gap.fit_rest.sum_of_squares / result.fit.sum_of_squares);
+  found.p_value = result.first_luck.p_value(chi_square_evidence(added, parameters) +
+                                            std::log(form.weight * gap.own.cause->weight));
+  found.delta_bic = likelihood_ratio - static_cast<double>(parameters) * std::log(rows);
+}
+
+}  // namespace
+
+FoundEffect judge_effect(const Judge& judge, const SearchResult& result, std::size_t effect) {
+  const Gap gap = gap_of(judge, result, effect);
+  FoundEffect found;
+  weigh(judge, result, gap, gap.own.form, found);
+  found.replacements = replacements_of(judge, result, gap);
+  return found;
+}
+
+namespace {
+
+/// The effect's cause at its other bodies, where that explains as well.
+std::vector<Replacement> other_bodies_of(const Judge& judge, const SearchResult& result,
+                                         std::size_t effect) {
+  const Candidate& own = result.fit.hypothesis.effects[effect];
+  std::vector<Replacement> found;
+  if (own.form.body.empty()) return found;
+  for (const Candidate& c : result.candidates) {
+    if (c.cause != own.cause || c.form.body == own.form.body ||
+        c.parameters.size() != own.parameters.size()) {
+      continue;
+    }
+    Hypothesis h = result.fit.hypothesis;
+    h.effects[effect] = c;
+    const auto first = h.value.begin() + static_cast<std::ptrdiff_t>(value_offset(h, effect));
+    std::fill_n(first, c.parameters.size(), 0.0);
+    Replacement other{.candidate = c, .fit = fit(judge.problem(), std::move(h), judge.scale())};
+    other.statistic = judge.chi(other.fit) - judge.chi(result.fit);
+    if (other.statistic <= kAsWell) found.push_back(std::move(other));
+  }
+  std::ranges::stable_sort(found, {}, &Replacement::statistic);
+  return found;
+}
+
+}  // namespace
+
+void take_better_names(const Judge& judge, const std::vector<Candidate>& all,
+                       SearchResult& result) {
+  prefer_parameters(judge, result);
+  const std::vector<Candidate> searched = result.fit.hypothesis.effects;
+  take_unsearched_forms(judge, all, result);
+  for (std::size_t e = 0; e < result.effects.size(); ++e) {
+    weigh(judge, result, gap_of(judge, result, e), searched[e].form, result.effects[e]);
+    result.effects[e].other_bodies = other_bodies_of(judge, result, e);
+  }
+}
+
+void prefer_parameters(const Judge& judge, SearchResult& result) {
+  const auto rank = [](const Candidate& c) {
+    return std::ranges::find(causes(), c.cause) - causes().begin();
+  };
+  for (std::size_t e = 0; e < result.effects.size(); ++e) {
+    FoundEffect& found = result.effects[e];
+    const Candidate own = result.fit.hypothesis.effects[e];
+    if (is_parameter(*own.cause)) continue;
+    constexpr double kTie = 1e-3;
+    const auto parameter = [&](const Replacement& r) {
+      return is_parameter(*r.candidate.cause) && r.statistic <= kParameter &&
+             last_is_plausible(r.fit.hypothesis);
+    };
+    const auto step = [&](const Replacement& r) {
+      return is_step(*r.candidate.cause) && is_law(*own.cause) && r.statistic <= kPreferred;
+    };
+    const auto earlier = [&](const Replacement& r) {
+      return !is_parameter(*r.candidate.cause) && !is_step(*r.candidate.cause) &&
+             !is_step(*own.cause) && r.statistic <= kTie && rank(r.candidate) < rank(own);
+    };
+    const auto end = found.replacements.end();
+    const auto first_that = [&](const auto& reason) {
+      return std::ranges::find_if(found.replacements,
+                                  [&](const Replacement& r) { return !r.with_level && reason(r); });
+    };
+    auto better = first_that(parameter);
+    if (better == end) better = first_that(step);
+    if (better == end) better = first_that(earlier);
+    if (better == end) continue;
+    const Replacement taken = *better;
+    found.replacements.erase(better);
+    for (Replacement& r : found.replacements) r.statistic -= taken.statistic;
+    found.replacements.insert(
+        found.replacements.begin(),
+        {.candidate = own, .statistic = -taken.statistic, .fit = std::move(result.fit)});
+    result.fit = in_place(taken.fit, e);
+    for (std::size_t other = 0; other < result.effects.size(); ++other) {
+      if (other != e) refit_beside(judge, result, other, result.effects[other].replacements);
+    }
+  }
+}
+
+void take_unsearched_forms(const Judge& judge, const std::vector<Candidate>& all,
+                           SearchResult& result) {
+  const Candidate* level = level_of(result);
+  for (std::size_t e = 0; e < result.effects.size(); ++e) {
+    for (const Candidate& form : all) {
+      const Fit& best = result.fit;
+      const Candidate own = best.hypothesis.effects[e];
+      if (form.form.weight > 0.0 || form.cause != own.cause || form.form.law != own.form.law) {
+        continue;
+      }
+      // A form with a level of its own makes no sense beside the level.
+      const bool no_level = level == nullptr || has_cause(best.hypothesis, level->cause);
+      if (no_level && has_level_parameter(form.parameters)) continue;
+      const bool refines = form.parameters.size() > own.parameters.size();
+      const std::size_t at = value_offset(best.hypothesis, e);
+      Hypothesis h = best.hypothesis;
+      h.effects[e] = form;
+      h.value.insert(h.value.begin() + static_cast<std::ptrdiff_t>(at + own.parameters.size()),
+                     form.parameters.size() - own.parameters.size(), 0.0);
+      if (!fits_variables(h)) continue;
+      Fit trial = fit(judge.problem(), std::move(h), judge.scale());
+      const double value = trial.hypothesis.value[at];
+      const bool plausible =
+          value >= form.parameters[0].plausible_low && value <= form.parameters[0].plausible_high;
+      if ((refines || plausible) && judge.chi(trial) <= judge.chi(best) + kPreferred) {
+        result.fit = std::move(trial);
+      }
+    }
+  }
+}
+
+}  // namespace gear3k::calibrate

@@ -1,0 +1,53 @@
+#pragma once
+// What each effect of a fit adds, and what else would explain these data as well in its place.
+
+#include <vector>
+
+#include "calibrate/search/search.hpp"
+
+namespace gear3k::calibrate {
+
+/// One scale and variance by which all fits to a problem are compared.
+class Judge {
+ public:
+  /// @param best  whose residual states the variance, unless it is known
+  /// (NoiseModel::known_scale())
+  /// @param scale  of the treatment of outliers, as of fit()
+  Judge(const Problem& problem, const Fit& best, double scale);
+
+  [[nodiscard]] const Problem& problem() const { return problem_; }
+  [[nodiscard]] double scale() const { return scale_; }
+  [[nodiscard]] double variance() const { return variance_; }
+  /// χ² of a fit at that scale.
+  [[nodiscard]] double chi(const Fit& fit) const;
+
+ private:
+  const Problem& problem_;
+  double scale_;
+  double variance_ = 1.0;
+};
+
+/// Candidates of causes that are not in a hypothesis.
+std::vector<Candidate> candidates_beside(const std::vector<Candidate>& all, const Hypothesis& h);
+
+/// p-value and BIC of an effect of the fit given the others, and its replacements: screened by
+/// linearisation without the effect, then fitted; those within χ² 6 of the best, with another
+/// coefficient of friction where they need one.
+FoundEffect judge_effect(const Judge& judge, const SearchResult& result, std::size_t effect);
+
+/// Takes a replacement in the place of an effect where it is the better name for the same thing:
+/// the coefficient of friction (a parameter, within χ² 4 and plausible) before a missing effect, a
+/// step between sessions before a law (χ² 2), and at a tie what stands earlier in the library.
+void prefer_parameters(const Judge& judge, SearchResult& result);
+
+/// Forms that are not searched for (Form::weight 0) in the place of those found, where they explain
+/// as well within χ² 2 and refine the form or are plausible.
+void take_unsearched_forms(const Judge& judge, const std::vector<Candidate>& all,
+                           SearchResult& result);
+
+/// Takes both and looks for other bodies that show each cause as well; p-values and BIC become
+/// those of the names that stay, and of a form that is not searched for the p-value is that of the
+/// form which was.
+void take_better_names(const Judge& judge, const std::vector<Candidate>& all, SearchResult& result);
+
+}  // namespace gear3k::calibrate

@@ -1,0 +1,181 @@
+#include "calibrate/search/search.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "calibrate/fit/holdout.hpp"
+#include "calibrate/search/linear_sets.hpp"
+#include "calibrate/search/replacements.hpp"
+
+namespace gear3k::calibrate {
+
+namespace {
+
+/// Share of the rate that each further effect gets: what one cause leaves by its form is small.
+constexpr double kFurtherShare = 0.4;
+constexpr int kSimulations = 768;
+constexpr double kManySearchedRows = 5000.0;
+constexpr int kFitsPerStep = 5;
+
+/// Likelihood of a set with a price for its parameters and the choice of its forms.
+double score_of(const Problem& problem, const Fit& fit, double scale, double log_weight) {
+  const auto n = static_cast<double>(problem.data.rows.size());
+  const auto p = static_cast<double>(fit.hypothesis.value.size());
+  const double known = problem.noise.known_scale();
+  const double likelihood = known > 0.0
+                                ? -0.5 * fit.sum_of_squares * scale * scale / (known * known)
+                                : -0.5 * n * std::log(std::max(fit.sum_of_squares, 1e-12));
+  return likelihood - 0.5 * p * std::log(std::max(n, 2.0)) + log_weight;
+}
+
+double log_weight_of(const Hypothesis& h) {
+  double sum = 0.0;
+  for (const Candidate& c : h.effects) sum += std::log(c.form.weight * c.cause->weight);
+  return sum;
+}
+
+/// Proposals of one step of the search.
+class Proposals {
+ public:
+  void add(Hypothesis h) {
+    if (h.value.size() > static_cast<std::size_t>(kMaxVariables)) return;
+    if (std::ranges::any_of(sets_, [&](const Hypothesis& s) { return same_forms(s, h); })) return;
+    sets_.push_back(std::move(h));
+  }
+  /// The fit of the best score among those that predict rows held out of the fit no worse than the
+  /// last fit does.  Where none does: empty, or of an empty last fit the best in score: that
+  /// something is there has been tested, and the held-out error will say how little it helps.
+  [[nodiscard]] std::optional<Fit> best_fit(const Problem& problem, const Hypothesis& last,
+                                            const Blocks& blocks, double scale) const {
+    std::vector<Fit> fits;
+    std::vector<double> score;
+    fits.reserve(sets_.size());
+    score.reserve(sets_.size());
+    for (const Hypothesis& h : sets_) {
+      fits.push_back(fit(problem, h, scale));
+      score.push_back(score_of(problem, fits.back(), scale, log_weight_of(h)));
+    }
+    std::vector<std::size_t> order(fits.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order,
+                             [&](std::size_t a, std::size_t b) { return score[a] > score[b]; });
+    std::erase_if(order, [&](std::size_t k) { return !std::isfinite(score[k]); });
+    const Eigen::VectorXd by_last = predict_held_out(problem, last, blocks);
+    for (const std::size_t k : order) {
+      const Eigen::VectorXd predicted = predict_held_out(problem, fits[k].hypothesis, blocks);
+      if (predicts_no_worse(problem, predicted, by_last, scale)) return fits[k];
+    }
+    if (order.empty() || !last.effects.empty()) return std::nullopt;
+    return fits[order.front()];
+  }
+
+ private:
+  std::vector<Hypothesis> sets_;
+};
+
+/// Candidates that the sets of a size are made of: the best by themselves, and those of the last
+/// fit.
+std::vector<std::size_t> pool_of(const SearchResult& result, const Hypothesis& last, int size) {
+  const std::vector<Candidate>& candidates = result.candidates;
+  std::vector<std::size_t> pool = ranked(candidates, result.first_gains, size == 2 ? 6 : 2);
+  constexpr std::size_t kPool = 28;
+  if (size > 2 && pool.size() > kPool) pool.resize(kPool);
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    const bool in_fit = std::ranges::any_of(last.effects, [&](const Candidate& c) {
+      return same_forms({.effects = {c}, .value = {}}, {.effects = {candidates[k]}, .value = {}});
+    });
+    if (in_fit && std::ranges::find(pool, k) == pool.end()) pool.push_back(k);
+  }
+  return pool;
+}
+
+}  // namespace
+
+std::vector<Candidate> candidates_for(const Simulation& simulation, const MeasurementSet& data) {
+  const Occasion occasion = simulation.occasion(data);
+  std::vector<Candidate> result;
+  for (const Cause* cause : causes()) {
+    // A model holds one form of such a cause, and a second one would take its place.
+    if (cause->exclusive_forms && simulation.models_cause(cause->id)) continue;
+    for (Form& form : cause->forms(occasion)) {
+      auto parameters = cause->parameters(form, simulation.kind());
+      result.push_back(
+          {.cause = cause, .form = std::move(form), .parameters = std::move(parameters)});
+    }
+  }
+  return result;
+}
+
+SearchResult search_causes(const Problem& problem, const std::vector<Candidate>& all,
+                           const SearchOptions& options) {
+  SearchResult result;
+  std::ranges::copy_if(all, std::back_inserter(result.candidates),
+                       [](const Candidate& c) { return c.form.weight > 0.0; });
+  const std::vector<Candidate>& candidates = result.candidates;
+  const double known = problem.noise.known_scale();
+  Columns base = columns_at(problem, {}, candidates, 0.0);
+  // Known scatter bounds outliers only once something is fitted: what the simulation misses is far
+  // beyond it.
+  const double least = problem.noise.least_scale();
+  const bool agrees = problem.noise.within_rounding(base.residual);
+  double scale = std::max({known, robust_deviation(base.residual), least});
+  base.residual = winsorised(base.residual, scale);
+  const LinearSets linear(base, blocks_of(candidates), problem);
+  const auto n = static_cast<double>(problem.data.rows.size());
+  const int simulations = n > kManySearchedRows ? kSimulations / 4 : kSimulations;
+
+  const Blocks blocks = holdout_blocks(problem.data, covariate_levels(problem.data));
+  Fit best = fit(problem, {}, scale);
+  for (int size = 1; size <= kMostEffects; ++size) {
+    const std::vector<Candidate> others = candidates_beside(candidates, best.hypothesis);
+    const Columns columns = size == 1 ? base : columns_at(problem, best.hypothesis, others, scale);
+    if (static_cast<double>(columns.own.cols()) >= n) break;
+    const Screen screen(columns.own, columns.other, blocks_of(others), known);
+    const std::vector<Gain> gains = screen.gains(columns.residual);
+    const Screen::Luck luck = screen.luck(columns.residual, options.rate, simulations,
+                                          options.seed + static_cast<std::uint64_t>(size));
+    const std::vector<std::size_t> order = ranked(others, gains, 2);
+    const double greatest = order.empty() ? 0.0 : gains[order[0]].evidence;
+    const double p_value = agrees ? 1.0 : luck.p_value(greatest);
+    if (size == 1) {
+      result.first_gains = gains;
+      result.first_luck = luck;
+      result.first_p = p_value;
+    }
+    const double rate = size == 1 ? options.rate : kFurtherShare * options.rate;
+    if (order.empty() || p_value > rate) break;
+
+    Proposals proposals;
+    for (std::size_t k = 0; k < order.size() && k < kFitsPerStep; ++k) {
+      proposals.add(with(best.hypothesis, others[order[k]]));
+    }
+    if (size > 1) {
+      const std::vector<std::size_t> pool = pool_of(result, best.hypothesis, size);
+      for (const auto& set : best_linear_sets(candidates, pool, linear, size, kFitsPerStep)) {
+        Hypothesis h;
+        for (const std::size_t k : set) h = with(std::move(h), candidates[k]);
+        proposals.add(std::move(h));
+      }
+    }
+    std::optional<Fit> winner = proposals.best_fit(problem, best.hypothesis, blocks, scale);
+    if (!winner) break;
+    best = std::move(*winner);
+    scale = std::max({known, robust_deviation(best.residual), least});
+  }
+
+  const Judge judge(problem, best, scale);
+  result.fit = fit(problem, best.hypothesis, scale);  // all fits from here on at one scale
+  for (std::size_t e = 0; e < result.fit.hypothesis.effects.size(); ++e) {
+    result.effects.push_back(judge_effect(judge, result, e));
+  }
+  take_better_names(judge, all, result);
+  result.scale = std::sqrt(judge.variance());
+  return result;
+}
+
+}  // namespace gear3k::calibrate

@@ -1,0 +1,386 @@
+#include "calibrate/verdict/diagnosis.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <boost/math/special_functions/gamma.hpp>
+#include <cmath>
+#include <stdexcept>
+
+#include "calibrate/fit/holdout.hpp"
+#include "calibrate/fit/parameter_results.hpp"
+#include "calibrate/model/model_range.hpp"
+#include "calibrate/search/noise_from_fit.hpp"
+#include "calibrate/search/search.hpp"
+#include "calibrate/search/stability.hpp"
+#include "calibrate/verdict/experiment.hpp"
+#include "calibrate/verdict/remainder.hpp"
+#include "calibrate/verdict/unexplained.hpp"
+
+namespace gear3k::calibrate {
+
+namespace {
+
+/// Of the stated rate of false discoveries, what the search for causes and that for remainders get.
+constexpr double kCauseShare = 0.85;
+constexpr double kRemainderShare = 0.15;
+
+/// Rows that the baseline simulates; the others are left out and named.
+/// @param kept  positions of the rows in `data`
+MeasurementSet simulated_rows(const Simulation& simulation, const MeasurementSet& data,
+                              std::vector<std::string>& notes, std::vector<std::size_t>& kept) {
+  MeasurementSet result = data;
+  result.rows.clear();
+  std::vector<int> lines;
+  for (std::size_t i = 0; i < data.rows.size(); ++i) {
+    const Condition& c = data.rows[i].condition;
+    if (simulation.response(c, simulation.unmodified(c))) {
+      result.rows.push_back(data.rows[i]);
+      kept.push_back(i);
+    } else {
+      lines.push_back(data.rows[i].line);
+    }
+  }
+  if (kept.size() != data.rows.size()) {
+    for (Covariate& c : result.covariates) {
+      std::vector<double> values;
+      values.reserve(kept.size());
+      for (const std::size_t i : kept) values.push_back(c.value[i]);
+      c.value = std::move(values);
+    }
+    notes.push_back(fmt::format(
+        "{} of {} rows are left out, as the simulation does not run there (the first in line {})",
+        lines.size(), data.rows.size(), lines.front()));
+  }
+  return result;
+}
+
+/// Searches for causes, again where the residuals show that the rows do not scatter alike: the
+/// problem's noise model is changed accordingly.
+SearchResult search_with_noise(Problem& problem, const std::vector<Candidate>& candidates,
+                               const SearchOptions& options,
+                               const std::function<bool(double)>& tell, SessionScatter& sessions,
+                               std::vector<std::string>& notes) {
+  SearchResult found = search_causes(problem, candidates, options);
+  if (!tell(0.4)) return found;
+  if (const auto weights = weights_by_response(problem, found)) {
+    problem.noise.weight = *weights;
+    notes.emplace_back("the noise grows with the response: rows are weighted accordingly");
+    found = search_causes(problem, candidates, options);
+  }
+  sessions = session_scatter(problem, found);
+  if (sessions.guarded > 0.0) {
+    problem.noise.session_variance = sessions.guarded;
+    found = search_causes(problem, candidates, options);
+  }
+  return found;
+}
+
+std::vector<Alternative> alternatives_of(const Problem& problem,
+                                         const std::vector<Replacement>& replacements,
+                                         double scale) {
+  std::vector<Alternative> result;
+  result.reserve(replacements.size());
+  for (const Replacement& r : replacements) {
+    const FinalFit fit = final_fit(problem, r.fit.hypothesis, scale);
+    const auto& effects = r.fit.hypothesis.effects;
+    const auto at = static_cast<std::size_t>(
+        std::ranges::find(effects, r.candidate.cause, &Candidate::cause) - effects.begin());
+    result.push_back({.id = std::string(r.candidate.cause->id),
+                      .title = std::string(r.candidate.cause->title),
+                      .form = r.candidate.form,
+                      .with_level = r.with_level,
+                      .statistic = r.statistic,
+                      .parameters = parameter_results(problem.simulation, fit, at),
+                      .remedy = r.candidate.cause->remedy});
+  }
+  return result;
+}
+
+/// The effects of a final fit; `found` holds what the search knows of each.
+std::vector<Effect> effects_of(const Problem& problem, const FinalFit& final,
+                               const std::vector<FoundEffect>& found, const SearchResult& search,
+                               const SearchOptions& options) {
+  std::vector<Effect> effects;
+  std::vector<std::vector<std::string_view>> groups;
+  effects.reserve(found.size());
+  groups.reserve(found.size());
+  for (std::size_t e = 0; e < found.size(); ++e) {
+    const Candidate& c = final.hypothesis.effects[e];
+    effects.push_back(
+        {.id = std::string(c.cause->id),
+         .title = std::string(c.cause->title),
+         .form = c.form,
+         .remedy = c.cause->remedy,
+         .parameters = parameter_results(problem.simulation, final, e),
+         .alternatives = alternatives_of(problem, found[e].replacements, search.scale),
+         .other_bodies = alternatives_of(problem, found[e].other_bodies, search.scale),
+         .delta_bic = found[e].delta_bic,
+         .p_value = found[e].p_value});
+    Effect& effect = effects.back();
+    effect.preferred_parameter =
+        effect.remedy == Remedy::kFrictionValue && !effect.alternatives.empty();
+    groups.push_back({effect.id});
+    for (const Alternative& a : effect.alternatives) groups.back().push_back(a.id);
+  }
+  const auto frequency = inclusion_frequency(problem, search, groups, options);
+  for (std::size_t e = 0; e < effects.size(); ++e) effects[e].inclusion_frequency = frequency[e];
+  return effects;
+}
+
+/// Evidence of each cause by itself in its best form, the greatest first.
+std::vector<CauseEvidence> first_evidence(const SearchResult& found, double rows) {
+  std::vector<CauseEvidence> result;
+  for (std::size_t k = 0; k < found.candidates.size(); ++k) {
+    const Gain& gain = found.first_gains[k];
+    const auto parameters = static_cast<double>(found.candidates[k].parameters.size());
+    const CauseEvidence evidence{.id = std::string(found.candidates[k].cause->id),
+                                 .delta_bic = gain.likelihood_ratio - parameters * std::log(rows),
+                                 .evidence = gain.evidence};
+    const auto at = std::ranges::find(result, evidence.id, &CauseEvidence::id);
+    if (at == result.end()) {
+      result.push_back(evidence);
+    } else if (evidence.evidence > at->evidence) {
+      *at = evidence;
+    }
+  }
+  std::ranges::stable_sort(result, std::greater<>(), &CauseEvidence::evidence);
+  return result;
+}
+
+/// The noise of weighted rows and where it is known from: stated, else of the repeats, else of the
+/// residuals.
+struct NoiseLevel {
+  double scale = 0.0;
+  NoiseSource source = NoiseSource::kResiduals;
+};
+NoiseLevel noise_level(const NoiseModel& noise, const PureError& pure, double scale_of_fit) {
+  if (noise.source == NoiseSource::kStated) return {.scale = 1.0, .source = noise.source};
+  constexpr int kEnoughRepeats = 10;
+  // Repeats at other angles or times scatter by what varies with those; repeats that agree to the
+  // last digit say nothing.
+  constexpr double kMost = 1.15;
+  if (pure.degrees >= kEnoughRepeats) {
+    const double of_repeats = std::sqrt(pure.sum_of_squares / pure.degrees);
+    if (of_repeats > noise.least_scale() && of_repeats < kMost * scale_of_fit) {
+      return {.scale = of_repeats, .source = NoiseSource::kRepeats};
+    }
+  }
+  return {.scale = scale_of_fit, .source = noise.source};
+}
+
+/// Whether rows scatter by more than they state, outliers aside, whatever the structure.
+/// @param whitened  residuals of the final fit
+/// @returns the probability of residuals as large as these; 1 where no scatter is stated, or where
+/// it is within a quarter of the stated one: nobody knows it better
+double chance_of_scatter(const NoiseModel& noise, const Eigen::VectorXd& whitened, int degrees) {
+  if (noise.source != NoiseSource::kStated || degrees < 1) return 1.0;
+  constexpr double kAsStated = 1.25;
+  const double squares = winsorised(whitened, 1.0).squaredNorm();
+  if (squares <= kAsStated * kAsStated * degrees) return 1.0;
+  return boost::math::gamma_q(0.5 * degrees, 0.5 * squares);
+}
+
+/// Whether the rows say how much they scatter, by sigma, repeats or by being many.
+bool noise_is_known(NoiseSource source, const FinalFit& final) {
+  constexpr int kFewestDegrees = 8;
+  return source != NoiseSource::kResiduals || final.degrees >= kFewestDegrees;
+}
+
+Verdict verdict_of(const Diagnosis& d) {
+  if (d.remainder.significant) return Verdict::kUnexplained;
+  if (d.effects.empty()) return Verdict::kNoDiscrepancy;
+  const bool ambiguous = std::ranges::any_of(d.effects, [](const Effect& effect) {
+    return std::ranges::any_of(effect.alternatives,
+                               [&](const Alternative& a) { return a.remedy != effect.remedy; });
+  });
+  return ambiguous ? Verdict::kAmbiguous : Verdict::kExplained;
+}
+
+/// What separates the explanations of the weightiest part of the discrepancy that has several.
+/// @param scale  of the treatment of outliers, as of fit()
+/// @param noise  standard deviation of the whitened rows
+std::optional<NextExperiment> next_experiment(const Problem& problem, const Hypothesis& effects,
+                                              const std::vector<FoundEffect>& found, double scale,
+                                              double noise, const DiagnoseOptions& options) {
+  // Which cause it is comes before where it sits: that is a question of its own, for its own rows.
+  auto open =
+      std::ranges::find_if(found, [](const FoundEffect& e) { return !e.replacements.empty(); });
+  const bool asks_where = open == found.end();
+  if (asks_where) {
+    open =
+        std::ranges::find_if(found, [](const FoundEffect& e) { return !e.other_bodies.empty(); });
+  }
+  if (open == found.end()) return std::nullopt;
+  const Candidate& own = effects.effects[static_cast<std::size_t>(open - found.begin())];
+  std::vector<Explanation> explanations{{.id = std::string(own.cause->id),
+                                         .fit = fit(problem, effects, scale),
+                                         .body = asks_where ? own.form.body : ""}};
+  for (const Replacement& r : open->replacements) {
+    explanations.push_back({.id = std::string(r.candidate.cause->id), .fit = r.fit});
+  }
+  for (std::size_t k = 0; asks_where && k < open->other_bodies.size(); ++k) {
+    const Replacement& r = open->other_bodies[k];
+    explanations.push_back(
+        {.id = std::string(r.candidate.cause->id), .fit = r.fit, .body = r.candidate.form.body});
+  }
+  return plan_experiment(problem, explanations, noise, options);
+}
+
+ExtendedModel model_of(const FinalFit& final, const MeasurementSet& data) {
+  ExtendedModel model;
+  model.kind = data.kind;
+  model.fingerprint = data.fingerprint;
+  model.files = data.files;
+  model.range = ranges_of(data);
+  for (std::size_t e = 0; e < final.hypothesis.effects.size(); ++e) {
+    const Candidate& c = final.hypothesis.effects[e];
+    const auto values = values_of(final.hypothesis, e);
+    model.causes.push_back(
+        {.id = std::string(c.cause->id), .form = c.form, .value = {values.begin(), values.end()}});
+  }
+  for (Eigen::Index i = 0; i < final.covariance.rows(); ++i) {
+    for (Eigen::Index k = 0; k < final.covariance.cols(); ++k) {
+      model.covariance.push_back(final.covariance(i, k));
+    }
+  }
+  return model;
+}
+
+}  // namespace
+
+std::optional<Diagnosis> diagnose(const Simulation& simulation, const MeasurementSet& all_data,
+                                  const DiagnoseOptions& options) {
+  bool goes_on = true;
+  const std::function<bool(double)> tell = [&](double share) {
+    goes_on = goes_on && (!options.progress || options.progress(share));
+    return goes_on;
+  };
+  Diagnosis d;
+  d.kind = all_data.kind;
+  std::vector<std::size_t> kept;
+  const MeasurementSet data = simulated_rows(simulation, all_data, d.notes, kept);
+  if (data.rows.empty()) throw std::invalid_argument("diagnose: no row can be simulated");
+  Problem problem{.simulation = simulation, .data = data, .noise = make_noise_model(data)};
+  const std::vector<Levels> levels = covariate_levels(data);
+  if (!tell(0.05)) return std::nullopt;
+
+  const SearchOptions search_options{.rate = kCauseShare * options.false_discovery_rate,
+                                     .seed = options.seed};
+  SessionScatter sessions;
+  const SearchResult found = search_with_noise(problem, candidates_for(simulation, data),
+                                               search_options, tell, sessions, d.notes);
+  if (!tell(0.6)) return std::nullopt;
+
+  const Eigen::VectorXd y = measured(data);
+  const Eigen::VectorXd baseline = linearise(problem, {}, {}).simulated;
+  const Eigen::VectorXd weighted = (y - baseline).cwiseProduct(problem.noise.weight);
+  const Repeats repeats = find_repeats(data);
+  const PureError pure = pure_error(repeats, weighted);
+  d.repeat_degrees = pure.degrees;
+  d.lack_of_fit = lack_of_fit(repeats, weighted);
+
+  // Structure without a cause, before and after.
+  const double remainder_rate = kRemainderShare * options.false_discovery_rate;
+  const Columns before = columns_at(problem, {}, {}, robust_deviation(weighted));
+  const Columns after = columns_at(problem, found.fit.hypothesis, {}, found.scale);
+  const RemainderSearch remainder_before =
+      search_remainder(problem, before, levels, remainder_rate, options.seed + 11);
+  const RemainderSearch remainder_after =
+      found.effects.empty()
+          ? remainder_before
+          : search_remainder(problem, after, levels, remainder_rate, options.seed + 12);
+  if (!tell(0.8)) return std::nullopt;
+  d.covariates_before = remainder_before.tests;
+  d.covariates_after = remainder_after.tests;
+  d.periodogram = remainder_after.periodogram;
+  d.p_value = std::min(found.first_p, remainder_before.p_value);
+  d.evidence = first_evidence(found, static_cast<double>(y.size()));
+
+  Contest contest = causes_against_structure(found, before, after, remainder_before,
+                                             remainder_after, remainder_rate);
+  const Hypothesis effects = subset(found.fit.hypothesis, contest.stays);
+  std::vector<FoundEffect> found_effects;
+  for (std::size_t e = 0; e < found.effects.size(); ++e) {
+    if (contest.stays[e]) found_effects.push_back(found.effects[e]);
+  }
+  const FinalFit final = final_fit(problem, effects, found.scale);
+  d.effects = effects_of(problem, final, found_effects, found, search_options);
+
+  // Errors, held out and beyond.
+  d.errors.baseline_train = root_mean_square(y - baseline);
+  d.errors.extended_train = root_mean_square(y - final.simulated);
+  const Blocks blocks = holdout_blocks(data, levels);
+  d.holdout_blocks = blocks.name;
+  const Eigen::VectorXd held_out = predict_held_out(problem, effects, blocks);
+  if (blocks.count >= 2 && held_out.allFinite()) {
+    d.errors.baseline_holdout = d.errors.baseline_train;
+    d.errors.extended_holdout = root_mean_square(y - held_out);
+    const Eigen::VectorXd& weight = problem.noise.weight;
+    if (!(weight.array() == weight[0]).all()) {
+      d.errors.weighted_gain = 1.0 - root_mean_square((y - held_out).cwiseProduct(weight)) /
+                                         root_mean_square((y - baseline).cwiseProduct(weight));
+    }
+  }
+  d.extrapolation = extrapolate(problem, effects, levels, y, baseline);
+  const double row_scale = final.scale > 0.0 ? final.scale : found.scale;
+  const double typical_weight = 1.0 / root_mean_square(problem.noise.weight.cwiseInverse());
+  const NoiseLevel noise = noise_level(problem.noise, pure, row_scale);
+  d.noise_source = noise.source;
+  d.errors.noise_floor = noise.scale / typical_weight;
+  if (!noise_is_known(noise.source, final) && d.effects.empty()) {
+    d.errors.noise_floor = kUnknown;
+    d.notes.push_back(fmt::format(
+        "{} row{} without sigma or repeats: whether the simulation agrees within the noise is not "
+        "known",
+        data.rows.size(), data.rows.size() == 1 ? "" : "s"));
+  }
+  if (remainder_after.highest_order > 0.0) {
+    d.notes.push_back(fmt::format(
+        "orders of the angle above {:.4g} per turn of the output were not looked through: too many "
+        "rows and turns; run-outs and mesh orders were tested all the same",
+        remainder_after.highest_order));
+  }
+  d.session_deviation = std::sqrt(sessions.estimate) * row_scale / typical_weight;
+
+  Eigen::MatrixXd whitened = y - final.simulated;
+  problem.noise.whiten(whitened);
+  constexpr double kOutlier = 4.0;
+  d.rows.resize(all_data.rows.size());
+  for (RowResult& row : d.rows) row.baseline = row.extended = row.sigma = kUnknown;
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    RowResult& row = d.rows[kept[i]];
+    row = {.baseline = baseline[k],
+           .extended = final.simulated[k],
+           .sigma = row_scale / problem.noise.weight[k],
+           .holdout = held_out[k],
+           .block = blocks.of[i]};
+    row.outlier = std::abs(whitened(k, 0)) > kOutlier * row_scale;
+  }
+
+  if (const double chance = chance_of_scatter(problem.noise, whitened, final.degrees);
+      !contest.structure && chance <= remainder_rate) {
+    contest = {.structure = true, .stays = {}, .remainder = {}};
+    contest.remainder.p_value = chance;
+  }
+  d.remainder.significant = contest.structure;
+  d.remainder.p_value = contest.remainder.p_value;
+  d.remainder.constant = contest.structure && contest.remainder.best.along.empty() &&
+                         contest.remainder.best.columns.cols() > 0;
+  if (const EmpiricalTerm& term = contest.remainder.best;
+      contest.structure && !term.along.empty()) {
+    describe_shape(problem, columns_at(problem, effects, {}, found.scale), term, levels,
+                   y - final.simulated, d.remainder);
+  }
+  d.verdict = verdict_of(d);
+  d.next_experiment =
+      next_experiment(problem, effects, found_effects, found.scale, noise.scale, options);
+  d.model = model_of(final, data);
+  d.notes.insert(d.notes.begin(), data.notes.begin(), data.notes.end());
+  if (!tell(1.0)) return std::nullopt;
+  return d;
+}
+
+}  // namespace gear3k::calibrate

@@ -1,0 +1,158 @@
+#pragma once
+// From measurements to what the simulation gets wrong: verdict, causes, gain, next experiment.
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibrate/fit/holdout.hpp"
+#include "calibrate/fit/parameter_results.hpp"
+#include "calibrate/measurement/noise.hpp"
+#include "calibrate/model/extended_model.hpp"
+#include "calibrate/model/simulation.hpp"
+
+namespace gear3k::calibrate {
+
+enum class Verdict { kNoDiscrepancy, kExplained, kAmbiguous, kUnexplained };
+inline constexpr std::array<std::string_view, 4> kVerdictNames{"no_discrepancy", "explained",
+                                                               "ambiguous", "unexplained"};
+
+struct DiagnoseOptions {
+  double false_discovery_rate = 0.05;  ///< of all findings together where nothing is wrong
+  std::uint64_t seed = 1;
+  /// Limits of the next experiment; by default what the design's map spans, and the data
+  /// widened by a quarter.
+  std::optional<std::array<double, 2>> sun_speed_rad_s, output_torque_Nm, test_torque_Nm,
+      temperature_K;
+  /// Told now and then how far the work is, 0 to 1; returning false ends it (the result is then
+  /// empty).
+  std::function<bool(double)> progress;
+};
+
+/// Another cause that explains these data as well in place of an effect.
+struct Alternative {
+  std::string id;
+  std::string title;
+  Form form;
+  bool with_level = false;  ///< together with another coefficient of friction
+  double statistic = 0.0;   ///< its χ² less that of the effect
+  std::vector<ParameterResult> parameters;
+  Remedy remedy = Remedy::kFlanks;
+};
+
+struct Effect {
+  std::string id;
+  std::string title;
+  Form form;
+  Remedy remedy = Remedy::kFlanks;
+  std::vector<ParameterResult> parameters;
+  std::vector<Alternative> alternatives;  ///< most likely first
+  std::vector<Alternative> other_bodies;  ///< the same cause elsewhere, as good as here
+  double delta_bic = 0.0;  ///< of the model without it less that with it; > 0 speaks for it
+  double inclusion_frequency = 0.0;  ///< share of subsamples that find it or an alternative
+  double p_value = 1.0;              ///< of a gain as great where there is nothing
+  /// It could not be told from a missing effect and is preferred because it is a parameter.
+  bool preferred_parameter = false;
+};
+
+/// Evidence of each cause as the first effect, for the figure.
+struct CauseEvidence {
+  std::string id;
+  double delta_bic = 0.0;  ///< of the best form by itself against the baseline
+  double evidence = 0.0;   ///< −ln p by itself
+};
+
+/// How well a model tells rows apart by one covariate.
+struct CovariateTest {
+  std::string name;  ///< "load", "speed", "angle", ...
+  double statistic = 0.0;
+  int degrees = 0;
+  double p_value = 1.0;  ///< by itself
+};
+
+/// Lomb-Scargle periodogram of the residuals over the output's angle.
+struct Periodogram {
+  std::vector<double> order, power;  ///< power: share of the variance, 0 to 1
+};
+
+/// Structure that no cause explains.
+struct Remainder {
+  bool significant = false;
+  std::string along;      ///< covariate; "" = none
+  bool constant = false;  ///< the same in all rows
+  double p_value = 1.0;
+  double order = 0.0;  ///< along "angle": per output revolution; along "time": per span
+  /// Its shape: the best empirical term, over the covariate's values [in the column's unit], with
+  /// the mean residual there, the fitted term and the number of rows.
+  std::vector<double> at, mean, term;
+  std::vector<int> rows;
+  double share = 0.0;  ///< of the residual variance that the term takes off
+};
+
+struct RowResult {
+  double baseline = 0.0, extended = 0.0;  ///< simulated [SI]
+  double sigma = 0.0;                     ///< of the row [SI]
+  double holdout = kUnknown;  ///< predicted by the extended model fitted without the row's block
+  int block = -1;             ///< that was left out with it
+  bool outlier = false;       ///< beyond what a normal deviate shows in these many rows
+};
+
+struct Errors {
+  double baseline_train = 0.0, extended_train = 0.0;
+  double baseline_holdout = kUnknown, extended_holdout = kUnknown;  ///< NaN: too few blocks
+  double noise_floor = 0.0;  ///< NaN: nothing found in rows too few to tell their noise
+  /// 1 − extended/baseline of held-out rows, each over its own σ; NaN where rows count alike.
+  double weighted_gain = kUnknown;
+};
+
+/// A condition to measure next.
+struct ProposedCondition {
+  Condition condition;
+  int repeats = 1;
+};
+
+struct NextExperiment {
+  std::vector<std::string> separates;  ///< ids
+  std::vector<ProposedCondition> conditions;
+  /// Expected χ² between the closest two of them after the measurement, those left out that no
+  /// condition tells apart; 9 tells them apart.
+  double expected_statistic = 0.0;
+  /// Pairs that even all possible conditions together, measured often, would not tell apart.
+  std::vector<std::array<std::string, 2>> inseparable;
+  std::string advice;  ///< in words, e.g. where only a calibrated sensor can tell
+};
+
+/// Result for the data of one kind.
+struct Diagnosis {
+  Kind kind = Kind::kTransmission;
+  std::string subject;  ///< name of the gearbox
+  Verdict verdict = Verdict::kNoDiscrepancy;
+  std::vector<Effect> effects;
+  Errors errors;               ///< root mean squares, SI
+  std::string holdout_blocks;  ///< "load", "speed", "run", "pinion", "angle", "test torque"
+  Extrapolation extrapolation;
+  NoiseSource noise_source = NoiseSource::kResiduals;
+  int repeat_degrees = 0;
+  double session_deviation = 0.0;  ///< standard deviation between sessions [SI]; 0 = none found
+  LackOfFit lack_of_fit;           ///< of the baseline
+  double p_value = 1.0;            ///< of the greatest finding where nothing is wrong
+  std::vector<CauseEvidence> evidence;
+  std::vector<CovariateTest> covariates_before, covariates_after;
+  Periodogram periodogram;
+  Remainder remainder;
+  std::optional<NextExperiment> next_experiment;
+  ExtendedModel model;
+  std::vector<RowResult> rows;  ///< as in the data
+  std::vector<std::string> notes;
+};
+
+/// Diagnoses the data of one kind.
+/// @returns empty when progress ended it
+/// @throws std::invalid_argument when no row can be simulated
+std::optional<Diagnosis> diagnose(const Simulation& simulation, const MeasurementSet& data,
+                                  const DiagnoseOptions& options);
+
+}  // namespace gear3k::calibrate

@@ -1,0 +1,25 @@
+#pragma once
+// The measurement that would tell explanations apart.
+
+#include <vector>
+
+#include "calibrate/search/search.hpp"
+#include "calibrate/verdict/diagnosis.hpp"
+
+namespace gear3k::calibrate {
+
+/// An explanation of the data: a fit and what it is called.
+struct Explanation {
+  std::string id;
+  Fit fit;
+  std::string body = {};  ///< where several bodies of the cause are in question
+};
+
+/// Chooses up to four conditions, within the limits of the options, after which the explanations
+/// would differ most, each refitted to old and new rows together.  Pairs that no such measurement
+/// can tell apart are named and left out of the choice.
+/// @param scale  standard deviation of the whitened rows
+NextExperiment plan_experiment(const Problem& problem, const std::vector<Explanation>& explanations,
+                               double scale, const DiagnoseOptions& options);
+
+}  // namespace gear3k::calibrate

@@ -1,0 +1,376 @@
+#include "calibrate/verdict/remainder.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "calibrate/measurement/value_range.hpp"
+#include "calibrate/search/order_scan.hpp"
+
+namespace gear3k::calibrate {
+
+namespace {
+
+/// From here on fewer simulations and orders must do.
+constexpr Eigen::Index kManyScreenedRows = 5000;
+
+/// A covariate as a number: those with a natural zero over their greatest value, others from −1 to
+/// 1 over their range.
+struct Trend {
+  std::string name;
+  Eigen::VectorXd value;
+};
+
+std::vector<Trend> trends_of(const MeasurementSet& data) {
+  std::vector<Trend> result;
+  const auto n = static_cast<Eigen::Index>(data.rows.size());
+  const auto add = [&](const char* name, bool natural_zero, auto get) {
+    Eigen::VectorXd value(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      value[i] = get(data.rows[static_cast<std::size_t>(i)].condition);
+    }
+    if (!value.allFinite()) return;
+    const double low = value.minCoeff();
+    const double high = value.maxCoeff();
+    if (!(high > low)) return;
+    if (natural_zero) {
+      value /= high;
+    } else {
+      value = (2.0 * value.array() - low - high) / (high - low);
+    }
+    result.push_back({.name = name, .value = std::move(value)});
+  };
+  add("load", true, [](const Condition& c) { return c.output_torque_Nm; });
+  add("speed", true, [](const Condition& c) { return c.sun_speed_rad_s; });
+  add("test torque", true, [](const Condition& c) { return c.test_torque_Nm; });
+  add("temperature", false, [](const Condition& c) { return c.temperature_K; });
+  add("time", false, [](const Condition& c) { return c.time_s; });
+  add("direction", false,
+      [](const Condition& c) { return c.direction == design::Direction::kForward ? 1.0 : -1.0; });
+  add("rotation", false, [](const Condition& c) { return static_cast<double>(c.rotation); });
+  return result;
+}
+
+/// +1 forward, −1 backward.
+Eigen::VectorXd losing_sign(const MeasurementSet& data) {
+  Eigen::VectorXd sign(static_cast<Eigen::Index>(data.rows.size()));
+  for (Eigen::Index i = 0; i < sign.size(); ++i) {
+    const Condition& c = data.rows[static_cast<std::size_t>(i)].condition;
+    sign[i] = c.direction == design::Direction::kForward ? 1.0 : -1.0;
+  }
+  return sign;
+}
+
+/// What a term is to the table of covariates: nothing, the levels of one, or what they lose.
+enum class Entry { kNone, kLevels, kLosses };
+
+/// A term that a covariate, or several, could add.
+struct Term {
+  std::string along;
+  Eigen::MatrixXd columns;  // whitened
+  Entry entry = Entry::kNone;
+  double weight = 1.0;
+};
+
+/// Terms of the rows of a problem, each with its weight before the data.
+class TermCollection {
+ public:
+  TermCollection(const Problem& problem, const std::vector<Levels>& levels)
+      : problem_(problem), levels_(levels), losing_(losing_sign(problem.data)) {
+    add_constant();
+    add_levels();
+    add_cells();
+    add_products();
+  }
+  [[nodiscard]] const std::vector<Term>& terms() const { return terms_; }
+  /// The first term: what is there under all conditions alike, which is structure along none.
+  [[nodiscard]] const Eigen::MatrixXd& constant() const { return terms_.front().columns; }
+  /// The same as a loss; whitened.
+  [[nodiscard]] Eigen::MatrixXd constant_loss() const {
+    Eigen::MatrixXd column = losing_;
+    problem_.noise.whiten(column);
+    return column;
+  }
+
+ private:
+  [[nodiscard]] const Levels* find(std::string_view name) const {
+    const auto found = std::ranges::find(levels_, name, &Levels::name);
+    return found == levels_.end() ? nullptr : &*found;
+  }
+  /// A term of a third of the rows explains anything.
+  [[nodiscard]] bool few(const Levels& l) const {
+    return l.count <= static_cast<int>(problem_.data.rows.size() / 3);
+  }
+  /// Sessions that scatter are part of the noise.
+  [[nodiscard]] bool is_noise(const Levels& l) const {
+    return l.name == "run" && problem_.noise.session_variance > 0.0;
+  }
+  void add(const std::string& along, Eigen::MatrixXd columns, Entry entry, double weight) {
+    problem_.noise.whiten(columns);
+    terms_.push_back(
+        {.along = along, .columns = std::move(columns), .entry = entry, .weight = weight});
+  }
+  void add(const Levels& l, Entry entry, double weight) {
+    if (l.count >= 2 && few(l)) add(l.name, indicators(l), entry, weight);
+  }
+
+  void add_constant() {
+    const auto n = static_cast<Eigen::Index>(problem_.data.rows.size());
+    add("", Eigen::VectorXd::Ones(n), Entry::kNone, 1.0);
+  }
+
+  /// Levels of a covariate, by themselves and by direction or rotation, and of several together.
+  void add_levels() {
+    for (const Levels& l : levels_) {
+      if (is_noise(l)) continue;
+      add(l, Entry::kLevels, 1.0);
+      for (const char* other : {"direction", "rotation"}) {
+        const Levels* o = find(other);
+        if (o != nullptr && o->name != l.name) add(crossed(l, *o), Entry::kNone, 0.5);
+      }
+    }
+    // What is lost adds to the sun's torque forward and takes from it backward.
+    const bool both_ways = (losing_.array() != losing_[0]).any();
+    for (const Levels& l : levels_) {
+      if (l.name == "direction" || !few(l) || is_noise(l)) continue;
+      Eigen::MatrixXd columns = indicators(l);
+      columns.array().colwise() *= losing_.array();
+      add(l.name, std::move(columns), both_ways ? Entry::kLosses : Entry::kNone, 0.7);
+    }
+    const Levels* load = find("load");
+    const Levels* speed = find("speed");
+    const Levels* direction = find("direction");
+    const Levels* rotation = find("rotation");
+    if (load != nullptr && speed != nullptr) {
+      add(crossed(*load, *speed), Entry::kNone, 0.3);
+      if (direction != nullptr) add(crossed(crossed(*load, *speed), *direction), Entry::kNone, 0.3);
+    }
+    if (load != nullptr && direction != nullptr && rotation != nullptr) {
+      add(crossed(crossed(*load, *direction), *rotation), Entry::kNone, 0.3);
+    }
+  }
+
+  /// One cell of loads and speeds by itself.
+  void add_cells() {
+    const Levels* load = find("load");
+    const Levels* speed = find("speed");
+    if (load == nullptr || speed == nullptr) return;
+    const Levels cells = crossed(*load, *speed);
+    constexpr int kMostCells = 64;
+    if (cells.count > kMostCells) return;
+    const Eigen::MatrixXd each = indicators(cells);
+    const double share = 0.5 / static_cast<double>(each.cols());
+    for (Eigen::Index k = 0; k < each.cols(); ++k) {
+      add(load->name, each.col(k), Entry::kNone, share);
+      add(load->name, each.col(k).cwiseProduct(losing_), Entry::kNone, share);
+    }
+  }
+
+  /// Products of up to three covariates.
+  void add_products() {
+    const std::vector<Trend> trends = trends_of(problem_.data);
+    std::vector<std::pair<std::string, Eigen::VectorXd>> products;
+    for (std::size_t i = 0; i < trends.size(); ++i) {
+      products.emplace_back(trends[i].name, trends[i].value);
+      for (std::size_t j = i; j < trends.size(); ++j) {
+        const Eigen::VectorXd two = trends[i].value.cwiseProduct(trends[j].value);
+        products.emplace_back(trends[i].name, two);
+        for (std::size_t k = j; k < trends.size(); ++k) {
+          products.emplace_back(trends[i].name, two.cwiseProduct(trends[k].value));
+        }
+      }
+    }
+    for (const auto& product : products) {
+      add(product.first, product.second, Entry::kNone, 1.0 / static_cast<double>(products.size()));
+    }
+  }
+
+  const Problem& problem_;
+  const std::vector<Levels>& levels_;
+  Eigen::VectorXd losing_;
+  std::vector<Term> terms_;
+};
+
+/// Terms side by side, as blocks.
+struct TermBlocks {
+  Eigen::MatrixXd columns;
+  std::vector<Block> blocks;
+};
+TermBlocks blocks_of_terms(const std::vector<const Term*>& terms, Eigen::Index rows) {
+  Eigen::Index total = 0;
+  double sum = 0.0;
+  for (const Term* t : terms) {
+    total += t->columns.cols();
+    sum += t->weight;
+  }
+  TermBlocks result{.columns = Eigen::MatrixXd(rows, total), .blocks = {}};
+  result.blocks.reserve(terms.size());
+  Eigen::Index first = 0;
+  for (const Term* t : terms) {
+    const Eigen::Index count = t->columns.cols();
+    result.columns.middleCols(first, count) = t->columns;
+    result.blocks.push_back(
+        {.first = first, .count = count, .side = 0, .log_weight = std::log(t->weight / sum)});
+    first += count;
+  }
+  return result;
+}
+
+/// Whether rows differ along each covariate by itself, by all terms that are one kind of entry.
+/// @param residual  without what all rows have in common: their mean, or their mean loss
+std::vector<CovariateTest> test_covariates(const std::vector<Term>& terms, Entry entry,
+                                           const FreeResidual& residual) {
+  std::vector<const Term*> entries;
+  for (const Term& t : terms) {
+    if (t.entry == entry) entries.push_back(&t);
+  }
+  std::vector<CovariateTest> tests;
+  if (entries.empty()) return tests;
+  const TermBlocks all = blocks_of_terms(entries, residual.left.size());
+  const Screen screen(residual.own_basis, all.columns, all.blocks, 0.0);
+  const std::vector<Gain> gains = screen.gains(residual.left);
+  tests.reserve(entries.size());
+  for (std::size_t k = 0; k < entries.size(); ++k) {
+    tests.push_back({.name = entries[k]->along,
+                     .statistic = gains[k].statistic,
+                     .degrees = static_cast<int>(all.blocks[k].count) - 1,
+                     .p_value = std::exp(all.blocks[k].log_weight - gains[k].evidence)});
+  }
+  return tests;
+}
+
+/// The clearer of two tests of a covariate, which had two chances.
+void take_clearer(std::vector<CovariateTest>& tests, const std::vector<CovariateTest>& others) {
+  for (const CovariateTest& other : others) {
+    const auto known = std::ranges::find(tests, other.name, &CovariateTest::name);
+    if (known == tests.end()) continue;
+    if (other.p_value < known->p_value) *known = other;
+    known->p_value = std::min(1.0, 2.0 * known->p_value);
+  }
+}
+
+/// Judges all terms at once; the best and its p-value go into the result.
+void screen_terms(const std::vector<Term>& terms, const FreeResidual& residual, double rate,
+                  std::uint64_t seed, RemainderSearch& result) {
+  const Eigen::Index n = residual.left.size();
+  std::vector<const Term*> pointers;
+  pointers.reserve(terms.size());
+  for (const Term& t : terms) pointers.push_back(&t);
+  const TermBlocks all = blocks_of_terms(pointers, n);
+  const Screen screen(residual.own_basis, all.columns, all.blocks, 0.0);
+  const std::vector<Gain> gains = screen.gains(residual.left);
+  const auto luck = screen.luck(residual.left, rate, n > kManyScreenedRows ? 128 : 256, seed,
+                                Screen::Chance::kShuffled);
+  const auto best = static_cast<std::size_t>(std::ranges::max_element(gains, {}, &Gain::evidence) -
+                                             gains.begin());
+  result.best = {.along = terms[best].along,
+                 .columns = terms[best].columns,
+                 .evidence = gains[best].evidence,
+                 .p_value = luck.p_value(gains[best].evidence),
+                 .statistic = gains[best].statistic};
+  result.p_value = result.best.p_value;
+}
+
+/// A whitened residual without what columns explain of it.
+FreeResidual free_residual(const NoiseModel& noise, const Eigen::MatrixXd& own,
+                           const Eigen::VectorXd& residual) {
+  FreeResidual result{.noise = noise, .own_basis = orthonormal_basis(own), .left = residual};
+  const Eigen::MatrixXd& basis = result.own_basis;
+  if (basis.cols() > 0) result.left -= basis * (basis.transpose() * result.left);
+  return result;
+}
+
+/// Takes the best order of a scan as the result where its p-value is the lowest so far.
+void consider_order(const char* along, const std::vector<double>& phase, const OrderScan& scan,
+                    const FreeResidual& residual, RemainderSearch& result) {
+  const double p = std::exp(-scan.evidence);
+  const auto degrees = static_cast<double>(residual.left.size() - residual.own_basis.cols());
+  const double statistic = -std::log(1.0 - scan.share[scan.best]) * degrees;
+  result.tests.push_back(
+      {.name = along, .statistic = statistic, .degrees = 2, .p_value = std::min(1.0, p)});
+  if (p >= result.p_value) return;
+  Eigen::MatrixXd columns = waves(phase, scan.order[scan.best]);
+  residual.noise.whiten(columns);
+  result.best = {.along = along,
+                 .columns = std::move(columns),
+                 .order = scan.order[scan.best],
+                 .evidence = scan.evidence,
+                 .p_value = p,
+                 .statistic = statistic};
+  result.p_value = p;
+}
+
+/// Orders of the output's angle, half the resolution apart, up to the sun's order and beyond; fewer
+/// where rows and turns are so many that it would take seconds.
+OrderScan scan_angle(const std::vector<double>& angle, double ratio, const FreeResidual& residual,
+                     double& highest_order) {
+  constexpr double kMostProducts = 4e7;  // of orders and rows
+  const ValueRange range = range_of(angle);
+  if (!range.varies()) return {};
+  const double revolutions = (range.high - range.low) / (2.0 * std::numbers::pi);
+  const double step = 0.5 / revolutions;
+  const double highest = std::max(2.0, 1.25 * std::abs(ratio));
+  const double most = std::floor(kMostProducts / static_cast<double>(residual.left.size()));
+  const auto count = static_cast<int>(std::min(most, highest / step));
+  if (most < highest / step) highest_order = step * (count + 1);
+  return scan_orders(angle, 2.0 * step, step, count, residual);
+}
+
+/// Phase of a wave that fits once into the time of the rows.
+std::vector<double> time_phase(const MeasurementSet& data) {
+  std::vector<double> phase = column_of(data, &Condition::time_s);
+  const ValueRange range = range_of(phase);
+  if (!range.varies()) return {};
+  for (double& t : phase) t = 2.0 * std::numbers::pi * (t - range.low) / (range.high - range.low);
+  return phase;
+}
+
+}  // namespace
+
+RemainderSearch search_remainder(const Problem& problem, const Columns& at,
+                                 const std::vector<Levels>& levels, double rate,
+                                 std::uint64_t seed) {
+  RemainderSearch result;
+  const Eigen::Index n = at.residual.size();
+  const FreeResidual whole = free_residual(problem.noise, at.own, at.residual);
+  constexpr Eigen::Index kFewestRows = 8;
+  if (n - whole.own_basis.cols() < kFewestRows || !(whole.left.squaredNorm() > 0.0) ||
+      problem.noise.within_rounding(whole.left)) {
+    return result;
+  }
+
+  const TermCollection collection(problem, levels);
+  screen_terms(collection.terms(), whole, rate, seed, result);
+  // What all rows have in common is along no covariate.
+  Eigen::MatrixXd own_and_mean(n, at.own.cols() + 1);
+  own_and_mean << collection.constant(), at.own;
+  const FreeResidual residual = free_residual(problem.noise, own_and_mean, at.residual);
+  if (!(residual.left.squaredNorm() > 0.0)) return result;
+  result.tests = test_covariates(collection.terms(), Entry::kLevels, residual);
+  Eigen::MatrixXd own_and_losses(n, own_and_mean.cols() + 1);
+  own_and_losses << collection.constant_loss(), own_and_mean;
+  const FreeResidual beside_losses = free_residual(problem.noise, own_and_losses, at.residual);
+  take_clearer(result.tests, test_covariates(collection.terms(), Entry::kLosses, beside_losses));
+  int searches = 1;
+  const std::vector<double> angle = column_of(problem.data, &Condition::output_angle_rad);
+  if (OrderScan scan =
+          scan_angle(angle, problem.simulation.ratio(), residual, result.highest_order);
+      !scan.order.empty()) {
+    ++searches;
+    consider_order("angle", angle, scan, residual, result);
+    result.periodogram = {.order = std::move(scan.order), .power = std::move(scan.share)};
+  }
+  if (const std::vector<double> phase = time_phase(problem.data); !phase.empty()) {
+    constexpr Eigen::Index kMostOrders = 200;
+    const int count = static_cast<int>(std::min(n, kMostOrders));
+    ++searches;
+    consider_order("time", phase, scan_orders(phase, 1.0, 0.5, count, residual), residual, result);
+  }
+  result.p_value = std::min(1.0, result.p_value * searches);
+  result.best.p_value = result.p_value;
+  return result;
+}
+
+}  // namespace gear3k::calibrate

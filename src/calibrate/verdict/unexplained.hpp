@@ -1,0 +1,39 @@
+#pragma once
+// Causes against structure without a cause: which of the two the data hold, and the structure's
+// shape.
+
+#include <vector>
+
+#include "calibrate/search/search.hpp"
+#include "calibrate/verdict/remainder.hpp"
+
+namespace gear3k::calibrate {
+
+/// What stands once causes and structure have both been looked for.
+struct Contest {
+  bool structure = false;   ///< structure remains that no cause explains
+  std::vector<bool> stays;  ///< of each effect found
+  RemainderSearch remainder;
+};
+
+/// @param before, after  structure in the residuals of the baseline and of the fit
+/// @param base, fitted  the columns of both
+/// @param rate  of false discoveries of structure
+///
+/// An effect that the data no longer need beside a significant best term does not stay, unless it
+/// is two thirds of what the term does.  None stays where a term of the baseline's residuals
+/// explains clearly better than all causes together, each paid for by the number of causes it was
+/// chosen from: then the causes only imitate it, unless they are two thirds of it and structure is
+/// left.
+Contest causes_against_structure(const SearchResult& found, const Columns& base,
+                                 const Columns& fitted, const RemainderSearch& before,
+                                 const RemainderSearch& after, double rate);
+
+/// The shape of a term over the levels of its covariate, or over twelfths of its wave, with the
+/// mean residual there: fills along, order, at, mean, term, rows and share.
+/// @param columns  of the fit that left the residual; @param residual  measured − simulated [SI]
+void describe_shape(const Problem& problem, const Columns& columns, const EmpiricalTerm& term,
+                    const std::vector<Levels>& levels, const Eigen::VectorXd& residual,
+                    Remainder& remainder);
+
+}  // namespace gear3k::calibrate

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+
+#include "drawing/drawing.hpp"
+
+namespace gear3k::report {
+
+/// Layer of the circles and centre marks in a DXF drawing.
+inline constexpr const char* kConstructionLayer = "CONSTRUCTION";
+
+/// A drawing as the text of a DXF file (AutoCAD 2000, AC1015), in millimetres.
+///
+/// Each gear is one closed LWPOLYLINE on the layer of its name, with a circle for a bore or an
+/// outer diameter that the design gives.  On the layer CONSTRUCTION, line type CENTER: reference,
+/// base, tip and root circle of each gear (in this order) and a centre mark of two lines; gears on
+/// one axis share the mark.  y points up; the sun's axis, or that of a gear drawn alone, is the
+/// origin. Accuracy: coordinates are rounded to 1e-9 mm.
+std::string dxf_text(const Drawing& drawing);
+
+}  // namespace gear3k::report

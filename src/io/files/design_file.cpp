@@ -1,0 +1,539 @@
+#include "io/files/design_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "io/keys/axial_keys.hpp"
+#include "io/keys/cutter_keys.hpp"
+#include "io/keys/limit_keys.hpp"
+#include "io/keys/loss_keys.hpp"
+#include "io/keys/mass_keys.hpp"
+#include "io/keys/model_keys.hpp"
+#include "io/keys/tolerance_keys.hpp"
+#include "units/units.hpp"
+
+namespace gear3k::io {
+
+namespace {
+
+constexpr int kFewestTeeth = 3;
+constexpr double kGreatestAllowance = 1.0;  // modules
+
+/// A gear as the file states it.
+struct GearInput {
+  int teeth = 0;
+  double profile_shift = 0.0, machining_allowance = 0.0, tip_shortening = 0.0;
+  std::optional<double> normal_thinning_m;
+  bool khk_tip = false;
+  geometry::PinionCutter cutter;
+  std::optional<double> pin_diameter_m;
+  double bore_diameter_m = 0.0;
+  std::optional<double> outer_diameter_m;
+};
+
+/// What DESIGN and PAIR have in common.
+struct CommonInput {
+  std::string name;
+  bool iso = false;
+  double pressure_angle_rad = 20.0 * units::kDegree;
+  std::optional<double> center_distance_m;
+  geometry::BasicRack<double> rack;
+  std::vector<GearInput> gears;
+  design::Friction friction;
+  LimitInput limits;
+  ToleranceInput tolerances;
+};
+
+struct DesignInput : CommonInput {
+  int planets = 3;
+  std::array<double, 2> module_m{};
+  design::Masses masses;
+  train::AxialLayout axial;
+  LossInput losses;
+};
+
+struct PairInput : CommonInput {
+  bool internal = false;
+  double module_m = 0.0;
+};
+
+template <class Target>
+std::vector<Key<Target>> common_keys() {
+  std::vector<Key<Target>> keys{
+      {.record = {.path = "name",
+                  .type = KeyType::kText,
+                  .default_text = "\"\"",
+                  .help = "name in tables and results"},
+       .assign = [](Target& t, std::size_t, const TomlValue& v) { t.name = v.text; }},
+      {.record = {.path = "sign_convention",
+                  .type = KeyType::kChoice,
+                  .choices = {"khk", "iso21771"},
+                  .default_text = "\"khk\"",
+                  .help = "rings: khk = teeth positive, shift positive outwards; iso21771 = teeth "
+                          "negative, shift of the opposite sign"},
+       .assign = [](Target& t, std::size_t, const TomlValue& v) { t.iso = v.text == "iso21771"; }},
+      {.record = {.path = "center_distance_mm",
+                  .type = KeyType::kNumber,
+                  .unit = "mm",
+                  .min = 0.0,
+                  .max = 1e5,
+                  .min_excluded = true,
+                  .default_text = "zero-backlash distance",
+                  .help = "centre distance of all meshes; without it the zero-backlash distance "
+                          "(of mesh P1-R1 in a train) at q = 0"},
+       .assign = [](Target& t, std::size_t,
+                    const TomlValue& v) { t.center_distance_m = v.number * units::kMillimetre; }},
+  };
+  append_model_keys<Target>(keys, [](Target& t) {
+    return ModelInput{t.pressure_angle_rad, t.rack, t.friction};
+  });
+  return keys;
+}
+
+template <class Target>
+void append_gear_keys(std::vector<Key<Target>>& keys, const std::string& prefix) {
+  const auto add = [&](KeyRecord record, auto assign) {
+    record.path = prefix + record.path;
+    keys.push_back({.record = std::move(record),
+                    .assign = [assign](Target& t, std::size_t gear, const TomlValue& v) {
+                      assign(t.gears[gear], v);
+                    }});
+  };
+  add({.path = "teeth",
+       .type = KeyType::kInteger,
+       .min = -2000,
+       .max = 2000,
+       .required = true,
+       .help = "number of teeth, at least 3 (rings: negative with iso21771)"},
+      [](GearInput& g, const TomlValue& v) { g.teeth = static_cast<int>(v.integer); });
+  add({.path = "profile_shift",
+       .type = KeyType::kNumber,
+       .unit = "modules",
+       .min = -5.0,
+       .max = 5.0,
+       .default_text = "0",
+       .help = "profile shift coefficient"},
+      [](GearInput& g, const TomlValue& v) { g.profile_shift = v.number; });
+  add({.path = "machining_allowance",
+       .type = KeyType::kNumber,
+       .unit = "modules",
+       .min = 0.0,
+       .max = kGreatestAllowance,
+       .default_text = "0",
+       .help = "q: normal thinning of the whole tooth over the module"},
+      [](GearInput& g, const TomlValue& v) { g.machining_allowance = v.number; });
+  add({.path = "normal_thinning_um",
+       .type = KeyType::kNumber,
+       .unit = "um",
+       .min = 0.0,
+       .max = 1e5,
+       .default_text = "none",
+       .help = "the same as a length, instead of machining_allowance"},
+      [](GearInput& g, const TomlValue& v) {
+        g.normal_thinning_m = v.number * units::kMicrometre;
+      });
+  add({.path = "tip_shortening",
+       .type = KeyType::kNumber,
+       .unit = "modules",
+       .min = 0.0,
+       .max = 1.5,
+       .default_text = "0",
+       .help = "shortening of the tooth at its tip, on rings too"},
+      [](GearInput& g, const TomlValue& v) { g.tip_shortening = v.number; });
+  add({.path = "tip_rule",
+       .type = KeyType::kChoice,
+       .choices = {"full", "khk"},
+       .default_text = "\"full\"",
+       .help = "full = tip_shortening as stated; khk = x1 + x2 - y of the external mesh instead, "
+               "for its two gears"},
+      [](GearInput& g, const TomlValue& v) { g.khk_tip = v.text == "khk"; });
+  add({.path = "pin_diameter_mm",
+       .type = KeyType::kNumber,
+       .unit = "mm",
+       .min = 0.0,
+       .max = 1000.0,
+       .min_excluded = true,
+       .default_text = "by geometry",
+       .help = "measuring pin; without it the one that touches on the circle d + 2 x m, rounded up "
+               "to 0.01 mm"},
+      [](GearInput& g, const TomlValue& v) { g.pin_diameter_m = v.number * units::kMillimetre; });
+  append_cutter_keys<Target>(
+      keys, prefix + "cutter",
+      [](Target& t, std::size_t gear) -> geometry::PinionCutter& { return t.gears[gear].cutter; });
+}
+
+Schema<DesignInput> design_schema() {
+  Schema<DesignInput> schema{.gears = {train::kGearNames.begin(), train::kGearNames.end()},
+                             .keys = common_keys<DesignInput>()};
+  auto& keys = schema.keys;
+  using Input = DesignInput;
+  keys.push_back({.record = {.path = "planets",
+                             .type = KeyType::kInteger,
+                             .min = 1,
+                             .max = 24,
+                             .default_text = "3",
+                             .help = "number of equally spaced planets"},
+                  .assign = [](Input& t, std::size_t, const TomlValue& v) {
+                    t.planets = static_cast<int>(v.integer);
+                  }});
+  for (const std::size_t stage : {0U, 1U}) {
+    keys.push_back({.record = {.path = fmt::format("stage{}.module_mm", stage + 1),
+                               .type = KeyType::kNumber,
+                               .unit = "mm",
+                               .min = 0.0,
+                               .max = 100.0,
+                               .min_excluded = true,
+                               .required = true,
+                               .help = stage == 0 ? "module of S, P1, R1" : "module of P2, R2"},
+                    .assign = [stage](Input& t, std::size_t, const TomlValue& v) {
+                      t.module_m[stage] = v.number * units::kMillimetre;
+                    }});
+    append_face_width_key<Input>(keys, stage, [stage](Input& t) -> std::optional<double>& {
+      return t.masses.face_width_m[stage];
+    });
+  }
+  append_gear_keys(keys, "gears.{gear}.");
+  keys.push_back({.record = {.path = "gears.{gear}.bore_mm",
+                             .type = KeyType::kNumber,
+                             .unit = "mm",
+                             .min = 0.0,
+                             .max = 1000.0,
+                             .default_text = "0",
+                             .help = "bore diameter of an external gear, for its mass and inertia"},
+                  .assign = [](Input& t, std::size_t gear, const TomlValue& v) {
+                    t.gears[gear].bore_diameter_m = v.number * units::kMillimetre;
+                  }});
+  keys.push_back({.record = {.path = "gears.{gear}.outer_diameter_mm",
+                             .type = KeyType::kNumber,
+                             .unit = "mm",
+                             .min = 0.0,
+                             .max = 10000.0,
+                             .min_excluded = true,
+                             .default_text = "none",
+                             .help = "outer diameter of ring R1 or R2, for its mass and inertia"},
+                  .assign = [](Input& t, std::size_t gear, const TomlValue& v) {
+                    t.gears[gear].outer_diameter_m = v.number * units::kMillimetre;
+                  }});
+  append_mass_keys<Input>(keys, [](Input& t) -> design::Masses& { return t.masses; });
+  append_axial_keys<Input>(keys, [](Input& t) -> train::AxialLayout& { return t.axial; });
+  append_loss_keys<Input>(keys, [](Input& t) -> LossInput& { return t.losses; });
+  append_tolerance_keys<Input>(keys, [](Input& t) -> ToleranceInput& { return t.tolerances; });
+  append_limit_keys<Input>(keys, &Input::limits, false);
+  return schema;
+}
+
+Schema<PairInput> pair_schema() {
+  Schema<PairInput> schema{.gears = {"gear1", "gear2"}, .keys = common_keys<PairInput>()};
+  auto& keys = schema.keys;
+  keys.push_back({.record = {.path = "kind",
+                             .type = KeyType::kChoice,
+                             .choices = {"external", "internal"},
+                             .required = true,
+                             .help = "external: two external gears; internal: gear2 is the ring"},
+                  .assign = [](PairInput& t, std::size_t, const TomlValue& v) {
+                    t.internal = v.text == "internal";
+                  }});
+  keys.push_back({.record = {.path = "module_mm",
+                             .type = KeyType::kNumber,
+                             .unit = "mm",
+                             .min = 0.0,
+                             .max = 100.0,
+                             .min_excluded = true,
+                             .required = true,
+                             .help = "module of both gears"},
+                  .assign = [](PairInput& t, std::size_t, const TomlValue& v) {
+                    t.module_m = v.number * units::kMillimetre;
+                  }});
+  append_gear_keys(keys, "{gear}.");
+  append_gear_tolerance_keys<PairInput>(
+      keys, [](PairInput& t) -> ToleranceInput& { return t.tolerances; }, true);
+  append_limit_keys<PairInput>(keys, &PairInput::limits, true);
+  return schema;
+}
+
+/// A gear in our convention; what cannot be one is said in `reading`.
+struct GearPlace {
+  std::string path;
+  bool ring = false;
+  double module_m = 0.0;
+  bool external_mesh = false;  ///< has a mesh that the KHK tip rule applies to
+};
+geometry::GearGeometry<double> circles_of(const CommonInput& input,
+                                          const geometry::Gear<double>& gear) {
+  return geometry::make_gear_geometry(gear,
+                                      geometry::make_pressure_angle(input.pressure_angle_rad));
+}
+
+geometry::Gear<double> finish_gear(const CommonInput& input, const GearInput& g,
+                                   const GearPlace& place, FileReading& reading) {
+  const std::string teeth_key = place.path + ".teeth";
+  const bool flipped = place.ring && input.iso;
+  const int teeth = flipped ? -g.teeth : g.teeth;
+  if (reading.has(teeth_key) && teeth < kFewestTeeth) {
+    reading.error_at(
+        teeth_key,
+        fmt::format("{} = {}: allowed: {}", teeth_key, g.teeth,
+                    flipped ? fmt::format("at most -{} (sign_convention iso21771)", kFewestTeeth)
+                            : fmt::format("at least {}{}", kFewestTeeth,
+                                          place.ring ? " (sign_convention khk)" : "")));
+  }
+  if (reading.has(place.path + ".machining_allowance") && g.normal_thinning_m) {
+    reading.error_at(place.path + ".normal_thinning_um",
+                     fmt::format("{0}.normal_thinning_um and {0}.machining_allowance say the same: "
+                                 "allowed: one of them",
+                                 place.path));
+  }
+  if (g.tip_shortening >= input.rack.addendum + input.rack.dedendum) {
+    reading.error_at(
+        place.path + ".tip_shortening",
+        fmt::format("{}.tip_shortening = {}: allowed: below rack addendum + dedendum "
+                    "= {}",
+                    place.path, g.tip_shortening, input.rack.addendum + input.rack.dedendum));
+  }
+  if (g.khk_tip && !place.external_mesh) {
+    reading.error_at(place.path + ".tip_rule",
+                     fmt::format("{}.tip_rule = \"khk\": allowed: \"full\" (the rule is for the "
+                                 "gears of an external mesh)",
+                                 place.path));
+  }
+  if (g.khk_tip && reading.has(place.path + ".tip_shortening")) {
+    reading.error_at(
+        place.path + ".tip_shortening",
+        fmt::format("{0}.tip_shortening and {0}.tip_rule = \"khk\" exclude each other: "
+                    "allowed: one of them",
+                    place.path));
+  }
+  const std::string cutter_path = place.path + ".cutter";
+  if (!place.ring) {
+    for (const char* key : {".teeth", ".profile_shift", ".tip_radius"}) {
+      if (reading.stated(cutter_path + key)) {
+        reading.error_at(cutter_path + key,
+                         fmt::format("{}{}: allowed for rings only (external gears are cut by the "
+                                     "rack)",
+                                     cutter_path, key));
+      }
+    }
+  } else {
+    check_cutter(cutter_path, g.cutter, teeth, reading);
+  }
+  const double x = flipped ? -g.profile_shift : g.profile_shift;
+  geometry::Gear<double> gear{
+      .teeth = teeth,
+      .kind = place.ring ? geometry::GearKind::kRing : geometry::GearKind::kExternal,
+      .module_m = place.module_m,
+      .profile_shift = x,
+      .machining_allowance = g.machining_allowance,
+      .tip_shortening = g.tip_shortening,
+      .rack = input.rack,
+      .cutter = g.cutter};
+  if (teeth < kFewestTeeth || !(place.module_m > 0.0)) return gear;
+  const geometry::GearGeometry<double> circles = circles_of(input, gear);
+  const double innermost =
+      (place.ring ? circles.tip_radius_m : circles.root_radius_m) / place.module_m;
+  if (innermost <= 0.0) {
+    reading.error_at(
+        place.path + ".profile_shift",
+        fmt::format("{}.profile_shift = {}: leaves no {} circle, allowed: {} {:.6g}", place.path,
+                    g.profile_shift, place.ring ? "tip" : "root", flipped ? "below" : "above",
+                    flipped ? g.profile_shift + innermost : g.profile_shift - innermost));
+  }
+  if (g.normal_thinning_m) {
+    gear.machining_allowance = *g.normal_thinning_m / place.module_m;
+    if (gear.machining_allowance > kGreatestAllowance) {
+      reading.error_at(place.path + ".normal_thinning_um",
+                       fmt::format("{}.normal_thinning_um = {:.6g}: allowed: at most {:.6g} ({:g} "
+                                   "module)",
+                                   place.path, *g.normal_thinning_m / units::kMicrometre,
+                                   kGreatestAllowance * place.module_m / units::kMicrometre,
+                                   kGreatestAllowance));
+    }
+  }
+  return gear;
+}
+
+void require_more_ring_teeth(const GearPlace& ring, const GearPlace& mate, int ring_teeth,
+                             int mate_teeth, FileReading& reading) {
+  if (ring_teeth >= kFewestTeeth && mate_teeth >= kFewestTeeth && ring_teeth <= mate_teeth) {
+    reading.error_at(ring.path + ".teeth",
+                     fmt::format("{}.teeth: {} teeth, allowed: more than the {} of {}", ring.path,
+                                 ring_teeth, mate_teeth, mate.path));
+  }
+}
+
+/// Where an impossible centre distance is reported: at its key, else at the file.
+std::string center_distance_place(const FileReading& reading) {
+  return reading.stated("center_distance_mm") ? "center_distance_mm" : "";
+}
+
+/// Tolerances of the gear that the file's table `name` is about.
+backlash::GearTolerances gear_tolerances(const ToleranceInput::Gear& input, const std::string& name,
+                                         const geometry::Gear<double>& gear, FileReading& reading) {
+  return finish_gear_tolerances(input,
+                                {.path = "tolerances." + name,
+                                 .module_m = gear.module_m,
+                                 .reference_diameter_m = gear.module_m * gear.teeth},
+                                reading);
+}
+
+design::Design finish_design(const DesignInput& input, FileReading& reading) {
+  design::Design design;
+  design.name = input.name;
+  design.friction = input.friction;
+  design.masses = input.masses;
+  design.axial = input.axial;
+  check_axial(input.axial, reading);
+  finish_losses(input.losses, design, reading);
+  check_friction(input.friction, reading);
+  check_rack(input.rack, input.pressure_angle_rad, reading);
+  design.limits = finish_limits(input.limits, reading);
+  design.center_distance_given = input.center_distance_m.has_value();
+  auto& t = design.train;
+  t.planets = input.planets;
+  t.pressure_angle_rad = input.pressure_angle_rad;
+  t.center_distance_m = input.center_distance_m.value_or(0.0);
+  t.module_m = input.module_m;
+  std::array<int, train::kGearCount> teeth{};
+  std::array<GearPlace, train::kGearCount> places;
+  backlash::Tolerances tolerances = stated_tolerances(input.tolerances);
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    const int id = static_cast<int>(i);
+    places[i] = {.path = fmt::format("gears.{}", train::kGearNames[i]),
+                 .ring = train::kind_of(id) == geometry::GearKind::kRing,
+                 .module_m = input.module_m[static_cast<std::size_t>(train::stage_of(id))],
+                 .external_mesh = id == train::kS || id == train::kP1};
+    const auto gear = finish_gear(input, input.gears[i], places[i], reading);
+    teeth[i] = gear.teeth;
+    t.profile_shift[i] = gear.profile_shift;
+    t.machining_allowance[i] = gear.machining_allowance;
+    t.tip_shortening[i] = gear.tip_shortening;
+    t.rack[i] = gear.rack;
+    t.khk_tip[i] = input.gears[i].khk_tip;
+    t.cutter[i] = gear.cutter;
+    tolerances.gears[i] = gear_tolerances(input.tolerances.gears[i],
+                                          std::string(train::kGearNames[i]), gear, reading);
+    design.pin_diameter_m[i] = input.gears[i].pin_diameter_m;
+    design.masses.bore_radius_m[i] = 0.5 * input.gears[i].bore_diameter_m;
+    const bool has_circles = teeth[i] >= kFewestTeeth && gear.module_m > 0.0;
+    if (has_circles && !places[i].ring) {
+      const double root = 2.0 * circles_of(input, gear).root_radius_m;
+      if (input.gears[i].bore_diameter_m >= root) {
+        reading.error_at(
+            places[i].path + ".bore_mm",
+            fmt::format("{}.bore_mm = {:.6g}: allowed: below the root diameter {:.6g}",
+                        places[i].path, input.gears[i].bore_diameter_m / units::kMillimetre,
+                        root / units::kMillimetre));
+      }
+    }
+    if (input.gears[i].outer_diameter_m && !places[i].ring) {
+      reading.error_at(places[i].path + ".outer_diameter_mm",
+                       fmt::format("{}.outer_diameter_mm: allowed for R1 and R2 only (external "
+                                   "gears end at their teeth)",
+                                   places[i].path));
+    }
+    if (places[i].ring && input.gears[i].outer_diameter_m && has_circles) {
+      const double least = 2.0 * circles_of(input, gear).root_radius_m;
+      if (*input.gears[i].outer_diameter_m <= least) {
+        reading.error_at(
+            places[i].path + ".outer_diameter_mm",
+            fmt::format("{}.outer_diameter_mm = {:.6g}: allowed: above the root "
+                        "diameter {:.6g}",
+                        places[i].path, *input.gears[i].outer_diameter_m / units::kMillimetre,
+                        least / units::kMillimetre));
+      }
+      (id == train::kR1 ? design.masses.ring1_outer_radius_m : design.masses.ring2_outer_radius_m) =
+          0.5 * *input.gears[i].outer_diameter_m;
+    }
+  }
+  if (input.tolerances.stated) design.tolerances = tolerances;
+  design.sampling = input.tolerances.sampling;
+  check_masses(design.masses, reading);
+  t.teeth = {.S = teeth[0], .P1 = teeth[1], .R1 = teeth[2], .P2 = teeth[3], .R2 = teeth[4]};
+  require_more_ring_teeth(places[train::kR1], places[train::kP1], t.teeth.R1, t.teeth.P1, reading);
+  require_more_ring_teeth(places[train::kR2], places[train::kP2], t.teeth.R2, t.teeth.P2, reading);
+  if (t.teeth.R2 > 0 && 1LL * t.teeth.P1 * t.teeth.R2 == 1LL * t.teeth.P2 * t.teeth.R1) {
+    reading.error_at("gears.R2.teeth",
+                     fmt::format("gears: zP1 zR2 = zP2 zR1 = {}: the output would stand still, "
+                                 "allowed: different products",
+                                 1LL * t.teeth.P1 * t.teeth.R2));
+  }
+  const bool teeth_known = std::ranges::all_of(teeth, [](int z) { return z >= kFewestTeeth; }) &&
+                           t.teeth.R1 > t.teeth.P1 && t.teeth.R2 > t.teeth.P2;
+  if (teeth_known && t.module_m[0] > 0.0 && t.module_m[1] > 0.0) {
+    if (const auto undefined = design::why_undefined(design)) {
+      reading.error_at(center_distance_place(reading), undefined->message);
+    }
+  }
+  return design;
+}
+
+design::Design design_from(const TomlValue& document, const std::string& name) {
+  FileReading reading(name);
+  DesignInput input;
+  input.gears.resize(train::kGearCount);
+  read_by_schema(document, design_schema(), input, reading);
+  design::Design design = finish_design(input, reading);
+  reading.throw_if_invalid();
+  return design;
+}
+
+}  // namespace
+
+design::Design read_design(const std::string& path) { return design_from(read_toml(path), path); }
+
+design::Design parse_design(const std::string& text, const std::string& name) {
+  return design_from(parse_toml(text, name), name);
+}
+
+design::PairDesign read_pair(const std::string& path) {
+  FileReading reading(path);
+  PairInput input;
+  input.gears.resize(2);
+  read_by_schema(read_toml(path), pair_schema(), input, reading);
+  const GearPlace place1{
+      .path = "gear1", .ring = false, .module_m = input.module_m, .external_mesh = !input.internal};
+  const GearPlace place2{.path = "gear2",
+                         .ring = input.internal,
+                         .module_m = input.module_m,
+                         .external_mesh = !input.internal};
+  check_rack(input.rack, input.pressure_angle_rad, reading);
+  check_friction(input.friction, reading);
+  design::PairDesign pair{
+      .name = input.name,
+      .pressure_angle_rad = input.pressure_angle_rad,
+      .center_distance_m = input.center_distance_m,
+      .gear1 = finish_gear(input, input.gears[0], place1, reading),
+      .gear2 = finish_gear(input, input.gears[1], place2, reading),
+      .khk_tip = {input.gears[0].khk_tip, input.gears[1].khk_tip},
+      .pin_diameter_m = {input.gears[0].pin_diameter_m, input.gears[1].pin_diameter_m},
+      .friction = input.friction,
+      .limits = finish_limits(input.limits, reading),
+      .tolerances = {}};
+  if (input.tolerances.stated) {
+    const auto& stated = input.tolerances.gears;
+    pair.tolerances = backlash::PairTolerances{
+        .gears = {gear_tolerances(stated[0], "gear1", pair.gear1, reading),
+                  gear_tolerances(stated[1], "gear2", pair.gear2, reading)},
+        .center_distance_m = input.tolerances.center_distance_m};
+  }
+  if (input.internal) {
+    require_more_ring_teeth(place2, place1, pair.gear2.teeth, pair.gear1.teeth, reading);
+  }
+  const bool ring_fits = !input.internal || pair.gear2.teeth > pair.gear1.teeth;
+  if (pair.gear1.teeth >= kFewestTeeth && pair.gear2.teeth >= kFewestTeeth && ring_fits &&
+      input.module_m > 0.0) {
+    if (const auto undefined = design::why_undefined(pair)) {
+      reading.error_at(center_distance_place(reading), undefined->message);
+    }
+  }
+  reading.throw_if_invalid();
+  return pair;
+}
+
+std::string design_key_table() { return key_table(design_schema()); }
+std::string pair_key_table() { return key_table(pair_schema()); }
+
+}  // namespace gear3k::io

@@ -1,0 +1,107 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <tuple>
+
+#include "io/files/measurement_file.hpp"
+#include "io/files/measurement_rows.hpp"
+#include "io/text/diagnostics.hpp"
+
+namespace gear3k::io {
+
+namespace {
+
+using calibrate::Kind;
+using calibrate::MeasurementSet;
+using calibrate::Observation;
+
+constexpr double kStandardDeviations = 3.0;
+constexpr double kRelativeAllowance = 0.01;
+constexpr double kMostImpossible = 0.2;  // of the rows
+constexpr std::size_t kFewestNeighbours = 5;
+constexpr double kMedianToDeviation = 1.4826;  // of a normal distribution
+
+/// What the response follows first of all: load, or the sum of 1/z.
+double load_of(Kind kind, const Observation& o) {
+  if (kind == Kind::kTransmission) return o.condition.output_torque_Nm;
+  return 1.0 / o.condition.driving_teeth + 1.0 / o.condition.driven_teeth;
+}
+
+/// Standard deviation of the response from the scatter about the line through the neighbours in
+/// load; 0 where there are too few.  Neighbours of other speeds only make it greater.
+double scatter(const MeasurementSet& set) {
+  std::vector<const Observation*> order;
+  order.reserve(set.rows.size());
+  for (const Observation& o : set.rows) order.push_back(&o);
+  const auto group = [](const Observation* o) {
+    return std::tuple(o->condition.direction, o->condition.rotation, o->condition.reference_sensor);
+  };
+  const auto key = [&](const Observation* o) {
+    return std::tuple(group(o), load_of(set.kind, *o), o->condition.sun_speed_rad_s);
+  };
+  std::ranges::stable_sort(
+      order, [&](const Observation* a, const Observation* b) { return key(a) < key(b); });
+  std::vector<double> deviations;
+  deviations.reserve(order.size());
+  for (std::size_t k = 1; k + 1 < order.size(); ++k) {
+    const Observation *a = order[k - 1], *b = order[k], *c = order[k + 1];
+    if (group(a) != group(c)) continue;
+    const double from = load_of(set.kind, *a), to = load_of(set.kind, *c);
+    const double w = to > from ? (load_of(set.kind, *b) - from) / (to - from) : 0.5;
+    const double difference = b->response - (1.0 - w) * a->response - w * c->response;
+    deviations.push_back(std::abs(difference) / std::sqrt(1.0 + w * w + (1.0 - w) * (1.0 - w)));
+  }
+  if (deviations.size() < kFewestNeighbours) return 0.0;
+  const auto middle = deviations.begin() + static_cast<std::ptrdiff_t>(deviations.size() / 2);
+  std::ranges::nth_element(deviations, middle);
+  return kMedianToDeviation * *middle;
+}
+
+}  // namespace
+
+void check_physics(MeasurementSet& set, double ratio) {
+  if (set.kind != Kind::kTransmission && set.kind != Kind::kPairLoss) return;
+  if (set.kind == Kind::kTransmission && !(std::isfinite(ratio) && ratio != 0.0)) {
+    throw std::invalid_argument(
+        fmt::format("check_physics: ratio = {}: allowed: finite, not 0", ratio));
+  }
+  const double estimated = scatter(set);
+  std::vector<char> marked(set.rows.size(), 0);
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < set.rows.size(); ++k) {
+    const Observation& o = set.rows[k];
+    double excess = -o.response, scale = 1.0;
+    if (set.kind == Kind::kTransmission) {
+      scale = o.condition.output_torque_Nm / std::abs(ratio);
+      excess = o.condition.direction == design::Direction::kForward ? scale - o.response
+                                                                    : o.response - scale;
+    }
+    const double sigma = std::isnan(o.sigma) ? estimated : o.sigma;
+    if (excess > std::max(kStandardDeviations * sigma, kRelativeAllowance * scale)) {
+      marked[k] = 1;
+      ++count;
+    }
+  }
+  if (count == 0) return;
+  const std::string places = places_of(set, marked);
+  if (static_cast<double>(count) > kMostImpossible * static_cast<double>(set.rows.size())) {
+    throw InvalidInput(
+        set.kind == Kind::kTransmission
+            ? fmt::format(
+                  "{}: efficiency above 1 at the ratio {:.6g} in {} of {} rows, allowed: at "
+                  "most {:g} %; are forward and backward swapped, is it another ratio, "
+                  "another unit, or a sensor far out?",
+                  places, std::abs(ratio), count, set.rows.size(), 100.0 * kMostImpossible)
+            : fmt::format("{}: loss_factor below 0 (efficiency above 1) in {} of {} rows, allowed: "
+                          "at most {:g} %; are driving and driven gears swapped, or is it 1 - loss "
+                          "with the wrong sign?",
+                          places, count, set.rows.size(), 100.0 * kMostImpossible));
+  }
+  set.notes.push_back(fmt::format("{}: {} left out, efficiency above 1 beyond the noise", places,
+                                  count == 1 ? "row" : "rows"));
+  leave_out(set, marked);
+}
+
+}  // namespace gear3k::io

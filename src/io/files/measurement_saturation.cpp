@@ -1,0 +1,117 @@
+#include "io/files/measurement_saturation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "io/files/measurement_rows.hpp"
+
+namespace gear3k::io {
+
+namespace {
+
+using calibrate::Observation;
+
+constexpr std::size_t kSaturatedRows = 5;      // from which a repeated extreme is suspicious
+constexpr double kSaturatedLoadSpread = 0.05;  // relative
+constexpr double kMostSaturated = 0.5;         // of a file's rows
+
+/// Of the rows of a file.
+struct SunTorques {
+  double least = 0.0, greatest = 0.0;
+  double resolution = 0.0;  ///< least difference of two; 0 where all are the same
+  double slope = 0.0;       ///< sun torque by output torque, the middle one
+};
+
+/// @returns empty when no row is loaded
+std::optional<SunTorques> sun_torques(const std::vector<Observation>& rows) {
+  std::vector<double> values, slopes;
+  values.reserve(rows.size());
+  slopes.reserve(rows.size());
+  for (const Observation& o : rows) {
+    values.push_back(o.response);
+    if (o.condition.output_torque_Nm > 0.0) {
+      slopes.push_back(o.response / o.condition.output_torque_Nm);
+    }
+  }
+  if (slopes.empty()) return std::nullopt;
+  std::ranges::sort(values);
+  double resolution = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 1; k < values.size(); ++k) {
+    const double gap = values[k] - values[k - 1];
+    if (gap > 0.0) resolution = std::min(resolution, gap);
+  }
+  if (!std::isfinite(resolution)) resolution = 0.0;
+  const auto middle = slopes.begin() + static_cast<std::ptrdiff_t>(slopes.size() / 2);
+  std::ranges::nth_element(slopes, middle);
+  return SunTorques{.least = values.front(),
+                    .greatest = values.back(),
+                    .resolution = resolution,
+                    .slope = *middle};
+}
+
+struct RowsAtLimit {
+  std::vector<char> marked;
+  std::size_t count = 0;
+  double least_load_Nm = std::numeric_limits<double>::infinity(), greatest_load_Nm = 0.0;
+};
+
+RowsAtLimit rows_at(const std::vector<Observation>& rows, double sun_torque_Nm) {
+  RowsAtLimit at{.marked = std::vector<char>(rows.size(), 0)};
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    if (rows[k].response != sun_torque_Nm) continue;
+    at.marked[k] = 1;
+    ++at.count;
+    at.least_load_Nm = std::min(at.least_load_Nm, rows[k].condition.output_torque_Nm);
+    at.greatest_load_Nm = std::max(at.greatest_load_Nm, rows[k].condition.output_torque_Nm);
+  }
+  return at;
+}
+
+bool is_saturated(const RowsAtLimit& at, const SunTorques& torques) {
+  const double spread = at.greatest_load_Nm - at.least_load_Nm;
+  return at.count >= kSaturatedRows && !(spread <= kSaturatedLoadSpread * at.greatest_load_Nm) &&
+         !(torques.slope * spread <= 2.0 * torques.resolution);
+}
+
+}  // namespace
+
+void leave_out_saturated(calibrate::MeasurementSet& set, Complaints& complaints) {
+  const std::vector<Observation>& rows = set.rows;
+  if (set.kind != calibrate::Kind::kTransmission || rows.size() < kSaturatedRows) return;
+  const std::optional<SunTorques> torques = sun_torques(rows);
+  if (!torques) return;
+  std::vector<std::pair<const char*, double>> ends{{"greatest", torques->greatest}};
+  if (torques->least < torques->greatest) ends.emplace_back("least", torques->least);
+  std::vector<char> marked(rows.size(), 0);
+  std::vector<std::string> found;
+  std::size_t count = 0;
+  for (const auto& [name, value] : ends) {
+    const RowsAtLimit at = rows_at(rows, value);
+    if (!is_saturated(at, *torques)) continue;
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      if (at.marked[k] != 0) marked[k] = 1;
+    }
+    count += at.count;
+    found.push_back(fmt::format(
+        "{}: {} rows hold the {} sun_torque_nm, {:g}, at loads from {:g} to {:g} Nm: the sensor "
+        "is at its limit",
+        places_of(set, at.marked), at.count, name, value, at.least_load_Nm, at.greatest_load_Nm));
+  }
+  if (count == 0) return;
+  if (static_cast<double>(count) > kMostSaturated * static_cast<double>(rows.size())) {
+    complaints.add({}, fmt::format("{}; that is {} of {} rows, allowed: at most half",
+                                   fmt::join(found, "; "), count, rows.size()));
+    return;
+  }
+  for (const std::string& text : found) set.notes.push_back(text + "; left out");
+  leave_out(set, marked);
+}
+
+}  // namespace gear3k::io

@@ -1,0 +1,27 @@
+#pragma once
+// What MODEL files are written and read with alike.
+
+#include <string>
+#include <string_view>
+
+#include "calibrate/causes/form_catalogue.hpp"
+#include "calibrate/model/cause.hpp"
+
+namespace gear3k::io {
+
+/// Stands before the digits of a fingerprint.
+inline constexpr std::string_view kFingerprint = "fnv1a64:";
+/// Stands behind the key of a parameter for its standard deviation.
+inline constexpr std::string_view kDeviation = "_sd";
+
+/// Lists of a cause: what explained the data as well, and parameters that no gearbox shows.
+inline constexpr std::string_view kAlternatives = "alternatives", kImplausible = "implausible";
+
+inline std::string key_of(const calibrate::ParameterRecord& parameter) {
+  return calibrate::file_key(parameter.name, parameter.unit);
+}
+inline std::string key_of(const calibrate::FormConstant& constant) {
+  return calibrate::file_key(constant.name, constant.unit);
+}
+
+}  // namespace gear3k::io

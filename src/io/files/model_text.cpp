@@ -1,0 +1,167 @@
+// Writing of MODEL files.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "calibrate/measurement/condition_quantity.hpp"
+#include "calibrate/verdict/diagnosis.hpp"
+#include "io/files/model_file.hpp"
+#include "io/files/model_file_keys.hpp"
+#include "io/text/toml_text.hpp"
+
+namespace gear3k::io {
+
+namespace {
+
+using calibrate::AppliedCause, calibrate::Cause, calibrate::ConditionRange,
+    calibrate::ExtendedModel, calibrate::kKindNames;
+
+void require(bool holds, const std::string& message) {
+  if (!holds) throw std::invalid_argument("model_text: " + message);
+}
+
+/// Names of a model's causes as tables: the id, of a repeated one the id with its count.
+std::vector<std::string> labels_of(const ExtendedModel& model) {
+  std::vector<std::string> labels;
+  labels.reserve(model.causes.size());
+  for (std::size_t k = 0; k < model.causes.size(); ++k) {
+    const std::string& id = model.causes[k].id;
+    long count = 1;
+    for (std::size_t before = 0; before < k; ++before) {
+      if (model.causes[before].id == id) ++count;
+    }
+    labels.push_back(count == 1 ? id : fmt::format("{}_{}", id, count));
+  }
+  return labels;
+}
+
+std::string numbers_text(const std::vector<double>& numbers) {
+  std::string text;
+  for (const double number : numbers) {
+    text += fmt::format("{}{}", text.empty() ? "" : ", ", toml_number(number));
+  }
+  return "[" + text + "]";
+}
+
+std::string texts_text(const std::vector<std::string>& texts) {
+  std::string text;
+  for (const std::string& one : texts) {
+    text += fmt::format("{}{}", text.empty() ? "" : ", ", toml_quoted(one));
+  }
+  return "[" + text + "]";
+}
+
+std::string range_text(const ExtendedModel& model, std::string_view kind) {
+  if (model.range.empty()) return "";
+  std::string text =
+      fmt::format("\n# range of the data; [] = they do not state it\n[{}.range]\n", kind);
+  for (const ConditionRange& range : model.range) {
+    const auto* known = std::ranges::find_if(
+        calibrate::kConditionQuantities, [&](const calibrate::ConditionQuantity& quantity) {
+          return quantity.name == range.name && quantity.unit == range.unit;
+        });
+    require(known != calibrate::kConditionQuantities.end(),
+            fmt::format("range {} {}: allowed: a column of measurements", range.name, range.unit));
+    const bool stated = std::isfinite(range.low) && std::isfinite(range.high);
+    text += fmt::format("{} = {}\n", known->column,
+                        stated ? numbers_text({range.low, range.high}) : "[]");
+  }
+  return text;
+}
+
+std::string covariance_text(const ExtendedModel& model, std::string_view kind,
+                            const std::vector<std::string>& names) {
+  if (model.covariance.empty()) return "";
+  const std::size_t count = names.size();
+  std::string text = fmt::format("\n[{}.covariance]\nparameters = {}\nmatrix = [  # row by row\n",
+                                 kind, texts_text(names));
+  for (std::size_t i = 0; i < count; ++i) {
+    text += "  ";
+    for (std::size_t j = 0; j < count; ++j) {
+      text += fmt::format("{}{}", toml_number(model.covariance[i * count + j]),
+                          j + 1 == count ? ",\n" : ", ");
+    }
+  }
+  return text + "]\n";
+}
+
+std::string one_model_text(const ExtendedModel& model) {
+  const std::string_view kind = kKindNames[static_cast<std::size_t>(model.kind)];
+  std::string text = fmt::format(
+      "\n[{}]\nname = {}\ndata_fingerprint = \"{}{:016x}\"\ndata_files = {}\n", kind,
+      toml_quoted(model.name), kFingerprint, model.fingerprint, texts_text(model.files));
+  if (model.verdict) {
+    text += fmt::format("verdict = \"{}\"\n",
+                        calibrate::kVerdictNames[static_cast<std::size_t>(*model.verdict)]);
+  }
+  text += range_text(model, kind);
+  if (model.causes.empty()) text += fmt::format("\n[{}.causes]\n", kind);
+  const std::vector<std::string> labels = labels_of(model);
+  std::vector<std::string> names;
+  std::size_t total = 0;
+  for (const AppliedCause& applied : model.causes) total += applied.value.size();
+  require(model.covariance.empty() || model.covariance.size() == total * total,
+          fmt::format("covariance of {} numbers, allowed: {} (none, or {} parameters squared)",
+                      model.covariance.size(), total * total, total));
+  require(std::ranges::all_of(model.covariance, [](double c) { return std::isfinite(c); }),
+          "covariance is not finite");
+  names.reserve(total);
+  for (std::size_t k = 0; k < model.causes.size(); ++k) {
+    const AppliedCause& applied = model.causes[k];
+    const Cause* cause = calibrate::find_cause(applied.id);
+    require(cause != nullptr, fmt::format("there is no cause {}", applied.id));
+    const auto parameters = cause->parameters(applied.form, model.kind);
+    require(parameters.size() == applied.value.size(),
+            fmt::format("{} has {} parameters, allowed: {}", applied.id, applied.value.size(),
+                        parameters.size()));
+    text += fmt::format("\n# {}\n[{}.causes.{}]\nform = {}\n", cause->title, kind, labels[k],
+                        toml_quoted(applied.form.name));
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+      require(std::isfinite(applied.value[i]), fmt::format("{} is not finite", applied.id));
+      const std::string key = key_of(parameters[i]);
+      text += fmt::format("{} = {}\n", key, toml_number(applied.value[i]));
+      if (!model.covariance.empty()) {
+        const double variance = model.covariance[names.size() * (total + 1)];
+        text += fmt::format("{}{} = {}\n", key, kDeviation, toml_number(std::sqrt(variance)));
+      }
+      names.push_back(fmt::format("{}.{}", labels[k], key));
+    }
+    for (const calibrate::FormConstant& constant : applied.form.constants) {
+      require(std::isfinite(constant.value), fmt::format("{} is not finite", constant.name));
+      text += fmt::format("{} = {}\n", key_of(constant), toml_number(constant.value));
+    }
+    if (!applied.form.body.empty()) {
+      text += fmt::format("body = {}\n", toml_quoted(applied.form.body));
+    }
+    if (applied.form.order != 0.0) {
+      text += fmt::format("order = {}\n", toml_number(applied.form.order));
+    }
+    if (!applied.alternatives.empty()) {
+      text += fmt::format("{} = {}\n", kAlternatives, texts_text(applied.alternatives));
+    }
+    if (!applied.implausible.empty()) {
+      text += fmt::format("{} = {}\n", kImplausible, texts_text(applied.implausible));
+    }
+  }
+  return text + covariance_text(model, kind, names);
+}
+
+}  // namespace
+
+std::string model_text(const std::vector<ExtendedModel>& models) {
+  std::string text = "# Extended model, written by gear3k diagnose; read by --model.\n";
+  for (std::size_t k = 0; k < models.size(); ++k) {
+    for (std::size_t other = 0; other < k; ++other) {
+      require(
+          models[k].kind != models[other].kind,
+          fmt::format("two models of {}", kKindNames[static_cast<std::size_t>(models[k].kind)]));
+    }
+    text += one_model_text(models[k]);
+  }
+  return text;
+}
+
+}  // namespace gear3k::io

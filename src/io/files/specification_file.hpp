@@ -1,0 +1,20 @@
+#pragma once
+// SPEC.toml.
+
+#include <string>
+
+#include "io/keys/key_registry.hpp"
+#include "optimize/specification.hpp"
+
+namespace gear3k::io {
+
+/// Reads a SPEC file.
+/// @throws InvalidInput with every error of the file
+optimize::Specification read_specification(const std::string& path);
+/// The same from a text; `name` stands for the file in messages.
+optimize::Specification parse_specification(const std::string& text, const std::string& name);
+
+/// Table of the keys, in Markdown.
+std::string specification_key_table();
+
+}  // namespace gear3k::io

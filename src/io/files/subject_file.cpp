@@ -1,0 +1,92 @@
+#include "io/files/subject_file.hpp"
+
+#include <algorithm>
+#include <numbers>
+
+#include "io/files/design_file.hpp"
+#include "io/files/document_kind.hpp"
+#include "io/keys/key_registry.hpp"
+#include "io/text/toml_value.hpp"
+#include "units/units.hpp"
+
+namespace gear3k::io {
+
+namespace {
+
+using calibrate::BlackBox;
+
+Schema<BlackBox> black_box_schema() {
+  Schema<BlackBox> schema{.gears = {}, .keys = {}};
+  schema.keys = {
+      {.record = {.path = "name",
+                  .type = KeyType::kText,
+                  .default_text = "\"\"",
+                  .help = "name in tables and results"},
+       .assign = [](BlackBox& b, std::size_t, const TomlValue& v) { b.name = v.text; }},
+      {.record = {.path = "gearbox.ratio",
+                  .min = 1.0,
+                  .max = 1e6,
+                  .required = true,
+                  .help = "speed of the fast shaft, which takes the sun's place, over that of the "
+                          "output; a magnitude"},
+       .assign = [](BlackBox& b, std::size_t, const TomlValue& v) { b.ratio = v.number; }},
+      {.record = {.path = "gearbox.efficiency_forward",
+                  .min = 0.0,
+                  .max = 1.0,
+                  .min_excluded = true,
+                  .required = true,
+                  .help = "efficiency with the fast shaft driving"},
+       .assign = [](BlackBox& b, std::size_t,
+                    const TomlValue& v) { b.efficiency_forward = v.number; }},
+      {.record = {.path = "gearbox.efficiency_backward",
+                  .min = 0.0,
+                  .max = 1.0,
+                  .min_excluded = true,
+                  .required = true,
+                  .help = "efficiency with the output driving"},
+       .assign = [](BlackBox& b, std::size_t,
+                    const TomlValue& v) { b.efficiency_backward = v.number; }},
+      {.record = {.path = "gearbox.backlash_arcmin",
+                  .unit = "arcmin",
+                  .min = 0.0,
+                  .max = 21600.0,
+                  .default_text = "not stated",
+                  .help = "lost motion at the output with the fast shaft locked; needed to explain "
+                          "lost_motion and torque_angle data"},
+       .assign = [](BlackBox& b, std::size_t, const TomlValue& v) {
+         b.backlash_rad = v.number * units::kArcmin;
+       }}};
+  return schema;
+}
+
+BlackBox black_box_from(const TomlValue& document, const std::string& name) {
+  FileReading reading(name);
+  BlackBox box;
+  read_by_schema(document, black_box_schema(), box, reading);
+  reading.throw_if_invalid();
+  return box;
+}
+
+bool has_key(const TomlValue& document, const std::string& key) {
+  return std::ranges::any_of(document.table, [&](const TomlValue& v) { return v.key == key; });
+}
+
+}  // namespace
+
+calibrate::Subject read_subject(const std::string& path) {
+  const TomlValue document = read_toml(path);
+  using enum DocumentKind;
+  refuse_other_documents(document, path, {kDesign, kPair, kBlackBox},
+                         "SUBJECT takes a DESIGN, a PAIR or a black box ([gearbox])");
+  if (has_key(document, "gearbox")) return black_box_from(document, path);
+  if (has_key(document, "kind")) return read_pair(path);
+  return read_design(path);
+}
+
+BlackBox parse_black_box(const std::string& text, const std::string& name) {
+  return black_box_from(parse_toml(text, name), name);
+}
+
+std::string black_box_key_table() { return key_table(black_box_schema()); }
+
+}  // namespace gear3k::io

@@ -1,0 +1,348 @@
+#include "io/keys/key_registry.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "train/tooth_set.hpp"
+
+namespace gear3k::io {
+
+namespace {
+
+bool in_range(const KeyRecord& record, double x) {
+  if (!std::isfinite(x)) return false;
+  const bool above = record.min_excluded ? x > record.min : x >= record.min;
+  return above && x <= record.max;
+}
+
+std::string range_text(const KeyRecord& record) {
+  const bool low = std::isfinite(record.min);
+  const bool high = std::isfinite(record.max);
+  if (low && high) {
+    return fmt::format("{}{} to {}", record.min_excluded ? "above " : "", record.min, record.max);
+  }
+  if (low) return fmt::format("{} {}", record.min_excluded ? "above" : "at least", record.min);
+  if (high) return fmt::format("at most {}", record.max);
+  return "";
+}
+
+std::string with_unit(const std::string& text, const KeyRecord& record) {
+  std::string result = text;
+  if (!record.unit.empty()) result += " in " + record.unit;
+  const std::string range = range_text(record);
+  if (!range.empty()) result += ", " + range;
+  return result;
+}
+
+bool integers_in_range(const KeyRecord& record, const std::vector<TomlValue>& list) {
+  return std::ranges::all_of(list, [&](const TomlValue& e) {
+    return e.kind == TomlValue::Kind::kInteger && in_range(record, e.number);
+  });
+}
+
+bool numbers_in_range(const KeyRecord& record, const std::vector<TomlValue>& list) {
+  return std::ranges::all_of(
+      list, [&](const TomlValue& e) { return e.is_number() && in_range(record, e.number); });
+}
+
+bool module_fits(const KeyRecord& record, const TomlValue& value) {
+  if (value.is_number()) return in_range(record, value.number);
+  if (value.kind != TomlValue::Kind::kTable) return false;
+  if (value.table.size() == 1 && value.table[0].key == "series") {
+    const TomlValue& series = value.table[0];
+    return series.kind == TomlValue::Kind::kList && !series.list.empty() &&
+           numbers_in_range(record, series.list);
+  }
+  if (value.table.size() != 2) return false;
+  std::map<std::string, double> ends;
+  for (const TomlValue& end : value.table) {
+    if (!end.is_number() || !in_range(record, end.number)) return false;
+    ends[end.key] = end.number;
+  }
+  return ends.contains("min") && ends.contains("max") && ends["min"] <= ends["max"];
+}
+
+bool per_gear_fits(const KeyRecord& record, const TomlValue& value) {
+  if (value.is_number()) return in_range(record, value.number);
+  if (value.kind != TomlValue::Kind::kTable || value.table.empty()) return false;
+  return std::ranges::all_of(value.table, [&](const TomlValue& member) {
+    return std::ranges::find(train::kGearNames, member.key) != train::kGearNames.end() &&
+           member.is_number() && in_range(record, member.number);
+  });
+}
+
+bool fits(const KeyRecord& record, const TomlValue& value) {
+  using TomlKind = TomlValue::Kind;
+  switch (record.type) {
+    case KeyType::kNumber:
+      return value.is_number() && in_range(record, value.number);
+    case KeyType::kInteger:
+      return value.kind == TomlKind::kInteger && in_range(record, value.number);
+    case KeyType::kBoolean:
+      return value.kind == TomlKind::kBoolean;
+    case KeyType::kText:
+      return value.kind == TomlKind::kText;
+    case KeyType::kChoice:
+      return value.kind == TomlKind::kText &&
+             std::ranges::find(record.choices, value.text) != record.choices.end();
+    case KeyType::kChoices: {
+      const auto fits = [&](const TomlValue& v) {
+        return v.kind == TomlKind::kText &&
+               std::ranges::find(record.choices, v.text) != record.choices.end();
+      };
+      if (value.kind != TomlKind::kList) return fits(value);
+      return !value.list.empty() && std::ranges::all_of(value.list, fits);
+    }
+    case KeyType::kNumberRange:
+      return value.kind == TomlKind::kList && value.list.size() == 2 &&
+             numbers_in_range(record, value.list) && value.list[0].number <= value.list[1].number;
+    case KeyType::kIntegerRange:
+      return value.kind == TomlKind::kList && value.list.size() == 2 &&
+             integers_in_range(record, value.list) &&
+             value.list[0].integer <= value.list[1].integer;
+    case KeyType::kIntegers:
+      if (value.kind == TomlKind::kList) {
+        return !value.list.empty() && integers_in_range(record, value.list);
+      }
+      return value.kind == TomlKind::kInteger && in_range(record, value.number);
+    case KeyType::kNumbers:
+      return value.kind == TomlKind::kList && !value.list.empty() &&
+             numbers_in_range(record, value.list);
+    case KeyType::kModule:
+      return module_fits(record, value);
+    case KeyType::kNumberPerGear:
+      return per_gear_fits(record, value);
+    case KeyType::kNumberOrRange:
+      if (value.kind != TomlKind::kList) {
+        return value.is_number() && value.number >= 0.0 && in_range(record, value.number);
+      }
+      return value.list.size() == 2 && numbers_in_range(record, value.list) &&
+             value.list[0].number <= value.list[1].number;
+    case KeyType::kNumberOrSwitch:
+      return value.kind == TomlKind::kBoolean ||
+             (value.is_number() && in_range(record, value.number));
+  }
+  return false;
+}
+
+/// "; did you mean ...?" for the first text that is none of the choices; "" where nothing is near.
+std::string hint_of(const KeyRecord& record, const TomlValue& value) {
+  for (const TomlValue& element : value.list) {
+    if (std::string hint = hint_of(record, element); !hint.empty()) return hint;
+  }
+  const bool unknown = value.kind == TomlValue::Kind::kText && !record.choices.empty() &&
+                       std::ranges::find(record.choices, value.text) == record.choices.end();
+  const std::string word = unknown ? closest_word(value.text, record.choices) : "";
+  return word.empty() ? "" : fmt::format("; did you mean \"{}\"?", word);
+}
+
+std::string parent_of(const std::string& path) {
+  const auto dot = path.rfind('.');
+  return dot == std::string::npos ? "" : path.substr(0, dot);
+}
+
+/// Did-you-mean: the same last word in another table first, then the closest path or last word.
+std::string suggestion(const std::string& path, const std::vector<ExpandedKey>& keys) {
+  std::vector<std::string> siblings, paths;
+  const std::string parent = parent_of(path);
+  const std::string last =
+      path.substr(path.rfind('.') == std::string::npos ? 0 : path.rfind('.') + 1);
+  std::string same_word;
+  for (const ExpandedKey& key : keys) {
+    paths.push_back(key.path);
+    const std::string key_parent = parent_of(key.path);
+    const std::string word = key.path.substr(key_parent.empty() ? 0 : key_parent.size() + 1);
+    if (key_parent == parent) siblings.push_back(word);
+    if (word == last && same_word.empty()) same_word = key.path;
+  }
+  const std::string sibling = closest_word(last, siblings);
+  if (!sibling.empty()) return parent.empty() ? sibling : parent + "." + sibling;
+  if (!same_word.empty()) return same_word;
+  return closest_word(path, paths);
+}
+
+struct Matcher {
+  const std::vector<ExpandedKey>& keys;
+  std::map<std::string, const ExpandedKey*> by_path;
+  std::set<std::string> tables;
+  FileReading& reading;
+  std::vector<FoundValue> found;
+
+  void unknown(const std::string& path, const TomlValue& value) {
+    const std::string hint = suggestion(path, keys);
+    const bool table = value.kind == TomlValue::Kind::kTable;
+    reading.error(value.position,
+                  fmt::format("unknown {} {}{}", table ? "table" : "key", path,
+                              hint.empty() ? "" : fmt::format("; did you mean {}?", hint)));
+  }
+
+  void unknown_table(const std::string& path, const TomlValue& value) {
+    const std::string hint = closest_word(path, {tables.begin(), tables.end()});
+    reading.error(value.position,
+                  fmt::format("unknown table [{}]{}", path,
+                              hint.empty() ? "" : fmt::format("; did you mean [{}]?", hint)));
+  }
+
+  void value(const ExpandedKey& key, const TomlValue& v) {
+    reading.remember(key.path, v.position);
+    if (!fits(*key.record, v)) {
+      std::string message =
+          fmt::format("{} = {}: allowed: {}", key.path, as_text(v), allowed_text(*key.record));
+      message += hint_of(*key.record, v);
+      reading.error(v.position, message);
+      return;
+    }
+    reading.accept(key.path);
+    found.push_back({.key = key.key, .gear = key.gear, .value = &v});
+  }
+
+  void walk(const TomlValue& table, const std::string& prefix) {
+    for (const TomlValue& member : table.table) {
+      const std::string path =
+          prefix.empty() ? member.key : fmt::format("{}.{}", prefix, member.key);
+      const auto key = by_path.find(path);
+      const bool known = key != by_path.end();
+      const bool is_table = member.kind == TomlValue::Kind::kTable;
+      const bool known_table = tables.contains(path);
+      if (known && !(is_table && known_table)) {
+        value(*key->second, member);
+      } else if (is_table && known_table) {
+        reading.remember(path, member.position);
+        walk(member, path);
+      } else if (known_table) {
+        reading.error(member.position,
+                      fmt::format("{} = {}: allowed: a table [{}]", path, as_text(member), path));
+      } else if (is_table) {
+        unknown_table(path, member);
+      } else {
+        unknown(path, member);
+      }
+    }
+  }
+};
+
+}  // namespace
+
+std::string allowed_text(const KeyRecord& record) {
+  switch (record.type) {
+    case KeyType::kNumber:
+      return with_unit("a number", record);
+    case KeyType::kInteger:
+      return with_unit("an integer", record);
+    case KeyType::kBoolean:
+      return "true or false";
+    case KeyType::kText:
+      return "a text in quotes";
+    case KeyType::kChoice:
+      return fmt::format("\"{}\"", fmt::join(record.choices, "\" or \""));
+    case KeyType::kChoices:
+      return fmt::format("\"{}\", or a list of these", fmt::join(record.choices, "\" or \""));
+    case KeyType::kNumberRange:
+      return with_unit("[low, high], two numbers", record) + ", low <= high";
+    case KeyType::kIntegerRange:
+      return with_unit("[low, high], two integers", record) + ", low <= high";
+    case KeyType::kIntegers:
+      return with_unit("an integer or a list of integers", record);
+    case KeyType::kNumbers:
+      return with_unit("a list of numbers", record);
+    case KeyType::kModule:
+      return with_unit("a number, { min, max } with min <= max, or { series = [..] }", record);
+    case KeyType::kNumberPerGear:
+      return with_unit("a number, or a table with S, P1, R1, P2, R2", record);
+    case KeyType::kNumberOrRange:
+      return with_unit("a number >= 0, meaning +- it, or [lower, upper], lower <= upper", record);
+    case KeyType::kNumberOrSwitch:
+      return with_unit("true, false, or a number", record);
+  }
+  return "";
+}
+
+void FileReading::error_at(const std::string& path, const std::string& message) {
+  std::string place = path;
+  while (true) {
+    for (const auto& [known, position] : places_) {
+      if (known == place) {
+        error(position, message);
+        return;
+      }
+    }
+    if (place.empty()) break;
+    place = parent_of(place);
+  }
+  error({.line = 1, .column = 1}, message);
+}
+
+bool FileReading::has(const std::string& path) const { return accepted_.contains(path); }
+
+bool FileReading::stated(const std::string& path) const {
+  return std::ranges::any_of(places_, [&](const auto& place) { return place.first == path; });
+}
+
+void FileReading::throw_if_invalid() const {
+  if (!diagnostics_.empty()) throw InvalidInput(format_diagnostics(file_, diagnostics_));
+}
+
+std::vector<ExpandedKey> expand_keys(const std::vector<const KeyRecord*>& records,
+                                     const std::vector<std::string>& gears) {
+  static constexpr std::string_view kPlaceholder = "{gear}";
+  std::vector<ExpandedKey> keys;
+  for (std::size_t k = 0; k < records.size(); ++k) {
+    const std::string& path = records[k]->path;
+    const auto at = path.find(kPlaceholder);
+    if (at == std::string::npos) {
+      keys.push_back({.path = path, .record = records[k], .key = k, .gear = 0});
+      continue;
+    }
+    for (std::size_t g = 0; g < gears.size(); ++g) {
+      std::string expanded = path;
+      expanded.replace(at, kPlaceholder.size(), gears[g]);
+      keys.push_back({.path = expanded, .record = records[k], .key = k, .gear = g});
+    }
+  }
+  return keys;
+}
+
+std::vector<FoundValue> match_keys(const TomlValue& document, const std::vector<ExpandedKey>& keys,
+                                   FileReading& reading) {
+  Matcher matcher{.keys = keys, .by_path = {}, .tables = {}, .reading = reading, .found = {}};
+  for (const ExpandedKey& key : keys) {
+    matcher.by_path[key.path] = &key;
+    for (std::string parent = parent_of(key.path); !parent.empty(); parent = parent_of(parent)) {
+      matcher.tables.insert(parent);
+    }
+  }
+  matcher.walk(document, "");
+  for (const ExpandedKey& key : keys) {
+    if (key.record->required && !reading.stated(key.path)) {
+      reading.error_at(key.path, fmt::format("{} is missing: {}; allowed: {}", key.path,
+                                             key.record->help, allowed_text(*key.record)));
+    }
+  }
+  return matcher.found;
+}
+
+std::string key_table(const std::vector<const KeyRecord*>& records,
+                      const std::vector<std::string>& gears) {
+  const auto cell = [](std::string content) {
+    for (std::size_t at = 0; (at = content.find('|', at)) != std::string::npos; at += 2) {
+      content.insert(at, 1, '\\');
+    }
+    return content;
+  };
+  std::string text = "| key | value | default | meaning |\n|---|---|---|---|\n";
+  const std::string any_gear = gears.empty() ? "" : fmt::format("<{}>", fmt::join(gears, ","));
+  for (const KeyRecord* r : records) {
+    std::string path = r->path;
+    const auto at = path.find("{gear}");
+    if (at != std::string::npos) path.replace(at, 6, any_gear);
+    text += fmt::format("| `{}` | {} | {} | {} |\n", path, cell(allowed_text(*r)),
+                        cell(r->required ? "required" : r->default_text), cell(r->help));
+  }
+  return text;
+}
+
+}  // namespace gear3k::io

@@ -1,0 +1,62 @@
+#include "io/text/diagnostics.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+#include <tuple>
+
+namespace gear3k::io {
+
+std::string format_diagnostics(const std::string& file, std::vector<Diagnostic> diagnostics) {
+  std::stable_sort(diagnostics.begin(), diagnostics.end(),
+                   [](const Diagnostic& a, const Diagnostic& b) {
+                     return std::tie(a.position.line, a.position.column) <
+                            std::tie(b.position.line, b.position.column);
+                   });
+  std::string text;
+  for (const Diagnostic& d : diagnostics) {
+    if (!text.empty()) text += '\n';
+    if (d.position.line > 0) {
+      text += fmt::format("{}:{}:{}: {}", file, d.position.line, d.position.column, d.message);
+    } else {
+      text += fmt::format("{}: {}", file, d.message);
+    }
+  }
+  return text;
+}
+
+namespace {
+
+/// Levenshtein distance.
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i + 1;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t substitute = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({row[j] + 1, row[j + 1] + 1, substitute});
+    }
+  }
+  return row[b.size()];
+}
+
+}  // namespace
+
+std::string closest_word(const std::string& written, const std::vector<std::string>& known) {
+  std::string best;
+  std::size_t least = std::min<std::size_t>(3, written.size() / 2) + 1;
+  for (const std::string& word : known) {
+    const std::size_t distance = edit_distance(written, word);
+    if (distance < least) {
+      least = distance;
+      best = word;
+    }
+  }
+  return best;
+}
+
+}  // namespace gear3k::io

@@ -1,0 +1,116 @@
+#include "io/text/file_set.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "io/text/diagnostics.hpp"
+#include "io/text/file_writer.hpp"
+
+namespace gear3k::io {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What was made on the way; removed again unless kept.
+class Scaffold {
+ public:
+  Scaffold() = default;
+  ~Scaffold() {
+    std::error_code ignored;  // folders that others have put something in stay
+    for (auto path = made_.rbegin(); path != made_.rend(); ++path) fs::remove(*path, ignored);
+  }
+  Scaffold(const Scaffold&) = delete;
+  Scaffold& operator=(const Scaffold&) = delete;
+
+  /// Makes a folder with its parents.  @throws InvalidInput
+  void add_folder(const fs::path& folder) {
+    std::vector<fs::path> missing;
+    std::error_code unknown;
+    for (fs::path p = folder; !p.empty() && !fs::exists(p, unknown); p = p.parent_path()) {
+      missing.push_back(p);
+      if (p == p.parent_path()) break;
+    }
+    made_.insert(made_.end(), missing.rbegin(), missing.rend());
+    prepare_folder(folder.string());
+  }
+  void add_file(const fs::path& path) { made_.push_back(path); }
+  void keep() { made_.clear(); }
+
+ private:
+  std::vector<fs::path> made_;
+};
+
+fs::path folder_of(const std::string& path) {
+  const fs::path folder = fs::path(path).parent_path();
+  return folder.empty() ? fs::path(".") : folder;
+}
+
+std::string refusal(const std::string& path, const std::string& cause) {
+  return fmt::format("{}: cannot be written: {}", path, cause);
+}
+
+/// Why a name cannot be given to a new file; "" when it can.
+std::string obstacle(const std::string& path, const std::string& input) {
+  std::error_code unknown;
+  const fs::file_status target = fs::status(path, unknown);
+  if (fs::is_directory(target)) return refusal(path, "a folder has this name");
+  if (fs::is_other(target)) return refusal(path, "what has this name is no regular file");
+  if (fs::equivalent(path, input, unknown)) {
+    return fmt::format("{}: is the input file, allowed: another folder", path);
+  }
+  return "";
+}
+
+void write_new(const std::string& path, const std::string& temporary, const std::string& text) {
+  std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
+  file << text;
+  file.close();
+  if (!file) throw InvalidInput(refusal(path, std::strerror(errno)));
+}
+
+}  // namespace
+
+void write_files(const std::vector<FileText>& files, const std::string& input) {
+  Scaffold scaffold;
+  std::string errors;
+  const auto note = [&](const std::string& error) {
+    if (!error.empty()) errors += (errors.empty() ? "" : "\n") + error;
+  };
+  std::vector<fs::path> folders;
+  for (const FileText& file : files) {
+    const fs::path folder = folder_of(file.path);
+    if (std::ranges::find(folders, folder) == folders.end()) {
+      folders.push_back(folder);
+      try {
+        scaffold.add_folder(folder);
+      } catch (const InvalidInput& error) {
+        note(error.what());
+        continue;
+      }
+    }
+    note(obstacle(file.path, input));
+  }
+  if (!errors.empty()) throw InvalidInput(errors);
+
+  std::vector<std::string> temporaries;
+  for (const FileText& file : files) {
+    temporaries.push_back(fmt::format("{}.{}.tmp", file.path, ::getpid()));
+    scaffold.add_file(temporaries.back());
+    write_new(file.path, temporaries.back(), file.text);
+  }
+  for (std::size_t k = 0; k < files.size(); ++k) {
+    std::error_code status;
+    fs::rename(temporaries[k], files[k].path, status);
+    if (status) throw InvalidInput(refusal(files[k].path, status.message()));
+  }
+  scaffold.keep();
+}
+
+}  // namespace gear3k::io

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <vector>
+
+#include "papers/paper_figures.hpp"
+#include "report/plot.hpp"
+
+namespace gear3k::report {
+
+/// The figures of kFigureNames as scripts for gnuplot.
+std::vector<Plot> figure_plots(const PaperFigures& figures);
+
+}  // namespace gear3k::report

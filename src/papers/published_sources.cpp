@@ -1,0 +1,142 @@
+#include "papers/published_sources.hpp"
+
+#include <fmt/format.h>
+
+#include <numbers>
+#include <stdexcept>
+
+#include "io/files/specification_file.hpp"
+#include "io/text/csv_table.hpp"
+#include "papers/embedded_data.hpp"
+#include "units/units.hpp"
+
+namespace gear3k::io {
+
+namespace {
+
+constexpr const char* kPrototypes = "published_3k_prototypes.csv";
+constexpr const char* kStatements = "low_backlash_paper_statements.csv";
+constexpr const char* kPairLosses = "spur_pair_loss_dry_steel.csv";
+constexpr const char* kThesisStatements = "directional_impedance_statements.csv";
+
+const CsvTable::Row& row_named(const CsvTable& table, const std::string& column,
+                               const std::string& name) {
+  for (const CsvTable::Row& row : table.rows) {
+    if (table.text(row, column) == name) return row;
+  }
+  throw std::invalid_argument(fmt::format("{}: no row {}", table.name, name));
+}
+
+double required(const CsvTable& table, const CsvTable::Row& row, const std::string& column) {
+  const std::optional<double> value = table.number(row, column);
+  if (!value)
+    throw std::invalid_argument(fmt::format("{}:{}: no {}", table.name, row.line, column));
+  return *value;
+}
+
+std::optional<double> scaled(const CsvTable& table, const CsvTable::Row& row,
+                             const std::string& column, double factor) {
+  std::optional<double> value = table.number(row, column);
+  if (value) *value *= factor;
+  return value;
+}
+
+report::PublishedGearbox gearbox(const CsvTable& table, const CsvTable::Row& row,
+                                 const std::string& name) {
+  const auto number = [&](const std::string& column) { return required(table, row, column); };
+  const auto integer = [&](const std::string& column) {
+    return static_cast<int>(required(table, row, column));
+  };
+  report::PublishedGearbox g;
+  g.design.name = name;
+  auto& t = g.design.train;
+  t.teeth = {.S = integer("zS"),
+             .P1 = integer("zP1"),
+             .R1 = integer("zR1"),
+             .P2 = integer("zP2"),
+             .R2 = integer("zR2")};
+  t.planets = integer("n_planets");
+  t.pressure_angle_rad = number("alpha_deg") * std::numbers::pi / 180.0;
+  t.module_m = {number("m1_mm") * units::kMillimetre, number("m2_mm") * units::kMillimetre};
+  t.profile_shift = {number("xS"), number("xP1"), number("xR1"), number("xP2"), number("xR2")};
+  constexpr double kPercent = 0.01;
+  const double arcmin = design::from_unit(1.0, design::Unit::kArcmin);
+  g.stated_ratio = table.number(row, "ratio_stated");
+  g.measured_lost_motion_rad = scaled(table, row, "backlash_arcmin", arcmin);
+  g.measured_forward = scaled(table, row, "fwd_eff_pct", kPercent);
+  g.measured_backward = scaled(table, row, "bwd_eff_pct", kPercent);
+  g.outer_diameter_m = scaled(table, row, "diameter_mm", units::kMillimetre);
+  return g;
+}
+
+report::ThesisSources thesis_sources() {
+  report::ThesisSources sources;
+  const CsvTable losses = parse_csv(std::string(pair_losses_csv()), kPairLosses);
+  sources.measured.reserve(losses.rows.size());
+  for (const CsvTable::Row& row : losses.rows) {
+    sources.measured.push_back(
+        {.driving_teeth = static_cast<int>(required(losses, row, "driving_teeth")),
+         .driven_teeth = static_cast<int>(required(losses, row, "driven_teeth")),
+         .loss = required(losses, row, "loss_factor")});
+  }
+  const CsvTable statements = parse_csv(std::string(thesis_statements_csv()), kThesisStatements);
+  const auto stated = [&](const std::string& name) {
+    return required(statements, row_named(statements, "name", name), "value");
+  };
+  sources.statements = {
+      .module_m = design::from_unit(stated("module"), design::Unit::kMillimetre),
+      .pressure_angle_rad = design::from_unit(stated("pressure_angle"), design::Unit::kDegree),
+      .map_friction = stated("map_friction"),
+      .corrected_friction = stated("corrected_friction"),
+      .corrected_symmetric_scale = stated("corrected_symmetric_scale"),
+      .corrected_offset = stated("corrected_offset"),
+      .corrected_skew_factor = stated("corrected_skew_factor"),
+      .largest_model_skew_percent = stated("largest_model_skew"),
+      .single_pair_contact_ratio = stated("single_pair_contact_ratio"),
+      .small_skew_teeth = static_cast<int>(stated("small_skew_teeth")),
+      .small_skew_percent = stated("small_skew"),
+      .sensor_sensitivity_error_percent = stated("sensor_sensitivity_error")};
+  return sources;
+}
+
+}  // namespace
+
+report::PublishedSources published_sources() {
+  const CsvTable table = parse_csv(std::string(published_prototypes_csv()), kPrototypes);
+  const CsvTable statements = parse_csv(std::string(paper_statements_csv()), kStatements);
+  const auto stated = [&](const std::string& name) {
+    return required(statements, row_named(statements, "name", name), "value");
+  };
+  const CsvTable::Row& proposed = row_named(table, "design", "low_backlash_proposed");
+  const CsvTable::Row& strain_wave = row_named(table, "design", "harmonic_drive_csg25lw");
+  report::PublishedSources sources;
+  sources.low_backlash = gearbox(table, proposed, "low-backlash prototype");
+  sources.low_backlash.stated_lost_motion_rad =
+      design::from_unit(stated("simulated_lost_motion"), design::Unit::kArcmin);
+  sources.bilateral =
+      gearbox(table, row_named(table, "design", "bilateral_drive_gear"), "bilateral drive gear");
+  sources.bilateral.stated_contact_ratio = std::array<double, train::kMeshCount>{
+      stated("bilateral_contact_ratio_SP1"), stated("bilateral_contact_ratio_P1R1"),
+      stated("bilateral_contact_ratio_P2R2")};
+  sources.statements = {.backlash_accuracy_percent = stated("backlash_accuracy"),
+                        .bilateral_xP2_printed = stated("bilateral_xP2_printed"),
+                        .starting_torque_ratio = stated("starting_torque_ratio"),
+                        .eq10_factor = stated("eq10_factor_printed"),
+                        .figure_outer_diameter_m = design::from_unit(
+                            stated("figure_outer_diameter"), design::Unit::kMillimetre),
+                        .lost_motion_before_rad =
+                            design::from_unit(stated("lost_motion_before"), design::Unit::kArcmin),
+                        .lost_motion_after_rad =
+                            design::from_unit(stated("lost_motion_after"), design::Unit::kArcmin),
+                        .efficiency_after = 0.01 * stated("efficiency_after")};
+  sources.backdrive_starting_torque_Nm = required(table, proposed, "backdrive_start_Nm");
+  sources.max_backdriving_torque_Nm = required(table, proposed, "max_backdrive_Nm");
+  sources.strain_wave_starting_torque_Nm = required(table, strain_wave, "backdrive_start_Nm");
+  sources.task = parse_specification(std::string(rp96_toml()), "rp96.toml");
+  sources.figure_task =
+      parse_specification(std::string(paper_figures_toml()), "paper-figures.toml");
+  sources.thesis = thesis_sources();
+  return sources;
+}
+
+}  // namespace gear3k::io

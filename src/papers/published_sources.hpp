@@ -1,0 +1,11 @@
+#pragma once
+
+#include "papers/reproduce.hpp"
+
+namespace gear3k::io {
+
+/// The published gearboxes, the tasks RP-96 and of the figures, and the thesis, from the files
+/// inside the program.
+report::PublishedSources published_sources();
+
+}  // namespace gear3k::io

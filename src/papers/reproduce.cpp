@@ -1,0 +1,211 @@
+#include "papers/reproduce.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "papers/paper_ledger.hpp"
+#include "papers/published_fits.hpp"
+#include "report/display.hpp"
+
+namespace gear3k::report {
+
+namespace {
+
+using backlash::LostMotionModel;
+using design::Design, design::Direction, design::Evaluation;
+using efficiency::LossModel;
+
+/// Contact ratio of S-P1 with tips at m (z/2 + 1 + y - x of the mate), y = d/m - (zS + zP1)/2: the
+/// tip rule of KHK Gear Technical Data for profile-shifted external gears.
+double contact_ratio_with_shortened_tips(Design design, const Evaluation& e) {
+  const auto& t = design.train;
+  const double y = e.center_distance_m / t.module_m[0] - 0.5 * (t.teeth.S + t.teeth.P1);
+  const double shortening = t.profile_shift[train::kS] + t.profile_shift[train::kP1] - y;
+  design.train.tip_shortening[train::kS] = shortening;
+  design.train.tip_shortening[train::kP1] = shortening;
+  return evaluated(at_distance(design, e.center_distance_m)).meshes[train::kMeshSP1].contact_ratio;
+}
+
+void append_geometry_rows(const PublishedGearbox& gearbox, const Evaluation& e,
+                          std::vector<ComparedRow>& rows) {
+  const std::string at = fmt::format(" at d = {:.4f} mm", mm(e.center_distance_m));
+  const auto add = [&](ComparedRow row) { rows.push_back(std::move(row)); };
+  add({.quantity = "ratio",
+       .unit = "",
+       .paper = gearbox.stated_ratio,
+       .equations = e.ratio,
+       .exact = {},
+       .measured = {},
+       .decimals = 3});
+  for (const design::MeshResult& m : e.meshes) {
+    std::optional<double> distance = m.zero_backlash_center_distance_m;
+    if (distance) distance = mm(*distance);
+    add({.quantity = "zero-backlash centre distance " + m.name,
+         .unit = "mm",
+         .paper = {},
+         .equations = distance,
+         .exact = {},
+         .measured = {},
+         .decimals = 4});
+  }
+  for (std::size_t k = 0; k < e.meshes.size(); ++k) {
+    std::optional<double> stated;
+    // The original prints S-P1 with shortened tips: a row of its own, below.
+    if (gearbox.stated_contact_ratio && k != train::kMeshSP1) {
+      stated = (*gearbox.stated_contact_ratio)[k];
+    }
+    add({.quantity = "contact ratio " + e.meshes[k].name + ", full teeth" + at,
+         .unit = "",
+         .paper = stated,
+         .equations = e.meshes[k].contact_ratio,
+         .exact = {},
+         .measured = {},
+         .decimals = 3});
+  }
+  if (gearbox.stated_contact_ratio) {
+    add({.quantity = "contact ratio S-P1, both tips shortened by the KHK rule" + at,
+         .unit = "",
+         .paper = (*gearbox.stated_contact_ratio)[train::kMeshSP1],
+         .equations = contact_ratio_with_shortened_tips(gearbox.design, e),
+         .exact = {},
+         .measured = {},
+         .decimals = 3});
+  }
+  for (const design::MeshResult& m : e.meshes) {
+    add({.quantity = "normal backlash " + m.name + ", q = 0" + at,
+         .unit = "um",
+         .paper = {},
+         .equations = um(m.normal_backlash_m),
+         .exact = {},
+         .measured = {},
+         .decimals = 2});
+  }
+}
+
+/// Lost motion by eq. 17 (equations) and by the exact kinematics, and the allowances that explain
+/// the measured one at mesh 2's zero-backlash distance.
+void append_lost_motion_rows(const PublishedGearbox& gearbox, const Evaluation& e,
+                             std::vector<ComparedRow>& rows) {
+  const std::string at = fmt::format(" at d = {:.4f} mm", mm(e.center_distance_m));
+  const auto in_arcmin = [](std::optional<double> rad) {
+    if (rad) rad = arcmin(*rad);
+    return rad;
+  };
+  rows.push_back({.quantity = "lost motion, q = 0" + at,
+                  .unit = "arcmin",
+                  .paper = in_arcmin(gearbox.stated_lost_motion_rad),
+                  .equations = arcmin(e.backlash.paper_rad),
+                  .exact = arcmin(e.backlash.kinematic_rad),
+                  .measured = in_arcmin(gearbox.measured_lost_motion_rad),
+                  .decimals = 2});
+  if (!gearbox.measured_lost_motion_rad) return;
+  const double measured = *gearbox.measured_lost_motion_rad;
+  const Design fixed = at_distance(gearbox.design, e.center_distance_m);
+  const auto q17 = explaining_allowance(fixed, measured, LostMotionModel::kPaper);
+  const auto q = explaining_allowance(fixed, measured, LostMotionModel::kKinematic);
+  rows.push_back({.quantity = fmt::format("allowance q of every gear that explains {:.3g} arcmin{}",
+                                          arcmin(measured), at),
+                  .unit = "module",
+                  .paper = {},
+                  .equations = q17,
+                  .exact = q,
+                  .measured = {},
+                  .decimals = 5});
+  const auto least_backlash = [&](const std::optional<double>& allowance) {
+    std::optional<double> least;
+    if (!allowance) return least;
+    for (const auto& m : evaluated(with_allowance(fixed, *allowance)).meshes) {
+      least = std::min(least.value_or(m.normal_backlash_m), m.normal_backlash_m);
+    }
+    return std::optional<double>(um(*least));
+  };
+  rows.push_back({.quantity = "least normal backlash of a mesh with that q",
+                  .unit = "um",
+                  .paper = {},
+                  .equations = least_backlash(q17),
+                  .exact = least_backlash(q),
+                  .measured = {},
+                  .decimals = 2});
+}
+
+/// The factors with which J_S and J_P (one planet, both steps) appear in the output's inertia.
+void append_inertia_rows(const Evaluation& e, std::vector<ComparedRow>& rows) {
+  const train::SpeedRatios w = train::speed_ratios(e.teeth);
+  const double rolling2 = w.planet_rolling * w.planet_rolling;
+  const double spin2 = w.planet * w.planet;
+  rows.push_back(
+      {.quantity = fmt::format("J_S factor, mu = {:g} (eq. 32 | i^2/eta_b)", kTableFriction),
+       .unit = "",
+       .paper = {},
+       .equations =
+           w.sun * w.sun / (e.meshes[0].efficiency_backward * e.meshes[1].efficiency_backward),
+       .exact = w.sun * w.sun / or_nan(e.efficiency.backward),
+       .measured = {},
+       .decimals = 1});
+  rows.push_back({.quantity = "J_S factor, lossless",
+                  .unit = "",
+                  .paper = {},
+                  .equations = w.sun * w.sun,
+                  .exact = w.sun * w.sun,
+                  .measured = {},
+                  .decimals = 1});
+  rows.push_back({.quantity = "J_P factor per planet, lossless, eq. 32 read literally",
+                  .unit = "",
+                  .paper = {},
+                  .equations = rolling2,
+                  .exact = spin2,
+                  .measured = {},
+                  .decimals = 2});
+  rows.push_back({.quantity = "J_P factor with the carrier's absolute speed (eqs. 32-33)",
+                  .unit = "",
+                  .paper = {},
+                  .equations = rolling2 + w.carrier * w.carrier,
+                  .exact = spin2,
+                  .measured = {},
+                  .decimals = 2});
+}
+
+GearboxComparison compare(const PublishedGearbox& gearbox) {
+  const Evaluation e =
+      evaluated(with_friction(gearbox.design, kTableFriction, LossModel::kOhlendorf));
+  GearboxComparison comparison{.name = e.name,
+                               .rows = {},
+                               .efficiency = {},
+                               .fits = {},
+                               .directional = {},
+                               .recess_only_backward = {}};
+  append_geometry_rows(gearbox, e, comparison.rows);
+  append_lost_motion_rows(gearbox, e, comparison.rows);
+  append_inertia_rows(e, comparison.rows);
+  for (const double mu : {0.05, 0.075, 0.10, 0.125, 0.15}) {
+    const auto eta = [&](LossModel model, Direction direction) {
+      return efficiency_at(gearbox.design, mu, model, direction);
+    };
+    comparison.efficiency.push_back(
+        {.mu = mu,
+         .ohlendorf_forward = eta(LossModel::kOhlendorf, Direction::kForward),
+         .ohlendorf_backward = eta(LossModel::kOhlendorf, Direction::kBackward),
+         .sliding_forward = eta(LossModel::kSliding, Direction::kForward),
+         .sliding_backward = eta(LossModel::kSliding, Direction::kBackward)});
+  }
+  if (gearbox.measured_forward && gearbox.measured_backward) {
+    for (const LossModel model :
+         {LossModel::kOhlendorf, LossModel::kSliding, LossModel::kCoulombPath}) {
+      comparison.fits.push_back(friction_fit(gearbox, model));
+    }
+    comparison.directional = directional_fit(gearbox);
+    comparison.recess_only_backward = recess_only_backward(gearbox);
+  }
+  return comparison;
+}
+
+}  // namespace
+
+Reproduction reproduce(const PublishedSources& sources) {
+  return {.gearboxes = {compare(sources.low_backlash), compare(sources.bilateral)},
+          .ledger = paper_ledger(sources),
+          .thesis = compare_thesis(sources.thesis)};
+}
+
+}  // namespace gear3k::report

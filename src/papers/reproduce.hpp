@@ -1,0 +1,104 @@
+#pragma once
+// The published 96.2:1 gearboxes: what the paper says, what its own equations give, what was
+// measured; and the ledger of the paper's errata, computed.  With them the directional-impedance
+// thesis, see thesis_comparison.hpp.
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "design/evaluation.hpp"
+#include "optimize/specification.hpp"
+#include "papers/ledger.hpp"
+#include "papers/thesis_comparison.hpp"
+
+namespace gear3k::report {
+
+/// A published gearbox: its design (full teeth, no friction value of its own) and its figures.
+struct PublishedGearbox {
+  design::Design design;
+  std::optional<double> stated_ratio;
+  std::optional<double> stated_lost_motion_rad;  ///< the authors' simulation
+  std::optional<double> measured_lost_motion_rad;
+  std::optional<std::array<double, train::kMeshCount>> stated_contact_ratio;
+  std::optional<double> measured_forward, measured_backward;  ///< efficiencies
+  std::optional<double> outer_diameter_m;
+};
+
+/// Figures that the paper's text states.
+struct PaperStatements {
+  double backlash_accuracy_percent = 0.0;
+  double bilateral_xP2_printed = 0.0;
+  double starting_torque_ratio = 0.0;
+  double eq10_factor = 0.0;
+  // Of the simulation behind Figs. 6 to 8.
+  double figure_outer_diameter_m = 0.0;
+  double lost_motion_before_rad = 0.0;  ///< without profile shift
+  double lost_motion_after_rad = 0.0;   ///< with it
+  double efficiency_after = 0.0;        ///< backward, there
+};
+
+struct PublishedSources {
+  PublishedGearbox low_backlash, bilateral;
+  PaperStatements statements;
+  double max_backdriving_torque_Nm = 0.0;  ///< low-backlash gear, measured
+  double backdrive_starting_torque_Nm = 0.0;
+  double strain_wave_starting_torque_Nm = 0.0;  ///< of the paper's comparison
+  /// The paper's optimisation task (RP-96), for what its tooth counts could reach.
+  optimize::Specification task;
+  optimize::Specification figure_task;  ///< of the paper's figures, see paper_figures.hpp
+  ThesisSources thesis;
+};
+
+/// One compared quantity; empty = nothing said or nothing to say.
+struct ComparedRow {
+  std::string quantity, unit;
+  std::optional<double> paper;      ///< printed
+  std::optional<double> equations;  ///< the paper's own equations, evaluated
+  std::optional<double> exact;      ///< where the equations are an approximation or wrong
+  std::optional<double> measured;
+  int decimals = 4;
+};
+
+struct FrictionFit {
+  std::string model;
+  double measured_forward = 0.0, measured_backward = 0.0;
+  /// Friction that reproduces the measured forward (backward) efficiency; empty when none does.
+  std::optional<double> mu, backward_mu;
+  std::optional<double> backward;  ///< η_b predicted with `mu`
+};
+
+/// Loss model `directional` fitted to both measured efficiencies.
+struct DirectionalFit {
+  double mu = 0.0;
+  double approach_factor = 1.0, recess_factor = 1.0;  ///< 1 + a and 1 - a
+};
+
+struct EfficiencyPoint {
+  double mu;
+  double ohlendorf_forward, ohlendorf_backward, sliding_forward, sliding_backward;
+};
+
+struct GearboxComparison {
+  std::string name;
+  std::vector<ComparedRow> rows;
+  std::vector<EfficiencyPoint> efficiency;
+  std::vector<FrictionFit> fits;
+  /// Different friction in approach and recess that explains both directions; empty when none does.
+  std::optional<DirectionalFit> directional;
+  /// Backward efficiency predicted with all friction in recess, mu fitted to the forward one.
+  std::optional<double> recess_only_backward;
+};
+
+struct Reproduction {
+  std::vector<GearboxComparison> gearboxes;
+  std::vector<LedgerEntry> ledger;
+  ThesisComparison thesis;
+};
+
+/// Evaluates everything.
+/// @throws std::invalid_argument when a published gearbox has no defined geometry
+Reproduction reproduce(const PublishedSources& sources);
+
+}  // namespace gear3k::report

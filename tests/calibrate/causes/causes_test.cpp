@@ -1,0 +1,670 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <numbers>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "calibrate/causes/form_catalogue.hpp"
+#include "calibrate/model/cause.hpp"
+#include "tests/calibrate/rig_campaign.hpp"
+#include "tests/rig/rig_train.hpp"
+
+namespace gear3k::calibrate {
+namespace {
+
+constexpr double kRounding = 1e-13;
+constexpr double kRpm = std::numbers::pi / 30.0;
+constexpr double kArcmin = std::numbers::pi / 180.0 / 60.0;
+
+const std::vector<Kind> kKinds{Kind::kTransmission, Kind::kLostMotion, Kind::kTorqueAngle,
+                               Kind::kPairLoss};
+
+// The list
+
+TEST(Causes, AreThoseOfTheInterfaceEachOnce) {
+  using enum Kind;
+  // The table of the interface: which data can show what.
+  const std::map<std::string, std::set<Kind>> table{
+      {"friction_level", {kTransmission, kPairLoss}},
+      {"friction_load", {kTransmission}},
+      {"friction_speed", {kTransmission}},
+      {"friction_temperature", {kTransmission}},
+      {"friction_direction", {kTransmission, kPairLoss}},
+      {"drag_constant", {kTransmission}},
+      {"drag_viscous", {kTransmission}},
+      {"drag_quadratic", {kTransmission}},
+      {"bearing_load", {kTransmission, kPairLoss}},
+      {"sensor_gain", {kTransmission, kPairLoss}},
+      {"sensor_offset", {kTransmission}},
+      {"run_step", {kTransmission, kLostMotion, kTorqueAngle, kPairLoss}},
+      {"drift", {kTransmission, kLostMotion, kTorqueAngle, kPairLoss}},
+      {"runout", {kTransmission, kLostMotion}},
+      {"mesh_order", {kTransmission, kLostMotion}},
+      {"clearance", {kLostMotion, kTorqueAngle}},
+      {"compliance", {kLostMotion, kTorqueAngle}},
+      {"thermal_expansion", {kLostMotion}}};
+  std::map<std::string, std::set<Kind>> found;
+  for (const Cause* cause : causes()) {
+    const std::string id(cause->id);
+    EXPECT_FALSE(found.contains(id)) << id;
+    EXPECT_EQ(find_cause(id), cause);
+    EXPECT_FALSE(cause->title.empty()) << id;
+    EXPECT_GT(cause->weight, 0.0) << id;
+    for (const Kind kind : kKinds) {
+      if (!form_catalogue(*cause, kind).empty()) found[id].insert(kind);
+    }
+  }
+  EXPECT_EQ(found, table);
+  EXPECT_EQ(find_cause("friction"), nullptr);
+}
+
+TEST(Causes, StandInTheUsersTable) {
+  std::ifstream file(GEAR3K_SOURCE_DIR "/docs/interface.md");
+  std::stringstream text;
+  text << file.rdbuf();
+  ASSERT_FALSE(text.str().empty());
+  for (const Cause* cause : causes()) {
+    const std::regex row("\n\\|[^|]*`" + std::string(cause->id) + "`[^|]*\\|");
+    EXPECT_TRUE(std::regex_search(text.str(), row)) << cause->id;
+  }
+}
+
+TEST(Causes, HaveParametersThatMayBeNothing) {
+  for (const Cause* cause : causes()) {
+    for (const Kind kind : kKinds) {
+      for (const CatalogueForm& form : form_catalogue(*cause, kind)) {
+        const auto parameters = cause->parameters({.name = form.name}, kind);
+        EXPECT_FALSE(parameters.empty());
+        std::set<std::string> keys;
+        for (const ParameterRecord& p : parameters) {
+          EXPECT_LE(p.lower, 0.0) << cause->id;
+          EXPECT_GE(p.upper, 0.0) << cause->id;
+          EXPECT_LT(p.lower, p.upper) << cause->id;
+          EXPECT_LE(p.lower, p.plausible_low) << cause->id;
+          EXPECT_LE(p.plausible_high, p.upper) << cause->id;
+          EXPECT_LT(p.plausible_low, p.plausible_high) << cause->id;
+          keys.insert(file_key(p.name, p.unit));
+        }
+        EXPECT_EQ(keys.size(), parameters.size()) << cause->id;
+      }
+    }
+  }
+}
+
+TEST(Causes, AreNothingToSearchWhereTheDataCannotShowThem) {
+  const Simulation simulation(design_of(rig::bilateral_drive_gear()), Kind::kTransmission);
+  const auto ids = [&](auto change) {
+    MeasurementSet data = campaign(Kind::kTransmission);
+    for (Observation& row : data.rows) change(row.condition);
+    std::set<std::string> result;
+    for (const Candidate& c : candidates_for(simulation, data)) {
+      result.insert(std::string(c.cause->id));
+    }
+    return result;
+  };
+  EXPECT_EQ(ids([](Condition&) {}).size(), 15U);
+  const auto still = ids([](Condition& c) { c.temperature_K = 300.0; });
+  EXPECT_FALSE(still.contains("friction_temperature"));
+  const auto angle = ids([](Condition& c) { c.output_angle_rad = kUnknown; });
+  EXPECT_FALSE(angle.contains("runout"));
+  EXPECT_FALSE(angle.contains("mesh_order"));
+  const auto load = ids([](Condition& c) { c.output_torque_Nm = 20.0; });
+  EXPECT_FALSE(load.contains("friction_load"));
+  // A row without load has no place in a law of the load; the others have.
+  bool first = true;
+  const auto idle = ids([&](Condition& c) {
+    if (first) c.output_torque_Nm = 0.0;
+    first = false;
+  });
+  EXPECT_TRUE(idle.contains("friction_load"));
+  EXPECT_TRUE(idle.contains("friction_speed"));
+  const auto unloaded = ids([](Condition& c) { c.output_torque_Nm = 0.0; });
+  EXPECT_FALSE(unloaded.contains("friction_load"));
+  EXPECT_TRUE(unloaded.contains("drag_constant"));
+  const auto time = ids([](Condition& c) { c.time_s = kUnknown; });
+  EXPECT_FALSE(time.contains("drift"));
+  EXPECT_TRUE(time.contains("run_step"));
+}
+
+TEST(Causes, HaveEveryFormOfASearchInTheirCatalogue) {
+  // What diagnose may write into a model is what a model may hold.
+  for (const Kind kind : kKinds) {
+    MeasurementSet data = campaign(kind);
+    data.runs = {"a", "b", "c", "d"};
+    const auto rows = data.rows.size();
+    for (std::size_t i = 0; i < rows; ++i) {
+      data.rows[i].condition.run = static_cast<int>(4 * i / rows);
+    }
+    const design::Design design = design_of(rig::bilateral_drive_gear());
+    const Subject other =
+        kind == Kind::kPairLoss ? Subject(pair_of(design)) : Subject(some_black_box());
+    for (const Subject& subject : {Subject(design), other}) {
+      for (const Candidate& c : candidates_for(Simulation(subject, kind), data)) {
+        const auto catalogue = form_catalogue(*c.cause, kind);
+        const auto known = std::ranges::find(catalogue, c.form.name, &CatalogueForm::name);
+        ASSERT_NE(known, catalogue.end()) << c.cause->id << ' ' << c.form.name;
+        EXPECT_TRUE(c.form.body.empty() || std::ranges::count(known->bodies, c.form.body) == 1)
+            << c.form.body;
+        EXPECT_TRUE(std::ranges::any_of(known->sets,
+                                        [&](const auto& set) {
+                                          return std::ranges::equal(set, c.form.constants, {},
+                                                                    &FormConstant::name,
+                                                                    &FormConstant::name);
+                                        }))
+            << c.cause->id << ' ' << c.form.name;
+      }
+    }
+  }
+}
+
+TEST(Causes, OfNoSizeChangeNothing) {
+  design::Design design = design_of(rig::bilateral_drive_gear());
+  design.shafts.drag[design::kSunShaft].constant_Nm = 0.004;
+  for (const Kind kind : kKinds) {
+    const MeasurementSet all = campaign(kind);
+    const MeasurementSet data = all.rows.size() > 60 ? thinned(all, 4) : all;
+    const Subject other =
+        kind == Kind::kPairLoss ? Subject(pair_of(design)) : Subject(some_black_box());
+    for (const Subject& subject : {Subject(design), other}) {
+      const Simulation simulation(subject, kind);
+      const Eigen::VectorXd without = simulated(simulation, data, {}).value();
+      for (const Candidate& c : candidates_for(simulation, all)) {
+        const Hypothesis none = hypothesis({c}, std::vector<double>(c.parameters.size(), 0.0));
+        const Eigen::VectorXd with = simulated(simulation, data, none).value();
+        if (c.cause->id == "friction_direction" && c.form.name == "approach_recess") {
+          // Adds the difference of the two sides, which is 0, in two steps that each round.
+          EXPECT_LT((with - without).cwiseAbs().maxCoeff(), 1e-14 * without.maxCoeff());
+          continue;
+        }
+        EXPECT_EQ(with, without) << c.cause->id << ' ' << c.form.name;  // bit for bit
+      }
+    }
+  }
+}
+
+// What each does on the bilateral drive gear
+
+Hypothesis one(const std::string& id, Form form, std::vector<double> value,
+               Kind kind = Kind::kTransmission) {
+  return hypothesis({candidate(id, std::move(form), kind)}, std::move(value));
+}
+
+Form with_constants(const char* name, std::vector<FormConstant> constants) {
+  return {.name = name, .constants = std::move(constants)};
+}
+
+class OnTransmission : public testing::Test {
+ protected:
+  OnTransmission() : simulation_(design_of(rig::bilateral_drive_gear()), Kind::kTransmission) {}
+
+  [[nodiscard]] double torque(const Condition& c, const Hypothesis& h = {}) const {
+    return simulated(simulation_, c, h);
+  }
+  [[nodiscard]] static Condition at(design::Direction direction) {
+    return {.direction = direction,
+            .sun_speed_rad_s = 600.0 * kRpm,
+            .output_torque_Nm = 20.0,
+            .temperature_K = 308.15};
+  }
+  /// The same condition as the rig has it.
+  [[nodiscard]] static rig::Condition on_rig(const Condition& c) {
+    return {.forward = c.direction == design::Direction::kForward,
+            .sun_speed_rpm = c.sun_speed_rad_s / kRpm,
+            .output_torque_Nm = c.output_torque_Nm,
+            .rotation = c.rotation,
+            .temperature_c = c.temperature_K - 273.15};
+  }
+  /// As the rig says, which shares neither code nor formula.
+  static double on_rig(const Condition& c, const std::string& id, const std::string& variant,
+                       double amplitude) {
+    return rig::sun_torque(rig::bilateral_drive_gear(), on_rig(c),
+                           {{.id = id, .variant = variant, .amplitude = amplitude}});
+  }
+  [[nodiscard]] static Hypothesis level(double change) {
+    return one("friction_level", {.name = "coefficient"}, {change});
+  }
+  /// Another cause beside a level.
+  [[nodiscard]] static Hypothesis beside_level(const std::string& id, Form form, double value,
+                                               double change) {
+    return hypothesis(
+        {candidate("friction_level", {.name = "coefficient"}), candidate(id, std::move(form))},
+        {change, value});
+  }
+
+  Simulation simulation_;
+  const Condition forward_ = at(design::Direction::kForward);
+  const Condition backward_ = at(design::Direction::kBackward);
+  /// The rig's quadrature of the sliding over a base pitch.
+  static constexpr double kQuadrature = 1e-6;
+};
+
+TEST_F(OnTransmission, FrictionLevelIsAnotherCoefficient) {
+  design::Design design = design_of(rig::bilateral_drive_gear());
+  design.friction.coefficient *= 1.3;
+  const Simulation other(design, Kind::kTransmission);
+  for (const Condition& c : {forward_, backward_}) {
+    EXPECT_NEAR(torque(c, level(0.3)), simulated(other, c), kRounding);
+    const double rig = on_rig(c, "friction_level", "", 0.3);
+    EXPECT_NEAR(torque(c, level(0.3)), rig, kQuadrature * rig);
+  }
+}
+
+TEST_F(OnTransmission, FrictionLoadIsAPowerOfTheLoad) {
+  // All tooth forces grow with the load: at 2 T friction is 2^n of that at T, and with it all
+  // torques are in proportion.
+  const Form form =
+      with_constants("about_middle", {{.name = "reference_load", .unit = "N", .value = 300.0}});
+  constexpr double kExponent = -0.2;
+  for (const Condition& c : {forward_, backward_}) {
+    Condition twice = c;
+    twice.output_torque_Nm *= 2.0;
+    const double scaled =
+        torque(twice, beside_level("friction_load", form, kExponent, std::exp2(-kExponent) - 1.0));
+    EXPECT_NEAR(scaled, 2.0 * torque(c, one("friction_load", form, {kExponent})), 1e-11);
+    // And falling friction shows.
+    EXPECT_GT(std::abs(torque(twice, one("friction_load", form, {kExponent})) -
+                       2.0 * torque(c, one("friction_load", form, {kExponent}))),
+              1e-3);
+  }
+}
+
+TEST_F(OnTransmission, FrictionSpeedIsAPowerOrAnExcessThatDiesAway) {
+  const Form power = with_constants("power_about_middle",
+                                    {{.name = "reference_speed", .unit = "m/s", .value = 0.1}});
+  const Form excess =
+      with_constants("slow_excess", {{.name = "speed_scale", .unit = "m/s", .value = 0.05}});
+  constexpr double kExponent = -0.3;
+  for (const Condition& c : {forward_, backward_}) {
+    Condition twice = c;
+    twice.sun_speed_rad_s *= 2.0;
+    EXPECT_NEAR(torque(twice, beside_level("friction_speed", power, kExponent,
+                                           std::exp2(-kExponent) - 1.0)),
+                torque(c, one("friction_speed", power, {kExponent})), 1e-11);
+    Condition still = c;
+    still.sun_speed_rad_s = 0.0;
+    EXPECT_NEAR(torque(still, one("friction_speed", excess, {0.7})), torque(still, level(0.7)),
+                kRounding);
+    Condition fast = c;
+    fast.sun_speed_rad_s = 1e5;
+    EXPECT_NEAR(torque(fast, one("friction_speed", excess, {0.7})), torque(fast), kRounding);
+  }
+}
+
+TEST_F(OnTransmission, FrictionTemperatureIsAnExponential) {
+  const Form form = with_constants("from_design",
+                                   {{.name = "reference_temperature", .unit = "c", .value = 20.0}});
+  for (Condition c : {forward_, backward_}) {
+    c.temperature_K = 293.15;
+    EXPECT_NEAR(torque(c, one("friction_temperature", form, {-0.02})), torque(c), kRounding);
+    c.temperature_K = 323.15;
+    EXPECT_NEAR(torque(c, one("friction_temperature", form, {-0.02})),
+                torque(c, level(std::exp(-0.6) - 1.0)), kRounding);
+  }
+}
+
+TEST_F(OnTransmission, TemperatureMayActOnTheDrags) {
+  design::Design design = design_of(rig::bilateral_drive_gear());
+  design.shafts.drag[design::kSunShaft].constant_Nm = 0.01;
+  const Simulation dragging(design, Kind::kTransmission);
+  const Form form =
+      with_constants("drag", {{.name = "reference_temperature", .unit = "c", .value = 20.0}});
+  for (Condition c : {forward_, backward_}) {
+    c.temperature_K = 313.15;
+    const double sign = c.direction == design::Direction::kForward ? 1.0 : -1.0;
+    EXPECT_NEAR(simulated(dragging, c, one("friction_temperature", form, {-0.03})),
+                torque(c) + sign * 0.01 * std::exp(-0.6), kRounding);
+  }
+}
+
+TEST_F(OnTransmission, FrictionDirectionDiffersWithTheEndThatDrives) {
+  const auto direction = [](const char* form) {
+    return one("friction_direction", {.name = form}, {0.2});
+  };
+  EXPECT_NEAR(torque(forward_, direction("forward_backward")), torque(forward_, level(0.2)),
+              kRounding);
+  EXPECT_NEAR(torque(backward_, direction("forward_backward")), torque(backward_, level(-0.2)),
+              kRounding);
+  EXPECT_NEAR(torque(forward_, direction("forward")), torque(forward_, level(0.2)), kRounding);
+  EXPECT_EQ(torque(backward_, direction("forward")), torque(backward_));
+  EXPECT_NEAR(torque(backward_, direction("backward")), torque(backward_, level(0.2)), kRounding);
+  EXPECT_EQ(torque(forward_, direction("backward")), torque(forward_));
+}
+
+TEST_F(OnTransmission, FrictionDirectionDiffersBeforeAndBehindThePitchPoint) {
+  // To first order in friction as in the rig; at 0.1 the second order is as great, as the two sides
+  // nearly balance.
+  rig::Gearbox smooth = rig::bilateral_drive_gear();
+  smooth.friction = 1e-3;
+  const Simulation simulation(design_of(smooth), Kind::kTransmission);
+  for (const Condition& c : {forward_, backward_}) {
+    const double found =
+        simulated(simulation, c, one("friction_direction", {.name = "approach_recess"}, {0.2})) -
+        simulated(simulation, c);
+    const double rig =
+        rig::sun_torque(smooth, on_rig(c), {{.id = "friction_direction", .amplitude = 0.2}}) -
+        rig::sun_torque(smooth, on_rig(c));
+    EXPECT_NEAR(found, rig, 0.02 * std::abs(rig));
+  }
+}
+
+TEST_F(OnTransmission, DragOnTheSunAddsForwardAndTakesAwayBackward) {
+  const double w = 600.0 * kRpm;
+  const Form sun{.name = "sun", .body = "sun"};
+  for (const auto& [id, value, drag] :
+       {std::tuple{"drag_constant", 0.01, 0.01}, std::tuple{"drag_viscous", 1e-4, 1e-4 * w},
+        std::tuple{"drag_quadratic", 1e-6, 1e-6 * w * w}}) {
+    const Hypothesis h = one(id, sun, {value});
+    for (const int rotation : {1, -1}) {
+      Condition f = forward_;
+      Condition b = backward_;
+      f.rotation = b.rotation = rotation;
+      EXPECT_NEAR(torque(f, h) - torque(f), drag, kRounding) << id;
+      EXPECT_NEAR(torque(b, h) - torque(b), -drag, kRounding) << id;
+    }
+    // Whatever the load.
+    Condition light = forward_;
+    light.output_torque_Nm = 5.0;
+    EXPECT_NEAR(torque(light, h) - torque(light), drag, kRounding) << id;
+  }
+}
+
+TEST_F(OnTransmission, DragOnTheOutputIsLoadThatTheTeethCarryMoreOrLess) {
+  // 12/39/90/32/81: ratio 5967/62.
+  const double w = 600.0 * kRpm / (5967.0 / 62.0);
+  const Form output{.name = "output", .body = "output"};
+  for (const auto& [id, value, drag] :
+       {std::tuple{"drag_constant", 0.5, 0.5}, std::tuple{"drag_viscous", 0.2, 0.2 * w},
+        std::tuple{"drag_quadratic", 0.3, 0.3 * w * w}}) {
+    for (const Condition& c : {forward_, backward_}) {
+      Condition loaded = c;
+      loaded.output_torque_Nm += c.direction == design::Direction::kForward ? drag : -drag;
+      EXPECT_NEAR(torque(c, one(id, output, {value})), torque(loaded), 1e-12) << id;
+    }
+  }
+}
+
+TEST_F(OnTransmission, BearingLoadGrowsWithTheLoad) {
+  const Hypothesis pins =
+      one("bearing_load", {.name = "planet_bearings", .body = "planet"}, {0.05});
+  const Hypothesis output =
+      one("bearing_load", {.name = "output_bearing", .body = "output"}, {0.03});
+  for (const Condition& c : {forward_, backward_}) {
+    const double sign = c.direction == design::Direction::kForward ? 1.0 : -1.0;
+    for (const Hypothesis& h : {pins, output}) {
+      Condition twice = c;
+      twice.output_torque_Nm *= 2.0;
+      EXPECT_NEAR(torque(twice, h), 2.0 * torque(c, h), 1e-12);
+      EXPECT_GT(sign * (torque(c, h) - torque(c)), 0.0);
+    }
+    // Of what the teeth of R2 carry, 3 % are lost: forward they carry T/0.97, backward T/1.03.
+    Condition teeth = c;
+    teeth.output_torque_Nm /= 1.0 - sign * 0.03;
+    EXPECT_NEAR(torque(c, output), torque(teeth), 1e-12);
+  }
+}
+
+TEST_F(OnTransmission, FrictionOnThePinsIsThatOfTheRig) {
+  // Without friction in the meshes, where the rig states how forces shift with it in its own way.
+  rig::Gearbox smooth = rig::bilateral_drive_gear();
+  smooth.friction = 1e-6;
+  const Simulation simulation(design_of(smooth), Kind::kTransmission);
+  constexpr double kFriction = 0.02;
+  const double radius_mm = 1e3 * rig::make_train(smooth).pin_radius_m;
+  for (const Condition& c : {forward_, backward_}) {
+    const double rig = rig::sun_torque(
+        smooth, on_rig(c), {{.id = "bearing_load", .variant = "pins", .amplitude = kFriction}});
+    EXPECT_NEAR(simulated(simulation, c,
+                          one("bearing_load", {.name = "planet_bearings", .body = "planet"},
+                              {kFriction * radius_mm})),
+                rig, 1e-5 * rig);
+    EXPECT_GT(std::abs(rig - simulated(simulation, c)), 0.02 * rig);
+  }
+}
+
+TEST_F(OnTransmission, SensorGainMultipliesAndOffsetFollowsTheSensorsSign) {
+  const Hypothesis gain = one("sensor_gain", {.name = "gain"}, {0.05});
+  const Hypothesis offset = one("sensor_offset", {.name = "offset"}, {0.01});
+  for (const int rotation : {1, -1}) {
+    Condition f = forward_;
+    Condition b = backward_;
+    f.rotation = b.rotation = rotation;
+    EXPECT_NEAR(torque(f, gain), 1.05 * torque(f), kRounding);
+    EXPECT_NEAR(torque(b, gain), 1.05 * torque(b), kRounding);
+    EXPECT_NEAR(torque(f, offset) - torque(f), 0.01 * rotation, kRounding);
+    EXPECT_NEAR(torque(b, offset) - torque(b), -0.01 * rotation, kRounding);
+    f.reference_sensor = true;  // another sensor
+    EXPECT_EQ(torque(f, gain), torque(f));
+    EXPECT_EQ(torque(f, offset), torque(f));
+  }
+}
+
+TEST_F(OnTransmission, RunStepActsFromASessionOnOrUntilThere) {
+  const auto step = [](const char* form, const char* constant, double value) {
+    return one("run_step", with_constants(form, {{.name = constant, .unit = "", .value = value}}),
+               {0.01});
+  };
+  for (Condition c : {forward_, backward_}) {
+    c.rotation = -1;
+    const double sensor = c.direction == design::Direction::kForward ? -0.01 : 0.01;
+    for (int run = 0; run < 4; ++run) {
+      c.run = run;
+      c.time_s = 100.0 * run;
+      const bool later = run >= 2;
+      const auto change = [&](const Hypothesis& h) { return torque(c, h) - torque(c); };
+      EXPECT_NEAR(change(step("from", "first_run", 2.0)), later ? 0.01 : 0.0, kRounding);
+      EXPECT_NEAR(change(step("until", "first_run", 2.0)), later ? 0.0 : 0.01, kRounding);
+      EXPECT_NEAR(change(step("sensor_from", "first_run", 2.0)), later ? sensor : 0.0, kRounding);
+      EXPECT_NEAR(change(step("sensor_until", "first_run", 2.0)), later ? 0.0 : sensor, kRounding);
+      EXPECT_NEAR(change(step("from", "instant", 150.0)), later ? 0.01 : 0.0, kRounding);
+    }
+  }
+}
+
+TEST_F(OnTransmission, DriftGrowsLevelsOffOrDiesAway) {
+  const auto drift = [](const char* form, double time_constant) {
+    return one(
+        "drift",
+        with_constants(form, {{.name = "start", .unit = "s", .value = 1000.0},
+                              {.name = "span", .unit = "s", .value = 400.0},
+                              {.name = "time_constant", .unit = "s", .value = time_constant}}),
+        {0.02});
+  };
+  const auto change = [&](double time_s, const Hypothesis& h) {
+    Condition c = backward_;
+    c.time_s = time_s;
+    return (torque(c, h) - torque(c)) / 0.02;
+  };
+  constexpr double kShare = 1e-11;
+  for (const double share : {0.0, 0.5, 1.0}) {
+    const double t = 1000.0 + 400.0 * share;
+    EXPECT_NEAR(change(t, drift("linear_time", 400.0)), share, kShare);
+    EXPECT_NEAR(change(t, drift("centred_time", 400.0)), share - 0.5, kShare);
+  }
+  // At one time constant: 1 − 1/e and 1/e, 0.63212 and 0.36788 in five digits.
+  EXPECT_NEAR(change(1100.0, drift("levelling_time", 100.0)), 0.63212, 5e-6);
+  EXPECT_NEAR(change(1100.0, drift("dying_time", 100.0)), 0.36788, 5e-6);
+  EXPECT_NEAR(change(1000.0, drift("levelling_time", 100.0)), 0.0, kShare);
+  EXPECT_NEAR(change(1000.0, drift("dying_time", 100.0)), 1.0, kShare);
+  Condition timeless = forward_;
+  EXPECT_EQ(torque(timeless, drift("linear_time", 400.0)), torque(timeless));
+}
+
+TEST_F(OnTransmission, WavesOverTheAngleAreConstantOrGrowWithTheTorque) {
+  for (const char* id : {"runout", "mesh_order"}) {
+    const auto wave = [&](const char* form, double cosine, double sine) {
+      return one(id, {.name = form, .body = "sun", .order = 8.0}, {cosine, sine});
+    };
+    for (Condition c : {forward_, backward_}) {
+      const double without = torque(c);
+      const auto change = [&](double turn, const Hypothesis& h) {
+        c.output_angle_rad = 2.0 * std::numbers::pi * turn;
+        return torque(c, h) - without;
+      };
+      // Order 8: a cosine is at its top after 0 and 1/8 of a turn and at its bottom after 1/16; a
+      // sine at its top after 1/32.
+      const double constant = 0.003;
+      const double share = 0.02;
+      for (const auto& [turn, top] :
+           {std::pair{0.0, 1.0}, std::pair{1.0 / 16.0, -1.0}, std::pair{3.125, 1.0}}) {
+        EXPECT_NEAR(change(turn, wave("constant", constant, 0.0)), top * constant, 1e-13);
+        EXPECT_NEAR(change(turn, wave("proportional", share, 0.0)), top * share * without, 1e-13);
+      }
+      EXPECT_NEAR(change(1.0 / 32.0, wave("constant", 0.0, constant)), constant, 1e-13);
+      EXPECT_NEAR(change(1.0 / 32.0, wave("proportional", 0.0, share)), share * without, 1e-13);
+    }
+  }
+}
+
+// A black box knows ratio and efficiencies only.
+
+TEST(OnABlackBox, FrictionIsThatOfItsEfficiencies) {
+  const BlackBox box = some_black_box();
+  const Simulation simulation(box, Kind::kTransmission);
+  const Condition f{.sun_speed_rad_s = 60.0, .output_torque_Nm = 20.0};
+  Condition b = f;
+  b.direction = design::Direction::kBackward;
+  const double lossless = 20.0 / (5967.0 / 62.0);
+  EXPECT_NEAR(simulated(simulation, f), lossless / 0.85, kRounding);
+  EXPECT_NEAR(simulated(simulation, b), lossless * 0.8, kRounding);
+  // Twice the friction: twice what is lost of the torque.
+  const Hypothesis twice = one("friction_level", {.name = "coefficient"}, {1.0});
+  EXPECT_NEAR(simulated(simulation, f, twice) - lossless, 2.0 * (lossless / 0.85 - lossless),
+              kRounding);
+  EXPECT_NEAR(lossless - simulated(simulation, b, twice), 2.0 * 0.2 * lossless, kRounding);
+  const Hypothesis drag = one("drag_constant", {.name = "sun", .body = "sun"}, {0.01});
+  EXPECT_NEAR(simulated(simulation, f, drag) - simulated(simulation, f), 0.01, kRounding);
+  EXPECT_NEAR(simulated(simulation, b, drag) - simulated(simulation, b), -0.01, kRounding);
+}
+
+// Lost motion
+
+class OnLostMotion : public testing::TestWithParam<Kind> {
+ protected:
+  OnLostMotion() : simulation_(design_of(rig::bilateral_drive_gear()), GetParam()) {}
+  [[nodiscard]] double arcmin(const Condition& c, const Hypothesis& h = {}) const {
+    return simulated(simulation_, c, h) / kArcmin;
+  }
+  Simulation simulation_;
+  const Condition row_{.test_torque_Nm = 3.0, .temperature_K = 293.15};
+  static constexpr double kAngle = 1e-11;  // arcmin
+};
+
+TEST_P(OnLostMotion, WithoutCausesIsThatOfTheRig) {
+  EXPECT_NEAR(arcmin(row_),
+              rig::lost_motion_arcmin(rig::bilateral_drive_gear(),
+                                      {.output_torque_Nm = 3.0, .temperature_c = 20.0}),
+              1e-6);
+}
+
+TEST_P(OnLostMotion, ClearanceAddsToIt) {
+  const Hypothesis h = one("clearance", {.name = "constant"}, {2.5}, GetParam());
+  EXPECT_NEAR(arcmin(row_, h) - arcmin(row_), 2.5, kAngle);
+}
+
+TEST_P(OnLostMotion, ComplianceAddsTwiceTheTestTorque) {
+  const Hypothesis h = one("compliance", {.name = "output"}, {0.4}, GetParam());
+  EXPECT_NEAR(arcmin(row_, h) - arcmin(row_), 2.0 * 3.0 * 0.4, kAngle);
+  Condition none = row_;
+  none.test_torque_Nm = 0.0;
+  EXPECT_EQ(arcmin(none, h), arcmin(none));
+}
+
+TEST_P(OnLostMotion, AStepIsInArcminutes) {
+  const Hypothesis h =
+      one("run_step", with_constants("from", {{.name = "first_run", .unit = "", .value = 1.0}}),
+          {1.5}, GetParam());
+  Condition later = row_;
+  later.run = 1;
+  EXPECT_NEAR(arcmin(later, h) - arcmin(later), 1.5, kAngle);
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, OnLostMotion,
+                         testing::Values(Kind::kLostMotion, Kind::kTorqueAngle));
+
+TEST(OnHousing, ThermalExpansionMovesTheAxesApart) {
+  const rig::Gearbox gearbox = rig::bilateral_drive_gear();
+  const design::Design design = design_of(gearbox);
+  const Simulation simulation(design, Kind::kLostMotion);
+  const Hypothesis h =
+      one("thermal_expansion",
+          with_constants("from_design",
+                         {{.name = "reference_temperature", .unit = "c", .value = 20.0}}),
+          {40.0}, Kind::kLostMotion);
+  for (const double celsius : {-10.0, 20.0, 60.0}) {
+    const Condition c{.test_torque_Nm = 1.0, .temperature_K = celsius + 273.15};
+    // As `analyze` says of a gearbox whose centre distance is that of the temperature.
+    design::Design warm = design;
+    warm.train.center_distance_m *= 1.0 + 40e-6 * (celsius - 20.0);
+    const auto evaluation = design::evaluate(warm);
+    const double expected = std::get<design::Evaluation>(evaluation).backlash.kinematic_rad;
+    EXPECT_NEAR(simulated(simulation, c, h), expected, 1e-14);
+    // And as the rig does, from tooth thicknesses.
+    EXPECT_NEAR(
+        simulated(simulation, c, h) / kArcmin,
+        rig::lost_motion_arcmin(gearbox, {.output_torque_Nm = 1.0, .temperature_c = celsius},
+                                {{.id = "thermal_expansion", .amplitude = 40e-6}}),
+        1e-6);
+  }
+  // The internal meshes lose more backlash than the external one gains.
+  const Condition warm{.temperature_K = 333.15};
+  EXPECT_LT(simulated(simulation, warm, h), simulated(simulation, warm));
+}
+
+// Pairs
+
+class OnPairs : public testing::Test {
+ protected:
+  OnPairs() : simulation_(pair_of(design_of(rig::bilateral_drive_gear())), Kind::kPairLoss) {}
+  [[nodiscard]] double loss(const Condition& c, const std::string& id, const char* form,
+                            double value) const {
+    return simulated(simulation_, c, one(id, {.name = form}, {value}, Kind::kPairLoss));
+  }
+  Simulation simulation_;
+  const Condition down_{.driving_teeth = 20, .driven_teeth = 80};
+  const Condition up_{.driving_teeth = 80, .driven_teeth = 20};
+};
+
+TEST_F(OnPairs, LossIsProportionalToFriction) {
+  for (const Condition& c : {down_, up_}) {
+    const double without = simulated(simulation_, c);
+    EXPECT_NEAR(loss(c, "friction_level", "coefficient", 0.5), 1.5 * without, 1e-15);
+    const double rig =
+        rig::pair_loss(rig::bilateral_drive_gear(), 1.0,
+                       {.driving_teeth = c.driving_teeth, .driven_teeth = c.driven_teeth},
+                       {{.id = "friction_level", .amplitude = 0.5}});
+    EXPECT_NEAR(loss(c, "friction_level", "coefficient", 0.5), rig, 1e-6 * rig);
+  }
+}
+
+TEST_F(OnPairs, DrivingFromTheOtherSideSwapsApproachAndRecess) {
+  for (const double s : {0.3, -0.3, 1.5}) {
+    EXPECT_NEAR(loss(down_, "friction_direction", "approach", s),
+                loss(up_, "friction_direction", "recess", s), 1e-14);
+    EXPECT_NEAR(loss(down_, "friction_direction", "approach_recess", s),
+                loss(up_, "friction_direction", "approach_recess", -s), 1e-14);
+    // Both sides together are the level.
+    const double without = simulated(simulation_, down_);
+    const double sides = loss(down_, "friction_direction", "approach", s) - without +
+                         loss(down_, "friction_direction", "recess", s) - without;
+    EXPECT_NEAR(sides, s * without, 0.02 * std::abs(s) * without);
+  }
+}
+
+TEST_F(OnPairs, BearingsAddAndGainMultipliesTheEfficiency) {
+  const double without = simulated(simulation_, down_);
+  EXPECT_NEAR(loss(down_, "bearing_load", "shafts", 0.01) - without, 0.01, 1e-15);
+  EXPECT_NEAR(1.0 - loss(down_, "sensor_gain", "gain", -0.02), 0.98 * (1.0 - without), 1e-15);
+}
+
+}  // namespace
+}  // namespace gear3k::calibrate

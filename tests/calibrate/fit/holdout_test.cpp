@@ -1,0 +1,293 @@
+#include "calibrate/fit/holdout.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+#include <vector>
+
+#include "tests/calibrate/bench.hpp"
+
+namespace gear3k::calibrate {
+namespace {
+
+MeasurementSet without_block(const MeasurementSet& data, const Blocks& blocks, int block) {
+  MeasurementSet rest = data;
+  rest.rows.clear();
+  for (std::size_t i = 0; i < data.rows.size(); ++i) {
+    if (blocks.of[i] != block) rest.rows.push_back(data.rows[i]);
+  }
+  return rest;
+}
+
+/// Each row by the least squares line of the rows outside its block.
+Eigen::VectorXd line_without_its_block(const Eigen::MatrixXd& line, const Eigen::VectorXd& response,
+                                       const Blocks& blocks) {
+  Eigen::VectorXd predicted(response.size());
+  for (int block = 0; block < blocks.count; ++block) {
+    Eigen::MatrixXd x = line;
+    Eigen::VectorXd y = response;
+    for (Eigen::Index i = 0; i < y.size(); ++i) {
+      if (blocks.of[static_cast<std::size_t>(i)] != block) continue;
+      x.row(i).setZero();
+      y[i] = 0.0;
+    }
+    const Eigen::VectorXd refit = line * x.colPivHouseholderQr().solve(y);
+    for (Eigen::Index i = 0; i < y.size(); ++i) {
+      if (blocks.of[static_cast<std::size_t>(i)] == block) predicted[i] = refit[i];
+    }
+  }
+  return predicted;
+}
+
+class HeldOut : public Bench {
+ protected:
+  HeldOut() { data_ = campaign(Kind::kTransmission); }
+
+  /// What the sensor shows is a line in the true torque: y = (1 + g) T + b s. [T, s]
+  [[nodiscard]] Eigen::MatrixXd sensor_line() const {
+    Eigen::MatrixXd line(static_cast<Eigen::Index>(data_.rows.size()), 2);
+    line.col(0) = simulated(simulation_, data_, {}).value();
+    for (Eigen::Index i = 0; i < line.rows(); ++i) {
+      const Condition& c = data_.rows[static_cast<std::size_t>(i)].condition;
+      line(i, 1) = c.direction == design::Direction::kForward ? c.rotation : -c.rotation;
+    }
+    return line;
+  }
+  [[nodiscard]] bool no_worse(const Hypothesis& h, const Hypothesis& other, const Blocks& blocks,
+                              double scale) const {
+    return predicts_no_worse(problem(), predict_held_out(problem(), h, blocks),
+                             predict_held_out(problem(), other, blocks), scale);
+  }
+  [[nodiscard]] Blocks by(const std::string& name) const {
+    for (const Levels& levels : covariate_levels(data_)) {
+      if (levels.name == name) return {.name = name, .of = levels.of, .count = levels.count};
+    }
+    return {};
+  }
+  /// A step that only the last session shows.
+  [[nodiscard]] Hypothesis step_in_last_session() const {
+    return hypothesis(
+        {candidate("run_step",
+                   {.name = "from",
+                    .constants = {{.name = "first_run",
+                                   .unit = "",
+                                   .value = static_cast<double>(data_.runs.size() - 1)}}})},
+        {0.01});
+  }
+};
+
+TEST_F(HeldOut, OfTheSensorAreRefitsWithoutTheBlock) {
+  const Hypothesis sensor = hypothesis(
+      {candidate("sensor_gain", {.name = "gain"}), candidate("sensor_offset", {.name = "offset"})},
+      {0.04, 0.003});
+  measure_evenly(sensor, 0.004, 3);
+  const Eigen::MatrixXd line = sensor_line();
+  for (const char* name : {"load", "speed", "run", "direction"}) {
+    const Blocks blocks = by(name);
+    ASSERT_GE(blocks.count, 2) << name;
+    const Eigen::VectorXd refit = line_without_its_block(line, measured(data_), blocks);
+    // From any values of the parameters, as nothing depends on them but the residual.
+    Hypothesis from = sensor;
+    for (const double gain : {0.04, 0.02}) {
+      from.value[0] = gain;
+      const Eigen::VectorXd predicted = predict_held_out(problem(), from, blocks);
+      for (Eigen::Index i = 0; i < refit.size(); ++i) {
+        EXPECT_NEAR(predicted[i], refit[i], 1e-9 * line.col(0).maxCoeff()) << name << ' ' << i;
+      }
+    }
+  }
+}
+
+TEST_F(HeldOut, DecideWhetherAnEffectOnlyFitsOrAlsoPredicts) {
+  const Hypothesis offset = hypothesis({candidate("sensor_offset", {.name = "offset"})}, {0.0});
+  const Eigen::MatrixXd line = sensor_line();
+  const Blocks blocks = by("load");
+  constexpr double kMost = 0.004;
+  int fits_only = 0;
+  int predicts = 0;
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    measure_evenly({}, kMost, seed);
+    const Eigen::VectorXd shift = measured(data_) - line.col(0);
+    const Eigen::VectorXd refit = line_without_its_block(line.col(1), shift, blocks);
+    const bool expected = (shift - refit).squaredNorm() <= shift.squaredNorm();
+    EXPECT_EQ(no_worse(offset, {}, blocks, kMost), expected) << seed;
+    ++(expected ? predicts : fits_only);
+  }
+  // The fit to the rows themselves is better every time.
+  EXPECT_GT(fits_only, 10);
+  EXPECT_GT(predicts, 2);
+  Hypothesis truth = offset;
+  truth.value = {0.01};
+  measure_evenly(truth, kMost, 3);
+  EXPECT_TRUE(no_worse(offset, {}, blocks, kMost));
+  EXPECT_FALSE(no_worse({}, offset, blocks, kMost));
+}
+
+TEST_F(HeldOut, DoNotSpeakAgainstWhatTheyCannotPredict) {
+  const Hypothesis step = step_in_last_session();
+  measure_evenly(step, 0.004, 3);
+  // Without the last session nobody knows its step; the others do not depend on it.
+  EXPECT_TRUE(no_worse(step, {}, by("run"), 0.004));
+  EXPECT_TRUE(no_worse({}, step, by("run"), 0.004));
+}
+
+TEST_F(HeldOut, OutliersCountByTheirDistanceNotItsSquare) {
+  measure_evenly({}, 0.004, 3);
+  const Eigen::VectorXd y = measured(data_);
+  Eigen::VectorXd one_far = y;
+  one_far[0] += 100.0;
+  Eigen::VectorXd all_off = y;
+  // 2·3·100 − 9 = 591 deviations² in one row, or as many in all rows together.
+  const auto rows = static_cast<double>(y.size());
+  ASSERT_LT(591.0 / rows, 9.0);
+  all_off.array() += std::sqrt(591.5 / rows);
+  EXPECT_TRUE(predicts_no_worse(problem(), one_far, all_off, 1.0));
+  all_off = y.array() + std::sqrt(590.5 / rows);
+  EXPECT_FALSE(predicts_no_worse(problem(), one_far, all_off, 1.0));
+}
+
+TEST_F(HeldOut, OfFrictionAreCloseToRefitsWithoutTheBlock) {
+  const Hypothesis start = hypothesis({candidate("friction_level", {.name = "coefficient"}),
+                                       candidate("drag_constant", {.name = "sun", .body = "sun"})},
+                                      {0.0, 0.0});
+  Hypothesis truth = start;
+  truth.value = {0.3, 0.02};
+  constexpr double kNoise = 0.004;
+  measure_evenly(truth, kNoise, 3);
+  Hypothesis full = start;
+  for (const double scale : {0.05, kNoise, 1e-2 * kNoise}) {
+    full = fit(problem(), full, std::max(scale, kNoise)).hypothesis;
+  }
+  const Eigen::VectorXd fitted = simulated(simulation_, data_, full).value();
+  for (const char* name : {"load", "speed"}) {
+    const Blocks blocks = by(name);
+    const Eigen::VectorXd predicted = predict_held_out(problem(), full, blocks);
+    for (int block = 0; block < blocks.count; ++block) {
+      const MeasurementSet rest = without_block(data_, blocks, block);
+      const Problem left{.simulation = simulation_, .data = rest, .noise = make_noise_model(rest)};
+      const FinalFit refit = final_fit(left, full, kNoise);
+      const Eigen::VectorXd expected = simulated(simulation_, data_, refit.hypothesis).value();
+      double moved = 0.0;
+      double missed = 0.0;
+      for (std::size_t i = 0; i < data_.rows.size(); ++i) {
+        if (blocks.of[i] != block) continue;
+        const auto k = static_cast<Eigen::Index>(i);
+        moved = std::max(moved, std::abs(expected[k] - fitted[k]));
+        missed = std::max(missed, std::abs(expected[k] - predicted[k]));
+      }
+      // The parameters move by their standard deviation: the curvature of the response over that
+      // distance is a few percent of the step.
+      EXPECT_GT(moved, 0.0);
+      EXPECT_LT(missed, 0.05 * moved) << name << ' ' << block;
+    }
+  }
+}
+
+TEST_F(HeldOut, WithoutParametersAreTheSimulation) {
+  const Blocks blocks = by("load");
+  const Eigen::VectorXd y = simulated(simulation_, data_, {}).value();
+  EXPECT_EQ(predict_held_out(problem(), {}, blocks), y);
+}
+
+TEST_F(HeldOut, AreUnknownWhereTheRestDoesNotDetermineTheParameters) {
+  // A step that only the last session shows.
+  const Hypothesis step = step_in_last_session();
+  measure_evenly(step, 0.004, 3);
+  const Blocks blocks = by("run");
+  ASSERT_EQ(blocks.count, static_cast<int>(data_.runs.size()));
+  const Eigen::VectorXd predicted = predict_held_out(problem(), step, blocks);
+  for (std::size_t i = 0; i < data_.rows.size(); ++i) {
+    const bool determined = data_.rows[i].condition.run != static_cast<int>(data_.runs.size()) - 1;
+    EXPECT_EQ(std::isfinite(predicted[static_cast<Eigen::Index>(i)]), determined) << i;
+  }
+}
+
+// Which blocks
+
+Blocks blocks_of_set(const MeasurementSet& data) {
+  return holdout_blocks(data, covariate_levels(data));
+}
+
+/// Rows of one block share a value; rows of different blocks do not.
+template <class Value>
+void expect_blocks_by(const MeasurementSet& data, const std::string& name, int count, Value value) {
+  const Blocks blocks = blocks_of_set(data);
+  EXPECT_EQ(blocks.name, name);
+  EXPECT_EQ(blocks.count, count);
+  ASSERT_EQ(blocks.of.size(), data.rows.size());
+  for (std::size_t i = 0; i < data.rows.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      const bool same = value(data.rows[i].condition) == value(data.rows[k].condition);
+      ASSERT_EQ(blocks.of[i] == blocks.of[k], same) << i << ' ' << k;
+    }
+  }
+}
+
+TEST(HoldoutBlocks, OfPairsAreWholePinions) {
+  expect_blocks_by(campaign(Kind::kPairLoss), "pinion", 5,
+                   [](const Condition& c) { return std::min(c.driving_teeth, c.driven_teeth); });
+}
+
+TEST(HoldoutBlocks, OfTransmissionsAreLoadsThenSpeedsThenSessions) {
+  MeasurementSet data = campaign(Kind::kTransmission);
+  expect_blocks_by(data, "load", 4, [](const Condition& c) { return c.output_torque_Nm; });
+  for (Observation& row : data.rows) row.condition.output_torque_Nm = 20.0;
+  expect_blocks_by(data, "speed", 5, [](const Condition& c) { return c.sun_speed_rad_s; });
+  for (Observation& row : data.rows) row.condition.sun_speed_rad_s = 60.0;
+  expect_blocks_by(data, "run", 4, [](const Condition& c) { return c.run; });
+}
+
+TEST(HoldoutBlocks, OfLostMotionAreTestTorques) {
+  expect_blocks_by(campaign(Kind::kLostMotion), "test torque",
+                   static_cast<int>(rig::lost_motion_plan().torques_Nm.size()),
+                   [](const Condition& c) { return c.test_torque_Nm; });
+}
+
+TEST(HoldoutBlocks, WithoutLevelsAreSectorsOfTheAngle) {
+  MeasurementSet data;
+  data.kind = Kind::kLostMotion;
+  for (int k = 0; k < 100; ++k) {
+    Observation row;
+    row.condition.test_torque_Nm = 2.0;
+    row.condition.output_angle_rad = 1.7 * k - 60.0;
+    data.rows.push_back(row);
+  }
+  expect_blocks_by(data, "angle", 10, [](const Condition& c) {
+    double degrees = std::fmod(c.output_angle_rad * 180.0 / std::numbers::pi, 360.0);
+    if (degrees < 0.0) degrees += 360.0;
+    return static_cast<int>(degrees / 36.0);
+  });
+}
+
+TEST(HoldoutBlocks, WithoutAnythingAreTenthsOfTheRows) {
+  MeasurementSet data;
+  data.kind = Kind::kLostMotion;
+  data.rows.resize(40);
+  const Blocks blocks = blocks_of_set(data);
+  EXPECT_EQ(blocks.name, "rows");
+  EXPECT_EQ(blocks.count, 10);
+  for (std::size_t i = 0; i < 40; ++i) EXPECT_EQ(blocks.of[i], static_cast<int>(i / 4));
+  data.rows.resize(7);
+  EXPECT_EQ(blocks_of_set(data).count, 7);
+}
+
+TEST(HoldoutBlocks, OfTwoPinionsAreNot) {
+  MeasurementSet data;
+  data.kind = Kind::kPairLoss;
+  for (int k = 0; k < 20; ++k) {
+    Observation row;
+    row.condition.driving_teeth = k % 2 == 0 ? 20 : 30;
+    row.condition.driven_teeth = 40;
+    data.rows.push_back(row);
+  }
+  const Blocks blocks = blocks_of_set(data);
+  EXPECT_EQ(blocks.name, "rows");
+  EXPECT_EQ(blocks.of.size(), data.rows.size());
+}
+
+}  // namespace
+}  // namespace gear3k::calibrate

@@ -1,0 +1,159 @@
+#include "calibrate/model/extended_model.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "calibrate/causes/form_catalogue.hpp"
+#include "calibrate/model/model_range.hpp"
+
+namespace gear3k::calibrate {
+namespace {
+
+AppliedCause applied(const char* id, const char* form, std::vector<double> value) {
+  AppliedCause cause{.id = id, .form = {}, .value = std::move(value)};
+  cause.form.name = form;
+  return cause;
+}
+
+ExtendedModel transmission(std::vector<AppliedCause> causes) {
+  ExtendedModel model;
+  model.kind = Kind::kTransmission;
+  model.causes = std::move(causes);
+  model.fingerprint = 7;
+  return model;
+}
+
+TEST(ExtensionOf, HoldsWhatTheCausesChangeInTheGearbox) {
+  AppliedCause load = applied("friction_load", "about_middle", {-0.15});
+  load.form.constants = {{.name = "reference_load", .unit = "N", .value = 80.0}};
+  ExtendedModel lost_motion;
+  lost_motion.kind = Kind::kLostMotion;
+  lost_motion.causes = {applied("clearance", "constant", {3.0})};
+  const auto e = extension_of({transmission({applied("friction_level", "coefficient", {0.2}), load,
+                                             applied("drag_constant", "sun", {0.01}),
+                                             applied("drag_constant", "output", {0.3}),
+                                             applied("bearing_load", "planet_bearings", {0.5})}),
+                               lost_motion});
+  EXPECT_NEAR(e.friction.level, 1.2, 1e-15);
+  EXPECT_EQ(e.friction.load_exponent, -0.15);
+  EXPECT_EQ(e.friction.reference_force_N, 80.0);
+  EXPECT_EQ(e.drag[design::kSunShaft].constant_Nm, 0.01);
+  EXPECT_EQ(e.drag[design::kOutputShaft].constant_Nm, 0.3);
+  EXPECT_NEAR(e.planet_bearing_arm_m, 0.5e-3, 1e-18);
+  EXPECT_NEAR(e.lost_motion.clearance_rad, 3.0 * std::numbers::pi / 180.0 / 60.0, 1e-18);
+}
+
+TEST(ExtensionOf, SensorAndProcedureLeaveTheGearboxAsItIs) {
+  const auto model = transmission(
+      {applied("sensor_gain", "gain", {0.1}), applied("sensor_offset", "offset", {0.02})});
+  const auto e = extension_of({model});
+  EXPECT_EQ(e.friction.level, 1.0);
+  EXPECT_FALSE(needs_operating_point(e));
+  for (const auto& cause : model.causes) EXPECT_FALSE(changes_gearbox(cause, model.kind));
+  EXPECT_TRUE(changes_gearbox(applied("drag_viscous", "sun", {1e-4}), Kind::kTransmission));
+}
+
+TEST(ApplyModel, AppliesOneCauseAfterTheOther) {
+  Modification m;
+  apply_model(transmission({applied("friction_level", "coefficient", {0.5}),
+                            applied("friction_level", "coefficient", {0.2}),
+                            applied("sensor_offset", "offset", {0.02})}),
+              {}, Kind::kTransmission, m);
+  EXPECT_NEAR(m.gearbox.friction.level.a, 1.8, 1e-15);
+  EXPECT_EQ(m.sensor_offset.a, 0.02);
+}
+
+TEST(ApplyModel, SessionsBelongToTheirDataAlone) {
+  AppliedCause step = applied("run_step", "from", {0.5});
+  step.form.constants = {{.name = "first_run", .unit = "", .value = 1.0}};
+  const ExtendedModel model = transmission({step});
+  Condition later;
+  later.run = 2;
+  Modification m;
+  apply_model(model, later, Kind::kTransmission, m);
+  EXPECT_EQ(m.added.a, 0.0);
+}
+
+TEST(ApplyModel, AnotherKindOfMeasurementSharesTheGearboxNotTheSensor) {
+  Modification m;
+  apply_model(transmission({applied("friction_level", "coefficient", {0.5}),
+                            applied("sensor_gain", "gain", {0.1})}),
+              {}, Kind::kLostMotion, m);
+  EXPECT_NEAR(m.gearbox.friction.level.a, 1.5, 1e-15);
+  EXPECT_EQ(m.sensor_gain.a, 1.0);
+}
+
+TEST(ApplyModel, RefusesUnknownCausesAndNumbersOfParameters) {
+  Modification m;
+  EXPECT_THROW(
+      apply_model(transmission({applied("no_such_cause", "x", {1.0})}), {}, Kind::kTransmission, m),
+      std::invalid_argument);
+  EXPECT_THROW(apply_model(transmission({applied("friction_level", "coefficient", {1.0, 2.0})}), {},
+                           Kind::kTransmission, m),
+               std::invalid_argument);
+}
+
+TEST(FileKey, IsLowerCaseWithTheUnit) {
+  EXPECT_EQ(file_key("torque", "Nm"), "torque_nm");
+  EXPECT_EQ(file_key("share", ""), "share");
+  EXPECT_EQ(file_key("coefficient", "1/K"), "coefficient_per_k");
+  EXPECT_EQ(file_key("compliance", "arcmin/Nm"), "compliance_arcmin_per_nm");
+  EXPECT_EQ(file_key("expansion", "um/m/K"), "expansion_um_per_m_per_k");
+  EXPECT_EQ(file_key("sun_speed", "rpm"), "sun_speed_rpm");
+}
+
+TEST(FormCatalogue, EveryCauseHasFormsWithKeysOfTheirOwn) {
+  for (const Cause* cause : causes()) {
+    std::size_t forms = 0;
+    for (const Kind kind :
+         {Kind::kTransmission, Kind::kLostMotion, Kind::kTorqueAngle, Kind::kPairLoss}) {
+      for (const CatalogueForm& known : form_catalogue(*cause, kind)) {
+        ++forms;
+        Form form;
+        form.name = known.name;
+        std::vector<std::string> keys{"form", "body", "order"};
+        for (const auto& parameter : cause->parameters(form, kind)) {
+          keys.push_back(file_key(parameter.name, parameter.unit));
+          keys.push_back(keys.back() + "_sd");
+        }
+        for (const auto& constant : known.constants) {
+          keys.push_back(file_key(constant.name, constant.unit));
+        }
+        std::sort(keys.begin(), keys.end());
+        EXPECT_EQ(std::adjacent_find(keys.begin(), keys.end()), keys.end())
+            << cause->id << ' ' << known.name;
+      }
+    }
+    EXPECT_GT(forms, 0U) << cause->id;
+  }
+}
+
+TEST(OutsideRange, NamesEachQuantityAndByHowMuch) {
+  ExtendedModel model = transmission({});
+  model.range = {{.name = "sun_speed", .unit = "rpm", .low = 200.0, .high = 1000.0},
+                 {.name = "output_torque", .unit = "nm", .low = 5.0, .high = 50.0},
+                 {.name = "temperature", .unit = "c", .low = kUnknown, .high = kUnknown}};
+  const auto point = [](double rpm, double torque_Nm) {
+    return design::OperatingPoint<double>{.sun_speed_rad_s = rpm * std::numbers::pi / 30.0,
+                                          .output_torque_Nm = torque_Nm};
+  };
+  EXPECT_TRUE(outside_range({model}, {.where = "x", .low = point(200, 5), .high = point(1000, 50)})
+                  .empty());
+  const auto notes =
+      outside_range({model}, {.where = "the grid", .low = point(100, 5), .high = point(1500, 60)});
+  ASSERT_EQ(notes.size(), 2U);
+  EXPECT_NE(notes[0].find("by 100 rpm below and by 500 rpm above"), std::string::npos) << notes[0];
+  EXPECT_NE(notes[1].find("by 10 Nm above"), std::string::npos) << notes[1];
+  const auto middle = middle_of_range({model});
+  ASSERT_TRUE(middle);
+  EXPECT_NEAR(middle->sun_speed_rad_s, 600.0 * std::numbers::pi / 30.0, 1e-12);
+  EXPECT_EQ(middle->output_torque_Nm, 27.5);
+  EXPECT_EQ(middle->temperature_K, 293.15);
+}
+
+}  // namespace
+}  // namespace gear3k::calibrate

@@ -1,0 +1,139 @@
+#include "calibrate/search/noise_from_fit.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <functional>
+
+#include "tests/calibrate/rig_campaign.hpp"
+
+namespace gear3k::calibrate {
+namespace {
+
+/// Rows of a campaign with responses of the baseline's own plus noise of our choice.
+class NoiseFromFit : public testing::Test {
+ protected:
+  NoiseFromFit()
+      : simulation_(design_of(rig::bilateral_drive_gear()), Kind::kTransmission),
+        data_(campaign(Kind::kTransmission)) {
+    const Eigen::VectorXd y = simulated(simulation_, data_, {}).value();
+    clean_.assign(y.begin(), y.end());
+    mean_ = y.mean();
+  }
+  /// @param deviation  of a row's noise by its response
+  void measure(std::uint64_t seed, const std::function<double(double)>& deviation) {
+    RandomBits random(seed);
+    for (std::size_t i = 0; i < data_.rows.size(); ++i) {
+      data_.rows[i].response = clean_[i] + deviation(clean_[i]) * random.normal();
+    }
+  }
+  /// Sessions of equal length, of which each has a mean of its own.
+  void split(int sessions, std::uint64_t seed, double deviation) {
+    RandomBits random(seed);
+    data_.runs.clear();
+    std::vector<double> mean;
+    for (int r = 0; r < sessions; ++r) {
+      data_.runs.push_back(std::to_string(r));
+      mean.push_back(deviation * random.normal());
+    }
+    const std::size_t length = data_.rows.size() / static_cast<std::size_t>(sessions);
+    for (std::size_t i = 0; i < data_.rows.size(); ++i) {
+      const std::size_t r = std::min(i / length, mean.size() - 1);
+      data_.rows[i].condition.run = static_cast<int>(r);
+      data_.rows[i].response += mean[r];
+    }
+  }
+  [[nodiscard]] Problem problem() const {
+    return {.simulation = simulation_, .data = data_, .noise = make_noise_model(data_)};
+  }
+  /// A search that found nothing.
+  [[nodiscard]] static SearchResult nothing(const Problem& problem) {
+    SearchResult result;
+    result.fit = fit(problem, {}, 1.0);
+    result.scale = robust_deviation(result.fit.residual);
+    result.candidates = candidates_for(problem.simulation, problem.data);
+    return result;
+  }
+
+  Simulation simulation_;
+  MeasurementSet data_;
+  std::vector<double> clean_;
+  double mean_ = 0.0;
+};
+
+TEST_F(NoiseFromFit, WeighsRowsWhereScatterFollowsTheResponse) {
+  int weighed = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    measure(seed, [](double y) { return 0.01 * y; });
+    const Problem p = problem();
+    const auto weights = weights_by_response(p, nothing(p));
+    if (!weights) continue;
+    ++weighed;
+    // Proportional to 1/y in all rows, whatever the common factor.
+    for (Eigen::Index i = 1; i < weights->size(); ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      EXPECT_NEAR((*weights)[i] * clean_[at], (*weights)[0] * clean_[0], 1e-9 * clean_[at]);
+    }
+  }
+  EXPECT_GE(weighed, 19);
+}
+
+TEST_F(NoiseFromFit, LeavesRowsAloneThatScatterAlike) {
+  int weighed = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    measure(seed, [&](double) { return 0.01 * mean_; });
+    const Problem p = problem();
+    if (weights_by_response(p, nothing(p))) ++weighed;
+  }
+  EXPECT_LE(weighed, 2);
+  // A stated deviation is taken at its word.
+  measure(1, [](double y) { return 0.05 * y; });
+  for (Observation& row : data_.rows) row.sigma = 0.01;
+  const Problem p = problem();
+  EXPECT_FALSE(weights_by_response(p, nothing(p)).has_value());
+}
+
+TEST_F(NoiseFromFit, FindsSessionsThatScatter) {
+  // τ = 3 σ in 12 sessions: τ²/σ² = 9, guarded upwards, and never far below.
+  const double sigma = 0.01 * mean_;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    measure(seed, [&](double) { return sigma; });
+    split(12, seed + 100, 3.0 * sigma);
+    const Problem p = problem();
+    const SessionScatter scatter = session_scatter(p, nothing(p));
+    EXPECT_GT(scatter.estimate, 1.0) << seed;
+    EXPECT_LT(scatter.estimate, 30.0) << seed;
+    EXPECT_GT(scatter.guarded, scatter.estimate) << seed;
+  }
+}
+
+TEST_F(NoiseFromFit, TakesASingleStepForNoScatter) {
+  const double sigma = 0.01 * mean_;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    measure(seed, [&](double) { return sigma; });
+    split(4, seed, 0.0);
+    for (Observation& row : data_.rows) {
+      if (row.condition.run >= 2) row.response += 5.0 * sigma;
+    }
+    const Problem p = problem();
+    EXPECT_EQ(session_scatter(p, nothing(p)).guarded, 0.0) << seed;
+  }
+  // Nor is one odd session of four, nor an offset that all have in common, however great.
+  for (const int odd : {0, 1, 2, 3, -1}) {
+    measure(7, [&](double) { return sigma; });
+    split(4, 1, 0.0);
+    for (Observation& row : data_.rows) {
+      if (odd < 0 || row.condition.run == odd) row.response += 40.0 * sigma;
+    }
+    const Problem p = problem();
+    EXPECT_EQ(session_scatter(p, nothing(p)).guarded, 0.0) << odd;
+  }
+  // Three sessions cannot say how sessions scatter.
+  split(3, 1, 10.0 * sigma);
+  const Problem p = problem();
+  EXPECT_EQ(session_scatter(p, nothing(p)).guarded, 0.0);
+}
+
+}  // namespace
+}  // namespace gear3k::calibrate

@@ -1,0 +1,72 @@
+#include "io/files/document_kind.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include "io/files/measurement_file.hpp"
+#include "io/files/model_file.hpp"
+#include "io/files/subject_file.hpp"
+#include "io/text/diagnostics.hpp"
+
+namespace gear3k::io {
+namespace {
+
+DocumentKind kind_of(const std::string& text) { return look_of(parse_toml(text, "t.toml")).kind; }
+
+std::string example_path(const std::string& name) {
+  return std::string(GEAR3K_SOURCE_DIR) + "/examples/" + name;
+}
+
+template <class Read>
+std::string error_of(Read read) {
+  try {
+    read();
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(DocumentKind, TheExamplesLookLikeWhatTheyAre) {
+  using enum DocumentKind;
+  const auto kind = [](const char* name) { return look_of(read_toml(example_path(name))).kind; };
+  EXPECT_EQ(kind("designs/bilateral_drive_gear.toml"), kDesign);
+  EXPECT_EQ(kind("designs/low_backlash_prototype.toml"), kDesign);
+  EXPECT_EQ(kind("designs/ratio_96_with_losses.toml"), kDesign);
+  EXPECT_EQ(kind("pair_internal.toml"), kPair);
+  EXPECT_EQ(kind("pairs/dry_steel_pair.toml"), kPair);
+  EXPECT_EQ(kind("ratio-96.toml"), kSpecification);
+  EXPECT_EQ(kind("rp96.toml"), kSpecification);
+  EXPECT_EQ(kind_of("[gearbox]\nratio = 96\n"), kBlackBox);
+  EXPECT_EQ(kind_of("[lost_motion.causes]\n"), kModel);
+  EXPECT_EQ(kind_of("name = \"x\"\n"), kUnknown);
+}
+
+TEST(DocumentKind, ADesignInPlaceOfAModelIsToldAloneAndAtOnce) {
+  EXPECT_EQ(error_of([] { read_model(example_path("designs/bilateral_drive_gear.toml")); }),
+            example_path("designs/bilateral_drive_gear.toml") +
+                ": looks like a DESIGN: it has [gears]; --model takes a model.toml of diagnose");
+}
+
+TEST(DocumentKind, ASpecInPlaceOfASubjectIsToldAloneAndAtOnce) {
+  EXPECT_EQ(error_of([] { read_subject(example_path("rp96.toml")); }),
+            example_path("rp96.toml") +
+                ": looks like a SPEC: it has [ratio]; SUBJECT takes a DESIGN, a PAIR or a black "
+                "box ([gearbox])");
+}
+
+TEST(DocumentKind, ADesignInPlaceOfMeasurementsIsToldAloneAndAtOnce) {
+  const std::string path = example_path("designs/bilateral_drive_gear.toml");
+  EXPECT_EQ(error_of([&] { read_measurements({path}); }),
+            path +
+                ": looks like a DESIGN: it has [gears]; DATA takes measurements, CSV files with a "
+                "note \"# kind: ...\"");
+}
+
+}  // namespace
+}  // namespace gear3k::io

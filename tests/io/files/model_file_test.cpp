@@ -1,0 +1,293 @@
+#include "io/files/model_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <stdexcept>
+
+#include "calibrate/causes/form_catalogue.hpp"
+#include "calibrate/verdict/diagnosis.hpp"
+#include "io/text/diagnostics.hpp"
+
+namespace gear3k::io {
+namespace {
+
+using calibrate::AppliedCause, calibrate::ExtendedModel, calibrate::Kind;
+
+/// What reading says is wrong with a text; "" when nothing is.
+std::string errors_of(const std::string& text) {
+  try {
+    parse_model(text, "m.toml");
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "";
+}
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+void expect_same(const ExtendedModel& a, const ExtendedModel& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.kind, b.kind);
+  EXPECT_EQ(a.fingerprint, b.fingerprint);
+  EXPECT_EQ(a.files, b.files);
+  EXPECT_EQ(a.verdict, b.verdict);
+  ASSERT_EQ(a.range.size(), b.range.size());
+  for (std::size_t k = 0; k < a.range.size(); ++k) {
+    EXPECT_EQ(a.range[k].name, b.range[k].name);
+    EXPECT_EQ(a.range[k].unit, b.range[k].unit);
+    if (std::isnan(a.range[k].low)) {
+      EXPECT_TRUE(std::isnan(b.range[k].low) && std::isnan(b.range[k].high));
+      continue;
+    }
+    EXPECT_EQ(a.range[k].low, b.range[k].low);
+    EXPECT_EQ(a.range[k].high, b.range[k].high);
+  }
+  ASSERT_EQ(a.causes.size(), b.causes.size());
+  for (std::size_t k = 0; k < a.causes.size(); ++k) {
+    const AppliedCause& one = a.causes[k];
+    const AppliedCause& other = b.causes[k];
+    EXPECT_EQ(one.id, other.id);
+    EXPECT_EQ(one.value, other.value);
+    EXPECT_EQ(one.alternatives, other.alternatives);
+    EXPECT_EQ(one.implausible, other.implausible);
+    EXPECT_EQ(one.form.name, other.form.name);
+    EXPECT_EQ(one.form.body, other.form.body);
+    EXPECT_EQ(one.form.order, other.form.order);
+    ASSERT_EQ(one.form.constants.size(), other.form.constants.size());
+    for (std::size_t c = 0; c < one.form.constants.size(); ++c) {
+      EXPECT_EQ(one.form.constants[c].name, other.form.constants[c].name);
+      EXPECT_EQ(one.form.constants[c].unit, other.form.constants[c].unit);
+      EXPECT_EQ(one.form.constants[c].value, other.form.constants[c].value);
+    }
+  }
+  EXPECT_EQ(a.covariance, b.covariance);
+}
+
+/// Every form of every cause of a kind, twice over, with numbers of all digits.
+ExtendedModel everything(Kind kind, std::mt19937_64& generator) {
+  std::uniform_real_distribution<double> share(0.1, 0.9);
+  ExtendedModel m;
+  m.kind = kind;
+  m.name = "gear \"A\"\\";
+  m.files = {"a b.csv", "ü.csv"};
+  m.fingerprint = generator();
+  m.verdict = static_cast<calibrate::Verdict>(static_cast<int>(kind));
+  m.range = {{.name = "sun_speed", .unit = "rpm", .low = 200.0, .high = 1000.0 / 3.0},
+             {.name = "temperature",
+              .unit = "c",
+              .low = calibrate::kUnknown,
+              .high = calibrate::kUnknown}};
+  std::size_t count = 0;
+  for (const calibrate::Cause* cause : calibrate::causes()) {
+    for (const auto& known : calibrate::form_catalogue(*cause, kind)) {
+      for (const auto& set : known.sets) {
+        AppliedCause applied{.id = std::string(cause->id), .form = {}, .value = {}};
+        applied.form.name = known.name;
+        applied.form.constants = set;
+        for (auto& constant : applied.form.constants) constant.value = 100.0 * share(generator);
+        if (!known.bodies.empty()) applied.form.body = known.bodies.back();
+        if (known.has_order) applied.form.order = 100.0 * share(generator);
+        for (const auto& p : cause->parameters(applied.form, kind)) {
+          const double low = std::max(p.lower, -10.0);
+          const double high = std::min(p.upper, 10.0);
+          applied.value.push_back(low + (high - low) * share(generator));
+        }
+        if (m.causes.size() % 2 == 0) applied.alternatives = {"sensor_gain", "bearing_load"};
+        if (m.causes.size() % 3 == 0) applied.implausible = {"amplitude"};
+        count += applied.value.size();
+        m.causes.push_back(applied);
+      }
+    }
+  }
+  // L Lᵀ of a random L.
+  std::vector<double> factor(count * count, 0.0);
+  for (double& x : factor) x = share(generator);
+  m.covariance.assign(count * count, 0.0);
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t j = 0; j < count; ++j) {
+      for (std::size_t k = 0; k < count; ++k) {
+        m.covariance[i * count + j] += factor[i * count + k] * factor[j * count + k];
+      }
+    }
+  }
+  return m;
+}
+
+TEST(ModelFile, EveryFormOfEveryCauseComesBackExactly) {
+  std::mt19937_64 generator(5);
+  std::vector<ExtendedModel> models;
+  for (const Kind kind :
+       {Kind::kTransmission, Kind::kLostMotion, Kind::kTorqueAngle, Kind::kPairLoss}) {
+    models.push_back(everything(kind, generator));
+    EXPECT_GT(models.back().causes.size(), 1U);
+  }
+  const std::string text = model_text(models);
+  const auto back = parse_model(text, "m.toml");
+  ASSERT_EQ(back.size(), models.size());
+  for (std::size_t k = 0; k < models.size(); ++k) expect_same(models[k], back[k]);
+  EXPECT_EQ(model_text(back), text);
+}
+
+TEST(ModelFile, AModelWithoutCausesComesBack) {
+  ExtendedModel m;
+  m.kind = Kind::kPairLoss;
+  const auto back = parse_model(model_text({m}), "m.toml");
+  ASSERT_EQ(back.size(), 1U);
+  expect_same(m, back[0]);
+}
+
+const std::string kModel = R"([transmission]
+name = "gear"
+data_fingerprint = "fnv1a64:00000000000000ff"
+[transmission.range]
+sun_speed_rpm = [200, 1000]
+[transmission.causes.drag_constant]
+form = "sun"
+torque_nm = 0.02
+torque_nm_sd = 0.001
+[transmission.causes.friction_level]
+form = "coefficient"
+relative_change = 0.2
+relative_change_sd = 0.1
+)";
+
+std::string with(const std::string& from, const std::string& to) {
+  std::string text = kModel;
+  const auto at = text.find(from);
+  if (at == std::string::npos) throw std::invalid_argument(from);
+  return text.replace(at, from.size(), to);
+}
+
+TEST(ModelFile, DeviationsAloneAreIndependentParameters) {
+  const auto models = parse_model(kModel, "m.toml");
+  ASSERT_EQ(models.size(), 1U);
+  EXPECT_EQ(models[0].fingerprint, 255U);
+  ASSERT_EQ(models[0].covariance.size(), 4U);
+  EXPECT_EQ(models[0].covariance[0], 0.001 * 0.001);
+  EXPECT_EQ(models[0].covariance[1], 0.0);
+}
+
+TEST(ModelFile, CovarianceMayNameTheParametersInAnyOrder) {
+  const auto models = parse_model(kModel + R"([transmission.covariance]
+parameters = ["friction_level.relative_change", "drag_constant.torque_nm"]
+matrix = [0.01, 2e-5, 2e-5, 1e-6]
+)",
+                                  "m.toml");
+  EXPECT_EQ(models[0].covariance, (std::vector<double>{1e-6, 2e-5, 2e-5, 0.01}));
+}
+
+TEST(ModelFile, EveryErrorHasItsPlaceAndWhatIsAllowed) {
+  struct Case {
+    std::string text;
+    std::vector<std::string> parts;
+  };
+  const std::string covariance =
+      "[transmission.covariance]\nparameters = [\"drag_constant.torque_nm\", "
+      "\"friction_level.relative_change\"]\nmatrix = ";
+  const std::vector<Case> cases{
+      {"", {"m.toml:1:1: no model in the file"}},
+      {"[transmision]\n", {"m.toml:1:2: unknown table transmision; did you mean transmission?"}},
+      {with("causes.drag_constant", "causes.drag_constnt"),
+       {"m.toml:6:",
+        "unknown cause transmission.causes.drag_constnt; did you mean drag_constant?"}},
+      {with("\"sun\"", "\"outpt\""), {"m.toml:7:1: ", "did you mean \"output\"?"}},
+      {with("torque_nm = ", "torqe_nm = "),
+       {"m.toml:6:", "torque_nm is missing", "m.toml:8:1: unknown key", "did you mean torque_nm?"}},
+      {with("0.02\n", "-0.02\n"), {"m.toml:8:1: ", "= -0.02: allowed: a number in Nm, 0 to 100"}},
+      {with("form = \"sun\"\n", ""), {"form is missing: allowed: \"sun\" or \"output\""}},
+      {with("0.001", "-0.001"), {"m.toml:9:1: ", "allowed: a number, at least 0"}},
+      {with("ff\"", "fg\""), {"m.toml:3:1: ", "16 hexadecimal digits"}},
+      {with("sun_speed_rpm", "sun_sped_rpm"), {"m.toml:5:1: ", "did you mean sun_speed_rpm?"}},
+      {with("[200, 1000]", "[1000, 200]"), {"m.toml:5:1: ", "low <= high"}},
+      {with("name", "nam"), {"m.toml:2:1: unknown key transmission.nam; did you mean name?"}},
+      {kModel + covariance + "[1e-6, 2e-5, 3e-5, 0.01]\n", {"m.toml:16:1: ", "not symmetric"}},
+      {kModel + covariance + "[1e-6, 2e-4, 2e-4, 0.01]\n", {"not positive semidefinite"}},
+      {kModel + covariance + "[1e-6, 2e-5, 2e-5]\n", {"3 elements: allowed: 4 numbers, 2 by 2"}},
+      {kModel + covariance + "[-1e-6, 0, 0, 0.01]\n", {"variance of drag_constant.torque_nm"}},
+      {kModel + covariance + "[4e-6, 0, 0, 0.01]\n",
+       {"m.toml:9:1: ", "the square root of its variance"}},
+      {kModel +
+           "[transmission.covariance]\nparameters = [\"drag_constant.torq_nm\"]\nmatrix = []\n",
+       {"unknown parameter \"drag_constant.torq_nm\"; did you mean drag_constant.torque_nm?",
+        "friction_level.relative_change is missing"}},
+      {"[lost_motion.causes.drag_constant]\nform = \"sun\"\n", {"lost_motion data cannot show"}},
+      {"[transmission.causes.friction_load]\nform = \"about_middle\"\nexponent = 0.1\n",
+       {"needs reference_load_n, or reference_load_nm"}}};
+  for (const Case& one : cases) {
+    const std::string errors = errors_of(one.text);
+    for (const std::string& part : one.parts) {
+      EXPECT_TRUE(contains(errors, part)) << "wanted: " << part << "\ngot: " << errors;
+    }
+  }
+}
+
+TEST(ModelFile, AWrongFormDoesNotHideWhatElseIsWrongWithACause) {
+  const std::string errors = errors_of(
+      "[transmission.causes.drag_constant]\nform = \"sum\"\ntorqe_nm = 0.01\nbody = \"sun\"\n");
+  for (const char* part :
+       {"m.toml:2:", "did you mean \"sun\"?", "m.toml:3:", "did you mean torque_nm?"}) {
+    EXPECT_TRUE(contains(errors, part)) << part << '\n' << errors;
+  }
+  EXPECT_FALSE(contains(errors, "drag_constant.body")) << "another form has it: " << errors;
+}
+
+TEST(ModelFile, AWrongFormAsksForNoParameterOfAnotherForm) {
+  struct Case {
+    std::string id, parameters;
+  };
+  // The parameters of the form that comes last among those of its cause.
+  const std::vector<Case> cases{
+      {"bearing_load", "share = 0.01\nshare_sd = 0.001\n"},
+      {"friction_load", "exponent = 0.1\nrelative_change = 0.1\nreference_load_n = 100.0\n"},
+      {"friction_speed", "exponent = -0.1\nreference_speed_m_per_s = 0.1\n"},
+      {"friction_temperature", "coefficient_per_k = 0.01\n"}};
+  for (const Case& one : cases) {
+    const std::string errors =
+        errors_of("[transmission.causes." + one.id + "]\nform = \"no_such\"\n" + one.parameters);
+    EXPECT_TRUE(contains(errors, "m.toml:2:")) << errors;
+    EXPECT_EQ(std::ranges::count(errors, '\n'), 0) << errors;
+  }
+}
+
+TEST(ModelFile, AWrongFormDoesNotHideAValueThatNoFormAllows) {
+  const std::string errors = errors_of(
+      "[transmission.causes.bearing_load]\nform = \"no_such\"\nshare = 99.0\nshare_sd = -1.0\n");
+  for (const char* part : {"m.toml:2:", "m.toml:3:", "m.toml:4:"}) {
+    EXPECT_TRUE(contains(errors, part)) << part << '\n' << errors;
+  }
+}
+
+TEST(ModelFile, VerdictAndAlternativesAreChecked) {
+  const std::string errors = errors_of(
+      "[transmission]\nverdict = \"unsure\"\n[transmission.causes.drag_constant]\nform = "
+      "\"sun\"\ntorque_nm = 0.01\nalternatives = [\"sensor_ofset\"]\nimplausible = \"x\"\n");
+  for (const char* part :
+       {"m.toml:2:", "\"no_discrepancy\" or \"explained\" or \"ambiguous\" or \"unexplained\"",
+        "m.toml:6:", "did you mean sensor_offset?", "m.toml:7:", "a list of texts"}) {
+    EXPECT_TRUE(contains(errors, part)) << part << '\n' << errors;
+  }
+}
+
+TEST(ModelFile, AllErrorsAreToldAtOnce) {
+  const std::string errors =
+      errors_of("[transmission]\nname = 3\ndata_files = \"a\"\n[transmission.causes.x]\n[other]\n");
+  EXPECT_EQ(std::count(errors.begin(), errors.end(), '\n'), 3) << errors;
+}
+
+TEST(ModelText, RefusesWhatTheFileCannotHold) {
+  ExtendedModel m;
+  EXPECT_THROW(model_text({m, m}), std::invalid_argument);
+  m.causes = {{.id = "no_such_cause", .form = {}, .value = {}}};
+  EXPECT_THROW(model_text({m}), std::invalid_argument);
+  m.causes.clear();
+  m.range = {{.name = "colour", .unit = "", .low = 0.0, .high = 1.0}};
+  EXPECT_THROW(model_text({m}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace gear3k::io

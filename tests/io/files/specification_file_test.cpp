@@ -1,0 +1,253 @@
+#include "io/files/specification_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "io/text/diagnostics.hpp"
+
+namespace gear3k::io {
+namespace {
+
+using design::CheckId, optimize::Specification;
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kArcmin = kDegree / 60.0;
+
+const std::string kMinimal =
+    "[ratio]\ntarget = 96.2\n"
+    "[teeth]\nS = [12, 13]\nP1 = [50, 60]\nR1_max = 120\nP2 = [40, 60]\nR2_max = 121\n"
+    "[module]\nstage1_mm = 1.0\nstage2_mm = 0.9\n";
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const auto at = text.find(from);
+  if (at == std::string::npos) throw std::invalid_argument("no \"" + from + "\" in the text");
+  return text.replace(at, from.size(), to);
+}
+
+Specification parse(const std::string& text) { return parse_specification(text, "spec.toml"); }
+
+std::string errors_of(const std::string& text) {
+  try {
+    static_cast<void>(parse(text));
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "";
+}
+
+Specification example(const std::string& name) {
+  return read_specification(std::string(GEAR3K_SOURCE_DIR) + "/examples/" + name);
+}
+
+TEST(ReadSpecification, DefaultsAreThoseOfTheContract) {
+  const Specification spec = parse(kMinimal);
+  EXPECT_EQ(spec.planets, std::vector<int>{3});
+  EXPECT_TRUE(spec.limits[design::CheckId::kIdenticalPlanets].has_value());
+  EXPECT_DOUBLE_EQ(spec.pressure_angle_rad, 20.0 * kDegree);
+  EXPECT_EQ(optimize::first_objective(spec), optimize::Objective::kBackwardEfficiency);
+  EXPECT_EQ(spec.ratio.tolerance, 0.005);
+  EXPECT_EQ(spec.teeth.max_coaxial_offset, 4);
+  EXPECT_EQ(spec.teeth.min_internal_difference, 8);
+  EXPECT_EQ(spec.profile_shift.min, 0.0);
+  EXPECT_EQ(spec.profile_shift.max, 1.0);
+  EXPECT_EQ(spec.limits.model, backlash::LostMotionModel::kKinematic);
+  EXPECT_EQ(spec.limits[CheckId::kOutputBacklashMax], std::nullopt);
+  EXPECT_EQ(spec.limits[CheckId::kNormalBacklash], 0.0);
+  EXPECT_EQ(spec.solver.refine, optimize::Refine::kSlsqp);
+  EXPECT_EQ(spec.solver.starts, 4);
+  EXPECT_EQ(spec.solver.seed, 1U);
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    EXPECT_EQ(spec.machining_allowance[i], 0.0);
+    EXPECT_EQ(spec.tip_shortening[i], 0.0);
+  }
+}
+
+TEST(ReadSpecification, ToothRangesHoldBothEnds) {
+  const Specification spec =
+      parse(replaced(kMinimal, "R2_max = 121\n",
+                     "R2_max = 121\nmax_coaxial_offset = 2\nmin_internal_difference = 9\n"));
+  EXPECT_EQ(spec.teeth.S.min, 12);
+  EXPECT_EQ(spec.teeth.S.max, 13);
+  EXPECT_EQ(spec.teeth.P1.min, 50);
+  EXPECT_EQ(spec.teeth.P1.max, 60);
+  EXPECT_EQ(spec.teeth.P2.min, 40);
+  EXPECT_EQ(spec.teeth.P2.max, 60);
+  EXPECT_EQ(spec.teeth.R1_max, 120);
+  EXPECT_EQ(spec.teeth.R2_max, 121);
+  EXPECT_EQ(spec.teeth.max_coaxial_offset, 2);
+  EXPECT_EQ(spec.teeth.min_internal_difference, 9);
+}
+
+TEST(ReadSpecification, RatioKeepsItsSign) {
+  EXPECT_EQ(parse(replaced(kMinimal, "96.2", "-50")).ratio.target, -50.0);
+}
+
+TEST(ReadSpecification, ModuleIsAValueARangeOrASeries) {
+  const Specification value = parse(kMinimal);
+  ASSERT_TRUE(value.module[1].range_m);
+  EXPECT_DOUBLE_EQ(value.module[1].range_m->min, 0.0009);
+  EXPECT_DOUBLE_EQ(value.module[1].range_m->max, 0.0009);
+  EXPECT_TRUE(value.module[1].series_m.empty());
+  const Specification range =
+      parse(replaced(kMinimal, "stage2_mm = 0.9", "stage2_mm = { max = 1.0, min = 0.5 }"));
+  ASSERT_TRUE(range.module[1].range_m);
+  EXPECT_DOUBLE_EQ(range.module[1].range_m->min, 0.0005);
+  EXPECT_DOUBLE_EQ(range.module[1].range_m->max, 0.001);
+  const Specification series =
+      parse(replaced(kMinimal, "stage2_mm = 0.9", "stage2_mm = { series = [0.8, 0.5, 0.8] }"));
+  EXPECT_FALSE(series.module[1].range_m);
+  ASSERT_EQ(series.module[1].series_m.size(), 2U) << "sorted, each once";
+  EXPECT_DOUBLE_EQ(series.module[1].series_m[0], 0.0005);
+  EXPECT_DOUBLE_EQ(series.module[1].series_m[1], 0.0008);
+}
+
+TEST(ReadSpecification, ModuleMayBeATableOfItsOwn) {
+  const Specification spec = parse(replaced(kMinimal, "stage2_mm = 0.9\n", "") +
+                                   "[module.stage2_mm]\nmin = 0.5\nmax = 1.0\n");
+  ASSERT_TRUE(spec.module[1].range_m);
+  EXPECT_DOUBLE_EQ(spec.module[1].range_m->max, 0.001);
+}
+
+TEST(ReadSpecification, NumbersOfPlanetsAreSortedAndEachTriedOnce) {
+  EXPECT_EQ(parse("planets = [6, 3, 4, 3]\n" + kMinimal).planets, (std::vector<int>{3, 4, 6}));
+  EXPECT_EQ(parse("planets = 4\n" + kMinimal).planets, std::vector<int>{4});
+}
+
+TEST(ReadSpecification, AllowanceIsOneForAllGearsOrOneForEach) {
+  const Specification one = parse(kMinimal + "[backlash]\nmachining_allowance = 0.02\n");
+  for (const double q : one.machining_allowance) EXPECT_EQ(q, 0.02);
+  const Specification each =
+      parse(kMinimal + "[backlash]\nmachining_allowance = { R2 = 0.03, S = 0.01 }\n");
+  EXPECT_EQ(each.machining_allowance, (std::array<double, 5>{0.01, 0.0, 0.0, 0.0, 0.03}));
+}
+
+TEST(ReadSpecification, LimitsAreConvertedToSi) {
+  const Specification spec =
+      parse(kMinimal +
+            "[size]\nmax_ring_root_diameter_mm = 76.0\n"
+            "[backlash]\nmodel = \"paper\"\nmin_output_arcmin = 0.5\nmax_output_arcmin = 8.0\n"
+            "min_normal_um = 10.0\n[contact_ratio]\nrange = [1.2, 2.0]\n"
+            "[limits]\ntip_thickness = 0.3\nring_tip_thickness = false\nundercut = true\n");
+  EXPECT_DOUBLE_EQ(*spec.limits[CheckId::kRingRootDiameter], 0.076);
+  EXPECT_DOUBLE_EQ(*spec.limits[CheckId::kOutputBacklashMin], 0.5 * kArcmin);
+  EXPECT_DOUBLE_EQ(*spec.limits[CheckId::kOutputBacklashMax], 8.0 * kArcmin);
+  EXPECT_DOUBLE_EQ(*spec.limits[CheckId::kNormalBacklash], 10e-6);
+  EXPECT_EQ(spec.limits[CheckId::kContactRatioMin], 1.2);
+  EXPECT_EQ(spec.limits[CheckId::kContactRatioMax], 2.0);
+  EXPECT_EQ(spec.limits[CheckId::kTipThickness], 0.3);
+  EXPECT_EQ(spec.limits[CheckId::kRingTipThickness], std::nullopt);
+  EXPECT_EQ(spec.limits[CheckId::kUndercut], 0.0);
+  EXPECT_EQ(spec.limits.model, backlash::LostMotionModel::kPaper);
+}
+
+TEST(ReadSpecification, FalseWinsOverAThresholdAndTrueWithoutOneIsAnError) {
+  const std::string backlash = "[backlash]\nmax_output_arcmin = 8.0\n";
+  EXPECT_EQ(parse(kMinimal + backlash + "[limits]\noutput_backlash_max = false\n")
+                .limits[CheckId::kOutputBacklashMax],
+            std::nullopt);
+  const std::string errors = errors_of(kMinimal + "[limits]\noutput_backlash_max = true\n");
+  EXPECT_NE(errors.find("backlash.max_output_arcmin"), std::string::npos) << errors;
+}
+
+TEST(ReadSpecification, IdenticalPlanetsAreASwitchOfSearchAndChecks) {
+  const Specification free = parse("identical_planets = false\n" + kMinimal);
+  EXPECT_FALSE(free.limits[design::CheckId::kIdenticalPlanets].has_value());
+  EXPECT_EQ(free.limits[CheckId::kIdenticalPlanets], std::nullopt);
+  const Specification same = parse("identical_planets = true\n" + kMinimal);
+  EXPECT_TRUE(same.limits[design::CheckId::kIdenticalPlanets].has_value());
+  EXPECT_NE(same.limits[CheckId::kIdenticalPlanets], std::nullopt);
+}
+
+TEST(ReadSpecification, SolverKeysReachTheSolver) {
+  const Specification spec =
+      parse("objective = \"forward_efficiency\"\n" + kMinimal +
+            "[solver]\nrefine = \"both\"\nstarts = 7\nseed = 9007199254740992\n");
+  EXPECT_EQ(optimize::first_objective(spec), optimize::Objective::kForwardEfficiency);
+  EXPECT_EQ(spec.solver.refine, optimize::Refine::kBoth);
+  EXPECT_EQ(spec.solver.starts, 7);
+  EXPECT_EQ(spec.solver.seed, 9007199254740992ULL);
+}
+
+TEST(ReadSpecification, RelationsAreCheckedBetweenKeys) {
+  const std::string ring = errors_of(replaced(kMinimal, "R2_max = 121", "R2_max = 47"));
+  EXPECT_NE(ring.find("spec.toml:8:1: teeth.R2_max = 47: allowed: at least"), std::string::npos)
+      << ring;
+  EXPECT_EQ(errors_of(replaced(kMinimal, "R2_max = 121", "R2_max = 48")), "");
+  const std::string backlash =
+      errors_of(kMinimal + "[backlash]\nmax_output_arcmin = 3.0\nmin_output_arcmin = 3.5\n");
+  EXPECT_NE(backlash.find("spec.toml:14:1: backlash.min_output_arcmin = 3.5"), std::string::npos)
+      << backlash;
+}
+
+TEST(ReadSpecification, Rp96IsTheReferenceProblem) {
+  // docs/rp96.md, inequality by inequality.
+  const Specification spec = example("rp96.toml");
+  EXPECT_EQ(spec.planets, std::vector<int>{3});
+  EXPECT_TRUE(spec.limits[design::CheckId::kIdenticalPlanets].has_value());
+  EXPECT_DOUBLE_EQ(spec.pressure_angle_rad, 20.0 * kDegree);
+  EXPECT_EQ(spec.ratio.target, 96.2);
+  EXPECT_EQ(spec.ratio.tolerance, 0.005);
+  EXPECT_EQ(spec.teeth.S.min, 10);
+  EXPECT_EQ(spec.teeth.S.max, 20);
+  for (const auto& range : {spec.teeth.P1, spec.teeth.P2}) {
+    EXPECT_EQ(range.min, 20);
+    EXPECT_EQ(range.max, 60);
+  }
+  EXPECT_EQ(spec.teeth.R1_max, 120);
+  EXPECT_EQ(spec.teeth.R2_max, 120);
+  EXPECT_EQ(spec.teeth.max_coaxial_offset, 4);
+  EXPECT_EQ(spec.teeth.min_internal_difference, 8);
+  ASSERT_TRUE(spec.module[0].range_m);
+  EXPECT_EQ(spec.module[0].range_m->min, spec.module[0].range_m->max);
+  EXPECT_EQ(spec.profile_shift.min, 0.0);
+  EXPECT_EQ(spec.profile_shift.max, 1.0);
+  EXPECT_EQ(spec.friction.coefficient, 0.1);
+  EXPECT_EQ(spec.friction.model, efficiency::LossModel::kOhlendorf);
+  EXPECT_EQ(spec.limits.model, backlash::LostMotionModel::kPaper);
+  EXPECT_DOUBLE_EQ(*spec.limits[CheckId::kOutputBacklashMax], 8.0 * kArcmin);
+  EXPECT_EQ(spec.limits[CheckId::kOutputBacklashMin].value_or(0.0), 0.0);
+  EXPECT_EQ(spec.limits[CheckId::kNormalBacklash], 0.0);
+  EXPECT_EQ(spec.limits[CheckId::kContactRatioMin], 1.2);
+  EXPECT_EQ(spec.limits[CheckId::kContactRatioMax], 2.0);
+  EXPECT_EQ(spec.limits[CheckId::kTipThickness], 0.25);
+  EXPECT_EQ(spec.limits[CheckId::kRingTipThickness], std::nullopt);
+  EXPECT_EQ(spec.limits[CheckId::kPlanetGap], 0.5);
+  EXPECT_EQ(spec.limits[CheckId::kRingRootDiameter], std::nullopt);
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    EXPECT_EQ(spec.machining_allowance[i], 0.0);
+    EXPECT_EQ(spec.tip_shortening[i], 0.0);
+  }
+  // x >= 1 - z sin^2(alpha)/2: the form depth of the rack is one module.
+  const double form_depth =
+      spec.rack.dedendum - spec.rack.root_radius * (1.0 - std::sin(spec.pressure_angle_rad));
+  EXPECT_NEAR(form_depth, 1.0, 1e-15);
+}
+
+TEST(ReadSpecification, Ratio96IsAGearboxThatOneCouldBuild) {
+  const Specification spec = example("ratio-96.toml");
+  EXPECT_EQ(spec.ratio.target, 96.2);
+  EXPECT_LE(spec.ratio.tolerance, 0.005);
+  EXPECT_EQ(spec.planets, std::vector<int>{3});
+  EXPECT_TRUE(spec.limits[design::CheckId::kIdenticalPlanets].has_value());
+  ASSERT_TRUE(spec.limits[CheckId::kRingRootDiameter]);
+  EXPECT_LE(*spec.limits[CheckId::kRingRootDiameter], 0.076);
+  ASSERT_TRUE(spec.limits[CheckId::kOutputBacklashMax]);
+  EXPECT_DOUBLE_EQ(*spec.limits[CheckId::kOutputBacklashMax], 8.0 * kArcmin);
+  EXPECT_EQ(spec.limits.model, backlash::LostMotionModel::kKinematic);
+  for (const double q : spec.machining_allowance) EXPECT_GT(q, 0.0);
+  for (const auto& module : spec.module) {
+    ASSERT_TRUE(module.range_m);
+    EXPECT_DOUBLE_EQ(module.range_m->min, 0.0005);
+  }
+  EXPECT_EQ(spec.limits[CheckId::kContactRatioMin], 1.2);
+  EXPECT_EQ(spec.friction.model, efficiency::LossModel::kSliding);
+}
+
+}  // namespace
+}  // namespace gear3k::io
