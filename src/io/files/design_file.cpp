@@ -480,19 +480,11 @@ design::Design design_from(const TomlValue& document, const std::string& name) {
   return design;
 }
 
-}  // namespace
-
-design::Design read_design(const std::string& path) { return design_from(read_toml(path), path); }
-
-design::Design parse_design(const std::string& text, const std::string& name) {
-  return design_from(parse_toml(text, name), name);
-}
-
-design::PairDesign read_pair(const std::string& path) {
-  FileReading reading(path);
+design::PairDesign pair_from(const TomlValue& document, const std::string& name) {
+  FileReading reading(name);
   PairInput input;
   input.gears.resize(2);
-  read_by_schema(read_toml(path), pair_schema(), input, reading);
+  read_by_schema(document, pair_schema(), input, reading);
   const GearPlace place1{
       .path = "gear1", .ring = false, .module_m = input.module_m, .external_mesh = !input.internal};
   const GearPlace place2{.path = "gear2",
@@ -531,6 +523,20 @@ design::PairDesign read_pair(const std::string& path) {
   }
   reading.throw_if_invalid();
   return pair;
+}
+
+}  // namespace
+
+design::Design read_design(const std::string& path) { return design_from(read_toml(path), path); }
+
+design::Design parse_design(const std::string& text, const std::string& name) {
+  return design_from(parse_toml(text, name), name);
+}
+
+design::PairDesign read_pair(const std::string& path) { return pair_from(read_toml(path), path); }
+
+design::PairDesign parse_pair(const std::string& text, const std::string& name) {
+  return pair_from(parse_toml(text, name), name);
 }
 
 std::string design_key_table() { return key_table(design_schema()); }

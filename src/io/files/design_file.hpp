@@ -18,6 +18,8 @@ design::Design parse_design(const std::string& text, const std::string& name);
 
 /// Reads a PAIR file.
 design::PairDesign read_pair(const std::string& path);
+/// The same from a text; `name` stands for the file in messages.
+design::PairDesign parse_pair(const std::string& text, const std::string& name);
 
 /// A DESIGN file that read_design() turns into the same design (numbers in full precision).
 std::string design_text(const design::Design& design);
