@@ -186,13 +186,13 @@ struct WrittenFigures {
 
 /// @throws io::InvalidInput where a file cannot be written or is also that of --out
 WrittenFigures write_figures(const ReproduceOptions& options,
-                             const report::PublishedSources& sources) {
+                             const papers::PublishedSources& sources) {
   const auto canonical = [](const std::filesystem::path& path) {
     std::error_code status;
     const auto result = std::filesystem::weakly_canonical(path, status);
     return status ? path : result;
   };
-  for (const char* name : report::kFigureNames) {
+  for (const char* name : papers::kFigureNames) {
     if (options.out.empty()) break;
     for (const char* type : {".csv", ".svg"}) {
       const auto path = std::filesystem::path(options.figures) / (std::string(name) + type);
@@ -201,22 +201,22 @@ WrittenFigures write_figures(const ReproduceOptions& options,
           fmt::format("--out {}: is a file of --figures, allowed: another file", options.out));
     }
   }
-  const report::PaperFigures figures = report::paper_figures(sources);
+  const papers::PaperFigures figures = papers::paper_figures(sources);
   std::vector<io::FileText> files;
-  for (const report::FigureData& data : report::figure_data(figures)) {
+  for (const papers::FigureData& data : papers::figure_data(figures)) {
     files.push_back({.path = data.name + ".csv", .text = data.csv});
   }
   return {.files = write_results({.path = options.figures, .input = "", .protected_inputs = {}},
-                                 std::move(files), report::figure_plots(figures)),
-          .table = report::figures_table(figures)};
+                                 std::move(files), papers::figure_plots(figures)),
+          .table = papers::figures_table(figures)};
 }
 
 }  // namespace
 
 ExitCode run_reproduce(const ReproduceOptions& options) {
   use_threads(options);
-  const report::PublishedSources sources = io::published_sources();
-  const report::Reproduction reproduction = report::reproduce(sources);
+  const papers::PublishedSources sources = papers::published_sources();
+  const papers::Reproduction reproduction = papers::reproduce(sources);
   WrittenFigures figures;
   if (!options.figures.empty()) {
     end_on_interrupt();
@@ -224,14 +224,14 @@ ExitCode run_reproduce(const ReproduceOptions& options) {
   }
   switch (options.format) {
     case Format::kJson:
-      deliver(options, report::reproduce_json(reproduction));
+      deliver(options, papers::reproduce_json(reproduction));
       break;
     case Format::kCsv:
-      deliver(options, report::reproduce_csv(reproduction));
+      deliver(options, papers::reproduce_csv(reproduction));
       break;
     case Format::kTable:
       deliver(options,
-              report::reproduce_table(reproduction) + figures.table + files_text(figures.files));
+              papers::reproduce_table(reproduction) + figures.table + files_text(figures.files));
       break;
   }
   return figures.files.code;
@@ -242,29 +242,29 @@ ExitCode run_export(const ExportOptions& options) {
   const design::Design design = io::read_design(options.file);
   const design::Evaluation evaluation = evaluate_or_throw(design, options.file);
   const double chord_error_m = options.chord_error_um * 1e-6;
-  const report::DrawingSet set = report::make_drawings(design, evaluation, chord_error_m);
+  const drawing::DrawingSet set = drawing::make_drawings(design, evaluation, chord_error_m);
 
-  report::ExportSummary summary{
+  drawing::ExportSummary summary{
       .name = evaluation.name, .chord_error_m = chord_error_m, .files = {}, .notes = set.notes};
   std::vector<io::FileText> files;
   const auto add = [&](const std::string& folder, const char* format,
-                       std::string (*text_of)(const report::Drawing&)) {
+                       std::string (*text_of)(const drawing::Drawing&)) {
     if (folder.empty()) return;
-    for (const report::Drawing& drawing : set.drawings) {
+    for (const drawing::Drawing& one : set.drawings) {
       const std::string path =
-          (std::filesystem::path(folder) / fmt::format("{}.{}", drawing.name, format)).string();
+          (std::filesystem::path(folder) / fmt::format("{}.{}", one.name, format)).string();
       std::size_t points = 0;
-      for (const report::DrawnGear& gear : drawing.gears) points += gear.contour.size();
-      files.push_back({.path = path, .text = text_of(drawing)});
+      for (const drawing::DrawnGear& gear : one.gears) points += gear.contour.size();
+      files.push_back({.path = path, .text = text_of(one)});
       summary.files.push_back({.path = path,
-                               .drawing = drawing.name,
+                               .drawing = one.name,
                                .format = format,
-                               .contours = drawing.gears.size(),
+                               .contours = one.gears.size(),
                                .points = points});
     }
   };
-  add(options.dxf_folder, "dxf", report::dxf_text);
-  add(options.svg_folder, "svg", report::svg_text);
+  add(options.dxf_folder, "dxf", drawing::dxf_text);
+  add(options.svg_folder, "svg", drawing::svg_text);
   io::write_files(files, options.file);
 
   if (!options.quiet) {
@@ -272,13 +272,13 @@ ExitCode run_export(const ExportOptions& options) {
   }
   switch (options.format) {
     case Format::kJson:
-      print_result(report::export_json(summary));
+      print_result(drawing::export_json(summary));
       break;
     case Format::kCsv:
-      print_result(report::export_csv(summary));
+      print_result(drawing::export_csv(summary));
       break;
     case Format::kTable:
-      print_result(report::export_table(summary));
+      print_result(drawing::export_table(summary));
       break;
   }
   return kDone;

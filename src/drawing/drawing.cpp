@@ -7,10 +7,11 @@
 
 #include "report/display.hpp"
 
-namespace gear3k::report {
+namespace gear3k::drawing {
 
 namespace {
 
+using report::degrees, report::mm;
 using train::kGearNames, train::kP1, train::kP2, train::kR1, train::kR2, train::kS, train::GearId;
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
@@ -176,4 +177,4 @@ DrawingSet make_drawings(const design::Design& design, const design::Evaluation&
   return set;
 }
 
-}  // namespace gear3k::report
+}  // namespace gear3k::drawing

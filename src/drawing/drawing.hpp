@@ -9,7 +9,7 @@
 #include "design/evaluation.hpp"
 #include "geometry/outline.hpp"
 
-namespace gear3k::report {
+namespace gear3k::drawing {
 
 /// Where each gear of an assembled train stands.  Angles are those of tooth 0, which lies on the
 /// +x axis at 0; counter-clockwise is positive.
@@ -90,4 +90,4 @@ struct DrawingSet {
 DrawingSet make_drawings(const design::Design& design, const design::Evaluation& evaluation,
                          double chord_error_m);
 
-}  // namespace gear3k::report
+}  // namespace gear3k::drawing

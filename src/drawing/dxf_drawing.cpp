@@ -9,11 +9,12 @@
 
 #include "report/display.hpp"
 
-namespace gear3k::report {
+namespace gear3k::drawing {
 
 namespace {
 
 using geometry::Point;
+using report::mm;
 
 /// Writes groups into a string: dxflib's own writer knows files only, and prints reals as the
 /// locale wants them.
@@ -224,4 +225,4 @@ std::string dxf_text(const Drawing& drawing) {
   return writer.text();
 }
 
-}  // namespace gear3k::report
+}  // namespace gear3k::drawing

@@ -4,7 +4,7 @@
 
 #include "drawing/drawing.hpp"
 
-namespace gear3k::report {
+namespace gear3k::drawing {
 
 /// Layer of the circles and centre marks in a DXF drawing.
 inline constexpr const char* kConstructionLayer = "CONSTRUCTION";
@@ -18,4 +18,4 @@ inline constexpr const char* kConstructionLayer = "CONSTRUCTION";
 /// origin. Accuracy: coordinates are rounded to 1e-9 mm.
 std::string dxf_text(const Drawing& drawing);
 
-}  // namespace gear3k::report
+}  // namespace gear3k::drawing

@@ -7,7 +7,9 @@
 #include "report/display.hpp"
 #include "report/text_table.hpp"
 
-namespace gear3k::report {
+namespace gear3k::drawing {
+
+using report::TextTable, report::csv_line, report::tool_json, report::um;
 
 std::string export_table(const ExportSummary& summary) {
   TextTable table({"file", "shows", "contours", "points"});
@@ -47,4 +49,4 @@ std::string export_csv(const ExportSummary& summary) {
   return text;
 }
 
-}  // namespace gear3k::report
+}  // namespace gear3k::drawing

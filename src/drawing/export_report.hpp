@@ -6,7 +6,7 @@
 
 #include "drawing/drawing.hpp"
 
-namespace gear3k::report {
+namespace gear3k::drawing {
 
 struct ExportedFile {
   std::string path;
@@ -30,4 +30,4 @@ std::string export_json(const ExportSummary& summary);
 /// Columns path, drawing, format, contours, points.
 std::string export_csv(const ExportSummary& summary);
 
-}  // namespace gear3k::report
+}  // namespace gear3k::drawing

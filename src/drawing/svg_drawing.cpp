@@ -8,11 +8,12 @@
 
 #include "report/display.hpp"
 
-namespace gear3k::report {
+namespace gear3k::drawing {
 
 namespace {
 
 using geometry::Point;
+using report::mm;
 
 /// A length in mm, rounded to 1e-6, without trailing zeros.
 std::string millimetres(double value_mm) {
@@ -302,4 +303,4 @@ std::string svg_text(const Drawing& drawing) {
   return svg.text();
 }
 
-}  // namespace gear3k::report
+}  // namespace gear3k::drawing

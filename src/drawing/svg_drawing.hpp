@@ -4,7 +4,7 @@
 
 #include "drawing/drawing.hpp"
 
-namespace gear3k::report {
+namespace gear3k::drawing {
 
 /// A drawing as the text of an SVG file: at true size, one unit = 1 mm.
 ///
@@ -15,4 +15,4 @@ namespace gear3k::report {
 /// Accuracy: coordinates are rounded to 1e-6 mm.
 std::string svg_text(const Drawing& drawing);
 
-}  // namespace gear3k::report
+}  // namespace gear3k::drawing

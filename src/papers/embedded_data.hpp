@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-namespace gear3k::io {
+namespace gear3k::papers {
 
 std::string_view published_prototypes_csv();  ///< data/published_3k_prototypes.csv
 std::string_view paper_statements_csv();      ///< data/low_backlash_paper_statements.csv
@@ -12,4 +12,4 @@ std::string_view thesis_statements_csv();     ///< data/directional_impedance_st
 std::string_view rp96_toml();                 ///< examples/rp96.toml
 std::string_view paper_figures_toml();        ///< examples/paper-figures.toml
 
-}  // namespace gear3k::io
+}  // namespace gear3k::papers

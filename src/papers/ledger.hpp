@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace gear3k::report {
+namespace gear3k::papers {
 
 /// A computed figure of a ledger; NaN when it could not be computed.
 struct Figure {
@@ -20,4 +20,4 @@ struct LedgerEntry {
   std::vector<Figure> figures;
 };
 
-}  // namespace gear3k::report
+}  // namespace gear3k::papers

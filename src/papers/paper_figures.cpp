@@ -11,7 +11,7 @@
 #include "optimize/zero_shift.hpp"
 #include "papers/published_fits.hpp"
 
-namespace gear3k::report {
+namespace gear3k::papers {
 
 namespace {
 
@@ -260,4 +260,4 @@ PaperFigures paper_figures(const PublishedSources& sources) {
   return figures;
 }
 
-}  // namespace gear3k::report
+}  // namespace gear3k::papers

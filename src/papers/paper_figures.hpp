@@ -12,7 +12,7 @@
 #include "optimize/tooth_search.hpp"
 #include "papers/reproduce.hpp"
 
-namespace gear3k::report {
+namespace gear3k::papers {
 
 /// Names of the figures' files, without .csv and .svg.
 inline constexpr std::array<const char*, 5> kFigureNames{"fig6", "fig7", "fig8a", "fig8b", "fig8c"};
@@ -103,4 +103,4 @@ struct PaperFigures {
 /// @throws std::invalid_argument when the published gear has no defined geometry
 PaperFigures paper_figures(const PublishedSources& sources);
 
-}  // namespace gear3k::report
+}  // namespace gear3k::papers

@@ -10,11 +10,13 @@
 #include "report/text_table.hpp"
 #include "report/tooth_set_text.hpp"
 
-namespace gear3k::report {
+namespace gear3k::papers {
 
 namespace {
 
 using optimize::RefinedSet, optimize::Status;
+using report::Plot, report::arcmin, report::clean, report::fixed, report::mm, report::percent,
+    report::plot_prologue, report::plot_text, report::teeth_text;
 
 constexpr const char* kPalette =
     "set palette defined (0 '#440154', 1 '#414487', 2 '#2a788e', 3 '#22a884', 4 '#7ad151', 5 "
@@ -312,4 +314,4 @@ std::vector<Plot> figure_plots(const PaperFigures& figures) {
           {.name = kFigureNames[4], .script = line_script(figures, figures.planet_shift)}};
 }
 
-}  // namespace gear3k::report
+}  // namespace gear3k::papers

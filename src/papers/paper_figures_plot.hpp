@@ -5,9 +5,9 @@
 #include "papers/paper_figures.hpp"
 #include "report/plot.hpp"
 
-namespace gear3k::report {
+namespace gear3k::papers {
 
 /// The figures of kFigureNames as scripts for gnuplot.
-std::vector<Plot> figure_plots(const PaperFigures& figures);
+std::vector<report::Plot> figure_plots(const PaperFigures& figures);
 
-}  // namespace gear3k::report
+}  // namespace gear3k::papers

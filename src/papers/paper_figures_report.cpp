@@ -9,11 +9,13 @@
 #include "report/text_table.hpp"
 #include "report/tooth_set_text.hpp"
 
-namespace gear3k::report {
+namespace gear3k::papers {
 
 namespace {
 
 using optimize::RefinedSet, optimize::Status;
+using report::arcmin, report::clean, report::csv_line, report::exact, report::fixed, report::mm,
+    report::percent, report::teeth_fields, report::teeth_text;
 
 /// Range of what a function gives for some items, with fixed decimals.
 template <class Items, class Function>
@@ -394,4 +396,4 @@ std::vector<FigureData> figure_data(const PaperFigures& figures) {
           {.name = kFigureNames[4], .csv = map_csv(figures, figures.planet_shift, "c")}};
 }
 
-}  // namespace gear3k::report
+}  // namespace gear3k::papers

@@ -6,7 +6,7 @@
 
 #include "papers/paper_figures.hpp"
 
-namespace gear3k::report {
+namespace gear3k::papers {
 
 /// What the paper says of a figure, and what ours shows.
 struct FigureStatement {
@@ -32,4 +32,4 @@ std::vector<const FigureMapPoint*> feasible_points(const FigureMap& map);
 /// The refined set with the greatest η_b under one limit; null where none is feasible.
 const optimize::RefinedSet* best_refined(const PaperFigures& figures, std::size_t limit);
 
-}  // namespace gear3k::report
+}  // namespace gear3k::papers

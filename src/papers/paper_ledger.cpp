@@ -12,13 +12,14 @@
 #include "papers/published_fits.hpp"
 #include "report/display.hpp"
 
-namespace gear3k::report {
+namespace gear3k::papers {
 
 namespace {
 
 using backlash::LostMotionModel;
 using design::Design, design::Evaluation;
 using efficiency::LossModel;
+using report::arcmin, report::mm, report::or_nan, report::um;
 
 class Ledger {
  public:
@@ -316,4 +317,4 @@ std::vector<LedgerEntry> paper_ledger(const PublishedSources& sources) {
   return Ledger(sources).entries();
 }
 
-}  // namespace gear3k::report
+}  // namespace gear3k::papers

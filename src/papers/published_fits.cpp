@@ -6,13 +6,15 @@
 
 #include "report/display.hpp"
 
-namespace gear3k::report {
+namespace gear3k::papers {
 
 using backlash::LostMotionModel;
 using design::Design, design::Direction, design::Evaluation;
 using efficiency::LossModel;
 
 namespace {
+
+using report::or_nan;
 
 double lost_motion(const Evaluation& e, LostMotionModel model) {
   return model == LostMotionModel::kPaper ? e.backlash.paper_rad : e.backlash.kinematic_rad;
@@ -130,4 +132,4 @@ std::optional<double> recess_only_backward(const PublishedGearbox& gearbox) {
   return AsymmetricFriction(gearbox).backward(-1.0);
 }
 
-}  // namespace gear3k::report
+}  // namespace gear3k::papers

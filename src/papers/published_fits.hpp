@@ -5,7 +5,7 @@
 
 #include "papers/reproduce.hpp"
 
-namespace gear3k::report {
+namespace gear3k::papers {
 
 /// Friction of the tables where the paper gives none.
 inline constexpr double kTableFriction = 0.1;
@@ -47,4 +47,4 @@ std::optional<DirectionalFit> directional_fit(const PublishedGearbox& gearbox);
 /// Backward efficiency with all friction in recess, as much as explains the forward efficiency.
 std::optional<double> recess_only_backward(const PublishedGearbox& gearbox);
 
-}  // namespace gear3k::report
+}  // namespace gear3k::papers

@@ -10,7 +10,7 @@
 #include "papers/embedded_data.hpp"
 #include "units/units.hpp"
 
-namespace gear3k::io {
+namespace gear3k::papers {
 
 namespace {
 
@@ -19,35 +19,36 @@ constexpr const char* kStatements = "low_backlash_paper_statements.csv";
 constexpr const char* kPairLosses = "spur_pair_loss_dry_steel.csv";
 constexpr const char* kThesisStatements = "directional_impedance_statements.csv";
 
-const CsvTable::Row& row_named(const CsvTable& table, const std::string& column,
-                               const std::string& name) {
-  for (const CsvTable::Row& row : table.rows) {
+const io::CsvTable::Row& row_named(const io::CsvTable& table, const std::string& column,
+                                   const std::string& name) {
+  for (const io::CsvTable::Row& row : table.rows) {
     if (table.text(row, column) == name) return row;
   }
   throw std::invalid_argument(fmt::format("{}: no row {}", table.name, name));
 }
 
-double required(const CsvTable& table, const CsvTable::Row& row, const std::string& column) {
+double required(const io::CsvTable& table, const io::CsvTable::Row& row,
+                const std::string& column) {
   const std::optional<double> value = table.number(row, column);
   if (!value)
     throw std::invalid_argument(fmt::format("{}:{}: no {}", table.name, row.line, column));
   return *value;
 }
 
-std::optional<double> scaled(const CsvTable& table, const CsvTable::Row& row,
+std::optional<double> scaled(const io::CsvTable& table, const io::CsvTable::Row& row,
                              const std::string& column, double factor) {
   std::optional<double> value = table.number(row, column);
   if (value) *value *= factor;
   return value;
 }
 
-report::PublishedGearbox gearbox(const CsvTable& table, const CsvTable::Row& row,
-                                 const std::string& name) {
+PublishedGearbox gearbox(const io::CsvTable& table, const io::CsvTable::Row& row,
+                         const std::string& name) {
   const auto number = [&](const std::string& column) { return required(table, row, column); };
   const auto integer = [&](const std::string& column) {
     return static_cast<int>(required(table, row, column));
   };
-  report::PublishedGearbox g;
+  PublishedGearbox g;
   g.design.name = name;
   auto& t = g.design.train;
   t.teeth = {.S = integer("zS"),
@@ -69,17 +70,18 @@ report::PublishedGearbox gearbox(const CsvTable& table, const CsvTable::Row& row
   return g;
 }
 
-report::ThesisSources thesis_sources() {
-  report::ThesisSources sources;
-  const CsvTable losses = parse_csv(std::string(pair_losses_csv()), kPairLosses);
+ThesisSources thesis_sources() {
+  ThesisSources sources;
+  const io::CsvTable losses = io::parse_csv(std::string(pair_losses_csv()), kPairLosses);
   sources.measured.reserve(losses.rows.size());
-  for (const CsvTable::Row& row : losses.rows) {
+  for (const io::CsvTable::Row& row : losses.rows) {
     sources.measured.push_back(
         {.driving_teeth = static_cast<int>(required(losses, row, "driving_teeth")),
          .driven_teeth = static_cast<int>(required(losses, row, "driven_teeth")),
          .loss = required(losses, row, "loss_factor")});
   }
-  const CsvTable statements = parse_csv(std::string(thesis_statements_csv()), kThesisStatements);
+  const io::CsvTable statements =
+      io::parse_csv(std::string(thesis_statements_csv()), kThesisStatements);
   const auto stated = [&](const std::string& name) {
     return required(statements, row_named(statements, "name", name), "value");
   };
@@ -101,15 +103,15 @@ report::ThesisSources thesis_sources() {
 
 }  // namespace
 
-report::PublishedSources published_sources() {
-  const CsvTable table = parse_csv(std::string(published_prototypes_csv()), kPrototypes);
-  const CsvTable statements = parse_csv(std::string(paper_statements_csv()), kStatements);
+PublishedSources published_sources() {
+  const io::CsvTable table = io::parse_csv(std::string(published_prototypes_csv()), kPrototypes);
+  const io::CsvTable statements = io::parse_csv(std::string(paper_statements_csv()), kStatements);
   const auto stated = [&](const std::string& name) {
     return required(statements, row_named(statements, "name", name), "value");
   };
-  const CsvTable::Row& proposed = row_named(table, "design", "low_backlash_proposed");
-  const CsvTable::Row& strain_wave = row_named(table, "design", "harmonic_drive_csg25lw");
-  report::PublishedSources sources;
+  const io::CsvTable::Row& proposed = row_named(table, "design", "low_backlash_proposed");
+  const io::CsvTable::Row& strain_wave = row_named(table, "design", "harmonic_drive_csg25lw");
+  PublishedSources sources;
   sources.low_backlash = gearbox(table, proposed, "low-backlash prototype");
   sources.low_backlash.stated_lost_motion_rad =
       design::from_unit(stated("simulated_lost_motion"), design::Unit::kArcmin);
@@ -132,11 +134,11 @@ report::PublishedSources published_sources() {
   sources.backdrive_starting_torque_Nm = required(table, proposed, "backdrive_start_Nm");
   sources.max_backdriving_torque_Nm = required(table, proposed, "max_backdrive_Nm");
   sources.strain_wave_starting_torque_Nm = required(table, strain_wave, "backdrive_start_Nm");
-  sources.task = parse_specification(std::string(rp96_toml()), "rp96.toml");
+  sources.task = io::parse_specification(std::string(rp96_toml()), "rp96.toml");
   sources.figure_task =
-      parse_specification(std::string(paper_figures_toml()), "paper-figures.toml");
+      io::parse_specification(std::string(paper_figures_toml()), "paper-figures.toml");
   sources.thesis = thesis_sources();
   return sources;
 }
 
-}  // namespace gear3k::io
+}  // namespace gear3k::papers

@@ -8,13 +8,14 @@
 #include "papers/published_fits.hpp"
 #include "report/display.hpp"
 
-namespace gear3k::report {
+namespace gear3k::papers {
 
 namespace {
 
 using backlash::LostMotionModel;
 using design::Design, design::Direction, design::Evaluation;
 using efficiency::LossModel;
+using report::arcmin, report::mm, report::or_nan, report::um;
 
 /// Contact ratio of S-P1 with tips at m (z/2 + 1 + y - x of the mate), y = d/m - (zS + zP1)/2: the
 /// tip rule of KHK Gear Technical Data for profile-shifted external gears.
@@ -208,4 +209,4 @@ Reproduction reproduce(const PublishedSources& sources) {
           .thesis = compare_thesis(sources.thesis)};
 }
 
-}  // namespace gear3k::report
+}  // namespace gear3k::papers

@@ -13,7 +13,7 @@
 #include "papers/ledger.hpp"
 #include "papers/thesis_comparison.hpp"
 
-namespace gear3k::report {
+namespace gear3k::papers {
 
 /// A published gearbox: its design (full teeth, no friction value of its own) and its figures.
 struct PublishedGearbox {
@@ -101,4 +101,4 @@ struct Reproduction {
 /// @throws std::invalid_argument when a published gearbox has no defined geometry
 Reproduction reproduce(const PublishedSources& sources);
 
-}  // namespace gear3k::report
+}  // namespace gear3k::papers

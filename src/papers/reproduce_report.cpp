@@ -9,11 +9,12 @@
 #include "report/display.hpp"
 #include "report/text_table.hpp"
 
-namespace gear3k::report {
+namespace gear3k::papers {
 
 namespace {
 
 using nlohmann::ordered_json;
+using report::TextTable, report::csv_line, report::exact, report::fixed, report::number_or_null, report::tool_json;
 
 std::string shown(const std::optional<double>& value, int decimals) {
   return value ? fmt::format("{:.{}f}", *value, decimals) : std::string("-");
@@ -340,4 +341,4 @@ std::string reproduce_csv(const Reproduction& r) {
   return text + thesis_csv(r.thesis);
 }
 
-}  // namespace gear3k::report
+}  // namespace gear3k::papers

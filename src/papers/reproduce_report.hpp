@@ -5,7 +5,7 @@
 
 #include "papers/reproduce.hpp"
 
-namespace gear3k::report {
+namespace gear3k::papers {
 
 std::string reproduce_table(const Reproduction& r);
 std::string reproduce_json(const Reproduction& r);
@@ -14,4 +14,4 @@ std::string reproduce_json(const Reproduction& r);
 /// equations, its residuals and its ledger ("thesis ledger N") under exact.
 std::string reproduce_csv(const Reproduction& r);
 
-}  // namespace gear3k::report
+}  // namespace gear3k::papers

@@ -7,7 +7,7 @@
 #include "papers/thesis_ledger.hpp"
 #include "papers/thesis_model.hpp"
 
-namespace gear3k::report {
+namespace gear3k::papers {
 
 ThesisComparison compare_thesis(const ThesisSources& sources) {
   if (sources.measured.size() < 4) {
@@ -23,4 +23,4 @@ ThesisComparison compare_thesis(const ThesisSources& sources) {
   return comparison;
 }
 
-}  // namespace gear3k::report
+}  // namespace gear3k::papers

@@ -8,7 +8,7 @@
 
 #include "papers/ledger.hpp"
 
-namespace gear3k::report {
+namespace gear3k::papers {
 
 /// A row of Table 3.1.
 struct MeasuredPairLoss {
@@ -75,4 +75,4 @@ struct ThesisComparison {
 ///         in both directions, or when a pair has no defined geometry
 ThesisComparison compare_thesis(const ThesisSources& sources);
 
-}  // namespace gear3k::report
+}  // namespace gear3k::papers

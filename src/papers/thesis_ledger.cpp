@@ -16,11 +16,12 @@
 #include "papers/thesis_model.hpp"
 #include "report/display.hpp"
 
-namespace gear3k::report {
+namespace gear3k::papers {
 
 namespace {
 
 using efficiency::SinglePair;
+using report::percent;
 
 /// A pair of Table 3.1 that was measured in both directions.
 struct MeasuredBothWays {
@@ -442,4 +443,4 @@ std::vector<LedgerEntry> thesis_ledger(const ThesisSources& sources,
   return ThesisLedger(sources, comparison).entries();
 }
 
-}  // namespace gear3k::report
+}  // namespace gear3k::papers

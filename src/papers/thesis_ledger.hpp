@@ -5,7 +5,7 @@
 #include "papers/ledger.hpp"
 #include "papers/thesis_comparison.hpp"
 
-namespace gear3k::report {
+namespace gear3k::papers {
 
 /// What the directional-impedance thesis prints and what it comes to, computed.
 /// @param comparison  of the same sources, its ledger not used
@@ -13,4 +13,4 @@ namespace gear3k::report {
 std::vector<LedgerEntry> thesis_ledger(const ThesisSources& sources,
                                        const ThesisComparison& comparison);
 
-}  // namespace gear3k::report
+}  // namespace gear3k::papers

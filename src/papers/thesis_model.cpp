@@ -8,7 +8,7 @@
 
 #include "geometry/gear.hpp"
 
-namespace gear3k::report {
+namespace gear3k::papers {
 
 using efficiency::SinglePair;
 
@@ -180,4 +180,4 @@ std::vector<PairLossRow> loss_rows(const ThesisSources& sources,
   return rows;
 }
 
-}  // namespace gear3k::report
+}  // namespace gear3k::papers

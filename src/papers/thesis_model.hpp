@@ -7,7 +7,7 @@
 #include "efficiency/single_pair_loss.hpp"
 #include "papers/thesis_comparison.hpp"
 
-namespace gear3k::report {
+namespace gear3k::papers {
 
 /// Tooth numbers of the loss map: first, last, step.
 inline constexpr int kMapFirst = 10, kMapLast = 120, kMapStep = 10;
@@ -52,4 +52,4 @@ std::vector<PairLossModel> loss_models(const ThesisSources& sources);
 std::vector<PairLossRow> loss_rows(const ThesisSources& sources,
                                    const std::vector<PairLossModel>& models);
 
-}  // namespace gear3k::report
+}  // namespace gear3k::papers

@@ -19,11 +19,13 @@
 #include "report/display.hpp"
 #include "tests/cli/run_program.hpp"
 
-namespace gear3k::report {
+namespace gear3k::papers {
 namespace {
 
+using report::arcmin, report::mm;
+
 const PaperFigures& figures() {
-  static const PaperFigures kFigures = paper_figures(io::published_sources());
+  static const PaperFigures kFigures = paper_figures(published_sources());
   return kFigures;
 }
 
@@ -119,7 +121,7 @@ TEST(PaperFigures, TheAllowanceGivesThePublishedGearItsStatedLostMotion) {
   const double stated = 8.0;
   // q has four decimals: half of the last one moves eq. 17 by 0.01 arcmin.
   EXPECT_NEAR(arcmin(e.backlash.paper_rad), stated, 0.02);
-  EXPECT_NEAR(stated, arcmin(*io::published_sources().low_backlash.stated_lost_motion_rad), 1e-9);
+  EXPECT_NEAR(stated, arcmin(*published_sources().low_backlash.stated_lost_motion_rad), 1e-9);
 }
 
 TEST(PaperFigures, RefinementNeverEndsBelowAZeroShiftThatIsFeasible) {
@@ -285,4 +287,4 @@ TEST(PaperFigures, AMapWithoutAFeasiblePointIsStillAFigure) {
 }
 
 }  // namespace
-}  // namespace gear3k::report
+}  // namespace gear3k::papers

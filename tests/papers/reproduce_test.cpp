@@ -6,11 +6,11 @@
 #include "io/files/design_file.hpp"
 #include "papers/published_sources.hpp"
 
-namespace gear3k::report {
+namespace gear3k::papers {
 namespace {
 
 const Reproduction& reproduction() {
-  static const Reproduction kResult = reproduce(io::published_sources());
+  static const Reproduction kResult = reproduce(published_sources());
   return kResult;
 }
 
@@ -81,7 +81,7 @@ TEST(Reproduce, NoLossModelWithOneFrictionExplainsBothDirections) {
 }
 
 TEST(Reproduce, FittedFrictionGivesTheMeasuredEfficienciesWhenEvaluated) {
-  const PublishedSources sources = io::published_sources();
+  const PublishedSources sources = published_sources();
   const auto evaluated = [](design::Design design, const design::Friction& friction) {
     design.friction = friction;
     return std::get<design::Evaluation>(design::evaluate(design)).efficiency;
@@ -108,7 +108,7 @@ TEST(Reproduce, FittedFrictionGivesTheMeasuredEfficienciesWhenEvaluated) {
 }
 
 TEST(Reproduce, ExplainingAllowanceGivesTheMeasuredLostMotionWhenEvaluated) {
-  const PublishedSources sources = io::published_sources();
+  const PublishedSources sources = published_sources();
   for (const std::size_t gearbox : {0U, 1U}) {
     const PublishedGearbox& published = gearbox == 0 ? sources.low_backlash : sources.bilateral;
     const ComparedRow& q = row(gearbox, "allowance q of every gear");
@@ -183,7 +183,7 @@ TEST(Reproduce, Equation2WithTheWorkingAngleEqualsEquation13) {
 }
 
 TEST(Reproduce, ExampleDesignsAreTheGearboxesOfTheData) {
-  const PublishedSources sources = io::published_sources();
+  const PublishedSources sources = published_sources();
   const std::string folder = std::string(GEAR3K_SOURCE_DIR) + "/examples/designs/";
   for (const auto& [file, published] :
        {std::pair{"low_backlash_prototype.toml", &sources.low_backlash.design},
@@ -198,4 +198,4 @@ TEST(Reproduce, ExampleDesignsAreTheGearboxesOfTheData) {
 }
 
 }  // namespace
-}  // namespace gear3k::report
+}  // namespace gear3k::papers

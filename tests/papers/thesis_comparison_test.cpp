@@ -11,11 +11,11 @@
 #include "papers/published_sources.hpp"
 #include "papers/reproduce_report.hpp"
 
-namespace gear3k::report {
+namespace gear3k::papers {
 namespace {
 
 const ThesisSources& sources() {
-  static const ThesisSources kSources = io::published_sources().thesis;
+  static const ThesisSources kSources = published_sources().thesis;
   return kSources;
 }
 
@@ -300,4 +300,4 @@ TEST(ThesisComparison, WithoutEnoughRowsSaysSo) {
 }
 
 }  // namespace
-}  // namespace gear3k::report
+}  // namespace gear3k::papers
