@@ -41,27 +41,29 @@ design::Limits tightened(design::Limits limits, const Tightening& tightening, do
 
 /// A design as it will be built.
 struct Built {
-  design::Evaluation evaluation;
+  design::ToleranceLimits limits;
   backlash::WorstCase worst;
   BuiltOutcome outcome;
 };
 
-bool corners_hold(const design::Evaluation& evaluation) {
-  return evaluation.tolerance_limits &&
-         std::ranges::all_of(evaluation.tolerance_limits->checks, [](const auto& check) {
-           return is_backlash(check.record->id) || check.holds;
-         });
+bool corners_hold(const design::ToleranceLimits& limits) {
+  return std::ranges::all_of(limits.checks, [](const auto& check) {
+    return is_backlash(check.record->id) || check.holds;
+  });
 }
 
-Built build(const design::Design& design, std::uint64_t samples, std::uint64_t seed) {
+/// Empty where the tolerances leave a mesh without a working pressure angle.
+std::optional<Built> build(const design::Design& design, std::uint64_t samples,
+                           std::uint64_t seed) {
   if (!design.tolerances) throw std::invalid_argument("built_outcome: a design without tolerances");
   auto evaluated = design::evaluate(design);
   auto* evaluation = std::get_if<design::Evaluation>(&evaluated);
   const auto model =
       backlash::clearance_model(design::resolved_parameters(design), *design.tolerances);
-  if (evaluation == nullptr || !model || !evaluation->tolerance_limits) return {};
-  Built built{
-      .evaluation = std::move(*evaluation), .worst = backlash::worst_case(*model), .outcome = {}};
+  if (evaluation == nullptr || !model || !evaluation->tolerance_limits) return std::nullopt;
+  Built built{.limits = *std::move(evaluation->tolerance_limits),
+              .worst = backlash::worst_case(*model),
+              .outcome = {}};
   const std::optional<double>& limit = design.limits[CheckId::kOutputBacklashMax];
   const auto series =
       backlash::monte_carlo(*model, {.samples = samples,
@@ -75,14 +77,14 @@ Built build(const design::Design& design, std::uint64_t samples, std::uint64_t s
                    .limit_of_99_percent_rad = series.limit_of_99_percent_rad,
                    .greatest_rad = built.worst.greatest_rad,
                    .least_margin_m = built.worst.least_margin_m,
-                   .checks_hold = corners_hold(built.evaluation)};
+                   .checks_hold = corners_hold(built.limits)};
   return built;
 }
 
 /// What keeps a design from holding in the worst case [SI, ≥ 0], by check.
 Tightening missing(const Built& built, const design::Limits& stated) {
   Tightening result{};
-  for (const design::CheckLimits& check : built.evaluation.tolerance_limits->checks) {
+  for (const design::CheckLimits& check : built.limits.checks) {
     if (check.record->id == CheckId::kOutputBacklashMax ||
         check.record->id == CheckId::kOutputBacklashMin || !std::isfinite(check.margin.least)) {
       continue;
@@ -135,7 +137,8 @@ class RobustSearch {
     return is_zero(missing(built, stated_));
   }
 
-  /// Searches under these limits; what is built to the best design, if there is one.
+  /// Searches under these limits; what is built to the best design, if there is one and its
+  /// tolerances leave a gearbox.
   std::optional<Built> pass(double share, const design::Limits& limits) {
     Specification spec = spec_;
     spec.limits = limits;
@@ -149,9 +152,10 @@ class RobustSearch {
         std::min<std::uint64_t>(kRobustSamples, static_cast<std::uint64_t>(spec_.sampling.samples));
     design::Design design = design_of(spec, *pass.best);
     design.limits = stated_;
-    Built built = build(design, samples, spec_.sampling.seed);
-    pass.outcome = built.outcome;
-    if (holds(built) &&
+    std::optional<Built> built = build(design, samples, spec_.sampling.seed);
+    if (!built) return std::nullopt;
+    pass.outcome = built->outcome;
+    if (holds(*built) &&
         (!result_.chosen ||
          merit_of(spec_, *pass.best) > merit_of(spec_, *result_.passes[*result_.chosen].best))) {
       result_.chosen = result_.passes.size() - 1;
@@ -188,7 +192,8 @@ class RobustSearch {
         }
         if (built->outcome.yield >= spec_.robust.yield) continue;
       }
-      (!built || holds(*built) ? too_much : fails) = share;
+      const bool nothing_feasible = !result_.passes.back().best;
+      (nothing_feasible || (built && holds(*built)) ? too_much : fails) = share;
       share = 0.5 * (fails + too_much);
     }
   }
@@ -212,12 +217,19 @@ RobustResult robust_limits(const Specification& spec,
 bool checks_hold(const design::Design& design) {
   const auto evaluated = design::evaluate(design);
   const auto* evaluation = std::get_if<design::Evaluation>(&evaluated);
-  return evaluation != nullptr && corners_hold(*evaluation);
+  return evaluation != nullptr && evaluation->tolerance_limits &&
+         corners_hold(*evaluation->tolerance_limits);
 }
 
 BuiltOutcome built_outcome(const design::Design& design, std::uint64_t samples,
                            std::uint64_t seed) {
-  return build(design, samples, seed).outcome;
+  const std::optional<Built> built = build(design, samples, seed);
+  if (!built) {
+    throw std::invalid_argument(
+        "built_outcome: at an end of the centre distance's limits a mesh has no working pressure "
+        "angle, allowed: limits that leave one");
+  }
+  return built->outcome;
 }
 
 }  // namespace gear3k::optimize

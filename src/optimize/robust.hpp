@@ -26,7 +26,8 @@ struct RobustPass {
   double share = 0.0;
   design::Limits limits;
   std::optional<RefinedSet> best;  ///< empty: nothing is feasible under these limits
-  BuiltOutcome outcome;
+  /// Of the best; empty where the tolerances leave one of its meshes without a working angle.
+  std::optional<BuiltOutcome> outcome;
 };
 
 struct RobustResult {
@@ -40,7 +41,7 @@ struct RobustResult {
 ///
 /// The best design under the stated limits shows how much each check loses at its worst corner, how
 /// far the lost motion and the room of assembly go in the worst case. The limits are tightened by
-/// that and the search repeated:
+/// that and the search repeated (not where its tolerances leave no gearbox at all to measure by):
 ///
 ///   worst case: until the best design holds in the worst case, each pass adding what is missing;
 ///   yield:      the least share t of the tightening of lost motion and normal backlash that
@@ -62,7 +63,9 @@ RobustResult robust_limits(const Specification& spec,
 inline constexpr std::uint64_t kRobustSamples = 200'000;
 
 /// How gearboxes built to a design of this specification turn out.
-/// @param seed  of the random gearboxes  @throws std::invalid_argument without tolerances
+/// @param seed  of the random gearboxes
+/// @throws std::invalid_argument without tolerances, and where at an end of the centre distance's
+///   limits a mesh has no working pressure angle: such gearboxes are none
 BuiltOutcome built_outcome(const design::Design& design, std::uint64_t samples, std::uint64_t seed);
 
 /// Whether every check but those of backlash holds at the corners of the design's tolerances.

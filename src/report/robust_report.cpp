@@ -106,7 +106,7 @@ ordered_json robust_json(const Specification& spec, const RobustRun& run) {
          {"teeth", pass.best ? ordered_json(train::teeth_of(pass.best->candidate.teeth))
                              : ordered_json(nullptr)},
          {"eta_b", pass.best ? ordered_json(pass.best->eta_b) : ordered_json(nullptr)},
-         {"built", pass.best ? outcome_json(pass.outcome) : ordered_json(nullptr)}});
+         {"built", pass.outcome ? outcome_json(*pass.outcome) : ordered_json(nullptr)}});
   }
   ordered_json json{
       {"hold", optimize::kHoldNames[static_cast<std::size_t>(spec.robust.hold)]},
@@ -138,21 +138,28 @@ ordered_json robust_json(const Specification& spec, const RobustRun& run) {
 }
 
 std::string robust_blocking_text(const Specification& spec, const optimize::RobustResult& search) {
-  const RobustPass* best = nullptr;
+  const BuiltOutcome* best = nullptr;
   bool any_infeasible = false;
   for (const RobustPass& pass : search.passes) {
     any_infeasible = any_infeasible || !pass.best;
-    if (pass.best && (best == nullptr || pass.outcome.yield > best->outcome.yield)) best = &pass;
+    if (pass.outcome && (best == nullptr || pass.outcome->yield > best->yield)) {
+      best = &*pass.outcome;
+    }
   }
-  if (best == nullptr) return "no design is feasible with the limits as stated";
-  const std::string reached = fmt::format(
-      "the best that was found yields {:.2f} % ({:.2f} % jam, {:.2f} % beyond the limit), worst "
-      "case {:.2f} arcmin{}",
-      percent(best->outcome.yield), percent(best->outcome.jammed),
-      percent(best->outcome.beyond_limit), arcmin(best->outcome.greatest_rad),
-      best->outcome.least_margin_m < 0.0
-          ? fmt::format(" and {:.1f} um short of assembling", -um(best->outcome.least_margin_m))
-          : "");
+  if (!search.passes.front().best) return "no design is feasible with the limits as stated";
+  const std::string reached =
+      best == nullptr
+          ? std::string(
+                "at an end of tolerances.center_distance_um a mesh of the best that was "
+                "found has no working pressure angle")
+          : fmt::format(
+                "the best that was found yields {:.2f} % ({:.2f} % jam, {:.2f} % beyond the "
+                "limit), worst case {:.2f} arcmin{}",
+                percent(best->yield), percent(best->jammed), percent(best->beyond_limit),
+                arcmin(best->greatest_rad),
+                best->least_margin_m < 0.0
+                    ? fmt::format(" and {:.1f} um short of assembling", -um(best->least_margin_m))
+                    : "");
   const std::string asked =
       spec.robust.hold == Hold::kWorstCase
           ? std::string("in the worst case of its tolerances")

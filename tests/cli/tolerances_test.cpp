@@ -412,6 +412,21 @@ TEST(OptimizeRobust, ThatCannotHoldSaysWhatWasReached) {
   EXPECT_EQ(place.read("out/best.toml.previous"), "old");
 }
 
+TEST(OptimizeRobust, WithTolerancesThatLeaveNoMeshSaysSo) {
+  const Workplace place;
+  for (const char* hold : {"hold = \"yield\"\n", "hold = \"worst_case\"\n"}) {
+    place.write("spec.toml", replaced(robust_spec(hold), "center_distance_um = 5.000000",
+                                      "center_distance_um = 2000"));
+    const ProgramResult result = place.run({"optimize", "spec.toml", "--out", "out", "--quiet"});
+    EXPECT_EQ(result.exit_code, 3);
+    EXPECT_TRUE(contains(result.err,
+                         "at an end of tolerances.center_distance_um a mesh of the "
+                         "best that was found has no working pressure angle"))
+        << result.err;
+    EXPECT_FALSE(place.has("out/best.toml"));
+  }
+}
+
 TEST(OptimizeRobust, WorstCaseOfTheFileHasNoJamAndKeepsTheLimit) {
   const Workplace place;
   place.write("spec.toml", robust_spec("hold = \"worst_case\"\n", 0.15));

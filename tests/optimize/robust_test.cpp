@@ -81,27 +81,28 @@ TEST(RobustLimits, ForAYieldReachItWithGearboxesThatTheSearchNeverSaw) {
   EXPECT_FALSE(result.interrupted);
   const RobustPass& nominal = result.passes.front();
   const RobustPass& chosen = result.passes[*result.chosen];
+  ASSERT_TRUE(nominal.outcome && chosen.outcome);
   EXPECT_EQ(nominal.share, 0.0);
   EXPECT_EQ(nominal.limits[CheckId::kOutputBacklashMax], spec.limits[CheckId::kOutputBacklashMax]);
   EXPECT_GT(chosen.share, 0.0);
-  EXPECT_GE(chosen.outcome.yield, spec.robust.yield);
-  EXPECT_LT(nominal.outcome.yield, spec.robust.yield);
+  EXPECT_GE(chosen.outcome->yield, spec.robust.yield);
+  EXPECT_LT(nominal.outcome->yield, spec.robust.yield);
   constexpr std::uint64_t kSamples = 200'000;
   const BuiltOutcome fresh = built_outcome(stated_design(spec, chosen), kSamples, 1234567);
   const auto error = [&](std::uint64_t n) {
     return std::sqrt(0.97 * 0.03 / static_cast<double>(n));
   };
-  EXPECT_NEAR(fresh.yield, chosen.outcome.yield, 4.0 * std::hypot(error(kSamples), error(40'000)));
+  EXPECT_NEAR(fresh.yield, chosen.outcome->yield, 4.0 * std::hypot(error(kSamples), error(40'000)));
   EXPECT_NEAR(fresh.yield + fresh.jammed + fresh.beyond_limit, 1.0, 1e-12);
   const BuiltOutcome nominal_fresh = built_outcome(stated_design(spec, nominal), kSamples, 1234567);
   EXPECT_LT(nominal_fresh.yield, 0.5);
   expect_checks_hold_at_their_worst(stated_design(spec, chosen), false);
-  EXPECT_TRUE(chosen.outcome.checks_hold);
+  EXPECT_TRUE(chosen.outcome->checks_hold);
   EXPECT_LT(merit_of(spec, *chosen.best), merit_of(spec, *nominal.best));
   // No pass that holds has a better merit, and one with less tightening does not hold.
   for (const RobustPass& pass : result.passes) {
-    if (!pass.best) continue;
-    const bool holds = pass.outcome.checks_hold && pass.outcome.yield >= spec.robust.yield;
+    if (!pass.outcome) continue;
+    const bool holds = pass.outcome->checks_hold && pass.outcome->yield >= spec.robust.yield;
     if (holds) {
       EXPECT_LE(merit_of(spec, *pass.best), merit_of(spec, *chosen.best));
     }
@@ -117,10 +118,11 @@ TEST(RobustLimits, InTheWorstCaseHoldForEveryGearbox) {
   EXPECT_EQ(*result.chosen + 1, result.passes.size());
   EXPECT_GT(*result.chosen, 0U);
   const RobustPass& chosen = result.passes[*result.chosen];
+  ASSERT_TRUE(result.passes.front().outcome && chosen.outcome);
   const double limit = *spec.limits[CheckId::kOutputBacklashMax];
-  EXPECT_GT(result.passes.front().outcome.greatest_rad, limit);
-  EXPECT_LE(chosen.outcome.greatest_rad, limit + kNothing);
-  EXPECT_GE(chosen.outcome.least_margin_m, -kNothing);
+  EXPECT_GT(result.passes.front().outcome->greatest_rad, limit);
+  EXPECT_LE(chosen.outcome->greatest_rad, limit + kNothing);
+  EXPECT_GE(chosen.outcome->least_margin_m, -kNothing);
   const design::Design design = stated_design(spec, chosen);
   expect_checks_hold_at_their_worst(design, true);
   EXPECT_LT(merit_of(spec, *chosen.best), merit_of(spec, *result.passes.front().best));
@@ -142,8 +144,26 @@ TEST(RobustLimits, OfTolerancesThatNoDesignBearsAreNone) {
     EXPECT_FALSE(result.chosen);
     EXPECT_FALSE(result.interrupted);
     ASSERT_FALSE(result.passes.empty());
+    ASSERT_TRUE(result.passes.front().outcome);
+    EXPECT_LT(result.passes.front().outcome->yield, spec.robust.yield);
+  }
+}
+
+TEST(RobustLimits, OfTolerancesThatLeaveNoMeshAreNone) {
+  // The axes may come so near that P1-R1 has no working pressure angle.
+  Specification spec = few_sets(1.0);
+  spec.tolerances->center_distance_m = {.lower = -2e-3, .upper = 2e-3};
+  for (const Hold hold : {Hold::kYield, Hold::kWorstCase}) {
+    spec.robust.hold = hold;
+    const RobustResult result = robust_limits(spec, search);
+    EXPECT_FALSE(result.chosen);
+    ASSERT_EQ(result.passes.size(), 1U);
     ASSERT_TRUE(result.passes.front().best);
-    EXPECT_LT(result.passes.front().outcome.yield, spec.robust.yield);
+    EXPECT_FALSE(result.passes.front().outcome);
+    EXPECT_THROW(
+        static_cast<void>(built_outcome(stated_design(spec, result.passes.front()), 1000, 1)),
+        std::invalid_argument);
+    EXPECT_FALSE(checks_hold(stated_design(spec, result.passes.front())));
   }
 }
 
@@ -159,7 +179,8 @@ TEST(RobustLimits, ThatTheNominalDesignKeepsNeedOnePass) {
     ASSERT_TRUE(result.chosen);
     EXPECT_EQ(*result.chosen, 0U);
     EXPECT_EQ(result.passes.size(), 1U);
-    EXPECT_EQ(result.passes.front().outcome.yield, 1.0);
+    ASSERT_TRUE(result.passes.front().outcome);
+    EXPECT_EQ(result.passes.front().outcome->yield, 1.0);
     EXPECT_EQ(result.passes.front().limits.limit, spec.limits.limit);
   }
 }

@@ -298,13 +298,13 @@ optimize::RobustPass pass_of(double share, double yield) {
   pass.best.emplace();
   pass.best->candidate.teeth = {.S = 12, .P1 = 64, .R1 = 141, .P2 = 52, .R2 = 132};
   pass.best->eta_b = 0.95 - 0.01 * share;
-  pass.outcome = {.yield = yield,
-                  .jammed = 0.25 * (1.0 - yield),
-                  .beyond_limit = 0.75 * (1.0 - yield),
-                  .limit_of_99_percent_rad = {},
-                  .greatest_rad = 17.5 * kArcmin,
-                  .least_margin_m = -37.9e-6,
-                  .checks_hold = true};
+  pass.outcome = optimize::BuiltOutcome{.yield = yield,
+                                        .jammed = 0.25 * (1.0 - yield),
+                                        .beyond_limit = 0.75 * (1.0 - yield),
+                                        .limit_of_99_percent_rad = {},
+                                        .greatest_rad = 17.5 * kArcmin,
+                                        .least_margin_m = -37.9e-6,
+                                        .checks_hold = true};
   return pass;
 }
 
@@ -315,8 +315,8 @@ RobustRun robust_run() {
   run.search.chosen = 1;
   run.samples = 1000;
   run.fresh_seed = 2;
-  run.nominal = run.search.passes[0].outcome;
-  run.chosen = run.search.passes[1].outcome;
+  run.nominal = *run.search.passes[0].outcome;
+  run.chosen = *run.search.passes[1].outcome;
   return run;
 }
 
@@ -383,6 +383,12 @@ TEST(RobustBlocking, NamesWhatWasReached) {
   EXPECT_TRUE(
       contains(robust_blocking_text(robust_specification(optimize::Hold::kWorstCase), search),
                "in the worst case of its tolerances"));
+  search.passes = {pass_of(0.0, 0.1)};
+  search.passes.front().outcome.reset();
+  EXPECT_TRUE(contains(
+      robust_blocking_text(robust_specification(optimize::Hold::kYield), search),
+      "at an end of tolerances.center_distance_um a mesh of the best that was found has no working "
+      "pressure angle; wider limits or tighter [tolerances] would help"));
   search.passes = {{}};
   EXPECT_EQ(robust_blocking_text(robust_specification(optimize::Hold::kYield), search),
             "no design is feasible with the limits as stated");
