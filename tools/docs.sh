@@ -1,0 +1,221 @@
+#!/usr/bin/env bash
+# Makes the outputs and figures that stand in the documents and compares them with what stands there:
+#   tools/docs.sh [--long] [--write] PROGRAM [DOCUMENT...]
+# PROGRAM is gear3k in a build folder, e.g. build/release/gear3k; without DOCUMENT it is README.md and all of docs/.
+# Exit code 1 and the differences where there are any; with --write the documents and figures are changed instead.
+#
+# In a document, each on a line of its own:
+#   <!-- output: COMMAND -->           the fenced block below is "$ COMMAND" and what it prints on stdout
+#   <!-- output OPTIONS: COMMAND -->   options: "long" (only with --long), "exit N" (0 unless stated),
+#                                      "mask /RE/" (matches count as equal: times, speeds)
+#   <!-- run: COMMAND -->              the same without a block; "long" and "exit N" likewise
+#   <!-- file: NAME -->                the fenced block below is written to NAME for the commands after it
+#   <!-- figure: FILE -->              the image linked on the next line is FILE, which a command before has made
+# A document with any of these has no other fenced block without a language: outputs have none, all else has one.
+#
+# Commands run once each, in order, in a scratch folder where examples/, data/, benchmarks/, tools/ ... are those of the
+# sources, build/release is PROGRAM's folder, and `gear3k` is PROGRAM.  " | part ...", " 2>&1" and " >/dev/null" at the
+# end are not shown:
+#   COMMAND | part 'Gears' 'Meshes:1-3,6'
+# prints those paragraphs of the output that begin so, and of Meshes these lines; [...] stands for what is left out.
+set -euo pipefail
+
+usage() { sed -n '2,/^set/ s/^# \{0,1\}//p' "$0" >&2; exit 1; }
+
+write="" long="" program="" documents=()
+for argument in "$@"; do
+  case "$argument" in
+    --write) write=1 ;;
+    --long) long=1 ;;
+    -*) usage ;;
+    *) if [ -z "$program" ]; then program=$(realpath "$argument"); else documents+=("$(realpath "$argument")"); fi ;;
+  esac
+done
+[ -n "$program" ] || usage
+[ -x "$program" ] || { echo "$0: $program is not a program" >&2; exit 1; }
+cd "$(dirname "$0")/.."
+source=$PWD
+if [ ${#documents[@]} -eq 0 ]; then
+  mapfile -t documents < <(echo "$source/README.md"; find "$source/docs" -name '*.md' | LC_ALL=C sort)
+fi
+
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+work=$scratch/work
+mkdir -p "$work/build" "$work/out" "$scratch/bin" "$scratch/made"
+for entry in benchmarks data docs examples src tests tools; do ln -s "$source/$entry" "$work/$entry"; done
+ln -s "$(dirname "$program")" "$work/build/release"
+ln -s "$program" "$scratch/bin/gear3k"
+cat >"$scratch/bin/part" <<'END'
+#!/usr/bin/awk -f
+function chosen(line, ranges,   list, limits, n, i) {
+  if (ranges == "") return 1
+  n = split(ranges, list, ",")
+  for (i = 1; i <= n; i++) {
+    split(list[i], limits, "-")
+    if (line >= limits[1] + 0 && line <= (list[i] ~ /-/ ? limits[2] : limits[1]) + 0) return 1
+  }
+  return 0
+}
+function flush(   i, k) {
+  if (length_ == 0) return
+  for (k = 1; k <= parts; k++)
+    if (index(text[1], begin[k]) == 1) break
+  if (k > parts) left_out = 1
+  else {
+    found[k] = 1
+    if (printed && !left_out) print ""
+    for (i = 1; i <= length_; i++) {
+      if (!chosen(i, ranges[k])) { left_out = 1; continue }
+      if (left_out) print "[...]"
+      left_out = 0
+      print text[i]
+    }
+    printed = 1
+  }
+  length_ = 0
+}
+BEGIN {
+  for (a = 1; a < ARGC; a++) {
+    begin[++parts] = ARGV[a]
+    if (match(ARGV[a], /:[0-9,-]+$/)) {
+      ranges[parts] = substr(ARGV[a], RSTART + 1)
+      begin[parts] = substr(ARGV[a], 1, RSTART - 1)
+    }
+  }
+  ARGC = 1
+}
+/^$/ { flush(); next }
+{ text[++length_] = $0 }
+END {
+  flush()
+  if (left_out) print "[...]"
+  for (k = 1; k <= parts; k++)
+    if (!found[k]) { print "part: no paragraph begins with " begin[k] >"/dev/stderr"; status = 1 }
+  exit status
+}
+END
+chmod +x "$scratch/bin/part"
+
+image='^!\[[^]]*\]\(([^)]+)\)'
+differences=0
+differ() { echo "$1"; differences=1; }
+
+# Runs what stands before " | part" once, then the filter; the result is in $scratch/result.
+make_output() {
+  local where=$1 command=$2 expected=$3
+  local base=${command%% | part *} filter="" made status
+  [ "$base" = "$command" ] || filter="part ${command#* | part }"
+  made=$scratch/made/$(printf '%s' "$base" | md5sum | cut -d' ' -f1)
+  if [ ! -f "$made.status" ]; then
+    status=0
+    (cd "$work" && PATH="$scratch/bin:$PATH" bash -c "$base") >"$made" 2>"$made.err" </dev/null || status=$?
+    sed -i '/^[0-9]*\/[0-9]* .* left\(,\|$\)\|^[0-9]* % diagnosed/d' "$made"  # progress, where a machine is slow
+    echo "$status" >"$made.status"
+  fi
+  status=$(cat "$made.status")
+  if [ "$status" != "$expected" ]; then
+    differ "$where: $base: exit code $status, not $expected"
+    cat "$made.err"
+  fi
+  if [ -n "$filter" ]; then
+    (cd "$work" && PATH="$scratch/bin:$PATH" bash -c "$filter") <"$made" >"$scratch/result" 2>"$scratch/error" ||
+      differ "$where: $(cat "$scratch/error")"
+  else
+    cp "$made" "$scratch/result"
+  fi
+}
+
+# A figure of another gnuplot may differ in every byte and is then taken as it is.
+same_figure() {
+  cmp -s "$1" "$2" && return 0
+  local made stands
+  made=$(grep -m1 -o 'Produced by GNUPLOT.*' "$1" || true)
+  stands=$(grep -m1 -o 'Produced by GNUPLOT.*' "$2" 2>/dev/null || true)
+  [ -n "$made" ] && [ -n "$stands" ] && [ "$made" != "$stands" ]
+}
+
+process() {
+  local document=$1 name=${1#"$source"/}
+  local -a lines=() result=()
+  local i=0 marked="" line
+  mapfile -t lines <"$document"
+  grep -q '^<!-- \(output\|run\|file\|figure\)[^:]*: ' "$document" && marked=1
+  while [ $i -lt ${#lines[@]} ]; do
+    line=${lines[i]}
+    if [[ ! $line =~ ^'<!-- '(output|run|file|figure)(' '[^:]*)?': '(.*)' -->'$ ]]; then
+      if [[ $line =~ ^'```' ]]; then
+        if [ -n "$marked" ] && [ "$line" = '```' ]; then
+          differ "$name:$((i + 1)): a block without language and without <!-- output: COMMAND -->"
+        fi
+        result+=("$line")
+        i=$((i + 1))
+        while [ $i -lt ${#lines[@]} ] && [ "${lines[i]}" != '```' ]; do result+=("${lines[i]}"); i=$((i + 1)); done
+        line=${lines[i]-}
+      fi
+      result+=("$line")
+      i=$((i + 1))
+      continue
+    fi
+    local kind=${BASH_REMATCH[1]} options=${BASH_REMATCH[2]} rest=${BASH_REMATCH[3]} where="$name:$((i + 1))"
+    local expected=0 mask="" skip=""
+    if [[ $options =~ 'exit '([0-9]+) ]]; then expected=${BASH_REMATCH[1]}; fi
+    if [[ $options =~ 'mask /'(.*)'/' ]]; then mask=${BASH_REMATCH[1]}; fi
+    if [[ $options =~ (^| )long( |$) ]] && [ -z "$long" ]; then skip=1; fi
+    result+=("$line")
+    i=$((i + 1))
+    if [ "$kind" = run ]; then
+      [ -n "$skip" ] || make_output "$where" "$rest" "$expected"
+      continue
+    fi
+    if [ "$kind" = figure ]; then
+      if [ -n "$skip" ]; then continue; fi
+      local target=""
+      if [[ ${lines[i]-} =~ $image ]]; then target=$(dirname "$document")/${BASH_REMATCH[1]}; fi
+      if [ -z "$target" ]; then differ "$where: no image on the next line"
+      elif [ ! -f "$work/$rest" ]; then differ "$where: no command above makes $rest"
+      elif [ -n "$write" ]; then
+        mkdir -p "$(dirname "$target")"
+        same_figure "$work/$rest" "$target" || cp "$work/$rest" "$target"
+      elif ! same_figure "$work/$rest" "$target"; then differ "$where: $(realpath --relative-to="$source" "$target") is not $rest"
+      fi
+      continue
+    fi
+    # output and file: the fenced block
+    local fence=${lines[i]-}
+    if [[ ! $fence =~ ^'```' ]]; then differ "$where: no fenced block on the next line"; continue; fi
+    result+=("$fence")
+    i=$((i + 1))
+    : >"$scratch/stands"
+    while [ $i -lt ${#lines[@]} ] && [ "${lines[i]}" != '```' ]; do printf '%s\n' "${lines[i]}" >>"$scratch/stands"; i=$((i + 1)); done
+    if [ "$kind" = file ]; then
+      mkdir -p "$(dirname "$work/$rest")"
+      cp "$scratch/stands" "$work/$rest"
+    elif [ -z "$skip" ]; then
+      make_output "$where" "$rest" "$expected"
+      local shown=${rest%% | part *}
+      shown=${shown%' >/dev/null'}
+      { printf '$ %s\n' "${shown%' 2>&1'}"; sed 's/[[:space:]]*$//' "$scratch/result"; } >"$scratch/new"
+      if ! cmp -s "$scratch/new" "$scratch/stands"; then
+        cp "$scratch/new" "$scratch/new.masked"
+        cp "$scratch/stands" "$scratch/stands.masked"
+        [ -z "$mask" ] || sed -E -i "s/$mask/#/g" "$scratch/new.masked" "$scratch/stands.masked"
+        if ! cmp -s "$scratch/new.masked" "$scratch/stands.masked"; then
+          if [ -n "$write" ]; then cp "$scratch/new" "$scratch/stands"
+          else differ "$(diff -u --label "$where" --label "$rest" "$scratch/stands.masked" "$scratch/new.masked")"
+          fi
+        fi
+      fi
+    fi
+    mapfile -t -O ${#result[@]} result <"$scratch/stands"
+    result+=('```')
+    i=$((i + 1))
+  done
+  if [ -n "$write" ] && ! printf '%s\n' "${result[@]}" | cmp -s - "$document"; then
+    printf '%s\n' "${result[@]}" >"$document"
+    echo "$name written"
+  fi
+}
+
+for document in "${documents[@]}"; do process "$document"; done
+exit $differences
