@@ -10,7 +10,7 @@
 namespace gear3k {
 
 /// Largest deviation over a test's random cases, as a share of what is allowed.  It is recorded in
-/// the test's XML output, from which tools/accuracy.sh prints the table of the README.
+/// the test's XML output, from which tools/accuracy.sh prints its part of docs/accuracy.md.
 struct LargestDeviation {
   double share = 0.0;
   int at_case = -1;

@@ -120,7 +120,7 @@ TEST(Group, OfCausesAsLargeAsTheNoiseIsNamed) {
   EXPECT_LT(count.inside, count.intervals);
 }
 
-// At 0.3 of the noise the README's table has 62 % right on average over the scenarios.
+// At 0.3 of the noise the table in docs/accuracy.md has 62 % right on average over the scenarios.
 TEST(Group, OfCausesOfAThirdOfTheNoiseIsNamedMoreOftenThanNot) {
   const Count count = count_of("alone 0.3 ");
   ASSERT_GT(count.cases, 200);
