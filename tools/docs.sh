@@ -46,7 +46,7 @@ mkdir -p "$work/build" "$work/out" "$scratch/bin" "$scratch/made"
 for entry in benchmarks data docs examples src tests tools; do ln -s "$source/$entry" "$work/$entry"; done
 ln -s "$(dirname "$program")" "$work/build/release"
 ln -s "$program" "$scratch/bin/gear3k"
-cat >"$scratch/bin/part" <<'END'
+cat >"$scratch/bin/part" <<'PART'
 #!/usr/bin/awk -f
 function chosen(line, ranges,   list, limits, n, i) {
   if (ranges == "") return 1
@@ -94,9 +94,10 @@ END {
     if (!found[k]) { print "part: no paragraph begins with " begin[k] >"/dev/stderr"; status = 1 }
   exit status
 }
-END
+PART
 chmod +x "$scratch/bin/part"
 
+marker='^<!-- (output|run|file|figure)( [^:]*)?: (.*) -->$'
 image='^!\[[^]]*\]\(([^)]+)\)'
 differences=0
 differ() { echo "$1"; differences=1; }
@@ -135,81 +136,112 @@ same_figure() {
   [ -n "$made" ] && [ -n "$stands" ] && [ "$made" != "$stands" ]
 }
 
+# The document in work: its lines, the next one to read, what it becomes.
+name="" lines=() next=0 result=()
+
+# Reads a fenced block from the next line on: its first line into $fence, its contents into $scratch/stands.
+read_block() {
+  fence=${lines[next]-}
+  : >"$scratch/stands"
+  [[ $fence =~ ^'```' ]] || return 1
+  next=$((next + 1))
+  while [ $next -lt ${#lines[@]} ] && [ "${lines[next]}" != '```' ]; do
+    printf '%s\n' "${lines[next]}" >>"$scratch/stands"
+    next=$((next + 1))
+  done
+  next=$((next + 1))
+}
+
+write_block() {
+  result+=("$fence")
+  mapfile -t -O ${#result[@]} result <"$scratch/stands"
+  result+=('```')
+}
+
+# The command as the first line of its output shows it.
+shown_command() {
+  local shown=${1%% | part *}
+  shown=${shown%' >/dev/null'}
+  printf '$ %s\n' "${shown%' 2>&1'}"
+}
+
+# Compares $scratch/stands with what the command prints; with --write it is that afterwards.
+compare_output() {
+  local where=$1 command=$2 expected=$3 mask=$4 file
+  make_output "$where" "$command" "$expected"
+  { shown_command "$command"; sed 's/[[:space:]]*$//' "$scratch/result"; } >"$scratch/prints"
+  for file in prints stands; do
+    if [ -n "$mask" ]; then sed -E "s/$mask/#/g" "$scratch/$file"; else cat "$scratch/$file"; fi >"$scratch/$file.masked"
+  done
+  if cmp -s "$scratch/prints.masked" "$scratch/stands.masked"; then return; fi
+  if [ -n "$write" ]; then
+    cp "$scratch/prints" "$scratch/stands"
+  else
+    differ "$(diff -u --label "$where" --label "$command" "$scratch/stands.masked" "$scratch/prints.masked")"
+  fi
+}
+
+# Compares the image that the next line links to with a file that a command has made.
+compare_figure() {
+  local where=$1 made=$work/$2 target=""
+  if [[ ${lines[next]-} =~ $image ]]; then target=$folder/${BASH_REMATCH[1]}; fi
+  if [ -z "$target" ]; then
+    differ "$where: no image on the next line"
+  elif [ ! -f "$made" ]; then
+    differ "$where: no command above makes $2"
+  elif same_figure "$made" "$target"; then
+    return
+  elif [ -n "$write" ]; then
+    mkdir -p "$(dirname "$target")"
+    cp "$made" "$target"
+  else
+    differ "$where: $(realpath -m --relative-to="$source" "$target") is not $2"
+  fi
+}
+
 process() {
-  local document=$1 name=${1#"$source"/}
-  local -a lines=() result=()
-  local i=0 marked="" line
+  local document=$1 marked="" line kind options rest where expected mask skip
+  name=${document#"$source"/} folder=$(dirname "$document") next=0 result=()
   mapfile -t lines <"$document"
-  grep -q '^<!-- \(output\|run\|file\|figure\)[^:]*: ' "$document" && marked=1
-  while [ $i -lt ${#lines[@]} ]; do
-    line=${lines[i]}
-    if [[ ! $line =~ ^'<!-- '(output|run|file|figure)(' '[^:]*)?': '(.*)' -->'$ ]]; then
-      if [[ $line =~ ^'```' ]]; then
-        if [ -n "$marked" ] && [ "$line" = '```' ]; then
-          differ "$name:$((i + 1)): a block without language and without <!-- output: COMMAND -->"
-        fi
-        result+=("$line")
-        i=$((i + 1))
-        while [ $i -lt ${#lines[@]} ] && [ "${lines[i]}" != '```' ]; do result+=("${lines[i]}"); i=$((i + 1)); done
-        line=${lines[i]-}
+  if grep -Eq "$marker" "$document"; then marked=1; fi
+  while [ $next -lt ${#lines[@]} ]; do
+    line=${lines[next]} where="$name:$((next + 1))"
+    if [[ $line =~ ^'```' ]]; then
+      if [ -n "$marked" ] && [ "$line" = '```' ]; then
+        differ "$where: a block without language and without <!-- output: COMMAND -->"
       fi
-      result+=("$line")
-      i=$((i + 1))
+      read_block
+      write_block
       continue
     fi
-    local kind=${BASH_REMATCH[1]} options=${BASH_REMATCH[2]} rest=${BASH_REMATCH[3]} where="$name:$((i + 1))"
-    local expected=0 mask="" skip=""
+    result+=("$line")
+    next=$((next + 1))
+    [[ $line =~ $marker ]] || continue
+    kind=${BASH_REMATCH[1]} options=${BASH_REMATCH[2]} rest=${BASH_REMATCH[3]}
+    expected=0 mask="" skip=""
     if [[ $options =~ 'exit '([0-9]+) ]]; then expected=${BASH_REMATCH[1]}; fi
     if [[ $options =~ 'mask /'(.*)'/' ]]; then mask=${BASH_REMATCH[1]}; fi
-    if [[ $options =~ (^| )long( |$) ]] && [ -z "$long" ]; then skip=1; fi
-    result+=("$line")
-    i=$((i + 1))
-    if [ "$kind" = run ]; then
-      [ -n "$skip" ] || make_output "$where" "$rest" "$expected"
-      continue
-    fi
-    if [ "$kind" = figure ]; then
-      if [ -n "$skip" ]; then continue; fi
-      local target=""
-      if [[ ${lines[i]-} =~ $image ]]; then target=$(dirname "$document")/${BASH_REMATCH[1]}; fi
-      if [ -z "$target" ]; then differ "$where: no image on the next line"
-      elif [ ! -f "$work/$rest" ]; then differ "$where: no command above makes $rest"
-      elif [ -n "$write" ]; then
-        mkdir -p "$(dirname "$target")"
-        same_figure "$work/$rest" "$target" || cp "$work/$rest" "$target"
-      elif ! same_figure "$work/$rest" "$target"; then differ "$where: $(realpath --relative-to="$source" "$target") is not $rest"
-      fi
-      continue
-    fi
-    # output and file: the fenced block
-    local fence=${lines[i]-}
-    if [[ ! $fence =~ ^'```' ]]; then differ "$where: no fenced block on the next line"; continue; fi
-    result+=("$fence")
-    i=$((i + 1))
-    : >"$scratch/stands"
-    while [ $i -lt ${#lines[@]} ] && [ "${lines[i]}" != '```' ]; do printf '%s\n' "${lines[i]}" >>"$scratch/stands"; i=$((i + 1)); done
-    if [ "$kind" = file ]; then
-      mkdir -p "$(dirname "$work/$rest")"
-      cp "$scratch/stands" "$work/$rest"
-    elif [ -z "$skip" ]; then
-      make_output "$where" "$rest" "$expected"
-      local shown=${rest%% | part *}
-      shown=${shown%' >/dev/null'}
-      { printf '$ %s\n' "${shown%' 2>&1'}"; sed 's/[[:space:]]*$//' "$scratch/result"; } >"$scratch/new"
-      if ! cmp -s "$scratch/new" "$scratch/stands"; then
-        cp "$scratch/new" "$scratch/new.masked"
-        cp "$scratch/stands" "$scratch/stands.masked"
-        [ -z "$mask" ] || sed -E -i "s/$mask/#/g" "$scratch/new.masked" "$scratch/stands.masked"
-        if ! cmp -s "$scratch/new.masked" "$scratch/stands.masked"; then
-          if [ -n "$write" ]; then cp "$scratch/new" "$scratch/stands"
-          else differ "$(diff -u --label "$where" --label "$rest" "$scratch/stands.masked" "$scratch/new.masked")"
+    if [[ $options =~ ' long'( |$) ]] && [ -z "$long" ]; then skip=1; fi
+    case "$kind" in
+      run) [ -n "$skip" ] || make_output "$where" "$rest" "$expected" ;;
+      figure) [ -n "$skip" ] || compare_figure "$where" "$rest" ;;
+      *)
+        if ! read_block; then
+          differ "$where: no fenced block on the next line"
+        elif [ "$kind" = file ]; then
+          mkdir -p "$(dirname "$work/$rest")"
+          cp "$scratch/stands" "$work/$rest"
+          write_block
+        else
+          if [ -z "$skip" ]; then
+            compare_output "$where" "$rest" "$expected" "$mask"
+          elif [ "$(head -1 "$scratch/stands")" != "$(shown_command "$rest")" ]; then
+            differ "$where: the block is not the output of this command"
           fi
+          write_block
         fi
-      fi
-    fi
-    mapfile -t -O ${#result[@]} result <"$scratch/stands"
-    result+=('```')
-    i=$((i + 1))
+        ;;
+    esac
   done
   if [ -n "$write" ] && ! printf '%s\n' "${result[@]}" | cmp -s - "$document"; then
     printf '%s\n' "${result[@]}" >"$document"

@@ -4,6 +4,7 @@
 #   - relative links of every *.md: the file and, in a *.md, the heading (by GitHub's rule for anchors);
 #   - references [§n]: defined in their file, leading to the heading "§n" under docs/theory, none unused;
 #   - §n in sources, tests, tools and examples: that section stands in docs/theory;
+#   - CONTRIBUTING.md names every folder of src/;
 #   - paths in backticks that begin with a folder of this repository: something stands there.
 # Prints every finding as file:line: message; exit code 1 when there is one.  Perl comes with git.
 use strict;
@@ -146,5 +147,11 @@ for my $file (@sources) {
     }
     complain($file, $line, "docs/$1 does not exist") if m{\bdocs/([\w/-]+\.md)\b} && !-e "docs/$1";
   }
+}
+# The plan in CONTRIBUTING.md has every room of src/.
+my $plan = join "\n", lines_of('CONTRIBUTING.md');
+for my $room (grep { -d } glob 'src/* src/calibrate/* src/io/*') {
+  my ($last) = $room =~ m{([^/]+)$};
+  complain('CONTRIBUTING.md', 1, "$room/ is not in the plan") unless $plan =~ m{(^|\s)$last/}m;
 }
 exit($findings ? 1 : 0);
