@@ -11,6 +11,7 @@
 #include "cli/model_option.hpp"
 #include "cli/progress.hpp"
 #include "cli/result_files.hpp"
+#include "cli/talk.hpp"
 #include "drawing/dxf_drawing.hpp"
 #include "drawing/export_report.hpp"
 #include "drawing/svg_drawing.hpp"
@@ -30,7 +31,7 @@
 namespace gear3k::cli {
 
 void print_result(const std::string& text) {
-  if (std::fputs(text.c_str(), stdout) < 0 || std::fflush(stdout) != 0) {
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
     throw io::InvalidInput("stdout: cannot be written");
   }
 }
@@ -43,7 +44,7 @@ void deliver(const CommonOptions& options, const std::string& text) {
   }
 }
 
-void set_aside(const std::string& path) {
+void set_aside(const std::string& path, bool quiet) {
   std::error_code status;
   if (!std::filesystem::exists(path, status)) return;
   const std::string aside = path + ".previous";
@@ -52,7 +53,8 @@ void set_aside(const std::string& path) {
     throw io::InvalidInput(
         fmt::format("{}: is not of this run and cannot be renamed: {}", path, status.message()));
   }
-  fmt::print(stderr, "{}: is not of this run, renamed to {}\n", path, aside);
+  if (quiet) return;
+  say(fmt::format("{}: is not of this run, renamed to {}\n", path, aside));
 }
 
 int use_threads(const CommonOptions& options) {
@@ -150,7 +152,7 @@ ExitCode run_search(const SearchOptions& options) {
     search = optimize::search_teeth(spec, progress);
   }
   if (search.interrupted) {
-    fmt::print(stderr, "interrupted: a partial search has no ranking\n");
+    say("interrupted: a partial search has no ranking\n");
     return kInterrupted;
   }
   const bool empty = search.candidates.empty();
@@ -172,7 +174,7 @@ ExitCode run_search(const SearchOptions& options) {
   if (!empty) return kDone;
   optimize::OptimizeResult nothing;
   nothing.search = search;
-  fmt::print(stderr, "{}\n", report::blocking_text(spec, nothing, {}));
+  say(fmt::format("{}\n", report::blocking_text(spec, nothing, {})));
   return kNoFeasibleDesign;
 }
 
@@ -206,9 +208,11 @@ WrittenFigures write_figures(const ReproduceOptions& options,
   for (const papers::FigureData& data : papers::figure_data(figures)) {
     files.push_back({.path = data.name + ".csv", .text = data.csv});
   }
-  return {.files = write_results({.path = options.figures, .input = "", .protected_inputs = {}},
-                                 std::move(files), papers::figure_plots(figures)),
-          .table = papers::figures_table(figures)};
+  return {
+      .files = write_results(
+          {.path = options.figures, .input = "", .protected_inputs = {}, .quiet = options.quiet},
+          std::move(files), papers::figure_plots(figures)),
+      .table = papers::figures_table(figures)};
 }
 
 }  // namespace
@@ -268,7 +272,7 @@ ExitCode run_export(const ExportOptions& options) {
   io::write_files(files, options.file);
 
   if (!options.quiet) {
-    for (const std::string& note : set.notes) fmt::print(stderr, "note: {}\n", note);
+    for (const std::string& note : set.notes) say(fmt::format("note: {}\n", note));
   }
   switch (options.format) {
     case Format::kJson:
@@ -286,7 +290,7 @@ ExitCode run_export(const ExportOptions& options) {
 
 ExitCode run_keys(const CommonOptions& options) {
   if (options.format != Format::kTable) {
-    fmt::print(stderr, "keys: --format: allowed: table (the document is Markdown)\n");
+    say("keys: --format: allowed: table (the document is Markdown)\n");
     return kUsage;
   }
   deliver(options, fmt::format("# Keys of the input files\n\nPrinted by `gear3k keys`.\n\n"

@@ -99,9 +99,9 @@ void print_result(const std::string& text);
 /// Prints a result to stdout, or writes it to options.out.
 void deliver(const CommonOptions& options, const std::string& text);
 
-/// Moves a file out of the way that would pass for a result of this run, and says so.
+/// Moves a file out of the way that would pass for a result of this run, and says so unless quiet.
 /// @throws io::InvalidInput when it cannot be renamed
-void set_aside(const std::string& path);
+void set_aside(const std::string& path, bool quiet);
 
 /// Runs OpenMP regions with the number of threads asked for.  @returns that number
 int use_threads(const CommonOptions& options);

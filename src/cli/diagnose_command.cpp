@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 
 #include "calibrate/measurement/condition_quantity.hpp"
@@ -15,6 +14,7 @@
 #include "cli/model_option.hpp"
 #include "cli/progress.hpp"
 #include "cli/result_files.hpp"
+#include "cli/talk.hpp"
 #include "io/files/measurement_file.hpp"
 #include "io/files/measurement_loops.hpp"
 #include "io/files/model_file.hpp"
@@ -282,7 +282,8 @@ WrittenFiles write_diagnosis(const DiagnoseOptions& options, const Task& task,
   ResultFolder folder{.path = options.out,
                       .input = options.file,
                       .protected_inputs = options.data,
-                      .figures = report::diagnosis_plot_names()};
+                      .figures = report::diagnosis_plot_names(),
+                      .quiet = options.quiet};
   folder.protected_inputs.push_back(options.file);
   if (!options.model.empty()) folder.protected_inputs.push_back(options.model);
   return write_results(
@@ -303,12 +304,12 @@ ExitCode run_diagnose(const DiagnoseOptions& options) {
   warn(task.model_notes, options.quiet);
   if (!options.quiet) {
     for (const std::string& note : idle_limits(options, task.sets)) {
-      fmt::print(stderr, "{}\n", note);
+      say(fmt::format("{}\n", note));
     }
   }
   const std::optional<std::vector<Diagnosis>> results = diagnose_all(task, options);
   if (!results) {
-    fmt::print(stderr, "interrupted: a partial diagnosis has no result\n");
+    say("interrupted: a partial diagnosis has no result\n");
     return kInterrupted;
   }
   end_on_interrupt();

@@ -7,13 +7,13 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <functional>
 #include <iostream>
 #include <limits>
 #include <new>
 
 #include "cli/commands.hpp"
+#include "cli/talk.hpp"
 #include "io/files/design_file.hpp"
 #include "io/files/specification_file.hpp"
 #include "io/text/diagnostics.hpp"
@@ -379,7 +379,7 @@ int run_program(int argc, char** argv) {
   keys_command->callback([&] { run = [&] { return cli::run_keys(keys); }; });
 
   if (const std::string unknown = unknown_word(app, argc, argv); !unknown.empty()) {
-    fmt::print(stderr, "{}\nRun with --help for more information.\n", unknown);
+    cli::say(fmt::format("{}\nRun with --help for more information.\n", unknown));
     return cli::kUsage;
   }
   try {
@@ -395,18 +395,19 @@ int run_program(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  cli::reserve_standard_streams();
   // Ceres logs what it also returns; nobody but the program itself speaks to the user.
   FLAGS_minloglevel = google::GLOG_FATAL;
   try {
     return run_program(argc, argv);
   } catch (const io::InvalidInput& error) {
-    std::fprintf(stderr, "%s\n", error.what());
+    cli::say(fmt::format("{}\n", error.what()));
     return cli::kInvalidInput;
   } catch (const std::bad_alloc&) {
-    std::fprintf(stderr, "gear3k: out of memory: allowed: fewer tooth sets (narrower ranges)\n");
+    cli::say("gear3k: out of memory: allowed: fewer tooth sets (narrower ranges)\n");
     return cli::kSolverFailure;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "gear3k: %s\n", error.what());
+    cli::say(fmt::format("gear3k: {}\n", error.what()));
     return cli::kSolverFailure;
   }
 }

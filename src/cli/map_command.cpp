@@ -37,7 +37,10 @@ ExitCode run_map(const MapOptions& options) {
   warn(notes, options.quiet);
   WrittenFiles written;
   if (!options.out.empty()) {
-    written = write_results({.path = options.out, .input = options.file, .protected_inputs = {}},
+    written = write_results({.path = options.out,
+                             .input = options.file,
+                             .protected_inputs = {},
+                             .quiet = options.quiet},
                             {{.path = "map.csv", .text = report::map_csv(map)},
                              {.path = "map.json", .text = report::map_json(map, use)}},
                             report::map_plots(map));

@@ -3,15 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <numbers>
 #include <utility>
 
 #include "calibrate/model/model_range.hpp"
+#include "cli/talk.hpp"
 #include "design/checks.hpp"
 #include "design/measured_lost_motion.hpp"
 #include "io/files/model_file.hpp"
 #include "io/text/diagnostics.hpp"
+#include "io/text/toml_value.hpp"
 #include "units/units.hpp"
 
 namespace gear3k::cli {
@@ -104,8 +105,12 @@ std::string unreachable_lost_motion(const optimize::Specification& stated,
 }
 
 std::optional<LoadedModel> load_model(const std::string& path) {
+  return path.empty() ? std::nullopt : parse_model(path, io::read_toml_text(path));
+}
+
+std::optional<LoadedModel> parse_model(const std::string& path, const std::string& text) {
   if (path.empty()) return std::nullopt;
-  LoadedModel model{.use = {.file = path, .models = io::read_model(path)}, .extension = {}};
+  LoadedModel model{.use = {.file = path, .models = io::parse_model(text, path)}, .extension = {}};
   const auto refused = calibrate::black_box_causes(model.use.models);
   if (!refused.empty()) {
     throw io::InvalidInput(fmt::format(
@@ -180,7 +185,7 @@ optimize::Specification with_model(const optimize::Specification& spec, LoadedMo
 
 void warn(const Notes& notes, bool quiet) {
   if (quiet) return;
-  for (const std::string& note : notes) fmt::print(stderr, "model: {}\n", note);
+  for (const std::string& note : notes) say(fmt::format("model: {}\n", note));
 }
 
 }  // namespace gear3k::cli

@@ -19,6 +19,8 @@ struct LoadedModel {
 /// Reads a MODEL file; empty for "".
 /// @throws io::InvalidInput with every error of the file, and for a model of a black box
 std::optional<LoadedModel> load_model(const std::string& path);
+/// The same from a text that was read already; empty for the path "".
+std::optional<LoadedModel> parse_model(const std::string& path, const std::string& text);
 
 /// What a result made with a model has to say.
 using Notes = std::vector<std::string>;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <limits>
 #include <utility>
@@ -12,6 +11,7 @@
 #include "cli/commands.hpp"
 #include "cli/model_option.hpp"
 #include "cli/progress.hpp"
+#include "cli/talk.hpp"
 #include "design/built_series.hpp"
 #include "design/evaluation.hpp"
 #include "io/files/design_file.hpp"
@@ -19,6 +19,7 @@
 #include "io/files/specification_file.hpp"
 #include "io/text/diagnostics.hpp"
 #include "io/text/file_writer.hpp"
+#include "io/text/toml_value.hpp"
 #include "optimize/cheapest_tolerances.hpp"
 #include "optimize/optimizer.hpp"
 #include "optimize/robust.hpp"
@@ -38,6 +39,7 @@ std::string path_in(const std::string& folder, const char* name) {
 
 /// The task of a run, with what its model changes.
 struct OptimizeTask {
+  std::uint64_t fingerprint = 0;  ///< of the very bytes that were read
   optimize::Specification spec;
   std::optional<LoadedModel> model;
   Notes notes;
@@ -47,8 +49,11 @@ struct OptimizeTask {
   [[nodiscard]] const report::ModelUse* use() const { return model ? &model->use : nullptr; }
 };
 OptimizeTask load_task(const OptimizeOptions& options) {
-  OptimizeTask task{.spec = io::read_specification(options.file),
-                    .model = load_model(options.model),
+  std::vector<std::string> contents{io::read_toml_text(options.file)};
+  if (!options.model.empty()) contents.push_back(io::read_toml_text(options.model));
+  OptimizeTask task{.fingerprint = io::task_fingerprint(contents),
+                    .spec = io::parse_specification(contents.front(), options.file),
+                    .model = parse_model(options.model, contents.back()),
                     .notes = {},
                     .unreachable = {},
                     .stated_limits = {}};
@@ -169,19 +174,19 @@ io::Journal open_journal(const OptimizeOptions& options, const std::string& path
   if (options.resume) {
     io::Journal journal = io::read_journal(path, fingerprint);
     if (!options.quiet) {
-      fmt::print(stderr, "{}",
-                 journal.exists ? fmt::format("{}: goes on after {} refined tooth sets\n", path,
+      say(fmt::format("{}", journal.exists
+                                ? fmt::format("{}: goes on after {} refined tooth sets\n", path,
                                               journal.sets.size())
-                                : fmt::format("{}: there is none, the run starts anew\n", path));
+                                : fmt::format("{}: there is none, the run starts anew\n", path)));
     }
     return journal;
   }
   std::error_code status;
   if (std::filesystem::exists(path, status)) {
     if (!options.quiet) {
-      fmt::print(stderr, "{}: of a run that did not end; --resume would go on with it\n", path);
+      say(fmt::format("{}: of a run that did not end; --resume would go on with it\n", path));
     }
-    set_aside(path);
+    set_aside(path, options.quiet);
   }
   return {};
 }
@@ -196,12 +201,9 @@ struct Outcome {
   }
 };
 Outcome run(const OptimizeOptions& options, const OptimizeTask& task) {
-  std::vector<std::string> files{options.file};
-  if (!options.model.empty()) files.push_back(options.model);
   const std::string path = path_in(options.out, kJournalName);
-  const std::uint64_t fingerprint = io::task_fingerprint(files);
-  io::Journal journal = open_journal(options, path, fingerprint);
-  io::JournalWriter writer(path, fingerprint, journal);
+  io::Journal journal = open_journal(options, path, task.fingerprint);
+  io::JournalWriter writer(path, task.fingerprint, journal);
   optimize::Progress progress;
   Outcome outcome;
   {
@@ -234,20 +236,20 @@ void write_results(const OptimizeOptions& options, const OptimizeTask& task, con
   if (result.best) {
     io::write_file(best_path, io::design_text(stated_design(task, *result.best)));
   } else {
-    set_aside(best_path);
+    set_aside(best_path, options.quiet);
   }
   if (!options.quiet) {
-    fmt::print(stderr, "{}{}{}", report::search_counts_text(task.spec, result.search),
-               report::optimize_counts_text(result, tally),
-               report::certificate_text(task.spec, result));
+    say(fmt::format("{}{}{}", report::search_counts_text(task.spec, result.search),
+                    report::optimize_counts_text(result, tally),
+                    report::certificate_text(task.spec, result)));
   }
   const std::string journal = path_in(options.out, kJournalName);
   if (outcome.interrupted()) {
-    fmt::print(stderr,
-               "interrupted: {} holds the {} tooth sets that were refined; --resume goes on with "
-               "{}\n",
-               options.out, result.refined.size(),
-               result.interrupted ? "the rest" : "the front, which it searches anew");
+    say(fmt::format(
+        "interrupted: {} holds the {} tooth sets that were refined; --resume goes on with "
+        "{}\n",
+        options.out, result.refined.size(),
+        result.interrupted ? "the rest" : "the front, which it searches anew"));
   } else {
     std::error_code ignored;
     std::filesystem::remove(journal, ignored);
@@ -300,21 +302,20 @@ ExitCode run_optimize(const OptimizeOptions& options) {
   warn(task.notes, options.quiet);
   io::prepare_folder(options.out);
   if (!task.unreachable.empty()) {
-    for (const char* name : kResultNames) set_aside(path_in(options.out, name));
-    fmt::print(stderr, "{}: {}\n", options.file, task.unreachable);
+    for (const char* name : kResultNames) set_aside(path_in(options.out, name), options.quiet);
+    say(fmt::format("{}: {}\n", options.file, task.unreachable));
     return kNoFeasibleDesign;
   }
   const int threads = use_threads(options);
   const std::optional<report::RobustRun> robust = make_robust(options, task);
   if (robust && (!robust->search.chosen || robust->search.interrupted)) {
-    for (const char* name : kResultNames) set_aside(path_in(options.out, name));
+    for (const char* name : kResultNames) set_aside(path_in(options.out, name), options.quiet);
     if (robust->search.interrupted) {
-      fmt::print(stderr,
-                 "interrupted before limits that hold for the built gearboxes were found\n");
+      say("interrupted before limits that hold for the built gearboxes were found\n");
       return kInterrupted;
     }
-    fmt::print(stderr, "{}: {}\n", options.file,
-               report::robust_blocking_text(task.spec, robust->search));
+    say(fmt::format("{}: {}\n", options.file,
+                    report::robust_blocking_text(task.spec, robust->search)));
     return kNoFeasibleDesign;
   }
   const Outcome outcome = run(options, task);
@@ -326,7 +327,7 @@ ExitCode run_optimize(const OptimizeOptions& options) {
   write_results(options, task, outcome, tally, summary);
   if (!result.best) {
     if (outcome.interrupted()) return kInterrupted;
-    fmt::print(stderr, "{}\n", report::blocking_text(task.spec, result, tally));
+    say(fmt::format("{}\n", report::blocking_text(task.spec, result, tally)));
     const bool all_failed =
         tally.status[static_cast<std::size_t>(optimize::Status::kFailed)] > 0 && !tally.nearest;
     return all_failed ? kSolverFailure : kNoFeasibleDesign;
@@ -355,12 +356,12 @@ ExitCode run_optimize(const OptimizeOptions& options) {
       break;
     }
   }
-  if (!best.efficiency.backdrivable) {
-    fmt::print(stderr, "the best design found cannot be back-driven (margin {:.4f})\n",
-               best.efficiency.backdriving_margin);
+  if (!best.efficiency.backdrivable && !options.quiet) {
+    say(fmt::format("the best design found cannot be back-driven (margin {:.4f})\n",
+                    best.efficiency.backdriving_margin));
   }
   if (!design::all_ok(best.checks)) {
-    fmt::print(stderr, "{}: fails a check when read back\n", best_path);
+    say(fmt::format("{}: fails a check when read back\n", best_path));
     return kSolverFailure;
   }
   return outcome.interrupted() ? kInterrupted : kDone;

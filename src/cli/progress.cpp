@@ -7,11 +7,11 @@
 #include <cmath>
 #include <condition_variable>
 #include <csignal>
-#include <cstdio>
 #include <mutex>
 #include <string_view>
 
 #include "cli/exit_code.hpp"
+#include "cli/talk.hpp"
 
 namespace gear3k::cli {
 
@@ -114,10 +114,10 @@ struct ProgressDisplay::State {
     if (terminal) {
       constexpr std::size_t kWidth = 24;
       const std::size_t filled = kWidth * finished / total;
-      fmt::print(stderr, "\r[{:#<{}}{:.<{}}] {}\033[K", "", filled, "", kWidth - filled, facts);
+      say(fmt::format("\r[{:#<{}}{:.<{}}] {}\033[K", "", filled, "", kWidth - filled, facts));
       bar_shown = true;
     } else {
-      fmt::print(stderr, "{}\n", facts);
+      say(fmt::format("{}\n", facts));
     }
     std::fflush(stderr);
   }
@@ -145,7 +145,7 @@ ProgressDisplay::~ProgressDisplay() {
   }
   state_->wake.notify_all();
   if (state_->thread.joinable()) state_->thread.join();
-  if (state_->bar_shown) fmt::print(stderr, "\r\033[K");
+  if (state_->bar_shown) say("\r\033[K");
   std::signal(SIGINT, SIG_DFL);
   std::signal(SIGTERM, SIG_DFL);
   stop_flag = nullptr;

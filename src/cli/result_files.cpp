@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <utility>
 
 #include "cli/commands.hpp"
+#include "cli/talk.hpp"
 #include "io/text/diagnostics.hpp"
 #include "io/text/gnuplot.hpp"
 
@@ -30,14 +30,14 @@ void refuse_overwriting_inputs(const std::vector<std::string>& paths, const Resu
 
 /// Removes a file of an earlier run, which would pass for a result of this one.
 /// @throws io::InvalidInput when it cannot be removed
-void remove_earlier(const std::string& path) {
+void remove_earlier(const std::string& path, bool quiet) {
   std::error_code status;
   if (!std::filesystem::is_regular_file(path, status)) return;
   if (!std::filesystem::remove(path, status) || status) {
     throw io::InvalidInput(
         fmt::format("{}: is of an earlier run and cannot be removed: {}", path, status.message()));
   }
-  fmt::print(stderr, "{}: was of an earlier run, removed\n", path);
+  if (!quiet) say(fmt::format("{}: was of an earlier run, removed\n", path));
 }
 
 /// Whether a path is one of the inputs, by whatever name.
@@ -77,11 +77,11 @@ WrittenFiles write_results(const ResultFolder& folder, std::vector<io::FileText>
   for (const std::string& name : folder.figures) {
     const std::string path = path_of(name + ".svg");
     const bool own = std::ranges::find(plots, name, &report::Plot::name) != plots.end();
-    if (!own && !is_input(path, folder)) remove_earlier(path);
+    if (!own && !is_input(path, folder)) remove_earlier(path, folder.quiet);
   }
   if (failure.empty()) return written;
-  for (const report::Plot& plot : plots) set_aside(path_of(plot.name + ".svg"));
-  fmt::print(stderr, "{}\nwritten without figures: {}\n", failure, fmt::join(written.paths, ", "));
+  for (const report::Plot& plot : plots) set_aside(path_of(plot.name + ".svg"), folder.quiet);
+  say(fmt::format("{}\nwritten without figures: {}\n", failure, fmt::join(written.paths, ", ")));
   written.code = kInvalidInput;
   return written;
 }

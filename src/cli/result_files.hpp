@@ -17,6 +17,7 @@ struct ResultFolder {
   /// Names of all figures that the command may write, without .svg: those of an earlier run that
   /// are none of this one's are removed.
   std::vector<std::string> figures = {};
+  bool quiet = false;  ///< says nothing of figures of an earlier run
 };
 
 struct WrittenFiles {

@@ -7,6 +7,7 @@
 #include "cli/commands.hpp"
 #include "cli/progress.hpp"
 #include "cli/result_files.hpp"
+#include "cli/talk.hpp"
 #include "design/built_series.hpp"
 #include "design/evaluation.hpp"
 #include "io/files/design_file.hpp"
@@ -98,7 +99,10 @@ ExitCode run_tolerances(const TolerancesOptions& options) {
   if (!options.out.empty()) {
     const double carrier_order = std::abs(train::speed_ratios(design.train.teeth).carrier);
     written = write_results(
-        {.path = options.out, .input = options.file, .protected_inputs = {}},
+        {.path = options.out,
+         .input = options.file,
+         .protected_inputs = {},
+         .quiet = options.quiet},
         {{.path = "tolerances.json", .text = json},
          {.path = "lost_motion.csv", .text = report::lost_motion_histogram_csv(series)},
          {.path = "tolerances.csv", .text = report::tolerance_shares_csv(series)},
@@ -123,7 +127,7 @@ ExitCode run_tolerances(const TolerancesOptions& options) {
       break;
   }
   if (series.result.samples < static_cast<std::uint64_t>(design.sampling.samples)) {
-    fmt::print(stderr, "interrupted: figures are of {} gearboxes\n", series.result.samples);
+    say(fmt::format("interrupted: figures are of {} gearboxes\n", series.result.samples));
     return kInterrupted;
   }
   return written.code;

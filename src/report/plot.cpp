@@ -2,11 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace gear3k::report {
 
 std::string plot_text(const std::string& text) {
-  std::string result = "'";
-  for (const char c : text) {
+  // At the beginning of a text in single quotes '' is an empty one.
+  const std::size_t quotes = std::min(text.find_first_not_of('\''), text.size());
+  std::string result = quotes == 0 ? "'" : fmt::format("\"{}\".'", text.substr(0, quotes));
+  for (const char c : text.substr(quotes)) {
     if (c == '\'') result += '\'';
     result += static_cast<unsigned char>(c) < 0x20U ? ' ' : c;
   }

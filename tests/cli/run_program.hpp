@@ -72,11 +72,14 @@ class RunningProgram {
   /// @param work         working folder of the program
   /// @param capture      folder for what it prints; not inside `work`
   /// @param standard_out a file to use as stdout instead, e.g. a device
+  /// @param standard_err the same of stderr; "-" closes it
   RunningProgram(const std::vector<std::string>& arguments, const std::filesystem::path& work,
-                 const std::filesystem::path& capture, const std::string& standard_out = "")
+                 const std::filesystem::path& capture, const std::string& standard_out = "",
+                 const std::string& standard_err = "")
       : out_(standard_out.empty() ? (capture / "stdout").string() : standard_out),
-        err_((capture / "stderr").string()),
-        out_is_file_(standard_out.empty()) {
+        err_(standard_err.empty() ? (capture / "stderr").string() : standard_err),
+        out_is_file_(standard_out.empty()),
+        err_is_file_(standard_err.empty()) {
     std::vector<std::string> words{GEAR3K_PROGRAM};
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
@@ -87,11 +90,13 @@ class RunningProgram {
     if (process_ == 0) {
       const int in = ::open("/dev/null", O_RDONLY);
       const int out = ::open(out_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-      const int err = ::open(err_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+      const bool no_err = err_ == "-";
+      const int err = no_err ? 2 : ::open(err_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
       if (in < 0 || out < 0 || err < 0 || ::chdir(work.c_str()) != 0 || ::dup2(in, 0) < 0 ||
           ::dup2(out, 1) < 0 || ::dup2(err, 2) < 0) {
         ::_exit(127);
       }
+      if (no_err) ::close(2);
       ::execv(argv[0], argv.data());
       ::_exit(127);
     }
@@ -106,6 +111,14 @@ class RunningProgram {
   RunningProgram& operator=(const RunningProgram&) = delete;
 
   void send(int signal) const { ::kill(process_, signal); }
+
+  /// What a descriptor of the program refers to: a path, or "" for one that is closed.
+  [[nodiscard]] std::string descriptor(int number) const {
+    std::error_code none;
+    return std::filesystem::read_symlink(
+               "/proc/" + std::to_string(process_) + "/fd/" + std::to_string(number), none)
+        .string();
+  }
 
   /// Waits until the program has a handler of its own for a signal.
   /// @returns false when it ended or the limit passed before
@@ -139,13 +152,13 @@ class RunningProgram {
     if (WIFEXITED(status)) result.exit_code = WEXITSTATUS(status);
     if (WIFSIGNALED(status)) result.signal = WTERMSIG(status);
     if (out_is_file_) result.out = read_text(out_);
-    result.err = read_text(err_);
+    if (err_is_file_) result.err = read_text(err_);
     return result;
   }
 
  private:
   std::string out_, err_;
-  bool out_is_file_;
+  bool out_is_file_, err_is_file_;
   pid_t process_ = -1;
 };
 
@@ -175,14 +188,16 @@ class Workplace {
   }
 
   [[nodiscard]] RunningProgram start(const std::vector<std::string>& arguments,
-                                     const std::string& standard_out = "") const {
-    return {arguments, work(), folder_.path(), standard_out};
+                                     const std::string& standard_out = "",
+                                     const std::string& standard_err = "") const {
+    return {arguments, work(), folder_.path(), standard_out, standard_err};
   }
 
   /// Runs the program to its end; a minute is far beyond what any test needs.
   [[nodiscard]] ProgramResult run(const std::vector<std::string>& arguments,
-                                  const std::string& standard_out = "") const {
-    RunningProgram program = start(arguments, standard_out);
+                                  const std::string& standard_out = "",
+                                  const std::string& standard_err = "") const {
+    RunningProgram program = start(arguments, standard_out, standard_err);
     const std::optional<ProgramResult> result = program.wait(std::chrono::minutes(1));
     if (!result) {
       ADD_FAILURE() << "the program did not end";

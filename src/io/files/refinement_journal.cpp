@@ -9,11 +9,11 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <iterator>
 #include <limits>
 #include <utility>
 
 #include "io/text/diagnostics.hpp"
+#include "io/text/file_reader.hpp"
 #include "io/text/fnv_hash.hpp"
 #include "io/text/version.hpp"
 
@@ -24,15 +24,6 @@ namespace {
 constexpr std::string_view kFormat = "gear3k refinement journal 1\n";
 constexpr std::uint32_t kMostBytes = 4096;  ///< of a record
 constexpr std::uint8_t kNoCheck = 255, kStage1Module = 254, kStage2Module = 253;
-
-std::string bytes_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (!file.good() && !file.eof()) {
-    throw InvalidInput(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
-  }
-  return bytes;
-}
 
 template <class T>
 void put(std::string& record, const T& value) {
@@ -156,10 +147,10 @@ bool read_record(std::string_view bytes, optimize::RefinedSet& s) {
 
 }  // namespace
 
-std::uint64_t task_fingerprint(const std::vector<std::string>& files) {
+std::uint64_t task_fingerprint(const std::vector<std::string>& contents) {
   std::uint64_t hash = hashed(hashed(kHashBasis, version()), git_commit());
-  for (const std::string& file : files) {
-    hash = hashed_bytes(hashed(hash, bytes_of(file)), file.size());
+  for (const std::string& content : contents) {
+    hash = hashed_bytes(hashed(hash, content), content.size());
   }
   return hash;
 }
@@ -172,7 +163,7 @@ Journal read_journal(const std::string& path, std::uint64_t fingerprint) {
   if (!std::filesystem::is_regular_file(path, status)) {
     throw InvalidInput(fmt::format("{}: cannot be read: is no regular file", path));
   }
-  const std::string bytes = bytes_of(path);
+  const std::string bytes = read_text(path, "a journal", std::numeric_limits<std::size_t>::max());
   std::string header(kFormat);
   put(header, fingerprint);
   if (bytes.size() < header.size() && header.starts_with(bytes)) {

@@ -11,9 +11,9 @@
 
 namespace gear3k::io {
 
-/// Tells tasks apart: a hash of the content of their files and of the program's version.
-/// @throws InvalidInput when a file cannot be read
-std::uint64_t task_fingerprint(const std::vector<std::string>& files);
+/// Tells tasks apart: a hash of the contents of their files, in this order, and of the program's
+/// version.
+std::uint64_t task_fingerprint(const std::vector<std::string>& contents);
 
 /// The sets of a journal, by rising index.
 ///

@@ -74,13 +74,14 @@ bool has_key(const TomlValue& document, const std::string& key) {
 }  // namespace
 
 calibrate::Subject read_subject(const std::string& path) {
-  const TomlValue document = read_toml(path);
+  const std::string text = read_toml_text(path);
+  const TomlValue document = parse_toml(text, path);
   using enum DocumentKind;
   refuse_other_documents(document, path, {kDesign, kPair, kBlackBox},
                          "SUBJECT takes a DESIGN, a PAIR or a black box ([gearbox])");
   if (has_key(document, "gearbox")) return black_box_from(document, path);
   if (has_key(document, "kind")) return read_pair(path);
-  return read_design(path);
+  return parse_design(text, path);
 }
 
 BlackBox parse_black_box(const std::string& text, const std::string& name) {

@@ -4,12 +4,9 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <tuple>
+
+#include "io/text/file_reader.hpp"
 
 namespace gear3k::io {
 
@@ -108,16 +105,11 @@ TomlValue parse_toml(const std::string& text, const std::string& name) {
   }
 }
 
-TomlValue read_toml(const std::string& path) {
-  std::error_code status;
-  if (std::filesystem::is_directory(path, status)) {
-    throw InvalidInput(fmt::format("{}: is a directory, allowed: a TOML file", path));
-  }
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw InvalidInput(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
-  std::ostringstream text;
-  text << file.rdbuf();
-  return parse_toml(text.str(), path);
+std::string read_toml_text(const std::string& path) {
+  constexpr std::size_t kMostTomlBytes = std::size_t{1} << 24U;
+  return read_text(path, "a TOML file", kMostTomlBytes);
 }
+
+TomlValue read_toml(const std::string& path) { return parse_toml(read_toml_text(path), path); }
 
 }  // namespace gear3k::io

@@ -32,6 +32,10 @@ std::string as_text(const TomlValue& value);
 /// @throws InvalidInput when it cannot be read or is not TOML
 TomlValue read_toml(const std::string& path);
 
+/// Its bytes, for more than one use of them: a pipe can be read only once.
+/// @throws InvalidInput when it cannot be read
+std::string read_toml_text(const std::string& path);
+
 /// Parses a text; `name` stands for the file in messages.
 /// @throws InvalidInput when it is not TOML
 TomlValue parse_toml(const std::string& text, const std::string& name);

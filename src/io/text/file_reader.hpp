@@ -1,0 +1,26 @@
+#pragma once
+// Files read whole.
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace gear3k::io {
+
+struct FileBytes {
+  std::string bytes;
+  std::string failure;  ///< why they could not be read to the end; "" where they could
+};
+
+/// Reads a file, a pipe or a device to its end.
+///
+/// A read that fails is a failure, never the end of the file.  What holds more than `most_bytes` is
+/// not read on.
+/// @param what  stands for the file in messages: "a TOML file"
+FileBytes read_bytes(const std::string& path, std::string_view what, std::size_t most_bytes);
+
+/// The same.
+/// @throws InvalidInput naming the path and the failure
+std::string read_text(const std::string& path, std::string_view what, std::size_t most_bytes);
+
+}  // namespace gear3k::io

@@ -1,0 +1,167 @@
+// Streams, pipes, names and folders as only a hostile or unlucky user has them.
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/cli/run_program.hpp"
+
+namespace gear3k {
+namespace {
+
+using std::chrono::milliseconds, std::chrono::seconds;
+using test::example, test::ProgramResult, test::replaced, test::RunningProgram, test::Workplace;
+
+constexpr int kInvalidInput = 2;
+constexpr int kNoFeasibleDesign = 3;
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+std::string small_spec() { return replaced(example("rp96.toml"), "S = [10, 20]", "S = [12, 12]"); }
+
+/// A task of some seconds, so that it can be ended within.
+std::string long_spec() {
+  return replaced(replaced(example("rp96.toml"), "planets = 3", "planets = [3, 4]"),
+                  "tolerance = 0.005", "tolerance = 0.02");
+}
+
+std::string design_named(const std::string& name) {
+  return replaced(example("designs/bilateral_drive_gear.toml"), "name = \"bilateral drive gear\"",
+                  "name = \"" + name + "\"");
+}
+
+/// A pipe with a name, which holds its text for one reader.
+class NamedPipe {
+ public:
+  NamedPipe(const std::filesystem::path& path, std::string text)
+      : writer_([path, text = std::move(text)] { std::ofstream(path) << text; }) {}
+  ~NamedPipe() { writer_.join(); }
+  NamedPipe(const NamedPipe&) = delete;
+  NamedPipe& operator=(const NamedPipe&) = delete;
+
+ private:
+  std::thread writer_;
+};
+
+/// Waits until a file holds more than so many bytes; false where it never does.
+bool grows(const std::filesystem::path& file, std::uintmax_t bytes) {
+  const auto end = std::chrono::steady_clock::now() + seconds(20);
+  while (std::chrono::steady_clock::now() < end) {
+    std::error_code none;
+    const auto size = std::filesystem::file_size(file, none);
+    if (!none && size > bytes) return true;
+    std::this_thread::sleep_for(milliseconds(1));
+  }
+  return false;
+}
+
+TEST(Pipe, SpecThroughItIsTakenForWhatItHolds) {
+  const Workplace place;
+  const auto pipe = place.file("spec");
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  {
+    const NamedPipe spec(pipe, long_spec());
+    RunningProgram program = place.start({"optimize", "spec", "--out", "out", "--quiet"});
+    ASSERT_TRUE(grows(place.file("out/optimize.journal"), 1000));
+    program.send(SIGKILL);
+    const auto killed = program.wait(seconds(20));
+    ASSERT_TRUE(killed);
+    ASSERT_EQ(killed->signal, SIGKILL);
+  }
+  const std::vector<std::string> resume{"optimize", "spec", "--out", "out", "--resume", "--quiet"};
+  {
+    const NamedPipe other(pipe, replaced(long_spec(), "coefficient = 0.1", "coefficient = 0.05"));
+    const ProgramResult result = place.run(resume);
+    EXPECT_EQ(result.exit_code, kInvalidInput);
+    EXPECT_TRUE(contains(result.err, "another task")) << result.err;
+  }
+  {
+    const NamedPipe same(pipe, long_spec());
+    const ProgramResult result = place.run(resume);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+  }
+  place.write("spec.toml", long_spec());
+  ASSERT_EQ(place.run({"optimize", "spec.toml", "--out", "whole", "--quiet"}).exit_code, 0);
+  EXPECT_EQ(place.read("out/best.toml"), place.read("whole/best.toml"));
+  EXPECT_TRUE(place.read("out/refined.csv") == place.read("whole/refined.csv"));
+}
+
+TEST(Pipe, SubjectThroughItIsReadOnce) {
+  const Workplace place;
+  ASSERT_EQ(::mkfifo(place.file("gear").c_str(), 0600), 0);
+  const NamedPipe gear(place.file("gear"), example("designs/bilateral_drive_gear.toml"));
+  place.write("data.csv", example("measurements/published_bilateral_drive_gear.csv"));
+  const ProgramResult result = place.run({"diagnose", "gear", "data.csv", "--quiet"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+}
+
+TEST(Input, ReadErrorIsNotItsEnd) {
+  const Workplace place;
+  const ProgramResult result = place.run({"analyze", "/proc/self/mem"});
+  EXPECT_EQ(result.exit_code, kInvalidInput);
+  EXPECT_EQ(result.err, "/proc/self/mem: cannot be read: Input/output error\n");
+}
+
+TEST(Stderr, ThatCannotBeWrittenEndsNoRun) {
+  const Workplace place;
+  place.write("spec.toml", small_spec());
+  ASSERT_EQ(place.run({"optimize", "spec.toml", "--out", "plain"}).exit_code, 0);
+  for (const char* device : {"/dev/full", "-"}) {
+    const ProgramResult result = place.run({"optimize", "spec.toml", "--out", "out"}, "", device);
+    EXPECT_EQ(result.exit_code, 0) << device << ", signal " << result.signal;
+    EXPECT_TRUE(contains(result.out, "Files in out: ")) << device;
+    EXPECT_EQ(place.read("out/best.toml"), place.read("plain/best.toml"));
+    EXPECT_EQ(place.read("out/refined.csv"), place.read("plain/refined.csv"));
+  }
+}
+
+TEST(Stderr, ThatIsClosedIsNoResultFile) {
+  const Workplace place;
+  place.write("spec.toml", long_spec());
+  RunningProgram program = place.start({"optimize", "spec.toml", "--out", "out"}, "", "-");
+  ASSERT_TRUE(grows(place.file("out/optimize.journal"), 0));
+  EXPECT_EQ(program.descriptor(2), "/dev/null");
+}
+
+TEST(Names, WithAZeroByteDoNotCutTheTable) {
+  const Workplace place;
+  place.write("plain.toml", design_named("a b"));
+  place.write("zero.toml", design_named("a\\u0000b"));
+  std::string plain = place.run({"analyze", "plain.toml"}).out;
+  EXPECT_EQ(place.run({"analyze", "zero.toml"}).out.size(), plain.size());
+}
+
+TEST(Names, OfQuotesCanBeDrawn) {
+  for (const char* name : {"'", "''", "'a", "it's", "'a' # `b`"}) {
+    const Workplace place;
+    place.write("gear.toml", design_named(name));
+    const ProgramResult result = place.run({"map", "gear.toml", "--out", "map"});
+    EXPECT_EQ(result.exit_code, 0) << name << '\n' << result.err;
+    EXPECT_TRUE(contains(place.read("map/torques.svg"), ": torques without load")) << name;
+  }
+}
+
+TEST(Quiet, SaysErrorsOnly) {
+  const Workplace place;
+  place.write("spec.toml", replaced(small_spec(), "max_output_arcmin = 8.0",
+                                    "max_output_arcmin = 1e-6"));
+  std::filesystem::create_directory(place.file("out"));
+  place.write("out/best.toml", "old");
+  const ProgramResult result = place.run({"optimize", "spec.toml", "--out", "out", "--quiet"});
+  EXPECT_EQ(result.exit_code, kNoFeasibleDesign);
+  EXPECT_EQ(place.read("out/best.toml.previous"), "old");
+  EXPECT_FALSE(contains(result.err, "renamed to")) << result.err;
+}
+
+}  // namespace
+}  // namespace gear3k
