@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "backlash/random_teeth.hpp"
 #include "cli/commands.hpp"
@@ -12,6 +11,7 @@
 #include "design/evaluation.hpp"
 #include "io/files/design_file.hpp"
 #include "io/text/diagnostics.hpp"
+#include "io/text/json.hpp"
 #include "report/display.hpp"
 #include "report/tolerance_report.hpp"
 #include "report/turn_plot.hpp"
@@ -58,10 +58,10 @@ report::TurnResult turn_of(const design::Design& design, const design::BuiltSeri
 }
 
 std::string json_of(const design::Evaluation& evaluation, const design::BuiltSeries& series) {
-  nlohmann::ordered_json json{{"tool", report::tool_json()}, {"name", evaluation.name}};
+  io::Json json{{"tool", report::tool_json()}, {"name", evaluation.name}};
   report::add_tolerances(json, evaluation.tolerance_limits);
   json["built"] = report::yield_json(series);
-  return json.dump(2) + "\n";
+  return json.text();
 }
 
 }  // namespace

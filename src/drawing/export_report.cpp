@@ -2,8 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
+#include "io/text/json.hpp"
 #include "report/display.hpp"
 #include "report/text_table.hpp"
 
@@ -23,7 +22,7 @@ std::string export_table(const ExportSummary& summary) {
 }
 
 std::string export_json(const ExportSummary& summary) {
-  nlohmann::ordered_json files = nlohmann::ordered_json::array();
+  io::Json files = io::Json::array();
   for (const ExportedFile& file : summary.files) {
     files.push_back({{"path", file.path},
                      {"drawing", file.drawing},
@@ -31,13 +30,13 @@ std::string export_json(const ExportSummary& summary) {
                      {"contours", file.contours},
                      {"points", file.points}});
   }
-  const nlohmann::ordered_json json{{"tool", tool_json()},
-                                    {"name", summary.name},
-                                    {"chord_error_um", um(summary.chord_error_m)},
-                                    {"files", files},
-                                    {"notes", summary.notes}};
+  const io::Json json{{"tool", tool_json()},
+                      {"name", summary.name},
+                      {"chord_error_um", um(summary.chord_error_m)},
+                      {"files", files},
+                      {"notes", summary.notes}};
   // A path may hold any bytes.
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return json.text();
 }
 
 std::string export_csv(const ExportSummary& summary) {

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
+#include "io/text/json.hpp"
 #include "report/display.hpp"
 #include "report/text_table.hpp"
 
@@ -13,8 +13,7 @@ namespace gear3k::papers {
 
 namespace {
 
-using nlohmann::ordered_json;
-using report::TextTable, report::csv_line, report::exact, report::fixed, report::number_or_null, report::tool_json;
+using report::TextTable, report::csv_line, report::exact, report::fixed, report::tool_json;
 
 std::string shown(const std::optional<double>& value, int decimals) {
   return value ? fmt::format("{:.{}f}", *value, decimals) : std::string("-");
@@ -68,12 +67,12 @@ std::string ledger_text(const std::vector<LedgerEntry>& ledger, const char* sour
   return text;
 }
 
-ordered_json ledger_json(const std::vector<LedgerEntry>& entries) {
-  ordered_json ledger = ordered_json::array();
+io::Json ledger_json(const std::vector<LedgerEntry>& entries) {
+  io::Json ledger = io::Json::array();
   for (const LedgerEntry& entry : entries) {
-    ordered_json figures = ordered_json::array();
+    io::Json figures = io::Json::array();
     for (const Figure& f : entry.figures) {
-      figures.push_back({{"name", f.name}, {"unit", f.unit}, {"value", number_or_null(f.value)}});
+      figures.push_back({{"name", f.name}, {"unit", f.unit}, {"value", f.value}});
     }
     ledger.push_back({{"number", entry.number},
                       {"where", entry.where},
@@ -139,18 +138,18 @@ std::string thesis_table(const ThesisComparison& t) {
   return text + ledger_text(t.ledger, "thesis");
 }
 
-ordered_json thesis_json(const ThesisComparison& t) {
+io::Json thesis_json(const ThesisComparison& t) {
   const std::size_t n = t.map.teeth.size();
   const auto matrix = [&](auto part) {
-    ordered_json rows = ordered_json::array();
+    io::Json rows = io::Json::array();
     for (std::size_t i = 0; i < n; ++i) {
-      ordered_json row = ordered_json::array();
+      io::Json row = io::Json::array();
       for (std::size_t j = 0; j < n; ++j) row.push_back(t.map.points[i * n + j].*part);
       rows.push_back(std::move(row));
     }
     return rows;
   };
-  ordered_json models = ordered_json::array();
+  io::Json models = io::Json::array();
   for (const PairLossModel& m : t.models) {
     models.push_back({{"name", m.name},
                       {"description", m.description},
@@ -160,10 +159,10 @@ ordered_json thesis_json(const ThesisComparison& t) {
                       {"skew_factor", m.skew_factor},
                       {"rms_error", m.rms_error}});
   }
-  ordered_json rows = ordered_json::array();
+  io::Json rows = io::Json::array();
   for (const PairLossRow& row : t.rows) {
-    ordered_json predicted;
-    ordered_json residual;
+    io::Json predicted;
+    io::Json residual;
     for (std::size_t k = 0; k < t.models.size(); ++k) {
       predicted[t.models[k].name] = row.predicted[k];
       residual[t.models[k].name] = row.measured.loss - row.predicted[k];
@@ -256,33 +255,33 @@ std::string reproduce_table(const Reproduction& r) {
 }
 
 std::string reproduce_json(const Reproduction& r) {
-  ordered_json gearboxes = ordered_json::array();
+  io::Json gearboxes = io::Json::array();
   for (const GearboxComparison& g : r.gearboxes) {
-    ordered_json rows = ordered_json::array();
+    io::Json rows = io::Json::array();
     for (const ComparedRow& row : g.rows) {
       rows.push_back({{"quantity", row.quantity},
                       {"unit", row.unit},
-                      {"paper", number_or_null(row.paper)},
-                      {"equations", number_or_null(row.equations)},
-                      {"exact", number_or_null(row.exact)},
-                      {"measured", number_or_null(row.measured)}});
+                      {"paper", row.paper},
+                      {"equations", row.equations},
+                      {"exact", row.exact},
+                      {"measured", row.measured}});
     }
-    ordered_json efficiency = ordered_json::array();
+    io::Json efficiency = io::Json::array();
     for (const EfficiencyPoint& p : g.efficiency) {
       efficiency.push_back(
           {{"mu", p.mu},
            {"ohlendorf", {{"forward", p.ohlendorf_forward}, {"backward", p.ohlendorf_backward}}},
            {"sliding", {{"forward", p.sliding_forward}, {"backward", p.sliding_backward}}}});
     }
-    ordered_json fits = ordered_json::array();
+    io::Json fits = io::Json::array();
     for (const FrictionFit& f : g.fits) {
       fits.push_back({{"loss_model", f.model},
-                      {"mu_forward", number_or_null(f.mu)},
-                      {"backward_predicted", number_or_null(f.backward)},
+                      {"mu_forward", f.mu},
+                      {"backward_predicted", f.backward},
                       {"backward_measured", f.measured_backward},
-                      {"mu_backward", number_or_null(f.backward_mu)}});
+                      {"mu_backward", f.backward_mu}});
     }
-    ordered_json directional = nullptr;
+    io::Json directional = nullptr;
     if (g.directional) {
       directional = {{"mu", g.directional->mu},
                      {"approach_factor", g.directional->approach_factor},
@@ -293,13 +292,13 @@ std::string reproduce_json(const Reproduction& r) {
                          {"efficiency", std::move(efficiency)},
                          {"friction_fits", std::move(fits)},
                          {"directional_fit", std::move(directional)},
-                         {"recess_only_backward", number_or_null(g.recess_only_backward)}});
+                         {"recess_only_backward", g.recess_only_backward}});
   }
-  const ordered_json json{{"tool", tool_json()},
-                          {"gearboxes", std::move(gearboxes)},
-                          {"ledger", ledger_json(r.ledger)},
-                          {"directional_impedance_thesis", thesis_json(r.thesis)}};
-  return json.dump(2) + "\n";
+  const io::Json json{{"tool", tool_json()},
+                      {"gearboxes", std::move(gearboxes)},
+                      {"ledger", ledger_json(r.ledger)},
+                      {"directional_impedance_thesis", thesis_json(r.thesis)}};
+  return json.text();
 }
 
 std::string reproduce_csv(const Reproduction& r) {

@@ -1,7 +1,6 @@
 #include <algorithm>
-#include <cmath>
-#include <nlohmann/json.hpp>
 
+#include "io/text/json.hpp"
 #include "report/analysis_report.hpp"
 #include "report/display.hpp"
 #include "report/mass_report.hpp"
@@ -16,26 +15,11 @@ namespace {
 
 using design::CheckResult, design::Evaluation, design::GearResult, design::MeshResult,
     design::PairEvaluation, design::Unit;
-using nlohmann::ordered_json;
 
-template <class Items, class ToJson>
-ordered_json list_json(const Items& items, ToJson to_json) {
-  ordered_json list = ordered_json::array();
-  for (const auto& item : items) list.push_back(to_json(item));
-  return list;
-}
-
-/// A number, or null where there is none (NaN, infinite).
-ordered_json finite_json(double value) {
-  return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
-}
-
-ordered_json mesh_json(const MeshResult& m) {
-  std::optional<double> zero = m.zero_backlash_center_distance_m;
-  if (zero) zero = mm(*zero);
+io::Json mesh_json(const MeshResult& m) {
   return {{"name", m.name},
           {"working_pressure_angle_deg", degrees(m.working_pressure_angle_rad)},
-          {"zero_backlash_center_distance_mm", number_or_null(zero)},
+          {"zero_backlash_center_distance_mm", if_any(m.zero_backlash_center_distance_m, mm)},
           {"contact_ratio", m.contact_ratio},
           {"approach_contact_ratio", m.approach_contact_ratio},
           {"recess_contact_ratio", m.recess_contact_ratio},
@@ -48,19 +32,15 @@ ordered_json mesh_json(const MeshResult& m) {
           {"hunting_period_teeth", m.hunting_period_teeth},
           {"common_factor", m.common_factor},
           {"planet_phase", m.planet_phase},
-          {"active_root_diameter_mm", list_json(m.active_root_diameter_m,
-                                                [](const std::optional<double>& d) {
-                                                  return d ? ordered_json(mm(*d))
-                                                           : ordered_json(nullptr);
-                                                })},
+          {"active_root_diameter_mm",
+           list_json(m.active_root_diameter_m, [](const auto& d) { return if_any(d, mm); })},
           {"root_clearance_mm", list_json(m.root_clearance_m, mm)},
           {"specific_sliding_tip",
-           list_json(m.tip_sliding, [](const auto& t) { return finite_json(t.specific_at_tip); })},
+           list_json(m.tip_sliding, [](const auto& t) { return t.specific_at_tip; })},
           {"specific_sliding_root",
-           {finite_json(m.tip_sliding[1].specific_at_root),
-            finite_json(m.tip_sliding[0].specific_at_root)}},
+           {m.tip_sliding[1].specific_at_root, m.tip_sliding[0].specific_at_root}},
           {"sliding_factor_tip",
-           list_json(m.tip_sliding, [](const auto& t) { return finite_json(t.sliding_factor); })}};
+           list_json(m.tip_sliding, [](const auto& t) { return t.sliding_factor; })}};
 }
 
 std::string_view root_name(geometry::RootTool tool) {
@@ -75,22 +55,22 @@ std::string_view root_name(geometry::RootTool tool) {
   return "arc";
 }
 
-ordered_json tooth_json(const design::ToothResult& t) {
-  ordered_json json{{"root", root_name(t.tool)},
-                    {"form_diameter_mm", mm(t.form_diameter_m)},
-                    {"undercut", t.undercut},
-                    {"fillet_radius_mm", mm(t.fillet_radius_m)},
-                    {"full_round", t.full_round},
-                    {"form_circle_thickness_mm", mm(t.form_thickness_m)},
-                    {"root_space_width_mm", nullptr},
-                    {"span", nullptr},
-                    {"pins", nullptr},
-                    {"chordal_thickness_mm", mm(t.chordal.chord_m)},
-                    {"chordal_height_mm", mm(t.chordal.height_m)},
-                    {"infeed",
-                     {{"profile_shift", t.infeed.profile_shift},
-                      {"root_diameter_mm", 2.0 * mm(t.infeed.root_radius_m)}}},
-                    {"cutter", nullptr}};
+io::Json tooth_json(const design::ToothResult& t) {
+  io::Json json{{"root", root_name(t.tool)},
+                {"form_diameter_mm", mm(t.form_diameter_m)},
+                {"undercut", t.undercut},
+                {"fillet_radius_mm", mm(t.fillet_radius_m)},
+                {"full_round", t.full_round},
+                {"form_circle_thickness_mm", mm(t.form_thickness_m)},
+                {"root_space_width_mm", nullptr},
+                {"span", nullptr},
+                {"pins", nullptr},
+                {"chordal_thickness_mm", mm(t.chordal.chord_m)},
+                {"chordal_height_mm", mm(t.chordal.height_m)},
+                {"infeed",
+                 {{"profile_shift", t.infeed.profile_shift},
+                  {"root_diameter_mm", 2.0 * mm(t.infeed.root_radius_m)}}},
+                {"cutter", nullptr}};
   if (t.root_space_m) json["root_space_width_mm"] = mm(*t.root_space_m);
   if (t.span) {
     json["span"] = {{"count", t.span->count},
@@ -110,7 +90,7 @@ ordered_json tooth_json(const design::ToothResult& t) {
   return json;
 }
 
-ordered_json gear_json(const GearResult& g) {
+io::Json gear_json(const GearResult& g) {
   return {{"name", g.name},
           {"teeth", g.teeth},
           {"profile_shift", g.profile_shift},
@@ -123,8 +103,8 @@ ordered_json gear_json(const GearResult& g) {
           {"tooth", tooth_json(g.tooth)}};
 }
 
-ordered_json check_json(const CheckResult& c) {
-  ordered_json json{{"name", c.record->name}, {"group", c.record->group}};
+io::Json check_json(const CheckResult& c) {
+  io::Json json{{"name", c.record->name}, {"group", c.record->group}};
   if (!c.mesh.empty()) json["mesh"] = c.mesh;
   if (!c.gear.empty()) json["gear"] = c.gear;
   const Unit unit = c.record->unit;
@@ -140,34 +120,34 @@ ordered_json check_json(const CheckResult& c) {
 
 std::string analysis_json(const Evaluation& e, const design::Sensitivities& s,
                           const ModelUse* model, const design::BuiltSeries* built) {
-  ordered_json json{{"tool", tool_json()},
-                    {"name", e.name},
-                    {"planets", e.planets},
-                    {"ratio", e.ratio},
-                    {"g1", e.g1},
-                    {"g2", e.g2},
-                    {"center_distance_mm", mm(e.center_distance_m)},
-                    {"center_distance_given", e.center_distance_given},
-                    {"module_mm", {mm(e.module_m[0]), mm(e.module_m[1])}},
-                    {"efficiency",
-                     {{"forward", number_or_null(e.efficiency.forward)},
-                      {"backward", number_or_null(e.efficiency.backward)},
-                      {"backdrivable", e.efficiency.backdrivable},
-                      {"backdriving_margin", e.efficiency.backdriving_margin}}},
-                    {"meshes", list_json(e.meshes, mesh_json)},
-                    {"gears", list_json(e.gears, gear_json)},
-                    {"backlash",
-                     {{"paper_arcmin", arcmin(e.backlash.paper_rad)},
-                      {"kinematic_arcmin", arcmin(e.backlash.kinematic_rad)},
-                      {"input_kinematic_arcmin", arcmin(e.backlash.input_kinematic_rad)}}}};
+  io::Json json{{"tool", tool_json()},
+                {"name", e.name},
+                {"planets", e.planets},
+                {"ratio", e.ratio},
+                {"g1", e.g1},
+                {"g2", e.g2},
+                {"center_distance_mm", mm(e.center_distance_m)},
+                {"center_distance_given", e.center_distance_given},
+                {"module_mm", {mm(e.module_m[0]), mm(e.module_m[1])}},
+                {"efficiency",
+                 {{"forward", e.efficiency.forward},
+                  {"backward", e.efficiency.backward},
+                  {"backdrivable", e.efficiency.backdrivable},
+                  {"backdriving_margin", e.efficiency.backdriving_margin}}},
+                {"meshes", list_json(e.meshes, mesh_json)},
+                {"gears", list_json(e.gears, gear_json)},
+                {"backlash",
+                 {{"paper_arcmin", arcmin(e.backlash.paper_rad)},
+                  {"kinematic_arcmin", arcmin(e.backlash.kinematic_rad)},
+                  {"input_kinematic_arcmin", arcmin(e.backlash.input_kinematic_rad)}}}};
   if (e.backlash.measured_rad) {
     json["backlash"]["measured_arcmin"] = arcmin(*e.backlash.measured_rad);
   }
   if (e.inertia) {
-    json["inertia"] = {{"backward_kgm2", number_or_null(e.inertia->backward_kgm2)},
-                       {"forward_kgm2", number_or_null(e.inertia->forward_kgm2)},
+    json["inertia"] = {{"backward_kgm2", e.inertia->backward_kgm2},
+                       {"forward_kgm2", e.inertia->forward_kgm2},
                        {"lossless_kgm2", e.inertia->lossless_kgm2},
-                       {"paper_kgm2", number_or_null(e.inertia->paper_kgm2)}};
+                       {"paper_kgm2", e.inertia->paper_kgm2}};
   } else {
     json["inertia"] = nullptr;
   }
@@ -182,20 +162,20 @@ std::string analysis_json(const Evaluation& e, const design::Sensitivities& s,
   add_sensitivities(json, s);
   if (model != nullptr) add_model(json, *model);
   json["notes"] = e.notes;
-  return json.dump(2) + "\n";
+  return json.text();
 }
 
 std::string analysis_json(const PairEvaluation& e) {
-  ordered_json json{{"tool", tool_json()},
-                    {"name", e.name},
-                    {"center_distance_mm", mm(e.center_distance_m)},
-                    {"center_distance_given", e.center_distance_given},
-                    {"meshes", list_json(std::vector<MeshResult>{e.mesh}, mesh_json)},
-                    {"gears", list_json(e.gears, gear_json)},
-                    {"checks", list_json(e.checks, check_json)}};
+  io::Json json{{"tool", tool_json()},
+                {"name", e.name},
+                {"center_distance_mm", mm(e.center_distance_m)},
+                {"center_distance_given", e.center_distance_given},
+                {"meshes", list_json(std::vector<MeshResult>{e.mesh}, mesh_json)},
+                {"gears", list_json(e.gears, gear_json)},
+                {"checks", list_json(e.checks, check_json)}};
   add_tolerances(json, e.tolerance_limits);
   json["notes"] = e.notes;
-  return json.dump(2) + "\n";
+  return json.text();
 }
 
 }  // namespace gear3k::report

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
 
+#include "io/text/json.hpp"
 #include "report/condition_columns.hpp"
 #include "report/diagnosis_report.hpp"
 #include "report/display.hpp"
@@ -17,7 +17,6 @@ namespace {
 using calibrate::Alternative, calibrate::CovariateTest, calibrate::Diagnosis, calibrate::Effect,
     calibrate::Form, calibrate::MeasurementSet, calibrate::NextExperiment,
     calibrate::ParameterResult, calibrate::Verdict;
-using nlohmann::ordered_json;
 
 constexpr std::array<const char*, 3> kNoiseNames{"stated", "repeats", "residuals"};
 constexpr std::array<const char*, 10> kRemedyNames{
@@ -31,57 +30,45 @@ std::string verdict_name(Verdict verdict) {
   return std::string(calibrate::kVerdictNames[static_cast<std::size_t>(verdict)]);
 }
 
-ordered_json finite(double value) { return number_or_null(value); }
+/// null for what is 0 where it is not known.
+io::Json positive_or_null(double value) { return value > 0.0 ? io::Json(value) : nullptr; }
 
-template <class Items, class ToJson>
-ordered_json list_of(const Items& items, ToJson to_json) {
-  ordered_json list = ordered_json::array();
-  for (const auto& item : items) list.push_back(to_json(item));
-  return list;
+io::Json text_or_null(const std::string& text) { return text.empty() ? nullptr : io::Json(text); }
+
+io::Json parameter_json(const ParameterResult& p) {
+  return {{"name", p.name},           {"unit", p.unit},
+          {"value", p.value},         {"ci95", {p.low, p.high}},
+          {"plausible", p.plausible}, {"plausible_range", {p.plausible_low, p.plausible_high}},
+          {"at_bound", p.at_bound},   {"derived", p.derived}};
 }
 
-ordered_json text_or_null(const std::string& text) {
-  return text.empty() ? ordered_json(nullptr) : ordered_json(text);
-}
-
-ordered_json parameter_json(const ParameterResult& p) {
-  return {{"name", p.name},
-          {"unit", p.unit},
-          {"value", finite(p.value)},
-          {"ci95", {finite(p.low), finite(p.high)}},
-          {"plausible", p.plausible},
-          {"plausible_range", {finite(p.plausible_low), finite(p.plausible_high)}},
-          {"at_bound", p.at_bound},
-          {"derived", p.derived}};
-}
-
-ordered_json form_json(const Form& form, const std::vector<std::string>& runs) {
-  return {{"name", form.name}, {"constants", list_of(form.constants, [&](const auto& constant) {
-                                  ordered_json json{{"name", constant.name},
-                                                    {"unit", constant.unit},
-                                                    {"value", finite(constant.value)}};
-                                  const auto run = static_cast<std::size_t>(constant.value);
-                                  if (constant.name == "first_run" && run < runs.size()) {
-                                    json["run"] = runs[run];
-                                  }
-                                  return json;
-                                })}};
+io::Json form_json(const Form& form, const std::vector<std::string>& runs) {
+  return {
+      {"name", form.name},
+      {"constants", list_json(form.constants, [&](const auto& constant) {
+         io::Json json{{"name", constant.name}, {"unit", constant.unit}, {"value", constant.value}};
+         const auto run = static_cast<std::size_t>(constant.value);
+         if (constant.name == "first_run" && run < runs.size()) {
+           json["run"] = runs[run];
+         }
+         return json;
+       })}};
 }
 
 /// Body and order, where a form has them.
-void add_place(ordered_json& json, const Form& form) {
+void add_place(io::Json& json, const Form& form) {
   if (!form.body.empty()) json["body"] = form.body;
-  if (form.order > 0.0) json["order"] = finite(form.order);
+  if (form.order > 0.0) json["order"] = form.order;
 }
 
-ordered_json alternative_json(const Alternative& a, const std::vector<std::string>& runs) {
-  ordered_json json{{"id", a.id}};
+io::Json alternative_json(const Alternative& a, const std::vector<std::string>& runs) {
+  io::Json json{{"id", a.id}};
   add_place(json, a.form);
   json["title"] = a.title;
   json["with_level"] = a.with_level;
-  json["statistic"] = finite(a.statistic);
+  json["statistic"] = a.statistic;
   json["form"] = form_json(a.form, runs);
-  json["parameters"] = list_of(a.parameters, parameter_json);
+  json["parameters"] = list_json(a.parameters, parameter_json);
   json["remedy"] = kRemedyNames[static_cast<std::size_t>(a.remedy)];
   return json;
 }
@@ -94,35 +81,35 @@ std::vector<std::string> ids_of(const std::vector<Alternative>& alternatives) {
   return ids;
 }
 
-ordered_json effect_json(const Effect& e, const std::vector<std::string>& runs) {
-  ordered_json json{{"id", e.id}};
+io::Json effect_json(const Effect& e, const std::vector<std::string>& runs) {
+  io::Json json{{"id", e.id}};
   add_place(json, e.form);
   json["alternatives"] = ids_of(e.alternatives);
-  json["parameters"] = list_of(e.parameters, parameter_json);
-  json["evidence"] = {{"delta_bic", finite(e.delta_bic)},
-                      {"inclusion_frequency", finite(e.inclusion_frequency)},
-                      {"p_value", finite(e.p_value)}};
+  json["parameters"] = list_json(e.parameters, parameter_json);
+  json["evidence"] = {{"delta_bic", e.delta_bic},
+                      {"inclusion_frequency", e.inclusion_frequency},
+                      {"p_value", e.p_value}};
   json["title"] = e.title;
   json["form"] = form_json(e.form, runs);
   json["other_bodies"] =
-      list_of(e.other_bodies, [&](const Alternative& a) { return alternative_json(a, runs); });
+      list_json(e.other_bodies, [&](const Alternative& a) { return alternative_json(a, runs); });
   json["remedy"] = kRemedyNames[static_cast<std::size_t>(e.remedy)];
   json["preferred_parameter"] = e.preferred_parameter;
   json["alternatives_detail"] =
-      list_of(e.alternatives, [&](const Alternative& a) { return alternative_json(a, runs); });
+      list_json(e.alternatives, [&](const Alternative& a) { return alternative_json(a, runs); });
   return json;
 }
 
-ordered_json covariate_json(const CovariateTest& test) {
+io::Json covariate_json(const CovariateTest& test) {
   return {{"name", test.name},
-          {"statistic", finite(test.statistic)},
+          {"statistic", test.statistic},
           {"degrees", test.degrees},
-          {"p_value", finite(test.p_value)}};
+          {"p_value", test.p_value}};
 }
 
 /// A condition by the columns of DATA.csv; what does not matter is left out.
-ordered_json condition_json(const calibrate::ProposedCondition& proposed, calibrate::Kind kind) {
-  ordered_json json = ordered_json::object();
+io::Json condition_json(const calibrate::ProposedCondition& proposed, calibrate::Kind kind) {
+  io::Json json = io::Json::object();
   for (const ConditionColumn& column : condition_columns(kind)) {
     const double value = column.value(proposed.condition);
     if (column.name == "run" || column.name == "time_s" || !std::isfinite(value)) continue;
@@ -139,12 +126,12 @@ ordered_json condition_json(const calibrate::ProposedCondition& proposed, calibr
   return json;
 }
 
-ordered_json next_json(const std::optional<NextExperiment>& next, calibrate::Kind kind) {
+io::Json next_json(const std::optional<NextExperiment>& next, calibrate::Kind kind) {
   if (!next) return nullptr;
   return {{"separates", next->separates},
           {"conditions",
-           list_of(next->conditions, [&](const auto& c) { return condition_json(c, kind); })},
-          {"expected_statistic", finite(next->expected_statistic)},
+           list_json(next->conditions, [&](const auto& c) { return condition_json(c, kind); })},
+          {"expected_statistic", next->expected_statistic},
           {"inseparable", next->inseparable},
           {"advice", next->advice}};
 }
@@ -153,28 +140,24 @@ double gain_of(const Diagnosis& d) {
   return 1.0 - d.errors.extended_holdout / d.errors.baseline_holdout;
 }
 
-ordered_json remainder_json(const Diagnosis& d) {
-  const auto numbers = [](const std::vector<double>& values) { return list_of(values, finite); };
+io::Json remainder_json(const Diagnosis& d) {
   const auto& r = d.remainder;
   const double si = response_text(d.kind).si;
   const auto scaled = [&](const std::vector<double>& values) {
-    return list_of(values, [&](double value) { return finite(value / si); });
+    return list_json(values, [&](double value) { return value / si; });
   };
   return {{"significant", r.significant},
           {"along", text_or_null(r.along)},
-          {"p_value", finite(r.p_value)},
-          {"order", r.order > 0.0 ? finite(r.order) : ordered_json(nullptr)},
-          {"share", finite(r.share)},
+          {"p_value", r.p_value},
+          {"order", positive_or_null(r.order)},
+          {"share", r.share},
           {"shape",
-           {{"at", numbers(r.at)},
-            {"mean", scaled(r.mean)},
-            {"term", scaled(r.term)},
-            {"rows", r.rows}}}};
+           {{"at", r.at}, {"mean", scaled(r.mean)}, {"term", scaled(r.term)}, {"rows", r.rows}}}};
 }
 
-ordered_json rmse_json(const Diagnosis& d) {
+io::Json rmse_json(const Diagnosis& d) {
   const ResponseText response = response_text(d.kind);
-  const auto in_unit = [&](double value) { return finite(value / response.si); };
+  const auto in_unit = [&](double value) { return value / response.si; };
   return {{"baseline_train", in_unit(d.errors.baseline_train)},
           {"extended_train", in_unit(d.errors.extended_train)},
           {"baseline_holdout", in_unit(d.errors.baseline_holdout)},
@@ -183,24 +166,24 @@ ordered_json rmse_json(const Diagnosis& d) {
           {"unit", response.unit}};
 }
 
-ordered_json extrapolation_json(const Diagnosis& d) {
+io::Json extrapolation_json(const Diagnosis& d) {
   const auto& e = d.extrapolation;
   if (e.along.empty()) return nullptr;
   const double si = response_text(d.kind).si;
   return {{"along", e.along},
-          {"left_out", finite(e.left_out)},
+          {"left_out", e.left_out},
           {"rows", e.rows},
-          {"baseline", finite(e.baseline / si)},
-          {"extended", finite(e.extended / si)}};
+          {"baseline", e.baseline / si},
+          {"extended", e.extended / si}};
 }
 
 /// Parameters that explain the data with values that no gearbox shows.
-ordered_json implausible_json(const Diagnosis& d) {
-  ordered_json list = ordered_json::array();
+io::Json implausible_json(const Diagnosis& d) {
+  io::Json list = io::Json::array();
   for (const Effect& effect : d.effects) {
     for (const ParameterResult& p : effect.parameters) {
       if (p.plausible) continue;
-      ordered_json json{{"id", effect.id}};
+      io::Json json{{"id", effect.id}};
       json.update(parameter_json(p));
       list.push_back(std::move(json));
     }
@@ -208,44 +191,38 @@ ordered_json implausible_json(const Diagnosis& d) {
   return list;
 }
 
-/// null for what is 0 where it is not known.
-ordered_json positive_or_null(double value) {
-  return value > 0.0 ? finite(value) : ordered_json(nullptr);
-}
-
-void add_stiffness(ordered_json& json, const std::string& flank,
+void add_stiffness(io::Json& json, const std::string& flank,
                    const std::optional<calibrate::FlankStiffness>& stiffness) {
   const std::string key = "stiffness_" + flank;
-  json[key + "_nm_per_rad"] =
-      stiffness ? finite(stiffness->stiffness_Nm_rad) : ordered_json(nullptr);
+  json[key + "_nm_per_rad"] = stiffness ? io::Json(stiffness->stiffness_Nm_rad) : nullptr;
   json[key + "_sd_nm_per_rad"] =
-      stiffness ? positive_or_null(stiffness->standard_deviation_Nm_rad) : ordered_json(nullptr);
+      stiffness ? positive_or_null(stiffness->standard_deviation_Nm_rad) : nullptr;
 }
 
 /// A loop of a torque-angle record, and what it has in common with the others of its session.
-ordered_json loop_json(const calibrate::SessionLoop& one, const calibrate::LoopSession& session,
-                       const MeasurementSet& set) {
+io::Json loop_json(const calibrate::SessionLoop& one, const calibrate::LoopSession& session,
+                   const MeasurementSet& set) {
   const auto file = static_cast<std::size_t>(session.file);
   const calibrate::Loop& loop = one.loop;
-  ordered_json json{{"file", file < set.files.size() ? set.files[file] : ""},
-                    {"run", text_or_null(session.run)},
-                    {"loop", one.number},
-                    {"measured_at", session.sun_locked ? "output" : "sun"},
-                    {"lost_motion_arcmin", finite(arcmin(loop.lost_motion_rad))},
-                    {"lost_motion_sd_arcmin", positive_or_null(arcmin(loop.lost_motion_sd_rad))}};
+  io::Json json{{"file", file < set.files.size() ? set.files[file] : ""},
+                {"run", text_or_null(session.run)},
+                {"loop", one.number},
+                {"measured_at", session.sun_locked ? "output" : "sun"},
+                {"lost_motion_arcmin", arcmin(loop.lost_motion_rad)},
+                {"lost_motion_sd_arcmin", positive_or_null(arcmin(loop.lost_motion_sd_rad))}};
   add_stiffness(json, "positive", loop.stiffness_positive);
   add_stiffness(json, "negative", loop.stiffness_negative);
-  json["asymmetry"] = number_or_null(loop.asymmetry);
+  json["asymmetry"] = loop.asymmetry;
   json["filter_cutoff_hz"] = positive_or_null(session.cutoff_Hz);
   const calibrate::Creep creep =
       session.creep.value_or(calibrate::Creep{.rad_s = calibrate::kUnknown});
-  json["creep_arcmin_per_s"] = finite(arcmin(creep.rad_s));
+  json["creep_arcmin_per_s"] = arcmin(creep.rad_s);
   json["creep_sd_arcmin_per_s"] = positive_or_null(arcmin(creep.standard_deviation_rad_s));
   return json;
 }
 
-ordered_json loops_json(const MeasurementSet& set) {
-  ordered_json list = ordered_json::array();
+io::Json loops_json(const MeasurementSet& set) {
+  io::Json list = io::Json::array();
   for (const calibrate::LoopSession& session : set.loops) {
     for (const calibrate::SessionLoop& one : session.loops) {
       list.push_back(loop_json(one, session, set));
@@ -255,15 +232,15 @@ ordered_json loops_json(const MeasurementSet& set) {
 }
 
 /// Everything about one kind.
-ordered_json kind_json(const Diagnosis& d, const MeasurementSet& set) {
+io::Json kind_json(const Diagnosis& d, const MeasurementSet& set) {
   const double si = response_text(d.kind).si;
-  ordered_json json{{"kind", kind_name(d.kind)}, {"verdict", verdict_name(d.verdict)}};
+  io::Json json{{"kind", kind_name(d.kind)}, {"verdict", verdict_name(d.verdict)}};
   json["effects"] =
-      list_of(d.effects, [&](const Effect& effect) { return effect_json(effect, set.runs); });
+      list_json(d.effects, [&](const Effect& effect) { return effect_json(effect, set.runs); });
   json["physically_implausible"] = implausible_json(d);
   json["rmse"] = rmse_json(d);
-  json["gain"] = finite(gain_of(d));
-  json["weighted_gain"] = finite(d.errors.weighted_gain);
+  json["gain"] = gain_of(d);
+  json["weighted_gain"] = d.errors.weighted_gain;
   json["remainder"] = remainder_json(d);
   json["next_experiment"] = next_json(d.next_experiment, d.kind);
   json["data"] = {{"files", set.files},
@@ -273,34 +250,33 @@ ordered_json kind_json(const Diagnosis& d, const MeasurementSet& set) {
                   {"noise",
                    {{"source", kNoiseNames[static_cast<std::size_t>(d.noise_source)]},
                     {"repeat_degrees", d.repeat_degrees},
-                    {"session_deviation", finite(d.session_deviation / si)}}}};
+                    {"session_deviation", d.session_deviation / si}}}};
   json["loops"] = loops_json(set);
-  json["p_value"] = finite(d.p_value);
+  json["p_value"] = d.p_value;
   json["lack_of_fit"] =
       d.lack_of_fit.degrees > 0 && d.lack_of_fit.pure_degrees > 0
-          ? ordered_json{{"f", finite(d.lack_of_fit.f)},
-                         {"p_value", finite(d.lack_of_fit.p_value)},
-                         {"degrees", {d.lack_of_fit.degrees, d.lack_of_fit.pure_degrees}}}
-          : ordered_json(nullptr);
+          ? io::Json{{"f", d.lack_of_fit.f},
+                     {"p_value", d.lack_of_fit.p_value},
+                     {"degrees", {d.lack_of_fit.degrees, d.lack_of_fit.pure_degrees}}}
+          : nullptr;
   json["holdout_blocks"] = text_or_null(d.holdout_blocks);
   json["extrapolation"] = extrapolation_json(d);
-  json["candidates"] = list_of(d.evidence, [](const auto& c) {
-    return ordered_json{
-        {"id", c.id}, {"delta_bic", finite(c.delta_bic)}, {"evidence", finite(c.evidence)}};
+  json["candidates"] = list_json(d.evidence, [](const auto& c) {
+    return io::Json{{"id", c.id}, {"delta_bic", c.delta_bic}, {"evidence", c.evidence}};
   });
-  json["covariates"] = {{"before", list_of(d.covariates_before, covariate_json)},
-                        {"after", list_of(d.covariates_after, covariate_json)}};
+  json["covariates"] = {{"before", list_json(d.covariates_before, covariate_json)},
+                        {"after", list_json(d.covariates_after, covariate_json)}};
   json["outliers"] = std::ranges::count_if(d.rows, [](const auto& row) { return row.outlier; });
   json["notes"] = d.notes;
   return json;
 }
 
 /// A list of every kind, one after the other, each item with its kind.
-ordered_json all_of_kinds(const ordered_json& kinds, const char* list) {
-  ordered_json all = ordered_json::array();
-  for (const ordered_json& kind : kinds) {
-    for (ordered_json item : kind[list]) {
-      item["kind"] = kind["kind"];
+io::Json all_of_kinds(const std::vector<io::Json>& kinds, const char* list) {
+  io::Json all = io::Json::array();
+  for (const io::Json& kind : kinds) {
+    for (io::Json item : kind.at(list).items()) {
+      item["kind"] = kind.at("kind");
       all.push_back(std::move(item));
     }
   }
@@ -334,11 +310,12 @@ Verdict worst_verdict(const std::vector<Diagnosis>& diagnoses) {
 std::string diagnosis_json(const std::vector<Diagnosis>& diagnoses,
                            const std::vector<MeasurementSet>& sets, const DiagnosisSetup& setup) {
   require_matching(diagnoses, sets);
-  ordered_json json{{"tool", tool_json()}, {"subject", diagnoses.front().subject}};
+  io::Json json{{"tool", tool_json()}, {"subject", diagnoses.front().subject}};
   json["seed"] = setup.seed;
   json["false_discovery_rate"] = setup.false_discovery_rate;
   if (setup.model) add_model(json, *setup.model);
-  ordered_json kinds = ordered_json::array();
+  std::vector<io::Json> kinds;
+  kinds.reserve(sets.size());
   for (std::size_t k = 0; k < sets.size(); ++k) kinds.push_back(kind_json(diagnoses[k], sets[k]));
   json.update(kinds.front());
   if (kinds.size() > 1) {
@@ -347,14 +324,14 @@ std::string diagnosis_json(const std::vector<Diagnosis>& diagnoses,
       json[list] = all_of_kinds(kinds, list);
     }
     const auto next = std::ranges::find_if(
-        kinds, [](const ordered_json& one) { return !one["next_experiment"].is_null(); });
+        kinds, [](const io::Json& one) { return !one.at("next_experiment").is_null(); });
     if (next != kinds.end()) {
-      json["next_experiment"] = (*next)["next_experiment"];
-      json["next_experiment"]["kind"] = (*next)["kind"];
+      json["next_experiment"] = next->at("next_experiment");
+      json["next_experiment"]["kind"] = next->at("kind");
     }
     json["kinds"] = kinds;
   }
-  return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+  return json.text();
 }
 
 }  // namespace gear3k::report

@@ -5,12 +5,12 @@
 
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <numbers>
 #include <optional>
 #include <string>
 
 #include "design/checks.hpp"
+#include "io/text/json.hpp"
 #include "io/text/version.hpp"
 
 namespace gear3k::report {
@@ -37,19 +37,25 @@ inline std::string fixed(double value, int decimals) {
   return fmt::format("{:.{}f}", shown, decimals);
 }
 
-inline nlohmann::ordered_json tool_json() {
-  return {{"version", io::version()}, {"git", io::git_commit()}};
-}
+inline io::Json tool_json() { return {{"version", io::version()}, {"git", io::git_commit()}}; }
 
 /// NaN for nothing: what exact() writes as an empty field.
 inline double or_nan(const std::optional<double>& value) {
   return value.value_or(std::numeric_limits<double>::quiet_NaN());
 }
 
-/// null where there is no finite number: JSON has none.
-inline nlohmann::ordered_json number_or_null(const std::optional<double>& value) {
-  if (!value || !std::isfinite(*value)) return nullptr;
-  return *value;
+/// What a function makes of every item.
+template <class Items, class ToJson>
+io::Json list_json(const Items& items, ToJson to_json) {
+  io::Json list = io::Json::array();
+  for (const auto& item : items) list.push_back(to_json(item));
+  return list;
+}
+
+/// A quantity in a unit of this file, none where there is none.
+inline std::optional<double> if_any(const std::optional<double>& si, double (*unit)(double)) {
+  if (!si) return std::nullopt;
+  return unit(*si);
 }
 
 }  // namespace gear3k::report

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "io/text/json.hpp"
 #include "report/display.hpp"
 #include "report/operation_report.hpp"
 #include "report/text_table.hpp"
@@ -33,7 +34,6 @@ namespace {
 
 using design::Direction, design::MapPair, design::MapPoint, design::MapStatus, design::MapTorque,
     design::Operation, design::OperatingMap;
-using nlohmann::ordered_json;
 
 std::string status_name(MapStatus status) {
   return std::string(design::kMapStatusNames[static_cast<std::size_t>(status)]);
@@ -229,14 +229,14 @@ std::vector<std::string> csv_row(const OperatingMap& map, const MapPair& pair,
 
 // --- JSON
 
-ordered_json point_json(const MapPair& pair, Direction direction) {
+io::Json point_json(const MapPair& pair, Direction direction) {
   const MapPoint& point = point_of(pair, direction);
-  ordered_json json{{"direction", kDirectionNames[static_cast<std::size_t>(direction)]},
-                    {"sun_speed_rpm", rpm(pair.point.sun_speed_rad_s)},
-                    {"output_torque_nm", clean(pair.point.output_torque_Nm)},
-                    {"status", status_name(point.status)}};
+  io::Json json{{"direction", kDirectionNames[static_cast<std::size_t>(direction)]},
+                {"sun_speed_rpm", rpm(pair.point.sun_speed_rad_s)},
+                {"output_torque_nm", clean(pair.point.output_torque_Nm)},
+                {"status", status_name(point.status)}};
   if (direction == Direction::kBackward) {
-    json["backdriving_margin"] = number_or_null(point.backdriving_margin);
+    json["backdriving_margin"] = point.backdriving_margin;
   }
   if (point.operation) {
     json.update(operation_json(*point.operation));
@@ -250,13 +250,13 @@ ordered_json point_json(const MapPair& pair, Direction direction) {
   return json;
 }
 
-ordered_json torque_json(const MapTorque& torque) {
-  return {{"torque_nm", number_or_null(torque.torque_Nm)},
+io::Json torque_json(const MapTorque& torque) {
+  return {{"torque_nm", torque.torque_Nm},
           {"status", status_name(torque.status)},
           {"reason", torque.reason}};
 }
 
-ordered_json unloaded_json(const design::UnloadedTorques& torques) {
+io::Json unloaded_json(const design::UnloadedTorques& torques) {
   return {{"sun", torque_json(torques.sun)}, {"output", torque_json(torques.output)}};
 }
 
@@ -279,13 +279,13 @@ std::string map_table(const OperatingMap& map, const ModelUse* model) {
 }
 
 std::string map_json(const OperatingMap& map, const ModelUse* model) {
-  ordered_json speeds = ordered_json::array();
-  ordered_json torques = ordered_json::array();
-  ordered_json running = ordered_json::array();
-  ordered_json points = ordered_json::array();
+  io::Json speeds = io::Json::array();
+  io::Json torques = io::Json::array();
+  io::Json running = io::Json::array();
+  io::Json points = io::Json::array();
   for (std::size_t i = 0; i < map.sun_speed_rad_s.size(); ++i) {
     speeds.push_back(rpm(map.sun_speed_rad_s[i]));
-    ordered_json at = unloaded_json(map.running[i]);
+    io::Json at = unloaded_json(map.running[i]);
     running.push_back({{"sun_speed_rpm", rpm(map.sun_speed_rad_s[i])},
                        {"sun", at["sun"]},
                        {"output", at["output"]}});
@@ -294,33 +294,32 @@ std::string map_json(const OperatingMap& map, const ModelUse* model) {
   for (const Direction direction : {Direction::kForward, Direction::kBackward}) {
     for (const MapPair& pair : map.points) points.push_back(point_json(pair, direction));
   }
-  ordered_json margin = nullptr;
+  io::Json margin = nullptr;
   if (const auto least = design::least_margin(map)) {
     margin = {{"least", *least->backward.backdriving_margin},
               {"sun_speed_rpm", rpm(least->point.sun_speed_rad_s)},
               {"output_torque_nm", clean(least->point.output_torque_Nm)},
               {"self_locking", self_locking(map)}};
   }
-  ordered_json json{
-      {"tool", tool_json()},
-      {"name", map.name},
-      {"ratio", map.ratio},
-      {"planets", map.planets},
-      {"friction_law", efficiency::kFrictionLawNames[static_cast<std::size_t>(map.law)]},
-      {"temperature_c", celsius(map.temperature_K)},
-      {"sun_speed_rpm", speeds},
-      {"output_torque_nm", torques},
-      {"points", points},
-      {"running", running},
-      {"breakaway", unloaded_json(map.breakaway)},
-      {"backdriving_margin", margin},
-      {"reference",
-       {{"from", map.reference_given ? "operating_point" : "grid"},
-        {"forward", point_json(map.reference, Direction::kForward)},
-        {"backward", point_json(map.reference, Direction::kBackward)}}},
-      {"notes", map.notes}};
+  io::Json json{{"tool", tool_json()},
+                {"name", map.name},
+                {"ratio", map.ratio},
+                {"planets", map.planets},
+                {"friction_law", efficiency::kFrictionLawNames[static_cast<std::size_t>(map.law)]},
+                {"temperature_c", celsius(map.temperature_K)},
+                {"sun_speed_rpm", speeds},
+                {"output_torque_nm", torques},
+                {"points", points},
+                {"running", running},
+                {"breakaway", unloaded_json(map.breakaway)},
+                {"backdriving_margin", margin},
+                {"reference",
+                 {{"from", map.reference_given ? "operating_point" : "grid"},
+                  {"forward", point_json(map.reference, Direction::kForward)},
+                  {"backward", point_json(map.reference, Direction::kBackward)}}},
+                {"notes", map.notes}};
   if (model != nullptr) add_model(json, *model);
-  return json.dump(2) + "\n";
+  return json.text();
 }
 
 std::string map_csv(const OperatingMap& map) {

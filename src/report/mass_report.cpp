@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "io/text/json.hpp"
 #include "report/display.hpp"
 #include "report/text_table.hpp"
 
@@ -40,20 +41,20 @@ std::string mass_table(const design::Evaluation& e) {
               : fmt::format("  all parts: not known: lacks {}\n", e.total_mass_missing));
 }
 
-void add_masses(nlohmann::ordered_json& json, const design::Evaluation& e) {
+void add_masses(io::Json& json, const design::Evaluation& e) {
   const auto from = [](const std::optional<double>& value, MassOrigin origin) {
-    return value ? nlohmann::ordered_json(origin_name(origin)) : nlohmann::ordered_json(nullptr);
+    return value ? io::Json(origin_name(origin)) : nullptr;
   };
-  auto& list = json["masses"] = nlohmann::ordered_json::array();
+  auto& list = json["masses"] = io::Json::array();
   for (const PartMass& part : e.parts) {
     list.push_back({{"name", part.name},
                     {"count", part.count},
-                    {"mass_kg", number_or_null(part.mass_kg)},
+                    {"mass_kg", part.mass_kg},
                     {"mass_from", from(part.mass_kg, part.mass_origin)},
-                    {"inertia_kgm2", number_or_null(part.inertia_kgm2)},
+                    {"inertia_kgm2", part.inertia_kgm2},
                     {"inertia_from", from(part.inertia_kgm2, part.inertia_origin)}});
   }
-  json["total_mass_kg"] = number_or_null(e.total_mass_kg);
+  json["total_mass_kg"] = e.total_mass_kg;
 }
 
 std::string mass_csv(const design::Evaluation& e) {

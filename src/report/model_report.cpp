@@ -7,6 +7,7 @@
 
 #include "calibrate/model/model_range.hpp"
 #include "calibrate/verdict/diagnosis.hpp"
+#include "io/text/json.hpp"
 #include "report/display.hpp"
 
 namespace gear3k::report {
@@ -14,7 +15,6 @@ namespace gear3k::report {
 namespace {
 
 using calibrate::AppliedCause, calibrate::ExtendedModel;
-using nlohmann::ordered_json;
 
 /// Standard deviation of a model's n-th parameter; empty without covariance.
 std::optional<double> deviation_of(const ExtendedModel& model, std::size_t n) {
@@ -165,26 +165,26 @@ std::string model_paragraph(const ModelUse& use) {
   return text;
 }
 
-void add_model(ordered_json& json, const ModelUse& use) {
-  ordered_json causes = ordered_json::array();
+void add_model(io::Json& json, const ModelUse& use) {
+  io::Json causes = io::Json::array();
   for_each_cause(use, [&](const ExtendedModel& model, const AppliedCause& applied,
                           const calibrate::Cause& cause, std::size_t place) {
-    ordered_json one{{"id", cause.id}, {"kind", kind_name(model)}, {"form", applied.form.name}};
+    io::Json one{{"id", cause.id}, {"kind", kind_name(model)}, {"form", applied.form.name}};
     if (!applied.form.body.empty()) one["body"] = applied.form.body;
     if (applied.form.order != 0.0) one["order"] = applied.form.order;
-    ordered_json parameters = ordered_json::array();
+    io::Json parameters = io::Json::array();
     const auto records = cause.parameters(applied.form, model.kind);
     for (std::size_t i = 0; i < records.size(); ++i) {
       parameters.push_back({{"name", records[i].name},
                             {"unit", records[i].unit},
                             {"value", applied.value[i]},
-                            {"sd", number_or_null(deviation_of(model, place + i))}});
+                            {"sd", deviation_of(model, place + i)}});
     }
     one["parameters"] = std::move(parameters);
     one["changes_gearbox"] = calibrate::changes_gearbox(applied, model.kind);
     causes.push_back(std::move(one));
   });
-  ordered_json data = ordered_json::array();
+  io::Json data = io::Json::array();
   for (const ExtendedModel& model : use.models) {
     data.push_back(
         {{"kind", kind_name(model)},
@@ -193,8 +193,8 @@ void add_model(ordered_json& json, const ModelUse& use) {
          {"data_fingerprint", fingerprint_text(model)},
          {"verdict",
           model.verdict
-              ? ordered_json(calibrate::kVerdictNames[static_cast<std::size_t>(*model.verdict)])
-              : ordered_json(nullptr)}});
+              ? io::Json(calibrate::kVerdictNames[static_cast<std::size_t>(*model.verdict)])
+              : nullptr}});
   }
   json["model"] = {{"file", use.file}, {"causes", std::move(causes)}, {"data", std::move(data)}};
   if (use.lost_motion_shift_rad != 0.0) {

@@ -1,11 +1,11 @@
 #pragma once
 // The extended model that a result was made with.
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "calibrate/model/extended_model.hpp"
+#include "io/text/json.hpp"
 
 namespace gear3k::report {
 
@@ -33,6 +33,6 @@ std::string diagnosed_model_paragraph(const ModelUse& model);
 std::vector<std::string> cautions(const ModelUse& model);
 
 /// Adds `model`: { "file", "causes": [...], "data": [...] }.
-void add_model(nlohmann::ordered_json& json, const ModelUse& model);
+void add_model(io::Json& json, const ModelUse& model);
 
 }  // namespace gear3k::report

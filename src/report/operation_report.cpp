@@ -5,6 +5,7 @@
 #include <array>
 #include <numbers>
 
+#include "io/text/json.hpp"
 #include "report/display.hpp"
 #include "report/text_table.hpp"
 
@@ -13,7 +14,6 @@ namespace gear3k::report {
 namespace {
 
 using design::Evaluation, design::Operation, design::OperationResult;
-using nlohmann::ordered_json;
 
 struct DirectedResult {
   const char* name;
@@ -32,17 +32,17 @@ std::string efficiency_text(const Operation<double>& o) {
   return o.efficiency ? fmt::format("{:.2f} %", 100.0 * *o.efficiency) : "undefined";
 }
 
-ordered_json direction_json(const OperationResult<double>& result) {
+io::Json direction_json(const OperationResult<double>& result) {
   if (!result.operation) return {{"runs", false}, {"reason", no_operation_text(result.reason)}};
-  ordered_json json{{"runs", true}};
+  io::Json json{{"runs", true}};
   json.update(operation_json(*result.operation));
   return json;
 }
 
 }  // namespace
 
-ordered_json operation_json(const Operation<double>& o) {
-  ordered_json meshes = ordered_json::array();
+io::Json operation_json(const Operation<double>& o) {
+  io::Json meshes = io::Json::array();
   for (std::size_t k = 0; k < train::kMeshCount; ++k) {
     const design::MeshOperation<double>& m = o.mesh[k];
     meshes.push_back({{"name", train::kMeshNames[k]},
@@ -53,13 +53,13 @@ ordered_json operation_json(const Operation<double>& o) {
                       {"efficiency", m.efficiency},
                       {"heat_w", m.loss_W}});
   }
-  ordered_json drag;
+  io::Json drag;
   for (std::size_t k = 0; k < design::kShaftCount; ++k) {
     drag[std::string(design::kShaftNames[k])] = o.drag_loss_W[k];
   }
   return {{"sun_torque_nm", o.sun_torque_Nm + 0.0},  // no negative zero
           {"output_torque_nm", o.output_torque_Nm + 0.0},
-          {"efficiency", number_or_null(o.efficiency)},
+          {"efficiency", o.efficiency},
           {"input_power_w", o.input_power_W},
           {"loss_w", o.loss_W},
           {"meshes", meshes},
@@ -114,7 +114,7 @@ std::string operation_summary(const Evaluation& e) {
   return text + " at the operating point";
 }
 
-void add_operation(ordered_json& json, const Evaluation& e) {
+void add_operation(io::Json& json, const Evaluation& e) {
   json["operating_point"] = nullptr;
   if (!e.operation) return;
   const auto& point = e.operation->point;

@@ -1,15 +1,15 @@
 #pragma once
 // A gearbox at its operating point, as `analyze` prints it.
 
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "design/evaluation.hpp"
+#include "io/text/json.hpp"
 
 namespace gear3k::report {
 
 /// One operation as JSON: torques, efficiency, powers, what each mesh, shaft and bearing loses.
-nlohmann::ordered_json operation_json(const design::Operation<double>& operation);
+io::Json operation_json(const design::Operation<double>& operation);
 
 /// Torques, efficiency and losses in both drive directions; nothing without an operating point.
 std::string operation_table(const design::Evaluation& e);
@@ -19,7 +19,7 @@ std::string operation_table(const design::Evaluation& e);
 std::string operation_summary(const design::Evaluation& e);
 
 /// Adds `operating_point`: null without one.
-void add_operation(nlohmann::ordered_json& json, const design::Evaluation& e);
+void add_operation(io::Json& json, const design::Evaluation& e);
 
 /// Lines of analysis_csv().
 std::string operation_csv(const design::Evaluation& e);

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
+#include "io/text/json.hpp"
 #include "report/display.hpp"
 #include "report/text_table.hpp"
 #include "report/tooth_set_text.hpp"
@@ -14,28 +14,23 @@ namespace gear3k::report {
 namespace {
 
 using design::CheckId;
-using nlohmann::ordered_json;
 using optimize::BuiltOutcome, optimize::Hold, optimize::RobustPass, optimize::Specification;
 
 std::string limit_text(const std::optional<double>& limit, double (*unit)(double)) {
   return limit ? fmt::format("{:.2f}", unit(*limit)) : "-";
 }
 
-ordered_json limit_json(const std::optional<double>& limit, double (*unit)(double)) {
-  return limit ? ordered_json(unit(*limit)) : ordered_json(nullptr);
-}
-
-ordered_json turn_json(const backlash::TurnYield& turn) {
+io::Json turn_json(const backlash::TurnYield& turn) {
   return {{"gearboxes", turn.gearboxes},
           {"assembled", turn.assembled.value},
           {"yield", turn.yield.value}};
 }
 
-ordered_json outcome_json(const BuiltOutcome& o) {
+io::Json outcome_json(const BuiltOutcome& o) {
   return {{"yield", o.yield},
           {"jammed", o.jammed},
           {"beyond_limit", o.beyond_limit},
-          {"limit_of_99_percent_arcmin", limit_json(o.limit_of_99_percent_rad, arcmin)},
+          {"limit_of_99_percent_arcmin", if_any(o.limit_of_99_percent_rad, arcmin)},
           {"worst_case_arcmin", arcmin(o.greatest_rad)},
           {"least_margin_um", um(o.least_margin_m)},
           {"checks_hold", o.checks_hold}};
@@ -96,33 +91,31 @@ std::string robust_table(const Specification& spec, const RobustRun& run) {
   return text + tolerances.text(2);
 }
 
-ordered_json robust_json(const Specification& spec, const RobustRun& run) {
-  ordered_json passes = ordered_json::array();
+io::Json robust_json(const Specification& spec, const RobustRun& run) {
+  io::Json passes = io::Json::array();
   for (const RobustPass& pass : run.search.passes) {
     passes.push_back(
         {{"share", pass.share},
-         {"min_normal_um", limit_json(pass.limits[CheckId::kNormalBacklash], um)},
-         {"max_output_arcmin", limit_json(pass.limits[CheckId::kOutputBacklashMax], arcmin)},
-         {"teeth", pass.best ? ordered_json(train::teeth_of(pass.best->candidate.teeth))
-                             : ordered_json(nullptr)},
-         {"eta_b", pass.best ? ordered_json(pass.best->eta_b) : ordered_json(nullptr)},
-         {"built", pass.outcome ? outcome_json(*pass.outcome) : ordered_json(nullptr)}});
+         {"min_normal_um", if_any(pass.limits[CheckId::kNormalBacklash], um)},
+         {"max_output_arcmin", if_any(pass.limits[CheckId::kOutputBacklashMax], arcmin)},
+         {"teeth", pass.best ? io::Json(train::teeth_of(pass.best->candidate.teeth)) : nullptr},
+         {"eta_b", pass.best ? io::Json(pass.best->eta_b) : nullptr},
+         {"built", pass.outcome ? outcome_json(*pass.outcome) : nullptr}});
   }
-  ordered_json json{
-      {"hold", optimize::kHoldNames[static_cast<std::size_t>(spec.robust.hold)]},
-      {"yield", spec.robust.yield},
-      {"passes", passes},
-      {"chosen", run.search.chosen ? ordered_json(*run.search.chosen) : ordered_json(nullptr)},
-      {"samples", run.samples},
-      {"fresh_seed", run.fresh_seed},
-      {"nominal", outcome_json(run.nominal)},
-      {"nominal_turn", turn_json(run.nominal_turn)},
-      {"robust_turn", turn_json(run.chosen_turn)},
-      {"robust", outcome_json(run.chosen)},
-      {"cheapest", nullptr}};
+  io::Json json{{"hold", optimize::kHoldNames[static_cast<std::size_t>(spec.robust.hold)]},
+                {"yield", spec.robust.yield},
+                {"passes", passes},
+                {"chosen", run.search.chosen},
+                {"samples", run.samples},
+                {"fresh_seed", run.fresh_seed},
+                {"nominal", outcome_json(run.nominal)},
+                {"nominal_turn", turn_json(run.nominal_turn)},
+                {"robust_turn", turn_json(run.chosen_turn)},
+                {"robust", outcome_json(run.chosen)},
+                {"cheapest", nullptr}};
   if (run.cheapest) {
     const auto& c = run.cheapest->tolerances;
-    ordered_json sources = ordered_json::array();
+    io::Json sources = io::Json::array();
     for (std::size_t i = 0; i < c.factor.size(); ++i) {
       const backlash::ToleranceSource& source = run.cheapest->model.sources[i];
       sources.push_back({{"tolerance", source.name()},

@@ -2,11 +2,11 @@
 // What holding for the built gearboxes cost, as `optimize` prints and writes it.
 
 #include <cstdint>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 
 #include "backlash/turn_yield.hpp"
+#include "io/text/json.hpp"
 #include "optimize/cheapest_tolerances.hpp"
 #include "optimize/robust.hpp"
 
@@ -31,7 +31,7 @@ struct RobustRun {
 std::string robust_table(const optimize::Specification& spec, const RobustRun& run);
 
 /// Member "robust" of summary.json.
-nlohmann::ordered_json robust_json(const optimize::Specification& spec, const RobustRun& run);
+io::Json robust_json(const optimize::Specification& spec, const RobustRun& run);
 
 /// Why no design holds as asked for.
 std::string robust_blocking_text(const optimize::Specification& spec,

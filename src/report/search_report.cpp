@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <numeric>
 #include <tuple>
 
+#include "io/text/json.hpp"
 #include "optimize/objective_value.hpp"
 #include "report/display.hpp"
 #include "report/text_table.hpp"
@@ -18,24 +18,22 @@ namespace gear3k::report {
 
 namespace {
 
-using nlohmann::ordered_json;
 using optimize::OptimizeResult, optimize::RefinedSet, optimize::Status, optimize::ZeroShiftSet,
     optimize::ToothSearchResult, optimize::Specification;
 
-ordered_json rejected_json(const ToothSearchResult& search) {
-  ordered_json rejected = ordered_json::object();
+io::Json rejected_json(const ToothSearchResult& search) {
+  io::Json rejected = io::Json::object();
   for (std::size_t k = 0; k < optimize::kToothRejectionCount; ++k) {
     rejected[std::string(optimize::kToothRejectionNames[k])] = search.rejected[k];
   }
   return rejected;
 }
 
-ordered_json search_counts_json(const Specification& spec, const ToothSearchResult& search) {
+io::Json search_counts_json(const Specification& spec, const ToothSearchResult& search) {
   return {{"within_ratio", search.within_ratio},
           {"candidates", search.candidates.size()},
           {"rejected", rejected_json(search)},
-          {"nearest_ratio", search.nearest_ratio != 0.0 ? ordered_json(search.nearest_ratio)
-                                                        : ordered_json(nullptr)},
+          {"nearest_ratio", search.nearest_ratio != 0.0 ? io::Json(search.nearest_ratio) : nullptr},
           {"ratio_target", spec.ratio.target},
           {"ratio_tolerance", spec.ratio.tolerance}};
 }
@@ -170,9 +168,9 @@ std::string search_csv(const std::vector<ZeroShiftSet>& sets) {
 
 std::string search_json(const Specification& spec, const ToothSearchResult& search,
                         const std::vector<ZeroShiftSet>& sets) {
-  ordered_json list = ordered_json::array();
+  io::Json list = io::Json::array();
   for (const ZeroShiftSet& s : sets) {
-    const auto number = [&](double x) { return s.defined ? ordered_json(x) : ordered_json(); };
+    const auto number = [&](double x) { return s.defined ? io::Json(x) : io::Json(); };
     list.push_back({{"teeth", train::teeth_of(s.candidate.teeth)},
                     {"planets", s.candidate.planets},
                     {"ratio", s.ratio},
@@ -182,13 +180,13 @@ std::string search_json(const Specification& spec, const ToothSearchResult& sear
                     {"eta_f", number(s.eta_f)},
                     {"backlash_arcmin", number(arcmin(s.lost_motion_rad))},
                     {"sun_backlash_modules", number(s.sun_backlash)},
-                    {"contact_ratio", s.defined ? ordered_json(s.contact_ratio) : ordered_json()}});
+                    {"contact_ratio", s.defined ? io::Json(s.contact_ratio) : io::Json()}});
   }
-  const ordered_json json{{"tool", tool_json()},
-                          {"name", spec.name},
-                          {"search", search_counts_json(spec, search)},
-                          {"sets", std::move(list)}};
-  return json.dump(2) + "\n";
+  const io::Json json{{"tool", tool_json()},
+                      {"name", spec.name},
+                      {"search", search_counts_json(spec, search)},
+                      {"sets", std::move(list)}};
+  return json.text();
 }
 
 ResultTally tally_of(const OptimizeResult& result) {
@@ -285,14 +283,14 @@ std::string pareto_table(const Specification& spec, const optimize::ParetoFront&
 
 namespace {
 
-ordered_json front_json(const Specification& spec, const optimize::ParetoFront& front) {
-  ordered_json objectives = ordered_json::array();
+io::Json front_json(const Specification& spec, const optimize::ParetoFront& front) {
+  io::Json objectives = io::Json::array();
   for (std::size_t k = 0; k < spec.objectives.size(); ++k) {
     const optimize::ObjectiveRecord& record = optimize::objective_record(spec.objectives[k]);
-    ordered_json entry{{"name", record.name}, {"unit", record.unit}, {"maximise", record.maximise}};
+    io::Json entry{{"name", record.name}, {"unit", record.unit}, {"maximise", record.maximise}};
     const bool known = !front.ideal.empty();
-    entry["ideal"] = known ? ordered_json(front.ideal[k] / record.per_unit) : nullptr;
-    entry["reference"] = known ? ordered_json(front.reference[k] / record.per_unit) : nullptr;
+    entry["ideal"] = known ? io::Json(front.ideal[k] / record.per_unit) : nullptr;
+    entry["reference"] = known ? io::Json(front.reference[k] / record.per_unit) : nullptr;
     objectives.push_back(std::move(entry));
   }
   return {{"objectives", std::move(objectives)},
@@ -301,7 +299,7 @@ ordered_json front_json(const Specification& spec, const optimize::ParetoFront& 
           {"hypervolume", front.hypervolume}};
 }
 
-ordered_json certificate_json(const Specification& spec, const OptimizeResult& result) {
+io::Json certificate_json(const Specification& spec, const OptimizeResult& result) {
   if (!result.certificate) return nullptr;
   const optimize::Certificate& c = *result.certificate;
   const optimize::ObjectiveRecord& record =
@@ -316,7 +314,7 @@ ordered_json certificate_json(const Specification& spec, const OptimizeResult& r
           {"bounded", c.bounded},
           {"infeasible", c.infeasible},
           {"largest_unrefined_bound",
-           c.largest_unrefined_bound ? ordered_json(shown(*c.largest_unrefined_bound)) : nullptr},
+           c.largest_unrefined_bound ? io::Json(shown(*c.largest_unrefined_bound)) : nullptr},
           {"global_bound", shown(c.global_bound)},
           {"gap", std::abs(c.global_bound - c.best) / record.per_unit},
           {"locally_optimal_only", c.open}};
@@ -327,17 +325,17 @@ ordered_json certificate_json(const Specification& spec, const OptimizeResult& r
 std::string summary_json(const Specification& spec, const OptimizeResult& result,
                          const ResultTally& tally, const RunFacts& facts, const ModelUse* model,
                          const optimize::ParetoFront* front, const RobustRun* robust) {
-  ordered_json status = ordered_json::object();
-  ordered_json reasons = ordered_json::object();
+  io::Json status = io::Json::object();
+  io::Json reasons = io::Json::object();
   for (std::size_t k = 0; k < optimize::kStatusCount; ++k) {
     const auto s = static_cast<Status>(k);
     status[std::string(optimize::kStatusNames[k])] = tally.status[k];
     if (s == Status::kOptimal || s == Status::kBounded) continue;
-    ordered_json by_reason = ordered_json::object();
+    io::Json by_reason = io::Json::object();
     for (const auto& [reason, count] : tally.reasons[k]) by_reason[reason] = count;
     reasons[std::string(optimize::kStatusNames[k])] = std::move(by_reason);
   }
-  ordered_json best = nullptr;
+  io::Json best = nullptr;
   if (result.best) {
     const RefinedSet& s = *result.best;
     best = {{"teeth", train::teeth_of(s.candidate.teeth)},
@@ -348,31 +346,30 @@ std::string summary_json(const Specification& spec, const OptimizeResult& result
             {"backlash_arcmin", arcmin(s.lost_motion_rad)},
             {"kkt_residual", s.kkt_residual}};
     if (model != nullptr) {
-      best["eta_b_model"] = number_or_null(s.eta_b_model);
-      best["eta_f_model"] = number_or_null(s.eta_f_model);
+      best["eta_b_model"] = s.eta_b_model;
+      best["eta_f_model"] = s.eta_f_model;
     }
   }
-  ordered_json json{
-      {"tool", tool_json()},
-      {"name", spec.name},
-      {"objective", optimize::objective_record(optimize::first_objective(spec)).name},
-      {"refine", optimize::kRefineNames[static_cast<std::size_t>(spec.solver.refine)]},
-      {"starts", spec.solver.starts},
-      {"seed", spec.solver.seed},
-      {"search", search_counts_json(spec, result.search)},
-      {"refined", result.refined.size()},
-      {"status", std::move(status)},
-      {"reasons", std::move(reasons)},
-      {"best", std::move(best)},
-      {"certificate", certificate_json(spec, result)},
-      {"pareto", front != nullptr ? front->points.size() : result.pareto.size()},
-      {"pareto_front", front != nullptr ? front_json(spec, *front) : ordered_json(nullptr)},
-      {"interrupted", result.interrupted || (front != nullptr && front->interrupted)},
-      {"wall_time_s", facts.wall_time_s},
-      {"threads", facts.threads}};
+  io::Json json{{"tool", tool_json()},
+                {"name", spec.name},
+                {"objective", optimize::objective_record(optimize::first_objective(spec)).name},
+                {"refine", optimize::kRefineNames[static_cast<std::size_t>(spec.solver.refine)]},
+                {"starts", spec.solver.starts},
+                {"seed", spec.solver.seed},
+                {"search", search_counts_json(spec, result.search)},
+                {"refined", result.refined.size()},
+                {"status", std::move(status)},
+                {"reasons", std::move(reasons)},
+                {"best", std::move(best)},
+                {"certificate", certificate_json(spec, result)},
+                {"pareto", front != nullptr ? front->points.size() : result.pareto.size()},
+                {"pareto_front", front != nullptr ? front_json(spec, *front) : nullptr},
+                {"interrupted", result.interrupted || (front != nullptr && front->interrupted)},
+                {"wall_time_s", facts.wall_time_s},
+                {"threads", facts.threads}};
   if (robust != nullptr) json["robust"] = robust_json(spec, *robust);
   if (model != nullptr) add_model(json, *model);
-  return json.dump(2) + "\n";
+  return json.text();
 }
 
 std::string optimize_counts_text(const OptimizeResult& result, const ResultTally& tally) {

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <vector>
 
+#include "io/text/json.hpp"
 #include "report/display.hpp"
 #include "report/text_table.hpp"
 
@@ -138,9 +139,9 @@ std::string check_table(const Sensitivities& s) {
          table.text(2);
 }
 
-nlohmann::ordered_json in_unit_or_null(const std::optional<double>& si, Unit unit) {
-  if (!si) return nullptr;
-  return number_or_null(design::in_unit(*si, unit));
+std::optional<double> in_unit_or_none(const std::optional<double>& si, Unit unit) {
+  if (!si) return std::nullopt;
+  return design::in_unit(*si, unit);
 }
 
 }  // namespace
@@ -150,27 +151,27 @@ std::string sensitivity_table(const Sensitivities& s) {
   return quantity_table(s) + check_table(s);
 }
 
-void add_sensitivities(nlohmann::ordered_json& json, const Sensitivities& s) {
-  auto& list = json["sensitivities"] = nlohmann::ordered_json::array();
+void add_sensitivities(io::Json& json, const Sensitivities& s) {
+  auto& list = json["sensitivities"] = io::Json::array();
   for (const Sensitivity& row : s.inputs) {
-    nlohmann::ordered_json item{{"input", row.input},
-                                {"unit", row.unit},
-                                {"stated", !unstated(s, row)},
-                                {"value", row.value},
-                                {"step", row.step}};
+    io::Json item{{"input", row.input},
+                  {"unit", row.unit},
+                  {"stated", !unstated(s, row)},
+                  {"value", row.value},
+                  {"step", row.step}};
     for (const Column& c : columns_of(s)) {
       item[c.field] =
-          in_unit_or_null(row.slope[static_cast<std::size_t>(c.quantity)], c.field_unit);
+          in_unit_or_none(row.slope[static_cast<std::size_t>(c.quantity)], c.field_unit);
     }
-    auto& margins = item["d_margin"] = nlohmann::ordered_json::array();
+    auto& margins = item["d_margin"] = io::Json::array();
     for (std::size_t i = 0; i < s.checks.size(); ++i) {
-      margins.push_back(in_unit_or_null(row.margin_slope[i], s.checks[i].record->unit));
+      margins.push_back(in_unit_or_none(row.margin_slope[i], s.checks[i].record->unit));
     }
     list.push_back(std::move(item));
   }
-  auto& checks = json["tightest_checks"] = nlohmann::ordered_json::array();
+  auto& checks = json["tightest_checks"] = io::Json::array();
   for (const TightCheck& check : s.checks) {
-    nlohmann::ordered_json item{{"name", check.record->name}};
+    io::Json item{{"name", check.record->name}};
     if (!check.mesh.empty()) item["mesh"] = check.mesh;
     if (!check.gear.empty()) item["gear"] = check.gear;
     item["margin"] = design::in_unit(check.margin, check.record->unit);

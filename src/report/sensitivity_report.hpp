@@ -1,10 +1,10 @@
 #pragma once
 // Sensitivities of a gearbox, as `analyze` prints them.
 
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "design/sensitivity.hpp"
+#include "io/text/json.hpp"
 
 namespace gear3k::report {
 
@@ -13,7 +13,7 @@ namespace gear3k::report {
 std::string sensitivity_table(const design::Sensitivities& s);
 
 /// Adds `sensitivities`, derivatives per unit of the file, and `tightest_checks`.
-void add_sensitivities(nlohmann::ordered_json& json, const design::Sensitivities& s);
+void add_sensitivities(io::Json& json, const design::Sensitivities& s);
 
 /// Lines of analysis_csv(): of each input its derivatives as far as they are defined.
 std::string sensitivity_csv(const design::Sensitivities& s);

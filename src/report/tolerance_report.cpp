@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "io/text/json.hpp"
 #include "report/display.hpp"
 #include "report/text_table.hpp"
 
@@ -17,7 +18,6 @@ namespace {
 
 using design::BuiltRange, design::CheckLimits, design::GearLimits, design::MeshLimits,
     design::ToleranceLimits, design::Unit;
-using nlohmann::ordered_json;
 
 /// A quantity of a report: its name in JSON without the unit, its value, unit and decimals.
 struct Quantity {
@@ -144,11 +144,9 @@ std::string check_table(const std::vector<CheckLimits>& checks) {
          table.text(2);
 }
 
-ordered_json range_json(const BuiltRange& range, Unit unit) {
+io::Json range_json(const BuiltRange& range, Unit unit) {
   const BuiltRange r = in_unit(range, unit);
-  return {{"min", number_or_null(r.least)},
-          {"nominal", number_or_null(r.nominal)},
-          {"max", number_or_null(r.greatest)}};
+  return {{"min", r.least}, {"nominal", r.nominal}, {"max", r.greatest}};
 }
 
 std::string key_of(const Quantity& q) {
@@ -156,8 +154,8 @@ std::string key_of(const Quantity& q) {
   return unit.empty() ? std::string(q.name) : fmt::format("{}_{}", q.name, unit);
 }
 
-ordered_json mesh_json(const MeshLimits& m) {
-  ordered_json json{{"name", m.name}};
+io::Json mesh_json(const MeshLimits& m) {
+  io::Json json{{"name", m.name}};
   for (const Quantity& q : quantities(m)) json[key_of(q)] = range_json(q.range, q.unit);
   for (const std::size_t i : {0U, 1U}) {
     for (const Quantity& q : quantities(m, i)) {
@@ -167,14 +165,14 @@ ordered_json mesh_json(const MeshLimits& m) {
   return json;
 }
 
-ordered_json gear_json(const GearLimits& g) {
-  ordered_json json{{"name", g.name}};
+io::Json gear_json(const GearLimits& g) {
+  io::Json json{{"name", g.name}};
   for (const Quantity& q : quantities(g)) json[key_of(q)] = range_json(q.range, q.unit);
   return json;
 }
 
-ordered_json check_json(const CheckLimits& c) {
-  ordered_json json{{"name", c.record->name}};
+io::Json check_json(const CheckLimits& c) {
+  io::Json json{{"name", c.record->name}};
   if (!c.mesh.empty()) json["mesh"] = c.mesh;
   if (!c.gear.empty()) json["gear"] = c.gear;
   json["margin"] = range_json(c.margin, c.record->unit);
@@ -211,12 +209,12 @@ std::string tolerance_table(const std::optional<ToleranceLimits>& limits) {
   return text + mesh_table(*limits) + gear_table(*limits) + check_table(limits->checks);
 }
 
-void add_tolerances(ordered_json& json, const std::optional<ToleranceLimits>& limits) {
+void add_tolerances(io::Json& json, const std::optional<ToleranceLimits>& limits) {
   if (!limits) return;
-  ordered_json& tolerances = json["tolerances"];
+  io::Json& tolerances = json["tolerances"];
   for (const MeshLimits& m : limits->meshes) tolerances["meshes"].push_back(mesh_json(m));
   for (const GearLimits& g : limits->gears) tolerances["gears"].push_back(gear_json(g));
-  tolerances["checks"] = ordered_json::array();
+  tolerances["checks"] = io::Json::array();
   for (const CheckLimits& c : limits->checks) tolerances["checks"].push_back(check_json(c));
   if (limits->lost_motion_rad) {
     tolerances["lost_motion_arcmin"] = range_json(*limits->lost_motion_rad, Unit::kArcmin);

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <array>
-#include <nlohmann/json.hpp>
 #include <numeric>
 #include <vector>
 
+#include "io/text/json.hpp"
 #include "report/display.hpp"
 #include "report/text_table.hpp"
 
@@ -18,7 +18,6 @@ namespace {
 using backlash::Estimate, backlash::MonteCarloResult, backlash::Proportion, backlash::Quantile,
     backlash::ToleranceShare;
 using design::BuiltSeries;
-using nlohmann::ordered_json;
 
 std::string share_text(double share) { return fmt::format("{:.2f} %", percent(share)); }
 
@@ -174,11 +173,11 @@ std::string tighten_text(const BuiltSeries& series) {
               : "");
 }
 
-ordered_json proportion_json(const Proportion& p) {
+io::Json proportion_json(const Proportion& p) {
   return {{"value", p.value}, {"ci95", {p.lower, p.upper}}};
 }
 
-ordered_json estimate_json(const Estimate& e) {
+io::Json estimate_json(const Estimate& e) {
   return {{"value", e.value}, {"standard_error", e.standard_error}};
 }
 
@@ -188,36 +187,35 @@ std::string yield_table(const BuiltSeries& series) {
   return series_text(series) + tighten_text(series);
 }
 
-ordered_json yield_json(const BuiltSeries& series) {
+io::Json yield_json(const BuiltSeries& series) {
   const MonteCarloResult& r = series.result;
-  ordered_json quantiles = ordered_json::array();
+  io::Json quantiles = io::Json::array();
   for (const Quantile& q : r.lost_motion.quantiles) {
     quantiles.push_back({{"probability", q.probability}, {"lost_motion_arcmin", arcmin(q.value)}});
   }
-  ordered_json margins = ordered_json::array();
+  io::Json margins = io::Json::array();
   for (const Quantile& q : r.margin) {
     margins.push_back({{"probability", q.probability}, {"margin_um", um(q.value)}});
   }
   const bool any = r.assembled.count > 0;
-  ordered_json json{
+  io::Json json{
       {"samples", r.samples},
       {"seed", series.seed},
       {"scatter", backlash::kScatterNames[static_cast<std::size_t>(series.scatter.scatter)]},
       {"sigma_level", series.scatter.sigma_level},
-      {"limit_arcmin", series.limit_rad ? ordered_json(arcmin(*series.limit_rad)) : nullptr},
+      {"limit_arcmin", if_any(series.limit_rad, arcmin)},
       {"assembled", proportion_json(r.assembled)},
       {"jammed", proportion_json(r.jammed)},
       {"beyond_limit", proportion_json(r.beyond_limit)},
       {"yield", proportion_json(r.yield)},
-      {"limit_of_99_percent_arcmin",
-       r.limit_of_99_percent_rad ? ordered_json(arcmin(*r.limit_of_99_percent_rad)) : nullptr},
+      {"limit_of_99_percent_arcmin", if_any(r.limit_of_99_percent_rad, arcmin)},
       {"lost_motion_arcmin",
-       any ? ordered_json{{"mean", arcmin(r.lost_motion.mean_rad)},
-                          {"standard_deviation", arcmin(r.lost_motion.deviation_rad)},
-                          {"least", arcmin(r.lost_motion.least_rad)},
-                          {"greatest", arcmin(r.lost_motion.greatest_rad)},
-                          {"quantiles", quantiles}}
-           : ordered_json(nullptr)},
+       any ? io::Json{{"mean", arcmin(r.lost_motion.mean_rad)},
+                      {"standard_deviation", arcmin(r.lost_motion.deviation_rad)},
+                      {"least", arcmin(r.lost_motion.least_rad)},
+                      {"greatest", arcmin(r.lost_motion.greatest_rad)},
+                      {"quantiles", quantiles}}
+           : nullptr},
       {"margin_um", margins},
       {"worst_case",
        {{"planets_alike_arcmin", arcmin(r.worst.middle_rad)},
@@ -226,27 +224,27 @@ ordered_json yield_json(const BuiltSeries& series) {
         {"greatest_attained", r.worst.greatest_attained},
         {"least_arcmin", arcmin(r.worst.least_rad)},
         {"least_margin_um", um(r.worst.least_margin_m)}}}};
-  ordered_json rooms = ordered_json::array();
+  io::Json rooms = io::Json::array();
   for (std::size_t k = 0; k < series.rooms.median_m.size(); ++k) {
     rooms.push_back({{"median_um", um(series.rooms.median_m[k])},
                      {"percent95_um", um(series.rooms.percent95_m[k])}});
   }
-  json["turn"] = series.turn ? ordered_json{{"gearboxes", series.turn->gearboxes},
-                                            {"assembled", proportion_json(series.turn->assembled)},
-                                            {"yield", proportion_json(series.turn->yield)}}
-                             : ordered_json(nullptr);
+  json["turn"] = series.turn ? io::Json{{"gearboxes", series.turn->gearboxes},
+                                        {"assembled", proportion_json(series.turn->assembled)},
+                                        {"yield", proportion_json(series.turn->yield)}}
+                             : nullptr;
   json["first_contact"] = {{"samples", series.rooms.samples},
                            {"greatest_share", series.rooms.greatest_share},
                            {"rooms", rooms}};
-  ordered_json sources = ordered_json::array();
+  io::Json sources = io::Json::array();
   for (const std::size_t i : by_effect(series)) {
     const ToleranceShare& share = series.shares.sources[i];
     const backlash::ToleranceSource& source = series.model.sources[i];
     sources.push_back(
         {{"tolerance", backlash::kToleranceKindNames[static_cast<std::size_t>(source.kind)]},
          {"gear", source.gear < 0
-                      ? ordered_json(nullptr)
-                      : ordered_json(train::kGearNames[static_cast<std::size_t>(source.gear)])},
+                      ? nullptr
+                      : io::Json(train::kGearNames[static_cast<std::size_t>(source.gear)])},
          {"half_width_um", um(source.half_width_m)},
          {"variance_first_order", estimate_json(share.first_order)},
          {"variance_total", estimate_json(share.total)},

@@ -1,10 +1,10 @@
 #pragma once
 // How gearboxes built at random turn out, as printed and written.
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "design/built_series.hpp"
+#include "io/text/json.hpp"
 #include "report/plot.hpp"
 
 namespace gear3k::report {
@@ -14,7 +14,7 @@ namespace gear3k::report {
 std::string yield_table(const design::BuiltSeries& series);
 
 /// Members of the object "built" of docs/interface.md.
-nlohmann::ordered_json yield_json(const design::BuiltSeries& series);
+io::Json yield_json(const design::BuiltSeries& series);
 
 /// Rows for analysis_csv(): quantity, subject, value, unit.
 std::string yield_csv(const design::BuiltSeries& series);

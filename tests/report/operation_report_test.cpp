@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "io/files/design_file.hpp"
@@ -12,8 +13,6 @@
 
 namespace gear3k::report {
 namespace {
-
-using nlohmann::ordered_json;
 
 design::Design lossy_gearbox() {
   return io::read_design(std::string(GEAR3K_SOURCE_DIR) +
@@ -24,10 +23,10 @@ design::Evaluation evaluated(const design::Design& design) {
   return std::get<design::Evaluation>(design::evaluate(design));
 }
 
-ordered_json json_of(const design::Design& design) {
-  ordered_json json;
+nlohmann::json json_of(const design::Design& design) {
+  io::Json json;
   add_operation(json, evaluated(design));
-  return json.at("operating_point");
+  return nlohmann::json::parse(json.at("operating_point").text());
 }
 
 TEST(OperationReport, IsNullAndSilentWithoutAnOperatingPoint) {
