@@ -110,12 +110,11 @@ void append_number(std::string& out, double value) {
   out.append(begin, nlohmann::detail::to_chars(begin, begin + digits.size(), value));
 }
 
-}  // namespace
-
+/// The text of one value after the other.
 class JsonWriter {
  public:
   void add(const Json& json) {
-    std::visit([this](const auto& value) { add(value); }, json.value_);
+    std::visit([this](const auto& value) { add(value); }, json.value());
   }
   [[nodiscard]] std::string take() { return std::move(out_); }
 
@@ -160,6 +159,21 @@ class JsonWriter {
   std::size_t indent_ = 0;
 };
 
+}  // namespace
+
+Json::Json() : value_(nullptr) {}
+Json::Json(std::nullptr_t) : value_(nullptr) {}
+Json::Json(double value) : value_(value) {}
+Json::Json(const char* text) : value_(std::string(text)) {}
+Json::Json(std::string_view text) : value_(std::string(text)) {}
+Json::Json(std::string text) : value_(std::move(text)) {}
+Json::Json(Value value) : value_(std::move(value)) {}
+Json::Json(const Json& other) = default;
+Json::Json(Json&& other) noexcept = default;
+Json& Json::operator=(const Json& other) = default;
+Json& Json::operator=(Json&& other) noexcept = default;
+Json::~Json() = default;
+
 Json::Json(std::initializer_list<Item> items) {
   const auto is_member = [](const Item& item) {
     const auto* pair = std::get_if<Array>(&item.value_.value_);
@@ -180,17 +194,10 @@ Json::Json(std::initializer_list<Item> items) {
   for (const Item& item : items) values.push_back(std::move(item.value_));
 }
 
-Json Json::array() {
-  Json json;
-  json.value_.emplace<Array>();
-  return json;
-}
+Json Json::array() { return Json(Value(Array())); }
+Json Json::object() { return Json(Value(Object())); }
 
-Json Json::object() {
-  Json json;
-  json.value_.emplace<Object>();
-  return json;
-}
+bool Json::is_null() const { return std::holds_alternative<std::nullptr_t>(value_); }
 
 Json& Json::operator[](std::string_view key) {
   if (is_null()) value_.emplace<Object>();

@@ -29,35 +29,32 @@ class Json {
   struct Member;
   using Array = std::vector<Json>;
   using Object = std::vector<Member>;
+  using Value = std::variant<std::nullptr_t, bool, std::int64_t, std::uint64_t, double, std::string,
+                             Array, Object>;
 
   // NOLINTBEGIN(google-explicit-constructor): a value stands for itself
-  Json() = default;
-  Json(std::nullptr_t) {}
-  Json(double value) : value_(value) {}
+  Json();
+  Json(std::nullptr_t);
+  Json(double value);
   template <std::integral T>
-  Json(T value) {
-    if constexpr (std::same_as<T, bool>) {
-      value_ = value;
-    } else if constexpr (std::is_signed_v<T>) {
-      value_ = static_cast<std::int64_t>(value);
-    } else {
-      value_ = static_cast<std::uint64_t>(value);
-    }
-  }
-  Json(const char* text) : value_(std::string(text)) {}
-  Json(std::string_view text) : value_(std::string(text)) {}
-  Json(std::string text) : value_(std::move(text)) {}
+  Json(T value) : Json(number_of(value)) {}
+  Json(const char* text);
+  Json(std::string_view text);
+  Json(std::string text);
   template <class T>
-  Json(const std::optional<T>& value) {
-    if (value) *this = Json(*value);
-  }
+  Json(const std::optional<T>& value) : Json(value ? Json(*value) : Json()) {}
   template <std::ranges::input_range Items>
-  requires(!std::convertible_to<const Items&, std::string_view>) Json(const Items& items) {
-    auto& array = value_.emplace<Array>();
-    for (const auto& item : items) array.push_back(Json(item));
+  requires(!std::convertible_to<const Items&, std::string_view>) Json(const Items& items)
+      : Json(array()) {
+    for (const auto& item : items) push_back(item);
   }
   Json(std::initializer_list<Item> items);
   // NOLINTEND(google-explicit-constructor)
+  Json(const Json& other);
+  Json(Json&& other) noexcept;
+  Json& operator=(const Json& other);
+  Json& operator=(Json&& other) noexcept;
+  ~Json();
 
   /// An array or object without anything in it.
   static Json array();
@@ -76,7 +73,9 @@ class Json {
   /// @throws std::invalid_argument as operator[] and at()
   void update(const Json& object);
 
-  [[nodiscard]] bool is_null() const { return std::holds_alternative<std::nullptr_t>(value_); }
+  [[nodiscard]] bool is_null() const;
+  /// What it holds.
+  [[nodiscard]] const Value& value() const { return value_; }
   /// The values of an array.
   /// @throws std::invalid_argument where this is none
   [[nodiscard]] const Array& items() const;
@@ -89,10 +88,19 @@ class Json {
   [[nodiscard]] std::string text() const;
 
  private:
-  friend class JsonWriter;
-  std::variant<std::nullptr_t, bool, std::int64_t, std::uint64_t, double, std::string, Array,
-               Object>
-      value_;
+  explicit Json(Value value);
+  template <std::integral T>
+  static Value number_of(T value) {
+    if constexpr (std::same_as<T, bool>) {
+      return value;
+    } else if constexpr (std::is_signed_v<T>) {
+      return static_cast<std::int64_t>(value);
+    } else {
+      return static_cast<std::uint64_t>(value);
+    }
+  }
+
+  Value value_;
 };
 
 struct Json::Member {
