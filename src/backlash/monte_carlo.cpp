@@ -3,10 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boost/math/distributions/binomial.hpp>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+
+#include "numerics/distributions.hpp"
 
 namespace gear3k::backlash {
 
@@ -100,14 +101,11 @@ Proportion proportion(std::uint64_t count, std::uint64_t samples) {
     throw std::invalid_argument(
         fmt::format("proportion: {} of {}, allowed: at most all of at least 1", count, samples));
   }
-  using boost::math::binomial;
   constexpr double kTail = 0.025;
   const auto n = static_cast<double>(samples);
   const auto k = static_cast<double>(count);
-  return {.count = count,
-          .value = k / n,
-          .lower = binomial::find_lower_bound_on_p(n, k, kTail),
-          .upper = binomial::find_upper_bound_on_p(n, k, kTail)};
+  const numerics::ProportionBounds bounds = numerics::binomial_bounds(n, k, kTail);
+  return {.count = count, .value = k / n, .lower = bounds.lower, .upper = bounds.upper};
 }
 
 MonteCarloResult monte_carlo(const ClearanceModel& model, const MonteCarloOptions& options) {

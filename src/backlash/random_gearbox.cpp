@@ -5,9 +5,10 @@
 
 #include <algorithm>
 #include <boost/math/constants/constants.hpp>
-#include <boost/math/distributions/normal.hpp>
 #include <cmath>
 #include <stdexcept>
+
+#include "numerics/distributions.hpp"
 
 namespace gear3k::backlash {
 
@@ -86,11 +87,10 @@ OctaveTable number_table(const ScatterOptions& scatter) {
                        [](double x) { return Node{.value = 1.0 - 2.0 * x, .slope = 2.0}; });
   }
   const double level = checked_level(scatter);
-  const boost::math::normal normal;
-  const double beyond = boost::math::cdf(normal, -level);
+  const double beyond = numerics::normal_cdf(-level);
   const double within = std::erf(level / boost::math::constants::root_two<double>());
   const auto from_start = [=](double x) {
-    const double q = boost::math::quantile(normal, std::min(0.5, beyond + x * within));
+    const double q = numerics::normal_quantile(std::min(0.5, beyond + x * within));
     return Node{.value = std::max(-1.0, q / level), .slope = within / (normal_density(q) * level)};
   };
   return OctaveTable(from_start, [=](double x) {

@@ -1,8 +1,10 @@
 #include "backlash/turn_orders.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+
+#include "numerics/linear_algebra.hpp"
 
 namespace gear3k::backlash {
 
@@ -53,14 +55,11 @@ std::vector<OrderFit> turn_orders(const Turn& turn, const std::vector<TurnOrder>
   const Eigen::Index columns = unknowns + kQuantities;
   constexpr Eigen::Index kBlock = 256;
   Eigen::MatrixXd stack = Eigen::MatrixXd::Zero(columns + kBlock, columns);
-  Eigen::HouseholderQR<Eigen::MatrixXd> triangle(columns + kBlock, columns);
   Eigen::Index filled = columns;
   const auto reduce = [&] {
     if (filled == columns) return;
     stack.bottomRows(columns + kBlock - filled).setZero();
-    triangle.compute(stack);
-    stack.topRows(columns) = triangle.matrixQR().topRows(columns);
-    stack.topRows(columns).triangularView<Eigen::StrictlyLower>().setZero();
+    numerics::triangularise(stack);
     filled = columns;
   };
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -91,7 +90,7 @@ std::vector<OrderFit> turn_orders(const Turn& turn, const std::vector<TurnOrder>
     }
   }
   const Eigen::MatrixXd factors = stack.topLeftCorner(unknowns, unknowns);
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver(factors);
+  const numerics::ColumnPivotingQr solver(factors);
   const Eigen::VectorXd factor_sums = factors.transpose() * factors.col(0);
   std::vector<OrderFit> fits;
   fits.reserve(kQuantities);

@@ -1,8 +1,9 @@
 #include "optimize/nonnegative_least_squares.hpp"
 
-#include <Eigen/QR>
 #include <limits>
 #include <vector>
+
+#include "numerics/linear_algebra.hpp"
 
 namespace gear3k::optimize {
 
@@ -15,7 +16,7 @@ Eigen::VectorXd solve_passive(const Eigen::MatrixXd& a, const Eigen::VectorXd& b
   for (std::size_t k = 0; k < passive.size(); ++k) {
     columns.col(static_cast<Eigen::Index>(k)) = a.col(passive[k]);
   }
-  const Eigen::VectorXd part = columns.colPivHouseholderQr().solve(b);
+  const Eigen::VectorXd part = numerics::least_squares(columns, b);
   Eigen::VectorXd x = Eigen::VectorXd::Zero(a.cols());
   for (std::size_t k = 0; k < passive.size(); ++k) {
     x[passive[k]] = part[static_cast<Eigen::Index>(k)];

@@ -1,12 +1,12 @@
 #include "papers/thesis_model.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <limits>
 
 #include "geometry/gear.hpp"
+#include "numerics/linear_algebra.hpp"
 
 namespace gear3k::papers {
 
@@ -86,7 +86,7 @@ Eigen::VectorXd predicted(const PairLossModel& model, const Parts& parts) {
 }  // namespace
 
 LeastSquares least_squares(const Eigen::MatrixXd& columns, const Eigen::VectorXd& wanted) {
-  LeastSquares fit{.coefficients = columns.colPivHouseholderQr().solve(wanted), .rms_error = 0.0};
+  LeastSquares fit{.coefficients = numerics::least_squares(columns, wanted), .rms_error = 0.0};
   fit.rms_error = rms(columns * fit.coefficients - wanted);
   return fit;
 }

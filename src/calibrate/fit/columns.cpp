@@ -1,6 +1,6 @@
 #include "calibrate/fit/columns.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <map>

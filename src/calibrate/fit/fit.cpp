@@ -2,11 +2,13 @@
 
 #include <ceres/ceres.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <span>
+
+#include "numerics/linear_algebra.hpp"
 
 namespace gear3k::calibrate {
 
@@ -184,7 +186,7 @@ Eigen::VectorXd step_inside(const Eigen::MatrixXd& jacobian, const Eigen::Vector
     }
     change.setZero();
     if (free.empty()) break;
-    change(free) = jacobian(Eigen::all, free).colPivHouseholderQr().solve(residual);
+    change(free) = numerics::least_squares(jacobian(Eigen::all, free), residual);
     again = false;
     for (const Eigen::Index k : free) {
       const auto i = static_cast<std::size_t>(k);
@@ -353,8 +355,7 @@ FinalFit final_fit(const Problem& problem, const Hypothesis& start, double scale
   }
   if (p > 0) {
     const Eigen::MatrixXd normal = step.jacobian.transpose() * step.jacobian;
-    result.covariance =
-        normal.completeOrthogonalDecomposition().pseudoInverse() * (result.scale * result.scale);
+    result.covariance = numerics::pseudo_inverse(normal) * (result.scale * result.scale);
   }
   return result;
 }

@@ -1,10 +1,12 @@
 #include "calibrate/fit/holdout.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
+
+#include "numerics/linear_algebra.hpp"
 
 namespace gear3k::calibrate {
 
@@ -75,10 +77,9 @@ Eigen::VectorXd predict_held_out(const Problem& problem, const Hypothesis& hypot
     const Eigen::VectorXd unit = normal.diagonal().cwiseSqrt().cwiseInverse();
     const Eigen::MatrixXd left = unit.asDiagonal() * (normal - block_normal[b]) * unit.asDiagonal();
     constexpr double kDetermined = 1e-9;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(left);
-    if (!(eigen.eigenvalues()[0] > kDetermined)) continue;
-    change[b] =
-        unit.asDiagonal() * left.ldlt().solve(unit.asDiagonal() * (moment - block_moment[b]));
+    if (!(numerics::symmetric_eigenvalues(left)[0] > kDetermined)) continue;
+    change[b] = unit.asDiagonal() *
+                numerics::solve_symmetric(left, unit.asDiagonal() * (moment - block_moment[b]));
   }
   for (Eigen::Index i = 0; i < predicted.size(); ++i) {
     const auto b = static_cast<std::size_t>(blocks.of[static_cast<std::size_t>(i)]);

@@ -1,9 +1,10 @@
 #include "calibrate/fit/parameter_results.hpp"
 
-#include <Eigen/Dense>
-#include <boost/math/distributions/students_t.hpp>
+#include <Eigen/Core>
 #include <cmath>
 #include <span>
+
+#include "numerics/distributions.hpp"
 
 namespace gear3k::calibrate {
 
@@ -14,7 +15,7 @@ namespace {
 double interval_factor(const FinalFit& fit) {
   constexpr double kNormal = 1.959963984540054;
   if (fit.scale_is_known || fit.degrees < 1) return kNormal;
-  return boost::math::quantile(boost::math::students_t(fit.degrees), 0.975);
+  return numerics::student_quantile(0.975, fit.degrees);
 }
 
 ParameterResult parameter_result(const ParameterRecord& record, double value, double variance,

@@ -1,12 +1,13 @@
 #include "calibrate/fit/screen.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
-#include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 #include <utility>
+
+#include "numerics/distributions.hpp"
 
 namespace gear3k::calibrate {
 
@@ -20,7 +21,7 @@ double chi_square_evidence(double x, Eigen::Index k) {
   }
   const double half = 0.5 * static_cast<double>(k);
   if (x < kFar) {
-    const double p = boost::math::gamma_q(half, 0.5 * x);
+    const double p = numerics::gamma_upper(half, 0.5 * x);
     if (p > 0.0) return -std::log(p);
   }
   return 0.5 * x - (half - 1.0) * std::log(0.5 * x) + std::lgamma(half);

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
 #include <map>
 
 #include "calibrate/measurement/covariate_levels.hpp"
 #include "calibrate/measurement/response_unit.hpp"
 #include "calibrate/measurement/value_range.hpp"
+#include "numerics/distributions.hpp"
 
 namespace gear3k::calibrate {
 
@@ -171,7 +171,7 @@ LackOfFit lack_of_fit(const Repeats& repeats, const Eigen::VectorXd& weighted) {
 
 double f_tail(double f, int degrees1, int degrees2) {
   if (!(f > 0.0) || degrees1 < 1 || degrees2 < 1) return 1.0;
-  return boost::math::cdf(boost::math::complement(boost::math::fisher_f(degrees1, degrees2), f));
+  return numerics::f_upper_tail(f, degrees1, degrees2);
 }
 
 double root_mean_square(const Eigen::VectorXd& x) {

@@ -1,6 +1,6 @@
 #include "calibrate/search/linear_sets.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,9 +1,10 @@
 #include "calibrate/search/noise_from_fit.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
-#include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
+
+#include "numerics/distributions.hpp"
 
 namespace gear3k::calibrate {
 
@@ -109,8 +110,7 @@ SessionScatter session_scatter(const Problem& problem, const SearchResult& found
   if (noise.runs < kSeveralRuns && f_tail(f, degrees, rest) > kChance) return {};
   // The twentieth of values that chance makes smallest is guarded against: few sessions say little
   // of how much sessions scatter.
-  const double guard =
-      boost::math::quantile(boost::math::complement(boost::math::fisher_f(rest, degrees), 0.05));
+  const double guard = numerics::f_upper_quantile(0.05, rest, degrees);
   const double rows = static_cast<double>(left.size()) / noise.runs;
   return {.estimate = std::max(0.0, (f - 1.0) / rows),
           .guarded = std::max(0.0, (f * std::max(1.0, guard) - 1.0) / rows)};

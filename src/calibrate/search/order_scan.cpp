@@ -1,6 +1,6 @@
 #include "calibrate/search/order_scan.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 

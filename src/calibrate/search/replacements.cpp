@@ -1,6 +1,6 @@
 #include "calibrate/search/replacements.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -1,6 +1,6 @@
 #include "calibrate/search/search.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <iterator>

@@ -1,6 +1,6 @@
 #include "calibrate/search/stability.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <numeric>
 #include <utility>

@@ -2,9 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
-#include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 #include <stdexcept>
 
@@ -17,6 +16,7 @@
 #include "calibrate/verdict/experiment.hpp"
 #include "calibrate/verdict/remainder.hpp"
 #include "calibrate/verdict/unexplained.hpp"
+#include "numerics/distributions.hpp"
 
 namespace gear3k::calibrate {
 
@@ -179,7 +179,7 @@ double chance_of_scatter(const NoiseModel& noise, const Eigen::VectorXd& whitene
   constexpr double kAsStated = 1.25;
   const double squares = winsorised(whitened, 1.0).squaredNorm();
   if (squares <= kAsStated * kAsStated * degrees) return 1.0;
-  return boost::math::gamma_q(0.5 * degrees, 0.5 * squares);
+  return numerics::gamma_upper(0.5 * degrees, 0.5 * squares);
 }
 
 /// Whether the rows say how much they scatter, by sigma, repeats or by being many.

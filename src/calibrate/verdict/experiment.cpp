@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -12,6 +12,7 @@
 
 #include "calibrate/measurement/value_range.hpp"
 #include "calibrate/search/replacements.hpp"
+#include "numerics/linear_algebra.hpp"
 
 namespace gear3k::calibrate {
 
@@ -250,7 +251,7 @@ class Distance {
  private:
   static double value(const Eigen::MatrixXd& normal, const Eigen::VectorXd& moment, double total) {
     if (moment.size() == 0) return total;
-    return total - moment.dot(normal.completeOrthogonalDecomposition().solve(moment));
+    return total - moment.dot(numerics::least_norm_solution(normal, moment));
   }
   Eigen::VectorXd difference_;  ///< at the possible conditions
   Eigen::MatrixXd jacobian_;    ///< there

@@ -1,6 +1,6 @@
 #include "calibrate/verdict/remainder.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numbers>

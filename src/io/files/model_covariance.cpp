@@ -2,12 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "io/files/model_file_keys.hpp"
+#include "numerics/linear_algebra.hpp"
 
 namespace gear3k::io {
 
@@ -145,9 +146,7 @@ class CovarianceReader {
       }
     }
     if (count == 0) return;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(correlation,
-                                                                Eigen::EigenvaluesOnly);
-    const double least = solver.eigenvalues().minCoeff();
+    const double least = numerics::symmetric_eigenvalues(correlation).minCoeff();
     if (least < -kRounding * static_cast<double>(count)) {
       reader_.error(
           at.position,
