@@ -21,9 +21,9 @@ struct Subject {
   train::TrainGeometry<double> geometry;
 };
 
-class RandomGearbox : public RandomTrain {
+class RandomSubject : public RandomTrain {
  public:
-  explicit RandomGearbox(std::uint_fast64_t seed) : RandomTrain(seed) {}
+  explicit RandomSubject(std::uint_fast64_t seed) : RandomTrain(seed) {}
 
   /// A train whose working angles leave the second order small.
   Subject subject() {

@@ -15,7 +15,7 @@
 #include "tests/largest_deviation.hpp"
 #include "tests/random_train.hpp"
 
-namespace gear3k::backlash {
+namespace gear3k::backlash::clearance_model_test {
 namespace {
 
 using train::TrainGeometry, train::TrainParameters;
@@ -43,7 +43,7 @@ INSTANTIATE_TEST_SUITE_P(Of, EachDeviation,
                          });
 
 TEST_P(EachDeviation, MovesTheFlanksAsDisplacedTeethDo) {
-  RandomGearbox random(81);
+  RandomSubject random(81);
   LargestDeviation largest;
   const bool moves_centres = GetParam() == ToleranceKind::kCenterDistance ||
                              GetParam() == ToleranceKind::kPinPosition ||
@@ -80,7 +80,7 @@ TEST_P(EachDeviation, MovesTheFlanksAsDisplacedTeethDo) {
 }
 
 TEST(ClearanceModel, AllDeviationsAtOnceAreThoseOfTheBuiltGearbox) {
-  RandomGearbox random(82);
+  RandomSubject random(82);
   LargestDeviation largest;
   for (int i = 0; i < 400; ++i) {
     const Subject subject = random.subject();
@@ -107,7 +107,7 @@ TEST(ClearanceModel, AllDeviationsAtOnceAreThoseOfTheBuiltGearbox) {
 }
 
 TEST(ClearanceModel, MiddleIsTheGeometryAtTheMiddleOfEveryTolerance) {
-  RandomGearbox random(83);
+  RandomSubject random(83);
   LargestDeviation largest;
   for (int i = 0; i < 500; ++i) {
     const Subject subject = random.subject();
@@ -138,7 +138,7 @@ TEST(ClearanceModel, MiddleIsTheGeometryAtTheMiddleOfEveryTolerance) {
 
 TEST(ClearanceModel, ThinnerTeethOpenTheBacklashOfAsMuchMoreMachiningAllowance) {
   // Thinner by A on the reference circle is cos α A normal to the flank.
-  RandomGearbox random(84);
+  RandomSubject random(84);
   LargestDeviation largest;
   for (int i = 0; i < 500; ++i) {
     const Subject subject = random.subject();
@@ -163,7 +163,7 @@ TEST(ClearanceModel, ThinnerTeethOpenTheBacklashOfAsMuchMoreMachiningAllowance) 
 }
 
 TEST(ClearanceModel, EccentricityAndTheRestReachTheStatedCumulativePitchTogether) {
-  RandomGearbox random(85);
+  RandomSubject random(85);
   for (int i = 0; i < 200; ++i) {
     const Subject subject = random.subject();
     const Tolerances tolerances = random.tolerances();
@@ -196,7 +196,7 @@ TEST(ClearanceModel, EccentricityAndTheRestReachTheStatedCumulativePitchTogether
 }
 
 TEST(ClearanceModel, SharedDeviationsStandOnceAndThoseOfPlanetsOncePerPlanet) {
-  RandomGearbox random(86);
+  RandomSubject random(86);
   const Subject subject = random.subject();
   const Tolerances tolerances = random.tolerances();
   const auto model = clearance_model(subject.parameters, tolerances);
@@ -218,7 +218,7 @@ TEST(ClearanceModel, SharedDeviationsStandOnceAndThoseOfPlanetsOncePerPlanet) {
 }
 
 TEST(ClearanceModel, WithoutTolerancesIsTheDrawing) {
-  RandomGearbox random(87);
+  RandomSubject random(87);
   const Subject subject = random.subject();
   const auto model = clearance_model(subject.parameters, {});
   ASSERT_TRUE(model);
@@ -235,4 +235,4 @@ TEST(ClearanceModel, WithoutTolerancesIsTheDrawing) {
 }
 
 }  // namespace
-}  // namespace gear3k::backlash
+}  // namespace gear3k::backlash::clearance_model_test

@@ -9,7 +9,7 @@
 
 #include "tests/random_train.hpp"
 
-namespace gear3k::backlash {
+namespace gear3k::backlash::first_contact_test {
 namespace {
 
 class Random : public RandomTrain {
@@ -104,4 +104,4 @@ TEST(FirstContact, RefusesWhatDoesNotAssemble) {
 }
 
 }  // namespace
-}  // namespace gear3k::backlash
+}  // namespace gear3k::backlash::first_contact_test

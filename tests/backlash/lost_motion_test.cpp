@@ -16,7 +16,7 @@
 #include "tests/largest_deviation.hpp"
 #include "tests/random_train.hpp"
 
-namespace gear3k::backlash {
+namespace gear3k::backlash::lost_motion_test {
 namespace {
 
 using train::kMeshP1R1, train::kMeshP2R2, train::kMeshSP1;
@@ -200,4 +200,4 @@ TEST(LostMotionModels, PaperFallsShortOfRigidBodiesAtEqualBacklashWithG2NearOne)
 }
 
 }  // namespace
-}  // namespace gear3k::backlash
+}  // namespace gear3k::backlash::lost_motion_test

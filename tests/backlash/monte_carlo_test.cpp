@@ -11,7 +11,7 @@
 #include "backlash/lost_motion.hpp"
 #include "tests/backlash/toleranced_train.hpp"
 
-namespace gear3k::backlash {
+namespace gear3k::backlash::monte_carlo_test {
 namespace {
 
 constexpr ScatterOptions kUniformScatter{.scatter = Scatter::kUniform, .sigma_level = 3.0};
@@ -294,4 +294,4 @@ TEST(MonteCarloOptions, WithoutSamplesOrWithALimitThatIsNoNumberAreRefused) {
 }
 
 }  // namespace
-}  // namespace gear3k::backlash
+}  // namespace gear3k::backlash::monte_carlo_test

@@ -12,7 +12,7 @@
 
 #include "tests/largest_deviation.hpp"
 
-namespace gear3k::backlash {
+namespace gear3k::backlash::normal_backlash_test {
 namespace {
 
 using geometry::GearKind;
@@ -231,4 +231,4 @@ TEST(NormalBacklash, OfAPublishedStageIsReproducedToItsPrintedDigits) {
 }
 
 }  // namespace
-}  // namespace gear3k::backlash
+}  // namespace gear3k::backlash::normal_backlash_test

@@ -15,7 +15,7 @@
 #include "tests/largest_deviation.hpp"
 #include "tests/random_train.hpp"
 
-namespace gear3k::backlash {
+namespace gear3k::backlash::output_range_test {
 namespace {
 
 using train::TrainGeometry;
@@ -285,4 +285,4 @@ TEST(OutputRange, OfNoPlanetsIsRefused) {
 }
 
 }  // namespace
-}  // namespace gear3k::backlash
+}  // namespace gear3k::backlash::output_range_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace gear3k::backlash {
+namespace gear3k::backlash::pitch_grade_test {
 namespace {
 
 /// A deviation as a report prints it.
@@ -65,4 +65,4 @@ TEST(PitchGrade, RefusesGradesWithoutTolerances) {
 }
 
 }  // namespace
-}  // namespace gear3k::backlash
+}  // namespace gear3k::backlash::pitch_grade_test

@@ -12,7 +12,7 @@
 #include "tests/backlash/toleranced_train.hpp"
 #include "tests/largest_deviation.hpp"
 
-namespace gear3k::backlash {
+namespace gear3k::backlash::random_gearbox_test {
 namespace {
 
 constexpr ScatterOptions kUniformScatter{.scatter = Scatter::kUniform, .sigma_level = 3.0};
@@ -252,4 +252,4 @@ TEST(GearboxBatch, GivesTheBitsOfPlaysAndOutputRange) {
 }
 
 }  // namespace
-}  // namespace gear3k::backlash
+}  // namespace gear3k::backlash::random_gearbox_test

@@ -9,7 +9,7 @@
 
 #include "tests/backlash/toleranced_train.hpp"
 
-namespace gear3k::backlash {
+namespace gear3k::backlash::tolerance_shares_test {
 namespace {
 
 /// Thickness of sun and rings and centre distance: the same on all planets, so that the lost motion
@@ -138,4 +138,4 @@ TEST(ToleranceShares, WithoutTolerancesThereIsNoVariance) {
 }
 
 }  // namespace
-}  // namespace gear3k::backlash
+}  // namespace gear3k::backlash::tolerance_shares_test

@@ -11,7 +11,7 @@
 #include "tests/backlash/built_gearbox.hpp"
 #include "tests/largest_deviation.hpp"
 
-namespace gear3k::backlash {
+namespace gear3k::backlash::turn_orders_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -100,7 +100,7 @@ TEST(TurnOrders, SunBetweenThreeAlikePlanetsLeavesItsOrderThreeTimesOver) {
 }
 
 TEST(TurnOrders, SinusoidsAreFoundWithAmplitudePhaseAndShare) {
-  RandomGearbox random(101);
+  RandomSubject random(101);
   LargestDeviation largest;
   for (int i = 0; i < 10; ++i) {
     const auto z = random.teeth(i % 2 == 0);
@@ -185,7 +185,7 @@ TEST(TurnOrders, JammedAnglesAreLeftOutAndTooFewGiveNone) {
 }
 
 TEST(TurnOrderList, StartsWithTheOrdersOfShaftsAndKeepsTellableOnesOnly) {
-  RandomGearbox random(102);
+  RandomSubject random(102);
   for (int i = 0; i < 100; ++i) {
     const auto z = random.teeth(i % 2 == 0);
     const auto window = turn_window(z);
@@ -202,4 +202,4 @@ TEST(TurnOrderList, StartsWithTheOrdersOfShaftsAndKeepsTellableOnesOnly) {
 }
 
 }  // namespace
-}  // namespace gear3k::backlash
+}  // namespace gear3k::backlash::turn_orders_test

@@ -14,7 +14,7 @@
 #include "tests/backlash/built_gearbox.hpp"
 #include "tests/largest_deviation.hpp"
 
-namespace gear3k::backlash {
+namespace gear3k::backlash::turn_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -34,7 +34,7 @@ Rolled rolled(const train::ToothSet& z, double planet_revolutions) {
   return r;
 }
 
-std::vector<DeviationValue> random_values(RandomGearbox& random, const ClearanceModel& model) {
+std::vector<DeviationValue> random_values(RandomSubject& random, const ClearanceModel& model) {
   std::vector<DeviationValue> values;
   values.reserve(model.deviations.size());
   for (const Deviation& d : model.deviations) {
@@ -45,7 +45,7 @@ std::vector<DeviationValue> random_values(RandomGearbox& random, const Clearance
   return values;
 }
 
-ToothErrors random_errors(RandomGearbox& random, const train::ToothSet& z, int planets) {
+ToothErrors random_errors(RandomSubject& random, const train::ToothSet& z, int planets) {
   ToothErrors errors;
   for (int gear = 0; gear < train::kGearCount; ++gear) {
     auto& list = errors.flank_m[static_cast<std::size_t>(gear)];
@@ -67,7 +67,7 @@ double greatest_difference(const std::vector<PlanetPlay>& a, const std::vector<P
 }
 
 TEST(TurningPlays, AreThoseOfTheDisplacedGearsAtEveryAngle) {
-  RandomGearbox random(91);
+  RandomSubject random(91);
   LargestDeviation largest;
   for (int i = 0; i < 100; ++i) {
     const Subject subject = random.subject();
@@ -141,7 +141,7 @@ TEST(TurningPlays, ErrorsOfAllTeethOnASineAreACumulativePitchDeviation) {
 }
 
 TEST(TurningPlays, TeethOfAPairChangeTogetherOncePerPitch) {
-  RandomGearbox random(92);
+  RandomSubject random(92);
   for (int i = 0; i < 20; ++i) {
     const Subject subject = random.subject();
     const auto& z = subject.parameters.teeth;
@@ -171,7 +171,7 @@ TEST(TurningPlays, TeethOfAPairChangeTogetherOncePerPitch) {
 }
 
 TEST(TurningPlays, RepeatAfterThePeriodAndTheTeethsHunting) {
-  RandomGearbox random(93);
+  RandomSubject random(93);
   for (int i = 0; i < 50; ++i) {
     const Subject subject = random.subject();
     const Tolerances tolerances = random.tolerances();
@@ -189,7 +189,7 @@ TEST(TurningPlays, RepeatAfterThePeriodAndTheTeethsHunting) {
 }
 
 TEST(TurnPeriod, IsTheLeastNumberOfRevolutionsThatAllBodiesCloseIn) {
-  RandomGearbox random(94);
+  RandomSubject random(94);
   for (int i = 0; i < 200; ++i) {
     const auto z = random.teeth(i % 2 == 0);
     const long long period = turn_period(z);
@@ -225,7 +225,7 @@ struct Eccentric {
   Turn result;
 };
 constexpr double kEccentricity = 15e-6;
-Eccentric eccentric(RandomGearbox& random, int gear, int planets) {
+Eccentric eccentric(RandomSubject& random, int gear, int planets) {
   Subject subject = random.subject();
   subject.parameters.planets = planets;
   set_backlash(subject, 80e-6);
@@ -244,7 +244,7 @@ Eccentric eccentric(RandomGearbox& random, int gear, int planets) {
 TEST(Turn, OfOnePlanetSwingsByTheEccentricityOverTheLever) {
   // Sun, R1, R2, P2: lost motion swings with e sin α_w each side, the error with e along the line
   // of action.
-  RandomGearbox random(95);
+  RandomSubject random(95);
   for (int i = 0; i < 40; ++i) {
     for (const int gear : {train::kS, train::kR1, train::kR2, train::kP2}) {
       const Eccentric box = eccentric(random, gear, 1);
@@ -279,7 +279,7 @@ TEST(Turn, OfOnePlanetSwingsByTheEccentricityOverTheLever) {
 }
 
 TEST(Turn, OfSeveralAlikePlanetsLosesLostMotionToEccentricity) {
-  RandomGearbox random(96);
+  RandomSubject random(96);
   for (int i = 0; i < 40; ++i) {
     const int gear = random.count(0, 1) == 1 ? train::kS : train::kR2;
     const Eccentric box = eccentric(random, gear, random.count(3, 5));
@@ -292,7 +292,7 @@ TEST(Turn, OfSeveralAlikePlanetsLosesLostMotionToEccentricity) {
 }
 
 TEST(Turn, SaysWhereAndByHowMuchItJams) {
-  RandomGearbox random(97);
+  RandomSubject random(97);
   int some = 0;
   for (int i = 0; i < 60; ++i) {
     Subject subject = random.subject();
@@ -335,7 +335,7 @@ TEST(TurnWindow, HasEightSamplesPerToothOfTheFasterStage) {
 }
 
 TEST(Turn, RefusesWhatHasNoMeaning) {
-  RandomGearbox random(98);
+  RandomSubject random(98);
   const Subject subject = random.subject();
   const auto& z = subject.parameters.teeth;
   const auto model = clearance_model(subject.parameters, {});
@@ -355,4 +355,4 @@ TEST(Turn, RefusesWhatHasNoMeaning) {
 }
 
 }  // namespace
-}  // namespace gear3k::backlash
+}  // namespace gear3k::backlash::turn_test

@@ -9,7 +9,7 @@
 #include "backlash/random_teeth.hpp"
 #include "tests/backlash/toleranced_train.hpp"
 
-namespace gear3k::backlash {
+namespace gear3k::backlash::turn_yield_test {
 namespace {
 
 TEST(TurnYield, CountsGearboxesThatKeepTheLimitAtEveryAngle) {
@@ -76,4 +76,4 @@ TEST(TurnYield, RefusesAnEmptySeries) {
 }
 
 }  // namespace
-}  // namespace gear3k::backlash
+}  // namespace gear3k::backlash::turn_yield_test

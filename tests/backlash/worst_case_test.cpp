@@ -11,7 +11,7 @@
 #include "backlash/random_gearbox.hpp"
 #include "tests/backlash/toleranced_train.hpp"
 
-namespace gear3k::backlash {
+namespace gear3k::backlash::worst_case_test {
 namespace {
 
 /// Rounding of sums of some dozens of terms of the size of the greatest value.
@@ -249,4 +249,4 @@ TEST(WorstCase, WithoutTolerancesIsTheDrawnGearbox) {
 }
 
 }  // namespace
-}  // namespace gear3k::backlash
+}  // namespace gear3k::backlash::worst_case_test

@@ -2,6 +2,7 @@
 // Campaigns of the rig put before `diagnose`, and whether its answer is right.
 
 #include <cstdint>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,8 @@ struct Scenario {
   Expectation expectation = Expectation::kNamed;
   std::vector<std::string> aliases = {};
 };
+// NOLINTNEXTLINE(readability-identifier-naming): GoogleTest looks for this name
+inline void PrintTo(const Scenario& scenario, std::ostream* out) { *out << scenario.name; }
 
 struct Score {
   bool right = false;

@@ -11,7 +11,7 @@
 
 #include "tests/cli/run_program.hpp"
 
-namespace gear3k {
+namespace gear3k::bad_input_test {
 namespace {
 
 using test::ProgramResult, test::Workplace, test::replaced;
@@ -704,4 +704,4 @@ INSTANTIATE_TEST_SUITE_P(Table, NoDesign, testing::ValuesIn(without_designs()),
                          [](const auto& param) { return param.param.fact; });
 
 }  // namespace
-}  // namespace gear3k
+}  // namespace gear3k::bad_input_test

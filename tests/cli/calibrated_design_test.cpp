@@ -12,7 +12,7 @@
 #include "tests/calibrate/redesign_spec.hpp"
 #include "tests/cli/run_program.hpp"
 
-namespace gear3k {
+namespace gear3k::calibrated_design_test {
 namespace {
 
 using nlohmann::json;
@@ -88,4 +88,4 @@ TEST(CalibratedDesign, AnotherCoefficientOfFrictionAsksForNone) {
 }
 
 }  // namespace
-}  // namespace gear3k
+}  // namespace gear3k::calibrated_design_test

@@ -19,7 +19,7 @@
 #include "io/text/csv_table.hpp"
 #include "tests/cli/run_program.hpp"
 
-namespace gear3k {
+namespace gear3k::contract_test {
 namespace {
 
 using nlohmann::json;
@@ -1026,4 +1026,4 @@ TEST(Interrupt, OfASearchPrintsNoRanking) {
 }
 
 }  // namespace
-}  // namespace gear3k
+}  // namespace gear3k::contract_test

@@ -19,7 +19,7 @@
 #include "tests/rig/rig.hpp"
 #include "tests/rig/rig_train.hpp"
 
-namespace gear3k {
+namespace gear3k::diagnose_test {
 namespace {
 
 using nlohmann::json;
@@ -623,4 +623,4 @@ TEST(DiagnoseInterrupt, EndsWithItsCodeAndLeavesNothing) {
 }
 
 }  // namespace
-}  // namespace gear3k
+}  // namespace gear3k::diagnose_test

@@ -11,7 +11,7 @@
 #include "io/text/csv_table.hpp"
 #include "tests/cli/run_program.hpp"
 
-namespace gear3k {
+namespace gear3k::export_test {
 namespace {
 
 using nlohmann::json;
@@ -253,4 +253,4 @@ TEST(Export, StdoutThatCannotBeWrittenIsAnError) {
 }
 
 }  // namespace
-}  // namespace gear3k
+}  // namespace gear3k::export_test

@@ -10,7 +10,7 @@
 
 #include "tests/cli/run_program.hpp"
 
-namespace gear3k {
+namespace gear3k::librecad_test {
 namespace {
 
 using test::example, test::read_text, test::Workplace;
@@ -52,4 +52,4 @@ TEST(Export, LibreCadOpensEveryDxfAndPrintsIt) {
 }
 
 }  // namespace
-}  // namespace gear3k
+}  // namespace gear3k::librecad_test

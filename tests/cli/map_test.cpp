@@ -12,7 +12,7 @@
 #include "tests/cli/other_path.hpp"
 #include "tests/cli/run_program.hpp"
 
-namespace gear3k {
+namespace gear3k::map_test {
 namespace {
 
 using nlohmann::json;
@@ -216,4 +216,4 @@ TEST(MapInterrupt, EndsWithItsCodeAndLeavesNothing) {
 }
 
 }  // namespace
-}  // namespace gear3k
+}  // namespace gear3k::map_test

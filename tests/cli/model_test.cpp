@@ -8,7 +8,7 @@
 #include "io/text/csv_table.hpp"
 #include "tests/cli/run_program.hpp"
 
-namespace gear3k {
+namespace gear3k::model_test {
 namespace {
 
 using nlohmann::json;
@@ -293,4 +293,4 @@ TEST(ModelOption, OptimizeSaysAtOnceThatNoTeethKeepALimitBelowTheModelsLostMotio
 }
 
 }  // namespace
-}  // namespace gear3k
+}  // namespace gear3k::model_test

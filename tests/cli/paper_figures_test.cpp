@@ -13,7 +13,7 @@
 #include "tests/cli/other_path.hpp"
 #include "tests/cli/run_program.hpp"
 
-namespace gear3k {
+namespace gear3k::paper_figures_test {
 namespace {
 
 using test::example, test::OtherPath, test::ProgramResult, test::Workplace;
@@ -190,4 +190,4 @@ TEST(ReproduceFigures, UsageErrors) {
 }
 
 }  // namespace
-}  // namespace gear3k
+}  // namespace gear3k::paper_figures_test

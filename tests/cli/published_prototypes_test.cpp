@@ -12,7 +12,7 @@
 #include "io/text/csv_table.hpp"
 #include "tests/cli/run_program.hpp"
 
-namespace gear3k {
+namespace gear3k::published_prototypes_test {
 namespace {
 
 using nlohmann::json;
@@ -133,4 +133,4 @@ INSTANTIATE_TEST_SUITE_P(Both, PublishedPrototypes, testing::Values(kLowBacklash
                          });
 
 }  // namespace
-}  // namespace gear3k
+}  // namespace gear3k::published_prototypes_test

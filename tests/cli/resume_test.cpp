@@ -13,7 +13,7 @@
 
 #include "tests/cli/run_program.hpp"
 
-namespace gear3k {
+namespace gear3k::resume_test {
 namespace {
 
 using nlohmann::json;
@@ -284,4 +284,4 @@ TEST(ResumeOption, JournalOfOneSearchServesTheOther) {
 }
 
 }  // namespace
-}  // namespace gear3k
+}  // namespace gear3k::resume_test

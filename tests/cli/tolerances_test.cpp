@@ -20,7 +20,7 @@
 #include "tests/cli/other_path.hpp"
 #include "tests/cli/run_program.hpp"
 
-namespace gear3k {
+namespace gear3k::tolerances_test {
 namespace {
 
 using nlohmann::json;
@@ -497,4 +497,4 @@ TEST(OptimizeRobust, WithoutTheTableNothingIsSaidOfBuiltGearboxes) {
 }
 
 }  // namespace
-}  // namespace gear3k
+}  // namespace gear3k::tolerances_test

@@ -7,7 +7,7 @@
 
 #include "tests/backlash/toleranced_train.hpp"
 
-namespace gear3k::design {
+namespace gear3k::design::built_series_test {
 namespace {
 
 /// Teeth thin enough for room in every mesh.
@@ -129,4 +129,4 @@ TEST(TableSeries, TakesNoMoreGearboxesThanATableNeeds) {
 }
 
 }  // namespace
-}  // namespace gear3k::design
+}  // namespace gear3k::design::built_series_test

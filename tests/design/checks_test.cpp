@@ -10,7 +10,7 @@
 #include <set>
 #include <string>
 
-namespace gear3k::design {
+namespace gear3k::design::checks_test {
 namespace {
 
 using geometry::GearKind;
@@ -381,4 +381,4 @@ TEST(SubjectNames, AreThoseOfTheGearMeshOrTrainThatACheckIsAbout) {
 }
 
 }  // namespace
-}  // namespace gear3k::design
+}  // namespace gear3k::design::checks_test

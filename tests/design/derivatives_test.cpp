@@ -22,7 +22,7 @@
 #include "inertia/mass_properties.hpp"
 #include "train/train_geometry.hpp"
 
-namespace gear3k::design {
+namespace gear3k::design::derivatives_test {
 namespace {
 
 using efficiency::LossModel;
@@ -449,4 +449,4 @@ TEST(Derivatives, CoverEveryCheckOfTheRegistryButTheLeastOfSeveral) {
 }
 
 }  // namespace
-}  // namespace gear3k::design
+}  // namespace gear3k::design::derivatives_test

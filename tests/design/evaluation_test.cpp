@@ -12,7 +12,7 @@
 #include <random>
 #include <string>
 
-namespace gear3k::design {
+namespace gear3k::design::evaluation_test {
 namespace {
 
 using efficiency::LossModel;
@@ -597,4 +597,4 @@ TEST(Evaluation, EfficiencyIsUndefinedWhereAMeshHasNoContact) {
 }
 
 }  // namespace
-}  // namespace gear3k::design
+}  // namespace gear3k::design::evaluation_test

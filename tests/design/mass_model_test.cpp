@@ -12,7 +12,7 @@
 #include "design/evaluation.hpp"
 #include "tests/largest_deviation.hpp"
 
-namespace gear3k::design {
+namespace gear3k::design::mass_model_test {
 namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
@@ -331,4 +331,4 @@ TEST(MassModel, CarrierOfPlatesEqualsTheSameCarrierStated) {
 }
 
 }  // namespace
-}  // namespace gear3k::design
+}  // namespace gear3k::design::mass_model_test

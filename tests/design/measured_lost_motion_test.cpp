@@ -8,7 +8,7 @@
 #include "backlash/lost_motion.hpp"
 #include "tests/random_train.hpp"
 
-namespace gear3k::design {
+namespace gear3k::design::measured_lost_motion_test {
 namespace {
 
 /// The low-backlash prototypes' kind of train, with some backlash.
@@ -141,4 +141,4 @@ TEST(MeasuredLostMotion, GradientsAreThoseOfCentralDifferences) {
 }
 
 }  // namespace
-}  // namespace gear3k::design
+}  // namespace gear3k::design::measured_lost_motion_test

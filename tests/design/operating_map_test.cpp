@@ -7,7 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
-namespace gear3k::design {
+namespace gear3k::design::operating_map_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -362,4 +362,4 @@ TEST(OperatingMap, PlanetBearingsThatLockTheTrainAreToldWithAndWithoutDrag) {
 }
 
 }  // namespace
-}  // namespace gear3k::design
+}  // namespace gear3k::design::operating_map_test

@@ -16,7 +16,7 @@
 #include "tests/largest_deviation.hpp"
 #include "tests/random_train.hpp"
 
-namespace gear3k::design {
+namespace gear3k::design::operation_test {
 namespace {
 
 using efficiency::Friction, efficiency::FrictionLaw, efficiency::LossModel;
@@ -920,4 +920,4 @@ TEST(ExtendedOperation, GradientsByTheModelsParametersAreThoseOfCentralDifferenc
 }
 
 }  // namespace
-}  // namespace gear3k::design
+}  // namespace gear3k::design::operation_test

@@ -14,7 +14,7 @@
 #include "design/evaluation.hpp"
 #include "tests/geometry/rolling_simulation.hpp"
 
-namespace gear3k::test {
+namespace gear3k::test::rolling_truth_test {
 namespace {
 
 constexpr double kModule_m = 1e-3;
@@ -166,4 +166,4 @@ TEST(RollingTruth, ChecksMissNoInterferenceAndRaiseFewFalseAlarms) {
 }
 
 }  // namespace
-}  // namespace gear3k::test
+}  // namespace gear3k::test::rolling_truth_test

@@ -22,7 +22,7 @@
 #include "io/text/diagnostics.hpp"
 #include "tests/random_train.hpp"
 
-namespace gear3k::design {
+namespace gear3k::design::sensitivity_test {
 namespace {
 
 using efficiency::FrictionLaw;
@@ -452,4 +452,4 @@ TEST(Sensitivity, OfWhatIsNotDefinedIsEmpty) {
 }
 
 }  // namespace
-}  // namespace gear3k::design
+}  // namespace gear3k::design::sensitivity_test

@@ -18,7 +18,7 @@
 #include "design/evaluation.hpp"
 #include "io/files/design_file.hpp"
 
-namespace gear3k::design {
+namespace gear3k::design::tolerance_limits_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -408,4 +408,4 @@ TEST(ToleranceLimits, NoneWhereAnEndOfTheCentreDistanceLeavesNoWorkingAngle) {
 }
 
 }  // namespace
-}  // namespace gear3k::design
+}  // namespace gear3k::design::tolerance_limits_test

@@ -22,7 +22,7 @@
 #include "io/files/design_file.hpp"
 #include "tests/random_train.hpp"
 
-namespace gear3k::drawing {
+namespace gear3k::drawing::drawing_test {
 namespace {
 
 using geometry::Point;
@@ -569,4 +569,4 @@ TEST(Svg, RingIsAnAnnulusToTheOuterDiameterOrTwoAndAHalfModulesAboveTheRoot) {
 }
 
 }  // namespace
-}  // namespace gear3k::drawing
+}  // namespace gear3k::drawing::drawing_test

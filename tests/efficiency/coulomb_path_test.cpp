@@ -15,7 +15,7 @@
 #include "geometry/mesh.hpp"
 #include "tests/largest_deviation.hpp"
 
-namespace gear3k::efficiency {
+namespace gear3k::efficiency::coulomb_path_test {
 namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
@@ -552,4 +552,4 @@ TEST(CoulombPath, GradientIsThatOfCentralDifferencesAwayFromWholeContactRatios) 
 }
 
 }  // namespace
-}  // namespace gear3k::efficiency
+}  // namespace gear3k::efficiency::coulomb_path_test

@@ -15,7 +15,7 @@
 
 #include "tests/largest_deviation.hpp"
 
-namespace gear3k::efficiency {
+namespace gear3k::efficiency::friction_law_test {
 namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
@@ -638,4 +638,4 @@ TEST(FrictionExtension, LoadAndSpeedMakeConstantFrictionDependOnTheState) {
 }
 
 }  // namespace
-}  // namespace gear3k::efficiency
+}  // namespace gear3k::efficiency::friction_law_test

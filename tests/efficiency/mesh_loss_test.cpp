@@ -15,7 +15,7 @@
 #include "geometry/mesh.hpp"
 #include "tests/largest_deviation.hpp"
 
-namespace gear3k::efficiency {
+namespace gear3k::efficiency::mesh_loss_test {
 namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
@@ -347,4 +347,4 @@ TEST(ApproachAndRecess, NeutralFactorsChangeNoBit) {
 }
 
 }  // namespace
-}  // namespace gear3k::efficiency
+}  // namespace gear3k::efficiency::mesh_loss_test

@@ -13,7 +13,7 @@
 #include "geometry/mesh.hpp"
 #include "tests/largest_deviation.hpp"
 
-namespace gear3k::efficiency {
+namespace gear3k::efficiency::single_pair_loss_test {
 namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
@@ -349,4 +349,4 @@ TEST(SinglePairLoss, OutsideItsRangeNamesWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace gear3k::efficiency
+}  // namespace gear3k::efficiency::single_pair_loss_test

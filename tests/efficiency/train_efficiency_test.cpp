@@ -16,7 +16,7 @@
 #include "tests/largest_deviation.hpp"
 #include "tests/random_train.hpp"
 
-namespace gear3k::efficiency {
+namespace gear3k::efficiency::train_efficiency_test {
 namespace {
 
 using train::kMeshCount, train::kMeshP1R1, train::kMeshP2R2, train::kMeshSP1;
@@ -264,4 +264,4 @@ TEST(DrivingGear, IsWhoTheTheorySaysForwardAndTheOtherOneBackward) {
 }
 
 }  // namespace
-}  // namespace gear3k::efficiency
+}  // namespace gear3k::efficiency::train_efficiency_test

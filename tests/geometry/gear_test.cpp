@@ -11,7 +11,7 @@
 
 #include "tests/largest_deviation.hpp"
 
-namespace gear3k::geometry {
+namespace gear3k::geometry::gear_test {
 namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
@@ -243,4 +243,4 @@ TEST(TipCurvatureRadius, IsZeroWhenTheTipLiesInsideTheBaseCircle) {
 }
 
 }  // namespace
-}  // namespace gear3k::geometry
+}  // namespace gear3k::geometry::gear_test

@@ -15,7 +15,7 @@
 #include "backlash/normal_backlash.hpp"
 #include "geometry/interference.hpp"
 
-namespace gear3k::geometry {
+namespace gear3k::geometry::interference_limits_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -174,4 +174,4 @@ TEST(RunningClearance, OpensExternalMeshesAndClosesInternalOnes) {
 }
 
 }  // namespace
-}  // namespace gear3k::geometry
+}  // namespace gear3k::geometry::interference_limits_test

@@ -12,7 +12,7 @@
 
 #include "tests/largest_deviation.hpp"
 
-namespace gear3k::geometry {
+namespace gear3k::geometry::interference_test {
 namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
@@ -221,4 +221,4 @@ TEST(InvoluteInterference, TextbookPairOf16In24MissesItsLimitSlightly) {
 }
 
 }  // namespace
-}  // namespace gear3k::geometry
+}  // namespace gear3k::geometry::interference_test

@@ -12,7 +12,7 @@
 #include "geometry/scalar.hpp"
 #include "tests/largest_deviation.hpp"
 
-namespace gear3k::geometry {
+namespace gear3k::geometry::involute_test {
 namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
@@ -114,4 +114,4 @@ TEST(InverseInvolute, RefusesNegativeValuesAndNan) {
 }
 
 }  // namespace
-}  // namespace gear3k::geometry
+}  // namespace gear3k::geometry::involute_test

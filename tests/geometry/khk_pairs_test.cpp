@@ -13,7 +13,7 @@
 #include "geometry/mesh.hpp"
 #include "geometry/tooth_measures.hpp"
 
-namespace gear3k::geometry {
+namespace gear3k::geometry::khk_pairs_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -125,4 +125,4 @@ TEST(KhkPairs, PublishedPairsAreReproducedToTheirPrintedDigits) {
 }
 
 }  // namespace
-}  // namespace gear3k::geometry
+}  // namespace gear3k::geometry::khk_pairs_test

@@ -15,7 +15,7 @@
 #include "geometry/tooth_form.hpp"
 #include "geometry/tooth_measures.hpp"
 
-namespace gear3k::geometry {
+namespace gear3k::geometry::kisssoft_stage_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -413,4 +413,4 @@ TEST(KisssoftStage, RootCircleInsideTheBaseCircleHasNoSpaceWidth) {
 }
 
 }  // namespace
-}  // namespace gear3k::geometry
+}  // namespace gear3k::geometry::kisssoft_stage_test

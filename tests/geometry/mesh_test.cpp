@@ -14,7 +14,7 @@
 
 #include "tests/largest_deviation.hpp"
 
-namespace gear3k::geometry {
+namespace gear3k::geometry::mesh_test {
 namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
@@ -367,4 +367,4 @@ TEST(Mesh, PublishedPairsAreReproducedToTheirPrintedDigits) {
 }
 
 }  // namespace
-}  // namespace gear3k::geometry
+}  // namespace gear3k::geometry::mesh_test

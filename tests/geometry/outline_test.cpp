@@ -14,7 +14,7 @@
 #include "tests/geometry/generated_space.hpp"
 #include "tests/largest_deviation.hpp"
 
-namespace gear3k::geometry {
+namespace gear3k::geometry::outline_test {
 namespace {
 
 using test::flank_half_angle;
@@ -460,4 +460,4 @@ TEST(ToothOutline, FlankInsideTheBaseCircleOfARingIsRadial) {
 }
 
 }  // namespace
-}  // namespace gear3k::geometry
+}  // namespace gear3k::geometry::outline_test

@@ -20,7 +20,7 @@
 #include "tests/geometry/generated_space.hpp"
 #include "tests/largest_deviation.hpp"
 
-namespace gear3k::geometry {
+namespace gear3k::geometry::tooth_form_test {
 namespace {
 
 using test::distance_m;
@@ -768,4 +768,4 @@ TEST_P(DerivativesOfRoots, AreTheCentralDifferences) {
 }
 
 }  // namespace
-}  // namespace gear3k::geometry
+}  // namespace gear3k::geometry::tooth_form_test

@@ -13,7 +13,7 @@
 #include "tests/geometry/generated_space.hpp"
 #include "tests/largest_deviation.hpp"
 
-namespace gear3k::geometry {
+namespace gear3k::geometry::tooth_measures_test {
 namespace {
 
 using test::distance_m;
@@ -392,4 +392,4 @@ TEST_P(MeasuresOfBothKinds, InfeedOfANominalToolLeavesTheThinnedFlanks) {
 }
 
 }  // namespace
-}  // namespace gear3k::geometry
+}  // namespace gear3k::geometry::tooth_measures_test

@@ -12,7 +12,7 @@
 #include "tests/largest_deviation.hpp"
 #include "tests/random_train.hpp"
 
-namespace gear3k::inertia {
+namespace gear3k::inertia::accelerating_train_test {
 namespace {
 
 constexpr std::size_t kBodies = 4;  // sun, planets, carrier, R2
@@ -232,4 +232,4 @@ TEST_P(ElasticTrainOfEitherSense,
 }
 
 }  // namespace
-}  // namespace gear3k::inertia
+}  // namespace gear3k::inertia::accelerating_train_test

@@ -15,7 +15,7 @@
 #include "tests/largest_deviation.hpp"
 #include "tests/random_train.hpp"
 
-namespace gear3k::inertia {
+namespace gear3k::inertia::effective_inertia_test {
 namespace {
 
 using train::ToothSet;
@@ -358,4 +358,4 @@ TEST(LosslessInertia, GrowsWithTheFifthPowerOfSizeAtFixedDensity) {
 }
 
 }  // namespace
-}  // namespace gear3k::inertia
+}  // namespace gear3k::inertia::effective_inertia_test

@@ -12,7 +12,7 @@
 
 #include "tests/largest_deviation.hpp"
 
-namespace gear3k::inertia {
+namespace gear3k::inertia::mass_properties_test {
 namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
@@ -238,4 +238,4 @@ TEST(GearBody, PublishedTotalMassCountsEveryPlanetAndTheRing) {
 }
 
 }  // namespace
-}  // namespace gear3k::inertia
+}  // namespace gear3k::inertia::mass_properties_test

@@ -16,7 +16,7 @@
 
 #include "tests/backlash/toleranced_train.hpp"
 
-namespace gear3k::optimize {
+namespace gear3k::optimize::cheapest_tolerances_test {
 namespace {
 
 using backlash::ClearanceModel, backlash::DeviationLimits, backlash::GearTolerances,
@@ -415,4 +415,4 @@ TEST(ScaledTolerances, WhereRunoutIsAllOfTheCumulativePitchNoSourceAppears) {
 }
 
 }  // namespace
-}  // namespace gear3k::optimize
+}  // namespace gear3k::optimize::cheapest_tolerances_test

@@ -11,7 +11,7 @@
 #include "optimize/optimizer.hpp"
 #include "optimize/starting_points.hpp"
 
-namespace gear3k::optimize {
+namespace gear3k::optimize::free_variables_test {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -138,4 +138,4 @@ TEST(FreeVariables, APressureAngleHasNoBoundsAndBestOnlyIsRefused) {
 }
 
 }  // namespace
-}  // namespace gear3k::optimize
+}  // namespace gear3k::optimize::free_variables_test

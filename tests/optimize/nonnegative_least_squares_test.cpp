@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-namespace gear3k::optimize {
+namespace gear3k::optimize::nonnegative_least_squares_test {
 namespace {
 
 /// The least residual over all subsets of columns whose unconstrained solution is non-negative.
@@ -47,4 +47,4 @@ TEST(NonnegativeLeastSquares, NoColumnsLeaveTheRightHandSide) {
 }
 
 }  // namespace
-}  // namespace gear3k::optimize
+}  // namespace gear3k::optimize::nonnegative_least_squares_test

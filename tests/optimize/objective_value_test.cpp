@@ -6,7 +6,7 @@
 #include "optimize/refine.hpp"
 #include "tests/optimize/random_specification.hpp"
 
-namespace gear3k::optimize {
+namespace gear3k::optimize::objective_value_test {
 namespace {
 
 TEST(BestValue, NoRefinedSetIsBetter) {
@@ -37,4 +37,4 @@ TEST(BestValue, NoRefinedSetIsBetter) {
 }
 
 }  // namespace
-}  // namespace gear3k::optimize
+}  // namespace gear3k::optimize::objective_value_test

@@ -10,7 +10,7 @@
 #include "io/files/specification_file.hpp"
 #include "tests/optimize/rp96_problem.hpp"
 
-namespace gear3k::optimize {
+namespace gear3k::optimize::optimizer_test {
 namespace {
 
 Specification example(const std::string& name) {
@@ -385,4 +385,4 @@ TEST(ParetoFront, HoldsExactlyTheSetsThatNothingDominates) {
 }
 
 }  // namespace
-}  // namespace gear3k::optimize
+}  // namespace gear3k::optimize::optimizer_test

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace gear3k::optimize {
+namespace gear3k::optimize::parallel_test {
 namespace {
 
 TEST(ParallelFor, CallsEveryIndexOnce) {
@@ -31,4 +31,4 @@ TEST(ParallelFor, RethrowsAnExceptionAndBeginsNothingMore) {
 }
 
 }  // namespace
-}  // namespace gear3k::optimize
+}  // namespace gear3k::optimize::parallel_test

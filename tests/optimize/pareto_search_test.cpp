@@ -7,7 +7,7 @@
 
 #include "io/files/specification_file.hpp"
 
-namespace gear3k::optimize {
+namespace gear3k::optimize::pareto_search_test {
 namespace {
 
 TEST(Hypervolume, IsTheAreaThatPointsDominate) {
@@ -132,4 +132,4 @@ TEST(ParetoSearch, StoppedAtOnceHasNoPoints) {
 }
 
 }  // namespace
-}  // namespace gear3k::optimize
+}  // namespace gear3k::optimize::pareto_search_test

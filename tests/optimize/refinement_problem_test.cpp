@@ -12,7 +12,7 @@
 #include "optimize/starting_points.hpp"
 #include "tests/optimize/rp96_problem.hpp"
 
-namespace gear3k::optimize {
+namespace gear3k::optimize::refinement_problem_test {
 namespace {
 
 Specification rp96_specification() {
@@ -241,4 +241,4 @@ TEST(RefinementProblem, KktResidualVanishesAtAnOptimumAndNotAtAStart) {
 }
 
 }  // namespace
-}  // namespace gear3k::optimize
+}  // namespace gear3k::optimize::refinement_problem_test

@@ -13,7 +13,7 @@
 #include "io/files/specification_file.hpp"
 #include "optimize/optimizer.hpp"
 
-namespace gear3k::optimize {
+namespace gear3k::optimize::robust_test {
 namespace {
 
 using design::CheckId;
@@ -224,4 +224,4 @@ TEST(BuiltOutcome, NeedsTolerances) {
 }
 
 }  // namespace
-}  // namespace gear3k::optimize
+}  // namespace gear3k::optimize::robust_test

@@ -14,7 +14,7 @@
 #include "optimize/refine.hpp"
 #include "tests/optimize/random_specification.hpp"
 
-namespace gear3k::optimize {
+namespace gear3k::optimize::set_bounds_test {
 namespace {
 
 using rig::DeterministicRandom;
@@ -351,4 +351,4 @@ TEST(BestOnlySearch, RefusesToJudgeByACalibratedModel) {
 }
 
 }  // namespace
-}  // namespace gear3k::optimize
+}  // namespace gear3k::optimize::set_bounds_test

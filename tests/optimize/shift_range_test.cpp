@@ -12,7 +12,7 @@
 #include "optimize/refinement_problem.hpp"
 #include "tests/rig/deterministic_random.hpp"
 
-namespace gear3k::optimize {
+namespace gear3k::optimize::shift_range_test {
 namespace {
 
 using design::CheckId;
@@ -247,4 +247,4 @@ TEST(ShiftTable, HoldsTheRangesOfItsToothSets) {
 }
 
 }  // namespace
-}  // namespace gear3k::optimize
+}  // namespace gear3k::optimize::shift_range_test

@@ -12,7 +12,7 @@
 #include "efficiency/mesh_loss.hpp"
 #include "tests/rig/deterministic_random.hpp"
 
-namespace gear3k::optimize {
+namespace gear3k::optimize::stage_relaxation_test {
 namespace {
 
 using rig::DeterministicRandom;
@@ -407,4 +407,4 @@ TEST(RelaxStage, ShiftRangesWithoutAPointAreEmpty) {
 }
 
 }  // namespace
-}  // namespace gear3k::optimize
+}  // namespace gear3k::optimize::stage_relaxation_test

@@ -10,7 +10,7 @@
 
 #include "io/files/specification_file.hpp"
 
-namespace gear3k::optimize {
+namespace gear3k::optimize::tooth_search_test {
 namespace {
 
 Specification rp96() {
@@ -144,4 +144,4 @@ TEST(ToothSearch, StopEndsTheSearchAndSaysSo) {
 }
 
 }  // namespace
-}  // namespace gear3k::optimize
+}  // namespace gear3k::optimize::tooth_search_test

@@ -19,7 +19,7 @@
 #include "report/display.hpp"
 #include "tests/cli/run_program.hpp"
 
-namespace gear3k::papers {
+namespace gear3k::papers::paper_figures_test {
 namespace {
 
 using report::arcmin, report::mm;
@@ -287,4 +287,4 @@ TEST(PaperFigures, AMapWithoutAFeasiblePointIsStillAFigure) {
 }
 
 }  // namespace
-}  // namespace gear3k::papers
+}  // namespace gear3k::papers::paper_figures_test

@@ -6,7 +6,7 @@
 #include "io/files/design_file.hpp"
 #include "papers/published_sources.hpp"
 
-namespace gear3k::papers {
+namespace gear3k::papers::reproduce_test {
 namespace {
 
 const Reproduction& reproduction() {
@@ -198,4 +198,4 @@ TEST(Reproduce, ExampleDesignsAreTheGearboxesOfTheData) {
 }
 
 }  // namespace
-}  // namespace gear3k::papers
+}  // namespace gear3k::papers::reproduce_test

@@ -11,7 +11,7 @@
 #include "papers/published_sources.hpp"
 #include "papers/reproduce_report.hpp"
 
-namespace gear3k::papers {
+namespace gear3k::papers::thesis_comparison_test {
 namespace {
 
 const ThesisSources& sources() {
@@ -300,4 +300,4 @@ TEST(ThesisComparison, WithoutEnoughRowsSaysSo) {
 }
 
 }  // namespace
-}  // namespace gear3k::papers
+}  // namespace gear3k::papers::thesis_comparison_test

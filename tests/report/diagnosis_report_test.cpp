@@ -17,7 +17,7 @@
 #include "report/condition_columns.hpp"
 #include "report/diagnosis_plot.hpp"
 
-namespace gear3k::report {
+namespace gear3k::report::diagnosis_report_test {
 namespace {
 
 using calibrate::Condition, calibrate::Diagnosis, calibrate::Effect, calibrate::Kind,
@@ -622,4 +622,4 @@ TEST(DiagnosisPlots, LongDataAreThinnedAndSaySo) {
 }
 
 }  // namespace
-}  // namespace gear3k::report
+}  // namespace gear3k::report::diagnosis_report_test

@@ -15,7 +15,7 @@
 #include "report/display.hpp"
 #include "report/map_plot.hpp"
 
-namespace gear3k::report {
+namespace gear3k::report::map_report_test {
 namespace {
 
 using design::Design, design::OperatingMap;
@@ -290,4 +290,4 @@ TEST(MapPlot, SameMapSameBytes) {
 }
 
 }  // namespace
-}  // namespace gear3k::report
+}  // namespace gear3k::report::map_report_test

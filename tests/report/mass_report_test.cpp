@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-namespace gear3k::report {
+namespace gear3k::report::mass_report_test {
 namespace {
 
 using design::Evaluation, design::MassOrigin, design::PartMass;
@@ -76,4 +76,4 @@ TEST(MassReport, NothingKnownIsNoTable) {
 }
 
 }  // namespace
-}  // namespace gear3k::report
+}  // namespace gear3k::report::mass_report_test

@@ -11,7 +11,7 @@
 #include "io/text/csv_table.hpp"
 #include "report/analysis_report.hpp"
 
-namespace gear3k::report {
+namespace gear3k::report::operation_report_test {
 namespace {
 
 design::Design lossy_gearbox() {
@@ -115,4 +115,4 @@ TEST(OperationReport, NoContactIsTheReasonAndIsNoted) {
 }
 
 }  // namespace
-}  // namespace gear3k::report
+}  // namespace gear3k::report::operation_report_test

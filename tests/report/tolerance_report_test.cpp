@@ -10,7 +10,7 @@
 #include "io/files/design_file.hpp"
 #include "report/analysis_report.hpp"
 
-namespace gear3k::report {
+namespace gear3k::report::tolerance_report_test {
 namespace {
 
 const std::string kExamples = GEAR3K_SOURCE_DIR "/examples/";
@@ -69,4 +69,4 @@ TEST(ToleranceReport, EveryCsvRowHasTheColumnsOfTheTable) {
 }
 
 }  // namespace
-}  // namespace gear3k::report
+}  // namespace gear3k::report::tolerance_report_test

@@ -14,7 +14,7 @@
 #include "io/text/gnuplot.hpp"
 #include "report/turn_plot.hpp"
 
-namespace gear3k::report {
+namespace gear3k::report::turn_report_test {
 namespace {
 
 using backlash::DeviationValue;
@@ -154,4 +154,4 @@ TEST(TurnPlot, OfAGearboxThatJamsEverywhereHasNoData) {
 }
 
 }  // namespace
-}  // namespace gear3k::report
+}  // namespace gear3k::report::turn_report_test

@@ -16,7 +16,7 @@
 #include "report/robust_report.hpp"
 #include "tests/backlash/toleranced_train.hpp"
 
-namespace gear3k::report {
+namespace gear3k::report::yield_report_test {
 namespace {
 
 using design::BuiltSeries;
@@ -396,4 +396,4 @@ TEST(RobustBlocking, NamesWhatWasReached) {
 }
 
 }  // namespace
-}  // namespace gear3k::report
+}  // namespace gear3k::report::yield_report_test

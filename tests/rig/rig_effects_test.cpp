@@ -18,7 +18,7 @@
 #include "tests/rig/rig.hpp"
 #include "tests/rig/rig_mesh.hpp"
 
-namespace gear3k::rig {
+namespace gear3k::rig::rig_effects_test {
 namespace {
 
 HiddenCause cause(const std::string& id, const std::string& variant, double amplitude) {
@@ -524,4 +524,4 @@ TEST(HiddenCauses, ThatMakeNoSenseAreRefused) {
 }
 
 }  // namespace
-}  // namespace gear3k::rig
+}  // namespace gear3k::rig::rig_effects_test

@@ -18,7 +18,7 @@
 
 #include "tests/cli/run_program.hpp"
 
-namespace gear3k::rig {
+namespace gear3k::rig::rig_test {
 namespace {
 
 nlohmann::json analyze(const Gearbox& gearbox) {
@@ -133,4 +133,4 @@ TEST(Rig, CampaignOf120RowsTakesLessThanTwoMilliseconds) {
 }
 
 }  // namespace
-}  // namespace gear3k::rig
+}  // namespace gear3k::rig::rig_test

@@ -14,7 +14,7 @@
 #include "tests/largest_deviation.hpp"
 #include "tests/random_train.hpp"
 
-namespace gear3k::train {
+namespace gear3k::train::power_flow_test {
 namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
@@ -550,4 +550,4 @@ TEST(PowerFlow, AMeshThatCannotRunWithADriverLocksThatDirectionOnly) {
 }
 
 }  // namespace
-}  // namespace gear3k::train
+}  // namespace gear3k::train::power_flow_test

@@ -8,7 +8,7 @@
 #include <set>
 #include <vector>
 
-namespace gear3k::train {
+namespace gear3k::train::shaft_orders_test {
 namespace {
 
 /// Orders of a body, in the order of the list: relative to the carrier, absolute.
@@ -101,4 +101,4 @@ TEST(ShaftOrders, StandOnce) {
 }
 
 }  // namespace
-}  // namespace gear3k::train
+}  // namespace gear3k::train::shaft_orders_test

@@ -15,7 +15,7 @@
 
 #include "tests/largest_deviation.hpp"
 
-namespace gear3k::train {
+namespace gear3k::train::tooth_set_test {
 namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
@@ -276,4 +276,4 @@ TEST(MeshPhases, AreWhereATurnByTheCarriersAngleLeavesTheTeeth) {
 }
 
 }  // namespace
-}  // namespace gear3k::train
+}  // namespace gear3k::train::tooth_set_test

@@ -11,7 +11,7 @@
 #include <random>
 #include <string>
 
-namespace gear3k::train {
+namespace gear3k::train::train_geometry_test {
 namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
@@ -150,4 +150,4 @@ TEST(PublishedGearbox, ZeroBacklashCentreDistancesAreReproduced) {
 }
 
 }  // namespace
-}  // namespace gear3k::train
+}  // namespace gear3k::train::train_geometry_test

@@ -19,7 +19,7 @@
 #include "tests/calibrate/rig_campaign.hpp"
 #include "tests/rig/rig_train.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::causes_test {
 namespace {
 
 constexpr double kRounding = 1e-13;
@@ -667,4 +667,4 @@ TEST_F(OnPairs, BearingsAddAndGainMultipliesTheEfficiency) {
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::causes_test

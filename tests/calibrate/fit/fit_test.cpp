@@ -12,7 +12,7 @@
 #include "tests/calibrate/rig_campaign.hpp"
 #include "tests/rig/deterministic_random.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::fit_test {
 namespace {
 
 enum class Of { kDesign, kBlackBox, kPair };
@@ -357,4 +357,4 @@ TEST(Winsorised, ResidualsBeyondThreeDeviationsCountAsThree) {
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::fit_test

@@ -11,7 +11,7 @@
 
 #include "tests/calibrate/bench.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::holdout_test {
 namespace {
 
 MeasurementSet without_block(const MeasurementSet& data, const Blocks& blocks, int block) {
@@ -290,4 +290,4 @@ TEST(HoldoutBlocks, OfTwoPinionsAreNot) {
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::holdout_test

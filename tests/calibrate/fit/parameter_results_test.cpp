@@ -9,7 +9,7 @@
 
 #include "tests/calibrate/rig_campaign.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::parameter_results_test {
 namespace {
 
 const ParameterResult& named(const std::vector<ParameterResult>& all, const std::string& name) {
@@ -119,4 +119,4 @@ TEST(ParameterResultsOfPairs, TellTheFlanksOfAllCausesTogether) {
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::parameter_results_test

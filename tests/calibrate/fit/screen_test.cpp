@@ -14,7 +14,7 @@
 #include <random>
 #include <vector>
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::screen_test {
 namespace {
 
 /// Normal deviates of a generator that the implementation does not use.
@@ -441,4 +441,4 @@ TEST(RandomBits, UniformIsTheShareOf64Bits) {
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::screen_test

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <random>
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::branch_zero_test {
 namespace {
 
 /// From -20 Nm to +20 Nm, θ = 0.25 + T/5000 and white noise.
@@ -68,4 +68,4 @@ TEST(BranchZero, SaysWhyThereIsNone) {
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::branch_zero_test

@@ -9,7 +9,7 @@
 
 #include "calibrate/loops/zero_phase_filter.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::correlated_noise_test {
 namespace {
 
 std::vector<double> draw(const CorrelatedNoise& noise, std::size_t n, unsigned seed) {
@@ -90,4 +90,4 @@ TEST(CorrelatedNoise, OfResidualsCountsTheParametersAndStaysBelowFullCorrelation
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::correlated_noise_test

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::filtered_record_test {
 namespace {
 
 /// Triangle between ±peak; θ = 0.25 + T/k.
@@ -54,4 +54,4 @@ TEST(FilteredRecord, ChoosesByTheFilteredTorqueWhereTheRecordIsTooShortForLess) 
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::filtered_record_test

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::flank_stiffness_test {
 namespace {
 
 /// From zero to the peak torque; θ = T/k.
@@ -69,4 +69,4 @@ TEST(FlankStiffness, ComesFromTheBranchBeforeWhereTheLoopsOwnIsNotLoaded) {
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::flank_stiffness_test

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <random>
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::loop_closing_test {
 namespace {
 
 TEST(LoopClosing, TurnIsTheEndOfTheLineThatLeadsToItOrAtTheStartFollowsIt) {
@@ -69,4 +69,4 @@ TEST(LoopClosing, DeviationIsThatOfTheEndsOfTwoLinesThroughWhiteNoise) {
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::loop_closing_test

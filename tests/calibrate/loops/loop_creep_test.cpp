@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::loop_creep_test {
 namespace {
 
 BranchZero branch(bool rising, double time_s, double angle_rad, double variance_rad2 = 1.0) {
@@ -65,4 +65,4 @@ TEST(LoopCreep, OfOneLoopIsItsClosingErrorOverItsDuration) {
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::loop_creep_test

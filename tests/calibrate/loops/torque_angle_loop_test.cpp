@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::torque_angle_loop_test {
 namespace {
 
 using std::numbers::pi;
@@ -663,4 +663,4 @@ TEST(PrintedGearbox, LoopAgreesWithAnotherProgram) {
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::torque_angle_loop_test

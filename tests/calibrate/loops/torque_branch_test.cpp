@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::torque_branch_test {
 namespace {
 
 using Samples = std::vector<std::size_t>;
@@ -89,4 +89,4 @@ TEST(TorqueBranch, EndingJustShortOfZeroIsContinuedAlongItsSecant) {
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::torque_branch_test

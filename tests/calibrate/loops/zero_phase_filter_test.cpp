@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::zero_phase_filter_test {
 namespace {
 
 using std::numbers::pi;
@@ -97,4 +97,4 @@ TEST(ZeroPhaseFilter, WeightsGiveTheFilteredSampleUpToTheEnds) {
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::zero_phase_filter_test

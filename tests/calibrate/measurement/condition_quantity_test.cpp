@@ -8,7 +8,7 @@
 
 #include "calibrate/causes/form_catalogue.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::condition_quantity_test {
 namespace {
 
 TEST(ConditionQuantity, ColumnsAreNameAndUnitAndStandOnce) {
@@ -37,4 +37,4 @@ TEST(ConditionQuantity, UnitsAreThoseOfPhysics) {
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::condition_quantity_test

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <numbers>
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::covariate_levels_test {
 namespace {
 
 constexpr double kRpm = std::numbers::pi / 30.0;
@@ -78,4 +78,4 @@ TEST(CovariateLevels, OfFurtherColumnsAndSessionsBearTheirNames) {
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::covariate_levels_test

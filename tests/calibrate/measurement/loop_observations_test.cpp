@@ -7,7 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::loop_observations_test {
 namespace {
 
 constexpr double kArcmin = std::numbers::pi / 10800.0;
@@ -223,4 +223,4 @@ TEST(AddLoops, SigmaIsStatedForAllRowsOrNone) {
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::loop_observations_test

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <vector>
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::noise_test {
 namespace {
 
 Observation row_at(double speed_rad_s, double torque_Nm, int run = 0) {
@@ -254,4 +254,4 @@ TEST(RobustDeviation, OfThreeNumbersIsTheMiddleOne) {
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::noise_test

@@ -10,7 +10,7 @@
 #include "calibrate/causes/form_catalogue.hpp"
 #include "calibrate/model/model_range.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::extended_model_test {
 namespace {
 
 AppliedCause applied(const char* id, const char* form, std::vector<double> value) {
@@ -156,4 +156,4 @@ TEST(OutsideRange, NamesEachQuantityAndByHowMuch) {
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::extended_model_test

@@ -7,7 +7,7 @@
 #include "calibrate/measurement/value_range.hpp"
 #include "tests/calibrate/rig_campaign.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::hypothesis_test {
 namespace {
 
 Hypothesis three_effects() {
@@ -85,4 +85,4 @@ TEST(ValueRange, LeavesOutWhatIsNotStated) {
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::hypothesis_test

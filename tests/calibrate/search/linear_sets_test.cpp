@@ -10,7 +10,7 @@
 #include "tests/calibrate/rig_campaign.hpp"
 #include "tests/rig/deterministic_random.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::linear_sets_test {
 namespace {
 
 constexpr int kRows = 40;
@@ -112,4 +112,4 @@ TEST_F(Sets, BestAreThoseOfAllSetsWithACauseEach) {
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::linear_sets_test

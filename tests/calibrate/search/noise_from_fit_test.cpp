@@ -8,7 +8,7 @@
 
 #include "tests/calibrate/rig_campaign.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::noise_from_fit_test {
 namespace {
 
 /// Rows of a campaign with responses of the baseline's own plus noise of our choice.
@@ -136,4 +136,4 @@ TEST_F(NoiseFromFit, TakesASingleStepForNoScatter) {
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::noise_from_fit_test

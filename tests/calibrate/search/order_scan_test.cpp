@@ -9,7 +9,7 @@
 #include "calibrate/measurement/measurement.hpp"
 #include "tests/rig/deterministic_random.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::order_scan_test {
 namespace {
 
 constexpr int kRows = 90;
@@ -107,4 +107,4 @@ TEST_F(Orders, HaveTheChanceThatIsStated) {
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::order_scan_test

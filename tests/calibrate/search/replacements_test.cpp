@@ -10,7 +10,7 @@
 #include "tests/calibrate/bench.hpp"
 #include "tests/calibrate/measured_grid.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::replacements_test {
 namespace {
 
 class Replacements : public Bench {
@@ -270,4 +270,4 @@ TEST_F(Replacements, OfEitherDirectionAreTheFlanksWhereOneGearboxCannotTell) {
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::replacements_test

@@ -9,7 +9,7 @@
 #include "tests/calibrate/bench.hpp"
 #include "tests/calibrate/measured_grid.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::search_test {
 namespace {
 
 class Search : public Bench {
@@ -105,4 +105,4 @@ TEST_F(Search, FindsCausesThatActTogether) {
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::search_test

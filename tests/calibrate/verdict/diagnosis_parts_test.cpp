@@ -17,7 +17,7 @@
 #include "tests/calibrate/bench.hpp"
 #include "tests/calibrate/measured_grid.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::diagnosis_parts_test {
 namespace {
 
 constexpr double kSigma = 0.004;
@@ -285,4 +285,4 @@ TEST_F(Part, ThePValueIsThatOfTheGreatestFindingWhateverItIs) {
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::diagnosis_parts_test

@@ -5,18 +5,13 @@
 
 #include <algorithm>
 #include <boost/math/distributions/binomial.hpp>
-#include <ostream>
 #include <string>
 #include <vector>
 
 #include "optimize/parallel.hpp"
 #include "tests/calibrate/diagnosis_scoring.hpp"
 
-namespace gear3k::rig {
-
-// NOLINTNEXTLINE(readability-identifier-naming): GoogleTest looks for this name
-void PrintTo(const Scenario& scenario, std::ostream* out) { *out << scenario.name; }
-
+namespace gear3k::rig::diagnosis_test {
 namespace {
 
 constexpr int kSeeds = 8;
@@ -137,4 +132,4 @@ TEST(Group, OfFaultlessSimulationsHasNothingFound) {
 }
 
 }  // namespace
-}  // namespace gear3k::rig
+}  // namespace gear3k::rig::diagnosis_test

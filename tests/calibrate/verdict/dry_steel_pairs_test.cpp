@@ -20,7 +20,7 @@
 #include "io/files/measurement_file.hpp"
 #include "io/files/subject_file.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::dry_steel_pairs_test {
 namespace {
 
 constexpr double kFriction = 0.5;  ///< of examples/pairs/dry_steel_pair.toml
@@ -382,4 +382,4 @@ TEST(DrySteelPairs, UnequalTorqueConstantsOfTheTwoMotorsDoNotExplainIt) {
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::dry_steel_pairs_test

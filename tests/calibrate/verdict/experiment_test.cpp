@@ -15,7 +15,7 @@
 #include "tests/calibrate/rig_campaign.hpp"
 #include "tests/rig/deterministic_random.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::experiment_test {
 namespace {
 
 constexpr double kRpm = std::numbers::pi / 30.0;
@@ -367,4 +367,4 @@ TEST_F(Plan, TakesACalibratedSensorWhereNothingElseTellsAGain) {
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::experiment_test

@@ -4,7 +4,7 @@
 
 #include "calibrate/verdict/diagnosis.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::model_update_test {
 namespace {
 
 ExtendedModel model_of(Kind kind, std::vector<AppliedCause> causes, std::vector<double> covariance,
@@ -91,4 +91,4 @@ TEST(ModelUpdate, KindsComeInTheirOrder) {
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::model_update_test

@@ -12,7 +12,7 @@
 #include "tests/calibrate/measured_grid.hpp"
 #include "tests/calibrate/rig_campaign.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::remainder_test {
 namespace {
 
 constexpr double kRate = 0.01;
@@ -143,4 +143,4 @@ TEST_F(Structure, OfNoiseIsThereAsOftenAsItsPValueSays) {
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::remainder_test

@@ -8,7 +8,7 @@
 
 #include "tests/calibrate/rig_campaign.hpp"
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::unexplained_test {
 namespace {
 
 class Shape : public testing::Test {
@@ -166,4 +166,4 @@ TEST_F(AContest, DropsACauseThatOnlyImitatesATerm) {
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::unexplained_test

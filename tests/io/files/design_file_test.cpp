@@ -17,7 +17,7 @@
 
 #include "io/text/diagnostics.hpp"
 
-namespace gear3k::io {
+namespace gear3k::io::design_file_test {
 namespace {
 
 using design::CheckId, design::Design;
@@ -562,4 +562,4 @@ TEST_F(PairFile, IsoSignsDescribeTheSameRing) {
 }
 
 }  // namespace
-}  // namespace gear3k::io
+}  // namespace gear3k::io::design_file_test

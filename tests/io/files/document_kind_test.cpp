@@ -13,7 +13,7 @@
 #include "io/files/subject_file.hpp"
 #include "io/text/diagnostics.hpp"
 
-namespace gear3k::io {
+namespace gear3k::io::document_kind_test {
 namespace {
 
 DocumentKind kind_of(const std::string& text) { return look_of(parse_toml(text, "t.toml")).kind; }
@@ -69,4 +69,4 @@ TEST(DocumentKind, ADesignInPlaceOfMeasurementsIsToldAloneAndAtOnce) {
 }
 
 }  // namespace
-}  // namespace gear3k::io
+}  // namespace gear3k::io::document_kind_test

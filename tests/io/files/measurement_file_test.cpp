@@ -13,7 +13,7 @@
 
 #include "io/text/diagnostics.hpp"
 
-namespace gear3k::io {
+namespace gear3k::io::measurement_file_test {
 namespace {
 
 using calibrate::Kind;
@@ -840,4 +840,4 @@ TEST(Measurements, RepeatsAtOneLoadAreNoSaturation) {
 }
 
 }  // namespace
-}  // namespace gear3k::io
+}  // namespace gear3k::io::measurement_file_test

@@ -10,7 +10,7 @@
 #include "io/text/diagnostics.hpp"
 #include "io/text/fnv_hash.hpp"
 
-namespace gear3k::io {
+namespace gear3k::io::measurement_loops_test {
 namespace {
 
 using calibrate::Kind;
@@ -79,4 +79,4 @@ TEST(MeasurementLoops, ARecordThatNeverPassesZeroIsRefusedWithItsReason) {
 }
 
 }  // namespace
-}  // namespace gear3k::io
+}  // namespace gear3k::io::measurement_loops_test

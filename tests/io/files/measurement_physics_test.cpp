@@ -11,7 +11,7 @@
 #include "io/files/measurement_file.hpp"
 #include "io/text/diagnostics.hpp"
 
-namespace gear3k::io {
+namespace gear3k::io::measurement_physics_test {
 namespace {
 
 using calibrate::Kind;
@@ -179,4 +179,4 @@ TEST(CheckPhysics, LostMotionHasNoEfficiency) {
 }
 
 }  // namespace
-}  // namespace gear3k::io
+}  // namespace gear3k::io::measurement_physics_test

@@ -11,7 +11,7 @@
 #include "calibrate/verdict/diagnosis.hpp"
 #include "io/text/diagnostics.hpp"
 
-namespace gear3k::io {
+namespace gear3k::io::model_file_test {
 namespace {
 
 using calibrate::AppliedCause, calibrate::ExtendedModel, calibrate::Kind;
@@ -290,4 +290,4 @@ TEST(ModelText, RefusesWhatTheFileCannotHold) {
 }
 
 }  // namespace
-}  // namespace gear3k::io
+}  // namespace gear3k::io::model_file_test

@@ -14,7 +14,7 @@
 #include "tests/cli/run_program.hpp"
 #include "tests/rig/deterministic_random.hpp"
 
-namespace gear3k::io {
+namespace gear3k::io::refinement_journal_test {
 namespace {
 
 using optimize::RefinedSet;
@@ -271,4 +271,4 @@ TEST(TaskFingerprint, TellsContentsAndTheirOrderApart) {
 }
 
 }  // namespace
-}  // namespace gear3k::io
+}  // namespace gear3k::io::refinement_journal_test

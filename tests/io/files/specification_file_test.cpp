@@ -11,7 +11,7 @@
 
 #include "io/text/diagnostics.hpp"
 
-namespace gear3k::io {
+namespace gear3k::io::specification_file_test {
 namespace {
 
 using design::CheckId, optimize::Specification;
@@ -250,4 +250,4 @@ TEST(ReadSpecification, Ratio96IsAGearboxThatOneCouldBuild) {
 }
 
 }  // namespace
-}  // namespace gear3k::io
+}  // namespace gear3k::io::specification_file_test

@@ -10,7 +10,7 @@
 
 #include "io/text/diagnostics.hpp"
 
-namespace gear3k::io {
+namespace gear3k::io::subject_file_test {
 namespace {
 
 using calibrate::BlackBox;
@@ -129,4 +129,4 @@ TEST(Subject, TheKeyTableListsEveryKey) {
 }
 
 }  // namespace
-}  // namespace gear3k::io
+}  // namespace gear3k::io::subject_file_test

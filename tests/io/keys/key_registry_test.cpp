@@ -16,7 +16,7 @@
 #include "io/files/specification_file.hpp"
 #include "io/keys/limit_keys.hpp"
 
-namespace gear3k::io {
+namespace gear3k::io::key_registry_test {
 namespace {
 
 // --- one record at a time
@@ -526,4 +526,4 @@ INSTANTIATE_TEST_SUITE_P(Files, EveryKey, testing::ValuesIn(file_kinds()),
                          [](const auto& param) { return param.param.name; });
 
 }  // namespace
-}  // namespace gear3k::io
+}  // namespace gear3k::io::key_registry_test

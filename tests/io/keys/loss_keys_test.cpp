@@ -10,7 +10,7 @@
 #include "io/files/specification_file.hpp"
 #include "io/text/diagnostics.hpp"
 
-namespace gear3k::io {
+namespace gear3k::io::loss_keys_test {
 namespace {
 
 using efficiency::FrictionLaw;
@@ -192,4 +192,4 @@ TEST(LossKeys, SchlenkNeedsFaceWidths) {
 }
 
 }  // namespace
-}  // namespace gear3k::io
+}  // namespace gear3k::io::loss_keys_test

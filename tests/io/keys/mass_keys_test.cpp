@@ -9,7 +9,7 @@
 #include "io/files/design_file.hpp"
 #include "io/text/diagnostics.hpp"
 
-namespace gear3k::io {
+namespace gear3k::io::mass_keys_test {
 namespace {
 
 const std::string kGears =
@@ -165,4 +165,4 @@ TEST(MassKeys, RimOfTheRestingRingLiesOutsideItsTeeth) {
 }
 
 }  // namespace
-}  // namespace gear3k::io
+}  // namespace gear3k::io::mass_keys_test

@@ -7,7 +7,7 @@
 #include "io/files/specification_file.hpp"
 #include "io/text/diagnostics.hpp"
 
-namespace gear3k::io {
+namespace gear3k::io::robust_keys_test {
 namespace {
 
 const std::string kSpec =
@@ -62,4 +62,4 @@ TEST(RobustKeys, ThatNothingReadsAreErrors) {
 }
 
 }  // namespace
-}  // namespace gear3k::io
+}  // namespace gear3k::io::robust_keys_test

@@ -9,7 +9,7 @@
 #include "io/files/specification_file.hpp"
 #include "io/text/diagnostics.hpp"
 
-namespace gear3k::io {
+namespace gear3k::io::tolerance_keys_test {
 namespace {
 
 constexpr double kArcmin = std::numbers::pi / 10800.0;
@@ -148,4 +148,4 @@ TEST(ToleranceKeys, ASpecStatesThemToo) {
 }
 
 }  // namespace
-}  // namespace gear3k::io
+}  // namespace gear3k::io::tolerance_keys_test

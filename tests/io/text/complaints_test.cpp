@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <string>
 
-namespace gear3k::io {
+namespace gear3k::io::complaints_test {
 namespace {
 
 TEST(Complaints, AreToldInTheOrderOfTheFile) {
@@ -30,4 +30,4 @@ TEST(Complaints, BeyondTheMostAreCountedButThoseAboutTheWholeFileAreKept) {
 }
 
 }  // namespace
-}  // namespace gear3k::io
+}  // namespace gear3k::io::complaints_test

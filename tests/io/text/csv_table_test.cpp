@@ -10,7 +10,7 @@
 
 #include "report/text_table.hpp"
 
-namespace gear3k::io {
+namespace gear3k::io::csv_table_test {
 namespace {
 
 using Fields = std::vector<std::string>;
@@ -139,4 +139,4 @@ TEST(CsvTable, TextForANumberIsAnErrorWithLineColumnAndValue) {
 }
 
 }  // namespace
-}  // namespace gear3k::io
+}  // namespace gear3k::io::csv_table_test

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace gear3k::io {
+namespace gear3k::io::diagnostics_test {
 namespace {
 
 Diagnostic at(int line, int column, const std::string& message) {
@@ -74,4 +74,4 @@ TEST(ClosestWord, PrefersTheNearerToTheEarlier) {
 TEST(ClosestWord, IsEmptyWithoutKnownWords) { EXPECT_EQ(closest_word("teeth", {}), ""); }
 
 }  // namespace
-}  // namespace gear3k::io
+}  // namespace gear3k::io::diagnostics_test

@@ -11,7 +11,7 @@
 #include "io/text/diagnostics.hpp"
 #include "tests/cli/run_program.hpp"
 
-namespace gear3k::io {
+namespace gear3k::io::file_set_test {
 namespace {
 
 using test::Workplace;
@@ -71,4 +71,4 @@ TEST(FileSet, EveryObstacleIsNamedAtOnce) {
 }
 
 }  // namespace
-}  // namespace gear3k::io
+}  // namespace gear3k::io::file_set_test

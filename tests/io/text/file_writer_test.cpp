@@ -19,7 +19,7 @@
 
 #include "io/text/diagnostics.hpp"
 
-namespace gear3k::io {
+namespace gear3k::io::file_writer_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -175,4 +175,4 @@ TEST_F(FileWriter, PrepareFolderNamesTheFileInTheWay) {
 }
 
 }  // namespace
-}  // namespace gear3k::io
+}  // namespace gear3k::io::file_writer_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace gear3k::io {
+namespace gear3k::io::fnv_hash_test {
 namespace {
 
 // Test vectors: Fowler, Noll, Vo, Eastlake, "The FNV Non-Cryptographic Hash Algorithm" (64 bit).
@@ -26,4 +26,4 @@ TEST(FnvHash, OfNumbersDoesNotSeeTheSignOfZero) {
 }
 
 }  // namespace
-}  // namespace gear3k::io
+}  // namespace gear3k::io::fnv_hash_test

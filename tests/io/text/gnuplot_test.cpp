@@ -7,7 +7,7 @@
 
 #include "io/text/diagnostics.hpp"
 
-namespace gear3k::io {
+namespace gear3k::io::gnuplot_test {
 namespace {
 
 std::string message_of(const std::string& script) {
@@ -51,4 +51,4 @@ TEST(Gnuplot, MissingIsSaidWithThePackageThatHasIt) {
 }
 
 }  // namespace
-}  // namespace gear3k::io
+}  // namespace gear3k::io::gnuplot_test

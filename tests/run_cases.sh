@@ -1,0 +1,14 @@
+#!/usr/bin/env bash
+# Runs a GoogleTest program and prints, of its cases, those that failed or were skipped, those that
+# took a second or more, and the one that ran when the program ended by a signal or the time limit:
+#   tests/run_cases.sh PROGRAM [OPTION]...
+# GEAR3K_TEST_LIMIT is the limit of the whole program in seconds.
+set -uo pipefail
+timeout --kill-after=10 "${GEAR3K_TEST_LIMIT:-900}" "$@" 2>&1 | awk '
+  /^\[ RUN      \]/ { running = 1; text = "" }
+  running           { text = text $0 "\n" }
+  /^\[       OK \]/ { if ($NF == "ms)" && substr($(NF - 1), 2) + 0 >= 1000) print
+                      running = 0; next }
+  /^\[  (FAILED |SKIPPED) \]/ && running { printf "%s", text; running = 0; next }
+  !running && !/^\[-----/ { print }
+  END { if (running) printf "%s... and the program ended within this case\n", text }'
