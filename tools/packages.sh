@@ -1,3 +1,5 @@
+# shellcheck shell=bash
+# shellcheck disable=SC2034  # the lists are for the scripts that source this
 # Sourced by ./run and ./check: installs what is missing of the named Debian or Ubuntu packages.
 
 build_packages="g++ cmake ninja-build pkg-config git libeigen3-dev libboost-dev libceres-dev coinor-libipopt-dev

@@ -1,34 +1,118 @@
 #!/usr/bin/env bash
-# clang-tidy over the sources of src/ that changed since their last clean pass:
-#   tools/tidy.sh BUILD_DIR    (a folder with compile_commands.json)
+# clang-tidy over the sources of src/, tests/, benchmarks/ and fuzz/ that changed since they were
+# last found clean:
+#   tools/tidy.sh BUILD_DIR    (configured with GEAR3K_UNITY, and built: its dependencies are used)
+# Most of the time of clang-tidy goes into the headers of the libraries.  So the sources are read in
+# groups, each as one large source, and a group is read again when a file that it includes, its
+# options or the checks changed.  Findings in headers count for every folder (.clang-tidy).
 set -euo pipefail
 cd "$(dirname "$0")/.."
-build=$1
-stamps=$build/tidy
-mkdir -p "$stamps"
+root=$PWD
+build=$(cd "$1" && pwd)
+work=$build/tidy
+mkdir -p "$work"
 
-tidy_one() {
-  local file=$1 stamp
-  stamp=$stamps/$(echo "$file" | tr / _)
-  # Headers count for every file: a change of any makes all stamps stale.
-  if [ -f "$stamp" ] && [ "$stamp" -nt "$file" ] && [ "$stamp" -nt "$stamps/headers" ]; then
-    return 0
-  fi
+# Targets that are read together, the longest first; a target that is not named is a group by itself.
+groups=(
+  gear3k_calibrate
+  "calibrate_test gear3k_rig rig_test"
+  "gear3k_io gear3k_report gear3k_drawing gear3k_papers"
+  "geometry_test train_test backlash_test efficiency_test inertia_test"
+  "gear3k_geometry gear3k_train gear3k_backlash gear3k_efficiency gear3k_inertia gear3k_design"
+  "io_test report_test drawing_test papers_test"
+  "design_test optimize_test"
+  "gear3k_app gear3k_cli gear3k"
+  "app_test cli_test"
+  gear3k_optimize
+  "BENCHMARKS"
+)
+
+# units: "target TAB object TAB source" of every source, those of a large source one by one.
+# commands/TARGET: the command that compiles it, without its source and object.
+rm -rf "$work/commands" "$work/new"
+mkdir -p "$work/commands" "$work/new"
+awk -v root="$root/" -v commands="$work/commands/" '
+  /^  "command": / { command = $0; sub(/^  "command": "/, "", command); sub(/",?$/, "", command) }
+  /^  "file": / {
+    file = $0; sub(/^  "file": "/, "", file); sub(/",?$/, "", file)
+    object = command; sub(/.* -o /, "", object); sub(/ .*/, "", object)
+    target = object; sub(/\.dir\/.*/, "", target); sub(/.*\//, "", target)
+    if (object ~ /^(benchmarks|fuzz)\//) target = "BENCHMARKS"
+    sub(/ -o .*/, "", command)
+    print command >(commands target)
+    if (file !~ /\/Unity\/unity_[0-9]+_cxx\.cxx$/) { print target "\t" object "\t" file; next }
+    while ((getline line < file) > 0)
+      if (line ~ /^#include "/) { split(line, part, "\""); print target "\t" object "\t" part[2] }
+  }' "$build/compile_commands.json" >"$work/units"
+
+# One source per group, and one compile_commands.json for them.
+entries=
+list=
+add_group() {
+  local name=$1 source=$work/new/$1.cpp target command n=0 path
+  shift
+  : >"$work/new/$name.objects"
+  for target in "$@"; do
+    [ -f "$work/commands/$target" ] || continue
+    command=$(tail -n 1 "$work/commands/$target")
+    awk -F '\t' -v t="$target" '$1 == t { print $2 }' "$work/units" |
+      sort -u >>"$work/new/$name.objects"
+  done
+  [ -s "$work/new/$name.objects" ] || return 0
+  for target in "$@"; do
+    awk -F '\t' -v t="$target" '$1 == t { print $3 }' "$work/units"
+  done | awk '!seen[$0]++' | while read -r path; do
+    n=$((n + 1))
+    # Programs of their own: each has an entry, of the same name.
+    [ "$name" = BENCHMARKS ] && printf '#define %s\n' "main main_$n" \
+      "LLVMFuzzerTestOneInput test_one_input_$n"
+    printf '// NOLINTNEXTLINE(bugprone-suspicious-include)\n#include "%s"\n' "$path"
+    [ "$name" = BENCHMARKS ] && printf '#undef %s\n' main LLVMFuzzerTestOneInput
+    true
+  done >"$source"
+  cmp -s "$source" "$work/$name.cpp" || cp "$source" "$work/$name.cpp"
+  printf '%s\n' "$command" >"$work/new/$name.command"
+  entries+="${entries:+,}{\"directory\": \"$build\", \"file\": \"$work/$name.cpp\",
+\"command\": \"$command -c $work/$name.cpp\"}"
+  list+="$name"$'\n'
+}
+named=" "
+for group in "${groups[@]}"; do
+  # shellcheck disable=SC2086  # a group is a list of words
+  add_group "${group%% *}" $group
+  named+="$group "
+done
+while read -r target; do
+  case $named in *" $target "*) ;; *) add_group "$target" "$target" ;; esac
+done < <(cut -f 1 "$work/units" | sort -u)
+printf '[%s]\n' "$entries" >"$work/compile_commands.json"
+
+# What a group depends on, as one number: the files of the project that its objects were made from.
+state_of() {
+  {
+    cat "$work/$1.cpp" "$work/new/$1.command"
+    xargs ninja -C "$build" -t deps <"$work/new/$1.objects" |
+      awk -v root="$root/" -v build="$build/" '
+        / deps not found/ { print > "/dev/stderr"; exit 1 }
+        /^    / { path = substr($0, 5); if (path !~ /^\//) path = build path
+                  if (index(path, root) == 1 && index(path, build) != 1) print path }' |
+      sort -u | xargs sha256sum "$root/.clang-tidy" "$root/tools/tidy.sh"
+  } | sha256sum
+}
+tidy_group() {
+  local name=$1 state begin=$EPOCHSECONDS
+  state=$(state_of "$name") || return 1
+  [ -f "$work/$name.clean" ] && [ "$(cat "$work/$name.clean")" = "$state" ] && return 0
+  rm -f "$work/$name.clean"
   # What clang-tidy says on stderr (counts of suppressed warnings) matters only when it fails.
-  if clang-tidy-14 --quiet -p "$build" "$file" 2>"$stamp.err"; then
-    touch "$stamp"
+  if clang-tidy-14 --quiet -p "$work" "$work/$name.cpp" 2>"$work/$name.err"; then
+    printf '%s\n' "$state" >"$work/$name.clean"
+    printf '%-24s clean, %4d s\n' "$name" $((EPOCHSECONDS - begin))
   else
-    cat "$stamp.err" >&2
+    cat "$work/$name.err" >&2
     return 1
   fi
 }
-export -f tidy_one
-export build stamps
-
-newest=$(find src .clang-tidy -name '*.hpp' -newer "$stamps/headers" -o -name .clang-tidy \
-  -newer "$stamps/headers" 2>/dev/null || true)
-if [ ! -f "$stamps/headers" ] || [ -n "$newest" ]; then
-  touch "$stamps/headers"
-  sleep 0.01
-fi
-find src -name '*.cpp' | sort | xargs -P "$(nproc)" -I{} bash -c 'tidy_one {}'
+export -f tidy_group state_of
+export root build work
+printf '%s' "$list" | xargs -P "$(nproc)" -I{} bash -c 'set -o pipefail; tidy_group {}'

@@ -14,7 +14,7 @@
 
 #include "tests/cli/run_program.hpp"
 
-namespace gear3k {
+namespace gear3k::hostile_use_test {
 namespace {
 
 using std::chrono::milliseconds, std::chrono::seconds;
@@ -153,8 +153,8 @@ TEST(Names, OfQuotesCanBeDrawn) {
 
 TEST(Quiet, SaysErrorsOnly) {
   const Workplace place;
-  place.write("spec.toml", replaced(small_spec(), "max_output_arcmin = 8.0",
-                                    "max_output_arcmin = 1e-6"));
+  place.write("spec.toml",
+              replaced(small_spec(), "max_output_arcmin = 8.0", "max_output_arcmin = 1e-6"));
   std::filesystem::create_directory(place.file("out"));
   place.write("out/best.toml", "old");
   const ProgramResult result = place.run({"optimize", "spec.toml", "--out", "out", "--quiet"});
@@ -164,4 +164,4 @@ TEST(Quiet, SaysErrorsOnly) {
 }
 
 }  // namespace
-}  // namespace gear3k
+}  // namespace gear3k::hostile_use_test

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace gear3k::io {
+namespace gear3k::io::json_test {
 namespace {
 
 using nlohmann::ordered_json;
@@ -200,4 +200,4 @@ TEST(Json, WrongKindIsRefused) {
 }
 
 }  // namespace
-}  // namespace gear3k::io
+}  // namespace gear3k::io::json_test
