@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Makes the outputs and figures that stand in the documents and compares them with what stands there:
 #   tools/docs.sh [--long] [--write] PROGRAM [DOCUMENT...]
-# PROGRAM is gear3k in a build folder, e.g. build/release/gear3k; without DOCUMENT it is README.md and all of docs/.
+# PROGRAM is gear3k in a build folder, e.g. build/release/gear3k; without DOCUMENT it is all *.md at the root and in docs/.
 # Exit code 1 and the differences where there are any; with --write the documents and figures are changed instead.
 #
 # In a document, each on a line of its own:
@@ -36,7 +36,8 @@ done
 cd "$(dirname "$0")/.."
 source=$PWD
 if [ ${#documents[@]} -eq 0 ]; then
-  mapfile -t documents < <(echo "$source/README.md"; find "$source/docs" -name '*.md' | LC_ALL=C sort)
+  mapfile -t documents < <(find "$source" "$source/docs" -maxdepth 1 -name '*.md' | LC_ALL=C sort)
+  mapfile -t -O ${#documents[@]} documents < <(find "$source/docs" -mindepth 2 -name '*.md' | LC_ALL=C sort)
 fi
 
 scratch=$(mktemp -d)
