@@ -4,6 +4,7 @@
 # Of a test that runs over several kinds (external and internal, G2 below and above 1) the largest.
 set -euo pipefail
 build=$1
+export GEAR3K_LONG=1  # the long samples of the tests
 records=$(mktemp -d)
 trap 'rm -rf "$records"' EXIT
 for folder in geometry train backlash efficiency inertia design; do
