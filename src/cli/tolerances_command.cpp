@@ -11,8 +11,6 @@
 #include "design/evaluation.hpp"
 #include "io/files/design_file.hpp"
 #include "io/text/diagnostics.hpp"
-#include "io/text/json.hpp"
-#include "report/display.hpp"
 #include "report/tolerance_report.hpp"
 #include "report/turn_plot.hpp"
 #include "report/turn_report.hpp"
@@ -57,13 +55,6 @@ report::TurnResult turn_of(const design::Design& design, const design::BuiltSeri
   return result;
 }
 
-std::string json_of(const design::Evaluation& evaluation, const design::BuiltSeries& series) {
-  io::Json json{{"tool", report::tool_json()}, {"name", evaluation.name}};
-  report::add_tolerances(json, evaluation.tolerance_limits);
-  json["built"] = report::yield_json(series);
-  return json.text();
-}
-
 }  // namespace
 
 ExitCode run_tolerances(const TolerancesOptions& options) {
@@ -94,7 +85,7 @@ ExitCode run_tolerances(const TolerancesOptions& options) {
     }
   }
   const report::TurnResult turn = turn_of(design, series);
-  const std::string json = json_of(evaluation, series);
+  const std::string json = report::tolerances_json(evaluation, series);
   WrittenFiles written;
   if (!options.out.empty()) {
     const double carrier_order = std::abs(train::speed_ratios(design.train.teeth).carrier);

@@ -313,7 +313,7 @@ std::string diagnosis_json(const std::vector<Diagnosis>& diagnoses,
   io::Json json{{"tool", tool_json()}, {"subject", diagnoses.front().subject}};
   json["seed"] = setup.seed;
   json["false_discovery_rate"] = setup.false_discovery_rate;
-  if (setup.model) add_model(json, *setup.model);
+  if (setup.model) json["model"] = model_json(*setup.model);
   std::vector<io::Json> kinds;
   kinds.reserve(sets.size());
   for (std::size_t k = 0; k < sets.size(); ++k) kinds.push_back(kind_json(diagnoses[k], sets[k]));

@@ -8,6 +8,7 @@
 
 #include "io/text/json.hpp"
 #include "report/display.hpp"
+#include "report/fields.hpp"
 #include "report/operation_report.hpp"
 #include "report/text_table.hpp"
 
@@ -173,58 +174,48 @@ std::string heat_table(const OperatingMap& map) {
 
 // --- CSV
 
-std::vector<std::string> csv_header() {
-  std::vector<std::string> header{"direction",     "sun_speed_rpm", "output_torque_nm",
-                                  "sun_torque_nm", "efficiency",    "input_power_w",
-                                  "loss_w"};
-  constexpr std::array<const char*, train::kMeshCount> kMeshes{"s_p1", "p1_r1", "p2_r2"};
-  for (const char* quantity : {"heat_{}_w", "friction_{}", "mesh_efficiency_{}"}) {
-    for (const char* mesh : kMeshes) {
-      header.push_back(fmt::format(fmt::runtime(quantity), mesh));
-    }
-  }
-  for (const char* shaft : {"sun", "planet", "carrier", "r2"}) {
-    header.push_back(fmt::format("drag_loss_{}_w", shaft));
-  }
-  for (const char* last : {"bearing_loss_w", "temperature_c", "backdriving_margin", "status"}) {
-    header.emplace_back(last);
-  }
-  return header;
-}
-
-std::string optional_text(const std::optional<double>& value) {
-  return value ? exact(*value + 0.0) : "";  // no negative zero
-}
-
-std::vector<std::string> csv_row(const OperatingMap& map, const MapPair& pair,
-                                 Direction direction) {
+/// A point of the map in one drive direction: a row of the CSV.
+Fields row_fields(const OperatingMap& map, const MapPair& pair, Direction direction) {
   const MapPoint& point = point_of(pair, direction);
-  std::vector<std::string> row{kDirectionNames[static_cast<std::size_t>(direction)],
-                               exact(rpm(pair.point.sun_speed_rad_s)),
-                               exact(clean(pair.point.output_torque_Nm))};
   const std::optional<Operation<double>>& o = point.operation;
-  const auto add = [&](auto value) { row.push_back(o ? optional_text(value(*o)) : ""); };
-  add([](const auto& at) { return at.sun_torque_Nm; });
-  add([](const auto& at) { return at.efficiency; });
-  add([](const auto& at) { return at.input_power_W; });
-  add([](const auto& at) { return at.loss_W; });
+  Fields f;
+  f.add_row(kDirectionNames[static_cast<std::size_t>(direction)], {"direction"});
+  f.add_row(rpm(pair.point.sun_speed_rad_s), {"sun_speed_rpm"});
+  f.add_row(clean(pair.point.output_torque_Nm), {"output_torque_nm"});
+  const auto add = [&](std::string column, auto value) {
+    std::optional<double> number;
+    if (o) number = value(*o);
+    if (number) *number += 0.0;  // no negative zero
+    f.add_row(number, {std::move(column)});
+  };
+  add("sun_torque_nm", [](const auto& at) { return at.sun_torque_Nm; });
+  add("efficiency", [](const auto& at) { return at.efficiency; });
+  add("input_power_w", [](const auto& at) { return at.input_power_W; });
+  add("loss_w", [](const auto& at) { return at.loss_W; });
+  constexpr std::array<const char*, train::kMeshCount> kMeshes{"s_p1", "p1_r1", "p2_r2"};
   for (std::size_t k = 0; k < train::kMeshCount; ++k) {
-    add([k](const auto& at) { return at.mesh[k].loss_W; });
+    add(fmt::format("heat_{}_w", kMeshes[k]), [k](const auto& at) { return at.mesh[k].loss_W; });
   }
   for (std::size_t k = 0; k < train::kMeshCount; ++k) {
-    add([k](const auto& at) { return at.mesh[k].friction; });
+    add(fmt::format("friction_{}", kMeshes[k]),
+        [k](const auto& at) { return at.mesh[k].friction; });
   }
   for (std::size_t k = 0; k < train::kMeshCount; ++k) {
-    add([k](const auto& at) { return at.mesh[k].efficiency; });
+    add(fmt::format("mesh_efficiency_{}", kMeshes[k]),
+        [k](const auto& at) { return at.mesh[k].efficiency; });
   }
+  constexpr std::array<const char*, design::kShaftCount> kShafts{"sun", "planet", "carrier", "r2"};
   for (std::size_t k = 0; k < design::kShaftCount; ++k) {
-    add([k](const auto& at) { return at.drag_loss_W[k]; });
+    add(fmt::format("drag_loss_{}_w", kShafts[k]),
+        [k](const auto& at) { return at.drag_loss_W[k]; });
   }
-  add([](const auto& at) { return at.bearing_loss_W; });
-  row.push_back(exact(celsius(map.temperature_K)));
-  row.push_back(optional_text(point.backdriving_margin));
-  row.push_back(status_name(point.status));
-  return row;
+  add("bearing_loss_w", [](const auto& at) { return at.bearing_loss_W; });
+  f.add_row(celsius(map.temperature_K), {"temperature_c"});
+  std::optional<double> margin = point.backdriving_margin;
+  if (margin) *margin += 0.0;
+  f.add_row(margin, {"backdriving_margin"});
+  f.add_row(status_name(point.status), {"status"});
+  return f;
 }
 
 // --- JSON
@@ -239,7 +230,7 @@ io::Json point_json(const MapPair& pair, Direction direction) {
     json["backdriving_margin"] = point.backdriving_margin;
   }
   if (point.operation) {
-    json.update(operation_json(*point.operation));
+    json.update(operation_fields("", *point.operation).json());
     json["output_torque_nm"] = clean(pair.point.output_torque_Nm);
   } else {
     for (const char* key : {"sun_torque_nm", "efficiency", "input_power_w", "loss_w", "meshes",
@@ -318,14 +309,15 @@ std::string map_json(const OperatingMap& map, const ModelUse* model) {
                   {"forward", point_json(map.reference, Direction::kForward)},
                   {"backward", point_json(map.reference, Direction::kBackward)}}},
                 {"notes", map.notes}};
-  if (model != nullptr) add_model(json, *model);
+  if (model != nullptr) json["model"] = model_json(*model);
   return json.text();
 }
 
 std::string map_csv(const OperatingMap& map) {
-  std::string text = "# kind: transmission\n" + csv_line(csv_header());
+  std::string text =
+      "# kind: transmission\n" + row_fields(map, map.reference, Direction::kForward).csv_header();
   for (const Direction direction : {Direction::kForward, Direction::kBackward}) {
-    for (const MapPair& pair : map.points) text += csv_line(csv_row(map, pair, direction));
+    for (const MapPair& pair : map.points) text += row_fields(map, pair, direction).csv_values();
   }
   return text;
 }

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <vector>
 
-#include "io/text/json.hpp"
 #include "report/display.hpp"
 #include "report/text_table.hpp"
 
@@ -41,36 +40,24 @@ std::string mass_table(const design::Evaluation& e) {
               : fmt::format("  all parts: not known: lacks {}\n", e.total_mass_missing));
 }
 
-void add_masses(io::Json& json, const design::Evaluation& e) {
+Fields mass_fields(const design::Evaluation& e) {
   const auto from = [](const std::optional<double>& value, MassOrigin origin) {
     return value ? io::Json(origin_name(origin)) : nullptr;
   };
-  auto& list = json["masses"] = io::Json::array();
-  for (const PartMass& part : e.parts) {
-    list.push_back({{"name", part.name},
-                    {"count", part.count},
-                    {"mass_kg", part.mass_kg},
-                    {"mass_from", from(part.mass_kg, part.mass_origin)},
-                    {"inertia_kgm2", part.inertia_kgm2},
-                    {"inertia_from", from(part.inertia_kgm2, part.inertia_origin)}});
-  }
-  json["total_mass_kg"] = e.total_mass_kg;
-}
-
-std::string mass_csv(const design::Evaluation& e) {
-  std::string text;
-  const auto add = [&](const std::string& item, const std::string& quantity, double value,
-                       const std::string& unit) {
-    text += csv_line({item, quantity, exact(value), unit, "", ""});
-  };
-  for (const PartMass& part : e.parts) {
-    if (!known(part)) continue;
-    add(part.name, "count", part.count, "");
-    if (part.mass_kg) add(part.name, "mass", *part.mass_kg, "kg");
-    if (part.inertia_kgm2) add(part.name, "inertia", *part.inertia_kgm2, "kg m2");
-  }
-  if (e.total_mass_kg) add("train", "mass", *e.total_mass_kg, "kg");
-  return text;
+  Fields f("train");
+  f.add_list("masses", e.parts, [&](const PartMass& part) {
+    Fields p(part.name);
+    p.add("name", part.name);
+    p.add("count", part.count);
+    if (known(part)) p.add_row(part.count, {"count"});
+    p.add("mass_kg", part.mass_kg, {"mass", "kg"});
+    p.add("mass_from", from(part.mass_kg, part.mass_origin));
+    p.add("inertia_kgm2", part.inertia_kgm2, {"inertia", "kg m2"});
+    p.add("inertia_from", from(part.inertia_kgm2, part.inertia_origin));
+    return p;
+  });
+  f.add("total_mass_kg", e.total_mass_kg, {"mass", "kg"});
+  return f;
 }
 
 }  // namespace gear3k::report

@@ -165,7 +165,7 @@ std::string model_paragraph(const ModelUse& use) {
   return text;
 }
 
-void add_model(io::Json& json, const ModelUse& use) {
+io::Json model_json(const ModelUse& use) {
   io::Json causes = io::Json::array();
   for_each_cause(use, [&](const ExtendedModel& model, const AppliedCause& applied,
                           const calibrate::Cause& cause, std::size_t place) {
@@ -196,10 +196,11 @@ void add_model(io::Json& json, const ModelUse& use) {
               ? io::Json(calibrate::kVerdictNames[static_cast<std::size_t>(*model.verdict)])
               : nullptr}});
   }
-  json["model"] = {{"file", use.file}, {"causes", std::move(causes)}, {"data", std::move(data)}};
+  io::Json json{{"file", use.file}, {"causes", std::move(causes)}, {"data", std::move(data)}};
   if (use.lost_motion_shift_rad != 0.0) {
-    json["model"]["lost_motion_limits_lowered_arcmin"] = arcmin(use.lost_motion_shift_rad);
+    json["lost_motion_limits_lowered_arcmin"] = arcmin(use.lost_motion_shift_rad);
   }
+  return json;
 }
 
 }  // namespace gear3k::report

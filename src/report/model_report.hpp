@@ -32,7 +32,7 @@ std::string diagnosed_model_paragraph(const ModelUse& model);
 /// something unexplained, parameters that no gearbox shows.
 std::vector<std::string> cautions(const ModelUse& model);
 
-/// Adds `model`: { "file", "causes": [...], "data": [...] }.
-void add_model(io::Json& json, const ModelUse& model);
+/// `model` of docs/interface.md: { "file", "causes": [...], "data": [...] }.
+io::Json model_json(const ModelUse& model);
 
 }  // namespace gear3k::report

@@ -5,7 +5,6 @@
 #include <array>
 #include <numbers>
 
-#include "io/text/json.hpp"
 #include "report/display.hpp"
 #include "report/text_table.hpp"
 
@@ -32,39 +31,59 @@ std::string efficiency_text(const Operation<double>& o) {
   return o.efficiency ? fmt::format("{:.2f} %", 100.0 * *o.efficiency) : "undefined";
 }
 
-io::Json direction_json(const OperationResult<double>& result) {
-  if (!result.operation) return {{"runs", false}, {"reason", no_operation_text(result.reason)}};
-  io::Json json{{"runs", true}};
-  json.update(operation_json(*result.operation));
-  return json;
+Fields direction_fields(const DirectedResult& directed) {
+  const OperationResult<double>& result = *directed.result;
+  Fields f;
+  f.add("runs", result.operation.has_value());
+  if (result.operation) {
+    f.join(operation_fields(fmt::format("operating point {}", directed.name), *result.operation));
+  } else {
+    f.add("reason", no_operation_text(result.reason));
+  }
+  return f;
 }
 
 }  // namespace
 
-io::Json operation_json(const Operation<double>& o) {
-  io::Json meshes = io::Json::array();
+Fields operation_fields(const std::string& item, const Operation<double>& o) {
+  Fields f(item);
+  f.add("sun_torque_nm", o.sun_torque_Nm + 0.0, {"sun_torque", "N m"});  // no negative zero
+  f.add("output_torque_nm", o.output_torque_Nm + 0.0, {"output_torque", "N m"});
+  f.add("efficiency", o.efficiency, {"efficiency"});
+  f.add("input_power_w", o.input_power_W, {"input_power", "W"});
+  f.add("loss_w", o.loss_W, {"loss", "W"});
   for (std::size_t k = 0; k < train::kMeshCount; ++k) {
     const design::MeshOperation<double>& m = o.mesh[k];
-    meshes.push_back({{"name", train::kMeshNames[k]},
-                      {"friction", m.friction},
-                      {"normal_force_n", m.normal_force_N},
-                      {"sliding_speed_m_s", m.sliding_speed_m_s},
-                      {"gear1_drives", m.gear1_drives},
-                      {"efficiency", m.efficiency},
-                      {"heat_w", m.loss_W}});
+    const std::string name(train::kMeshNames[k]);
+    Fields mesh(item);
+    mesh.add("name", name);
+    mesh.add("friction", m.friction, {"friction " + name});
+    mesh.add("normal_force_n", m.normal_force_N);
+    mesh.add("sliding_speed_m_s", m.sliding_speed_m_s);
+    mesh.add("gear1_drives", m.gear1_drives);
+    mesh.add("efficiency", m.efficiency);
+    mesh.add("heat_w", m.loss_W, {"heat " + name, "W"});
+    f.append("meshes", std::move(mesh));
   }
-  io::Json drag;
+  Fields drag(item);
   for (std::size_t k = 0; k < design::kShaftCount; ++k) {
-    drag[std::string(design::kShaftNames[k])] = o.drag_loss_W[k];
+    const std::string shaft(design::kShaftNames[k]);
+    drag.add(shaft, o.drag_loss_W[k], {"drag_loss " + shaft, "W"});
   }
-  return {{"sun_torque_nm", o.sun_torque_Nm + 0.0},  // no negative zero
-          {"output_torque_nm", o.output_torque_Nm + 0.0},
-          {"efficiency", o.efficiency},
-          {"input_power_w", o.input_power_W},
-          {"loss_w", o.loss_W},
-          {"meshes", meshes},
-          {"drag_loss_w", drag},
-          {"bearing_loss_w", o.bearing_loss_W}};
+  f.add("drag_loss_w", std::move(drag));
+  f.add("bearing_loss_w", o.bearing_loss_W, {"bearing_loss", "W"});
+  return f;
+}
+
+Fields operating_point_fields(const design::OperatingResult& o) {
+  Fields f;
+  f.add("sun_speed_rpm", rpm(o.point.sun_speed_rad_s));
+  f.add("output_torque_nm", o.point.output_torque_Nm);
+  f.add("temperature_c", celsius(o.point.temperature_K));
+  for (const DirectedResult& directed : directions(o)) {
+    f.add(directed.name, direction_fields(directed));
+  }
+  return f;
 }
 
 std::string operation_table(const Evaluation& e) {
@@ -112,45 +131,6 @@ std::string operation_summary(const Evaluation& e) {
                         result->operation ? efficiency_text(*result->operation) : "does not run");
   }
   return text + " at the operating point";
-}
-
-void add_operation(io::Json& json, const Evaluation& e) {
-  json["operating_point"] = nullptr;
-  if (!e.operation) return;
-  const auto& point = e.operation->point;
-  json["operating_point"] = {{"sun_speed_rpm", rpm(point.sun_speed_rad_s)},
-                             {"output_torque_nm", point.output_torque_Nm},
-                             {"temperature_c", celsius(point.temperature_K)},
-                             {"forward", direction_json(e.operation->forward)},
-                             {"backward", direction_json(e.operation->backward)}};
-}
-
-std::string operation_csv(const Evaluation& e) {
-  if (!e.operation) return "";
-  std::string text;
-  for (const auto& [name, result] : directions(*e.operation)) {
-    if (!result->operation) continue;
-    const Operation<double>& o = *result->operation;
-    const std::string item = fmt::format("operating point {}", name);
-    const auto add = [&](const std::string& quantity, double value, const char* unit) {
-      text += csv_line({item, quantity, exact(value), unit, "", ""});
-    };
-    add("sun_torque", o.sun_torque_Nm, "N m");
-    add("output_torque", o.output_torque_Nm, "N m");
-    if (o.efficiency) add("efficiency", *o.efficiency, "");
-    add("input_power", o.input_power_W, "W");
-    add("loss", o.loss_W, "W");
-    for (std::size_t k = 0; k < train::kMeshCount; ++k) {
-      const std::string mesh(train::kMeshNames[k]);
-      add("friction " + mesh, o.mesh[k].friction, "");
-      add("heat " + mesh, o.mesh[k].loss_W, "W");
-    }
-    for (std::size_t i = 0; i < design::kShaftCount; ++i) {
-      add(fmt::format("drag_loss {}", design::kShaftNames[i]), o.drag_loss_W[i], "W");
-    }
-    add("bearing_loss", o.bearing_loss_W, "W");
-  }
-  return text;
 }
 
 }  // namespace gear3k::report

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -11,6 +12,7 @@
 #include "io/text/json.hpp"
 #include "optimize/objective_value.hpp"
 #include "report/display.hpp"
+#include "report/fields.hpp"
 #include "report/text_table.hpp"
 #include "report/tooth_set_text.hpp"
 
@@ -38,69 +40,93 @@ io::Json search_counts_json(const Specification& spec, const ToothSearchResult& 
           {"ratio_tolerance", spec.ratio.tolerance}};
 }
 
+/// The numbers of an optimum, empty for a set without one.
+class Optimum {
+ public:
+  Optimum(Fields& fields, bool any) : fields_(fields), any_(any) {}
+  void add(const char* column, const io::Json& value) {
+    fields_.add_row(any_ ? value : nullptr, {column});
+  }
+  template <class Names, class Values>
+  void add_each(const Names& columns, const Values& values) {
+    for (std::size_t k = 0; k < columns.size(); ++k) add(columns[k], values[k]);
+  }
+
+ private:
+  Fields& fields_;
+  bool any_;
+};
+
+constexpr std::array<const char*, train::kGearCount> kTeeth{"zS", "zP1", "zR1", "zP2", "zR2"};
+constexpr std::array<const char*, train::kGearCount> kShifts{"xS", "xP1", "xR1", "xP2", "xR2"};
+constexpr std::array<const char*, train::kGearCount> kTips{"kS", "kP1", "kR1", "kP2", "kR2"};
+constexpr std::array<const char*, train::kMeshCount> kContactRatios{"eps1", "eps2", "eps3"};
+
+/// The columns of refined.csv and pareto.csv.
 /// @param bound  upper bound of eta_b; empty where there is none
-std::vector<std::string> refined_fields(const RefinedSet& s, const std::optional<double>& bound,
-                                        const RefinedColumns& columns) {
-  std::vector<std::string> fields = teeth_fields(s.candidate.teeth);
-  const bool optimal = s.status == Status::kOptimal;
-  const auto number = [&](double value) { return optimal ? exact(value) : std::string(); };
-  fields.emplace_back(optimize::kStatusNames[static_cast<std::size_t>(s.status)]);
-  fields.emplace_back(reason_of(s));
-  fields.push_back(exact(train::ratio(s.candidate.teeth)));
-  fields.push_back(number(s.eta_b));
-  fields.push_back(number(s.eta_f));
-  fields.push_back(number(arcmin(s.lost_motion_rad)));
-  for (const double x : s.train.profile_shift) fields.push_back(number(x));
-  fields.push_back(number(mm(s.train.module_m[0])));
-  fields.push_back(number(mm(s.train.module_m[1])));
-  fields.push_back(number(mm(s.train.center_distance_m)));
-  for (const double epsilon : s.contact_ratio) fields.push_back(number(epsilon));
-  fields.push_back(bound ? exact(*bound) : "");
-  fields.push_back(number(s.kkt_residual));
-  fields.push_back(fmt::format("{}", s.candidate.planets));
-  fields.push_back(number(mm(s.ring_root_diameter_m)));
+Fields refined_fields(const RefinedSet& s, const std::optional<double>& bound,
+                      const RefinedColumns& columns) {
+  Fields f;
+  const train::ToothSet& teeth = s.candidate.teeth;
+  for (std::size_t k = 0; k < kTeeth.size(); ++k) {
+    f.add_row(train::teeth_of(teeth)[k], {kTeeth[k]});
+  }
+  f.add_row(optimize::kStatusNames[static_cast<std::size_t>(s.status)], {"status"});
+  f.add_row(reason_of(s), {"reason"});
+  f.add_row(train::ratio(teeth), {"ratio"});
+  Optimum optimum(f, s.status == Status::kOptimal);
+  optimum.add("eta_b", s.eta_b);
+  optimum.add("eta_f", s.eta_f);
+  optimum.add("backlash_arcmin", arcmin(s.lost_motion_rad));
+  optimum.add_each(kShifts, s.train.profile_shift);
+  optimum.add("m1_mm", mm(s.train.module_m[0]));
+  optimum.add("m2_mm", mm(s.train.module_m[1]));
+  optimum.add("center_distance_mm", mm(s.train.center_distance_m));
+  optimum.add_each(kContactRatios, s.contact_ratio);
+  f.add_row(bound, {"eta_b_bound"});
+  optimum.add("kkt_residual", s.kkt_residual);
+  f.add_row(s.candidate.planets, {"planets"});
+  optimum.add("ring_root_diameter_mm", mm(s.ring_root_diameter_m));
   const double violation = s.blocked_by.empty() ? 0.0 : s.blocked_by.front().violation;
-  fields.push_back(violation > 0.0 ? exact(violation) : "");
+  f.add_row(violation > 0.0 ? io::Json(violation) : nullptr, {"violation"});
   if (columns.model) {
-    fields.push_back(number(or_nan(s.eta_b_model)));
-    fields.push_back(number(or_nan(s.eta_f_model)));
+    optimum.add("eta_b_model", s.eta_b_model);
+    optimum.add("eta_f_model", s.eta_f_model);
   }
-  if (columns.tips) {
-    for (const double k : s.train.tip_shortening) fields.push_back(number(k));
+  if (columns.tips) optimum.add_each(kTips, s.train.tip_shortening);
+  if (columns.pressure_angle) {
+    optimum.add("pressure_angle_deg", degrees(s.train.pressure_angle_rad));
   }
-  if (columns.pressure_angle) fields.push_back(number(degrees(s.train.pressure_angle_rad)));
   if (columns.masses) {
-    fields.push_back(number(s.mass_kg));
-    fields.push_back(number(s.inertia_kgm2));
+    optimum.add("mass_kg", s.mass_kg);
+    optimum.add("inertia_kgm2", s.inertia_kgm2);
   }
-  return fields;
+  return f;
 }
 
 std::string refined_row(const OptimizeResult& result, const RefinedSet& s,
                         const RefinedColumns& columns) {
   const bool bounded = s.status != Status::kInfeasible && result.bounds->of(s.index).known;
-  return csv_line(refined_fields(
-      s, bounded ? std::optional(result.bounds->of(s.index).eta_b) : std::nullopt, columns));
+  return refined_fields(s, bounded ? std::optional(result.bounds->of(s.index).eta_b) : std::nullopt,
+                        columns)
+      .csv_values();
+}
+
+/// A set to ask for the names of its columns: teeth that have a ratio, and nothing else.
+RefinedSet nameless_set() {
+  RefinedSet set;
+  set.candidate.teeth = {.S = 1, .P1 = 2, .R1 = 1, .P2 = 1, .R2 = 1};
+  return set;
+}
+
+std::string refined_header(const RefinedColumns& columns) {
+  return refined_fields(nameless_set(), std::nullopt, columns).csv_header();
 }
 
 /// A value of an objective in its unit, SI given.
 std::string with_objective_unit(const optimize::ObjectiveRecord& record, double value) {
   return fmt::format("{:.6g}{}{}", value / record.per_unit, record.unit.empty() ? "" : " ",
                      record.unit);
-}
-
-constexpr const char* kRefinedHeader =
-    "zS,zP1,zR1,zP2,zR2,status,reason,ratio,eta_b,eta_f,backlash_arcmin,xS,xP1,xR1,xP2,xR2,m1_mm,"
-    "m2_mm,center_distance_mm,eps1,eps2,eps3,eta_b_bound,kkt_residual,planets,"
-    "ring_root_diameter_mm,violation";
-
-std::string refined_header(const RefinedColumns& columns) {
-  std::string header = kRefinedHeader;
-  if (columns.model) header += ",eta_b_model,eta_f_model";
-  if (columns.tips) header += ",kS,kP1,kR1,kP2,kR2";
-  if (columns.pressure_angle) header += ",pressure_angle_deg";
-  if (columns.masses) header += ",mass_kg,inertia_kgm2";
-  return header;
 }
 
 }  // namespace
@@ -147,45 +173,44 @@ std::string search_table(const Specification& spec, const ToothSearchResult& sea
   return text;
 }
 
-std::string search_csv(const std::vector<ZeroShiftSet>& sets) {
-  std::string text =
-      "zS,zP1,zR1,zP2,zR2,planets,ratio,module_ratio,meshes,eta_b,eta_f,backlash_arcmin,"
-      "sun_backlash_modules,eps1,eps2,eps3\n";
-  for (const ZeroShiftSet& s : sets) {
-    std::vector<std::string> fields = teeth_fields(s.candidate.teeth);
-    const auto number = [&](double x) { return s.defined ? exact(x) : std::string(); };
-    for (std::string& field : std::vector<std::string>{
-             fmt::format("{}", s.candidate.planets), exact(s.ratio), exact(s.module_ratio),
-             s.meshes ? "true" : "false", number(s.eta_b), number(s.eta_f),
-             number(arcmin(s.lost_motion_rad)), number(s.sun_backlash), number(s.contact_ratio[0]),
-             number(s.contact_ratio[1]), number(s.contact_ratio[2])}) {
-      fields.push_back(std::move(field));
-    }
-    text += csv_line(fields);
+namespace {
+
+/// A tooth set at zero profile shift: an item of the JSON, a line of the CSV.
+Fields zero_shift_fields(const ZeroShiftSet& s) {
+  Fields f;
+  const auto teeth = train::teeth_of(s.candidate.teeth);
+  for (std::size_t k = 0; k < teeth.size(); ++k) f.append("teeth", teeth[k], {kTeeth[k]});
+  f.add("planets", s.candidate.planets, {"planets"});
+  f.add("ratio", s.ratio, {"ratio"});
+  f.add("module_ratio", s.module_ratio, {"module_ratio"});
+  f.add("meshes", s.meshes, {"meshes"});
+  const auto number = [&](double x) { return s.defined ? io::Json(x) : nullptr; };
+  f.add("eta_b", number(s.eta_b), {"eta_b"});
+  f.add("eta_f", number(s.eta_f), {"eta_f"});
+  f.add("backlash_arcmin", number(arcmin(s.lost_motion_rad)), {"backlash_arcmin"});
+  f.add("sun_backlash_modules", number(s.sun_backlash), {"sun_backlash_modules"});
+  f.add("contact_ratio", s.defined ? io::Json(s.contact_ratio) : nullptr);
+  for (std::size_t k = 0; k < s.contact_ratio.size(); ++k) {
+    f.add_row(number(s.contact_ratio[k]), {kContactRatios[k]});
   }
+  return f;
+}
+
+}  // namespace
+
+std::string search_csv(const std::vector<ZeroShiftSet>& sets) {
+  std::string text = zero_shift_fields({}).csv_header();
+  for (const ZeroShiftSet& s : sets) text += zero_shift_fields(s).csv_values();
   return text;
 }
 
 std::string search_json(const Specification& spec, const ToothSearchResult& search,
                         const std::vector<ZeroShiftSet>& sets) {
-  io::Json list = io::Json::array();
-  for (const ZeroShiftSet& s : sets) {
-    const auto number = [&](double x) { return s.defined ? io::Json(x) : io::Json(); };
-    list.push_back({{"teeth", train::teeth_of(s.candidate.teeth)},
-                    {"planets", s.candidate.planets},
-                    {"ratio", s.ratio},
-                    {"module_ratio", s.module_ratio},
-                    {"meshes", s.meshes},
-                    {"eta_b", number(s.eta_b)},
-                    {"eta_f", number(s.eta_f)},
-                    {"backlash_arcmin", number(arcmin(s.lost_motion_rad))},
-                    {"sun_backlash_modules", number(s.sun_backlash)},
-                    {"contact_ratio", s.defined ? io::Json(s.contact_ratio) : io::Json()}});
-  }
-  const io::Json json{{"tool", tool_json()},
-                      {"name", spec.name},
-                      {"search", search_counts_json(spec, search)},
-                      {"sets", std::move(list)}};
+  const io::Json json{
+      {"tool", tool_json()},
+      {"name", spec.name},
+      {"search", search_counts_json(spec, search)},
+      {"sets", list_json(sets, [](const ZeroShiftSet& s) { return zero_shift_fields(s).json(); })}};
   return json.text();
 }
 
@@ -222,14 +247,14 @@ RefinedColumns refined_columns(const Specification& spec) {
 
 void write_refined_csv(const OptimizeResult& result, const RefinedColumns& columns,
                        const std::function<void(std::string_view)>& out) {
-  out(refined_header(columns) + "\n");
+  out(refined_header(columns));
   optimize::for_each_set(result, [&](std::size_t, const std::optional<RefinedSet>& set) {
     if (set) out(refined_row(result, *set, columns));
   });
 }
 
 std::string pareto_csv(const OptimizeResult& result, const RefinedColumns& columns) {
-  std::string text = refined_header(columns) + "\n";
+  std::string text = refined_header(columns);
   for (const std::size_t k : result.pareto) {
     text += refined_row(result, result.refined[k], columns);
   }
@@ -238,21 +263,20 @@ std::string pareto_csv(const OptimizeResult& result, const RefinedColumns& colum
 
 std::string pareto_csv(const Specification& spec, const optimize::ParetoFront& front) {
   const RefinedColumns columns = refined_columns(spec);
-  std::string text = refined_header(columns);
-  for (const optimize::Objective objective : spec.objectives) {
-    const optimize::ObjectiveRecord& record = optimize::objective_record(objective);
-    text +=
-        fmt::format(",objective_{}{}{}", record.name, record.unit.empty() ? "" : "_", record.unit);
-  }
-  text += "\n";
-  for (const optimize::ParetoPoint& point : front.points) {
-    std::vector<std::string> fields = refined_fields(point.set, std::nullopt, columns);
+  const auto point_fields = [&](const optimize::ParetoPoint& point) {
+    Fields f = refined_fields(point.set, std::nullopt, columns);
     for (std::size_t k = 0; k < spec.objectives.size(); ++k) {
-      fields.push_back(
-          exact(point.values[k] / optimize::objective_record(spec.objectives[k]).per_unit));
+      const optimize::ObjectiveRecord& record = optimize::objective_record(spec.objectives[k]);
+      f.add_row(point.values[k] / record.per_unit,
+                {fmt::format("objective_{}{}{}", record.name, record.unit.empty() ? "" : "_",
+                             record.unit)});
     }
-    text += csv_line(fields);
-  }
+    return f;
+  };
+  const optimize::ParetoPoint nameless{.set = nameless_set(),
+                                       .values = std::vector<double>(spec.objectives.size())};
+  std::string text = point_fields(nameless).csv_header();
+  for (const optimize::ParetoPoint& point : front.points) text += point_fields(point).csv_values();
   return text;
 }
 
@@ -368,7 +392,7 @@ std::string summary_json(const Specification& spec, const OptimizeResult& result
                 {"wall_time_s", facts.wall_time_s},
                 {"threads", facts.threads}};
   if (robust != nullptr) json["robust"] = robust_json(spec, *robust);
-  if (model != nullptr) add_model(json, *model);
+  if (model != nullptr) json["model"] = model_json(*model);
   return json.text();
 }
 

@@ -8,7 +8,6 @@
 #include <numbers>
 #include <vector>
 
-#include "io/text/json.hpp"
 #include "report/display.hpp"
 #include "report/text_table.hpp"
 
@@ -144,6 +143,46 @@ std::optional<double> in_unit_or_none(const std::optional<double>& si, Unit unit
   return design::in_unit(*si, unit);
 }
 
+/// The unit of a derivative: "arcmin/mm", "1/deg", "um/(kg m2)".
+std::string derivative_unit(Unit of, const std::string& by) {
+  const std::string name(design::unit_name(of));
+  if (by.empty()) return name;
+  const bool product = by.find_first_of(" /") != std::string::npos;
+  return fmt::format(fmt::runtime(product ? "{}/({})" : "{}/{}"), name.empty() ? "1" : name, by);
+}
+
+Fields input_fields(const Sensitivities& s, const Sensitivity& row) {
+  Fields f(row.input);
+  f.add("input", row.input);
+  f.add("unit", row.unit);
+  f.add("stated", !unstated(s, row));
+  f.add("value", row.value);
+  f.add("step", row.step);
+  for (const Column& c : columns_of(s)) {
+    f.add(c.field, in_unit_or_none(row.slope[static_cast<std::size_t>(c.quantity)], c.field_unit),
+          {c.field, derivative_unit(c.field_unit, row.unit)});
+  }
+  f.add("d_margin", io::Json::array());
+  for (std::size_t i = 0; i < s.checks.size(); ++i) {
+    const TightCheck& check = s.checks[i];
+    const Unit unit = check.record->unit;
+    f.append("d_margin", in_unit_or_none(row.margin_slope[i], unit),
+             {fmt::format("d_margin {} {}", check.record->name, subject_of(check)),
+              derivative_unit(unit, row.unit)});
+  }
+  return f;
+}
+
+Fields tight_check_fields(const TightCheck& check) {
+  Fields f;
+  f.add("name", check.record->name);
+  if (!check.mesh.empty()) f.add("mesh", check.mesh);
+  if (!check.gear.empty()) f.add("gear", check.gear);
+  f.add("margin", design::in_unit(check.margin, check.record->unit));
+  f.add("unit", design::unit_name(check.record->unit));
+  return f;
+}
+
 }  // namespace
 
 std::string sensitivity_table(const Sensitivities& s) {
@@ -151,56 +190,12 @@ std::string sensitivity_table(const Sensitivities& s) {
   return quantity_table(s) + check_table(s);
 }
 
-void add_sensitivities(io::Json& json, const Sensitivities& s) {
-  auto& list = json["sensitivities"] = io::Json::array();
-  for (const Sensitivity& row : s.inputs) {
-    io::Json item{{"input", row.input},
-                  {"unit", row.unit},
-                  {"stated", !unstated(s, row)},
-                  {"value", row.value},
-                  {"step", row.step}};
-    for (const Column& c : columns_of(s)) {
-      item[c.field] =
-          in_unit_or_none(row.slope[static_cast<std::size_t>(c.quantity)], c.field_unit);
-    }
-    auto& margins = item["d_margin"] = io::Json::array();
-    for (std::size_t i = 0; i < s.checks.size(); ++i) {
-      margins.push_back(in_unit_or_none(row.margin_slope[i], s.checks[i].record->unit));
-    }
-    list.push_back(std::move(item));
-  }
-  auto& checks = json["tightest_checks"] = io::Json::array();
-  for (const TightCheck& check : s.checks) {
-    io::Json item{{"name", check.record->name}};
-    if (!check.mesh.empty()) item["mesh"] = check.mesh;
-    if (!check.gear.empty()) item["gear"] = check.gear;
-    item["margin"] = design::in_unit(check.margin, check.record->unit);
-    item["unit"] = design::unit_name(check.record->unit);
-    checks.push_back(std::move(item));
-  }
-}
-
-std::string sensitivity_csv(const Sensitivities& s) {
-  std::string text;
-  for (const Sensitivity& row : s.inputs) {
-    const auto add = [&](const std::string& quantity, const std::optional<double>& si, Unit unit) {
-      if (!si) return;
-      const std::string of(design::unit_name(unit));
-      const bool product = row.unit.find_first_of(" /") != std::string::npos;
-      const std::string by = product ? fmt::format("({})", row.unit) : row.unit;
-      text += csv_line({row.input, quantity, exact(design::in_unit(*si, unit)),
-                        by.empty() ? of : fmt::format("{}/{}", of.empty() ? "1" : of, by), "", ""});
-    };
-    for (const Column& c : columns_of(s)) {
-      add(c.field, row.slope[static_cast<std::size_t>(c.quantity)], c.field_unit);
-    }
-    for (std::size_t i = 0; i < s.checks.size(); ++i) {
-      const TightCheck& check = s.checks[i];
-      add(fmt::format("d_margin {} {}", check.record->name, subject_of(check)), row.margin_slope[i],
-          check.record->unit);
-    }
-  }
-  return text;
+Fields sensitivity_fields(const Sensitivities& s) {
+  Fields f;
+  f.add_list("sensitivities", s.inputs,
+             [&](const Sensitivity& row) { return input_fields(s, row); });
+  f.add_list("tightest_checks", s.checks, tight_check_fields);
+  return f;
 }
 
 }  // namespace gear3k::report

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "design/sensitivity.hpp"
-#include "io/text/json.hpp"
+#include "report/fields.hpp"
 
 namespace gear3k::report {
 
@@ -12,10 +12,8 @@ namespace gear3k::report {
 /// first, and the three strongest inputs of each of the tightest checks; nothing without inputs.
 std::string sensitivity_table(const design::Sensitivities& s);
 
-/// Adds `sensitivities`, derivatives per unit of the file, and `tightest_checks`.
-void add_sensitivities(io::Json& json, const design::Sensitivities& s);
-
-/// Lines of analysis_csv(): of each input its derivatives as far as they are defined.
-std::string sensitivity_csv(const design::Sensitivities& s);
+/// `sensitivities`, derivatives per unit of the file, and `tightest_checks`; rows of each input's
+/// derivatives as far as they are defined.
+Fields sensitivity_fields(const design::Sensitivities& s);
 
 }  // namespace gear3k::report

@@ -8,7 +8,6 @@
 #include <string_view>
 #include <vector>
 
-#include "io/text/json.hpp"
 #include "report/display.hpp"
 #include "report/text_table.hpp"
 
@@ -144,9 +143,17 @@ std::string check_table(const std::vector<CheckLimits>& checks) {
          table.text(2);
 }
 
-io::Json range_json(const BuiltRange& range, Unit unit) {
+/// Least, nominal and greatest as an object, each with a row "built <name> min", ...
+Fields range_fields(const std::string& item, std::string_view name, const BuiltRange& range,
+                    Unit unit) {
   const BuiltRange r = in_unit(range, unit);
-  return {{"min", r.least}, {"nominal", r.nominal}, {"max", r.greatest}};
+  Fields f(item);
+  for (const auto& [end, value] : std::array<std::pair<const char*, double>, 3>{
+           {{"min", r.least}, {"nominal", r.nominal}, {"max", r.greatest}}}) {
+    f.add(end, value,
+          {fmt::format("built {} {}", name, end), std::string(design::unit_name(unit))});
+  }
+  return f;
 }
 
 std::string key_of(const Quantity& q) {
@@ -154,44 +161,52 @@ std::string key_of(const Quantity& q) {
   return unit.empty() ? std::string(q.name) : fmt::format("{}_{}", q.name, unit);
 }
 
-io::Json mesh_json(const MeshLimits& m) {
-  io::Json json{{"name", m.name}};
-  for (const Quantity& q : quantities(m)) json[key_of(q)] = range_json(q.range, q.unit);
+Fields mesh_limit_fields(const MeshLimits& m) {
+  Fields f;
+  f.add("name", m.name);
+  for (const Quantity& q : quantities(m)) {
+    f.add(key_of(q), range_fields(m.name, q.name, q.range, q.unit));
+  }
   for (const std::size_t i : {0U, 1U}) {
     for (const Quantity& q : quantities(m, i)) {
-      json[key_of(q)].push_back(range_json(q.range, q.unit));
+      f.append(key_of(q),
+               range_fields(m.name, fmt::format("{}_gear{}", q.name, i + 1), q.range, q.unit));
     }
   }
-  return json;
+  return f;
 }
 
-io::Json gear_json(const GearLimits& g) {
-  io::Json json{{"name", g.name}};
-  for (const Quantity& q : quantities(g)) json[key_of(q)] = range_json(q.range, q.unit);
-  return json;
-}
-
-io::Json check_json(const CheckLimits& c) {
-  io::Json json{{"name", c.record->name}};
-  if (!c.mesh.empty()) json["mesh"] = c.mesh;
-  if (!c.gear.empty()) json["gear"] = c.gear;
-  json["margin"] = range_json(c.margin, c.record->unit);
-  json["unit"] = design::unit_name(c.record->unit);
-  json["ok"] = c.holds;
-  return json;
-}
-
-std::string csv_rows(const std::string& item, const std::string& name, const BuiltRange& range,
-                     Unit unit) {
-  const BuiltRange r = in_unit(range, unit);
-  std::string text;
-  for (const auto& [end, value] : std::array<std::pair<std::string_view, double>, 3>{
-           {{"min", r.least}, {"nominal", r.nominal}, {"max", r.greatest}}}) {
-    if (!std::isfinite(value)) continue;
-    text += csv_line({item, fmt::format("built {} {}", name, end), exact(value),
-                      std::string(design::unit_name(unit)), "", ""});
+Fields gear_limit_fields(const GearLimits& g) {
+  Fields f;
+  f.add("name", g.name);
+  for (const Quantity& q : quantities(g)) {
+    f.add(key_of(q), range_fields(g.name, q.name, q.range, q.unit));
   }
-  return text;
+  return f;
+}
+
+Fields check_limit_fields(const CheckLimits& c) {
+  Fields f;
+  f.add("name", c.record->name);
+  if (!c.mesh.empty()) f.add("mesh", c.mesh);
+  if (!c.gear.empty()) f.add("gear", c.gear);
+  const std::string unit(design::unit_name(c.record->unit));
+  const BuiltRange r = in_unit(c.margin, c.record->unit);
+  Fields margin(subject_of(c));
+  const auto add = [&](const char* end, double value, const char* ok) {
+    margin.add(end, value,
+               {.quantity = fmt::format("built margin {} {}", c.record->name, end),
+                .unit = unit,
+                .limit = "0",
+                .ok = ok});
+  };
+  add("min", r.least, c.holds ? "true" : "false");
+  add("nominal", r.nominal, "");
+  add("max", r.greatest, "");
+  f.add("margin", std::move(margin));
+  f.add("unit", unit);
+  f.add("ok", c.holds);
+  return f;
 }
 
 }  // namespace
@@ -209,49 +224,16 @@ std::string tolerance_table(const std::optional<ToleranceLimits>& limits) {
   return text + mesh_table(*limits) + gear_table(*limits) + check_table(limits->checks);
 }
 
-void add_tolerances(io::Json& json, const std::optional<ToleranceLimits>& limits) {
-  if (!limits) return;
-  io::Json& tolerances = json["tolerances"];
-  for (const MeshLimits& m : limits->meshes) tolerances["meshes"].push_back(mesh_json(m));
-  for (const GearLimits& g : limits->gears) tolerances["gears"].push_back(gear_json(g));
-  tolerances["checks"] = io::Json::array();
-  for (const CheckLimits& c : limits->checks) tolerances["checks"].push_back(check_json(c));
-  if (limits->lost_motion_rad) {
-    tolerances["lost_motion_arcmin"] = range_json(*limits->lost_motion_rad, Unit::kArcmin);
+Fields tolerance_fields(const ToleranceLimits& limits) {
+  Fields f;
+  f.add_list("meshes", limits.meshes, mesh_limit_fields, 1);
+  f.add_list("gears", limits.gears, gear_limit_fields, 2);
+  f.add_list("checks", limits.checks, check_limit_fields, 3);
+  if (limits.lost_motion_rad) {
+    f.add("lost_motion_arcmin",
+          range_fields("train", "lost_motion_kinematic", *limits.lost_motion_rad, Unit::kArcmin));
   }
-}
-
-std::string tolerance_csv(const std::optional<ToleranceLimits>& limits) {
-  if (!limits) return "";
-  std::string text;
-  if (limits->lost_motion_rad) {
-    text += csv_rows("train", "lost_motion_kinematic", *limits->lost_motion_rad, Unit::kArcmin);
-  }
-  for (const MeshLimits& m : limits->meshes) {
-    for (const Quantity& q : quantities(m)) {
-      text += csv_rows(m.name, std::string(q.name), q.range, q.unit);
-    }
-    for (const std::size_t i : {0U, 1U}) {
-      for (const Quantity& q : quantities(m, i)) {
-        text += csv_rows(m.name, fmt::format("{}_gear{}", q.name, i + 1), q.range, q.unit);
-      }
-    }
-  }
-  for (const GearLimits& g : limits->gears) {
-    for (const Quantity& q : quantities(g)) {
-      text += csv_rows(g.name, std::string(q.name), q.range, q.unit);
-    }
-  }
-  for (const CheckLimits& c : limits->checks) {
-    const BuiltRange r = in_unit(c.margin, c.record->unit);
-    const std::string unit(design::unit_name(c.record->unit));
-    for (const auto& [end, value] : std::array<std::pair<std::string_view, double>, 3>{
-             {{"min", r.least}, {"nominal", r.nominal}, {"max", r.greatest}}}) {
-      text += csv_line({subject_of(c), fmt::format("built margin {} {}", c.record->name, end),
-                        exact(value), unit, "0", end == "min" ? (c.holds ? "true" : "false") : ""});
-    }
-  }
-  return text;
+  return f;
 }
 
 }  // namespace gear3k::report

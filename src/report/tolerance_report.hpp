@@ -5,18 +5,14 @@
 #include <string>
 
 #include "design/tolerance_limits.hpp"
-#include "io/text/json.hpp"
+#include "report/fields.hpp"
 
 namespace gear3k::report {
 
 /// Table "Limits of the built gearbox"; "" without tolerances.
 std::string tolerance_table(const std::optional<design::ToleranceLimits>& limits);
 
-/// Adds "tolerances" by the contract of docs/interface.md; nothing without them.
-void add_tolerances(io::Json& json, const std::optional<design::ToleranceLimits>& limits);
-
-/// Rows "built <quantity> min | nominal | max" under the header of analysis_csv(); "" without
-/// tolerances.
-std::string tolerance_csv(const std::optional<design::ToleranceLimits>& limits);
+/// "tolerances" of docs/interface.md; rows "built <quantity> min | nominal | max".
+Fields tolerance_fields(const design::ToleranceLimits& limits);
 
 }  // namespace gear3k::report

@@ -7,9 +7,9 @@
 #include <numeric>
 #include <vector>
 
-#include "io/text/json.hpp"
 #include "report/display.hpp"
 #include "report/text_table.hpp"
+#include "report/tolerance_report.hpp"
 
 namespace gear3k::report {
 
@@ -173,12 +173,99 @@ std::string tighten_text(const BuiltSeries& series) {
               : "");
 }
 
-io::Json proportion_json(const Proportion& p) {
-  return {{"value", p.value}, {"ci95", {p.lower, p.upper}}};
+/// A part of the series as an object with its rows.
+constexpr const char* kItem = "built";
+
+Fields proportion_fields(const Proportion& p, const char* quantity = nullptr) {
+  Fields f(kItem);
+  f.add("value", p.value);
+  if (quantity != nullptr) f.add_row(p.value, {quantity});
+  f.add("ci95", {p.lower, p.upper});
+  return f;
 }
 
-io::Json estimate_json(const Estimate& e) {
-  return {{"value", e.value}, {"standard_error", e.standard_error}};
+Fields estimate_fields(const Estimate& e, const char* quantity = nullptr) {
+  Fields f;
+  f.add("value", e.value);
+  f.add("standard_error", e.standard_error);
+  if (quantity != nullptr) {
+    f.add_row(e.value, {quantity});
+    f.add_row(e.standard_error, {fmt::format("{}_error", quantity)});
+  }
+  return f;
+}
+
+Fields lost_motion_fields(const backlash::LostMotionDistribution& d) {
+  Fields f(kItem);
+  f.add("mean", arcmin(d.mean_rad), {"lost_motion_mean", "arcmin"});
+  f.add("standard_deviation", arcmin(d.deviation_rad),
+        {"lost_motion_standard_deviation", "arcmin"});
+  f.add("least", arcmin(d.least_rad));
+  f.add("greatest", arcmin(d.greatest_rad));
+  f.add("quantiles", list_json(d.quantiles, [](const Quantile& q) {
+          return io::Json{{"probability", q.probability}, {"lost_motion_arcmin", arcmin(q.value)}};
+        }));
+  return f;
+}
+
+Fields worst_case_fields(const backlash::WorstCase& w) {
+  Fields f(kItem);
+  f.add("planets_alike_arcmin", arcmin(w.middle_rad));
+  f.add("root_sum_square_arcmin", arcmin(w.root_sum_square_rad));
+  f.add("greatest_arcmin", arcmin(w.greatest_rad), {"lost_motion_worst_case", "arcmin"});
+  f.add("greatest_attained", w.greatest_attained);
+  f.add("least_arcmin", arcmin(w.least_rad));
+  f.add("least_margin_um", um(w.least_margin_m), {"margin_worst_case", "um"});
+  return f;
+}
+
+io::Json first_contact_json(const design::FirstContactRooms& r) {
+  io::Json rooms = io::Json::array();
+  for (std::size_t k = 0; k < r.median_m.size(); ++k) {
+    rooms.push_back({{"median_um", um(r.median_m[k])}, {"percent95_um", um(r.percent95_m[k])}});
+  }
+  return {
+      {"samples", r.samples}, {"greatest_share", r.greatest_share}, {"rooms", std::move(rooms)}};
+}
+
+/// A tolerance and what it does; its rows are the columns of tolerances.csv.
+/// @param planets_alike_rad  its part of the lost motion of planets that are alike
+Fields share_fields(const backlash::ToleranceSource& source, const ToleranceShare& share,
+                    double planets_alike_rad) {
+  Fields f;
+  f.add("tolerance", backlash::kToleranceKindNames[static_cast<std::size_t>(source.kind)]);
+  f.add_row(source.name(), {"tolerance"});
+  f.add("gear", source.gear < 0
+                    ? nullptr
+                    : io::Json(train::kGearNames[static_cast<std::size_t>(source.gear)]));
+  f.add("half_width_um", um(source.half_width_m), {"half_width_um"});
+  f.add("variance_first_order", estimate_fields(share.first_order, "variance_first_order"));
+  f.add("variance_total", estimate_fields(share.total, "variance_total"));
+  f.add("planets_alike_arcmin", arcmin(planets_alike_rad), {"planets_alike_arcmin"});
+  Fields halved;
+  halved.add("yield", share.halved.yield, {"halved_yield"});
+  halved.add("yield_gain", estimate_fields(share.halved.yield_gain, "halved_yield_gain"));
+  halved.add("jam_probability", share.halved.jam_probability, {"halved_jam_probability"});
+  halved.add("jam_change", estimate_fields(share.halved.jam_change));
+  halved.add("quantile_99_arcmin", arcmin(share.halved.quantile_99_rad),
+             {"halved_quantile_99_arcmin"});
+  f.add("halved", std::move(halved));
+  return f;
+}
+
+Fields share_fields(const BuiltSeries& series, std::size_t i) {
+  return share_fields(series.model.sources[i], series.shares.sources[i],
+                      series.result.worst.share_rad[i]);
+}
+
+io::Json shares_json(const BuiltSeries& series) {
+  const backlash::ToleranceShares& s = series.shares;
+  return {{"samples", s.samples},
+          {"yield", s.yield},
+          {"jam_probability", s.jam_probability},
+          {"quantile_99_arcmin", arcmin(s.quantile_99_rad)},
+          {"tolerances", list_json(by_effect(series),
+                                   [&](std::size_t i) { return share_fields(series, i).json(); })}};
 }
 
 }  // namespace
@@ -187,101 +274,42 @@ std::string yield_table(const BuiltSeries& series) {
   return series_text(series) + tighten_text(series);
 }
 
-io::Json yield_json(const BuiltSeries& series) {
+Fields built_fields(const BuiltSeries& series) {
   const MonteCarloResult& r = series.result;
-  io::Json quantiles = io::Json::array();
-  for (const Quantile& q : r.lost_motion.quantiles) {
-    quantiles.push_back({{"probability", q.probability}, {"lost_motion_arcmin", arcmin(q.value)}});
+  Fields f(kItem);
+  f.add("samples", r.samples);
+  f.add("seed", series.seed);
+  f.add("scatter", backlash::kScatterNames[static_cast<std::size_t>(series.scatter.scatter)]);
+  f.add("sigma_level", series.scatter.sigma_level);
+  f.add("limit_arcmin", if_any(series.limit_rad, arcmin));
+  f.add("assembled", proportion_fields(r.assembled, "assembled"));
+  f.add("jammed", proportion_fields(r.jammed));
+  f.add("beyond_limit", proportion_fields(r.beyond_limit));
+  f.add("yield", proportion_fields(r.yield, "yield"));
+  f.add("limit_of_99_percent_arcmin", if_any(r.limit_of_99_percent_rad, arcmin),
+        {"limit_of_99_percent", "arcmin"});
+  f.add("lost_motion_arcmin", nullptr);
+  if (r.assembled.count > 0) f.add("lost_motion_arcmin", lost_motion_fields(r.lost_motion));
+  f.add("margin_um", list_json(r.margin, [](const Quantile& q) {
+          return io::Json{{"probability", q.probability}, {"margin_um", um(q.value)}};
+        }));
+  f.add("worst_case", worst_case_fields(r.worst));
+  f.add("turn", nullptr);
+  if (series.turn) {
+    f.add("turn", {{"gearboxes", series.turn->gearboxes},
+                   {"assembled", proportion_fields(series.turn->assembled).json()},
+                   {"yield", proportion_fields(series.turn->yield).json()}});
   }
-  io::Json margins = io::Json::array();
-  for (const Quantile& q : r.margin) {
-    margins.push_back({{"probability", q.probability}, {"margin_um", um(q.value)}});
-  }
-  const bool any = r.assembled.count > 0;
-  io::Json json{
-      {"samples", r.samples},
-      {"seed", series.seed},
-      {"scatter", backlash::kScatterNames[static_cast<std::size_t>(series.scatter.scatter)]},
-      {"sigma_level", series.scatter.sigma_level},
-      {"limit_arcmin", if_any(series.limit_rad, arcmin)},
-      {"assembled", proportion_json(r.assembled)},
-      {"jammed", proportion_json(r.jammed)},
-      {"beyond_limit", proportion_json(r.beyond_limit)},
-      {"yield", proportion_json(r.yield)},
-      {"limit_of_99_percent_arcmin", if_any(r.limit_of_99_percent_rad, arcmin)},
-      {"lost_motion_arcmin",
-       any ? io::Json{{"mean", arcmin(r.lost_motion.mean_rad)},
-                      {"standard_deviation", arcmin(r.lost_motion.deviation_rad)},
-                      {"least", arcmin(r.lost_motion.least_rad)},
-                      {"greatest", arcmin(r.lost_motion.greatest_rad)},
-                      {"quantiles", quantiles}}
-           : nullptr},
-      {"margin_um", margins},
-      {"worst_case",
-       {{"planets_alike_arcmin", arcmin(r.worst.middle_rad)},
-        {"root_sum_square_arcmin", arcmin(r.worst.root_sum_square_rad)},
-        {"greatest_arcmin", arcmin(r.worst.greatest_rad)},
-        {"greatest_attained", r.worst.greatest_attained},
-        {"least_arcmin", arcmin(r.worst.least_rad)},
-        {"least_margin_um", um(r.worst.least_margin_m)}}}};
-  io::Json rooms = io::Json::array();
-  for (std::size_t k = 0; k < series.rooms.median_m.size(); ++k) {
-    rooms.push_back({{"median_um", um(series.rooms.median_m[k])},
-                     {"percent95_um", um(series.rooms.percent95_m[k])}});
-  }
-  json["turn"] = series.turn ? io::Json{{"gearboxes", series.turn->gearboxes},
-                                        {"assembled", proportion_json(series.turn->assembled)},
-                                        {"yield", proportion_json(series.turn->yield)}}
-                             : nullptr;
-  json["first_contact"] = {{"samples", series.rooms.samples},
-                           {"greatest_share", series.rooms.greatest_share},
-                           {"rooms", rooms}};
-  io::Json sources = io::Json::array();
-  for (const std::size_t i : by_effect(series)) {
-    const ToleranceShare& share = series.shares.sources[i];
-    const backlash::ToleranceSource& source = series.model.sources[i];
-    sources.push_back(
-        {{"tolerance", backlash::kToleranceKindNames[static_cast<std::size_t>(source.kind)]},
-         {"gear", source.gear < 0
-                      ? nullptr
-                      : io::Json(train::kGearNames[static_cast<std::size_t>(source.gear)])},
-         {"half_width_um", um(source.half_width_m)},
-         {"variance_first_order", estimate_json(share.first_order)},
-         {"variance_total", estimate_json(share.total)},
-         {"planets_alike_arcmin", arcmin(series.result.worst.share_rad[i])},
-         {"halved",
-          {{"yield", share.halved.yield},
-           {"yield_gain", estimate_json(share.halved.yield_gain)},
-           {"jam_probability", share.halved.jam_probability},
-           {"jam_change", estimate_json(share.halved.jam_change)},
-           {"quantile_99_arcmin", arcmin(share.halved.quantile_99_rad)}}}});
-  }
-  json["shares"] = {{"samples", series.shares.samples},
-                    {"yield", series.shares.yield},
-                    {"jam_probability", series.shares.jam_probability},
-                    {"quantile_99_arcmin", arcmin(series.shares.quantile_99_rad)},
-                    {"tolerances", sources}};
-  return json;
+  f.add("first_contact", first_contact_json(series.rooms));
+  f.add("shares", shares_json(series));
+  return f;
 }
 
-std::string yield_csv(const BuiltSeries& series) {
-  const MonteCarloResult& r = series.result;
-  std::string text;
-  const auto add = [&](const std::string& quantity, double value, const std::string& unit) {
-    text += csv_line({"built", quantity, exact(value), unit, "", ""});
-  };
-  add("assembled", r.assembled.value, "");
-  add("yield", r.yield.value, "");
-  if (r.limit_of_99_percent_rad) {
-    add("limit_of_99_percent", arcmin(*r.limit_of_99_percent_rad), "arcmin");
-  }
-  if (r.assembled.count > 0) {
-    add("lost_motion_mean", arcmin(r.lost_motion.mean_rad), "arcmin");
-    add("lost_motion_standard_deviation", arcmin(r.lost_motion.deviation_rad), "arcmin");
-  }
-  add("lost_motion_worst_case", arcmin(r.worst.greatest_rad), "arcmin");
-  add("margin_worst_case", um(r.worst.least_margin_m), "um");
-  return text;
+std::string tolerances_json(const design::Evaluation& e, const BuiltSeries& series) {
+  io::Json json{{"tool", tool_json()}, {"name", e.name}};
+  if (e.tolerance_limits) json["tolerances"] = tolerance_fields(*e.tolerance_limits).json();
+  json["built"] = built_fields(series).json();
+  return json.text();
 }
 
 std::string lost_motion_histogram_csv(const BuiltSeries& series) {
@@ -294,20 +322,8 @@ std::string lost_motion_histogram_csv(const BuiltSeries& series) {
 }
 
 std::string tolerance_shares_csv(const BuiltSeries& series) {
-  std::string text =
-      "tolerance,half_width_um,variance_first_order,variance_first_order_error,variance_total,"
-      "variance_total_error,planets_alike_arcmin,halved_yield,halved_yield_gain,"
-      "halved_yield_gain_error,halved_jam_probability,halved_quantile_99_arcmin\n";
-  for (const std::size_t i : by_effect(series)) {
-    const ToleranceShare& s = series.shares.sources[i];
-    text +=
-        csv_line({series.model.sources[i].name(), exact(um(series.model.sources[i].half_width_m)),
-                  exact(s.first_order.value), exact(s.first_order.standard_error),
-                  exact(s.total.value), exact(s.total.standard_error),
-                  exact(arcmin(series.result.worst.share_rad[i])), exact(s.halved.yield),
-                  exact(s.halved.yield_gain.value), exact(s.halved.yield_gain.standard_error),
-                  exact(s.halved.jam_probability), exact(arcmin(s.halved.quantile_99_rad))});
-  }
+  std::string text = share_fields({}, {}, 0.0).csv_header();
+  for (const std::size_t i : by_effect(series)) text += share_fields(series, i).csv_values();
   return text;
 }
 

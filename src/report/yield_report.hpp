@@ -4,7 +4,8 @@
 #include <string>
 
 #include "design/built_series.hpp"
-#include "io/text/json.hpp"
+#include "design/evaluation.hpp"
+#include "report/fields.hpp"
 #include "report/plot.hpp"
 
 namespace gear3k::report {
@@ -13,11 +14,11 @@ namespace gear3k::report {
 /// tolerance to tighten first.
 std::string yield_table(const design::BuiltSeries& series);
 
-/// Members of the object "built" of docs/interface.md.
-io::Json yield_json(const design::BuiltSeries& series);
+/// "built" of docs/interface.md; rows of the figures that say most.
+Fields built_fields(const design::BuiltSeries& series);
 
-/// Rows for analysis_csv(): quantity, subject, value, unit.
-std::string yield_csv(const design::BuiltSeries& series);
+/// What `tolerances` says as JSON: the limits of a gearbox within its tolerances and the series.
+std::string tolerances_json(const design::Evaluation& e, const design::BuiltSeries& series);
 
 /// "from_arcmin,to_arcmin,gearboxes" of the lost motion of those that assemble.
 std::string lost_motion_histogram_csv(const design::BuiltSeries& series);

@@ -24,9 +24,7 @@ design::Evaluation evaluated(const design::Design& design) {
 }
 
 nlohmann::json json_of(const design::Design& design) {
-  io::Json json;
-  add_operation(json, evaluated(design));
-  return nlohmann::json::parse(json.at("operating_point").text());
+  return nlohmann::json::parse(analysis_json(evaluated(design), {})).at("operating_point");
 }
 
 TEST(OperationReport, IsNullAndSilentWithoutAnOperatingPoint) {
@@ -34,7 +32,7 @@ TEST(OperationReport, IsNullAndSilentWithoutAnOperatingPoint) {
   design.operating_point.reset();
   EXPECT_TRUE(json_of(design).is_null());
   EXPECT_EQ(operation_table(evaluated(design)), "");
-  EXPECT_EQ(operation_csv(evaluated(design)), "");
+  EXPECT_EQ(analysis_csv(evaluated(design), {}).find("operating point"), std::string::npos);
 }
 
 TEST(OperationReport, FrictionByLawIsUndefinedWithoutAnOperatingPoint) {
@@ -72,7 +70,7 @@ TEST(OperationReport, InputPowerIsOutputPowerAndAllLosses) {
 TEST(OperationReport, CsvHoldsTheNumbersOfTheJson) {
   const auto json = json_of(lossy_gearbox());
   const io::CsvTable table = io::parse_csv(
-      "item,quantity,value,unit,limit,ok\n" + operation_csv(evaluated(lossy_gearbox())),
+      kRowsHeader + operating_point_fields(*evaluated(lossy_gearbox()).operation).csv_rows(),
       "analysis.csv");
   std::map<std::string, double> csv;
   for (const auto& row : table.rows) {

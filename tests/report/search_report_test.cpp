@@ -1,0 +1,53 @@
+#include "report/search_report.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+namespace gear3k::report::search_report_test {
+namespace {
+
+const std::string kHeader =
+    "zS,zP1,zR1,zP2,zR2,status,reason,ratio,eta_b,eta_f,backlash_arcmin,xS,xP1,xR1,xP2,xR2,m1_mm,"
+    "m2_mm,center_distance_mm,eps1,eps2,eps3,eta_b_bound,kkt_residual,planets,"
+    "ring_root_diameter_mm,violation";
+
+TEST(SearchReport, RefinedSetsHaveTheColumnsOfTheInterfaceAlsoWhereThereIsNoSet) {
+  const optimize::OptimizeResult nothing{};
+  EXPECT_EQ(pareto_csv(nothing, {}), kHeader + "\n");
+  EXPECT_EQ(
+      pareto_csv(nothing, {.model = true, .tips = true, .pressure_angle = true, .masses = true}),
+      kHeader +
+          ",eta_b_model,eta_f_model,kS,kP1,kR1,kP2,kR2,pressure_angle_deg,mass_kg,"
+          "inertia_kgm2\n");
+}
+
+TEST(SearchReport, ObjectivesFollowTheColumnsOfTheFront) {
+  optimize::Specification spec;
+  spec.objectives = {optimize::Objective::kBackwardEfficiency, optimize::Objective::kLostMotion};
+  optimize::ParetoFront front;
+  const std::string header = pareto_csv(spec, front);
+  EXPECT_EQ(header.find(kHeader + ",objective_"), 0U) << header;
+  front.points.push_back({.set = {}, .values = {0.9, 0.001}});
+  front.points.back().set.candidate.teeth = {.S = 12, .P1 = 64, .R1 = 141, .P2 = 52, .R2 = 132};
+  const std::string text = pareto_csv(spec, front);
+  const std::string row = text.substr(header.size());
+  EXPECT_TRUE(row.starts_with("12,64,141,52,132,failed,,96.5")) << row;
+  EXPECT_EQ(std::ranges::count(row, ','), std::ranges::count(header, ','));
+}
+
+TEST(SearchReport, ToothSetsWithoutAnyHaveAHeader) {
+  EXPECT_EQ(search_csv({}),
+            "zS,zP1,zR1,zP2,zR2,planets,ratio,module_ratio,meshes,eta_b,eta_f,backlash_arcmin,"
+            "sun_backlash_modules,eps1,eps2,eps3\n");
+  optimize::ZeroShiftSet set{};
+  set.candidate = {.teeth = {.S = 12, .P1 = 64, .R1 = 141, .P2 = 52, .R2 = 132}, .planets = 3};
+  set.ratio = 96.5;
+  const std::string csv = search_csv({set});
+  EXPECT_EQ(csv.substr(csv.find('\n') + 1), "12,64,141,52,132,3,96.5,0,false,,,,,,,\n")
+      << "empty where no working angle is defined";
+}
+
+}  // namespace
+}  // namespace gear3k::report::search_report_test
