@@ -7,8 +7,9 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "calibrate/model/model_range.hpp"
-#include "cli/model_option.hpp"
+#include "app/analyze.hpp"
+#include "app/evaluate.hpp"
+#include "app/search.hpp"
 #include "cli/progress.hpp"
 #include "cli/result_files.hpp"
 #include "cli/talk.hpp"
@@ -44,17 +45,9 @@ void deliver(const CommonOptions& options, const std::string& text) {
   }
 }
 
-void set_aside(const std::string& path, bool quiet) {
-  std::error_code status;
-  if (!std::filesystem::exists(path, status)) return;
-  const std::string aside = path + ".previous";
-  std::filesystem::rename(path, aside, status);
-  if (status) {
-    throw io::InvalidInput(
-        fmt::format("{}: is not of this run and cannot be renamed: {}", path, status.message()));
-  }
+void warn(const app::Notes& notes, bool quiet) {
   if (quiet) return;
-  say(fmt::format("{}: is not of this run, renamed to {}\n", path, aside));
+  for (const std::string& note : notes) say(fmt::format("model: {}\n", note));
 }
 
 int use_threads(const CommonOptions& options) {
@@ -64,27 +57,23 @@ int use_threads(const CommonOptions& options) {
 
 namespace {
 
-std::string analysis(const CommonOptions& options, const design::Design& design,
-                     const design::Evaluation& evaluation,
-                     const std::optional<LoadedModel>& model) {
-  const auto sensitivities = design::sensitivities(design);
-  const std::optional<design::BuiltSeries> series = design::table_series(design);
-  const design::BuiltSeries* built = series ? &*series : nullptr;
+std::string result_text(const app::Analysis& analysis, const std::optional<app::Model>& model,
+                        Format format) {
+  const design::BuiltSeries* built = analysis.series ? &*analysis.series : nullptr;
   const report::ModelUse* use = model ? &model->use : nullptr;
-  switch (options.format) {
+  switch (format) {
     case Format::kJson:
-      return report::analysis_json(evaluation, sensitivities, use, built);
+      return report::analysis_json(analysis.evaluation, analysis.sensitivities, use, built);
     case Format::kCsv:
-      return report::analysis_csv(evaluation, sensitivities, built);
+      return report::analysis_csv(analysis.evaluation, analysis.sensitivities, built);
     case Format::kTable:
       break;
   }
-  return report::analysis_table(evaluation, sensitivities, use, built);
+  return report::analysis_table(analysis.evaluation, analysis.sensitivities, use, built);
 }
-std::string analysis(const CommonOptions& options, const design::PairDesign&,
-                     const design::PairEvaluation& evaluation,
-                     const std::optional<LoadedModel>& /*model*/) {
-  switch (options.format) {
+
+std::string result_text(const design::PairEvaluation& evaluation, Format format) {
+  switch (format) {
     case Format::kJson:
       return report::analysis_json(evaluation);
     case Format::kCsv:
@@ -93,15 +82,6 @@ std::string analysis(const CommonOptions& options, const design::PairDesign&,
       break;
   }
   return report::analysis_table(evaluation);
-}
-
-template <class Design>
-auto evaluate_or_throw(const Design& design, const std::string& file) {
-  auto result = design::evaluate(design);
-  if (const auto* undefined = std::get_if<design::NotDefined>(&result)) {
-    throw io::InvalidInput(fmt::format("{}: {}", file, undefined->message));
-  }
-  return std::get<0>(std::move(result));
 }
 
 /// An output that would overwrite its own input is a slip.
@@ -113,62 +93,63 @@ void refuse_overwriting_input(const std::string& input, const std::string& outpu
   }
 }
 
-template <class Design>
-ExitCode analyze(const Design& design, const AnalyzeOptions& options,
-                 const std::optional<LoadedModel>& model, const Notes& notes) {
-  use_threads(options);
-  refuse_overwriting_input(options.file, options.out);
-  auto result = evaluate_or_throw(design, options.file);
-  result.notes.insert(result.notes.end(), notes.begin(), notes.end());
-  warn(notes, options.quiet);
-  deliver(options, analysis(options, design, result, model));
-  return options.strict && !design::all_ok(result.checks) ? kNoFeasibleDesign : kDone;
+/// Exit code of what was analysed.
+ExitCode judged(const std::vector<design::CheckResult>& checks, const AnalyzeOptions& options) {
+  return options.strict && !design::all_ok(checks) ? kNoFeasibleDesign : kDone;
 }
 
 }  // namespace
 
 ExitCode run_analyze(const AnalyzeOptions& options) {
-  const design::Design design = io::read_design(options.file);
-  const std::optional<LoadedModel> model = load_model(options.model);
-  if (!model) return analyze(design, options, model, {});
+  const app::AnalyzeRequest request{.design = io::read_design(options.file),
+                                    .model = app::read_model(options.model),
+                                    .source = options.file};
+  use_threads(options);
   refuse_overwriting_input(options.model, options.out);
-  Notes notes;
-  const design::Design extended = with_model(design, *model, notes);
-  return analyze(extended, options, model, notes);
+  refuse_overwriting_input(options.file, options.out);
+  const app::Analysis analysis = app::analyze(request);
+  warn(analysis.model_notes, options.quiet);
+  deliver(options, result_text(analysis, request.model, options.format));
+  return judged(analysis.evaluation.checks, options);
 }
 
 ExitCode run_mesh(const AnalyzeOptions& options) {
-  return analyze(io::read_pair(options.file), options, std::nullopt, {});
+  const app::MeshRequest request{.pair = io::read_pair(options.file), .source = options.file};
+  refuse_overwriting_input(options.file, options.out);
+  const design::PairEvaluation evaluation = app::mesh(request);
+  deliver(options, result_text(evaluation, options.format));
+  return judged(evaluation.checks, options);
 }
 
 ExitCode run_search(const SearchOptions& options) {
-  const optimize::Specification spec = io::read_specification(options.file);
+  const app::SearchRequest request{.spec = io::read_specification(options.file)};
+  const optimize::Specification& spec = request.spec;
   refuse_overwriting_input(options.file, options.out);
   use_threads(options);
-  optimize::Progress progress;
-  optimize::ToothSearchResult search;
+  app::ToothSets found;
   {
+    optimize::Progress progress;
     const ProgressDisplay display(progress, options.quiet);
-    search = optimize::search_teeth(spec, progress);
+    found = app::search(request, progress);
   }
+  const optimize::ToothSearchResult& search = found.search;
   if (search.interrupted) {
     say("interrupted: a partial search has no ranking\n");
     return kInterrupted;
   }
   const bool empty = search.candidates.empty();
-  const auto sets = optimize::rank_at_zero_shift(spec, search.candidates);
   switch (options.format) {
     case Format::kJson:
-      deliver(options, report::search_json(spec, search, sets));
+      deliver(options, report::search_json(spec, search, found.ranked));
       break;
     case Format::kCsv:
-      deliver(options, report::search_csv(sets));
+      deliver(options, report::search_csv(found.ranked));
       break;
     case Format::kTable:
       // Scripts get their header and no set; a reader gets the message below.
       if (empty) break;
-      deliver(options,
-              report::search_table(spec, search, sets, static_cast<std::size_t>(options.top)));
+      deliver(options, report::search_table(spec, search, found.ranked,
+                                            static_cast<std::size_t>(options.top)));
       break;
   }
   if (!empty) return kDone;
@@ -182,13 +163,13 @@ namespace {
 
 /// The paper's figures, drawn and written.
 struct WrittenFigures {
-  WrittenFiles files;
+  Figures figures;
+  std::vector<std::string> paths;
   std::string table;  ///< what they show
 };
 
-/// @throws io::InvalidInput where a file cannot be written or is also that of --out
-WrittenFigures write_figures(const ReproduceOptions& options,
-                             const papers::PublishedSources& sources) {
+/// The file of --out may be none of those of --figures.
+void refuse_figure_as_result(const ReproduceOptions& options) {
   const auto canonical = [](const std::filesystem::path& path) {
     std::error_code status;
     const auto result = std::filesystem::weakly_canonical(path, status);
@@ -203,16 +184,32 @@ WrittenFigures write_figures(const ReproduceOptions& options,
           fmt::format("--out {}: is a file of --figures, allowed: another file", options.out));
     }
   }
+}
+
+/// @throws io::InvalidInput where a file cannot be written or is also that of --out
+WrittenFigures write_figures(const ReproduceOptions& options,
+                             const papers::PublishedSources& sources) {
+  refuse_figure_as_result(options);
+  ResultFolderTask task{.path = options.figures,
+                        .option = "--figures",
+                        .inputs = {},
+                        .files = {},
+                        .quiet = options.quiet};
+  for (const std::string name : papers::kFigureNames) {
+    task.files.push_back(name + ".csv");
+    task.figures.push_back(name + ".svg");
+  }
+  ResultFolder folder(std::move(task));
   const papers::PaperFigures figures = papers::paper_figures(sources);
   std::vector<io::FileText> files;
   for (const papers::FigureData& data : papers::figure_data(figures)) {
     files.push_back({.path = data.name + ".csv", .text = data.csv});
   }
-  return {
-      .files = write_results(
-          {.path = options.figures, .input = "", .protected_inputs = {}, .quiet = options.quiet},
-          std::move(files), papers::figure_plots(figures)),
-      .table = papers::figures_table(figures)};
+  WrittenFigures written{.figures = draw(papers::figure_plots(figures)),
+                         .paths = {},
+                         .table = papers::figures_table(figures)};
+  written.paths = folder.write(std::move(files), written.figures);
+  return written;
 }
 
 }  // namespace
@@ -221,30 +218,30 @@ ExitCode run_reproduce(const ReproduceOptions& options) {
   use_threads(options);
   const papers::PublishedSources sources = papers::published_sources();
   const papers::Reproduction reproduction = papers::reproduce(sources);
-  WrittenFigures figures;
+  WrittenFigures written;
   if (!options.figures.empty()) {
     end_on_interrupt();
-    figures = write_figures(options, sources);
+    written = write_figures(options, sources);
   }
   switch (options.format) {
     case Format::kJson:
-      deliver(options, papers::reproduce_json(reproduction));
+      deliver(options, with_missing_figures(papers::reproduce_json(reproduction), written.figures));
       break;
     case Format::kCsv:
       deliver(options, papers::reproduce_csv(reproduction));
       break;
     case Format::kTable:
       deliver(options,
-              papers::reproduce_table(reproduction) + figures.table + files_text(figures.files));
+              papers::reproduce_table(reproduction) + written.table + files_text(written.paths));
       break;
   }
-  return figures.files.code;
+  return kDone;
 }
 
 ExitCode run_export(const ExportOptions& options) {
   use_threads(options);
   const design::Design design = io::read_design(options.file);
-  const design::Evaluation evaluation = evaluate_or_throw(design, options.file);
+  const design::Evaluation evaluation = app::evaluate(design, options.file);
   const double chord_error_m = options.chord_error_um * 1e-6;
   const drawing::DrawingSet set = drawing::make_drawings(design, evaluation, chord_error_m);
 

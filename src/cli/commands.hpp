@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "app/model.hpp"
 #include "cli/exit_code.hpp"
 
 namespace gear3k::cli {
@@ -99,9 +100,8 @@ void print_result(const std::string& text);
 /// Prints a result to stdout, or writes it to options.out.
 void deliver(const CommonOptions& options, const std::string& text);
 
-/// Moves a file out of the way that would pass for a result of this run, and says so unless quiet.
-/// @throws io::InvalidInput when it cannot be renamed
-void set_aside(const std::string& path, bool quiet);
+/// Notes on the use of a model on stderr, unless quiet.
+void warn(const app::Notes& notes, bool quiet);
 
 /// Runs OpenMP regions with the number of threads asked for.  @returns that number
 int use_threads(const CommonOptions& options);

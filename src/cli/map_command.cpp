@@ -1,62 +1,56 @@
-#include <fmt/format.h>
+#include <optional>
 
+#include "app/map.hpp"
 #include "cli/commands.hpp"
-#include "cli/model_option.hpp"
 #include "cli/progress.hpp"
 #include "cli/result_files.hpp"
-#include "design/operating_map.hpp"
 #include "io/files/design_file.hpp"
-#include "io/text/diagnostics.hpp"
 #include "report/map_plot.hpp"
 #include "report/map_report.hpp"
 
 namespace gear3k::cli {
 
-namespace {
-
-design::OperatingMap map_or_throw(const design::Design& design, const std::string& file) {
-  auto result = design::make_operating_map(design);
-  if (const auto* undefined = std::get_if<design::NotDefined>(&result)) {
-    throw io::InvalidInput(fmt::format("{}: {}", file, undefined->message));
-  }
-  return std::get<0>(std::move(result));
-}
-
-}  // namespace
-
 ExitCode run_map(const MapOptions& options) {
   end_on_interrupt();
   use_threads(options);
-  design::Design design = io::read_design(options.file);
-  const std::optional<LoadedModel> model = load_model(options.model);
-  Notes notes;
-  if (model) design = with_model_on_grid(design, *model, notes);
-  const report::ModelUse* use = model ? &model->use : nullptr;
-  design::OperatingMap map = map_or_throw(design, options.file);
-  map.notes.insert(map.notes.end(), notes.begin(), notes.end());
-  warn(notes, options.quiet);
-  WrittenFiles written;
+  const app::MapRequest request{.design = io::read_design(options.file),
+                                .model = app::read_model(options.model),
+                                .source = options.file};
+  std::optional<ResultFolder> folder;
   if (!options.out.empty()) {
-    written = write_results({.path = options.out,
-                             .input = options.file,
-                             .protected_inputs = {},
-                             .quiet = options.quiet},
-                            {{.path = "map.csv", .text = report::map_csv(map)},
-                             {.path = "map.json", .text = report::map_json(map, use)}},
-                            report::map_plots(map));
+    folder.emplace(ResultFolderTask{
+        .path = options.out,
+        .inputs = {options.file, options.model},
+        .files = {"map.csv", "map.json"},
+        .figures = {"efficiency_forward.svg", "efficiency_backward.svg", "torques.svg"},
+        .quiet = options.quiet});
+  }
+  const app::Map result = app::map(request);
+  warn(result.model_notes, options.quiet);
+  Figures figures;
+  if (folder) figures = draw(report::map_plots(result.map));
+  const report::ModelUse* use = request.model ? &request.model->use : nullptr;
+  const auto json = [&] {
+    return with_missing_figures(report::map_json(result.map, use), figures);
+  };
+  std::vector<std::string> written;
+  if (folder) {
+    written = folder->write({{.path = "map.csv", .text = report::map_csv(result.map)},
+                             {.path = "map.json", .text = json()}},
+                            figures);
   }
   switch (options.format) {
     case Format::kJson:
-      print_result(report::map_json(map, use));
+      print_result(json());
       break;
     case Format::kCsv:
-      print_result(report::map_csv(map));
+      print_result(report::map_csv(result.map));
       break;
     case Format::kTable:
-      print_result(report::map_table(map, use) + files_text(written));
+      print_result(report::map_table(result.map, use) + files_text(written));
       break;
   }
-  return written.code;
+  return kDone;
 }
 
 }  // namespace gear3k::cli

@@ -1,93 +1,141 @@
 #include "cli/result_files.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <filesystem>
 #include <utility>
 
-#include "cli/commands.hpp"
 #include "cli/talk.hpp"
 #include "io/text/diagnostics.hpp"
-#include "io/text/gnuplot.hpp"
+#include "io/text/file_writer.hpp"
 
 namespace gear3k::cli {
 
 namespace {
 
-/// No result may replace a file that it was made from.
-void refuse_overwriting_inputs(const std::vector<std::string>& paths, const ResultFolder& folder) {
-  for (const std::string& path : paths) {
-    for (const std::string& input : folder.protected_inputs) {
-      std::error_code status;
-      if (std::filesystem::equivalent(path, input, status)) {
-        throw io::InvalidInput(fmt::format("--out {}: {} is an input file, allowed: another folder",
-                                           folder.path, path));
-      }
-    }
-  }
-}
+namespace fs = std::filesystem;
 
-/// Removes a file of an earlier run, which would pass for a result of this one.
-/// @throws io::InvalidInput when it cannot be removed
-void remove_earlier(const std::string& path, bool quiet) {
+/// Whether two names are of one file that exists.
+bool same_file(const std::string& a, const std::string& b) {
   std::error_code status;
-  if (!std::filesystem::is_regular_file(path, status)) return;
-  if (!std::filesystem::remove(path, status) || status) {
-    throw io::InvalidInput(
-        fmt::format("{}: is of an earlier run and cannot be removed: {}", path, status.message()));
-  }
-  if (!quiet) say(fmt::format("{}: was of an earlier run, removed\n", path));
+  return fs::equivalent(a, b, status);
 }
 
-/// Whether a path is one of the inputs, by whatever name.
-bool is_input(const std::string& path, const ResultFolder& folder) {
-  return std::ranges::any_of(folder.protected_inputs, [&](const std::string& input) {
-    std::error_code status;
-    return std::filesystem::equivalent(path, input, status);
-  });
+/// What stderr says of figures that are missing.
+std::string missing_text(const Figures& figures, const std::vector<std::string>& written) {
+  std::string text;
+  std::vector<std::string> names;
+  for (const Figures::Missing& missing : figures.missing) {
+    names.push_back(missing.file);
+    if (text.find(missing.cause) == std::string::npos) text += missing.cause + '\n';
+  }
+  return text +
+         fmt::format("written without {}: {}\n",
+                     figures.files.empty() ? "figures" : fmt::to_string(fmt::join(names, ", ")),
+                     fmt::join(written, ", "));
 }
 
 }  // namespace
 
-WrittenFiles write_results(const ResultFolder& folder, std::vector<io::FileText> files,
-                           const std::vector<report::Plot>& plots) {
-  const auto path_of = [&](const std::string& name) {
-    return (std::filesystem::path(folder.path) / name).string();
-  };
-  for (io::FileText& file : files) file.path = path_of(file.path);
-  std::string failure;
-  try {
-    std::vector<io::FileText> figures;
-    figures.reserve(plots.size());
-    for (const report::Plot& plot : plots) {
-      figures.push_back(
-          {.path = path_of(plot.name + ".svg"), .text = io::run_gnuplot(plot.script)});
+ResultFolder::ResultFolder(ResultFolderTask task) : task_(std::move(task)) {
+  for (const auto* names : {&task_.files, &task_.others, &task_.figures}) {
+    for (const std::string& name : *names) {
+      for (const std::string& input : task_.inputs) {
+        if (input.empty() || !same_file(path_of(name), input)) continue;
+        throw io::InvalidInput(fmt::format("{} {}: {} is an input file, allowed: another folder",
+                                           task_.option, task_.path, path_of(name)));
+      }
     }
-    files.insert(files.end(), figures.begin(), figures.end());
-  } catch (const io::InvalidInput& error) {
-    failure = error.what();
   }
-  WrittenFiles written;
-  written.paths.reserve(files.size());
-  for (const io::FileText& file : files) written.paths.push_back(file.path);
-  refuse_overwriting_inputs(written.paths, folder);
-  io::write_files(files, folder.input);
+  std::error_code status;
+  if (fs::is_directory(task_.path, status)) lock();
+}
+
+ResultFolder::~ResultFolder() {
+  std::error_code ignored;  // folders that something was put into stay
+  for (auto path = made_.rbegin(); path != made_.rend(); ++path) fs::remove(*path, ignored);
+  if (lock_ >= 0) ::close(lock_);
+}
+
+void ResultFolder::open() {
+  if (lock_ < 0) {
+    std::error_code unknown;
+    for (fs::path p = task_.path; !p.empty() && !fs::exists(p, unknown); p = p.parent_path()) {
+      made_.insert(made_.begin(), p.string());
+      if (p == p.parent_path()) break;
+    }
+  }
+  io::prepare_folder(task_.path);
+  if (lock_ < 0) lock();
+}
+
+void ResultFolder::lock() {
+  lock_ = ::open(task_.path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (lock_ < 0 || ::flock(lock_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+  throw io::InvalidInput(
+      fmt::format("{} {}: another run is writing it; allowed: another folder, or to wait",
+                  task_.option, task_.path));
+}
+
+std::string ResultFolder::path_of(const std::string& name) const {
+  return (fs::path(task_.path) / name).string();
+}
+
+std::vector<std::string> ResultFolder::write(std::vector<io::FileText> files,
+                                             const Figures& figures) {
+  open();
+  files.insert(files.end(), figures.files.begin(), figures.files.end());
+  std::vector<std::string> written;
+  written.reserve(files.size());
+  for (io::FileText& file : files) {
+    file.path = path_of(file.path);
+    written.push_back(file.path);
+  }
+  io::write_files(files, "");
+  for (const Figures::Missing& missing : figures.missing) set_aside(missing.file);
   // Figures of an earlier run would pass for results of this one.
-  for (const std::string& name : folder.figures) {
-    const std::string path = path_of(name + ".svg");
-    const bool own = std::ranges::find(plots, name, &report::Plot::name) != plots.end();
-    if (!own && !is_input(path, folder)) remove_earlier(path, folder.quiet);
+  for (const std::string& name : task_.figures) {
+    if (std::ranges::find(written, path_of(name)) == written.end()) remove_earlier(name);
   }
-  if (failure.empty()) return written;
-  for (const report::Plot& plot : plots) set_aside(path_of(plot.name + ".svg"), folder.quiet);
-  say(fmt::format("{}\nwritten without figures: {}\n", failure, fmt::join(written.paths, ", ")));
-  written.code = kInvalidInput;
+  if (!figures.missing.empty() && !task_.quiet) say(missing_text(figures, written));
   return written;
 }
 
-std::string files_text(const WrittenFiles& written) {
-  return written.paths.empty() ? "" : fmt::format("\nFiles: {}\n", fmt::join(written.paths, ", "));
+void ResultFolder::set_aside(const std::string& name) const {
+  const std::string path = path_of(name);
+  std::error_code status;
+  if (!fs::exists(path, status)) return;
+  const std::string aside = path + ".previous";
+  fs::rename(path, aside, status);
+  if (status) {
+    throw io::InvalidInput(
+        fmt::format("{}: is not of this run and cannot be renamed: {}", path, status.message()));
+  }
+  if (!task_.quiet) say(fmt::format("{}: is not of this run, renamed to {}\n", path, aside));
+}
+
+void ResultFolder::set_all_aside() const {
+  for (const std::string& name : task_.files) set_aside(name);
+}
+
+void ResultFolder::remove_earlier(const std::string& name) const {
+  const std::string path = path_of(name);
+  std::error_code status;
+  if (!fs::is_regular_file(path, status)) return;
+  if (!fs::remove(path, status) || status) {
+    throw io::InvalidInput(
+        fmt::format("{}: is of an earlier run and cannot be removed: {}", path, status.message()));
+  }
+  if (!task_.quiet) say(fmt::format("{}: was of an earlier run, removed\n", path));
+}
+
+std::string files_text(const std::vector<std::string>& paths) {
+  return paths.empty() ? "" : fmt::format("\nFiles: {}\n", fmt::join(paths, ", "));
 }
 
 }  // namespace gear3k::cli

@@ -1,39 +1,68 @@
 #pragma once
-// Result files of a command in one folder, with figures where gnuplot can draw them.
+// Result files of a command in one folder: the one way in which commands with --out write.
 
 #include <string>
 #include <vector>
 
-#include "cli/exit_code.hpp"
+#include "cli/figures.hpp"
 #include "io/text/file_set.hpp"
-#include "report/plot.hpp"
 
 namespace gear3k::cli {
 
-struct ResultFolder {
-  std::string path;                           ///< of --out
-  std::string input;                          ///< as write_files() takes it
-  std::vector<std::string> protected_inputs;  ///< that no result may replace
-  /// Names of all figures that the command may write, without .svg: those of an earlier run that
-  /// are none of this one's are removed.
+/// What a command may write into a folder.
+struct ResultFolderTask {
+  std::string path;                      ///< of the folder
+  std::string option = "--out";          ///< that named it
+  std::vector<std::string> inputs;       ///< files that the results are made from; "" = none
+  std::vector<std::string> files;        ///< names within the folder, without figures
+  std::vector<std::string> others = {};  ///< names of files that it writes on the way
+  /// Names of all figures, with .svg: those of an earlier run that are none of this one's are
+  /// removed.
   std::vector<std::string> figures = {};
-  bool quiet = false;  ///< says nothing of figures of an earlier run
+  bool quiet = false;  ///< says nothing on stderr of files of an earlier run, or missing figures
 };
 
-struct WrittenFiles {
-  ExitCode code = kDone;           ///< kInvalidInput: without figures
-  std::vector<std::string> paths;  ///< in the order given, then figures
-};
+/// A folder of results, held by one run: no other run writes into it at the same time.
+class ResultFolder {
+ public:
+  /// A folder that is there is locked at once, one that is not with the first file (or open()).  On
+  /// file systems that lock no folders runs are not kept apart.
+  /// @throws io::InvalidInput where a result would replace an input, or another run holds it
+  explicit ResultFolder(ResultFolderTask task);
+  /// A folder that was made and got no file goes again.
+  ~ResultFolder();
+  ResultFolder(const ResultFolder&) = delete;
+  ResultFolder& operator=(const ResultFolder&) = delete;
 
-/// Writes the files and a figure NAME.svg for each plot, all or none.  Without gnuplot: no figures,
-/// those of an earlier run are set aside, and stderr says so.  Figures of an earlier run that this
-/// one has not are removed, and stderr says so.
-/// @param files  named within the folder
-/// @throws io::InvalidInput where a file cannot be written or would replace an input
-WrittenFiles write_results(const ResultFolder& folder, std::vector<io::FileText> files,
-                           const std::vector<report::Plot>& plots);
+  /// Makes the folder where it is missing, and locks it.
+  /// @throws io::InvalidInput where it cannot be written to or another run holds it
+  void open();
+
+  [[nodiscard]] std::string path_of(const std::string& name) const;
+
+  /// Writes files and figures, all or none.  Missing figures are no error: those of an earlier run
+  /// are set aside, and stderr says so.
+  /// @param files  named within the folder
+  /// @returns paths of all that was written
+  /// @throws io::InvalidInput where a file cannot be written
+  std::vector<std::string> write(std::vector<io::FileText> files, const Figures& figures = {});
+
+  /// Moves a file that would pass for a result of this run to NAME.previous.
+  /// @throws io::InvalidInput when it cannot be renamed
+  void set_aside(const std::string& name) const;
+  /// The same of all files of the task.
+  void set_all_aside() const;
+
+ private:
+  void lock();
+  void remove_earlier(const std::string& name) const;
+
+  ResultFolderTask task_;
+  std::vector<std::string> made_;  ///< folders, outermost first
+  int lock_ = -1;
+};
 
 /// "\nFiles: a, b\n" for the end of a table; "" where nothing was written.
-std::string files_text(const WrittenFiles& written);
+std::string files_text(const std::vector<std::string>& paths);
 
 }  // namespace gear3k::cli

@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "tests/cli/other_path.hpp"
 #include "tests/cli/run_program.hpp"
 
 namespace gear3k::hostile_use_test {
@@ -112,6 +113,71 @@ TEST(Input, ReadErrorIsNotItsEnd) {
   EXPECT_EQ(result.err, "/proc/self/mem: cannot be read: Input/output error\n");
 }
 
+/// A gnuplot that draws nothing but the figures whose script names this word.
+void write_gnuplot(const Workplace& place, const std::string& word) {
+  std::filesystem::create_directory(place.file("bin"));
+  place.write("bin/gnuplot", "#!/bin/sh\nif /bin/grep -q '" + word +
+                                 "'; then echo '<svg/>'; else echo broken >&2; exit 7; fi\n");
+  std::filesystem::permissions(place.file("bin/gnuplot"), std::filesystem::perms::owner_all);
+}
+
+TEST(Figures, ThatCannotBeDrawnAreAWarningAndAField) {
+  const Workplace place;
+  place.write("gear.toml", design_named("a"));
+  write_gnuplot(place, "torques without load");
+  const test::OtherPath path(place.file("bin").c_str());
+  const ProgramResult result = place.run({"map", "gear.toml", "--out", "map"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_TRUE(contains(result.err, "gnuplot: failed with exit code 7")) << result.err;
+  EXPECT_TRUE(
+      contains(result.err, "written without efficiency_forward.svg, efficiency_backward.svg: "))
+      << result.err;
+  EXPECT_EQ(place.read("map/torques.svg"), "<svg/>\n");
+  const auto missing = nlohmann::json::parse(place.read("map/map.json")).at("missing_figures");
+  ASSERT_EQ(missing.size(), 2U);
+  EXPECT_EQ(missing.at(1).at("file"), "efficiency_backward.svg");
+  EXPECT_TRUE(contains(missing.at(1).at("cause"), "broken"));
+  const ProgramResult quiet = place.run({"map", "gear.toml", "--out", "map", "--quiet"});
+  EXPECT_EQ(quiet.exit_code, 0);
+  EXPECT_EQ(quiet.err, "");
+}
+
+TEST(ResultFolder, IsHeldByOneRunToItsEnd) {
+  const Workplace place;
+  place.write("spec.toml", long_spec());
+  place.write("gear.toml", design_named("a"));
+  RunningProgram first = place.start({"optimize", "spec.toml", "--out", "out", "--quiet"});
+  ASSERT_TRUE(grows(place.file("out/optimize.journal"), 0));
+  for (const std::vector<std::string>& other :
+       {std::vector<std::string>{"map", "gear.toml", "--out", "out"},
+        std::vector<std::string>{"optimize", "spec.toml", "--out", "./out/../out", "--resume"}}) {
+    const ProgramResult second = place.run(other);
+    EXPECT_EQ(second.exit_code, kInvalidInput);
+    EXPECT_TRUE(contains(second.err, "another run is writing it; allowed: another folder"))
+        << second.err;
+  }
+  EXPECT_FALSE(place.has("out/map.csv"));
+  first.send(SIGKILL);
+  ASSERT_TRUE(first.wait(seconds(20)));
+  // The lock goes with the run, however it ends.
+  EXPECT_EQ(place.run({"map", "gear.toml", "--out", "out"}).exit_code, 0);
+}
+
+TEST(ResultFolder, KeepsAnEarlierRunWhereOneFileCannotBeWritten) {
+  const Workplace place;
+  place.write("spec.toml", small_spec());
+  ASSERT_EQ(place.run({"optimize", "spec.toml", "--out", "out", "--quiet"}).exit_code, 0);
+  const std::string refined = place.read("out/refined.csv");
+  std::filesystem::remove(place.file("out/summary.json"));
+  std::filesystem::create_directory(place.file("out/summary.json"));
+  place.write("out/best.toml", "earlier");
+  const ProgramResult result = place.run({"optimize", "spec.toml", "--out", "out", "--quiet"});
+  EXPECT_EQ(result.exit_code, kInvalidInput);
+  EXPECT_TRUE(contains(result.err, "out/summary.json: cannot be written")) << result.err;
+  EXPECT_EQ(place.read("out/best.toml"), "earlier");
+  EXPECT_EQ(place.read("out/refined.csv"), refined);
+}
+
 TEST(Stderr, ThatCannotBeWrittenEndsNoRun) {
   const Workplace place;
   place.write("spec.toml", small_spec());
@@ -151,10 +217,37 @@ TEST(Names, OfQuotesCanBeDrawn) {
   }
 }
 
+TEST(Numbers, ThatDoNotSurviveTheirUnitAreAnErrorOfTheFile) {
+  const Workplace place;
+  place.write("gear.toml", replaced(design_named("a"), "module_mm = 0.8", "module_mm = 5e-324"));
+  for (const char* command : {"analyze", "map"}) {
+    const ProgramResult result = place.run({command, "gear.toml"});
+    EXPECT_EQ(result.exit_code, kInvalidInput) << command;
+    EXPECT_TRUE(contains(result.err, "gear.toml:")) << result.err;
+    EXPECT_TRUE(contains(result.err, "module")) << result.err;
+  }
+}
+
+TEST(Models, WithAMiddleThatIsNoOperatingPointAreRefused) {
+  const Workplace place;
+  place.write("gear.toml", design_named("a"));
+  place.write("spec.toml", small_spec());
+  place.write("model.toml",
+              "[transmission]\nname = \"any\"\n[transmission.range]\nsun_speed_rpm = [200, 1000]\n"
+              "output_torque_nm = [-50, 5]\n[transmission.causes.drag_constant]\n"
+              "form = \"sun\"\nbody = \"sun\"\ntorque_nm = 0.01\ntorque_nm_sd = 0.001\n");
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"analyze", "gear.toml", "--model", "model.toml"},
+        {"optimize", "spec.toml", "--out", "out", "--model", "model.toml"}}) {
+    const ProgramResult result = place.run(words);
+    EXPECT_EQ(result.exit_code, kInvalidInput);
+    EXPECT_TRUE(contains(result.err, "model.toml:")) << result.err;
+  }
+}
+
 TEST(Quiet, SaysErrorsOnly) {
   const Workplace place;
-  place.write("spec.toml",
-              replaced(small_spec(), "max_output_arcmin = 8.0", "max_output_arcmin = 1e-6"));
+  place.write("spec.toml", replaced(small_spec(), "range = [1.2, 2.0]", "range = [3.0, 3.1]"));
   std::filesystem::create_directory(place.file("out"));
   place.write("out/best.toml", "old");
   const ProgramResult result = place.run({"optimize", "spec.toml", "--out", "out", "--quiet"});

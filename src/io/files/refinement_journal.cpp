@@ -198,14 +198,6 @@ Journal read_journal(const std::string& path, std::uint64_t fingerprint) {
   return journal;
 }
 
-bool journal_in_use(const std::string& path) {
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) return false;
-  const bool used = ::flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
-  ::close(file);
-  return used;
-}
-
 JournalWriter::Descriptor::~Descriptor() {
   if (value >= 0) ::close(value);
 }

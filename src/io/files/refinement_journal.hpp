@@ -28,9 +28,6 @@ struct Journal {
 /// @throws InvalidInput when the file is there and cannot be read, or is of another task
 Journal read_journal(const std::string& path, std::uint64_t fingerprint);
 
-/// Whether a running program is writing a journal.
-bool journal_in_use(const std::string& path);
-
 /// Appends refined sets to a journal, each call flushed to the operating system; the file is locked
 /// while the writer lives.
 class JournalWriter {

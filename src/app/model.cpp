@@ -1,4 +1,4 @@
-#include "cli/model_option.hpp"
+#include "app/model.hpp"
 
 #include <fmt/format.h>
 
@@ -7,15 +7,13 @@
 #include <utility>
 
 #include "calibrate/model/model_range.hpp"
-#include "cli/talk.hpp"
 #include "design/checks.hpp"
 #include "design/measured_lost_motion.hpp"
 #include "io/files/model_file.hpp"
 #include "io/text/diagnostics.hpp"
-#include "io/text/toml_value.hpp"
 #include "units/units.hpp"
 
-namespace gear3k::cli {
+namespace gear3k::app {
 
 namespace {
 
@@ -27,18 +25,23 @@ std::string point_text(const Point& point) {
                      point.output_torque_Nm, point.temperature_K - 273.15);
 }
 
-void note_range(const LoadedModel& model, const calibrate::UsedRange& used, Notes& notes) {
+void note_range(const Model& model, const calibrate::UsedRange& used, Notes& notes) {
   for (std::string& note : calibrate::outside_range(model.use.models, used)) {
     notes.push_back(std::move(note));
   }
 }
 
 /// The stated point, or the middle of the model's range, which is noted.
-std::optional<Point> point_or_middle(const std::optional<Point>& stated, const LoadedModel& model,
+std::optional<Point> point_or_middle(const std::optional<Point>& stated, const Model& model,
                                      const char* file, Notes& notes) {
   if (stated) return stated;
   const auto middle = calibrate::middle_of_range(model.use.models);
   if (middle) {
+    if (!(middle->sun_speed_rad_s >= 0.0 && middle->output_torque_Nm >= 0.0)) {
+      throw io::InvalidInput(fmt::format(
+          "{}: the middle of its range is no operating point: {}; allowed: 0 rpm and 0 Nm or more",
+          model.use.file, point_text(*middle)));
+    }
     notes.push_back(
         fmt::format("no [operating_point] in {}: the middle of the model's range is "
                     "taken, {}",
@@ -53,7 +56,7 @@ double added_lost_motion(const backlash::LostMotionExtension<double>& e, double 
 }
 
 /// Lowers the limits of lost motion by what the model adds to that of the teeth.
-void lower_limits(optimize::Specification& spec, LoadedModel& model, Notes& notes) {
+void lower_limits(optimize::Specification& spec, Model& model, Notes& notes) {
   const auto& e = model.extension.lost_motion;
   if (!design::changes_lost_motion(e)) return;
   const double torque_Nm = spec.operating_point ? spec.operating_point->output_torque_Nm : 0.0;
@@ -92,8 +95,7 @@ void note_model(const std::string& name, const report::ModelUse& model, Notes& n
   for (std::string& caution : report::cautions(model)) notes.push_back(std::move(caution));
 }
 
-std::string unreachable_lost_motion(const optimize::Specification& stated,
-                                    const LoadedModel& model) {
+std::string unreachable_lost_motion(const optimize::Specification& stated, const Model& model) {
   const auto& limit = stated.limits[design::CheckId::kOutputBacklashMax];
   const double added = model.use.lost_motion_shift_rad;
   if (!limit || *limit >= added) return "";
@@ -104,25 +106,24 @@ std::string unreachable_lost_motion(const optimize::Specification& stated,
       arcmin(*limit), arcmin(added), arcmin(added));
 }
 
-std::optional<LoadedModel> load_model(const std::string& path) {
-  return path.empty() ? std::nullopt : parse_model(path, io::read_toml_text(path));
-}
-
-std::optional<LoadedModel> parse_model(const std::string& path, const std::string& text) {
-  if (path.empty()) return std::nullopt;
-  LoadedModel model{.use = {.file = path, .models = io::parse_model(text, path)}, .extension = {}};
-  const auto refused = calibrate::black_box_causes(model.use.models);
+Model model_of(std::vector<ExtendedModel> models, const std::string& source) {
+  const auto refused = calibrate::black_box_causes(models);
   if (!refused.empty()) {
     throw io::InvalidInput(fmt::format(
         "{}: {}: measured on a black box, by torque and speed of its shafts: allowed: a model that "
         "diagnose found with a DESIGN",
-        path, fmt::join(refused, ", ")));
+        source, fmt::join(refused, ", ")));
   }
-  model.extension = calibrate::extension_of(model.use.models);
-  return model;
+  const design::Extension<double> extension = calibrate::extension_of(models);
+  return {.use = {.file = source, .models = std::move(models)}, .extension = extension};
 }
 
-design::Design with_model(const design::Design& design, const LoadedModel& model, Notes& notes) {
+std::optional<Model> read_model(const std::string& path) {
+  if (path.empty()) return std::nullopt;
+  return model_of(io::read_model(path), path);
+}
+
+design::Design with_model(const design::Design& design, const Model& model, Notes& notes) {
   note_model(design.name, model.use, notes);
   design::Design extended = design::extended(design, model.extension);
   if (calibrate::needs_operating_point(model.extension)) {
@@ -143,8 +144,7 @@ design::Design with_model(const design::Design& design, const LoadedModel& model
   return extended;
 }
 
-design::Design with_model_on_grid(const design::Design& design, const LoadedModel& model,
-                                  Notes& notes) {
+design::Design with_model_on_grid(const design::Design& design, const Model& model, Notes& notes) {
   note_model(design.name, model.use, notes);
   const Point stated = design.operating_point.value_or(Point{});
   const design::MapGrid& grid = design.map;
@@ -161,7 +161,7 @@ design::Design with_model_on_grid(const design::Design& design, const LoadedMode
   return design::extended(design, model.extension);
 }
 
-optimize::Specification with_model(const optimize::Specification& spec, LoadedModel& model,
+optimize::Specification with_model(const optimize::Specification& spec, Model& model,
                                    Notes& notes) {
   note_model(spec.name, model.use, notes);
   optimize::Specification extended = spec;
@@ -183,9 +183,4 @@ optimize::Specification with_model(const optimize::Specification& spec, LoadedMo
   return extended;
 }
 
-void warn(const Notes& notes, bool quiet) {
-  if (quiet) return;
-  for (const std::string& note : notes) say(fmt::format("model: {}\n", note));
-}
-
-}  // namespace gear3k::cli
+}  // namespace gear3k::app

@@ -1,0 +1,185 @@
+#include "app/diagnose.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "app/errors.hpp"
+#include "calibrate/measurement/condition_quantity.hpp"
+#include "calibrate/measurement/value_range.hpp"
+#include "calibrate/model/model_range.hpp"
+#include "io/files/measurement_loops.hpp"
+
+namespace gear3k::app {
+
+namespace {
+
+using calibrate::Diagnosis, calibrate::ExtendedModel, calibrate::Kind, calibrate::MeasurementSet,
+    calibrate::Simulation, calibrate::Subject;
+
+std::string name_of(const Subject& subject) {
+  return std::visit([](const auto& s) { return s.name; }, subject);
+}
+
+/// What of a model means something for a subject only.
+void refuse_foreign_model(const Subject& subject, const std::vector<ExtendedModel>& models,
+                          const DiagnoseRequest& request) {
+  const bool black_box = std::holds_alternative<calibrate::BlackBox>(subject);
+  std::vector<std::string> ids;
+  if (black_box) {
+    for (const ExtendedModel& model : models) {
+      for (const calibrate::AppliedCause& cause : model.causes) {
+        if (std::ranges::any_of(cause.form.constants, [](const auto& constant) {
+              return constant.unit == "N" || constant.unit == "m/s";
+            })) {
+          ids.push_back(cause.id);
+        }
+      }
+    }
+  } else {
+    ids = calibrate::black_box_causes(models);
+  }
+  if (ids.empty()) return;
+  throw io::InvalidInput(
+      fmt::format("{}: {}: measured on {}, allowed for {}: a model that diagnose found with {}",
+                  request.model->file, fmt::join(ids, ", "),
+                  black_box ? "a DESIGN, by its tooth forces and sliding" : "a black box",
+                  request.source, black_box ? "a black box" : "a DESIGN"));
+}
+
+/// Why a subject cannot say what data of a kind measure; "" where it can.
+std::string why_unanswerable(const Subject& subject, const MeasurementSet& set) {
+  const std::string data =
+      fmt::format("{} data ({})", calibrate::kKindNames[static_cast<std::size_t>(set.kind)],
+                  fmt::join(set.files, ", "));
+  if (std::holds_alternative<design::PairDesign>(subject)) {
+    if (set.kind == Kind::kPairLoss) return "";
+    return fmt::format(
+        "a PAIR explains pair_loss data only: {}: allowed with a DESIGN or a black box", data);
+  }
+  if (const auto* box = std::get_if<calibrate::BlackBox>(&subject)) {
+    if (set.kind == Kind::kPairLoss) {
+      return fmt::format("a black box has no gears: {}: allowed with a PAIR or a DESIGN", data);
+    }
+    if (set.kind != Kind::kTransmission && std::isnan(box->backlash_rad)) {
+      return fmt::format(
+          "gearbox.backlash_arcmin is not stated and {} need it: allowed: a number of at least 0",
+          data);
+    }
+    return "";
+  }
+  const auto undefined = design::why_undefined(std::get<design::Design>(subject));
+  return undefined ? undefined->message : "";
+}
+
+/// A limit of the next experiment [SI]; an end that is not stated is a quarter beyond the data.
+using Ends = std::array<double, 2>;
+std::optional<Ends> ends_of(const ExperimentLimit& limit,
+                            const calibrate::ConditionQuantity& quantity,
+                            const MeasurementSet& set) {
+  if (!limit.least && !limit.greatest) return std::nullopt;
+  const auto [low, high] = calibrate::range_of(set, quantity.member);
+  constexpr double kBeyond = 0.25;
+  // Of a temperature a quarter is one of its range.
+  const bool shifted = quantity.shift != 0.0;
+  const double room = shifted ? kBeyond * (high - low) : 0.0;
+  const double least = limit.least.value_or(shifted ? low - room : (1.0 - kBeyond) * low);
+  const double greatest = limit.greatest.value_or(shifted ? high + room : (1.0 + kBeyond) * high);
+  if (!std::isfinite(least) || !std::isfinite(greatest)) return std::nullopt;
+  // The end that is stated holds where the other one, of the data, is beyond it.
+  if (least > greatest) return limit.least ? Ends{least, least} : Ends{greatest, greatest};
+  return Ends{least, greatest};
+}
+
+/// What the diagnosis found out about its model, beside the values.
+void complete_model(Diagnosis& d) {
+  d.model.verdict = d.verdict;
+  for (std::size_t k = 0; k < d.effects.size() && k < d.model.causes.size(); ++k) {
+    calibrate::AppliedCause& cause = d.model.causes[k];
+    for (const calibrate::Alternative& a : d.effects[k].alternatives) {
+      if (std::ranges::find(cause.alternatives, a.id) == cause.alternatives.end()) {
+        cause.alternatives.push_back(a.id);
+      }
+    }
+    for (const calibrate::ParameterResult& p : d.effects[k].parameters) {
+      if (!p.plausible) cause.implausible.push_back(p.name);
+    }
+  }
+}
+
+}  // namespace
+
+DiagnosisTask diagnosis_task(const DiagnoseRequest& request) {
+  DiagnosisTask task;
+  const Subject& subject = request.subject;
+  io::Measurements data = request.data;
+  if (request.model) {
+    task.models = request.model->models;
+    refuse_foreign_model(subject, task.models, request);
+  }
+  task.subject = name_of(subject);
+  Errors errors;
+  for (MeasurementSet& set : data.sets) {
+    errors.collect([&] {
+      if (const std::string why = why_unanswerable(subject, set); !why.empty()) {
+        throw io::InvalidInput(fmt::format("{}: {}", request.source, why));
+      }
+      task.simulations.emplace_back(subject, set.kind, task.models);
+      if (set.kind == Kind::kTorqueAngle) return;
+      io::check_physics(set, task.simulations.back().ratio());
+    });
+  }
+  errors.throw_if_any();
+  io::read_loops(data, task.simulations.front().ratio());
+  if (std::ranges::find(data.sets, Kind::kTorqueAngle, &MeasurementSet::kind) == data.sets.end()) {
+    // Its rows went to the set of lost motion.
+    std::erase_if(task.simulations,
+                  [](const Simulation& s) { return s.kind() == Kind::kTorqueAngle; });
+  }
+  task.sets = std::move(data.sets);
+  if (request.model) note_model(task.subject, *request.model, task.model_notes);
+  auto& notes = task.sets.front().notes;
+  notes.insert(notes.end(), task.model_notes.begin(), task.model_notes.end());
+  if (const auto* design = std::get_if<design::Design>(&subject)) {
+    task.orders = train::shaft_orders(design->train.teeth);
+  }
+  return task;
+}
+
+std::optional<std::vector<Diagnosis>> diagnose(const DiagnosisTask& task,
+                                               const DiagnoseSettings& settings) {
+  std::vector<Diagnosis> results;
+  results.reserve(task.sets.size());
+  for (std::size_t k = 0; k < task.sets.size(); ++k) {
+    const MeasurementSet& set = task.sets[k];
+    calibrate::DiagnoseOptions how;
+    how.false_discovery_rate = settings.false_discovery_rate;
+    how.seed = settings.seed;
+    how.sun_speed_rad_s = ends_of(settings.sun_speed_rad_s, calibrate::kSunSpeed, set);
+    how.output_torque_Nm = ends_of(settings.output_torque_Nm, calibrate::kOutputTorque, set);
+    how.test_torque_Nm = ends_of(settings.test_torque_Nm, calibrate::kTestTorque, set);
+    how.temperature_K = ends_of(settings.temperature_K, calibrate::kTemperature, set);
+    how.progress = [&](double share) {
+      const double all = (static_cast<double>(k) + share) / static_cast<double>(task.sets.size());
+      return !settings.progress || settings.progress(all);
+    };
+    std::optional<Diagnosis> result;
+    try {
+      result = calibrate::diagnose(task.simulations[k], set, how);
+    } catch (const std::invalid_argument& error) {
+      throw io::InvalidInput(fmt::format("{}: {}", fmt::join(set.files, ", "), error.what()));
+    }
+    if (!result) return std::nullopt;
+    result->subject = task.subject;
+    result->model.name = task.subject;
+    complete_model(*result);
+    results.push_back(std::move(*result));
+  }
+  return results;
+}
+
+}  // namespace gear3k::app

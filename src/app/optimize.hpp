@@ -1,0 +1,75 @@
+#pragma once
+// The best design for a specification, as drawn or for the gearboxes built to it.
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "app/model.hpp"
+#include "design/evaluation.hpp"
+#include "optimize/optimizer.hpp"
+#include "optimize/pareto_search.hpp"
+#include "report/robust_report.hpp"
+
+namespace gear3k::app {
+
+struct OptimizeRequest {
+  optimize::Specification spec;
+  std::optional<Model> model = std::nullopt;
+  std::string source = "specification";  ///< stands for the specification in messages
+  bool certify = false;  ///< refine only what can still win, and prove that nothing else can
+};
+
+/// A request that can be worked on, with what its model changes.
+struct OptimizeTask {
+  optimize::Specification spec;  ///< as it is searched
+  design::Limits stated_limits;  ///< what files state of a design found
+  std::optional<Model> model;    ///< with what it moves the limits of lost motion by
+  Notes model_notes;
+  std::string unreachable;  ///< why no design can reach the lost motion; "" when one may
+  std::string source;
+  bool certify = false;
+
+  [[nodiscard]] const report::ModelUse* use() const { return model ? &model->use : nullptr; }
+};
+
+/// @throws io::InvalidInput where a certificate or a Pareto front is asked for and cannot be had
+OptimizeTask optimize_task(const OptimizeRequest& request);
+
+/// What others keep of a run, and give back to it.
+struct OptimizeHooks {
+  /// Sets that an earlier run of the same task refined; asked for once, when refinement begins.
+  std::function<std::vector<optimize::RefinedSet>()> known = {};
+  /// Called with the sets of a wave when all of them are refined, known ones left out.
+  std::function<void(std::span<const optimize::RefinedSet>)> on_wave = {};
+};
+
+struct Optimization {
+  /// Of a specification that asks for built gearboxes.  Where it chose nothing, the rest is empty.
+  std::optional<report::RobustRun> robust;
+  optimize::OptimizeResult result;
+  std::optional<optimize::ParetoFront> front;  ///< of several objectives
+  /// The best design as files state it, and what is known of it with the task's model.
+  struct Best {
+    design::Design stated, design;  ///< without and with the model
+    design::Evaluation evaluation;
+  };
+  std::optional<Best> best;
+  bool interrupted = false;
+
+  /// Whether limits were found that hold as asked; without, nothing was searched under them.
+  [[nodiscard]] bool searched() const {
+    return !robust || (robust->search.chosen && !robust->search.interrupted);
+  }
+};
+
+/// Searches, refines, picks the best.
+/// @param task  must outlive the result; gets the limits, and the cheapest tolerances, that hold
+///   for the built gearboxes
+/// @param progress  may be watched, and ends the run by its `stop`, keeping what is done
+/// @throws std::invalid_argument for a task whose limits are unreachable
+Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks, optimize::Progress& progress);
+
+}  // namespace gear3k::app

@@ -1,0 +1,101 @@
+#include "app/robust_run.hpp"
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "design/built_series.hpp"
+#include "optimize/cheapest_tolerances.hpp"
+#include "optimize/robust.hpp"
+
+namespace gear3k::app {
+
+void restart(optimize::Progress& progress) {
+  progress.phase = optimize::Progress::Phase::kSearch;
+  progress.total = 0;
+  progress.done = 0;
+  progress.feasible = 0;
+}
+
+namespace {
+
+/// The design of a refined set with the limits that were stated.
+design::Design stated_limits_of(const OptimizeTask& task, const optimize::RefinedSet& set) {
+  design::Design design = optimize::design_of(task.spec, set);
+  design.limits = task.stated_limits;
+  return design;
+}
+
+/// Tolerances that cost least for the design found, instead of the stated ones.
+report::RobustRun::Cheapest cheapen(optimize::Specification& spec, const design::Design& design,
+                                    const report::RobustRun& run, optimize::Progress& progress) {
+  restart(progress);
+  progress.phase = optimize::Progress::Phase::kGearboxes;
+  auto model = design::clearance_model_of(design);
+  const auto& limit = design.limits[design::CheckId::kOutputBacklashMax];
+  report::RobustRun::Cheapest result{.model = std::move(*model), .tolerances = {}, .built = {}};
+  result.tolerances = optimize::cheapest_tolerances(
+      result.model, {.yield = spec.robust.yield,
+                     .limit_rad = limit.value_or(std::numeric_limits<double>::infinity()),
+                     .cost = spec.robust.cost,
+                     .scatter = {.scatter = spec.tolerances->scatter,
+                                 .sigma_level = spec.tolerances->sigma_level},
+                     .seed = spec.sampling.seed,
+                     .may_widen =
+                         [&](const std::vector<double>& factor) {
+                           design::Design wide = design;
+                           wide.tolerances =
+                               optimize::scaled(*spec.tolerances, result.model, factor,
+                                                std::cos(design.train.pressure_angle_rad));
+                           return optimize::checks_hold(wide);
+                         },
+                     .stop = [&] { return progress.stop.load(); }});
+  spec.tolerances = optimize::scaled(*spec.tolerances, result.model, result.tolerances.factor,
+                                     std::cos(design.train.pressure_angle_rad));
+  design::Design cheap = design;
+  cheap.tolerances = spec.tolerances;
+  result.built = optimize::built_outcome(cheap, run.samples, run.fresh_seed);
+  return result;
+}
+
+/// Gearboxes of a design over a whole turn.
+backlash::TurnYield turn_of_built(const design::Design& design, std::uint64_t seed) {
+  const auto model = design::clearance_model_of(design);
+  return backlash::turn_yield(*model, design.train.teeth,
+                              {.seed = seed,
+                               .scatter = {.scatter = design.tolerances->scatter,
+                                           .sigma_level = design.tolerances->sigma_level},
+                               .limit_rad = design.limits[design::CheckId::kOutputBacklashMax]});
+}
+
+}  // namespace
+
+report::RobustRun hold_for_built(OptimizeTask& task, optimize::Progress& progress) {
+  optimize::Specification& spec = task.spec;
+  const bool best_only = optimize::has_bounds(spec) && !optimize::judged_by_model(spec);
+  report::RobustRun run;
+  run.search = optimize::robust_limits(spec, [&](const optimize::Specification& tightened) {
+    restart(progress);
+    optimize::OptimizeResult result =
+        optimize::optimize(tightened, progress, {.best_only = best_only});
+    return optimize::SearchOutcome{.best = std::move(result.best),
+                                   .interrupted = result.interrupted};
+  });
+  if (!run.search.chosen || run.search.interrupted) return run;
+  const optimize::RobustPass& chosen = run.search.passes[*run.search.chosen];
+  run.samples = static_cast<std::uint64_t>(spec.sampling.samples);
+  run.fresh_seed = spec.sampling.seed + 1;
+  run.nominal = optimize::built_outcome(stated_limits_of(task, *run.search.passes.front().best),
+                                        run.samples, run.fresh_seed);
+  run.chosen =
+      optimize::built_outcome(stated_limits_of(task, *chosen.best), run.samples, run.fresh_seed);
+  run.nominal_turn =
+      turn_of_built(stated_limits_of(task, *run.search.passes.front().best), run.fresh_seed);
+  run.chosen_turn = turn_of_built(stated_limits_of(task, *chosen.best), run.fresh_seed);
+  if (spec.robust.cheapest)
+    run.cheapest = cheapen(spec, stated_limits_of(task, *chosen.best), run, progress);
+  spec.limits = chosen.limits;
+  return run;
+}
+
+}  // namespace gear3k::app

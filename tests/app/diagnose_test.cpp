@@ -1,0 +1,56 @@
+#include "app/diagnose.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "io/files/subject_file.hpp"
+#include "io/text/diagnostics.hpp"
+
+namespace gear3k::app::diagnose_test {
+namespace {
+
+DiagnoseRequest bilateral_request() {
+  return {
+      .subject = io::read_subject(GEAR3K_SOURCE_DIR "/examples/designs/bilateral_drive_gear.toml"),
+      .source = "gear.toml",
+      .data = io::read_measurements(
+          {GEAR3K_SOURCE_DIR "/examples/measurements/published_bilateral_drive_gear.csv"})};
+}
+
+TEST(Diagnose, NamesTheGearboxAndCompletesTheModel) {
+  const DiagnosisTask task = diagnosis_task(bilateral_request());
+  ASSERT_EQ(task.sets.size(), 1U);
+  EXPECT_EQ(task.subject, "bilateral drive gear");
+  EXPECT_FALSE(task.orders.empty());
+  const auto results = diagnose(task, {});
+  ASSERT_TRUE(results);
+  ASSERT_EQ(results->size(), 1U);
+  const calibrate::Diagnosis& result = results->front();
+  EXPECT_EQ(result.subject, task.subject);
+  EXPECT_EQ(result.model.name, task.subject);
+  EXPECT_EQ(result.model.verdict, result.verdict);
+  EXPECT_EQ(result.rows.size(), task.sets.front().rows.size());
+}
+
+TEST(Diagnose, EndsWhenAsked) {
+  const DiagnosisTask task = diagnosis_task(bilateral_request());
+  DiagnoseSettings settings;
+  settings.progress = [](double) { return false; };
+  EXPECT_FALSE(diagnose(task, settings));
+}
+
+TEST(DiagnosisTask, RefusesDataThatTheSubjectCannotExplain) {
+  DiagnoseRequest request = bilateral_request();
+  request.subject = io::read_subject(GEAR3K_SOURCE_DIR "/examples/pair_internal.toml");
+  try {
+    diagnosis_task(request);
+    FAIL() << "no exception";
+  } catch (const io::InvalidInput& error) {
+    EXPECT_EQ(std::string(error.what()).find("gear.toml: a PAIR explains pair_loss data only"), 0U)
+        << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace gear3k::app::diagnose_test

@@ -1,0 +1,108 @@
+#include "app/optimize.hpp"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "app/search.hpp"
+#include "design/checks.hpp"
+#include "io/files/design_file.hpp"
+#include "io/files/model_file.hpp"
+#include "io/files/specification_file.hpp"
+#include "io/text/diagnostics.hpp"
+
+namespace gear3k::app::optimize_test {
+namespace {
+
+/// rp96 with suns of 12 teeth only.
+optimize::Specification small_spec() {
+  optimize::Specification spec = io::read_specification(GEAR3K_SOURCE_DIR "/examples/rp96.toml");
+  spec.teeth.S = {12, 12};
+  return spec;
+}
+
+TEST(Search, RanksAllSetsThatFit) {
+  optimize::Progress progress;
+  const ToothSets sets = search({.spec = small_spec()}, progress);
+  EXPECT_FALSE(sets.search.interrupted);
+  EXPECT_FALSE(sets.ranked.empty());
+  EXPECT_EQ(sets.ranked.size(), sets.search.candidates.size());
+}
+
+TEST(Search, HasNoRankingWhenItWasEnded) {
+  optimize::Progress progress;
+  progress.stop = true;
+  const ToothSets sets = search({.spec = small_spec()}, progress);
+  EXPECT_TRUE(sets.search.interrupted);
+  EXPECT_TRUE(sets.ranked.empty());
+}
+
+TEST(Optimize, BestDesignIsThatOfItsFile) {
+  OptimizeTask task = optimize_task({.spec = small_spec()});
+  optimize::Progress progress;
+  std::vector<optimize::RefinedSet> kept;
+  const Optimization run = optimize(
+      task, {.on_wave = [&](auto sets) { kept.insert(kept.end(), sets.begin(), sets.end()); }},
+      progress);
+  ASSERT_TRUE(run.best);
+  EXPECT_FALSE(run.interrupted);
+  EXPECT_FALSE(run.robust);
+  EXPECT_EQ(kept.size(), run.result.refined.size());
+  EXPECT_TRUE(design::all_ok(run.best->evaluation.checks));
+  const design::Design read = io::parse_design(io::design_text(run.best->stated), "best.toml");
+  const auto again = std::get<design::Evaluation>(design::evaluate(read));
+  EXPECT_EQ(again.efficiency.backward, run.best->evaluation.efficiency.backward);
+  EXPECT_EQ(again.backlash.kinematic_rad, run.best->evaluation.backlash.kinematic_rad);
+}
+
+TEST(Optimize, GoesOnWithWhatIsKnown) {
+  OptimizeTask task = optimize_task({.spec = small_spec()});
+  optimize::Progress progress;
+  const Optimization whole = optimize(task, {}, progress);
+  std::size_t refined_again = 0;
+  optimize::Progress second;
+  const Optimization run = optimize(task,
+                                    {.known = [&] { return whole.result.refined; },
+                                     .on_wave = [&](auto sets) { refined_again += sets.size(); }},
+                                    second);
+  EXPECT_EQ(refined_again, 0U);
+  ASSERT_TRUE(run.best && whole.best);
+  EXPECT_EQ(run.best->evaluation.efficiency.backward, whole.best->evaluation.efficiency.backward);
+}
+
+TEST(Optimize, KeepsNothingWhenItWasEndedAtOnce) {
+  OptimizeTask task = optimize_task({.spec = small_spec()});
+  optimize::Progress progress;
+  progress.stop = true;
+  const Optimization run = optimize(task, {}, progress);
+  EXPECT_TRUE(run.interrupted);
+  EXPECT_FALSE(run.best);
+}
+
+TEST(OptimizeTask, RefusesACertificateWithoutBounds) {
+  optimize::Specification spec = small_spec();
+  spec.free.pressure_angle_rad = {0.3, 0.4};
+  try {
+    optimize_task({.spec = spec, .source = "spec.toml", .certify = true});
+    FAIL() << "no exception";
+  } catch (const io::InvalidInput& error) {
+    EXPECT_EQ(std::string(error.what()).find("spec.toml: --certify needs bounds"), 0U);
+  }
+}
+
+TEST(OptimizeTask, SaysWhyNoTeethCanKeepALimitWithTheModel) {
+  const std::string text =
+      "[lost_motion.causes.clearance]\nform = \"constant\"\nextra_lost_motion_arcmin = 60.0\n";
+  const Model model = model_of(io::parse_model(text, "model.toml"), "model.toml");
+  OptimizeTask task = optimize_task({.spec = small_spec(), .model = model});
+  EXPECT_NE(task.unreachable.find("backlash.max_output_arcmin = 8: the model adds 60 arcmin"),
+            std::string::npos)
+      << task.unreachable;
+  optimize::Progress progress;
+  EXPECT_THROW(optimize(task, {}, progress), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace gear3k::app::optimize_test
