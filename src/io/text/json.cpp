@@ -174,6 +174,10 @@ Json& Json::operator=(const Json& other) = default;
 Json& Json::operator=(Json&& other) noexcept = default;
 Json::~Json() = default;
 
+void Json::set(bool value) { value_ = value; }
+void Json::set(std::int64_t value) { value_ = value; }
+void Json::set(std::uint64_t value) { value_ = value; }
+
 Json::Json(std::initializer_list<Item> items) {
   const auto is_member = [](const Item& item) {
     const auto* pair = std::get_if<Array>(&item.value_.value_);

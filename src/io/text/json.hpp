@@ -37,7 +37,15 @@ class Json {
   Json(std::nullptr_t);
   Json(double value);
   template <std::integral T>
-  Json(T value) : Json(number_of(value)) {}
+  Json(T value) : Json() {
+    if constexpr (std::same_as<T, bool>) {
+      set(value);
+    } else if constexpr (std::is_signed_v<T>) {
+      set(static_cast<std::int64_t>(value));
+    } else {
+      set(static_cast<std::uint64_t>(value));
+    }
+  }
   Json(const char* text);
   Json(std::string_view text);
   Json(std::string text);
@@ -89,16 +97,10 @@ class Json {
 
  private:
   explicit Json(Value value);
-  template <std::integral T>
-  static Value number_of(T value) {
-    if constexpr (std::same_as<T, bool>) {
-      return value;
-    } else if constexpr (std::is_signed_v<T>) {
-      return static_cast<std::int64_t>(value);
-    } else {
-      return static_cast<std::uint64_t>(value);
-    }
-  }
+  // Members that need the value whole are in the source: Member is not known yet.
+  void set(bool value);
+  void set(std::int64_t value);
+  void set(std::uint64_t value);
 
   Value value_;
 };
