@@ -3,34 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numbers>
-
-#include "units/units.hpp"
 
 namespace gear3k::design {
-
-namespace {
-
-struct UnitRecord {
-  std::string_view name;
-  double si;
-};
-constexpr std::array<UnitRecord, 6> kUnits{{{"", 1.0},
-                                            {"module", 1.0},
-                                            {"mm", 1e-3},
-                                            {"um", 1e-6},
-                                            {"arcmin", units::kArcmin},
-                                            {"deg", std::numbers::pi / 180.0}}};
-
-}  // namespace
-
-std::string_view unit_name(Unit unit) { return kUnits[static_cast<std::size_t>(unit)].name; }
-double in_unit(double value_si, Unit unit) {
-  return value_si / kUnits[static_cast<std::size_t>(unit)].si;
-}
-double from_unit(double value, Unit unit) {
-  return value * kUnits[static_cast<std::size_t>(unit)].si;
-}
 
 const CheckRecord& check_record(CheckId id) {
   return check_records()[static_cast<std::size_t>(id)];
@@ -80,8 +54,9 @@ double scale_of(const CheckRecord& record, double limit, double length_scale_m) 
     case Unit::kDegree:
       // Angles of assembly are zero when it fits, and never small otherwise.
       return 1e-6;
+    default:
+      return 1.0;  // of no check
   }
-  return 1.0;
 }
 
 }  // namespace

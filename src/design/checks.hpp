@@ -13,15 +13,14 @@
 #include "geometry/tooth_form.hpp"
 #include "train/axial_layout.hpp"
 #include "train/train_geometry.hpp"
+#include "units/units.hpp"
 
 namespace gear3k::design {
 
-enum class Unit { kNone, kModule, kMillimetre, kMicrometre, kArcmin, kDegree };
-/// Name of a unit as files and tables print it; "" for kNone.
-std::string_view unit_name(Unit unit);
+using units::Unit, units::unit_name;
 /// SI value (m, rad, or a number) in the unit.
-double in_unit(double value_si, Unit unit);
-double from_unit(double value, Unit unit);
+constexpr double in_unit(double value_si, Unit unit) { return units::from_si(value_si, unit); }
+constexpr double from_unit(double value, Unit unit) { return units::to_si(value, unit); }
 
 /// What one value of a check belongs to.
 enum class CheckScope {

@@ -20,6 +20,9 @@ namespace gear3k::design {
 
 using Friction = efficiency::Friction<double>;
 
+/// Greatest tip shortening of a gear that is described [modules].
+inline constexpr double kGreatestTipShortening = 1.5;
+
 /// Grid of an operating map: from, to and number of points, ends included.
 struct GridAxis {
   double from = 0.0, to = 0.0;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -9,6 +10,21 @@
 #include "optimize/refinement_problem.hpp"
 
 namespace gear3k::optimize {
+
+namespace {
+
+/// Tip shortenings that a DESIGN may state: where one is longer, the rack's addendum becomes that
+/// of the longest tooth, and every gear keeps its own.
+void state_addenda(train::TrainParameters<double>& train) {
+  const auto [least, most] = std::ranges::minmax(train.tip_shortening);
+  if (most <= design::kGreatestTipShortening) return;
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    train.rack[i].addendum -= least;
+    train.tip_shortening[i] -= least;
+  }
+}
+
+}  // namespace
 
 train::TrainParameters<double> train_of(const Specification& spec, const RefinedSet& set) {
   train::TrainParameters<double> train =
@@ -27,6 +43,7 @@ design::Design design_of(const Specification& spec, const RefinedSet& set) {
   design.name = fmt::format("{}{}/{}/{}/{}/{}", spec.name.empty() ? "" : spec.name + " ", z.S, z.P1,
                             z.R1, z.P2, z.R2);
   design.train = train_of(spec, set);
+  state_addenda(design.train);
   design.center_distance_given = true;
   design.friction = spec.friction;
   design.friction.extension = {};

@@ -1,15 +1,93 @@
 #pragma once
-// Units at the door of the program, each as its value in SI.  Inside, everything is SI.
+// Units at the door of the program.  Inside, everything is SI.
 
+#include <array>
+#include <cstddef>
 #include <numbers>
+#include <string_view>
 
 namespace gear3k::units {
 
-inline constexpr double kMillimetre = 1e-3;                       ///< m
-inline constexpr double kMicrometre = 1e-6;                       ///< m
-inline constexpr double kDegree = std::numbers::pi / 180.0;       ///< rad
-inline constexpr double kArcmin = std::numbers::pi / 180.0 / 60;  ///< rad
-inline constexpr double kRpm = std::numbers::pi / 30.0;           ///< rad/s
+/// Units of files, tables and results.
+enum class Unit {
+  kNone,    ///< a number
+  kModule,  ///< lengths over a module, as checks name them
+  kModules,
+  kMillimetre,
+  kDiameterMillimetre,  ///< of a diameter whose radius is kept
+  kMicrometre,
+  kDegree,
+  kArcmin,
+  kRpm,
+  kCelsius,
+  kNewton,
+  kNewtonMetre,
+  kMetrePerSecond,
+  kSecondPerMetre,
+  kKilogram,
+  kKilogramPerCubicMetre,
+  kKilogramSquareMetre,
+  kSquareMillimetrePerSecond,
+  kViscousDrag,
+  kQuadraticDrag
+};
+
+/// SI value = value · factor / divisor + zero.
+struct UnitRecord {
+  std::string_view name;  ///< as files and tables print it; "" for kNone
+  double factor = 1.0, divisor = 1.0;
+  double zero = 0.0;  ///< SI value of 0
+};
+inline constexpr std::array<UnitRecord, 20> kUnits{
+    {{.name = ""},
+     {.name = "module"},
+     {.name = "modules"},
+     {.name = "mm", .factor = 1e-3},
+     {.name = "mm", .factor = 0.5e-3},
+     {.name = "um", .factor = 1e-6},
+     {.name = "deg", .factor = std::numbers::pi, .divisor = 180.0},
+     {.name = "arcmin", .factor = std::numbers::pi / 180.0 / 60.0},
+     {.name = "rpm", .factor = std::numbers::pi / 30.0},
+     {.name = "C", .zero = 273.15},
+     {.name = "N"},
+     {.name = "N m"},
+     {.name = "m/s"},
+     {.name = "s/m"},
+     {.name = "kg"},
+     {.name = "kg/m3"},
+     {.name = "kg m2"},
+     {.name = "mm2/s", .factor = 1e-6},
+     {.name = "N m s/rad"},
+     {.name = "N m s2/rad2"}}};
+
+constexpr const UnitRecord& record_of(Unit unit) { return kUnits[static_cast<std::size_t>(unit)]; }
+constexpr std::string_view unit_name(Unit unit) { return record_of(unit).name; }
+/// SI value of a difference of one unit.
+constexpr double si_per(Unit unit) { return record_of(unit).factor / record_of(unit).divisor; }
+
+constexpr double to_si(double value, Unit unit) {
+  const UnitRecord& r = record_of(unit);
+  const double si = value * r.factor / r.divisor;
+  return r.zero == 0.0 ? si : si + r.zero;
+}
+/// For numbers that are shown; files are written by decimal_from_si().
+constexpr double from_si(double si, Unit unit) {
+  return (si - record_of(unit).zero) / si_per(unit);
+}
+
+/// The value of fewest decimal digits whose to_si() is `si` to the last bit: what a file states, so
+/// that to_si(decimal_from_si(to_si(x))) = to_si(x).
+///
+/// A file's numbers lie on a grid of doubles in its unit, which in places is coarser than that of
+/// SI: one in some forty SI lengths, drawn at random, is to_si() of no value in mm.  Of such a one
+/// the value is from_si(), whose to_si() is off by one last bit.
+double decimal_from_si(double si, Unit unit);
+
+inline constexpr double kMillimetre = si_per(Unit::kMillimetre);  ///< m
+inline constexpr double kMicrometre = si_per(Unit::kMicrometre);  ///< m
+inline constexpr double kDegree = si_per(Unit::kDegree);          ///< rad
+inline constexpr double kArcmin = si_per(Unit::kArcmin);          ///< rad
+inline constexpr double kRpm = si_per(Unit::kRpm);                ///< rad/s
 inline constexpr double kAbsoluteZero_c = -273.15;                ///< 0 K in degrees Celsius
 
 }  // namespace gear3k::units

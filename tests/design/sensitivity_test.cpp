@@ -83,10 +83,9 @@ double size_of(const CheckResult& check) {
       return 1e-4;
     case Unit::kArcmin:
       return 10.0 * kArcmin_rad;
-    case Unit::kDegree:
-      break;
+    default:
+      return 1.0;
   }
-  return 1.0;
 }
 
 Numbers numbers_of(const Evaluation& e) {
@@ -361,17 +360,19 @@ TEST(Sensitivity, OfEveryFrictionLawAndLossAreTheDifferencesOfTheirEvaluation) {
   }
   expect_few_kinks(tally);
   // No number of the losses is forgotten, and each has the key that the file knows.
-  for (const io::LossNumber& number : io::loss_numbers()) {
-    EXPECT_EQ(tally.inputs.count(number.record.path), 1U) << number.record.path;
+  for (const io::LossKey& loss : io::loss_keys()) {
+    const io::KeyRecord& record = loss.key.record;
+    if (record.type != io::KeyType::kNumber) continue;
+    EXPECT_EQ(tally.inputs.count(record.path), 1U) << record.path;
   }
 }
 
 TEST(Sensitivity, UnitsAndValuesAreThoseOfTheFile) {
   const Sensitivities s = sensitivities(running(FrictionLaw::kSchlenk));
-  for (const io::LossNumber& number : io::loss_numbers()) {
-    const auto row = std::ranges::find(s.inputs, number.record.path, &Sensitivity::input);
+  for (const io::LossKey& loss : io::loss_keys()) {
+    const auto row = std::ranges::find(s.inputs, loss.key.record.path, &Sensitivity::input);
     if (row == s.inputs.end()) continue;
-    EXPECT_EQ(row->unit, number.record.unit) << row->input;
+    EXPECT_EQ(row->unit, units::unit_name(loss.key.record.unit)) << row->input;
   }
   const auto value = [&](const char* key) {
     return std::ranges::find(s.inputs, key, &Sensitivity::input)->value;

@@ -4,256 +4,20 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <numbers>
 
 #include "io/keys/axial_keys.hpp"
 #include "io/keys/cutter_keys.hpp"
-#include "io/keys/limit_keys.hpp"
-#include "io/keys/loss_keys.hpp"
+#include "io/keys/design_keys.hpp"
 #include "io/keys/mass_keys.hpp"
 #include "io/keys/model_keys.hpp"
-#include "io/keys/tolerance_keys.hpp"
-#include "units/units.hpp"
 
 namespace gear3k::io {
 
 namespace {
 
+using units::Unit;
+
 constexpr int kFewestTeeth = 3;
-constexpr double kGreatestAllowance = 1.0;  // modules
-
-/// A gear as the file states it.
-struct GearInput {
-  int teeth = 0;
-  double profile_shift = 0.0, machining_allowance = 0.0, tip_shortening = 0.0;
-  std::optional<double> normal_thinning_m;
-  bool khk_tip = false;
-  geometry::PinionCutter cutter;
-  std::optional<double> pin_diameter_m;
-  double bore_diameter_m = 0.0;
-  std::optional<double> outer_diameter_m;
-};
-
-/// What DESIGN and PAIR have in common.
-struct CommonInput {
-  std::string name;
-  bool iso = false;
-  double pressure_angle_rad = 20.0 * units::kDegree;
-  std::optional<double> center_distance_m;
-  geometry::BasicRack<double> rack;
-  std::vector<GearInput> gears;
-  design::Friction friction;
-  LimitInput limits;
-  ToleranceInput tolerances;
-};
-
-struct DesignInput : CommonInput {
-  int planets = 3;
-  std::array<double, 2> module_m{};
-  design::Masses masses;
-  train::AxialLayout axial;
-  LossInput losses;
-};
-
-struct PairInput : CommonInput {
-  bool internal = false;
-  double module_m = 0.0;
-};
-
-template <class Target>
-std::vector<Key<Target>> common_keys() {
-  std::vector<Key<Target>> keys{
-      {.record = {.path = "name",
-                  .type = KeyType::kText,
-                  .default_text = "\"\"",
-                  .help = "name in tables and results"},
-       .assign = [](Target& t, std::size_t, const TomlValue& v) { t.name = v.text; }},
-      {.record = {.path = "sign_convention",
-                  .type = KeyType::kChoice,
-                  .choices = {"khk", "iso21771"},
-                  .default_text = "\"khk\"",
-                  .help = "rings: khk = teeth positive, shift positive outwards; iso21771 = teeth "
-                          "negative, shift of the opposite sign"},
-       .assign = [](Target& t, std::size_t, const TomlValue& v) { t.iso = v.text == "iso21771"; }},
-      {.record = {.path = "center_distance_mm",
-                  .type = KeyType::kNumber,
-                  .unit = "mm",
-                  .min = 0.0,
-                  .max = 1e5,
-                  .min_excluded = true,
-                  .default_text = "zero-backlash distance",
-                  .help = "centre distance of all meshes; without it the zero-backlash distance "
-                          "(of mesh P1-R1 in a train) at q = 0"},
-       .assign = [](Target& t, std::size_t,
-                    const TomlValue& v) { t.center_distance_m = v.number * units::kMillimetre; }},
-  };
-  append_model_keys<Target>(keys, [](Target& t) {
-    return ModelInput{t.pressure_angle_rad, t.rack, t.friction};
-  });
-  return keys;
-}
-
-template <class Target>
-void append_gear_keys(std::vector<Key<Target>>& keys, const std::string& prefix) {
-  const auto add = [&](KeyRecord record, auto assign) {
-    record.path = prefix + record.path;
-    keys.push_back({.record = std::move(record),
-                    .assign = [assign](Target& t, std::size_t gear, const TomlValue& v) {
-                      assign(t.gears[gear], v);
-                    }});
-  };
-  add({.path = "teeth",
-       .type = KeyType::kInteger,
-       .min = -2000,
-       .max = 2000,
-       .required = true,
-       .help = "number of teeth, at least 3 (rings: negative with iso21771)"},
-      [](GearInput& g, const TomlValue& v) { g.teeth = static_cast<int>(v.integer); });
-  add({.path = "profile_shift",
-       .type = KeyType::kNumber,
-       .unit = "modules",
-       .min = -5.0,
-       .max = 5.0,
-       .default_text = "0",
-       .help = "profile shift coefficient"},
-      [](GearInput& g, const TomlValue& v) { g.profile_shift = v.number; });
-  add({.path = "machining_allowance",
-       .type = KeyType::kNumber,
-       .unit = "modules",
-       .min = 0.0,
-       .max = kGreatestAllowance,
-       .default_text = "0",
-       .help = "q: normal thinning of the whole tooth over the module"},
-      [](GearInput& g, const TomlValue& v) { g.machining_allowance = v.number; });
-  add({.path = "normal_thinning_um",
-       .type = KeyType::kNumber,
-       .unit = "um",
-       .min = 0.0,
-       .max = 1e5,
-       .default_text = "none",
-       .help = "the same as a length, instead of machining_allowance"},
-      [](GearInput& g, const TomlValue& v) {
-        g.normal_thinning_m = v.number * units::kMicrometre;
-      });
-  add({.path = "tip_shortening",
-       .type = KeyType::kNumber,
-       .unit = "modules",
-       .min = 0.0,
-       .max = 1.5,
-       .default_text = "0",
-       .help = "shortening of the tooth at its tip, on rings too"},
-      [](GearInput& g, const TomlValue& v) { g.tip_shortening = v.number; });
-  add({.path = "tip_rule",
-       .type = KeyType::kChoice,
-       .choices = {"full", "khk"},
-       .default_text = "\"full\"",
-       .help = "full = tip_shortening as stated; khk = x1 + x2 - y of the external mesh instead, "
-               "for its two gears"},
-      [](GearInput& g, const TomlValue& v) { g.khk_tip = v.text == "khk"; });
-  add({.path = "pin_diameter_mm",
-       .type = KeyType::kNumber,
-       .unit = "mm",
-       .min = 0.0,
-       .max = 1000.0,
-       .min_excluded = true,
-       .default_text = "by geometry",
-       .help = "measuring pin; without it the one that touches on the circle d + 2 x m, rounded up "
-               "to 0.01 mm"},
-      [](GearInput& g, const TomlValue& v) { g.pin_diameter_m = v.number * units::kMillimetre; });
-  append_cutter_keys<Target>(
-      keys, prefix + "cutter",
-      [](Target& t, std::size_t gear) -> geometry::PinionCutter& { return t.gears[gear].cutter; });
-}
-
-Schema<DesignInput> design_schema() {
-  Schema<DesignInput> schema{.gears = {train::kGearNames.begin(), train::kGearNames.end()},
-                             .keys = common_keys<DesignInput>()};
-  auto& keys = schema.keys;
-  using Input = DesignInput;
-  keys.push_back({.record = {.path = "planets",
-                             .type = KeyType::kInteger,
-                             .min = 1,
-                             .max = 24,
-                             .default_text = "3",
-                             .help = "number of equally spaced planets"},
-                  .assign = [](Input& t, std::size_t, const TomlValue& v) {
-                    t.planets = static_cast<int>(v.integer);
-                  }});
-  for (const std::size_t stage : {0U, 1U}) {
-    keys.push_back({.record = {.path = fmt::format("stage{}.module_mm", stage + 1),
-                               .type = KeyType::kNumber,
-                               .unit = "mm",
-                               .min = 0.0,
-                               .max = 100.0,
-                               .min_excluded = true,
-                               .required = true,
-                               .help = stage == 0 ? "module of S, P1, R1" : "module of P2, R2"},
-                    .assign = [stage](Input& t, std::size_t, const TomlValue& v) {
-                      t.module_m[stage] = v.number * units::kMillimetre;
-                    }});
-    append_face_width_key<Input>(keys, stage, [stage](Input& t) -> std::optional<double>& {
-      return t.masses.face_width_m[stage];
-    });
-  }
-  append_gear_keys(keys, "gears.{gear}.");
-  keys.push_back({.record = {.path = "gears.{gear}.bore_mm",
-                             .type = KeyType::kNumber,
-                             .unit = "mm",
-                             .min = 0.0,
-                             .max = 1000.0,
-                             .default_text = "0",
-                             .help = "bore diameter of an external gear, for its mass and inertia"},
-                  .assign = [](Input& t, std::size_t gear, const TomlValue& v) {
-                    t.gears[gear].bore_diameter_m = v.number * units::kMillimetre;
-                  }});
-  keys.push_back({.record = {.path = "gears.{gear}.outer_diameter_mm",
-                             .type = KeyType::kNumber,
-                             .unit = "mm",
-                             .min = 0.0,
-                             .max = 10000.0,
-                             .min_excluded = true,
-                             .default_text = "none",
-                             .help = "outer diameter of ring R1 or R2, for its mass and inertia"},
-                  .assign = [](Input& t, std::size_t gear, const TomlValue& v) {
-                    t.gears[gear].outer_diameter_m = v.number * units::kMillimetre;
-                  }});
-  append_mass_keys<Input>(keys, [](Input& t) -> design::Masses& { return t.masses; });
-  append_axial_keys<Input>(keys, [](Input& t) -> train::AxialLayout& { return t.axial; });
-  append_loss_keys<Input>(keys, [](Input& t) -> LossInput& { return t.losses; });
-  append_tolerance_keys<Input>(keys, [](Input& t) -> ToleranceInput& { return t.tolerances; });
-  append_limit_keys<Input>(keys, &Input::limits, false);
-  return schema;
-}
-
-Schema<PairInput> pair_schema() {
-  Schema<PairInput> schema{.gears = {"gear1", "gear2"}, .keys = common_keys<PairInput>()};
-  auto& keys = schema.keys;
-  keys.push_back({.record = {.path = "kind",
-                             .type = KeyType::kChoice,
-                             .choices = {"external", "internal"},
-                             .required = true,
-                             .help = "external: two external gears; internal: gear2 is the ring"},
-                  .assign = [](PairInput& t, std::size_t, const TomlValue& v) {
-                    t.internal = v.text == "internal";
-                  }});
-  keys.push_back({.record = {.path = "module_mm",
-                             .type = KeyType::kNumber,
-                             .unit = "mm",
-                             .min = 0.0,
-                             .max = 100.0,
-                             .min_excluded = true,
-                             .required = true,
-                             .help = "module of both gears"},
-                  .assign = [](PairInput& t, std::size_t, const TomlValue& v) {
-                    t.module_m = v.number * units::kMillimetre;
-                  }});
-  append_gear_keys(keys, "{gear}.");
-  append_gear_tolerance_keys<PairInput>(
-      keys, [](PairInput& t) -> ToleranceInput& { return t.tolerances; }, true);
-  append_limit_keys<PairInput>(keys, &PairInput::limits, true);
-  return schema;
-}
 
 /// A gear in our convention; what cannot be one is said in `reading`.
 struct GearPlace {
@@ -344,12 +108,13 @@ geometry::Gear<double> finish_gear(const CommonInput& input, const GearInput& g,
   if (g.normal_thinning_m) {
     gear.machining_allowance = *g.normal_thinning_m / place.module_m;
     if (gear.machining_allowance > kGreatestAllowance) {
-      reading.error_at(place.path + ".normal_thinning_um",
-                       fmt::format("{}.normal_thinning_um = {:.6g}: allowed: at most {:.6g} ({:g} "
-                                   "module)",
-                                   place.path, *g.normal_thinning_m / units::kMicrometre,
-                                   kGreatestAllowance * place.module_m / units::kMicrometre,
-                                   kGreatestAllowance));
+      reading.error_at(
+          place.path + ".normal_thinning_um",
+          fmt::format("{}.normal_thinning_um = {:.6g}: allowed: at most {:.6g} ({:g} "
+                      "module)",
+                      place.path, units::from_si(*g.normal_thinning_m, Unit::kMicrometre),
+                      units::from_si(kGreatestAllowance * place.module_m, Unit::kMicrometre),
+                      kGreatestAllowance));
     }
   }
   return gear;
@@ -379,15 +144,35 @@ backlash::GearTolerances gear_tolerances(const ToleranceInput::Gear& input, cons
                                 reading);
 }
 
+void check_bore(const DesignInput& input, const GearPlace& place, double bore_radius_m,
+                const geometry::Gear<double>& gear, FileReading& reading) {
+  const double root_radius_m = circles_of(input, gear).root_radius_m;
+  if (bore_radius_m < root_radius_m) return;
+  reading.error_at(place.path + ".bore_mm",
+                   fmt::format("{}.bore_mm = {:.6g}: allowed: below the root diameter {:.6g}",
+                               place.path, units::from_si(bore_radius_m, Unit::kDiameterMillimetre),
+                               units::from_si(root_radius_m, Unit::kDiameterMillimetre)));
+}
+
+void check_rim(const DesignInput& input, const GearPlace& place, double outer_radius_m,
+               const geometry::Gear<double>& gear, FileReading& reading) {
+  const double root_radius_m = circles_of(input, gear).root_radius_m;
+  if (outer_radius_m > root_radius_m) return;
+  reading.error_at(
+      place.path + ".outer_diameter_mm",
+      fmt::format("{}.outer_diameter_mm = {:.6g}: allowed: above the root diameter {:.6g}",
+                  place.path, units::from_si(outer_radius_m, Unit::kDiameterMillimetre),
+                  units::from_si(root_radius_m, Unit::kDiameterMillimetre)));
+}
+
 design::Design finish_design(const DesignInput& input, FileReading& reading) {
   design::Design design;
   design.name = input.name;
-  design.friction = input.friction;
   design.masses = input.masses;
   design.axial = input.axial;
   check_axial(input.axial, reading);
   finish_losses(input.losses, design, reading);
-  check_friction(input.friction, reading);
+  check_friction(design.friction, reading);
   check_rack(input.rack, input.pressure_angle_rad, reading);
   design.limits = finish_limits(input.limits, reading);
   design.center_distance_given = input.center_distance_m.has_value();
@@ -416,37 +201,22 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
     tolerances.gears[i] = gear_tolerances(input.tolerances.gears[i],
                                           std::string(train::kGearNames[i]), gear, reading);
     design.pin_diameter_m[i] = input.gears[i].pin_diameter_m;
-    design.masses.bore_radius_m[i] = 0.5 * input.gears[i].bore_diameter_m;
     const bool has_circles = teeth[i] >= kFewestTeeth && gear.module_m > 0.0;
-    if (has_circles && !places[i].ring) {
-      const double root = 2.0 * circles_of(input, gear).root_radius_m;
-      if (input.gears[i].bore_diameter_m >= root) {
-        reading.error_at(
-            places[i].path + ".bore_mm",
-            fmt::format("{}.bore_mm = {:.6g}: allowed: below the root diameter {:.6g}",
-                        places[i].path, input.gears[i].bore_diameter_m / units::kMillimetre,
-                        root / units::kMillimetre));
+    const auto& outer_radius_m = input.outer_radius_m[i];
+    if (!places[i].ring) {
+      if (outer_radius_m) {
+        reading.error_at(places[i].path + ".outer_diameter_mm",
+                         fmt::format("{}.outer_diameter_mm: allowed for R1 and R2 only (external "
+                                     "gears end at their teeth)",
+                                     places[i].path));
       }
+      if (has_circles) check_bore(input, places[i], input.masses.bore_radius_m[i], gear, reading);
+      continue;
     }
-    if (input.gears[i].outer_diameter_m && !places[i].ring) {
-      reading.error_at(places[i].path + ".outer_diameter_mm",
-                       fmt::format("{}.outer_diameter_mm: allowed for R1 and R2 only (external "
-                                   "gears end at their teeth)",
-                                   places[i].path));
-    }
-    if (places[i].ring && input.gears[i].outer_diameter_m && has_circles) {
-      const double least = 2.0 * circles_of(input, gear).root_radius_m;
-      if (*input.gears[i].outer_diameter_m <= least) {
-        reading.error_at(
-            places[i].path + ".outer_diameter_mm",
-            fmt::format("{}.outer_diameter_mm = {:.6g}: allowed: above the root "
-                        "diameter {:.6g}",
-                        places[i].path, *input.gears[i].outer_diameter_m / units::kMillimetre,
-                        least / units::kMillimetre));
-      }
-      (id == train::kR1 ? design.masses.ring1_outer_radius_m : design.masses.ring2_outer_radius_m) =
-          0.5 * *input.gears[i].outer_diameter_m;
-    }
+    if (!outer_radius_m) continue;
+    if (has_circles) check_rim(input, places[i], *outer_radius_m, gear, reading);
+    (id == train::kR1 ? design.masses.ring1_outer_radius_m : design.masses.ring2_outer_radius_m) =
+        outer_radius_m;
   }
   if (input.tolerances.stated) design.tolerances = tolerances;
   design.sampling = input.tolerances.sampling;
@@ -473,7 +243,6 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
 design::Design design_from(const TomlValue& document, const std::string& name) {
   FileReading reading(name);
   DesignInput input;
-  input.gears.resize(train::kGearCount);
   read_by_schema(document, design_schema(), input, reading);
   design::Design design = finish_design(input, reading);
   reading.throw_if_invalid();
@@ -483,7 +252,6 @@ design::Design design_from(const TomlValue& document, const std::string& name) {
 design::PairDesign pair_from(const TomlValue& document, const std::string& name) {
   FileReading reading(name);
   PairInput input;
-  input.gears.resize(2);
   read_by_schema(document, pair_schema(), input, reading);
   const GearPlace place1{
       .path = "gear1", .ring = false, .module_m = input.module_m, .external_mesh = !input.internal};

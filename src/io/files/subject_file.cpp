@@ -1,13 +1,11 @@
 #include "io/files/subject_file.hpp"
 
 #include <algorithm>
-#include <numbers>
 
 #include "io/files/design_file.hpp"
 #include "io/files/document_kind.hpp"
 #include "io/keys/key_registry.hpp"
 #include "io/text/toml_value.hpp"
-#include "units/units.hpp"
 
 namespace gear3k::io {
 
@@ -16,47 +14,48 @@ namespace {
 using calibrate::BlackBox;
 
 Schema<BlackBox> black_box_schema() {
-  Schema<BlackBox> schema{.gears = {}, .keys = {}};
-  schema.keys = {
-      {.record = {.path = "name",
-                  .type = KeyType::kText,
-                  .default_text = "\"\"",
-                  .help = "name in tables and results"},
-       .assign = [](BlackBox& b, std::size_t, const TomlValue& v) { b.name = v.text; }},
-      {.record = {.path = "gearbox.ratio",
-                  .min = 1.0,
-                  .max = 1e6,
-                  .required = true,
-                  .help = "speed of the fast shaft, which takes the sun's place, over that of the "
-                          "output; a magnitude"},
-       .assign = [](BlackBox& b, std::size_t, const TomlValue& v) { b.ratio = v.number; }},
-      {.record = {.path = "gearbox.efficiency_forward",
-                  .min = 0.0,
-                  .max = 1.0,
-                  .min_excluded = true,
-                  .required = true,
-                  .help = "efficiency with the fast shaft driving"},
-       .assign = [](BlackBox& b, std::size_t,
-                    const TomlValue& v) { b.efficiency_forward = v.number; }},
-      {.record = {.path = "gearbox.efficiency_backward",
-                  .min = 0.0,
-                  .max = 1.0,
-                  .min_excluded = true,
-                  .required = true,
-                  .help = "efficiency with the output driving"},
-       .assign = [](BlackBox& b, std::size_t,
-                    const TomlValue& v) { b.efficiency_backward = v.number; }},
-      {.record = {.path = "gearbox.backlash_arcmin",
-                  .unit = "arcmin",
-                  .min = 0.0,
-                  .max = 21600.0,
-                  .default_text = "not stated",
-                  .help = "lost motion at the output with the fast shaft locked; needed to explain "
-                          "lost_motion and torque_angle data"},
-       .assign = [](BlackBox& b, std::size_t, const TomlValue& v) {
-         b.backlash_rad = v.number * units::kArcmin;
-       }}};
-  return schema;
+  return {
+      .gears = {},
+      .keys = {
+          make_key<BlackBox>(
+              {.path = "name",
+               .type = KeyType::kText,
+               .default_text = "\"\"",
+               .help = "name in tables and results"},
+              [](auto& t, std::size_t) -> auto& { return t.name; }),
+          make_key<BlackBox>(
+              {.path = "gearbox.ratio",
+               .min = 1.0,
+               .max = 1e6,
+               .required = true,
+               .help = "speed of the fast shaft, which takes the sun's place, over "
+                       "that of the output; a magnitude"},
+              [](auto& t, std::size_t) -> auto& { return t.ratio; }),
+          make_key<BlackBox>(
+              {.path = "gearbox.efficiency_forward",
+               .min = 0.0,
+               .max = 1.0,
+               .min_excluded = true,
+               .required = true,
+               .help = "efficiency with the fast shaft driving"},
+              [](auto& t, std::size_t) -> auto& { return t.efficiency_forward; }),
+          make_key<BlackBox>(
+              {.path = "gearbox.efficiency_backward",
+               .min = 0.0,
+               .max = 1.0,
+               .min_excluded = true,
+               .required = true,
+               .help = "efficiency with the output driving"},
+              [](auto& t, std::size_t) -> auto& { return t.efficiency_backward; }),
+          make_key<BlackBox>(
+              {.path = "gearbox.backlash_arcmin",
+               .unit = units::Unit::kArcmin,
+               .min = 0.0,
+               .max = 21600.0,
+               .default_text = "not stated",
+               .help = "lost motion at the output with the fast shaft locked; needed to explain "
+                       "lost_motion and torque_angle data"},
+              [](auto& t, std::size_t) -> auto& { return t.backlash_rad; })}};
 }
 
 BlackBox black_box_from(const TomlValue& document, const std::string& name) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <tuple>
 
 #include "train/tooth_set.hpp"
 
@@ -32,7 +33,8 @@ std::string range_text(const KeyRecord& record) {
 
 std::string with_unit(const std::string& text, const KeyRecord& record) {
   std::string result = text;
-  if (!record.unit.empty()) result += " in " + record.unit;
+  const std::string_view unit = units::unit_name(record.unit);
+  if (!unit.empty()) result += fmt::format(" in {}", unit);
   const std::string range = range_text(record);
   if (!range.empty()) result += ", " + range;
   return result;
@@ -323,6 +325,33 @@ std::vector<FoundValue> match_keys(const TomlValue& document, const std::vector<
     }
   }
   return matcher.found;
+}
+
+std::string text_of(std::vector<StatedValue> values, const std::vector<std::string>& order) {
+  const auto rank = [&](const std::string& path) {
+    for (std::string prefix = path; !prefix.empty(); prefix = parent_of(prefix)) {
+      const auto place = std::ranges::find(order, prefix);
+      if (place != order.end()) return place - order.begin();
+    }
+    return std::ssize(order);
+  };
+  const auto place = [&](const StatedValue& v) {
+    return std::tuple(rank(v.path), v.gear, std::ranges::count(v.path, '.'));
+  };
+  std::ranges::stable_sort(values, {}, place);
+  std::string text, table;
+  for (const StatedValue& v : values) {
+    const std::string own = parent_of(v.path);
+    if (own != table) {
+      // A gear's own table stands with the gear.
+      const bool within = std::ranges::count(own, '.') > 1;
+      text += fmt::format("{}[{}]\n", within ? "" : "\n", own);
+      table = own;
+    }
+    text += fmt::format("{} = {}\n", v.path.substr(own.empty() ? 0 : own.size() + 1),
+                        toml_text(v.value));
+  }
+  return text;
 }
 
 std::string key_table(const std::vector<const KeyRecord*>& records,

@@ -1,67 +1,89 @@
 #pragma once
-// One record per key of a file: name, type, unit, range, default, help.  The same record drives
-// parsing, --help and the tables of docs/keys.md.
+// One record per key of a file: name, type, unit, range, default, help, and the place of its value.
+// The same record reads and writes files and makes the tables of docs/keys.md.
 
 #include <functional>
-#include <limits>
 #include <optional>
 #include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "io/keys/key_value.hpp"
 #include "io/text/toml_value.hpp"
 
 namespace gear3k::io {
 
-enum class KeyType {
-  kNumber,
-  kInteger,
-  kBoolean,
-  kText,
-  kChoice,
-  kChoices,        ///< one of the choices, or a list of them
-  kNumberRange,    ///< [low, high]
-  kIntegerRange,   ///< [low, high]
-  kIntegers,       ///< an integer or a list of them
-  kNumbers,        ///< a list of numbers
-  kModule,         ///< a number, { min, max } or { series = [..] }
-  kNumberPerGear,  ///< a number for all gears, or { S = .., P1 = .., .. }
-  kNumberOrRange,  ///< a number (± it), or [lower, upper]
-  kNumberOrSwitch  ///< a number, or true (default limit) or false (off)
-};
-
-struct KeyRecord {
-  /// Path with dots; "{gear}" stands for each of the schema's gears.
-  std::string path = {};
-  KeyType type = KeyType::kNumber;
-  std::string unit = {};  ///< "" = dimensionless
-  double min = -std::numeric_limits<double>::infinity();
-  double max = std::numeric_limits<double>::infinity();
-  bool min_excluded = false;
-  std::vector<std::string> choices = {};
-  bool required = false;
-  std::string default_text = {};  ///< as documentation shows it; "" = none
-  std::string help = {};
-};
-
 /// What a value may be, in words: "a number in mm, above 0 to 100".
 std::string allowed_text(const KeyRecord& record);
 
-/// A key of files that describe a Target.
+/// A key of files that describe a Target; `gear` counts the schema's gears (0 where the path has
+/// none).
 template <class Target>
 struct Key {
   KeyRecord record;
-  /// Stores a value that has passed the record's type and range; `gear` counts the schema's gears
-  /// (0 where the path has none).
-  std::function<void(Target&, std::size_t gear, const TomlValue&)> assign;
+  /// Stores a value that has passed the record's type and range.
+  std::function<void(const KeyRecord&, Target&, std::size_t gear, const TomlValue&)> assign;
+  /// The value as a file states it; empty where there is none.
+  std::function<std::optional<TomlValue>(const KeyRecord&, const Target&, std::size_t gear)> state;
+  /// Whether a written file states it; without: wherever it has a value.
+  std::function<bool(const Target&, std::size_t gear)> written = {};
 };
 
 template <class Target>
 struct Schema {
   std::vector<std::string> gears;  ///< what "{gear}" stands for
   std::vector<Key<Target>> keys;
+  /// Keys and tables in the order in which they are written; the others follow.
+  std::vector<std::string> order = {};
 };
+
+/// A key whose value is one member.
+/// @param view  the member of a Target: auto&(auto& target, std::size_t gear)
+template <class Target, class View>
+Key<Target> make_key(KeyRecord record, View view,
+                     std::function<bool(const Target&, std::size_t gear)> written = {}) {
+  return {.record = std::move(record),
+          .assign = [view](const KeyRecord& r, Target& t, std::size_t gear,
+                           const TomlValue& v) { store(r, v, view(t, gear)); },
+          .state = [view](const KeyRecord& r, const Target& t,
+                          std::size_t gear) { return stated(r, view(t, gear)); },
+          .written = std::move(written)};
+}
+
+/// The key, written only where its value differs from that of a Target of nothing but defaults.
+template <class Target>
+Key<Target> unless_default(Key<Target> key) {
+  key.written = [record = key.record, state = key.state](const Target& t, std::size_t gear) {
+    const auto value = state(record, t, gear);
+    const auto usual = state(record, Target{}, gear);
+    return value && (!usual || toml_text(*value) != toml_text(*usual));
+  };
+  return key;
+}
+
+/// Appends the keys of a part of the Target.
+/// @param view    the part: auto&(auto& target, std::size_t gear)
+/// @param prefix  stands before their paths
+template <class Target, class Part, class View>
+void append_keys(std::vector<Key<Target>>& keys, const std::vector<Key<Part>>& part, View view,
+                 const std::string& prefix = "") {
+  for (const Key<Part>& key : part) {
+    KeyRecord record = key.record;
+    record.path = prefix + record.path;
+    keys.push_back({.record = std::move(record),
+                    .assign = [assign = key.assign, view](
+                                  const KeyRecord& r, Target& t, std::size_t gear,
+                                  const TomlValue& v) { assign(r, view(t, gear), gear, v); },
+                    .state = [state = key.state, view](
+                                 const KeyRecord& r, const Target& t,
+                                 std::size_t gear) { return state(r, view(t, gear), gear); }});
+    if (!key.written) continue;
+    keys.back().written = [written = key.written, view](const Target& t, std::size_t gear) {
+      return written(view(t, gear), gear);
+    };
+  }
+}
 
 /// Places of the keys that a file holds, and what was wrong with it.
 class FileReading {
@@ -112,16 +134,47 @@ std::vector<FoundValue> match_keys(const TomlValue& document, const std::vector<
 std::vector<ExpandedKey> expand_keys(const std::vector<const KeyRecord*>& records,
                                      const std::vector<std::string>& gears);
 
+template <class Target>
+std::vector<const KeyRecord*> records_of(const Schema<Target>& schema) {
+  std::vector<const KeyRecord*> records;
+  records.reserve(schema.keys.size());
+  for (const Key<Target>& key : schema.keys) records.push_back(&key.record);
+  return records;
+}
+
 /// Reads a document into a target by a schema; errors are collected in `reading`.
 template <class Target>
 void read_by_schema(const TomlValue& document, const Schema<Target>& schema, Target& target,
                     FileReading& reading) {
-  std::vector<const KeyRecord*> records;
-  for (const Key<Target>& key : schema.keys) records.push_back(&key.record);
   for (const FoundValue& found :
-       match_keys(document, expand_keys(records, schema.gears), reading)) {
-    schema.keys[found.key].assign(target, found.gear, *found.value);
+       match_keys(document, expand_keys(records_of(schema), schema.gears), reading)) {
+    const Key<Target>& key = schema.keys[found.key];
+    key.assign(key.record, target, found.gear, *found.value);
   }
+}
+
+/// A value that is to be written.
+struct StatedValue {
+  std::string path;
+  std::size_t gear = 0;
+  TomlValue value = {};
+};
+/// A file of these values, in the order of Schema::order, then of the gears; a gear's own keys come
+/// before those of its tables.
+std::string text_of(std::vector<StatedValue> values, const std::vector<std::string>& order);
+
+/// The file that read_by_schema() turns into the target, as far as its schema's keys are written.
+template <class Target>
+std::string text_by_schema(const Schema<Target>& schema, const Target& target) {
+  std::vector<StatedValue> values;
+  for (const ExpandedKey& at : expand_keys(records_of(schema), schema.gears)) {
+    const Key<Target>& key = schema.keys[at.key];
+    if (key.written && !key.written(target, at.gear)) continue;
+    if (auto value = key.state(key.record, target, at.gear)) {
+      values.push_back({.path = at.path, .gear = at.gear, .value = std::move(*value)});
+    }
+  }
+  return text_of(std::move(values), schema.order);
 }
 
 /// Markdown table of keys: key, value, default, meaning.
@@ -130,9 +183,7 @@ std::string key_table(const std::vector<const KeyRecord*>& records,
 
 template <class Target>
 std::string key_table(const Schema<Target>& schema) {
-  std::vector<const KeyRecord*> records;
-  for (const Key<Target>& key : schema.keys) records.push_back(&key.record);
-  return key_table(records, schema.gears);
+  return key_table(records_of(schema), schema.gears);
 }
 
 }  // namespace gear3k::io

@@ -23,19 +23,10 @@ struct LimitInput {
 /// check that has neither a default nor a stated threshold is an error in `reading`.
 design::Limits finish_limits(const LimitInput& input, FileReading& reading);
 
-/// Records and assignments on a LimitInput.  A pair has no train: its files lack those keys.
-std::vector<Key<LimitInput>> limit_keys(bool for_pair);
+/// What a file states of these limits.
+LimitInput stated_limits(const design::Limits& limits);
 
-/// The same keys for a Target that holds a LimitInput.
-template <class Target>
-void append_limit_keys(std::vector<Key<Target>>& keys, LimitInput Target::*member, bool for_pair) {
-  for (const Key<LimitInput>& key : limit_keys(for_pair)) {
-    keys.push_back({.record = key.record,
-                    .assign = [assign = key.assign, member](Target& target, std::size_t gear,
-                                                            const TomlValue& value) {
-                      assign(target.*member, gear, value);
-                    }});
-  }
-}
+/// A pair has no train: its files lack those keys.
+std::vector<Key<LimitInput>> limit_keys(bool for_pair);
 
 }  // namespace gear3k::io

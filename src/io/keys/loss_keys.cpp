@@ -3,245 +3,354 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numbers>
-
-#include "units/units.hpp"
+#include <array>
+#include <string>
 
 namespace gear3k::io {
 
 namespace {
 
-using efficiency::FrictionLaw;
+using efficiency::FrictionLaw, units::Unit;
+using Friction = design::Friction;
+using Lubricant = efficiency::Lubricant<double>;
+using Table = efficiency::FrictionTable;
 
-constexpr double kCelsius = 273.15;  // 0 °C in kelvin
-constexpr double kDefaultTemperatureC = 20.0;
+constexpr double kDefaultTemperature_c = 20.0;
 
 std::string_view law_name(FrictionLaw law) {
   return efficiency::kFrictionLawNames[static_cast<std::size_t>(law)];
 }
 
-/// What a law's number is worth where it is not stated.
-const LossInput& defaults() {
-  static const LossInput input{};
-  return input;
+/// A key that a law needs.
+template <class View>
+LossKey needed_key(FrictionLaw law, KeyRecord record, View view) {
+  record.default_text = fmt::format("required by {}", law_name(law));
+  return {.key = make_key<LossInput>(
+              std::move(record), view,
+              [law](const LossInput& input, std::size_t) { return input.friction.law == law; }),
+          .law = law,
+          .required_by_law = true};
 }
 
-std::vector<LossNumber> law_numbers() {
-  using Input = LossInput;
-  std::vector<LossNumber> n;
-  n.push_back({.record = {.path = "friction.load_exponent",
-                          .min = -0.9,
-                          .max = 2.0,
-                          .default_text = "required by load_power",
-                          .help = "law load_power: n of coefficient (F/reference_force_n)^n"},
-               .member = [](Input& i) -> double& { return i.friction.load_exponent; },
-               .law = FrictionLaw::kLoadPower,
-               .required_by_law = true});
-  n.push_back({.record = {.path = "friction.reference_force_n",
-                          .unit = "N",
-                          .min = 0.0,
-                          .max = 1e7,
-                          .min_excluded = true,
-                          .default_text = "required by load_power",
-                          .help = "law load_power: normal force on the flanks of one planet's mesh "
-                                  "at which friction.coefficient holds"},
-               .member = [](Input& i) -> double& { return i.friction.reference_force_N; },
-               .law = FrictionLaw::kLoadPower,
-               .required_by_law = true});
-  n.push_back({.record = {.path = "friction.static_coefficient",
-                          .min = 0.0,
-                          .max = 1.0,
-                          .default_text = "required by stribeck",
-                          .help = "law stribeck: coefficient of friction at rest; "
-                                  "friction.coefficient is that at high speed"},
-               .member = [](Input& i) -> double& { return i.friction.static_coefficient; },
-               .law = FrictionLaw::kStribeck,
-               .required_by_law = true});
-  n.push_back({.record = {.path = "friction.stribeck_speed_m_s",
-                          .unit = "m/s",
-                          .min = 0.0,
-                          .max = 1e3,
-                          .min_excluded = true,
-                          .default_text = "required by stribeck",
-                          .help = "law stribeck: mean sliding speed at which the difference has "
-                                  "fallen to 1/e"},
-               .member = [](Input& i) -> double& { return i.friction.stribeck_speed_m_s; },
-               .law = FrictionLaw::kStribeck,
-               .required_by_law = true});
-  n.push_back({.record = {.path = "friction.stribeck_exponent",
-                          .min = 0.1,
-                          .max = 10.0,
-                          .default_text = "with stribeck: 1",
-                          .help = "law stribeck: exponent of speed in the exponential"},
-               .member = [](Input& i) -> double& { return i.friction.stribeck_exponent; },
-               .law = FrictionLaw::kStribeck});
-  n.push_back({.record = {.path = "friction.viscous_s_per_m",
-                          .unit = "s/m",
-                          .min = 0.0,
-                          .max = 10.0,
-                          .default_text = "with stribeck: 0",
-                          .help = "law stribeck: rise of the coefficient per sliding speed"},
-               .member = [](Input& i) -> double& { return i.friction.viscous_s_m; },
-               .law = FrictionLaw::kStribeck});
-  n.push_back({.record = {.path = "friction.roughness_um",
-                          .unit = "um",
-                          .min = 0.0,
-                          .max = 100.0,
-                          .min_excluded = true,
-                          .default_text = "required by schlenk",
-                          .help = "law schlenk: arithmetic mean roughness Ra, mean of both flanks"},
-               .member = [](Input& i) -> double& { return i.friction.roughness_m; },
-               .per_unit = 1e-6,
-               .law = FrictionLaw::kSchlenk,
-               .required_by_law = true});
-  n.push_back({.record = {.path = "friction.lubricant_factor",
-                          .min = 0.0,
-                          .max = 10.0,
-                          .min_excluded = true,
-                          .default_text = "required by schlenk",
-                          .help = "law schlenk: X_L of the lubricant"},
-               .member = [](Input& i) -> double& { return i.friction.lubricant_factor; },
-               .law = FrictionLaw::kSchlenk,
-               .required_by_law = true});
+/// A key that a law reads, written where it is not the default.
+template <class View>
+LossKey optional_key(FrictionLaw law, KeyRecord record, View view) {
+  Key<LossInput> key = unless_default(make_key<LossInput>(std::move(record), view));
+  key.written = [law, differs = key.written](const LossInput& input, std::size_t gear) {
+    return input.friction.law == law && differs(input, gear);
+  };
+  return {.key = std::move(key), .law = law};
+}
+
+/// The view of a member of the friction.
+template <class Member>
+auto of_friction(Member Friction::*member) {
+  return [member](auto& t, std::size_t) -> auto& { return t.friction.*member; };
+}
+
+void add_law_keys(std::vector<LossKey>& keys) {
+  keys.push_back(
+      {.key = unless_default(make_key<LossInput>(
+           {.path = "friction.law",
+            .type = KeyType::kChoice,
+            .choices = {efficiency::kFrictionLawNames.begin(), efficiency::kFrictionLawNames.end()},
+            .default_text = "\"constant\"",
+            .help = "what friction depends on: nothing; load; sliding speed; load, "
+                    "speed, viscosity and roughness by ISO/TR 14179-2; a table.  All "
+                    "but constant need [operating_point]"},
+           of_friction(&Friction::law)))});
+  keys.push_back(needed_key(FrictionLaw::kLoadPower,
+                            {.path = "friction.load_exponent",
+                             .min = -0.9,
+                             .max = 2.0,
+                             .help = "law load_power: n of coefficient (F/reference_force_n)^n"},
+                            of_friction(&Friction::load_exponent)));
+  keys.push_back(needed_key(
+      FrictionLaw::kLoadPower,
+      {.path = "friction.reference_force_n",
+       .unit = Unit::kNewton,
+       .min = 0.0,
+       .max = 1e7,
+       .min_excluded = true,
+       .help = "law load_power: normal force on the flanks of one planet's mesh at which "
+               "friction.coefficient holds"},
+      of_friction(&Friction::reference_force_N)));
+  keys.push_back(needed_key(FrictionLaw::kStribeck,
+                            {.path = "friction.static_coefficient",
+                             .min = 0.0,
+                             .max = 1.0,
+                             .help = "law stribeck: coefficient of friction at rest; "
+                                     "friction.coefficient is that at high speed"},
+                            of_friction(&Friction::static_coefficient)));
+  keys.push_back(needed_key(FrictionLaw::kStribeck,
+                            {.path = "friction.stribeck_speed_m_s",
+                             .unit = Unit::kMetrePerSecond,
+                             .min = 0.0,
+                             .max = 1e3,
+                             .min_excluded = true,
+                             .help = "law stribeck: mean sliding speed at which the difference has "
+                                     "fallen to 1/e"},
+                            of_friction(&Friction::stribeck_speed_m_s)));
+  keys.push_back(optional_key(FrictionLaw::kStribeck,
+                              {.path = "friction.stribeck_exponent",
+                               .min = 0.1,
+                               .max = 10.0,
+                               .default_text = "with stribeck: 1",
+                               .help = "law stribeck: exponent of speed in the exponential"},
+                              of_friction(&Friction::stribeck_exponent)));
+  keys.push_back(optional_key(FrictionLaw::kStribeck,
+                              {.path = "friction.viscous_s_per_m",
+                               .unit = Unit::kSecondPerMetre,
+                               .min = 0.0,
+                               .max = 10.0,
+                               .default_text = "with stribeck: 0",
+                               .help = "law stribeck: rise of the coefficient per sliding speed"},
+                              of_friction(&Friction::viscous_s_m)));
+}
+
+void add_schlenk_keys(std::vector<LossKey>& keys) {
+  const auto add = [&](KeyRecord record, auto view) {
+    keys.push_back(needed_key(FrictionLaw::kSchlenk, std::move(record), view));
+  };
+  add({.path = "friction.roughness_um",
+       .unit = Unit::kMicrometre,
+       .min = 0.0,
+       .max = 100.0,
+       .min_excluded = true,
+       .help = "law schlenk: arithmetic mean roughness Ra, mean of both flanks"},
+      of_friction(&Friction::roughness_m));
+  add({.path = "friction.lubricant_factor",
+       .min = 0.0,
+       .max = 10.0,
+       .min_excluded = true,
+       .help = "law schlenk: X_L of the lubricant"},
+      of_friction(&Friction::lubricant_factor));
   for (const std::size_t point : {0U, 1U}) {
-    n.push_back({.record = {.path = fmt::format("lubricant.temperature{}_c", point + 1),
-                            .unit = "C",
-                            .min = -80.0,
-                            .max = 400.0,
-                            .default_text = "required by schlenk",
-                            .help = fmt::format("temperature of viscosity{}_mm2_s", point + 1)},
-                 .member = [point](Input& i) -> double& {
-                   return i.friction.lubricant.temperature_K[point];
-                 },
-                 .offset = kCelsius,
-                 .law = FrictionLaw::kSchlenk,
-                 .required_by_law = true});
-    n.push_back(
-        {.record = {.path = fmt::format("lubricant.viscosity{}_mm2_s", point + 1),
-                    .unit = "mm2/s",
-                    .min = 0.3,
-                    .max = 1e6,
-                    .default_text = "required by schlenk",
-                    .help =
-                        "kinematic viscosity of the lubricant; between the two temperatures and "
-                        "beyond by DIN 51563"},
-         .member = [point](Input& i) -> double& {
-           return i.friction.lubricant.viscosity_m2_s[point];
-         },
-         .per_unit = 1e-6,
-         .law = FrictionLaw::kSchlenk,
-         .required_by_law = true});
+    add(
+        {.path = fmt::format("lubricant.temperature{}_c", point + 1),
+         .unit = Unit::kCelsius,
+         .min = -80.0,
+         .max = 400.0,
+         .help = fmt::format("temperature of viscosity{}_mm2_s", point + 1)},
+        [point](auto& t, std::size_t) -> auto& {
+          return t.friction.lubricant.temperature_K[point];
+        });
+    add(
+        {.path = fmt::format("lubricant.viscosity{}_mm2_s", point + 1),
+         .unit = Unit::kSquareMillimetrePerSecond,
+         .min = 0.3,
+         .max = 1e6,
+         .help = "kinematic viscosity of the lubricant; between the two temperatures and beyond by "
+                 "DIN 51563"},
+        [point](auto& t, std::size_t) -> auto& {
+          return t.friction.lubricant.viscosity_m2_s[point];
+        });
   }
-  n.push_back({.record = {.path = "lubricant.density_kg_m3",
-                          .unit = "kg/m3",
-                          .min = 0.0,
-                          .max = 5000.0,
-                          .min_excluded = true,
-                          .default_text = "required by schlenk",
-                          .help = "density of the lubricant"},
-               .member = [](Input& i) -> double& { return i.friction.lubricant.density_kgm3; },
-               .law = FrictionLaw::kSchlenk,
-               .required_by_law = true});
-  return n;
+  add(
+      {.path = "lubricant.density_kg_m3",
+       .unit = Unit::kKilogramPerCubicMetre,
+       .min = 0.0,
+       .max = 5000.0,
+       .min_excluded = true,
+       .help = "density of the lubricant"},
+      [](auto& t, std::size_t) -> auto& { return t.friction.lubricant.density_kgm3; });
 }
 
-std::vector<LossNumber> shaft_numbers() {
-  using Input = LossInput;
+void add_shaft_keys(std::vector<LossKey>& keys) {
+  using Drag = design::ShaftDrag<double>;
   struct Term {
     const char* name;
-    const char* unit;
-    double design::ShaftDrag<double>::*member;
+    Unit unit;
+    double Drag::*member;
     const char* help;
   };
-  using Drag = design::ShaftDrag<double>;
   static constexpr std::array<Term, 3> kTerms{
-      {{"constant_nm", "N m", &Drag::constant_Nm, "torque at any speed (seal, preload)"},
-       {"viscous_nms_per_rad", "N m s/rad", &Drag::viscous_Nms, "torque per speed"},
-       {"quadratic_nms2_per_rad2", "N m s2/rad2", &Drag::quadratic_Nms2,
+      {{"constant_nm", Unit::kNewtonMetre, &Drag::constant_Nm,
+        "torque at any speed (seal, preload)"},
+       {"viscous_nms_per_rad", Unit::kViscousDrag, &Drag::viscous_Nms, "torque per speed"},
+       {"quadratic_nms2_per_rad2", Unit::kQuadraticDrag, &Drag::quadratic_Nms2,
         "torque per speed squared (churning, windage)"}}};
   static constexpr std::array<const char*, design::kShaftCount> kOf{
       "on the sun's shaft", "on each planet, by its speed on the carrier", "on the carrier",
       "on R2 with the output"};
-  std::vector<LossNumber> n;
   for (std::size_t shaft = 0; shaft < design::kShaftCount; ++shaft) {
     for (const Term& term : kTerms) {
-      n.push_back(
-          {.record = {.path = fmt::format("drag.{}.{}", design::kShaftNames[shaft], term.name),
-                      .unit = term.unit,
-                      .min = 0.0,
-                      .max = 1e4,
-                      .default_text = "0",
-                      .help = fmt::format("{} {}, whatever the load", term.help, kOf[shaft])},
-           .member = [shaft, member = term.member](Input& i) -> double& {
-             return i.shafts.drag[shaft].*member;
-           }});
+      keys.push_back({.key = unless_default(make_key<LossInput>(
+                          {.path = fmt::format("drag.{}.{}", design::kShaftNames[shaft], term.name),
+                           .unit = term.unit,
+                           .min = 0.0,
+                           .max = 1e4,
+                           .default_text = "0",
+                           .help = fmt::format("{} {}, whatever the load", term.help, kOf[shaft])},
+                          [ shaft, member = term.member ](auto& t, std::size_t) -> auto& {
+                            return t.shafts.drag[shaft].*member;
+                          }))});
     }
   }
-  n.push_back({.record = {.path = "bearings.planet_coefficient",
-                          .min = 0.0,
-                          .max = 1.0,
-                          .default_text = "none",
-                          .help = "coefficient of friction of a planet on its pin, under the "
-                                  "resultant of its mesh forces; with planet_radius_mm"},
-               .member = [](Input& i) -> double& { return i.shafts.planet_bearing_coefficient; }});
-  n.push_back({.record = {.path = "bearings.planet_radius_mm",
-                          .unit = "mm",
-                          .min = 0.0,
-                          .max = 1e3,
-                          .default_text = "none",
-                          .help = "radius at which that friction acts"},
-               .member = [](Input& i) -> double& { return i.shafts.planet_bearing_radius_m; },
-               .per_unit = units::kMillimetre});
-  return n;
+  // The bearing's two keys stand together.
+  const auto bears = [](const LossInput& t, std::size_t) {
+    return t.shafts.planet_bearing_coefficient > 0.0 || t.shafts.planet_bearing_radius_m > 0.0;
+  };
+  keys.push_back(
+      {.key = make_key<LossInput>(
+           {.path = "bearings.planet_coefficient",
+            .min = 0.0,
+            .max = 1.0,
+            .default_text = "none",
+            .help = "coefficient of friction of a planet on its pin, under the "
+                    "resultant of its mesh forces; with planet_radius_mm"},
+           [](auto& t, std::size_t) -> auto& { return t.shafts.planet_bearing_coefficient; },
+           bears)});
+  keys.push_back(
+      {.key = make_key<LossInput>(
+           {.path = "bearings.planet_radius_mm",
+            .unit = Unit::kMillimetre,
+            .min = 0.0,
+            .max = 1e3,
+            .default_text = "none",
+            .help = "radius at which that friction acts"},
+           [](auto& t, std::size_t) -> auto& { return t.shafts.planet_bearing_radius_m; }, bears)});
 }
 
-std::vector<LossNumber> point_numbers() {
-  using Input = LossInput;
-  std::vector<LossNumber> n;
-  n.push_back({.record = {.path = "operating_point.sun_speed_rpm",
-                          .unit = "rpm",
-                          .min = 0.0,
-                          .max = 1e6,
-                          .default_text = "none",
-                          .help = "speed of the sun; with output_torque_nm"},
-               .member = [](Input& i) -> double& { return i.operating_point.sun_speed_rad_s; },
-               .per_unit = units::kRpm});
-  n.push_back({.record = {.path = "operating_point.output_torque_nm",
-                          .unit = "N m",
-                          .min = 0.0,
-                          .max = 1e7,
-                          .default_text = "none",
-                          .help = "torque at R2: of the load (forward) or of the drive (backward)"},
-               .member = [](Input& i) -> double& { return i.operating_point.output_torque_Nm; }});
-  n.push_back({.record = {.path = "operating_point.temperature_c",
-                          .unit = "C",
-                          .min = -80.0,
-                          .max = 400.0,
-                          .default_text = fmt::format("with a point: {:g}", kDefaultTemperatureC),
-                          .help = "temperature of the lubricant"},
-               .member = [](Input& i) -> double& { return i.operating_point.temperature_K; },
-               .offset = kCelsius});
-  return n;
+void add_point_keys(std::vector<LossKey>& keys) {
+  using Point = design::OperatingPoint<double>;
+  const auto add = [&](KeyRecord record, double Point::*member) {
+    keys.push_back(
+        {.key = make_key<LossInput>(
+             std::move(record),
+             [member](auto& t, std::size_t) -> auto& { return t.operating_point.*member; },
+             [](const LossInput& t, std::size_t) { return t.has_point; })});
+  };
+  add({.path = "operating_point.sun_speed_rpm",
+       .unit = Unit::kRpm,
+       .min = 0.0,
+       .max = 1e6,
+       .default_text = "none",
+       .help = "speed of the sun; with output_torque_nm"},
+      &Point::sun_speed_rad_s);
+  add({.path = "operating_point.output_torque_nm",
+       .unit = Unit::kNewtonMetre,
+       .min = 0.0,
+       .max = 1e7,
+       .default_text = "none",
+       .help = "torque at R2: of the load (forward) or of the drive (backward)"},
+      &Point::output_torque_Nm);
+  add({.path = "operating_point.temperature_c",
+       .unit = Unit::kCelsius,
+       .min = -80.0,
+       .max = 400.0,
+       .default_text = fmt::format("with a point: {:g}", kDefaultTemperature_c),
+       .help = "temperature of the lubricant"},
+      &Point::temperature_K);
 }
 
-void append(std::vector<LossNumber>& to, std::vector<LossNumber> more) {
-  to.reserve(to.size() + more.size());
-  for (LossNumber& n : more) to.push_back(std::move(n));
+void add_table_keys(std::vector<LossKey>& keys) {
+  const auto of_table = [](std::vector<double> Table::*member) {
+    return [member](auto& t, std::size_t) -> auto& { return t.friction.table.*member; };
+  };
+  keys.push_back(needed_key(FrictionLaw::kTable,
+                            {.path = "friction.table_speed_m_s",
+                             .type = KeyType::kNumbers,
+                             .unit = Unit::kMetrePerSecond,
+                             .min = 0.0,
+                             .max = 1e3,
+                             .help = "law table: mean sliding speeds, rising"},
+                            of_table(&Table::sliding_speed_m_s)));
+  keys.push_back(optional_key(
+      FrictionLaw::kTable,
+      {.path = "friction.table_force_n",
+       .type = KeyType::kNumbers,
+       .unit = Unit::kNewton,
+       .min = 0.0,
+       .max = 1e7,
+       .default_text = "none",
+       .help = "law table: normal forces on the flanks of one planet's mesh, rising; without it "
+               "friction does not depend on load"},
+      of_table(&Table::tooth_force_N)));
+  keys.push_back(
+      needed_key(FrictionLaw::kTable,
+                 {.path = "friction.table_coefficient",
+                  .type = KeyType::kNumbers,
+                  .min = 0.0,
+                  .max = 1.0,
+                  .help = "law table: coefficients, one per speed, for each force in turn; linear "
+                          "between, constant beyond"},
+                 of_table(&Table::coefficient)));
+}
+
+/// An axis of the map: its range and its number of points.
+struct MapAxis {
+  design::GridAxis design::MapGrid::*axis;
+  KeyRecord range, points;
+};
+std::vector<MapAxis> map_axes() {
+  return {{.axis = &design::MapGrid::sun_speed_rad_s,
+           .range = {.path = "map.sun_speed_rpm",
+                     .type = KeyType::kNumberRange,
+                     .unit = Unit::kRpm,
+                     .min = 0.0,
+                     .max = 1e6,
+                     .min_excluded = true,
+                     .default_text = "[200, 1000]",
+                     .help = "speeds of the operating map"},
+           .points = {.path = "map.speed_points",
+                      .type = KeyType::kInteger,
+                      .min = 2,
+                      .max = 200,
+                      .default_text = "9",
+                      .help = "number of speeds"}},
+          {.axis = &design::MapGrid::output_torque_Nm,
+           .range = {.path = "map.output_torque_nm",
+                     .type = KeyType::kNumberRange,
+                     .unit = Unit::kNewtonMetre,
+                     .min = 0.0,
+                     .max = 1e7,
+                     .min_excluded = true,
+                     .default_text = "[5, 50]",
+                     .help = "torques at R2 of the operating map"},
+           .points = {.path = "map.torque_points",
+                      .type = KeyType::kInteger,
+                      .min = 2,
+                      .max = 200,
+                      .default_text = "10",
+                      .help = "number of torques"}}};
+}
+
+void add_map_keys(std::vector<LossKey>& keys) {
+  for (const MapAxis& a : map_axes()) {
+    keys.push_back({.key = unless_default(Key<LossInput>{
+                        .record = a.range,
+                        .assign =
+                            [axis = a.axis](const KeyRecord& r, LossInput& t, std::size_t,
+                                            const TomlValue& v) {
+                              design::GridAxis& grid = t.map.*axis;
+                              store(r, v.list[0], grid.from);
+                              store(r, v.list[1], grid.to);
+                            },
+                        .state =
+                            [axis = a.axis](const KeyRecord& r, const LossInput& t, std::size_t) {
+                              const design::GridAxis& grid = t.map.*axis;
+                              return list_value({*stated(r, grid.from), *stated(r, grid.to)});
+                            }})});
+    keys.push_back({.key = unless_default(make_key<LossInput>(
+                        a.points, [axis = a.axis](auto& t, std::size_t) -> auto& {
+                          return (t.map.*axis).points;
+                        }))});
+  }
 }
 
 bool rising(const std::vector<double>& points) {
   return std::ranges::adjacent_find(points, std::greater_equal<>()) == points.end();
 }
 
-void check_table(const efficiency::FrictionTable& table, FileReading& reading) {
-  for (const LossList& list : loss_lists()) {
-    const std::string& path = list.record.path;
-    const auto& points = table.*list.member;
-    if (list.member != &efficiency::FrictionTable::coefficient && reading.has(path) &&
-        !rising(points)) {
+void check_table(const Table& table, FileReading& reading) {
+  const auto check_rising = [&](const std::string& path, const std::vector<double>& points) {
+    if (reading.has(path) && !rising(points)) {
       reading.error_at(path, fmt::format("{}: allowed: rising numbers", path));
     }
-  }
+  };
+  check_rising("friction.table_speed_m_s", table.sliding_speed_m_s);
+  check_rising("friction.table_force_n", table.tooth_force_N);
   const std::size_t rows = std::max<std::size_t>(1, table.tooth_force_N.size());
   const std::size_t expected = rows * table.sliding_speed_m_s.size();
   if (reading.has("friction.table_speed_m_s") && reading.has("friction.table_coefficient") &&
@@ -266,16 +375,11 @@ void check_law(const LossInput& input, FileReading& reading) {
         fmt::format("{} is missing, required by friction.law = \"{}\": {}; allowed: {}",
                     record.path, law_name(law), record.help, allowed_text(record)));
   };
-  for (const LossNumber& n : loss_numbers()) {
-    if (!n.law) continue;
-    const bool stated = reading.stated(n.record.path);
-    if (stated && *n.law != law) unread(n.record.path, *n.law);
-    if (!stated && *n.law == law && n.required_by_law) missing(n.record);
-  }
-  for (const LossList& list : loss_lists()) {
-    const bool stated = reading.stated(list.record.path);
-    if (stated && law != FrictionLaw::kTable) unread(list.record.path, FrictionLaw::kTable);
-    if (!stated && law == FrictionLaw::kTable && list.required) missing(list.record);
+  for (const LossKey& k : loss_keys()) {
+    if (!k.law) continue;
+    const bool stated = reading.stated(k.key.record.path);
+    if (stated && *k.law != law) unread(k.key.record.path, *k.law);
+    if (!stated && *k.law == law && k.required_by_law) missing(k.key.record);
   }
   if (law == FrictionLaw::kTable) check_table(input.friction.table, reading);
   if (!efficiency::reads_coefficient(law) && reading.stated("friction.coefficient")) {
@@ -290,7 +394,8 @@ void check_law(const LossInput& input, FileReading& reading) {
     reading.error_at("lubricant.temperature2_c",
                      fmt::format("lubricant.temperature2_c = {:g}: allowed: above temperature1_c = "
                                  "{:g}",
-                                 oil.temperature_K[1] - kCelsius, oil.temperature_K[0] - kCelsius));
+                                 units::from_si(oil.temperature_K[1], Unit::kCelsius),
+                                 units::from_si(oil.temperature_K[0], Unit::kCelsius)));
   }
   if (reading.has("lubricant.viscosity1_mm2_s") && reading.has("lubricant.viscosity2_mm2_s") &&
       !(oil.viscosity_m2_s[0] > oil.viscosity_m2_s[1])) {
@@ -298,7 +403,8 @@ void check_law(const LossInput& input, FileReading& reading) {
         "lubricant.viscosity2_mm2_s",
         fmt::format("lubricant.viscosity2_mm2_s = {:g}: allowed: below viscosity1_mm2_s = {:g} "
                     "(the lubricant thins as it warms)",
-                    oil.viscosity_m2_s[1] * 1e6, oil.viscosity_m2_s[0] * 1e6));
+                    units::from_si(oil.viscosity_m2_s[1], Unit::kSquareMillimetrePerSecond),
+                    units::from_si(oil.viscosity_m2_s[0], Unit::kSquareMillimetrePerSecond)));
   }
 }
 
@@ -311,115 +417,32 @@ void both_or_neither(FileReading& reading, const std::string& one, const std::st
 
 }  // namespace
 
-const std::vector<LossNumber>& loss_numbers() {
-  static const std::vector<LossNumber> numbers = [] {
-    std::vector<LossNumber> n = law_numbers();
-    append(n, shaft_numbers());
-    append(n, point_numbers());
-    return n;
+const std::vector<LossKey>& loss_keys() {
+  static const std::vector<LossKey> keys = [] {
+    std::vector<LossKey> list;
+    add_law_keys(list);
+    add_schlenk_keys(list);
+    add_shaft_keys(list);
+    add_point_keys(list);
+    add_table_keys(list);
+    add_map_keys(list);
+    return list;
   }();
-  return numbers;
-}
-
-const std::vector<LossList>& loss_lists() {
-  using Table = efficiency::FrictionTable;
-  static const std::vector<LossList> lists{
-      {.record = {.path = "friction.table_speed_m_s",
-                  .type = KeyType::kNumbers,
-                  .unit = "m/s",
-                  .min = 0.0,
-                  .max = 1e3,
-                  .default_text = "required by table",
-                  .help = "law table: mean sliding speeds, rising"},
-       .member = &Table::sliding_speed_m_s,
-       .required = true},
-      {.record = {.path = "friction.table_force_n",
-                  .type = KeyType::kNumbers,
-                  .unit = "N",
-                  .min = 0.0,
-                  .max = 1e7,
-                  .default_text = "none",
-                  .help = "law table: normal forces on the flanks of one planet's mesh, rising; "
-                          "without it friction does not depend on load"},
-       .member = &Table::tooth_force_N},
-      {.record = {.path = "friction.table_coefficient",
-                  .type = KeyType::kNumbers,
-                  .min = 0.0,
-                  .max = 1.0,
-                  .default_text = "required by table",
-                  .help = "law table: coefficients, one per speed, for each force in turn; linear "
-                          "between, constant beyond"},
-       .member = &Table::coefficient,
-       .required = true}};
-  return lists;
-}
-
-KeyRecord friction_law_record() {
-  return {.path = "friction.law",
-          .type = KeyType::kChoice,
-          .choices = {efficiency::kFrictionLawNames.begin(), efficiency::kFrictionLawNames.end()},
-          .default_text = "\"constant\"",
-          .help =
-              "what friction depends on: nothing; load; sliding speed; load, speed, viscosity "
-              "and roughness by ISO/TR 14179-2; a table.  All but constant need "
-              "[operating_point]"};
-}
-
-const std::vector<MapKey>& map_keys() {
-  static const std::vector<MapKey> keys{{.record = {.path = "map.sun_speed_rpm",
-                                                    .type = KeyType::kNumberRange,
-                                                    .unit = "rpm",
-                                                    .min = 0.0,
-                                                    .max = 1e6,
-                                                    .min_excluded = true,
-                                                    .default_text = "[200, 1000]",
-                                                    .help = "speeds of the operating map"},
-                                         .axis = &design::MapGrid::sun_speed_rad_s,
-                                         .per_unit = units::kRpm},
-                                        {.record = {.path = "map.speed_points",
-                                                    .type = KeyType::kInteger,
-                                                    .min = 2,
-                                                    .max = 200,
-                                                    .default_text = "9",
-                                                    .help = "number of speeds"},
-                                         .axis = &design::MapGrid::sun_speed_rad_s,
-                                         .points = true},
-                                        {.record = {.path = "map.output_torque_nm",
-                                                    .type = KeyType::kNumberRange,
-                                                    .unit = "N m",
-                                                    .min = 0.0,
-                                                    .max = 1e7,
-                                                    .min_excluded = true,
-                                                    .default_text = "[5, 50]",
-                                                    .help = "torques at R2 of the operating map"},
-                                         .axis = &design::MapGrid::output_torque_Nm},
-                                        {.record = {.path = "map.torque_points",
-                                                    .type = KeyType::kInteger,
-                                                    .min = 2,
-                                                    .max = 200,
-                                                    .default_text = "10",
-                                                    .help = "number of torques"},
-                                         .axis = &design::MapGrid::output_torque_Nm,
-                                         .points = true}};
   return keys;
 }
 
 void finish_losses(const LossInput& input, design::Design& design, FileReading& reading) {
   check_law(input, reading);
-  const auto friction = design.friction;
   design.friction = input.friction;
-  design.friction.coefficient = friction.coefficient;
-  design.friction.model = friction.model;
-  design.friction.approach_factor = friction.approach_factor;
-  design.friction.recess_factor = friction.recess_factor;
   design.shafts = input.shafts;
   design.map = input.map;
-  for (const MapKey& key : map_keys()) {
-    const design::GridAxis& axis = input.map.*key.axis;
-    if (!key.points && reading.has(key.record.path) && !(axis.from < axis.to)) {
-      reading.error_at(key.record.path,
-                       fmt::format("{} = [{:g}, {:g}]: allowed: from below to", key.record.path,
-                                   axis.from / key.per_unit, axis.to / key.per_unit));
+  for (const MapAxis& a : map_axes()) {
+    const design::GridAxis& axis = input.map.*a.axis;
+    if (reading.has(a.range.path) && !(axis.from < axis.to)) {
+      reading.error_at(a.range.path,
+                       fmt::format("{} = [{:g}, {:g}]: allowed: from below to", a.range.path,
+                                   units::from_si(axis.from, a.range.unit),
+                                   units::from_si(axis.to, a.range.unit)));
     }
   }
   both_or_neither(reading, "bearings.planet_coefficient", "bearings.planet_radius_mm");
@@ -461,53 +484,12 @@ void finish_losses(const LossInput& input, design::Design& design, FileReading& 
   }
 }
 
-std::string loss_text(const design::Design& design) {
-  LossInput input{
-      .friction = design.friction,
-      .shafts = design.shafts,
-      .operating_point = design.operating_point.value_or(design::OperatingPoint<double>{}),
-      .map = design.map};
-  LossInput without = defaults();
-  const FrictionLaw law = design.friction.law;
-  // Keys in the order of the records; those of one table follow each other.
-  std::string text, table = "friction";
-  const auto add = [&](const std::string& path, const std::string& value) {
-    const auto dot = path.rfind('.');
-    if (path.substr(0, dot) != table) {
-      table = path.substr(0, dot);
-      text += fmt::format("\n[{}]\n", table);
-    }
-    text += fmt::format("{} = {}\n", path.substr(dot + 1), value);
-  };
-  if (law != FrictionLaw::kConstant) add("friction.law", fmt::format("\"{}\"", law_name(law)));
-  for (const LossList& list : loss_lists()) {
-    const auto& points = input.friction.table.*list.member;
-    if (law != FrictionLaw::kTable || points.empty()) continue;
-    add(list.record.path, fmt::format("[{}]", fmt::join(points, ", ")));
-  }
-  for (const LossNumber& n : loss_numbers()) {
-    const bool of_point = n.record.path.starts_with("operating_point.");
-    const bool read = n.law ? *n.law == law : !of_point || design.operating_point.has_value();
-    const double value = n.member(input);
-    const bool stated = n.required_by_law || of_point || value != n.member(without);
-    // The bearing's two keys stand together.
-    const bool bearing =
-        n.record.path.starts_with("bearings.") && (design.shafts.planet_bearing_coefficient > 0.0 ||
-                                                   design.shafts.planet_bearing_radius_m > 0.0);
-    if (!read || !(stated || bearing)) continue;
-    add(n.record.path, fmt::format("{}", (value - n.offset) / n.per_unit));
-  }
-  for (const MapKey& key : map_keys()) {
-    const design::GridAxis& axis = design.map.*key.axis;
-    const design::GridAxis& usual = without.map.*key.axis;
-    if (key.points && axis.points != usual.points) {
-      add(key.record.path, fmt::format("{}", axis.points));
-    } else if (!key.points && (axis.from != usual.from || axis.to != usual.to)) {
-      add(key.record.path,
-          fmt::format("[{}, {}]", axis.from / key.per_unit, axis.to / key.per_unit));
-    }
-  }
-  return text;
+LossInput stated_losses(const design::Design& design) {
+  return {.friction = design.friction,
+          .shafts = design.shafts,
+          .operating_point = design.operating_point.value_or(design::OperatingPoint<double>{}),
+          .has_point = design.operating_point.has_value(),
+          .map = design.map};
 }
 
 }  // namespace gear3k::io

@@ -1,5 +1,7 @@
 #include "io/keys/robust_keys.hpp"
 
+#include <fmt/format.h>
+
 #include <string>
 
 namespace gear3k::io {
@@ -25,7 +27,7 @@ void check_limits(const design::Limits& limits, FileReading& reading) {
     reading.error_at("backlash.min_output_arcmin",
                      fmt::format("backlash.min_output_arcmin = {:.6g} with robust.hold: allowed: 0 "
                                  "(gearboxes that can jam have no least lost motion)",
-                                 design::in_unit(least_rad, design::Unit::kArcmin)));
+                                 units::from_si(least_rad, units::Unit::kArcmin)));
   }
   if (limits.model == backlash::LostMotionModel::kPaper) {
     reading.error_at("backlash.model",
@@ -52,6 +54,45 @@ void check_unread(const Robust& robust, FileReading& reading) {
 }
 
 }  // namespace
+
+std::vector<Key<Robust>> robust_keys() {
+  std::vector<Key<Robust>> keys{
+      make_key<Robust>(
+          {.path = "robust.hold",
+           .type = KeyType::kChoice,
+           .choices = {optimize::kHoldNames.begin(), optimize::kHoldNames.end()},
+           .default_text = "\"nominal\"",
+           .help = "what the limits hold for: the drawn gearbox, every gearbox within its "
+                   "[tolerances], or a share of them; with a share every check but that of normal "
+                   "backlash holds at its worst corner"},
+          [](auto& t, std::size_t) -> auto& { return t.hold; }),
+      make_key<Robust>(
+          {.path = "robust.yield",
+           .min = 0.01,
+           .max = 0.99999,
+           .default_text = "0.99",
+           .help = "share of the built gearboxes that assemble and keep the limits of lost motion"},
+          [](auto& t, std::size_t) -> auto& { return t.yield; }),
+      make_key<Robust>(
+          {.path = "robust.tolerances",
+           .type = KeyType::kChoice,
+           .choices = {"stated", "cheapest"},
+           .default_text = "\"stated\"",
+           .help = "cheapest: every tolerance may be tightened or widened in steps of sqrt(2) "
+                   "until the yield is reached at the least cost"},
+          [](auto& t, std::size_t) -> auto& { return t.cheapest; })};
+  for (std::size_t kind = 0; kind < backlash::kToleranceKindNames.size(); ++kind) {
+    keys.push_back(make_key<Robust>(
+        {.path = fmt::format("robust.cost.{}", backlash::kToleranceKindNames[kind]),
+         .min = 0.0,
+         .max = 1e6,
+         .default_text = "1",
+         .help = "cost of holding this tolerance of one gear or part as stated; half of it costs "
+                 "twice as much"},
+        [kind](auto& t, std::size_t) -> auto& { return t.cost[kind]; }));
+  }
+  return keys;
+}
 
 void check_robust(const optimize::Specification& spec, const ToleranceInput& tolerances,
                   FileReading& reading) {

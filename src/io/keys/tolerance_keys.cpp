@@ -2,25 +2,175 @@
 
 #include <fmt/format.h>
 
-#include "io/text/toml_text.hpp"
+#include <algorithm>
+
 #include "units/units.hpp"
 
 namespace gear3k::io {
 
 namespace {
 
-std::string limits_line(const char* key, const backlash::DeviationLimits& limits, double unit) {
-  if (limits.lower == 0.0 && limits.upper == 0.0) return "";
-  return fmt::format("{} = [{}, {}]\n", key, toml_number(limits.lower / unit),
-                     toml_number(limits.upper / unit));
+using units::Unit;
+
+/// Keys of [tolerances]; each of them states tolerances.
+class ToleranceKeys {
+ public:
+  template <class View>
+  void add(KeyRecord record, View view, bool unless_usual = true) {
+    Key<ToleranceInput> key = make_key<ToleranceInput>(std::move(record), view);
+    if (unless_usual) key = unless_default(std::move(key));
+    key.assign = [assign = key.assign](const KeyRecord& r, ToleranceInput& t, std::size_t gear,
+                                       const TomlValue& v) {
+      t.stated = true;
+      assign(r, t, gear, v);
+    };
+    key.written = [written = key.written](const ToleranceInput& t, std::size_t gear) {
+      return t.stated && (!written || written(t, gear));
+    };
+    keys_.push_back(std::move(key));
+  }
+  template <class View>
+  void add_limits(const std::string& path, const char* default_text, const char* help, View view) {
+    add({.path = path,
+         .type = KeyType::kNumberOrRange,
+         .unit = Unit::kMicrometre,
+         .min = -1e4,
+         .max = 1e4,
+         .default_text = default_text,
+         .help = help},
+        view);
+  }
+  void add_gear_keys(bool pair);
+  void add_gearbox_keys();
+  [[nodiscard]] std::vector<Key<ToleranceInput>> keys() const { return keys_; }
+
+ private:
+  std::vector<Key<ToleranceInput>> keys_;
+};
+
+void ToleranceKeys::add_gear_keys(bool pair) {
+  using Gear = ToleranceInput::Gear;
+  const std::string prefix = "tolerances.{gear}.";
+  add_limits(
+      "tolerances.center_distance_um", "0",
+      "deviation of the built centre distance, in a gearbox that of the carrier at all "
+      "planets",
+      [](auto& t, std::size_t) -> auto& { return t.center_distance_m; });
+  add_limits(
+      prefix + "tooth_thickness_um", "0",
+      "deviation of the tooth thickness (arc on the reference circle) from that of profile "
+      "shift and machining allowance",
+      [](auto& t, std::size_t gear) -> auto& { return t.gears[gear].tooth_thickness_m; });
+  add_limits(
+      prefix + "tip_diameter_um", "0", "deviation of the tip diameter",
+      [](auto& t, std::size_t gear) -> auto& { return t.gears[gear].tip_diameter_m; });
+  add_limits(
+      prefix + "root_diameter_um", "as the tool is fed in for the tooth thickness",
+      "deviation of the root diameter",
+      [](auto& t, std::size_t gear) -> auto& { return t.gears[gear].root_diameter_m; });
+  if (pair) return;
+  const auto add_length = [&](const char* name, std::optional<double> Gear::*member,
+                              const char* help) {
+    add(
+        {.path = prefix + name,
+         .unit = Unit::kMicrometre,
+         .min = 0.0,
+         .max = 1e4,
+         .default_text = "that of accuracy_grade, else 0",
+         .help = help},
+        [member](auto& t, std::size_t gear) -> auto& { return t.gears[gear].*member; });
+  };
+  add_length("runout_um", &Gear::runout_m, "F_r: twice the greatest eccentricity of the teeth");
+  add_length("cumulative_pitch_um", &Gear::cumulative_pitch_m,
+             "F_p: total cumulative pitch deviation, with what the eccentricity adds to it");
+  add_length(
+      "single_pitch_um", &Gear::single_pitch_m,
+      "f_pt: each pitch differs by up to +- this, as each flank stands within +- half of it");
+  add(
+      {.path = prefix + "accuracy_grade",
+       .type = KeyType::kInteger,
+       .min = backlash::kFinestGrade,
+       .max = backlash::kCoarsestGrade,
+       .default_text = "none",
+       .help = "ISO 1328-1:1995 accuracy grade: sets those of runout_um, cumulative_pitch_um and "
+               "single_pitch_um that are not stated"},
+      [](auto& t, std::size_t gear) -> auto& { return t.gears[gear].grade; });
 }
 
-std::string length_line(const char* key, double length_m) {
-  return length_m > 0.0 ? fmt::format("{} = {}\n", key, toml_number(length_m / units::kMicrometre))
-                        : "";
+void ToleranceKeys::add_gearbox_keys() {
+  add(
+      {.path = "tolerances.pin_position_um",
+       .unit = Unit::kMicrometre,
+       .min = 0.0,
+       .max = 1e4,
+       .default_text = "0",
+       .help = "diameter of the circle about its drawn place in which each planet's pin stands"},
+      [](auto& t, std::size_t) -> auto& { return t.pin_position_m; });
+  add(
+      {.path = "tolerances.planet_phase_arcmin",
+       .type = KeyType::kNumberOrRange,
+       .unit = Unit::kArcmin,
+       .min = -600.0,
+       .max = 600.0,
+       .default_text = "0",
+       .help = "angle of P2 against P1 on each planet, deviation from the drawn one"},
+      [](auto& t, std::size_t) -> auto& { return t.planet_phase_rad; });
+  add(
+      {.path = "tolerances.scatter",
+       .type = KeyType::kChoice,
+       .choices = {backlash::kScatterNames.begin(), backlash::kScatterNames.end()},
+       .default_text = "\"normal\"",
+       .help = "how built values scatter about the middle of their limits; none lies beyond them"},
+      [](auto& t, std::size_t) -> auto& { return t.scatter; }, false);
+  add(
+      {.path = "tolerances.sigma_level",
+       .min = 1.0,
+       .max = 6.0,
+       .default_text = "3",
+       .help = "normal scatter: the limits lie so many standard deviations off the middle"},
+      [](auto& t, std::size_t) -> auto& { return t.sigma_level; }, false);
+  add(
+      {.path = "tolerances.samples",
+       .type = KeyType::kInteger,
+       .min = 1000,
+       .max = 1e9,
+       .default_text = "1000000",
+       .help = "gearboxes that are built at random"},
+      [](auto& t, std::size_t) -> auto& { return t.sampling.samples; }, false);
+  add(
+      {.path = "tolerances.seed",
+       .type = KeyType::kInteger,
+       .min = 0,
+       .max = 9e15,
+       .default_text = "1",
+       .help = "seed of the random gearboxes"},
+      [](auto& t, std::size_t) -> auto& { return t.sampling.seed; }, false);
+}
+
+/// Of one gear, those of its grade left out.
+backlash::GearTolerances stated_gear(const ToleranceInput::Gear& input) {
+  return {.tooth_thickness_m = input.tooth_thickness_m,
+          .tip_diameter_m = input.tip_diameter_m,
+          .root_diameter_m = input.root_diameter_m,
+          .runout_m = input.runout_m.value_or(0.0),
+          .cumulative_pitch_m = input.cumulative_pitch_m.value_or(0.0),
+          .single_pitch_m = input.single_pitch_m.value_or(0.0)};
 }
 
 }  // namespace
+
+std::vector<Key<ToleranceInput>> gear_tolerance_keys(bool pair) {
+  ToleranceKeys keys;
+  keys.add_gear_keys(pair);
+  return keys.keys();
+}
+
+std::vector<Key<ToleranceInput>> tolerance_keys() {
+  ToleranceKeys keys;
+  keys.add_gear_keys(false);
+  keys.add_gearbox_keys();
+  return keys.keys();
+}
 
 backlash::Tolerances stated_tolerances(const ToleranceInput& input) {
   backlash::Tolerances result{.gears = {},
@@ -29,15 +179,39 @@ backlash::Tolerances stated_tolerances(const ToleranceInput& input) {
                               .planet_phase_rad = input.planet_phase_rad,
                               .scatter = input.scatter,
                               .sigma_level = input.sigma_level};
-  for (std::size_t i = 0; i < train::kGearCount; ++i) {
-    result.gears[i] = input.gears[i].tolerances;
-  }
+  std::ranges::transform(input.gears, result.gears.begin(), stated_gear);
   return result;
+}
+
+ToleranceInput stated_input(const backlash::Tolerances& tolerances,
+                            const design::Sampling& sampling) {
+  ToleranceInput input{.stated = true,
+                       .gears = {},
+                       .center_distance_m = tolerances.center_distance_m,
+                       .planet_phase_rad = tolerances.planet_phase_rad,
+                       .pin_position_m = tolerances.pin_position_m,
+                       .scatter = tolerances.scatter,
+                       .sigma_level = tolerances.sigma_level,
+                       .sampling = sampling};
+  const auto length = [](double length_m) {
+    return length_m > 0.0 ? std::optional(length_m) : std::nullopt;
+  };
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    const backlash::GearTolerances& g = tolerances.gears[i];
+    input.gears[i] = {.tooth_thickness_m = g.tooth_thickness_m,
+                      .tip_diameter_m = g.tip_diameter_m,
+                      .root_diameter_m = g.root_diameter_m,
+                      .runout_m = length(g.runout_m),
+                      .cumulative_pitch_m = length(g.cumulative_pitch_m),
+                      .single_pitch_m = length(g.single_pitch_m),
+                      .grade = {}};
+  }
+  return input;
 }
 
 backlash::GearTolerances finish_gear_tolerances(const ToleranceInput::Gear& input,
                                                 const GradedGear& gear, FileReading& reading) {
-  backlash::GearTolerances result = input.tolerances;
+  backlash::GearTolerances result = stated_gear(input);
   if (input.grade && gear.module_m > 0.0 && gear.reference_diameter_m > 0.0) {
     const auto pitch = backlash::pitch_grade(
         {.module_m = gear.module_m, .reference_diameter_m = gear.reference_diameter_m},
@@ -55,40 +229,11 @@ backlash::GearTolerances finish_gear_tolerances(const ToleranceInput::Gear& inpu
                       backlash::kGreatestGradedDiameter_m * 1e3));
       return result;
     }
-    if (!input.runout) result.runout_m = pitch->runout_m;
-    if (!input.cumulative_pitch) result.cumulative_pitch_m = pitch->cumulative_pitch_m;
-    if (!input.single_pitch) result.single_pitch_m = pitch->single_pitch_m;
+    if (!input.runout_m) result.runout_m = pitch->runout_m;
+    if (!input.cumulative_pitch_m) result.cumulative_pitch_m = pitch->cumulative_pitch_m;
+    if (!input.single_pitch_m) result.single_pitch_m = pitch->single_pitch_m;
   }
   return result;
-}
-
-std::string tolerances_text(const backlash::Tolerances& tolerances,
-                            const design::Sampling& sampling) {
-  std::string text =
-      "\n[tolerances]\n" +
-      limits_line("center_distance_um", tolerances.center_distance_m, units::kMicrometre) +
-      length_line("pin_position_um", tolerances.pin_position_m) +
-      limits_line("planet_phase_arcmin", tolerances.planet_phase_rad, units::kArcmin);
-  text += fmt::format("scatter = \"{}\"\nsigma_level = {}\nsamples = {}\nseed = {}\n",
-                      backlash::kScatterNames[static_cast<std::size_t>(tolerances.scatter)],
-                      toml_number(tolerances.sigma_level), sampling.samples, sampling.seed);
-  for (std::size_t i = 0; i < train::kGearCount; ++i) {
-    const backlash::GearTolerances& g = tolerances.gears[i];
-    std::string gear = limits_line("tooth_thickness_um", g.tooth_thickness_m, units::kMicrometre) +
-                       limits_line("tip_diameter_um", g.tip_diameter_m, units::kMicrometre);
-    if (g.root_diameter_m) {
-      gear += fmt::format("root_diameter_um = [{}, {}]\n",
-                          toml_number(g.root_diameter_m->lower / units::kMicrometre),
-                          toml_number(g.root_diameter_m->upper / units::kMicrometre));
-    }
-    gear += length_line("runout_um", g.runout_m) +
-            length_line("cumulative_pitch_um", g.cumulative_pitch_m) +
-            length_line("single_pitch_um", g.single_pitch_m);
-    if (!gear.empty()) {
-      text += fmt::format("\n[tolerances.{}]\n{}", train::kGearNames[i], gear);
-    }
-  }
-  return text;
 }
 
 }  // namespace gear3k::io

@@ -5,6 +5,8 @@
 
 #include <string>
 
+#include "io/text/toml_value.hpp"
+
 namespace gear3k::io {
 
 /// The quoted text of TOML.
@@ -26,6 +28,34 @@ inline std::string toml_quoted(const std::string& text) {
 inline std::string toml_number(double value) {
   std::string text = fmt::format("{}", value);
   if (text.find_first_of(".e") == std::string::npos) text += ".0";
+  return text;
+}
+
+/// A value as TOML, on one line.
+inline std::string toml_text(const TomlValue& value) {
+  std::string text;
+  switch (value.kind) {
+    case TomlValue::Kind::kBoolean:
+      return value.boolean ? "true" : "false";
+    case TomlValue::Kind::kInteger:
+      return fmt::format("{}", value.integer);
+    case TomlValue::Kind::kNumber:
+      return toml_number(value.number);
+    case TomlValue::Kind::kText:
+      return toml_quoted(value.text);
+    case TomlValue::Kind::kList:
+      for (const TomlValue& element : value.list) {
+        text += (text.empty() ? "" : ", ") + toml_text(element);
+      }
+      return "[" + text + "]";
+    case TomlValue::Kind::kTable:
+      for (const TomlValue& member : value.table) {
+        text += fmt::format("{} {} = {}", text.empty() ? "" : ",", member.key, toml_text(member));
+      }
+      return "{" + text + " }";
+    case TomlValue::Kind::kOther:
+      break;
+  }
   return text;
 }
 

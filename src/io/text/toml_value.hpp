@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "io/text/diagnostics.hpp"
@@ -24,6 +25,44 @@ struct TomlValue {
 
   [[nodiscard]] bool is_number() const { return kind == Kind::kInteger || kind == Kind::kNumber; }
 };
+
+inline TomlValue boolean_value(bool boolean) {
+  TomlValue value;
+  value.kind = TomlValue::Kind::kBoolean;
+  value.boolean = boolean;
+  return value;
+}
+inline TomlValue integer_value(std::int64_t integer) {
+  TomlValue value;
+  value.kind = TomlValue::Kind::kInteger;
+  value.integer = integer;
+  value.number = static_cast<double>(integer);
+  return value;
+}
+inline TomlValue number_value(double number) {
+  TomlValue value;
+  value.kind = TomlValue::Kind::kNumber;
+  value.number = number;
+  return value;
+}
+inline TomlValue text_value(std::string text) {
+  TomlValue value;
+  value.kind = TomlValue::Kind::kText;
+  value.text = std::move(text);
+  return value;
+}
+inline TomlValue list_value(std::vector<TomlValue> list) {
+  TomlValue value;
+  value.kind = TomlValue::Kind::kList;
+  value.list = std::move(list);
+  return value;
+}
+inline TomlValue table_value(std::vector<TomlValue> members) {
+  TomlValue value;
+  value.kind = TomlValue::Kind::kTable;
+  value.table = std::move(members);
+  return value;
+}
 
 /// The value as a message shows it, shortened where long.
 std::string as_text(const TomlValue& value);

@@ -1,0 +1,108 @@
+#include "io/keys/model_keys.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace gear3k::io {
+
+using units::Unit;
+
+KeyRecord pressure_angle_record() {
+  return {.path = "pressure_angle_deg",
+          .unit = Unit::kDegree,
+          .min = 5.0,
+          .max = 45.0,
+          .default_text = "20",
+          .help = "standard pressure angle of the basic rack"};
+}
+
+std::vector<Key<geometry::BasicRack<double>>> rack_keys() {
+  using Rack = geometry::BasicRack<double>;
+  const auto key = [](KeyRecord record, double Rack::*member) {
+    record.path = "rack." + record.path;
+    record.unit = Unit::kModules;
+    return make_key<Rack>(
+        std::move(record), [member](auto& t, std::size_t) -> auto& { return t.*member; });
+  };
+  return {key({.path = "addendum",
+               .min = 0.1,
+               .max = 3.0,
+               .default_text = "1.0",
+               .help = "addendum of the basic rack"},
+              &Rack::addendum),
+          key({.path = "dedendum",
+               .min = 0.1,
+               .max = 3.0,
+               .default_text = "1.25",
+               .help = "dedendum of the basic rack"},
+              &Rack::dedendum),
+          key({.path = "root_radius",
+               .min = 0.0,
+               .max = 1.0,
+               .default_text = "0.38",
+               .help = "root fillet radius of the basic rack"},
+              &Rack::root_radius)};
+}
+
+std::vector<Key<design::Friction>> friction_keys() {
+  using design::Friction;
+  const auto factor = [](const char* path, double Friction::*member, const char* help) {
+    return make_key<Friction>(
+        {.path = path,
+         .min = 0.0,
+         .max = 10.0,
+         .default_text = "with directional: 1",
+         .help = help},
+        [member](auto& t, std::size_t) -> auto& { return t.*member; },
+        [](const Friction& f, std::size_t) {
+          return f.model == efficiency::LossModel::kDirectional;
+        });
+  };
+  return {
+      make_key<Friction>(
+          {.path = "friction.coefficient",
+           .min = 0.0,
+           .max = 1.0,
+           .default_text = "0.1",
+           .help = "coefficient of friction of the meshes"},
+          [](auto& t, std::size_t) -> auto& { return t.coefficient; },
+          [](const Friction& f, std::size_t) { return efficiency::reads_coefficient(f.law); }),
+      make_key<Friction>(
+          {.path = "friction.loss_model",
+           .type = KeyType::kChoice,
+           .choices = {efficiency::kLossModelNames.begin(), efficiency::kLossModelNames.end()},
+           .default_text = "\"sliding\"",
+           .help = "mesh loss: sliding = mean sliding over a base pitch, for any contact ratios; "
+                   "ohlendorf = the papers' closed form; coulomb_path = exact friction along the "
+                   "path of contact; directional = the same with approach_factor and "
+                   "recess_factor"},
+          [](auto& t, std::size_t) -> auto& { return t.model; }),
+      factor("friction.approach_factor", &Friction::approach_factor,
+             "directional: friction in approach over the coefficient"),
+      factor("friction.recess_factor", &Friction::recess_factor,
+             "directional: friction in recess over the coefficient")};
+}
+
+void check_friction(const design::Friction& friction, FileReading& reading) {
+  if (friction.model == efficiency::LossModel::kDirectional) return;
+  for (const char* path : {"friction.approach_factor", "friction.recess_factor"}) {
+    if (!reading.stated(path)) continue;
+    reading.error_at(
+        path, fmt::format("{}: allowed with friction.loss_model = \"directional\" only", path));
+  }
+}
+
+void check_rack(const geometry::BasicRack<double>& rack, double pressure_angle_rad,
+                FileReading& reading) {
+  const double greatest = std::numbers::pi / (4.0 * std::tan(pressure_angle_rad));
+  if (rack.dedendum >= greatest) {
+    reading.error_at("rack.dedendum",
+                     fmt::format("rack.dedendum = {}: allowed: below {:.6g}, where the rack's "
+                                 "tooth comes to a point",
+                                 rack.dedendum, greatest));
+  }
+}
+
+}  // namespace gear3k::io

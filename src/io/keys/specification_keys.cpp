@@ -1,0 +1,370 @@
+#include "io/keys/specification_keys.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "io/keys/axial_keys.hpp"
+#include "io/keys/cutter_keys.hpp"
+#include "io/keys/mass_keys.hpp"
+#include "io/keys/model_keys.hpp"
+#include "io/keys/robust_keys.hpp"
+#include "optimize/objective_value.hpp"
+
+namespace gear3k::io {
+
+namespace {
+
+using Input = SpecificationInput;
+using optimize::Specification, units::Unit;
+
+template <class Number>
+void sort_and_unify(std::vector<Number>& numbers) {
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+}
+
+/// The view of a member of the specification.
+template <class Member>
+auto of_spec(Member Specification::*member) {
+  return [member](auto& t, std::size_t) -> auto& { return t.spec.*member; };
+}
+
+TomlValue member_value(std::string key, TomlValue value) {
+  value.key = std::move(key);
+  return value;
+}
+
+Key<Input> module_key(std::size_t stage) {
+  return {.record = {.path = fmt::format("module.stage{}_mm", stage + 1),
+                     .type = KeyType::kModule,
+                     .unit = Unit::kMillimetre,
+                     .min = 0.0,
+                     .max = 100.0,
+                     .min_excluded = true,
+                     .required = true,
+                     .help = stage == 0 ? "module of S, P1, R1: refined in a range, chosen from a "
+                                          "series, or given"
+                                        : "module of P2, R2, in the same way"},
+          .assign =
+              [stage](const KeyRecord& r, Input& t, std::size_t, const TomlValue& v) {
+                optimize::ModuleChoice choice;
+                if (v.is_number()) {
+                  const double module_m = units::to_si(v.number, r.unit);
+                  choice.range_m = optimize::NumberRange{.min = module_m, .max = module_m};
+                } else if (v.table.size() == 1) {
+                  store(r, v.table[0], choice.series_m);
+                  sort_and_unify(choice.series_m);
+                } else {
+                  optimize::NumberRange& range = choice.range_m.emplace();
+                  for (const TomlValue& end : v.table) {
+                    store(r, end, end.key == "min" ? range.min : range.max);
+                  }
+                }
+                t.spec.module[stage] = choice;
+              },
+          .state = [stage](const KeyRecord& r, const Input& t,
+                           std::size_t) -> std::optional<TomlValue> {
+            const optimize::ModuleChoice& choice = t.spec.module[stage];
+            if (!choice.range_m) {
+              const auto series = stated(r, choice.series_m);
+              if (!series) return std::nullopt;
+              return table_value({member_value("series", *series)});
+            }
+            const auto& [min, max] = *choice.range_m;
+            if (min == max) return stated(r, min);
+            return table_value(
+                {member_value("min", *stated(r, min)), member_value("max", *stated(r, max))});
+          }};
+}
+
+/// A number for all gears, or for each of them.
+Key<Input> per_gear_key(KeyRecord record,
+                        std::array<double, train::kGearCount> Specification::*member) {
+  record.type = KeyType::kNumberPerGear;
+  record.unit = Unit::kModules;
+  return {.record = std::move(record),
+          .assign =
+              [member](const KeyRecord& r, Input& t, std::size_t, const TomlValue& v) {
+                auto& values = t.spec.*member;
+                values.fill(v.is_number() ? units::to_si(v.number, r.unit) : 0.0);
+                for (const TomlValue& gear : v.table) {
+                  store(r, gear, values[index_of(train::kGearNames, gear.key)]);
+                }
+              },
+          .state =
+              [member](const KeyRecord& r, const Input& t, std::size_t) {
+                std::vector<TomlValue> gears;
+                for (std::size_t i = 0; i < train::kGearCount; ++i) {
+                  gears.push_back(member_value(std::string(train::kGearNames[i]),
+                                               *stated(r, (t.spec.*member)[i])));
+                }
+                return table_value(std::move(gears));
+              }};
+}
+
+std::vector<std::string> objective_names() {
+  std::vector<std::string> names;
+  for (const optimize::ObjectiveRecord& record : optimize::objective_records()) {
+    names.emplace_back(record.name);
+  }
+  return names;
+}
+
+void append_objective_keys(std::vector<Key<Input>>& keys) {
+  keys.push_back(make_key<Input>({.path = "objective",
+                                  .type = KeyType::kChoices,
+                                  .choices = objective_names(),
+                                  .default_text = "\"backward_efficiency\"",
+                                  .help = "what is best; a list asks for the Pareto front, the "
+                                          "first of it picks best.toml"},
+                                 of_spec(&Specification::objectives)));
+  keys.push_back(make_key<Input>({.path = "pareto.points",
+                                  .type = KeyType::kInteger,
+                                  .min = 2,
+                                  .max = 10000,
+                                  .default_text = "15",
+                                  .help = "steps of the front; with three objectives or more, of "
+                                          "all but the first together"},
+                                 of_spec(&Specification::pareto_points)));
+  keys.push_back(make_key<Input>(
+      density_record(), [](auto& t, std::size_t) -> auto& { return t.spec.bodies.density_kgm3; }));
+  for (const std::size_t stage : {0U, 1U}) {
+    keys.push_back(make_key<Input>(
+        face_width_record(stage), [stage](auto& t, std::size_t) -> auto& {
+          return t.spec.bodies.face_width_m[stage];
+        }));
+  }
+  keys.push_back(make_key<Input>(
+      {.path = "size.ring_rim_mm",
+       .unit = Unit::kMillimetre,
+       .min = 0.0,
+       .max = 1000.0,
+       .default_text = "0",
+       .help = "rim of both rings outside their root circles, for mass, inertia and outer "
+               "diameter"},
+      [](auto& t, std::size_t) -> auto& { return t.spec.bodies.ring_rim_m; }));
+}
+
+void append_tip_keys(std::vector<Key<Input>>& keys) {
+  keys.push_back(per_gear_key({.path = "tip_shortening",
+                               .min = 0.0,
+                               .max = design::kGreatestTipShortening,
+                               .default_text = "0",
+                               .help = "shortening of the teeth at their tips, on rings too"},
+                              &Specification::tip_shortening));
+  for (const std::size_t gear : {train::kS, train::kP1}) {
+    keys.push_back(make_key<Input>(
+        {.path = fmt::format("tip_rule.{}", train::kGearNames[gear]),
+         .type = KeyType::kChoice,
+         .choices = {"full", "khk"},
+         .default_text = "\"full\"",
+         .help = "full = tip_shortening as stated; khk = x1 + x2 - y of mesh S-P1 instead"},
+        [gear](auto& t, std::size_t) -> auto& { return t.spec.khk_tip[gear]; }));
+  }
+}
+
+void append_tooth_keys(std::vector<Key<Input>>& keys) {
+  using optimize::ToothRanges;
+  const auto add_range = [&](const char* name, optimize::IntegerRange ToothRanges::*member) {
+    keys.push_back(make_key<Input>(
+        {.path = fmt::format("teeth.{}", name),
+         .type = KeyType::kIntegerRange,
+         .min = 4,
+         .max = 500,
+         .required = true,
+         .help = fmt::format("teeth of {}, both ends included", name)},
+        [member](auto& t, std::size_t) -> auto& { return t.spec.teeth.*member; }));
+  };
+  add_range("S", &ToothRanges::S);
+  add_range("P1", &ToothRanges::P1);
+  add_range("P2", &ToothRanges::P2);
+  const auto add = [&](KeyRecord record, int ToothRanges::*member) {
+    record.type = KeyType::kInteger;
+    record.required = record.default_text.empty();
+    keys.push_back(make_key<Input>(
+        std::move(record), [member](auto& t, std::size_t) -> auto& {
+          return t.spec.teeth.*member;
+        }));
+  };
+  add({.path = "teeth.R1_max", .min = 5, .max = 2000, .help = "most teeth of ring R1"},
+      &ToothRanges::R1_max);
+  add({.path = "teeth.R2_max", .min = 5, .max = 2000, .help = "most teeth of ring R2"},
+      &ToothRanges::R2_max);
+  add({.path = "teeth.max_coaxial_offset",
+       .min = 0,
+       .max = 100,
+       .default_text = "4",
+       .help = "greatest |zR1 - (zS + 2 zP1)|"},
+      &ToothRanges::max_coaxial_offset);
+  add({.path = "teeth.min_internal_difference",
+       .min = 1,
+       .max = 100,
+       .default_text = "8",
+       .help = "least zR - zP of both internal meshes"},
+      &ToothRanges::min_internal_difference);
+}
+
+void append_ratio_keys(std::vector<Key<Input>>& keys) {
+  keys.push_back(make_key<Input>(
+      {.path = "ratio.target",
+       .min = -1e5,
+       .max = 1e5,
+       .required = true,
+       .help = "w_S/w_R2; negative = output turns against the input"},
+      [](auto& t, std::size_t) -> auto& { return t.spec.ratio.target; }));
+  keys.push_back(make_key<Input>(
+      {.path = "ratio.tolerance",
+       .min = 0.0,
+       .max = 0.5,
+       .default_text = "0.005",
+       .help = "greatest |ratio/target - 1|"},
+      [](auto& t, std::size_t) -> auto& { return t.spec.ratio.tolerance; }));
+}
+
+/// Profile shifts, and variables that are fixed unless a range is stated.
+void append_free_keys(std::vector<Key<Input>>& keys) {
+  const auto add = [&](KeyRecord record, auto view) {
+    record.type = KeyType::kNumberRange;
+    if (record.unit == Unit::kNone) record.unit = Unit::kModules;
+    keys.push_back(make_key<Input>(std::move(record), view));
+  };
+  add({.path = "profile_shift.range",
+       .min = -5.0,
+       .max = 5.0,
+       .default_text = "[0, 1]",
+       .help = "profile shift of every gear"},
+      of_spec(&Specification::profile_shift));
+  add({.path = "profile_shift.ring_range",
+       .min = -5.0,
+       .max = 5.0,
+       .default_text = "profile_shift.range",
+       .help = "profile shift of R1 and R2"},
+      of_spec(&Specification::ring_shift));
+  add(
+      {.path = "free.addendum",
+       .min = 0.2,
+       .max = 2.0,
+       .default_text = "rack.addendum",
+       .help = "addendum of each gear, refined in this range; best.toml states it as rack.addendum "
+               "less tip_shortening"},
+      [](auto& t, std::size_t) -> auto& { return t.free_addendum; });
+  add(
+      {.path = "free.tip_shortening",
+       .min = 0.0,
+       .max = design::kGreatestTipShortening,
+       .default_text = "tip_shortening",
+       .help = "tip shortening of each gear, refined in this range"},
+      [](auto& t, std::size_t) -> auto& { return t.spec.free.tip_shortening; });
+  add(
+      {.path = "free.pressure_angle_deg",
+       .unit = Unit::kDegree,
+       .min = 10.0,
+       .max = 35.0,
+       .default_text = "pressure_angle_deg",
+       .help = "pressure angle, refined in this range; without bounds then"},
+      [](auto& t, std::size_t) -> auto& { return t.spec.free.pressure_angle_rad; });
+}
+
+void append_solver_keys(std::vector<Key<Input>>& keys) {
+  keys.push_back(make_key<Input>(
+      {.path = "solver.refine",
+       .type = KeyType::kChoice,
+       .choices = {optimize::kRefineNames.begin(), optimize::kRefineNames.end()},
+       .default_text = "\"slsqp\"",
+       .help = "slsqp = in all threads; ipopt = one at a time; both = SLSQP polished by Ipopt"},
+      [](auto& t, std::size_t) -> auto& { return t.spec.solver.refine; }));
+  keys.push_back(make_key<Input>(
+      {.path = "solver.starts",
+       .type = KeyType::kInteger,
+       .min = 1,
+       .max = 1000,
+       .default_text = "4",
+       .help = "starting points per tooth set"},
+      [](auto& t, std::size_t) -> auto& { return t.spec.solver.starts; }));
+  keys.push_back(make_key<Input>(
+      {.path = "solver.seed",
+       .type = KeyType::kInteger,
+       .min = 0,
+       .max = 9007199254740992.0,
+       .default_text = "1",
+       .help = "seed of the starting points after the fourth"},
+      [](auto& t, std::size_t) -> auto& { return t.spec.solver.seed; }));
+}
+
+/// The keys of a DESIGN's operating point.
+std::vector<Key<LossInput>> operating_point_keys() {
+  std::vector<Key<LossInput>> keys;
+  for (const LossKey& k : loss_keys()) {
+    if (!k.key.record.path.starts_with("operating_point.")) continue;
+    keys.push_back(k.key);
+    keys.back().record.help += "; read with --model, which judges the refined sets there";
+  }
+  return keys;
+}
+
+}  // namespace
+
+SpecificationInput::SpecificationInput() {
+  spec.pressure_angle_rad = units::to_si(20.0, Unit::kDegree);
+  spec.ratio.tolerance = 0.005;
+}
+
+Schema<Input> specification_schema() {
+  Schema<Input> schema{.gears = {train::kGearNames.begin(), train::kGearNames.end()}, .keys = {}};
+  auto& keys = schema.keys;
+  keys.push_back(make_key<Input>({.path = "name",
+                                  .type = KeyType::kText,
+                                  .default_text = "\"\"",
+                                  .help = "name in tables and results"},
+                                 of_spec(&Specification::name)));
+  keys.push_back(make_key<Input>({.path = "planets",
+                                  .type = KeyType::kIntegers,
+                                  .min = 1,
+                                  .max = 24,
+                                  .default_text = "3",
+                                  .help = "number of equally spaced planets, or a list to try"},
+                                 of_spec(&Specification::planets)));
+  keys.back().assign = [store_list = keys.back().assign](const KeyRecord& r, Input& t,
+                                                         std::size_t gear, const TomlValue& v) {
+    store_list(r, t, gear, v);
+    sort_and_unify(t.spec.planets);
+  };
+  keys.push_back(
+      make_key<Input>(pressure_angle_record(), of_spec(&Specification::pressure_angle_rad)));
+  append_keys(keys, rack_keys(), of_spec(&Specification::rack));
+  append_keys(keys, friction_keys(), of_spec(&Specification::friction));
+  append_objective_keys(keys);
+  append_tip_keys(keys);
+  for (const std::size_t ring : {train::kR1, train::kR2}) {
+    append_keys(
+        keys, cutter_keys(), [ring](auto& t, std::size_t) -> auto& { return t.spec.cutter[ring]; },
+        fmt::format("cutter.{}.", train::kGearNames[ring]));
+  }
+  append_keys(keys, axial_keys(), of_spec(&Specification::axial));
+  append_ratio_keys(keys);
+  append_tooth_keys(keys);
+  for (const std::size_t stage : {0U, 1U}) keys.push_back(module_key(stage));
+  append_free_keys(keys);
+  keys.push_back(per_gear_key({.path = "backlash.machining_allowance",
+                               .min = 0.0,
+                               .max = 1.0,
+                               .default_text = "0",
+                               .help = "q: normal thinning of the whole tooth over the module"},
+                              &Specification::machining_allowance));
+  append_solver_keys(keys);
+  append_keys(
+      keys, operating_point_keys(), [](auto& t, std::size_t) -> auto& { return t.losses; });
+  append_keys(
+      keys, limit_keys(false), [](auto& t, std::size_t) -> auto& { return t.limits; });
+  append_keys(
+      keys, tolerance_keys(), [](auto& t, std::size_t) -> auto& { return t.tolerances; });
+  append_keys(keys, robust_keys(), of_spec(&Specification::robust));
+  return schema;
+}
+
+}  // namespace gear3k::io

@@ -1,0 +1,86 @@
+#include "units/units.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace gear3k::units {
+namespace {
+
+std::vector<Unit> all_units() {
+  std::vector<Unit> units;
+  for (std::size_t i = 0; i < kUnits.size(); ++i) units.push_back(static_cast<Unit>(i));
+  return units;
+}
+
+/// Decimal digits that it takes to write a value.
+int digits_of(double value) {
+  int digits = 1;
+  while (digits < 17 && std::stod(fmt::format("{:.{}e}", value, digits - 1)) != value) ++digits;
+  return digits;
+}
+
+TEST(Units, AreWhatTheirNamesSay) {
+  EXPECT_EQ(to_si(31.4, Unit::kMillimetre), 31.4 * 1e-3);
+  EXPECT_EQ(to_si(8.0, Unit::kDiameterMillimetre), 4e-3);
+  EXPECT_EQ(to_si(12.0, Unit::kMicrometre), 12.0 * 1e-6);
+  EXPECT_DOUBLE_EQ(to_si(180.0, Unit::kDegree), std::numbers::pi);
+  EXPECT_DOUBLE_EQ(to_si(60.0, Unit::kArcmin), std::numbers::pi / 180.0);
+  EXPECT_DOUBLE_EQ(to_si(60.0, Unit::kRpm), 2.0 * std::numbers::pi);
+  EXPECT_EQ(to_si(20.0, Unit::kCelsius), 293.15);
+  EXPECT_DOUBLE_EQ(to_si(220.0, Unit::kSquareMillimetrePerSecond), 220e-6);
+  EXPECT_TRUE(std::signbit(to_si(-0.0, Unit::kMillimetre)));
+}
+
+TEST(Units, ADecimalComesBackFromItsSiValueAsItWas) {
+  std::mt19937_64 random(7);
+  for (const Unit unit : all_units()) {
+    for (int sample = 0; sample < 2000; ++sample) {
+      // Up to 15 digits, as a user writes them.
+      const int digits = 1 + static_cast<int>(random() % 15);
+      const double share = std::ldexp(static_cast<double>(random() >> 11U), -53) - 0.5;
+      const double power = std::pow(10.0, static_cast<int>(random() % 9) - 4);
+      const double value = std::stod(fmt::format("{:.{}e}", share * power, digits - 1));
+      const double si = to_si(value, unit);
+      const double back = decimal_from_si(si, unit);
+      EXPECT_EQ(std::bit_cast<std::uint64_t>(to_si(back, unit)), std::bit_cast<std::uint64_t>(si));
+      EXPECT_LE(digits_of(back), digits_of(value)) << unit_name(unit) << " " << value;
+      // Added to 273.15, the last digits of degrees are lost.
+      if (unit != Unit::kCelsius) EXPECT_EQ(back, value) << unit_name(unit);
+    }
+  }
+}
+
+TEST(Units, AStatedLimitIsNotWrittenBeyondItself) {
+  const double si = to_si(1e6, Unit::kArcmin);
+  ASSERT_NE(from_si(si, Unit::kArcmin), 1e6) << "the quotient rounds off, or this shows nothing";
+  EXPECT_EQ(decimal_from_si(si, Unit::kArcmin), 1e6);
+}
+
+TEST(Units, AnySiValueIsWrittenAtMostOneLastBitOff) {
+  std::mt19937_64 random(11);
+  for (const Unit unit : all_units()) {
+    int exact = 0;
+    constexpr int kSamples = 2000;
+    for (int sample = 0; sample < kSamples; ++sample) {
+      // Where lubricants are, of temperatures.
+      const double si = 250.0 + std::ldexp(static_cast<double>(random() >> 11U), -45);
+      const double read = to_si(decimal_from_si(si, unit), unit);
+      EXPECT_LE(std::nextafter(si, 0.0), read) << unit_name(unit);
+      EXPECT_GE(std::nextafter(si, INFINITY), read) << unit_name(unit);
+      // Written once more, it stays.
+      EXPECT_EQ(to_si(decimal_from_si(read, unit), unit), read) << unit_name(unit);
+      exact += read == si ? 1 : 0;
+    }
+    EXPECT_GT(exact, kSamples / 2) << unit_name(unit);
+  }
+}
+
+}  // namespace
+}  // namespace gear3k::units
