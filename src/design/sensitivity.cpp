@@ -1,10 +1,7 @@
 #include "design/sensitivity.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <tuple>
 
 #include "backlash/normal_backlash.hpp"
@@ -29,38 +26,25 @@ struct Parameters {
   OperatingPoint<T> point{};
 };
 
-/// A unit of the file, and the step of inputs in it.
-struct FileUnit {
-  std::string_view name;
-  double si = 1.0;       ///< per unit
-  double zero_si = 0.0;  ///< SI value at 0 units
-  double step = 0.01;    ///< units; of a relative step, share of the value
+/// The unit of inputs, and their step in it.
+struct StepRule {
+  Unit unit = Unit::kNone;
+  double step = 0.01;  ///< units; of a relative step, share of the value
   bool relative = true;
 };
-constexpr FileUnit kNumber{.name = ""};
-constexpr FileUnit kModules{.name = "modules", .relative = false};
-constexpr FileUnit kDistance{.name = "mm", .si = 1e-3, .relative = false};
-constexpr FileUnit kModuleLength{.name = "mm", .si = 1e-3, .step = 0.001, .relative = false};
-constexpr FileUnit kDegree{
-    .name = "deg", .si = std::numbers::pi / 180.0, .step = 0.1, .relative = false};
-constexpr FileUnit kCelsius{.name = "C", .zero_si = 273.15, .step = 1.0, .relative = false};
-constexpr FileUnit kLength{.name = "mm", .si = 1e-3};
-constexpr FileUnit kRoughness{.name = "um", .si = 1e-6};
-constexpr FileUnit kViscosity{.name = "mm2/s", .si = 1e-6};
-constexpr FileUnit kDensity{.name = "kg/m3"};
-constexpr FileUnit kForce{.name = "N"};
-constexpr FileUnit kTorque{.name = "N m"};
-constexpr FileUnit kSpeed{.name = "m/s"};
-constexpr FileUnit kPerSpeed{.name = "s/m"};
-constexpr FileUnit kTurning{.name = "rpm", .si = std::numbers::pi / 30.0};
-constexpr FileUnit kViscousDrag{.name = "N m s/rad"};
-constexpr FileUnit kQuadraticDrag{.name = "N m s2/rad2"};
+constexpr StepRule kModules{.unit = Unit::kModules, .relative = false};
+constexpr StepRule kDistance{.unit = Unit::kMillimetre, .relative = false};
+constexpr StepRule kModuleLength{.unit = Unit::kMillimetre, .step = 0.001, .relative = false};
+constexpr StepRule kAngle{.unit = Unit::kDegree, .step = 0.1, .relative = false};
+constexpr StepRule kTemperatures{.unit = Unit::kCelsius, .step = 1.0, .relative = false};
+/// A hundredth of the value.
+constexpr StepRule hundredth(Unit unit) { return {.unit = unit}; }
 
 /// Record of an input.
 template <class T>
 struct Input {
-  std::string key;  ///< of the file
-  const FileUnit& unit;
+  InputId id;
+  StepRule rule;
   T* at = nullptr;   ///< its place
   bool acts = true;  ///< a design that is otherwise as this one changes with it
 };
@@ -109,63 +93,62 @@ std::vector<Input<T>> inputs_of(const Design& design, Parameters<T>& p) {
   const bool by_temperature = acting.schlenk || model.temperature_1_K != 0.0 ||
                               (acting.drag && design.shafts.drag_temperature_1_K != 0.0);
   std::vector<Input<T>> list;
-  const auto add = [&](const std::string& key, const FileUnit& unit, T& at, bool acts = true) {
-    list.push_back({.key = key, .unit = unit, .at = &at, .acts = acts});
+  const auto add = [&](InputId id, const StepRule& rule, T& at, bool acts = true) {
+    list.push_back({.id = id, .rule = rule, .at = &at, .acts = acts});
   };
-  add("pressure_angle_deg", kDegree, p.pressure_angle_rad);
-  add("center_distance_mm", kDistance, p.center_distance_m);
-  add("rack.addendum", kModules, p.rack.addendum);
-  add("rack.dedendum", kModules, p.rack.dedendum);
-  add("rack.root_radius", kModules, p.rack.root_radius);
+  using enum InputKind;
+  add({kPressureAngle}, kAngle, p.pressure_angle_rad);
+  add({kCenterDistance}, kDistance, p.center_distance_m);
+  add({kAddendum}, kModules, p.rack.addendum);
+  add({kDedendum}, kModules, p.rack.dedendum);
+  add({kRootRadius}, kModules, p.rack.root_radius);
   for (const std::size_t stage : {0U, 1U}) {
-    const std::string table = fmt::format("stage{}.", stage + 1);
-    add(table + "module_mm", kModuleLength, p.module_m[stage]);
-    add(table + "face_width_mm", kLength, p.face_width_m[stage], acting.schlenk);
+    add({kModule, stage}, kModuleLength, p.module_m[stage]);
+    add({kFaceWidth, stage}, hundredth(Unit::kMillimetre), p.face_width_m[stage], acting.schlenk);
   }
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
-    const std::string table = fmt::format("gears.{}.", train::kGearNames[i]);
-    add(table + "profile_shift", kModules, p.profile_shift[i]);
-    add(table + "machining_allowance", kModules, p.machining_allowance[i]);
-    add(table + "tip_shortening", kModules, p.tip_shortening[i], !design.train.khk_tip[i]);
+    add({kProfileShift, i}, kModules, p.profile_shift[i]);
+    add({kMachiningAllowance, i}, kModules, p.machining_allowance[i]);
+    add({kTipShortening, i}, kModules, p.tip_shortening[i], !design.train.khk_tip[i]);
   }
   auto& f = p.friction;
-  add("friction.coefficient", kNumber, f.coefficient, acting.coefficient);
-  add("friction.approach_factor", kNumber, f.approach_factor, acting.directional);
-  add("friction.recess_factor", kNumber, f.recess_factor, acting.directional);
-  add("friction.load_exponent", kNumber, f.load_exponent, acting.load_power);
-  add("friction.reference_force_n", kForce, f.reference_force_N, acting.load_power);
-  add("friction.static_coefficient", kNumber, f.static_coefficient, acting.stribeck);
-  add("friction.stribeck_speed_m_s", kSpeed, f.stribeck_speed_m_s, acting.stribeck);
-  add("friction.stribeck_exponent", kNumber, f.stribeck_exponent, acting.stribeck);
-  add("friction.viscous_s_per_m", kPerSpeed, f.viscous_s_m, acting.stribeck);
-  add("friction.roughness_um", kRoughness, f.roughness_m, acting.schlenk);
-  add("friction.lubricant_factor", kNumber, f.lubricant_factor, acting.schlenk);
+  add({kFrictionCoefficient}, hundredth(Unit::kNone), f.coefficient, acting.coefficient);
+  add({kApproachFactor}, hundredth(Unit::kNone), f.approach_factor, acting.directional);
+  add({kRecessFactor}, hundredth(Unit::kNone), f.recess_factor, acting.directional);
+  add({kLoadExponent}, hundredth(Unit::kNone), f.load_exponent, acting.load_power);
+  add({kReferenceForce}, hundredth(Unit::kNewton), f.reference_force_N, acting.load_power);
+  add({kStaticCoefficient}, hundredth(Unit::kNone), f.static_coefficient, acting.stribeck);
+  add({kStribeckSpeed}, hundredth(Unit::kMetrePerSecond), f.stribeck_speed_m_s, acting.stribeck);
+  add({kStribeckExponent}, hundredth(Unit::kNone), f.stribeck_exponent, acting.stribeck);
+  add({kViscousFriction}, hundredth(Unit::kSecondPerMetre), f.viscous_s_m, acting.stribeck);
+  add({kRoughness}, hundredth(Unit::kMicrometre), f.roughness_m, acting.schlenk);
+  add({kLubricantFactor}, hundredth(Unit::kNone), f.lubricant_factor, acting.schlenk);
   for (const std::size_t i : {0U, 1U}) {
-    add(fmt::format("lubricant.temperature{}_c", i + 1), kCelsius, f.lubricant.temperature_K[i],
-        acting.schlenk);
-    add(fmt::format("lubricant.viscosity{}_mm2_s", i + 1), kViscosity,
+    add({kLubricantTemperature, i}, kTemperatures, f.lubricant.temperature_K[i], acting.schlenk);
+    add({kLubricantViscosity, i}, hundredth(Unit::kSquareMillimetrePerSecond),
         f.lubricant.viscosity_m2_s[i], acting.schlenk);
   }
-  add("lubricant.density_kg_m3", kDensity, f.lubricant.density_kgm3, acting.schlenk);
+  add({kLubricantDensity}, hundredth(Unit::kKilogramPerCubicMetre), f.lubricant.density_kgm3,
+      acting.schlenk);
   for (std::size_t i = 0; i < kShaftCount; ++i) {
-    const std::string table = fmt::format("drag.{}.", kShaftNames[i]);
     const ShaftDrag<double>& stated = design.shafts.drag[i];
     ShaftDrag<T>& drag = p.shafts.drag[i];
-    add(table + "constant_nm", kTorque, drag.constant_Nm, runs && stated.constant_Nm > 0.0);
-    add(table + "viscous_nms_per_rad", kViscousDrag, drag.viscous_Nms,
+    add({kConstantDrag, i}, hundredth(Unit::kNewtonMetre), drag.constant_Nm,
+        runs && stated.constant_Nm > 0.0);
+    add({InputKind::kViscousDrag, i}, hundredth(Unit::kViscousDrag), drag.viscous_Nms,
         runs && stated.viscous_Nms > 0.0);
-    add(table + "quadratic_nms2_per_rad2", kQuadraticDrag, drag.quadratic_Nms2,
+    add({InputKind::kQuadraticDrag, i}, hundredth(Unit::kQuadraticDrag), drag.quadratic_Nms2,
         runs && stated.quadratic_Nms2 > 0.0);
   }
-  add("bearings.planet_coefficient", kNumber, p.shafts.planet_bearing_coefficient,
+  add({kBearingCoefficient}, hundredth(Unit::kNone), p.shafts.planet_bearing_coefficient,
       runs && acting.bearing);
-  add("bearings.planet_radius_mm", kLength, p.shafts.planet_bearing_radius_m,
+  add({kBearingRadius}, hundredth(Unit::kMillimetre), p.shafts.planet_bearing_radius_m,
       runs && acting.bearing);
-  add("operating_point.sun_speed_rpm", kTurning, p.point.sun_speed_rad_s,
+  add({kSunSpeed}, hundredth(Unit::kRpm), p.point.sun_speed_rad_s,
       turns && (by_speed || acting.speed_drag));
-  add("operating_point.output_torque_nm", kTorque, p.point.output_torque_Nm,
+  add({kOutputTorque}, hundredth(Unit::kNewtonMetre), p.point.output_torque_Nm,
       loaded && (by_force || acting.drag));
-  add("operating_point.temperature_c", kCelsius, p.point.temperature_K, runs && by_temperature);
+  add({kTemperature}, kTemperatures, p.point.temperature_K, runs && by_temperature);
   return list;
 }
 
@@ -301,12 +284,13 @@ std::vector<Sensitivity> acting_inputs(const std::vector<Input<double>>& inputs,
   list.reserve(inputs.size());
   for (const Input<double>& input : inputs) {
     if (!input.acts) continue;
-    const double value = (*input.at - input.unit.zero_si) / input.unit.si;
-    const double size = input.unit.relative && value != 0.0 ? std::abs(value) : 1.0;
-    list.push_back({.input = input.key,
-                    .unit = std::string(input.unit.name),
+    const StepRule& rule = input.rule;
+    const double value = units::from_si(*input.at, rule.unit);
+    const double size = rule.relative && value != 0.0 ? std::abs(value) : 1.0;
+    list.push_back({.input = input.id,
+                    .unit = rule.unit,
                     .value = value,
-                    .step = input.unit.step * size,
+                    .step = rule.step * size,
                     .slope = {},
                     .margin_slope = std::vector<std::optional<double>>(checks)});
   }
@@ -335,7 +319,7 @@ void derive(const Design& design, Parameters<double>& at, const std::vector<Chec
       if (!jets[i].acts) continue;
       if (row >= begin && row < end) {
         jets[i].at->v[static_cast<Eigen::Index>(row - begin)] = 1.0;
-        si[row - begin] = jets[i].unit.si;
+        si[row - begin] = units::si_per(jets[i].rule.unit);
       }
       ++row;
     }

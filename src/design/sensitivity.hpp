@@ -6,12 +6,53 @@
 #include <cstddef>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "design/design.hpp"
 
 namespace gear3k::design {
+
+/// A continuous input of a design.
+enum class InputKind {
+  kPressureAngle,
+  kCenterDistance,
+  kAddendum,
+  kDedendum,
+  kRootRadius,
+  kModule,        ///< by stage
+  kFaceWidth,     ///< by stage
+  kProfileShift,  ///< by gear, as the next two
+  kMachiningAllowance,
+  kTipShortening,
+  kFrictionCoefficient,
+  kApproachFactor,
+  kRecessFactor,
+  kLoadExponent,
+  kReferenceForce,
+  kStaticCoefficient,
+  kStribeckSpeed,
+  kStribeckExponent,
+  kViscousFriction,
+  kRoughness,
+  kLubricantFactor,
+  kLubricantTemperature,  ///< of the first or the second viscosity
+  kLubricantViscosity,    ///< the first or the second
+  kLubricantDensity,
+  kConstantDrag,  ///< by ShaftId, as the next two
+  kViscousDrag,
+  kQuadraticDrag,
+  kBearingCoefficient,
+  kBearingRadius,
+  kSunSpeed,
+  kOutputTorque,
+  kTemperature
+};
+struct InputId {
+  InputKind kind{};
+  std::size_t index = 0;  ///< of the stage, gear, point or shaft
+
+  bool operator==(const InputId&) const = default;
+};
 
 /// What of a train is derived by its inputs, besides the margins of checks.
 enum QuantityId {
@@ -32,10 +73,10 @@ struct TightCheck {
 
 /// Derivatives by one input; empty where a quantity or its derivative is not defined.
 struct Sensitivity {
-  std::string input;  ///< key of the DESIGN file, with its tables: "gears.P1.profile_shift"
-  std::string unit;   ///< in the file; "" = dimensionless
-  double value = 0.0, step = 0.0;                             ///< in that unit
-  std::array<std::optional<double>, kQuantityCount> slope{};  ///< SI per unit of the file
+  InputId input;
+  units::Unit unit{};  ///< of the next two
+  double value = 0.0, step = 0.0;
+  std::array<std::optional<double>, kQuantityCount> slope{};  ///< SI per unit
   std::vector<std::optional<double>> margin_slope;  ///< by Sensitivities::checks, the same
 
   /// Change of a quantity per step: slope times step, in SI.
@@ -56,7 +97,7 @@ struct Sensitivities {
 ///
 /// Without a stated centre distance the train sits at the zero-backlash distance of mesh P1-R1.
 /// Derivatives are then total: that distance moves with the other inputs, as it would in a file
-/// that is changed.  The row of center_distance_mm is the derivative at that distance as if the
+/// that is changed.  The row of the centre distance is the derivative at that distance as if the
 /// file stated it, all others held.
 ///
 /// The steps are what a designer would change and small enough for first order:

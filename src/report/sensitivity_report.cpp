@@ -8,6 +8,7 @@
 #include <numbers>
 #include <vector>
 
+#include "io/keys/design_keys.hpp"
 #include "report/display.hpp"
 #include "report/text_table.hpp"
 
@@ -52,7 +53,7 @@ std::string signed_number(double value, int decimals) {
 }
 
 std::string step_text(const Sensitivity& row) {
-  return with_unit(fmt::format("{:+.3g}", row.step), row.unit);
+  return with_unit(fmt::format("{:+.3g}", row.step), design::unit_name(row.unit));
 }
 
 std::string subject_of(const TightCheck& c) {
@@ -61,7 +62,7 @@ std::string subject_of(const TightCheck& c) {
 }
 
 bool unstated(const Sensitivities& s, const Sensitivity& row) {
-  return !s.center_distance_given && row.input == "center_distance_mm";
+  return !s.center_distance_given && row.input.kind == design::InputKind::kCenterDistance;
 }
 
 std::string quantity_table(const Sensitivities& s) {
@@ -74,11 +75,12 @@ std::string quantity_table(const Sensitivities& s) {
     const bool moves = std::ranges::any_of(
         columns, [&](const Column& c) { return row.effect(c.quantity).value_or(0.0) != 0.0; });
     if (!moves) {
-      idle.push_back(row.input);
+      idle.push_back(io::key_of(row.input));
       continue;
     }
-    std::vector<std::string> cells{row.input + (unstated(s, row) ? " (not stated)" : ""),
-                                   fmt::format("{:.5g}", row.value), step_text(row)};
+    std::vector<std::string> cells{
+        io::key_of(row.input) + (unstated(s, row) ? " (not stated)" : ""),
+        fmt::format("{:.5g}", row.value), step_text(row)};
     for (const Column& c : columns) {
       const auto effect = row.effect(c.quantity);
       cells.push_back(effect ? signed_number(*effect * c.per_si, kDecimals) : "none");
@@ -126,7 +128,7 @@ std::string check_table(const Sensitivities& s) {
         std::string(check.record->title), subject_of(check),
         with_unit(fixed(design::in_unit(check.margin, unit), decimals), design::unit_name(unit))};
     for (const Sensitivity* row : strongest_inputs(s, i)) {
-      cells.push_back(row->input);
+      cells.push_back(io::key_of(row->input));
       cells.push_back(step_text(*row));
       cells.push_back(
           signed_number(design::in_unit(row->margin_effect(i).value_or(0.0), unit), decimals));
@@ -144,17 +146,19 @@ std::optional<double> in_unit_or_none(const std::optional<double>& si, Unit unit
 }
 
 /// The unit of a derivative: "arcmin/mm", "1/deg", "um/(kg m2)".
-std::string derivative_unit(Unit of, const std::string& by) {
-  const std::string name(design::unit_name(of));
-  if (by.empty()) return name;
+std::string derivative_unit(Unit of, Unit by_unit) {
+  const std::string_view name = design::unit_name(of);
+  const std::string_view by = design::unit_name(by_unit);
+  if (by.empty()) return std::string(name);
   const bool product = by.find_first_of(" /") != std::string::npos;
   return fmt::format(fmt::runtime(product ? "{}/({})" : "{}/{}"), name.empty() ? "1" : name, by);
 }
 
 Fields input_fields(const Sensitivities& s, const Sensitivity& row) {
-  Fields f(row.input);
-  f.add("input", row.input);
-  f.add("unit", row.unit);
+  const std::string& key = io::key_of(row.input);
+  Fields f(key);
+  f.add("input", key);
+  f.add("unit", design::unit_name(row.unit));
   f.add("stated", !unstated(s, row));
   f.add("value", row.value);
   f.add("step", row.step);

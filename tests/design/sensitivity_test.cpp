@@ -18,7 +18,7 @@
 
 #include "design/evaluation.hpp"
 #include "io/files/design_file.hpp"
-#include "io/keys/loss_keys.hpp"
+#include "io/keys/design_keys.hpp"
 #include "io/text/diagnostics.hpp"
 #include "tests/random_train.hpp"
 
@@ -148,6 +148,12 @@ struct Tally {
   }
 };
 
+/// The row of a key of the DESIGN file.
+auto row_of(const Sensitivities& s, const std::string& key) {
+  return std::ranges::find_if(s.inputs,
+                              [&](const Sensitivity& row) { return io::key_of(row.input) == key; });
+}
+
 /// Compares every derivative of a design, as change per step.
 void compare(const std::string& name, const Design& design, Tally& tally) {
   const std::string text = io::design_text(design);
@@ -162,10 +168,10 @@ void compare(const std::string& name, const Design& design, Tally& tally) {
     }
   }
   for (const Sensitivity& row : s.inputs) {
-    tally.inputs.insert(row.input);
+    tally.inputs.insert(io::key_of(row.input));
     const auto numbers = [&](double number) {
-      return numbers_of(
-          evaluated(io::parse_design(with_number(text, row.input, number), row.input)));
+      return numbers_of(evaluated(io::parse_design(with_number(text, io::key_of(row.input), number),
+                                                   io::key_of(row.input))));
     };
     const auto difference = [&](double h) {
       std::vector<double> slope(kQuantityCount + at.margin.size(), 0.0);
@@ -197,7 +203,7 @@ void compare(const std::string& name, const Design& design, Tally& tally) {
         EXPECT_FALSE(row.slope[q].has_value());
         continue;
       }
-      tally.see(fmt::format("{}: quantity {} by {}", name, q, row.input),
+      tally.see(fmt::format("{}: quantity {} by {}", name, q, io::key_of(row.input)),
                 row.effect(static_cast<QuantityId>(q)), fine[q], coarse[q], kSize[q]);
     }
     for (std::size_t c = 0; c < base.checks.size(); ++c) {
@@ -205,8 +211,8 @@ void compare(const std::string& name, const Design& design, Tally& tally) {
           s.checks, [&](const TightCheck& t) { return name_of(t) == name_of(base.checks[c]); });
       const auto index = static_cast<std::size_t>(tight - s.checks.begin());
       const auto jet = tight == s.checks.end() ? 0.0 : row.margin_effect(index);
-      tally.see(fmt::format("{}: {} by {}", name, name_of(base.checks[c]), row.input), jet,
-                fine[kQuantityCount + c], coarse[kQuantityCount + c], size_of(base.checks[c]));
+      tally.see(fmt::format("{}: {} by {}", name, name_of(base.checks[c]), io::key_of(row.input)),
+                jet, fine[kQuantityCount + c], coarse[kQuantityCount + c], size_of(base.checks[c]));
     }
   }
 }
@@ -292,7 +298,7 @@ TEST(Sensitivity, ToThePlanetsShiftHoldsAStatedDistanceAndFollowsAnUnstatedOne) 
     const auto check = std::ranges::find_if(s.checks, [](const TightCheck& c) {
       return c.record->id == CheckId::kNormalBacklash && c.mesh == "P1-R1";
     });
-    const auto row = std::ranges::find(s.inputs, "gears.P1.profile_shift", &Sensitivity::input);
+    const auto row = row_of(s, "gears.P1.profile_shift");
     return row->margin_slope[static_cast<std::size_t>(check - s.checks.begin())].value();
   };
   const double module_m = d.train.module_m[0];
@@ -370,25 +376,23 @@ TEST(Sensitivity, OfEveryFrictionLawAndLossAreTheDifferencesOfTheirEvaluation) {
 TEST(Sensitivity, UnitsAndValuesAreThoseOfTheFile) {
   const Sensitivities s = sensitivities(running(FrictionLaw::kSchlenk));
   for (const io::LossKey& loss : io::loss_keys()) {
-    const auto row = std::ranges::find(s.inputs, loss.key.record.path, &Sensitivity::input);
+    const auto row = row_of(s, loss.key.record.path);
     if (row == s.inputs.end()) continue;
-    EXPECT_EQ(row->unit, units::unit_name(loss.key.record.unit)) << row->input;
+    EXPECT_EQ(row->unit, loss.key.record.unit) << io::key_of(row->input);
   }
-  const auto value = [&](const char* key) {
-    return std::ranges::find(s.inputs, key, &Sensitivity::input)->value;
-  };
+  const auto value = [&](const char* key) { return row_of(s, key)->value; };
   EXPECT_DOUBLE_EQ(value("stage1.module_mm"), 0.59);
   EXPECT_DOUBLE_EQ(value("lubricant.viscosity1_mm2_s"), 220.0);
   EXPECT_NEAR(value("operating_point.temperature_c"), 308.0 - 273.15, 1e-12);
   EXPECT_NEAR(value("pressure_angle_deg"), 20.0, 1e-12);
   for (const Sensitivity& row : s.inputs) {
-    EXPECT_GT(row.step, 0.0) << row.input;
-    // Every key is in the table that users read.
-    std::string key = row.input;
+    EXPECT_GT(row.step, 0.0) << io::key_of(row.input);
+    // Every key is in the table that users read, with its unit.
+    std::string key = io::key_of(row.input);
     const auto gear = key.find("gears.");
     if (gear == 0) key = "gears.<S,P1,R1,P2,R2>" + key.substr(key.find('.', 6));
     EXPECT_NE(io::design_key_table().find(fmt::format("`{}`", key)), std::string::npos)
-        << row.input;
+        << io::key_of(row.input);
   }
 }
 
@@ -400,9 +404,9 @@ TEST(Sensitivity, RowsFallWithTheirEffectOnBackwardEfficiency) {
     };
     for (std::size_t i = 1; i < s.inputs.size(); ++i) {
       const Sensitivity &before = s.inputs[i - 1], &after = s.inputs[i];
-      EXPECT_GE(size(before, kEtaBackward), size(after, kEtaBackward)) << after.input;
+      EXPECT_GE(size(before, kEtaBackward), size(after, kEtaBackward)) << io::key_of(after.input);
       if (size(before, kEtaBackward) == 0.0 && size(before, kEtaForward) == 0.0) {
-        EXPECT_GE(size(before, kLostMotion), size(after, kLostMotion)) << after.input;
+        EXPECT_GE(size(before, kLostMotion), size(after, kLostMotion)) << io::key_of(after.input);
       }
     }
   }
@@ -439,11 +443,12 @@ TEST(Sensitivity, OfWhatIsNotDefinedIsEmpty) {
     const Sensitivities s = sensitivities(contact ? locked : apart);
     ASSERT_FALSE(s.inputs.empty());
     for (const Sensitivity& row : s.inputs) {
-      EXPECT_EQ(row.slope[kEtaForward].has_value(), contact) << row.input;
-      EXPECT_FALSE(row.slope[kEtaBackward].has_value()) << row.input;
-      EXPECT_FALSE(row.slope[kTotalEtaForward].has_value()) << row.input;
-      EXPECT_TRUE(row.slope[kLostMotion].has_value()) << row.input;
-      for (const auto& slope : row.slope) EXPECT_FALSE(slope && std::isnan(*slope)) << row.input;
+      EXPECT_EQ(row.slope[kEtaForward].has_value(), contact) << io::key_of(row.input);
+      EXPECT_FALSE(row.slope[kEtaBackward].has_value()) << io::key_of(row.input);
+      EXPECT_FALSE(row.slope[kTotalEtaForward].has_value()) << io::key_of(row.input);
+      EXPECT_TRUE(row.slope[kLostMotion].has_value()) << io::key_of(row.input);
+      for (const auto& slope : row.slope)
+        EXPECT_FALSE(slope && std::isnan(*slope)) << io::key_of(row.input);
     }
   }
   Design nowhere = low_backlash();

@@ -78,6 +78,32 @@ design::Evaluation read_back(const Specification& spec, const RefinedSet& set) {
   return std::get<design::Evaluation>(design::evaluate(design));
 }
 
+TEST(FreeVariables, AddendaFarBelowTheGreatestAreStatedWithinTheKeys) {
+  Specification spec = reference_problem();
+  spec.rack.addendum = 2.0;
+  spec.free.tip_shortening = NumberRange{0.0, 1.8};
+  spec.rack.dedendum = 1.25;
+  for (const double most : {1.4, 1.5, 1.5676}) {
+    RefinedSet set;
+    set.candidate = kWinner;
+    const auto unrefined = unrefined_train(spec, kWinner, {.profile_shift = 0.5});
+    set.train = {.profile_shift = unrefined.profile_shift,
+                 .module_m = unrefined.module_m,
+                 .center_distance_m = 0.03,
+                 .tip_shortening = {},
+                 .pressure_angle_rad = unrefined.pressure_angle_rad};
+    set.train.tip_shortening = {0.8, 0.9, most, 1.1, 1.2};
+    const design::Design design = design_of(spec, set);
+    const design::Design read = io::parse_design(io::design_text(design), "best.toml");
+    for (std::size_t i = 0; i < train::kGearCount; ++i) {
+      const double addendum = spec.rack.addendum - set.train.tip_shortening[i];
+      EXPECT_DOUBLE_EQ(read.train.rack[i].addendum - read.train.tip_shortening[i], addendum) << i;
+      if (most > 1.5) continue;
+      EXPECT_EQ(read.train.tip_shortening[i], set.train.tip_shortening[i]) << i;
+    }
+  }
+}
+
 TEST(FreeVariables, MoreFreedomIsNeverWorseAndKeepsEveryLimit) {
   double fixed = 0.0;
   for (int variant = 0; variant < 4; ++variant) {

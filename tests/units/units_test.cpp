@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace gear3k::units {
+namespace gear3k::units::units_test {
 namespace {
 
 std::vector<Unit> all_units() {
@@ -52,7 +52,8 @@ TEST(Units, ADecimalComesBackFromItsSiValueAsItWas) {
       EXPECT_EQ(std::bit_cast<std::uint64_t>(to_si(back, unit)), std::bit_cast<std::uint64_t>(si));
       EXPECT_LE(digits_of(back), digits_of(value)) << unit_name(unit) << " " << value;
       // Added to 273.15, the last digits of degrees are lost.
-      if (unit != Unit::kCelsius) EXPECT_EQ(back, value) << unit_name(unit);
+      if (unit == Unit::kCelsius) continue;
+      EXPECT_EQ(back, value) << unit_name(unit);
     }
   }
 }
@@ -83,4 +84,4 @@ TEST(Units, AnySiValueIsWrittenAtMostOneLastBitOff) {
 }
 
 }  // namespace
-}  // namespace gear3k::units
+}  // namespace gear3k::units::units_test

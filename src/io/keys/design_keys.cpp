@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include "io/keys/axial_keys.hpp"
 #include "io/keys/cutter_keys.hpp"
 #include "io/keys/mass_keys.hpp"
@@ -39,7 +43,8 @@ std::vector<Key<Target>> common_keys(View friction) {
            .min_excluded = true,
            .default_text = "zero-backlash distance",
            .help = "centre distance of all meshes; without it the zero-backlash "
-                   "distance (of mesh P1-R1 in a train) at q = 0"},
+                   "distance (of mesh P1-R1 in a train) at q = 0",
+           .input = design::InputId{design::InputKind::kCenterDistance}},
           [](auto& t, std::size_t) -> auto& { return t.center_distance_m; }),
       make_key<Target>(
           pressure_angle_record(),
@@ -67,7 +72,8 @@ std::vector<Key<GearInput>> gear_keys() {
            .min = -5.0,
            .max = 5.0,
            .default_text = "0",
-           .help = "profile shift coefficient"},
+           .help = "profile shift coefficient",
+           .input = design::InputId{design::InputKind::kProfileShift}},
           [](auto& t, std::size_t) -> auto& { return t.profile_shift; }),
       make_key<Gear>(
           {.path = "machining_allowance",
@@ -75,7 +81,8 @@ std::vector<Key<GearInput>> gear_keys() {
            .min = 0.0,
            .max = kGreatestAllowance,
            .default_text = "0",
-           .help = "q: normal thinning of the whole tooth over the module"},
+           .help = "q: normal thinning of the whole tooth over the module",
+           .input = design::InputId{design::InputKind::kMachiningAllowance}},
           [](auto& t, std::size_t) -> auto& { return t.machining_allowance; }),
       make_key<Gear>(
           {.path = "normal_thinning_um",
@@ -91,7 +98,8 @@ std::vector<Key<GearInput>> gear_keys() {
            .min = 0.0,
            .max = design::kGreatestTipShortening,
            .default_text = "0",
-           .help = "shortening of the tooth at its tip, on rings too"},
+           .help = "shortening of the tooth at its tip, on rings too",
+           .input = design::InputId{design::InputKind::kTipShortening}},
           [](auto& t, std::size_t) -> auto& { return t.tip_shortening; },
           [](const Gear& g, std::size_t) { return !g.khk_tip; }),
       unless_default(make_key<Gear>(
@@ -166,7 +174,8 @@ Schema<DesignInput> design_schema() {
          .max = 100.0,
          .min_excluded = true,
          .required = true,
-         .help = stage == 0 ? "module of S, P1, R1" : "module of P2, R2"},
+         .help = stage == 0 ? "module of S, P1, R1" : "module of P2, R2",
+         .input = design::InputId{design::InputKind::kModule, stage}},
         [stage](auto& t, std::size_t) -> auto& { return t.module_m[stage]; }));
     keys.push_back(make_key<Input>(
         face_width_record(stage), [stage](auto& t, std::size_t) -> auto& {
@@ -206,6 +215,24 @@ Schema<DesignInput> design_schema() {
   append_keys(
       keys, limit_keys(false), [](auto& t, std::size_t) -> auto& { return t.limits; });
   return schema;
+}
+
+const std::string& key_of(const design::InputId& input) {
+  struct InputKey {
+    design::InputId input;
+    std::string path;
+  };
+  static const std::vector<InputKey> keys = [] {
+    std::vector<InputKey> list;
+    const Schema<DesignInput> schema = design_schema();
+    for (const ExpandedKey& key : expand_keys(records_of(schema), schema.gears)) {
+      if (!key.record->input) continue;
+      const auto [kind, index] = *key.record->input;
+      list.push_back({.input = {.kind = kind, .index = index + key.gear}, .path = key.path});
+    }
+    return list;
+  }();
+  return std::ranges::find(keys, input, &InputKey::input)->path;
 }
 
 Schema<PairInput> pair_schema() {

@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "design/sensitivity.hpp"
 #include "io/text/toml_text.hpp"
 #include "io/text/toml_value.hpp"
 #include "units/units.hpp"
@@ -43,6 +44,8 @@ struct KeyRecord {
   bool required = false;
   std::string default_text = {};  ///< as documentation shows it; "" = none
   std::string help = {};
+  /// What it is of the inputs whose sensitivities are known; of a gear's key the first gear's.
+  std::optional<design::InputId> input = {};
 };
 
 /// Position of a name in a list of names that holds it.

@@ -63,7 +63,8 @@ void add_law_keys(std::vector<LossKey>& keys) {
                             {.path = "friction.load_exponent",
                              .min = -0.9,
                              .max = 2.0,
-                             .help = "law load_power: n of coefficient (F/reference_force_n)^n"},
+                             .help = "law load_power: n of coefficient (F/reference_force_n)^n",
+                             .input = design::InputId{design::InputKind::kLoadExponent}},
                             of_friction(&Friction::load_exponent)));
   keys.push_back(needed_key(
       FrictionLaw::kLoadPower,
@@ -73,14 +74,16 @@ void add_law_keys(std::vector<LossKey>& keys) {
        .max = 1e7,
        .min_excluded = true,
        .help = "law load_power: normal force on the flanks of one planet's mesh at which "
-               "friction.coefficient holds"},
+               "friction.coefficient holds",
+       .input = design::InputId{design::InputKind::kReferenceForce}},
       of_friction(&Friction::reference_force_N)));
   keys.push_back(needed_key(FrictionLaw::kStribeck,
                             {.path = "friction.static_coefficient",
                              .min = 0.0,
                              .max = 1.0,
                              .help = "law stribeck: coefficient of friction at rest; "
-                                     "friction.coefficient is that at high speed"},
+                                     "friction.coefficient is that at high speed",
+                             .input = design::InputId{design::InputKind::kStaticCoefficient}},
                             of_friction(&Friction::static_coefficient)));
   keys.push_back(needed_key(FrictionLaw::kStribeck,
                             {.path = "friction.stribeck_speed_m_s",
@@ -89,14 +92,16 @@ void add_law_keys(std::vector<LossKey>& keys) {
                              .max = 1e3,
                              .min_excluded = true,
                              .help = "law stribeck: mean sliding speed at which the difference has "
-                                     "fallen to 1/e"},
+                                     "fallen to 1/e",
+                             .input = design::InputId{design::InputKind::kStribeckSpeed}},
                             of_friction(&Friction::stribeck_speed_m_s)));
   keys.push_back(optional_key(FrictionLaw::kStribeck,
                               {.path = "friction.stribeck_exponent",
                                .min = 0.1,
                                .max = 10.0,
                                .default_text = "with stribeck: 1",
-                               .help = "law stribeck: exponent of speed in the exponential"},
+                               .help = "law stribeck: exponent of speed in the exponential",
+                               .input = design::InputId{design::InputKind::kStribeckExponent}},
                               of_friction(&Friction::stribeck_exponent)));
   keys.push_back(optional_key(FrictionLaw::kStribeck,
                               {.path = "friction.viscous_s_per_m",
@@ -104,7 +109,8 @@ void add_law_keys(std::vector<LossKey>& keys) {
                                .min = 0.0,
                                .max = 10.0,
                                .default_text = "with stribeck: 0",
-                               .help = "law stribeck: rise of the coefficient per sliding speed"},
+                               .help = "law stribeck: rise of the coefficient per sliding speed",
+                               .input = design::InputId{design::InputKind::kViscousFriction}},
                               of_friction(&Friction::viscous_s_m)));
 }
 
@@ -117,13 +123,15 @@ void add_schlenk_keys(std::vector<LossKey>& keys) {
        .min = 0.0,
        .max = 100.0,
        .min_excluded = true,
-       .help = "law schlenk: arithmetic mean roughness Ra, mean of both flanks"},
+       .help = "law schlenk: arithmetic mean roughness Ra, mean of both flanks",
+       .input = design::InputId{design::InputKind::kRoughness}},
       of_friction(&Friction::roughness_m));
   add({.path = "friction.lubricant_factor",
        .min = 0.0,
        .max = 10.0,
        .min_excluded = true,
-       .help = "law schlenk: X_L of the lubricant"},
+       .help = "law schlenk: X_L of the lubricant",
+       .input = design::InputId{design::InputKind::kLubricantFactor}},
       of_friction(&Friction::lubricant_factor));
   for (const std::size_t point : {0U, 1U}) {
     add(
@@ -131,7 +139,8 @@ void add_schlenk_keys(std::vector<LossKey>& keys) {
          .unit = Unit::kCelsius,
          .min = -80.0,
          .max = 400.0,
-         .help = fmt::format("temperature of viscosity{}_mm2_s", point + 1)},
+         .help = fmt::format("temperature of viscosity{}_mm2_s", point + 1),
+         .input = design::InputId{design::InputKind::kLubricantTemperature, point}},
         [point](auto& t, std::size_t) -> auto& {
           return t.friction.lubricant.temperature_K[point];
         });
@@ -141,7 +150,8 @@ void add_schlenk_keys(std::vector<LossKey>& keys) {
          .min = 0.3,
          .max = 1e6,
          .help = "kinematic viscosity of the lubricant; between the two temperatures and beyond by "
-                 "DIN 51563"},
+                 "DIN 51563",
+         .input = design::InputId{design::InputKind::kLubricantViscosity, point}},
         [point](auto& t, std::size_t) -> auto& {
           return t.friction.lubricant.viscosity_m2_s[point];
         });
@@ -152,7 +162,8 @@ void add_schlenk_keys(std::vector<LossKey>& keys) {
        .min = 0.0,
        .max = 5000.0,
        .min_excluded = true,
-       .help = "density of the lubricant"},
+       .help = "density of the lubricant",
+       .input = design::InputId{design::InputKind::kLubricantDensity}},
       [](auto& t, std::size_t) -> auto& { return t.friction.lubricant.density_kgm3; });
 }
 
@@ -162,14 +173,16 @@ void add_shaft_keys(std::vector<LossKey>& keys) {
     const char* name;
     Unit unit;
     double Drag::*member;
+    design::InputKind input;
     const char* help;
   };
   static constexpr std::array<Term, 3> kTerms{
-      {{"constant_nm", Unit::kNewtonMetre, &Drag::constant_Nm,
+      {{"constant_nm", Unit::kNewtonMetre, &Drag::constant_Nm, design::InputKind::kConstantDrag,
         "torque at any speed (seal, preload)"},
-       {"viscous_nms_per_rad", Unit::kViscousDrag, &Drag::viscous_Nms, "torque per speed"},
+       {"viscous_nms_per_rad", Unit::kViscousDrag, &Drag::viscous_Nms,
+        design::InputKind::kViscousDrag, "torque per speed"},
        {"quadratic_nms2_per_rad2", Unit::kQuadraticDrag, &Drag::quadratic_Nms2,
-        "torque per speed squared (churning, windage)"}}};
+        design::InputKind::kQuadraticDrag, "torque per speed squared (churning, windage)"}}};
   static constexpr std::array<const char*, design::kShaftCount> kOf{
       "on the sun's shaft", "on each planet, by its speed on the carrier", "on the carrier",
       "on R2 with the output"};
@@ -181,7 +194,8 @@ void add_shaft_keys(std::vector<LossKey>& keys) {
                            .min = 0.0,
                            .max = 1e4,
                            .default_text = "0",
-                           .help = fmt::format("{} {}, whatever the load", term.help, kOf[shaft])},
+                           .help = fmt::format("{} {}, whatever the load", term.help, kOf[shaft]),
+                           .input = design::InputId{term.input, shaft}},
                           [ shaft, member = term.member ](auto& t, std::size_t) -> auto& {
                             return t.shafts.drag[shaft].*member;
                           }))});
@@ -198,7 +212,8 @@ void add_shaft_keys(std::vector<LossKey>& keys) {
             .max = 1.0,
             .default_text = "none",
             .help = "coefficient of friction of a planet on its pin, under the "
-                    "resultant of its mesh forces; with planet_radius_mm"},
+                    "resultant of its mesh forces; with planet_radius_mm",
+            .input = design::InputId{design::InputKind::kBearingCoefficient}},
            [](auto& t, std::size_t) -> auto& { return t.shafts.planet_bearing_coefficient; },
            bears)});
   keys.push_back(
@@ -208,7 +223,8 @@ void add_shaft_keys(std::vector<LossKey>& keys) {
             .min = 0.0,
             .max = 1e3,
             .default_text = "none",
-            .help = "radius at which that friction acts"},
+            .help = "radius at which that friction acts",
+            .input = design::InputId{design::InputKind::kBearingRadius}},
            [](auto& t, std::size_t) -> auto& { return t.shafts.planet_bearing_radius_m; }, bears)});
 }
 
@@ -226,21 +242,24 @@ void add_point_keys(std::vector<LossKey>& keys) {
        .min = 0.0,
        .max = 1e6,
        .default_text = "none",
-       .help = "speed of the sun; with output_torque_nm"},
+       .help = "speed of the sun; with output_torque_nm",
+       .input = design::InputId{design::InputKind::kSunSpeed}},
       &Point::sun_speed_rad_s);
   add({.path = "operating_point.output_torque_nm",
        .unit = Unit::kNewtonMetre,
        .min = 0.0,
        .max = 1e7,
        .default_text = "none",
-       .help = "torque at R2: of the load (forward) or of the drive (backward)"},
+       .help = "torque at R2: of the load (forward) or of the drive (backward)",
+       .input = design::InputId{design::InputKind::kOutputTorque}},
       &Point::output_torque_Nm);
   add({.path = "operating_point.temperature_c",
        .unit = Unit::kCelsius,
        .min = -80.0,
        .max = 400.0,
        .default_text = fmt::format("with a point: {:g}", kDefaultTemperature_c),
-       .help = "temperature of the lubricant"},
+       .help = "temperature of the lubricant",
+       .input = design::InputId{design::InputKind::kTemperature}},
       &Point::temperature_K);
 }
 

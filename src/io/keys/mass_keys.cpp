@@ -60,7 +60,8 @@ KeyRecord face_width_record(std::size_t stage) {
           .max = 1000.0,
           .min_excluded = true,
           .default_text = "none",
-          .help = "face width; without it no mass or inertia from geometry"};
+          .help = "face width; without it no mass or inertia from geometry",
+          .input = design::InputId{design::InputKind::kFaceWidth, stage}};
 }
 
 std::vector<Key<Masses>> mass_keys() {

@@ -15,7 +15,8 @@ KeyRecord pressure_angle_record() {
           .min = 5.0,
           .max = 45.0,
           .default_text = "20",
-          .help = "standard pressure angle of the basic rack"};
+          .help = "standard pressure angle of the basic rack",
+          .input = design::InputId{design::InputKind::kPressureAngle}};
 }
 
 std::vector<Key<geometry::BasicRack<double>>> rack_keys() {
@@ -30,31 +31,36 @@ std::vector<Key<geometry::BasicRack<double>>> rack_keys() {
                .min = 0.1,
                .max = 3.0,
                .default_text = "1.0",
-               .help = "addendum of the basic rack"},
+               .help = "addendum of the basic rack",
+               .input = design::InputId{design::InputKind::kAddendum}},
               &Rack::addendum),
           key({.path = "dedendum",
                .min = 0.1,
                .max = 3.0,
                .default_text = "1.25",
-               .help = "dedendum of the basic rack"},
+               .help = "dedendum of the basic rack",
+               .input = design::InputId{design::InputKind::kDedendum}},
               &Rack::dedendum),
           key({.path = "root_radius",
                .min = 0.0,
                .max = 1.0,
                .default_text = "0.38",
-               .help = "root fillet radius of the basic rack"},
+               .help = "root fillet radius of the basic rack",
+               .input = design::InputId{design::InputKind::kRootRadius}},
               &Rack::root_radius)};
 }
 
 std::vector<Key<design::Friction>> friction_keys() {
   using design::Friction;
-  const auto factor = [](const char* path, double Friction::*member, const char* help) {
+  const auto factor = [](const char* path, double Friction::*member, design::InputKind input,
+                         const char* help) {
     return make_key<Friction>(
         {.path = path,
          .min = 0.0,
          .max = 10.0,
          .default_text = "with directional: 1",
-         .help = help},
+         .help = help,
+         .input = design::InputId{input}},
         [member](auto& t, std::size_t) -> auto& { return t.*member; },
         [](const Friction& f, std::size_t) {
           return f.model == efficiency::LossModel::kDirectional;
@@ -66,7 +72,8 @@ std::vector<Key<design::Friction>> friction_keys() {
            .min = 0.0,
            .max = 1.0,
            .default_text = "0.1",
-           .help = "coefficient of friction of the meshes"},
+           .help = "coefficient of friction of the meshes",
+           .input = design::InputId{design::InputKind::kFrictionCoefficient}},
           [](auto& t, std::size_t) -> auto& { return t.coefficient; },
           [](const Friction& f, std::size_t) { return efficiency::reads_coefficient(f.law); }),
       make_key<Friction>(
@@ -80,8 +87,9 @@ std::vector<Key<design::Friction>> friction_keys() {
                    "recess_factor"},
           [](auto& t, std::size_t) -> auto& { return t.model; }),
       factor("friction.approach_factor", &Friction::approach_factor,
+             design::InputKind::kApproachFactor,
              "directional: friction in approach over the coefficient"),
-      factor("friction.recess_factor", &Friction::recess_factor,
+      factor("friction.recess_factor", &Friction::recess_factor, design::InputKind::kRecessFactor,
              "directional: friction in recess over the coefficient")};
 }
 

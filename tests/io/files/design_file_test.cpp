@@ -53,7 +53,7 @@ std::string errors_of(const std::string& text) {
   return "";
 }
 
-/// One unit in the last place: the rounding of a conversion between mm and m, and back.
+/// One unit in the last place: a length in SI that is no decimal in mm.
 void expect_ulp(double a, double b, const std::string& what) {
   EXPECT_LE(std::nextafter(a, -INFINITY), b) << what;
   EXPECT_GE(std::nextafter(a, INFINITY), b) << what;
@@ -460,6 +460,52 @@ TEST(DesignText, RoundTripsALowerContactRatioWithoutAnUpperOne) {
 TEST(DesignText, RoundTripsAnUpperContactRatioWithoutALowerOne) {
   expect_round_trip(parse(
       kBilateral + "[contact_ratio]\nrange = [1.3, 2.0]\n[limits]\ncontact_ratio_min = false\n"));
+}
+
+TEST(DesignText, ALimitAtTheEndOfItsRangeIsWrittenAsItWasRead) {
+  const Design d = parse(kBilateral + "[backlash]\nmax_output_arcmin = 1000000.0\n");
+  const std::string text = design_text(d);
+  EXPECT_NE(text.find("max_output_arcmin = 1000000.0\n"), std::string::npos) << text;
+  EXPECT_EQ(parse(text).limits[CheckId::kOutputBacklashMax], d.limits[CheckId::kOutputBacklashMax]);
+}
+
+TEST(DesignText, KeysOfTheFrictionLawStandInTheirTableBesideTolerances) {
+  const Design d = parse(kBilateral +
+                         "[friction]\nlaw = \"load_power\"\nload_exponent = 0.2\n"
+                         "reference_force_n = 110\n[operating_point]\nsun_speed_rpm = 300\n"
+                         "output_torque_nm = 5\n[tolerances]\npin_position_um = 5\n");
+  const Design read = parse(design_text(d));
+  EXPECT_EQ(read.friction.law, d.friction.law);
+  EXPECT_EQ(read.friction.load_exponent, d.friction.load_exponent);
+  EXPECT_EQ(read.tolerances.value().pin_position_m, d.tolerances.value().pin_position_m);
+  EXPECT_EQ(read.operating_point.value().sun_speed_rad_s,
+            d.operating_point.value().sun_speed_rad_s);
+}
+
+TEST(DesignText, WhatAFileStatesIsReadBackToTheLastBit) {
+  const std::string text =
+      "name = \"a gear\"\npressure_angle_deg = 23.0\ncenter_distance_mm = 21.51\n" +
+      replaced(kBilateral, "module_mm = 0.8\n", "module_mm = 0.81\nface_width_mm = 9.3\n") +
+      "[axial]\nS_mm = [0.1, 7.7]\n[inertia]\ndensity_kg_m3 = 7850.0\n"
+      "[bearings]\nplanet_coefficient = 0.002\nplanet_radius_mm = 3.3\n"
+      "[operating_point]\nsun_speed_rpm = 313\noutput_torque_nm = 5.7\ntemperature_c = 41.3\n"
+      "[backlash]\nmax_output_arcmin = 7.7\nmin_normal_um = 9.7\n"
+      "[tolerances]\nplanet_phase_arcmin = 0.7\n[tolerances.S]\ntooth_thickness_um = [-23, -7]\n";
+  const Design a = parse(text);
+  const Design b = parse(design_text(a));
+  EXPECT_EQ(a.train.pressure_angle_rad, b.train.pressure_angle_rad);
+  EXPECT_EQ(a.train.center_distance_m, b.train.center_distance_m);
+  EXPECT_EQ(a.train.module_m, b.train.module_m);
+  EXPECT_EQ(a.masses.face_width_m, b.masses.face_width_m);
+  EXPECT_EQ(a.axial.extent[train::kS].value().to_m, b.axial.extent[train::kS].value().to_m);
+  EXPECT_EQ(a.shafts.planet_bearing_radius_m, b.shafts.planet_bearing_radius_m);
+  EXPECT_EQ(a.operating_point.value().sun_speed_rad_s, b.operating_point.value().sun_speed_rad_s);
+  EXPECT_EQ(a.operating_point.value().temperature_K, b.operating_point.value().temperature_K);
+  EXPECT_EQ(a.limits.limit, b.limits.limit);
+  EXPECT_EQ(a.tolerances.value().planet_phase_rad.upper,
+            b.tolerances.value().planet_phase_rad.upper);
+  EXPECT_EQ(a.tolerances.value().gears[train::kS].tooth_thickness_m.lower,
+            b.tolerances.value().gears[train::kS].tooth_thickness_m.lower);
 }
 
 TEST(DesignText, RoundTripsMasses) {
