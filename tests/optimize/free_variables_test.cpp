@@ -86,12 +86,11 @@ TEST(FreeVariables, AddendaFarBelowTheGreatestAreStatedWithinTheKeys) {
   for (const double most : {1.4, 1.5, 1.5676}) {
     RefinedSet set;
     set.candidate = kWinner;
-    const auto unrefined = unrefined_train(spec, kWinner, {.profile_shift = 0.5});
-    set.train = {.profile_shift = unrefined.profile_shift,
-                 .module_m = unrefined.module_m,
-                 .center_distance_m = 0.03,
+    set.train = {.profile_shift = {0.5, 0.5, 0.5, 0.5, 0.5},
+                 .module_m = {1e-3, 0.93e-3},
+                 .center_distance_m = 33.5e-3,
                  .tip_shortening = {},
-                 .pressure_angle_rad = unrefined.pressure_angle_rad};
+                 .pressure_angle_rad = 20.0 * kDegree};
     set.train.tip_shortening = {0.8, 0.9, most, 1.1, 1.2};
     const design::Design design = design_of(spec, set);
     const design::Design read = io::parse_design(io::design_text(design), "best.toml");

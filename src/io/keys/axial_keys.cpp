@@ -11,25 +11,16 @@ std::vector<Key<train::AxialLayout>> axial_keys() {
   std::vector<Key<Layout>> keys;
   for (std::size_t i = 0; i < train::kBodyCount; ++i) {
     keys.push_back(make_key<Layout>(
-        {.path = fmt::format("axial.{}_mm", train::kBodyNames[i]),
-         .type = KeyType::kNumberRange,
-         .unit = Unit::kMillimetre,
-         .min = -1e4,
-         .max = 1e4,
-         .default_text = "none",
-         .help = "from and to along the axis; bodies that overlap are checked for "
-                 "a radial gap (limits.body_gap)"},
+        number_range(fmt::format("axial.{}_mm", train::kBodyNames[i]), Unit::kMillimetre,
+                     within(-1e4, 1e4), "none",
+                     "from and to along the axis; bodies that overlap are checked for "
+                     "a radial gap (limits.body_gap)"),
         [i](auto& t, std::size_t) -> auto& { return t.extent[i]; }));
   }
   keys.push_back(unless_default(make_key<Layout>(
-      {.path = "axial.carrier_diameter_mm",
-       .unit = Unit::kDiameterMillimetre,
-       .min = 0.0,
-       .max = 1e4,
-       .min_excluded = true,
-       .default_text = "none",
-       .help = "outer diameter of the carrier; stated together with axial.carrier_mm"},
-      [](auto& t, std::size_t) -> auto& { return t.carrier_radius_m; })));
+      number("axial.carrier_diameter_mm", Unit::kDiameterMillimetre, above(0.0, 1e4), "none",
+             "outer diameter of the carrier; stated together with axial.carrier_mm"),
+      &Layout::carrier_radius_m)));
   return keys;
 }
 

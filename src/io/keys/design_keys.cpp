@@ -21,36 +21,26 @@ using units::Unit;
 template <class Target, class View>
 std::vector<Key<Target>> common_keys(View friction) {
   std::vector<Key<Target>> keys{
+      make_key<Target>({.path = "name",
+                        .type = KeyType::kText,
+                        .default_text = "\"\"",
+                        .help = "name in tables and results"},
+                       &Target::name),
+      make_key<Target>({.path = "sign_convention",
+                        .type = KeyType::kChoice,
+                        .choices = {"khk", "iso21771"},
+                        .default_text = "\"khk\"",
+                        .help = "rings: khk = teeth positive, shift positive outwards; iso21771 = "
+                                "teeth negative, shift of the opposite sign"},
+                       &Target::iso),
       make_key<Target>(
-          {.path = "name",
-           .type = KeyType::kText,
-           .default_text = "\"\"",
-           .help = "name in tables and results"},
-          [](auto& t, std::size_t) -> auto& { return t.name; }),
-      make_key<Target>(
-          {.path = "sign_convention",
-           .type = KeyType::kChoice,
-           .choices = {"khk", "iso21771"},
-           .default_text = "\"khk\"",
-           .help = "rings: khk = teeth positive, shift positive outwards; iso21771 = "
-                   "teeth negative, shift of the opposite sign"},
-          [](auto& t, std::size_t) -> auto& { return t.iso; }),
-      make_key<Target>(
-          {.path = "center_distance_mm",
-           .unit = Unit::kMillimetre,
-           .min = 0.0,
-           .max = 1e5,
-           .min_excluded = true,
-           .default_text = "zero-backlash distance",
-           .help = "centre distance of all meshes; without it the zero-backlash "
-                   "distance (of mesh P1-R1 in a train) at q = 0",
-           .input = design::InputId{design::InputKind::kCenterDistance}},
-          [](auto& t, std::size_t) -> auto& { return t.center_distance_m; }),
-      make_key<Target>(
-          pressure_angle_record(),
-          [](auto& t, std::size_t) -> auto& { return t.pressure_angle_rad; })};
-  append_keys(
-      keys, rack_keys(), [](auto& t, std::size_t) -> auto& { return t.rack; });
+          number("center_distance_mm", Unit::kMillimetre, above(0.0, 1e5), "zero-backlash distance",
+                 "centre distance of all meshes; without it the zero-backlash "
+                 "distance (of mesh P1-R1 in a train) at q = 0",
+                 {design::InputKind::kCenterDistance}),
+          &Target::center_distance_m),
+      make_key<Target>(pressure_angle_record(), &Target::pressure_angle_rad)};
+  append_keys(keys, rack_keys(), &Target::rack);
   append_keys(keys, friction_keys(), friction);
   return keys;
 }
@@ -58,50 +48,24 @@ std::vector<Key<Target>> common_keys(View friction) {
 std::vector<Key<GearInput>> gear_keys() {
   using Gear = GearInput;
   std::vector<Key<Gear>> keys{
+      make_key<Gear>(integer("teeth", within(-2000, 2000), kRequired,
+                             "number of teeth, at least 3 (rings: negative with iso21771)"),
+                     &Gear::teeth),
+      make_key<Gear>(number("profile_shift", Unit::kModules, within(-5.0, 5.0), "0",
+                            "profile shift coefficient", {design::InputKind::kProfileShift}),
+                     &Gear::profile_shift),
+      make_key<Gear>(number("machining_allowance", Unit::kModules, within(0.0, kGreatestAllowance),
+                            "0", "q: normal thinning of the whole tooth over the module",
+                            {design::InputKind::kMachiningAllowance}),
+                     &Gear::machining_allowance),
+      make_key<Gear>(number("normal_thinning_um", Unit::kMicrometre, within(0.0, 1e5), "none",
+                            "the same as a length, instead of machining_allowance"),
+                     &Gear::normal_thinning_m),
       make_key<Gear>(
-          {.path = "teeth",
-           .type = KeyType::kInteger,
-           .min = -2000,
-           .max = 2000,
-           .required = true,
-           .help = "number of teeth, at least 3 (rings: negative with iso21771)"},
-          [](auto& t, std::size_t) -> auto& { return t.teeth; }),
-      make_key<Gear>(
-          {.path = "profile_shift",
-           .unit = Unit::kModules,
-           .min = -5.0,
-           .max = 5.0,
-           .default_text = "0",
-           .help = "profile shift coefficient",
-           .input = design::InputId{design::InputKind::kProfileShift}},
-          [](auto& t, std::size_t) -> auto& { return t.profile_shift; }),
-      make_key<Gear>(
-          {.path = "machining_allowance",
-           .unit = Unit::kModules,
-           .min = 0.0,
-           .max = kGreatestAllowance,
-           .default_text = "0",
-           .help = "q: normal thinning of the whole tooth over the module",
-           .input = design::InputId{design::InputKind::kMachiningAllowance}},
-          [](auto& t, std::size_t) -> auto& { return t.machining_allowance; }),
-      make_key<Gear>(
-          {.path = "normal_thinning_um",
-           .unit = Unit::kMicrometre,
-           .min = 0.0,
-           .max = 1e5,
-           .default_text = "none",
-           .help = "the same as a length, instead of machining_allowance"},
-          [](auto& t, std::size_t) -> auto& { return t.normal_thinning_m; }),
-      make_key<Gear>(
-          {.path = "tip_shortening",
-           .unit = Unit::kModules,
-           .min = 0.0,
-           .max = design::kGreatestTipShortening,
-           .default_text = "0",
-           .help = "shortening of the tooth at its tip, on rings too",
-           .input = design::InputId{design::InputKind::kTipShortening}},
-          [](auto& t, std::size_t) -> auto& { return t.tip_shortening; },
-          [](const Gear& g, std::size_t) { return !g.khk_tip; }),
+          number("tip_shortening", Unit::kModules, within(0.0, design::kGreatestTipShortening), "0",
+                 "shortening of the tooth at its tip, on rings too",
+                 {design::InputKind::kTipShortening}),
+          &Gear::tip_shortening, [](const Gear& g, std::size_t) { return !g.khk_tip; }),
       unless_default(make_key<Gear>(
           {.path = "tip_rule",
            .type = KeyType::kChoice,
@@ -109,20 +73,42 @@ std::vector<Key<GearInput>> gear_keys() {
            .default_text = "\"full\"",
            .help = "full = tip_shortening as stated; khk = x1 + x2 - y of the external mesh "
                    "instead, for its two gears"},
-          [](auto& t, std::size_t) -> auto& { return t.khk_tip; })),
-      make_key<Gear>(
-          {.path = "pin_diameter_mm",
-           .unit = Unit::kMillimetre,
-           .min = 0.0,
-           .max = 1000.0,
-           .min_excluded = true,
-           .default_text = "by geometry",
-           .help = "measuring pin; without it the one that touches on the circle d + 2 "
-                   "x m, rounded up to 0.01 mm"},
-          [](auto& t, std::size_t) -> auto& { return t.pin_diameter_m; })};
-  append_keys(
-      keys, cutter_keys(), [](auto& t, std::size_t) -> auto& { return t.cutter; }, "cutter.");
+          &Gear::khk_tip)),
+      make_key<Gear>(number("pin_diameter_mm", Unit::kMillimetre, above(0.0, 1000.0), "by geometry",
+                            "measuring pin; without it the one that touches on the circle d + 2 "
+                            "x m, rounded up to 0.01 mm"),
+                     &Gear::pin_diameter_m)};
+  append_keys(keys, cutter_keys(), &Gear::cutter, "cutter.");
   return keys;
+}
+
+/// Keys and tables in the order of a written DESIGN.
+std::vector<std::string> file_order() {
+  return {"name",
+          "planets",
+          "identical_planets",
+          "pressure_angle_deg",
+          "center_distance_mm",
+          "sign_convention",
+          "rack",
+          "stage1",
+          "stage2",
+          "gears",
+          "axial",
+          "inertia",
+          "friction",
+          "tolerances",
+          "lubricant",
+          "drag",
+          "bearings",
+          "operating_point",
+          "map",
+          "backlash.model",
+          "backlash.min_normal_um",
+          "backlash",
+          "contact_ratio",
+          "size",
+          "limits"};
 }
 
 }  // namespace
@@ -132,50 +118,15 @@ Schema<DesignInput> design_schema() {
   Schema<Input> schema{
       .gears = {train::kGearNames.begin(), train::kGearNames.end()},
       .keys = common_keys<Input>([](auto& t, std::size_t) -> auto& { return t.losses.friction; }),
-      .order = {"name",
-                "planets",
-                "identical_planets",
-                "pressure_angle_deg",
-                "center_distance_mm",
-                "sign_convention",
-                "rack",
-                "stage1",
-                "stage2",
-                "gears",
-                "axial",
-                "inertia",
-                "friction",
-                "tolerances",
-                "lubricant",
-                "drag",
-                "bearings",
-                "operating_point",
-                "map",
-                "backlash.model",
-                "backlash.min_normal_um",
-                "backlash",
-                "contact_ratio",
-                "size",
-                "limits"}};
+      .order = file_order()};
   auto& keys = schema.keys;
   keys.push_back(make_key<Input>(
-      {.path = "planets",
-       .type = KeyType::kInteger,
-       .min = 1,
-       .max = 24,
-       .default_text = "3",
-       .help = "number of equally spaced planets"},
-      [](auto& t, std::size_t) -> auto& { return t.planets; }));
+      integer("planets", within(1, 24), "3", "number of equally spaced planets"), &Input::planets));
   for (const std::size_t stage : {0U, 1U}) {
     keys.push_back(make_key<Input>(
-        {.path = fmt::format("stage{}.module_mm", stage + 1),
-         .unit = Unit::kMillimetre,
-         .min = 0.0,
-         .max = 100.0,
-         .min_excluded = true,
-         .required = true,
-         .help = stage == 0 ? "module of S, P1, R1" : "module of P2, R2",
-         .input = design::InputId{design::InputKind::kModule, stage}},
+        number(fmt::format("stage{}.module_mm", stage + 1), Unit::kMillimetre, above(0.0, 100.0),
+               kRequired, stage == 0 ? "module of S, P1, R1" : "module of P2, R2",
+               {design::InputKind::kModule, stage}),
         [stage](auto& t, std::size_t) -> auto& { return t.module_m[stage]; }));
     keys.push_back(make_key<Input>(
         face_width_record(stage), [stage](auto& t, std::size_t) -> auto& {
@@ -186,34 +137,20 @@ Schema<DesignInput> design_schema() {
       keys, gear_keys(), [](auto& t, std::size_t gear) -> auto& { return t.gears[gear]; },
       "gears.{gear}.");
   keys.push_back(unless_default(make_key<Input>(
-      {.path = "gears.{gear}.bore_mm",
-       .unit = Unit::kDiameterMillimetre,
-       .min = 0.0,
-       .max = 1000.0,
-       .default_text = "0",
-       .help = "bore diameter of an external gear, for its mass and inertia"},
+      number("gears.{gear}.bore_mm", Unit::kDiameterMillimetre, within(0.0, 1000.0), "0",
+             "bore diameter of an external gear, for its mass and inertia"),
       [](auto& t, std::size_t gear) -> auto& { return t.masses.bore_radius_m[gear]; })));
   keys.push_back(make_key<Input>(
-      {.path = "gears.{gear}.outer_diameter_mm",
-       .unit = Unit::kDiameterMillimetre,
-       .min = 0.0,
-       .max = 10000.0,
-       .min_excluded = true,
-       .default_text = "none",
-       .help = "outer diameter of ring R1 or R2, for its mass and inertia"},
+      number("gears.{gear}.outer_diameter_mm", Unit::kDiameterMillimetre, above(0.0, 10000.0),
+             "none", "outer diameter of ring R1 or R2, for its mass and inertia"),
       [](auto& t, std::size_t gear) -> auto& { return t.outer_radius_m[gear]; }));
-  append_keys(
-      keys, mass_keys(), [](auto& t, std::size_t) -> auto& { return t.masses; });
-  append_keys(
-      keys, axial_keys(), [](auto& t, std::size_t) -> auto& { return t.axial; });
+  append_keys(keys, mass_keys(), &Input::masses);
+  append_keys(keys, axial_keys(), &Input::axial);
   std::vector<Key<LossInput>> losses;
   for (const LossKey& k : loss_keys()) losses.push_back(k.key);
-  append_keys(
-      keys, losses, [](auto& t, std::size_t) -> auto& { return t.losses; });
-  append_keys(
-      keys, tolerance_keys(), [](auto& t, std::size_t) -> auto& { return t.tolerances; });
-  append_keys(
-      keys, limit_keys(false), [](auto& t, std::size_t) -> auto& { return t.limits; });
+  append_keys(keys, losses, &Input::losses);
+  append_keys(keys, tolerance_keys(), &Input::tolerances);
+  append_keys(keys, limit_keys(false), &Input::limits);
   return schema;
 }
 
@@ -237,33 +174,23 @@ const std::string& key_of(const design::InputId& input) {
 
 Schema<PairInput> pair_schema() {
   using Input = PairInput;
-  Schema<Input> schema{
-      .gears = {"gear1", "gear2"},
-      .keys = common_keys<Input>([](auto& t, std::size_t) -> auto& { return t.friction; })};
+  Schema<Input> schema{.gears = {"gear1", "gear2"}, .keys = common_keys<Input>(&Input::friction)};
   auto& keys = schema.keys;
+  keys.push_back(
+      make_key<Input>({.path = "kind",
+                       .type = KeyType::kChoice,
+                       .choices = {"external", "internal"},
+                       .required = true,
+                       .help = "external: two external gears; internal: gear2 is the ring"},
+                      &Input::internal));
   keys.push_back(make_key<Input>(
-      {.path = "kind",
-       .type = KeyType::kChoice,
-       .choices = {"external", "internal"},
-       .required = true,
-       .help = "external: two external gears; internal: gear2 is the ring"},
-      [](auto& t, std::size_t) -> auto& { return t.internal; }));
-  keys.push_back(make_key<Input>(
-      {.path = "module_mm",
-       .unit = Unit::kMillimetre,
-       .min = 0.0,
-       .max = 100.0,
-       .min_excluded = true,
-       .required = true,
-       .help = "module of both gears"},
-      [](auto& t, std::size_t) -> auto& { return t.module_m; }));
+      number("module_mm", Unit::kMillimetre, above(0.0, 100.0), kRequired, "module of both gears"),
+      &Input::module_m));
   append_keys(
       keys, gear_keys(), [](auto& t, std::size_t gear) -> auto& { return t.gears[gear]; },
       "{gear}.");
-  append_keys(
-      keys, gear_tolerance_keys(true), [](auto& t, std::size_t) -> auto& { return t.tolerances; });
-  append_keys(
-      keys, limit_keys(true), [](auto& t, std::size_t) -> auto& { return t.limits; });
+  append_keys(keys, gear_tolerance_keys(true), &Input::tolerances);
+  append_keys(keys, limit_keys(true), &Input::limits);
   return schema;
 }
 

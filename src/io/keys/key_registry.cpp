@@ -229,6 +229,41 @@ struct Matcher {
 
 }  // namespace
 
+KeyRecord number(std::string path, units::Unit unit, const Range& range, std::string default_text,
+                 std::string help) {
+  const bool required = default_text == kRequired;
+  return {.path = std::move(path),
+          .unit = unit,
+          .min = range.min,
+          .max = range.max,
+          .min_excluded = range.min_excluded,
+          .required = required,
+          .default_text = std::move(default_text),
+          .help = std::move(help)};
+}
+
+KeyRecord number(std::string path, units::Unit unit, const Range& range, std::string default_text,
+                 std::string help, const design::InputId& input) {
+  KeyRecord record = number(std::move(path), unit, range, std::move(default_text), std::move(help));
+  record.input = input;
+  return record;
+}
+
+KeyRecord number_range(std::string path, units::Unit unit, const Range& range,
+                       std::string default_text, std::string help) {
+  KeyRecord record = number(std::move(path), unit, range, std::move(default_text), std::move(help));
+  record.type = KeyType::kNumberRange;
+  return record;
+}
+
+KeyRecord integer(std::string path, const Range& range, std::string default_text,
+                  std::string help) {
+  KeyRecord record =
+      number(std::move(path), units::Unit::kNone, range, std::move(default_text), std::move(help));
+  record.type = KeyType::kInteger;
+  return record;
+}
+
 std::string allowed_text(const KeyRecord& record) {
   switch (record.type) {
     case KeyType::kNumber:

@@ -38,16 +38,26 @@ struct Schema {
   std::vector<std::string> order = {};
 };
 
+/// What a view shows of a Target: a pointer to a member, or auto&(auto& target, std::size_t gear).
+template <class View, class Target>
+auto& seen(const View& view, Target& target, std::size_t gear) {
+  if constexpr (std::is_member_object_pointer_v<View>) {
+    return target.*view;
+  } else {
+    return view(target, gear);
+  }
+}
+
 /// A key whose value is one member.
-/// @param view  the member of a Target: auto&(auto& target, std::size_t gear)
+/// @param view  of the member, see seen()
 template <class Target, class View>
 Key<Target> make_key(KeyRecord record, View view,
                      std::function<bool(const Target&, std::size_t gear)> written = {}) {
   return {.record = std::move(record),
           .assign = [view](const KeyRecord& r, Target& t, std::size_t gear,
-                           const TomlValue& v) { store(r, v, view(t, gear)); },
+                           const TomlValue& v) { store(r, v, seen(view, t, gear)); },
           .state = [view](const KeyRecord& r, const Target& t,
-                          std::size_t gear) { return stated(r, view(t, gear)); },
+                          std::size_t gear) { return stated(r, seen(view, t, gear)); },
           .written = std::move(written)};
 }
 
@@ -63,7 +73,7 @@ Key<Target> unless_default(Key<Target> key) {
 }
 
 /// Appends the keys of a part of the Target.
-/// @param view    the part: auto&(auto& target, std::size_t gear)
+/// @param view    of the part, see seen()
 /// @param prefix  stands before their paths
 template <class Target, class Part, class View>
 void append_keys(std::vector<Key<Target>>& keys, const std::vector<Key<Part>>& part, View view,
@@ -71,16 +81,17 @@ void append_keys(std::vector<Key<Target>>& keys, const std::vector<Key<Part>>& p
   for (const Key<Part>& key : part) {
     KeyRecord record = key.record;
     record.path = prefix + record.path;
-    keys.push_back({.record = std::move(record),
-                    .assign = [assign = key.assign, view](
-                                  const KeyRecord& r, Target& t, std::size_t gear,
-                                  const TomlValue& v) { assign(r, view(t, gear), gear, v); },
-                    .state = [state = key.state, view](
-                                 const KeyRecord& r, const Target& t,
-                                 std::size_t gear) { return state(r, view(t, gear), gear); }});
+    keys.push_back(
+        {.record = std::move(record),
+         .assign = [assign = key.assign, view](
+                       const KeyRecord& r, Target& t, std::size_t gear,
+                       const TomlValue& v) { assign(r, seen(view, t, gear), gear, v); },
+         .state = [state = key.state, view](
+                      const KeyRecord& r, const Target& t,
+                      std::size_t gear) { return state(r, seen(view, t, gear), gear); }});
     if (!key.written) continue;
     keys.back().written = [written = key.written, view](const Target& t, std::size_t gear) {
-      return written(view(t, gear), gear);
+      return written(seen(view, t, gear), gear);
     };
   }
 }

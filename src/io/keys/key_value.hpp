@@ -48,6 +48,29 @@ struct KeyRecord {
   std::optional<design::InputId> input = {};
 };
 
+/// The numbers that a key takes.
+struct Range {
+  double min, max;
+  bool min_excluded = false;
+};
+constexpr Range within(double min, double max) { return {.min = min, .max = max}; }
+constexpr Range above(double min, double max) {
+  return {.min = min, .max = max, .min_excluded = true};
+}
+/// Stands for the default of a key that has none.
+inline constexpr const char* kRequired = "required";
+
+/// The record of a key that holds a number.
+KeyRecord number(std::string path, units::Unit unit, const Range& range, std::string default_text,
+                 std::string help);
+/// The same of an input with sensitivities.
+KeyRecord number(std::string path, units::Unit unit, const Range& range, std::string default_text,
+                 std::string help, const design::InputId& input);
+/// Of one that holds two numbers.
+KeyRecord number_range(std::string path, units::Unit unit, const Range& range,
+                       std::string default_text, std::string help);
+KeyRecord integer(std::string path, const Range& range, std::string default_text, std::string help);
+
 /// Position of a name in a list of names that holds it.
 template <class Names>
 std::size_t index_of(const Names& names, std::string_view name) {

@@ -26,24 +26,17 @@ std::string unit_in_words(const CheckRecord& r) {
 Key<LimitInput> own_key(const CheckId id) {
   const CheckRecord& r = design::check_record(id);
   return make_key<LimitInput>(
-      {.path = std::string(r.limit_key),
-       .unit = r.unit,
-       .min = id == CheckId::kNormalBacklash ? -1e6 : 0.0,
-       .max = 1e6,
-       .default_text = default_text(r),
-       .help = std::string(r.help)},
+      number(std::string(r.limit_key), r.unit,
+             within(id == CheckId::kNormalBacklash ? -1e6 : 0.0, 1e6), default_text(r),
+             std::string(r.help)),
       [id](auto& t, std::size_t) -> auto& { return t.limits[id]; });
 }
 
 /// A range has two ends; the one that is off is switched off in [limits].
 Key<LimitInput> contact_ratio_key() {
   return {
-      .record = {.path = "contact_ratio.range",
-                 .type = KeyType::kNumberRange,
-                 .min = 0.0,
-                 .max = kGreatestContactRatio,
-                 .default_text = "at least 1",
-                 .help = "least and greatest contact ratio of every mesh"},
+      .record = number_range("contact_ratio.range", Unit::kNone, within(0.0, kGreatestContactRatio),
+                             "at least 1", "least and greatest contact ratio of every mesh"),
       .assign =
           [](const KeyRecord&, LimitInput& t, std::size_t, const TomlValue& v) {
             t.limits[CheckId::kContactRatioMin] = v.list[0].number;
@@ -123,13 +116,10 @@ std::vector<Key<LimitInput>> limit_keys(bool for_pair) {
       continue;
     }
     keys.push_back(switch_key(
-        r.id,
-        {.path = fmt::format("limits.{}", r.name),
-         .min = -1e6,
-         .max = 1e6,
-         .default_text = r.default_limit ? "true" : "true when stated",
-         .help = r.threshold ? fmt::format("switch of the check; its limit is {}", r.limit_key)
-                             : std::string(r.help)}));
+        r.id, number(fmt::format("limits.{}", r.name), Unit::kNone, within(-1e6, 1e6),
+                     r.default_limit ? "true" : "true when stated",
+                     r.threshold ? fmt::format("switch of the check; its limit is {}", r.limit_key)
+                                 : std::string(r.help))));
   }
   return keys;
 }

@@ -60,110 +60,76 @@ void add_law_keys(std::vector<LossKey>& keys) {
                     "but constant need [operating_point]"},
            of_friction(&Friction::law)))});
   keys.push_back(needed_key(FrictionLaw::kLoadPower,
-                            {.path = "friction.load_exponent",
-                             .min = -0.9,
-                             .max = 2.0,
-                             .help = "law load_power: n of coefficient (F/reference_force_n)^n",
-                             .input = design::InputId{design::InputKind::kLoadExponent}},
+                            number("friction.load_exponent", Unit::kNone, within(-0.9, 2.0), "",
+                                   "law load_power: n of coefficient (F/reference_force_n)^n",
+                                   {design::InputKind::kLoadExponent}),
                             of_friction(&Friction::load_exponent)));
-  keys.push_back(needed_key(
-      FrictionLaw::kLoadPower,
-      {.path = "friction.reference_force_n",
-       .unit = Unit::kNewton,
-       .min = 0.0,
-       .max = 1e7,
-       .min_excluded = true,
-       .help = "law load_power: normal force on the flanks of one planet's mesh at which "
-               "friction.coefficient holds",
-       .input = design::InputId{design::InputKind::kReferenceForce}},
-      of_friction(&Friction::reference_force_N)));
+  keys.push_back(
+      needed_key(FrictionLaw::kLoadPower,
+                 number("friction.reference_force_n", Unit::kNewton, above(0.0, 1e7), "",
+                        "law load_power: normal force on the flanks of one planet's mesh at which "
+                        "friction.coefficient holds",
+                        {design::InputKind::kReferenceForce}),
+                 of_friction(&Friction::reference_force_N)));
   keys.push_back(needed_key(FrictionLaw::kStribeck,
-                            {.path = "friction.static_coefficient",
-                             .min = 0.0,
-                             .max = 1.0,
-                             .help = "law stribeck: coefficient of friction at rest; "
-                                     "friction.coefficient is that at high speed",
-                             .input = design::InputId{design::InputKind::kStaticCoefficient}},
+                            number("friction.static_coefficient", Unit::kNone, within(0.0, 1.0), "",
+                                   "law stribeck: coefficient of friction at rest; "
+                                   "friction.coefficient is that at high speed",
+                                   {design::InputKind::kStaticCoefficient}),
                             of_friction(&Friction::static_coefficient)));
-  keys.push_back(needed_key(FrictionLaw::kStribeck,
-                            {.path = "friction.stribeck_speed_m_s",
-                             .unit = Unit::kMetrePerSecond,
-                             .min = 0.0,
-                             .max = 1e3,
-                             .min_excluded = true,
-                             .help = "law stribeck: mean sliding speed at which the difference has "
-                                     "fallen to 1/e",
-                             .input = design::InputId{design::InputKind::kStribeckSpeed}},
-                            of_friction(&Friction::stribeck_speed_m_s)));
-  keys.push_back(optional_key(FrictionLaw::kStribeck,
-                              {.path = "friction.stribeck_exponent",
-                               .min = 0.1,
-                               .max = 10.0,
-                               .default_text = "with stribeck: 1",
-                               .help = "law stribeck: exponent of speed in the exponential",
-                               .input = design::InputId{design::InputKind::kStribeckExponent}},
-                              of_friction(&Friction::stribeck_exponent)));
-  keys.push_back(optional_key(FrictionLaw::kStribeck,
-                              {.path = "friction.viscous_s_per_m",
-                               .unit = Unit::kSecondPerMetre,
-                               .min = 0.0,
-                               .max = 10.0,
-                               .default_text = "with stribeck: 0",
-                               .help = "law stribeck: rise of the coefficient per sliding speed",
-                               .input = design::InputId{design::InputKind::kViscousFriction}},
-                              of_friction(&Friction::viscous_s_m)));
+  keys.push_back(
+      needed_key(FrictionLaw::kStribeck,
+                 number("friction.stribeck_speed_m_s", Unit::kMetrePerSecond, above(0.0, 1e3), "",
+                        "law stribeck: mean sliding speed at which the difference has "
+                        "fallen to 1/e",
+                        {design::InputKind::kStribeckSpeed}),
+                 of_friction(&Friction::stribeck_speed_m_s)));
+  keys.push_back(
+      optional_key(FrictionLaw::kStribeck,
+                   number("friction.stribeck_exponent", Unit::kNone, within(0.1, 10.0),
+                          "with stribeck: 1", "law stribeck: exponent of speed in the exponential",
+                          {design::InputKind::kStribeckExponent}),
+                   of_friction(&Friction::stribeck_exponent)));
+  keys.push_back(optional_key(
+      FrictionLaw::kStribeck,
+      number("friction.viscous_s_per_m", Unit::kSecondPerMetre, within(0.0, 10.0),
+             "with stribeck: 0", "law stribeck: rise of the coefficient per sliding speed",
+             {design::InputKind::kViscousFriction}),
+      of_friction(&Friction::viscous_s_m)));
 }
 
 void add_schlenk_keys(std::vector<LossKey>& keys) {
   const auto add = [&](KeyRecord record, auto view) {
     keys.push_back(needed_key(FrictionLaw::kSchlenk, std::move(record), view));
   };
-  add({.path = "friction.roughness_um",
-       .unit = Unit::kMicrometre,
-       .min = 0.0,
-       .max = 100.0,
-       .min_excluded = true,
-       .help = "law schlenk: arithmetic mean roughness Ra, mean of both flanks",
-       .input = design::InputId{design::InputKind::kRoughness}},
+  add(number("friction.roughness_um", Unit::kMicrometre, above(0.0, 100.0), "",
+             "law schlenk: arithmetic mean roughness Ra, mean of both flanks",
+             {design::InputKind::kRoughness}),
       of_friction(&Friction::roughness_m));
-  add({.path = "friction.lubricant_factor",
-       .min = 0.0,
-       .max = 10.0,
-       .min_excluded = true,
-       .help = "law schlenk: X_L of the lubricant",
-       .input = design::InputId{design::InputKind::kLubricantFactor}},
+  add(number("friction.lubricant_factor", Unit::kNone, above(0.0, 10.0), "",
+             "law schlenk: X_L of the lubricant", {design::InputKind::kLubricantFactor}),
       of_friction(&Friction::lubricant_factor));
   for (const std::size_t point : {0U, 1U}) {
     add(
-        {.path = fmt::format("lubricant.temperature{}_c", point + 1),
-         .unit = Unit::kCelsius,
-         .min = -80.0,
-         .max = 400.0,
-         .help = fmt::format("temperature of viscosity{}_mm2_s", point + 1),
-         .input = design::InputId{design::InputKind::kLubricantTemperature, point}},
+        number(fmt::format("lubricant.temperature{}_c", point + 1), Unit::kCelsius,
+               within(-80.0, 400.0), "", fmt::format("temperature of viscosity{}_mm2_s", point + 1),
+               {design::InputKind::kLubricantTemperature, point}),
         [point](auto& t, std::size_t) -> auto& {
           return t.friction.lubricant.temperature_K[point];
         });
     add(
-        {.path = fmt::format("lubricant.viscosity{}_mm2_s", point + 1),
-         .unit = Unit::kSquareMillimetrePerSecond,
-         .min = 0.3,
-         .max = 1e6,
-         .help = "kinematic viscosity of the lubricant; between the two temperatures and beyond by "
-                 "DIN 51563",
-         .input = design::InputId{design::InputKind::kLubricantViscosity, point}},
+        number(fmt::format("lubricant.viscosity{}_mm2_s", point + 1),
+               Unit::kSquareMillimetrePerSecond, within(0.3, 1e6), "",
+               "kinematic viscosity of the lubricant; between the two temperatures and beyond by "
+               "DIN 51563",
+               {design::InputKind::kLubricantViscosity, point}),
         [point](auto& t, std::size_t) -> auto& {
           return t.friction.lubricant.viscosity_m2_s[point];
         });
   }
   add(
-      {.path = "lubricant.density_kg_m3",
-       .unit = Unit::kKilogramPerCubicMetre,
-       .min = 0.0,
-       .max = 5000.0,
-       .min_excluded = true,
-       .help = "density of the lubricant",
-       .input = design::InputId{design::InputKind::kLubricantDensity}},
+      number("lubricant.density_kg_m3", Unit::kKilogramPerCubicMetre, above(0.0, 5000.0), "",
+             "density of the lubricant", {design::InputKind::kLubricantDensity}),
       [](auto& t, std::size_t) -> auto& { return t.friction.lubricant.density_kgm3; });
 }
 
@@ -189,13 +155,10 @@ void add_shaft_keys(std::vector<LossKey>& keys) {
   for (std::size_t shaft = 0; shaft < design::kShaftCount; ++shaft) {
     for (const Term& term : kTerms) {
       keys.push_back({.key = unless_default(make_key<LossInput>(
-                          {.path = fmt::format("drag.{}.{}", design::kShaftNames[shaft], term.name),
-                           .unit = term.unit,
-                           .min = 0.0,
-                           .max = 1e4,
-                           .default_text = "0",
-                           .help = fmt::format("{} {}, whatever the load", term.help, kOf[shaft]),
-                           .input = design::InputId{term.input, shaft}},
+                          number(fmt::format("drag.{}.{}", design::kShaftNames[shaft], term.name),
+                                 term.unit, within(0.0, 1e4), "0",
+                                 fmt::format("{} {}, whatever the load", term.help, kOf[shaft]),
+                                 {term.input, shaft}),
                           [ shaft, member = term.member ](auto& t, std::size_t) -> auto& {
                             return t.shafts.drag[shaft].*member;
                           }))});
@@ -207,24 +170,16 @@ void add_shaft_keys(std::vector<LossKey>& keys) {
   };
   keys.push_back(
       {.key = make_key<LossInput>(
-           {.path = "bearings.planet_coefficient",
-            .min = 0.0,
-            .max = 1.0,
-            .default_text = "none",
-            .help = "coefficient of friction of a planet on its pin, under the "
-                    "resultant of its mesh forces; with planet_radius_mm",
-            .input = design::InputId{design::InputKind::kBearingCoefficient}},
+           number("bearings.planet_coefficient", Unit::kNone, within(0.0, 1.0), "none",
+                  "coefficient of friction of a planet on its pin, under the "
+                  "resultant of its mesh forces; with planet_radius_mm",
+                  {design::InputKind::kBearingCoefficient}),
            [](auto& t, std::size_t) -> auto& { return t.shafts.planet_bearing_coefficient; },
            bears)});
   keys.push_back(
       {.key = make_key<LossInput>(
-           {.path = "bearings.planet_radius_mm",
-            .unit = Unit::kMillimetre,
-            .min = 0.0,
-            .max = 1e3,
-            .default_text = "none",
-            .help = "radius at which that friction acts",
-            .input = design::InputId{design::InputKind::kBearingRadius}},
+           number("bearings.planet_radius_mm", Unit::kMillimetre, within(0.0, 1e3), "none",
+                  "radius at which that friction acts", {design::InputKind::kBearingRadius}),
            [](auto& t, std::size_t) -> auto& { return t.shafts.planet_bearing_radius_m; }, bears)});
 }
 
@@ -237,29 +192,16 @@ void add_point_keys(std::vector<LossKey>& keys) {
              [member](auto& t, std::size_t) -> auto& { return t.operating_point.*member; },
              [](const LossInput& t, std::size_t) { return t.has_point; })});
   };
-  add({.path = "operating_point.sun_speed_rpm",
-       .unit = Unit::kRpm,
-       .min = 0.0,
-       .max = 1e6,
-       .default_text = "none",
-       .help = "speed of the sun; with output_torque_nm",
-       .input = design::InputId{design::InputKind::kSunSpeed}},
+  add(number("operating_point.sun_speed_rpm", Unit::kRpm, within(0.0, 1e6), "none",
+             "speed of the sun; with output_torque_nm", {design::InputKind::kSunSpeed}),
       &Point::sun_speed_rad_s);
-  add({.path = "operating_point.output_torque_nm",
-       .unit = Unit::kNewtonMetre,
-       .min = 0.0,
-       .max = 1e7,
-       .default_text = "none",
-       .help = "torque at R2: of the load (forward) or of the drive (backward)",
-       .input = design::InputId{design::InputKind::kOutputTorque}},
+  add(number("operating_point.output_torque_nm", Unit::kNewtonMetre, within(0.0, 1e7), "none",
+             "torque at R2: of the load (forward) or of the drive (backward)",
+             {design::InputKind::kOutputTorque}),
       &Point::output_torque_Nm);
-  add({.path = "operating_point.temperature_c",
-       .unit = Unit::kCelsius,
-       .min = -80.0,
-       .max = 400.0,
-       .default_text = fmt::format("with a point: {:g}", kDefaultTemperature_c),
-       .help = "temperature of the lubricant",
-       .input = design::InputId{design::InputKind::kTemperature}},
+  add(number("operating_point.temperature_c", Unit::kCelsius, within(-80.0, 400.0),
+             fmt::format("with a point: {:g}", kDefaultTemperature_c),
+             "temperature of the lubricant", {design::InputKind::kTemperature}),
       &Point::temperature_K);
 }
 
@@ -304,35 +246,13 @@ struct MapAxis {
 };
 std::vector<MapAxis> map_axes() {
   return {{.axis = &design::MapGrid::sun_speed_rad_s,
-           .range = {.path = "map.sun_speed_rpm",
-                     .type = KeyType::kNumberRange,
-                     .unit = Unit::kRpm,
-                     .min = 0.0,
-                     .max = 1e6,
-                     .min_excluded = true,
-                     .default_text = "[200, 1000]",
-                     .help = "speeds of the operating map"},
-           .points = {.path = "map.speed_points",
-                      .type = KeyType::kInteger,
-                      .min = 2,
-                      .max = 200,
-                      .default_text = "9",
-                      .help = "number of speeds"}},
+           .range = number_range("map.sun_speed_rpm", Unit::kRpm, above(0.0, 1e6), "[200, 1000]",
+                                 "speeds of the operating map"),
+           .points = integer("map.speed_points", within(2, 200), "9", "number of speeds")},
           {.axis = &design::MapGrid::output_torque_Nm,
-           .range = {.path = "map.output_torque_nm",
-                     .type = KeyType::kNumberRange,
-                     .unit = Unit::kNewtonMetre,
-                     .min = 0.0,
-                     .max = 1e7,
-                     .min_excluded = true,
-                     .default_text = "[5, 50]",
-                     .help = "torques at R2 of the operating map"},
-           .points = {.path = "map.torque_points",
-                      .type = KeyType::kInteger,
-                      .min = 2,
-                      .max = 200,
-                      .default_text = "10",
-                      .help = "number of torques"}}};
+           .range = number_range("map.output_torque_nm", Unit::kNewtonMetre, above(0.0, 1e7),
+                                 "[5, 50]", "torques at R2 of the operating map"),
+           .points = integer("map.torque_points", within(2, 200), "10", "number of torques")}};
 }
 
 void add_map_keys(std::vector<LossKey>& keys) {

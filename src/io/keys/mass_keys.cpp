@@ -44,24 +44,15 @@ double in_mm(const std::optional<double>& radius_m) {
 }  // namespace
 
 KeyRecord density_record() {
-  return {.path = "inertia.density_kg_m3",
-          .unit = Unit::kKilogramPerCubicMetre,
-          .min = 0.0,
-          .max = 30000.0,
-          .min_excluded = true,
-          .default_text = "none",
-          .help = "density of the gears, for mass and inertia from geometry"};
+  return number("inertia.density_kg_m3", Unit::kKilogramPerCubicMetre, above(0.0, 30000.0), "none",
+                "density of the gears, for mass and inertia from geometry");
 }
 
 KeyRecord face_width_record(std::size_t stage) {
-  return {.path = fmt::format("stage{}.face_width_mm", stage + 1),
-          .unit = Unit::kMillimetre,
-          .min = 0.0,
-          .max = 1000.0,
-          .min_excluded = true,
-          .default_text = "none",
-          .help = "face width; without it no mass or inertia from geometry",
-          .input = design::InputId{design::InputKind::kFaceWidth, stage}};
+  return number(fmt::format("stage{}.face_width_mm", stage + 1), Unit::kMillimetre,
+                above(0.0, 1000.0), "none",
+                "face width; without it no mass or inertia from geometry",
+                {design::InputKind::kFaceWidth, stage});
 }
 
 std::vector<Key<Masses>> mass_keys() {
@@ -72,12 +63,7 @@ std::vector<Key<Masses>> mass_keys() {
   };
   const auto add_body = [&](const char* name, std::optional<double> Masses::*member, Unit unit,
                             const char* help) {
-    add({.path = fmt::format("inertia.{}", name),
-         .unit = unit,
-         .min = 0.0,
-         .max = 1e6,
-         .default_text = "from geometry",
-         .help = help},
+    add(number(fmt::format("inertia.{}", name), unit, within(0.0, 1e6), "from geometry", help),
         member);
   };
   add(density_record(), &Masses::density_kgm3);

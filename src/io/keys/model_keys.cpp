@@ -10,43 +10,25 @@ namespace gear3k::io {
 using units::Unit;
 
 KeyRecord pressure_angle_record() {
-  return {.path = "pressure_angle_deg",
-          .unit = Unit::kDegree,
-          .min = 5.0,
-          .max = 45.0,
-          .default_text = "20",
-          .help = "standard pressure angle of the basic rack",
-          .input = design::InputId{design::InputKind::kPressureAngle}};
+  return number("pressure_angle_deg", Unit::kDegree, within(5.0, 45.0), "20",
+                "standard pressure angle of the basic rack", {design::InputKind::kPressureAngle});
 }
 
 std::vector<Key<geometry::BasicRack<double>>> rack_keys() {
   using Rack = geometry::BasicRack<double>;
   const auto key = [](KeyRecord record, double Rack::*member) {
     record.path = "rack." + record.path;
-    record.unit = Unit::kModules;
     return make_key<Rack>(
         std::move(record), [member](auto& t, std::size_t) -> auto& { return t.*member; });
   };
-  return {key({.path = "addendum",
-               .min = 0.1,
-               .max = 3.0,
-               .default_text = "1.0",
-               .help = "addendum of the basic rack",
-               .input = design::InputId{design::InputKind::kAddendum}},
+  return {key(number("addendum", Unit::kModules, within(0.1, 3.0), "1.0",
+                     "addendum of the basic rack", {design::InputKind::kAddendum}),
               &Rack::addendum),
-          key({.path = "dedendum",
-               .min = 0.1,
-               .max = 3.0,
-               .default_text = "1.25",
-               .help = "dedendum of the basic rack",
-               .input = design::InputId{design::InputKind::kDedendum}},
+          key(number("dedendum", Unit::kModules, within(0.1, 3.0), "1.25",
+                     "dedendum of the basic rack", {design::InputKind::kDedendum}),
               &Rack::dedendum),
-          key({.path = "root_radius",
-               .min = 0.0,
-               .max = 1.0,
-               .default_text = "0.38",
-               .help = "root fillet radius of the basic rack",
-               .input = design::InputId{design::InputKind::kRootRadius}},
+          key(number("root_radius", Unit::kModules, within(0.0, 1.0), "0.38",
+                     "root fillet radius of the basic rack", {design::InputKind::kRootRadius}),
               &Rack::root_radius)};
 }
 
@@ -55,12 +37,7 @@ std::vector<Key<design::Friction>> friction_keys() {
   const auto factor = [](const char* path, double Friction::*member, design::InputKind input,
                          const char* help) {
     return make_key<Friction>(
-        {.path = path,
-         .min = 0.0,
-         .max = 10.0,
-         .default_text = "with directional: 1",
-         .help = help,
-         .input = design::InputId{input}},
+        number(path, Unit::kNone, within(0.0, 10.0), "with directional: 1", help, {input}),
         [member](auto& t, std::size_t) -> auto& { return t.*member; },
         [](const Friction& f, std::size_t) {
           return f.model == efficiency::LossModel::kDirectional;
@@ -68,13 +45,10 @@ std::vector<Key<design::Friction>> friction_keys() {
   };
   return {
       make_key<Friction>(
-          {.path = "friction.coefficient",
-           .min = 0.0,
-           .max = 1.0,
-           .default_text = "0.1",
-           .help = "coefficient of friction of the meshes",
-           .input = design::InputId{design::InputKind::kFrictionCoefficient}},
-          [](auto& t, std::size_t) -> auto& { return t.coefficient; },
+          number("friction.coefficient", Unit::kNone, within(0.0, 1.0), "0.1",
+                 "coefficient of friction of the meshes",
+                 {design::InputKind::kFrictionCoefficient}),
+          &Friction::coefficient,
           [](const Friction& f, std::size_t) { return efficiency::reads_coefficient(f.law); }),
       make_key<Friction>(
           {.path = "friction.loss_model",
@@ -85,7 +59,7 @@ std::vector<Key<design::Friction>> friction_keys() {
                    "ohlendorf = the papers' closed form; coulomb_path = exact friction along the "
                    "path of contact; directional = the same with approach_factor and "
                    "recess_factor"},
-          [](auto& t, std::size_t) -> auto& { return t.model; }),
+          &Friction::model),
       factor("friction.approach_factor", &Friction::approach_factor,
              design::InputKind::kApproachFactor,
              "directional: friction in approach over the coefficient"),

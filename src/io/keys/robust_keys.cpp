@@ -65,14 +65,11 @@ std::vector<Key<Robust>> robust_keys() {
            .help = "what the limits hold for: the drawn gearbox, every gearbox within its "
                    "[tolerances], or a share of them; with a share every check but that of normal "
                    "backlash holds at its worst corner"},
-          [](auto& t, std::size_t) -> auto& { return t.hold; }),
+          &Robust::hold),
       make_key<Robust>(
-          {.path = "robust.yield",
-           .min = 0.01,
-           .max = 0.99999,
-           .default_text = "0.99",
-           .help = "share of the built gearboxes that assemble and keep the limits of lost motion"},
-          [](auto& t, std::size_t) -> auto& { return t.yield; }),
+          number("robust.yield", Unit::kNone, within(0.01, 0.99999), "0.99",
+                 "share of the built gearboxes that assemble and keep the limits of lost motion"),
+          &Robust::yield),
       make_key<Robust>(
           {.path = "robust.tolerances",
            .type = KeyType::kChoice,
@@ -80,15 +77,13 @@ std::vector<Key<Robust>> robust_keys() {
            .default_text = "\"stated\"",
            .help = "cheapest: every tolerance may be tightened or widened in steps of sqrt(2) "
                    "until the yield is reached at the least cost"},
-          [](auto& t, std::size_t) -> auto& { return t.cheapest; })};
+          &Robust::cheapest)};
   for (std::size_t kind = 0; kind < backlash::kToleranceKindNames.size(); ++kind) {
     keys.push_back(make_key<Robust>(
-        {.path = fmt::format("robust.cost.{}", backlash::kToleranceKindNames[kind]),
-         .min = 0.0,
-         .max = 1e6,
-         .default_text = "1",
-         .help = "cost of holding this tolerance of one gear or part as stated; half of it costs "
-                 "twice as much"},
+        number(fmt::format("robust.cost.{}", backlash::kToleranceKindNames[kind]), Unit::kNone,
+               within(0.0, 1e6), "1",
+               "cost of holding this tolerance of one gear or part as stated; half of it costs "
+               "twice as much"),
         [kind](auto& t, std::size_t) -> auto& { return t.cost[kind]; }));
   }
   return keys;

@@ -123,13 +123,9 @@ void append_objective_keys(std::vector<Key<Input>>& keys) {
                                   .help = "what is best; a list asks for the Pareto front, the "
                                           "first of it picks best.toml"},
                                  of_spec(&Specification::objectives)));
-  keys.push_back(make_key<Input>({.path = "pareto.points",
-                                  .type = KeyType::kInteger,
-                                  .min = 2,
-                                  .max = 10000,
-                                  .default_text = "15",
-                                  .help = "steps of the front; with three objectives or more, of "
-                                          "all but the first together"},
+  keys.push_back(make_key<Input>(integer("pareto.points", within(2, 10000), "15",
+                                         "steps of the front; with three objectives or more, of "
+                                         "all but the first together"),
                                  of_spec(&Specification::pareto_points)));
   keys.push_back(make_key<Input>(
       density_record(), [](auto& t, std::size_t) -> auto& { return t.spec.bodies.density_kgm3; }));
@@ -140,23 +136,17 @@ void append_objective_keys(std::vector<Key<Input>>& keys) {
         }));
   }
   keys.push_back(make_key<Input>(
-      {.path = "size.ring_rim_mm",
-       .unit = Unit::kMillimetre,
-       .min = 0.0,
-       .max = 1000.0,
-       .default_text = "0",
-       .help = "rim of both rings outside their root circles, for mass, inertia and outer "
-               "diameter"},
+      number("size.ring_rim_mm", Unit::kMillimetre, within(0.0, 1000.0), "0",
+             "rim of both rings outside their root circles, for mass, inertia and outer "
+             "diameter"),
       [](auto& t, std::size_t) -> auto& { return t.spec.bodies.ring_rim_m; }));
 }
 
 void append_tip_keys(std::vector<Key<Input>>& keys) {
-  keys.push_back(per_gear_key({.path = "tip_shortening",
-                               .min = 0.0,
-                               .max = design::kGreatestTipShortening,
-                               .default_text = "0",
-                               .help = "shortening of the teeth at their tips, on rings too"},
-                              &Specification::tip_shortening));
+  keys.push_back(per_gear_key(
+      number("tip_shortening", Unit::kNone, within(0.0, design::kGreatestTipShortening), "0",
+             "shortening of the teeth at their tips, on rings too"),
+      &Specification::tip_shortening));
   for (const std::size_t gear : {train::kS, train::kP1}) {
     keys.push_back(make_key<Input>(
         {.path = fmt::format("tip_rule.{}", train::kGearNames[gear]),
@@ -191,38 +181,26 @@ void append_tooth_keys(std::vector<Key<Input>>& keys) {
           return t.spec.teeth.*member;
         }));
   };
-  add({.path = "teeth.R1_max", .min = 5, .max = 2000, .help = "most teeth of ring R1"},
+  add(number("teeth.R1_max", Unit::kNone, within(5, 2000), "", "most teeth of ring R1"),
       &ToothRanges::R1_max);
-  add({.path = "teeth.R2_max", .min = 5, .max = 2000, .help = "most teeth of ring R2"},
+  add(number("teeth.R2_max", Unit::kNone, within(5, 2000), "", "most teeth of ring R2"),
       &ToothRanges::R2_max);
-  add({.path = "teeth.max_coaxial_offset",
-       .min = 0,
-       .max = 100,
-       .default_text = "4",
-       .help = "greatest |zR1 - (zS + 2 zP1)|"},
+  add(number("teeth.max_coaxial_offset", Unit::kNone, within(0, 100), "4",
+             "greatest |zR1 - (zS + 2 zP1)|"),
       &ToothRanges::max_coaxial_offset);
-  add({.path = "teeth.min_internal_difference",
-       .min = 1,
-       .max = 100,
-       .default_text = "8",
-       .help = "least zR - zP of both internal meshes"},
+  add(number("teeth.min_internal_difference", Unit::kNone, within(1, 100), "8",
+             "least zR - zP of both internal meshes"),
       &ToothRanges::min_internal_difference);
 }
 
 void append_ratio_keys(std::vector<Key<Input>>& keys) {
   keys.push_back(make_key<Input>(
-      {.path = "ratio.target",
-       .min = -1e5,
-       .max = 1e5,
-       .required = true,
-       .help = "w_S/w_R2; negative = output turns against the input"},
+      number("ratio.target", Unit::kNone, within(-1e5, 1e5), kRequired,
+             "w_S/w_R2; negative = output turns against the input"),
       [](auto& t, std::size_t) -> auto& { return t.spec.ratio.target; }));
   keys.push_back(make_key<Input>(
-      {.path = "ratio.tolerance",
-       .min = 0.0,
-       .max = 0.5,
-       .default_text = "0.005",
-       .help = "greatest |ratio/target - 1|"},
+      number("ratio.tolerance", Unit::kNone, within(0.0, 0.5), "0.005",
+             "greatest |ratio/target - 1|"),
       [](auto& t, std::size_t) -> auto& { return t.spec.ratio.tolerance; }));
 }
 
@@ -233,40 +211,23 @@ void append_free_keys(std::vector<Key<Input>>& keys) {
     if (record.unit == Unit::kNone) record.unit = Unit::kModules;
     keys.push_back(make_key<Input>(std::move(record), view));
   };
-  add({.path = "profile_shift.range",
-       .min = -5.0,
-       .max = 5.0,
-       .default_text = "[0, 1]",
-       .help = "profile shift of every gear"},
+  add(number("profile_shift.range", Unit::kNone, within(-5.0, 5.0), "[0, 1]",
+             "profile shift of every gear"),
       of_spec(&Specification::profile_shift));
-  add({.path = "profile_shift.ring_range",
-       .min = -5.0,
-       .max = 5.0,
-       .default_text = "profile_shift.range",
-       .help = "profile shift of R1 and R2"},
+  add(number("profile_shift.ring_range", Unit::kNone, within(-5.0, 5.0), "profile_shift.range",
+             "profile shift of R1 and R2"),
       of_spec(&Specification::ring_shift));
+  add(number("free.addendum", Unit::kNone, within(0.2, 2.0), "rack.addendum",
+             "addendum of each gear, refined in this range; best.toml states it as rack.addendum "
+             "less tip_shortening"),
+      &Input::free_addendum);
   add(
-      {.path = "free.addendum",
-       .min = 0.2,
-       .max = 2.0,
-       .default_text = "rack.addendum",
-       .help = "addendum of each gear, refined in this range; best.toml states it as rack.addendum "
-               "less tip_shortening"},
-      [](auto& t, std::size_t) -> auto& { return t.free_addendum; });
-  add(
-      {.path = "free.tip_shortening",
-       .min = 0.0,
-       .max = design::kGreatestTipShortening,
-       .default_text = "tip_shortening",
-       .help = "tip shortening of each gear, refined in this range"},
+      number("free.tip_shortening", Unit::kNone, within(0.0, design::kGreatestTipShortening),
+             "tip_shortening", "tip shortening of each gear, refined in this range"),
       [](auto& t, std::size_t) -> auto& { return t.spec.free.tip_shortening; });
   add(
-      {.path = "free.pressure_angle_deg",
-       .unit = Unit::kDegree,
-       .min = 10.0,
-       .max = 35.0,
-       .default_text = "pressure_angle_deg",
-       .help = "pressure angle, refined in this range; without bounds then"},
+      number("free.pressure_angle_deg", Unit::kDegree, within(10.0, 35.0), "pressure_angle_deg",
+             "pressure angle, refined in this range; without bounds then"),
       [](auto& t, std::size_t) -> auto& { return t.spec.free.pressure_angle_rad; });
 }
 
@@ -279,20 +240,11 @@ void append_solver_keys(std::vector<Key<Input>>& keys) {
        .help = "slsqp = in all threads; ipopt = one at a time; both = SLSQP polished by Ipopt"},
       [](auto& t, std::size_t) -> auto& { return t.spec.solver.refine; }));
   keys.push_back(make_key<Input>(
-      {.path = "solver.starts",
-       .type = KeyType::kInteger,
-       .min = 1,
-       .max = 1000,
-       .default_text = "4",
-       .help = "starting points per tooth set"},
+      integer("solver.starts", within(1, 1000), "4", "starting points per tooth set"),
       [](auto& t, std::size_t) -> auto& { return t.spec.solver.starts; }));
   keys.push_back(make_key<Input>(
-      {.path = "solver.seed",
-       .type = KeyType::kInteger,
-       .min = 0,
-       .max = 9007199254740992.0,
-       .default_text = "1",
-       .help = "seed of the starting points after the fourth"},
+      integer("solver.seed", within(0, 9007199254740992.0), "1",
+              "seed of the starting points after the fourth"),
       [](auto& t, std::size_t) -> auto& { return t.spec.solver.seed; }));
 }
 
@@ -350,19 +302,13 @@ Schema<Input> specification_schema() {
   append_tooth_keys(keys);
   for (const std::size_t stage : {0U, 1U}) keys.push_back(module_key(stage));
   append_free_keys(keys);
-  keys.push_back(per_gear_key({.path = "backlash.machining_allowance",
-                               .min = 0.0,
-                               .max = 1.0,
-                               .default_text = "0",
-                               .help = "q: normal thinning of the whole tooth over the module"},
+  keys.push_back(per_gear_key(number("backlash.machining_allowance", Unit::kNone, within(0.0, 1.0),
+                                     "0", "q: normal thinning of the whole tooth over the module"),
                               &Specification::machining_allowance));
   append_solver_keys(keys);
-  append_keys(
-      keys, operating_point_keys(), [](auto& t, std::size_t) -> auto& { return t.losses; });
-  append_keys(
-      keys, limit_keys(false), [](auto& t, std::size_t) -> auto& { return t.limits; });
-  append_keys(
-      keys, tolerance_keys(), [](auto& t, std::size_t) -> auto& { return t.tolerances; });
+  append_keys(keys, operating_point_keys(), &Input::losses);
+  append_keys(keys, limit_keys(false), &Input::limits);
+  append_keys(keys, tolerance_keys(), &Input::tolerances);
   append_keys(keys, robust_keys(), of_spec(&Specification::robust));
   return schema;
 }

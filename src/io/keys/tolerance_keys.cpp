@@ -51,11 +51,10 @@ class ToleranceKeys {
 void ToleranceKeys::add_gear_keys(bool pair) {
   using Gear = ToleranceInput::Gear;
   const std::string prefix = "tolerances.{gear}.";
-  add_limits(
-      "tolerances.center_distance_um", "0",
-      "deviation of the built centre distance, in a gearbox that of the carrier at all "
-      "planets",
-      [](auto& t, std::size_t) -> auto& { return t.center_distance_m; });
+  add_limits("tolerances.center_distance_um", "0",
+             "deviation of the built centre distance, in a gearbox that of the carrier at all "
+             "planets",
+             &ToleranceInput::center_distance_m);
   add_limits(
       prefix + "tooth_thickness_um", "0",
       "deviation of the tooth thickness (arc on the reference circle) from that of profile "
@@ -72,12 +71,8 @@ void ToleranceKeys::add_gear_keys(bool pair) {
   const auto add_length = [&](const char* name, std::optional<double> Gear::*member,
                               const char* help) {
     add(
-        {.path = prefix + name,
-         .unit = Unit::kMicrometre,
-         .min = 0.0,
-         .max = 1e4,
-         .default_text = "that of accuracy_grade, else 0",
-         .help = help},
+        number(prefix + name, Unit::kMicrometre, within(0.0, 1e4), "that of accuracy_grade, else 0",
+               help),
         [member](auto& t, std::size_t gear) -> auto& { return t.gears[gear].*member; });
   };
   add_length("runout_um", &Gear::runout_m, "F_r: twice the greatest eccentricity of the teeth");
@@ -87,63 +82,40 @@ void ToleranceKeys::add_gear_keys(bool pair) {
       "single_pitch_um", &Gear::single_pitch_m,
       "f_pt: each pitch differs by up to +- this, as each flank stands within +- half of it");
   add(
-      {.path = prefix + "accuracy_grade",
-       .type = KeyType::kInteger,
-       .min = backlash::kFinestGrade,
-       .max = backlash::kCoarsestGrade,
-       .default_text = "none",
-       .help = "ISO 1328-1:1995 accuracy grade: sets those of runout_um, cumulative_pitch_um and "
-               "single_pitch_um that are not stated"},
+      integer(prefix + "accuracy_grade", within(backlash::kFinestGrade, backlash::kCoarsestGrade),
+              "none",
+              "ISO 1328-1:1995 accuracy grade: sets those of runout_um, cumulative_pitch_um and "
+              "single_pitch_um that are not stated"),
       [](auto& t, std::size_t gear) -> auto& { return t.gears[gear].grade; });
 }
 
 void ToleranceKeys::add_gearbox_keys() {
-  add(
-      {.path = "tolerances.pin_position_um",
-       .unit = Unit::kMicrometre,
-       .min = 0.0,
-       .max = 1e4,
-       .default_text = "0",
-       .help = "diameter of the circle about its drawn place in which each planet's pin stands"},
-      [](auto& t, std::size_t) -> auto& { return t.pin_position_m; });
-  add(
-      {.path = "tolerances.planet_phase_arcmin",
+  add(number("tolerances.pin_position_um", Unit::kMicrometre, within(0.0, 1e4), "0",
+             "diameter of the circle about its drawn place in which each planet's pin stands"),
+      &ToleranceInput::pin_position_m);
+  add({.path = "tolerances.planet_phase_arcmin",
        .type = KeyType::kNumberOrRange,
        .unit = Unit::kArcmin,
        .min = -600.0,
        .max = 600.0,
        .default_text = "0",
        .help = "angle of P2 against P1 on each planet, deviation from the drawn one"},
-      [](auto& t, std::size_t) -> auto& { return t.planet_phase_rad; });
-  add(
-      {.path = "tolerances.scatter",
+      &ToleranceInput::planet_phase_rad);
+  add({.path = "tolerances.scatter",
        .type = KeyType::kChoice,
        .choices = {backlash::kScatterNames.begin(), backlash::kScatterNames.end()},
        .default_text = "\"normal\"",
        .help = "how built values scatter about the middle of their limits; none lies beyond them"},
-      [](auto& t, std::size_t) -> auto& { return t.scatter; }, false);
+      &ToleranceInput::scatter, false);
+  add(number("tolerances.sigma_level", Unit::kNone, within(1.0, 6.0), "3",
+             "normal scatter: the limits lie so many standard deviations off the middle"),
+      &ToleranceInput::sigma_level, false);
   add(
-      {.path = "tolerances.sigma_level",
-       .min = 1.0,
-       .max = 6.0,
-       .default_text = "3",
-       .help = "normal scatter: the limits lie so many standard deviations off the middle"},
-      [](auto& t, std::size_t) -> auto& { return t.sigma_level; }, false);
-  add(
-      {.path = "tolerances.samples",
-       .type = KeyType::kInteger,
-       .min = 1000,
-       .max = 1e9,
-       .default_text = "1000000",
-       .help = "gearboxes that are built at random"},
+      integer("tolerances.samples", within(1000, 1e9), "1000000",
+              "gearboxes that are built at random"),
       [](auto& t, std::size_t) -> auto& { return t.sampling.samples; }, false);
   add(
-      {.path = "tolerances.seed",
-       .type = KeyType::kInteger,
-       .min = 0,
-       .max = 9e15,
-       .default_text = "1",
-       .help = "seed of the random gearboxes"},
+      integer("tolerances.seed", within(0, 9e15), "1", "seed of the random gearboxes"),
       [](auto& t, std::size_t) -> auto& { return t.sampling.seed; }, false);
 }
 
