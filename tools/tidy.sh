@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # clang-tidy over the sources of src/, tests/, benchmarks/ and fuzz/ that changed since they were
 # last found clean:
-#   tools/tidy.sh BUILD_DIR    (configured with GEAR3K_UNITY, and built: its dependencies are used)
+#   tools/tidy.sh BUILD_DIR [GROUP]...    (configured with GEAR3K_UNITY, and built: its dependencies
+#                                          are used; a group has the name of its first target)
 # Most of the time of clang-tidy goes into the headers of the libraries.  So the sources are read in
 # groups, each as one large source, and a group is read again when a file that it includes, its
 # options or the checks changed.  Findings in headers count for every folder (.clang-tidy).
@@ -9,6 +10,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 root=$PWD
 build=$(cd "$1" && pwd)
+shift
 work=$build/tidy
 mkdir -p "$work"
 
@@ -115,4 +117,5 @@ tidy_group() {
 }
 export -f tidy_group state_of
 export root build work
+[ $# -eq 0 ] || list=$(printf '%s\n' "$@")
 printf '%s' "$list" | xargs -P "$(nproc)" -I{} bash -c 'set -o pipefail; tidy_group {}'
