@@ -2,9 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <vector>
+
 #include "optimize/optimizer.hpp"
 #include "optimize/refine.hpp"
 #include "tests/optimize/random_specification.hpp"
+#include "tests/sample.hpp"
 
 namespace gear3k::optimize::objective_value_test {
 namespace {
@@ -12,7 +16,8 @@ namespace {
 TEST(BestValue, NoRefinedSetIsBetter) {
   int refined = 0;
   // The last seeds have KHK tips on gears at negative shifts.
-  for (const std::uint64_t seed : {9U, 11U, 12U, 17U, 22U, 28U, 31U, 32U, 34U, 36U, 39U, 209U}) {
+  const std::vector<std::uint64_t> all{9, 11, 12, 17, 22, 28, 31, 32, 34, 36, 39, 209};
+  for (const std::uint64_t seed : sample(std::vector<std::uint64_t>{9, 22, 39, 209}, all)) {
     test::RandomTask task = test::random_task(seed, 3);
     Specification& spec = task.spec;
     spec.bodies.density_kgm3 = 7850.0;
@@ -33,7 +38,7 @@ TEST(BestValue, NoRefinedSetIsBetter) {
       }
     }
   }
-  EXPECT_GT(refined, 40);
+  EXPECT_GT(refined, sample(13, 40));
 }
 
 }  // namespace

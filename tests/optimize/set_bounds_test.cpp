@@ -13,6 +13,7 @@
 #include "optimize/optimizer.hpp"
 #include "optimize/refine.hpp"
 #include "tests/optimize/random_specification.hpp"
+#include "tests/sample.hpp"
 
 namespace gear3k::optimize::set_bounds_test {
 namespace {
@@ -201,7 +202,7 @@ TEST_P(RandomSpecifications, AmountThatALimitHasToGiveWayIsALeastOne) {
   });
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, RandomSpecifications, testing::Range(1, 7));
+INSTANTIATE_TEST_SUITE_P(Seeds, RandomSpecifications, testing::Range(1, sample(4, 7)));
 
 TEST(RandomSpecification, DrawsEveryKindOfWhichBoundsKnow) {
   std::set<std::string> seen;
