@@ -5,6 +5,8 @@
 # GEAR3K_TEST_LIMIT is the limit of the whole program in seconds.  When all cases pass, the file
 # green/NAME beside the program has the time of the start (for ./check quick).
 set -uo pipefail
+# Several programs share the processors: threads that wait leave them to others.
+export OMP_WAIT_POLICY=${OMP_WAIT_POLICY:-passive}
 green=$(dirname "$2")/green/$1
 shift
 mkdir -p "${green%/*}"
