@@ -19,12 +19,13 @@ groups=(
   gear3k_calibrate
   "calibrate_test gear3k_rig rig_test"
   "gear3k_io gear3k_report gear3k_drawing gear3k_papers"
-  "geometry_test train_test backlash_test efficiency_test inertia_test"
-  "gear3k_geometry gear3k_train gear3k_backlash gear3k_efficiency gear3k_inertia gear3k_design"
+  "units_test geometry_test train_test backlash_test efficiency_test inertia_test"
+  "gear3k_units gear3k_numerics gear3k_geometry gear3k_train gear3k_backlash gear3k_efficiency
+    gear3k_inertia gear3k_design"
   "io_test report_test drawing_test papers_test"
   "design_test optimize_test"
   "gear3k_app gear3k_cli gear3k"
-  "app_test cli_test"
+  "cli_test app_test"
   gear3k_optimize
   "BENCHMARKS"
 )
@@ -39,7 +40,7 @@ awk -v root="$root/" -v commands="$work/commands/" '
     file = $0; sub(/^  "file": "/, "", file); sub(/",?$/, "", file)
     object = command; sub(/.* -o /, "", object); sub(/ .*/, "", object)
     target = object; sub(/\.dir\/.*/, "", target); sub(/.*\//, "", target)
-    if (object ~ /^(benchmarks|fuzz)\//) target = "BENCHMARKS"
+    if (object ~ /^(benchmarks|fuzz|examples)\//) target = "BENCHMARKS"
     sub(/ -o .*/, "", command)
     print command >(commands target)
     if (file !~ /\/Unity\/unity_[0-9]+_cxx\.cxx$/) { print target "\t" object "\t" file; next }
@@ -82,7 +83,7 @@ named=" "
 for group in "${groups[@]}"; do
   # shellcheck disable=SC2086  # a group is a list of words
   add_group "${group%% *}" $group
-  named+="$group "
+  named+="${group//$'\n'/ } "
 done
 while read -r target; do
   case $named in *" $target "*) ;; *) add_group "$target" "$target" ;; esac
