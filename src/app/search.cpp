@@ -3,10 +3,10 @@
 namespace gear3k::app {
 
 ToothSets search(const SearchRequest& request, optimize::Progress& progress) {
-  ToothSets sets{.search = optimize::search_teeth(request.spec, progress), .ranked = {}};
-  if (!sets.search.interrupted) {
-    sets.ranked = optimize::rank_at_zero_shift(request.spec, sets.search.candidates);
-  }
+  ToothSets sets{.search = {},
+                 .ranking = optimize::ZeroShiftRanking(request.spec, request.most_ranked)};
+  sets.search = optimize::search_teeth(
+      request.spec, progress, [&](const auto& candidates) { sets.ranking.add(candidates); });
   return sets;
 }
 

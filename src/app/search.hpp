@@ -1,7 +1,8 @@
 #pragma once
 // The tooth sets that fit a ratio, ranked before any refinement.
 
-#include <vector>
+#include <cstddef>
+#include <limits>
 
 #include "optimize/progress.hpp"
 #include "optimize/tooth_search.hpp"
@@ -11,11 +12,13 @@ namespace gear3k::app {
 
 struct SearchRequest {
   optimize::Specification spec;
+  /// How many sets are ranked, the first ones; the others are counted only.
+  std::size_t most_ranked = std::numeric_limits<std::size_t>::max();
 };
 
 struct ToothSets {
-  optimize::ToothSearchResult search;
-  std::vector<optimize::ZeroShiftSet> ranked;  ///< empty when the search was interrupted
+  optimize::ToothSearchResult search;  ///< without its candidates
+  optimize::ZeroShiftRanking ranking;  ///< of what was found when the search was interrupted
 };
 
 /// Searches all tooth sets of a specification and ranks them at zero profile shift.

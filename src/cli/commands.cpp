@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 
 #include "app/analyze.hpp"
 #include "app/evaluate.hpp"
@@ -31,9 +32,15 @@
 
 namespace gear3k::cli {
 
+namespace {
+
+[[noreturn]] void refuse_stdout() { throw io::InvalidInput("stdout: cannot be written"); }
+
+}  // namespace
+
 void print_result(const std::string& text) {
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
-    throw io::InvalidInput("stdout: cannot be written");
+    refuse_stdout();
   }
 }
 
@@ -43,6 +50,19 @@ void deliver(const CommonOptions& options, const std::string& text) {
   } else {
     io::write_file(options.out, text);
   }
+}
+
+void deliver_in_pieces(
+    const CommonOptions& options,
+    const std::function<void(const std::function<void(std::string_view)>&)>& produce) {
+  if (!options.out.empty()) {
+    io::write_file_in_pieces(options.out, produce);
+    return;
+  }
+  produce([](std::string_view piece) {
+    if (std::fwrite(piece.data(), 1, piece.size(), stdout) < piece.size()) refuse_stdout();
+  });
+  if (std::fflush(stdout) != 0) refuse_stdout();
 }
 
 void warn(const app::Notes& notes, bool quiet) {
@@ -122,34 +142,39 @@ ExitCode run_mesh(const AnalyzeOptions& options) {
 }
 
 ExitCode run_search(const SearchOptions& options) {
-  const app::SearchRequest request{.spec = io::read_specification(options.file)};
+  // Files state every set, the table the first ones.
+  const app::SearchRequest request{.spec = io::read_specification(options.file),
+                                   .most_ranked = options.format == Format::kTable
+                                                      ? static_cast<std::size_t>(options.top)
+                                                      : std::numeric_limits<std::size_t>::max()};
   const optimize::Specification& spec = request.spec;
   refuse_overwriting_input(options.file, options.out);
   use_threads(options);
-  app::ToothSets found;
-  {
+  app::ToothSets found = [&] {
     optimize::Progress progress;
     const ProgressDisplay display(progress, options.quiet);
-    found = app::search(request, progress);
-  }
+    return app::search(request, progress);
+  }();
   const optimize::ToothSearchResult& search = found.search;
   if (search.interrupted) {
     say("interrupted: a partial search has no ranking\n");
     return kInterrupted;
   }
-  const bool empty = search.candidates.empty();
+  const bool empty = found.ranking.added() == 0;
   switch (options.format) {
     case Format::kJson:
-      deliver(options, report::search_json(spec, search, found.ranked));
+      deliver_in_pieces(options, [&](const auto& out) {
+        report::write_search_json(spec, search, found.ranking, out);
+      });
       break;
     case Format::kCsv:
-      deliver(options, report::search_csv(found.ranked));
+      deliver_in_pieces(options,
+                        [&](const auto& out) { report::write_search_csv(found.ranking, out); });
       break;
     case Format::kTable:
       // Scripts get their header and no set; a reader gets the message below.
       if (empty) break;
-      deliver(options, report::search_table(spec, search, found.ranked,
-                                            static_cast<std::size_t>(options.top)));
+      deliver(options, report::search_table(spec, search, found.ranking));
       break;
   }
   if (!empty) return kDone;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -99,6 +100,11 @@ void print_result(const std::string& text);
 
 /// Prints a result to stdout, or writes it to options.out.
 void deliver(const CommonOptions& options, const std::string& text);
+/// The same for a text that is made piece by piece.
+/// @param produce  called once with the function that takes the pieces
+void deliver_in_pieces(
+    const CommonOptions& options,
+    const std::function<void(const std::function<void(std::string_view)>&)>& produce);
 
 /// Notes on the use of a model on stderr, unless quiet.
 void warn(const app::Notes& notes, bool quiet);

@@ -35,7 +35,8 @@ struct OptimizeInput {
 OptimizeInput read_input(const OptimizeOptions& options) {
   std::vector<std::string> contents{io::read_toml_text(options.file)};
   if (!options.model.empty()) contents.push_back(io::read_toml_text(options.model));
-  OptimizeInput input{.request = {.spec = io::parse_specification(contents.front(), options.file),
+  OptimizeInput input{.request = {.spec = io::parse_specification(contents.front(), options.file,
+                                                                  optimize::kMostRefinedSets),
                                   .source = options.file,
                                   .certify = options.certify},
                       .fingerprint = io::task_fingerprint(contents)};

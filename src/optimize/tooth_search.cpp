@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <numeric>
+#include <optional>
+#include <utility>
 
 #include "optimize/parallel.hpp"
 
@@ -32,18 +36,38 @@ IntegerRange ring2_band(const train::ToothSet& z, const Specification& spec) {
           .max = static_cast<int>(std::ceil(std::min(std::max(a, b), cap))) + 1};
 }
 
+/// Why a set within the ratio is no candidate; empty: it is one.
+std::optional<ToothRejection> rejection_of(const Specification& spec, const Candidate& c) {
+  const train::ToothSet& z = c.teeth;
+  const int least = spec.teeth.min_internal_difference;
+  if (z.R1 - z.P1 < least || z.R2 - z.P2 < least) return ToothRejection::kInternalDifference;
+  const bool spaced = spec.limits[design::CheckId::kEqualSpacing].has_value();
+  const bool identical = spec.limits[design::CheckId::kIdenticalPlanets].has_value();
+  const train::Assembly assembly = train::assembly(z, c.planets);
+  if (spaced && !assembly.equal_spacing) return ToothRejection::kEqualSpacing;
+  if (identical && !assembly.identical_planets) return ToothRejection::kIdenticalPlanets;
+  return std::nullopt;
+}
+
+IntegerRange ring1_range(const OuterCount& outer, const ToothRanges& ranges) {
+  const int coaxial = outer.S + 2 * outer.P1;
+  return {.min = std::max(1, coaxial - ranges.max_coaxial_offset),
+          .max = std::min(ranges.R1_max, coaxial + ranges.max_coaxial_offset)};
+}
+
+IntegerRange ring2_range(const train::ToothSet& z, const Specification& spec) {
+  const IntegerRange band = ring2_band(z, spec);
+  return {.min = std::max(1, band.min), .max = std::min(band.max, spec.teeth.R2_max)};
+}
+
 void search_outer(const OuterCount& outer, const Specification& spec, ToothSearchResult& result) {
   const ToothRanges& ranges = spec.teeth;
   train::ToothSet z{.S = outer.S, .P1 = outer.P1};
-  const bool equal_spacing = spec.limits[design::CheckId::kEqualSpacing].has_value();
-  const bool identical_planets = spec.limits[design::CheckId::kIdenticalPlanets].has_value();
-  const int coaxial = z.S + 2 * z.P1;
-  const int r1_last = std::min(ranges.R1_max, coaxial + ranges.max_coaxial_offset);
-  for (z.R1 = std::max(1, coaxial - ranges.max_coaxial_offset); z.R1 <= r1_last; ++z.R1) {
+  const IntegerRange ring1 = ring1_range(outer, ranges);
+  for (z.R1 = ring1.min; z.R1 <= ring1.max; ++z.R1) {
     for (z.P2 = ranges.P2.min; z.P2 <= ranges.P2.max; ++z.P2) {
-      const IntegerRange band = ring2_band(z, spec);
-      const int r2_last = std::min(band.max, ranges.R2_max);
-      for (z.R2 = std::max(1, band.min); z.R2 <= r2_last; ++z.R2) {
+      const IntegerRange ring2 = ring2_range(z, spec);
+      for (z.R2 = ring2.min; z.R2 <= ring2.max; ++z.R2) {
         if (1LL * z.P1 * z.R2 == 1LL * z.P2 * z.R1) continue;
         const double ratio = train::ratio(z);
         const double miss = std::abs(ratio / spec.ratio.target - 1.0);
@@ -54,25 +78,77 @@ void search_outer(const OuterCount& outer, const Specification& spec, ToothSearc
         }
         if (!ratio_matches(ratio, spec.ratio)) continue;
         ++result.within_ratio;
-        const auto reject = [&](ToothRejection why) {
-          ++result.rejected[static_cast<std::size_t>(why)];
-        };
-        if (z.R1 - z.P1 < ranges.min_internal_difference ||
-            z.R2 - z.P2 < ranges.min_internal_difference) {
-          reject(ToothRejection::kInternalDifference);
-          continue;
-        }
-        const train::Assembly assembly = train::assembly(z, outer.planets);
-        if (equal_spacing && !assembly.equal_spacing) {
-          reject(ToothRejection::kEqualSpacing);
-        } else if (identical_planets && !assembly.identical_planets) {
-          reject(ToothRejection::kIdenticalPlanets);
+        const Candidate candidate{.teeth = z, .planets = outer.planets};
+        if (const auto why = rejection_of(spec, candidate)) {
+          ++result.rejected[static_cast<std::size_t>(*why)];
         } else {
-          result.candidates.push_back({.teeth = z, .planets = outer.planets});
+          result.candidates.push_back(candidate);
         }
       }
     }
   }
+}
+
+/// Adds the counts of a part that comes after what there is.
+void add_counts(const Specification& spec, const ToothSearchResult& part,
+                ToothSearchResult& result) {
+  result.within_ratio += part.within_ratio;
+  for (std::size_t r = 0; r < kToothRejectionCount; ++r) result.rejected[r] += part.rejected[r];
+  if (part.nearest_ratio != 0.0 && (result.nearest_ratio == 0.0 ||
+                                    std::abs(part.nearest_ratio / spec.ratio.target - 1.0) <
+                                        std::abs(result.nearest_ratio / spec.ratio.target - 1.0))) {
+    result.nearest_ratio = part.nearest_ratio;
+  }
+  result.interrupted = result.interrupted || part.interrupted;
+}
+
+/// Every (planets, S, P1), in the order of the search.
+class OuterCounts {
+ public:
+  explicit OuterCounts(const Specification& spec)
+      : planets_(spec.planets), S_(spec.teeth.S), P1_(spec.teeth.P1) {}
+  [[nodiscard]] std::size_t size() const { return planets_.size() * count(S_) * count(P1_); }
+  [[nodiscard]] OuterCount at(std::size_t k) const {
+    const std::size_t sets = count(S_) * count(P1_);
+    return {.planets = planets_[k / sets],
+            .S = S_.min + static_cast<int>(k % sets / count(P1_)),
+            .P1 = P1_.min + static_cast<int>(k % count(P1_))};
+  }
+
+ private:
+  static std::size_t count(const IntegerRange& range) {
+    return range.max < range.min ? 0 : static_cast<std::size_t>(range.max - range.min) + 1;
+  }
+  const std::vector<int>& planets_;
+  IntegerRange S_, P1_;
+};
+
+/// Sets that the search visits for one (S, P1, R1, P2) times the number of R1, and how many of them
+/// are candidates by a sample of one.
+struct SampledSets {
+  double visited = 0.0, candidates = 0.0;
+};
+/// @param u  in [0, 1)
+SampledSets sampled_sets(const Specification& spec, const OuterCounts& outers,
+                         const std::array<double, 4>& u) {
+  const auto pick = [](const IntegerRange& range, double x) {
+    return range.min + static_cast<int>(x * (range.max - range.min + 1));
+  };
+  const auto size = static_cast<double>(outers.size());
+  const OuterCount outer = outers.at(static_cast<std::size_t>(u[0] * size));
+  const IntegerRange ring1 = ring1_range(outer, spec.teeth);
+  if (ring1.max < ring1.min) return {};
+  Candidate c{.teeth = {.S = outer.S, .P1 = outer.P1}, .planets = outer.planets};
+  train::ToothSet& z = c.teeth;
+  z.R1 = pick(ring1, u[1]);
+  z.P2 = pick(spec.teeth.P2, u[2]);
+  const IntegerRange ring2 = ring2_range(z, spec);
+  if (ring2.max < ring2.min) return {};
+  z.R2 = pick(ring2, u[3]);
+  const double visited = (ring1.max - ring1.min + 1.0) * (ring2.max - ring2.min + 1.0);
+  const bool candidate = 1LL * z.P1 * z.R2 != 1LL * z.P2 * z.R1 &&
+                         ratio_matches(train::ratio(z), spec.ratio) && !rejection_of(spec, c);
+  return {.visited = visited, .candidates = candidate ? visited : 0.0};
 }
 
 }  // namespace
@@ -81,41 +157,73 @@ bool ratio_matches(double ratio, const RatioTarget& target) {
   return std::abs(ratio / target.target - 1.0) <= target.tolerance;
 }
 
-ToothSearchResult search_teeth(const Specification& spec, Progress& progress) {
-  std::vector<OuterCount> outer;
-  for (const int planets : spec.planets) {
-    for (int s = spec.teeth.S.min; s <= spec.teeth.S.max; ++s) {
-      for (int p1 = spec.teeth.P1.min; p1 <= spec.teeth.P1.max; ++p1) {
-        outer.push_back({.planets = planets, .S = s, .P1 = p1});
-      }
-    }
-  }
-  std::vector<ToothSearchResult> parts(outer.size());
+std::uint64_t ToothSearchResult::candidate_count() const {
+  return std::accumulate(rejected.begin(), rejected.end(), within_ratio, std::minus<>());
+}
+
+ToothSearchResult search_teeth(const Specification& spec, Progress& progress,
+                               const std::function<void(std::span<const Candidate>)>& take) {
+  constexpr std::size_t kPiece = 256;
+  const OuterCounts outers(spec);
   progress.phase = Progress::Phase::kSearch;
-  progress.total = outer.size();
-  parallel_for(outer.size(), [&](std::size_t k) {
-    if (progress.stop.load(std::memory_order_relaxed)) {
-      parts[k].interrupted = true;
-    } else {
-      search_outer(outer[k], spec, parts[k]);
-    }
-    ++progress.done;
-  });
+  progress.total = outers.size();
   ToothSearchResult result;
-  for (const ToothSearchResult& part : parts) {
-    result.within_ratio += part.within_ratio;
-    for (std::size_t r = 0; r < kToothRejectionCount; ++r) result.rejected[r] += part.rejected[r];
-    result.candidates.insert(result.candidates.end(), part.candidates.begin(),
-                             part.candidates.end());
-    if (part.nearest_ratio != 0.0 &&
-        (result.nearest_ratio == 0.0 ||
-         std::abs(part.nearest_ratio / spec.ratio.target - 1.0) <
-             std::abs(result.nearest_ratio / spec.ratio.target - 1.0))) {
-      result.nearest_ratio = part.nearest_ratio;
+  std::vector<Candidate> piece;
+  for (std::size_t begin = 0; begin < outers.size(); begin += kPiece) {
+    std::vector<ToothSearchResult> parts(std::min(kPiece, outers.size() - begin));
+    parallel_for(parts.size(), [&](std::size_t k) {
+      if (progress.stop.load(std::memory_order_relaxed)) {
+        parts[k].interrupted = true;
+      } else {
+        search_outer(outers.at(begin + k), spec, parts[k]);
+      }
+      ++progress.done;
+    });
+    piece.clear();
+    for (const ToothSearchResult& part : parts) {
+      add_counts(spec, part, result);
+      piece.insert(piece.end(), part.candidates.begin(), part.candidates.end());
     }
-    result.interrupted = result.interrupted || part.interrupted;
+    if (!piece.empty()) take(piece);
+    if (result.interrupted) break;
   }
   return result;
+}
+
+ToothSearchResult search_teeth(const Specification& spec, Progress& progress) {
+  std::vector<Candidate> candidates;
+  ToothSearchResult result = search_teeth(spec, progress, [&](std::span<const Candidate> piece) {
+    candidates.insert(candidates.end(), piece.begin(), piece.end());
+  });
+  result.candidates = std::move(candidates);
+  return result;
+}
+
+double estimated_candidates(const Specification& spec, double most) {
+  // Additive recurrence with the powers of the root of x⁵ = x + 1 (Roberts, 2018).
+  constexpr double kRoot = 1.1673039782614187;
+  constexpr std::array<double, 4> kStep{1.0 / kRoot, 1.0 / (kRoot * kRoot),
+                                        1.0 / (kRoot * kRoot * kRoot),
+                                        1.0 / (kRoot * kRoot * kRoot * kRoot)};
+  constexpr int kFirst = 4000;
+  const OuterCounts outers(spec);
+  if (outers.size() == 0 || spec.teeth.P2.max < spec.teeth.P2.min) return 0.0;
+  const double others =
+      static_cast<double>(outers.size()) * (spec.teeth.P2.max - spec.teeth.P2.min + 1.0);
+  std::array<double, 4> u{0.5, 0.5, 0.5, 0.5};
+  double sum = 0.0, greatest = 0.0;
+  int taken = 0;
+  for (int goal = kFirst; goal <= kEstimateSamples; goal *= 10) {
+    for (; taken < goal; ++taken) {
+      for (std::size_t k = 0; k < u.size(); ++k) u[k] = std::fmod(u[k] + kStep[k], 1.0);
+      const SampledSets sets = sampled_sets(spec, outers, u);
+      sum += sets.candidates;
+      greatest = std::max(greatest, sets.visited);
+    }
+    // Ten more in this sample would not make too many.
+    if (others * (sum + 10.0 * greatest) / taken < most) break;
+  }
+  return others * sum / taken;
 }
 
 }  // namespace gear3k::optimize

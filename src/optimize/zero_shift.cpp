@@ -1,6 +1,7 @@
 #include "optimize/zero_shift.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 
 #include "efficiency/train_efficiency.hpp"
@@ -10,6 +11,18 @@
 namespace gear3k::optimize {
 
 namespace {
+
+/// Sets that are at hand when they are visited.
+constexpr std::size_t kVisitedTogether = 16'384;
+
+/// Calls body(k) for k in [0, count) in OpenMP threads, some at a time.
+template <class Body>
+void parallel_in_blocks(std::size_t count, const Body& body) {
+  constexpr std::size_t kBlock = 256;
+  parallel_for((count + kBlock - 1) / kBlock, [&](std::size_t block) {
+    for (std::size_t k = block * kBlock; k < std::min(count, (block + 1) * kBlock); ++k) body(k);
+  });
+}
 
 ZeroShiftSet at_zero_shift(const Specification& spec, const Candidate& candidate) {
   const train::ToothSet& z = candidate.teeth;
@@ -45,16 +58,58 @@ ZeroShiftSet at_zero_shift(const Specification& spec, const Candidate& candidate
 
 }  // namespace
 
+ZeroShiftRanking::ZeroShiftRanking(const Specification& spec, std::size_t most)
+    : spec_(&spec), most_(most) {}
+
+bool ZeroShiftRanking::before(const Place& a, const Place& b) {
+  const auto key = [](const Place& p) {
+    return std::tuple(!p.meshes, !p.defined, p.cost, p.candidate.planets, p.candidate.teeth);
+  };
+  return key(a) < key(b);
+}
+
+void ZeroShiftRanking::drop_last() {
+  const auto end = places_.begin() + static_cast<std::ptrdiff_t>(most_);
+  std::nth_element(places_.begin(), end, places_.end(), before);
+  places_.erase(end, places_.end());
+}
+
+void ZeroShiftRanking::add(std::span<const Candidate> candidates) {
+  const bool forward = first_objective(*spec_) == Objective::kForwardEfficiency;
+  const std::size_t held = places_.size();
+  places_.resize(held + candidates.size());
+  parallel_in_blocks(candidates.size(), [&](std::size_t k) {
+    const ZeroShiftSet set = at_zero_shift(*spec_, candidates[k]);
+    const double cost = forward ? -set.eta_f : -set.eta_b;
+    places_[held + k] = {.candidate = candidates[k],
+                         .cost = std::isnan(cost) ? std::numeric_limits<double>::infinity() : cost,
+                         .meshes = set.meshes,
+                         .defined = set.defined};
+  });
+  added_ += candidates.size();
+  if (places_.size() / 2 > most_) drop_last();
+}
+
+void ZeroShiftRanking::for_each(const std::function<void(const ZeroShiftSet&)>& visit) {
+  if (places_.size() > most_) drop_last();
+  std::sort(places_.begin(), places_.end(), before);
+  std::vector<ZeroShiftSet> piece;
+  for (std::size_t begin = 0; begin < places_.size(); begin += piece.size()) {
+    piece.resize(std::min(kVisitedTogether, places_.size() - begin));
+    parallel_in_blocks(piece.size(), [&](std::size_t k) {
+      piece[k] = at_zero_shift(*spec_, places_[begin + k].candidate);
+    });
+    for (const ZeroShiftSet& set : piece) visit(set);
+  }
+}
+
 std::vector<ZeroShiftSet> rank_at_zero_shift(const Specification& spec,
                                              const std::vector<Candidate>& candidates) {
-  std::vector<ZeroShiftSet> sets(candidates.size());
-  parallel_for(candidates.size(),
-               [&](std::size_t k) { sets[k] = at_zero_shift(spec, candidates[k]); });
-  const bool forward = first_objective(spec) == Objective::kForwardEfficiency;
-  std::ranges::stable_sort(sets, [&](const ZeroShiftSet& a, const ZeroShiftSet& b) {
-    return std::tuple(!a.meshes, !a.defined, forward ? -a.eta_f : -a.eta_b) <
-           std::tuple(!b.meshes, !b.defined, forward ? -b.eta_f : -b.eta_b);
-  });
+  ZeroShiftRanking ranking(spec);
+  ranking.add(candidates);
+  std::vector<ZeroShiftSet> sets;
+  sets.reserve(candidates.size());
+  ranking.for_each([&](const ZeroShiftSet& set) { sets.push_back(set); });
   return sets;
 }
 

@@ -2,6 +2,12 @@
 // Ranking of tooth sets before any refinement: the low-backlash paper's step 2.
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <limits>
+#include <span>
 #include <vector>
 
 #include "optimize/tooth_search.hpp"
@@ -26,7 +32,44 @@ struct ZeroShiftSet {
   double sun_backlash = 0.0;     ///< j_bn of S-P1 in modules of stage 1
 };
 
-/// All candidates, those that mesh first, then by the objective, then in the order of candidates.
+/// Tooth sets in the order of what they are at zero shift: those that mesh first, then by the
+/// objective, then in the order of the search.
+///
+/// Of a set its place and its teeth are kept (40 bytes), the rest is computed again when it is
+/// asked for, so that the ranking of 10⁷ sets takes 0.4 GB and the first few of any number next to
+/// nothing.
+class ZeroShiftRanking {
+ public:
+  /// @param spec  must outlive the ranking
+  /// @param most  how many sets are kept, the first by rank
+  explicit ZeroShiftRanking(const Specification& spec,
+                            std::size_t most = std::numeric_limits<std::size_t>::max());
+
+  /// @param candidates  those that follow the ones given before in the order of the search
+  void add(std::span<const Candidate> candidates);
+  /// Sets that were added.
+  [[nodiscard]] std::uint64_t added() const { return added_; }
+  /// Sets that are held; between two calls of add() at most twice `most`, or all.
+  [[nodiscard]] std::size_t held() const { return places_.size(); }
+  /// Calls visit with each of the first `most` sets by rank.
+  void for_each(const std::function<void(const ZeroShiftSet&)>& visit);
+
+ private:
+  struct Place {
+    Candidate candidate;
+    double cost = 0.0;  ///< less is better: the objective with its sign turned
+    bool meshes = false, defined = false;
+  };
+  static bool before(const Place& a, const Place& b);
+  void drop_last();
+
+  const Specification* spec_;
+  std::size_t most_;
+  std::uint64_t added_ = 0;
+  std::deque<Place> places_;  // grows in place
+};
+
+/// All candidates by ZeroShiftRanking.
 std::vector<ZeroShiftSet> rank_at_zero_shift(const Specification& spec,
                                              const std::vector<Candidate>& candidates);
 

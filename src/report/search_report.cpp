@@ -33,7 +33,7 @@ io::Json rejected_json(const ToothSearchResult& search) {
 
 io::Json search_counts_json(const Specification& spec, const ToothSearchResult& search) {
   return {{"within_ratio", search.within_ratio},
-          {"candidates", search.candidates.size()},
+          {"candidates", search.candidate_count()},
           {"rejected", rejected_json(search)},
           {"nearest_ratio", search.nearest_ratio != 0.0 ? io::Json(search.nearest_ratio) : nullptr},
           {"ratio_target", spec.ratio.target},
@@ -134,7 +134,7 @@ std::string with_objective_unit(const optimize::ObjectiveRecord& record, double 
 std::string search_counts_text(const Specification& spec, const ToothSearchResult& search) {
   std::string text =
       fmt::format("{} tooth sets within {:g} % of {:g}:1; {} candidates", search.within_ratio,
-                  100.0 * spec.ratio.tolerance, spec.ratio.target, search.candidates.size());
+                  100.0 * spec.ratio.tolerance, spec.ratio.target, search.candidate_count());
   for (std::size_t k = 0; k < optimize::kToothRejectionCount; ++k) {
     if (search.rejected[k] == 0) continue;
     text +=
@@ -144,7 +144,7 @@ std::string search_counts_text(const Specification& spec, const ToothSearchResul
 }
 
 std::string search_table(const Specification& spec, const ToothSearchResult& search,
-                         const std::vector<ZeroShiftSet>& sets, std::size_t rows) {
+                         optimize::ZeroShiftRanking& ranking) {
   std::string text = search_counts_text(spec, search);
   text +=
       "At zero profile shift, P1-R1 and P2-R2 closed (before refinement; * = a mesh interferes or "
@@ -152,8 +152,9 @@ std::string search_table(const Specification& spec, const ToothSearchResult& sea
       "a contact ratio below 1 there):\n";
   TextTable table({"S/P1/R1/P2/R2", "planets", "ratio", "eta backward", "eta forward",
                    "lost motion", "eps S-P1", "eps P1-R1", "eps P2-R2", "m2/m1"});
-  for (std::size_t k = 0; k < std::min(rows, sets.size()); ++k) {
-    const ZeroShiftSet& s = sets[k];
+  std::size_t rows = 0;
+  ranking.for_each([&](const ZeroShiftSet& s) {
+    ++rows;
     const auto percent = [&](double eta) {
       if (!s.defined) return std::string("-");
       return eta > 0.0 ? fmt::format("{:.2f} %", 100.0 * eta) : std::string("locks");
@@ -164,11 +165,11 @@ std::string search_table(const Specification& spec, const ToothSearchResult& sea
                s.defined ? fixed(arcmin(s.lost_motion_rad), 2) + " arcmin" : "-",
                fixed(s.contact_ratio[0], 2), fixed(s.contact_ratio[1], 2),
                fixed(s.contact_ratio[2], 2), fmt::format("{:.4f}", s.module_ratio)});
-  }
+  });
   text += table.text(2);
-  if (sets.size() > rows) {
-    text +=
-        fmt::format("  ... and {} more (--top N, or --format csv for all)\n", sets.size() - rows);
+  if (ranking.added() > rows) {
+    text += fmt::format("  ... and {} more (--top N, or --format csv for all)\n",
+                        ranking.added() - rows);
   }
   return text;
 }
@@ -198,20 +199,36 @@ Fields zero_shift_fields(const ZeroShiftSet& s) {
 
 }  // namespace
 
-std::string search_csv(const std::vector<ZeroShiftSet>& sets) {
-  std::string text = zero_shift_fields({}).csv_header();
-  for (const ZeroShiftSet& s : sets) text += zero_shift_fields(s).csv_values();
-  return text;
+void write_search_csv(optimize::ZeroShiftRanking& ranking,
+                      const std::function<void(std::string_view)>& out) {
+  out(zero_shift_fields({}).csv_header());
+  ranking.for_each([&](const ZeroShiftSet& s) { out(zero_shift_fields(s).csv_values()); });
 }
 
-std::string search_json(const Specification& spec, const ToothSearchResult& search,
-                        const std::vector<ZeroShiftSet>& sets) {
-  const io::Json json{
-      {"tool", tool_json()},
-      {"name", spec.name},
-      {"search", search_counts_json(spec, search)},
-      {"sets", list_json(sets, [](const ZeroShiftSet& s) { return zero_shift_fields(s).json(); })}};
-  return json.text();
+void write_search_json(const Specification& spec, const ToothSearchResult& search,
+                       optimize::ZeroShiftRanking& ranking,
+                       const std::function<void(std::string_view)>& out) {
+  const io::Json head{{"tool", tool_json()},
+                      {"name", spec.name},
+                      {"search", search_counts_json(spec, search)},
+                      {"sets", io::Json::array()}};
+  // The document as if it were made at once, cut open at its empty list.
+  std::string text = head.text();
+  text.resize(text.rfind(']'));
+  out(text);
+  bool first = true;
+  ranking.for_each([&](const ZeroShiftSet& s) {
+    std::string body = zero_shift_fields(s).json().text();
+    body.pop_back();  // the line end of a file
+    std::string piece = first ? "\n    " : ",\n    ";
+    for (const char c : body) {
+      piece += c;
+      if (c == '\n') piece += "    ";
+    }
+    out(piece);
+    first = false;
+  });
+  out(first ? "]\n}\n" : "\n  ]\n}\n");
 }
 
 ResultTally tally_of(const OptimizeResult& result) {
@@ -464,7 +481,7 @@ std::string blocking_text(const Specification& spec, const OptimizeResult& resul
         "no feasible design: blocked by ratio: no tooth set within {:g} % of {:g}:1{}",
         100.0 * spec.ratio.tolerance, spec.ratio.target, nearest);
   }
-  if (search.candidates.empty()) {
+  if (search.candidate_count() == 0) {
     const auto worst = std::ranges::max_element(search.rejected);
     const auto index = static_cast<std::size_t>(worst - search.rejected.begin());
     return fmt::format(

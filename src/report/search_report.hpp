@@ -20,14 +20,19 @@ namespace gear3k::report {
 std::string search_counts_text(const optimize::Specification& spec,
                                const optimize::ToothSearchResult& search);
 
-/// Ranked tooth sets at zero profile shift; the first `rows` of them.
+/// Ranked tooth sets at zero profile shift, those that the ranking keeps.
+/// @param search  the counts of the search that they are from
 std::string search_table(const optimize::Specification& spec,
                          const optimize::ToothSearchResult& search,
-                         const std::vector<optimize::ZeroShiftSet>& sets, std::size_t rows);
-std::string search_csv(const std::vector<optimize::ZeroShiftSet>& sets);
-std::string search_json(const optimize::Specification& spec,
-                        const optimize::ToothSearchResult& search,
-                        const std::vector<optimize::ZeroShiftSet>& sets);
+                         optimize::ZeroShiftRanking& ranking);
+/// The same as CSV and JSON, piece by piece.
+/// @param out  called with one piece of the text after the other
+void write_search_csv(optimize::ZeroShiftRanking& ranking,
+                      const std::function<void(std::string_view)>& out);
+void write_search_json(const optimize::Specification& spec,
+                       const optimize::ToothSearchResult& search,
+                       optimize::ZeroShiftRanking& ranking,
+                       const std::function<void(std::string_view)>& out);
 
 /// Counts over all tooth sets of a result.
 struct ResultTally {

@@ -3,7 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <string>
+#include <string_view>
+
+#include "io/files/specification_file.hpp"
 
 namespace gear3k::report::search_report_test {
 namespace {
@@ -37,15 +41,24 @@ TEST(SearchReport, ObjectivesFollowTheColumnsOfTheFront) {
   EXPECT_EQ(std::ranges::count(row, ','), std::ranges::count(header, ','));
 }
 
+std::string search_csv(optimize::ZeroShiftRanking& ranking) {
+  std::string text;
+  write_search_csv(ranking, [&](std::string_view piece) { text += piece; });
+  return text;
+}
+
 TEST(SearchReport, ToothSetsWithoutAnyHaveAHeader) {
-  EXPECT_EQ(search_csv({}),
+  const optimize::Specification spec =
+      io::read_specification(GEAR3K_SOURCE_DIR "/examples/ratio-96.toml");
+  optimize::ZeroShiftRanking ranking(spec);
+  EXPECT_EQ(search_csv(ranking),
             "zS,zP1,zR1,zP2,zR2,planets,ratio,module_ratio,meshes,eta_b,eta_f,backlash_arcmin,"
             "sun_backlash_modules,eps1,eps2,eps3\n");
-  optimize::ZeroShiftSet set{};
-  set.candidate = {.teeth = {.S = 12, .P1 = 64, .R1 = 141, .P2 = 52, .R2 = 132}, .planets = 3};
-  set.ratio = 96.5;
-  const std::string csv = search_csv({set});
-  EXPECT_EQ(csv.substr(csv.find('\n') + 1), "12,64,141,52,132,3,96.5,0,false,,,,,,,\n")
+  ranking.add(std::array{optimize::Candidate{
+      .teeth = {.S = 40, .P1 = 70, .R1 = 170, .P2 = 70, .R2 = 180}, .planets = 5}});
+  const std::string csv = search_csv(ranking);
+  EXPECT_EQ(csv.substr(csv.find('\n') + 1),
+            "40,70,170,70,180,5,94.5,0.9090909090909091,false,,,,,,,\n")
       << "empty where no working angle is defined";
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "io/keys/axial_keys.hpp"
 #include "io/keys/cutter_keys.hpp"
@@ -119,7 +120,27 @@ void check_relations(const Input& input, FileReading& reading) {
   }
 }
 
-optimize::Specification specification_from(const TomlValue& document, const std::string& name) {
+/// Refuses tooth ranges that hold more sets than can be worked on, before they are searched.
+void check_size(const optimize::Specification& spec, double most, FileReading& reading) {
+  const double sets = optimize::estimated_candidates(spec, most);
+  if (sets <= most) return;
+  const optimize::ToothRanges& teeth = spec.teeth;
+  for (const auto& [name, range] : {std::pair{"teeth.S", teeth.S}, std::pair{"teeth.P1", teeth.P1},
+                                    std::pair{"teeth.P2", teeth.P2}}) {
+    if (range.min == range.max) continue;
+    reading.error_at(
+        name, fmt::format("{} = [{}, {}]: with the other ranges, ratio.tolerance = {:g} and "
+                          "{} of planets these are about {:.2g} tooth sets: allowed: at "
+                          "most {:.2g}",
+                          name, range.min, range.max, spec.ratio.tolerance,
+                          spec.planets.size() == 1 ? "one number"
+                                                   : fmt::format("{} numbers", spec.planets.size()),
+                          sets, most));
+  }
+}
+
+optimize::Specification specification_from(const TomlValue& document, const std::string& name,
+                                           double most_sets) {
   FileReading reading(name);
   Input input;
   read_by_schema(document, specification_schema(), input, reading);
@@ -133,6 +154,8 @@ optimize::Specification specification_from(const TomlValue& document, const std:
   if (input.tolerances.stated) input.spec.tolerances = stated_tolerances(input.tolerances);
   input.spec.sampling = input.tolerances.sampling;
   reading.throw_if_invalid();
+  check_size(input.spec, most_sets, reading);
+  reading.throw_if_invalid();
   if (reading.has("operating_point.sun_speed_rpm")) {
     input.spec.operating_point = input.losses.operating_point;
   }
@@ -141,12 +164,13 @@ optimize::Specification specification_from(const TomlValue& document, const std:
 
 }  // namespace
 
-optimize::Specification read_specification(const std::string& path) {
-  return specification_from(read_toml(path), path);
+optimize::Specification read_specification(const std::string& path, double most_sets) {
+  return specification_from(read_toml(path), path, most_sets);
 }
 
-optimize::Specification parse_specification(const std::string& text, const std::string& name) {
-  return specification_from(parse_toml(text, name), name);
+optimize::Specification parse_specification(const std::string& text, const std::string& name,
+                                            double most_sets) {
+  return specification_from(parse_toml(text, name), name, most_sets);
 }
 
 std::string specification_key_table() { return key_table(specification_schema()); }

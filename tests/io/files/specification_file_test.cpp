@@ -185,6 +185,27 @@ TEST(ReadSpecification, RelationsAreCheckedBetweenKeys) {
       << backlash;
 }
 
+TEST(ReadSpecification, TellsHowManySetsTooWideRangesHold) {
+  // The widest that every key by itself allows.
+  std::string text = replaced(kMinimal, "S = [12, 13]", "S = [4, 500]");
+  text = replaced(text, "P1 = [50, 60]", "P1 = [4, 500]");
+  text = replaced(text, "P2 = [40, 60]", "P2 = [4, 4]");
+  text = replaced(text, "R1_max = 120", "R1_max = 2000\nmax_coaxial_offset = 100");
+  text = replaced(text, "R2_max = 121", "R2_max = 2000");
+  text = replaced(text, "target = 96.2", "target = 10\ntolerance = 0.5");
+  text = "planets = [1, 2, 3]\nidentical_planets = false\n" + text;
+  const std::string errors = errors_of(text);
+  for (const char* part : {"spec.toml:7:1: teeth.S = [4, 500]: with the other ranges, "
+                           "ratio.tolerance = 0.5 and 3 numbers of planets these are about ",
+                           "spec.toml:8:1: teeth.P1 = [4, 500]: ",
+                           "e+10 tooth sets: allowed: at "
+                           "most 4e+07"}) {
+    EXPECT_NE(errors.find(part), std::string::npos) << part << '\n' << errors;
+  }
+  EXPECT_EQ(errors.find("teeth.P2"), std::string::npos) << errors;
+  EXPECT_THROW(static_cast<void>(parse_specification(kMinimal, "spec.toml", 1.0)), InvalidInput);
+}
+
 TEST(ReadSpecification, Rp96IsTheReferenceProblem) {
   // docs/rp96.md, inequality by inequality.
   const Specification spec = example("rp96.toml");
