@@ -1,5 +1,6 @@
 #include "optimize/objective.hpp"
 
+#include <cmath>
 #include <numbers>
 
 namespace gear3k::optimize {
@@ -13,6 +14,7 @@ constexpr std::array<ObjectiveRecord, kObjectiveCount> kRecords{
       .maximise = true,
       .unit = "",
       .per_unit = 1.0,
+      .resolution = 1e-8,
       .help = "efficiency when R2 drives the sun"},
      {.id = Objective::kForwardEfficiency,
       .name = "forward_efficiency",
@@ -20,6 +22,7 @@ constexpr std::array<ObjectiveRecord, kObjectiveCount> kRecords{
       .maximise = true,
       .unit = "",
       .per_unit = 1.0,
+      .resolution = 1e-8,
       .help = "efficiency when the sun drives R2"},
      {.id = Objective::kLostMotion,
       .name = "lost_motion",
@@ -27,6 +30,7 @@ constexpr std::array<ObjectiveRecord, kObjectiveCount> kRecords{
       .maximise = false,
       .unit = "arcmin",
       .per_unit = std::numbers::pi / 180.0 / 60.0,
+      .resolution = 1e-5 * std::numbers::pi / 180.0 / 60.0,
       .help = "lost motion at the output by backlash.model"},
      {.id = Objective::kOuterDiameter,
       .name = "outer_diameter",
@@ -34,6 +38,7 @@ constexpr std::array<ObjectiveRecord, kObjectiveCount> kRecords{
       .maximise = false,
       .unit = "mm",
       .per_unit = 1e-3,
+      .resolution = 1e-9,
       .help = "root diameter of the larger ring plus both sides of its rim"},
      {.id = Objective::kInertia,
       .name = "inertia",
@@ -41,6 +46,7 @@ constexpr std::array<ObjectiveRecord, kObjectiveCount> kRecords{
       .maximise = false,
       .unit = "kgm2",
       .per_unit = 1.0,
+      .resolution = 1e-11,
       .help = "effective inertia of the gears at the output, without losses"},
      {.id = Objective::kMass,
       .name = "mass",
@@ -48,6 +54,7 @@ constexpr std::array<ObjectiveRecord, kObjectiveCount> kRecords{
       .maximise = false,
       .unit = "kg",
       .per_unit = 1.0,
+      .resolution = 1e-8,
       .help = "mass of sun, planets and both rings"},
      {.id = Objective::kRatioError,
       .name = "ratio_error",
@@ -55,6 +62,7 @@ constexpr std::array<ObjectiveRecord, kObjectiveCount> kRecords{
       .maximise = false,
       .unit = "",
       .per_unit = 1.0,
+      .resolution = 1e-12,
       .help = "|ratio/target - 1|"}}};
 
 }  // namespace
@@ -63,6 +71,10 @@ std::span<const ObjectiveRecord> objective_records() { return kRecords; }
 
 const ObjectiveRecord& objective_record(Objective objective) {
   return kRecords[static_cast<std::size_t>(objective)];
+}
+
+double cost_in_steps(Objective objective, double value) {
+  return -sense_of(objective) * std::round(value / objective_record(objective).resolution);
 }
 
 }  // namespace gear3k::optimize

@@ -27,6 +27,9 @@ struct ObjectiveRecord {
   bool maximise;           ///< else minimised
   std::string_view unit;   ///< in files and tables; "" = dimensionless
   double per_unit;         ///< SI value of one unit
+  /// Values of refined sets within about this [SI] are taken for equal where sets are compared:
+  /// ten to a thousand times what another machine's exp() or sin() makes of them.
+  double resolution;
   std::string_view help;
 };
 std::span<const ObjectiveRecord> objective_records();
@@ -41,6 +44,10 @@ inline bool is_efficiency(Objective objective) {
 inline double sense_of(Objective objective) {
   return objective_record(objective).maximise ? 1.0 : -1.0;
 }
+
+/// A value [SI] in steps of the objective's resolution, with its sense turned so that less is
+/// better.
+double cost_in_steps(Objective objective, double value);
 
 /// A value [SI] that an objective has to reach: at least it when maximised, else at most.
 struct ObjectiveLimit {

@@ -148,9 +148,11 @@ class Run {
       result_.best = set;
       return;
     }
-    const double value = merit_of(spec_, set);
-    const double best = merit_of(spec_, *result_.best);
-    if (value > best || (value == best && set.index < result_.best->index)) result_.best = set;
+    const Objective first = first_objective(spec_);
+    const auto cost = [&](const RefinedSet& s) {
+      return std::pair(cost_in_steps(first, sense_of(first) * merit_of(spec_, s)), s.index);
+    };
+    if (cost(set) < cost(*result_.best)) result_.best = set;
   }
 
   void certify(const std::vector<std::uint32_t>& order) {

@@ -78,7 +78,8 @@ void for_each_set(const OptimizeResult& result,
 double merit_bound(const Specification& spec, const SetBound& bound, const Candidate& candidate);
 
 /// Searches, bounds and refines, OpenMP over stages and tooth sets, in waves of fixed order: the
-/// result does not depend on the number of threads.  Ties go to the set that comes first.
+/// result does not depend on the number of threads.  Ties, to ObjectiveRecord::resolution, go to
+/// the set that comes first.
 /// @param spec  must outlive the result
 /// @throws std::invalid_argument for best_only where a calibrated model judges the sets: the bounds
 ///   are those of the model without it; and with a free pressure angle, where there are none

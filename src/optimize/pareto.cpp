@@ -12,7 +12,10 @@ std::vector<std::size_t> pareto_front(const std::vector<RefinedSet>& sets, bool 
     constexpr double kNone = -std::numeric_limits<double>::infinity();
     const double eta_b = by_model ? s.eta_b_model.value_or(kNone) : s.eta_b;
     const double eta_f = by_model ? s.eta_f_model.value_or(kNone) : s.eta_f;
-    return Costs{-eta_b, -eta_f, s.lost_motion_rad, s.ring_root_diameter_m};
+    return Costs{cost_in_steps(Objective::kBackwardEfficiency, eta_b),
+                 cost_in_steps(Objective::kForwardEfficiency, eta_f),
+                 cost_in_steps(Objective::kLostMotion, s.lost_motion_rad),
+                 cost_in_steps(Objective::kOuterDiameter, s.ring_root_diameter_m)};
   };
   struct Entry {
     Costs costs;

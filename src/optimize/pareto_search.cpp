@@ -164,7 +164,9 @@ class FrontSearch {
   void keep_front() {
     std::ranges::stable_sort(points_, [&](const ParetoPoint& a, const ParetoPoint& b) {
       for (std::size_t k = 0; k < spec_.objectives.size(); ++k) {
-        if (a.values[k] != b.values[k]) return cost(k, a.values[k]) < cost(k, b.values[k]);
+        const double cost_a = cost_in_steps(spec_.objectives[k], a.values[k]);
+        const double cost_b = cost_in_steps(spec_.objectives[k], b.values[k]);
+        if (cost_a != cost_b) return cost_a < cost_b;
       }
       return a.set.candidate < b.set.candidate;
     });
