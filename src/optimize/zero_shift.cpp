@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <tuple>
+#include <utility>
 
 #include "efficiency/train_efficiency.hpp"
 #include "optimize/parallel.hpp"
@@ -58,8 +59,8 @@ ZeroShiftSet at_zero_shift(const Specification& spec, const Candidate& candidate
 
 }  // namespace
 
-ZeroShiftRanking::ZeroShiftRanking(const Specification& spec, std::size_t most)
-    : spec_(&spec), most_(most) {}
+ZeroShiftRanking::ZeroShiftRanking(Specification spec, std::size_t most)
+    : spec_(std::move(spec)), most_(most) {}
 
 bool ZeroShiftRanking::before(const Place& a, const Place& b) {
   const auto key = [](const Place& p) {
@@ -75,11 +76,11 @@ void ZeroShiftRanking::drop_last() {
 }
 
 void ZeroShiftRanking::add(std::span<const Candidate> candidates) {
-  const bool forward = first_objective(*spec_) == Objective::kForwardEfficiency;
+  const bool forward = first_objective(spec_) == Objective::kForwardEfficiency;
   const std::size_t held = places_.size();
   places_.resize(held + candidates.size());
   parallel_in_blocks(candidates.size(), [&](std::size_t k) {
-    const ZeroShiftSet set = at_zero_shift(*spec_, candidates[k]);
+    const ZeroShiftSet set = at_zero_shift(spec_, candidates[k]);
     const double cost = forward ? -set.eta_f : -set.eta_b;
     places_[held + k] = {.candidate = candidates[k],
                          .cost = std::isnan(cost) ? std::numeric_limits<double>::infinity() : cost,
@@ -97,7 +98,7 @@ void ZeroShiftRanking::for_each(const std::function<void(const ZeroShiftSet&)>& 
   for (std::size_t begin = 0; begin < places_.size(); begin += piece.size()) {
     piece.resize(std::min(kVisitedTogether, places_.size() - begin));
     parallel_in_blocks(piece.size(), [&](std::size_t k) {
-      piece[k] = at_zero_shift(*spec_, places_[begin + k].candidate);
+      piece[k] = at_zero_shift(spec_, places_[begin + k].candidate);
     });
     for (const ZeroShiftSet& set : piece) visit(set);
   }

@@ -40,9 +40,8 @@ struct ZeroShiftSet {
 /// nothing.
 class ZeroShiftRanking {
  public:
-  /// @param spec  must outlive the ranking
   /// @param most  how many sets are kept, the first by rank
-  explicit ZeroShiftRanking(const Specification& spec,
+  explicit ZeroShiftRanking(Specification spec,
                             std::size_t most = std::numeric_limits<std::size_t>::max());
 
   /// @param candidates  those that follow the ones given before in the order of the search
@@ -63,7 +62,7 @@ class ZeroShiftRanking {
   static bool before(const Place& a, const Place& b);
   void drop_last();
 
-  const Specification* spec_;
+  Specification spec_;
   std::size_t most_;
   std::uint64_t added_ = 0;
   std::deque<Place> places_;  // grows in place

@@ -381,14 +381,15 @@ TEST(Optimize, StopKeepsWhatIsDone) {
 
 TEST(ParetoFront, HoldsExactlyTheSetsThatNothingDominates) {
   const auto& r = rp96_result(Refine::kSlsqp);
-  const auto dominates = [](const RefinedSet& a, const RefinedSet& b) {
-    const bool no_worse = a.eta_b >= b.eta_b && a.eta_f >= b.eta_f &&
-                          a.lost_motion_rad <= b.lost_motion_rad &&
-                          a.ring_root_diameter_m <= b.ring_root_diameter_m;
-    const bool better = a.eta_b > b.eta_b || a.eta_f > b.eta_f ||
-                        a.lost_motion_rad < b.lost_motion_rad ||
-                        a.ring_root_diameter_m < b.ring_root_diameter_m;
-    return no_worse && better;
+  const auto costs = [](const RefinedSet& s) {
+    return std::array{cost_in_steps(Objective::kBackwardEfficiency, s.eta_b),
+                      cost_in_steps(Objective::kForwardEfficiency, s.eta_f),
+                      cost_in_steps(Objective::kLostMotion, s.lost_motion_rad),
+                      cost_in_steps(Objective::kOuterDiameter, s.ring_root_diameter_m)};
+  };
+  const auto dominates = [&](const RefinedSet& a, const RefinedSet& b) {
+    return std::ranges::equal(costs(a), costs(b), std::less_equal<>()) &&
+           (costs(a) != costs(b) || a.index < b.index);
   };
   for (std::size_t k = 0; k < r.refined.size(); ++k) {
     if (r.refined[k].status != Status::kOptimal) continue;
@@ -398,6 +399,25 @@ TEST(ParetoFront, HoldsExactlyTheSetsThatNothingDominates) {
     const bool on_front = std::ranges::find(r.pareto, k) != r.pareto.end();
     EXPECT_EQ(on_front, !dominated);
   }
+}
+
+TEST(ParetoFront, TakesWhatRoundingLeavesOfALimitForEqual) {
+  RefinedSet set;
+  set.status = Status::kOptimal;
+  set.eta_b = set.eta_f = 0.9;
+  set.lost_motion_rad = 2.327e-3;
+  set.ring_root_diameter_m = 0.076;
+  std::vector<RefinedSet> sets(3, set);
+  for (std::size_t k = 0; k < sets.size(); ++k) {
+    sets[k].index = static_cast<std::uint32_t>(k);
+    sets[k].lost_motion_rad -= 1e-13 * static_cast<double>(k);
+    sets[k].eta_b -= 1e-12 * static_cast<double>(k);
+  }
+  EXPECT_EQ(pareto_front(sets), std::vector<std::size_t>{0});
+  sets[2].eta_f += 1e-6;
+  EXPECT_EQ(pareto_front(sets), std::vector<std::size_t>{2});
+  sets[2].ring_root_diameter_m += 1e-6;
+  EXPECT_EQ(pareto_front(sets), (std::vector<std::size_t>{0, 2}));
 }
 
 }  // namespace
