@@ -12,7 +12,7 @@
 #include "io/text/csv_table.hpp"
 #include "tests/cli/run_program.hpp"
 
-namespace gear3k {
+namespace gear3k::other_processor_test {
 namespace {
 
 using nlohmann::json, test::example, test::replaced, test::Workplace;
@@ -107,4 +107,4 @@ TEST(AnotherProcessor, FindsTheSameBestSetAndFront) {
 }
 
 }  // namespace
-}  // namespace gear3k
+}  // namespace gear3k::other_processor_test

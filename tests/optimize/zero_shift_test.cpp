@@ -11,7 +11,7 @@
 
 #include "io/files/specification_file.hpp"
 
-namespace gear3k::optimize {
+namespace gear3k::optimize::zero_shift_test {
 namespace {
 
 /// Some 20000 sets, many of which are alike at zero shift or do not mesh.
@@ -101,4 +101,4 @@ TEST(EstimatedCandidates, OfEmptyRangesAreNone) {
 }
 
 }  // namespace
-}  // namespace gear3k::optimize
+}  // namespace gear3k::optimize::zero_shift_test
