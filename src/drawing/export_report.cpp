@@ -4,11 +4,27 @@
 
 #include "io/text/json.hpp"
 #include "report/display.hpp"
+#include "report/fields.hpp"
 #include "report/text_table.hpp"
 
 namespace gear3k::drawing {
 
-using report::TextTable, report::csv_line, report::tool_json, report::um;
+using report::Fields, report::TextTable, report::list_json, report::tool_json, report::um;
+
+namespace {
+
+/// A file: an item of the JSON, a line of the CSV.
+Fields file_fields(const ExportedFile& file) {
+  Fields f;
+  f.add("path", file.path, {"path"});
+  f.add("drawing", file.drawing, {"drawing"});
+  f.add("format", file.format, {"format"});
+  f.add("contours", file.contours, {"contours"});
+  f.add("points", file.points, {"points"});
+  return f;
+}
+
+}  // namespace
 
 std::string export_table(const ExportSummary& summary) {
   TextTable table({"file", "shows", "contours", "points"});
@@ -22,29 +38,19 @@ std::string export_table(const ExportSummary& summary) {
 }
 
 std::string export_json(const ExportSummary& summary) {
-  io::Json files = io::Json::array();
-  for (const ExportedFile& file : summary.files) {
-    files.push_back({{"path", file.path},
-                     {"drawing", file.drawing},
-                     {"format", file.format},
-                     {"contours", file.contours},
-                     {"points", file.points}});
-  }
-  const io::Json json{{"tool", tool_json()},
-                      {"name", summary.name},
-                      {"chord_error_um", um(summary.chord_error_m)},
-                      {"files", files},
-                      {"notes", summary.notes}};
-  // A path may hold any bytes.
+  const io::Json json{
+      {"tool", tool_json()},
+      {"name", summary.name},
+      {"chord_error_um", um(summary.chord_error_m)},
+      {"files",
+       list_json(summary.files, [](const ExportedFile& file) { return file_fields(file).json(); })},
+      {"notes", summary.notes}};
   return json.text();
 }
 
 std::string export_csv(const ExportSummary& summary) {
-  std::string text = csv_line({"path", "drawing", "format", "contours", "points"});
-  for (const ExportedFile& file : summary.files) {
-    text += csv_line({file.path, file.drawing, file.format, fmt::format("{}", file.contours),
-                      fmt::format("{}", file.points)});
-  }
+  std::string text = file_fields({}).csv_header();
+  for (const ExportedFile& file : summary.files) text += file_fields(file).csv_values();
   return text;
 }
 

@@ -3,17 +3,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "io/text/json.hpp"
 #include "report/display.hpp"
+#include "report/fields.hpp"
 #include "report/text_table.hpp"
 
 namespace gear3k::papers {
 
 namespace {
 
-using report::TextTable, report::csv_line, report::exact, report::fixed, report::tool_json;
+using report::Fields, report::TextTable, report::csv_line, report::exact, report::fixed,
+    report::list_json, report::tool_json;
 
 std::string shown(const std::optional<double>& value, int decimals) {
   return value ? fmt::format("{:.{}f}", *value, decimals) : std::string("-");
@@ -67,6 +70,19 @@ std::string ledger_text(const std::vector<LedgerEntry>& ledger, const char* sour
   return text;
 }
 
+/// A quantity of a gearbox: an item of the JSON, a line of the CSV.
+Fields row_fields(const std::string& gearbox, const ComparedRow& row) {
+  Fields f;
+  f.add_row(gearbox, {"gearbox"});
+  f.add("quantity", row.quantity, {"quantity"});
+  f.add("unit", row.unit, {"unit"});
+  f.add("paper", row.paper, {"paper"});
+  f.add("equations", row.equations, {"equations"});
+  f.add("exact", row.exact, {"exact"});
+  f.add("measured", row.measured, {"measured"});
+  return f;
+}
+
 io::Json ledger_json(const std::vector<LedgerEntry>& entries) {
   io::Json ledger = io::Json::array();
   for (const LedgerEntry& entry : entries) {
@@ -98,6 +114,19 @@ std::string ledger_csv(const std::vector<LedgerEntry>& ledger, const std::string
 // --- the thesis
 
 constexpr const char* kThesis = "directional-impedance thesis";
+
+/// A constant of a pair-loss model: its key in the JSON, its name in the CSV.
+struct ModelNumber {
+  const char* key;
+  const char* name;
+  double PairLossModel::*number;
+};
+constexpr std::array<ModelNumber, 5> kModelNumbers{
+    {{"mu", "mu", &PairLossModel::friction},
+     {"symmetric_scale", "symmetric scale", &PairLossModel::symmetric_scale},
+     {"offset", "offset", &PairLossModel::offset},
+     {"skew_factor", "skew factor", &PairLossModel::skew_factor},
+     {"rms_error", "rms error", &PairLossModel::rms_error}}};
 
 std::string map_excerpt(const LossMap& map, const char* title, double LossMap::Point::*part,
                         int decimals) {
@@ -151,13 +180,9 @@ io::Json thesis_json(const ThesisComparison& t) {
   };
   io::Json models = io::Json::array();
   for (const PairLossModel& m : t.models) {
-    models.push_back({{"name", m.name},
-                      {"description", m.description},
-                      {"mu", m.friction},
-                      {"symmetric_scale", m.symmetric_scale},
-                      {"offset", m.offset},
-                      {"skew_factor", m.skew_factor},
-                      {"rms_error", m.rms_error}});
+    io::Json model{{"name", m.name}, {"description", m.description}};
+    for (const auto& [key, name, number] : kModelNumbers) model[key] = m.*number;
+    models.push_back(std::move(model));
   }
   io::Json rows = io::Json::array();
   for (const PairLossRow& row : t.rows) {
@@ -199,15 +224,10 @@ std::string thesis_csv(const ThesisComparison& t) {
     line("skew loss", p.skew);
   }
   for (const PairLossModel& m : t.models) {
-    const auto line = [&](const char* what, double value) {
-      text +=
-          csv_line({kThesis, fmt::format("{}: {}", m.name, what), "", "", exact(value), "", ""});
-    };
-    line("mu", m.friction);
-    line("symmetric scale", m.symmetric_scale);
-    line("offset", m.offset);
-    line("skew factor", m.skew_factor);
-    line("rms error", m.rms_error);
+    for (const auto& [key, name, number] : kModelNumbers) {
+      text += csv_line(
+          {kThesis, fmt::format("{}: {}", m.name, name), "", "", exact(m.*number), "", ""});
+    }
   }
   for (const PairLossRow& row : t.rows) {
     for (std::size_t k = 0; k < t.models.size(); ++k) {
@@ -257,15 +277,8 @@ std::string reproduce_table(const Reproduction& r) {
 std::string reproduce_json(const Reproduction& r) {
   io::Json gearboxes = io::Json::array();
   for (const GearboxComparison& g : r.gearboxes) {
-    io::Json rows = io::Json::array();
-    for (const ComparedRow& row : g.rows) {
-      rows.push_back({{"quantity", row.quantity},
-                      {"unit", row.unit},
-                      {"paper", row.paper},
-                      {"equations", row.equations},
-                      {"exact", row.exact},
-                      {"measured", row.measured}});
-    }
+    io::Json rows =
+        list_json(g.rows, [&](const ComparedRow& row) { return row_fields(g.name, row).json(); });
     io::Json efficiency = io::Json::array();
     for (const EfficiencyPoint& p : g.efficiency) {
       efficiency.push_back(
@@ -302,12 +315,11 @@ std::string reproduce_json(const Reproduction& r) {
 }
 
 std::string reproduce_csv(const Reproduction& r) {
-  std::string text = "gearbox,quantity,unit,paper,equations,exact,measured\n";
+  std::string text = row_fields("", {}).csv_header();
   const auto field = [](const std::optional<double>& v) { return v ? exact(*v) : std::string(); };
   for (const GearboxComparison& g : r.gearboxes) {
     for (const ComparedRow& row : g.rows) {
-      text += csv_line({g.name, row.quantity, row.unit, field(row.paper), field(row.equations),
-                        field(row.exact), field(row.measured)});
+      text += row_fields(g.name, row).csv_values();
     }
     for (const EfficiencyPoint& p : g.efficiency) {
       const auto line = [&](const char* what, double ohlendorf, double sliding) {
