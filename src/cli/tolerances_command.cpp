@@ -9,10 +9,10 @@
 #include "cli/result_files.hpp"
 #include "cli/talk.hpp"
 #include "io/files/design_file.hpp"
+#include "report/built_series_report.hpp"
 #include "report/tolerance_report.hpp"
 #include "report/turn_plot.hpp"
 #include "report/turn_report.hpp"
-#include "report/yield_report.hpp"
 
 namespace gear3k::cli {
 
@@ -77,8 +77,8 @@ ExitCode run_tolerances(const TolerancesOptions& options) {
     case Format::kTable:
       print_result(fmt::format("{}\n", result.evaluation.name) +
                    report::tolerance_table(result.evaluation.tolerance_limits) +
-                   report::yield_table(result.series) + "\n" + report::turn_table(result.turn) +
-                   files_text(written));
+                   report::built_series_table(result.series) + "\n" +
+                   report::turn_table(result.turn) + files_text(written));
       break;
   }
   if (!result.interrupted) return kDone;

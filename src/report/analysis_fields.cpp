@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "report/analysis_report.hpp"
+#include "report/built_series_report.hpp"
 #include "report/check_subject.hpp"
 #include "report/display.hpp"
 #include "report/fields.hpp"
@@ -9,7 +10,6 @@
 #include "report/sensitivity_report.hpp"
 #include "report/text_table.hpp"
 #include "report/tolerance_report.hpp"
-#include "report/yield_report.hpp"
 
 namespace gear3k::report {
 
@@ -231,7 +231,7 @@ Fields analysis_fields(const Evaluation& e, const design::Sensitivities& s, cons
   if (e.tolerance_limits) {
     f.add("tolerances", tolerance_fields(*e.tolerance_limits).at_rank(kTolerances));
   }
-  if (built != nullptr) f.add("built", built_fields(*built).at_rank(kBuilt));
+  if (built != nullptr) f.add("built", built_series_fields(*built).at_rank(kBuilt));
   f.join(sensitivity_fields(s).at_rank(kInputs));
   if (model != nullptr) f.add("model", model_json(*model));
   f.add("notes", e.notes);

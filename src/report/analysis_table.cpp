@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "report/analysis_report.hpp"
+#include "report/built_series_report.hpp"
 #include "report/check_subject.hpp"
 #include "report/display.hpp"
 #include "report/mass_report.hpp"
@@ -11,7 +12,6 @@
 #include "report/sensitivity_report.hpp"
 #include "report/text_table.hpp"
 #include "report/tolerance_report.hpp"
-#include "report/yield_report.hpp"
 
 namespace gear3k::report {
 
@@ -302,8 +302,9 @@ std::string analysis_table(const Evaluation& e, const design::Sensitivities& s,
   return text + failed_table(e.checks) + gear_table(e.gears) + tooth_table(e.gears) +
          mesh_table(e.meshes) + operation_table(e) + flank_table(e.meshes, gears) +
          phase_table(e.meshes) + mass_table(e) + passed_table(e.checks) +
-         tolerance_table(e.tolerance_limits) + (built != nullptr ? yield_table(*built) : "") +
-         sensitivity_table(s) + note_lines(e.notes) + not_checked(e.tolerance_limits.has_value());
+         tolerance_table(e.tolerance_limits) +
+         (built != nullptr ? built_series_table(*built) : "") + sensitivity_table(s) +
+         note_lines(e.notes) + not_checked(e.tolerance_limits.has_value());
 }
 
 std::string analysis_table(const PairEvaluation& e) {

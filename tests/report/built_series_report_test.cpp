@@ -1,4 +1,4 @@
-#include "report/yield_report.hpp"
+#include "report/built_series_report.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@
 #include "report/robust_report.hpp"
 #include "tests/backlash/toleranced_train.hpp"
 
-namespace gear3k::report::yield_report_test {
+namespace gear3k::report::built_series_report_test {
 namespace {
 
 using design::BuiltSeries;
@@ -67,7 +67,7 @@ bool contains(const std::string& text, const std::string& part) {
 
 TEST(YieldJson, SharesOfAllGearboxesAddUpAndLieInTheirIntervals) {
   for (const BuiltSeries* series : {&usual(), &jammed()}) {
-    const json built = json::parse(built_fields(*series).json().text());
+    const json built = json::parse(built_series_fields(*series).json().text());
     EXPECT_EQ(built.at("samples"), 5000);
     EXPECT_EQ(built.at("seed"), 8);
     double sum = 0.0;
@@ -88,14 +88,14 @@ TEST(YieldJson, SharesOfAllGearboxesAddUpAndLieInTheirIntervals) {
       EXPECT_LT(share.at("ci95").at(0), share.at("ci95").at(1)) << part;
     }
   }
-  const json built = json::parse(built_fields(usual()).json().text());
+  const json built = json::parse(built_series_fields(usual()).json().text());
   for (const char* part : {"yield", "jammed", "beyond_limit"}) {
     EXPECT_GT(built.at(part).at("value"), 0.01) << part << ": the series is to show all of them";
   }
 }
 
 TEST(YieldJson, LostMotionLiesBetweenTheWorstCases) {
-  const json built = json::parse(built_fields(usual()).json().text());
+  const json built = json::parse(built_series_fields(usual()).json().text());
   const json& motion = built.at("lost_motion_arcmin");
   const json& worst = built.at("worst_case");
   EXPECT_LE(worst.at("least_arcmin"), motion.at("least"));
@@ -122,7 +122,7 @@ TEST(YieldJson, LostMotionLiesBetweenTheWorstCases) {
 }
 
 TEST(YieldJson, TolerancesComeByWhatHalvingThemGainsOrElseByTheirShare) {
-  const json built = json::parse(built_fields(usual()).json().text());
+  const json built = json::parse(built_series_fields(usual()).json().text());
   const json& shares = built.at("shares");
   EXPECT_EQ(shares.at("samples"), 3000);
   const json& sources = shares.at("tolerances");
@@ -162,7 +162,7 @@ TEST(YieldJson, TolerancesComeByWhatHalvingThemGainsOrElseByTheirShare) {
 }
 
 TEST(YieldJson, RoomsAreByRank) {
-  const json first = json::parse(built_fields(usual()).json().text()).at("first_contact");
+  const json first = json::parse(built_series_fields(usual()).json().text()).at("first_contact");
   EXPECT_GT(first.at("greatest_share"), 1.0 / 3.0);
   EXPECT_EQ(first.at("samples"), usual().result.assembled.count);
   ASSERT_EQ(first.at("rooms").size(), 3U);
@@ -172,15 +172,15 @@ TEST(YieldJson, RoomsAreByRank) {
 }
 
 TEST(YieldJson, WithoutAnAssembledGearboxThereIsNoLostMotion) {
-  const json built = json::parse(built_fields(jammed()).json().text());
+  const json built = json::parse(built_series_fields(jammed()).json().text());
   EXPECT_EQ(built.at("jammed").at("value"), 1.0);
   EXPECT_TRUE(built.at("lost_motion_arcmin").is_null());
   EXPECT_TRUE(built.at("limit_of_99_percent_arcmin").is_null());
-  EXPECT_TRUE(contains(yield_table(jammed()), "more than 1 % do not assemble"));
+  EXPECT_TRUE(contains(built_series_table(jammed()), "more than 1 % do not assemble"));
 }
 
 TEST(YieldTable, NamesEveryTolerance) {
-  const std::string text = yield_table(usual());
+  const std::string text = built_series_table(usual());
   for (const auto& source : usual().model.sources) {
     EXPECT_TRUE(contains(text, source.name())) << source.name();
   }
@@ -225,7 +225,7 @@ TEST(ToleranceSharesCsv, TellsWhatTheJsonTells) {
                 "variance_total", "variance_total_error", "planets_alike_arcmin", "halved_yield",
                 "halved_yield_gain", "halved_yield_gain_error", "halved_jam_probability",
                 "halved_quantile_99_arcmin"}));
-  const json built = json::parse(built_fields(usual()).json().text());
+  const json built = json::parse(built_series_fields(usual()).json().text());
   const json& sources = built.at("shares").at("tolerances");
   ASSERT_EQ(table.rows.size(), sources.size());
   for (std::size_t i = 0; i < sources.size(); ++i) {
@@ -246,7 +246,7 @@ TEST(ToleranceSharesCsv, TellsWhatTheJsonTells) {
 }
 
 TEST(YieldCsv, EveryRowHasTheColumnsOfTheAnalysis) {
-  const std::string text = built_fields(usual()).csv_rows();
+  const std::string text = built_series_fields(usual()).csv_rows();
   std::istringstream lines(text);
   int rows = 0;
   for (std::string line; std::getline(lines, line); ++rows) {
@@ -286,7 +286,7 @@ TEST(YieldPlots, OfADesignWithoutDeviationsAreSvgs) {
   EXPECT_TRUE(series.shares.sources.empty());
   EXPECT_NO_THROW(io::run_gnuplot(lost_motion_plot("one", series).script));
   EXPECT_NO_THROW(io::run_gnuplot(tolerance_shares_plot("one", series).script));
-  EXPECT_TRUE(contains(yield_table(series), "Built gearboxes"));
+  EXPECT_TRUE(contains(built_series_table(series), "Built gearboxes"));
 }
 
 // ---- robust -----------------------------------------------------------------------------------
@@ -396,4 +396,4 @@ TEST(RobustBlocking, NamesWhatWasReached) {
 }
 
 }  // namespace
-}  // namespace gear3k::report::yield_report_test
+}  // namespace gear3k::report::built_series_report_test

@@ -12,10 +12,10 @@ namespace gear3k::report {
 
 /// Yield, jamming, distribution of the lost motion, worst case, rooms at first contact, and which
 /// tolerance to tighten first.
-std::string yield_table(const design::BuiltSeries& series);
+std::string built_series_table(const design::BuiltSeries& series);
 
 /// "built" of docs/interface.md; rows of the figures that say most.
-Fields built_fields(const design::BuiltSeries& series);
+Fields built_series_fields(const design::BuiltSeries& series);
 
 /// What `tolerances` says as JSON: the limits of a gearbox within its tolerances and the series.
 std::string tolerances_json(const design::Evaluation& e, const design::BuiltSeries& series);

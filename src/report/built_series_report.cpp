@@ -1,4 +1,4 @@
-#include "report/yield_report.hpp"
+#include "report/built_series_report.hpp"
 
 #include <fmt/format.h>
 
@@ -270,11 +270,11 @@ io::Json shares_json(const BuiltSeries& series) {
 
 }  // namespace
 
-std::string yield_table(const BuiltSeries& series) {
+std::string built_series_table(const BuiltSeries& series) {
   return series_text(series) + tighten_text(series);
 }
 
-Fields built_fields(const BuiltSeries& series) {
+Fields built_series_fields(const BuiltSeries& series) {
   const MonteCarloResult& r = series.result;
   Fields f(kItem);
   f.add("samples", r.samples);
@@ -308,7 +308,7 @@ Fields built_fields(const BuiltSeries& series) {
 std::string tolerances_json(const design::Evaluation& e, const BuiltSeries& series) {
   io::Json json{{"tool", tool_json()}, {"name", e.name}};
   if (e.tolerance_limits) json["tolerances"] = tolerance_fields(*e.tolerance_limits).json();
-  json["built"] = built_fields(series).json();
+  json["built"] = built_series_fields(series).json();
   return json.text();
 }
 
