@@ -8,6 +8,7 @@
 #include "app/evaluate.hpp"
 #include "app/robust_run.hpp"
 #include "calibrate/model/model_range.hpp"
+#include "io/files/design_file.hpp"
 #include "io/text/diagnostics.hpp"
 
 namespace gear3k::app {
@@ -47,8 +48,10 @@ design::Design with_judging_model(const OptimizeTask& task, const design::Design
 }
 
 Optimization::Best best_of(const OptimizeTask& task, const optimize::RefinedSet& set) {
-  design::Design stated = optimize::design_of(task.spec, set);
-  stated.limits = task.stated_limits;
+  design::Design found = optimize::design_of(task.spec, set);
+  found.limits = task.stated_limits;
+  // What is shown is what best.toml describes, to the last bit.
+  design::Design stated = io::as_written(found);
   design::Design design = with_judging_model(task, stated);
   design::Evaluation evaluation = evaluate(design, task.source);
   evaluation.notes.insert(evaluation.notes.end(), task.model_notes.begin(), task.model_notes.end());

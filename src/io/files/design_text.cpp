@@ -42,4 +42,8 @@ std::string design_text(const design::Design& design) {
   return text_by_schema(design_schema(), stated_design(design));
 }
 
+design::Design as_written(const design::Design& design) {
+  return parse_design(design_text(design), design.name);
+}
+
 }  // namespace gear3k::io

@@ -462,6 +462,22 @@ TEST(DesignText, RoundTripsAnUpperContactRatioWithoutALowerOne) {
       kBilateral + "[contact_ratio]\nrange = [1.3, 2.0]\n[limits]\ncontact_ratio_min = false\n"));
 }
 
+TEST(DesignText, IsThatOfTheDesignAsWritten) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> millimetres(20.0, 40.0);
+  int moved = 0;
+  for (int k = 0; k < 200; ++k) {
+    Design d = parse(kBilateral);
+    d.center_distance_given = true;
+    d.train.center_distance_m = millimetres(random) * 0.0010000001;
+    const Design written = as_written(d);
+    EXPECT_EQ(design_text(written), design_text(d));
+    EXPECT_EQ(parse(design_text(d)).train.center_distance_m, written.train.center_distance_m);
+    moved += written.train.center_distance_m != d.train.center_distance_m ? 1 : 0;
+  }
+  EXPECT_LT(moved, 40);
+}
+
 TEST(DesignText, ALimitAtTheEndOfItsRangeIsWrittenAsItWasRead) {
   const Design d = parse(kBilateral + "[backlash]\nmax_output_arcmin = 1000000.0\n");
   const std::string text = design_text(d);
