@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# clang-tidy over the sources of src/, tests/, benchmarks/ and fuzz/ that changed since they were
-# last found clean:
+# clang-tidy over the sources that changed since they were last found clean: of src/ and the tests of
+# its lower floors; with GEAR3K_LONG=1 of all tests, benchmarks, fuzzers and examples too:
 #   tools/tidy.sh BUILD_DIR [GROUP]...    (configured with GEAR3K_UNITY, and built: its dependencies
 #                                          are used; a group has the name of its first target)
 # Most of the time of clang-tidy goes into the headers of the libraries.  So the sources are read in
@@ -53,11 +53,18 @@ entries=
 list=
 add_group() {
   local name=$1 source=$work/new/$1.cpp target command n=0 path
+  local added=()
   shift
   : >"$work/new/$name.objects"
   for target in "$@"; do
     [ -f "$work/commands/$target" ] || continue
     command=$(tail -n 1 "$work/commands/$target")
+    # What the others define and include besides.
+    command+=$(sort -u "$work/commands/$target" "${added[@]}" | tr ' ' '\n' | awk '
+      separate { print $0; separate = 0; next }
+      /^-isystem$/ { printf "%s ", $0; separate = 1; next }
+      /^-[DI]./' | awk '!seen[$0]++ { printf " %s", $0 }')
+    added+=("$work/commands/$target")
     awk -F '\t' -v t="$target" '$1 == t { print $2 }' "$work/units" |
       sort -u >>"$work/new/$name.objects"
   done
@@ -118,5 +125,10 @@ tidy_group() {
 }
 export -f tidy_group state_of
 export root build work
-[ $# -eq 0 ] || list=$(printf '%s\n' "$@")
+if [ $# -gt 0 ]; then
+  list=$(printf '%s\n' "$@")
+elif [ "${GEAR3K_LONG:-0}" != 1 ]; then
+  # The library and the tests of its lower floors; ./check long reads all.
+  list=$(grep -E '^(gear3k_|units_test)' <<<"$list")
+fi
 printf '%s' "$list" | xargs -P "$(nproc)" -I{} bash -c 'set -o pipefail; tidy_group {}'

@@ -11,7 +11,7 @@ struct ColumnPivotingQr::Factors {
 };
 
 ColumnPivotingQr::ColumnPivotingQr(const Eigen::MatrixXd& a)
-    : factors_(std::make_unique<Factors>(a.colPivHouseholderQr())) {}
+    : factors_(new Factors{a.colPivHouseholderQr()}) {}
 ColumnPivotingQr::~ColumnPivotingQr() = default;
 ColumnPivotingQr::ColumnPivotingQr(ColumnPivotingQr&&) noexcept = default;
 ColumnPivotingQr& ColumnPivotingQr::operator=(ColumnPivotingQr&&) noexcept = default;

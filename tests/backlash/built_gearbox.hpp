@@ -150,7 +150,7 @@ inline std::vector<PlanetPlay> built_plays(const train::TrainGeometry<double>& t
           case ToleranceKind::kSinglePitch: {
             EXPECT_EQ(d.x.size(), 1U);
             const std::size_t bound = d.x.front().bound;
-            if (bound / 2 != static_cast<std::size_t>(planet * train::kMeshCount + mesh)) break;
+            if (static_cast<int>(bound / 2) != planet * train::kMeshCount + mesh) break;
             const auto& gear = t.gears[static_cast<std::size_t>(source.gear)];
             const double by_rad = v.x_m / gear.reference_radius_m;
             // Only the one flank: placed below.

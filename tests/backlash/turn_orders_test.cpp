@@ -114,7 +114,6 @@ TEST(TurnOrders, SinusoidsAreFoundWithAmplitudePhaseAndShare) {
       phase.push_back(random.between(-kPi, kPi));
     }
     Turn turn{.window = window};
-    double sum = 0.0;
     for (std::size_t s = 0; s < window.samples; ++s) {
       const double angle = 2.0 * kPi * window.revolutions * static_cast<double>(s) /
                            static_cast<double>(window.samples);
@@ -122,7 +121,6 @@ TEST(TurnOrders, SinusoidsAreFoundWithAmplitudePhaseAndShare) {
       for (std::size_t k = 0; k < list.size(); ++k) {
         value += amplitude[k] * std::cos(list[k].order() * angle - phase[k]);
       }
-      sum += value;
       turn.points.push_back({.angle_rad = angle, .range = {.lower_rad = 0.0, .upper_rad = value}});
     }
     const auto fits = turn_orders(turn, list);

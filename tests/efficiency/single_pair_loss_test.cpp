@@ -229,7 +229,7 @@ TEST(SinglePairMean, QuadratureIsTheClosedFormToRounding) {
 
 struct MeshOf {
   geometry::MeshGeometry<double> mesh;
-  double first_order_factor;  ///< π (1/z1 + 1/z2)
+  double first_order_factor = 0.0;  ///< π (1/z1 + 1/z2)
 };
 MeshOf mesh_of(int z1, int z2) {
   const auto angle = geometry::make_pressure_angle(20.0 * kDegree);

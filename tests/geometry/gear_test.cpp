@@ -21,7 +21,7 @@ constexpr int kCases = 5000;
 
 struct RandomGear {
   Gear<double> gear;
-  double alpha_rad;
+  double alpha_rad = 0.0;
 };
 
 class RandomGears {

@@ -1,5 +1,6 @@
 // A planetary stage against its KISSsoft report: tests/golden/kisssoft_stage_01.toml.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <toml++/toml.h>
 
@@ -396,7 +397,7 @@ TEST(KisssoftStage, EveryFigureIsReproducedToItsPrintedDigits) {
           subject == "reason") {
         continue;
       }
-      const std::string name = quantity + "." + subject;
+      const std::string name = fmt::format("{}.{}", quantity, subject);
       ASSERT_TRUE(values.contains(name)) << name;
       EXPECT_NEAR(values.at(name), value.value<double>().value(), tolerance) << name;
       ++compared;

@@ -347,7 +347,9 @@ TEST(Fillet, SlopesAreTheCentralDifferences) {
     const double low = form.fillet.normal_angle_rad + 4.0 * h;
     const double gamma = low + random.between(0.0, 1.0) * (kPi / 2.0 - 4.0 * h - low);
     if (!(gamma > 0.2) || !(gamma < kPi / 2.0)) continue;
-    const auto at = [&](double steps) { return fillet_point(form.fillet, gamma + steps * h); };
+    const auto at = [&, &fillet = form.fillet](double steps) {
+      return fillet_point(fillet, gamma + steps * h);
+    };
     const auto p = at(0.0), a = at(-2.0), b = at(-1.0), c = at(1.0), d = at(2.0);
     const double radius_slope =
         (a.radius_m - 8.0 * b.radius_m + 8.0 * c.radius_m - d.radius_m) / (12.0 * h);

@@ -227,7 +227,7 @@ TEST_P(LoadedTrainOfEitherSense, UnloadedBodiesGiveThePapersEquations18And19AndT
 
 TEST_P(LoadedTrainOfEitherSense, PowerIsBalancedWithAnyTorquesOnTheBodies) {
   Random random;
-  LargestDeviation power, loss;
+  LargestDeviation power;
   int solved = 0;
   for (int i = 0; i < 5000; ++i) {
     const LoadedTrain<double> t{.teeth = random.teeth(GetParam()),
