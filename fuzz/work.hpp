@@ -1,0 +1,48 @@
+#pragma once
+// What the fuzzers of the commands share: refusals, and little work whatever an input asks for.
+
+#include <omp.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "io/text/diagnostics.hpp"
+#include "optimize/specification.hpp"
+
+namespace gear3k::fuzz {
+
+inline const std::string kName = "fuzz.toml";
+
+/// Does the work of a command, which may refuse its input with InvalidInput and nothing else.
+template <class Work>
+int done_or_refused(const std::uint8_t* data, std::size_t size, Work work) {
+  omp_set_num_threads(1);
+  try {
+    work(std::string(reinterpret_cast<const char*>(data), size));
+  } catch (const io::InvalidInput&) {
+    // What a command may do.
+  }
+  return 0;
+}
+
+/// The first counts of a range.
+inline optimize::IntegerRange first_of(const optimize::IntegerRange& range, int count) {
+  return {.min = range.min, .max = std::min(range.max, range.min + count - 1)};
+}
+
+/// A specification of few tooth sets, started from one point each.
+inline optimize::Specification with_little_work(optimize::Specification spec) {
+  spec.teeth.S = first_of(spec.teeth.S, 2);
+  spec.teeth.P1 = first_of(spec.teeth.P1, 2);
+  spec.teeth.P2 = first_of(spec.teeth.P2, 4);
+  spec.teeth.max_coaxial_offset = std::min(spec.teeth.max_coaxial_offset, 2);
+  if (spec.planets.size() > 2) spec.planets.resize(2);
+  spec.solver.starts = 1;
+  spec.pareto_points = 2;
+  spec.sampling.samples = std::min<std::int64_t>(spec.sampling.samples, 100);
+  return spec;
+}
+
+}  // namespace gear3k::fuzz
