@@ -1,34 +1,25 @@
 #include "io/files/measurement_file.hpp"
 
-#include <fmt/format.h>
-
-#include <cerrno>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
-#include <utility>
-
 #include "io/files/measurement_pool.hpp"
+#include "io/text/file_reader.hpp"
 
 namespace gear3k::io {
+
+namespace {
+
+constexpr std::size_t kMostMeasurementBytes = std::size_t{1} << 30U;  ///< of a measurement file
+
+}  // namespace
 
 Measurements read_measurements(const std::vector<std::string>& paths) {
   MeasurementPool pool(paths.size());
   for (const std::string& path : paths) {
-    std::error_code status;
-    if (std::filesystem::is_directory(path, status)) {
-      pool.add_unreadable(path, "is a directory, allowed: a CSV file");
-      continue;
+    const FileBytes file = read_bytes(path, "a CSV file", kMostMeasurementBytes);
+    if (file.failure.empty()) {
+      pool.add(path, file.bytes);
+    } else {
+      pool.add_unreadable(path, file.failure);
     }
-    std::ifstream file(path, std::ios::binary);
-    if (!file) {
-      pool.add_unreadable(path, fmt::format("cannot be read: {}", std::strerror(errno)));
-      continue;
-    }
-    std::ostringstream text;
-    text << file.rdbuf();
-    pool.add(path, std::move(text).str());
   }
   return pool.finish();
 }

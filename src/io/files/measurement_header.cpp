@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <unordered_map>
 
 #include "io/text/csv_table.hpp"
 #include "io/text/text_lines.hpp"
@@ -76,18 +77,17 @@ void match_header(MeasurementHeader& found, Kind kind, Complaints& complaints) {
     return;
   }
   std::vector<const Column*> meant;
+  std::unordered_map<std::string_view, std::size_t> first_place;
   for (std::size_t k = 0; k < header.size(); ++k) {
     const std::string& name = header[k].name;
     if (name.empty()) {
       complain(header[k].place, fmt::format("column {} has no name", k + 1));
       continue;
     }
-    for (std::size_t j = 0; j < k; ++j) {
-      if (header[j].name == name) {
-        complain(header[k].place,
-                 fmt::format("column {} stands twice, first as column {}", name, j + 1));
-        break;
-      }
+    const auto [first, added] = first_place.emplace(name, k + 1);
+    if (!added) {
+      complain(header[k].place,
+               fmt::format("column {} stands twice, first as column {}", name, first->second));
     }
     if (header[k].column != nullptr) continue;
     const MeantColumn column = meant_column(name, absent);

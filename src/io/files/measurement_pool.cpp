@@ -3,7 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
+#include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
 #include "io/files/measurement_repetitions.hpp"
@@ -34,22 +35,25 @@ class Sessions {
         index.push_back(known->second);
         continue;
       }
-      const bool taken = std::ranges::find(pooled.runs, label) != pooled.runs.end();
-      index.push_back(static_cast<int>(pooled.runs.size()));
-      pooled.runs.push_back(taken ? fmt::format("{} ({})", label, path) : label);
+      const bool taken = labels_.contains(label);
+      index.push_back(append(taken ? fmt::format("{} ({})", label, path) : label, pooled));
       if (file.notes.runs_shared) shared_.emplace(label, index.back());
     }
     index.push_back(-1);
-    if (several_files_ && !file.has_run) {
-      index.back() = static_cast<int>(pooled.runs.size());
-      pooled.runs.push_back(path);
-    }
+    if (several_files_ && !file.has_run) index.back() = append(path, pooled);
     return index;
   }
 
  private:
+  int append(const std::string& label, MeasurementSet& pooled) {
+    labels_.insert(label);
+    pooled.runs.push_back(label);
+    return static_cast<int>(pooled.runs.size()) - 1;
+  }
+
   bool several_files_;
-  std::map<std::string, int> shared_;
+  std::unordered_map<std::string, int> shared_;
+  std::unordered_set<std::string> labels_;  ///< of all files so far
 };
 
 /// Appends the covariates of a file; rows of files without one have none of its values.

@@ -17,6 +17,7 @@
 #include "io/files/measurement_saturation.hpp"
 #include "io/files/measurement_time.hpp"
 #include "io/text/csv_table.hpp"
+#include "io/text/printable.hpp"
 #include "io/text/text_lines.hpp"
 #include "io/text/toml_value.hpp"
 
@@ -309,8 +310,8 @@ MeasurementText read_measurement_text(const std::string& path, std::string_view 
     file.complaints.add({}, "is empty, allowed: notes, a header and rows of measurements");
     return file;
   }
-  if (text.find('\0') != std::string_view::npos) {
-    file.complaints.add({}, "is no text in UTF-8");
+  if (const std::optional<Diagnostic> fault = first_unprintable(text)) {
+    file.complaints.add(fault->position, fault->message);
     return file;
   }
   file.notes = read_notes(text, file.complaints);

@@ -79,7 +79,7 @@ calibrate::Subject read_subject(const std::string& path) {
   refuse_other_documents(document, path, {kDesign, kPair, kBlackBox},
                          "SUBJECT takes a DESIGN, a PAIR or a black box ([gearbox])");
   if (has_key(document, "gearbox")) return black_box_from(document, path);
-  if (has_key(document, "kind")) return read_pair(path);
+  if (has_key(document, "kind")) return parse_pair(text, path);
   return parse_design(text, path);
 }
 

@@ -175,18 +175,20 @@ struct Matcher {
   std::vector<FoundValue> found;
 
   void unknown(const std::string& path, const TomlValue& value) {
-    const std::string hint = suggestion(path, keys);
-    const bool table = value.kind == TomlValue::Kind::kTable;
-    reading.error(value.position,
-                  fmt::format("unknown {} {}{}", table ? "table" : "key", path,
-                              hint.empty() ? "" : fmt::format("; did you mean {}?", hint)));
+    reading.error(value.position, [&] {
+      const std::string hint = suggestion(path, keys);
+      const bool table = value.kind == TomlValue::Kind::kTable;
+      return fmt::format("unknown {} {}{}", table ? "table" : "key", path,
+                         hint.empty() ? "" : fmt::format("; did you mean {}?", hint));
+    });
   }
 
   void unknown_table(const std::string& path, const TomlValue& value) {
-    const std::string hint = closest_word(path, {tables.begin(), tables.end()});
-    reading.error(value.position,
-                  fmt::format("unknown table [{}]{}", path,
-                              hint.empty() ? "" : fmt::format("; did you mean [{}]?", hint)));
+    reading.error(value.position, [&] {
+      const std::string hint = closest_word(path, {tables.begin(), tables.end()});
+      return fmt::format("unknown table [{}]{}", path,
+                         hint.empty() ? "" : fmt::format("; did you mean [{}]?", hint));
+    });
   }
 
   void value(const ExpandedKey& key, const TomlValue& v) {
@@ -320,7 +322,7 @@ bool FileReading::stated(const std::string& path) const {
 }
 
 void FileReading::throw_if_invalid() const {
-  if (!diagnostics_.empty()) throw InvalidInput(format_diagnostics(file_, diagnostics_));
+  if (!complaints_.none()) throw InvalidInput(complaints_.text(file_));
 }
 
 std::vector<ExpandedKey> expand_keys(const std::vector<const KeyRecord*>& records,

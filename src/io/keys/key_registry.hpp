@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "io/keys/key_value.hpp"
+#include "io/text/complaints.hpp"
 #include "io/text/toml_value.hpp"
 
 namespace gear3k::io {
@@ -103,14 +104,16 @@ class FileReading {
 
   /// Adds a message at a key's place; at its table's or the file's when the key is absent.
   void error_at(const std::string& path, const std::string& message);
-  void error(Position position, const std::string& message) {
-    diagnostics_.push_back({.position = position, .message = message});
+  void error(Position position, const std::string& message) { complaints_.add(position, message); }
+  /// The same with a message that is made only where it is kept (Complaints).
+  void error(Position position, const std::function<std::string()>& message) {
+    complaints_.add(position, message);
   }
   /// Whether a key is in the file, with whatever value.
   [[nodiscard]] bool stated(const std::string& path) const;
   /// Whether a key is in the file with a value of its type and range.
   [[nodiscard]] bool has(const std::string& path) const;
-  /// @throws InvalidInput with all messages, when there are any
+  /// @throws InvalidInput with the messages (Complaints), when there are any
   void throw_if_invalid() const;
 
   void remember(const std::string& path, Position position) {
@@ -122,7 +125,7 @@ class FileReading {
   std::string file_;
   std::vector<std::pair<std::string, Position>> places_;
   std::set<std::string> accepted_;
-  std::vector<Diagnostic> diagnostics_;
+  Complaints complaints_;
 };
 
 /// A key of a schema with its path spelt out, for the untyped part of reading.

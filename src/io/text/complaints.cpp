@@ -7,8 +7,12 @@
 namespace gear3k::io {
 
 void Complaints::add(Position position, std::string message) {
+  add(position, [&] { return std::move(message); });
+}
+
+void Complaints::add(Position position, const std::function<std::string()>& message) {
   if (position.line == 0 || messages_.size() < kMost) {
-    messages_.push_back({.position = position, .message = std::move(message)});
+    messages_.push_back({.position = position, .message = message()});
   } else {
     ++more_;
   }

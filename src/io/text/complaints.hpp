@@ -2,6 +2,7 @@
 // Messages about one file, as many as are read.
 
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,10 @@ class Complaints {
   static constexpr std::size_t kMost = 50;
 
   void add(Position position, std::string message);
+  /// The same with a message that is made only where it is kept.
+  void add(Position position, const std::function<std::string()>& message);
   [[nodiscard]] bool none() const { return messages_.empty(); }
+  [[nodiscard]] std::size_t count() const { return messages_.size() + more_; }
   /// As format_diagnostics(), with a last line "path: and 3 more" where there are more.
   [[nodiscard]] std::string text(const std::string& path) const;
 

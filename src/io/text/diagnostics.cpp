@@ -6,6 +6,8 @@
 #include <numeric>
 #include <tuple>
 
+#include "io/text/printable.hpp"
+
 namespace gear3k::io {
 
 std::string format_diagnostics(const std::string& file, std::vector<Diagnostic> diagnostics) {
@@ -17,10 +19,11 @@ std::string format_diagnostics(const std::string& file, std::vector<Diagnostic> 
   std::string text;
   for (const Diagnostic& d : diagnostics) {
     if (!text.empty()) text += '\n';
+    const std::string message = printable(d.message);
     if (d.position.line > 0) {
-      text += fmt::format("{}:{}:{}: {}", file, d.position.line, d.position.column, d.message);
+      text += fmt::format("{}:{}:{}: {}", file, d.position.line, d.position.column, message);
     } else {
-      text += fmt::format("{}: {}", file, d.message);
+      text += fmt::format("{}: {}", file, message);
     }
   }
   return text;
@@ -50,6 +53,8 @@ std::string closest_word(const std::string& written, const std::vector<std::stri
   std::string best;
   std::size_t least = std::min<std::size_t>(3, written.size() / 2) + 1;
   for (const std::string& word : known) {
+    const auto [shorter, longer] = std::minmax(word.size(), written.size());
+    if (longer - shorter >= least) continue;  // so many edits at least
     const std::size_t distance = edit_distance(written, word);
     if (distance < least) {
       least = distance;

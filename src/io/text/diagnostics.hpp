@@ -18,7 +18,7 @@ struct Diagnostic {
   std::string message;
 };
 
-/// "file:line:col: message" lines, sorted by place.
+/// "file:line:col: message" lines, sorted by place; messages printable().
 std::string format_diagnostics(const std::string& file, std::vector<Diagnostic> diagnostics);
 
 /// Thrown by readers when a file is invalid; what() is the formatted list of all diagnostics.

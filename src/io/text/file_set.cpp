@@ -1,16 +1,14 @@
 #include "io/text/file_set.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 
 #include "io/text/diagnostics.hpp"
 #include "io/text/file_writer.hpp"
+#include "io/text/held_signals.hpp"
+#include "io/text/new_file.hpp"
 
 namespace gear3k::io {
 
@@ -40,7 +38,6 @@ class Scaffold {
     made_.insert(made_.end(), missing.rbegin(), missing.rend());
     prepare_folder(folder.string());
   }
-  void add_file(const fs::path& path) { made_.push_back(path); }
   void keep() { made_.clear(); }
 
  private:
@@ -68,13 +65,6 @@ std::string obstacle(const std::string& path, const std::string& input) {
   return "";
 }
 
-void write_new(const std::string& path, const std::string& temporary, const std::string& text) {
-  std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
-  file << text;
-  file.close();
-  if (!file) throw InvalidInput(refusal(path, std::strerror(errno)));
-}
-
 }  // namespace
 
 void write_files(const std::vector<FileText>& files, const std::string& input) {
@@ -99,17 +89,20 @@ void write_files(const std::vector<FileText>& files, const std::string& input) {
   }
   if (!errors.empty()) throw InvalidInput(errors);
 
-  std::vector<std::string> temporaries;
+  const HeldSignals held;
+  std::vector<NewFile> fresh;
+  fresh.reserve(files.size());
   for (const FileText& file : files) {
-    temporaries.push_back(fmt::format("{}.{}.tmp", file.path, ::getpid()));
-    scaffold.add_file(temporaries.back());
-    write_new(file.path, temporaries.back(), file.text);
+    fresh.emplace_back(file.path).write(file.text);
+    fresh.back().sync();
   }
-  for (std::size_t k = 0; k < files.size(); ++k) {
-    std::error_code status;
-    fs::rename(temporaries[k], files[k].path, status);
-    if (status) throw InvalidInput(refusal(files[k].path, status.message()));
+  try {
+    for (NewFile& file : fresh) file.publish();
+  } catch (const InvalidInput&) {
+    for (auto file = fresh.rbegin(); file != fresh.rend(); ++file) file->take_back();
+    throw;
   }
+  for (NewFile& file : fresh) file.keep();
   scaffold.keep();
 }
 

@@ -11,9 +11,11 @@ struct FileText {
 
 /// Writes several files, replacing what has their names: all of them or none.
 ///
-/// Missing folders are made.  Every file is written to a temporary name in its folder; only when
-/// all are there are they renamed.  On failure nothing is left behind: no temporary file, no folder
-/// that was made.  (Should a rename fail after all this, those before it have happened.)
+/// Missing folders are made.  Every file is written whole (NewFile); only when all are on the disk
+/// do they get their names, and should one not get it, the others lose theirs again to what had
+/// them before.  On failure nothing is left behind: no temporary file, no folder that was made.
+/// Signals that would end the program wait so long (HeldSignals); one that nothing can hold back
+/// (SIGKILL) between two names can leave some of the set.
 /// @param input  a file that none of them may be, as an output over its own input is a slip
 /// @throws InvalidInput naming every path that cannot be written and the cause
 void write_files(const std::vector<FileText>& files, const std::string& input);

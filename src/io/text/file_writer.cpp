@@ -9,6 +9,8 @@
 #include <fstream>
 
 #include "io/text/diagnostics.hpp"
+#include "io/text/held_signals.hpp"
+#include "io/text/new_file.hpp"
 
 namespace gear3k::io {
 
@@ -20,14 +22,13 @@ namespace {
 
 using Produce = std::function<void(const std::function<void(std::string_view)>&)>;
 
-/// @returns whether all was written
-bool write_to(const std::string& path, const Produce& produce) {
+void write_to_device(const std::string& path, const Produce& produce) {
   std::ofstream file(path, std::ios::binary | std::ios::trunc);
   produce([&](std::string_view piece) {
     file.write(piece.data(), static_cast<std::streamsize>(piece.size()));
   });
   file.flush();
-  return file.good();
+  if (!file) refuse(path, std::strerror(errno));
 }
 
 }  // namespace
@@ -38,28 +39,24 @@ void write_file(const std::string& path, const std::string& content) {
 
 void write_file_in_pieces(const std::string& path, const Produce& produce) {
   std::error_code unknown;
-  const auto target = std::filesystem::status(path, unknown);
-  if (std::filesystem::is_other(target)) {
-    if (!write_to(path, produce)) refuse(path, std::strerror(errno));
+  if (std::filesystem::is_other(std::filesystem::status(path, unknown))) {
+    write_to_device(path, produce);
     return;
   }
-  const std::string temporary = fmt::format("{}.{}.tmp", path, ::getpid());
-  const auto remove_temporary = [&] {
-    std::error_code ignored;
-    std::filesystem::remove(temporary, ignored);
-  };
-  try {
-    if (!write_to(temporary, produce)) refuse(path, std::strerror(errno));
-  } catch (...) {
-    remove_temporary();
-    throw;
-  }
-  std::error_code status;
-  std::filesystem::rename(temporary, path, status);
-  if (status) {
-    remove_temporary();
-    refuse(path, status.message());
-  }
+  const HeldSignals held;
+  NewFile file(path);
+  constexpr std::size_t kBlock = std::size_t{1} << 16U;
+  std::string block;
+  produce([&](std::string_view piece) {
+    block += piece;
+    if (block.size() < kBlock) return;
+    file.write(block);
+    block.clear();
+  });
+  file.write(block);
+  file.sync();
+  file.publish();
+  file.keep();
 }
 
 void prepare_folder(const std::string& path) {

@@ -6,7 +6,8 @@
 
 namespace gear3k::io {
 
-/// Writes a file whole or not at all: to a temporary name in the same folder, then renamed.
+/// Writes a file whole or not at all (NewFile), on the disk when it returns; signals that would end
+/// the program wait so long (HeldSignals).
 /// What is no regular file (a pipe, a device) is written to as it is.
 /// @throws InvalidInput naming the path and the cause when it cannot be written
 void write_file(const std::string& path, const std::string& content);

@@ -7,15 +7,17 @@
 namespace gear3k::io {
 
 void TomlReader::error(Position position, const std::string& message) {
-  diagnostics_.push_back({.position = position, .message = message});
+  complaints_.add(position, message);
 }
 
 void TomlReader::unknown(const TomlValue& at, std::string_view what, const std::string& word,
                          const std::vector<std::string>& known) {
-  const std::string hint = closest_word(word.substr(word.rfind('.') + 1), known);
-  error(at.position, fmt::format("unknown {} {}{}; allowed: {}", what, word,
-                                 hint.empty() ? "" : fmt::format("; did you mean {}?", hint),
-                                 fmt::join(known, ", ")));
+  complaints_.add(at.position, [&] {
+    const std::string hint = closest_word(word.substr(word.rfind('.') + 1), known);
+    return fmt::format("unknown {} {}{}; allowed: {}", what, word,
+                       hint.empty() ? "" : fmt::format("; did you mean {}?", hint),
+                       fmt::join(known, ", "));
+  });
 }
 
 void TomlReader::refuse(const TomlValue& value, const std::string& path,
@@ -52,7 +54,7 @@ std::vector<std::string> TomlReader::texts(const TomlValue& value, const std::st
 }
 
 void TomlReader::throw_if_invalid() const {
-  if (!diagnostics_.empty()) throw InvalidInput(format_diagnostics(file_, diagnostics_));
+  if (!complaints_.none()) throw InvalidInput(complaints_.text(file_));
 }
 
 }  // namespace gear3k::io

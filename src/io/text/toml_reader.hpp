@@ -6,12 +6,13 @@
 #include <string_view>
 #include <vector>
 
-#include "io/text/diagnostics.hpp"
+#include "io/text/complaints.hpp"
 #include "io/text/toml_value.hpp"
 
 namespace gear3k::io {
 
-/// Reads values of one file; every error is kept.  `path` is the full key of a value in messages.
+/// Reads values of one file; the first errors are kept (Complaints) and all counted.  `path` is the
+/// full key of a value in messages.
 class TomlReader {
  public:
   explicit TomlReader(std::string file) : file_(std::move(file)) {}
@@ -30,13 +31,13 @@ class TomlReader {
   double number(const TomlValue& value, const std::string& path);
   std::vector<std::string> texts(const TomlValue& value, const std::string& path);
 
-  [[nodiscard]] std::size_t errors() const { return diagnostics_.size(); }
-  /// @throws InvalidInput with every error
+  [[nodiscard]] std::size_t errors() const { return complaints_.count(); }
+  /// @throws InvalidInput where there are errors
   void throw_if_invalid() const;
 
  private:
   std::string file_;
-  std::vector<Diagnostic> diagnostics_;
+  Complaints complaints_;
 };
 
 }  // namespace gear3k::io

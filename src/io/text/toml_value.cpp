@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "io/text/file_reader.hpp"
+#include "io/text/toml_limits.hpp"
 
 namespace gear3k::io {
 
@@ -96,6 +97,9 @@ std::string as_text(const TomlValue& value) {
 }
 
 TomlValue parse_toml(const std::string& text, const std::string& name) {
+  if (const std::optional<Diagnostic> beyond = beyond_toml_limits(text)) {
+    throw InvalidInput(format_diagnostics(name, {*beyond}));
+  }
   try {
     return convert(toml::parse(text, name));
   } catch (const toml::parse_error& error) {
@@ -106,7 +110,6 @@ TomlValue parse_toml(const std::string& text, const std::string& name) {
 }
 
 std::string read_toml_text(const std::string& path) {
-  constexpr std::size_t kMostTomlBytes = std::size_t{1} << 24U;
   return read_text(path, "a TOML file", kMostTomlBytes);
 }
 

@@ -68,7 +68,7 @@ inline TomlValue table_value(std::vector<TomlValue> members) {
 std::string as_text(const TomlValue& value);
 
 /// Reads a file.
-/// @throws InvalidInput when it cannot be read or is not TOML
+/// @throws InvalidInput when it cannot be read, is not TOML or goes beyond toml_limits.hpp
 TomlValue read_toml(const std::string& path);
 
 /// Its bytes, for more than one use of them: a pipe can be read only once.
@@ -76,7 +76,7 @@ TomlValue read_toml(const std::string& path);
 std::string read_toml_text(const std::string& path);
 
 /// Parses a text; `name` stands for the file in messages.
-/// @throws InvalidInput when it is not TOML
+/// @throws InvalidInput when it is not TOML or goes beyond toml_limits.hpp
 TomlValue parse_toml(const std::string& text, const std::string& name);
 
 }  // namespace gear3k::io

@@ -528,7 +528,8 @@ TEST(Measurements, EmptyFilesAndFilesWithoutRowsAreRefused) {
   expect_in("data.csv: is empty", errors_of(" \r\n\n"));
   expect_in("data.csv: has no header", errors_of("# kind: pair_loss\n"));
   expect_in("data.csv: has no rows of measurements", errors_of(kPairs));
-  expect_in("data.csv: is no text in UTF-8", errors_of(std::string("a\0b\0", 4)));
+  expect_in("data.csv:1:2: the control character U+0000 is no text",
+            errors_of(std::string("a\0b\0", 4)));
 }
 
 // Bad values

@@ -1,9 +1,11 @@
 #include "io/keys/key_registry.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -266,6 +268,26 @@ TEST(MatchKeys, ErrorsComeInTheOrderOfTheFile) {
       "file.toml:2:1: planets = 99: allowed: an integer, 1 to 24\n"
       "file.toml:4:1: gears.S.teeth = 2: allowed: an integer, 3 to 100\n"
       "file.toml:5:1: unknown key gears.S.ant");
+}
+
+TEST(MatchKeys, ManyUnknownKeysAreCountedInSeconds) {
+  constexpr int kKeys = 100'000;
+  std::string text;
+  for (int k = 0; k < kKeys; ++k) text += fmt::format("k{}=1\n", k);
+  const auto begin = std::chrono::steady_clock::now();
+  std::string message;
+  try {
+    parse_design(text, "gear.toml");
+  } catch (const InvalidInput& error) {
+    message = error.what();
+  }
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
+  EXPECT_LT(taken.count(), 10.0) << "a suggestion for each would take five times as long";
+  EXPECT_TRUE(message.starts_with("gear.toml:1:1: unknown key k0")) << message.substr(0, 200);
+  // With the required keys that are missing.
+  const std::size_t last = message.rfind('\n');
+  EXPECT_TRUE(message.substr(last + 1).starts_with("gear.toml: and 999")) << message.substr(last);
+  EXPECT_TRUE(message.ends_with(" more"));
 }
 
 TEST(MatchKeys, LongValuesAreShortened) {

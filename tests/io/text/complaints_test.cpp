@@ -29,5 +29,18 @@ TEST(Complaints, BeyondTheMostAreCountedButThoseAboutTheWholeFileAreKept) {
   EXPECT_EQ(std::ranges::count(text, '\n'), static_cast<std::ptrdiff_t>(Complaints::kMost) + 1);
 }
 
+TEST(Complaints, MessagesThatAreNotKeptAreNotMade) {
+  Complaints complaints;
+  std::size_t made = 0;
+  for (std::size_t k = 0; k < Complaints::kMost + 10; ++k) {
+    complaints.add({.line = 1, .column = 1}, [&] {
+      ++made;
+      return std::string("wrong");
+    });
+  }
+  EXPECT_EQ(made, Complaints::kMost);
+  EXPECT_EQ(complaints.count(), Complaints::kMost + 10);
+}
+
 }  // namespace
 }  // namespace gear3k::io::complaints_test

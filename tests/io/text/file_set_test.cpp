@@ -57,6 +57,19 @@ TEST(FileSet, OneThatCannotBeWrittenLeavesAllAsTheyWere) {
   EXPECT_EQ(place.read("a"), "old");
 }
 
+TEST(FileSet, OneThatCannotHaveItsNameGivesTheOthersTheirOldTextsBack) {
+  const Workplace place;
+  place.write("a", "old");
+  // The folder of the third is made before the second can have the same name.
+  const std::string message = failure_of({{place.file("a").string(), "text a"},
+                                          {place.file("new").string(), "text new"},
+                                          {place.file("x").string(), "text x"},
+                                          {place.file("x/b").string(), "text b"}});
+  EXPECT_EQ(message, place.file("x").string() + ": cannot be written: Is a directory");
+  EXPECT_EQ(place.listing(), Names{"a"});
+  EXPECT_EQ(place.read("a"), "old");
+}
+
 TEST(FileSet, EveryObstacleIsNamedAtOnce) {
   const Workplace place;
   place.write("file", "");

@@ -1,6 +1,7 @@
 #include "io/text/file_writer.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -132,6 +133,74 @@ TEST_F(FileWriter, FailureWhileWritingLeavesTheOldFileAndNoTemporary) {
   std::signal(SIGXFSZ, handler);
   EXPECT_NE(message.find(path("result") + ": cannot be written: File too large"), std::string::npos)
       << message;
+  EXPECT_EQ(read(path("result")), "old");
+  EXPECT_EQ(names(), Names{"result"});
+}
+
+TEST_F(FileWriter, ALinkThatWaitsForATemporaryNameIsNotFollowed) {
+  write_file(path("victim"), "kept");
+  const std::string guess = path(fmt::format("result.{}.tmp", ::getpid()));
+  fs::create_symlink(path("victim"), guess);
+  write_file(path("result"), "new");
+  EXPECT_EQ(read(path("victim")), "kept");
+  EXPECT_TRUE(fs::is_symlink(guess));
+  EXPECT_EQ(read(path("result")), "new");
+}
+
+TEST_F(FileWriter, ALinkAtItsOwnNameIsReplacedAndWhatItNamesIsKept) {
+  write_file(path("other"), "kept");
+  fs::create_symlink(path("other"), path("result"));
+  write_file(path("result"), "new");
+  EXPECT_FALSE(fs::is_symlink(path("result")));
+  EXPECT_EQ(read(path("result")), "new");
+  EXPECT_EQ(read(path("other")), "kept");
+  EXPECT_EQ(names(), (Names{"other", "result"}));
+}
+
+TEST_F(FileWriter, HasThePermissionsThatTheUsersMaskLeaves) {
+  const mode_t before = ::umask(027);
+  write_file(path("result"), "text");
+  ::umask(before);
+  EXPECT_EQ(fs::status(path("result")).permissions(), static_cast<fs::perms>(0640));
+}
+
+TEST_F(FileWriter, LongNamesLeaveRoomForATemporaryOne) {
+  const std::string name(255, 'n');
+  write_file(path(name), "text");
+  EXPECT_EQ(names(), Names{name});
+}
+
+/// Writes in two pieces, with a signal between them.
+void write_and_raise(const std::string& path, int signal) {
+  write_file_in_pieces(path, [&](const auto& out) {
+    out(std::string(100'000, 'a'));
+    ::raise(signal);
+    out("end");
+  });
+}
+
+TEST_F(FileWriter, SignalsWaitForTheWholeFile) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    write_file(path("result"), "old");
+    EXPECT_EXIT(write_and_raise(path("result"), signal), testing::KilledBySignal(signal), "");
+    EXPECT_EQ(read(path("result")), std::string(100'000, 'a') + "end");
+    EXPECT_EQ(names(), Names{"result"});
+  }
+}
+
+TEST_F(FileWriter, AProgramThatIgnoresASignalGoesOnIgnoringIt) {
+  const auto before = std::signal(SIGHUP, SIG_IGN);
+  write_and_raise(path("result"), SIGHUP);
+  EXPECT_EQ(std::signal(SIGHUP, before), SIG_IGN);
+  EXPECT_EQ(read(path("result")), std::string(100'000, 'a') + "end");
+}
+
+TEST_F(FileWriter, OneThatIsKilledLeavesNothingOfItself) {
+  const int nameless = ::open(path("").c_str(), O_TMPFILE | O_WRONLY, 0600);
+  if (nameless < 0) GTEST_SKIP() << "the file system has no files without a name";
+  ::close(nameless);
+  write_file(path("result"), "old");
+  EXPECT_EXIT(write_and_raise(path("result"), SIGKILL), testing::KilledBySignal(SIGKILL), "");
   EXPECT_EQ(read(path("result")), "old");
   EXPECT_EQ(names(), Names{"result"});
 }
