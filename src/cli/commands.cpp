@@ -23,6 +23,7 @@
 #include "io/text/diagnostics.hpp"
 #include "io/text/file_set.hpp"
 #include "io/text/file_writer.hpp"
+#include "io/text/printable.hpp"
 #include "papers/paper_figures_plot.hpp"
 #include "papers/paper_figures_report.hpp"
 #include "papers/published_sources.hpp"
@@ -38,7 +39,9 @@ namespace {
 
 }  // namespace
 
-void print_result(const std::string& text) {
+void print_result(const std::string& result) {
+  // JSON has no control character but ends of lines that this would change, nor has CSV.
+  const std::string text = io::printable_lines(result);
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
     refuse_stdout();
   }

@@ -114,7 +114,8 @@ struct ProgressDisplay::State {
     if (terminal) {
       constexpr std::size_t kWidth = 24;
       const std::size_t filled = kWidth * finished / total;
-      say(fmt::format("\r[{:#<{}}{:.<{}}] {}\033[K", "", filled, "", kWidth - filled, facts));
+      say_as_it_is(
+          fmt::format("\r[{:#<{}}{:.<{}}] {}\033[K", "", filled, "", kWidth - filled, facts));
       bar_shown = true;
     } else {
       say(fmt::format("{}\n", facts));
@@ -145,7 +146,7 @@ ProgressDisplay::~ProgressDisplay() {
   }
   state_->wake.notify_all();
   if (state_->thread.joinable()) state_->thread.join();
-  if (state_->bar_shown) say("\r\033[K");
+  if (state_->bar_shown) say_as_it_is("\r\033[K");
   std::signal(SIGINT, SIG_DFL);
   std::signal(SIGTERM, SIG_DFL);
   stop_flag = nullptr;

@@ -6,9 +6,13 @@
 #include <cerrno>
 #include <cstdio>
 
+#include "io/text/printable.hpp"
+
 namespace gear3k::cli {
 
-void say(std::string_view text) {
+void say(std::string_view text) { say_as_it_is(io::printable_lines(text)); }
+
+void say_as_it_is(std::string_view text) {
   // Both may fail, and there is nobody to tell.
   static_cast<void>(std::fwrite(text.data(), 1, text.size(), stderr));
   static_cast<void>(std::fflush(stderr));

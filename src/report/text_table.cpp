@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "io/text/csv_table.hpp"
+#include "io/text/printable.hpp"
+
 namespace gear3k::report {
 
 namespace {
@@ -15,7 +18,19 @@ std::size_t width_of(const std::string& text) {
       text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
 }
 
+/// A field that a spreadsheet does not take for a formula.
+std::string no_formula(std::string field) {
+  constexpr std::string_view kFormulaBegins = "=+-@";
+  const bool begins = !field.empty() && kFormulaBegins.find(field[0]) != std::string_view::npos;
+  return begins && !io::csv_number(field) ? "'" + field : field;
+}
+
 }  // namespace
+
+void TextTable::add(std::vector<std::string> row) {
+  for (std::string& cell : row) cell = io::printable(cell);
+  rows_.push_back(std::move(row));
+}
 
 std::string TextTable::text(std::size_t indent) const {
   std::vector<std::size_t> widths;
@@ -41,12 +56,13 @@ std::string csv_line(const std::vector<std::string>& fields) {
   std::string line;
   for (std::size_t k = 0; k < fields.size(); ++k) {
     if (k > 0) line += ',';
-    if (fields[k].find_first_of(",\"\r\n") == std::string::npos) {
-      line += fields[k];
+    const std::string field = no_formula(io::printable(fields[k]));
+    if (field.find_first_of(",\"") == std::string::npos) {
+      line += field;
       continue;
     }
     line += '"';
-    for (const char c : fields[k]) {
+    for (const char c : field) {
       if (c == '"') line += '"';
       line += c;
     }

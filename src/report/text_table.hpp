@@ -10,8 +10,9 @@ namespace gear3k::report {
 /// otherwise, two spaces between columns.
 class TextTable {
  public:
-  explicit TextTable(std::vector<std::string> header) : rows_{std::move(header)} {}
-  void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
+  explicit TextTable(std::vector<std::string> header) { add(std::move(header)); }
+  /// Cells printable().
+  void add(std::vector<std::string> row);
   /// Left-aligns a column.
   void align_left(std::size_t column) { left_.push_back(column); }
   /// @param indent  spaces before each line
@@ -22,7 +23,12 @@ class TextTable {
   std::vector<std::size_t> left_{0};
 };
 
-/// One CSV line (RFC 4180: fields with a comma, quote or line break are quoted), with line end.
+/// One CSV line (RFC 4180: fields with a comma or quote are quoted), with line end; fields
+/// printable().
+///
+/// Names come from users' files, and spreadsheets run a field that begins with = + - @ as a
+/// formula: what begins so and is no number gets an apostrophe before it.  Source: OWASP
+/// ASVS 5.0, 1.2.10 (tab and NUL, which it names too, are escaped by printable()); CWE-1236.
 std::string csv_line(const std::vector<std::string>& fields);
 
 /// A number in full precision for files: shortest text that reads back as the same double; "" for

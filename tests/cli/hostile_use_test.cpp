@@ -203,8 +203,23 @@ TEST(Names, WithAZeroByteDoNotCutTheTable) {
   const Workplace place;
   place.write("plain.toml", design_named("a b"));
   place.write("zero.toml", design_named("a\\u0000b"));
-  std::string plain = place.run({"analyze", "plain.toml"}).out;
-  EXPECT_EQ(place.run({"analyze", "zero.toml"}).out.size(), plain.size());
+  const std::string plain = place.run({"analyze", "plain.toml"}).out;
+  EXPECT_EQ(place.run({"analyze", "zero.toml"}).out, replaced(plain, "a b", "a\\u0000b"));
+}
+
+TEST(Names, CommandNoTerminal) {
+  const Workplace place;
+  place.write("gear.toml", design_named("\\u001b]0;title\\u0007\\u009b2J"));
+  for (const char* format : {"table", "json", "csv"}) {
+    const ProgramResult result = place.run({"analyze", "gear.toml", "--format", format});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    for (const char* command : {"\x1b", "\x07", "\xC2\x9B"}) {
+      EXPECT_FALSE(contains(result.out, command)) << format;
+    }
+  }
+  place.write("gear.toml", "\"\\u001b[2J\" = 1\n");
+  const ProgramResult result = place.run({"analyze", "gear.toml"});
+  EXPECT_TRUE(contains(result.err, "unknown key \\u001b[2J")) << result.err;
 }
 
 TEST(Names, OfQuotesCanBeDrawn) {

@@ -9,6 +9,7 @@
 #include "calibrate/measurement/condition_quantity.hpp"
 #include "calibrate/verdict/diagnosis.hpp"
 #include "io/files/document_kind.hpp"
+#include "io/files/measurement_columns.hpp"
 #include "io/files/model_causes.hpp"
 #include "io/files/model_covariance.hpp"
 #include "io/files/model_file_keys.hpp"
@@ -47,6 +48,16 @@ std::optional<calibrate::Verdict> verdict(const TomlValue& value, const std::str
   return std::nullopt;
 }
 
+/// The column that measurements state a quantity in, of whatever kind they are; null: in none.
+const MeasurementColumn* column_of(const ConditionQuantity& quantity) {
+  for (std::size_t k = 0; k < kKindNames.size(); ++k) {
+    const std::vector<MeasurementColumn>& columns = columns_of(static_cast<Kind>(k));
+    const auto found = std::ranges::find(columns, quantity.column, &MeasurementColumn::name);
+    if (found != columns.end()) return &*found;
+  }
+  return nullptr;
+}
+
 /// [low, high] or [], not stated.
 ConditionRange range_of(const ConditionQuantity& quantity, const TomlValue& value,
                         const std::string& path, TomlReader& reader) {
@@ -54,14 +65,22 @@ ConditionRange range_of(const ConditionQuantity& quantity, const TomlValue& valu
                        .unit = std::string(quantity.unit),
                        .low = calibrate::kUnknown,
                        .high = calibrate::kUnknown};
+  const MeasurementColumn* column = column_of(quantity);
+  const auto allowed = [&](const TomlValue& end) {
+    return end.is_number() && std::isfinite(end.number) &&
+           (column == nullptr || column->allows(end.number));
+  };
   const bool list = value.kind == TomlValue::Kind::kList;
-  if (list && value.list.size() == 2 && value.list[0].is_number() && value.list[1].is_number() &&
-      value.list[0].number <= value.list[1].number && std::isfinite(value.list[0].number) &&
-      std::isfinite(value.list[1].number)) {
+  if (list && value.list.size() == 2 && allowed(value.list[0]) && allowed(value.list[1]) &&
+      value.list[0].number <= value.list[1].number) {
     range.low = value.list[0].number;
     range.high = value.list[1].number;
   } else if (!list || !value.list.empty()) {
-    reader.refuse(value, path, "[low, high], two numbers, low <= high; [] = not stated");
+    reader.refuse(value, path,
+                  fmt::format("[low, high], two numbers, low <= high{}; [] = not stated",
+                              column == nullptr || std::isinf(column->min)
+                                  ? ""
+                                  : fmt::format(", each {}", column->allowed_text())));
   }
   return range;
 }

@@ -48,6 +48,29 @@ bool is_control(std::uint32_t code) { return code < 0x20 || (code >= 0x7F && cod
 /// Bytes from 0x20 to 0x7E, of which there are many, need no look at what follows.
 bool is_plain(char c) { return c >= 0x20 && c < 0x7F; }
 
+std::string escaped(std::string_view text, bool lines) {
+  if (std::ranges::all_of(text, is_plain)) return std::string(text);
+  std::string result;
+  result.reserve(text.size());
+  while (!text.empty()) {
+    if (is_plain(text.front()) || (lines && text.front() == '\n')) {
+      result += text.front();
+      text.remove_prefix(1);
+      continue;
+    }
+    const Character c = first_character(text);
+    if (c.bytes == 0) {
+      result += fmt::format("\\x{:02x}", static_cast<unsigned char>(text.front()));
+    } else if (is_control(c.code)) {
+      result += fmt::format("\\u{:04x}", c.code);
+    } else {
+      result += text.substr(0, c.bytes);
+    }
+    text.remove_prefix(std::max<std::size_t>(c.bytes, 1));
+  }
+  return result;
+}
+
 }  // namespace
 
 std::optional<Diagnostic> first_unprintable(std::string_view text) {
@@ -78,26 +101,8 @@ std::optional<Diagnostic> first_unprintable(std::string_view text) {
   return std::nullopt;
 }
 
-std::string printable(std::string_view text) {
-  std::string result;
-  result.reserve(text.size());
-  while (!text.empty()) {
-    if (is_plain(text.front())) {
-      result += text.front();
-      text.remove_prefix(1);
-      continue;
-    }
-    const Character c = first_character(text);
-    if (c.bytes == 0) {
-      result += fmt::format("\\x{:02x}", static_cast<unsigned char>(text.front()));
-    } else if (is_control(c.code)) {
-      result += fmt::format("\\u{:04x}", c.code);
-    } else {
-      result += text.substr(0, c.bytes);
-    }
-    text.remove_prefix(std::max<std::size_t>(c.bytes, 1));
-  }
-  return result;
-}
+std::string printable(std::string_view text) { return escaped(text, false); }
+
+std::string printable_lines(std::string_view text) { return escaped(text, true); }
 
 }  // namespace gear3k::io

@@ -20,4 +20,7 @@ std::optional<Diagnostic> first_unprintable(std::string_view text);
 /// TOML escapes a character: \u001b, of such a byte \xff.
 std::string printable(std::string_view text);
 
+/// The same of a text of lines, whose ends stay.
+std::string printable_lines(std::string_view text);
+
 }  // namespace gear3k::io

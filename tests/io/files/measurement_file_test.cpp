@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -530,6 +531,27 @@ TEST(Measurements, EmptyFilesAndFilesWithoutRowsAreRefused) {
   expect_in("data.csv: has no rows of measurements", errors_of(kPairs));
   expect_in("data.csv:1:2: the control character U+0000 is no text",
             errors_of(std::string("a\0b\0", 4)));
+}
+
+TEST(Measurements, WhatIsNoPrintableUtf8IsRefusedWithItsPlace) {
+  expect_in("data.csv:3:1: the byte 0xb5 is no text in UTF-8",
+            errors_of("# kind: pair_loss\ndriving_teeth,driven_teeth,loss_factor,run\n\xb5"));
+  expect_in("data.csv:2:5: the control character U+001B is no text",
+            errors_of("# kind: transmission\nrun,\x1b[2J\n"));
+}
+
+TEST(Measurements, AHundredThousandSessionsAndColumnsAreReadInSeconds) {
+  constexpr int kMany = 100'000;
+  std::string text = "# kind: pair_loss\ndriving_teeth,driven_teeth,loss_factor,run\n";
+  for (int k = 0; k < kMany; ++k) text += fmt::format("16,80,0.03,{}\n", k);
+  std::string wide = "# kind: pair_loss\ndriving_teeth,driven_teeth,loss_factor";
+  for (int k = 0; k < kMany; ++k) wide += fmt::format(",c{}", k);
+  const auto begin = std::chrono::steady_clock::now();
+  const Measurements data = parse_measurements({{"data.csv", text}});
+  expect_in("data.csv: has no rows of measurements", errors_of(wide + "\n"));
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
+  EXPECT_EQ(data.sets.at(0).runs.size(), static_cast<std::size_t>(kMany));
+  EXPECT_LT(taken.count(), 10.0) << "a quadratic search takes a minute";
 }
 
 // Bad values

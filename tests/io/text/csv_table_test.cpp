@@ -53,6 +53,25 @@ TEST(ParseCsv, QuotesOnlyWhereNeeded) {
   EXPECT_EQ(report::csv_line({"a,b", "say \"x\""}), "\"a,b\",\"say \"\"x\"\"\"\n");
 }
 
+TEST(CsvLine, KeepsNamesFromBeingFormulas) {
+  EXPECT_EQ(report::csv_line({"=cmd|' /C calc'!A0", "+1+1", "-a", "@SUM(A1)"}),
+            "'=cmd|' /C calc'!A0,'+1+1,'-a,'@SUM(A1)\n");
+  EXPECT_EQ(report::csv_line({"=a,b"}), "\"'=a,b\"\n");
+  EXPECT_EQ(report::csv_line({"-1.5e-3", "+2", "-inf", "a=b", ""}), "-1.5e-3,+2,-inf,a=b,\n");
+}
+
+TEST(CsvLine, ShowsControlCharacters) {
+  EXPECT_EQ(report::csv_line({"a\nb", "\t=1", "\x1b[2J", "\xff"}),
+            "a\\u000ab,\\u0009=1,\\u001b[2J,\\xff\n");
+}
+
+TEST(TextTable, ShowsControlCharactersInTheirWidth) {
+  report::TextTable table({"name", "n"});
+  table.add({"\x1b[2J", "1"});
+  table.add({"a", "22"});
+  EXPECT_EQ(table.text(0), "name        n\n\\u001b[2J   1\na          22\n");
+}
+
 TEST(CsvFields, KnowTheColumnThatEachBeginsAt) {
   CsvFields fields;
   ASSERT_TRUE(fields.split("ab, c,,\"x,\"\"y\"\"\",1"));

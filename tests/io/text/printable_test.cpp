@@ -27,6 +27,10 @@ TEST(Printable, EscapesControlCharactersAsTomlDoes) {
   EXPECT_EQ(printable("a\xC2\x9B"), "a\\u009b");  // the same command in one character
 }
 
+TEST(Printable, LeavesTheEndsOfLinesWhereThereAreLines) {
+  EXPECT_EQ(printable_lines("a\x1b\r\nb\n"), "a\\u001b\\u000d\nb\n");
+}
+
 TEST(Printable, ShowsBytesThatAreNoUtf8) {
   EXPECT_EQ(printable("caf\xE9"), "caf\\xe9");
   // Overlong, a surrogate, above U+10FFFF, a continuation alone, cut short.
