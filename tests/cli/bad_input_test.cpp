@@ -253,10 +253,12 @@ std::vector<BadInput> design_inputs() {
       bad_design("NanForANumber", replaced(kDesign, "coefficient = 0.1", "coefficient = nan"),
                  {"gear.toml:15:1: friction.coefficient = nan: allowed: a number, 0 to 1"}),
       bad_design("InfinityForANumber", replaced(kDesign, "module_mm = 0.8\n", "module_mm = inf\n"),
-                 {"gear.toml:5:1: stage1.module_mm = inf: allowed: a number in mm, above 0"}),
+                 {"gear.toml:5:1: stage1.module_mm = inf: allowed: a number in mm, 0.001 to 100"}),
       bad_design(
-          "ZeroModule", replaced(kDesign, "module_mm = 0.8467", "module_mm = 0.0"),
-          {"gear.toml:7:1: stage2.module_mm = 0.0: allowed: a number in mm, above 0 to 100"}),
+          "ModuleThatNoMetreHolds", replaced(kDesign, "module_mm = 0.8467", "module_mm = 5e-324"),
+          {"gear.toml:7:1: stage2.module_mm = 5e-324: allowed: a number in mm, 0.001 to 100"}),
+      bad_design("ZeroModule", replaced(kDesign, "module_mm = 0.8467", "module_mm = 0.0"),
+                 {"gear.toml:7:1: stage2.module_mm = 0.0: allowed: a number in mm, 0.001 to 100"}),
       bad_design("NegativeFriction", replaced(kDesign, "coefficient = 0.1", "coefficient = -0.1"),
                  {"gear.toml:15:1: friction.coefficient = -0.1: allowed: a number, 0 to 1"}),
       bad_design("RightAngleForThePressureAngle", replaced(kDesign, "= 20.0", "= 90.0"),
@@ -381,7 +383,7 @@ std::vector<BadInput> pair_inputs() {
           "PairErrorsAtOnce",
           replaced(replaced(kPair, "module_mm = 3.0", "module_mm = -3.0"), "profile_shift",
                    "profil_shift"),
-          {"pair.toml:2:1: module_mm = -3.0: allowed: a number in mm, above 0 to 100",
+          {"pair.toml:2:1: module_mm = -3.0: allowed: a number in mm, 0.001 to 100",
            "pair.toml:7:1: unknown key gear2.profil_shift; did you mean gear2.profile_shift?"}),
   };
 }
@@ -419,7 +421,7 @@ std::vector<BadInput> specification_inputs() {
       bad_spec("NegativeModuleInASeries",
                replaced(kSpec, stage2, "stage2_mm = { series = [0.5, -0.6] }"),
                {"spec.toml:13:1: module.stage2_mm = { series = [0.5, -0.6] }: allowed:",
-                "above 0 to 100"}),
+                "0.001 to 100"}),
       bad_spec("ReversedBacklashLimits",
                replaced(kSpec, "[backlash]\n", "[backlash]\nmin_output_arcmin = 9.0\n"),
                {"spec.toml:15:1: backlash.min_output_arcmin = 9: allowed: at most", "8"}),

@@ -124,7 +124,7 @@ Schema<DesignInput> design_schema() {
       integer("planets", within(1, 24), "3", "number of equally spaced planets"), &Input::planets));
   for (const std::size_t stage : {0U, 1U}) {
     keys.push_back(make_key<Input>(
-        number(fmt::format("stage{}.module_mm", stage + 1), Unit::kMillimetre, above(0.0, 100.0),
+        number(fmt::format("stage{}.module_mm", stage + 1), Unit::kMillimetre, within(0.001, 100.0),
                kRequired, stage == 0 ? "module of S, P1, R1" : "module of P2, R2",
                {design::InputKind::kModule, stage}),
         [stage](auto& t, std::size_t) -> auto& { return t.module_m[stage]; }));
@@ -183,9 +183,9 @@ Schema<PairInput> pair_schema() {
                        .required = true,
                        .help = "external: two external gears; internal: gear2 is the ring"},
                       &Input::internal));
-  keys.push_back(make_key<Input>(
-      number("module_mm", Unit::kMillimetre, above(0.0, 100.0), kRequired, "module of both gears"),
-      &Input::module_m));
+  keys.push_back(make_key<Input>(number("module_mm", Unit::kMillimetre, within(0.001, 100.0),
+                                        kRequired, "module of both gears"),
+                                 &Input::module_m));
   append_keys(
       keys, gear_keys(), [](auto& t, std::size_t gear) -> auto& { return t.gears[gear]; },
       "{gear}.");

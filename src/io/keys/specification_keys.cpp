@@ -43,9 +43,8 @@ Key<Input> module_key(std::size_t stage) {
   return {.record = {.path = fmt::format("module.stage{}_mm", stage + 1),
                      .type = KeyType::kModule,
                      .unit = Unit::kMillimetre,
-                     .min = 0.0,
+                     .min = 0.001,
                      .max = 100.0,
-                     .min_excluded = true,
                      .required = true,
                      .help = stage == 0 ? "module of S, P1, R1: refined in a range, chosen from a "
                                           "series, or given"

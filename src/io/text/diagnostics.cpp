@@ -53,8 +53,10 @@ std::string closest_word(const std::string& written, const std::vector<std::stri
   std::string best;
   std::size_t least = std::min<std::size_t>(3, written.size() / 2) + 1;
   for (const std::string& word : known) {
-    const auto [shorter, longer] = std::minmax(word.size(), written.size());
-    if (longer - shorter >= least) continue;  // so many edits at least
+    // A letter more or less is an edit each.
+    if (std::max(word.size(), written.size()) - std::min(word.size(), written.size()) >= least) {
+      continue;
+    }
     const std::size_t distance = edit_distance(written, word);
     if (distance < least) {
       least = distance;

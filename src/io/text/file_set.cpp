@@ -68,6 +68,7 @@ std::string obstacle(const std::string& path, const std::string& input) {
 }  // namespace
 
 void write_files(const std::vector<FileText>& files, const std::string& input) {
+  const HeldSignals held;
   Scaffold scaffold;
   std::string errors;
   const auto note = [&](const std::string& error) {
@@ -89,7 +90,6 @@ void write_files(const std::vector<FileText>& files, const std::string& input) {
   }
   if (!errors.empty()) throw InvalidInput(errors);
 
-  const HeldSignals held;
   std::vector<NewFile> fresh;
   fresh.reserve(files.size());
   for (const FileText& file : files) {

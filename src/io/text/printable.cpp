@@ -13,12 +13,12 @@ namespace {
 constexpr unsigned kFirstOfSeveral = 0x80;  ///< bytes below are characters of their own
 
 /// A character and the number of its bytes; 0 bytes where the text begins with none.
-struct Character {
+struct Utf8Character {
   std::uint32_t code = 0;
   std::size_t bytes = 0;
 };
 
-Character first_character(std::string_view text) {
+Utf8Character first_character(std::string_view text) {
   const auto lead = static_cast<unsigned char>(text.front());
   if (lead < kFirstOfSeveral) return {.code = lead, .bytes = 1};
   struct Form {
@@ -58,7 +58,7 @@ std::string escaped(std::string_view text, bool lines) {
       text.remove_prefix(1);
       continue;
     }
-    const Character c = first_character(text);
+    const Utf8Character c = first_character(text);
     if (c.bytes == 0) {
       result += fmt::format("\\x{:02x}", static_cast<unsigned char>(text.front()));
     } else if (is_control(c.code)) {
@@ -81,7 +81,7 @@ std::optional<Diagnostic> first_unprintable(std::string_view text) {
       text.remove_prefix(1);
       continue;
     }
-    const Character c = first_character(text);
+    const Utf8Character c = first_character(text);
     if (c.bytes == 0) {
       return Diagnostic{.position = position,
                         .message = fmt::format("the byte {:#04x} is no text in UTF-8",

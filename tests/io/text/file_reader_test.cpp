@@ -9,7 +9,7 @@
 #include "io/text/toml_value.hpp"
 #include "tests/cli/run_program.hpp"
 
-namespace gear3k::io {
+namespace gear3k::io::file_reader_test {
 namespace {
 
 using test::Workplace;
@@ -64,4 +64,4 @@ TEST(FileReader, AReadThatFailsIsNotTheEndOfTheFile) {
 }
 
 }  // namespace
-}  // namespace gear3k::io
+}  // namespace gear3k::io::file_reader_test

@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace gear3k::io {
+namespace gear3k::io::printable_test {
 namespace {
 
 std::string fault_of(const std::string& text) {
@@ -51,4 +51,4 @@ TEST(Printable, FaultsHaveLineAndColumnInCharacters) {
 }
 
 }  // namespace
-}  // namespace gear3k::io
+}  // namespace gear3k::io::printable_test

@@ -7,7 +7,7 @@
 
 #include "io/text/toml_value.hpp"
 
-namespace gear3k::io {
+namespace gear3k::io::toml_limits_test {
 namespace {
 
 std::string repeated(const std::string& text, int times) {
@@ -81,4 +81,4 @@ TEST(TomlLimits, ALongDocumentIsRefused) {
 }
 
 }  // namespace
-}  // namespace gear3k::io
+}  // namespace gear3k::io::toml_limits_test
