@@ -135,8 +135,8 @@ Values values_of(const Diagnosis& d, const MeasurementSet& set) {
   return v;
 }
 
-std::string rms_text(double si_value, const ResponseText& response) {
-  return fmt::format("{:.3g}{}{}", clean(si_value / response.si), response.unit.empty() ? "" : " ",
+std::string rms_text(double value_si, const ResponseText& response) {
+  return fmt::format("{:.3g}{}{}", clean(value_si / response.si), response.unit.empty() ? "" : " ",
                      response.unit);
 }
 
