@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "calibrate/verdict/diagnosis.hpp"
-#include "optimize/parallel.hpp"
+#include "numerics/parallel.hpp"
 #include "tests/calibrate/diagnosis_scoring.hpp"
 
 namespace {
@@ -49,7 +49,7 @@ std::string share(int hits, int count) {
 void print(const rig::Scenario& scenario, int seeds, bool answers_too) {
   std::vector<rig::Score> scores(static_cast<std::size_t>(seeds));
   const auto start = std::chrono::steady_clock::now();
-  optimize::parallel_for(scores.size(), [&](std::size_t seed) {
+  numerics::parallel_for(scores.size(), [&](std::size_t seed) {
     scores[seed] = rig::score(scenario, static_cast<std::uint64_t>(seed) + 1);
   });
   const double seconds =

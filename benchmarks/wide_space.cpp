@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "io/files/specification_file.hpp"
+#include "numerics/parallel.hpp"
 #include "optimize/optimizer.hpp"
-#include "optimize/parallel.hpp"
 
 namespace {
 
@@ -75,7 +75,7 @@ void compare_with_all_starts(const Specification& spec, const OptimizeResult& re
   std::vector<char> overlooked(count, 0);
   const std::atomic<bool> never{false};
   const Stopwatch stopwatch;
-  parallel_for(count, [&](std::size_t i) {
+  numerics::parallel_for(count, [&](std::size_t i) {
     const std::size_t k = i * step;
     SetBound bound = result.bounds->of(k);
     const bool infeasible = bound.infeasible.has_value();

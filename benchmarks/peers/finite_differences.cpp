@@ -19,7 +19,7 @@
 #include <string_view>
 
 #include "io/files/specification_file.hpp"
-#include "optimize/parallel.hpp"
+#include "numerics/parallel.hpp"
 #include "optimize/refinement_problem.hpp"
 #include "optimize/slsqp.hpp"
 #include "optimize/starting_points.hpp"
@@ -178,8 +178,8 @@ int run(const std::string& file, const std::filesystem::path& out, Gradient grad
   Progress progress;
   const auto candidates = search_teeth(spec, progress).candidates;
   std::vector<std::string> rows(candidates.size());
-  parallel_for(rows.size(),
-               [&](std::size_t k) { rows[k] = refined_row(spec, candidates[k], gradient); });
+  numerics::parallel_for(
+      rows.size(), [&](std::size_t k) { rows[k] = refined_row(spec, candidates[k], gradient); });
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
   std::filesystem::create_directories(out);
   std::ofstream csv(out / "results.csv");

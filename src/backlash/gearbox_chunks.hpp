@@ -9,6 +9,8 @@
 #include <functional>
 #include <vector>
 
+#include "numerics/parallel.hpp"
+
 namespace gear3k::backlash {
 
 /// Called by the calling thread now and then, with the number of gearboxes done; false ends the
@@ -20,7 +22,7 @@ inline constexpr std::uint64_t kChunkGearboxes = 4096;
 inline constexpr std::uint64_t kWaveChunks = 64;
 
 /// Runs worker.run(first, count) for every chunk of [0, samples), each thread with a worker of its
-/// own, and merge(sums) in the order of chunks.  run() must not throw.
+/// own, and merge(sums) in the order of chunks.
 /// @param workers  one for each of omp_get_max_threads()
 /// @returns gearboxes done
 template <class Worker, class Merge>
@@ -32,12 +34,11 @@ std::uint64_t run_in_chunks(std::uint64_t samples, std::vector<Worker>& workers,
   std::uint64_t done = 0;
   for (std::uint64_t wave = 0; wave < chunks; wave += kWaveChunks) {
     const std::uint64_t end = std::min(chunks, wave + kWaveChunks);
-#pragma omp parallel for schedule(dynamic)
-    for (std::uint64_t chunk = wave; chunk < end; ++chunk) {
-      const std::uint64_t first = chunk * kChunkGearboxes;
+    numerics::parallel_for(end - wave, [&](std::size_t k) {
+      const std::uint64_t first = (wave + k) * kChunkGearboxes;
       auto& worker = workers[static_cast<std::size_t>(omp_get_thread_num())];
-      sums[chunk - wave] = worker.run(first, std::min(kChunkGearboxes, samples - first));
-    }
+      sums[k] = worker.run(first, std::min(kChunkGearboxes, samples - first));
+    });
     for (std::uint64_t chunk = wave; chunk < end; ++chunk) merge(sums[chunk - wave]);
     done = std::min(samples, end * kChunkGearboxes);
     if (progress && !progress(done)) break;

@@ -1,8 +1,10 @@
 #include "backlash/turn_yield.hpp"
 
 #include <algorithm>
+#include <atomic>
 
 #include "backlash/random_teeth.hpp"
+#include "numerics/parallel.hpp"
 
 namespace gear3k::backlash {
 
@@ -10,22 +12,21 @@ TurnYield turn_yield(const ClearanceModel& model, const train::ToothSet& z,
                      const TurnYieldOptions& options) {
   const RandomGearbox random(model, options.scatter, options.seed);
   const TurnWindow window = turn_window(z);
-  std::uint64_t assembled = 0;
-  std::uint64_t within = 0;
-#pragma omp parallel for schedule(dynamic) reduction(+ : assembled, within)
-  for (std::uint64_t i = 0; i < options.gearboxes; ++i) {
+  std::atomic<std::uint64_t> assembled = 0;
+  std::atomic<std::uint64_t> within = 0;
+  numerics::parallel_for(options.gearboxes, [&](std::size_t i) {
     const ToothErrors teeth =
         random_teeth(model, z, {.seed = options.seed, .gearbox = i, .scatter = options.scatter});
     const Turn one =
         turn(model.levers, TurningPlays(model, z, random.deviations(i), teeth), window);
-    if (one.jams()) continue;
+    if (one.jams()) return;
     ++assembled;
     if (!options.limit_rad || std::ranges::all_of(one.points, [&](const TurnPoint& point) {
           return point.lost_motion_rad() <= *options.limit_rad;
         })) {
       ++within;
     }
-  }
+  });
   return {.gearboxes = options.gearboxes,
           .assembled = proportion(assembled, options.gearboxes),
           .yield = proportion(within, options.gearboxes)};

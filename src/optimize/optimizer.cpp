@@ -6,9 +6,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "numerics/parallel.hpp"
 #include "optimize/blocking.hpp"
 #include "optimize/objective_value.hpp"
-#include "optimize/parallel.hpp"
 
 namespace gear3k::optimize {
 
@@ -47,7 +47,7 @@ class Run {
     order.reserve(count);
     bound_.resize(count);
     std::vector<char> infeasible(count);
-    parallel_for((count + kBlock - 1) / kBlock, [&](std::size_t block) {
+    numerics::parallel_for((count + kBlock - 1) / kBlock, [&](std::size_t block) {
       for (std::size_t k = block * kBlock; k < std::min(count, (block + 1) * kBlock); ++k) {
         const SetBound bound = result_.bounds->of(k);
         infeasible[k] = bound.infeasible ? 1 : 0;
@@ -110,7 +110,7 @@ class Run {
   void refine_wave(std::span<const std::uint32_t> wave) {
     std::vector<std::optional<RefinedSet>> refined(wave.size());
     std::vector<char> fresh(wave.size());
-    parallel_for(wave.size(), [&](std::size_t i) {
+    numerics::parallel_for(wave.size(), [&](std::size_t i) {
       const std::uint32_t k = wave[i];
       const auto known = std::ranges::lower_bound(options_.known, k, {}, &RefinedSet::index);
       if (known != options_.known.end() && known->index == k) {
@@ -164,7 +164,7 @@ class Run {
     if (c.refined < order.size()) c.largest_unrefined_bound = bound_[order[c.refined]];
     const double proven = kProven * objective_scale(first_objective(spec_), spec_) + no_gain_;
     std::vector<double> sharp(result_.refined.size());
-    parallel_for(sharp.size(), [&](std::size_t i) {
+    numerics::parallel_for(sharp.size(), [&](std::size_t i) {
       const std::size_t k = result_.refined[i].index;
       sharp[i] =
           bound_[k] > c.best + proven && !progress_.stop.load() &&

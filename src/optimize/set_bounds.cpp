@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
+#include "numerics/parallel.hpp"
 #include "optimize/efficiency_bound.hpp"
 #include "optimize/empty_stage.hpp"
-#include "optimize/parallel.hpp"
 #include "optimize/stage_tasks.hpp"
 
 namespace gear3k::optimize {
@@ -61,7 +61,7 @@ SetBounds::SetBounds(const Specification& spec, std::span<const Candidate> candi
       stage2_of_);
   progress.total = keys1.size() + keys2.size();
   stage1_.resize(keys1.size());
-  parallel_for(keys1.size(), [&](std::size_t k) {
+  numerics::parallel_for(keys1.size(), [&](std::size_t k) {
     if (!progress.stop.load(std::memory_order_relaxed)) stage1_[k] = relax1(keys1[k], kUsual, {});
     ++progress.done;
   });
@@ -69,7 +69,7 @@ SetBounds::SetBounds(const Specification& spec, std::span<const Candidate> candi
     most_distance_ = std::max(most_distance_, stage.most_distance);
   }
   stage2_.resize(keys2.size());
-  parallel_for(keys2.size(), [&](std::size_t k) {
+  numerics::parallel_for(keys2.size(), [&](std::size_t k) {
     if (!progress.stop.load(std::memory_order_relaxed)) stage2_[k] = relax2(keys2[k], kUsual);
     ++progress.done;
   });

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "geometry/interference.hpp"
-#include "optimize/parallel.hpp"
+#include "numerics/parallel.hpp"
 
 namespace gear3k::optimize {
 
@@ -169,7 +169,7 @@ ShiftTable::ShiftTable(const Specification& spec, std::span<const Candidate> can
     g.first = teeth[i].min;
     g.by_teeth.resize(static_cast<std::size_t>(teeth[i].max) - static_cast<std::size_t>(g.first) +
                       1);
-    parallel_for(g.by_teeth.size(), [&](std::size_t k) {
+    numerics::parallel_for(g.by_teeth.size(), [&](std::size_t k) {
       g.by_teeth[k] = shift_range(spec, static_cast<int>(i), g.first + static_cast<int>(k));
     });
   }

@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "optimize/parallel.hpp"
+#include "numerics/parallel.hpp"
 
 namespace gear3k::optimize {
 
@@ -171,7 +171,7 @@ ToothSearchResult search_teeth(const Specification& spec, Progress& progress,
   std::vector<Candidate> piece;
   for (std::size_t begin = 0; begin < outers.size(); begin += kPiece) {
     std::vector<ToothSearchResult> parts(std::min(kPiece, outers.size() - begin));
-    parallel_for(parts.size(), [&](std::size_t k) {
+    numerics::parallel_for(parts.size(), [&](std::size_t k) {
       if (progress.stop.load(std::memory_order_relaxed)) {
         parts[k].interrupted = true;
       } else {

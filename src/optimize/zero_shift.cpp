@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "efficiency/train_efficiency.hpp"
-#include "optimize/parallel.hpp"
+#include "numerics/parallel.hpp"
 #include "optimize/refinement_problem.hpp"
 
 namespace gear3k::optimize {
@@ -20,7 +20,7 @@ constexpr std::size_t kVisitedTogether = 16'384;
 template <class Body>
 void parallel_in_blocks(std::size_t count, const Body& body) {
   constexpr std::size_t kBlock = 256;
-  parallel_for((count + kBlock - 1) / kBlock, [&](std::size_t block) {
+  numerics::parallel_for((count + kBlock - 1) / kBlock, [&](std::size_t block) {
     for (std::size_t k = block * kBlock; k < std::min(count, (block + 1) * kBlock); ++k) body(k);
   });
 }

@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "design/evaluation.hpp"
-#include "optimize/parallel.hpp"
+#include "numerics/parallel.hpp"
 #include "optimize/zero_shift.hpp"
 #include "papers/published_fits.hpp"
 
@@ -112,7 +112,7 @@ std::vector<RefinedPoint> refined_points(const Specification& task, const RatioS
     limited[i].limits[CheckId::kOutputBacklashMax] =
         design::from_unit(kRefinementLimits_arcmin[i], Unit::kArcmin);
   }
-  optimize::parallel_for(sets.size(), [&](std::size_t k) {
+  numerics::parallel_for(sets.size(), [&](std::size_t k) {
     RefinedPoint& set = sets[k];
     const ZeroShiftPoint& point = scatter.points[set.scatter_index];
     const design::Evaluation before = evaluated(zero_shift_design(task, point));
@@ -183,7 +183,7 @@ FigureMap figure_map(const design::Design& published, const Variation& x,
   FigureMap map{.x = varied_input(x, published), .y = {}, .points = {}};
   if (y) map.y = varied_input(*y, published);
   map.points.resize(map.x.values.size() * map.rows());
-  optimize::parallel_for(map.points.size(), [&](std::size_t k) {
+  numerics::parallel_for(map.points.size(), [&](std::size_t k) {
     design::Design design = published;
     *x.place(design.train) = map.x.values[k / map.rows()];
     if (y) *y->place(design.train) = map.y->values[k % map.rows()];

@@ -1,4 +1,4 @@
-#include "optimize/parallel.hpp"
+#include "numerics/parallel.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,14 +12,14 @@ namespace {
 
 TEST(ParallelFor, CallsEveryIndexOnce) {
   std::vector<std::atomic<int>> calls(1000);
-  parallel_for(calls.size(), [&](std::size_t k) { ++calls[k]; });
+  numerics::parallel_for(calls.size(), [&](std::size_t k) { ++calls[k]; });
   for (const auto& count : calls) EXPECT_EQ(count.load(), 1);
 }
 
 TEST(ParallelFor, RethrowsAnExceptionAndBeginsNothingMore) {
   std::atomic<int> calls{0};
   try {
-    parallel_for(100000, [&](std::size_t k) {
+    numerics::parallel_for(100000, [&](std::size_t k) {
       ++calls;
       if (k == 3) throw std::runtime_error("three");
     });

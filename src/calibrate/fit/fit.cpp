@@ -4,11 +4,13 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <memory>
 #include <span>
 
 #include "numerics/linear_algebra.hpp"
+#include "numerics/parallel.hpp"
 
 namespace gear3k::calibrate {
 
@@ -57,14 +59,19 @@ std::vector<Pass> make_passes(const std::vector<Candidate>& candidates, Place pl
   return passes;
 }
 
-std::optional<Scalar> simulate(const Problem& problem, const Condition& condition,
-                               const Hypothesis& h, const std::vector<Scalar>& own) {
+/// Responses of the rows under causes, of which those of the gearbox act alike in all rows.
+RowResponses responses(const Problem& problem, const Modification& gearbox) {
   const Simulation& simulation = problem.simulation;
-  Modification m = simulation.unmodified(condition);
-  apply(h, own, condition, simulation.kind(), m);
-  const auto response = simulation.response(condition, m);
-  if (!response) return std::nullopt;
-  return simulation.reading(*response, condition, m);
+  return {problem.states, simulation.reads_temperature(gearbox),
+          [&](const Condition& c) { return simulation.response(c, gearbox); }};
+}
+
+/// The gearbox under a hypothesis and the candidates of a pass.
+Modification gearbox_under(const Simulation& simulation, const Hypothesis& h,
+                           const std::vector<Scalar>& values) {
+  Modification m = simulation.unmodified({});
+  apply(h, values, {}, simulation.kind(), m);
+  return m;
 }
 
 }  // namespace
@@ -103,23 +110,26 @@ Linearisation linearise(const Problem& problem, const Hypothesis& hypothesis,
   const auto constants = constants_of(hypothesis.value);
   const auto in_gearbox = make_passes(others, Place::kGearbox);
   const auto in_reading = make_passes(others, Place::kMeasurement);
-  bool all_run = true;
-#pragma omp parallel for schedule(static) reduction(&& : all_run) if (n > kManyRows)
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Condition& condition = rows[static_cast<std::size_t>(i)].condition;
-    const auto row = [&](const std::vector<Scalar>& own, const Pass* pass, bool reading_only,
-                         const Scalar& known) -> std::optional<Scalar> {
-      Modification m = simulation.unmodified(condition);
-      apply(hypothesis, own, condition, simulation.kind(), m);
-      for (std::size_t k = 0; pass != nullptr && k < pass->index.size(); ++k) {
-        const Candidate& c = others[pass->index[k]];
-        c.cause->apply(c.form, pass->values[k], condition, simulation.kind(), m);
-      }
-      if (reading_only) return simulation.reading(known, condition, m);
-      const auto response = simulation.response(condition, m);
-      if (!response) return std::nullopt;
-      return simulation.reading(*response, condition, m);
-    };
+  const Kind kind = simulation.kind();
+  const auto add_pass = [&](const Pass& pass, const Condition& condition, Modification& m) {
+    for (std::size_t k = 0; k < pass.index.size(); ++k) {
+      const Candidate& c = others[pass.index[k]];
+      c.cause->apply(c.form, pass.values[k], condition, kind, m);
+    }
+  };
+  const Modification known = gearbox_under(simulation, hypothesis, constants);
+  const RowResponses own = responses(problem, gearbox_under(simulation, hypothesis, variables));
+  std::vector<RowResponses> of_pass;
+  of_pass.reserve(in_gearbox.size());
+  for (const Pass& pass : in_gearbox) {
+    Modification m = known;
+    add_pass(pass, {}, m);
+    of_pass.push_back(responses(problem, m));
+  }
+  std::atomic<bool> all_run = true;
+  const auto linearise_row = [&](Eigen::Index i) {
+    const auto at = static_cast<std::size_t>(i);
+    const Condition& condition = rows[at].condition;
     const auto store = [&](const Pass& pass, const Scalar& y) {
       for (std::size_t k = 0; k < pass.index.size(); ++k) {
         const auto count = static_cast<Eigen::Index>(pass.values[k].size());
@@ -127,22 +137,41 @@ Linearisation linearise(const Problem& problem, const Hypothesis& hypothesis,
             y.v.segment(pass.first_slot[k], count).transpose();
       }
     };
-    const auto y = row(variables, nullptr, false, Scalar(0.0));
-    if (!y) {
+    const std::optional<Scalar>& response = own.of_row(at);
+    if (!response) {
       all_run = false;
-      continue;
+      return;
     }
-    result.simulated[i] = y->a;
-    result.own.row(i) = y->v.head(own_count).transpose();
-    for (const Pass& pass : in_gearbox) {
-      if (const auto z = row(constants, &pass, false, Scalar(0.0))) store(pass, *z);
+    Modification reading = simulation.unmodified(condition);
+    apply_to_reading(hypothesis, variables, condition, kind, reading);
+    const Scalar y = simulation.reading(*response, condition, reading);
+    result.simulated[i] = y.a;
+    result.own.row(i) = y.v.head(own_count).transpose();
+    if (others.empty()) return;
+    Modification plain = simulation.unmodified(condition);
+    apply_to_reading(hypothesis, constants, condition, kind, plain);
+    for (std::size_t k = 0; k < in_gearbox.size(); ++k) {
+      const std::optional<Scalar>& of_gearbox = of_pass[k].of_row(at);
+      if (!of_gearbox) continue;
+      Modification m = plain;
+      // Of pairs a loss beside the mesh is read with it.
+      if (kind == Kind::kPairLoss) add_pass(in_gearbox[k], condition, m);
+      store(in_gearbox[k], simulation.reading(*of_gearbox, condition, m));
     }
-    if (in_reading.empty()) continue;
-    Modification m = simulation.unmodified(condition);
-    apply(hypothesis, constants, condition, simulation.kind(), m);
-    const auto response = simulation.response(condition, m);
-    for (const Pass& pass : in_reading) store(pass, *row(constants, &pass, true, *response));
-  }
+    for (const Pass& pass : in_reading) {
+      Modification m = plain;
+      add_pass(pass, condition, m);
+      store(pass, simulation.reading(Scalar(response->a), condition, m));
+    }
+  };
+  constexpr Eigen::Index kChunk = 512;
+  numerics::parallel_for(
+      static_cast<std::size_t>((n + kChunk - 1) / kChunk),
+      [&](std::size_t chunk) {
+        const Eigen::Index first = static_cast<Eigen::Index>(chunk) * kChunk;
+        for (Eigen::Index i = first; i < std::min(n, first + kChunk); ++i) linearise_row(i);
+      },
+      n > kManyRows);
   result.runs = all_run;
   return result;
 }
@@ -256,33 +285,48 @@ Fit fit(const Problem& problem, Hypothesis start, double scale) {
 
 namespace {
 
+/// All rows at the values that Ceres asks for.
+class RowsAt : public ceres::EvaluationCallback {
+ public:
+  RowsAt(const Problem& problem, const Hypothesis& h, const std::vector<double>& values)
+      : problem_(problem), h_(h), values_(values) {}
+  void PrepareForEvaluation(bool, bool new_evaluation_point) override {
+    if (!new_evaluation_point && at_.simulated.size() > 0) return;
+    h_.value = values_;
+    at_ = linearise(problem_, h_, {});
+  }
+  [[nodiscard]] const Linearisation& at() const { return at_; }
+  [[nodiscard]] const Problem& problem() const { return problem_; }
+
+ private:
+  const Problem& problem_;
+  Hypothesis h_;
+  const std::vector<double>& values_;
+  Linearisation at_{.simulated = {}, .own = {}, .other = {}};
+};
+
 /// A row of the data as Ceres sees it; the rows are independent (sessions without scatter).
 class RowCost : public ceres::CostFunction {
  public:
-  RowCost(const Problem& problem, const Hypothesis& h, std::size_t row, double scale)
-      : problem_(problem), h_(h), row_(row), scale_(scale) {
+  RowCost(const RowsAt& rows, std::size_t row, double scale, int parameters)
+      : rows_(rows), row_(row), scale_(scale) {
     set_num_residuals(1);
-    mutable_parameter_block_sizes()->push_back(static_cast<int>(h.value.size()));
+    mutable_parameter_block_sizes()->push_back(parameters);
   }
-  bool Evaluate(double const* const* parameters, double* residuals,
-                double** jacobians) const override {
-    const std::vector<double> values(parameters[0], parameters[0] + h_.value.size());
-    const Observation& row = problem_.data.rows[row_];
-    const auto y = simulate(problem_, row.condition, h_, variables_of(values));
-    if (!y) return false;
-    const double weight = problem_.noise.weight[static_cast<Eigen::Index>(row_)] / scale_;
-    residuals[0] = weight * (row.response - y->a);
+  bool Evaluate(double const* const*, double* residuals, double** jacobians) const override {
+    const Linearisation& at = rows_.at();
+    if (!at.runs) return false;
+    const auto i = static_cast<Eigen::Index>(row_);
+    const double weight = rows_.problem().noise.weight[i] / scale_;
+    residuals[0] = weight * (rows_.problem().data.rows[row_].response - at.simulated[i]);
     if (jacobians != nullptr && jacobians[0] != nullptr) {
-      for (std::size_t k = 0; k < h_.value.size(); ++k) {
-        jacobians[0][k] = -weight * y->v[static_cast<Eigen::Index>(k)];
-      }
+      for (Eigen::Index k = 0; k < at.own.cols(); ++k) jacobians[0][k] = -weight * at.own(i, k);
     }
     return true;
   }
 
  private:
-  const Problem& problem_;
-  const Hypothesis& h_;
+  const RowsAt& rows_;
   std::size_t row_;
   double scale_;
 };
@@ -300,12 +344,15 @@ FinalFit final_fit(const Problem& problem, const Hypothesis& start, double scale
   // Ceres knows no correlated rows: where sessions scatter, the search's fit is the last one.
   if (p > 0 && !(problem.noise.session_variance > 0.0)) {
     std::vector<double> values = start.value;
+    RowsAt rows(problem, start, values);
     ceres::Problem::Options ownership;
+    ownership.evaluation_callback = &rows;
     ceres::Problem ceres_problem(ownership);
     ceres_problem.AddParameterBlock(values.data(), static_cast<int>(p));
     for (Eigen::Index i = 0; i < n; ++i) {
       ceres_problem.AddResidualBlock(
-          std::make_unique<RowCost>(problem, start, static_cast<std::size_t>(i), scale).release(),
+          std::make_unique<RowCost>(rows, static_cast<std::size_t>(i), scale, static_cast<int>(p))
+              .release(),
           std::make_unique<ceres::HuberLoss>(kWinsor).release(), values.data());
     }
     for (int k = 0; k < p; ++k) {

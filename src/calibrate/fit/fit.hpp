@@ -6,6 +6,7 @@
 
 #include "calibrate/measurement/noise.hpp"
 #include "calibrate/model/hypothesis.hpp"
+#include "calibrate/model/row_responses.hpp"
 #include "calibrate/model/simulation.hpp"
 
 namespace gear3k::calibrate {
@@ -15,6 +16,7 @@ struct Problem {
   const Simulation& simulation;
   const MeasurementSet& data;
   NoiseModel noise;
+  RowStates states{data.rows};
 };
 
 /// Simulated responses and their derivatives, as they are (not weighted).

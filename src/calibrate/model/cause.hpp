@@ -93,7 +93,7 @@ enum class Remedy {
 
 /// Where a cause acts.
 enum class Place {
-  kGearbox,     ///< in Modification::gearbox
+  kGearbox,     ///< in Modification::gearbox, whatever the condition
   kMeasurement  ///< everywhere else in Modification
 };
 

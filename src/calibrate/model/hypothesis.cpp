@@ -69,6 +69,17 @@ void apply(const Hypothesis& h, std::span<const Scalar> value, const Condition& 
   }
 }
 
+void apply_to_reading(const Hypothesis& h, std::span<const Scalar> value,
+                      const Condition& condition, Kind kind, Modification& m) {
+  for (const Candidate& effect : h.effects) {
+    const std::size_t count = effect.parameters.size();
+    if (effect.cause->place == Place::kMeasurement || kind == Kind::kPairLoss) {
+      effect.cause->apply(effect.form, value.first(count), condition, kind, m);
+    }
+    value = value.subspan(count);
+  }
+}
+
 std::vector<Scalar> constants_of(std::span<const double> values) {
   return {values.begin(), values.end()};
 }

@@ -43,6 +43,11 @@ Hypothesis subset(const Hypothesis& h, const std::vector<bool>& stays);
 void apply(const Hypothesis& h, std::span<const Scalar> value, const Condition& condition,
            Kind kind, Modification& m);
 
+/// Of those changes the ones that a row's condition decides: all but those of Place::kGearbox.  In
+/// data of pairs, where a loss beside the mesh is one of the gearbox, all.
+void apply_to_reading(const Hypothesis& h, std::span<const Scalar> value,
+                      const Condition& condition, Kind kind, Modification& m);
+
 /// Values without derivatives, and with the derivative by each value in its own slot.
 std::vector<Scalar> constants_of(std::span<const double> values);
 std::vector<Scalar> variables_of(std::span<const double> values);

@@ -9,6 +9,7 @@
 
 #include "backlash/lost_motion.hpp"
 #include "calibrate/measurement/value_range.hpp"
+#include "design/sun_torque.hpp"
 
 namespace gear3k::calibrate {
 
@@ -165,10 +166,11 @@ Simulation::Simulation(const Subject& subject, Kind kind, std::vector<ExtendedMo
   gearbox.design = design;
   gearbox.parameters = numbers_of(design::resolved_parameters(design));
   gearbox.geometry = *train::make_train_geometry(gearbox.parameters);
+  gearbox.fixed_geometry = *train::make_train_geometry(design::resolved_parameters(design));
   gearbox.friction = numbers_of(design.friction);
   gearbox.shafts = numbers_of(design.shafts);
-  gearbox.face_width_m = {number(design.masses.face_width_m[0].value_or(0.0)),
-                          number(design.masses.face_width_m[1].value_or(0.0))};
+  gearbox.face_width_m = {design.masses.face_width_m[0].value_or(0.0),
+                          design.masses.face_width_m[1].value_or(0.0)};
   gearbox.lost_motion_rad =
       backlash::output_lost_motion(gearbox.geometry, backlash::normal_backlashes(gearbox.geometry),
                                    backlash::LostMotionModel::kKinematic);
@@ -205,9 +207,9 @@ std::optional<Scalar> Simulation::sun_torque(const Condition& c, const Modificat
   if (const auto* box = std::get_if<BlackBox>(&subject_)) return black_box_torque(*box, c, m);
   const auto& g = std::get<Gearbox>(subject_);
   const auto& e = m.gearbox;
-  efficiency::Friction<Scalar> friction = g.friction;
+  design::VariedLosses losses{.friction = g.friction, .shafts = g.shafts};
+  auto& [friction, shafts] = losses;
   friction.extension = e.friction;
-  design::ShaftLosses<Scalar> shafts = g.shafts;
   for (std::size_t i = 0; i < shafts.drag.size(); ++i) {
     auto& drag = shafts.drag[i];
     drag.constant_Nm = drag.constant_Nm + e.drag[i].constant_Nm;
@@ -218,16 +220,24 @@ std::optional<Scalar> Simulation::sun_torque(const Condition& c, const Modificat
   shafts.drag_reference_temperature_K = e.drag_reference_temperature_K;
   shafts.planet_bearing_radius_m = shafts.planet_bearing_radius_m + e.planet_bearing_arm_m;
   shafts.output_bearing_share = shafts.output_bearing_share + e.output_bearing_share;
-  const design::LossyTrain<Scalar> train{.geometry = g.geometry,
-                                         .friction = friction,
-                                         .shafts = shafts,
-                                         .face_width_m = g.face_width_m};
-  const auto result = design::operate<Scalar>(
-      train,
-      {.sun_speed_rad_s = number(c.sun_speed_rad_s),
-       .output_torque_Nm = number(c.output_torque_Nm),
-       .temperature_K = number(stated_or(c.temperature_K, temperature_of(g.design)))},
-      c.direction);
+  const double temperature_K = stated_or(c.temperature_K, temperature_of(g.design));
+  const auto torque =
+      design::sun_torque({.geometry = g.fixed_geometry, .face_width_m = g.face_width_m}, losses,
+                         {.sun_speed_rad_s = c.sun_speed_rad_s,
+                          .output_torque_Nm = c.output_torque_Nm,
+                          .temperature_K = temperature_K},
+                         c.direction);
+  if (torque) return torque;
+  const design::LossyTrain<Scalar> train{
+      .geometry = g.geometry,
+      .friction = friction,
+      .shafts = shafts,
+      .face_width_m = numbers<std::array<Scalar, 2>>(g.face_width_m)};
+  const auto result = design::operate<Scalar>(train,
+                                              {.sun_speed_rad_s = number(c.sun_speed_rad_s),
+                                               .output_torque_Nm = number(c.output_torque_Nm),
+                                               .temperature_K = number(temperature_K)},
+                                              c.direction);
   if (!result.operation) return std::nullopt;
   return result.operation->sun_torque_Nm;
 }
@@ -323,6 +333,25 @@ std::optional<Scalar> Simulation::response(const Condition& c, const Modificatio
       break;
   }
   return pair_loss(c, m);
+}
+
+bool Simulation::reads_temperature(const Modification& m) const {
+  const auto& e = m.gearbox;
+  switch (kind_) {
+    case Kind::kTransmission: {
+      const auto* gearbox = std::get_if<Gearbox>(&subject_);
+      const bool by_law =
+          gearbox != nullptr && gearbox->friction.law == efficiency::FrictionLaw::kSchlenk;
+      return by_law || !is_neutral(e.friction.temperature_1_K, 0.0) ||
+             !is_neutral(e.drag_temperature_1_K, 0.0);
+    }
+    case Kind::kLostMotion:
+    case Kind::kTorqueAngle:
+      return !is_neutral(e.lost_motion.expansion_1_K, 0.0);
+    case Kind::kPairLoss:
+      break;
+  }
+  return false;
 }
 
 Scalar Simulation::reading(const Scalar& response, const Condition& c,

@@ -29,6 +29,8 @@ class Simulation {
   /// Response of the gearbox [SI] under Modification::gearbox; empty where it does not run.
   [[nodiscard]] std::optional<Scalar> response(const Condition& condition,
                                                const Modification& m) const;
+  /// Whether that response depends on Condition::temperature_K.
+  [[nodiscard]] bool reads_temperature(const Modification& m) const;
   /// What is read of a response under the other parts of a modification [SI].
   [[nodiscard]] Scalar reading(const Scalar& response, const Condition& condition,
                                const Modification& m) const;
@@ -53,7 +55,8 @@ class Simulation {
     train::TrainGeometry<Scalar> geometry;
     efficiency::Friction<Scalar> friction;
     design::ShaftLosses<Scalar> shafts;
-    std::array<Scalar, 2> face_width_m;
+    train::TrainGeometry<double> fixed_geometry;
+    std::array<double, 2> face_width_m;
     Scalar lost_motion_rad;
   };
   [[nodiscard]] std::optional<Scalar> sun_torque(const Condition& c, const Modification& m) const;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "numerics/parallel.hpp"
+
 namespace gear3k::calibrate {
 
 namespace {
@@ -62,8 +64,9 @@ OrderScan scan_orders(const std::vector<double>& phase, double first, double ste
   const double total = residual.left.squaredNorm();
   // Rows that count alike need no weights: a share does not depend on the waves' unit.
   const bool alike = residual.noise.counts_rows_alike();
-#pragma omp parallel for schedule(static) if (residual.left.size() > 2000)
-  for (int start = 0; start < count; start += kFresh) {
+  constexpr Eigen::Index kManyRows = 2000;
+  const auto scan_part = [&](std::size_t part) {
+    const int start = kFresh * static_cast<int>(part);
     Eigen::MatrixXd now = waves(phase, first + step * start);
     Eigen::MatrixXd whitened;
     for (int k = start; k < std::min(count, start + kFresh); ++k) {
@@ -80,7 +83,9 @@ OrderScan scan_orders(const std::vector<double>& phase, double first, double ste
         now(i, 0) = cosine;
       }
     }
-  }
+  };
+  numerics::parallel_for(static_cast<std::size_t>((count + kFresh - 1) / kFresh), scan_part,
+                         residual.left.size() > kManyRows);
   scan.best = static_cast<std::size_t>(std::ranges::max_element(scan.share) - scan.share.begin());
   const auto degrees = static_cast<double>(residual.left.size() - residual.own_basis.cols() - 2);
   const double kept = std::max(1.0 - scan.share[scan.best], 1e-12);

@@ -33,9 +33,12 @@ MeasurementSet simulated_rows(const Simulation& simulation, const MeasurementSet
   MeasurementSet result = data;
   result.rows.clear();
   std::vector<int> lines;
+  const RowStates states(data.rows);
+  const Modification gearbox = simulation.unmodified({});
+  const RowResponses responses(states, simulation.reads_temperature(gearbox),
+                               [&](const Condition& c) { return simulation.response(c, gearbox); });
   for (std::size_t i = 0; i < data.rows.size(); ++i) {
-    const Condition& c = data.rows[i].condition;
-    if (simulation.response(c, simulation.unmodified(c))) {
+    if (responses.of_row(i)) {
       result.rows.push_back(data.rows[i]);
       kept.push_back(i);
     } else {

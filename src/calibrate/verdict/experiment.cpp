@@ -41,7 +41,9 @@ std::vector<double> levels(const std::optional<Limits>& limits, const ValueRange
   std::vector<double> result;
   result.reserve(static_cast<std::size_t>(count));
   for (int k = 0; k < count; ++k) {
-    result.push_back(range[0] + (range[1] - range[0]) * k / (count - 1));
+    const double level = range[0] + (range[1] - range[0]) * k / (count - 1);
+    // Near the greatest number the product has none.
+    result.push_back(std::min(level, range[1]));
   }
   return result;
 }

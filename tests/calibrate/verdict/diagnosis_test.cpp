@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "optimize/parallel.hpp"
+#include "numerics/parallel.hpp"
 #include "tests/calibrate/diagnosis_scoring.hpp"
 #include "tests/sample.hpp"
 
@@ -36,7 +36,7 @@ Bound bound_of(const std::string& name) {
 /// Answers to the campaigns of a scenario, which have to keep its bound.
 std::vector<Score> scores_of(const Scenario& scenario, std::uint64_t first_seed) {
   std::vector<Score> scores(static_cast<std::size_t>(kSeeds));
-  optimize::parallel_for(scores.size(), [&](std::size_t k) {
+  numerics::parallel_for(scores.size(), [&](std::size_t k) {
     scores[k] = score(scenario, static_cast<std::uint64_t>(k) + first_seed);
   });
   const Bound bound = bound_of(scenario.name);

@@ -1,21 +1,23 @@
 #pragma once
+// Loops in OpenMP threads out of which exceptions come as out of plain ones.
 
 #include <atomic>
 #include <cstddef>
 #include <exception>
 
-namespace gear3k::optimize {
+namespace gear3k::numerics {
 
 /// Calls body(k) for k in [0, count) in OpenMP threads, in any order.
 ///
 /// Nothing leaves the parallel region: after an exception no further call begins, and that of the
 /// lowest k is rethrown when the running ones are done.
+/// @param threads  false: too little work for threads; the calls are then made one after the other
 template <class Body>
-void parallel_for(std::size_t count, Body body) {
+void parallel_for(std::size_t count, Body body, bool threads = true) {
   std::atomic<bool> failed{false};
   std::exception_ptr first;
   std::size_t first_at = count;
-#pragma omp parallel for schedule(dynamic)
+#pragma omp parallel for schedule(dynamic) if (threads)
   for (std::size_t k = 0; k < count; ++k) {
     if (failed.load(std::memory_order_relaxed)) continue;
     try {
@@ -32,4 +34,4 @@ void parallel_for(std::size_t count, Body body) {
   if (first) std::rethrow_exception(first);
 }
 
-}  // namespace gear3k::optimize
+}  // namespace gear3k::numerics

@@ -1,0 +1,58 @@
+#pragma once
+// The gearbox's responses in the rows of a measurement, with every state of it simulated once.
+
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "calibrate/measurement/measurement.hpp"
+#include "calibrate/model/simulation.hpp"
+
+namespace gear3k::calibrate {
+
+/// What tells the gearbox's states in the rows apart (Simulation::response() reads nothing else):
+/// a case is direction, speed and torque, or the pair of gears; a state is a case at a temperature.
+/// Angle, time, session and sensor act on the reading of the response only.
+struct RowStates {
+  /// Of one case with so many temperatures that its responses are interpolated between them.
+  struct Interpolation {
+    std::size_t of_case = 0;
+    double middle_K = 0.0, half_range_K = 0.0;
+  };
+
+  explicit RowStates(const std::vector<Observation>& rows);
+
+  std::vector<std::size_t> state_of_row, case_of_state;
+  std::vector<Condition> states, cases;  ///< conditions of the first row of each
+  std::vector<Interpolation> interpolations;
+};
+
+/// A response by condition; empty where the gearbox does not run.
+using ResponseAt = std::function<std::optional<Scalar>(const Condition&)>;
+
+/// Responses by row.
+class RowResponses {
+ public:
+  /// Of every case once, or where the temperature counts of every state once.
+  ///
+  /// A case with more than 64 temperatures is simulated at 17 of them, the Chebyshev-Lobatto points
+  /// T_j = T_m + ΔT cos(π j/16), and interpolated between them: where the polynomial through every
+  /// second of them misses the others by 1e-8 of the greatest response, or of a derivative, at most
+  /// (that of all is then exact to rounding); elsewhere every state is simulated.
+  /// @param response  called from several threads
+  RowResponses(const RowStates& states, bool reads_temperature, const ResponseAt& response);
+
+  [[nodiscard]] const std::optional<Scalar>& of_row(std::size_t row) const {
+    const std::size_t state = states_.state_of_row[row];
+    return value_[reads_temperature_ ? state : states_.case_of_state[state]];
+  }
+
+ private:
+  const RowStates& states_;
+  bool reads_temperature_;
+  std::vector<std::optional<Scalar>> value_;  ///< by state, or by case
+};
+
+}  // namespace gear3k::calibrate

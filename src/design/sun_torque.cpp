@@ -1,0 +1,212 @@
+#include "design/sun_torque.hpp"
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+#include <cmath>
+
+#include "design/extension_scalar.hpp"
+#include "design/train_motion.hpp"
+#include "efficiency/mesh_loss_slopes.hpp"
+
+namespace gear3k::design {
+
+namespace {
+
+using train::kMeshCount;
+
+template <class To, class From>
+efficiency::Friction<To> friction_as(const efficiency::Friction<From>& f) {
+  const auto as = [](const From& x) { return scalar_as<To>(x); };
+  return {.coefficient = as(f.coefficient),
+          .model = f.model,
+          .approach_factor = as(f.approach_factor),
+          .recess_factor = as(f.recess_factor),
+          .law = f.law,
+          .load_exponent = as(f.load_exponent),
+          .reference_force_N = as(f.reference_force_N),
+          .static_coefficient = as(f.static_coefficient),
+          .stribeck_speed_m_s = as(f.stribeck_speed_m_s),
+          .stribeck_exponent = as(f.stribeck_exponent),
+          .viscous_s_m = as(f.viscous_s_m),
+          .roughness_m = as(f.roughness_m),
+          .lubricant_factor = as(f.lubricant_factor),
+          .lubricant = {.temperature_K = {as(f.lubricant.temperature_K[0]),
+                                          as(f.lubricant.temperature_K[1])},
+                        .viscosity_m2_s = {as(f.lubricant.viscosity_m2_s[0]),
+                                           as(f.lubricant.viscosity_m2_s[1])},
+                        .density_kgm3 = as(f.lubricant.density_kgm3)},
+          .table = f.table,
+          .extension = extension_as<To>(f.extension)};
+}
+
+template <class To, class From>
+ShaftLosses<To> shafts_as(const ShaftLosses<From>& s) {
+  const auto as = [](const From& x) { return scalar_as<To>(x); };
+  ShaftLosses<To> result{.drag = {},
+                         .planet_bearing_coefficient = as(s.planet_bearing_coefficient),
+                         .planet_bearing_radius_m = as(s.planet_bearing_radius_m),
+                         .output_bearing_share = as(s.output_bearing_share),
+                         .drag_temperature_1_K = as(s.drag_temperature_1_K),
+                         .drag_reference_temperature_K = s.drag_reference_temperature_K};
+  for (std::size_t i = 0; i < s.drag.size(); ++i) {
+    result.drag[i] = {.constant_Nm = as(s.drag[i].constant_Nm),
+                      .viscous_Nms = as(s.drag[i].viscous_Nms),
+                      .quadratic_Nms2 = as(s.drag[i].quadratic_Nms2)};
+  }
+  return result;
+}
+
+template <class T>
+T efficiency_of(const efficiency::MeshContact<double>& contact,
+                const efficiency::FlankFriction<T>& mu, efficiency::LossModel model) {
+  const bool by_sides = !(is_neutral(mu.approach_factor, 1.0) && is_neutral(mu.recess_factor, 1.0));
+  const efficiency::MeshEfficiencySlopes eta =
+      mesh_efficiency_slopes(contact,
+                             {.coefficient = value_of(mu.coefficient),
+                              .approach_factor = value_of(mu.approach_factor),
+                              .recess_factor = value_of(mu.recess_factor)},
+                             model, by_sides);
+  if constexpr (std::is_floating_point_v<T>) {
+    return eta.efficiency;
+  } else {
+    return T(eta.efficiency, eta.by_coefficient * mu.coefficient.v +
+                                 eta.by_approach_factor * mu.approach_factor.v +
+                                 eta.by_recess_factor * mu.recess_factor.v);
+  }
+}
+
+/// Members that may drive, of each mesh.
+using Drivers = std::array<std::array<bool, 2>, kMeshCount>;
+constexpr Drivers kAnyDriver{{{true, true}, {true, true}, {true, true}}};
+Drivers only(const std::array<bool, kMeshCount>& gear1_drives) {
+  Drivers drivers{};
+  for (std::size_t k = 0; k < kMeshCount; ++k) drivers[k][gear1_drives[k] ? 0 : 1] = true;
+  return drivers;
+}
+
+/// Where a train runs, without what it loses.
+struct Running {
+  const FixedTrain& train;
+  std::array<MeshKinematics<double>, kMeshCount> mesh;
+  double output_speed_rad_s, temperature_K;
+  bool forward;
+  double output_torque_Nm;  ///< on R2, along the rotation at w_R2 = 1
+};
+
+/// F: the train in balance with the friction that given mesh torques make.
+template <class T>
+std::optional<train::PowerFlow<T>> balance_at(const Running& r,
+                                              const efficiency::Friction<T>& friction,
+                                              const ShaftLosses<T>& shafts,
+                                              const MeshTorques<T>& torque_Nm,
+                                              const Drivers& drivers) {
+  const train::TrainGeometry<double>& g = r.train.geometry;
+  const auto drag =
+      drag_torques<T>(g, shafts, constant<T>(r.output_speed_rad_s), constant<T>(r.temperature_K));
+  train::LoadedTrain<T> loaded = frictionless_train<T>(
+      g.teeth, drag, {.end = train::End::kOutput, .torque_Nm = constant<T>(r.output_torque_Nm)});
+  for (std::size_t k = 0; k < kMeshCount; ++k) {
+    const MeshKinematics<double>& mesh = r.mesh[k];
+    const auto stage = static_cast<std::size_t>(train::stage_of(train::kMeshGears[k][0]));
+    const auto mu = efficiency::friction_coefficient<T>(
+        friction,
+        {.normal_force_N = magnitude(torque_Nm[k]) / (g.planets * mesh.central_base_radius_m),
+         .sliding_speed_m_s = constant<T>(mesh.sliding_speed_m_s),
+         .sum_speed_m_s = constant<T>(mesh.sum_speed_m_s),
+         .reduced_radius_m = constant<T>(mesh.reduced_radius_m),
+         .face_width_m = constant<T>(r.train.face_width_m[stage]),
+         .temperature_K = constant<T>(r.temperature_K),
+         .forward = r.forward});
+    if (!mu) return std::nullopt;
+    const auto flank = efficiency::flank_friction(friction, *mu);
+    for (const std::size_t driver : {0U, 1U}) {
+      loaded.efficiency[k][driver] =
+          drivers[k][driver] ? efficiency_of<T>(mesh.contact[driver], flank, friction.model)
+                             : constant<T>(0.0);
+    }
+  }
+  const T arm = shafts.planet_bearing_coefficient * shafts.planet_bearing_radius_m;
+  const T bearing = static_cast<double>(g.planets) * arm * planet_force<T>(g, r.mesh, torque_Nm);
+  loaded.known.pin = pin_torque<T>(g.teeth, drag[kPlanetShaft], bearing);
+  loaded.known.ring2 =
+      -drag[kOutputShaft] - shafts.output_bearing_share * magnitude(torque_Nm[train::kMeshP2R2]);
+  return train::solve_power_flow(loaded);
+}
+
+/// Mesh torques that make the friction which makes them.
+std::optional<train::PowerFlow<double>> settled(const Running& r,
+                                                const efficiency::Friction<double>& friction,
+                                                const ShaftLosses<double>& shafts) {
+  const train::ToothSet& teeth = r.train.geometry.teeth;
+  auto flow = train::solve_power_flow(frictionless_train<double>(
+      teeth, drag_torques<double>(r.train.geometry, shafts, r.output_speed_rad_s, r.temperature_K),
+      {.end = train::End::kOutput, .torque_Nm = r.output_torque_Nm}));
+  constexpr int kMostPasses = 50;
+  for (int pass = 0; flow && pass < kMostPasses; ++pass) {
+    auto next =
+        balance_at<double>(r, friction, shafts, flow->mesh_torque_Nm, only(flow->gear1_drives));
+    if (!next) return std::nullopt;
+    if (relative_change(flow->mesh_torque_Nm, next->mesh_torque_Nm) <= kRepeats) {
+      // The drivers were taken over from pass to pass: a search among all must find the same.
+      const auto free = balance_at<double>(r, friction, shafts, next->mesh_torque_Nm, kAnyDriver);
+      if (!free || free->gear1_drives != next->gear1_drives) return std::nullopt;
+      return next;
+    }
+    flow = next;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<Jet1> sun_torque(const FixedTrain& train, const VariedLosses& losses,
+                               const OperatingPoint<double>& point, Direction direction) {
+  const train::TrainGeometry<double>& g = train.geometry;
+  const auto is_magnitude = [](double x) { return x >= 0.0 && std::isfinite(x); };
+  if (!is_magnitude(point.sun_speed_rad_s) || !is_magnitude(point.output_torque_Nm)) {
+    return std::nullopt;
+  }
+  for (const auto& mesh : g.meshes) {
+    if (!(mesh.contact_ratio > 0.0)) return std::nullopt;
+  }
+  const train::SpeedRatios w = train::speed_ratios(g.teeth);
+  const double output_speed = point.sun_speed_rad_s / std::abs(w.sun);
+  const bool forward = direction == Direction::kForward;
+  const Running running{
+      .train = train,
+      .mesh = kinematics(g, output_speed),
+      .output_speed_rad_s = output_speed,
+      .temperature_K = point.temperature_K,
+      .forward = forward,
+      .output_torque_Nm = forward ? -point.output_torque_Nm : point.output_torque_Nm};
+  const auto friction = friction_as<double>(losses.friction);
+  const auto shafts = shafts_as<double>(losses.shafts);
+  const auto flow = settled(running, friction, shafts);
+  if (!flow) return std::nullopt;
+  const Drivers drivers = only(flow->gear1_drives);
+
+  MeshTorques<Jet1> torque;
+  for (std::size_t k = 0; k < kMeshCount; ++k) torque[k] = Jet1(flow->mesh_torque_Nm[k]);
+  const auto by_losses = balance_at<Jet1>(running, losses.friction, losses.shafts, torque, drivers);
+  for (std::size_t k = 0; k < kMeshCount; ++k) {
+    torque[k] = Jet1(flow->mesh_torque_Nm[k], static_cast<int>(k));
+  }
+  const auto by_torques = balance_at<Jet1>(running, friction_as<Jet1>(friction),
+                                           shafts_as<Jet1>(shafts), torque, drivers);
+  if (!by_losses || !by_torques) return std::nullopt;
+  Eigen::Matrix3d from_torques;                           // ∂F/∂τ
+  Eigen::Matrix<double, 3, Jet1::DIMENSION> from_losses;  // ∂F/∂p
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    const auto mesh = static_cast<std::size_t>(k);
+    from_torques.row(k) = by_torques->mesh_torque_Nm[mesh].v.head<3>().transpose();
+    from_losses.row(k) = by_losses->mesh_torque_Nm[mesh].v.transpose();
+  }
+  const Eigen::Matrix3d left = Eigen::Matrix3d::Identity() - from_torques;
+  const Eigen::Matrix<double, 3, Jet1::DIMENSION> slopes = left.inverse() * from_losses;
+  Jet1 sun(flow->sun_torque_Nm);
+  sun.v = by_losses->sun_torque_Nm.v + slopes.transpose() * by_torques->sun_torque_Nm.v.head<3>();
+  if (!sun.v.allFinite()) return std::nullopt;
+  return Jet1((forward ? 1.0 : -1.0) * sign_of(w.sun) * sun);
+}
+
+}  // namespace gear3k::design
