@@ -1,6 +1,8 @@
-// Time and memory of `gear3k diagnose` on long campaigns of the rig.
+// Time and memory of `gear3k diagnose` on long campaigns of the rig: with constant friction, and
+// with a friction law, drags and bearings, which the tooth forces are iterated for; the times of
+// both as a ratio, side by side.
 //
-//   many_rows [ROWS...]       (by default 1000 10000 100000)
+//   many_rows [ROWS...]       (by default 120 1000 10000 100000)
 
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -8,6 +10,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -15,6 +18,7 @@
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tests/rig/rig.hpp"
@@ -65,20 +69,44 @@ std::string read(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
+/// The design with everything that it can lose.
+std::string with_losses(std::string design) {
+  const auto insert_after = [&](std::string_view line, std::string_view text) {
+    design.insert(design.find(line) + line.size(), text);
+  };
+  insert_after("[stage1]\n", "face_width_mm = 8.0\n");
+  insert_after("[stage2]\n", "face_width_mm = 10.0\n");
+  design.erase(design.find("[friction]"));
+  return design +
+         "[friction]\nloss_model = \"coulomb_path\"\nlaw = \"schlenk\"\nroughness_um = 0.8\n"
+         "lubricant_factor = 1.0\n"
+         "[lubricant]\ntemperature1_c = 40.0\nviscosity1_mm2_s = 220.0\ntemperature2_c = 100.0\n"
+         "viscosity2_mm2_s = 19.0\ndensity_kg_m3 = 890.0\n"
+         "[drag.S]\nconstant_nm = 0.003\n[drag.carrier]\nviscous_nms_per_rad = 0.002\n"
+         "[drag.R2]\nconstant_nm = 0.1\n"
+         "[bearings]\nplanet_coefficient = 0.003\nplanet_radius_mm = 4.0\n";
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   std::vector<int> counts;
   for (int k = 1; k < argc; ++k) counts.push_back(std::atoi(argv[k]));
-  if (counts.empty()) counts = {1000, 10000, 100000};
+  if (counts.empty()) counts = {120, 1000, 10000, 100000};
   std::string pattern =
       (std::filesystem::temp_directory_path() / "gear3k_many_rows_XXXXXX").string();
   if (::mkdtemp(pattern.data()) == nullptr) return 1;
   const std::filesystem::path folder = pattern;
   const rig::Gearbox gearbox = rig::bilateral_drive_gear();
-  std::ofstream(folder / "gear.toml") << rig::design_toml(gearbox);
-  fmt::print("{:>8} {:>9} {:>9} {:>9} {:>12} {:>9} {:>9}  {}\n", "rows", "wall s", "CPU s",
-             "peak MB", "kB per row", "progress", "figures", "verdict");
+  struct Subject {
+    const char* name;
+    std::string design;
+  };
+  const std::string plain = rig::design_toml(gearbox);
+  const std::array<Subject, 2> subjects{
+      {{.name = "constant", .design = plain}, {.name = "losses", .design = with_losses(plain)}}};
+  fmt::print("{:>8} {:>9} {:>9} {:>9} {:>9} {:>12} {:>9} {:>9}  {}\n", "rows", "friction", "wall s",
+             "CPU s", "peak MB", "kB per row", "progress", "figures", "verdict");
   bool right = true;
   for (const int count : counts) {
     rig::Plan plan = rig::transmission_plan();
@@ -89,27 +117,36 @@ int main(int argc, char** argv) {
                                             {.id = "friction_speed", .rms_in_noise = 1.0}},
                                            5);
     std::ofstream(folder / "data.csv") << data.csv;
-    const std::filesystem::path results = folder / "results";
-    const Usage use = run({GEAR3K_PROGRAM, "diagnose", (folder / "gear.toml").string(),
-                           (folder / "data.csv").string(), "--out", results.string()},
-                          folder);
-    const std::string talk = read(folder / "stderr");
-    const std::string table = read(folder / "stdout");
-    std::uintmax_t figures = 0;
-    for (const auto& entry : std::filesystem::directory_iterator(results)) {
-      if (entry.path().extension() == ".svg") figures += entry.file_size();
+    std::array<double, 2> processor_s{};
+    for (std::size_t k = 0; k < subjects.size(); ++k) {
+      std::ofstream(folder / "gear.toml") << subjects[k].design;
+      const std::filesystem::path results = folder / subjects[k].name / std::to_string(count);
+      const Usage use = run({GEAR3K_PROGRAM, "diagnose", (folder / "gear.toml").string(),
+                             (folder / "data.csv").string(), "--out", results.string()},
+                            folder);
+      processor_s[k] = use.processor_s;
+      const std::string talk = read(folder / "stderr");
+      const std::string table = read(folder / "stdout");
+      std::uintmax_t figures = 0;
+      std::error_code none;
+      for (const auto& entry : std::filesystem::directory_iterator(results, none)) {
+        if (entry.path().extension() == ".svg") figures += entry.file_size();
+      }
+      const auto from = table.find("Verdict: ");
+      const std::string verdict = from == std::string::npos
+                                      ? "none"
+                                      : table.substr(from + 9, table.find('\n', from) - from - 9);
+      const auto rows = static_cast<double>(data.measured.size());
+      fmt::print("{:>8} {:>9} {:>9.1f} {:>9.1f} {:>9.1f} {:>12.2f} {:>9} {:>6} kB  {}\n",
+                 data.measured.size(), subjects[k].name, use.seconds, use.processor_s, use.peak_MB,
+                 1024.0 * use.peak_MB / rows, std::ranges::count(talk, '\n'), figures / 1024,
+                 verdict);
+      std::fflush(stdout);
+      right = right && use.exit_code == 0;
     }
-    const auto from = table.find("Verdict: ");
-    const std::string verdict = from == std::string::npos
-                                    ? "none"
-                                    : table.substr(from + 9, table.find('\n', from) - from - 9);
-    const auto rows = static_cast<double>(data.measured.size());
-    fmt::print("{:>8} {:>9.1f} {:>9.1f} {:>9.1f} {:>12.2f} {:>9} {:>6} kB  {}\n",
-               data.measured.size(), use.seconds, use.processor_s, use.peak_MB,
-               1024.0 * use.peak_MB / rows, std::ranges::count(talk, '\n'), figures / 1024,
-               verdict);
+    fmt::print("{:>8} CPU time with losses over that with constant friction: {:.2f}\n",
+               data.measured.size(), processor_s[1] / processor_s[0]);
     std::fflush(stdout);
-    right = right && use.exit_code == 0;
   }
   std::error_code ignored;
   std::filesystem::remove_all(folder, ignored);

@@ -141,8 +141,8 @@ std::optional<train::PowerFlow<double>> settled(const Running& r,
   auto flow = train::solve_power_flow(frictionless_train<double>(
       teeth, drag_torques<double>(r.train.geometry, shafts, r.output_speed_rad_s, r.temperature_K),
       {.end = train::End::kOutput, .torque_Nm = r.output_torque_Nm}));
-  constexpr int kMostPasses = 50;
-  for (int pass = 0; flow && pass < kMostPasses; ++pass) {
+  constexpr int kFewPasses = 50;
+  for (int pass = 0; flow && pass < kFewPasses; ++pass) {
     auto next =
         balance_at<double>(r, friction, shafts, flow->mesh_torque_Nm, only(flow->gear1_drives));
     if (!next) return std::nullopt;

@@ -410,6 +410,17 @@ TEST(Diagnose, ALimitBeyondTheDataIsBothEnds) {
   EXPECT_FALSE(contains(result.err, "sun_speed")) << result.err;
 }
 
+TEST(Diagnose, ALimitNearTheGreatestNumberIsOne) {
+  const Workplace place;
+  prepare_one_rotation(place);
+  // A load without torques: the sums and products of the condition overflow.
+  const ProgramResult result =
+      place.run({"diagnose", "gear.toml", "data.csv", "--format", "json", "--max-output-torque-nm",
+                 "1e308", "--max-sun-speed-rpm", "1e308"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_FALSE(json::parse(result.out).at("next_experiment").is_null());
+}
+
 TEST(Diagnose, TheNextExperimentKeepsItsLimits) {
   const Workplace place;
   prepare_one_rotation(place);

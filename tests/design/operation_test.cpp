@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "design/extension_scalar.hpp"
+#include "design/sun_torque.hpp"
 #include "tests/largest_deviation.hpp"
 #include "tests/random_train.hpp"
 #include "tests/sample.hpp"
@@ -919,6 +920,113 @@ TEST(ExtendedOperation, GradientsByTheModelsParametersAreThoseOfCentralDifferenc
     }
   }
   EXPECT_GT(seen, 40);
+}
+
+// --- the same torque with derivatives at fixed geometry
+
+template <class T>
+train::TrainParameters<T> parameters_as(const train::TrainParameters<double>& from) {
+  const auto as = [](double x) { return constant<T>(x); };
+  train::TrainParameters<T> p;
+  p.teeth = from.teeth;
+  p.planets = from.planets;
+  p.pressure_angle_rad = as(from.pressure_angle_rad);
+  p.center_distance_m = as(from.center_distance_m);
+  for (std::size_t k = 0; k < 2; ++k) p.module_m[k] = as(from.module_m[k]);
+  for (std::size_t k = 0; k < train::kGearCount; ++k) {
+    p.profile_shift[k] = as(from.profile_shift[k]);
+    p.rack[k] = {.addendum = as(from.rack[k].addendum),
+                 .dedendum = as(from.rack[k].dedendum),
+                 .root_radius = as(from.rack[k].root_radius)};
+  }
+  return p;
+}
+
+TEST(SunTorque, IsThatOfTheOperationWithItsDerivativesByTheLosses) {
+  Random random(77);
+  LargestDeviation value, slope;
+  int compared = 0, left_to_operate = 0;
+  const auto as = [](double x) { return constant<Jet1>(x); };
+  for (int i = 0; i < 1200; ++i) {
+    Gearbox g = random.gearbox(kLaws[static_cast<std::size_t>(i % 5)],
+                               kModels[static_cast<std::size_t>(i / 5 % 4)]);
+    if (i / 40 % 2 == 1) extend(random, g);
+    const OperatingPoint<double> point = random.point();
+    const Direction direction = kDirections[static_cast<std::size_t>(i / 20 % 2)];
+    const auto& f = g.friction;
+    VariedLosses losses;
+    losses.friction = {.coefficient = as(f.coefficient),
+                       .model = f.model,
+                       .approach_factor = as(f.approach_factor),
+                       .recess_factor = as(f.recess_factor),
+                       .law = f.law,
+                       .load_exponent = as(f.load_exponent),
+                       .reference_force_N = as(f.reference_force_N),
+                       .static_coefficient = as(f.static_coefficient),
+                       .stribeck_speed_m_s = as(f.stribeck_speed_m_s),
+                       .stribeck_exponent = as(f.stribeck_exponent),
+                       .viscous_s_m = as(f.viscous_s_m),
+                       .roughness_m = as(f.roughness_m),
+                       .lubricant_factor = as(f.lubricant_factor),
+                       .lubricant = {.temperature_K = {as(313.15), as(373.15)},
+                                     .viscosity_m2_s = {as(f.lubricant.viscosity_m2_s[0]),
+                                                        as(f.lubricant.viscosity_m2_s[1])},
+                                     .density_kgm3 = as(f.lubricant.density_kgm3)},
+                       .table = f.table,
+                       .extension = extension_as<Jet1>(f.extension)};
+    Extension<double> drags{};
+    drags.drag = g.shafts.drag;
+    losses.shafts.drag = extension_as<Jet1>(drags).drag;
+    losses.shafts.planet_bearing_coefficient = as(1.0);
+    losses.shafts.planet_bearing_radius_m =
+        as(g.shafts.planet_bearing_coefficient * g.shafts.planet_bearing_radius_m);
+    losses.shafts.output_bearing_share = as(g.shafts.output_bearing_share);
+    losses.shafts.drag_temperature_1_K = as(g.shafts.drag_temperature_1_K);
+    auto& e = losses.friction.extension;
+    const std::array<Jet1*, kVariables> places{&e.level,
+                                               &e.load_exponent,
+                                               &e.approach,
+                                               &e.recess,
+                                               &e.temperature_1_K,
+                                               &losses.shafts.planet_bearing_radius_m,
+                                               &losses.shafts.output_bearing_share,
+                                               &losses.shafts.drag[kSunShaft].constant_Nm};
+    for (std::size_t k = 0; k < kVariables; ++k) {
+      places[k]->v[static_cast<Eigen::Index>(k)] = 1.0;
+    }
+    const auto geometry = train::make_train_geometry(parameters_as<Jet1>(g.parameters));
+    ASSERT_TRUE(geometry);
+    const auto exact =
+        operate<Jet1>({.geometry = *geometry,
+                       .friction = losses.friction,
+                       .shafts = losses.shafts,
+                       .face_width_m = {as(g.face_width_m[0]), as(g.face_width_m[1])}},
+                      {.sun_speed_rad_s = as(point.sun_speed_rad_s),
+                       .output_torque_Nm = as(point.output_torque_Nm),
+                       .temperature_K = as(point.temperature_K)},
+                      direction);
+    const auto fast = sun_torque({.geometry = g.geometry, .face_width_m = g.face_width_m}, losses,
+                                 point, direction);
+    if (!exact.operation) {
+      EXPECT_FALSE(fast) << "case " << i;
+      continue;
+    }
+    if (!fast) {
+      ++left_to_operate;
+      continue;
+    }
+    ++compared;
+    const Jet1& sun = exact.operation->sun_torque_Nm;
+    const double scale =
+        std::abs(sun.a) + point.output_torque_Nm / std::abs(train::ratio(g.geometry.teeth));
+    value.see(i, fast->a - sun.a, 1e-11 * scale);
+    // The iterated derivatives stop one pass behind the values.
+    slope.see(i, (fast->v - sun.v).norm(), 1e-8 * (scale + sun.v.norm()));
+  }
+  value.expect_allowed("torque");
+  slope.expect_allowed("derivatives");
+  EXPECT_GT(compared, 600);
+  EXPECT_LT(left_to_operate, compared / 20);
 }
 
 }  // namespace

@@ -1,0 +1,76 @@
+#include "efficiency/mesh_loss_slopes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
+
+#include "tests/largest_deviation.hpp"
+
+namespace gear3k::efficiency {
+namespace {
+
+class SlopeRandom {
+ public:
+  double between(double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(generator_);
+  }
+  int count(int low, int high) { return std::uniform_int_distribution<int>(low, high)(generator_); }
+
+ private:
+  std::mt19937_64 generator_{31};
+};
+
+TEST(MeshEfficiencySlopes, AreThoseOfTheScalarWithDerivatives) {
+  constexpr std::array<LossModel, 4> kModels{LossModel::kSliding, LossModel::kOhlendorf,
+                                             LossModel::kCoulombPath, LossModel::kDirectional};
+  SlopeRandom random;
+  LargestDeviation efficiency, slopes;
+  for (int i = 0; i < 4000; ++i) {
+    const LossModel model = kModels[static_cast<std::size_t>(i % 4)];
+    const bool ring = random.count(0, 1) == 1;
+    const int z1 = random.count(10, 60);
+    // Beyond the pitch point on one side, without contact, and where flanks jam, too.
+    const MeshContact<double> c{.z1 = z1,
+                                .z2 = ring ? z1 + random.count(10, 90) : random.count(10, 90),
+                                .sign = ring ? -1.0 : 1.0,
+                                .approach_contact_ratio = random.between(-0.3, 1.8),
+                                .recess_contact_ratio = random.between(-0.3, 1.8),
+                                .tan_alpha_w = random.between(0.2, 0.6),
+                                .gear1_drives = random.count(0, 1) == 1};
+    const bool alike = random.count(0, 3) == 0;
+    const FlankFriction<double> mu{.coefficient = random.between(0.0, i % 50 == 0 ? 3.0 : 0.3),
+                                   .approach_factor = alike ? 1.0 : random.between(0.5, 2.0),
+                                   .recess_factor = alike ? 1.0 : random.between(0.5, 2.0)};
+    const MeshContact<Jet1> contact{.z1 = c.z1,
+                                    .z2 = c.z2,
+                                    .sign = c.sign,
+                                    .approach_contact_ratio = Jet1(c.approach_contact_ratio),
+                                    .recess_contact_ratio = Jet1(c.recess_contact_ratio),
+                                    .tan_alpha_w = Jet1(c.tan_alpha_w),
+                                    .gear1_drives = c.gear1_drives};
+    const Jet1 exact = mesh_efficiency<Jet1>(contact,
+                                             {.coefficient = Jet1(mu.coefficient, 0),
+                                              .approach_factor = Jet1(mu.approach_factor, 1),
+                                              .recess_factor = Jet1(mu.recess_factor, 2)},
+                                             model);
+    const MeshEfficiencySlopes fast = mesh_efficiency_slopes(c, mu, model, true);
+    efficiency.see(i, fast.efficiency - exact.a, 1e-14 * (1.0 + std::abs(exact.a)));
+    const std::array<double, 3> slope{fast.by_coefficient, fast.by_approach_factor,
+                                      fast.by_recess_factor};
+    const double scale = 1.0 + exact.v.norm();
+    for (std::size_t k = 0; k < 3; ++k) {
+      slopes.see(i, slope[k] - exact.v[static_cast<Eigen::Index>(k)], 1e-12 * scale);
+    }
+    const MeshEfficiencySlopes short_cut = mesh_efficiency_slopes(c, mu, model, false);
+    slopes.see(i, short_cut.by_coefficient - exact.v[0], 1e-12 * scale);
+    efficiency.see(i, short_cut.efficiency - exact.a, 1e-14 * (1.0 + std::abs(exact.a)));
+  }
+  efficiency.expect_allowed("efficiency");
+  slopes.expect_allowed("slopes");
+}
+
+}  // namespace
+}  // namespace gear3k::efficiency
