@@ -5,19 +5,20 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <utility>
 
 namespace gear3k::calibrate {
 
 Columns columns_at(const Problem& problem, const Hypothesis& hypothesis,
                    const std::vector<Candidate>& others, double scale) {
-  const Linearisation at = linearise(problem, hypothesis, others);
-  Eigen::MatrixXd all(at.own.rows(), 1 + at.own.cols() + at.other.cols());
-  all << measured(problem.data) - at.simulated, at.own, at.other;
-  problem.noise.whiten(all);
-  return {.residual = winsorised(all.col(0), scale),
-          .raw = all.col(0),
-          .own = all.middleCols(1, at.own.cols()),
-          .other = all.rightCols(at.other.cols())};
+  Linearisation at = linearise(problem, hypothesis, others);
+  // One after the other in their places: many rows have hundreds of megabytes of columns.
+  Eigen::MatrixXd residual = measured(problem.data) - at.simulated;
+  for (Eigen::MatrixXd* columns : {&residual, &at.own, &at.other}) problem.noise.whiten(*columns);
+  return {.residual = winsorised(residual.col(0), scale),
+          .raw = residual.col(0),
+          .own = std::move(at.own),
+          .other = std::move(at.other)};
 }
 
 std::vector<Block> blocks_of(const std::vector<Candidate>& candidates) {

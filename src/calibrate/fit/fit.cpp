@@ -137,7 +137,7 @@ Linearisation linearise(const Problem& problem, const Hypothesis& hypothesis,
             y.v.segment(pass.first_slot[k], count).transpose();
       }
     };
-    const std::optional<Scalar>& response = own.of_row(at);
+    const std::optional<Scalar> response = own.of_row(at);
     if (!response) {
       all_run = false;
       return;
@@ -151,7 +151,7 @@ Linearisation linearise(const Problem& problem, const Hypothesis& hypothesis,
     Modification plain = simulation.unmodified(condition);
     apply_to_reading(hypothesis, constants, condition, kind, plain);
     for (std::size_t k = 0; k < in_gearbox.size(); ++k) {
-      const std::optional<Scalar>& of_gearbox = of_pass[k].of_row(at);
+      const std::optional<Scalar> of_gearbox = of_pass[k].of_row(at);
       if (!of_gearbox) continue;
       Modification m = plain;
       // Of pairs a loss beside the mesh is read with it.

@@ -152,10 +152,12 @@ Screen::Luck Screen::luck(const Eigen::VectorXd& residual, double rate, int simu
   std::iota(place.begin(), place.end(), Eigen::Index{0});
   std::vector<double> greatest;
   greatest.reserve(static_cast<std::size_t>(simulations));
-  constexpr Eigen::Index kBatch = 64;
-  for (int done = 0; done < simulations; done += static_cast<int>(kBatch)) {
-    Eigen::MatrixXd sample(n, kBatch);
-    for (Eigen::Index k = 0; k < kBatch; ++k) {
+  // Samples of many rows are as large as all columns together.
+  constexpr Eigen::Index kManyRows = 20000;
+  const Eigen::Index batch = n > kManyRows ? 16 : 64;
+  for (int done = 0; done < simulations; done += static_cast<int>(batch)) {
+    Eigen::MatrixXd sample(n, batch);
+    for (Eigen::Index k = 0; k < batch; ++k) {
       for (std::size_t i = place.size(); chance == Chance::kShuffled && i > 1; --i) {
         const double at = random.uniform() * static_cast<double>(i);
         std::swap(place[i - 1], place[static_cast<std::size_t>(at)]);
@@ -175,7 +177,7 @@ Screen::Luck Screen::luck(const Eigen::VectorXd& residual, double rate, int simu
     }
     sample = free_part(sample);
     const Eigen::MatrixXd projection = basis_.transpose() * sample;
-    for (Eigen::Index k = 0; k < kBatch; ++k) {
+    for (Eigen::Index k = 0; k < batch; ++k) {
       const double total = sample.col(k).squaredNorm();
       double best = 0.0;
       for (const Block& block : blocks_) {

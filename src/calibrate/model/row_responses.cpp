@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <map>
 #include <numbers>
+#include <span>
 
 #include "numerics/parallel.hpp"
 
@@ -33,19 +34,22 @@ CaseKey case_key(const Condition& c) {
 }
 
 /// Places of the Chebyshev-Lobatto points, from 1 down to −1.
-std::array<double, kPoints> lobatto_points() {
-  std::array<double, kPoints> points{};
-  for (std::size_t j = 0; j < kPoints; ++j) {
-    points[j] = std::cos(std::numbers::pi * static_cast<double>(j) / (kPoints - 1));
-  }
+const std::array<double, kPoints>& lobatto_points() {
+  static const std::array<double, kPoints> points = [] {
+    std::array<double, kPoints> x{};
+    for (std::size_t j = 0; j < kPoints; ++j) {
+      x[j] = std::cos(std::numbers::pi * static_cast<double>(j) / (kPoints - 1));
+    }
+    return x;
+  }();
   return points;
 }
 
 /// Polynomial through every `stride`-th point, at x: the second barycentric formula, whose weights
 /// at these points alternate in sign and are halved at both ends.
 /// Source: Berrut and Trefethen, Barycentric Lagrange interpolation, SIAM Review 46(3), 2004.
-Scalar interpolated(const std::array<double, kPoints>& points, const Scalar* value, double x,
-                    std::size_t stride) {
+Scalar interpolated(const std::array<Scalar, kPoints>& value, double x, std::size_t stride) {
+  const std::array<double, kPoints>& points = lobatto_points();
   Scalar sum(0.0);
   double weights = 0.0;
   double sign = 1.0;
@@ -63,7 +67,7 @@ Scalar interpolated(const std::array<double, kPoints>& points, const Scalar* val
 }
 
 /// Whether the points without every second one tell those between them.
-bool is_resolved(const std::array<double, kPoints>& points, const Scalar* value) {
+bool is_resolved(const std::array<Scalar, kPoints>& value) {
   constexpr double kMost = 1e-8;
   Scalar greatest(0.0);
   for (std::size_t j = 0; j < kPoints; ++j) {
@@ -71,7 +75,7 @@ bool is_resolved(const std::array<double, kPoints>& points, const Scalar* value)
     greatest.v = greatest.v.cwiseMax(value[j].v.cwiseAbs());
   }
   for (std::size_t j = 1; j < kPoints; j += 2) {
-    const Scalar half = interpolated(points, value, points[j], 2);
+    const Scalar half = interpolated(value, lobatto_points()[j], 2);
     if (!(std::abs(half.a - value[j].a) <= kMost * greatest.a)) return false;
     if (!((half.v - value[j].v).cwiseAbs().array() <= kMost * greatest.v.array()).all()) {
       return false;
@@ -114,59 +118,74 @@ RowStates::RowStates(const std::vector<Observation>& rows) {
   }
 }
 
+namespace {
+
+/// result(k) = response(condition(k)), in threads where they are many.
+template <class ConditionOf, class ResultOf>
+void simulate(std::size_t count, const ResponseAt& response, ConditionOf condition,
+              ResultOf result) {
+  numerics::parallel_for(
+      count, [&](std::size_t k) { result(k) = response(condition(k)); }, count > kManySimulations);
+}
+
+}  // namespace
+
 RowResponses::RowResponses(const RowStates& states, bool reads_temperature,
                            const ResponseAt& response)
-    : states_(states), reads_temperature_(reads_temperature) {
-  const auto simulate = [&](std::size_t count, const auto& condition, const auto& result) {
-    numerics::parallel_for(
-        count, [&](std::size_t k) { result(k) = response(condition(k)); },
-        count > kManySimulations);
-  };
+    : states_(states), reads_temperature_(reads_temperature), of_case_(states.cases.size()) {
   if (!reads_temperature) {
     value_.resize(states.cases.size());
     simulate(
-        value_.size(), [&](std::size_t k) -> const Condition& { return states.cases[k]; },
+        value_.size(), response, [&](std::size_t k) -> const Condition& { return states.cases[k]; },
         [&](std::size_t k) -> auto& { return value_[k]; });
     return;
   }
+  interpolate_temperatures(response);
+  std::vector<std::size_t> left;
+  for (std::size_t s = 0; s < states.states.size(); ++s) {
+    const bool between = of_case_[states.case_of_state[s]].has_value() &&
+                         std::isfinite(states.states[s].temperature_K);
+    if (!between) left.push_back(s);
+  }
+  if (left.empty()) return;
   value_.resize(states.states.size());
-  static const std::array<double, kPoints> points = lobatto_points();
-  std::vector<std::optional<Scalar>> at_point(kPoints * states.interpolations.size());
   simulate(
-      at_point.size(),
+      left.size(), response,
+      [&](std::size_t k) -> const Condition& { return states.states[left[k]]; },
+      [&](std::size_t k) -> auto& { return value_[left[k]]; });
+}
+
+void RowResponses::interpolate_temperatures(const ResponseAt& response) {
+  const auto& along = states_.interpolations;
+  std::vector<std::optional<Scalar>> at_point(kPoints * along.size());
+  simulate(
+      at_point.size(), response,
       [&](std::size_t k) {
-        const RowStates::Interpolation& along = states.interpolations[k / kPoints];
-        Condition c = states.cases[along.of_case];
-        c.temperature_K = along.middle_K + along.half_range_K * points[k % kPoints];
+        const RowStates::Interpolation& one = along[k / kPoints];
+        Condition c = states_.cases[one.of_case];
+        c.temperature_K = one.middle_K + one.half_range_K * lobatto_points()[k % kPoints];
         return c;
       },
       [&](std::size_t k) -> auto& { return at_point[k]; });
-  // Of each case: its interpolation where there is a good one.
-  std::vector<const RowStates::Interpolation*> interpolation(states.cases.size(), nullptr);
-  std::vector<std::array<Scalar, kPoints>> known(states.cases.size());
-  for (std::size_t i = 0; i < states.interpolations.size(); ++i) {
-    const std::size_t k = states.interpolations[i].of_case;
-    const auto* of_case = &at_point[i * kPoints];
-    if (!std::all_of(of_case, of_case + kPoints, [](const auto& y) { return y.has_value(); })) {
-      continue;
-    }
-    std::transform(of_case, of_case + kPoints, known[k].begin(), [](const auto& y) { return *y; });
-    if (is_resolved(points, known[k].data())) interpolation[k] = &states.interpolations[i];
+  for (std::size_t i = 0; i < along.size(); ++i) {
+    const auto of_points = std::span(at_point).subspan(i * kPoints, kPoints);
+    if (!std::ranges::all_of(of_points, [](const auto& y) { return y.has_value(); })) continue;
+    Interpolant interpolant{
+        .middle_K = along[i].middle_K, .half_range_K = along[i].half_range_K, .value = {}};
+    std::ranges::transform(of_points, interpolant.value.begin(), [](const auto& y) { return *y; });
+    if (is_resolved(interpolant.value)) of_case_[along[i].of_case] = interpolant;
   }
-  std::vector<std::size_t> left;
-  for (std::size_t s = 0; s < value_.size(); ++s) {
-    const std::size_t k = states.case_of_state[s];
-    if (interpolation[k] == nullptr || !std::isfinite(states.states[s].temperature_K)) {
-      left.push_back(s);
-      continue;
-    }
-    const double x = (states.states[s].temperature_K - interpolation[k]->middle_K) /
-                     interpolation[k]->half_range_K;
-    value_[s] = interpolated(points, known[k].data(), x, 1);
-  }
-  simulate(
-      left.size(), [&](std::size_t k) -> const Condition& { return states.states[left[k]]; },
-      [&](std::size_t k) -> auto& { return value_[left[k]]; });
+}
+
+std::optional<Scalar> RowResponses::of_row(std::size_t row) const {
+  const std::size_t state = states_.state_of_row[row];
+  const std::size_t in_case = states_.case_of_state[state];
+  if (!reads_temperature_) return value_[in_case];
+  const double temperature_K = states_.states[state].temperature_K;
+  const std::optional<Interpolant>& between = of_case_[in_case];
+  if (!between || !std::isfinite(temperature_K)) return value_[state];
+  return interpolated(between->value, (temperature_K - between->middle_K) / between->half_range_K,
+                      1);
 }
 
 }  // namespace gear3k::calibrate

@@ -44,15 +44,21 @@ class RowResponses {
   /// @param response  called from several threads
   RowResponses(const RowStates& states, bool reads_temperature, const ResponseAt& response);
 
-  [[nodiscard]] const std::optional<Scalar>& of_row(std::size_t row) const {
-    const std::size_t state = states_.state_of_row[row];
-    return value_[reads_temperature_ ? state : states_.case_of_state[state]];
-  }
+  [[nodiscard]] std::optional<Scalar> of_row(std::size_t row) const;
 
  private:
+  static constexpr std::size_t kPoints = 17;
+  /// The case's responses at its points of temperature.
+  struct Interpolant {
+    double middle_K, half_range_K;
+    std::array<Scalar, kPoints> value;
+  };
+  void interpolate_temperatures(const ResponseAt& response);
+
   const RowStates& states_;
   bool reads_temperature_;
-  std::vector<std::optional<Scalar>> value_;  ///< by state, or by case
+  std::vector<std::optional<Interpolant>> of_case_;  ///< where there is a good one
+  std::vector<std::optional<Scalar>> value_;         ///< by case, or of other cases by state
 };
 
 }  // namespace gear3k::calibrate

@@ -133,7 +133,8 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
   Fit best = fit(problem, {}, scale);
   for (int size = 1; size <= kMostEffects; ++size) {
     const std::vector<Candidate> others = candidates_beside(candidates, best.hypothesis);
-    const Columns columns = size == 1 ? base : columns_at(problem, best.hypothesis, others, scale);
+    const Columns columns =
+        size == 1 ? std::exchange(base, {}) : columns_at(problem, best.hypothesis, others, scale);
     if (static_cast<double>(columns.own.cols()) >= n) break;
     const Screen screen(columns.own, columns.other, blocks_of(others), known);
     const std::vector<Gain> gains = screen.gains(columns.residual);

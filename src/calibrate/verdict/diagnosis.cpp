@@ -26,12 +26,17 @@ namespace {
 constexpr double kCauseShare = 0.85;
 constexpr double kRemainderShare = 0.15;
 
-/// Rows that the baseline simulates; the others are left out and named.
-/// @param kept  positions of the rows in `data`
-MeasurementSet simulated_rows(const Simulation& simulation, const MeasurementSet& data,
-                              std::vector<std::string>& notes, std::vector<std::size_t>& kept) {
-  MeasurementSet result = data;
-  result.rows.clear();
+/// Rows that the baseline simulates.
+struct SimulatedRows {
+  MeasurementSet data;
+  std::vector<std::size_t> place;  ///< of each in the data as given
+};
+
+/// The rows that do not run are left out, and named in the notes.
+SimulatedRows simulated_rows(const Simulation& simulation, const MeasurementSet& data,
+                             std::vector<std::string>& notes) {
+  SimulatedRows result{.data = data, .place = {}};
+  result.data.rows.clear();
   std::vector<int> lines;
   const RowStates states(data.rows);
   const Modification gearbox = simulation.unmodified({});
@@ -39,23 +44,22 @@ MeasurementSet simulated_rows(const Simulation& simulation, const MeasurementSet
                                [&](const Condition& c) { return simulation.response(c, gearbox); });
   for (std::size_t i = 0; i < data.rows.size(); ++i) {
     if (responses.of_row(i)) {
-      result.rows.push_back(data.rows[i]);
-      kept.push_back(i);
+      result.data.rows.push_back(data.rows[i]);
+      result.place.push_back(i);
     } else {
       lines.push_back(data.rows[i].line);
     }
   }
-  if (kept.size() != data.rows.size()) {
-    for (Covariate& c : result.covariates) {
-      std::vector<double> values;
-      values.reserve(kept.size());
-      for (const std::size_t i : kept) values.push_back(c.value[i]);
-      c.value = std::move(values);
-    }
-    notes.push_back(fmt::format(
-        "{} of {} rows are left out, as the simulation does not run there (the first in line {})",
-        lines.size(), data.rows.size(), lines.front()));
+  if (lines.empty()) return result;
+  for (Covariate& c : result.data.covariates) {
+    std::vector<double> values;
+    values.reserve(result.place.size());
+    for (const std::size_t i : result.place) values.push_back(c.value[i]);
+    c.value = std::move(values);
   }
+  notes.push_back(fmt::format(
+      "{} of {} rows are left out, as the simulation does not run there (the first in line {})",
+      lines.size(), data.rows.size(), lines.front()));
   return result;
 }
 
@@ -251,6 +255,135 @@ ExtendedModel model_of(const FinalFit& final, const MeasurementSet& data) {
   return model;
 }
 
+/// Measured rows and the simulation as given.
+struct Baseline {
+  Eigen::VectorXd measured, simulated;  ///< [SI]
+  Eigen::VectorXd weighted;             ///< measured − simulated, weighted
+};
+Baseline baseline_of(const Problem& problem) {
+  Baseline b{.measured = measured(problem.data),
+             .simulated = linearise(problem, {}, {}).simulated,
+             .weighted = {}};
+  b.weighted = (b.measured - b.simulated).cwiseProduct(problem.noise.weight);
+  return b;
+}
+
+/// Structure that no cause need explain, in what the simulation as given leaves and in what the
+/// causes leave.
+struct Remainders {
+  Columns before, after;
+  RemainderSearch of_baseline, of_fit;
+};
+Remainders search_remainders(const Problem& problem, const SearchResult& found,
+                             const Baseline& baseline, const std::vector<Levels>& levels,
+                             const DiagnoseOptions& options) {
+  const double rate = kRemainderShare * options.false_discovery_rate;
+  Remainders r{.before = columns_at(problem, {}, {}, robust_deviation(baseline.weighted)),
+               .after = columns_at(problem, found.fit.hypothesis, {}, found.scale),
+               .of_baseline = {},
+               .of_fit = {}};
+  r.of_baseline = search_remainder(problem, r.before, levels, rate, options.seed + 11);
+  r.of_fit = found.effects.empty()
+                 ? r.of_baseline
+                 : search_remainder(problem, r.after, levels, rate, options.seed + 12);
+  return r;
+}
+
+/// The effects that stand against structure without a cause.
+struct StandingEffects {
+  Hypothesis hypothesis;
+  std::vector<FoundEffect> found;  ///< what the search knows of each
+};
+StandingEffects standing_effects(const SearchResult& search, const Contest& contest) {
+  StandingEffects standing{.hypothesis = subset(search.fit.hypothesis, contest.stays), .found = {}};
+  for (std::size_t e = 0; e < search.effects.size(); ++e) {
+    if (contest.stays[e]) standing.found.push_back(search.effects[e]);
+  }
+  return standing;
+}
+
+/// Rows as fits without their blocks predict them.
+struct HeldOut {
+  Blocks blocks;
+  Eigen::VectorXd predicted;  ///< [SI]
+};
+HeldOut held_out_rows(const Problem& problem, const Hypothesis& h,
+                      const std::vector<Levels>& levels) {
+  HeldOut held{.blocks = holdout_blocks(problem.data, levels), .predicted = {}};
+  held.predicted = predict_held_out(problem, h, held.blocks);
+  return held;
+}
+
+/// Root mean squares; the noise floor is left to noise_level().
+Errors errors_of(const Problem& problem, const Baseline& baseline, const FinalFit& final,
+                 const HeldOut& held) {
+  const Eigen::VectorXd& y = baseline.measured;
+  Errors errors;
+  errors.baseline_train = root_mean_square(y - baseline.simulated);
+  errors.extended_train = root_mean_square(y - final.simulated);
+  if (held.blocks.count < 2 || !held.predicted.allFinite()) return errors;
+  errors.baseline_holdout = errors.baseline_train;
+  errors.extended_holdout = root_mean_square(y - held.predicted);
+  const Eigen::VectorXd& weight = problem.noise.weight;
+  if (!(weight.array() == weight[0]).all()) {
+    errors.weighted_gain =
+        1.0 - root_mean_square((y - held.predicted).cwiseProduct(weight)) /
+                  root_mean_square((y - baseline.simulated).cwiseProduct(weight));
+  }
+  return errors;
+}
+
+/// Of all rows as given; those that were left out have no numbers.
+/// @param whitened  residuals of the final fit; @param scale  their standard deviation
+std::vector<RowResult> row_results(std::size_t count, const SimulatedRows& rows,
+                                   const Problem& problem, const Baseline& baseline,
+                                   const FinalFit& final, const HeldOut& held,
+                                   const Eigen::VectorXd& whitened, double scale) {
+  constexpr double kOutlier = 4.0;
+  std::vector<RowResult> results(count);
+  for (RowResult& row : results) row.baseline = row.extended = row.sigma = kUnknown;
+  for (std::size_t i = 0; i < rows.place.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    results[rows.place[i]] = {.baseline = baseline.simulated[k],
+                              .extended = final.simulated[k],
+                              .sigma = scale / problem.noise.weight[k],
+                              .holdout = held.predicted[k],
+                              .block = held.blocks.of[i],
+                              .outlier = std::abs(whitened[k]) > kOutlier * scale};
+  }
+  return results;
+}
+
+/// Structure that is left, and its shape where it follows a covariate.
+Remainder remainder_of(const Problem& problem, const Contest& contest, const Hypothesis& effects,
+                       double scale, const std::vector<Levels>& levels,
+                       const Eigen::VectorXd& residual) {
+  const EmpiricalTerm& term = contest.remainder.best;
+  Remainder remainder;
+  remainder.significant = contest.structure;
+  remainder.p_value = contest.remainder.p_value;
+  remainder.constant = contest.structure && term.along.empty() && term.columns.cols() > 0;
+  if (contest.structure && !term.along.empty()) {
+    describe_shape(problem, columns_at(problem, effects, {}, scale), term, levels, residual,
+                   remainder);
+  }
+  return remainder;
+}
+
+std::string note_on_unknown_noise(std::size_t rows) {
+  return fmt::format(
+      "{} row{} without sigma or repeats: whether the simulation agrees within the noise is not "
+      "known",
+      rows, rows == 1 ? "" : "s");
+}
+
+std::string note_on_orders(double highest) {
+  return fmt::format(
+      "orders of the angle above {:.4g} per turn of the output were not looked through: too many "
+      "rows and turns; run-outs and mesh orders were tested all the same",
+      highest);
+}
+
 }  // namespace
 
 std::optional<Diagnosis> diagnose(const Simulation& simulation, const MeasurementSet& all_data,
@@ -262,13 +395,14 @@ std::optional<Diagnosis> diagnose(const Simulation& simulation, const Measuremen
   };
   Diagnosis d;
   d.kind = all_data.kind;
-  std::vector<std::size_t> kept;
-  const MeasurementSet data = simulated_rows(simulation, all_data, d.notes, kept);
+  const SimulatedRows rows = simulated_rows(simulation, all_data, d.notes);
+  const MeasurementSet& data = rows.data;
   if (data.rows.empty()) throw std::invalid_argument("diagnose: no row can be simulated");
   Problem problem{.simulation = simulation, .data = data, .noise = make_noise_model(data)};
   const std::vector<Levels> levels = covariate_levels(data);
   if (!tell(0.05)) return std::nullopt;
 
+  // Sets of causes that explain the discrepancy.
   const SearchOptions search_options{.rate = kCauseShare * options.false_discovery_rate,
                                      .seed = options.seed};
   SessionScatter sessions;
@@ -276,110 +410,63 @@ std::optional<Diagnosis> diagnose(const Simulation& simulation, const Measuremen
                                                search_options, tell, sessions, d.notes);
   if (!tell(0.6)) return std::nullopt;
 
-  const Eigen::VectorXd y = measured(data);
-  const Eigen::VectorXd baseline = linearise(problem, {}, {}).simulated;
-  const Eigen::VectorXd weighted = (y - baseline).cwiseProduct(problem.noise.weight);
+  // What repeats say of the simulation as given, and structure without a cause.
+  const Baseline baseline = baseline_of(problem);
   const Repeats repeats = find_repeats(data);
-  const PureError pure = pure_error(repeats, weighted);
+  const PureError pure = pure_error(repeats, baseline.weighted);
   d.repeat_degrees = pure.degrees;
-  d.lack_of_fit = lack_of_fit(repeats, weighted);
-
-  // Structure without a cause, before and after.
-  const double remainder_rate = kRemainderShare * options.false_discovery_rate;
-  const Columns before = columns_at(problem, {}, {}, robust_deviation(weighted));
-  const Columns after = columns_at(problem, found.fit.hypothesis, {}, found.scale);
-  const RemainderSearch remainder_before =
-      search_remainder(problem, before, levels, remainder_rate, options.seed + 11);
-  const RemainderSearch remainder_after =
-      found.effects.empty()
-          ? remainder_before
-          : search_remainder(problem, after, levels, remainder_rate, options.seed + 12);
+  d.lack_of_fit = lack_of_fit(repeats, baseline.weighted);
+  const Remainders left = search_remainders(problem, found, baseline, levels, options);
   if (!tell(0.8)) return std::nullopt;
-  d.covariates_before = remainder_before.tests;
-  d.covariates_after = remainder_after.tests;
-  d.periodogram = remainder_after.periodogram;
-  d.p_value = std::min(found.first_p, remainder_before.p_value);
-  d.evidence = first_evidence(found, static_cast<double>(y.size()));
+  d.covariates_before = left.of_baseline.tests;
+  d.covariates_after = left.of_fit.tests;
+  d.periodogram = left.of_fit.periodogram;
+  d.p_value = std::min(found.first_p, left.of_baseline.p_value);
+  d.evidence = first_evidence(found, static_cast<double>(data.rows.size()));
 
-  Contest contest = causes_against_structure(found, before, after, remainder_before,
-                                             remainder_after, remainder_rate);
-  const Hypothesis effects = subset(found.fit.hypothesis, contest.stays);
-  std::vector<FoundEffect> found_effects;
-  for (std::size_t e = 0; e < found.effects.size(); ++e) {
-    if (contest.stays[e]) found_effects.push_back(found.effects[e]);
-  }
-  const FinalFit final = final_fit(problem, effects, found.scale);
-  d.effects = effects_of(problem, final, found_effects, found, search_options);
+  // A cause stands where structure without one does not explain clearly more.
+  const double remainder_rate = kRemainderShare * options.false_discovery_rate;
+  Contest contest = causes_against_structure(found, left.before, left.after, left.of_baseline,
+                                             left.of_fit, remainder_rate);
+  const StandingEffects standing = standing_effects(found, contest);
+  const FinalFit final = final_fit(problem, standing.hypothesis, found.scale);
+  d.effects = effects_of(problem, final, standing.found, found, search_options);
 
   // Errors, held out and beyond.
-  d.errors.baseline_train = root_mean_square(y - baseline);
-  d.errors.extended_train = root_mean_square(y - final.simulated);
-  const Blocks blocks = holdout_blocks(data, levels);
-  d.holdout_blocks = blocks.name;
-  const Eigen::VectorXd held_out = predict_held_out(problem, effects, blocks);
-  if (blocks.count >= 2 && held_out.allFinite()) {
-    d.errors.baseline_holdout = d.errors.baseline_train;
-    d.errors.extended_holdout = root_mean_square(y - held_out);
-    const Eigen::VectorXd& weight = problem.noise.weight;
-    if (!(weight.array() == weight[0]).all()) {
-      d.errors.weighted_gain = 1.0 - root_mean_square((y - held_out).cwiseProduct(weight)) /
-                                         root_mean_square((y - baseline).cwiseProduct(weight));
-    }
-  }
-  d.extrapolation = extrapolate(problem, effects, levels, y, baseline);
+  const HeldOut held = held_out_rows(problem, standing.hypothesis, levels);
+  d.errors = errors_of(problem, baseline, final, held);
+  d.holdout_blocks = held.blocks.name;
+  d.extrapolation =
+      extrapolate(problem, standing.hypothesis, levels, baseline.measured, baseline.simulated);
+
+  // The noise, of a row of typical weight.
   const double row_scale = final.scale > 0.0 ? final.scale : found.scale;
   const double typical_weight = 1.0 / root_mean_square(problem.noise.weight.cwiseInverse());
   const NoiseLevel noise = noise_level(problem.noise, pure, row_scale);
   d.noise_source = noise.source;
   d.errors.noise_floor = noise.scale / typical_weight;
+  d.session_deviation = std::sqrt(sessions.estimate) * row_scale / typical_weight;
   if (!noise_is_known(noise.source, final) && d.effects.empty()) {
     d.errors.noise_floor = kUnknown;
-    d.notes.push_back(fmt::format(
-        "{} row{} without sigma or repeats: whether the simulation agrees within the noise is not "
-        "known",
-        data.rows.size(), data.rows.size() == 1 ? "" : "s"));
+    d.notes.push_back(note_on_unknown_noise(data.rows.size()));
   }
-  if (remainder_after.highest_order > 0.0) {
-    d.notes.push_back(fmt::format(
-        "orders of the angle above {:.4g} per turn of the output were not looked through: too many "
-        "rows and turns; run-outs and mesh orders were tested all the same",
-        remainder_after.highest_order));
-  }
-  d.session_deviation = std::sqrt(sessions.estimate) * row_scale / typical_weight;
-
-  Eigen::MatrixXd whitened = y - final.simulated;
+  if (left.of_fit.highest_order > 0.0) d.notes.push_back(note_on_orders(left.of_fit.highest_order));
+  Eigen::MatrixXd whitened = baseline.measured - final.simulated;
   problem.noise.whiten(whitened);
-  constexpr double kOutlier = 4.0;
-  d.rows.resize(all_data.rows.size());
-  for (RowResult& row : d.rows) row.baseline = row.extended = row.sigma = kUnknown;
-  for (std::size_t i = 0; i < kept.size(); ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    RowResult& row = d.rows[kept[i]];
-    row = {.baseline = baseline[k],
-           .extended = final.simulated[k],
-           .sigma = row_scale / problem.noise.weight[k],
-           .holdout = held_out[k],
-           .block = blocks.of[i]};
-    row.outlier = std::abs(whitened(k, 0)) > kOutlier * row_scale;
-  }
+  d.rows =
+      row_results(all_data.rows.size(), rows, problem, baseline, final, held, whitened, row_scale);
 
+  // The verdict, and what would tell more.
   if (const double chance = chance_of_scatter(problem.noise, whitened, final.degrees);
       !contest.structure && chance <= remainder_rate) {
     contest = {.structure = true, .stays = {}, .remainder = {}};
     contest.remainder.p_value = chance;
   }
-  d.remainder.significant = contest.structure;
-  d.remainder.p_value = contest.remainder.p_value;
-  d.remainder.constant = contest.structure && contest.remainder.best.along.empty() &&
-                         contest.remainder.best.columns.cols() > 0;
-  if (const EmpiricalTerm& term = contest.remainder.best;
-      contest.structure && !term.along.empty()) {
-    describe_shape(problem, columns_at(problem, effects, {}, found.scale), term, levels,
-                   y - final.simulated, d.remainder);
-  }
+  d.remainder = remainder_of(problem, contest, standing.hypothesis, found.scale, levels,
+                             baseline.measured - final.simulated);
   d.verdict = verdict_of(d);
-  d.next_experiment =
-      next_experiment(problem, effects, found_effects, found.scale, noise.scale, options);
+  d.next_experiment = next_experiment(problem, standing.hypothesis, standing.found, found.scale,
+                                      noise.scale, options);
   d.model = model_of(final, data);
   d.notes.insert(d.notes.begin(), data.notes.begin(), data.notes.end());
   if (!tell(1.0)) return std::nullopt;
