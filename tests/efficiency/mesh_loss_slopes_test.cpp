@@ -9,7 +9,7 @@
 
 #include "tests/largest_deviation.hpp"
 
-namespace gear3k::efficiency {
+namespace gear3k::efficiency::mesh_loss_slopes_test {
 namespace {
 
 class SlopeRandom {
@@ -73,4 +73,4 @@ TEST(MeshEfficiencySlopes, AreThoseOfTheScalarWithDerivatives) {
 }
 
 }  // namespace
-}  // namespace gear3k::efficiency
+}  // namespace gear3k::efficiency::mesh_loss_slopes_test

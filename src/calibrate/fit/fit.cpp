@@ -59,14 +59,7 @@ std::vector<Pass> make_passes(const std::vector<Candidate>& candidates, Place pl
   return passes;
 }
 
-/// Responses of the rows under causes, of which those of the gearbox act alike in all rows.
-RowResponses responses(const Problem& problem, const Modification& gearbox) {
-  const Simulation& simulation = problem.simulation;
-  return {problem.states, simulation.reads_temperature(gearbox),
-          [&](const Condition& c) { return simulation.response(c, gearbox); }};
-}
-
-/// The gearbox under a hypothesis and the candidates of a pass.
+/// The gearbox under a hypothesis, in any row.
 Modification gearbox_under(const Simulation& simulation, const Hypothesis& h,
                            const std::vector<Scalar>& values) {
   Modification m = simulation.unmodified({});
@@ -118,13 +111,14 @@ Linearisation linearise(const Problem& problem, const Hypothesis& hypothesis,
     }
   };
   const Modification known = gearbox_under(simulation, hypothesis, constants);
-  const RowResponses own = responses(problem, gearbox_under(simulation, hypothesis, variables));
+  const RowResponses own(problem.states, simulation,
+                         gearbox_under(simulation, hypothesis, variables));
   std::vector<RowResponses> of_pass;
   of_pass.reserve(in_gearbox.size());
   for (const Pass& pass : in_gearbox) {
     Modification m = known;
     add_pass(pass, {}, m);
-    of_pass.push_back(responses(problem, m));
+    of_pass.emplace_back(problem.states, simulation, m);
   }
   std::atomic<bool> all_run = true;
   const auto linearise_row = [&](Eigen::Index i) {

@@ -130,6 +130,13 @@ void simulate(std::size_t count, const ResponseAt& response, ConditionOf conditi
 
 }  // namespace
 
+RowResponses::RowResponses(const RowStates& states, const Simulation& simulation,
+                           const Modification& gearbox)
+    : RowResponses(
+          states, simulation.reads_temperature(gearbox),
+          [&, slopes = simulation.slopes_for(states.count(simulation.reads_temperature(gearbox)))](
+              const Condition& c) { return simulation.response(c, gearbox, slopes); }) {}
+
 RowResponses::RowResponses(const RowStates& states, bool reads_temperature,
                            const ResponseAt& response)
     : states_(states), reads_temperature_(reads_temperature), of_case_(states.cases.size()) {

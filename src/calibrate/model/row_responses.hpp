@@ -23,6 +23,9 @@ struct RowStates {
   };
 
   explicit RowStates(const std::vector<Observation>& rows);
+  [[nodiscard]] std::size_t count(bool reads_temperature) const {
+    return reads_temperature ? states.size() : cases.size();
+  }
 
   std::vector<std::size_t> state_of_row, case_of_state;
   std::vector<Condition> states, cases;  ///< conditions of the first row of each
@@ -35,6 +38,9 @@ using ResponseAt = std::function<std::optional<Scalar>(const Condition&)>;
 /// Responses by row.
 class RowResponses {
  public:
+  /// Of a gearbox that is modified alike in all rows.
+  RowResponses(const RowStates& states, const Simulation& simulation, const Modification& gearbox);
+
   /// Of every case once, or where the temperature counts of every state once.
   ///
   /// A case with more than 64 temperatures is simulated at 17 of them, the Chebyshev-Lobatto points

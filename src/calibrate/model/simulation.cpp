@@ -203,7 +203,8 @@ double Simulation::ratio() const {
   return 0.0;
 }
 
-std::optional<Scalar> Simulation::sun_torque(const Condition& c, const Modification& m) const {
+std::optional<Scalar> Simulation::sun_torque(const Condition& c, const Modification& m,
+                                             Slopes slopes) const {
   if (const auto* box = std::get_if<BlackBox>(&subject_)) return black_box_torque(*box, c, m);
   const auto& g = std::get<Gearbox>(subject_);
   const auto& e = m.gearbox;
@@ -221,13 +222,15 @@ std::optional<Scalar> Simulation::sun_torque(const Condition& c, const Modificat
   shafts.planet_bearing_radius_m = shafts.planet_bearing_radius_m + e.planet_bearing_arm_m;
   shafts.output_bearing_share = shafts.output_bearing_share + e.output_bearing_share;
   const double temperature_K = stated_or(c.temperature_K, temperature_of(g.design));
-  const auto torque =
-      design::sun_torque({.geometry = g.fixed_geometry, .face_width_m = g.face_width_m}, losses,
-                         {.sun_speed_rad_s = c.sun_speed_rad_s,
-                          .output_torque_Nm = c.output_torque_Nm,
-                          .temperature_K = temperature_K},
-                         c.direction);
-  if (torque) return torque;
+  if (slopes == Slopes::kImplicit) {
+    const auto torque =
+        design::sun_torque({.geometry = g.fixed_geometry, .face_width_m = g.face_width_m}, losses,
+                           {.sun_speed_rad_s = c.sun_speed_rad_s,
+                            .output_torque_Nm = c.output_torque_Nm,
+                            .temperature_K = temperature_K},
+                           c.direction);
+    if (torque) return torque;
+  }
   const design::LossyTrain<Scalar> train{
       .geometry = g.geometry,
       .friction = friction,
@@ -322,10 +325,25 @@ Scalar Simulation::pair_loss(const Condition& c, const Modification& m) const {
          mu * (side[0] * (flanks.approach_factor - 1.0) + side[1] * (flanks.recess_factor - 1.0));
 }
 
-std::optional<Scalar> Simulation::response(const Condition& c, const Modification& m) const {
+Slopes Simulation::slopes_for(std::size_t responses) const {
+  // Where friction depends on the tooth forces, or is integrated along the path of contact, one
+  // iterated response takes as long as fifty others.
+  constexpr std::size_t kFew = 1000;
+  constexpr std::size_t kFewOfLongOnes = 20;
+  const auto* gearbox = std::get_if<Gearbox>(&subject_);
+  if (gearbox == nullptr) return Slopes::kIterated;
+  const design::Friction& friction = gearbox->design.friction;
+  const bool is_long = efficiency::depends_on_state(friction) ||
+                       friction.model == efficiency::LossModel::kCoulombPath ||
+                       friction.model == efficiency::LossModel::kDirectional;
+  return responses > (is_long ? kFewOfLongOnes : kFew) ? Slopes::kImplicit : Slopes::kIterated;
+}
+
+std::optional<Scalar> Simulation::response(const Condition& c, const Modification& m,
+                                           Slopes slopes) const {
   switch (kind_) {
     case Kind::kTransmission:
-      return sun_torque(c, m);
+      return sun_torque(c, m, slopes);
     case Kind::kLostMotion:
     case Kind::kTorqueAngle:
       return lost_motion(c, m);

@@ -15,6 +15,12 @@ namespace gear3k::calibrate {
 /// What was measured: a gearbox, a gearbox as a black box, or pairs of gears of one rack.
 using Subject = std::variant<design::Design, BlackBox, design::PairDesign>;
 
+/// How the derivatives of a torque that friction has to settle are found: the same to rounding.
+enum class Slopes {
+  kIterated,  ///< with the torque, by design::operate()
+  kImplicit   ///< at the settled torque, by design::sun_torque(): for many rows
+};
+
 /// A subject ready to be simulated.
 class Simulation {
  public:
@@ -27,8 +33,10 @@ class Simulation {
   [[nodiscard]] Modification unmodified(const Condition& condition) const;
 
   /// Response of the gearbox [SI] under Modification::gearbox; empty where it does not run.
-  [[nodiscard]] std::optional<Scalar> response(const Condition& condition,
-                                               const Modification& m) const;
+  [[nodiscard]] std::optional<Scalar> response(const Condition& condition, const Modification& m,
+                                               Slopes slopes = Slopes::kIterated) const;
+  /// The quicker way for so many responses that it matters.
+  [[nodiscard]] Slopes slopes_for(std::size_t responses) const;
   /// Whether that response depends on Condition::temperature_K.
   [[nodiscard]] bool reads_temperature(const Modification& m) const;
   /// What is read of a response under the other parts of a modification [SI].
@@ -59,7 +67,8 @@ class Simulation {
     std::array<double, 2> face_width_m;
     Scalar lost_motion_rad;
   };
-  [[nodiscard]] std::optional<Scalar> sun_torque(const Condition& c, const Modification& m) const;
+  [[nodiscard]] std::optional<Scalar> sun_torque(const Condition& c, const Modification& m,
+                                                 Slopes slopes) const;
   [[nodiscard]] std::optional<Scalar> lost_motion(const Condition& c, const Modification& m) const;
   [[nodiscard]] Scalar pair_loss(const Condition& c, const Modification& m) const;
   [[nodiscard]] const design::Friction& stated_friction() const;

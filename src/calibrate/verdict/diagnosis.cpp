@@ -39,9 +39,7 @@ SimulatedRows simulated_rows(const Simulation& simulation, const MeasurementSet&
   result.data.rows.clear();
   std::vector<int> lines;
   const RowStates states(data.rows);
-  const Modification gearbox = simulation.unmodified({});
-  const RowResponses responses(states, simulation.reads_temperature(gearbox),
-                               [&](const Condition& c) { return simulation.response(c, gearbox); });
+  const RowResponses responses(states, simulation, simulation.unmodified({}));
   for (std::size_t i = 0; i < data.rows.size(); ++i) {
     if (responses.of_row(i)) {
       result.data.rows.push_back(data.rows[i]);

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-namespace gear3k::calibrate {
+namespace gear3k::calibrate::row_responses_test {
 namespace {
 
 constexpr double kCold_K = 290.0;
@@ -42,7 +42,9 @@ TEST(RowResponses, SimulatesACaseOnceWhereTheTemperatureDoesNotCount) {
   EXPECT_EQ(calls, 2);
   for (std::size_t k = 0; k < rows.size(); ++k) {
     ASSERT_EQ(responses.of_row(k).has_value(), k % 2 == 0);
-    if (k % 2 == 0) EXPECT_EQ(responses.of_row(k)->a, 10.0);
+    if (k % 2 == 0) {
+      EXPECT_EQ(responses.of_row(k)->a, 10.0);
+    }
   }
 }
 
@@ -90,7 +92,9 @@ TEST(RowResponses, SimulatesEveryTemperatureWhereNoPolynomialFollows) {
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const auto exact = kinked(rows[k].condition);
     ASSERT_EQ(responses.of_row(k).has_value(), exact.has_value());
-    if (exact) EXPECT_EQ(responses.of_row(k)->a, exact->a);
+    if (exact) {
+      EXPECT_EQ(responses.of_row(k)->a, exact->a);
+    }
   }
 }
 
@@ -106,4 +110,4 @@ TEST(RowResponses, TakesARowWithoutTemperatureForItself) {
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate
+}  // namespace gear3k::calibrate::row_responses_test
