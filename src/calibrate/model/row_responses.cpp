@@ -68,7 +68,7 @@ Scalar interpolated(const std::array<Scalar, kPoints>& value, double x, std::siz
 
 /// Whether the points without every second one tell those between them.
 bool is_resolved(const std::array<Scalar, kPoints>& value) {
-  constexpr double kMost = 1e-8;
+  constexpr double kMost = 1e-6;
   Scalar greatest(0.0);
   for (std::size_t j = 0; j < kPoints; ++j) {
     greatest.a = std::max(greatest.a, std::abs(value[j].a));

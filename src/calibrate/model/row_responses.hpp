@@ -45,7 +45,7 @@ class RowResponses {
   ///
   /// A case with more than 64 temperatures is simulated at 17 of them, the Chebyshev-Lobatto points
   /// T_j = T_m + ΔT cos(π j/16), and interpolated between them: where the polynomial through every
-  /// second of them misses the others by 1e-8 of the greatest response, or of a derivative, at most
+  /// second of them misses the others by 1e-6 of the greatest response, or of a derivative, at most
   /// (that of all is then exact to rounding); elsewhere every state is simulated.
   /// @param response  called from several threads
   RowResponses(const RowStates& states, bool reads_temperature, const ResponseAt& response);
