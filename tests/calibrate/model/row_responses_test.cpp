@@ -10,7 +10,7 @@ namespace gear3k::calibrate::row_responses_test {
 namespace {
 
 constexpr double kCold_K = 290.0;
-constexpr double kWarm_K = 330.0;
+constexpr double kWarm_K = 320.0;
 
 /// Two loads in turn, each at another temperature in every row.
 std::vector<Observation> rows_of(int count) {
