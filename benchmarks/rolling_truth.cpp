@@ -18,6 +18,7 @@
 #include <exception>
 #include <map>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -81,6 +82,9 @@ std::vector<test::NamedMargin> margins_of(const test::SimulatedPair& pair) {
       case design::Unit::kDegree:
         scale = 0.5 * pair.gear2.teeth;
         break;
+      default:
+        throw std::logic_error("rolling_truth: " + std::string(check.record->name) +
+                               " is neither a length nor an angle");
     }
     int gear = 0;
     for (int k = 0; k < 2 && k < static_cast<int>(evaluation->gears.size()); ++k) {

@@ -3,10 +3,10 @@
 #include "app/tolerances.hpp"
 
 #include "io/files/design_file.hpp"
+#include "report/built_series_report.hpp"
 #include "report/tolerance_report.hpp"
 #include "report/turn_plot.hpp"
 #include "report/turn_report.hpp"
-#include "report/yield_report.hpp"
 #include "work.hpp"
 
 using namespace gear3k;
@@ -19,7 +19,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const app::Tolerances t = app::tolerances({.design = design, .source = fuzz::kName}, progress);
     report::tolerance_table(t.evaluation.tolerance_limits);
     report::tolerances_json(t.evaluation, t.series);
-    report::yield_table(t.series);
+    report::built_series_table(t.series);
     report::lost_motion_histogram_csv(t.series);
     report::tolerance_shares_csv(t.series);
     report::turn_csv(t.turn);
