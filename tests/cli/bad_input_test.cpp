@@ -202,7 +202,7 @@ std::vector<BadInput> design_inputs() {
            "gear.toml:1:1: stage2.module_mm is missing", "gear.toml:1:1: gears.S.teeth is missing",
            "gear.toml:1:1: gears.P1.teeth is missing", "gear.toml:1:1: gears.R1.teeth is missing",
            "gear.toml:1:1: gears.P2.teeth is missing", "gear.toml:1:1: gears.R2.teeth is missing",
-           "a number in mm, above 0"}),
+           "a number in mm, 0.001 to 100"}),
       bad_design("BinaryGarbage",
                  std::string("\x7f"
                              "ELF\x02\x01\0\0\xff\xfe\x80",
@@ -212,7 +212,7 @@ std::vector<BadInput> design_inputs() {
       bad_design("UnclosedText", replaced(kDesign, "\"gear\"", "\"gear"),
                  {"gear.toml:1:", "not valid TOML"}),
       bad_design("DeepNesting", "name = " + std::string(20000, '['),
-                 {"gear.toml:1:", "not valid TOML"}),
+                 {"gear.toml:1:24: lists and tables 17 deep, allowed: at most 16"}),
       bad_design("DuplicateKey", replaced(kDesign, "planets = 3\n", "planets = 3\nplanets = 4\n"),
                  {"gear.toml:3:", "not valid TOML", "planets"}),
       bad_design("DuplicateTable", replaced(kDesign, "[stage2]", "[stage1]"),

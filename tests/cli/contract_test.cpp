@@ -573,7 +573,7 @@ TEST(Help, OfEveryCommandNamesItsFilesKeysWithTheirUnits) {
   const Workplace place;
   for (const Command& c :
        {Command{"analyze", "DESIGN.toml", "| `center_distance_mm` | a number in mm, above 0"},
-        Command{"mesh", "PAIR.toml", "| `module_mm` | a number in mm, above 0"},
+        Command{"mesh", "PAIR.toml", "| `module_mm` | a number in mm, 0.001 to 100"},
         Command{"search", "SPEC.toml", "| `backlash.max_output_arcmin` | a number in arcmin"},
         Command{"optimize", "SPEC.toml", "| `size.max_ring_root_diameter_mm` | a number in mm"}}) {
     const ProgramResult result = place.run({c.name, "--help"});
