@@ -10,6 +10,7 @@
 
 #include "app/errors.hpp"
 #include "calibrate/measurement/condition_quantity.hpp"
+#include "calibrate/measurement/impossible_rows.hpp"
 #include "calibrate/measurement/value_range.hpp"
 #include "calibrate/model/model_range.hpp"
 #include "io/files/measurement_loops.hpp"
@@ -130,7 +131,10 @@ DiagnosisTask diagnosis_task(const DiagnoseRequest& request) {
       }
       task.simulations.emplace_back(subject, set.kind, task.models);
       if (set.kind == Kind::kTorqueAngle) return;
-      io::check_physics(set, task.simulations.back().ratio());
+      const double ratio = task.simulations.back().ratio();
+      if (const auto refusal = calibrate::leave_out_impossible(set, ratio)) {
+        throw io::InvalidInput(*refusal);
+      }
     });
   }
   errors.throw_if_any();

@@ -48,16 +48,4 @@ Measurements read_measurements(const std::vector<std::string>& paths);
 /// The same from texts; `path` stands for the file in messages.
 Measurements parse_measurements(const std::vector<FileText>& files);
 
-/// Finds rows that give more power than they take: transmission above efficiency 1 at this ratio,
-/// pair_loss below 0.
-///
-///   forward  T_sun < T_out/|i|,  backward  T_sun > T_out/|i|
-///
-/// by more than 3 standard deviations and more than 1 % of T_out/|i| (pair_loss: of 1).  Where the
-/// rows state no sigma it is estimated from the scatter of neighbours in load, which repeats are
-/// too.  Such rows are left out and named in the notes.  Other kinds: nothing.
-/// @throws InvalidInput when they are more than 20 % of the rows
-/// @throws std::invalid_argument when ratio is not a finite number other than 0 (transmission)
-void check_physics(calibrate::MeasurementSet& set, double ratio);
-
 }  // namespace gear3k::io

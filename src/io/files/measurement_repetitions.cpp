@@ -10,9 +10,9 @@
 #include <tuple>
 #include <utility>
 
+#include "calibrate/measurement/left_out_rows.hpp"
 #include "calibrate/measurement/noise.hpp"
 #include "calibrate/measurement/value_range.hpp"
-#include "io/files/measurement_rows.hpp"
 #include "io/text/fnv_hash.hpp"
 #include "io/text/text_lines.hpp"
 
@@ -179,9 +179,9 @@ void leave_out_noted(MeasurementSet& set, const std::vector<char>& marked,
                      std::string_view reason) {
   const auto count = std::ranges::count(marked, 1);
   if (count == 0) return;
-  set.notes.push_back(fmt::format("{}: {} left out, {}", places_of(set, marked),
+  set.notes.push_back(fmt::format("{}: {} left out, {}", calibrate::places_of(set, marked),
                                   count == 1 ? "row" : "rows", reason));
-  leave_out(set, marked);
+  calibrate::leave_out(set, marked);
 }
 
 }  // namespace gear3k::io

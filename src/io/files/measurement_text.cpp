@@ -9,12 +9,12 @@
 #include <utility>
 #include <vector>
 
+#include "calibrate/measurement/left_out_rows.hpp"
+#include "calibrate/measurement/sensor_limit.hpp"
 #include "io/files/document_kind.hpp"
 #include "io/files/measurement_columns.hpp"
 #include "io/files/measurement_header.hpp"
 #include "io/files/measurement_repetitions.hpp"
-#include "io/files/measurement_rows.hpp"
-#include "io/files/measurement_saturation.hpp"
 #include "io/files/measurement_time.hpp"
 #include "io/text/csv_table.hpp"
 #include "io/text/printable.hpp"
@@ -230,8 +230,9 @@ class RowReader {
     if (count == 0) return;
     if (static_cast<double>(count) > kMostMissing * static_cast<double>(rows_found_)) {
       file_.complaints.add(
-          {}, fmt::format("{} of {} rows lack a required value ({}): allowed: at most {:g} %",
-                          count, rows_found_, line_list(missing_lines_), 100.0 * kMostMissing));
+          {},
+          fmt::format("{} of {} rows lack a required value ({}): allowed: at most {:g} %", count,
+                      rows_found_, calibrate::line_list(missing_lines_), 100.0 * kMostMissing));
       return;
     }
     std::string shown = fmt::format("{}", fmt::join(missing_shown_, ", "));
@@ -256,7 +257,7 @@ class RowReader {
       const bool all_or_none =
           c.column()->type == Type::kRun || c.column()->type == Type::kSense || is_sigma;
       if (all_or_none && c.blanks > 0) {
-        std::string lines = line_list(c.first_blanks);
+        std::string lines = calibrate::line_list(c.first_blanks);
         if (c.blanks > c.first_blanks.size()) {
           lines += fmt::format(" and {} more", c.blanks - c.first_blanks.size());
         }
@@ -288,7 +289,9 @@ void read_rows(std::string_view text, const MeasurementHeader& header, Measureme
   reader.take_covariates();
   leave_out_copies(file.set, reader.texts().repetitions());
   check_time(file.set, file.complaints);
-  leave_out_saturated(file.set, file.complaints);
+  if (const auto refusal = calibrate::leave_out_saturated(file.set)) {
+    file.complaints.add({}, *refusal);
+  }
   reader.note_ignored();
 }
 

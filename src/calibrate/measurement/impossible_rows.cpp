@@ -1,21 +1,18 @@
+#include "calibrate/measurement/impossible_rows.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <tuple>
+#include <vector>
 
-#include "io/files/measurement_file.hpp"
-#include "io/files/measurement_rows.hpp"
-#include "io/text/diagnostics.hpp"
+#include "calibrate/measurement/left_out_rows.hpp"
 
-namespace gear3k::io {
+namespace gear3k::calibrate {
 
 namespace {
-
-using calibrate::Kind;
-using calibrate::MeasurementSet;
-using calibrate::Observation;
 
 constexpr double kStandardDeviations = 3.0;
 constexpr double kRelativeAllowance = 0.01;
@@ -31,7 +28,7 @@ double load_of(Kind kind, const Observation& o) {
 
 /// Standard deviation of the response from the scatter about the line through the neighbours in
 /// load; 0 where there are too few.  Neighbours of other speeds only make it greater.
-double scatter(const MeasurementSet& set) {
+double scatter_in_load(const MeasurementSet& set) {
   std::vector<const Observation*> order;
   order.reserve(set.rows.size());
   for (const Observation& o : set.rows) order.push_back(&o);
@@ -61,13 +58,13 @@ double scatter(const MeasurementSet& set) {
 
 }  // namespace
 
-void check_physics(MeasurementSet& set, double ratio) {
-  if (set.kind != Kind::kTransmission && set.kind != Kind::kPairLoss) return;
+std::optional<std::string> leave_out_impossible(MeasurementSet& set, double ratio) {
+  if (set.kind != Kind::kTransmission && set.kind != Kind::kPairLoss) return std::nullopt;
   if (set.kind == Kind::kTransmission && !(std::isfinite(ratio) && ratio != 0.0)) {
     throw std::invalid_argument(
-        fmt::format("check_physics: ratio = {}: allowed: finite, not 0", ratio));
+        fmt::format("leave_out_impossible: ratio = {}: allowed: finite, not 0", ratio));
   }
-  const double estimated = scatter(set);
+  const double estimated = scatter_in_load(set);
   std::vector<char> marked(set.rows.size(), 0);
   std::size_t count = 0;
   for (std::size_t k = 0; k < set.rows.size(); ++k) {
@@ -84,24 +81,25 @@ void check_physics(MeasurementSet& set, double ratio) {
       ++count;
     }
   }
-  if (count == 0) return;
+  if (count == 0) return std::nullopt;
   const std::string places = places_of(set, marked);
   if (static_cast<double>(count) > kMostImpossible * static_cast<double>(set.rows.size())) {
-    throw InvalidInput(
-        set.kind == Kind::kTransmission
-            ? fmt::format(
-                  "{}: efficiency above 1 at the ratio {:.6g} in {} of {} rows, allowed: at "
-                  "most {:g} %; are forward and backward swapped, is it another ratio, "
-                  "another unit, or a sensor far out?",
-                  places, std::abs(ratio), count, set.rows.size(), 100.0 * kMostImpossible)
-            : fmt::format("{}: loss_factor below 0 (efficiency above 1) in {} of {} rows, allowed: "
-                          "at most {:g} %; are driving and driven gears swapped, or is it 1 - loss "
-                          "with the wrong sign?",
-                          places, count, set.rows.size(), 100.0 * kMostImpossible));
+    return set.kind == Kind::kTransmission
+               ? fmt::format(
+                     "{}: efficiency above 1 at the ratio {:.6g} in {} of {} rows, allowed: at "
+                     "most {:g} %; are forward and backward swapped, is it another ratio, "
+                     "another unit, or a sensor far out?",
+                     places, std::abs(ratio), count, set.rows.size(), 100.0 * kMostImpossible)
+               : fmt::format(
+                     "{}: loss_factor below 0 (efficiency above 1) in {} of {} rows, allowed: "
+                     "at most {:g} %; are driving and driven gears swapped, or is it 1 - loss "
+                     "with the wrong sign?",
+                     places, count, set.rows.size(), 100.0 * kMostImpossible);
   }
   set.notes.push_back(fmt::format("{}: {} left out, efficiency above 1 beyond the noise", places,
                                   count == 1 ? "row" : "rows"));
   leave_out(set, marked);
+  return std::nullopt;
 }
 
-}  // namespace gear3k::io
+}  // namespace gear3k::calibrate

@@ -1,10 +1,11 @@
-#include "io/files/measurement_rows.hpp"
+#include "calibrate/measurement/left_out_rows.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
-namespace gear3k::io {
+namespace gear3k::calibrate {
 
 namespace {
 
@@ -29,7 +30,7 @@ std::string line_list(const std::vector<int>& lines) {
   return text;
 }
 
-std::string places_of(const calibrate::MeasurementSet& set, const std::vector<char>& marked) {
+std::string places_of(const MeasurementSet& set, const std::vector<char>& marked) {
   std::string text;
   for (std::size_t file = 0; file < set.files.size(); ++file) {
     std::vector<int> lines;
@@ -45,9 +46,9 @@ std::string places_of(const calibrate::MeasurementSet& set, const std::vector<ch
   return text;
 }
 
-void leave_out(calibrate::MeasurementSet& set, const std::vector<char>& marked) {
+void leave_out(MeasurementSet& set, const std::vector<char>& marked) {
   remove_marked(set.rows, marked);
-  for (calibrate::Covariate& covariate : set.covariates) remove_marked(covariate.value, marked);
+  for (Covariate& covariate : set.covariates) remove_marked(covariate.value, marked);
 }
 
-}  // namespace gear3k::io
+}  // namespace gear3k::calibrate

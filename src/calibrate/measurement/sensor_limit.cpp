@@ -1,6 +1,7 @@
-#include "io/files/measurement_saturation.hpp"
+#include "calibrate/measurement/sensor_limit.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,13 +11,11 @@
 #include <utility>
 #include <vector>
 
-#include "io/files/measurement_rows.hpp"
+#include "calibrate/measurement/left_out_rows.hpp"
 
-namespace gear3k::io {
+namespace gear3k::calibrate {
 
 namespace {
-
-using calibrate::Observation;
 
 constexpr std::size_t kSaturatedRows = 5;      // from which a repeated extreme is suspicious
 constexpr double kSaturatedLoadSpread = 0.05;  // relative
@@ -62,7 +61,7 @@ struct RowsAtLimit {
   double least_load_Nm = std::numeric_limits<double>::infinity(), greatest_load_Nm = 0.0;
 };
 
-RowsAtLimit rows_at(const std::vector<Observation>& rows, double sun_torque_Nm) {
+RowsAtLimit rows_at_limit(const std::vector<Observation>& rows, double sun_torque_Nm) {
   RowsAtLimit at{.marked = std::vector<char>(rows.size(), 0)};
   for (std::size_t k = 0; k < rows.size(); ++k) {
     if (rows[k].response != sun_torque_Nm) continue;
@@ -82,18 +81,18 @@ bool is_saturated(const RowsAtLimit& at, const SunTorques& torques) {
 
 }  // namespace
 
-void leave_out_saturated(calibrate::MeasurementSet& set, Complaints& complaints) {
+std::optional<std::string> leave_out_saturated(MeasurementSet& set) {
   const std::vector<Observation>& rows = set.rows;
-  if (set.kind != calibrate::Kind::kTransmission || rows.size() < kSaturatedRows) return;
+  if (set.kind != Kind::kTransmission || rows.size() < kSaturatedRows) return std::nullopt;
   const std::optional<SunTorques> torques = sun_torques(rows);
-  if (!torques) return;
+  if (!torques) return std::nullopt;
   std::vector<std::pair<const char*, double>> ends{{"greatest", torques->greatest}};
   if (torques->least < torques->greatest) ends.emplace_back("least", torques->least);
   std::vector<char> marked(rows.size(), 0);
   std::vector<std::string> found;
   std::size_t count = 0;
   for (const auto& [name, value] : ends) {
-    const RowsAtLimit at = rows_at(rows, value);
+    const RowsAtLimit at = rows_at_limit(rows, value);
     if (!is_saturated(at, *torques)) continue;
     for (std::size_t k = 0; k < rows.size(); ++k) {
       if (at.marked[k] != 0) marked[k] = 1;
@@ -104,14 +103,14 @@ void leave_out_saturated(calibrate::MeasurementSet& set, Complaints& complaints)
         "is at its limit",
         places_of(set, at.marked), at.count, name, value, at.least_load_Nm, at.greatest_load_Nm));
   }
-  if (count == 0) return;
+  if (count == 0) return std::nullopt;
   if (static_cast<double>(count) > kMostSaturated * static_cast<double>(rows.size())) {
-    complaints.add({}, fmt::format("{}; that is {} of {} rows, allowed: at most half",
-                                   fmt::join(found, "; "), count, rows.size()));
-    return;
+    return fmt::format("{}; that is {} of {} rows, allowed: at most half", fmt::join(found, "; "),
+                       count, rows.size());
   }
   for (const std::string& text : found) set.notes.push_back(text + "; left out");
   leave_out(set, marked);
+  return std::nullopt;
 }
 
-}  // namespace gear3k::io
+}  // namespace gear3k::calibrate
