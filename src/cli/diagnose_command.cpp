@@ -98,9 +98,8 @@ std::optional<std::vector<Diagnosis>> shown(const app::DiagnosisTask& task,
                                             const DiagnoseOptions& options) {
   optimize::Progress progress;
   constexpr std::size_t kSteps = 1000;
-  progress.phase = optimize::Progress::Phase::kDiagnosis;
   progress.total = kSteps;
-  const ProgressDisplay display(progress, options.quiet);
+  const ProgressDisplay display(progress, options.quiet, ProgressDisplay::Counts::kSharesDiagnosed);
   // A partial diagnosis has no result and nothing is written before the end: an interrupt need not
   // wait for the next step, which takes minutes for 100 000 rows.
   end_on_interrupt();

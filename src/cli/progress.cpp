@@ -50,6 +50,7 @@ void end_on_interrupt() {
 
 struct ProgressDisplay::State {
   optimize::Progress& progress;
+  Counts counts;
   Clock::time_point start = Clock::now();
   bool terminal = ::isatty(STDERR_FILENO) != 0;
   bool bar_shown = false;
@@ -61,7 +62,7 @@ struct ProgressDisplay::State {
   bool done = false;
   std::thread thread;
 
-  explicit State(optimize::Progress& p) : progress(p) {}
+  State(optimize::Progress& p, Counts c) : progress(p), counts(c) {}
 
   [[nodiscard]] double elapsed_s() const {
     return std::chrono::duration<double>(Clock::now() - start).count();
@@ -100,12 +101,12 @@ struct ProgressDisplay::State {
         facts =
             count_of("tooth sets refined") + fmt::format(", {} feasible", progress.feasible.load());
         break;
-      case Phase::kDiagnosis:
-        facts = fmt::format("{} % diagnosed, {} left", 100 * finished / total, remaining);
-        break;
       case Phase::kGearboxes:
         facts = count_of("gearboxes built at random");
         break;
+    }
+    if (counts == Counts::kSharesDiagnosed) {
+      facts = fmt::format("{} % diagnosed, {} left", 100 * finished / total, remaining);
     }
     if (progress.feasible.load() > 0) {
       facts += fmt::format(", best {:.5g}",
@@ -131,8 +132,8 @@ struct ProgressDisplay::State {
   }
 };
 
-ProgressDisplay::ProgressDisplay(optimize::Progress& progress, bool quiet)
-    : state_(std::make_unique<State>(progress)) {
+ProgressDisplay::ProgressDisplay(optimize::Progress& progress, bool quiet, Counts counts)
+    : state_(std::make_unique<State>(progress, counts)) {
   stop_flag = &progress.stop;
   std::signal(SIGINT, on_interrupt);
   std::signal(SIGTERM, on_interrupt);

@@ -17,7 +17,13 @@ void end_on_interrupt();
 /// when quiet.  A second Ctrl-C ends the program at once.  At most one may exist at a time.
 class ProgressDisplay {
  public:
-  ProgressDisplay(optimize::Progress& progress, bool quiet);
+  /// What the counters count.
+  enum class Counts {
+    kOfPhase,          ///< by Progress::phase
+    kSharesDiagnosed,  ///< done of total is the share of a diagnosis; the phase means nothing
+  };
+
+  ProgressDisplay(optimize::Progress& progress, bool quiet, Counts counts = Counts::kOfPhase);
   ~ProgressDisplay();
   ProgressDisplay(const ProgressDisplay&) = delete;
   ProgressDisplay& operator=(const ProgressDisplay&) = delete;
