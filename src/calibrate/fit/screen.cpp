@@ -76,25 +76,26 @@ double RandomBits::normal() {
   return radius * std::cos(2.0 * std::numbers::pi * uniform());
 }
 
-Screen::Screen(const Eigen::MatrixXd& own, const Eigen::MatrixXd& columns,
-               std::vector<Block> blocks, double known_scale)
+Screen::Screen(const Eigen::MatrixXd& own, Eigen::MatrixXd columns, std::vector<Block> blocks,
+               double known_scale)
     : blocks_(std::move(blocks)),
       own_basis_(orthonormal_basis(own)),
-      basis_(Eigen::MatrixXd::Zero(columns.rows(), columns.cols())),
+      basis_(std::move(columns)),
       known_scale_(known_scale) {
   rank_.reserve(blocks_.size());
   constexpr double kAlike = 1e-8;  // share of its squares that a column must keep
   for (const Block& block : blocks_) {
-    const Eigen::MatrixXd given = columns.middleCols(block.first, block.count);
+    const Eigen::MatrixXd given = basis_.middleCols(block.first, block.count);
     Eigen::MatrixXd left = free_part(given);
     for (Eigen::Index k = 0; k < left.cols(); ++k) {
       if (!(left.col(k).squaredNorm() > kAlike * given.col(k).squaredNorm())) left.col(k).setZero();
     }
     const Eigen::MatrixXd basis = orthonormal_basis(left);
     basis_.middleCols(block.first, basis.cols()) = basis;
+    basis_.middleCols(block.first + basis.cols(), block.count - basis.cols()).setZero();
     rank_.push_back(basis.cols());
   }
-  degrees_ = static_cast<double>(columns.rows() - own_basis_.cols());
+  degrees_ = static_cast<double>(basis_.rows() - own_basis_.cols());
 }
 
 Eigen::MatrixXd Screen::free_part(const Eigen::MatrixXd& x) const {

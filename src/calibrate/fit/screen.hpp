@@ -32,7 +32,7 @@ class Screen {
   /// @param own  columns of what is fitted; @param columns  of the blocks; all whitened
   /// @param known_scale  standard deviation of the rows when it is known, else 0: it is then taken
   /// from what the block leaves
-  Screen(const Eigen::MatrixXd& own, const Eigen::MatrixXd& columns, std::vector<Block> blocks,
+  Screen(const Eigen::MatrixXd& own, Eigen::MatrixXd columns, std::vector<Block> blocks,
          double known_scale);
 
   [[nodiscard]] const std::vector<Block>& blocks() const { return blocks_; }

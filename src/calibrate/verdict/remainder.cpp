@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <memory>
 #include <numbers>
 #include <utility>
 
@@ -66,12 +68,20 @@ Eigen::VectorXd losing_sign(const MeasurementSet& data) {
 /// What a term is to the table of covariates: nothing, the levels of one, or what they lose.
 enum class Entry { kNone, kLevels, kLosses };
 
-/// A term that a covariate, or several, could add.
+/// A term that a covariate, or several, could add.  Its columns are made when they are asked for:
+/// hundreds of them for many rows are hundreds of megabytes.
 struct Term {
   std::string along;
-  Eigen::MatrixXd columns;  // whitened
+  Eigen::Index count = 0;                  // of its columns
+  std::function<Eigen::MatrixXd()> plain;  // not whitened
   Entry entry = Entry::kNone;
   double weight = 1.0;
+
+  [[nodiscard]] Eigen::MatrixXd columns(const NoiseModel& noise) const {
+    Eigen::MatrixXd result = plain();
+    noise.whiten(result);
+    return result;
+  }
 };
 
 /// Terms of the rows of a problem, each with its weight before the data.
@@ -86,7 +96,7 @@ class TermCollection {
   }
   [[nodiscard]] const std::vector<Term>& terms() const { return terms_; }
   /// The first term: what is there under all conditions alike, which is structure along none.
-  [[nodiscard]] const Eigen::MatrixXd& constant() const { return terms_.front().columns; }
+  [[nodiscard]] Eigen::MatrixXd constant() const { return terms_.front().columns(problem_.noise); }
   /// The same as a loss; whitened.
   [[nodiscard]] Eigen::MatrixXd constant_loss() const {
     Eigen::MatrixXd column = losing_;
@@ -107,18 +117,19 @@ class TermCollection {
   [[nodiscard]] bool is_noise(const Levels& l) const {
     return l.name == "run" && problem_.noise.session_variance > 0.0;
   }
-  void add(const std::string& along, Eigen::MatrixXd columns, Entry entry, double weight) {
-    problem_.noise.whiten(columns);
-    terms_.push_back(
-        {.along = along, .columns = std::move(columns), .entry = entry, .weight = weight});
-  }
+  void add(Term term) { terms_.push_back(std::move(term)); }
   void add(const Levels& l, Entry entry, double weight) {
-    if (l.count >= 2 && few(l)) add(l.name, indicators(l), entry, weight);
+    if (l.count < 2 || !few(l)) return;
+    add({.along = l.name,
+         .count = l.count,
+         .plain = [l] { return indicators(l); },
+         .entry = entry,
+         .weight = weight});
   }
 
   void add_constant() {
     const auto n = static_cast<Eigen::Index>(problem_.data.rows.size());
-    add("", Eigen::VectorXd::Ones(n), Entry::kNone, 1.0);
+    add({.along = "", .count = 1, .plain = [n] { return Eigen::MatrixXd::Ones(n, 1); }});
   }
 
   /// Levels of a covariate, by themselves and by direction or rotation, and of several together.
@@ -135,9 +146,16 @@ class TermCollection {
     const bool both_ways = (losing_.array() != losing_[0]).any();
     for (const Levels& l : levels_) {
       if (l.name == "direction" || !few(l) || is_noise(l)) continue;
-      Eigen::MatrixXd columns = indicators(l);
-      columns.array().colwise() *= losing_.array();
-      add(l.name, std::move(columns), both_ways ? Entry::kLosses : Entry::kNone, 0.7);
+      add({.along = l.name,
+           .count = l.count,
+           .plain =
+               [l, losing = losing_] {
+                 Eigen::MatrixXd columns = indicators(l);
+                 columns.array().colwise() *= losing.array();
+                 return columns;
+               },
+           .entry = both_ways ? Entry::kLosses : Entry::kNone,
+           .weight = 0.7});
     }
     const Levels* load = find("load");
     const Levels* speed = find("speed");
@@ -160,11 +178,24 @@ class TermCollection {
     const Levels cells = crossed(*load, *speed);
     constexpr int kMostCells = 64;
     if (cells.count > kMostCells) return;
-    const Eigen::MatrixXd each = indicators(cells);
-    const double share = 0.5 / static_cast<double>(each.cols());
-    for (Eigen::Index k = 0; k < each.cols(); ++k) {
-      add(load->name, each.col(k), Entry::kNone, share);
-      add(load->name, each.col(k).cwiseProduct(losing_), Entry::kNone, share);
+    const auto of = std::make_shared<const std::vector<int>>(cells.of);
+    const auto sign = std::make_shared<const Eigen::VectorXd>(losing_);
+    const double share = 0.5 / static_cast<double>(cells.count);
+    for (int k = 0; k < cells.count; ++k) {
+      for (const bool losing : {false, true}) {
+        add({.along = load->name,
+             .count = 1,
+             .plain =
+                 [of, sign, k, losing] {
+                   Eigen::MatrixXd column = Eigen::MatrixXd::Zero(sign->size(), 1);
+                   for (Eigen::Index i = 0; i < column.rows(); ++i) {
+                     if ((*of)[static_cast<std::size_t>(i)] != k) continue;
+                     column(i, 0) = losing ? (*sign)[i] : 1.0;
+                   }
+                   return column;
+                 },
+             .weight = share});
+      }
     }
   }
 
@@ -182,8 +213,12 @@ class TermCollection {
         }
       }
     }
-    for (const auto& product : products) {
-      add(product.first, product.second, Entry::kNone, 1.0 / static_cast<double>(products.size()));
+    const double share = 1.0 / static_cast<double>(products.size());
+    for (auto& [name, value] : products) {
+      add({.along = name,
+           .count = 1,
+           .plain = [column = std::move(value)] { return Eigen::MatrixXd(column); },
+           .weight = share});
     }
   }
 
@@ -198,19 +233,20 @@ struct TermBlocks {
   Eigen::MatrixXd columns;
   std::vector<Block> blocks;
 };
-TermBlocks blocks_of_terms(const std::vector<const Term*>& terms, Eigen::Index rows) {
+TermBlocks blocks_of_terms(const std::vector<const Term*>& terms, const NoiseModel& noise,
+                           Eigen::Index rows) {
   Eigen::Index total = 0;
   double sum = 0.0;
   for (const Term* t : terms) {
-    total += t->columns.cols();
+    total += t->count;
     sum += t->weight;
   }
   TermBlocks result{.columns = Eigen::MatrixXd(rows, total), .blocks = {}};
   result.blocks.reserve(terms.size());
   Eigen::Index first = 0;
   for (const Term* t : terms) {
-    const Eigen::Index count = t->columns.cols();
-    result.columns.middleCols(first, count) = t->columns;
+    const Eigen::Index count = t->count;
+    result.columns.middleCols(first, count) = t->columns(noise);
     result.blocks.push_back(
         {.first = first, .count = count, .side = 0, .log_weight = std::log(t->weight / sum)});
     first += count;
@@ -228,8 +264,8 @@ std::vector<CovariateTest> test_covariates(const std::vector<Term>& terms, Entry
   }
   std::vector<CovariateTest> tests;
   if (entries.empty()) return tests;
-  const TermBlocks all = blocks_of_terms(entries, residual.left.size());
-  const Screen screen(residual.own_basis, all.columns, all.blocks, 0.0);
+  TermBlocks all = blocks_of_terms(entries, residual.noise, residual.left.size());
+  const Screen screen(residual.own_basis, std::move(all.columns), all.blocks, 0.0);
   const std::vector<Gain> gains = screen.gains(residual.left);
   tests.reserve(entries.size());
   for (std::size_t k = 0; k < entries.size(); ++k) {
@@ -258,15 +294,15 @@ void screen_terms(const std::vector<Term>& terms, const FreeResidual& residual, 
   std::vector<const Term*> pointers;
   pointers.reserve(terms.size());
   for (const Term& t : terms) pointers.push_back(&t);
-  const TermBlocks all = blocks_of_terms(pointers, n);
-  const Screen screen(residual.own_basis, all.columns, all.blocks, 0.0);
+  TermBlocks all = blocks_of_terms(pointers, residual.noise, n);
+  const Screen screen(residual.own_basis, std::move(all.columns), all.blocks, 0.0);
   const std::vector<Gain> gains = screen.gains(residual.left);
   const auto luck = screen.luck(residual.left, rate, n > kManyScreenedRows ? 128 : 256, seed,
                                 Screen::Chance::kShuffled);
   const auto best = static_cast<std::size_t>(std::ranges::max_element(gains, {}, &Gain::evidence) -
                                              gains.begin());
   result.best = {.along = terms[best].along,
-                 .columns = terms[best].columns,
+                 .columns = terms[best].columns(residual.noise),
                  .evidence = gains[best].evidence,
                  .p_value = luck.p_value(gains[best].evidence),
                  .statistic = gains[best].statistic};
