@@ -11,7 +11,7 @@ green=$(dirname "$2")/green/$1
 shift
 mkdir -p "${green%/*}"
 touch "$green.running"
-timeout --kill-after=10 "${GEAR3K_TEST_LIMIT:-1200}" "$@" 2>&1 | awk '
+timeout --foreground --kill-after=10 "${GEAR3K_TEST_LIMIT:-1200}" "$@" 2>&1 | awk '
   /^\[ RUN      \]/ { running = 1; text = "" }
   running           { text = text $0 "\n" }
   /^\[       OK \]/ { if ($NF == "ms)" && substr($(NF - 1), 2) + 0 >= 1000) print

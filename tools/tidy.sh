@@ -71,7 +71,7 @@ add_group() {
   [ -s "$work/new/$name.objects" ] || return 0
   for target in "$@"; do
     awk -F '\t' -v t="$target" '$1 == t { print $3 }' "$work/units"
-  done | awk '!seen[$0]++' | while read -r path; do
+  done | awk -v build="$build/" '!seen[$0]++ && index($0, build) != 1' | while read -r path; do
     n=$((n + 1))
     # Programs of their own: each has an entry, of the same name.
     [ "$name" = BENCHMARKS ] && printf '#define %s\n' "main main_$n" \

@@ -118,6 +118,7 @@ DiagnosisTask diagnosis_task(const DiagnoseRequest& request) {
   DiagnosisTask task;
   const Subject& subject = request.subject;
   io::Measurements data = request.data;
+  if (data.sets.empty()) throw io::InvalidInput("no measurements, allowed: at least one row");
   if (request.model) {
     task.models = request.model->models;
     refuse_foreign_model(subject, task.models, request);

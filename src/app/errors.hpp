@@ -1,7 +1,11 @@
 #pragma once
 // Errors of several steps, told together.
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <string>
+#include <vector>
 
 #include "io/text/diagnostics.hpp"
 
@@ -15,18 +19,17 @@ class Errors {
     try {
       step();
     } catch (const io::InvalidInput& error) {
-      if (text_.find(error.what()) != std::string::npos) return;
-      if (!text_.empty()) text_ += '\n';
-      text_ += error.what();
+      const std::string text = error.what();
+      if (std::ranges::find(texts_, text) == texts_.end()) texts_.push_back(text);
     }
   }
   /// @throws io::InvalidInput with all of them
   void throw_if_any() const {
-    if (!text_.empty()) throw io::InvalidInput(text_);
+    if (!texts_.empty()) throw io::InvalidInput(fmt::format("{}", fmt::join(texts_, "\n")));
   }
 
  private:
-  std::string text_;
+  std::vector<std::string> texts_;
 };
 
 }  // namespace gear3k::app

@@ -40,7 +40,7 @@ OptimizeTask optimize_task(const OptimizeRequest& request);
 
 /// What others keep of a run, and give back to it.
 struct OptimizeHooks {
-  /// Sets that an earlier run of the same task refined; asked for once, when refinement begins.
+  /// Sets that an earlier run of the same task refined; asked for once, before the search.
   std::function<std::vector<optimize::RefinedSet>()> known = {};
   /// Called with the sets of a wave when all of them are refined, known ones left out.
   std::function<void(std::span<const optimize::RefinedSet>)> on_wave = {};

@@ -53,12 +53,12 @@ std::vector<OrderFit> turn_orders(const Turn& turn, const std::vector<TurnOrder>
   // Rows of the unknowns' factors and the quantities' values are triangularised block by block: the
   // triangle stands for all rows above it.
   const Eigen::Index columns = unknowns + kQuantities;
-  constexpr Eigen::Index kBlock = 256;
-  Eigen::MatrixXd stack = Eigen::MatrixXd::Zero(columns + kBlock, columns);
+  constexpr Eigen::Index kRowsAtOnce = 256;
+  Eigen::MatrixXd stack = Eigen::MatrixXd::Zero(columns + kRowsAtOnce, columns);
   Eigen::Index filled = columns;
   const auto reduce = [&] {
     if (filled == columns) return;
-    stack.bottomRows(columns + kBlock - filled).setZero();
+    stack.bottomRows(columns + kRowsAtOnce - filled).setZero();
     numerics::triangularise(stack);
     filled = columns;
   };

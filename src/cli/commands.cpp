@@ -51,7 +51,7 @@ void deliver(const CommonOptions& options, const std::string& text) {
   if (options.out.empty()) {
     print_result(text);
   } else {
-    io::write_file(options.out, text);
+    io::write_file(options.out, io::printable_lines(text));
   }
 }
 

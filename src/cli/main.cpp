@@ -6,6 +6,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <csignal>
 #include <cstdint>
 #include <functional>
 #include <iostream>
@@ -395,6 +396,7 @@ int run_program(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file too large is an error of writing, with its message
   cli::reserve_standard_streams();
   // Ceres logs what it also returns; nobody but the program itself speaks to the user.
   FLAGS_minloglevel = google::GLOG_FATAL;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
@@ -114,7 +115,7 @@ struct ProgressDisplay::State {
     }
     if (terminal) {
       constexpr std::size_t kWidth = 24;
-      const std::size_t filled = kWidth * finished / total;
+      const std::size_t filled = kWidth * std::min(finished, total) / total;
       say_as_it_is(
           fmt::format("\r[{:#<{}}{:.<{}}] {}\033[K", "", filled, "", kWidth - filled, facts));
       bar_shown = true;

@@ -77,6 +77,7 @@ void ResultFolder::open() {
 void ResultFolder::lock() {
   lock_ = ::open(task_.path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (lock_ < 0 || ::flock(lock_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+  made_.clear();  // folders that the other run uses
   throw io::InvalidInput(
       fmt::format("{} {}: another run is writing it; allowed: another folder, or to wait",
                   task_.option, task_.path));

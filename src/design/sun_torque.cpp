@@ -87,10 +87,11 @@ Drivers only(const std::array<bool, kMeshCount>& gear1_drives) {
 /// Where a train runs, without what it loses.
 struct Running {
   const FixedTrain& train;
-  std::array<MeshKinematics<double>, kMeshCount> mesh;
-  double output_speed_rad_s, temperature_K;
-  bool forward;
-  double output_torque_Nm;  ///< on R2, along the rotation at w_R2 = 1
+  std::array<MeshKinematics<double>, kMeshCount> mesh{};
+  double output_speed_rad_s = 0.0;
+  double temperature_K = 0.0;
+  bool forward = true;
+  double output_torque_Nm = 0.0;  ///< on R2, along the rotation at w_R2 = 1
 };
 
 /// F: the train in balance with the friction that given mesh torques make.

@@ -37,6 +37,12 @@ struct RobustResult {
   bool interrupted = false;
 };
 
+/// What a search of a specification found.
+struct SearchOutcome {
+  std::optional<RefinedSet> best;
+  bool interrupted = false;
+};
+
 /// Finds limits under which the best design holds as spec.robust asks.
 ///
 /// The best design under the stated limits shows how much each check loses at its worst corner, how
@@ -54,10 +60,6 @@ struct RobustResult {
 /// Source: own derivation, docs/theory §35.
 /// @param search  the best design of a specification; empty where there is none; it may ask to stop
 ///   by returning interrupted
-struct SearchOutcome {
-  std::optional<RefinedSet> best;
-  bool interrupted = false;
-};
 RobustResult robust_limits(const Specification& spec,
                            const std::function<SearchOutcome(const Specification&)>& search);
 inline constexpr std::uint64_t kRobustSamples = 200'000;

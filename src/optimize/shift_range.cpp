@@ -96,12 +96,12 @@ ShiftRange shift_range(const Specification& spec, int gear, int teeth) {
   if (train::kind_of(gear) == geometry::GearKind::kRing) {
     // Keeps ring tips off their base circles, where the tip's curvature has no derivative: with the
     // shortest tips and the greatest pressure angle that are free.
-    constexpr double kBaseCircleClearance = 1e-6;
+    constexpr double kTipAboveBase = 1e-6;
     Specification least = spec;
     if (free_tips) least.tip_shortening.fill(spec.free.tip_shortening->max);
     if (free_angle) least.pressure_angle_rad = spec.free.pressure_angle_rad->max;
     const double above = geometry::ring_tip_above_base(unit_gear(least, gear, teeth, 0.0));
-    result.range.lo = std::max(all.lo, std::min(all.hi, kBaseCircleClearance - above));
+    result.range.lo = std::max(all.lo, std::min(all.hi, kTipAboveBase - above));
     const auto& limit = limits[CheckId::kRingTipOutsideBase];
     if (limit && !free_tips && !free_angle) {
       at_least(CheckId::kRingTipOutsideBase, *limit - above);

@@ -237,6 +237,7 @@ TEST(GearboxBatch, GivesTheBitsOfPlaysAndOutputRange) {
     std::vector<Lanes> values;
     random.draw(0, values);
     std::vector<const Lanes*> pointers;
+    pointers.reserve(values.size());
     for (const Lanes& v : values) pointers.push_back(&v);
     BatchRange range{};
     batch.ranges(pointers, range);

@@ -56,7 +56,7 @@ struct Form {
   /// Share of the forms that it is given in the search, before the data; 0: not searched for, but
   /// taken in the place of a form that was found where it explains the data as well.
   double weight = 1.0;
-  std::string_view law = "";  ///< one law of the cause among several; others do not take its place
+  std::string_view law = {};  ///< one law of the cause among several; others do not take its place
 
   /// @throws std::invalid_argument when there is no such constant
   [[nodiscard]] double constant(std::string_view constant_name) const;

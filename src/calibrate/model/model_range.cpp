@@ -81,7 +81,7 @@ std::optional<Point> middle_of_range(const std::vector<ExtendedModel>& models) {
     for (const Quantity& q : kQuantities) {
       const ConditionRange* range = find_range(model, q.condition->name);
       if (range == nullptr) continue;
-      point.*q.member = q.condition->si(0.5 * (range->low + range->high));
+      point.*q.member = q.condition->si(0.5 * range->low + 0.5 * range->high);
     }
     return point;
   }

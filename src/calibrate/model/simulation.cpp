@@ -223,7 +223,7 @@ std::optional<Scalar> Simulation::sun_torque(const Condition& c, const Modificat
   shafts.output_bearing_share = shafts.output_bearing_share + e.output_bearing_share;
   const double temperature_K = stated_or(c.temperature_K, temperature_of(g.design));
   if (slopes == Slopes::kImplicit) {
-    const auto torque =
+    auto torque =
         design::sun_torque({.geometry = g.fixed_geometry, .face_width_m = g.face_width_m}, losses,
                            {.sun_speed_rad_s = c.sun_speed_rad_s,
                             .output_torque_Nm = c.output_torque_Nm,

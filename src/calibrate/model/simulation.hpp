@@ -57,6 +57,7 @@ class Simulation {
   [[nodiscard]] Occasion occasion(const MeasurementSet& data) const;
 
  private:
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): a variant of it is default-made here
   struct Gearbox {
     design::Design design;
     train::TrainParameters<Scalar> parameters;

@@ -114,21 +114,22 @@ std::vector<std::string> file_order() {
 }  // namespace
 
 Schema<DesignInput> design_schema() {
-  using Input = DesignInput;
-  Schema<Input> schema{
-      .gears = {train::kGearNames.begin(), train::kGearNames.end()},
-      .keys = common_keys<Input>([](auto& t, std::size_t) -> auto& { return t.losses.friction; }),
-      .order = file_order()};
+  using KeyTarget = DesignInput;
+  Schema<KeyTarget> schema{.gears = {train::kGearNames.begin(), train::kGearNames.end()},
+                           .keys = common_keys<KeyTarget>(
+                               [](auto& t, std::size_t) -> auto& { return t.losses.friction; }),
+                           .order = file_order()};
   auto& keys = schema.keys;
-  keys.push_back(make_key<Input>(
-      integer("planets", within(1, 24), "3", "number of equally spaced planets"), &Input::planets));
+  keys.push_back(make_key<KeyTarget>(
+      integer("planets", within(1, 24), "3", "number of equally spaced planets"),
+      &KeyTarget::planets));
   for (const std::size_t stage : {0U, 1U}) {
-    keys.push_back(make_key<Input>(
+    keys.push_back(make_key<KeyTarget>(
         number(fmt::format("stage{}.module_mm", stage + 1), Unit::kMillimetre, within(0.001, 100.0),
                kRequired, stage == 0 ? "module of S, P1, R1" : "module of P2, R2",
                {design::InputKind::kModule, stage}),
         [stage](auto& t, std::size_t) -> auto& { return t.module_m[stage]; }));
-    keys.push_back(make_key<Input>(
+    keys.push_back(make_key<KeyTarget>(
         face_width_record(stage), [stage](auto& t, std::size_t) -> auto& {
           return t.masses.face_width_m[stage];
         }));
@@ -136,21 +137,21 @@ Schema<DesignInput> design_schema() {
   append_keys(
       keys, gear_keys(), [](auto& t, std::size_t gear) -> auto& { return t.gears[gear]; },
       "gears.{gear}.");
-  keys.push_back(unless_default(make_key<Input>(
+  keys.push_back(unless_default(make_key<KeyTarget>(
       number("gears.{gear}.bore_mm", Unit::kDiameterMillimetre, within(0.0, 1000.0), "0",
              "bore diameter of an external gear, for its mass and inertia"),
       [](auto& t, std::size_t gear) -> auto& { return t.masses.bore_radius_m[gear]; })));
-  keys.push_back(make_key<Input>(
+  keys.push_back(make_key<KeyTarget>(
       number("gears.{gear}.outer_diameter_mm", Unit::kDiameterMillimetre, above(0.0, 10000.0),
              "none", "outer diameter of ring R1 or R2, for its mass and inertia"),
       [](auto& t, std::size_t gear) -> auto& { return t.outer_radius_m[gear]; }));
-  append_keys(keys, mass_keys(), &Input::masses);
-  append_keys(keys, axial_keys(), &Input::axial);
+  append_keys(keys, mass_keys(), &KeyTarget::masses);
+  append_keys(keys, axial_keys(), &KeyTarget::axial);
   std::vector<Key<LossInput>> losses;
   for (const LossKey& k : loss_keys()) losses.push_back(k.key);
-  append_keys(keys, losses, &Input::losses);
-  append_keys(keys, tolerance_keys(), &Input::tolerances);
-  append_keys(keys, limit_keys(false), &Input::limits);
+  append_keys(keys, losses, &KeyTarget::losses);
+  append_keys(keys, tolerance_keys(), &KeyTarget::tolerances);
+  append_keys(keys, limit_keys(false), &KeyTarget::limits);
   return schema;
 }
 
@@ -173,24 +174,25 @@ const std::string& key_of(const design::InputId& input) {
 }
 
 Schema<PairInput> pair_schema() {
-  using Input = PairInput;
-  Schema<Input> schema{.gears = {"gear1", "gear2"}, .keys = common_keys<Input>(&Input::friction)};
+  using KeyTarget = PairInput;
+  Schema<KeyTarget> schema{.gears = {"gear1", "gear2"},
+                           .keys = common_keys<KeyTarget>(&KeyTarget::friction)};
   auto& keys = schema.keys;
   keys.push_back(
-      make_key<Input>({.path = "kind",
-                       .type = KeyType::kChoice,
-                       .choices = {"external", "internal"},
-                       .required = true,
-                       .help = "external: two external gears; internal: gear2 is the ring"},
-                      &Input::internal));
-  keys.push_back(make_key<Input>(number("module_mm", Unit::kMillimetre, within(0.001, 100.0),
-                                        kRequired, "module of both gears"),
-                                 &Input::module_m));
+      make_key<KeyTarget>({.path = "kind",
+                           .type = KeyType::kChoice,
+                           .choices = {"external", "internal"},
+                           .required = true,
+                           .help = "external: two external gears; internal: gear2 is the ring"},
+                          &KeyTarget::internal));
+  keys.push_back(make_key<KeyTarget>(number("module_mm", Unit::kMillimetre, within(0.001, 100.0),
+                                            kRequired, "module of both gears"),
+                                     &KeyTarget::module_m));
   append_keys(
       keys, gear_keys(), [](auto& t, std::size_t gear) -> auto& { return t.gears[gear]; },
       "{gear}.");
-  append_keys(keys, gear_tolerance_keys(true), &Input::tolerances);
-  append_keys(keys, limit_keys(true), &Input::limits);
+  append_keys(keys, gear_tolerance_keys(true), &KeyTarget::tolerances);
+  append_keys(keys, limit_keys(true), &KeyTarget::limits);
   return schema;
 }
 

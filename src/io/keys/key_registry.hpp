@@ -52,6 +52,7 @@ auto& seen(const View& view, Target& target, std::size_t gear) {
 /// A key whose value is one member.
 /// @param view  of the member, see seen()
 template <class Target, class View>
+// NOLINTNEXTLINE(performance-unnecessary-value-param): it is moved from
 Key<Target> make_key(KeyRecord record, View view,
                      std::function<bool(const Target&, std::size_t gear)> written = {}) {
   return {.record = std::move(record),

@@ -50,7 +50,8 @@ struct KeyRecord {
 
 /// The numbers that a key takes.
 struct Range {
-  double min, max;
+  double min = 0.0;
+  double max = 0.0;
   bool min_excluded = false;
 };
 constexpr Range within(double min, double max) { return {.min = min, .max = max}; }

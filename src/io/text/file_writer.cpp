@@ -20,6 +20,21 @@ namespace {
   throw InvalidInput(fmt::format("{}: cannot be written: {}", path, cause));
 }
 
+/// Whether a path is written to as it stands, and not replaced by a new file: a pipe, a device, or
+/// a link of the system to what a descriptor refers to (/dev/stdout), a regular file too.
+bool belongs_to_system(const std::filesystem::path& path) {
+  namespace fs = std::filesystem;
+  std::error_code unknown;
+  if (fs::is_other(fs::status(path, unknown))) return true;
+  if (!fs::is_symlink(fs::symlink_status(path, unknown))) return false;
+  const fs::path folder = fs::weakly_canonical(fs::absolute(path).parent_path(), unknown);
+  const fs::path target = (folder / fs::read_symlink(path, unknown)).lexically_normal();
+  const auto of_system = [](const fs::path& p) {
+    return p.string().starts_with("/proc/") || p.string().starts_with("/dev/");
+  };
+  return of_system(target) || of_system(folder / "");
+}
+
 using Produce = std::function<void(const std::function<void(std::string_view)>&)>;
 
 void write_to_device(const std::string& path, const Produce& produce) {
@@ -38,8 +53,7 @@ void write_file(const std::string& path, const std::string& content) {
 }
 
 void write_file_in_pieces(const std::string& path, const Produce& produce) {
-  std::error_code unknown;
-  if (std::filesystem::is_other(std::filesystem::status(path, unknown))) {
+  if (belongs_to_system(path)) {
     write_to_device(path, produce);
     return;
   }

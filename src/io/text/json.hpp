@@ -113,13 +113,14 @@ struct Json::Member {
 /// One value of a list in braces; what it holds can be moved out of the list.
 class Json::Item {
  public:
-  // NOLINTBEGIN(google-explicit-constructor): as Json
+  // NOLINTBEGIN(google-explicit-constructor,bugprone-forwarding-reference-overload): as Json, and
+  // not for an Item
   template <class T>
   requires(std::constructible_from<Json, T&&> && !std::same_as<std::remove_cvref_t<T>, Item>)
       Item(T&& value)
       : value_(std::forward<T>(value)) {}
   Item(std::initializer_list<Item> items) : value_(items) {}
-  // NOLINTEND(google-explicit-constructor)
+  // NOLINTEND(google-explicit-constructor,bugprone-forwarding-reference-overload)
 
  private:
   friend class Json;

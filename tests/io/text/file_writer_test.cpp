@@ -221,6 +221,17 @@ TEST_F(FileWriter, APipeIsNotReplacedByAFile) {
   EXPECT_EQ(names(), Names{"pipe"});
 }
 
+TEST_F(FileWriter, ALinkToADescriptorIsWrittenThrough) {
+  // As /dev/stdout is, which may refer to a regular file.
+  const int file = ::open(path("file").c_str(), O_CREAT | O_WRONLY, 0600);
+  ASSERT_GE(file, 0);
+  fs::create_symlink("/proc/self/fd/" + std::to_string(file), path("stdout"));
+  write_file(path("stdout"), "text");
+  ::close(file);
+  EXPECT_TRUE(fs::is_symlink(path("stdout")));
+  EXPECT_EQ(read(path("file")), "text");
+}
+
 TEST_F(FileWriter, PrepareFolderMakesItWithItsParentsAndKeepsWhatIsThere) {
   prepare_folder(path("a/b/c"));
   EXPECT_TRUE(fs::is_directory(path("a/b/c")));
