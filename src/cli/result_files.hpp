@@ -1,5 +1,5 @@
 #pragma once
-// Result files of a command in one folder: the one way in which commands with --out write.
+// Result files of a command in one folder: the one way of the commands whose --out is a folder.
 
 #include <string>
 #include <vector>
