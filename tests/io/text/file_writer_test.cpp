@@ -195,14 +195,25 @@ TEST_F(FileWriter, AProgramThatIgnoresASignalGoesOnIgnoringIt) {
   EXPECT_EQ(read(path("result")), std::string(100'000, 'a') + "end");
 }
 
-TEST_F(FileWriter, OneThatIsKilledLeavesNothingOfItself) {
-  const int nameless = ::open(path("").c_str(), O_TMPFILE | O_WRONLY, 0600);
-  if (nameless < 0) GTEST_SKIP() << "the file system has no files without a name";
-  ::close(nameless);
+/// Whether files of a folder can do without a name (O_TMPFILE).
+bool has_nameless_files(const std::string& folder) {
+  const int nameless = ::open(folder.c_str(), O_TMPFILE | O_WRONLY, 0600);
+  if (nameless >= 0) ::close(nameless);
+  return nameless >= 0;
+}
+
+TEST_F(FileWriter, OneThatIsKilledLeavesTheOldFileAndNothingButAnUnguessableName) {
   write_file(path("result"), "old");
   EXPECT_EXIT(write_and_raise(path("result"), SIGKILL), testing::KilledBySignal(SIGKILL), "");
   EXPECT_EQ(read(path("result")), "old");
-  EXPECT_EQ(names(), Names{"result"});
+  Names left = names();
+  if (!has_nameless_files(path(""))) {
+    const auto temporary = std::ranges::find_if(
+        left, [](const std::string& name) { return name.starts_with(".gear3k-"); });
+    ASSERT_NE(temporary, left.end());
+    left.erase(temporary);
+  }
+  EXPECT_EQ(left, Names{"result"});
 }
 
 TEST_F(FileWriter, APipeIsNotReplacedByAFile) {
