@@ -9,9 +9,9 @@
 #include <csignal>
 #include <cstdint>
 #include <functional>
-#include <iostream>
 #include <limits>
 #include <new>
+#include <sstream>
 
 #include "cli/commands.hpp"
 #include "cli/talk.hpp"
@@ -386,8 +386,11 @@ int run_program(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error);
-    if (!std::cout.flush()) throw io::InvalidInput("stdout: cannot be written");
+    std::ostringstream help;
+    std::ostringstream complaint;
+    const int code = app.exit(error, help, complaint);
+    cli::say(complaint.str());
+    cli::print_result(help.str());
     return code == 0 ? cli::kDone : cli::kUsage;
   }
   return run();

@@ -9,6 +9,7 @@
 #include "cli/result_files.hpp"
 #include "cli/talk.hpp"
 #include "io/files/design_file.hpp"
+#include "io/text/printable.hpp"
 #include "report/built_series_report.hpp"
 #include "report/tolerance_report.hpp"
 #include "report/turn_plot.hpp"
@@ -75,7 +76,7 @@ ExitCode run_tolerances(const TolerancesOptions& options) {
       print_result(report::tolerance_shares_csv(result.series));
       break;
     case Format::kTable:
-      print_result(fmt::format("{}\n", result.evaluation.name) +
+      print_result(fmt::format("{}\n", io::printable(result.evaluation.name)) +
                    report::tolerance_table(result.evaluation.tolerance_limits) +
                    report::built_series_table(result.series) + "\n" +
                    report::turn_table(result.turn) + files_text(written));

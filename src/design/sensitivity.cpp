@@ -6,8 +6,8 @@
 
 #include "backlash/normal_backlash.hpp"
 #include "design/evaluation.hpp"
-#include "design/extension_scalar.hpp"
 #include "design/operation.hpp"
+#include "design/scalar_as.hpp"
 
 namespace gear3k::design {
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "io/text/json.hpp"
+#include "io/text/printable.hpp"
 #include "report/display.hpp"
 #include "report/fields.hpp"
 #include "report/text_table.hpp"
@@ -33,8 +34,9 @@ std::string export_table(const ExportSummary& summary) {
     table.add({file.path, file.drawing, fmt::format("{}", file.contours),
                fmt::format("{}", file.points)});
   }
-  return fmt::format("{}: {} files, chords within {:g} um of the contours\n{}", summary.name,
-                     summary.files.size(), um(summary.chord_error_m), table.text(2));
+  return fmt::format("{}: {} files, chords within {:g} um of the contours\n{}",
+                     io::printable(summary.name), summary.files.size(), um(summary.chord_error_m),
+                     table.text(2));
 }
 
 std::string export_json(const ExportSummary& summary) {

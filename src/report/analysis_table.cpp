@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "io/text/printable.hpp"
 #include "report/analysis_report.hpp"
 #include "report/built_series_report.hpp"
 #include "report/check_subject.hpp"
@@ -200,7 +201,7 @@ std::string passed_table(const std::vector<CheckResult>& checks) {
 
 std::string note_lines(const std::vector<std::string>& notes) {
   std::string text;
-  for (const std::string& note : notes) text += fmt::format("\nNote: {}", note);
+  for (const std::string& note : notes) text += fmt::format("\nNote: {}", io::printable(note));
   return text.empty() ? "" : text + "\n";
 }
 
@@ -255,8 +256,8 @@ std::string analysis_table(const Evaluation& e, const design::Sensitivities& s,
                            const ModelUse* model, const design::BuiltSeries* built) {
   std::string text;
   text += fmt::format("{}: S {} / P1 {} / R1 {} / P2 {} / R2 {}, {} planets\n",
-                      e.name.empty() ? "gearbox" : e.name, e.teeth.S, e.teeth.P1, e.teeth.R1,
-                      e.teeth.P2, e.teeth.R2, e.planets);
+                      e.name.empty() ? "gearbox" : io::printable(e.name), e.teeth.S, e.teeth.P1,
+                      e.teeth.R1, e.teeth.P2, e.teeth.R2, e.planets);
   TextTable table({"  ratio", fmt::format("{:.4f}:1   (G1 {:.5f}, G2 {:.5f}){}", e.ratio, e.g1,
                                           e.g2, e.g2 > 1.0 ? ", output turns backwards" : "")});
   table.align_left(1);
@@ -308,8 +309,8 @@ std::string analysis_table(const Evaluation& e, const design::Sensitivities& s,
 }
 
 std::string analysis_table(const PairEvaluation& e) {
-  return fmt::format("{}: centre distance {:.4f} mm{}\n", e.name.empty() ? "pair" : e.name,
-                     mm(e.center_distance_m),
+  return fmt::format("{}: centre distance {:.4f} mm{}\n",
+                     e.name.empty() ? "pair" : io::printable(e.name), mm(e.center_distance_m),
                      e.center_distance_given ? "" : " (zero-backlash distance)") +
          failed_table(e.checks) + gear_table(e.gears) + tooth_table(e.gears) +
          mesh_table({e.mesh}) + flank_table({e.mesh}, {{"1", "2"}}) + phase_table({e.mesh}) +

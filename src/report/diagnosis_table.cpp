@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <optional>
 
+#include "io/text/printable.hpp"
 #include "report/condition_columns.hpp"
 #include "report/diagnosis_report.hpp"
 #include "report/display.hpp"
@@ -481,12 +482,12 @@ std::string notes_text(const Diagnosis& d) {
                 : fmt::format("Note: {} of {} rows are outliers; they count less in the fit\n",
                               outliers, d.rows.size());
   }
-  for (const std::string& note : d.notes) text += fmt::format("Note: {}\n", note);
+  for (const std::string& note : d.notes) text += fmt::format("Note: {}\n", io::printable(note));
   return text.empty() ? "" : fmt::format("\n{}", text);
 }
 
 std::string kind_text(const Diagnosis& d, const MeasurementSet& set) {
-  std::string text = fmt::format("{}{}{} of kind {} from {}\n\n", d.subject,
+  std::string text = fmt::format("{}{}{} of kind {} from {}\n\n", io::printable(d.subject),
                                  d.subject.empty() ? "" : ": ", rows_text(set.rows.size()),
                                  calibrate::kKindNames[static_cast<std::size_t>(d.kind)],
                                  fmt::join(set.files, ", "));

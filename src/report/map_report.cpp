@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "io/text/json.hpp"
+#include "io/text/printable.hpp"
 #include "report/display.hpp"
 #include "report/fields.hpp"
 #include "report/operation_report.hpp"
@@ -254,9 +255,10 @@ io::Json unloaded_json(const design::UnloadedTorques& torques) {
 }  // namespace
 
 std::string map_table(const OperatingMap& map, const ModelUse* model) {
-  std::string text = fmt::format(
-      "{}: ratio {:.4f}, {} planets, friction law {}, {:.4g} C\n", map.name, map.ratio, map.planets,
-      efficiency::kFrictionLawNames[static_cast<std::size_t>(map.law)], celsius(map.temperature_K));
+  std::string text = fmt::format("{}: ratio {:.4f}, {} planets, friction law {}, {:.4g} C\n",
+                                 io::printable(map.name), map.ratio, map.planets,
+                                 efficiency::kFrictionLawNames[static_cast<std::size_t>(map.law)],
+                                 celsius(map.temperature_K));
   text += efficiency_table(map, Direction::kForward);
   text += efficiency_table(map, Direction::kBackward);
   text += running_table(map);
@@ -265,7 +267,7 @@ std::string map_table(const OperatingMap& map, const ModelUse* model) {
   text += margin_text(map) + heat_table(map);
   if (model != nullptr) text += model_paragraph(*model);
   if (!map.notes.empty()) text += '\n';
-  for (const std::string& note : map.notes) text += fmt::format("Note: {}\n", note);
+  for (const std::string& note : map.notes) text += fmt::format("Note: {}\n", io::printable(note));
   return text;
 }
 

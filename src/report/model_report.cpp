@@ -8,6 +8,7 @@
 #include "calibrate/model/model_range.hpp"
 #include "calibrate/verdict/diagnosis.hpp"
 #include "io/text/json.hpp"
+#include "io/text/printable.hpp"
 #include "report/display.hpp"
 
 namespace gear3k::report {
@@ -131,7 +132,8 @@ std::vector<std::string> cautions(const ModelUse& use) {
 std::string diagnosed_model_paragraph(const ModelUse& use) {
   std::string text = fmt::format("With the model {}\n", use.file);
   for (const ExtendedModel& model : use.models) {
-    text += fmt::format("  {}, measured on \"{}\" ({}; {})\n", kind_name(model), model.name,
+    text += fmt::format("  {}, measured on \"{}\" ({}; {})\n", kind_name(model),
+                        io::printable(model.name),
                         model.files.empty() ? std::string("files not stated")
                                             : fmt::format("{}", fmt::join(model.files, ", ")),
                         fingerprint_text(model));

@@ -465,6 +465,8 @@ std::vector<BadInput> specification_inputs() {
       bad_task("UnknownSolverNamesTheKnownOnes", kSpec + "refine = \"newton\"\n",
                {"spec.toml:18:1: solver.refine = \"newton\": allowed: \"slsqp\" or \"ipopt\" or "
                 "\"both\""}),
+      bad_task("SeedThatIsNoDouble", kSpec + "seed = 9007199254740993\n",
+               {"spec.toml:18:1: solver.seed = 9007199254740993: allowed: an integer, 0 to"}),
       bad_task("NegativeSeed", kSpec + "seed = -1\n",
                {"spec.toml:18:1: solver.seed = -1: allowed: an integer, 0 to"}),
       bad_task("AllowanceOfAnUnknownGear",

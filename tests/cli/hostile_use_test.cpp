@@ -222,6 +222,26 @@ TEST(Names, CommandNoTerminal) {
   EXPECT_TRUE(contains(result.err, "unknown key \\u001b[2J")) << result.err;
 }
 
+TEST(Names, OfTwoLinesForgeNoLineOfATable) {
+  const Workplace place;
+  place.write("gear.toml", design_named("x\\nChecks: 50 of 50 passed\\n"));
+  for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{
+           {"analyze", "gear.toml"}, {"export", "gear.toml", "--svg", "svg"}}) {
+    const ProgramResult result = place.run(command);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_TRUE(result.out.starts_with("x\\u000aChecks: 50 of 50 passed\\u000a: ")) << result.out;
+  }
+}
+
+TEST(Options, OfControlCharactersCommandNoTerminal) {
+  const Workplace place;
+  place.write("gear.toml", design_named("gear"));
+  const ProgramResult result = place.run({"analyze", "gear.toml", "--format", "\x1b[31mx"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_TRUE(contains(result.err, "--format: \\u001b[31mx not in")) << result.err;
+  EXPECT_FALSE(contains(result.err, "\x1b"));
+}
+
 TEST(Names, OfQuotesCanBeDrawn) {
   for (const char* name : {"'", "''", "'a", "it's", "'a' # `b`"}) {
     const Workplace place;

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "design/extension_scalar.hpp"
+#include "design/scalar_as.hpp"
 #include "design/sun_torque.hpp"
 #include "tests/largest_deviation.hpp"
 #include "tests/random_train.hpp"

@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-#include "design/extension_scalar.hpp"
+#include "design/scalar_as.hpp"
 
 namespace gear3k::calibrate {
 

@@ -9,6 +9,7 @@
 
 #include "backlash/lost_motion.hpp"
 #include "calibrate/measurement/value_range.hpp"
+#include "design/scalar_as.hpp"
 #include "design/sun_torque.hpp"
 
 namespace gear3k::calibrate {
@@ -48,40 +49,21 @@ train::TrainParameters<Scalar> numbers_of(const train::TrainParameters<double>& 
   return result;
 }
 
+/// Without the extension, which models bring.
 efficiency::Friction<Scalar> numbers_of(const design::Friction& f) {
-  return {
-      .coefficient = number(f.coefficient),
-      .model = f.model,
-      .approach_factor = number(f.approach_factor),
-      .recess_factor = number(f.recess_factor),
-      .law = f.law,
-      .load_exponent = number(f.load_exponent),
-      .reference_force_N = number(f.reference_force_N),
-      .static_coefficient = number(f.static_coefficient),
-      .stribeck_speed_m_s = number(f.stribeck_speed_m_s),
-      .stribeck_exponent = number(f.stribeck_exponent),
-      .viscous_s_m = number(f.viscous_s_m),
-      .roughness_m = number(f.roughness_m),
-      .lubricant_factor = number(f.lubricant_factor),
-      .lubricant = {.temperature_K = numbers<std::array<Scalar, 2>>(f.lubricant.temperature_K),
-                    .viscosity_m2_s = numbers<std::array<Scalar, 2>>(f.lubricant.viscosity_m2_s),
-                    .density_kgm3 = number(f.lubricant.density_kgm3)},
-      .table = f.table,
-      .extension = {}};
+  auto result = design::friction_as<Scalar>(f);
+  result.extension = {};
+  return result;
 }
 
+/// Likewise.
 design::ShaftLosses<Scalar> numbers_of(const design::ShaftLosses<double>& shafts) {
-  design::ShaftLosses<Scalar> result;
-  for (std::size_t i = 0; i < shafts.drag.size(); ++i) {
-    result.drag[i] = {.constant_Nm = number(shafts.drag[i].constant_Nm),
-                      .viscous_Nms = number(shafts.drag[i].viscous_Nms),
-                      .quadratic_Nms2 = number(shafts.drag[i].quadratic_Nms2)};
-  }
+  auto result = design::shafts_as<Scalar>(shafts);
+  result.drag_temperature_1_K = number(0.0);
   // Coefficient and radius act as their product: the arm of the bearings' friction.
   result.planet_bearing_coefficient = number(1.0);
   result.planet_bearing_radius_m =
       number(shafts.planet_bearing_coefficient * shafts.planet_bearing_radius_m);
-  result.output_bearing_share = number(shafts.output_bearing_share);
   return result;
 }
 

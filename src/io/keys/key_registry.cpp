@@ -77,13 +77,17 @@ bool per_gear_fits(const KeyRecord& record, const TomlValue& value) {
   });
 }
 
+/// 2^53: beyond, not every integer is a double of its own, as ranges are.
+constexpr std::int64_t kGreatestExact = std::int64_t{1} << 53U;
+
 bool fits(const KeyRecord& record, const TomlValue& value) {
   using TomlKind = TomlValue::Kind;
   switch (record.type) {
     case KeyType::kNumber:
       return value.is_number() && in_range(record, value.number);
     case KeyType::kInteger:
-      return value.kind == TomlKind::kInteger && in_range(record, value.number);
+      return value.kind == TomlKind::kInteger && in_range(record, value.number) &&
+             value.integer >= -kGreatestExact && value.integer <= kGreatestExact;
     case KeyType::kBoolean:
       return value.kind == TomlKind::kBoolean;
     case KeyType::kText:
@@ -110,7 +114,8 @@ bool fits(const KeyRecord& record, const TomlValue& value) {
       if (value.kind == TomlKind::kList) {
         return !value.list.empty() && integers_in_range(record, value.list);
       }
-      return value.kind == TomlKind::kInteger && in_range(record, value.number);
+      return value.kind == TomlKind::kInteger && in_range(record, value.number) &&
+             value.integer >= -kGreatestExact && value.integer <= kGreatestExact;
     case KeyType::kNumbers:
       return value.kind == TomlKind::kList && !value.list.empty() &&
              numbers_in_range(record, value.list);

@@ -1,9 +1,10 @@
 #pragma once
-// Extensions between the scalar of a fit and plain numbers.
+// Friction, losses and extensions between the scalar of a fit and plain numbers.
 
 #include <type_traits>
 
 #include "design/extension.hpp"
+#include "design/operating_point.hpp"
 
 namespace gear3k::design {
 
@@ -56,6 +57,48 @@ Extension<To> extension_as(const Extension<From>& e) {
     result.drag[i] = {.constant_Nm = scalar_as<To>(e.drag[i].constant_Nm),
                       .viscous_Nms = scalar_as<To>(e.drag[i].viscous_Nms),
                       .quadratic_Nms2 = scalar_as<To>(e.drag[i].quadratic_Nms2)};
+  }
+  return result;
+}
+
+template <class To, class From>
+efficiency::Friction<To> friction_as(const efficiency::Friction<From>& f) {
+  const auto as = [](const From& x) { return scalar_as<To>(x); };
+  return {.coefficient = as(f.coefficient),
+          .model = f.model,
+          .approach_factor = as(f.approach_factor),
+          .recess_factor = as(f.recess_factor),
+          .law = f.law,
+          .load_exponent = as(f.load_exponent),
+          .reference_force_N = as(f.reference_force_N),
+          .static_coefficient = as(f.static_coefficient),
+          .stribeck_speed_m_s = as(f.stribeck_speed_m_s),
+          .stribeck_exponent = as(f.stribeck_exponent),
+          .viscous_s_m = as(f.viscous_s_m),
+          .roughness_m = as(f.roughness_m),
+          .lubricant_factor = as(f.lubricant_factor),
+          .lubricant = {.temperature_K = {as(f.lubricant.temperature_K[0]),
+                                          as(f.lubricant.temperature_K[1])},
+                        .viscosity_m2_s = {as(f.lubricant.viscosity_m2_s[0]),
+                                           as(f.lubricant.viscosity_m2_s[1])},
+                        .density_kgm3 = as(f.lubricant.density_kgm3)},
+          .table = f.table,
+          .extension = extension_as<To>(f.extension)};
+}
+
+template <class To, class From>
+ShaftLosses<To> shafts_as(const ShaftLosses<From>& s) {
+  const auto as = [](const From& x) { return scalar_as<To>(x); };
+  ShaftLosses<To> result{.drag = {},
+                         .planet_bearing_coefficient = as(s.planet_bearing_coefficient),
+                         .planet_bearing_radius_m = as(s.planet_bearing_radius_m),
+                         .output_bearing_share = as(s.output_bearing_share),
+                         .drag_temperature_1_K = as(s.drag_temperature_1_K),
+                         .drag_reference_temperature_K = s.drag_reference_temperature_K};
+  for (std::size_t i = 0; i < s.drag.size(); ++i) {
+    result.drag[i] = {.constant_Nm = as(s.drag[i].constant_Nm),
+                      .viscous_Nms = as(s.drag[i].viscous_Nms),
+                      .quadratic_Nms2 = as(s.drag[i].quadratic_Nms2)};
   }
   return result;
 }
