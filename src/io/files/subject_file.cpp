@@ -13,49 +13,48 @@ namespace {
 
 using calibrate::BlackBox;
 
-Schema<BlackBox> black_box_schema() {
-  return {
-      .gears = {},
-      .keys = {
-          make_key<BlackBox>(
-              {.path = "name",
-               .type = KeyType::kText,
-               .default_text = "\"\"",
-               .help = "name in tables and results"},
-              [](auto& t, std::size_t) -> auto& { return t.name; }),
-          make_key<BlackBox>(
-              {.path = "gearbox.ratio",
-               .min = 1.0,
-               .max = 1e6,
-               .required = true,
-               .help = "speed of the fast shaft, which takes the sun's place, over "
-                       "that of the output; a magnitude"},
-              [](auto& t, std::size_t) -> auto& { return t.ratio; }),
-          make_key<BlackBox>(
-              {.path = "gearbox.efficiency_forward",
-               .min = 0.0,
-               .max = 1.0,
-               .min_excluded = true,
-               .required = true,
-               .help = "efficiency with the fast shaft driving"},
-              [](auto& t, std::size_t) -> auto& { return t.efficiency_forward; }),
-          make_key<BlackBox>(
-              {.path = "gearbox.efficiency_backward",
-               .min = 0.0,
-               .max = 1.0,
-               .min_excluded = true,
-               .required = true,
-               .help = "efficiency with the output driving"},
-              [](auto& t, std::size_t) -> auto& { return t.efficiency_backward; }),
-          make_key<BlackBox>(
-              {.path = "gearbox.backlash_arcmin",
-               .unit = units::Unit::kArcmin,
-               .min = 0.0,
-               .max = 21600.0,
-               .default_text = "not stated",
-               .help = "lost motion at the output with the fast shaft locked; needed to explain "
-                       "lost_motion and torque_angle data"},
-              [](auto& t, std::size_t) -> auto& { return t.backlash_rad; })}};
+const Schema<BlackBox>& black_box_schema() {
+  static const Schema<BlackBox> schema(
+      {}, {make_key<BlackBox>(
+               {.path = "name",
+                .type = KeyType::kText,
+                .default_text = "\"\"",
+                .help = "name in tables and results"},
+               [](auto& t, std::size_t) -> auto& { return t.name; }),
+           make_key<BlackBox>(
+               {.path = "gearbox.ratio",
+                .min = 1.0,
+                .max = 1e6,
+                .required = true,
+                .help = "speed of the fast shaft, which takes the sun's place, over "
+                        "that of the output; a magnitude"},
+               [](auto& t, std::size_t) -> auto& { return t.ratio; }),
+           make_key<BlackBox>(
+               {.path = "gearbox.efficiency_forward",
+                .min = 0.0,
+                .max = 1.0,
+                .min_excluded = true,
+                .required = true,
+                .help = "efficiency with the fast shaft driving"},
+               [](auto& t, std::size_t) -> auto& { return t.efficiency_forward; }),
+           make_key<BlackBox>(
+               {.path = "gearbox.efficiency_backward",
+                .min = 0.0,
+                .max = 1.0,
+                .min_excluded = true,
+                .required = true,
+                .help = "efficiency with the output driving"},
+               [](auto& t, std::size_t) -> auto& { return t.efficiency_backward; }),
+           make_key<BlackBox>(
+               {.path = "gearbox.backlash_arcmin",
+                .unit = units::Unit::kArcmin,
+                .min = 0.0,
+                .max = 21600.0,
+                .default_text = "not stated",
+                .help = "lost motion at the output with the fast shaft locked; needed to explain "
+                        "lost_motion and torque_angle data"},
+               [](auto& t, std::size_t) -> auto& { return t.backlash_rad; })});
+  return schema;
 }
 
 BlackBox black_box_from(const TomlValue& document, const std::string& name) {

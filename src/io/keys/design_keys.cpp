@@ -111,15 +111,10 @@ std::vector<std::string> file_order() {
           "limits"};
 }
 
-}  // namespace
-
-Schema<DesignInput> design_schema() {
+std::vector<Key<DesignInput>> keys_of_design() {
   using KeyTarget = DesignInput;
-  Schema<KeyTarget> schema{.gears = {train::kGearNames.begin(), train::kGearNames.end()},
-                           .keys = common_keys<KeyTarget>(
-                               [](auto& t, std::size_t) -> auto& { return t.losses.friction; }),
-                           .order = file_order()};
-  auto& keys = schema.keys;
+  auto keys =
+      common_keys<KeyTarget>([](auto& t, std::size_t) -> auto& { return t.losses.friction; });
   keys.push_back(make_key<KeyTarget>(
       integer("planets", within(1, 24), "3", "number of equally spaced planets"),
       &KeyTarget::planets));
@@ -152,32 +147,12 @@ Schema<DesignInput> design_schema() {
   append_keys(keys, losses, &KeyTarget::losses);
   append_keys(keys, tolerance_keys(), &KeyTarget::tolerances);
   append_keys(keys, limit_keys(false), &KeyTarget::limits);
-  return schema;
+  return keys;
 }
 
-const std::string& key_of(const design::InputId& input) {
-  struct InputKey {
-    design::InputId input;
-    std::string path;
-  };
-  static const std::vector<InputKey> keys = [] {
-    std::vector<InputKey> list;
-    const Schema<DesignInput> schema = design_schema();
-    for (const ExpandedKey& key : expand_keys(records_of(schema), schema.gears)) {
-      if (!key.record->input) continue;
-      const auto [kind, index] = *key.record->input;
-      list.push_back({.input = {.kind = kind, .index = index + key.gear}, .path = key.path});
-    }
-    return list;
-  }();
-  return std::ranges::find(keys, input, &InputKey::input)->path;
-}
-
-Schema<PairInput> pair_schema() {
+std::vector<Key<PairInput>> keys_of_pair() {
   using KeyTarget = PairInput;
-  Schema<KeyTarget> schema{.gears = {"gear1", "gear2"},
-                           .keys = common_keys<KeyTarget>(&KeyTarget::friction)};
-  auto& keys = schema.keys;
+  auto keys = common_keys<KeyTarget>(&KeyTarget::friction);
   keys.push_back(
       make_key<KeyTarget>({.path = "kind",
                            .type = KeyType::kChoice,
@@ -193,7 +168,37 @@ Schema<PairInput> pair_schema() {
       "{gear}.");
   append_keys(keys, gear_tolerance_keys(true), &KeyTarget::tolerances);
   append_keys(keys, limit_keys(true), &KeyTarget::limits);
+  return keys;
+}
+
+}  // namespace
+
+const Schema<DesignInput>& design_schema() {
+  static const Schema<DesignInput> schema({train::kGearNames.begin(), train::kGearNames.end()},
+                                          keys_of_design(), file_order());
   return schema;
+}
+
+const Schema<PairInput>& pair_schema() {
+  static const Schema<PairInput> schema({"gear1", "gear2"}, keys_of_pair());
+  return schema;
+}
+
+const std::string& key_of(const design::InputId& input) {
+  struct InputKey {
+    design::InputId input;
+    std::string path;
+  };
+  static const std::vector<InputKey> keys = [] {
+    std::vector<InputKey> list;
+    for (const ExpandedKey& key : design_schema().index().keys) {
+      if (!key.record->input) continue;
+      const auto [kind, index] = *key.record->input;
+      list.push_back({.input = {.kind = kind, .index = index + key.gear}, .path = key.path});
+    }
+    return list;
+  }();
+  return std::ranges::find(keys, input, &InputKey::input)->path;
 }
 
 }  // namespace gear3k::io

@@ -53,9 +53,9 @@ struct PairInput : CommonInput {
   design::Friction friction;
 };
 
-Schema<DesignInput> design_schema();
+const Schema<DesignInput>& design_schema();
 /// The key of a DESIGN file that states an input, with its tables: "gears.P1.profile_shift".
 const std::string& key_of(const design::InputId& input);
-Schema<PairInput> pair_schema();
+const Schema<PairInput>& pair_schema();
 
 }  // namespace gear3k::io

@@ -173,15 +173,13 @@ std::string suggestion(const std::string& path, const std::vector<ExpandedKey>& 
 }
 
 struct Matcher {
-  const std::vector<ExpandedKey>& keys;
-  std::map<std::string, const ExpandedKey*> by_path;
-  std::set<std::string> tables;
+  const KeyIndex& index;
   FileReading& reading;
   std::vector<FoundValue> found;
 
   void unknown(const std::string& path, const TomlValue& value) {
     reading.error(value.position, [&] {
-      const std::string hint = suggestion(path, keys);
+      const std::string hint = suggestion(path, index.keys);
       const bool table = value.kind == TomlValue::Kind::kTable;
       return fmt::format("unknown {} {}{}", table ? "table" : "key", path,
                          hint.empty() ? "" : fmt::format("; did you mean {}?", hint));
@@ -190,7 +188,7 @@ struct Matcher {
 
   void unknown_table(const std::string& path, const TomlValue& value) {
     reading.error(value.position, [&] {
-      const std::string hint = closest_word(path, {tables.begin(), tables.end()});
+      const std::string hint = closest_word(path, {index.tables.begin(), index.tables.end()});
       return fmt::format("unknown table [{}]{}", path,
                          hint.empty() ? "" : fmt::format("; did you mean [{}]?", hint));
     });
@@ -213,12 +211,12 @@ struct Matcher {
     for (const TomlValue& member : table.table) {
       const std::string path =
           prefix.empty() ? member.key : fmt::format("{}.{}", prefix, member.key);
-      const auto key = by_path.find(path);
-      const bool known = key != by_path.end();
+      const auto key = index.by_path.find(path);
+      const bool known = key != index.by_path.end();
       const bool is_table = member.kind == TomlValue::Kind::kTable;
-      const bool known_table = tables.contains(path);
+      const bool known_table = index.tables.contains(path);
       if (known && !(is_table && known_table)) {
-        value(*key->second, member);
+        value(index.keys[key->second], member);
       } else if (is_table && known_table) {
         reading.remember(path, member.position);
         walk(member, path);
@@ -350,17 +348,21 @@ std::vector<ExpandedKey> expand_keys(const std::vector<const KeyRecord*>& record
   return keys;
 }
 
-std::vector<FoundValue> match_keys(const TomlValue& document, const std::vector<ExpandedKey>& keys,
-                                   FileReading& reading) {
-  Matcher matcher{.keys = keys, .by_path = {}, .tables = {}, .reading = reading, .found = {}};
-  for (const ExpandedKey& key : keys) {
-    matcher.by_path[key.path] = &key;
-    for (std::string parent = parent_of(key.path); !parent.empty(); parent = parent_of(parent)) {
-      matcher.tables.insert(parent);
+KeyIndex::KeyIndex(std::vector<ExpandedKey> expanded) : keys(std::move(expanded)) {
+  for (std::size_t k = 0; k < keys.size(); ++k) {
+    by_path[keys[k].path] = k;
+    for (std::string parent = parent_of(keys[k].path); !parent.empty();
+         parent = parent_of(parent)) {
+      tables.insert(parent);
     }
   }
+}
+
+std::vector<FoundValue> match_keys(const TomlValue& document, const KeyIndex& index,
+                                   FileReading& reading) {
+  Matcher matcher{.index = index, .reading = reading, .found = {}};
   matcher.walk(document, "");
-  for (const ExpandedKey& key : keys) {
+  for (const ExpandedKey& key : index.keys) {
     if (key.record->required && !reading.stated(key.path)) {
       reading.error_at(key.path, fmt::format("{} is missing: {}; allowed: {}", key.path,
                                              key.record->help, allowed_text(*key.record)));

@@ -3,6 +3,7 @@
 // The same record reads and writes files and makes the tables of docs/keys.md.
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -31,12 +32,59 @@ struct Key {
   std::function<bool(const Target&, std::size_t gear)> written = {};
 };
 
+/// A key of a schema with its path spelt out, for the untyped part of reading.
+struct ExpandedKey {
+  std::string path;
+  const KeyRecord* record;
+  std::size_t key, gear;
+};
+std::vector<ExpandedKey> expand_keys(const std::vector<const KeyRecord*>& records,
+                                     const std::vector<std::string>& gears);
+
+/// What a reader looks up: every key by its path, and the tables that hold them.
+struct KeyIndex {
+  explicit KeyIndex(std::vector<ExpandedKey> expanded);
+
+  std::vector<ExpandedKey> keys;
+  std::map<std::string, std::size_t> by_path;  ///< place among the keys
+  std::set<std::string> tables;
+};
+
+/// The keys of a file that describes a Target.  Made once for a kind of file: the records and the
+/// index point at each other.
 template <class Target>
-struct Schema {
-  std::vector<std::string> gears;  ///< what "{gear}" stands for
-  std::vector<Key<Target>> keys;
-  /// Keys and tables in the order in which they are written; the others follow.
-  std::vector<std::string> order = {};
+class Schema {
+ public:
+  /// @param gears  what "{gear}" stands for
+  /// @param order  keys and tables in the order in which they are written; the others follow
+  Schema(std::vector<std::string> gears, std::vector<Key<Target>> keys,
+         std::vector<std::string> order = {})
+      : gears_(std::move(gears)),
+        keys_(std::move(keys)),
+        order_(std::move(order)),
+        index_(expand_keys(records(), gears_)) {}
+  Schema(const Schema&) = delete;
+  Schema& operator=(const Schema&) = delete;
+  Schema(Schema&&) = delete;
+  Schema& operator=(Schema&&) = delete;
+  ~Schema() = default;
+
+  [[nodiscard]] const std::vector<std::string>& gears() const { return gears_; }
+  [[nodiscard]] const std::vector<Key<Target>>& keys() const { return keys_; }
+  [[nodiscard]] const std::vector<std::string>& order() const { return order_; }
+  [[nodiscard]] const KeyIndex& index() const { return index_; }
+  [[nodiscard]] std::vector<const KeyRecord*> records() const {
+    std::vector<const KeyRecord*> records;
+    records.reserve(keys_.size());
+    for (const Key<Target>& key : keys_) records.push_back(&key.record);
+    return records;
+  }
+
+ private:
+  std::vector<std::string> gears_;
+  std::vector<Key<Target>> keys_;
+  std::vector<std::string> order_;
+  KeyIndex index_;
 };
 
 /// What a view shows of a Target: a pointer to a member, or auto&(auto& target, std::size_t gear).
@@ -129,12 +177,6 @@ class FileReading {
   Complaints complaints_;
 };
 
-/// A key of a schema with its path spelt out, for the untyped part of reading.
-struct ExpandedKey {
-  std::string path;
-  const KeyRecord* record;
-  std::size_t key, gear;
-};
 /// A value found in the file that fits a key.
 struct FoundValue {
   std::size_t key, gear;
@@ -143,27 +185,15 @@ struct FoundValue {
 
 /// Matches a document with the keys: unknown keys, wrong types, values out of range and missing
 /// required keys become errors in `reading`.  @returns the values that passed.
-std::vector<FoundValue> match_keys(const TomlValue& document, const std::vector<ExpandedKey>& keys,
+std::vector<FoundValue> match_keys(const TomlValue& document, const KeyIndex& index,
                                    FileReading& reading);
-
-std::vector<ExpandedKey> expand_keys(const std::vector<const KeyRecord*>& records,
-                                     const std::vector<std::string>& gears);
-
-template <class Target>
-std::vector<const KeyRecord*> records_of(const Schema<Target>& schema) {
-  std::vector<const KeyRecord*> records;
-  records.reserve(schema.keys.size());
-  for (const Key<Target>& key : schema.keys) records.push_back(&key.record);
-  return records;
-}
 
 /// Reads a document into a target by a schema; errors are collected in `reading`.
 template <class Target>
 void read_by_schema(const TomlValue& document, const Schema<Target>& schema, Target& target,
                     FileReading& reading) {
-  for (const FoundValue& found :
-       match_keys(document, expand_keys(records_of(schema), schema.gears), reading)) {
-    const Key<Target>& key = schema.keys[found.key];
+  for (const FoundValue& found : match_keys(document, schema.index(), reading)) {
+    const Key<Target>& key = schema.keys()[found.key];
     key.assign(key.record, target, found.gear, *found.value);
   }
 }
@@ -174,22 +204,22 @@ struct StatedValue {
   std::size_t gear = 0;
   TomlValue value = {};
 };
-/// A file of these values, in the order of Schema::order, then of the gears; a gear's own keys come
-/// before those of its tables.
+/// A file of these values, in the order of Schema::order(), then of the gears; a gear's own keys
+/// come before those of its tables.
 std::string text_of(std::vector<StatedValue> values, const std::vector<std::string>& order);
 
 /// The file that read_by_schema() turns into the target, as far as its schema's keys are written.
 template <class Target>
 std::string text_by_schema(const Schema<Target>& schema, const Target& target) {
   std::vector<StatedValue> values;
-  for (const ExpandedKey& at : expand_keys(records_of(schema), schema.gears)) {
-    const Key<Target>& key = schema.keys[at.key];
+  for (const ExpandedKey& at : schema.index().keys) {
+    const Key<Target>& key = schema.keys()[at.key];
     if (key.written && !key.written(target, at.gear)) continue;
     if (auto value = key.state(key.record, target, at.gear)) {
       values.push_back({.path = at.path, .gear = at.gear, .value = std::move(*value)});
     }
   }
-  return text_of(std::move(values), schema.order);
+  return text_of(std::move(values), schema.order());
 }
 
 /// Markdown table of keys: key, value, default, meaning.
@@ -198,7 +228,7 @@ std::string key_table(const std::vector<const KeyRecord*>& records,
 
 template <class Target>
 std::string key_table(const Schema<Target>& schema) {
-  return key_table(records_of(schema), schema.gears);
+  return key_table(schema.records(), schema.gears());
 }
 
 }  // namespace gear3k::io

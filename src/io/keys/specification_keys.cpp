@@ -258,16 +258,8 @@ std::vector<Key<LossInput>> operating_point_keys() {
   return keys;
 }
 
-}  // namespace
-
-SpecificationInput::SpecificationInput() {
-  spec.pressure_angle_rad = units::to_si(20.0, Unit::kDegree);
-  spec.ratio.tolerance = 0.005;
-}
-
-Schema<Input> specification_schema() {
-  Schema<Input> schema{.gears = {train::kGearNames.begin(), train::kGearNames.end()}, .keys = {}};
-  auto& keys = schema.keys;
+std::vector<Key<Input>> specification_keys() {
+  std::vector<Key<Input>> keys;
   keys.push_back(make_key<Input>({.path = "name",
                                   .type = KeyType::kText,
                                   .default_text = "\"\"",
@@ -309,6 +301,19 @@ Schema<Input> specification_schema() {
   append_keys(keys, limit_keys(false), &Input::limits);
   append_keys(keys, tolerance_keys(), &Input::tolerances);
   append_keys(keys, robust_keys(), of_spec(&Specification::robust));
+  return keys;
+}
+
+}  // namespace
+
+SpecificationInput::SpecificationInput() {
+  spec.pressure_angle_rad = units::to_si(20.0, Unit::kDegree);
+  spec.ratio.tolerance = 0.005;
+}
+
+const Schema<Input>& specification_schema() {
+  static const Schema<Input> schema({train::kGearNames.begin(), train::kGearNames.end()},
+                                    specification_keys());
   return schema;
 }
 

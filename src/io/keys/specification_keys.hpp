@@ -22,6 +22,6 @@ struct SpecificationInput {
   SpecificationInput();
 };
 
-Schema<SpecificationInput> specification_schema();
+const Schema<SpecificationInput>& specification_schema();
 
 }  // namespace gear3k::io

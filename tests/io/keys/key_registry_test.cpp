@@ -160,7 +160,7 @@ Match match(const std::vector<KeyRecord>& records, const std::string& toml,
   for (const KeyRecord& record : records) pointers.push_back(&record);
   FileReading reading("file.toml");
   const TomlValue document = parse_toml(toml, "file.toml");
-  const auto found = match_keys(document, expand_keys(pointers, gears), reading);
+  const auto found = match_keys(document, KeyIndex(expand_keys(pointers, gears)), reading);
   try {
     reading.throw_if_invalid();
   } catch (const InvalidInput& error) {

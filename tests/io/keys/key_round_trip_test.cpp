@@ -137,7 +137,7 @@ std::optional<TomlValue> read_back(const KeyRecord& record, const std::string& t
   alone.path = "key";
   const TomlValue document = parse_toml("key = " + text, "f");
   FileReading reading("f");
-  const auto found = match_keys(document, expand_keys({&alone}, {}), reading);
+  const auto found = match_keys(document, KeyIndex(expand_keys({&alone}, {})), reading);
   if (found.size() != 1) return std::nullopt;
   return *found[0].value;
 }
@@ -146,9 +146,9 @@ template <class Target>
 void expect_every_key_survives(const Schema<Target>& schema) {
   LegalValues values(20);
   constexpr int kSamples = 60;
-  for (const Key<Target>& key : schema.keys) {
+  for (const Key<Target>& key : schema.keys()) {
     const bool per_gear = key.record.path.find("{gear}") != std::string::npos;
-    for (std::size_t gear = 0; gear < (per_gear ? schema.gears.size() : 1); ++gear) {
+    for (std::size_t gear = 0; gear < (per_gear ? schema.gears().size() : 1); ++gear) {
       for (int sample = 0; sample < kSamples; ++sample) {
         const TomlValue stated = values.of(key.record);
         SCOPED_TRACE(fmt::format("{} = {}", key.record.path, toml_text(stated)));
