@@ -62,7 +62,7 @@ void print_row(const char* what, const optimize::Specification& spec,
       what, fmt::format("{}/{}/{}/{}/{}", z.S, z.P1, z.R1, z.P2, z.R2), design.train.planets,
       train::ratio(z), 100.0 * e->efficiency.forward.value_or(0.0),
       100.0 * e->efficiency.backward.value_or(0.0),
-      design::in_unit(e->backlash.kinematic_rad, design::Unit::kArcmin), least_j_um,
+      units::from_si(e->lost_motion.kinematic_rad, units::Unit::kArcmin), least_j_um,
       1e3 * 2.0 *
           std::max(train->gears[train::kR1].root_radius_m, train->gears[train::kR2].root_radius_m),
       1e3 * value(optimize::Objective::kInertia), value(optimize::Objective::kMass), failed);

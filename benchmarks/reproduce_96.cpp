@@ -103,9 +103,9 @@ void reference_problem(Bands& bands) {
   bands.expect("  best eta_b", best, 0.94340, 1.0, source);
   if (slsqp.best) {
     const design::Design winner = optimize::design_of(spec, *slsqp.best);
-    const double arcmin = design::from_unit(1.0, design::Unit::kArcmin);
+    const double arcmin = units::to_si(1.0, units::Unit::kArcmin);
     bands.expect_printed("  the winner's lost motion, kinematic [arcmin]",
-                         analyzed(winner).backlash.kinematic_rad / arcmin, 15.92, 2, source);
+                         analyzed(winner).lost_motion.kinematic_rad / arcmin, 15.92, 2, source);
   }
   bands.expect("  largest KKT residual", worst_kkt, 0.0, 1e-5, "stationary in scaled variables");
   spec.solver.refine = optimize::Refine::kIpopt;
@@ -130,10 +130,10 @@ void buildable(Bands& bands) {
   const design::Evaluation e = analyzed(optimize::design_of(spec, *result.best));
   const auto failed = static_cast<double>(
       std::ranges::count_if(e.checks, [](const design::CheckResult& c) { return !c.ok; }));
-  const double arcmin = design::from_unit(1.0, design::Unit::kArcmin);
+  const double arcmin = units::to_si(1.0, units::Unit::kArcmin);
   bands.expect("ratio-96: failed checks of the best design", failed, 0, 0, source);
   bands.expect("  ratio", e.ratio, 96.2 * 0.995, 96.2 * 1.005, source);
-  bands.expect("  lost motion, kinematic [arcmin]", e.backlash.kinematic_rad / arcmin, 0.0,
+  bands.expect("  lost motion, kinematic [arcmin]", e.lost_motion.kinematic_rad / arcmin, 0.0,
                8.0 * (1.0 + 1e-6), source);
   double root_diameter_mm = 0.0;
   for (const int ring : {train::kR1, train::kR2}) {

@@ -47,7 +47,7 @@ design::Limits interference_limits() {
   design::Limits limits;
   for (const design::CheckRecord& record : design::check_records()) {
     if (counts(record.name)) {
-      limits[record.id] = design::from_unit(record.default_limit.value_or(0.0), record.unit);
+      limits[record.id] = units::to_si(record.default_limit.value_or(0.0), record.unit);
     }
   }
   return limits;
@@ -71,15 +71,15 @@ std::vector<test::NamedMargin> margins_of(const test::SimulatedPair& pair) {
     if (!counts(check.record->name)) continue;
     double scale = 1.0;
     switch (check.record->unit) {
-      case design::Unit::kNone:
-      case design::Unit::kModule:
+      case units::Unit::kNone:
+      case units::Unit::kModule:
         break;
-      case design::Unit::kMillimetre:
-      case design::Unit::kMicrometre:
+      case units::Unit::kMillimetre:
+      case units::Unit::kMicrometre:
         scale = 1.0 / kModule_m;
         break;
-      case design::Unit::kArcmin:
-      case design::Unit::kDegree:
+      case units::Unit::kArcmin:
+      case units::Unit::kDegree:
         scale = 0.5 * pair.gear2.teeth;
         break;
       default:

@@ -28,7 +28,7 @@ int main(int argc, char** argv) {
       constexpr double kArcminPerRad = 60.0 * 180.0 / 3.14159265358979323846;
       std::printf("%9.3f mm %10.2f %% %7.2f arcmin\n", 1e3 * e.center_distance_m,
                   100.0 * e.efficiency.backward.value_or(0.0),
-                  kArcminPerRad * e.backlash.kinematic_rad);
+                  kArcminPerRad * e.lost_motion.kinematic_rad);
     }
     return 0;
   } catch (const std::exception& error) {

@@ -74,7 +74,7 @@ void lower_limits(optimize::Specification& spec, Model& model, Notes& notes) {
     notes.push_back(fmt::format(
         "limits of lost motion hold with the {:.4g} arcmin that the model adds at {:.6g} Nm: the "
         "teeth alone, and best.toml, get limits lower by that",
-        design::in_unit(shift, design::Unit::kArcmin), torque_Nm));
+        units::from_si(shift, units::Unit::kArcmin), torque_Nm));
   }
   if (e.expansion_1_K != 0.0) {
     notes.emplace_back(
@@ -99,7 +99,7 @@ std::string unreachable_lost_motion(const optimize::Specification& stated, const
   const auto& limit = stated.limits[design::CheckId::kOutputBacklashMax];
   const double added = model.use.lost_motion_shift_rad;
   if (!limit || *limit >= added) return "";
-  const auto arcmin = [](double rad) { return design::in_unit(rad, design::Unit::kArcmin); };
+  const auto arcmin = [](double rad) { return units::from_si(rad, units::Unit::kArcmin); };
   return fmt::format(
       "backlash.max_output_arcmin = {:.6g}: the model adds {:.4g} arcmin to the lost motion of the "
       "teeth: no teeth can keep the limit, allowed with this model: {:.4g} or more",

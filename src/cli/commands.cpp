@@ -107,13 +107,10 @@ std::string result_text(const design::PairEvaluation& evaluation, Format format)
   return report::analysis_table(evaluation);
 }
 
-/// An output that would overwrite its own input is a slip.
-void refuse_overwriting_input(const std::string& input, const std::string& output) {
-  std::error_code status;
-  if (!output.empty() && std::filesystem::equivalent(input, output, status)) {
-    throw io::InvalidInput(
-        fmt::format("--out {}: is the input file, allowed: another file", output));
-  }
+/// @throws io::InvalidInput where --out is an input
+void refuse_replacing(const std::vector<std::string>& inputs, const std::string& out) {
+  const std::string slip = out.empty() ? "" : io::replaced_input(out, inputs);
+  if (!slip.empty()) throw io::InvalidInput("--out: " + slip);
 }
 
 /// Exit code of what was analysed.
@@ -128,8 +125,7 @@ ExitCode run_analyze(const AnalyzeOptions& options) {
                                     .model = app::read_model(options.model),
                                     .source = options.file};
   use_threads(options);
-  refuse_overwriting_input(options.model, options.out);
-  refuse_overwriting_input(options.file, options.out);
+  refuse_replacing({options.file, options.model}, options.out);
   const app::Analysis analysis = app::analyze(request);
   warn(analysis.model_notes, options.quiet);
   deliver(options, result_text(analysis, request.model, options.format));
@@ -138,7 +134,7 @@ ExitCode run_analyze(const AnalyzeOptions& options) {
 
 ExitCode run_mesh(const AnalyzeOptions& options) {
   const app::MeshRequest request{.pair = io::read_pair(options.file), .source = options.file};
-  refuse_overwriting_input(options.file, options.out);
+  refuse_replacing({options.file}, options.out);
   const design::PairEvaluation evaluation = app::mesh(request);
   deliver(options, result_text(evaluation, options.format));
   return judged(evaluation.checks, options);
@@ -151,7 +147,7 @@ ExitCode run_search(const SearchOptions& options) {
                                                       ? static_cast<std::size_t>(options.top)
                                                       : std::numeric_limits<std::size_t>::max()};
   const optimize::Specification& spec = request.spec;
-  refuse_overwriting_input(options.file, options.out);
+  refuse_replacing({options.file}, options.out);
   use_threads(options);
   app::ToothSets found = [&] {
     optimize::Progress progress;
@@ -294,7 +290,7 @@ ExitCode run_export(const ExportOptions& options) {
   };
   add(options.dxf_folder, "dxf", drawing::dxf_text);
   add(options.svg_folder, "svg", drawing::svg_text);
-  io::write_files(files, options.file);
+  io::write_files(files, {options.file});
 
   if (!options.quiet) {
     for (const std::string& note : set.notes) say(fmt::format("note: {}\n", note));

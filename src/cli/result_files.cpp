@@ -20,12 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Whether two names are of one file that exists.
-bool same_file(const std::string& a, const std::string& b) {
-  std::error_code status;
-  return fs::equivalent(a, b, status);
-}
-
 /// What stderr says of figures that are missing.
 std::string missing_text(const Figures& figures, const std::vector<std::string>& written) {
   std::string text;
@@ -45,11 +39,9 @@ std::string missing_text(const Figures& figures, const std::vector<std::string>&
 ResultFolder::ResultFolder(ResultFolderTask task) : task_(std::move(task)) {
   for (const auto* names : {&task_.files, &task_.others, &task_.figures}) {
     for (const std::string& name : *names) {
-      for (const std::string& input : task_.inputs) {
-        if (input.empty() || !same_file(path_of(name), input)) continue;
-        throw io::InvalidInput(fmt::format("{} {}: {} is an input file, allowed: another folder",
-                                           task_.option, task_.path, path_of(name)));
-      }
+      const std::string slip = io::replaced_input(path_of(name), task_.inputs);
+      if (slip.empty()) continue;
+      throw io::InvalidInput(fmt::format("{} {}: {}", task_.option, task_.path, slip));
     }
   }
   std::error_code status;
@@ -97,7 +89,7 @@ std::vector<std::string> ResultFolder::write(std::vector<io::FileText> files,
     file.path = path_of(file.path);
     written.push_back(file.path);
   }
-  io::write_files(files, "");
+  io::write_files(files, {});
   for (const Figures::Missing& missing : figures.missing) set_aside(missing.file);
   // Figures of an earlier run would pass for results of this one.
   for (const std::string& name : task_.figures) {

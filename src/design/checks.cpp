@@ -13,7 +13,7 @@ const CheckRecord& check_record(CheckId id) {
 Limits default_limits() {
   Limits limits;
   for (const CheckRecord& r : check_records()) {
-    if (r.default_limit) limits[r.id] = from_unit(*r.default_limit, r.unit);
+    if (r.default_limit) limits[r.id] = units::to_si(*r.default_limit, r.unit);
   }
   return limits;
 }

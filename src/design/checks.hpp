@@ -17,10 +17,7 @@
 
 namespace gear3k::design {
 
-using units::Unit, units::unit_name;
-/// SI value (m, rad, or a number) in the unit.
-constexpr double in_unit(double value_si, Unit unit) { return units::from_si(value_si, unit); }
-constexpr double from_unit(double value, Unit unit) { return units::to_si(value, unit); }
+using units::Unit;
 
 /// What one value of a check belongs to.
 enum class CheckScope {

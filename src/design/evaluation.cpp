@@ -432,11 +432,11 @@ std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
 
   using backlash::LostMotionModel;
   const double kinematic = backlash::output_lost_motion(*train, j_bn, LostMotionModel::kKinematic);
-  e.backlash = {.paper_rad = backlash::output_lost_motion(*train, j_bn, LostMotionModel::kPaper),
-                .kinematic_rad = kinematic,
-                .input_kinematic_rad = kinematic * std::abs(e.ratio),
-                .kinematic_share_rad = backlash::kinematic_lost_motion(*train, j_bn),
-                .measured_rad = measured_result(design, parameters, *train)};
+  e.lost_motion = {.paper_rad = backlash::output_lost_motion(*train, j_bn, LostMotionModel::kPaper),
+                   .kinematic_rad = kinematic,
+                   .input_kinematic_rad = kinematic * std::abs(e.ratio),
+                   .kinematic_share_rad = backlash::kinematic_lost_motion(*train, j_bn),
+                   .measured_rad = measured_result(design, parameters, *train)};
 
   MassModel masses = mass_model(design.masses, *train);
   e.parts = std::move(masses.parts);

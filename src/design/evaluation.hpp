@@ -79,7 +79,7 @@ struct InertiaResult {
   std::optional<double> paper_kgm2;                   ///< empty where a mesh efficiency is ≤ 0
 };
 
-struct BacklashResult {
+struct LostMotionResult {
   double paper_rad, kinematic_rad, input_kinematic_rad;  ///< rigid bodies
   std::array<double, train::kMeshCount> kinematic_share_rad;
   /// With the calibrated model that changes it, at the operating point (its torque as ±T), without
@@ -113,7 +113,7 @@ struct Evaluation {
   std::optional<OperatingResult> operation;  ///< where the design has an operating point
   std::vector<MeshResult> meshes;
   std::vector<GearResult> gears;
-  BacklashResult backlash;
+  LostMotionResult lost_motion;
   std::optional<InertiaResult> inertia;
   std::string inertia_missing;  ///< what input it lacks, when inertia is empty
   std::vector<PartMass> parts;

@@ -36,12 +36,12 @@ Miss miss_of(const RefinementProblem& problem, std::string_view name, double vio
             .amount = violation * row->objective->scale / record.per_unit,
             .unit = record.unit};
   }
-  const design::Unit unit = row->check ? row->check->record->unit : design::Unit::kMillimetre;
+  const units::Unit unit = row->check ? row->check->record->unit : units::Unit::kMillimetre;
   const double scale = row->check ? row->check->scale : problem.length_scale_m;
   return {.name = name,
           .violation = violation,
-          .amount = design::in_unit(violation * scale, unit),
-          .unit = design::unit_name(unit)};
+          .amount = units::from_si(violation * scale, unit),
+          .unit = units::unit_name(unit)};
 }
 
 /// The point with the least violation found of one constraint that meets all others; empty when
@@ -100,8 +100,8 @@ RefinedSet proven_infeasible(const Candidate& candidate, const Infeasibility& pr
   const design::CheckRecord& record = design::check_record(proof.check);
   set.blocked_by = {{.name = record.name,
                      .violation = proof.violation,
-                     .amount = design::in_unit(proof.miss_si, record.unit),
-                     .unit = design::unit_name(record.unit)}};
+                     .amount = units::from_si(proof.miss_si, record.unit),
+                     .unit = units::unit_name(record.unit)}};
   return set;
 }
 

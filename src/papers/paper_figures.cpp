@@ -15,7 +15,7 @@ namespace gear3k::papers {
 
 namespace {
 
-using design::CheckId, design::Unit;
+using design::CheckId, units::Unit;
 using optimize::Specification, optimize::ZeroShiftSet;
 
 /// The lost motion is what the figures show, not what they reject.
@@ -110,13 +110,13 @@ std::vector<RefinedPoint> refined_points(const Specification& task, const RatioS
   for (std::size_t i = 0; i < kLimits; ++i) {
     limited[i] = task;
     limited[i].limits[CheckId::kOutputBacklashMax] =
-        design::from_unit(kRefinementLimits_arcmin[i], Unit::kArcmin);
+        units::to_si(kRefinementLimits_arcmin[i], Unit::kArcmin);
   }
   numerics::parallel_for(sets.size(), [&](std::size_t k) {
     RefinedPoint& set = sets[k];
     const ZeroShiftPoint& point = scatter.points[set.scatter_index];
     const design::Evaluation before = evaluated(zero_shift_design(task, point));
-    set.zero_shift_kinematic_rad = before.backlash.kinematic_rad;
+    set.zero_shift_kinematic_rad = before.lost_motion.kinematic_rad;
     for (const design::CheckResult& check : before.checks) {
       const std::string name(check.record->name);
       const bool again = !set.zero_shift_fails.empty() && set.zero_shift_fails.back() == name;
@@ -153,8 +153,8 @@ FigureMapPoint map_point(const design::Design& design) {
   point.status = "ok";
   point.eta_b = *e->efficiency.backward;
   point.eta_f = *e->efficiency.forward;
-  point.paper_rad = e->backlash.paper_rad;
-  point.kinematic_rad = e->backlash.kinematic_rad;
+  point.paper_rad = e->lost_motion.paper_rad;
+  point.kinematic_rad = e->lost_motion.kinematic_rad;
   return point;
 }
 
@@ -173,7 +173,7 @@ VariedInput varied_input(const Variation& v, design::Design design) {
   input.values.reserve(static_cast<std::size_t>(v.below) + static_cast<std::size_t>(v.above) + 1);
   for (int k = -v.below; k <= v.above; ++k) {
     input.values.push_back(k == 0 ? input.published
-                                  : input.published + design::from_unit(k * v.step, v.unit));
+                                  : input.published + units::to_si(k * v.step, v.unit));
   }
   return input;
 }

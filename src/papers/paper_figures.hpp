@@ -57,7 +57,7 @@ struct RefinedPoint {
 /// An input of the published gear that a map varies.
 struct VariedInput {
   std::string name;            ///< column and axis, e.g. "x_R1"
-  design::Unit unit;           ///< of the axis
+  units::Unit unit;            ///< of the axis
   double published = 0.0;      ///< SI
   std::vector<double> values;  ///< SI, rising, `published` among them
 };

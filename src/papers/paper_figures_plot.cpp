@@ -153,10 +153,10 @@ std::string refined_script(const PaperFigures& f) {
 }
 
 double in_axis_unit(const VariedInput& input, double value) {
-  return clean(design::in_unit(value, input.unit));
+  return clean(units::from_si(value, input.unit));
 }
 std::string axis_label(const VariedInput& input) {
-  const std::string unit(design::unit_name(input.unit));
+  const std::string unit(units::unit_name(input.unit));
   return plot_text(input.name + (unit.empty() ? "" : fmt::format(" ({})", unit)));
 }
 /// Half the distance of neighbouring values, in the axis' unit.

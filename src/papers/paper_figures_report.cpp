@@ -161,10 +161,10 @@ std::string refined_csv(const PaperFigures& f) {
 }
 
 std::string column(const VariedInput& input) {
-  return input.unit == design::Unit::kMillimetre ? input.name + "_mm" : input.name;
+  return input.unit == units::Unit::kMillimetre ? input.name + "_mm" : input.name;
 }
 std::string axis_value(const VariedInput& input, double value) {
-  return exact(clean(design::in_unit(value, input.unit)));
+  return exact(clean(units::from_si(value, input.unit)));
 }
 
 std::string map_csv(const PaperFigures& f, const FigureMap& map, const std::string& letter) {

@@ -198,13 +198,13 @@ class Ledger {
     const auto q = explaining_allowance(fixed, or_nan(s_.low_backlash.measured_lost_motion_rad),
                                         LostMotionModel::kPaper);
     const Evaluation e = evaluated(with_allowance(fixed, q.value_or(0.0)));
-    const auto& share = e.backlash.kinematic_share_rad;
+    const auto& share = e.lost_motion.kinematic_share_rad;
     add({.where = "eq. 17",
          .paper = "phi_1 + max(phi_2, phi_3)",
          .finding = "rigid bodies with the sun locked add the shares of all three meshes",
          .figures = {{"q of the example", "module", or_nan(q), 4},
-                     {"eq. 17", "arcmin", arcmin(e.backlash.paper_rad), 2},
-                     {"kinematic", "arcmin", arcmin(e.backlash.kinematic_rad), 2},
+                     {"eq. 17", "arcmin", arcmin(e.lost_motion.paper_rad), 2},
+                     {"kinematic", "arcmin", arcmin(e.lost_motion.kinematic_rad), 2},
                      {"of it S-P1", "arcmin", arcmin(share[0]), 2},
                      {"P1-R1", "arcmin", arcmin(share[1]), 2},
                      {"P2-R2", "arcmin", arcmin(share[2]), 2}}});

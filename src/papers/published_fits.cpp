@@ -17,7 +17,7 @@ namespace {
 using report::or_nan;
 
 double lost_motion(const Evaluation& e, LostMotionModel model) {
-  return model == LostMotionModel::kPaper ? e.backlash.paper_rad : e.backlash.kinematic_rad;
+  return model == LostMotionModel::kPaper ? e.lost_motion.paper_rad : e.lost_motion.kinematic_rad;
 }
 
 std::string model_name(LossModel model) {

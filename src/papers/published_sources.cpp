@@ -61,7 +61,7 @@ PublishedGearbox gearbox(const io::CsvTable& table, const io::CsvTable::Row& row
   t.module_m = {number("m1_mm") * units::kMillimetre, number("m2_mm") * units::kMillimetre};
   t.profile_shift = {number("xS"), number("xP1"), number("xR1"), number("xP2"), number("xR2")};
   constexpr double kPercent = 0.01;
-  const double arcmin = design::from_unit(1.0, design::Unit::kArcmin);
+  const double arcmin = units::to_si(1.0, units::Unit::kArcmin);
   g.stated_ratio = table.number(row, "ratio_stated");
   g.measured_lost_motion_rad = scaled(table, row, "backlash_arcmin", arcmin);
   g.measured_forward = scaled(table, row, "fwd_eff_pct", kPercent);
@@ -86,8 +86,8 @@ ThesisSources thesis_sources() {
     return required(statements, row_named(statements, "name", name), "value");
   };
   sources.statements = {
-      .module_m = design::from_unit(stated("module"), design::Unit::kMillimetre),
-      .pressure_angle_rad = design::from_unit(stated("pressure_angle"), design::Unit::kDegree),
+      .module_m = units::to_si(stated("module"), units::Unit::kMillimetre),
+      .pressure_angle_rad = units::to_si(stated("pressure_angle"), units::Unit::kDegree),
       .map_friction = stated("map_friction"),
       .corrected_friction = stated("corrected_friction"),
       .corrected_symmetric_scale = stated("corrected_symmetric_scale"),
@@ -114,23 +114,22 @@ PublishedSources published_sources() {
   PublishedSources sources;
   sources.low_backlash = gearbox(table, proposed, "low-backlash prototype");
   sources.low_backlash.stated_lost_motion_rad =
-      design::from_unit(stated("simulated_lost_motion"), design::Unit::kArcmin);
+      units::to_si(stated("simulated_lost_motion"), units::Unit::kArcmin);
   sources.bilateral =
       gearbox(table, row_named(table, "design", "bilateral_drive_gear"), "bilateral drive gear");
   sources.bilateral.stated_contact_ratio = std::array<double, train::kMeshCount>{
       stated("bilateral_contact_ratio_SP1"), stated("bilateral_contact_ratio_P1R1"),
       stated("bilateral_contact_ratio_P2R2")};
-  sources.statements = {.backlash_accuracy_percent = stated("backlash_accuracy"),
-                        .bilateral_xP2_printed = stated("bilateral_xP2_printed"),
-                        .starting_torque_ratio = stated("starting_torque_ratio"),
-                        .eq10_factor = stated("eq10_factor_printed"),
-                        .figure_outer_diameter_m = design::from_unit(
-                            stated("figure_outer_diameter"), design::Unit::kMillimetre),
-                        .lost_motion_before_rad =
-                            design::from_unit(stated("lost_motion_before"), design::Unit::kArcmin),
-                        .lost_motion_after_rad =
-                            design::from_unit(stated("lost_motion_after"), design::Unit::kArcmin),
-                        .efficiency_after = 0.01 * stated("efficiency_after")};
+  sources.statements = {
+      .backlash_accuracy_percent = stated("backlash_accuracy"),
+      .bilateral_xP2_printed = stated("bilateral_xP2_printed"),
+      .starting_torque_ratio = stated("starting_torque_ratio"),
+      .eq10_factor = stated("eq10_factor_printed"),
+      .figure_outer_diameter_m =
+          units::to_si(stated("figure_outer_diameter"), units::Unit::kMillimetre),
+      .lost_motion_before_rad = units::to_si(stated("lost_motion_before"), units::Unit::kArcmin),
+      .lost_motion_after_rad = units::to_si(stated("lost_motion_after"), units::Unit::kArcmin),
+      .efficiency_after = 0.01 * stated("efficiency_after")};
   sources.backdrive_starting_torque_Nm = required(table, proposed, "backdrive_start_Nm");
   sources.max_backdriving_torque_Nm = required(table, proposed, "max_backdrive_Nm");
   sources.strain_wave_starting_torque_Nm = required(table, strain_wave, "backdrive_start_Nm");

@@ -96,8 +96,8 @@ void append_lost_motion_rows(const PublishedGearbox& gearbox, const Evaluation& 
   rows.push_back({.quantity = "lost motion, q = 0" + at,
                   .unit = "arcmin",
                   .paper = in_arcmin(gearbox.stated_lost_motion_rad),
-                  .equations = arcmin(e.backlash.paper_rad),
-                  .exact = arcmin(e.backlash.kinematic_rad),
+                  .equations = arcmin(e.lost_motion.paper_rad),
+                  .exact = arcmin(e.lost_motion.kinematic_rad),
                   .measured = in_arcmin(gearbox.measured_lost_motion_rad),
                   .decimals = 2});
   if (!gearbox.measured_lost_motion_rad) return;

@@ -16,7 +16,7 @@ namespace gear3k::report {
 namespace {
 
 using design::CheckResult, design::Evaluation, design::GearResult, design::MeshResult,
-    design::PairEvaluation, design::Unit;
+    design::PairEvaluation, units::Unit;
 
 /// Parts of the CSV, in their order; what is said of the train itself comes before them.
 enum Part : int {
@@ -144,15 +144,15 @@ Fields check_fields(const CheckResult& c) {
   if (!c.mesh.empty()) f.add("mesh", c.mesh);
   if (!c.gear.empty()) f.add("gear", c.gear);
   const Unit unit = c.record->unit;
-  const double limit = design::in_unit(c.limit, unit);
-  f.add("value", design::in_unit(c.value, unit),
+  const double limit = units::from_si(c.limit, unit);
+  f.add("value", units::from_si(c.value, unit),
         {.quantity = fmt::format("check {}", c.record->name),
-         .unit = std::string(design::unit_name(unit)),
+         .unit = std::string(units::unit_name(unit)),
          .limit = exact(limit),
          .ok = c.ok ? "true" : "false"});
   f.add("limit", limit);
-  f.add("margin", design::in_unit(c.margin, unit));
-  f.add("unit", design::unit_name(unit));
+  f.add("margin", units::from_si(c.margin, unit));
+  f.add("unit", units::unit_name(unit));
   f.add("ok", c.ok);
   return f;
 }
@@ -168,13 +168,13 @@ Fields efficiency_fields(const Evaluation& e) {
 
 Fields backlash_fields(const Evaluation& e) {
   Fields f("train");
-  f.add("paper_arcmin", arcmin(e.backlash.paper_rad), {"lost_motion_paper", "arcmin", 6});
-  f.add("kinematic_arcmin", arcmin(e.backlash.kinematic_rad),
+  f.add("paper_arcmin", arcmin(e.lost_motion.paper_rad), {"lost_motion_paper", "arcmin", 6});
+  f.add("kinematic_arcmin", arcmin(e.lost_motion.kinematic_rad),
         {"lost_motion_kinematic", "arcmin", 5});
-  f.add("input_kinematic_arcmin", arcmin(e.backlash.input_kinematic_rad),
+  f.add("input_kinematic_arcmin", arcmin(e.lost_motion.input_kinematic_rad),
         {"lost_motion_input_kinematic", "arcmin", 6});
-  if (e.backlash.measured_rad) {
-    f.add("measured_arcmin", arcmin(*e.backlash.measured_rad),
+  if (e.lost_motion.measured_rad) {
+    f.add("measured_arcmin", arcmin(*e.lost_motion.measured_rad),
           {"lost_motion_measured", "arcmin", 6});
   }
   return f;

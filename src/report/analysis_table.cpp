@@ -19,7 +19,7 @@ namespace gear3k::report {
 namespace {
 
 using design::CheckResult, design::Evaluation, design::GearResult, design::MeshResult,
-    design::PairEvaluation, design::Unit;
+    design::PairEvaluation, units::Unit;
 
 std::string gear_table(const std::vector<GearResult>& gears) {
   TextTable table({"gear", "teeth", "shift x", "tip shortening", "pitch dia", "base dia", "tip dia",
@@ -133,8 +133,8 @@ std::string phase_table(const std::vector<MeshResult>& meshes) {
 /// Digits by unit: what a workshop can tell apart.
 std::string in_check_unit(const CheckResult& c, double si) {
   const Unit unit = c.record->unit;
-  const double value = design::in_unit(si, unit);
-  const std::string name(design::unit_name(unit));
+  const double value = units::from_si(si, unit);
+  const std::string name(units::unit_name(unit));
   const int digits = unit == Unit::kMicrometre || unit == Unit::kArcmin ? 2 : 4;
   return fmt::format("{}{}{}", fixed(value, digits), name.empty() ? "" : " ", name);
 }
@@ -271,22 +271,22 @@ std::string analysis_table(const Evaluation& e, const design::Sensitivities& s,
                                          : std::string("undefined")});
   table.add({"  efficiency backward", backward_text(e.efficiency)});
   if (e.operation) table.add({"  with all losses", operation_summary(e)});
-  const auto& share = e.backlash.kinematic_share_rad;
+  const auto& share = e.lost_motion.kinematic_share_rad;
   table.add({"  lost motion at output",
              fmt::format("{} arcmin, kinematic   (S-P1 {}, P1-R1 {}, P2-R2 {}; by the paper's eq. "
                          "17: {})",
-                         fixed(arcmin(e.backlash.kinematic_rad), 2), fixed(arcmin(share[0]), 2),
+                         fixed(arcmin(e.lost_motion.kinematic_rad), 2), fixed(arcmin(share[0]), 2),
                          fixed(arcmin(share[1]), 2), fixed(arcmin(share[2]), 2),
-                         fixed(arcmin(e.backlash.paper_rad), 2))});
-  if (e.backlash.measured_rad) {
+                         fixed(arcmin(e.lost_motion.paper_rad), 2))});
+  if (e.lost_motion.measured_rad) {
     table.add(
         {"  lost motion, measured",
          fmt::format(
-             "{} arcmin with the model, {}", fixed(arcmin(*e.backlash.measured_rad), 2),
+             "{} arcmin with the model, {}", fixed(arcmin(*e.lost_motion.measured_rad), 2),
              e.operation ? "between +T and -T of the operating point" : "at T = 0 and 20 C")});
   }
   table.add({"  lost motion at input",
-             fmt::format("{:.1f} arcmin", arcmin(e.backlash.input_kinematic_rad))});
+             fmt::format("{:.1f} arcmin", arcmin(e.lost_motion.input_kinematic_rad))});
   table.add({"  effective inertia", inertia_text(e)});
   table.add({"  assembly", assembly_text(e)});
   if (model != nullptr) {

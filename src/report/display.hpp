@@ -15,10 +15,10 @@
 
 namespace gear3k::report {
 
-inline double mm(double m) { return design::in_unit(m, design::Unit::kMillimetre); }
-inline double um(double m) { return design::in_unit(m, design::Unit::kMicrometre); }
-inline double arcmin(double rad) { return design::in_unit(rad, design::Unit::kArcmin); }
-inline double degrees(double rad) { return design::in_unit(rad, design::Unit::kDegree); }
+inline double mm(double m) { return units::from_si(m, units::Unit::kMillimetre); }
+inline double um(double m) { return units::from_si(m, units::Unit::kMicrometre); }
+inline double arcmin(double rad) { return units::from_si(rad, units::Unit::kArcmin); }
+inline double degrees(double rad) { return units::from_si(rad, units::Unit::kDegree); }
 
 /// A stated number without the rounding of its way through SI units: 12 significant digits.
 inline double clean(double value) {

@@ -17,7 +17,7 @@ namespace gear3k::report {
 namespace {
 
 using design::QuantityId, design::Sensitivities, design::Sensitivity, design::TightCheck,
-    design::Unit;
+    units::Unit;
 
 /// How a quantity is shown.
 struct Column {
@@ -53,7 +53,7 @@ std::string signed_number(double value, int decimals) {
 }
 
 std::string step_text(const Sensitivity& row) {
-  return with_unit(fmt::format("{:+.3g}", row.step), design::unit_name(row.unit));
+  return with_unit(fmt::format("{:+.3g}", row.step), units::unit_name(row.unit));
 }
 
 std::string subject_of(const TightCheck& c) {
@@ -126,12 +126,12 @@ std::string check_table(const Sensitivities& s) {
     const int decimals = unit == Unit::kMicrometre || unit == Unit::kArcmin ? 2 : 4;
     std::vector<std::string> cells{
         std::string(check.record->title), subject_of(check),
-        with_unit(fixed(design::in_unit(check.margin, unit), decimals), design::unit_name(unit))};
+        with_unit(fixed(units::from_si(check.margin, unit), decimals), units::unit_name(unit))};
     for (const Sensitivity* row : strongest_inputs(s, i)) {
       cells.push_back(io::key_of(row->input));
       cells.push_back(step_text(*row));
       cells.push_back(
-          signed_number(design::in_unit(row->margin_effect(i).value_or(0.0), unit), decimals));
+          signed_number(units::from_si(row->margin_effect(i).value_or(0.0), unit), decimals));
       table.add(std::move(cells));
       cells = {"", "", ""};
     }
@@ -142,13 +142,13 @@ std::string check_table(const Sensitivities& s) {
 
 std::optional<double> in_unit_or_none(const std::optional<double>& si, Unit unit) {
   if (!si) return std::nullopt;
-  return design::in_unit(*si, unit);
+  return units::from_si(*si, unit);
 }
 
 /// The unit of a derivative: "arcmin/mm", "1/deg", "um/(kg m2)".
 std::string derivative_unit(Unit of, Unit by_unit) {
-  const std::string_view name = design::unit_name(of);
-  const std::string_view by = design::unit_name(by_unit);
+  const std::string_view name = units::unit_name(of);
+  const std::string_view by = units::unit_name(by_unit);
   if (by.empty()) return std::string(name);
   const bool product = by.find_first_of(" /") != std::string::npos;
   return fmt::format(fmt::runtime(product ? "{}/({})" : "{}/{}"), name.empty() ? "1" : name, by);
@@ -158,7 +158,7 @@ Fields input_fields(const Sensitivities& s, const Sensitivity& row) {
   const std::string& key = io::key_of(row.input);
   Fields f(key);
   f.add("input", key);
-  f.add("unit", design::unit_name(row.unit));
+  f.add("unit", units::unit_name(row.unit));
   f.add("stated", !unstated(s, row));
   f.add("value", row.value);
   f.add("step", row.step);
@@ -182,8 +182,8 @@ Fields tight_check_fields(const TightCheck& check) {
   f.add("name", check.record->name);
   if (!check.mesh.empty()) f.add("mesh", check.mesh);
   if (!check.gear.empty()) f.add("gear", check.gear);
-  f.add("margin", design::in_unit(check.margin, check.record->unit));
-  f.add("unit", design::unit_name(check.record->unit));
+  f.add("margin", units::from_si(check.margin, check.record->unit));
+  f.add("unit", units::unit_name(check.record->unit));
   return f;
 }
 

@@ -16,7 +16,7 @@ namespace gear3k::report {
 namespace {
 
 using design::BuiltRange, design::CheckLimits, design::GearLimits, design::MeshLimits,
-    design::ToleranceLimits, design::Unit;
+    design::ToleranceLimits, units::Unit;
 
 /// A quantity of a report: its name in JSON without the unit, its value, unit and decimals.
 struct Quantity {
@@ -54,9 +54,9 @@ std::vector<Quantity> quantities(const GearLimits& g) {
 }
 
 BuiltRange in_unit(const BuiltRange& r, Unit unit) {
-  return {.least = design::in_unit(r.least, unit),
-          .nominal = design::in_unit(r.nominal, unit),
-          .greatest = design::in_unit(r.greatest, unit)};
+  return {.least = units::from_si(r.least, unit),
+          .nominal = units::from_si(r.nominal, unit),
+          .greatest = units::from_si(r.greatest, unit)};
 }
 
 std::string cell(const Quantity& q) {
@@ -80,7 +80,7 @@ std::string subject_of(const CheckLimits& c) {
 std::string margin_cell(const CheckLimits& c) {
   const Unit unit = c.record->unit;
   const int decimals = unit == Unit::kMicrometre || unit == Unit::kArcmin ? 2 : 4;
-  const std::string_view name = design::unit_name(unit);
+  const std::string_view name = units::unit_name(unit);
   return cell({"", c.margin, unit, decimals}) + (name.empty() ? "" : fmt::format(" {}", name));
 }
 
@@ -150,14 +150,13 @@ Fields range_fields(const std::string& item, std::string_view name, const BuiltR
   Fields f(item);
   for (const auto& [end, value] : std::array<std::pair<const char*, double>, 3>{
            {{"min", r.least}, {"nominal", r.nominal}, {"max", r.greatest}}}) {
-    f.add(end, value,
-          {fmt::format("built {} {}", name, end), std::string(design::unit_name(unit))});
+    f.add(end, value, {fmt::format("built {} {}", name, end), std::string(units::unit_name(unit))});
   }
   return f;
 }
 
 std::string key_of(const Quantity& q) {
-  const std::string_view unit = design::unit_name(q.unit);
+  const std::string_view unit = units::unit_name(q.unit);
   return unit.empty() ? std::string(q.name) : fmt::format("{}_{}", q.name, unit);
 }
 
@@ -190,7 +189,7 @@ Fields check_limit_fields(const CheckLimits& c) {
   f.add("name", c.record->name);
   if (!c.mesh.empty()) f.add("mesh", c.mesh);
   if (!c.gear.empty()) f.add("gear", c.gear);
-  const std::string unit(design::unit_name(c.record->unit));
+  const std::string unit(units::unit_name(c.record->unit));
   const BuiltRange r = in_unit(c.margin, c.record->unit);
   Fields margin(subject_of(c));
   const auto add = [&](const char* end, double value, const char* ok) {

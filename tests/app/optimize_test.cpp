@@ -54,7 +54,7 @@ TEST(Optimize, BestDesignIsThatOfItsFile) {
   const design::Design read = io::parse_design(io::design_text(run.best->stated), "best.toml");
   const auto again = std::get<design::Evaluation>(design::evaluate(read));
   EXPECT_EQ(again.efficiency.backward, run.best->evaluation.efficiency.backward);
-  EXPECT_EQ(again.backlash.kinematic_rad, run.best->evaluation.backlash.kinematic_rad);
+  EXPECT_EQ(again.lost_motion.kinematic_rad, run.best->evaluation.lost_motion.kinematic_rad);
 }
 
 TEST(Optimize, GoesOnWithWhatIsKnown) {

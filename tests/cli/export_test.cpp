@@ -237,7 +237,7 @@ std::vector<Refusal> refusals() {
        {"gear.toml", "--dxf", "new/a", "--svg", "blocked"},
        2,
        {"blocked/R2.svg: cannot be written: a folder has this name"}},
-      {"OverItsOwnInput", {"own/P1.dxf", "--dxf", "own"}, 2, {"own/P1.dxf: is the input file"}},
+      {"OverItsOwnInput", {"own/P1.dxf", "--dxf", "own"}, 2, {"own/P1.dxf is an input file"}},
       {"NoPlaceForFolders", {"gear.toml", "--dxf", "/proc/gear3k"}, 2, {"/proc/gear3k"}}};
 }
 

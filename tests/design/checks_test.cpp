@@ -140,8 +140,8 @@ TEST(Units, ConvertThereAndBackAndAreNamed) {
       {Unit::kDegree, {"deg", kPi / 180.0}}};
   for (const auto& [unit, expected] : units) {
     EXPECT_EQ(unit_name(unit), expected.first);
-    EXPECT_NEAR(from_unit(3.5, unit), 3.5 * expected.second, 4.0 * kEps * 3.5 * expected.second);
-    EXPECT_NEAR(in_unit(from_unit(3.5, unit), unit), 3.5, 4.0 * kEps * 3.5);
+    EXPECT_NEAR(units::to_si(3.5, unit), 3.5 * expected.second, 4.0 * kEps * 3.5 * expected.second);
+    EXPECT_NEAR(units::from_si(units::to_si(3.5, unit), unit), 3.5, 4.0 * kEps * 3.5);
   }
 }
 
@@ -149,7 +149,7 @@ TEST(DefaultLimits, AreTheRecordsInSiAndEmptyWhereTheRecordHasNone) {
   const Limits limits = default_limits();
   for (const CheckRecord& r : check_records()) {
     ASSERT_EQ(limits[r.id].has_value(), r.default_limit.has_value()) << r.name;
-    EXPECT_EQ(limits[r.id].value_or(0.0), from_unit(r.default_limit.value_or(0.0), r.unit))
+    EXPECT_EQ(limits[r.id].value_or(0.0), units::to_si(r.default_limit.value_or(0.0), r.unit))
         << r.name;
   }
   EXPECT_EQ(limits.model, backlash::LostMotionModel::kKinematic);

@@ -203,8 +203,8 @@ TEST(Evaluation, OptimumOfAnotherProgramIsReproducedWithinTheDigitsOfItsVariable
         {"contact_ratio1", e.meshes[0].contact_ratio},
         {"contact_ratio2", e.meshes[1].contact_ratio},
         {"contact_ratio3", e.meshes[2].contact_ratio},
-        {"paper_arcmin", e.backlash.paper_rad / kArcmin_rad},
-        {"kinematic_arcmin", e.backlash.kinematic_rad / kArcmin_rad}};
+        {"paper_arcmin", e.lost_motion.paper_rad / kArcmin_rad},
+        {"kinematic_arcmin", e.lost_motion.kinematic_rad / kArcmin_rad}};
   };
   const auto nominal = results(variables);
   std::map<std::string, double> spread;
@@ -333,7 +333,7 @@ TEST(Evaluation, OutputTurnsBackwardsWhenG2ExceedsOne) {
   EXPECT_LT(e.ratio, 0.0);
   EXPECT_GT(e.efficiency.forward.value(), 0.0);
   EXPECT_LT(e.efficiency.forward.value(), 1.0);
-  EXPECT_EQ(e.backlash.input_kinematic_rad, e.backlash.kinematic_rad * std::abs(e.ratio));
+  EXPECT_EQ(e.lost_motion.input_kinematic_rad, e.lost_motion.kinematic_rad * std::abs(e.ratio));
 }
 
 TEST(Evaluation, LockedTrainIsAResultWithItsMargin) {
@@ -446,7 +446,7 @@ TEST(Evaluation, SizeChangesLengthsAndInertiasButNoAnglesRatiosOrEfficiencies) {
     constexpr double kRounding = 1e-11;  // of the backlash, a small difference of lengths
     EXPECT_NEAR(b.efficiency.forward.value(), a.efficiency.forward.value(), kRounding);
     EXPECT_NEAR(b.efficiency.backward.value(), a.efficiency.backward.value(), kRounding);
-    EXPECT_NEAR(b.backlash.kinematic_rad, a.backlash.kinematic_rad, kRounding);
+    EXPECT_NEAR(b.lost_motion.kinematic_rad, a.lost_motion.kinematic_rad, kRounding);
     EXPECT_NEAR(b.center_distance_m, a.center_distance_m * s, kRounding);
     ASSERT_TRUE(a.inertia && b.inertia);
     EXPECT_NEAR(b.inertia->lossless_kgm2 / a.inertia->lossless_kgm2 / std::pow(s, 5), 1.0,

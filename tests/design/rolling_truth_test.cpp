@@ -125,7 +125,7 @@ std::vector<NamedMargin> margins_of(const SimulatedPair& pair) {
   std::vector<NamedMargin> margins;
   for (const design::CheckResult& check : std::get<design::PairEvaluation>(result).checks) {
     // The interference checks are all in modules.
-    if (check.record->unit == design::Unit::kModule) {
+    if (check.record->unit == units::Unit::kModule) {
       margins.push_back({.name = check.record->name, .gear = 0, .margin = check.margin});
     }
   }

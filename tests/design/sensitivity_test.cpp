@@ -100,7 +100,7 @@ Numbers numbers_of(const Evaluation& e) {
       n.quantity[kTotalEtaBackward] = e.operation->backward.operation->efficiency;
     }
   }
-  n.quantity[kLostMotion] = e.backlash.kinematic_rad;
+  n.quantity[kLostMotion] = e.lost_motion.kinematic_rad;
   for (const CheckResult& c : e.checks) n.margin.push_back(c.margin);
   return n;
 }

@@ -207,7 +207,7 @@ Evaluation evaluated(const Design& design) { return std::get<Evaluation>(evaluat
 
 /// Every quantity of a gearbox that has limits, in the order of quantities(limits).
 std::vector<double> quantities(const Evaluation& e) {
-  std::vector<double> all{e.backlash.kinematic_rad};
+  std::vector<double> all{e.lost_motion.kinematic_rad};
   for (const MeshResult& m : e.meshes) {
     all.insert(all.end(),
                {m.normal_backlash_m, m.normal_backlash_m / std::cos(m.working_pressure_angle_rad),

@@ -252,7 +252,7 @@ TEST(Optimize, OutputThatTurnsBackwardsIsRefinedToo) {
 
 TEST(Optimize, LowerLimitOfThePapersLostMotionHolds) {
   Specification spec = example("rp96.toml");
-  spec.limits[design::CheckId::kOutputBacklashMin] = design::from_unit(6.0, design::Unit::kArcmin);
+  spec.limits[design::CheckId::kOutputBacklashMin] = units::to_si(6.0, units::Unit::kArcmin);
   spec.teeth.S = {.min = 12, .max = 12};
   Progress progress;
   const OptimizeResult result = optimize(spec, progress);

@@ -42,8 +42,7 @@ class RefinementProblemOf : public testing::TestWithParam<Variant> {
       }
     }
     spec_.limits.model = v.model;
-    spec_.limits[design::CheckId::kOutputBacklashMin] =
-        design::from_unit(1.0, design::Unit::kArcmin);
+    spec_.limits[design::CheckId::kOutputBacklashMin] = units::to_si(1.0, units::Unit::kArcmin);
     spec_.limits[design::CheckId::kRingRootDiameter] = 0.12;
     spec_.limits[design::CheckId::kRingTipThickness] = 0.2;
     spec_.machining_allowance.fill(0.02);

@@ -67,7 +67,7 @@ TEST(PaperFigures, EveryPointOfTheScatterIsWhatItsDesignFileEvaluatesTo) {
     EXPECT_NEAR(p.ratio, e.ratio, kRounding * std::abs(e.ratio));
     EXPECT_NEAR(p.eta_b, *e.efficiency.backward, kRounding);
     EXPECT_NEAR(p.eta_f, *e.efficiency.forward, kRounding);
-    EXPECT_NEAR(p.lost_motion_rad, e.backlash.paper_rad, kRounding);
+    EXPECT_NEAR(p.lost_motion_rad, e.lost_motion.paper_rad, kRounding);
     EXPECT_NEAR(mm(p.center_distance_m), d, kRounding * d);
     for (std::size_t mesh = 0; mesh < train::kMeshCount; ++mesh) {
       EXPECT_NEAR(p.contact_ratio[mesh], e.meshes[mesh].contact_ratio, 1e-9);
@@ -120,7 +120,7 @@ TEST(PaperFigures, TheAllowanceGivesThePublishedGearItsStatedLostMotion) {
   const auto e = std::get<design::Evaluation>(design::evaluate(f.published));
   const double stated = 8.0;
   // q has four decimals: half of the last one moves eq. 17 by 0.01 arcmin.
-  EXPECT_NEAR(arcmin(e.backlash.paper_rad), stated, 0.02);
+  EXPECT_NEAR(arcmin(e.lost_motion.paper_rad), stated, 0.02);
   EXPECT_NEAR(stated, arcmin(*published_sources().low_backlash.stated_lost_motion_rad), 1e-9);
 }
 
@@ -152,8 +152,8 @@ TEST(PaperFigures, RefinedPointsKeepTheirLimitAndAreWhatTheirDesignFileEvaluates
           evaluation_of(design_text(set.candidate.teeth, {mm(t.module_m[0]), mm(t.module_m[1])},
                                     t.profile_shift, mm(t.center_distance_m)));
       EXPECT_NEAR(set.eta_b, *e.efficiency.backward, kRounding);
-      EXPECT_NEAR(f.refined[k].refined_kinematic_rad[i], e.backlash.kinematic_rad, kRounding);
-      EXPECT_LE(arcmin(e.backlash.paper_rad),
+      EXPECT_NEAR(f.refined[k].refined_kinematic_rad[i], e.lost_motion.kinematic_rad, kRounding);
+      EXPECT_LE(arcmin(e.lost_motion.paper_rad),
                 kRefinementLimits_arcmin[i] * (1.0 + 2.0 * design::kFeasibilityTolerance));
       ++seen;
     }
@@ -203,8 +203,8 @@ TEST(PaperFigures, ThePublishedPointOfEachMapIsWhatAnalyzeSays) {
     EXPECT_NEAR(p->eta_b, *e.efficiency.backward, kRounding);
     EXPECT_NEAR(p->eta_b, *example.efficiency.backward, kRounding);
     EXPECT_NEAR(p->eta_f, *example.efficiency.forward, kRounding);
-    EXPECT_NEAR(p->paper_rad, e.backlash.paper_rad, kRounding);
-    EXPECT_NEAR(p->kinematic_rad, e.backlash.kinematic_rad, kRounding);
+    EXPECT_NEAR(p->paper_rad, e.lost_motion.paper_rad, kRounding);
+    EXPECT_NEAR(p->kinematic_rad, e.lost_motion.kinematic_rad, kRounding);
   }
   EXPECT_NEAR(mm(f.modules.x.published), 0.59, 1e-15);
   EXPECT_NEAR(mm(f.modules.y->published), 0.58, 1e-15);

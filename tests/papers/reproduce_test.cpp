@@ -115,7 +115,7 @@ TEST(Reproduce, ExplainingAllowanceGivesTheMeasuredLostMotionWhenEvaluated) {
     const auto lost_motion_at = [&](double allowance) {
       design::Design design = published.design;
       design.train.machining_allowance.fill(allowance);
-      return std::get<design::Evaluation>(design::evaluate(design)).backlash;
+      return std::get<design::Evaluation>(design::evaluate(design)).lost_motion;
     };
     const double measured = published.measured_lost_motion_rad.value();
     EXPECT_NEAR(lost_motion_at(q.equations.value()).paper_rad, measured, 1e-12);

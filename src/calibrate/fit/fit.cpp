@@ -140,7 +140,7 @@ Linearisation linearise(const Problem& problem, const Hypothesis& hypothesis,
     apply_to_reading(hypothesis, variables, condition, kind, reading);
     const Scalar y = simulation.reading(*response, condition, reading);
     result.simulated[i] = y.a;
-    result.own.row(i) = y.v.head(own_count).transpose();
+    if (own_count > 0) result.own.row(i) = y.v.head(own_count).transpose();
     if (others.empty()) return;
     Modification plain = simulation.unmodified(condition);
     apply_to_reading(hypothesis, constants, condition, kind, plain);

@@ -75,14 +75,14 @@ optimize::Miss miss_of(std::uint8_t code, double violation, double amount) {
   const auto records = design::check_records();
   if (code < records.size()) {
     miss.name = records[code].name;
-    miss.unit = design::unit_name(records[code].unit);
+    miss.unit = units::unit_name(records[code].unit);
   } else if (code >= kFirstObjective && code < kFirstObjective + optimize::kObjectiveCount) {
     const auto& record = optimize::objective_records()[code - std::size_t{kFirstObjective}];
     miss.name = record.name;
     miss.unit = record.unit;
   } else if (code != kNoCheck) {
     miss.name = code == kStage1Module ? "stage1_module" : "stage2_module";
-    miss.unit = design::unit_name(design::Unit::kMillimetre);
+    miss.unit = units::unit_name(units::Unit::kMillimetre);
   }
   return miss;
 }

@@ -54,20 +54,25 @@ std::string refusal(const std::string& path, const std::string& cause) {
 }
 
 /// Why a name cannot be given to a new file; "" when it can.
-std::string obstacle(const std::string& path, const std::string& input) {
+std::string obstacle(const std::string& path, const std::vector<std::string>& inputs) {
   std::error_code unknown;
   const fs::file_status target = fs::status(path, unknown);
   if (fs::is_directory(target)) return refusal(path, "a folder has this name");
   if (fs::is_other(target)) return refusal(path, "what has this name is no regular file");
-  if (fs::equivalent(path, input, unknown)) {
-    return fmt::format("{}: is the input file, allowed: another folder", path);
-  }
-  return "";
+  return replaced_input(path, inputs);
 }
 
 }  // namespace
 
-void write_files(const std::vector<FileText>& files, const std::string& input) {
+std::string replaced_input(const std::string& path, const std::vector<std::string>& inputs) {
+  std::error_code unknown;
+  const bool is_input = std::ranges::any_of(inputs, [&](const std::string& input) {
+    return !input.empty() && fs::equivalent(path, input, unknown);
+  });
+  return is_input ? fmt::format("{} is an input file, allowed: another name", path) : "";
+}
+
+void write_files(const std::vector<FileText>& files, const std::vector<std::string>& inputs) {
   const HeldSignals held;
   Scaffold scaffold;
   std::string errors;
@@ -86,7 +91,7 @@ void write_files(const std::vector<FileText>& files, const std::string& input) {
         continue;
       }
     }
-    note(obstacle(file.path, input));
+    note(obstacle(file.path, inputs));
   }
   if (!errors.empty()) throw InvalidInput(errors);
 

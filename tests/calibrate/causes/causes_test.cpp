@@ -606,7 +606,7 @@ TEST(OnHousing, ThermalExpansionMovesTheAxesApart) {
     design::Design warm = design;
     warm.train.center_distance_m *= 1.0 + 40e-6 * (celsius - 20.0);
     const auto evaluation = design::evaluate(warm);
-    const double expected = std::get<design::Evaluation>(evaluation).backlash.kinematic_rad;
+    const double expected = std::get<design::Evaluation>(evaluation).lost_motion.kinematic_rad;
     EXPECT_NEAR(simulated(simulation, c, h), expected, 1e-14);
     // And as the rig does, from tooth thicknesses.
     EXPECT_NEAR(

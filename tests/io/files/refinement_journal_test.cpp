@@ -51,7 +51,7 @@ RefinedSet random_set(DeterministicRandom& random, std::uint32_t index) {
                         .unit = "mm"};
     if (which < records.size()) {
       miss.name = records[which].name;
-      miss.unit = design::unit_name(records[which].unit);
+      miss.unit = units::unit_name(records[which].unit);
     }
     s.blocked_by.push_back(miss);
   }

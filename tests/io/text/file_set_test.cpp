@@ -19,7 +19,7 @@ using Names = std::vector<std::string>;
 
 std::string failure_of(const std::vector<FileText>& files) {
   try {
-    write_files(files, "input");
+    write_files(files, {"input"});
   } catch (const InvalidInput& error) {
     return error.what();
   }
