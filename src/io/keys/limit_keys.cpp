@@ -6,7 +6,7 @@ namespace gear3k::io {
 
 namespace {
 
-using design::CheckId, design::CheckRecord, design::CheckScope;
+using design::CheckId, design::CheckRecord, design::CheckScope, units::Unit;
 
 bool belongs_to_pair(const CheckRecord& r) {
   return r.scope != CheckScope::kTrain && r.scope != CheckScope::kPlanetStep &&
