@@ -119,7 +119,8 @@ class ShapeList {
     for (const BenchRow& row : rows_) sessions = std::max(sessions, row.session + 1);
     if ((columns.run || columns.time) && sessions > 1) {
       std::vector<std::function<double(std::size_t)>> steps;
-      for (int s = 0; s < sessions; ++s) {
+      // The first session is the reference: what all share is no step.
+      for (int s = 1; s < sessions; ++s) {
         steps.emplace_back(
             [&, s](std::size_t i) { return rows_[i].session == s ? target[i] : 0.0; });
       }
@@ -273,8 +274,13 @@ Alternatives lost_motion_shapes(const BenchSubject& subject, const std::vector<B
 Alternatives pair_loss_shapes(const BenchSubject& subject, const std::vector<BenchRow>& rows,
                               const BenchColumns& columns, const Column& sigma) {
   ShapeList list(rows, sigma);
-  Column loss(rows.size());
-  for (std::size_t i = 0; i < rows.size(); ++i) loss[i] = pair_loss(subject, rows[i], {}).value;
+  Column loss(rows.size()), skewed(rows.size());
+  const HiddenEffect skew = probe(Channel::skew, Body::none,
+                                  [](double a, const BenchRow&, const MeshPoint&) { return a; });
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    loss[i] = pair_loss(subject, rows[i], {}).value;
+    skewed[i] = pair_loss(subject, rows[i], {{&skew, 0.1}}).value - loss[i];
+  }
   const auto inverse = [&](std::size_t i) {
     return 1.0 / rows[i].driving_teeth + 1.0 / rows[i].driven_teeth;
   };
@@ -284,6 +290,7 @@ Alternatives pair_loss_shapes(const BenchSubject& subject, const std::vector<Ben
   list.add("friction_level", {[&](std::size_t i) { return loss[i]; }});
   list.add("friction_direction",
            {[&](std::size_t i) { return rows[i].forward ? loss[i] : -loss[i]; }});
+  list.add("friction_direction", {[&](std::size_t i) { return skewed[i]; }});
   list.add("bearing_load", {inverse});
   list.add("bearing_load", {inverse_pinion});
   list.add("sensor_gain", {[&](std::size_t i) { return loss[i]; }});
@@ -315,7 +322,6 @@ std::vector<LeftOver> left_over(const Alternatives& alternatives, const std::vec
   for (const Column& column : others) add_unit(column, base);
   Column reduced = effect;
   take_out(reduced, base);
-  const double all = dot(reduced, reduced);
   std::vector<LeftOver> result;
   for (const CauseShape& shape : alternatives.shapes) {
     std::vector<Column> units;
@@ -324,17 +330,15 @@ std::vector<LeftOver> left_over(const Alternatives& alternatives, const std::vec
       take_out(column, base);
       if (dot(column, column) > 1e-12 * before) add_unit(std::move(column), units);
     }
-    double left = all;
-    for (const Column& unit : units) {
-      const double share = dot(reduced, unit);
-      left -= share * share;
-    }
+    Column rest = reduced;
+    take_out(rest, units);
+    const double left = dot(rest, rest);
     auto found = std::find_if(result.begin(), result.end(),
                               [&](const LeftOver& x) { return x.cause == shape.cause; });
     if (found == result.end()) {
-      result.push_back({shape.cause, std::max(0.0, left)});
-    } else {
-      found->chi_square = std::min(found->chi_square, std::max(0.0, left));
+      result.push_back({shape.cause, left, std::move(rest)});
+    } else if (left < found->chi_square) {
+      *found = {shape.cause, left, std::move(rest)};
     }
   }
   return result;

@@ -32,7 +32,8 @@ Alternatives usual_shapes(const BenchSubject& subject, const std::string& kind,
 
 struct LeftOver {
   std::string cause;
-  double chi_square = 0.0;  ///< of the effect, that the best shape of the cause leaves
+  double chi_square = 0.0;     ///< of the effect, that the best shape of the cause leaves
+  std::vector<double> rest{};  ///< that remainder by rows
 };
 
 /// What remains of a clean effect (over sigma) with each cause in its place, best shape each.

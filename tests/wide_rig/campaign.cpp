@@ -179,44 +179,103 @@ void set_sigma(Bench& bench, const std::string& kind) {
   }
 }
 
+double chi_square_of(const std::vector<double>& effect) {
+  double sum = 0.0;
+  for (const double v : effect) sum += v * v;
+  return sum;
+}
+
+// What explains each truth as well, and what explains nothing that is in these data.
+class Verdicts {
+ public:
+  Verdicts(const Bench& bench, const std::string& kind, const std::vector<BenchRow>& rows,
+           const BenchColumns& columns, const std::vector<double>& sigma)
+      : shapes_(usual_shapes(bench.subject, kind, rows, columns, sigma)) {
+    // Each effect in the presence of the others, so that their products are told too.
+    const std::vector<double> full = clean_of(bench.subject, kind, rows, bench.applied);
+    for (std::size_t t = 0; t < bench.applied.size(); ++t) {
+      std::vector<AppliedEffect> others = bench.applied;
+      others.erase(others.begin() + static_cast<std::ptrdiff_t>(t));
+      std::vector<double> effect = difference(full, clean_of(bench.subject, kind, rows, others));
+      for (std::size_t i = 0; i < effect.size(); ++i) effect[i] /= sigma[i];
+      effects_.push_back(std::move(effect));
+    }
+  }
+
+  void judge(Campaign& campaign) {
+    for (std::size_t t = 0; t < campaign.truths.size(); ++t) judge_truth(campaign, t);
+    for (const std::string& cause : campaign.companions) judge_companion(cause);
+    for (const CauseShape& shape : shapes_.shapes) {
+      if (!possible_.insert(shape.cause).second) continue;
+      campaign.excluded.push_back(shape.cause);
+    }
+  }
+
+ private:
+  void judge_truth(Campaign& campaign, std::size_t t) {
+    Truth& truth = campaign.truths[t];
+    std::vector<std::vector<double>> others = effects_;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(t));
+    const bool is_level = truth.cause == "friction_level";
+    if (truth.cause != "unknown") truth.acceptable.push_back(truth.cause);
+    possible_.insert(truth.cause);
+    const auto all = left_over(shapes_, effects_[t], others, is_level);
+    for (const LeftOver& left : all) {
+      if (left.chi_square < kAsGood && left.cause != truth.cause) {
+        truth.acceptable.push_back(left.cause);
+        // Put in its place with another coefficient of friction.
+        if (!is_level && !shapes_.always.empty()) add_companion(campaign, "friction_level");
+      }
+      keep_possible(left, chi_square_of(effects_[t]));
+      if (left.cause == truth.cause && left.chi_square > kAsGood) judge_rest(left);
+    }
+  }
+
+  // What the plainest shapes of the cause itself leave may be given to others.
+  void judge_rest(const LeftOver& own) {
+    for (const LeftOver& left : left_over(shapes_, own.rest, {}, false)) {
+      if (left.chi_square < 0.9 * own.chi_square) possible_.insert(left.cause);
+    }
+  }
+
+  // A companion may be told as any cause that does the same; its size is its share of the effects.
+  void judge_companion(const std::string& cause) {
+    possible_.insert(cause);
+    for (const CauseShape& shape : shapes_.shapes) {
+      if (shape.cause != cause || shape.columns.size() != 1) continue;
+      const std::vector<double>& column = shape.columns.front();
+      double share = 0.0, square = chi_square_of(column);
+      for (const std::vector<double>& effect : effects_) {
+        for (std::size_t i = 0; i < column.size(); ++i) share += std::fabs(effect[i] * column[i]);
+      }
+      std::vector<double> part = column;
+      for (double& v : part) v *= square > 0.0 ? share / square : 0.0;
+      const double all = chi_square_of(part);
+      for (const LeftOver& left : left_over(shapes_, part, {}, cause == "friction_level")) {
+        keep_possible(left, all);
+      }
+    }
+  }
+
+  void keep_possible(const LeftOver& left, double all) {
+    if (left.chi_square < std::max(kRuledOut, kRuledOutShare * all)) possible_.insert(left.cause);
+  }
+
+  static void add_companion(Campaign& campaign, const std::string& cause) {
+    auto& list = campaign.companions;
+    if (std::find(list.begin(), list.end(), cause) == list.end()) list.push_back(cause);
+  }
+
+  Alternatives shapes_;
+  std::vector<std::vector<double>> effects_;  // over sigma
+  std::set<std::string> possible_;
+};
+
 void judge(Campaign& campaign, const Bench& bench, const std::string& kind,
            const std::vector<BenchRow>& rows, const BenchColumns& columns,
            const std::vector<double>& sigma) {
   if (campaign.truths.empty()) return;
-  const Alternatives shapes = usual_shapes(bench.subject, kind, rows, columns, sigma);
-  // Each effect in the presence of the others, so that their products are told too.
-  std::vector<std::vector<double>> scaled;
-  const std::vector<double> full = clean_of(bench.subject, kind, rows, bench.applied);
-  for (std::size_t t = 0; t < campaign.truths.size(); ++t) {
-    std::vector<AppliedEffect> others = bench.applied;
-    others.erase(others.begin() + static_cast<std::ptrdiff_t>(t));
-    std::vector<double> effect = difference(full, clean_of(bench.subject, kind, rows, others));
-    for (std::size_t i = 0; i < effect.size(); ++i) effect[i] /= sigma[i];
-    scaled.push_back(std::move(effect));
-  }
-  std::set<std::string> possible;
-  std::set<std::string> known;
-  for (std::size_t t = 0; t < campaign.truths.size(); ++t) {
-    Truth& truth = campaign.truths[t];
-    std::vector<std::vector<double>> others = scaled;
-    others.erase(others.begin() + static_cast<std::ptrdiff_t>(t));
-    if (truth.cause != "unknown") truth.acceptable.push_back(truth.cause);
-    possible.insert(truth.cause);
-    double all = 0.0;
-    for (const double v : scaled[t]) all += v * v;
-    for (const LeftOver& left :
-         left_over(shapes, scaled[t], others, truth.cause == "friction_level")) {
-      known.insert(left.cause);
-      if (left.chi_square < kAsGood && left.cause != truth.cause) {
-        truth.acceptable.push_back(left.cause);
-      }
-      if (left.chi_square < std::max(kRuledOut, kRuledOutShare * all)) possible.insert(left.cause);
-    }
-  }
-  for (const std::string& cause : campaign.companions) possible.insert(cause);
-  for (const std::string& cause : known) {
-    if (possible.count(cause) == 0) campaign.excluded.push_back(cause);
-  }
+  Verdicts(bench, kind, rows, columns, sigma).judge(campaign);
 }
 
 void add_truths(Campaign& campaign, const Bench& bench, const std::vector<double>& strengths) {

@@ -161,7 +161,7 @@ void make_wave(HiddenEffect& effect, const TurningBody& body, bool harmonics, bo
     const double x = order * row.output_angle_deg * kTurn;
     const double wave = std::sin(x + phase) + second * std::sin(2.0 * x + phase2) +
                         third * std::sin(3.0 * x + 2.0 * phase2);
-    return one_sided ? std::fabs(std::sin(0.5 * x + phase)) * 2.0 - 1.0 : wave;
+    return one_sided ? std::fabs(std::sin(0.5 * x + phase)) - 2.0 / std::numbers::pi : wave;
   });
   effect.parameters.push_back({"order", "per turn of the output", order, 0.0});
   if (!harmonics && !one_sided) effect.parameters.push_back({"amplitude", "", 0.0, 1.0});
