@@ -215,6 +215,13 @@ Alternatives transmission_shapes(const BenchSubject& subject, const std::vector<
         return std::exp(rate * (row.temperature_c - 25.0));
       });
     }
+    // Any smooth law: where temperature follows another condition, nobody can say which it is.
+    const auto bent = [&](double power) {
+      return [&, power](std::size_t i) {
+        return level[i] * std::pow((rows[i].temperature_c - 25.0) / 10.0, power);
+      };
+    };
+    list.add("friction_temperature", {bent(1.0), bent(2.0)});
   }
   friction("friction_direction",
            [](const BenchRow& row, const MeshPoint&) { return row.forward ? 1.0 : -1.0; });

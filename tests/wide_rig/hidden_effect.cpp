@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <numbers>
+#include <numeric>
 #include <stdexcept>
 #include <utility>
 
@@ -42,7 +43,7 @@ const std::map<std::string, Laws>& transmission_laws() {
       {"runout", {"load_proportional", "friction_modulated", "torque_ripple"}},
       {"mesh_order", {"load_proportional", "friction_modulated", "torque_ripple"}},
       {"unknown",
-       {"loss_speed_root_load", "resonance", "friction_heat_load", "half_turn_pulse",
+       {"loss_speed_root_load", "resonance", "stick_slip_window", "half_turn_pulse",
         "load_dead_band"}}};
   return laws;
 }
@@ -67,7 +68,7 @@ const std::map<std::string, Laws>& pair_loss_laws() {
       {"bearing_load", {"shaft_bearings", "pinion_bearing", "rolling_bearings"}},
       {"sensor_gain", {"loss_reading", "torque_ratio", "compressive"}},
       {"run_step", {"friction_sessions", "friction_one_step", "reading_sessions"}},
-      {"unknown", {"whole_ratios", "tooth_window"}}};
+      {"unknown", {"common_factors", "tooth_window"}}};
   return laws;
 }
 
@@ -562,10 +563,9 @@ HiddenEffect unknown_effect(const std::string& law, const EffectContext& context
   if (context.kind == "pair_loss") {
     effect.channel = Channel::loss;
     effect.start = 1e-3;
-    if (law == "whole_ratios") {  // the same teeth meet again and again
+    if (law == "common_factors") {  // the same teeth meet again and again
       effect.value = times([](const BenchRow& row) {
-        const int small = std::min(row.driving_teeth, row.driven_teeth);
-        return std::max(row.driving_teeth, row.driven_teeth) % small == 0 ? 1.0 : 0.0;
+        return std::gcd(row.driving_teeth, row.driven_teeth) > 2 ? 1.0 : 0.0;
       });
     } else {
       const double at = random.between(50.0, 80.0);
@@ -617,12 +617,13 @@ HiddenEffect unknown_effect(const std::string& law, const EffectContext& context
       const double x = (row.sun_speed_rpm - at) / width;
       return 1.0 / (1.0 + x * x);
     });
-  } else if (law == "friction_heat_load") {
-    const Span t = context.temperature_c;
-    const double knee_c = t.low + 0.3 * (t.high - t.low), width_c = 0.15 * (t.high - t.low) + 0.5;
+  } else if (law == "stick_slip_window") {  // chatter in a window of speed and load
+    const double at_rpm = top_rpm * random.between(0.2, 0.5);
+    const double at_Nm = top_Nm * random.between(0.35, 0.6);
     effect.value = times([=](const BenchRow& row) {
-      const double hot = 1.0 / (1.0 + std::exp((knee_c - row.temperature_c) / width_c));
-      return hot * row.output_torque_Nm / top_Nm * (1.0 - 0.9 * row.sun_speed_rpm / top_rpm);
+      const double x = std::log(row.sun_speed_rpm / at_rpm) / 0.5;
+      const double y = std::log(row.output_torque_Nm / at_Nm) / 0.4;
+      return std::exp(-x * x - y * y);
     });
   } else {  // load_dead_band: nothing below a load, then all at once, in one sense of rotation
     const double knee_Nm = random.between(0.45, 0.7) * top_Nm;

@@ -5,7 +5,7 @@
 
 namespace gear3k::wide_rig {
 
-SensorNoise random_noise(const std::string& model, double typical,
+SensorNoise random_noise(const std::string& model, double typical, double largest_share,
                          rig::DeterministicRandom& random) {
   SensorNoise noise{.model = model};
   const double drawn = random.uniform();
@@ -17,7 +17,7 @@ SensorNoise random_noise(const std::string& model, double typical,
   } else if (model != "normal" && model != "t3" && model != "outliers" && model != "quantised") {
     throw std::invalid_argument("no noise model '" + model + "'");
   }
-  const double share = 0.002 * std::pow(15.0, random.uniform());
+  const double share = 0.002 * std::pow(largest_share / 0.002, random.uniform());
   // A third each: the same everywhere, nearly all of reading, something between.
   const double which = random.uniform(), between = random.uniform();
   const double of_reading = which < 0.33 ? 0.0 : which < 0.66 ? 0.98 : between;

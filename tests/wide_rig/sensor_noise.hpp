@@ -15,11 +15,11 @@ struct SensorNoise {
   double full_scale = 0.0, reading = 0.0, resolution = 0.0;
 };
 
-/// @param typical rms reading; the noise is 0.2 to 3 % of it, parts of full scale and of reading
-///                at random
+/// @param typical rms reading; the noise is 0.2 % of it up to the largest share, parts of full
+///                scale and of reading at random
 /// @param model   normal, t3, outliers, quantised; empty: at random
 /// @throws std::invalid_argument for another model
-SensorNoise random_noise(const std::string& model, double typical,
+SensorNoise random_noise(const std::string& model, double typical, double largest_share,
                          rig::DeterministicRandom& random);
 
 /// Standard deviation at a reading, without outliers, resolution included.

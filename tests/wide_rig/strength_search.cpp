@@ -16,6 +16,7 @@ struct Reached {
 template <typename Function>
 FoundAmplitude bisected(const Function& reached, double low, double high, double wanted) {
   FoundAmplitude best{low, low == 0.0 ? 0.0 : reached(low).strength};
+  bool limited = false;  // by what is physical: that limit need not be known well
   for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (low + high);
     const Reached at = reached(middle);
@@ -25,8 +26,9 @@ FoundAmplitude bisected(const Function& reached, double low, double high, double
       if (wanted - at.strength < 1e-7 * wanted) break;
     } else {
       high = middle;
+      limited = !at.physical;
     }
-    if (std::fabs(high - low) < 1e-9 * std::fabs(high)) break;
+    if (std::fabs(high - low) < (limited ? 1e-3 : 1e-9) * std::fabs(high)) break;
   }
   return best;
 }

@@ -188,8 +188,10 @@ TestPlan transmission_plan(const std::string& name, int sessions_wanted,
   }
   cycle_through(plan.rows, loads, &BenchRow::output_torque_Nm, random);
   cycle_through(plan.rows, speeds, &BenchRow::sun_speed_rpm, random);
+  const bool only_forward = random.uniform() < 0.7;
   for (BenchRow& row : plan.rows) {
-    row.forward = name == "one_direction" || random.uniform() < 0.5;
+    const bool forward = random.uniform() < 0.5;
+    row.forward = name == "one_direction" ? only_forward : forward;
     row.rotation = name == "one_rotation" || random.uniform() < 0.5 ? 1.0 : -1.0;
   }
   Temperatures t{.low_c = random.between(15.0, 28.0), .follows = "independent"};
@@ -236,7 +238,7 @@ TestPlan lost_motion_plan(const std::string& name, int sessions_wanted,
                        : 1 + static_cast<int>(random.index(3));
   plan.rows.resize(60 + random.index(181));
   divide_into_sessions(plan, random);
-  const std::size_t count = name == "one_torque" ? 1 : 3 + random.index(6);
+  const std::size_t count = name == "one_torque" ? 1 : 2 + random.index(7);
   const double low_Nm = random.between(0.3, 3.0), high_Nm = low_Nm * random.between(5.0, 20.0);
   const auto torques = count == 1
                            ? std::vector<double>{low_Nm}

@@ -24,11 +24,10 @@ struct TestPlan {
 ///
 /// transmission: crossed (all conditions independent), by_session (loads, speeds or temperatures
 /// of its own in each session), even_angles (an even grid over 0.7 to 3 turns of the output),
-/// sun_torque_set, one_turn, one_direction, one_rotation, warming_with_speed, warming_with_time,
-/// temperature_by_session, load_by_session.
-/// lost_motion: crossed, by_session, even_angles, one_turn, one_torque, warming_with_time,
-/// temperature_by_session.
-/// pair_loss: crossed, by_session, one_sense.   torque_angle: loops.
+/// sun_torque_set, one_turn, one_direction (mostly forward), one_rotation, warming_with_speed,
+/// warming_with_time, temperature_by_session, load_by_session. lost_motion: crossed, by_session,
+/// even_angles, one_turn, one_torque, warming_with_time, temperature_by_session. pair_loss:
+/// crossed, by_session, one_sense.   torque_angle: loops.
 std::vector<std::string> plans_of(const std::string& kind);
 
 /// @param sessions_wanted least number of sessions, 0: any
