@@ -300,14 +300,18 @@ void add_truths(Campaign& campaign, const Bench& bench, const std::vector<double
   campaign.companions.assign(companions.begin(), companions.end());
 }
 
-// The effects of a line, each scaled by itself.
-std::vector<double> draw_effects(Bench& bench, const std::vector<HiddenCause>& hidden,
-                                 const EffectContext& context, const std::string& kind,
-                                 const std::vector<BenchRow>& rows, double noise_sd,
-                                 double strength, rig::DeterministicRandom& random) {
+void draw_effects(Bench& bench, const std::vector<HiddenCause>& hidden,
+                  const EffectContext& context, rig::DeterministicRandom& random) {
   for (const HiddenCause& one : hidden) {
     bench.effects.push_back(make_effect(one.cause, one.law, context, random));
   }
+}
+
+// Amplitudes of the effects, each scaled by itself; their strengths.
+std::vector<double> scale_effects(Bench& bench, const std::string& kind,
+                                  const std::vector<BenchRow>& rows, double noise_sd,
+                                  double strength) {
+  bench.applied.clear();
   std::vector<double> strengths;
   for (const HiddenEffect& effect : bench.effects) {
     const FoundAmplitude found =
@@ -324,6 +328,38 @@ std::vector<double> draw_effects(Bench& bench, const std::vector<HiddenCause>& h
   for (int i = 0; i < 12 && bench.applied.size() > 1 && !possible(); ++i) {
     for (AppliedEffect& applied : bench.applied) applied.amplitude *= 0.8;
     for (double& s : strengths) s *= 0.8;
+  }
+  return strengths;
+}
+
+// Sun torques are set: the loads follow from the effects, and the strength from the loads. Where a
+// gearbox comes near to locking, so that loads run away, the effects are made weaker.
+std::vector<double> scale_at_set_torques(Bench& bench, const std::string& kind, double strength) {
+  std::vector<BenchRow>& rows = bench.plan.rows;
+  const std::vector<BenchRow> at_first = rows;
+  for (int attempt = 0; attempt < 12 && !bench.effects.empty(); ++attempt) {
+    bool near = true;
+    rows = at_first;
+    set_sigma(bench, kind);
+    for (int round = 0; round < 4 && near; ++round) {
+      scale_effects(bench, kind, rows, root_mean_square(bench.sigma), strength);
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        const double load_Nm =
+            output_torque_for(bench.subject, rows[i], bench.plan.set_torques_Nm[i], bench.applied);
+        const double share = load_Nm / at_first[i].output_torque_Nm;
+        near = near && share > 0.6 && share < 1.6;
+        rows[i].output_torque_Nm = load_Nm;
+      }
+      set_sigma(bench, kind);
+    }
+    if (near) break;
+    strength *= 0.7;
+  }
+  const std::vector<double> nominal = clean_of(bench.subject, kind, rows, {});
+  std::vector<double> strengths;
+  for (const AppliedEffect& applied : bench.applied) {
+    const auto alone = difference(clean_of(bench.subject, kind, rows, {applied}), nominal);
+    strengths.push_back(root_mean_square(alone) / root_mean_square(bench.sigma));
   }
   return strengths;
 }
@@ -348,8 +384,8 @@ Campaign loop_campaign(const Line& line, std::vector<HiddenCause> hidden, double
                     .kind = "torque_angle",
                     .plan = "loops",
                     .noise_model = "normal"};
-  const auto strengths = draw_effects(bench, hidden, context, "torque_angle", rows,
-                                      campaign.noise_sd, strength, random);
+  draw_effects(bench, hidden, context, random);
+  const auto strengths = scale_effects(bench, "torque_angle", rows, campaign.noise_sd, strength);
   add_truths(campaign, bench, strengths);
   const auto effect = difference(clean_of(bench.subject, "torque_angle", rows, bench.applied),
                                  clean_of(bench.subject, "torque_angle", rows, {}));
@@ -415,7 +451,6 @@ Campaign make_campaign(const Line& line, double strength, std::uint64_t seed) {
   bench.noise = random_noise(line.noise, root_mean_square(seen), bounded ? 0.008 : 0.03, random);
   columns.sigma = random.uniform() < 0.3 && !bench.plan.sun_torque_set;
   set_sigma(bench, line.kind);
-  double noise_sd = root_mean_square(bench.sigma);
 
   EffectContext context{.subject = &bench.subject, .kind = line.kind};
   context.load_Nm = span_of(rows, &BenchRow::output_torque_Nm);
@@ -426,16 +461,12 @@ Campaign make_campaign(const Line& line, double strength, std::uint64_t seed) {
   context.typical = root_mean_square(nominal);
   context.turns = bench.plan.turns;
   context.first_order = plan == "one_turn";
+  draw_effects(bench, hidden, context, random);
   const auto strengths =
-      draw_effects(bench, hidden, context, line.kind, rows, noise_sd, strength, random);
-  if (bench.plan.sun_torque_set) {
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      rows[i].output_torque_Nm =
-          output_torque_for(bench.subject, rows[i], bench.plan.set_torques_Nm[i], bench.applied);
-    }
-    set_sigma(bench, line.kind);
-    noise_sd = root_mean_square(bench.sigma);
-  }
+      bench.plan.sun_torque_set
+          ? scale_at_set_torques(bench, line.kind, strength)
+          : scale_effects(bench, line.kind, rows, root_mean_square(bench.sigma), strength);
+  const double noise_sd = root_mean_square(bench.sigma);
 
   Campaign campaign{.subject_toml = bench.subject.toml,
                     .noise_sd = noise_sd,
