@@ -364,7 +364,7 @@ std::vector<double> scale_at_set_torques(Bench& bench, const std::string& kind, 
   return strengths;
 }
 
-Campaign loop_campaign(const Line& line, std::vector<HiddenCause> hidden, double strength,
+Campaign loop_campaign(const Line& line, const std::vector<HiddenCause>& hidden, double strength,
                        rig::DeterministicRandom& random) {
   Bench bench{.subject = random_gearbox(random, true)};
   const bool steps = has_cause(hidden, {"run_step"});

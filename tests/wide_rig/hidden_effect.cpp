@@ -174,7 +174,7 @@ HiddenEffect friction_effect(const std::string& cause, const std::string& law,
   HiddenEffect effect{.cause = cause, .law = law, .acts_on = "friction"};
   const BenchSubject& subject = *context.subject;
   effect.start = 0.05 * sign_of(random);
-  const auto scalar = [&](DrawnLaw drawn, auto condition) {
+  const auto scalar = [&](const DrawnLaw& drawn, auto condition) {
     effect.smallest = drawn.smallest;
     effect.largest = drawn.largest;
     effect.start = effect.start < 0.0 ? -drawn.start : drawn.start;

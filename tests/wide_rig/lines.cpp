@@ -11,9 +11,10 @@ void add_singles(std::vector<Line>& all) {
   for (const char* kind : {"transmission", "lost_motion", "pair_loss", "torque_angle"}) {
     for (const std::string& cause : causes_of(kind)) {
       for (const std::string& law : laws_of(cause, kind)) {
-        const std::string place =
-            std::string(kind) == "transmission" ? "" : std::string(kind) + " ";
-        all.push_back({.name = "single " + place + cause + " " + law,
+        std::string name = "single ";
+        if (std::string(kind) != "transmission") name.append(kind).append(" ");
+        name.append(cause).append(" ").append(law);
+        all.push_back({.name = name,
                        .group = "single",
                        .kind = kind,
                        .hidden = {{cause, law}},

@@ -14,10 +14,9 @@ struct TruthParameter {
 
 /// One hidden effect.
 struct Truth {
-  std::string cause;  ///< id of the table of causes in docs/interface.md; "unknown": none of them
-  std::string law;    ///< generating law
-  std::string
-      acts_on;  ///< what it changes: friction, gain, offset, drag on the sun, lost motion, ...
+  std::string cause;    ///< id of the table of causes in docs/interface.md; "unknown": none of them
+  std::string law;      ///< generating law
+  std::string acts_on;  ///< friction, gain, offset, drag on a body, lost motion, ...; with the body
   /// Causes that explain these data as well, the cause itself among them: those one of whose usual
   /// shapes, with another coefficient of friction, leaves a chi-square below 9 of the clean effect.
   /// The likelihoods of two models that far apart choose the wrong one in 1 of 15 campaigns.
@@ -41,7 +40,8 @@ struct Campaign {
   /// sample of the angle, at the output. Sun torque set and output torque read: the noise of the
   /// output torque, referred to the sun.
   double noise_sd = 0.0;
-  /// Root mean square over the rows of (clean with effects - clean without) / noise_sd.
+  /// Root mean square over the rows of (clean with effects - clean without) / noise_sd: all effects
+  /// together, and for sun torques that are set at the output torques that follow.
   double strength = 0.0;
   std::string kind{}, plan{}, noise_model{};
   /// Causes that these data rule out: in the place of any hidden effect, all others and the

@@ -252,6 +252,32 @@ TEST(WideRig, StrengthIsAsStatedOrTheGreatestPossible) {
   EXPECT_GT(reached, all * 8 / 10) << all;
 }
 
+TEST(WideRig, StrengthChangesNeitherGearboxNorLaw) {
+  for (const Line& line : lines()) {
+    const Campaign weak = make_campaign(line, 1.0, 3), strong = make_campaign(line, 4.0, 3);
+    EXPECT_EQ(weak.subject_toml, strong.subject_toml) << line.name;
+    EXPECT_EQ(weak.plan, strong.plan) << line.name;
+    for (std::size_t t = 0; t < weak.truths.size(); ++t) {
+      EXPECT_EQ(weak.truths[t].law, strong.truths[t].law) << line.name;
+      EXPECT_LT(weak.truths[t].strength, strong.truths[t].strength * 1.01) << line.name;
+    }
+  }
+}
+
+// What no cause does must not look like one where it is strong.
+TEST(WideRig, UnknownLawsAreNoCause) {
+  int like_a_cause = 0, all = 0;
+  for (const Line& line : lines()) {
+    if (line.group != "unknown") continue;
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+      const Campaign campaign = make_campaign(line, 8.0, seed);
+      like_a_cause += campaign.truths.at(0).acceptable.empty() ? 0 : 1;
+      ++all;
+    }
+  }
+  EXPECT_LE(like_a_cause, all / 10);
+}
+
 TEST(WideRig, NullCampaignsHideNothing) {
   for (const Line& line : lines()) {
     if (line.group != "null") continue;
