@@ -19,8 +19,8 @@ namespace {
 
 // Expected difference of chi-square below which two explanations count as equal.
 constexpr double kAsGood = 9.0;
-// ... and above which a cause is ruled out, with a quarter of the effect's own.
-constexpr double kRuledOut = 60.0, kRuledOutShare = 0.25;
+// ... and above which a cause is ruled out, with a twentieth of the effect's own.
+constexpr double kRuledOut = 60.0, kRuledOutShare = 0.05;
 
 std::uint64_t hash_of(const std::string& text) {
   std::uint64_t hash = 0xcbf29ce484222325ULL;
