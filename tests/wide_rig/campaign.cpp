@@ -241,8 +241,9 @@ class Verdicts {
   // A companion may be told as any cause that does the same; its size is its share of the effects.
   void judge_companion(const std::string& cause) {
     possible_.insert(cause);
-    static const std::set<std::string> constant{"friction_level", "clearance", "sensor_gain",
-                                                "sensor_offset", "drag_constant"};
+    static const std::set<std::string> constant{"friction_level", "clearance",
+                                                "sensor_gain",    "sensor_offset",
+                                                "drag_constant",  "friction_direction"};
     if (constant.count(cause) == 0) return;
     for (const CauseShape& shape : shapes_.shapes) {
       if (shape.cause != cause || shape.columns.size() != 1) continue;
