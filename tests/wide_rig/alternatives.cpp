@@ -130,7 +130,7 @@ class ShapeList {
     const auto along = [&](const std::function<double(double)>& law) {
       add("drift", {[&](std::size_t i) { return target[i] * law(rows_[i].elapsed); }});
     };
-    for (const double tau : {0.03, 0.1, 0.3, 1.0}) {
+    for (const double tau : {0.1, 0.3, 1.0}) {
       along([tau](double u) { return -std::expm1(-u / tau); });
       along([tau](double u) { return std::log1p(u / tau); });
     }
@@ -210,7 +210,7 @@ Alternatives transmission_shapes(const BenchSubject& subject, const std::vector<
     over_force([at](double x) { return std::tanh(std::log(x / at) / 0.5); });
   }
   if (columns.temperature) {
-    for (const double rate : {-0.06, -0.02, 0.001, 0.03}) {
+    for (const double rate : {-0.06, -0.02, 0.01, 0.03}) {
       friction("friction_temperature", [rate](const BenchRow& row, const MeshPoint&) {
         return std::exp(rate * (row.temperature_c - 25.0));
       });

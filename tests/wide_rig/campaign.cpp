@@ -19,8 +19,8 @@ namespace {
 
 // Expected difference of chi-square below which two explanations count as equal.
 constexpr double kAsGood = 9.0;
-// ... and above which a cause is ruled out, with a quarter of the effect's own.
-constexpr double kRuledOut = 60.0, kRuledOutShare = 0.25;
+// ... and above which a cause is ruled out, with a twentieth of the effect's own.
+constexpr double kRuledOut = 60.0, kRuledOutShare = 0.05;
 
 std::uint64_t hash_of(const std::string& text) {
   std::uint64_t hash = 0xcbf29ce484222325ULL;
@@ -241,8 +241,9 @@ class Verdicts {
   // A companion may be told as any cause that does the same; its size is its share of the effects.
   void judge_companion(const std::string& cause) {
     possible_.insert(cause);
-    static const std::set<std::string> constant{"friction_level", "clearance", "sensor_gain",
-                                                "sensor_offset", "drag_constant"};
+    static const std::set<std::string> constant{"friction_level", "clearance",
+                                                "sensor_gain",    "sensor_offset",
+                                                "drag_constant",  "friction_direction"};
     if (constant.count(cause) == 0) return;
     for (const CauseShape& shape : shapes_.shapes) {
       if (shape.cause != cause || shape.columns.size() != 1) continue;

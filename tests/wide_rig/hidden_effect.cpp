@@ -212,6 +212,8 @@ HiddenEffect friction_effect(const std::string& cause, const std::string& law,
     effect.value = [share](double a, const BenchRow&, const MeshPoint& point) {
       return a * share[point.mesh];
     };
+    // Meshes that differ do not lose the same in both directions.
+    if (law != "all_meshes") effect.companions = {"friction_direction"};
     if (law == "all_meshes" && !subject.black_box) {
       effect.parameters.push_back({"coefficient", "1", subject.friction, subject.friction});
     }

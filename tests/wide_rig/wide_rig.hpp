@@ -45,7 +45,8 @@ struct Campaign {
   double strength = 0.0;
   std::string kind{}, plan{}, noise_model{};
   /// Causes that these data rule out: in the place of any hidden effect, all others and the
-  /// coefficient of friction free, they leave a chi-square above 60 and a quarter of the effect's.
+  /// coefficient of friction free, they leave a chi-square above 60 and a twentieth of the
+  /// effect's.
   std::vector<std::string> excluded{};
   /// Causes that may stand beside the truths without being wrong: what is common to all rows of an
   /// effect whose zero is not the nominal gearbox (reference points, mean of steps), and what a law
