@@ -8,7 +8,7 @@ namespace gear3k::io {
 
 namespace {
 
-using optimize::Hold, optimize::Robust;
+using optimize::Hold, optimize::Robust, units::Unit;
 
 void refuse_grades(const ToleranceInput& tolerances, FileReading& reading) {
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
