@@ -52,7 +52,7 @@ std::optional<Point> point_or_middle(const std::optional<Point>& stated, const M
 
 /// Lost motion at a torque that the model adds to that of the teeth.
 double added_lost_motion(const backlash::LostMotionExtension<double>& e, double torque_Nm) {
-  return e.clearance_rad + 2.0 * torque_Nm * e.compliance_rad_Nm;
+  return e.clearance_rad + backlash::windup(e, torque_Nm);
 }
 
 /// Lowers the limits of lost motion by what the model adds to that of the teeth.

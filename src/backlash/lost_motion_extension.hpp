@@ -2,22 +2,36 @@
 // How measured lost motion differs from that of rigid bodies at 20 °C: what a calibrated model
 // carries.
 
+#include <cmath>
+
 #include "geometry/scalar.hpp"
 
 namespace gear3k::backlash {
 
 /// Lost motion at the output between +T and −T, sun locked:
 ///
-///   φ = φ_kin(d (1 + α (θ − θ_0))) + φ_0 + 2 T c
+///   φ = φ_kin(d (1 + α (θ − θ_0))) + φ_0 + 2 T c (T/T_0)^−h
 ///
 /// φ_kin: kinematic_lost_motion() at the centre distance of the temperature θ.
 /// Source: definition of the test, docs/theory §29.
 template <class T>
 struct LostMotionExtension {
   T clearance_rad{};                        ///< φ_0
-  T compliance_rad_Nm{};                    ///< c, at the output
+  T compliance_rad_Nm{};                    ///< c, at the output and T_0
+  T hardening{};                            ///< h: 0 linear, towards 1 all near zero torque
+  double hardening_torque_Nm = 1.0;         ///< T_0 > 0
   T expansion_1_K{};                        ///< α of the carrier relative to the gears
   double reference_temperature_K = 293.15;  ///< θ_0
 };
+
+/// 2 T c (T/T_0)^−h: what the gearbox winds up between −T and +T; 0 at T = 0.
+template <class T>
+T windup(const LostMotionExtension<T>& e, const T& torque_Nm) {
+  using std::exp;
+  using std::log;
+  const T linear = 2.0 * torque_Nm * e.compliance_rad_Nm;
+  if (is_neutral(e.hardening, 0.0) || !(torque_Nm > constant<T>(0.0))) return linear;
+  return T(linear * exp(T(-e.hardening * log(T(torque_Nm / e.hardening_torque_Nm)))));
+}
 
 }  // namespace gear3k::backlash

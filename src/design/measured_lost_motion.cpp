@@ -11,7 +11,7 @@ T with_extension(const train::TrainGeometry<T>& geometry, const backlash::LostMo
                  const LostMotionTest<T>& test) {
   const T rigid = backlash::output_lost_motion(geometry, backlash::normal_backlashes(geometry),
                                                backlash::LostMotionModel::kKinematic);
-  return rigid + e.clearance_rad + 2.0 * test.torque_Nm * e.compliance_rad_Nm;
+  return rigid + e.clearance_rad + backlash::windup(e, T(test.torque_Nm));
 }
 
 }  // namespace

@@ -19,6 +19,13 @@ To scalar_as(const From& x) {
 }
 
 template <class To, class From>
+efficiency::FrictionBend<To> bend_as(const efficiency::FrictionBend<From>& b) {
+  return {.quadratic = scalar_as<To>(b.quadratic),
+          .cubic = scalar_as<To>(b.cubic),
+          .half_range = b.half_range};
+}
+
+template <class To, class From>
 efficiency::FrictionExtension<To> extension_as(const efficiency::FrictionExtension<From>& e) {
   const auto as = [](const From& x) { return scalar_as<To>(x); };
   return {.level = as(e.level),
@@ -30,6 +37,9 @@ efficiency::FrictionExtension<To> extension_as(const efficiency::FrictionExtensi
           .reference_speed_m_s = e.reference_speed_m_s,
           .temperature_1_K = as(e.temperature_1_K),
           .reference_temperature_K = e.reference_temperature_K,
+          .load_bend = bend_as<To>(e.load_bend),
+          .speed_bend = bend_as<To>(e.speed_bend),
+          .temperature_bend = bend_as<To>(e.temperature_bend),
           .forward = as(e.forward),
           .backward = as(e.backward),
           .approach = as(e.approach),
@@ -40,6 +50,8 @@ template <class To, class From>
 backlash::LostMotionExtension<To> extension_as(const backlash::LostMotionExtension<From>& e) {
   return {.clearance_rad = scalar_as<To>(e.clearance_rad),
           .compliance_rad_Nm = scalar_as<To>(e.compliance_rad_Nm),
+          .hardening = scalar_as<To>(e.hardening),
+          .hardening_torque_Nm = e.hardening_torque_Nm,
           .expansion_1_K = scalar_as<To>(e.expansion_1_K),
           .reference_temperature_K = e.reference_temperature_K};
 }

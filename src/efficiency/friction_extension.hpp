@@ -7,9 +7,18 @@
 
 namespace gear3k::efficiency {
 
+/// How a law of one variable bends: exp(q x² + c x³), with x the variable (ln F, ln v or θ) from
+/// its reference on, over half_range; beyond |x| = 1.5 as there.
+template <class T>
+struct FrictionBend {
+  T quadratic{}, cubic{};   ///< q, c
+  double half_range = 1.0;  ///< > 0
+};
+
 /// Factors on the coefficient of friction that a design states; by default all are 1.
 ///
 ///   μ = μ_design · level · (F/F_0)^n · (1 + a exp(−v/v_0)) · (v/v_1)^m · exp(β (θ − θ_0)) · side
+///       · bends of F, v and θ
 ///
 /// F, v: normal force and mean sliding speed of a mesh; θ: temperature of the lubricant; side:
 /// `forward` or `backward`, by which end drives the train.  `approach` and `recess` multiply the
@@ -26,15 +35,29 @@ struct FrictionExtension {
   double reference_speed_m_s = 1.0;         ///< v_1 > 0
   T temperature_1_K{};                      ///< β
   double reference_temperature_K = 293.15;  ///< θ_0
+  FrictionBend<T> load_bend, speed_bend, temperature_bend;
   T forward = constant<T>(1.0), backward = constant<T>(1.0);
   T approach = constant<T>(1.0), recess = constant<T>(1.0);
 };
 
+template <class T>
+bool is_straight(const FrictionBend<T>& bend) {
+  return is_neutral(bend.quadratic, 0.0) && is_neutral(bend.cubic, 0.0);
+}
+
+/// Whether the factor depends on the temperature.
+template <class T>
+bool depends_on_temperature(const FrictionExtension<T>& e) {
+  return !(is_neutral(e.temperature_1_K, 0.0) && is_straight(e.temperature_bend));
+}
+
 /// Whether the factor needs to know where a mesh runs.
 template <class T>
 bool depends_on_state(const FrictionExtension<T>& e) {
-  return !(is_neutral(e.load_exponent, 0.0) && is_neutral(e.slow_excess, 0.0) &&
-           is_neutral(e.speed_exponent, 0.0) && is_neutral(e.temperature_1_K, 0.0));
+  return depends_on_temperature(e) ||
+         !(is_neutral(e.load_exponent, 0.0) && is_neutral(e.slow_excess, 0.0) &&
+           is_neutral(e.speed_exponent, 0.0) && is_straight(e.load_bend) &&
+           is_straight(e.speed_bend));
 }
 
 /// The part of the factor that does not: level and side.
@@ -56,6 +79,22 @@ T friction_factor(const FrictionExtension<T>& e, const T& normal_force_N,
   const auto power = [](const T& x, double reference, const T& exponent) {
     return T(exp(T(exponent * log(larger(T(x / reference), constant<T>(kLeastReduced))))));
   };
+  const auto bend = [&](const FrictionBend<T>& b, const T& from_reference) {
+    constexpr double kFarthest = 1.5;
+    const T x = smaller(larger(T(from_reference / b.half_range), constant<T>(-kFarthest)),
+                        constant<T>(kFarthest));
+    factor = factor * exp(T(x * x * (b.quadratic + b.cubic * x)));
+  };
+  const auto log_over = [](const T& x, double reference) {
+    return T(log(larger(T(x / reference), constant<T>(kLeastReduced))));
+  };
+  if (!is_straight(e.load_bend)) bend(e.load_bend, log_over(normal_force_N, e.reference_force_N));
+  if (!is_straight(e.speed_bend)) {
+    bend(e.speed_bend, log_over(sliding_speed_m_s, e.reference_speed_m_s));
+  }
+  if (!is_straight(e.temperature_bend)) {
+    bend(e.temperature_bend, T(temperature_K - e.reference_temperature_K));
+  }
   if (!is_neutral(e.load_exponent, 0.0)) {
     factor = factor * power(normal_force_N, e.reference_force_N, e.load_exponent);
   }

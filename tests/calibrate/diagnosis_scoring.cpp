@@ -192,15 +192,20 @@ Score score(const Scenario& scenario, std::uint64_t seed) {
   Score result;
   result.answer = answer_of(d);
   const bool named = matched(d.effects, hidden) && !d.remainder.significant;
+  // Sessions that are off by half the noise are steps between sessions for whoever sees them.
+  const bool off = scenario.plan.noise == Noise::session_offsets;
   for (const auto& effect : d.effects) {
-    const bool hit = std::ranges::any_of(hidden, [&](const auto& id) { return names(effect, id); });
+    const bool hit =
+        std::ranges::any_of(hidden, [&](const auto& id) { return names(effect, id); }) ||
+        (off && names(effect, "run_step"));
     result.wrong = result.wrong || !hit;
     result.explanations += 1.0 + static_cast<double>(effect.alternatives.size());
   }
   if (!d.effects.empty()) result.explanations /= static_cast<double>(d.effects.size());
   switch (scenario.expectation) {
     case Expectation::kNothing:
-      result.right = d.verdict == calibrate::Verdict::kNoDiscrepancy;
+      result.right = off ? !d.remainder.significant && !result.wrong
+                         : d.verdict == calibrate::Verdict::kNoDiscrepancy;
       break;
     case Expectation::kNamed:
       result.right = named;

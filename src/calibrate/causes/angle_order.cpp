@@ -1,7 +1,9 @@
 #include "calibrate/causes/angle_order.hpp"
 
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <string_view>
 
 #include "calibrate/measurement/response_unit.hpp"
 #include "calibrate/measurement/value_range.hpp"
@@ -11,39 +13,61 @@ namespace gear3k::calibrate {
 
 namespace {
 
-constexpr const char* kProportional = "proportional";
+// Forms by what the wave is of, each with none, one or two harmonics.
+constexpr std::string_view kConstant = "constant", kProportional = "proportional",
+                           kFriction = "friction", kSecond = "_with_second", kThird = "_with_third";
+
+int harmonics_of(const Form& form) {
+  if (form.name.ends_with(kThird)) return 3;
+  return form.name.ends_with(kSecond) ? 2 : 1;
+}
 
 }  // namespace
 
 std::vector<ParameterRecord> angle_parameters(const Form& form, Kind kind) {
-  const bool share = form.name == kProportional;
+  const bool share = !form.name.starts_with(kConstant);
+  const double bound = form.name.starts_with(kFriction) ? 0.99 : share ? 10.0 : 1e4;
+  const double plausible = share ? (form.name.starts_with(kFriction) ? 0.9 : 0.2) : bound;
   const auto record = [&](std::string_view name) {
-    constexpr double kBound = 1e4;
-    const double plausible = share ? 0.2 : kBound;
     return ParameterRecord{.name = name,
                            .unit = share ? "" : response_unit(kind).name,
-                           .lower = share ? -10.0 : -kBound,
-                           .upper = share ? 10.0 : kBound,
+                           .lower = -bound,
+                           .upper = bound,
                            .plausible_low = -plausible,
                            .plausible_high = plausible};
   };
-  return {record("cosine"), record("sine")};
+  static constexpr std::array<std::string_view, 6> kNames{"cosine", "sine",     "cosine_2",
+                                                          "sine_2", "cosine_3", "sine_3"};
+  std::vector<ParameterRecord> result;
+  const auto count = static_cast<std::size_t>(2 * harmonics_of(form));
+  for (std::size_t k = 0; k < count; ++k) result.push_back(record(kNames[k]));
+  return result;
 }
 
 std::vector<Form> angle_forms(const Occasion& o, const std::vector<train::ShaftOrder>& orders) {
   const ValueRange angle = range_of(*o.data, &Condition::output_angle_rad);
   const double revolutions = (angle.high - angle.low) / (2.0 * std::numbers::pi);
+  // Less of a period is hardly told from a slope.
+  constexpr double kLeastPeriods = 0.6;
   std::vector<Form> result;
   for (const train::ShaftOrder& order : orders) {
-    if (!(revolutions * order.order >= 1.0)) continue;
-    const auto form = [&](const char* name, double weight) {
-      return Form{.name = name, .body = order.body, .order = order.order, .weight = weight};
+    if (!(revolutions * order.order >= kLeastPeriods)) continue;
+    const auto add = [&](std::string_view name, double weight, std::string_view law = "") {
+      for (const std::string_view more : {std::string_view(), kSecond, kThird}) {
+        // Once it is found: bodies and teeth are not round in one harmonic alone.
+        result.push_back({.name = std::string(name).append(more),
+                          .body = order.body,
+                          .order = order.order,
+                          .weight = more.empty() ? weight : 0.0,
+                          .law = law});
+      }
     };
     if (o.kind == Kind::kTransmission) {
-      result.push_back(form(kProportional, 0.6));
-      result.push_back(form("constant", 0.4));
+      add(kProportional, 0.5);
+      add(kConstant, 0.3);
+      add(kFriction, 0.2, kOnFriction);
     } else if (o.kind == Kind::kLostMotion) {
-      result.push_back(form("constant", 1.0));
+      add(kConstant, 1.0);
     }
   }
   return result;
@@ -61,8 +85,14 @@ void apply_angle(const Form& form, std::span<const Scalar> p, const Condition& c
                  Modification& m) {
   const double angle = form.order * condition.output_angle_rad;
   if (!std::isfinite(angle)) return;
-  const Scalar wave = p[0] * std::cos(angle) + p[1] * std::sin(angle);
-  if (form.name == kProportional) {
+  Scalar wave(0.0);
+  for (std::size_t k = 0; k + 1 < p.size(); k += 2) {
+    const double phase = angle * static_cast<double>(k / 2 + 1);
+    wave = wave + p[k] * std::cos(phase) + p[k + 1] * std::sin(phase);
+  }
+  if (form.name.starts_with(kFriction)) {
+    m.friction_level = m.friction_level * (1.0 + wave);
+  } else if (form.name.starts_with(kProportional)) {
     m.response_factor = m.response_factor * (1.0 + wave);
   } else {
     m.added = m.added + wave * response_unit(kind).si;

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "calibrate/model/cause.hpp"
 #include "units/units.hpp"
 
@@ -6,9 +8,11 @@ namespace gear3k::calibrate::bearing_load {
 namespace {
 
 constexpr const char* kPlanetBearings = "planet_bearings";
+constexpr const char* kBothShafts = "both_shafts";
+constexpr const char* kPinionShaft = "pinion_shaft";
 
 std::vector<ParameterRecord> parameters(const Form& form, Kind) {
-  if (form.name == kPlanetBearings) {
+  if (form.name == kPlanetBearings || form.name == kBothShafts || form.name == kPinionShaft) {
     return {{.name = "friction_radius",
              .unit = "mm",
              .lower = 0.0,
@@ -25,16 +29,36 @@ std::vector<ParameterRecord> parameters(const Form& form, Kind) {
 }
 
 std::vector<Form> forms(const Occasion& o) {
-  if (o.kind == Kind::kPairLoss) return {{.name = "shafts"}};
+  if (o.kind == Kind::kPairLoss) {
+    return {{.name = "shafts", .weight = 0.5},
+            {.name = kBothShafts, .weight = 0.3},
+            {.name = kPinionShaft, .weight = 0.2}};
+  }
   if (o.kind != Kind::kTransmission) return {};
   if (o.teeth == nullptr) return {{.name = "output_bearing", .body = "output"}};
   return {{.name = kPlanetBearings, .body = "planet", .weight = 0.6},
           {.name = "output_bearing", .body = "output", .weight = 0.4}};
 }
 
-void apply(const Form& form, std::span<const Scalar> p, const Condition&, Kind kind,
+/// Σ 1/r of the shafts of a pair whose bearings lose [1/m]: at the same force on the teeth a
+/// bearing takes the share μ r_bearing/r of the power.
+double inverse_radii(const Form& form, const Condition& c) {
+  constexpr double kUsualModule_m = 1e-3;
+  const double module_m = c.module_m > 0.0 ? c.module_m : kUsualModule_m;
+  const int less = std::min(c.driving_teeth, c.driven_teeth);
+  const int more = std::max(c.driving_teeth, c.driven_teeth);
+  const double pinion = 2.0 / (module_m * less);
+  return form.name == kPinionShaft ? pinion : pinion + 2.0 / (module_m * more);
+}
+
+/// In data of pairs a share of the power alike in all of them, or as the radii of the gears have
+/// it.
+void apply(const Form& form, std::span<const Scalar> p, const Condition& condition, Kind kind,
            Modification& m) {
-  if (kind == Kind::kPairLoss) {
+  if (kind == Kind::kPairLoss && (form.name == kBothShafts || form.name == kPinionShaft)) {
+    if (condition.driving_teeth <= 0 || condition.driven_teeth <= 0) return;
+    m.added = m.added + p[0] * (units::kMillimetre * inverse_radii(form, condition));
+  } else if (kind == Kind::kPairLoss) {
     m.added = m.added + p[0];
   } else if (form.name == kPlanetBearings) {
     m.gearbox.planet_bearing_arm_m = m.gearbox.planet_bearing_arm_m + p[0] * units::kMillimetre;

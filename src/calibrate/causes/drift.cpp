@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "calibrate/measurement/response_unit.hpp"
+#include "calibrate/causes/reading_change.hpp"
 #include "calibrate/measurement/value_range.hpp"
 #include "calibrate/model/cause.hpp"
 
@@ -8,37 +8,62 @@ namespace gear3k::calibrate::drift {
 
 namespace {
 
-std::vector<ParameterRecord> parameters(const Form&, Kind kind) {
-  constexpr double kBound = 1e4;
-  return {{.name = "change",
-           .unit = response_unit(kind).name,
-           .lower = -kBound,
-           .upper = kBound,
-           .plausible_low = -kBound,
-           .plausible_high = kBound}};
+constexpr std::string_view kScale = "any_scale";
+constexpr std::string_view kExponent = "any_exponent";
+constexpr std::string_view kFrom = "any_start";
+
+bool holds(const Form& form, std::string_view word) {
+  return form.name.find(word) != std::string::npos;
+}
+
+std::vector<ParameterRecord> parameters(const Form& form, Kind kind) {
+  const Target target = target_of(form.name);
+  std::vector<ParameterRecord> result{change_parameter("change", target, kind)};
+  const auto shape = [&](std::string_view name, double bound) {
+    result.push_back({.name = name,
+                      .unit = "",
+                      .lower = -bound,
+                      .upper = bound,
+                      .plausible_low = -bound,
+                      .plausible_high = bound});
+  };
+  constexpr double kScales = 3.0;
+  constexpr double kExponents = 1.6;
+  if (holds(form, kScale)) shape("log_scale_change", kScales);
+  if (holds(form, kExponent)) shape("log_exponent", kExponents);
+  if (holds(form, kFrom)) result.push_back(change_parameter("start_change", target, kind));
+  return result;
 }
 
 /// From the first to the last row: linear, levelling off (wear that runs in), or dying away (the
-/// end fits the simulation).
+/// end fits the simulation).  Once it is found: with the time constant, or the exponent of a power
+/// of the time, and with the value at the start as parameters of their own.
 std::vector<Form> forms(const Occasion& o) {
   std::vector<Form> result;
   const auto add = [&](const char* variable, const char* unit, double Condition::*member) {
     const ValueRange range = range_of(*o.data, member);
     if (!range.varies()) return;
     const double span = range.high - range.low;
-    const auto form = [&](const char* shape, double constant, double weight) {
-      return Form{.name = std::string(shape) + "_" + variable,
-                  .constants = {{.name = "start", .unit = unit, .value = range.low},
-                                {.name = "span", .unit = unit, .value = span},
-                                {.name = "time_constant", .unit = unit, .value = constant}},
-                  .weight = weight};
-    };
-    result.push_back(form("linear", span, 0.4));
-    result.push_back(form("levelling", 0.3 * span, 0.15));
-    result.push_back(form("levelling", 0.1 * span, 0.1));
-    result.push_back(form("dying", 0.3 * span, 0.1));
-    result.push_back(form("dying", 0.1 * span, 0.05));
-    result.push_back(form("centred", span, 0.2));
+    for (const TargetRecord& target : targets_of(o.kind)) {
+      const auto form = [&](const std::string& shape, double constant, double weight) {
+        return Form{.name = targeted(shape + "_" + variable, target),
+                    .constants = {{.name = "start", .unit = unit, .value = range.low},
+                                  {.name = "span", .unit = unit, .value = span},
+                                  {.name = "time_constant", .unit = unit, .value = constant}},
+                    .weight = weight * target.weight,
+                    .law = target.law};
+      };
+      result.push_back(form("linear", span, 0.4));
+      result.push_back(form("levelling", 0.3 * span, 0.15));
+      result.push_back(form("levelling", 0.1 * span, 0.1));
+      result.push_back(form("dying", 0.3 * span, 0.1));
+      result.push_back(form("dying", 0.1 * span, 0.05));
+      result.push_back(form("centred", span, 0.2));
+      result.push_back(form("levelling_any_scale", 0.3 * span, 0.0));
+      result.push_back(form("levelling_any_scale_any_start", 0.3 * span, 0.0));
+      result.push_back(form("power_any_exponent", span, 0.0));
+      result.push_back(form("power_any_exponent_any_start", span, 0.0));
+    }
   };
   add("time", "s", &Condition::time_s);
   add("cycles", "", &Condition::cycles);
@@ -47,15 +72,26 @@ std::vector<Form> forms(const Occasion& o) {
 
 void apply(const Form& form, std::span<const Scalar> p, const Condition& condition, Kind kind,
            Modification& m) {
-  const double t = form.name.ends_with("cycles") ? condition.cycles : condition.time_s;
+  using std::exp;
+  const double t = holds(form, "_cycles") ? condition.cycles : condition.time_s;
   if (!std::isfinite(t)) return;
   const double since = t - form.constant("start");
   const double reduced = since / form.constant("time_constant");
-  double share = reduced;
-  if (form.name.starts_with("centred")) share = reduced - 0.5;
-  if (form.name.starts_with("levelling")) share = 1.0 - std::exp(-reduced);
-  if (form.name.starts_with("dying")) share = std::exp(-reduced);
-  m.added = m.added + p[0] * (share * response_unit(kind).si);
+  Scalar share(reduced);
+  std::size_t next = 1;
+  if (form.name.starts_with("centred")) share = Scalar(reduced - 0.5);
+  if (form.name.starts_with("dying")) share = Scalar(std::exp(-reduced));
+  if (form.name.starts_with("levelling")) {
+    const Scalar scale = holds(form, kScale) ? exp(p[next++]) : Scalar(1.0);
+    share = 1.0 - exp(Scalar(-reduced / scale));
+  }
+  if (form.name.starts_with("power")) {
+    const Scalar exponent = exp(p[next++]);
+    share = reduced > 0.0 ? Scalar(exp(Scalar(exponent * std::log(reduced)))) : Scalar(0.0);
+  }
+  Scalar change = p[0] * share;
+  if (holds(form, kFrom)) change = change + p[next];
+  change_reading(target_of(form.name), change, condition, kind, m);
 }
 
 }  // namespace

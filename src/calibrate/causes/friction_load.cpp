@@ -2,14 +2,12 @@
 #include <cmath>
 #include <utility>
 
-#include "calibrate/causes/friction_change.hpp"
+#include "calibrate/causes/free_shape.hpp"
 #include "calibrate/model/cause.hpp"
 
 namespace gear3k::calibrate::friction_load {
 
 namespace {
-
-constexpr const char* kAnyLevel = "any_level";
 
 std::vector<ParameterRecord> parameters(const Form& form, Kind) {
   std::vector<ParameterRecord> result{{.name = "exponent",
@@ -18,7 +16,7 @@ std::vector<ParameterRecord> parameters(const Form& form, Kind) {
                                        .upper = 2.0,
                                        .plausible_low = -0.5,
                                        .plausible_high = 0.5}};
-  if (form.name == kAnyLevel) result.push_back(level_parameter());
+  add_shape_parameters(form, result);
   return result;
 }
 
@@ -40,16 +38,18 @@ std::vector<Form> forms(const Occasion& o) {
                                      .value = reference}},
                       .weight = places[k].second});
   }
-  // Once it is found: with the coefficient at the middle as a parameter of its own.
-  Form any = result[places.size() / 2];
-  any.name = kAnyLevel;
-  any.weight = 0.0;
-  result.push_back(std::move(any));
+  // Once it is found: with the level at the middle, and the shape, as parameters of their own.
+  Form free = result[places.size() / 2];
+  free.constants.push_back(
+      {.name = "log_half_range", .unit = "", .value = 0.5 * std::log(o.load[1] / o.load[0])});
+  add_free_shapes(free, result);
   return result;
 }
 
 void apply(const Form& form, std::span<const Scalar> p, const Condition&, Kind, Modification& m) {
-  if (form.name == kAnyLevel) change_level(p[1], m);
+  if (p.size() > 1) {
+    change_shape(p.subspan(1), half_range_of(form), m.gearbox.friction.load_bend, m);
+  }
   m.gearbox.friction.load_exponent = p[0];
   m.gearbox.friction.reference_force_N = form.constant("reference_load");
 }

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "calibrate/causes/free_shape.hpp"
 #include "calibrate/model/cause.hpp"
 #include "calibrate/model/simulation.hpp"
 
@@ -28,12 +29,14 @@ std::vector<ParameterRecord> parameters(const Form& form, Kind) {
     }
     return result;
   }
-  return {{.name = "exponent",
-           .unit = "",
-           .lower = -2.0,
-           .upper = 2.0,
-           .plausible_low = -0.7,
-           .plausible_high = 0.5}};
+  std::vector<ParameterRecord> result{{.name = "exponent",
+                                       .unit = "",
+                                       .lower = -2.0,
+                                       .upper = 2.0,
+                                       .plausible_low = -0.7,
+                                       .plausible_high = 0.5}};
+  add_shape_parameters(form, result);
+  return result;
 }
 
 /// Falling from a static value to the design's (mixed lubrication), or a power of the speed.
@@ -57,6 +60,10 @@ std::vector<Form> forms(const Occasion& o) {
   if (o.speed[0] > 0.0 && o.speed[1] > 1.001 * o.speed[0]) {
     const double middle = std::sqrt(o.speed[0] * o.speed[1]);
     result.push_back(form("power_about_middle", "reference_speed", middle, 0.2));
+    Form free = form("", "reference_speed", middle, 0.0);
+    free.constants.push_back(
+        {.name = "log_half_range", .unit = "", .value = 0.5 * std::log(o.speed[1] / o.speed[0])});
+    add_free_shapes(free, result);
     result.push_back(form("power_from_highest", "reference_speed", o.speed[1], 0.1));
     result.push_back(form("power_from_lowest", "reference_speed", o.speed[0], 0.1));
   }
@@ -70,6 +77,7 @@ void apply(const Form& form, std::span<const Scalar> p, const Condition&, Kind, 
     friction.slow_speed_m_s = Scalar(form.constant("speed_scale"));
     if (form.name == kAnyScale) friction.slow_speed_m_s = friction.slow_speed_m_s * exp(p[1]);
   } else {
+    if (p.size() > 1) change_shape(p.subspan(1), half_range_of(form), friction.speed_bend, m);
     friction.speed_exponent = p[0];
     friction.reference_speed_m_s = form.constant("reference_speed");
   }

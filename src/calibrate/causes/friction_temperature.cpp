@@ -1,4 +1,4 @@
-#include "calibrate/causes/friction_change.hpp"
+#include "calibrate/causes/free_shape.hpp"
 #include "calibrate/model/cause.hpp"
 
 namespace gear3k::calibrate::friction_temperature {
@@ -7,8 +7,6 @@ namespace {
 
 constexpr const char* kDrag = "drag";
 
-constexpr const char* kAnyLevel = "any_level";
-
 std::vector<ParameterRecord> parameters(const Form& form, Kind) {
   std::vector<ParameterRecord> result{{.name = "coefficient",
                                        .unit = "1/K",
@@ -16,7 +14,7 @@ std::vector<ParameterRecord> parameters(const Form& form, Kind) {
                                        .upper = 0.5,
                                        .plausible_low = -0.06,
                                        .plausible_high = 0.04}};
-  if (form.name == kAnyLevel) result.push_back(level_parameter());
+  add_shape_parameters(form, result);
   return result;
 }
 
@@ -35,8 +33,10 @@ std::vector<Form> forms(const Occasion& o) {
                            form("from_coldest", o.temperature_K[0], 0.15),
                            form("about_middle", o.temperature_K[0] + 0.5 * span, 0.6),
                            form("from_warmest", o.temperature_K[1], 0.15)};
-  // Once it is found: with the coefficient at the middle as a parameter of its own.
-  result.push_back(form(kAnyLevel, o.temperature_K[0] + 0.5 * span, 0.0));
+  // Once it is found: with the level at the middle, and the shape, as parameters of their own.
+  Form free = form("", o.temperature_K[0] + 0.5 * span, 0.0);
+  free.constants.push_back({.name = "half_range", .unit = "K", .value = 0.5 * span});
+  add_free_shapes(free, result);
   if (o.has_drag) {
     result.push_back(form(kDrag, o.design_temperature_K, 0.3));
     result.back().law = kDrag;
@@ -51,7 +51,9 @@ void apply(const Form& form, std::span<const Scalar> p, const Condition&, Kind, 
     m.gearbox.drag_temperature_1_K = p[0];
     m.gearbox.drag_reference_temperature_K = reference_K;
   } else {
-    if (form.name == kAnyLevel) change_level(p[1], m);
+    if (p.size() > 1) {
+      change_shape(p.subspan(1), half_range_of(form), m.gearbox.friction.temperature_bend, m);
+    }
     m.gearbox.friction.temperature_1_K = p[0];
     m.gearbox.friction.reference_temperature_K = reference_K;
   }

@@ -1,8 +1,12 @@
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <string_view>
 
-#include "calibrate/measurement/response_unit.hpp"
+#include "calibrate/causes/reading_change.hpp"
 #include "calibrate/measurement/value_range.hpp"
 #include "calibrate/model/cause.hpp"
+#include "calibrate/model/simulation.hpp"
 
 namespace gear3k::calibrate::run_step {
 
@@ -10,16 +14,33 @@ namespace {
 
 constexpr const char* kFirstRun = "first_run";
 constexpr const char* kInstant = "instant";
+constexpr const char* kSessions = "sessions";
 
-std::vector<ParameterRecord> parameters(const Form&, Kind kind) {
-  constexpr double kBound = 1e4;
-  const bool share = kind == Kind::kPairLoss;
-  return {{.name = "step",
-           .unit = response_unit(kind).name,
-           .lower = -kBound,
-           .upper = kBound,
-           .plausible_low = share ? -0.1 : -kBound,
-           .plausible_high = share ? 0.1 : kBound}};
+/// Sessions that a form with a value for each can tell apart.
+constexpr std::array<std::string_view, 16> kSessionNames{
+    "session_1",  "session_2",  "session_3",  "session_4",  "session_5",  "session_6",
+    "session_7",  "session_8",  "session_9",  "session_10", "session_11", "session_12",
+    "session_13", "session_14", "session_15", "session_16"};
+
+bool is_of_all(const Form& form) { return form.name.find(kSessions) != std::string::npos; }
+
+/// How many values a form of all sessions has.
+std::size_t sessions_of(const Form& form) {
+  const auto at = std::ranges::find(form.constants, kSessions, &FormConstant::name);
+  constexpr auto kMost = static_cast<double>(kSessionNames.size());
+  return at == form.constants.end()
+             ? 0
+             : static_cast<std::size_t>(std::clamp(std::floor(at->value), 0.0, kMost));
+}
+
+std::vector<ParameterRecord> parameters(const Form& form, Kind kind) {
+  const Target target = form.name.starts_with("sensor") ? Target::kOffset : target_of(form.name);
+  if (!is_of_all(form)) return {change_parameter("step", target, kind)};
+  std::vector<ParameterRecord> result;
+  for (std::size_t k = 0; k < sessions_of(form); ++k) {
+    result.push_back(change_parameter(kSessionNames[k], target, kind));
+  }
+  return result;
 }
 
 /// Ends of equal parts of the time, where no runs are told apart.
@@ -36,7 +57,8 @@ std::vector<double> instants(const MeasurementSet& data) {
 }
 
 /// From one run (or instant) on; or up to there, when the later runs are those that fit; or in one
-/// run alone, between others; added to the magnitude, or in the sensor's own sign.
+/// run alone, between others; or every session with a value of its own.  Each may act on the
+/// reading or on what makes it; of the sensor's own sign it is named for the sensor.
 std::vector<Form> forms(const Occasion& o) {
   std::vector<FormConstant> places;
   const auto runs = static_cast<int>(o.data->runs.size());
@@ -49,18 +71,27 @@ std::vector<Form> forms(const Occasion& o) {
     }
   }
   std::vector<Form> result;
-  for (const FormConstant& place : places) {
-    const double share = 1.0 / std::sqrt(static_cast<double>(places.size()));
-    result.push_back({.name = "from", .constants = {place}, .weight = 0.5 * share});
-    result.push_back({.name = "until", .constants = {place}, .weight = 0.25 * share});
-    if (o.kind == Kind::kTransmission) {
-      result.push_back({.name = "sensor_from", .constants = {place}, .weight = 0.3 * share});
-      result.push_back({.name = "sensor_until", .constants = {place}, .weight = 0.15 * share});
+  for (const TargetRecord& target : targets_of(o.kind)) {
+    const bool offset = target.target == Target::kOffset;
+    const auto name = [&](const std::string& shape) {
+      return offset ? "sensor_" + shape : targeted(shape, target);
+    };
+    const auto add = [&](const std::string& shape, const FormConstant& place, double weight) {
+      constexpr double kOfAdded = 0.4;
+      result.push_back({.name = name(shape),
+                        .constants = {place},
+                        .weight = weight * target.weight / kOfAdded,
+                        .law = target.law});
+    };
+    for (const FormConstant& place : places) {
+      const double share = 1.0 / std::sqrt(static_cast<double>(places.size()));
+      add("from", place, 0.5 * share);
+      add("until", place, 0.25 * share);
+      if (place.name == kFirstRun && place.value + 1 < runs) add("only", place, 0.25 * share);
     }
-    if (place.name != kFirstRun || place.value + 1 >= runs) continue;
-    result.push_back({.name = "only", .constants = {place}, .weight = 0.25 * share});
-    if (o.kind == Kind::kTransmission) {
-      result.push_back({.name = "sensor_only", .constants = {place}, .weight = 0.15 * share});
+    constexpr int kFewest = 3;
+    if (runs >= kFewest && runs <= static_cast<int>(kSessionNames.size())) {
+      add(kSessions, {.name = kSessions, .unit = "", .value = static_cast<double>(runs)}, 0.5);
     }
   }
   return result;
@@ -68,19 +99,41 @@ std::vector<Form> forms(const Occasion& o) {
 
 void apply(const Form& form, std::span<const Scalar> p, const Condition& condition, Kind kind,
            Modification& m) {
+  const Target target = form.name.starts_with("sensor") ? Target::kOffset : target_of(form.name);
+  if (is_of_all(form)) {
+    if (condition.run < 0 || condition.run >= static_cast<int>(p.size())) return;
+    change_reading(target, p[static_cast<std::size_t>(condition.run)], condition, kind, m);
+    return;
+  }
   const FormConstant& place = form.constants.front();
   const bool by_run = place.name == kFirstRun;
   const double at = by_run ? condition.run : condition.time_s;
   if (by_run ? condition.run < 0 : !std::isfinite(at)) return;
-  if (form.name.ends_with("only")) {
+  if (form.name.find("only") != std::string::npos) {
     if (at != place.value) return;
   } else {
     const bool later = at >= place.value;
-    const bool until = form.name.ends_with("until");
+    const bool until = form.name.find("until") != std::string::npos;
     if (later == until) return;
   }
-  Scalar& changed = form.name.starts_with("sensor") ? m.sensor_offset : m.added;
-  changed = changed + p[0] * response_unit(kind).si;
+  change_reading(target, p[0], condition, kind, m);
+}
+
+/// How much the sessions scatter about their mean: √(Σ (x − x̄)²/(k − 1)).
+std::vector<DerivedParameter> session_deviation(const Form& form, std::span<const Scalar> p,
+                                                const Simulation& simulation, const Modification&) {
+  using std::sqrt;
+  if (!is_of_all(form) || p.size() < 2) return {};
+  Scalar mean(0.0);
+  for (const Scalar& x : p) mean = mean + x / static_cast<double>(p.size());
+  Scalar squares(0.0);
+  for (const Scalar& x : p) squares = squares + (x - mean) * (x - mean);
+  if (!(squares.a > 0.0)) return {};
+  ParameterRecord record = parameters(form, simulation.kind()).front();
+  record.name = "session_deviation";
+  return {{.record = record,
+           .value = sqrt(Scalar(squares / static_cast<double>(p.size() - 1))),
+           .leads = true}};
 }
 
 }  // namespace
@@ -93,6 +146,7 @@ const Cause cause{.id = "run_step",
                   .weight = 1.5,
                   .parameters = parameters,
                   .forms = forms,
-                  .apply = apply};
+                  .apply = apply,
+                  .derived = session_deviation};
 
 }  // namespace gear3k::calibrate::run_step

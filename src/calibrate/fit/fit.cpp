@@ -9,6 +9,7 @@
 #include <memory>
 #include <span>
 
+#include "calibrate/model/levelled_responses.hpp"
 #include "numerics/linear_algebra.hpp"
 #include "numerics/parallel.hpp"
 
@@ -22,26 +23,31 @@ constexpr Eigen::Index kManyRows = 2000;
 
 /// Candidates that one pass of derivatives carries.
 struct Pass {
-  std::vector<std::size_t> index;           // of the candidates
-  std::vector<std::vector<Scalar>> values;  // 0 with a derivative slot each
-  std::vector<int> first_slot;
+  /// As many parameters of a candidate as the pass had room for.
+  struct Part {
+    std::size_t candidate;
+    std::vector<Scalar> values;  ///< of all its parameters: 0, the part's with a slot each
+    Eigen::Index first, count;   ///< of the candidate's parameters
+    int slot;                    ///< of the first
+  };
+  std::vector<Part> parts;
   int used = 0;
 
-  bool add(const std::vector<Candidate>& candidates, std::size_t k) {
+  bool add(const std::vector<Candidate>& candidates, std::size_t k, Eigen::Index first,
+           Eigen::Index count) {
     const Candidate& candidate = candidates[k];
-    const auto count = static_cast<int>(candidate.parameters.size());
     const bool clash =
-        candidate.cause->exclusive_forms && std::ranges::any_of(index, [&](std::size_t other) {
-          return candidates[other].cause == candidate.cause;
+        candidate.cause->exclusive_forms && std::ranges::any_of(parts, [&](const Part& other) {
+          return candidates[other.candidate].cause == candidate.cause;
         });
     if (clash || used + count > kSlots) return false;
-    std::vector<Scalar> p;
-    p.reserve(static_cast<std::size_t>(count));
-    for (int j = 0; j < count; ++j) p.emplace_back(0.0, used + j);
-    index.push_back(k);
-    values.push_back(std::move(p));
-    first_slot.push_back(used);
-    used += count;
+    std::vector<Scalar> p(candidate.parameters.size(), Scalar(0.0));
+    for (Eigen::Index j = 0; j < count; ++j) {
+      p[static_cast<std::size_t>(first + j)] = Scalar(0.0, used + static_cast<int>(j));
+    }
+    parts.push_back(
+        {.candidate = k, .values = std::move(p), .first = first, .count = count, .slot = used});
+    used += static_cast<int>(count);
     return true;
   }
 };
@@ -51,10 +57,15 @@ std::vector<Pass> make_passes(const std::vector<Candidate>& candidates, Place pl
   std::vector<Pass> passes;
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     if (candidates[k].cause->place != place) continue;
-    const bool found = std::ranges::any_of(passes, [&](Pass& p) { return p.add(candidates, k); });
-    if (found) continue;
-    passes.emplace_back();
-    passes.back().add(candidates, k);
+    const auto all = static_cast<Eigen::Index>(candidates[k].parameters.size());
+    for (Eigen::Index first = 0; first < all; first += kSlots) {
+      const Eigen::Index count = std::min<Eigen::Index>(kSlots, all - first);
+      const bool found =
+          std::ranges::any_of(passes, [&](Pass& p) { return p.add(candidates, k, first, count); });
+      if (found) continue;
+      passes.emplace_back();
+      passes.back().add(candidates, k, first, count);
+    }
   }
   return passes;
 }
@@ -65,6 +76,19 @@ Modification gearbox_under(const Simulation& simulation, const Hypothesis& h,
   Modification m = simulation.unmodified({});
   apply(h, values, {}, simulation.kind(), m);
   return m;
+}
+
+/// Levels of friction that a hypothesis gives the rows.
+template <class ReadingUnder>
+LevelRange levels_of(const Problem& problem, const Hypothesis& h,
+                     const ReadingUnder& reading_under) {
+  LevelRange levels;
+  if (!std::ranges::any_of(h.effects, changes_row_friction)) return levels;
+  const auto constants = constants_of(h.value);
+  for (const Observation& row : problem.data.rows) {
+    levels.include(reading_under(constants, row.condition).friction_level.a);
+  }
+  return levels;
 }
 
 }  // namespace
@@ -99,74 +123,94 @@ Linearisation linearise(const Problem& problem, const Hypothesis& hypothesis,
   Linearisation result{.simulated = Eigen::VectorXd::Zero(n),
                        .own = Eigen::MatrixXd::Zero(n, own_count),
                        .other = Eigen::MatrixXd::Zero(n, other_count)};
-  const auto variables = variables_of(hypothesis.value);
   const auto constants = constants_of(hypothesis.value);
+  const Kind kind = simulation.kind();
+  const auto reading_under = [&](std::span<const Scalar> values, const Condition& condition) {
+    Modification m = simulation.unmodified(condition);
+    apply_to_reading(hypothesis, values, condition, kind, m);
+    return m;
+  };
+  const LevelRange levels = levels_of(problem, hypothesis, reading_under);
+  const auto for_rows = [&](const auto& work) {
+    constexpr Eigen::Index kChunk = 512;
+    numerics::parallel_for(
+        static_cast<std::size_t>((n + kChunk - 1) / kChunk),
+        [&](std::size_t chunk) {
+          const Eigen::Index first = static_cast<Eigen::Index>(chunk) * kChunk;
+          for (Eigen::Index i = first; i < std::min(n, first + kChunk); ++i) work(i);
+        },
+        n > kManyRows);
+  };
+
+  // The hypothesis itself, as many parameters at a time as a Scalar has slots.
+  std::atomic<bool> all_run = true;
+  for (Eigen::Index begin = 0; begin == 0 || begin < own_count; begin += kSlots) {
+    const auto variables = variables_of(hypothesis.value, static_cast<std::size_t>(begin));
+    const LevelledResponses own(problem.states, simulation,
+                                gearbox_under(simulation, hypothesis, variables), levels);
+    const Eigen::Index slots = std::min<Eigen::Index>(kSlots, own_count - begin);
+    for_rows([&](Eigen::Index i) {
+      const auto at = static_cast<std::size_t>(i);
+      const Condition& condition = rows[at].condition;
+      const Modification reading = reading_under(variables, condition);
+      const std::optional<Scalar> response = own.of_row(at, reading.friction_level);
+      if (!response) {
+        all_run = false;
+        return;
+      }
+      const Scalar y = simulation.reading(*response, condition, reading);
+      result.simulated[i] = y.a;
+      if (slots > 0) result.own.row(i).segment(begin, slots) = y.v.head(slots).transpose();
+    });
+  }
+  result.runs = all_run;
+  if (others.empty()) return result;
+
+  // The others beside it, each at 0.
   const auto in_gearbox = make_passes(others, Place::kGearbox);
   const auto in_reading = make_passes(others, Place::kMeasurement);
-  const Kind kind = simulation.kind();
   const auto add_pass = [&](const Pass& pass, const Condition& condition, Modification& m) {
-    for (std::size_t k = 0; k < pass.index.size(); ++k) {
-      const Candidate& c = others[pass.index[k]];
-      c.cause->apply(c.form, pass.values[k], condition, kind, m);
+    for (const Pass::Part& part : pass.parts) {
+      const Candidate& c = others[part.candidate];
+      c.cause->apply(c.form, part.values, condition, kind, m);
     }
   };
   const Modification known = gearbox_under(simulation, hypothesis, constants);
-  const RowResponses own(problem.states, simulation,
-                         gearbox_under(simulation, hypothesis, variables));
-  std::vector<RowResponses> of_pass;
+  LevelRange with_others = levels;
+  if (std::ranges::any_of(others, changes_row_friction)) with_others.include(1.0);
+  const LevelledResponses plain(problem.states, simulation, known, with_others);
+  std::vector<LevelledResponses> of_pass;
   of_pass.reserve(in_gearbox.size());
   for (const Pass& pass : in_gearbox) {
     Modification m = known;
     add_pass(pass, {}, m);
-    of_pass.emplace_back(problem.states, simulation, m);
+    of_pass.emplace_back(problem.states, simulation, m, levels);
   }
-  std::atomic<bool> all_run = true;
-  const auto linearise_row = [&](Eigen::Index i) {
+  for_rows([&](Eigen::Index i) {
     const auto at = static_cast<std::size_t>(i);
     const Condition& condition = rows[at].condition;
     const auto store = [&](const Pass& pass, const Scalar& y) {
-      for (std::size_t k = 0; k < pass.index.size(); ++k) {
-        const auto count = static_cast<Eigen::Index>(pass.values[k].size());
-        result.other.row(i).segment(first_column[pass.index[k]], count) =
-            y.v.segment(pass.first_slot[k], count).transpose();
+      for (const Pass::Part& part : pass.parts) {
+        result.other.row(i).segment(first_column[part.candidate] + part.first, part.count) =
+            y.v.segment(part.slot, part.count).transpose();
       }
     };
-    const std::optional<Scalar> response = own.of_row(at);
-    if (!response) {
-      all_run = false;
-      return;
-    }
-    Modification reading = simulation.unmodified(condition);
-    apply_to_reading(hypothesis, variables, condition, kind, reading);
-    const Scalar y = simulation.reading(*response, condition, reading);
-    result.simulated[i] = y.a;
-    if (own_count > 0) result.own.row(i) = y.v.head(own_count).transpose();
-    if (others.empty()) return;
-    Modification plain = simulation.unmodified(condition);
-    apply_to_reading(hypothesis, constants, condition, kind, plain);
+    const Modification reading = reading_under(constants, condition);
     for (std::size_t k = 0; k < in_gearbox.size(); ++k) {
-      const std::optional<Scalar> of_gearbox = of_pass[k].of_row(at);
-      if (!of_gearbox) continue;
-      Modification m = plain;
+      const std::optional<Scalar> response = of_pass[k].of_row(at, reading.friction_level);
+      if (!response) continue;
+      Modification m = reading;
       // Of pairs a loss beside the mesh is read with it.
       if (kind == Kind::kPairLoss) add_pass(in_gearbox[k], condition, m);
-      store(in_gearbox[k], simulation.reading(*of_gearbox, condition, m));
+      store(in_gearbox[k], simulation.reading(*response, condition, m));
     }
     for (const Pass& pass : in_reading) {
-      Modification m = plain;
+      Modification m = reading;
       add_pass(pass, condition, m);
-      store(pass, simulation.reading(Scalar(response->a), condition, m));
+      const std::optional<Scalar> response = plain.by_level(at, m.friction_level);
+      if (response) store(pass, simulation.reading(*response, condition, m));
     }
-  };
-  constexpr Eigen::Index kChunk = 512;
-  numerics::parallel_for(
-      static_cast<std::size_t>((n + kChunk - 1) / kChunk),
-      [&](std::size_t chunk) {
-        const Eigen::Index first = static_cast<Eigen::Index>(chunk) * kChunk;
-        for (Eigen::Index i = first; i < std::min(n, first + kChunk); ++i) linearise_row(i);
-      },
-      n > kManyRows);
-  result.runs = all_run;
+  });
   return result;
 }
 

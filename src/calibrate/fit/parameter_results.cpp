@@ -47,13 +47,26 @@ std::vector<ParameterResult> parameter_results(const Simulation& simulation, con
     result.back().at_bound = fit.at_bound[first + k];
   }
   if (own.cause->derived == nullptr) return result;
-  const std::vector<Scalar> values = variables_of(h.value);
-  Modification all = simulation.unmodified({});
-  apply(h, values, {}, simulation.kind(), all);
+  // As many slopes at a time as a Scalar has.
+  std::vector<DerivedParameter> list;
+  std::vector<Eigen::VectorXd> slopes;
+  const auto count = static_cast<Eigen::Index>(h.value.size());
+  for (Eigen::Index begin = 0; begin < count; begin += kMaxVariables) {
+    const std::vector<Scalar> values = variables_of(h.value, static_cast<std::size_t>(begin));
+    Modification all = simulation.unmodified({});
+    apply(h, values, {}, simulation.kind(), all);
+    const auto mine = std::span(values).subspan(first, own.parameters.size());
+    list = own.cause->derived(own.form, mine, simulation, all);
+    slopes.resize(list.size(), Eigen::VectorXd::Zero(count));
+    const Eigen::Index slots = std::min<Eigen::Index>(kMaxVariables, count - begin);
+    for (std::size_t k = 0; k < list.size(); ++k) {
+      slopes[k].segment(begin, slots) = list[k].value.v.head(slots);
+    }
+  }
   std::ptrdiff_t leading = 0;
-  const auto mine = std::span(values).subspan(first, own.parameters.size());
-  for (const DerivedParameter& d : own.cause->derived(own.form, mine, simulation, all)) {
-    const Eigen::VectorXd slope = d.value.v.head(static_cast<Eigen::Index>(values.size()));
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    const DerivedParameter& d = list[k];
+    const Eigen::VectorXd& slope = slopes[k];
     ParameterResult derived =
         parameter_result(d.record, d.value.a, slope.dot(fit.covariance * slope), factor);
     derived.derived = true;

@@ -102,7 +102,8 @@ std::vector<Levels> covariate_levels(const MeasurementSet& data) {
     for (const Observation& row : data.rows) values.push_back(get(row.condition));
     return values;
   };
-  add("load", column_of(data, &Condition::output_torque_Nm), 1.0, 0.0);
+  // Where the load is what scatters, residuals follow it without any structure.
+  if (!is_commanded(data)) add("load", column_of(data, &Condition::output_torque_Nm), 1.0, 0.0);
   add("speed", column_of(data, &Condition::sun_speed_rad_s), units::kRpm, 0.0);
   add("test torque", column_of(data, &Condition::test_torque_Nm), 1.0, 0.0);
   add("temperature", column_of(data, &Condition::temperature_K), 1.0, 273.15);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "calibrate/measurement/covariate_levels.hpp"
 #include "calibrate/measurement/response_unit.hpp"
@@ -78,11 +79,31 @@ double resolution_of(const MeasurementSet& data) {
   return 0.0;
 }
 
+bool is_commanded(const MeasurementSet& data) {
+  if (data.kind != Kind::kTransmission) return false;
+  std::map<std::pair<bool, double>, ValueRange> load_at;  // by direction and sun torque
+  std::set<double> responses, loads;
+  for (const Observation& row : data.rows) {
+    const bool forward = row.condition.direction == design::Direction::kForward;
+    load_at[{forward, row.response}].extend(row.condition.output_torque_Nm);
+    responses.insert(row.response);
+    loads.insert(row.condition.output_torque_Nm);
+  }
+  constexpr std::size_t kSeveral = 3;
+  if (responses.size() < 2 || kSeveral * responses.size() > loads.size()) return false;
+  // A sensor at its limit shows one torque at any load.
+  constexpr double kSpread = 0.5;
+  return std::ranges::all_of(load_at, [](const auto& at) {
+    return at.second.high - at.second.low <= kSpread * at.second.high;
+  });
+}
+
 NoiseModel make_noise_model(const MeasurementSet& data) {
   const auto n = static_cast<Eigen::Index>(data.rows.size());
   NoiseModel noise;
   noise.weight = Eigen::VectorXd::Ones(n);
-  noise.rounding = resolution_of(data) / std::sqrt(12.0);
+  // What was set has as few digits as one likes: they say nothing of a sensor.
+  noise.rounding = is_commanded(data) ? 0.0 : resolution_of(data) / std::sqrt(12.0);
   const bool stated =
       n > 0 && std::ranges::all_of(data.rows, [](const auto& row) { return row.sigma > 0.0; });
   if (stated) {

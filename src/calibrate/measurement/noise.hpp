@@ -54,6 +54,9 @@ struct NoiseModel {
 /// which all are multiples; 0 below 1e-9 [SI].
 double resolution_of(const MeasurementSet& data);
 
+/// Whether the sun's torque was set and the output's was read: it takes a third as many values.
+bool is_commanded(const MeasurementSet& data);
+
 NoiseModel make_noise_model(const MeasurementSet& data);
 
 /// Sum of squares of weighted rows about the means of their cells, and its degrees of freedom.

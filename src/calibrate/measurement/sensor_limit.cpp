@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "calibrate/measurement/left_out_rows.hpp"
+#include "calibrate/measurement/noise.hpp"
 
 namespace gear3k::calibrate {
 
@@ -84,6 +85,13 @@ bool is_saturated(const RowsAtLimit& at, const SunTorques& torques) {
 std::optional<std::string> leave_out_saturated(MeasurementSet& set) {
   const std::vector<Observation>& rows = set.rows;
   if (set.kind != Kind::kTransmission || rows.size() < kSaturatedRows) return std::nullopt;
+  // What was set takes equal values at any load.
+  if (is_commanded(set)) {
+    set.notes.emplace_back(
+        "the sun torque takes few exact values: it was set, and what scatters is "
+        "the output torque");
+    return std::nullopt;
+  }
   const std::optional<SunTorques> torques = sun_torques(rows);
   if (!torques) return std::nullopt;
   std::vector<std::pair<const char*, double>> ends{{"greatest", torques->greatest}};

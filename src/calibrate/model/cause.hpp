@@ -20,6 +20,9 @@ class Simulation;
 /// What causes may change in the simulation of one row.
 struct Modification {
   design::Extension<Scalar> gearbox;
+  /// On the friction of the meshes in this row, beside the gearbox's own level: what sessions, time
+  /// and cycles change.  Simulation::response() does not know it: LevelledResponses does.
+  Scalar friction_level{1.0};
   Scalar response_factor{1.0};  ///< on the simulated response
   Scalar added{0.0};            ///< to the response [its SI unit]
   Scalar sensor_gain{1.0};      ///< of the sensor that measures the response
@@ -61,6 +64,10 @@ struct Form {
   /// @throws std::invalid_argument when there is no such constant
   [[nodiscard]] double constant(std::string_view constant_name) const;
 };
+
+/// Laws of causes that change what a row's session, time or cycles say, by what they change.
+inline constexpr std::string_view kOnFriction = "friction", kOnGain = "gain", kOnOffset = "offset",
+                                  kOnDrag = "drag";
 
 /// What a cause needs to know of data and gearbox to state its forms.
 struct Occasion {

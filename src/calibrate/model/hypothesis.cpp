@@ -12,6 +12,10 @@ std::vector<ParameterRecord> parameters_of(const Hypothesis& h) {
   return result;
 }
 
+bool changes_row_friction(const Candidate& candidate) {
+  return candidate.cause->place == Place::kMeasurement && candidate.form.law == kOnFriction;
+}
+
 std::size_t value_offset(const Hypothesis& h, std::size_t effect) {
   std::size_t first = 0;
   for (std::size_t k = 0; k < effect; ++k) first += h.effects[k].parameters.size();
@@ -84,11 +88,11 @@ std::vector<Scalar> constants_of(std::span<const double> values) {
   return {values.begin(), values.end()};
 }
 
-std::vector<Scalar> variables_of(std::span<const double> values) {
-  std::vector<Scalar> result;
-  result.reserve(values.size());
-  for (const double value : values) {
-    result.emplace_back(value, static_cast<int>(result.size()));
+std::vector<Scalar> variables_of(std::span<const double> values, std::size_t first) {
+  std::vector<Scalar> result = constants_of(values);
+  const std::size_t end = std::min(values.size(), first + kMaxVariables);
+  for (std::size_t k = first; k < end; ++k) {
+    result[k] = Scalar(values[k], static_cast<int>(k - first));
   }
   return result;
 }

@@ -8,6 +8,9 @@
 
 namespace gear3k::calibrate {
 
+/// Parameters that a set of causes may have together.
+inline constexpr int kMostParameters = 24;
+
 /// A cause in one of its forms.
 struct Candidate {
   const Cause* cause = nullptr;
@@ -21,6 +24,9 @@ struct Hypothesis {
   std::vector<double> value;  ///< of all effects, one after the other
 };
 std::vector<ParameterRecord> parameters_of(const Hypothesis& h);
+
+/// Whether a candidate sets Modification::friction_level.
+bool changes_row_friction(const Candidate& candidate);
 
 /// Where the values of an effect begin.
 std::size_t value_offset(const Hypothesis& h, std::size_t effect);
@@ -48,8 +54,9 @@ void apply(const Hypothesis& h, std::span<const Scalar> value, const Condition& 
 void apply_to_reading(const Hypothesis& h, std::span<const Scalar> value,
                       const Condition& condition, Kind kind, Modification& m);
 
-/// Values without derivatives, and with the derivative by each value in its own slot.
+/// Values without derivatives, and with the derivatives by as many of them as a Scalar has slots,
+/// from value `first` on: the derivative by value k is in slot k − first.
 std::vector<Scalar> constants_of(std::span<const double> values);
-std::vector<Scalar> variables_of(std::span<const double> values);
+std::vector<Scalar> variables_of(std::span<const double> values, std::size_t first = 0);
 
 }  // namespace gear3k::calibrate

@@ -247,7 +247,7 @@ std::optional<Scalar> Simulation::lost_motion(const Condition& c, const Modifica
                                            backlash::LostMotionModel::kKinematic);
     }
   }
-  return Scalar(rigid + e.clearance_rad + 2.0 * c.test_torque_Nm * e.compliance_rad_Nm);
+  return Scalar(rigid + e.clearance_rad + backlash::windup(e, number(c.test_torque_Nm)));
 }
 
 const design::Friction& Simulation::stated_friction() const {
@@ -307,7 +307,7 @@ Scalar Simulation::pair_loss(const Condition& c, const Modification& m) const {
          mu * (side[0] * (flanks.approach_factor - 1.0) + side[1] * (flanks.recess_factor - 1.0));
 }
 
-Slopes Simulation::slopes_for(std::size_t responses) const {
+Slopes Simulation::slopes_for(std::size_t responses, const Modification& m) const {
   // Where friction depends on the tooth forces, or is integrated along the path of contact, one
   // iterated response takes as long as fifty others.
   constexpr std::size_t kFew = 1000;
@@ -316,6 +316,7 @@ Slopes Simulation::slopes_for(std::size_t responses) const {
   if (gearbox == nullptr) return Slopes::kIterated;
   const design::Friction& friction = gearbox->design.friction;
   const bool is_long = efficiency::depends_on_state(friction) ||
+                       depends_on_state(m.gearbox.friction) ||
                        friction.model == efficiency::LossModel::kCoulombPath ||
                        friction.model == efficiency::LossModel::kDirectional;
   return responses > (is_long ? kFewOfLongOnes : kFew) ? Slopes::kImplicit : Slopes::kIterated;
@@ -342,7 +343,7 @@ bool Simulation::reads_temperature(const Modification& m) const {
       const auto* gearbox = std::get_if<Gearbox>(&subject_);
       const bool by_law =
           gearbox != nullptr && gearbox->friction.law == efficiency::FrictionLaw::kSchlenk;
-      return by_law || !is_neutral(e.friction.temperature_1_K, 0.0) ||
+      return by_law || depends_on_temperature(e.friction) ||
              !is_neutral(e.drag_temperature_1_K, 0.0);
     }
     case Kind::kLostMotion:

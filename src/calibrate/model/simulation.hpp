@@ -36,7 +36,7 @@ class Simulation {
   [[nodiscard]] std::optional<Scalar> response(const Condition& condition, const Modification& m,
                                                Slopes slopes = Slopes::kIterated) const;
   /// The quicker way for so many responses that it matters.
-  [[nodiscard]] Slopes slopes_for(std::size_t responses) const;
+  [[nodiscard]] Slopes slopes_for(std::size_t responses, const Modification& m) const;
   /// Whether that response depends on Condition::temperature_K.
   [[nodiscard]] bool reads_temperature(const Modification& m) const;
   /// What is read of a response under the other parts of a modification [SI].

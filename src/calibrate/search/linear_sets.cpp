@@ -20,19 +20,19 @@ LinearSets::LinearSets(const Columns& columns, std::vector<Block> blocks, const 
 
 double LinearSets::score(const std::vector<std::size_t>& set) const {
   constexpr double kNever = -std::numeric_limits<double>::infinity();
-  std::array<Eigen::Index, kMaxVariables> column{};
+  std::array<Eigen::Index, kMostParameters> column{};
   Eigen::Index count = 0;
   double log_weight = 0.0;
   for (const std::size_t b : set) {
     for (Eigen::Index k = 0; k < blocks_[b].count; ++k) {
-      if (count == kMaxVariables) return kNever;
+      if (count == kMostParameters) return kNever;
       column[static_cast<std::size_t>(count++)] = blocks_[b].first + k;
     }
     log_weight += blocks_[b].log_weight;
   }
   using Small =
-      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxVariables, kMaxVariables>;
-  using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxVariables, 1>;
+      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostParameters, kMostParameters>;
+  using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostParameters, 1>;
   Small a(count, count);
   SmallVector m(count);
   SmallVector length(count);
@@ -74,9 +74,18 @@ std::vector<std::vector<std::size_t>> best_linear_sets(const std::vector<Candida
     std::vector<std::size_t> set;
   };
   std::vector<Ranked> best;
+  const auto cause_of = [&](std::size_t k) { return candidates[k].cause; };
   const auto consider = [&](std::vector<std::size_t> set) {
     const double score = sets.score(set);
     if (!std::isfinite(score)) return;
+    // Causes have many forms: each set of causes in its best ones only.
+    const auto known = std::ranges::find_if(best, [&](const Ranked& r) {
+      return std::ranges::is_permutation(r.set, set, {}, cause_of, cause_of);
+    });
+    if (known != best.end()) {
+      if (score <= known->score) return;
+      best.erase(known);
+    }
     if (static_cast<int>(best.size()) == most && score <= best.back().score) return;
     const auto at = std::ranges::upper_bound(best, score, std::greater<>(), &Ranked::score);
     best.insert(at, {.score = score, .set = std::move(set)});

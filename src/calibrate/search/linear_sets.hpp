@@ -26,7 +26,8 @@ class LinearSets {
   double total_, rows_, known_;
 };
 
-/// The best sets of two or three candidates, of a cause each, by score: at most `most` of them.
+/// The best sets of two or three candidates, of a cause each, by score: at most `most` of them, of
+/// different causes each.
 /// @param pool  positions of the candidates to choose from
 std::vector<std::vector<std::size_t>> best_linear_sets(const std::vector<Candidate>& candidates,
                                                        const std::vector<std::size_t>& pool,

@@ -13,6 +13,10 @@ namespace {
 /// A step or a drift: what sessions could differ by without scattering.
 bool separates_sessions(const Candidate& c) { return c.cause->remedy == Remedy::kProcedure; }
 
+bool gives_each_session_a_value(const Candidate& c) {
+  return c.form.name.find("sessions") != std::string::npos;
+}
+
 /// Residuals of which those far from their session's median count as less far: the sessions' own
 /// distance, however great, is what is looked for.
 Eigen::VectorXd clipped_in_sessions(const Eigen::VectorXd& residual, const NoiseModel& noise) {
@@ -64,8 +68,10 @@ SessionScatter session_scatter(const Problem& problem, const SearchResult& found
   constexpr int kSeveralRuns = 5;
   const NoiseModel& noise = problem.noise;
   if (noise.runs < kFewestRuns) return {};
-  // What a step or a drift would take off counts as theirs, not as scatter.
+  // What a step or a drift would take off counts as theirs, not as scatter; and where every session
+  // has a value of its own nothing is left to scatter.
   const Hypothesis& all = found.fit.hypothesis;
+  if (std::ranges::any_of(all.effects, gives_each_session_a_value)) return {};
   std::vector<bool> stays;
   stays.reserve(all.effects.size());
   for (const Candidate& c : all.effects) stays.push_back(!separates_sessions(c));
@@ -74,7 +80,10 @@ SessionScatter session_scatter(const Problem& problem, const SearchResult& found
   for (const Candidate& c : found.candidates) {
     // Among several sessions that scatter one lies farthest off: that is no step.
     const bool one_session = c.form.name.ends_with("only");
-    if (separates_sessions(c) && !(one_session && noise.runs >= kSeveralRuns)) steps.push_back(c);
+    if (separates_sessions(c) && !gives_each_session_a_value(c) &&
+        !(one_session && noise.runs >= kSeveralRuns)) {
+      steps.push_back(c);
+    }
   }
   const Columns columns = columns_at(problem, h, steps, 0.0);
   const Eigen::VectorXd residual = clipped_in_sessions(columns.residual, noise);

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "calibrate/causes/friction_change.hpp"
+#include "calibrate/search/free_shapes.hpp"
 
 namespace gear3k::calibrate {
 
@@ -43,7 +44,7 @@ bool last_is_plausible(const Hypothesis& h) {
 }
 
 bool fits_variables(const Hypothesis& h) {
-  return h.value.size() <= static_cast<std::size_t>(kMaxVariables);
+  return h.value.size() <= static_cast<std::size_t>(kMostParameters);
 }
 
 /// The coefficient of friction among the candidates; null where the data have none.
@@ -85,10 +86,14 @@ FormsByCause likely_forms(const Judge& judge, const std::vector<Candidate>& othe
     const double gain = gains[k].sum_of_squares;
     return !(gain > 0.0 && gain >= needed) && pool.size() > kFewForms;
   });
+  const auto worth = [&](std::size_t k) {
+    return gains[k].sum_of_squares - static_cast<double>(pool[k].parameters.size()) *
+                                         std::log(static_cast<double>(columns.own.rows())) *
+                                         judge.variance();
+  };
   // The pool lists the causes one after the other.
   std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
-    return pool[a].cause == pool[b].cause ? gains[a].sum_of_squares > gains[b].sum_of_squares
-                                          : a < b;
+    return pool[a].cause == pool[b].cause ? worth(a) > worth(b) : a < b;
   });
   FormsByCause likely;
   for (const std::size_t k : order) {
@@ -103,12 +108,12 @@ Replacement best_replacement(const Judge& judge, const Fit& best, const Hypothes
                              const std::vector<Candidate>& forms) {
   Replacement replacement;
   replacement.statistic = std::numeric_limits<double>::infinity();
-  constexpr std::size_t kForms = 2;
+  constexpr std::size_t kForms = 3;
   for (std::size_t k = 0; k < forms.size() && k < kForms; ++k) {
     Hypothesis h = with(beside, forms[k]);
     if (!fits_variables(h)) continue;
     Fit trial = fit(judge.problem(), std::move(h), judge.scale());
-    const double difference = judge.chi(trial) - judge.chi(best);
+    const double difference = judge.difference(trial, best);
     if (difference < replacement.statistic) {
       replacement = {.candidate = forms[k], .statistic = difference, .fit = std::move(trial)};
     }
@@ -122,7 +127,7 @@ std::vector<Replacement> replacements_of(const Judge& judge, const SearchResult&
   const Problem& problem = judge.problem();
   const Hypothesis& best = result.fit.hypothesis;
   const Candidate* level = level_of(result);
-  const std::vector<Candidate> others = candidates_beside(result.candidates, best);
+  const std::vector<Candidate> others = candidates_beside(judge.candidates(), best);
   std::vector<Replacement> found;
   for (const bool with_level : {false, true}) {
     if (with_level && (level == nullptr || has_cause(best, level->cause))) continue;
@@ -170,15 +175,16 @@ void refit_beside(const Judge& judge, const SearchResult& result, std::size_t ot
     }
     if (r.with_level && !has_cause(beside, level->cause)) beside = with(beside, *level);
     r.fit = fit(judge.problem(), with(std::move(beside), r.candidate), judge.scale());
-    r.statistic = judge.chi(r.fit) - judge.chi(result.fit);
+    r.statistic = judge.difference(r.fit, result.fit);
   }
   std::erase_if(list, [](const Replacement& r) { return !(r.statistic <= kAsWell); });
 }
 
 }  // namespace
 
-Judge::Judge(const Problem& problem, const Fit& best, double scale)
-    : problem_(problem), scale_(scale) {
+Judge::Judge(const Problem& problem, const std::vector<Candidate>& all, const Fit& best,
+             double scale)
+    : problem_(problem), all_(all), scale_(scale) {
   if (problem.noise.known_scale() > 0.0) return;
   const auto n = static_cast<double>(problem.data.rows.size());
   const auto parameters = static_cast<double>(best.hypothesis.value.size());
@@ -186,6 +192,15 @@ Judge::Judge(const Problem& problem, const Fit& best, double scale)
   variance_ =
       std::max(winsorised(best.residual, scale).squaredNorm() / std::max(1.0, n - parameters),
                least * least);
+}
+
+double Judge::difference(const Fit& fit, const Fit& best) const {
+  const auto parameters = [](const Fit& f) {
+    return static_cast<double>(f.hypothesis.value.size());
+  };
+  return chi(fit) - chi(best) +
+         (parameters(fit) - parameters(best)) *
+             std::log(static_cast<double>(problem_.data.rows.size()));
 }
 
 double Judge::chi(const Fit& fit) const { return fit.sum_of_squares * scale_ * scale_ / variance_; }
@@ -210,9 +225,9 @@ Gap gap_of(const Judge& judge, const SearchResult& result, std::size_t effect) {
 }
 
 /// p-value and BIC of an effect by what is left without it.
-/// @param form  as it was searched for
-void weigh(const Judge& judge, const SearchResult& result, const Gap& gap, const Form& form,
-           FoundEffect& found) {
+/// @param searched  the effect as it was searched for
+void weigh(const Judge& judge, const SearchResult& result, const Gap& gap,
+           const Candidate& searched, FoundEffect& found) {
   const double added = judge.chi(gap.fit_rest) - judge.chi(result.fit);
   const auto parameters = static_cast<Eigen::Index>(gap.own.parameters.size());
   const auto rows = static_cast<double>(judge.problem().data.rows.size());
@@ -221,8 +236,8 @@ void weigh(const Judge& judge, const SearchResult& result, const Gap& gap, const
       judge.problem().noise.known_scale() > 0.0
           ? added
           : rows * std::log(gap.fit_rest.sum_of_squares / result.fit.sum_of_squares);
-  found.p_value = result.first_luck.p_value(chi_square_evidence(added, parameters) +
-                                            std::log(form.weight * gap.own.cause->weight));
+  found.p_value =
+      result.first_luck.p_value(chi_square_evidence(added, parameters) + log_weight_of(searched));
   found.delta_bic = likelihood_ratio - static_cast<double>(parameters) * std::log(rows);
 }
 
@@ -231,7 +246,7 @@ void weigh(const Judge& judge, const SearchResult& result, const Gap& gap, const
 FoundEffect judge_effect(const Judge& judge, const SearchResult& result, std::size_t effect) {
   const Gap gap = gap_of(judge, result, effect);
   FoundEffect found;
-  weigh(judge, result, gap, gap.own.form, found);
+  weigh(judge, result, gap, gap.own, found);
   found.replacements = replacements_of(judge, result, gap);
   return found;
 }
@@ -254,7 +269,7 @@ std::vector<Replacement> other_bodies_of(const Judge& judge, const SearchResult&
     const auto first = h.value.begin() + static_cast<std::ptrdiff_t>(value_offset(h, effect));
     std::fill_n(first, c.parameters.size(), 0.0);
     Replacement other{.candidate = c, .fit = fit(judge.problem(), std::move(h), judge.scale())};
-    other.statistic = judge.chi(other.fit) - judge.chi(result.fit);
+    other.statistic = judge.difference(other.fit, result.fit);
     if (other.statistic <= kAsWell) found.push_back(std::move(other));
   }
   std::ranges::stable_sort(found, {}, &Replacement::statistic);
@@ -269,7 +284,7 @@ void take_better_names(const Judge& judge, const std::vector<Candidate>& all,
   const std::vector<Candidate> searched = result.fit.hypothesis.effects;
   take_unsearched_forms(judge, all, result);
   for (std::size_t e = 0; e < result.effects.size(); ++e) {
-    weigh(judge, result, gap_of(judge, result, e), searched[e].form, result.effects[e]);
+    weigh(judge, result, gap_of(judge, result, e), searched[e], result.effects[e]);
     result.effects[e].other_bodies = other_bodies_of(judge, result, e);
   }
 }
@@ -288,7 +303,8 @@ void prefer_parameters(const Judge& judge, SearchResult& result) {
              last_is_plausible(r.fit.hypothesis);
     };
     const auto step = [&](const Replacement& r) {
-      return is_step(*r.candidate.cause) && is_law(*own.cause) && r.statistic <= kPreferred;
+      return is_step(*r.candidate.cause) && is_law(*own.cause) &&
+             r.candidate.parameters.size() <= own.parameters.size() && r.statistic <= kPreferred;
     };
     const auto earlier = [&](const Replacement& r) {
       return !is_parameter(*r.candidate.cause) && !is_step(*r.candidate.cause) &&
@@ -323,24 +339,23 @@ void take_unsearched_forms(const Judge& judge, const std::vector<Candidate>& all
     for (const Candidate& form : all) {
       const Fit& best = result.fit;
       const Candidate own = best.hypothesis.effects[e];
-      if (form.form.weight > 0.0 || form.cause != own.cause || form.form.law != own.form.law) {
+      if (form.form.weight > 0.0 || form.cause != own.cause || form.form.law != own.form.law ||
+          form.form.order != own.form.order) {
         continue;
       }
       // A form with a level of its own makes no sense beside the level.
       const bool no_level = level == nullptr || has_cause(best.hypothesis, level->cause);
       if (no_level && has_level_parameter(form.parameters)) continue;
-      const bool refines = form.parameters.size() > own.parameters.size();
+      // Whether a free shape is worth its parameters the search has settled.
+      if (form.parameters.size() != own.parameters.size()) continue;
       const std::size_t at = value_offset(best.hypothesis, e);
       Hypothesis h = best.hypothesis;
       h.effects[e] = form;
-      h.value.insert(h.value.begin() + static_cast<std::ptrdiff_t>(at + own.parameters.size()),
-                     form.parameters.size() - own.parameters.size(), 0.0);
-      if (!fits_variables(h)) continue;
       Fit trial = fit(judge.problem(), std::move(h), judge.scale());
       const double value = trial.hypothesis.value[at];
       const bool plausible =
           value >= form.parameters[0].plausible_low && value <= form.parameters[0].plausible_high;
-      if ((refines || plausible) && judge.chi(trial) <= judge.chi(best) + kPreferred) {
+      if (plausible && judge.chi(trial) <= judge.chi(best) + kPreferred) {
         result.fit = std::move(trial);
       }
     }

@@ -13,16 +13,22 @@ class Judge {
   /// @param best  whose residual states the variance, unless it is known
   /// (NoiseModel::known_scale())
   /// @param scale  of the treatment of outliers, as of fit()
-  Judge(const Problem& problem, const Fit& best, double scale);
+  /// @param all  candidates, with those of free shape
+  Judge(const Problem& problem, const std::vector<Candidate>& all, const Fit& best, double scale);
 
   [[nodiscard]] const Problem& problem() const { return problem_; }
+  [[nodiscard]] const std::vector<Candidate>& candidates() const { return all_; }
   [[nodiscard]] double scale() const { return scale_; }
   [[nodiscard]] double variance() const { return variance_; }
   /// χ² of a fit at that scale.
   [[nodiscard]] double chi(const Fit& fit) const;
+  /// χ² of a fit less that of another, with ln(rows) for every parameter that it has more: twice
+  /// the difference of their BIC.
+  [[nodiscard]] double difference(const Fit& fit, const Fit& best) const;
 
  private:
   const Problem& problem_;
+  const std::vector<Candidate>& all_;
   double scale_;
   double variance_ = 1.0;
 };
@@ -40,8 +46,8 @@ FoundEffect judge_effect(const Judge& judge, const SearchResult& result, std::si
 /// step between sessions before a law (χ² 2), and at a tie what stands earlier in the library.
 void prefer_parameters(const Judge& judge, SearchResult& result);
 
-/// Forms that are not searched for (Form::weight 0) in the place of those found, where they explain
-/// as well within χ² 2 and refine the form or are plausible.
+/// Forms of as many parameters that are not searched for (Form::weight 0) in the place of those
+/// found, where they explain as well within χ² 2 and are plausible.
 void take_unsearched_forms(const Judge& judge, const std::vector<Candidate>& all,
                            SearchResult& result);
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "calibrate/fit/holdout.hpp"
+#include "calibrate/search/free_shapes.hpp"
 #include "calibrate/search/linear_sets.hpp"
 #include "calibrate/search/replacements.hpp"
 
@@ -21,50 +22,46 @@ constexpr double kFurtherShare = 0.4;
 constexpr int kSimulations = 768;
 constexpr double kManySearchedRows = 5000.0;
 constexpr int kFitsPerStep = 5;
-
-/// Likelihood of a set with a price for its parameters and the choice of its forms.
-double score_of(const Problem& problem, const Fit& fit, double scale, double log_weight) {
-  const auto n = static_cast<double>(problem.data.rows.size());
-  const auto p = static_cast<double>(fit.hypothesis.value.size());
-  const double known = problem.noise.known_scale();
-  const double likelihood = known > 0.0
-                                ? -0.5 * fit.sum_of_squares * scale * scale / (known * known)
-                                : -0.5 * n * std::log(std::max(fit.sum_of_squares, 1e-12));
-  return likelihood - 0.5 * p * std::log(std::max(n, 2.0)) + log_weight;
-}
-
-double log_weight_of(const Hypothesis& h) {
-  double sum = 0.0;
-  for (const Candidate& c : h.effects) sum += std::log(c.form.weight * c.cause->weight);
-  return sum;
-}
+constexpr int kSetsPerStep = 12;
+constexpr std::size_t kRefinedPerStep = 4;
 
 /// Proposals of one step of the search.
 class Proposals {
  public:
   void add(Hypothesis h) {
-    if (h.value.size() > static_cast<std::size_t>(kMaxVariables)) return;
+    if (h.value.size() > static_cast<std::size_t>(kMostParameters)) return;
     if (std::ranges::any_of(sets_, [&](const Hypothesis& s) { return same_forms(s, h); })) return;
     sets_.push_back(std::move(h));
   }
   /// The fit of the best score among those that predict rows held out of the fit no worse than the
   /// last fit does.  Where none does: empty, or of an empty last fit the best in score: that
   /// something is there has been tested, and the held-out error will say how little it helps.
-  [[nodiscard]] std::optional<Fit> best_fit(const Problem& problem, const Hypothesis& last,
-                                            const Blocks& blocks, double scale) const {
+  /// @param all  candidates, with the forms of free shape
+  [[nodiscard]] std::optional<Fit> best_fit(const Problem& problem,
+                                            const std::vector<Candidate>& all,
+                                            const Hypothesis& last, const Blocks& blocks,
+                                            double scale) const {
     std::vector<Fit> fits;
     std::vector<double> score;
     fits.reserve(sets_.size());
     score.reserve(sets_.size());
     for (const Hypothesis& h : sets_) {
       fits.push_back(fit(problem, h, scale));
-      score.push_back(score_of(problem, fits.back(), scale, log_weight_of(h)));
+      score.push_back(score_of(problem, fits.back(), scale));
     }
     std::vector<std::size_t> order(fits.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::ranges::stable_sort(order,
                              [&](std::size_t a, std::size_t b) { return score[a] > score[b]; });
     std::erase_if(order, [&](std::size_t k) { return !std::isfinite(score[k]); });
+    // Laws of fixed shape leave a residue by which a wrong set may look better.
+    for (std::size_t k = 0; k < order.size() && k < kRefinedPerStep; ++k) {
+      Fit& one = fits[order[k]];
+      one = with_free_shapes(problem, all, std::move(one), scale);
+      score[order[k]] = score_of(problem, one, scale);
+    }
+    std::ranges::stable_sort(order,
+                             [&](std::size_t a, std::size_t b) { return score[a] > score[b]; });
     const Eigen::VectorXd by_last = predict_held_out(problem, last, blocks);
     for (const std::size_t k : order) {
       const Eigen::VectorXd predicted = predict_held_out(problem, fits[k].hypothesis, blocks);
@@ -129,6 +126,10 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
   const auto n = static_cast<double>(problem.data.rows.size());
   const int simulations = n > kManySearchedRows ? kSimulations / 4 : kSimulations;
 
+  // A law of slightly wrong shape leaves more than noise where the effect is far above it: what
+  // adds less than this share to what is explained is no cause of its own.
+  constexpr double kLeastShare = 0.015;
+  const double squares = base.residual.squaredNorm();
   const Blocks blocks = holdout_blocks(problem.data, covariate_levels(problem.data));
   Fit best = fit(problem, {}, scale);
   for (int size = 1; size <= kMostEffects; ++size) {
@@ -157,24 +158,40 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
     }
     if (size > 1) {
       const std::vector<std::size_t> pool = pool_of(result, best.hypothesis, size);
-      for (const auto& set : best_linear_sets(candidates, pool, linear, size, kFitsPerStep)) {
+      for (const auto& set : best_linear_sets(candidates, pool, linear, size, kSetsPerStep)) {
         Hypothesis h;
         for (const std::size_t k : set) h = with(std::move(h), candidates[k]);
         proposals.add(std::move(h));
       }
     }
-    std::optional<Fit> winner = proposals.best_fit(problem, best.hypothesis, blocks, scale);
+    std::optional<Fit> winner = proposals.best_fit(problem, all, best.hypothesis, blocks, scale);
     if (!winner) break;
+    if (size > 1) {
+      const Fit last = fit(problem, best.hypothesis, scale);
+      const double added = (last.sum_of_squares - winner->sum_of_squares) * scale * scale;
+      if (added < kLeastShare * (squares - n * scale * scale)) break;
+    }
     best = std::move(*winner);
     scale = std::max({known, robust_deviation(best.residual), least});
   }
 
-  const Judge judge(problem, best, scale);
+  best = with_plain_shapes(problem, all, fit(problem, best.hypothesis, scale), scale, kMostEffects);
+  best = with_exchanges(problem, all, std::move(best), scale);
+
+  const Judge judge(problem, all, best, scale);
   result.fit = fit(problem, best.hypothesis, scale);  // all fits from here on at one scale
-  for (std::size_t e = 0; e < result.fit.hypothesis.effects.size(); ++e) {
-    result.effects.push_back(judge_effect(judge, result, e));
+  while (true) {
+    result.effects.clear();
+    for (std::size_t e = 0; e < result.fit.hypothesis.effects.size(); ++e) {
+      result.effects.push_back(judge_effect(judge, result, e));
+    }
+    take_better_names(judge, all, result);
+    // A name has to pay for its parameters.
+    const auto weakest = std::ranges::min_element(result.effects, {}, &FoundEffect::delta_bic);
+    if (weakest == result.effects.end() || weakest->delta_bic > 0.0) break;
+    const auto effect = static_cast<std::size_t>(weakest - result.effects.begin());
+    result.fit = fit(problem, without(result.fit.hypothesis, effect), scale);
   }
-  take_better_names(judge, all, result);
   result.scale = std::sqrt(judge.variance());
   return result;
 }

@@ -184,6 +184,8 @@ double chance_of_scatter(const NoiseModel& noise, const Eigen::VectorXd& whitene
   constexpr double kAsStated = 1.25;
   const double squares = winsorised(whitened, 1.0).squaredNorm();
   if (squares <= kAsStated * kAsStated * degrees) return 1.0;
+  // A tenth of the rows far off is outliers, not scatter.
+  if (robust_deviation(whitened) <= kAsStated) return 1.0;
   return numerics::gamma_upper(0.5 * degrees, 0.5 * squares);
 }
 
@@ -368,6 +370,26 @@ Remainder remainder_of(const Problem& problem, const Contest& contest, const Hyp
   return remainder;
 }
 
+/// Squares of the baseline's residual beyond noise: what there is to explain.  Rows far off count
+/// as less far.
+double discrepancy_of(const Columns& before, double scale) {
+  const double squares = winsorised(before.raw, robust_deviation(before.raw)).squaredNorm();
+  return std::max(0.0, squares - static_cast<double>(before.raw.size()) * scale * scale);
+}
+
+/// Whether squares that no cause explains are more than laws of slightly wrong shape leave.
+bool matters(double squares, double discrepancy) {
+  constexpr double kLeastShare = 0.02;
+  return squares >= kLeastShare * discrepancy;
+}
+
+std::string note_on_minor_remainder(double squares, double discrepancy) {
+  return fmt::format(
+      "the causes leave a structure that no noise makes, {:.1f} % of the squares of the "
+      "discrepancy: a law of slightly another shape",
+      100.0 * squares / discrepancy);
+}
+
 std::string note_on_unknown_noise(std::size_t rows) {
   return fmt::format(
       "{} row{} without sigma or repeats: whether the simulation agrees within the noise is not "
@@ -459,6 +481,16 @@ std::optional<Diagnosis> diagnose(const Simulation& simulation, const Measuremen
       !contest.structure && chance <= remainder_rate) {
     contest = {.structure = true, .stays = {}, .remainder = {}};
     contest.remainder.p_value = chance;
+    contest.remainder.best.statistic =
+        winsorised(whitened, 1.0).squaredNorm() / (row_scale * row_scale) - final.degrees;
+  }
+  if (contest.structure && !standing.found.empty()) {
+    const double squares = contest.remainder.best.statistic * row_scale * row_scale;
+    const double discrepancy = discrepancy_of(left.before, row_scale);
+    if (!matters(squares, discrepancy)) {
+      contest.structure = false;
+      d.notes.push_back(note_on_minor_remainder(squares, discrepancy));
+    }
   }
   d.remainder = remainder_of(problem, contest, standing.hypothesis, found.scale, levels,
                              baseline.measured - final.simulated);

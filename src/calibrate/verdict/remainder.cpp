@@ -44,7 +44,9 @@ std::vector<Trend> trends_of(const MeasurementSet& data) {
     }
     result.push_back({.name = name, .value = std::move(value)});
   };
-  add("load", true, [](const Condition& c) { return c.output_torque_Nm; });
+  if (!is_commanded(data)) {
+    add("load", true, [](const Condition& c) { return c.output_torque_Nm; });
+  }
   add("speed", true, [](const Condition& c) { return c.sun_speed_rad_s; });
   add("test torque", true, [](const Condition& c) { return c.test_torque_Nm; });
   add("temperature", false, [](const Condition& c) { return c.temperature_K; });

@@ -35,6 +35,7 @@ class CauseReader {
     std::vector<std::string> known{"form", std::string(kAlternatives), std::string(kImplausible)};
     if (form != nullptr) {
       applied.form.name = form->name;
+      read_constants(table, path, *form, applied.form, known);
       read_parameters(table, path, cause->parameters(applied.form, kind_), applied.value, known);
     } else {
       check_parameters(table, path, parameters_of(*cause, catalogue), known);
@@ -45,9 +46,7 @@ class CauseReader {
     if (const TomlValue* list = member(kImplausible)) {
       applied.implausible = reader_.texts(*list, fmt::format("{}.{}", path, kImplausible));
     }
-    if (form != nullptr) {
-      read_constants(table, path, *form, applied.form, known);
-    } else {
+    if (form == nullptr) {
       for (const CatalogueForm& possible : catalogue) add_keys(possible, known);
     }
     for (const TomlValue& value : table.table) {

@@ -83,7 +83,11 @@ TEST(Causes, HaveParametersThatMayBeNothing) {
   for (const Cause* cause : causes()) {
     for (const Kind kind : kKinds) {
       for (const CatalogueForm& form : form_catalogue(*cause, kind)) {
-        const auto parameters = cause->parameters({.name = form.name}, kind);
+        // A form of all sessions has a parameter for each.
+        std::vector<FormConstant> constants = form.sets.front();
+        for (FormConstant& c : constants) c.value = 3.0;
+        const auto parameters =
+            cause->parameters({.name = form.name, .constants = constants}, kind);
         EXPECT_FALSE(parameters.empty());
         std::set<std::string> keys;
         for (const ParameterRecord& p : parameters) {
@@ -184,6 +188,11 @@ TEST(Causes, OfNoSizeChangeNothing) {
         if (c.cause->id == "friction_direction" && c.form.name == "approach_recess") {
           // Adds the difference of the two sides, which is 0, in two steps that each round.
           EXPECT_LT((with - without).cwiseAbs().maxCoeff(), 1e-14 * without.maxCoeff());
+          continue;
+        }
+        if (c.cause->remedy == Remedy::kFlanks && kind == Kind::kTransmission) {
+          // Friction that depends on the state is settled in another way, the same to rounding.
+          EXPECT_LT((with - without).cwiseAbs().maxCoeff(), 1e-12 * without.maxCoeff());
           continue;
         }
         EXPECT_EQ(with, without) << c.cause->id << ' ' << c.form.name;  // bit for bit

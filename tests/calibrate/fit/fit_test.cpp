@@ -68,11 +68,11 @@ class EveryForm : public testing::TestWithParam<Case> {
                          const std::string& what) const {
     const double greatest = column.cwiseAbs().maxCoeff();
     // Two steps, extrapolated: truncation is of the fourth order in a change of the response by
-    // 1e-3 at most, rounding 1e-12.
+    // 1e-3 at most, rounding some 1e-12.
     const double step = greatest > 0.0 ? std::min(1e-3 * size_ / greatest, 0.01) : 1e-3;
     const Eigen::VectorXd found =
         (4.0 * difference(h, parameter, 0.5 * step) - difference(h, parameter, step)) / 3.0;
-    const double tolerance = 1e-7 * greatest + 1e-13 * size_ / step;
+    const double tolerance = 2e-7 * greatest + 3e-13 * size_ / step;
     EXPECT_LT((column - found).cwiseAbs().maxCoeff(), tolerance) << what << ' ' << parameter;
   }
   [[nodiscard]] static Hypothesis with(Hypothesis h, const Candidate& c) {

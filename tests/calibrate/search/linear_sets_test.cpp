@@ -101,8 +101,16 @@ TEST_F(Sets, BestAreThoseOfAllSetsWithACauseEach) {
       if (std::isfinite(sets.score(set))) all.emplace_back(sets.score(set), set);
     }
     std::ranges::sort(all, std::greater<>());
+    // Of two sets of the same causes, which differ by the form of the drag, the better one.
+    std::set<std::set<std::size_t>> known;
+    std::erase_if(all, [&](const auto& one) {
+      std::set<std::size_t> causes;
+      for (const std::size_t k : one.second) causes.insert(k == 4 ? 1 : k);
+      return !known.insert(causes).second;
+    });
     const auto best = best_linear_sets(candidates, pool, sets, size, 3);
-    ASSERT_EQ(best.size(), 3U);
+    ASSERT_EQ(best.size(), std::min<std::size_t>(3, all.size()));
+    ASSERT_GE(best.size(), 2U);
     for (std::size_t k = 0; k < best.size(); ++k) {
       EXPECT_EQ(sets.score(best[k]), all[k].first);
       EXPECT_TRUE(std::ranges::any_of(all, [&](const auto& a) { return a.second == best[k]; }));

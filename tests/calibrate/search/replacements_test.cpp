@@ -7,6 +7,7 @@
 #include <cmath>
 #include <string>
 
+#include "calibrate/search/free_shapes.hpp"
 #include "tests/calibrate/bench.hpp"
 #include "tests/calibrate/measured_grid.hpp"
 
@@ -29,7 +30,7 @@ class Replacements : public Bench {
     result.scale = scale;
     std::ranges::copy_if(candidates_for(simulation_, data_), std::back_inserter(result.candidates),
                          [](const Candidate& c) { return c.form.weight > 0.0; });
-    const Judge judge(p, result.fit, scale);
+    const Judge judge(p, result.candidates, result.fit, scale);
     for (std::size_t e = 0; e < result.fit.hypothesis.effects.size(); ++e) {
       result.effects.push_back(judge_effect(judge, result, e));
     }
@@ -66,7 +67,7 @@ TEST_F(OneSlope, OfAGainIsGivenToTheCoefficientOfFriction) {
   const Problem p = problem();
   SearchResult result = found(p, gain);
   const double slope = result.fit.simulated[0];
-  const Judge judge(p, result.fit, result.scale);
+  const Judge judge(p, result.candidates, result.fit, result.scale);
   prefer_parameters(judge, result);
   EXPECT_EQ(name(result), "friction_level");
   // The same line through the same points: the same torque, by another name.
@@ -86,7 +87,7 @@ TEST_F(OneSlope, ThatNoGearboxShowsIsNotGivenToIt) {
   ASSERT_NE(level, nullptr);
   EXPECT_LE(level->statistic, 4.0);
   EXPECT_GT(level->fit.hypothesis.value[0], level->candidate.parameters[0].plausible_high);
-  const Judge judge(p, result.fit, result.scale);
+  const Judge judge(p, result.candidates, result.fit, result.scale);
   prefer_parameters(judge, result);
   EXPECT_NE(name(result), "friction_level");
   EXPECT_NE(find(result.effects[0], "friction_level"), nullptr);
@@ -106,7 +107,7 @@ TEST_F(Replacements, OfAStepIsTheCoefficientOfFrictionWhereItDoesAsMuch) {
   const Candidate step = candidate(
       "run_step", {.name = "from", .constants = {{.name = "first_run", .unit = "", .value = 1.0}}});
   SearchResult result = found(p, hypothesis({step}, {0.0}));
-  const Judge judge(p, result.fit, result.scale);
+  const Judge judge(p, result.candidates, result.fit, result.scale);
   prefer_parameters(judge, result);
   EXPECT_EQ(name(result), "friction_level");
   EXPECT_NE(find(result.effects[0], "run_step"), nullptr);
@@ -130,7 +131,7 @@ TEST_F(Replacements, OfALawIsAStepWhereSessionsAreInItsOrder) {
   const Replacement* step = find(result.effects[0], "run_step");
   ASSERT_NE(step, nullptr);
   EXPECT_LT(std::abs(step->statistic), 0.5);
-  const Judge judge(p, result.fit, result.scale);
+  const Judge judge(p, result.candidates, result.fit, result.scale);
   prefer_parameters(judge, result);
   EXPECT_EQ(name(result), "run_step");
   EXPECT_NE(find(result.effects[0], "drag_viscous"), nullptr);
@@ -148,7 +149,7 @@ TEST_F(Replacements, StayAwayFromALawThatTheDataTellFromAStep) {
   measure(drag, 0.004);
   const Problem p = problem();
   SearchResult result = found(p, drag);
-  const Judge judge(p, result.fit, result.scale);
+  const Judge judge(p, result.candidates, result.fit, result.scale);
   prefer_parameters(judge, result);
   EXPECT_EQ(name(result), "drag_viscous");
   EXPECT_EQ(find(result.effects[0], "run_step"), nullptr);
@@ -211,7 +212,7 @@ TEST_F(OfTheSensor, BicOfFewRowsOfStatedScatterIsADifferenceOfChiSquares) {
   const Problem p = problem();
   SearchResult result = found(p, sensor(0.0, 0.0));
   result.fit = fit(p, result.fit.hypothesis, 1.0);
-  const Judge judge(p, result.fit, 1.0);
+  const Judge judge(p, result.candidates, result.fit, 1.0);
   const Squares s = squares();
   const double price = std::log(static_cast<double>(data_.rows.size()));
   EXPECT_NEAR(judge_effect(judge, result, 0).delta_bic,
@@ -238,8 +239,9 @@ TEST_F(Replacements, OfAPowerOfTheLoadHaveItsExponentWhateverTheReference) {
   measure(hypothesis({hidden}, {kExponent}), 1e-4);
   const Problem p = problem();
   SearchResult result = found(p, hypothesis({form("about_middle")}, {0.0}));
-  const Judge judge(p, result.fit, result.scale);
   const double searched = result.effects[0].delta_bic;
+  result.fit = with_free_shapes(p, all, result.fit, result.scale);
+  const Judge judge(p, all, result.fit, result.scale);
   take_better_names(judge, all, result);
   ASSERT_EQ(result.fit.hypothesis.value.size(), 2U);
   // The evidence is that of the form with the level as a parameter of its own.
@@ -261,7 +263,7 @@ TEST_F(Replacements, OfEitherDirectionAreTheFlanksWhereOneGearboxCannotTell) {
   const Problem p = problem();
   SearchResult result =
       found(p, hypothesis({candidate("friction_direction", {.name = "forward_backward"})}, {0.0}));
-  const Judge judge(p, result.fit, result.scale);
+  const Judge judge(p, result.candidates, result.fit, result.scale);
   const double before = judge.chi(result.fit);
   take_unsearched_forms(judge, all, result);
   EXPECT_EQ(result.fit.hypothesis.effects[0].form.name, "approach_recess");

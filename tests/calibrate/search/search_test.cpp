@@ -74,7 +74,8 @@ TEST_F(Search, FindsNothingInNoise) {
     measure({}, 0.004, seed);
     const SearchResult result = search();
     found += result.effects.empty() ? 0 : 1;
-    EXPECT_EQ(result.effects.empty(), result.first_p > SearchOptions{}.rate);
+    // What is named has passed the test, and has paid for its parameters.
+    EXPECT_TRUE(result.effects.empty() || result.first_p <= SearchOptions{}.rate);
   }
   // The rate asked for is 4 %: P(X ≥ 8 of 40) < 0.001.
   EXPECT_LE(found, 7);

@@ -1,0 +1,206 @@
+#include "calibrate/search/free_shapes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "calibrate/causes/friction_change.hpp"
+#include "calibrate/fit/columns.hpp"
+#include "calibrate/fit/screen.hpp"
+
+namespace gear3k::calibrate {
+
+namespace {
+
+/// The hypothesis with a form in the place of an effect; parameters of the same name keep their
+/// values, the others are 0.
+Hypothesis in_form(const Hypothesis& h, std::size_t effect, const Candidate& form) {
+  Hypothesis result = h;
+  const Candidate& own = h.effects[effect];
+  const auto old = values_of(h, effect);
+  const auto first = static_cast<std::ptrdiff_t>(value_offset(h, effect));
+  std::vector<double> values;
+  values.reserve(form.parameters.size());
+  for (const ParameterRecord& record : form.parameters) {
+    const auto same = std::ranges::find(own.parameters, record.name, &ParameterRecord::name);
+    values.push_back(same == own.parameters.end()
+                         ? 0.0
+                         : old[static_cast<std::size_t>(same - own.parameters.begin())]);
+  }
+  result.effects[effect] = form;
+  result.value.erase(result.value.begin() + first,
+                     result.value.begin() + first + static_cast<std::ptrdiff_t>(old.size()));
+  result.value.insert(result.value.begin() + first, values.begin(), values.end());
+  return result;
+}
+
+bool may_replace(const Hypothesis& h, std::size_t effect, const Candidate& form) {
+  const Candidate& own = h.effects[effect];
+  if (form.form.weight > 0.0 || form.cause != own.cause || form.form.law != own.form.law ||
+      form.parameters.size() <= own.parameters.size() || form.form.body != own.form.body ||
+      form.form.order != own.form.order) {
+    return false;
+  }
+  // A form with a level of its own makes no sense beside the level.
+  const bool level_beside = std::ranges::any_of(h.effects, [&](const Candidate& c) {
+    return &c != &own && has_level_parameter(c.parameters);
+  });
+  return !(level_beside && has_level_parameter(form.parameters));
+}
+
+}  // namespace
+
+double log_weight_of(const Candidate& candidate) {
+  // A form with free parameters pays for them; beyond that it is one form among those of its cause.
+  constexpr double kFreeForm = 0.05;
+  const double weight = candidate.form.weight > 0.0 ? candidate.form.weight : kFreeForm;
+  return std::log(weight * candidate.cause->weight);
+}
+
+double score_of(const Problem& problem, const Fit& fit, double scale) {
+  const auto n = static_cast<double>(problem.data.rows.size());
+  const auto p = static_cast<double>(fit.hypothesis.value.size());
+  const double known = problem.noise.known_scale();
+  const double likelihood = known > 0.0
+                                ? -0.5 * fit.sum_of_squares * scale * scale / (known * known)
+                                : -0.5 * n * std::log(std::max(fit.sum_of_squares, 1e-12));
+  double log_weight = 0.0;
+  // The coefficient of friction is a parameter, and preferred to a missing effect at a tie (χ² 3).
+  constexpr double kOfParameter = 1.5;
+  for (const Candidate& c : fit.hypothesis.effects) {
+    log_weight +=
+        log_weight_of(c) + (c.cause->remedy == Remedy::kFrictionValue ? kOfParameter : 0.0);
+  }
+  return likelihood - 0.5 * p * std::log(std::max(n, 2.0)) + log_weight;
+}
+
+Fit with_free_shapes(const Problem& problem, const std::vector<Candidate>& all, Fit found,
+                     double scale) {
+  double best = score_of(problem, found, scale);
+  for (bool again = true; again;) {
+    again = false;
+    for (std::size_t e = 0; e < found.hypothesis.effects.size(); ++e) {
+      for (const Candidate& form : all) {
+        if (!may_replace(found.hypothesis, e, form)) continue;
+        Hypothesis h = in_form(found.hypothesis, e, form);
+        if (h.value.size() > static_cast<std::size_t>(kMostParameters)) continue;
+        Fit trial = fit(problem, std::move(h), scale);
+        const double score = score_of(problem, trial, scale);
+        if (!(score > best)) continue;
+        best = score;
+        found = std::move(trial);
+        again = true;
+      }
+    }
+  }
+  return found;
+}
+
+namespace {
+
+/// The causes that explain most of what a fit leaves, each in its best plain form.
+std::vector<Candidate> most_promising(const Problem& problem, const std::vector<Candidate>& all,
+                                      const Fit& fit, double scale, std::size_t most) {
+  std::vector<Candidate> others;
+  for (const Candidate& c : all) {
+    if (c.form.weight > 0.0 && !has_cause(fit.hypothesis, c.cause)) others.push_back(c);
+  }
+  const double wide = std::max(scale, robust_deviation(fit.residual));
+  const Columns columns = columns_at(problem, fit.hypothesis, others, wide);
+  if (columns.own.cols() >= columns.own.rows()) return {};
+  const Screen screen(columns.own, columns.other, blocks_of(others), problem.noise.known_scale());
+  std::vector<Candidate> result;
+  for (const std::size_t k : ranked(others, screen.gains(columns.residual), 1)) {
+    if (result.size() == most) break;
+    result.push_back(others[k]);
+  }
+  return result;
+}
+
+/// Fits with something plain in the place of an effect of free shape: the best plain form of its
+/// cause, and the coefficient of friction alone where the form has a level.
+std::vector<Fit> plain_fits(const Problem& problem, const std::vector<Candidate>& all,
+                            const Hypothesis& h, std::size_t effect, double scale) {
+  const Candidate& own = h.effects[effect];
+  std::optional<Fit> best;
+  std::vector<Fit> result;
+  for (const Candidate& form : all) {
+    if (!(form.form.weight > 0.0)) continue;
+    const bool level =
+        form.cause->remedy == Remedy::kFrictionValue && has_level_parameter(own.parameters);
+    const bool plain = form.cause == own.cause && form.form.law == own.form.law &&
+                       form.form.body == own.form.body && form.form.order == own.form.order;
+    if (!level && !plain) continue;
+    Fit trial = fit(problem, with(without(h, effect), form), scale);
+    if (level) {
+      result.push_back(std::move(trial));
+    } else if (!best || trial.sum_of_squares < best->sum_of_squares) {
+      best = std::move(trial);
+    }
+  }
+  if (best) result.push_back(std::move(*best));
+  return result;
+}
+
+}  // namespace
+
+Fit with_plain_shapes(const Problem& problem, const std::vector<Candidate>& all, Fit found,
+                      double scale, int most) {
+  const Hypothesis h = found.hypothesis;
+  if (static_cast<int>(h.effects.size()) >= most) return found;
+  double best = score_of(problem, found, scale);
+  for (std::size_t e = 0; e < h.effects.size(); ++e) {
+    if (h.effects[e].form.weight > 0.0) continue;
+    for (const Fit& plain : plain_fits(problem, all, h, e, scale)) {
+      if (const double score = score_of(problem, plain, scale); score > best) {
+        best = score;
+        found = plain;
+      }
+      constexpr std::size_t kTried = 3;
+      for (const Candidate& c : most_promising(problem, all, plain, scale, kTried)) {
+        Hypothesis two = with(plain.hypothesis, c);
+        if (two.value.size() > static_cast<std::size_t>(kMostParameters)) continue;
+        Fit trial = fit(problem, std::move(two), scale);
+        const double score = score_of(problem, trial, scale);
+        if (!(score > best)) continue;
+        best = score;
+        found = std::move(trial);
+      }
+    }
+  }
+  return found;
+}
+
+Fit with_exchanges(const Problem& problem, const std::vector<Candidate>& all, Fit found,
+                   double scale) {
+  double best = score_of(problem, found, scale);
+  constexpr int kRounds = 3;
+  for (int round = 0; round < kRounds; ++round) {
+    const Hypothesis h = found.hypothesis;
+    if (h.effects.size() < 2) break;
+    const double before = best;
+    for (std::size_t e = 0; e < h.effects.size(); ++e) {
+      const Fit rest = fit(problem, without(h, e), scale);
+      if (const double score = score_of(problem, rest, scale); score > best) {
+        best = score;
+        found = rest;
+      }
+      constexpr std::size_t kTried = 3;
+      for (const Candidate& c : most_promising(problem, all, rest, scale, kTried)) {
+        if (c.cause == h.effects[e].cause) continue;
+        Hypothesis other = with(rest.hypothesis, c);
+        if (other.value.size() > static_cast<std::size_t>(kMostParameters)) continue;
+        Fit trial = fit(problem, std::move(other), scale);
+        const double score = score_of(problem, trial, scale);
+        if (!(score > best)) continue;
+        best = score;
+        found = std::move(trial);
+      }
+    }
+    if (!(best > before)) break;
+  }
+  return found;
+}
+
+}  // namespace gear3k::calibrate

@@ -1,0 +1,37 @@
+#pragma once
+// Forms with free shape and reference in the place of those that a search found.
+
+#include <vector>
+
+#include "calibrate/fit/fit.hpp"
+
+namespace gear3k::calibrate {
+
+/// ln of the weight of a candidate before the data, w; a form that is not searched for has one too,
+/// as one among those of its cause.
+double log_weight_of(const Candidate& candidate);
+
+/// −(n/2) ln S − (p/2) ln n + Σ ln w: likelihood of a fit with a price for its parameters and the
+/// choice of its forms (for known scatter −S/2 in the place of the first term).
+double score_of(const Problem& problem, const Fit& fit, double scale);
+
+/// The fit with effects in forms of more parameters, as long as one has a better score: the shape
+/// of a law, its reference and its level are not known before the data.
+/// @param all  candidates; those of Form::weight 0 are tried
+/// @returns the fit as it is where none is better
+Fit with_free_shapes(const Problem& problem, const std::vector<Candidate>& all, Fit found,
+                     double scale);
+
+/// The fit with an effect of free shape in a plain form beside one more cause, where that has a
+/// better score: a law that bends and two straight ones can look alike.
+/// @param found  a fit at this scale; @param most  effects that a fit may have
+Fit with_plain_shapes(const Problem& problem, const std::vector<Candidate>& all, Fit found,
+                      double scale, int most);
+
+/// The fit without effects that it does not need, or with another cause in the place of one, as
+/// long as either has a better score.
+/// @param found  a fit at this scale
+Fit with_exchanges(const Problem& problem, const std::vector<Candidate>& all, Fit found,
+                   double scale);
+
+}  // namespace gear3k::calibrate
