@@ -29,7 +29,7 @@ template <class T>
 T windup(const LostMotionExtension<T>& e, const T& torque_Nm) {
   using std::exp;
   using std::log;
-  const T linear = 2.0 * torque_Nm * e.compliance_rad_Nm;
+  T linear = 2.0 * torque_Nm * e.compliance_rad_Nm;
   if (is_neutral(e.hardening, 0.0) || !(torque_Nm > constant<T>(0.0))) return linear;
   return T(linear * exp(T(-e.hardening * log(T(torque_Nm / e.hardening_torque_Nm)))));
 }

@@ -17,7 +17,7 @@ namespace {
 constexpr std::string_view kConstant = "constant", kProportional = "proportional",
                            kFriction = "friction", kSecond = "_with_second", kThird = "_with_third";
 
-int harmonics_of(const Form& form) {
+std::size_t harmonics_of(const Form& form) {
   if (form.name.ends_with(kThird)) return 3;
   return form.name.ends_with(kSecond) ? 2 : 1;
 }
@@ -39,7 +39,7 @@ std::vector<ParameterRecord> angle_parameters(const Form& form, Kind kind) {
   static constexpr std::array<std::string_view, 6> kNames{"cosine", "sine",     "cosine_2",
                                                           "sine_2", "cosine_3", "sine_3"};
   std::vector<ParameterRecord> result;
-  const auto count = static_cast<std::size_t>(2 * harmonics_of(form));
+  const std::size_t count = 2 * harmonics_of(form);
   for (std::size_t k = 0; k < count; ++k) result.push_back(record(kNames[k]));
   return result;
 }
@@ -86,8 +86,9 @@ void apply_angle(const Form& form, std::span<const Scalar> p, const Condition& c
   const double angle = form.order * condition.output_angle_rad;
   if (!std::isfinite(angle)) return;
   Scalar wave(0.0);
+  double phase = 0.0;
   for (std::size_t k = 0; k + 1 < p.size(); k += 2) {
-    const double phase = angle * static_cast<double>(k / 2 + 1);
+    phase += angle;
     wave = wave + p[k] * std::cos(phase) + p[k + 1] * std::sin(phase);
   }
   if (form.name.starts_with(kFriction)) {
