@@ -84,7 +84,8 @@ std::string with_losses(std::string design) {
          "viscosity2_mm2_s = 19.0\ndensity_kg_m3 = 890.0\n"
          "[drag.S]\nconstant_nm = 0.003\n[drag.carrier]\nviscous_nms_per_rad = 0.002\n"
          "[drag.R2]\nconstant_nm = 0.1\n"
-         "[bearings]\nplanet_coefficient = 0.003\nplanet_radius_mm = 4.0\n";
+         "[bearings]\nplanet_coefficient = 0.003\nplanet_radius_mm = 4.0\n"
+         "[operating_point]\nsun_speed_rpm = 600.0\noutput_torque_nm = 20.0\n";
 }
 
 }  // namespace
