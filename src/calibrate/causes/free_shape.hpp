@@ -2,6 +2,7 @@
 // Laws of friction whose shape is free: the level at the middle and how the law bends are
 // parameters too.
 
+#include <algorithm>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -32,11 +33,12 @@ inline void add_shape_parameters(const Form& form, std::vector<ParameterRecord>&
   if (shape) bend("skewness");
 }
 
-/// Half the range over which a law bends, in its variable: the form's last constant; of a form that
-/// a model states without it 1, as it does not bend.
+/// Half the range over which a law bends, in its variable; of a form that a model states without it
+/// 1, as it does not bend.
 inline double half_range_of(const Form& form) {
-  const FormConstant& last = form.constants.back();
-  return last.name.ends_with("half_range") && last.value > 0.0 ? last.value : 1.0;
+  const auto at = std::ranges::find_if(
+      form.constants, [](const FormConstant& c) { return c.name.ends_with("half_range"); });
+  return at != form.constants.end() && at->value > 0.0 ? at->value : 1.0;
 }
 
 /// Sets them.

@@ -440,7 +440,14 @@ FinalFit final_fit(const Problem& problem, const Hypothesis& start, double scale
   }
   if (p > 0) {
     const Eigen::MatrixXd normal = step.jacobian.transpose() * step.jacobian;
-    result.covariance = numerics::pseudo_inverse(normal) * (result.scale * result.scale);
+    // In units in which every parameter is determined equally well; exactly symmetric.
+    const Eigen::VectorXd unit = normal.diagonal().unaryExpr(
+        [](double square) { return square > 0.0 ? 1.0 / std::sqrt(square) : 1.0; });
+    const Eigen::MatrixXd scaled = unit.asDiagonal() * normal * unit.asDiagonal();
+    const Eigen::MatrixXd inverse =
+        unit.asDiagonal() * numerics::pseudo_inverse(scaled) * unit.asDiagonal();
+    result.covariance =
+        0.5 * result.scale * result.scale * (inverse + Eigen::MatrixXd(inverse.transpose()));
   }
   return result;
 }

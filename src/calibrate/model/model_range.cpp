@@ -145,7 +145,9 @@ std::vector<std::string> black_box_causes(const std::vector<ExtendedModel>& mode
     for (const AppliedCause& cause : model.causes) {
       const bool of_shafts =
           std::ranges::any_of(cause.form.constants, [](const FormConstant& constant) {
-            return constant.unit == "Nm" || constant.unit == "rad/s";
+            // A test torque is one of the output's shaft, whatever stands between the shafts.
+            return (constant.unit == "Nm" && constant.name != "hardening_torque") ||
+                   constant.unit == "rad/s";
           });
       if (of_shafts) ids.push_back(cause.id);
     }

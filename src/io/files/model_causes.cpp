@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string_view>
 
@@ -222,30 +223,66 @@ class CauseReader {
     read_.deviations.push_back(deviation);
   }
 
+  /// Puts constants in the order of the form, whatever that of the file.
+  static void in_order_of_form(const CatalogueForm& known,
+                               std::vector<calibrate::FormConstant>& constants) {
+    using calibrate::FormConstant;
+    const auto same = [](const FormConstant& a, const FormConstant& b) {
+      return a.name == b.name && a.unit == b.unit;
+    };
+    for (const std::vector<FormConstant>& set : known.sets) {
+      if (!std::ranges::is_permutation(set, constants, same)) continue;
+      std::vector<FormConstant> ordered = set;
+      for (FormConstant& c : ordered) {
+        c = *std::ranges::find_if(constants, [&](const FormConstant& k) { return same(k, c); });
+      }
+      constants = std::move(ordered);
+      return;
+    }
+  }
+
+  /// What a constant's value ought to be; "" where it is.
+  static std::string allowed_constant(const calibrate::FormConstant& c) {
+    constexpr double kMostSessions = 16.0;
+    constexpr double kAbsoluteZero_c = -273.15;
+    const bool whole = std::floor(c.value) == c.value;
+    if (c.name == "sessions") {
+      return whole && c.value >= 1.0 && c.value <= kMostSessions ? "" : "an integer from 1 to 16";
+    }
+    if (c.name == "first_run") {
+      constexpr double kMostRuns = 1e9;
+      return whole && c.value >= 0.0 && c.value <= kMostRuns ? "" : "an integer from 0";
+    }
+    if (c.name == "reference_temperature") {
+      return c.value > kAbsoluteZero_c ? "" : "a number above -273.15";
+    }
+    // What forces, speeds, torques and times are divided by.
+    constexpr std::array<std::string_view, 9> kScales{"load",          "speed",      "scale",
+                                                      "time_constant", "half_range", "torque",
+                                                      "slowest",       "fastest",    "span"};
+    const bool scale =
+        std::ranges::any_of(kScales, [&](std::string_view end) { return c.name.ends_with(end); });
+    return !scale || c.value > 0.0 ? "" : "a number above 0";
+  }
+
   /// Constants, body and order of a form; each constant of the form's name is stated in one of its
   /// units.
   void read_constants(const TomlValue& table, const std::string& path, const CatalogueForm& known,
                       calibrate::Form& form, std::vector<std::string>& keys) {
-    std::vector<std::string> constant_keys;
-    constant_keys.reserve(known.constants.size());
-    for (const calibrate::FormConstant& constant : known.constants) {
-      constant_keys.push_back(key_of(constant));
-      keys.push_back(constant_keys.back());
-    }
-    for (const TomlValue& value : table.table) {
-      const auto at = std::ranges::find(constant_keys, value.key);
-      if (at == constant_keys.end()) continue;
-      calibrate::FormConstant constant =
-          known.constants[static_cast<std::size_t>(at - constant_keys.begin())];
-      constant.value = reader_.number(value, fmt::format("{}.{}", path, value.key));
-      // What forces, speeds and times are divided by.
-      const bool scale = constant.name.ends_with("load") || constant.name.ends_with("speed") ||
-                         constant.name == "speed_scale" || constant.name == "time_constant";
-      if (scale && value.is_number() && !(constant.value > 0.0)) {
-        reader_.refuse(value, fmt::format("{}.{}", path, value.key), "a number above 0");
+    for (const calibrate::FormConstant& stated : known.constants) {
+      const std::string key = key_of(stated);
+      keys.push_back(key);
+      const TomlValue* value = member_of(table, key);
+      if (value == nullptr) continue;
+      calibrate::FormConstant constant = stated;
+      constant.value = reader_.number(*value, fmt::format("{}.{}", path, key));
+      const std::string allowed = allowed_constant(constant);
+      if (value->is_number() && std::isfinite(constant.value) && !allowed.empty()) {
+        reader_.refuse(*value, fmt::format("{}.{}", path, key), allowed);
       }
       form.constants.push_back(constant);
     }
+    in_order_of_form(known, form.constants);
     if (!known.bodies.empty()) {
       keys.emplace_back("body");
       const auto body = std::ranges::find(table.table, "body", &TomlValue::key);

@@ -89,7 +89,14 @@ ExtendedModel everything(Kind kind, std::mt19937_64& generator) {
         AppliedCause applied{.id = std::string(cause->id), .form = {}, .value = {}};
         applied.form.name = known.name;
         applied.form.constants = set;
-        for (auto& constant : applied.form.constants) constant.value = 100.0 * share(generator);
+        for (auto& constant : applied.form.constants) {
+          constexpr double kMost = 16.0;
+          constant.value = 100.0 * share(generator);
+          if (constant.name == "first_run") constant.value = std::floor(constant.value);
+          if (constant.name == "sessions") {
+            constant.value = 1.0 + std::floor(kMost * share(generator));
+          }
+        }
         if (!known.bodies.empty()) applied.form.body = known.bodies.back();
         if (known.has_order) applied.form.order = 100.0 * share(generator);
         for (const auto& p : cause->parameters(applied.form, kind)) {
@@ -162,6 +169,46 @@ TEST(ModelFile, EveryFormOfEveryCauseComesBackExactly) {
     one_of_each.push_back(parts.front());
   }
   expect_back(one_of_each);
+}
+
+TEST(ModelFile, ConstantsHaveTheirRanges) {
+  const auto refused = [](const std::string& cause, const std::string& form,
+                          const std::string& line, const std::string& allowed) {
+    const std::string text =
+        "[lost_motion]\nname = \"gear\"\n[lost_motion.range]\n"
+        "[lost_motion.causes." +
+        cause + "]\nform = \"" + form + "\"\n" + line + "\n";
+    try {
+      parse_model(text, "m.toml");
+    } catch (const InvalidInput& error) {
+      return std::string(error.what()).find("m.toml:6:") != std::string::npos &&
+             std::string(error.what()).find(allowed) != std::string::npos;
+    }
+    return false;
+  };
+  for (const char* bad : {"0", "-1.0"}) {
+    EXPECT_TRUE(refused("compliance", "hardening", std::string("hardening_torque_nm = ") + bad,
+                        "a number above 0"));
+    EXPECT_TRUE(
+        refused("drift", "linear_time", std::string("span_s = ") + bad, "a number above 0"));
+  }
+  for (const char* bad : {"0", "2.5", "17", "1e300"}) {
+    EXPECT_TRUE(refused("run_step", "sessions", std::string("sessions = ") + bad,
+                        "an integer from 1 to 16"));
+  }
+  EXPECT_TRUE(refused("thermal_expansion", "from_design", "reference_temperature_c = -300.0",
+                      "a number above -273.15"));
+}
+
+TEST(ModelFile, OrderOfKeysChangesNothing) {
+  const std::string head =
+      "[transmission]\nname = \"gear\"\n[transmission.range]\n"
+      "[transmission.causes.friction_temperature]\nform = \"any_curve\"\n"
+      "coefficient_per_k = 0.01\nrelative_change = 0.1\ncurvature = 0.2\n";
+  const std::string a = "reference_temperature_c = 30.0\n";
+  const std::string b = "half_range_k = 10.0\n";
+  EXPECT_EQ(model_text(parse_model(head + a + b, "m.toml")),
+            model_text(parse_model(head + b + a, "m.toml")));
 }
 
 TEST(ModelFile, AModelWithoutCausesComesBack) {
