@@ -127,5 +127,6 @@ int main(int argc, char** argv) {
       if (line.group == "null") break;
     }
   }
+  fmt::print("\n");
   for (const auto& [name, sum] : groups) sum.print(name);
 }
