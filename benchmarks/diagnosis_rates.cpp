@@ -17,6 +17,7 @@
 #include <string_view>
 #include <vector>
 
+#include "benchmarks/share.hpp"
 #include "calibrate/verdict/diagnosis.hpp"
 #include "numerics/parallel.hpp"
 #include "tests/calibrate/diagnosis_scoring.hpp"
@@ -24,26 +25,6 @@
 namespace {
 
 using namespace gear3k;  // NOLINT(google-build-using-namespace): a program's own namespace
-
-struct Interval {
-  double low, high;
-};
-/// Wilson's 95 % interval of a share.
-Interval wilson(int hits, int count) {
-  constexpr double kZ = 1.959963984540054;
-  const double n = count;
-  const double p = hits / n;
-  const double middle = (p + kZ * kZ / (2.0 * n)) / (1.0 + kZ * kZ / n);
-  const double half =
-      kZ / (1.0 + kZ * kZ / n) * std::sqrt(p * (1.0 - p) / n + kZ * kZ / (4.0 * n * n));
-  return {std::max(0.0, middle - half), std::min(1.0, middle + half)};
-}
-
-std::string share(int hits, int count) {
-  if (count == 0) return fmt::format("{:>19}", "-");
-  const auto [low, high] = wilson(hits, count);
-  return fmt::format("{:5.1f} [{:4.1f}, {:5.1f}]", 100.0 * hits / count, 100.0 * low, 100.0 * high);
-}
 
 /// @param answers_too  with the three most frequent answers
 void print(const rig::Scenario& scenario, int seeds, bool answers_too) {
@@ -73,10 +54,12 @@ void print(const rig::Scenario& scenario, int seeds, bool answers_too) {
     explanations += s.explanations;
     named += s.explanations > 0.0 ? 1 : 0;
   }
-  fmt::print(
-      "{:<46} {} {} {} {:>6} {:5.0f}{}\n", scenario.name, share(count(&rig::Score::right), seeds),
-      share(count(&rig::Score::wrong), seeds), share(count(&rig::Score::inside), intervals),
-      named == 0 ? "-" : fmt::format("{:.1f}", explanations / named), 1e3 * seconds / seeds, text);
+  fmt::print("{:<46} {} {} {} {:>6} {:5.0f}{}\n", scenario.name,
+             benchmarks::share(count(&rig::Score::right), seeds),
+             benchmarks::share(count(&rig::Score::wrong), seeds),
+             benchmarks::share(count(&rig::Score::inside), intervals),
+             named == 0 ? "-" : fmt::format("{:.1f}", explanations / named), 1e3 * seconds / seeds,
+             text);
   std::fflush(stdout);
 }
 

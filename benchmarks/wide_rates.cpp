@@ -20,6 +20,7 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/share.hpp"
 #include "numerics/parallel.hpp"
 #include "tests/calibrate/wide_scoring.hpp"
 
@@ -27,19 +28,6 @@ namespace {
 
 using namespace gear3k;  // NOLINT(google-build-using-namespace): a program's own namespace
 using wide_rig::Score;
-
-/// Wilson's 95 % interval of a share, with the share.
-std::string share(int hits, int count) {
-  if (count == 0) return fmt::format("{:>19}", "-");
-  constexpr double kZ = 1.959963984540054;
-  const double n = count;
-  const double p = hits / n;
-  const double middle = (p + kZ * kZ / (2.0 * n)) / (1.0 + kZ * kZ / n);
-  const double half =
-      kZ / (1.0 + kZ * kZ / n) * std::sqrt(p * (1.0 - p) / n + kZ * kZ / (4.0 * n * n));
-  return fmt::format("{:5.1f} [{:4.1f}, {:5.1f}]", 100.0 * p, 100.0 * std::max(0.0, middle - half),
-                     100.0 * std::min(1.0, middle + half));
-}
 
 struct Sum {
   int count = 0, right = 0, wrong = 0, remainder = 0, disclosed = 0, excluded = 0, unseen = 0,
@@ -65,7 +53,7 @@ struct Sum {
     const auto percent = [](int hits, int of) {
       return of == 0 ? std::string("    -") : fmt::format("{:5.1f}", 100.0 * hits / of);
     };
-    fmt::print("{:<58} {} {} {} {} {} {} {} {:5.0f}{}\n", name, share(right, count),
+    fmt::print("{:<58} {} {} {} {} {} {} {} {:5.0f}{}\n", name, benchmarks::share(right, count),
                percent(wrong, count), percent(remainder, count), percent(disclosed, count),
                percent(excluded, count), percent(worse, unseen), percent(inside, intervals),
                1e3 * seconds / std::max(count, 1),

@@ -40,6 +40,13 @@ inline std::vector<TargetRecord> targets_of(Kind kind) {
   return result;
 }
 
+/// A form with a value for every session, and how many it can tell apart.
+inline constexpr const char* kSessions = "sessions";
+inline constexpr std::size_t kMostSessions = 16;
+inline bool gives_each_session_a_value(const Form& form) {
+  return form.name.find(kSessions) != std::string::npos;
+}
+
 /// The name of a form that acts on a target: "linear_time", "linear_time_friction".
 inline std::string targeted(std::string name, const TargetRecord& target) {
   if (!target.law.empty()) name += "_" + std::string(target.law);

@@ -14,15 +14,12 @@ namespace {
 
 constexpr const char* kFirstRun = "first_run";
 constexpr const char* kInstant = "instant";
-constexpr const char* kSessions = "sessions";
 
 /// Sessions that a form with a value for each can tell apart.
-constexpr std::array<std::string_view, 16> kSessionNames{
+constexpr std::array<std::string_view, kMostSessions> kSessionNames{
     "session_1",  "session_2",  "session_3",  "session_4",  "session_5",  "session_6",
     "session_7",  "session_8",  "session_9",  "session_10", "session_11", "session_12",
     "session_13", "session_14", "session_15", "session_16"};
-
-bool is_of_all(const Form& form) { return form.name.find(kSessions) != std::string::npos; }
 
 /// How many values a form of all sessions has.
 std::size_t sessions_of(const Form& form) {
@@ -35,7 +32,7 @@ std::size_t sessions_of(const Form& form) {
 
 std::vector<ParameterRecord> parameters(const Form& form, Kind kind) {
   const Target target = form.name.starts_with("sensor") ? Target::kOffset : target_of(form.name);
-  if (!is_of_all(form)) return {change_parameter("step", target, kind)};
+  if (!gives_each_session_a_value(form)) return {change_parameter("step", target, kind)};
   std::vector<ParameterRecord> result;
   for (std::size_t k = 0; k < sessions_of(form); ++k) {
     result.push_back(change_parameter(kSessionNames[k], target, kind));
@@ -100,7 +97,7 @@ std::vector<Form> forms(const Occasion& o) {
 void apply(const Form& form, std::span<const Scalar> p, const Condition& condition, Kind kind,
            Modification& m) {
   const Target target = form.name.starts_with("sensor") ? Target::kOffset : target_of(form.name);
-  if (is_of_all(form)) {
+  if (gives_each_session_a_value(form)) {
     if (condition.run < 0 || condition.run >= static_cast<int>(p.size())) return;
     change_reading(target, p[static_cast<std::size_t>(condition.run)], condition, kind, m);
     return;
@@ -123,7 +120,7 @@ void apply(const Form& form, std::span<const Scalar> p, const Condition& conditi
 std::vector<DerivedParameter> session_deviation(const Form& form, std::span<const Scalar> p,
                                                 const Simulation& simulation, const Modification&) {
   using std::sqrt;
-  if (!is_of_all(form) || p.size() < 2) return {};
+  if (!gives_each_session_a_value(form) || p.size() < 2) return {};
   Scalar mean(0.0);
   for (const Scalar& x : p) mean = mean + x / static_cast<double>(p.size());
   Scalar squares(0.0);

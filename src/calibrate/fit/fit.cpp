@@ -78,16 +78,21 @@ Modification gearbox_under(const Simulation& simulation, const Hypothesis& h,
   return m;
 }
 
-/// Levels of friction that a hypothesis gives the rows.
+/// Levels of friction that a hypothesis gives the rows, or a model under the simulation.
 template <class ReadingUnder>
 LevelRange levels_of(const Problem& problem, const Hypothesis& h,
                      const ReadingUnder& reading_under) {
   LevelRange levels;
-  if (!std::ranges::any_of(h.effects, changes_row_friction)) return levels;
+  if (!problem.simulation.has_models() && std::ranges::none_of(h.effects, changes_row_friction)) {
+    return levels;
+  }
   const auto constants = constants_of(h.value);
   for (const Observation& row : problem.data.rows) {
-    levels.include(reading_under(constants, row.condition).friction_level.a);
+    const double level = reading_under(constants, row.condition).friction_level.a;
+    if (level != 1.0) levels.include(level);
   }
+  // A hypothesis at 1 has derivatives by the level all the same.
+  if (std::ranges::any_of(h.effects, changes_row_friction)) levels.include(1.0);
   return levels;
 }
 

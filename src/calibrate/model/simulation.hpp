@@ -47,6 +47,7 @@ class Simulation {
   [[nodiscard]] std::array<Scalar, 2> flank_coefficients(const Modification& m) const;
 
   [[nodiscard]] Kind kind() const { return kind_; }
+  [[nodiscard]] bool has_models() const { return !models_.empty(); }
   /// Whether a model holds a cause for data of this kind.
   [[nodiscard]] bool models_cause(std::string_view id) const;
   /// Speeds and loads that the gearbox is meant for: those of the design's map; null without one.

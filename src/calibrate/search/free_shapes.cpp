@@ -13,6 +13,38 @@ namespace gear3k::calibrate {
 
 namespace {
 
+/// The fit of the best score among those that were offered.
+class BestFit {
+ public:
+  BestFit(const Problem& problem, Fit found, double scale)
+      : problem_(problem),
+        scale_(scale),
+        fit_(std::move(found)),
+        score_(score_of(problem_, fit_, scale_)) {}
+
+  /// @returns whether it is the best now
+  bool offer(Fit trial) {
+    const double score = score_of(problem_, trial, scale_);
+    if (!(score > score_)) return false;
+    score_ = score;
+    fit_ = std::move(trial);
+    return true;
+  }
+  /// Fits the hypothesis first; one of too many parameters is none.
+  bool offer(Hypothesis h) {
+    if (h.value.size() > static_cast<std::size_t>(kMostParameters)) return false;
+    return offer(fit(problem_, std::move(h), scale_));
+  }
+  [[nodiscard]] const Hypothesis& hypothesis() const { return fit_.hypothesis; }
+  [[nodiscard]] Fit take() && { return std::move(fit_); }
+
+ private:
+  const Problem& problem_;
+  double scale_;
+  Fit fit_;
+  double score_;
+};
+
 /// The hypothesis with a form in the place of an effect; parameters of the same name keep their
 /// values, the others are 0.
 Hypothesis in_form(const Hypothesis& h, std::size_t effect, const Candidate& form) {
@@ -77,31 +109,25 @@ double score_of(const Problem& problem, const Fit& fit, double scale) {
 
 Fit with_free_shapes(const Problem& problem, const std::vector<Candidate>& all, Fit found,
                      double scale) {
-  double best = score_of(problem, found, scale);
+  BestFit best(problem, std::move(found), scale);
   for (bool again = true; again;) {
     again = false;
-    for (std::size_t e = 0; e < found.hypothesis.effects.size(); ++e) {
+    for (std::size_t e = 0; e < best.hypothesis().effects.size(); ++e) {
       for (const Candidate& form : all) {
-        if (!may_replace(found.hypothesis, e, form)) continue;
-        Hypothesis h = in_form(found.hypothesis, e, form);
-        if (h.value.size() > static_cast<std::size_t>(kMostParameters)) continue;
-        Fit trial = fit(problem, std::move(h), scale);
-        const double score = score_of(problem, trial, scale);
-        if (!(score > best)) continue;
-        best = score;
-        found = std::move(trial);
-        again = true;
+        if (!may_replace(best.hypothesis(), e, form)) continue;
+        again = best.offer(in_form(best.hypothesis(), e, form)) || again;
       }
     }
   }
-  return found;
+  return std::move(best).take();
 }
 
 namespace {
 
-/// The causes that explain most of what a fit leaves, each in its best plain form.
+/// The three causes that explain most of what a fit leaves, each in its best plain form.
 std::vector<Candidate> most_promising(const Problem& problem, const std::vector<Candidate>& all,
-                                      const Fit& fit, double scale, std::size_t most) {
+                                      const Fit& fit, double scale) {
+  constexpr std::size_t kMost = 3;
   std::vector<Candidate> others;
   for (const Candidate& c : all) {
     if (c.form.weight > 0.0 && !has_cause(fit.hypothesis, c.cause)) others.push_back(c);
@@ -112,7 +138,7 @@ std::vector<Candidate> most_promising(const Problem& problem, const std::vector<
   const Screen screen(columns.own, columns.other, blocks_of(others), problem.noise.known_scale());
   std::vector<Candidate> result;
   for (const std::size_t k : ranked(others, screen.gains(columns.residual), 1)) {
-    if (result.size() == most) break;
+    if (result.size() == kMost) break;
     result.push_back(others[k]);
   }
   return result;
@@ -148,59 +174,36 @@ std::vector<Fit> plain_fits(const Problem& problem, const std::vector<Candidate>
 Fit with_plain_shapes(const Problem& problem, const std::vector<Candidate>& all, Fit found,
                       double scale, int most) {
   const Hypothesis h = found.hypothesis;
-  if (static_cast<int>(h.effects.size()) >= most) return found;
-  double best = score_of(problem, found, scale);
-  for (std::size_t e = 0; e < h.effects.size(); ++e) {
+  BestFit best(problem, std::move(found), scale);
+  for (std::size_t e = 0; e < h.effects.size() && static_cast<int>(h.effects.size()) < most; ++e) {
     if (h.effects[e].form.weight > 0.0) continue;
     for (const Fit& plain : plain_fits(problem, all, h, e, scale)) {
-      if (const double score = score_of(problem, plain, scale); score > best) {
-        best = score;
-        found = plain;
-      }
-      constexpr std::size_t kTried = 3;
-      for (const Candidate& c : most_promising(problem, all, plain, scale, kTried)) {
-        Hypothesis two = with(plain.hypothesis, c);
-        if (two.value.size() > static_cast<std::size_t>(kMostParameters)) continue;
-        Fit trial = fit(problem, std::move(two), scale);
-        const double score = score_of(problem, trial, scale);
-        if (!(score > best)) continue;
-        best = score;
-        found = std::move(trial);
+      best.offer(plain);
+      for (const Candidate& c : most_promising(problem, all, plain, scale)) {
+        best.offer(with(plain.hypothesis, c));
       }
     }
   }
-  return found;
+  return std::move(best).take();
 }
 
 Fit with_exchanges(const Problem& problem, const std::vector<Candidate>& all, Fit found,
                    double scale) {
-  double best = score_of(problem, found, scale);
+  BestFit best(problem, std::move(found), scale);
   constexpr int kRounds = 3;
-  for (int round = 0; round < kRounds; ++round) {
-    const Hypothesis h = found.hypothesis;
-    if (h.effects.size() < 2) break;
-    const double before = best;
-    for (std::size_t e = 0; e < h.effects.size(); ++e) {
+  bool again = true;
+  for (int round = 0; round < kRounds && again; ++round) {
+    again = false;
+    const Hypothesis h = best.hypothesis();
+    for (std::size_t e = 0; e < h.effects.size() && h.effects.size() > 1; ++e) {
       const Fit rest = fit(problem, without(h, e), scale);
-      if (const double score = score_of(problem, rest, scale); score > best) {
-        best = score;
-        found = rest;
-      }
-      constexpr std::size_t kTried = 3;
-      for (const Candidate& c : most_promising(problem, all, rest, scale, kTried)) {
-        if (c.cause == h.effects[e].cause) continue;
-        Hypothesis other = with(rest.hypothesis, c);
-        if (other.value.size() > static_cast<std::size_t>(kMostParameters)) continue;
-        Fit trial = fit(problem, std::move(other), scale);
-        const double score = score_of(problem, trial, scale);
-        if (!(score > best)) continue;
-        best = score;
-        found = std::move(trial);
+      again = best.offer(rest) || again;
+      for (const Candidate& c : most_promising(problem, all, rest, scale)) {
+        if (c.cause != h.effects[e].cause) again = best.offer(with(rest.hypothesis, c)) || again;
       }
     }
-    if (!(best > before)) break;
   }
-  return found;
+  return std::move(best).take();
 }
 
 }  // namespace gear3k::calibrate

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calibrate/causes/reading_change.hpp"
 #include "numerics/distributions.hpp"
 
 namespace gear3k::calibrate {
@@ -12,10 +13,6 @@ namespace {
 
 /// A step or a drift: what sessions could differ by without scattering.
 bool separates_sessions(const Candidate& c) { return c.cause->remedy == Remedy::kProcedure; }
-
-bool gives_each_session_a_value(const Candidate& c) {
-  return c.form.name.find("sessions") != std::string::npos;
-}
 
 /// Residuals of which those far from their session's median count as less far: the sessions' own
 /// distance, however great, is what is looked for.
@@ -71,7 +68,7 @@ SessionScatter session_scatter(const Problem& problem, const SearchResult& found
   // What a step or a drift would take off counts as theirs, not as scatter; and where every session
   // has a value of its own nothing is left to scatter.
   const Hypothesis& all = found.fit.hypothesis;
-  if (std::ranges::any_of(all.effects, gives_each_session_a_value)) return {};
+  if (std::ranges::any_of(all.effects, gives_each_session_a_value, &Candidate::form)) return {};
   std::vector<bool> stays;
   stays.reserve(all.effects.size());
   for (const Candidate& c : all.effects) stays.push_back(!separates_sessions(c));
@@ -80,7 +77,7 @@ SessionScatter session_scatter(const Problem& problem, const SearchResult& found
   for (const Candidate& c : found.candidates) {
     // Among several sessions that scatter one lies farthest off: that is no step.
     const bool one_session = c.form.name.ends_with("only");
-    if (separates_sessions(c) && !gives_each_session_a_value(c) &&
+    if (separates_sessions(c) && !gives_each_session_a_value(c.form) &&
         !(one_session && noise.runs >= kSeveralRuns)) {
       steps.push_back(c);
     }

@@ -12,6 +12,7 @@
 #include "calibrate/model/model_range.hpp"
 #include "calibrate/search/noise_from_fit.hpp"
 #include "calibrate/search/search.hpp"
+#include "calibrate/search/search_with_noise.hpp"
 #include "calibrate/search/stability.hpp"
 #include "calibrate/verdict/experiment.hpp"
 #include "calibrate/verdict/remainder.hpp"
@@ -41,7 +42,8 @@ SimulatedRows simulated_rows(const Simulation& simulation, const MeasurementSet&
   const RowStates states(data.rows);
   const RowResponses responses(states, simulation, simulation.unmodified({}));
   for (std::size_t i = 0; i < data.rows.size(); ++i) {
-    if (responses.of_row(i)) {
+    const std::optional<Scalar> response = responses.of_row(i);
+    if (response && std::isfinite(response->a)) {
       result.data.rows.push_back(data.rows[i]);
       result.place.push_back(i);
     } else {
@@ -59,70 +61,6 @@ SimulatedRows simulated_rows(const Simulation& simulation, const MeasurementSet&
       "{} of {} rows are left out, as the simulation does not run there (the first in line {})",
       lines.size(), data.rows.size(), lines.front()));
   return result;
-}
-
-/// Searches for causes, again where the residuals show that the rows do not scatter alike: the
-/// problem's noise model is changed accordingly.
-SearchResult search_with_noise(Problem& problem, const std::vector<Candidate>& candidates,
-                               const SearchOptions& options,
-                               const std::function<bool(double)>& tell, SessionScatter& sessions,
-                               std::vector<std::string>& notes) {
-  SearchResult found = search_causes(problem, candidates, options);
-  if (!tell(0.4)) return found;
-  if (const auto weights = weights_by_response(problem, found)) {
-    problem.noise.weight = *weights;
-    notes.emplace_back("the noise grows with the response: rows are weighted accordingly");
-    found = search_causes(problem, candidates, options);
-  }
-  sessions = session_scatter(problem, found);
-  if (sessions.guarded > 0.0) {
-    problem.noise.session_variance = sessions.guarded;
-    found = search_causes(problem, candidates, options);
-  }
-  return found;
-}
-
-/// Rows at random places, as many as a search needs: what so many do not show is nothing.
-MeasurementSet thinned(const MeasurementSet& data, std::size_t rows, std::uint64_t seed) {
-  MeasurementSet result = data;
-  result.rows.clear();
-  for (Covariate& c : result.covariates) c.value.clear();
-  // Selection sampling: each set of so many rows is as likely, and their order stays.
-  RandomBits random(seed + 99);
-  for (std::size_t i = 0; i < data.rows.size(); ++i) {
-    const auto wanted = static_cast<double>(rows - result.rows.size());
-    const auto left = static_cast<double>(data.rows.size() - i);
-    if (!(random.uniform() * left < wanted)) continue;
-    result.rows.push_back(data.rows[i]);
-    for (std::size_t k = 0; k < data.covariates.size(); ++k) {
-      result.covariates[k].value.push_back(data.covariates[k].value[i]);
-    }
-  }
-  return result;
-}
-
-/// The search on some of very many rows; what it found, and its noise model, are then those of all.
-SearchResult search_of_many(Problem& problem, const std::vector<Candidate>& candidates,
-                            const SearchOptions& options, const std::function<bool(double)>& tell,
-                            SessionScatter& sessions, std::vector<std::string>& notes) {
-  constexpr std::size_t kEnough = 12000;
-  if (problem.data.rows.size() <= 2 * kEnough) {
-    return search_with_noise(problem, candidates, options, tell, sessions, notes);
-  }
-  const MeasurementSet some = thinned(problem.data, kEnough, options.seed);
-  Problem part{.simulation = problem.simulation, .data = some, .noise = make_noise_model(some)};
-  SearchResult found = search_with_noise(part, candidates, options, tell, sessions, notes);
-  found.fit = fit(problem, found.fit.hypothesis, found.scale);
-  if (const auto weights = weights_by_response(problem, found)) {
-    problem.noise.weight = *weights;
-    found.fit = fit(problem, found.fit.hypothesis, found.scale);
-  }
-  problem.noise.session_variance = part.noise.session_variance;
-  notes.push_back(
-      fmt::format("causes were searched for in {} of {} rows, at random places, and "
-                  "fitted to all",
-                  kEnough, problem.data.rows.size()));
-  return found;
 }
 
 std::vector<Alternative> alternatives_of(const Problem& problem,
@@ -469,8 +407,8 @@ std::optional<Diagnosis> diagnose(const Simulation& simulation, const Measuremen
   const SearchOptions search_options{.rate = kCauseShare * options.false_discovery_rate,
                                      .seed = options.seed};
   SessionScatter sessions;
-  const SearchResult found = search_of_many(problem, candidates_for(simulation, data),
-                                            search_options, tell, sessions, d.notes);
+  const SearchResult found = search_with_noise(problem, candidates_for(simulation, data),
+                                               search_options, tell, sessions, d.notes);
   if (!tell(0.6)) return std::nullopt;
 
   // What repeats say of the simulation as given, and structure without a cause.

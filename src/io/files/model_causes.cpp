@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "calibrate/causes/form_catalogue.hpp"
+#include "calibrate/causes/reading_change.hpp"
 #include "io/files/model_file_keys.hpp"
 
 namespace gear3k::io {
@@ -243,11 +244,13 @@ class CauseReader {
 
   /// What a constant's value ought to be; "" where it is.
   static std::string allowed_constant(const calibrate::FormConstant& c) {
-    constexpr double kMostSessions = 16.0;
+    constexpr auto kMostSessions = static_cast<double>(calibrate::kMostSessions);
     constexpr double kAbsoluteZero_c = -273.15;
     const bool whole = std::floor(c.value) == c.value;
-    if (c.name == "sessions") {
-      return whole && c.value >= 1.0 && c.value <= kMostSessions ? "" : "an integer from 1 to 16";
+    if (c.name == calibrate::kSessions) {
+      return whole && c.value >= 1.0 && c.value <= kMostSessions
+                 ? ""
+                 : fmt::format("an integer from 1 to {}", calibrate::kMostSessions);
     }
     if (c.name == "first_run") {
       constexpr double kMostRuns = 1e9;
