@@ -1,28 +1,34 @@
 // How often `diagnose` is right on campaigns of the wide rig, whose laws, noise and plans are not
 // those of the library, over many seeds and strengths.
 //
-//   wide_rates [SEEDS [STRENGTHS [LINE-PREFIX [answers]]]]        wide_rates 200 2,8,16 "single "
+//   wide_rates [SEEDS [STRENGTHS [LINE-PREFIX]]] [--first=SEED] [--answers] [--leave-out]
+//   wide_rates 200 2,8,16 "single "
 //
 // LINE-PREFIX may be a group: single, special, pair, triple, null, confounded, unknown.  A line of
 // the table per line of the rig and strength, then one per group and strength.  Percent of
-// campaigns, with 95 % intervals of the rates of right answers.
+// campaigns, with 95 % intervals of the rates of right answers.  --answers prints what was said of
+// each; --leave-out tells how often the names stay when one session or tenth is left out.  At the
+// end the probabilities that were stated against how often they were right.
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <map>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "benchmarks/share.hpp"
 #include "numerics/parallel.hpp"
-#include "tests/calibrate/wide_scoring.hpp"
+#include "tests/app/wide_scoring.hpp"
 
 namespace {
 
@@ -31,7 +37,7 @@ using wide_rig::Score;
 
 struct Sum {
   int count = 0, right = 0, wrong = 0, remainder = 0, disclosed = 0, excluded = 0, unseen = 0,
-      worse = 0, intervals = 0, inside = 0, failed = 0;
+      worse = 0, later = 0, later_worse = 0, stays = 0, intervals = 0, inside = 0, failed = 0;
   double seconds = 0.0;
 
   void add(const Score& s) {
@@ -43,53 +49,102 @@ struct Sum {
     excluded += s.lists_excluded ? 1 : 0;
     intervals += s.intervals;
     inside += s.inside;
+    constexpr double kWorse = 1.05;
     if (std::isfinite(s.unseen) && std::isfinite(s.unseen_refit)) {
-      constexpr double kWorse = 1.05;
       ++unseen;
       worse += s.unseen > kWorse * s.unseen_refit ? 1 : 0;
     }
+    if (std::isfinite(s.later) && std::isfinite(s.later_refit)) {
+      ++later;
+      later_worse += s.later > kWorse * s.later_refit ? 1 : 0;
+    }
   }
-  void print(const std::string& name) const {
+  void print(const std::string& name, bool leave_out) const {
     const auto percent = [](int hits, int of) {
       return of == 0 ? std::string("    -") : fmt::format("{:5.1f}", 100.0 * hits / of);
     };
-    fmt::print("{:<58} {} {} {} {} {} {} {} {:5.0f}{}\n", name, benchmarks::share(right, count),
-               percent(wrong, count), percent(remainder, count), percent(disclosed, count),
-               percent(excluded, count), percent(worse, unseen), percent(inside, intervals),
-               1e3 * seconds / std::max(count, 1),
-               failed > 0 ? fmt::format("  {} failed", failed) : "");
+    fmt::print(
+        "{:<58} {} {} {} {} {} {} {} {}{} {:5.0f}{}\n", name, benchmarks::share(right, count),
+        percent(wrong, count), percent(remainder, count), percent(disclosed, count),
+        percent(excluded, count), percent(worse, unseen), percent(later_worse, later),
+        percent(inside, intervals), leave_out ? fmt::format(" {}", percent(stays, count)) : "",
+        1e3 * seconds / std::max(count, 1), failed > 0 ? fmt::format("  {} failed", failed) : "");
     std::fflush(stdout);
   }
+};
+
+/// Stated probabilities by tenths, beside the share of them that was right.
+class Reliability {
+ public:
+  void add(const std::vector<wide_rig::Claim>& claims) {
+    for (const wide_rig::Claim& claim : claims) {
+      const auto tenth = std::min<std::size_t>(static_cast<std::size_t>(claim.probability * 10), 9);
+      ++count_[tenth];
+      stated_[tenth] += claim.probability;
+      held_[tenth] += claim.holds ? 1 : 0;
+    }
+  }
+  void print() const {
+    fmt::print(
+        "\nprobabilities of causes by tenths: stated, right with its 95 % interval, claims\n");
+    for (std::size_t k = 0; k < count_.size(); ++k) {
+      if (count_[k] == 0) continue;
+      fmt::print("  {:5.1f} {} {:6}\n", 100.0 * stated_[k] / count_[k],
+                 benchmarks::share(held_[k], count_[k]), count_[k]);
+    }
+  }
+
+ private:
+  std::array<int, 10> count_{}, held_{};
+  std::array<double, 10> stated_{};
 };
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int seeds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 200;
+  std::uint64_t first_seed = 1;
+  bool answers = false, leave_out = false;
+  std::vector<std::string> words;
+  for (int k = 1; k < argc; ++k) {
+    const std::string word = argv[k];
+    constexpr std::string_view kFirst = "--first=";
+    if (word.starts_with(kFirst)) {
+      first_seed = std::strtoull(word.c_str() + kFirst.size(), nullptr, 10);
+    } else if (word == "--answers") {
+      answers = true;
+    } else if (word == "--leave-out") {
+      leave_out = true;
+    } else {
+      words.push_back(word);
+    }
+  }
+  const int seeds = words.empty() ? 200 : std::max(1, std::atoi(words[0].c_str()));
   std::vector<double> strengths;
-  std::istringstream list(argc > 2 ? argv[2] : "1,2,4,8,16");
+  std::istringstream list(words.size() > 1 ? words[1] : "1,2,4,8,16");
   for (std::string one; std::getline(list, one, ',');) strengths.push_back(std::atof(one.c_str()));
-  const std::string prefix = argc > 3 ? argv[3] : "";
-  const bool answers = argc > 4;
+  const std::string prefix = words.size() > 2 ? words[2] : "";
   fmt::print(
       "{} seeds a line; percent, right with its 95 % interval\n{:<58} {:>19} {:>5} {:>5} "
-      "{:>5} {:>5} {:>5} {:>5} {:>5}\n",
+      "{:>5} {:>5} {:>5} {:>5} {:>5} {}\n",
       seeds, "line, strength in noise", "right", "wrong", "rem.", "discl", "excl.", "worse",
-      "in CI", "ms");
+      "later", "in CI", leave_out ? " stays    ms" : "   ms");
   std::map<std::string, Sum> groups;
+  Reliability reliability;
   for (const wide_rig::Line& line : wide_rig::lines()) {
     if (!line.name.starts_with(prefix) && line.group != prefix) continue;
     for (const double strength : strengths) {
       std::vector<Score> scores(static_cast<std::size_t>(seeds));
       std::vector<std::string> errors(scores.size());
       std::vector<double> seconds(scores.size());
+      std::vector<char> stays(scores.size(), 0);
       numerics::parallel_for(scores.size(), [&](std::size_t k) {
         try {
-          const auto campaign = wide_rig::make_campaign(line, strength, k + 1);
+          const auto campaign = wide_rig::make_campaign(line, strength, first_seed + k);
           const auto start = std::chrono::steady_clock::now();
           scores[k] = wide_rig::score(campaign);
           seconds[k] =
               std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+          if (leave_out) stays[k] = wide_rig::names_stay(campaign, first_seed + k) ? 1 : 0;
         } catch (const std::exception& error) {
           errors[k] = error.what();
         }
@@ -101,20 +156,23 @@ int main(int argc, char** argv) {
           if (errors[k].empty()) {
             s->add(scores[k]);
             s->seconds += seconds[k];
+            s->stays += stays[k];
           } else {
             ++s->failed;
           }
         }
-        if (!errors[k].empty()) fmt::print("  seed {}: {}\n", k + 1, errors[k]);
+        if (!errors[k].empty()) fmt::print("  seed {}: {}\n", first_seed + k, errors[k]);
+        reliability.add(scores[k].claims);
       }
-      sum.print(fmt::format("{} at {}", line.name, strength));
+      sum.print(fmt::format("{} at {}", line.name, strength), leave_out);
       for (std::size_t k = 0; answers && k < scores.size(); ++k) {
-        fmt::print("    {:>3} {} {}\n", k + 1, scores[k].right ? "right" : "     ",
+        fmt::print("    {:>3} {} {}\n", first_seed + k, scores[k].right ? "right" : "     ",
                    scores[k].answer);
       }
       if (line.group == "null") break;
     }
   }
   fmt::print("\n");
-  for (const auto& [name, sum] : groups) sum.print(name);
+  for (const auto& [name, sum] : groups) sum.print(name, leave_out);
+  reliability.print();
 }

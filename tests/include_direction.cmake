@@ -17,7 +17,9 @@ set(order
     calibrate/causes
     calibrate/fit
     calibrate/search
+    calibrate/laws
     calibrate/verdict
+    calibrate/series
     actuator
     io/text
     io/keys

@@ -1,23 +1,17 @@
 #pragma once
 
-#include <cstdint>
 #include <numbers>
 #include <optional>
-#include <random>
 
+#include "tests/random_numbers.hpp"
 #include "train/train_geometry.hpp"
 
 namespace gear3k {
 
-/// Random 3K trains for identities; the seed makes them the same in every run.
-class RandomTrain {
+/// Random 3K trains for identities.
+class RandomTrain : public RandomNumbers {
  public:
-  explicit RandomTrain(std::uint_fast64_t seed) : generator_(seed) {}
-
-  double between(double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(generator_);
-  }
-  int count(int low, int high) { return std::uniform_int_distribution<int>(low, high)(generator_); }
+  using RandomNumbers::RandomNumbers;
 
   /// Tooth numbers with G2 below or above 1, nearly coaxial.
   train::ToothSet teeth(bool g2_below_one) {
@@ -45,9 +39,6 @@ class RandomTrain {
       if (auto result = make_train_geometry(p)) return *result;
     }
   }
-
- private:
-  std::mt19937_64 generator_;
 };
 
 }  // namespace gear3k

@@ -19,9 +19,9 @@ groups=(
   gear3k_calibrate
   "calibrate_test gear3k_rig rig_test"
   "gear3k_io gear3k_report gear3k_drawing gear3k_papers"
-  "units_test geometry_test train_test backlash_test efficiency_test inertia_test"
+  "units_test geometry_test train_test backlash_test efficiency_test inertia_test strength_test"
   "gear3k_units gear3k_numerics gear3k_geometry gear3k_train gear3k_backlash gear3k_efficiency
-    gear3k_inertia gear3k_design"
+    gear3k_inertia gear3k_strength gear3k_design"
   "io_test report_test drawing_test papers_test"
   "design_test optimize_test"
   "gear3k_app gear3k_cli gear3k"

@@ -13,6 +13,7 @@
 #include "calibrate/measurement/impossible_rows.hpp"
 #include "calibrate/measurement/value_range.hpp"
 #include "calibrate/model/model_range.hpp"
+#include "calibrate/series/series.hpp"
 #include "io/files/measurement_loops.hpp"
 
 namespace gear3k::app {
@@ -99,14 +100,20 @@ std::optional<Ends> ends_of(const ExperimentLimit& limit,
 /// What the diagnosis found out about its model, beside the values.
 void complete_model(Diagnosis& d) {
   d.model.verdict = d.verdict;
-  for (std::size_t k = 0; k < d.effects.size() && k < d.model.causes.size(); ++k) {
-    calibrate::AppliedCause& cause = d.model.causes[k];
-    for (const calibrate::Alternative& a : d.effects[k].alternatives) {
+  for (const calibrate::Effect& effect : d.effects) {
+    // The model of a series has the causes of the design, which may be others.
+    const auto own = std::ranges::find_if(d.model.causes, [&](const auto& cause) {
+      return cause.id == effect.id && cause.form.name == effect.form.name &&
+             cause.form.body == effect.form.body && cause.form.order == effect.form.order;
+    });
+    if (own == d.model.causes.end()) continue;
+    calibrate::AppliedCause& cause = *own;
+    for (const calibrate::Alternative& a : effect.alternatives) {
       if (std::ranges::find(cause.alternatives, a.id) == cause.alternatives.end()) {
         cause.alternatives.push_back(a.id);
       }
     }
-    for (const calibrate::ParameterResult& p : d.effects[k].parameters) {
+    for (const calibrate::ParameterResult& p : effect.parameters) {
       if (!p.plausible) cause.implausible.push_back(p.name);
     }
   }
@@ -145,6 +152,13 @@ DiagnosisTask diagnosis_task(const DiagnoseRequest& request) {
     std::erase_if(task.simulations,
                   [](const Simulation& s) { return s.kind() == Kind::kTorqueAngle; });
   }
+  for (const MeasurementSet& set : data.sets) {
+    errors.collect([&] {
+      const std::vector<std::string> few = calibrate::units_of_few_rows(set);
+      if (!few.empty()) throw io::InvalidInput(fmt::format("{}", fmt::join(few, "\n")));
+    });
+  }
+  errors.throw_if_any();
   task.sets = std::move(data.sets);
   if (request.model) note_model(task.subject, *request.model, task.model_notes);
   auto& notes = task.sets.front().notes;
@@ -174,7 +188,8 @@ std::optional<std::vector<Diagnosis>> diagnose(const DiagnosisTask& task,
     };
     std::optional<Diagnosis> result;
     try {
-      result = calibrate::diagnose(task.simulations[k], set, how);
+      result = set.units.empty() ? calibrate::diagnose(task.simulations[k], set, how)
+                                 : calibrate::diagnose_series(task.simulations[k], set, how);
     } catch (const std::invalid_argument& error) {
       throw io::InvalidInput(fmt::format("{}: {}", fmt::join(set.files, ", "), error.what()));
     }

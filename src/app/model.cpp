@@ -31,6 +31,19 @@ void note_range(const Model& model, const calibrate::UsedRange& used, Notes& not
   }
 }
 
+/// Laws are about readings: they do not change the gearbox.
+void note_laws(const Model& model, Notes& notes) {
+  for (const ExtendedModel& m : model.use.models) {
+    for (const calibrate::AppliedLaw& law : m.laws) {
+      notes.push_back(
+          fmt::format("{}: a law of {} is left out, as it changes readings and not the "
+                      "gearbox: {}",
+                      model.use.file, calibrate::kKindNames[static_cast<std::size_t>(m.kind)],
+                      law_formula(law.law, law.value, m.kind)));
+    }
+  }
+}
+
 /// The stated point, or the middle of the model's range, which is noted.
 std::optional<Point> point_or_middle(const std::optional<Point>& stated, const Model& model,
                                      const char* file, Notes& notes) {
@@ -125,6 +138,7 @@ std::optional<Model> read_model(const std::string& path) {
 
 design::Design with_model(const design::Design& design, const Model& model, Notes& notes) {
   note_model(design.name, model.use, notes);
+  note_laws(model, notes);
   design::Design extended = design::extended(design, model.extension);
   if (calibrate::needs_operating_point(model.extension)) {
     extended.operating_point = point_or_middle(design.operating_point, model, "the design", notes);
@@ -146,6 +160,7 @@ design::Design with_model(const design::Design& design, const Model& model, Note
 
 design::Design with_model_on_grid(const design::Design& design, const Model& model, Notes& notes) {
   note_model(design.name, model.use, notes);
+  note_laws(model, notes);
   const Point stated = design.operating_point.value_or(Point{});
   const design::MapGrid& grid = design.map;
   note_range(
@@ -164,6 +179,7 @@ design::Design with_model_on_grid(const design::Design& design, const Model& mod
 optimize::Specification with_model(const optimize::Specification& spec, Model& model,
                                    Notes& notes) {
   note_model(spec.name, model.use, notes);
+  note_laws(model, notes);
   optimize::Specification extended = spec;
   extended.friction.extension = model.extension.friction;
   extended.operating_point = point_or_middle(spec.operating_point, model, "SPEC", notes);

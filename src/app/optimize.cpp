@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "app/evaluate.hpp"
+#include "app/model_change.hpp"
 #include "app/robust_run.hpp"
 #include "calibrate/model/model_range.hpp"
 #include "io/files/design_file.hpp"
@@ -64,6 +65,7 @@ Optimization::Best best_of(const OptimizeTask& task, const optimize::RefinedSet&
 
 OptimizeTask optimize_task(const OptimizeRequest& request) {
   OptimizeTask task{.spec = request.spec,
+                    .without_model = std::nullopt,
                     .stated_limits = {},
                     .model = request.model,
                     .model_notes = {},
@@ -71,6 +73,7 @@ OptimizeTask optimize_task(const OptimizeRequest& request) {
                     .source = request.source,
                     .certify = request.certify};
   if (task.model) {
+    task.without_model = request.spec;
     task.spec = with_model(request.spec, *task.model, task.model_notes);
     task.unreachable = unreachable_lost_motion(request.spec, *task.model);
   }
@@ -99,6 +102,10 @@ Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks,
   }
   outcome.interrupted = outcome.result.interrupted || (outcome.front && outcome.front->interrupted);
   if (outcome.result.best) outcome.best = best_of(task, *outcome.result.best);
+  if (task.model) {
+    outcome.comparison = compare_with_model(task, outcome, progress);
+    outcome.interrupted = outcome.interrupted || outcome.comparison->interrupted;
+  }
   return outcome;
 }
 

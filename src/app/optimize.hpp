@@ -11,6 +11,7 @@
 #include "design/evaluation.hpp"
 #include "optimize/optimizer.hpp"
 #include "optimize/pareto_search.hpp"
+#include "report/model_change_report.hpp"
 #include "report/robust_report.hpp"
 
 namespace gear3k::app {
@@ -25,6 +26,8 @@ struct OptimizeRequest {
 /// A request that can be worked on, with what its model changes.
 struct OptimizeTask {
   optimize::Specification spec;  ///< as it is searched
+  /// As it was stated; where there is a model.
+  std::optional<optimize::Specification> without_model;
   design::Limits stated_limits;  ///< what files state of a design found
   std::optional<Model> model;    ///< with what it moves the limits of lost motion by
   Notes model_notes;
@@ -57,6 +60,8 @@ struct Optimization {
     design::Evaluation evaluation;
   };
   std::optional<Best> best;
+  /// What the task's model changes in the best design; empty without a model.
+  std::optional<report::ModelComparison> comparison;
   bool interrupted = false;
 
   /// Whether limits were found that hold as asked; without, nothing was searched under them.
@@ -65,7 +70,7 @@ struct Optimization {
   }
 };
 
-/// Searches, refines, picks the best.
+/// Searches, refines, picks the best; with a model compares it with the best without the model.
 /// @param task  must outlive the result; gets the limits, and the cheapest tolerances, that hold
 ///   for the built gearboxes
 /// @param progress  may be watched, and ends the run by its `stop`, keeping what is done

@@ -17,6 +17,7 @@
 #include "io/files/specification_file.hpp"
 #include "io/text/toml_value.hpp"
 #include "report/analysis_report.hpp"
+#include "report/model_change_report.hpp"
 #include "report/robust_report.hpp"
 #include "report/search_report.hpp"
 
@@ -114,9 +115,10 @@ OptimizeRun run(app::OptimizeTask& task, RunJournal& journal, const OptimizeOpti
   const app::Optimization& o = run.outcome;
   if (!o.searched()) return run;
   run.tally = report::tally_of(o.result);
-  run.summary = report::summary_json(
-      task.spec, o.result, run.tally, {.wall_time_s = wall_time_s, .threads = threads}, task.use(),
-      o.front ? &*o.front : nullptr, o.robust ? &*o.robust : nullptr);
+  run.summary = report::summary_json(task.spec, o.result, run.tally,
+                                     {.wall_time_s = wall_time_s, .threads = threads}, task.use(),
+                                     o.front ? &*o.front : nullptr, o.robust ? &*o.robust : nullptr,
+                                     o.comparison ? &*o.comparison : nullptr);
   return run;
 }
 
@@ -153,6 +155,7 @@ void print_results(const app::OptimizeTask& task, const OptimizeRun& run,
                                  task.use(), series ? &*series : nullptr) +
           (o.robust ? report::robust_table(task.spec, *o.robust) : "") +
           (o.front ? report::pareto_table(task.spec, *o.front) : "") +
+          (o.comparison ? report::model_change_table(*o.comparison) : "") +
           fmt::format("\nFiles in {}: best.toml (this design), refined.csv ({} tooth sets), "
                       "pareto.csv ({} designs), summary.json\n",
                       options.out, o.result.search.candidates.size() - run.tally.open,
@@ -212,11 +215,15 @@ ExitCode run_optimize(const OptimizeOptions& options) {
                     report::certificate_text(task.spec, outcome.result)));
   }
   if (outcome.interrupted) {
+    const char* open = "the rest";
+    if (!outcome.result.interrupted) {
+      open = outcome.front ? "the front, which it searches anew"
+                           : "the search without the model, which it begins anew";
+    }
     say(
         fmt::format("interrupted: {} holds the {} tooth sets that were refined; --resume goes on "
                     "with {}\n",
-                    options.out, outcome.result.refined.size(),
-                    outcome.result.interrupted ? "the rest" : "the front, which it searches anew"));
+                    options.out, outcome.result.refined.size(), open));
   } else {
     journal.remove();
   }

@@ -1,211 +1,12 @@
-// What each check evaluates, and its record.
+// The records of the checks.
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-
-#include "design/checks.hpp"
-#include "geometry/interference.hpp"
+#include "design/check_values.hpp"
 
 namespace gear3k::design {
 
 namespace {
 
-template <class T>
-const geometry::GearGeometry<T>& gear_at(const Gearing<T>& g, int index) {
-  return g.gears[static_cast<std::size_t>(index)];
-}
-
-// What each check evaluates.
-
-struct Undercut {
-  template <class T>
-  static T value(const Gearing<T>& g, CheckSubject s) {
-    return geometry::undercut_margin(gear_at(g, s.member));
-  }
-};
-
-struct TipThickness {
-  template <class T>
-  static T value(const Gearing<T>& g, CheckSubject s) {
-    const auto& gear = gear_at(g, s.member);
-    return geometry::tooth_thickness(gear, gear.tip_radius_m) / gear.gear.module_m;
-  }
-};
-
-struct RingTipOutsideBase {
-  template <class T>
-  static T value(const Gearing<T>& g, CheckSubject s) {
-    return geometry::ring_tip_above_base(gear_at(g, s.member));
-  }
-};
-
-struct InvoluteInterference {
-  template <class T>
-  static T value(const Gearing<T>& g, CheckSubject s) {
-    const auto mesh = static_cast<std::size_t>(s.member);
-    const auto [first, second] = g.mesh_gears[mesh];
-    return geometry::involute_interference_margin(gear_at(g, first), gear_at(g, second),
-                                                  g.meshes[mesh], s.which);
-  }
-};
-
-/// The mesh of a check and its two gears.
-template <class T>
-struct MeshView {
-  const geometry::GearGeometry<T>&gear1, &gear2;
-  const geometry::MeshGeometry<T>& mesh;
-};
-template <class T>
-MeshView<T> mesh_at(const Gearing<T>& g, int index) {
-  const auto mesh = static_cast<std::size_t>(index);
-  const auto [first, second] = g.mesh_gears[mesh];
-  return {gear_at(g, first), gear_at(g, second), g.meshes[mesh]};
-}
-
-/// Tooth form of gear 1 or 2 of a mesh.
-template <class T>
-const geometry::ToothForm<T>& form_at(const Gearing<T>& g, int mesh, int which) {
-  const auto pair = g.mesh_gears[static_cast<std::size_t>(mesh)];
-  return g.forms[static_cast<std::size_t>(which == 1 ? pair[0] : pair[1])];
-}
-
-struct FormCircle {
-  template <class T>
-  static T value(const Gearing<T>& g, CheckSubject s) {
-    const auto [gear1, gear2, mesh] = mesh_at(g, s.member);
-    return geometry::form_circle_margin(gear1, gear2, mesh, form_at(g, s.member, s.which), s.which);
-  }
-};
-
-struct TipFouling {
-  template <class T>
-  static T value(const Gearing<T>& g, CheckSubject s) {
-    const auto [gear1, gear2, mesh] = mesh_at(g, s.member);
-    const int mate = s.which == 1 ? 2 : 1;
-    return geometry::tip_fouling_gap(gear1, gear2, mesh, form_at(g, s.member, mate), s.which);
-  }
-};
-
-struct RootClearance {
-  template <class T>
-  static T value(const Gearing<T>& g, CheckSubject s) {
-    const auto [gear1, gear2, mesh] = mesh_at(g, s.member);
-    return geometry::root_clearance(gear1, gear2, mesh, s.which);
-  }
-};
-
-struct TrochoidInterference {
-  template <class T>
-  static T value(const Gearing<T>& g, CheckSubject s) {
-    const auto [gear1, gear2, mesh] = mesh_at(g, s.member);
-    return geometry::trochoid_margin(gear1, gear2, mesh);
-  }
-};
-
-struct Trimming {
-  template <class T>
-  static T value(const Gearing<T>& g, CheckSubject s) {
-    const auto [gear1, gear2, mesh] = mesh_at(g, s.member);
-    return geometry::trimming_margin(gear1, gear2, mesh);
-  }
-};
-
-struct RingCutter {
-  template <class T>
-  static T value(const Gearing<T>& g, CheckSubject s) {
-    return geometry::ring_cutter_margin(gear_at(g, s.member),
-                                        g.forms[static_cast<std::size_t>(s.member)]);
-  }
-};
-
-struct BodyGap {
-  template <class T>
-  static T value(const Gearing<T>& g, CheckSubject s) {
-    return train::passing_gap(*g.train, *g.axial, s.member) /
-           g.train->gears[train::kS].gear.module_m;
-  }
-};
-
-struct Coaxiality {
-  template <class T>
-  static T value(const Gearing<T>& g, CheckSubject s) {
-    using std::abs;
-    const auto [gear1, gear2, mesh] = mesh_at(g, s.member);
-    const auto own = geometry::zero_backlash_center_distance(gear1, gear2);
-    // Without such a distance at all, the whole distance is amiss.
-    return own ? T(abs(mesh.center_distance_m - *own)) : mesh.center_distance_m;
-  }
-};
-
-struct PlanetGap {
-  template <class T>
-  static T value(const Gearing<T>& g, CheckSubject s) {
-    return train::neighbour_gap(*g.train, static_cast<train::GearId>(s.member)) /
-           g.train->gears[train::kS].gear.module_m;
-  }
-};
-
-struct ContactRatio {
-  template <class T>
-  static T value(const Gearing<T>& g, CheckSubject s) {
-    return g.meshes[static_cast<std::size_t>(s.member)].contact_ratio;
-  }
-};
-
-struct NormalBacklash {
-  template <class T>
-  static T value(const Gearing<T>& g, CheckSubject s) {
-    return g.normal_backlash_m[static_cast<std::size_t>(s.member)];
-  }
-};
-
-struct OutputBacklash {
-  template <class T>
-  static T value(const Gearing<T>& g, CheckSubject s) {
-    const std::array<T, train::kMeshCount> j{g.normal_backlash_m[0], g.normal_backlash_m[1],
-                                             g.normal_backlash_m[2]};
-    if (s.which == 0) return backlash::output_lost_motion(*g.train, j, g.model);
-    const auto phi = backlash::paper_lost_motion(*g.train, j);
-    return phi[0] + phi[static_cast<std::size_t>(s.which)];
-  }
-};
-
-struct RingRootDiameter {
-  template <class T>
-  static T value(const Gearing<T>& g, CheckSubject s) {
-    return 2.0 * gear_at(g, s.member).root_radius_m;
-  }
-};
-
-struct EqualSpacing {
-  template <class T>
-  static T value(const Gearing<T>& g, CheckSubject) {
-    const auto& z = g.train->teeth;
-    const int n = g.train->planets;
-    const int remainder = (z.S + z.R1) % n;
-    // Distance from the nearest assembly position, as angle of the carrier.
-    const double misfit = std::min(remainder, n - remainder);
-    return constant<T>(remainder == 0 ? 0.0
-                                      : -misfit * 2.0 * std::numbers::pi / (n * (z.S + z.R1)));
-  }
-};
-
-struct IdenticalPlanets {
-  template <class T>
-  static T value(const Gearing<T>& g, CheckSubject s) {
-    const auto result = train::assembly(g.train->teeth, g.train->planets);
-    if (!result.equal_spacing) return EqualSpacing::value(g, s);
-    const auto& z = g.train->teeth;
-    const double period =
-        2.0 * std::numbers::pi / static_cast<double>(train::hunting_period_teeth(z.P1, z.P2));
-    double worst = 0.0;
-    for (const double phase : result.planet_phase_rad) {
-      worst = std::max(worst, std::min(phase, period - phase));
-    }
-    return constant<T>(-worst);
-  }
-};
+using namespace check_values;
 
 template <class Check>
 CheckRecord with_values(CheckRecord record) {
@@ -472,6 +273,108 @@ const std::array<CheckRecord, kCheckCount>& records() {
                                                 .help =
                                                     "equal planets can be assembled; the margin is "
                                                     "the largest P1/P2 phase that a planet needs"}),
+      with_values<RootSafety>(CheckRecord{.id = CheckId::kRootSafety,
+                                          .name = "root_safety",
+                                          .title = "safety of the root",
+                                          .group = "strength",
+                                          .unit = Unit::kNone,
+                                          .scope = CheckScope::kRatedTooth,
+                                          .at_least = true,
+                                          .default_limit = 1.0,
+                                          .threshold = false,
+                                          .limit_key = "strength.s_f_min",
+                                          .rating = true,
+                                          .help = "S_F of every tooth in each mesh under the load "
+                                                  "of [strength], at least strength.s_f_min"}),
+      with_values<FlankSafety>(CheckRecord{.id = CheckId::kFlankSafety,
+                                           .name = "flank_safety",
+                                           .title = "safety of the flank",
+                                           .group = "strength",
+                                           .unit = Unit::kNone,
+                                           .scope = CheckScope::kRatedTooth,
+                                           .at_least = true,
+                                           .default_limit = 1.0,
+                                           .threshold = false,
+                                           .limit_key = "strength.s_h_min",
+                                           .rating = true,
+                                           .help = "S_H of every tooth in each mesh under the load "
+                                                   "of [strength], at least strength.s_h_min"}),
+      with_values<ToothTemperature>(
+          CheckRecord{.id = CheckId::kToothTemperature,
+                      .name = "tooth_temperature",
+                      .title = "temperature of a plastic tooth",
+                      .group = "strength",
+                      .unit = Unit::kCelsius,
+                      .scope = CheckScope::kRatedTooth,
+                      .at_least = false,
+                      .default_limit = 120.0,
+                      .threshold = true,
+                      .limit_key = "",
+                      .rating = true,
+                      .help = "greatest temperature of root and flank of a plastic gear"}),
+      with_values<ToothWear>(
+          CheckRecord{.id = CheckId::kToothWear,
+                      .name = "wear",
+                      .title = "wear of a plastic flank",
+                      .group = "strength",
+                      .unit = Unit::kModule,
+                      .scope = CheckScope::kRatedTooth,
+                      .at_least = false,
+                      .default_limit = strength::kGreatestWear_modules,
+                      .threshold = true,
+                      .limit_key = "",
+                      .rating = true,
+                      .help = "greatest mean linear wear of a plastic gear's flank over its life"}),
+      with_values<RimThickness>(CheckRecord{
+          .id = CheckId::kRimThickness,
+          .name = "rim_thickness",
+          .title = "rim over the least for Y_B",
+          .group = "strength",
+          .unit = Unit::kNone,
+          .scope = CheckScope::kRatedTooth,
+          .at_least = true,
+          .default_limit = 1.0,
+          .threshold = true,
+          .limit_key = "",
+          .rating = true,
+          .help =
+              "least rim under the teeth over half a tooth height, of a ring over 1.75 modules"}),
+      with_values<NotchRange>(CheckRecord{.id = CheckId::kNotchRange,
+                                          .name = "notch_range",
+                                          .title = "notch inside the range of Y_S",
+                                          .group = "strength",
+                                          .unit = Unit::kNone,
+                                          .scope = CheckScope::kRatedTooth,
+                                          .at_least = true,
+                                          .default_limit = 0.0,
+                                          .threshold = false,
+                                          .limit_key = "",
+                                          .rating = true,
+                                          .help = "q_s of every rated root from 1 to 8"}),
+      with_values<BearingLoad>(CheckRecord{.id = CheckId::kBearingLoad,
+                                           .name = "bearing_load",
+                                           .title = "load of a planet's bearing",
+                                           .group = "strength",
+                                           .unit = Unit::kNewton,
+                                           .scope = CheckScope::kPlanetBearing,
+                                           .at_least = false,
+                                           .default_limit = std::nullopt,
+                                           .threshold = true,
+                                           .limit_key = "",
+                                           .rating = true,
+                                           .help = "greatest load of either bearing of a planet"}),
+      with_values<PinStress>(CheckRecord{.id = CheckId::kPinStress,
+                                         .name = "pin_stress",
+                                         .title = "bending stress of a planet's pin",
+                                         .group = "strength",
+                                         .unit = Unit::kMegapascal,
+                                         .scope = CheckScope::kPlanetPin,
+                                         .at_least = false,
+                                         .default_limit = std::nullopt,
+                                         .threshold = true,
+                                         .limit_key = "",
+                                         .rating = true,
+                                         .help = "greatest bending stress of a planet's pin"}),
   };
   return kRecords;
 }

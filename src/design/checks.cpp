@@ -28,7 +28,8 @@ GearingLayout train_layout(const TrainLayout& train) {
                        .shaped = {},
                        .passing_bodies = train::overlapping_bodies(train.axial),
                        .planets = train.planets,
-                       .length_scale_m = train.stage1_module_m};
+                       .length_scale_m = train.stage1_module_m,
+                       .rating = train.rating};
   for (const geometry::PinionCutter& cutter : train.cutter) {
     layout.shaped.push_back(cutter.teeth > 0);
   }
@@ -54,9 +55,46 @@ double scale_of(const CheckRecord& record, double limit, double length_scale_m) 
     case Unit::kDegree:
       // Angles of assembly are zero when it fits, and never small otherwise.
       return 1e-6;
+    case Unit::kNewton:
+    case Unit::kMegapascal:
+      return limit > 0.0 ? limit : 1.0;
     default:
-      return 1.0;  // of no check
+      return 1.0;  // degrees of temperature: one of them
   }
+}
+
+/// Whether a check has a value for a gear under load.
+bool applies(CheckId id, const strength::RatingTask& task, std::size_t gear) {
+  const strength::GearMaterial& material = *task.material[gear];
+  const bool plastic = strength::is_plastic(material.record.group);
+  using strength::LimitLaw;
+  switch (id) {
+    case CheckId::kRootSafety:
+      return material.record.root_limit.law != LimitLaw::kNotStated;
+    case CheckId::kFlankSafety:
+      return material.record.flank_limit.law != LimitLaw::kNotStated;
+    case CheckId::kToothTemperature:
+      return plastic;
+    case CheckId::kToothWear:
+      return plastic && task.wear_coefficient_m2_N && (task.cycles || task.life_s);
+    case CheckId::kRimThickness:
+      return !plastic && (task.rim_radius_m[gear] ||
+                          (task.ring_rim_m &&
+                           train::kind_of(static_cast<int>(gear)) == geometry::GearKind::kRing));
+    default:
+      return !plastic;
+  }
+}
+
+/// Least value of a check on a gear under load.
+double least_of(CheckId id, double limit, const strength::RatingTask& task, std::size_t gear) {
+  if (id == CheckId::kRootSafety) {
+    return strength::least_root_safety(task, *task.material[gear]);
+  }
+  if (id == CheckId::kFlankSafety) {
+    return strength::least_flank_safety(task, *task.material[gear]);
+  }
+  return limit;
 }
 
 }  // namespace
@@ -122,6 +160,26 @@ std::vector<CheckInstance> list_checks(const Limits& limits, const GearingLayout
       case CheckScope::kTrain:
         if (layout.planets > 0) add({.member = 0, .which = 0});
         break;
+      case CheckScope::kRatedTooth:
+        for (int k = 0; layout.rating != nullptr && k < meshes; ++k) {
+          for (const int which : {1, 2}) {
+            const auto gear = static_cast<std::size_t>(
+                layout
+                    .mesh_gears[static_cast<std::size_t>(k)][static_cast<std::size_t>(which - 1)]);
+            if (!applies(r.id, *layout.rating, gear)) continue;
+            add({.member = k, .which = which});
+            checks.back().limit = least_of(r.id, *limit, *layout.rating, gear);
+          }
+        }
+        break;
+      case CheckScope::kPlanetBearing:
+        if (layout.rating == nullptr || !layout.rating->supports) break;
+        for (const int support : {0, 1}) add({.member = support, .which = 0});
+        break;
+      case CheckScope::kPlanetPin:
+        if (layout.rating == nullptr || !layout.rating->supports) break;
+        if (layout.rating->pin_diameter_m) add({.member = 0, .which = 0});
+        break;
     }
   }
   return checks;
@@ -158,12 +216,17 @@ SubjectNames subject_names(const CheckInstance& check, std::span<const std::stri
                                   train::kBodyNames[static_cast<std::size_t>(pair.second)])};
     }
     case CheckScope::kTip:
-    case CheckScope::kMember: {
+    case CheckScope::kMember:
+    case CheckScope::kRatedTooth: {
       const auto pair = mesh_gears[index];
       const int gear = check.subject.which == 1 ? pair[0] : pair[1];
       return {.mesh = std::string(meshes[index]),
               .gear = std::string(gears[static_cast<std::size_t>(gear)])};
     }
+    case CheckScope::kPlanetBearing:
+      return {.mesh = "", .gear = index == 0 ? "planet A" : "planet B"};
+    case CheckScope::kPlanetPin:
+      return {.mesh = "", .gear = "planet pin"};
     case CheckScope::kTrain:
       break;
   }

@@ -11,6 +11,7 @@
 
 #include "backlash/lost_motion.hpp"
 #include "geometry/tooth_form.hpp"
+#include "strength/train_rating.hpp"
 #include "train/axial_layout.hpp"
 #include "train/train_geometry.hpp"
 #include "units/units.hpp"
@@ -30,7 +31,10 @@ enum class CheckScope {
   kMember,      ///< a mesh and one of its gears (1 or 2)
   kPlanetStep,  ///< P1 or P2 against its neighbour
   kBodyPair,    ///< two bodies that overlap along the axis
-  kTrain
+  kTrain,
+  kRatedTooth,     ///< a mesh and one of its gears, where a load is stated (1 or 2)
+  kPlanetBearing,  ///< A or B of a planet, where a load is stated
+  kPlanetPin       ///< where a load is stated
 };
 
 enum class CheckId {
@@ -55,9 +59,17 @@ enum class CheckId {
   kOutputBacklashMax,
   kRingRootDiameter,
   kEqualSpacing,
-  kIdenticalPlanets
+  kIdenticalPlanets,
+  kRootSafety,
+  kFlankSafety,
+  kToothTemperature,
+  kToothWear,
+  kRimThickness,
+  kNotchRange,
+  kBearingLoad,
+  kPinStress
 };
-inline constexpr std::size_t kCheckCount = 22;
+inline constexpr std::size_t kCheckCount = 30;
 
 /// What the checks look at: a whole train, or one pair.
 template <class T>
@@ -71,6 +83,9 @@ struct Gearing {
   const train::TrainGeometry<T>* train = nullptr;  ///< null for a pair
   const train::AxialLayout* axial = nullptr;       ///< null where nothing is known of it
   backlash::LostMotionModel model = backlash::LostMotionModel::kKinematic;
+  /// By mesh; empty where no load is stated or no check needs it (CheckRecord::rating).
+  std::span<const strength::MeshRating<T>> rating{};
+  const strength::TrainRating<T>* train_rating = nullptr;  ///< likewise; null for a pair
 };
 
 /// One value of one check: which gear (kExternalGear, kRing, kCutRing, kPlanetStep), mesh (kMesh,
@@ -98,6 +113,7 @@ struct CheckRecord {
   /// Key outside [limits] that sets the limit, e.g. "backlash.max_output_arcmin"; "" = [limits].
   std::string_view limit_key;
   bool tooth_form = false;  ///< its value needs Gearing::forms
+  bool rating = false;      ///< its value needs Gearing::rating
   std::string_view help;
   CheckValue<double> value = nullptr;
   CheckValue<Jet1> value1 = nullptr;
@@ -136,6 +152,7 @@ struct GearingLayout {
   std::vector<int> passing_bodies{};  ///< indices into train::kPassingBodies that overlap
   int planets = 0;                    ///< 0 for a pair: no planet steps, no train
   double length_scale_m = 1e-3;       ///< scale of checks on lengths: the module
+  const strength::RatingTask* rating = nullptr;  ///< the load, where one is stated
 };
 /// What of a train decides which checks it has.
 struct TrainLayout {
@@ -143,6 +160,7 @@ struct TrainLayout {
   double stage1_module_m = 1e-3;
   std::array<geometry::PinionCutter, train::kGearCount> cutter{};
   train::AxialLayout axial{};
+  const strength::RatingTask* rating = nullptr;
 };
 GearingLayout train_layout(const TrainLayout& train);
 

@@ -14,6 +14,7 @@
 #include "design/operating_point.hpp"
 #include "efficiency/friction_law.hpp"
 #include "inertia/effective_inertia.hpp"
+#include "strength/rating_task.hpp"
 #include "train/train_geometry.hpp"
 
 namespace gear3k::design {
@@ -75,6 +76,7 @@ struct Design {
   Limits limits = default_limits();
   std::optional<backlash::Tolerances> tolerances;
   Sampling sampling;
+  std::optional<strength::RatingTask> rating;  ///< what it is to carry
 };
 
 struct PairDesign {
@@ -87,6 +89,7 @@ struct PairDesign {
   Friction friction;
   Limits limits = default_limits();
   std::optional<backlash::PairTolerances> tolerances;
+  std::optional<strength::RatingTask> rating;
 };
 
 }  // namespace gear3k::design

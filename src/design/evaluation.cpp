@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
-#include <numeric>
 
 #include "backlash/normal_backlash.hpp"
+#include "design/evaluation_parts.hpp"
 #include "design/measured_lost_motion.hpp"
+#include "design/rated_gearbox.hpp"
 #include "efficiency/train_efficiency.hpp"
 
 namespace gear3k::design {
@@ -16,177 +18,6 @@ namespace gear3k::design {
 namespace {
 
 using geometry::GearGeometry;
-
-NotDefined no_working_angle(std::string_view mesh, double center_distance_m, double base_sum_m) {
-  if (!(base_sum_m > 0.0)) {
-    return {fmt::format("mesh {}: the ring needs more teeth than the planet", mesh)};
-  }
-  return {fmt::format(
-      "mesh {}: center distance = {:.6g} mm leaves no working pressure angle, allowed: above "
-      "{:.6g} mm (base radii)",
-      mesh, center_distance_m * 1e3, base_sum_m * 1e3)};
-}
-
-ToothResult tooth_result(const GearGeometry<double>& g, const geometry::ToothForm<double>& form,
-                         std::optional<double> pin_diameter_m) {
-  return {.tool = form.fillet.tool,
-          .form_diameter_m = 2.0 * form.form_radius_m,
-          .undercut = form.undercut,
-          .fillet_radius_m = form.fillet.rounding_radius_m,
-          .full_round = form.full_round,
-          .form_thickness_m = geometry::form_circle_thickness(g, form),
-          .root_space_m = geometry::root_space_width(g),
-          .span = geometry::span_measure(g),
-          .pins = geometry::pin_measure(g, pin_diameter_m),
-          .chordal = geometry::chordal_thickness(g),
-          .infeed = geometry::infeed(g),
-          .cutter_teeth = g.gear.kind == geometry::GearKind::kRing ? g.gear.cutter.teeth : 0,
-          .cutter_tip_diameter_m = 2.0 * form.cutter_tip_radius_m,
-          .cutter_center_distance_m = form.cutter_center_distance_m};
-}
-
-GearResult gear_result(std::string_view name, const GearGeometry<double>& g,
-                       const geometry::ToothForm<double>& form,
-                       std::optional<double> pin_diameter_m) {
-  return {.name = std::string(name),
-          .teeth = g.gear.teeth,
-          .profile_shift = g.gear.profile_shift,
-          .tip_shortening = g.gear.tip_shortening,
-          .pitch_diameter_m = 2.0 * g.reference_radius_m,
-          .base_diameter_m = 2.0 * g.base_radius_m,
-          .tip_diameter_m = 2.0 * g.tip_radius_m,
-          .root_diameter_m = 2.0 * g.root_radius_m,
-          .tip_thickness_m = geometry::tooth_thickness(g, g.tip_radius_m),
-          .tooth = tooth_result(g, form, pin_diameter_m)};
-}
-
-template <std::size_t N>
-std::array<geometry::ToothForm<double>, N> tooth_forms(
-    const std::array<GearGeometry<double>, N>& gears) {
-  std::array<geometry::ToothForm<double>, N> forms;
-  std::ranges::transform(gears, forms.begin(), geometry::make_tooth_form<double>);
-  return forms;
-}
-
-struct Pairing {
-  std::string_view name;
-  const GearGeometry<double>& gear1;
-  const GearGeometry<double>& gear2;
-  const geometry::MeshGeometry<double>& mesh;
-  bool gear1_drives;  ///< forward
-};
-
-/// Coefficients of friction of a mesh when the train is driven forward and backward.
-struct MeshFriction {
-  double forward, backward;
-};
-
-MeshResult mesh_result(const Pairing& p, const Friction& friction, const MeshFriction& mu) {
-  const auto forward = efficiency::contact_of(p.gear1, p.gear2, p.mesh, p.gear1_drives);
-  const auto backward = efficiency::contact_of(p.gear1, p.gear2, p.mesh, !p.gear1_drives);
-  const double approach = forward.approach_contact_ratio;
-  const double recess = forward.recess_contact_ratio;
-  const auto efficiency = [&](const efficiency::MeshContact<double>& contact, double coefficient) {
-    return efficiency::mesh_efficiency(contact, efficiency::flank_friction(friction, coefficient),
-                                       friction.model);
-  };
-  MeshResult result{
-      .name = std::string(p.name),
-      .working_pressure_angle_rad = p.mesh.alpha_w_rad,
-      .zero_backlash_center_distance_m = geometry::zero_backlash_center_distance(p.gear1, p.gear2),
-      .contact_ratio = p.mesh.contact_ratio,
-      .approach_contact_ratio = approach,
-      .recess_contact_ratio = recess,
-      .normal_backlash_m = backlash::normal_backlash(p.gear1, p.gear2, p.mesh),
-      .friction_forward = mu.forward,
-      .friction_backward = mu.backward,
-      .efficiency_forward = efficiency(forward, mu.forward),
-      .efficiency_backward = efficiency(backward, mu.backward),
-      .loss_model_in_range = efficiency::loss_model_in_range(friction.model, approach, recess),
-      .hunting_period_teeth = train::hunting_period_teeth(p.gear1.gear.teeth, p.gear2.gear.teeth),
-      .common_factor = std::gcd(p.gear1.gear.teeth, p.gear2.gear.teeth),
-      .active_root_diameter_m = {},
-      .root_clearance_m = {},
-      .tip_sliding = {},
-      .planet_phase = {}};
-  for (const int which : {1, 2}) {
-    const auto i = static_cast<std::size_t>(which - 1);
-    const double length = geometry::active_root_length(p.gear1, p.gear2, p.mesh, which);
-    const double base = (which == 1 ? p.gear1 : p.gear2).base_radius_m;
-    if (length >= 0.0) result.active_root_diameter_m[i] = 2.0 * std::hypot(base, length);
-    result.root_clearance_m[i] =
-        geometry::root_clearance(p.gear1, p.gear2, p.mesh, which) * p.gear1.gear.module_m;
-    result.tip_sliding[i] = geometry::tip_sliding(p.gear1, p.gear2, p.mesh, which);
-  }
-  return result;
-}
-
-struct CheckNames {
-  std::span<const std::string_view> gears, meshes;
-};
-
-std::vector<CheckResult> run_checks(const std::vector<CheckInstance>& checks,
-                                    const Gearing<double>& gearing, const CheckNames& names) {
-  std::vector<CheckResult> results;
-  for (const CheckInstance& check : checks) {
-    const double value = check_value(check, gearing);
-    const double margin = check_margin(check, gearing);
-    SubjectNames subject = subject_names(check, names.gears, names.meshes, gearing.mesh_gears);
-    results.push_back({.record = check.record,
-                       .mesh = std::move(subject.mesh),
-                       .gear = std::move(subject.gear),
-                       .value = value,
-                       .limit = check.limit,
-                       .margin = margin,
-                       .ok = margin >= -kFeasibilityTolerance * check.scale});
-  }
-  return results;
-}
-
-/// What the tolerances make of a gearing and its checks; says so where they leave no mesh.
-template <class Stated>
-std::optional<ToleranceLimits> limits_within(const std::optional<Stated>& tolerances,
-                                             const DrawnGearing& drawn,
-                                             const std::vector<CheckInstance>& checks,
-                                             std::vector<std::string>& notes) {
-  if (!tolerances) return std::nullopt;
-  auto limits = tolerance_limits(drawn, tolerances->gears, tolerances->center_distance_m, checks);
-  if (!limits) {
-    notes.emplace_back(
-        "the tolerances have no minimum and maximum: at an end of tolerances.center_distance_um a "
-        "mesh has no working pressure angle");
-  }
-  return limits;
-}
-
-void note_loss_model(const std::vector<MeshResult>& meshes, std::vector<std::string>& notes) {
-  for (const MeshResult& mesh : meshes) {
-    if (mesh.contact_ratio <= 0.0) {
-      notes.push_back(
-          fmt::format("mesh {} has no contact (contact ratio {:.3f}): the train's "
-                      "efficiency is undefined",
-                      mesh.name, mesh.contact_ratio));
-      continue;
-    }
-    if (mesh.contact_ratio < 1.0) {
-      notes.push_back(fmt::format(
-          "mesh {} has a contact ratio of {:.3f}: it does not run continuously, and its efficiency "
-          "is that of the part of the pitch with a pair in contact",
-          mesh.name, mesh.contact_ratio));
-    }
-    if (!(mesh.efficiency_forward > 0.0 && mesh.efficiency_backward > 0.0)) {
-      notes.push_back(fmt::format(
-          "mesh {} has no positive efficiency with this friction: those of the train are undefined",
-          mesh.name));
-    }
-    if (mesh.loss_model_in_range) continue;
-    notes.push_back(fmt::format(
-        "loss model ohlendorf is outside its range at mesh {}: approach {:.3f}, recess {:.3f}, "
-        "valid for 0 to 1 each with a sum of at least 1; it overestimates the loss there "
-        "(loss_model = \"sliding\" does not)",
-        mesh.name, mesh.approach_contact_ratio, mesh.recess_contact_ratio));
-  }
-}
 
 /// Says which bodies have no place along the axis, as their gaps are then not checked.
 void note_axial_overlap(const Design& design, std::vector<std::string>& notes) {
@@ -322,31 +153,6 @@ std::optional<double> resolved_center_distance(
   return geometry::zero_backlash_center_distance(gears[train::kP1], gears[train::kR1]);
 }
 
-/// The gears of a pair; by the KHK rule where asked for and the distance is known.
-std::array<GearGeometry<double>, 2> gears_of(const PairDesign& design,
-                                             std::optional<double> center_distance_m) {
-  const auto angle = geometry::make_pressure_angle(design.pressure_angle_rad);
-  std::array<geometry::Gear<double>, 2> gears{design.gear1, design.gear2};
-  for (std::size_t i = 0; i < 2; ++i) {
-    if (!design.khk_tip[i] || !center_distance_m) continue;
-    gears[i].tip_shortening = geometry::khk_tip_shortening<double>(
-        {.teeth_sum = design.gear1.teeth + design.gear2.teeth,
-         .module_m = design.gear1.module_m,
-         .shift_sum = design.gear1.profile_shift + design.gear2.profile_shift,
-         .center_distance_m = *center_distance_m});
-  }
-  return {geometry::make_gear_geometry(gears[0], angle),
-          geometry::make_gear_geometry(gears[1], angle)};
-}
-
-std::optional<double> resolved_center_distance(const PairDesign& design,
-                                               const std::array<GearGeometry<double>, 2>& gears) {
-  return design.center_distance_m ? design.center_distance_m
-                                  : geometry::zero_backlash_center_distance(gears[0], gears[1]);
-}
-
-constexpr std::array<std::string_view, 1> kPairMesh{"1-2"};
-
 }  // namespace
 
 std::optional<NotDefined> why_undefined(const Design& design) {
@@ -463,7 +269,15 @@ std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
   const auto checks = list_checks(design.limits, train_layout({.planets = e.planets,
                                                                .stage1_module_m = e.module_m[0],
                                                                .cutter = parameters.cutter,
-                                                               .axial = design.axial}));
+                                                               .axial = design.axial,
+                                                               .rating = stated_load(design)}));
+  const auto rated = rate_gearbox(design, *train, forms, e.meshes);
+  if (rated) {
+    gearing.rating = rated->deciding.mesh;
+    gearing.train_rating = &rated->deciding;
+    e.strength = rated->result;
+    std::ranges::copy(rated->notes, std::back_inserter(e.notes));
+  }
   e.checks = run_checks(checks, gearing, {.gears = train::kGearNames, .meshes = train::kMeshNames});
   e.tolerance_limits = limits_within(design.tolerances,
                                      {.gears = gears,
@@ -475,89 +289,12 @@ std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
                                       .train = &*train,
                                       .axial = &design.axial,
                                       .model = design.limits.model},
-                                     checks, e.notes);
+                                     without_load(checks), e.notes);
   note_loss_model(e.meshes, e.notes);
   note_axial_overlap(design, e.notes);
   if (!design.center_distance_given) {
     e.notes.emplace_back(
         "no center_distance_mm given: the zero-backlash distance of mesh P1-R1 is used");
-  }
-  return e;
-}
-
-std::optional<NotDefined> why_undefined(const PairDesign& design) {
-  const auto gears = gears_of(design, std::nullopt);
-  const double sum = geometry::base_radius_sum(gears[0], gears[1]);
-  const auto distance = resolved_center_distance(design, gears);
-  if (sum > 0.0 && !distance) {
-    return NotDefined{
-        "the pair has no zero-backlash centre distance for these profile shifts: state "
-        "center_distance_mm"};
-  }
-  if (!(sum > 0.0 && *distance > sum)) {
-    return no_working_angle(kPairMesh[0], distance.value_or(0.0), sum);
-  }
-  return std::nullopt;
-}
-
-std::variant<PairEvaluation, NotDefined> evaluate(const PairDesign& design) {
-  static constexpr std::array<std::string_view, 2> kGears{"1", "2"};
-  static constexpr std::array<std::array<int, 2>, 1> kPair{{{0, 1}}};
-  if (auto undefined = why_undefined(design)) return *std::move(undefined);
-  const auto distance = resolved_center_distance(design, gears_of(design, std::nullopt));
-  const auto gears = gears_of(design, distance);
-  const auto forms = tooth_forms(gears);
-  const auto mesh = geometry::make_mesh_geometry(gears[0], gears[1], *distance);
-
-  PairEvaluation e{};
-  e.name = design.name;
-  e.center_distance_m = *distance;
-  e.center_distance_given = design.center_distance_m.has_value();
-  e.mesh = mesh_result(
-      {.name = kPairMesh[0],
-       .gear1 = gears[0],
-       .gear2 = gears[1],
-       .mesh = *mesh,
-       .gear1_drives = true},
-      design.friction,
-      {.forward = design.friction.coefficient, .backward = design.friction.coefficient});
-  for (std::size_t i = 0; i < 2; ++i) {
-    e.gears.push_back(gear_result(kGears[i], gears[i], forms[i], design.pin_diameter_m[i]));
-  }
-  const std::array<double, 1> j_bn{e.mesh.normal_backlash_m};
-  const std::array<geometry::MeshGeometry<double>, 1> meshes{*mesh};
-  const std::array<geometry::GearKind, 2> kinds{gears[0].gear.kind, gears[1].gear.kind};
-  const std::vector<bool> shaped{e.gears[0].tooth.cutter_teeth > 0,
-                                 e.gears[1].tooth.cutter_teeth > 0};
-  const Gearing<double> gearing{.gears = gears,
-                                .meshes = meshes,
-                                .mesh_gears = kPair,
-                                .normal_backlash_m = j_bn,
-                                .forms = forms,
-                                .train = nullptr,
-                                .axial = nullptr,
-                                .model = design.limits.model};
-  const auto checks = list_checks(design.limits, {.gear_kinds = kinds,
-                                                  .mesh_gears = kPair,
-                                                  .shaped = shaped,
-                                                  .passing_bodies = {},
-                                                  .planets = 0,
-                                                  .length_scale_m = design.gear1.module_m});
-  e.checks = run_checks(checks, gearing, {.gears = kGears, .meshes = kPairMesh});
-  e.tolerance_limits = limits_within(design.tolerances,
-                                     {.gears = gears,
-                                      .forms = forms,
-                                      .mesh_gears = kPair,
-                                      .gear_names = kGears,
-                                      .mesh_names = kPairMesh,
-                                      .center_distance_m = e.center_distance_m,
-                                      .train = nullptr,
-                                      .axial = nullptr,
-                                      .model = design.limits.model},
-                                     checks, e.notes);
-  note_loss_model({e.mesh}, e.notes);
-  if (!e.center_distance_given) {
-    e.notes.emplace_back("no center_distance_mm given: the zero-backlash distance is used");
   }
   return e;
 }

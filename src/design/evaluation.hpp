@@ -13,6 +13,7 @@
 #include "geometry/interference.hpp"
 #include "geometry/sliding.hpp"
 #include "geometry/tooth_measures.hpp"
+#include "strength/train_rating.hpp"
 
 namespace gear3k::design {
 
@@ -101,6 +102,13 @@ struct OperatingResult {
   OperationResult<double> forward, backward;
 };
 
+/// What a gearbox carries; empty parts where it cannot be known.
+struct StrengthResult {
+  strength::TrainRating<double> forward, backward;  ///< at the stated torque
+  /// Empty where no safety is judged.
+  std::optional<strength::Capacity<double>> capacity_forward, capacity_backward;
+};
+
 struct Evaluation {
   std::string name;
   train::ToothSet teeth;
@@ -122,6 +130,7 @@ struct Evaluation {
   train::Assembly assembly;
   std::vector<CheckResult> checks;
   std::optional<ToleranceLimits> tolerance_limits;  ///< where the design has tolerances
+  std::optional<StrengthResult> strength;           ///< where the design has a rating task
   std::vector<std::string> notes;
 };
 
@@ -132,7 +141,8 @@ struct PairEvaluation {
   MeshResult mesh;
   std::vector<GearResult> gears;
   std::vector<CheckResult> checks;
-  std::optional<ToleranceLimits> tolerance_limits;  ///< where the design has tolerances
+  std::optional<ToleranceLimits> tolerance_limits;       ///< where the design has tolerances
+  std::optional<strength::MeshRating<double>> strength;  ///< where the pair has a rating task
   std::vector<std::string> notes;
 };
 

@@ -335,6 +335,10 @@ std::vector<Variable> variables_of(const CheckInstance& check, const BuiltGearin
       return built.variables(std::array{first, second}, true);
     }
     case CheckScope::kTrain:
+    // Loads are rated on the drawn gearbox.
+    case CheckScope::kRatedTooth:
+    case CheckScope::kPlanetBearing:
+    case CheckScope::kPlanetPin:
       break;
   }
   return built.backlash_variables();

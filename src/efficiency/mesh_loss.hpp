@@ -23,7 +23,7 @@ inline constexpr std::array<std::string_view, 4> kLossModelNames{"sliding", "ohl
 /// difference that they make to the path of contact, docs/theory §29.
 template <class T>
 struct FlankFriction {
-  T coefficient;                         ///< μ
+  T coefficient{};                       ///< μ
   T approach_factor = constant<T>(1.0);  ///< friction in approach over μ
   T recess_factor = constant<T>(1.0);    ///< friction in recess over μ
 };

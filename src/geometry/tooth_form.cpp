@@ -262,22 +262,27 @@ ToothForm<T> arc_form(const GearGeometry<T>& g) {
 }  // namespace
 
 template <class T>
-FilletPoint<T> fillet_point(const Fillet<T>& f, const T& normal_angle_rad) {
+CuttingPosition<T> cutting_position(const Fillet<T>& f, const T& normal_angle_rad) {
   using std::atan2, std::cos, std::sin, std::sqrt;
   const T c = cos(normal_angle_rad);
   const T s = sin(normal_angle_rad);
-  const T& r = f.pitch_radius_m;
-  // Distance t of the rounding's centre from the pitch point, angle of the space's middle from the
-  // line of centres, and their derivatives by γ.
-  T t = constant<T>(0.0), t_slope = constant<T>(0.0);
-  T turned = constant<T>(0.0), turned_slope = constant<T>(0.0);
+  CuttingPosition<T> position{.center_distance_m = constant<T>(0.0),
+                              .space_angle_rad = constant<T>(0.0),
+                              .center_distance_slope_m = constant<T>(0.0),
+                              .space_angle_slope = constant<T>(0.0)};
+  T& t = position.center_distance_m;
+  T& t_slope = position.center_distance_slope_m;
+  T& turned = position.space_angle_rad;
+  T& turned_slope = position.space_angle_slope;
   switch (f.tool) {
-    case RootTool::kRack:
+    case RootTool::kRack: {
+      const T& r = f.pitch_radius_m;
       t = f.rounding_depth_m / s;
       t_slope = -t * c / s;
       turned = (t * c - f.center_offset) / r;
       turned_slope = (t_slope * c - t * s) / r;
       break;
+    }
     case RootTool::kCutter: {
       const T& r_w0 = f.cutter_pitch_radius_m;
       const T root = other_leg(f.rounding_center_radius_m, T(r_w0 * c));
@@ -295,6 +300,16 @@ FilletPoint<T> fillet_point(const Fillet<T>& f, const T& normal_angle_rad) {
       turned = -f.center_offset;
       break;
   }
+  return position;
+}
+
+template <class T>
+FilletPoint<T> fillet_point(const Fillet<T>& f, const T& normal_angle_rad) {
+  using std::atan2, std::cos, std::sin, std::sqrt;
+  const T c = cos(normal_angle_rad);
+  const T s = sin(normal_angle_rad);
+  const T& r = f.pitch_radius_m;
+  const auto [t, turned, t_slope, turned_slope] = cutting_position(f, normal_angle_rad);
   const double outwards = f.tool == RootTool::kRack ? -1.0 : 1.0;
   const T reach = t + f.rounding_radius_m;
   const T lateral = reach * c;
@@ -358,6 +373,7 @@ T rack_rounding(const GearGeometry<T>& g) {
 }
 
 #define INSTANTIATE(T)                                                                     \
+  template CuttingPosition<T> cutting_position<T>(const Fillet<T>&, const T&);             \
   template FilletPoint<T> fillet_point<T>(const Fillet<T>&, const T&);                     \
   template T space_half_angle<T>(const GearGeometry<T>&, const T&);                        \
   template T contour_half_angle<T>(const GearGeometry<T>&, const ToothForm<T>&, const T&); \

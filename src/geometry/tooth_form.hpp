@@ -41,6 +41,25 @@ struct Fillet {
   T normal_angle_rad{};           ///< γ where the flank's envelope and the fillet's meet
 };
 
+/// Gear and tool as they stand while the fillet point of γ is cut: the distance t of the rounding's
+/// centre from the pitch point, the angle from the line of centres to the middle of the tooth
+/// space, and their derivatives by γ.
+///
+///   rack    (t cos γ − m a)/r
+///   cutter  (z0/z) (atan2(t cos γ, r_w0 + t sin γ) − η_C0)
+///   arc     −η_C
+///
+/// Source: own derivation, docs/theory §14, §15.
+template <class T>
+struct CuttingPosition {
+  T center_distance_m{}, space_angle_rad{};
+  T center_distance_slope_m{}, space_angle_slope{};
+};
+
+/// @param normal_angle_rad  γ in (0, π/2]
+template <class T>
+CuttingPosition<T> cutting_position(const Fillet<T>& fillet, const T& normal_angle_rad);
+
 /// A point of a fillet: radius r, angle η from the middle of the tooth space, and their derivatives
 /// by γ.
 template <class T>

@@ -63,7 +63,31 @@ constexpr std::array<ObjectiveRecord, kObjectiveCount> kRecords{
       .unit = "",
       .per_unit = 1.0,
       .resolution = 1e-12,
-      .help = "|ratio/target - 1|"}}};
+      .help = "|ratio/target - 1|"},
+     {.id = Objective::kTorqueCapacity,
+      .name = "torque_capacity",
+      .title = "torque capacity",
+      .maximise = true,
+      .unit = "Nm",
+      .per_unit = 1.0,
+      .resolution = 1e-6,
+      .help = "output torque at which the first tooth reaches its least safety, driven either way"},
+     {.id = Objective::kTorqueDensity,
+      .name = "torque_density",
+      .title = "torque density",
+      .maximise = true,
+      .unit = "Nm/kg",
+      .per_unit = 1.0,
+      .resolution = 1e-6,
+      .help = "torque capacity over the mass of sun, planets and both rings"},
+     {.id = Objective::kTorsionalStiffness,
+      .name = "torsional_stiffness",
+      .title = "torsional stiffness",
+      .maximise = true,
+      .unit = "Nm/rad",
+      .per_unit = 1.0,
+      .resolution = 1e-2,
+      .help = "of the output against the locked sun, at the stated torque"}}};
 
 }  // namespace
 

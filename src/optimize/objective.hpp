@@ -15,9 +15,12 @@ enum class Objective {
   kOuterDiameter,
   kInertia,
   kMass,
-  kRatioError
+  kRatioError,
+  kTorqueCapacity,
+  kTorqueDensity,
+  kTorsionalStiffness
 };
-inline constexpr std::size_t kObjectiveCount = 7;
+inline constexpr std::size_t kObjectiveCount = 10;
 
 /// One record per objective: names, sense and unit.
 struct ObjectiveRecord {
@@ -34,6 +37,12 @@ struct ObjectiveRecord {
 };
 std::span<const ObjectiveRecord> objective_records();
 const ObjectiveRecord& objective_record(Objective objective);
+
+/// Objectives that follow from the load that is stated; nothing bounds them.
+inline bool is_of_load(Objective objective) {
+  return objective == Objective::kTorqueCapacity || objective == Objective::kTorqueDensity ||
+         objective == Objective::kTorsionalStiffness;
+}
 
 /// Whether SetBounds bounds an objective; best_value() the others.
 inline bool is_efficiency(Objective objective) {

@@ -20,7 +20,7 @@ template <class T>
 using GearBodies = std::array<inertia::MassProperties<T>, train::kGearCount>;
 
 template <class T>
-GearBodies<T> gear_bodies(const Specification& spec,
+GearBodies<T> gear_bodies(const Specification& spec, const std::array<T, 2>& face_width_m,
                           const std::array<geometry::GearGeometry<T>, train::kGearCount>& gears) {
   if (!knows_masses(spec)) {
     throw std::invalid_argument("objective mass or inertia: density and face widths not stated");
@@ -31,9 +31,8 @@ GearBodies<T> gear_bodies(const Specification& spec,
     const bool ring = train::kind_of(id) == geometry::GearKind::kRing;
     const T other = ring ? T(gears[i].root_radius_m + spec.bodies.ring_rim_m) : constant<T>(0.0);
     const auto stage = static_cast<std::size_t>(train::stage_of(id));
-    bodies[i] =
-        inertia::gear_body<T>(gears[i], other, constant<T>(*spec.bodies.face_width_m[stage]),
-                              constant<T>(*spec.bodies.density_kgm3));
+    bodies[i] = inertia::gear_body<T>(gears[i], other, face_width_m[stage],
+                                      constant<T>(*spec.bodies.density_kgm3));
   }
   return bodies;
 }
@@ -78,10 +77,17 @@ bool has_objective_branches(Objective objective, const Specification& spec) {
           spec.limits.model == backlash::LostMotionModel::kPaper);
 }
 
+bool asks_for(const Specification& spec, Objective objective) {
+  return std::ranges::find(spec.objectives, objective) != spec.objectives.end() ||
+         std::ranges::find(spec.objective_limits, objective, &ObjectiveLimit::objective) !=
+             spec.objective_limits.end();
+}
+
 template <class T>
-T objective_value(Objective objective, const Specification& spec,
-                  const train::TrainGeometry<T>& train,
-                  const std::array<T, train::kMeshCount>& normal_backlash_m, int branch) {
+T objective_value(Objective objective, const ObjectiveInput<T>& input, int branch) {
+  const Specification& spec = input.spec;
+  const train::TrainGeometry<T>& train = input.train;
+  const auto& normal_backlash_m = input.normal_backlash_m;
   const auto mesh_efficiencies = [&](bool forward) {
     return efficiency::mesh_efficiencies(train,
                                          efficiency::constant_friction<T>(spec.friction, forward),
@@ -106,14 +112,40 @@ T objective_value(Objective objective, const Specification& spec,
       return 2.0 * radius + 2.0 * spec.bodies.ring_rim_m;
     }
     case Objective::kInertia:
-      return inertia_of(gear_bodies(spec, train.gears), train.teeth, train.planets,
-                        train.center_distance_m);
+      return inertia_of(gear_bodies(spec, input.face_width_m, train.gears), train.teeth,
+                        train.planets, train.center_distance_m);
     case Objective::kMass:
-      return mass_of(gear_bodies(spec, train.gears), train.planets);
+      return mass_of(gear_bodies(spec, input.face_width_m, train.gears), train.planets);
     case Objective::kRatioError:
       return constant<T>(ratio_error(spec, train.teeth));
+    case Objective::kTorqueCapacity:
+      return input.torque_Nm;
+    case Objective::kTorqueDensity:
+      return input.torque_Nm /
+             mass_of(gear_bodies(spec, input.face_width_m, train.gears), train.planets);
+    case Objective::kTorsionalStiffness:
+      if (input.rating == nullptr || !input.rating->stiffness) {
+        throw std::invalid_argument("objective torsional_stiffness: train not rated");
+      }
+      return input.rating->stiffness->output_Nm_rad;
   }
   throw std::invalid_argument("objective_value: objective unknown");
+}
+
+template <class T>
+T objective_value(Objective objective, const Specification& spec,
+                  const train::TrainGeometry<T>& train,
+                  const std::array<T, train::kMeshCount>& normal_backlash_m, int branch) {
+  const auto& widths = spec.bodies.face_width_m;
+  return objective_value<T>(
+      objective,
+      {.spec = spec,
+       .train = train,
+       .normal_backlash_m = normal_backlash_m,
+       .face_width_m = {constant<T>(widths[0].value_or(0.0)), constant<T>(widths[1].value_or(0.0))},
+       .torque_Nm = {},
+       .rating = nullptr},
+      branch);
 }
 
 double best_value(Objective objective, const Specification& spec, const train::ToothSet& teeth,
@@ -132,6 +164,14 @@ double best_value(Objective objective, const Specification& spec, const train::T
       if (spec.khk_tip[gear]) train.tip_shortening[gear] = spec.rack.addendum + spec.rack.dedendum;
     }
     return train::make_train_gears(train);
+  };
+  const auto least_widths = [&] {
+    std::array<double, 2> widths{};
+    for (std::size_t stage = 0; stage < 2; ++stage) {
+      const auto& range = spec.free.face_width_m[stage];
+      widths[stage] = range ? range->min : spec.bodies.face_width_m[stage].value_or(0.0);
+    }
+    return widths;
   };
   const double greatest_angle =
       spec.free.pressure_angle_rad ? spec.free.pressure_angle_rad->max : spec.pressure_angle_rad;
@@ -168,13 +208,17 @@ double best_value(Objective objective, const Specification& spec, const train::T
     case Objective::kInertia:
       // Base circles part at no less than their radii's difference.
       return kSlack * kSlack *
-             inertia_of<double>(gear_bodies(spec, smallest()), teeth, planets,
+             inertia_of<double>(gear_bodies(spec, least_widths(), smallest()), teeth, planets,
                                 0.5 * least_module(spec.module[0]) * std::cos(greatest_angle) *
                                     (teeth.R1 - teeth.P1));
     case Objective::kMass:
-      return kSlack * mass_of(gear_bodies(spec, smallest()), planets);
+      return kSlack * mass_of(gear_bodies(spec, least_widths(), smallest()), planets);
     case Objective::kRatioError:
       return ratio_error(spec, teeth);
+    case Objective::kTorqueCapacity:
+    case Objective::kTorqueDensity:
+    case Objective::kTorsionalStiffness:
+      return std::numeric_limits<double>::infinity();
   }
   throw std::invalid_argument("best_value: objective unknown");
 }
@@ -196,12 +240,26 @@ double objective_scale(Objective objective, const Specification& spec) {
                                   .R2 = spec.teeth.S.min + 2 * spec.teeth.P2.min + 1};
       return best_value(objective, spec, least, spec.planets.front());
     }
+    case Objective::kTorqueCapacity:
+      return spec.rating->torque_Nm;
+    case Objective::kTorqueDensity:
+      return spec.rating->torque_Nm / objective_scale(Objective::kMass, spec);
+    case Objective::kTorsionalStiffness: {
+      // A spring of a tenth of the modulus per face width, at R1's least reference radius.
+      const auto& rating = *spec.rating;
+      const double radius_m =
+          0.5 * least_module(spec.module[0]) * (spec.teeth.S.min + 2 * spec.teeth.P1.min);
+      const double least_width_m = std::min(rating.face_width_m[0], rating.face_width_m[1]);
+      return 0.1 * strength::elasticity_of(*rating.material[train::kP1]).youngs_modulus_Pa *
+             least_width_m * radius_m * radius_m;
+    }
     default:
       return 1.0;
   }
 }
 
 #define INSTANTIATE(T)                                                                           \
+  template T objective_value<T>(Objective, const ObjectiveInput<T>&, int);                       \
   template T objective_value<T>(Objective, const Specification&, const train::TrainGeometry<T>&, \
                                 const std::array<T, train::kMeshCount>&, int);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)

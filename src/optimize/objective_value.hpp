@@ -6,6 +6,7 @@
 #include "backlash/lost_motion.hpp"
 #include "optimize/objective.hpp"
 #include "optimize/specification.hpp"
+#include "strength/train_rating.hpp"
 
 namespace gear3k::optimize {
 
@@ -16,6 +17,20 @@ bool knows_masses(const Specification& spec);
 /// outer diameter (R1's, R2's) and the lost motion by the paper's model (φ_1 + φ_2, φ_1 + φ_3).
 bool has_objective_branches(Objective objective, const Specification& spec);
 
+/// Whether an objective or a limit asks for a value.
+bool asks_for(const Specification& spec, Objective objective);
+
+/// What objectives are computed from.
+template <class T>
+struct ObjectiveInput {
+  const Specification& spec;
+  const train::TrainGeometry<T>& train;
+  const std::array<T, train::kMeshCount>& normal_backlash_m;
+  std::array<T, 2> face_width_m{};                   ///< by stage; of mass, inertia, density
+  T torque_Nm{};                                     ///< of capacity and density
+  const strength::TrainRating<T>* rating = nullptr;  ///< of the stiffness
+};
+
 /// Value of an objective for a train, SI.
 ///
 ///   outer diameter  2 max(rf_R1, rf_R2) + 2 rim
@@ -23,17 +38,23 @@ bool has_objective_branches(Objective objective, const Specification& spec);
 ///                   rings reach from their teeth to the root circle plus the rim
 ///   inertia         inertia::lossless_inertia() of these bodies; nothing of carrier and shafts
 ///   ratio error     |i/target − 1|
+///   torque capacity, density   the torque of the input, and over the mass
+///   torsional stiffness        K_out of the input's rating
 ///
 /// @param branch  of an objective with branches: 0 the larger value, 1 or 2 one of the two
 /// @param forward_friction  used for the forward efficiency, the other one for the backward
 /// @throws std::invalid_argument for mass and inertia unless knows_masses(spec)
+template <class T>
+T objective_value(Objective objective, const ObjectiveInput<T>& input, int branch = 0);
+/// With the stated face widths; not for objectives of the load.
 template <class T>
 T objective_value(Objective objective, const Specification& spec,
                   const train::TrainGeometry<T>& train,
                   const std::array<T, train::kMeshCount>& normal_backlash_m, int branch = 0);
 
 /// Best value [SI] of an objective other than an efficiency that any shifts and modules of a tooth
-/// set can have, from the least modules and shifts: nothing feasible is better.
+/// set can have, from the least modules, shifts and face widths: nothing feasible is better;
+/// infinite for those of the load.
 double best_value(Objective objective, const Specification& spec, const train::ToothSet& teeth,
                   int planets);
 

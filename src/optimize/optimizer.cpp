@@ -159,6 +159,7 @@ class Run {
     Certificate c;
     c.best = merit_of(spec_, *result_.best);
     c.refined = result_.refined.size();
+    c.objective_bounded = !is_of_load(first_objective(spec_));
     c.infeasible = infeasible_;
     c.bounded = result_.search.candidates.size() - infeasible_ - c.refined;
     if (c.refined < order.size()) c.largest_unrefined_bound = bound_[order[c.refined]];

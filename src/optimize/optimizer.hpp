@@ -38,6 +38,7 @@ struct Certificate {
   /// Largest bound of all sets, those of the refined ones that could still hold something better
   /// than the best sharpened.
   double global_bound = 0.0;
+  bool objective_bounded = true;  ///< else the bounds are infinite: nothing bounds the objective
   /// Refined sets whose sharpened bound is above the best by more than kProven: their optima are
   /// local, and they might hold something better.
   std::size_t open = 0;

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "design/evaluation.hpp"
+#include "design/loaded_train.hpp"
 #include "efficiency/train_efficiency.hpp"
 #include "optimize/blocking.hpp"
 #include "optimize/ipopt.hpp"
@@ -152,13 +154,46 @@ void judge_by_model(const Specification& spec, const train::TrainGeometry<double
   set.eta_f_model = efficiency(design::Direction::kForward);
 }
 
+/// Capacity and stiffness, where they are asked for.
+void rate_optimum(const Specification& spec, const train::TrainGeometry<double>& train,
+                  const LoadAt<double>& load, RefinedSet& set) {
+  const bool capacity =
+      asks_for(spec, Objective::kTorqueCapacity) || asks_for(spec, Objective::kTorqueDensity);
+  const bool stiffness = asks_for(spec, Objective::kTorsionalStiffness);
+  if (!capacity && !stiffness) return;
+  std::array<geometry::ToothForm<double>, train::kGearCount> forms;
+  std::ranges::transform(train.gears, forms.begin(), geometry::make_tooth_form<double>);
+  const auto loaded = design::loaded_train<double>(
+      train, forms, load.face_width_m,
+      design::even_friction(efficiency::constant_friction<double>(spec.friction, true),
+                            efficiency::constant_friction<double>(spec.friction, false)),
+      spec.friction.model);
+  using strength::Drive;
+  if (capacity) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Drive drive : {Drive::kForward, Drive::kBackward}) {
+      const auto found = strength::train_capacity(loaded, *spec.rating, drive);
+      if (found) least = std::min(least, found->torque_Nm);
+    }
+    set.torque_capacity_Nm = std::isfinite(least) ? least : load.torque_Nm;
+  }
+  if (stiffness) {
+    const auto rating =
+        strength::rate_train(loaded, *spec.rating, Drive::kEither, spec.rating->torque_Nm,
+                             strength::StiffnessPart::kPath);
+    if (rating.stiffness) set.torsional_stiffness_Nm_rad = rating.stiffness->output_Nm_rad;
+  }
+}
+
 void fill_optimum(const Specification& spec, const BestEnd& best, RefinedSet& set) {
   const auto parameters = parameters_at(*best.problem, used(*best.problem, best.outcome.v));
+  const auto load = load_at(*best.problem, used(*best.problem, best.outcome.v));
   set.train = {.profile_shift = parameters.profile_shift,
                .module_m = parameters.module_m,
                .center_distance_m = parameters.center_distance_m,
                .tip_shortening = parameters.tip_shortening,
-               .pressure_angle_rad = parameters.pressure_angle_rad};
+               .pressure_angle_rad = parameters.pressure_angle_rad,
+               .face_width_m = load.face_width_m};
   set.kkt_residual = kkt_residual(*best.problem, best.outcome.v);
   set.status = set.kkt_residual <= kStationary ? Status::kOptimal : Status::kFailed;
   const auto train = train::make_train_geometry(parameters);
@@ -178,9 +213,16 @@ void fill_optimum(const Specification& spec, const BestEnd& best, RefinedSet& se
   set.ring_root_diameter_m = 2.0 * std::max(train->gears[train::kR1].root_radius_m,
                                             train->gears[train::kR2].root_radius_m);
   if (knows_masses(spec)) {
-    set.mass_kg = objective_value(Objective::kMass, spec, *train, j_bn);
-    set.inertia_kgm2 = objective_value(Objective::kInertia, spec, *train, j_bn);
+    const ObjectiveInput<double> at{.spec = spec,
+                                    .train = *train,
+                                    .normal_backlash_m = j_bn,
+                                    .face_width_m = load.face_width_m,
+                                    .torque_Nm = load.torque_Nm,
+                                    .rating = nullptr};
+    set.mass_kg = objective_value(Objective::kMass, at);
+    set.inertia_kgm2 = objective_value(Objective::kInertia, at);
   }
+  if (spec.rating) rate_optimum(spec, *train, load, set);
   if (judged_by_model(spec)) judge_by_model(spec, *train, set);
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "design/rating_inputs.hpp"
 #include "optimize/objective_value.hpp"
 #include "optimize/refinement_problem.hpp"
 
@@ -50,6 +51,10 @@ design::Design design_of(const Specification& spec, const RefinedSet& set) {
   design.axial = spec.axial;
   design.masses.density_kgm3 = spec.bodies.density_kgm3;
   design.masses.face_width_m = spec.bodies.face_width_m;
+  for (std::size_t stage = 0; stage < 2; ++stage) {
+    const double width_m = set.train.face_width_m[stage];
+    if (width_m > 0.0) design.masses.face_width_m[stage] = width_m;
+  }
   if (knows_masses(spec) && spec.bodies.ring_rim_m > 0.0) {
     const auto gears = train::make_train_gears(design.train);
     design.masses.ring1_outer_radius_m = gears[train::kR1].root_radius_m + spec.bodies.ring_rim_m;
@@ -58,6 +63,11 @@ design::Design design_of(const Specification& spec, const RefinedSet& set) {
   design.limits = spec.limits;
   design.tolerances = spec.tolerances;
   design.sampling = spec.sampling;
+  if (spec.rating) {
+    design.operating_point = spec.operating_point;
+    design.rating = design::rating_of(*spec.rating, design);
+    design.rating->ring_rim_m.reset();  // the rings have their outer surfaces now
+  }
   return design;
 }
 
@@ -77,6 +87,12 @@ double objective_of(const Specification& spec, const RefinedSet& set, Objective 
       return set.mass_kg;
     case Objective::kRatioError:
       return std::abs(train::ratio(set.candidate.teeth) / spec.ratio.target - 1.0);
+    case Objective::kTorqueCapacity:
+      return set.torque_capacity_Nm;
+    case Objective::kTorqueDensity:
+      return set.torque_capacity_Nm / set.mass_kg;
+    case Objective::kTorsionalStiffness:
+      return set.torsional_stiffness_Nm_rad;
   }
   return 0.0;
 }

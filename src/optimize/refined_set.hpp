@@ -41,6 +41,7 @@ struct RefinedTrain {
   double center_distance_m = 0.0;
   std::array<double, train::kGearCount> tip_shortening{};
   double pressure_angle_rad = 0.0;
+  std::array<double, 2> face_width_m{};  ///< by stage; 0 where it is not stated
 };
 
 struct RefinedSet {
@@ -63,6 +64,8 @@ struct RefinedSet {
   std::array<double, train::kMeshCount> contact_ratio{};
   double ring_root_diameter_m = 0.0;         ///< the larger ring's
   double mass_kg = 0.0, inertia_kgm2 = 0.0;  ///< see objective_value(); 0 when not known
+  /// At the stated load; 0 unless an objective or a limit asks for them.
+  double torque_capacity_Nm = 0.0, torsional_stiffness_Nm_rad = 0.0;
   double kkt_residual = 0.0;
 };
 

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <stdexcept>
 
+#include "design/loaded_train.hpp"
 #include "efficiency/train_efficiency.hpp"
 #include "geometry/interference.hpp"
 #include "optimize/objective_value.hpp"
@@ -38,7 +40,8 @@ void append_checks(RefinementProblem& p, int backlash_branch) {
        list_checks(limits, design::train_layout({.planets = p.candidate.planets,
                            .stage1_module_m = p.length_scale_m,
                            .cutter = p.spec->cutter,
-                           .axial = p.spec->axial}))) {
+                           .axial = p.spec->axial,
+                           .rating = p.spec->rating ? &*p.spec->rating : nullptr}))) {
     const CheckId id = check.record->id;
     // Properties of the tooth numbers alone were settled by the search.
     if (id == CheckId::kEqualSpacing || id == CheckId::kIdenticalPlanets) continue;
@@ -128,6 +131,19 @@ train::TrainParameters<double> unrefined_train(const Specification& spec,
 
 namespace {
 
+/// Most that a torque is raised above the stated one.
+constexpr double kGreatestTorqueFactor = 1e3;
+
+/// Whether anything that is asked for depends on the face widths.
+bool widths_matter(const Specification& spec) {
+  return spec.rating || asks_for(spec, Objective::kMass) || asks_for(spec, Objective::kInertia);
+}
+
+bool torque_is_variable(const Specification& spec) {
+  return spec.rating &&
+         (asks_for(spec, Objective::kTorqueCapacity) || asks_for(spec, Objective::kTorqueDensity));
+}
+
 void set_box(RefinementProblem& p, const Candidate& candidate) {
   p.candidate = candidate;
   const auto sums = tooth_sums(candidate.teeth);
@@ -155,12 +171,19 @@ void set_box(RefinementProblem& p, const Candidate& candidate) {
     return k;
   };
   const FreeVariables& free = p.spec->free;
-  p.first_tip = p.pressure_angle = 0;
+  p.first_tip = p.pressure_angle = p.torque = 0;
+  p.face_width = {};
   if (free.tip_shortening) {
     p.first_tip = append(*free.tip_shortening);
     for (int i = 1; i < train::kGearCount; ++i) append(*free.tip_shortening);
   }
   if (free.pressure_angle_rad) p.pressure_angle = append(*free.pressure_angle_rad);
+  for (std::size_t stage = 0; stage < 2 && widths_matter(*p.spec); ++stage) {
+    const auto& width = free.face_width_m[stage];
+    if (!width || !(width->min < width->max)) continue;
+    p.face_width[stage] = append({.min = width->min / width->max, .max = 1.0});
+  }
+  if (torque_is_variable(*p.spec)) p.torque = append({.min = 1.0, .max = kGreatestTorqueFactor});
 }
 
 RefinementProblem with_rows(const Specification& spec, int planets,
@@ -272,6 +295,22 @@ train::TrainParameters<T> parameters_at(const RefinementProblem& p, std::span<co
   return t;
 }
 
+template <class T>
+LoadAt<T> load_at(const RefinementProblem& p, std::span<const T> v) {
+  const Specification& spec = *p.spec;
+  LoadAt<T> load;
+  for (std::size_t stage = 0; stage < 2; ++stage) {
+    const std::size_t place = p.face_width[stage];
+    load.face_width_m[stage] = place > 0
+                                   ? T(v[place] * spec.free.face_width_m[stage]->max)
+                                   : constant<T>(spec.bodies.face_width_m[stage].value_or(
+                                         spec.rating ? spec.rating->face_width_m[stage] : 0.0));
+  }
+  const double stated = spec.rating ? spec.rating->torque_Nm : 0.0;
+  load.torque_Nm = p.torque > 0 ? T(v[p.torque] * stated) : constant<T>(stated);
+  return load;
+}
+
 namespace {
 
 bool all_finite(double x) { return std::isfinite(x); }
@@ -300,14 +339,65 @@ void mark_forms(const design::CheckInstance& check, std::array<bool, train::kGea
   }
 }
 
+/// What of a train has to be rated for the rows and the objective that are asked for.
+struct RatedParts {
+  bool any = false;
+  bool stiffness = false;  ///< of all meshes over their paths
+  std::array<bool, train::kMeshCount> mesh{};
+  std::array<std::array<bool, 2>, train::kMeshCount> roots{};
+};
+
+void mark_rated(const design::CheckInstance& check, RatedParts& parts) {
+  if (!check.record->rating) return;
+  parts.any = true;
+  if (check.record->scope != design::CheckScope::kRatedTooth) return;  // the forces suffice
+  const auto mesh = static_cast<std::size_t>(check.subject.member);
+  parts.mesh[mesh] = true;
+  if (check.record->id != CheckId::kRootSafety && check.record->id != CheckId::kNotchRange) return;
+  parts.roots[mesh][static_cast<std::size_t>(check.subject.which - 1)] = true;
+}
+
+/// Plastic gears are rated with their roots.
+void complete(const strength::RatingTask& task, RatedParts& parts,
+              std::array<bool, train::kGearCount>& needed) {
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    if (parts.stiffness) parts.mesh[k] = true;
+    for (std::size_t i = 0; i < 2 && parts.mesh[k]; ++i) {
+      const auto gear = static_cast<std::size_t>(train::kMeshGears[k][i]);
+      const bool plastic = strength::is_plastic(task.material[gear]->record.group);
+      if (parts.roots[k][i] || parts.stiffness || plastic) needed[gear] = true;
+    }
+  }
+}
+
+/// The train under its load; empty where it cannot be rated (no rim left, no path of contact).
+template <class T>
+std::optional<strength::TrainRating<T>> rating_of(
+    const Specification& spec, const train::TrainGeometry<T>& train,
+    const std::array<geometry::ToothForm<T>, train::kGearCount>& forms, const LoadAt<T>& load,
+    const RatedParts& parts) {
+  auto loaded = design::loaded_train<T>(
+      train, forms, load.face_width_m,
+      design::even_friction(efficiency::constant_friction<T>(spec.friction, true),
+                            efficiency::constant_friction<T>(spec.friction, false)),
+      spec.friction.model);
+  loaded.rated = parts.mesh;
+  loaded.roots = parts.roots;
+  try {
+    return strength::rate_train(
+        loaded, *spec.rating, strength::Drive::kEither, load.torque_Nm,
+        parts.stiffness ? strength::StiffnessPart::kPath : strength::StiffnessPart::kFactors);
+  } catch (const std::invalid_argument&) {
+    return std::nullopt;
+  }
+}
+
 /// By how much an objective reaches its limit, or one branch exceeds the other; scaled.
 template <class T>
-T objective_margin(const ObjectiveRow& row, const Specification& spec,
-                   const train::TrainGeometry<T>& train,
-                   const std::array<T, train::kMeshCount>& j_bn) {
-  const T value = objective_value(row.objective, spec, train, j_bn, row.branch);
+T objective_margin(const ObjectiveRow& row, const ObjectiveInput<T>& at) {
+  const T value = objective_value(row.objective, at, row.branch);
   if (row.limit) return (value - *row.limit) * (sense_of(row.objective) / row.scale);
-  return (value - objective_value(row.objective, spec, train, j_bn, 3 - row.branch)) / row.scale;
+  return (value - objective_value(row.objective, at, 3 - row.branch)) / row.scale;
 }
 
 /// @param index_of  place in problem.rows of the k-th of `constraints`
@@ -322,27 +412,50 @@ std::optional<T> evaluate_rows(const RefinementProblem& p, std::span<const T> v,
   const auto train = train::make_train_geometry(parameters);
   if (!train) return std::nullopt;
   const auto j_bn = backlash::normal_backlashes(*train);
-  const T objective = objective_value(p.objective, spec, *train, j_bn, p.branch.objective) *
-                      (-sense_of(p.objective) / p.objective_scale);
-  bool finite = all_finite(objective);
   auto gearing = design::gearing_of(*train, j_bn, spec.limits.model);
+  const LoadAt<T> load = load_at(p, v);
   std::array<bool, train::kGearCount> needed{};
+  RatedParts parts;
+  parts.stiffness = p.objective == Objective::kTorsionalStiffness;
   for (std::size_t k = 0; k < constraints.size(); ++k) {
     const ConstraintRow& row = p.rows[index_of(k)];
-    if (row.check) mark_forms(*row.check, needed);
+    if (row.objective && row.objective->objective == Objective::kTorsionalStiffness) {
+      parts.stiffness = true;
+    }
+    if (!row.check) continue;
+    mark_forms(*row.check, needed);
+    mark_rated(*row.check, parts);
   }
+  const bool rated = parts.any || parts.stiffness;
+  if (rated) complete(*spec.rating, parts, needed);
   std::array<geometry::ToothForm<T>, train::kGearCount> forms;
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
     if (needed[i]) forms[i] = geometry::make_tooth_form<T>(train->gears[i]);
   }
   gearing.forms = forms;
   gearing.axial = &spec.axial;
+  std::optional<strength::TrainRating<T>> rating;
+  if (rated) {
+    rating = rating_of(spec, *train, forms, load, parts);
+    if (!rating || (parts.stiffness && !rating->stiffness)) return std::nullopt;
+    gearing.rating = rating->mesh;
+    gearing.train_rating = &*rating;
+  }
+  const ObjectiveInput<T> at{.spec = spec,
+                             .train = *train,
+                             .normal_backlash_m = j_bn,
+                             .face_width_m = load.face_width_m,
+                             .torque_Nm = load.torque_Nm,
+                             .rating = rating ? &*rating : nullptr};
+  const T objective = objective_value(p.objective, at, p.branch.objective) *
+                      (-sense_of(p.objective) / p.objective_scale);
+  bool finite = all_finite(objective);
   for (std::size_t k = 0; k < constraints.size(); ++k) {
     const ConstraintRow& row = p.rows[index_of(k)];
     if (row.check) {
       constraints[k] = check_margin(*row.check, gearing) / row.check->scale;
     } else if (row.objective) {
-      constraints[k] = objective_margin(*row.objective, spec, *train, j_bn);
+      constraints[k] = objective_margin(*row.objective, at);
     } else {
       const T& module = parameters.module_m[static_cast<std::size_t>(row.stage)];
       constraints[k] =
@@ -382,6 +495,7 @@ double worst_violation(std::span<const double> constraints) {
 #define INSTANTIATE(T)                                                                \
   template train::TrainParameters<T> parameters_at<T>(const RefinementProblem&,       \
                                                       std::span<const T>);            \
+  template LoadAt<T> load_at<T>(const RefinementProblem&, std::span<const T>);        \
   template std::optional<T> evaluate<T>(const RefinementProblem&, std::span<const T>, \
                                         std::span<T>);                                \
   template std::optional<T> evaluate<T>(const RefinementProblem&, std::span<const T>, \

@@ -35,9 +35,9 @@ struct ConstraintRow {
   std::string_view name;  ///< of the check or objective, or stage1_module / stage2_module
 };
 
-/// Most variables of a problem: five shifts, two working angles, a module, five tip shortenings and
-/// the pressure angle.
-inline constexpr std::size_t kMostUnknowns = 14;
+/// Most variables of a problem: five shifts, two working angles, a module, five tip shortenings,
+/// the pressure angle, two face widths and the torque.
+inline constexpr std::size_t kMostUnknowns = 17;
 /// Values of the variables; a problem uses the first `variables` of them.
 using Point = std::array<double, kMostUnknowns>;
 /// Places of the variables after the five shifts (in the order of train::GearId).
@@ -56,7 +56,8 @@ struct ProblemBranch {
 
 /// One tooth set with its modules, as a programme in at most kMostUnknowns variables of order 1:
 ///
-///   v = (x_S, x_P1, x_R1, x_P2, x_R2, a [, b] [, m1/scale] [, k_S .. k_R2] [, α])
+///   v = (x_S, x_P1, x_R1, x_P2, x_R2, a [, b] [, m1/scale] [, k_S .. k_R2] [, α]
+///        [, b_1/b_1max] [, b_2/b_2max] [, T/T_stated])
 ///
 /// a = working pressure angle [rad] of the mesh with the largest base-circle sum among those whose
 /// module is known with a, b = that of mesh P2-R2 when stage 2's module is free.  Angles instead of
@@ -73,6 +74,9 @@ struct RefinementProblem {
   int variables = 0;
   std::size_t first_tip = 0;       ///< place of k_S; 0: tips are as stated
   std::size_t pressure_angle = 0;  ///< place of α [rad]; 0: as stated
+  /// Places of the face widths over their greatest, by stage; 0: as stated.
+  std::array<std::size_t, 2> face_width{};
+  std::size_t torque = 0;  ///< place of T/T_stated; 0: as stated
   std::array<double, kMostUnknowns> lower{}, upper{};
   double length_scale_m = 1e-3;
   Objective objective = Objective::kBackwardEfficiency;
@@ -108,6 +112,15 @@ RefinementProblem with_all_rows(const RefinementProblem& problem);
 /// The train at a point of the box.
 template <class T>
 train::TrainParameters<T> parameters_at(const RefinementProblem& problem, std::span<const T> v);
+
+/// What the gears carry and how wide they are, at a point of the box.
+template <class T>
+struct LoadAt {
+  std::array<T, 2> face_width_m{};  ///< by stage; 0 where it is not stated
+  T torque_Nm{};                    ///< at R2; 0 without a rating
+};
+template <class T>
+LoadAt<T> load_at(const RefinementProblem& problem, std::span<const T> v);
 
 /// f at v, scaled to order 1, and g into the caller's buffer (the solvers call this without
 /// allocating); constraints.size() must be rows.size().

@@ -155,7 +155,7 @@ bool select_below(const RefinementProblem& problem, double margin, Workspace& sp
   for (std::size_t k = 0; k < space.values.size(); ++k) {
     const auto row = static_cast<std::uint16_t>(k);
     const auto& check = problem.rows[k].check;
-    const bool costly = check && check->record->tooth_form;
+    const bool costly = check && (check->record->tooth_form || check->record->rating);
     if (space.values[k] < (costly ? std::min(margin, kCostlyMargin) : margin) &&
         !std::binary_search(space.selection.begin(),
                             space.selection.begin() + static_cast<std::ptrdiff_t>(before), row)) {
@@ -209,19 +209,38 @@ SolveOutcome solve_slsqp(const RefinementProblem& problem, const Point& start,
 SolveOutcome least_violation(const RefinementProblem& problem, const Point& start,
                              const SlsqpOptions& options, std::string_view elastic_name) {
   Workspace& space = workspace();
-  select_all(problem, space);
-  space.elastic.clear();
-  for (const ConstraintRow& row : problem.rows) {
-    space.elastic.push_back(elastic_name.empty() || row.name == elastic_name);
+  SolveOutcome outcome = judge(problem, start, space);
+  // Rows that need a rating are costly: those far from their limits wait until they are missed.
+  const bool rated = std::ranges::any_of(problem.rows, [](const ConstraintRow& row) {
+    return row.check && row.check->record->rating;
+  });
+  space.selection.clear();
+  if (rated && std::isfinite(outcome.violation)) {
+    select_below(problem, options.working_margin, space);
   }
-  const double violation = judge(problem, start, space).violation;
-  take_box(problem, start, space);
-  space.lower.push_back(-kInterior);
-  space.upper.push_back(2.0 * kUndefinedPenalty);
-  space.x.push_back(std::min(violation, kUndefinedPenalty));
-  CachedProblem functions(problem, space);
-  run(functions, space, options);
-  return judge(problem, point_of(problem, space.x), space);
+  if (space.selection.empty()) select_all(problem, space);
+  Point from = start;
+  for (int round = 0;; ++round) {
+    space.elastic.clear();
+    for (const std::uint16_t k : space.selection) {
+      space.elastic.push_back(elastic_name.empty() || problem.rows[k].name == elastic_name);
+    }
+    take_box(problem, from, space);
+    space.lower.push_back(-kInterior);
+    space.upper.push_back(2.0 * kUndefinedPenalty);
+    space.x.push_back(std::min(outcome.violation, kUndefinedPenalty));
+    CachedProblem functions(problem, space);
+    run(functions, space, options);
+    from = point_of(problem, space.x);
+    outcome = judge(problem, from, space);
+    if (space.selection.size() == problem.rows.size()) return outcome;
+    constexpr int kRounds = 3;
+    if (round == kRounds || !std::isfinite(outcome.violation)) {
+      select_all(problem, space);
+    } else if (!select_below(problem, -design::kFeasibilityTolerance, space)) {
+      return outcome;
+    }
+  }
 }
 
 }  // namespace gear3k::optimize

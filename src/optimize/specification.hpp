@@ -54,6 +54,8 @@ struct GearBodySizes {
 struct FreeVariables {
   std::optional<NumberRange> tip_shortening;      ///< of every gear, in modules
   std::optional<NumberRange> pressure_angle_rad;  ///< instead of Specification's
+  /// By stage; GearBodySizes has the least.
+  std::array<std::optional<NumberRange>, 2> face_width_m;
 };
 
 struct Solver {
@@ -102,13 +104,16 @@ struct Specification {
   design::Limits limits = design::default_limits();
   /// Its extension acts in the refinement with what does not depend on where the gearbox runs.
   design::Friction friction;
-  /// Where a calibrated model judges the refined sets.
+  /// Where a calibrated model judges the refined sets, and the speed of `rating`.
   std::optional<design::OperatingPoint<double>> operating_point;
   /// Of a calibrated model: with an operating point, its efficiencies there decide between sets.
   std::optional<design::Extension<double>> model;
   /// Of the built gearboxes; required by `robust` unless it holds at nominal.
   std::optional<backlash::Tolerances> tolerances;
   design::Sampling sampling;
+  /// What it is to carry; face widths and the rings' rim as in `bodies`, the speed of
+  /// `operating_point`.
+  std::optional<strength::RatingTask> rating;
   Robust robust;
   Solver solver;
 };

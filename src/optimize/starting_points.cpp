@@ -120,7 +120,8 @@ Point start_from(const RefinementProblem& p, const ShiftFractions& fractions) {
   return v;
 }
 
-/// Free tips and pressure angle: as stated, or as near to it as their ranges allow.
+/// Free tips and pressure angle: as stated, or as near to it as their ranges allow; face widths and
+/// torque.
 void start_free_variables(const RefinementProblem& p, Point& v) {
   const Specification& spec = *p.spec;
   for (std::size_t i = 0; p.first_tip > 0 && i < train::kGearCount; ++i) {
@@ -131,6 +132,11 @@ void start_free_variables(const RefinementProblem& p, Point& v) {
     v[p.pressure_angle] =
         std::clamp(spec.pressure_angle_rad, p.lower[p.pressure_angle], p.upper[p.pressure_angle]);
   }
+  // As strong as they can be, at the torque that is stated.
+  for (const std::size_t width : p.face_width) {
+    if (width > 0) v[width] = p.upper[width];
+  }
+  if (p.torque > 0) v[p.torque] = p.lower[p.torque];
 }
 
 /// The shifts and distances of a bound; where stage 2's module is given with stage 1's, R2 closes

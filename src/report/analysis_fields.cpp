@@ -8,6 +8,7 @@
 #include "report/mass_report.hpp"
 #include "report/operation_report.hpp"
 #include "report/sensitivity_report.hpp"
+#include "report/strength_report.hpp"
 #include "report/text_table.hpp"
 #include "report/tolerance_report.hpp"
 
@@ -27,7 +28,8 @@ enum Part : int {
   kBuilt,
   kOperation,
   kMasses,
-  kInputs
+  kInputs,
+  kStrength
 };
 
 Fields mesh_fields(const MeshResult& m) {
@@ -151,7 +153,7 @@ Fields check_fields(const CheckResult& c) {
          .limit = exact(limit),
          .ok = c.ok ? "true" : "false"});
   f.add("limit", limit);
-  f.add("margin", units::from_si(c.margin, unit));
+  f.add("margin", units::difference_from_si(c.margin, unit));
   f.add("unit", units::unit_name(unit));
   f.add("ok", c.ok);
   return f;
@@ -226,6 +228,8 @@ Fields analysis_fields(const Evaluation& e, const design::Sensitivities& s, cons
   if (e.operation) {
     f.add("operating_point", operating_point_fields(*e.operation).at_rank(kOperation));
   }
+  f.add("strength", nullptr);
+  if (e.strength) f.add("strength", strength_fields(e).at_rank(kStrength));
   f.add("assembly", assembly_fields(e));
   f.add_list("checks", e.checks, check_fields, kChecks);
   if (e.tolerance_limits) {
@@ -246,6 +250,8 @@ Fields analysis_fields(const PairEvaluation& e) {
   f.add("center_distance_given", e.center_distance_given);
   f.append("meshes", mesh_fields(e.mesh).at_rank(kMeshes));
   f.add_list("gears", e.gears, gear_fields, kGears);
+  f.add("strength", nullptr);
+  if (e.strength) f.add("strength", strength_fields(e).at_rank(kStrength));
   f.add_list("checks", e.checks, check_fields, kChecks);
   if (e.tolerance_limits) {
     f.add("tolerances", tolerance_fields(*e.tolerance_limits).at_rank(kTolerances));

@@ -11,6 +11,7 @@
 #include "report/mass_report.hpp"
 #include "report/operation_report.hpp"
 #include "report/sensitivity_report.hpp"
+#include "report/strength_report.hpp"
 #include "report/text_table.hpp"
 #include "report/tolerance_report.hpp"
 
@@ -131,12 +132,19 @@ std::string phase_table(const std::vector<MeshResult>& meshes) {
 }
 
 /// Digits by unit: what a workshop can tell apart.
-std::string in_check_unit(const CheckResult& c, double si) {
+std::string with_check_unit(const CheckResult& c, double value) {
   const Unit unit = c.record->unit;
-  const double value = units::from_si(si, unit);
   const std::string name(units::unit_name(unit));
   const int digits = unit == Unit::kMicrometre || unit == Unit::kArcmin ? 2 : 4;
   return fmt::format("{}{}{}", fixed(value, digits), name.empty() ? "" : " ", name);
+}
+
+std::string in_check_unit(const CheckResult& c, double si) {
+  return with_check_unit(c, units::from_si(si, c.record->unit));
+}
+
+std::string margin_text(const CheckResult& c) {
+  return with_check_unit(c, units::difference_from_si(c.margin, c.record->unit));
 }
 
 std::string limit_text(const CheckResult& c) {
@@ -152,7 +160,7 @@ std::string failed_table(const std::vector<CheckResult>& checks) {
     if (c.ok) continue;
     ++failed;
     table.add({"FAILED", std::string(c.record->title), subject_of(c), in_check_unit(c, c.value),
-               limit_text(c), in_check_unit(c, c.margin), std::string(c.record->name)});
+               limit_text(c), margin_text(c), std::string(c.record->name)});
   }
   if (failed == 0) return "";
   return fmt::format("\nChecks: {} of {} failed\n", failed, checks.size()) + table.text(2);
@@ -192,7 +200,7 @@ std::string passed_table(const std::vector<CheckResult>& checks) {
       if (c.record->group != group) continue;
       table.add({"ok", first ? std::string(group) : "", std::string(c.record->title), subject_of(c),
                  fmt::format("{}", row.count), in_check_unit(c, c.value), limit_text(c),
-                 in_check_unit(c, c.margin)});
+                 margin_text(c)});
       first = false;
     }
   }
@@ -205,9 +213,13 @@ std::string note_lines(const std::vector<std::string>& notes) {
   return text.empty() ? "" : text + "\n";
 }
 
-std::string not_checked(bool tolerances) {
-  return fmt::format("\nNot checked by this version: strength{}.\n",
-                     tolerances ? "" : ", tolerances");
+/// What an evaluation is silent about, as its file has no table of it.
+template <class Result>
+std::string not_checked(const Result& e) {
+  std::vector<std::string> missing;
+  if (!e.strength) missing.emplace_back("strength (no [strength])");
+  if (!e.tolerance_limits) missing.emplace_back("tolerances (no [tolerances])");
+  return missing.empty() ? "" : fmt::format("\nNot checked: {}.\n", fmt::join(missing, ", "));
 }
 
 std::string assembly_text(const Evaluation& e) {
@@ -301,11 +313,11 @@ std::string analysis_table(const Evaluation& e, const design::Sensitivities& s,
                      std::string(train::kGearNames[static_cast<std::size_t>(second)])});
   }
   return text + failed_table(e.checks) + gear_table(e.gears) + tooth_table(e.gears) +
-         mesh_table(e.meshes) + operation_table(e) + flank_table(e.meshes, gears) +
-         phase_table(e.meshes) + mass_table(e) + passed_table(e.checks) +
-         tolerance_table(e.tolerance_limits) +
+         mesh_table(e.meshes) + operation_table(e) + strength_table(e) +
+         flank_table(e.meshes, gears) + phase_table(e.meshes) + mass_table(e) +
+         passed_table(e.checks) + tolerance_table(e.tolerance_limits) +
          (built != nullptr ? built_series_table(*built) : "") + sensitivity_table(s) +
-         note_lines(e.notes) + not_checked(e.tolerance_limits.has_value());
+         note_lines(e.notes) + not_checked(e);
 }
 
 std::string analysis_table(const PairEvaluation& e) {
@@ -313,9 +325,9 @@ std::string analysis_table(const PairEvaluation& e) {
                      e.name.empty() ? "pair" : io::printable(e.name), mm(e.center_distance_m),
                      e.center_distance_given ? "" : " (zero-backlash distance)") +
          failed_table(e.checks) + gear_table(e.gears) + tooth_table(e.gears) +
-         mesh_table({e.mesh}) + flank_table({e.mesh}, {{"1", "2"}}) + phase_table({e.mesh}) +
-         passed_table(e.checks) + tolerance_table(e.tolerance_limits) + note_lines(e.notes) +
-         not_checked(e.tolerance_limits.has_value());
+         mesh_table({e.mesh}) + strength_table(e) + flank_table({e.mesh}, {{"1", "2"}}) +
+         phase_table({e.mesh}) + passed_table(e.checks) + tolerance_table(e.tolerance_limits) +
+         note_lines(e.notes) + not_checked(e);
 }
 
 }  // namespace gear3k::report

@@ -9,6 +9,7 @@
 #include "report/condition_columns.hpp"
 #include "report/diagnosis_report.hpp"
 #include "report/display.hpp"
+#include "report/series_report.hpp"
 
 namespace gear3k::report {
 
@@ -61,7 +62,7 @@ void add_place(io::Json& json, const Form& form) {
   if (form.order > 0.0) json["order"] = form.order;
 }
 
-io::Json alternative_json(const Alternative& a, const std::vector<std::string>& runs) {
+io::Json body_json(const Alternative& a, const std::vector<std::string>& runs) {
   io::Json json{{"id", a.id}};
   add_place(json, a.form);
   json["title"] = a.title;
@@ -70,6 +71,12 @@ io::Json alternative_json(const Alternative& a, const std::vector<std::string>& 
   json["form"] = form_json(a.form, runs);
   json["parameters"] = list_json(a.parameters, parameter_json);
   json["remedy"] = kRemedyNames[static_cast<std::size_t>(a.remedy)];
+  return json;
+}
+
+io::Json alternative_json(const Alternative& a, const std::vector<std::string>& runs) {
+  io::Json json = body_json(a, runs);
+  json["probability"] = a.probability;
   return json;
 }
 
@@ -88,16 +95,41 @@ io::Json effect_json(const Effect& e, const std::vector<std::string>& runs) {
   json["parameters"] = list_json(e.parameters, parameter_json);
   json["evidence"] = {{"delta_bic", e.delta_bic},
                       {"inclusion_frequency", e.inclusion_frequency},
-                      {"p_value", e.p_value}};
+                      {"p_value", e.p_value},
+                      {"probability", e.probability},
+                      {"probability_of_no_cause", e.no_cause}};
   json["title"] = e.title;
   json["form"] = form_json(e.form, runs);
   json["other_bodies"] =
-      list_json(e.other_bodies, [&](const Alternative& a) { return alternative_json(a, runs); });
+      list_json(e.other_bodies, [&](const Alternative& a) { return body_json(a, runs); });
   json["remedy"] = kRemedyNames[static_cast<std::size_t>(e.remedy)];
   json["preferred_parameter"] = e.preferred_parameter;
   json["alternatives_detail"] =
       list_json(e.alternatives, [&](const Alternative& a) { return alternative_json(a, runs); });
   return json;
+}
+
+io::Json law_json(const calibrate::LawResult& law, calibrate::Kind kind) {
+  return {{"name", law.name},
+          {"formula", law.formula},
+          {"acts_on", law.acts_on},
+          {"rows", law.rows},
+          {"unit", law.unit},
+          {"parameters", list_json(law.parameters,
+                                   [](const ParameterResult& p) {
+                                     return io::Json{{"name", p.name},
+                                                     {"unit", p.unit},
+                                                     {"value", p.value},
+                                                     {"ci95", {p.low, p.high}},
+                                                     {"at_bound", p.at_bound}};
+                                   })},
+          {"held_out_gain", law.held_out_gain},
+          {"held_out_error", law.held_out_error / response_text(kind).si},
+          {"delta_bic", law.delta_bic},
+          {"forms_tried", law.forms},
+          {"range", list_json(law.range, [](const calibrate::ConditionRange& r) {
+             return io::Json{{"name", r.name}, {"unit", r.unit}, {"low", r.low}, {"high", r.high}};
+           })}};
 }
 
 io::Json covariate_json(const CovariateTest& test) {
@@ -231,6 +263,18 @@ io::Json loops_json(const MeasurementSet& set) {
   return list;
 }
 
+io::Json correction_json(const Diagnosis& d, const std::vector<std::string>& runs) {
+  if (!d.correction) return nullptr;
+  const calibrate::Correction& c = *d.correction;
+  io::Json json{{"id", c.id}};
+  add_place(json, c.form);
+  json["form"] = form_json(c.form, runs);
+  json["parameters"] = list_json(c.parameters, parameter_json);
+  json["held_out_gain"] = c.held_out_gain;
+  json["held_out_error"] = c.held_out_error / response_text(d.kind).si;
+  return json;
+}
+
 /// Everything about one kind.
 io::Json kind_json(const Diagnosis& d, const MeasurementSet& set) {
   const double si = response_text(d.kind).si;
@@ -238,6 +282,9 @@ io::Json kind_json(const Diagnosis& d, const MeasurementSet& set) {
   json["effects"] =
       list_json(d.effects, [&](const Effect& effect) { return effect_json(effect, set.runs); });
   json["physically_implausible"] = implausible_json(d);
+  json["correction"] = correction_json(d, set.runs);
+  json["laws"] =
+      list_json(d.laws, [&](const calibrate::LawResult& law) { return law_json(law, d.kind); });
   json["rmse"] = rmse_json(d);
   json["gain"] = gain_of(d);
   json["weighted_gain"] = d.errors.weighted_gain;
@@ -268,6 +315,7 @@ io::Json kind_json(const Diagnosis& d, const MeasurementSet& set) {
                         {"after", list_json(d.covariates_after, covariate_json)}};
   json["outliers"] = std::ranges::count_if(d.rows, [](const auto& row) { return row.outlier; });
   json["notes"] = d.notes;
+  json["series"] = unit_series_json(d);
   return json;
 }
 
@@ -320,7 +368,7 @@ std::string diagnosis_json(const std::vector<Diagnosis>& diagnoses,
   json.update(kinds.front());
   if (kinds.size() > 1) {
     json["verdict"] = verdict_name(worst_verdict(diagnoses));
-    for (const char* list : {"effects", "physically_implausible", "loops"}) {
+    for (const char* list : {"effects", "physically_implausible", "laws", "loops"}) {
       json[list] = all_of_kinds(kinds, list);
     }
     const auto next = std::ranges::find_if(

@@ -9,6 +9,7 @@
 #include "report/condition_columns.hpp"
 #include "report/diagnosis_report.hpp"
 #include "report/display.hpp"
+#include "report/series_report.hpp"
 #include "report/text_table.hpp"
 
 namespace gear3k::report {
@@ -137,6 +138,41 @@ std::string effect_text(const Effect& e, const std::vector<std::string>& runs, b
   return text;
 }
 
+/// A law, what it predicts and where it holds.
+std::string law_text(const calibrate::LawResult& law, const Diagnosis& d) {
+  std::string text = fmt::format("Law (no cause): {}: {}\n  {}\n", law.name, law.formula,
+                                 parameters_text(law.parameters));
+  const ResponseText response = response_text(d.kind);
+  if (std::isfinite(law.held_out_gain)) {
+    text += fmt::format(
+        "  It predicts rows held out (by {}) to {}, {} % better than without it.\n",
+        d.holdout_blocks,
+        with_unit(fmt::format("{:.3g}", clean(law.held_out_error / response.si)), response.unit),
+        fixed(percent(law.held_out_gain), 0));
+  }
+  std::vector<std::string> ranges;
+  for (const calibrate::ConditionRange& r : law.range) {
+    ranges.push_back(fmt::format("{} {:.4g} to {}", r.name, clean(r.low),
+                                 with_unit(fmt::format("{:.4g}", clean(r.high)), r.unit)));
+  }
+  return text + fmt::format("  It is a formula for these data, {}; chosen among {} forms.\n",
+                            fmt::join(ranges, ", "), law.forms);
+}
+
+/// What the model predicts by where nothing explains.
+std::string correction_text(const Diagnosis& d) {
+  if (!d.correction) return "";
+  const ResponseText response = response_text(d.kind);
+  const calibrate::Correction& c = *d.correction;
+  return fmt::format(
+      "Empirical correction (no cause): {} as a formula: {}\n"
+      "  It predicts rows held out (by {}) to {}, {} % better than the simulation, and explains "
+      "nothing.\n",
+      c.id, parameters_text(c.parameters), d.holdout_blocks,
+      with_unit(fmt::format("{:.3g}", clean(c.held_out_error / response.si)), response.unit),
+      fixed(percent(c.held_out_gain), 0));
+}
+
 // --- errors
 
 /// Mean magnitude of the measured response, in its unit.
@@ -239,6 +275,9 @@ std::string verdict_text(const Diagnosis& d) {
     case Verdict::kUnexplained:
       break;
   }
+  if (!d.effects.empty() && !d.remainder.significant) {
+    return "Verdict: unexplained. What fits takes values that no gearbox shows.\n";
+  }
   return d.effects.empty()
              ? "Verdict: unexplained. The simulation is off and no known cause explains it.\n"
              : "Verdict: unexplained. Something is left that no known cause explains.\n";
@@ -261,13 +300,19 @@ std::string p_statement(double p) {
 
 std::string evidence_table(const Diagnosis& d) {
   if (d.effects.empty()) return "";
-  TextTable table({"cause", "delta BIC", "found in subsamples", "p-value"});
+  const auto share = [](double p) -> std::string {
+    constexpr double kLeast = 0.01;
+    if (p < kLeast) return "<1 %";
+    if (p > 1.0 - kLeast) return ">99 %";
+    return fmt::format("{} %", fixed(percent(p), 0));
+  };
+  TextTable table({"cause", "delta BIC", "probability", "p-value"});
   for (const Effect& e : d.effects) {
-    table.add({e.id, fixed(e.delta_bic, 1),
-               std::isfinite(e.inclusion_frequency)
-                   ? fmt::format("{} %", fixed(percent(e.inclusion_frequency), 0))
-                   : "not known",
-               p_text(e.p_value)});
+    table.add({e.id, fixed(e.delta_bic, 1), share(e.probability), p_text(e.p_value)});
+    for (const Alternative& a : e.alternatives) {
+      table.add({"  or " + a.id, "", share(a.probability), ""});
+    }
+    table.add({"  or no cause of the library", "", share(e.no_cause), ""});
   }
   return "\nEvidence (delta BIC above 10 is strong)\n" + table.text(2);
 }
@@ -317,7 +362,7 @@ std::string gain_table(const Diagnosis& d, const MeasurementSet& set) {
   const bool weighted = std::isfinite(d.errors.weighted_gain);
   const double gain = weighted ? d.errors.weighted_gain
                                : 1.0 - d.errors.extended_holdout / d.errors.baseline_holdout;
-  if (std::isfinite(gain) && !d.effects.empty()) {
+  if (std::isfinite(gain) && !(d.effects.empty() && d.laws.empty())) {
     text += fmt::format("On data that it has not seen the extended model is {} % {}{}.\n",
                         fixed(std::abs(percent(gain)), 0), gain >= 0.0 ? "better" : "worse",
                         weighted ? ", each row over its own noise" : "");
@@ -347,7 +392,8 @@ std::string remainder_text(const Diagnosis& d) {
         p_statement(r.p_value), error_text(d.errors.extended_train, d, 0.0),
         error_text(d.errors.noise_floor, d, 0.0));
   }
-  std::string text = fmt::format("Left over: structure along {}", r.along);
+  std::string text = fmt::format(
+      "{}: structure along {}", d.laws.empty() ? "Left over" : "Left over before the law", r.along);
   if (r.order > 0.0 && r.along == "angle") {
     text += fmt::format(", {:.4g} times per turn of the output", r.order);
   } else if (r.order > 0.0 && r.along == "time") {
@@ -498,8 +544,11 @@ std::string kind_text(const Diagnosis& d, const MeasurementSet& set) {
   }
   for (const Effect& effect : d.effects) text += effect_text(effect, set.runs, several);
   if (!d.effects.empty()) text += "(± is half of the 95 % interval.)\n";
-  text += evidence_table(d) + covariate_table(d) + gain_table(d, set) + remainder_text(d) +
-          lack_text(d) + loops_text(set) + next_text(d) + notes_text(d);
+  std::string laws;
+  for (const calibrate::LawResult& law : d.laws) laws += law_text(law, d);
+  text += unit_series_text(d) + evidence_table(d) + covariate_table(d) + gain_table(d, set) +
+          remainder_text(d) + laws + correction_text(d) + lack_text(d) + loops_text(set) +
+          next_text(d) + notes_text(d);
   return text;
 }
 

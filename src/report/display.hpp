@@ -17,6 +17,7 @@ namespace gear3k::report {
 
 inline double mm(double m) { return units::from_si(m, units::Unit::kMillimetre); }
 inline double um(double m) { return units::from_si(m, units::Unit::kMicrometre); }
+inline double mpa(double Pa) { return units::from_si(Pa, units::Unit::kMegapascal); }
 inline double arcmin(double rad) { return units::from_si(rad, units::Unit::kArcmin); }
 inline double degrees(double rad) { return units::from_si(rad, units::Unit::kDegree); }
 

@@ -19,8 +19,7 @@ using calibrate::AppliedCause, calibrate::ExtendedModel;
 
 /// Standard deviation of a model's n-th parameter; empty without covariance.
 std::optional<double> deviation_of(const ExtendedModel& model, std::size_t n) {
-  std::size_t count = 0;
-  for (const AppliedCause& cause : model.causes) count += cause.value.size();
+  const std::size_t count = calibrate::parameter_count(model);
   if (model.covariance.size() != count * count) return std::nullopt;
   return std::sqrt(model.covariance[n * (count + 1)]);
 }
@@ -61,6 +60,11 @@ std::string cause_text(const ExtendedModel& model, const AppliedCause& applied,
     if (const auto sd = deviation_of(model, place + i)) text += fmt::format(", sd {:.2g}", *sd);
   }
   return text;
+}
+
+/// "law, no cause: loss = 0.012 Nm * (sun_speed/3000 rpm)^1.02"
+std::string law_text(const ExtendedModel& model, const calibrate::AppliedLaw& law) {
+  return "law, no cause: " + law_formula(law.law, law.value, model.kind);
 }
 
 std::string kind_name(const ExtendedModel& model) {
@@ -122,6 +126,10 @@ std::vector<std::string> cautions(const ModelUse& use) {
   }
   for_each_cause(use, [&](const ExtendedModel& model, const AppliedCause& applied,
                           const calibrate::Cause& cause, std::size_t /*place*/) {
+    if (applied.empirical) {
+      lines.push_back(fmt::format("{}: {} is an empirical correction: it explains nothing",
+                                  use.file, cause.id));
+    }
     for (const std::string& line : implausible_parameters(applied, cause, model.kind)) {
       lines.push_back(fmt::format("{}: {}: {}: distrust", use.file, cause.id, line));
     }
@@ -141,10 +149,15 @@ std::string diagnosed_model_paragraph(const ModelUse& use) {
     const ModelUse one{.file = use.file, .models = {model}};
     for_each_cause(one, [&](const ExtendedModel& m, const AppliedCause& applied,
                             const calibrate::Cause& cause, std::size_t place) {
-      const bool of_other_data = cause.remedy == calibrate::Remedy::kProcedure;
+      const bool lasts = cause.leave_behind != nullptr;
       text += fmt::format("    {}{}\n", cause_text(m, applied, cause, place),
-                          of_other_data ? "; of other data, no part of this result" : "");
+                          lasts ? "; as that campaign left it" : "");
     });
+    for (const calibrate::AppliedLaw& law : model.laws) {
+      text +=
+          fmt::format("    {}{}\n", law_text(model, law),
+                      is_of_campaign(law.law) ? "; of its campaign, no part of this result" : "");
+    }
   }
   return text;
 }
@@ -158,6 +171,11 @@ std::vector<std::string> cause_lines(const ModelUse& use) {
       lines.back() += "; of the measurement, no part of this result";
     }
   });
+  for (const ExtendedModel& model : use.models) {
+    for (const calibrate::AppliedLaw& law : model.laws) {
+      lines.push_back(law_text(model, law) + "; of the readings, no part of this result");
+    }
+  }
   return lines;
 }
 
@@ -186,6 +204,26 @@ io::Json model_json(const ModelUse& use) {
     one["changes_gearbox"] = calibrate::changes_gearbox(applied, model.kind);
     causes.push_back(std::move(one));
   });
+  io::Json laws = io::Json::array();
+  for (const ExtendedModel& model : use.models) {
+    std::size_t place = 0;
+    for (const AppliedCause& cause : model.causes) place += cause.value.size();
+    for (const calibrate::AppliedLaw& law : model.laws) {
+      io::Json parameters = io::Json::array();
+      const auto records = parameters_of(law.law, model.kind);
+      for (std::size_t i = 0; i < records.size(); ++i, ++place) {
+        parameters.push_back({{"name", records[i].name},
+                              {"unit", records[i].unit},
+                              {"value", law.value[i]},
+                              {"sd", deviation_of(model, place)}});
+      }
+      laws.push_back({{"name", "law: " + law_title(law.law)},
+                      {"kind", kind_name(model)},
+                      {"formula", law_formula(law.law, law.value, model.kind)},
+                      {"parameters", std::move(parameters)},
+                      {"changes_gearbox", false}});
+    }
+  }
   io::Json data = io::Json::array();
   for (const ExtendedModel& model : use.models) {
     data.push_back(
@@ -198,7 +236,10 @@ io::Json model_json(const ModelUse& use) {
               ? io::Json(calibrate::kVerdictNames[static_cast<std::size_t>(*model.verdict)])
               : nullptr}});
   }
-  io::Json json{{"file", use.file}, {"causes", std::move(causes)}, {"data", std::move(data)}};
+  io::Json json{{"file", use.file},
+                {"causes", std::move(causes)},
+                {"laws", std::move(laws)},
+                {"data", std::move(data)}};
   if (use.lost_motion_shift_rad != 0.0) {
     json["lost_motion_limits_lowered_arcmin"] = arcmin(use.lost_motion_shift_rad);
   }

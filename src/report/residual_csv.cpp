@@ -6,6 +6,7 @@
 #include "report/condition_columns.hpp"
 #include "report/diagnosis_report.hpp"
 #include "report/display.hpp"
+#include "report/series_report.hpp"
 #include "report/text_table.hpp"
 
 namespace gear3k::report {
@@ -31,7 +32,7 @@ std::vector<ConditionColumn> all_columns(const std::vector<MeasurementSet>& sets
 std::string clean_number(double value) { return exact(clean(value)); }
 
 void add_rows(std::string& text, const Diagnosis& d, const MeasurementSet& set,
-              const std::vector<ConditionColumn>& columns) {
+              const std::vector<ConditionColumn>& columns, bool gearboxes) {
   const ResponseText response = response_text(set.kind);
   const std::vector<ConditionColumn>& own = condition_columns(set.kind);
   for (std::size_t k = 0; k < set.rows.size(); ++k) {
@@ -58,6 +59,7 @@ void add_rows(std::string& text, const Diagnosis& d, const MeasurementSet& set,
     add(result.sigma);
     fields.push_back(result.block < 0 ? "" : fmt::format("{}", result.block));
     fields.emplace_back(result.outlier ? "1" : "0");
+    if (gearboxes) fields.push_back(gearbox_of(set, row));
     text += csv_line(fields);
   }
 }
@@ -76,8 +78,13 @@ std::string residual_csv(const std::vector<Diagnosis>& diagnoses,
         "holdout", "residual_holdout", "sigma", "block", "outlier"}) {
     header.emplace_back(name);
   }
+  const bool gearboxes =
+      std::ranges::any_of(sets, [](const MeasurementSet& set) { return !set.units.empty(); });
+  if (gearboxes) header.emplace_back("gearbox");
   std::string text = csv_line(header);
-  for (std::size_t k = 0; k < sets.size(); ++k) add_rows(text, diagnoses[k], sets[k], columns);
+  for (std::size_t k = 0; k < sets.size(); ++k) {
+    add_rows(text, diagnoses[k], sets[k], columns, gearboxes);
+  }
   return text;
 }
 

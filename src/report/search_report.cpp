@@ -348,24 +348,27 @@ io::Json certificate_json(const Specification& spec, const OptimizeResult& resul
   const auto shown = [&](double merit) {
     return optimize::sense_of(record.id) * merit / record.per_unit;
   };
-  return {{"objective", record.name},
-          {"unit", record.unit},
-          {"best", shown(c.best)},
-          {"refined", c.refined},
-          {"bounded", c.bounded},
-          {"infeasible", c.infeasible},
-          {"largest_unrefined_bound",
-           c.largest_unrefined_bound ? io::Json(shown(*c.largest_unrefined_bound)) : nullptr},
-          {"global_bound", shown(c.global_bound)},
-          {"gap", std::abs(c.global_bound - c.best) / record.per_unit},
-          {"locally_optimal_only", c.open}};
+  return {
+      {"objective", record.name},
+      {"unit", record.unit},
+      {"best", shown(c.best)},
+      {"refined", c.refined},
+      {"bounded", c.bounded},
+      {"infeasible", c.infeasible},
+      {"largest_unrefined_bound",
+       c.largest_unrefined_bound ? io::Json(shown(*c.largest_unrefined_bound)) : nullptr},
+      {"global_bound", c.objective_bounded ? io::Json(shown(c.global_bound)) : nullptr},
+      {"gap", c.objective_bounded ? io::Json(std::abs(c.global_bound - c.best) / record.per_unit)
+                                  : nullptr},
+      {"locally_optimal_only", c.open}};
 }
 
 }  // namespace
 
 std::string summary_json(const Specification& spec, const OptimizeResult& result,
                          const ResultTally& tally, const RunFacts& facts, const ModelUse* model,
-                         const optimize::ParetoFront* front, const RobustRun* robust) {
+                         const optimize::ParetoFront* front, const RobustRun* robust,
+                         const ModelComparison* comparison) {
   io::Json status = io::Json::object();
   io::Json reasons = io::Json::object();
   for (std::size_t k = 0; k < optimize::kStatusCount; ++k) {
@@ -405,11 +408,16 @@ std::string summary_json(const Specification& spec, const OptimizeResult& result
                 {"certificate", certificate_json(spec, result)},
                 {"pareto", front != nullptr ? front->points.size() : result.pareto.size()},
                 {"pareto_front", front != nullptr ? front_json(spec, *front) : nullptr},
-                {"interrupted", result.interrupted || (front != nullptr && front->interrupted)},
+                {"interrupted", result.interrupted || (front != nullptr && front->interrupted) ||
+                                    (comparison != nullptr && comparison->interrupted)},
                 {"wall_time_s", facts.wall_time_s},
                 {"threads", facts.threads}};
   if (robust != nullptr) json["robust"] = robust_json(spec, *robust);
   if (model != nullptr) json["model"] = model_json(*model);
+  json["model_change"] = comparison != nullptr ? model_change_json(*comparison) : io::Json(nullptr);
+  if (comparison != nullptr && !comparison->change) {
+    json["model_change_missing"] = comparison->missing;
+  }
   return json.text();
 }
 
@@ -451,6 +459,12 @@ std::string certificate_text(const Specification& spec, const OptimizeResult& re
   const char* than = record.maximise ? "more" : "less";
   std::string text =
       fmt::format("certificate under the stated model: best {} {}", record.name, shown(c.best));
+  if (!c.objective_bounded) {
+    return text + fmt::format(
+                      "; nothing bounds {}: {} sets are refined, to local optima, and {} are "
+                      "proven to have no feasible design\n",
+                      record.name, c.refined, c.infeasible);
+  }
   if (c.largest_unrefined_bound) {
     text += fmt::format("; no design of the {} bounded sets has {} than {}", c.bounded, than,
                         bound_shown(*c.largest_unrefined_bound));

@@ -11,6 +11,7 @@
 #include "optimize/optimizer.hpp"
 #include "optimize/pareto_search.hpp"
 #include "optimize/zero_shift.hpp"
+#include "report/model_change_report.hpp"
 #include "report/model_report.hpp"
 #include "report/robust_report.hpp"
 
@@ -74,11 +75,13 @@ struct RunFacts {
 };
 /// @param model  with which the sets were judged; null: none
 /// @param front  of several objectives; null: none was asked for
+/// @param comparison  of the best designs without and with the model; null: no model
 std::string summary_json(const optimize::Specification& spec,
                          const optimize::OptimizeResult& result, const ResultTally& tally,
                          const RunFacts& facts, const ModelUse* model = nullptr,
                          const optimize::ParetoFront* front = nullptr,
-                         const RobustRun* robust = nullptr);
+                         const RobustRun* robust = nullptr,
+                         const ModelComparison* comparison = nullptr);
 
 /// Counts by status and reason, for the terminal.
 std::string optimize_counts_text(const optimize::OptimizeResult& result, const ResultTally& tally);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "io/keys/design_keys.hpp"
+#include "report/check_subject.hpp"
 #include "report/display.hpp"
 #include "report/text_table.hpp"
 
@@ -54,11 +55,6 @@ std::string signed_number(double value, int decimals) {
 
 std::string step_text(const Sensitivity& row) {
   return with_unit(fmt::format("{:+.3g}", row.step), units::unit_name(row.unit));
-}
-
-std::string subject_of(const TightCheck& c) {
-  if (!c.mesh.empty() && !c.gear.empty()) return fmt::format("{}, {}", c.mesh, c.gear);
-  return c.mesh + c.gear;
 }
 
 bool unstated(const Sensitivities& s, const Sensitivity& row) {

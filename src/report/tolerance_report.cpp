@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "report/check_subject.hpp"
 #include "report/display.hpp"
 #include "report/text_table.hpp"
 
@@ -69,12 +70,6 @@ std::string cell(const Quantity& q) {
 
 void add_cells(std::vector<std::string>& row, const std::vector<Quantity>& all) {
   for (const Quantity& q : all) row.push_back(cell(q));
-}
-
-/// Subject as in the checks' tables.
-std::string subject_of(const CheckLimits& c) {
-  if (!c.mesh.empty() && !c.gear.empty()) return fmt::format("{}, {}", c.mesh, c.gear);
-  return c.mesh + c.gear;
 }
 
 std::string margin_cell(const CheckLimits& c) {

@@ -21,7 +21,10 @@ enum class Unit {
   kRpm,
   kCelsius,
   kNewton,
+  kNewtonPerMillimetre,
   kNewtonMetre,
+  kMeshStiffness,  ///< per face width
+  kTorsionalStiffness,
   kMetrePerSecond,
   kSecondPerMetre,
   kKilogram,
@@ -29,7 +32,13 @@ enum class Unit {
   kKilogramSquareMetre,
   kSquareMillimetrePerSecond,
   kViscousDrag,
-  kQuadraticDrag
+  kQuadraticDrag,
+  kMegapascal,
+  kHour,
+  kSquareMillimetre,
+  kNewtonPerMicrometre,
+  kWearCoefficient,
+  kHousingResistance
 };
 
 /// SI value = value · factor / divisor + zero.
@@ -38,7 +47,7 @@ struct UnitRecord {
   double factor = 1.0, divisor = 1.0;
   double zero = 0.0;  ///< SI value of 0
 };
-inline constexpr std::array<UnitRecord, 20> kUnits{
+inline constexpr std::array<UnitRecord, 29> kUnits{
     {{.name = ""},
      {.name = "module"},
      {.name = "modules"},
@@ -50,7 +59,10 @@ inline constexpr std::array<UnitRecord, 20> kUnits{
      {.name = "rpm", .factor = std::numbers::pi / 30.0},
      {.name = "C", .zero = 273.15},
      {.name = "N"},
+     {.name = "N/mm", .factor = 1e3},
      {.name = "N m"},
+     {.name = "N/(mm um)", .factor = 1e9},
+     {.name = "N m/rad"},
      {.name = "m/s"},
      {.name = "s/m"},
      {.name = "kg"},
@@ -58,7 +70,13 @@ inline constexpr std::array<UnitRecord, 20> kUnits{
      {.name = "kg m2"},
      {.name = "mm2/s", .factor = 1e-6},
      {.name = "N m s/rad"},
-     {.name = "N m s2/rad2"}}};
+     {.name = "N m s2/rad2"},
+     {.name = "MPa", .factor = 1e6},
+     {.name = "h", .factor = 3600.0},
+     {.name = "mm2", .factor = 1e-6},
+     {.name = "N/um", .factor = 1e6},
+     {.name = "mm3/(N m)", .factor = 1e-9},
+     {.name = "K m2/W"}}};
 
 constexpr const UnitRecord& record_of(Unit unit) { return kUnits[static_cast<std::size_t>(unit)]; }
 constexpr std::string_view unit_name(Unit unit) { return record_of(unit).name; }
@@ -74,6 +92,9 @@ constexpr double to_si(double value, Unit unit) {
 constexpr double from_si(double si, Unit unit) {
   return (si - record_of(unit).zero) / si_per(unit);
 }
+
+/// A difference of two SI values in the unit: of temperatures, without the unit's zero.
+constexpr double difference_from_si(double si, Unit unit) { return si / si_per(unit); }
 
 /// The value of fewest decimal digits whose to_si() is `si` to the last bit: what a file states, so
 /// that to_si(decimal_from_si(to_si(x))) = to_si(x).

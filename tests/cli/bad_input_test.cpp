@@ -280,6 +280,20 @@ std::vector<BadInput> design_inputs() {
           "RingSmallerThanItsPlanet", replaced(kDesign, "teeth = 90", "teeth = 39"),
           {"gear.toml:11:8: gears.R1.teeth: 39 teeth, allowed: more than the 39 of gears.P1"}),
       bad_design(
+          "LoadThatCannotBeRated",
+          kDesign + "[material]\nname = \"34CrNiMo6 through hardend\"\n"
+                    "[strength]\ncycles = 0.5\ns_h_min = 0\n"
+                    "[bearings]\nplanet_positions_mm = [5, 5]\n",
+          {"gear.toml:4:2: stage1.face_width_mm is missing, required by [strength]",
+           "gear.toml:6:2: stage2.face_width_mm is missing, required by [strength]",
+           "gear.toml:17:1: material.name = \"34CrNiMo6 through hardend\": allowed: one of the",
+           "did you mean \"34CrNiMo6 through hardened\"",
+           "gear.toml:18:2: strength.output_torque_nm is missing, required by [strength]",
+           "gear.toml:19:1: strength.cycles = 0.5: allowed: a number, 1 to",
+           "gear.toml:20:1: strength.s_h_min = 0: allowed: a number, above 0",
+           "gear.toml:22:1: bearings.planet_positions_mm = [5, 5]: both bearings are in one "
+           "plane"}),
+      bad_design(
           "EqualProductsStopTheOutput",
           replaced(replaced(kDesign, "teeth = 39", "teeth = 40"), "teeth = 81", "teeth = 72"),
           {"gear.toml:13:8: ", "zP1 zR2 = zP2 zR1 = 2880"}),

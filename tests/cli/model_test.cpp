@@ -251,6 +251,53 @@ TEST(ModelOption, OptimizeAppendsTheEfficienciesWithTheModel) {
   EXPECT_FALSE(json::parse(place.read("plain/summary.json")).contains("model"));
 }
 
+TEST(ModelOption, OptimizeComparesTheBestDesignsWithoutAndWithTheModel) {
+  const Workplace place;
+  const std::string point =
+      "[operating_point]\nsun_speed_rpm = 600\noutput_torque_nm = 20\ntemperature_c = 30\n";
+  place.write("spec.toml", one_set() + point);
+  place.write("model.toml", kDrag);
+  const ProgramResult result =
+      place.run({"optimize", "spec.toml", "--out", "out", "--model", "model.toml"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(contains(result.out, "does not change the best design: gain 0")) << result.out;
+  const json change = json::parse(place.read("out/summary.json")).at("model_change");
+  EXPECT_EQ(change.at("objective"), "backward_efficiency");
+  EXPECT_EQ(change.at("same_design"), true);
+  EXPECT_EQ(change.at("gain").at("value"), 0.0);
+  EXPECT_EQ(change.at("operating_point").at("sun_speed_rpm"), 600.0);
+  // Both are what analyze says of them.
+  place.write("best_at.toml", place.read("out/best.toml") + "\n" + point);
+  const ProgramResult checked =
+      place.run({"analyze", "best_at.toml", "--model", "model.toml", "--format", "json"});
+  const json analysed = json::parse(checked.out).at("operating_point");
+  for (const char* design : {"before", "after"}) {
+    EXPECT_NEAR(change.at(design).at("eta_b_model").get<double>(),
+                analysed.at("backward").at("efficiency").get<double>(), 1e-12);
+    const json interval = change.at(design).at("eta_b_model_ci90");
+    EXPECT_LT(interval[0], change.at(design).at("eta_b_model"));
+    EXPECT_GT(interval[1], change.at(design).at("eta_b_model"));
+  }
+  // Without a model there is nothing to compare, and nothing of it on stdout.
+  const ProgramResult plain = place.run({"optimize", "spec.toml", "--out", "plain"});
+  EXPECT_TRUE(json::parse(place.read("plain/summary.json")).at("model_change").is_null());
+  EXPECT_FALSE(contains(plain.out, "What the model changes"));
+}
+
+TEST(ModelOption, OptimizeOfAListOfObjectivesSaysThatItComparesNothing) {
+  const Workplace place;
+  place.write("spec.toml", "objective = [\"outer_diameter\", \"lost_motion\"]\n" + one_set());
+  place.write("model.toml", kDrag);
+  const ProgramResult result =
+      place.run({"optimize", "spec.toml", "--out", "out", "--model", "model.toml"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(contains(result.out, "What the model changes: not known, a list of objectives"))
+      << result.out;
+  const json summary = json::parse(place.read("out/summary.json"));
+  EXPECT_TRUE(summary.at("model_change").is_null());
+  EXPECT_TRUE(contains(summary.at("model_change_missing"), "a list of objectives"));
+}
+
 TEST(ModelOption, OptimizeKeepsTheLimitOfLostMotionWithTheModelsClearance) {
   const Workplace place;
   place.write("spec.toml", one_set());

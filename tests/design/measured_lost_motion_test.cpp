@@ -76,6 +76,23 @@ TEST(MeasuredLostMotion, WithoutExtensionIsThatOfRigidBodiesBitForBit) {
       rigid);
 }
 
+TEST(MeasuredLostMotion, HardeningLeavesTheWindUpAtItsTorqueAndRaisesItBelow) {
+  const auto p = some_train();
+  const auto wound = [&](double hardening, double torque_Nm) {
+    const backlash::LostMotionExtension<double> e{
+        .compliance_rad_Nm = 2e-5, .hardening = hardening, .hardening_torque_Nm = 8.0};
+    const LostMotionTest<double> rest{.torque_Nm = 0.0, .temperature_K = 293.15};
+    const LostMotionTest<double> test{.torque_Nm = torque_Nm, .temperature_K = 293.15};
+    return *measured_lost_motion<double>(p, e, test) - *measured_lost_motion<double>(p, e, rest);
+  };
+  constexpr double kRounding = 1e-15;
+  EXPECT_NEAR(wound(0.4, 8.0), 2.0 * 8.0 * 2e-5, kRounding);
+  // A power of the torque: doubled, it winds up 2^(1 − h) times as far.
+  EXPECT_NEAR(wound(0.4, 4.0) / wound(0.4, 2.0), std::pow(2.0, 0.6), 1e-9);
+  EXPECT_GT(wound(0.4, 2.0), wound(0.0, 2.0));
+  EXPECT_LT(wound(-0.4, 2.0), wound(0.0, 2.0));
+}
+
 TEST(MeasuredLostMotion, ClearanceAddsAndWindUpIsTwiceTorqueTimesCompliance) {
   const auto p = some_train();
   const double rigid = rigid_by_thicknesses(p);

@@ -612,6 +612,30 @@ TEST(FrictionExtension, EachFactorActsAsItsFormulaSays) {
            e.reference_temperature_K = 310.0;
          }),
          std::exp(-0.01 * (state.temperature_K - 310.0)));
+    // Bends: 1 at the reference, and beyond one and a half ranges as there.
+    const double q = random.between(-0.5, 0.5);
+    const double c = random.between(-0.5, 0.5);
+    const FrictionBend<double> bend{.quadratic = q, .cubic = c, .half_range = 0.7};
+    const auto bent = [&](double from_reference) {
+      const double x = std::clamp(from_reference / 0.7, -1.5, 1.5);
+      return std::exp(q * std::pow(x, 2) + c * std::pow(x, 3));
+    };
+    near(factor([&](Extension& e) {
+           e.load_bend = bend;
+           e.reference_force_N = 40.0;
+         }),
+         bent(std::log(state.normal_force_N / 40.0)));
+    near(factor([&](Extension& e) {
+           e.speed_bend = bend;
+           e.reference_speed_m_s = 0.2;
+         }),
+         bent(std::log(state.sliding_speed_m_s / 0.2)));
+    near(factor([&](Extension& e) {
+           e.temperature_bend = bend;
+           e.temperature_bend.half_range = 15.0;
+           e.reference_temperature_K = 310.0;
+         }),
+         bent((state.temperature_K - 310.0) * 0.7 / 15.0));
   }
 }
 

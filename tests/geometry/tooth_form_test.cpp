@@ -12,13 +12,13 @@
 #include <limits>
 #include <numbers>
 #include <optional>
-#include <random>
 #include <string>
 #include <vector>
 
 #include "geometry/interference.hpp"
 #include "tests/geometry/generated_space.hpp"
 #include "tests/largest_deviation.hpp"
+#include "tests/random_numbers.hpp"
 
 namespace gear3k::geometry::tooth_form_test {
 namespace {
@@ -33,13 +33,9 @@ using test::RingCutter;
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kPi = std::numbers::pi;
 
-class Random {
+class Random : public RandomNumbers {
  public:
-  explicit Random(std::uint64_t seed) : generator_(seed) {}
-  double between(double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(generator_);
-  }
-  int count(int low, int high) { return std::uniform_int_distribution<int>(low, high)(generator_); }
+  using RandomNumbers::RandomNumbers;
 
   GearGeometry<double> external(double least_shift = -0.6) {
     const double dedendum = between(1.0, 1.4);
@@ -91,9 +87,6 @@ class Random {
       if (RingCutter(ring).exists()) return ring;
     }
   }
-
- private:
-  std::mt19937_64 generator_;
 };
 
 double normal_angle_at(const ToothForm<double>& form, double share) {

@@ -8,10 +8,10 @@
 #include <limits>
 #include <numbers>
 #include <optional>
-#include <random>
 
 #include "tests/geometry/generated_space.hpp"
 #include "tests/largest_deviation.hpp"
+#include "tests/random_numbers.hpp"
 
 namespace gear3k::geometry::tooth_measures_test {
 namespace {
@@ -27,13 +27,9 @@ using test::Spot;
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kPi = std::numbers::pi;
 
-class Random {
+class Random : public RandomNumbers {
  public:
-  explicit Random(std::uint64_t seed) : generator_(seed) {}
-  double between(double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(generator_);
-  }
-  int count(int low, int high) { return std::uniform_int_distribution<int>(low, high)(generator_); }
+  using RandomNumbers::RandomNumbers;
 
   GearGeometry<double> gear(bool ring) {
     for (;;) {
@@ -55,9 +51,6 @@ class Random {
       return g;
     }
   }
-
- private:
-  std::mt19937_64 generator_;
 };
 
 double to_rounding(const GearGeometry<double>& g) { return 64.0 * kEps * g.reference_radius_m; }

@@ -78,6 +78,8 @@ Case dragged() {
                       .plausible_high = 5.0}};
   drag.delta_bic = 42.5;
   drag.inclusion_frequency = 0.97;
+  drag.probability = 0.875;
+  drag.no_cause = 0.0625;
   drag.p_value = 1e-6;
   d.effects.push_back(drag);
   d.errors = {.baseline_train = 0.0205,
@@ -225,8 +227,11 @@ TEST(DiagnosisJson, KeepsTheContract) {
   EXPECT_EQ(parameter.at("unit"), "Nm");
   EXPECT_EQ(parameter.at("value"), 0.021);
   EXPECT_EQ(parameter.at("ci95"), json({0.019, 0.023}));
-  EXPECT_EQ(effect.at("evidence"),
-            json({{"delta_bic", 42.5}, {"inclusion_frequency", 0.97}, {"p_value", 1e-6}}));
+  EXPECT_EQ(effect.at("evidence"), json({{"delta_bic", 42.5},
+                                         {"inclusion_frequency", 0.97},
+                                         {"p_value", 1e-6},
+                                         {"probability", 0.875},
+                                         {"probability_of_no_cause", 0.0625}}));
   const json& rmse = data.at("rmse");
   EXPECT_EQ(rmse.at("baseline_train"), 0.0205);
   EXPECT_EQ(rmse.at("extended_train"), 0.0031);

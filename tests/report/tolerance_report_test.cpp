@@ -25,7 +25,8 @@ TEST(ToleranceReport, SaysNothingWithoutTolerances) {
   EXPECT_EQ(tolerance_table(e.tolerance_limits), "");
   EXPECT_EQ(analysis_csv(e).find("built"), std::string::npos);
   EXPECT_FALSE(nlohmann::json::parse(analysis_json(e)).contains("tolerances"));
-  EXPECT_NE(analysis_table(e).find("Not checked by this version: strength, tolerances.\n"),
+  EXPECT_NE(analysis_table(e).find("Not checked: strength (no [strength]), tolerances (no "
+                                   "[tolerances]).\n"),
             std::string::npos);
 }
 

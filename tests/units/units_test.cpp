@@ -35,6 +35,14 @@ TEST(Units, AreWhatTheirNamesSay) {
   EXPECT_DOUBLE_EQ(to_si(60.0, Unit::kRpm), 2.0 * std::numbers::pi);
   EXPECT_EQ(to_si(20.0, Unit::kCelsius), 293.15);
   EXPECT_DOUBLE_EQ(to_si(220.0, Unit::kSquareMillimetrePerSecond), 220e-6);
+  EXPECT_EQ(to_si(2.0, Unit::kHour), 7200.0);
+  EXPECT_DOUBLE_EQ(to_si(1e6, Unit::kSquareMillimetre), 1.0);
+  EXPECT_EQ(to_si(50.0, Unit::kNewtonPerMicrometre), 50e6);
+  EXPECT_DOUBLE_EQ(to_si(1.0, Unit::kWearCoefficient), 1e-9);
+  EXPECT_EQ(to_si(25.0, Unit::kNewtonPerMillimetre), 25e3);
+  EXPECT_EQ(to_si(290.0, Unit::kMegapascal), 290e6);
+  EXPECT_EQ(to_si(14.0, Unit::kMeshStiffness), 14e9);
+  EXPECT_EQ(to_si(12.5, Unit::kTorsionalStiffness), 12.5);
   EXPECT_TRUE(std::signbit(to_si(-0.0, Unit::kMillimetre)));
 }
 

@@ -496,15 +496,20 @@ Campaign make_campaign(const Line& line, double strength, std::uint64_t seed) {
   campaign.files.push_back(
       {line.kind + ".csv", measurement_text(line.kind, columns, written, readings, bench.sigma)});
 
-  campaign.unseen_clean = clean_of(bench.subject, line.kind, bench.plan.unseen, bench.applied);
-  std::vector<double> unseen_readings, unseen_sigma;
-  for (const double v : campaign.unseen_clean) {
-    const double sigma = bench.plan.sun_torque_set ? noise_sd : sigma_of(bench.noise, v);
-    unseen_sigma.push_back(sigma);
-    unseen_readings.push_back(v + sigma * random.normal());
-  }
-  campaign.unseen.push_back({"unseen.csv", measurement_text(line.kind, columns, bench.plan.unseen,
-                                                            unseen_readings, unseen_sigma)});
+  campaign.clean = clean_of(bench.subject, line.kind, written, bench.applied);
+  const auto further = [&](const char* name, const std::vector<BenchRow>& rows_there,
+                           std::vector<double>& clean_there) -> File {
+    clean_there = clean_of(bench.subject, line.kind, rows_there, bench.applied);
+    std::vector<double> readings_there, sigma_there;
+    for (const double v : clean_there) {
+      const double sigma = bench.plan.sun_torque_set ? noise_sd : sigma_of(bench.noise, v);
+      sigma_there.push_back(sigma);
+      readings_there.push_back(std::max(v + sigma * random.normal(), 1e-9));
+    }
+    return {name, measurement_text(line.kind, columns, rows_there, readings_there, sigma_there)};
+  };
+  campaign.unseen.push_back(further("unseen.csv", bench.plan.unseen, campaign.unseen_clean));
+  campaign.later.push_back(further("later.csv", bench.plan.later, campaign.later_clean));
   return campaign;
 }
 

@@ -364,8 +364,12 @@ HiddenEffect step_effect(const std::string& law, const EffectContext& context,
   }
   // A single step begins at the nominal gearbox; of many sessions the mean is a matter of taste.
   if (one || values.size() == 2) effect.companions.clear();
+  // The session after the campaign: a step stays, sessions that scatter are like one of them.
+  rig::DeterministicRandom next = random;
+  const double last = values.back(), drawn = values[next.index(values.size())];
+  values.push_back(one || values.size() == 2 ? last : drawn);
   effect.value = times([values](const BenchRow& row) {
-    return values[static_cast<std::size_t>(row.session) % values.size()];
+    return values[std::min(static_cast<std::size_t>(row.session), values.size() - 1)];
   });
   return effect;
 }

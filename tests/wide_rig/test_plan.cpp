@@ -160,6 +160,19 @@ std::vector<BenchRow> unseen_rows(const TestPlan& plan, rig::DeterministicRandom
   return rows;
 }
 
+// The next session, after the campaign, at the levels of `unseen`.
+void set_later(TestPlan& plan, rig::DeterministicRandom random) {
+  const double end_s = plan.rows.back().time_s;
+  const double cycles = plan.rows.back().cycles;
+  plan.later = plan.unseen;
+  for (BenchRow& row : plan.later) {
+    row.session = plan.sessions;
+    row.elapsed = random.between(1.01, 1.1);
+    row.time_s = rounded(row.elapsed * end_s, 0.01);
+    row.cycles = std::round(row.elapsed * cycles);
+  }
+}
+
 TestPlan transmission_plan(const std::string& name, int sessions_wanted,
                            rig::DeterministicRandom& random) {
   TestPlan plan{.name = name};
@@ -226,6 +239,7 @@ TestPlan transmission_plan(const std::string& name, int sessions_wanted,
   plan.columns.rotation = name != "one_rotation" || random.uniform() < 0.5;
   plan.sun_torque_set = name == "sun_torque_set";
   plan.unseen = unseen_rows(plan, random);
+  set_later(plan, random);
   return plan;
 }
 
@@ -257,6 +271,7 @@ TestPlan lost_motion_plan(const std::string& name, int sessions_wanted,
   plan.columns.rotation = false;
   plan.columns.cycles = random.uniform() < 0.4;
   plan.unseen = unseen_rows(plan, random);
+  set_later(plan, random);
   return plan;
 }
 
@@ -292,6 +307,7 @@ TestPlan pair_loss_plan(const std::string& name, int sessions_wanted,
     row.forward = row.driving_teeth < row.driven_teeth;
     plan.unseen.push_back(row);
   }
+  set_later(plan, random);
   return plan;
 }
 

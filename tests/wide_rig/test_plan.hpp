@@ -13,7 +13,7 @@ namespace gear3k::wide_rig {
 struct TestPlan {
   std::string name{};
   BenchColumns columns{};
-  std::vector<BenchRow> rows{}, unseen{};
+  std::vector<BenchRow> rows{}, unseen{}, later{};
   int sessions = 1;
   bool sun_torque_set = false;           ///< the output torque is what was read
   std::vector<double> set_torques_Nm{};  ///< per row, of the sun without effects; else empty

@@ -31,11 +31,18 @@ struct File {
 
 /// What a test bench with hidden effects writes, and what is true.
 struct Campaign {
-  std::string subject_toml{};          ///< DESIGN, PAIR or black box
-  std::vector<File> files{};           ///< measurements to be diagnosed
+  std::string subject_toml{};  ///< DESIGN, PAIR or black box
+  std::vector<File> files{};   ///< measurements to be diagnosed
+  /// Response without noise under the conditions as written, row by row of `files`; of torque-angle
+  /// records none.
+  std::vector<double> clean{};
   std::vector<File> unseen{};          ///< rows at other speeds and loads, same effects and sensor
   std::vector<double> unseen_clean{};  ///< response without noise, row by row of `unseen`
-  std::vector<Truth> truths{};         ///< empty: null campaign
+  /// The next session after the campaign, at levels as in `unseen`; none of torque_angle, whose
+  /// unseen rows are of the end of the record.
+  std::vector<File> later{};
+  std::vector<double> later_clean{};
+  std::vector<Truth> truths{};  ///< empty: null campaign
   /// Root mean square of the noise, unit of the response, without outliers. torque_angle: of one
   /// sample of the angle, at the output. Sun torque set and output torque read: the noise of the
   /// output torque, referred to the sun.

@@ -53,6 +53,7 @@ int dump(const std::string& name, double strength, std::uint64_t seed,
     write(folder / "subject.toml", campaign.subject_toml);
     for (const File& file : campaign.files) write(folder / file.name, file.text);
     for (const File& file : campaign.unseen) write(folder / file.name, file.text);
+    for (const File& file : campaign.later) write(folder / file.name, file.text);
     write(folder / "truth.txt", truth_text(line, campaign));
     return EXIT_SUCCESS;
   }

@@ -94,6 +94,11 @@ void apply(const Form& form, std::span<const Scalar> p, const Condition& conditi
   change_reading(target_of(form.name), change, condition, kind, m);
 }
 
+/// A drift stays where it was at the last row.
+void leave_behind(const Form& form, std::span<double> /*value*/, Condition& condition) {
+  condition.time_s = condition.cycles = form.constant("start") + form.constant("span");
+}
+
 }  // namespace
 
 extern const Cause cause;
@@ -104,6 +109,7 @@ const Cause cause{.id = "drift",
                   .weight = 1.8,
                   .parameters = parameters,
                   .forms = forms,
-                  .apply = apply};
+                  .apply = apply,
+                  .leave_behind = leave_behind};
 
 }  // namespace gear3k::calibrate::drift

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <numeric>
 #include <string_view>
 
 #include "calibrate/causes/reading_change.hpp"
@@ -133,6 +135,19 @@ std::vector<DerivedParameter> session_deviation(const Form& form, std::span<cons
            .leads = true}};
 }
 
+/// Steps stay as in the last session; of sessions with a value each the next one is expected at
+/// their mean.
+void leave_behind(const Form& form, std::span<double> value, Condition& condition) {
+  if (gives_each_session_a_value(form)) {
+    const double sum = std::accumulate(value.begin(), value.end(), 0.0);
+    std::ranges::fill(value, sum / static_cast<double>(value.size()));
+    condition.run = 0;
+    return;
+  }
+  condition.run = std::numeric_limits<int>::max();
+  condition.time_s = std::numeric_limits<double>::max();
+}
+
 }  // namespace
 
 extern const Cause cause;
@@ -144,6 +159,7 @@ const Cause cause{.id = "run_step",
                   .parameters = parameters,
                   .forms = forms,
                   .apply = apply,
-                  .derived = session_deviation};
+                  .derived = session_deviation,
+                  .leave_behind = leave_behind};
 
 }  // namespace gear3k::calibrate::run_step

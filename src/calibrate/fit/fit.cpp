@@ -376,6 +376,35 @@ class RowCost : public ceres::CostFunction {
 
 }  // namespace
 
+namespace {
+
+/// How much wider than the covariance of rows that scatter alike each parameter's deviation must be
+/// for rows that scatter as their residuals do: √(C₃/C) with MacKinnon and White's estimate
+/// C₃ = A⁻¹ (Σ Jᵢ Jᵢᵀ (ψᵢ/(1 − hᵢ))²) A⁻¹, A⁻¹ = C/s², leverage h = diag(J A⁻¹ Jᵀ).  Of rows that
+/// scatter alike C₃ has the mean C Σ l²/(1 − h)/Σ l² and the deviation √(2 Σ l⁴)/Σ l² of C with the
+/// rows l of J A⁻¹: 1 where it is not above the mean by one deviation.
+Eigen::VectorXd widening(const Eigen::MatrixXd& jacobian, const Eigen::MatrixXd& inverse,
+                         const Eigen::VectorXd& psi, double variance) {
+  constexpr double kMostLeverage = 0.9;
+  const Eigen::MatrixXd lever = jacobian * inverse;  // row i: Jᵢᵀ A⁻¹
+  const Eigen::ArrayXd leverage = lever.cwiseProduct(jacobian).rowwise().sum().array();
+  const Eigen::ArrayXd deviation = psi.array() / (1.0 - leverage.min(kMostLeverage));
+  const Eigen::VectorXd robust = (lever.array().colwise() * deviation).square().colwise().sum();
+  Eigen::VectorXd result(inverse.cols());
+  for (Eigen::Index k = 0; k < result.size(); ++k) {
+    const double alike = variance * inverse(k, k);
+    const Eigen::ArrayXd squares = lever.col(k).array().square();
+    const double luck = std::sqrt(2.0 * squares.square().sum()) / squares.sum();
+    constexpr double kClearly = 1.0;
+    const double expected = (squares / (1.0 - leverage.min(kMostLeverage))).sum() / squares.sum();
+    const double ratio = robust[k] / (alike * expected);
+    result[k] = ratio > 1.0 + kClearly * luck ? std::sqrt(ratio * expected) : 1.0;
+  }
+  return result;
+}
+
+}  // namespace
+
 FinalFit final_fit(const Problem& problem, const Hypothesis& start, double scale) {
   FinalFit result;
   result.hypothesis = start;
@@ -384,6 +413,7 @@ FinalFit final_fit(const Problem& problem, const Hypothesis& start, double scale
   const auto n = static_cast<Eigen::Index>(problem.data.rows.size());
   result.degrees = static_cast<int>(n - p);
   result.at_bound.assign(records.size(), false);
+  result.determined.assign(records.size(), true);
   // Ceres knows no correlated rows: where sessions scatter, the search's fit is the last one.
   if (p > 0 && !(problem.noise.session_variance > 0.0)) {
     std::vector<double> values = start.value;
@@ -449,10 +479,23 @@ FinalFit final_fit(const Problem& problem, const Hypothesis& start, double scale
     const Eigen::VectorXd unit = normal.diagonal().unaryExpr(
         [](double square) { return square > 0.0 ? 1.0 / std::sqrt(square) : 1.0; });
     const Eigen::MatrixXd scaled = unit.asDiagonal() * normal * unit.asDiagonal();
-    const Eigen::MatrixXd inverse =
-        unit.asDiagonal() * numerics::pseudo_inverse(scaled) * unit.asDiagonal();
+    const Eigen::MatrixXd scaled_inverse = numerics::pseudo_inverse(scaled);
+    const Eigen::MatrixXd inverse = unit.asDiagonal() * scaled_inverse * unit.asDiagonal();
+    // The projection on what the rows determine; what rounding leaves of the rest has an inverse
+    // beyond all digits.
+    constexpr double kMostInverse = 1e10;
+    const Eigen::VectorXd share = (scaled_inverse * scaled).diagonal();
+    for (std::size_t k = 0; k < records.size(); ++k) {
+      const auto i = static_cast<Eigen::Index>(k);
+      result.determined[k] = share[i] > 1.0 - 1e-6 && scaled_inverse(i, i) < kMostInverse;
+    }
     result.covariance =
         0.5 * result.scale * result.scale * (inverse + Eigen::MatrixXd(inverse.transpose()));
+    if (!result.scale_is_known) {
+      const Eigen::VectorXd wider = widening(step.jacobian, inverse, psi / std::max(inside, 0.5),
+                                             result.scale * result.scale);
+      result.covariance = wider.asDiagonal() * result.covariance * wider.asDiagonal();
+    }
   }
   return result;
 }

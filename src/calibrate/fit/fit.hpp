@@ -49,8 +49,12 @@ Fit fit(const Problem& problem, Hypothesis start, double scale);
 struct FinalFit {
   Hypothesis hypothesis;
   Eigen::VectorXd simulated;
-  Eigen::MatrixXd covariance;  ///< of the parameters, in their units
+  /// Of the parameters, in their units: s² (JᵀJ)⁻¹, deviations widened where the residuals say that
+  /// rows do not scatter alike.
+  Eigen::MatrixXd covariance;
   std::vector<bool> at_bound;
+  /// Whether the rows determine the parameter; its variance says nothing where they do not.
+  std::vector<bool> determined;
   double scale = 0.0;           ///< standard deviation of the whitened rows after the fit
   bool scale_is_known = false;  ///< NoiseModel::known_scale(), not estimated
   int degrees = 0;              ///< rows less parameters

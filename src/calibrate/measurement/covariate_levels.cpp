@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 #include "units/units.hpp"
@@ -86,6 +87,21 @@ std::vector<double> column_of(const MeasurementSet& data, double Condition::*mem
   std::vector<double> result;
   result.reserve(data.rows.size());
   for (const Observation& row : data.rows) result.push_back(row.condition.*member);
+  return result;
+}
+
+std::vector<Levels> tooth_levels(const MeasurementSet& data) {
+  std::vector<Levels> result;
+  if (data.kind != Kind::kPairLoss) return result;
+  std::vector<double> sum;
+  std::vector<double> divisor;
+  for (const Observation& row : data.rows) {
+    const Condition& c = row.condition;
+    sum.push_back(c.driving_teeth + c.driven_teeth);
+    divisor.push_back(std::gcd(c.driving_teeth, c.driven_teeth));
+  }
+  result.push_back(levels_of("tooth sum", sum, 1.0, 0.0));
+  result.push_back(levels_of("common divisor", divisor, 1.0, 0.0));
   return result;
 }
 

@@ -22,6 +22,10 @@ struct Levels {
 /// Covariates along which these rows differ.
 std::vector<Levels> covariate_levels(const MeasurementSet& data);
 
+/// Of pairs: what of both numbers of teeth together could matter, the sum and the greatest common
+/// divisor (the same teeth meet again and again).  No covariates of their own: empty elsewhere.
+std::vector<Levels> tooth_levels(const MeasurementSet& data);
+
 /// Levels of two covariates together.
 Levels crossed(const Levels& a, const Levels& b);
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -52,6 +53,12 @@ struct Covariate {
 };
 
 /// Rows of one kind, of one or several files.
+/// What the digits of the responses say of how they were taken.
+struct Readings {
+  double resolution = 0.0;  ///< resolution_of()
+  bool commanded = false;   ///< is_commanded()
+};
+
 struct MeasurementSet {
   Kind kind = Kind::kTransmission;
   std::vector<std::string> files;
@@ -62,6 +69,10 @@ struct MeasurementSet {
   std::vector<std::string> notes;
   std::uint64_t fingerprint = 0;     ///< FNV-1a, 64 bit, of the files' bytes
   std::vector<LoopSession> loops{};  ///< from which rows were read, where they were
+  /// By file: the gearbox of a series that it was measured on; empty where no file states one.
+  std::vector<std::string> units{};
+  /// Where the responses are no longer as they were read; else empty: they say it themselves.
+  std::optional<Readings> readings{};
 };
 
 /// A gearbox of which only the catalogue values are known; the sun is its fast shaft.

@@ -66,6 +66,7 @@ Repeats find_repeats(const MeasurementSet& data) {
 }
 
 double resolution_of(const MeasurementSet& data) {
+  if (data.readings) return data.readings->resolution;
   const double si = response_unit(data.kind).si;
   constexpr double kFinest = 1e-9;
   constexpr double kSame = 1e-6;
@@ -80,6 +81,7 @@ double resolution_of(const MeasurementSet& data) {
 }
 
 bool is_commanded(const MeasurementSet& data) {
+  if (data.readings) return data.readings->commanded;
   if (data.kind != Kind::kTransmission) return false;
   std::map<std::pair<bool, double>, ValueRange> load_at;  // by direction and sun torque
   std::set<double> responses, loads;

@@ -125,6 +125,9 @@ struct Cause {
   std::vector<DerivedParameter> (*derived)(const Form& form, std::span<const Scalar> p,
                                            const Simulation& simulation,
                                            const Modification& all) = nullptr;
+  /// Of a cause whose effect depends on when a row was measured: puts values and condition to what
+  /// the campaign left behind, which is what later measurements meet; null for all others.
+  void (*leave_behind)(const Form& form, std::span<double> value, Condition& condition) = nullptr;
 };
 
 /// All causes; where two explain data as well, the earlier one is named first.

@@ -4,6 +4,7 @@
 
 #include <stdexcept>
 
+#include "calibrate/model/hypothesis.hpp"
 #include "design/scalar_as.hpp"
 
 namespace gear3k::calibrate {
@@ -23,6 +24,18 @@ bool of_measurement(Remedy remedy) {
   return remedy == Remedy::kSensor || remedy == Remedy::kProcedure;
 }
 
+/// Loops of torque and angle become rows of lost motion, read by other sensors.
+bool same_response(Kind a, Kind b) {
+  const auto is_lost_motion = [](Kind kind) {
+    return kind == Kind::kLostMotion || kind == Kind::kTorqueAngle;
+  };
+  return is_lost_motion(a) && is_lost_motion(b);
+}
+
+bool is_left_behind(const AppliedCause& applied) {
+  return cause_of(applied).leave_behind != nullptr;
+}
+
 void apply_cause(const AppliedCause& applied, const Condition& condition, Kind kind,
                  Modification& m) {
   const Cause& cause = cause_of(applied);
@@ -31,19 +44,25 @@ void apply_cause(const AppliedCause& applied, const Condition& condition, Kind k
     throw std::invalid_argument(fmt::format("extended model: {} has {} parameters, allowed: {}",
                                             applied.id, applied.value.size(), count));
   }
-  std::vector<Scalar> p;
-  p.reserve(count);
-  for (const double value : applied.value) p.push_back(constant<Scalar>(value));
-  cause.apply(applied.form, p, condition, kind, m);
+  std::vector<double> value = applied.value;
+  Condition at = condition;
+  if (cause.leave_behind != nullptr) cause.leave_behind(applied.form, value, at);
+  cause.apply(applied.form, constants_of(value), at, kind, m);
 }
 
 }  // namespace
 
+std::size_t parameter_count(const ExtendedModel& model) {
+  std::size_t count = 0;
+  for (const AppliedCause& cause : model.causes) count += cause.value.size();
+  for (const AppliedLaw& law : model.laws) count += law.value.size();
+  return count;
+}
+
 void apply_model(const ExtendedModel& model, const Condition& condition, Kind kind,
                  Modification& m) {
   for (const AppliedCause& applied : model.causes) {
-    if (cause_of(applied).remedy == Remedy::kProcedure) continue;
-    if (kind == model.kind) {
+    if (kind == model.kind || (same_response(kind, model.kind) && is_left_behind(applied))) {
       apply_cause(applied, condition, kind, m);
       continue;
     }
@@ -51,6 +70,10 @@ void apply_model(const ExtendedModel& model, const Condition& condition, Kind ki
     Modification other{.gearbox = m.gearbox};
     apply_cause(applied, condition, model.kind, other);
     m.gearbox = other.gearbox;
+  }
+  if (kind != model.kind) return;
+  for (const AppliedLaw& law : model.laws) {
+    if (!is_of_campaign(law.law)) apply_law(law, condition, kind, m);
   }
 }
 

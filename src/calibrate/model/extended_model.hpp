@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "calibrate/model/cause.hpp"
+#include "calibrate/model/law.hpp"
 #include "design/extension.hpp"
 
 namespace gear3k::calibrate {
@@ -23,6 +24,8 @@ struct AppliedCause {
   std::vector<std::string> alternatives = {};
   /// Names of its parameters, derived ones too, whose values no gearbox shows.
   std::vector<std::string> implausible = {};
+  /// A formula that predicts what nothing explains, no finding.
+  bool empirical = false;
 };
 
 /// Range of a condition in the data; NaN = the data do not state it.
@@ -35,7 +38,9 @@ struct ExtendedModel {
   std::string name;  ///< of the gearbox that was measured
   Kind kind = Kind::kTransmission;
   std::vector<AppliedCause> causes;
-  /// Of all parameters, cause by cause, row after row.
+  /// What no cause explains; they change readings, not the gearbox.
+  std::vector<AppliedLaw> laws = {};
+  /// Of all parameters, cause by cause and law by law, row after row.
   std::vector<double> covariance;
   std::vector<ConditionRange> range;  ///< of validity: that of the data
   std::uint64_t fingerprint = 0;      ///< of the data, MeasurementSet::fingerprint
@@ -44,8 +49,12 @@ struct ExtendedModel {
   std::optional<Verdict> verdict = std::nullopt;
 };
 
-/// Applies the causes to a simulation, one after the other.  Those that belong to the data
-/// (sessions, drift) are left out.
+/// Of all causes, then of all laws: the covariance has as many rows.
+std::size_t parameter_count(const ExtendedModel& model);
+
+/// Applies the causes to a simulation, one after the other, drift and sessions as the campaign left
+/// them behind (Cause::leave_behind), then the laws of the same kind of data but
+/// those over time or cycles, which belong to their campaign.
 void apply_model(const ExtendedModel& model, const Condition& condition, Kind kind,
                  Modification& m);
 

@@ -46,18 +46,21 @@ std::optional<Eigen::VectorXd> weights_by_response(const Problem& problem,
   const Eigen::VectorXd size = (simulated / middle).cwiseMax(kLeast);
   const Eigen::VectorXd residual = winsorised(found.fit.residual, found.scale);
   const auto n = static_cast<double>(residual.size());
-  const auto likelihood = [&](double power) {
-    const Eigen::VectorXd weight = size.array().pow(-power);
+  const auto weights = [&](double share) -> Eigen::VectorXd {
+    return (1.0 - share + share * size.array().square()).rsqrt();
+  };
+  const auto likelihood = [&](double share) {
+    const Eigen::VectorXd weight = weights(share);
     return weight.array().log().sum() -
            0.5 * n * std::log(residual.cwiseProduct(weight).squaredNorm() / n);
   };
   double best = 0.0;
-  for (const double power : {0.5, 1.0}) {
-    if (likelihood(power) > likelihood(best)) best = power;
+  for (const double share : {0.1, 0.25, 0.5, 0.75, 0.9, 0.97, 1.0}) {
+    if (likelihood(share) > likelihood(best)) best = share;
   }
-  constexpr double kClearly = 4.0;
+  constexpr double kClearly = 3.0;
   if (best == 0.0 || likelihood(best) < likelihood(0.0) + kClearly) return std::nullopt;
-  return size.array().pow(-best).matrix();
+  return weights(best);
 }
 
 SessionScatter session_scatter(const Problem& problem, const SearchResult& found) {

@@ -9,8 +9,9 @@
 
 namespace gear3k::calibrate {
 
-/// Weights of the rows by a power (½ or 1) of the simulated response, where the likelihood of the
-/// residuals says clearly that their scatter follows it; empty otherwise, and where σ is stated.
+/// Weights of rows whose variance is a share of full scale and one of the simulated response,
+/// a² + (b y)², where the likelihood of the residuals says clearly that their scatter follows it;
+/// empty otherwise, and where σ is stated.
 std::optional<Eigen::VectorXd> weights_by_response(const Problem& problem,
                                                    const SearchResult& found);
 

@@ -59,12 +59,12 @@ SearchResult search_with_noise(Problem& problem, const std::vector<Candidate>& c
   const MeasurementSet some = thinned(problem.data, kEnough, options.seed);
   Problem part{.simulation = problem.simulation, .data = some, .noise = make_noise_model(some)};
   SearchResult found = search_in_all(part, candidates, options, tell, sessions, notes);
+  problem.noise.session_variance = part.noise.session_variance;
   found.fit = fit(problem, found.fit.hypothesis, found.scale);
   if (const auto weights = weights_by_response(problem, found)) {
     problem.noise.weight = *weights;
     found.fit = fit(problem, found.fit.hypothesis, found.scale);
   }
-  problem.noise.session_variance = part.noise.session_variance;
   notes.push_back(
       fmt::format("causes were searched for in {} of {} rows, at random places, and "
                   "fitted to all",

@@ -9,12 +9,15 @@
 
 #include "calibrate/fit/holdout.hpp"
 #include "calibrate/fit/parameter_results.hpp"
+#include "calibrate/laws/law_result.hpp"
 #include "calibrate/model/model_range.hpp"
 #include "calibrate/search/noise_from_fit.hpp"
 #include "calibrate/search/search.hpp"
 #include "calibrate/search/search_with_noise.hpp"
 #include "calibrate/search/stability.hpp"
+#include "calibrate/verdict/correction.hpp"
 #include "calibrate/verdict/experiment.hpp"
+#include "calibrate/verdict/posterior.hpp"
 #include "calibrate/verdict/remainder.hpp"
 #include "calibrate/verdict/unexplained.hpp"
 #include "numerics/distributions.hpp"
@@ -176,6 +179,12 @@ bool noise_is_known(NoiseSource source, const FinalFit& final) {
   return source != NoiseSource::kResiduals || final.degrees >= kFewestDegrees;
 }
 
+/// Whether a parameter of an effect has a value that no gearbox shows.
+bool is_implausible(const Effect& effect) {
+  return std::ranges::any_of(effect.parameters,
+                             [](const ParameterResult& p) { return !p.plausible; });
+}
+
 Verdict verdict_of(const Diagnosis& d) {
   if (d.remainder.significant) return Verdict::kUnexplained;
   if (d.effects.empty()) return Verdict::kNoDiscrepancy;
@@ -183,7 +192,10 @@ Verdict verdict_of(const Diagnosis& d) {
     return std::ranges::any_of(effect.alternatives,
                                [&](const Alternative& a) { return a.remedy != effect.remedy; });
   });
-  return ambiguous ? Verdict::kAmbiguous : Verdict::kExplained;
+  if (ambiguous) return Verdict::kAmbiguous;
+  // A formula that fits with such values is no explanation.
+  return std::ranges::any_of(d.effects, is_implausible) ? Verdict::kUnexplained
+                                                        : Verdict::kExplained;
 }
 
 /// What separates the explanations of the weightiest part of the discrepancy that has several.
@@ -225,6 +237,10 @@ ExtendedModel model_of(const FinalFit& final, const MeasurementSet& data) {
   for (std::size_t e = 0; e < final.hypothesis.effects.size(); ++e) {
     const Candidate& c = final.hypothesis.effects[e];
     const auto values = values_of(final.hypothesis, e);
+    if (is_law(c)) {
+      model.laws.push_back({.law = law_of(c.form), .value = {values.begin(), values.end()}});
+      continue;
+    }
     model.causes.push_back(
         {.id = std::string(c.cause->id), .form = c.form, .value = {values.begin(), values.end()}});
   }
@@ -385,6 +401,72 @@ std::string note_on_orders(double highest) {
       highest);
 }
 
+/// What a prediction that is no finding is made of, beside the fit.
+struct Measured {
+  const Problem& problem;
+  const std::vector<Levels>& levels;
+  const SimulatedRows& rows;
+  const Baseline& baseline;
+  const PureError& pure;
+};
+
+/// Errors, rows and model become those of another fit than that of the causes found.
+void predict_by(Diagnosis& d, const Measured& m, const FinalFit& final, const HeldOut& held) {
+  const Problem& problem = m.problem;
+  const double typical_weight = 1.0 / root_mean_square(problem.noise.weight.cwiseInverse());
+  const NoiseLevel noise = noise_level(problem.noise, m.pure, final.scale);
+  d.errors = errors_of(problem, m.baseline, final, held);
+  d.errors.noise_floor = noise.scale / typical_weight;
+  d.noise_source = noise.source;
+  d.extrapolation =
+      extrapolate(problem, final.hypothesis, m.levels, m.baseline.measured, m.baseline.simulated);
+  Eigen::MatrixXd whitened = m.baseline.measured - final.simulated;
+  problem.noise.whiten(whitened);
+  d.rows =
+      row_results(d.rows.size(), m.rows, problem, m.baseline, final, held, whitened, final.scale);
+  d.model = model_of(final, problem.data);
+}
+
+/// Looks for a law in what is left and, where there is one, fits and predicts with it.
+void add_law(Diagnosis& d, const Measured& m, const Hypothesis& causes, const Blocks& blocks) {
+  const Problem& problem = m.problem;
+  const std::optional<FoundLaw> law = find_law(problem, causes, blocks);
+  if (!law) return;
+  const FinalFit final = final_fit(problem, law->hypothesis, law->scale);
+  const double error_without = d.errors.extended_holdout;
+  predict_by(d, m, final, {.blocks = blocks, .predicted = law->predicted});
+  // The law does better without some, and with them goes what would tell them apart.
+  const std::size_t before = d.effects.size();
+  std::erase_if(d.effects, [&](const Effect& effect) {
+    return std::ranges::none_of(law->hypothesis.effects, [&](const Candidate& c) {
+      return c.cause->id == effect.id && c.form.name == effect.form.name &&
+             c.form.body == effect.form.body && c.form.order == effect.form.order;
+    });
+  });
+  if (d.effects.size() < before) d.next_experiment.reset();
+  for (std::size_t e = 0; e < d.effects.size(); ++e) {
+    d.effects[e].parameters = parameter_results(problem.simulation, final, e);
+  }
+  d.laws.push_back(law_result(problem, *law, final, error_without, d.errors.extended_holdout));
+}
+
+/// Predicts by a cause as a formula, where nothing explains.
+void add_correction(Diagnosis& d, const Measured& m, const std::vector<Candidate>& candidates,
+                    const Blocks& blocks, double scale) {
+  const Problem& problem = m.problem;
+  const std::optional<FoundCorrection> found = find_correction(problem, candidates, blocks, scale);
+  if (!found) return;
+  const FinalFit final = final_fit(problem, found->fit.hypothesis, scale);
+  predict_by(d, m, final, {.blocks = blocks, .predicted = found->predicted});
+  for (AppliedCause& cause : d.model.causes) cause.empirical = true;
+  const Candidate& c = final.hypothesis.effects.front();
+  d.correction = {.id = std::string(c.cause->id),
+                  .form = c.form,
+                  .parameters = parameter_results(problem.simulation, final, 0),
+                  .held_out_error = d.errors.extended_holdout,
+                  .held_out_gain = 1.0 - d.errors.extended_holdout / d.errors.baseline_holdout};
+}
+
 }  // namespace
 
 std::optional<Diagnosis> diagnose(const Simulation& simulation, const MeasurementSet& all_data,
@@ -476,9 +558,18 @@ std::optional<Diagnosis> diagnose(const Simulation& simulation, const Measuremen
   d.remainder = remainder_of(problem, contest, standing.hypothesis, found.scale, levels,
                              baseline.measured - final.simulated);
   d.verdict = verdict_of(d);
+  set_posteriors(d.effects, contest.structure);
   d.next_experiment = next_experiment(problem, standing.hypothesis, standing.found, found.scale,
                                       noise.scale, options);
   d.model = model_of(final, data);
+  if (d.remainder.significant) {
+    const Measured all{
+        .problem = problem, .levels = levels, .rows = rows, .baseline = baseline, .pure = pure};
+    add_law(d, all, standing.hypothesis, held.blocks);
+    if (d.laws.empty() && d.effects.empty()) {
+      add_correction(d, all, found.candidates, held.blocks, found.scale);
+    }
+  }
   d.notes.insert(d.notes.begin(), data.notes.begin(), data.notes.end());
   if (!tell(1.0)) return std::nullopt;
   return d;

@@ -4,12 +4,14 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "calibrate/fit/holdout.hpp"
 #include "calibrate/fit/parameter_results.hpp"
+#include "calibrate/laws/law_result.hpp"
 #include "calibrate/measurement/noise.hpp"
 #include "calibrate/model/extended_model.hpp"
 #include "calibrate/model/simulation.hpp"
@@ -39,6 +41,7 @@ struct Alternative {
   Form form;
   bool with_level = false;  ///< together with another coefficient of friction
   double statistic = 0.0;   ///< its χ² less that of the effect
+  double probability = 0.0;
   std::vector<ParameterResult> parameters;
   Remedy remedy = Remedy::kFlanks;
 };
@@ -52,6 +55,9 @@ struct Effect {
   std::vector<Alternative> alternatives;  ///< most likely first
   std::vector<Alternative> other_bodies;  ///< the same cause elsewhere, as good as here
   double delta_bic = 0.0;  ///< of the model without it less that with it; > 0 speaks for it
+  /// That this cause is behind it, that one of the alternatives is, that none of the library is:
+  /// as often right as stated on simulated campaigns (docs/theory §30).
+  double probability = 0.0, no_cause = 0.0;
   double inclusion_frequency = 0.0;  ///< share of subsamples that find it or an alternative
   double p_value = 1.0;              ///< of a gain as great where there is nothing
   /// It could not be told from a missing effect and is preferred because it is a parameter.
@@ -92,6 +98,15 @@ struct Remainder {
   double share = 0.0;  ///< of the residual variance that the term takes off
 };
 
+/// A cause as a formula where nothing explains: it predicts, and says nothing of why.
+struct Correction {
+  std::string id;
+  Form form;
+  std::vector<ParameterResult> parameters;
+  double held_out_error = kUnknown;  ///< root mean square of rows held out of its fit [SI]
+  double held_out_gain = kUnknown;   ///< 1 − that over the same of the simulation as given
+};
+
 struct RowResult {
   double baseline = 0.0, extended = 0.0;  ///< simulated [SI]
   double sigma = 0.0;                     ///< of the row [SI]
@@ -125,20 +140,25 @@ struct NextExperiment {
   std::string advice;  ///< in words, e.g. where only a calibrated sensor can tell
 };
 
+struct UnitSeries;  // series/series.hpp
+
 /// Result for the data of one kind.
 struct Diagnosis {
   Kind kind = Kind::kTransmission;
   std::string subject;  ///< name of the gearbox
   Verdict verdict = Verdict::kNoDiscrepancy;
   std::vector<Effect> effects;
-  Errors errors;               ///< root mean squares, SI
-  std::string holdout_blocks;  ///< "load", "speed", "run", "pinion", "angle", "test torque"
+  std::vector<LawResult> laws;  ///< where the verdict is unexplained: at most one
+  Errors errors;                ///< root mean squares, SI
+  std::string holdout_blocks;   ///< "load", "speed", "run", "pinion", "angle", "test torque"
   Extrapolation extrapolation;
   NoiseSource noise_source = NoiseSource::kResiduals;
   int repeat_degrees = 0;
   double session_deviation = 0.0;  ///< standard deviation between sessions [SI]; 0 = none found
   LackOfFit lack_of_fit;           ///< of the baseline
   double p_value = 1.0;            ///< of the greatest finding where nothing is wrong
+  /// Where structure is left and neither a cause nor a law stands.
+  std::optional<Correction> correction;
   std::vector<CauseEvidence> evidence;
   std::vector<CovariateTest> covariates_before, covariates_after;
   Periodogram periodogram;
@@ -147,6 +167,7 @@ struct Diagnosis {
   ExtendedModel model;
   std::vector<RowResult> rows;  ///< as in the data
   std::vector<std::string> notes;
+  std::shared_ptr<const UnitSeries> series;  ///< where the files state their gearbox, else null
 };
 
 /// Diagnoses the data of one kind.

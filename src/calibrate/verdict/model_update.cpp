@@ -15,17 +15,6 @@ double entry(const ExtendedModel& model, std::size_t parameters, std::size_t row
   return place < model.covariance.size() ? model.covariance[place] : 0.0;
 }
 
-std::size_t parameter_count(const ExtendedModel& model) {
-  std::size_t count = 0;
-  for (const AppliedCause& cause : model.causes) count += cause.value.size();
-  return count;
-}
-
-bool of_procedure(const AppliedCause& applied) {
-  const Cause* cause = find_cause(applied.id);
-  return cause != nullptr && cause->remedy == Remedy::kProcedure;
-}
-
 /// What a model is worth together with what was found on top of it: a cause that could be another
 /// one stays so, and what could not be explained before may be now.
 std::optional<Verdict> joint_verdict(const std::optional<Verdict>& earlier,
@@ -39,7 +28,8 @@ ExtendedModel joined(const ExtendedModel& earlier, const ExtendedModel& found) {
   ExtendedModel result = found;
   result.verdict = joint_verdict(earlier.verdict, found.verdict);
   result.causes.clear();
-  // Where each parameter that stays is in the covariance that it comes from.
+  result.laws.clear();
+  // Where each parameter is in the covariance that it comes from.
   struct Source {
     const ExtendedModel* model;
     std::size_t parameters, place;
@@ -49,10 +39,20 @@ ExtendedModel joined(const ExtendedModel& earlier, const ExtendedModel& found) {
     const std::size_t parameters = parameter_count(*model);
     std::size_t place = 0;
     for (const AppliedCause& cause : model->causes) {
-      const bool stays = model == &found || !of_procedure(cause);
-      if (stays) result.causes.push_back(cause);
+      result.causes.push_back(cause);
       for (std::size_t k = 0; k < cause.value.size(); ++k, ++place) {
-        if (stays) sources.push_back({.model = model, .parameters = parameters, .place = place});
+        sources.push_back({.model = model, .parameters = parameters, .place = place});
+      }
+    }
+  }
+  for (const ExtendedModel* model : {&earlier, &found}) {
+    const std::size_t parameters = parameter_count(*model);
+    std::size_t place = parameters;
+    for (const AppliedLaw& law : model->laws) place -= law.value.size();
+    for (const AppliedLaw& law : model->laws) {
+      result.laws.push_back(law);
+      for (std::size_t k = 0; k < law.value.size(); ++k, ++place) {
+        sources.push_back({.model = model, .parameters = parameters, .place = place});
       }
     }
   }
@@ -77,7 +77,7 @@ std::vector<ExtendedModel> updated_models(const std::vector<ExtendedModel>& earl
     const auto at = std::ranges::find(result, model.kind, &ExtendedModel::kind);
     if (at == result.end()) {
       result.push_back(model);
-    } else if (!model.causes.empty()) {
+    } else if (!model.causes.empty() || !model.laws.empty()) {
       *at = joined(*at, model);
     } else if (model.verdict == Verdict::kUnexplained) {
       at->verdict = model.verdict;

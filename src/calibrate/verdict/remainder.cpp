@@ -146,6 +146,7 @@ class TermCollection {
     }
     // What is lost adds to the sun's torque forward and takes from it backward.
     const bool both_ways = (losing_.array() != losing_[0]).any();
+    for (const Levels& l : tooth_levels(problem_.data)) add(l, Entry::kNone, 0.5);
     for (const Levels& l : levels_) {
       if (l.name == "direction" || !few(l) || is_noise(l)) continue;
       add({.along = l.name,

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "design/rating_inputs.hpp"
 #include "io/keys/axial_keys.hpp"
 #include "io/keys/cutter_keys.hpp"
 #include "io/keys/design_keys.hpp"
@@ -220,6 +221,10 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
   }
   if (input.tolerances.stated) design.tolerances = tolerances;
   design.sampling = input.tolerances.sampling;
+  const auto materials = finish_materials(input.strength, train_gear_tables(), reading);
+  if (!reading.stated("inertia.density_kg_m3")) {
+    design.masses.density_kgm3 = design::common_density_kgm3(materials);
+  }
   check_masses(design.masses, reading);
   t.teeth = {.S = teeth[0], .P1 = teeth[1], .R1 = teeth[2], .P2 = teeth[3], .R2 = teeth[4]};
   require_more_ring_teeth(places[train::kR1], places[train::kP1], t.teeth.R1, t.teeth.P1, reading);
@@ -237,13 +242,23 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
       reading.error_at(center_distance_place(reading), undefined->message);
     }
   }
+  const auto& point = design.operating_point;
+  const auto task = finish_train_strength(
+      input.strength, materials,
+      {.planets = {input.planets},
+       .face_width_m = design.masses.face_width_m,
+       .sun_speed_rad_s = point ? std::optional(point->sun_speed_rad_s) : std::nullopt,
+       .axial = design.axial},
+      reading);
+  if (task) design.rating = design::rating_of(*task, design);
   return design;
 }
 
 design::Design design_from(const TomlValue& document, const std::string& name) {
   FileReading reading(name);
   DesignInput input;
-  read_by_schema(document, design_schema(), input, reading);
+  read_by_schema(with_material_tables(document, train_gear_tables()), design_schema(), input,
+                 reading);
   design::Design design = finish_design(input, reading);
   reading.throw_if_invalid();
   return design;
@@ -252,7 +267,7 @@ design::Design design_from(const TomlValue& document, const std::string& name) {
 design::PairDesign pair_from(const TomlValue& document, const std::string& name) {
   FileReading reading(name);
   PairInput input;
-  read_by_schema(document, pair_schema(), input, reading);
+  read_by_schema(with_material_tables(document, pair_gear_tables()), pair_schema(), input, reading);
   const GearPlace place1{
       .path = "gear1", .ring = false, .module_m = input.module_m, .external_mesh = !input.internal};
   const GearPlace place2{.path = "gear2",
@@ -271,7 +286,8 @@ design::PairDesign pair_from(const TomlValue& document, const std::string& name)
       .pin_diameter_m = {input.gears[0].pin_diameter_m, input.gears[1].pin_diameter_m},
       .friction = input.friction,
       .limits = finish_limits(input.limits, reading),
-      .tolerances = {}};
+      .tolerances = {},
+      .rating = {}};
   if (input.tolerances.stated) {
     const auto& stated = input.tolerances.gears;
     pair.tolerances = backlash::PairTolerances{
@@ -279,6 +295,8 @@ design::PairDesign pair_from(const TomlValue& document, const std::string& name)
                   gear_tolerances(stated[1], "gear2", pair.gear2, reading)},
         .center_distance_m = input.tolerances.center_distance_m};
   }
+  pair.rating = finish_pair_strength(
+      input.strength, finish_materials(input.strength, pair_gear_tables(), reading), reading);
   if (input.internal) {
     require_more_ring_teeth(place2, place1, pair.gear2.teeth, pair.gear1.teeth, reading);
   }

@@ -1,3 +1,4 @@
+#include "design/rating_inputs.hpp"
 #include "io/files/design_file.hpp"
 #include "io/keys/design_keys.hpp"
 
@@ -33,6 +34,11 @@ DesignInput stated_design(const design::Design& design) {
   input.outer_radius_m[train::kR2] = design.masses.ring2_outer_radius_m;
   input.axial = design.axial;
   input.losses = stated_losses(design);
+  input.strength = stated_strength(design.rating);
+  if (design.rating &&
+      design::common_density_kgm3(design.rating->material) == design.masses.density_kgm3) {
+    input.masses.density_kgm3.reset();  // the materials state it
+  }
   return input;
 }
 

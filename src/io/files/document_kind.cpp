@@ -26,6 +26,16 @@ bool has_table(const TomlValue& document, std::string_view key) {
   return value != nullptr && value->kind == TomlValue::Kind::kTable;
 }
 
+/// Whether [gears] holds gears: a SPEC states materials there and nothing else.
+bool describes_gears(const TomlValue& document) {
+  if (!has_table(document, "gears")) return false;
+  const std::vector<TomlValue>& gears = member(document, "gears")->table;
+  const auto of_material_only = [](const TomlValue& gear) {
+    return gear.table.size() == 1 && gear.table[0].key == "material";
+  };
+  return gears.empty() || !std::ranges::all_of(gears, of_material_only);
+}
+
 }  // namespace
 
 DocumentLook look_of(const TomlValue& document) {
@@ -34,7 +44,7 @@ DocumentLook look_of(const TomlValue& document) {
     if (has_table(document, kind)) return {.kind = kModel, .sign = fmt::format("[{}]", kind)};
   }
   if (has_table(document, "gearbox")) return {.kind = kBlackBox, .sign = "[gearbox]"};
-  if (has_table(document, "gears")) return {.kind = kDesign, .sign = "[gears]"};
+  if (describes_gears(document)) return {.kind = kDesign, .sign = "[gears]"};
   for (const std::string_view key : {"gear1", "gear2"}) {
     if (has_table(document, key)) return {.kind = kPair, .sign = fmt::format("[{}]", key)};
   }

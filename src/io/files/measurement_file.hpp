@@ -38,7 +38,9 @@ struct Measurements {
 ///   - transmission: rows at a limit of the sensor, that is the greatest or the least sun torque of
 ///     a file, repeated exactly in five rows or more whose loads differ by more than 5 % and by
 ///     more than the sensor's resolution can hide (more than half of a file's rows: an error).
-/// Columns that the kind does not name become covariates when they hold numbers.
+/// Units: a note `# unit: NAME` says on which gearbox of a series a file was measured; all files of
+/// a kind state one (torque_angle and lost_motion together) or none: MeasurementSet::units. Columns
+/// that the kind does not name become covariates when they hold numbers.
 ///
 /// time_s must not go back within a run (torque_angle: must increase), except where rows are
 /// plainly not in the order of time (more than one step in ten goes back): noted, as the time of a

@@ -52,6 +52,7 @@ void read_loops(Measurements& data, double ratio) {
   }
   const auto offset = static_cast<int>(pool->files.size());
   pool->files.insert(pool->files.end(), own->files.begin(), own->files.end());
+  pool->units.insert(pool->units.end(), own->units.begin(), own->units.end());
   pool->notes.insert(pool->notes.end(), own->notes.begin(), own->notes.end());
   calibrate::add_loops(*pool, loops, offset);
   pool->fingerprint = hashed_bytes(pool->fingerprint, own->fingerprint);

@@ -59,6 +59,21 @@ void read_kind(const Note& note, MeasurementNotes& notes, Complaints& complaints
   notes.kind = kind;
 }
 
+void read_unit(const Note& note, MeasurementNotes& notes, Complaints& complaints) {
+  if (note.word.empty()) {
+    complaints.add({.line = note.line, .column = 1},
+                   "# unit: is blank, allowed: the name of the gearbox that was measured");
+  } else if (!notes.unit.empty() && notes.unit != note.word) {
+    complaints.add({.line = note.line, .column = 1},
+                   fmt::format("# unit: {}: the unit was {} in line {}, allowed: one gearbox in a "
+                               "file",
+                               note.word, notes.unit, notes.unit_line));
+    return;
+  }
+  notes.unit = note.word;
+  notes.unit_line = note.line;
+}
+
 bool are_columns_of(Kind kind, const std::vector<std::string>& names) {
   return std::ranges::all_of(columns_of(kind), [&](const MeasurementColumn& c) {
     return !c.required || std::ranges::find(names, c.name) != names.end();
@@ -86,6 +101,8 @@ MeasurementNotes read_notes(std::string_view text, Complaints& complaints) {
       notes.reference_sensor = choice(*note, kSensor, complaints) == 0;
     } else if (note->key == "runs") {
       notes.runs_shared = choice(*note, kRuns, complaints) == 0;
+    } else if (note->key == "unit") {
+      read_unit(*note, notes, complaints);
     }
   }
   return notes;

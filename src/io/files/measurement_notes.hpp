@@ -18,6 +18,8 @@ struct MeasurementNotes {
 
   bool kind_stated = false;       ///< well or not
   int locked_line = 0;            ///< of the note `# locked:`; 0: none
+  std::string unit;               ///< gearbox of a series that was measured; "": not stated
+  int unit_line = 0;              ///< of the note `# unit:`, well or not; 0: none
   std::vector<std::string> keys;  ///< before the colon of any note
 };
 

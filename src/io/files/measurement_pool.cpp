@@ -106,6 +106,7 @@ MeasurementSet MeasurementPool::pooled(Kind kind, const std::vector<File*>& file
     const std::vector<int> run = sessions.take(file->path, file->content, set);
     const int index = static_cast<int>(set.files.size());
     set.files.push_back(file->path);
+    if (!file->content.notes.unit.empty()) set.units.push_back(file->content.notes.unit);
     set.notes.insert(set.notes.end(), own.notes.begin(), own.notes.end());
     const std::size_t before = set.rows.size();
     for (Observation o : own.rows) {
@@ -164,6 +165,27 @@ std::string MeasurementPool::errors() const {
   return errors;
 }
 
+void MeasurementPool::require_units(const ByKind& by_kind) {
+  // Torque-angle records become rows of lost motion.
+  std::array<std::vector<File*>, 3> together{by_kind[static_cast<std::size_t>(Kind::kTransmission)],
+                                             by_kind[static_cast<std::size_t>(Kind::kLostMotion)],
+                                             by_kind[static_cast<std::size_t>(Kind::kPairLoss)]};
+  const auto& records = by_kind[static_cast<std::size_t>(Kind::kTorqueAngle)];
+  together[1].insert(together[1].end(), records.begin(), records.end());
+  for (const std::vector<File*>& files : together) {
+    const auto stated = std::ranges::find_if(
+        files, [](const File* file) { return file->content.notes.unit_line > 0; });
+    if (stated == files.end()) continue;
+    for (File* file : files) {
+      if (file->content.notes.unit_line > 0) continue;
+      file->content.complaints.add(
+          {}, fmt::format("has no note \"# unit: ...\" and {} has (line {}): allowed: in all files "
+                          "of a kind or in none",
+                          (*stated)->path, (*stated)->content.notes.unit_line));
+    }
+  }
+}
+
 Measurements MeasurementPool::finish() {
   const ByKind by_kind = this->by_kind();
   for (const std::vector<File*>& files : by_kind) {
@@ -178,6 +200,7 @@ Measurements MeasurementPool::finish() {
                           (*stated)->path));
     }
   }
+  require_units(by_kind);
   const std::string all_errors = errors();
   if (!all_errors.empty()) throw InvalidInput(all_errors);
   Measurements measurements;

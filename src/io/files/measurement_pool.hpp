@@ -36,6 +36,8 @@ class MeasurementPool {
 
   static calibrate::MeasurementSet pooled(calibrate::Kind kind, const std::vector<File*>& files);
   ByKind by_kind();
+  /// Complains of files without a unit where others of their kind state one.
+  static void require_units(const ByKind& by_kind);
   [[nodiscard]] std::string errors() const;
 
   std::vector<File> files_;

@@ -71,6 +71,12 @@ bool is_fine(const MeasurementSet& set) {
   return range.varies() && range.high - range.low >= kSteps * calibrate::resolution_of(set);
 }
 
+/// Whether two files may hold the same measurement: other gearboxes of a series run one programme.
+bool same_unit(const MeasurementSet& set, int a, int b) {
+  return set.units.empty() ||
+         set.units[static_cast<std::size_t>(a)] == set.units[static_cast<std::size_t>(b)];
+}
+
 }  // namespace
 
 void RowTexts::add(std::string_view line, const CsvFields& fields) {
@@ -166,7 +172,8 @@ std::vector<char> copies_of_earlier_files(const MeasurementSet& set) {
     for (std::size_t j = k; j-- > 0;) {
       const Observation& other = set.rows[order[j]];
       if (other.condition.time_s != row.condition.time_s || other.response != row.response) break;
-      if (other.file != row.file && marked[order[j]] == 0 && same_values(other, row)) {
+      const bool elsewhere = other.file != row.file && same_unit(set, other.file, row.file);
+      if (elsewhere && marked[order[j]] == 0 && same_values(other, row)) {
         marked[order[k]] = 1;
         break;
       }

@@ -34,7 +34,8 @@ class CauseReader {
     const auto member = [&](std::string_view key) { return member_of(table, key); };
     const CatalogueForm* form = form_of(table, path, catalogue);
     AppliedCause applied{.id = std::string(cause->id), .form = {}, .value = {}};
-    std::vector<std::string> known{"form", std::string(kAlternatives), std::string(kImplausible)};
+    std::vector<std::string> known{"form", std::string(kAlternatives), std::string(kImplausible),
+                                   std::string(kEmpirical)};
     if (form != nullptr) {
       applied.form.name = form->name;
       read_constants(table, path, *form, applied.form, known);
@@ -47,6 +48,9 @@ class CauseReader {
     }
     if (const TomlValue* list = member(kImplausible)) {
       applied.implausible = reader_.texts(*list, fmt::format("{}.{}", path, kImplausible));
+    }
+    if (const TomlValue* flag = member(kEmpirical)) {
+      applied.empirical = reader_.truth(*flag, fmt::format("{}.{}", path, kEmpirical));
     }
     if (form == nullptr) {
       for (const CatalogueForm& possible : catalogue) add_keys(possible, known);

@@ -13,6 +13,7 @@
 #include "io/files/model_causes.hpp"
 #include "io/files/model_covariance.hpp"
 #include "io/files/model_file_keys.hpp"
+#include "io/files/model_laws.hpp"
 #include "io/text/toml_reader.hpp"
 #include "io/text/toml_value.hpp"
 
@@ -110,6 +111,7 @@ ExtendedModel model_of(const TomlValue& table, TomlReader& reader) {
   ExtendedModel m;
   m.kind = static_cast<Kind>(std::ranges::find(kKindNames, table.key) - kKindNames.begin());
   const TomlValue* causes = nullptr;
+  const TomlValue* laws = nullptr;
   const TomlValue* covariance = nullptr;
   for (const TomlValue& member : table.table) {
     const std::string path = table.key + "." + member.key;
@@ -125,12 +127,14 @@ ExtendedModel model_of(const TomlValue& table, TomlReader& reader) {
       if (reader.is_table(member, path)) m.range = ranges(member, path, reader);
     } else if (member.key == "causes") {
       causes = &member;
+    } else if (member.key == "laws") {
+      laws = &member;
     } else if (member.key == "covariance") {
       covariance = &member;
     } else {
-      reader.unknown(
-          member, "key", path,
-          {"name", "data_fingerprint", "data_files", "verdict", "range", "causes", "covariance"});
+      reader.unknown(member, "key", path,
+                     {"name", "data_fingerprint", "data_files", "verdict", "range", "causes",
+                      "laws", "covariance"});
     }
   }
   const std::size_t before = reader.errors();
@@ -143,6 +147,10 @@ ExtendedModel model_of(const TomlValue& table, TomlReader& reader) {
                              table.key));
   } else if (reader.is_table(*causes, path)) {
     read = read_causes(*causes, path, m.kind, reader);
+  }
+  const std::string laws_path = table.key + ".laws";
+  if (laws != nullptr && reader.is_table(*laws, laws_path)) {
+    m.laws = read_laws(*laws, laws_path, m.kind, reader, read);
   }
   // Of causes that are not understood no covariance can be.
   if (reader.errors() == before) {

@@ -15,7 +15,8 @@ inline constexpr std::string_view kFingerprint = "fnv1a64:";
 inline constexpr std::string_view kDeviation = "_sd";
 
 /// Lists of a cause: what explained the data as well, and parameters that no gearbox shows.
-inline constexpr std::string_view kAlternatives = "alternatives", kImplausible = "implausible";
+inline constexpr std::string_view kAlternatives = "alternatives", kImplausible = "implausible",
+                                  kEmpirical = "empirical";
 
 inline std::string key_of(const calibrate::ParameterRecord& parameter) {
   return calibrate::file_key(parameter.name, parameter.unit);

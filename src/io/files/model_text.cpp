@@ -10,6 +10,7 @@
 #include "calibrate/verdict/diagnosis.hpp"
 #include "io/files/model_file.hpp"
 #include "io/files/model_file_keys.hpp"
+#include "io/files/model_laws.hpp"
 #include "io/text/toml_text.hpp"
 
 namespace gear3k::io {
@@ -88,6 +89,54 @@ std::string covariance_text(const ExtendedModel& model, std::string_view kind,
   return text + "]\n";
 }
 
+/// A law's table; the names of its parameters go behind those before it.
+/// @param total  parameters of the model
+std::string law_text(const ExtendedModel& model, std::string_view kind, std::size_t k,
+                     std::size_t total, std::vector<std::string>& names) {
+  const calibrate::AppliedLaw& applied = model.laws[k];
+  const calibrate::Law& law = applied.law;
+  const std::string label = k == 0 ? "law" : fmt::format("law_{}", k + 1);
+  const auto parameters = parameters_of(law, model.kind);
+  require(
+      parameters.size() == applied.value.size(),
+      fmt::format("a law has {} parameters, allowed: {}", applied.value.size(), parameters.size()));
+  std::string text = fmt::format(
+      "\n# law, no cause: {}\n[{}.laws.{}]\nacts_on = {}\nrows = {}\n",
+      law_formula(law, applied.value, model.kind), kind, label,
+      toml_quoted(std::string(calibrate::kLawActionNames[static_cast<std::size_t>(law.action)])),
+      toml_quoted(std::string(calibrate::kLawRowsNames[static_cast<std::size_t>(law.rows)])));
+  for (std::size_t f = 0; f < law.factors.size(); ++f) {
+    const calibrate::LawFactor& factor = law.factors[f];
+    require(std::isfinite(factor.origin) && std::isfinite(factor.constant) &&
+                factor.reference > 0.0 && std::isfinite(factor.reference),
+            "a constant of a law is not finite, or its reference not above 0");
+    text +=
+        fmt::format("{} = {}\n{} = {}\n", law_key("shape", f),
+                    toml_quoted(std::string(record_of(factor.shape).name)), law_key("condition", f),
+                    toml_quoted(std::string(calibrate::law_conditions()[factor.condition].name)));
+    if (factor.origin != 0.0) {
+      text +=
+          fmt::format("{} = {}\n", law_unit_key("origin", factor, f), toml_number(factor.origin));
+    }
+    text += fmt::format("{} = {}\n", law_unit_key("reference", factor, f),
+                        toml_number(factor.reference));
+    if (!record_of(factor.shape).constant.empty()) {
+      text += fmt::format("{} = {}\n", law_constant_key(factor, f), toml_number(factor.constant));
+    }
+  }
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    require(std::isfinite(applied.value[i]), "a law is not finite");
+    const std::string key = key_of(parameters[i]);
+    text += fmt::format("{} = {}\n", key, toml_number(applied.value[i]));
+    if (!model.covariance.empty()) {
+      const double variance = model.covariance[names.size() * (total + 1)];
+      text += fmt::format("{}{} = {}\n", key, kDeviation, toml_number(std::sqrt(variance)));
+    }
+    names.push_back(fmt::format("{}.{}", label, key));
+  }
+  return text;
+}
+
 std::string one_model_text(const ExtendedModel& model) {
   const std::string_view kind = kKindNames[static_cast<std::size_t>(model.kind)];
   std::string text = fmt::format(
@@ -101,8 +150,7 @@ std::string one_model_text(const ExtendedModel& model) {
   if (model.causes.empty()) text += fmt::format("\n[{}.causes]\n", kind);
   const std::vector<std::string> labels = labels_of(model);
   std::vector<std::string> names;
-  std::size_t total = 0;
-  for (const AppliedCause& applied : model.causes) total += applied.value.size();
+  const std::size_t total = calibrate::parameter_count(model);
   require(model.covariance.empty() || model.covariance.size() == total * total,
           fmt::format("covariance of {} numbers, allowed: {} (none, or {} parameters squared)",
                       model.covariance.size(), total * total, total));
@@ -145,6 +193,10 @@ std::string one_model_text(const ExtendedModel& model) {
     if (!applied.implausible.empty()) {
       text += fmt::format("{} = {}\n", kImplausible, texts_text(applied.implausible));
     }
+    if (applied.empirical) text += fmt::format("{} = true\n", kEmpirical);
+  }
+  for (std::size_t k = 0; k < model.laws.size(); ++k) {
+    text += law_text(model, kind, k, total, names);
   }
   return text + covariance_text(model, kind, names);
 }

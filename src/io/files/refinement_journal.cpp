@@ -116,6 +116,8 @@ std::string record_of(const optimize::RefinedSet& s) {
   put(record, s.ring_root_diameter_m);
   put(record, s.mass_kg);
   put(record, s.inertia_kgm2);
+  put(record, s.torque_capacity_Nm);
+  put(record, s.torsional_stiffness_Nm_rad);
   put(record, s.kkt_residual);
   return record;
 }
@@ -137,7 +139,8 @@ bool read_record(std::string_view bytes, optimize::RefinedSet& s) {
   if (!(fields.get(s.train) && fields.get(s.eta_b) && fields.get(s.eta_f) &&
         fields.get(eta_b_model) && fields.get(eta_f_model) && fields.get(s.lost_motion_rad) &&
         fields.get(s.contact_ratio) && fields.get(s.ring_root_diameter_m) &&
-        fields.get(s.mass_kg) && fields.get(s.inertia_kgm2) && fields.get(s.kkt_residual))) {
+        fields.get(s.mass_kg) && fields.get(s.inertia_kgm2) && fields.get(s.torque_capacity_Nm) &&
+        fields.get(s.torsional_stiffness_Nm_rad) && fields.get(s.kkt_residual))) {
     return false;
   }
   s.eta_b_model = optional_of(eta_b_model);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "design/rating_inputs.hpp"
 #include "io/keys/axial_keys.hpp"
 #include "io/keys/cutter_keys.hpp"
 #include "io/keys/model_keys.hpp"
@@ -45,7 +46,12 @@ void check_objectives(const optimize::Specification& spec, FileReading& reading)
                        fmt::format("objective: \"{}\" twice: allowed: each once", name));
     }
     const bool needs_masses = spec.objectives[k] == optimize::Objective::kMass ||
-                              spec.objectives[k] == optimize::Objective::kInertia;
+                              spec.objectives[k] == optimize::Objective::kInertia ||
+                              spec.objectives[k] == optimize::Objective::kTorqueDensity;
+    if (optimize::is_of_load(spec.objectives[k]) && !spec.rating) {
+      reading.error_at("objective",
+                       fmt::format("objective \"{}\" without [strength]: allowed: with it", name));
+    }
     if (needs_masses && !optimize::knows_masses(spec)) {
       reading.error_at("objective",
                        fmt::format("objective \"{}\" without inertia.density_kg_m3, "
@@ -139,16 +145,54 @@ void check_size(const optimize::Specification& spec, double most, FileReading& r
   }
 }
 
+/// The document without the gears of a DESIGN, which are one message instead of one a key.
+TomlValue without_gears(TomlValue document, FileReading& reading) {
+  const auto gears = std::ranges::find(document.table, "gears", &TomlValue::key);
+  if (gears == document.table.end()) return document;
+  const bool has_teeth = std::ranges::any_of(gears->table, [](const TomlValue& gear) {
+    return std::ranges::find(gear.table, "teeth", &TomlValue::key) != gear.table.end();
+  });
+  if (!has_teeth) return document;
+  reading.error(gears->position,
+                "unknown table [gears]: allowed: materials, as gears.S.material (tooth ranges are "
+                "in [teeth])");
+  document.table.erase(gears);
+  return document;
+}
+
+/// Density of the gears and what they are to carry.
+void finish_rating(Input& input, FileReading& reading) {
+  optimize::Specification& spec = input.spec;
+  const auto materials = finish_materials(input.strength, train_gear_tables(), reading);
+  if (!reading.stated("inertia.density_kg_m3")) {
+    spec.bodies.density_kgm3 = design::common_density_kgm3(materials);
+  }
+  const bool has_speed = reading.has("operating_point.sun_speed_rpm");
+  spec.rating = finish_train_strength(
+      input.strength, materials,
+      {.planets = spec.planets,
+       .face_width_m = spec.bodies.face_width_m,
+       .sun_speed_rad_s =
+           has_speed ? std::optional(input.losses.operating_point.sun_speed_rad_s) : std::nullopt,
+       .axial = spec.axial},
+      reading);
+  if (spec.rating && optimize::knows_masses(spec) && spec.bodies.ring_rim_m > 0.0) {
+    spec.rating->ring_rim_m = spec.bodies.ring_rim_m;
+  }
+}
+
 optimize::Specification specification_from(const TomlValue& document, const std::string& name,
                                            double most_sets) {
   FileReading reading(name);
   Input input;
-  read_by_schema(document, specification_schema(), input, reading);
+  read_by_schema(with_material_tables(without_gears(document, reading), train_gear_tables()),
+                 specification_schema(), input, reading);
   if (const auto& addendum = input.free_addendum) {
     input.spec.rack.addendum = addendum->max;
     input.spec.free.tip_shortening = {.min = 0.0, .max = addendum->max - addendum->min};
   }
   input.spec.limits = finish_limits(input.limits, reading);
+  finish_rating(input, reading);
   check_relations(input, reading);
   check_robust(input.spec, input.tolerances, reading);
   if (input.tolerances.stated) input.spec.tolerances = stated_tolerances(input.tolerances);

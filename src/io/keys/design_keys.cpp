@@ -94,6 +94,7 @@ std::vector<std::string> file_order() {
           "stage1",
           "stage2",
           "gears",
+          "material",
           "axial",
           "inertia",
           "friction",
@@ -102,6 +103,7 @@ std::vector<std::string> file_order() {
           "drag",
           "bearings",
           "operating_point",
+          "strength",
           "map",
           "backlash.model",
           "backlash.min_normal_um",
@@ -134,17 +136,18 @@ std::vector<Key<DesignInput>> keys_of_design() {
       "gears.{gear}.");
   keys.push_back(unless_default(make_key<KeyTarget>(
       number("gears.{gear}.bore_mm", Unit::kDiameterMillimetre, within(0.0, 1000.0), "0",
-             "bore diameter of an external gear, for its mass and inertia"),
+             "bore diameter of an external gear, for its mass, inertia and rim"),
       [](auto& t, std::size_t gear) -> auto& { return t.masses.bore_radius_m[gear]; })));
   keys.push_back(make_key<KeyTarget>(
       number("gears.{gear}.outer_diameter_mm", Unit::kDiameterMillimetre, above(0.0, 10000.0),
-             "none", "outer diameter of ring R1 or R2, for its mass and inertia"),
+             "none", "outer diameter of ring R1 or R2, for its mass, inertia and rim"),
       [](auto& t, std::size_t gear) -> auto& { return t.outer_radius_m[gear]; }));
   append_keys(keys, mass_keys(), &KeyTarget::masses);
   append_keys(keys, axial_keys(), &KeyTarget::axial);
   std::vector<Key<LossInput>> losses;
   for (const LossKey& k : loss_keys()) losses.push_back(k.key);
   append_keys(keys, losses, &KeyTarget::losses);
+  append_keys(keys, train_strength_keys(), &KeyTarget::strength);
   append_keys(keys, tolerance_keys(), &KeyTarget::tolerances);
   append_keys(keys, limit_keys(false), &KeyTarget::limits);
   return keys;
@@ -166,6 +169,7 @@ std::vector<Key<PairInput>> keys_of_pair() {
   append_keys(
       keys, gear_keys(), [](auto& t, std::size_t gear) -> auto& { return t.gears[gear]; },
       "{gear}.");
+  append_keys(keys, pair_strength_keys(), &KeyTarget::strength);
   append_keys(keys, gear_tolerance_keys(true), &KeyTarget::tolerances);
   append_keys(keys, limit_keys(true), &KeyTarget::limits);
   return keys;

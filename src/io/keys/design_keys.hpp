@@ -9,6 +9,7 @@
 #include "io/keys/key_registry.hpp"
 #include "io/keys/limit_keys.hpp"
 #include "io/keys/loss_keys.hpp"
+#include "io/keys/strength_keys.hpp"
 #include "io/keys/tolerance_keys.hpp"
 
 namespace gear3k::io {
@@ -36,6 +37,7 @@ struct CommonInput {
   std::array<GearInput, train::kGearCount> gears{};  ///< of a pair the first two
   LimitInput limits;
   ToleranceInput tolerances;
+  StrengthInput strength;
 };
 
 struct DesignInput : CommonInput {

@@ -51,21 +51,26 @@ bool numbers_in_range(const KeyRecord& record, const std::vector<TomlValue>& lis
       list, [&](const TomlValue& e) { return e.is_number() && in_range(record, e.number); });
 }
 
-bool module_fits(const KeyRecord& record, const TomlValue& value) {
+/// A number, or { min, max }.
+bool min_max_fits(const KeyRecord& record, const TomlValue& value) {
   if (value.is_number()) return in_range(record, value.number);
-  if (value.kind != TomlValue::Kind::kTable) return false;
-  if (value.table.size() == 1 && value.table[0].key == "series") {
-    const TomlValue& series = value.table[0];
-    return series.kind == TomlValue::Kind::kList && !series.list.empty() &&
-           numbers_in_range(record, series.list);
-  }
-  if (value.table.size() != 2) return false;
+  if (value.kind != TomlValue::Kind::kTable || value.table.size() != 2) return false;
   std::map<std::string, double> ends;
   for (const TomlValue& end : value.table) {
     if (!end.is_number() || !in_range(record, end.number)) return false;
     ends[end.key] = end.number;
   }
   return ends.contains("min") && ends.contains("max") && ends["min"] <= ends["max"];
+}
+
+bool module_fits(const KeyRecord& record, const TomlValue& value) {
+  const bool table = value.kind == TomlValue::Kind::kTable;
+  if (table && value.table.size() == 1 && value.table[0].key == "series") {
+    const TomlValue& series = value.table[0];
+    return series.kind == TomlValue::Kind::kList && !series.list.empty() &&
+           numbers_in_range(record, series.list);
+  }
+  return min_max_fits(record, value);
 }
 
 bool per_gear_fits(const KeyRecord& record, const TomlValue& value) {
@@ -121,6 +126,8 @@ bool fits(const KeyRecord& record, const TomlValue& value) {
              numbers_in_range(record, value.list);
     case KeyType::kModule:
       return module_fits(record, value);
+    case KeyType::kNumberOrMinMax:
+      return min_max_fits(record, value);
     case KeyType::kNumberPerGear:
       return per_gear_fits(record, value);
     case KeyType::kNumberOrRange:
@@ -132,6 +139,10 @@ bool fits(const KeyRecord& record, const TomlValue& value) {
     case KeyType::kNumberOrSwitch:
       return value.kind == TomlKind::kBoolean ||
              (value.is_number() && in_range(record, value.number));
+    case KeyType::kNumberOrChoice:
+      return value.kind == TomlKind::kText
+                 ? std::ranges::find(record.choices, value.text) != record.choices.end()
+                 : value.is_number() && in_range(record, value.number);
   }
   return false;
 }
@@ -293,12 +304,17 @@ std::string allowed_text(const KeyRecord& record) {
       return with_unit("a list of numbers", record);
     case KeyType::kModule:
       return with_unit("a number, { min, max } with min <= max, or { series = [..] }", record);
+    case KeyType::kNumberOrMinMax:
+      return with_unit("a number, or { min, max } with min <= max", record);
     case KeyType::kNumberPerGear:
       return with_unit("a number, or a table with S, P1, R1, P2, R2", record);
     case KeyType::kNumberOrRange:
       return with_unit("a number >= 0, meaning +- it, or [lower, upper], lower <= upper", record);
     case KeyType::kNumberOrSwitch:
       return with_unit("true, false, or a number", record);
+    case KeyType::kNumberOrChoice:
+      return fmt::format("{}, or \"{}\"", with_unit("a number", record),
+                         fmt::join(record.choices, "\" or \""));
   }
   return "";
 }

@@ -21,15 +21,17 @@ enum class KeyType {
   kBoolean,
   kText,
   kChoice,
-  kChoices,        ///< one of the choices, or a list of them
-  kNumberRange,    ///< [low, high]
-  kIntegerRange,   ///< [low, high]
-  kIntegers,       ///< an integer or a list of them
-  kNumbers,        ///< a list of numbers
-  kModule,         ///< a number, { min, max } or { series = [..] }
-  kNumberPerGear,  ///< a number for all gears, or { S = .., P1 = .., .. }
-  kNumberOrRange,  ///< a number (± it), or [lower, upper]
-  kNumberOrSwitch  ///< a number, or true (default limit) or false (off)
+  kChoices,         ///< one of the choices, or a list of them
+  kNumberRange,     ///< [low, high]
+  kIntegerRange,    ///< [low, high]
+  kIntegers,        ///< an integer or a list of them
+  kNumbers,         ///< a list of numbers
+  kModule,          ///< a number, { min, max } or { series = [..] }
+  kNumberOrMinMax,  ///< a number, or { min, max }
+  kNumberPerGear,   ///< a number for all gears, or { S = .., P1 = .., .. }
+  kNumberOrRange,   ///< a number (± it), or [lower, upper]
+  kNumberOrSwitch,  ///< a number, or true (default limit) or false (off)
+  kNumberOrChoice   ///< a number, or one of the choices
 };
 
 struct KeyRecord {

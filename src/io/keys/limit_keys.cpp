@@ -10,7 +10,8 @@ using design::CheckId, design::CheckRecord, design::CheckScope, units::Unit;
 
 bool belongs_to_pair(const CheckRecord& r) {
   return r.scope != CheckScope::kTrain && r.scope != CheckScope::kPlanetStep &&
-         r.scope != CheckScope::kBodyPair && r.id != CheckId::kRingRootDiameter;
+         r.scope != CheckScope::kBodyPair && r.scope != CheckScope::kPlanetBearing &&
+         r.scope != CheckScope::kPlanetPin && r.id != CheckId::kRingRootDiameter;
 }
 
 std::string default_text(const CheckRecord& r) {

@@ -44,14 +44,15 @@ double in_mm(const std::optional<double>& radius_m) {
 }  // namespace
 
 KeyRecord density_record() {
-  return number("inertia.density_kg_m3", Unit::kKilogramPerCubicMetre, above(0.0, 30000.0), "none",
+  return number("inertia.density_kg_m3", Unit::kKilogramPerCubicMetre, above(0.0, 30000.0),
+                "that of the materials, else none",
                 "density of the gears, for mass and inertia from geometry");
 }
 
 KeyRecord face_width_record(std::size_t stage) {
   return number(fmt::format("stage{}.face_width_mm", stage + 1), Unit::kMillimetre,
                 above(0.0, 1000.0), "none",
-                "face width; without it no mass or inertia from geometry",
+                "face width; without it no strength, and no mass or inertia from geometry",
                 {design::InputKind::kFaceWidth, stage});
 }
 
@@ -112,8 +113,9 @@ void check_masses(const Masses& masses, FileReading& reading) {
   require("carrier_density_kg_m3", "carrier_outer_diameter_mm", "with it");
   require("pin_diameter_mm", "pin_length_mm", "both or neither");
   require("pin_length_mm", "pin_diameter_mm", "both or neither");
-  require("pin_diameter_mm", "density_kg_m3", "with it");
-  if (!reading.stated("inertia.carrier_density_kg_m3")) {
+  // Without the key it may be that of the materials.
+  if (!masses.density_kgm3) require("pin_diameter_mm", "density_kg_m3", "with it");
+  if (!masses.density_kgm3 && !reading.stated("inertia.carrier_density_kg_m3")) {
     require("carrier_outer_diameter_mm", "density_kg_m3", "with it or with carrier_density_kg_m3");
   }
   if (has("carrier_bore_mm") && has("carrier_outer_diameter_mm") &&

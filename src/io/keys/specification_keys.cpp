@@ -81,6 +81,33 @@ Key<Input> module_key(std::size_t stage) {
           }};
 }
 
+/// A face width, or a range of them of which the bodies have the least.
+Key<Input> face_width_key(std::size_t stage) {
+  KeyRecord record = face_width_record(stage);
+  record.type = KeyType::kNumberOrMinMax;
+  record.help =
+      "face width, in a range refined where mass, inertia or strength ask for it; without "
+      "it no mass or inertia from geometry";
+  return {.record = std::move(record),
+          .assign =
+              [stage](const KeyRecord& r, Input& t, std::size_t, const TomlValue& v) {
+                optimize::NumberRange range;
+                if (v.is_number()) range.min = range.max = units::to_si(v.number, r.unit);
+                for (const TomlValue& end : v.table) {
+                  store(r, end, end.key == "min" ? range.min : range.max);
+                }
+                t.spec.bodies.face_width_m[stage] = range.min;
+                if (range.min < range.max) t.spec.free.face_width_m[stage] = range;
+              },
+          .state = [stage](const KeyRecord& r, const Input& t,
+                           std::size_t) -> std::optional<TomlValue> {
+            const auto& range = t.spec.free.face_width_m[stage];
+            if (!range) return stated(r, t.spec.bodies.face_width_m[stage]);
+            return table_value({member_value("min", *stated(r, range->min)),
+                                member_value("max", *stated(r, range->max))});
+          }};
+}
+
 /// A number for all gears, or for each of them.
 Key<Input> per_gear_key(KeyRecord record,
                         std::array<double, train::kGearCount> Specification::*member) {
@@ -129,10 +156,7 @@ void append_objective_keys(std::vector<Key<Input>>& keys) {
   keys.push_back(make_key<Input>(
       density_record(), [](auto& t, std::size_t) -> auto& { return t.spec.bodies.density_kgm3; }));
   for (const std::size_t stage : {0U, 1U}) {
-    keys.push_back(make_key<Input>(
-        face_width_record(stage), [stage](auto& t, std::size_t) -> auto& {
-          return t.spec.bodies.face_width_m[stage];
-        }));
+    keys.push_back(face_width_key(stage));
   }
   keys.push_back(make_key<Input>(
       number("size.ring_rim_mm", Unit::kMillimetre, within(0.0, 1000.0), "0",
@@ -253,7 +277,8 @@ std::vector<Key<LossInput>> operating_point_keys() {
   for (const LossKey& k : loss_keys()) {
     if (!k.key.record.path.starts_with("operating_point.")) continue;
     keys.push_back(k.key);
-    keys.back().record.help += "; read with --model, which judges the refined sets there";
+    keys.back().record.help +=
+        "; read with --model, which judges the refined sets there, and by [strength]";
   }
   return keys;
 }
@@ -298,6 +323,7 @@ std::vector<Key<Input>> specification_keys() {
                               &Specification::machining_allowance));
   append_solver_keys(keys);
   append_keys(keys, operating_point_keys(), &Input::losses);
+  append_keys(keys, train_strength_keys(), &Input::strength);
   append_keys(keys, limit_keys(false), &Input::limits);
   append_keys(keys, tolerance_keys(), &Input::tolerances);
   append_keys(keys, robust_keys(), of_spec(&Specification::robust));

@@ -6,6 +6,7 @@
 #include "io/keys/key_registry.hpp"
 #include "io/keys/limit_keys.hpp"
 #include "io/keys/loss_keys.hpp"
+#include "io/keys/strength_keys.hpp"
 #include "io/keys/tolerance_keys.hpp"
 #include "optimize/specification.hpp"
 
@@ -18,6 +19,7 @@ struct SpecificationInput {
   LimitInput limits;
   LossInput losses;  ///< its operating point
   ToleranceInput tolerances;
+  StrengthInput strength;
 
   SpecificationInput();
 };

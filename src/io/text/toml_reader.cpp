@@ -42,6 +42,11 @@ double TomlReader::number(const TomlValue& value, const std::string& path) {
   return 0.0;
 }
 
+bool TomlReader::truth(const TomlValue& value, const std::string& path) {
+  if (value.kind != TomlValue::Kind::kBoolean) refuse(value, path, "true or false");
+  return value.boolean;
+}
+
 std::vector<std::string> TomlReader::texts(const TomlValue& value, const std::string& path) {
   std::vector<std::string> result;
   if (value.kind != TomlValue::Kind::kList) {

@@ -29,6 +29,8 @@ class TomlReader {
   std::string text(const TomlValue& value, const std::string& path);
   /// A finite number; 0 and an error where it is none.
   double number(const TomlValue& value, const std::string& path);
+  /// true or false; false and an error where it is neither.
+  bool truth(const TomlValue& value, const std::string& path);
   std::vector<std::string> texts(const TomlValue& value, const std::string& path);
 
   [[nodiscard]] std::size_t errors() const { return complaints_.count(); }

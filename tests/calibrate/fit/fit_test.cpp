@@ -243,6 +243,14 @@ TEST_F(FrictionAndDrag, AreFoundAgainExactlyWithoutNoise) {
   EXPECT_EQ(final.at_bound, (std::vector<bool>{false, false}));
 }
 
+TEST_F(FrictionAndDrag, OfOneConditionAreNotDetermined) {
+  EXPECT_EQ(final_fit(problem(), start_, 0.05).determined, (std::vector<bool>{true, true}));
+  data_.rows.assign(20, data_.rows.front());
+  data_.covariates.clear();
+  measure({0.37, 0.011}, 0.001, 6);
+  EXPECT_EQ(final_fit(problem(), start_, 0.001).determined, (std::vector<bool>{false, false}));
+}
+
 TEST_F(FrictionAndDrag, BothFitsAgreeOnNoisyData) {
   constexpr double kNoise = 0.004;
   measure({0.37, 0.011}, kNoise, 5);
@@ -289,6 +297,32 @@ TEST_F(FrictionAndDrag, CovarianceIsThatOfRepeatedMeasurements) {
   EXPECT_NEAR(variance / (kNoise * kNoise), 1.0, 0.06);
   // Three binomial standard deviations of 1.4 %.
   EXPECT_NEAR(1.0 * covered / kSeeds, 0.95, 0.045);
+}
+
+TEST_F(FrictionAndDrag, CovarianceHoldsWhereFewRowsScatterMost) {
+  // Noise of the reading: rows of great load, which say most of friction, scatter most.
+  const std::vector<double> truth{0.3, 0.02};
+  constexpr int kSeeds = 250;
+  double sample = 0.0;
+  double stated = 0.0;
+  int covered = 0;
+  for (int seed = 1; seed <= kSeeds; ++seed) {
+    measure(truth, 0.0, 0);
+    rig::DeterministicRandom random(static_cast<std::uint64_t>(seed));
+    const double mean = measured(data_).mean();
+    for (Observation& row : data_.rows) {
+      row.response += 0.004 * row.response / mean * random.normal();
+    }
+    const FinalFit final = final_fit(problem(), start_, 0.004);
+    const double error = final.hypothesis.value[0] - truth[0];
+    sample += error * error / kSeeds;
+    stated += final.covariance(0, 0) / kSeeds;
+    covered += std::abs(error) < 2.074 * std::sqrt(final.covariance(0, 0)) ? 1 : 0;
+  }
+  EXPECT_LT(sample / stated, 1.27);
+  EXPECT_GT(sample / stated, 0.5);
+  // Four binomial standard deviations below 95 %.
+  EXPECT_GE(1.0 * covered / kSeeds, 0.895);
 }
 
 TEST_F(FrictionAndDrag, ABoundThatIsHitIsFlagged) {

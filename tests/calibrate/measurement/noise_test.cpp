@@ -183,6 +183,18 @@ TEST(Resolution, IsTheUnitOfTheLastDigit) {
 
 // Weights and sessions
 
+TEST(NoiseModel, OfChangedResponsesHasTheDigitsOfTheReadings) {
+  MeasurementSet data = set_of({row_at(20.0, 5.0), row_at(20.0, 5.0), row_at(20.0, 5.0)});
+  data.rows[0].response = 0.31;
+  data.rows[1].response = 0.5;
+  data.rows[2].response = 12.07;
+  data.readings = Readings{.resolution = resolution_of(data), .commanded = is_commanded(data)};
+  for (Observation& row : data.rows) row.response += 0.1 * std::sqrt(2.0);
+  EXPECT_DOUBLE_EQ(make_noise_model(data).rounding, 0.01 / std::sqrt(12.0));
+  data.readings->commanded = true;
+  EXPECT_EQ(make_noise_model(data).rounding, 0.0);
+}
+
 TEST(NoiseModel, TakesStatedDeviationsWhereEveryRowHasOne) {
   MeasurementSet data = set_of({row_at(20.0, 5.0), row_at(20.0, 5.0, 1), row_at(20.0, 5.0, 1)}, 2);
   data.rows[0].sigma = 0.5;
@@ -251,6 +263,36 @@ TEST(RobustDeviation, OfThreeNumbersIsTheMiddleOne) {
   // Upper quartile of the normal distribution in tables: 0.6745.
   EXPECT_NEAR(robust_deviation(Eigen::Vector3d(-2.0, 0.1, 30.0)), 2.0 / 0.6745, 2e-4);
   EXPECT_EQ(robust_deviation(Eigen::VectorXd(0)), 0.0);
+}
+
+/// Sun torques and the loads that go with them, in either direction.
+MeasurementSet torques(const std::vector<std::array<double, 2>>& sun_and_output) {
+  MeasurementSet data;
+  for (const auto& [sun, output] : sun_and_output) {
+    Observation row;
+    row.condition.output_torque_Nm = output;
+    row.response = sun;
+    data.rows.push_back(row);
+  }
+  return data;
+}
+
+TEST(Commanded, IsASunTorqueOfFewValuesAtLoadsThatFollowIt) {
+  const auto set = torques({{0.1, 8.1},
+                            {0.1, 8.3},
+                            {0.1, 7.9},
+                            {0.1, 8.2},
+                            {0.2, 16.1},
+                            {0.2, 16.4},
+                            {0.2, 15.8},
+                            {0.2, 16.0}});
+  EXPECT_TRUE(is_commanded(set));
+  EXPECT_EQ(make_noise_model(set).rounding, 0.0);
+  // Loads that were set, at a coarse sensor.
+  EXPECT_FALSE(is_commanded(torques({{0.1, 8.0}, {0.1, 8.0}, {0.2, 16.0}, {0.2, 16.0}})));
+  // A sensor at its limit shows one torque at any load.
+  EXPECT_FALSE(is_commanded(torques(
+      {{0.1, 8.1}, {0.1, 8.3}, {0.1, 7.9}, {0.2, 16.1}, {0.2, 26.4}, {0.2, 35.8}, {0.2, 46.0}})));
 }
 
 }  // namespace

@@ -67,15 +67,59 @@ TEST(ApplyModel, AppliesOneCauseAfterTheOther) {
   EXPECT_EQ(m.sensor_offset.a, 0.02);
 }
 
-TEST(ApplyModel, SessionsBelongToTheirDataAlone) {
-  AppliedCause step = applied("run_step", "from", {0.5});
-  step.form.constants = {{.name = "first_run", .unit = "", .value = 1.0}};
-  const ExtendedModel model = transmission({step});
-  Condition later;
-  later.run = 2;
-  Modification m;
-  apply_model(model, later, Kind::kTransmission, m);
-  EXPECT_EQ(m.added.a, 0.0);
+/// What a cause adds to a reading of any time and session, as its campaign left it.
+double left_behind(AppliedCause cause, std::vector<FormConstant> constants,
+                   Kind kind = Kind::kTransmission, Kind of_model = Kind::kTransmission) {
+  cause.form.constants = std::move(constants);
+  ExtendedModel model = transmission({std::move(cause)});
+  model.kind = of_model;
+  std::vector<double> added;
+  for (const int run : {-1, 0, 7}) {
+    for (const double time_s : {kUnknown, 0.0, 1e6}) {
+      Condition condition;
+      condition.run = run;
+      condition.time_s = condition.cycles = time_s;
+      Modification m;
+      apply_model(model, condition, kind, m);
+      added.push_back(m.added.a);
+    }
+  }
+  EXPECT_EQ(std::ranges::count(added, added.front()), std::ssize(added));
+  return added.front();
+}
+
+TEST(ApplyModel, StepsStayAsInTheLastSession) {
+  const std::vector<FormConstant> second{{.name = "first_run", .unit = "", .value = 1.0}};
+  EXPECT_EQ(left_behind(applied("run_step", "from", {0.5}), second), 0.5);
+  EXPECT_EQ(left_behind(applied("run_step", "until", {0.5}), second), 0.0);
+  EXPECT_EQ(left_behind(applied("run_step", "only", {0.5}), second), 0.0);
+  const std::vector<FormConstant> noon{{.name = "instant", .unit = "s", .value = 500.0}};
+  EXPECT_EQ(left_behind(applied("run_step", "from", {0.5}), noon), 0.5);
+}
+
+TEST(ApplyModel, AnotherSessionIsExpectedAtTheMeanOfSessions) {
+  EXPECT_EQ(left_behind(applied("run_step", "sessions", {0.5, -0.25, 1.25}),
+                        {{.name = "sessions", .unit = "", .value = 3.0}}),
+            0.5);
+}
+
+TEST(ApplyModel, DriftStaysAsAtTheEnd) {
+  const std::vector<FormConstant> hour{{.name = "start", .unit = "s", .value = 100.0},
+                                       {.name = "span", .unit = "s", .value = 3600.0},
+                                       {.name = "time_constant", .unit = "s", .value = 1800.0}};
+  EXPECT_NEAR(left_behind(applied("drift", "linear_time", {0.5}), hour), 1.0, 1e-15);
+  EXPECT_NEAR(left_behind(applied("drift", "levelling_time", {0.5}), hour),
+              0.5 * (1.0 - std::exp(-2.0)), 1e-15);
+  EXPECT_NEAR(left_behind(applied("drift", "dying_time", {0.5}), hour), 0.5 * std::exp(-2.0),
+              1e-15);
+  // Loops of torque and angle, and rows of lost motion, are of one response [arcmin].
+  const double arcmin = std::numbers::pi / 180.0 / 60.0;
+  EXPECT_NEAR(left_behind(applied("drift", "linear_time", {0.5}), hour, Kind::kLostMotion,
+                          Kind::kTorqueAngle),
+              arcmin, 1e-15);
+  EXPECT_EQ(left_behind(applied("drift", "linear_time", {0.5}), hour, Kind::kLostMotion,
+                        Kind::kTransmission),
+            0.0);
 }
 
 TEST(ApplyModel, AnotherKindOfMeasurementSharesTheGearboxNotTheSensor) {

@@ -41,14 +41,15 @@ TEST(ModelUpdate, NewCausesFollowEarlierOnesAndCovariancesStayApart) {
   EXPECT_EQ(result[0].fingerprint, 2U);
 }
 
-TEST(ModelUpdate, StepsOfEarlierDataAreLeftOutWithTheirCovariance) {
+TEST(ModelUpdate, StepsOfEarlierDataStayBesideNewOnes) {
   const auto earlier = model_of(Kind::kTransmission, {step(), drag(0.02)}, {1.0, 0.5, 0.5, 4.0}, 1);
   const auto found = model_of(Kind::kTransmission, {step(), level(0.3)}, {7.0, 0.1, 0.1, 9.0}, 2);
   const auto result = updated_models({earlier}, {found});
-  ASSERT_EQ(result[0].causes.size(), 3U);
-  EXPECT_EQ(result[0].causes[0].id, "drag_constant");
-  EXPECT_EQ(result[0].covariance,
-            (std::vector<double>{4.0, 0.0, 0.0, 0.0, 7.0, 0.1, 0.0, 0.1, 9.0}));
+  ASSERT_EQ(result[0].causes.size(), 4U);
+  EXPECT_EQ(result[0].causes[0].id, "run_step");
+  EXPECT_EQ(result[0].causes[2].id, "run_step");
+  EXPECT_EQ(result[0].covariance, (std::vector<double>{1.0, 0.5, 0.0, 0.0, 0.5, 4.0, 0.0, 0.0, 0.0,
+                                                       0.0, 7.0, 0.1, 0.0, 0.0, 0.1, 9.0}));
 }
 
 TEST(ModelUpdate, WhatWasAmbiguousStaysSo) {

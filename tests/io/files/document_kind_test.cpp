@@ -45,6 +45,10 @@ TEST(DocumentKind, TheExamplesLookLikeWhatTheyAre) {
   EXPECT_EQ(kind_of("[gearbox]\nratio = 96\n"), kBlackBox);
   EXPECT_EQ(kind_of("[lost_motion.causes]\n"), kModel);
   EXPECT_EQ(kind_of("name = \"x\"\n"), kUnknown);
+  // A SPEC may state materials of gears.
+  EXPECT_EQ(kind_of("[gears.S]\nmaterial = \"POM\"\n[ratio]\ntarget = 96\n"), kSpecification);
+  EXPECT_EQ(kind_of("[gears.S]\nmaterial = \"POM\"\nteeth = 12\n"), kDesign);
+  EXPECT_EQ(kind_of("[gears]\n"), kDesign);
 }
 
 TEST(DocumentKind, ADesignInPlaceOfAModelIsToldAloneAndAtOnce) {

@@ -862,5 +862,61 @@ TEST(Measurements, RepeatsAtOneLoadAreNoSaturation) {
   EXPECT_EQ(set_of(text).rows.size(), 11U);
 }
 
+TEST(MeasurementUnits, AreThoseOfTheFiles) {
+  const auto m = parse_measurements(
+      {{"a.csv", "# unit: G1\n" + kTransmission + "forward,100,5,0.1\n"},
+       {"b.csv", "# unit: gearbox no. 2 ,,,\n" + kTransmission + "forward,100,5,0.1\n"},
+       {"c.csv", "# unit: G1\n# unit: G1\n" + kTransmission + "forward,200,5,0.1\n"}});
+  EXPECT_EQ(m.sets.at(0).units, (std::vector<std::string>{"G1", "gearbox no. 2", "G1"}));
+  EXPECT_TRUE(set_of(kTransmission + "forward,100,5,0.1\n").units.empty());
+}
+
+TEST(MeasurementUnits, ThatAreBlankTwoOrMissingAreToldAllAtOnce) {
+  const std::string row = "forward,100,5,0.1\n";
+  const std::string errors =
+      errors_of({{"a.csv", "# unit: G1\n" + kTransmission + row},
+                 {"b.csv", "# unit:\n" + kTransmission + "forward,100,6,0.1\n"},
+                 {"c.csv", "# unit: G1\n# unit: G2\n" + kTransmission + "forward,100,7,0.1\n"},
+                 {"d.csv", kTransmission + "forward,100,8,0.1\n"}});
+  EXPECT_NE(errors.find("b.csv:1:1: # unit: is blank, allowed: the name of the gearbox"),
+            std::string::npos)
+      << errors;
+  EXPECT_NE(errors.find("c.csv:2:1: # unit: G2: the unit was G1 in line 1, allowed: one gearbox"),
+            std::string::npos)
+      << errors;
+  EXPECT_NE(
+      errors.find("d.csv: has no note \"# unit: ...\" and a.csv has (line 1): allowed: in all "
+                  "files of a kind or in none"),
+      std::string::npos)
+      << errors;
+}
+
+TEST(MeasurementUnits, OfAnotherKindMayBeMissing) {
+  EXPECT_EQ(errors_of({{"a.csv", "# unit: G1\n" + kTransmission + "forward,100,5,0.1\n"},
+                       {"b.csv", kPairs + "20,40,0.03\n"}}),
+            "");
+  // Records of torque and angle become rows of lost motion.
+  const std::string lost =
+      "# kind: lost_motion\noutput_angle_deg,test_torque_nm,lost_motion_arcmin\n0,1,20\n";
+  EXPECT_NE(errors_of({{"a.csv", "# unit: G1\n" + kLoop + "0,0,0\n1,1,1\n"}, {"b.csv", lost}})
+                .find("b.csv: has no note \"# unit: ...\" and a.csv has (line 1)"),
+            std::string::npos);
+}
+
+TEST(MeasurementUnits, TheSameReadingOfAnotherGearboxIsNoCopy) {
+  const std::string header =
+      "# kind: transmission\ndirection,sun_speed_rpm,output_torque_nm,sun_torque_nm,time_s\n";
+  const std::string rows = "forward,100,5,0.1,3\nforward,100,6,0.2,5\n";
+  const auto rows_of = [&](const std::string& second) {
+    const std::string other = "forward,100,7,0.3,8\n";
+    return parse_measurements({{"a.csv", "# unit: G1\n" + header + rows},
+                               {"b.csv", "# unit: " + second + "\n" + header + rows + other}})
+        .sets.at(0)
+        .rows.size();
+  };
+  EXPECT_EQ(rows_of("G2"), 5U);
+  EXPECT_EQ(rows_of("G1"), 3U);
+}
+
 }  // namespace
 }  // namespace gear3k::io::measurement_file_test

@@ -50,6 +50,14 @@ TEST(MeasurementLoops, JoinTheRowsOfLostMotion) {
   EXPECT_TRUE(data.loops.empty());
 }
 
+TEST(MeasurementLoops, KeepTheUnitsOfTheirFiles) {
+  Measurements data =
+      parse_measurements({{.path = "lost.csv", .text = "# unit: G1\n" + kLostMotion.text},
+                          {.path = "loops.csv", .text = "# unit: G2\n" + wind_up()}});
+  read_loops(data, 96.0);
+  EXPECT_EQ(data.sets.front().units, (std::vector<std::string>{"G1", "G2"}));
+}
+
 TEST(MeasurementLoops, ByThemselvesStayASetOfTheirKind) {
   Measurements data = parse_measurements({{.path = "loops.csv", .text = wind_up()}});
   read_loops(data, 96.0);

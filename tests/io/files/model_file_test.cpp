@@ -55,6 +55,7 @@ void expect_same(const ExtendedModel& a, const ExtendedModel& b) {
     EXPECT_EQ(one.value, other.value);
     EXPECT_EQ(one.alternatives, other.alternatives);
     EXPECT_EQ(one.implausible, other.implausible);
+    EXPECT_EQ(one.empirical, other.empirical);
     EXPECT_EQ(one.form.name, other.form.name);
     EXPECT_EQ(one.form.body, other.form.body);
     EXPECT_EQ(one.form.order, other.form.order);
@@ -106,6 +107,7 @@ ExtendedModel everything(Kind kind, std::mt19937_64& generator) {
         }
         if (m.causes.size() % 2 == 0) applied.alternatives = {"sensor_gain", "bearing_load"};
         if (m.causes.size() % 3 == 0) applied.implausible = {"amplitude"};
+        applied.empirical = m.causes.size() % 4 == 1;
         count += applied.value.size();
         m.causes.push_back(applied);
       }
@@ -346,10 +348,12 @@ TEST(ModelFile, AWrongFormDoesNotHideAValueThatNoFormAllows) {
 TEST(ModelFile, VerdictAndAlternativesAreChecked) {
   const std::string errors = errors_of(
       "[transmission]\nverdict = \"unsure\"\n[transmission.causes.drag_constant]\nform = "
-      "\"sun\"\ntorque_nm = 0.01\nalternatives = [\"sensor_ofset\"]\nimplausible = \"x\"\n");
+      "\"sun\"\ntorque_nm = 0.01\nalternatives = [\"sensor_ofset\"]\nimplausible = "
+      "\"x\"\nempirical = 1\n");
   for (const char* part :
        {"m.toml:2:", "\"no_discrepancy\" or \"explained\" or \"ambiguous\" or \"unexplained\"",
-        "m.toml:6:", "did you mean sensor_offset?", "m.toml:7:", "a list of texts"}) {
+        "m.toml:6:", "did you mean sensor_offset?", "m.toml:7:", "a list of texts",
+        "m.toml:8:", "transmission.causes.drag_constant.empirical = 1: allowed: true or false"}) {
     EXPECT_TRUE(contains(errors, part)) << part << '\n' << errors;
   }
 }

@@ -47,10 +47,15 @@ class LegalValues {
         return list_value({number(record), number(record), number(record)});
       case KeyType::kModule:
         return module(record);
+      case KeyType::kNumberOrMinMax:
+        return min_max(record);
       case KeyType::kNumberPerGear:
         return per_gear(record);
       case KeyType::kNumberOrSwitch:
         return below(3) == 0 ? boolean_value(below(2) == 1) : number(record);
+      case KeyType::kNumberOrChoice:
+        return below(3) == 0 ? text_value(record.choices[below(record.choices.size())])
+                             : number(record);
     }
     return {};
   }
@@ -90,6 +95,11 @@ class LegalValues {
   static TomlValue named(const char* key, TomlValue value) {
     value.key = key;
     return value;
+  }
+  TomlValue min_max(const KeyRecord& record) {
+    TomlValue ends = ordered(number(record), number(record));
+    if (below(2) == 0 || ends.list[0].number == ends.list[1].number) return ends.list[0];
+    return table_value({named("min", ends.list[0]), named("max", ends.list[1])});
   }
   TomlValue module(const KeyRecord& record) {
     const std::uint64_t way = below(3);

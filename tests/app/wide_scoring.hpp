@@ -1,11 +1,20 @@
 #pragma once
 // Campaigns of the wide rig put before `diagnose`, as files, and whether its answer is right.
 
+#include <limits>
 #include <string>
+#include <vector>
 
+#include "app/diagnose.hpp"
 #include "tests/wide_rig/wide_rig.hpp"
 
 namespace gear3k::wide_rig {
+
+/// A cause with the probability that the diagnosis gives it, and whether it is one of the truths.
+struct Claim {
+  double probability = 0.0;
+  bool holds = false;
+};
 
 struct Score {
   /// Every hidden effect is named by an effect of its own, by its cause or one that explains the
@@ -18,13 +27,27 @@ struct Score {
   bool lists_excluded = false;   ///< a name or an alternative that the data rule out
   /// Root mean square error on rows at unseen conditions, and that of the best model with one
   /// refitted parameter; NaN where the campaign has none.
-  double unseen = 0.0, unseen_refit = 0.0;
+  double unseen = std::numeric_limits<double>::quiet_NaN(), unseen_refit = unseen;
+  /// The same in a session after the campaign, as `--model` predicts it.
+  double later = unseen, later_refit = unseen;
   int intervals = 0, inside = 0;  ///< of parameters that have a truth
+  /// Every probability that the diagnosis states, of names, alternatives and of no cause.
+  std::vector<Claim> claims{};
   double strength = 0.0;
   std::string answer;
 };
 
+/// The text of a subject.toml of any kind, and its data, as `diagnose` gets them.
+/// @throws io::InvalidInput for what cannot be read
+calibrate::Subject subject_of(const std::string& text);
+app::DiagnosisTask task_of(const calibrate::Subject& subject, const std::vector<File>& files);
+
 /// @throws io::InvalidInput for files that cannot be read
 Score score(const Campaign& campaign);
+
+/// Whether the names stay when one session, or a tenth of the rows in their order, is left out.
+/// @param part  which; the remainder of the division by their number
+/// @throws as score()
+bool names_stay(const Campaign& campaign, std::size_t part);
 
 }  // namespace gear3k::wide_rig

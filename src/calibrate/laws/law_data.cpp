@@ -1,0 +1,118 @@
+#include "calibrate/laws/law_data.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "calibrate/fit/screen.hpp"
+#include "calibrate/measurement/response_unit.hpp"
+
+namespace gear3k::calibrate {
+
+namespace {
+
+/// From here on so many rows, chosen at random, must do for the search.
+constexpr std::size_t kMostRowsOfLaw = 1500;
+
+/// The rows that the search looks at.
+std::vector<std::size_t> searched_rows(std::size_t count) {
+  std::vector<std::size_t> rows(count);
+  std::iota(rows.begin(), rows.end(), std::size_t{0});
+  if (count <= kMostRowsOfLaw) return rows;
+  RandomBits random(1);
+  for (std::size_t k = 0; k < kMostRowsOfLaw; ++k) {
+    std::swap(rows[k], rows[k + random.next() % (count - k)]);
+  }
+  rows.resize(kMostRowsOfLaw);
+  std::ranges::sort(rows);
+  return rows;
+}
+
+/// Data and noise of some of the rows.
+MeasurementSet subset_of(const MeasurementSet& data, const std::vector<std::size_t>& rows) {
+  MeasurementSet part = data;
+  part.rows.clear();
+  for (const std::size_t i : rows) part.rows.push_back(data.rows[i]);
+  part.covariates.clear();
+  return part;
+}
+NoiseModel subset_of(const NoiseModel& noise, const std::vector<std::size_t>& rows) {
+  NoiseModel part = noise;
+  part.weight.resize(static_cast<Eigen::Index>(rows.size()));
+  part.run.clear();
+  std::ranges::fill(part.rows_per_run, 0.0);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    part.weight[static_cast<Eigen::Index>(k)] = noise.weight[static_cast<Eigen::Index>(rows[k])];
+    const int run = noise.run[rows[k]];
+    part.run.push_back(run);
+    if (run >= 0) part.rows_per_run[static_cast<std::size_t>(run)] += 1.0;
+  }
+  return part;
+}
+
+}  // namespace
+
+LawData law_data(const Problem& problem, const Hypothesis& hypothesis) {
+  LawData d;
+  d.rows = searched_rows(problem.data.rows.size());
+  d.data = subset_of(problem.data, d.rows);
+  d.noise = subset_of(problem.noise, d.rows);
+  const Problem part{.simulation = problem.simulation, .data = d.data, .noise = d.noise};
+  const Linearisation at = linearise(part, hypothesis, {});
+  d.simulated = at.simulated;
+  Eigen::MatrixXd columns(d.simulated.size(), at.own.cols() + 1);
+  columns << measured(d.data) - d.simulated, at.own;
+  d.noise.whiten(columns);
+  d.residual = columns.col(0);
+  d.own = columns.rightCols(at.own.cols());
+  d.own_basis = orthonormal_basis(d.own);
+  d.si = response_unit(d.data.kind).si;
+  return d;
+}
+
+std::vector<Eigen::Index> rows_of(const LawData& d, const Blocks& all, int block, bool inside) {
+  std::vector<Eigen::Index> result;
+  for (std::size_t k = 0; k < d.rows.size(); ++k) {
+    if ((all.of[d.rows[k]] == block) == inside) result.push_back(static_cast<Eigen::Index>(k));
+  }
+  return result;
+}
+
+double law_change(LawAction action, const Condition& c, double response, double si) {
+  return law_weight(action, c, response) * (is_share(action) ? 1.0 : si);
+}
+
+Eigen::VectorXd channel_weights(const LawData& d, LawAction action, LawRows rows) {
+  Eigen::VectorXd w(d.simulated.size());
+  const Law law{.action = action, .rows = rows, .factors = {}};
+  for (Eigen::Index i = 0; i < w.size(); ++i) {
+    const Condition& c = d.data.rows[static_cast<std::size_t>(i)].condition;
+    w[i] = acts_in(law, c) ? law_change(action, c, d.simulated[i], d.si) : 0.0;
+  }
+  return w;
+}
+
+Eigen::VectorXd left_by_own(const LawData& d) {
+  Eigen::VectorXd left = d.residual;
+  if (d.own_basis.cols() > 0) left -= d.own_basis * (d.own_basis.transpose() * left);
+  return left;
+}
+
+int law_cost(const Law& law) {
+  int count = law.offset ? 2 : 1;
+  for (const LawFactor& f : law.factors) {
+    count += parameter_count(f.shape) + (record_of(f.shape).constant.empty() ? 0 : 1);
+  }
+  return count;
+}
+
+int fitted_count(const Law& law) {
+  int count = law.offset ? 2 : 1;
+  for (const LawFactor& f : law.factors) count += parameter_count(f.shape);
+  return count;
+}
+
+Eigen::Index own_size(const LawTrial& t) {
+  return static_cast<Eigen::Index>(t.value.size()) - fitted_count(t.law);
+}
+
+}  // namespace gear3k::calibrate

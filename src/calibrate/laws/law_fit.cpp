@@ -1,0 +1,143 @@
+#include "calibrate/laws/law_fit.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "calibrate/fit/screen.hpp"
+#include "numerics/linear_algebra.hpp"
+
+namespace gear3k::calibrate {
+
+LawFit::At LawFit::at(const LawTrial& t) const {
+  const auto own = d_.own.cols();
+  const auto count = static_cast<Eigen::Index>(t.value.size()) - own_size(t);
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(d_.simulated.size(), count + 1);
+  std::vector<Scalar> p;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    p.emplace_back(t.value[static_cast<std::size_t>(own_size(t) + k)], static_cast<int>(k));
+  }
+  for (Eigen::Index i = 0; i < columns.rows(); ++i) {
+    const Condition& c = d_.data.rows[static_cast<std::size_t>(i)].condition;
+    if (!acts_in(t.law, c)) continue;
+    const Scalar v = law_value(t.law, c, p.data());
+    const double w = law_change(t.law.action, c, d_.simulated[i], d_.si);
+    columns(i, 0) = w * v.a;
+    columns.row(i).tail(count) = w * v.v.head(count).transpose();
+  }
+  d_.noise.whiten(columns);
+  At result{.residual = d_.residual - columns.col(0),
+            .jacobian = Eigen::MatrixXd(columns.rows(), own + count)};
+  for (Eigen::Index k = 0; k < own_size(t); ++k) {
+    result.residual -= d_.own.col(k) * t.value[static_cast<std::size_t>(k)];
+  }
+  result.jacobian << d_.own, columns.rightCols(count);
+  return result;
+}
+
+double LawFit::sum_of(const Eigen::VectorXd& residual, const std::vector<Eigen::Index>& in) const {
+  double sum = 0.0;
+  for (const Eigen::Index i : in) {
+    sum += scale_ > 0.0 ? huber_square(residual[i] / scale_) : residual[i] * residual[i];
+  }
+  return sum;
+}
+
+Eigen::VectorXd LawFit::refine(LawTrial& t, const std::vector<Eigen::Index>& in) const {
+  if (own_size(t) == 0 && d_.own.cols() > 0) {
+    t.value.insert(t.value.begin(), static_cast<std::size_t>(d_.own.cols()), 0.0);
+  }
+  const std::vector<ParameterRecord> records = parameters_of(t.law, d_.data.kind);
+  const auto own = static_cast<std::size_t>(d_.own.cols());
+  At now = at(t);
+  t.sum = sum_of(now.residual, in);
+  constexpr int kPasses = 30;
+  constexpr int kHalves = 8;
+  for (int pass = 0; pass < kPasses; ++pass) {
+    Eigen::VectorXd psi = now.residual(in);
+    if (scale_ > 0.0) psi = winsorised(psi, std::max(scale_, robust_deviation(psi)));
+    const Eigen::VectorXd change = numerics::least_norm_solution(now.jacobian(in, Eigen::all), psi);
+    bool improved = false;
+    double share = 1.0;
+    for (int half = 0; half < kHalves; ++half, share *= 0.5) {
+      LawTrial next = t;
+      for (std::size_t k = 0; k < next.value.size(); ++k) {
+        next.value[k] += share * change[static_cast<Eigen::Index>(k)];
+        if (k < own) continue;
+        const ParameterRecord& r = records[k - own];
+        next.value[k] = std::clamp(next.value[k], r.lower, r.upper);
+      }
+      At there = at(next);
+      next.sum = sum_of(there.residual, in);
+      if (!(next.sum < t.sum)) continue;
+      constexpr double kSmall = 1e-5;
+      improved = t.sum - next.sum > kSmall * t.sum;
+      t = std::move(next);
+      now = std::move(there);
+      break;
+    }
+    if (!improved) break;
+  }
+  return now.residual;
+}
+
+void LawFit::start(LawTrial& t, const std::vector<Eigen::Index>& in) const {
+  t.value[0] = 0.0;
+  if (t.law.offset) t.value[1] = 0.0;
+  const At here = at(t);
+  // Derivatives by the rest are 0 at the amplitude 0: the first columns are all that counts.
+  const Eigen::Index linear = d_.own.cols() + (t.law.offset ? 2 : 1);
+  const Eigen::VectorXd x = numerics::least_norm_solution(
+      here.jacobian.leftCols(linear)(in, Eigen::all), here.residual(in));
+  std::vector<double> own(x.data(), x.data() + d_.own.cols());
+  t.value[0] = x[d_.own.cols()];
+  if (t.law.offset) t.value[1] = x[d_.own.cols() + 1];
+  t.value.insert(t.value.begin(), own.begin(), own.end());
+}
+
+Eigen::VectorXd LawFit::without_law(const std::vector<Eigen::Index>& in) const {
+  Eigen::VectorXd r = d_.residual;
+  constexpr int kPasses = 20;
+  for (int pass = 0; pass < kPasses && d_.own.cols() > 0; ++pass) {
+    const Eigen::VectorXd seen = r(in);
+    r -= d_.own *
+         numerics::least_norm_solution(d_.own(in, Eigen::all),
+                                       winsorised(seen, std::max(scale_, robust_deviation(seen))));
+  }
+  return r;
+}
+
+void LawFit::polish(LawTrial& t, const std::vector<Eigen::Index>& in) const {
+  constexpr std::array<double, 10> kPreferredNumbers{1.0,  1.25, 1.6, 2.0, 2.5,
+                                                     3.15, 4.0,  5.0, 6.3, 8.0};
+  constexpr int kPasses = 6;
+  bool again = true;
+  for (int pass = 0; pass < kPasses && again; ++pass) {
+    again = false;
+    for (std::size_t f = 0; f < t.law.factors.size(); ++f) {
+      const LawShape shape = t.law.factors[f].shape;
+      if (shape != LawShape::kWindow && shape != LawShape::kPulse) continue;
+      const double now = t.law.factors[f].constant;
+      for (const int step : {-1, 1}) {
+        // The next preferred number below or above.
+        const double decade = std::pow(10.0, std::floor(std::log10(now * 1.0001)));
+        auto k =
+            static_cast<int>(std::ranges::lower_bound(kPreferredNumbers, 0.999 * now / decade) -
+                             kPreferredNumbers.begin()) +
+            step;
+        const double shift = k < 0 ? 0.1 : k > 9 ? 10.0 : 1.0;
+        k = (k + 10) % 10;
+        LawTrial other = t;
+        other.law.factors[f].constant =
+            kPreferredNumbers[static_cast<std::size_t>(k)] * decade * shift;
+        refine(other, in);
+        if (!(other.sum < t.sum)) continue;
+        t = std::move(other);
+        again = true;
+        break;
+      }
+    }
+  }
+}
+
+}  // namespace gear3k::calibrate

@@ -1,0 +1,48 @@
+#pragma once
+// Values of a form's parameters: Gauss-Newton steps of all of them beside the hypothesis' own.
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "calibrate/laws/law_data.hpp"
+
+namespace gear3k::calibrate {
+
+/// Fits trials to some of the rows with Huber's bound at `scale`.
+class LawFit {
+ public:
+  /// @param scale  standard deviation of the whitened rows; 0: squares, without a bound
+  LawFit(const LawData& data, double scale) : d_(data), scale_(scale) {}
+
+  /// Whitened residual of all rows under a trial, and its derivatives by own parameters, amplitude,
+  /// offset and the rest.
+  struct At {
+    Eigen::VectorXd residual;
+    Eigen::MatrixXd jacobian;
+  };
+  [[nodiscard]] At at(const LawTrial& t) const;
+
+  /// Σ ρ(r/s) over rows; Σ r² without a scale.
+  [[nodiscard]] double sum_of(const Eigen::VectorXd& residual,
+                              const std::vector<Eigen::Index>& in) const;
+
+  /// Own parameters, amplitude and offset by least squares over rows, the others as they are; what
+  /// the rows do not determine is 0.
+  void start(LawTrial& t, const std::vector<Eigen::Index>& in) const;
+
+  /// Gauss-Newton steps over rows; the sum goes into the trial.
+  /// @returns the residual of all rows
+  Eigen::VectorXd refine(LawTrial& t, const std::vector<Eigen::Index>& in) const;
+
+  /// Other constants of a refined trial, preferred numbers one by one, as long as one does better.
+  void polish(LawTrial& t, const std::vector<Eigen::Index>& in) const;
+
+  /// The residual of all rows with the own parameters alone, fitted over rows by the same loss.
+  [[nodiscard]] Eigen::VectorXd without_law(const std::vector<Eigen::Index>& in) const;
+
+ private:
+  const LawData& d_;
+  double scale_;
+};
+
+}  // namespace gear3k::calibrate

@@ -1,0 +1,42 @@
+#pragma once
+// The forms that a law is looked for in, and where its parameters are tried first.
+
+#include <vector>
+
+#include "calibrate/fit/fit.hpp"
+#include "calibrate/model/law.hpp"
+
+namespace gear3k::calibrate {
+
+/// Of the rows: each condition that all of them state and along which they differ.
+struct ConditionValues {
+  std::size_t condition = 0;             ///< of law_conditions()
+  std::vector<double> value;             ///< by row, in the unit of files
+  std::vector<double> level;             ///< ascending: the values, or quantiles of many
+  double origin = 0.0, reference = 1.0;  ///< of the factors
+};
+std::vector<ConditionValues> condition_values(const MeasurementSet& data);
+
+/// A factor with values of its parameters.
+struct TriedFactor {
+  LawFactor factor;
+  std::array<double, 2> p{};
+};
+
+/// Places where the search tries a factor of one condition: the grid of its parameters.
+std::vector<TriedFactor> grid_of(LawShape shape, const ConditionValues& values);
+
+/// Shapes of a law of one condition but for waves and pulses, whose orders are scanned for.
+std::vector<LawShape> single_shapes();
+/// Shapes that go together in a product, in this order or (if they differ) in the other.
+std::vector<std::array<LawShape, 2>> product_shapes();
+
+/// Actions and rows that tell the rows of these data apart: of data of one direction the loss is no
+/// other law than the response.
+struct Channel {
+  LawAction action = LawAction::kAdded;
+  LawRows rows = LawRows::kAll;
+};
+std::vector<Channel> channels_of(const MeasurementSet& data);
+
+}  // namespace gear3k::calibrate

@@ -1,0 +1,44 @@
+#include "calibrate/laws/law_result.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "calibrate/measurement/response_unit.hpp"
+#include "calibrate/measurement/value_range.hpp"
+
+namespace gear3k::calibrate {
+
+LawResult law_result(const Problem& problem, const FoundLaw& found, const FinalFit& final,
+                     double error_without, double error_with) {
+  const std::size_t effect = final.hypothesis.effects.size() - 1;
+  const Law& law = found.law;
+  const auto fitted = values_of(final.hypothesis, effect);
+  LawResult result{
+      .name = "law: " + law_title(law),
+      .formula = law_formula(law, {fitted.begin(), fitted.end()}, problem.data.kind),
+      .acts_on = std::string(kLawActionNames[static_cast<std::size_t>(law.action)]),
+      .rows = std::string(kLawRowsNames[static_cast<std::size_t>(law.rows)]),
+      .unit = is_share(law.action) ? "" : std::string(response_unit(problem.data.kind).name),
+      .parameters = parameter_results(problem.simulation, final, effect),
+      .held_out_gain = 1.0 - error_with / error_without,
+      .held_out_error = error_with,
+      .delta_bic = found.delta_bic,
+      .forms = found.forms,
+      .range = {}};
+  for (const LawFactor& f : law.factors) {
+    const LawCondition& condition = law_conditions()[f.condition];
+    ValueRange range;
+    for (const Observation& row : problem.data.rows) range.extend(condition.value(row.condition));
+    result.range.push_back({.name = std::string(condition.name),
+                            .unit = std::string(condition.shown_unit),
+                            .low = range.low,
+                            .high = range.high});
+  }
+  return result;
+}
+
+bool is_law(const Candidate& candidate) { return candidate.cause == &law_cause(); }
+
+}  // namespace gear3k::calibrate

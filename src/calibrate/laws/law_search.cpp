@@ -1,0 +1,222 @@
+#include "calibrate/laws/law_search.hpp"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "calibrate/fit/screen.hpp"
+#include "calibrate/laws/law_fit.hpp"
+#include "calibrate/laws/law_scan.hpp"
+#include "calibrate/measurement/response_unit.hpp"
+
+namespace gear3k::calibrate {
+
+namespace {
+
+/// Forms that are refined, and how much better a law must be than none.
+constexpr std::size_t kRefined = 24;
+constexpr double kClearBic = 10.0;
+/// A share of a response that is the same everywhere is the response itself: the plainer law is
+/// preferred where the data cannot tell.
+constexpr double kShareCosts = 1.0;
+
+class LawSearch {
+ public:
+  LawSearch(const Problem& problem, const Hypothesis& hypothesis)
+      : d_(law_data(problem, hypothesis)) {}
+
+  /// The best form, refined; its value holds the changes of the hypothesis' own parameters first.
+  std::optional<LawTrial> best() {
+    std::vector<LawTrial> trials = scan_forms(d_);
+    forms_ = static_cast<int>(trials.size());
+    const double ln = std::log(static_cast<double>(d_.data.rows.size()));
+    const Eigen::VectorXd left = left_by_own(d_);
+    const double total = left.squaredNorm();
+    const auto n = static_cast<double>(left.size());
+    const auto score = [&](const LawTrial& t) {
+      return n * std::log(std::max(1.0 - t.gain / total, 1e-12)) + law_cost(t.law) * ln +
+             2.0 * std::log(static_cast<double>(t.orders));
+    };
+    std::ranges::stable_sort(trials, {}, score);
+    if (trials.empty()) return std::nullopt;
+    trials.resize(std::min(trials.size(), kRefined));
+    std::vector<Eigen::Index> all(static_cast<std::size_t>(d_.residual.size()));
+    std::iota(all.begin(), all.end(), Eigen::Index{0});
+    const LawFit squares(d_, 0.0);
+    double best_deviation = HUGE_VAL;
+    for (LawTrial& t : trials) {
+      squares.start(t, all);
+      const Eigen::VectorXd r = squares.refine(t, all);
+      best_deviation = std::min(best_deviation, robust_deviation(r));
+    }
+    scale_ = std::max(best_deviation, d_.noise.least_scale());
+    if (const double known = d_.noise.known_scale(); known > 0.0) scale_ = known;
+    const LawFit fit(d_, scale_);
+    for (LawTrial& t : trials) {
+      fit.refine(t, all);
+      fit.polish(t, all);
+    }
+    sum_without_ = fit.sum_of(fit.without_law(all), all);
+    return *std::ranges::min_element(trials, {},
+                                     [&](const LawTrial& t) { return t.sum + cost(t); });
+  }
+
+  [[nodiscard]] double scale() const { return scale_; }
+  [[nodiscard]] double delta_bic(const LawTrial& t) const { return sum_without_ - t.sum - cost(t); }
+  [[nodiscard]] int forms() const { return forms_; }
+
+  /// A trial's values without each block.
+  [[nodiscard]] std::vector<LawTrial> without_blocks(const LawTrial& trial,
+                                                     const Blocks& all) const {
+    const LawFit fit(d_, scale_);
+    std::vector<LawTrial> result;
+    for (int b = 0; b < all.count; ++b) {
+      LawTrial refitted = trial;
+      const std::vector<Eigen::Index> in = rows_of(d_, all, b, false);
+      refitted.value.erase(refitted.value.begin(), refitted.value.begin() + own_size(trial));
+      fit.start(refitted, in);
+      fit.refine(refitted, in);
+      result.push_back(std::move(refitted));
+    }
+    return result;
+  }
+
+  /// Whether rows of held-out blocks gain more than the standard error of that.
+  /// @param refitted  without each block
+  [[nodiscard]] bool predicts(const std::vector<LawTrial>& refitted, const Blocks& all) const {
+    const LawFit fit(d_, scale_);
+    std::vector<double> gain;
+    double sum = 0.0;
+    for (int b = 0; b < all.count; ++b) {
+      const std::vector<Eigen::Index> in = rows_of(d_, all, b, false);
+      const std::vector<Eigen::Index> out = rows_of(d_, all, b, true);
+      if (out.empty() || in.empty()) continue;
+      const Eigen::VectorXd without = fit.without_law(in);
+      const Eigen::VectorXd with_law = fit.at(refitted[static_cast<std::size_t>(b)]).residual;
+      double block = 0.0;
+      for (const Eigen::Index i : out) {
+        block += huber_square(without[i] / scale_) - huber_square(with_law[i] / scale_);
+      }
+      gain.push_back(block);
+      sum += block;
+    }
+    const auto count = static_cast<double>(gain.size());
+    if (gain.size() < 2) return false;
+    double square = 0.0;
+    for (const double g : gain) square += (g - sum / count) * (g - sum / count);
+    return sum > std::sqrt(square * count / (count - 1.0));
+  }
+
+  /// All rows of the data as trials without their blocks predict them [SI].
+  static Eigen::VectorXd predicted(const Problem& problem, const Hypothesis& hypothesis,
+                                   const std::vector<LawTrial>& refitted, const Blocks& blocks) {
+    const Linearisation at = linearise(problem, hypothesis, {});
+    Eigen::VectorXd result = at.simulated;
+    for (Eigen::Index i = 0; i < result.size(); ++i) {
+      const auto row = static_cast<std::size_t>(i);
+      const LawTrial& t = refitted[static_cast<std::size_t>(blocks.of[row])];
+      for (Eigen::Index k = 0; k < at.own.cols(); ++k) {
+        result[i] += at.own(i, k) * t.value[static_cast<std::size_t>(k)];
+      }
+      const Condition& c = problem.data.rows[row].condition;
+      if (!acts_in(t.law, c)) continue;
+      result[i] += law_change(t.law.action, c, result[i], response_unit(problem.data.kind).si) *
+                   law_value(t.law, c, t.value.data() + at.own.cols());
+    }
+    return result;
+  }
+
+ private:
+  [[nodiscard]] double cost(const LawTrial& t) const {
+    return law_cost(t.law) * std::log(static_cast<double>(d_.data.rows.size())) +
+           2.0 * std::log(static_cast<double>(t.orders)) +
+           (is_share(t.law.action) ? kShareCosts : 0.0) +
+           2.0 * std::log(static_cast<double>(std::max(forms_, 1)));
+  }
+
+  LawData d_;
+  double scale_ = 0.0, sum_without_ = 0.0;
+  int forms_ = 0;
+};
+
+/// A law beside a hypothesis.
+std::optional<FoundLaw> law_beside(const Problem& problem, const Hypothesis& hypothesis,
+                                   const Blocks& blocks) {
+  LawSearch search(problem, hypothesis);
+  const std::optional<LawTrial> best = search.best();
+  if (!best || search.delta_bic(*best) < kClearBic) return std::nullopt;
+  const std::vector<LawTrial> refitted = search.without_blocks(*best, blocks);
+  if (!search.predicts(refitted, blocks)) return std::nullopt;
+  const Form form = form_of(best->law);
+  FoundLaw found{.law = best->law,
+                 .hypothesis = with(
+                     hypothesis, {.cause = &law_cause(),
+                                  .form = form,
+                                  .parameters = law_cause().parameters(form, problem.data.kind)}),
+                 .scale = search.scale(),
+                 .predicted = LawSearch::predicted(problem, hypothesis, refitted, blocks),
+                 .delta_bic = search.delta_bic(*best),
+                 .forms = search.forms()};
+  const auto records = parameters_of(found.hypothesis);
+  const std::size_t own = hypothesis.value.size();
+  for (std::size_t k = 0; k < best->value.size(); ++k) {
+    double& value = found.hypothesis.value[k];
+    value = k < own ? value + best->value[k] : best->value[k];
+    value = std::clamp(value, records[k].lower, records[k].upper);
+  }
+  found.hypothesis = fit(problem, found.hypothesis, found.scale).hypothesis;
+  return found;
+}
+
+/// Σ ρ(r/s) + p ln n of a hypothesis, constants of laws among p, and 2 ln N for the law among N
+/// forms that `law` is; none where it is null.
+double criterion(const Problem& problem, const Hypothesis& h, double scale, const FoundLaw* law) {
+  const Fit at = fit(problem, h, scale);
+  int parameters = 0;
+  for (const Candidate& c : h.effects) {
+    parameters +=
+        c.cause == &law_cause() ? law_cost(law_of(c.form)) : static_cast<int>(c.parameters.size());
+  }
+  const double choice = law == nullptr ? 0.0 : 2.0 * std::log(static_cast<double>(law->forms));
+  return at.sum_of_squares + parameters * std::log(static_cast<double>(problem.data.rows.size())) +
+         choice;
+}
+
+/// Takes out causes that beside the law do not pay for their parameters.
+void drop_superfluous(const Problem& problem, const Blocks& blocks, FoundLaw& found) {
+  for (std::size_t k = 0; k < found.hypothesis.effects.size();) {
+    if (found.hypothesis.effects[k].cause == &law_cause()) {
+      ++k;
+      continue;
+    }
+    const Hypothesis rest = fit(problem, without(found.hypothesis, k), found.scale).hypothesis;
+    if (criterion(problem, rest, found.scale, &found) >
+        criterion(problem, found.hypothesis, found.scale, &found)) {
+      ++k;
+      continue;
+    }
+    found.hypothesis = rest;
+    found.predicted = predict_held_out(problem, rest, blocks);
+    k = 0;
+  }
+}
+
+}  // namespace
+
+std::optional<FoundLaw> find_law(const Problem& problem, const Hypothesis& hypothesis,
+                                 const Blocks& blocks) {
+  std::optional<FoundLaw> beside = law_beside(problem, hypothesis, blocks);
+  if (hypothesis.effects.empty()) return beside;
+  if (beside) drop_superfluous(problem, blocks, *beside);
+  std::optional<FoundLaw> alone = law_beside(problem, {}, blocks);
+  if (!alone) return beside;
+  const double scale = beside ? std::min(beside->scale, alone->scale) : alone->scale;
+  const double with_causes = criterion(problem, beside ? beside->hypothesis : hypothesis, scale,
+                                       beside ? &*beside : nullptr);
+  const bool causes_fall =
+      criterion(problem, alone->hypothesis, scale, &*alone) + kClearBic < with_causes;
+  return causes_fall ? alone : beside;
+}
+
+}  // namespace gear3k::calibrate

@@ -1,0 +1,49 @@
+#pragma once
+// A formula for what no cause explains: chosen among short forms, and held against blocks of rows
+// that it has not seen.
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "calibrate/fit/fit.hpp"
+#include "calibrate/fit/holdout.hpp"
+#include "calibrate/model/law.hpp"
+
+namespace gear3k::calibrate {
+
+struct FoundLaw {
+  Law law;
+  /// The causes, or none where they fall, with the law as the last effect, fitted together.
+  Hypothesis hypothesis;
+  double scale = 0.0;  ///< standard deviation of the whitened rows about it
+  /// Each row of the data as causes and law predict it with all parameters fitted anew without its
+  /// block, the causes along their linearisation [SI].  What the other blocks do not determine is
+  /// not known there: an amplitude is then 0.
+  Eigen::VectorXd predicted;
+  double delta_bic = 0.0;  ///< of the causes alone less that with the law; forms tried are paid for
+  int forms = 0;           ///< that were tried
+};
+
+/// Looks for a law in what a hypothesis leaves.
+///
+/// A form has amplitude, perhaps an offset, and one or two factors, three parameters at most; every
+/// form is tried at a grid of its parameters, linear in amplitude and offset, beside the
+/// hypothesis' own columns; the best are refined by Gauss-Newton steps of all parameters (the
+/// simulation linear in its own) with Huber's bound.  The one of the least
+///
+///   Σ ρ(r/s) + p ln n + 2 ln N
+///
+/// stays: p parameters and constants, N forms that were tried (of waves and pulses times the orders
+/// that were looked through), s the robust deviation about the
+/// best.  It is a law where that is less by 10 than without it, and where rows of held-out blocks,
+/// predicted with all parameters fitted anew without them (constants stay), gain more over the
+/// hypothesis than the standard error of that gain over blocks.
+/// Causes that only imitate the law fall: where a law without them does better by 10, in the same
+/// measure, it is given alone.
+/// @param hypothesis  a fit already
+/// @param blocks  that are held out together
+std::optional<FoundLaw> find_law(const Problem& problem, const Hypothesis& hypothesis,
+                                 const Blocks& blocks);
+
+}  // namespace gear3k::calibrate

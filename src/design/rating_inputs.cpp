@@ -1,0 +1,45 @@
+#include "design/rating_inputs.hpp"
+
+#include <algorithm>
+
+namespace gear3k::design {
+
+strength::RatingTask rating_of(strength::RatingTask task, const Design& design) {
+  const Masses& masses = design.masses;
+  for (const std::size_t stage : {0U, 1U}) {
+    task.face_width_m[stage] = masses.face_width_m[stage].value_or(0.0);
+  }
+  task.speed_rad_s = design.operating_point ? design.operating_point->sun_speed_rad_s : 0.0;
+  for (std::size_t gear = 0; gear < train::kGearCount; ++gear) {
+    task.rim_radius_m[gear].reset();
+    if (masses.bore_radius_m[gear] > 0.0) task.rim_radius_m[gear] = masses.bore_radius_m[gear];
+  }
+  task.rim_radius_m[train::kR1] = masses.ring1_outer_radius_m;
+  task.rim_radius_m[train::kR2] = masses.ring2_outer_radius_m;
+  task.pin_diameter_m.reset();
+  if (masses.planet_pin_radius_m) task.pin_diameter_m = 2.0 * *masses.planet_pin_radius_m;
+  task.planet_mass_kg = masses.planet_mass_kg.value_or(0.0);
+  if (task.supports) task.supports->plane_m = toothing_planes_m(design.axial);
+  return task;
+}
+
+std::array<double, 2> toothing_planes_m(const train::AxialLayout& axial) {
+  std::array<double, 2> planes_m{};
+  for (const std::size_t stage : {0U, 1U}) {
+    const auto& extent = axial.extent[stage == 0 ? train::kP1 : train::kP2];
+    if (extent) planes_m[stage] = 0.5 * (extent->from_m + extent->to_m);
+  }
+  return planes_m;
+}
+
+std::optional<double> common_density_kgm3(const GearMaterials& materials) {
+  const auto density = [](const std::optional<strength::GearMaterial>& material) {
+    return material ? material->record.density_kgm3 : std::nullopt;
+  };
+  const std::optional<double> first = density(materials[0]);
+  const bool same = std::ranges::all_of(
+      materials, [&](const auto& material) { return density(material) == first; });
+  return same ? first : std::nullopt;
+}
+
+}  // namespace gear3k::design

@@ -1,0 +1,484 @@
+#include "io/keys/strength_keys.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+namespace gear3k::io {
+
+namespace {
+
+using design::GearMaterials, strength::GearMaterial, strength::MeshLoadSource, strength::RatingTask,
+    strength::StatedFactors, units::Unit;
+using StrengthKey = Key<StrengthInput>;
+
+constexpr double kGreatestFactor = 1000.0;
+constexpr int kFewestOfTables = 3;
+constexpr int kFinestAccuracy = 3, kCoarsestAccuracy = 8;
+
+const char* const kWhenStated = "none";
+
+/// The view of a member of the task.
+template <class Member>
+auto of_task(Member RatingTask::*member) {
+  return [member](auto& t, std::size_t) -> auto& { return t.task.*member; };
+}
+template <class Member>
+auto of_factors(Member StatedFactors::*member) {
+  return [member](auto& t, std::size_t) -> auto& { return t.task.factors.*member; };
+}
+
+template <class View>
+StrengthKey strength_number(const char* name, Unit unit, const Range& range,
+                            const char* default_text, std::string help, View view) {
+  return unless_default(make_key<StrengthInput>(
+      number(fmt::format("strength.{}", name), unit, range, default_text, std::move(help)), view));
+}
+
+template <class View>
+StrengthKey strength_switch(const char* name, const char* default_text, const char* help,
+                            View view) {
+  return unless_default(make_key<StrengthInput>({.path = fmt::format("strength.{}", name),
+                                                 .type = KeyType::kBoolean,
+                                                 .default_text = default_text,
+                                                 .help = help},
+                                                view));
+}
+
+StrengthKey train_mesh_load_key() {
+  return unless_default(StrengthKey{
+      .record = {.path = "strength.k_gamma",
+                 .type = KeyType::kNumberOrChoice,
+                 .min = 1.0,
+                 .max = kGreatestFactor,
+                 .choices = {strength::kMeshLoadSourceNames.begin() + 1,
+                             strength::kMeshLoadSourceNames.end()},
+                 .default_text = "with [strength]: 1",
+                 .help = "K_gamma, the share of the most loaded planet: a number, or a table's for "
+                         "3 planets and more: m56 1.0, 1.2, 1.3, 1.4, drivetrain 1.1, 1.25, 1.35, "
+                         "1.44 for 3, 4, 5, 6 and more"},
+      .assign =
+          [](const KeyRecord& record, StrengthInput& t, std::size_t, const TomlValue& v) {
+            StatedFactors& factors = t.task.factors;
+            factors.mesh_load_source = MeshLoadSource::kNumber;
+            if (v.is_number()) {
+              store(record, v, factors.mesh_load);
+            } else {
+              factors.mesh_load_source =
+                  static_cast<MeshLoadSource>(index_of(strength::kMeshLoadSourceNames, v.text));
+            }
+          },
+      .state =
+          [](const KeyRecord& record, const StrengthInput& t, std::size_t) {
+            const StatedFactors& factors = t.task.factors;
+            return factors.mesh_load_source == MeshLoadSource::kNumber
+                       ? stated(record, factors.mesh_load)
+                       : text_value(
+                             std::string(strength::kMeshLoadSourceNames[static_cast<std::size_t>(
+                                 factors.mesh_load_source)]));
+          }});
+}
+
+void add_factor_keys(std::vector<StrengthKey>& keys) {
+  const auto add = [&](const char* name, auto member, const char* default_text, const char* help) {
+    keys.push_back(strength_number(name, Unit::kNone, within(1.0, kGreatestFactor), default_text,
+                                   help, of_factors(member)));
+  };
+  add("k_v", &StatedFactors::dynamic, "computed",
+      "dynamic factor, in place of method C, which needs a speed and accuracy_grade");
+  add("k_h_beta", &StatedFactors::flank_face, "computed",
+      "face load factor of the flank, in place of that of f_beta_um");
+  add("k_h_alpha", &StatedFactors::flank_transverse, "computed",
+      "transverse load factor of the flank, in place of that of accuracy_grade");
+  add("k_f_beta", &StatedFactors::root_face, "computed",
+      "face load factor of the root, in place of that which follows from k_h_beta");
+  add("k_f_alpha", &StatedFactors::root_transverse, "computed",
+      "transverse load factor of the root, in place of that of accuracy_grade");
+}
+
+void add_safety_keys(std::vector<StrengthKey>& keys) {
+  keys.push_back(strength_number("s_f_min", Unit::kNone, above(0.0, 100.0),
+                                 "with [strength]: 1, of plastics 2", "least safety of the root",
+                                 of_task(&RatingTask::root_safety_min)));
+  keys.push_back(strength_number("s_h_min", Unit::kNone, above(0.0, 100.0),
+                                 "with [strength]: 1, of plastics 1.4", "least safety of the flank",
+                                 of_task(&RatingTask::flank_safety_min)));
+  keys.push_back(strength_number("overload", Unit::kNone, within(1.0, 100.0), kWhenStated,
+                                 "greatest torque over the stated one, judged without life; "
+                                 "without it not rated",
+                                 of_task(&RatingTask::overload)));
+  keys.push_back(strength_number("virtual_root_radius", Unit::kModules, within(0.0, 10.0),
+                                 "that of the tool",
+                                 "root radius of the virtual rack of ISO 6336-3:2007 in place of a "
+                                 "ring's tool",
+                                 of_task(&RatingTask::virtual_root_radius)));
+}
+
+void add_surface_keys(std::vector<StrengthKey>& keys) {
+  keys.push_back(strength_number("f_beta_um", Unit::kMicrometre, within(0.0, 1e4),
+                                 "with [strength]: 0",
+                                 "misalignment over the face width that running in leaves",
+                                 of_task(&RatingTask::misalignment_m)));
+  keys.push_back(unless_default(make_key<StrengthInput>(
+      integer("strength.accuracy_grade", within(kFinestAccuracy, kCoarsestAccuracy), kWhenStated,
+              "ISO 1328-1:1995 accuracy grade; without it K_v = K_Halpha = K_Falpha = 1"),
+      of_task(&RatingTask::accuracy_grade))));
+  keys.push_back(strength_number("root_roughness_um", Unit::kMicrometre, above(0.0, 1000.0),
+                                 kWhenStated, "R_z of the root; without it Y_R = 1",
+                                 of_task(&RatingTask::root_roughness_m)));
+  keys.push_back(strength_number("flank_roughness_um", Unit::kMicrometre, above(0.0, 1000.0),
+                                 kWhenStated, "R_z of the flank; without it Z_R = 1",
+                                 of_task(&RatingTask::flank_roughness_m)));
+  keys.push_back(strength_number(
+      "viscosity40_mm2_s", Unit::kSquareMillimetrePerSecond, above(0.0, 1e6), kWhenStated,
+      "kinematic viscosity of the lubricant at 40 C; without it Z_L = Z_v = 1",
+      of_task(&RatingTask::viscosity40_m2_s)));
+  keys.push_back(strength_switch("pitting_allowed", "false with [strength]",
+                                 "some pitting is allowed: the life curve of the flank for it",
+                                 of_task(&RatingTask::pitting_allowed)));
+}
+
+void add_plastic_keys(std::vector<StrengthKey>& keys) {
+  keys.push_back(strength_number("ambient_c", Unit::kCelsius, within(-80.0, 400.0),
+                                 "with [strength]: 20", "temperature about plastic gears",
+                                 of_task(&RatingTask::ambient_K)));
+  keys.push_back(strength_number("tooth_temperature_c", Unit::kCelsius, within(-80.0, 400.0),
+                                 "computed", "temperature of plastic teeth, in place of VDI 2736's",
+                                 of_task(&RatingTask::tooth_temperature_K)));
+  keys.push_back(strength_number("duty", Unit::kNone, above(0.0, 1.0), "with [strength]: 1",
+                                 "share of the time at work, for the temperature of plastic teeth",
+                                 of_task(&RatingTask::duty)));
+  keys.push_back(
+      strength_number("housing_resistance_k_m2_w", Unit::kHousingResistance, within(0.0, 100.0),
+                      "with [strength]: 0",
+                      "R_lambda of VDI 2736: 0 open, 0.015 to 0.045 partly open, 0.06 closed; with "
+                      "housing_surface_mm2",
+                      of_task(&RatingTask::housing_resistance)));
+  keys.push_back(strength_number("housing_surface_mm2", Unit::kSquareMillimetre, above(0.0, 1e9),
+                                 kWhenStated, "surface of the housing that cools",
+                                 of_task(&RatingTask::housing_surface_m2)));
+  keys.push_back(strength_number("wear_coefficient_mm3_nm", Unit::kWearCoefficient, above(0.0, 1.0),
+                                 kWhenStated, "k_w of plastic flanks; without it wear is not rated",
+                                 of_task(&RatingTask::wear_coefficient_m2_N)));
+}
+
+/// What differs between a train's keys and a pair's.
+struct TorqueKeys {
+  const char* torque;  ///< its name in [strength]
+  const char* torque_help;
+  const char* speed;  ///< the key that life_hours needs
+};
+/// @param mesh_load  the key of K_gamma
+std::vector<StrengthKey> common_strength_keys(const TorqueKeys& of, StrengthKey mesh_load) {
+  std::vector<StrengthKey> keys;
+  keys.push_back(strength_number(of.torque, Unit::kNewtonMetre, above(0.0, 1e7),
+                                 "required by [strength]", of.torque_help,
+                                 &StrengthInput::torque_Nm));
+  keys.push_back(strength_number(
+      "life_hours", Unit::kHour, above(0.0, 1e7), kWhenStated,
+      fmt::format("time at work, which with {} gives the load cycles of each tooth", of.speed),
+      of_task(&RatingTask::life_s)));
+  keys.push_back(
+      strength_number("cycles", Unit::kNone, within(1.0, 1e18), kWhenStated,
+                      "load cycles of every tooth, instead; without either the endurance "
+                      "limit of metals",
+                      of_task(&RatingTask::cycles)));
+  keys.push_back(
+      strength_switch("load_reversal", "true with [strength]",
+                      "the torque changes its sign: Y_M = 0.7 for every tooth; else of idlers "
+                      "only",
+                      of_task(&RatingTask::load_reversal)));
+  keys.push_back(strength_number("k_a", Unit::kNone, within(1.0, kGreatestFactor),
+                                 "with [strength]: 1", "application factor",
+                                 of_factors(&StatedFactors::application)));
+  keys.push_back(std::move(mesh_load));
+  add_factor_keys(keys);
+  add_safety_keys(keys);
+  add_surface_keys(keys);
+  add_plastic_keys(keys);
+  return keys;
+}
+
+void add_material_keys(std::vector<StrengthKey>& keys, const std::string& gear) {
+  append_keys(keys, material_keys(), &StrengthInput::material, "material.");
+  append_keys(
+      keys, material_keys(), [](auto& t, std::size_t g) -> auto& { return t.gear_material[g]; },
+      gear + ".material.");
+  for (StrengthKey& key : keys) {
+    if (key.record.path == gear + ".material.name") {
+      key.record.help =
+          "material of one gear, in place of [material] as a whole; " + key.record.help;
+    }
+  }
+}
+
+/// Of a file with [strength]: the torque that is missing, materials that say too little.
+void check_common(const StrengthInput& input, const GearMaterials& materials,
+                  const std::vector<std::string>& gears, const std::string& torque_key,
+                  FileReading& reading) {
+  if (!reading.stated(torque_key)) {
+    reading.error_at(torque_key,
+                     fmt::format("{} is missing, required by [strength]: allowed: a number in N m, "
+                                 "above 0",
+                                 torque_key));
+  }
+  std::vector<std::string> without;
+  bool shared_is_checked = false;
+  for (std::size_t g = 0; g < gears.size(); ++g) {
+    const std::string own = gears[g] + ".material";
+    const bool has_own = reading.stated(own);
+    if (!has_own && !reading.stated("material")) without.push_back(own);
+    if (!materials[g] || (!has_own && std::exchange(shared_is_checked, true))) continue;
+    check_rated_material(has_own ? own : "material", *materials[g], reading);
+  }
+  if (without.size() == gears.size()) {
+    reading.error_at("strength",
+                     "material is missing, required by [strength]: allowed: [material] "
+                     "of all gears, or one of each gear");
+  } else if (!without.empty()) {
+    reading.error_at("strength", fmt::format("{} is missing, required by [strength]: allowed: with "
+                                             "it, or with [material] of all gears",
+                                             fmt::join(without, ", ")));
+  }
+  if (reading.stated("strength.life_hours") && reading.stated("strength.cycles")) {
+    reading.error_at("strength.cycles",
+                     "strength.cycles and strength.life_hours: allowed: one of them");
+  }
+  if (input.task.housing_resistance > 0.0 && !reading.stated("strength.housing_surface_mm2")) {
+    reading.error_at("strength.housing_resistance_k_m2_w",
+                     "strength.housing_resistance_k_m2_w without strength.housing_surface_mm2: "
+                     "allowed: both or neither");
+  }
+}
+
+/// What the curves of plastics need, and where they end.
+void check_curves(const StrengthInput& input, const GearMaterials& materials,
+                  const std::vector<std::string>& gears, FileReading& reading) {
+  const auto curved = std::ranges::find_if(materials, [](const auto& material) {
+    return material && has_life_curves(material->record);
+  });
+  if (curved == materials.end()) return;
+  const std::string_view name = (*curved)->record.name;
+  if (!reading.stated("strength.life_hours") && !reading.stated("strength.cycles")) {
+    reading.error_at(
+        "strength.cycles",
+        fmt::format("strength.cycles is missing, which the limits of \"{}\" ({}) depend on: "
+                    "allowed: cycles or life_hours",
+                    name, gears[static_cast<std::size_t>(curved - materials.begin())]));
+  }
+  const auto check = [&](const char* key, const std::optional<double>& temperature_K) {
+    if (!temperature_K || !(*temperature_K > strength::kHighestPlasticTemperature_K)) return;
+    reading.error_at(
+        key,
+        fmt::format("{} = {:g}: allowed: at most {:g}, where the curves of \"{}\" end", key,
+                    units::from_si(*temperature_K, Unit::kCelsius),
+                    units::from_si(strength::kHighestPlasticTemperature_K, Unit::kCelsius), name));
+  };
+  check("strength.tooth_temperature_c", input.task.tooth_temperature_K);
+  if (!input.task.tooth_temperature_K) check("strength.ambient_c", input.task.ambient_K);
+}
+
+void check_planets(const StrengthInput& input, const std::vector<int>& planets,
+                   FileReading& reading) {
+  const MeshLoadSource source = input.task.factors.mesh_load_source;
+  if (source == MeshLoadSource::kNumber) return;
+  const auto few = std::ranges::min_element(planets);
+  if (few == planets.end() || *few >= kFewestOfTables) return;
+  reading.error_at(
+      "strength.k_gamma",
+      fmt::format("strength.k_gamma = \"{}\" with {} planet{}: allowed: a number (the table begins "
+                  "with {} planets)",
+                  strength::kMeshLoadSourceNames[static_cast<std::size_t>(source)], *few,
+                  *few == 1 ? "" : "s", kFewestOfTables));
+}
+
+/// The bearings of a planet; empty where they are not stated.
+std::optional<strength::PlanetSupports> finish_supports(const StrengthInput& input,
+                                                        const train::AxialLayout& axial,
+                                                        FileReading& reading) {
+  constexpr const char* kPositions = "bearings.planet_positions_mm";
+  constexpr const char* kStiffness = "bearings.planet_stiffness_n_per_um";
+  if (!reading.stated(kPositions)) {
+    if (reading.stated(kStiffness)) {
+      reading.error_at(kStiffness,
+                       fmt::format("{} without {}: allowed: with it", kStiffness, kPositions));
+    }
+    return std::nullopt;
+  }
+  std::vector<std::string> missing;
+  for (const auto step : {train::kP1, train::kP2}) {
+    std::string key = fmt::format("axial.{}_mm", train::kGearNames[static_cast<std::size_t>(step)]);
+    if (!reading.stated(key)) missing.push_back(std::move(key));
+  }
+  if (!missing.empty()) {
+    reading.error_at(kPositions, fmt::format("{} without {}: allowed: with it, whose middle is the "
+                                             "plane of its forces",
+                                             kPositions, fmt::join(missing, " and ")));
+  }
+  if (!input.planet_position_m) return std::nullopt;
+  const auto& [a, b] = *input.planet_position_m;
+  if (a == b) {
+    const double position_mm = units::from_si(a, Unit::kMillimetre);
+    reading.error_at(
+        kPositions, fmt::format("{} = [{:g}, {:g}]: both bearings are in one plane, which holds no "
+                                "tilting couple: allowed: from below to",
+                                kPositions, position_mm, position_mm));
+  }
+  return strength::PlanetSupports{.position_m = *input.planet_position_m,
+                                  .plane_m = design::toothing_planes_m(axial),
+                                  .stiffness_N_m = input.planet_stiffness_N_m};
+}
+
+RatingTask task_of(const StrengthInput& input, const GearMaterials& materials) {
+  RatingTask task = input.task;
+  task.material = materials;
+  task.torque_Nm = input.torque_Nm.value_or(0.0);
+  return task;
+}
+
+/// Life in hours wants a speed above 0.
+void check_life(const char* speed_key, double speed_rad_s, FileReading& reading) {
+  if (!reading.stated("strength.life_hours")) return;
+  if (!reading.stated(speed_key)) {
+    reading.error_at("strength.life_hours",
+                     fmt::format("strength.life_hours without {}: allowed: with it, or "
+                                 "strength.cycles instead",
+                                 speed_key));
+  } else if (reading.has(speed_key) && !(speed_rad_s > 0.0)) {
+    reading.error_at(speed_key,
+                     fmt::format("{} = 0: allowed: above 0 with strength.life_hours", speed_key));
+  }
+}
+
+void check_face_width(const std::string& key, FileReading& reading) {
+  if (reading.stated(key)) return;
+  reading.error_at(key, fmt::format("{} is missing, required by [strength]", key));
+}
+
+}  // namespace
+
+std::vector<std::string> train_gear_tables() {
+  std::vector<std::string> gears;
+  gears.reserve(train::kGearNames.size());
+  for (const std::string_view name : train::kGearNames)
+    gears.push_back(fmt::format("gears.{}", name));
+  return gears;
+}
+
+std::vector<std::string> pair_gear_tables() { return {"gear1", "gear2"}; }
+
+std::vector<Key<StrengthInput>> train_strength_keys() {
+  auto keys = common_strength_keys(
+      {.torque = "output_torque_nm",
+       .torque_help = "torque at R2 that the gearbox is to carry, in either direction",
+       .speed = "operating_point.sun_speed_rpm"},
+      train_mesh_load_key());
+  keys.push_back(make_key<StrengthInput>(
+      number_range("bearings.planet_positions_mm", Unit::kMillimetre, within(-1e4, 1e4),
+                   kWhenStated,
+                   "where the two bearings of a planet stand along the axis, as axial.P1_mm and "
+                   "axial.P2_mm; with [strength]: their loads"),
+      &StrengthInput::planet_position_m));
+  keys.push_back(make_key<StrengthInput>(
+      number("bearings.planet_stiffness_n_per_um", Unit::kNewtonPerMicrometre, above(0.0, 1e6),
+             "rigid", "radial stiffness of one of these bearings"),
+      &StrengthInput::planet_stiffness_N_m));
+  add_material_keys(keys, "gears.{gear}");
+  return keys;
+}
+
+std::vector<Key<StrengthInput>> pair_strength_keys() {
+  auto keys = common_strength_keys(
+      {.torque = "torque_nm",
+       .torque_help = "torque on gear1 that the pair is to carry",
+       .speed = "strength.speed_rpm"},
+      strength_number("k_gamma", Unit::kNone, within(1.0, kGreatestFactor), "with [strength]: 1",
+                      "mesh load factor", of_factors(&StatedFactors::mesh_load)));
+  keys.push_back(strength_number("speed_rpm", Unit::kRpm, within(0.0, 1e6), "none",
+                                 "speed of gear1; without it K_v = 1",
+                                 &StrengthInput::speed_rad_s));
+  keys.push_back(
+      make_key<StrengthInput>(number("face_width_mm", Unit::kMillimetre, above(0.0, 1000.0),
+                                     "required by [strength]", "face width that both gears share"),
+                              &StrengthInput::face_width_m));
+  add_material_keys(keys, "{gear}");
+  return keys;
+}
+
+design::GearMaterials finish_materials(const StrengthInput& input,
+                                       const std::vector<std::string>& gears,
+                                       FileReading& reading) {
+  std::optional<GearMaterial> shared;
+  if (reading.stated("material")) shared = finish_material("material", input.material, reading);
+  GearMaterials materials{};
+  for (std::size_t g = 0; g < gears.size(); ++g) {
+    const std::string own = gears[g] + ".material";
+    materials[g] =
+        reading.stated(own) ? finish_material(own, input.gear_material[g], reading) : shared;
+  }
+  return materials;
+}
+
+std::optional<RatingTask> finish_train_strength(const StrengthInput& input,
+                                                const GearMaterials& materials,
+                                                const RatedTrainFile& file, FileReading& reading) {
+  if (!reading.stated("strength")) {
+    for (const char* key : {"bearings.planet_positions_mm", "bearings.planet_stiffness_n_per_um"}) {
+      if (!reading.stated(key)) continue;
+      reading.error_at(key, fmt::format("{}: allowed with [strength] only", key));
+    }
+    return std::nullopt;
+  }
+  const std::vector<std::string> gears = train_gear_tables();
+  check_common(input, materials, gears, "strength.output_torque_nm", reading);
+  check_curves(input, materials, gears, reading);
+  check_planets(input, file.planets, reading);
+  check_life("operating_point.sun_speed_rpm", file.sun_speed_rad_s.value_or(0.0), reading);
+  RatingTask task = task_of(input, materials);
+  for (const std::size_t stage : {0U, 1U}) {
+    check_face_width(fmt::format("stage{}.face_width_mm", stage + 1), reading);
+    task.face_width_m[stage] = file.face_width_m[stage].value_or(0.0);
+  }
+  task.speed_rad_s = file.sun_speed_rad_s.value_or(0.0);
+  task.supports = finish_supports(input, file.axial, reading);
+  return task;
+}
+
+std::optional<RatingTask> finish_pair_strength(const StrengthInput& input,
+                                               const GearMaterials& materials,
+                                               FileReading& reading) {
+  if (!reading.stated("strength")) return std::nullopt;
+  const std::vector<std::string> gears = pair_gear_tables();
+  check_common(input, materials, gears, "strength.torque_nm", reading);
+  check_curves(input, materials, gears, reading);
+  check_life("strength.speed_rpm", input.speed_rad_s.value_or(0.0), reading);
+  check_face_width("face_width_mm", reading);
+  RatingTask task = task_of(input, materials);
+  task.face_width_m[0] = input.face_width_m.value_or(0.0);
+  task.speed_rad_s = input.speed_rad_s.value_or(0.0);
+  return task;
+}
+
+StrengthInput stated_strength(const std::optional<RatingTask>& task) {
+  StrengthInput input;
+  if (!task) return input;
+  input.task = *task;
+  input.torque_Nm = task->torque_Nm;
+  if (task->supports) {
+    input.planet_position_m = task->supports->position_m;
+    input.planet_stiffness_N_m = task->supports->stiffness_N_m;
+  }
+  for (std::size_t g = 0; g < train::kGearCount; ++g) {
+    if (task->material[g]) input.gear_material[g] = stated_material(*task->material[g]);
+  }
+  const auto& materials = input.gear_material;
+  if (std::ranges::all_of(materials, [&](const auto& m) { return m == materials[0]; })) {
+    input.material = materials[0];
+    input.gear_material.fill({});
+  }
+  return input;
+}
+
+}  // namespace gear3k::io

@@ -1,0 +1,68 @@
+#pragma once
+// Keys of the load that a gearbox or a pair is to carry: [strength], [material], and where a
+// planet's bearings stand in [bearings].
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "design/rating_inputs.hpp"
+#include "io/keys/key_registry.hpp"
+#include "io/keys/material_keys.hpp"
+#include "strength/rating_task.hpp"
+#include "train/axial_layout.hpp"
+
+namespace gear3k::io {
+
+/// What the keys set.
+struct StrengthInput {
+  MaterialInput material;                                        ///< of all gears
+  std::array<MaterialInput, train::kGearCount> gear_material{};  ///< in its place; of a pair 1, 2
+  std::optional<double> torque_Nm;
+  /// But materials, torque, and what other keys state.
+  strength::RatingTask task;
+  std::optional<std::array<double, 2>> planet_position_m;
+  std::optional<double> planet_stiffness_N_m;
+  // Of a pair.
+  std::optional<double> speed_rad_s, face_width_m;
+};
+
+/// Of DESIGN and SPEC.
+std::vector<Key<StrengthInput>> train_strength_keys();
+/// Of PAIR.
+std::vector<Key<StrengthInput>> pair_strength_keys();
+
+/// Paths of the gears' tables: "gears.S", ...
+std::vector<std::string> train_gear_tables();
+/// Of a PAIR: "gear1", "gear2".
+std::vector<std::string> pair_gear_tables();
+
+/// What else of a train its rating reads.
+struct RatedTrainFile {
+  std::vector<int> planets;
+  std::array<std::optional<double>, 2> face_width_m;
+  std::optional<double> sun_speed_rad_s;
+  train::AxialLayout axial;
+};
+
+/// Materials by gear, where the file states them.
+/// @param gears  paths of the gears' tables
+design::GearMaterials finish_materials(const StrengthInput& input,
+                                       const std::vector<std::string>& gears, FileReading& reading);
+
+/// The task of a file with [strength], which design::rating_of() completes; says in `reading` what
+/// it lacks and what does not fit together.  @returns empty without [strength]
+std::optional<strength::RatingTask> finish_train_strength(const StrengthInput& input,
+                                                          const design::GearMaterials& materials,
+                                                          const RatedTrainFile& file,
+                                                          FileReading& reading);
+/// The whole task of a PAIR.
+std::optional<strength::RatingTask> finish_pair_strength(const StrengthInput& input,
+                                                         const design::GearMaterials& materials,
+                                                         FileReading& reading);
+
+/// What a file states of a train's task.
+StrengthInput stated_strength(const std::optional<strength::RatingTask>& task);
+
+}  // namespace gear3k::io

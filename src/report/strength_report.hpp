@@ -1,0 +1,33 @@
+#pragma once
+// Stresses, safeties, stiffness and capacity, as `analyze` and `mesh` print them.
+
+#include <optional>
+#include <string>
+
+#include "design/evaluation.hpp"
+#include "report/fields.hpp"
+
+namespace gear3k::report {
+
+/// `strength` of a train, and its rows: meshes, teeth, stiffness, planet, capacity, factors.
+/// @throws std::bad_optional_access without a rating
+Fields strength_fields(const design::Evaluation& e);
+/// `strength` of a pair: mesh, teeth, factors.  @throws std::bad_optional_access without a rating
+Fields strength_fields(const design::PairEvaluation& e);
+
+/// Stresses and safeties by tooth, capacity, stiffness, bearing loads, factors and what was not
+/// stated; nothing without a rating.
+std::string strength_table(const design::Evaluation& e);
+std::string strength_table(const design::PairEvaluation& e);
+
+/// The smaller capacity of both drive directions and the direction.
+struct LeastCapacity {
+  strength::Capacity<double> capacity;
+  strength::Drive drive;
+};
+/// @returns empty where one of both is not judged
+std::optional<LeastCapacity> least_capacity(const design::StrengthResult& strength);
+/// Capacity over mass [N m/kg]; empty without either.
+std::optional<double> torque_density(const design::Evaluation& e);
+
+}  // namespace gear3k::report

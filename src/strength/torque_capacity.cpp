@@ -1,0 +1,125 @@
+#include "strength/torque_capacity.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace gear3k::strength {
+
+namespace {
+
+constexpr int kGreatestDoublings = 200;
+constexpr int kConfirmations = 3;
+constexpr int kCapacitySteps = 400;
+/// In ln torque, downwards: where factors rise steeply, ratios may even underflow.
+constexpr double kGreatestStep = 3.0;
+
+/// The least exponent · ln ratio, by how much the torque may rise, and whose it is.
+struct TorqueReserve {
+  double logarithm = 0.0;
+  std::size_t item = 0;
+};
+TorqueReserve reserve_at(const SafetyFunction<double>& safeties, double torque_Nm) {
+  const std::vector<SafetyRatio<double>> items = safeties(torque_Nm);
+  if (items.empty()) throw std::invalid_argument("torque capacity: no safeties");
+  TorqueReserve least{.logarithm = std::numeric_limits<double>::infinity()};
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (items[i].exponent < 1) {
+      throw std::invalid_argument(fmt::format(
+          "torque capacity: exponent of item {} = {}, allowed: 1 and more", i, items[i].exponent));
+    }
+    const double reserve = items[i].exponent * std::log(items[i].ratio);
+    if (std::isnan(reserve)) return {.logarithm = reserve, .item = i};
+    if (reserve < least.logarithm) least = {.logarithm = reserve, .item = i};
+  }
+  return least;
+}
+
+}  // namespace
+
+std::optional<TorqueCapacity<double>> torque_capacity(const SafetyFunction<double>& safeties,
+                                                      const CapacityOptions& options) {
+  if (!(options.start_Nm > 0.0 && std::isfinite(options.start_Nm))) {
+    throw std::invalid_argument(
+        fmt::format("torque capacity: start = {} N m, allowed: above 0", options.start_Nm));
+  }
+  // Logarithms of torque from here on.
+  const double start = std::log(options.start_Nm);
+  const double limit = kGreatestDoublings * std::log(2.0);
+  const auto reserve = [&](double log_torque) {
+    return reserve_at(safeties, std::exp(log_torque));
+  };
+  double above = start;
+  double high = start;
+  for (int confirmed = 0; confirmed <= kConfirmations; high += std::log(2.0)) {
+    if (high > start + limit) return std::nullopt;
+    const TorqueReserve r = reserve(high);
+    if (std::isnan(r.logarithm)) return std::nullopt;
+    if (r.logarithm >= 0.0) {
+      confirmed = 0;
+    } else if (confirmed++ == 0) {
+      above = high;
+    }
+  }
+  // The reserve is below 0 at `above`.
+  TorqueReserve at_above = reserve(above);
+  double below = 0.0;
+  TorqueReserve at_below;
+  for (;;) {
+    if (at_above.logarithm >= -options.tolerance) {
+      return TorqueCapacity<double>{.torque_Nm = std::exp(above), .governing = at_above.item};
+    }
+    below = above + std::max(at_above.logarithm, -kGreatestStep);
+    if (!(below > start - limit)) return std::nullopt;
+    at_below = reserve(below);
+    if (std::isnan(at_below.logarithm)) return std::nullopt;
+    if (at_below.logarithm >= -options.tolerance) break;
+    above = below;
+    at_above = at_below;
+  }
+  // Between them: false position (Illinois), and halving where that stalls.
+  double weight_above = at_above.logarithm;
+  double weight_below = at_below.logarithm;
+  int last_side = 0;
+  for (int step = 0; step < kCapacitySteps; ++step) {
+    if (std::abs(at_below.logarithm) <= options.tolerance) break;
+    double middle = above - weight_above * (above - below) / (weight_above - weight_below);
+    if (!(middle > below && middle < above) || step % 8 == 7) middle = 0.5 * (below + above);
+    if (!(middle > below && middle < above)) break;
+    const TorqueReserve r = reserve(middle);
+    if (std::isnan(r.logarithm)) return std::nullopt;
+    const int side = r.logarithm >= 0.0 ? -1 : 1;
+    if (side < 0) {
+      below = middle;
+      at_below = r;
+      weight_below = r.logarithm;
+      if (side == last_side) weight_above *= 0.5;
+    } else {
+      above = middle;
+      weight_above = r.logarithm;
+      if (side == last_side) weight_below *= 0.5;
+    }
+    last_side = side;
+    if (std::abs(r.logarithm) <= options.tolerance) {
+      below = middle;
+      at_below = r;
+    }
+  }
+  return TorqueCapacity<double>{.torque_Nm = std::exp(below), .governing = at_below.item};
+}
+
+TorqueCapacity<Jet1> capacity_with_derivatives(const SafetyFunction<Jet1>& safeties,
+                                               const TorqueCapacity<double>& capacity) {
+  const Jet1 torque(capacity.torque_Nm);
+  const Jet1 turning(capacity.torque_Nm, 0);
+  const Jet1 ratio = safeties(torque).at(capacity.governing).ratio;
+  const double slope = safeties(turning).at(capacity.governing).ratio.v[0] - ratio.v[0];
+  TorqueCapacity<Jet1> result{.torque_Nm = torque, .governing = capacity.governing};
+  result.torque_Nm.v = ratio.v * (-1.0 / slope);
+  return result;
+}
+
+}  // namespace gear3k::strength

@@ -1,0 +1,90 @@
+#pragma once
+// A whole 3K train under load: three meshes, six teeth, planets, stiffness, capacity.
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "strength/load_cycles.hpp"
+#include "strength/mesh_forces.hpp"
+#include "strength/mesh_rating.hpp"
+#include "strength/planet_loads.hpp"
+#include "strength/torque_capacity.hpp"
+#include "strength/train_stiffness.hpp"
+#include "train/train_geometry.hpp"
+
+namespace gear3k::strength {
+
+/// Where the drive comes from.
+enum class Drive {
+  kForward,
+  kBackward,
+  kEither  ///< of every mesh the direction that loads it more
+};
+inline constexpr std::array<std::string_view, 3> kDriveNames{"forward", "backward", "either"};
+
+/// Efficiencies of the meshes by driver, in a drive direction.
+template <class T>
+using MeshDriverEfficiencies = std::array<train::DriverEfficiencies<T>, train::kMeshCount>;
+
+/// Places along a planet's axis; its mass acts between the toothings.
+template <class T>
+PlanetAxis<T> planet_axis(const PlanetSupports& supports);
+
+/// The train that is rated; refers to its parts.
+template <class T>
+struct RatedTrain {
+  const train::TrainGeometry<T>& geometry;
+  std::span<const geometry::ToothForm<T>> forms;
+  std::array<T, 2> face_width_m{};
+  std::array<MeshDriverEfficiencies<T>, 2> efficiency{};  ///< by Drive
+  T friction = constant<T>(0.0);                          ///< μ, for H_V
+  /// Meshes that are rated; of the others a rating has the forces alone.
+  std::array<bool, train::kMeshCount> rated{true, true, true};
+  /// Whether the roots of metal gears are rated, by mesh and member; else `forms` is not read.
+  std::array<std::array<bool, 2>, train::kMeshCount> roots{
+      {{true, true}, {true, true}, {true, true}}};
+};
+
+template <class T>
+struct TrainRating {
+  Drive drive = Drive::kForward;
+  bool locked = false;  ///< no flow in balance: forces without losses, of a held load
+  T torque_Nm{};        ///< at R2
+  std::array<MeshRating<T>, train::kMeshCount> mesh;
+  MeshForces<T> forces;
+  std::optional<PlanetLoads<T>> planet;  ///< with RatingTask::supports
+  std::optional<T> pin_stress_Pa;
+  /// StiffnessPart::kPath, where every mesh has a path of contact.
+  std::optional<TrainStiffness<T>> stiffness;
+};
+
+/// K_γ as the task has it for N planets; 1 where it states none.
+Factor<double> mesh_load_of(const RatingTask& task, int planets);
+
+/// Rates the train at an output torque.
+/// @throws std::invalid_argument unless torque_Nm > 0, and as rate_mesh()
+template <class T>
+TrainRating<T> rate_train(const RatedTrain<T>& train, const RatingTask& task, Drive drive,
+                          const T& torque_Nm, StiffnessPart part);
+
+enum class Mode { kRoot, kFlank };
+/// What limits the torque.
+struct GoverningTooth {
+  std::size_t mesh = 0, member = 0;  ///< member 0, 1: gear 1, 2 of the mesh
+  Mode mode = Mode::kRoot;
+};
+template <class T>
+struct Capacity {
+  T torque_Nm{};
+  GoverningTooth governing;
+};
+/// Greatest torque at which every safety is reached, in a drive direction; empty where none is
+/// judged.
+/// @param drive  not kEither: the smaller of the other two
+template <class T>
+std::optional<Capacity<T>> train_capacity(const RatedTrain<T>& train, const RatingTask& task,
+                                          Drive drive);
+
+}  // namespace gear3k::strength

@@ -1,0 +1,220 @@
+#include "calibrate/laws/law_search.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "calibrate/laws/law_result.hpp"
+#include "calibrate/verdict/diagnosis.hpp"
+#include "tests/rig/deterministic_random.hpp"
+
+namespace gear3k::calibrate::law_search_test {
+namespace {
+
+constexpr double kArcmin = std::numbers::pi / 180.0 / 60.0;
+constexpr double kRpm = std::numbers::pi / 30.0;
+
+const BlackBox& box() {
+  static const BlackBox b{.name = "box",
+                          .ratio = 50.0,
+                          .efficiency_forward = 0.8,
+                          .efficiency_backward = 0.75,
+                          .backlash_rad = 6.0 * kArcmin};
+  return b;
+}
+
+/// Loads by speeds by directions, three times; the hidden law is a loss in Nm of rpm and Nm.
+struct Rig {
+  MeasurementSet data;
+  std::vector<double> clean;
+};
+Rig transmission_rig(const std::function<double(double rpm, double nm)>& loss, double sd,
+                     int seed) {
+  Rig result;
+  rig::DeterministicRandom random(static_cast<std::uint64_t>(seed));
+  result.data.kind = Kind::kTransmission;
+  for (int repeat = 0; repeat < 3; ++repeat) {
+    for (const double nm : {6.0, 12.0, 20.0, 31.0, 40.0}) {
+      for (const double rpm : {150.0, 400.0, 900.0, 1500.0, 2200.0, 3000.0}) {
+        for (const bool forward : {true, false}) {
+          Observation row;
+          row.condition.direction =
+              forward ? design::Direction::kForward : design::Direction::kBackward;
+          row.condition.sun_speed_rad_s = rpm * kRpm;
+          row.condition.output_torque_Nm = nm;
+          // What the black box costs, by hand.
+          const double clean =
+              forward ? nm / 50.0 / 0.8 + loss(rpm, nm) : nm / 50.0 * 0.75 - loss(rpm, nm);
+          result.clean.push_back(clean);
+          row.response = clean + sd * random.normal();
+          result.data.rows.push_back(row);
+        }
+      }
+    }
+  }
+  return result;
+}
+
+Rig lost_motion_rig(const std::function<double(double nm, double c)>& added_arcmin,
+                    double sd_arcmin, int seed) {
+  Rig result;
+  rig::DeterministicRandom random(static_cast<std::uint64_t>(seed));
+  result.data.kind = Kind::kLostMotion;
+  for (int k = 0; k < 96; ++k) {
+    Observation row;
+    row.condition.test_torque_Nm = 0.5 + 2.5 * (k % 8);
+    row.condition.temperature_K = 273.15 + 20.0 + 5.0 * (k % 7);
+    const double clean =
+        6.0 + added_arcmin(row.condition.test_torque_Nm, row.condition.temperature_K - 273.15);
+    result.clean.push_back(clean * kArcmin);
+    row.response = (clean + sd_arcmin * random.normal()) * kArcmin;
+    result.data.rows.push_back(row);
+  }
+  return result;
+}
+
+/// A law found in what the black box leaves, and its parameters.
+struct Found {
+  FoundLaw law;
+  LawResult result;
+};
+std::optional<Found> law_in(const Rig& rig) {
+  const Simulation simulation(box(), rig.data.kind);
+  const Problem problem{
+      .simulation = simulation, .data = rig.data, .noise = make_noise_model(rig.data)};
+  const Blocks blocks = holdout_blocks(rig.data, covariate_levels(rig.data));
+  auto law = find_law(problem, {}, blocks);
+  if (!law) return std::nullopt;
+  const FinalFit final = final_fit(problem, law->hypothesis, law->scale);
+  LawResult result = law_result(problem, *law, final, 1.0, 0.5);
+  return Found{std::move(*law), std::move(result)};
+}
+
+/// Root mean square of held-out predictions less the clean response.
+double held_out_error(const Found& found, const Rig& rig) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < rig.clean.size(); ++i) {
+    const double e = found.law.predicted[static_cast<Eigen::Index>(i)] - rig.clean[i];
+    sum += e * e;
+  }
+  return std::sqrt(sum / static_cast<double>(rig.clean.size()));
+}
+
+void expect_inside(const LawResult& law, std::string_view name, double truth) {
+  const auto p = std::ranges::find(law.parameters, name, &ParameterResult::name);
+  ASSERT_NE(p, law.parameters.end()) << law.formula << " has no " << name;
+  EXPECT_LE(p->low, truth) << law.formula << ": " << name;
+  EXPECT_GE(p->high, truth) << law.formula << ": " << name;
+  EXPECT_LT(p->high - p->low, 0.5 * std::abs(truth) + 0.1) << law.formula << ": " << name;
+}
+
+TEST(LawSearch, APowerOfTheSpeedComesBackAsALossInsideItsIntervals) {
+  constexpr double kNoise = 0.0004;
+  const Rig rig = transmission_rig(
+      [](double rpm, double) { return 0.012 * std::pow(rpm / 3000.0, 1.4); }, kNoise, 5);
+  const auto found = law_in(rig);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->law.law.action, LawAction::kLoss);
+  EXPECT_EQ(found->law.law.rows, LawRows::kAll);
+  ASSERT_EQ(found->law.law.factors.size(), 1U);
+  EXPECT_EQ(found->law.law.factors[0].shape, LawShape::kPower) << found->result.formula;
+  EXPECT_EQ(found->result.unit, "Nm");
+  expect_inside(found->result, "amplitude", 0.012);
+  expect_inside(found->result, "exponent", 1.4);
+  EXPECT_LT(held_out_error(*found, rig), 0.458 * kNoise);
+}
+
+TEST(LawSearch, AProductOfTwoPowersComesBackInsideItsIntervals) {
+  constexpr double kNoise = 0.0001;
+  const Rig rig = transmission_rig(
+      [](double rpm, double nm) {
+        return 0.02 * std::pow(rpm / 3000.0, 0.8) * std::pow(nm / 40.0, 1.5);
+      },
+      kNoise, 6);
+  const auto found = law_in(rig);
+  ASSERT_TRUE(found);
+  ASSERT_EQ(found->law.law.factors.size(), 2U) << found->result.formula;
+  EXPECT_EQ(found->result.name, "law: power of output_torque times power of sun_speed");
+  expect_inside(found->result, "amplitude", 0.02);
+  expect_inside(found->result, "exponent", 1.5);
+  expect_inside(found->result, "exponent_2", 0.8);
+  EXPECT_LT(held_out_error(*found, rig), 0.458 * kNoise);
+}
+
+TEST(LawSearch, ASaturationOfLostMotionComesBackInsideItsIntervals) {
+  constexpr double kNoise = 0.02;
+  const Rig rig =
+      lost_motion_rig([](double nm, double) { return 2.5 * nm / (nm + 4.0); }, kNoise, 7);
+  const auto found = law_in(rig);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->law.law.factors[0].shape, LawShape::kSaturation) << found->result.formula;
+  EXPECT_EQ(found->result.unit, "arcmin");
+  expect_inside(found->result, "half_value", 4.0);
+  // The amplitude is told at the greatest torque, 18 Nm.
+  expect_inside(found->result, "amplitude", 2.5 * 18.0 / 22.0);
+  ASSERT_EQ(found->result.range.size(), 1U);
+  EXPECT_EQ(found->result.range[0].low, 0.5);
+  EXPECT_EQ(found->result.range[0].high, 18.0);
+}
+
+TEST(LawSearch, NothingIsFoundInNoise) {
+  for (int seed = 1; seed <= 12; ++seed) {
+    EXPECT_FALSE(law_in(transmission_rig([](double, double) { return 0.0; }, 0.002, seed))) << seed;
+    EXPECT_FALSE(law_in(lost_motion_rig([](double, double) { return 0.0; }, 0.1, seed))) << seed;
+  }
+}
+
+TEST(LawSearch, WhatOnlyOneBlockShowsIsNoLaw) {
+  // A loss at the highest load alone: no other load says anything of it.
+  EXPECT_FALSE(
+      law_in(transmission_rig([](double, double nm) { return nm > 35.0 ? 0.01 : 0.0; }, 0.002, 8)));
+}
+
+Rig chatter() {
+  return transmission_rig(
+      [](double rpm, double) {
+        const double x = (rpm - 900.0) / 300.0;
+        return 0.02 / (1.0 + x * x);
+      },
+      0.002, 9);
+}
+
+TEST(Laws, ADiagnosisWithoutACauseGetsOneAndItsModelAppliesIt) {
+  const Rig rig = chatter();
+  const Simulation simulation(box(), Kind::kTransmission);
+  const auto d = diagnose(simulation, rig.data, {});
+  ASSERT_TRUE(d);
+  ASSERT_EQ(d->verdict, Verdict::kUnexplained);
+  ASSERT_EQ(d->laws.size(), 1U);
+  ASSERT_EQ(d->model.laws.size(), 1U);
+  EXPECT_TRUE(d->laws[0].name.starts_with("law: "));
+  EXPECT_GT(d->laws[0].held_out_gain, 0.3);
+  EXPECT_EQ(d->laws[0].held_out_error, d->errors.extended_holdout);
+  EXPECT_LT(d->errors.extended_train, 0.003);
+  // The model says in every row what the diagnosis says.
+  const Simulation extended(box(), Kind::kTransmission, {d->model});
+  const Problem problem{
+      .simulation = extended, .data = rig.data, .noise = make_noise_model(rig.data)};
+  const Linearisation at = linearise(problem, {}, {});
+  for (std::size_t i = 0; i < rig.data.rows.size(); ++i) {
+    EXPECT_NEAR(at.simulated[static_cast<Eigen::Index>(i)], d->rows[i].extended, 1e-12);
+  }
+  // Nothing is left beyond it.
+  const auto again = diagnose(extended, rig.data, {});
+  ASSERT_TRUE(again);
+  EXPECT_TRUE(again->laws.empty());
+}
+
+TEST(Laws, WhatIsExplainedOrAgreesHasNone) {
+  const Simulation simulation(box(), Kind::kTransmission);
+  const auto explained = diagnose(
+      simulation, transmission_rig([](double, double) { return 0.02; }, 0.002, 3).data, {});
+  ASSERT_TRUE(explained);
+  EXPECT_NE(explained->verdict, Verdict::kUnexplained);
+  EXPECT_TRUE(explained->laws.empty());
+  EXPECT_TRUE(explained->model.laws.empty());
+}
+
+}  // namespace
+}  // namespace gear3k::calibrate::law_search_test

@@ -1,0 +1,60 @@
+#include "calibrate/verdict/correction.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "calibrate/search/search.hpp"
+#include "tests/calibrate/bench.hpp"
+#include "tests/calibrate/measured_grid.hpp"
+
+namespace gear3k::calibrate::correction_test {
+namespace {
+
+class CorrectionOf : public Bench {
+ protected:
+  CorrectionOf() { data_ = measured_grid({.rotations = {1}}); }
+
+  [[nodiscard]] std::optional<FoundCorrection> find(double scale) const {
+    const Problem p = problem();
+    return find_correction(p, candidates_for(simulation_, data_),
+                           holdout_blocks(data_, covariate_levels(data_)), scale);
+  }
+  /// Root mean square of predicted − response without noise.
+  [[nodiscard]] double error(const Eigen::VectorXd& predicted) const {
+    return std::sqrt((predicted - clean_).squaredNorm() / static_cast<double>(clean_.size()));
+  }
+};
+
+TEST_F(CorrectionOf, ACauseOfTheLibraryPredictsItsOwnData) {
+  const double noise = 1e-3;
+  measure(hypothesis({candidate("friction_level", {.name = "coefficient"})}, {0.3}), noise, 3);
+  const auto found = find(noise);
+  ASSERT_TRUE(found.has_value());
+  ASSERT_EQ(found->fit.hypothesis.effects.size(), 1U);
+  EXPECT_LT(error(found->predicted), noise);
+}
+
+TEST_F(CorrectionOf, StructureThatIsNoCauseIsPredictedBetterThanByTheSimulation) {
+  const double noise = 1e-3;
+  measure({}, noise, 4);
+  const Eigen::VectorXd as_given = clean_;
+  for (std::size_t i = 0; i < data_.rows.size(); ++i) {
+    const Condition& c = data_.rows[i].condition;
+    const double more =
+        0.02 * c.output_torque_Nm / 50.0 * (1.0 + std::sin(0.1 * c.sun_speed_rad_s));
+    data_.rows[i].response += more;
+    clean_[static_cast<Eigen::Index>(i)] += more;
+  }
+  const auto found = find(5.0 * noise);
+  ASSERT_TRUE(found.has_value());
+  EXPECT_LT(error(found->predicted), 0.8 * error(as_given));
+}
+
+TEST_F(CorrectionOf, RowsThatAgreeHaveNone) {
+  measure({}, 0.0, 0);
+  EXPECT_FALSE(find(1e-3).has_value());
+}
+
+}  // namespace
+}  // namespace gear3k::calibrate::correction_test

@@ -1,0 +1,291 @@
+#include "strength/train_rating.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "tests/random_train.hpp"
+#include "tests/strength/steel.hpp"
+
+namespace gear3k::strength::train_rating_test {
+namespace {
+
+/// A train whose meshes run continuously.
+train::TrainGeometry<double> running_train(RandomTrain& random, bool below_one) {
+  for (;;) {
+    auto g = random.train(below_one);
+    if (std::ranges::all_of(g.meshes, [](const auto& mesh) { return mesh.contact_ratio >= 1.0; })) {
+      return g;
+    }
+  }
+}
+
+GearMaterial pom() {
+  GearMaterial material;
+  material.record = *find_material("POM");
+  return material;
+}
+
+RatingTask task_of(const GearMaterial& material) {
+  RatingTask task;
+  task.material.fill(material);
+  task.torque_Nm = 20.0;
+  task.face_width_m = {8e-3, 6e-3};
+  task.root_safety_min = 1.5;
+  task.flank_safety_min = 1.2;
+  return task;
+}
+
+/// A train with its roots, as a rating takes it; every mesh loses alike.
+template <class T>
+struct Rated {
+  train::TrainGeometry<T> geometry;
+  std::array<geometry::ToothForm<T>, train::kGearCount> forms{};
+  std::array<T, 2> face_width_m{};
+  MeshDriverEfficiencies<T> efficiency{};
+
+  explicit Rated(const train::TrainGeometry<T>& g, double eta = 0.99) : geometry(g) {
+    std::ranges::transform(g.gears, forms.begin(), geometry::make_tooth_form<T>);
+    face_width_m = {constant<T>(8e-3), constant<T>(6e-3)};
+    for (auto& mesh : efficiency) mesh = {constant<T>(eta), constant<T>(eta)};
+  }
+  [[nodiscard]] RatedTrain<T> view() const {
+    return {.geometry = geometry,
+            .forms = forms,
+            .face_width_m = face_width_m,
+            .efficiency = {efficiency, efficiency},
+            .friction = constant<T>(0.05)};
+  }
+  [[nodiscard]] TrainRating<T> at(const RatingTask& task, Drive drive,
+                                  StiffnessPart part = StiffnessPart::kNone) const {
+    return rate_train(view(), task, drive, constant<T>(task.torque_Nm), part);
+  }
+};
+
+/// Least of S/S_min of all teeth.
+double least_ratio(const TrainRating<double>& rating, const RatingTask& task) {
+  double least = 1e300;
+  for (const auto& mesh : rating.mesh) {
+    for (const auto& tooth : mesh.teeth) {
+      if (tooth.root_limit_stated)
+        least = std::min(least, tooth.root_safety / *task.root_safety_min);
+      if (tooth.flank_limit_stated) {
+        least = std::min(least, tooth.flank_safety / *task.flank_safety_min);
+      }
+    }
+  }
+  return least;
+}
+
+TEST(TrainRating, AtItsCapacityTheLeastSafetyIsTheOneAskedFor) {
+  RandomTrain random(61);
+  for (int n = 0; n < 200; ++n) {
+    const Rated<double> rated(running_train(random, n % 2 == 0));
+    RatingTask task = task_of(n % 3 == 0 ? pom() : steel_700_290());
+    task.cycles = 1e6;
+    if (n % 5 == 0) task.misalignment_m = 3e-6;
+    for (const Drive drive : {Drive::kForward, Drive::kBackward}) {
+      const auto capacity = train_capacity(rated.view(), task, drive);
+      ASSERT_TRUE(capacity) << n;
+      RatingTask at = task;
+      at.torque_Nm = capacity->torque_Nm;
+      EXPECT_NEAR(least_ratio(rated.at(at, drive), task), 1.0, 1e-9) << n;
+    }
+  }
+}
+
+TEST(TrainRating, OfEitherDriveEveryMeshCarriesTheLargerForce) {
+  RandomTrain random(62);
+  for (int n = 0; n < 100; ++n) {
+    const Rated<double> rated(running_train(random, n % 2 == 0), 0.98);
+    const RatingTask task = task_of(steel_700_290());
+    const auto forward = rated.at(task, Drive::kForward);
+    const auto backward = rated.at(task, Drive::kBackward);
+    const auto either = rated.at(task, Drive::kEither);
+    for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+      EXPECT_EQ(either.mesh[k].normal_N,
+                std::max(forward.mesh[k].normal_N, backward.mesh[k].normal_N))
+          << n;
+      for (const std::size_t i : {0U, 1U}) {
+        EXPECT_EQ(
+            either.mesh[k].teeth[i].root_safety,
+            std::min(forward.mesh[k].teeth[i].root_safety, backward.mesh[k].teeth[i].root_safety))
+            << n;
+      }
+    }
+  }
+}
+
+/// The train with all lengths times a factor.
+train::TrainGeometry<double> scaled(const train::TrainGeometry<double>& g, double factor) {
+  train::TrainGeometry<double> result = g;
+  result.center_distance_m *= factor;
+  for (auto& gear : result.gears) {
+    geometry::Gear<double> given = gear.gear;
+    given.module_m *= factor;
+    gear = geometry::make_gear_geometry(given, gear.angle);
+  }
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    const auto [first, second] = train::kMeshGears[k];
+    result.meshes[k] = *geometry::make_mesh_geometry(result.gears[static_cast<std::size_t>(first)],
+                                                     result.gears[static_cast<std::size_t>(second)],
+                                                     result.center_distance_m);
+  }
+  return result;
+}
+
+TEST(TrainRating, StressesStayWhereLengthsGrowAndTorqueWithTheirCube) {
+  RandomTrain random(63);
+  for (int n = 0; n < 200; ++n) {
+    const auto small = running_train(random, n % 2 == 0);
+    const double s = random.between(0.3, 3.0);
+    const Rated<double> one(small);
+    Rated<double> other(scaled(small, s));
+    for (double& b : other.face_width_m) b *= s;
+    const RatingTask task = task_of(steel_700_290());
+    RatingTask larger = task;
+    larger.torque_Nm *= s * s * s;
+    const auto a = one.at(task, Drive::kForward, StiffnessPart::kPath);
+    const auto b = other.at(larger, Drive::kForward, StiffnessPart::kPath);
+    for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+      for (const std::size_t i : {0U, 1U}) {
+        const double root = a.mesh[k].teeth[i].root.stress_Pa;
+        const double flank = a.mesh[k].teeth[i].flank_stress_Pa;
+        EXPECT_NEAR(b.mesh[k].teeth[i].root.stress_Pa, root, 1e-10 * root) << n;
+        EXPECT_NEAR(b.mesh[k].teeth[i].flank_stress_Pa, flank, 1e-10 * flank) << n;
+      }
+    }
+    const double stiffness = a.stiffness->output_Nm_rad * s * s * s;
+    EXPECT_NEAR(b.stiffness->output_Nm_rad, stiffness, 1e-9 * stiffness) << n;
+    const double i = train::ratio(small.teeth);
+    EXPECT_NEAR(a.stiffness->input_Nm_rad * i * i, a.stiffness->output_Nm_rad,
+                1e-12 * a.stiffness->output_Nm_rad);
+  }
+}
+
+TEST(TrainRating, MorePlanetsShareTheLoadAndKGammaTakesItBack) {
+  RandomTrain random(64);
+  auto g = running_train(random, true);
+  g.planets = 3;
+  const RatingTask task = task_of(steel_700_290());
+  const auto three = Rated<double>(g).at(task, Drive::kForward);
+  g.planets = 6;
+  RatingTask uneven = task;
+  uneven.factors.mesh_load = 2.0;
+  const auto six = Rated<double>(g).at(uneven, Drive::kForward);
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    EXPECT_NEAR(six.mesh[k].normal_N, 0.5 * three.mesh[k].normal_N, 1e-12 * three.mesh[k].normal_N);
+    EXPECT_NEAR(six.mesh[k].teeth[0].root.stress_Pa, three.mesh[k].teeth[0].root.stress_Pa,
+                1e-12 * three.mesh[k].teeth[0].root.stress_Pa);
+  }
+}
+
+// The planet step P1 sees sun and ring on opposite flanks below G2 = 1: an idler, Y_M = 0.7, where
+// the joint turns one way only; P2 then is loaded on one flank.
+TEST(TrainRating, AnIdlerIsRatedAsReversed) {
+  RandomTrain random(65);
+  RatingTask task = task_of(steel_700_290());
+  task.load_reversal = false;
+  for (const bool below : {true, false}) {
+    const auto rating = Rated<double>(running_train(random, below)).at(task, Drive::kForward);
+    EXPECT_EQ(rating.mesh[0].teeth[1].root_strength.reversal.value, below ? 0.7 : 1.0);
+    EXPECT_EQ(rating.mesh[1].teeth[0].root_strength.reversal.value, below ? 0.7 : 1.0);
+    EXPECT_EQ(rating.mesh[2].teeth[0].root_strength.reversal.value, 1.0);
+    EXPECT_EQ(rating.mesh[0].teeth[0].root_strength.reversal.value, 1.0);
+  }
+}
+
+TEST(TrainRating, LifeInHoursGivesTheCyclesOfEachGear) {
+  RandomTrain random(66);
+  const auto g = running_train(random, true);
+  RatingTask task = task_of(steel_700_290());
+  task.speed_rad_s = 100.0;
+  task.life_s = 3600.0 * 500.0;
+  const auto hours = Rated<double>(g).at(task, Drive::kForward);
+  // A tooth of R1 meets N planets a turn of the carrier.
+  const double carrier =
+      100.0 / std::abs(train::ratio(g.teeth)) * std::abs(train::speed_ratios(g.teeth).carrier);
+  RatingTask counted = task;
+  counted.life_s.reset();
+  counted.cycles = g.planets * carrier * 3600.0 * 500.0 / (2.0 * 3.14159265358979323846);
+  const auto cycles = Rated<double>(g).at(counted, Drive::kForward);
+  EXPECT_NEAR(hours.mesh[1].teeth[1].root_strength.life.value,
+              cycles.mesh[1].teeth[1].root_strength.life.value, 1e-12);
+  EXPECT_NEAR(hours.mesh[1].teeth[1].flank_strength.life.value,
+              cycles.mesh[1].teeth[1].flank_strength.life.value, 1e-12);
+}
+
+// Gradients by the module of stage 1, the distance and the shift of the sun.
+TEST(TrainRating, SlopesAreThoseOfDifferences) {
+  RandomTrain random(67);
+  const RatingTask task = task_of(steel_700_290());
+  for (int n = 0; n < 20; ++n) {
+    const auto g = running_train(random, n % 2 == 0);
+    const auto at = [&]<class T>(const T& shift) {
+      train::TrainGeometry<T> train;
+      train.teeth = g.teeth;
+      train.planets = g.planets;
+      train.center_distance_m = constant<T>(g.center_distance_m);
+      for (std::size_t i = 0; i < train::kGearCount; ++i) {
+        const geometry::Gear<double>& given = g.gears[i].gear;
+        geometry::Gear<T> gear;
+        gear.teeth = given.teeth;
+        gear.kind = given.kind;
+        gear.module_m = constant<T>(given.module_m);
+        gear.profile_shift = constant<T>(given.profile_shift);
+        if (i == train::kS) gear.profile_shift = gear.profile_shift + shift;
+        gear.machining_allowance = constant<T>(given.machining_allowance);
+        gear.tip_shortening = constant<T>(given.tip_shortening);
+        gear.rack = {.addendum = constant<T>(given.rack.addendum),
+                     .dedendum = constant<T>(given.rack.dedendum),
+                     .root_radius = constant<T>(given.rack.root_radius)};
+        gear.cutter = given.cutter;
+        train.gears[i] = geometry::make_gear_geometry(
+            gear, geometry::make_pressure_angle(constant<T>(g.gears[i].angle.alpha_rad)));
+      }
+      for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+        const auto [first, second] = train::kMeshGears[k];
+        train.meshes[k] = *geometry::make_mesh_geometry(
+            train.gears[static_cast<std::size_t>(first)],
+            train.gears[static_cast<std::size_t>(second)], train.center_distance_m);
+      }
+      const Rated<T> rated(train);
+      const auto rating = rated.at(task, Drive::kForward, StiffnessPart::kPath);
+      return std::array<T, 4>{rating.mesh[0].teeth[0].root_safety,
+                              rating.mesh[0].teeth[0].flank_safety, rating.stiffness->output_Nm_rad,
+                              train_capacity(rated.view(), task, Drive::kForward)->torque_Nm};
+    };
+    const auto exact = at(Jet1(0.0, 0));
+    constexpr double kStep = 1e-6;
+    const auto above = at(kStep);
+    const auto below = at(-kStep);
+    for (std::size_t i = 0; i < exact.size(); ++i) {
+      const double slope = (above[i] - below[i]) / (2.0 * kStep);
+      const double scale = std::max(std::abs(slope), std::abs(exact[i].a));
+      EXPECT_NEAR(exact[i].v[0], slope, 1e-6 * scale) << n << " " << i;
+    }
+  }
+}
+
+TEST(TrainRating, WhatIsNotStatedIsSaid) {
+  RandomTrain random(68);
+  RatingTask task = task_of(steel_700_290());
+  const auto rating = Rated<double>(running_train(random, true)).at(task, Drive::kForward);
+  const MeshRating<double>& mesh = rating.mesh[0];
+  for (const Factor<double>& factor : {mesh.factors.dynamic, mesh.factors.flank_face,
+                                       mesh.factors.root_face, mesh.factors.flank_transverse}) {
+    EXPECT_EQ(factor.value, 1.0);
+    EXPECT_EQ(factor.source, sources::kNotStated);
+    EXPECT_NE(factor.branch, "");
+  }
+  EXPECT_EQ(mesh.teeth[0].root_strength.life.source, sources::kNotStated);
+  EXPECT_EQ(mesh.teeth[0].root_strength.life.value, 1.0);
+  EXPECT_FALSE(rating.planet);
+}
+
+}  // namespace
+}  // namespace gear3k::strength::train_rating_test
