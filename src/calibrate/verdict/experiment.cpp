@@ -22,7 +22,7 @@ constexpr int kMostConditions = 4;
 constexpr int kRepeats = 6;
 constexpr int kMostRows = 120;  // a campaign as long as the first one
 /// χ² that tells two explanations apart, and at which more of it is of no use.
-constexpr double kTold = 9.0, kEnough = 40.0;
+constexpr double kTold = 9.0, kTellsApart = 40.0;
 /// Below this it is chance: no rows are worth it.
 constexpr double kUseless = 1.0;
 
@@ -312,9 +312,9 @@ std::vector<Pair> pairs_of(const std::vector<View>& views) {
 
 double total_use(const std::vector<double>& distances) {
   double sum = 0.0;
-  double least = kEnough;
+  double least = kTellsApart;
   for (const double d : distances) {
-    sum += std::min(std::max(d, 0.0), kEnough);
+    sum += std::min(std::max(d, 0.0), kTellsApart);
     least = std::min(least, d);
   }
   return sum / static_cast<double>(distances.size()) + least;
@@ -390,7 +390,7 @@ NextExperiment plan_experiment(const Problem& problem, const std::vector<Explana
                            [&](const Pair& pair) { return pair.with(c, kRepeats); });
     return total_use(distances);
   };
-  while (rows < kMostRows && least() < kEnough) {
+  while (rows < kMostRows && least() < kTellsApart) {
     const bool fresh = static_cast<int>(taken.size()) < kMostConditions;
     Eigen::Index best = -1;
     double best_use = -1.0;
