@@ -299,6 +299,48 @@ const std::array<CheckRecord, kCheckCount>& records() {
                                            .rating = true,
                                            .help = "S_H of every tooth in each mesh under the load "
                                                    "of [strength], at least strength.s_h_min"}),
+      with_values<OverloadRootSafety>(
+          CheckRecord{.id = CheckId::kOverloadRootSafety,
+                      .name = "overload_root_safety",
+                      .title = "safety of the root under overload",
+                      .group = "strength",
+                      .unit = Unit::kNone,
+                      .scope = CheckScope::kRatedTooth,
+                      .at_least = true,
+                      .default_limit = 1.0,
+                      .threshold = false,
+                      .limit_key = "",
+                      .rating = true,
+                      .help = "static S_F under strength.overload times the torque, at least "
+                              "strength.s_f_min, of plastics 1.5 against yielding"}),
+      with_values<OverloadFlankSafety>(
+          CheckRecord{.id = CheckId::kOverloadFlankSafety,
+                      .name = "overload_flank_safety",
+                      .title = "safety of the flank under overload",
+                      .group = "strength",
+                      .unit = Unit::kNone,
+                      .scope = CheckScope::kRatedTooth,
+                      .at_least = true,
+                      .default_limit = 1.0,
+                      .threshold = false,
+                      .limit_key = "",
+                      .rating = true,
+                      .help = "static S_H of metals under strength.overload times the torque, at "
+                              "least strength.s_h_min"}),
+      with_values<DynamicSpeed>(
+          CheckRecord{.id = CheckId::kDynamicSpeed,
+                      .name = "dynamic_speed",
+                      .title = "speed V of the dynamic factor",
+                      .group = "strength",
+                      .unit = Unit::kMetrePerSecond,
+                      .scope = CheckScope::kRatedMesh,
+                      .at_least = false,
+                      .default_limit = strength::kGreatestDynamicSpeed,
+                      .threshold = false,
+                      .limit_key = "",
+                      .rating = true,
+                      .help = "V = v z1/100 sqrt(u^2/(1 + u^2)) inside the range of method C of "
+                              "K_v"}),
       with_values<ToothTemperature>(
           CheckRecord{.id = CheckId::kToothTemperature,
                       .name = "tooth_temperature",
@@ -362,7 +404,8 @@ const std::array<CheckRecord, kCheckCount>& records() {
                                            .threshold = true,
                                            .limit_key = "",
                                            .rating = true,
-                                           .help = "greatest load of either bearing of a planet"}),
+                                           .help = "greatest load of either bearing of a planet "
+                                                   "under the nominal torque, driven either way"}),
       with_values<PinStress>(CheckRecord{.id = CheckId::kPinStress,
                                          .name = "pin_stress",
                                          .title = "bending stress of a planet's pin",
@@ -374,7 +417,8 @@ const std::array<CheckRecord, kCheckCount>& records() {
                                          .threshold = true,
                                          .limit_key = "",
                                          .rating = true,
-                                         .help = "greatest bending stress of a planet's pin"}),
+                                         .help = "greatest bending stress of a planet's pin "
+                                                 "under the nominal torque, driven either way"}),
   };
   return kRecords;
 }

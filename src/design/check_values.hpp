@@ -145,6 +145,28 @@ struct FlankSafety {
   }
 };
 
+struct OverloadRootSafety {
+  template <class T>
+  static T value(const Gearing<T>& g, CheckSubject s) {
+    return *tooth_at(g, s).overload_root_safety;
+  }
+};
+
+struct OverloadFlankSafety {
+  template <class T>
+  static T value(const Gearing<T>& g, CheckSubject s) {
+    return *tooth_at(g, s).overload_flank_safety;
+  }
+};
+
+/// V of K_v.
+struct DynamicSpeed {
+  template <class T>
+  static T value(const Gearing<T>& g, CheckSubject s) {
+    return *g.rating[static_cast<std::size_t>(s.member)].dynamic_speed;
+  }
+};
+
 struct ToothTemperature {
   template <class T>
   static T value(const Gearing<T>& g, CheckSubject s) {
@@ -181,7 +203,7 @@ struct NotchRange {
 struct BearingLoad {
   template <class T>
   static T value(const Gearing<T>& g, CheckSubject s) {
-    return g.train_rating->planet->bearing_load_N[static_cast<std::size_t>(s.member)];
+    return g.train_rating->bearing_load_N[static_cast<std::size_t>(s.member)];
   }
 };
 

@@ -73,6 +73,13 @@ bool applies(CheckId id, const strength::RatingTask& task, std::size_t gear) {
       return material.record.root_limit.law != LimitLaw::kNotStated;
     case CheckId::kFlankSafety:
       return material.record.flank_limit.law != LimitLaw::kNotStated;
+    case CheckId::kOverloadRootSafety:
+      if (!task.overload) return false;
+      return plastic ? material.record.yield_strength_Pa.has_value()
+                     : material.record.root_limit.law != LimitLaw::kNotStated;
+    case CheckId::kOverloadFlankSafety:
+      return task.overload && !plastic &&
+             material.record.flank_limit.law != LimitLaw::kNotStated;
     case CheckId::kToothTemperature:
       return plastic;
     case CheckId::kToothWear:
@@ -91,8 +98,11 @@ double least_of(CheckId id, double limit, const strength::RatingTask& task, std:
   if (id == CheckId::kRootSafety) {
     return strength::least_root_safety(task, *task.material[gear]);
   }
-  if (id == CheckId::kFlankSafety) {
+  if (id == CheckId::kFlankSafety || id == CheckId::kOverloadFlankSafety) {
     return strength::least_flank_safety(task, *task.material[gear]);
+  }
+  if (id == CheckId::kOverloadRootSafety) {
+    return strength::least_overload_root_safety(task, *task.material[gear]);
   }
   return limit;
 }
@@ -172,6 +182,17 @@ std::vector<CheckInstance> list_checks(const Limits& limits, const GearingLayout
           }
         }
         break;
+      case CheckScope::kRatedMesh:
+        for (int k = 0; layout.rating != nullptr && k < meshes; ++k) {
+          const auto [first, second] = layout.mesh_gears[static_cast<std::size_t>(k)];
+          const auto& material = layout.rating->material;
+          if (strength::computes_dynamic_factor(*layout.rating,
+                                                *material[static_cast<std::size_t>(first)],
+                                                *material[static_cast<std::size_t>(second)])) {
+            add({.member = k, .which = 0});
+          }
+        }
+        break;
       case CheckScope::kPlanetBearing:
         if (layout.rating == nullptr || !layout.rating->supports) break;
         for (const int support : {0, 1}) add({.member = support, .which = 0});
@@ -208,6 +229,7 @@ SubjectNames subject_names(const CheckInstance& check, std::span<const std::stri
       return {.mesh = "", .gear = std::string(gears[index])};
     case CheckScope::kMesh:
     case CheckScope::kInternalMesh:
+    case CheckScope::kRatedMesh:
       return {.mesh = std::string(meshes[index]), .gear = ""};
     case CheckScope::kBodyPair: {
       const train::BodyPair pair = train::kPassingBodies[index];

@@ -33,6 +33,7 @@ enum class CheckScope {
   kBodyPair,    ///< two bodies that overlap along the axis
   kTrain,
   kRatedTooth,     ///< a mesh and one of its gears, where a load is stated (1 or 2)
+  kRatedMesh,      ///< a mesh, where a load is stated
   kPlanetBearing,  ///< A or B of a planet, where a load is stated
   kPlanetPin       ///< where a load is stated
 };
@@ -62,6 +63,9 @@ enum class CheckId {
   kIdenticalPlanets,
   kRootSafety,
   kFlankSafety,
+  kOverloadRootSafety,
+  kOverloadFlankSafety,
+  kDynamicSpeed,
   kToothTemperature,
   kToothWear,
   kRimThickness,
@@ -69,7 +73,7 @@ enum class CheckId {
   kBearingLoad,
   kPinStress
 };
-inline constexpr std::size_t kCheckCount = 30;
+inline constexpr std::size_t kCheckCount = 33;
 
 /// What the checks look at: a whole train, or one pair.
 template <class T>

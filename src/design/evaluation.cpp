@@ -271,7 +271,7 @@ std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
                                                                .cutter = parameters.cutter,
                                                                .axial = design.axial,
                                                                .rating = stated_load(design)}));
-  const auto rated = rate_gearbox(design, *train, forms, e.meshes);
+  const auto rated = rate_gearbox(design, *train, forms, e.meshes, e.parts);
   if (rated) {
     gearing.rating = rated->deciding.mesh;
     gearing.train_rating = &rated->deciding;

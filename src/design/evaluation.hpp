@@ -107,6 +107,10 @@ struct StrengthResult {
   strength::TrainRating<double> forward, backward;  ///< at the stated torque
   /// Empty where no safety is judged.
   std::optional<strength::Capacity<double>> capacity_forward, capacity_backward;
+
+  std::optional<strength::DrivenCapacity> least_capacity() const {
+    return strength::least_capacity(capacity_forward, capacity_backward);
+  }
 };
 
 struct Evaluation {
@@ -143,6 +147,7 @@ struct PairEvaluation {
   std::vector<CheckResult> checks;
   std::optional<ToleranceLimits> tolerance_limits;       ///< where the design has tolerances
   std::optional<strength::MeshRating<double>> strength;  ///< where the pair has a rating task
+  std::optional<strength::Capacity<double>> torque_capacity;  ///< on gear 1, with `strength`
   std::vector<std::string> notes;
 };
 

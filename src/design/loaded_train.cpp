@@ -10,9 +10,7 @@ strength::RatedTrain<T> loaded_train(const train::TrainGeometry<T>& geometry,
                                      efficiency::LossModel model) {
   strength::RatedTrain<T> loaded{.geometry = geometry,
                                  .forms = forms,
-                                 .face_width_m = face_width_m,
-                                 .efficiency = {},
-                                 .friction = friction[0][0].coefficient};
+                                 .face_width_m = face_width_m};
   for (std::size_t k = 0; k < train::kMeshCount; ++k) {
     const auto [first, second] = train::kMeshGears[k];
     const auto& gear1 = geometry.gears[static_cast<std::size_t>(first)];
@@ -20,6 +18,7 @@ strength::RatedTrain<T> loaded_train(const train::TrainGeometry<T>& geometry,
     for (const std::size_t driver : {0U, 1U}) {
       const auto contact = efficiency::contact_of(gear1, gear2, geometry.meshes[k], driver == 0);
       for (const std::size_t direction : {0U, 1U}) {
+        loaded.friction[direction][k] = friction[direction][k].coefficient;
         loaded.efficiency[direction][k][driver] =
             efficiency::mesh_efficiency(contact, friction[direction][k], model);
       }

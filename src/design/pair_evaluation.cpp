@@ -79,7 +79,11 @@ std::variant<PairEvaluation, NotDefined> evaluate(const PairDesign& design) {
   const std::array<geometry::GearKind, 2> kinds{gears[0].gear.kind, gears[1].gear.kind};
   const std::vector<bool> shaped{e.gears[0].tooth.cutter_teeth > 0,
                                  e.gears[1].tooth.cutter_teeth > 0};
-  e.strength = rate_pair(design, gears, forms, *mesh, e.mesh);
+  if (const auto rated = rate_pair(design, gears, forms, *mesh, e.mesh)) {
+    e.strength = rated->rating;
+    e.torque_capacity = rated->capacity;
+    std::ranges::copy(rated->notes, std::back_inserter(e.notes));
+  }
   Gearing<double> gearing{.gears = gears,
                           .meshes = meshes,
                           .mesh_gears = kPair,

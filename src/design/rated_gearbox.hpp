@@ -14,26 +14,34 @@ namespace gear3k::design {
 /// What a gearbox carries, and the rating that its checks read.
 struct RatedGearbox {
   StrengthResult result;
-  strength::TrainRating<double> deciding;  ///< of each mesh the drive direction that loads it more
+  strength::TrainRating<double> deciding;  ///< Drive::kEither
   std::vector<std::string> notes;          ///< where losses do not count
 };
 /// Rates a gearbox at its stated load, in both drive directions, and finds its capacity.
 ///
 /// Losses are those of `meshes`; a mesh whose friction is not known counts without.
-/// @param meshes  of the evaluation
+/// @param meshes,parts  of the evaluation; the masses of the planets act as centrifugal forces
 /// @returns empty without a rating task
 /// @throws std::invalid_argument as strength::rate_train()
 std::optional<RatedGearbox> rate_gearbox(const Design& design,
                                          const train::TrainGeometry<double>& geometry,
                                          std::span<const geometry::ToothForm<double>> forms,
-                                         std::span<const MeshResult> meshes);
+                                         std::span<const MeshResult> meshes,
+                                         const std::vector<PartMass>& parts);
 
+/// A pair under the load that it states.
+struct RatedPair {
+  strength::MeshRating<double> rating;
+  std::optional<strength::Capacity<double>> capacity;  ///< on gear 1
+  std::vector<std::string> notes;
+};
 /// Rates a pair at the torque on its gear 1, which drives.
 /// @returns empty without a rating task
 /// @throws std::invalid_argument as strength::rate_mesh()
-std::optional<strength::MeshRating<double>> rate_pair(
-    const PairDesign& design, const std::array<geometry::GearGeometry<double>, 2>& gears,
-    const std::array<geometry::ToothForm<double>, 2>& forms,
-    const geometry::MeshGeometry<double>& mesh, const MeshResult& result);
+std::optional<RatedPair> rate_pair(const PairDesign& design,
+                                   const std::array<geometry::GearGeometry<double>, 2>& gears,
+                                   const std::array<geometry::ToothForm<double>, 2>& forms,
+                                   const geometry::MeshGeometry<double>& mesh,
+                                   const MeshResult& result);
 
 }  // namespace gear3k::design

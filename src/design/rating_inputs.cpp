@@ -18,7 +18,6 @@ strength::RatingTask rating_of(strength::RatingTask task, const Design& design) 
   task.rim_radius_m[train::kR2] = masses.ring2_outer_radius_m;
   task.pin_diameter_m.reset();
   if (masses.planet_pin_radius_m) task.pin_diameter_m = 2.0 * *masses.planet_pin_radius_m;
-  task.planet_mass_kg = masses.planet_mass_kg.value_or(0.0);
   if (task.supports) task.supports->plane_m = toothing_planes_m(design.axial);
   return task;
 }

@@ -12,7 +12,7 @@ namespace gear3k::design {
 using GearMaterials = std::array<std::optional<strength::GearMaterial>, train::kGearCount>;
 
 /// The task with what the design states beside it: face widths, speed of the sun, bores and outer
-/// surfaces, pin, mass of a planet, middle of the planet's toothings.
+/// surfaces, pin, middle of the planet's toothings.
 strength::RatingTask rating_of(strength::RatingTask task, const Design& design);
 
 /// Middle of the toothings P1 and P2 along the axis; 0 where it is not stated.

@@ -337,6 +337,7 @@ std::vector<Variable> variables_of(const CheckInstance& check, const BuiltGearin
     case CheckScope::kTrain:
     // Loads are rated on the drawn gearbox.
     case CheckScope::kRatedTooth:
+    case CheckScope::kRatedMesh:
     case CheckScope::kPlanetBearing:
     case CheckScope::kPlanetPin:
       break;

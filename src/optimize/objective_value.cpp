@@ -84,6 +84,13 @@ bool asks_for(const Specification& spec, Objective objective) {
 }
 
 template <class T>
+T planet_mass_kg(const Specification& spec, const train::TrainGeometry<T>& train,
+                 const std::array<T, 2>& face_width_m) {
+  const auto bodies = gear_bodies(spec, face_width_m, train.gears);
+  return bodies[train::kP1].mass_kg + bodies[train::kP2].mass_kg;
+}
+
+template <class T>
 T objective_value(Objective objective, const ObjectiveInput<T>& input, int branch) {
   const Specification& spec = input.spec;
   const train::TrainGeometry<T>& train = input.train;
@@ -259,6 +266,8 @@ double objective_scale(Objective objective, const Specification& spec) {
 }
 
 #define INSTANTIATE(T)                                                                           \
+  template T planet_mass_kg<T>(const Specification&, const train::TrainGeometry<T>&,             \
+                               const std::array<T, 2>&);                                         \
   template T objective_value<T>(Objective, const ObjectiveInput<T>&, int);                       \
   template T objective_value<T>(Objective, const Specification&, const train::TrainGeometry<T>&, \
                                 const std::array<T, train::kMeshCount>&, int);

@@ -31,6 +31,12 @@ struct ObjectiveInput {
   const strength::TrainRating<T>* rating = nullptr;  ///< of the stiffness
 };
 
+/// Mass of one planet, both steps, from sizes and density [kg].
+/// @throws std::invalid_argument unless knows_masses(spec)
+template <class T>
+T planet_mass_kg(const Specification& spec, const train::TrainGeometry<T>& train,
+                 const std::array<T, 2>& face_width_m);
+
 /// Value of an objective for a train, SI.
 ///
 ///   outer diameter  2 max(rf_R1, rf_R2) + 2 rim

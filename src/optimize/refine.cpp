@@ -12,6 +12,7 @@
 #include "optimize/ipopt.hpp"
 #include "optimize/kkt_residual.hpp"
 #include "optimize/objective_value.hpp"
+#include "optimize/rated_set.hpp"
 #include "optimize/slsqp.hpp"
 #include "optimize/starting_points.hpp"
 
@@ -154,35 +155,20 @@ void judge_by_model(const Specification& spec, const train::TrainGeometry<double
   set.eta_f_model = efficiency(design::Direction::kForward);
 }
 
-/// Capacity and stiffness, where they are asked for.
+/// Capacity and stiffness under the stated load.
 void rate_optimum(const Specification& spec, const train::TrainGeometry<double>& train,
                   const LoadAt<double>& load, RefinedSet& set) {
-  const bool capacity =
-      asks_for(spec, Objective::kTorqueCapacity) || asks_for(spec, Objective::kTorqueDensity);
-  const bool stiffness = asks_for(spec, Objective::kTorsionalStiffness);
-  if (!capacity && !stiffness) return;
   std::array<geometry::ToothForm<double>, train::kGearCount> forms;
   std::ranges::transform(train.gears, forms.begin(), geometry::make_tooth_form<double>);
-  const auto loaded = design::loaded_train<double>(
-      train, forms, load.face_width_m,
-      design::even_friction(efficiency::constant_friction<double>(spec.friction, true),
-                            efficiency::constant_friction<double>(spec.friction, false)),
-      spec.friction.model);
+  const strength::RatedTrain<double> loaded = rated_train<double>(spec, train, forms, load.face_width_m);
   using strength::Drive;
-  if (capacity) {
-    double least = std::numeric_limits<double>::infinity();
-    for (const Drive drive : {Drive::kForward, Drive::kBackward}) {
-      const auto found = strength::train_capacity(loaded, *spec.rating, drive);
-      if (found) least = std::min(least, found->torque_Nm);
-    }
-    set.torque_capacity_Nm = std::isfinite(least) ? least : load.torque_Nm;
-  }
-  if (stiffness) {
-    const auto rating =
-        strength::rate_train(loaded, *spec.rating, Drive::kEither, spec.rating->torque_Nm,
-                             strength::StiffnessPart::kPath);
-    if (rating.stiffness) set.torsional_stiffness_Nm_rad = rating.stiffness->output_Nm_rad;
-  }
+  const auto least =
+      strength::least_capacity(strength::train_capacity(loaded, *spec.rating, Drive::kForward),
+                               strength::train_capacity(loaded, *spec.rating, Drive::kBackward));
+  if (least) set.torque_capacity_Nm = least->capacity.torque_Nm;
+  const auto rating = strength::rate_train(loaded, *spec.rating, strength::Drive::kForward,
+                                           spec.rating->torque_Nm, strength::StiffnessPart::kPath);
+  if (rating.stiffness) set.torsional_stiffness_Nm_rad = rating.stiffness->output_Nm_rad;
 }
 
 void fill_optimum(const Specification& spec, const BestEnd& best, RefinedSet& set) {

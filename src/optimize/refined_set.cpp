@@ -88,11 +88,11 @@ double objective_of(const Specification& spec, const RefinedSet& set, Objective 
     case Objective::kRatioError:
       return std::abs(train::ratio(set.candidate.teeth) / spec.ratio.target - 1.0);
     case Objective::kTorqueCapacity:
-      return set.torque_capacity_Nm;
+      return set.torque_capacity_Nm.value_or(0.0);
     case Objective::kTorqueDensity:
-      return set.torque_capacity_Nm / set.mass_kg;
+      return set.torque_capacity_Nm.value_or(0.0) / set.mass_kg;
     case Objective::kTorsionalStiffness:
-      return set.torsional_stiffness_Nm_rad;
+      return set.torsional_stiffness_Nm_rad.value_or(0.0);
   }
   return 0.0;
 }

@@ -64,8 +64,9 @@ struct RefinedSet {
   std::array<double, train::kMeshCount> contact_ratio{};
   double ring_root_diameter_m = 0.0;         ///< the larger ring's
   double mass_kg = 0.0, inertia_kgm2 = 0.0;  ///< see objective_value(); 0 when not known
-  /// At the stated load; 0 unless an objective or a limit asks for them.
-  double torque_capacity_Nm = 0.0, torsional_stiffness_Nm_rad = 0.0;
+  /// Under the load of the specification, in the worse drive direction and driven forward; empty
+  /// without a load, and the capacity where no limit stress is stated.
+  std::optional<double> torque_capacity_Nm, torsional_stiffness_Nm_rad;
   double kkt_residual = 0.0;
 };
 

@@ -10,6 +10,7 @@
 #include "efficiency/train_efficiency.hpp"
 #include "geometry/interference.hpp"
 #include "optimize/objective_value.hpp"
+#include "optimize/rated_set.hpp"
 
 namespace gear3k::optimize {
 
@@ -350,10 +351,18 @@ struct RatedParts {
 void mark_rated(const design::CheckInstance& check, RatedParts& parts) {
   if (!check.record->rating) return;
   parts.any = true;
-  if (check.record->scope != design::CheckScope::kRatedTooth) return;  // the forces suffice
+  using design::CheckScope;
+  const CheckScope scope = check.record->scope;
+  if (scope != CheckScope::kRatedTooth && scope != CheckScope::kRatedMesh) return;  // forces suffice
   const auto mesh = static_cast<std::size_t>(check.subject.member);
   parts.mesh[mesh] = true;
-  if (check.record->id != CheckId::kRootSafety && check.record->id != CheckId::kNotchRange) return;
+  const CheckId id = check.record->id;
+  // A flank of P1 may be worn by both its mates.
+  if (id == CheckId::kToothWear) parts.mesh[train::kMeshSP1] = parts.mesh[train::kMeshP1R1] = true;
+  if (id != CheckId::kRootSafety && id != CheckId::kOverloadRootSafety &&
+      id != CheckId::kNotchRange) {
+    return;
+  }
   parts.roots[mesh][static_cast<std::size_t>(check.subject.which - 1)] = true;
 }
 
@@ -361,34 +370,11 @@ void mark_rated(const design::CheckInstance& check, RatedParts& parts) {
 void complete(const strength::RatingTask& task, RatedParts& parts,
               std::array<bool, train::kGearCount>& needed) {
   for (std::size_t k = 0; k < train::kMeshCount; ++k) {
-    if (parts.stiffness) parts.mesh[k] = true;
-    for (std::size_t i = 0; i < 2 && parts.mesh[k]; ++i) {
+    for (std::size_t i = 0; i < 2 && (parts.mesh[k] || parts.stiffness); ++i) {
       const auto gear = static_cast<std::size_t>(train::kMeshGears[k][i]);
       const bool plastic = strength::is_plastic(task.material[gear]->record.group);
       if (parts.roots[k][i] || parts.stiffness || plastic) needed[gear] = true;
     }
-  }
-}
-
-/// The train under its load; empty where it cannot be rated (no rim left, no path of contact).
-template <class T>
-std::optional<strength::TrainRating<T>> rating_of(
-    const Specification& spec, const train::TrainGeometry<T>& train,
-    const std::array<geometry::ToothForm<T>, train::kGearCount>& forms, const LoadAt<T>& load,
-    const RatedParts& parts) {
-  auto loaded = design::loaded_train<T>(
-      train, forms, load.face_width_m,
-      design::even_friction(efficiency::constant_friction<T>(spec.friction, true),
-                            efficiency::constant_friction<T>(spec.friction, false)),
-      spec.friction.model);
-  loaded.rated = parts.mesh;
-  loaded.roots = parts.roots;
-  try {
-    return strength::rate_train(
-        loaded, *spec.rating, strength::Drive::kEither, load.torque_Nm,
-        parts.stiffness ? strength::StiffnessPart::kPath : strength::StiffnessPart::kFactors);
-  } catch (const std::invalid_argument&) {
-    return std::nullopt;
   }
 }
 
@@ -434,19 +420,30 @@ std::optional<T> evaluate_rows(const RefinementProblem& p, std::span<const T> v,
   }
   gearing.forms = forms;
   gearing.axial = &spec.axial;
-  std::optional<strength::TrainRating<T>> rating;
-  if (rated) {
-    rating = rating_of(spec, *train, forms, load, parts);
-    if (!rating || (parts.stiffness && !rating->stiffness)) return std::nullopt;
+  std::optional<strength::TrainRating<T>> rating, stiffness;
+  if (parts.any) {
+    auto loaded = rated_train<T>(spec, *train, forms, load.face_width_m);
+    loaded.rated = parts.mesh;
+    loaded.roots = parts.roots;
+    rating = strength::rate_train(loaded, *spec.rating, strength::Drive::kEither, load.torque_Nm,
+                                  strength::StiffnessPart::kFactors);
     gearing.rating = rating->mesh;
     gearing.train_rating = &*rating;
+  }
+  if (parts.stiffness) {
+    auto loaded = rated_train<T>(spec, *train, forms, load.face_width_m);
+    loaded.roots = {};
+    stiffness =
+        strength::rate_train(loaded, *spec.rating, strength::Drive::kForward,
+                             constant<T>(spec.rating->torque_Nm), strength::StiffnessPart::kPath);
+    if (!stiffness->stiffness) return std::nullopt;
   }
   const ObjectiveInput<T> at{.spec = spec,
                              .train = *train,
                              .normal_backlash_m = j_bn,
                              .face_width_m = load.face_width_m,
                              .torque_Nm = load.torque_Nm,
-                             .rating = rating ? &*rating : nullptr};
+                             .rating = stiffness ? &*stiffness : nullptr};
   const T objective = objective_value(p.objective, at, p.branch.objective) *
                       (-sense_of(p.objective) / p.objective_scale);
   bool finite = all_finite(objective);

@@ -2,13 +2,28 @@
 
 namespace gear3k::report {
 
+namespace {
+
+/// Whether a root of plastic, which losses heat, is weaker though the force is not greater.
+bool is_weaker(const strength::MeshRating<double>& a, const strength::MeshRating<double>& b) {
+  constexpr double kRounding = 1e-9;
+  for (std::size_t i = 0; i < a.teeth.size(); ++i) {
+    if (!a.teeth[i].plastic || !a.teeth[i].root_limit_stated) continue;
+    if (a.teeth[i].root_safety < (1.0 - kRounding) * b.teeth[i].root_safety) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
 std::array<RatedMesh, train::kMeshCount> rated_meshes(const design::StrengthResult& strength) {
   constexpr double kRounding = 1e-9;
   std::array<RatedMesh, train::kMeshCount> meshes;
   for (std::size_t k = 0; k < meshes.size(); ++k) {
     const strength::MeshRating<double>& forward = strength.forward.mesh[k];
     const strength::MeshRating<double>& backward = strength.backward.mesh[k];
-    const bool more_backward = backward.normal_N > (1.0 + kRounding) * forward.normal_N;
+    const bool more_backward = backward.normal_N > (1.0 + kRounding) * forward.normal_N ||
+                               is_weaker(backward, forward);
     const auto [gear1, gear2] = train::kMeshGears[k];
     meshes[k] = {.name = std::string(train::kMeshNames[k]),
                  .gears = {std::string(train::kGearNames[static_cast<std::size_t>(gear1)]),

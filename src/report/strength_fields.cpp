@@ -156,7 +156,7 @@ io::Json governing_json(const std::optional<strength::Capacity<double>>& capacit
   const auto gear = static_cast<std::size_t>(train::kMeshGears.at(mesh).at(member));
   return {{"gear", train::kGearNames.at(gear)},
           {"mesh", train::kMeshNames.at(mesh)},
-          {"mode", mode == strength::Mode::kRoot ? "root" : "flank"},
+          {"mode", strength::kModeNames.at(static_cast<std::size_t>(mode))},
           {"direction", drive_name(drive)}};
 }
 
@@ -165,7 +165,7 @@ void add_capacity(Fields& f, const design::Evaluation& e) {
   const auto torque = [](const std::optional<strength::Capacity<double>>& capacity) {
     return capacity ? std::optional(capacity->torque_Nm) : std::nullopt;
   };
-  const std::optional<LeastCapacity> least = least_capacity(s);
+  const std::optional<strength::DrivenCapacity> least = s.least_capacity();
   f.add("capacity_nm", least ? std::optional(least->capacity.torque_Nm) : std::nullopt,
         {"torque_capacity", "N m"});
   f.add("capacity_forward_nm", torque(s.capacity_forward), {"torque_capacity_forward", "N m"});
@@ -225,16 +225,8 @@ Fields planet_load_fields(const strength::TrainRating<double>& rating) {
 
 }  // namespace
 
-std::optional<LeastCapacity> least_capacity(const StrengthResult& strength) {
-  const auto& forward = strength.capacity_forward;
-  const auto& backward = strength.capacity_backward;
-  if (!forward || !backward) return std::nullopt;
-  if (backward->torque_Nm < forward->torque_Nm) return LeastCapacity{*backward, Drive::kBackward};
-  return LeastCapacity{*forward, Drive::kForward};
-}
-
 std::optional<double> torque_density(const design::Evaluation& e) {
-  const auto least = e.strength ? least_capacity(*e.strength) : std::nullopt;
+  const auto least = e.strength ? e.strength->least_capacity() : std::nullopt;
   if (!least || !e.total_mass_kg) return std::nullopt;
   return least->capacity.torque_Nm / *e.total_mass_kg;
 }
@@ -265,7 +257,26 @@ Fields strength_fields(const design::PairEvaluation& e) {
   const std::array<RatedMesh, 1> meshes{rated_mesh(e)};
   Fields f("pair");
   f.add("torque_nm", clean(rated_torque(e)), {"rated_torque", "N m"});
+  const auto& capacity = e.torque_capacity;
+  f.add("capacity_nm", capacity ? std::optional(capacity->torque_Nm) : std::nullopt,
+        {"torque_capacity", "N m"});
+  f.add("governing", nullptr);
+  if (capacity) {
+    const auto [mesh, member, mode] = capacity->governing;
+    f.add("governing", io::Json{{"gear", meshes[0].gears.at(member)},
+                                {"mesh", meshes[0].name},
+                                {"mode", strength::kModeNames.at(static_cast<std::size_t>(mode))}});
+  }
   add_meshes(f, meshes);
+  f.add("stiffness", nullptr);
+  if (e.strength->mean_stiffness_Pa) {
+    const double mesh_N_m = *e.strength->mean_stiffness_Pa * e.strength->face_width_m;
+    Fields stiffness("pair");
+    stiffness.add("mesh_n_per_um", units::from_si(mesh_N_m, Unit::kNewtonPerMicrometre),
+                  {"mesh_stiffness", "N/um"});
+    f.add("stiffness", std::move(stiffness));
+  }
+  f.add("planet", nullptr);
   add_factors(f, meshes);
   return f;
 }

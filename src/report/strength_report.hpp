@@ -20,13 +20,6 @@ Fields strength_fields(const design::PairEvaluation& e);
 std::string strength_table(const design::Evaluation& e);
 std::string strength_table(const design::PairEvaluation& e);
 
-/// The smaller capacity of both drive directions and the direction.
-struct LeastCapacity {
-  strength::Capacity<double> capacity;
-  strength::Drive drive;
-};
-/// @returns empty where one of both is not judged
-std::optional<LeastCapacity> least_capacity(const design::StrengthResult& strength);
 /// Capacity over mass [N m/kg]; empty without either.
 std::optional<double> torque_density(const design::Evaluation& e);
 

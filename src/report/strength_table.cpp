@@ -49,11 +49,21 @@ bool any_tooth(Meshes meshes, Holds holds) {
 }
 
 const char* mode_name(strength::Mode mode) {
-  return mode == strength::Mode::kRoot ? "root" : "flank";
+  switch (mode) {
+    case strength::Mode::kRoot:
+      return "root";
+    case strength::Mode::kFlank:
+      return "flank";
+    case strength::Mode::kOverloadRoot:
+      return "root, overload";
+    case strength::Mode::kOverloadFlank:
+      return "flank, overload";
+  }
+  return "";
 }
 
 /// Forces, stresses and safeties by tooth; of a train both forces and what governs.
-std::string safety_table(Meshes meshes, const std::optional<LeastCapacity>& least) {
+std::string safety_table(Meshes meshes, const std::optional<strength::DrivenCapacity>& least) {
   const bool train = meshes.front().drive.has_value();
   const bool overload = any_tooth(meshes, [](const ToothRating<double>& t) {
     return t.overload_root_safety || t.overload_flank_safety;
@@ -286,14 +296,21 @@ std::string capacity_part(const char* direction,
                      mode_name(mode), train::kGearNames.at(gear), train::kMeshNames.at(mesh));
 }
 
-std::string capacity_text(const StrengthResult& s, const std::optional<LeastCapacity>& least) {
+std::string capacity_text(const StrengthResult& s, const std::optional<strength::DrivenCapacity>& least) {
   if (!s.capacity_forward && !s.capacity_backward) return "not judged";
   return fmt::format("{}: {}, {}", least ? torque_text(least->capacity.torque_Nm) : "not judged",
                      capacity_part("forward", s.capacity_forward),
                      capacity_part("backward", s.capacity_backward));
 }
 
-std::string density_text(const design::Evaluation& e, const std::optional<LeastCapacity>& least) {
+std::string pair_capacity_text(const design::PairEvaluation& e, const RatedMesh& mesh) {
+  if (!e.torque_capacity) return "not judged";
+  const auto [k, member, mode] = e.torque_capacity->governing;
+  return fmt::format("{} on gear {} ({} of {})", torque_text(e.torque_capacity->torque_Nm),
+                     mesh.gears.at(0), mode_name(mode), mesh.gears.at(member));
+}
+
+std::string density_text(const design::Evaluation& e, const std::optional<strength::DrivenCapacity>& least) {
   if (const auto density = torque_density(e)) {
     return fmt::format("{:.4g} N m/kg, of {:.5g} kg", *density, *e.total_mass_kg);
   }
@@ -313,7 +330,7 @@ void add_lines(TextTable& table, const std::string& label, std::span<const std::
   for (std::size_t k = 0; k < lines.size(); ++k) table.add({k == 0 ? label : "", lines[k]});
 }
 
-std::string train_lines(const design::Evaluation& e, const std::optional<LeastCapacity>& least,
+std::string train_lines(const design::Evaluation& e, const std::optional<strength::DrivenCapacity>& least,
                         std::span<const PlacedFactor> factors) {
   const StrengthResult& s = e.strength.value();
   TextTable table({"capacity", capacity_text(s, least)});
@@ -348,7 +365,7 @@ std::string train_lines(const design::Evaluation& e, const std::optional<LeastCa
 std::string strength_table(const design::Evaluation& e) {
   if (!e.strength) return "";
   const auto meshes = rated_meshes(*e.strength);
-  const auto least = least_capacity(*e.strength);
+  const auto least = e.strength->least_capacity();
   const std::vector<PlacedFactor> factors = all_factors(meshes);
   return fmt::format(
              "\nStrength at {:.5g} N m at R2 (N, N/mm2; each mesh in the drive direction in which "
@@ -366,13 +383,10 @@ std::string strength_table(const design::PairEvaluation& e) {
   std::string text = fmt::format("\nStrength at {:.5g} N m on gear {} (N, N/mm2)\n",
                                  clean(rated_torque(e)), meshes[0].gears[0]) +
                      safety_table(meshes, {});
-  const std::vector<std::string> lines = not_stated_lines(factors);
-  if (!lines.empty()) {
-    TextTable table({"not stated, taken as 1", lines.front()});
-    table.align_left(1);
-    add_lines(table, "", std::span(lines).subspan(1));
-    text += table.text(2);
-  }
+  TextTable table({"capacity", pair_capacity_text(e, meshes[0])});
+  table.align_left(1);
+  add_lines(table, "not stated, taken as 1", not_stated_lines(factors));
+  text += table.text(2);
   return text + tooth_strength_table(meshes) + mesh_load_table(meshes) + plastic_table(meshes) +
          factor_table(factors);
 }

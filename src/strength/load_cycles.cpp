@@ -24,10 +24,10 @@ LoadCycles<T> load_cycles(const TrainTurns<T>& turns, int planets, bool same_fla
   const double n = planets;
   const T planet = turns_of(turns.planet_rolling);
   return {.sun = n * turns_of(T(turns.sun - turns.carrier)),
-          .planet = planet,
+          .planet1 = same_flank ? T(2.0 * planet) : planet,
           .fixed_ring = n * turns_of(turns.carrier),
-          .output_ring = n * turns_of(T(turns.carrier - turns.output)),
-          .planet1_flank = same_flank ? T(2.0 * planet) : planet};
+          .planet2 = planet,
+          .output_ring = n * turns_of(T(turns.carrier - turns.output))};
 }
 
 #define INSTANTIATE(T) template LoadCycles<T> load_cycles<T>(const TrainTurns<T>&, int, bool);

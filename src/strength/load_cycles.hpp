@@ -15,12 +15,12 @@ struct TrainTurns {
 ///
 ///   S N |n_S − n_C|,  P1 and P2 |n_P|,  R1 N |n_C|,  R2 N |n_C − n_R2|
 ///
-/// For G2 > 1 both mates of P1 load the same flank, so that its flank has twice the cycles; its
-/// root has too, pulsating. Source: docs/theory §42.
+/// For G2 > 1 both mates of P1 load the same flank: its flank and its root have twice the cycles,
+/// whether the load reverses or not.  For G2 < 1 one turn bends the root once to either side.
+/// Source: docs/theory §42.
 template <class T>
 struct LoadCycles {
-  T sun{}, planet{}, fixed_ring{}, output_ring{};
-  T planet1_flank{};  ///< of one flank of P1
+  T sun{}, planet1{}, fixed_ring{}, planet2{}, output_ring{};
 };
 /// @param same_flank  G2 > 1: S and R1 load the same flank of P1
 template <class T>

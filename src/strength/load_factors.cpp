@@ -17,7 +17,6 @@ namespace {
 constexpr double kStiffnessUnit_Pa = 1e9;  ///< 1 N/(mm µm)
 constexpr int kFinestDynamicGrade = 3;
 constexpr std::array<double, 6> kGradeTerms{2.1, 3.9, 7.5, 14.9, 26.8, 39.1};
-constexpr double kGreatestDynamicSpeed = 3.0;
 constexpr std::array<double, 4> kM56MeshLoads{1.0, 1.2, 1.3, 1.4};
 constexpr std::array<double, 4> kDrivetrainMeshLoads{1.1, 1.25, 1.35, 1.44};
 
@@ -56,6 +55,13 @@ T line_load_n_mm(const LoadedMesh<T>& mesh) {
 }
 
 template <class T>
+T dynamic_speed(const LoadedMesh<T>& mesh) {
+  const double u = mesh.tooth_ratio;
+  const T speed = value_of(mesh.speed_m_s) < 0.0 ? T(-mesh.speed_m_s) : mesh.speed_m_s;
+  return speed * (mesh.pinion_teeth / 100.0 * u / std::sqrt(1.0 + u * u));
+}
+
+template <class T>
 Factor<T> dynamic_factor(const LoadedMesh<T>& mesh, std::optional<int> grade) {
   if (!grade) return {.branch = "accuracy grade not stated", .source = sources::kNotStated};
   const int coarsest = kFinestDynamicGrade + static_cast<int>(kGradeTerms.size()) - 1;
@@ -66,16 +72,18 @@ Factor<T> dynamic_factor(const LoadedMesh<T>& mesh, std::optional<int> grade) {
   }
   if (value_of(mesh.speed_m_s) == 0.0) return {.branch = "at rest", .source = sources::kM56};
   const double k1 = kGradeTerms[static_cast<std::size_t>(*grade - kFinestDynamicGrade)];
-  const double u = mesh.tooth_ratio;
-  const T speed = value_of(mesh.speed_m_s) < 0.0 ? T(-mesh.speed_m_s) : mesh.speed_m_s;
-  const T v = speed * (mesh.pinion_teeth / 100.0 * u / std::sqrt(1.0 + u * u));
+  const T v = dynamic_speed(mesh);
   const T w = larger(line_load_n_mm(mesh), constant<T>(100.0));
   const bool slow = value_of(v) <= 0.2;
-  const T k3 = slow ? constant<T>(2.0) : T(2.071 - 0.357 * v);
-  return {.value = 1.0 + (k1 / w + 0.0193) * v * k3,
-          .branch = slow ? "method C, slow" : "method C",
+  const bool in_range = value_of(v) < kGreatestDynamicSpeed;
+  const T held = in_range ? v : constant<T>(kGreatestDynamicSpeed);
+  const T k3 = slow ? constant<T>(2.0) : T(2.071 - 0.357 * held);
+  return {.value = 1.0 + (k1 / w + 0.0193) * held * k3,
+          .branch = slow       ? "method C, slow"
+                    : in_range ? "method C"
+                               : "method C, held at its greatest speed",
           .source = sources::kM56,
-          .in_range = value_of(v) < kGreatestDynamicSpeed};
+          .in_range = in_range};
 }
 
 template <class T>
@@ -111,19 +119,15 @@ Factor<T> root_face_load_factor(const T& flank_factor, const T& height_to_width)
 
 template <class T>
 TransverseLoadFactors<T> transverse_load_factors(
-    const LoadedMesh<T>& mesh, const std::optional<TransverseDeviation<T>>& deviation) {
+    const LoadedMesh<T>& mesh, const TransverseDeviation<T>& deviation) {
   using std::sqrt;
-  if (!deviation) {
-    const Factor<T> one{.branch = "accuracy grade not stated", .source = sources::kNotStated};
-    return {.flank = one, .root = one};
-  }
-  check_not_negative("base pitch deviation [m]", value_of(deviation->base_pitch_deviation_m));
-  check_not_negative("running-in allowance [m]", value_of(deviation->running_in_m));
-  check_not_negative("mesh stiffness [Pa]", value_of(deviation->stiffness_Pa));
-  const T load = line_load_n_mm(mesh) * deviation->dynamic_factor * deviation->face_load_factor;
+  check_not_negative("base pitch deviation [m]", value_of(deviation.base_pitch_deviation_m));
+  check_not_negative("running-in allowance [m]", value_of(deviation.running_in_m));
+  check_not_negative("mesh stiffness [Pa]", value_of(deviation.stiffness_Pa));
+  const T load = line_load_n_mm(mesh) * deviation.dynamic_factor * deviation.face_load_factor;
   check_above_zero("line load [N/mm]", value_of(load));
-  const T left = (deviation->base_pitch_deviation_m - deviation->running_in_m) / units::kMicrometre;
-  const T q = (deviation->stiffness_Pa / kStiffnessUnit_Pa) * left / load;
+  const T left = (deviation.base_pitch_deviation_m - deviation.running_in_m) / units::kMicrometre;
+  const T q = (deviation.stiffness_Pa / kStiffnessUnit_Pa) * left / load;
   const T& epsilon = mesh.contact_ratio;
   const T value = value_of(epsilon) <= 2.0
                       ? T(0.5 * epsilon * (0.9 + 0.4 * q))
@@ -141,13 +145,15 @@ std::optional<double> base_pitch_deviation(double module_m, double reference_dia
   return tolerances->single_pitch_m * std::cos(alpha_rad);
 }
 
-double running_in_allowance(MaterialGroup group, double flank_limit_Pa, double deviation_m) {
+double running_in_allowance(MaterialGroup group, std::optional<double> flank_limit_Pa,
+                            double deviation_m) {
   if (is_surface_hardened(group)) {
     return std::min(0.075 * deviation_m, 3.0 * units::kMicrometre);
   }
   if (group != MaterialGroup::kNormalised && group != MaterialGroup::kThroughHardened) return 0.0;
-  check_above_zero("flank limit [Pa]", flank_limit_Pa);
-  return std::min(deviation_m, 160.0 * deviation_m / (flank_limit_Pa / 1e6));
+  if (!flank_limit_Pa) return 0.0;
+  check_above_zero("flank limit [Pa]", *flank_limit_Pa);
+  return std::min(deviation_m, 160.0 * deviation_m / (*flank_limit_Pa / 1e6));
 }
 
 std::optional<Factor<double>> mesh_load_factor(MeshLoadTable table, int planets) {
@@ -164,12 +170,13 @@ std::optional<Factor<double>> mesh_load_factor(MeshLoadTable table, int planets)
 }
 
 #define INSTANTIATE(T)                                                              \
+  template T dynamic_speed<T>(const LoadedMesh<T>&);                                \
   template T line_load_n_mm<T>(const LoadedMesh<T>&);                               \
   template Factor<T> dynamic_factor<T>(const LoadedMesh<T>&, std::optional<int>);   \
   template Factor<T> face_load_factor<T>(const LoadedMesh<T>&, const T&, const T&); \
   template Factor<T> root_face_load_factor<T>(const T&, const T&);                  \
   template TransverseLoadFactors<T> transverse_load_factors<T>(                     \
-      const LoadedMesh<T>&, const std::optional<TransverseDeviation<T>>&);
+      const LoadedMesh<T>&, const TransverseDeviation<T>&);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
 #undef INSTANTIATE
 

@@ -29,12 +29,18 @@ T line_load_n_mm(const LoadedMesh<T>& mesh);
 ///   K_v = 1 + (K1/max(100, w) + 0.0193) V K3,  V = v z1/100 √(u²/(1 + u²))
 ///   K3 = 2 (V ≤ 0.2), 2.071 − 0.357 V;   K1 = 2.1 3.9 7.5 14.9 26.8 39.1 for grades 3 to 8
 ///
-/// Source: IACS UR M56.  Valid: V < 3, else in_range is false and the value stands.  Kinks: w = 100
-/// N/mm, V = 0.2 (K3 has a step of 4e-4 there).  At rest K_v = 1.
+/// Source: IACS UR M56.  Valid: V < 3; beyond, where the formula would fall and turn negative, it is
+/// held at V = 3 and in_range is false.  Kinks: w = 100 N/mm, V = 0.2 (K3 has a step of 4e-4 there).
+/// At rest K_v = 1.
 /// @param grade  ISO 1328 accuracy grade; empty: not stated, K_v = 1
 /// @throws std::invalid_argument when the grade is not from 3 to 8
 template <class T>
 Factor<T> dynamic_factor(const LoadedMesh<T>& mesh, std::optional<int> grade);
+
+/// V, the greatest of which the formula of K_v is stated for.
+inline constexpr double kGreatestDynamicSpeed = 3.0;
+template <class T>
+T dynamic_speed(const LoadedMesh<T>& mesh);
 
 /// Face load factor of the flank from the misalignment that is left after running in.
 ///
@@ -77,11 +83,10 @@ struct TransverseDeviation {
 ///
 /// Source: hakangunes258/mekanika (ISO 6336-1:2006, eqs. 71-77), cfernandesFEUP/GEARpie.  Kinks at
 /// the limits; continuous at ε = 2.
-/// @param deviation  empty: no accuracy grade is stated, both 1
 /// @throws std::invalid_argument when f_pb, y or c_γα is negative, or w K_v K_Hβ not positive
 template <class T>
-TransverseLoadFactors<T> transverse_load_factors(
-    const LoadedMesh<T>& mesh, const std::optional<TransverseDeviation<T>>& deviation);
+TransverseLoadFactors<T> transverse_load_factors(const LoadedMesh<T>& mesh,
+                                                 const TransverseDeviation<T>& deviation);
 
 /// Base pitch deviation f_pb = f_pt cos α of an accuracy grade.
 /// Source: backlash::pitch_grade(); the report of stage_01.
@@ -95,8 +100,11 @@ std::optional<double> base_pitch_deviation(double module_m, double reference_dia
 ///   surface hardened: min(0.075 f, 3);   St, V: 160 f/σ_Hlim
 ///
 /// at most f.  Source: hakangunes258/mekanika (ISO 6336-1:2006).
+/// @param flank_limit_Pa  σ_Hlim; empty: not stated, nothing is allowed for
 /// @returns y [m]; 0 for other groups
-double running_in_allowance(MaterialGroup group, double flank_limit_Pa, double deviation_m);
+/// @throws std::invalid_argument when the group's formula needs σ_Hlim and it is not positive
+double running_in_allowance(MaterialGroup group, std::optional<double> flank_limit_Pa,
+                            double deviation_m);
 
 /// Whose table of K_γ.
 enum class MeshLoadTable {

@@ -42,6 +42,7 @@ MeshForces<T> lossless_mesh_forces(const train::TrainGeometry<T>& train,
     const T force = output_torque_Nm * a[k] / static_cast<double>(train.planets);
     forces.normal_N[k] = unsigned_force(force);
     forces.tangential_N[k] = s[k] * force * cos(train.meshes[k].alpha_w_rad);
+    forces.loss_Nm[k] = constant<T>(0.0);
   }
   return forces;
 }
@@ -59,6 +60,7 @@ MeshForces<T> mesh_forces(const train::TrainGeometry<T>& train, const train::Pow
     const T M_k = -(flow.mesh_loss_Nm[k] + T_k * w[k]) / w_P;
     forces.normal_N[k] = unsigned_force(T_k) / (n * central_base_radius(train, k));
     forces.tangential_N[k] = -(T_k + M_k) / (n * train.center_distance_m);
+    forces.loss_Nm[k] = unsigned_force(flow.mesh_loss_Nm[k]) / n;
   }
   return forces;
 }

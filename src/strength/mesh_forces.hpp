@@ -17,6 +17,8 @@ struct MeshForces {
   std::array<T, train::kMeshCount> normal_N{};
   /// f_k [N], of mesh k on the planet, tangential at the planet's centre, friction included.
   std::array<T, train::kMeshCount> tangential_N{};
+  /// Friction work of mesh k per radian that R2 turns, of one planet [N m]; 0 without losses.
+  std::array<T, train::kMeshCount> loss_Nm{};
 };
 
 /// Normal forces over the output's torque, of all planets together: F_k = T a_k/N.
@@ -41,7 +43,8 @@ MeshForces<T> lossless_mesh_forces(const train::TrainGeometry<T>& train, const T
 
 /// Forces of a power flow.
 ///
-///   F_k = |T_k|/(N rb),   f_k = −(T_k + M_k)/(N d),   M_k = −(loss_k + T_k w'_k)/w'_P
+///   F_k = |T_k|/(N rb),   f_k = −(T_k + M_k)/(N d),   M_k = −(loss_k + T_k w'_k)/w'_P,
+///   loss per planet = loss_k/N
 ///
 /// rb the base radius of the central gear, M_k the moment of mesh k on the planets about their own
 /// axes.  F_k is the force that would bring T_k along the line of action: friction, which turns the

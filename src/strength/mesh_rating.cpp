@@ -79,8 +79,10 @@ std::optional<TransverseDeviation<T>> transverse_deviation(const SharedMesh<T>& 
   for (const RatedGear<T>* g : m.gears) {
     const auto limit =
         flank_limit<double>(g->material.record, {.hardness = g->material.hardness, .cycles = 1.0});
-    running_in_m +=
-        0.5 * running_in_allowance(g->material.record.group, limit.stress_Pa, deviation_m);
+    running_in_m += 0.5 * running_in_allowance(
+                              g->material.record.group,
+                              limit.stated ? std::optional(limit.stress_Pa) : std::nullopt,
+                              deviation_m);
   }
   return TransverseDeviation<T>{.base_pitch_deviation_m = constant<T>(deviation_m),
                                 .running_in_m = constant<T>(running_in_m),
@@ -132,8 +134,16 @@ RatedLoadFactors<T> load_factors_of(const SharedMesh<T>& m, const LoadedMesh<T>&
                 misaligned || stated.flank_face
                     ? root_face_load_factor(f.flank_face.value, T(height / m.duty.face_width_m))
                     : unstated_factor<T>("no misalignment stated"));
-  const auto transverse =
-      transverse_load_factors(loaded, transverse_deviation(m, f, iso.mesh_alpha));
+  TransverseLoadFactors<T> transverse;
+  if (const auto deviation = transverse_deviation(m, f, iso.mesh_alpha)) {
+    transverse = transverse_load_factors(loaded, *deviation);
+  } else {
+    const bool graded = m.task.accuracy_grade.has_value();
+    transverse.flank = unstated_factor<T>(graded ? "size outside the formulas of the grade"
+                                                 : "accuracy grade not stated");
+    transverse.flank.in_range = !graded;
+    transverse.root = transverse.flank;
+  }
   f.flank_transverse = stated_or(stated.flank_transverse, transverse.flank);
   f.root_transverse = stated_or(stated.root_transverse, transverse.root);
   return f;
@@ -201,13 +211,14 @@ void rate_metal(const SharedMesh<T>& m, std::size_t own, const ToothLoad<T>& loa
   tooth.limit_in_range = root.hardness_in_range && flank.hardness_in_range;
   if (root.stated && g.root) {
     const RootCondition<T> condition{
-        .cycles = constant<T>(g.root_cycles.value_or(kEnduranceCycles)),
+        .cycles = constant<T>(g.cycles.value_or(kEnduranceCycles)),
         .notch_parameter = tooth.form.notch_parameter,
         .module_m = g.gear.gear.module_m,
         .root_roughness_m = m.task.root_roughness_m,
-        .loading = g.loading};
+        .loading = g.loading,
+        .reversal = m.task.factors.reversal};
     tooth.root_strength = root_strength(material, root.stress_Pa, condition);
-    if (!g.root_cycles) {
+    if (!g.cycles) {
       take_endurance_limit(tooth.root_strength.life, tooth.root_strength.strength_Pa);
     }
     tooth.root_safety = root_safety(tooth.root_strength, tooth.root.stress_Pa);
@@ -225,7 +236,7 @@ void rate_metal(const SharedMesh<T>& m, std::size_t own, const ToothLoad<T>& loa
                                             .cycles = constant<T>(1.0)});
   const bool metal_mate = of_mate.stated && !is_plastic(mate.material.record.group);
   FlankCondition<T> condition{
-      .cycles = constant<T>(g.flank_cycles.value_or(kEnduranceCycles)),
+      .cycles = constant<T>(g.cycles.value_or(kEnduranceCycles)),
       .pitting_allowed = m.task.pitting_allowed,
       .softer_limit_Pa = metal_mate ? smaller(flank.stress_Pa, of_mate.stress_Pa) : flank.stress_Pa,
       .reduced_radius_m =
@@ -237,7 +248,7 @@ void rate_metal(const SharedMesh<T>& m, std::size_t own, const ToothLoad<T>& loa
       .mate_group = mate.material.record.group,
       .brinell_hardness = brinell_of(g.material)};
   tooth.flank_strength = flank_strength(material, flank.stress_Pa, condition);
-  if (!g.flank_cycles) {
+  if (!g.cycles) {
     take_endurance_limit(tooth.flank_strength.life, tooth.flank_strength.strength_Pa);
   }
   tooth.flank_safety = flank_safety(tooth.flank_strength, tooth.flank_stress_Pa);
@@ -273,7 +284,7 @@ void rate_plastic(const SharedMesh<T>& m, std::size_t own, const ToothLoad<T>& l
     const ToothCondition<T> at{
         .hardness = g.material.hardness,
         .temperature_K = temperature_K,
-        .cycles = constant<T>((of_root ? g.root_cycles : g.flank_cycles).value_or(1.0))};
+        .cycles = constant<T>(std::max(g.cycles.value_or(1.0), 1.0))};
     return of_root ? root_limit(material, at) : flank_limit(material, at);
   };
   const LimitValue<T> root_at = limit_at(true, *tooth.root_temperature_K);
@@ -285,14 +296,17 @@ void rate_plastic(const SharedMesh<T>& m, std::size_t own, const ToothLoad<T>& l
   const Factor<T> in_limit{.branch = "in the limit's curve", .source = sources::kVdi2736};
   if (root_at.stated) {
     RootStrength<T>& s = tooth.root_strength;
-    s.life = s.notch_sensitivity = s.surface = s.size = s.reversal = in_limit;
-    s.reversal.branch = "no source for plastics";
+    s.life = s.notch_sensitivity = s.surface = s.size = in_limit;
+    s.reversal =
+        reversal_factor<T>(g.loading, m.task.factors.reversal,
+                           unstated_factor<T>("reversed; no source states it for plastics"));
     s.limit_Pa = root_at.stress_Pa;
     s.stress_correction = {.value = constant<T>(kPlasticStressCorrection),
                            .branch = "plastics",
                            .source = sources::kVdi2736};
-    s.strength_Pa = kPlasticStressCorrection * root_at.stress_Pa;
-    tooth.root_safety = plastic_root_safety(root_at.stress_Pa, tooth.root.stress_Pa);
+    const T limit_Pa = root_at.stress_Pa * s.reversal.value;
+    s.strength_Pa = kPlasticStressCorrection * limit_Pa;
+    tooth.root_safety = plastic_root_safety(limit_Pa, tooth.root.stress_Pa);
   }
   if (flank_at.stated) {
     FlankStrength<T>& s = tooth.flank_strength;
@@ -304,11 +318,11 @@ void rate_plastic(const SharedMesh<T>& m, std::size_t own, const ToothLoad<T>& l
     tooth.overload_root_safety = plastic_peak_safety(*material.yield_strength_Pa,
                                                      T(tooth.root.stress_Pa * (*m.task.overload)));
   }
-  if (m.task.wear_coefficient_m2_N && g.root_cycles) {
+  if (m.task.wear_coefficient_m2_N && g.wear_turns) {
     const int which = static_cast<int>(own) + 1;
     tooth.wear_m =
         linear_wear<T>({.torque_Nm = m.duty.normal_N * g.gear.base_radius_m,
-                        .revolutions = constant<T>(*g.root_cycles),
+                        .revolutions = constant<T>(*g.wear_turns),
                         .loss_factor = m.duty.loss_factor,
                         .wear_coefficient_m2_N = *m.task.wear_coefficient_m2_N,
                         .face_width_m = m.duty.face_width_m,
@@ -339,11 +353,21 @@ Elasticity elasticity_of(const GearMaterial& material) {
   return {.youngs_modulus_Pa = *record.youngs_modulus_Pa, .poissons_ratio = *record.poisson_ratio};
 }
 
+bool computes_dynamic_factor(const RatingTask& task, const GearMaterial& material1,
+                             const GearMaterial& material2) {
+  return task.accuracy_grade && task.speed_rad_s > 0.0 && !task.factors.dynamic &&
+         !any_plastic(material1, material2);
+}
+
 double least_root_safety(const RatingTask& task, const GearMaterial& material) {
   return least_safety(task.root_safety_min, material, kPlasticRootSafety);
 }
 double least_flank_safety(const RatingTask& task, const GearMaterial& material) {
   return least_safety(task.flank_safety_min, material, kPlasticFlankSafety);
+}
+
+double least_overload_root_safety(const RatingTask& task, const GearMaterial& material) {
+  return is_plastic(material.record.group) ? kPlasticPeakSafety : least_root_safety(task, material);
 }
 
 template <class T>
@@ -368,7 +392,11 @@ MeshRating<T> rate_mesh(const RatedGear<T>& gear1, const RatedGear<T>& gear2,
                       rating.line_load_N_m);
     rating.iso_in_range = iso_flexibility_in_range(pair);
   }
-  rating.factors = load_factors_of(shared, loaded_mesh(shared, rating.tangential_N), rating.iso);
+  const LoadedMesh<T> loaded = loaded_mesh(shared, rating.tangential_N);
+  rating.factors = load_factors_of(shared, loaded, rating.iso);
+  if (computes_dynamic_factor(task, gear1.material, gear2.material)) {
+    rating.dynamic_speed = dynamic_speed(loaded);
+  }
   const ToothLoad<T> load{.tangential_N = rating.tangential_N, .face_width_m = duty.face_width_m};
   const RatedLoadFactors<T>& f = rating.factors;
   rating.flank = flank_stress<T>({.gear1 = gear1.gear,

@@ -21,8 +21,8 @@ struct RatedGear {
   const geometry::GearGeometry<T>& gear;
   const geometry::ToothForm<T>& form;
   const GearMaterial& material;
-  std::optional<double> root_cycles{};  ///< N; empty: not stated
-  std::optional<double> flank_cycles{};
+  std::optional<double> cycles{};      ///< N of a tooth; empty: not stated
+  std::optional<double> wear_turns{};  ///< meetings of a tooth with this mate; empty: not stated
   RootLoading loading = RootLoading::kPulsating;
   std::optional<T> rim_m{};  ///< material under the root circle
   bool root = true;          ///< of metals: whether the root is rated; else `form` is not read
@@ -82,13 +82,14 @@ struct MeshRating {
   bool iso_in_range = true;
   /// k̄ over the path, per face width; empty where it was not asked for.
   std::optional<T> mean_stiffness_Pa{};
-  std::optional<T> deformation_m{};  ///< λ, with a plastic gear
+  std::optional<T> deformation_m{};   ///< λ, with a plastic gear
+  std::optional<T> dynamic_speed{};   ///< V of K_v, where it is computed
   std::array<ToothRating<T>, 2> teeth;
 };
 
-/// Which stiffnesses are wanted: kFactors those of ISO 6336 where a load factor needs them, kNone
+/// Which stiffnesses are wanted: kFactors those of ISO 6336 where a load factor needs them, kIso
 /// those of ISO 6336, kPath the mean over the path too, the costly part.
-enum class StiffnessPart { kFactors, kNone, kPath };
+enum class StiffnessPart { kFactors, kIso, kPath };
 
 /// Rates both teeth of a mesh.
 ///
@@ -102,8 +103,15 @@ MeshRating<T> rate_mesh(const RatedGear<T>& gear1, const RatedGear<T>& gear2,
                         const geometry::MeshGeometry<T>& mesh, const MeshDuty<T>& duty,
                         const RatingTask& task, StiffnessPart part);
 
+/// Whether K_v is computed, by dynamic_factor(): MeshRating::dynamic_speed is then set.
+bool computes_dynamic_factor(const RatingTask& task, const GearMaterial& material1,
+                             const GearMaterial& material2);
+
 /// Least safeties that are asked for of a gear.
 double least_root_safety(const RatingTask& task, const GearMaterial& material);
 double least_flank_safety(const RatingTask& task, const GearMaterial& material);
+/// Of plastics kPlasticPeakSafety; of metals that of the root, and under overload the flank has its
+/// own too.
+double least_overload_root_safety(const RatingTask& task, const GearMaterial& material);
 
 }  // namespace gear3k::strength

@@ -65,12 +65,6 @@ bool iso_flexibility_in_range(const IsoPair<T>& pair) {
 }
 
 template <class T>
-T iso_web_factor(const T& web_share, const T& rim_thickness) {
-  using std::exp, std::log;
-  return 1.0 + log(web_share) * exp(T(-0.2 * rim_thickness)) / 5.0;
-}
-
-template <class T>
 IsoStiffness<T> iso_stiffness(const IsoPair<T>& pair, const T& contact_ratio,
                               const IsoLoading& loading, const T& line_load_N_m) {
   using std::sqrt;
@@ -89,7 +83,7 @@ IsoStiffness<T> iso_stiffness(const IsoPair<T>& pair, const T& contact_ratio,
     c.single =
         loaded ? T(c.single * sqrt(sqrt(T(line_load_N_m / kFullLineLoad)))) : constant<T>(0.0);
   }
-  c.mesh_alpha = c.single * (0.75 * contact_ratio + 0.25);
+  c.mesh_alpha = c.single * (0.75 * larger(contact_ratio, constant<T>(1.0)) + 0.25);
   c.mesh_beta = 0.85 * c.mesh_alpha;
   return c;
 }
@@ -157,7 +151,6 @@ T mean_mesh_stiffness(const ElasticMesh<T>& mesh) {
                                   const geometry::GearGeometry<T>&);                        \
   template T iso_flexibility<T>(const IsoPair<T>&);                                         \
   template bool iso_flexibility_in_range<T>(const IsoPair<T>&);                             \
-  template T iso_web_factor<T>(const T&, const T&);                                         \
   template IsoStiffness<T> iso_stiffness<T>(const IsoPair<T>&, const T&, const IsoLoading&, \
                                             const T&);                                      \
   template ElasticMesh<T> make_elastic_mesh<T>(                                             \

@@ -37,13 +37,6 @@ T iso_flexibility(const IsoPair<T>& pair);
 template <class T>
 bool iso_flexibility_in_range(const IsoPair<T>& pair);
 
-/// Factor C_R of a web: 1 + ln(b_s/b)/(5 e^{s_R/(5m)}); 1 for a solid disc.
-/// Source: ISO 6336-1 by way of efirvida/python-gearbox.
-/// @param web_share       b_s/b, web over face width, in (0, 1]
-/// @param rim_thickness   s_R/m
-template <class T>
-T iso_web_factor(const T& web_share, const T& rim_thickness);
-
 /// Mesh stiffness per face width by ISO.
 ///
 ///   c'   = 0.8 C_R C_B E_r/(206000 N/mm² q),   E_r = 2 E1 E2/(E1 + E2)

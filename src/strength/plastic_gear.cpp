@@ -63,7 +63,7 @@ PlasticRootStress<T> plastic_root_stress(const GearGeometry<T>& gear, const Root
   const T one = constant<T>(1.0);
   PlasticRootStress<T> result{
       .form = root_form(gear, section, load_point(gear, geometry::tip_curvature_radius(gear))),
-      .contact_ratio_factor = 0.25 + 0.75 / contact_ratio};
+      .contact_ratio_factor = 0.25 + 0.75 / larger(contact_ratio, constant<T>(1.0))};
   const RootStress<T> at_tip = root_stress(gear, result.form, one, load, LoadFactorSet<T>{});
   result.stress_Pa = load_factor * at_tip.nominal_Pa * result.contact_ratio_factor;
   return result;

@@ -19,10 +19,6 @@ struct HeatTransfer {
 /// Source: cfernandesFEUP/GEARpie@2d87d6b CLASSES/VDI2736.py.
 HeatTransfer heat_transfer(PlasticMate mate);
 
-/// Resistance of the housing R_λ [K m²/W]: 0 open, 0.015 to 0.045 partly open, 0.06 closed.
-/// Source: as heat_transfer().
-inline constexpr double kClosedHousing_Km2_W = 0.06;
-
 /// What heats a mesh, and where the heat goes.
 template <class T>
 struct ToothHeat {
@@ -32,7 +28,8 @@ struct ToothHeat {
   int pinion_teeth = 0;             ///< z1
   T speed_m_s{};                    ///< v: pitch circle
   T module_m{};                     ///< m
-  double housing_resistance = 0.0;  ///< R_λ [K m²/W]
+  /// R_λ [K m²/W]: 0 open, 0.015 to 0.045 partly open, 0.06 closed (source as heat_transfer()).
+  double housing_resistance = 0.0;
   double housing_surface_m2 = 1.0;  ///< A_G
   double duty = 1.0;                ///< ED: share of the time at work
 };
@@ -52,6 +49,7 @@ T tooth_temperature(const ToothHeat<T>& heat, double transfer_coefficient);
 ///
 ///   σ_F = K_F F_t/(b m) Y_Fa Y_Sa Y_ε,  Y_ε = 0.25 + 0.75/ε,  K_F = K_A K_γ
 ///
+/// Below ε = 1, where no pair shares the load, Y_ε is held at 1.
 /// Source: VDI 2736-2 eq. 10 by tkuhn39/semesterthesis.
 template <class T>
 struct PlasticRootStress {

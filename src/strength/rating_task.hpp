@@ -39,13 +39,15 @@ struct StatedFactors {
   std::optional<double> flank_face{};                           ///< K_Hβ
   std::optional<double> root_face{};                            ///< K_Fβ
   std::optional<double> flank_transverse{}, root_transverse{};  ///< K_Hα, K_Fα
+  std::optional<double> reversal{};  ///< Y_M of teeth that are loaded on both flanks
 };
 
 /// Bearings of a planet on its pin.
 struct PlanetSupports {
   std::array<double, 2> position_m{};     ///< of A and B along the axis, as axial.* states places
   std::array<double, 2> plane_m{};        ///< middle of the toothings P1 and P2
-  std::optional<double> stiffness_N_m{};  ///< of one bearing, radial; empty: rigid
+  std::optional<double> stiffness_N_m{};      ///< of one bearing, radial; empty: rigid
+  std::optional<double> pin_stiffness_N_m{};  ///< of the pin under a bearing; empty: rigid
 };
 
 /// A load that a gearbox, or a pair, is to carry.
@@ -83,7 +85,10 @@ struct RatingTask {
   // Planets.
   std::optional<PlanetSupports> supports{};
   std::optional<double> pin_diameter_m{};
-  double planet_mass_kg = 0.0;  ///< 0: no centrifugal force
+  // Torsional stiffness; empty: rigid.
+  std::optional<double> planet_torsion_Nm_rad{};  ///< between P1 and P2, of one planet
+  std::optional<double> sun_shaft_Nm_rad{};       ///< between the sun's teeth and the input
+  std::optional<double> ring2_Nm_rad{};           ///< between R2's teeth and the output
 };
 
 }  // namespace gear3k::strength

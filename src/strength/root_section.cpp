@@ -70,12 +70,6 @@ T fillet_curvature_radius(const Fillet<T>& f, const T& gamma) {
 }  // namespace
 
 template <class T>
-T section_radius(const RootSection<T>& section) {
-  using std::sqrt;
-  return sqrt(section.height_m * section.height_m + 0.25 * section.chord_m * section.chord_m);
-}
-
-template <class T>
 RootSection<T> root_section(const GearGeometry<T>& gear, const ToothForm<T>& form,
                             double tangent_angle_rad) {
   using std::cos, std::sin;
@@ -152,7 +146,6 @@ RootSection<T> virtual_rack_section(const GearGeometry<T>& ring, double virtual_
 }
 
 #define INSTANTIATE(T)                                                            \
-  template T section_radius<T>(const RootSection<T>&);                            \
   template RootSection<T> root_section<T>(const geometry::GearGeometry<T>&,       \
                                           const geometry::ToothForm<T>&, double); \
   template RootSection<T> virtual_rack_section<T>(const geometry::GearGeometry<T>&, double);

@@ -29,10 +29,6 @@ struct RootSection {
   bool on_fillet = true;
 };
 
-/// Radius of the circle on which the section's ends lie, sqrt(y_F² + (s_F/2)²).  @returns [m]
-template <class T>
-T section_radius(const RootSection<T>& section);
-
 /// Section of the generated fillet.  With ψ the angle of the space's middle from the line of
 /// centres (geometry::CuttingPosition) and η of the fillet point from the space's middle,
 ///

@@ -135,16 +135,11 @@ Factor<T> size_factor(MaterialGroup group, const T& module_m) {
 }  // namespace
 
 template <class T>
-Factor<T> reversal_factor(RootLoading loading) {
-  switch (loading) {
-    case RootLoading::kOccasionallyReversed:
-      return {.value = constant<T>(0.9), .branch = "occasional reversal", .source = sources::kM56};
-    case RootLoading::kReversed:
-      return {.value = constant<T>(0.7), .branch = "reversed", .source = sources::kM56};
-    case RootLoading::kPulsating:
-      break;
-  }
-  return {.branch = "one flank", .source = sources::kM56};
+Factor<T> reversal_factor(RootLoading loading, const std::optional<double>& stated,
+                          const Factor<T>& computed) {
+  if (loading == RootLoading::kPulsating) return {.branch = "one flank", .source = sources::kM56};
+  if (!stated) return computed;
+  return {.value = constant<T>(*stated), .branch = "stated", .source = sources::kInput};
 }
 
 template <class T>
@@ -167,15 +162,17 @@ RootStrength<T> root_strength(const Material& material, const T& limit_Pa,
       .notch_sensitivity = notch_sensitivity_factor(material, condition.notch_parameter),
       .surface = surface_factor<T>(material.group, condition.root_roughness_m),
       .size = size_factor(material.group, condition.module_m),
-      .reversal = reversal_factor<T>(condition.loading)};
+      .reversal = reversal_factor<T>(
+          condition.loading, condition.reversal,
+          {.value = constant<T>(0.7), .branch = "reversed", .source = sources::kM56})};
   strength.strength_Pa = limit_Pa * strength.stress_correction.value * strength.life.value *
                          strength.notch_sensitivity.value * strength.surface.value *
                          strength.size.value * strength.reversal.value;
   return strength;
 }
 
-#define INSTANTIATE(T)                                \
-  template Factor<T> reversal_factor<T>(RootLoading); \
+#define INSTANTIATE(T)                                                                           \
+  template Factor<T> reversal_factor<T>(RootLoading, const std::optional<double>&, const Factor<T>&); \
   template RootStrength<T> root_strength<T>(const Material&, const T&, const RootCondition<T>&);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
 #undef INSTANTIATE

@@ -10,9 +10,8 @@ namespace gear3k::strength {
 
 /// How a tooth is loaded over its life.
 enum class RootLoading {
-  kPulsating,             ///< one flank
-  kOccasionallyReversed,  ///< now and then the other one
-  kReversed               ///< both in turn: an idler, a joint that works in both directions
+  kPulsating,  ///< one flank
+  kReversed    ///< both in turn: an idler, a joint that works in both directions
 };
 
 /// What the strength of a root depends on besides its material's limit.
@@ -23,6 +22,7 @@ struct RootCondition {
   T module_m{};                              ///< m
   std::optional<double> root_roughness_m{};  ///< R_z of the fillet; empty: not stated
   RootLoading loading = RootLoading::kPulsating;
+  std::optional<double> reversal{};  ///< Y_M of kReversed as stated; empty: 0.7
 };
 
 /// Root strength σ_FG = σ_Flim Y_ST Y_NT Y_δ Y_R Y_X Y_M, factor by factor.
@@ -39,7 +39,7 @@ struct RootCondition {
 ///          nitrided  4.299 − 3.259 (R_z + 1)^0.0058     [1.025]
 ///   Y_X    1 to m = 5 mm; V, St 1.03 − 0.006 m (held from 30 mm); surface hardened 1.05 − 0.01 m
 ///          (held from 25 mm)
-///   Y_M    1; 0.9 with occasional reversal; 0.7 reversed
+///   Y_M    1; 0.7 reversed, or as stated
 ///
 /// Source: IACS UR M56; ρ' of St: hakangunes258/mekanika; Y_X: hanslhansl/din3990.  Nodular iron is
 /// taken as V (perlitic or bainitic).
@@ -77,7 +77,10 @@ RootStrength<T> static_root_strength(const Material& material, const T& limit_Pa
 }
 
 /// Y_M of a loading.
+/// @param stated    of kReversed
+/// @param computed  of kReversed where it is not stated
 template <class T>
-Factor<T> reversal_factor(RootLoading loading);
+Factor<T> reversal_factor(RootLoading loading, const std::optional<double>& stated,
+                          const Factor<T>& computed);
 
 }  // namespace gear3k::strength

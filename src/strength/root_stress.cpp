@@ -106,15 +106,6 @@ RootStress<T> root_stress(const GearGeometry<T>& gear, const RootForm<T>& form, 
   return {.nominal_Pa = nominal, .stress_Pa = nominal * factors.product()};
 }
 
-template <class T>
-T lewis_stress(const GearGeometry<T>& gear, const RootSection<T>& section,
-               const ToothLoad<T>& load) {
-  check_tooth_load(load);
-  const RootForm<T> form =
-      root_form(gear, section, load_point(gear, geometry::tip_curvature_radius(gear)));
-  return load.tangential_N / (load.face_width_m * gear.gear.module_m) * form.form_factor;
-}
-
 #define INSTANTIATE(T)                                                                        \
   template LoadPoint<T> load_point<T>(const GearGeometry<T>&, const T&);                      \
   template T outer_single_contact<T>(const GearGeometry<T>&, const T&, const T&);             \
@@ -123,8 +114,7 @@ T lewis_stress(const GearGeometry<T>& gear, const RootSection<T>& section,
   template T least_rim<T>(const GearGeometry<T>&);                                            \
   template Factor<T> rim_factor<T>(const GearGeometry<T>&, const std::optional<T>&);          \
   template RootStress<T> root_stress<T>(const GearGeometry<T>&, const RootForm<T>&, const T&, \
-                                        const ToothLoad<T>&, const LoadFactorSet<T>&);        \
-  template T lewis_stress<T>(const GearGeometry<T>&, const RootSection<T>&, const ToothLoad<T>&);
+                                        const ToothLoad<T>&, const LoadFactorSet<T>&);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
 #undef INSTANTIATE
 

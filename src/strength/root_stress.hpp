@@ -110,14 +110,4 @@ RootStress<T> root_stress(const geometry::GearGeometry<T>& gear, const RootForm<
                           const T& rim_factor, const ToothLoad<T>& load,
                           const LoadFactorSet<T>& factors);
 
-/// Root stress of the Lewis beam: the whole load at the tip, no notch.
-///
-///   σ = F_t/(b m) Y_F(tip)
-///
-/// A cheap figure that needs no mesh; not a bound on σ_F0, which has Y_S but a shorter arm.
-/// Source: Lewis' beam with the section of IACS UR M56.
-template <class T>
-T lewis_stress(const geometry::GearGeometry<T>& gear, const RootSection<T>& section,
-               const ToothLoad<T>& load);
-
 }  // namespace gear3k::strength

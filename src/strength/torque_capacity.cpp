@@ -31,7 +31,10 @@ TorqueReserve reserve_at(const SafetyFunction<double>& safeties, double torque_N
       throw std::invalid_argument(fmt::format(
           "torque capacity: exponent of item {} = {}, allowed: 1 and more", i, items[i].exponent));
     }
-    const double reserve = items[i].exponent * std::log(items[i].ratio);
+    // A strength of 0 and less, as of a plastic past the end of its curve, bears no torque at all.
+    const double ratio = items[i].ratio;
+    const double reserve = ratio <= 0.0 ? -std::numeric_limits<double>::infinity()
+                                        : items[i].exponent * std::log(ratio);
     if (std::isnan(reserve)) return {.logarithm = reserve, .item = i};
     if (reserve < least.logarithm) least = {.logarithm = reserve, .item = i};
   }

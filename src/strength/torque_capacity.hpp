@@ -13,7 +13,7 @@ namespace gear3k::strength {
 /// One safety at a torque.
 template <class T>
 struct SafetyRatio {
-  T ratio{};         ///< S/S_min; it falls as the torque rises
+  T ratio{};         ///< S/S_min; it falls as the torque rises; 0 and less: nothing is left
   int exponent = 1;  ///< 1: stress ∝ torque (root), 2: stress² ∝ torque (flank)
 };
 /// Safeties at an output torque [N m], always in the same order.

@@ -9,6 +9,9 @@ namespace gear3k::strength {
 
 namespace {
 
+/// Whether S and R1 load the same flank of P1.
+bool same_flank(const train::ToothSet& teeth) { return train::g2(teeth) > 1.0; }
+
 /// Speeds relative to the carrier, and life, at the task's speed.
 struct TrainMotion {
   double output_rad_s = 0.0, carrier_rad_s = 0.0;
@@ -27,14 +30,11 @@ TrainMotion motion_of(const train::ToothSet& teeth, double sun_rad_s) {
 }
 
 /// Cycles of every gear; empty where no life is stated.
-struct TrainCycles {
-  std::array<std::optional<double>, train::kGearCount> root{}, flank{};
-};
+using TrainCycles = std::array<std::optional<double>, train::kGearCount>;
 TrainCycles cycles_of(const train::ToothSet& teeth, int planets, const RatingTask& task) {
   TrainCycles cycles;
   if (task.cycles) {
-    cycles.root.fill(*task.cycles);
-    cycles.flank.fill(*task.cycles);
+    cycles.fill(*task.cycles);
     return cycles;
   }
   if (!task.life_s || !(task.speed_rad_s > 0.0)) return cycles;
@@ -46,17 +46,20 @@ TrainCycles cycles_of(const train::ToothSet& teeth, int planets, const RatingTas
                            .carrier = ratios.carrier * output_turns,
                            .planet_rolling = (ratios.planet - ratios.carrier) * output_turns,
                            .output = output_turns},
-                          planets, train::g2(teeth) > 1.0);
-  const bool one_sided = !task.load_reversal && train::g2(teeth) > 1.0;
-  cycles.root = {n.sun, one_sided ? n.planet1_flank : n.planet, n.fixed_ring, n.planet,
-                 n.output_ring};
-  cycles.flank = {n.sun, n.planet1_flank, n.fixed_ring, n.planet, n.output_ring};
-  return cycles;
+                          planets, same_flank(teeth));
+  return {n.sun, n.planet1, n.fixed_ring, n.planet2, n.output_ring};
+}
+
+/// Meetings with one mate: a flank of P1 that both its mates load shares its cycles among them.
+std::optional<double> turns_of(const std::optional<double>& cycles, int gear,
+                               const train::ToothSet& teeth) {
+  const bool shared = gear == train::kP1 && same_flank(teeth);
+  return cycles && shared ? std::optional(0.5 * *cycles) : cycles;
 }
 
 /// P1 with G2 < 1 is loaded on both flanks in turn; every gear is where the joint works both ways.
 RootLoading loading_of(int gear, const train::ToothSet& teeth, const RatingTask& task) {
-  const bool idler = gear == train::kP1 && train::g2(teeth) < 1.0;
+  const bool idler = gear == train::kP1 && !same_flank(teeth);
   return task.load_reversal || idler ? RootLoading::kReversed : RootLoading::kPulsating;
 }
 
@@ -77,93 +80,173 @@ RatedGear<T> rated_gear(const RatedTrain<T>& train, const RatingTask& task,
   return {.gear = train.geometry.gears[i],
           .form = train.forms[i],
           .material = *task.material[i],
-          .root_cycles = cycles.root[i],
-          .flank_cycles = cycles.flank[i],
+          .cycles = cycles[i],
+          .wear_turns = turns_of(cycles[i], gear, train.geometry.teeth),
           .loading = loading_of(gear, train.geometry.teeth, task),
           .rim_m = rim_of(train.geometry.gears[i], task, i),
           .root = root};
 }
 
-/// Forces of a drive direction into the rating; those of a held load where it locks.
+/// A train driven in one direction: its forces; those of a held load where it locks.
 template <class T>
-MeshForces<T> driven_or_held(const RatedTrain<T>& train, Drive drive, const T& torque_Nm,
-                             bool& locked) {
-  const auto driven =
-      driven_mesh_forces(train.geometry, train.efficiency[static_cast<std::size_t>(drive)],
-                         torque_Nm, drive == Drive::kForward);
-  if (driven) return *driven;
-  locked = true;
-  return lossless_mesh_forces(train.geometry, torque_Nm);
-}
-
-/// Normal force of a mesh and the direction that it belongs to.
-template <class T>
-struct DecidingForce {
-  T normal_N{};
+struct DrivenTrain {
   Drive drive = Drive::kForward;
+  bool locked = false;
+  MeshForces<T> forces;
 };
-/// Sets the forces, of kEither those of the forward drive.
 template <class T>
-std::array<DecidingForce<T>, train::kMeshCount> forces_of(const RatedTrain<T>& train, Drive drive,
-                                                          const T& torque_Nm,
-                                                          TrainRating<T>& rating) {
-  const Drive first = drive == Drive::kBackward ? drive : Drive::kForward;
-  rating.forces = driven_or_held(train, first, torque_Nm, rating.locked);
-  std::array<DecidingForce<T>, train::kMeshCount> deciding;
-  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
-    deciding[k] = {.normal_N = rating.forces.normal_N[k], .drive = first};
-  }
-  if (drive != Drive::kEither) return deciding;
-  const MeshForces<T> backward = driven_or_held(train, Drive::kBackward, torque_Nm, rating.locked);
-  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
-    if (value_of(backward.normal_N[k]) <= value_of(deciding[k].normal_N)) continue;
-    deciding[k] = {.normal_N = backward.normal_N[k], .drive = Drive::kBackward};
-  }
-  return deciding;
+DrivenTrain<T> driven_train(const RatedTrain<T>& train, Drive drive, const T& torque_Nm) {
+  auto forces = driven_mesh_forces(train.geometry, train.efficiency[static_cast<std::size_t>(drive)],
+                                   torque_Nm, drive == Drive::kForward);
+  if (forces) return {.drive = drive, .forces = *std::move(forces)};
+  return {.drive = drive,
+          .locked = true,
+          .forces = lossless_mesh_forces(train.geometry, torque_Nm)};
 }
 
-/// Springs of the train from its meshes and bearings.
+/// What the rating of a mesh does not take from the drive direction.
+struct TrainLife {
+  TrainMotion motion;
+  TrainCycles cycles;
+  Factor<double> mesh_load;
+};
+
+template <class T>
+MeshRating<T> rated_mesh(const RatedTrain<T>& train, const RatingTask& task,
+                         const TrainLife& life, std::size_t k, const DrivenTrain<T>& driven,
+                         StiffnessPart part) {
+  const auto [first, second] = train::kMeshGears[k];
+  const RatedGear<T> gear1 = rated_gear(train, task, life.cycles, first, train.roots[k][0]);
+  const RatedGear<T> gear2 = rated_gear(train, task, life.cycles, second, train.roots[k][1]);
+  const geometry::GearGeometry<T>& central = k == train::kMeshSP1 ? gear1.gear : gear2.gear;
+  const bool forward = driven.drive == Drive::kForward;
+  const auto direction = static_cast<std::size_t>(driven.drive);
+  const bool below_one = !same_flank(train.geometry.teeth);
+  const auto driver = static_cast<std::size_t>(
+      train::gear1_drives(static_cast<train::MeshId>(k), below_one, forward) ? 0 : 1);
+  const T lost = 1.0 - train.efficiency[direction][k][driver];
+  const T& friction = train.friction[direction][k];
+  return rate_mesh<T>(
+      gear1, gear2, train.geometry.meshes[k],
+      {.normal_N = driven.forces.normal_N[k],
+       .face_width_m = train.face_width_m[static_cast<std::size_t>(train::stage_of(first))],
+       .speed_m_s = life.motion.rolling_rad_s[k] * central.reference_radius_m,
+       .loss_W = driven.forces.loss_Nm[k] * life.motion.output_rad_s,
+       .loss_factor = value_of(friction) > 0.0 ? T(lost / friction) : constant<T>(0.0),
+       .mesh_load = life.mesh_load},
+      task, part);
+}
+
+template <class T>
+void take_smaller(std::optional<T>& mine, const std::optional<T>& other) {
+  if (other && (!mine || value_of(*other) < value_of(*mine))) mine = other;
+}
+template <class T>
+void take_larger(std::optional<T>& mine, const std::optional<T>& other) {
+  if (other && (!mine || value_of(*other) > value_of(*mine))) mine = other;
+}
+
+/// Of both directions the worse one, quantity by quantity.
+template <class T>
+void take_worse(ToothRating<T>& mine, const ToothRating<T>& other) {
+  if (value_of(other.root_safety) < value_of(mine.root_safety)) {
+    mine.root = other.root;
+    mine.root_strength = other.root_strength;
+    mine.root_safety = other.root_safety;
+  }
+  if (value_of(other.flank_safety) < value_of(mine.flank_safety)) {
+    mine.flank_stress_Pa = other.flank_stress_Pa;
+    mine.flank_strength = other.flank_strength;
+    mine.flank_safety = other.flank_safety;
+  }
+  mine.limit_in_range = mine.limit_in_range && other.limit_in_range;
+  take_smaller(mine.overload_root_safety, other.overload_root_safety);
+  take_smaller(mine.overload_flank_safety, other.overload_flank_safety);
+  take_larger(mine.root_temperature_K, other.root_temperature_K);
+  take_larger(mine.flank_temperature_K, other.flank_temperature_K);
+  take_larger(mine.wear_m, other.wear_m);
+}
+
+/// The mesh in the worse of the directions.  Everything of metals worsens with the force; plastics
+/// are heated and worn by the losses, which another direction may have more of.
+template <class T>
+MeshRating<T> worse_mesh(const RatedTrain<T>& train, const RatingTask& task,
+                         const TrainLife& life, std::size_t k,
+                         std::span<const DrivenTrain<T>> driven, StiffnessPart part) {
+  const auto force = [&](const DrivenTrain<T>& d) { return value_of(d.forces.normal_N[k]); };
+  const DrivenTrain<T>& most = *std::ranges::max_element(driven, {}, force);
+  MeshRating<T> rating = rated_mesh(train, task, life, k, most, part);
+  const auto is_plastic_gear = [&](int gear) {
+    return is_plastic(task.material[static_cast<std::size_t>(gear)]->record.group);
+  };
+  if (std::ranges::none_of(train::kMeshGears[k], is_plastic_gear)) return rating;
+  for (const DrivenTrain<T>& other : driven) {
+    if (&other == &most) continue;
+    const MeshRating<T> also = rated_mesh(train, task, life, k, other, part);
+    for (const std::size_t i : {0U, 1U}) take_worse(rating.teeth[i], also.teeth[i]);
+  }
+  return rating;
+}
+
+/// A flank of P1 that both its mates load wears by both.
+template <class T>
+void add_wear_of_both_mates(TrainRating<T>& rating) {
+  std::optional<T>& by_sun = rating.mesh[train::kMeshSP1].teeth[1].wear_m;
+  std::optional<T>& by_ring = rating.mesh[train::kMeshP1R1].teeth[0].wear_m;
+  if (!by_sun || !by_ring) return;
+  by_sun = by_ring = T(*by_sun + *by_ring);
+}
+
+/// Loads of planets, bearings and pin: of several directions the greatest of each.
+template <class T>
+void rate_planet(const RatedTrain<T>& train, const RatingTask& task, const TrainLife& life,
+                 std::span<const DrivenTrain<T>> driven, TrainRating<T>& rating) {
+  for (const DrivenTrain<T>& d : driven) {
+    const PlanetLoads<T> loads =
+        planet_loads(train.geometry, d.forces, planet_axis<T>(*task.supports), train.planet_mass_kg,
+                     constant<T>(life.motion.carrier_rad_s));
+    if (!rating.planet) {
+      rating.planet = loads;
+      rating.bearing_load_N = loads.bearing_load_N;
+    }
+    for (const std::size_t i : {0U, 1U}) {
+      rating.bearing_load_N[i] = larger(rating.bearing_load_N[i], loads.bearing_load_N[i]);
+    }
+    if (!task.pin_diameter_m) continue;
+    take_larger(rating.pin_stress_Pa,
+                std::optional(pin_bending_stress(loads.bending_moment_Nm,
+                                                 constant<T>(*task.pin_diameter_m))));
+  }
+}
+
+/// Springs of the train from its meshes, and what else the task states.
 template <class T>
 TrainSprings<T> springs_of(const TrainRating<T>& rating, const RatingTask& task) {
+  const auto stated = [](const std::optional<double>& value) {
+    return value ? std::optional(constant<T>(*value)) : std::nullopt;
+  };
   TrainSprings<T> springs;
   for (std::size_t k = 0; k < train::kMeshCount; ++k) {
     springs.mesh_N_m[k] = *rating.mesh[k].mean_stiffness_Pa * rating.mesh[k].face_width_m;
   }
-  if (task.supports && task.supports->stiffness_N_m) {
+  springs.planet_torsion_Nm_rad = stated(task.planet_torsion_Nm_rad);
+  springs.sun_shaft_Nm_rad = stated(task.sun_shaft_Nm_rad);
+  springs.ring2_Nm_rad = stated(task.ring2_Nm_rad);
+  if (task.supports && (task.supports->stiffness_N_m || task.supports->pin_stiffness_N_m)) {
     PlanetBearings<T> bearings;
     bearings.axis = planet_axis<T>(*task.supports);
-    bearings.stiffness_N_m = {constant<T>(*task.supports->stiffness_N_m),
-                              constant<T>(*task.supports->stiffness_N_m)};
+    bearings.stiffness_N_m.fill(stated(task.supports->stiffness_N_m));
+    bearings.pin_stiffness_N_m = stated(task.supports->pin_stiffness_N_m);
     springs.bearings = bearings;
   }
   return springs;
 }
 
-/// The safeties that are judged, with where they are.
-template <class T>
-struct JudgedSafeties {
-  std::vector<SafetyRatio<T>> ratios;
-  std::vector<GoverningTooth> places;
-};
 template <class T>
 JudgedSafeties<T> judged(const TrainRating<T>& rating, const RatingTask& task) {
   JudgedSafeties<T> list;
   for (std::size_t k = 0; k < train::kMeshCount; ++k) {
-    for (std::size_t i = 0; i < 2; ++i) {
-      const ToothRating<T>& tooth = rating.mesh[k].teeth[i];
-      const auto gear = static_cast<std::size_t>(train::kMeshGears[k][i]);
-      const GearMaterial& material = *task.material[gear];
-      if (tooth.root_limit_stated) {
-        list.ratios.push_back(
-            {.ratio = tooth.root_safety / least_root_safety(task, material), .exponent = 1});
-        list.places.push_back({.mesh = k, .member = i, .mode = Mode::kRoot});
-      }
-      if (tooth.flank_limit_stated) {
-        list.ratios.push_back(
-            {.ratio = tooth.flank_safety / least_flank_safety(task, material), .exponent = 2});
-        list.places.push_back({.mesh = k, .member = i, .mode = Mode::kFlank});
-      }
-    }
+    add_judged_safeties(rating.mesh[k], task, k, train::kMeshGears[k], list);
   }
   return list;
 }
@@ -200,46 +283,22 @@ template <class T>
 TrainRating<T> rate_train(const RatedTrain<T>& train, const RatingTask& task, Drive drive,
                           const T& torque_Nm, StiffnessPart part) {
   const train::ToothSet& teeth = train.geometry.teeth;
+  std::vector<DrivenTrain<T>> driven;
+  if (drive != Drive::kBackward) driven.push_back(driven_train(train, Drive::kForward, torque_Nm));
+  if (drive != Drive::kForward) driven.push_back(driven_train(train, Drive::kBackward, torque_Nm));
   TrainRating<T> rating;
   rating.drive = drive;
   rating.torque_Nm = torque_Nm;
-  const auto deciding = forces_of(train, drive, torque_Nm, rating);
-  const TrainMotion motion = motion_of(teeth, task.speed_rad_s);
-  const TrainCycles cycles = cycles_of(teeth, train.geometry.planets, task);
-  const Factor<double> mesh_load = mesh_load_of(task, train.geometry.planets);
-  const bool below_one = train::g2(teeth) < 1.0;
+  rating.forces = driven.front().forces;
+  rating.locked = std::ranges::any_of(driven, &DrivenTrain<T>::locked);
+  const TrainLife life{.motion = motion_of(teeth, task.speed_rad_s),
+                          .cycles = cycles_of(teeth, train.geometry.planets, task),
+                          .mesh_load = mesh_load_of(task, train.geometry.planets)};
   for (std::size_t k = 0; k < train::kMeshCount; ++k) {
-    if (!train.rated[k]) continue;
-    const auto [first, second] = train::kMeshGears[k];
-    const RatedGear<T> gear1 = rated_gear(train, task, cycles, first, train.roots[k][0]);
-    const RatedGear<T> gear2 = rated_gear(train, task, cycles, second, train.roots[k][1]);
-    const geometry::GearGeometry<T>& central = k == train::kMeshSP1 ? gear1.gear : gear2.gear;
-    const auto& [normal_N, direction] = deciding[k];
-    const bool forward = direction == Drive::kForward;
-    const auto driver = static_cast<std::size_t>(
-        train::gear1_drives(static_cast<train::MeshId>(k), below_one, forward) ? 0 : 1);
-    const T lost = 1.0 - train.efficiency[static_cast<std::size_t>(direction)][k][driver];
-    const T power_W = normal_N * central.base_radius_m * motion.rolling_rad_s[k];
-    const bool rubs = value_of(train.friction) > 0.0;
-    rating.mesh[k] = rate_mesh<T>(
-        gear1, gear2, train.geometry.meshes[k],
-        {.normal_N = normal_N,
-         .face_width_m = train.face_width_m[static_cast<std::size_t>(train::stage_of(first))],
-         .speed_m_s = motion.rolling_rad_s[k] * central.reference_radius_m,
-         .loss_W = power_W * lost,
-         .loss_factor = rubs ? T(lost / train.friction) : constant<T>(0.0),
-         .mesh_load = mesh_load},
-        task, part);
+    if (train.rated[k]) rating.mesh[k] = worse_mesh<T>(train, task, life, k, driven, part);
   }
-  if (task.supports) {
-    rating.planet =
-        planet_loads(train.geometry, rating.forces, planet_axis<T>(*task.supports),
-                     constant<T>(task.planet_mass_kg), constant<T>(motion.carrier_rad_s));
-    if (task.pin_diameter_m) {
-      rating.pin_stress_Pa =
-          pin_bending_stress(rating.planet->bending_moment_Nm, constant<T>(*task.pin_diameter_m));
-    }
-  }
+  if (same_flank(teeth)) add_wear_of_both_mates(rating);
+  if (task.supports) rate_planet<T>(train, task, life, driven, rating);
   const bool in_contact = std::ranges::all_of(rating.mesh, [](const MeshRating<T>& mesh) {
     return mesh.mean_stiffness_Pa && value_of(*mesh.mean_stiffness_Pa) > 0.0;
   });
@@ -253,29 +312,45 @@ template <class T>
 std::optional<Capacity<T>> train_capacity(const RatedTrain<T>& train, const RatingTask& task,
                                           Drive drive) {
   const auto at = [&](const T& torque_Nm) {
-    return judged(rate_train(train, task, drive, torque_Nm, StiffnessPart::kNone), task);
+    return judged(rate_train(train, task, drive, torque_Nm, StiffnessPart::kIso), task);
   };
-  const JudgedSafeties<T> first = at(constant<T>(task.torque_Nm));
-  if (first.ratios.empty()) return std::nullopt;
-  const SafetyFunction<double> values = [&](const double& torque_Nm) {
-    std::vector<SafetyRatio<double>> list;
-    const auto ratios = at(constant<T>(torque_Nm)).ratios;
-    list.reserve(ratios.size());
-    for (const SafetyRatio<T>& r : ratios) {
-      list.push_back({.ratio = value_of(r.ratio), .exponent = r.exponent});
+  const auto values = [&](double torque_Nm) {
+    JudgedSafeties<T> list = at(constant<T>(torque_Nm));
+    if constexpr (std::is_same_v<T, double>) {
+      return list;
+    } else {
+      JudgedSafeties<double> plain{.ratios = {}, .places = std::move(list.places)};
+      plain.ratios.reserve(list.ratios.size());
+      for (const SafetyRatio<T>& r : list.ratios) {
+        plain.ratios.push_back({.ratio = value_of(r.ratio), .exponent = r.exponent});
+      }
+      return plain;
     }
-    return list;
   };
-  const auto capacity = torque_capacity(values, {.start_Nm = task.torque_Nm});
-  if (!capacity) return std::nullopt;
-  const GoverningTooth governing = first.places[capacity->governing];
+  const auto capacity = governed_capacity(values, task.torque_Nm);
   if constexpr (std::is_same_v<T, double>) {
-    return Capacity<T>{.torque_Nm = capacity->torque_Nm, .governing = governing};
+    return capacity;
   } else {
+    if (!capacity) return std::nullopt;
+    const auto& places = at(constant<T>(task.torque_Nm)).places;
+    const auto item = static_cast<std::size_t>(
+        std::ranges::find(places, capacity->governing) - places.begin());
     const SafetyFunction<T> exact = [&](const T& torque_Nm) { return at(torque_Nm).ratios; };
-    return Capacity<T>{.torque_Nm = capacity_with_derivatives(exact, *capacity).torque_Nm,
-                       .governing = governing};
+    return Capacity<T>{
+        .torque_Nm = capacity_with_derivatives(
+                         exact, {.torque_Nm = capacity->torque_Nm, .governing = item})
+                         .torque_Nm,
+        .governing = capacity->governing};
   }
+}
+
+std::optional<DrivenCapacity> least_capacity(const std::optional<Capacity<double>>& forward,
+                                             const std::optional<Capacity<double>>& backward) {
+  if (!forward || !backward) return std::nullopt;
+  if (backward->torque_Nm < forward->torque_Nm) {
+    return DrivenCapacity{.capacity = *backward, .drive = Drive::kBackward};
+  }
+  return DrivenCapacity{.capacity = *forward, .drive = Drive::kForward};
 }
 
 #define INSTANTIATE(T)                                                                            \

@@ -6,11 +6,11 @@
 #include <span>
 #include <string>
 
+#include "strength/governing.hpp"
 #include "strength/load_cycles.hpp"
 #include "strength/mesh_forces.hpp"
 #include "strength/mesh_rating.hpp"
 #include "strength/planet_loads.hpp"
-#include "strength/torque_capacity.hpp"
 #include "strength/train_stiffness.hpp"
 #include "train/train_geometry.hpp"
 
@@ -20,7 +20,7 @@ namespace gear3k::strength {
 enum class Drive {
   kForward,
   kBackward,
-  kEither  ///< of every mesh the direction that loads it more
+  kEither  ///< of every quantity the direction that is worse
 };
 inline constexpr std::array<std::string_view, 3> kDriveNames{"forward", "backward", "either"};
 
@@ -39,7 +39,9 @@ struct RatedTrain {
   std::span<const geometry::ToothForm<T>> forms;
   std::array<T, 2> face_width_m{};
   std::array<MeshDriverEfficiencies<T>, 2> efficiency{};  ///< by Drive
-  T friction = constant<T>(0.0);                          ///< μ, for H_V
+  /// μ by Drive and mesh, for H_V; 0: not known, no wear.
+  std::array<std::array<T, train::kMeshCount>, 2> friction{};
+  T planet_mass_kg = constant<T>(0.0);  ///< of a planet, for its centrifugal force
   /// Meshes that are rated; of the others a rating has the forces alone.
   std::array<bool, train::kMeshCount> rated{true, true, true};
   /// Whether the roots of metal gears are rated, by mesh and member; else `forms` is not read.
@@ -53,8 +55,11 @@ struct TrainRating {
   bool locked = false;  ///< no flow in balance: forces without losses, of a held load
   T torque_Nm{};        ///< at R2
   std::array<MeshRating<T>, train::kMeshCount> mesh;
-  MeshForces<T> forces;
-  std::optional<PlanetLoads<T>> planet;  ///< with RatingTask::supports
+  MeshForces<T> forces;  ///< of kEither those of the forward drive
+  /// With RatingTask::supports, of kEither those of the forward drive.  Forces of the nominal
+  /// torque: bearings and pin are rated without K_A and K_γ.
+  std::optional<PlanetLoads<T>> planet;
+  std::array<T, 2> bearing_load_N{};  ///< of A and B, with `planet`
   std::optional<T> pin_stress_Pa;
   /// StiffnessPart::kPath, where every mesh has a path of contact.
   std::optional<TrainStiffness<T>> stiffness;
@@ -64,27 +69,24 @@ struct TrainRating {
 Factor<double> mesh_load_of(const RatingTask& task, int planets);
 
 /// Rates the train at an output torque.
-/// @throws std::invalid_argument unless torque_Nm > 0, and as rate_mesh()
+/// @throws std::invalid_argument for a torque below 0, and as rate_mesh()
 template <class T>
 TrainRating<T> rate_train(const RatedTrain<T>& train, const RatingTask& task, Drive drive,
                           const T& torque_Nm, StiffnessPart part);
 
-enum class Mode { kRoot, kFlank };
-/// What limits the torque.
-struct GoverningTooth {
-  std::size_t mesh = 0, member = 0;  ///< member 0, 1: gear 1, 2 of the mesh
-  Mode mode = Mode::kRoot;
-};
-template <class T>
-struct Capacity {
-  T torque_Nm{};
-  GoverningTooth governing;
-};
 /// Greatest torque at which every safety is reached, in a drive direction; empty where none is
 /// judged.
-/// @param drive  not kEither: the smaller of the other two
 template <class T>
 std::optional<Capacity<T>> train_capacity(const RatedTrain<T>& train, const RatingTask& task,
                                           Drive drive);
+
+/// A capacity with the drive direction that it belongs to.
+struct DrivenCapacity {
+  Capacity<double> capacity;
+  Drive drive = Drive::kForward;
+};
+/// The smaller one; empty unless both are known.
+std::optional<DrivenCapacity> least_capacity(const std::optional<Capacity<double>>& forward,
+                                             const std::optional<Capacity<double>>& backward);
 
 }  // namespace gear3k::strength

@@ -75,27 +75,9 @@ TrainStiffness<T> train_stiffness(const train::TrainGeometry<T>& train,
   return result;
 }
 
-template <class T>
-T shaft_torsional_stiffness(const RoundShaft<T>& shaft, double shear_modulus_Pa) {
-  const double outer = value_of(shaft.outer_diameter_m);
-  const double inner = value_of(shaft.inner_diameter_m);
-  if (!(shear_modulus_Pa > 0.0 && inner >= 0.0 && outer > inner &&
-        value_of(shaft.length_m) > 0.0)) {
-    throw std::invalid_argument(fmt::format(
-        "shaft: diameters {} and {} m, length {} m, shear modulus {} Pa; allowed: outer > inner >= "
-        "0, length and modulus above 0",
-        outer, inner, value_of(shaft.length_m), shear_modulus_Pa));
-  }
-  const T outer2 = shaft.outer_diameter_m * shaft.outer_diameter_m;
-  const T inner2 = shaft.inner_diameter_m * shaft.inner_diameter_m;
-  return (shear_modulus_Pa * std::numbers::pi / 32.0) * (outer2 * outer2 - inner2 * inner2) /
-         shaft.length_m;
-}
-
 #define INSTANTIATE(T)                                                          \
   template TrainStiffness<T> train_stiffness<T>(const train::TrainGeometry<T>&, \
-                                                const TrainSprings<T>&);        \
-  template T shaft_torsional_stiffness<T>(const RoundShaft<T>&, double);
+                                                const TrainSprings<T>&);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
 #undef INSTANTIATE
 

@@ -55,13 +55,4 @@ template <class T>
 TrainStiffness<T> train_stiffness(const train::TrainGeometry<T>& train,
                                   const TrainSprings<T>& springs);
 
-/// A round shaft: k_t = G π (D⁴ − d⁴)/(32 L).
-template <class T>
-struct RoundShaft {
-  T outer_diameter_m{}, inner_diameter_m{}, length_m{};
-};
-/// @throws std::invalid_argument unless G > 0, 0 ≤ d < D and L > 0
-template <class T>
-T shaft_torsional_stiffness(const RoundShaft<T>& shaft, double shear_modulus_Pa);
-
 }  // namespace gear3k::strength

@@ -266,12 +266,12 @@ TEST(TorqueCapacityObjective, IsTheCapacityOfTheRefinedTrainAndBeatsTheMostEffic
   const RefinedSet strong = refine(spec, kWinner);
   ASSERT_EQ(strong.status, Status::kOptimal) << strong.kkt_residual;
   EXPECT_LE(strong.kkt_residual, kStationary);
-  EXPECT_GT(strong.torque_capacity_Nm, 5.0);
-  EXPECT_EQ(objective_of(spec, strong, Objective::kTorqueCapacity), strong.torque_capacity_Nm);
+  EXPECT_GT(*strong.torque_capacity_Nm, 5.0);
+  EXPECT_EQ(objective_of(spec, strong, Objective::kTorqueCapacity), *strong.torque_capacity_Nm);
   // A task at that torque is met, one at a thousandth more by no design of the set.
-  Specification at = loaded(strong.torque_capacity_Nm * (1.0 - 1e-5));
+  Specification at = loaded(*strong.torque_capacity_Nm * (1.0 - 1e-5));
   EXPECT_EQ(refine(at, kWinner).status, Status::kOptimal);
-  at = loaded(strong.torque_capacity_Nm * 1.001);
+  at = loaded(*strong.torque_capacity_Nm * 1.001);
   EXPECT_NE(refine(at, kWinner).status, Status::kOptimal);
   EXPECT_GE(efficient.eta_b, strong.eta_b);
 }
@@ -285,7 +285,7 @@ TEST(TorqueDensityObjective, IsStationaryAndNoLessThanTheStrongestTrains) {
   const RefinedSet strong = refine(spec, kWinner);
   EXPECT_GE(objective_of(spec, dense, Objective::kTorqueDensity),
             objective_of(spec, strong, Objective::kTorqueDensity) * (1.0 - 1e-6));
-  EXPECT_GE(strong.torque_capacity_Nm, dense.torque_capacity_Nm * (1.0 - 1e-6));
+  EXPECT_GE(*strong.torque_capacity_Nm, *dense.torque_capacity_Nm * (1.0 - 1e-6));
 }
 
 TEST(TorsionalStiffnessObjective, BeatsTheMostEfficientTrain) {
@@ -293,11 +293,11 @@ TEST(TorsionalStiffnessObjective, BeatsTheMostEfficientTrain) {
   spec.objectives = {Objective::kTorsionalStiffness};
   const RefinedSet stiff = refine(spec, kWinner);
   ASSERT_EQ(stiff.status, Status::kOptimal) << stiff.kkt_residual;
-  EXPECT_GT(stiff.torsional_stiffness_Nm_rad, 0.0);
+  EXPECT_GT(*stiff.torsional_stiffness_Nm_rad, 0.0);
   spec.objectives = {Objective::kBackwardEfficiency, Objective::kTorsionalStiffness};
   const RefinedSet efficient = refine(spec, kWinner);
   ASSERT_EQ(efficient.status, Status::kOptimal);
-  EXPECT_GT(stiff.torsional_stiffness_Nm_rad, efficient.torsional_stiffness_Nm_rad);
+  EXPECT_GT(*stiff.torsional_stiffness_Nm_rad, *efficient.torsional_stiffness_Nm_rad);
 }
 
 TEST(ObjectivesOfTheLoad, HaveNoBoundAndTheCertificateSaysSo) {

@@ -82,7 +82,6 @@ TEST(TransverseLoadFactors, AreContinuousAtContactRatioTwoAndHeldByTheirLimits) 
   EXPECT_EQ(rate(1.5, 1e-6).flank.branch, "held at 1");
   EXPECT_NEAR(rate(1.5, 1e-3).flank.value, 3.0 / 2.5, 1e-14);
   EXPECT_NEAR(rate(1.5, 1e-3).root.value, 1.5 / 1.125, 1e-14);
-  EXPECT_EQ(transverse_load_factors<double>(mesh(), std::nullopt).root.value, 1.0);
 }
 
 TEST(RunningInAllowance, DependsOnTheGroup) {
@@ -90,6 +89,7 @@ TEST(RunningInAllowance, DependsOnTheGroup) {
   EXPECT_DOUBLE_EQ(running_in_allowance(MaterialGroup::kCaseHardened, 1500e6, 90e-6), 3e-6);
   EXPECT_NEAR(running_in_allowance(MaterialGroup::kThroughHardened, 800e6, 20e-6), 4e-6, 1e-18);
   EXPECT_EQ(running_in_allowance(MaterialGroup::kPom, 50e6, 20e-6), 0.0);
+  EXPECT_EQ(running_in_allowance(MaterialGroup::kThroughHardened, std::nullopt, 20e-6), 0.0);
   EXPECT_THROW(running_in_allowance(MaterialGroup::kThroughHardened, 0.0, 20e-6),
                std::invalid_argument);
 }
@@ -107,8 +107,8 @@ TEST(LoadCycles, CountMeetingsWithPlanets) {
   const auto cycles = load_cycles<double>(
       {.sun = 100.0, .carrier = -10.0, .planet_rolling = -30.0, .output = 2.0}, 3, true);
   EXPECT_EQ(cycles.sun, 330.0);
-  EXPECT_EQ(cycles.planet, 30.0);
-  EXPECT_EQ(cycles.planet1_flank, 60.0);
+  EXPECT_EQ(cycles.planet1, 60.0);
+  EXPECT_EQ(cycles.planet2, 30.0);
   EXPECT_EQ(cycles.fixed_ring, 30.0);
   EXPECT_EQ(cycles.output_ring, 36.0);
   EXPECT_THROW(load_cycles<double>({}, 0, false), std::invalid_argument);

@@ -30,7 +30,7 @@ TEST(ToothTemperature, IsThatOfAPrintedReportToItsDegrees) {
 TEST(ToothTemperature, AtRestIsTheHousings) {
   auto h = heat();
   h.speed_m_s = 0.0;
-  h.housing_resistance = kClosedHousing_Km2_W;
+  h.housing_resistance = 0.06;
   h.housing_surface_m2 = 0.03;
   EXPECT_NEAR(tooth_temperature(h, 9000.0), 293.15 + 10.19 * 2.0, 1e-9);
   h.duty = 0.5;
@@ -48,9 +48,15 @@ TEST(PlasticRootStress, IsTheLewisStressWithItsNotchAndContactRatio) {
   const auto section = root_section(g, geometry::make_tooth_form(g));
   const ToothLoad<double> load{.tangential_N = 40.0, .face_width_m = 8e-3};
   const auto stress = plastic_root_stress(g, section, 1.5, load, 1.25);
-  EXPECT_NEAR(stress.stress_Pa,
-              1.25 * lewis_stress(g, section, load) * stress.form.stress_correction_factor * 0.75,
+  // Lewis' beam, loaded at the tip.
+  const auto form = root_form(g, section, load_point(g, geometry::tip_curvature_radius(g)));
+  const double lewis_Pa = 40.0 / (8e-3 * g.gear.module_m) * form.form_factor;
+  EXPECT_NEAR(stress.stress_Pa, 1.25 * lewis_Pa * form.stress_correction_factor * 0.75,
               1e-9 * stress.stress_Pa);
+  // No pair shares the load below a contact ratio of 1.
+  for (const double epsilon : {1.0, 0.3, -0.4}) {
+    EXPECT_EQ(plastic_root_stress(g, section, epsilon, load, 1.0).contact_ratio_factor, 1.0);
+  }
   EXPECT_DOUBLE_EQ(plastic_root_safety(30e6, 20e6), 3.0);
   EXPECT_DOUBLE_EQ(plastic_flank_safety(30e6, 20e6), 1.5);
   EXPECT_DOUBLE_EQ(plastic_peak_safety(70e6, 70e6), 2.0);

@@ -86,7 +86,7 @@ class StageRating {
                                    .planet_rolling = speeds_.planet_rolling * minutes()};
     const LoadCycles<double> cycles =
         load_cycles(turns, file["planets"].value<int>().value(), false);
-    cycles_ = {{"sun", cycles.sun}, {"planet", cycles.planet}, {"ring", cycles.fixed_ring}};
+    cycles_ = {{"sun", cycles.sun}, {"planet", cycles.planet2}, {"ring", cycles.fixed_ring}};
   }
 
   Values values() {
@@ -197,7 +197,7 @@ class StageRating {
       add("chord_in_modules", subject, section.chord_m / m);
       add("fillet_radius", subject, section.fillet_radius_m / kMm);
       add("fillet_radius_in_modules", subject, section.fillet_radius_m / m);
-      add("section_diameter", subject, 2.0 * section_radius(section) / kMm);
+      add("section_diameter", subject, 2.0 * std::hypot(section.height_m, 0.5 * section.chord_m) / kMm);
       add("bending_arm", subject, form.bending_arm_m / kMm);
       add("bending_arm_in_modules", subject, form.bending_arm_m / m);
       add("load_angle", subject, form.load.angle_rad * 180.0 / kPi);

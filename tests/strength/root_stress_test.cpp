@@ -93,8 +93,8 @@ TEST(RootStress, IsProportionalToForceAndEveryFactor) {
       {.application = 1.25, .mesh_load = 1.2, .dynamic = 1.05, .face = 1.15, .transverse = 1.02});
   EXPECT_DOUBLE_EQ(raised.nominal_Pa, 1.1 * plain.nominal_Pa);
   EXPECT_NEAR(raised.stress_Pa / plain.nominal_Pa, 1.1 * 1.25 * 1.2 * 1.05 * 1.15 * 1.02, 1e-14);
-  EXPECT_DOUBLE_EQ(plain.nominal_Pa,
-                   lewis_stress(g, form.section, load) * form.stress_correction_factor);
+  EXPECT_DOUBLE_EQ(plain.nominal_Pa, 100.0 / (8e-3 * g.gear.module_m) * form.form_factor *
+                                         form.stress_correction_factor);
   EXPECT_THROW(root_stress(g, form, 1.0, {.tangential_N = 1.0, .face_width_m = 0.0}, {}),
                std::invalid_argument);
   EXPECT_THROW(root_stress(g, form, 1.0, {.tangential_N = -1.0, .face_width_m = 1.0}, {}),

@@ -61,7 +61,7 @@ struct Rated {
             .friction = constant<T>(0.05)};
   }
   [[nodiscard]] TrainRating<T> at(const RatingTask& task, Drive drive,
-                                  StiffnessPart part = StiffnessPart::kNone) const {
+                                  StiffnessPart part = StiffnessPart::kIso) const {
     return rate_train(view(), task, drive, constant<T>(task.torque_Nm), part);
   }
 };

@@ -52,6 +52,14 @@ void check_objectives(const optimize::Specification& spec, FileReading& reading)
       reading.error_at("objective",
                        fmt::format("objective \"{}\" without [strength]: allowed: with it", name));
     }
+    const bool needs_limits = spec.objectives[k] == optimize::Objective::kTorqueCapacity ||
+                              spec.objectives[k] == optimize::Objective::kTorqueDensity;
+    if (needs_limits && spec.rating && !strength::judges_any(*spec.rating)) {
+      reading.error_at("objective",
+                       fmt::format("objective \"{}\" with materials of which no limit stress is "
+                                   "stated: allowed: with sigma_f_lim_mpa or sigma_h_lim_mpa",
+                                   name));
+    }
     if (needs_masses && !optimize::knows_masses(spec)) {
       reading.error_at("objective",
                        fmt::format("objective \"{}\" without inertia.density_kg_m3, "

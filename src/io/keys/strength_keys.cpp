@@ -98,6 +98,14 @@ void add_factor_keys(std::vector<StrengthKey>& keys) {
       "transverse load factor of the root, in place of that of accuracy_grade");
 }
 
+void add_reversal_key(std::vector<StrengthKey>& keys) {
+  keys.push_back(strength_number(
+      "y_m", Unit::kNone, above(0.0, 1.0), "0.7, of plastics 1",
+      "Y_M of teeth that are loaded on both flanks (load_reversal, idlers), in place of 0.7; UR M56 "
+      "has 0.9 for occasional reversal, and no source has one for plastics",
+      of_factors(&StatedFactors::reversal)));
+}
+
 void add_safety_keys(std::vector<StrengthKey>& keys) {
   keys.push_back(strength_number("s_f_min", Unit::kNone, above(0.0, 100.0),
                                  "with [strength]: 1, of plastics 2", "least safety of the root",
@@ -187,7 +195,7 @@ std::vector<StrengthKey> common_strength_keys(const TorqueKeys& of, StrengthKey 
                       of_task(&RatingTask::cycles)));
   keys.push_back(
       strength_switch("load_reversal", "true with [strength]",
-                      "the torque changes its sign: Y_M = 0.7 for every tooth; else of idlers "
+                      "the torque changes its sign: Y_M = 0.7 for every metal tooth; else of idlers "
                       "only",
                       of_task(&RatingTask::load_reversal)));
   keys.push_back(strength_number("k_a", Unit::kNone, within(1.0, kGreatestFactor),
@@ -195,6 +203,7 @@ std::vector<StrengthKey> common_strength_keys(const TorqueKeys& of, StrengthKey 
                                  of_factors(&StatedFactors::application)));
   keys.push_back(std::move(mesh_load));
   add_factor_keys(keys);
+  add_reversal_key(keys);
   add_safety_keys(keys);
   add_surface_keys(keys);
   add_plastic_keys(keys);
@@ -253,6 +262,18 @@ void check_common(const StrengthInput& input, const GearMaterials& materials,
   }
 }
 
+/// Wear wants a life to count meetings of teeth over.
+void check_wear(FileReading& reading) {
+  constexpr const char* kWear = "strength.wear_coefficient_mm3_nm";
+  if (!reading.stated(kWear) || reading.stated("strength.life_hours") ||
+      reading.stated("strength.cycles")) {
+    return;
+  }
+  reading.error_at(kWear, fmt::format("{} without strength.cycles or strength.life_hours: allowed: "
+                                      "with one of them",
+                                      kWear));
+}
+
 /// What the curves of plastics need, and where they end.
 void check_curves(const StrengthInput& input, const GearMaterials& materials,
                   const std::vector<std::string>& gears, FileReading& reading) {
@@ -300,10 +321,11 @@ std::optional<strength::PlanetSupports> finish_supports(const StrengthInput& inp
                                                         FileReading& reading) {
   constexpr const char* kPositions = "bearings.planet_positions_mm";
   constexpr const char* kStiffness = "bearings.planet_stiffness_n_per_um";
+  constexpr const char* kPinStiffness = "bearings.pin_stiffness_n_per_um";
   if (!reading.stated(kPositions)) {
-    if (reading.stated(kStiffness)) {
-      reading.error_at(kStiffness,
-                       fmt::format("{} without {}: allowed: with it", kStiffness, kPositions));
+    for (const char* key : {kStiffness, kPinStiffness}) {
+      if (!reading.stated(key)) continue;
+      reading.error_at(key, fmt::format("{} without {}: allowed: with it", key, kPositions));
     }
     return std::nullopt;
   }
@@ -328,7 +350,8 @@ std::optional<strength::PlanetSupports> finish_supports(const StrengthInput& inp
   }
   return strength::PlanetSupports{.position_m = *input.planet_position_m,
                                   .plane_m = design::toothing_planes_m(axial),
-                                  .stiffness_N_m = input.planet_stiffness_N_m};
+                                  .stiffness_N_m = input.planet_stiffness_N_m,
+                                  .pin_stiffness_N_m = input.pin_stiffness_N_m};
 }
 
 RatingTask task_of(const StrengthInput& input, const GearMaterials& materials) {
@@ -385,6 +408,20 @@ std::vector<Key<StrengthInput>> train_strength_keys() {
       number("bearings.planet_stiffness_n_per_um", Unit::kNewtonPerMicrometre, above(0.0, 1e6),
              "rigid", "radial stiffness of one of these bearings"),
       &StrengthInput::planet_stiffness_N_m));
+  keys.push_back(make_key<StrengthInput>(
+      number("bearings.pin_stiffness_n_per_um", Unit::kNewtonPerMicrometre, above(0.0, 1e6),
+             "rigid", "stiffness of a planet's pin under each of these bearings, in series with it"),
+      &StrengthInput::pin_stiffness_N_m));
+  const auto add_torsion = [&](const char* name, auto member, const char* help) {
+    keys.push_back(strength_number(name, Unit::kTorsionalStiffness, above(0.0, 1e9), "rigid", help,
+                                   of_task(member)));
+  };
+  add_torsion("planet_torsion_nm_per_rad", &RatingTask::planet_torsion_Nm_rad,
+              "torsional stiffness of one planet between P1 and P2");
+  add_torsion("sun_shaft_nm_per_rad", &RatingTask::sun_shaft_Nm_rad,
+              "torsional stiffness between the teeth of the sun and the input");
+  add_torsion("ring2_nm_per_rad", &RatingTask::ring2_Nm_rad,
+              "torsional stiffness between the teeth of R2 and the output");
   add_material_keys(keys, "gears.{gear}");
   return keys;
 }
@@ -425,7 +462,8 @@ std::optional<RatingTask> finish_train_strength(const StrengthInput& input,
                                                 const GearMaterials& materials,
                                                 const RatedTrainFile& file, FileReading& reading) {
   if (!reading.stated("strength")) {
-    for (const char* key : {"bearings.planet_positions_mm", "bearings.planet_stiffness_n_per_um"}) {
+    for (const char* key : {"bearings.planet_positions_mm", "bearings.planet_stiffness_n_per_um",
+                            "bearings.pin_stiffness_n_per_um"}) {
       if (!reading.stated(key)) continue;
       reading.error_at(key, fmt::format("{}: allowed with [strength] only", key));
     }
@@ -434,6 +472,7 @@ std::optional<RatingTask> finish_train_strength(const StrengthInput& input,
   const std::vector<std::string> gears = train_gear_tables();
   check_common(input, materials, gears, "strength.output_torque_nm", reading);
   check_curves(input, materials, gears, reading);
+  check_wear(reading);
   check_planets(input, file.planets, reading);
   check_life("operating_point.sun_speed_rpm", file.sun_speed_rad_s.value_or(0.0), reading);
   RatingTask task = task_of(input, materials);
@@ -453,6 +492,7 @@ std::optional<RatingTask> finish_pair_strength(const StrengthInput& input,
   const std::vector<std::string> gears = pair_gear_tables();
   check_common(input, materials, gears, "strength.torque_nm", reading);
   check_curves(input, materials, gears, reading);
+  check_wear(reading);
   check_life("strength.speed_rpm", input.speed_rad_s.value_or(0.0), reading);
   check_face_width("face_width_mm", reading);
   RatingTask task = task_of(input, materials);
@@ -469,6 +509,7 @@ StrengthInput stated_strength(const std::optional<RatingTask>& task) {
   if (task->supports) {
     input.planet_position_m = task->supports->position_m;
     input.planet_stiffness_N_m = task->supports->stiffness_N_m;
+    input.pin_stiffness_N_m = task->supports->pin_stiffness_N_m;
   }
   for (std::size_t g = 0; g < train::kGearCount; ++g) {
     if (task->material[g]) input.gear_material[g] = stated_material(*task->material[g]);

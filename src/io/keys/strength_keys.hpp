@@ -23,7 +23,7 @@ struct StrengthInput {
   /// But materials, torque, and what other keys state.
   strength::RatingTask task;
   std::optional<std::array<double, 2>> planet_position_m;
-  std::optional<double> planet_stiffness_N_m;
+  std::optional<double> planet_stiffness_N_m, pin_stiffness_N_m;
   // Of a pair.
   std::optional<double> speed_rad_s, face_width_m;
 };
