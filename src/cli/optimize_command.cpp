@@ -16,6 +16,7 @@
 #include "io/files/refinement_journal.hpp"
 #include "io/files/specification_file.hpp"
 #include "io/text/toml_value.hpp"
+#include "optimize/refine.hpp"
 #include "report/analysis_report.hpp"
 #include "report/model_change_report.hpp"
 #include "report/robust_report.hpp"
@@ -178,12 +179,28 @@ ExitCode end_without_limits(const app::OptimizeTask& task, const app::Optimizati
   return kNoFeasibleDesign;
 }
 
+/// What the set that is nearest to a design would carry: the torque may be what is too much.
+void say_greatest_torque(const optimize::Specification& spec, const report::ResultTally& tally) {
+  if (!spec.rating || !strength::judges_any(*spec.rating) || !tally.nearest ||
+      tally.nearest->status == optimize::Status::kInfeasible) {
+    return;
+  }
+  if (const auto torque_Nm = optimize::greatest_torque(spec, tally.nearest->candidate)) {
+    say(fmt::format("with every other limit kept, that set carries {:.4g} N m of the {:.4g} N m "
+                    "that are asked for\n",
+                    *torque_Nm, spec.rating->torque_Nm));
+  }
+}
+
 ExitCode end_without_design(const app::OptimizeTask& task, const OptimizeRun& run) {
   if (run.outcome.interrupted) return kInterrupted;
   say(fmt::format("{}\n", report::blocking_text(task.spec, run.outcome.result, run.tally)));
+  say_greatest_torque(task.spec, run.tally);
+  const auto count = [&](optimize::Status status) {
+    return run.tally.status[static_cast<std::size_t>(status)];
+  };
   const bool all_failed =
-      run.tally.status[static_cast<std::size_t>(optimize::Status::kFailed)] > 0 &&
-      !run.tally.nearest;
+      count(optimize::Status::kFailed) > 0 && count(optimize::Status::kNoFeasibleFound) == 0;
   return all_failed ? kSolverFailure : kNoFeasibleDesign;
 }
 

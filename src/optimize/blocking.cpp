@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "optimize/check_row.hpp"
 #include "optimize/slsqp.hpp"
 #include "optimize/starting_points.hpp"
 
@@ -37,10 +38,11 @@ Miss miss_of(const RefinementProblem& problem, std::string_view name, double vio
             .unit = record.unit};
   }
   const units::Unit unit = row->check ? row->check->record->unit : units::Unit::kMillimetre;
-  const double scale = row->check ? row->check->scale : problem.length_scale_m;
+  const double miss_si = row->check ? miss_of_constraint(*row->check, violation)
+                                    : violation * problem.length_scale_m;
   return {.name = name,
           .violation = violation,
-          .amount = units::from_si(violation * scale, unit),
+          .amount = units::from_si(miss_si, unit),
           .unit = units::unit_name(unit)};
 }
 

@@ -252,12 +252,12 @@ double objective_scale(Objective objective, const Specification& spec) {
     case Objective::kTorqueDensity:
       return spec.rating->torque_Nm / objective_scale(Objective::kMass, spec);
     case Objective::kTorsionalStiffness: {
-      // A spring of a tenth of the modulus per face width, at R1's least reference radius.
+      // A spring of half the modulus per face width, at R1's least reference radius.
       const auto& rating = *spec.rating;
       const double radius_m =
           0.5 * least_module(spec.module[0]) * (spec.teeth.S.min + 2 * spec.teeth.P1.min);
       const double least_width_m = std::min(rating.face_width_m[0], rating.face_width_m[1]);
-      return 0.1 * strength::elasticity_of(*rating.material[train::kP1]).youngs_modulus_Pa *
+      return 0.5 * strength::elasticity_of(*rating.material[train::kP1]).youngs_modulus_Pa *
              least_width_m * radius_m * radius_m;
     }
     default:

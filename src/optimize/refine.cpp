@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "design/evaluation.hpp"
-#include "design/loaded_train.hpp"
 #include "efficiency/train_efficiency.hpp"
 #include "optimize/blocking.hpp"
 #include "optimize/ipopt.hpp"
@@ -299,6 +299,18 @@ RefinedSet refine(const Specification& spec, const Candidate& candidate) {
   own.planets = {candidate.planets};
   const std::atomic<bool> never{false};
   return *Refiner(own).refine(candidate, bounds.shifts().of(candidate.teeth), bound, never);
+}
+
+std::optional<double> greatest_torque(const Specification& spec, const Candidate& candidate) {
+  constexpr double kReach = 30.0;
+  if (!spec.rating || !strength::judges_any(*spec.rating)) {
+    throw std::invalid_argument("greatest_torque: no load, or no limit stress");
+  }
+  Specification own = spec;
+  own.objectives = {Objective::kTorqueCapacity};
+  own.rating->torque_Nm /= kReach;
+  const RefinedSet set = refine(own, candidate);
+  return set.status == Status::kOptimal ? set.torque_capacity_Nm : std::nullopt;
 }
 
 }  // namespace gear3k::optimize

@@ -31,6 +31,12 @@ class Refiner {
   std::vector<RefinementProblem> prototypes_;  ///< without a tooth set
 };
 
+/// The most torque that a tooth set carries with all limits of the specification but the stated
+/// torque [N m], down to a thirtieth of it.
+/// @returns empty where no design was found
+/// @throws std::invalid_argument unless the specification has a load and a limit stress
+std::optional<double> greatest_torque(const Specification& spec, const Candidate& candidate);
+
 /// Refines one tooth set by itself.
 RefinedSet refine(const Specification& spec, const Candidate& candidate);
 

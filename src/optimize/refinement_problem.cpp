@@ -6,9 +6,9 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "design/loaded_train.hpp"
 #include "efficiency/train_efficiency.hpp"
 #include "geometry/interference.hpp"
+#include "optimize/check_row.hpp"
 #include "optimize/objective_value.hpp"
 #include "optimize/rated_set.hpp"
 
@@ -423,6 +423,7 @@ std::optional<T> evaluate_rows(const RefinementProblem& p, std::span<const T> v,
   std::optional<strength::TrainRating<T>> rating, stiffness;
   if (parts.any) {
     auto loaded = rated_train<T>(spec, *train, forms, load.face_width_m);
+    if (!strength::has_rims(loaded, *spec.rating)) return std::nullopt;
     loaded.rated = parts.mesh;
     loaded.roots = parts.roots;
     rating = strength::rate_train(loaded, *spec.rating, strength::Drive::kEither, load.torque_Nm,
@@ -432,6 +433,7 @@ std::optional<T> evaluate_rows(const RefinementProblem& p, std::span<const T> v,
   }
   if (parts.stiffness) {
     auto loaded = rated_train<T>(spec, *train, forms, load.face_width_m);
+    if (!strength::has_rims(loaded, *spec.rating)) return std::nullopt;
     loaded.roots = {};
     stiffness =
         strength::rate_train(loaded, *spec.rating, strength::Drive::kForward,
@@ -450,7 +452,7 @@ std::optional<T> evaluate_rows(const RefinementProblem& p, std::span<const T> v,
   for (std::size_t k = 0; k < constraints.size(); ++k) {
     const ConstraintRow& row = p.rows[index_of(k)];
     if (row.check) {
-      constraints[k] = check_margin(*row.check, gearing) / row.check->scale;
+      constraints[k] = constraint_of(*row.check, gearing);
     } else if (row.objective) {
       constraints[k] = objective_margin(*row.objective, at);
     } else {

@@ -155,8 +155,11 @@ bool select_below(const RefinementProblem& problem, double margin, Workspace& sp
   for (std::size_t k = 0; k < space.values.size(); ++k) {
     const auto row = static_cast<std::uint16_t>(k);
     const auto& check = problem.rows[k].check;
+    // Nothing else holds a torque that may rise.
+    const bool holds_torque = problem.torque > 0 && check && check->record->rating;
     const bool costly = check && (check->record->tooth_form || check->record->rating);
-    if (space.values[k] < (costly ? std::min(margin, kCostlyMargin) : margin) &&
+    const double least = costly ? std::min(margin, kCostlyMargin) : margin;
+    if ((holds_torque || space.values[k] < least) &&
         !std::binary_search(space.selection.begin(),
                             space.selection.begin() + static_cast<std::ptrdiff_t>(before), row)) {
       space.selection.push_back(row);

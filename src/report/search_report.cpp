@@ -62,6 +62,11 @@ constexpr std::array<const char*, train::kGearCount> kShifts{"xS", "xP1", "xR1",
 constexpr std::array<const char*, train::kGearCount> kTips{"kS", "kP1", "kR1", "kP2", "kR2"};
 constexpr std::array<const char*, train::kMeshCount> kContactRatios{"eps1", "eps2", "eps3"};
 
+/// Capacity over the mass of the gears [N m/kg].
+std::optional<double> capacity_per_mass(const RefinedSet& s) {
+  return s.torque_capacity_Nm ? std::optional(*s.torque_capacity_Nm / s.mass_kg) : std::nullopt;
+}
+
 /// The columns of refined.csv and pareto.csv.
 /// @param bound  upper bound of eta_b; empty where there is none
 Fields refined_fields(const RefinedSet& s, const std::optional<double>& bound,
@@ -100,6 +105,15 @@ Fields refined_fields(const RefinedSet& s, const std::optional<double>& bound,
   if (columns.masses) {
     optimum.add("mass_kg", s.mass_kg);
     optimum.add("inertia_kgm2", s.inertia_kgm2);
+  }
+  if (columns.strength) {
+    optimum.add("b1_mm", mm(s.train.face_width_m[0]));
+    optimum.add("b2_mm", mm(s.train.face_width_m[1]));
+    optimum.add("torque_capacity_nm", s.torque_capacity_Nm);
+    optimum.add("torsional_stiffness_nm_per_rad", s.torsional_stiffness_Nm_rad);
+  }
+  if (columns.strength && columns.masses) {
+    optimum.add("torque_density_nm_per_kg", capacity_per_mass(s));
   }
   return f;
 }
@@ -259,7 +273,8 @@ RefinedColumns refined_columns(const Specification& spec) {
   return {.model = spec.model.has_value(),
           .tips = spec.free.tip_shortening.has_value(),
           .pressure_angle = spec.free.pressure_angle_rad.has_value(),
-          .masses = optimize::knows_masses(spec)};
+          .masses = optimize::knows_masses(spec),
+          .strength = spec.rating.has_value()};
 }
 
 void write_refined_csv(const OptimizeResult& result, const RefinedColumns& columns,
@@ -389,6 +404,11 @@ std::string summary_json(const Specification& spec, const OptimizeResult& result
             {"eta_f", s.eta_f},
             {"backlash_arcmin", arcmin(s.lost_motion_rad)},
             {"kkt_residual", s.kkt_residual}};
+    if (spec.rating) {
+      best["torque_capacity_nm"] = s.torque_capacity_Nm;
+      best["torsional_stiffness_nm_per_rad"] = s.torsional_stiffness_Nm_rad;
+      if (optimize::knows_masses(spec)) best["torque_density_nm_per_kg"] = capacity_per_mass(s);
+    }
     if (model != nullptr) {
       best["eta_b_model"] = s.eta_b_model;
       best["eta_f_model"] = s.eta_f_model;
@@ -516,6 +536,10 @@ std::string blocking_text(const Specification& spec, const OptimizeResult& resul
   for (const auto& [reason, count] : reasons) {
     counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", reason, count);
   }
+  const std::size_t failures = tally.status[static_cast<std::size_t>(Status::kFailed)];
+  const std::string failed =
+      failures > 0 ? fmt::format("; the solver failed on {} more, which may have designs", failures)
+                   : "";
   const bool proven = nearest->status == Status::kInfeasible;
   std::string misses;
   for (const optimize::Miss& miss : nearest->blocked_by) {
@@ -532,8 +556,8 @@ std::string blocking_text(const Specification& spec, const OptimizeResult& resul
   if (proven) others = nearest->blocked_together ? ", together with other limits" : "";
   return fmt::format(
       "no feasible design: blocked by {}: the nearest set, {}, misses {}{}; sets by the constraint "
-      "that blocks them: {}",
-      reason_of(*nearest), teeth_text(nearest->candidate.teeth), misses, others, counts);
+      "that blocks them: {}{}",
+      reason_of(*nearest), teeth_text(nearest->candidate.teeth), misses, others, counts, failed);
 }
 
 }  // namespace gear3k::report

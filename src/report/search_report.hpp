@@ -53,6 +53,9 @@ struct RefinedColumns {
   bool tips = false;            ///< kS .. kR2: tip shortenings
   bool pressure_angle = false;  ///< pressure_angle_deg
   bool masses = false;          ///< mass_kg, inertia_kgm2
+  /// b1_mm, b2_mm, torque_capacity_nm, torsional_stiffness_nm_per_rad; with masses
+  /// torque_density_nm_per_kg.
+  bool strength = false;
 };
 RefinedColumns refined_columns(const optimize::Specification& spec);
 

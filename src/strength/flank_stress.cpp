@@ -32,6 +32,10 @@ Factor<T> contact_ratio_factor(const T& contact_ratio) {
           .in_range = epsilon >= 1.0 && epsilon <= 2.0};
 }
 
+/// At the kink the slopes are those at point B: the pitch point's are those of the mate's flank.  A
+/// solver that stops at the kink, where both limits hold, needs both.
+constexpr double kTie = 1e-9;
+
 /// Factor of one gear: its inner point of single contact is a base pitch below its tip.
 /// @param sign  +1 external, −1 where the other one is a ring
 template <class T>
@@ -49,9 +53,10 @@ Factor<T> single_contact_factor(const GearGeometry<T>& gear, const MeshGeometry<
     factor.in_range = false;
   }
   const T square = pitch_product / (own * other);
-  if (value_of(square) > 1.0) {
+  if (value_of(square) > 1.0 - kTie) {
     factor.value = sqrt(square);
     factor.branch = "inner point of single contact";
+    if (value_of(square) < 1.0) factor.value = factor.value + (1.0 - value_of(factor.value));
   }
   return factor;
 }

@@ -280,6 +280,15 @@ PlanetAxis<T> planet_axis(const PlanetSupports& supports) {
 }
 
 template <class T>
+bool has_rims(const RatedTrain<T>& train, const RatingTask& task) {
+  for (std::size_t gear = 0; gear < train::kGearCount; ++gear) {
+    const auto rim_m = rim_of(train.geometry.gears[gear], task, gear);
+    if (rim_m && !(value_of(*rim_m) > 0.0)) return false;
+  }
+  return true;
+}
+
+template <class T>
 TrainRating<T> rate_train(const RatedTrain<T>& train, const RatingTask& task, Drive drive,
                           const T& torque_Nm, StiffnessPart part) {
   const train::ToothSet& teeth = train.geometry.teeth;
@@ -355,6 +364,7 @@ std::optional<DrivenCapacity> least_capacity(const std::optional<Capacity<double
 
 #define INSTANTIATE(T)                                                                            \
   template PlanetAxis<T> planet_axis<T>(const PlanetSupports&);                                   \
+  template bool has_rims<T>(const RatedTrain<T>&, const RatingTask&);                             \
   template TrainRating<T> rate_train<T>(const RatedTrain<T>&, const RatingTask&, Drive, const T&, \
                                         StiffnessPart);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)

@@ -68,6 +68,11 @@ struct TrainRating {
 /// K_γ as the task has it for N planets; 1 where it states none.
 Factor<double> mesh_load_of(const RatingTask& task, int planets);
 
+/// Whether every gear has material left under its root circle, where a bore or an outer surface is
+/// stated: else rate_train() has nothing to rate.
+template <class T>
+bool has_rims(const RatedTrain<T>& train, const RatingTask& task);
+
 /// Rates the train at an output torque.
 /// @throws std::invalid_argument for a torque below 0, and as rate_mesh()
 template <class T>

@@ -1,0 +1,60 @@
+#pragma once
+// A check as a constraint of the optimiser: how far its value is from the limit, for a solver.
+
+#include <cmath>
+
+#include "design/checks.hpp"
+
+namespace gear3k::optimize {
+
+/// The load that a safety S leaves, over the one that its limit L allows, is (L/S)^p with p = 1 for
+/// the root and 2 for the flank.  0: not a safety.
+inline int load_exponent(design::CheckId id) {
+  using design::CheckId;
+  switch (id) {
+    case CheckId::kRootSafety:
+    case CheckId::kOverloadRootSafety:
+      return 1;
+    case CheckId::kFlankSafety:
+    case CheckId::kOverloadFlankSafety:
+      return 2;
+    default:
+      return 0;
+  }
+}
+
+/// Below this share of its limit a safety, which may turn negative, counts by its tangent there.
+inline constexpr double kLeastSafetyShare = 0.1;
+
+/// g ≥ 0 where the check is met.
+///
+///   a safety    g = 1 − (L/S)^p: linear in torque and 1/width, as solvers like it; below a tenth
+///               of L its tangent there
+///   any other   margin over its scale
+///
+/// Feasible to a tolerance τ: S ≥ L (1 + τ)^(−1/p), a little less than the margin's own.
+template <class T>
+T constraint_of(const design::CheckInstance& check, const design::Gearing<T>& gearing) {
+  const int p = load_exponent(check.record->id);
+  if (p == 0) return design::check_margin(check, gearing) / check.scale;
+  const T share = design::check_value(check, gearing) / check.limit;
+  const T held = larger(share, constant<T>(kLeastSafetyShare));
+  const T load = p == 1 ? T(1.0 / held) : T(1.0 / (held * held));
+  const double slope = p * std::pow(kLeastSafetyShare, -p - 1);
+  return 1.0 - load + slope * (share - held);
+}
+
+/// The miss of a check's value in SI from that of its constraint: the inverse of constraint_of().
+/// @param violation  −g > 0
+inline double miss_of_constraint(const design::CheckInstance& check, double violation) {
+  const int p = load_exponent(check.record->id);
+  if (p == 0) return violation * check.scale;
+  const double greatest = std::pow(kLeastSafetyShare, -p) - 1.0;
+  const double slope = p * std::pow(kLeastSafetyShare, -p - 1);
+  const double share = violation <= greatest
+                           ? std::pow(1.0 + violation, -1.0 / p)
+                           : kLeastSafetyShare - (violation - greatest) / slope;
+  return check.limit * (1.0 - share);
+}
+
+}  // namespace gear3k::optimize
