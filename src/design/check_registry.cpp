@@ -341,6 +341,34 @@ const std::array<CheckRecord, kCheckCount>& records() {
                       .rating = true,
                       .help = "V = v z1/100 sqrt(u^2/(1 + u^2)) inside the range of method C of "
                               "K_v"}),
+      with_values<ShiftSumRange>(
+          CheckRecord{.id = CheckId::kShiftSumRange,
+                      .name = "shift_sum_range",
+                      .title = "x1 + x2 inside the range of c'",
+                      .group = "strength",
+                      .unit = Unit::kNone,
+                      .scope = CheckScope::kRatedMesh,
+                      .at_least = true,
+                      .default_limit = 0.0,
+                      .threshold = false,
+                      .limit_key = "",
+                      .rating = true,
+                      .help = "x1 + x2 from -0.5 to 2, of a ring with -x2, where K_Hbeta or "
+                              "K_Halpha is computed from c'"}),
+      with_values<HardnessRange>(CheckRecord{
+          .id = CheckId::kHardnessRange,
+          .name = "hardness_range",
+          .title = "HB inside the range of Z_W",
+          .group = "strength",
+          .unit = Unit::kNone,
+          .scope = CheckScope::kRatedTooth,
+          .at_least = true,
+          .default_limit = 0.0,
+          .threshold = false,
+          .limit_key = "",
+          .rating = true,
+          .help = "130 to 470 HB of a soft gear with a surface hardened mate, where Z_W "
+                  "is computed"}),
       with_values<ToothTemperature>(
           CheckRecord{.id = CheckId::kToothTemperature,
                       .name = "tooth_temperature",

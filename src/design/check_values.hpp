@@ -167,6 +167,24 @@ struct DynamicSpeed {
   }
 };
 
+/// How far x1 + x2 is inside the range of c'.
+struct ShiftSumRange {
+  template <class T>
+  static T value(const Gearing<T>& g, CheckSubject s) {
+    const T& sum = *g.rating[static_cast<std::size_t>(s.member)].shift_sum;
+    return smaller(T(sum - strength::kLeastShiftSum), T(strength::kGreatestShiftSum - sum));
+  }
+};
+
+/// How far HB is inside the range of Z_W.
+struct HardnessRange {
+  template <class T>
+  static T value(const Gearing<T>& g, CheckSubject s) {
+    const double hb = *tooth_at(g, s).brinell;
+    return constant<T>(std::min(hb - strength::kLeastBrinell, strength::kGreatestBrinell - hb));
+  }
+};
+
 struct ToothTemperature {
   template <class T>
   static T value(const Gearing<T>& g, CheckSubject s) {

@@ -63,8 +63,8 @@ double scale_of(const CheckRecord& record, double limit, double length_scale_m) 
   }
 }
 
-/// Whether a check has a value for a gear under load.
-bool applies(CheckId id, const strength::RatingTask& task, std::size_t gear) {
+/// Whether a check has a value for a gear under load in the mesh with a mate.
+bool applies(CheckId id, const strength::RatingTask& task, std::size_t gear, std::size_t mate) {
   const strength::GearMaterial& material = *task.material[gear];
   const bool plastic = strength::is_plastic(material.record.group);
   using strength::LimitLaw;
@@ -78,8 +78,9 @@ bool applies(CheckId id, const strength::RatingTask& task, std::size_t gear) {
       return plastic ? material.record.yield_strength_Pa.has_value()
                      : material.record.root_limit.law != LimitLaw::kNotStated;
     case CheckId::kOverloadFlankSafety:
-      return task.overload && !plastic &&
-             material.record.flank_limit.law != LimitLaw::kNotStated;
+      return task.overload && !plastic && material.record.flank_limit.law != LimitLaw::kNotStated;
+    case CheckId::kHardnessRange:
+      return strength::computes_work_hardening(task, material, *task.material[mate]);
     case CheckId::kToothTemperature:
       return plastic;
     case CheckId::kToothWear:
@@ -172,11 +173,11 @@ std::vector<CheckInstance> list_checks(const Limits& limits, const GearingLayout
         break;
       case CheckScope::kRatedTooth:
         for (int k = 0; layout.rating != nullptr && k < meshes; ++k) {
+          const std::array<int, 2>& pair = layout.mesh_gears[static_cast<std::size_t>(k)];
           for (const int which : {1, 2}) {
-            const auto gear = static_cast<std::size_t>(
-                layout
-                    .mesh_gears[static_cast<std::size_t>(k)][static_cast<std::size_t>(which - 1)]);
-            if (!applies(r.id, *layout.rating, gear)) continue;
+            const auto gear = static_cast<std::size_t>(which == 1 ? pair[0] : pair[1]);
+            const auto mate = static_cast<std::size_t>(which == 1 ? pair[1] : pair[0]);
+            if (!applies(r.id, *layout.rating, gear, mate)) continue;
             add({.member = k, .which = which});
             checks.back().limit = least_of(r.id, *limit, *layout.rating, gear);
           }
@@ -186,9 +187,11 @@ std::vector<CheckInstance> list_checks(const Limits& limits, const GearingLayout
         for (int k = 0; layout.rating != nullptr && k < meshes; ++k) {
           const auto [first, second] = layout.mesh_gears[static_cast<std::size_t>(k)];
           const auto& material = layout.rating->material;
-          if (strength::computes_dynamic_factor(*layout.rating,
-                                                *material[static_cast<std::size_t>(first)],
-                                                *material[static_cast<std::size_t>(second)])) {
+          const auto computes = r.id == CheckId::kDynamicSpeed
+                                    ? strength::computes_dynamic_factor
+                                    : strength::computes_stiffness_factor;
+          if (computes(*layout.rating, *material[static_cast<std::size_t>(first)],
+                       *material[static_cast<std::size_t>(second)])) {
             add({.member = k, .which = 0});
           }
         }

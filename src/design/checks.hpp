@@ -66,6 +66,8 @@ enum class CheckId {
   kOverloadRootSafety,
   kOverloadFlankSafety,
   kDynamicSpeed,
+  kShiftSumRange,
+  kHardnessRange,
   kToothTemperature,
   kToothWear,
   kRimThickness,
@@ -73,7 +75,7 @@ enum class CheckId {
   kBearingLoad,
   kPinStress
 };
-inline constexpr std::size_t kCheckCount = 33;
+inline constexpr std::size_t kCheckCount = 35;
 
 /// What the checks look at: a whole train, or one pair.
 template <class T>

@@ -16,7 +16,6 @@ strength::RatingTask rating_of(strength::RatingTask task, const Design& design) 
   }
   task.rim_radius_m[train::kR1] = masses.ring1_outer_radius_m;
   task.rim_radius_m[train::kR2] = masses.ring2_outer_radius_m;
-  task.pin_diameter_m.reset();
   if (masses.planet_pin_radius_m) task.pin_diameter_m = 2.0 * *masses.planet_pin_radius_m;
   if (task.supports) task.supports->plane_m = toothing_planes_m(design.axial);
   return task;

@@ -218,6 +218,9 @@ template <class Result>
 std::string not_checked(const Result& e) {
   std::vector<std::string> missing;
   if (!e.strength) missing.emplace_back("strength (no [strength])");
+  for (const std::string& what : not_judged(e)) {
+    missing.push_back(fmt::format("{} (no limit stress of the material is stated)", what));
+  }
   if (!e.tolerance_limits) missing.emplace_back("tolerances (no [tolerances])");
   return missing.empty() ? "" : fmt::format("\nNot checked: {}.\n", fmt::join(missing, ", "));
 }

@@ -22,8 +22,8 @@ std::array<RatedMesh, train::kMeshCount> rated_meshes(const design::StrengthResu
   for (std::size_t k = 0; k < meshes.size(); ++k) {
     const strength::MeshRating<double>& forward = strength.forward.mesh[k];
     const strength::MeshRating<double>& backward = strength.backward.mesh[k];
-    const bool more_backward = backward.normal_N > (1.0 + kRounding) * forward.normal_N ||
-                               is_weaker(backward, forward);
+    const bool more_backward =
+        backward.normal_N > (1.0 + kRounding) * forward.normal_N || is_weaker(backward, forward);
     const auto [gear1, gear2] = train::kMeshGears[k];
     meshes[k] = {.name = std::string(train::kMeshNames[k]),
                  .gears = {std::string(train::kGearNames[static_cast<std::size_t>(gear1)]),
@@ -91,8 +91,9 @@ std::vector<PlacedFactor> factors_of(const RatedMesh& mesh) {
   const strength::MeshRating<double>& rating = *mesh.rating;
   for (const NamedFactor& named : load_factors_of(rating)) add(named, "");
   add({"z_eps", "Z_eps", &rating.flank.contact_ratio}, "");
-  add({"z_b", "Z_B", &rating.flank.single_contact1}, mesh.gears[0]);
-  add({"z_d", "Z_D", &rating.flank.single_contact2}, mesh.gears[1]);
+  // Plastics are rated at the pitch point.
+  if (!rating.teeth[0].plastic) add({"z_b", "Z_B", &rating.flank.single_contact1}, mesh.gears[0]);
+  if (!rating.teeth[1].plastic) add({"z_d", "Z_D", &rating.flank.single_contact2}, mesh.gears[1]);
   for (const std::size_t i : {0U, 1U}) {
     const strength::ToothRating<double>& tooth = rating.teeth[i];
     add({"y_b", "Y_B", &tooth.rim}, mesh.gears[i]);

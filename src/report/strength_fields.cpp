@@ -85,6 +85,7 @@ Fields rated_tooth_fields(const RatedMesh& mesh, std::size_t member) {
   f.add("mesh", mesh.name);
   add_drive(f, mesh);
   f.add("plastic", t.plastic);
+  f.add("cycles", t.cycles, {"load_cycles"});
   f.add("y_f", form.form_factor, {"y_f"});
   f.add("y_s", form.stress_correction_factor, {"y_s"});
   f.add("y_b", t.rim.value, {"y_b"});
@@ -237,6 +238,7 @@ Fields strength_fields(const design::Evaluation& e) {
   Fields f("train");
   f.add("output_torque_nm", s.forward.torque_Nm, {"rated_output_torque", "N m"});
   add_capacity(f, e);
+  f.add("not_judged", io::Json(not_judged(e)));
   f.add("locks_forward", s.forward.locked);
   f.add("locks_backward", s.backward.locked);
   add_meshes(f, meshes);
@@ -267,6 +269,7 @@ Fields strength_fields(const design::PairEvaluation& e) {
                                 {"mesh", meshes[0].name},
                                 {"mode", strength::kModeNames.at(static_cast<std::size_t>(mode))}});
   }
+  f.add("not_judged", io::Json(not_judged(e)));
   add_meshes(f, meshes);
   f.add("stiffness", nullptr);
   if (e.strength->mean_stiffness_Pa) {

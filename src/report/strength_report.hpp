@@ -20,6 +20,10 @@ Fields strength_fields(const design::PairEvaluation& e);
 std::string strength_table(const design::Evaluation& e);
 std::string strength_table(const design::PairEvaluation& e);
 
+/// What is not judged as no limit stress of its material is stated: "root and flank of P2".
+std::vector<std::string> not_judged(const design::Evaluation& e);
+std::vector<std::string> not_judged(const design::PairEvaluation& e);
+
 /// Capacity over mass [N m/kg]; empty without either.
 std::optional<double> torque_density(const design::Evaluation& e);
 

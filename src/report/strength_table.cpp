@@ -120,7 +120,9 @@ std::string tooth_strength_table(Meshes meshes) {
                  fixed(mm(form.section.chord_m), 4), fixed(mm(form.bending_arm_m), 4),
                  fixed(mm(form.section.fillet_radius_m), 4), stress_text(t.root.nominal_Pa),
                  t.root_limit_stated ? stress_text(t.root_strength.strength_Pa) : "none",
-                 fixed(i == 0 ? flank.single_contact1.value : flank.single_contact2.value, 4),
+                 t.plastic
+                     ? "none"
+                     : fixed(i == 0 ? flank.single_contact1.value : flank.single_contact2.value, 4),
                  t.flank_limit_stated ? stress_text(t.flank_strength.strength_Pa) : "none"});
     }
   }
@@ -167,7 +169,7 @@ std::string plastic_table(Meshes meshes) {
                  number_or_none(if_any(t.root_temperature_K, celsius), 1, " C"),
                  number_or_none(if_any(t.flank_temperature_K, celsius), 1, " C"),
                  number_or_none(t.contact_ratio_factor, 4),
-                 number_or_none(if_any(t.wear_m, um), 2, " um"),
+                 t.wear_m ? number_or_none(um(*t.wear_m), 2, " um") : "not rated",
                  number_or_none(if_any(mesh.rating->deformation_m, um), 2, " um")});
     }
   }
@@ -296,7 +298,8 @@ std::string capacity_part(const char* direction,
                      mode_name(mode), train::kGearNames.at(gear), train::kMeshNames.at(mesh));
 }
 
-std::string capacity_text(const StrengthResult& s, const std::optional<strength::DrivenCapacity>& least) {
+std::string capacity_text(const StrengthResult& s,
+                          const std::optional<strength::DrivenCapacity>& least) {
   if (!s.capacity_forward && !s.capacity_backward) return "not judged";
   return fmt::format("{}: {}, {}", least ? torque_text(least->capacity.torque_Nm) : "not judged",
                      capacity_part("forward", s.capacity_forward),
@@ -310,7 +313,8 @@ std::string pair_capacity_text(const design::PairEvaluation& e, const RatedMesh&
                      mesh.gears.at(0), mode_name(mode), mesh.gears.at(member));
 }
 
-std::string density_text(const design::Evaluation& e, const std::optional<strength::DrivenCapacity>& least) {
+std::string density_text(const design::Evaluation& e,
+                         const std::optional<strength::DrivenCapacity>& least) {
   if (const auto density = torque_density(e)) {
     return fmt::format("{:.4g} N m/kg, of {:.5g} kg", *density, *e.total_mass_kg);
   }
@@ -321,7 +325,7 @@ std::string bearing_text(const strength::TrainRating<double>& rating) {
   const strength::PlanetLoads<double>& p = rating.planet.value();
   return fmt::format(
       "A {:.1f} N, B {:.1f} N (tilting couple {:.4g} N m, pin bending moment {:.4g} N m{})",
-      p.bearing_load_N[0], p.bearing_load_N[1], std::abs(p.tilting_couple_Nm), p.bending_moment_Nm,
+      p.bearing_load_N[0], p.bearing_load_N[1], p.tilting_couple_Nm, p.bending_moment_Nm,
       rating.pin_stress_Pa ? fmt::format(", {:.1f} N/mm2", mpa(*rating.pin_stress_Pa)) : "");
 }
 
@@ -330,7 +334,8 @@ void add_lines(TextTable& table, const std::string& label, std::span<const std::
   for (std::size_t k = 0; k < lines.size(); ++k) table.add({k == 0 ? label : "", lines[k]});
 }
 
-std::string train_lines(const design::Evaluation& e, const std::optional<strength::DrivenCapacity>& least,
+std::string train_lines(const design::Evaluation& e,
+                        const std::optional<strength::DrivenCapacity>& least,
                         std::span<const PlacedFactor> factors) {
   const StrengthResult& s = e.strength.value();
   TextTable table({"capacity", capacity_text(s, least)});
@@ -345,6 +350,7 @@ std::string train_lines(const design::Evaluation& e, const std::optional<strengt
   if (s.forward.planet && s.backward.planet) {
     table.add({"planet bearings, forward", bearing_text(s.forward)});
     table.add({"planet bearings, backward", bearing_text(s.backward)});
+    table.add({"", "of the nominal torque: K_A and K_gamma do not act on bearings and pin"});
   } else {
     table.add({"planet bearings", "not known: lacks their positions"});
   }
@@ -360,7 +366,39 @@ std::string train_lines(const design::Evaluation& e, const std::optional<strengt
   return table.text(2);
 }
 
+/// By what is missing the gears, each once, in the order of the meshes.
+std::vector<std::string> not_judged_of(Meshes meshes) {
+  constexpr std::array<const char*, 3> kWhat{"root", "flank", "root and flank"};
+  std::array<std::vector<std::string>, kWhat.size()> gears;
+  std::vector<std::string> seen;
+  for (const RatedMesh& mesh : meshes) {
+    for (const std::size_t i : kMembers) {
+      const ToothRating<double>& t = mesh.rating->teeth[i];
+      if (t.root_limit_stated && t.flank_limit_stated) continue;
+      if (std::ranges::find(seen, mesh.gears[i]) != seen.end()) continue;
+      seen.push_back(mesh.gears[i]);
+      const std::size_t what = t.root_limit_stated ? 1 : t.flank_limit_stated ? 0 : 2;
+      gears.at(what).push_back(mesh.gears[i]);
+    }
+  }
+  std::vector<std::string> lines;
+  for (std::size_t what = 0; what < kWhat.size(); ++what) {
+    if (gears.at(what).empty()) continue;
+    lines.push_back(fmt::format("{} of {}", kWhat.at(what), listed(gears.at(what))));
+  }
+  return lines;
+}
+
 }  // namespace
+
+std::vector<std::string> not_judged(const design::Evaluation& e) {
+  if (!e.strength) return {};
+  return not_judged_of(rated_meshes(*e.strength));
+}
+std::vector<std::string> not_judged(const design::PairEvaluation& e) {
+  if (!e.strength) return {};
+  return not_judged_of(std::array{rated_mesh(e)});
+}
 
 std::string strength_table(const design::Evaluation& e) {
   if (!e.strength) return "";

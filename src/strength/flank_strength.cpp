@@ -85,8 +85,9 @@ Factor<T> work_hardening_factor(MaterialGroup group, const FlankCondition<T>& co
   }
   const double hb = *condition.brinell_hardness;
   Factor<T> factor{.source = sources::kM56};
-  factor.in_range = hb >= 130.0 && hb <= 470.0;
-  const double hardness = 1.2 - (std::clamp(hb, 130.0, 470.0) - 130.0) / 1700.0;
+  factor.in_range = hb >= kLeastBrinell && hb <= kGreatestBrinell;
+  const double hardness =
+      1.2 - (std::clamp(hb, kLeastBrinell, kGreatestBrinell) - kLeastBrinell) / 1700.0;
   const double hard = *condition.mate_roughness_m / units::kMicrometre;
   const double soft_rz = *condition.own_roughness_m / units::kMicrometre;
   const double viscosity = *condition.viscosity40_m2_s / kSquareMillimetre;

@@ -8,6 +8,9 @@
 
 namespace gear3k::strength {
 
+/// Hardness [HB] for which Z_W is stated.
+inline constexpr double kLeastBrinell = 130.0, kGreatestBrinell = 470.0;
+
 /// What the strength of a flank depends on besides its material's limit.
 template <class T>
 struct FlankCondition {

@@ -79,10 +79,10 @@ std::optional<TransverseDeviation<T>> transverse_deviation(const SharedMesh<T>& 
   for (const RatedGear<T>* g : m.gears) {
     const auto limit =
         flank_limit<double>(g->material.record, {.hardness = g->material.hardness, .cycles = 1.0});
-    running_in_m += 0.5 * running_in_allowance(
-                              g->material.record.group,
-                              limit.stated ? std::optional(limit.stress_Pa) : std::nullopt,
-                              deviation_m);
+    running_in_m +=
+        0.5 * running_in_allowance(g->material.record.group,
+                                   limit.stated ? std::optional(limit.stress_Pa) : std::nullopt,
+                                   deviation_m);
   }
   return TransverseDeviation<T>{.base_pitch_deviation_m = constant<T>(deviation_m),
                                 .running_in_m = constant<T>(running_in_m),
@@ -118,10 +118,11 @@ RatedLoadFactors<T> load_factors_of(const SharedMesh<T>& m, const LoadedMesh<T>&
     f.dynamic = dynamic_factor(loaded, m.task.accuracy_grade);
   }
   const bool misaligned = m.task.misalignment_m > 0.0;
-  f.flank_face = stated_or(
-      stated.flank_face,
-      misaligned ? face_load_factor(loaded, constant<T>(m.task.misalignment_m), iso.mesh_beta)
-                 : unstated_factor<T>("no misalignment stated"));
+  f.flank_face =
+      stated_or(stated.flank_face,
+                misaligned && !stated.flank_face
+                    ? face_load_factor(loaded, constant<T>(m.task.misalignment_m), iso.mesh_beta)
+                    : unstated_factor<T>("no misalignment stated"));
   T height = constant<T>(0.0);
   for (const RatedGear<T>* g : m.gears) {
     const T own = g->gear.gear.kind == geometry::GearKind::kRing
@@ -210,13 +211,12 @@ void rate_metal(const SharedMesh<T>& m, std::size_t own, const ToothLoad<T>& loa
   tooth.flank_limit_stated = flank.stated;
   tooth.limit_in_range = root.hardness_in_range && flank.hardness_in_range;
   if (root.stated && g.root) {
-    const RootCondition<T> condition{
-        .cycles = constant<T>(g.cycles.value_or(kEnduranceCycles)),
-        .notch_parameter = tooth.form.notch_parameter,
-        .module_m = g.gear.gear.module_m,
-        .root_roughness_m = m.task.root_roughness_m,
-        .loading = g.loading,
-        .reversal = m.task.factors.reversal};
+    const RootCondition<T> condition{.cycles = constant<T>(g.cycles.value_or(kEnduranceCycles)),
+                                     .notch_parameter = tooth.form.notch_parameter,
+                                     .module_m = g.gear.gear.module_m,
+                                     .root_roughness_m = m.task.root_roughness_m,
+                                     .loading = g.loading,
+                                     .reversal = m.task.factors.reversal};
     tooth.root_strength = root_strength(material, root.stress_Pa, condition);
     if (!g.cycles) {
       take_endurance_limit(tooth.root_strength.life, tooth.root_strength.strength_Pa);
@@ -247,6 +247,9 @@ void rate_metal(const SharedMesh<T>& m, std::size_t own, const ToothLoad<T>& loa
       .mate_roughness_m = m.task.flank_roughness_m,
       .mate_group = mate.material.record.group,
       .brinell_hardness = brinell_of(g.material)};
+  if (computes_work_hardening(m.task, g.material, mate.material)) {
+    tooth.brinell = condition.brinell_hardness;
+  }
   tooth.flank_strength = flank_strength(material, flank.stress_Pa, condition);
   if (!g.cycles) {
     take_endurance_limit(tooth.flank_strength.life, tooth.flank_strength.strength_Pa);
@@ -281,10 +284,9 @@ void rate_plastic(const SharedMesh<T>& m, std::size_t own, const ToothLoad<T>& l
   tooth.root_temperature_K = temperature_of(m, transfer.root);
   tooth.flank_temperature_K = temperature_of(m, transfer.flank);
   const auto limit_at = [&](bool of_root, const T& temperature_K) {
-    const ToothCondition<T> at{
-        .hardness = g.material.hardness,
-        .temperature_K = temperature_K,
-        .cycles = constant<T>(std::max(g.cycles.value_or(1.0), 1.0))};
+    const ToothCondition<T> at{.hardness = g.material.hardness,
+                               .temperature_K = temperature_K,
+                               .cycles = constant<T>(std::max(g.cycles.value_or(1.0), 1.0))};
     return of_root ? root_limit(material, at) : flank_limit(material, at);
   };
   const LimitValue<T> root_at = limit_at(true, *tooth.root_temperature_K);
@@ -333,11 +335,6 @@ void rate_plastic(const SharedMesh<T>& m, std::size_t own, const ToothLoad<T>& l
   }
 }
 
-/// Whether K_β or K_α is computed from the stiffness of the mesh.
-bool factors_need_stiffness(const RatingTask& task) {
-  return (task.misalignment_m > 0.0 && !task.factors.flank_face) || task.accuracy_grade;
-}
-
 double least_safety(const std::optional<double>& stated, const GearMaterial& material,
                     double plastic) {
   return stated.value_or(is_plastic(material.record.group) ? plastic : 1.0);
@@ -357,6 +354,24 @@ bool computes_dynamic_factor(const RatingTask& task, const GearMaterial& materia
                              const GearMaterial& material2) {
   return task.accuracy_grade && task.speed_rad_s > 0.0 && !task.factors.dynamic &&
          !any_plastic(material1, material2);
+}
+
+bool computes_stiffness_factor(const RatingTask& task, const GearMaterial& material1,
+                               const GearMaterial& material2) {
+  const StatedFactors& stated = task.factors;
+  const bool face = task.misalignment_m > 0.0 && !stated.flank_face;
+  const bool transverse =
+      task.accuracy_grade && !(stated.flank_transverse && stated.root_transverse);
+  return (face || transverse) && !any_plastic(material1, material2);
+}
+
+bool computes_work_hardening(const RatingTask& task, const GearMaterial& own,
+                             const GearMaterial& mate) {
+  const MaterialGroup group = own.record.group;
+  const bool soft = group == MaterialGroup::kNormalised || group == MaterialGroup::kThroughHardened;
+  return soft && is_surface_hardened(mate.record.group) && brinell_of(own) &&
+         task.flank_roughness_m && task.viscosity40_m2_s &&
+         own.record.flank_limit.law != LimitLaw::kNotStated;
 }
 
 double least_root_safety(const RatingTask& task, const GearMaterial& material) {
@@ -385,12 +400,14 @@ MeshRating<T> rate_mesh(const RatedGear<T>& gear1, const RatedGear<T>& gear2,
   rating.speed_m_s = duty.speed_m_s;
   rating.line_load_N_m =
       rating.tangential_N * task.factors.application.value_or(1.0) / duty.face_width_m;
-  if (part != StiffnessPart::kFactors || factors_need_stiffness(task)) {
+  const bool needs_stiffness = computes_stiffness_factor(task, gear1.material, gear2.material);
+  if (part != StiffnessPart::kFactors || needs_stiffness) {
     const IsoPair<T> pair = iso_pair(gear1.gear, gear2.gear);
     rating.iso =
         iso_stiffness(pair, mesh.contact_ratio, {.material1 = elastic1, .material2 = elastic2},
                       rating.line_load_N_m);
     rating.iso_in_range = iso_flexibility_in_range(pair);
+    if (needs_stiffness) rating.shift_sum = pair.profile_shift1 + pair.profile_shift2;
   }
   const LoadedMesh<T> loaded = loaded_mesh(shared, rating.tangential_N);
   rating.factors = load_factors_of(shared, loaded, rating.iso);
@@ -411,6 +428,7 @@ MeshRating<T> rate_mesh(const RatedGear<T>& gear1, const RatedGear<T>& gear2,
                                   .face = f.flank_face.value,
                                   .transverse = f.flank_transverse.value});
   for (std::size_t i = 0; i < 2; ++i) {
+    rating.teeth[i].cycles = gears[i]->cycles;
     if (is_plastic(gears[i]->material.record.group)) {
       rate_plastic(shared, i, load, rating, rating.teeth[i]);
     } else {

@@ -50,6 +50,7 @@ struct RatedLoadFactors {
 template <class T>
 struct ToothRating {
   bool plastic = false;
+  std::optional<double> cycles{};  ///< N; empty: not stated
   RootForm<T> form;
   Factor<T> rim;
   std::optional<T> rim_over_least{};  ///< where a rim is stated: over the range of Y_B
@@ -67,6 +68,7 @@ struct ToothRating {
   std::optional<T> root_temperature_K{}, flank_temperature_K{};
   std::optional<T> wear_m{};
   std::optional<T> contact_ratio_factor{};  ///< Y_ε
+  std::optional<double> brinell{};          ///< HB, where Z_W is computed from it
 };
 
 template <class T>
@@ -82,8 +84,9 @@ struct MeshRating {
   bool iso_in_range = true;
   /// k̄ over the path, per face width; empty where it was not asked for.
   std::optional<T> mean_stiffness_Pa{};
-  std::optional<T> deformation_m{};   ///< λ, with a plastic gear
-  std::optional<T> dynamic_speed{};   ///< V of K_v, where it is computed
+  std::optional<T> deformation_m{};  ///< λ, with a plastic gear
+  std::optional<T> dynamic_speed{};  ///< V of K_v, where it is computed
+  std::optional<T> shift_sum{};  ///< x1 + x2, of a ring −x2, where a factor is computed from c'
   std::array<ToothRating<T>, 2> teeth;
 };
 
@@ -106,6 +109,13 @@ MeshRating<T> rate_mesh(const RatedGear<T>& gear1, const RatedGear<T>& gear2,
 /// Whether K_v is computed, by dynamic_factor(): MeshRating::dynamic_speed is then set.
 bool computes_dynamic_factor(const RatingTask& task, const GearMaterial& material1,
                              const GearMaterial& material2);
+
+/// Whether a load factor is computed from c', which is stated for x1 + x2 from −0.5 to 2.
+bool computes_stiffness_factor(const RatingTask& task, const GearMaterial& material1,
+                               const GearMaterial& material2);
+/// Whether Z_W of a gear is computed, which is stated for 130 to 470 HB.
+bool computes_work_hardening(const RatingTask& task, const GearMaterial& own,
+                             const GearMaterial& mate);
 
 /// Least safeties that are asked for of a gear.
 double least_root_safety(const RatingTask& task, const GearMaterial& material);

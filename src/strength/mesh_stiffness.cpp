@@ -61,7 +61,7 @@ T iso_flexibility(const IsoPair<T>& pair) {
 template <class T>
 bool iso_flexibility_in_range(const IsoPair<T>& pair) {
   const double sum = value_of(pair.profile_shift1) + value_of(pair.profile_shift2);
-  return sum >= -0.5 && sum <= 2.0;
+  return sum >= kLeastShiftSum && sum <= kGreatestShiftSum;
 }
 
 template <class T>

@@ -33,7 +33,8 @@ IsoPair<T> iso_pair(const geometry::GearGeometry<T>& gear1, const geometry::Gear
 /// @returns q [m/N · m = 1/Pa]: the number of the standard times 1e-9
 template <class T>
 T iso_flexibility(const IsoPair<T>& pair);
-/// Whether x1 + x2 is in the range for which q is stated.
+/// x1 + x2 for which q is stated, and whether they are there.
+inline constexpr double kLeastShiftSum = -0.5, kGreatestShiftSum = 2.0;
 template <class T>
 bool iso_flexibility_in_range(const IsoPair<T>& pair);
 

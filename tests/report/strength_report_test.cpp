@@ -31,6 +31,7 @@ Factor<double> computed(double value) {
 /// A tooth of steel; every number is another one, and none is 0 or 1.
 ToothRating<double> tooth(double base) {
   ToothRating<double> t;
+  t.cycles = base + 30.0;
   t.form.section = {.chord_m = (base + 1.0) * 1e-3, .fillet_radius_m = (base + 2.0) * 1e-3};
   t.form.load.angle_rad = (base + 3.0) * units::kDegree;
   t.form.bending_arm_m = (base + 4.0) * 1e-3;
@@ -93,7 +94,8 @@ std::map<std::string, double> tooth_numbers(double base) {
           {"z_w", base + 26.0},
           {"z_x", base + 27.0},
           {"sigma_hg_mpa", base + 28.0},
-          {"flank_safety", base + 29.0}};
+          {"flank_safety", base + 29.0},
+          {"cycles", base + 30.0}};
 }
 
 const std::set<std::string> kNullOfSteel{

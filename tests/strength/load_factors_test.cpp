@@ -38,7 +38,15 @@ TEST(DynamicFactor, FollowsMethodC) {
   EXPECT_EQ(dynamic_factor(still, 6).branch, "at rest");
   auto fast = mesh();
   fast.speed_m_s = 20.0;
+  // Beyond V = 3 the formula falls and turns negative: it is held.
   EXPECT_FALSE(dynamic_factor(fast, 6).in_range);
+  fast.speed_m_s = 3.0 / (v / 3.0);
+  const double held = dynamic_factor(fast, 6).value;
+  EXPECT_NEAR(held, 1.0 + (14.9 / 250.0 + 0.0193) * 3.0 * (2.071 - 0.357 * 3.0), 1e-12);
+  for (const double speed : {20.0, 200.0, 2000.0}) {
+    fast.speed_m_s = speed;
+    EXPECT_NEAR(dynamic_factor(fast, 6).value, held, 1e-12);
+  }
   EXPECT_THROW(dynamic_factor(mesh(), 9), std::invalid_argument);
   EXPECT_THROW(dynamic_factor(mesh(), 2), std::invalid_argument);
 }

@@ -197,7 +197,8 @@ class StageRating {
       add("chord_in_modules", subject, section.chord_m / m);
       add("fillet_radius", subject, section.fillet_radius_m / kMm);
       add("fillet_radius_in_modules", subject, section.fillet_radius_m / m);
-      add("section_diameter", subject, 2.0 * std::hypot(section.height_m, 0.5 * section.chord_m) / kMm);
+      add("section_diameter", subject,
+          2.0 * std::hypot(section.height_m, 0.5 * section.chord_m) / kMm);
       add("bending_arm", subject, form.bending_arm_m / kMm);
       add("bending_arm_in_modules", subject, form.bending_arm_m / m);
       add("load_angle", subject, form.load.angle_rad * 180.0 / kPi);

@@ -133,6 +133,18 @@ TEST(TorqueCapacity, HasNoneWhereTheRatiosDoNotCross1) {
                std::invalid_argument);
 }
 
+TEST(TorqueCapacity, AStrengthThatIsUsedUpIsTooMuchTorque) {
+  // A plastic that the torque heats: (30 − T)/T, nothing left from 30 on.
+  const auto heated = [](double torque) {
+    return std::vector<SafetyRatio<double>>{{.ratio = (30.0 - torque) / torque, .exponent = 1}};
+  };
+  for (double start = 1e-3; start < 1e4; start *= 1.7) {
+    const auto capacity = torque_capacity(heated, {.start_Nm = start});
+    ASSERT_TRUE(capacity) << start;
+    EXPECT_NEAR(capacity->torque_Nm, 15.0, 1e-10) << start;
+  }
+}
+
 TEST(TorqueCapacity, GradientIsThatOfDifferences) {
   RandomTrain random(92);
   for (int n = 0; n < 300; ++n) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "geometry/interference.hpp"
 #include "tests/random_train.hpp"
 #include "tests/strength/steel.hpp"
 
@@ -40,6 +41,14 @@ RatingTask task_of(const GearMaterial& material) {
   return task;
 }
 
+/// A coefficient of friction for all meshes and both directions.
+template <class T>
+std::array<std::array<T, train::kMeshCount>, 2> alike(double friction) {
+  std::array<std::array<T, train::kMeshCount>, 2> all;
+  for (auto& direction : all) direction.fill(constant<T>(friction));
+  return all;
+}
+
 /// A train with its roots, as a rating takes it; every mesh loses alike.
 template <class T>
 struct Rated {
@@ -58,7 +67,7 @@ struct Rated {
             .forms = forms,
             .face_width_m = face_width_m,
             .efficiency = {efficiency, efficiency},
-            .friction = constant<T>(0.05)};
+            .friction = alike<T>(0.05)};
   }
   [[nodiscard]] TrainRating<T> at(const RatingTask& task, Drive drive,
                                   StiffnessPart part = StiffnessPart::kIso) const {
@@ -117,6 +126,161 @@ TEST(TrainRating, OfEitherDriveEveryMeshCarriesTheLargerForce) {
             << n;
       }
     }
+  }
+}
+
+/// Steel P1 and R1, the rest of POM, driven at a speed that heats it.
+RatingTask warm_task() {
+  RatingTask task = task_of(pom());
+  task.material[train::kP1] = task.material[train::kR1] = steel_700_290();
+  task.torque_Nm = 3.0;
+  task.cycles = 1e7;
+  task.speed_rad_s = 300.0;
+  task.wear_coefficient_m2_N = 1e-15;
+  return task;
+}
+
+TEST(TrainRating, OfEitherDriveEveryQuantityOfPlasticsIsTheWorseOne) {
+  RandomTrain random(68);
+  for (int n = 0; n < 60; ++n) {
+    Rated<double> rated(running_train(random, n % 2 == 0));
+    RatedTrain<double> view = rated.view();
+    // Driven backward the meshes lose three times as much, which heats and wears.
+    for (auto& mesh : view.efficiency[1]) mesh = {0.97, 0.97};
+    const RatingTask task = warm_task();
+    const auto at = [&](Drive drive) {
+      return rate_train(view, task, drive, task.torque_Nm, StiffnessPart::kIso);
+    };
+    const auto forward = at(Drive::kForward), backward = at(Drive::kBackward);
+    const auto either = at(Drive::kEither);
+    for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+      for (const std::size_t i : {0U, 1U}) {
+        const auto& f = forward.mesh[k].teeth[i];
+        const auto& b = backward.mesh[k].teeth[i];
+        const auto& e = either.mesh[k].teeth[i];
+        EXPECT_EQ(e.root_safety, std::min(f.root_safety, b.root_safety)) << n;
+        EXPECT_EQ(e.flank_safety, std::min(f.flank_safety, b.flank_safety)) << n;
+        if (!f.plastic) continue;
+        EXPECT_EQ(*e.root_temperature_K, std::max(*f.root_temperature_K, *b.root_temperature_K));
+        EXPECT_EQ(*e.wear_m, std::max(*f.wear_m, *b.wear_m)) << n;
+      }
+    }
+  }
+}
+
+TEST(TrainRating, TheHeatOfAMeshIsTheLossOfItsFlow) {
+  // P_loss = Σ shaft powers: of all meshes together what goes in less what comes out.
+  RandomTrain random(69);
+  for (int n = 0; n < 60; ++n) {
+    const Rated<double> rated(running_train(random, n % 2 == 0), 0.985);
+    for (const bool forward : {true, false}) {
+      const auto forces = driven_mesh_forces(rated.geometry, rated.efficiency, 5.0, forward);
+      if (!forces) continue;
+      const auto flow = train::solve_power_flow(
+          train::LoadedTrain<double>{.teeth = rated.geometry.teeth,
+                                     .efficiency = rated.efficiency,
+                                     .known = {},
+                                     .given_end = train::End::kOutput,
+                                     .given_torque_Nm = forward ? -5.0 : 5.0});
+      ASSERT_TRUE(flow);
+      const train::SpeedRatios speeds = train::speed_ratios(rated.geometry.teeth);
+      const double shafts = flow->sun_torque_Nm * speeds.sun + flow->output_torque_Nm;
+      double lost = 0.0;
+      for (const double loss : forces->loss_Nm) {
+        EXPECT_GT(loss, 0.0);
+        lost += loss * rated.geometry.planets;
+      }
+      EXPECT_NEAR(lost, shafts, 1e-10 * std::abs(speeds.sun)) << n;
+    }
+  }
+}
+
+TEST(TrainRating, APlanetThatBothMatesLoadOnOneFlankWearsByBoth) {
+  RandomTrain random(70);
+  for (int n = 0; n < 40; ++n) {
+    const Rated<double> rated(running_train(random, n % 2 == 0));
+    RatingTask task = task_of(pom());
+    task.torque_Nm = 2.0;
+    task.life_s = 3.6e5;
+    task.speed_rad_s = 100.0;
+    task.wear_coefficient_m2_N = 1e-15;
+    const auto rating = rated.at(task, Drive::kForward);
+    // Archard's law by hand: 2π T N H_V k_w/(b z l), N turns against each mate.
+    const train::SpeedRatios w = train::speed_ratios(rated.geometry.teeth);
+    const double turns = std::abs((w.planet - w.carrier) / w.sun) * 100.0 * 3.6e5;
+    const auto wear = [&](std::size_t k, std::size_t member, int gear) {
+      const auto& g = rated.geometry.gears[static_cast<std::size_t>(gear)];
+      const auto& [first, second] = train::kMeshGears[k];
+      const double length = active_flank_length(
+          g, geometry::active_root_length(rated.geometry.gears[static_cast<std::size_t>(first)],
+                                          rated.geometry.gears[static_cast<std::size_t>(second)],
+                                          rated.geometry.meshes[k], static_cast<int>(member) + 1));
+      return rating.mesh[k].normal_N * g.base_radius_m * turns * (0.01 / 0.05) * 1e-15 /
+             (8e-3 * g.gear.teeth * length);
+    };
+    const double by_sun = wear(train::kMeshSP1, 1, train::kP1);
+    const double by_ring = wear(train::kMeshP1R1, 0, train::kP1);
+    const double at_sun = *rating.mesh[train::kMeshSP1].teeth[1].wear_m;
+    const double at_ring = *rating.mesh[train::kMeshP1R1].teeth[0].wear_m;
+    const bool shared = train::g2(rated.geometry.teeth) > 1.0;
+    EXPECT_NEAR(at_sun, shared ? by_sun + by_ring : by_sun, 1e-9 * at_sun) << n;
+    EXPECT_NEAR(at_ring, shared ? by_sun + by_ring : by_ring, 1e-9 * at_ring) << n;
+  }
+}
+
+TEST(TrainRating, TheCapacityOfPlasticsDoesNotDependOnTheStatedTorque) {
+  RandomTrain random(71);
+  const Rated<double> rated(running_train(random, true), 0.98);
+  RatingTask task = task_of(pom());
+  task.cycles = 1e7;
+  task.speed_rad_s = 1000.0;
+  double first = 0.0;
+  for (double stated = 0.5; stated < 60.0; stated *= 1.23) {
+    task.torque_Nm = stated;
+    const auto capacity = train_capacity(rated.view(), task, Drive::kForward);
+    ASSERT_TRUE(capacity) << stated;
+    if (first == 0.0) first = capacity->torque_Nm;
+    EXPECT_NEAR(capacity->torque_Nm, first, 1e-9 * first) << stated;
+  }
+}
+
+TEST(TrainRating, AnOverloadLimitsTheCapacityToo) {
+  RandomTrain random(72);
+  const Rated<double> rated(running_train(random, true));
+  RatingTask task = task_of(steel_700_290());
+  const auto plain = train_capacity(rated.view(), task, Drive::kForward);
+  task.overload = 10.0;
+  const auto peak = train_capacity(rated.view(), task, Drive::kForward);
+  ASSERT_TRUE(plain && peak);
+  EXPECT_LT(peak->torque_Nm, plain->torque_Nm);
+  EXPECT_TRUE(peak->governing.mode == Mode::kOverloadRoot ||
+              peak->governing.mode == Mode::kOverloadFlank);
+  task.torque_Nm = peak->torque_Nm;
+  double least = 1e300;
+  for (const auto& mesh : rated.at(task, Drive::kForward).mesh) {
+    for (const auto& tooth : mesh.teeth) {
+      least =
+          std::min({least, *tooth.overload_root_safety / 1.5, *tooth.overload_flank_safety / 1.2});
+    }
+  }
+  EXPECT_NEAR(least, 1.0, 1e-9);
+}
+
+TEST(TrainRating, BearingsAndPinAreRatedInTheWorseDirection) {
+  RandomTrain random(73);
+  for (int n = 0; n < 40; ++n) {
+    const Rated<double> rated(running_train(random, n % 2 == 0), 0.97);
+    RatingTask task = task_of(steel_700_290());
+    task.supports = PlanetSupports{.position_m = {0.0, 20e-3}, .plane_m = {4e-3, 13e-3}};
+    task.pin_diameter_m = 4e-3;
+    const auto forward = rated.at(task, Drive::kForward);
+    const auto backward = rated.at(task, Drive::kBackward);
+    const auto either = rated.at(task, Drive::kEither);
+    for (const std::size_t i : {0U, 1U}) {
+      EXPECT_EQ(either.bearing_load_N[i],
+                std::max(forward.planet->bearing_load_N[i], backward.planet->bearing_load_N[i]));
+    }
+    EXPECT_EQ(*either.pin_stress_Pa, std::max(*forward.pin_stress_Pa, *backward.pin_stress_Pa));
   }
 }
 

@@ -248,7 +248,9 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
       {.planets = {input.planets},
        .face_width_m = design.masses.face_width_m,
        .sun_speed_rad_s = point ? std::optional(point->sun_speed_rad_s) : std::nullopt,
-       .axial = design.axial},
+       .axial = design.axial,
+       .limits = design.limits,
+       .has_pin = design.masses.planet_pin_radius_m.has_value()},
       reading);
   if (task) design.rating = design::rating_of(*task, design);
   return design;

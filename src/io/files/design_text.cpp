@@ -35,6 +35,7 @@ DesignInput stated_design(const design::Design& design) {
   input.axial = design.axial;
   input.losses = stated_losses(design);
   input.strength = stated_strength(design.rating);
+  if (design.masses.planet_pin_radius_m) input.strength.task.pin_diameter_m.reset();
   if (design.rating &&
       design::common_density_kgm3(design.rating->material) == design.masses.density_kgm3) {
     input.masses.density_kgm3.reset();  // the materials state it

@@ -99,11 +99,12 @@ void add_factor_keys(std::vector<StrengthKey>& keys) {
 }
 
 void add_reversal_key(std::vector<StrengthKey>& keys) {
-  keys.push_back(strength_number(
-      "y_m", Unit::kNone, above(0.0, 1.0), "0.7, of plastics 1",
-      "Y_M of teeth that are loaded on both flanks (load_reversal, idlers), in place of 0.7; UR M56 "
-      "has 0.9 for occasional reversal, and no source has one for plastics",
-      of_factors(&StatedFactors::reversal)));
+  keys.push_back(
+      strength_number("y_m", Unit::kNone, above(0.0, 1.0), "with [strength]: 0.7, of plastics 1",
+                      "Y_M of teeth that are loaded on both flanks (load_reversal, idlers), in "
+                      "place of 0.7; UR M56 "
+                      "has 0.9 for occasional reversal, and no source has one for plastics",
+                      of_factors(&StatedFactors::reversal)));
 }
 
 void add_safety_keys(std::vector<StrengthKey>& keys) {
@@ -193,11 +194,11 @@ std::vector<StrengthKey> common_strength_keys(const TorqueKeys& of, StrengthKey 
                       "load cycles of every tooth, instead; without either the endurance "
                       "limit of metals",
                       of_task(&RatingTask::cycles)));
-  keys.push_back(
-      strength_switch("load_reversal", "true with [strength]",
-                      "the torque changes its sign: Y_M = 0.7 for every metal tooth; else of idlers "
-                      "only",
-                      of_task(&RatingTask::load_reversal)));
+  keys.push_back(strength_switch(
+      "load_reversal", "true with [strength]",
+      "the torque changes its sign: Y_M = 0.7 for every metal tooth; else of idlers "
+      "only",
+      of_task(&RatingTask::load_reversal)));
   keys.push_back(strength_number("k_a", Unit::kNone, within(1.0, kGreatestFactor),
                                  "with [strength]: 1", "application factor",
                                  of_factors(&StatedFactors::application)));
@@ -322,8 +323,9 @@ std::optional<strength::PlanetSupports> finish_supports(const StrengthInput& inp
   constexpr const char* kPositions = "bearings.planet_positions_mm";
   constexpr const char* kStiffness = "bearings.planet_stiffness_n_per_um";
   constexpr const char* kPinStiffness = "bearings.pin_stiffness_n_per_um";
+  constexpr const char* kPinDiameter = "bearings.pin_diameter_mm";
   if (!reading.stated(kPositions)) {
-    for (const char* key : {kStiffness, kPinStiffness}) {
+    for (const char* key : {kStiffness, kPinStiffness, kPinDiameter}) {
       if (!reading.stated(key)) continue;
       reading.error_at(key, fmt::format("{} without {}: allowed: with it", key, kPositions));
     }
@@ -345,13 +347,33 @@ std::optional<strength::PlanetSupports> finish_supports(const StrengthInput& inp
     const double position_mm = units::from_si(a, Unit::kMillimetre);
     reading.error_at(
         kPositions, fmt::format("{} = [{:g}, {:g}]: both bearings are in one plane, which holds no "
-                                "tilting couple: allowed: from below to",
+                                "tilting couple: allowed: two places",
                                 kPositions, position_mm, position_mm));
   }
   return strength::PlanetSupports{.position_m = *input.planet_position_m,
                                   .plane_m = design::toothing_planes_m(axial),
                                   .stiffness_N_m = input.planet_stiffness_N_m,
                                   .pin_stiffness_N_m = input.pin_stiffness_N_m};
+}
+
+/// Limits of bearings and pin want them to be known.
+void check_planet_limits(const RatedTrainFile& file, FileReading& reading) {
+  using design::CheckId;
+  const bool positions = reading.stated("bearings.planet_positions_mm");
+  if (file.limits[CheckId::kBearingLoad] && !positions) {
+    reading.error_at("limits.bearing_load",
+                     "limits.bearing_load without bearings.planet_positions_mm: allowed: with it");
+  }
+  const bool pin = file.has_pin || reading.stated("bearings.pin_diameter_mm");
+  if (file.limits[CheckId::kPinStress] && !(positions && pin)) {
+    reading.error_at("limits.pin_stress",
+                     "limits.pin_stress without bearings.planet_positions_mm and "
+                     "bearings.pin_diameter_mm: allowed: with both");
+  }
+  if (file.has_pin && reading.stated("bearings.pin_diameter_mm")) {
+    reading.error_at("bearings.pin_diameter_mm",
+                     "bearings.pin_diameter_mm and inertia.pin_diameter_mm: allowed: one of them");
+  }
 }
 
 RatingTask task_of(const StrengthInput& input, const GearMaterials& materials) {
@@ -410,8 +432,14 @@ std::vector<Key<StrengthInput>> train_strength_keys() {
       &StrengthInput::planet_stiffness_N_m));
   keys.push_back(make_key<StrengthInput>(
       number("bearings.pin_stiffness_n_per_um", Unit::kNewtonPerMicrometre, above(0.0, 1e6),
-             "rigid", "stiffness of a planet's pin under each of these bearings, in series with it"),
+             "rigid",
+             "stiffness of a planet's pin under each of these bearings, in series with it"),
       &StrengthInput::pin_stiffness_N_m));
+  keys.push_back(unless_default(
+      make_key<StrengthInput>(number("bearings.pin_diameter_mm", Unit::kMillimetre,
+                                     above(0.0, 1000.0), "in a DESIGN inertia.pin_diameter_mm",
+                                     "diameter of a planet's pin, for its bending stress"),
+                              of_task(&RatingTask::pin_diameter_m))));
   const auto add_torsion = [&](const char* name, auto member, const char* help) {
     keys.push_back(strength_number(name, Unit::kTorsionalStiffness, above(0.0, 1e9), "rigid", help,
                                    of_task(member)));
@@ -463,10 +491,11 @@ std::optional<RatingTask> finish_train_strength(const StrengthInput& input,
                                                 const RatedTrainFile& file, FileReading& reading) {
   if (!reading.stated("strength")) {
     for (const char* key : {"bearings.planet_positions_mm", "bearings.planet_stiffness_n_per_um",
-                            "bearings.pin_stiffness_n_per_um"}) {
+                            "bearings.pin_stiffness_n_per_um", "bearings.pin_diameter_mm"}) {
       if (!reading.stated(key)) continue;
       reading.error_at(key, fmt::format("{}: allowed with [strength] only", key));
     }
+    check_planet_limits(file, reading);
     return std::nullopt;
   }
   const std::vector<std::string> gears = train_gear_tables();
@@ -482,6 +511,7 @@ std::optional<RatingTask> finish_train_strength(const StrengthInput& input,
   }
   task.speed_rad_s = file.sun_speed_rad_s.value_or(0.0);
   task.supports = finish_supports(input, file.axial, reading);
+  check_planet_limits(file, reading);
   return task;
 }
 

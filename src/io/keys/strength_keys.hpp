@@ -44,6 +44,8 @@ struct RatedTrainFile {
   std::array<std::optional<double>, 2> face_width_m;
   std::optional<double> sun_speed_rad_s;
   train::AxialLayout axial;
+  design::Limits limits;
+  bool has_pin = false;  ///< inertia.pin_diameter_mm is stated
 };
 
 /// Materials by gear, where the file states them.

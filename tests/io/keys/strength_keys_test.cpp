@@ -102,7 +102,6 @@ TEST(StrengthKeys, DefaultsAreThoseOfTheTask) {
   EXPECT_EQ(task.ambient_K, unstated.ambient_K);
   EXPECT_EQ(task.housing_surface_m2, unstated.housing_surface_m2);
   EXPECT_FALSE(task.supports);
-  EXPECT_EQ(task.planet_mass_kg, 0.0);
   EXPECT_EQ(task.speed_rad_s, 0.0);
 }
 
@@ -110,13 +109,16 @@ const std::string kEverything =
     kSteel + kPoint +
     "[strength]\noutput_torque_nm = 31.7\nlife_hours = 2000\nload_reversal = false\nk_a = 1.25\n"
     "k_gamma = \"m56\"\nk_v = 1.03\nk_h_beta = 1.15\nk_h_alpha = 1.02\nk_f_beta = 1.1\n"
-    "k_f_alpha = 1.01\nf_beta_um = 7.3\naccuracy_grade = 6\ns_f_min = 1.5\ns_h_min = 1.2\n"
+    "k_f_alpha = 1.01\ny_m = 0.85\nf_beta_um = 7.3\naccuracy_grade = 6\ns_f_min = 1.5\ns_h_min = "
+    "1.2\n"
     "virtual_root_radius = 0.38\noverload = 2.5\nroot_roughness_um = 16.1\n"
     "flank_roughness_um = 4.8\nviscosity40_mm2_s = 220\npitting_allowed = true\nambient_c = 35\n"
     "tooth_temperature_c = 60\nduty = 0.4\nhousing_resistance_k_m2_w = 0.06\n"
     "housing_surface_mm2 = 20000\nwear_coefficient_mm3_nm = 1e-6\n"
+    "planet_torsion_nm_per_rad = 5000\nsun_shaft_nm_per_rad = 800\nring2_nm_per_rad = 9e4\n"
     "[axial]\nP1_mm = [0, 8]\nP2_mm = [10, 19]\n"
     "[bearings]\nplanet_positions_mm = [2, 17.3]\nplanet_stiffness_n_per_um = 50\n"
+    "pin_stiffness_n_per_um = 30\n"
     "[inertia]\nplanet_mass_kg = 0.031\npin_diameter_mm = 6.0\npin_length_mm = 20.0\n";
 
 TEST(StrengthKeys, UnitsBecomeSi) {
@@ -131,6 +133,10 @@ TEST(StrengthKeys, UnitsBecomeSi) {
   EXPECT_EQ(task.factors.flank_transverse, 1.02);
   EXPECT_EQ(task.factors.root_face, 1.1);
   EXPECT_EQ(task.factors.root_transverse, 1.01);
+  EXPECT_EQ(task.factors.reversal, 0.85);
+  EXPECT_EQ(task.planet_torsion_Nm_rad, 5000.0);
+  EXPECT_EQ(task.sun_shaft_Nm_rad, 800.0);
+  EXPECT_EQ(task.ring2_Nm_rad, 9e4);
   EXPECT_DOUBLE_EQ(task.misalignment_m, 7.3e-6);
   EXPECT_EQ(task.accuracy_grade, 6);
   EXPECT_EQ(task.root_safety_min, 1.5);
@@ -154,7 +160,6 @@ TEST(StrengthKeys, TheRestOfTheTaskComesFromWhatTheDesignStatesAnyway) {
   EXPECT_DOUBLE_EQ(task.face_width_m[0], 0.008);
   EXPECT_DOUBLE_EQ(task.face_width_m[1], 0.009);
   EXPECT_DOUBLE_EQ(task.speed_rad_s, 20.0 * std::numbers::pi);
-  EXPECT_DOUBLE_EQ(task.planet_mass_kg, 0.031);
   EXPECT_DOUBLE_EQ(task.pin_diameter_m.value(), 0.006);
   EXPECT_DOUBLE_EQ(task.supports.value().position_m[0], 0.002);
   EXPECT_DOUBLE_EQ(task.supports.value().position_m[1], 0.0173);
@@ -283,6 +288,45 @@ TEST(MaterialKeys, DensityIsThatOfTheMassesWhereAllGearsHaveTheSame) {
             "");
 }
 
+TEST(StrengthKeys, LimitsOfBearingsAndPinWantThemStated) {
+  const std::string axial = "[axial]\nP1_mm = [0, 8]\nP2_mm = [10, 19]\n";
+  const std::string limits = "[limits]\nbearing_load = 100\npin_stress = 50\n";
+  const std::string all = design_errors(kSteel + kLoad + limits);
+  EXPECT_NE(all.find("limits.bearing_load without bearings.planet_positions_mm"),
+            std::string::npos);
+  EXPECT_NE(all.find("limits.pin_stress without bearings.planet_positions_mm and "
+                     "bearings.pin_diameter_mm"),
+            std::string::npos);
+  const std::string bearings = "[bearings]\nplanet_positions_mm = [2, 17.3]\n";
+  EXPECT_EQ(design_errors(kSteel + kLoad + axial + bearings + "pin_diameter_mm = 4\n" + limits),
+            "");
+  EXPECT_NE(design_errors(kSteel + kLoad + axial + bearings +
+                          "pin_diameter_mm = 4\n[inertia]\n"
+                          "pin_diameter_mm = 4\n"
+                          "pin_length_mm = 20\n")
+                .find("bearings.pin_diameter_mm and inertia.pin_diameter_mm: allowed: one of them"),
+            std::string::npos);
+  EXPECT_NE(design_errors(kSteel + "[bearings]\npin_diameter_mm = 4\n")
+                .find("bearings.pin_diameter_mm: allowed with [strength] only"),
+            std::string::npos);
+}
+
+TEST(StrengthKeys, WearWantsALifeAndACapacityALimit) {
+  EXPECT_NE(design_errors(kSteel + kLoad + "wear_coefficient_mm3_nm = 1e-6\n")
+                .find("strength.wear_coefficient_mm3_nm without strength.cycles or "
+                      "strength.life_hours: allowed: with one of them"),
+            std::string::npos);
+  for (const std::string objective : {"torque_capacity", "torque_density"}) {
+    EXPECT_NE(errors_of([&] {
+                return parse_specification("objective = \"" + objective + "\"\n" + kSpec + kWidths +
+                                               "[material]\nname = \"PEEK\"\n" + kLoad,
+                                           "s");
+              }).find("with materials of which no limit stress is stated"),
+              std::string::npos)
+        << objective;
+  }
+}
+
 // --- read = write
 
 TEST(StrengthKeys, ReadBackFromTheTextOfADesignAsTheyWere) {
@@ -343,6 +387,10 @@ TEST(StrengthKeys, ReadBackFromTheTextOfADesignAsTheyWere) {
     EXPECT_EQ(a.factors.mesh_load, b.factors.mesh_load);
     EXPECT_EQ(a.factors.dynamic, b.factors.dynamic);
     EXPECT_EQ(a.factors.root_transverse, b.factors.root_transverse);
+    EXPECT_EQ(a.factors.reversal, b.factors.reversal);
+    EXPECT_EQ(a.planet_torsion_Nm_rad, b.planet_torsion_Nm_rad);
+    EXPECT_EQ(a.sun_shaft_Nm_rad, b.sun_shaft_Nm_rad);
+    EXPECT_EQ(a.ring2_Nm_rad, b.ring2_Nm_rad);
     EXPECT_EQ(a.misalignment_m, b.misalignment_m);
     EXPECT_EQ(a.accuracy_grade, b.accuracy_grade);
     EXPECT_EQ(a.overload, b.overload);
@@ -350,13 +398,13 @@ TEST(StrengthKeys, ReadBackFromTheTextOfADesignAsTheyWere) {
     EXPECT_EQ(a.tooth_temperature_K, b.tooth_temperature_K);
     EXPECT_EQ(a.housing_surface_m2, b.housing_surface_m2);
     EXPECT_EQ(a.wear_coefficient_m2_N, b.wear_coefficient_m2_N);
-    EXPECT_EQ(a.planet_mass_kg, b.planet_mass_kg);
     EXPECT_EQ(a.pin_diameter_m, b.pin_diameter_m);
     ASSERT_EQ(a.supports.has_value(), b.supports.has_value());
     if (!a.supports) continue;
     EXPECT_EQ(a.supports->position_m, b.supports->position_m);
     EXPECT_EQ(a.supports->plane_m, b.supports->plane_m);
     EXPECT_EQ(a.supports->stiffness_N_m, b.supports->stiffness_N_m);
+    EXPECT_EQ(a.supports->pin_stiffness_N_m, b.supports->pin_stiffness_N_m);
   }
 }
 
