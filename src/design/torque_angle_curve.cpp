@@ -219,7 +219,7 @@ class LoopPath {
       } else {
         const double t = product(train_.train.mesh_torque[k], s.load);
         const auto [low, high] =
-            std::minmax(couples[k].central_drives * t, couples[k].planet_drives * t);
+            std::minmax({couples[k].central_drives * t, couples[k].planet_drives * t});
         const double m = s.load[k + 1];
         broken = std::max({broken, (low - m) / peak_Nm_, (m - high) / peak_Nm_});
       }
@@ -258,9 +258,8 @@ void check_loop(const TorqueAngleTask& task) {
 std::optional<TorqueAngleCurve> torque_angle_loop(const ElasticTrain& train,
                                                   const TorqueAngleTask& task) {
   check_loop(task);
-  const auto loading = couples_of(task.teeth, task.loading);
-  const auto unloading = couples_of(task.teeth, task.unloading);
-  if (!loading || !unloading) return std::nullopt;
+  const auto couples = couples_of(task.teeth, task.efficiency);
+  if (!couples) return std::nullopt;
   TorqueAngleCurve curve;
   curve.peak_torque_Nm = task.peak_torque_Nm;
   curve.lost_motion_rad = task.lost_motion_rad;
@@ -278,10 +277,11 @@ std::optional<TorqueAngleCurve> torque_angle_loop(const ElasticTrain& train,
       const double share = static_cast<double>(side == 0 ? step : task.steps - step) / task.steps;
       const LoopState before = path.state();
       const double angle_before = angle_at();
-      if (!path.go_to(share * task.peak_torque_Nm, side == 0 ? *loading : *unloading)) {
+      if (!path.go_to(share * task.peak_torque_Nm, *couples)) {
         return std::nullopt;
       }
       const LoopState& now = path.state();
+      curve.sun_lifts_off = curve.sun_lifts_off || now.gap_m > 0.0;
       side_J += 0.5 * (now.load[0] + before.load[0]) * (angle_at() - angle_before);
       for (std::size_t k = 1; k < now.load.size(); ++k) {
         side_friction_J -= 0.5 * (now.load[k] + before.load[k]) * (now.angle[k] - before.angle[k]);
@@ -329,14 +329,14 @@ std::variant<TorqueAngleCurve, std::string> torque_angle_curve(const Design& des
                                            force_friction(design.friction, evaluation.meshes),
                                            design.friction.model);
   auto curve = torque_angle_loop(
-      *train, {.peak_torque_Nm = task.torque_Nm,
-               .lost_motion_rad = *lost_motion,
-               .teeth = parameters.teeth,
-               .loading = loaded.efficiency[1],
-               .unloading = loaded.efficiency[0],
-               // Of a model that hardens: its secant at the peak.
-               .added_compliance_rad_Nm =
-                   0.5 * backlash::windup(design.lost_motion, task.torque_Nm) / task.torque_Nm});
+      *train,
+      {.peak_torque_Nm = task.torque_Nm,
+       .lost_motion_rad = *lost_motion,
+       .teeth = parameters.teeth,
+       .efficiency = loaded.efficiency[static_cast<std::size_t>(strength::Drive::kBackward)],
+       // Of a model that hardens: its secant at the peak.
+       .added_compliance_rad_Nm =
+           0.5 * backlash::windup(design.lost_motion, task.torque_Nm) / task.torque_Nm});
   if (!curve) return "with so much friction no forces of the locked train are in balance";
   return *std::move(curve);
 }

@@ -41,6 +41,8 @@ struct TorqueAngleCurve {
   /// Wind-up that is left at T = 0 after unloading, as it is where friction holds more than the
   /// springs can move; the branch after it begins without.
   double held_rad = 0.0;
+  /// On unloading friction takes all of the sun's load: its flank lifts off.
+  bool sun_lifts_off = false;
 };
 
 /// What a curve is made of.
@@ -48,8 +50,7 @@ struct TorqueAngleTask {
   double peak_torque_Nm = 0.0;   ///< > 0
   double lost_motion_rad = 0.0;  ///< ≥ 0
   train::ToothSet teeth{};
-  /// When the output drives the springs (loading) and when they drive it (unloading).
-  strength::MeshDriverEfficiencies<double> loading{}, unloading{};
+  strength::MeshDriverEfficiencies<double> efficiency{};  ///< of each mesh by its driver
   double added_compliance_rad_Nm = 0.0;  ///< in series with all springs, between R2 and output
   int steps = 100;                       ///< of each branch
 };
