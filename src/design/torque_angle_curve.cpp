@@ -328,15 +328,19 @@ std::variant<TorqueAngleCurve, std::string> torque_angle_curve(const Design& des
   const auto loaded = loaded_train<double>(*geometry, {}, task.face_width_m,
                                            force_friction(design.friction, evaluation.meshes),
                                            design.friction.model);
+  // In series with the springs; of a model that hardens, its secant at the peak.  One that was
+  // found without them holds their wind-up too.
+  double added_rad = 0.5 * backlash::windup(design.lost_motion, task.torque_Nm);
+  if (added_rad != 0.0 && !design.lost_motion.beyond_springs) {
+    added_rad -= elastic_windup(*train, task.torque_Nm);
+  }
   auto curve = torque_angle_loop(
       *train,
       {.peak_torque_Nm = task.torque_Nm,
        .lost_motion_rad = *lost_motion,
        .teeth = parameters.teeth,
        .efficiency = loaded.efficiency[static_cast<std::size_t>(strength::Drive::kBackward)],
-       // Of a model that hardens: its secant at the peak.
-       .added_compliance_rad_Nm =
-           0.5 * backlash::windup(design.lost_motion, task.torque_Nm) / task.torque_Nm});
+       .added_compliance_rad_Nm = added_rad / task.torque_Nm});
   if (!curve) return "with so much friction no forces of the locked train are in balance";
   return *std::move(curve);
 }

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <stdexcept>
+#include <tuple>
 
 #include "efficiency/train_efficiency.hpp"
 #include "tests/largest_deviation.hpp"
@@ -123,6 +124,66 @@ TEST(TorqueAngleCurve, BeforeTheTrainASpringHasNoHysteresis) {
   ASSERT_TRUE(curve);
   EXPECT_NEAR(curve->windup_rad, 20.0 / 1e4, 1e-9 * 20.0 / 1e4);
   EXPECT_NEAR(curve->loop_J, 0.0, 1e-8 * 20.0 * curve->windup_rad);
+}
+
+TEST(TorqueAngleCurve, ATrainThatTheOutputCannotDriveKeepsTheTorqueFromWhatIsBehindIt) {
+  RandomTrain random(577);
+  int n = 0;
+  while (n < 30) {
+    const auto g = random.train(n % 2 == 0);
+    const double eta = 0.95;
+    efficiency::MeshEfficiencies<double> all{};
+    all.fill(eta);
+    if (efficiency::backward_efficiency(g.teeth, all) > -0.05) continue;
+    auto springs = rigid_meshes();
+    springs.ring2_Nm_rad = 1e4;
+    springs.sun_shaft_Nm_rad = 1e-4;
+    const auto curve = torque_angle_loop(constant_springs(g, springs), task_of(g, even(eta)));
+    ASSERT_TRUE(curve) << n;
+    EXPECT_NEAR(curve->windup_rad, 20.0 / 1e4, 1e-6 * 20.0 / 1e4) << n;
+    EXPECT_GT(curve->elastic_rad, 1.5 * curve->windup_rad) << n;
+    ++n;
+  }
+}
+
+TEST(TorqueAngleCurve, RigidSpringsLeaveTheLostMotion) {
+  RandomTrain random(578);
+  const auto g = random.train(true);
+  const auto curve = torque_angle_loop(constant_springs(g, rigid_meshes()), task_of(g, even(0.98)));
+  ASSERT_TRUE(curve);
+  for (std::size_t side = 0; side < curve->branch.size(); ++side) {
+    for (const auto& point : curve->branch[side]) {
+      EXPECT_NEAR(point.angle_rad, side < 2 ? 0.5e-3 : -0.5e-3, 1e-9);
+    }
+  }
+}
+
+TEST(TorqueAngleCurve, WithoutLostMotionTheSidesMeetAtZeroTorque) {
+  RandomTrain random(579);
+  const auto g = random.train(false);
+  auto task = task_of(g, even(0.99));
+  task.lost_motion_rad = 0.0;
+  const auto curve = torque_angle_loop(constant_springs(g, strength::random_springs(random)), task);
+  ASSERT_TRUE(curve);
+  for (const auto& branch : {curve->branch[0].front(), curve->branch[1].back(),
+                             curve->branch[2].front(), curve->branch[3].back()}) {
+    EXPECT_NEAR(branch.angle_rad, 0.0, 1e-9 * curve->windup_rad);
+  }
+}
+
+TEST(TorqueAngleCurve, RefusesWhatIsNoLoop) {
+  RandomTrain random(580);
+  const auto g = random.train(true);
+  const ElasticTrain train = constant_springs(g, rigid_meshes());
+  for (const auto& [torque_Nm, lost_rad, steps] :
+       {std::tuple{0.0, 0.0, 10}, std::tuple{1.0, -1e-4, 10}, std::tuple{1.0, 0.0, 0}}) {
+    auto task = task_of(g, even(1.0));
+    task.peak_torque_Nm = torque_Nm;
+    task.lost_motion_rad = lost_rad;
+    task.steps = steps;
+    EXPECT_THROW(torque_angle_loop(train, task), std::invalid_argument);
+  }
+  EXPECT_FALSE(torque_angle_loop(train, task_of(g, even(0.0)))) << "meshes that jam";
 }
 
 TEST(TorqueAngleCurve, AreaOfTheLoopIsWhatFrictionTakes) {
