@@ -8,6 +8,7 @@
 #include "design/built_series.hpp"
 #include "design/evaluation.hpp"
 #include "design/sensitivity.hpp"
+#include "design/torque_angle_curve.hpp"
 
 namespace gear3k::app {
 
@@ -22,7 +23,9 @@ struct Analysis {
   design::Evaluation evaluation;
   design::Sensitivities sensitivities;
   std::optional<design::BuiltSeries> series;  ///< where the design has tolerances
-  Notes model_notes;                          ///< also among the notes of the evaluation
+  /// Torque and angle of the output, where the design states [strength]; why not is a note.
+  std::optional<design::TorqueAngleCurve> torque_angle;
+  Notes model_notes;  ///< also among the notes of the evaluation
 };
 
 /// Evaluates a design, with a model where there is one.

@@ -97,6 +97,27 @@ std::optional<Ends> ends_of(const ExperimentLimit& limit,
   return Ends{least, greatest};
 }
 
+/// Says what the compliance of rows of lost motion counts from, where the DESIGN states springs.
+void tell_springs(const DiagnosisTask& task, const MeasurementSet& set,
+                  const Simulation& simulation, Diagnosis& d) {
+  const bool angles = set.kind == Kind::kLostMotion || set.kind == Kind::kTorqueAngle;
+  if (const auto* springs = simulation.springs()) {
+    const double torque_Nm = calibrate::range_of(set, &calibrate::Condition::test_torque_Nm).high;
+    if (!(torque_Nm > 0.0)) return;
+    d.model.beyond_springs = true;
+    d.springs_Nm_rad = torque_Nm / design::elastic_windup(*springs, torque_Nm);
+    d.notes.push_back(fmt::format(
+        "the simulation winds up by the springs of [strength], {:.4g} Nm/rad at {:.4g} Nm: "
+        "compliance is what comes on top of it",
+        *d.springs_Nm_rad, torque_Nm));
+  } else if (angles && task.states_springs && calibrate::has_whole_windup(task.models)) {
+    d.notes.emplace_back(
+        "the model holds a compliance that was found without the springs of [strength]: it stays "
+        "all "
+        "of the wind-up");
+  }
+}
+
 /// What the diagnosis found out about its model, beside the values.
 void complete_model(Diagnosis& d) {
   d.model.verdict = d.verdict;
@@ -160,11 +181,16 @@ DiagnosisTask diagnosis_task(const DiagnoseRequest& request) {
   }
   errors.throw_if_any();
   task.sets = std::move(data.sets);
-  if (request.model) note_model(task.subject, *request.model, task.model_notes);
+  if (request.model) {
+    note_model(task.subject, *request.model, task.model_notes);
+    const auto* design = std::get_if<design::Design>(&subject);
+    note_springs(*request.model, design != nullptr && design->rating, task.model_notes);
+  }
   auto& notes = task.sets.front().notes;
   notes.insert(notes.end(), task.model_notes.begin(), task.model_notes.end());
   if (const auto* design = std::get_if<design::Design>(&subject)) {
     task.orders = train::shaft_orders(design->train.teeth);
+    task.states_springs = design->rating.has_value();
   }
   return task;
 }
@@ -196,6 +222,7 @@ std::optional<std::vector<Diagnosis>> diagnose(const DiagnosisTask& task,
     if (!result) return std::nullopt;
     result->subject = task.subject;
     result->model.name = task.subject;
+    tell_springs(task, set, task.simulations[k], *result);
     complete_model(*result);
     results.push_back(std::move(*result));
   }

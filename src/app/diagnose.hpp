@@ -31,6 +31,7 @@ struct DiagnosisTask {
   std::vector<calibrate::MeasurementSet> sets;
   std::vector<calibrate::Simulation> simulations;  ///< of each set
   std::vector<train::ShaftOrder> orders;           ///< of the shafts of a DESIGN
+  bool states_springs = false;                     ///< a DESIGN with [strength]
 };
 
 /// Simulations of what was measured; loops become rows of lost motion, and rows that give more

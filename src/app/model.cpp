@@ -89,6 +89,12 @@ void lower_limits(optimize::Specification& spec, Model& model, Notes& notes) {
         "teeth alone, and best.toml, get limits lower by that",
         units::from_si(shift, units::Unit::kArcmin), torque_Nm));
   }
+  if (e.beyond_springs) {
+    notes.emplace_back(
+        "limits of lost motion hold without the wind-up of the springs of [strength], beyond which "
+        "the "
+        "model's compliance counts");
+  }
   if (e.expansion_1_K != 0.0) {
     notes.emplace_back(
         "limits of lost motion hold at the model's reference temperature: its thermal expansion is "
@@ -96,7 +102,19 @@ void lower_limits(optimize::Specification& spec, Model& model, Notes& notes) {
   }
 }
 
+bool beyond_springs(const report::ModelUse& model) {
+  return std::ranges::any_of(model.models, &ExtendedModel::beyond_springs);
+}
+
 }  // namespace
+
+void note_springs(const report::ModelUse& model, bool states_springs, Notes& notes) {
+  if (states_springs || !beyond_springs(model)) return;
+  notes.push_back(fmt::format(
+      "{}: its compliance counts beyond the springs of [strength], which the design does "
+      "not state: what they wind up is missing",
+      model.file));
+}
 
 void note_model(const std::string& name, const report::ModelUse& model, Notes& notes) {
   for (const ExtendedModel& m : model.models) {
@@ -138,6 +156,7 @@ std::optional<Model> read_model(const std::string& path) {
 
 design::Design with_model(const design::Design& design, const Model& model, Notes& notes) {
   note_model(design.name, model.use, notes);
+  note_springs(model.use, design.rating.has_value(), notes);
   note_laws(model, notes);
   design::Design extended = design::extended(design, model.extension);
   if (calibrate::needs_operating_point(model.extension)) {

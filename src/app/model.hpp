@@ -44,6 +44,9 @@ optimize::Specification with_model(const optimize::Specification& spec, Model& m
 /// another name, and why not to trust it as it stands.
 void note_model(const std::string& name, const report::ModelUse& model, Notes& notes);
 
+/// Notes that a model's compliance counts beyond springs that a design does not state.
+void note_springs(const report::ModelUse& model, bool states_springs, Notes& notes);
+
 /// Why no teeth can keep a limit of lost motion with what the model adds to theirs; "" where they
 /// can.
 std::string unreachable_lost_motion(const optimize::Specification& stated, const Model& model);

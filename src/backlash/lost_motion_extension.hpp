@@ -22,6 +22,9 @@ struct LostMotionExtension {
   double hardening_torque_Nm = 1.0;         ///< T_0 > 0
   T expansion_1_K{};                        ///< α of the carrier relative to the gears
   double reference_temperature_K = 293.15;  ///< θ_0
+  /// c counts beyond the wind-up of the teeth and shafts that a design with [strength] states; else
+  /// it is all of the wind-up.
+  bool beyond_springs = false;
 };
 
 /// 2 T c (T/T_0)^−h: what the gearbox winds up between −T and +T; 0 at T = 0.

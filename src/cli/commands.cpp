@@ -30,6 +30,8 @@
 #include "papers/reproduce_report.hpp"
 #include "report/analysis_report.hpp"
 #include "report/search_report.hpp"
+#include "report/torque_angle_plot.hpp"
+#include "report/torque_angle_report.hpp"
 
 namespace gear3k::cli {
 
@@ -84,15 +86,16 @@ std::string result_text(const app::Analysis& analysis, const std::optional<app::
                         Format format) {
   const design::BuiltSeries* built = analysis.series ? &*analysis.series : nullptr;
   const report::ModelUse* use = model ? &model->use : nullptr;
+  const design::TorqueAngleCurve* curve = analysis.torque_angle ? &*analysis.torque_angle : nullptr;
   switch (format) {
     case Format::kJson:
-      return report::analysis_json(analysis.evaluation, analysis.sensitivities, use, built);
+      return report::analysis_json(analysis.evaluation, analysis.sensitivities, use, built, curve);
     case Format::kCsv:
       return report::analysis_csv(analysis.evaluation, analysis.sensitivities, built);
     case Format::kTable:
       break;
   }
-  return report::analysis_table(analysis.evaluation, analysis.sensitivities, use, built);
+  return report::analysis_table(analysis.evaluation, analysis.sensitivities, use, built, curve);
 }
 
 std::string result_text(const design::PairEvaluation& evaluation, Format format) {
@@ -118,6 +121,60 @@ ExitCode judged(const std::vector<design::CheckResult>& checks, const AnalyzeOpt
   return options.strict && !design::all_ok(checks) ? kNoFeasibleDesign : kDone;
 }
 
+/// A file of --figures may not be that of --out.
+void refuse_figure_as_result(const std::string& folder, const std::vector<std::string>& names,
+                             const std::string& out) {
+  const auto canonical = [](const std::filesystem::path& path) {
+    std::error_code status;
+    const auto result = std::filesystem::weakly_canonical(path, status);
+    return status ? path : result;
+  };
+  for (const std::string& name : names) {
+    if (out.empty()) break;
+    if (canonical(std::filesystem::path(folder) / name) != canonical(out)) continue;
+    throw io::InvalidInput(
+        fmt::format("--out {}: is a file of --figures, allowed: another file", out));
+  }
+}
+
+/// Figures of a result, drawn and written.
+struct WrittenFigures {
+  Figures figures;
+  std::vector<std::string> paths;
+  std::string table;  ///< what they show
+};
+
+/// The torque-angle curve in the folder of --figures.
+/// @throws io::InvalidInput where there is no curve, or a file cannot be written
+WrittenFigures write_torque_angle(const AnalyzeOptions& options, const app::Analysis& analysis) {
+  if (!analysis.design.rating) {
+    throw io::InvalidInput(fmt::format(
+        "{}: --figures: the torque-angle curve needs [strength], which gives the output's "
+        "stiffness",
+        options.file));
+  }
+  if (!analysis.torque_angle) {
+    throw io::InvalidInput(
+        fmt::format("{}: --figures: {}", options.file, analysis.evaluation.notes.back()));
+  }
+  const std::string csv = "torque_angle.csv";
+  const std::string svg = "torque_angle.svg";
+  refuse_figure_as_result(options.figures, {csv, svg}, options.out);
+  ResultFolder folder(ResultFolderTask{.path = options.figures,
+                                       .option = "--figures",
+                                       .inputs = {options.file, options.model},
+                                       .files = {csv},
+                                       .figures = {svg},
+                                       .quiet = options.quiet});
+  WrittenFigures written{
+      .figures = draw({report::torque_angle_plot(analysis.design.name, *analysis.torque_angle)}),
+      .paths = {},
+      .table = {}};
+  written.paths = folder.write(
+      {{.path = csv, .text = report::torque_angle_csv(*analysis.torque_angle)}}, written.figures);
+  return written;
+}
+
 }  // namespace
 
 ExitCode run_analyze(const AnalyzeOptions& options) {
@@ -128,7 +185,15 @@ ExitCode run_analyze(const AnalyzeOptions& options) {
   refuse_replacing({options.file, options.model}, options.out);
   const app::Analysis analysis = app::analyze(request);
   warn(analysis.model_notes, options.quiet);
-  deliver(options, result_text(analysis, request.model, options.format));
+  WrittenFigures written;
+  if (!options.figures.empty()) {
+    end_on_interrupt();
+    written = write_torque_angle(options, analysis);
+  }
+  std::string text = result_text(analysis, request.model, options.format);
+  if (options.format == Format::kJson) text = with_missing_figures(text, written.figures);
+  if (options.format == Format::kTable) text += files_text(written.paths);
+  deliver(options, text);
   return judged(analysis.evaluation.checks, options);
 }
 
@@ -185,35 +250,15 @@ ExitCode run_search(const SearchOptions& options) {
 
 namespace {
 
-/// The paper's figures, drawn and written.
-struct WrittenFigures {
-  Figures figures;
-  std::vector<std::string> paths;
-  std::string table;  ///< what they show
-};
-
-/// The file of --out may be none of those of --figures.
-void refuse_figure_as_result(const ReproduceOptions& options) {
-  const auto canonical = [](const std::filesystem::path& path) {
-    std::error_code status;
-    const auto result = std::filesystem::weakly_canonical(path, status);
-    return status ? path : result;
-  };
-  for (const char* name : papers::kFigureNames) {
-    if (options.out.empty()) break;
-    for (const char* type : {".csv", ".svg"}) {
-      const auto path = std::filesystem::path(options.figures) / (std::string(name) + type);
-      if (canonical(path) != canonical(options.out)) continue;
-      throw io::InvalidInput(
-          fmt::format("--out {}: is a file of --figures, allowed: another file", options.out));
-    }
-  }
-}
-
 /// @throws io::InvalidInput where a file cannot be written or is also that of --out
 WrittenFigures write_figures(const ReproduceOptions& options,
                              const papers::PublishedSources& sources) {
-  refuse_figure_as_result(options);
+  std::vector<std::string> names;
+  for (const std::string name : papers::kFigureNames) {
+    names.push_back(name + ".csv");
+    names.push_back(name + ".svg");
+  }
+  refuse_figure_as_result(options.figures, names, options.out);
   ResultFolderTask task{.path = options.figures,
                         .option = "--figures",
                         .inputs = {},

@@ -29,6 +29,7 @@ struct CommonOptions {
 struct AnalyzeOptions : CommonOptions {
   std::string file;
   std::string model;    ///< MODEL.toml of `analyze`; "" = none
+  std::string figures;  ///< folder of `analyze`; "" = none
   bool strict = false;  ///< a failed check ends with kNoFeasibleDesign
 };
 

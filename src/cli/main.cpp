@@ -258,6 +258,12 @@ int run_program(int argc, char** argv) {
   add_model_option(*analyze_command, analyze.model);
   add_common_options(*analyze_command, analyze);
   add_out_file(*analyze_command, analyze);
+  analyze_command
+      ->add_option("--figures", analyze.figures,
+                   "folder for torque_angle.csv and its figure, of a design with [strength]; made "
+                   "when missing; figures need gnuplot")
+      ->check(folder_name)
+      ->option_text("DIR");
   analyze_command->footer([] { return "Keys of DESIGN.toml:\n" + io::design_key_table(); });
   analyze_command->callback([&] { run = [&] { return cli::run_analyze(analyze); }; });
 

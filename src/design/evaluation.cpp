@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "backlash/normal_backlash.hpp"
+#include "design/elastic_windup.hpp"
 #include "design/evaluation_parts.hpp"
 #include "design/measured_lost_motion.hpp"
 #include "design/rated_gearbox.hpp"
@@ -128,9 +129,13 @@ std::optional<double> measured_result(const Design& design,
                                       const train::TrainGeometry<double>& geometry) {
   if (!changes_lost_motion(design.lost_motion)) return std::nullopt;
   const OperatingPoint<double> point = design.operating_point.value_or(OperatingPoint<double>{});
-  return measured_lost_motion<double>(
+  auto result = measured_lost_motion<double>(
       parameters, geometry, design.lost_motion,
       {.torque_Nm = point.output_torque_Nm, .temperature_K = point.temperature_K});
+  if (!result || !design.lost_motion.beyond_springs) return result;
+  const auto springs = elastic_train(design);
+  if (springs) *result += 2.0 * elastic_windup(*springs, point.output_torque_Nm);
+  return result;
 }
 
 InertiaResult inertia_result(const inertia::InertialTrain<double>& train,

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "design/loaded_train.hpp"
-
 namespace gear3k::design {
 
 namespace {
@@ -14,7 +12,8 @@ bool has_friction(const MeshResult& mesh) {
   return std::isfinite(mesh.friction_forward) && std::isfinite(mesh.friction_backward);
 }
 
-/// Friction for the tooth forces; none where the law has no value.
+}  // namespace
+
 DirectionalFriction<double> force_friction(const Friction& friction,
                                            std::span<const MeshResult> meshes) {
   DirectionalFriction<double> result;
@@ -27,6 +26,8 @@ DirectionalFriction<double> force_friction(const Friction& friction,
   }
   return result;
 }
+
+namespace {
 
 /// Of one planet; empty where a step has none.
 std::optional<double> planet_mass_kg(const std::vector<PartMass>& parts) {

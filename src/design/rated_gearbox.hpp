@@ -8,8 +8,13 @@
 #include <vector>
 
 #include "design/evaluation.hpp"
+#include "design/loaded_train.hpp"
 
 namespace gear3k::design {
+
+/// Friction for the tooth forces; none where the law has no value.
+DirectionalFriction<double> force_friction(const Friction& friction,
+                                           std::span<const MeshResult> meshes);
 
 /// What a gearbox carries, and the rating that its checks read.
 struct RatedGearbox {

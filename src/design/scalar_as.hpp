@@ -53,7 +53,8 @@ backlash::LostMotionExtension<To> extension_as(const backlash::LostMotionExtensi
           .hardening = scalar_as<To>(e.hardening),
           .hardening_torque_Nm = e.hardening_torque_Nm,
           .expansion_1_K = scalar_as<To>(e.expansion_1_K),
-          .reference_temperature_K = e.reference_temperature_K};
+          .reference_temperature_K = e.reference_temperature_K,
+          .beyond_springs = e.beyond_springs};
 }
 
 template <class To, class From>

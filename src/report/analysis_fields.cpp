@@ -11,6 +11,7 @@
 #include "report/strength_report.hpp"
 #include "report/text_table.hpp"
 #include "report/tolerance_report.hpp"
+#include "report/torque_angle_report.hpp"
 
 namespace gear3k::report {
 
@@ -204,7 +205,7 @@ Fields assembly_fields(const Evaluation& e) {
 }
 
 Fields analysis_fields(const Evaluation& e, const design::Sensitivities& s, const ModelUse* model,
-                       const design::BuiltSeries* built) {
+                       const design::BuiltSeries* built, const design::TorqueAngleCurve* curve) {
   Fields f("train");
   f.add("tool", tool_json());
   f.add("name", e.name);
@@ -230,6 +231,8 @@ Fields analysis_fields(const Evaluation& e, const design::Sensitivities& s, cons
   }
   f.add("strength", nullptr);
   if (e.strength) f.add("strength", strength_fields(e).at_rank(kStrength));
+  f.add("torque_angle", nullptr);
+  if (curve != nullptr) f.add("torque_angle", torque_angle_fields(*curve));
   f.add("assembly", assembly_fields(e));
   f.add_list("checks", e.checks, check_fields, kChecks);
   if (e.tolerance_limits) {
@@ -263,14 +266,15 @@ Fields analysis_fields(const PairEvaluation& e) {
 }  // namespace
 
 std::string analysis_json(const Evaluation& e, const design::Sensitivities& s,
-                          const ModelUse* model, const design::BuiltSeries* built) {
-  return analysis_fields(e, s, model, built).json().text();
+                          const ModelUse* model, const design::BuiltSeries* built,
+                          const design::TorqueAngleCurve* curve) {
+  return analysis_fields(e, s, model, built, curve).json().text();
 }
 std::string analysis_json(const PairEvaluation& e) { return analysis_fields(e).json().text(); }
 
 std::string analysis_csv(const Evaluation& e, const design::Sensitivities& s,
                          const design::BuiltSeries* built) {
-  return kRowsHeader + analysis_fields(e, s, nullptr, built).csv_rows();
+  return kRowsHeader + analysis_fields(e, s, nullptr, built, nullptr).csv_rows();
 }
 std::string analysis_csv(const PairEvaluation& e) {
   return kRowsHeader + analysis_fields(e).csv_rows();

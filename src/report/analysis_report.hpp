@@ -6,6 +6,7 @@
 #include "design/built_series.hpp"
 #include "design/evaluation.hpp"
 #include "design/sensitivity.hpp"
+#include "design/torque_angle_curve.hpp"
 #include "report/model_report.hpp"
 
 namespace gear3k::report {
@@ -14,15 +15,18 @@ namespace gear3k::report {
 /// @param s  of the same design; {} = not wanted
 /// @param model  with which the design was evaluated; null: none
 /// @param built  gearboxes built within the design's tolerances; null: none
+/// @param curve  of the output's torque and angle; null: none
 std::string analysis_table(const design::Evaluation& e, const design::Sensitivities& s,
                            const ModelUse* model = nullptr,
-                           const design::BuiltSeries* built = nullptr);
+                           const design::BuiltSeries* built = nullptr,
+                           const design::TorqueAngleCurve* curve = nullptr);
 std::string analysis_table(const design::PairEvaluation& e);
 
 /// JSON by the contract of docs/interface.md.
 std::string analysis_json(const design::Evaluation& e, const design::Sensitivities& s,
                           const ModelUse* model = nullptr,
-                          const design::BuiltSeries* built = nullptr);
+                          const design::BuiltSeries* built = nullptr,
+                          const design::TorqueAngleCurve* curve = nullptr);
 std::string analysis_json(const design::PairEvaluation& e);
 
 /// CSV with the columns item, quantity, value, unit, limit, ok.

@@ -14,6 +14,7 @@
 #include "report/strength_report.hpp"
 #include "report/text_table.hpp"
 #include "report/tolerance_report.hpp"
+#include "report/torque_angle_report.hpp"
 
 namespace gear3k::report {
 
@@ -268,7 +269,8 @@ std::string inertia_text(const Evaluation& e) {
 }  // namespace
 
 std::string analysis_table(const Evaluation& e, const design::Sensitivities& s,
-                           const ModelUse* model, const design::BuiltSeries* built) {
+                           const ModelUse* model, const design::BuiltSeries* built,
+                           const design::TorqueAngleCurve* curve) {
   std::string text;
   text += fmt::format("{}: S {} / P1 {} / R1 {} / P2 {} / R2 {}, {} planets\n",
                       e.name.empty() ? "gearbox" : io::printable(e.name), e.teeth.S, e.teeth.P1,
@@ -300,6 +302,7 @@ std::string analysis_table(const Evaluation& e, const design::Sensitivities& s,
              "{} arcmin with the model, {}", fixed(arcmin(*e.lost_motion.measured_rad), 2),
              e.operation ? "between +T and -T of the operating point" : "at T = 0 and 20 C")});
   }
+  if (curve != nullptr) table.add({"  wind-up at output", torque_angle_summary(*curve)});
   table.add({"  lost motion at input",
              fmt::format("{:.1f} arcmin", arcmin(e.lost_motion.input_kinematic_rad))});
   table.add({"  effective inertia", inertia_text(e)});

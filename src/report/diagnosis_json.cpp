@@ -314,6 +314,7 @@ io::Json kind_json(const Diagnosis& d, const MeasurementSet& set) {
   json["covariates"] = {{"before", list_json(d.covariates_before, covariate_json)},
                         {"after", list_json(d.covariates_after, covariate_json)}};
   json["outliers"] = std::ranges::count_if(d.rows, [](const auto& row) { return row.outlier; });
+  if (d.springs_Nm_rad) json["springs_nm_per_rad"] = *d.springs_Nm_rad;
   json["notes"] = d.notes;
   json["series"] = unit_series_json(d);
   return json;

@@ -312,7 +312,8 @@ TrainRating<T> rate_train(const RatedTrain<T>& train, const RatingTask& task, Dr
     return mesh.mean_stiffness_Pa && value_of(*mesh.mean_stiffness_Pa) > 0.0;
   });
   if (in_contact) {
-    rating.stiffness = train_stiffness(train.geometry, springs_of(rating, task));
+    rating.springs = springs_of(rating, task);
+    rating.stiffness = train_stiffness(train.geometry, *rating.springs);
   }
   return rating;
 }

@@ -63,6 +63,7 @@ struct TrainRating {
   std::optional<T> pin_stress_Pa;
   /// StiffnessPart::kPath, where every mesh has a path of contact.
   std::optional<TrainStiffness<T>> stiffness;
+  std::optional<TrainSprings<T>> springs;  ///< of that stiffness
 };
 
 /// K_γ as the task has it for N planets; 1 where it states none.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "calibrate/model/hypothesis.hpp"
@@ -77,9 +78,17 @@ void apply_model(const ExtendedModel& model, const Condition& condition, Kind ki
   }
 }
 
+bool has_whole_windup(const std::vector<ExtendedModel>& models) {
+  return std::ranges::any_of(models, [](const ExtendedModel& model) {
+    return !model.beyond_springs &&
+           std::ranges::find(model.causes, "compliance", &AppliedCause::id) != model.causes.end();
+  });
+}
+
 design::Extension<double> extension_of(const std::vector<ExtendedModel>& models) {
   Modification m;
   for (const ExtendedModel& model : models) {
+    if (model.beyond_springs) m.gearbox.lost_motion.beyond_springs = true;
     for (const AppliedCause& applied : model.causes) {
       if (of_measurement(cause_of(applied).remedy)) continue;
       apply_cause(applied, {}, model.kind, m);

@@ -47,6 +47,9 @@ struct ExtendedModel {
   std::vector<std::string> files;
   /// Of the diagnosis that found it; empty: not known.
   std::optional<Verdict> verdict = std::nullopt;
+  /// The simulation that was measured wound up by the springs of [strength]: a cause `compliance`
+  /// counts beyond them.
+  bool beyond_springs = false;
 };
 
 /// Of all causes, then of all laws: the covariance has as many rows.
@@ -57,6 +60,9 @@ std::size_t parameter_count(const ExtendedModel& model);
 /// those over time or cycles, which belong to their campaign.
 void apply_model(const ExtendedModel& model, const Condition& condition, Kind kind,
                  Modification& m);
+
+/// Whether a model's cause `compliance` is all of the wind-up.
+bool has_whole_windup(const std::vector<ExtendedModel>& models);
 
 /// What the causes change in the gearbox; those of sensor and procedure do not.
 design::Extension<double> extension_of(const std::vector<ExtendedModel>& models);

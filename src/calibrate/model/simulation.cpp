@@ -156,6 +156,9 @@ Simulation::Simulation(const Subject& subject, Kind kind, std::vector<ExtendedMo
   gearbox.lost_motion_rad =
       backlash::output_lost_motion(gearbox.geometry, backlash::normal_backlashes(gearbox.geometry),
                                    backlash::LostMotionModel::kKinematic);
+  const bool measures_angles = kind == Kind::kLostMotion || kind == Kind::kTorqueAngle;
+  if (measures_angles && !has_whole_windup(models_))
+    gearbox.springs = design::elastic_train(design);
   subject_ = std::move(gearbox);
 }
 
@@ -170,6 +173,11 @@ bool Simulation::models_cause(std::string_view id) const {
     return model.kind == kind_ &&
            std::ranges::find(model.causes, id, &AppliedCause::id) != model.causes.end();
   });
+}
+
+const design::ElasticTrain* Simulation::springs() const {
+  const auto* gearbox = std::get_if<Gearbox>(&subject_);
+  return gearbox != nullptr && gearbox->springs ? &*gearbox->springs : nullptr;
 }
 
 const design::MapGrid* Simulation::grid() const {
@@ -246,6 +254,10 @@ std::optional<Scalar> Simulation::lost_motion(const Condition& c, const Modifica
       rigid = backlash::output_lost_motion(*geometry, backlash::normal_backlashes(*geometry),
                                            backlash::LostMotionModel::kKinematic);
     }
+  }
+  // From -T to +T.
+  if (const auto* elastic = springs()) {
+    rigid = rigid + 2.0 * design::elastic_windup(*elastic, c.test_torque_Nm);
   }
   return Scalar(rigid + e.clearance_rad + backlash::windup(e, number(c.test_torque_Nm)));
 }

@@ -8,6 +8,7 @@
 
 #include "calibrate/model/cause.hpp"
 #include "calibrate/model/extended_model.hpp"
+#include "design/elastic_windup.hpp"
 #include "design/evaluation.hpp"
 
 namespace gear3k::calibrate {
@@ -50,6 +51,9 @@ class Simulation {
   [[nodiscard]] bool has_models() const { return !models_.empty(); }
   /// Whether a model holds a cause for data of this kind.
   [[nodiscard]] bool models_cause(std::string_view id) const;
+  /// Springs whose wind-up is part of the simulated lost motion: those of a DESIGN with [strength]
+  /// unless a model's cause `compliance` is all of the wind-up (has_whole_windup()); null: none.
+  [[nodiscard]] const design::ElasticTrain* springs() const;
   /// Speeds and loads that the gearbox is meant for: those of the design's map; null without one.
   [[nodiscard]] const design::MapGrid* grid() const;
   /// The ratio of the gearbox; 0 for pairs.
@@ -68,6 +72,7 @@ class Simulation {
     train::TrainGeometry<double> fixed_geometry;
     std::array<double, 2> face_width_m;
     Scalar lost_motion_rad;
+    std::optional<design::ElasticTrain> springs;
   };
   [[nodiscard]] std::optional<Scalar> sun_torque(const Condition& c, const Modification& m,
                                                  Slopes slopes) const;

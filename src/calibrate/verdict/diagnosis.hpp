@@ -165,6 +165,9 @@ struct Diagnosis {
   Remainder remainder;
   std::optional<NextExperiment> next_experiment;
   ExtendedModel model;
+  /// Of the output at the greatest test torque [N m/rad], where the simulation winds up by the
+  /// springs of [strength].
+  std::optional<double> springs_Nm_rad;
   std::vector<RowResult> rows;  ///< as in the data
   std::vector<std::string> notes;
   std::shared_ptr<const UnitSeries> series;  ///< where the files state their gearbox, else null

@@ -27,6 +27,7 @@ std::optional<Verdict> joint_verdict(const std::optional<Verdict>& earlier,
 ExtendedModel joined(const ExtendedModel& earlier, const ExtendedModel& found) {
   ExtendedModel result = found;
   result.verdict = joint_verdict(earlier.verdict, found.verdict);
+  result.beyond_springs = earlier.beyond_springs || found.beyond_springs;
   result.causes.clear();
   result.laws.clear();
   // Where each parameter is in the covariance that it comes from.

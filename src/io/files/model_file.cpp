@@ -123,6 +123,8 @@ ExtendedModel model_of(const TomlValue& table, TomlReader& reader) {
       m.files = reader.texts(member, path);
     } else if (member.key == "verdict") {
       m.verdict = verdict(member, path, reader);
+    } else if (member.key == kBeyondSprings) {
+      m.beyond_springs = reader.truth(member, path);
     } else if (member.key == "range") {
       if (reader.is_table(member, path)) m.range = ranges(member, path, reader);
     } else if (member.key == "causes") {
@@ -133,8 +135,8 @@ ExtendedModel model_of(const TomlValue& table, TomlReader& reader) {
       covariance = &member;
     } else {
       reader.unknown(member, "key", path,
-                     {"name", "data_fingerprint", "data_files", "verdict", "range", "causes",
-                      "laws", "covariance"});
+                     {"name", "data_fingerprint", "data_files", "verdict",
+                      std::string(kBeyondSprings), "range", "causes", "laws", "covariance"});
     }
   }
   const std::size_t before = reader.errors();

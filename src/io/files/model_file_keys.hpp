@@ -18,6 +18,9 @@ inline constexpr std::string_view kDeviation = "_sd";
 inline constexpr std::string_view kAlternatives = "alternatives", kImplausible = "implausible",
                                   kEmpirical = "empirical";
 
+/// Of a kind: compliance counts beyond the springs of [strength].
+inline constexpr std::string_view kBeyondSprings = "beyond_strength_springs";
+
 inline std::string key_of(const calibrate::ParameterRecord& parameter) {
   return calibrate::file_key(parameter.name, parameter.unit);
 }

@@ -146,6 +146,7 @@ std::string one_model_text(const ExtendedModel& model) {
     text += fmt::format("verdict = \"{}\"\n",
                         calibrate::kVerdictNames[static_cast<std::size_t>(*model.verdict)]);
   }
+  if (model.beyond_springs) text += fmt::format("{} = true\n", kBeyondSprings);
   text += range_text(model, kind);
   if (model.causes.empty()) text += fmt::format("\n[{}.causes]\n", kind);
   const std::vector<std::string> labels = labels_of(model);

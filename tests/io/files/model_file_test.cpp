@@ -67,6 +67,7 @@ void expect_same(const ExtendedModel& a, const ExtendedModel& b) {
     }
   }
   EXPECT_EQ(a.covariance, b.covariance);
+  EXPECT_EQ(a.beyond_springs, b.beyond_springs);
 }
 
 /// Every form of every cause of a kind, twice over, with numbers of all digits.
@@ -78,6 +79,7 @@ ExtendedModel everything(Kind kind, std::mt19937_64& generator) {
   m.files = {"a b.csv", "ü.csv"};
   m.fingerprint = generator();
   m.verdict = static_cast<calibrate::Verdict>(static_cast<int>(kind));
+  m.beyond_springs = kind == Kind::kLostMotion;
   m.range = {{.name = "sun_speed", .unit = "rpm", .low = 200.0, .high = 1000.0 / 3.0},
              {.name = "temperature",
               .unit = "c",
