@@ -27,16 +27,6 @@ bool any_plastic(const GearMaterial& material1, const GearMaterial& material2) {
   return is_plastic(material1.record.group) || is_plastic(material2.record.group);
 }
 
-/// Hardness in HB, where the material is stated in it.
-std::optional<double> brinell_of(const GearMaterial& material) {
-  if (material.record.hardness_scale != HardnessScale::kBrinell) return std::nullopt;
-  if (material.hardness) return material.hardness;
-  if (material.record.hardness_min == material.record.hardness_max) {
-    return material.record.hardness_min;
-  }
-  return std::nullopt;
-}
-
 /// What both teeth of a mesh have in common.
 template <class T>
 struct SharedMesh {
@@ -235,7 +225,7 @@ void rate_metal(const SharedMesh<T>& m, std::size_t own, const ToothLoad<T>& loa
       .own_roughness_m = m.task.flank_roughness_m,
       .mate_roughness_m = m.task.flank_roughness_m,
       .mate_group = mate.material.record.group,
-      .brinell_hardness = brinell_of(g.material)};
+      .brinell_hardness = brinell_hardness(g.material)};
   tooth.flank_strength = flank_strength(material, flank.stress_Pa, condition);
   if (!g.flank_cycles) {
     take_endurance_limit(tooth.flank_strength.life, tooth.flank_strength.strength_Pa);
@@ -337,6 +327,15 @@ Elasticity elasticity_of(const GearMaterial& material) {
     throw std::invalid_argument("material: Young's modulus and Poisson's ratio are to be stated");
   }
   return {.youngs_modulus_Pa = *record.youngs_modulus_Pa, .poissons_ratio = *record.poisson_ratio};
+}
+
+std::optional<double> brinell_hardness(const GearMaterial& material) {
+  if (material.record.hardness_scale != HardnessScale::kBrinell) return std::nullopt;
+  if (material.hardness) return material.hardness;
+  if (material.record.hardness_min == material.record.hardness_max) {
+    return material.record.hardness_min;
+  }
+  return std::nullopt;
 }
 
 double least_root_safety(const RatingTask& task, const GearMaterial& material) {

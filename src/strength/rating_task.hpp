@@ -19,6 +19,8 @@ struct GearMaterial {
 };
 /// @throws std::invalid_argument where E or ν is not known
 Elasticity elasticity_of(const GearMaterial& material);
+/// Hardness in HB; empty where the material states none in it.
+std::optional<double> brinell_hardness(const GearMaterial& material);
 
 /// Where K_γ comes from.
 enum class MeshLoadSource {

@@ -26,34 +26,6 @@ TrainMotion motion_of(const train::ToothSet& teeth, double sun_rad_s) {
   return motion;
 }
 
-/// Cycles of every gear; empty where no life is stated.
-struct TrainCycles {
-  std::array<std::optional<double>, train::kGearCount> root{}, flank{};
-};
-TrainCycles cycles_of(const train::ToothSet& teeth, int planets, const RatingTask& task) {
-  TrainCycles cycles;
-  if (task.cycles) {
-    cycles.root.fill(*task.cycles);
-    cycles.flank.fill(*task.cycles);
-    return cycles;
-  }
-  if (!task.life_s || !(task.speed_rad_s > 0.0)) return cycles;
-  const train::SpeedRatios ratios = train::speed_ratios(teeth);
-  const double output_turns =
-      task.speed_rad_s / std::abs(ratios.sun) * *task.life_s / (2.0 * std::numbers::pi);
-  const LoadCycles<double> n =
-      load_cycles<double>({.sun = ratios.sun * output_turns,
-                           .carrier = ratios.carrier * output_turns,
-                           .planet_rolling = (ratios.planet - ratios.carrier) * output_turns,
-                           .output = output_turns},
-                          planets, train::g2(teeth) > 1.0);
-  const bool one_sided = !task.load_reversal && train::g2(teeth) > 1.0;
-  cycles.root = {n.sun, one_sided ? n.planet1_flank : n.planet, n.fixed_ring, n.planet,
-                 n.output_ring};
-  cycles.flank = {n.sun, n.planet1_flank, n.fixed_ring, n.planet, n.output_ring};
-  return cycles;
-}
-
 /// P1 with G2 < 1 is loaded on both flanks in turn; every gear is where the joint works both ways.
 RootLoading loading_of(int gear, const train::ToothSet& teeth, const RatingTask& task) {
   const bool idler = gear == train::kP1 && train::g2(teeth) < 1.0;
@@ -170,6 +142,30 @@ JudgedSafeties<T> judged(const TrainRating<T>& rating, const RatingTask& task) {
 
 }  // namespace
 
+TrainCycles train_cycles(const train::ToothSet& teeth, int planets, const RatingTask& task) {
+  TrainCycles cycles;
+  if (task.cycles) {
+    cycles.root.fill(*task.cycles);
+    cycles.flank.fill(*task.cycles);
+    return cycles;
+  }
+  if (!task.life_s || !(task.speed_rad_s > 0.0)) return cycles;
+  const train::SpeedRatios ratios = train::speed_ratios(teeth);
+  const double output_turns =
+      task.speed_rad_s / std::abs(ratios.sun) * *task.life_s / (2.0 * std::numbers::pi);
+  const LoadCycles<double> n =
+      load_cycles<double>({.sun = ratios.sun * output_turns,
+                           .carrier = ratios.carrier * output_turns,
+                           .planet_rolling = (ratios.planet - ratios.carrier) * output_turns,
+                           .output = output_turns},
+                          planets, train::g2(teeth) > 1.0);
+  const bool one_sided = !task.load_reversal && train::g2(teeth) > 1.0;
+  cycles.root = {n.sun, one_sided ? n.planet1_flank : n.planet, n.fixed_ring, n.planet,
+                 n.output_ring};
+  cycles.flank = {n.sun, n.planet1_flank, n.fixed_ring, n.planet, n.output_ring};
+  return cycles;
+}
+
 Factor<double> mesh_load_of(const RatingTask& task, int planets) {
   const StatedFactors& stated = task.factors;
   if (stated.mesh_load_source == MeshLoadSource::kNumber) {
@@ -205,7 +201,7 @@ TrainRating<T> rate_train(const RatedTrain<T>& train, const RatingTask& task, Dr
   rating.torque_Nm = torque_Nm;
   const auto deciding = forces_of(train, drive, torque_Nm, rating);
   const TrainMotion motion = motion_of(teeth, task.speed_rad_s);
-  const TrainCycles cycles = cycles_of(teeth, train.geometry.planets, task);
+  const TrainCycles cycles = train_cycles(teeth, train.geometry.planets, task);
   const Factor<double> mesh_load = mesh_load_of(task, train.geometry.planets);
   const bool below_one = train::g2(teeth) < 1.0;
   for (std::size_t k = 0; k < train::kMeshCount; ++k) {

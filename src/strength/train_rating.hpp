@@ -60,6 +60,12 @@ struct TrainRating {
   std::optional<TrainStiffness<T>> stiffness;
 };
 
+/// Load cycles of a tooth of every gear; empty where no life is stated.
+struct TrainCycles {
+  std::array<std::optional<double>, train::kGearCount> root{}, flank{};
+};
+TrainCycles train_cycles(const train::ToothSet& teeth, int planets, const RatingTask& task);
+
 /// K_γ as the task has it for N planets; 1 where it states none.
 Factor<double> mesh_load_of(const RatingTask& task, int planets);
 
