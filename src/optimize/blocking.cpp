@@ -56,16 +56,22 @@ double violation_of_others(const RefinementProblem& problem, const Point& v,
 }
 
 /// Whether the rows that do not have a name contradict each other to first order at a point where
-/// they are missed by `violation` at most: with multipliers λ ≥ 0 of those that are missed or met
+/// they are missed by `violation`: with multipliers λ ≥ 0 of those that are missed or met
 /// exactly, and of the bounds of the box,
 ///
 ///   Σ λ_k (−g_k)/violation = 1 − r₀,   r² = r₀² + |Σ λ_k ∇g_k|² the least,
 ///
 /// every step d after which all their linearisations hold has |d| r ≥ (1 − r) violation, which is
 /// beyond the box.  Source: lemma of Farkas.
-bool others_conflict(const RefinementProblem& problem, const Point& v, const Gradients& at,
-                     double violation, std::string_view name) {
+bool others_conflict(const RefinementProblem& problem, const Point& v, std::string_view name) {
   constexpr double kMet = 1e-6;
+  Gradients at;
+  if (!evaluate_gradients(problem, used(problem, v), all_rows(problem), at)) return false;
+  double violation = 0.0;
+  for (std::size_t k = 0; k < at.g.size(); ++k) {
+    if (problem.rows[k].name != name) violation = std::max(violation, -at.g[k]);
+  }
+  if (violation <= design::kFeasibilityTolerance) return false;
   const auto n = static_cast<std::size_t>(problem.variables);
   const Eigen::Index rows = problem.variables + 1;
   Eigen::MatrixXd columns =
@@ -96,20 +102,20 @@ bool others_conflict(const RefinementProblem& problem, const Point& v, const Gra
 /// none was found.  Sought from the given point, and from one that meets the others.
 std::optional<SolveOutcome> least_violation_alone(const RefinementProblem& problem,
                                                   const Point& from, std::string_view name) {
-  const auto from_start = [&](const Point& start) -> std::optional<SolveOutcome> {
-    const SolveOutcome alone = least_violation(problem, start, {}, name);
-    if (!std::isfinite(alone.violation) ||
-        violation_of_others(problem, alone.v, name) > design::kFeasibilityTolerance) {
-      return std::nullopt;
-    }
-    return alone;
+  const auto meets_others = [&](const SolveOutcome& alone) {
+    return std::isfinite(alone.violation) &&
+           violation_of_others(problem, alone.v, name) <= design::kFeasibilityTolerance;
   };
-  if (const auto alone = from_start(from)) return alone;
+  const SolveOutcome alone = least_violation(problem, from, {}, name);
+  if (meets_others(alone)) return alone;
+  if (others_conflict(problem, alone.v, name)) return std::nullopt;
   RefinementProblem without = problem;
   std::erase_if(without.rows, [&](const ConstraintRow& row) { return row.name == name; });
   const SolveOutcome others = least_violation(without, from, {});
   if (!(others.violation <= design::kFeasibilityTolerance)) return std::nullopt;
-  return from_start(others.v);
+  const SolveOutcome again = least_violation(problem, others.v, {}, name);
+  if (meets_others(again)) return again;
+  return std::nullopt;
 }
 
 }  // namespace
@@ -124,10 +130,8 @@ std::optional<SolveOutcome> name_blocking_constraints(const RefinementProblem& p
       alike.push_back(miss_of(problem, name, amount));
     }
   }
-  Gradients at;
-  const bool defined = evaluate_gradients(problem, used(problem, nearest.v), all_rows(problem), at);
   for (const Miss& miss : alike) {
-    if (defined && others_conflict(problem, nearest.v, at, nearest.violation, miss.name)) continue;
+    if (others_conflict(problem, nearest.v, miss.name)) continue;
     const auto alone = least_violation_alone(problem, nearest.v, miss.name);
     if (!alone) continue;
     if (alone->violation <= design::kFeasibilityTolerance) {

@@ -34,7 +34,7 @@ inline bool has_bounds(const Specification& spec) { return !spec.free.pressure_a
 /// metres) is dropped, lost motion that they share is split between them in every way.  Tooth
 /// sets share stages, and each stage is searched once.  With a rating the flanks of each mesh ask
 /// for a module, and those of each stage for a centre distance that the other one has to have.
-/// Source: own derivation, docs/theory §32, §57.
+/// Source: own derivation, docs/theory §32, §36.
 class SetBounds {
  public:
   /// Relaxes the stages of these tooth sets; OpenMP over the stages, results independent of it.

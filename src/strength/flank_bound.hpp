@@ -32,7 +32,7 @@ struct FlankExtremes {
 /// with K = K_A K_γ K_v K_Hβ K_Hα at their stated values or 1 (K_γ as the task has it) and σ_HG
 /// the greatest that the extremes allow.  Of a mesh the drive direction counts that loads it more;
 /// its force is then at least T c_k/(N r_k m), that without losses.
-/// Source: own derivation, docs/theory §57.
+/// Source: own derivation, docs/theory §36.
 struct FlankNeed {
   std::array<double, 2> load_m2{};       ///< 0: nothing is asked
   std::array<bool, 2> single_contact{};  ///< whether Z is of metals
