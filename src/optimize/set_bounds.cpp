@@ -1,7 +1,6 @@
 #include "optimize/set_bounds.hpp"
 
 #include <algorithm>
-#include <utility>
 
 #include "numerics/parallel.hpp"
 #include "optimize/efficiency_bound.hpp"
@@ -105,8 +104,8 @@ SetBounds::Stage1 SetBounds::relax1(const Candidate& key, const Effort& effort,
   if (stage.infeasible) return stage;
   const std::array<Interval, 3> shifts{ranges[0]->widest, ranges[1]->widest, ranges[2]->widest};
   const auto task_of = [&](double share) {
-    StageTask task = tasks.stage1(key, shifts, share);
-    return flanks != nullptr ? with_flanks(spec, std::move(task), *flanks) : task;
+    const StageTask task = tasks.stage1(key, shifts, share);
+    return flanks != nullptr ? with_flanks(spec, task, *flanks) : task;
   };
   StageTask task = task_of(1.0);
   if (sun_weight) {
@@ -209,8 +208,8 @@ SetBounds::Stage2 SetBounds::relax2(const Candidate& key, const Effort& effort,
   if (stage.infeasible) return stage;
   const std::array<Interval, 2> shifts{ranges[0]->widest, ranges[1]->widest};
   const auto task_of = [&](double share) {
-    StageTask task = tasks.stage2(key, shifts, share, most_distance_);
-    return flanks != nullptr ? with_flanks(*spec_, std::move(task), *flanks) : task;
+    const StageTask task = tasks.stage2(key, shifts, share, most_distance_);
+    return flanks != nullptr ? with_flanks(*spec_, task, *flanks) : task;
   };
   for (std::size_t level = 0; level < levels_; ++level) {
     Stage2Level& at = stage.level[level];

@@ -1,6 +1,7 @@
 #include "optimize/stage_flanks.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "efficiency/friction_law.hpp"
@@ -34,7 +35,7 @@ double greatest_module_m(const Specification& spec, std::size_t stage, const Sta
 
 /// ρ_red of a mesh at the pitch point at a centre distance, in modules.
 double curvature_at(double distance, double base1, double base2) {
-  const double sum = base1 + base2;  // of a ring mesh base1 < 0
+  const double sum = base1 + base2;   // of a ring mesh base1 < 0
   if (!(distance > sum)) return 1.0;  // the stage has no design
   const double tan_w = std::sqrt((distance - sum) * (distance + sum)) / sum;
   return std::abs(base1) * base2 / sum * tan_w;
@@ -88,7 +89,7 @@ std::vector<StageFlanks> stage_flanks(const Specification& spec, std::size_t sta
   for (std::size_t k = 0; k < tasks.size(); ++k) {
     const StageTask& task = tasks[k];
     StageFlanks& at = flanks[k];
-    at.sun.load_m2.fill(task.sun ? kInfinity : 0.0);
+    if (task.sun) at.sun.load_m2.fill(kInfinity);
     at.ring.load_m2.fill(kInfinity);
     at.greatest_module_m = greatest_module_m(spec, stage, task.ring);
     const double most = center_distances(task).hi;
@@ -121,15 +122,16 @@ std::vector<StageFlanks> stage_flanks(const Specification& spec, std::size_t sta
   return flanks;
 }
 
-StageTask with_flanks(const Specification& spec, StageTask task, const StageFlanks& flanks) {
-  task.sun_flank = flanks.sun;
-  task.ring_flank = flanks.ring;
-  task.flank_safety = least_flank_safety_asked(spec);
-  task.most_module_m = flanks.greatest_module_m;
+StageTask with_flanks(const Specification& spec, const StageTask& task, const StageFlanks& flanks) {
+  StageTask loaded = task;
+  loaded.sun_flank = flanks.sun;
+  loaded.ring_flank = flanks.ring;
+  loaded.flank_safety = least_flank_safety_asked(spec);
+  loaded.most_module_m = flanks.greatest_module_m;
   if (const auto& diameter = spec.limits[CheckId::kRingRootDiameter]) {
-    task.most_root_diameter_m = *diameter * (1.0 + kFlankSlack);
+    loaded.most_root_diameter_m = *diameter * (1.0 + kFlankSlack);
   }
-  return task;
+  return loaded;
 }
 
 }  // namespace gear3k::optimize

@@ -1,6 +1,7 @@
 #pragma once
 // What flank_safety asks of the stages of tooth sets.
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -35,6 +36,6 @@ std::vector<StageFlanks> stage_flanks(const Specification& spec, std::size_t sta
                                       std::span<const std::uint32_t> stage_of);
 
 /// The task with what its flanks ask.
-StageTask with_flanks(const Specification& spec, StageTask task, const StageFlanks& flanks);
+StageTask with_flanks(const Specification& spec, const StageTask& task, const StageFlanks& flanks);
 
 }  // namespace gear3k::optimize

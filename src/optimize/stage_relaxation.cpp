@@ -345,11 +345,12 @@ class StageSearch {
 
   /// A mesh in a box.
   struct FlankView {
-    double ratio;                      ///< greatest ε
-    double low_tangent, high_tangent;  ///< d sin α_w
-    double base1, base2, base_sum;     ///< base radii; base2 ± base1
-    std::array<Interval, 2> length;    ///< ρ_a of gears 1 and 2
-    double sign;                       ///< +1 external, −1 ring
+    double ratio = 0.0;                            ///< greatest ε
+    double low_tangent = 0.0, high_tangent = 0.0;  ///< d sin α_w
+    double base1 = 0.0, base2 = 0.0;               ///< base radii
+    double base_sum = 0.0;                         ///< base2 ± base1
+    std::array<Interval, 2> length{};              ///< ρ_a of gears 1 and 2
+    double sign = 1.0;                             ///< +1 external, −1 ring
   };
   /// Least m² [m²] with which the flanks of a mesh carry their load in a box.
   [[nodiscard]] double needed_module2(const strength::FlankNeed& need,

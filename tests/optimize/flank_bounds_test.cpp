@@ -7,6 +7,9 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
+#include <optional>
+#include <stdexcept>
 
 #include "design/loaded_train.hpp"
 #include "io/files/specification_file.hpp"
