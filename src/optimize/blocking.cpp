@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "optimize/check_row.hpp"
+#include "optimize/gradients.hpp"
+#include "optimize/nonnegative_least_squares.hpp"
 #include "optimize/slsqp.hpp"
-#include "optimize/starting_points.hpp"
 
 namespace gear3k::optimize {
 
@@ -46,25 +47,77 @@ Miss miss_of(const RefinementProblem& problem, std::string_view name, double vio
           .unit = units::unit_name(unit)};
 }
 
+/// Largest violation of the rows that do not have a name.
+double violation_of_others(const RefinementProblem& problem, const Point& v,
+                           std::string_view name) {
+  double worst = 0.0;
+  for (const auto& [other, amount] : violations_by_name(problem, v)) {
+    if (other != name) worst = std::max(worst, amount);
+  }
+  return worst;
+}
+
+/// Whether the rows that do not have a name contradict each other to first order at a point where
+/// they are missed by `violation`: with multipliers λ ≥ 0 of those that are missed or met
+/// exactly, and of the bounds of the box,
+///
+///   Σ λ_k (−g_k)/violation = 1 − r₀,   r² = r₀² + |Σ λ_k ∇g_k|² the least,
+///
+/// every step d after which all their linearisations hold has |d| r ≥ (1 − r) violation, which is
+/// beyond the box.  Source: lemma of Farkas.
+bool others_conflict(const RefinementProblem& problem, const Point& v, std::string_view name) {
+  constexpr double kMet = 1e-6;
+  Gradients at;
+  if (!evaluate_gradients(problem, used(problem, v), all_rows(problem), at)) return false;
+  double violation = 0.0;
+  for (std::size_t k = 0; k < at.g.size(); ++k) {
+    if (problem.rows[k].name != name) violation = std::max(violation, -at.g[k]);
+  }
+  if (violation <= design::kFeasibilityTolerance) return false;
+  const auto n = static_cast<std::size_t>(problem.variables);
+  const Eigen::Index rows = problem.variables + 1;
+  Eigen::MatrixXd columns =
+      Eigen::MatrixXd::Zero(rows, static_cast<Eigen::Index>(at.g.size() + 2 * n));
+  Eigen::Index count = 0;
+  for (std::size_t k = 0; k < at.g.size(); ++k) {
+    if (problem.rows[k].name == name || at.g[k] > kMet) continue;
+    for (std::size_t j = 0; j < n; ++j) {
+      columns(static_cast<Eigen::Index>(j), count) = at.dg[k * n + j];
+    }
+    columns(rows - 1, count++) = std::max(0.0, -at.g[k]) / violation;
+  }
+  double diameter2 = 0.0;
+  for (std::size_t j = 0; j < n; ++j) {
+    const auto axis = static_cast<Eigen::Index>(j);
+    const double width = problem.upper[j] - problem.lower[j];
+    diameter2 += width * width;
+    if (v[j] - problem.lower[j] <= kMet) columns(axis, count++) = 1.0;
+    if (problem.upper[j] - v[j] <= kMet) columns(axis, count++) = -1.0;
+  }
+  const Eigen::MatrixXd a = columns.leftCols(count);
+  const Eigen::VectorXd b = Eigen::VectorXd::Unit(rows, rows - 1);
+  const double rest = (a * nonnegative_least_squares(a, b) - b).norm();
+  return (1.0 - rest) * violation > rest * std::sqrt(diameter2);
+}
+
 /// The point with the least violation found of one constraint that meets all others; empty when
-/// none was found.  Sought from the given point and from points that meet the others.
+/// none was found.  Sought from the given point, and from one that meets the others.
 std::optional<SolveOutcome> least_violation_alone(const RefinementProblem& problem,
                                                   const Point& from, std::string_view name) {
+  const auto meets_others = [&](const SolveOutcome& alone) {
+    return std::isfinite(alone.violation) &&
+           violation_of_others(problem, alone.v, name) <= design::kFeasibilityTolerance;
+  };
+  const SolveOutcome alone = least_violation(problem, from, {}, name);
+  if (meets_others(alone)) return alone;
+  if (others_conflict(problem, alone.v, name)) return std::nullopt;
   RefinementProblem without = problem;
   std::erase_if(without.rows, [&](const ConstraintRow& row) { return row.name == name; });
-  std::optional<SolveOutcome> least;
-  for (const Point& start : {from, solve_slsqp(without, from, {}).v,
-                             solve_slsqp(without, starting_points(problem, 1, 0).front(), {}).v}) {
-    const SolveOutcome alone = least_violation(problem, start, {}, name);
-    if (!std::isfinite(alone.violation)) continue;
-    double others = 0.0;
-    for (const auto& [other, amount] : violations_by_name(problem, alone.v)) {
-      if (other != name) others = std::max(others, amount);
-    }
-    if (others > design::kFeasibilityTolerance) continue;
-    if (!least || alone.violation < least->violation) least = alone;
-  }
-  return least;
+  const SolveOutcome others = least_violation(without, from, {});
+  if (!(others.violation <= design::kFeasibilityTolerance)) return std::nullopt;
+  const SolveOutcome again = least_violation(problem, others.v, {}, name);
+  if (meets_others(again)) return again;
+  return std::nullopt;
 }
 
 }  // namespace
@@ -80,6 +133,7 @@ std::optional<SolveOutcome> name_blocking_constraints(const RefinementProblem& p
     }
   }
   for (const Miss& miss : alike) {
+    if (others_conflict(problem, nearest.v, miss.name)) continue;
     const auto alone = least_violation_alone(problem, nearest.v, miss.name);
     if (!alone) continue;
     if (alone->violation <= design::kFeasibilityTolerance) {
@@ -90,7 +144,10 @@ std::optional<SolveOutcome> name_blocking_constraints(const RefinementProblem& p
   }
   set.blocked_together = set.blocked_by.empty();
   if (set.blocked_together) set.blocked_by = alike;
-  std::ranges::stable_sort(set.blocked_by, {}, &Miss::violation);
+  // What is missed alike to rounding stays in the order of the rows.
+  constexpr double kSame = 1e-6;
+  std::ranges::stable_sort(set.blocked_by, {},
+                           [](const Miss& miss) { return std::round(miss.violation / kSame); });
   return std::nullopt;
 }
 

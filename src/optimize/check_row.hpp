@@ -28,11 +28,9 @@ inline constexpr double kLeastSafetyShare = 0.1;
 
 /// g ≥ 0 where the check is met.
 ///
-///   a safety    g = 1 − (L/S)^p: linear in torque and 1/width, as solvers like it; below a tenth
-///               of L its tangent there
+///   a safety    g = (L/p) (1 − (L/S)^p): linear in torque and 1/width, as solvers like it, and of
+///               slope 1 at the limit as the margin; below a tenth of L its tangent there
 ///   any other   margin over its scale
-///
-/// Feasible to a tolerance τ: S ≥ L (1 + τ)^(−1/p), a little less than the margin's own.
 template <class T>
 T constraint_of(const design::CheckInstance& check, const design::Gearing<T>& gearing) {
   const int p = load_exponent(check.record->id);
@@ -41,7 +39,7 @@ T constraint_of(const design::CheckInstance& check, const design::Gearing<T>& ge
   const T held = larger(share, constant<T>(kLeastSafetyShare));
   const T load = p == 1 ? T(1.0 / held) : T(1.0 / (held * held));
   const double slope = p * std::pow(kLeastSafetyShare, -p - 1);
-  return 1.0 - load + slope * (share - held);
+  return (check.limit / p) * (1.0 - load + slope * (share - held));
 }
 
 /// The miss of a check's value in SI from that of its constraint: the inverse of constraint_of().
@@ -49,11 +47,11 @@ T constraint_of(const design::CheckInstance& check, const design::Gearing<T>& ge
 inline double miss_of_constraint(const design::CheckInstance& check, double violation) {
   const int p = load_exponent(check.record->id);
   if (p == 0) return violation * check.scale;
+  const double over = violation * p / check.limit;  // (L/S)^p − 1
   const double greatest = std::pow(kLeastSafetyShare, -p) - 1.0;
   const double slope = p * std::pow(kLeastSafetyShare, -p - 1);
-  const double share = violation <= greatest
-                           ? std::pow(1.0 + violation, -1.0 / p)
-                           : kLeastSafetyShare - (violation - greatest) / slope;
+  const double share = over <= greatest ? std::pow(1.0 + over, -1.0 / p)
+                                        : kLeastSafetyShare - (over - greatest) / slope;
   return check.limit * (1.0 - share);
 }
 

@@ -10,10 +10,10 @@ namespace {
 using design::CheckId;
 
 /// Checks that an empty stage may be owed to, in the order in which they are tried.
-constexpr std::array<CheckId, 7> kStageChecks{
-    CheckId::kContactRatioMin,      CheckId::kOutputBacklashMax, CheckId::kNormalBacklash,
-    CheckId::kInvoluteInterference, CheckId::kPlanetGap,         CheckId::kRootClearance,
-    CheckId::kContactRatioMax};
+constexpr std::array<CheckId, 8> kStageChecks{
+    CheckId::kFlankSafety,    CheckId::kContactRatioMin,      CheckId::kOutputBacklashMax,
+    CheckId::kNormalBacklash, CheckId::kInvoluteInterference, CheckId::kPlanetGap,
+    CheckId::kRootClearance,  CheckId::kContactRatioMax};
 
 /// The task with a check's limit given way by an amount, in its own unit but for the backlash:
 /// normal backlash in modules, lost motion in modules of the ring mesh's backlash.
@@ -45,6 +45,14 @@ StageTask without(StageTask task, CheckId check, double amount) {
     case CheckId::kPlanetGap:
       if (task.planet_gap) task.planet_gap->half_gap -= 0.5 * amount;
       break;
+    case CheckId::kFlankSafety: {
+      // The least safety gives way by the largest share.
+      const double left = std::max(0.0, 1.0 - amount / task.flank_safety);
+      for (strength::FlankNeed* need : {&task.sun_flank, &task.ring_flank}) {
+        for (double& load : need->load_m2) load = left > 0.0 ? load * left * left : 0.0;
+      }
+      break;
+    }
     default:
       break;
   }
@@ -86,9 +94,12 @@ Amount amount_of(const Specification& spec, const StageTask& task, CheckId check
 
 }  // namespace
 
-Infeasibility name_empty_stage(const Specification& spec, const StageTask& task, std::size_t stage,
+Infeasibility name_empty_stage(const Specification& spec, const StageTask& empty, std::size_t stage,
                                const StageEffort& effort) {
   constexpr double kDropped = 1e3;
+  // What is empty without its load is named as without it.
+  const StageTask unloaded = without(empty, CheckId::kFlankSafety, kDropped);
+  const StageTask& task = relax_stage(unloaded, effort).empty ? unloaded : empty;
   const auto empty_without = [&](const StageTask& t, CheckId check, double amount) {
     return relax_stage(without(t, check, amount), effort).empty;
   };

@@ -178,7 +178,19 @@ class Run {
       c.global_bound = std::max(c.global_bound, bound);
       if (bound > c.best + proven) ++c.open;
     }
+    name_strength_limits(c);
     result_.certificate = c;
+  }
+
+  void name_strength_limits(Certificate& c) const {
+    if (!spec_.rating) return;
+    for (const ConstraintRow& row : make_problem_rows(spec_, spec_.planets.front(), {}).rows) {
+      if (!row.check || !row.check->record->rating) continue;
+      const bool bounded =
+          row.check->record->id == design::CheckId::kFlankSafety && bounds_flanks(spec_);
+      auto& names = bounded ? c.strength_bounded : c.strength_not_bounded;
+      if (std::ranges::find(names, row.name) == names.end()) names.push_back(row.name);
+    }
   }
 
   const Specification& spec_;

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "optimize/pareto.hpp"
@@ -42,6 +43,8 @@ struct Certificate {
   /// Refined sets whose sharpened bound is above the best by more than kProven: their optima are
   /// local, and they might hold something better.
   std::size_t open = 0;
+  /// Limits of the load that the bounds know of, and those that they leave out.
+  std::vector<std::string_view> strength_bounded, strength_not_bounded;
 };
 /// What counts as nothing in a certificate, in units of the objective's scale.
 inline constexpr double kProven = 1e-6;

@@ -130,6 +130,20 @@ bool near_bound(const Specification& spec, const SolveOutcome& end, const SetBou
   return most + end.objective <= (alike ? kLikelyNearBound : kNearBound) * (1.0 + end.objective);
 }
 
+/// The point of least violation where it is the same from an end and from a start, and misses a
+/// limit: the set is then given up.
+std::optional<SolveOutcome> nearest_of_two(const RefinementProblem& problem, const Point& end,
+                                           const Point& start) {
+  const SolveOutcome one = least_violation(problem, end, {});
+  if (!std::isfinite(one.violation) || feasible(one)) return std::nullopt;
+  const SolveOutcome two = least_violation(problem, start, {});
+  constexpr double kSameViolation = 0.01;  // of it
+  if (!(std::abs(two.violation - one.violation) <= kSameViolation * one.violation)) {
+    return std::nullopt;
+  }
+  return one.violation <= two.violation ? one : two;
+}
+
 void polish(BestEnd& best) {
   const SolveOutcome polished = solve_ipopt(*best.problem, best.outcome.v);
   if (!feasible(polished)) return;
@@ -246,9 +260,17 @@ std::optional<RefinedSet> Refiner::refine(const Candidate& candidate, const Shif
     set_teeth(problem, candidate, shifts);
     BestEnd local;
     std::vector<Point> ends;
-    for (const Point& start : starting_points(problem, spec.solver.starts, spec.solver.seed,
-                                              bound.known ? &bound : nullptr)) {
+    const std::vector<Point> starts = starting_points(problem, spec.solver.starts, spec.solver.seed,
+                                                      bound.known ? &bound : nullptr);
+    for (const Point& start : starts) {
       if (stop.load(std::memory_order_relaxed)) return std::nullopt;
+      if (ends.size() == 1 && !local.found) {
+        if (const auto nearest = nearest_of_two(problem, ends.front(), start)) {
+          local.offer(problem, *nearest);
+          ends.clear();
+          break;
+        }
+      }
       const bool near = bound.known && ends.empty();
       const SolveOutcome end = solve(problem, start, near ? kNearTheEnd : SlsqpOptions{});
       const bool alike = local.found && feasible(end) &&

@@ -29,6 +29,14 @@ std::vector<Candidate> distinct_stages(std::span<const Candidate> candidates, Ke
   return keys;
 }
 
+/// Whether a proof is named rather than another: what blocks without a load first, then what is
+/// missed by more.
+bool blocks_more(const Infeasibility& proof, const Infeasibility& other) {
+  const bool loaded = proof.check == design::CheckId::kFlankSafety;
+  if (loaded != (other.check == design::CheckId::kFlankSafety)) return !loaded;
+  return proof.violation > other.violation;
+}
+
 std::optional<Infeasibility> worst_of(std::span<const ShiftRange* const> ranges) {
   std::optional<Infeasibility> worst;
   for (const ShiftRange* range : ranges) {
@@ -59,10 +67,16 @@ SetBounds::SetBounds(const Specification& spec, std::span<const Candidate> candi
         return Candidate{.teeth = {.P2 = c.teeth.P2, .R2 = c.teeth.R2}, .planets = c.planets};
       },
       stage2_of_);
+  if (bounds_flanks(spec)) {
+    take_flanks(0, keys1);
+    take_flanks(1, keys2);
+  }
   progress.total = keys1.size() + keys2.size();
   stage1_.resize(keys1.size());
   numerics::parallel_for(keys1.size(), [&](std::size_t k) {
-    if (!progress.stop.load(std::memory_order_relaxed)) stage1_[k] = relax1(keys1[k], kUsual, {});
+    if (!progress.stop.load(std::memory_order_relaxed)) {
+      stage1_[k] = relax1(keys1[k], kUsual, {}, flanks_of(0, k));
+    }
     ++progress.done;
   });
   for (const Stage1& stage : stage1_) {
@@ -70,13 +84,16 @@ SetBounds::SetBounds(const Specification& spec, std::span<const Candidate> candi
   }
   stage2_.resize(keys2.size());
   numerics::parallel_for(keys2.size(), [&](std::size_t k) {
-    if (!progress.stop.load(std::memory_order_relaxed)) stage2_[k] = relax2(keys2[k], kUsual);
+    if (!progress.stop.load(std::memory_order_relaxed)) {
+      stage2_[k] = relax2(keys2[k], kUsual, flanks_of(1, k));
+    }
     ++progress.done;
   });
 }
 
 SetBounds::Stage1 SetBounds::relax1(const Candidate& key, const Effort& effort,
-                                    std::optional<double> sun_weight) const {
+                                    std::optional<double> sun_weight,
+                                    const StageFlanks* flanks) const {
   const Specification& spec = *spec_;
   const StageTasks tasks(spec);
   Stage1 stage;
@@ -86,7 +103,11 @@ SetBounds::Stage1 SetBounds::relax1(const Candidate& key, const Effort& effort,
   stage.infeasible = worst_of(ranges);
   if (stage.infeasible) return stage;
   const std::array<Interval, 3> shifts{ranges[0]->widest, ranges[1]->widest, ranges[2]->widest};
-  StageTask task = tasks.stage1(key, shifts, 1.0);
+  const auto task_of = [&](double share) {
+    const StageTask task = tasks.stage1(key, shifts, share);
+    return flanks != nullptr ? with_flanks(spec, task, *flanks) : task;
+  };
+  StageTask task = task_of(1.0);
   if (sun_weight) {
     stage.sun_weight = *sun_weight;
   } else {
@@ -105,7 +126,7 @@ SetBounds::Stage1 SetBounds::relax1(const Candidate& key, const Effort& effort,
   }
   for (std::size_t level = 0; level < levels_; ++level) {
     Stage1Level& at = stage.level[level];
-    task = tasks.stage1(key, shifts, share_of(level));
+    task = task_of(share_of(level));
     task.sun_weight = stage.sun_weight;
     task.ring_weight = 1.0;
     const StageBound bound = relax_stage(task, effort.weighted);
@@ -113,6 +134,10 @@ SetBounds::Stage1 SetBounds::relax1(const Candidate& key, const Effort& effort,
     if (bound.empty) {
       if (level + 1 == levels_) {
         stage.infeasible = name_empty_stage(spec, task, 0, effort.weighted);
+        // Stage 2 is not to be called empty for a load on stage 1.
+        if (stage.infeasible->check == design::CheckId::kFlankSafety) {
+          stage.most_distance = center_distances(task).hi;
+        }
       }
       continue;
     }
@@ -126,10 +151,55 @@ SetBounds::Stage1 SetBounds::relax1(const Candidate& key, const Effort& effort,
     task.sun_weight = 0.0;
     at.ring = relax_stage(task, effort.alone).least;
   }
+  if (flanks != nullptr && !stage.infeasible) stage.reach = reach_of(task_of(1.0), effort);
   return stage;
 }
 
-SetBounds::Stage2 SetBounds::relax2(const Candidate& key, const Effort& effort) const {
+SetBounds::Reach SetBounds::reach_of(StageTask task, const Effort& effort) {
+  Reach reach;
+  task.sun_weight = task.ring_weight = 1.0;  // they choose which side of a box is cut
+  task.least = StageTask::Least::kDistance;
+  reach.least_m = relax_stage(task, effort.weighted).least;
+  task.least = StageTask::Least::kInverseDistance;
+  const double least = relax_stage(task, effort.alone).least;
+  if (least > 0.0) reach.most_m = 1.0 / least;
+  return reach;
+}
+
+std::optional<Infeasibility> SetBounds::flanks_apart(const Reach& stage1,
+                                                     const Reach& stage2) const {
+  if (flanks_[0].empty()) return std::nullopt;
+  // Distances that flanks ask for rise with the safety.
+  const double held = std::min(stage1.most_m / stage2.least_m, stage2.most_m / stage1.least_m);
+  if (!(held < 1.0 - kRelaxationSlack)) return std::nullopt;
+  const double miss = least_flank_safety_asked(*spec_) * (1.0 - held);
+  return Infeasibility{.check = design::CheckId::kFlankSafety, .miss_si = miss, .violation = miss};
+}
+
+const StageFlanks* SetBounds::flanks_of(std::size_t stage, std::size_t key) const {
+  return flanks_[stage].empty() ? nullptr : &flanks_[stage][key];
+}
+
+void SetBounds::take_flanks(std::size_t stage, std::span<const Candidate> keys) {
+  const StageTasks tasks(*spec_);
+  std::vector<StageTask> of_keys;
+  of_keys.reserve(keys.size());
+  for (const Candidate& key : keys) {
+    const auto z = train::teeth_of(key.teeth);
+    const auto widest = [&](int gear) {
+      return shifts_.of(gear, z[static_cast<std::size_t>(gear)]).widest;
+    };
+    of_keys.push_back(
+        stage == 0
+            ? tasks.stage1(key, {widest(train::kS), widest(train::kP1), widest(train::kR1)}, 1.0)
+            : tasks.stage2(key, {widest(train::kP2), widest(train::kR2)}, 1.0, kInfinity));
+  }
+  flanks_[stage] =
+      stage_flanks(*spec_, stage, of_keys, candidates_, stage == 0 ? stage1_of_ : stage2_of_);
+}
+
+SetBounds::Stage2 SetBounds::relax2(const Candidate& key, const Effort& effort,
+                                    const StageFlanks* flanks) const {
   const StageTasks tasks(*spec_);
   Stage2 stage;
   const train::ToothSet& z = key.teeth;
@@ -137,9 +207,13 @@ SetBounds::Stage2 SetBounds::relax2(const Candidate& key, const Effort& effort) 
   stage.infeasible = worst_of(ranges);
   if (stage.infeasible) return stage;
   const std::array<Interval, 2> shifts{ranges[0]->widest, ranges[1]->widest};
+  const auto task_of = [&](double share) {
+    const StageTask task = tasks.stage2(key, shifts, share, most_distance_);
+    return flanks != nullptr ? with_flanks(*spec_, task, *flanks) : task;
+  };
   for (std::size_t level = 0; level < levels_; ++level) {
     Stage2Level& at = stage.level[level];
-    const StageTask task = tasks.stage2(key, shifts, share_of(level), most_distance_);
+    const StageTask task = task_of(share_of(level));
     const StageBound bound = relax_stage(task, effort.weighted);
     at.empty = bound.empty;
     if (bound.empty) {
@@ -151,6 +225,7 @@ SetBounds::Stage2 SetBounds::relax2(const Candidate& key, const Effort& effort) 
     at.ring = bound.least;
     at.point = bound.point;
   }
+  if (flanks != nullptr && !stage.infeasible) stage.reach = reach_of(task_of(1.0), effort);
   return stage;
 }
 
@@ -182,9 +257,11 @@ SetBound SetBounds::sharpened(std::size_t k) const {
   const int planets = candidates_[k].planets;
   const std::optional<double> weight =
       w[0] > 0.0 && w[1] > 0.0 ? std::optional(w[0] / w[1]) : std::nullopt;
-  SetBound sharp = combine(
-      k, relax1({.teeth = {.S = z.S, .P1 = z.P1, .R1 = z.R1}, .planets = planets}, kSharp, weight),
-      relax2({.teeth = {.P2 = z.P2, .R2 = z.R2}, .planets = planets}, kSharp));
+  SetBound sharp = combine(k,
+                           relax1({.teeth = {.S = z.S, .P1 = z.P1, .R1 = z.R1}, .planets = planets},
+                                  kSharp, weight, flanks_of(0, stage1_of_[k])),
+                           relax2({.teeth = {.P2 = z.P2, .R2 = z.R2}, .planets = planets}, kSharp,
+                                  flanks_of(1, stage2_of_[k])));
   sharp.eta_b = std::min(sharp.eta_b, usual.eta_b);
   sharp.eta_f = std::min(sharp.eta_f, usual.eta_f);
   return sharp;
@@ -195,9 +272,10 @@ SetBound SetBounds::combine(std::size_t k, const Stage1& stage1, const Stage2& s
   bound.known = true;
   bound.infeasible = stage1.infeasible;
   if (stage2.infeasible &&
-      (!stage1.infeasible || stage2.infeasible->violation > stage1.infeasible->violation)) {
+      (!stage1.infeasible || blocks_more(*stage2.infeasible, *stage1.infeasible))) {
     bound.infeasible = stage2.infeasible;
   }
+  if (!bound.infeasible) bound.infeasible = flanks_apart(stage1.reach, stage2.reach);
   if (bound.infeasible) {
     bound.eta_b = bound.eta_f = 0.0;
     return bound;

@@ -9,6 +9,7 @@
 
 #include "optimize/progress.hpp"
 #include "optimize/shift_range.hpp"
+#include "optimize/stage_flanks.hpp"
 #include "optimize/stage_relaxation.hpp"
 #include "optimize/tooth_search.hpp"
 
@@ -31,8 +32,9 @@ inline bool has_bounds(const Specification& spec) { return !spec.free.pressure_a
 /// Efficiency rises with that of each mesh, so that least losses give most efficiency.  Stage 1
 /// (S, P1, R1) and stage 2 (P2, R2) are relaxed apart: what ties them (the centre distance in
 /// metres) is dropped, lost motion that they share is split between them in every way.  Tooth
-/// sets share stages, and each stage is searched once.
-/// Source: own derivation, docs/theory §32.
+/// sets share stages, and each stage is searched once.  With a rating the flanks of each mesh ask
+/// for a module, and those of each stage for a centre distance that the other one has to have.
+/// Source: own derivation, docs/theory §32, §36.
 class SetBounds {
  public:
   /// Relaxes the stages of these tooth sets; OpenMP over the stages, results independent of it.
@@ -59,6 +61,11 @@ class SetBounds {
   static constexpr Effort kSharp{.weighted = {.boxes = 20000, .tolerance = 1e-4},
                                  .alone = {.boxes = 2000, .tolerance = 1e-3}};
 
+  /// Centre distances of a stage [m]: where its flanks are to carry the load at least, and what it
+  /// can have at most.
+  struct Reach {
+    double least_m = 0.0, most_m = kInfinity;
+  };
   struct Stage1Level {
     bool empty = true;
     double sun = 0.0, ring = 0.0;  ///< least loss of S-P1, of P1-R1
@@ -69,6 +76,7 @@ class SetBounds {
     double sun_weight = 1.0;
     double most_distance = 0.0;  ///< greatest centre distance [modules]
     std::array<Stage1Level, kMostLevels> level;
+    Reach reach;
     std::optional<Infeasibility> infeasible;
   };
   struct Stage2Level {
@@ -78,12 +86,22 @@ class SetBounds {
   };
   struct Stage2 {
     std::array<Stage2Level, kMostLevels> level;
+    Reach reach;
     std::optional<Infeasibility> infeasible;
   };
 
+  /// @param flanks  null where nothing is asked of them
   [[nodiscard]] Stage1 relax1(const Candidate& key, const Effort& effort,
-                              std::optional<double> sun_weight) const;
-  [[nodiscard]] Stage2 relax2(const Candidate& key, const Effort& effort) const;
+                              std::optional<double> sun_weight, const StageFlanks* flanks) const;
+  [[nodiscard]] Stage2 relax2(const Candidate& key, const Effort& effort,
+                              const StageFlanks* flanks) const;
+  [[nodiscard]] static Reach reach_of(StageTask task, const Effort& effort);
+  /// Proof that the flanks of one stage ask for a centre distance that the other cannot have.
+  [[nodiscard]] std::optional<Infeasibility> flanks_apart(const Reach& stage1,
+                                                          const Reach& stage2) const;
+  /// What the flanks of a stage ask; null where nothing is.
+  [[nodiscard]] const StageFlanks* flanks_of(std::size_t stage, std::size_t key) const;
+  void take_flanks(std::size_t stage, std::span<const Candidate> keys);
   [[nodiscard]] SetBound combine(std::size_t k, const Stage1& stage1, const Stage2& stage2) const;
   [[nodiscard]] double share_of(std::size_t level) const;
 
@@ -95,6 +113,7 @@ class SetBounds {
   std::vector<Stage1> stage1_;
   std::vector<Stage2> stage2_;
   std::vector<std::uint32_t> stage1_of_, stage2_of_;
+  std::array<std::vector<StageFlanks>, 2> flanks_;  ///< by stage; empty without a rating
 };
 
 }  // namespace gear3k::optimize

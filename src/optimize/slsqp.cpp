@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <utility>
 
@@ -17,6 +18,10 @@ namespace {
 constexpr double kUndefinedPenalty = 1e3;
 /// Interior margin that least_violation() is content with.
 constexpr double kInterior = 1e-3;
+/// A search for the least violation ends where so many evaluations have not lowered it by more than
+/// this: at a kink of a row steps are cut short without end.
+constexpr int kPatience = 15;
+constexpr double kLowered = 1e-7;
 
 /// Margin below which rows that need tooth forms take part.
 constexpr double kCostlyMargin = 0.05;
@@ -42,6 +47,12 @@ class CachedProblem {
         n_(static_cast<std::size_t>(problem.variables)),
         space_(space),
         elastic_(!space.elastic.empty()) {}
+
+  /// From here on the point of least violation is kept, and `solver` stopped where it stays.
+  void watch(nlopt_opt solver) { watched_ = solver; }
+  /// Violation of the point that was kept; infinite when there is none.
+  [[nodiscard]] double least() const { return least_; }
+  [[nodiscard]] const Point& nearest() const { return nearest_; }
 
   /// Variables that the solver sees: those of the problem and, when elastic, t.
   [[nodiscard]] std::size_t size() const { return n_ + (elastic_ ? 1 : 0); }
@@ -79,11 +90,25 @@ class CachedProblem {
     std::copy_n(x, n_, x_.begin());
     valid_ = true;
     Gradients& at = space_.gradients;
-    if (evaluate_gradients(problem_, {x, n_}, space_.selection, at)) return;
+    if (evaluate_gradients(problem_, {x, n_}, space_.selection, at)) {
+      if (watched_ != nullptr) keep_nearest();
+      return;
+    }
     at.f = kUndefinedPenalty;
     std::fill(at.df.begin(), at.df.end(), 0.0);
     std::fill(at.g.begin(), at.g.end(), -kUndefinedPenalty);
     std::fill(at.dg.begin(), at.dg.end(), 0.0);
+  }
+
+  void keep_nearest() {
+    const double violation = worst_violation(space_.gradients.g);
+    rests_ = violation < reached_ - kLowered ? 0 : rests_ + 1;
+    if (rests_ == 0) reached_ = violation;
+    if (violation < least_) {
+      least_ = violation;
+      nearest_ = x_;
+    }
+    if (rests_ >= kPatience) nlopt_force_stop(watched_);
   }
 
   const RefinementProblem& problem_;
@@ -92,6 +117,11 @@ class CachedProblem {
   bool elastic_;
   bool valid_ = false;
   Point x_{};
+  nlopt_opt watched_ = nullptr;
+  Point nearest_{};
+  double least_ = std::numeric_limits<double>::infinity();
+  double reached_ = std::numeric_limits<double>::infinity();
+  int rests_ = 0;
 };
 
 double objective_callback(unsigned /*n*/, const double* x, double* gradient, void* data) {
@@ -105,7 +135,9 @@ void constraint_callback(unsigned /*m*/, double* result, unsigned /*n*/, const d
 
 /// Runs NLopt from space.x, which becomes the point where it stops; the caller judges it, whatever
 /// the reason to stop was.
-void run(CachedProblem& functions, Workspace& space, const SlsqpOptions& options) {
+/// @param watch  for the least violation of all rows: space.x becomes the point where it is least
+void run(CachedProblem& functions, Workspace& space, const SlsqpOptions& options,
+         bool watch = false) {
   const std::unique_ptr<nlopt_opt_s, decltype(&nlopt_destroy)> solver(
       nlopt_create(NLOPT_LD_SLSQP, static_cast<unsigned>(space.x.size())), &nlopt_destroy);
   nlopt_set_lower_bounds(solver.get(), space.lower.data());
@@ -122,8 +154,12 @@ void run(CachedProblem& functions, Workspace& space, const SlsqpOptions& options
   for (std::size_t k = 0; k < space.x.size(); ++k) {
     space.x[k] = std::clamp(space.x[k], space.lower[k], space.upper[k]);
   }
+  if (watch) functions.watch(solver.get());
   double f = 0.0;
   nlopt_optimize(solver.get(), space.x.data(), &f);
+  if (std::isfinite(functions.least())) {
+    std::copy_n(functions.nearest().begin(), space.x.size() - 1, space.x.begin());
+  }
 }
 
 void take_box(const RefinementProblem& p, const Point& start, Workspace& space) {
@@ -229,11 +265,13 @@ SolveOutcome least_violation(const RefinementProblem& problem, const Point& star
       space.elastic.push_back(elastic_name.empty() || problem.rows[k].name == elastic_name);
     }
     take_box(problem, from, space);
+    // No limit is easier to keep at more torque.
+    if (problem.torque > 0) space.upper[problem.torque] = space.lower[problem.torque];
     space.lower.push_back(-kInterior);
     space.upper.push_back(2.0 * kUndefinedPenalty);
     space.x.push_back(std::min(outcome.violation, kUndefinedPenalty));
     CachedProblem functions(problem, space);
-    run(functions, space, options);
+    run(functions, space, options, elastic_name.empty());
     from = point_of(problem, space.x);
     outcome = judge(problem, from, space);
     if (space.selection.size() == problem.rows.size()) return outcome;

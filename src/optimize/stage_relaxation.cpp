@@ -74,6 +74,12 @@ class StageSearch {
         ring_base_(0.5 * cos_ * task.ring.teeth),
         sun_base_(task.sun ? 0.5 * cos_ * task.sun->teeth : 0.0) {}
 
+  [[nodiscard]] Interval distances() const {
+    Box first;
+    if (!first_box(first)) return {kInfinity, -kInfinity};
+    return {first.low.d, first.high.d};
+  }
+
   StageBound run(const StageEffort& effort) {
     StageBound result;
     heap_.clear();
@@ -304,11 +310,77 @@ class StageSearch {
                        ring_tip.middle(),
                    xr.lo, xr.hi);
 
-    if (t_.sun && !examine_sun(box, {sum, sun_tip, planet_length}, distance_effect, shift_effect)) {
+    double need_m2 = needed_module2(t_.ring_flank, {.ratio = ring_ratio.hi,
+                                                    .low_tangent = low.ring_tangent,
+                                                    .high_tangent = high.ring_tangent,
+                                                    .base1 = planet_base_,
+                                                    .base2 = ring_base_,
+                                                    .base_sum = ring_sum_,
+                                                    .length = {planet_length, ring_length},
+                                                    .sign = -1.0});
+    if (t_.sun &&
+        !examine_sun(box, {sum, sun_tip, planet_length}, distance_effect, shift_effect, need_m2)) {
       return false;
     }
     box.split_distance = distance_effect > shift_effect;
+    const double root = half_ring + t_.ring.root_height + xr.lo;
+    double most_m = t_.most_module_m;
+    if (root > 0.0) most_m = std::min(most_m, 0.5 * t_.most_root_diameter_m / root);
+    most_m *= 1.0 + kSlack;
+    switch (t_.least) {
+      case StageTask::Least::kLoss:
+        return need_m2 <= most_m * most_m;
+      case StageTask::Least::kDistance:
+        box.bound = std::sqrt(need_m2) * low.d * (1.0 - kSlack);
+        box.error = box.bound *
+                    (high.d / low.d - 1.0 + (high_tan - low_tan) / high_tan + ring_ratio.width());
+        break;
+      case StageTask::Least::kInverseDistance:
+        box.bound = 1.0 / (most_m * high.d);
+        box.error = box.bound * (high.d / low.d - 1.0 + xr.width() / half_ring);
+        break;
+    }
     return true;
+  }
+
+  /// A mesh in a box.
+  struct FlankView {
+    double ratio = 0.0;                            ///< greatest ε
+    double low_tangent = 0.0, high_tangent = 0.0;  ///< d sin α_w
+    double base1 = 0.0, base2 = 0.0;               ///< base radii
+    double base_sum = 0.0;                         ///< base2 ± base1
+    std::array<Interval, 2> length{};              ///< ρ_a of gears 1 and 2
+    double sign = 1.0;                             ///< +1 external, −1 ring
+  };
+  /// Least m² [m²] with which the flanks of a mesh carry their load in a box.
+  [[nodiscard]] double needed_module2(const strength::FlankNeed& need,
+                                      const FlankView& view) const {
+    double most = 0.0;
+    for (std::size_t own = 0; own < 2; ++own) {
+      const double load = need.load_m2[own];
+      if (load > 0.0) {
+        most = std::max(most, load * (need.single_contact[own] ? single_contact2(view, own) : 1.0));
+      }
+    }
+    if (most <= 0.0) return 0.0;
+    constexpr double kHeldContactRatio = 3.0;  // of Z_ε, strength/flank_stress
+    const double z_epsilon2 = (4.0 - std::min(view.ratio, kHeldContactRatio)) / 3.0;
+    return most * z_epsilon2 * view.base_sum / view.high_tangent;
+  }
+  /// Least Z_B² (own 0) or Z_D² (own 1) in a box.
+  [[nodiscard]] double single_contact2(const FlankView& view, std::size_t own) const {
+    const Interval inner{view.length[own].lo - base_pitch_, view.length[own].hi - base_pitch_};
+    // Nearer to a tangent point than that strength/flank_stress holds the point.
+    const double held = 1e-3 * view.high_tangent;
+    if (inner.lo <= held) return 1.0;
+    double most = inner.hi * (view.high_tangent + inner.hi);
+    if (view.sign > 0.0) {
+      if (view.low_tangent - inner.hi <= held) return 1.0;
+      const double worst = std::clamp(0.5 * view.high_tangent, inner.lo, inner.hi);
+      most = worst * (view.high_tangent - worst);
+    }
+    const double tan_w = view.low_tangent / view.base_sum;
+    return std::max(1.0, view.base1 * view.base2 * tan_w * tan_w / most);
   }
 
   /// k = x_S + x_P − y of the KHK rule, y = d − (z_S + z_P)/2; 0 where there is none.
@@ -325,8 +397,8 @@ class StageSearch {
     Interval sun_tip;        ///< tip height of the sun
     Interval planet_length;  ///< ρ_a of the planet
   };
-  bool examine_sun(Box& box, const SunView& view, double& distance_effect,
-                   double& shift_effect) const {
+  bool examine_sun(Box& box, const SunView& view, double& distance_effect, double& shift_effect,
+                   double& need_m2) const {
     constexpr double kSlack = kRelaxationSlack;
     const StageGear& sun = *t_.sun;
     const Distance& low = box.low;
@@ -371,6 +443,14 @@ class StageSearch {
     box.error += scale * (e1.width() + e2.width());
     distance_effect += scale * (planet_base_ + sun_base_) * (high_tan - low_tan) / base_pitch_;
     shift_effect += scale * planet_length.width() / base_pitch_;
+    need_m2 = std::max(need_m2, needed_module2(t_.sun_flank, {.ratio = ratio.hi,
+                                                              .low_tangent = low.sun_tangent,
+                                                              .high_tangent = high.sun_tangent,
+                                                              .base1 = sun_base_,
+                                                              .base2 = planet_base_,
+                                                              .base_sum = sun_sum_,
+                                                              .length = {sun_length, planet_length},
+                                                              .sign = 1.0}));
     const LeastShares shares = least_shares(e1, e2, ratio, t_.sliding);
     box.point.sun_shift = std::clamp(
         tip_at(sun, sun_base_,
@@ -421,5 +501,7 @@ double least_loss_factor(const Interval& e1, const Interval& e2, const Interval&
 StageBound relax_stage(const StageTask& task, const StageEffort& effort) {
   return StageSearch(task).run(effort);
 }
+
+Interval center_distances(const StageTask& task) { return StageSearch(task).distances(); }
 
 }  // namespace gear3k::optimize

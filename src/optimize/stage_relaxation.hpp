@@ -4,11 +4,15 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <optional>
 
 #include "optimize/shift_range.hpp"
+#include "strength/flank_bound.hpp"
 
 namespace gear3k::optimize {
+
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// One gear of a stage, in modules.
 struct StageGear {
@@ -48,6 +52,20 @@ struct StageTask {
   double sun_loss = 0.0, ring_loss = 0.0;
   /// Minimised: sun_weight · loss of S-P1 + ring_weight · loss of the ring's mesh.
   double sun_weight = 0.0, ring_weight = 1.0;
+  /// What the flanks ask of the stage's module, and what it can be at most [m]: 2 m r_f ≤ the
+  /// diameter of the ring's root.
+  strength::FlankNeed sun_flank{}, ring_flank{};
+  double flank_safety = 1.0;  ///< the least that is asked of a gear
+  double most_module_m = kInfinity;
+  double most_root_diameter_m = kInfinity;
+  /// What is minimised instead.
+  enum class Least {
+    kLoss,
+    kDistance,        ///< centre distance [m] at which the flanks carry the load
+    kInverseDistance  ///< 1/m of the greatest centre distance; with kDistance no flank's need is a
+                      ///< limit
+  };
+  Least least = Least::kLoss;
 };
 
 /// When a search ends: no box is left, the lowest one is known to `tolerance` of its bound, or
@@ -80,8 +98,11 @@ struct StageBound {
 /// Valid: exact arithmetic; rounding is covered by kRelaxationSlack in every comparison.
 StageBound relax_stage(const StageTask& task, const StageEffort& effort);
 
+/// Centre distances that hold all points which meet the limits, before any search [modules]; empty
+/// when there are none.
+Interval center_distances(const StageTask& task);
+
 /// Slack of all comparisons, in modules and in shares of the contact ratio.
-inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 inline constexpr double kRelaxationSlack = 1e-9;
 
 /// Least value of the loss factor B for e1, e2 and ε = e1 + e2 in intervals.

@@ -375,7 +375,9 @@ io::Json certificate_json(const Specification& spec, const OptimizeResult& resul
       {"global_bound", c.objective_bounded ? io::Json(shown(c.global_bound)) : nullptr},
       {"gap", c.objective_bounded ? io::Json(std::abs(c.global_bound - c.best) / record.per_unit)
                                   : nullptr},
-      {"locally_optimal_only", c.open}};
+      {"locally_optimal_only", c.open},
+      {"strength_bounded", c.strength_bounded},
+      {"strength_not_bounded", c.strength_not_bounded}};
 }
 
 }  // namespace
@@ -458,6 +460,20 @@ std::string optimize_counts_text(const OptimizeResult& result, const ResultTally
   return text + "\n";
 }
 
+namespace {
+
+/// Which limits of the load the bounds account for; "" without a load.
+std::string bounded_strength_text(const optimize::Certificate& c) {
+  const auto listed = [](const std::vector<std::string_view>& names) {
+    return names.empty() ? std::string("none") : fmt::format("{}", fmt::join(names, ", "));
+  };
+  if (c.strength_bounded.empty() && c.strength_not_bounded.empty()) return "";
+  return fmt::format("; of the limits of the load the bounds account for {}, and not for {}",
+                     listed(c.strength_bounded), listed(c.strength_not_bounded));
+}
+
+}  // namespace
+
 std::string certificate_text(const Specification& spec, const OptimizeResult& result) {
   if (!result.certificate) return "";
   const optimize::Certificate& c = *result.certificate;
@@ -477,13 +493,14 @@ std::string certificate_text(const Specification& spec, const OptimizeResult& re
     return with_objective_unit(record, rounded * record.per_unit);
   };
   const char* than = record.maximise ? "more" : "less";
+  const std::string strength = bounded_strength_text(c);
   std::string text =
       fmt::format("certificate under the stated model: best {} {}", record.name, shown(c.best));
   if (!c.objective_bounded) {
     return text + fmt::format(
                       "; nothing bounds {}: {} sets are refined, to local optima, and {} are "
-                      "proven to have no feasible design\n",
-                      record.name, c.refined, c.infeasible);
+                      "proven to have no feasible design{}\n",
+                      record.name, c.refined, c.infeasible, strength);
   }
   if (c.largest_unrefined_bound) {
     text += fmt::format("; no design of the {} bounded sets has {} than {}", c.bounded, than,
@@ -496,7 +513,7 @@ std::string certificate_text(const Specification& spec, const OptimizeResult& re
     text +=
         fmt::format(" ({} refined sets are locally optimal only and may hold up to that)", c.open);
   }
-  return text + "\n";
+  return text + strength + "\n";
 }
 
 std::string blocking_text(const Specification& spec, const OptimizeResult& result,

@@ -118,8 +118,8 @@ Factor<T> root_face_load_factor(const T& flank_factor, const T& height_to_width)
 }
 
 template <class T>
-TransverseLoadFactors<T> transverse_load_factors(
-    const LoadedMesh<T>& mesh, const TransverseDeviation<T>& deviation) {
+TransverseLoadFactors<T> transverse_load_factors(const LoadedMesh<T>& mesh,
+                                                 const TransverseDeviation<T>& deviation) {
   using std::sqrt;
   check_not_negative("base pitch deviation [m]", value_of(deviation.base_pitch_deviation_m));
   check_not_negative("running-in allowance [m]", value_of(deviation.running_in_m));
@@ -169,14 +169,14 @@ std::optional<Factor<double>> mesh_load_factor(MeshLoadTable table, int planets)
                         .source = m56 ? sources::kM56 : sources::kDrivetrain};
 }
 
-#define INSTANTIATE(T)                                                              \
-  template T dynamic_speed<T>(const LoadedMesh<T>&);                                \
-  template T line_load_n_mm<T>(const LoadedMesh<T>&);                               \
-  template Factor<T> dynamic_factor<T>(const LoadedMesh<T>&, std::optional<int>);   \
-  template Factor<T> face_load_factor<T>(const LoadedMesh<T>&, const T&, const T&); \
-  template Factor<T> root_face_load_factor<T>(const T&, const T&);                  \
-  template TransverseLoadFactors<T> transverse_load_factors<T>(                     \
-      const LoadedMesh<T>&, const TransverseDeviation<T>&);
+#define INSTANTIATE(T)                                                               \
+  template T dynamic_speed<T>(const LoadedMesh<T>&);                                 \
+  template T line_load_n_mm<T>(const LoadedMesh<T>&);                                \
+  template Factor<T> dynamic_factor<T>(const LoadedMesh<T>&, std::optional<int>);    \
+  template Factor<T> face_load_factor<T>(const LoadedMesh<T>&, const T&, const T&);  \
+  template Factor<T> root_face_load_factor<T>(const T&, const T&);                   \
+  template TransverseLoadFactors<T> transverse_load_factors<T>(const LoadedMesh<T>&, \
+                                                               const TransverseDeviation<T>&);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
 #undef INSTANTIATE
 

@@ -29,9 +29,9 @@ T line_load_n_mm(const LoadedMesh<T>& mesh);
 ///   K_v = 1 + (K1/max(100, w) + 0.0193) V K3,  V = v z1/100 √(u²/(1 + u²))
 ///   K3 = 2 (V ≤ 0.2), 2.071 − 0.357 V;   K1 = 2.1 3.9 7.5 14.9 26.8 39.1 for grades 3 to 8
 ///
-/// Source: IACS UR M56.  Valid: V < 3; beyond, where the formula would fall and turn negative, it is
-/// held at V = 3 and in_range is false.  Kinks: w = 100 N/mm, V = 0.2 (K3 has a step of 4e-4 there).
-/// At rest K_v = 1.
+/// Source: IACS UR M56.  Valid: V < 3; beyond, where the formula would fall and turn negative, it
+/// is held at V = 3 and in_range is false.  Kinks: w = 100 N/mm, V = 0.2 (K3 has a step of 4e-4
+/// there). At rest K_v = 1.
 /// @param grade  ISO 1328 accuracy grade; empty: not stated, K_v = 1
 /// @throws std::invalid_argument when the grade is not from 3 to 8
 template <class T>

@@ -27,16 +27,6 @@ bool any_plastic(const GearMaterial& material1, const GearMaterial& material2) {
   return is_plastic(material1.record.group) || is_plastic(material2.record.group);
 }
 
-/// Hardness in HB, where the material is stated in it.
-std::optional<double> brinell_of(const GearMaterial& material) {
-  if (material.record.hardness_scale != HardnessScale::kBrinell) return std::nullopt;
-  if (material.hardness) return material.hardness;
-  if (material.record.hardness_min == material.record.hardness_max) {
-    return material.record.hardness_min;
-  }
-  return std::nullopt;
-}
-
 /// What both teeth of a mesh have in common.
 template <class T>
 struct SharedMesh {
@@ -246,7 +236,7 @@ void rate_metal(const SharedMesh<T>& m, std::size_t own, const ToothLoad<T>& loa
       .own_roughness_m = m.task.flank_roughness_m,
       .mate_roughness_m = m.task.flank_roughness_m,
       .mate_group = mate.material.record.group,
-      .brinell_hardness = brinell_of(g.material)};
+      .brinell_hardness = brinell_hardness(g.material)};
   if (computes_work_hardening(m.task, g.material, mate.material)) {
     tooth.brinell = condition.brinell_hardness;
   }
@@ -350,6 +340,15 @@ Elasticity elasticity_of(const GearMaterial& material) {
   return {.youngs_modulus_Pa = *record.youngs_modulus_Pa, .poissons_ratio = *record.poisson_ratio};
 }
 
+std::optional<double> brinell_hardness(const GearMaterial& material) {
+  if (material.record.hardness_scale != HardnessScale::kBrinell) return std::nullopt;
+  if (material.hardness) return material.hardness;
+  if (material.record.hardness_min == material.record.hardness_max) {
+    return material.record.hardness_min;
+  }
+  return std::nullopt;
+}
+
 bool computes_dynamic_factor(const RatingTask& task, const GearMaterial& material1,
                              const GearMaterial& material2) {
   return task.accuracy_grade && task.speed_rad_s > 0.0 && !task.factors.dynamic &&
@@ -369,7 +368,7 @@ bool computes_work_hardening(const RatingTask& task, const GearMaterial& own,
                              const GearMaterial& mate) {
   const MaterialGroup group = own.record.group;
   const bool soft = group == MaterialGroup::kNormalised || group == MaterialGroup::kThroughHardened;
-  return soft && is_surface_hardened(mate.record.group) && brinell_of(own) &&
+  return soft && is_surface_hardened(mate.record.group) && brinell_hardness(own) &&
          task.flank_roughness_m && task.viscosity40_m2_s &&
          own.record.flank_limit.law != LimitLaw::kNotStated;
 }

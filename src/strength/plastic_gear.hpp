@@ -22,12 +22,12 @@ HeatTransfer heat_transfer(PlasticMate mate);
 /// What heats a mesh, and where the heat goes.
 template <class T>
 struct ToothHeat {
-  T ambient_K{};                    ///< ϑ0
-  T loss_W{};                       ///< the mesh's own friction power, of one planet
-  T face_width_m{};                 ///< b
-  int pinion_teeth = 0;             ///< z1
-  T speed_m_s{};                    ///< v: pitch circle
-  T module_m{};                     ///< m
+  T ambient_K{};         ///< ϑ0
+  T loss_W{};            ///< the mesh's own friction power, of one planet
+  T face_width_m{};      ///< b
+  int pinion_teeth = 0;  ///< z1
+  T speed_m_s{};         ///< v: pitch circle
+  T module_m{};          ///< m
   /// R_λ [K m²/W]: 0 open, 0.015 to 0.045 partly open, 0.06 closed (source as heat_transfer()).
   double housing_resistance = 0.0;
   double housing_surface_m2 = 1.0;  ///< A_G

@@ -19,6 +19,8 @@ struct GearMaterial {
 };
 /// @throws std::invalid_argument where E or ν is not known
 Elasticity elasticity_of(const GearMaterial& material);
+/// Hardness in HB; empty where the material states none in it.
+std::optional<double> brinell_hardness(const GearMaterial& material);
 
 /// Where K_γ comes from.
 enum class MeshLoadSource {
@@ -46,7 +48,7 @@ struct StatedFactors {
 struct PlanetSupports {
   std::array<double, 2> position_m{};     ///< of A and B along the axis, as axial.* states places
   std::array<double, 2> plane_m{};        ///< middle of the toothings P1 and P2
-  std::optional<double> stiffness_N_m{};      ///< of one bearing, radial; empty: rigid
+  std::optional<double> stiffness_N_m{};  ///< of one bearing, radial; empty: rigid
   std::optional<double> pin_stiffness_N_m{};  ///< of the pin under a bearing; empty: rigid
 };
 

@@ -171,8 +171,9 @@ RootStrength<T> root_strength(const Material& material, const T& limit_Pa,
   return strength;
 }
 
-#define INSTANTIATE(T)                                                                           \
-  template Factor<T> reversal_factor<T>(RootLoading, const std::optional<double>&, const Factor<T>&); \
+#define INSTANTIATE(T)                                                             \
+  template Factor<T> reversal_factor<T>(RootLoading, const std::optional<double>&, \
+                                        const Factor<T>&);                         \
   template RootStrength<T> root_strength<T>(const Material&, const T&, const RootCondition<T>&);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
 #undef INSTANTIATE

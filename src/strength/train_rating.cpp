@@ -29,27 +29,6 @@ TrainMotion motion_of(const train::ToothSet& teeth, double sun_rad_s) {
   return motion;
 }
 
-/// Cycles of every gear; empty where no life is stated.
-using TrainCycles = std::array<std::optional<double>, train::kGearCount>;
-TrainCycles cycles_of(const train::ToothSet& teeth, int planets, const RatingTask& task) {
-  TrainCycles cycles;
-  if (task.cycles) {
-    cycles.fill(*task.cycles);
-    return cycles;
-  }
-  if (!task.life_s || !(task.speed_rad_s > 0.0)) return cycles;
-  const train::SpeedRatios ratios = train::speed_ratios(teeth);
-  const double output_turns =
-      task.speed_rad_s / std::abs(ratios.sun) * *task.life_s / (2.0 * std::numbers::pi);
-  const LoadCycles<double> n =
-      load_cycles<double>({.sun = ratios.sun * output_turns,
-                           .carrier = ratios.carrier * output_turns,
-                           .planet_rolling = (ratios.planet - ratios.carrier) * output_turns,
-                           .output = output_turns},
-                          planets, same_flank(teeth));
-  return {n.sun, n.planet1, n.fixed_ring, n.planet2, n.output_ring};
-}
-
 /// Meetings with one mate: a flank of P1 that both its mates load shares its cycles among them.
 std::optional<double> turns_of(const std::optional<double>& cycles, int gear,
                                const train::ToothSet& teeth) {
@@ -96,12 +75,12 @@ struct DrivenTrain {
 };
 template <class T>
 DrivenTrain<T> driven_train(const RatedTrain<T>& train, Drive drive, const T& torque_Nm) {
-  auto forces = driven_mesh_forces(train.geometry, train.efficiency[static_cast<std::size_t>(drive)],
-                                   torque_Nm, drive == Drive::kForward);
+  auto forces =
+      driven_mesh_forces(train.geometry, train.efficiency[static_cast<std::size_t>(drive)],
+                         torque_Nm, drive == Drive::kForward);
   if (forces) return {.drive = drive, .forces = *std::move(forces)};
-  return {.drive = drive,
-          .locked = true,
-          .forces = lossless_mesh_forces(train.geometry, torque_Nm)};
+  return {
+      .drive = drive, .locked = true, .forces = lossless_mesh_forces(train.geometry, torque_Nm)};
 }
 
 /// What the rating of a mesh does not take from the drive direction.
@@ -112,9 +91,8 @@ struct TrainLife {
 };
 
 template <class T>
-MeshRating<T> rated_mesh(const RatedTrain<T>& train, const RatingTask& task,
-                         const TrainLife& life, std::size_t k, const DrivenTrain<T>& driven,
-                         StiffnessPart part) {
+MeshRating<T> rated_mesh(const RatedTrain<T>& train, const RatingTask& task, const TrainLife& life,
+                         std::size_t k, const DrivenTrain<T>& driven, StiffnessPart part) {
   const auto [first, second] = train::kMeshGears[k];
   const RatedGear<T> gear1 = rated_gear(train, task, life.cycles, first, train.roots[k][0]);
   const RatedGear<T> gear2 = rated_gear(train, task, life.cycles, second, train.roots[k][1]);
@@ -170,9 +148,9 @@ void take_worse(ToothRating<T>& mine, const ToothRating<T>& other) {
 /// The mesh in the worse of the directions.  Everything of metals worsens with the force; plastics
 /// are heated and worn by the losses, which another direction may have more of.
 template <class T>
-MeshRating<T> worse_mesh(const RatedTrain<T>& train, const RatingTask& task,
-                         const TrainLife& life, std::size_t k,
-                         std::span<const DrivenTrain<T>> driven, StiffnessPart part) {
+MeshRating<T> worse_mesh(const RatedTrain<T>& train, const RatingTask& task, const TrainLife& life,
+                         std::size_t k, std::span<const DrivenTrain<T>> driven,
+                         StiffnessPart part) {
   const auto force = [&](const DrivenTrain<T>& d) { return value_of(d.forces.normal_N[k]); };
   const DrivenTrain<T>& most = *std::ranges::max_element(driven, {}, force);
   MeshRating<T> rating = rated_mesh(train, task, life, k, most, part);
@@ -253,6 +231,25 @@ JudgedSafeties<T> judged(const TrainRating<T>& rating, const RatingTask& task) {
 
 }  // namespace
 
+TrainCycles train_cycles(const train::ToothSet& teeth, int planets, const RatingTask& task) {
+  TrainCycles cycles;
+  if (task.cycles) {
+    cycles.fill(*task.cycles);
+    return cycles;
+  }
+  if (!task.life_s || !(task.speed_rad_s > 0.0)) return cycles;
+  const train::SpeedRatios ratios = train::speed_ratios(teeth);
+  const double output_turns =
+      task.speed_rad_s / std::abs(ratios.sun) * *task.life_s / (2.0 * std::numbers::pi);
+  const LoadCycles<double> n =
+      load_cycles<double>({.sun = ratios.sun * output_turns,
+                           .carrier = ratios.carrier * output_turns,
+                           .planet_rolling = (ratios.planet - ratios.carrier) * output_turns,
+                           .output = output_turns},
+                          planets, same_flank(teeth));
+  return {n.sun, n.planet1, n.fixed_ring, n.planet2, n.output_ring};
+}
+
 Factor<double> mesh_load_of(const RatingTask& task, int planets) {
   const StatedFactors& stated = task.factors;
   if (stated.mesh_load_source == MeshLoadSource::kNumber) {
@@ -301,8 +298,8 @@ TrainRating<T> rate_train(const RatedTrain<T>& train, const RatingTask& task, Dr
   rating.forces = driven.front().forces;
   rating.locked = std::ranges::any_of(driven, &DrivenTrain<T>::locked);
   const TrainLife life{.motion = motion_of(teeth, task.speed_rad_s),
-                          .cycles = cycles_of(teeth, train.geometry.planets, task),
-                          .mesh_load = mesh_load_of(task, train.geometry.planets)};
+                       .cycles = train_cycles(teeth, train.geometry.planets, task),
+                       .mesh_load = mesh_load_of(task, train.geometry.planets)};
   for (std::size_t k = 0; k < train::kMeshCount; ++k) {
     if (train.rated[k]) rating.mesh[k] = worse_mesh<T>(train, task, life, k, driven, part);
   }
@@ -343,13 +340,13 @@ std::optional<Capacity<T>> train_capacity(const RatedTrain<T>& train, const Rati
   } else {
     if (!capacity) return std::nullopt;
     const auto& places = at(constant<T>(task.torque_Nm)).places;
-    const auto item = static_cast<std::size_t>(
-        std::ranges::find(places, capacity->governing) - places.begin());
+    const auto item =
+        static_cast<std::size_t>(std::ranges::find(places, capacity->governing) - places.begin());
     const SafetyFunction<T> exact = [&](const T& torque_Nm) { return at(torque_Nm).ratios; };
     return Capacity<T>{
-        .torque_Nm = capacity_with_derivatives(
-                         exact, {.torque_Nm = capacity->torque_Nm, .governing = item})
-                         .torque_Nm,
+        .torque_Nm =
+            capacity_with_derivatives(exact, {.torque_Nm = capacity->torque_Nm, .governing = item})
+                .torque_Nm,
         .governing = capacity->governing};
   }
 }

@@ -66,6 +66,10 @@ struct TrainRating {
   std::optional<TrainSprings<T>> springs;  ///< of that stiffness
 };
 
+/// Load cycles of a tooth of every gear; empty where no life is stated.
+using TrainCycles = std::array<std::optional<double>, train::kGearCount>;
+TrainCycles train_cycles(const train::ToothSet& teeth, int planets, const RatingTask& task);
+
 /// K_γ as the task has it for N planets; 1 where it states none.
 Factor<double> mesh_load_of(const RatingTask& task, int planets);
 

@@ -68,6 +68,74 @@ TEST(StrengthInOptimize, ASmallTorqueLeavesTheOptimum) {
   EXPECT_NEAR(with.eta_b, without.eta_b, 1e-8);
 }
 
+TEST(StrengthInOptimize, NoTorqueGivesBackTheSearchWithoutStrength) {
+  const OptimizeResult without = run(small(unrated()));
+  const OptimizeResult with = run(small(loaded(1e-6)));
+  ASSERT_TRUE(without.best && with.best);
+  EXPECT_EQ(without.best->candidate, with.best->candidate);
+  EXPECT_NEAR(without.best->eta_b, with.best->eta_b, 1e-6);
+  ASSERT_EQ(without.refined.size(), with.refined.size());
+  for (std::size_t k = 0; k < with.refined.size(); ++k) {
+    ASSERT_EQ(without.refined[k].status, with.refined[k].status) << k;
+    EXPECT_NEAR(without.refined[k].eta_b, with.refined[k].eta_b, 1e-6) << k;
+  }
+}
+
+TEST(StrengthInOptimize, MoreTorqueNeverRaisesTheEfficiencyOfAnySet) {
+  std::vector<double> before;
+  for (const double torque_Nm : {5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0}) {
+    Specification spec = small(loaded(torque_Nm));
+    spec.bodies.face_width_m = {2e-3, 2e-3};
+    spec.free.face_width_m = {NumberRange{2e-3, 5e-3}, NumberRange{2e-3, 5e-3}};
+    const OptimizeResult result = run(spec);
+    std::vector<double> now(result.search.candidates.size(), 0.0);
+    for (const RefinedSet& set : result.refined) {
+      if (set.status != Status::kOptimal) continue;
+      now[set.index] = set.eta_b;
+      EXPECT_LE(set.kkt_residual, kStationary);
+    }
+    for (std::size_t k = 0; k < before.size(); ++k) {
+      EXPECT_LE(now[k], before[k] + 1e-6) << torque_Nm << " set " << k;
+    }
+    before = now;
+  }
+  EXPECT_TRUE(std::ranges::any_of(before, [](double eta) { return eta > 0.0; }));
+}
+
+TEST(StrengthInOptimize, OptimaUnderLoadAreStationaryByTheStrengthRowsThatAreActive) {
+  // So much that the optimum has to give way for it.
+  Specification spec = loaded(1e-3);
+  const double unloaded = refine(spec, kWinner).eta_b;
+  RefinedSet set;
+  do {
+    spec.rating->torque_Nm = std::max(1.0, 1.1 * spec.rating->torque_Nm);
+    set = refine(spec, kWinner);
+    ASSERT_EQ(set.status, Status::kOptimal) << spec.rating->torque_Nm;
+  } while (set.eta_b > unloaded - 1e-4);
+  EXPECT_LE(set.kkt_residual, kStationary);
+  // Without the active strength rows the same point is not stationary.
+  RefinementProblem p = make_refinement_problem(spec, kWinner, {1e-3, std::nullopt});
+  const train::TrainParameters<double> train = train_of(spec, set);
+  Point v{};
+  for (std::size_t i = 0; i < train::kGearCount; ++i) v[i] = train.profile_shift[i];
+  const auto geometry = train::make_train_geometry(train);
+  v[kAngleA] = geometry->meshes[static_cast<std::size_t>(p.angle_mesh)].alpha_w_rad;
+  v[kAngleB] = geometry->meshes[train::kMeshP2R2].alpha_w_rad;
+  EXPECT_LE(kkt_residual(p, v), 2.0 * kStationary);
+  std::vector<double> g(p.rows.size());
+  ASSERT_TRUE(evaluate<double>(p, used(p, v), g));
+  std::vector<std::string_view> active;
+  for (std::size_t k = 0; k < g.size(); ++k) {
+    const auto& check = p.rows[k].check;
+    if (check && check->record->rating && g[k] < 1e-6) active.push_back(p.rows[k].name);
+  }
+  ASSERT_FALSE(active.empty());
+  std::erase_if(p.rows, [&](const ConstraintRow& row) {
+    return std::ranges::find(active, row.name) != active.end();
+  });
+  EXPECT_GT(kkt_residual(p, v), 10.0 * kStationary) << active.front();
+}
+
 TEST(StrengthInOptimize, MoreTorqueNeverRaisesTheEfficiencyAndWhatForbidsItIsNamed) {
   double before = 1.0;
   int binding = 0;

@@ -1,0 +1,137 @@
+#include "optimize/stage_flanks.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "efficiency/friction_law.hpp"
+#include "optimize/stage_tasks.hpp"
+#include "strength/mesh_rating.hpp"
+
+namespace gear3k::optimize {
+
+namespace {
+
+using design::CheckId;
+
+/// A feasible design may miss a limit by this.
+constexpr double kFlankSlack = 2.0 * design::kFeasibilityTolerance;
+
+/// Greatest face width of a stage [m].
+double greatest_width_m(const Specification& spec, std::size_t stage) {
+  const auto& range = spec.free.face_width_m[stage];
+  const double stated = spec.rating->face_width_m[stage];
+  return range ? std::max(range->max, stated) : spec.bodies.face_width_m[stage].value_or(stated);
+}
+
+/// Greatest module of a stage whose ring has a greatest root diameter [m].
+double greatest_module_m(const Specification& spec, std::size_t stage, const StageGear& ring) {
+  const double most = module_range(spec.module[stage]).hi + kFlankSlack * length_scale_m(spec);
+  const auto& diameter = spec.limits[CheckId::kRingRootDiameter];
+  const double root = 0.5 * ring.teeth + ring.root_height + ring.profile_shift.lo;
+  if (!diameter || !(root > 0.0)) return most;
+  return std::min(most, 0.5 * *diameter * (1.0 + kFlankSlack) / root);
+}
+
+/// ρ_red of a mesh at the pitch point at a centre distance, in modules.
+double curvature_at(double distance, double base1, double base2) {
+  const double sum = base1 + base2;   // of a ring mesh base1 < 0
+  if (!(distance > sum)) return 1.0;  // the stage has no design
+  const double tan_w = std::sqrt((distance - sum) * (distance + sum)) / sum;
+  return std::abs(base1) * base2 / sum * tan_w;
+}
+
+/// Of two needs the lesser.
+void take_less(strength::FlankNeed& least, const strength::FlankNeed& need) {
+  for (std::size_t i = 0; i < 2; ++i) {
+    least.load_m2[i] = std::min(least.load_m2[i], need.load_m2[i]);
+  }
+  least.single_contact = need.single_contact;
+}
+
+}  // namespace
+
+bool bounds_flanks(const Specification& spec) {
+  return spec.rating && spec.limits[CheckId::kFlankSafety] &&
+         std::isfinite(least_flank_safety_asked(spec));
+}
+
+bool friction_is_dissipative(const Specification& spec) {
+  using efficiency::LossModel;
+  if (spec.friction.model == LossModel::kCoulombPath ||
+      spec.friction.model == LossModel::kDirectional) {
+    return true;
+  }
+  return std::ranges::all_of(std::array{true, false}, [&](bool forward) {
+    const auto flank = efficiency::constant_friction<double>(spec.friction, forward);
+    return flank.coefficient <= 0.0 ||
+           (flank.approach_factor == 1.0 && flank.recess_factor == 1.0) ||
+           least_friction(spec, forward) > 0.0;
+  });
+}
+
+double least_flank_safety_asked(const Specification& spec) {
+  double least = kInfinity;
+  for (const auto& material : spec.rating->material) {
+    if (!material || material->record.flank_limit.law == strength::LimitLaw::kNotStated) continue;
+    least = std::min(least, strength::least_flank_safety(*spec.rating, *material));
+  }
+  return least;
+}
+
+std::vector<StageFlanks> stage_flanks(const Specification& spec, std::size_t stage,
+                                      std::span<const StageTask> tasks,
+                                      std::span<const Candidate> candidates,
+                                      std::span<const std::uint32_t> stage_of) {
+  std::vector<StageFlanks> flanks(tasks.size());
+  std::vector<std::array<double, 2>> curvature(tasks.size());  // of S-P1, of the ring's mesh
+  const double half_cos = 0.5 * std::cos(spec.pressure_angle_rad);
+  for (std::size_t k = 0; k < tasks.size(); ++k) {
+    const StageTask& task = tasks[k];
+    StageFlanks& at = flanks[k];
+    if (task.sun) at.sun.load_m2.fill(kInfinity);
+    at.ring.load_m2.fill(kInfinity);
+    at.greatest_module_m = greatest_module_m(spec, stage, task.ring);
+    const double most = center_distances(task).hi;
+    const double planet = half_cos * task.planet.teeth;
+    curvature[k] = {task.sun ? curvature_at(most, half_cos * task.sun->teeth, planet) : 0.0,
+                    curvature_at(most, -planet, half_cos * task.ring.teeth)};
+  }
+  const bool dissipative = friction_is_dissipative(spec);
+  for (std::size_t c = 0; c < candidates.size(); ++c) {
+    const std::size_t k = stage_of[c];
+    strength::FlankExtremes extremes{
+        .teeth = candidates[c].teeth,
+        .planets = candidates[c].planets,
+        .greatest_face_width_m = {greatest_width_m(spec, 0), greatest_width_m(spec, 1)},
+        .greatest_module_m = {flanks[k].greatest_module_m, flanks[k].greatest_module_m},
+        .greatest_curvature = {},
+        .pressure_angle_rad = spec.pressure_angle_rad,
+        .dissipative = dissipative,
+        .safety_slack = kFlankSlack};
+    if (stage == 0) {
+      extremes.greatest_curvature = {curvature[k][0], curvature[k][1], 1.0};
+      const auto needs = strength::flank_needs(*spec.rating, extremes);
+      take_less(flanks[k].sun, needs[train::kMeshSP1]);
+      take_less(flanks[k].ring, needs[train::kMeshP1R1]);
+    } else {
+      extremes.greatest_curvature = {1.0, 1.0, curvature[k][1]};
+      take_less(flanks[k].ring, strength::flank_needs(*spec.rating, extremes)[train::kMeshP2R2]);
+    }
+  }
+  return flanks;
+}
+
+StageTask with_flanks(const Specification& spec, const StageTask& task, const StageFlanks& flanks) {
+  StageTask loaded = task;
+  loaded.sun_flank = flanks.sun;
+  loaded.ring_flank = flanks.ring;
+  loaded.flank_safety = least_flank_safety_asked(spec);
+  loaded.most_module_m = flanks.greatest_module_m;
+  if (const auto& diameter = spec.limits[CheckId::kRingRootDiameter]) {
+    loaded.most_root_diameter_m = *diameter * (1.0 + kFlankSlack);
+  }
+  return loaded;
+}
+
+}  // namespace gear3k::optimize

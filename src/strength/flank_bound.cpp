@@ -1,0 +1,147 @@
+#include "strength/flank_bound.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "strength/flank_strength.hpp"
+#include "strength/flank_stress.hpp"
+#include "strength/mesh_rating.hpp"
+#include "strength/train_rating.hpp"
+#include "train/power_flow.hpp"
+
+namespace gear3k::strength {
+
+namespace {
+
+/// A gear with its mate where both are best off.
+struct FavouredGear {
+  const GearMaterial& own;
+  const GearMaterial& mate;
+  std::optional<double> cycles;
+  double speed_m_s = 0.0;         ///< greatest v
+  double reduced_radius_m = 0.0;  ///< greatest ρ_red
+};
+
+/// σ_HG where v and ρ_red are greatest: it falls with neither.
+double greatest_strength_Pa(const RatingTask& task, const FavouredGear& g) {
+  const Material& material = g.own.record;
+  if (is_plastic(material.group)) {
+    // Limits fall with the temperature, and friction only heats.
+    return flank_limit<double>(material,
+                               {.hardness = g.own.hardness,
+                                .temperature_K = task.tooth_temperature_K.value_or(task.ambient_K),
+                                .cycles = g.cycles.value_or(1.0)})
+        .stress_Pa;
+  }
+  const double limit_Pa = flank_limit<double>(material, {.hardness = g.own.hardness}).stress_Pa;
+  double softer_Pa = limit_Pa;
+  if (!is_plastic(g.mate.record.group)) {
+    const auto of_mate = flank_limit<double>(
+        g.mate.record, {.hardness = g.mate.hardness, .temperature_K = task.ambient_K});
+    if (of_mate.stated) softer_Pa = std::min(softer_Pa, of_mate.stress_Pa);
+  }
+  const FlankStrength<double> strength =
+      flank_strength<double>(material, limit_Pa,
+                             {.cycles = g.cycles.value_or(0.0),
+                              .pitting_allowed = task.pitting_allowed,
+                              .softer_limit_Pa = softer_Pa,
+                              .reduced_radius_m = g.reduced_radius_m,
+                              .speed_m_s = g.speed_m_s,
+                              .viscosity40_m2_s = task.viscosity40_m2_s,
+                              .own_roughness_m = task.flank_roughness_m,
+                              .mate_roughness_m = task.flank_roughness_m,
+                              .mate_group = g.mate.record.group,
+                              .brinell_hardness = brinell_hardness(g.own)});
+  return g.cycles ? strength.strength_Pa : strength.strength_Pa / strength.life.value;
+}
+
+/// Least K_A K_γ K_v K_Hβ K_Hα; 0 where nothing is known.
+double least_factor(const RatingTask& task, const FlankExtremes& extremes, std::size_t mesh,
+                    double greatest_speed_m_s) {
+  const StatedFactors& stated = task.factors;
+  const double shared =
+      stated.application.value_or(1.0) * mesh_load_of(task, extremes.planets).value;
+  const auto z = train::teeth_of(extremes.teeth);
+  std::array<int, 2> teeth{};
+  bool plastic = false;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const auto gear = static_cast<std::size_t>(train::kMeshGears[mesh][i]);
+    teeth[i] = z[gear];
+    plastic = plastic || is_plastic(task.material[gear]->record.group);
+  }
+  if (plastic) return shared;
+  if (!stated.dynamic && greatest_speed_m_s > 0.0) {
+    // V K3 is concave in V and 0 at rest: at no smaller speed K_v is below the less of 1 and this.
+    const auto [pinion, wheel] = std::minmax(teeth[0], teeth[1]);
+    const Factor<double> dynamic =
+        dynamic_factor<double>({.tangential_N = 0.0,
+                                .face_width_m = 1.0,
+                                .contact_ratio = 1.0,
+                                .pinion_teeth = pinion,
+                                .tooth_ratio = static_cast<double>(wheel) / pinion,
+                                .speed_m_s = greatest_speed_m_s},
+                               task.accuracy_grade);
+    if (dynamic.value < 1.0) return 0.0;
+  }
+  return shared * stated.dynamic.value_or(1.0) * stated.flank_face.value_or(1.0) *
+         stated.flank_transverse.value_or(1.0);
+}
+
+}  // namespace
+
+std::array<FlankNeed, train::kMeshCount> flank_needs(const RatingTask& task,
+                                                     const FlankExtremes& extremes) {
+  const train::ToothSet& teeth = extremes.teeth;
+  const auto z = train::teeth_of(teeth);
+  const double i = train::ratio(teeth);
+  const std::array<double, train::kMeshCount> share{1.0 / std::abs(i), std::abs(1.0 - 1.0 / i),
+                                                    1.0};
+  constexpr std::array<std::size_t, train::kMeshCount> kCentral{train::kS, train::kR1, train::kR2};
+  const double output_rad_s = task.speed_rad_s / std::abs(train::speed_ratios(teeth).sun);
+  const auto rolling = train::central_rolling_speeds(teeth);
+  const TrainCycles cycles = train_cycles(teeth, extremes.planets, task);
+  const double half_cos = 0.5 * std::cos(extremes.pressure_angle_rad);
+
+  std::array<FlankNeed, train::kMeshCount> needs;
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    if (k != train::kMeshP2R2 && !extremes.dissipative) continue;
+    const auto [first, second] = train::kMeshGears[k];
+    const std::array gears{static_cast<std::size_t>(first), static_cast<std::size_t>(second)};
+    const auto stage = static_cast<std::size_t>(train::stage_of(first));
+    const bool ring = train::kind_of(second) == geometry::GearKind::kRing;
+    const double curvature = (1.0 / z[gears[0]] + (ring ? -1.0 : 1.0) / z[gears[1]]) / half_cos;
+    const double module_m = extremes.greatest_module_m[stage];
+    const double speed_m_s = std::abs(rolling[k]) * output_rad_s * 0.5 * z[kCentral[k]] * module_m;
+    const double line_load =
+        task.torque_Nm * share[k] /
+        (extremes.planets * extremes.greatest_face_width_m[stage] * half_cos * z[kCentral[k]]);
+    const double factor = least_factor(task, extremes, k, speed_m_s);
+    const double elasticity = elasticity_factor(elasticity_of(*task.material[gears[0]]),
+                                                elasticity_of(*task.material[gears[1]]));
+    for (std::size_t own = 0; own < 2; ++own) {
+      const GearMaterial& material = *task.material[gears[own]];
+      const bool plastic = is_plastic(material.record.group);
+      if (material.record.flank_limit.law == LimitLaw::kNotStated) continue;
+      if (plastic && !task.tooth_temperature_K && !extremes.dissipative) continue;
+      needs[k].single_contact[own] = !plastic && !(ring && own == 1);
+      const double strength_Pa = greatest_strength_Pa(
+          task, {.own = material,
+                 .mate = *task.material[gears[1 - own]],
+                 .cycles = cycles[gears[own]],
+                 .speed_m_s = speed_m_s,
+                 .reduced_radius_m = extremes.greatest_curvature[k] * module_m});
+      if (!(strength_Pa > 0.0)) {
+        needs[k].load_m2[own] = std::numeric_limits<double>::infinity();
+        continue;
+      }
+      const double safety =
+          std::max(0.0, least_flank_safety(task, material) - extremes.safety_slack);
+      const double ratio = elasticity * safety / strength_Pa;
+      needs[k].load_m2[own] = line_load * curvature * factor * ratio * ratio;
+    }
+  }
+  return needs;
+}
+
+}  // namespace gear3k::strength
