@@ -24,7 +24,7 @@ struct FavouredGear {
 };
 
 /// σ_HG where v and ρ_red are greatest: it falls with neither.
-double greatest_strength_Pa(const RatingTask& task, const FavouredGear& g) {
+double greatest_strength_pa(const RatingTask& task, const FavouredGear& g) {
   const Material& material = g.own.record;
   if (is_plastic(material.group)) {
     // Limits fall with the temperature, and friction only heats.
@@ -125,7 +125,7 @@ std::array<FlankNeed, train::kMeshCount> flank_needs(const RatingTask& task,
       if (material.record.flank_limit.law == LimitLaw::kNotStated) continue;
       if (plastic && !task.tooth_temperature_K && !extremes.dissipative) continue;
       needs[k].single_contact[own] = !plastic && !(ring && own == 1);
-      const double strength_Pa = greatest_strength_Pa(
+      const double strength_Pa = greatest_strength_pa(
           task, {.own = material,
                  .mate = *task.material[gears[1 - own]],
                  .cycles = cycles[gears[own]],

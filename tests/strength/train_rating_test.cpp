@@ -44,7 +44,7 @@ RatingTask task_of(const GearMaterial& material) {
 /// A coefficient of friction for all meshes and both directions.
 template <class T>
 std::array<std::array<T, train::kMeshCount>, 2> alike(double friction) {
-  std::array<std::array<T, train::kMeshCount>, 2> all;
+  std::array<std::array<T, train::kMeshCount>, 2> all{};
   for (auto& direction : all) direction.fill(constant<T>(friction));
   return all;
 }
