@@ -186,7 +186,8 @@ void say_greatest_torque(const optimize::Specification& spec, const report::Resu
     return;
   }
   if (const auto torque_Nm = optimize::greatest_torque(spec, tally.nearest->candidate)) {
-    say(fmt::format("with every other limit kept, that set carries {:.4g} N m of the {:.4g} N m "
+    say(
+        fmt::format("with every other limit kept, that set carries {:.4g} N m of the {:.4g} N m "
                     "that are asked for\n",
                     *torque_Nm, spec.rating->torque_Nm));
   }
