@@ -14,20 +14,12 @@ Analysis analyze(const AnalyzeRequest& request) {
   evaluation.notes.insert(evaluation.notes.end(), notes.begin(), notes.end());
   design::Sensitivities sensitivities = design::sensitivities(design);
   std::optional<design::BuiltSeries> series = design::table_series(design);
-  std::optional<design::TorqueAngleCurve> torque_angle;
-  if (design.rating) {
-    auto curve = design::torque_angle_curve(design, evaluation);
-    if (auto* missing = std::get_if<std::string>(&curve)) {
-      evaluation.notes.push_back("no torque-angle curve: " + *missing);
-    } else {
-      torque_angle = std::get<design::TorqueAngleCurve>(std::move(curve));
-    }
-  }
+  std::optional<design::TorqueAngleCurve> curve = torque_angle(design, evaluation);
   return {.design = std::move(design),
           .evaluation = std::move(evaluation),
           .sensitivities = std::move(sensitivities),
           .series = std::move(series),
-          .torque_angle = std::move(torque_angle),
+          .torque_angle = std::move(curve),
           .model_notes = std::move(notes)};
 }
 

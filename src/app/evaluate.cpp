@@ -39,4 +39,15 @@ design::OperatingMap operating_map(const design::Design& design, const std::stri
   return defined_or_throw([&] { return design::make_operating_map(design); }, source);
 }
 
+std::optional<design::TorqueAngleCurve> torque_angle(const design::Design& design,
+                                                     design::Evaluation& evaluation) {
+  if (!design.rating) return std::nullopt;
+  auto curve = design::torque_angle_curve(design, evaluation);
+  if (auto* missing = std::get_if<std::string>(&curve)) {
+    evaluation.notes.push_back("no torque-angle curve: " + *missing);
+    return std::nullopt;
+  }
+  return std::get<design::TorqueAngleCurve>(std::move(curve));
+}
+
 }  // namespace gear3k::app

@@ -1,10 +1,12 @@
 #pragma once
 // A design evaluated, or why it cannot be: the one place where that becomes an exception.
 
+#include <optional>
 #include <string>
 
 #include "design/evaluation.hpp"
 #include "design/operating_map.hpp"
+#include "design/torque_angle_curve.hpp"
 
 namespace gear3k::app {
 
@@ -14,6 +16,9 @@ namespace gear3k::app {
 /// ranges of the geometry functions
 design::Evaluation evaluate(const design::Design& design, const std::string& source);
 design::PairEvaluation evaluate(const design::PairDesign& pair, const std::string& source);
+/// Torque and angle of the output of a design with [strength]; why not is a note.
+std::optional<design::TorqueAngleCurve> torque_angle(const design::Design& design,
+                                                     design::Evaluation& evaluation);
 /// The same of its operating map.
 design::OperatingMap operating_map(const design::Design& design, const std::string& source);
 

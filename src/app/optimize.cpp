@@ -56,9 +56,11 @@ Optimization::Best best_of(const OptimizeTask& task, const optimize::RefinedSet&
   design::Design design = with_judging_model(task, stated);
   design::Evaluation evaluation = evaluate(design, task.source);
   evaluation.notes.insert(evaluation.notes.end(), task.model_notes.begin(), task.model_notes.end());
+  std::optional<design::TorqueAngleCurve> curve = torque_angle(design, evaluation);
   return {.stated = std::move(stated),
           .design = std::move(design),
-          .evaluation = std::move(evaluation)};
+          .evaluation = std::move(evaluation),
+          .torque_angle = std::move(curve)};
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "app/model.hpp"
 #include "design/evaluation.hpp"
+#include "design/torque_angle_curve.hpp"
 #include "optimize/optimizer.hpp"
 #include "optimize/pareto_search.hpp"
 #include "report/model_change_report.hpp"
@@ -58,6 +59,7 @@ struct Optimization {
   struct Best {
     design::Design stated, design;  ///< without and with the model
     design::Evaluation evaluation;
+    std::optional<design::TorqueAngleCurve> torque_angle;  ///< as Analysis::torque_angle
   };
   std::optional<Best> best;
   /// What the task's model changes in the best design; empty without a model.

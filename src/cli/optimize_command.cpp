@@ -153,7 +153,8 @@ void print_results(const app::OptimizeTask& task, const OptimizeRun& run,
       const auto series = design::table_series(o.best->design);
       print_result(
           report::analysis_table(o.best->evaluation, design::sensitivities(o.best->design),
-                                 task.use(), series ? &*series : nullptr) +
+                                 task.use(), series ? &*series : nullptr,
+                                 o.best->torque_angle ? &*o.best->torque_angle : nullptr) +
           (o.robust ? report::robust_table(task.spec, *o.robust) : "") +
           (o.front ? report::pareto_table(task.spec, *o.front) : "") +
           (o.comparison ? report::model_change_table(*o.comparison) : "") +

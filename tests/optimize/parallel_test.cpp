@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace gear3k::optimize::parallel_test {
@@ -22,6 +24,8 @@ TEST(ParallelFor, RethrowsAnExceptionAndBeginsNothingMore) {
     numerics::parallel_for(100000, [&](std::size_t k) {
       ++calls;
       if (k == 3) throw std::runtime_error("three");
+      // Long enough that no other thread does all the rest meanwhile.
+      std::this_thread::sleep_for(std::chrono::microseconds(20));
     });
     FAIL() << "the exception was lost";
   } catch (const std::runtime_error& error) {
