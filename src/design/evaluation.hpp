@@ -145,8 +145,8 @@ struct PairEvaluation {
   MeshResult mesh;
   std::vector<GearResult> gears;
   std::vector<CheckResult> checks;
-  std::optional<ToleranceLimits> tolerance_limits;       ///< where the design has tolerances
-  std::optional<strength::MeshRating<double>> strength;  ///< where the pair has a rating task
+  std::optional<ToleranceLimits> tolerance_limits;            ///< where the design has tolerances
+  std::optional<strength::MeshRating<double>> strength;       ///< where the pair has a rating task
   std::optional<strength::Capacity<double>> torque_capacity;  ///< on gear 1, with `strength`
   std::vector<std::string> notes;
 };

@@ -8,9 +8,8 @@ strength::RatedTrain<T> loaded_train(const train::TrainGeometry<T>& geometry,
                                      const std::array<T, 2>& face_width_m,
                                      const DirectionalFriction<T>& friction,
                                      efficiency::LossModel model) {
-  strength::RatedTrain<T> loaded{.geometry = geometry,
-                                 .forms = forms,
-                                 .face_width_m = face_width_m};
+  strength::RatedTrain<T> loaded{
+      .geometry = geometry, .forms = forms, .face_width_m = face_width_m};
   for (std::size_t k = 0; k < train::kMeshCount; ++k) {
     const auto [first, second] = train::kMeshGears[k];
     const auto& gear1 = geometry.gears[static_cast<std::size_t>(first)];

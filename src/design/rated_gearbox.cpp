@@ -74,9 +74,9 @@ std::optional<RatedGearbox> rate_gearbox(const Design& design,
   if (!design.rating) return std::nullopt;
   using strength::Drive, strength::StiffnessPart;
   const strength::RatingTask& task = *design.rating;
-  auto loaded = loaded_train<double>(geometry, forms, task.face_width_m,
-                                     force_friction(design.friction, meshes),
-                                     design.friction.model);
+  auto loaded =
+      loaded_train<double>(geometry, forms, task.face_width_m,
+                           force_friction(design.friction, meshes), design.friction.model);
   const auto planet_kg = planet_mass_kg(parts);
   loaded.planet_mass_kg = planet_kg.value_or(0.0);
   const auto rated = [&](Drive drive, StiffnessPart part) {
@@ -133,15 +133,14 @@ std::optional<RatedPair> rate_pair(const PairDesign& design,
   const double lost = 1.0 - result.efficiency_forward;
   const double mu = result.friction_forward;
   const auto rated_at = [&](double torque_Nm, strength::StiffnessPart part) {
-    return strength::rate_mesh<double>(
-        rated_gear(0, task.speed_rad_s), rated_gear(1, speed2), mesh,
-        {.normal_N = torque_Nm / gears[0].base_radius_m,
-         .face_width_m = task.face_width_m[0],
-         .speed_m_s = task.speed_rad_s * gears[0].reference_radius_m,
-         .loss_W = torque_Nm * task.speed_rad_s * lost,
-         .loss_factor = mu > 0.0 ? lost / mu : 0.0,
-         .mesh_load = strength::mesh_load_of(task, 1)},
-        task, part);
+    return strength::rate_mesh<double>(rated_gear(0, task.speed_rad_s), rated_gear(1, speed2), mesh,
+                                       {.normal_N = torque_Nm / gears[0].base_radius_m,
+                                        .face_width_m = task.face_width_m[0],
+                                        .speed_m_s = task.speed_rad_s * gears[0].reference_radius_m,
+                                        .loss_W = torque_Nm * task.speed_rad_s * lost,
+                                        .loss_factor = mu > 0.0 ? lost / mu : 0.0,
+                                        .mesh_load = strength::mesh_load_of(task, 1)},
+                                       task, part);
   };
   RatedPair pair{.rating = rated_at(task.torque_Nm, strength::StiffnessPart::kPath),
                  .capacity = strength::governed_capacity(

@@ -39,8 +39,8 @@ Miss miss_of(const RefinementProblem& problem, std::string_view name, double vio
             .unit = record.unit};
   }
   const units::Unit unit = row->check ? row->check->record->unit : units::Unit::kMillimetre;
-  const double miss_si = row->check ? miss_of_constraint(*row->check, violation)
-                                    : violation * problem.length_scale_m;
+  const double miss_si =
+      row->check ? miss_of_constraint(*row->check, violation) : violation * problem.length_scale_m;
   return {.name = name,
           .violation = violation,
           .amount = units::from_si(miss_si, unit),

@@ -6,8 +6,7 @@
 namespace gear3k::optimize {
 
 template <class T>
-strength::RatedTrain<T> rated_train(const Specification& spec,
-                                    const train::TrainGeometry<T>& train,
+strength::RatedTrain<T> rated_train(const Specification& spec, const train::TrainGeometry<T>& train,
                                     std::span<const geometry::ToothForm<T>> forms,
                                     const std::array<T, 2>& face_width_m) {
   auto rated = design::loaded_train<T>(
@@ -22,9 +21,9 @@ strength::RatedTrain<T> rated_train(const Specification& spec,
   return rated;
 }
 
-#define INSTANTIATE(T)                                                                          \
-  template strength::RatedTrain<T> rated_train<T>(                                              \
-      const Specification&, const train::TrainGeometry<T>&,                                     \
+#define INSTANTIATE(T)                                      \
+  template strength::RatedTrain<T> rated_train<T>(          \
+      const Specification&, const train::TrainGeometry<T>&, \
       std::span<const geometry::ToothForm<T>>, const std::array<T, 2>&);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
 #undef INSTANTIATE

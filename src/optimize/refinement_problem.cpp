@@ -353,7 +353,8 @@ void mark_rated(const design::CheckInstance& check, RatedParts& parts) {
   parts.any = true;
   using design::CheckScope;
   const CheckScope scope = check.record->scope;
-  if (scope != CheckScope::kRatedTooth && scope != CheckScope::kRatedMesh) return;  // forces suffice
+  if (scope != CheckScope::kRatedTooth && scope != CheckScope::kRatedMesh)
+    return;  // forces suffice
   const auto mesh = static_cast<std::size_t>(check.subject.member);
   parts.mesh[mesh] = true;
   const CheckId id = check.record->id;
