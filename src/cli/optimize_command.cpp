@@ -21,6 +21,7 @@
 #include "report/model_change_report.hpp"
 #include "report/robust_report.hpp"
 #include "report/search_report.hpp"
+#include "report/tooth_set_text.hpp"
 
 namespace gear3k::cli {
 
@@ -180,18 +181,16 @@ ExitCode end_without_limits(const app::OptimizeTask& task, const app::Optimizati
   return kNoFeasibleDesign;
 }
 
-/// What the set that is nearest to a design would carry: the torque may be what is too much.
+/// What the nearest of the sets that the load blocks would carry.
 void say_greatest_torque(const optimize::Specification& spec, const report::ResultTally& tally) {
-  if (!spec.rating || !strength::judges_any(*spec.rating) || !tally.nearest ||
-      tally.nearest->status == optimize::Status::kInfeasible) {
-    return;
-  }
-  if (const auto torque_Nm = optimize::greatest_torque(spec, tally.nearest->candidate)) {
-    say(
-        fmt::format("with every other limit kept, that set carries {:.4g} N m of the {:.4g} N m "
-                    "that are asked for\n",
-                    *torque_Nm, spec.rating->torque_Nm));
-  }
+  if (!tally.nearest_under_load || !strength::judges_any(*spec.rating)) return;
+  const optimize::Candidate& candidate = tally.nearest_under_load->candidate;
+  const auto torque_Nm = optimize::greatest_torque(spec, candidate);
+  if (!torque_Nm || *torque_Nm >= spec.rating->torque_Nm) return;
+  say(
+      fmt::format("with every other limit kept, {} carries {:.4g} N m of the {:.4g} N m that are "
+                  "asked for\n",
+                  report::teeth_text(candidate.teeth), *torque_Nm, spec.rating->torque_Nm));
 }
 
 ExitCode end_without_design(const app::OptimizeTask& task, const OptimizeRun& run) {

@@ -325,15 +325,18 @@ RefinedSet refine(const Specification& spec, const Candidate& candidate) {
 }
 
 std::optional<double> greatest_torque(const Specification& spec, const Candidate& candidate) {
-  constexpr double kReach = 30.0;
   if (!spec.rating || !strength::judges_any(*spec.rating)) {
     throw std::invalid_argument("greatest_torque: no load, or no limit stress");
   }
   Specification own = spec;
   own.objectives = {Objective::kTorqueCapacity};
-  own.rating->torque_Nm /= kReach;
-  const RefinedSet set = refine(own, candidate);
-  return set.status == Status::kOptimal ? set.torque_capacity_Nm : std::nullopt;
+  // The torque is sought from the least one upwards: not from farther below than need be.
+  for (const double reach : {30.0, 1000.0}) {
+    own.rating->torque_Nm = spec.rating->torque_Nm / reach;
+    const RefinedSet set = refine(own, candidate);
+    if (set.status == Status::kOptimal) return set.torque_capacity_Nm;
+  }
+  return std::nullopt;
 }
 
 }  // namespace gear3k::optimize

@@ -245,6 +245,17 @@ void write_search_json(const Specification& spec, const ToothSearchResult& searc
   out(first ? "]\n}\n" : "\n  ]\n}\n");
 }
 
+namespace {
+
+/// Whether a check of the load is missed.
+bool is_of_load(const optimize::Miss& miss) {
+  return std::ranges::any_of(design::check_records(), [&](const design::CheckRecord& record) {
+    return record.rating && record.name == miss.name;
+  });
+}
+
+}  // namespace
+
 ResultTally tally_of(const OptimizeResult& result) {
   ResultTally tally;
   // Sets that one constraint alone keeps from being feasible say most.
@@ -262,9 +273,12 @@ ResultTally tally_of(const OptimizeResult& result) {
     ++tally.status[status];
     if (set->status == Status::kOptimal) return;
     if (!reason_of(*set).empty()) ++tally.reasons[status][std::string(reason_of(*set))];
-    if (!set->blocked_by.empty() && (!tally.nearest || key(*set) < key(*tally.nearest))) {
-      tally.nearest = set;
-    }
+    if (set->blocked_by.empty()) return;
+    const auto offer = [&](std::optional<RefinedSet>& nearest) {
+      if (!nearest || key(*set) < key(*nearest)) nearest = set;
+    };
+    offer(tally.nearest);
+    if (std::ranges::any_of(set->blocked_by, is_of_load)) offer(tally.nearest_under_load);
   });
   return tally;
 }

@@ -35,7 +35,7 @@ Fields torque_angle_fields(const design::TorqueAngleCurve& curve) {
 
 std::string torque_angle_summary(const design::TorqueAngleCurve& curve) {
   std::string text = fmt::format(
-      "{} arcmin at {:.6g} Nm, {} without friction; with the lost motion {} arcmin between +T and "
+      "{} arcmin at {:.6g} N m, {} without friction; with the lost motion {} arcmin between +T and "
       "-T",
       fixed(arcmin(curve.windup_rad), 2), clean(curve.peak_torque_Nm),
       fixed(arcmin(curve.elastic_rad), 2),

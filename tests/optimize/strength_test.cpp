@@ -11,10 +11,12 @@
 
 #include "design/evaluation.hpp"
 #include "io/files/specification_file.hpp"
+#include "optimize/check_row.hpp"
 #include "optimize/gradients.hpp"
 #include "optimize/kkt_residual.hpp"
 #include "optimize/objective_value.hpp"
 #include "optimize/optimizer.hpp"
+#include "optimize/refine.hpp"
 #include "optimize/starting_points.hpp"
 #include "tests/strength/steel.hpp"
 
@@ -342,6 +344,87 @@ TEST(TorqueCapacityObjective, IsTheCapacityOfTheRefinedTrainAndBeatsTheMostEffic
   at = loaded(*strong.torque_capacity_Nm * 1.001);
   EXPECT_NE(refine(at, kWinner).status, Status::kOptimal);
   EXPECT_GE(efficient.eta_b, strong.eta_b);
+}
+
+TEST(TorqueCapacityObjective, DoesNotDependOnTheTorqueThatIsStatedNorFails) {
+  Specification spec = small(loaded(1.0));
+  spec.objectives = {Objective::kTorqueCapacity};
+  std::vector<double> first;
+  for (const double stated : {1.0, 3.0}) {
+    spec.rating->torque_Nm = stated;
+    const OptimizeResult result = run(spec);
+    std::vector<double> capacities;
+    for (const RefinedSet& set : result.refined) {
+      EXPECT_EQ(set.status, Status::kOptimal) << stated;
+      capacities.push_back(set.torque_capacity_Nm.value_or(0.0));
+    }
+    if (first.empty()) first = capacities;
+    ASSERT_EQ(capacities.size(), first.size());
+    for (std::size_t k = 0; k < first.size(); ++k) {
+      EXPECT_NEAR(capacities[k], first[k], 1e-5 * first[k]) << stated << " " << k;
+    }
+  }
+}
+
+TEST(GreatestTorque, IsWhatASetCarriesOfATorqueThatIsTooMuch) {
+  const auto most = greatest_torque(loaded(1000.0), kWinner);
+  ASSERT_TRUE(most);
+  EXPECT_EQ(refine(loaded(0.9999 * *most), kWinner).status, Status::kOptimal);
+  EXPECT_NE(refine(loaded(1.001 * *most), kWinner).status, Status::kOptimal);
+  EXPECT_NEAR(*greatest_torque(loaded(5.0 * *most), kWinner), *most, 1e-5 * *most);
+  Specification unlimited = loaded(10.0);
+  for (auto& material : unlimited.rating->material) {
+    material->record.root_limit = material->record.flank_limit = {};
+  }
+  EXPECT_THROW(static_cast<void>(greatest_torque(unlimited, kWinner)), std::invalid_argument);
+}
+
+TEST(RefinedSet, CarriesWhatTheAnalysisOfItsDesignSays) {
+  Specification spec = loaded(2.0);
+  spec.operating_point = {.sun_speed_rad_s = 300.0, .output_torque_Nm = 2.0};
+  spec.rating->speed_rad_s = 300.0;
+  for (const bool plastic : {false, true}) {
+    if (plastic) {
+      spec.rating->material.fill(
+          strength::GearMaterial{.record = *strength::find_material("POM"), .hardness = {}});
+      spec.rating->cycles = 1e6;
+      spec.rating->torque_Nm = 0.2;
+    }
+    const RefinedSet set = refine(spec, kWinner);
+    ASSERT_EQ(set.status, Status::kOptimal) << plastic;
+    const auto result = design::evaluate(design_of(spec, set));
+    const auto& evaluation = std::get<design::Evaluation>(result);
+    const auto least = evaluation.strength.value().least_capacity();
+    ASSERT_TRUE(least && set.torque_capacity_Nm);
+    EXPECT_NEAR(*set.torque_capacity_Nm, least->capacity.torque_Nm,
+                1e-9 * least->capacity.torque_Nm);
+    const double K_out = evaluation.strength->forward.stiffness.value().output_Nm_rad;
+    EXPECT_NEAR(set.torsional_stiffness_Nm_rad.value(), K_out, 1e-9 * K_out);
+  }
+}
+
+TEST(ConstraintOfASafety, HasTheMarginsSlopeAtItsLimitAndGivesBackTheMiss) {
+  for (const auto id : {design::CheckId::kRootSafety, design::CheckId::kFlankSafety}) {
+    const design::CheckInstance check{.record = &design::check_record(id),
+                                      .subject = {.member = 0, .which = 1},
+                                      .limit = 1.5,
+                                      .scale = 1.0};
+    std::array<strength::MeshRating<double>, 1> rating;
+    design::Gearing<double> gearing{};
+    gearing.rating = rating;
+    const auto at = [&](double safety) {
+      rating[0].teeth[0].root_safety = rating[0].teeth[0].flank_safety = safety;
+      return constraint_of(check, gearing);
+    };
+    EXPECT_EQ(at(1.5), 0.0);
+    EXPECT_NEAR((at(1.5 + 1e-6) - at(1.5 - 1e-6)) / 2e-6, 1.0, 1e-6);
+    // Rising everywhere, also where nothing of the strength is left.
+    for (double safety = -2.0; safety < 5.0; safety += 0.01)
+      EXPECT_LT(at(safety), at(safety + 0.01));
+    for (const double safety : {1.4999, 1.2, 0.4, 0.16, 0.15, 0.14, 0.0, -1.0}) {
+      EXPECT_NEAR(miss_of_constraint(check, -at(safety)), 1.5 - safety, 1e-9) << safety;
+    }
+  }
 }
 
 TEST(TorqueDensityObjective, IsStationaryAndNoLessThanTheStrongestTrains) {
