@@ -144,15 +144,35 @@ std::optional<SolveOutcome> nearest_of_two(const RefinementProblem& problem, con
   return one.violation <= two.violation ? one : two;
 }
 
-void polish(BestEnd& best) {
-  const SolveOutcome polished = solve_ipopt(*best.problem, best.outcome.v);
+/// Ends are alike within this; and where one is stationary and the other is not, within what the
+/// tolerance of feasibility is worth.
+constexpr double kSameObjective = 1e-9, kWorthOfTolerance = 10.0 * design::kFeasibilityTolerance;
+
+/// Takes another end in place of the best one if it is better, or as good and nearer to a
+/// stationary point.
+/// @param residual  of the best end; kept up to date
+void take_polished(BestEnd& best, const SolveOutcome& polished, double& residual) {
   if (!feasible(polished)) return;
   const double gain = best.outcome.objective - polished.objective;
-  const auto residual = [&](const SolveOutcome& o) { return kkt_residual(*best.problem, o.v); };
-  constexpr double kSameObjective = 1e-9;
-  if (gain > kSameObjective ||
-      (gain > -kSameObjective && residual(polished) < residual(best.outcome))) {
-    best.outcome = polished;
+  const double own = kkt_residual(*best.problem, polished.v);
+  const bool makes_stationary = own <= kStationary && !(residual <= kStationary);
+  const double loss =
+      makes_stationary ? kWorthOfTolerance * (1.0 + std::abs(polished.objective)) : kSameObjective;
+  if (!(gain > kSameObjective || (gain > -loss && own < residual))) return;
+  best.outcome = polished;
+  residual = own;
+}
+
+/// Goes on from the best end until it is stationary: by SLSQP, whose picture of the curvature
+/// starts afresh, then by Ipopt, which `both` asks for in any case.
+void polish(BestEnd& best) {
+  constexpr int kAgain = 2;
+  double residual = kkt_residual(*best.problem, best.outcome.v);
+  for (int i = 0; i < kAgain && !(residual <= kStationary); ++i) {
+    take_polished(best, solve_slsqp(*best.problem, best.outcome.v, {}), residual);
+  }
+  if (best.problem->spec->solver.refine == Refine::kBoth || !(residual <= kStationary)) {
+    take_polished(best, solve_ipopt(*best.problem, best.outcome.v), residual);
   }
 }
 
@@ -304,10 +324,7 @@ std::optional<RefinedSet> Refiner::refine(const Candidate& candidate, const Shif
     best.offer(all, *found);
     best.offer(all, solve(all, found->v));
   }
-  if (spec.solver.refine == Refine::kBoth ||
-      !(kkt_residual(*best.problem, best.outcome.v) <= kStationary)) {
-    polish(best);
-  }
+  polish(best);
   fill_optimum(spec, best, set);
   return set;
 }

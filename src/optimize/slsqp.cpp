@@ -23,6 +23,10 @@ constexpr double kInterior = 1e-3;
 constexpr int kPatience = 15;
 constexpr double kLowered = 1e-7;
 
+/// So many runs that used up their evaluations are taken up again, where they came this near.
+constexpr int kRestarts = 2;
+constexpr double kNearlyFeasible = 1e-2;
+
 /// Margin below which rows that need tooth forms take part.
 constexpr double kCostlyMargin = 0.05;
 
@@ -136,7 +140,8 @@ void constraint_callback(unsigned /*m*/, double* result, unsigned /*n*/, const d
 /// Runs NLopt from space.x, which becomes the point where it stops; the caller judges it, whatever
 /// the reason to stop was.
 /// @param watch  for the least violation of all rows: space.x becomes the point where it is least
-void run(CachedProblem& functions, Workspace& space, const SlsqpOptions& options,
+/// @returns whether it stopped because options.max_evaluations were used up
+bool run(CachedProblem& functions, Workspace& space, const SlsqpOptions& options,
          bool watch = false) {
   const std::unique_ptr<nlopt_opt_s, decltype(&nlopt_destroy)> solver(
       nlopt_create(NLOPT_LD_SLSQP, static_cast<unsigned>(space.x.size())), &nlopt_destroy);
@@ -156,10 +161,11 @@ void run(CachedProblem& functions, Workspace& space, const SlsqpOptions& options
   }
   if (watch) functions.watch(solver.get());
   double f = 0.0;
-  nlopt_optimize(solver.get(), space.x.data(), &f);
+  const nlopt_result result = nlopt_optimize(solver.get(), space.x.data(), &f);
   if (std::isfinite(functions.least())) {
     std::copy_n(functions.nearest().begin(), space.x.size() - 1, space.x.begin());
   }
+  return result == NLOPT_MAXEVAL_REACHED;
 }
 
 void take_box(const RefinementProblem& p, const Point& start, Workspace& space) {
@@ -226,12 +232,18 @@ SolveOutcome solve_slsqp(const RefinementProblem& problem, const Point& start,
     select_all(problem, space);
   }
   Point from = start;
+  int restarts = 0;
   for (int round = 0;; ++round) {
     CachedProblem functions(problem, space);
     take_box(problem, from, space);
-    run(functions, space, options);
+    const bool cut_off = run(functions, space, options);
     from = point_of(problem, space.x);
     outcome = judge(problem, from, space);
+    // Slow steps come of a poor picture of the curvature: it begins anew.
+    if (cut_off && restarts < kRestarts && outcome.violation < kNearlyFeasible) {
+      ++restarts;
+      continue;
+    }
     if (outcome.violation <= design::kFeasibilityTolerance ||
         space.selection.size() == problem.rows.size()) {
       return outcome;

@@ -138,6 +138,82 @@ TEST(StrengthInOptimize, OptimaUnderLoadAreStationaryByTheStrengthRowsThatAreAct
   EXPECT_GT(kkt_residual(p, v), 10.0 * kStationary) << active.front();
 }
 
+/// examples/ratio-96.toml, 20 N m of steel, for another objective.
+Specification heavy(Objective objective) {
+  Specification spec =
+      io::read_specification(std::string(GEAR3K_SOURCE_DIR) + "/examples/ratio-96.toml");
+  spec.objectives = {objective};
+  return spec;
+}
+
+// The stiffest train has a ring whose root has just become fully round: a kink of the stiffness in
+// that ring's shift, with the optimum on it.
+TEST(StrengthInOptimize, AnOptimumOnAKinkIsToldFromAPointBesideIt) {
+  const Specification spec = heavy(Objective::kTorsionalStiffness);
+  const Candidate candidate{.teeth = {.S = 12, .P1 = 60, .R1 = 132, .P2 = 35, .R2 = 88},
+                            .planets = 3};
+  const RefinedSet set = refine(spec, candidate);
+  ASSERT_EQ(set.status, Status::kOptimal);
+  EXPECT_LE(set.kkt_residual, kStationary);
+  const RefinementProblem p =
+      make_refinement_problem(spec, candidate, {std::nullopt, std::nullopt});
+  const train::TrainParameters<double> train = train_of(spec, set);
+  const auto geometry = train::make_train_geometry(train);
+  ASSERT_TRUE(geometry);
+  Point v{};
+  for (std::size_t i = 0; i < train::kGearCount; ++i) v[i] = train.profile_shift[i];
+  v[kAngleA] = geometry->meshes[static_cast<std::size_t>(p.angle_mesh)].alpha_w_rad;
+  v[kAngleB] = geometry->meshes[train::kMeshP2R2].alpha_w_rad;
+  v[kScale] = train.module_m[0] / p.length_scale_m;
+  std::vector<double> g(p.rows.size());
+  const auto best = evaluate<double>(p, used(p, v), g);
+  ASSERT_TRUE(best);
+  ASSERT_NEAR(-*best * p.objective_scale, *set.torsional_stiffness_Nm_rad,
+              1e-9 * *set.torsional_stiffness_Nm_rad);
+  // Slopes beside the kink differ by far more than the curvature gives.
+  const auto slope = [&](double by) {
+    Point w = v;
+    w[train::kR2] += by;
+    return (*evaluate<double>(p, used(p, w), g) - *best) / by;
+  };
+  constexpr double kBeside = 1e-5;
+  EXPECT_GT(slope(kBeside) - slope(-kBeside), 5e-3);
+  // No feasible point near is better: steps of any direction, those out of the limits left out.
+  std::mt19937 random(1);
+  std::normal_distribution<double> gauss;
+  int tried = 0;
+  std::vector<Point> beside;
+  for (int i = 0; i < 4000; ++i) {
+    Point w = v;
+    const double reach = std::pow(10.0, -1.0 - i % 5);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(p.variables); ++k) {
+      w[k] = std::clamp(v[k] + reach * gauss(random), p.lower[k], p.upper[k]);
+    }
+    const auto f = evaluate<double>(p, used(p, w), g);
+    if (!f || worst_violation(g) > design::kFeasibilityTolerance) continue;
+    ++tried;
+    EXPECT_GE(*f, *best - 1e-5);
+    if (*f > *best + 1e-3) beside.push_back(w);
+  }
+  EXPECT_GT(tried, 20);
+  // Points beside it are not stationary, on whichever side of the kink they lie.
+  ASSERT_GT(beside.size(), 5);
+  for (const Point& w : beside) EXPECT_GT(kkt_residual(p, w), 100.0 * kStationary);
+}
+
+// Ends that SLSQP cuts off in a long valley (torque over mass hardly depends on the size), and ends
+// that are better by the tolerance of feasibility only.
+TEST(StrengthInOptimize, SetsWithALongValleyEndStationary) {
+  const RefinedSet density =
+      refine(heavy(Objective::kTorqueDensity),
+             {.teeth = {.S = 14, .P1 = 35, .R1 = 85, .P2 = 29, .R2 = 76}, .planets = 3});
+  EXPECT_EQ(density.status, Status::kOptimal) << density.kkt_residual;
+  const RefinedSet capacity =
+      refine(heavy(Objective::kTorqueCapacity),
+             {.teeth = {.S = 12, .P1 = 58, .R1 = 132, .P2 = 30, .R2 = 78}, .planets = 3});
+  EXPECT_EQ(capacity.status, Status::kOptimal) << capacity.kkt_residual;
+}
+
 TEST(StrengthInOptimize, MoreTorqueNeverRaisesTheEfficiencyAndWhatForbidsItIsNamed) {
   double before = 1.0;
   int binding = 0;
