@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "app/analyze.hpp"
+#include "app/compare.hpp"
 #include "app/evaluate.hpp"
 #include "app/search.hpp"
 #include "cli/progress.hpp"
@@ -29,6 +30,7 @@
 #include "papers/published_sources.hpp"
 #include "papers/reproduce_report.hpp"
 #include "report/analysis_report.hpp"
+#include "report/comparison_report.hpp"
 #include "report/search_report.hpp"
 #include "report/torque_angle_plot.hpp"
 #include "report/torque_angle_report.hpp"
@@ -203,6 +205,34 @@ ExitCode run_mesh(const AnalyzeOptions& options) {
   const design::PairEvaluation evaluation = app::mesh(request);
   deliver(options, result_text(evaluation, options.format));
   return judged(evaluation.checks, options);
+}
+
+ExitCode run_compare(const CompareOptions& options) {
+  app::CompareRequest request;
+  request.designs.reserve(options.files.size());
+  std::string errors;
+  for (const std::string& file : options.files) {
+    try {
+      request.designs.push_back({.design = io::read_design(file), .source = file});
+    } catch (const io::InvalidInput& error) {
+      errors += (errors.empty() ? "" : "\n") + std::string(error.what());
+    }
+  }
+  if (!errors.empty()) throw io::InvalidInput(errors);
+  refuse_replacing(options.files, options.out);
+  const std::vector<report::ComparedDesign> compared = app::compare(request);
+  switch (options.format) {
+    case Format::kJson:
+      deliver(options, report::comparison_json(compared));
+      break;
+    case Format::kCsv:
+      deliver(options, report::comparison_csv(compared));
+      break;
+    case Format::kTable:
+      deliver(options, report::comparison_table(compared));
+      break;
+  }
+  return kDone;
 }
 
 ExitCode run_search(const SearchOptions& options) {

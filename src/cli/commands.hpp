@@ -33,6 +33,10 @@ struct AnalyzeOptions : CommonOptions {
   bool strict = false;  ///< a failed check ends with kNoFeasibleDesign
 };
 
+struct CompareOptions : CommonOptions {
+  std::vector<std::string> files;  ///< two or more designs
+};
+
 struct SearchOptions : CommonOptions {
   std::string file;
   int top = 20;  ///< rows of the table
@@ -85,6 +89,7 @@ struct ExportOptions : CommonOptions {
 
 ExitCode run_analyze(const AnalyzeOptions& options);
 ExitCode run_mesh(const AnalyzeOptions& options);
+ExitCode run_compare(const CompareOptions& options);
 ExitCode run_search(const SearchOptions& options);
 ExitCode run_optimize(const OptimizeOptions& options);
 ExitCode run_reproduce(const ReproduceOptions& options);

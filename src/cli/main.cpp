@@ -276,6 +276,17 @@ int run_program(int argc, char** argv) {
   mesh_command->footer([] { return "Keys of PAIR.toml:\n" + io::pair_key_table(); });
   mesh_command->callback([&] { run = [&] { return cli::run_mesh(mesh); }; });
 
+  cli::CompareOptions compare;
+  CLI::App* compare_command =
+      app.add_subcommand("compare", "designs side by side: what differs, and by how much");
+  constexpr int kMostCompared = 32;
+  compare_command->add_option("DESIGN", compare.files, "DESIGN.toml, two or more")
+      ->required()
+      ->expected(2, kMostCompared);
+  add_common_options(*compare_command, compare);
+  add_out_file(*compare_command, compare);
+  compare_command->callback([&] { run = [&] { return cli::run_compare(compare); }; });
+
   cli::SearchOptions search;
   CLI::App* search_command =
       app.add_subcommand("search", "the tooth sets that fit a ratio, ranked at zero profile shift");

@@ -272,6 +272,10 @@ std::string analysis_json(const Evaluation& e, const design::Sensitivities& s,
 }
 std::string analysis_json(const PairEvaluation& e) { return analysis_fields(e).json().text(); }
 
+Fields analysis_quantities(const Evaluation& e) {
+  return analysis_fields(e, {}, nullptr, nullptr, nullptr);
+}
+
 std::string analysis_csv(const Evaluation& e, const design::Sensitivities& s,
                          const design::BuiltSeries* built) {
   return kRowsHeader + analysis_fields(e, s, nullptr, built, nullptr).csv_rows();

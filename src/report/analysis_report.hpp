@@ -7,6 +7,7 @@
 #include "design/evaluation.hpp"
 #include "design/sensitivity.hpp"
 #include "design/torque_angle_curve.hpp"
+#include "report/fields.hpp"
 #include "report/model_report.hpp"
 
 namespace gear3k::report {
@@ -28,6 +29,9 @@ std::string analysis_json(const design::Evaluation& e, const design::Sensitiviti
                           const design::BuiltSeries* built = nullptr,
                           const design::TorqueAngleCurve* curve = nullptr);
 std::string analysis_json(const design::PairEvaluation& e);
+
+/// The quantities of an evaluation, each listed once.
+Fields analysis_quantities(const design::Evaluation& e);
 
 /// CSV with the columns item, quantity, value, unit, limit, ok.
 std::string analysis_csv(const design::Evaluation& e, const design::Sensitivities& s,

@@ -100,6 +100,20 @@ std::string Fields::csv_rows() const {
   return text;
 }
 
+std::vector<FieldRow> Fields::rows() const {
+  std::vector<FieldRow> rows;
+  for (const Row* row : by_rank()) {
+    if (is_nothing(row->value)) continue;
+    const CsvRow& t = row->text;
+    rows.push_back({.item = t.item,
+                    .quantity = t.quantity,
+                    .unit = t.unit,
+                    .limit = t.limit,
+                    .value = row->value});
+  }
+  return rows;
+}
+
 std::string Fields::csv_header() const {
   std::vector<std::string> names;
   for (const Row* row : by_rank()) names.push_back(row->text.quantity);

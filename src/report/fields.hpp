@@ -20,6 +20,12 @@ struct CsvRow {
   std::string ok = {};
 };
 
+/// A row of a CSV with its value.
+struct FieldRow {
+  std::string item, quantity, unit, limit;
+  io::Json value;  ///< never null or NaN
+};
+
 /// A part of a result: an object of the JSON, and rows "item,quantity,value,unit,limit,ok" or the
 /// columns of one line of a CSV.
 class Fields {
@@ -55,6 +61,8 @@ class Fields {
   [[nodiscard]] const io::Json& json() const { return json_; }
   /// Rows by rank.  A truth value is 1 or 0; what is null or NaN has no row.
   [[nodiscard]] std::string csv_rows() const;
+  /// The rows that csv_rows() writes, without those that have no value.
+  [[nodiscard]] std::vector<FieldRow> rows() const;
   /// The quantities as the header of a CSV, by rank.
   [[nodiscard]] std::string csv_header() const;
   /// The values as a line below that header; "" for what is null or not finite.

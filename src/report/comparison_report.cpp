@@ -1,0 +1,266 @@
+#include "report/comparison_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <string_view>
+#include <tuple>
+#include <variant>
+#include <vector>
+
+#include "report/analysis_report.hpp"
+#include "report/check_subject.hpp"
+#include "report/display.hpp"
+#include "report/fields.hpp"
+#include "report/text_table.hpp"
+#include "report/tooth_set_text.hpp"
+
+namespace gear3k::report {
+
+namespace {
+
+using design::CheckResult;
+
+/// A quantity of several designs.
+struct ComparedQuantity {
+  std::string item, quantity, unit;
+  std::vector<std::optional<double>> values;  ///< by design
+
+  [[nodiscard]] bool alike() const {
+    const std::optional<double>& first = values.front();
+    return std::ranges::all_of(values, [&](const std::optional<double>& value) {
+      if (!first || !value) return !first && !value;
+      const double scale = std::max(std::abs(*first), std::abs(*value));
+      return std::abs(*value - *first) <= std::max(kAlikeShare * scale, kNothing);
+    });
+  }
+};
+
+std::optional<double> number_of(const io::Json& json) {
+  return std::visit(
+      [](const auto& value) -> std::optional<double> {
+        using T = std::decay_t<decltype(value)>;
+        if constexpr (std::is_arithmetic_v<T>) return static_cast<double>(value);
+        return std::nullopt;
+      },
+      json.value());
+}
+
+Fields terms_fields(const design::OutputTerms& terms, std::span<const design::MeshResult> meshes) {
+  Fields f("train");
+  f.add("outer_diameter_mm", mm(terms.outer_diameter_m), {"outer_diameter", "mm"});
+  for (std::size_t k = 0; k < meshes.size(); ++k) {
+    f.append("tooth_force_n_per_nm", terms.tooth_force_per_torque_1_m[k],
+             {"tooth_force_per_output_torque", "N/(N m)", 0, meshes[k].name});
+  }
+  const auto milli = [](const std::optional<double>& share) {
+    constexpr double kPerMille = 1e3;
+    return share ? std::optional(*share * kPerMille) : std::nullopt;
+  };
+  constexpr const char* kUnit = "mN m/(N m)";
+  f.add("driving_torque", milli(terms.driving_torque_share),
+        {"driving_torque_per_output_torque", kUnit});
+  f.add("friction_torque", milli(terms.friction_torque_share),
+        {"friction_torque_per_output_torque", kUnit});
+  f.add("back_driven_torque", milli(terms.back_driven_torque_share),
+        {"back_driven_torque_per_output_torque", kUnit});
+  return f;
+}
+
+/// Every quantity that a design has, those of the first design first.
+std::vector<ComparedQuantity> all_quantities(std::span<const ComparedDesign> designs) {
+  std::vector<ComparedQuantity> all;
+  std::map<std::tuple<std::string, std::string, std::string>, std::size_t> places;
+  for (std::size_t i = 0; i < designs.size(); ++i) {
+    Fields fields = terms_fields(designs[i].terms, designs[i].evaluation.meshes);
+    fields.join(analysis_quantities(designs[i].evaluation));
+    for (FieldRow& row : fields.rows()) {
+      const auto value = number_of(row.value);
+      if (!value) continue;
+      const auto [place, added] =
+          places.try_emplace({row.item, row.quantity, row.unit}, all.size());
+      if (added) {
+        all.push_back({.item = std::move(row.item),
+                       .quantity = std::move(row.quantity),
+                       .unit = std::move(row.unit),
+                       .values = std::vector<std::optional<double>>(designs.size())});
+      }
+      all[place->second].values[i] = value;
+    }
+  }
+  return all;
+}
+
+/// A part of the table: quantities by their names in the CSV.
+struct TablePart {
+  std::string_view title;
+  std::vector<std::string_view> quantities;
+  bool of_train = false;  ///< those of the train and its stages alone
+};
+const std::vector<TablePart>& table_parts() {
+  static const std::vector<TablePart> parts{
+      {.title = "Size",
+       .quantities = {"planets", "ratio", "module", "center_distance", "outer_diameter", "mass"},
+       .of_train = true},
+      {.title = "Output",
+       .quantities = {"efficiency_forward", "efficiency_backward",
+                      "driving_torque_per_output_torque", "friction_torque_per_output_torque",
+                      "back_driven_torque_per_output_torque", "lost_motion_kinematic",
+                      "inertia_lossless", "torque_capacity", "output_stiffness"},
+       .of_train = true},
+      {.title = "Meshes",
+       .quantities = {"tooth_force_per_output_torque", "working_pressure_angle", "contact_ratio",
+                      "normal_backlash"}},
+      {.title = "Gears",
+       .quantities = {"teeth", "profile_shift", "tip_diameter", "root_diameter", "tip_thickness"}}};
+  return parts;
+}
+
+bool is_of_train(const ComparedQuantity& q) {
+  return q.item == "train" || q.item.starts_with("stage ");
+}
+
+std::string cell(const std::optional<double>& value) {
+  if (!value) return "none";
+  return fmt::format("{:.6g}", std::abs(*value) < kNothing ? 0.0 : *value);
+}
+
+/// The change from the first of two positive values.
+std::string change_text(const ComparedQuantity& q) {
+  const std::optional<double>& from = q.values[0];
+  const std::optional<double>& to = q.values[1];
+  if (!from || !to || *from < kNothing || *to < kNothing) return "";
+  constexpr double kMost = 10.0;
+  const double change = *to / *from - 1.0;
+  return std::abs(change) < kMost ? fmt::format("{:+.2f} %", percent(change)) : "";
+}
+
+TextTable table_of(std::span<const ComparedDesign> designs) {
+  std::vector<std::string> header{"quantity", "of", "unit"};
+  for (const ComparedDesign& one : designs) header.push_back(one.label);
+  if (designs.size() == 2) header.emplace_back("change");
+  TextTable table(std::move(header));
+  table.align_left(1);
+  table.align_left(2);
+  return table;
+}
+
+void add_row(TextTable& table, const ComparedQuantity& q) {
+  std::string name = q.quantity;
+  std::ranges::replace(name, '_', ' ');
+  std::vector<std::string> row{std::move(name), q.item == "train" ? "" : q.item, q.unit};
+  for (const auto& value : q.values) row.push_back(cell(value));
+  if (q.values.size() == 2) row.push_back(change_text(q));
+  table.add(std::move(row));
+}
+
+std::string part_text(const TablePart& part, std::span<const ComparedDesign> designs,
+                      std::span<const ComparedQuantity> quantities) {
+  TextTable table = table_of(designs);
+  bool any = false;
+  for (const std::string_view name : part.quantities) {
+    for (const ComparedQuantity& q : quantities) {
+      if (q.quantity != name || is_of_train(q) != part.of_train || q.alike()) continue;
+      add_row(table, q);
+      any = true;
+    }
+  }
+  return any ? fmt::format("\n{}\n", part.title) + table.text(2) : "";
+}
+
+/// Checks that fail in one of the designs, or are met there with less than a twentieth of their
+/// limit to spare.
+std::string margins_text(std::span<const ComparedDesign> designs) {
+  constexpr double kTight = 0.05;
+  std::vector<ComparedQuantity> margins;
+  std::map<std::pair<std::string, std::string>, std::size_t> places;
+  std::vector<bool> tight;
+  for (std::size_t i = 0; i < designs.size(); ++i) {
+    for (const CheckResult& c : designs[i].evaluation.checks) {
+      const units::Unit unit = c.record->unit;
+      const auto [place, added] =
+          places.try_emplace({std::string(c.record->name), subject_of(c)}, margins.size());
+      if (added) {
+        margins.push_back({.item = subject_of(c),
+                           .quantity = std::string(c.record->title),
+                           .unit = std::string(units::unit_name(unit)),
+                           .values = std::vector<std::optional<double>>(designs.size())});
+        tight.push_back(false);
+      }
+      margins[place->second].values[i] = units::difference_from_si(c.margin, unit);
+      if (!c.ok || c.margin < kTight * std::abs(c.limit)) tight[place->second] = true;
+    }
+  }
+  TextTable table = table_of(designs);
+  bool any = false;
+  for (std::size_t k = 0; k < margins.size(); ++k) {
+    if (!tight[k] || margins[k].alike()) continue;
+    add_row(table, margins[k]);
+    any = true;
+  }
+  return any ? "\nMargins of checks that fail or nearly do in one of them (negative: fails)\n" +
+                   table.text(2)
+             : "";
+}
+
+}  // namespace
+
+std::string comparison_table(std::span<const ComparedDesign> designs) {
+  TextTable head({"design", "file", "teeth S/P1/R1/P2/R2", "checks that fail"});
+  for (const std::size_t column : {1U, 2U}) head.align_left(column);
+  for (const ComparedDesign& one : designs) {
+    const auto failed = std::ranges::count(one.evaluation.checks, false, &CheckResult::ok);
+    head.add({one.label, one.file, teeth_text(one.evaluation.teeth), fmt::format("{}", failed)});
+  }
+  std::string text = head.text(0);
+  const std::vector<ComparedQuantity> quantities = all_quantities(designs);
+  for (const TablePart& part : table_parts()) text += part_text(part, designs, quantities);
+  text += margins_text(designs);
+  const auto differ = std::ranges::count(quantities, false, &ComparedQuantity::alike);
+  return text + fmt::format("\n{} of {} quantities differ{}.\n", differ, quantities.size(),
+                            differ > 0 ? "; --format csv has them all" : "");
+}
+
+std::string comparison_json(std::span<const ComparedDesign> designs) {
+  const std::vector<ComparedQuantity> quantities = all_quantities(designs);
+  io::Json list = io::Json::array();
+  std::size_t alike = 0;
+  for (const ComparedQuantity& q : quantities) {
+    if (q.alike()) {
+      ++alike;
+      continue;
+    }
+    list.push_back(
+        {{"item", q.item}, {"quantity", q.quantity}, {"unit", q.unit}, {"values", q.values}});
+  }
+  io::Json result{{"tool", tool_json()}};
+  result["designs"] = list_json(designs, [](const ComparedDesign& one) {
+    const auto& e = one.evaluation;
+    return io::Json{{"label", one.label},
+                    {"file", one.file},
+                    {"name", e.name},
+                    {"outer_surface_stated", one.terms.outer_surface_stated},
+                    {"ok", design::all_ok(e.checks)}};
+  });
+  result["quantities"] = std::move(list);
+  result["alike"] = alike;
+  return result.text();
+}
+
+std::string comparison_csv(std::span<const ComparedDesign> designs) {
+  std::vector<std::string> header{"item", "quantity", "unit"};
+  for (const ComparedDesign& one : designs) header.push_back(one.label);
+  std::string text = csv_line(header);
+  for (const ComparedQuantity& q : all_quantities(designs)) {
+    if (q.alike()) continue;
+    std::vector<std::string> line{q.item, q.quantity, q.unit};
+    for (const auto& value : q.values) line.push_back(exact(or_nan(value)));
+    text += csv_line(line);
+  }
+  return text;
+}
+
+}  // namespace gear3k::report
