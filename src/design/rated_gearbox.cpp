@@ -84,21 +84,32 @@ std::optional<RatedGearbox> rate_gearbox(const Design& design,
     train.planet_mass_kg = planet_kg;
     return train;
   };
-  const auto loaded = loaded_at(geometry, forms);
+  auto loaded = loaded_at(geometry, forms);
+  const auto unshared = loaded;
+  const auto shared = shared_mesh_load(design, unshared);
+  // In every corner that of the drawn gearbox at the stated torque.
+  MeshLoadFunction stated_mesh_load;
+  if (shared) {
+    loaded.mesh_load = shared->mesh_load;
+    stated_mesh_load = [factors = shared->mesh_load(task.torque_Nm)](double) { return factors; };
+  }
   const auto rated = [&](Drive drive) {
     return strength::rate_train(loaded, task, drive, task.torque_Nm, StiffnessPart::kPath);
   };
   RatedGearbox gearbox{
-      .result = {.forward = rated(Drive::kForward),
+      .result = {.planet_sharing = shared ? std::optional(shared->sharing) : std::nullopt,
+                 .forward = rated(Drive::kForward),
                  .backward = rated(Drive::kBackward),
                  .capacity_forward = strength::train_capacity(loaded, task, Drive::kForward),
                  .capacity_backward = strength::train_capacity(loaded, task, Drive::kBackward)},
-      .rating = [&task, loaded_at](const Gearing<double>& gearing,
-                                   const std::array<bool, train::kMeshCount>& meshes_rated)
+      .rating = [&task, loaded_at, stated_mesh_load](
+                    const Gearing<double>& gearing,
+                    const std::array<bool, train::kMeshCount>& meshes_rated)
           -> std::optional<strength::TrainRating<double>> {
         auto train = loaded_at(*gearing.train, gearing.forms);
         if (!strength::has_rims(train, task)) return std::nullopt;
         train.rated = meshes_rated;
+        train.mesh_load = stated_mesh_load;
         return strength::rate_train(train, task, Drive::kEither, task.torque_Nm,
                                     StiffnessPart::kFactors);
       },
@@ -115,6 +126,11 @@ std::optional<RatedGearbox> rate_gearbox(const Design& design,
   if (task.supports && task.speed_rad_s > 0.0 && !planet_kg) {
     gearbox.notes.emplace_back(
         "the mass of a planet is not known: its bearings are loaded without centrifugal force");
+  }
+  if (shared && !shared->sharing.series) {
+    gearbox.notes.emplace_back(
+        "K_gamma of the tolerances is not computed, as no gearbox that was drawn assembles or a "
+        "mesh has no path of contact: strength takes all of the load on one planet");
   }
   note_unknown(task, gearbox.notes);
   return gearbox;
