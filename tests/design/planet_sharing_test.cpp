@@ -6,12 +6,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 
 #include "design/built_series.hpp"
 #include "design/evaluation.hpp"
 #include "io/files/design_file.hpp"
+#include "report/strength_report.hpp"
 
 namespace gear3k::design::planet_sharing_test {
 namespace {
@@ -71,6 +73,27 @@ TEST(PlanetSharing, IsTheQuantileOfTheSeriesAtTheMeshesOwnStiffness) {
     }
     EXPECT_EQ(e.strength->forward.mesh[0].factors.mesh_load.source, "tolerances");
   }
+}
+
+TEST(PlanetSharing, IsReportedWithHowManyGearboxes) {
+  Design design = shared_design();
+  const Evaluation e = evaluated(design);
+  const auto strength = nlohmann::json::parse(report::strength_fields(e).json().text());
+  const nlohmann::json& sharing = strength.at("planet_sharing");
+  EXPECT_EQ(sharing.at("drawn"), kSharingSamples);
+  EXPECT_EQ(sharing.at("assembled"), e.strength->planet_sharing->assembled);
+  EXPECT_EQ(sharing.at("quantile"), 0.99);
+  EXPECT_EQ(sharing.at("mean_k_gamma").size(), 3U);
+  for (std::size_t m = 0; m < 3; ++m) {
+    EXPECT_EQ(strength.at("meshes").at(m).at("k_gamma"), mesh_loads(e.strength->forward)[m]);
+  }
+  const std::string table = report::strength_table(e);
+  EXPECT_NE(table.find("K_gamma of tolerances"), std::string::npos);
+  EXPECT_NE(table.find("10000 drawn"), std::string::npos);
+  design.rating->factors.mesh_load_source = MeshLoadSource::kNumber;
+  const Evaluation without = evaluated(design);
+  EXPECT_TRUE(report::strength_fields(without).json().at("planet_sharing").is_null());
+  EXPECT_EQ(report::strength_table(without).find("K_gamma of tolerances"), std::string::npos);
 }
 
 TEST(PlanetSharing, SafetiesAreThoseOfTheirMeshsNumber) {

@@ -442,8 +442,8 @@ std::vector<Key<StrengthInput>> train_strength_keys() {
        .speed = "operating_point.sun_speed_rpm"},
       train_mesh_load_key());
   keys.push_back(strength_number(
-      "k_gamma_quantile", Unit::kNone, within(0.5, 1.0), "0.99",
-      "with k_gamma = \"tolerances\": share of the gearboxes whose K_gamma it covers",
+      "k_gamma_quantile", Unit::kNone, within(0.5, 1.0), "with k_gamma = \"tolerances\": 0.99",
+      "share of the gearboxes within [tolerances] whose K_gamma is no greater; in a DESIGN",
       of_factors(&StatedFactors::mesh_load_quantile)));
   keys.push_back(make_key<StrengthInput>(
       number_range("bearings.planet_positions_mm", Unit::kMillimetre, within(-1e4, 1e4),
