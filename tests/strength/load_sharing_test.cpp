@@ -256,7 +256,7 @@ TEST(LoadFactorSeries, DrawIsThatOfTheYield) {
 PlaySample some_sample(int seed, std::uint64_t samples) {
   backlash::RandomToleranced random(static_cast<unsigned>(seed));
   for (;;) {
-    const auto sample = draw_plays(random.model(true, 3, 3), {.samples = samples, .seed = 2});
+    auto sample = draw_plays(random.model(true, 3, 3), {.samples = samples, .seed = 2});
     if (3 * sample.assembled > samples) return sample;
   }
 }
