@@ -94,8 +94,9 @@ bool applies(CheckId id, const strength::RatingTask& task, std::size_t gear, std
   }
 }
 
-/// Least value of a check on a gear under load.
-double least_of(CheckId id, double limit, const strength::RatingTask& task, std::size_t gear) {
+/// From where the limit of a check on a gear under load counts: of safeties the least that the task
+/// asks for, which depends on the material.
+double least_of(CheckId id, const strength::RatingTask& task, std::size_t gear) {
   if (id == CheckId::kRootSafety) {
     return strength::least_root_safety(task, *task.material[gear]);
   }
@@ -105,7 +106,7 @@ double least_of(CheckId id, double limit, const strength::RatingTask& task, std:
   if (id == CheckId::kOverloadRootSafety) {
     return strength::least_overload_root_safety(task, *task.material[gear]);
   }
-  return limit;
+  return 0.0;
 }
 
 }  // namespace
@@ -179,7 +180,7 @@ std::vector<CheckInstance> list_checks(const Limits& limits, const GearingLayout
             const auto mate = static_cast<std::size_t>(which == 1 ? pair[1] : pair[0]);
             if (!applies(r.id, *layout.rating, gear, mate)) continue;
             add({.member = k, .which = which});
-            checks.back().limit = least_of(r.id, *limit, *layout.rating, gear);
+            checks.back().limit += least_of(r.id, *layout.rating, gear);
           }
         }
         break;

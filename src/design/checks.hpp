@@ -129,7 +129,8 @@ struct CheckRecord {
 std::span<const CheckRecord> check_records();
 const CheckRecord& check_record(CheckId id);
 
-/// Limits in force, in SI, by check; an empty one switches the check off.
+/// Limits in force, in SI, by check; an empty one switches the check off.  Those of safeties are by
+/// how much each must exceed the least one that the load's RatingTask asks for.
 struct Limits {
   std::array<std::optional<double>, kCheckCount> limit;
   backlash::LostMotionModel model = backlash::LostMotionModel::kKinematic;

@@ -277,9 +277,11 @@ std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
                                                                .axial = design.axial,
                                                                .rating = stated_load(design)}));
   const auto rated = rate_gearbox(design, *train, forms, e.meshes, e.parts);
+  std::optional<strength::TrainRating<double>> deciding;
   if (rated) {
-    gearing.rating = rated->deciding.mesh;
-    gearing.train_rating = &rated->deciding;
+    deciding = rated->rating(gearing, {true, true, true});
+    gearing.rating = deciding->mesh;
+    gearing.train_rating = &*deciding;
     e.strength = rated->result;
     std::ranges::copy(rated->notes, std::back_inserter(e.notes));
   }
@@ -293,8 +295,9 @@ std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
                                       .center_distance_m = e.center_distance_m,
                                       .train = &*train,
                                       .axial = &design.axial,
-                                      .model = design.limits.model},
-                                     without_load(checks), e.notes);
+                                      .model = design.limits.model,
+                                      .rating = rated ? rated->rating : GearingRating{}},
+                                     checks, e.notes);
   note_loss_model(e.meshes, e.notes);
   note_axial_overlap(design, e.notes);
   if (!design.center_distance_given) {

@@ -9,6 +9,7 @@
 #include "design/design.hpp"
 #include "design/mass_model.hpp"
 #include "design/operation.hpp"
+#include "design/planet_sharing.hpp"
 #include "design/tolerance_limits.hpp"
 #include "geometry/interference.hpp"
 #include "geometry/sliding.hpp"
@@ -104,6 +105,7 @@ struct OperatingResult {
 
 /// What a gearbox carries; empty parts where it cannot be known.
 struct StrengthResult {
+  std::optional<PlanetSharing> planet_sharing;      ///< where K_γ is that of the tolerances
   strength::TrainRating<double> forward, backward;  ///< at the stated torque
   /// Empty where no safety is judged.
   std::optional<strength::Capacity<double>> capacity_forward, capacity_backward;

@@ -99,11 +99,6 @@ MeshResult mesh_result(const Pairing& p, const Friction& friction, const MeshFri
   return result;
 }
 
-std::vector<CheckInstance> without_load(std::vector<CheckInstance> checks) {
-  std::erase_if(checks, [](const CheckInstance& check) { return check.record->rating; });
-  return checks;
-}
-
 std::vector<CheckResult> run_checks(const std::vector<CheckInstance>& checks,
                                     const Gearing<double>& gearing, const CheckNames& names) {
   std::vector<CheckResult> results;

@@ -55,9 +55,6 @@ const strength::RatingTask* stated_load(const AnyDesign& design) {
   return design.rating ? &*design.rating : nullptr;
 }
 
-/// The checks whose values are those of the unloaded gearbox.
-std::vector<CheckInstance> without_load(std::vector<CheckInstance> checks);
-
 /// Names of the members that checks are about.
 struct CheckNames {
   std::span<const std::string_view> gears, meshes;

@@ -79,7 +79,8 @@ std::variant<PairEvaluation, NotDefined> evaluate(const PairDesign& design) {
   const std::array<geometry::GearKind, 2> kinds{gears[0].gear.kind, gears[1].gear.kind};
   const std::vector<bool> shaped{e.gears[0].tooth.cutter_teeth > 0,
                                  e.gears[1].tooth.cutter_teeth > 0};
-  if (const auto rated = rate_pair(design, gears, forms, *mesh, e.mesh)) {
+  const auto rated = rate_pair(design, gears, forms, *mesh);
+  if (rated) {
     e.strength = rated->rating;
     e.torque_capacity = rated->capacity;
     std::ranges::copy(rated->notes, std::back_inserter(e.notes));
@@ -110,8 +111,9 @@ std::variant<PairEvaluation, NotDefined> evaluate(const PairDesign& design) {
                                       .center_distance_m = e.center_distance_m,
                                       .train = nullptr,
                                       .axial = nullptr,
-                                      .model = design.limits.model},
-                                     without_load(checks), e.notes);
+                                      .model = design.limits.model,
+                                      .rating = rated ? rated->rate : GearingRating{}},
+                                     checks, e.notes);
   note_loss_model({e.mesh}, e.notes);
   if (!e.center_distance_given) {
     e.notes.emplace_back("no center_distance_mm given: the zero-backlash distance is used");

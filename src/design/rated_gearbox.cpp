@@ -74,20 +74,45 @@ std::optional<RatedGearbox> rate_gearbox(const Design& design,
   if (!design.rating) return std::nullopt;
   using strength::Drive, strength::StiffnessPart;
   const strength::RatingTask& task = *design.rating;
-  auto loaded =
-      loaded_train<double>(geometry, forms, task.face_width_m,
-                           force_friction(design.friction, meshes), design.friction.model);
   const auto planet_kg = planet_mass_kg(parts);
-  loaded.planet_mass_kg = planet_kg.value_or(0.0);
-  const auto rated = [&](Drive drive, StiffnessPart part) {
-    return strength::rate_train(loaded, task, drive, task.torque_Nm, part);
+  const auto loaded_at = [&design, friction = force_friction(design.friction, meshes),
+                          planet_kg = planet_kg.value_or(0.0)](
+                             const train::TrainGeometry<double>& built,
+                             std::span<const geometry::ToothForm<double>> built_forms) {
+    auto train = loaded_train<double>(built, built_forms, design.rating->face_width_m, friction,
+                                      design.friction.model);
+    train.planet_mass_kg = planet_kg;
+    return train;
+  };
+  auto loaded = loaded_at(geometry, forms);
+  const auto unshared = loaded;
+  const auto shared = shared_mesh_load(design, unshared);
+  // In every corner that of the drawn gearbox at the stated torque.
+  MeshLoadFunction stated_mesh_load;
+  if (shared) {
+    loaded.mesh_load = shared->mesh_load;
+    stated_mesh_load = [factors = shared->mesh_load(task.torque_Nm)](double) { return factors; };
+  }
+  const auto rated = [&](Drive drive) {
+    return strength::rate_train(loaded, task, drive, task.torque_Nm, StiffnessPart::kPath);
   };
   RatedGearbox gearbox{
-      .result = {.forward = rated(Drive::kForward, StiffnessPart::kPath),
-                 .backward = rated(Drive::kBackward, StiffnessPart::kPath),
+      .result = {.planet_sharing = shared ? std::optional(shared->sharing) : std::nullopt,
+                 .forward = rated(Drive::kForward),
+                 .backward = rated(Drive::kBackward),
                  .capacity_forward = strength::train_capacity(loaded, task, Drive::kForward),
                  .capacity_backward = strength::train_capacity(loaded, task, Drive::kBackward)},
-      .deciding = rated(Drive::kEither, StiffnessPart::kIso),
+      .rating = [&task, loaded_at, stated_mesh_load](
+                    const Gearing<double>& gearing,
+                    const std::array<bool, train::kMeshCount>& meshes_rated)
+          -> std::optional<strength::TrainRating<double>> {
+        auto train = loaded_at(*gearing.train, gearing.forms);
+        if (!strength::has_rims(train, task)) return std::nullopt;
+        train.rated = meshes_rated;
+        train.mesh_load = stated_mesh_load;
+        return strength::rate_train(train, task, Drive::kEither, task.torque_Nm,
+                                    StiffnessPart::kFactors);
+      },
       .notes = {}};
   if (gearbox.result.backward.locked) {
     gearbox.notes.emplace_back(
@@ -102,18 +127,24 @@ std::optional<RatedGearbox> rate_gearbox(const Design& design,
     gearbox.notes.emplace_back(
         "the mass of a planet is not known: its bearings are loaded without centrifugal force");
   }
+  if (shared && !shared->sharing.series) {
+    gearbox.notes.emplace_back(
+        "K_gamma of the tolerances is not computed, as no gearbox that was drawn assembles or a "
+        "mesh has no path of contact: strength takes all of the load on one planet");
+  }
   note_unknown(task, gearbox.notes);
   return gearbox;
 }
 
-std::optional<RatedPair> rate_pair(const PairDesign& design,
-                                   const std::array<geometry::GearGeometry<double>, 2>& gears,
-                                   const std::array<geometry::ToothForm<double>, 2>& forms,
-                                   const geometry::MeshGeometry<double>& mesh,
-                                   const MeshResult& result) {
-  if (!design.rating) return std::nullopt;
+namespace {
+
+/// A pair as built, at a torque on its gear 1.
+strength::MeshRating<double> rated_pair_at(const PairDesign& design,
+                                           std::span<const geometry::GearGeometry<double>> gears,
+                                           std::span<const geometry::ToothForm<double>> forms,
+                                           const geometry::MeshGeometry<double>& mesh,
+                                           double torque_Nm, strength::StiffnessPart part) {
   const strength::RatingTask& task = *design.rating;
-  const double speed2 = task.speed_rad_s * gears[0].gear.teeth / gears[1].gear.teeth;
   const auto cycles_at = [&](double speed_rad_s) -> std::optional<double> {
     if (task.cycles) return task.cycles;
     if (!task.life_s || !(speed_rad_s > 0.0)) return std::nullopt;
@@ -130,29 +161,51 @@ std::optional<RatedPair> rate_pair(const PairDesign& design,
                                                       : strength::RootLoading::kPulsating,
                                        .rim_m = {}};
   };
-  const double lost = 1.0 - result.efficiency_forward;
-  const double mu = result.friction_forward;
-  const auto rated_at = [&](double torque_Nm, strength::StiffnessPart part) {
-    return strength::rate_mesh<double>(rated_gear(0, task.speed_rad_s), rated_gear(1, speed2), mesh,
-                                       {.normal_N = torque_Nm / gears[0].base_radius_m,
-                                        .face_width_m = task.face_width_m[0],
-                                        .speed_m_s = task.speed_rad_s * gears[0].reference_radius_m,
-                                        .loss_W = torque_Nm * task.speed_rad_s * lost,
-                                        .loss_factor = mu > 0.0 ? lost / mu : 0.0,
-                                        .mesh_load = strength::mesh_load_of(task, 1)},
-                                       task, part);
-  };
-  RatedPair pair{.rating = rated_at(task.torque_Nm, strength::StiffnessPart::kPath),
-                 .capacity = strength::governed_capacity(
-                     [&](double torque_Nm) {
-                       strength::JudgedSafeties<double> list;
-                       strength::add_judged_safeties(
-                           rated_at(torque_Nm, strength::StiffnessPart::kIso), task, 0, {0, 1},
-                           list);
-                       return list;
-                     },
-                     task.torque_Nm),
-                 .notes = {}};
+  const double speed2 = task.speed_rad_s * gears[0].gear.teeth / gears[1].gear.teeth;
+  const double mu = design.friction.coefficient;
+  const double lost =
+      1.0 - efficiency::mesh_efficiency(efficiency::contact_of(gears[0], gears[1], mesh, true),
+                                        efficiency::flank_friction(design.friction, mu),
+                                        design.friction.model);
+  return strength::rate_mesh<double>(rated_gear(0, task.speed_rad_s), rated_gear(1, speed2), mesh,
+                                     {.normal_N = torque_Nm / gears[0].base_radius_m,
+                                      .face_width_m = task.face_width_m[0],
+                                      .speed_m_s = task.speed_rad_s * gears[0].reference_radius_m,
+                                      .loss_W = torque_Nm * task.speed_rad_s * lost,
+                                      .loss_factor = mu > 0.0 ? lost / mu : 0.0,
+                                      .mesh_load = strength::mesh_load_of(task, 1)},
+                                     task, part);
+}
+
+}  // namespace
+
+std::optional<RatedPair> rate_pair(const PairDesign& design,
+                                   const std::array<geometry::GearGeometry<double>, 2>& gears,
+                                   const std::array<geometry::ToothForm<double>, 2>& forms,
+                                   const geometry::MeshGeometry<double>& mesh) {
+  if (!design.rating) return std::nullopt;
+  using strength::StiffnessPart;
+  const strength::RatingTask& task = *design.rating;
+  RatedPair pair{
+      .rating = rated_pair_at(design, gears, forms, mesh, task.torque_Nm, StiffnessPart::kPath),
+      .rate = [&design](const Gearing<double>& gearing,
+                        const std::array<bool, train::kMeshCount>& /*rated*/)
+          -> std::optional<strength::TrainRating<double>> {
+        strength::TrainRating<double> rating;
+        rating.mesh[0] = rated_pair_at(design, gearing.gears, gearing.forms, gearing.meshes[0],
+                                       design.rating->torque_Nm, StiffnessPart::kFactors);
+        return rating;
+      },
+      .capacity = strength::governed_capacity(
+          [&](double torque_Nm) {
+            strength::JudgedSafeties<double> list;
+            strength::add_judged_safeties(
+                rated_pair_at(design, gears, forms, mesh, torque_Nm, StiffnessPart::kIso), task, 0,
+                {0, 1}, list);
+            return list;
+          },
+          task.torque_Nm),
+      .notes = {}};
   note_unknown(task, pair.notes);
   return pair;
 }

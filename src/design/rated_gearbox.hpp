@@ -16,11 +16,11 @@ namespace gear3k::design {
 DirectionalFriction<double> force_friction(const Friction& friction,
                                            std::span<const MeshResult> meshes);
 
-/// What a gearbox carries, and the rating that its checks read.
+/// What a gearbox carries, and how its checks rate it.
 struct RatedGearbox {
   StrengthResult result;
-  strength::TrainRating<double> deciding;  ///< Drive::kEither
-  std::vector<std::string> notes;          ///< where losses do not count
+  GearingRating rating;            ///< Drive::kEither; refers to the design
+  std::vector<std::string> notes;  ///< where losses do not count
 };
 /// Rates a gearbox at its stated load, in both drive directions, and finds its capacity.
 ///
@@ -37,6 +37,7 @@ std::optional<RatedGearbox> rate_gearbox(const Design& design,
 /// A pair under the load that it states.
 struct RatedPair {
   strength::MeshRating<double> rating;
+  GearingRating rate;                                  ///< for its checks; refers to the design
   std::optional<strength::Capacity<double>> capacity;  ///< on gear 1
   std::vector<std::string> notes;
 };
@@ -46,7 +47,6 @@ struct RatedPair {
 std::optional<RatedPair> rate_pair(const PairDesign& design,
                                    const std::array<geometry::GearGeometry<double>, 2>& gears,
                                    const std::array<geometry::ToothForm<double>, 2>& forms,
-                                   const geometry::MeshGeometry<double>& mesh,
-                                   const MeshResult& result);
+                                   const geometry::MeshGeometry<double>& mesh);
 
 }  // namespace gear3k::design

@@ -99,9 +99,9 @@ class BuiltGearing {
   }
 
   /// Range of a value of this gearing over the corners of some variables, the others as drawn.
-  /// @param value  std::array<double, N>(const BuiltGearing&)
+  /// @param value  as many numbers of a const BuiltGearing& wherever it is called
   template <class Value>
-  auto ranges(std::span<const Variable> variables, Value value) {
+  std::vector<BuiltRange> ranges(std::span<const Variable> variables, Value value) {
     set_drawn();
     const auto nominal = value(*this);
     const bool counts = allow_drawn(variables);
@@ -114,7 +114,7 @@ class BuiltGearing {
       const auto values = value(*this);
       for (std::size_t i = 0; i < finders.size(); ++i) finders[i].add(values[i]);
     }
-    std::array<BuiltRange, std::tuple_size_v<decltype(nominal)>> result;
+    std::vector<BuiltRange> result(finders.size());
     std::ranges::transform(finders, result.begin(), &RangeFinder::range);
     return result;
   }
@@ -150,6 +150,16 @@ class BuiltGearing {
       if (tolerances_[i].root_diameter_m) {
         result.push_back({.dimension = Dimension::kRootDiameter, .gear = i});
       }
+    }
+    return without_points(std::move(result));
+  }
+  /// Those on which a rating of meshes of these gears depends: the tips of the others share the
+  /// load out by their losses.
+  [[nodiscard]] std::vector<Variable> rating_variables(std::span<const int> gears) const {
+    std::vector<Variable> result = variables(gears, true);
+    for (std::size_t i = 0; i < drawn_.gears.size(); ++i) {
+      if (std::ranges::find(gears, static_cast<int>(i)) != gears.end()) continue;
+      result.push_back({.dimension = Dimension::kTipDiameter, .gear = i});
     }
     return without_points(std::move(result));
   }
@@ -335,7 +345,6 @@ std::vector<Variable> variables_of(const CheckInstance& check, const BuiltGearin
       return built.variables(std::array{first, second}, true);
     }
     case CheckScope::kTrain:
-    // Loads are rated on the drawn gearbox.
     case CheckScope::kRatedTooth:
     case CheckScope::kRatedMesh:
     case CheckScope::kPlanetBearing:
@@ -343,6 +352,84 @@ std::vector<Variable> variables_of(const CheckInstance& check, const BuiltGearin
       break;
   }
   return built.backlash_variables();
+}
+
+/// Meshes that have to be rated for a check; none where forces suffice.
+std::array<bool, train::kMeshCount> meshes_rated_for(const CheckInstance& check,
+                                                     const DrawnGearing& drawn) {
+  std::array<bool, train::kMeshCount> rated{};
+  const CheckScope scope = check.record->scope;
+  if (scope != CheckScope::kRatedTooth && scope != CheckScope::kRatedMesh) return rated;
+  rated[static_cast<std::size_t>(check.subject.member)] = true;
+  const bool of_planet1 = rated[train::kMeshSP1] || rated[train::kMeshP1R1];
+  if (check.record->id == CheckId::kToothWear && of_planet1 && drawn.train != nullptr &&
+      train::g2(drawn.train->teeth) > 1.0) {
+    // Both mates of P1 may wear the same flank.
+    rated[train::kMeshSP1] = rated[train::kMeshP1R1] = true;
+  }
+  return rated;
+}
+
+/// Checks whose values are read from the same rating.
+struct RatedTogether {
+  std::array<bool, train::kMeshCount> rated{};
+  std::vector<std::size_t> checks;
+};
+std::vector<RatedTogether> rated_together(std::span<const CheckInstance> checks,
+                                          const DrawnGearing& drawn) {
+  std::vector<RatedTogether> groups;
+  for (std::size_t i = 0; i < checks.size(); ++i) {
+    if (!checks[i].record->rating) continue;
+    const auto rated = meshes_rated_for(checks[i], drawn);
+    auto group = std::ranges::find(groups, rated, &RatedTogether::rated);
+    if (group == groups.end()) {
+      groups.push_back({.rated = rated, .checks = {}});
+      group = groups.end() - 1;
+    }
+    group->checks.push_back(i);
+  }
+  return groups;
+}
+
+/// Margins of checks that are read from the same rating.
+std::vector<BuiltRange> rated_ranges(BuiltGearing& built, const DrawnGearing& drawn,
+                                     std::span<const CheckInstance> checks,
+                                     const RatedTogether& group) {
+  std::vector<int> gears;
+  for (std::size_t k = 0; k < drawn.mesh_gears.size(); ++k) {
+    for (const int gear : drawn.mesh_gears[k]) {
+      if (group.rated[k] && std::ranges::find(gears, gear) == gears.end()) gears.push_back(gear);
+    }
+  }
+  return built.ranges(built.rating_variables(gears), [&](const BuiltGearing& g) {
+    std::vector<double> margins(group.checks.size(), std::numeric_limits<double>::quiet_NaN());
+    Gearing<double> gearing = g.gearing();
+    const auto rating = drawn.rating(gearing, group.rated);
+    if (!rating) return margins;
+    gearing.rating = rating->mesh;
+    gearing.train_rating = &*rating;
+    for (std::size_t i = 0; i < margins.size(); ++i) {
+      margins[i] = check_margin(checks[group.checks[i]], gearing);
+    }
+    return margins;
+  });
+}
+
+/// Margins of all checks.
+std::vector<BuiltRange> check_ranges(BuiltGearing& built, const DrawnGearing& drawn,
+                                     std::span<const CheckInstance> checks) {
+  std::vector<BuiltRange> ranges(checks.size());
+  for (std::size_t i = 0; i < checks.size(); ++i) {
+    if (checks[i].record->rating) continue;
+    ranges[i] = built.ranges(variables_of(checks[i], built, drawn), [&](const BuiltGearing& g) {
+      return std::array<double, 1>{check_margin(checks[i], g.gearing())};
+    })[0];
+  }
+  for (const RatedTogether& group : rated_together(checks, drawn)) {
+    const std::vector<BuiltRange> rated = rated_ranges(built, drawn, checks, group);
+    for (std::size_t i = 0; i < rated.size(); ++i) ranges[group.checks[i]] = rated[i];
+  }
+  return ranges;
 }
 
 }  // namespace
@@ -382,13 +469,12 @@ std::optional<ToleranceLimits> tolerance_limits(const DrawnGearing& drawn,
     limits.gears.push_back(gear_limits(built, drawn, i));
   }
   limits.checks.reserve(checks.size());
-  for (const CheckInstance& check : checks) {
-    const auto margin = [&](const BuiltGearing& g) {
-      return std::array<double, 1>{check_margin(check, g.gearing())};
-    };
+  const std::vector<BuiltRange> margins = check_ranges(built, drawn, checks);
+  for (std::size_t i = 0; i < checks.size(); ++i) {
+    const CheckInstance& check = checks[i];
+    const BuiltRange& range = margins[i];
     SubjectNames subject =
         subject_names(check, drawn.gear_names, drawn.mesh_names, drawn.mesh_gears);
-    const BuiltRange range = built.ranges(variables_of(check, built, drawn), margin)[0];
     limits.checks.push_back({.record = check.record,
                              .mesh = std::move(subject.mesh),
                              .gear = std::move(subject.gear),

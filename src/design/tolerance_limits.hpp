@@ -2,6 +2,7 @@
 // What a gearbox built within its tolerances can be: least, drawn and greatest.
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -81,6 +82,12 @@ struct ToleranceLimits {
   std::optional<BuiltRange> lost_motion_rad;  ///< kinematic, at the output; empty for a pair
 };
 
+/// The stated load on a gearing that differs from the drawn one in dimensions only; of a pair the
+/// first mesh.  Only what is asked for is rated; empty where nothing can be, as no rim is left
+/// under a root.
+using GearingRating = std::function<std::optional<strength::TrainRating<double>>(
+    const Gearing<double>& gearing, const std::array<bool, train::kMeshCount>& rated)>;
+
 /// What is drawn: a train or a pair.
 struct DrawnGearing {
   std::span<const geometry::GearGeometry<double>> gears;
@@ -91,6 +98,7 @@ struct DrawnGearing {
   const train::TrainGeometry<double>* train = nullptr;  ///< null for a pair
   const train::AxialLayout* axial = nullptr;            ///< null where nothing is known of it
   backlash::LostMotionModel model = backlash::LostMotionModel::kKinematic;
+  GearingRating rating{};  ///< needed by checks with CheckRecord::rating only
 };
 
 /// Ranges of a gearing and margins of its checks over all gearboxes that the tolerances allow.
@@ -98,14 +106,20 @@ struct DrawnGearing {
 /// Each quantity is evaluated exactly at every corner: each gear at either end of its tooth
 /// thickness, tip and (where stated) root diameter, the centre distance at either end; of a mesh
 /// those of its two gears, of the whole train the tooth thicknesses of all.  All planets are alike.
-/// Valid: quantities that are monotone in each deviation while the others stay, as all are next to
-/// a drawn gearbox that is one, or are the least of several such: of a margin that is (tip_fouling,
-/// coaxiality), the least lies in a corner, and the greatest may be exceeded inside.  Tested with
-/// random gearboxes inside the limits.  The drawn gearbox counts as one more where the limits allow
-/// it.
-/// Does not cover: run-out, pitch deviations, pin position and phase of the planets, which differ
-/// from tooth to tooth and planet to planet (backlash::ClearanceModel); KISSsoft's minimum and
-/// maximum have none of them either.
+/// What is rated under load is rated anew in every corner, with the built teeth, roots and path of
+/// contact.  The tips of all gears count there, as a tip moves the losses of its mesh and these
+/// what every mesh has to carry.  Coefficients of friction and masses of planets stay those of the
+/// drawn gearbox: the former would differ by the state at which a law is evaluated, the latter by
+/// 1e-6 of a bearing's load. Valid: quantities that are monotone in each deviation while the others
+/// stay, as all are next to a drawn gearbox that is one, or are the least of several such: of a
+/// margin that is (tip_fouling, coaxiality), the least lies in a corner, and the greatest may be
+/// exceeded inside.  Factors of strength have kinks (K_Hα at its bounds, a contact ratio through 2,
+/// Z_B = 1): among 6000 random gearboxes of 150 designs at such places none was below the least of
+/// its corners, while the greatest safety of a flank was exceeded by up to 13 % of its range.
+/// Tested with random gearboxes inside the limits.  The drawn gearbox counts as one more where the
+/// limits allow it. Does not cover: run-out, pitch deviations, pin position and phase of the
+/// planets, which differ from tooth to tooth and planet to planet (backlash::ClearanceModel);
+/// KISSsoft's minimum and maximum have none of them either.
 /// @param gears  tolerances of each gear
 /// @param checks  as by list_checks()
 /// @returns empty where a mesh has no working pressure angle at an end of the centre distance

@@ -85,11 +85,13 @@ std::optional<Built> build(const design::Design& design, std::uint64_t samples,
 Tightening missing(const Built& built, const design::Limits& stated) {
   Tightening result{};
   for (const design::CheckLimits& check : built.limits.checks) {
-    if (check.record->id == CheckId::kOutputBacklashMax ||
-        check.record->id == CheckId::kOutputBacklashMin || !std::isfinite(check.margin.least)) {
+    const CheckId id = check.record->id;
+    // What holds does so to the tolerance of its own scale: no limit asks for more.
+    if (id == CheckId::kOutputBacklashMax || id == CheckId::kOutputBacklashMin ||
+        (check.holds && !is_backlash(id)) || !std::isfinite(check.margin.least)) {
       continue;
     }
-    double& by = at(result, check.record->id);
+    double& by = at(result, id);
     by = std::max(by, -check.margin.least);
   }
   if (const auto& most = stated[CheckId::kOutputBacklashMax]) {

@@ -76,7 +76,7 @@ double least_flank_safety_asked(const Specification& spec) {
     if (!material || material->record.flank_limit.law == strength::LimitLaw::kNotStated) continue;
     least = std::min(least, strength::least_flank_safety(*spec.rating, *material));
   }
-  return least;
+  return least + spec.limits[design::CheckId::kFlankSafety].value_or(0.0);
 }
 
 std::vector<StageFlanks> stage_flanks(const Specification& spec, std::size_t stage,

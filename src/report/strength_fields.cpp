@@ -224,6 +224,17 @@ Fields planet_load_fields(const strength::TrainRating<double>& rating) {
   return f;
 }
 
+/// Where K_γ of the meshes comes from.
+Fields sharing_fields(const design::PlanetSharing& sharing) {
+  Fields f("planet_sharing");
+  f.add("quantile", sharing.quantile);
+  f.add("drawn", sharing.drawn);
+  f.add("assembled", sharing.assembled);
+  f.add("mean_k_gamma", nullptr);
+  if (sharing.series) f.add("mean_k_gamma", io::Json(sharing.series->mean));
+  return f;
+}
+
 }  // namespace
 
 std::optional<double> torque_density(const design::Evaluation& e) {
@@ -241,6 +252,8 @@ Fields strength_fields(const design::Evaluation& e) {
   f.add("not_judged", io::Json(not_judged(e)));
   f.add("locks_forward", s.forward.locked);
   f.add("locks_backward", s.backward.locked);
+  f.add("planet_sharing", nullptr);
+  if (s.planet_sharing) f.add("planet_sharing", sharing_fields(*s.planet_sharing));
   add_meshes(f, meshes);
   f.add("stiffness", nullptr);
   if (s.forward.stiffness) f.add("stiffness", stiffness_fields(*s.forward.stiffness));

@@ -354,6 +354,19 @@ std::string train_lines(const design::Evaluation& e,
   } else {
     table.add({"planet bearings", "not known: lacks their positions"});
   }
+  if (s.planet_sharing && s.planet_sharing->series) {
+    const design::PlanetSharing& sharing = *s.planet_sharing;
+    std::vector<std::string> of_mesh;
+    for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+      of_mesh.push_back(fmt::format("{} {:.3f} (mean {:.3f})", train::kMeshNames[k],
+                                    s.forward.mesh[k].factors.mesh_load.value,
+                                    sharing.series->mean[k]));
+    }
+    table.add({"K_gamma of tolerances",
+               fmt::format("{}; of {:g} % of {} gearboxes that assemble, {} drawn",
+                           fmt::join(of_mesh, ", "), percent(sharing.quantile), sharing.assembled,
+                           sharing.drawn)});
+  }
   for (const auto* rating : {&s.forward, &s.backward}) {
     if (!rating->locked) continue;
     table.add(

@@ -28,6 +28,7 @@ inline constexpr std::string_view kVdi2736 = "tkuhn39/semesterthesis (VDI 2736-2
 inline constexpr std::string_view kGearPie = "cfernandesFEUP/GEARpie";
 inline constexpr std::string_view kNotStated = "not stated";
 inline constexpr std::string_view kInput = "input";
+inline constexpr std::string_view kTolerances = "tolerances";
 }  // namespace sources
 
 }  // namespace gear3k::strength

@@ -8,164 +8,319 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "backlash/output_range.hpp"
-
 namespace gear3k::strength {
 
 namespace {
 
-template <class T>
-void check_sharing(std::span<const double> gap_rad, const T& stiffness, const T& torque) {
-  if (!(value_of(stiffness) > 0.0)) {
-    throw std::invalid_argument(fmt::format(
-        "load sharing: output stiffness = {} N m/rad, allowed: above 0", value_of(stiffness)));
-  }
-  if (!(value_of(torque) > 0.0 && std::isfinite(value_of(torque)))) {
-    throw std::invalid_argument(
-        fmt::format("load sharing: torque = {} N m, allowed: above 0", value_of(torque)));
-  }
-  bool any_finite = false;
-  for (const double gap : gap_rad) {
-    if (std::isnan(gap) || gap == -std::numeric_limits<double>::infinity()) {
-      throw std::invalid_argument(
-          fmt::format("load sharing: gap = {} rad, allowed: a number or +inf", gap));
+using backlash::OutputLevers, backlash::PlanetPlay;
+
+constexpr int kSharingSteps = 200;
+constexpr int kLineSteps = 100;
+/// Of the force on R2.
+constexpr double kForceRounding = 1e-13;
+constexpr double kPlaceRounding = 1e-15;
+
+/// Place along w and y.
+struct Place {
+  double w = 0.0, y = 0.0;
+};
+double dot(const Place& a, const Place& b) { return a.w * b.w + a.y * b.y; }
+
+/// One planet at a place of carrier and R2: its meshes as springs on v, with weights k_1, k_2, κ²
+/// k_3 behind intervals without force.
+struct PlanetState {
+  std::array<double, train::kMeshCount> beyond{};  ///< v less the nearer end of its interval
+};
+
+/// Least energy of the planets over w and y.
+class SharedCarrier {
+ public:
+  SharedCarrier(const OutputLevers& levers, const MeshSprings& springs,
+                std::span<const PlanetPlay> planets, double force_N)
+      : levers_(levers),
+        planets_(planets),
+        weight_{springs[0], springs[1], levers.planet * levers.planet * springs[2]},
+        slope_{Place{}, Place{.w = 1.0, .y = 0.0},
+               Place{.w = levers.sun_side / levers.planet, .y = 1.0 / levers.planet}},
+        force_N_(force_N) {}
+
+  [[nodiscard]] PlanetState planet_at(const PlanetPlay& play, const Place& at) const {
+    // Interval of v without force, mesh by mesh; u_2 and u_3 fall with v.
+    std::array<double, train::kMeshCount> low{}, high{};
+    for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+      const double shift = dot(slope_[k], at);
+      const double scale = k == 2 ? 1.0 / levers_.planet : 1.0;
+      low[k] = k == 0 ? play[k].lower_m : shift - scale * play[k].upper_m;
+      high[k] = k == 0 ? play[k].upper_m : shift - scale * play[k].lower_m;
     }
-    any_finite = any_finite || std::isfinite(gap);
+    const auto a = static_cast<std::size_t>(std::ranges::min_element(high) - high.begin());
+    const auto b = static_cast<std::size_t>(std::ranges::max_element(low) - low.begin());
+    PlanetState state;
+    if (low[b] <= high[a]) return state;
+    // Two springs pull v apart; the third one joins in where they leave it outside its interval.
+    const std::size_t c = 3 - a - b;
+    double sum = weight_[a] + weight_[b];
+    double v = (weight_[a] * high[a] + weight_[b] * low[b]) / sum;
+    const double held = std::clamp(v, low[c], high[c]);
+    if (held != v) {
+      v = (sum * v + weight_[c] * held) / (sum + weight_[c]);
+      state.beyond[c] = v - held;
+    }
+    state.beyond[a] = v - high[a];
+    state.beyond[b] = v - low[b];
+    return state;
   }
-  if (!any_finite) throw std::invalid_argument("load sharing: no planet with a finite gap");
+
+  /// Slope and curvature of the energy.
+  struct Slope {
+    Place gradient;
+    double ww = 0.0, wy = 0.0, yy = 0.0;
+  };
+  [[nodiscard]] Slope slope_at(const Place& at) const {
+    Slope s{.gradient = {.w = 0.0, .y = -force_N_}};
+    for (const PlanetPlay& play : planets_) {
+      const PlanetState state = planet_at(play, at);
+      double sum = 0.0;
+      for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+        const double pull = -weight_[k] * state.beyond[k];
+        s.gradient.w += pull * slope_[k].w;
+        s.gradient.y += pull * slope_[k].y;
+        if (state.beyond[k] != 0.0) sum += weight_[k];
+      }
+      for (std::size_t i = 0; i < train::kMeshCount; ++i) {
+        for (std::size_t j = i + 1; j < train::kMeshCount; ++j) {
+          if (state.beyond[i] == 0.0 || state.beyond[j] == 0.0) continue;
+          const double k = weight_[i] * weight_[j] / sum;
+          const Place d{.w = slope_[j].w - slope_[i].w, .y = slope_[j].y - slope_[i].y};
+          s.ww += k * d.w * d.w;
+          s.wy += k * d.w * d.y;
+          s.yy += k * d.y * d.y;
+        }
+      }
+    }
+    return s;
+  }
+
+  /// Where all planets carry on the flanks that the torque loads: the solution if they do.
+  [[nodiscard]] Place all_carrying() const {
+    const std::array<double, train::kMeshCount> share{levers_.planet - levers_.sun_side,
+                                                      -levers_.sun_side, 1.0};
+    const double n = static_cast<double>(planets_.size());
+    std::array<double, train::kMeshCount> u{};
+    for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+      const double f = share[k] * force_N_ / n;
+      double count = 0.0;
+      for (const PlanetPlay& play : planets_) {
+        const double bound = f > 0.0 ? play[k].upper_m : play[k].lower_m;
+        if (!std::isfinite(bound)) continue;
+        u[k] += bound;
+        count += 1.0;
+      }
+      const double stiffness = k == 2 ? weight_[2] / (levers_.planet * levers_.planet) : weight_[k];
+      u[k] = (count > 0.0 ? u[k] / count : 0.0) + f / stiffness;
+    }
+    const double w = u[0] + u[1];
+    return {.w = w, .y = u[2] + levers_.planet * u[0] - levers_.sun_side * w};
+  }
+
+  [[nodiscard]] Place least() const {
+    Place at = all_carrying();
+    Slope s = slope_at(at);
+    // Where too few flanks touch to hold both, a little of all springs does.
+    const double scale =
+        static_cast<double>(planets_.size()) * (weight_[0] + weight_[1] + weight_[2]);
+    const double give = 1e-9 * scale * (1.0 + dot(slope_[2], slope_[2]));
+    for (int step = 0; step < kSharingSteps; ++step) {
+      // Sums of forces to their rounding, which the places of the flanks have too.
+      const double small = kForceRounding * std::abs(force_N_) +
+                           kPlaceRounding * scale * (std::abs(at.w) + std::abs(at.y));
+      if (std::hypot(s.gradient.w, s.gradient.y) <= small) break;
+      const double determinant = s.ww * s.yy - s.wy * s.wy;
+      const double more = determinant > 1e-9 * (s.ww + s.yy) * (s.ww + s.yy) ? 0.0 : give;
+      const double a = s.ww + more, c = s.yy + more;
+      const double det = a * c - s.wy * s.wy;
+      const Place way{.w = -(c * s.gradient.w - s.wy * s.gradient.y) / det,
+                      .y = -(a * s.gradient.y - s.wy * s.gradient.w) / det};
+      const Line best = along(at, way, s, dot(s.gradient, way));
+      if (best.length == 0.0) break;
+      at = {.w = at.w + best.length * way.w, .y = at.y + best.length * way.y};
+      s = best.slope;
+    }
+    return at;
+  }
+
+ private:
+  struct Line {
+    double length = 0.0;
+    Slope slope;
+  };
+  /// Least energy along a way on which it falls at first: the whole way, or false position
+  /// (Illinois) on the slope, which rises.
+  [[nodiscard]] Line along(const Place& at, const Place& way, const Slope& start,
+                           double first_slope) const {
+    const auto slope_after = [&](double t) {
+      return slope_at({.w = at.w + t * way.w, .y = at.y + t * way.y});
+    };
+    const double enough = 0.1 * std::abs(first_slope);
+    Line low{.length = 0.0, .slope = start}, high{.length = 1.0, .slope = slope_after(1.0)};
+    double below = first_slope, above = dot(high.slope.gradient, way);
+    while (above < -enough && high.length < 0x1p100) {
+      low = high;
+      below = above;
+      high.length *= 2.0;
+      high.slope = slope_after(high.length);
+      above = dot(high.slope.gradient, way);
+    }
+    if (std::abs(above) <= enough) return high;
+    int last = 0;
+    double weight_low = below, weight_high = above;
+    for (int step = 0; step < kLineSteps; ++step) {
+      double t =
+          high.length - weight_high * (high.length - low.length) / (weight_high - weight_low);
+      if (!(t > low.length && t < high.length) || step % 4 == 3) {
+        t = 0.5 * (low.length + high.length);
+      }
+      if (!(t > low.length && t < high.length)) break;
+      Line middle{.length = t, .slope = slope_after(t)};
+      const double value = dot(middle.slope.gradient, way);
+      if (std::abs(value) <= enough) return middle;
+      const int side = value < 0.0 ? -1 : 1;
+      if (side < 0) {
+        low = middle;
+        weight_low = value;
+        if (last == side) weight_high *= 0.5;
+      } else {
+        high = middle;
+        weight_high = value;
+        if (last == side) weight_low *= 0.5;
+      }
+      last = side;
+    }
+    return low.length > 0.0 ? low : high;
+  }
+
+  const OutputLevers& levers_;
+  std::span<const PlanetPlay> planets_;
+  std::array<double, train::kMeshCount> weight_;
+  std::array<Place, train::kMeshCount> slope_;  ///< of the intervals' places by w and y
+  double force_N_;
+};
+
+void check_sharing(const MeshSprings& springs, std::span<const PlanetPlay> planets, double torque) {
+  if (planets.empty()) {
+    throw std::invalid_argument("load sharing: 0 planets, allowed: 1 and more");
+  }
+  for (const double k : springs) {
+    if (!(k > 0.0 && std::isfinite(k))) {
+      throw std::invalid_argument(
+          fmt::format("load sharing: mesh stiffness = {} N/m, allowed: above 0", k));
+    }
+  }
+  if (!(std::abs(torque) > 0.0 && std::isfinite(torque))) {
+    throw std::invalid_argument(
+        fmt::format("load sharing: torque = {} N m, allowed: not 0", torque));
+  }
+  for (const PlanetPlay& planet : planets) {
+    for (const backlash::MeshPlay& play : planet) {
+      if (!(play.lower_m <= play.upper_m)) {
+        throw std::invalid_argument(
+            fmt::format("load sharing: play from {} to {} m, allowed: lower <= upper", play.lower_m,
+                        play.upper_m));
+      }
+    }
+  }
 }
 
-/// Turn of the output and number of planets that carry; gaps in order, from the least one.
-template <class T>
-struct SharedTurn {
-  T angle_rad{};
-  std::size_t carrying = 0;
-};
-template <class T>
-SharedTurn<T> shared_turn(std::span<const double> ordered, const T& stiffness, const T& torque) {
-  const T alone = static_cast<double>(ordered.size()) * torque / stiffness;  // T/κ
-  double sum = 0.0;
-  SharedTurn<T> turn;
-  for (std::size_t n = 1; n <= ordered.size(); ++n) {
-    sum += ordered[n - 1] - ordered[0];
-    turn = {.angle_rad = (alone + sum) / static_cast<double>(n), .carrying = n};
-    if (n == ordered.size() || value_of(turn.angle_rad) <= ordered[n] - ordered[0]) break;
-  }
-  return turn;
+void check_probability(double probability) {
+  if (probability > 0.0 && probability <= 1.0) return;
+  throw std::invalid_argument(
+      fmt::format("load factor: probability = {}, allowed: 0 < probability <= 1", probability));
 }
 
 }  // namespace
 
-template <class T>
-LoadSharing<T> load_sharing(std::span<const double> gap_rad, const T& output_stiffness_Nm_rad,
-                            const T& torque_Nm) {
-  check_sharing(gap_rad, output_stiffness_Nm_rad, torque_Nm);
-  std::vector<double> ordered(gap_rad.begin(), gap_rad.end());
-  std::ranges::sort(ordered);
-  const auto turn =
-      shared_turn(std::span<const double>(ordered), output_stiffness_Nm_rad, torque_Nm);
-  const double n = static_cast<double>(gap_rad.size());
-  const T kappa = output_stiffness_Nm_rad / n;
-  LoadSharing<T> sharing{.planet_torque_Nm = {},
-                         .angle_rad = turn.angle_rad,
-                         .load_factor = output_stiffness_Nm_rad * turn.angle_rad / torque_Nm,
-                         .carrying = turn.carrying};
-  sharing.planet_torque_Nm.reserve(gap_rad.size());
-  for (const double gap : gap_rad) {
-    const bool carries = gap - ordered[0] < value_of(turn.angle_rad);
-    sharing.planet_torque_Nm.push_back(carries ? T(kappa * (turn.angle_rad - (gap - ordered[0])))
-                                               : constant<T>(0.0));
+std::vector<PlanetForces> shared_forces(const OutputLevers& levers, const MeshSprings& springs_N_m,
+                                        std::span<const PlanetPlay> planets, double torque_Nm) {
+  check_sharing(springs_N_m, planets, torque_Nm);
+  const SharedCarrier carrier(levers, springs_N_m, planets, torque_Nm / levers.output_m);
+  const Place at = carrier.least();
+  std::vector<PlanetForces> forces;
+  forces.reserve(planets.size());
+  for (const PlanetPlay& play : planets) {
+    const PlanetState state = carrier.planet_at(play, at);
+    forces.push_back({springs_N_m[0] * state.beyond[0], -springs_N_m[1] * state.beyond[1],
+                      -springs_N_m[2] * levers.planet * state.beyond[2]});
   }
-  return sharing;
+  return forces;
 }
 
-std::vector<double> planet_gaps(const backlash::OutputLevers& levers,
-                                std::span<const backlash::PlanetPlay> planets, bool greatest) {
-  if (planets.empty()) throw std::invalid_argument("planet gaps: no planets");
-  std::vector<double> gaps;
-  gaps.reserve(planets.size());
-  for (std::size_t p = 0; p < planets.size(); ++p) {
-    const backlash::OutputRange range = backlash::output_range(levers, planets.subspan(p, 1));
-    gaps.push_back(greatest ? range.upper_rad : -range.lower_rad);
+std::array<double, train::kMeshCount> mesh_load_factors(const OutputLevers& levers,
+                                                        std::span<const PlanetForces> planets,
+                                                        double torque_Nm) {
+  const double force_N = std::abs(torque_Nm) / levers.output_m;
+  const std::array<double, train::kMeshCount> all{std::abs(levers.ring_side) * force_N,
+                                                  levers.sun_side * force_N, force_N};
+  std::array<double, train::kMeshCount> factors{};
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    double greatest = 0.0;
+    for (const PlanetForces& planet : planets) greatest = std::max(greatest, std::abs(planet[k]));
+    factors[k] = static_cast<double>(planets.size()) * greatest / all[k];
   }
-  const double least = *std::ranges::min_element(gaps);
-  for (double& gap : gaps) gap -= least;
-  return gaps;
+  return factors;
 }
 
-PlanetGapSample draw_planet_gaps(const backlash::ClearanceModel& model,
-                                 const PlanetGapOptions& options) {
+PlaySample draw_plays(const backlash::ClearanceModel& model, const PlaySampleOptions& options) {
   if (options.samples == 0) {
-    throw std::invalid_argument("planet gaps: samples = 0, allowed: 1 and more");
+    throw std::invalid_argument("planet plays: samples = 0, allowed: 1 and more");
   }
   const backlash::RandomGearbox random(model, options.scatter, options.seed);
-  PlanetGapSample sample{.planets = static_cast<std::size_t>(model.planets)};
-  sample.gap_rad.reserve(options.samples * sample.planets);
+  PlaySample sample{.levers = model.levers, .planets = static_cast<std::size_t>(model.planets)};
+  sample.plays.reserve(options.samples * sample.planets);
   for (std::uint64_t index = 0; index < options.samples; ++index) {
-    const std::vector<backlash::PlanetPlay> plays =
-        backlash::plays(model, random.deviations(index));
+    const std::vector<PlanetPlay> plays = backlash::plays(model, random.deviations(index));
     ++sample.drawn;
     if (!backlash::output_range(model.levers, plays).assembles()) continue;
     ++sample.assembled;
-    const std::vector<double> gaps = planet_gaps(model.levers, plays, options.greatest);
-    sample.gap_rad.insert(sample.gap_rad.end(), gaps.begin(), gaps.end());
+    sample.plays.insert(sample.plays.end(), plays.begin(), plays.end());
   }
   return sample;
 }
 
-template <class T>
-LoadFactorDistribution<T> load_factor_distribution(const PlanetGapSample& sample,
-                                                   const T& output_stiffness_Nm_rad,
-                                                   const T& torque_Nm, double probability) {
+LoadFactorSeries load_factor_series(const PlaySample& sample, const MeshSprings& springs_N_m,
+                                    double torque_Nm, double probability) {
   if (sample.assembled == 0) {
     throw std::invalid_argument(fmt::format(
         "load factor: none of {} gearboxes assembles, allowed: one and more", sample.drawn));
   }
-  if (!(probability > 0.0 && probability <= 1.0)) {
-    throw std::invalid_argument(
-        fmt::format("load factor: probability = {}, allowed: 0 < probability <= 1", probability));
+  check_probability(probability);
+  const std::span<const PlanetPlay> all(sample.plays);
+  const auto count = static_cast<std::size_t>(sample.assembled);
+  std::array<std::vector<double>, train::kMeshCount> factors;
+  for (std::vector<double>& of_mesh : factors) of_mesh.reserve(count);
+  for (std::size_t g = 0; g < count; ++g) {
+    const auto plays = all.subspan(g * sample.planets, sample.planets);
+    std::array<double, train::kMeshCount> greatest{};
+    for (const double torque : {torque_Nm, -torque_Nm}) {
+      const auto forces = shared_forces(sample.levers, springs_N_m, plays, torque);
+      const auto of_sense = mesh_load_factors(sample.levers, forces, torque);
+      for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+        greatest[k] = std::max(greatest[k], of_sense[k]);
+      }
+    }
+    for (std::size_t k = 0; k < train::kMeshCount; ++k) factors[k].push_back(greatest[k]);
   }
-  const std::span<const double> all(sample.gap_rad);
-  const auto gaps_of = [&](std::size_t k) {
-    return all.subspan(k * sample.planets, sample.planets);
-  };
-  std::vector<double> ordered(sample.planets);
-  const auto factor_of = [&](std::size_t k) {
-    std::ranges::copy(gaps_of(k), ordered.begin());
-    std::ranges::sort(ordered);
-    const auto turn =
-        shared_turn(std::span<const double>(ordered), output_stiffness_Nm_rad, torque_Nm);
-    return T(output_stiffness_Nm_rad * turn.angle_rad / torque_Nm);
-  };
-  check_sharing(gaps_of(0), output_stiffness_Nm_rad, torque_Nm);
-  std::vector<double> values;
-  values.reserve(sample.assembled);
-  LoadFactorDistribution<T> result;
-  result.mean = constant<T>(0.0);
-  for (std::size_t k = 0; k < sample.assembled; ++k) {
-    const T factor = factor_of(k);
-    values.push_back(value_of(factor));
-    result.mean = result.mean + factor;
+  const auto rank = static_cast<std::size_t>(std::ceil(probability * static_cast<double>(count)));
+  LoadFactorSeries series;
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    std::vector<double>& values = factors[k];
+    series.mean[k] =
+        std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(count);
+    const auto at =
+        values.begin() + static_cast<std::ptrdiff_t>(std::max<std::size_t>(rank, 1) - 1);
+    std::ranges::nth_element(values, at);
+    series.quantile[k] = *at;
   }
-  result.mean = result.mean * (1.0 / static_cast<double>(sample.assembled));
-  // The gearbox whose value has that rank; the one drawn first at a tie.
-  const auto rank =
-      static_cast<std::size_t>(std::ceil(probability * static_cast<double>(sample.assembled)));
-  std::vector<std::size_t> order(sample.assembled);
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  const auto at = order.begin() + static_cast<std::ptrdiff_t>(std::max<std::size_t>(rank, 1) - 1);
-  std::nth_element(order.begin(), at, order.end(), [&](std::size_t a, std::size_t b) {
-    return values[a] < values[b] || (values[a] == values[b] && a < b);
-  });
-  result.quantile = factor_of(*at);
-  return result;
+  return series;
 }
-
-#define INSTANTIATE(T)                                                                             \
-  template LoadSharing<T> load_sharing<T>(std::span<const double>, const T&, const T&);            \
-  template LoadFactorDistribution<T> load_factor_distribution<T>(const PlanetGapSample&, const T&, \
-                                                                 const T&, double);
-GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
-#undef INSTANTIATE
 
 }  // namespace gear3k::strength

@@ -1,6 +1,7 @@
 #pragma once
-// How N planets share the load when they do not touch at the same time.
+// How planets that differ share the load on their common carrier.
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -8,76 +9,70 @@
 
 #include "backlash/clearance_model.hpp"
 #include "backlash/random_gearbox.hpp"
-#include "geometry/scalar.hpp"
 
 namespace gear3k::strength {
 
-/// Load of planets that stand side by side as springs with gaps.
-template <class T>
-struct LoadSharing {
-  std::vector<T> planet_torque_Nm{};  ///< T_p at the output; their sum is T
-  T angle_rad{};                      ///< φ: turn of the output after the first planet touches
-  T load_factor{};                    ///< K_γ = N max T_p/T: 1 … N
-  std::size_t carrying = 0;           ///< planets with T_p > 0
-};
+/// Stiffness of each mesh of one planet, k̄_k b_k [N/m].
+using MeshSprings = std::array<double, train::kMeshCount>;
+/// Normal forces of the meshes of one planet [N]: above 0 where u stands beyond its upper bound,
+/// below 0 where beyond the lower one.
+using PlanetForces = std::array<double, train::kMeshCount>;
 
-/// Exact solution of Σ κ max(0, φ − g_p) = T, κ = K_out/N.
+/// Forces of all planets of a train whose sun and R1 are held while a torque turns R2.
 ///
-/// With the gaps in order, g_1 ≤ g_2 ≤ …, the first n planets carry iff the next one's gap is not
-/// used up: φ = (T/κ + Σ_1^n g)/n ≤ g_{n+1}.  Equal gaps: K_γ = 1; one gap far below the others: N.
-/// Source: own derivation, docs/theory §55.
+/// Every mesh of every planet is a spring behind its play, on both flanks:
 ///
-/// K_γ is continuous in all arguments, with a kink where a planet begins to carry.
+///   f_k = k_k max(0, u_k − upper_k) − k_k max(0, lower_k − u_k)
+///   u_1 = v,   u_2 = w − v,   u_3 = y + e w − κ v,   y = rb_R2 δ_R2
 ///
-/// Does not account for: the carrier that all planets share.  Each planet stands on the output as
-/// if the carrier could turn for it alone (its three meshes in series).  Against springs on one
-/// carrier that is right within 5 % (means, tested) for P1-R1 and P2-R2 and too low for S-P1, whose
-/// force is small beside its deviations: N is safe there.  A sun or ring that is free to shift
-/// (with N = 3: K_γ = 1, an input).
-/// @param gap_rad     g_p at the output, from any origin; +∞ for a planet that is not there
-/// @param output_stiffness_Nm_rad  K_out with all planets carrying
-/// @throws std::invalid_argument without planets, for a gap that is not a number, without a finite
-///   gap, or unless K_out > 0 and T > 0
-template <class T>
-LoadSharing<T> load_sharing(std::span<const double> gap_rad, const T& output_stiffness_Nm_rad,
-                            const T& torque_Nm);
+/// w of the carrier and y of R2 are common, v is the planet's own; e, κ of backlash::OutputLevers.
+/// They are where the energy Σ f²/(2k) − T y/rb_R2 is least, a convex function of quadratic pieces:
+/// v by its closed form, w and y by Newton's method with a line search, which ends on the piece.
+/// Then Σ_p f_3 = T/rb_R2, Σ_p f_2 = −e T/rb_R2, Σ_p f_1 = (κ − e) T/rb_R2.
+/// Source: own derivation, docs/theory §55.  Accuracy: 1e-10 of the greatest force (tested).
+/// Does not account for: members that shift off their axes to even out the loads, springs other
+/// than the meshes' (of planets, pins and bearings, which even them out too), friction.
+/// @param planets   plays; a bound may be infinite where nothing is met on that side
+/// @param torque_Nm  of any sign, not 0; positive: it turns R2 on
+/// @throws std::invalid_argument without planets, unless every spring is above 0, for a torque of 0
+///   or a play whose lower bound is above the upper one
+std::vector<PlanetForces> shared_forces(const backlash::OutputLevers& levers,
+                                        const MeshSprings& springs_N_m,
+                                        std::span<const backlash::PlanetPlay> planets,
+                                        double torque_Nm);
 
-/// Gaps of the planets of a gearbox at the output: for each planet the end of the output's range
-/// with that planet alone (docs/theory §33), less that of the planet that touches first.
-/// @param greatest  the load pushes R2 on (its upper end), else it holds it back
-/// @throws std::invalid_argument without planets
-std::vector<double> planet_gaps(const backlash::OutputLevers& levers,
-                                std::span<const backlash::PlanetPlay> planets, bool greatest);
+/// K_γ of each mesh: N times the force of the planet that carries most over that of all planets,
+/// 1 … N while no back flank is loaded.
+std::array<double, train::kMeshCount> mesh_load_factors(const backlash::OutputLevers& levers,
+                                                        std::span<const PlanetForces> planets,
+                                                        double torque_Nm);
 
-struct PlanetGapOptions {
+struct PlaySampleOptions {
   std::uint64_t samples = 10'000;  ///< gearboxes drawn
   std::uint64_t seed = 1;
   backlash::ScatterOptions scatter{};
-  bool greatest = true;  ///< as planet_gaps()
 };
-/// Gaps of random gearboxes: those with the same numbers as in backlash::monte_carlo() with the
+/// Plays of random gearboxes: those with the same numbers as in backlash::monte_carlo() with the
 /// same seed and scatter.
-struct PlanetGapSample {
+struct PlaySample {
+  backlash::OutputLevers levers{};
   std::size_t planets = 0;
-  std::vector<double> gap_rad{};  ///< planet by planet, gearbox by gearbox, of those that assemble
+  std::vector<backlash::PlanetPlay> plays{};  ///< planet by planet, of those that assemble
   std::uint64_t drawn = 0, assembled = 0;
 };
 /// @throws std::invalid_argument for 0 samples
-PlanetGapSample draw_planet_gaps(const backlash::ClearanceModel& model,
-                                 const PlanetGapOptions& options);
+PlaySample draw_plays(const backlash::ClearanceModel& model, const PlaySampleOptions& options);
 
-/// K_γ over a series of gearboxes.
-template <class T>
-struct LoadFactorDistribution {
-  T mean{};
-  T quantile{};  ///< that a share `probability` does not exceed: of one gearbox, with its
-                 ///< derivatives
+/// K_γ of each mesh over a series of gearboxes, of each the greater one of both senses of the
+/// torque.
+struct LoadFactorSeries {
+  std::array<double, train::kMeshCount> mean{};
+  /// That a share `probability` of the gearboxes does not exceed, mesh by mesh.
+  std::array<double, train::kMeshCount> quantile{};
 };
 /// @param probability  in (0, 1]
-/// @throws std::invalid_argument for an empty sample, a probability outside, or as load_sharing()
-template <class T>
-LoadFactorDistribution<T> load_factor_distribution(const PlanetGapSample& sample,
-                                                   const T& output_stiffness_Nm_rad,
-                                                   const T& torque_Nm, double probability);
+/// @throws std::invalid_argument for an empty sample, a probability outside, or as shared_forces()
+LoadFactorSeries load_factor_series(const PlaySample& sample, const MeshSprings& springs_N_m,
+                                    double torque_Nm, double probability);
 
 }  // namespace gear3k::strength

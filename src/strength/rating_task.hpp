@@ -25,21 +25,23 @@ std::optional<double> brinell_hardness(const GearMaterial& material);
 /// Where K_γ comes from.
 enum class MeshLoadSource {
   kNumber,
-  kM56,        ///< MeshLoadTable::kM56
-  kDrivetrain  ///< MeshLoadTable::kDrivetrain
+  kM56,         ///< MeshLoadTable::kM56
+  kDrivetrain,  ///< MeshLoadTable::kDrivetrain
+  kTolerances   ///< RatedTrain::mesh_load
 };
-inline constexpr std::array<std::string_view, 3> kMeshLoadSourceNames{"number", "m56",
-                                                                      "drivetrain"};
+inline constexpr std::array<std::string_view, 4> kMeshLoadSourceNames{"number", "m56", "drivetrain",
+                                                                      "tolerances"};
 
 /// Load factors as stated; what is empty is computed, or 1 where nothing to compute it from is
 /// stated.
 struct StatedFactors {
   std::optional<double> application{};  ///< K_A
   MeshLoadSource mesh_load_source = MeshLoadSource::kNumber;
-  std::optional<double> mesh_load{};                            ///< K_γ, kNumber
-  std::optional<double> dynamic{};                              ///< K_v
-  std::optional<double> flank_face{};                           ///< K_Hβ
-  std::optional<double> root_face{};                            ///< K_Fβ
+  std::optional<double> mesh_load{};   ///< K_γ, kNumber
+  double mesh_load_quantile = 0.99;    ///< share of gearboxes that K_γ covers, kTolerances
+  std::optional<double> dynamic{};     ///< K_v
+  std::optional<double> flank_face{};  ///< K_Hβ
+  std::optional<double> root_face{};   ///< K_Fβ
   std::optional<double> flank_transverse{}, root_transverse{};  ///< K_Hα, K_Fα
   std::optional<double> reversal{};  ///< Y_M of teeth that are loaded on both flanks
 };

@@ -87,7 +87,7 @@ DrivenTrain<T> driven_train(const RatedTrain<T>& train, Drive drive, const T& to
 struct TrainLife {
   TrainMotion motion;
   TrainCycles cycles;
-  Factor<double> mesh_load;
+  MeshLoadFactors mesh_load;
 };
 
 template <class T>
@@ -111,7 +111,7 @@ MeshRating<T> rated_mesh(const RatedTrain<T>& train, const RatingTask& task, con
        .speed_m_s = life.motion.rolling_rad_s[k] * central.reference_radius_m,
        .loss_W = driven.forces.loss_Nm[k] * life.motion.output_rad_s,
        .loss_factor = value_of(friction) > 0.0 ? T(lost / friction) : constant<T>(0.0),
-       .mesh_load = life.mesh_load},
+       .mesh_load = life.mesh_load[k]},
       task, part);
 }
 
@@ -256,6 +256,9 @@ Factor<double> mesh_load_of(const RatingTask& task, int planets) {
     if (!stated.mesh_load) return {.branch = "not stated", .source = sources::kNotStated};
     return {.value = *stated.mesh_load, .branch = "stated", .source = sources::kInput};
   }
+  if (stated.mesh_load_source == MeshLoadSource::kTolerances) {
+    return {.branch = "left to the tolerances", .source = sources::kNotStated};
+  }
   const auto factor =
       mesh_load_factor(stated.mesh_load_source == MeshLoadSource::kM56 ? MeshLoadTable::kM56
                                                                        : MeshLoadTable::kDrivetrain,
@@ -297,9 +300,14 @@ TrainRating<T> rate_train(const RatedTrain<T>& train, const RatingTask& task, Dr
   rating.torque_Nm = torque_Nm;
   rating.forces = driven.front().forces;
   rating.locked = std::ranges::any_of(driven, &DrivenTrain<T>::locked);
-  const TrainLife life{.motion = motion_of(teeth, task.speed_rad_s),
-                       .cycles = train_cycles(teeth, train.geometry.planets, task),
-                       .mesh_load = mesh_load_of(task, train.geometry.planets)};
+  TrainLife life{.motion = motion_of(teeth, task.speed_rad_s),
+                 .cycles = train_cycles(teeth, train.geometry.planets, task),
+                 .mesh_load = {}};
+  if (train.mesh_load) {
+    life.mesh_load = train.mesh_load(value_of(torque_Nm));
+  } else {
+    life.mesh_load.fill(mesh_load_of(task, train.geometry.planets));
+  }
   for (std::size_t k = 0; k < train::kMeshCount; ++k) {
     if (train.rated[k]) rating.mesh[k] = worse_mesh<T>(train, task, life, k, driven, part);
   }

@@ -2,6 +2,7 @@
 // A whole 3K train under load: three meshes, six teeth, planets, stiffness, capacity.
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -32,6 +33,9 @@ using MeshDriverEfficiencies = std::array<train::DriverEfficiencies<T>, train::k
 template <class T>
 PlanetAxis<T> planet_axis(const PlanetSupports& supports);
 
+/// K_γ of each mesh.
+using MeshLoadFactors = std::array<Factor<double>, train::kMeshCount>;
+
 /// The train that is rated; refers to its parts.
 template <class T>
 struct RatedTrain {
@@ -42,6 +46,8 @@ struct RatedTrain {
   /// μ by Drive and mesh, for H_V; 0: not known, no wear.
   std::array<std::array<T, train::kMeshCount>, 2> friction{};
   T planet_mass_kg = constant<T>(0.0);  ///< of a planet, for its centrifugal force
+  /// K_γ at an output torque, of MeshLoadSource::kTolerances; empty: as mesh_load_of().
+  std::function<MeshLoadFactors(double torque_Nm)> mesh_load{};
   /// Meshes that are rated; of the others a rating has the forces alone.
   std::array<bool, train::kMeshCount> rated{true, true, true};
   /// Whether the roots of metal gears are rated, by mesh and member; else `forms` is not read.
@@ -70,7 +76,7 @@ struct TrainRating {
 using TrainCycles = std::array<std::optional<double>, train::kGearCount>;
 TrainCycles train_cycles(const train::ToothSet& teeth, int planets, const RatingTask& task);
 
-/// K_γ as the task has it for N planets; 1 where it states none.
+/// K_γ as the task has it for N planets; 1 where it states none or leaves it to the tolerances.
 Factor<double> mesh_load_of(const RatingTask& task, int planets);
 
 /// Whether every gear has material left under its root circle, where a bore or an outer surface is

@@ -12,11 +12,14 @@
 #include <map>
 #include <numbers>
 #include <random>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "design/evaluation.hpp"
 #include "io/files/design_file.hpp"
+#include "tests/design/redrawn.hpp"
+#include "tests/strength/steel.hpp"
 
 namespace gear3k::design::tolerance_limits_test {
 namespace {
@@ -168,41 +171,6 @@ TEST(ToleranceLimits, KisssoftsMinimumNominalAndMaximumToTheirPrintedDigits) {
 
 // ---- Drawings changed by hand -----------------------------------------------------------------
 
-/// What one built gearbox differs by, m.
-struct Built {
-  double center_distance_m = 0.0;
-  std::array<GearDeviation, train::kGearCount> gears{};
-};
-
-/// Another drawing: the gearbox as built.  By the definitions of the keys: s = m (π/2 ± 2 x tan α)
-/// of a gear and a ring, and tip and root circle at m (z/2 ± (ha* ± x − k)), m (z/2 ± (± x − hf*)).
-Design redrawn(const Design& drawn, const Built& built) {
-  Design d = drawn;
-  d.tolerances.reset();
-  d.train = resolved_parameters(drawn);
-  d.center_distance_given = true;
-  auto& t = d.train;
-  const auto nominal = train::make_train_gears(t);
-  t.khk_tip.fill(false);
-  t.center_distance_m += built.center_distance_m;
-  const double tan_alpha = std::tan(t.pressure_angle_rad);
-  for (std::size_t i = 0; i < train::kGearCount; ++i) {
-    const bool ring = train::kind_of(static_cast<int>(i)) == geometry::GearKind::kRing;
-    const double m = t.module_m[static_cast<std::size_t>(train::stage_of(static_cast<int>(i)))];
-    const double half_z_m = nominal[i].reference_radius_m;
-    const double tip_m = nominal[i].tip_radius_m + 0.5 * built.gears[i].tip_diameter_m;
-    double& x = t.profile_shift[i];
-    x += (ring ? -1.0 : 1.0) * built.gears[i].tooth_thickness_m / (2.0 * tan_alpha * m);
-    t.tip_shortening[i] = ring ? (tip_m - half_z_m) / m + t.rack[i].addendum - x
-                               : t.rack[i].addendum + x - (tip_m - half_z_m) / m;
-    if (built.gears[i].root_diameter_m) {
-      const double root_m = nominal[i].root_radius_m + 0.5 * *built.gears[i].root_diameter_m;
-      t.rack[i].dedendum = ring ? (root_m - half_z_m) / m - x : x - (root_m - half_z_m) / m;
-    }
-  }
-  return d;
-}
-
 Evaluation evaluated(const Design& design) { return std::get<Evaluation>(evaluate(design)); }
 
 /// Every quantity of a gearbox that has limits, in the order of quantities(limits).
@@ -271,18 +239,6 @@ Design tolerated(const char* name, bool rooted) {
   }
   d.tolerances = t;
   return d;
-}
-
-/// @param pick  double(const backlash::DeviationLimits&)
-template <class Pick>
-Built built_by(const backlash::Tolerances& t, Pick pick) {
-  Built b{.center_distance_m = pick(t.center_distance_m), .gears = {}};
-  for (std::size_t i = 0; i < train::kGearCount; ++i) {
-    b.gears[i].tooth_thickness_m = pick(t.gears[i].tooth_thickness_m);
-    b.gears[i].tip_diameter_m = pick(t.gears[i].tip_diameter_m);
-    if (t.gears[i].root_diameter_m) b.gears[i].root_diameter_m = pick(*t.gears[i].root_diameter_m);
-  }
-  return b;
 }
 
 /// Rounding: a few digits of quantities that are differences of the gearbox's own dimensions.
@@ -405,6 +361,202 @@ TEST(ToleranceLimits, NoneWhereAnEndOfTheCentreDistanceLeavesNoWorkingAngle) {
   EXPECT_TRUE(std::ranges::any_of(e.notes, [](const std::string& note) {
     return note.find("tolerances.center_distance_um") != std::string::npos;
   }));
+}
+
+// ---- Under load ---------------------------------------------------------------------------------
+
+/// Every check that reads a rating, with bearings, pin, overload, grade, misalignment and speed.
+Design rated_design() {
+  Design d = io::read_design(kRoot + "/examples/designs/loaded.toml");
+  d.limits[CheckId::kBearingLoad] = 2000.0;
+  d.limits[CheckId::kPinStress] = 500e6;
+  d.rating->pin_diameter_m = 5e-3;
+  d.rating->overload = 1.5;
+  d.rating->accuracy_grade = 6;
+  d.rating->misalignment_m = 4e-6;
+  d.rating->speed_rad_s = 300.0;
+  d.rating->rim_radius_m[train::kP1] = 12e-3;
+  backlash::Tolerances t;
+  t.center_distance_m = {.lower = -6.0 * kMicrometre, .upper = 6.0 * kMicrometre};
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    t.gears[i].tooth_thickness_m = {.lower = -24.0 * kMicrometre, .upper = -4.0 * kMicrometre};
+    t.gears[i].tip_diameter_m = {.lower = -20.0 * kMicrometre, .upper = 5.0 * kMicrometre};
+  }
+  d.tolerances = t;
+  return d;
+}
+
+/// Margins of the checks under load, in their scale.
+std::vector<double> rated_margins(const std::vector<CheckResult>& checks) {
+  std::vector<double> margins;
+  for (const CheckResult& c : checks) {
+    if (c.record->rating) margins.push_back(c.margin / std::max(1.0, std::abs(c.limit)));
+  }
+  return margins;
+}
+struct RatedLimit {
+  std::string name;
+  BuiltRange margin;
+};
+std::vector<RatedLimit> rated_limits(const ToleranceLimits& limits,
+                                     const std::vector<CheckResult>& checks) {
+  std::vector<RatedLimit> all;
+  for (std::size_t i = 0; i < checks.size(); ++i) {
+    const CheckLimits& c = limits.checks[i];
+    if (!c.record->rating) continue;
+    const double scale = 1.0 / std::max(1.0, std::abs(checks[i].limit));
+    all.push_back({.name = std::string(c.record->name) + " " + c.mesh + " " + c.gear,
+                   .margin = {.least = scale * c.margin.least,
+                              .nominal = scale * c.margin.nominal,
+                              .greatest = scale * c.margin.greatest}});
+  }
+  return all;
+}
+
+TEST(ToleranceLimitsUnderLoad, AreTheExtremesOverEveryCornerOfTheWholeGearbox) {
+  Design design = rated_design();
+  // What stays as drawn halves the number of corners.
+  for (const std::size_t i : {train::kR1, train::kP2}) {
+    design.tolerances->gears[i].tooth_thickness_m = {};
+  }
+  design.tolerances->gears[train::kR2].tip_diameter_m = {};
+  const Evaluation drawn = evaluated(design);
+  const auto ranges = rated_limits(drawn.tolerance_limits.value(), drawn.checks);
+  std::vector<double> least(ranges.size(), 1e300), greatest(ranges.size(), -1e300);
+  for (unsigned corner = 0; corner < 256; ++corner) {
+    unsigned bits = corner;
+    const Built built = built_by(*design.tolerances, [&](const backlash::DeviationLimits& l) {
+      if (l.lower == l.upper) return l.lower;
+      const bool upper = (bits & 1U) != 0;
+      bits >>= 1U;
+      return upper ? l.upper : l.lower;
+    });
+    const auto values = rated_margins(evaluated(redrawn(design, built)).checks);
+    ASSERT_EQ(values.size(), ranges.size());
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      least[i] = std::min(least[i], values[i]);
+      greatest[i] = std::max(greatest[i], values[i]);
+    }
+  }
+  int deviating = 0;
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    // Another drawing has other masses of planets, whose centrifugal forces the drawn gearbox
+    // keeps.
+    const bool by_mass = ranges[i].name.starts_with("bearing") || ranges[i].name.starts_with("pin");
+    const double allowed = by_mass ? 1e-6 : kRounding;
+    EXPECT_NEAR(ranges[i].margin.least, least[i], allowed) << ranges[i].name;
+    EXPECT_NEAR(ranges[i].margin.greatest, greatest[i], allowed) << ranges[i].name;
+    if (ranges[i].margin.greatest - ranges[i].margin.least > 1e-4) ++deviating;
+  }
+  EXPECT_GE(deviating, 20);
+}
+
+TEST(ToleranceLimitsUnderLoad, NoGearboxInsideTheTolerancesExceedsThem) {
+  std::mt19937_64 generator(11);
+  for (const bool rooted : {false, true}) {
+    Design design = rated_design();
+    if (rooted) {
+      design.tolerances->gears[train::kS].root_diameter_m = {.lower = -50.0 * kMicrometre,
+                                                             .upper = 10.0 * kMicrometre};
+    }
+    const Evaluation drawn = evaluated(design);
+    const auto ranges = rated_limits(drawn.tolerance_limits.value(), drawn.checks);
+    for (int sample = 0; sample < 300; ++sample) {
+      const Built built = built_by(*design.tolerances, [&](const backlash::DeviationLimits& l) {
+        return std::uniform_real_distribution<double>(l.lower, l.upper)(generator);
+      });
+      const auto values = rated_margins(evaluated(redrawn(design, built)).checks);
+      for (std::size_t i = 0; i < values.size(); ++i) {
+        EXPECT_GE(values[i], ranges[i].margin.least - kRounding) << ranges[i].name;
+        // The nearer end of a range is the least of two margins, greatest where they are equal.
+        if (ranges[i].name.starts_with("shift_sum_range")) continue;
+        EXPECT_LE(values[i], ranges[i].margin.greatest + kRounding) << ranges[i].name;
+      }
+    }
+  }
+}
+
+TEST(ToleranceLimitsUnderLoad, NoneIsBelowTheLeastWhereFactorsHaveKinks) {
+  // K_Halpha at either of its bounds, contact ratios on both sides of 2, Z_B from 1 on.
+  std::mt19937_64 generator(3);
+  const auto between = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(generator);
+  };
+  std::array<int, 2> contacts{};  // below 2, above
+  for (int variant = 0; variant < 24; ++variant) {
+    Design design = rated_design();
+    design.rating->accuracy_grade = 3 + variant % 6;
+    design.rating->torque_Nm = between(2.0, 60.0);
+    design.rating->misalignment_m = between(0.0, 10.0 * kMicrometre);
+    for (double& shortening : design.train.tip_shortening) shortening = between(-0.25, 0.1);
+    const Evaluation drawn = evaluated(design);
+    const auto ranges = rated_limits(drawn.tolerance_limits.value(), drawn.checks);
+    for (const MeshResult& mesh : drawn.meshes) ++contacts[mesh.contact_ratio > 2.0 ? 1 : 0];
+    for (int sample = 0; sample < 30; ++sample) {
+      const Built built = built_by(*design.tolerances, [&](const backlash::DeviationLimits& l) {
+        return between(l.lower, l.upper);
+      });
+      const auto values = rated_margins(evaluated(redrawn(design, built)).checks);
+      for (std::size_t i = 0; i < values.size(); ++i) {
+        EXPECT_GE(values[i], ranges[i].margin.least - kRounding) << ranges[i].name;
+      }
+    }
+  }
+  EXPECT_GE(contacts[0], 20);
+  EXPECT_GE(contacts[1], 5);
+}
+
+TEST(ToleranceLimitsUnderLoad, NominalIsTheDrawnGearbox) {
+  const Design design = rated_design();
+  const Evaluation e = evaluated(design);
+  const auto drawn = rated_margins(e.checks);
+  const auto ranges = rated_limits(e.tolerance_limits.value(), e.checks);
+  ASSERT_EQ(drawn.size(), ranges.size());
+  EXPECT_GE(drawn.size(), 30U);
+  for (std::size_t i = 0; i < drawn.size(); ++i) {
+    EXPECT_NEAR(ranges[i].margin.nominal, drawn[i], 1e-15) << ranges[i].name;
+  }
+}
+
+TEST(ToleranceLimitsUnderLoad, OfAPairAreThoseOfPairsThatAreDrawnSo) {
+  PairDesign pair = io::read_pair(kRoot + "/examples/pairs/dry_steel_pair.toml");
+  strength::RatingTask task;
+  task.material[0] = task.material[1] = strength::steel_700_290();
+  task.torque_Nm = 1.0;
+  task.face_width_m = {5e-3, 5e-3};
+  task.speed_rad_s = 100.0;
+  task.accuracy_grade = 7;
+  pair.rating = task;
+  backlash::PairTolerances t;
+  t.center_distance_m = {.lower = -5.0 * kMicrometre, .upper = 8.0 * kMicrometre};
+  for (backlash::GearTolerances& gear : t.gears) {
+    gear.tooth_thickness_m = {.lower = -20.0 * kMicrometre, .upper = -5.0 * kMicrometre};
+    gear.tip_diameter_m = {.lower = -40.0 * kMicrometre, .upper = 0.0};
+  }
+  pair.tolerances = t;
+  const auto drawn = std::get<PairEvaluation>(evaluate(pair));
+  const auto ranges = rated_limits(drawn.tolerance_limits.value(), drawn.checks);
+  ASSERT_GE(ranges.size(), 4U);
+  std::vector<double> least(ranges.size(), 1e300), greatest(ranges.size(), -1e300);
+  for (unsigned corner = 0; corner < 32; ++corner) {
+    unsigned bits = corner;
+    const PairDesign built =
+        redrawn_pair(pair, drawn.center_distance_m, [&](const backlash::DeviationLimits& l) {
+          const bool upper = (bits & 1U) != 0;
+          bits >>= 1U;
+          return upper ? l.upper : l.lower;
+        });
+    const auto values = rated_margins(std::get<PairEvaluation>(evaluate(built)).checks);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      least[i] = std::min(least[i], values[i]);
+      greatest[i] = std::max(greatest[i], values[i]);
+    }
+  }
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    EXPECT_NEAR(ranges[i].margin.least, least[i], kRounding) << ranges[i].name;
+    EXPECT_NEAR(ranges[i].margin.greatest, greatest[i], kRounding) << ranges[i].name;
+    EXPECT_LE(ranges[i].margin.least, ranges[i].margin.nominal) << ranges[i].name;
+  }
 }
 
 }  // namespace

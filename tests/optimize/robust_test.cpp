@@ -6,12 +6,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <random>
 #include <string>
 
 #include "design/built_series.hpp"
 #include "design/evaluation.hpp"
 #include "io/files/specification_file.hpp"
 #include "optimize/optimizer.hpp"
+#include "tests/design/redrawn.hpp"
 
 namespace gear3k::optimize::robust_test {
 namespace {
@@ -134,6 +137,48 @@ TEST(RobustLimits, InTheWorstCaseHoldForEveryGearbox) {
                                      .scatter = {.scatter = backlash::Scatter::kUniform},
                                      .limit_rad = limit});
   EXPECT_EQ(series.yield.count, series.samples);
+}
+
+/// Least S − S_min over drawings of the corners of thickness, tips and centre distance, each with
+/// all gears at their ends together or at random ones.
+double least_safety_of_corners(const design::Design& design, CheckId id) {
+  double least = std::numeric_limits<double>::infinity();
+  std::mt19937_64 generator(5);
+  for (int corner = 0; corner < 200; ++corner) {
+    const auto built =
+        design::built_by(*design.tolerances, [&](const backlash::DeviationLimits& l) {
+          if (corner < 2) return corner == 0 ? l.lower : l.upper;
+          return generator() % 2 == 0 ? l.lower : l.upper;
+        });
+    const auto e = std::get<design::Evaluation>(design::evaluate(design::redrawn(design, built)));
+    for (const design::CheckResult& check : e.checks) {
+      if (check.record->id == id) least = std::min(least, check.margin);
+    }
+  }
+  return least;
+}
+
+TEST(RobustLimits, HoldForTheTeethUnderLoadOfEveryGearbox) {
+  // So much torque that the roots or the flanks of the best design are at their limit.
+  Specification spec = few_sets(0.2);
+  spec.teeth.P1 = {.min = 64, .max = 64};
+  spec.rating->torque_Nm = 30.0;
+  spec.rating->accuracy_grade = 6;
+  for (backlash::GearTolerances& gear : spec.tolerances->gears) {
+    gear.tip_diameter_m = {.lower = -10e-6, .upper = 0.0};
+  }
+  spec.robust.hold = Hold::kWorstCase;
+  const RobustResult result = robust_limits(spec, search);
+  ASSERT_TRUE(result.chosen);
+  const design::Design nominal = stated_design(spec, result.passes.front());
+  const design::Design chosen = stated_design(spec, result.passes[*result.chosen]);
+  double nominal_least = 1.0;
+  for (const CheckId id : {CheckId::kRootSafety, CheckId::kFlankSafety}) {
+    nominal_least = std::min(nominal_least, least_safety_of_corners(nominal, id));
+    EXPECT_GE(least_safety_of_corners(chosen, id), -2.0 * design::kFeasibilityTolerance);
+  }
+  EXPECT_LT(nominal_least, -1e-3);
+  expect_checks_hold_at_their_worst(chosen, true);
 }
 
 TEST(RobustLimits, OfTolerancesThatNoDesignBearsAreNone) {

@@ -58,7 +58,8 @@ StrengthKey train_mesh_load_key() {
                  .default_text = "with [strength]: 1",
                  .help = "K_gamma, the share of the most loaded planet: a number, or a table's for "
                          "3 planets and more: m56 1.0, 1.2, 1.3, 1.4, drivetrain 1.1, 1.25, 1.35, "
-                         "1.44 for 3, 4, 5, 6 and more"},
+                         "1.44 for 3, 4, 5, 6 and more; in a DESIGN tolerances: of each mesh, "
+                         "from random gearboxes within [tolerances]"},
       .assign =
           [](const KeyRecord& record, StrengthInput& t, std::size_t, const TomlValue& v) {
             StatedFactors& factors = t.task.factors;
@@ -305,7 +306,7 @@ void check_curves(const StrengthInput& input, const GearMaterials& materials,
 void check_planets(const StrengthInput& input, const std::vector<int>& planets,
                    FileReading& reading) {
   const MeshLoadSource source = input.task.factors.mesh_load_source;
-  if (source == MeshLoadSource::kNumber) return;
+  if (source == MeshLoadSource::kNumber || source == MeshLoadSource::kTolerances) return;
   const auto few = std::ranges::min_element(planets);
   if (few == planets.end() || *few >= kFewestOfTables) return;
   reading.error_at(
@@ -314,6 +315,26 @@ void check_planets(const StrengthInput& input, const std::vector<int>& planets,
                   "with {} planets)",
                   strength::kMeshLoadSourceNames[static_cast<std::size_t>(source)], *few,
                   *few == 1 ? "" : "s", kFewestOfTables));
+}
+
+/// K_gamma of tolerances wants them, and a design that they are of.
+void check_mesh_load(const StrengthInput& input, const RatedTrainFile& file, FileReading& reading) {
+  constexpr const char* kFactor = "strength.k_gamma";
+  constexpr const char* kQuantile = "strength.k_gamma_quantile";
+  if (input.task.factors.mesh_load_source != MeshLoadSource::kTolerances) {
+    if (!reading.stated(kQuantile)) return;
+    reading.error_at(kQuantile, fmt::format("{} without {} = \"tolerances\": allowed: with it",
+                                            kQuantile, kFactor));
+  } else if (file.searched) {
+    reading.error_at(kFactor,
+                     fmt::format("{} = \"tolerances\" in a SPEC: allowed: a number, \"m56\" or "
+                                 "\"drivetrain\"; analyze the design that is found with it",
+                                 kFactor));
+  } else if (!reading.stated("tolerances")) {
+    reading.error_at(
+        kFactor,
+        fmt::format("{} = \"tolerances\" without [tolerances]: allowed: with it", kFactor));
+  }
 }
 
 /// The bearings of a planet; empty where they are not stated.
@@ -420,6 +441,10 @@ std::vector<Key<StrengthInput>> train_strength_keys() {
        .torque_help = "torque at R2 that the gearbox is to carry, in either direction",
        .speed = "operating_point.sun_speed_rpm"},
       train_mesh_load_key());
+  keys.push_back(strength_number(
+      "k_gamma_quantile", Unit::kNone, within(0.5, 1.0), "with k_gamma = \"tolerances\": 0.99",
+      "share of the gearboxes within [tolerances] whose K_gamma is no greater; in a DESIGN",
+      of_factors(&StatedFactors::mesh_load_quantile)));
   keys.push_back(make_key<StrengthInput>(
       number_range("bearings.planet_positions_mm", Unit::kMillimetre, within(-1e4, 1e4),
                    kWhenStated,
@@ -503,6 +528,7 @@ std::optional<RatingTask> finish_train_strength(const StrengthInput& input,
   check_curves(input, materials, gears, reading);
   check_wear(reading);
   check_planets(input, file.planets, reading);
+  check_mesh_load(input, file, reading);
   check_life("operating_point.sun_speed_rpm", file.sun_speed_rad_s.value_or(0.0), reading);
   RatingTask task = task_of(input, materials);
   for (const std::size_t stage : {0U, 1U}) {

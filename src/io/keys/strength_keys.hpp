@@ -45,7 +45,8 @@ struct RatedTrainFile {
   std::optional<double> sun_speed_rad_s;
   train::AxialLayout axial;
   design::Limits limits;
-  bool has_pin = false;  ///< inertia.pin_diameter_mm is stated
+  bool has_pin = false;   ///< inertia.pin_diameter_mm is stated
+  bool searched = false;  ///< a SPEC: the design is not known yet
 };
 
 /// Materials by gear, where the file states them.

@@ -29,6 +29,7 @@ const std::string kGears =
 const std::string kSteel = "[material]\nname = \"34CrNiMo6 through hardened\"\n";
 const std::string kLoad = "[strength]\noutput_torque_nm = 20.0\n";
 const std::string kPoint = "[operating_point]\nsun_speed_rpm = 600.0\noutput_torque_nm = 20.0\n";
+const std::string kTolerances = "[tolerances]\ncenter_distance_um = [-5.0, 5.0]\n";
 const std::string kSpec =
     "[ratio]\ntarget = 96.2\n"
     "[teeth]\nS = [12, 13]\nP1 = [50, 60]\nR1_max = 120\nP2 = [40, 60]\nR2_max = 121\n"
@@ -343,6 +344,7 @@ TEST(StrengthKeys, ReadBackFromTheTextOfADesignAsTheyWere) {
       "group = \"IF\"\nsigma_h_lim_mpa = 701.7\nsigma_f_lim_mpa = 290.1\n"
       "yield_strength_mpa = 900\ndensity_kg_m3 = 7801\n" +
           kLoad + "k_gamma = 1.17\n",
+      kSteel + kLoad + "k_gamma = \"tolerances\"\nk_gamma_quantile = 0.973\n" + kTolerances,
       "[material]\nname = \"POM\"\nsigma_f_lim_mpa = 31.7\n"
       "[gears.S.material]\nname = \"through hardened alloy steel MQ\"\nhardness = 301.7\n"
       "[gears.R2.material]\nname = \"PA66\"\ngroup = \"PA\"\nyield_strength_mpa = 55.5\n" +
@@ -385,6 +387,7 @@ TEST(StrengthKeys, ReadBackFromTheTextOfADesignAsTheyWere) {
     EXPECT_EQ(a.factors.application, b.factors.application);
     EXPECT_EQ(a.factors.mesh_load_source, b.factors.mesh_load_source);
     EXPECT_EQ(a.factors.mesh_load, b.factors.mesh_load);
+    EXPECT_EQ(a.factors.mesh_load_quantile, b.factors.mesh_load_quantile);
     EXPECT_EQ(a.factors.dynamic, b.factors.dynamic);
     EXPECT_EQ(a.factors.root_transverse, b.factors.root_transverse);
     EXPECT_EQ(a.factors.reversal, b.factors.reversal);
@@ -518,10 +521,16 @@ TEST(StrengthKeys, ThatDoNotFitAreAnErrorEachAtItsPlace) {
       {kSteel + kLoad + "s_h_min = -1.2\n",
        "gear.toml:29:1: strength.s_h_min = -1.2: allowed: a number, above 0 to 100"},
       {kSteel + kLoad + "k_gamma = \"m57\"\n",
-       "strength.k_gamma = \"m57\": allowed: a number, 1 to 1000, or \"m56\" or \"drivetrain\"; "
-       "did "
-       "you mean \"m56\"?"},
-      {kSteel + kLoad + "k_gamma = \"tolerances\"\n", "allowed: a number, 1 to 1000, or \"m56\""},
+       "strength.k_gamma = \"m57\": allowed: a number, 1 to 1000, or \"m56\" or \"drivetrain\" or "
+       "\"tolerances\"; did you mean \"m56\"?"},
+      {kSteel + kLoad + "k_gamma = \"tolerances\"\n",
+       "gear.toml:29:1: strength.k_gamma = \"tolerances\" without [tolerances]: allowed: with it"},
+      {kSteel + kLoad + "k_gamma_quantile = 0.9\n",
+       "gear.toml:29:1: strength.k_gamma_quantile without strength.k_gamma = \"tolerances\": "
+       "allowed: "
+       "with it"},
+      {kSteel + kLoad + "k_gamma = \"tolerances\"\nk_gamma_quantile = 1.1\n" + kTolerances,
+       "strength.k_gamma_quantile = 1.1: allowed: a number, 0.5 to 1"},
       {kSteel + kLoad + "k_v = 0.9\n", "strength.k_v = 0.9: allowed: a number, 1 to 1000"},
       {kSteel + kLoad + "accuracy_grade = 9\n",
        "strength.accuracy_grade = 9: allowed: an integer, 3 to 8"},
@@ -624,6 +633,13 @@ TEST(StrengthKeys, TablesOfTheMeshLoadFactorBeginWithThreePlanets) {
               "gear.toml:30:1: strength.k_gamma = \"drivetrain\" with 2 planets: allowed");
   expect_only(errors_of([&] { return parse_specification(two_or_three + m56, "spec.toml"); }),
               "strength.k_gamma = \"m56\" with 2 planets: allowed: a number");
+  expect_only(errors_of([&] {
+                return parse_specification(
+                    "planets = [3]\n" + kSpec + kWidths + load + "k_gamma = \"tolerances\"\n",
+                    "spec.toml");
+              }),
+              "strength.k_gamma = \"tolerances\" in a SPEC: allowed: a number, \"m56\" or "
+              "\"drivetrain\"; analyze the design that is found with it");
   EXPECT_EQ(design_errors(load + m56), "");
   EXPECT_EQ(design_errors(load + drivetrain), "");
   EXPECT_EQ(errors_of([&] { return parse_design(two + "k_gamma = 1.0\n", "g"); }), "");
