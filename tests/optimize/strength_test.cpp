@@ -387,7 +387,7 @@ TEST(RefinedSet, CarriesWhatTheAnalysisOfItsDesignSays) {
     if (plastic) {
       spec.rating->material.fill(
           strength::GearMaterial{.record = *strength::find_material("POM"), .hardness = {}});
-      spec.rating->cycles = 1e6;
+      spec.rating->teeth.cycles = 1e6;
       spec.rating->torque_Nm = 0.2;
     }
     const RefinedSet set = refine(spec, kWinner);

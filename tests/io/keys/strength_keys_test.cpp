@@ -11,6 +11,7 @@
 #include "io/files/design_file.hpp"
 #include "io/files/specification_file.hpp"
 #include "io/text/diagnostics.hpp"
+#include "optimize/objective_value.hpp"
 #include "optimize/refined_set.hpp"
 
 namespace gear3k::io::strength_keys_test {
@@ -321,11 +322,23 @@ TEST(MaterialKeys, AHardnessIsNeededWhereALimitDependsOnIt) {
   EXPECT_EQ(design_errors("[material]\nname = \"case hardened steel MQ\"\n" + kLoad), "");
 }
 
-TEST(MaterialKeys, DensityIsThatOfTheMassesWhereAllGearsHaveTheSame) {
+TEST(MaterialKeys, DensitiesAreThoseOfTheMassesUnlessTheFileStatesOne) {
   EXPECT_EQ(design_of(kSteel).masses.density_kgm3, 7830.0);
   EXPECT_EQ(design_of(kSteel + "[inertia]\ndensity_kg_m3 = 7000\n").masses.density_kgm3, 7000.0);
   EXPECT_FALSE(design_of(kSteel + "[gears.S.material]\nname = \"POM\"\n").masses.density_kgm3);
   EXPECT_FALSE(design_of("[gears.S.material]\nname = \"POM\"\n").masses.density_kgm3);
+  const std::string planets_of_pom =
+      kSteel + "[gears.P1.material]\nname = \"POM\"\n[gears.P2.material]\nname = \"POM\"\n";
+  const design::GearDensities densities{7830.0, 1415.0, 7830.0, 1415.0, 7830.0};
+  for (const std::string& load : {std::string(), kLoad + "cycles = 1e6\n"}) {
+    const auto design = design_of(planets_of_pom + load);
+    EXPECT_EQ(design.masses.gear_density_kgm3, densities);
+    EXPECT_FALSE(design.masses.density_kgm3);
+    EXPECT_EQ(parse_design(design_text(design), "g").masses.gear_density_kgm3, densities);
+    const auto spec = parse_specification(kSpec + kWidths + planets_of_pom + load, "s");
+    EXPECT_EQ(spec.bodies.gear_density_kgm3, densities);
+    EXPECT_TRUE(optimize::knows_masses(spec));
+  }
   // What needs a density takes this one.
   EXPECT_EQ(design_errors(kSteel + "[inertia]\npin_diameter_mm = 6\npin_length_mm = 20\n"
                                    "carrier_outer_diameter_mm = 60\ncarrier_thickness_mm = 4\n"),
