@@ -71,7 +71,7 @@ TEST(Analyze, ATrainThatTurnsBackwardOnlyWithTheSunsHelpIsNoted) {
     EXPECT_FALSE(e.efficiency.backdrivable && locked) << mu;
     EXPECT_FALSE(e.strength->forward.locked) << mu;
     const bool needs_help = !e.efficiency.backdrivable && !locked;
-    EXPECT_EQ(note_with(e, "while the sun helps") != "", needs_help) << mu;
+    EXPECT_EQ(!note_with(e, "while the sun helps").empty(), needs_help) << mu;
     ++(needs_help ? helped : alone);
   }
   EXPECT_GT(helped, 5);
@@ -95,8 +95,8 @@ TEST(Analyze, ATorqueFarFromThatOfTheOperatingPointIsNoted) {
   for (const double share : {0.0, 0.49, 0.5, 1.0, 1.01}) {
     d.operating_point = {.sun_speed_rad_s = 100.0, .output_torque_Nm = share * rated_Nm};
     const bool far = share < 0.5 || share > 1.0;
-    EXPECT_EQ(note_with(analyze({.design = d}).evaluation, "[strength] rates 20 N m at R2") != "",
-              far)
+    EXPECT_EQ(
+        !note_with(analyze({.design = d}).evaluation, "[strength] rates 20 N m at R2").empty(), far)
         << share;
   }
   d.operating_point.reset();
