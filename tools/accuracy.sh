@@ -1,14 +1,19 @@
 #!/usr/bin/env bash
 # Prints, for every identity that the tests check over random cases, the largest deviation as a share
-# of the tolerance that the test states:   tools/accuracy.sh build/release
+# of the tolerance that the test states:   tools/accuracy.sh build/release [FOLDER[:FILTER]]...
+# Without folders of tests those of random cases; FILTER as --gtest_filter.
 # Of a test that runs over several kinds (external and internal, G2 below and above 1) the largest.
 set -euo pipefail
 build=$1
+shift
+[ $# -gt 0 ] || set -- geometry train backlash efficiency inertia design
 export GEAR3K_LONG=1  # the long samples of the tests
 records=$(mktemp -d)
 trap 'rm -rf "$records"' EXIT
-for folder in geometry train backlash efficiency inertia design; do
-  "$build/tests/${folder}_test" --gtest_output="xml:$records/$folder.xml" >/dev/null
+for tests in "$@"; do
+  folder=${tests%%:*} filter=${tests#*:}
+  [ "$filter" != "$tests" ] || filter='*'
+  "$build/tests/${folder}_test" --gtest_filter="$filter" --gtest_output="xml:$records/$folder.xml" >/dev/null
 done
 for file in "$records"/*.xml; do
   awk -v folder="$(basename "$file" .xml)" '

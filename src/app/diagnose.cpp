@@ -107,7 +107,7 @@ void tell_springs(const DiagnosisTask& task, const MeasurementSet& set,
     d.model.beyond_springs = true;
     d.springs_Nm_rad = torque_Nm / design::elastic_windup(*springs, torque_Nm);
     d.notes.push_back(fmt::format(
-        "the simulation winds up by the springs of [strength], {:.4g} Nm/rad at {:.4g} Nm: "
+        "the simulation winds up by the springs of [strength], {:.4g} N m/rad at {:.4g} N m: "
         "compliance is what comes on top of it",
         *d.springs_Nm_rad, torque_Nm));
   } else if (angles && task.states_springs && calibrate::has_whole_windup(task.models)) {

@@ -21,7 +21,7 @@ using calibrate::ExtendedModel;
 using Point = design::OperatingPoint<double>;
 
 std::string point_text(const Point& point) {
-  return fmt::format("{:.6g} rpm, {:.6g} Nm, {:.4g} C", point.sun_speed_rad_s / units::kRpm,
+  return fmt::format("{:.6g} rpm, {:.6g} N m, {:.4g} C", point.sun_speed_rad_s / units::kRpm,
                      point.output_torque_Nm, point.temperature_K - 273.15);
 }
 
@@ -52,7 +52,7 @@ std::optional<Point> point_or_middle(const std::optional<Point>& stated, const M
   if (middle) {
     if (!(middle->sun_speed_rad_s >= 0.0 && middle->output_torque_Nm >= 0.0)) {
       throw io::InvalidInput(fmt::format(
-          "{}: the middle of its range is no operating point: {}; allowed: 0 rpm and 0 Nm or more",
+          "{}: the middle of its range is no operating point: {}; allowed: 0 rpm and 0 N m or more",
           model.use.file, point_text(*middle)));
     }
     notes.push_back(
@@ -85,7 +85,7 @@ void lower_limits(optimize::Specification& spec, Model& model, Notes& notes) {
   if (lowered) {
     model.use.lost_motion_shift_rad = shift;
     notes.push_back(fmt::format(
-        "limits of lost motion hold with the {:.4g} arcmin that the model adds at {:.6g} Nm: the "
+        "limits of lost motion hold with the {:.4g} arcmin that the model adds at {:.6g} N m: the "
         "teeth alone, and best.toml, get limits lower by that",
         units::from_si(shift, units::Unit::kArcmin), torque_Nm));
   }

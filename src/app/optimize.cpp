@@ -11,6 +11,7 @@
 #include "calibrate/model/model_range.hpp"
 #include "io/files/design_file.hpp"
 #include "io/text/diagnostics.hpp"
+#include "optimize/refine.hpp"
 
 namespace gear3k::app {
 
@@ -109,6 +110,15 @@ Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks,
     outcome.interrupted = outcome.interrupted || outcome.comparison->interrupted;
   }
   return outcome;
+}
+
+std::optional<CarriedTorque> carried_torque(const optimize::Specification& spec,
+                                            const report::ResultTally& tally) {
+  if (!tally.nearest_under_load || !strength::judges_any(*spec.rating)) return std::nullopt;
+  const optimize::Candidate& candidate = tally.nearest_under_load->candidate;
+  const auto torque_Nm = optimize::greatest_torque(spec, candidate);
+  if (!torque_Nm || *torque_Nm >= spec.rating->torque_Nm) return std::nullopt;
+  return CarriedTorque{.teeth = candidate.teeth, .torque_Nm = *torque_Nm};
 }
 
 }  // namespace gear3k::app

@@ -14,6 +14,7 @@
 #include "optimize/pareto_search.hpp"
 #include "report/model_change_report.hpp"
 #include "report/robust_report.hpp"
+#include "report/search_report.hpp"
 
 namespace gear3k::app {
 
@@ -78,5 +79,15 @@ struct Optimization {
 /// @param progress  may be watched, and ends the run by its `stop`, keeping what is done
 /// @throws std::invalid_argument for a task whose limits are unreachable
 Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks, optimize::Progress& progress);
+
+/// A tooth set that cannot carry the load, with what it can.
+struct CarriedTorque {
+  train::ToothSet teeth;
+  double torque_Nm = 0.0;  ///< at R2, with every other limit kept
+};
+/// What the nearest of the sets that the load blocks would carry; empty where there is none, no
+/// limit stress is stated, or it carries what is asked for.
+std::optional<CarriedTorque> carried_torque(const optimize::Specification& spec,
+                                            const report::ResultTally& tally);
 
 }  // namespace gear3k::app

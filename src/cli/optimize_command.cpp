@@ -16,7 +16,6 @@
 #include "io/files/refinement_journal.hpp"
 #include "io/files/specification_file.hpp"
 #include "io/text/toml_value.hpp"
-#include "optimize/refine.hpp"
 #include "report/analysis_report.hpp"
 #include "report/model_change_report.hpp"
 #include "report/robust_report.hpp"
@@ -181,22 +180,14 @@ ExitCode end_without_limits(const app::OptimizeTask& task, const app::Optimizati
   return kNoFeasibleDesign;
 }
 
-/// What the nearest of the sets that the load blocks would carry.
-void say_greatest_torque(const optimize::Specification& spec, const report::ResultTally& tally) {
-  if (!tally.nearest_under_load || !strength::judges_any(*spec.rating)) return;
-  const optimize::Candidate& candidate = tally.nearest_under_load->candidate;
-  const auto torque_Nm = optimize::greatest_torque(spec, candidate);
-  if (!torque_Nm || *torque_Nm >= spec.rating->torque_Nm) return;
-  say(
-      fmt::format("with every other limit kept, {} carries {:.4g} N m of the {:.4g} N m that are "
-                  "asked for\n",
-                  report::teeth_text(candidate.teeth), *torque_Nm, spec.rating->torque_Nm));
-}
-
 ExitCode end_without_design(const app::OptimizeTask& task, const OptimizeRun& run) {
   if (run.outcome.interrupted) return kInterrupted;
   say(fmt::format("{}\n", report::blocking_text(task.spec, run.outcome.result, run.tally)));
-  say_greatest_torque(task.spec, run.tally);
+  if (const auto carried = app::carried_torque(task.spec, run.tally)) {
+    say(fmt::format(
+        "with every other limit kept, {} carries {:.4g} N m of the {:.4g} N m that are asked for\n",
+        report::teeth_text(carried->teeth), carried->torque_Nm, task.spec.rating->torque_Nm));
+  }
   const auto count = [&](optimize::Status status) {
     return run.tally.status[static_cast<std::size_t>(status)];
   };

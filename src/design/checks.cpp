@@ -80,11 +80,11 @@ bool applies(CheckId id, const strength::RatingTask& task, std::size_t gear, std
     case CheckId::kOverloadFlankSafety:
       return task.overload && !plastic && material.record.flank_limit.law != LimitLaw::kNotStated;
     case CheckId::kHardnessRange:
-      return strength::computes_work_hardening(task, material, *task.material[mate]);
+      return strength::computes_work_hardening(task, gear, mate);
     case CheckId::kToothTemperature:
       return plastic;
     case CheckId::kToothWear:
-      return plastic && task.wear_coefficient_m2_N && (task.cycles || task.life_s);
+      return plastic && task.wear_coefficient_m2_N && strength::has_life(task, gear);
     case CheckId::kRimThickness:
       return !plastic && (task.rim_radius_m[gear] ||
                           (task.ring_rim_m &&

@@ -36,12 +36,16 @@ struct MapGrid {
   GridAxis output_torque_Nm{.from = 5.0, .to = 50.0, .points = 10};
 };
 
+/// Densities by gear, where they are known.
+using GearDensities = std::array<std::optional<double>, train::kGearCount>;
+
 /// What is known of the masses.  A body's inertia is the value given or, without one, follows from
 /// its geometry (mass_model.hpp): of a gear, face width, density and bore or outer radius.
 struct Masses {
   std::optional<double> sun_kgm2, planet1_kgm2, planet2_kgm2, planet_mass_kg, carrier_kgm2,
       ring2_kgm2;
-  std::optional<double> density_kgm3;
+  std::optional<double> density_kgm3;                 ///< of all gears
+  GearDensities gear_density_kgm3;                    ///< of one gear, where that of all is empty
   std::array<std::optional<double>, 2> face_width_m;  ///< by stage
   std::array<double, train::kGearCount> bore_radius_m{};
   std::optional<double> ring1_outer_radius_m, ring2_outer_radius_m;
@@ -50,6 +54,7 @@ struct Masses {
   std::optional<double> carrier_density_kgm3;  ///< of the plates; empty: density_kgm3
   /// One pin per planet, fixed in the carrier.
   std::optional<double> planet_pin_radius_m, planet_pin_length_m;
+  std::optional<double> planet_pin_density_kgm3;  ///< empty: density_kgm3
 };
 
 /// Gearboxes built at random within their tolerances.

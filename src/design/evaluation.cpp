@@ -13,6 +13,7 @@
 #include "design/measured_lost_motion.hpp"
 #include "design/rated_gearbox.hpp"
 #include "efficiency/train_efficiency.hpp"
+#include "units/units.hpp"
 
 namespace gear3k::design {
 
@@ -33,6 +34,47 @@ void note_axial_overlap(const Design& design, std::vector<std::string>& notes) {
     notes.push_back(fmt::format("axial overlap is not checked for {}: not in [axial]",
                                 fmt::join(unknown, ", ")));
   }
+}
+
+/// Says which gears are shorter along the axis than their face width: one of both is wrong.
+void note_face_widths(const Design& design, std::vector<std::string>& notes) {
+  constexpr double kSlack_m = 1e-9;
+  const auto mm = [](double length_m) {
+    return units::from_si(length_m, units::Unit::kMillimetre);
+  };
+  for (std::size_t gear = 0; gear < train::kGearCount; ++gear) {
+    const int stage = train::stage_of(static_cast<int>(gear));
+    const auto& extent = design.axial.extent[gear];
+    const auto& width_m = design.masses.face_width_m[static_cast<std::size_t>(stage)];
+    if (!extent || !width_m) continue;
+    const double length_m = extent->to_m - extent->from_m;
+    if (length_m >= *width_m - kSlack_m) continue;
+    notes.push_back(fmt::format(
+        "axial.{}_mm is {:.6g} mm long, stage{}.face_width_mm {:.6g} mm: masses and strength have "
+        "the face width",
+        train::kGearNames[gear], mm(length_m), stage + 1, mm(*width_m)));
+  }
+}
+
+/// Says where the rated torque is far from that of the operating point.
+void note_rated_torque(const Design& design, std::vector<std::string>& notes) {
+  if (!design.rating || !design.operating_point) return;
+  const double rated_Nm = design.rating->torque_Nm;
+  const double point_Nm = design.operating_point->output_torque_Nm;
+  if (point_Nm >= 0.5 * rated_Nm && point_Nm <= rated_Nm) return;
+  notes.push_back(fmt::format(
+      "[strength] rates {:.6g} N m at R2, operating_point has {:.6g} N m: the friction of the "
+      "rating is that of the operating point",
+      rated_Nm, point_Nm));
+}
+
+/// Says whose help the backward rating takes for granted.
+void note_help_of_the_sun(const Evaluation& e, std::vector<std::string>& notes) {
+  if (!e.strength || e.strength->backward.locked) return;
+  if (!e.efficiency.backward || e.efficiency.backdrivable) return;
+  notes.emplace_back(
+      "not back-drivable: strength driven backward is that of a load that turns the gearbox while "
+      "the sun helps");
 }
 
 /// The gearbox at its operating point; empty without one.
@@ -300,6 +342,9 @@ std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
                                      checks, e.notes);
   note_loss_model(e.meshes, e.notes);
   note_axial_overlap(design, e.notes);
+  note_face_widths(design, e.notes);
+  note_rated_torque(design, e.notes);
+  note_help_of_the_sun(e, e.notes);
   if (!design.center_distance_given) {
     e.notes.emplace_back(
         "no center_distance_mm given: the zero-backlash distance of mesh P1-R1 is used");

@@ -24,9 +24,10 @@ std::optional<MassProperties<double>> gear_from_geometry(const Masses& masses,
                                                          train::GearId id) {
   const auto& width = masses.face_width_m[static_cast<std::size_t>(train::stage_of(id))];
   const auto other = other_radius(masses, id);
-  if (!width || !masses.density_kgm3 || !other) return std::nullopt;
-  return inertia::gear_body(train.gears[static_cast<std::size_t>(id)], *other, *width,
-                            *masses.density_kgm3);
+  const auto index = static_cast<std::size_t>(id);
+  const auto& density = masses.density_kgm3 ? masses.density_kgm3 : masses.gear_density_kgm3[index];
+  if (!width || !density || !other) return std::nullopt;
+  return inertia::gear_body(train.gears[index], *other, *width, *density);
 }
 
 std::optional<MassProperties<double>> plates_from_geometry(const Masses& masses) {
@@ -43,13 +44,13 @@ std::optional<MassProperties<double>> plates_from_geometry(const Masses& masses)
 }
 
 std::optional<MassProperties<double>> pin_from_geometry(const Masses& masses) {
-  if (!masses.planet_pin_radius_m || !masses.planet_pin_length_m || !masses.density_kgm3) {
-    return std::nullopt;
-  }
+  const auto& density =
+      masses.planet_pin_density_kgm3 ? masses.planet_pin_density_kgm3 : masses.density_kgm3;
+  if (!masses.planet_pin_radius_m || !masses.planet_pin_length_m || !density) return std::nullopt;
   return inertia::hollow_cylinder<double>({.outer_radius_m = *masses.planet_pin_radius_m,
                                            .inner_radius_m = 0.0,
                                            .width_m = *masses.planet_pin_length_m,
-                                           .density_kgm3 = *masses.density_kgm3});
+                                           .density_kgm3 = *density});
 }
 
 PartMass part_of(std::string_view name, int count,

@@ -145,18 +145,17 @@ strength::MeshRating<double> rated_pair_at(const PairDesign& design,
                                            const geometry::MeshGeometry<double>& mesh,
                                            double torque_Nm, strength::StiffnessPart part) {
   const strength::RatingTask& task = *design.rating;
-  const auto cycles_at = [&](double speed_rad_s) -> std::optional<double> {
-    if (task.cycles) return task.cycles;
-    if (!task.life_s || !(speed_rad_s > 0.0)) return std::nullopt;
-    return speed_rad_s * *task.life_s / (2.0 * std::numbers::pi);
-  };
   const auto rated_gear = [&](std::size_t i, double speed_rad_s) {
+    strength::StatedTeeth teeth = strength::stated_teeth(task, i);
+    if (!teeth.cycles && task.life_s && speed_rad_s > 0.0) {
+      teeth.cycles = speed_rad_s * *task.life_s / (2.0 * std::numbers::pi);
+    }
     return strength::RatedGear<double>{.gear = gears[i],
                                        .form = forms[i],
                                        .material = *task.material[i],
-                                       .cycles = cycles_at(speed_rad_s),
-                                       .wear_turns = cycles_at(speed_rad_s),
-                                       .loading = task.load_reversal
+                                       .teeth = teeth,
+                                       .wear_turns = teeth.cycles,
+                                       .loading = teeth.load_reversal.value_or(true)
                                                       ? strength::RootLoading::kReversed
                                                       : strength::RootLoading::kPulsating,
                                        .rim_m = {}};

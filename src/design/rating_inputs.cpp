@@ -30,14 +30,19 @@ std::array<double, 2> toothing_planes_m(const train::AxialLayout& axial) {
   return planes_m;
 }
 
+GearDensities material_densities_kgm3(const GearMaterials& materials) {
+  GearDensities densities{};
+  for (std::size_t gear = 0; gear < densities.size(); ++gear) {
+    if (materials[gear]) densities[gear] = materials[gear]->record.density_kgm3;
+  }
+  return densities;
+}
+
 std::optional<double> common_density_kgm3(const GearMaterials& materials) {
-  const auto density = [](const std::optional<strength::GearMaterial>& material) {
-    return material ? material->record.density_kgm3 : std::nullopt;
-  };
-  const std::optional<double> first = density(materials[0]);
+  const GearDensities densities = material_densities_kgm3(materials);
   const bool same = std::ranges::all_of(
-      materials, [&](const auto& material) { return density(material) == first; });
-  return same ? first : std::nullopt;
+      densities, [&](const std::optional<double>& density) { return density == densities[0]; });
+  return same ? densities[0] : std::nullopt;
 }
 
 }  // namespace gear3k::design

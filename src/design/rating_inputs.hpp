@@ -18,6 +18,9 @@ strength::RatingTask rating_of(strength::RatingTask task, const Design& design);
 /// Middle of the toothings P1 and P2 along the axis; 0 where it is not stated.
 std::array<double, 2> toothing_planes_m(const train::AxialLayout& axial);
 
+/// Density of each gear's material.
+GearDensities material_densities_kgm3(const GearMaterials& materials);
+
 /// Density of the gears of one material, or of several of the same density; else empty.
 std::optional<double> common_density_kgm3(const GearMaterials& materials);
 

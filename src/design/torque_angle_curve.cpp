@@ -247,7 +247,7 @@ std::optional<Couples> couples_of(const train::ToothSet& teeth,
 void check_loop(const TorqueAngleTask& task) {
   if (!(task.peak_torque_Nm > 0.0 && task.lost_motion_rad >= 0.0 && task.steps >= 1)) {
     throw std::invalid_argument(
-        fmt::format("torque-angle loop: peak torque {} Nm, lost motion {} rad, {} steps; allowed: "
+        fmt::format("torque-angle loop: peak torque {} N m, lost motion {} rad, {} steps; allowed: "
                     "above 0, at least 0, at least 1",
                     task.peak_torque_Nm, task.lost_motion_rad, task.steps));
   }

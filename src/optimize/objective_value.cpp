@@ -16,6 +16,10 @@ namespace gear3k::optimize {
 
 namespace {
 
+const std::optional<double>& density_of(const GearBodySizes& bodies, std::size_t gear) {
+  return bodies.density_kgm3 ? bodies.density_kgm3 : bodies.gear_density_kgm3[gear];
+}
+
 template <class T>
 using GearBodies = std::array<inertia::MassProperties<T>, train::kGearCount>;
 
@@ -23,7 +27,7 @@ template <class T>
 GearBodies<T> gear_bodies(const Specification& spec, const std::array<T, 2>& face_width_m,
                           const std::array<geometry::GearGeometry<T>, train::kGearCount>& gears) {
   if (!knows_masses(spec)) {
-    throw std::invalid_argument("objective mass or inertia: density and face widths not stated");
+    throw std::invalid_argument("objective mass or inertia: densities and face widths not stated");
   }
   GearBodies<T> bodies;
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
@@ -32,7 +36,7 @@ GearBodies<T> gear_bodies(const Specification& spec, const std::array<T, 2>& fac
     const T other = ring ? T(gears[i].root_radius_m + spec.bodies.ring_rim_m) : constant<T>(0.0);
     const auto stage = static_cast<std::size_t>(train::stage_of(id));
     bodies[i] = inertia::gear_body<T>(gears[i], other, face_width_m[stage],
-                                      constant<T>(*spec.bodies.density_kgm3));
+                                      constant<T>(*density_of(spec.bodies, i)));
   }
   return bodies;
 }
@@ -68,7 +72,10 @@ double ratio_error(const Specification& spec, const train::ToothSet& teeth) {
 
 bool knows_masses(const Specification& spec) {
   const GearBodySizes& b = spec.bodies;
-  return b.density_kgm3 && b.face_width_m[0] && b.face_width_m[1];
+  for (std::size_t gear = 0; gear < train::kGearCount; ++gear) {
+    if (!density_of(b, gear)) return false;
+  }
+  return b.face_width_m[0] && b.face_width_m[1];
 }
 
 bool has_objective_branches(Objective objective, const Specification& spec) {

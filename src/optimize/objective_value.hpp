@@ -10,7 +10,7 @@
 
 namespace gear3k::optimize {
 
-/// Whether masses follow from a specification: density and both face widths are stated.
+/// Whether masses follow from a specification: densities and both face widths are stated.
 bool knows_masses(const Specification& spec);
 
 /// Objectives that are the larger of two smooth values, which the optimiser takes one by one: the

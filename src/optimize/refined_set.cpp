@@ -50,6 +50,7 @@ design::Design design_of(const Specification& spec, const RefinedSet& set) {
   design.friction.extension = {};
   design.axial = spec.axial;
   design.masses.density_kgm3 = spec.bodies.density_kgm3;
+  design.masses.gear_density_kgm3 = spec.bodies.gear_density_kgm3;
   design.masses.face_width_m = spec.bodies.face_width_m;
   for (std::size_t stage = 0; stage < 2; ++stage) {
     const double width_m = set.train.face_width_m[stage];

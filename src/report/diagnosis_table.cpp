@@ -446,7 +446,7 @@ std::string record_text(const LoopSession& session) {
 std::string loops_text(const MeasurementSet& set) {
   if (set.loops.empty()) return "";
   TextTable table({"record", "measured at", "loop", "lost motion (arcmin)",
-                   "stiffness at T > 0 (Nm/rad)", "at T < 0 (Nm/rad)", "asymmetry"});
+                   "stiffness at T > 0 (N m/rad)", "at T < 0 (N m/rad)", "asymmetry"});
   std::string records;
   bool at_sun = false;
   for (const LoopSession& session : set.loops) {

@@ -123,7 +123,7 @@ std::string efficiency_script(const OperatingMap& map, Direction direction, cons
   std::string text = plot_prologue(900, 620);
   text += fmt::format(
       "set title {} offset 0,0.5\n"
-      "set xlabel 'sun speed (rpm)'\nset ylabel 'torque at R2 (Nm)'\n"
+      "set xlabel 'sun speed (rpm)'\nset ylabel 'torque at R2 (N m)'\n"
       "set x2label 'R2 speed (rpm)'\nset cblabel 'efficiency (%){}' offset 1.5,0\n{}{}"
       "set link x2 via x/{} inverse x*{}\nset x2tics\nset format x2 '%#.3g'\n"
       "set cbrange [{}:{}]\nset cbtics {}\nset format cb '%g'\n"
@@ -218,12 +218,12 @@ std::string torque_script(const OperatingMap& map) {
              plot_text(map.name + ": torques without load"), exact(-0.02 * greatest),
              exact(greatest > 0.0 ? 1.02 * greatest : 1.0)) +
          torque_panel(map,
-                      {.label = "torque at the sun (Nm)",
+                      {.label = "torque at the sun (N m)",
                        .running = "no-load, sun drives",
                        .torque = &UnloadedTorques::sun},
                       1) +
          torque_panel(map,
-                      {.label = "torque at R2 (Nm)",
+                      {.label = "torque at R2 (N m)",
                        .running = "back-driving, sun free",
                        .torque = &UnloadedTorques::output},
                       2) +

@@ -65,7 +65,7 @@ std::string efficiency_cell(const MapPoint& point) {
 std::string efficiency_table(const OperatingMap& map, Direction direction) {
   const auto speeds = shown_places(map.sun_speed_rad_s.size());
   const auto torques = shown_places(map.output_torque_Nm.size());
-  std::vector<std::string> header{"torque at R2 (Nm)"};
+  std::vector<std::string> header{"torque at R2 (N m)"};
   header.reserve(speeds.size() + 1);
   for (const std::size_t i : speeds) {
     header.push_back(fmt::format("{:.6g}", rpm(map.sun_speed_rad_s[i])));
@@ -99,8 +99,8 @@ std::string torque_cell(const MapTorque& torque) {
 }
 
 std::string running_table(const OperatingMap& map) {
-  TextTable table({"sun speed (rpm)", "R2 speed (rpm)", "no-load torque at the sun (Nm)",
-                   "back-driving torque at R2 (Nm)"});
+  TextTable table({"sun speed (rpm)", "R2 speed (rpm)", "no-load torque at the sun (N m)",
+                   "back-driving torque at R2 (N m)"});
   for (const std::size_t i : shown_places(map.sun_speed_rad_s.size())) {
     table.add({fmt::format("{:.6g}", rpm(map.sun_speed_rad_s[i])),
                fmt::format("{:.5g}", rpm(map.sun_speed_rad_s[i] / std::abs(map.ratio))),
@@ -134,7 +134,7 @@ std::string margin_text(const OperatingMap& map) {
   const auto least = design::least_margin(map);
   if (!least)
     return text + "  none: no point of the grid has friction with which every mesh runs backward\n";
-  return text + fmt::format("  least: {} at {:.6g} rpm, {:.6g} Nm{}\n",
+  return text + fmt::format("  least: {} at {:.6g} rpm, {:.6g} N m{}\n",
                             fixed(*least->backward.backdriving_margin, 5),
                             rpm(least->point.sun_speed_rad_s), least->point.output_torque_Nm,
                             self_locking_text(map));
@@ -166,7 +166,7 @@ std::string heat_table(const OperatingMap& map) {
   add("planet bearings", [](const Operation<double>& o) { return o.bearing_loss_W; });
   add("all losses", [](const Operation<double>& o) { return o.loss_W; });
   add("input power", [](const Operation<double>& o) { return o.input_power_W; });
-  return fmt::format("\nHeat at {:.6g} rpm of the sun and {:.6g} Nm at R2 ({})\n{}",
+  return fmt::format("\nHeat at {:.6g} rpm of the sun and {:.6g} N m at R2 ({})\n{}",
                      rpm(at.point.sun_speed_rad_s), clean(at.point.output_torque_Nm),
                      map.reference_given ? "the operating point"
                                          : "the grid's most power; no operating point is stated",

@@ -121,7 +121,7 @@ std::string model_change_table(const ModelComparison& comparison) {
   const ObjectiveRecord& record = optimize::objective_record(c.objective);
   std::string text = fmt::format(
       "{}: the best designs of optimisation without and with it, both with the model{}\n", title,
-      c.point ? fmt::format(" at {:.6g} rpm, {:.6g} Nm, {:.4g} C", rpm(c.point->sun_speed_rad_s),
+      c.point ? fmt::format(" at {:.6g} rpm, {:.6g} N m, {:.4g} C", rpm(c.point->sun_speed_rad_s),
                             clean(c.point->output_torque_Nm), celsius(c.point->temperature_K))
               : std::string(", by the meshes alone"));
   TextTable table({"", "without", "with the model"});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "report/display.hpp"
 #include "report/rated_mesh.hpp"
@@ -91,6 +92,8 @@ Fields rated_tooth_fields(const RatedMesh& mesh, std::size_t member) {
   f.add("y_b", t.rim.value, {"y_b"});
   f.add("y_eps", t.contact_ratio_factor, {"y_eps"});
   f.add("root_chord_mm", mm(form.section.chord_m), {"root_chord", "mm"});
+  f.add("root_section_diameter_mm",
+        2.0 * mm(std::hypot(form.section.height_m, 0.5 * form.section.chord_m)));
   f.add("bending_arm_mm", mm(form.bending_arm_m), {"bending_arm", "mm"});
   f.add("fillet_radius_mm", mm(form.section.fillet_radius_m), {"root_fillet_radius", "mm"});
   f.add("section_on_fillet", form.section.on_fillet);

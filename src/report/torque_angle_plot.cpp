@@ -48,7 +48,7 @@ Plot torque_angle_plot(const std::string& name, const TorqueAngleCurve& curve) {
   text += curve_block("elastic", elastic);
   text += fmt::format(
       "set title {}\nset grid lc rgb '#e0e0e0'\nset key top left\nset format '%g'\n"
-      "set xlabel 'torque on the output (Nm)'\n"
+      "set xlabel 'torque on the output (N m)'\n"
       "set ylabel 'angle of the output, input locked (arcmin)'\n"
       "set offsets graph 0.03,graph 0.03,graph 0.03,graph 0.03\n"
       "plot $elastic using 1:2 with lines lw 1 dt 3 lc rgb '#808080' title 'without friction', \\\n"

@@ -18,6 +18,8 @@ namespace {
 struct FavouredGear {
   const GearMaterial& own;
   const GearMaterial& mate;
+  const StatedTeeth& own_teeth;
+  const StatedTeeth& mate_teeth;
   std::optional<double> cycles;
   double speed_m_s = 0.0;         ///< greatest v
   double reduced_radius_m = 0.0;  ///< greatest ρ_red
@@ -49,8 +51,8 @@ double greatest_strength_pa(const RatingTask& task, const FavouredGear& g) {
                               .reduced_radius_m = g.reduced_radius_m,
                               .speed_m_s = g.speed_m_s,
                               .viscosity40_m2_s = task.viscosity40_m2_s,
-                              .own_roughness_m = task.flank_roughness_m,
-                              .mate_roughness_m = task.flank_roughness_m,
+                              .own_roughness_m = g.own_teeth.flank_roughness_m,
+                              .mate_roughness_m = g.mate_teeth.flank_roughness_m,
                               .mate_group = g.mate.record.group,
                               .brinell_hardness = brinell_hardness(g.own)});
   return g.cycles ? strength.strength_Pa : strength.strength_Pa / strength.life.value;
@@ -119,6 +121,7 @@ std::array<FlankNeed, train::kMeshCount> flank_needs(const RatingTask& task,
     const double factor = least_factor(task, extremes, k, speed_m_s);
     const double elasticity = elasticity_factor(elasticity_of(*task.material[gears[0]]),
                                                 elasticity_of(*task.material[gears[1]]));
+    const std::array stated{stated_teeth(task, gears[0]), stated_teeth(task, gears[1])};
     for (std::size_t own = 0; own < 2; ++own) {
       const GearMaterial& material = *task.material[gears[own]];
       const bool plastic = is_plastic(material.record.group);
@@ -128,6 +131,8 @@ std::array<FlankNeed, train::kMeshCount> flank_needs(const RatingTask& task,
       const double strength_Pa = greatest_strength_pa(
           task, {.own = material,
                  .mate = *task.material[gears[1 - own]],
+                 .own_teeth = stated[own],
+                 .mate_teeth = stated[1 - own],
                  .cycles = cycles[gears[own]],
                  .speed_m_s = speed_m_s,
                  .reduced_radius_m = extremes.greatest_curvature[k] * module_m});

@@ -201,14 +201,15 @@ void rate_metal(const SharedMesh<T>& m, std::size_t own, const ToothLoad<T>& loa
   tooth.flank_limit_stated = flank.stated;
   tooth.limit_in_range = root.hardness_in_range && flank.hardness_in_range;
   if (root.stated && g.root) {
-    const RootCondition<T> condition{.cycles = constant<T>(g.cycles.value_or(kEnduranceCycles)),
-                                     .notch_parameter = tooth.form.notch_parameter,
-                                     .module_m = g.gear.gear.module_m,
-                                     .root_roughness_m = m.task.root_roughness_m,
-                                     .loading = g.loading,
-                                     .reversal = m.task.factors.reversal};
+    const RootCondition<T> condition{
+        .cycles = constant<T>(g.teeth.cycles.value_or(kEnduranceCycles)),
+        .notch_parameter = tooth.form.notch_parameter,
+        .module_m = g.gear.gear.module_m,
+        .root_roughness_m = g.teeth.root_roughness_m,
+        .loading = g.loading,
+        .reversal = g.teeth.reversal};
     tooth.root_strength = root_strength(material, root.stress_Pa, condition);
-    if (!g.cycles) {
+    if (!g.teeth.cycles) {
       take_endurance_limit(tooth.root_strength.life, tooth.root_strength.strength_Pa);
     }
     tooth.root_safety = root_safety(tooth.root_strength, tooth.root.stress_Pa);
@@ -226,22 +227,20 @@ void rate_metal(const SharedMesh<T>& m, std::size_t own, const ToothLoad<T>& loa
                                             .cycles = constant<T>(1.0)});
   const bool metal_mate = of_mate.stated && !is_plastic(mate.material.record.group);
   FlankCondition<T> condition{
-      .cycles = constant<T>(g.cycles.value_or(kEnduranceCycles)),
+      .cycles = constant<T>(g.teeth.cycles.value_or(kEnduranceCycles)),
       .pitting_allowed = m.task.pitting_allowed,
       .softer_limit_Pa = metal_mate ? smaller(flank.stress_Pa, of_mate.stress_Pa) : flank.stress_Pa,
       .reduced_radius_m =
           pitch_point_curvature(m.gears[0]->gear, m.gears[1]->gear, m.mesh).reduced_m,
       .speed_m_s = m.duty.speed_m_s,
       .viscosity40_m2_s = m.task.viscosity40_m2_s,
-      .own_roughness_m = m.task.flank_roughness_m,
-      .mate_roughness_m = m.task.flank_roughness_m,
+      .own_roughness_m = g.teeth.flank_roughness_m,
+      .mate_roughness_m = mate.teeth.flank_roughness_m,
       .mate_group = mate.material.record.group,
       .brinell_hardness = brinell_hardness(g.material)};
-  if (computes_work_hardening(m.task, g.material, mate.material)) {
-    tooth.brinell = condition.brinell_hardness;
-  }
+  tooth.brinell = condition.brinell_hardness;
   tooth.flank_strength = flank_strength(material, flank.stress_Pa, condition);
-  if (!g.cycles) {
+  if (!g.teeth.cycles) {
     take_endurance_limit(tooth.flank_strength.life, tooth.flank_strength.strength_Pa);
   }
   tooth.flank_safety = flank_safety(tooth.flank_strength, tooth.flank_stress_Pa);
@@ -276,7 +275,7 @@ void rate_plastic(const SharedMesh<T>& m, std::size_t own, const ToothLoad<T>& l
   const auto limit_at = [&](bool of_root, const T& temperature_K) {
     const ToothCondition<T> at{.hardness = g.material.hardness,
                                .temperature_K = temperature_K,
-                               .cycles = constant<T>(std::max(g.cycles.value_or(1.0), 1.0))};
+                               .cycles = constant<T>(std::max(g.teeth.cycles.value_or(1.0), 1.0))};
     return of_root ? root_limit(material, at) : flank_limit(material, at);
   };
   const LimitValue<T> root_at = limit_at(true, *tooth.root_temperature_K);
@@ -290,7 +289,7 @@ void rate_plastic(const SharedMesh<T>& m, std::size_t own, const ToothLoad<T>& l
     RootStrength<T>& s = tooth.root_strength;
     s.life = s.notch_sensitivity = s.surface = s.size = in_limit;
     s.reversal =
-        reversal_factor<T>(g.loading, m.task.factors.reversal,
+        reversal_factor<T>(g.loading, g.teeth.reversal,
                            unstated_factor<T>("reversed; no source states it for plastics"));
     s.limit_Pa = root_at.stress_Pa;
     s.stress_correction = {.value = constant<T>(kPlasticStressCorrection),
@@ -349,6 +348,23 @@ std::optional<double> brinell_hardness(const GearMaterial& material) {
   return std::nullopt;
 }
 
+StatedTeeth stated_teeth(const RatingTask& task, std::size_t gear) {
+  StatedTeeth teeth = task.gear_teeth[gear];
+  const auto complete = [&](auto member) {
+    if (!(teeth.*member)) teeth.*member = task.teeth.*member;
+  };
+  complete(&StatedTeeth::root_roughness_m);
+  complete(&StatedTeeth::flank_roughness_m);
+  complete(&StatedTeeth::cycles);
+  complete(&StatedTeeth::load_reversal);
+  complete(&StatedTeeth::reversal);
+  return teeth;
+}
+
+bool has_life(const RatingTask& task, std::size_t gear) {
+  return task.life_s || stated_teeth(task, gear).cycles;
+}
+
 bool computes_dynamic_factor(const RatingTask& task, const GearMaterial& material1,
                              const GearMaterial& material2) {
   return task.accuracy_grade && task.speed_rad_s > 0.0 && !task.factors.dynamic &&
@@ -364,13 +380,14 @@ bool computes_stiffness_factor(const RatingTask& task, const GearMaterial& mater
   return (face || transverse) && !any_plastic(material1, material2);
 }
 
-bool computes_work_hardening(const RatingTask& task, const GearMaterial& own,
-                             const GearMaterial& mate) {
-  const MaterialGroup group = own.record.group;
+bool computes_work_hardening(const RatingTask& task, std::size_t own, std::size_t mate) {
+  const GearMaterial& material = *task.material[own];
+  const MaterialGroup group = material.record.group;
   const bool soft = group == MaterialGroup::kNormalised || group == MaterialGroup::kThroughHardened;
-  return soft && is_surface_hardened(mate.record.group) && brinell_hardness(own) &&
-         task.flank_roughness_m && task.viscosity40_m2_s &&
-         own.record.flank_limit.law != LimitLaw::kNotStated;
+  return soft && is_surface_hardened(task.material[mate]->record.group) &&
+         brinell_hardness(material) && stated_teeth(task, own).flank_roughness_m &&
+         stated_teeth(task, mate).flank_roughness_m && task.viscosity40_m2_s &&
+         material.record.flank_limit.law != LimitLaw::kNotStated;
 }
 
 double least_root_safety(const RatingTask& task, const GearMaterial& material) {
@@ -427,7 +444,7 @@ MeshRating<T> rate_mesh(const RatedGear<T>& gear1, const RatedGear<T>& gear2,
                                   .face = f.flank_face.value,
                                   .transverse = f.flank_transverse.value});
   for (std::size_t i = 0; i < 2; ++i) {
-    rating.teeth[i].cycles = gears[i]->cycles;
+    rating.teeth[i].cycles = gears[i]->teeth.cycles;
     if (is_plastic(gears[i]->material.record.group)) {
       rate_plastic(shared, i, load, rating, rating.teeth[i]);
     } else {

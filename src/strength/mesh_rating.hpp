@@ -21,7 +21,7 @@ struct RatedGear {
   const geometry::GearGeometry<T>& gear;
   const geometry::ToothForm<T>& form;
   const GearMaterial& material;
-  std::optional<double> cycles{};      ///< N of a tooth; empty: not stated
+  StatedTeeth teeth{};                 ///< cycles: N, of a stated life too
   std::optional<double> wear_turns{};  ///< meetings of a tooth with this mate; empty: not stated
   RootLoading loading = RootLoading::kPulsating;
   std::optional<T> rim_m{};  ///< material under the root circle
@@ -68,7 +68,7 @@ struct ToothRating {
   std::optional<T> root_temperature_K{}, flank_temperature_K{};
   std::optional<T> wear_m{};
   std::optional<T> contact_ratio_factor{};  ///< Y_ε
-  std::optional<double> brinell{};          ///< HB, where Z_W is computed from it
+  std::optional<double> brinell{};          ///< HB of a metal, where it is known
 };
 
 template <class T>
@@ -114,8 +114,8 @@ bool computes_dynamic_factor(const RatingTask& task, const GearMaterial& materia
 bool computes_stiffness_factor(const RatingTask& task, const GearMaterial& material1,
                                const GearMaterial& material2);
 /// Whether Z_W of a gear is computed, which is stated for 130 to 470 HB.
-bool computes_work_hardening(const RatingTask& task, const GearMaterial& own,
-                             const GearMaterial& mate);
+/// @param own,mate  places of the gears in the task
+bool computes_work_hardening(const RatingTask& task, std::size_t own, std::size_t mate);
 
 /// Least safeties that are asked for of a gear.
 double least_root_safety(const RatingTask& task, const GearMaterial& material);

@@ -43,7 +43,14 @@ struct StatedFactors {
   std::optional<double> flank_face{};  ///< K_Hβ
   std::optional<double> root_face{};   ///< K_Fβ
   std::optional<double> flank_transverse{}, root_transverse{};  ///< K_Hα, K_Fα
-  std::optional<double> reversal{};  ///< Y_M of teeth that are loaded on both flanks
+};
+
+/// What is stated of the teeth of all gears, or of one gear in its place.
+struct StatedTeeth {
+  std::optional<double> root_roughness_m{}, flank_roughness_m{};  ///< R_z
+  std::optional<double> cycles{};       ///< N of a tooth, in place of a life
+  std::optional<bool> load_reversal{};  ///< whether both flanks are loaded; empty: they are
+  std::optional<double> reversal{};     ///< Y_M of teeth that are loaded on both flanks
 };
 
 /// Bearings of a planet on its pin.
@@ -61,9 +68,10 @@ struct RatingTask {
   std::array<double, 2> face_width_m{};  ///< by stage; of a pair: the first
   /// Speed of the sun, of a pair of gear 1; 0: not stated.
   double speed_rad_s = 0.0;
-  /// Load cycles of every tooth, or hours at speed_rad_s; neither: the endurance limit of metals.
-  std::optional<double> cycles{}, life_s{};
-  bool load_reversal = true;
+  /// Time at speed_rad_s; neither it nor cycles: the endurance limit of metals.
+  std::optional<double> life_s{};
+  StatedTeeth teeth{};                                      ///< of all gears
+  std::array<StatedTeeth, train::kGearCount> gear_teeth{};  ///< of one gear, in their place
   StatedFactors factors{};
   double misalignment_m = 0.0;          ///< F_βy
   std::optional<int> accuracy_grade{};  ///< ISO 1328
@@ -72,7 +80,6 @@ struct RatingTask {
   /// ρ* of the virtual rack in place of a ring's tool, in modules; empty: the tool.
   std::optional<double> virtual_root_radius{};
   std::optional<double> overload{};  ///< peak over stated torque; empty: not rated
-  std::optional<double> root_roughness_m{}, flank_roughness_m{};  ///< R_z
   std::optional<double> viscosity40_m2_s{};
   bool pitting_allowed = false;
   /// Rim under the teeth, by gear: from the root circle to bore or outer surface; empty: solid.
@@ -94,5 +101,10 @@ struct RatingTask {
   std::optional<double> sun_shaft_Nm_rad{};       ///< between the sun's teeth and the input
   std::optional<double> ring2_Nm_rad{};           ///< between R2's teeth and the output
 };
+
+/// What holds for the teeth of a gear: value by value its own, else that of all gears.
+StatedTeeth stated_teeth(const RatingTask& task, std::size_t gear);
+/// Whether cycles of a gear's teeth are stated, or a time.
+bool has_life(const RatingTask& task, std::size_t gear);
 
 }  // namespace gear3k::strength

@@ -37,9 +37,10 @@ std::optional<double> turns_of(const std::optional<double>& cycles, int gear,
 }
 
 /// P1 with G2 < 1 is loaded on both flanks in turn; every gear is where the joint works both ways.
-RootLoading loading_of(int gear, const train::ToothSet& teeth, const RatingTask& task) {
+RootLoading loading_of(int gear, const train::ToothSet& teeth, const StatedTeeth& stated) {
   const bool idler = gear == train::kP1 && !same_flank(teeth);
-  return task.load_reversal || idler ? RootLoading::kReversed : RootLoading::kPulsating;
+  return stated.load_reversal.value_or(true) || idler ? RootLoading::kReversed
+                                                      : RootLoading::kPulsating;
 }
 
 template <class T>
@@ -56,12 +57,14 @@ template <class T>
 RatedGear<T> rated_gear(const RatedTrain<T>& train, const RatingTask& task,
                         const TrainCycles& cycles, int gear, bool root) {
   const auto i = static_cast<std::size_t>(gear);
+  StatedTeeth teeth = stated_teeth(task, i);
+  teeth.cycles = cycles[i];
   return {.gear = train.geometry.gears[i],
           .form = train.forms[i],
           .material = *task.material[i],
-          .cycles = cycles[i],
+          .teeth = teeth,
           .wear_turns = turns_of(cycles[i], gear, train.geometry.teeth),
-          .loading = loading_of(gear, train.geometry.teeth, task),
+          .loading = loading_of(gear, train.geometry.teeth, teeth),
           .rim_m = rim_of(train.geometry.gears[i], task, i),
           .root = root};
 }
@@ -229,15 +232,9 @@ JudgedSafeties<T> judged(const TrainRating<T>& rating, const RatingTask& task) {
   return list;
 }
 
-}  // namespace
-
-TrainCycles train_cycles(const train::ToothSet& teeth, int planets, const RatingTask& task) {
-  TrainCycles cycles;
-  if (task.cycles) {
-    cycles.fill(*task.cycles);
-    return cycles;
-  }
-  if (!task.life_s || !(task.speed_rad_s > 0.0)) return cycles;
+/// Cycles of the task's life; empty without.
+TrainCycles life_cycles(const train::ToothSet& teeth, int planets, const RatingTask& task) {
+  if (!task.life_s || !(task.speed_rad_s > 0.0)) return {};
   const train::SpeedRatios ratios = train::speed_ratios(teeth);
   const double output_turns =
       task.speed_rad_s / std::abs(ratios.sun) * *task.life_s / (2.0 * std::numbers::pi);
@@ -248,6 +245,16 @@ TrainCycles train_cycles(const train::ToothSet& teeth, int planets, const Rating
                            .output = output_turns},
                           planets, same_flank(teeth));
   return {n.sun, n.planet1, n.fixed_ring, n.planet2, n.output_ring};
+}
+
+}  // namespace
+
+TrainCycles train_cycles(const train::ToothSet& teeth, int planets, const RatingTask& task) {
+  TrainCycles cycles = life_cycles(teeth, planets, task);
+  for (std::size_t gear = 0; gear < train::kGearCount; ++gear) {
+    if (const auto stated = stated_teeth(task, gear).cycles) cycles[gear] = stated;
+  }
+  return cycles;
 }
 
 Factor<double> mesh_load_of(const RatingTask& task, int planets) {

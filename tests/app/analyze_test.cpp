@@ -47,6 +47,62 @@ TEST(Analyze, TakesAModelAtTheMiddleOfItsRangeAndSaysSo) {
   EXPECT_EQ(analysis.evaluation.notes.back(), analysis.model_notes.back());
 }
 
+design::Design loaded_example() {
+  return io::read_design(GEAR3K_SOURCE_DIR "/examples/designs/loaded.toml");
+}
+
+/// The note that holds a text; "" without one.
+std::string note_with(const design::Evaluation& e, const std::string& text) {
+  for (const std::string& note : e.notes) {
+    if (note.find(text) != std::string::npos) return note;
+  }
+  return "";
+}
+
+TEST(Analyze, ATrainThatTurnsBackwardOnlyWithTheSunsHelpIsNoted) {
+  design::Design d =
+      io::read_design(GEAR3K_SOURCE_DIR "/examples/designs/low_backlash_prototype.toml");
+  d.rating = loaded_example().rating;
+  int helped = 0, alone = 0;
+  for (double mu = 0.03; mu < 1.5; mu += 0.06) {
+    d.friction.coefficient = mu;
+    const design::Evaluation e = analyze({.design = d}).evaluation;
+    const bool locked = e.strength.value().backward.locked;
+    EXPECT_FALSE(e.efficiency.backdrivable && locked) << mu;
+    EXPECT_FALSE(e.strength->forward.locked) << mu;
+    const bool needs_help = !e.efficiency.backdrivable && !locked;
+    EXPECT_EQ(!note_with(e, "while the sun helps").empty(), needs_help) << mu;
+    ++(needs_help ? helped : alone);
+  }
+  EXPECT_GT(helped, 5);
+  EXPECT_GT(alone, 5);
+}
+
+TEST(Analyze, AGearShorterThanItsFaceWidthIsNoted) {
+  design::Design d = loaded_example();
+  EXPECT_EQ(note_with(analyze({.design = d}).evaluation, "mm long"), "");
+  d.axial.extent[train::kP1] = {.from_m = 1e-3, .to_m = 8e-3};
+  EXPECT_EQ(note_with(analyze({.design = d}).evaluation, "mm long"),
+            "axial.P1_mm is 7 mm long, stage1.face_width_mm 8 mm: masses and strength have the "
+            "face width");
+  d.axial.extent[train::kP1] = {.from_m = -1e-3, .to_m = 8e-3};
+  EXPECT_EQ(note_with(analyze({.design = d}).evaluation, "mm long"), "");
+}
+
+TEST(Analyze, ATorqueFarFromThatOfTheOperatingPointIsNoted) {
+  design::Design d = loaded_example();
+  const double rated_Nm = d.rating.value().torque_Nm;
+  for (const double share : {0.0, 0.49, 0.5, 1.0, 1.01}) {
+    d.operating_point = {.sun_speed_rad_s = 100.0, .output_torque_Nm = share * rated_Nm};
+    const bool far = share < 0.5 || share > 1.0;
+    EXPECT_EQ(
+        !note_with(analyze({.design = d}).evaluation, "[strength] rates 20 N m at R2").empty(), far)
+        << share;
+  }
+  d.operating_point.reset();
+  EXPECT_EQ(note_with(analyze({.design = d}).evaluation, "[strength] rates"), "");
+}
+
 TEST(Analyze, NamesItsSourceWhereTheGeometryIsNotDefined) {
   design::Design design = bilateral();
   design.train.center_distance_m = 0.015;

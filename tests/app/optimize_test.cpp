@@ -57,6 +57,26 @@ TEST(Optimize, BestDesignIsThatOfItsFile) {
   EXPECT_EQ(again.lost_motion.kinematic_rad, run.best->evaluation.lost_motion.kinematic_rad);
 }
 
+TEST(Optimize, SaysWhatTheNearestSetThatTheLoadBlocksWouldCarry) {
+  optimize::Specification spec =
+      io::read_specification(GEAR3K_SOURCE_DIR "/examples/ratio-96.toml");
+  report::ResultTally tally;
+  EXPECT_FALSE(carried_torque(spec, tally));
+  optimize::RefinedSet nearest;
+  nearest.candidate = {.teeth = {.S = 12, .P1 = 64, .R1 = 141, .P2 = 52, .R2 = 132},
+                       .planets = spec.planets.front()};
+  tally.nearest_under_load = nearest;
+  // The set is the example's winner, which carries its torque.
+  EXPECT_FALSE(carried_torque(spec, tally));
+  const double asked_Nm = 1000.0;
+  spec.rating->torque_Nm = asked_Nm;
+  const auto carried = carried_torque(spec, tally);
+  ASSERT_TRUE(carried);
+  EXPECT_EQ(carried->teeth.R1, 141);
+  EXPECT_GT(carried->torque_Nm, 20.0);
+  EXPECT_LT(carried->torque_Nm, asked_Nm);
+}
+
 TEST(Optimize, GoesOnWithWhatIsKnown) {
   OptimizeTask task = optimize_task({.spec = small_spec()});
   optimize::Progress progress;

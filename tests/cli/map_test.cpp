@@ -41,7 +41,7 @@ TEST(Map, PrintsTheGridOfTheDesign) {
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_EQ(result.err, "");
   for (const char* part : {"Efficiency forward", "Efficiency backward", "  100 ", "  700",
-                           "no-load torque at the sun (Nm)", "Breakaway torque",
+                           "no-load torque at the sun (N m)", "Breakaway torque",
                            "Back-driving margin", "mesh P2-R2"}) {
     EXPECT_TRUE(contains(result.out, part)) << part << '\n' << result.out;
   }

@@ -241,6 +241,43 @@ TEST(MassModel, TotalNeedsEveryPartAndSaysWhichLacks) {
   EXPECT_NE(without_plates.bodies_missing.find("inertia.carrier_kgm2"), std::string::npos);
 }
 
+// A sun of steel, planets of POM, rings of brass: each volume integrated, times its own density.
+TEST(MassModel, GearsOfSeveralMaterialsHaveTheirOwnDensities) {
+  Random random;
+  Masses m = random.masses();
+  m.density_kgm3.reset();
+  m.planet_pin_density_kgm3 = 7800.0;
+  m.gear_density_kgm3 = {7830.0, 1415.0, 8500.0, 1415.0, 8500.0};
+  const auto train = train_of(1.0, 3);
+  const MassModel model = mass_model(m, train);
+  double total = part(model, "carrier").mass_kg.value();
+  for (const std::size_t gear : {train::kS, train::kP1, train::kR1, train::kP2, train::kR2}) {
+    const auto& g = train.gears[gear];
+    const bool ring = g.gear.kind == geometry::GearKind::kRing;
+    const double toothed = 0.5 * (g.tip_radius_m + g.root_radius_m);
+    const double outer = !ring                ? toothed
+                         : gear == train::kR1 ? *m.ring1_outer_radius_m
+                                              : *m.ring2_outer_radius_m;
+    const double inner = ring ? toothed : m.bore_radius_m[gear];
+    const bool first = gear == train::kS || gear == train::kP1 || gear == train::kR1;
+    const double by_hand = m.gear_density_kgm3[gear].value() * *m.face_width_m[first ? 0 : 1] *
+                           (disc_by_slices(outer, 0.0).area - disc_by_slices(inner, 0.0).area);
+    EXPECT_NEAR(part(model, std::string(train::kGearNames[gear])).mass_kg.value(), by_hand,
+                1e-13 * by_hand);
+    total += by_hand * (gear == train::kP1 || gear == train::kP2 ? 3.0 : 1.0);
+  }
+  total +=
+      3.0 * 7800.0 * kPi * *m.planet_pin_radius_m * *m.planet_pin_radius_m * *m.planet_pin_length_m;
+  EXPECT_NEAR(model.total_mass_kg.value(), total, 1e-13 * total);
+  Masses same = m;
+  same.density_kgm3 = 7000.0;
+  EXPECT_NEAR(part(mass_model(same, train), "P1").mass_kg.value(),
+              part(model, "P1").mass_kg.value() * 7000.0 / 1415.0, 1e-12);
+  m.gear_density_kgm3[train::kP2].reset();
+  EXPECT_FALSE(mass_model(m, train).total_mass_kg);
+  EXPECT_TRUE(part(mass_model(m, train), "P1").mass_kg);
+}
+
 TEST(MassModel, PlatesTakeTheGearsDensityUnlessTheyHaveTheirOwn) {
   Masses m = Random().masses();
   const auto train = train_of(1.0, 3);

@@ -61,13 +61,17 @@ strength::RatingTask random_rating(DeterministicRandom& random) {
   if (task.speed_rad_s > 0.0 && with_chance(random, 0.5)) {
     task.life_s = random.between(1e5, 1e8);
   } else {
-    task.cycles = std::pow(10.0, random.between(3.0, 10.5));
+    task.teeth.cycles = std::pow(10.0, random.between(3.0, 10.5));
   }
   if (with_chance(random, 0.5)) {
     task.accuracy_grade = static_cast<int>(5 + random.index(4));
     task.misalignment_m = random.between(0.0, 20e-6);
   }
-  if (with_chance(random, 0.5)) task.flank_roughness_m = random.between(1e-6, 10e-6);
+  if (with_chance(random, 0.5)) task.teeth.flank_roughness_m = random.between(1e-6, 10e-6);
+  if (with_chance(random, 0.3)) {
+    task.gear_teeth[train::kP1] = {.flank_roughness_m = random.between(1e-6, 10e-6),
+                                   .cycles = std::pow(10.0, random.between(3.0, 10.5))};
+  }
   if (with_chance(random, 0.5)) task.viscosity40_m2_s = random.between(30e-6, 400e-6);
   if (with_chance(random, 0.3)) task.factors.application = random.between(1.0, 2.0);
   if (with_chance(random, 0.3)) task.factors.dynamic = random.between(1.0, 2.0);

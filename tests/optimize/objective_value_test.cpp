@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <numbers>
 #include <vector>
 
 #include "optimize/optimizer.hpp"
@@ -39,6 +40,42 @@ TEST(BestValue, NoRefinedSetIsBetter) {
     }
   }
   EXPECT_GT(refined, sample(13, 40));
+}
+
+// Mass and density of torque of gears of several materials, by the cylinders of the analysis.
+TEST(ObjectiveValue, MassSumsGearsOfTheirOwnDensities) {
+  test::RandomTask task = test::random_task(9, 3);
+  Specification& spec = task.spec;
+  spec.bodies.gear_density_kgm3 = {7830.0, 1415.0, 8500.0, 1420.0, 1140.0};
+  EXPECT_FALSE(knows_masses(spec));
+  spec.bodies.face_width_m = {0.01, 0.012};
+  EXPECT_TRUE(knows_masses(spec));
+  spec.bodies.ring_rim_m = 0.002;
+  spec.objectives = {Objective::kMass};
+  for (const Candidate& candidate : task.candidates) {
+    const RefinedSet set = refine(spec, candidate);
+    if (set.status != Status::kOptimal) continue;
+    const design::Design found = design_of(spec, set);
+    const auto gears = train::make_train_gears(found.train);
+    double by_hand = 0.0;
+    for (std::size_t gear = 0; gear < train::kGearCount; ++gear) {
+      const auto& g = gears[gear];
+      const bool ring = g.gear.kind == geometry::GearKind::kRing;
+      const double toothed = 0.5 * (g.tip_radius_m + g.root_radius_m);
+      const double outer = ring ? g.root_radius_m + 0.002 : toothed;
+      const double inner = ring ? toothed : 0.0;
+      const bool step = gear == train::kP1 || gear == train::kP2;
+      by_hand +=
+          (step ? candidate.planets : 1) * *spec.bodies.gear_density_kgm3[gear] *
+          *spec.bodies
+               .face_width_m[static_cast<std::size_t>(train::stage_of(static_cast<int>(gear)))] *
+          std::numbers::pi * (outer * outer - inner * inner);
+    }
+    EXPECT_NEAR(objective_of(spec, set, Objective::kMass), by_hand, 1e-9 * by_hand);
+    EXPECT_EQ(found.masses.gear_density_kgm3, spec.bodies.gear_density_kgm3);
+    return;
+  }
+  FAIL() << "no set was refined";
 }
 
 }  // namespace

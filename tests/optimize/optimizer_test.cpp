@@ -359,7 +359,10 @@ TEST(Optimize, WithTheKhkTipRuleNoStartIsSpared) {
 TEST(Optimize, MassesWithoutARimGiveADesignThatCanBeReadBack) {
   Specification spec = example("rp96.toml");
   spec.teeth.S = {.min = 12, .max = 12};
-  spec.bodies = {.density_kgm3 = 7850.0, .face_width_m = {0.01, 0.01}, .ring_rim_m = 0.0};
+  spec.bodies = {.density_kgm3 = 7850.0,
+                 .gear_density_kgm3 = {},
+                 .face_width_m = {0.01, 0.01},
+                 .ring_rim_m = 0.0};
   spec.objectives = {Objective::kMass};
   Progress progress;
   const OptimizeResult result = optimize(spec, progress, {.best_only = true});

@@ -47,7 +47,10 @@ Specification few_sets() {
   Specification spec =
       io::read_specification(std::string(GEAR3K_SOURCE_DIR) + "/examples/rp96.toml");
   spec.teeth.S = {.min = 12, .max = sample(12, 13)};
-  spec.bodies = {.density_kgm3 = 7850.0, .face_width_m = {0.01, 0.01}, .ring_rim_m = 0.005};
+  spec.bodies = {.density_kgm3 = 7850.0,
+                 .gear_density_kgm3 = {},
+                 .face_width_m = {0.01, 0.01},
+                 .ring_rim_m = 0.005};
   spec.pareto_points = 5;
   return spec;
 }

@@ -295,8 +295,8 @@ Specification loaded_in_full() {
   task.life_s = 3.6e6;
   task.accuracy_grade = 7;
   task.misalignment_m = 5e-6;
-  task.root_roughness_m = 10e-6;
-  task.flank_roughness_m = 4e-6;
+  task.teeth.root_roughness_m = 10e-6;
+  task.teeth.flank_roughness_m = 4e-6;
   task.viscosity40_m2_s = 220e-6;
   task.supports = strength::PlanetSupports{
       .position_m = {0.0, 0.03}, .plane_m = {0.01, 0.02}, .stiffness_N_m = 1e8};
@@ -463,7 +463,7 @@ TEST(RefinedSet, CarriesWhatTheAnalysisOfItsDesignSays) {
     if (plastic) {
       spec.rating->material.fill(
           strength::GearMaterial{.record = *strength::find_material("POM"), .hardness = {}});
-      spec.rating->cycles = 1e6;
+      spec.rating->teeth.cycles = 1e6;
       spec.rating->torque_Nm = 0.2;
     }
     const RefinedSet set = refine(spec, kWinner);

@@ -360,8 +360,8 @@ TEST(DiagnosisTable, TellsEachLoopWithItsStiffnessAndHowItsRecordWasRead) {
        {"Loops, friction included, at the output (± is one standard deviation)\n",
         "  What was measured at the sun is referred to the output.\n",
         "loops.csv, run Monday          sun     2          25.00 ± 0.25",
-        "5000 ± 12         4000 ± 120     22.2 %",
-        "                  20                            -                  -          -\n",
+        "5000 ± 12          4000 ± 120     22.2 %",
+        "                  20                             -                   -          -\n",
         "loops.csv, run Monday: filter cut-off 3 Hz; creep of 0.0100 ± 0.0020 arcmin/s, which "
         "is not taken out"}) {
     EXPECT_TRUE(contains(text, part)) << part << '\n' << text;

@@ -171,7 +171,7 @@ TEST(MapTable, ThinsOutAGreatGridButKeepsItsEnds) {
   const std::string text = map_table(map_of(design));
   std::istringstream lines(text);
   std::string line;
-  while (std::getline(lines, line) && !contains(line, "torque at R2 (Nm)")) continue;
+  while (std::getline(lines, line) && !contains(line, "torque at R2 (N m)")) continue;
   EXPECT_TRUE(contains(line, "  200 ")) << line;
   EXPECT_TRUE(line.ends_with(" 1000")) << line;
   EXPECT_LT(line.size(), 120U);
@@ -221,13 +221,13 @@ TEST(MapPlot, AxesNameQuantityAndUnit) {
   const OperatingMap map = map_of(dragged());
   const auto texts = drawn_texts(map, "efficiency_forward");
   for (const char* text :
-       {"coaxial: efficiency forward (sun drives)", "sun speed (rpm)", "torque at R2 (Nm)",
+       {"coaxial: efficiency forward (sun drives)", "sun speed (rpm)", "torque at R2 (N m)",
         "R2 speed (rpm)", "efficiency (%)", "200", "1000", "5", "50"}) {
     EXPECT_GE(count(texts, text), 1) << text;
   }
   const auto torques = drawn_texts(map, "torques");
-  EXPECT_EQ(count(torques, "torque at the sun (Nm)"), 1);
-  EXPECT_EQ(count(torques, "torque at R2 (Nm)"), 1);
+  EXPECT_EQ(count(torques, "torque at the sun (N m)"), 1);
+  EXPECT_EQ(count(torques, "torque at R2 (N m)"), 1);
   EXPECT_EQ(count(torques, "breakaway"), 2);
 }
 

@@ -32,7 +32,10 @@ Factor<double> computed(double value) {
 ToothRating<double> tooth(double base) {
   ToothRating<double> t;
   t.cycles = base + 30.0;
-  t.form.section = {.chord_m = (base + 1.0) * 1e-3, .fillet_radius_m = (base + 2.0) * 1e-3};
+  // Half the chord, the height and the radius are as 3, 4 and 5.
+  t.form.section = {.chord_m = (base + 1.0) * 1e-3,
+                    .height_m = (base + 1.0) * 1e-3 * 2.0 / 3.0,
+                    .fillet_radius_m = (base + 2.0) * 1e-3};
   t.form.load.angle_rad = (base + 3.0) * units::kDegree;
   t.form.bending_arm_m = (base + 4.0) * 1e-3;
   t.form.form_factor = base + 5.0;
@@ -67,6 +70,7 @@ ToothRating<double> tooth(double base) {
 /// What the JSON of that tooth holds.
 std::map<std::string, double> tooth_numbers(double base) {
   return {{"root_chord_mm", base + 1.0},
+          {"root_section_diameter_mm", (base + 1.0) * 5.0 / 3.0},
           {"fillet_radius_mm", base + 2.0},
           {"load_angle_deg", base + 3.0},
           {"bending_arm_mm", base + 4.0},

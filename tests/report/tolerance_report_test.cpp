@@ -48,11 +48,16 @@ TEST(ToleranceReport, NominalIsWhatTheSameReportSaysOfTheDrawnPair) {
       EXPECT_EQ(gear[key]["nominal"], json["gears"][i][key]) << key;
     }
   }
-  ASSERT_EQ(limits["checks"].size(), json["checks"].size());
-  for (std::size_t i = 0; i < json["checks"].size(); ++i) {
-    EXPECT_EQ(limits["checks"][i]["name"], json["checks"][i]["name"]);
-    EXPECT_EQ(limits["checks"][i]["margin"]["nominal"], json["checks"][i]["margin"]);
+  std::size_t i = 0;
+  for (const auto& check : json["checks"]) {
+    if (check["group"] == "strength") continue;  // of the drawn pair alone
+    ASSERT_LT(i, limits["checks"].size());
+    EXPECT_EQ(limits["checks"][i]["name"], check["name"]);
+    EXPECT_EQ(limits["checks"][i]["margin"]["nominal"], check["margin"]);
+    ++i;
   }
+  EXPECT_EQ(i, limits["checks"].size());
+  EXPECT_GT(i, 10U);
   EXPECT_FALSE(limits.contains("lost_motion_arcmin"));
 }
 

@@ -95,7 +95,7 @@ TEST(TrainRating, AtItsCapacityTheLeastSafetyIsTheOneAskedFor) {
   for (int n = 0; n < 200; ++n) {
     const Rated<double> rated(running_train(random, n % 2 == 0));
     RatingTask task = task_of(n % 3 == 0 ? pom() : steel_700_290());
-    task.cycles = 1e6;
+    task.teeth.cycles = 1e6;
     if (n % 5 == 0) task.misalignment_m = 3e-6;
     for (const Drive drive : {Drive::kForward, Drive::kBackward}) {
       const auto capacity = train_capacity(rated.view(), task, drive);
@@ -134,7 +134,7 @@ RatingTask warm_task() {
   RatingTask task = task_of(pom());
   task.material[train::kP1] = task.material[train::kR1] = steel_700_290();
   task.torque_Nm = 3.0;
-  task.cycles = 1e7;
+  task.teeth.cycles = 1e7;
   task.speed_rad_s = 300.0;
   task.wear_coefficient_m2_N = 1e-15;
   return task;
@@ -232,7 +232,7 @@ TEST(TrainRating, TheCapacityOfPlasticsDoesNotDependOnTheStatedTorque) {
   RandomTrain random(71);
   const Rated<double> rated(running_train(random, true), 0.98);
   RatingTask task = task_of(pom());
-  task.cycles = 1e7;
+  task.teeth.cycles = 1e7;
   task.speed_rad_s = 1000.0;
   double first = 0.0;
   for (double stated = 0.5; stated < 60.0; stated *= 1.23) {
@@ -353,7 +353,7 @@ TEST(TrainRating, MorePlanetsShareTheLoadAndKGammaTakesItBack) {
 TEST(TrainRating, AnIdlerIsRatedAsReversed) {
   RandomTrain random(65);
   RatingTask task = task_of(steel_700_290());
-  task.load_reversal = false;
+  task.teeth.load_reversal = false;
   for (const bool below : {true, false}) {
     const auto rating = Rated<double>(running_train(random, below)).at(task, Drive::kForward);
     EXPECT_EQ(rating.mesh[0].teeth[1].root_strength.reversal.value, below ? 0.7 : 1.0);
@@ -361,6 +361,67 @@ TEST(TrainRating, AnIdlerIsRatedAsReversed) {
     EXPECT_EQ(rating.mesh[2].teeth[0].root_strength.reversal.value, 1.0);
     EXPECT_EQ(rating.mesh[0].teeth[0].root_strength.reversal.value, 1.0);
   }
+}
+
+// A gear's own values act on that gear as those of all would; Z_R has the mean of both gears of a
+// mesh.
+TEST(TrainRating, ValuesOfOneGearActOnItAsThoseOfAllWould) {
+  RandomTrain random(71);
+  for (int n = 0; n < 20; ++n) {
+    const Rated<double> rated(running_train(random, n % 2 == 0));
+    RatingTask task = task_of(steel_700_290());
+    task.teeth = {.root_roughness_m = 16e-6,
+                  .flank_roughness_m = 3e-6,
+                  .cycles = 1e9,
+                  .load_reversal = true,
+                  .reversal = 0.7};
+    task.viscosity40_m2_s = 220e-6;
+    task.speed_rad_s = 50.0;
+    const StatedTeeth own{.root_roughness_m = 40e-6,
+                          .flank_roughness_m = 9e-6,
+                          .cycles = 2e5,
+                          .load_reversal = true,
+                          .reversal = 0.9};
+    RatingTask of_all = task, of_mean = task;
+    of_all.teeth = own;
+    of_mean.teeth.flank_roughness_m = 6e-6;
+    const auto others = rated.at(task, Drive::kForward), all = rated.at(of_all, Drive::kForward),
+               mean = rated.at(of_mean, Drive::kForward);
+    for (std::size_t gear = 0; gear < train::kGearCount; ++gear) {
+      RatingTask of_gear = task;
+      of_gear.gear_teeth[gear] = own;
+      const auto rating = rated.at(of_gear, Drive::kForward);
+      for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+        const auto& [first, second] = train::kMeshGears[k];
+        const bool meshes =
+            gear == static_cast<std::size_t>(first) || gear == static_cast<std::size_t>(second);
+        for (const std::size_t i : {0U, 1U}) {
+          const auto member = static_cast<std::size_t>(train::kMeshGears[k][i]);
+          const auto& tooth = rating.mesh[k].teeth[i];
+          const auto& as = (member == gear ? all : others).mesh[k].teeth[i];
+          EXPECT_EQ(tooth.cycles, as.cycles);
+          EXPECT_EQ(tooth.root_strength.strength_Pa, as.root_strength.strength_Pa) << n;
+          EXPECT_EQ(tooth.flank_strength.life.value, as.flank_strength.life.value) << n;
+          const auto& film = (meshes ? mean : others).mesh[k].teeth[i];
+          EXPECT_NEAR(tooth.flank_strength.roughness.value, film.flank_strength.roughness.value,
+                      1e-15)
+              << n;
+        }
+      }
+    }
+  }
+}
+
+TEST(TrainRating, LoadReversalOfOneGearIsItsOwn) {
+  RandomTrain random(72);
+  RatingTask task = task_of(steel_700_290());
+  task.teeth.load_reversal = false;
+  task.gear_teeth[train::kR2].load_reversal = true;
+  task.gear_teeth[train::kR2].reversal = 0.85;
+  const auto rating = Rated<double>(running_train(random, false)).at(task, Drive::kForward);
+  EXPECT_EQ(rating.mesh[2].teeth[1].root_strength.reversal.value, 0.85);
+  EXPECT_EQ(rating.mesh[2].teeth[0].root_strength.reversal.value, 1.0);
+  EXPECT_EQ(rating.mesh[0].teeth[0].root_strength.reversal.value, 1.0);
 }
 
 TEST(TrainRating, LifeInHoursGivesTheCyclesOfEachGear) {
@@ -375,7 +436,7 @@ TEST(TrainRating, LifeInHoursGivesTheCyclesOfEachGear) {
       100.0 / std::abs(train::ratio(g.teeth)) * std::abs(train::speed_ratios(g.teeth).carrier);
   RatingTask counted = task;
   counted.life_s.reset();
-  counted.cycles = g.planets * carrier * 3600.0 * 500.0 / (2.0 * 3.14159265358979323846);
+  counted.teeth.cycles = g.planets * carrier * 3600.0 * 500.0 / (2.0 * 3.14159265358979323846);
   const auto cycles = Rated<double>(g).at(counted, Drive::kForward);
   EXPECT_NEAR(hours.mesh[1].teeth[1].root_strength.life.value,
               cycles.mesh[1].teeth[1].root_strength.life.value, 1e-12);

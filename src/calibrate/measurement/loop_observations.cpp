@@ -231,9 +231,9 @@ LoopObservations loop_observations(const std::vector<LockedShaftRecord>& records
       result.rows.push_back(row);
     }
   }
-  result.notes.push_back(fmt::format("{} loop{} read as lost motion at test torques 0 to {:.4g} Nm",
-                                     used.size(), used.size() == 1 ? "" : "s",
-                                     kTravelFractions.back() * peak));
+  result.notes.push_back(
+      fmt::format("{} loop{} read as lost motion at test torques 0 to {:.4g} N m", used.size(),
+                  used.size() == 1 ? "" : "s", kTravelFractions.back() * peak));
   if (taken > 0) {
     result.notes.push_back(fmt::format(
         "friction opens {} loop{} by {:.3g} arcmin at zero torque and takes as much off the travel "

@@ -107,7 +107,7 @@ std::optional<std::string> leave_out_saturated(MeasurementSet& set) {
     }
     count += at.count;
     found.push_back(fmt::format(
-        "{}: {} rows hold the {} sun_torque_nm, {:g}, at loads from {:g} to {:g} Nm: the sensor "
+        "{}: {} rows hold the {} sun_torque_nm, {:g}, at loads from {:g} to {:g} N m: the sensor "
         "is at its limit",
         places_of(set, at.marked), at.count, name, value, at.least_load_Nm, at.greatest_load_Nm));
   }

@@ -224,6 +224,7 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
   const auto materials = finish_materials(input.strength, train_gear_tables(), reading);
   if (!reading.stated("inertia.density_kg_m3")) {
     design.masses.density_kgm3 = design::common_density_kgm3(materials);
+    design.masses.gear_density_kgm3 = design::material_densities_kgm3(materials);
   }
   check_masses(design.masses, reading);
   t.teeth = {.S = teeth[0], .P1 = teeth[1], .R1 = teeth[2], .P2 = teeth[3], .R2 = teeth[4]};

@@ -40,6 +40,11 @@ DesignInput stated_design(const design::Design& design) {
       design::common_density_kgm3(design.rating->material) == design.masses.density_kgm3) {
     input.masses.density_kgm3.reset();  // the materials state it
   }
+  if (!design.rating && !design.masses.density_kgm3) {
+    for (std::size_t i = 0; i < train::kGearCount; ++i) {
+      input.strength.gear_material[i].density_kgm3 = design.masses.gear_density_kgm3[i];
+    }
+  }
   return input;
 }
 

@@ -62,9 +62,9 @@ void check_objectives(const optimize::Specification& spec, FileReading& reading)
     }
     if (needs_masses && !optimize::knows_masses(spec)) {
       reading.error_at("objective",
-                       fmt::format("objective \"{}\" without inertia.density_kg_m3, "
-                                   "stage1.face_width_mm and stage2.face_width_mm: allowed: with "
-                                   "all three",
+                       fmt::format("objective \"{}\" without inertia.density_kg_m3, or "
+                                   "materials of a known density, stage1.face_width_mm and "
+                                   "stage2.face_width_mm: allowed: with all three",
                                    name));
     }
   }
@@ -174,6 +174,7 @@ void finish_rating(Input& input, FileReading& reading) {
   const auto materials = finish_materials(input.strength, train_gear_tables(), reading);
   if (!reading.stated("inertia.density_kg_m3")) {
     spec.bodies.density_kgm3 = design::common_density_kgm3(materials);
+    spec.bodies.gear_density_kgm3 = design::material_densities_kgm3(materials);
   }
   const bool has_speed = reading.has("operating_point.sun_speed_rpm");
   spec.rating = finish_train_strength(

@@ -163,7 +163,8 @@ std::string parent_of(const std::string& path) {
   return dot == std::string::npos ? "" : path.substr(0, dot);
 }
 
-/// Did-you-mean: the same last word in another table first, then the closest path or last word.
+/// Did-you-mean: the closest word of the same table, then the same word in another one, then the
+/// closest path that ends in a word like it.
 std::string suggestion(const std::string& path, const std::vector<ExpandedKey>& keys) {
   std::vector<std::string> siblings, paths;
   const std::string parent = parent_of(path);
@@ -171,9 +172,9 @@ std::string suggestion(const std::string& path, const std::vector<ExpandedKey>& 
       path.substr(path.rfind('.') == std::string::npos ? 0 : path.rfind('.') + 1);
   std::string same_word;
   for (const ExpandedKey& key : keys) {
-    paths.push_back(key.path);
     const std::string key_parent = parent_of(key.path);
     const std::string word = key.path.substr(key_parent.empty() ? 0 : key_parent.size() + 1);
+    if (!closest_word(last, {word}).empty()) paths.push_back(key.path);
     if (key_parent == parent) siblings.push_back(word);
     if (word == last && same_word.empty()) same_word = key.path;
   }

@@ -22,7 +22,7 @@ struct CarrierSize {
   const char* default_text;
   const char* help;
 };
-constexpr std::array<CarrierSize, 6> kCarrierSizes{
+constexpr std::array<CarrierSize, 7> kCarrierSizes{
     {{"carrier_outer_diameter_mm", &Masses::carrier_outer_radius_m, Unit::kDiameterMillimetre, 1e4,
       false, "none",
       "outer diameter of the carrier's plates; with carrier_thickness_mm, instead of carrier_kgm2"},
@@ -33,9 +33,11 @@ constexpr std::array<CarrierSize, 6> kCarrierSizes{
      {"carrier_density_kg_m3", &Masses::carrier_density_kgm3, Unit::kKilogramPerCubicMetre, 3e4,
       false, "density_kg_m3", "density of the carrier's plates"},
      {"pin_diameter_mm", &Masses::planet_pin_radius_m, Unit::kDiameterMillimetre, 1e3, false,
-      "none", "diameter of a planet's pin, one per planet, fixed in the carrier, of density_kg_m3"},
+      "none", "diameter of a planet's pin, one per planet, fixed in the carrier"},
      {"pin_length_mm", &Masses::planet_pin_length_m, Unit::kMillimetre, 1e4, false, "none",
-      "length of a planet's pin outside the carrier's plates"}}};
+      "length of a planet's pin outside the carrier's plates"},
+     {"pin_density_kg_m3", &Masses::planet_pin_density_kgm3, Unit::kKilogramPerCubicMetre, 3e4,
+      false, "density_kg_m3", "density of the planets' pins"}}};
 
 double in_mm(const std::optional<double>& radius_m) {
   return units::from_si(*radius_m, Unit::kDiameterMillimetre);
@@ -45,8 +47,9 @@ double in_mm(const std::optional<double>& radius_m) {
 
 KeyRecord density_record() {
   return number("inertia.density_kg_m3", Unit::kKilogramPerCubicMetre, above(0.0, 30000.0),
-                "that of the materials, else none",
-                "density of the gears, for mass and inertia from geometry");
+                "of each gear that of its material, else none",
+                "density of all gears, for mass and inertia from geometry; carrier and pins have "
+                "it too, or that which all materials share");
 }
 
 KeyRecord face_width_record(std::size_t stage) {
@@ -111,10 +114,13 @@ void check_masses(const Masses& masses, FileReading& reading) {
   require("carrier_thickness_mm", "carrier_outer_diameter_mm", "both or neither");
   require("carrier_bore_mm", "carrier_outer_diameter_mm", "with it");
   require("carrier_density_kg_m3", "carrier_outer_diameter_mm", "with it");
+  require("pin_density_kg_m3", "pin_diameter_mm", "with it");
   require("pin_diameter_mm", "pin_length_mm", "both or neither");
   require("pin_length_mm", "pin_diameter_mm", "both or neither");
-  // Without the key it may be that of the materials.
-  if (!masses.density_kgm3) require("pin_diameter_mm", "density_kg_m3", "with it");
+  // Without the key it may be that which all materials share.
+  if (!masses.density_kgm3 && !reading.stated("inertia.pin_density_kg_m3")) {
+    require("pin_diameter_mm", "density_kg_m3", "with it or with pin_density_kg_m3");
+  }
   if (!masses.density_kgm3 && !reading.stated("inertia.carrier_density_kg_m3")) {
     require("carrier_outer_diameter_mm", "density_kg_m3", "with it or with carrier_density_kg_m3");
   }

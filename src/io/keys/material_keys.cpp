@@ -161,8 +161,7 @@ std::vector<Key<MaterialInput>> material_keys() {
              "nominal sigma_Flim of the root, to be multiplied by Y_ST = 2"),
       make_key<Input>(
           number("density_kg_m3", Unit::kKilogramPerCubicMetre, above(0.0, 30000.0), kOfRow,
-                 "density; that of the gears where inertia.density_kg_m3 is not stated "
-                 "and all gears have the same"),
+                 "density; that of the gear's mass where inertia.density_kg_m3 is not stated"),
           &Input::density_kgm3),
       stress("yield_strength_mpa", &Input::yield_strength_Pa, kOfRow,
              "yield strength, for the peak load of plastics and the notch of through hardened "

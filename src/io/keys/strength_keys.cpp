@@ -11,7 +11,7 @@ namespace gear3k::io {
 namespace {
 
 using design::GearMaterials, strength::GearMaterial, strength::MeshLoadSource, strength::RatingTask,
-    strength::StatedFactors, units::Unit;
+    strength::StatedFactors, strength::StatedTeeth, units::Unit;
 using StrengthKey = Key<StrengthInput>;
 
 constexpr double kGreatestFactor = 1000.0;
@@ -99,15 +99,6 @@ void add_factor_keys(std::vector<StrengthKey>& keys) {
       "transverse load factor of the root, in place of that of accuracy_grade");
 }
 
-void add_reversal_key(std::vector<StrengthKey>& keys) {
-  keys.push_back(
-      strength_number("y_m", Unit::kNone, above(0.0, 1.0), "with [strength]: 0.7, of plastics 1",
-                      "Y_M of teeth that are loaded on both flanks (load_reversal, idlers), in "
-                      "place of 0.7; UR M56 "
-                      "has 0.9 for occasional reversal, and no source has one for plastics",
-                      of_factors(&StatedFactors::reversal)));
-}
-
 void add_safety_keys(std::vector<StrengthKey>& keys) {
   keys.push_back(strength_number("s_f_min", Unit::kNone, above(0.0, 100.0),
                                  "with [strength]: 1, of plastics 2", "least safety of the root",
@@ -135,12 +126,6 @@ void add_surface_keys(std::vector<StrengthKey>& keys) {
       integer("strength.accuracy_grade", within(kFinestAccuracy, kCoarsestAccuracy), kWhenStated,
               "ISO 1328-1:1995 accuracy grade; without it K_v = K_Halpha = K_Falpha = 1"),
       of_task(&RatingTask::accuracy_grade))));
-  keys.push_back(strength_number("root_roughness_um", Unit::kMicrometre, above(0.0, 1000.0),
-                                 kWhenStated, "R_z of the root; without it Y_R = 1",
-                                 of_task(&RatingTask::root_roughness_m)));
-  keys.push_back(strength_number("flank_roughness_um", Unit::kMicrometre, above(0.0, 1000.0),
-                                 kWhenStated, "R_z of the flank; without it Z_R = 1",
-                                 of_task(&RatingTask::flank_roughness_m)));
   keys.push_back(strength_number(
       "viscosity40_mm2_s", Unit::kSquareMillimetrePerSecond, above(0.0, 1e6), kWhenStated,
       "kinematic viscosity of the lubricant at 40 C; without it Z_L = Z_v = 1",
@@ -174,6 +159,49 @@ void add_plastic_keys(std::vector<StrengthKey>& keys) {
                                  of_task(&RatingTask::wear_coefficient_m2_N)));
 }
 
+/// Keys of what may be stated of one gear too, without the table's name.
+std::vector<Key<StatedTeeth>> teeth_keys() {
+  const auto roughness = [](const char* name, std::optional<double> StatedTeeth::*member,
+                            const char* help) {
+    return make_key<StatedTeeth>(
+        number(name, Unit::kMicrometre, above(0.0, 1000.0), kWhenStated, help), member);
+  };
+  return {
+      make_key<StatedTeeth>(number("cycles", Unit::kNone, within(1.0, 1e18), kWhenStated,
+                                   "load cycles of every tooth, in place of a life; without either "
+                                   "the endurance limit of metals"),
+                            &StatedTeeth::cycles),
+      make_key<StatedTeeth>(
+          {.path = "load_reversal",
+           .type = KeyType::kBoolean,
+           .default_text = "true with [strength]",
+           .help = "the torque changes its sign: Y_M = 0.7 for every metal tooth; "
+                   "else of idlers only"},
+          &StatedTeeth::load_reversal),
+      make_key<StatedTeeth>(
+          number("y_m", Unit::kNone, above(0.0, 1.0), "with [strength]: 0.7, of plastics 1",
+                 "Y_M of teeth that are loaded on both flanks (load_reversal, idlers), in place of "
+                 "0.7; UR M56 has 0.9 for occasional reversal, and no source has one for plastics"),
+          &StatedTeeth::reversal),
+      roughness("root_roughness_um", &StatedTeeth::root_roughness_m,
+                "R_z of the root; without it Y_R = 1"),
+      roughness("flank_roughness_um", &StatedTeeth::flank_roughness_m,
+                "R_z of the flank; without that of both gears of a mesh Z_R = 1")};
+}
+
+/// The same in the table `strength` of a gear.
+void add_gear_teeth_keys(std::vector<StrengthKey>& keys, const std::string& gear) {
+  std::vector<Key<StatedTeeth>> own = teeth_keys();
+  for (Key<StatedTeeth>& key : own) {
+    const std::string common = "strength." + key.record.path;
+    key.record.default_text = common;
+    key.record.help = fmt::format("of the teeth of one gear, in place of {}", common);
+  }
+  append_keys(
+      keys, own, [](auto& t, std::size_t g) -> auto& { return t.task.gear_teeth[g]; },
+      gear + ".strength.");
+}
+
 /// What differs between a train's keys and a pair's.
 struct TorqueKeys {
   const char* torque;  ///< its name in [strength]
@@ -190,22 +218,13 @@ std::vector<StrengthKey> common_strength_keys(const TorqueKeys& of, StrengthKey 
       "life_hours", Unit::kHour, above(0.0, 1e7), kWhenStated,
       fmt::format("time at work, which with {} gives the load cycles of each tooth", of.speed),
       of_task(&RatingTask::life_s)));
-  keys.push_back(
-      strength_number("cycles", Unit::kNone, within(1.0, 1e18), kWhenStated,
-                      "load cycles of every tooth, instead; without either the endurance "
-                      "limit of metals",
-                      of_task(&RatingTask::cycles)));
-  keys.push_back(strength_switch(
-      "load_reversal", "true with [strength]",
-      "the torque changes its sign: Y_M = 0.7 for every metal tooth; else of idlers "
-      "only",
-      of_task(&RatingTask::load_reversal)));
+  append_keys(
+      keys, teeth_keys(), [](auto& t, std::size_t) -> auto& { return t.task.teeth; }, "strength.");
   keys.push_back(strength_number("k_a", Unit::kNone, within(1.0, kGreatestFactor),
                                  "with [strength]: 1", "application factor",
                                  of_factors(&StatedFactors::application)));
   keys.push_back(std::move(mesh_load));
   add_factor_keys(keys);
-  add_reversal_key(keys);
   add_safety_keys(keys);
   add_surface_keys(keys);
   add_plastic_keys(keys);
@@ -264,13 +283,17 @@ void check_common(const StrengthInput& input, const GearMaterials& materials,
   }
 }
 
+bool states_life(const std::string& gear, const FileReading& reading) {
+  return reading.stated("strength.life_hours") || reading.stated("strength.cycles") ||
+         reading.stated(gear + ".strength.cycles");
+}
+
 /// Wear wants a life to count meetings of teeth over.
-void check_wear(FileReading& reading) {
+void check_wear(const std::vector<std::string>& gears, FileReading& reading) {
   constexpr const char* kWear = "strength.wear_coefficient_mm3_nm";
-  if (!reading.stated(kWear) || reading.stated("strength.life_hours") ||
-      reading.stated("strength.cycles")) {
-    return;
-  }
+  const bool counted = std::ranges::any_of(
+      gears, [&](const std::string& gear) { return states_life(gear, reading); });
+  if (!reading.stated(kWear) || counted) return;
   reading.error_at(kWear, fmt::format("{} without strength.cycles or strength.life_hours: allowed: "
                                       "with one of them",
                                       kWear));
@@ -279,18 +302,19 @@ void check_wear(FileReading& reading) {
 /// What the curves of plastics need, and where they end.
 void check_curves(const StrengthInput& input, const GearMaterials& materials,
                   const std::vector<std::string>& gears, FileReading& reading) {
-  const auto curved = std::ranges::find_if(materials, [](const auto& material) {
-    return material && has_life_curves(material->record);
-  });
-  if (curved == materials.end()) return;
-  const std::string_view name = (*curved)->record.name;
-  if (!reading.stated("strength.life_hours") && !reading.stated("strength.cycles")) {
-    reading.error_at(
-        "strength.cycles",
-        fmt::format("strength.cycles is missing, which the limits of \"{}\" ({}) depend on: "
-                    "allowed: cycles or life_hours",
-                    name, gears[static_cast<std::size_t>(curved - materials.begin())]));
+  std::string_view name;
+  bool told = false;
+  for (std::size_t g = 0; g < gears.size(); ++g) {
+    if (!materials[g] || !has_life_curves(materials[g]->record)) continue;
+    if (name.empty()) name = materials[g]->record.name;
+    if (told || states_life(gears[g], reading)) continue;
+    told = true;
+    reading.error_at("strength.cycles",
+                     fmt::format("strength.cycles is missing, which the limits of \"{}\" ({}) "
+                                 "depend on: allowed: cycles or life_hours",
+                                 materials[g]->record.name, gears[g]));
   }
+  if (name.empty()) return;
   const auto check = [&](const char* key, const std::optional<double>& temperature_K) {
     if (!temperature_K || !(*temperature_K > strength::kHighestPlasticTemperature_K)) return;
     reading.error_at(
@@ -301,6 +325,26 @@ void check_curves(const StrengthInput& input, const GearMaterials& materials,
   };
   check("strength.tooth_temperature_c", input.task.tooth_temperature_K);
   if (!input.task.tooth_temperature_K) check("strength.ambient_c", input.task.ambient_K);
+}
+
+/// A gear's own values: with a load, and Y_M only where both flanks carry.
+/// @param idler  place of a gear that may be an idler; -1: none
+void check_gear_teeth(const StrengthInput& input, const std::vector<std::string>& gears, int idler,
+                      FileReading& reading) {
+  for (std::size_t g = 0; g < gears.size(); ++g) {
+    const std::string table = gears[g] + ".strength";
+    if (!reading.stated(table)) continue;
+    if (!reading.stated("strength")) {
+      reading.error_at(table, fmt::format("{} without [strength]: allowed: with it", table));
+    }
+    const std::string y_m = table + ".y_m";
+    const bool reversed = static_cast<int>(g) == idler ||
+                          strength::stated_teeth(input.task, g).load_reversal.value_or(true);
+    if (reversed || !reading.stated(y_m)) continue;
+    reading.error_at(y_m, fmt::format("{} without load reversal: allowed: with {}.load_reversal = "
+                                      "true",
+                                      y_m, table));
+  }
 }
 
 void check_planets(const StrengthInput& input, const std::vector<int>& planets,
@@ -475,6 +519,7 @@ std::vector<Key<StrengthInput>> train_strength_keys() {
               "torsional stiffness between the teeth of the sun and the input");
   add_torsion("ring2_nm_per_rad", &RatingTask::ring2_Nm_rad,
               "torsional stiffness between the teeth of R2 and the output");
+  add_gear_teeth_keys(keys, "gears.{gear}");
   add_material_keys(keys, "gears.{gear}");
   return keys;
 }
@@ -493,6 +538,7 @@ std::vector<Key<StrengthInput>> pair_strength_keys() {
       make_key<StrengthInput>(number("face_width_mm", Unit::kMillimetre, above(0.0, 1000.0),
                                      "required by [strength]", "face width that both gears share"),
                               &StrengthInput::face_width_m));
+  add_gear_teeth_keys(keys, "{gear}");
   add_material_keys(keys, "{gear}");
   return keys;
 }
@@ -514,6 +560,7 @@ design::GearMaterials finish_materials(const StrengthInput& input,
 std::optional<RatingTask> finish_train_strength(const StrengthInput& input,
                                                 const GearMaterials& materials,
                                                 const RatedTrainFile& file, FileReading& reading) {
+  check_gear_teeth(input, train_gear_tables(), train::kP1, reading);
   if (!reading.stated("strength")) {
     for (const char* key : {"bearings.planet_positions_mm", "bearings.planet_stiffness_n_per_um",
                             "bearings.pin_stiffness_n_per_um", "bearings.pin_diameter_mm"}) {
@@ -526,7 +573,7 @@ std::optional<RatingTask> finish_train_strength(const StrengthInput& input,
   const std::vector<std::string> gears = train_gear_tables();
   check_common(input, materials, gears, "strength.output_torque_nm", reading);
   check_curves(input, materials, gears, reading);
-  check_wear(reading);
+  check_wear(gears, reading);
   check_planets(input, file.planets, reading);
   check_mesh_load(input, file, reading);
   check_life("operating_point.sun_speed_rpm", file.sun_speed_rad_s.value_or(0.0), reading);
@@ -544,11 +591,12 @@ std::optional<RatingTask> finish_train_strength(const StrengthInput& input,
 std::optional<RatingTask> finish_pair_strength(const StrengthInput& input,
                                                const GearMaterials& materials,
                                                FileReading& reading) {
+  check_gear_teeth(input, pair_gear_tables(), -1, reading);
   if (!reading.stated("strength")) return std::nullopt;
   const std::vector<std::string> gears = pair_gear_tables();
   check_common(input, materials, gears, "strength.torque_nm", reading);
   check_curves(input, materials, gears, reading);
-  check_wear(reading);
+  check_wear(gears, reading);
   check_life("strength.speed_rpm", input.speed_rad_s.value_or(0.0), reading);
   check_face_width("face_width_mm", reading);
   RatingTask task = task_of(input, materials);

@@ -824,7 +824,7 @@ TEST(Measurements, RowsAtTheSensorsLimitAreLeftOutAndNamed) {
   for (const auto& o : set.rows) EXPECT_LT(o.response, 0.45);
   expect_in(
       "data.csv: lines 73, 74, 75, 76, 77, 78, 79, 80, 81, 82 and 20 more: 30 rows hold the "
-      "greatest sun_torque_nm, 0.45, at loads from 40 to 50 Nm: the sensor is at its limit; "
+      "greatest sun_torque_nm, 0.45, at loads from 40 to 50 N m: the sensor is at its limit; "
       "left out",
       notes_of(set));
 }
@@ -837,7 +837,7 @@ TEST(Measurements, ASensorThatReadsNothingBelowALimitIsNamed) {
   }
   const auto set = set_of(text);
   EXPECT_EQ(set.rows.size(), 22U);
-  expect_in("8 rows hold the least sun_torque_nm, 0, at loads from 5 to 12 Nm", notes_of(set));
+  expect_in("8 rows hold the least sun_torque_nm, 0, at loads from 5 to 12 N m", notes_of(set));
 }
 
 TEST(Measurements, MoreThanHalfAtTheLimitIsRefused) {

@@ -264,6 +264,17 @@ TEST(MatchKeys, UnknownKeyWithoutALikenessHasNoSuggestion) {
   EXPECT_EQ(match({kPlanets}, "weight_kg = 3").errors, "file.toml:1:1: unknown key weight_kg");
 }
 
+TEST(MatchKeys, AShortWordOfALongTablesNameIsNotLikeItsOtherKeys) {
+  const KeyRecord k_a{.path = "strength.k_a"}, y_m{.path = "strengths.y_m"};
+  EXPECT_EQ(match({k_a, y_m}, "strength.foo = 3").errors,
+            "file.toml:1:10: unknown key strength.foo");
+  EXPECT_EQ(match({k_a, y_m}, "strength.k_aa = 3").errors,
+            "file.toml:1:10: unknown key strength.k_aa; did you mean strength.k_a?");
+  // A word and its table both a letter off.
+  EXPECT_EQ(match({{.path = "stage1.module_mm"}, k_a}, "[strength]\n[stage2]\nmodul_mm = 3").errors,
+            "file.toml:2:2: unknown table [stage2]; did you mean [stage1]?");
+}
+
 TEST(MatchKeys, UnknownTableIsOneErrorWhateverItHolds) {
   EXPECT_EQ(match({kTeeth}, "gears.S.teeth = 12\n[gear]\na = 1\nb = 2", {"S"}).errors,
             "file.toml:2:2: unknown table [gear]; did you mean [gears]?");

@@ -122,7 +122,11 @@ TEST(MassKeys, SizesNeedADensity) {
                "inertia.carrier_outer_diameter_mm without inertia.density_kg_m3: allowed: with it "
                "or with carrier_density_kg_m3");
   expect_error(design_with("carrier_density_kg_m3 = 2700.0\n" + kPlates + kPins),
-               "inertia.pin_diameter_mm without inertia.density_kg_m3");
+               "inertia.pin_diameter_mm without inertia.density_kg_m3: allowed: with it or with "
+               "pin_density_kg_m3");
+  EXPECT_EQ(errors_of(design_with("pin_density_kg_m3 = 7800.0\n" + kPins)), "");
+  expect_error(design_with("pin_density_kg_m3 = 7800.0\n"),
+               "inertia.pin_density_kg_m3 without inertia.pin_diameter_mm: allowed: with it");
 }
 
 TEST(MassKeys, CarrierBoreIsBelowItsOuterDiameter) {

@@ -11,6 +11,7 @@
 #include "io/files/design_file.hpp"
 #include "io/files/specification_file.hpp"
 #include "io/text/diagnostics.hpp"
+#include "optimize/objective_value.hpp"
 #include "optimize/refined_set.hpp"
 
 namespace gear3k::io::strength_keys_test {
@@ -73,6 +74,16 @@ std::ptrdiff_t count_of(const std::string& errors) {
   return errors.empty() ? 0 : std::ranges::count(errors, '\n') + 1;
 }
 
+double um(double length_um) { return units::to_si(length_um, units::Unit::kMicrometre); }
+
+void expect_same(const strength::StatedTeeth& a, const strength::StatedTeeth& b) {
+  EXPECT_EQ(a.root_roughness_m, b.root_roughness_m);
+  EXPECT_EQ(a.flank_roughness_m, b.flank_roughness_m);
+  EXPECT_EQ(a.cycles, b.cycles);
+  EXPECT_EQ(a.load_reversal, b.load_reversal);
+  EXPECT_EQ(a.reversal, b.reversal);
+}
+
 void expect_only(const std::string& errors, const std::string& message) {
   EXPECT_NE(errors.find(message), std::string::npos) << "got: " << errors;
   EXPECT_EQ(count_of(errors), 1) << errors;
@@ -93,9 +104,9 @@ TEST(StrengthKeys, DefaultsAreThoseOfTheTask) {
   const RatingTask task = task_of_design(kSteel + kLoad);
   const RatingTask unstated;
   EXPECT_EQ(task.torque_Nm, 20.0);
-  EXPECT_FALSE(task.cycles);
+  EXPECT_FALSE(task.teeth.cycles);
   EXPECT_FALSE(task.life_s);
-  EXPECT_TRUE(task.load_reversal);
+  EXPECT_FALSE(task.teeth.load_reversal);
   EXPECT_FALSE(task.factors.application);
   EXPECT_EQ(task.factors.mesh_load_source, MeshLoadSource::kNumber);
   EXPECT_FALSE(task.factors.mesh_load);
@@ -126,7 +137,7 @@ TEST(StrengthKeys, UnitsBecomeSi) {
   const RatingTask task = task_of_design(kEverything);
   EXPECT_EQ(task.torque_Nm, 31.7);
   EXPECT_DOUBLE_EQ(task.life_s.value(), 7.2e6);
-  EXPECT_FALSE(task.load_reversal);
+  EXPECT_FALSE(task.teeth.load_reversal.value());
   EXPECT_EQ(task.factors.application, 1.25);
   EXPECT_EQ(task.factors.mesh_load_source, MeshLoadSource::kM56);
   EXPECT_EQ(task.factors.dynamic, 1.03);
@@ -134,7 +145,7 @@ TEST(StrengthKeys, UnitsBecomeSi) {
   EXPECT_EQ(task.factors.flank_transverse, 1.02);
   EXPECT_EQ(task.factors.root_face, 1.1);
   EXPECT_EQ(task.factors.root_transverse, 1.01);
-  EXPECT_EQ(task.factors.reversal, 0.85);
+  EXPECT_EQ(task.teeth.reversal, 0.85);
   EXPECT_EQ(task.planet_torsion_Nm_rad, 5000.0);
   EXPECT_EQ(task.sun_shaft_Nm_rad, 800.0);
   EXPECT_EQ(task.ring2_Nm_rad, 9e4);
@@ -144,8 +155,8 @@ TEST(StrengthKeys, UnitsBecomeSi) {
   EXPECT_EQ(task.flank_safety_min, 1.2);
   EXPECT_EQ(task.virtual_root_radius, 0.38);
   EXPECT_EQ(task.overload, 2.5);
-  EXPECT_DOUBLE_EQ(task.root_roughness_m.value(), 16.1e-6);
-  EXPECT_DOUBLE_EQ(task.flank_roughness_m.value(), 4.8e-6);
+  EXPECT_DOUBLE_EQ(task.teeth.root_roughness_m.value(), 16.1e-6);
+  EXPECT_DOUBLE_EQ(task.teeth.flank_roughness_m.value(), 4.8e-6);
   EXPECT_DOUBLE_EQ(task.viscosity40_m2_s.value(), 220e-6);
   EXPECT_TRUE(task.pitting_allowed);
   EXPECT_DOUBLE_EQ(task.ambient_K, 308.15);
@@ -189,6 +200,45 @@ TEST(StrengthKeys, APairStatesItsTorqueSpeedAndFaceWidth) {
   ASSERT_TRUE(task.material[0] && task.material[1]);
   EXPECT_EQ(task.material[1]->record.youngs_modulus_Pa, 206e9);
   EXPECT_FALSE(task.material[2]);
+}
+
+TEST(StrengthKeys, OfOneGearStandInPlaceOfThoseOfAll) {
+  const std::string gears =
+      "[gears.P1.strength]\ncycles = 3e6\nload_reversal = true\ny_m = 0.9\n"
+      "root_roughness_um = 12.5\nflank_roughness_um = 3.2\n[gears.R2]\nstrength.cycles = 2e5\n";
+  const std::string common = "load_reversal = false\ny_m = 0.8\nroot_roughness_um = 16\n";
+  const auto expect = [](const RatingTask& task) {
+    const auto of = [&](std::size_t gear) { return strength::stated_teeth(task, gear); };
+    expect_same(of(train::kP1), {.root_roughness_m = um(12.5),
+                                 .flank_roughness_m = um(3.2),
+                                 .cycles = 3e6,
+                                 .load_reversal = true,
+                                 .reversal = 0.9});
+    for (const std::size_t gear : {train::kS, train::kR1, train::kP2, train::kR2}) {
+      const std::optional<double> cycles = gear == train::kR2 ? std::optional(2e5) : std::nullopt;
+      expect_same(of(gear), {.root_roughness_m = um(16),
+                             .flank_roughness_m = {},
+                             .cycles = cycles,
+                             .load_reversal = false,
+                             .reversal = 0.8});
+      EXPECT_EQ(strength::has_life(task, gear), gear == train::kR2);
+    }
+  };
+  const std::string design = replaced(kGears, "[gears.R2]\n", gears) + kSteel + kLoad + common;
+  const auto read = parse_design(design, "gear.toml");
+  expect(read.rating.value());
+  expect(parse_design(design_text(read), "best.toml").rating.value());
+  expect(parse_specification(kSpec + kWidths + kSteel + kLoad + common + gears, "spec.toml")
+             .rating.value());
+  const auto pair = pair_of(
+      "[gear1.strength]\ncycles = 1e6\nflank_roughness_um = 4.8\n"
+      "[gear2.strength]\nflank_roughness_um = 8\nload_reversal = true\n" +
+          kSteel + "[strength]\ntorque_nm = 302\nload_reversal = false\n",
+      "face_width_mm = 14.0\n");
+  EXPECT_EQ(strength::stated_teeth(pair.rating.value(), 0).cycles, 1e6);
+  EXPECT_EQ(strength::stated_teeth(*pair.rating, 0).load_reversal, false);
+  EXPECT_EQ(strength::stated_teeth(*pair.rating, 1).load_reversal, true);
+  EXPECT_DOUBLE_EQ(strength::stated_teeth(*pair.rating, 1).flank_roughness_m.value(), 8e-6);
 }
 
 // --- materials
@@ -273,11 +323,23 @@ TEST(MaterialKeys, AHardnessIsNeededWhereALimitDependsOnIt) {
   EXPECT_EQ(design_errors("[material]\nname = \"case hardened steel MQ\"\n" + kLoad), "");
 }
 
-TEST(MaterialKeys, DensityIsThatOfTheMassesWhereAllGearsHaveTheSame) {
+TEST(MaterialKeys, DensitiesAreThoseOfTheMassesUnlessTheFileStatesOne) {
   EXPECT_EQ(design_of(kSteel).masses.density_kgm3, 7830.0);
   EXPECT_EQ(design_of(kSteel + "[inertia]\ndensity_kg_m3 = 7000\n").masses.density_kgm3, 7000.0);
   EXPECT_FALSE(design_of(kSteel + "[gears.S.material]\nname = \"POM\"\n").masses.density_kgm3);
   EXPECT_FALSE(design_of("[gears.S.material]\nname = \"POM\"\n").masses.density_kgm3);
+  const std::string planets_of_pom =
+      kSteel + "[gears.P1.material]\nname = \"POM\"\n[gears.P2.material]\nname = \"POM\"\n";
+  const design::GearDensities densities{7830.0, 1415.0, 7830.0, 1415.0, 7830.0};
+  for (const std::string& load : {std::string(), kLoad + "cycles = 1e6\n"}) {
+    const auto design = design_of(planets_of_pom + load);
+    EXPECT_EQ(design.masses.gear_density_kgm3, densities);
+    EXPECT_FALSE(design.masses.density_kgm3);
+    EXPECT_EQ(parse_design(design_text(design), "g").masses.gear_density_kgm3, densities);
+    const auto spec = parse_specification(kSpec + kWidths + planets_of_pom + load, "s");
+    EXPECT_EQ(spec.bodies.gear_density_kgm3, densities);
+    EXPECT_TRUE(optimize::knows_masses(spec));
+  }
   // What needs a density takes this one.
   EXPECT_EQ(design_errors(kSteel + "[inertia]\npin_diameter_mm = 6\npin_length_mm = 20\n"
                                    "carrier_outer_diameter_mm = 60\ncarrier_thickness_mm = 4\n"),
@@ -338,6 +400,9 @@ TEST(StrengthKeys, ReadBackFromTheTextOfADesignAsTheyWere) {
       kEverything,
       kEverything + "density_kg_m3 = 7830\n",
       kEverything + "density_kg_m3 = 7831.3\n",
+      kEverything +
+          "[gears.P1.strength]\ncycles = 1.7e5\nload_reversal = true\ny_m = 0.77\n"
+          "root_roughness_um = 12.7\n[gears.S.strength]\nflank_roughness_um = 3.3\n",
       "[material]\nyoungs_modulus_mpa = 71000.3\npoisson_ratio = 0.331\n" + kLoad +
           "k_gamma = \"drivetrain\"\ncycles = 3.1e7\n",
       "[material]\nyoungs_modulus_mpa = 71000.3\npoisson_ratio = 0.331\nhardness = 241.5\n"
@@ -381,16 +446,17 @@ TEST(StrengthKeys, ReadBackFromTheTextOfADesignAsTheyWere) {
     EXPECT_EQ(a.torque_Nm, b.torque_Nm);
     EXPECT_EQ(a.face_width_m, b.face_width_m);
     EXPECT_EQ(a.speed_rad_s, b.speed_rad_s);
-    EXPECT_EQ(a.cycles, b.cycles);
     EXPECT_EQ(a.life_s, b.life_s);
-    EXPECT_EQ(a.load_reversal, b.load_reversal);
+    expect_same(a.teeth, b.teeth);
+    for (std::size_t g = 0; g < train::kGearCount; ++g) {
+      expect_same(a.gear_teeth[g], b.gear_teeth[g]);
+    }
     EXPECT_EQ(a.factors.application, b.factors.application);
     EXPECT_EQ(a.factors.mesh_load_source, b.factors.mesh_load_source);
     EXPECT_EQ(a.factors.mesh_load, b.factors.mesh_load);
     EXPECT_EQ(a.factors.mesh_load_quantile, b.factors.mesh_load_quantile);
     EXPECT_EQ(a.factors.dynamic, b.factors.dynamic);
     EXPECT_EQ(a.factors.root_transverse, b.factors.root_transverse);
-    EXPECT_EQ(a.factors.reversal, b.factors.reversal);
     EXPECT_EQ(a.planet_torsion_Nm_rad, b.planet_torsion_Nm_rad);
     EXPECT_EQ(a.sun_shaft_Nm_rad, b.sun_shaft_Nm_rad);
     EXPECT_EQ(a.ring2_Nm_rad, b.ring2_Nm_rad);
@@ -578,11 +644,32 @@ TEST(StrengthKeys, ThatDoNotFitAreAnErrorEachAtItsPlace) {
       {pom + kLoad,
        "gear.toml:27:2: strength.cycles is missing, which the limits of \"POM\" (gears.S) depend "
        "on: allowed: cycles or life_hours"},
+      {kSteel + "[gears.P1.material]\nname = \"POM\"\n[gears.P2.material]\nname = \"PA66\"\n" +
+           kLoad + "[gears.P1.strength]\ncycles = 1e6\n",
+       "gear.toml:31:2: strength.cycles is missing, which the limits of \"PA66\" (gears.P2) depend "
+       "on: allowed: cycles or life_hours"},
+      {kSteel + kLoad + "wear_coefficient_mm3_nm = 1e-6\n",
+       "strength.wear_coefficient_mm3_nm without strength.cycles or strength.life_hours"},
       {pom + kLoad + "cycles = 1e6\ntooth_temperature_c = 121\n",
        "gear.toml:30:1: strength.tooth_temperature_c = 121: allowed: at most 120, where the curves "
        "of \"POM\" end"},
       {pom + kLoad + "cycles = 1e6\nambient_c = 130\n",
        "gear.toml:30:1: strength.ambient_c = 130: allowed: at most 120, where the curves"},
+      // Of one gear.
+      {kSteel + "[gears.P1.strength]\ncycles = 1e6\n",
+       "gear.toml:27:11: gears.P1.strength without [strength]: allowed: with it"},
+      {kSteel + kLoad + "[gears.S.strength]\ncycles = 0\n",
+       "gear.toml:30:1: gears.S.strength.cycles = 0: allowed: a number, 1 to 1e+18"},
+      {kSteel + kLoad + "[gears.S.strength]\nroot_roughness = 3\n",
+       "gear.toml:30:1: unknown key gears.S.strength.root_roughness; did you mean "
+       "gears.S.strength.root_roughness_um?"},
+      {kSteel + kLoad + "[gears.P3.strength]\ncycles = 1e6\n",
+       "gear.toml:29:8: unknown table [gears.P3]"},
+      {kSteel + kLoad + "load_reversal = false\n[gears.R1.strength]\ny_m = 0.9\n",
+       "gear.toml:31:1: gears.R1.strength.y_m without load reversal: allowed: with "
+       "gears.R1.strength.load_reversal = true"},
+      {kSteel + kLoad + "[gears.R1.strength]\nload_reversal = false\ny_m = 0.9\n",
+       "gears.R1.strength.y_m without load reversal: allowed: with"},
       // Bearings.
       {kSteel + kLoad + axial + "[bearings]\nplanet_positions_mm = [5, 5]\n",
        "gear.toml:33:1: bearings.planet_positions_mm = [5, 5]: both bearings are in one plane"},
