@@ -46,7 +46,7 @@ struct RatioTarget {
 /// Sizes from which the gears' masses follow.
 struct GearBodySizes {
   std::optional<double> density_kgm3;                 ///< of all gears
-  design::GearDensities gear_density_kgm3;            ///< of one gear, where that of all is empty
+  design::GearDensities gear_density_kgm3{};          ///< of one gear, where that of all is empty
   std::array<std::optional<double>, 2> face_width_m;  ///< by stage
   double ring_rim_m = 0.0;                            ///< of both rings outside their root circles
 };
