@@ -22,7 +22,7 @@ task() {
     [ -z "$load" ] || load_of "$load"
   } >"$out.toml"
   if ! "$program" optimize "$out.toml" --out "$out" --quiet >/dev/null 2>"$out.err"; then
-    printf '%-8s %-10s %s\n' "$material" "$face" "$(sed -n 's/^with every other limit kept, /nothing carries it; /p' "$out.err")"
+    printf '%-8s %-10s %s\n' "$material" "$face" "$(sed -n 's/^the load forbids it: with every other limit kept /nothing carries it; /p' "$out.err")"
     return
   fi
   awk -F, -v material="$material" -v face="$face" '

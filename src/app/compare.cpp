@@ -1,6 +1,7 @@
 #include "app/compare.hpp"
 
-#include <algorithm>
+#include <fmt/format.h>
+
 #include <set>
 #include <stdexcept>
 #include <utility>
@@ -28,10 +29,16 @@ std::vector<report::ComparedDesign> compare(const CompareRequest& request) {
     }
   }
   if (!errors.empty()) throw io::InvalidInput(errors);
-  std::set<std::string> names;
-  for (const report::ComparedDesign& one : compared) names.insert(one.label);
-  if (names.size() < compared.size() || names.contains("")) {
+  const auto labels_differ = [&] {
+    std::set<std::string> labels;
+    for (const report::ComparedDesign& one : compared) labels.insert(one.label);
+    return labels.size() == compared.size() && !labels.contains("");
+  };
+  if (!labels_differ()) {
     for (report::ComparedDesign& one : compared) one.label = one.file;
+  }
+  for (std::size_t i = 0; i < compared.size() && !labels_differ(); ++i) {
+    compared[i].label = fmt::format("{} ({})", compared[i].file, i + 1);
   }
   return compared;
 }

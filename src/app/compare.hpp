@@ -18,7 +18,7 @@ struct CompareRequest {
 };
 
 /// Evaluates designs for a comparison.  Labels are their names where these are there and differ,
-/// else their files.
+/// else their files, numbered where one is given twice.
 /// @throws io::InvalidInput where a geometry is not defined, one message for all of them
 /// @throws std::invalid_argument for fewer than two designs
 std::vector<report::ComparedDesign> compare(const CompareRequest& request);

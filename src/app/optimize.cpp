@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "io/files/design_file.hpp"
 #include "io/text/diagnostics.hpp"
 #include "optimize/refine.hpp"
+#include "units/units.hpp"
 
 namespace gear3k::app {
 
@@ -49,6 +51,43 @@ design::Design with_judging_model(const OptimizeTask& task, const design::Design
   return design;
 }
 
+/// Whether an objective changes with the width of a face.
+bool depends_on_width(optimize::Objective objective) {
+  using optimize::Objective;
+  switch (objective) {
+    case Objective::kInertia:
+    case Objective::kMass:
+    case Objective::kTorqueCapacity:
+    case Objective::kTorqueDensity:
+    case Objective::kTorsionalStiffness:
+      return true;
+    default:
+      return false;
+  }
+}
+
+/// What a reader of the best design would take for something else.
+void note_objectives(const OptimizeTask& task, const optimize::RefinedSet& set, Notes& notes) {
+  using optimize::Objective;
+  const optimize::Specification& spec = task.spec;
+  const auto& widths = spec.free.face_width_m;
+  const bool free_width = widths[0] || widths[1];
+  if (spec.rating && free_width && std::ranges::none_of(spec.objectives, depends_on_width)) {
+    notes.emplace_back(
+        "the objective does not depend on the face widths: they carry the load and "
+        "may be wider than it needs; a list of objectives with \"mass\" or \"torque_density\" "
+        "weighs them");
+  }
+  if (std::ranges::find(spec.objectives, Objective::kTorqueDensity) != spec.objectives.end() &&
+      set.torque_capacity_Nm) {
+    notes.push_back(fmt::format(
+        "torque density: {:.5g} N m/kg over the mass of the gears alone, {:.4g} kg with rims of "
+        "{:g} mm on the rings (size.ring_rim_mm)",
+        *set.torque_capacity_Nm / set.mass_kg, set.mass_kg,
+        units::from_si(spec.bodies.ring_rim_m, units::Unit::kMillimetre)));
+  }
+}
+
 Optimization::Best best_of(const OptimizeTask& task, const optimize::RefinedSet& set) {
   design::Design found = optimize::design_of(task.spec, set);
   found.limits = task.stated_limits;
@@ -57,6 +96,7 @@ Optimization::Best best_of(const OptimizeTask& task, const optimize::RefinedSet&
   design::Design design = with_judging_model(task, stated);
   design::Evaluation evaluation = evaluate(design, task.source);
   evaluation.notes.insert(evaluation.notes.end(), task.model_notes.begin(), task.model_notes.end());
+  note_objectives(task, set, evaluation.notes);
   std::optional<design::TorqueAngleCurve> curve = torque_angle(design, evaluation);
   return {.stated = std::move(stated),
           .design = std::move(design),
@@ -113,12 +153,23 @@ Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks,
 }
 
 std::optional<CarriedTorque> carried_torque(const optimize::Specification& spec,
-                                            const report::ResultTally& tally) {
-  if (!tally.nearest_under_load || !strength::judges_any(*spec.rating)) return std::nullopt;
-  const optimize::Candidate& candidate = tally.nearest_under_load->candidate;
-  const auto torque_Nm = optimize::greatest_torque(spec, candidate);
-  if (!torque_Nm || *torque_Nm >= spec.rating->torque_Nm) return std::nullopt;
-  return CarriedTorque{.teeth = candidate.teeth, .torque_Nm = *torque_Nm};
+                                            optimize::Progress& progress) {
+  if (!spec.rating || !strength::judges_any(*spec.rating)) return std::nullopt;
+  optimize::Specification own = spec;
+  own.objectives = {optimize::Objective::kTorqueCapacity};
+  own.model.reset();
+  // The torque is sought from the least one upwards: not from farther below than need be.
+  for (const double reach : {30.0, 1000.0}) {
+    own.rating->torque_Nm = spec.rating->torque_Nm / reach;
+    restart(progress);
+    const optimize::OptimizeResult result = optimize::optimize(own, progress);
+    if (result.interrupted) return std::nullopt;
+    if (!result.best) continue;
+    const double torque_Nm = result.best->torque_capacity_Nm.value_or(0.0);
+    if (torque_Nm >= spec.rating->torque_Nm) return std::nullopt;
+    return CarriedTorque{.teeth = result.best->candidate.teeth, .torque_Nm = torque_Nm};
+  }
+  return std::nullopt;
 }
 
 }  // namespace gear3k::app

@@ -80,14 +80,16 @@ struct Optimization {
 /// @throws std::invalid_argument for a task whose limits are unreachable
 Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks, optimize::Progress& progress);
 
-/// A tooth set that cannot carry the load, with what it can.
+/// The tooth set that carries most where none carries the load.
 struct CarriedTorque {
   train::ToothSet teeth;
   double torque_Nm = 0.0;  ///< at R2, with every other limit kept
 };
-/// What the nearest of the sets that the load blocks would carry; empty where there is none, no
-/// limit stress is stated, or it carries what is asked for.
+/// The most that a tooth set of the specification carries, found by refining all of them for it;
+/// empty where no limit stress is stated, no set has a design at a thousandth of the stated torque,
+/// or one carries what is asked for.
+/// @param progress  may be watched, and ends the search by its `stop`: empty then
 std::optional<CarriedTorque> carried_torque(const optimize::Specification& spec,
-                                            const report::ResultTally& tally);
+                                            optimize::Progress& progress);
 
 }  // namespace gear3k::app

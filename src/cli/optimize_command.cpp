@@ -180,14 +180,24 @@ ExitCode end_without_limits(const app::OptimizeTask& task, const app::Optimizati
   return kNoFeasibleDesign;
 }
 
-ExitCode end_without_design(const app::OptimizeTask& task, const OptimizeRun& run) {
+/// What the load leaves: a search of its own.
+void say_carried_torque(const optimize::Specification& spec, const OptimizeOptions& options) {
+  if (!options.quiet) say("what can be carried with every other limit kept:\n");
+  optimize::Progress progress;
+  const ProgressDisplay display(progress, options.quiet);
+  const auto carried = app::carried_torque(spec, progress);
+  if (!carried) return;
+  say(fmt::format(
+      "the load forbids it: with every other limit kept {} carries most, {:.4g} N m of the {:.4g} "
+      "N m that are asked for\n",
+      report::teeth_text(carried->teeth), carried->torque_Nm, spec.rating->torque_Nm));
+}
+
+ExitCode end_without_design(const app::OptimizeTask& task, const OptimizeRun& run,
+                            const OptimizeOptions& options) {
   if (run.outcome.interrupted) return kInterrupted;
   say(fmt::format("{}\n", report::blocking_text(task.spec, run.outcome.result, run.tally)));
-  if (const auto carried = app::carried_torque(task.spec, run.tally)) {
-    say(fmt::format(
-        "with every other limit kept, {} carries {:.4g} N m of the {:.4g} N m that are asked for\n",
-        report::teeth_text(carried->teeth), carried->torque_Nm, task.spec.rating->torque_Nm));
-  }
+  if (run.tally.blocked_by_load > 0) say_carried_torque(task.spec, options);
   const auto count = [&](optimize::Status status) {
     return run.tally.status[static_cast<std::size_t>(status)];
   };
@@ -236,7 +246,7 @@ ExitCode run_optimize(const OptimizeOptions& options) {
   } else {
     journal.remove();
   }
-  if (!outcome.best) return end_without_design(task, result);
+  if (!outcome.best) return end_without_design(task, result, options);
   print_results(task, result, options);
   const design::Evaluation& best = outcome.best->evaluation;
   if (!best.efficiency.backdrivable && !options.quiet) {

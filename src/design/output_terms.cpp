@@ -10,7 +10,10 @@ namespace gear3k::design {
 
 OutputTerms output_terms(const Design& design, const Evaluation& evaluation) {
   const auto train = train::make_train_geometry(resolved_parameters(design));
-  if (!train) throw std::invalid_argument("output_terms: the train's geometry is not defined");
+  if (!train)
+    throw std::invalid_argument(
+        "output_terms: a mesh has no working pressure angle, "
+        "allowed: a design that evaluate() takes");
   OutputTerms terms;
   terms.tooth_force_per_torque_1_m = strength::normal_forces_per_torque(*train);
   for (double& force : terms.tooth_force_per_torque_1_m) force /= evaluation.planets;

@@ -10,7 +10,7 @@
 
 namespace gear3k::design {
 
-/// All per torque at the output, of the meshes' losses alone.
+/// Forces and torques per torque at the output, of the meshes' losses alone, and the size.
 struct OutputTerms {
   /// F_k/T = a_k/N [1/m]: normal force of each mesh on one planet, without losses.
   std::array<double, train::kMeshCount> tooth_force_per_torque_1_m{};

@@ -8,6 +8,13 @@ namespace gear3k::design {
 
 namespace {
 
+bool has_shaft_losses(const ShaftLosses<double>& losses) {
+  return losses.planet_bearing_coefficient > 0.0 || losses.output_bearing_share > 0.0 ||
+         std::ranges::any_of(losses.drag, [](const ShaftDrag<double>& drag) {
+           return drag.constant_Nm > 0.0 || drag.viscous_Nms > 0.0 || drag.quadratic_Nms2 > 0.0;
+         });
+}
+
 bool has_friction(const MeshResult& mesh) {
   return std::isfinite(mesh.friction_forward) && std::isfinite(mesh.friction_backward);
 }
@@ -117,6 +124,11 @@ std::optional<RatedGearbox> rate_gearbox(const Design& design,
   if (gearbox.result.backward.locked) {
     gearbox.notes.emplace_back(
         "driven backward it locks: strength takes the forces of a held load, without losses");
+  }
+  if (has_shaft_losses(design.shafts)) {
+    gearbox.notes.emplace_back(
+        "drags and friction of bearings are stated: strength takes forces of the meshes' friction "
+        "alone, those of the operating point have both");
   }
   if (!std::ranges::all_of(meshes, has_friction)) {
     gearbox.notes.emplace_back(

@@ -43,7 +43,7 @@ Miss miss_of(const RefinementProblem& problem, std::string_view name, double vio
       row->check ? miss_of_constraint(*row->check, violation) : violation * problem.length_scale_m;
   return {.name = name,
           .violation = violation,
-          .amount = units::from_si(miss_si, unit),
+          .amount = units::difference_from_si(miss_si, unit),
           .unit = units::unit_name(unit)};
 }
 
@@ -159,7 +159,7 @@ RefinedSet proven_infeasible(const Candidate& candidate, const Infeasibility& pr
   const design::CheckRecord& record = design::check_record(proof.check);
   set.blocked_by = {{.name = record.name,
                      .violation = proof.violation,
-                     .amount = units::from_si(proof.miss_si, record.unit),
+                     .amount = units::difference_from_si(proof.miss_si, record.unit),
                      .unit = units::unit_name(record.unit)}};
   return set;
 }

@@ -4,17 +4,14 @@
 #include <limits>
 #include <vector>
 
-#include "optimize/gradients.hpp"
 #include "optimize/nonnegative_least_squares.hpp"
-#include "optimize/solve_outcome.hpp"
+#include "optimize/refined_set.hpp"
 
 namespace gear3k::optimize {
 
 namespace {
 
 constexpr double kActive = 1e-6;
-/// A smaller residual needs no kink to explain it.
-constexpr double kSmoothResidual = 1e-5;
 /// How far from the point the gradients of a kink are met.
 constexpr double kKinkReach = 1e-6;
 /// Gradients that differ by more than this, relatively, are of two sides of a kink.
@@ -37,23 +34,24 @@ Eigen::MatrixXd side_by_side(const Columns& first, const Columns& second, Eigen:
 /// The gradients at a point, and those on the other sides of kinks beside it.
 class PointGradients {
  public:
-  PointGradients(const RefinementProblem& p, const Point& v)
-      : problem_(p), v_(v), n_(static_cast<std::size_t>(p.variables)), rows_(all_rows(p)) {
-    if (!evaluate_gradients(p, {v.data(), n_}, rows_, at_)) return;
+  PointGradients(const GradientFunction& function, std::span<const double> v,
+                 std::span<const double> lower, std::span<const double> upper)
+      : function_(function), v_(v.begin(), v.end()), lower_(lower), upper_(upper) {
+    if (!function(v, at_)) return;
     defined_ = true;
     objective_ = vector_at(at_.df.data());
     for (std::size_t k = 0; k < at_.g.size(); ++k) {
       if (at_.g[k] <= kActive) pulls_.push_back(row_gradient(at_, k));
     }
-    for (std::size_t k = 0; k < n_; ++k) {
+    for (std::size_t k = 0; k < v_.size(); ++k) {
       const auto axis = static_cast<Eigen::Index>(k);
-      if (v[k] - p.lower[k] <= kActive) pulls_.push_back(Eigen::VectorXd::Unit(size(), axis));
-      if (p.upper[k] - v[k] <= kActive) pulls_.push_back(-Eigen::VectorXd::Unit(size(), axis));
+      if (v_[k] - lower[k] <= kActive) pulls_.push_back(Eigen::VectorXd::Unit(size(), axis));
+      if (upper[k] - v_[k] <= kActive) pulls_.push_back(-Eigen::VectorXd::Unit(size(), axis));
     }
   }
   [[nodiscard]] bool defined() const { return defined_; }
 
-  /// What is left of a gradient of the objective.
+  /// What the rows leave of a gradient of the objective.
   [[nodiscard]] Eigen::VectorXd left_of(const Eigen::VectorXd& gradient) const {
     const Eigen::MatrixXd a = side_by_side(pulls_, {}, size());
     return gradient - a * nonnegative_least_squares(a, gradient);
@@ -62,37 +60,48 @@ class PointGradients {
 
   void meet_other_sides() {
     Gradients beside;
-    Point w = v_;
-    for (std::size_t k = 0; k < n_; ++k) {
+    std::vector<double> w = v_;
+    for (std::size_t k = 0; k < v_.size(); ++k) {
       for (const double step : {-kKinkReach, kKinkReach}) {
-        w[k] = std::clamp(v_[k] + step, problem_.lower[k], problem_.upper[k]);
-        if (evaluate_gradients(problem_, {w.data(), n_}, rows_, beside)) meet(beside);
+        w[k] = std::clamp(v_[k] + step, lower_[k], upper_[k]);
+        if (function_(w, beside)) meet(beside);
       }
       w[k] = v_[k];
     }
   }
   /// Of the best mean of the sides; that of the point alone where a side descends.
+  ///
+  /// Non-negative least squares with one more row, w Σκ = w: as what is left grows in proportion to
+  /// Σκ, the solution over its Σκ is the least one with Σκ = 1, whatever w is.
   [[nodiscard]] double residual_of_sides() const {
-    Columns towards;
-    towards.reserve(sides_.size());
-    for (const Eigen::VectorXd& side : sides_) towards.emplace_back(objective_ - side);
-    const Eigen::MatrixXd a = side_by_side(towards, pulls_, size());
-    const Eigen::VectorXd weights = nonnegative_least_squares(a, objective_);
-    const bool is_mean = weights.head(static_cast<Eigen::Index>(sides_.size())).sum() <= 1.0;
-    if (!is_mean || descends(objective_) ||
-        std::ranges::any_of(sides_, [&](const auto& side) { return descends(side); })) {
+    Columns sides{objective_};
+    sides.insert(sides.end(), sides_.begin(), sides_.end());
+    if (std::ranges::any_of(sides, [&](const auto& side) { return descends(side); })) {
       return residual();
     }
-    return (objective_ - a * weights).norm();
+    const auto count = static_cast<Eigen::Index>(sides.size());
+    const Eigen::MatrixXd hull = side_by_side(sides, {}, size());
+    const Eigen::MatrixXd cone = side_by_side(pulls_, {}, size());
+    const double weight = hull.norm();
+    Eigen::MatrixXd a = Eigen::MatrixXd::Zero(size() + 1, count + cone.cols());
+    a.topLeftCorner(size(), count) = hull;
+    a.topRightCorner(size(), cone.cols()) = -cone;
+    a.bottomLeftCorner(1, count).setConstant(weight);
+    Eigen::VectorXd b = Eigen::VectorXd::Zero(size() + 1);
+    b[size()] = weight;
+    const Eigen::VectorXd x = nonnegative_least_squares(a, b);
+    const double sum = x.head(count).sum();
+    if (!(sum > 0.0)) return residual();
+    return (a * x).head(size()).norm() / sum;
   }
 
  private:
-  [[nodiscard]] Eigen::Index size() const { return static_cast<Eigen::Index>(n_); }
+  [[nodiscard]] Eigen::Index size() const { return static_cast<Eigen::Index>(v_.size()); }
   [[nodiscard]] Eigen::VectorXd vector_at(const double* values) const {
     return Eigen::Map<const Eigen::VectorXd>(values, size());
   }
   [[nodiscard]] Eigen::VectorXd row_gradient(const Gradients& g, std::size_t row) const {
-    return vector_at(g.dg.data() + row * n_);
+    return vector_at(g.dg.data() + row * v_.size());
   }
   static bool differs(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
     return (a - b).norm() > kKinkShare * (1.0 + b.norm());
@@ -114,20 +123,20 @@ class PointGradients {
     const Eigen::VectorXd left = left_of(gradient);
     const double slope = left.norm();
     if (!(slope > 0.0)) return false;
-    Point w = v_;
-    for (std::size_t k = 0; k < n_; ++k) {
-      w[k] = std::clamp(v_[k] - kSideStep * left[static_cast<Eigen::Index>(k)] / slope,
-                        problem_.lower[k], problem_.upper[k]);
+    std::vector<double> w = v_;
+    for (std::size_t k = 0; k < w.size(); ++k) {
+      w[k] = std::clamp(v_[k] - kSideStep * left[static_cast<Eigen::Index>(k)] / slope, lower_[k],
+                        upper_[k]);
     }
-    const SolveOutcome outcome = outcome_at(problem_, w);
-    return outcome.violation <= kActive &&
-           at_.f - outcome.objective > kSideDescent * kSideStep * slope;
+    Gradients there;
+    if (!function_(w, there)) return false;
+    return std::ranges::all_of(there.g, [](double g) { return g >= -kActive; }) &&
+           at_.f - there.f > kSideDescent * kSideStep * slope;
   }
 
-  const RefinementProblem& problem_;
-  const Point& v_;
-  std::size_t n_;
-  std::vector<std::uint16_t> rows_;
+  const GradientFunction& function_;
+  std::vector<double> v_;
+  std::span<const double> lower_, upper_;
   Gradients at_;
   bool defined_ = false;
   Eigen::VectorXd objective_;
@@ -137,13 +146,23 @@ class PointGradients {
 
 }  // namespace
 
-double kkt_residual(const RefinementProblem& p, const Point& v) {
-  PointGradients gradients(p, v);
+double kkt_residual(const GradientFunction& function, std::span<const double> v,
+                    std::span<const double> lower, std::span<const double> upper) {
+  PointGradients gradients(function, v, lower, upper);
   if (!gradients.defined()) return std::numeric_limits<double>::quiet_NaN();
   const double smooth = gradients.residual();
-  if (smooth <= kSmoothResidual) return smooth;
+  if (smooth <= kStationary) return smooth;
   gradients.meet_other_sides();
   return std::min(smooth, gradients.residual_of_sides());
+}
+
+double kkt_residual(const RefinementProblem& p, const Point& v) {
+  const auto n = static_cast<std::size_t>(p.variables);
+  return kkt_residual(
+      [&, rows = all_rows(p)](std::span<const double> at, Gradients& result) {
+        return evaluate_gradients(p, at, rows, result);
+      },
+      {v.data(), n}, {p.lower.data(), n}, {p.upper.data(), n});
 }
 
 }  // namespace gear3k::optimize

@@ -151,29 +151,33 @@ constexpr double kSameObjective = 1e-9, kWorthOfTolerance = 10.0 * design::kFeas
 /// Takes another end in place of the best one if it is better, or as good and nearer to a
 /// stationary point.
 /// @param residual  of the best end; kept up to date
-void take_polished(BestEnd& best, const SolveOutcome& polished, double& residual) {
-  if (!feasible(polished)) return;
+/// @returns whether it took it
+bool take_polished(BestEnd& best, const SolveOutcome& polished, double& residual) {
+  if (!feasible(polished)) return false;
   const double gain = best.outcome.objective - polished.objective;
   const double own = kkt_residual(*best.problem, polished.v);
   const bool makes_stationary = own <= kStationary && !(residual <= kStationary);
   const double loss =
       makes_stationary ? kWorthOfTolerance * (1.0 + std::abs(polished.objective)) : kSameObjective;
-  if (!(gain > kSameObjective || (gain > -loss && own < residual))) return;
+  if (!(gain > kSameObjective || (gain > -loss && own < residual))) return false;
   best.outcome = polished;
   residual = own;
+  return true;
 }
 
 /// Goes on from the best end until it is stationary: by SLSQP, whose picture of the curvature
 /// starts afresh, then by Ipopt, which `both` asks for in any case.
-void polish(BestEnd& best) {
+/// @returns the KKT residual
+double polish(BestEnd& best) {
   constexpr int kAgain = 2;
   double residual = kkt_residual(*best.problem, best.outcome.v);
   for (int i = 0; i < kAgain && !(residual <= kStationary); ++i) {
-    take_polished(best, solve_slsqp(*best.problem, best.outcome.v, {}), residual);
+    if (!take_polished(best, solve_slsqp(*best.problem, best.outcome.v, {}), residual)) break;
   }
   if (best.problem->spec->solver.refine == Refine::kBoth || !(residual <= kStationary)) {
     take_polished(best, solve_ipopt(*best.problem, best.outcome.v), residual);
   }
+  return residual;
 }
 
 /// Efficiencies with the calibrated model at the operating point.
@@ -206,7 +210,9 @@ void rate_optimum(const Specification& spec, const train::TrainGeometry<double>&
   if (rating.stiffness) set.torsional_stiffness_Nm_rad = rating.stiffness->output_Nm_rad;
 }
 
-void fill_optimum(const Specification& spec, const BestEnd& best, RefinedSet& set) {
+/// @param residual  of the best end
+void fill_optimum(const Specification& spec, const BestEnd& best, double residual,
+                  RefinedSet& set) {
   const auto parameters = parameters_at(*best.problem, used(*best.problem, best.outcome.v));
   const auto load = load_at(*best.problem, used(*best.problem, best.outcome.v));
   set.train = {.profile_shift = parameters.profile_shift,
@@ -215,7 +221,7 @@ void fill_optimum(const Specification& spec, const BestEnd& best, RefinedSet& se
                .tip_shortening = parameters.tip_shortening,
                .pressure_angle_rad = parameters.pressure_angle_rad,
                .face_width_m = load.face_width_m};
-  set.kkt_residual = kkt_residual(*best.problem, best.outcome.v);
+  set.kkt_residual = residual;
   set.status = set.kkt_residual <= kStationary ? Status::kOptimal : Status::kFailed;
   const auto train = train::make_train_geometry(parameters);
   const auto j_bn = backlash::normal_backlashes(*train);
@@ -324,8 +330,8 @@ std::optional<RefinedSet> Refiner::refine(const Candidate& candidate, const Shif
     best.offer(all, *found);
     best.offer(all, solve(all, found->v));
   }
-  polish(best);
-  fill_optimum(spec, best, set);
+  const double residual = polish(best);
+  fill_optimum(spec, best, residual, set);
   return set;
 }
 
@@ -339,21 +345,6 @@ RefinedSet refine(const Specification& spec, const Candidate& candidate) {
   own.planets = {candidate.planets};
   const std::atomic<bool> never{false};
   return *Refiner(own).refine(candidate, bounds.shifts().of(candidate.teeth), bound, never);
-}
-
-std::optional<double> greatest_torque(const Specification& spec, const Candidate& candidate) {
-  if (!spec.rating || !strength::judges_any(*spec.rating)) {
-    throw std::invalid_argument("greatest_torque: no load, or no limit stress");
-  }
-  Specification own = spec;
-  own.objectives = {Objective::kTorqueCapacity};
-  // The torque is sought from the least one upwards: not from farther below than need be.
-  for (const double reach : {30.0, 1000.0}) {
-    own.rating->torque_Nm = spec.rating->torque_Nm / reach;
-    const RefinedSet set = refine(own, candidate);
-    if (set.status == Status::kOptimal) return set.torque_capacity_Nm;
-  }
-  return std::nullopt;
 }
 
 }  // namespace gear3k::optimize

@@ -31,12 +31,6 @@ class Refiner {
   std::vector<RefinementProblem> prototypes_;  ///< without a tooth set
 };
 
-/// The most torque that a tooth set carries with all limits of the specification [N m], up to the
-/// stated torque and down to a thousandth of it.
-/// @returns empty where no design was found at any of these
-/// @throws std::invalid_argument unless the specification has a load and a limit stress
-std::optional<double> greatest_torque(const Specification& spec, const Candidate& candidate);
-
 /// Refines one tooth set by itself.
 RefinedSet refine(const Specification& spec, const Candidate& candidate);
 

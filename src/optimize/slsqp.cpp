@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "optimize/gradients.hpp"
@@ -218,6 +219,13 @@ void select_all(const RefinementProblem& problem, Workspace& space) {
   }
 }
 
+bool is_better(const SolveOutcome& a, const SolveOutcome& b) {
+  const bool a_feasible = a.violation <= design::kFeasibilityTolerance;
+  const bool b_feasible = b.violation <= design::kFeasibilityTolerance;
+  if (a_feasible != b_feasible) return a_feasible;
+  return a_feasible ? a.objective < b.objective : a.violation < b.violation;
+}
+
 }  // namespace
 
 SolveOutcome solve_slsqp(const RefinementProblem& problem, const Point& start,
@@ -232,27 +240,32 @@ SolveOutcome solve_slsqp(const RefinementProblem& problem, const Point& start,
     select_all(problem, space);
   }
   Point from = start;
+  std::optional<SolveOutcome> cut_off;  // the better end of runs that were
+  const auto ended = [&](const SolveOutcome& end) {
+    return cut_off && is_better(*cut_off, end) ? *cut_off : end;
+  };
   int restarts = 0;
-  for (int round = 0;; ++round) {
+  for (int round = 0;;) {
     CachedProblem functions(problem, space);
     take_box(problem, from, space);
-    const bool cut_off = run(functions, space, options);
+    const bool used_up = run(functions, space, options);
     from = point_of(problem, space.x);
     outcome = judge(problem, from, space);
     // Slow steps come of a poor picture of the curvature: it begins anew.
-    if (cut_off && restarts < kRestarts && outcome.violation < kNearlyFeasible) {
+    if (used_up && restarts < kRestarts && outcome.violation < kNearlyFeasible) {
       ++restarts;
+      cut_off = ended(outcome);
       continue;
     }
     if (outcome.violation <= design::kFeasibilityTolerance ||
         space.selection.size() == problem.rows.size()) {
-      return outcome;
+      return ended(outcome);
     }
     constexpr int kRounds = 4;
-    if (round == kRounds || !std::isfinite(outcome.violation)) {
+    if (round++ == kRounds || !std::isfinite(outcome.violation)) {
       select_all(problem, space);
     } else if (!select_below(problem, -design::kFeasibilityTolerance, space)) {
-      return outcome;  // infeasible with the rows it saw
+      return ended(outcome);  // infeasible with the rows it saw
     }
   }
 }

@@ -8,7 +8,7 @@
 namespace gear3k::optimize {
 
 struct SlsqpOptions {
-  int max_evaluations = 200;
+  int max_evaluations = 200;  ///< of a run
   /// Stops when a step changes every variable by less than this, relatively.
   double x_tolerance = 1e-11;
   double f_tolerance = 1e-13;  ///< or the objective by less than this, relatively
@@ -19,8 +19,9 @@ struct SlsqpOptions {
 
 /// Refines from a start by NLopt's SLSQP with exact gradients.  Thread-safe.
 ///
-/// Rows that were left out and that its end violates are added, and it goes on from there.  The
-/// outcome is judged by all rows.
+/// Rows that were left out and that its end violates are added, and it goes on from there.  A run
+/// that has used up its evaluations within 1e-2 of feasible is taken up again, twice at most; the
+/// better end counts.  The outcome is judged by all rows.
 SolveOutcome solve_slsqp(const RefinementProblem& problem, const Point& start,
                          const SlsqpOptions& options);
 

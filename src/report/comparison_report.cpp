@@ -29,12 +29,14 @@ struct ComparedQuantity {
   std::string item, quantity, unit;
   std::vector<std::optional<double>> values;  ///< by design
 
+  /// Sums of positive parts have no rounding of their own.
+  [[nodiscard]] double rounding() const { return unit.starts_with("kg") ? 0.0 : kNegligible; }
   [[nodiscard]] bool alike() const {
     const std::optional<double>& first = values.front();
     return std::ranges::all_of(values, [&](const std::optional<double>& value) {
       if (!first || !value) return !first && !value;
       const double scale = std::max(std::abs(*first), std::abs(*value));
-      return std::abs(*value - *first) <= std::max(kAlikeShare * scale, kNothing);
+      return std::abs(*value - *first) <= std::max(kAlikeShare * scale, rounding());
     });
   }
 };
@@ -109,11 +111,12 @@ const std::vector<TablePart>& table_parts() {
        .quantities = {"efficiency_forward", "efficiency_backward",
                       "driving_torque_per_output_torque", "friction_torque_per_output_torque",
                       "back_driven_torque_per_output_torque", "lost_motion_kinematic",
-                      "inertia_lossless", "torque_capacity", "output_stiffness"},
+                      "inertia_lossless", "rated_output_torque", "torque_capacity",
+                      "torque_density", "output_stiffness"},
        .of_train = true},
       {.title = "Meshes",
-       .quantities = {"tooth_force_per_output_torque", "working_pressure_angle", "contact_ratio",
-                      "normal_backlash"}},
+       .quantities = {"tooth_force_per_output_torque", "face_width", "working_pressure_angle",
+                      "contact_ratio", "normal_backlash"}},
       {.title = "Gears",
        .quantities = {"teeth", "profile_shift", "tip_diameter", "root_diameter", "tip_thickness"}}};
   return parts;
@@ -123,16 +126,16 @@ bool is_of_train(const ComparedQuantity& q) {
   return q.item == "train" || q.item.starts_with("stage ");
 }
 
-std::string cell(const std::optional<double>& value) {
+std::string cell(const std::optional<double>& value, double rounding) {
   if (!value) return "none";
-  return fmt::format("{:.6g}", std::abs(*value) < kNothing ? 0.0 : *value);
+  return fmt::format("{:.6g}", std::abs(*value) < rounding ? 0.0 : *value);
 }
 
 /// The change from the first of two positive values.
 std::string change_text(const ComparedQuantity& q) {
   const std::optional<double>& from = q.values[0];
   const std::optional<double>& to = q.values[1];
-  if (!from || !to || *from < kNothing || *to < kNothing) return "";
+  if (!from || !to || !(std::min(*from, *to) > q.rounding())) return "";
   constexpr double kMost = 10.0;
   const double change = *to / *from - 1.0;
   return std::abs(change) < kMost ? fmt::format("{:+.2f} %", percent(change)) : "";
@@ -152,7 +155,7 @@ void add_row(TextTable& table, const ComparedQuantity& q) {
   std::string name = q.quantity;
   std::ranges::replace(name, '_', ' ');
   std::vector<std::string> row{std::move(name), q.item == "train" ? "" : q.item, q.unit};
-  for (const auto& value : q.values) row.push_back(cell(value));
+  for (const auto& value : q.values) row.push_back(cell(value, q.rounding()));
   if (q.values.size() == 2) row.push_back(change_text(q));
   table.add(std::move(row));
 }

@@ -18,11 +18,11 @@ struct ComparedDesign {
 };
 
 /// Two values of a quantity are alike where they differ by no more than this share of the larger
-/// one, or by what is rounding in every unit of a report.
-inline constexpr double kAlikeShare = 1e-9, kNothing = 1e-11;
+/// one or, except of masses and inertia, by what is rounding in every other unit of a report.
+inline constexpr double kAlikeShare = 1e-9, kNegligible = 1e-11;
 
 /// What differs and matters most; of two designs the last column is the change from the first one,
-/// where both values are positive.
+/// where both values are positive and it is less than tenfold.
 std::string comparison_table(std::span<const ComparedDesign> designs);
 /// Every quantity of `analyze` and of design::OutputTerms that differs.
 std::string comparison_json(std::span<const ComparedDesign> designs);

@@ -105,11 +105,7 @@ std::vector<FieldRow> Fields::rows() const {
   for (const Row* row : by_rank()) {
     if (is_nothing(row->value)) continue;
     const CsvRow& t = row->text;
-    rows.push_back({.item = t.item,
-                    .quantity = t.quantity,
-                    .unit = t.unit,
-                    .limit = t.limit,
-                    .value = row->value});
+    rows.push_back({.item = t.item, .quantity = t.quantity, .unit = t.unit, .value = row->value});
   }
   return rows;
 }

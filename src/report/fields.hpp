@@ -22,7 +22,7 @@ struct CsvRow {
 
 /// A row of a CSV with its value.
 struct FieldRow {
-  std::string item, quantity, unit, limit;
+  std::string item, quantity, unit;
   io::Json value;  ///< never null or NaN
 };
 

@@ -274,11 +274,8 @@ ResultTally tally_of(const OptimizeResult& result) {
     if (set->status == Status::kOptimal) return;
     if (!reason_of(*set).empty()) ++tally.reasons[status][std::string(reason_of(*set))];
     if (set->blocked_by.empty()) return;
-    const auto offer = [&](std::optional<RefinedSet>& nearest) {
-      if (!nearest || key(*set) < key(*nearest)) nearest = set;
-    };
-    offer(tally.nearest);
-    if (std::ranges::any_of(set->blocked_by, is_of_load)) offer(tally.nearest_under_load);
+    if (!tally.nearest || key(*set) < key(*tally.nearest)) tally.nearest = set;
+    if (std::ranges::any_of(set->blocked_by, is_of_load)) ++tally.blocked_by_load;
   });
   return tally;
 }

@@ -44,8 +44,7 @@ struct ResultTally {
   /// Of the sets without a feasible design the one that says most: found rather than proven so,
   /// blocked by one constraint alone, by the least miss.
   std::optional<optimize::RefinedSet> nearest;
-  /// The same of the sets that a limit of the load blocks, alone or among others.
-  std::optional<optimize::RefinedSet> nearest_under_load;
+  std::size_t blocked_by_load = 0;  ///< sets that a limit of the load blocks, alone or among others
 };
 ResultTally tally_of(const optimize::OptimizeResult& result);
 

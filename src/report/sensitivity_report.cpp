@@ -122,12 +122,13 @@ std::string check_table(const Sensitivities& s) {
     const int decimals = unit == Unit::kMicrometre || unit == Unit::kArcmin ? 2 : 4;
     std::vector<std::string> cells{
         std::string(check.record->title), subject_of(check),
-        with_unit(fixed(units::from_si(check.margin, unit), decimals), units::unit_name(unit))};
+        with_unit(fixed(units::difference_from_si(check.margin, unit), decimals),
+                  units::unit_name(unit))};
     for (const Sensitivity* row : strongest_inputs(s, i)) {
       cells.push_back(io::key_of(row->input));
       cells.push_back(step_text(*row));
-      cells.push_back(
-          signed_number(units::from_si(row->margin_effect(i).value_or(0.0), unit), decimals));
+      cells.push_back(signed_number(
+          units::difference_from_si(row->margin_effect(i).value_or(0.0), unit), decimals));
       table.add(std::move(cells));
       cells = {"", "", ""};
     }
@@ -178,7 +179,7 @@ Fields tight_check_fields(const TightCheck& check) {
   f.add("name", check.record->name);
   if (!check.mesh.empty()) f.add("mesh", check.mesh);
   if (!check.gear.empty()) f.add("gear", check.gear);
-  f.add("margin", units::from_si(check.margin, check.record->unit));
+  f.add("margin", units::difference_from_si(check.margin, check.record->unit));
   f.add("unit", units::unit_name(check.record->unit));
   return f;
 }

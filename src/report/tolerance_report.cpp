@@ -54,6 +54,14 @@ std::vector<Quantity> quantities(const GearLimits& g) {
   };
 }
 
+/// A margin is a difference: of temperatures without the unit's zero.
+BuiltRange margin_in_unit(const CheckLimits& c) {
+  const auto shown = [&](double si) { return units::difference_from_si(si, c.record->unit); };
+  return {.least = shown(c.margin.least),
+          .nominal = shown(c.margin.nominal),
+          .greatest = shown(c.margin.greatest)};
+}
+
 BuiltRange in_unit(const BuiltRange& r, Unit unit) {
   return {.least = units::from_si(r.least, unit),
           .nominal = units::from_si(r.nominal, unit),
@@ -185,7 +193,7 @@ Fields check_limit_fields(const CheckLimits& c) {
   if (!c.mesh.empty()) f.add("mesh", c.mesh);
   if (!c.gear.empty()) f.add("gear", c.gear);
   const std::string unit(units::unit_name(c.record->unit));
-  const BuiltRange r = in_unit(c.margin, c.record->unit);
+  const BuiltRange r = margin_in_unit(c);
   Fields margin(subject_of(c));
   const auto add = [&](const char* end, double value, const char* ok) {
     margin.add(end, value,

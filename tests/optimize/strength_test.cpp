@@ -442,17 +442,13 @@ TEST(TorqueCapacityObjective, DoesNotDependOnTheTorqueThatIsStatedNorFails) {
   }
 }
 
-TEST(GreatestTorque, IsWhatASetCarriesOfATorqueThatIsTooMuch) {
-  const auto most = greatest_torque(loaded(1000.0), kWinner);
-  ASSERT_TRUE(most);
-  EXPECT_EQ(refine(loaded(0.9999 * *most), kWinner).status, Status::kOptimal);
-  EXPECT_NE(refine(loaded(1.001 * *most), kWinner).status, Status::kOptimal);
-  EXPECT_NEAR(*greatest_torque(loaded(5.0 * *most), kWinner), *most, 1e-5 * *most);
-  Specification unlimited = loaded(10.0);
-  for (auto& material : unlimited.rating->material) {
-    material->record.root_limit = material->record.flank_limit = {};
-  }
-  EXPECT_THROW(static_cast<void>(greatest_torque(unlimited, kWinner)), std::invalid_argument);
+TEST(TorqueCapacity, IsTheEdgeOfFeasibility) {
+  Specification spec = loaded(10.0);
+  spec.objectives = {Objective::kTorqueCapacity};
+  const RefinedSet most = refine(spec, kWinner);
+  ASSERT_EQ(most.status, Status::kOptimal);
+  EXPECT_EQ(refine(loaded(0.9999 * *most.torque_capacity_Nm), kWinner).status, Status::kOptimal);
+  EXPECT_NE(refine(loaded(1.001 * *most.torque_capacity_Nm), kWinner).status, Status::kOptimal);
 }
 
 TEST(RefinedSet, CarriesWhatTheAnalysisOfItsDesignSays) {

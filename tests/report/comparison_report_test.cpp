@@ -1,13 +1,11 @@
-// Designs side by side: what is told apart, and terms per output torque by other ways.
+// Designs side by side: what is told apart.
 
 #include "report/comparison_report.hpp"
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <string>
 #include <variant>
 #include <vector>
@@ -37,40 +35,6 @@ Quantities quantities_of(const Json& json) {
         q.at("values").get<std::vector<Json>>();
   }
   return all;
-}
-
-TEST(OutputTerms, KeepThePlanetAndTheShaftsInBalance) {
-  for (const char* name : {"bilateral_drive_gear.toml", "loaded.toml"}) {
-    const design::Design design = example(name);
-    const ComparedDesign one = compared(design, "one");
-    const auto& e = one.evaluation;
-    const auto base_mm = [&](std::size_t gear) { return 0.5e3 * e.gears[gear].base_diameter_m; };
-    const auto& force = one.terms.tooth_force_per_torque_1_m;
-    // Moments on a planet, G2 < 1, and the output's own, of all planets.
-    EXPECT_NEAR(base_mm(train::kP1) * (force[1] - force[0]) / (base_mm(train::kP2) * force[2]), 1.0,
-                1e-12);
-    EXPECT_NEAR(force[2] * 1e-3 * base_mm(train::kR2) * e.planets, 1.0, 1e-12);
-    // The sun's torque without losses is what the ratio says.
-    EXPECT_NEAR(force[0] * 1e-3 * base_mm(train::kS) * e.planets * std::abs(e.ratio), 1.0, 1e-12);
-    ASSERT_TRUE(one.terms.driving_torque_share && one.terms.friction_torque_share);
-    EXPECT_NEAR(*one.terms.driving_torque_share - *one.terms.friction_torque_share,
-                1.0 / std::abs(e.ratio), 1e-15);
-    // Work: what the sun gives is what the output takes over the efficiency.
-    EXPECT_NEAR(*one.terms.driving_torque_share * std::abs(e.ratio) * *e.efficiency.forward, 1.0,
-                1e-12);
-    EXPECT_NEAR(*one.terms.back_driven_torque_share * std::abs(e.ratio), *e.efficiency.backward,
-                1e-12);
-  }
-}
-
-TEST(OutputTerms, TakeTheOuterSurfaceWhereItIsStated) {
-  design::Design design = example("bilateral_drive_gear.toml");
-  EXPECT_NEAR(compared(design, "").terms.outer_diameter_m, 77.2e-3, 1e-12);  // roots of R1
-  EXPECT_FALSE(compared(design, "").terms.outer_surface_stated);
-  design.masses.ring1_outer_radius_m = 40e-3;
-  design.masses.ring2_outer_radius_m = 41e-3;
-  EXPECT_DOUBLE_EQ(compared(design, "").terms.outer_diameter_m, 82e-3);
-  EXPECT_TRUE(compared(design, "").terms.outer_surface_stated);
 }
 
 TEST(Comparison, OfADesignWithItselfHasNoDifference) {
@@ -106,6 +70,20 @@ TEST(Comparison, TellsWhatAChangedFaceWidthChanges) {
   const std::string table = comparison_table(two);
   EXPECT_NE(table.find("output stiffness"), std::string::npos);
   EXPECT_EQ(table.find("contact ratio  "), std::string::npos);
+}
+
+// Inertia of a small sun is 1e-12 kg m²: still told apart.
+TEST(Comparison, TellsSmallMassesApart) {
+  design::Design solid = example("loaded.toml");
+  for (double& m : solid.train.module_m) m *= 0.1;
+  solid.train.center_distance_m *= 0.1;
+  design::Design bored = solid;
+  bored.masses.bore_radius_m[train::kS] = 0.1e-3;
+  const std::vector<ComparedDesign> two{compared(solid, "solid"), compared(bored, "bored")};
+  const Quantities all = quantities_of(Json::parse(comparison_json(two)));
+  ASSERT_TRUE(all.contains("S,inertia"));
+  EXPECT_LT(all.at("S,inertia")[0].get<double>(), 1e-11);
+  EXPECT_LT(all.at("S,inertia")[1], all.at("S,inertia")[0]);
 }
 
 TEST(Comparison, KeepsAPlaceForWhatADesignLacks) {
