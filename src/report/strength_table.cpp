@@ -251,19 +251,51 @@ std::string factor_table(std::span<const PlacedFactor> factors) {
   return "\nFactors (those other than 1; each by itself in the JSON)\n" + table.text(2);
 }
 
-/// Symbols that are 1 because something is not stated, by what that is.
+bool is_not_stated(const PlacedFactor& placed) {
+  return placed.named.factor->source == strength::sources::kNotStated;
+}
+
+/// Those for which a factor is not stated, by gear where that is so in all of its meshes; "" where
+/// it is stated for none.
+std::string not_stated_for(std::span<const PlacedFactor> factors, std::string_view symbol) {
+  std::vector<std::string> subjects;
+  bool any_stated = false;
+  for (const PlacedFactor& placed : factors) {
+    if (placed.named.symbol != symbol) continue;
+    if (!is_not_stated(placed)) {
+      any_stated = true;
+      continue;
+    }
+    const bool whole_gear =
+        !placed.gear.empty() && std::ranges::all_of(factors, [&](const PlacedFactor& p) {
+          return p.named.symbol != symbol || p.gear != placed.gear || is_not_stated(p);
+        });
+    std::string subject = whole_gear ? std::string(placed.gear) : subject_text(placed);
+    if (std::ranges::find(subjects, subject) == subjects.end()) {
+      subjects.push_back(std::move(subject));
+    }
+  }
+  return any_stated ? " of " + listed(subjects) : "";
+}
+
+/// Symbols that are 1 because something is not stated, by what that is; where it is stated for
+/// some, with those for which it is not.
 std::vector<std::string> not_stated_lines(std::span<const PlacedFactor> factors) {
   struct Reason {
     std::string_view text;
+    std::string subjects;
     std::vector<std::string> symbols;
   };
   std::vector<Reason> reasons;
   for (const PlacedFactor& placed : factors) {
-    const strength::Factor<double>& f = *placed.named.factor;
-    if (f.source != strength::sources::kNotStated) continue;
-    auto reason = std::ranges::find(reasons, f.branch, &Reason::text);
+    if (!is_not_stated(placed)) continue;
+    const std::string_view text = placed.named.factor->branch;
+    std::string subjects = not_stated_for(factors, placed.named.symbol);
+    auto reason = std::ranges::find_if(
+        reasons, [&](const Reason& r) { return r.text == text && r.subjects == subjects; });
     if (reason == reasons.end()) {
-      reason = reasons.insert(reason, Reason{.text = f.branch, .symbols = {}});
+      reason = reasons.insert(reason,
+                              Reason{.text = text, .subjects = std::move(subjects), .symbols = {}});
     }
     const std::string symbol(placed.named.symbol);
     if (std::ranges::find(reason->symbols, symbol) == reason->symbols.end()) {
@@ -273,7 +305,7 @@ std::vector<std::string> not_stated_lines(std::span<const PlacedFactor> factors)
   std::vector<std::string> lines;
   lines.reserve(reasons.size());
   for (const Reason& reason : reasons) {
-    lines.push_back(fmt::format("{} ({})", listed(reason.symbols), reason.text));
+    lines.push_back(fmt::format("{}{} ({})", listed(reason.symbols), reason.subjects, reason.text));
   }
   return lines;
 }

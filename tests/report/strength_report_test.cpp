@@ -561,5 +561,20 @@ TEST(StrengthReport, APairHasItsMeshTeethAndTorque) {
             std::string::npos);
 }
 
+// What one gear states is not said to be missing of it.
+TEST(StrengthReport, NamesTheGearsForWhichAFactorIsNotStated) {
+  design::Design d = io::read_design(GEAR3K_SOURCE_DIR "/examples/designs/loaded.toml");
+  const auto table = [&] { return strength_table(std::get<design::Evaluation>(evaluate(d))); };
+  EXPECT_NE(table().find("Y_NT, Z_NT (no life stated"), std::string::npos);
+  d.rating->gear_teeth[train::kS].cycles = 1e5;
+  EXPECT_NE(table().find("Y_NT, Z_NT of P1, R1, P2, R2 (no life stated"), std::string::npos);
+  // Z_R wants the roughness of both: known in mesh S-P1 alone.
+  for (const std::size_t gear : {train::kS, train::kP1}) {
+    d.rating->gear_teeth[gear].flank_roughness_m = 3e-6;
+  }
+  EXPECT_NE(table().find("Z_R of P1 in P1-R1, R1, P2, R2 (roughness"), std::string::npos)
+      << table();
+}
+
 }  // namespace
 }  // namespace gear3k::report::strength_report_test
