@@ -39,6 +39,12 @@ struct MapGrid {
 /// Densities by gear, where they are known.
 using GearDensities = std::array<std::optional<double>, train::kGearCount>;
 
+/// Density of a gear [kg/m³]: that of all gears, else its own; empty where neither is known.
+inline std::optional<double> density_of(const std::optional<double>& of_all,
+                                        const GearDensities& by_gear, std::size_t gear) {
+  return of_all ? of_all : by_gear[gear];
+}
+
 /// What is known of the masses.  A body's inertia is the value given or, without one, follows from
 /// its geometry (mass_model.hpp): of a gear, face width, density and bore or outer radius.
 struct Masses {

@@ -319,11 +319,11 @@ std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
                                                                .axial = design.axial,
                                                                .rating = stated_load(design)}));
   const auto rated = rate_gearbox(design, *train, forms, e.meshes, e.parts);
-  std::optional<strength::TrainRating<double>> deciding;
+  LoadedGearing deciding;
   if (rated) {
     deciding = rated->rating(gearing, {true, true, true});
-    gearing.rating = deciding->mesh;
-    gearing.train_rating = &*deciding;
+    gearing.rating = deciding.rating.mesh;
+    gearing.train_rating = &deciding.rating;
     e.strength = rated->result;
     std::ranges::copy(rated->notes, std::back_inserter(e.notes));
   }

@@ -1,6 +1,8 @@
 #pragma once
 // What the evaluations of a train and of a pair have in common: internal to design/.
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -76,6 +78,11 @@ std::optional<ToleranceLimits> limits_within(const std::optional<Stated>& tolera
     notes.emplace_back(
         "the tolerances have no minimum and maximum: at an end of tolerances.center_distance_um a "
         "mesh has no working pressure angle");
+  } else if (!limits->gears_without_rim.empty()) {
+    notes.push_back(
+        fmt::format("at a corner of the tolerances no material is left under the root of {}: its "
+                    "teeth have no rating there",
+                    fmt::join(limits->gears_without_rim, ", ")));
   }
   return limits;
 }

@@ -25,7 +25,7 @@ std::optional<MassProperties<double>> gear_from_geometry(const Masses& masses,
   const auto& width = masses.face_width_m[static_cast<std::size_t>(train::stage_of(id))];
   const auto other = other_radius(masses, id);
   const auto index = static_cast<std::size_t>(id);
-  const auto& density = masses.density_kgm3 ? masses.density_kgm3 : masses.gear_density_kgm3[index];
+  const auto density = density_of(masses.density_kgm3, masses.gear_density_kgm3, index);
   if (!width || !density || !other) return std::nullopt;
   return inertia::gear_body(train.gears[index], *other, *width, *density);
 }

@@ -41,14 +41,16 @@ struct MassModel {
 
 /// Mass and inertia of every part.
 ///
-///   gears    hollow cylinders, inertia::gear_body(), of the density of all gears, else each its
-///   own carrier  J = ½ m (ro² + ri²) of its plates; as a moving body with its N pins:
+///   gears    hollow cylinders, inertia::gear_body(), of density_of() each
+///   carrier  J = ½ m (ro² + ri²) of its plates; as a moving body with its N pins:
 ///            J + Σ (J_pin + m_pin d²)
 ///
 /// The pins orbit with the carrier at the centre distance d and do not spin with their planets.
 /// Pins and plates without a density of their own have that of all gears; a stated carrier inertia
-/// holds the pins already. Source: volume integrals, parallel-axis theorem. Does not account for:
-/// windows and bores of the plates where planets and pins sit, bearings, shafts, webs, housing.
+/// holds the pins already.
+/// Source: volume integrals, parallel-axis theorem.
+/// Does not account for: windows and bores of the plates where planets and pins sit, bearings,
+/// shafts, webs, housing.
 /// @throws std::invalid_argument where a bore is not below the part's outer radius
 MassModel mass_model(const Masses& masses, const train::TrainGeometry<double>& train);
 

@@ -1,5 +1,7 @@
 #include "design/rated_gearbox.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -71,6 +73,39 @@ void note_unknown(const strength::RatingTask& task, std::vector<std::string>& no
   }
 }
 
+/// Gears without material under their root circle, where their rim is stated.
+std::array<bool, train::kGearCount> gears_without_rim(const strength::RatedTrain<double>& train,
+                                                      const strength::RatingTask& task) {
+  std::array<bool, train::kGearCount> without{};
+  if (strength::has_rims(train, task)) return without;
+  for (std::size_t gear = 0; gear < train::kGearCount; ++gear) {
+    strength::RatingTask one;
+    one.rim_radius_m[gear] = task.rim_radius_m[gear];
+    without[gear] = !strength::has_rims(train, one);
+  }
+  return without;
+}
+
+/// Y_M where nothing reads it, as no tooth that it is stated for is loaded on both flanks.
+void note_reversal(const strength::RatingTask& task, const train::ToothSet& teeth,
+                   std::vector<std::string>& notes) {
+  const auto both_flanks = [&](std::size_t gear) {
+    return strength::stated_teeth(task, gear).load_reversal.value_or(true);
+  };
+  if (both_flanks(train::kP1) || !(train::g2(teeth) > 1.0)) return;
+  constexpr std::string_view kWhy =
+      "its load does not reverse, and with G2 > 1 S and R1 load the same flank";
+  if (task.gear_teeth[train::kP1].reversal) {
+    notes.push_back(fmt::format("the stated Y_M of P1 is not used: {}", kWhy));
+  }
+  bool any = false;
+  for (std::size_t gear = 0; gear < train::kGearCount; ++gear) any = any || both_flanks(gear);
+  if (task.teeth.reversal && !any) {
+    notes.push_back(fmt::format(
+        "the stated Y_M of all gears is not used: no load reverses, and of P1 {}", kWhy));
+  }
+}
+
 }  // namespace
 
 std::optional<RatedGearbox> rate_gearbox(const Design& design,
@@ -109,17 +144,25 @@ std::optional<RatedGearbox> rate_gearbox(const Design& design,
                  .backward = rated(Drive::kBackward),
                  .capacity_forward = strength::train_capacity(loaded, task, Drive::kForward),
                  .capacity_backward = strength::train_capacity(loaded, task, Drive::kBackward)},
-      .rating = [&task, loaded_at, stated_mesh_load](
-                    const Gearing<double>& gearing,
-                    const std::array<bool, train::kMeshCount>& meshes_rated)
-          -> std::optional<strength::TrainRating<double>> {
-        auto train = loaded_at(*gearing.train, gearing.forms);
-        if (!strength::has_rims(train, task)) return std::nullopt;
-        train.rated = meshes_rated;
-        train.mesh_load = stated_mesh_load;
-        return strength::rate_train(train, task, Drive::kEither, task.torque_Nm,
-                                    StiffnessPart::kFactors);
-      },
+      .rating =
+          [&task, loaded_at, stated_mesh_load](
+              const Gearing<double>& gearing,
+              const std::array<bool, train::kMeshCount>& meshes_rated) {
+            auto train = loaded_at(*gearing.train, gearing.forms);
+            train.rated = meshes_rated;
+            train.mesh_load = stated_mesh_load;
+            const auto without_rim = gears_without_rim(train, task);
+            for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+              for (const std::size_t i : {0U, 1U}) {
+                const auto gear = static_cast<std::size_t>(train::kMeshGears[k][i]);
+                train.roots[k][i] = !without_rim[gear];
+              }
+            }
+            return LoadedGearing{
+                .rating = strength::rate_train(train, task, Drive::kEither, task.torque_Nm,
+                                               StiffnessPart::kFactors),
+                .without_rim = without_rim};
+          },
       .notes = {}};
   if (gearbox.result.backward.locked) {
     gearbox.notes.emplace_back(
@@ -145,6 +188,7 @@ std::optional<RatedGearbox> rate_gearbox(const Design& design,
         "mesh has no path of contact: strength takes all of the load on one planet");
   }
   note_unknown(task, gearbox.notes);
+  note_reversal(task, geometry.teeth, gearbox.notes);
   return gearbox;
 }
 
@@ -199,14 +243,15 @@ std::optional<RatedPair> rate_pair(const PairDesign& design,
   const strength::RatingTask& task = *design.rating;
   RatedPair pair{
       .rating = rated_pair_at(design, gears, forms, mesh, task.torque_Nm, StiffnessPart::kPath),
-      .rate = [&design](const Gearing<double>& gearing,
-                        const std::array<bool, train::kMeshCount>& /*rated*/)
-          -> std::optional<strength::TrainRating<double>> {
-        strength::TrainRating<double> rating;
-        rating.mesh[0] = rated_pair_at(design, gearing.gears, gearing.forms, gearing.meshes[0],
-                                       design.rating->torque_Nm, StiffnessPart::kFactors);
-        return rating;
-      },
+      .rate =
+          [&design](const Gearing<double>& gearing,
+                    const std::array<bool, train::kMeshCount>& /*rated*/) {
+            LoadedGearing loaded;
+            loaded.rating.mesh[0] =
+                rated_pair_at(design, gearing.gears, gearing.forms, gearing.meshes[0],
+                              design.rating->torque_Nm, StiffnessPart::kFactors);
+            return loaded;
+          },
       .capacity = strength::governed_capacity(
           [&](double torque_Nm) {
             strength::JudgedSafeties<double> list;

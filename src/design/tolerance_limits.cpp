@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "backlash/normal_backlash.hpp"
@@ -391,43 +392,67 @@ std::vector<RatedTogether> rated_together(std::span<const CheckInstance> checks,
   return groups;
 }
 
-/// Margins of checks that are read from the same rating.
-std::vector<BuiltRange> rated_ranges(BuiltGearing& built, const DrawnGearing& drawn,
-                                     std::span<const CheckInstance> checks,
-                                     const RatedTogether& group) {
+/// Whether a check is of a tooth of one of these gears.
+bool rates_tooth_of(const std::array<bool, train::kGearCount>& gears, const CheckInstance& check,
+                    const DrawnGearing& drawn) {
+  if (check.record->scope != CheckScope::kRatedTooth) return false;
+  const auto [first, second] = drawn.mesh_gears[static_cast<std::size_t>(check.subject.member)];
+  return gears[static_cast<std::size_t>(check.subject.which == 1 ? first : second)];
+}
+
+/// Margins of checks, and the gears that a corner leaves no rim of.
+struct CheckRanges {
+  std::vector<BuiltRange> margins;
+  std::array<bool, train::kGearCount> without_rim{};
+};
+
+/// Of checks that are read from the same rating.
+CheckRanges rated_ranges(BuiltGearing& built, const DrawnGearing& drawn,
+                         std::span<const CheckInstance> checks, const RatedTogether& group) {
+  CheckRanges result;
   std::vector<int> gears;
   for (std::size_t k = 0; k < drawn.mesh_gears.size(); ++k) {
     for (const int gear : drawn.mesh_gears[k]) {
       if (group.rated[k] && std::ranges::find(gears, gear) == gears.end()) gears.push_back(gear);
     }
   }
-  return built.ranges(built.rating_variables(gears), [&](const BuiltGearing& g) {
+  result.margins = built.ranges(built.rating_variables(gears), [&](const BuiltGearing& g) {
     std::vector<double> margins(group.checks.size(), std::numeric_limits<double>::quiet_NaN());
     Gearing<double> gearing = g.gearing();
-    const auto rating = drawn.rating(gearing, group.rated);
-    if (!rating) return margins;
-    gearing.rating = rating->mesh;
-    gearing.train_rating = &*rating;
+    const LoadedGearing loaded = drawn.rating(gearing, group.rated);
+    gearing.rating = loaded.rating.mesh;
+    gearing.train_rating = &loaded.rating;
     for (std::size_t i = 0; i < margins.size(); ++i) {
-      margins[i] = check_margin(checks[group.checks[i]], gearing);
+      const CheckInstance& check = checks[group.checks[i]];
+      if (!rates_tooth_of(loaded.without_rim, check, drawn)) {
+        margins[i] = check_margin(check, gearing);
+      }
     }
+    std::ranges::transform(result.without_rim, loaded.without_rim, result.without_rim.begin(),
+                           std::logical_or<>{});
     return margins;
   });
+  return result;
 }
 
-/// Margins of all checks.
-std::vector<BuiltRange> check_ranges(BuiltGearing& built, const DrawnGearing& drawn,
-                                     std::span<const CheckInstance> checks) {
-  std::vector<BuiltRange> ranges(checks.size());
+/// Of all checks.
+CheckRanges check_ranges(BuiltGearing& built, const DrawnGearing& drawn,
+                         std::span<const CheckInstance> checks) {
+  CheckRanges ranges{.margins = std::vector<BuiltRange>(checks.size())};
   for (std::size_t i = 0; i < checks.size(); ++i) {
     if (checks[i].record->rating) continue;
-    ranges[i] = built.ranges(variables_of(checks[i], built, drawn), [&](const BuiltGearing& g) {
-      return std::array<double, 1>{check_margin(checks[i], g.gearing())};
-    })[0];
+    ranges.margins[i] =
+        built.ranges(variables_of(checks[i], built, drawn), [&](const BuiltGearing& g) {
+          return std::array<double, 1>{check_margin(checks[i], g.gearing())};
+        })[0];
   }
   for (const RatedTogether& group : rated_together(checks, drawn)) {
-    const std::vector<BuiltRange> rated = rated_ranges(built, drawn, checks, group);
-    for (std::size_t i = 0; i < rated.size(); ++i) ranges[group.checks[i]] = rated[i];
+    const CheckRanges rated = rated_ranges(built, drawn, checks, group);
+    for (std::size_t i = 0; i < group.checks.size(); ++i) {
+      ranges.margins[group.checks[i]] = rated.margins[i];
+    }
+    std::ranges::transform(ranges.without_rim, rated.without_rim, ranges.without_rim.begin(),
+                           std::logical_or<>{});
   }
   return ranges;
 }
@@ -469,10 +494,10 @@ std::optional<ToleranceLimits> tolerance_limits(const DrawnGearing& drawn,
     limits.gears.push_back(gear_limits(built, drawn, i));
   }
   limits.checks.reserve(checks.size());
-  const std::vector<BuiltRange> margins = check_ranges(built, drawn, checks);
+  const CheckRanges ranges = check_ranges(built, drawn, checks);
   for (std::size_t i = 0; i < checks.size(); ++i) {
     const CheckInstance& check = checks[i];
-    const BuiltRange& range = margins[i];
+    const BuiltRange& range = ranges.margins[i];
     SubjectNames subject =
         subject_names(check, drawn.gear_names, drawn.mesh_names, drawn.mesh_gears);
     limits.checks.push_back({.record = check.record,
@@ -480,6 +505,9 @@ std::optional<ToleranceLimits> tolerance_limits(const DrawnGearing& drawn,
                              .gear = std::move(subject.gear),
                              .margin = range,
                              .holds = range.least >= -kFeasibilityTolerance * check.scale});
+  }
+  for (std::size_t i = 0; i < drawn.gears.size(); ++i) {
+    if (ranges.without_rim[i]) limits.gears_without_rim.emplace_back(drawn.gear_names[i]);
   }
   if (drawn.train != nullptr) {
     limits.lost_motion_rad = built.ranges(built.backlash_variables(), [](const BuiltGearing& g) {

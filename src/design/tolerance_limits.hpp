@@ -80,12 +80,18 @@ struct ToleranceLimits {
   std::vector<GearLimits> gears;
   std::vector<CheckLimits> checks;            ///< those of the evaluation, in its order
   std::optional<BuiltRange> lost_motion_rad;  ///< kinematic, at the output; empty for a pair
+  /// Gears that a corner leaves no material under the root of, where a check is rated.
+  std::vector<std::string> gears_without_rim;
 };
 
-/// The stated load on a gearing that differs from the drawn one in dimensions only; of a pair the
-/// first mesh.  Only what is asked for is rated; empty where nothing can be, as no rim is left
-/// under a root.
-using GearingRating = std::function<std::optional<strength::TrainRating<double>>(
+/// A gearing under the stated load; of a pair the first mesh.
+struct LoadedGearing {
+  strength::TrainRating<double> rating;  ///< only what is asked for
+  /// Gears without material under their root: their teeth in `rating` say nothing.
+  std::array<bool, train::kGearCount> without_rim{};
+};
+/// The stated load on a gearing that differs from the drawn one in dimensions only.
+using GearingRating = std::function<LoadedGearing(
     const Gearing<double>& gearing, const std::array<bool, train::kMeshCount>& rated)>;
 
 /// What is drawn: a train or a pair.
@@ -110,16 +116,18 @@ struct DrawnGearing {
 /// contact.  The tips of all gears count there, as a tip moves the losses of its mesh and these
 /// what every mesh has to carry.  Coefficients of friction and masses of planets stay those of the
 /// drawn gearbox: the former would differ by the state at which a law is evaluated, the latter by
-/// 1e-6 of a bearing's load. Valid: quantities that are monotone in each deviation while the others
-/// stay, as all are next to a drawn gearbox that is one, or are the least of several such: of a
-/// margin that is (tip_fouling, coaxiality), the least lies in a corner, and the greatest may be
-/// exceeded inside.  Factors of strength have kinks (K_Hα at its bounds, a contact ratio through 2,
-/// Z_B = 1): among 6000 random gearboxes of 150 designs at such places none was below the least of
-/// its corners, while the greatest safety of a flank was exceeded by up to 13 % of its range.
-/// Tested with random gearboxes inside the limits.  The drawn gearbox counts as one more where the
-/// limits allow it. Does not cover: run-out, pitch deviations, pin position and phase of the
-/// planets, which differ from tooth to tooth and planet to planet (backlash::ClearanceModel);
-/// KISSsoft's minimum and maximum have none of them either.
+/// 1e-6 of a bearing's load.  A gear without material under its root has no rated margin there.
+/// The drawn gearbox counts as one more where the limits allow it.
+/// Valid: quantities that are monotone in each deviation while the others stay, as all are next to
+/// a drawn gearbox that is one, or are the least of several such: of a margin that is (tip_fouling,
+/// coaxiality), the least lies in a corner, and the greatest may be exceeded inside.  Factors of
+/// strength have kinks (K_Hα at its bounds, a contact ratio through 2, Z_B = 1): among 6000 random
+/// gearboxes of 150 designs at such places none was below the least of its corners, while the
+/// greatest safety of a flank was exceeded by up to 13 % of its range.  Tested with random
+/// gearboxes inside the limits.
+/// Does not cover: run-out, pitch deviations, pin position and phase of the planets, which differ
+/// from tooth to tooth and planet to planet (backlash::ClearanceModel); KISSsoft's minimum and
+/// maximum have none of them either.
 /// @param gears  tolerances of each gear
 /// @param checks  as by list_checks()
 /// @returns empty where a mesh has no working pressure angle at an end of the centre distance

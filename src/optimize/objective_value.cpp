@@ -16,8 +16,8 @@ namespace gear3k::optimize {
 
 namespace {
 
-const std::optional<double>& density_of(const GearBodySizes& bodies, std::size_t gear) {
-  return bodies.density_kgm3 ? bodies.density_kgm3 : bodies.gear_density_kgm3[gear];
+std::optional<double> body_density(const GearBodySizes& bodies, std::size_t gear) {
+  return design::density_of(bodies.density_kgm3, bodies.gear_density_kgm3, gear);
 }
 
 template <class T>
@@ -36,7 +36,7 @@ GearBodies<T> gear_bodies(const Specification& spec, const std::array<T, 2>& fac
     const T other = ring ? T(gears[i].root_radius_m + spec.bodies.ring_rim_m) : constant<T>(0.0);
     const auto stage = static_cast<std::size_t>(train::stage_of(id));
     bodies[i] = inertia::gear_body<T>(gears[i], other, face_width_m[stage],
-                                      constant<T>(*density_of(spec.bodies, i)));
+                                      constant<T>(*body_density(spec.bodies, i)));
   }
   return bodies;
 }
@@ -73,7 +73,7 @@ double ratio_error(const Specification& spec, const train::ToothSet& teeth) {
 bool knows_masses(const Specification& spec) {
   const GearBodySizes& b = spec.bodies;
   for (std::size_t gear = 0; gear < train::kGearCount; ++gear) {
-    if (!density_of(b, gear)) return false;
+    if (!body_density(b, gear)) return false;
   }
   return b.face_width_m[0] && b.face_width_m[1];
 }

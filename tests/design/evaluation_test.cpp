@@ -11,6 +11,9 @@
 #include <numbers>
 #include <random>
 #include <string>
+#include <vector>
+
+#include "tests/strength/steel.hpp"
 
 namespace gear3k::design::evaluation_test {
 namespace {
@@ -528,6 +531,43 @@ PairDesign pair_of(int z1, int z2, GearKind second) {
   p.gear2.teeth = z2;
   p.gear2.kind = second;
   return p;
+}
+
+// A Y_M is said to be of no use where no safety changes with it.
+TEST(Evaluation, AStatedReversalFactorIsSaidWhereNoSafetyReadsIt) {
+  int said = 0, used = 0;
+  for (const bool above_one : {false, true}) {
+    for (const bool of_planet : {false, true}) {
+      for (const int reversing : {-1, static_cast<int>(train::kP1), static_cast<int>(train::kR2)}) {
+        Design d = above_one ? reversed() : low_backlash();
+        d.rating.emplace();
+        d.rating->material.fill(strength::steel_700_290());
+        d.rating->torque_Nm = 1.0;
+        d.rating->face_width_m = {8e-3, 8e-3};
+        d.rating->teeth.load_reversal = false;
+        if (reversing >= 0) {
+          d.rating->gear_teeth[static_cast<std::size_t>(reversing)].load_reversal = true;
+        }
+        const auto safeties = [](const Evaluation& e) {
+          std::vector<double> all;
+          for (const auto& mesh : e.strength.value().forward.mesh) {
+            for (const auto& tooth : mesh.teeth) all.push_back(tooth.root_safety);
+          }
+          return all;
+        };
+        const Evaluation unstated = evaluated(d);
+        EXPECT_FALSE(has_note(unstated.notes, "Y_M"));
+        (of_planet ? d.rating->gear_teeth[train::kP1] : d.rating->teeth).reversal = 0.9;
+        const Evaluation stated = evaluated(d);
+        const bool no_use = safeties(stated) == safeties(unstated);
+        EXPECT_EQ(has_note(stated.notes, of_planet ? "Y_M of P1 is" : "Y_M of all gears"), no_use)
+            << above_one << of_planet << reversing;
+        ++(no_use ? said : used);
+      }
+    }
+  }
+  EXPECT_GE(said, 3);
+  EXPECT_GE(used, 3);
 }
 
 TEST(PairEvaluation, OfStandardGearsIsAtTheReferenceDistanceWithoutBacklash) {

@@ -518,6 +518,51 @@ TEST(ToleranceLimitsUnderLoad, NominalIsTheDrawnGearbox) {
   }
 }
 
+// Nothing but the rating of the sun's own teeth reads its rim.
+TEST(ToleranceLimitsUnderLoad, AGearWithoutRimInACornerIsSaidAndHasNoRangeTheOthersKeepTheirs) {
+  Design design = rated_design();
+  design.tolerances->gears[train::kS].root_diameter_m = {.lower = -20.0 * kMicrometre,
+                                                         .upper = 0.0};
+  const Evaluation solid = evaluated(design);
+  ASSERT_TRUE(solid.tolerance_limits.value().gears_without_rim.empty());
+  design.rating->rim_radius_m[train::kS] =
+      0.5 * solid.gears[train::kS].root_diameter_m - 5.0 * kMicrometre;
+  const Evaluation bored = evaluated(design);
+  EXPECT_EQ(bored.tolerance_limits.value().gears_without_rim, std::vector<std::string>{"S"});
+  const auto said = [](const Evaluation& e) {
+    return std::ranges::count_if(e.notes, [](const std::string& note) {
+      return note.find("no material is left under the root of S:") != std::string::npos;
+    });
+  };
+  EXPECT_EQ(said(bored), 1);
+  EXPECT_EQ(said(solid), 0);
+  const std::vector<CheckLimits>& expected = solid.tolerance_limits->checks;
+  std::size_t next = 0;
+  int without = 0, kept = 0;
+  for (const CheckLimits& c : bored.tolerance_limits->checks) {
+    const std::string name = std::string(c.record->name) + " " + c.mesh + " " + c.gear;
+    const bool of_sun = c.record->rating && c.gear == "S";
+    if (of_sun) {
+      EXPECT_TRUE(std::isnan(c.margin.least) && std::isnan(c.margin.greatest)) << name;
+      EXPECT_TRUE(std::isfinite(c.margin.nominal)) << name;
+      EXPECT_FALSE(c.holds) << name;
+      ++without;
+    }
+    // A solid sun has no rim to check.
+    if (of_sun && c.record->id == CheckId::kRimThickness) continue;
+    ASSERT_LT(next, expected.size());
+    const CheckLimits& same = expected[next++];
+    ASSERT_EQ(same.record, c.record) << name;
+    if (of_sun) continue;
+    EXPECT_EQ(c.margin.least, same.margin.least) << name;
+    EXPECT_EQ(c.margin.greatest, same.margin.greatest) << name;
+    if (c.record->rating) ++kept;
+  }
+  EXPECT_EQ(next, expected.size());
+  EXPECT_GE(without, 5);
+  EXPECT_GE(kept, 20);
+}
+
 TEST(ToleranceLimitsUnderLoad, OfAPairAreThoseOfPairsThatAreDrawnSo) {
   PairDesign pair = io::read_pair(kRoot + "/examples/pairs/dry_steel_pair.toml");
   strength::RatingTask task;

@@ -288,15 +288,21 @@ bool states_life(const std::string& gear, const FileReading& reading) {
          reading.stated(gear + ".strength.cycles");
 }
 
-/// Wear wants a life to count meetings of teeth over.
-void check_wear(const std::vector<std::string>& gears, FileReading& reading) {
+/// Wear wants a life of every plastic gear to count meetings of its teeth over.
+void check_wear(const GearMaterials& materials, const std::vector<std::string>& gears,
+                FileReading& reading) {
   constexpr const char* kWear = "strength.wear_coefficient_mm3_nm";
-  const bool counted = std::ranges::any_of(
-      gears, [&](const std::string& gear) { return states_life(gear, reading); });
-  if (!reading.stated(kWear) || counted) return;
-  reading.error_at(kWear, fmt::format("{} without strength.cycles or strength.life_hours: allowed: "
-                                      "with one of them",
-                                      kWear));
+  if (!reading.stated(kWear)) return;
+  std::vector<std::string> without;
+  for (std::size_t g = 0; g < gears.size(); ++g) {
+    const bool plastic = materials[g] && strength::is_plastic(materials[g]->record.group);
+    if (plastic && !states_life(gears[g], reading)) without.push_back(gears[g]);
+  }
+  if (without.empty()) return;
+  reading.error_at(kWear, fmt::format("{} without a life of {}: allowed: with strength.cycles, "
+                                      "strength.life_hours or {}.strength.cycles",
+                                      kWear, fmt::join(without, ", "),
+                                      fmt::join(without, ".strength.cycles, ")));
 }
 
 /// What the curves of plastics need, and where they end.
@@ -328,23 +334,29 @@ void check_curves(const StrengthInput& input, const GearMaterials& materials,
 }
 
 /// A gear's own values: with a load, and Y_M only where both flanks carry.
-/// @param idler  place of a gear that may be an idler; -1: none
+/// @param idler  place of a gear that may be an idler, by the teeth; -1: none
 void check_gear_teeth(const StrengthInput& input, const std::vector<std::string>& gears, int idler,
                       FileReading& reading) {
+  bool any_reversed = false;
   for (std::size_t g = 0; g < gears.size(); ++g) {
+    const bool reversed = static_cast<int>(g) == idler ||
+                          strength::stated_teeth(input.task, g).load_reversal.value_or(true);
+    any_reversed = any_reversed || reversed;
     const std::string table = gears[g] + ".strength";
     if (!reading.stated(table)) continue;
     if (!reading.stated("strength")) {
       reading.error_at(table, fmt::format("{} without [strength]: allowed: with it", table));
     }
     const std::string y_m = table + ".y_m";
-    const bool reversed = static_cast<int>(g) == idler ||
-                          strength::stated_teeth(input.task, g).load_reversal.value_or(true);
     if (reversed || !reading.stated(y_m)) continue;
     reading.error_at(y_m, fmt::format("{} without load reversal: allowed: with {}.load_reversal = "
                                       "true",
                                       y_m, table));
   }
+  if (any_reversed || !reading.stated("strength.y_m")) return;
+  reading.error_at("strength.y_m",
+                   "strength.y_m without load reversal: allowed: with load_reversal = true of all "
+                   "gears or of one");
 }
 
 void check_planets(const StrengthInput& input, const std::vector<int>& planets,
@@ -573,7 +585,7 @@ std::optional<RatingTask> finish_train_strength(const StrengthInput& input,
   const std::vector<std::string> gears = train_gear_tables();
   check_common(input, materials, gears, "strength.output_torque_nm", reading);
   check_curves(input, materials, gears, reading);
-  check_wear(gears, reading);
+  check_wear(materials, gears, reading);
   check_planets(input, file.planets, reading);
   check_mesh_load(input, file, reading);
   check_life("operating_point.sun_speed_rpm", file.sun_speed_rad_s.value_or(0.0), reading);
@@ -596,7 +608,7 @@ std::optional<RatingTask> finish_pair_strength(const StrengthInput& input,
   const std::vector<std::string> gears = pair_gear_tables();
   check_common(input, materials, gears, "strength.torque_nm", reading);
   check_curves(input, materials, gears, reading);
-  check_wear(gears, reading);
+  check_wear(materials, gears, reading);
   check_life("strength.speed_rpm", input.speed_rad_s.value_or(0.0), reading);
   check_face_width("face_width_mm", reading);
   RatingTask task = task_of(input, materials);

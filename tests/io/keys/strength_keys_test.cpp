@@ -375,10 +375,25 @@ TEST(StrengthKeys, LimitsOfBearingsAndPinWantThemStated) {
 }
 
 TEST(StrengthKeys, WearWantsALifeAndACapacityALimit) {
-  EXPECT_NE(design_errors(kSteel + kLoad + "wear_coefficient_mm3_nm = 1e-6\n")
-                .find("strength.wear_coefficient_mm3_nm without strength.cycles or "
-                      "strength.life_hours: allowed: with one of them"),
-            std::string::npos);
+  // A plastic of stated limits has no curve that would ask for a life.
+  const std::string plastic =
+      "youngs_modulus_mpa = 3600\npoisson_ratio = 0.36\ngroup = \"plastic\"\n"
+      "sigma_h_lim_mpa = 60\nsigma_f_lim_mpa = 40\n";
+  const std::string worn = kSteel + "[gears.P2.material]\n" + plastic + kLoad;
+  const std::string wear = "wear_coefficient_mm3_nm = 1e-6\n";
+  const std::string of_sun = "[gears.S.strength]\ncycles = 1e6\n";
+  const std::string of_planet = "[gears.P2.strength]\ncycles = 1e6\n";
+  const std::string message =
+      "strength.wear_coefficient_mm3_nm without a life of gears.P2: allowed: with "
+      "strength.cycles, strength.life_hours or gears.P2.strength.cycles";
+  expect_only(design_errors(worn + wear), message);
+  expect_only(design_errors(worn + wear + of_sun), message);
+  EXPECT_EQ(design_errors(worn + wear + of_planet), "");
+  EXPECT_EQ(design_errors(worn + wear + "cycles = 1e6\n"), "");
+  EXPECT_EQ(design_errors(worn + wear + "life_hours = 10\n" + kPoint), "");
+  expect_only(design_errors(worn + wear + "[gears.P1.material]\n" + plastic),
+              "without a life of gears.P1, gears.P2: allowed: with strength.cycles, "
+              "strength.life_hours or gears.P1.strength.cycles, gears.P2.strength.cycles");
   for (const std::string objective : {"torque_capacity", "torque_density"}) {
     EXPECT_NE(errors_of([&] {
                 return parse_specification("objective = \"" + objective + "\"\n" + kSpec + kWidths +
@@ -648,8 +663,6 @@ TEST(StrengthKeys, ThatDoNotFitAreAnErrorEachAtItsPlace) {
            kLoad + "[gears.P1.strength]\ncycles = 1e6\n",
        "gear.toml:31:2: strength.cycles is missing, which the limits of \"PA66\" (gears.P2) depend "
        "on: allowed: cycles or life_hours"},
-      {kSteel + kLoad + "wear_coefficient_mm3_nm = 1e-6\n",
-       "strength.wear_coefficient_mm3_nm without strength.cycles or strength.life_hours"},
       {pom + kLoad + "cycles = 1e6\ntooth_temperature_c = 121\n",
        "gear.toml:30:1: strength.tooth_temperature_c = 121: allowed: at most 120, where the curves "
        "of \"POM\" end"},
@@ -747,6 +760,12 @@ TEST(StrengthKeys, OfAPairThatDoNotFitAreAnErrorEachAtItsPlace) {
               "strength.life_hours without strength.speed_rpm");
   expect_only(errors(load + "k_gamma = \"m56\"\n", steel + width),
               "strength.k_gamma = \"m56\": allowed: a number, 1 to 1000");
+  const std::string no_reversal = load + "load_reversal = false\ny_m = 0.9\n";
+  expect_only(errors(no_reversal, steel + width),
+              "strength.y_m without load reversal: allowed: with load_reversal = true of all gears "
+              "or of one");
+  EXPECT_EQ(errors(no_reversal + "[gear2.strength]\nload_reversal = true\n", steel + width), "");
+  EXPECT_EQ(errors(load + "y_m = 0.9\n", steel + width), "");
   expect_only(errors(load + "[gear1.material]\nname = \"16MnCr5\"\n", width),
               "gear2.material is missing, required by [strength]");
 }
