@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 #include <vector>
 
 namespace gear3k::strength {
 
 namespace {
+
+/// Below a capacity with K_γ that depends on the torque: to an eighth of it.
+constexpr int kMeshLoadOctaves = 3;
 
 /// Whether S and R1 load the same flank of P1.
 bool same_flank(const train::ToothSet& teeth) { return train::g2(teeth) > 1.0; }
@@ -264,7 +268,8 @@ Factor<double> mesh_load_of(const RatingTask& task, int planets) {
     return {.value = *stated.mesh_load, .branch = "stated", .source = sources::kInput};
   }
   if (stated.mesh_load_source == MeshLoadSource::kTolerances) {
-    return {.branch = "left to the tolerances", .source = sources::kNotStated};
+    throw std::invalid_argument(
+        "K_gamma of the tolerances is not computed, allowed: that of each mesh, or a number");
   }
   const auto factor =
       mesh_load_factor(stated.mesh_load_source == MeshLoadSource::kM56 ? MeshLoadTable::kM56
@@ -275,6 +280,12 @@ Factor<double> mesh_load_of(const RatingTask& task, int planets) {
           .branch = "no row for so few planets",
           .source = sources::kNotStated,
           .in_range = false};
+}
+
+MeshLoadFactors even_mesh_loads() {
+  MeshLoadFactors factors;
+  factors.fill({.branch = "even", .source = sources::kNotStated});
+  return factors;
 }
 
 template <class T>
@@ -311,7 +322,7 @@ TrainRating<T> rate_train(const RatedTrain<T>& train, const RatingTask& task, Dr
                  .cycles = train_cycles(teeth, train.geometry.planets, task),
                  .mesh_load = {}};
   if (train.mesh_load) {
-    life.mesh_load = train.mesh_load(value_of(torque_Nm));
+    life.mesh_load = *train.mesh_load;
   } else {
     life.mesh_load.fill(mesh_load_of(task, train.geometry.planets));
   }
@@ -332,9 +343,11 @@ TrainRating<T> rate_train(const RatedTrain<T>& train, const RatingTask& task, Dr
 
 template <class T>
 std::optional<Capacity<T>> train_capacity(const RatedTrain<T>& train, const RatingTask& task,
-                                          Drive drive) {
+                                          Drive drive, const MeshLoadFunction& mesh_load) {
+  RatedTrain<T> loaded = train;
   const auto at = [&](const T& torque_Nm) {
-    return judged(rate_train(train, task, drive, torque_Nm, StiffnessPart::kIso), task);
+    if (mesh_load) loaded.mesh_load = mesh_load(value_of(torque_Nm));
+    return judged(rate_train(loaded, task, drive, torque_Nm, StiffnessPart::kIso), task);
   };
   const auto values = [&](double torque_Nm) {
     JudgedSafeties<T> list = at(constant<T>(torque_Nm));
@@ -349,7 +362,8 @@ std::optional<Capacity<T>> train_capacity(const RatedTrain<T>& train, const Rati
       return plain;
     }
   };
-  const auto capacity = governed_capacity(values, task.torque_Nm);
+  const auto capacity = governed_capacity(
+      values, {.start_Nm = task.torque_Nm, .scanned_octaves = mesh_load ? kMeshLoadOctaves : 0});
   if constexpr (std::is_same_v<T, double>) {
     return capacity;
   } else {
@@ -384,8 +398,10 @@ GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
 #undef INSTANTIATE
 
 template std::optional<Capacity<double>> train_capacity<double>(const RatedTrain<double>&,
-                                                                const RatingTask&, Drive);
+                                                                const RatingTask&, Drive,
+                                                                const MeshLoadFunction&);
 template std::optional<Capacity<Jet1>> train_capacity<Jet1>(const RatedTrain<Jet1>&,
-                                                            const RatingTask&, Drive);
+                                                            const RatingTask&, Drive,
+                                                            const MeshLoadFunction&);
 
 }  // namespace gear3k::strength
