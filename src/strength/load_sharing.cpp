@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <ranges>
 #include <stdexcept>
 
 #include "numerics/distributions.hpp"
@@ -353,9 +352,17 @@ QuantileRanks quantile_ranks(std::uint64_t values, double probability) {
   };
   // P(B <= c) <= tail where the upper bound of the proportion from c hits is below `probability`,
   // P(B >= c) <= tail where the lower one is above it.
-  const auto counts = std::views::iota(std::uint64_t{0}, values + 1);
   const auto first_that_is_not = [&](const auto& is) {
-    return static_cast<std::uint64_t>(std::ranges::partition_point(counts, is) - counts.begin());
+    std::uint64_t low = 0, high = values + 1;
+    while (low < high) {
+      const std::uint64_t middle = low + (high - low) / 2;
+      if (is(middle)) {
+        low = middle + 1;
+      } else {
+        high = middle;
+      }
+    }
+    return low;
   };
   QuantileRanks ranks;
   ranks.lower = std::min(
