@@ -22,9 +22,10 @@ std::optional<ElasticTrain> elastic_train(const Design& design) {
   const auto geometry = train::make_train_geometry(resolved_parameters(design));
   if (!geometry) return std::nullopt;
   const auto forms = tooth_forms(geometry->gears);
-  const auto loaded =
+  auto loaded =
       loaded_train<double>(*geometry, forms, task.face_width_m, even_friction<double>({}, {}),
                            efficiency::LossModel::kSliding);
+  loaded.mesh_load = strength::even_mesh_loads();
   ElasticTrain result;
   std::optional<strength::TrainSprings<double>> springs;
   for (int doubling = kLeastDoubling; doubling <= kMostDoubling; ++doubling) {

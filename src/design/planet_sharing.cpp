@@ -1,6 +1,7 @@
 #include "design/planet_sharing.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <memory>
 #include <stdexcept>
@@ -12,12 +13,16 @@ namespace gear3k::design {
 
 namespace {
 
+constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
+
 using strength::LoadFactorSeries, strength::MeshLoadFactors, strength::MeshSprings;
 
 /// Springs of the meshes at a torque; empty where one has no path of contact.
 std::optional<MeshSprings> springs_at(const strength::RatedTrain<double>& loaded,
                                       const strength::RatingTask& task, double torque_Nm) {
-  const auto rating = strength::rate_train(loaded, task, strength::Drive::kForward, torque_Nm,
+  strength::RatedTrain<double> even = loaded;
+  even.mesh_load = strength::even_mesh_loads();
+  const auto rating = strength::rate_train(even, task, strength::Drive::kForward, torque_Nm,
                                            strength::StiffnessPart::kPath);
   if (!rating.springs) return std::nullopt;
   return rating.springs->mesh_N_m;
@@ -63,16 +68,15 @@ std::optional<SharedMeshLoad> shared_mesh_load(const Design& design,
                  .scatter = {.scatter = design.tolerances->scatter,
                              .sigma_level = design.tolerances->sigma_level}});
   }
-  const double planets = design.train.planets;
-  const auto mesh_load = [all, planets](double torque_Nm) {
+  const auto mesh_load = [all](double torque_Nm) {
     MeshLoadFactors factors;
     const std::optional<LoadFactorSeries>& series = all->at(torque_Nm);
     for (std::size_t k = 0; k < factors.size(); ++k) {
       factors[k] = series ? strength::Factor<double>{.value = std::max(1.0, series->quantile[k]),
                                                      .branch = "quantile of built gearboxes",
                                                      .source = strength::sources::kTolerances}
-                          : strength::Factor<double>{.value = planets,
-                                                     .branch = "not computed: all on one planet",
+                          : strength::Factor<double>{.value = kNotKnown,
+                                                     .branch = "not known",
                                                      .source = strength::sources::kTolerances,
                                                      .in_range = false};
     }

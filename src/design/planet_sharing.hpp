@@ -2,7 +2,6 @@
 // K_γ of a design from its tolerances.
 
 #include <cstdint>
-#include <functional>
 #include <optional>
 
 #include "design/design.hpp"
@@ -15,17 +14,17 @@ namespace gear3k::design {
 struct PlanetSharing {
   double quantile = 0.0;                   ///< share of them that K_γ covers
   std::uint64_t drawn = 0, assembled = 0;  ///< those that do not assemble do not count
-  /// At the stated torque; empty where none assembles or a mesh has no path of contact.
+  /// At the stated torque; empty, K_γ is not known, where none assembles or a mesh has no path of
+  /// contact.
   std::optional<strength::LoadFactorSeries> series{};
 };
-
-/// K_γ at any output torque; N where it could not be computed.
-using MeshLoadFunction = std::function<strength::MeshLoadFactors(double torque_Nm)>;
 
 /// The sharing at the stated torque, and K_γ at any.
 struct SharedMeshLoad {
   PlanetSharing sharing;
-  MeshLoadFunction mesh_load;  ///< refers to the design and its loaded train
+  /// NaN where it is not known.  Refers to the design and its loaded train, and keeps the series of
+  /// each torque that it was asked for: not thread-safe, copies included.
+  strength::MeshLoadFunction mesh_load;
 };
 
 /// Gearboxes that are drawn for K_γ, the first ones of the series that `tolerances` draws.
@@ -33,11 +32,12 @@ inline constexpr std::uint64_t kSharingSamples = 10'000;
 
 /// K_γ from the tolerances of a design with MeshLoadSource::kTolerances.
 ///
-/// Gearboxes are drawn once, at one position of the turn, and solved at each torque, with the
-/// meshes' mean stiffness there and the nominal torque, without K_A: K_γ falls as the torque rises,
-/// and a capacity is that at its own K_γ.
-/// Source: own derivation, docs/theory §55.
-/// @param loaded  the drawn train, without mesh_load
+/// Gearboxes are drawn once, at one position of the turn, and solved at each torque: the nominal
+/// one, without K_A.  The springs are k̄ b of the meshes driven forward under that torque, evenly
+/// shared, for all planets and both senses.  K_γ tends to 1 as the torque rises without bound;
+/// between, it may rise too, and above N.  A capacity is that at its own K_γ. Source: own
+/// derivation, docs/theory §55.
+/// @param loaded  the drawn train; its mesh_load is not read
 /// @returns empty for any other source
 /// @throws std::invalid_argument without tolerances
 std::optional<SharedMeshLoad> shared_mesh_load(const Design& design,

@@ -57,12 +57,35 @@ bool any_plastic(const Materials& materials) {
   });
 }
 
+bool has_curve(const std::optional<strength::GearMaterial>& material) {
+  const auto is_curve = [](const strength::StressLimit& limit) {
+    return limit.law != strength::LimitLaw::kNotStated && limit.law != strength::LimitLaw::kLinear;
+  };
+  return material &&
+         (is_curve(material->record.root_limit) || is_curve(material->record.flank_limit));
+}
+
 /// What a rating takes as absent though it may not be.
 void note_unknown(const strength::RatingTask& task, std::vector<std::string>& notes) {
   if (!any_plastic(task.material)) return;
   if (!(task.speed_rad_s > 0.0) && !task.tooth_temperature_K) {
     notes.emplace_back(
         "no speed is stated: the teeth of plastic are as warm as their surroundings");
+  }
+  const auto below = [](const std::optional<double>& stated, double source) {
+    return stated && *stated < source;
+  };
+  if (below(task.root_safety_min, strength::kPlasticRootSafety) ||
+      below(task.flank_safety_min, strength::kPlasticFlankSafety)) {
+    notes.push_back(
+        fmt::format("the stated least safeties hold for gears of plastic too, for which VDI 2736 "
+                    "asks {:g} of the root and {:g} of the flank",
+                    strength::kPlasticRootSafety, strength::kPlasticFlankSafety));
+  }
+  if (std::ranges::any_of(task.material, has_curve)) {
+    notes.emplace_back(
+        "limits of plastics are fitted curves: for which numbers of cycles they hold their source "
+        "does not say");
   }
   const strength::StatedFactors& k = task.factors;
   if (k.dynamic || k.flank_face || k.root_face || k.flank_transverse || k.root_transverse ||
@@ -106,6 +129,24 @@ void note_reversal(const strength::RatingTask& task, const train::ToothSet& teet
   }
 }
 
+/// Where K_γ of the tolerances is not known, and where it is above what all on one planet makes.
+void note_sharing(const PlanetSharing& sharing, int planets, std::vector<std::string>& notes) {
+  if (!sharing.series) {
+    notes.emplace_back(
+        "K_gamma of the tolerances is not known, as no gearbox that was drawn assembles or a mesh "
+        "has no path of contact: neither are the stresses, safeties and capacity");
+    return;
+  }
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    if (sharing.series->quantile[k] <= planets * (1.0 + 1e-9)) continue;
+    notes.push_back(
+        fmt::format("K_gamma of {} is {:.4g}, above the {} of one planet that carries all: the "
+                    "deviations brace "
+                    "planets against each other on back flanks",
+                    train::kMeshNames[k], sharing.series->quantile[k], planets));
+  }
+}
+
 }  // namespace
 
 std::optional<RatedGearbox> rate_gearbox(const Design& design,
@@ -129,12 +170,9 @@ std::optional<RatedGearbox> rate_gearbox(const Design& design,
   auto loaded = loaded_at(geometry, forms);
   const auto unshared = loaded;
   const auto shared = shared_mesh_load(design, unshared);
-  // In every corner that of the drawn gearbox at the stated torque.
-  MeshLoadFunction stated_mesh_load;
-  if (shared) {
-    loaded.mesh_load = shared->mesh_load;
-    stated_mesh_load = [factors = shared->mesh_load(task.torque_Nm)](double) { return factors; };
-  }
+  const strength::MeshLoadFunction mesh_load =
+      shared ? shared->mesh_load : strength::MeshLoadFunction{};
+  if (shared) loaded.mesh_load = mesh_load(task.torque_Nm);
   const auto rated = [&](Drive drive) {
     return strength::rate_train(loaded, task, drive, task.torque_Nm, StiffnessPart::kPath);
   };
@@ -142,10 +180,13 @@ std::optional<RatedGearbox> rate_gearbox(const Design& design,
       .result = {.planet_sharing = shared ? std::optional(shared->sharing) : std::nullopt,
                  .forward = rated(Drive::kForward),
                  .backward = rated(Drive::kBackward),
-                 .capacity_forward = strength::train_capacity(loaded, task, Drive::kForward),
-                 .capacity_backward = strength::train_capacity(loaded, task, Drive::kBackward)},
+                 .capacity_forward =
+                     strength::train_capacity(loaded, task, Drive::kForward, mesh_load),
+                 .capacity_backward =
+                     strength::train_capacity(loaded, task, Drive::kBackward, mesh_load)},
+      // In every corner K_γ of the drawn gearbox.
       .rating =
-          [&task, loaded_at, stated_mesh_load](
+          [&task, loaded_at, stated_mesh_load = loaded.mesh_load](
               const Gearing<double>& gearing,
               const std::array<bool, train::kMeshCount>& meshes_rated) {
             auto train = loaded_at(*gearing.train, gearing.forms);
@@ -182,11 +223,7 @@ std::optional<RatedGearbox> rate_gearbox(const Design& design,
     gearbox.notes.emplace_back(
         "the mass of a planet is not known: its bearings are loaded without centrifugal force");
   }
-  if (shared && !shared->sharing.series) {
-    gearbox.notes.emplace_back(
-        "K_gamma of the tolerances is not computed, as no gearbox that was drawn assembles or a "
-        "mesh has no path of contact: strength takes all of the load on one planet");
-  }
+  if (shared) note_sharing(shared->sharing, geometry.planets, gearbox.notes);
   note_unknown(task, gearbox.notes);
   note_reversal(task, geometry.teeth, gearbox.notes);
   return gearbox;
@@ -260,7 +297,7 @@ std::optional<RatedPair> rate_pair(const PairDesign& design,
                 {0, 1}, list);
             return list;
           },
-          task.torque_Nm),
+          {.start_Nm = task.torque_Nm}),
       .notes = {}};
   note_unknown(task, pair.notes);
   return pair;

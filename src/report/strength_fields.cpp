@@ -233,8 +233,12 @@ Fields sharing_fields(const design::PlanetSharing& sharing) {
   f.add("quantile", sharing.quantile);
   f.add("drawn", sharing.drawn);
   f.add("assembled", sharing.assembled);
-  f.add("mean_k_gamma", nullptr);
-  if (sharing.series) f.add("mean_k_gamma", io::Json(sharing.series->mean));
+  for (const char* key : {"mean_k_gamma", "k_gamma_lower", "k_gamma_upper"}) f.add(key, nullptr);
+  if (sharing.series) {
+    f.add("mean_k_gamma", io::Json(sharing.series->mean));
+    f.add("k_gamma_lower", io::Json(sharing.series->lower));
+    f.add("k_gamma_upper", io::Json(sharing.series->upper));
+  }
   return f;
 }
 

@@ -62,8 +62,11 @@ double greatest_strength_pa(const RatingTask& task, const FavouredGear& g) {
 double least_factor(const RatingTask& task, const FlankExtremes& extremes, std::size_t mesh,
                     double greatest_speed_m_s) {
   const StatedFactors& stated = task.factors;
-  const double shared =
-      stated.application.value_or(1.0) * mesh_load_of(task, extremes.planets).value;
+  // K_γ of tolerances is 1 and more.
+  const double mesh_load = stated.mesh_load_source == MeshLoadSource::kTolerances
+                               ? 1.0
+                               : mesh_load_of(task, extremes.planets).value;
+  const double shared = stated.application.value_or(1.0) * mesh_load;
   const auto z = train::teeth_of(extremes.teeth);
   std::array<int, 2> teeth{};
   bool plastic = false;

@@ -50,11 +50,12 @@ void add_judged_safeties(const MeshRating<T>& mesh, const RatingTask& task, std:
 }
 
 std::optional<Capacity<double>> governed_capacity(
-    const std::function<JudgedSafeties<double>(double torque_Nm)>& safeties, double start_Nm) {
-  const JudgedSafeties<double> first = safeties(start_Nm);
+    const std::function<JudgedSafeties<double>(double torque_Nm)>& safeties,
+    const CapacityOptions& options) {
+  const JudgedSafeties<double> first = safeties(options.start_Nm);
   if (first.ratios.empty()) return std::nullopt;
-  const auto capacity = torque_capacity(
-      [&](const double& torque_Nm) { return safeties(torque_Nm).ratios; }, {.start_Nm = start_Nm});
+  const auto capacity =
+      torque_capacity([&](const double& torque_Nm) { return safeties(torque_Nm).ratios; }, options);
   if (!capacity) return std::nullopt;
   return Capacity<double>{.torque_Nm = capacity->torque_Nm,
                           .governing = first.places[capacity->governing]};

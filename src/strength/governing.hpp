@@ -51,6 +51,7 @@ void add_judged_safeties(const MeshRating<T>& mesh, const RatingTask& task, std:
 /// torque_capacity() of safeties at a torque, with what governs.
 /// @returns empty where none is judged, and as torque_capacity()
 std::optional<Capacity<double>> governed_capacity(
-    const std::function<JudgedSafeties<double>(double torque_Nm)>& safeties, double start_Nm);
+    const std::function<JudgedSafeties<double>(double torque_Nm)>& safeties,
+    const CapacityOptions& options);
 
 }  // namespace gear3k::strength

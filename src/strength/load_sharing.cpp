@@ -8,6 +8,8 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "numerics/distributions.hpp"
+
 namespace gear3k::strength {
 
 namespace {
@@ -19,6 +21,11 @@ constexpr int kLineSteps = 100;
 /// Of the force on R2.
 constexpr double kForceRounding = 1e-13;
 constexpr double kPlaceRounding = 1e-15;
+/// Of the force on R2, and of the springs' forces at the places of the flanks: balance or none.
+constexpr double kForceBalance = 1e-9;
+constexpr double kPlaceBalance = 1e-12;
+/// Beyond each end of the quantile's interval.
+constexpr double kRankTail = 0.025;
 
 /// Place along w and y.
 struct Place {
@@ -132,9 +139,7 @@ class SharedCarrier {
     const double give = 1e-9 * scale * (1.0 + dot(slope_[2], slope_[2]));
     for (int step = 0; step < kSharingSteps; ++step) {
       // Sums of forces to their rounding, which the places of the flanks have too.
-      const double small = kForceRounding * std::abs(force_N_) +
-                           kPlaceRounding * scale * (std::abs(at.w) + std::abs(at.y));
-      if (std::hypot(s.gradient.w, s.gradient.y) <= small) break;
+      if (missing(s) <= sum_of(kForceRounding, kPlaceRounding * scale, at)) break;
       const double determinant = s.ww * s.yy - s.wy * s.wy;
       const double more = determinant > 1e-9 * (s.ww + s.yy) * (s.ww + s.yy) ? 0.0 : give;
       const double a = s.ww + more, c = s.yy + more;
@@ -146,10 +151,21 @@ class SharedCarrier {
       at = {.w = at.w + best.length * way.w, .y = at.y + best.length * way.y};
       s = best.slope;
     }
+    if (!(missing(s) <= sum_of(kForceBalance, kPlaceBalance * scale, at))) {
+      throw std::runtime_error(fmt::format(
+          "load sharing: forces miss their balance by {:.3g} N of {:.6g} N, allowed: {:.3g} N",
+          missing(s), std::abs(force_N_), sum_of(kForceBalance, kPlaceBalance * scale, at)));
+    }
     return at;
   }
 
  private:
+  [[nodiscard]] static double missing(const Slope& s) {
+    return std::hypot(s.gradient.w, s.gradient.y);
+  }
+  [[nodiscard]] double sum_of(double of_force, double spring_N_m, const Place& at) const {
+    return of_force * std::abs(force_N_) + spring_N_m * (std::abs(at.w) + std::abs(at.y));
+  }
   struct Line {
     double length = 0.0;
     Slope slope;
@@ -231,6 +247,42 @@ void check_sharing(const MeshSprings& springs, std::span<const PlanetPlay> plane
   }
 }
 
+/// Whether the planets can hold the force on R2 at all: forces in balance (55.3) of the signs that
+/// the finite bounds allow.  Those of one planet are a convex cone in (f_2, f_3), between rays on
+/// which one of the three forces is 0; those of all planets are what the rays of each span
+/// together.
+bool holds(const OutputLevers& levers, std::span<const PlanetPlay> planets, double force_N) {
+  const auto finite = [](const backlash::MeshPlay& play) {
+    return std::isfinite(play.lower_m) && std::isfinite(play.upper_m);
+  };
+  if (std::ranges::all_of(planets.front(), finite)) return true;
+  std::vector<PlanetForces> rays;
+  for (const double sign : {1.0, -1.0}) {
+    for (const PlanetForces& ray :
+         {PlanetForces{0.0, -sign * levers.planet, sign},
+          PlanetForces{sign * levers.planet, 0.0, sign}, PlanetForces{sign, sign, 0.0}}) {
+      const auto allowed = [&](const PlanetPlay& play) {
+        for (std::size_t k = 0; k < ray.size(); ++k) {
+          if (ray[k] > 0.0 && std::isinf(play[k].upper_m)) return false;
+          if (ray[k] < 0.0 && std::isinf(play[k].lower_m)) return false;
+        }
+        return true;
+      };
+      if (std::ranges::any_of(planets, allowed)) rays.push_back(ray);
+    }
+  }
+  const auto cross = [](const PlanetForces& a, const PlanetForces& b) {
+    return a[1] * b[2] - a[2] * b[1];
+  };
+  const PlanetForces all{-levers.ring_side * force_N, -levers.sun_side * force_N, force_N};
+  for (const PlanetForces& a : rays) {
+    for (const PlanetForces& b : rays) {
+      if (cross(a, b) > 0.0 && cross(a, all) >= 0.0 && cross(all, b) >= 0.0) return true;
+    }
+  }
+  return false;
+}
+
 void check_probability(double probability) {
   if (probability > 0.0 && probability <= 1.0) return;
   throw std::invalid_argument(
@@ -242,6 +294,12 @@ void check_probability(double probability) {
 std::vector<PlanetForces> shared_forces(const OutputLevers& levers, const MeshSprings& springs_N_m,
                                         std::span<const PlanetPlay> planets, double torque_Nm) {
   check_sharing(springs_N_m, planets, torque_Nm);
+  if (!holds(levers, planets, torque_Nm / levers.output_m)) {
+    throw std::invalid_argument(fmt::format(
+        "load sharing: nothing holds R2 against {} N m, allowed: finite bounds of the plays on the "
+        "flanks that the torque loads",
+        torque_Nm));
+  }
   const SharedCarrier carrier(levers, springs_N_m, planets, torque_Nm / levers.output_m);
   const Place at = carrier.least();
   std::vector<PlanetForces> forces;
@@ -286,6 +344,35 @@ PlaySample draw_plays(const backlash::ClearanceModel& model, const PlaySampleOpt
   return sample;
 }
 
+QuantileRanks quantile_ranks(std::uint64_t values, double probability) {
+  check_probability(probability);
+  const auto n = static_cast<double>(values);
+  const auto bounds = [&](std::uint64_t count) {
+    return numerics::binomial_bounds(n, static_cast<double>(count), kRankTail);
+  };
+  // P(B <= c) <= tail where the upper bound of the proportion from c hits is below `probability`,
+  // P(B >= c) <= tail where the lower one is above it.
+  const auto first_that_is_not = [&](const auto& is) {
+    std::uint64_t low = 0, high = values + 1;
+    while (low < high) {
+      const std::uint64_t middle = low + (high - low) / 2;
+      if (is(middle)) {
+        low = middle + 1;
+      } else {
+        high = middle;
+      }
+    }
+    return low;
+  };
+  QuantileRanks ranks;
+  ranks.lower = std::min(
+      values, first_that_is_not([&](std::uint64_t c) { return bounds(c).upper <= probability; }));
+  const std::uint64_t upper =
+      first_that_is_not([&](std::uint64_t c) { return bounds(c).lower < probability; });
+  if (upper <= values) ranks.upper = upper;
+  return ranks;
+}
+
 LoadFactorSeries load_factor_series(const PlaySample& sample, const MeshSprings& springs_N_m,
                                     double torque_Nm, double probability) {
   if (sample.assembled == 0) {
@@ -310,15 +397,16 @@ LoadFactorSeries load_factor_series(const PlaySample& sample, const MeshSprings&
     for (std::size_t k = 0; k < train::kMeshCount; ++k) factors[k].push_back(greatest[k]);
   }
   const auto rank = static_cast<std::size_t>(std::ceil(probability * static_cast<double>(count)));
+  const QuantileRanks ranks = quantile_ranks(count, probability);
   LoadFactorSeries series;
   for (std::size_t k = 0; k < train::kMeshCount; ++k) {
     std::vector<double>& values = factors[k];
     series.mean[k] =
         std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(count);
-    const auto at =
-        values.begin() + static_cast<std::ptrdiff_t>(std::max<std::size_t>(rank, 1) - 1);
-    std::ranges::nth_element(values, at);
-    series.quantile[k] = *at;
+    std::ranges::sort(values);
+    series.quantile[k] = values[std::max<std::size_t>(rank, 1) - 1];
+    series.lower[k] = ranks.lower > 0 ? values[ranks.lower - 1] : 1.0;
+    if (ranks.upper) series.upper[k] = values[*ranks.upper - 1];
   }
   return series;
 }

@@ -155,6 +155,7 @@ T temperature_of(const SharedMesh<T>& m, double transfer) {
   const int pinion = std::min(m.gears[0]->gear.gear.teeth, m.gears[1]->gear.gear.teeth);
   return tooth_temperature<T>({.ambient_K = constant<T>(m.task.ambient_K),
                                .loss_W = m.duty.loss_W,
+                               .housing_loss_W = m.duty.housing_loss_W,
                                .face_width_m = m.duty.face_width_m,
                                .pinion_teeth = pinion,
                                .speed_m_s = m.duty.speed_m_s,

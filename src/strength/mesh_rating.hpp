@@ -31,12 +31,13 @@ struct RatedGear {
 /// What a mesh transmits, of one planet.
 template <class T>
 struct MeshDuty {
-  T normal_N{};                ///< F
-  T face_width_m{};            ///< b
-  T speed_m_s{};               ///< v: reference circles, carrier frame; 0: not stated
-  T loss_W{};                  ///< friction power; heats plastics
-  T loss_factor{};             ///< H_V = P_loss/(μ P); wears plastics
-  Factor<double> mesh_load{};  ///< K_γ
+  T normal_N{};                       ///< F
+  T face_width_m{};                   ///< b
+  T speed_m_s{};                      ///< v: reference circles, carrier frame; 0: not stated
+  T loss_W{};                         ///< friction power; heats plastics
+  std::optional<T> housing_loss_W{};  ///< of the whole gearbox; empty: loss_W
+  T loss_factor{};                    ///< H_V = P_loss/(μ P); wears plastics
+  Factor<double> mesh_load{};         ///< K_γ
 };
 
 /// Load factors of a mesh with where they come from.

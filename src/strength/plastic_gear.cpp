@@ -46,14 +46,17 @@ T tooth_temperature(const ToothHeat<T>& heat, double transfer_coefficient) {
   require_not_negative("heat transfer coefficient", transfer_coefficient);
   require_not_negative("housing resistance [K m2/W]", heat.housing_resistance);
   require_not_negative("duty", heat.duty);
-  T resistance = constant<T>(heat.housing_resistance / heat.housing_surface_m2);
+  const T& through_housing_W = heat.housing_loss_W ? *heat.housing_loss_W : heat.loss_W;
+  require_not_negative("loss through the housing [W]", value_of(through_housing_W));
+  T rise_K = through_housing_W * (heat.housing_resistance / heat.housing_surface_m2);
   if (transfer_coefficient > 0.0 && value_of(heat.speed_m_s) > 0.0) {
     const T b = heat.face_width_m / units::kMillimetre;
     const T m = heat.module_m / units::kMillimetre;
-    resistance = resistance + transfer_coefficient / (b * static_cast<double>(heat.pinion_teeth) *
-                                                      exp(0.75 * log(heat.speed_m_s * m)));
+    rise_K =
+        rise_K + heat.loss_W * (transfer_coefficient / (b * static_cast<double>(heat.pinion_teeth) *
+                                                        exp(0.75 * log(heat.speed_m_s * m))));
   }
-  return heat.ambient_K + heat.loss_W * resistance * std::pow(heat.duty, 0.64);
+  return heat.ambient_K + rise_K * std::pow(heat.duty, 0.64);
 }
 
 template <class T>

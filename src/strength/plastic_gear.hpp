@@ -22,8 +22,10 @@ HeatTransfer heat_transfer(PlasticMate mate);
 /// What heats a mesh, and where the heat goes.
 template <class T>
 struct ToothHeat {
-  T ambient_K{};         ///< ϑ0
-  T loss_W{};            ///< the mesh's own friction power, of one planet
+  T ambient_K{};  ///< ϑ0
+  T loss_W{};     ///< P_loss: the mesh's own friction power, of one planet
+  /// P_G: what leaves through the housing, of all meshes and planets; empty: P_loss.
+  std::optional<T> housing_loss_W{};
   T face_width_m{};      ///< b
   int pinion_teeth = 0;  ///< z1
   T speed_m_s{};         ///< v: pitch circle
@@ -35,10 +37,10 @@ struct ToothHeat {
 };
 /// Tooth temperature.
 ///
-///   ϑ = ϑ0 + P_loss (k_ϑ/(b z1 (v m)^0.75) + R_λ/A_G) ED^0.64     b, m in mm, v in m/s
+///   ϑ = ϑ0 + (P_loss k_ϑ/(b z1 (v m)^0.75) + P_G R_λ/A_G) ED^0.64     b, m in mm, v in m/s
 ///
-/// Source: VDI 2736-2 eq. 9 by tkuhn39/semesterthesis; k_ϑ of heat_transfer(), 0 where the source
-/// states none.  At rest only the housing is warm.
+/// Source: VDI 2736-2 eq. 9 by tkuhn39/semesterthesis, for one mesh (P_G = P_loss); k_ϑ of
+/// heat_transfer(), 0 where the source states none.  At rest only the housing is warm.
 /// @returns ϑ [K]
 /// @throws std::invalid_argument when b, m or A_G is not positive, or P_loss, v, k_ϑ, R_λ or ED
 /// negative

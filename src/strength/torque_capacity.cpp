@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <stdexcept>
 
@@ -14,6 +15,7 @@ namespace {
 constexpr int kGreatestDoublings = 200;
 constexpr int kConfirmations = 3;
 constexpr int kCapacitySteps = 400;
+constexpr int kScansPerOctave = 4;
 /// In ln torque, downwards: where factors rise steeply, ratios may even underflow.
 constexpr double kGreatestStep = 3.0;
 
@@ -39,6 +41,62 @@ TorqueReserve reserve_at(const SafetyFunction<double>& safeties, double torque_N
     if (reserve < least.logarithm) least = {.logarithm = reserve, .item = i};
   }
   return least;
+}
+
+/// The capacity below a torque; both as logarithms.
+struct FoundTorque {
+  double log_torque = 0.0;
+  std::size_t governing = 0;
+};
+/// From a torque at which the reserve is below 0 downwards; empty where there is none from
+/// `lowest` on.
+std::optional<FoundTorque> capacity_below(
+    const std::function<TorqueReserve(double log_torque)>& reserve, double above, double lowest,
+    double tolerance) {
+  TorqueReserve at_above = reserve(above);
+  double below = 0.0;
+  TorqueReserve at_below;
+  for (;;) {
+    if (at_above.logarithm >= -tolerance) {
+      return FoundTorque{.log_torque = above, .governing = at_above.item};
+    }
+    below = above + std::max(at_above.logarithm, -kGreatestStep);
+    if (!(below > lowest)) return std::nullopt;
+    at_below = reserve(below);
+    if (std::isnan(at_below.logarithm)) return std::nullopt;
+    if (at_below.logarithm >= -tolerance) break;
+    above = below;
+    at_above = at_below;
+  }
+  // Between them: false position (Illinois), and halving where that stalls.
+  double weight_above = at_above.logarithm;
+  double weight_below = at_below.logarithm;
+  int last_side = 0;
+  for (int step = 0; step < kCapacitySteps; ++step) {
+    if (std::abs(at_below.logarithm) <= tolerance) break;
+    double middle = above - weight_above * (above - below) / (weight_above - weight_below);
+    if (!(middle > below && middle < above) || step % 8 == 7) middle = 0.5 * (below + above);
+    if (!(middle > below && middle < above)) break;
+    const TorqueReserve r = reserve(middle);
+    if (std::isnan(r.logarithm)) return std::nullopt;
+    const int side = r.logarithm >= 0.0 ? -1 : 1;
+    if (side < 0) {
+      below = middle;
+      at_below = r;
+      weight_below = r.logarithm;
+      if (side == last_side) weight_above *= 0.5;
+    } else {
+      above = middle;
+      weight_above = r.logarithm;
+      if (side == last_side) weight_below *= 0.5;
+    }
+    last_side = side;
+    if (std::abs(r.logarithm) <= tolerance) {
+      below = middle;
+      at_below = r;
+    }
+  }
+  return FoundTorque{.log_torque = below, .governing = at_below.item};
 }
 
 }  // namespace
@@ -68,50 +126,23 @@ std::optional<TorqueCapacity<double>> torque_capacity(const SafetyFunction<doubl
     }
   }
   // The reserve is below 0 at `above`.
-  TorqueReserve at_above = reserve(above);
-  double below = 0.0;
-  TorqueReserve at_below;
+  const double step = std::log(2.0) / kScansPerOctave;
   for (;;) {
-    if (at_above.logarithm >= -options.tolerance) {
-      return TorqueCapacity<double>{.torque_Nm = std::exp(above), .governing = at_above.item};
+    const auto found = capacity_below(reserve, above, start - limit, options.tolerance);
+    if (!found) return std::nullopt;
+    const double last = std::ceil((found->log_torque - start) / step) - 1.0;
+    bool falls_short = false;
+    for (int n = 0; n < kScansPerOctave * options.scanned_octaves; ++n) {
+      const double scanned = start + (last - n) * step;
+      if (!(reserve(scanned).logarithm < -options.tolerance)) continue;
+      above = scanned;
+      falls_short = true;
     }
-    below = above + std::max(at_above.logarithm, -kGreatestStep);
-    if (!(below > start - limit)) return std::nullopt;
-    at_below = reserve(below);
-    if (std::isnan(at_below.logarithm)) return std::nullopt;
-    if (at_below.logarithm >= -options.tolerance) break;
-    above = below;
-    at_above = at_below;
-  }
-  // Between them: false position (Illinois), and halving where that stalls.
-  double weight_above = at_above.logarithm;
-  double weight_below = at_below.logarithm;
-  int last_side = 0;
-  for (int step = 0; step < kCapacitySteps; ++step) {
-    if (std::abs(at_below.logarithm) <= options.tolerance) break;
-    double middle = above - weight_above * (above - below) / (weight_above - weight_below);
-    if (!(middle > below && middle < above) || step % 8 == 7) middle = 0.5 * (below + above);
-    if (!(middle > below && middle < above)) break;
-    const TorqueReserve r = reserve(middle);
-    if (std::isnan(r.logarithm)) return std::nullopt;
-    const int side = r.logarithm >= 0.0 ? -1 : 1;
-    if (side < 0) {
-      below = middle;
-      at_below = r;
-      weight_below = r.logarithm;
-      if (side == last_side) weight_above *= 0.5;
-    } else {
-      above = middle;
-      weight_above = r.logarithm;
-      if (side == last_side) weight_below *= 0.5;
-    }
-    last_side = side;
-    if (std::abs(r.logarithm) <= options.tolerance) {
-      below = middle;
-      at_below = r;
+    if (!falls_short) {
+      return TorqueCapacity<double>{.torque_Nm = std::exp(found->log_torque),
+                                    .governing = found->governing};
     }
   }
-  return TorqueCapacity<double>{.torque_Nm = std::exp(below), .governing = at_below.item};
 }
 
 TorqueCapacity<Jet1> capacity_with_derivatives(const SafetyFunction<Jet1>& safeties,

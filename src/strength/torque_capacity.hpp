@@ -29,9 +29,12 @@ struct TorqueCapacity {
 struct CapacityOptions {
   double start_Nm = 1.0;     ///< > 0: where the search begins, of any size
   double tolerance = 1e-12;  ///< of ln ratio at the capacity
+  /// How far below a torque found others are looked for, at start · 2^(n/4); 0: not.  For ratios
+  /// that may rise with the torque.
+  int scanned_octaves = 0;
 };
 
-/// Largest torque at which every ratio is 1 or more.
+/// Torque at which the least ratio comes down to 1.
 ///
 /// Doubles the torque until a ratio stays below 1 for three doublings, then scales it down,
 ///   T ← T min ratio^exponent,
@@ -39,6 +42,9 @@ struct CapacityOptions {
 /// passes a fixed point and the first one met is the largest; where a step goes too far (factors
 /// that rise with the load), halving and false position between the two torques, in which the
 /// least ratio is taken to cross 1 once.
+/// With scanned_octaves the same is done again from the least scanned torque below it at which a
+/// ratio is below 1, until there is none: then it is the least such torque as far as scanned.  Dips
+/// of the ratio below 1 that are narrower than a step of the scan may be missed.
 /// Source: own derivation, docs/theory §56.
 /// @returns empty where no torque in start · 2^±200 is the capacity: the ratios do not depend on
 ///   it, are below 1 at any torque, or are not numbers

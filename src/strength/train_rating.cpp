@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 #include <vector>
 
 namespace gear3k::strength {
 
 namespace {
+
+/// Below a capacity with K_γ that depends on the torque: to an eighth of it.
+constexpr int kMeshLoadOctaves = 3;
 
 /// Whether S and R1 load the same flank of P1.
 bool same_flank(const train::ToothSet& teeth) { return train::g2(teeth) > 1.0; }
@@ -105,6 +109,9 @@ MeshRating<T> rated_mesh(const RatedTrain<T>& train, const RatingTask& task, con
   const bool below_one = !same_flank(train.geometry.teeth);
   const auto driver = static_cast<std::size_t>(
       train::gear1_drives(static_cast<train::MeshId>(k), below_one, forward) ? 0 : 1);
+  const auto& loss_Nm = driven.forces.loss_Nm;
+  const T housing_loss_W = (loss_Nm[0] + loss_Nm[1] + loss_Nm[2]) * (1.0 * train.geometry.planets) *
+                           life.motion.output_rad_s;
   const T lost = 1.0 - train.efficiency[direction][k][driver];
   const T& friction = train.friction[direction][k];
   return rate_mesh<T>(
@@ -112,7 +119,8 @@ MeshRating<T> rated_mesh(const RatedTrain<T>& train, const RatingTask& task, con
       {.normal_N = driven.forces.normal_N[k],
        .face_width_m = train.face_width_m[static_cast<std::size_t>(train::stage_of(first))],
        .speed_m_s = life.motion.rolling_rad_s[k] * central.reference_radius_m,
-       .loss_W = driven.forces.loss_Nm[k] * life.motion.output_rad_s,
+       .loss_W = loss_Nm[k] * life.motion.output_rad_s,
+       .housing_loss_W = housing_loss_W,
        .loss_factor = value_of(friction) > 0.0 ? T(lost / friction) : constant<T>(0.0),
        .mesh_load = life.mesh_load[k]},
       task, part);
@@ -264,7 +272,8 @@ Factor<double> mesh_load_of(const RatingTask& task, int planets) {
     return {.value = *stated.mesh_load, .branch = "stated", .source = sources::kInput};
   }
   if (stated.mesh_load_source == MeshLoadSource::kTolerances) {
-    return {.branch = "left to the tolerances", .source = sources::kNotStated};
+    throw std::invalid_argument(
+        "K_gamma of the tolerances is not computed, allowed: that of each mesh, or a number");
   }
   const auto factor =
       mesh_load_factor(stated.mesh_load_source == MeshLoadSource::kM56 ? MeshLoadTable::kM56
@@ -275,6 +284,12 @@ Factor<double> mesh_load_of(const RatingTask& task, int planets) {
           .branch = "no row for so few planets",
           .source = sources::kNotStated,
           .in_range = false};
+}
+
+MeshLoadFactors even_mesh_loads() {
+  MeshLoadFactors factors;
+  factors.fill({.branch = "even", .source = sources::kNotStated});
+  return factors;
 }
 
 template <class T>
@@ -311,7 +326,7 @@ TrainRating<T> rate_train(const RatedTrain<T>& train, const RatingTask& task, Dr
                  .cycles = train_cycles(teeth, train.geometry.planets, task),
                  .mesh_load = {}};
   if (train.mesh_load) {
-    life.mesh_load = train.mesh_load(value_of(torque_Nm));
+    life.mesh_load = *train.mesh_load;
   } else {
     life.mesh_load.fill(mesh_load_of(task, train.geometry.planets));
   }
@@ -332,9 +347,11 @@ TrainRating<T> rate_train(const RatedTrain<T>& train, const RatingTask& task, Dr
 
 template <class T>
 std::optional<Capacity<T>> train_capacity(const RatedTrain<T>& train, const RatingTask& task,
-                                          Drive drive) {
+                                          Drive drive, const MeshLoadFunction& mesh_load) {
+  RatedTrain<T> loaded = train;
   const auto at = [&](const T& torque_Nm) {
-    return judged(rate_train(train, task, drive, torque_Nm, StiffnessPart::kIso), task);
+    if (mesh_load) loaded.mesh_load = mesh_load(value_of(torque_Nm));
+    return judged(rate_train(loaded, task, drive, torque_Nm, StiffnessPart::kIso), task);
   };
   const auto values = [&](double torque_Nm) {
     JudgedSafeties<T> list = at(constant<T>(torque_Nm));
@@ -349,7 +366,8 @@ std::optional<Capacity<T>> train_capacity(const RatedTrain<T>& train, const Rati
       return plain;
     }
   };
-  const auto capacity = governed_capacity(values, task.torque_Nm);
+  const auto capacity = governed_capacity(
+      values, {.start_Nm = task.torque_Nm, .scanned_octaves = mesh_load ? kMeshLoadOctaves : 0});
   if constexpr (std::is_same_v<T, double>) {
     return capacity;
   } else {
@@ -384,8 +402,10 @@ GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
 #undef INSTANTIATE
 
 template std::optional<Capacity<double>> train_capacity<double>(const RatedTrain<double>&,
-                                                                const RatingTask&, Drive);
+                                                                const RatingTask&, Drive,
+                                                                const MeshLoadFunction&);
 template std::optional<Capacity<Jet1>> train_capacity<Jet1>(const RatedTrain<Jet1>&,
-                                                            const RatingTask&, Drive);
+                                                            const RatingTask&, Drive,
+                                                            const MeshLoadFunction&);
 
 }  // namespace gear3k::strength

@@ -35,6 +35,8 @@ PlanetAxis<T> planet_axis(const PlanetSupports& supports);
 
 /// K_γ of each mesh.
 using MeshLoadFactors = std::array<Factor<double>, train::kMeshCount>;
+/// K_γ at an output torque.
+using MeshLoadFunction = std::function<MeshLoadFactors(double torque_Nm)>;
 
 /// The train that is rated; refers to its parts.
 template <class T>
@@ -46,8 +48,9 @@ struct RatedTrain {
   /// μ by Drive and mesh, for H_V; 0: not known, no wear.
   std::array<std::array<T, train::kMeshCount>, 2> friction{};
   T planet_mass_kg = constant<T>(0.0);  ///< of a planet, for its centrifugal force
-  /// K_γ at an output torque, of MeshLoadSource::kTolerances; empty: as mesh_load_of().
-  std::function<MeshLoadFactors(double torque_Nm)> mesh_load{};
+  /// K_γ at the torque of the rating, which MeshLoadSource::kTolerances wants; empty:
+  /// mesh_load_of().
+  std::optional<MeshLoadFactors> mesh_load{};
   /// Meshes that are rated; of the others a rating has the forces alone.
   std::array<bool, train::kMeshCount> rated{true, true, true};
   /// Whether the roots of metal gears are rated, by mesh and member; else `forms` is not read.
@@ -76,8 +79,11 @@ struct TrainRating {
 using TrainCycles = std::array<std::optional<double>, train::kGearCount>;
 TrainCycles train_cycles(const train::ToothSet& teeth, int planets, const RatingTask& task);
 
-/// K_γ as the task has it for N planets; 1 where it states none or leaves it to the tolerances.
+/// K_γ as the task has it for N planets; 1 where it states none.
+/// @throws std::invalid_argument for MeshLoadSource::kTolerances, which the task alone does not say
 Factor<double> mesh_load_of(const RatingTask& task, int planets);
+/// K_γ = 1 of every mesh, for what depends on the nominal forces alone: springs.
+MeshLoadFactors even_mesh_loads();
 
 /// Whether every gear has material left under its root circle, where a bore or an outer surface is
 /// stated: else rate_train() has nothing to rate.
@@ -85,16 +91,20 @@ template <class T>
 bool has_rims(const RatedTrain<T>& train, const RatingTask& task);
 
 /// Rates the train at an output torque.
-/// @throws std::invalid_argument for a torque below 0, and as rate_mesh()
+/// @throws std::invalid_argument for a torque below 0, for MeshLoadSource::kTolerances without
+///   `mesh_load`, and as rate_mesh()
 template <class T>
 TrainRating<T> rate_train(const RatedTrain<T>& train, const RatingTask& task, Drive drive,
                           const T& torque_Nm, StiffnessPart part);
 
 /// Greatest torque at which every safety is reached, in a drive direction; empty where none is
 /// judged.
+/// @param mesh_load  K_γ at any torque, in place of train.mesh_load; may fall and rise with the
+///   torque.  Then the capacity is that below which no torque as far as scanned falls short
+///   (CapacityOptions::scanned_octaves); of the slopes K_γ counts as a number.
 template <class T>
 std::optional<Capacity<T>> train_capacity(const RatedTrain<T>& train, const RatingTask& task,
-                                          Drive drive);
+                                          Drive drive, const MeshLoadFunction& mesh_load = {});
 
 /// A capacity with the drive direction that it belongs to.
 struct DrivenCapacity {

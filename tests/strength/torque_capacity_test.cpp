@@ -91,6 +91,38 @@ TEST(TorqueCapacity, TakesTheLargestOfSeveralTorques) {
   }
 }
 
+TEST(TorqueCapacity, ScannedIsTheLeastOfSeveralTorques) {
+  RandomTrain random(93);
+  int dips = 0;
+  for (int n = 0; n < 300; ++n) {
+    // Falls through 1 at ln T = 3, and before that dips below it over a third of an octave and
+    // more.
+    const double middle = random.between(1.3, 2.6), depth = random.between(0.0, 1.0);
+    const double width = random.between(0.3, 0.6);
+    const auto logarithm = [&](double x) {
+      const double off = (x - middle) / width;
+      return 0.4 * (3.0 - x) - depth * std::exp(-off * off);
+    };
+    const auto items = [&](double t) {
+      return std::vector<SafetyRatio<double>>{{.ratio = std::exp(logarithm(std::log(t)))}};
+    };
+    // Where it first comes down to 1, and how wide it stays below there.
+    double first = 0.0, width_below = 0.0;
+    for (double x = 0.0; x < 3.5; x += 1e-4) {
+      if (first == 0.0 && logarithm(x) < 0.0) first = x;
+      if (first != 0.0 && logarithm(x) < 0.0) width_below += 1e-4;
+      if (first != 0.0 && logarithm(x) >= 0.0) break;
+    }
+    if (width_below < 0.26 * std::log(2.0)) continue;
+    const auto capacity = torque_capacity(
+        items, {.start_Nm = std::exp(random.between(-2.0, 5.0)), .scanned_octaves = 3});
+    ASSERT_TRUE(capacity) << n;
+    EXPECT_NEAR(std::log(capacity->torque_Nm), first, 2e-4) << n;
+    dips += first < 2.9 ? 1 : 0;
+  }
+  EXPECT_GT(dips, 30);
+}
+
 TEST(TorqueCapacity, ComesBackFromTorquesThatLeaveNoSafetyAtAll) {
   const auto items = [](double t) {
     return std::vector<SafetyRatio<double>>{{.ratio = std::exp(5.0 - t)}};

@@ -107,6 +107,49 @@ TEST(TrainRating, AtItsCapacityTheLeastSafetyIsTheOneAskedFor) {
   }
 }
 
+TEST(TrainRating, CapacityIsTheLeastTorqueThatFallsShortWhereKGammaRisesAndFalls) {
+  RandomTrain random(71);
+  int several = 0;
+  for (int n = 0; n < 20; ++n) {
+    const Rated<double> rated(running_train(random, n % 2 == 0));
+    RatingTask task = task_of(steel_700_290());
+    task.factors.mesh_load_source = MeshLoadSource::kTolerances;
+    RatingTask even = task;
+    even.factors.mesh_load_source = MeshLoadSource::kNumber;
+    const double middle = 0.5 * train_capacity(rated.view(), even, Drive::kForward)->torque_Nm;
+    const auto mesh_load = [middle](double torque_Nm) {
+      const double off = std::log(torque_Nm / middle) / 0.3;
+      MeshLoadFactors factors;
+      factors.fill({.value = 1.0 + 4.0 * std::exp(-off * off)});
+      return factors;
+    };
+    const auto ratio_at = [&](double torque_Nm) {
+      RatingTask at = even;
+      at.factors.mesh_load = mesh_load(torque_Nm)[0].value;
+      at.torque_Nm = torque_Nm;
+      return least_ratio(rated.at(at, Drive::kForward), at);
+    };
+    double first = 0.1 * middle;
+    while (ratio_at(first) >= 1.0) first *= 1.002;
+    several += ratio_at(1.9 * middle) >= 1.0 ? 1 : 0;
+    const auto capacity = train_capacity(rated.view(), task, Drive::kForward, mesh_load);
+    ASSERT_TRUE(capacity) << n;
+    EXPECT_NEAR(capacity->torque_Nm, first, 0.002 * first) << n;
+  }
+  EXPECT_GT(several, 10);
+}
+
+TEST(TrainRating, WantsKGammaOfTheTolerances) {
+  RandomTrain random(72);
+  const Rated<double> rated(running_train(random, true));
+  RatingTask task = task_of(steel_700_290());
+  task.factors.mesh_load_source = MeshLoadSource::kTolerances;
+  EXPECT_THROW(static_cast<void>(rated.at(task, Drive::kForward)), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(train_capacity(rated.view(), task, Drive::kForward)),
+               std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(mesh_load_of(task, 3)), std::invalid_argument);
+}
+
 TEST(TrainRating, OfEitherDriveEveryMeshCarriesTheLargerForce) {
   RandomTrain random(62);
   for (int n = 0; n < 100; ++n) {

@@ -247,7 +247,9 @@ void check_rated_material(const std::string& path, const GearMaterial& material,
   const auto require = [&](const char* name, const std::optional<double>& value) {
     const std::string key = fmt::format("{}.{}", path, name);
     if (value || reading.stated(key)) return;
-    reading.error_at(key, fmt::format("{} is missing, required by [strength]{}", key, whose));
+    reading.error_at(key, fmt::format("{} is missing, required by [strength]{}: allowed: a number, "
+                                      "or a material of the table that has it",
+                                      key, whose));
   };
   require("youngs_modulus_mpa", record.youngs_modulus_Pa);
   require("poisson_ratio", record.poisson_ratio);

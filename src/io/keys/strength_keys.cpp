@@ -110,7 +110,7 @@ void add_safety_keys(std::vector<StrengthKey>& keys) {
                                  "greatest torque over the stated one, judged without life; "
                                  "without it not rated",
                                  of_task(&RatingTask::overload)));
-  keys.push_back(strength_number("virtual_root_radius", Unit::kModules, within(0.0, 10.0),
+  keys.push_back(strength_number("virtual_root_radius", Unit::kModules, within(0.0, 1.0),
                                  "that of the tool",
                                  "root radius of the virtual rack of ISO 6336-3:2007 in place of a "
                                  "ring's tool",
@@ -211,7 +211,7 @@ struct TorqueKeys {
 /// @param mesh_load  the key of K_gamma
 std::vector<StrengthKey> common_strength_keys(const TorqueKeys& of, StrengthKey mesh_load) {
   std::vector<StrengthKey> keys;
-  keys.push_back(strength_number(of.torque, Unit::kNewtonMetre, above(0.0, 1e7),
+  keys.push_back(strength_number(of.torque, Unit::kNewtonMetre, within(1e-6, 1e7),
                                  "required by [strength]", of.torque_help,
                                  &StrengthInput::torque_Nm));
   keys.push_back(strength_number(
@@ -251,7 +251,7 @@ void check_common(const StrengthInput& input, const GearMaterials& materials,
   if (!reading.stated(torque_key)) {
     reading.error_at(torque_key,
                      fmt::format("{} is missing, required by [strength]: allowed: a number in N m, "
-                                 "above 0",
+                                 "1e-06 to 1e+07",
                                  torque_key));
   }
   std::vector<std::string> without;
@@ -476,7 +476,8 @@ void check_life(const char* speed_key, double speed_rad_s, FileReading& reading)
 
 void check_face_width(const std::string& key, FileReading& reading) {
   if (reading.stated(key)) return;
-  reading.error_at(key, fmt::format("{} is missing, required by [strength]", key));
+  reading.error_at(
+      key, fmt::format("{} is missing, required by [strength]: allowed: a width in mm", key));
 }
 
 }  // namespace
