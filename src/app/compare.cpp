@@ -20,7 +20,8 @@ std::vector<report::ComparedDesign> compare(const CompareRequest& request) {
     try {
       design::Evaluation evaluation = evaluate(item.design, item.source);
       const design::OutputTerms terms = design::output_terms(item.design, evaluation);
-      compared.push_back({.label = evaluation.name,
+      std::string label = evaluation.name;
+      compared.push_back({.label = std::move(label),
                           .file = item.source,
                           .evaluation = std::move(evaluation),
                           .terms = terms});

@@ -239,7 +239,10 @@ std::string factor_table(std::span<const PlacedFactor> factors) {
     ++shown;
     const auto of_symbol = static_cast<std::size_t>(std::ranges::count_if(
         factors, [&](const PlacedFactor& p) { return p.named.symbol == g.first->named.symbol; }));
-    const std::string least = fixed(g.least, 4), greatest = fixed(g.greatest, 4);
+    const auto number = [](double value) {
+      return std::isfinite(value) ? fixed(value, 4) : std::string("none");
+    };
+    const std::string least = number(g.least), greatest = number(g.greatest);
     const bool whole = g.subjects.size() == of_symbol && of_symbol > 1;
     table.add({std::string(g.first->named.symbol),
                least == greatest ? least : fmt::format("{} to {}", least, greatest),
@@ -332,7 +335,10 @@ std::string capacity_part(const char* direction,
 
 std::string capacity_text(const StrengthResult& s,
                           const std::optional<strength::DrivenCapacity>& least) {
-  if (!s.capacity_forward && !s.capacity_backward) return "not judged";
+  if (!s.capacity_forward && !s.capacity_backward) {
+    const bool lacks_sharing = s.planet_sharing && !s.planet_sharing->series;
+    return lacks_sharing ? "not known: lacks K_gamma" : "not judged";
+  }
   return fmt::format("{}: {}, {}", least ? torque_text(least->capacity.torque_Nm) : "not judged",
                      capacity_part("forward", s.capacity_forward),
                      capacity_part("backward", s.capacity_backward));

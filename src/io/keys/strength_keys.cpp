@@ -251,7 +251,7 @@ void check_common(const StrengthInput& input, const GearMaterials& materials,
   if (!reading.stated(torque_key)) {
     reading.error_at(torque_key,
                      fmt::format("{} is missing, required by [strength]: allowed: a number in N m, "
-                                 "1e-06 to 1e+07",
+                                 "1e-06 to 10000000",
                                  torque_key));
   }
   std::vector<std::string> without;
