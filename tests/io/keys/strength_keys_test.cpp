@@ -581,7 +581,8 @@ TEST(StrengthKeys, ThatDoNotFitAreAnErrorEachAtItsPlace) {
       {kSteel + "[strength]\nk_a = 1.0\n",
        "gear.toml:27:2: strength.output_torque_nm is missing, required by [strength]"},
       {kSteel + "[strength]\noutput_torque_nm = 0\n",
-       "gear.toml:28:1: strength.output_torque_nm = 0: allowed: a number in N m, 1e-06 to 10000000"},
+       "gear.toml:28:1: strength.output_torque_nm = 0: allowed: a number in N m, 1e-06 to "
+       "10000000"},
       {kLoad, "gear.toml:25:2: material is missing, required by [strength]: allowed: [material]"},
       {"[gears.S.material]\nname = \"POM\"\n[gears.P1.material]\nname = \"POM\"\n" + kLoad +
            "cycles = 1e6\n",
