@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 #include "backlash/normal_backlash.hpp"
 #include "design/evaluation.hpp"
+#include "design/loaded_train.hpp"
 #include "design/operation.hpp"
 #include "design/scalar_as.hpp"
 
@@ -76,6 +78,14 @@ ActingLosses acting_losses(const Design& design) {
   return acting;
 }
 
+/// The load under which checks are derived; null where there is none, or K_γ is that of the
+/// tolerances, which has no derivatives.
+const strength::RatingTask* derived_rating(const Design& design) {
+  const bool drawn = design.rating && design.rating->factors.mesh_load_source ==
+                                          strength::MeshLoadSource::kTolerances;
+  return design.rating && !drawn ? &*design.rating : nullptr;
+}
+
 /// Every input, in the order of the file; the same list for any scalar type.
 template <class T>
 std::vector<Input<T>> inputs_of(const Design& design, Parameters<T>& p) {
@@ -104,7 +114,8 @@ std::vector<Input<T>> inputs_of(const Design& design, Parameters<T>& p) {
   add({kRootRadius}, kModules, p.rack.root_radius);
   for (const std::size_t stage : {0U, 1U}) {
     add({kModule, stage}, kModuleLength, p.module_m[stage]);
-    add({kFaceWidth, stage}, hundredth(Unit::kMillimetre), p.face_width_m[stage], acting.schlenk);
+    add({kFaceWidth, stage}, hundredth(Unit::kMillimetre), p.face_width_m[stage],
+        acting.schlenk || derived_rating(design) != nullptr);
   }
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
     add({kProfileShift, i}, kModules, p.profile_shift[i]);
@@ -234,6 +245,35 @@ std::optional<T> train_efficiency(const LossyTrain<T>& lossy,
   return result;
 }
 
+/// The worse drive direction of every quantity at the stated load, without the planets' masses;
+/// empty where a mesh has no contact, or a gear no rim.
+template <class T>
+std::optional<strength::TrainRating<T>> loaded_rating(
+    const Design& design, const LossyTrain<T>& lossy, std::span<const geometry::ToothForm<T>> forms,
+    const std::optional<OperatingPoint<T>>& point) {
+  const strength::RatingTask* task = derived_rating(design);
+  if (task == nullptr) return std::nullopt;
+  for (const auto& mesh : lossy.geometry.meshes) {
+    if (!(value_of(mesh.contact_ratio) > 0.0)) return std::nullopt;
+  }
+  DirectionalFriction<T> friction =
+      even_friction(efficiency::flank_friction(lossy.friction, constant<T>(0.0)),
+                    efficiency::flank_friction(lossy.friction, constant<T>(0.0)));
+  for (const Direction direction : {Direction::kForward, Direction::kBackward}) {
+    if (efficiency::depends_on_state(lossy.friction) && !point) break;
+    const auto mu = mesh_friction(lossy, point.value_or(OperatingPoint<T>{}), direction);
+    for (std::size_t k = 0; mu && k < train::kMeshCount; ++k) {
+      friction[direction == Direction::kForward ? 0 : 1][k] =
+          efficiency::flank_friction(lossy.friction, (*mu)[k]);
+    }
+  }
+  const auto loaded =
+      loaded_train<T>(lossy.geometry, forms, lossy.face_width_m, friction, lossy.friction.model);
+  if (!strength::has_rims(loaded, *task)) return std::nullopt;
+  return strength::rate_train(loaded, *task, strength::Drive::kEither, constant<T>(task->torque_Nm),
+                              strength::StiffnessPart::kFactors);
+}
+
 template <class T>
 Responses<T> responses(const Design& design, const Parameters<T>& p,
                        const std::vector<CheckInstance>& checks) {
@@ -268,8 +308,17 @@ Responses<T> responses(const Design& design, const Parameters<T>& p,
   Gearing<T> gearing = gearing_of(*train, j_bn, design.limits.model);
   gearing.forms = forms;
   gearing.axial = &design.axial;
+  const auto rating = loaded_rating<T>(design, lossy, forms, point);
+  if (rating) {
+    gearing.rating = rating->mesh;
+    gearing.train_rating = &*rating;
+  }
   r.margin.reserve(checks.size());
-  for (const CheckInstance& check : checks) r.margin.push_back(check_margin(check, gearing));
+  for (const CheckInstance& check : checks) {
+    const bool known = !check.record->rating || rating;
+    r.margin.push_back(known ? check_margin(check, gearing)
+                             : constant<T>(std::numeric_limits<double>::quiet_NaN()));
+  }
   return r;
 }
 
@@ -332,6 +381,8 @@ void derive(const Design& design, Parameters<double>& at, const std::vector<Chec
         if (r.quantity[q]) rows[k].slope[q] = slope(*r.quantity[q]);
       }
       for (std::size_t c = 0; c < checks.size(); ++c) {
+        // A rating takes its speed as a number: no derivatives by it.
+        if (checks[c].record->rating && rows[k].input.kind == InputKind::kSunSpeed) continue;
         rows[k].margin_slope[c] = slope(r.margin[c]);
       }
     }
@@ -375,11 +426,18 @@ Sensitivities sensitivities(const Design& design, std::size_t tightest) {
   if (why_undefined(design)) return result;
   Parameters<double> at = parameters_of(design, design.train.center_distance_m);
   at.center_distance_m = train_parameters(design, at).center_distance_m;
-  const std::vector<CheckInstance> checks =
+  std::vector<CheckInstance> checks =
       list_checks(design.limits, train_layout({.planets = design.train.planets,
                                                .stage1_module_m = design.train.module_m[0],
                                                .cutter = design.train.cutter,
-                                               .axial = design.axial}));
+                                               .axial = design.axial,
+                                               .rating = derived_rating(design)}));
+  // Loads that the planets' masses are part of.
+  std::erase_if(checks, [&](const CheckInstance& check) {
+    const CheckScope scope = check.record->scope;
+    return (scope == CheckScope::kPlanetBearing || scope == CheckScope::kPlanetPin) &&
+           design.rating->speed_rad_s > 0.0;
+  });
   const Responses<double> r = responses(design, at, checks);
   result.value = r.quantity;
   std::vector<Sensitivity> rows = acting_inputs(inputs_of(design, at), checks.size());

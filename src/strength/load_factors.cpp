@@ -145,15 +145,16 @@ std::optional<double> base_pitch_deviation(double module_m, double reference_dia
   return tolerances->single_pitch_m * std::cos(alpha_rad);
 }
 
-double running_in_allowance(MaterialGroup group, std::optional<double> flank_limit_Pa,
-                            double deviation_m) {
+template <class T>
+T running_in_allowance(MaterialGroup group, std::optional<double> flank_limit_Pa,
+                       const T& deviation_m) {
   if (is_surface_hardened(group)) {
-    return std::min(0.075 * deviation_m, 3.0 * units::kMicrometre);
+    return smaller(T(0.075 * deviation_m), constant<T>(3.0 * units::kMicrometre));
   }
-  if (group != MaterialGroup::kNormalised && group != MaterialGroup::kThroughHardened) return 0.0;
-  if (!flank_limit_Pa) return 0.0;
+  const bool soft = group == MaterialGroup::kNormalised || group == MaterialGroup::kThroughHardened;
+  if (!soft || !flank_limit_Pa) return constant<T>(0.0);
   check_above_zero("flank limit [Pa]", *flank_limit_Pa);
-  return std::min(deviation_m, 160.0 * deviation_m / (*flank_limit_Pa / 1e6));
+  return deviation_m * std::min(1.0, 160.0 / (*flank_limit_Pa / 1e6));
 }
 
 std::optional<Factor<double>> mesh_load_factor(MeshLoadTable table, int planets) {
@@ -169,13 +170,14 @@ std::optional<Factor<double>> mesh_load_factor(MeshLoadTable table, int planets)
                         .source = m56 ? sources::kM56 : sources::kDrivetrain};
 }
 
-#define INSTANTIATE(T)                                                               \
-  template T dynamic_speed<T>(const LoadedMesh<T>&);                                 \
-  template T line_load_n_mm<T>(const LoadedMesh<T>&);                                \
-  template Factor<T> dynamic_factor<T>(const LoadedMesh<T>&, std::optional<int>);    \
-  template Factor<T> face_load_factor<T>(const LoadedMesh<T>&, const T&, const T&);  \
-  template Factor<T> root_face_load_factor<T>(const T&, const T&);                   \
-  template TransverseLoadFactors<T> transverse_load_factors<T>(const LoadedMesh<T>&, \
+#define INSTANTIATE(T)                                                                \
+  template T dynamic_speed<T>(const LoadedMesh<T>&);                                  \
+  template T line_load_n_mm<T>(const LoadedMesh<T>&);                                 \
+  template Factor<T> dynamic_factor<T>(const LoadedMesh<T>&, std::optional<int>);     \
+  template Factor<T> face_load_factor<T>(const LoadedMesh<T>&, const T&, const T&);   \
+  template Factor<T> root_face_load_factor<T>(const T&, const T&);                    \
+  template T running_in_allowance<T>(MaterialGroup, std::optional<double>, const T&); \
+  template TransverseLoadFactors<T> transverse_load_factors<T>(const LoadedMesh<T>&,  \
                                                                const TransverseDeviation<T>&);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
 #undef INSTANTIATE

@@ -103,8 +103,9 @@ std::optional<double> base_pitch_deviation(double module_m, double reference_dia
 /// @param flank_limit_Pa  σ_Hlim; empty: not stated, nothing is allowed for
 /// @returns y [m]; 0 for other groups
 /// @throws std::invalid_argument when the group's formula needs σ_Hlim and it is not positive
-double running_in_allowance(MaterialGroup group, std::optional<double> flank_limit_Pa,
-                            double deviation_m);
+template <class T>
+T running_in_allowance(MaterialGroup group, std::optional<double> flank_limit_Pa,
+                       const T& deviation_m);
 
 /// Whose table of K_γ.
 enum class MeshLoadTable {

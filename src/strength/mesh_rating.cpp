@@ -56,26 +56,31 @@ std::optional<TransverseDeviation<T>> transverse_deviation(const SharedMesh<T>& 
                                                            const RatedLoadFactors<T>& factors,
                                                            const T& mesh_stiffness_Pa) {
   if (!m.task.accuracy_grade) return std::nullopt;
-  double deviation_m = 0.0;
-  double running_in_m = 0.0;
+  using std::cos;
+  double nominal_m = 0.0;
   for (const RatedGear<T>* g : m.gears) {
     const double module_m = value_of(g->gear.gear.module_m);
     const auto f_pb =
         base_pitch_deviation(module_m, 2.0 * value_of(g->gear.reference_radius_m),
                              value_of(g->gear.angle.alpha_rad), *m.task.accuracy_grade);
     if (!f_pb) return std::nullopt;
-    deviation_m = std::max(deviation_m, *f_pb);
+    nominal_m = std::max(nominal_m, *f_pb);
   }
+  // f_pt comes in steps; f_pb = f_pt cos α.
+  const T& alpha_rad = m.gears[0]->gear.angle.alpha_rad;
+  const T deviation_m = nominal_m * (cos(alpha_rad) / std::cos(value_of(alpha_rad)));
+  T running_in_m = constant<T>(0.0);
   for (const RatedGear<T>* g : m.gears) {
     const auto limit =
         flank_limit<double>(g->material.record, {.hardness = g->material.hardness, .cycles = 1.0});
-    running_in_m +=
+    running_in_m =
+        running_in_m +
         0.5 * running_in_allowance(g->material.record.group,
                                    limit.stated ? std::optional(limit.stress_Pa) : std::nullopt,
                                    deviation_m);
   }
-  return TransverseDeviation<T>{.base_pitch_deviation_m = constant<T>(deviation_m),
-                                .running_in_m = constant<T>(running_in_m),
+  return TransverseDeviation<T>{.base_pitch_deviation_m = deviation_m,
+                                .running_in_m = running_in_m,
                                 .stiffness_Pa = mesh_stiffness_Pa,
                                 .dynamic_factor = factors.dynamic.value,
                                 .face_load_factor = factors.flank_face.value};

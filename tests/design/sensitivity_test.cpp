@@ -373,6 +373,41 @@ TEST(Sensitivity, OfEveryFrictionLawAndLossAreTheDifferencesOfTheirEvaluation) {
   }
 }
 
+// Safeties and what else a stated load is judged by, face widths among the inputs.
+TEST(Sensitivity, UnderLoadAreTheDifferencesOfTheirEvaluation) {
+  Tally tally;
+  const Design steel = published("loaded");
+  compare("loaded", steel, tally);
+  Design graded = steel;
+  graded.rating->accuracy_grade = 6;
+  // Not of one height: K_Fbeta takes the higher tooth, with a kink where both are.
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    graded.train.tip_shortening[i] += 0.01 * static_cast<double>(i % 3);
+  }
+  graded.rating->misalignment_m = 4e-6;
+  graded.rating->teeth.flank_roughness_m = 3e-6;
+  compare("loaded, grade 6", graded, tally);
+  expect_few_kinks(tally);
+  EXPECT_TRUE(tally.inputs.contains("stage1.face_width_mm"));
+  // Of more load than it carries the safety that fails is among the tightest.
+  Design heavy = steel;
+  heavy.rating->torque_Nm = 45.0;
+  const Sensitivities s = sensitivities(heavy);
+  EXPECT_TRUE(std::ranges::any_of(s.checks, [](const TightCheck& check) {
+    return check.record->id == CheckId::kRootSafety && check.margin < 0.0;
+  }));
+}
+
+// What has no derivatives is left out: K_γ of the tolerances, speeds of a rating.
+TEST(Sensitivity, UnderLoadLeavesOutWhatIsNotDerived) {
+  Design drawn = published("loaded");
+  drawn.tolerances = published("ratio_96_tolerances").tolerances;
+  drawn.rating->factors.mesh_load_source = strength::MeshLoadSource::kTolerances;
+  const auto rated = [](const TightCheck& check) { return check.record->rating; };
+  EXPECT_FALSE(std::ranges::any_of(sensitivities(drawn, kEveryCheck).checks, rated));
+  EXPECT_TRUE(std::ranges::any_of(sensitivities(published("loaded"), kEveryCheck).checks, rated));
+}
+
 TEST(Sensitivity, UnitsAndValuesAreThoseOfTheFile) {
   const Sensitivities s = sensitivities(running(FrictionLaw::kSchlenk));
   for (const io::LossKey& loss : io::loss_keys()) {
