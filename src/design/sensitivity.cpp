@@ -166,11 +166,14 @@ std::vector<Input<T>> inputs_of(const Design& design, Parameters<T>& p) {
 /// The inputs as the design states them, with the distance at which its train sits.
 Parameters<double> parameters_of(const Design& design, double center_distance_m) {
   const auto& t = design.train;
+  const auto stated_width = [&](std::size_t stage) {
+    const double rated = design.rating ? design.rating->face_width_m[stage] : 0.0;
+    return design.masses.face_width_m[stage].value_or(rated);
+  };
   return {.pressure_angle_rad = t.pressure_angle_rad,
           .center_distance_m = center_distance_m,
           .module_m = t.module_m,
-          .face_width_m = {design.masses.face_width_m[0].value_or(0.0),
-                           design.masses.face_width_m[1].value_or(0.0)},
+          .face_width_m = {stated_width(0), stated_width(1)},
           .profile_shift = t.profile_shift,
           .machining_allowance = t.machining_allowance,
           .tip_shortening = t.tip_shortening,
