@@ -15,9 +15,9 @@ std::vector<report::ComparedDesign> compare(const CompareRequest& request) {
   if (request.designs.size() < 2) throw std::invalid_argument("compare: fewer than two designs");
   std::vector<report::ComparedDesign> compared;
   compared.reserve(request.designs.size());
-  std::string errors;
+  io::CollectedErrors errors;
   for (const CompareRequest::Item& item : request.designs) {
-    try {
+    errors.attempt([&] {
       design::Evaluation evaluation = evaluate(item.design, item.source);
       const design::OutputTerms terms = design::output_terms(item.design, evaluation);
       std::string label = evaluation.name;
@@ -25,11 +25,9 @@ std::vector<report::ComparedDesign> compare(const CompareRequest& request) {
                           .file = item.source,
                           .evaluation = std::move(evaluation),
                           .terms = terms});
-    } catch (const io::InvalidInput& error) {
-      errors += (errors.empty() ? "" : "\n") + std::string(error.what());
-    }
+    });
   }
-  if (!errors.empty()) throw io::InvalidInput(errors);
+  errors.raise();
   const auto labels_differ = [&] {
     std::set<std::string> labels;
     for (const report::ComparedDesign& one : compared) labels.insert(one.label);

@@ -210,15 +210,12 @@ ExitCode run_mesh(const AnalyzeOptions& options) {
 ExitCode run_compare(const CompareOptions& options) {
   app::CompareRequest request;
   request.designs.reserve(options.files.size());
-  std::string errors;
+  io::CollectedErrors errors;
   for (const std::string& file : options.files) {
-    try {
-      request.designs.push_back({.design = io::read_design(file), .source = file});
-    } catch (const io::InvalidInput& error) {
-      errors += (errors.empty() ? "" : "\n") + std::string(error.what());
-    }
+    errors.attempt(
+        [&] { request.designs.push_back({.design = io::read_design(file), .source = file}); });
   }
-  if (!errors.empty()) throw io::InvalidInput(errors);
+  errors.raise();
   refuse_replacing(options.files, options.out);
   const std::vector<report::ComparedDesign> compared = app::compare(request);
   switch (options.format) {

@@ -27,6 +27,28 @@ class InvalidInput : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Messages of several files, to be told together.
+class CollectedErrors {
+ public:
+  /// Does what may throw InvalidInput, and keeps its message.
+  template <class Step>
+  void attempt(const Step& step) {
+    try {
+      step();
+    } catch (const InvalidInput& error) {
+      if (!text_.empty()) text_ += "\n";
+      text_ += error.what();
+    }
+  }
+  /// @throws InvalidInput where there was any
+  void raise() const {
+    if (!text_.empty()) throw InvalidInput(text_);
+  }
+
+ private:
+  std::string text_;
+};
+
 /// The known word closest to what was written, or "" when none is near (edit distance at most 3 and
 /// at most half of the word's length).
 std::string closest_word(const std::string& written, const std::vector<std::string>& known);
