@@ -57,14 +57,6 @@ bool any_plastic(const Materials& materials) {
   });
 }
 
-bool has_curve(const std::optional<strength::GearMaterial>& material) {
-  const auto is_curve = [](const strength::StressLimit& limit) {
-    return limit.law != strength::LimitLaw::kNotStated && limit.law != strength::LimitLaw::kLinear;
-  };
-  return material &&
-         (is_curve(material->record.root_limit) || is_curve(material->record.flank_limit));
-}
-
 /// What a rating takes as absent though it may not be.
 void note_unknown(const strength::RatingTask& task, std::vector<std::string>& notes) {
   if (!any_plastic(task.material)) return;
@@ -82,7 +74,9 @@ void note_unknown(const strength::RatingTask& task, std::vector<std::string>& no
                     "asks {:g} of the root and {:g} of the flank",
                     strength::kPlasticRootSafety, strength::kPlasticFlankSafety));
   }
-  if (std::ranges::any_of(task.material, has_curve)) {
+  if (std::ranges::any_of(task.material, [](const auto& material) {
+        return material && strength::has_life_curves(material->record);
+      })) {
     notes.emplace_back(
         "limits of plastics are fitted curves: for which numbers of cycles they hold their source "
         "does not say");
@@ -141,8 +135,7 @@ void note_sharing(const PlanetSharing& sharing, int planets, std::vector<std::st
     if (sharing.series->quantile[k] <= planets * (1.0 + 1e-9)) continue;
     notes.push_back(
         fmt::format("K_gamma of {} is {:.4g}, above the {} of one planet that carries all: the "
-                    "deviations brace "
-                    "planets against each other on back flanks",
+                    "deviations brace planets against each other on back flanks",
                     train::kMeshNames[k], sharing.series->quantile[k], planets));
   }
 }

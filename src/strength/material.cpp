@@ -109,6 +109,13 @@ const Material* find_material(std::string_view name) {
   return found == table.end() ? nullptr : &*found;
 }
 
+bool has_life_curves(const Material& material) {
+  const auto is_curve = [](const StressLimit& limit) {
+    return limit.law != LimitLaw::kNotStated && limit.law != LimitLaw::kLinear;
+  };
+  return is_curve(material.flank_limit) || is_curve(material.root_limit);
+}
+
 template <class T>
 LimitValue<T> flank_limit(const Material& material, const ToothCondition<T>& condition) {
   return limit_value(material, material.flank_limit, condition);

@@ -84,6 +84,9 @@ std::span<const Material> material_table();
 /// The material of a name.  @returns nullptr where the table has none
 const Material* find_material(std::string_view name);
 
+/// Whether a material's limits are curves over load cycles and temperature.
+bool has_life_curves(const Material& material);
+
 /// What a limit depends on besides its material.
 template <class T>
 struct ToothCondition {

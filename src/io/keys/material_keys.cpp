@@ -174,13 +174,6 @@ TomlValue with_material_tables(TomlValue document, const std::vector<std::string
   return document;
 }
 
-bool has_life_curves(const Material& material) {
-  const auto is_curve = [](const StressLimit& limit) {
-    return limit.law != LimitLaw::kNotStated && limit.law != LimitLaw::kLinear;
-  };
-  return is_curve(material.flank_limit) || is_curve(material.root_limit);
-}
-
 std::vector<std::string> similar_materials(const std::string& name) {
   std::vector<std::string> names;
   for (const Material& row : strength::material_table()) names.emplace_back(row.name);

@@ -27,9 +27,6 @@ std::vector<Key<MaterialInput>> material_keys();
 /// @param gears  paths of the gears' tables
 TomlValue with_material_tables(TomlValue document, const std::vector<std::string>& gears);
 
-/// Whether a material's limits are curves over load cycles and temperature.
-bool has_life_curves(const strength::Material& material);
-
 /// The material of a table that the file holds; what is unknown or out of the named row's range is
 /// said in `reading`.
 /// @param path  of the table
