@@ -12,7 +12,6 @@
 #include "calibrate/model/model_range.hpp"
 #include "io/files/design_file.hpp"
 #include "io/text/diagnostics.hpp"
-#include "optimize/refine.hpp"
 #include "units/units.hpp"
 
 namespace gear3k::app {
