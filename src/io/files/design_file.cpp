@@ -6,6 +6,7 @@
 #include <array>
 
 #include "design/rating_inputs.hpp"
+#include "io/files/strength_task.hpp"
 #include "io/keys/axial_keys.hpp"
 #include "io/keys/cutter_keys.hpp"
 #include "io/keys/design_keys.hpp"

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "design/rating_inputs.hpp"
+#include "io/files/strength_task.hpp"
 #include "io/keys/axial_keys.hpp"
 #include "io/keys/cutter_keys.hpp"
 #include "io/keys/model_keys.hpp"

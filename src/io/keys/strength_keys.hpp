@@ -7,11 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "design/rating_inputs.hpp"
 #include "io/keys/key_registry.hpp"
 #include "io/keys/material_keys.hpp"
 #include "strength/rating_task.hpp"
-#include "train/axial_layout.hpp"
 
 namespace gear3k::io {
 
@@ -37,33 +35,6 @@ std::vector<Key<StrengthInput>> pair_strength_keys();
 std::vector<std::string> train_gear_tables();
 /// Of a PAIR: "gear1", "gear2".
 std::vector<std::string> pair_gear_tables();
-
-/// What else of a train its rating reads.
-struct RatedTrainFile {
-  std::vector<int> planets;
-  std::array<std::optional<double>, 2> face_width_m;
-  std::optional<double> sun_speed_rad_s;
-  train::AxialLayout axial;
-  design::Limits limits;
-  bool has_pin = false;   ///< inertia.pin_diameter_mm is stated
-  bool searched = false;  ///< a SPEC: the design is not known yet
-};
-
-/// Materials by gear, where the file states them.
-/// @param gears  paths of the gears' tables
-design::GearMaterials finish_materials(const StrengthInput& input,
-                                       const std::vector<std::string>& gears, FileReading& reading);
-
-/// The task of a file with [strength], which design::rating_of() completes; says in `reading` what
-/// it lacks and what does not fit together.  @returns empty without [strength]
-std::optional<strength::RatingTask> finish_train_strength(const StrengthInput& input,
-                                                          const design::GearMaterials& materials,
-                                                          const RatedTrainFile& file,
-                                                          FileReading& reading);
-/// The whole task of a PAIR.
-std::optional<strength::RatingTask> finish_pair_strength(const StrengthInput& input,
-                                                         const design::GearMaterials& materials,
-                                                         FileReading& reading);
 
 /// What a file states of a train's task.
 StrengthInput stated_strength(const std::optional<strength::RatingTask>& task);

@@ -1,0 +1,42 @@
+#pragma once
+// The load that a file states, from its keys: what is missing, and what does not fit together.
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "design/rating_inputs.hpp"
+#include "io/keys/strength_keys.hpp"
+#include "train/axial_layout.hpp"
+
+namespace gear3k::io {
+
+/// What else of a train its rating reads.
+struct RatedTrainFile {
+  std::vector<int> planets;
+  std::array<std::optional<double>, 2> face_width_m;
+  std::optional<double> sun_speed_rad_s;
+  train::AxialLayout axial;
+  design::Limits limits;
+  bool has_pin = false;   ///< inertia.pin_diameter_mm is stated
+  bool searched = false;  ///< a SPEC: the design is not known yet
+};
+
+/// Materials by gear, where the file states them.
+/// @param gears  paths of the gears' tables
+design::GearMaterials finish_materials(const StrengthInput& input,
+                                       const std::vector<std::string>& gears, FileReading& reading);
+
+/// The task of a file with [strength], which design::rating_of() completes; says in `reading` what
+/// it lacks and what does not fit together.  @returns empty without [strength]
+std::optional<strength::RatingTask> finish_train_strength(const StrengthInput& input,
+                                                          const design::GearMaterials& materials,
+                                                          const RatedTrainFile& file,
+                                                          FileReading& reading);
+/// The whole task of a PAIR.
+std::optional<strength::RatingTask> finish_pair_strength(const StrengthInput& input,
+                                                         const design::GearMaterials& materials,
+                                                         FileReading& reading);
+
+}  // namespace gear3k::io
