@@ -20,7 +20,6 @@
 #include "drawing/svg_drawing.hpp"
 #include "io/files/design_file.hpp"
 #include "io/files/specification_file.hpp"
-#include "io/files/subject_file.hpp"
 #include "io/text/diagnostics.hpp"
 #include "io/text/file_set.hpp"
 #include "io/text/file_writer.hpp"
@@ -378,19 +377,6 @@ ExitCode run_export(const ExportOptions& options) {
       print_result(drawing::export_table(summary));
       break;
   }
-  return kDone;
-}
-
-ExitCode run_keys(const CommonOptions& options) {
-  if (options.format != Format::kTable) {
-    say("keys: --format: allowed: table (the document is Markdown)\n");
-    return kUsage;
-  }
-  deliver(options, fmt::format("# Keys of the input files\n\nPrinted by `gear3k keys`.\n\n"
-                               "## DESIGN.toml\n\n{}\n## PAIR.toml\n\n{}\n## SPEC.toml\n\n{}\n"
-                               "## Black box (in place of a DESIGN)\n\n{}",
-                               io::design_key_table(), io::pair_key_table(),
-                               io::specification_key_table(), io::black_box_key_table()));
   return kDone;
 }
 

@@ -87,6 +87,14 @@ struct ExportOptions : CommonOptions {
   double chord_error_um = 1.0;
 };
 
+struct KeysOptions : CommonOptions {
+  std::string word;  ///< what a printed row holds; "" = all rows
+};
+
+struct NewOptions : CommonOptions {
+  std::string kind;  ///< one of io::new_files()
+};
+
 ExitCode run_analyze(const AnalyzeOptions& options);
 ExitCode run_mesh(const AnalyzeOptions& options);
 ExitCode run_compare(const CompareOptions& options);
@@ -97,8 +105,10 @@ ExitCode run_map(const MapOptions& options);
 ExitCode run_diagnose(const DiagnoseOptions& options);
 ExitCode run_tolerances(const TolerancesOptions& options);
 ExitCode run_export(const ExportOptions& options);
-/// Prints docs/keys.md: every key of DESIGN, PAIR and SPEC files.
-ExitCode run_keys(const CommonOptions& options);
+/// Prints docs/keys.md: every key of DESIGN, PAIR and SPEC files, or those that hold a word.
+ExitCode run_keys(const KeysOptions& options);
+/// Prints a first file of a kind, with comments.
+ExitCode run_new(const NewOptions& options);
 
 /// Prints a result to stdout.
 /// @throws io::InvalidInput when stdout cannot be written

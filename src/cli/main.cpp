@@ -16,6 +16,7 @@
 #include "cli/commands.hpp"
 #include "cli/talk.hpp"
 #include "io/files/design_file.hpp"
+#include "io/files/new_file.hpp"
 #include "io/files/specification_file.hpp"
 #include "io/text/diagnostics.hpp"
 #include "io/text/version.hpp"
@@ -211,6 +212,15 @@ std::vector<std::string> option_names(const CLI::App& command) {
   return names;
 }
 
+/// A message about a word that is none of the known ones.
+std::string unknown(const char* kind, const std::string& word,
+                    const std::vector<std::string>& known) {
+  const std::string hint = io::closest_word(word, known);
+  return fmt::format("unknown {} {}{}; allowed: {}", kind, word,
+                     hint.empty() ? "" : fmt::format("; did you mean {}?", hint),
+                     fmt::join(known, ", "));
+}
+
 /// A message about the first word that is no command, or no option of its command; "" when all are.
 std::string unknown_word(const CLI::App& app, int argc, char** argv) {
   if (argc < 2 || argv[1][0] == '-') return "";
@@ -220,21 +230,14 @@ std::string unknown_word(const CLI::App& app, int argc, char** argv) {
     commands.push_back(known->get_name());
     if (known->get_name() == argv[1]) command = known;
   }
-  const auto message = [](const char* kind, const std::string& word,
-                          const std::vector<std::string>& known) {
-    const std::string hint = io::closest_word(word, known);
-    return fmt::format("unknown {} {}{}; allowed: {}", kind, word,
-                       hint.empty() ? "" : fmt::format("; did you mean {}?", hint),
-                       fmt::join(known, ", "));
-  };
-  if (command == nullptr) return message("command", argv[1], commands);
+  if (command == nullptr) return unknown("command", argv[1], commands);
   const std::vector<std::string> options = option_names(*command);
   for (int k = 2; k < argc; ++k) {
     const std::string word(argv[k]);
     const std::string name = word.substr(0, word.find('='));
     if (name.starts_with("--") && name.size() > 2 &&
         std::ranges::find(options, name) == options.end()) {
-      return message("option", name, options);
+      return unknown("option", name, options);
     }
   }
   return "";
@@ -389,15 +392,31 @@ int run_program(int argc, char** argv) {
   add_out_file(*reproduce_command, reproduce);
   reproduce_command->callback([&] { run = [&] { return cli::run_reproduce(reproduce); }; });
 
-  cli::CommonOptions keys;
+  cli::KeysOptions keys;
   CLI::App* keys_command =
       app.add_subcommand("keys", "every key of the input files, as a Markdown document");
+  keys_command->add_option("WORD", keys.word, "only keys whose path or meaning holds this word");
   add_common_options(*keys_command, keys);
   add_out_file(*keys_command, keys);
   keys_command->callback([&] { run = [&] { return cli::run_keys(keys); }; });
 
-  if (const std::string unknown = unknown_word(app, argc, argv); !unknown.empty()) {
-    cli::say(fmt::format("{}\nRun with --help for more information.\n", unknown));
+  cli::NewOptions first;
+  CLI::App* new_command = app.add_subcommand(
+      "new", "a first file to change: a task for optimize, one design, or one pair");
+  std::vector<std::string> kinds;
+  for (const io::NewFile& file : io::new_files()) kinds.emplace_back(file.kind);
+  new_command->add_option("KIND", first.kind, "what to write")
+      ->required()
+      ->check([kinds](const std::string& word) {
+        return std::ranges::find(kinds, word) == kinds.end() ? unknown("kind", word, kinds) : "";
+      })
+      ->option_text(fmt::format("{}", fmt::join(kinds, " | ")));
+  add_common_options(*new_command, first);
+  add_out_file(*new_command, first);
+  new_command->callback([&] { run = [&] { return cli::run_new(first); }; });
+
+  if (const std::string error = unknown_word(app, argc, argv); !error.empty()) {
+    cli::say(fmt::format("{}\nRun with --help for more information.\n", error));
     return cli::kUsage;
   }
   try {

@@ -532,6 +532,7 @@ TEST(FullDevice, IsAnErrorNotSilence) {
         {"search", "spec.toml", "--format", "csv", "--quiet"},
         {"reproduce"},
         {"keys"},
+        {"new", "task"},
         {"optimize", "spec.toml", "--out", "out", "--quiet"},
         {"--help"}}) {
     const ProgramResult result = place.run(arguments, "/dev/full");

@@ -1,0 +1,184 @@
+#include "io/files/new_file.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace gear3k::io {
+
+namespace {
+
+constexpr std::string_view kTask =
+    R"toml(# A task for gear3k:   gear3k optimize FILE --out DIR
+# Lines that begin with "#" and no space are choices that are off: take the "#" away.
+# Every key with its range and default: gear3k keys
+name = "my gearbox"
+planets = 3                        # or a list to try, such as [3, 4, 5]
+objective = "backward_efficiency"  # or forward_efficiency, lost_motion, outer_diameter, ratio_error
+
+[ratio]
+target = 50.0                      # speed of the sun over that of the output; below 0: it turns back
+tolerance = 0.005                  # greatest share that the ratio may be off
+
+[teeth]                            # what the search tries; wider ranges take longer
+S = [12, 18]
+P1 = [18, 45]
+P2 = [18, 45]
+R1_max = 120
+R2_max = 120
+min_internal_difference = 9        # least teeth of a ring over those of its planet
+
+[module]
+stage1_mm = { min = 0.5, max = 1.0 }   # or one number, or { series = [0.5, 0.6, 0.8] }
+stage2_mm = { min = 0.5, max = 1.0 }
+
+[profile_shift]
+range = [-0.5, 1.0]
+
+[size]
+max_ring_root_diameter_mm = 80.0   # without the rims outside the rings' roots
+
+[backlash]
+machining_allowance = 0.02         # each tooth thinner by 0.02 modules: room to turn
+min_normal_um = 10.0               # least backlash of every mesh
+max_output_arcmin = 10.0           # greatest lost motion at the output
+
+[contact_ratio]
+range = [1.2, 2.5]
+
+[limits]
+tip_thickness = 0.3                # modules, of S, P1 and P2
+ring_tip_thickness = 0.3
+root_clearance = 0.1               # modules, between a tip and its mate's root
+planet_gap = 0.5                   # modules, between neighbouring planets
+
+[friction]
+coefficient = 0.1                  # dry or greased steel; measure yours, and see gear3k diagnose
+
+# What it is to carry.  Without these tables no load is checked.
+#[stage1]
+#face_width_mm = 8.0
+#[stage2]
+#face_width_mm = 8.0
+#[material]
+#name = "34CrNiMo6 through hardened"   # the names: docs/materials.md
+#[strength]
+#output_torque_nm = 10.0           # either direction, reversing, without end
+#s_f_min = 1.5                     # least safety of the root
+#s_h_min = 1.2                     # least safety of the flank
+
+# What is made will differ from what is drawn: limits that hold for all that is built.
+#[tolerances]
+#center_distance_um = 10           # +-
+#pin_position_um = 10
+#planet_phase_arcmin = 0.5         # angle of P2 against P1 on each planet, +-
+#[robust]
+#hold = "worst_case"               # or "yield", the share robust.yield of those built
+)toml";
+
+constexpr std::string_view kDesign =
+    R"toml(# One gearbox for gear3k:   gear3k analyze FILE     (also: map, tolerances, export, compare, diagnose)
+# Lines that begin with "#" and no space are choices that are off: take the "#" away.
+# Every key with its range and default: gear3k keys
+name = "my gearbox"
+planets = 3
+pressure_angle_deg = 20.0
+center_distance_mm = 19.25
+
+[stage1]                           # S, P1 and the fixed ring R1
+module_mm = 0.6
+#face_width_mm = 8.0
+[stage2]                           # P2 and the output ring R2; P1 and P2 are one planet
+module_mm = 0.6
+#face_width_mm = 8.0
+
+[gears.S]
+teeth = 13
+profile_shift = 0.24               # modules
+machining_allowance = 0.02         # modules by which each tooth is thinner; or normal_thinning_um
+[gears.P1]
+teeth = 50
+profile_shift = 0.28
+machining_allowance = 0.02
+[gears.R1]
+teeth = 113
+profile_shift = 0.98
+machining_allowance = 0.02
+[gears.P2]
+teeth = 35
+profile_shift = 0.35
+machining_allowance = 0.02
+[gears.R2]
+teeth = 98
+profile_shift = 0.98
+machining_allowance = 0.02
+
+[friction]
+coefficient = 0.1                  # of the flanks; gear3k diagnose tells it from measurements
+
+# What the checks hold it to; each has a margin in the result.
+[backlash]
+min_normal_um = 10.0               # least backlash of every mesh
+max_output_arcmin = 15.0           # greatest lost motion at the output
+[contact_ratio]
+range = [1.2, 2.5]
+
+# What it is to carry.  Take the "#" of face_width_mm above away too.
+#[material]
+#name = "34CrNiMo6 through hardened"   # the names: docs/materials.md
+#[strength]
+#output_torque_nm = 10.0           # either direction, reversing, without end
+#s_f_min = 1.5                     # least safety of the root
+#s_h_min = 1.2                     # least safety of the flank
+
+# What is made will differ from what is drawn: for gear3k tolerances.
+#[tolerances]
+#center_distance_um = 10           # +-
+#pin_position_um = 10
+#planet_phase_arcmin = 0.5         # angle of P2 against P1 on each planet, +-
+)toml";
+
+constexpr std::string_view kPair =
+    R"toml(# One pair of gears for gear3k:   gear3k mesh FILE
+# Lines that begin with "#" and no space are choices that are off: take the "#" away.
+# Every key with its range and default: gear3k keys
+name = "my pair"
+kind = "external"                  # or "internal": gear2 is then the ring
+module_mm = 1.0
+pressure_angle_deg = 20.0
+center_distance_mm = 30.4          # without it the distance at which no backlash is left
+#face_width_mm = 10.0              # that both gears share
+
+[gear1]
+teeth = 20
+profile_shift = 0.3                # modules
+machining_allowance = 0.02         # modules by which each tooth is thinner
+
+[gear2]
+teeth = 40
+profile_shift = 0.1
+machining_allowance = 0.02
+
+[friction]
+coefficient = 0.1                  # of the flanks
+
+# What it is to carry.  Without these tables no load is checked.
+#[material]
+#name = "34CrNiMo6 through hardened"   # the names: docs/materials.md
+#[strength]
+#torque_nm = 3.0                   # on gear1, reversing, without end
+)toml";
+
+constexpr std::array<NewFile, 3> kNewFiles{{{.kind = "task", .text = kTask},
+                                            {.kind = "design", .text = kDesign},
+                                            {.kind = "pair", .text = kPair}}};
+
+}  // namespace
+
+std::span<const NewFile> new_files() { return kNewFiles; }
+
+const NewFile* find_new_file(std::string_view kind) {
+  const auto* const found = std::ranges::find(kNewFiles, kind, &NewFile::kind);
+  return found == kNewFiles.end() ? nullptr : found;
+}
+
+}  // namespace gear3k::io
