@@ -68,8 +68,8 @@ const Specification& loaded_rp96() {
     task.material.fill(strength::steel_700_290());
     task.torque_Nm = 10.0;
     task.face_width_m = {8e-3, 8e-3};
-    task.root_safety_min = 1.5;
-    task.flank_safety_min = 1.2;
+    task.teeth.root_safety_min = 1.5;
+    task.teeth.flank_safety_min = 1.2;
     return spec;
   }();
   return kSpec;

@@ -98,13 +98,13 @@ bool applies(CheckId id, const strength::RatingTask& task, std::size_t gear, std
 /// asks for, which depends on the material.
 double least_of(CheckId id, const strength::RatingTask& task, std::size_t gear) {
   if (id == CheckId::kRootSafety) {
-    return strength::least_root_safety(task, *task.material[gear]);
+    return strength::least_root_safety(task, gear);
   }
   if (id == CheckId::kFlankSafety || id == CheckId::kOverloadFlankSafety) {
-    return strength::least_flank_safety(task, *task.material[gear]);
+    return strength::least_flank_safety(task, gear);
   }
   if (id == CheckId::kOverloadRootSafety) {
-    return strength::least_overload_root_safety(task, *task.material[gear]);
+    return strength::least_overload_root_safety(task, gear);
   }
   return 0.0;
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <ranges>
 
 namespace gear3k::design {
 
@@ -67,8 +68,16 @@ void note_unknown(const strength::RatingTask& task, std::vector<std::string>& no
   const auto below = [](const std::optional<double>& stated, double source) {
     return stated && *stated < source;
   };
-  if (below(task.root_safety_min, strength::kPlasticRootSafety) ||
-      below(task.flank_safety_min, strength::kPlasticFlankSafety)) {
+  const auto asks_for_less = [&](std::size_t gear) {
+    if (!task.material[gear] || !strength::is_plastic(task.material[gear]->record.group)) {
+      return false;
+    }
+    const strength::StatedTeeth teeth = strength::stated_teeth(task, gear);
+    return below(teeth.root_safety_min, strength::kPlasticRootSafety) ||
+           below(teeth.flank_safety_min, strength::kPlasticFlankSafety);
+  };
+  const auto gears = std::views::iota(std::size_t{0}, task.material.size());
+  if (std::ranges::any_of(gears, asks_for_less)) {
     notes.push_back(
         fmt::format("the stated least safeties hold for gears of plastic too, for which VDI 2736 "
                     "asks {:g} of the root and {:g} of the flank",

@@ -7,6 +7,7 @@
 #include "efficiency/friction_law.hpp"
 #include "optimize/stage_tasks.hpp"
 #include "strength/mesh_rating.hpp"
+#include "train/tooth_set.hpp"
 
 namespace gear3k::optimize {
 
@@ -72,9 +73,10 @@ bool friction_is_dissipative(const Specification& spec) {
 
 double least_flank_safety_asked(const Specification& spec) {
   double least = kInfinity;
-  for (const auto& material : spec.rating->material) {
+  for (std::size_t gear = 0; gear < train::kGearCount; ++gear) {
+    const auto& material = spec.rating->material[gear];
     if (!material || material->record.flank_limit.law == strength::LimitLaw::kNotStated) continue;
-    least = std::min(least, strength::least_flank_safety(*spec.rating, *material));
+    least = std::min(least, strength::least_flank_safety(*spec.rating, gear));
   }
   return least + spec.limits[design::CheckId::kFlankSafety].value_or(0.0);
 }

@@ -144,7 +144,7 @@ std::array<FlankNeed, train::kMeshCount> flank_needs(const RatingTask& task,
         continue;
       }
       const double safety =
-          std::max(0.0, least_flank_safety(task, material) - extremes.safety_slack);
+          std::max(0.0, least_flank_safety(task, gears[own]) - extremes.safety_slack);
       const double ratio = elasticity * safety / strength_Pa;
       needs[k].load_m2[own] = line_load * curvature * factor * ratio * ratio;
     }

@@ -28,23 +28,22 @@ void add_judged_safeties(const MeshRating<T>& mesh, const RatingTask& task, std:
                          const std::array<int, 2>& gears, JudgedSafeties<T>& list) {
   for (std::size_t i = 0; i < gears.size(); ++i) {
     const ToothRating<T>& tooth = mesh.teeth[i];
-    const GearMaterial& material = *task.material[static_cast<std::size_t>(gears[i])];
+    const auto gear = static_cast<std::size_t>(gears[i]);
     const auto add = [&](const T& safety, double least, Mode mode) {
       list.ratios.push_back({.ratio = safety / least, .exponent = torque_exponent(mode)});
       list.places.push_back({.mesh = k, .member = i, .mode = mode});
     };
     if (tooth.root_limit_stated) {
-      add(tooth.root_safety, least_root_safety(task, material), Mode::kRoot);
+      add(tooth.root_safety, least_root_safety(task, gear), Mode::kRoot);
     }
     if (tooth.flank_limit_stated) {
-      add(tooth.flank_safety, least_flank_safety(task, material), Mode::kFlank);
+      add(tooth.flank_safety, least_flank_safety(task, gear), Mode::kFlank);
     }
     if (tooth.overload_root_safety) {
-      add(*tooth.overload_root_safety, least_overload_root_safety(task, material),
-          Mode::kOverloadRoot);
+      add(*tooth.overload_root_safety, least_overload_root_safety(task, gear), Mode::kOverloadRoot);
     }
     if (tooth.overload_flank_safety) {
-      add(*tooth.overload_flank_safety, least_flank_safety(task, material), Mode::kOverloadFlank);
+      add(*tooth.overload_flank_safety, least_flank_safety(task, gear), Mode::kOverloadFlank);
     }
   }
 }

@@ -364,6 +364,8 @@ StatedTeeth stated_teeth(const RatingTask& task, std::size_t gear) {
   complete(&StatedTeeth::cycles);
   complete(&StatedTeeth::load_reversal);
   complete(&StatedTeeth::reversal);
+  complete(&StatedTeeth::root_safety_min);
+  complete(&StatedTeeth::flank_safety_min);
   return teeth;
 }
 
@@ -396,15 +398,18 @@ bool computes_work_hardening(const RatingTask& task, std::size_t own, std::size_
          material.record.flank_limit.law != LimitLaw::kNotStated;
 }
 
-double least_root_safety(const RatingTask& task, const GearMaterial& material) {
-  return least_safety(task.root_safety_min, material, kPlasticRootSafety);
+double least_root_safety(const RatingTask& task, std::size_t gear) {
+  return least_safety(stated_teeth(task, gear).root_safety_min, *task.material[gear],
+                      kPlasticRootSafety);
 }
-double least_flank_safety(const RatingTask& task, const GearMaterial& material) {
-  return least_safety(task.flank_safety_min, material, kPlasticFlankSafety);
+double least_flank_safety(const RatingTask& task, std::size_t gear) {
+  return least_safety(stated_teeth(task, gear).flank_safety_min, *task.material[gear],
+                      kPlasticFlankSafety);
 }
 
-double least_overload_root_safety(const RatingTask& task, const GearMaterial& material) {
-  return is_plastic(material.record.group) ? kPlasticPeakSafety : least_root_safety(task, material);
+double least_overload_root_safety(const RatingTask& task, std::size_t gear) {
+  return is_plastic(task.material[gear]->record.group) ? kPlasticPeakSafety
+                                                       : least_root_safety(task, gear);
 }
 
 template <class T>

@@ -118,11 +118,12 @@ bool computes_stiffness_factor(const RatingTask& task, const GearMaterial& mater
 /// @param own,mate  places of the gears in the task
 bool computes_work_hardening(const RatingTask& task, std::size_t own, std::size_t mate);
 
-/// Least safeties that are asked for of a gear.
-double least_root_safety(const RatingTask& task, const GearMaterial& material);
-double least_flank_safety(const RatingTask& task, const GearMaterial& material);
+/// Least safeties that are asked for of a gear with a material.
+/// @param gear  its place in the task
+double least_root_safety(const RatingTask& task, std::size_t gear);
+double least_flank_safety(const RatingTask& task, std::size_t gear);
 /// Of plastics kPlasticPeakSafety; of metals that of the root, and under overload the flank has its
 /// own too.
-double least_overload_root_safety(const RatingTask& task, const GearMaterial& material);
+double least_overload_root_safety(const RatingTask& task, std::size_t gear);
 
 }  // namespace gear3k::strength

@@ -51,6 +51,8 @@ struct StatedTeeth {
   std::optional<double> cycles{};       ///< N of a tooth, in place of a life
   std::optional<bool> load_reversal{};  ///< whether both flanks are loaded; empty: they are
   std::optional<double> reversal{};     ///< Y_M of teeth that are loaded on both flanks
+  /// Least safeties; empty: 1, of plastics kPlasticRootSafety, kPlasticFlankSafety.
+  std::optional<double> root_safety_min{}, flank_safety_min{};
 };
 
 /// Bearings of a planet on its pin.
@@ -75,8 +77,6 @@ struct RatingTask {
   StatedFactors factors{};
   double misalignment_m = 0.0;          ///< F_βy
   std::optional<int> accuracy_grade{};  ///< ISO 1328
-  /// Empty: 1, of plastics kPlasticRootSafety, kPlasticFlankSafety.
-  std::optional<double> root_safety_min{}, flank_safety_min{};
   /// ρ* of the virtual rack in place of a ring's tool, in modules; empty: the tool.
   std::optional<double> virtual_root_radius{};
   std::optional<double> overload{};  ///< peak over stated torque; empty: not rated

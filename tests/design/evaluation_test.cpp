@@ -570,6 +570,49 @@ TEST(Evaluation, AStatedReversalFactorIsSaidWhereNoSafetyReadsIt) {
   EXPECT_GE(used, 3);
 }
 
+// S_F falls as 1/T and S_H as its root: the capacity follows from any rating and the least
+// safeties.
+TEST(Evaluation, ALeastSafetyOfOneGearIsThatOfItsChecksAndOfTheCapacity) {
+  Design d = low_backlash();
+  d.rating.emplace();
+  d.rating->material.fill(strength::steel_700_290());
+  d.rating->torque_Nm = 1.0;
+  d.rating->face_width_m = {8e-3, 8e-3};
+  d.rating->teeth.root_safety_min = 1.5;
+  d.rating->teeth.flank_safety_min = 1.2;
+  for (std::size_t gear = 0; gear < train::kGearCount; ++gear) {
+    for (const auto& [root, flank] : {std::pair(6.0, 1.2), std::pair(1.5, 4.0)}) {
+      d.rating->gear_teeth.fill({});
+      d.rating->gear_teeth[gear].root_safety_min = root;
+      d.rating->gear_teeth[gear].flank_safety_min = flank;
+      const Evaluation e = evaluated(d);
+      double capacity = std::numeric_limits<double>::infinity();
+      for (const auto* rating : {&e.strength->forward, &e.strength->backward}) {
+        for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+          for (std::size_t i = 0; i < 2; ++i) {
+            const bool own = static_cast<std::size_t>(train::kMeshGears[k][i]) == gear;
+            const auto& tooth = rating->mesh[k].teeth[i];
+            const double flank_ratio = tooth.flank_safety / (own ? flank : 1.2);
+            capacity = std::min(
+                {capacity, tooth.root_safety / (own ? root : 1.5), flank_ratio * flank_ratio});
+          }
+        }
+      }
+      EXPECT_NEAR(e.strength->least_capacity()->capacity.torque_Nm, capacity, 1e-9 * capacity)
+          << gear;
+      int of_gear = 0;
+      for (const CheckResult& check : e.checks) {
+        const bool of_root = check.record->id == CheckId::kRootSafety;
+        if (!of_root && check.record->id != CheckId::kFlankSafety) continue;
+        const bool own = check.gear == train::kGearNames[gear];
+        EXPECT_EQ(check.limit, of_root ? (own ? root : 1.5) : (own ? flank : 1.2));
+        of_gear += own ? 1 : 0;
+      }
+      EXPECT_GE(of_gear, 2);
+    }
+  }
+}
+
 TEST(PairEvaluation, OfStandardGearsIsAtTheReferenceDistanceWithoutBacklash) {
   const auto e = std::get<PairEvaluation>(evaluate(pair_of(20, 41, GearKind::kExternal)));
   EXPECT_NEAR(e.center_distance_m, 30.5e-3, 1e-14 * 30.5e-3 * 4.0);

@@ -149,8 +149,8 @@ TEST(PlanetSharing, CapacityIsTheTorqueWhoseOwnFactorLeavesNothing) {
   double least = 1e300;
   for (std::size_t m = 0; m < 3; ++m) {
     for (const auto& tooth : at.strength->forward.mesh[m].teeth) {
-      least = std::min({least, tooth.root_safety / *design.rating->root_safety_min,
-                        tooth.flank_safety / *design.rating->flank_safety_min});
+      least = std::min({least, tooth.root_safety / *design.rating->teeth.root_safety_min,
+                        tooth.flank_safety / *design.rating->teeth.flank_safety_min});
     }
   }
   EXPECT_NEAR(least, 1.0, 1e-9);

@@ -77,7 +77,10 @@ strength::RatingTask random_rating(DeterministicRandom& random) {
   if (with_chance(random, 0.3)) task.factors.dynamic = random.between(1.0, 2.0);
   if (with_chance(random, 0.3)) task.factors.flank_face = random.between(1.0, 2.0);
   if (with_chance(random, 0.3)) task.factors.mesh_load_source = strength::MeshLoadSource::kM56;
-  if (with_chance(random, 0.3)) task.flank_safety_min = random.between(0.8, 2.0);
+  if (with_chance(random, 0.3)) task.teeth.flank_safety_min = random.between(0.8, 2.0);
+  if (with_chance(random, 0.3)) {
+    task.gear_teeth[random.index(train::kGearCount)].flank_safety_min = random.between(0.8, 2.0);
+  }
   task.pitting_allowed = with_chance(random, 0.3);
   task.ambient_K = random.between(260.0, 340.0);
   return task;
@@ -114,8 +117,7 @@ double least_margin(const std::optional<strength::TrainRating<double>>& rating,
       const auto& tooth = rating->mesh[k].teeth[i];
       if (!tooth.flank_limit_stated) continue;
       const auto gear = static_cast<std::size_t>(train::kMeshGears[k][i]);
-      least = std::min(
-          least, tooth.flank_safety - strength::least_flank_safety(task, *task.material[gear]));
+      least = std::min(least, tooth.flank_safety - strength::least_flank_safety(task, gear));
     }
   }
   return least;
@@ -171,8 +173,8 @@ TEST(FlankNeeds, NoRatedDesignHasMoreSafetyThanItsModuleAllows) {
                                    ? (i == 0 ? flank.single_contact1 : flank.single_contact2).value
                                    : 1.0;
               const double module = train->gears[gear].gear.module_m;
-              const double most = strength::least_flank_safety(load, *load.material[gear]) *
-                                  module / (z * flank.contact_ratio.value) *
+              const double most = strength::least_flank_safety(load, gear) * module /
+                                  (z * flank.contact_ratio.value) *
                                   std::sqrt(train->meshes[k].tan_alpha_w / needs[k].load_m2[i]);
               EXPECT_LE(tooth.flank_safety, most * (1.0 + kRounding))
                   << "seed " << seed << " mesh " << k << " member " << i;
@@ -269,8 +271,8 @@ Specification small_loaded(double torque_Nm, double ratio) {
   task.material.fill(strength::steel_700_290());
   task.torque_Nm = torque_Nm;
   task.face_width_m = {8e-3, 8e-3};
-  task.root_safety_min = 1.5;
-  task.flank_safety_min = 1.2;
+  task.teeth.root_safety_min = 1.5;
+  task.teeth.flank_safety_min = 1.2;
   spec.rating = task;
   return spec;
 }

@@ -45,8 +45,8 @@ Specification loaded(double torque_Nm) {
   task.material.fill(strength::steel_700_290());
   task.torque_Nm = torque_Nm;
   task.face_width_m = {kWidth_m, kWidth_m};
-  task.root_safety_min = 1.5;
-  task.flank_safety_min = 1.2;
+  task.teeth.root_safety_min = 1.5;
+  task.teeth.flank_safety_min = 1.2;
   spec.rating = task;
   return spec;
 }

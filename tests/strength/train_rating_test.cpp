@@ -36,8 +36,8 @@ RatingTask task_of(const GearMaterial& material) {
   task.material.fill(material);
   task.torque_Nm = 20.0;
   task.face_width_m = {8e-3, 6e-3};
-  task.root_safety_min = 1.5;
-  task.flank_safety_min = 1.2;
+  task.teeth.root_safety_min = 1.5;
+  task.teeth.flank_safety_min = 1.2;
   return task;
 }
 
@@ -81,9 +81,9 @@ double least_ratio(const TrainRating<double>& rating, const RatingTask& task) {
   for (const auto& mesh : rating.mesh) {
     for (const auto& tooth : mesh.teeth) {
       if (tooth.root_limit_stated)
-        least = std::min(least, tooth.root_safety / *task.root_safety_min);
+        least = std::min(least, tooth.root_safety / *task.teeth.root_safety_min);
       if (tooth.flank_limit_stated) {
-        least = std::min(least, tooth.flank_safety / *task.flank_safety_min);
+        least = std::min(least, tooth.flank_safety / *task.teeth.flank_safety_min);
       }
     }
   }

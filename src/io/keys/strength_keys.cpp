@@ -99,12 +99,6 @@ void add_factor_keys(std::vector<StrengthKey>& keys) {
 }
 
 void add_safety_keys(std::vector<StrengthKey>& keys) {
-  keys.push_back(strength_number("s_f_min", Unit::kNone, above(0.0, 100.0),
-                                 "with [strength]: 1, of plastics 2", "least safety of the root",
-                                 of_task(&RatingTask::root_safety_min)));
-  keys.push_back(strength_number("s_h_min", Unit::kNone, above(0.0, 100.0),
-                                 "with [strength]: 1, of plastics 1.4", "least safety of the flank",
-                                 of_task(&RatingTask::flank_safety_min)));
   keys.push_back(strength_number("overload", Unit::kNone, within(1.0, 100.0), kWhenStated,
                                  "greatest torque over the stated one, judged without life; "
                                  "without it not rated",
@@ -185,7 +179,14 @@ std::vector<Key<StatedTeeth>> teeth_keys() {
       roughness("root_roughness_um", &StatedTeeth::root_roughness_m,
                 "R_z of the root; without it Y_R = 1"),
       roughness("flank_roughness_um", &StatedTeeth::flank_roughness_m,
-                "R_z of the flank; without that of both gears of a mesh Z_R = 1")};
+                "R_z of the flank; without that of both gears of a mesh Z_R = 1"),
+      make_key<StatedTeeth>(number("s_f_min", Unit::kNone, above(0.0, 100.0),
+                                   "with [strength]: 1, of plastics 2", "least safety of the root"),
+                            &StatedTeeth::root_safety_min),
+      make_key<StatedTeeth>(
+          number("s_h_min", Unit::kNone, above(0.0, 100.0), "with [strength]: 1, of plastics 1.4",
+                 "least safety of the flank"),
+          &StatedTeeth::flank_safety_min)};
 }
 
 /// The same in the table `strength` of a gear.

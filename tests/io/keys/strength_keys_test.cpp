@@ -82,6 +82,8 @@ void expect_same(const strength::StatedTeeth& a, const strength::StatedTeeth& b)
   EXPECT_EQ(a.cycles, b.cycles);
   EXPECT_EQ(a.load_reversal, b.load_reversal);
   EXPECT_EQ(a.reversal, b.reversal);
+  EXPECT_EQ(a.root_safety_min, b.root_safety_min);
+  EXPECT_EQ(a.flank_safety_min, b.flank_safety_min);
 }
 
 void expect_only(const std::string& errors, const std::string& message) {
@@ -151,8 +153,8 @@ TEST(StrengthKeys, UnitsBecomeSi) {
   EXPECT_EQ(task.ring2_Nm_rad, 9e4);
   EXPECT_DOUBLE_EQ(task.misalignment_m, 7.3e-6);
   EXPECT_EQ(task.accuracy_grade, 6);
-  EXPECT_EQ(task.root_safety_min, 1.5);
-  EXPECT_EQ(task.flank_safety_min, 1.2);
+  EXPECT_EQ(task.teeth.root_safety_min, 1.5);
+  EXPECT_EQ(task.teeth.flank_safety_min, 1.2);
   EXPECT_EQ(task.virtual_root_radius, 0.38);
   EXPECT_EQ(task.overload, 2.5);
   EXPECT_DOUBLE_EQ(task.teeth.root_roughness_m.value(), 16.1e-6);
@@ -205,7 +207,8 @@ TEST(StrengthKeys, APairStatesItsTorqueSpeedAndFaceWidth) {
 TEST(StrengthKeys, OfOneGearStandInPlaceOfThoseOfAll) {
   const std::string gears =
       "[gears.P1.strength]\ncycles = 3e6\nload_reversal = true\ny_m = 0.9\n"
-      "root_roughness_um = 12.5\nflank_roughness_um = 3.2\n[gears.R2]\nstrength.cycles = 2e5\n";
+      "root_roughness_um = 12.5\nflank_roughness_um = 3.2\ns_f_min = "
+      "1.8\n[gears.R2]\nstrength.cycles = 2e5\n";
   const std::string common = "load_reversal = false\ny_m = 0.8\nroot_roughness_um = 16\n";
   const auto expect = [](const RatingTask& task) {
     const auto of = [&](std::size_t gear) { return strength::stated_teeth(task, gear); };
@@ -213,14 +216,18 @@ TEST(StrengthKeys, OfOneGearStandInPlaceOfThoseOfAll) {
                                  .flank_roughness_m = um(3.2),
                                  .cycles = 3e6,
                                  .load_reversal = true,
-                                 .reversal = 0.9});
+                                 .reversal = 0.9,
+                                 .root_safety_min = 1.8,
+                                 .flank_safety_min = task.teeth.flank_safety_min});
     for (const std::size_t gear : {train::kS, train::kR1, train::kP2, train::kR2}) {
       const std::optional<double> cycles = gear == train::kR2 ? std::optional(2e5) : std::nullopt;
       expect_same(of(gear), {.root_roughness_m = um(16),
                              .flank_roughness_m = {},
                              .cycles = cycles,
                              .load_reversal = false,
-                             .reversal = 0.8});
+                             .reversal = 0.8,
+                             .root_safety_min = task.teeth.root_safety_min,
+                             .flank_safety_min = task.teeth.flank_safety_min});
       EXPECT_EQ(strength::has_life(task, gear), gear == train::kR2);
     }
   };
