@@ -42,6 +42,7 @@ awk -v root="$root/" -v commands="$work/commands/" '
     target = object; sub(/\.dir\/.*/, "", target); sub(/.*\//, "", target)
     if (object ~ /^(benchmarks|fuzz|examples)\//) target = "BENCHMARKS"
     sub(/ -o .*/, "", command)
+    gsub(/ --param=[^ ]*/, "", command)  # of GCC
     print command >(commands target)
     if (file !~ /\/Unity\/unity_[0-9]+_cxx\.cxx$/) { print target "\t" object "\t" file; next }
     while ((getline line < file) > 0)

@@ -92,7 +92,7 @@ struct KeysOptions : CommonOptions {
 };
 
 struct NewOptions : CommonOptions {
-  std::string kind;  ///< one of io::new_files()
+  std::string kind;  ///< one of io::first_files()
 };
 
 ExitCode run_analyze(const AnalyzeOptions& options);

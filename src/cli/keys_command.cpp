@@ -5,7 +5,7 @@
 #include "cli/commands.hpp"
 #include "cli/talk.hpp"
 #include "io/files/design_file.hpp"
-#include "io/files/new_file.hpp"
+#include "io/files/first_file.hpp"
 #include "io/files/specification_file.hpp"
 #include "io/files/subject_file.hpp"
 #include "io/keys/key_search.hpp"
@@ -53,7 +53,7 @@ ExitCode run_new(const NewOptions& options) {
     throw io::InvalidInput(
         fmt::format("{}: is there already, and is not replaced; allowed: a new name", options.out));
   }
-  deliver(options, std::string(io::find_new_file(options.kind)->text));
+  deliver(options, std::string(io::find_first_file(options.kind)->text));
   return kDone;
 }
 

@@ -16,7 +16,7 @@
 #include "cli/commands.hpp"
 #include "cli/talk.hpp"
 #include "io/files/design_file.hpp"
-#include "io/files/new_file.hpp"
+#include "io/files/first_file.hpp"
 #include "io/files/specification_file.hpp"
 #include "io/text/diagnostics.hpp"
 #include "io/text/version.hpp"
@@ -404,7 +404,7 @@ int run_program(int argc, char** argv) {
   CLI::App* new_command = app.add_subcommand(
       "new", "a first file to change: a task for optimize, one design, or one pair");
   std::vector<std::string> kinds;
-  for (const io::NewFile& file : io::new_files()) kinds.emplace_back(file.kind);
+  for (const io::FirstFile& file : io::first_files()) kinds.emplace_back(file.kind);
   new_command->add_option("KIND", first.kind, "what to write")
       ->required()
       ->check([kinds](const std::string& word) {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <ranges>
 
 namespace gear3k::design {
 
@@ -68,16 +67,15 @@ void note_unknown(const strength::RatingTask& task, std::vector<std::string>& no
   const auto below = [](const std::optional<double>& stated, double source) {
     return stated && *stated < source;
   };
-  const auto asks_for_less = [&](std::size_t gear) {
-    if (!task.material[gear] || !strength::is_plastic(task.material[gear]->record.group)) {
-      return false;
-    }
+  bool asks_for_less = false;
+  for (std::size_t gear = 0; gear < task.material.size(); ++gear) {
+    const auto& material = task.material[gear];
+    if (!material || !strength::is_plastic(material->record.group)) continue;
     const strength::StatedTeeth teeth = strength::stated_teeth(task, gear);
-    return below(teeth.root_safety_min, strength::kPlasticRootSafety) ||
-           below(teeth.flank_safety_min, strength::kPlasticFlankSafety);
-  };
-  const auto gears = std::views::iota(std::size_t{0}, task.material.size());
-  if (std::ranges::any_of(gears, asks_for_less)) {
+    asks_for_less = asks_for_less || below(teeth.root_safety_min, strength::kPlasticRootSafety) ||
+                    below(teeth.flank_safety_min, strength::kPlasticFlankSafety);
+  }
+  if (asks_for_less) {
     notes.push_back(
         fmt::format("the stated least safeties hold for gears of plastic too, for which VDI 2736 "
                     "asks {:g} of the root and {:g} of the flank",

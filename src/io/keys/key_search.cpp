@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <ranges>
 #include <set>
 
 namespace gear3k::io {
@@ -14,7 +13,7 @@ bool same_letter(char a, char b) {
 }
 
 bool holds(std::string_view line, std::string_view word) {
-  return !std::ranges::search(line, word, same_letter).empty();
+  return std::search(line.begin(), line.end(), word.begin(), word.end(), same_letter) != line.end();
 }
 
 /// A row of a table that tells of a key: its path stands first, as code.

@@ -8,15 +8,15 @@ namespace gear3k::io {
 /// A first file of a kind: it runs as it is, with a comment on each key that most people change.
 /// A line whose "#" is followed by no space is a choice that is off; with all of them on it runs
 /// too.
-struct NewFile {
+struct FirstFile {
   std::string_view kind;  ///< as `gear3k new` takes it
   std::string_view text;  ///< TOML
 };
 
 /// All kinds, in the order in which they are told.
-std::span<const NewFile> new_files();
+std::span<const FirstFile> first_files();
 
 /// The file of a kind.  @returns nullptr where there is no such kind
-const NewFile* find_new_file(std::string_view kind);
+const FirstFile* find_first_file(std::string_view kind);
 
 }  // namespace gear3k::io

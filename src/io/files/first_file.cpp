@@ -1,4 +1,4 @@
-#include "io/files/new_file.hpp"
+#include "io/files/first_file.hpp"
 
 #include <algorithm>
 #include <array>
@@ -168,17 +168,17 @@ coefficient = 0.1                  # of the flanks
 #torque_nm = 3.0                   # on gear1, reversing, without end
 )toml";
 
-constexpr std::array<NewFile, 3> kNewFiles{{{.kind = "task", .text = kTask},
-                                            {.kind = "design", .text = kDesign},
-                                            {.kind = "pair", .text = kPair}}};
+constexpr std::array<FirstFile, 3> kFirstFiles{{{.kind = "task", .text = kTask},
+                                                {.kind = "design", .text = kDesign},
+                                                {.kind = "pair", .text = kPair}}};
 
 }  // namespace
 
-std::span<const NewFile> new_files() { return kNewFiles; }
+std::span<const FirstFile> first_files() { return kFirstFiles; }
 
-const NewFile* find_new_file(std::string_view kind) {
-  const auto* const found = std::ranges::find(kNewFiles, kind, &NewFile::kind);
-  return found == kNewFiles.end() ? nullptr : found;
+const FirstFile* find_first_file(std::string_view kind) {
+  const auto* const found = std::ranges::find(kFirstFiles, kind, &FirstFile::kind);
+  return found == kFirstFiles.end() ? nullptr : found;
 }
 
 }  // namespace gear3k::io
