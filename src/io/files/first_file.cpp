@@ -52,7 +52,7 @@ root_clearance = 0.1               # modules, between a tip and its mate's root
 planet_gap = 0.5                   # modules, between neighbouring planets
 
 [friction]
-coefficient = 0.1                  # dry or greased steel; measure yours, and see gear3k diagnose
+coefficient = 0.1                  # of the flanks, as in the papers; gear3k diagnose tells yours
 
 # What it is to carry.  Without these tables no load is checked.
 #[stage1]
