@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/program.hpp"
 #include "design/evaluation.hpp"
 #include "io/files/design_file.hpp"
 #include "io/files/specification_file.hpp"
@@ -98,7 +99,7 @@ std::vector<Task> tasks() {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+PROGRAM(best_designs)(int argc, char** argv) {
   fmt::print("{:<34} {:<19} {:>2} {:>8} {:>6} {:>6} {:>7} {:>8} {:>8} {:>9} {:>7} {:>6}\n", "",
              "S/P1/R1/P2/R2", "N", "ratio", "eta_f", "eta_b", "lost", "least j", "ring", "inertia",
              "mass", "checks");

@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/program.hpp"
 #include "io/files/design_file.hpp"
 #include "tests/calibrate/built_design.hpp"
 #include "tests/calibrate/redesign_spec.hpp"
@@ -149,7 +150,8 @@ void print(const Scenario& scenario, std::uint64_t seed) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+PROGRAM(calibrated_design)(int argc, char** argv) {
   const std::uint64_t seed = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 3;
   for (const Scenario& scenario : scenarios()) print(scenario, seed);
+  return 0;
 }

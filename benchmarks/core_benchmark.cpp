@@ -8,6 +8,7 @@
 
 #include <stdexcept>
 
+#include "benchmarks/program.hpp"
 #include "design/evaluation.hpp"
 #include "efficiency/train_efficiency.hpp"
 #include "io/files/design_file.hpp"
@@ -218,7 +219,7 @@ BENCHMARK_TEMPLATE(optimize_rp96, loaded_rp96)
 
 }  // namespace
 
-int main(int argc, char** argv) {
+PROGRAM(core_benchmark)(int argc, char** argv) {
   benchmark::AddCustomContext("gear3k", std::string(io::version()));
   benchmark::AddCustomContext("commit", std::string(io::git_commit()));
   benchmark::AddCustomContext("compiler", __VERSION__);

@@ -17,6 +17,7 @@
 #include <string_view>
 #include <vector>
 
+#include "benchmarks/program.hpp"
 #include "benchmarks/share.hpp"
 #include "calibrate/verdict/diagnosis.hpp"
 #include "numerics/parallel.hpp"
@@ -42,6 +43,7 @@ void print(const rig::Scenario& scenario, int seeds, bool answers_too) {
   std::map<std::string, int> answers;
   for (const rig::Score& s : scores) ++answers[s.answer];
   std::vector<std::pair<int, std::string>> common;
+  common.reserve(answers.size());
   for (const auto& [answer, times] : answers) common.emplace_back(times, answer);
   std::ranges::sort(common, std::greater<>());
   std::string text;
@@ -65,7 +67,7 @@ void print(const rig::Scenario& scenario, int seeds, bool answers_too) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+PROGRAM(diagnosis_rates)(int argc, char** argv) {
   const int seeds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 200;
   const std::string_view prefix = argc > 2 ? argv[2] : "";
   fmt::print("{} seeds; percent with 95 % intervals\n{:<46} {:>19} {:>19} {:>19} {:>6} {:>5}{}\n",
@@ -74,4 +76,5 @@ int main(int argc, char** argv) {
   for (const rig::Scenario& scenario : rig::scenarios()) {
     if (scenario.name.starts_with(prefix)) print(scenario, seeds, !prefix.empty());
   }
+  return 0;
 }

@@ -26,6 +26,7 @@
 #include <vector>
 
 #include "app/diagnose.hpp"
+#include "benchmarks/program.hpp"
 #include "benchmarks/share.hpp"
 #include "calibrate/fit/fit.hpp"
 #include "calibrate/measurement/response_unit.hpp"
@@ -129,7 +130,7 @@ struct Sum {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+PROGRAM(law_rates)(int argc, char** argv) {
   const int seeds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 20;
   std::vector<double> strengths;
   std::istringstream list(argc > 2 ? argv[2] : "4");
@@ -172,4 +173,5 @@ int main(int argc, char** argv) {
   }
   fmt::print("\n");
   for (const auto& [name, sum] : groups) sum.print(name);
+  return 0;
 }

@@ -21,6 +21,7 @@
 #include <string_view>
 #include <vector>
 
+#include "benchmarks/program.hpp"
 #include "tests/rig/rig.hpp"
 
 namespace {
@@ -35,6 +36,7 @@ struct Usage {
 /// Runs the program; what it prints goes to files.
 Usage run(std::vector<std::string> words, const std::filesystem::path& folder) {
   std::vector<char*> argv;
+  argv.reserve(words.size() + 1);
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   const std::string out = (folder / "stdout").string();
@@ -90,7 +92,7 @@ std::string with_losses(std::string design) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+PROGRAM(many_rows)(int argc, char** argv) {
   std::vector<int> counts;
   for (int k = 1; k < argc; ++k) counts.push_back(std::atoi(argv[k]));
   if (counts.empty()) counts = {120, 1000, 10000, 100000};

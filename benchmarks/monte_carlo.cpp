@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "backlash/tolerance_shares.hpp"
+#include "benchmarks/program.hpp"
 
 namespace {
 
@@ -99,7 +100,7 @@ double rate(std::uint64_t samples, Run run) {
 
 }  // namespace
 
-int main() {
+PROGRAM(monte_carlo)(int, char**) {
   const ClearanceModel model = bilateral_drive_gear();
   const int threads = omp_get_max_threads();
   fmt::print("3 planets, {} tolerances, {} deviations, {} random numbers a gearbox\n",

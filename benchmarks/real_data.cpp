@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "app/diagnose.hpp"
+#include "benchmarks/program.hpp"
 #include "calibrate/fit/holdout.hpp"
 #include "calibrate/fit/screen.hpp"
 #include "calibrate/measurement/response_unit.hpp"
@@ -24,13 +25,13 @@ namespace {
 using namespace gear3k;  // NOLINT(google-build-using-namespace): a program's own namespace
 using calibrate::Diagnosis;
 
-struct Record {
+struct RealRecord {
   std::string subject{}, data{};  ///< from the root of the sources; subject "": `black_box`
   std::string black_box{};
 };
 
-const std::vector<Record>& records() {
-  static const std::vector<Record> list{
+const std::vector<RealRecord>& records() {
+  static const std::vector<RealRecord> list{
       {.subject = "examples/pairs/dry_steel_pair.toml",
        .data = "data/spur_pair_loss_dry_steel.csv"},
       {.data = "data/printed_cpg_windup.csv",
@@ -80,13 +81,13 @@ std::string number(double x) { return std::isfinite(x) ? fmt::format("{:.4g}", x
 
 }  // namespace
 
-int main() {
+PROGRAM(real_data)(int, char**) {
   const std::string root = GEAR3K_SOURCE_DIR "/";
   fmt::print(
       "root mean square error in the response's unit: as given, extended, and held out of the "
       "fit:\n"
       "the extended model, and the best refit of one parameter (friction, clearance or gain)\n");
-  for (const Record& record : records()) {
+  for (const RealRecord& record : records()) {
     const calibrate::Subject subject =
         record.subject.empty()
             ? calibrate::Subject(io::parse_black_box(record.black_box, "black box"))
@@ -107,4 +108,5 @@ int main() {
         d.holdout_blocks.empty() ? "nothing" : d.holdout_blocks,
         number(d.errors.extended_holdout / unit), number(refit_error(problem) / unit));
   }
+  return 0;
 }

@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/program.hpp"
 #include "benchmarks/share.hpp"
 #include "io/files/specification_file.hpp"
 #include "numerics/parallel.hpp"
@@ -54,7 +55,7 @@ const std::vector<HiddenLaw>& laws() {
   return all;
 }
 
-struct Sum {
+struct GainSum {
   int count = 0, changed = 0, covered_changed = 0, covered = 0, unstated = 0, failed = 0;
   double stated = 0.0, truth = 0.0, half_width = 0.0;
 
@@ -97,7 +98,7 @@ void print_row(std::size_t seed, const Redesigned& r) {
 }
 
 /// Tasks that differ in ratio, friction and the play that is allowed.
-std::vector<wide_rig::FirstDesign> tasks() {
+std::vector<wide_rig::FirstDesign> first_designs() {
   std::vector<wide_rig::FirstDesign> result;
   for (const auto& [ratio, mu, most_arcmin] : std::vector<std::array<double, 3>>{
            {96.2, 0.1, 12.0}, {80.0, 0.06, 15.0}, {120.0, 0.12, 15.0}}) {
@@ -112,14 +113,14 @@ std::vector<wide_rig::FirstDesign> tasks() {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+PROGRAM(redesign_gain)(int argc, char** argv) {
   const int seeds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 20;
   const std::string prefix = argc > 2 ? argv[2] : "";
   const bool rows = argc > 3;
-  const auto specs = tasks();
+  const auto specs = first_designs();
   fmt::print("{:<44} {:>5} {:>7} {:>19} {:>19} {:>9} {:>9} {:>9}\n", "law", "runs", "changed",
              "covered of changed", "covered of all", "stated", "true", "half");
-  Sum all;
+  GainSum all;
   for (const HiddenLaw& law : laws()) {
     const std::string name = law.cause + " " + law.law;
     if (!name.starts_with(prefix)) continue;
@@ -132,7 +133,7 @@ int main(int argc, char** argv) {
         errors[k] = error.what();
       }
     });
-    Sum sum;
+    GainSum sum;
     for (std::size_t k = 0; k < results.size(); ++k) {
       if (!errors[k].empty()) {
         ++sum.failed;
@@ -147,4 +148,5 @@ int main(int argc, char** argv) {
     sum.print(name);
   }
   all.print("all");
+  return 0;
 }

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/program.hpp"
 #include "design/evaluation.hpp"
 #include "io/files/design_file.hpp"
 #include "io/files/specification_file.hpp"
@@ -43,7 +44,7 @@ std::string path_of(const std::string& example) {
   return std::string(GEAR3K_SOURCE_DIR) + "/examples/" + example;
 }
 
-design::Evaluation analyzed(design::Design design) {
+design::Evaluation analyzed(const design::Design& design) {
   return std::get<design::Evaluation>(design::evaluate(design));
 }
 
@@ -149,7 +150,7 @@ void buildable(Bands& bands) {
 
 }  // namespace
 
-int main() {
+PROGRAM(reproduce_96)(int, char**) {
   Bands bands;
   published(bands);
   reference_problem(bands);

@@ -24,6 +24,7 @@
 #include <variant>
 #include <vector>
 
+#include "benchmarks/program.hpp"
 #include "design/evaluation.hpp"
 #include "tests/geometry/rolling_simulation.hpp"
 
@@ -205,7 +206,7 @@ bool number_of(const char* text, std::uint64_t& value) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+PROGRAM(rolling_truth)(int argc, char** argv) {
   std::uint64_t pairs = 12000, seed = 1;
   if (argc > 3 || (argc > 1 && (!number_of(argv[1], pairs) || pairs == 0)) ||
       (argc > 2 && !number_of(argv[2], seed))) {

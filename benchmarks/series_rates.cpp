@@ -19,6 +19,7 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/program.hpp"
 #include "benchmarks/share.hpp"
 #include "numerics/parallel.hpp"
 #include "tests/calibrate/series_scoring.hpp"
@@ -28,7 +29,7 @@ namespace {
 using namespace gear3k;  // NOLINT(google-build-using-namespace): a program's own namespace
 using series_rig::SeriesScore;
 
-struct Sum {
+struct SeriesSum {
   int count = 0, right = 0, truths = 0, named = 0, owner = 0, unexplained = 0, deviations = 0,
       near = 0, compared = 0, mean_inside = 0, deviation_inside = 0;
   double seconds = 0.0;
@@ -69,7 +70,7 @@ struct Sum {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+PROGRAM(series_rates)(int argc, char** argv) {
   const int seeds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 100;
   const std::string prefix = argc > 2 ? argv[2] : "";
   const bool whole = argc <= 3 || std::string(argv[3]) != "quick";
@@ -79,7 +80,7 @@ int main(int argc, char** argv) {
       "{:>5}\n",
       seeds, "scenario", "right", "owner", "median", "within 20 %", "mean in CI", "deviation in CI",
       "unex", "ms");
-  Sum all;
+  SeriesSum all;
   for (const series_rig::SeriesScenario& scenario : series_rig::scenarios()) {
     if (!scenario.name.starts_with(prefix)) continue;
     std::vector<SeriesScore> scores(static_cast<std::size_t>(seeds));
@@ -91,7 +92,7 @@ int main(int argc, char** argv) {
         errors[k] = error.what();
       }
     });
-    Sum sum;
+    SeriesSum sum;
     for (std::size_t k = 0; k < scores.size(); ++k) {
       if (!errors[k].empty()) {
         fmt::print("  seed {}: {}\n", k + 1, errors[k]);
@@ -106,4 +107,5 @@ int main(int argc, char** argv) {
     }
   }
   all.print("all");
+  return 0;
 }

@@ -26,6 +26,7 @@
 #include <string_view>
 #include <vector>
 
+#include "benchmarks/program.hpp"
 #include "benchmarks/share.hpp"
 #include "numerics/parallel.hpp"
 #include "tests/app/wide_scoring.hpp"
@@ -35,7 +36,7 @@ namespace {
 using namespace gear3k;  // NOLINT(google-build-using-namespace): a program's own namespace
 using wide_rig::Score;
 
-struct Sum {
+struct RateSum {
   int count = 0, right = 0, wrong = 0, remainder = 0, disclosed = 0, excluded = 0, unseen = 0,
       worse = 0, later = 0, later_worse = 0, stays = 0, intervals = 0, inside = 0, failed = 0;
   double seconds = 0.0;
@@ -101,7 +102,7 @@ class Reliability {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+PROGRAM(wide_rates)(int argc, char** argv) {
   std::uint64_t first_seed = 1;
   bool answers = false, leave_out = false;
   std::vector<std::string> words;
@@ -128,7 +129,7 @@ int main(int argc, char** argv) {
       "{:>5} {:>5} {:>5} {:>5} {:>5} {}\n",
       seeds, "line, strength in noise", "right", "wrong", "rem.", "discl", "excl.", "worse",
       "later", "in CI", leave_out ? " stays    ms" : "   ms");
-  std::map<std::string, Sum> groups;
+  std::map<std::string, RateSum> groups;
   Reliability reliability;
   for (const wide_rig::Line& line : wide_rig::lines()) {
     if (!line.name.starts_with(prefix) && line.group != prefix) continue;
@@ -149,10 +150,10 @@ int main(int argc, char** argv) {
           errors[k] = error.what();
         }
       });
-      Sum sum;
-      Sum& group = groups[fmt::format("all {} at {}", line.group, strength)];
+      RateSum sum;
+      RateSum& group = groups[fmt::format("all {} at {}", line.group, strength)];
       for (std::size_t k = 0; k < scores.size(); ++k) {
-        for (Sum* s : {&sum, &group}) {
+        for (RateSum* s : {&sum, &group}) {
           if (errors[k].empty()) {
             s->add(scores[k]);
             s->seconds += seconds[k];
@@ -175,4 +176,5 @@ int main(int argc, char** argv) {
   fmt::print("\n");
   for (const auto& [name, sum] : groups) sum.print(name, leave_out);
   reliability.print();
+  return 0;
 }

@@ -15,6 +15,7 @@
 #include <string_view>
 #include <vector>
 
+#include "benchmarks/program.hpp"
 #include "io/files/specification_file.hpp"
 #include "numerics/parallel.hpp"
 #include "optimize/optimizer.hpp"
@@ -137,7 +138,7 @@ void time_per_set(Specification spec) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+PROGRAM(wide_space)(int argc, char** argv) {
   const std::string_view part = argc > 1 ? argv[1] : "";
   const bool quick = part == "--quick";
   const Specification spec = wide_space();

@@ -2,13 +2,14 @@
 
 #include "app/analyze.hpp"
 
+#include "entry.hpp"
 #include "io/files/design_file.hpp"
 #include "report/analysis_report.hpp"
 #include "work.hpp"
 
 using namespace gear3k;
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+FUZZER(analyze)(const std::uint8_t* data, std::size_t size) {
   return fuzz::done_or_refused(data, size, [](const std::string& text) {
     design::Design design = io::parse_design(text, fuzz::kName);
     design.sampling.samples = std::min<std::int64_t>(design.sampling.samples, 100);

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "calibrate/measurement/impossible_rows.hpp"
+#include "entry.hpp"
 #include "io/files/measurement_file.hpp"
 #include "io/files/measurement_loops.hpp"
 #include "io/text/csv_table.hpp"
@@ -12,7 +13,7 @@
 
 using namespace gear3k;
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+FUZZER(csv)(const std::uint8_t* data, std::size_t size) {
   constexpr double kRatio = 96.2;
   const std::string text(reinterpret_cast<const char*>(data), size);
   try {

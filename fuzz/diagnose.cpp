@@ -2,6 +2,7 @@
 
 #include "app/diagnose.hpp"
 
+#include "entry.hpp"
 #include "io/files/design_file.hpp"
 #include "io/files/document_kind.hpp"
 #include "io/files/measurement_file.hpp"
@@ -51,6 +52,6 @@ void diagnose(const std::string& text) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+FUZZER(diagnose)(const std::uint8_t* data, std::size_t size) {
   return fuzz::done_or_refused(data, size, diagnose);
 }

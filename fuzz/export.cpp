@@ -4,12 +4,13 @@
 #include "drawing/drawing.hpp"
 #include "drawing/dxf_drawing.hpp"
 #include "drawing/svg_drawing.hpp"
+#include "entry.hpp"
 #include "io/files/design_file.hpp"
 #include "work.hpp"
 
 using namespace gear3k;
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+FUZZER(export)(const std::uint8_t* data, std::size_t size) {
   return fuzz::done_or_refused(data, size, [](const std::string& text) {
     design::Design design = io::parse_design(text, fuzz::kName);
     design.tolerances.reset();

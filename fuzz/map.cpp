@@ -2,6 +2,7 @@
 
 #include "app/map.hpp"
 
+#include "entry.hpp"
 #include "io/files/design_file.hpp"
 #include "report/map_plot.hpp"
 #include "report/map_report.hpp"
@@ -9,7 +10,7 @@
 
 using namespace gear3k;
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+FUZZER(map)(const std::uint8_t* data, std::size_t size) {
   return fuzz::done_or_refused(data, size, [](const std::string& text) {
     design::Design design = io::parse_design(text, fuzz::kName);
     for (design::GridAxis* axis : {&design.map.sun_speed_rad_s, &design.map.output_torque_Nm}) {

@@ -2,8 +2,7 @@
 
 #include "app/optimize.hpp"
 
-#include <string_view>
-
+#include "entry.hpp"
 #include "io/files/design_file.hpp"
 #include "io/files/specification_file.hpp"
 #include "report/search_report.hpp"
@@ -45,7 +44,7 @@ void optimize_and_report(const optimize::Specification& spec) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+FUZZER(optimize)(const std::uint8_t* data, std::size_t size) {
   return fuzz::done_or_refused(data, size, [](const std::string& text) {
     optimize_and_report(fuzz::with_little_work(io::parse_specification(text, fuzz::kName)));
   });

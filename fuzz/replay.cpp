@@ -1,5 +1,5 @@
 // Gives a fuzzer the inputs of folders, for builds without libFuzzer: a crash or an exception is
-// the finding.
+// the finding.   fuzz_replay NAME FOLDER...
 
 #include <algorithm>
 #include <cstddef>
@@ -8,12 +8,19 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <string>
 #include <vector>
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
+#include "entry.hpp"
 
+namespace gear3k::fuzz {
 namespace {
+
+std::map<std::string, Entry>& entries() {
+  static std::map<std::string, Entry> by_name;
+  return by_name;
+}
 
 std::vector<std::filesystem::path> files_of(const char* folder) {
   std::vector<std::filesystem::path> files;
@@ -26,15 +33,28 @@ std::vector<std::filesystem::path> files_of(const char* folder) {
 
 }  // namespace
 
+Registered::Registered(const char* name, Entry entry) { entries()[name] = entry; }
+
+}  // namespace gear3k::fuzz
+
 int main(int argc, char** argv) {
+  using namespace gear3k;
+  const auto& fuzzers = fuzz::entries();
+  const auto fuzzer = argc > 1 ? fuzzers.find(argv[1]) : fuzzers.end();
+  if (fuzzer == fuzzers.end()) {
+    std::printf("usage: fuzz_replay NAME FOLDER...; NAME is one of");
+    for (const auto& [name, entry] : fuzzers) std::printf(" %s", name.c_str());
+    std::printf("\n");
+    return 1;
+  }
   std::size_t inputs = 0;
-  for (int k = 1; k < argc; ++k) {
-    for (const std::filesystem::path& path : files_of(argv[k])) {
+  for (int k = 2; k < argc; ++k) {
+    for (const std::filesystem::path& path : fuzz::files_of(argv[k])) {
       std::printf("%s\n", path.c_str());
       std::fflush(stdout);  // the last one is the one that crashed
       std::ifstream file(path, std::ios::binary);
       const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
-      LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+      fuzzer->second(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
       ++inputs;
     }
   }

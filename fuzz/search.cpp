@@ -2,15 +2,14 @@
 
 #include "app/search.hpp"
 
-#include <string_view>
-
+#include "entry.hpp"
 #include "io/files/specification_file.hpp"
 #include "report/search_report.hpp"
 #include "work.hpp"
 
 using namespace gear3k;
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+FUZZER(search)(const std::uint8_t* data, std::size_t size) {
   return fuzz::done_or_refused(data, size, [](const std::string& text) {
     const app::SearchRequest request{
         .spec = fuzz::with_little_work(io::parse_specification(text, fuzz::kName)),

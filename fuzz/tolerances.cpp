@@ -2,6 +2,7 @@
 
 #include "app/tolerances.hpp"
 
+#include "entry.hpp"
 #include "io/files/design_file.hpp"
 #include "report/built_series_report.hpp"
 #include "report/tolerance_report.hpp"
@@ -11,7 +12,7 @@
 
 using namespace gear3k;
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+FUZZER(tolerances)(const std::uint8_t* data, std::size_t size) {
   return fuzz::done_or_refused(data, size, [](const std::string& text) {
     design::Design design = io::parse_design(text, fuzz::kName);
     design.sampling.samples = std::min<std::int64_t>(design.sampling.samples, 20);

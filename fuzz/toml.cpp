@@ -5,6 +5,7 @@
 #include <functional>
 #include <string>
 
+#include "entry.hpp"
 #include "io/files/design_file.hpp"
 #include "io/files/document_kind.hpp"
 #include "io/files/model_file.hpp"
@@ -54,7 +55,7 @@ void read_as(io::DocumentKind kind, const std::string& text) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+FUZZER(toml)(const std::uint8_t* data, std::size_t size) {
   const std::string text(reinterpret_cast<const char*>(data), size);
   read_or_refuse([&] {
     const io::TomlValue document = io::parse_toml(text, "fuzz.toml");

@@ -75,10 +75,9 @@ add_group() {
   done | awk -v build="$build/" '!seen[$0]++ && index($0, build) != 1' | while read -r path; do
     n=$((n + 1))
     # Programs of their own: each has an entry, of the same name.
-    [ "$name" = BENCHMARKS ] && printf '#define %s\n' "main main_$n" \
-      "LLVMFuzzerTestOneInput test_one_input_$n"
+    [ "$name" = BENCHMARKS ] && printf '#define main main_%d\n' "$n"
     printf '// NOLINTNEXTLINE(bugprone-suspicious-include)\n#include "%s"\n' "$path"
-    [ "$name" = BENCHMARKS ] && printf '#undef %s\n' main LLVMFuzzerTestOneInput
+    [ "$name" = BENCHMARKS ] && printf '#undef main\n'
     true
   done >"$source"
   cmp -s "$source" "$work/$name.cpp" || cp "$source" "$work/$name.cpp"

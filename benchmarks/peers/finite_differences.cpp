@@ -18,6 +18,7 @@
 #include <string>
 #include <string_view>
 
+#include "benchmarks/program.hpp"
 #include "io/files/specification_file.hpp"
 #include "numerics/parallel.hpp"
 #include "optimize/refinement_problem.hpp"
@@ -192,7 +193,7 @@ int run(const std::string& file, const std::filesystem::path& out, Gradient grad
 
 }  // namespace
 
-int main(int argc, char** argv) {
+PROGRAM(finite_differences)(int argc, char** argv) {
   const std::string_view name = argc == 4 ? argv[2] : "";
   if (name != "forward" && name != "central" && name != "exact") {
     fmt::print(stderr, "usage: finite_differences SPEC.toml forward|central|exact OUT\n");

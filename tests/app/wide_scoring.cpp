@@ -31,6 +31,7 @@ calibrate::Subject subject_of(const std::string& text) {
 
 app::DiagnosisTask task_of(const calibrate::Subject& subject, const std::vector<File>& files) {
   std::vector<io::FileText> texts;
+  texts.reserve(files.size());
   for (const File& file : files) texts.push_back({.path = file.name, .text = file.text});
   return app::diagnosis_task({.subject = subject, .data = io::parse_measurements(texts)});
 }
@@ -308,6 +309,7 @@ bool names_stay(const Campaign& campaign, std::size_t part) {
         sessions > 2 ? run == static_cast<int>(part % sessions) : i * kParts / n == part % kParts;
     if (!out) stays.push_back(i);
   }
+  rows.reserve(stays.size());
   for (const std::size_t i : stays) rows.push_back(data.rows[i]);
   data.rows = std::move(rows);
   if (sessions > 2) {
@@ -318,6 +320,7 @@ bool names_stay(const Campaign& campaign, std::size_t part) {
   }
   for (calibrate::Covariate& c : data.covariates) {
     std::vector<double> values;
+    values.reserve(stays.size());
     for (const std::size_t i : stays) values.push_back(c.value[i]);
     c.value = std::move(values);
   }

@@ -158,7 +158,7 @@ Score score_after_experiment(const Scenario& scenario, const Gearbox& gearbox, c
     std::string csv = measure_conditions(gearbox, plan, conditions, causes, first.noise_sd,
                                          seed + 1000003, reference ? "reference" : "next")
                           .csv;
-    if (reference) csv = "# sensor: reference\n" + csv;
+    if (reference) csv.insert(0, "# sensor: reference\n");
     files.push_back(csv);
   }
   const calibrate::Diagnosis after = diagnose_csv(gearbox, files);

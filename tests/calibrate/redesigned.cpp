@@ -67,6 +67,7 @@ Measured measure(const BenchSubject& subject, const HiddenLaw& hidden,
   const std::vector<double> nominal = clean_of({});
   const SensorNoise noise = random_noise("", root_mean_square(nominal), 0.02, random);
   std::vector<double> sigma;
+  sigma.reserve(nominal.size());
   for (const double v : nominal) sigma.push_back(sigma_of(noise, v));
 
   EffectContext context{.subject = &subject, .kind = kKind};

@@ -20,7 +20,7 @@ FirstDesign first_design(const optimize::Specification& spec);
 /// What is hidden on the bench.
 struct HiddenLaw {
   std::string cause, law;   ///< of hidden_effect.hpp, one that belongs to the gearbox
-  std::string plan = "";    ///< of test_plan.hpp; empty: crossed, by_session or even_angles
+  std::string plan{};       ///< of test_plan.hpp; empty: crossed, by_session or even_angles
   std::size_t rows = 1000;  ///< at most
   /// Files state neither angles, times, sessions nor temperatures: quick to diagnose.
   bool few_columns = false;

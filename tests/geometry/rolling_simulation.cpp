@@ -60,7 +60,7 @@ class Pieces {
   /// Calls see(position, value) for every local maximum, refined, and both ends.
   template <class F, class See>
   void maxima(const F& f, int samples, int steps, const See& see) const {
-    std::array<double, 256> x, y;
+    std::array<double, 256> x{}, y{};
     std::size_t n = 0;
     for (std::size_t k = 0; k + 1 < count_; ++k) {
       const double middle = 0.5 * (bounds_[k] + bounds_[k + 1]);
