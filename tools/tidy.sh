@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# clang-tidy over the sources that changed since they were last found clean: of src/ and the tests of
-# its lower floors; with GEAR3K_LONG=1 of all tests, benchmarks, fuzzers and examples too:
+# clang-tidy over the sources that changed since they were last found clean: of src/ and the test
+# benches; with GEAR3K_LONG=1 of all tests, benchmarks, fuzzers and examples too:
 #   tools/tidy.sh BUILD_DIR [GROUP]...    (configured with GEAR3K_UNITY, and built: its dependencies
 #                                          are used; a group has the name of its first target)
 # Most of the time of clang-tidy goes into the headers of the libraries.  So the sources are read in
@@ -128,7 +128,7 @@ export root build work
 if [ $# -gt 0 ]; then
   list=$(printf '%s\n' "$@")
 elif [ "${GEAR3K_LONG:-0}" != 1 ]; then
-  # The library and the tests of its lower floors; ./check long reads all.
-  list=$(grep -E '^(gear3k_|units_test)' <<<"$list")
+  # ./check long reads all.
+  list=$(grep '^gear3k_' <<<"$list")
 fi
 printf '%s' "$list" | xargs -P "$(nproc)" -I{} bash -c 'set -o pipefail; tidy_group {}'
