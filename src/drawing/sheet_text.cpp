@@ -1,0 +1,81 @@
+#include <fmt/format.h>
+
+#include "drawing/inspection_sheet.hpp"
+#include "drawing/xml_text.hpp"
+#include "io/text/printable.hpp"
+#include "report/text_table.hpp"
+
+namespace gear3k::drawing {
+
+namespace {
+
+/// Digits that a workshop reads: 1 um of lengths, 1e-4 deg, 0.1 um.
+std::string shown(const std::optional<double>& value, const std::string& unit) {
+  if (!value) return "";
+  if (unit.empty()) return fmt::format("{:.6g}", *value);
+  if (unit == "um") return fmt::format("{:.1f}", *value);
+  if (unit == "mm") return fmt::format("{:.3f}", *value);
+  return fmt::format("{:.4f}", *value);
+}
+
+std::string exact_or_empty(const std::optional<double>& value) {
+  return value ? report::exact(*value) : "";
+}
+
+/// What a page says above its table.
+constexpr const char* kPageHead = R"(<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><title>{0}</title>
+<style>
+@page {{ size: A4; margin: 15mm; }}
+body {{ font: 10pt "DejaVu Sans", Arial, sans-serif; color: #202020; }}
+h1 {{ font-size: 13pt; margin: 0 0 4mm; }}
+table {{ border-collapse: collapse; width: 100%; }}
+th, td {{ border: 0.2mm solid #808080; padding: 0.8mm 1.5mm; text-align: right; }}
+th {{ background: #eeeeee; }}
+.text {{ text-align: left; }}
+.measured {{ width: 22mm; }}
+</style></head><body>
+<h1>{0}</h1>
+<table>
+<tr><th class="text">characteristic</th><th class="text">symbol</th><th class="text">unit</th><th>nominal</th><th>lower</th><th>upper</th><th class="measured">measured</th><th class="text">note</th></tr>
+)";
+
+}  // namespace
+
+std::string sheet_csv(const InspectionSheet& sheet) {
+  std::string text = report::csv_line(
+      {"group", "characteristic", "symbol", "unit", "nominal", "lower", "upper", "note"});
+  for (const Characteristic& row : sheet.rows) {
+    text += report::csv_line({row.group, row.name, row.symbol, row.unit,
+                              exact_or_empty(row.nominal), exact_or_empty(row.lower),
+                              exact_or_empty(row.upper), row.note});
+  }
+  for (const std::string& note : sheet.notes) {
+    text += report::csv_line({"note", "", "", "", "", "", "", note});
+  }
+  return text;
+}
+
+std::string sheet_html(const InspectionSheet& sheet) {
+  const std::string title =
+      sheet.title.empty() ? sheet.name : fmt::format("{}: {}", sheet.title, sheet.name);
+  std::string text =
+      fmt::format(kPageHead, xml_text(fmt::format("Inspection sheet of {}", title)));
+  std::string group;
+  for (const Characteristic& row : sheet.rows) {
+    if (row.group != group) {
+      group = row.group;
+      text += fmt::format("<tr><th class=\"text\" colspan=\"8\">{}</th></tr>\n", xml_text(group));
+    }
+    text += fmt::format(
+        R"(<tr><td class="text">{}</td><td class="text">{}</td><td class="text">{}</td><td>{}</td><td>{}</td><td>{}</td><td></td><td class="text">{}</td></tr>)"
+        "\n",
+        xml_text(row.name), xml_text(row.symbol), xml_text(row.unit), shown(row.nominal, row.unit),
+        shown(row.lower, row.unit), shown(row.upper, row.unit), xml_text(row.note));
+  }
+  text += "</table>\n";
+  for (const std::string& note : sheet.notes) text += fmt::format("<p>{}</p>\n", xml_text(note));
+  return text + "</body></html>\n";
+}
+
+}  // namespace gear3k::drawing
