@@ -17,9 +17,11 @@
 #include "cli/talk.hpp"
 #include "drawing/dxf_drawing.hpp"
 #include "drawing/export_report.hpp"
+#include "drawing/inspection_sheet.hpp"
 #include "drawing/svg_drawing.hpp"
 #include "io/files/design_file.hpp"
 #include "io/files/specification_file.hpp"
+#include "io/files/subject_file.hpp"
 #include "io/text/diagnostics.hpp"
 #include "io/text/file_set.hpp"
 #include "io/text/file_writer.hpp"
@@ -333,38 +335,95 @@ ExitCode run_reproduce(const ReproduceOptions& options) {
   return kDone;
 }
 
-ExitCode run_export(const ExportOptions& options) {
-  use_threads(options);
-  const design::Design design = io::read_design(options.file);
-  const design::Evaluation evaluation = app::evaluate(design, options.file);
-  const double chord_error_m = options.chord_error_um * 1e-6;
-  const drawing::DrawingSet set = drawing::make_drawings(design, evaluation, chord_error_m);
+namespace {
 
-  drawing::ExportSummary summary{
-      .name = evaluation.name, .chord_error_m = chord_error_m, .files = {}, .notes = set.notes};
+/// Adds one file to what is written and to what is printed of it.
+struct Exports {
+  drawing::ExportSummary summary;
   std::vector<io::FileText> files;
-  const auto add = [&](const std::string& folder, const char* format,
-                       std::string (*text_of)(const drawing::Drawing&)) {
+
+  void add(const std::string& folder, drawing::ExportedFile file, std::string text) {
+    file.path =
+        (std::filesystem::path(folder) / fmt::format("{}.{}", file.drawing, file.format)).string();
+    files.push_back({.path = file.path, .text = std::move(text)});
+    summary.files.push_back(std::move(file));
+  }
+  void add_drawings(const std::string& folder, const char* format,
+                    const std::vector<drawing::Drawing>& drawings,
+                    std::string (*text_of)(const drawing::Drawing&)) {
     if (folder.empty()) return;
-    for (const drawing::Drawing& one : set.drawings) {
-      const std::string path =
-          (std::filesystem::path(folder) / fmt::format("{}.{}", one.name, format)).string();
+    for (const drawing::Drawing& one : drawings) {
       std::size_t points = 0;
       for (const drawing::DrawnGear& gear : one.gears) points += gear.contour.size();
-      files.push_back({.path = path, .text = text_of(one)});
-      summary.files.push_back({.path = path,
-                               .drawing = one.name,
-                               .format = format,
-                               .contours = one.gears.size(),
-                               .points = points});
+      add(folder,
+          {.path = "",
+           .drawing = one.name,
+           .format = format,
+           .contours = one.gears.size(),
+           .points = points},
+          text_of(one));
     }
-  };
-  add(options.dxf_folder, "dxf", drawing::dxf_text);
-  add(options.svg_folder, "svg", drawing::svg_text);
-  io::write_files(files, {options.file});
+  }
+  void add_sheets(const std::string& folder, const std::vector<drawing::InspectionSheet>& sheets) {
+    for (const drawing::InspectionSheet& sheet : sheets) {
+      add(folder, {.path = "", .drawing = sheet.name, .format = "csv", .contours = 0, .points = 0},
+          drawing::sheet_csv(sheet));
+      add(folder, {.path = "", .drawing = sheet.name, .format = "html", .contours = 0, .points = 0},
+          drawing::sheet_html(sheet));
+    }
+  }
+};
+
+Exports exports_of(const design::Design& design, const ExportOptions& options) {
+  const design::Evaluation evaluation = app::evaluate(design, options.file);
+  const double chord_error_m = options.chord_error_um * 1e-6;
+  drawing::DrawingSet set = drawing::make_drawings(design, evaluation, chord_error_m);
+  Exports exports{.summary = {.name = evaluation.name,
+                              .chord_error_m = chord_error_m,
+                              .files = {},
+                              .notes = std::move(set.notes)},
+                  .files = {}};
+  exports.add_drawings(options.dxf_folder, "dxf", set.drawings, drawing::dxf_text);
+  exports.add_drawings(options.svg_folder, "svg", set.drawings, drawing::svg_text);
+  if (!options.sheet_folder.empty())
+    exports.add_sheets(options.sheet_folder, drawing::inspection_sheets(design, evaluation));
+  return exports;
+}
+
+/// Of a pair there are sheets only.
+Exports exports_of(const design::PairDesign& pair, const ExportOptions& options) {
+  if (!options.dxf_folder.empty() || !options.svg_folder.empty()) {
+    throw io::InvalidInput(options.file +
+                           ": a PAIR has no drawings: --dxf, --svg: allowed: a DESIGN; of a PAIR "
+                           "--sheet");
+  }
+  const design::PairEvaluation evaluation = app::mesh({.pair = pair, .source = options.file});
+  Exports exports{.summary = {.name = evaluation.name,
+                              .chord_error_m = options.chord_error_um * 1e-6,
+                              .files = {},
+                              .notes = evaluation.notes},
+                  .files = {}};
+  exports.add_sheets(options.sheet_folder, drawing::inspection_sheets(pair, evaluation));
+  return exports;
+}
+
+Exports exports_of(const calibrate::BlackBox&, const ExportOptions& options) {
+  throw io::InvalidInput(options.file +
+                         ": is a black box, without teeth; allowed: a DESIGN or a PAIR");
+}
+
+}  // namespace
+
+ExitCode run_export(const ExportOptions& options) {
+  use_threads(options);
+  const Exports exports =
+      std::visit([&](const auto& subject) { return exports_of(subject, options); },
+                 io::read_subject(options.file));
+  const drawing::ExportSummary& summary = exports.summary;
+  io::write_files(exports.files, {options.file});
 
   if (!options.quiet) {
-    for (const std::string& note : set.notes) say(fmt::format("note: {}\n", note));
+    for (const std::string& note : summary.notes) say(fmt::format("note: {}\n", note));
   }
   switch (options.format) {
     case Format::kJson:

@@ -83,7 +83,7 @@ inline constexpr double kLeastChordErrorUm = 0.01, kGreatestChordErrorUm = 100.0
 
 struct ExportOptions : CommonOptions {
   std::string file;
-  std::string dxf_folder, svg_folder;  ///< "" = none; at least one is given
+  std::string dxf_folder, svg_folder, sheet_folder;  ///< "" = none; at least one is given
   double chord_error_um = 1.0;
 };
 

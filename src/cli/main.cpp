@@ -64,11 +64,16 @@ std::string folder_name(const std::string& folder) {
 
 /// Options of `export`; its callback runs after all were read.
 void add_export_options(CLI::App& command, cli::ExportOptions& options) {
-  command.add_option("DESIGN", options.file, "DESIGN.toml")->required();
+  command.add_option("DESIGN", options.file, "DESIGN.toml; for --sheet also PAIR.toml")->required();
   command.add_option("--dxf", options.dxf_folder, "folder for DXF files; made when missing")
       ->check(folder_name)
       ->option_text("DIR");
   command.add_option("--svg", options.svg_folder, "folder for SVG files; made when missing")
+      ->check(folder_name)
+      ->option_text("DIR");
+  command
+      .add_option("--sheet", options.sheet_folder,
+                  "folder for inspection sheets (CSV and pages to print); made when missing")
       ->check(folder_name)
       ->option_text("DIR");
   command
@@ -78,9 +83,12 @@ void add_export_options(CLI::App& command, cli::ExportOptions& options) {
       ->option_text("UM [1]");
   add_common_options(command, options);
   command.footer([] {
-    return "At least one of --dxf and --svg is needed.  Each folder gets S, P1, R1, P2, R2 (one "
-           "gear each,\ntooth 0 on the +x axis) and train (all of them in mesh, backlash centred); "
-           "files of these\nnames are replaced, all of them or none.  Planets that cannot be "
+    return "At least one of --dxf, --svg and --sheet is needed.  Each folder gets S, P1, R1, P2, "
+           "R2 "
+           "(one gear each,\ntooth 0 on the +x axis) and train (all of them in mesh, backlash "
+           "centred), "
+           "of sheets\nthe compound planet; files of these names are replaced, all of them or "
+           "none.  Planets that cannot be "
            "equally "
            "spaced: the train shows\nplanet 1 alone.  A design that fails checks is drawn all the "
            "same; stderr names them.\n\nKeys of DESIGN.toml:\n" +
@@ -91,8 +99,8 @@ void add_export_options(CLI::App& command, cli::ExportOptions& options) {
 /// What is wrong with the options of `export` together; "" when nothing is.
 std::string export_usage_error(const cli::ExportOptions& options) {
   std::string text;
-  if (options.dxf_folder.empty() && options.svg_folder.empty()) {
-    text = "--dxf DIR, --svg DIR: neither is given, allowed: one or both";
+  if (options.dxf_folder.empty() && options.svg_folder.empty() && options.sheet_folder.empty()) {
+    text = "--dxf DIR, --svg DIR, --sheet DIR: none is given, allowed: one or more";
   }
   const double um = options.chord_error_um;
   if (!(um >= cli::kLeastChordErrorUm && um <= cli::kGreatestChordErrorUm)) {

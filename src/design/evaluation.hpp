@@ -168,6 +168,9 @@ std::optional<NotDefined> why_undefined(const PairDesign& design);
 /// one, else the zero-backlash distance of mesh P1-R1.  The design must be defined.
 train::TrainParameters<double> resolved_parameters(const Design& design);
 
+/// The gears of a pair at the centre distance that evaluate() takes.  The design must be defined.
+std::array<geometry::GearGeometry<double>, 2> resolved_gears(const PairDesign& design);
+
 /// A train with what a design loses; refers to both arguments.
 LossyTrain<double> lossy_train(const Design& design, const train::TrainGeometry<double>& geometry);
 

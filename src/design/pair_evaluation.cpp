@@ -50,6 +50,10 @@ std::optional<NotDefined> why_undefined(const PairDesign& design) {
   return std::nullopt;
 }
 
+std::array<GearGeometry<double>, 2> resolved_gears(const PairDesign& design) {
+  return gears_of(design, resolved_center_distance(design, gears_of(design, std::nullopt)));
+}
+
 std::variant<PairEvaluation, NotDefined> evaluate(const PairDesign& design) {
   static constexpr std::array<std::string_view, 2> kGears{"1", "2"};
   static constexpr std::array<std::array<int, 2>, 1> kPair{{{0, 1}}};

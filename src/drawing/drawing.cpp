@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "drawing/planet_marks.hpp"
 #include "report/display.hpp"
 
 namespace gear3k::drawing {
@@ -44,6 +45,9 @@ DrawnGear blank_gear(const geometry::GearGeometry<double>& g, GearId id,
   drawn.profile_shift = g.gear.profile_shift;
   const double bore = masses.bore_radius_m[id];
   if (train::kind_of(id) == geometry::GearKind::kExternal && bore > 0.0) drawn.bore_radius_m = bore;
+  if (id == kP1 || id == kP2) {
+    drawn.mark = {.x_m = 0.5 * (g.root_radius_m + g.tip_radius_m), .y_m = 0.0};
+  }
   if (id == kR2) drawn.outer_radius_m = masses.ring2_outer_radius_m;
   return drawn;
 }
@@ -52,6 +56,7 @@ struct Place {
   double angle_rad = 0.0;
   geometry::Point center;
   int planet = 0;
+  double mark_rad = 0.0;  ///< direction of the marked tooth
 };
 
 /// A gear drawn at the origin, moved to its place.
@@ -61,6 +66,7 @@ DrawnGear moved(DrawnGear gear, const Place& place) {
   gear.planet = place.planet;
   if (place.planet > 0) gear.name += fmt::format("_{}", place.planet);
   gear.contour = geometry::placed(gear.contour, place.angle_rad, place.center);
+  if (gear.mark) gear.mark = geometry::placed({*gear.mark}, place.mark_rad, place.center).front();
   return gear;
 }
 
@@ -160,17 +166,22 @@ DrawingSet make_drawings(const design::Design& design, const design::Evaluation&
       moved(alone[kR1], {.angle_rad = placement.ring1_rad, .center = {}, .planet = 0}));
   assembled.gears.push_back(
       moved(alone[kR2], {.angle_rad = placement.ring2_rad, .center = {}, .planet = 0}));
+  const std::vector<PlanetMarks> marks = planet_marks(evaluation.teeth, evaluation.planets);
   int number = 0;
   for (const TrainPlacement::Planet& planet : placement.planets) {
     const geometry::Point center =
         geometry::placed({{.x_m = evaluation.center_distance_m, .y_m = 0.0}}, planet.carrier_rad,
                          {})
             .front();
+    const PlanetMarks& mark = marks[static_cast<std::size_t>(number)];
     ++number;
-    assembled.gears.push_back(
-        moved(alone[kP1], {.angle_rad = planet.p1_rad, .center = center, .planet = number}));
-    assembled.gears.push_back(
-        moved(alone[kP2], {.angle_rad = planet.p2_rad, .center = center, .planet = number}));
+    assembled.gears.push_back(moved(
+        alone[kP1],
+        {.angle_rad = planet.p1_rad, .center = center, .planet = number, .mark_rad = mark.p1_rad}));
+    assembled.gears.push_back(moved(alone[kP2], {.angle_rad = planet.p2_rad,
+                                                 .center = center,
+                                                 .planet = number,
+                                                 .mark_rad = mark.p1_rad + mark.phase_rad}));
   }
   set.drawings.push_back(std::move(assembled));
   set.notes = notes_of(evaluation);

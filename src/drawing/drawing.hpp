@@ -62,6 +62,8 @@ struct DrawnGear {
   double reference_radius_m = 0.0, base_radius_m = 0.0, tip_radius_m = 0.0, root_radius_m = 0.0;
   std::optional<double> bore_radius_m;   ///< external gears, where the design gives it
   std::optional<double> outer_radius_m;  ///< rings, where the design gives it
+  /// Timing mark on a tooth of P1 and of P2 (planet_marks.hpp), in place.
+  std::optional<geometry::Point> mark{};
   int teeth = 0;
   double module_m = 0.0, profile_shift = 0.0;
 };
@@ -72,6 +74,9 @@ struct Drawing {
   std::string remark;  ///< what the reader must know of this drawing; "" = nothing
   std::vector<DrawnGear> gears;
 };
+
+/// Radius of a timing mark.
+inline double mark_radius_m(const DrawnGear& gear) { return 0.2 * gear.module_m; }
 
 /// The radius to which a ring's body is drawn: the one given, else root radius + 2.5 modules.
 double drawn_outer_radius(const DrawnGear& ring);

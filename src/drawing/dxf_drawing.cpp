@@ -74,6 +74,8 @@ std::vector<Layer> layers_of(const Drawing& drawing) {
   for (const DrawnGear& gear : drawing.gears) {
     layers.push_back({gear.name, color_of(gear.id), 13, "CONTINUOUS"});
   }
+  if (std::ranges::any_of(drawing.gears, [](const DrawnGear& g) { return g.mark.has_value(); }))
+    layers.push_back({kTimingLayer, 1, 25, "CONTINUOUS"});
   layers.push_back({kConstructionLayer, 8, 5, "CENTER"});
   return layers;
 }
@@ -180,6 +182,11 @@ void write_contour(DL_Dxf& dxf, TextWriter& writer, const DrawnGear& gear) {
   dxf.writePolylineEnd(writer);
   if (gear.bore_radius_m) write_circle(dxf, writer, gear, *gear.bore_radius_m, gear.name);
   if (gear.outer_radius_m) write_circle(dxf, writer, gear, *gear.outer_radius_m, gear.name);
+  if (gear.mark) {
+    dxf.writeCircle(
+        writer, DL_CircleData(mm(gear.mark->x_m), mm(gear.mark->y_m), 0.0, mm(mark_radius_m(gear))),
+        on_layer(kTimingLayer));
+  }
 }
 
 void write_center_mark(DL_Dxf& dxf, TextWriter& writer, const DrawnGear& gear) {

@@ -60,7 +60,7 @@ class SheetRows {
   /// The gear as drawn with its teeth thicker by an arc on the reference circle.
   [[nodiscard]] GearGeometry<double> thicker(double deviation_m) const {
     GearGeometry<double> g = gear_.geometry;
-    g.gear.machining_allowance -= deviation_m * g.angle.cos_alpha / g.gear.module_m;
+    g.gear.machining_allowance -= deviation_m * g.angle.cos / g.gear.module_m;
     return g;
   }
 
@@ -80,7 +80,7 @@ class SheetRows {
     const geometry::Gear<double>& g = gear_.geometry.gear;
     add("gear", ring() ? "teeth, internal" : "teeth", "z", "", g.teeth);
     add("gear", "module", "m", "mm", mm(g.module_m));
-    add("gear", "pressure angle", "alpha", "deg", degrees(std::acos(gear_.geometry.angle.cos_alpha)));
+    add("gear", "pressure angle", "alpha", "deg", degrees(gear_.geometry.angle.alpha_rad));
     add("gear", "profile shift", "x", "modules", g.profile_shift).note =
         ring() ? "positive: thinner teeth, larger diameters (KHK)" : "";
     add("gear", "reference diameter", "d", "mm", mm(2.0 * gear_.geometry.reference_radius_m));
@@ -112,8 +112,8 @@ class SheetRows {
       });
       root.note = "limits: the tool fed in for the limits of the tooth thickness";
     }
-    Characteristic& form = add("blank", "root form diameter", "d_Ff", "mm",
-                               mm(gear_.result->tooth.form_diameter_m));
+    Characteristic& form =
+        add("blank", "root form diameter", "d_Ff", "mm", mm(gear_.result->tooth.form_diameter_m));
     if (gear_.active_root_diameter_m) {
       (ring() ? form.lower : form.upper) = mm(*gear_.active_root_diameter_m);
       form.note = "limit: where the mate's tip reaches as drawn";
@@ -130,7 +130,7 @@ class SheetRows {
     };
     limit_by_thickness(add("teeth", "tooth thickness, arc on d", "s_n", "mm", arc(g)), arc);
     const auto allowance = [](const GearGeometry<double>& a) -> std::optional<double> {
-      return -um(a.gear.module_m * a.gear.machining_allowance) / a.angle.cos_alpha;
+      return -um(a.gear.module_m * a.gear.machining_allowance) / a.angle.cos;
     };
     Characteristic& a_sn = add("teeth", "thickness allowance", "A_sn", "um", allowance(g));
     limit_by_thickness(a_sn, allowance);
@@ -142,7 +142,7 @@ class SheetRows {
         // W_k follows the thickness; the number of teeth stays that of the drawn gear.
         return mm(span->length_m + (geometry::reference_tooth_thickness(a) -
                                     geometry::reference_tooth_thickness(g)) *
-                                       g.angle.cos_alpha * (ring() ? -1.0 : 1.0));
+                                       g.angle.cos * (ring() ? -1.0 : 1.0));
       };
       Characteristic& row =
           add("teeth",
@@ -167,8 +167,8 @@ class SheetRows {
     };
     Characteristic& row = add("teeth", "tooth thickness, chord on d", "s_c", "mm", chord(g));
     limit_by_thickness(row, chord);
-    row.note = fmt::format("{:.4f} mm below the tip circle",
-                           mm(gear_.result->tooth.chordal.height_m));
+    row.note =
+        fmt::format("{:.4f} mm below the tip circle", mm(gear_.result->tooth.chordal.height_m));
   }
 
   void add_deviations() {
@@ -240,11 +240,11 @@ InspectionSheet planet_sheet(const design::Design& design, const design::Evaluat
   };
   const bool alike = e.assembly.identical_planets || marks.size() == 1;
   for (std::size_t i = 0; i < (alike ? 1 : marks.size()); ++i) {
-    Characteristic& row = add(
-        "phase",
-        alike ? "marked tooth of P2 from that of P1"
-              : fmt::format("planet {}: marked tooth of P2 from that of P1", i + 1),
-        "phi", degrees(marks[i].phase_rad));
+    Characteristic& row =
+        add("phase",
+            alike ? "marked tooth of P2 from that of P1"
+                  : fmt::format("planet {}: marked tooth of P2 from that of P1", i + 1),
+            "phi", degrees(marks[i].phase_rad));
     row.note = "counter-clockwise, seen as drawn";
     if (design.tolerances) {
       row.lower = *row.nominal + degrees(design.tolerances->planet_phase_rad.lower);
@@ -266,7 +266,8 @@ InspectionSheet planet_sheet(const design::Design& design, const design::Evaluat
       alike ? "all planets are one part: the marked teeth of P1 and P2 stand as `phi` says"
             : "the planets are different parts: each has its own `phi`");
   sheet.notes.emplace_back(
-      "to assemble: hold R1 and R2 with a space on the axis of planet 1 (as the train is drawn), set "
+      "to assemble: hold R1 and R2 with a space on the axis of planet 1 (as the train is drawn), "
+      "set "
       "each planet with the mark of P1 turned by `psi` from the line sun - planet, then the sun");
   if (!design.tolerances) {
     sheet.notes.emplace_back("no tolerances are stated: only nominal values are given");
@@ -280,10 +281,9 @@ std::optional<int> grade_of(const GearGeometry<double>& gear, const GearToleranc
   constexpr int kFinest = 3;
   constexpr int kCoarsest = 12;
   for (int grade = kFinest; grade <= kCoarsest; ++grade) {
-    const auto t =
-        backlash::pitch_grade({.module_m = gear.gear.module_m,
-                               .reference_diameter_m = 2.0 * gear.reference_radius_m},
-                              grade);
+    const auto t = backlash::pitch_grade(
+        {.module_m = gear.gear.module_m, .reference_diameter_m = 2.0 * gear.reference_radius_m},
+        grade);
     if (t && t->single_pitch_m == tolerances.single_pitch_m &&
         t->cumulative_pitch_m == tolerances.cumulative_pitch_m &&
         t->runout_m == tolerances.runout_m) {

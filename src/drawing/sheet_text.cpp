@@ -24,7 +24,7 @@ std::string exact_or_empty(const std::optional<double>& value) {
 
 /// What a page says above its table.
 constexpr const char* kPageHead = R"(<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8"><title>{0}</title>
+<html lang="en"><head><meta charset="utf-8"/><title>{0}</title>
 <style>
 @page {{ size: A4; margin: 15mm; }}
 body {{ font: 10pt "DejaVu Sans", Arial, sans-serif; color: #202020; }}
@@ -46,9 +46,9 @@ std::string sheet_csv(const InspectionSheet& sheet) {
   std::string text = report::csv_line(
       {"group", "characteristic", "symbol", "unit", "nominal", "lower", "upper", "note"});
   for (const Characteristic& row : sheet.rows) {
-    text += report::csv_line({row.group, row.name, row.symbol, row.unit,
-                              exact_or_empty(row.nominal), exact_or_empty(row.lower),
-                              exact_or_empty(row.upper), row.note});
+    text +=
+        report::csv_line({row.group, row.name, row.symbol, row.unit, exact_or_empty(row.nominal),
+                          exact_or_empty(row.lower), exact_or_empty(row.upper), row.note});
   }
   for (const std::string& note : sheet.notes) {
     text += report::csv_line({"note", "", "", "", "", "", "", note});
@@ -59,8 +59,7 @@ std::string sheet_csv(const InspectionSheet& sheet) {
 std::string sheet_html(const InspectionSheet& sheet) {
   const std::string title =
       sheet.title.empty() ? sheet.name : fmt::format("{}: {}", sheet.title, sheet.name);
-  std::string text =
-      fmt::format(kPageHead, xml_text(fmt::format("Inspection sheet of {}", title)));
+  std::string text = fmt::format(kPageHead, xml_text(fmt::format("Inspection sheet of {}", title)));
   std::string group;
   for (const Characteristic& row : sheet.rows) {
     if (row.group != group) {

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "drawing/xml_text.hpp"
 #include "report/display.hpp"
 
 namespace gear3k::drawing {
@@ -21,31 +22,6 @@ std::string millimetres(double value_mm) {
   text.erase(text.find_last_not_of('0') + 1);
   if (text.back() == '.') text.pop_back();
   return text == "-0" ? "0" : text;
-}
-
-/// Text as XML holds it; characters that XML 1.0 cannot hold become U+FFFD.
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (std::size_t k = 0; k < text.size(); ++k) {
-    const char c = text[k];
-    if (c == '&') {
-      result += "&amp;";
-    } else if (c == '<') {
-      result += "&lt;";
-    } else if (c == '>') {
-      result += "&gt;";
-    } else if (c == '\n' || c == '\t' || c == '\r') {
-      result += ' ';
-    } else if (static_cast<unsigned char>(c) < 0x20) {
-      result += "\xEF\xBF\xBD";
-    } else if (text.compare(k, 3, "\xEF\xBF\xBE") == 0 || text.compare(k, 3, "\xEF\xBF\xBF") == 0) {
-      result += "\xEF\xBF\xBD";
-      k += 2;
-    } else {
-      result += c;
-    }
-  }
-  return result;
 }
 
 std::size_t letters_in(const std::string& utf8) {
@@ -138,7 +114,7 @@ class SvgWriter {
   void add_text(const std::string& words, const TextPlace& place) {
     add(fmt::format(R"(<text x="{}" y="{}" font-size="{}" fill="{}">{}</text>)",
                     millimetres(place.x), millimetres(place.y), millimetres(place.size),
-                    place.color, escaped(words)));
+                    place.color, xml_text(words)));
   }
 
   [[nodiscard]] std::string dashed_line(const ConstructionCircle& circle) const {
@@ -170,6 +146,13 @@ class SvgWriter {
     add(fmt::format(R"(<circle cx="{}" cy="{}" r="{}" {}/>)", millimetres(mm(gear.center.x_m)),
                     millimetres(mm(gear.center.y_m)), millimetres(mm(circle.radius_m)),
                     dashed_line(circle)));
+  }
+
+  void add_timing_mark(const DrawnGear& gear) {
+    if (!gear.mark) return;
+    add(fmt::format(R"(<circle class="timing" cx="{}" cy="{}" r="{}" fill="#d00000"/>)",
+                    millimetres(mm(gear.mark->x_m)), millimetres(mm(gear.mark->y_m)),
+                    millimetres(mm(mark_radius_m(gear)))));
   }
 
   void add_center_mark(const DrawnGear& gear) {
@@ -224,6 +207,12 @@ void add_legend(SvgWriter& svg, const Panel& panel, double unit, Point corner) {
                         gear->profile_shift));
   }
   const DrawnGear& first = *panel.gears.front();
+  if (std::ranges::any_of(panel.gears, [](const DrawnGear* g) { return g->mark.has_value(); })) {
+    add_row(
+        fmt::format(R"(<circle cx="{}" cy="{}" r="{}" fill="#d00000"/>)",
+                    millimetres(corner.x_m + 2.8 * unit), millimetres(y), millimetres(0.8 * unit)),
+        "timing mark: the teeth of P1 and P2 that belong together");
+  }
   if (panel.gears.size() > 1) {
     line_row(circles_of(first)[0], "reference circles");
     return;
@@ -244,7 +233,7 @@ std::string svg_text(const Drawing& drawing) {
   // From top to bottom: title, remark, captions, panels, legends, scale bar.
   const double panel_top = margin + (drawing.remark.empty() ? 11.0 : 14.5) * unit;
   const double legend_top = panel_top + 2.0 * radius + 5.0 * unit;
-  const double bar_top = legend_top + 5.0 * 3.4 * unit + 2.0 * unit;
+  const double bar_top = legend_top + 6.0 * 3.4 * unit + 2.0 * unit;
   const double height = bar_top + 2.0 * unit + margin;
   const auto panel_width = [&](const Panel& panel) {
     return std::max(2.0 * panel.radius_mm, 70.0 * unit);  // room for the legend's text
@@ -259,7 +248,7 @@ std::string svg_text(const Drawing& drawing) {
                       millimetres(width), millimetres(height)));
   const std::string title =
       drawing.title.empty() ? drawing.name : fmt::format("{}: {}", drawing.title, drawing.name);
-  svg.add(fmt::format("<title>{}</title>", escaped(title)));
+  svg.add(fmt::format("<title>{}</title>", xml_text(title)));
   svg.add(fmt::format(R"(<rect width="{}" height="{}" fill="#ffffff"/>)", millimetres(width),
                       millimetres(height)));
   // A letter is some 0.6 of its height wide.
@@ -278,6 +267,7 @@ std::string svg_text(const Drawing& drawing) {
                         millimetres(left + 0.5 * panel_width(panel)),
                         millimetres(panel_top + radius)));
     for (const DrawnGear* gear : panel.gears) svg.add_gear(*gear);
+    for (const DrawnGear* gear : panel.gears) svg.add_timing_mark(*gear);
     for (const DrawnGear* gear : panel.gears) {
       const auto circles = circles_of(*gear);
       const std::size_t shown = panel.gears.size() > 1 ? 1 : circles.size();

@@ -71,6 +71,29 @@ TEST(Export, WritesTheOneFormatThatWasAskedFor) {
   }
 }
 
+TEST(Export, WritesSheetsOfADesignAndOfAPair) {
+  const Workplace place;
+  place.write("gear.toml", example("designs/ratio_96_tolerances.toml"));
+  const ProgramResult design = place.run({"export", "gear.toml", "--sheet", "sheets"});
+  EXPECT_EQ(design.exit_code, 0) << design.err;
+  for (const char* name : {"S", "P1", "R1", "P2", "R2", "planet"}) {
+    const std::string path = "sheets/" + std::string(name);
+    EXPECT_TRUE(place.has(path + ".csv")) << path;
+    EXPECT_TRUE(place.has(path + ".html")) << path;
+    EXPECT_TRUE(contains(design.out, path + ".csv")) << design.out;
+  }
+  EXPECT_TRUE(contains(place.read("sheets/planet.csv"), "marked tooth of P2"));
+
+  place.write("pair.toml", example("pairs/wind_turbine_sun_planet.toml"));
+  const ProgramResult pair = place.run({"export", "pair.toml", "--sheet", "pair"});
+  EXPECT_EQ(pair.exit_code, 0) << pair.err;
+  EXPECT_TRUE(contains(place.read("pair/gear2.csv"), "W_3"));
+  const ProgramResult drawn = place.run({"export", "pair.toml", "--sheet", "no", "--svg", "no"});
+  EXPECT_EQ(drawn.exit_code, 2);
+  EXPECT_TRUE(contains(drawn.err, "pair.toml: a PAIR has no drawings")) << drawn.err;
+  EXPECT_FALSE(place.has("no"));
+}
+
 TEST(Export, TableNamesEveryFile) {
   const Workplace place;
   place.write("gear.toml", bilateral());
@@ -203,12 +226,12 @@ TEST_P(ExportRefuses, WithItsCodeAndMessageAndLeavesNothing) {
 std::vector<Refusal> refusals() {
   const std::string range = "allowed: 0.01 to 100 um";
   return {
-      {"NoFormat", {"gear.toml"}, 1, {"--dxf DIR, --svg DIR: neither is given"}},
+      {"NoFormat", {"gear.toml"}, 1, {"--dxf DIR, --svg DIR, --sheet DIR: none is given"}},
       {"NoDesign", {"--dxf", "out"}, 1, {"DESIGN"}},
       {"NoFormatAndNoChord",
        {"gear.toml", "--chord-error-um", "0"},
        1,
-       {"neither is given", "--chord-error-um = 0 um", range}},
+       {"none is given", "--chord-error-um = 0 um", range}},
       {"ChordTooSmall", {"gear.toml", "--svg", "out", "--chord-error-um", "0.009"}, 1, {range}},
       {"ChordTooLarge", {"gear.toml", "--svg", "out", "--chord-error-um", "101"}, 1, {range}},
       {"ChordNegative", {"gear.toml", "--svg", "out", "--chord-error-um=-1"}, 1, {range}},

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <numbers>
 #include <sstream>
@@ -404,7 +405,11 @@ TEST_P(DrawnTrain, DxfReadsBackAsClosedPolylinesOnTheGearsLayers) {
     read_dxf(drawing, reader);
     EXPECT_EQ(reader.integers["$INSUNITS"], 4);
     EXPECT_EQ(reader.integers["$MEASUREMENT"], 1);
-    EXPECT_EQ(reader.layers.size(), drawing.gears.size() + 2);  // 0 and CONSTRUCTION
+    // 0, CONSTRUCTION, and TIMING where there is a planet
+    const bool planets = std::ranges::any_of(
+        drawing.gears, [](const DrawnGear& g) { return g.id == kP1 || g.id == kP2; });
+    EXPECT_EQ(reader.layers.size(), drawing.gears.size() + (planets ? 3 : 2));
+    EXPECT_EQ(reader.layers.contains(kTimingLayer), planets);
     ASSERT_EQ(reader.polylines.size(), drawing.gears.size());
     for (std::size_t k = 0; k < drawing.gears.size(); ++k) {
       const DrawnGear& g = drawing.gears[k];
@@ -429,6 +434,11 @@ TEST_P(DrawnTrain, DxfHasItsCirclesAndCentreMarksOnTheConstructionLayer) {
     EXPECT_NE(std::ranges::find(reader.line_types, "CENTER"), reader.line_types.end());
     ASSERT_TRUE(reader.layers.contains(kConstructionLayer));
     EXPECT_EQ(reader.layers.at(kConstructionLayer).getLinetype(), "CENTER");
+    std::vector<ReadCircle> marks;
+    std::erase_if(reader.circles, [&](const ReadCircle& c) {
+      if (c.layer == kTimingLayer) marks.push_back(c);
+      return c.layer == kTimingLayer;
+    });
     ASSERT_EQ(reader.circles.size(), 4 * drawing.gears.size());
     for (std::size_t k = 0; k < reader.circles.size(); ++k) {
       const DrawnGear& g = drawing.gears[k / 4];
@@ -441,6 +451,25 @@ TEST_P(DrawnTrain, DxfHasItsCirclesAndCentreMarksOnTheConstructionLayer) {
       const double diameter[] = {e.pitch_diameter_m, e.base_diameter_m, e.tip_diameter_m,
                                  e.root_diameter_m};
       EXPECT_NEAR(c.radius, 0.5e3 * diameter[k % 4], 0.51e-9);
+    }
+    // A mark lies within a tooth of its planet: inside the contour, between root and tip.
+    std::vector<DrawnGear> planets;
+    std::ranges::copy_if(drawing.gears, std::back_inserter(planets),
+                         [](const DrawnGear& g) { return g.id == kP1 || g.id == kP2; });
+    ASSERT_EQ(marks.size(), planets.size());
+    for (std::size_t k = 0; k < marks.size(); ++k) {
+      const DrawnGear& g = planets[k];
+      const Point at{.x_m = 1e-3 * marks[k].x, .y_m = 1e-3 * marks[k].y};
+      const double from_axis = std::hypot(at.x_m - g.center.x_m, at.y_m - g.center.y_m);
+      EXPECT_GT(from_axis, g.root_radius_m);
+      EXPECT_LT(from_axis, g.tip_radius_m);
+      for (int turn = 0; turn < 16; ++turn) {
+        const double direction = 2.0 * std::numbers::pi * turn / 16.0;
+        EXPECT_TRUE(
+            inside(g.contour, {.x_m = at.x_m + 1e-3 * marks[k].radius * std::cos(direction),
+                               .y_m = at.y_m + 1e-3 * marks[k].radius * std::sin(direction)}))
+            << g.name;
+      }
     }
     // Two lines for each axis.
     const std::size_t axes =
@@ -459,6 +488,7 @@ TEST(Dxf, BoresAndOuterDiameterOfTheDesignAreCirclesOfTheirGears) {
   read_dxf(drawing(set, "train"), reader);
   std::map<std::string, double> bodies;
   for (const ReadCircle& circle : reader.circles) {
+    if (circle.layer == kTimingLayer) continue;
     if (circle.layer != kConstructionLayer) bodies[circle.layer] = circle.radius;
   }
   const std::map<std::string, double> expected{{"S", 3.0},    {"P1_1", 5.0}, {"P1_2", 5.0},

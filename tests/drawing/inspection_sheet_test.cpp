@@ -1,0 +1,181 @@
+// Inspection sheets: limits against a printed report, and the timing marks of planets.
+
+#include "drawing/inspection_sheet.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <boost/property_tree/xml_parser.hpp>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <random>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "backlash/pitch_grade.hpp"
+#include "drawing/planet_marks.hpp"
+#include "geometry/tooth_measures.hpp"
+#include "io/files/design_file.hpp"
+#include "io/text/csv_table.hpp"
+
+namespace gear3k::inspection_sheet_test {
+namespace {
+
+using drawing::Characteristic, drawing::InspectionSheet;
+
+const std::string kExamples = std::string(GEAR3K_SOURCE_DIR) + "/examples/";
+
+const Characteristic& row_of(const InspectionSheet& sheet, const std::string& symbol) {
+  for (const Characteristic& row : sheet.rows) {
+    if (row.symbol == symbol) return row;
+  }
+  throw std::out_of_range(symbol);
+}
+
+std::vector<InspectionSheet> pair_sheets(const std::string& file, std::array<double, 2> pins_m) {
+  design::PairDesign pair = io::read_pair(kExamples + "pairs/" + file);
+  pair.pin_diameter_m = {pins_m[0], pins_m[1]};
+  return drawing::inspection_sheets(pair, std::get<design::PairEvaluation>(design::evaluate(pair)));
+}
+std::vector<InspectionSheet> train_sheets(const std::string& file) {
+  const design::Design design = io::read_design(kExamples + "designs/" + file);
+  return drawing::inspection_sheets(design, std::get<design::Evaluation>(design::evaluate(design)));
+}
+
+/// What KISSsoft printed: tests/golden/kisssoft_stage_01.toml names the report.
+struct Printed {
+  const char* symbol;
+  double nominal, lower, upper;
+};
+void expect_printed(const InspectionSheet& sheet, const std::vector<Printed>& printed) {
+  constexpr double kHalfDigit = 0.0005 + 1e-9;
+  for (const Printed& p : printed) {
+    const Characteristic& row = row_of(sheet, p.symbol);
+    EXPECT_NEAR(row.nominal.value(), p.nominal, kHalfDigit) << sheet.name << ' ' << p.symbol;
+    EXPECT_NEAR(row.lower.value(), p.lower, kHalfDigit) << sheet.name << ' ' << p.symbol;
+    EXPECT_NEAR(row.upper.value(), p.upper, kHalfDigit) << sheet.name << ' ' << p.symbol;
+  }
+}
+
+TEST(InspectionSheet, HasTheLimitsThatKissSoftPrints) {
+  const auto sun_planet = pair_sheets("wind_turbine_sun_planet.toml", {0.095, 0.110});
+  expect_printed(sun_planet.at(0), {{"W_3", 363.082, 362.842, 362.917},
+                                    {"M_dR", 1050.690, 1050.253, 1050.390},
+                                    {"s_n", 90.897, 90.642, 90.722},
+                                    {"A_sn", 0.0, -255.0, -175.0},
+                                    {"d_a", 978.808, 978.798, 978.808}});
+  expect_printed(sun_planet.at(1), {{"W_3", 367.520, 367.281, 367.356},
+                                    {"M_dR", 1008.755, 1008.360, 1008.484},
+                                    {"s_n", 96.962, 96.707, 96.787}});
+  const auto planet_ring = pair_sheets("wind_turbine_planet_ring.toml", {0.110, 0.080});
+  expect_printed(planet_ring.at(1), {{"W_8", 1047.070, 1047.474, 1047.624},
+                                     {"M_dR", 2445.378, 2446.539, 2446.970},
+                                     {"s_n", 54.264, 53.674, 53.834}});
+}
+
+// The allowance of a drawn gear holds its machining allowance: m q is normal to the flanks, A_sn is
+// the arc, and W_k is longer by A_sn cos α.
+TEST(InspectionSheet, CountsTheMachiningAllowanceInA_sn) {
+  const auto sheets = train_sheets("ratio_96_tolerances.toml");
+  ASSERT_EQ(sheets.size(), 6U);
+  for (std::size_t k = 0; k < 5; ++k) {
+    const InspectionSheet& sheet = sheets[k];
+    const Characteristic& a_sn = row_of(sheet, "A_sn");
+    const double cos_alpha =
+        std::cos(row_of(sheet, "alpha").nominal.value() * std::numbers::pi / 180.0);
+    const auto span = std::ranges::find_if(
+        sheet.rows, [](const Characteristic& row) { return row.symbol.starts_with("W_"); });
+    ASSERT_NE(span, sheet.rows.end());
+    const double width_um = a_sn.upper.value() - a_sn.lower.value();
+    EXPECT_GE(width_um, 0.0);
+    EXPECT_NEAR(1e3 * (span->upper.value() - span->lower.value()), width_um * cos_alpha, 1e-6);
+    EXPECT_LE(a_sn.upper.value(), 0.0);
+  }
+}
+
+TEST(InspectionSheet, WithoutTolerancesHasNominalValuesAndSaysSo) {
+  for (const InspectionSheet& sheet : train_sheets("bilateral_drive_gear.toml")) {
+    for (const Characteristic& row : sheet.rows) {
+      if (row.symbol == "d_Ff") continue;  // what the mate reaches
+      EXPECT_FALSE(row.lower || row.upper) << sheet.name << ' ' << row.name;
+    }
+    EXPECT_FALSE(sheet.notes.empty()) << sheet.name;
+  }
+}
+
+TEST(InspectionSheet, NamesTheGradeOfItsDeviations) {
+  geometry::GearGeometry<double> gear;
+  gear.gear.module_m = 0.002;
+  gear.reference_radius_m = 0.03;
+  EXPECT_FALSE(drawing::grade_of(gear, {}));
+  for (int grade = 3; grade <= 12; ++grade) {
+    const auto t =
+        backlash::pitch_grade({.module_m = 0.002, .reference_diameter_m = 0.06}, grade).value();
+    backlash::GearTolerances tolerances;
+    tolerances.single_pitch_m = t.single_pitch_m;
+    tolerances.cumulative_pitch_m = t.cumulative_pitch_m;
+    tolerances.runout_m = t.runout_m;
+    EXPECT_EQ(drawing::grade_of(gear, tolerances), grade);
+    tolerances.runout_m *= 1.01;
+    EXPECT_FALSE(drawing::grade_of(gear, tolerances));
+  }
+}
+
+TEST(InspectionSheet, FilesReadBack) {
+  for (const InspectionSheet& sheet : train_sheets("ratio_96_tolerances.toml")) {
+    const io::CsvTable table = io::parse_csv(drawing::sheet_csv(sheet), sheet.name);
+    EXPECT_EQ(table.rows.size(), sheet.rows.size() + sheet.notes.size());
+    std::istringstream page(drawing::sheet_html(sheet));
+    boost::property_tree::ptree tree;
+    EXPECT_NO_THROW(boost::property_tree::read_xml(page, tree)) << sheet.name;
+  }
+}
+
+double whole_distance(double value) { return std::abs(value - std::round(value)); }
+
+// A marked tooth is one of the teeth where the train is drawn, and planets that are one part have
+// their marks in line.
+TEST(PlanetMarks, AreTeethOfThePlacedPlanets) {
+  std::mt19937 random(5);
+  const auto between = [&](int low, int high) {
+    return std::uniform_int_distribution<int>(low, high)(random);
+  };
+  int alike = 0;
+  int different = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    const train::ToothSet z{.S = between(9, 40),
+                            .P1 = between(12, 60),
+                            .R1 = between(60, 160),
+                            .P2 = between(12, 60),
+                            .R2 = between(60, 160)};
+    const int planets = between(2, 6);
+    const train::Assembly assembly = train::assembly(z, planets);
+    const auto placed = drawing::place_train(z, planets).planets;
+    const auto marks = drawing::planet_marks(z, planets);
+    ASSERT_EQ(marks.size(), placed.size());
+    const double turn = 2.0 * std::numbers::pi;
+    const double finest = turn / std::lcm(z.P1, z.P2);
+    for (std::size_t i = 0; i < marks.size(); ++i) {
+      EXPECT_LT(whole_distance((marks[i].p1_rad - placed[i].p1_rad) * z.P1 / turn), 1e-9);
+      EXPECT_LT(
+          whole_distance((marks[i].p1_rad + marks[i].phase_rad - placed[i].p2_rad) * z.P2 / turn),
+          1e-9);
+      EXPECT_GE(marks[i].phase_rad, 0.0);
+      EXPECT_LT(marks[i].phase_rad, finest * (1.0 + 1e-12));
+      if (assembly.equal_spacing && assembly.identical_planets) {
+        EXPECT_EQ(marks[i].phase_rad, 0.0);
+      }
+    }
+    if (assembly.equal_spacing) ++(assembly.identical_planets ? alike : different);
+  }
+  EXPECT_GT(alike, 50);
+  EXPECT_GT(different, 50);
+}
+
+}  // namespace
+}  // namespace gear3k::inspection_sheet_test
