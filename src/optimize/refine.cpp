@@ -35,6 +35,10 @@ std::vector<std::optional<double>> module_options(const ModuleChoice& choice) {
 
 std::vector<FixedModules> module_combinations(const Specification& spec) {
   std::vector<FixedModules> combinations;
+  if (has_same_module(spec)) {
+    for (const auto& m : module_options(spec.module[0])) combinations.push_back({m, m});
+    return combinations;
+  }
   for (const auto& m1 : module_options(spec.module[0])) {
     for (const auto& m2 : module_options(spec.module[1])) combinations.push_back({m1, m2});
   }
