@@ -18,6 +18,12 @@ Limits default_limits() {
   return limits;
 }
 
+bool hunts(const Limits& limits, std::size_t mesh) {
+  const auto& meshes = limits.hunting_meshes;
+  return meshes.empty() ||
+         std::ranges::find(meshes, static_cast<train::MeshId>(mesh)) != meshes.end();
+}
+
 std::optional<double> least_backlash_m(const Limits& limits, std::size_t mesh) {
   const auto& own = limits.mesh_backlash_m[mesh];
   return own ? own : limits[CheckId::kNormalBacklash];
@@ -207,7 +213,7 @@ std::vector<CheckInstance> list_checks(const Limits& limits, const GearingLayout
           const int second = layout.mesh_gears[static_cast<std::size_t>(k)][1];
           const bool internal = kind(second) == geometry::GearKind::kRing;
           const bool asked =
-              r.id != CheckId::kHuntingTooth || limits.hunting[static_cast<std::size_t>(k)];
+              r.id != CheckId::kHuntingTooth || hunts(limits, static_cast<std::size_t>(k));
           if (asked && (internal || r.scope == CheckScope::kMesh)) add({.member = k, .which = 0});
         }
         break;

@@ -172,8 +172,8 @@ struct Limits {
   backlash::LostMotionModel model = backlash::LostMotionModel::kKinematic;
   /// Least normal backlash of one mesh [m], in place of that of all.
   std::array<std::optional<double>, train::kMeshCount> mesh_backlash_m{};
-  /// Meshes that CheckId::kHuntingTooth is asked of.
-  std::array<bool, train::kMeshCount> hunting{true, true, true};
+  /// Meshes that CheckId::kHuntingTooth is asked of; empty: all.
+  std::vector<train::MeshId> hunting_meshes{};
   AllowedTeeth allowed_teeth{};
   std::optional<Preset> preset{};  ///< that the file names
   /// Limits of a workshop that neither the file nor a preset states.
@@ -185,6 +185,9 @@ struct Limits {
   std::optional<double>& operator[](CheckId id) { return limit[static_cast<std::size_t>(id)]; }
 };
 Limits default_limits();
+
+/// Whether CheckId::kHuntingTooth is asked of a mesh, where it is on.
+bool hunts(const Limits& limits, std::size_t mesh);
 
 /// Least normal backlash that a mesh is to have [m]; empty: none.
 std::optional<double> least_backlash_m(const Limits& limits, std::size_t mesh);

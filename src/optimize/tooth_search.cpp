@@ -45,7 +45,7 @@ bool has_common_factor(const design::Limits& limits, const train::ToothSet& z) {
     const auto [first, second] = train::kMeshGears[k];
     const int factor =
         std::gcd(teeth[static_cast<std::size_t>(first)], teeth[static_cast<std::size_t>(second)]);
-    if (limits.hunting[k] && factor > *most) return true;
+    if (design::hunts(limits, k) && factor > *most) return true;
   }
   return false;
 }

@@ -166,9 +166,10 @@ void unite_modules(optimize::Specification& spec, FileReading& reading) {
     }
   }
   if (!both.range_m && both.series_m.empty()) {
-    reading.error_at("same_module",
-                     "same_module = true: module.stage1_mm and module.stage2_mm have no module in "
-                     "common: allowed: choices that share one");
+    reading.error_at(
+        "limits.same_module",
+        "limits.same_module = true: module.stage1_mm and module.stage2_mm have no module in "
+        "common: allowed: choices that share one");
     return;
   }
   spec.module = {both, both};

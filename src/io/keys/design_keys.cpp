@@ -87,7 +87,6 @@ std::vector<std::string> file_order() {
   return {"name",
           "planets",
           "identical_planets",
-          "same_module",
           "preset",
           "pressure_angle_deg",
           "center_distance_mm",

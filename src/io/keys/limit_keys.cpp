@@ -73,12 +73,18 @@ Key<LimitInput> contact_ratio_key() {
       }};
 }
 
+/// The least that a limit may be: of a common factor 1, of sliding none.
+double least_threshold(CheckId id) {
+  if (id == CheckId::kHuntingTooth) return 1.0;
+  return id == CheckId::kSpecificSliding ? 0.0 : -1e6;
+}
+
 /// A key of [limits] that is a number in the record's unit, or a switch.
 Key<LimitInput> threshold_key(const CheckRecord& r) {
   return {.record = {.path = fmt::format("limits.{}", r.name),
                      .type = KeyType::kNumberOrSwitch,
                      .unit = r.unit,
-                     .min = -1e6,
+                     .min = least_threshold(r.id),
                      .max = 1e6,
                      .default_text = default_text(r),
                      .help = std::string(r.help)},
@@ -115,11 +121,6 @@ void append_packaging_keys(std::vector<Key<LimitInput>>& keys) {
   keys.push_back(own_key(CheckId::kGearboxLength));
   keys.push_back(own_key(CheckId::kSunRootDiameter));
   keys.push_back(own_key(CheckId::kWall));
-  keys.push_back(
-      switch_key(CheckId::kSameModule, {.path = "same_module",
-                                        .default_text = "false",
-                                        .help = "both stages have the same module; a SPEC searches "
-                                                "no other"}));
   for (std::size_t k = 0; k < train::kMeshCount; ++k) {
     keys.push_back(make_key<LimitInput>(
         number(fmt::format("backlash.{}.min_normal_um", train::kMeshNames[k]), Unit::kMicrometre,
@@ -137,30 +138,13 @@ void append_packaging_keys(std::vector<Key<LimitInput>>& keys) {
          .help = fmt::format("tooth numbers that {} may have", train::kGearNames[i])},
         [i](auto& t, std::size_t) -> auto& { return t.limits.allowed_teeth[i]; }));
   }
-  keys.push_back({.record = {.path = "limits.hunting_meshes",
-                             .type = KeyType::kChoices,
-                             .choices = {train::kMeshNames.begin(), train::kMeshNames.end()},
-                             .default_text = "all three",
-                             .help = "meshes that limits.hunting_tooth is asked of"},
-                  .assign =
-                      [](const KeyRecord& record, LimitInput& t, std::size_t, const TomlValue& v) {
-                        auto& hunting = t.limits.hunting;
-                        hunting.fill(false);
-                        const auto take = [&](const TomlValue& name) {
-                          hunting[index_of(record.choices, name.text)] = true;
-                        };
-                        if (v.kind != TomlValue::Kind::kList) take(v);
-                        for (const TomlValue& name : v.list) take(name);
-                      },
-                  .state = [](const KeyRecord& record, const LimitInput& t,
-                              std::size_t) -> std::optional<TomlValue> {
-                    std::vector<TomlValue> names;
-                    for (std::size_t k = 0; k < train::kMeshCount; ++k) {
-                      if (t.limits.hunting[k]) names.push_back(text_value(record.choices[k]));
-                    }
-                    if (names.size() == train::kMeshCount || names.empty()) return std::nullopt;
-                    return list_value(std::move(names));
-                  }});
+  keys.push_back(make_key<LimitInput>(
+      {.path = "limits.hunting_meshes",
+       .type = KeyType::kChoices,
+       .choices = {train::kMeshNames.begin(), train::kMeshNames.end()},
+       .default_text = "all three",
+       .help = "meshes that limits.hunting_tooth is asked of"},
+      [](auto& t, std::size_t) -> auto& { return t.limits.hunting_meshes; }));
 }
 
 }  // namespace
@@ -197,7 +181,7 @@ std::vector<Key<LimitInput>> limit_keys(bool for_pair) {
   keys.push_back(own_key(CheckId::kNormalBacklash));
   keys.push_back(contact_ratio_key());
   for (const CheckRecord& r : design::check_records()) {
-    if (r.id == CheckId::kIdenticalPlanets || r.id == CheckId::kSameModule) continue;
+    if (r.id == CheckId::kIdenticalPlanets) continue;
     if (for_pair && !belongs_to_pair(r)) continue;
     if (r.threshold && r.limit_key.empty()) {
       keys.push_back(threshold_key(r));
@@ -205,7 +189,9 @@ std::vector<Key<LimitInput>> limit_keys(bool for_pair) {
     }
     keys.push_back(switch_key(
         r.id, number(fmt::format("limits.{}", r.name), Unit::kNone, within(-1e6, 1e6),
-                     r.default_limit ? "true" : "true when stated",
+                     r.default_limit    ? "true"
+                     : r.switched_limit ? "false"
+                                        : "true when stated",
                      r.threshold ? fmt::format("switch of the check; its limit is {}", r.limit_key)
                                  : std::string(r.help))));
   }
@@ -219,15 +205,15 @@ LimitInput stated_limits(const design::Limits& limits) {
     const bool in_range = has_range && r.id == CheckId::kContactRatioMax;
     const bool number = r.threshold && r.limit_key.empty();
     const bool of_preset = limits.preset && design::preset_limit(*limits.preset, r.id);
+    if (limits[r.id] && r.switched_limit && !r.threshold) {
+      input.switched[static_cast<std::size_t>(r.id)] = true;
+    }
     if (!limits[r.id] && !number && (r.default_limit || in_range || of_preset)) {
       input.switched[static_cast<std::size_t>(r.id)] = false;
     }
   }
   input.switched[static_cast<std::size_t>(CheckId::kIdenticalPlanets)] =
       limits[CheckId::kIdenticalPlanets].has_value();
-  if (limits[CheckId::kSameModule]) {
-    input.switched[static_cast<std::size_t>(CheckId::kSameModule)] = true;
-  }
   return input;
 }
 
@@ -256,8 +242,7 @@ void take_preset(const LimitInput& input, const FileReading& reading, design::Li
 }
 
 void report_missing_limit(const CheckRecord& r, FileReading& reading) {
-  const std::string path =
-      r.id == CheckId::kSameModule ? std::string(r.limit_key) : fmt::format("limits.{}", r.name);
+  const std::string path = fmt::format("limits.{}", r.name);
   reading.error_at(path, r.limit_key.empty()
                              ? fmt::format("{} = true: the check has no default; allowed: a "
                                            "number{} or false",

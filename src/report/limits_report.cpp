@@ -1,0 +1,66 @@
+#include "report/limits_report.hpp"
+
+#include <fmt/format.h>
+
+#include <vector>
+
+#include "design/preset.hpp"
+
+namespace gear3k::report {
+
+namespace {
+
+double in_own_unit(const design::CheckRecord& r, double limit) {
+  return units::decimal_from_si(limit, r.unit);
+}
+
+/// "normal_backlash >= 20 um", or "... off".
+std::string limit_with_unit(const design::CheckRecord& r, const std::optional<double>& limit) {
+  if (!limit) return fmt::format("{} off", r.name);
+  const std::string_view unit = units::unit_name(r.unit);
+  return fmt::format("{} {} {:g}{}{}", r.name, r.at_least ? ">=" : "<=", in_own_unit(r, *limit),
+                     unit.empty() ? "" : " ", unit);
+}
+
+}  // namespace
+
+std::string limits_line(const design::Limits& limits) {
+  std::vector<std::string> preset, stated, bare;
+  for (const design::PresetLimit& of_preset : design::preset_limits()) {
+    const design::CheckRecord& r = design::check_record(of_preset.check);
+    const auto& limit = limits[r.id];
+    const auto usual = limits.preset ? design::preset_limit(*limits.preset, r.id) : std::nullopt;
+    (limit == usual ? preset : stated).push_back(limit_with_unit(r, limit));
+  }
+  for (const design::CheckId id : limits.bare) {
+    bare.push_back(limit_with_unit(design::check_record(id), limits[id]));
+  }
+  if (!limits.preset) {
+    if (bare.empty()) return "Limits: no preset; none of a workshop's is left bare\n";
+    return fmt::format(
+        "Limits: no preset; bare are {} (preset = \"machined\" or \"printed\" sets them)\n",
+        fmt::join(bare, ", "));
+  }
+  const auto name = design::kPresetNames[static_cast<std::size_t>(*limits.preset)];
+  if (*limits.preset == design::Preset::kBare) {
+    return "Limits: preset bare, the checks' defaults where nothing is stated\n";
+  }
+  return fmt::format("Limits: preset {}: {}{}{}\n", name, fmt::join(preset, ", "),
+                     stated.empty() ? "" : "; stated instead: ", fmt::join(stated, ", "));
+}
+
+io::Json limits_json(const design::Limits& limits) {
+  io::Json bare = io::Json::array();
+  for (const design::CheckId id : limits.bare) bare.push_back(design::check_record(id).name);
+  io::Json in_force = io::Json::object();
+  for (const design::CheckRecord& r : design::check_records()) {
+    if (limits[r.id]) in_force[std::string(r.name)] = in_own_unit(r, *limits[r.id]);
+  }
+  return {{"preset", limits.preset
+                         ? io::Json(design::kPresetNames[static_cast<std::size_t>(*limits.preset)])
+                         : io::Json(nullptr)},
+          {"bare", std::move(bare)},
+          {"in_force", std::move(in_force)}};
+}
+
+}  // namespace gear3k::report
