@@ -54,7 +54,7 @@ io::Json limits_json(const design::Limits& limits) {
   for (const design::CheckId id : limits.bare) bare.push_back(design::check_record(id).name);
   io::Json in_force = io::Json::object();
   for (const design::CheckRecord& r : design::check_records()) {
-    if (limits[r.id]) in_force[std::string(r.name)] = in_own_unit(r, *limits[r.id]);
+    if (limits[r.id] && !r.rating) in_force[std::string(r.name)] = in_own_unit(r, *limits[r.id]);
   }
   return {{"preset", limits.preset
                          ? io::Json(design::kPresetNames[static_cast<std::size_t>(*limits.preset)])

@@ -12,7 +12,8 @@ namespace gear3k::report {
 /// limits of a workshop that nobody stated.
 std::string limits_line(const design::Limits& limits);
 
-/// preset (null without), bare (names), in_force (by name, in the unit of the check).
+/// preset (null without), bare (names), in_force (by name, in the unit of the check; those of a
+/// load are in its own tables).
 io::Json limits_json(const design::Limits& limits);
 
 }  // namespace gear3k::report
