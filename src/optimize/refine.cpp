@@ -257,8 +257,8 @@ void fill_optimum(const Specification& spec, const BestEnd& best, double residua
   if (judged_by_model(spec)) judge_by_model(spec, *train, set);
 }
 
-/// Whether what a problem misses least are checks of tooth forms, and hardly: these have kinks, at
-/// which a search stays though there is a way on.
+/// Whether a problem hardly misses a gap of tip corners: that has kinks, at which a search stays
+/// though there is a way on.
 bool stays_at_kink(const BestEnd& best) {
   constexpr double kHardly = 0.01;
   if (best.found || !best.problem || !(best.outcome.violation <= kHardly)) return false;
@@ -267,7 +267,8 @@ bool stays_at_kink(const BestEnd& best) {
   if (!evaluate<double>(problem, used(problem, best.outcome.v), g)) return false;
   for (std::size_t k = 0; k < g.size(); ++k) {
     const auto& check = problem.rows[k].check;
-    if (check && check->record->tooth_form && g[k] < -design::kFeasibilityTolerance) return true;
+    if (check && check->record->id == CheckId::kTipFouling && g[k] < -design::kFeasibilityTolerance)
+      return true;
   }
   return false;
 }
@@ -281,8 +282,9 @@ void take_more_starts(const RefinementProblem& problem, const std::atomic<bool>&
   for (std::size_t k = static_cast<std::size_t>(solver.starts); k < starts.size(); ++k) {
     if (stop.load(std::memory_order_relaxed) || best.found) return;
     const SolveOutcome nearest = least_violation(problem, solve(problem, starts[k]).v, {});
+    if (!feasible(nearest)) continue;
     best.offer(problem, nearest);
-    if (feasible(nearest)) best.offer(problem, solve(problem, nearest.v));
+    best.offer(problem, solve(problem, nearest.v));
   }
 }
 
