@@ -123,6 +123,7 @@ struct SpecificSliding {
 /// Outer radius of a ring, as stated or its root circle with the rim.
 template <class T>
 T ring_outer_radius(const Gearing<T>& g, int ring) {
+  if (g.bodies == nullptr) return gear_at(g, ring).root_radius_m;
   const auto& stated = g.bodies->ring_outer_radius_m[ring == train::kR1 ? 0 : 1];
   return stated ? constant<T>(*stated) : T(gear_at(g, ring).root_radius_m + g.bodies->ring_rim_m);
 }

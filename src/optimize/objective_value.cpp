@@ -33,8 +33,10 @@ GearBodies<T> gear_bodies(const Specification& spec, const std::array<T, 2>& fac
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
     const int id = static_cast<int>(i);
     const bool ring = train::kind_of(id) == geometry::GearKind::kRing;
-    const T other = ring ? T(gears[i].root_radius_m + spec.bodies.ring_rim_m)
-                         : constant<T>(spec.bodies.bore_radius_m[i]);
+    // A search may pass gears whose bore reaches their teeth.
+    const T other =
+        ring ? T(gears[i].root_radius_m + spec.bodies.ring_rim_m)
+             : smaller(constant<T>(spec.bodies.bore_radius_m[i]), gears[i].root_radius_m);
     const auto stage = static_cast<std::size_t>(train::stage_of(id));
     bodies[i] = inertia::gear_body<T>(gears[i], other, face_width_m[stage],
                                       constant<T>(*body_density(spec.bodies, i)));

@@ -85,7 +85,7 @@ void append_checks(RefinementProblem& p, int backlash_branch) {
                            .bodies = bodies_of(*p.spec, least_face_widths_m(*p.spec)),
                            .rating = p.spec->rating ? &*p.spec->rating : nullptr}))) {
     const CheckId id = check.record->id;
-    if (is_settled(id) || is_constant(*p.spec, check)) continue;
+    if (is_settled(id)) continue;
     const bool paper = limits.model == backlash::LostMotionModel::kPaper;
     ConstraintRow row{.check = check,
                       .objective = std::nullopt,
@@ -265,7 +265,7 @@ RefinementProblem make_problem_rows(const Specification& spec, int planets,
                                     const ProblemBranch& branch) {
   RefinementProblem p = with_rows(spec, planets, fixed_module_m, branch);
   std::erase_if(p.rows, [&](const ConstraintRow& row) {
-    return row.check && in_shift_range(spec, *row.check);
+    return row.check && (in_shift_range(spec, *row.check) || is_constant(spec, *row.check));
   });
   return p;
 }

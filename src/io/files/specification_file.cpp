@@ -135,12 +135,15 @@ void check_relations(const Input& input, FileReading& reading) {
   }
 }
 
-/// The bores, and the wall that a bore is to leave.
+/// The bores, and the wall that a bore is to leave: at least what is not nothing.
 void finish_bodies(optimize::Specification& spec) {
   auto& bores = spec.bodies.bore_radius_m;
   bores[train::kP2] = bores[train::kP1];
   auto& wall = spec.limits[design::CheckId::kWall];
-  if (!wall && std::ranges::any_of(bores, [](double r) { return r > 0.0; })) wall = 0.0;
+  constexpr double kLeastWall_m = 1e-6;
+  if (std::ranges::any_of(bores, [](double r) { return r > 0.0; })) {
+    wall = std::max(wall.value_or(0.0), kLeastWall_m);
+  }
 }
 
 /// What both modules can be, where they are to be the same.
