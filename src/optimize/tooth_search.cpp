@@ -64,6 +64,7 @@ bool is_off_list(const design::Limits& limits, const train::ToothSet& z) {
 /// Why a set within the ratio is no candidate; empty: it is one.
 std::optional<ToothRejection> rejection_of(const Specification& spec, const Candidate& c) {
   const train::ToothSet& z = c.teeth;
+  if (is_off_list(spec.limits, z)) return ToothRejection::kAllowedTeeth;
   const int least = spec.teeth.min_internal_difference;
   if (z.R1 - z.P1 < least || z.R2 - z.P2 < least) return ToothRejection::kInternalDifference;
   const bool spaced = spec.limits[design::CheckId::kEqualSpacing].has_value();
@@ -72,7 +73,6 @@ std::optional<ToothRejection> rejection_of(const Specification& spec, const Cand
   if (spaced && !assembly.equal_spacing) return ToothRejection::kEqualSpacing;
   if (identical && !assembly.identical_planets) return ToothRejection::kIdenticalPlanets;
   if (has_common_factor(spec.limits, z)) return ToothRejection::kHuntingTooth;
-  if (is_off_list(spec.limits, z)) return ToothRejection::kAllowedTeeth;
   return std::nullopt;
 }
 

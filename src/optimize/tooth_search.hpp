@@ -23,17 +23,17 @@ struct Candidate {
 
 /// Why a set within the tooth ranges and the ratio's tolerance is not a candidate.
 enum class ToothRejection {
+  kAllowedTeeth,
   kInternalDifference,
   kEqualSpacing,
   kIdenticalPlanets,
-  kHuntingTooth,
-  kAllowedTeeth
+  kHuntingTooth
 };
 inline constexpr std::size_t kToothRejectionCount = 5;
-/// Names in result files, in the order of the enum; all but the first are names of checks.
+/// Names in result files, in the order of the enum; all but the second are names of checks.
 inline constexpr std::array<std::string_view, kToothRejectionCount> kToothRejectionNames{
-    "min_internal_difference", "equal_spacing", "identical_planets", "hunting_tooth",
-    "allowed_teeth"};
+    "allowed_teeth", "min_internal_difference", "equal_spacing", "identical_planets",
+    "hunting_tooth"};
 
 struct ToothSearchResult {
   /// Ordered by planets, S, P1, R1, P2, R2, whatever the number of threads; empty where they were

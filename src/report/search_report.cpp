@@ -548,9 +548,16 @@ std::string blocking_text(const Specification& spec, const OptimizeResult& resul
   if (search.candidate_count() == 0) {
     const auto worst = std::ranges::max_element(search.rejected);
     const auto index = static_cast<std::size_t>(worst - search.rejected.begin());
+    std::string others;
+    for (std::size_t k = 0; k < optimize::kToothRejectionCount; ++k) {
+      if (k == index || search.rejected[k] == 0) continue;
+      others += fmt::format("{}{} {}", others.empty() ? "; of the others " : ", ",
+                            optimize::kToothRejectionNames[k], search.rejected[k]);
+    }
     return fmt::format(
-        "no feasible design: blocked by {}: it rejects {} of the {} tooth sets within the ratio{}",
-        optimize::kToothRejectionNames[index], *worst, search.within_ratio,
+        "no feasible design: blocked by {}: it rejects {} of the {} tooth sets within the "
+        "ratio{}{}",
+        optimize::kToothRejectionNames[index], *worst, search.within_ratio, others,
         index == static_cast<std::size_t>(optimize::ToothRejection::kIdenticalPlanets)
             ? " (identical_planets = false would allow individually phased planets)"
             : "");
