@@ -159,7 +159,7 @@ void print_results(const app::OptimizeTask& task, const OptimizeRun& run,
                    (o.front ? report::pareto_table(task.spec, *o.front) : "") +
                    (o.comparison ? report::model_change_table(*o.comparison) : "") + "\n" +
                    report::limits_line(task.stated_limits) +
-                   fmt::format("Files in {}: best.toml (this design), refined.csv ({} tooth sets), "
+                   fmt::format("\nFiles in {}: best.toml (this design), refined.csv ({} tooth sets), "
                                "pareto.csv ({} designs), summary.json\n",
                                options.out, o.result.search.candidates.size() - run.tally.open,
                                o.front ? o.front->points.size() : o.result.pareto.size()));

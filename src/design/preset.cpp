@@ -9,7 +9,7 @@ namespace {
 constexpr std::array<PresetLimit, 12> kPresetLimits{
     {{.check = CheckId::kTipThickness, .machined = 0.25, .printed = 0.25},
      {.check = CheckId::kRingTipThickness, .machined = 0.25, .printed = 0.25},
-     {.check = CheckId::kFormCircle, .machined = 0.02, .printed = 0.05},
+     {.check = CheckId::kFormCircle, .machined = 0.05, .printed = 0.1},
      {.check = CheckId::kRootClearance, .machined = 0.1, .printed = 0.1},
      {.check = CheckId::kTrochoidInterference, .machined = 0.05, .printed = 0.1},
      {.check = CheckId::kPlanetGap, .machined = 0.5, .printed = 0.5},
