@@ -22,6 +22,16 @@ std::string limit_with_unit(const design::CheckRecord& r, const std::optional<do
                      unit.empty() ? "" : " ", unit);
 }
 
+/// Checks with a threshold, of no preset, whose limit is 0: met without any reserve.
+std::vector<std::string_view> limits_at_zero(const design::Limits& limits) {
+  std::vector<std::string_view> names;
+  for (const design::CheckRecord& r : design::check_records()) {
+    const bool of_preset = design::preset_limit(design::Preset::kMachined, r.id).has_value();
+    if (r.threshold && !r.rating && !of_preset && limits[r.id] == 0.0) names.push_back(r.name);
+  }
+  return names;
+}
+
 }  // namespace
 
 std::string limits_line(const design::Limits& limits) {
@@ -35,18 +45,22 @@ std::string limits_line(const design::Limits& limits) {
   for (const design::CheckId id : limits.bare) {
     bare.push_back(limit_with_unit(design::check_record(id), limits[id]));
   }
+  const auto zero = limits_at_zero(limits);
+  const std::string at_zero = zero.empty() ? "" : fmt::format("; at 0: {}", fmt::join(zero, ", "));
   if (!limits.preset) {
-    if (bare.empty()) return "Limits: no preset; none of a workshop's is left bare\n";
-    return fmt::format(
-        "Limits: no preset; bare are {} (preset = \"machined\" or \"printed\" sets them)\n",
-        fmt::join(bare, ", "));
+    const std::string named =
+        bare.empty() ? "none of a workshop's is left bare"
+                     : fmt::format("bare are {} (preset = \"machined\" or \"printed\" sets them)",
+                                   fmt::join(bare, ", "));
+    return fmt::format("Limits: no preset; {}{}\n", named, at_zero);
   }
   const auto name = design::kPresetNames[static_cast<std::size_t>(*limits.preset)];
   if (*limits.preset == design::Preset::kBare) {
-    return "Limits: preset bare, the checks' defaults where nothing is stated\n";
+    return fmt::format("Limits: preset bare, the checks' defaults where nothing is stated{}\n",
+                       at_zero);
   }
-  return fmt::format("Limits: preset {}: {}{}{}\n", name, fmt::join(preset, ", "),
-                     stated.empty() ? "" : "; stated instead: ", fmt::join(stated, ", "));
+  return fmt::format("Limits: preset {}: {}{}{}{}\n", name, fmt::join(preset, ", "),
+                     stated.empty() ? "" : "; stated instead: ", fmt::join(stated, ", "), at_zero);
 }
 
 io::Json limits_json(const design::Limits& limits) {
@@ -60,6 +74,7 @@ io::Json limits_json(const design::Limits& limits) {
                          ? io::Json(design::kPresetNames[static_cast<std::size_t>(*limits.preset)])
                          : io::Json(nullptr)},
           {"bare", std::move(bare)},
+          {"at_zero", limits_at_zero(limits)},
           {"in_force", std::move(in_force)}};
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -58,6 +59,14 @@ TEST(Preset, LeavesNoMeshOfALeastSpecWithoutBacklashAndNoLimitUnsaid) {
   EXPECT_EQ(limits.at("in_force").at("specific_sliding"), 3.0);
   EXPECT_NE(made.run.out.find("\nLimits: preset machined: "), std::string::npos);
   EXPECT_NE(made.place.read("out/best.toml").find("\npreset = \"machined\"\n"), std::string::npos);
+  // What has no reserve is said to have none.
+  for (const json& check : made.best.at("checks")) {
+    const std::string name = check.at("name");
+    const json& zero = limits.at("at_zero");
+    const bool said = std::find(zero.begin(), zero.end(), name) != zero.end();
+    const bool of_planets = name == "equal_spacing" || name == "identical_planets";
+    EXPECT_EQ(said, number(check, "limit") == 0.0 && !of_planets) << name;
+  }
   EXPECT_EQ(bare.summary.at("limits").at("preset"), nullptr);
   EXPECT_GT(bare.summary.at("limits").at("bare").size(), 5U);
   EXPECT_NE(bare.run.out.find("\nLimits: no preset; bare are "), std::string::npos);
