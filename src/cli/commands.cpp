@@ -32,6 +32,7 @@
 #include "papers/reproduce_report.hpp"
 #include "report/analysis_report.hpp"
 #include "report/comparison_report.hpp"
+#include "report/limits_report.hpp"
 #include "report/search_report.hpp"
 #include "report/torque_angle_plot.hpp"
 #include "report/torque_angle_report.hpp"
@@ -98,7 +99,9 @@ std::string result_text(const app::Analysis& analysis, const std::optional<app::
     case Format::kTable:
       break;
   }
-  return report::analysis_table(analysis.evaluation, analysis.sensitivities, use, built, curve);
+  const design::Limits& limits = analysis.design.limits;
+  return report::analysis_table(analysis.evaluation, analysis.sensitivities, use, built, curve) +
+         (limits.preset ? "\n" + report::limits_line(limits) : "");
 }
 
 std::string result_text(const design::PairEvaluation& evaluation, Format format) {

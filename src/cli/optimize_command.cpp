@@ -17,6 +17,7 @@
 #include "io/files/specification_file.hpp"
 #include "io/text/toml_value.hpp"
 #include "report/analysis_report.hpp"
+#include "report/limits_report.hpp"
 #include "report/model_change_report.hpp"
 #include "report/robust_report.hpp"
 #include "report/search_report.hpp"
@@ -119,7 +120,7 @@ OptimizeRun run(app::OptimizeTask& task, RunJournal& journal, const OptimizeOpti
   run.summary = report::summary_json(task.spec, o.result, run.tally,
                                      {.wall_time_s = wall_time_s, .threads = threads}, task.use(),
                                      o.front ? &*o.front : nullptr, o.robust ? &*o.robust : nullptr,
-                                     o.comparison ? &*o.comparison : nullptr);
+                                     o.comparison ? &*o.comparison : nullptr, &task.stated_limits);
   return run;
 }
 
@@ -151,17 +152,17 @@ void print_results(const app::OptimizeTask& task, const OptimizeRun& run,
       break;
     case Format::kTable: {
       const auto series = design::table_series(o.best->design);
-      print_result(
-          report::analysis_table(o.best->evaluation, design::sensitivities(o.best->design),
-                                 task.use(), series ? &*series : nullptr,
-                                 o.best->torque_angle ? &*o.best->torque_angle : nullptr) +
-          (o.robust ? report::robust_table(task.spec, *o.robust) : "") +
-          (o.front ? report::pareto_table(task.spec, *o.front) : "") +
-          (o.comparison ? report::model_change_table(*o.comparison) : "") +
-          fmt::format("\nFiles in {}: best.toml (this design), refined.csv ({} tooth sets), "
-                      "pareto.csv ({} designs), summary.json\n",
-                      options.out, o.result.search.candidates.size() - run.tally.open,
-                      o.front ? o.front->points.size() : o.result.pareto.size()));
+      print_result(report::analysis_table(o.best->evaluation, design::sensitivities(o.best->design),
+                                          task.use(), series ? &*series : nullptr,
+                                          o.best->torque_angle ? &*o.best->torque_angle : nullptr) +
+                   (o.robust ? report::robust_table(task.spec, *o.robust) : "") +
+                   (o.front ? report::pareto_table(task.spec, *o.front) : "") +
+                   (o.comparison ? report::model_change_table(*o.comparison) : "") + "\n" +
+                   report::limits_line(task.stated_limits) +
+                   fmt::format("\nFiles in {}: best.toml (this design), refined.csv ({} tooth sets), "
+                               "pareto.csv ({} designs), summary.json\n",
+                               options.out, o.result.search.candidates.size() - run.tally.open,
+                               o.front ? o.front->points.size() : o.result.pareto.size()));
       break;
     }
   }

@@ -18,18 +18,49 @@ Limits default_limits() {
   return limits;
 }
 
+bool hunts(const Limits& limits, std::size_t mesh) {
+  const auto& meshes = limits.hunting_meshes;
+  return meshes.empty() ||
+         std::ranges::find(meshes, static_cast<train::MeshId>(mesh)) != meshes.end();
+}
+
+std::optional<double> least_backlash_m(const Limits& limits, std::size_t mesh) {
+  const auto& own = limits.mesh_backlash_m[mesh];
+  return own ? own : limits[CheckId::kNormalBacklash];
+}
+
+namespace {
+
+/// Gears whose bore, of a ring whose outer surface, is known.
+std::vector<bool> walled_gears(const TrainBodies<double>& bodies) {
+  std::vector<bool> walled;
+  for (int id = 0; id < train::kGearCount; ++id) {
+    const bool ring = train::kind_of(id) == geometry::GearKind::kRing;
+    const bool outer =
+        bodies.ring_rim_m > 0.0 || bodies.ring_outer_radius_m[id == train::kR1 ? 0 : 1];
+    walled.push_back(ring ? outer : bodies.bore_radius_m[static_cast<std::size_t>(id)] > 0.0);
+  }
+  return walled;
+}
+
+}  // namespace
+
 GearingLayout train_layout(const TrainLayout& train) {
   using geometry::GearKind;
   static constexpr std::array<GearKind, train::kGearCount> kKinds{
       train::kind_of(train::kS), train::kind_of(train::kP1), train::kind_of(train::kR1),
       train::kind_of(train::kP2), train::kind_of(train::kR2)};
-  GearingLayout layout{.gear_kinds = kKinds,
-                       .mesh_gears = train::kMeshGears,
-                       .shaped = {},
-                       .passing_bodies = train::overlapping_bodies(train.axial),
-                       .planets = train.planets,
-                       .length_scale_m = train.stage1_module_m,
-                       .rating = train.rating};
+  GearingLayout layout{
+      .gear_kinds = kKinds,
+      .mesh_gears = train::kMeshGears,
+      .shaped = {},
+      .passing_bodies = train::overlapping_bodies(train.axial),
+      .walled = walled_gears(train.bodies),
+      .sized = train::whole_extent(train.axial) ||
+               (train.bodies.face_width_m[0] > 0.0 && train.bodies.face_width_m[1] > 0.0),
+      .planets = train.planets,
+      .length_scale_m = train.stage1_module_m,
+      .rating = train.rating};
   for (const geometry::PinionCutter& cutter : train.cutter) {
     layout.shaped.push_back(cutter.teeth > 0);
   }
@@ -109,11 +140,52 @@ double least_of(CheckId id, const strength::RatingTask& task, std::size_t gear) 
   return 0.0;
 }
 
+/// Meshes may have a least backlash of their own.
+void list_backlash(const Limits& limits, const CheckRecord& record, const GearingLayout& layout,
+                   std::vector<CheckInstance>& checks) {
+  for (std::size_t k = 0; k < layout.mesh_gears.size(); ++k) {
+    const std::optional<double> limit = least_backlash_m(limits, k);
+    if (!limit) continue;
+    checks.push_back({.record = &record,
+                      .subject = {.member = static_cast<int>(k), .which = 0},
+                      .limit = *limit,
+                      .scale = scale_of(record, *limit, layout.length_scale_m)});
+  }
+}
+
+/// Whether a check of some gears is asked of this one.
+bool is_of_gear(CheckScope scope, const Limits& limits, const GearingLayout& layout, int gear) {
+  const auto i = static_cast<std::size_t>(gear);
+  const bool ring = layout.gear_kinds[i] == geometry::GearKind::kRing;
+  switch (scope) {
+    case CheckScope::kGear:
+      return true;
+    case CheckScope::kExternalGear:
+      return !ring;
+    case CheckScope::kRing:
+      return ring;
+    case CheckScope::kCutRing:
+      return ring && i < layout.shaped.size() && layout.shaped[i];
+    case CheckScope::kWalledGear:
+      return i < layout.walled.size() && layout.walled[i];
+    case CheckScope::kListedGear:
+      return layout.planets > 0 && !limits.allowed_teeth[i].empty();
+    case CheckScope::kSun:
+      return layout.planets > 0 && gear == train::kS;
+    default:
+      return false;
+  }
+}
+
 }  // namespace
 
 std::vector<CheckInstance> list_checks(const Limits& limits, const GearingLayout& layout) {
   std::vector<CheckInstance> checks;
   for (const CheckRecord& r : check_records()) {
+    if (r.id == CheckId::kNormalBacklash) {
+      list_backlash(limits, r, layout, checks);
+      continue;
+    }
     const std::optional<double>& limit = limits[r.id];
     if (!limit) continue;
     const double scale = scale_of(r, *limit, layout.length_scale_m);
@@ -124,20 +196,15 @@ std::vector<CheckInstance> list_checks(const Limits& limits, const GearingLayout
     const int meshes = static_cast<int>(layout.mesh_gears.size());
     const auto kind = [&](int i) { return layout.gear_kinds[static_cast<std::size_t>(i)]; };
     switch (r.scope) {
+      case CheckScope::kGear:
       case CheckScope::kExternalGear:
-      case CheckScope::kRing: {
-        const auto wanted = r.scope == CheckScope::kRing ? geometry::GearKind::kRing
-                                                         : geometry::GearKind::kExternal;
-        for (int i = 0; i < gears; ++i) {
-          if (kind(i) == wanted) add({.member = i, .which = 0});
-        }
-        break;
-      }
+      case CheckScope::kRing:
       case CheckScope::kCutRing:
+      case CheckScope::kWalledGear:
+      case CheckScope::kListedGear:
+      case CheckScope::kSun:
         for (int i = 0; i < gears; ++i) {
-          const auto index = static_cast<std::size_t>(i);
-          const bool shaped = index < layout.shaped.size() && layout.shaped[index];
-          if (shaped && kind(i) == geometry::GearKind::kRing) add({.member = i, .which = 0});
+          if (is_of_gear(r.scope, limits, layout, i)) add({.member = i, .which = 0});
         }
         break;
       case CheckScope::kMesh:
@@ -145,7 +212,9 @@ std::vector<CheckInstance> list_checks(const Limits& limits, const GearingLayout
         for (int k = 0; k < meshes; ++k) {
           const int second = layout.mesh_gears[static_cast<std::size_t>(k)][1];
           const bool internal = kind(second) == geometry::GearKind::kRing;
-          if (internal || r.scope == CheckScope::kMesh) add({.member = k, .which = 0});
+          const bool asked =
+              r.id != CheckId::kHuntingTooth || hunts(limits, static_cast<std::size_t>(k));
+          if (asked && (internal || r.scope == CheckScope::kMesh)) add({.member = k, .which = 0});
         }
         break;
       case CheckScope::kMember:
@@ -171,6 +240,9 @@ std::vector<CheckInstance> list_checks(const Limits& limits, const GearingLayout
         break;
       case CheckScope::kTrain:
         if (layout.planets > 0) add({.member = 0, .which = 0});
+        break;
+      case CheckScope::kSizedTrain:
+        if (layout.planets > 0 && layout.sized) add({.member = 0, .which = 0});
         break;
       case CheckScope::kRatedTooth:
         for (int k = 0; layout.rating != nullptr && k < meshes; ++k) {
@@ -226,9 +298,13 @@ SubjectNames subject_names(const CheckInstance& check, std::span<const std::stri
                            std::span<const std::array<int, 2>> mesh_gears) {
   const auto index = static_cast<std::size_t>(check.subject.member);
   switch (check.record->scope) {
+    case CheckScope::kGear:
     case CheckScope::kExternalGear:
     case CheckScope::kRing:
     case CheckScope::kCutRing:
+    case CheckScope::kWalledGear:
+    case CheckScope::kListedGear:
+    case CheckScope::kSun:
     case CheckScope::kPlanetStep:
       return {.mesh = "", .gear = std::string(gears[index])};
     case CheckScope::kMesh:
@@ -254,6 +330,7 @@ SubjectNames subject_names(const CheckInstance& check, std::span<const std::stri
     case CheckScope::kPlanetPin:
       return {.mesh = "", .gear = "planet pin"};
     case CheckScope::kTrain:
+    case CheckScope::kSizedTrain:
       break;
   }
   return {};
@@ -270,6 +347,7 @@ Gearing<T> gearing_of(const train::TrainGeometry<T>& train,
           .forms = {},
           .train = &train,
           .axial = nullptr,
+          .bodies = nullptr,
           .model = model};
 }
 

@@ -22,9 +22,13 @@ using units::Unit;
 
 /// What one value of a check belongs to.
 enum class CheckScope {
+  kGear,
   kExternalGear,
   kRing,
-  kCutRing,  ///< a ring that is shaped by a cutter
+  kCutRing,     ///< a ring that is shaped by a cutter
+  kWalledGear,  ///< a gear whose bore, of a ring whose outer surface, is known
+  kListedGear,  ///< a gear whose tooth number is to be one of a list
+  kSun,
   kMesh,
   kInternalMesh,
   kTip,         ///< a mesh and the one of its gears whose tip is examined (1 or 2); no pinion tips
@@ -32,6 +36,7 @@ enum class CheckScope {
   kPlanetStep,  ///< P1 or P2 against its neighbour
   kBodyPair,    ///< two bodies that overlap along the axis
   kTrain,
+  kSizedTrain,     ///< a train whose length along the axis is known
   kRatedTooth,     ///< a mesh and one of its gears, where a load is stated (1 or 2)
   kRatedMesh,      ///< a mesh, where a load is stated
   kPlanetBearing,  ///< A or B of a planet, where a load is stated
@@ -73,9 +78,33 @@ enum class CheckId {
   kRimThickness,
   kNotchRange,
   kBearingLoad,
-  kPinStress
+  kPinStress,
+  kTipThicknessLength,
+  kRootClearanceLength,
+  kSpecificSliding,
+  kWall,
+  kGearboxDiameter,
+  kGearboxLength,
+  kSunRootDiameter,
+  kSameModule,
+  kHuntingTooth,
+  kAllowedTeeth
 };
-inline constexpr std::size_t kCheckCount = 35;
+inline constexpr std::size_t kCheckCount = 45;
+
+/// Tooth numbers to choose from, by gear; an empty list allows all.
+using AllowedTeeth = std::array<std::vector<int>, train::kGearCount>;
+
+/// What is stated of a train besides its teeth.
+template <class T>
+struct TrainBodies {
+  std::array<double, train::kGearCount> bore_radius_m{};  ///< of external gears; 0: no bore
+  /// Of R1 and R2, where it is stated.
+  std::array<std::optional<double>, 2> ring_outer_radius_m{};
+  double ring_rim_m = 0.0;          ///< of rings outside their root circles, where it is not
+  std::array<T, 2> face_width_m{};  ///< by stage; 0 where it is not stated
+  const AllowedTeeth* allowed_teeth = nullptr;
+};
 
 /// What the checks look at: a whole train, or one pair.
 template <class T>
@@ -88,6 +117,7 @@ struct Gearing {
   std::span<const geometry::ToothForm<T>> forms;
   const train::TrainGeometry<T>* train = nullptr;  ///< null for a pair
   const train::AxialLayout* axial = nullptr;       ///< null where nothing is known of it
+  const TrainBodies<T>* bodies = nullptr;          ///< likewise
   backlash::LostMotionModel model = backlash::LostMotionModel::kKinematic;
   /// By mesh; empty where no load is stated or no check needs it (CheckRecord::rating).
   std::span<const strength::MeshRating<T>> rating{};
@@ -115,7 +145,9 @@ struct CheckRecord {
   CheckScope scope;
   bool at_least;                        ///< value ≥ limit; else value ≤ limit
   std::optional<double> default_limit;  ///< in `unit`; empty = off unless asked for
-  bool threshold = true;                ///< a limit may be stated; else the check is only on or off
+  /// Limit of a check that is off by default and switched on without a number; empty: none.
+  std::optional<double> switched_limit = std::nullopt;
+  bool threshold = true;  ///< a limit may be stated; else the check is only on or off
   /// Key outside [limits] that sets the limit, e.g. "backlash.max_output_arcmin"; "" = [limits].
   std::string_view limit_key;
   bool tooth_form = false;  ///< its value needs Gearing::forms
@@ -129,11 +161,23 @@ struct CheckRecord {
 std::span<const CheckRecord> check_records();
 const CheckRecord& check_record(CheckId id);
 
+/// What a workshop can make, as a set of limits (preset.hpp).
+enum class Preset { kBare, kMachined, kPrinted };
+inline constexpr std::array<std::string_view, 3> kPresetNames{"bare", "machined", "printed"};
+
 /// Limits in force, in SI, by check; an empty one switches the check off.  Those of safeties are by
 /// how much each must exceed the least one that the load's RatingTask asks for.
 struct Limits {
   std::array<std::optional<double>, kCheckCount> limit;
   backlash::LostMotionModel model = backlash::LostMotionModel::kKinematic;
+  /// Least normal backlash of one mesh [m], in place of that of all.
+  std::array<std::optional<double>, train::kMeshCount> mesh_backlash_m{};
+  /// Meshes that CheckId::kHuntingTooth is asked of; empty: all.
+  std::vector<train::MeshId> hunting_meshes{};
+  AllowedTeeth allowed_teeth{};
+  std::optional<Preset> preset{};  ///< that the file names
+  /// Limits of a workshop that neither the file nor a preset states.
+  std::vector<CheckId> bare{};
 
   const std::optional<double>& operator[](CheckId id) const {
     return limit[static_cast<std::size_t>(id)];
@@ -141,6 +185,12 @@ struct Limits {
   std::optional<double>& operator[](CheckId id) { return limit[static_cast<std::size_t>(id)]; }
 };
 Limits default_limits();
+
+/// Whether CheckId::kHuntingTooth is asked of a mesh, where it is on.
+bool hunts(const Limits& limits, std::size_t mesh);
+
+/// Least normal backlash that a mesh is to have [m]; empty: none.
+std::optional<double> least_backlash_m(const Limits& limits, std::size_t mesh);
 
 /// A check to be evaluated on one subject.
 struct CheckInstance {
@@ -157,6 +207,8 @@ struct GearingLayout {
   std::span<const std::array<int, 2>> mesh_gears;
   std::vector<bool> shaped{};         ///< by gear: a ring shaped by a cutter
   std::vector<int> passing_bodies{};  ///< indices into train::kPassingBodies that overlap
+  std::vector<bool> walled{};         ///< by gear: its bore, of a ring its outer surface, is known
+  bool sized = false;                 ///< the length along the axis is known
   int planets = 0;                    ///< 0 for a pair: no planet steps, no train
   double length_scale_m = 1e-3;       ///< scale of checks on lengths: the module
   const strength::RatingTask* rating = nullptr;  ///< the load, where one is stated
@@ -167,6 +219,7 @@ struct TrainLayout {
   double stage1_module_m = 1e-3;
   std::array<geometry::PinionCutter, train::kGearCount> cutter{};
   train::AxialLayout axial{};
+  TrainBodies<double> bodies{};
   const strength::RatingTask* rating = nullptr;
 };
 GearingLayout train_layout(const TrainLayout& train);

@@ -90,6 +90,20 @@ struct Design {
   std::optional<strength::RatingTask> rating;  ///< what it is to carry
 };
 
+/// What a design states of its bodies; must not outlive it.
+inline TrainBodies<double> bodies_of(const Design& design) {
+  const Masses& masses = design.masses;
+  const auto rated = [&](std::size_t stage) {
+    return design.rating ? design.rating->face_width_m[stage] : 0.0;
+  };
+  return {.bore_radius_m = masses.bore_radius_m,
+          .ring_outer_radius_m = {masses.ring1_outer_radius_m, masses.ring2_outer_radius_m},
+          .ring_rim_m = 0.0,
+          .face_width_m = {masses.face_width_m[0].value_or(rated(0)),
+                           masses.face_width_m[1].value_or(rated(1))},
+          .allowed_teeth = &design.limits.allowed_teeth};
+}
+
 struct PairDesign {
   std::string name;
   double pressure_angle_rad = 0.0;

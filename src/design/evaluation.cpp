@@ -313,10 +313,13 @@ std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
   Gearing<double> gearing = gearing_of(*train, j_bn, design.limits.model);
   gearing.forms = forms;
   gearing.axial = &design.axial;
+  const TrainBodies<double> bodies = bodies_of(design);
+  gearing.bodies = &bodies;
   const auto checks = list_checks(design.limits, train_layout({.planets = e.planets,
                                                                .stage1_module_m = e.module_m[0],
                                                                .cutter = parameters.cutter,
                                                                .axial = design.axial,
+                                                               .bodies = bodies,
                                                                .rating = stated_load(design)}));
   const auto rated = rate_gearbox(design, *train, forms, e.meshes, e.parts);
   LoadedGearing deciding;
@@ -337,6 +340,7 @@ std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
                                       .center_distance_m = e.center_distance_m,
                                       .train = &*train,
                                       .axial = &design.axial,
+                                      .bodies = &bodies,
                                       .model = design.limits.model,
                                       .rating = rated ? rated->rating : GearingRating{}},
                                      checks, e.notes);

@@ -96,12 +96,15 @@ std::variant<PairEvaluation, NotDefined> evaluate(const PairDesign& design) {
                           .forms = forms,
                           .train = nullptr,
                           .axial = nullptr,
+                          .bodies = nullptr,
                           .model = design.limits.model};
   if (e.strength) gearing.rating = std::span(&*e.strength, 1);
   const auto checks = list_checks(design.limits, {.gear_kinds = kinds,
                                                   .mesh_gears = kPair,
                                                   .shaped = shaped,
                                                   .passing_bodies = {},
+                                                  .walled = {},
+                                                  .sized = false,
                                                   .planets = 0,
                                                   .length_scale_m = design.gear1.module_m,
                                                   .rating = stated_load(design)});
@@ -115,6 +118,7 @@ std::variant<PairEvaluation, NotDefined> evaluate(const PairDesign& design) {
                                       .center_distance_m = e.center_distance_m,
                                       .train = nullptr,
                                       .axial = nullptr,
+                                      .bodies = nullptr,
                                       .model = design.limits.model,
                                       .rating = rated ? rated->rate : GearingRating{}},
                                      checks, e.notes);

@@ -311,6 +311,13 @@ Responses<T> responses(const Design& design, const Parameters<T>& p,
   Gearing<T> gearing = gearing_of(*train, j_bn, design.limits.model);
   gearing.forms = forms;
   gearing.axial = &design.axial;
+  const TrainBodies<double> stated = bodies_of(design);
+  const TrainBodies<T> bodies{.bore_radius_m = stated.bore_radius_m,
+                              .ring_outer_radius_m = stated.ring_outer_radius_m,
+                              .ring_rim_m = stated.ring_rim_m,
+                              .face_width_m = p.face_width_m,
+                              .allowed_teeth = stated.allowed_teeth};
+  gearing.bodies = &bodies;
   const auto rating = loaded_rating<T>(design, lossy, forms, point);
   if (rating) {
     gearing.rating = rating->mesh;

@@ -136,6 +136,7 @@ class BuiltGearing {
             .forms = forms_,
             .train = drawn_.train != nullptr ? &train_ : nullptr,
             .axial = drawn_.axial,
+            .bodies = drawn_.bodies,
             .model = drawn_.model};
   }
 
@@ -329,9 +330,13 @@ std::vector<Variable> variables_of(const CheckInstance& check, const BuiltGearin
                                    const DrawnGearing& drawn) {
   const int member = check.subject.member;
   switch (check.record->scope) {
+    case CheckScope::kGear:
     case CheckScope::kExternalGear:
     case CheckScope::kRing:
     case CheckScope::kCutRing:
+    case CheckScope::kWalledGear:
+    case CheckScope::kListedGear:
+    case CheckScope::kSun:
       return built.variables(std::array{member}, false);
     case CheckScope::kPlanetStep:
       return built.variables(std::array{member}, true);
@@ -345,6 +350,8 @@ std::vector<Variable> variables_of(const CheckInstance& check, const BuiltGearin
       if (first == train::kCarrier) return built.variables(std::array{second}, false);
       return built.variables(std::array{first, second}, true);
     }
+    case CheckScope::kSizedTrain:
+      return {};
     case CheckScope::kTrain:
     case CheckScope::kRatedTooth:
     case CheckScope::kRatedMesh:

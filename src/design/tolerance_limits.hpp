@@ -103,6 +103,7 @@ struct DrawnGearing {
   double center_distance_m = 0.0;
   const train::TrainGeometry<double>* train = nullptr;  ///< null for a pair
   const train::AxialLayout* axial = nullptr;            ///< null where nothing is known of it
+  const TrainBodies<double>* bodies = nullptr;          ///< likewise
   backlash::LostMotionModel model = backlash::LostMotionModel::kKinematic;
   GearingRating rating{};  ///< needed by checks with CheckRecord::rating only
 };

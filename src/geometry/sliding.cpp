@@ -25,4 +25,20 @@ TipSliding tip_sliding(const GearGeometry<double>& gear1, const GearGeometry<dou
               (tip.gear.kind == GearKind::kRing ? -g_a : g_a) * (1.0 / r_w1 + sign / r_w2)};
 }
 
+template <class T>
+T root_sliding(const GearGeometry<T>& gear1, const GearGeometry<T>& gear2,
+               const MeshGeometry<T>& mesh, int which) {
+  const GearGeometry<T>& own = which == 1 ? gear1 : gear2;
+  const GearGeometry<T>& mate = which == 1 ? gear2 : gear1;
+  const double u = static_cast<double>(mate.gear.teeth) / own.gear.teeth;
+  return sliding_at<T>(active_root_length(gear1, gear2, mesh, which) * u /
+                       tip_curvature_radius(mate));
+}
+
+#define INSTANTIATE(T)                                                       \
+  template T root_sliding<T>(const GearGeometry<T>&, const GearGeometry<T>&, \
+                             const MeshGeometry<T>&, int);
+GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
+#undef INSTANTIATE
+
 }  // namespace gear3k::geometry

@@ -10,10 +10,10 @@ namespace {
 using design::CheckId;
 
 /// Checks that an empty stage may be owed to, in the order in which they are tried.
-constexpr std::array<CheckId, 8> kStageChecks{
-    CheckId::kFlankSafety,    CheckId::kContactRatioMin,      CheckId::kOutputBacklashMax,
-    CheckId::kNormalBacklash, CheckId::kInvoluteInterference, CheckId::kPlanetGap,
-    CheckId::kRootClearance,  CheckId::kContactRatioMax};
+constexpr std::array<CheckId, 9> kStageChecks{
+    CheckId::kFlankSafety,    CheckId::kContactRatioMin, CheckId::kOutputBacklashMax,
+    CheckId::kNormalBacklash, CheckId::kSpecificSliding, CheckId::kInvoluteInterference,
+    CheckId::kPlanetGap,      CheckId::kRootClearance,   CheckId::kContactRatioMax};
 
 /// The task with a check's limit given way by an amount, in its own unit but for the backlash:
 /// normal backlash in modules, lost motion in modules of the ring mesh's backlash.
@@ -35,6 +35,9 @@ StageTask without(StageTask task, CheckId check, double amount) {
     case CheckId::kNormalBacklash:
       task.ring_backlash.lo -= amount;
       task.sun_backlash.lo -= amount;
+      break;
+    case CheckId::kSpecificSliding:
+      if (task.rolling_share) task.rolling_share = 1.0 / (1.0 / *task.rolling_share + amount);
       break;
     case CheckId::kInvoluteInterference:
       if (task.interference) *task.interference -= amount;
@@ -68,6 +71,10 @@ struct Amount {
 Amount amount_of(const Specification& spec, const StageTask& task, CheckId check, double amount,
                  std::size_t stage) {
   switch (check) {
+    case CheckId::kRootClearanceLength: {
+      const double length = amount * module_range(spec.module[stage]).lo;
+      return {length, length / *spec.limits[check]};
+    }
     case CheckId::kNormalBacklash: {
       const double length = amount * module_range(spec.module[stage]).lo;
       return {length, length / length_scale_m(spec)};
@@ -92,6 +99,15 @@ Amount amount_of(const Specification& spec, const StageTask& task, CheckId check
   }
 }
 
+/// Of root clearances the one whose length asks for more than its modules do.
+CheckId named(const Specification& spec, CheckId check, std::size_t stage) {
+  const auto& length = spec.limits[CheckId::kRootClearanceLength];
+  if (check != CheckId::kRootClearance || !length) return check;
+  const double modules = *length / module_range(spec.module[stage]).hi;
+  const bool longer = modules > spec.limits[check].value_or(-kInfinity);
+  return longer ? CheckId::kRootClearanceLength : check;
+}
+
 }  // namespace
 
 Infeasibility name_empty_stage(const Specification& spec, const StageTask& empty, std::size_t stage,
@@ -109,13 +125,16 @@ Infeasibility name_empty_stage(const Specification& spec, const StageTask& empty
     for (double step = 0.5; step > 1e-4; step *= 0.5) {
       if (empty_without(task, check, proven + step)) proven += step;
     }
-    const Amount amount = amount_of(spec, task, check, proven, stage);
-    return {.check = check, .miss_si = amount.si, .violation = amount.scaled};
+    const CheckId name = named(spec, check, stage);
+    const Amount amount = amount_of(spec, task, name, proven, stage);
+    return {.check = name, .miss_si = amount.si, .violation = amount.scaled};
   }
   StageTask rest = task;
   for (const CheckId check : kStageChecks) {
     rest = without(rest, check, kDropped);
-    if (!relax_stage(rest, effort).empty) return {.check = check, .alone = false};
+    if (!relax_stage(rest, effort).empty) {
+      return {.check = named(spec, check, stage), .alone = false};
+    }
   }
   // The shifts' range itself: undercut, thin tips and the stated range.
   return {.check = CheckId::kUndercut, .alone = false};

@@ -33,7 +33,10 @@ GearBodies<T> gear_bodies(const Specification& spec, const std::array<T, 2>& fac
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
     const int id = static_cast<int>(i);
     const bool ring = train::kind_of(id) == geometry::GearKind::kRing;
-    const T other = ring ? T(gears[i].root_radius_m + spec.bodies.ring_rim_m) : constant<T>(0.0);
+    // A search may pass gears whose bore reaches their teeth.
+    const T other =
+        ring ? T(gears[i].root_radius_m + spec.bodies.ring_rim_m)
+             : smaller(constant<T>(spec.bodies.bore_radius_m[i]), gears[i].root_radius_m);
     const auto stage = static_cast<std::size_t>(train::stage_of(id));
     bodies[i] = inertia::gear_body<T>(gears[i], other, face_width_m[stage],
                                       constant<T>(*body_density(spec.bodies, i)));
@@ -194,23 +197,29 @@ double best_value(Objective objective, const Specification& spec, const train::T
     case Objective::kForwardEfficiency:
       return 1.0;
     case Objective::kLostMotion: {
-      const auto& limit = spec.limits[design::CheckId::kNormalBacklash];
-      if (!limit) return -std::numeric_limits<double>::infinity();
+      std::array<double, train::kMeshCount> limit{};
+      for (std::size_t k = 0; k < limit.size(); ++k) {
+        const auto least = design::least_backlash_m(spec.limits, k);
+        if (!least) return -std::numeric_limits<double>::infinity();
+        limit[k] = *least;
+      }
       // Each mesh has at least this; a negative share is greatest on the smallest circle.
       const double least_angle = spec.free.pressure_angle_rad ? spec.free.pressure_angle_rad->min
                                                               : spec.pressure_angle_rad;
-      const double half_cos = 0.5 * std::cos(*limit > 0.0 ? least_angle : greatest_angle);
       const double slack = design::kFeasibilityTolerance * length_scale_m(spec);
       const bool kinematic = spec.limits.model == backlash::LostMotionModel::kKinematic;
       const double ratio = train::ratio(teeth);
-      const auto share = [&](std::size_t stage, double base_teeth) {
+      const auto share = [&](std::size_t mesh, double base_teeth) {
+        const std::size_t stage = mesh == train::kMeshP2R2 ? 1 : 0;
         const Interval module = module_range(spec.module[stage]);
-        const double least = *limit - slack;
+        const double half_cos = 0.5 * std::cos(limit[mesh] > 0.0 ? least_angle : greatest_angle);
+        const double least = limit[mesh] - slack;
         return least / ((least > 0.0 ? module.hi : module.lo) * half_cos * base_teeth);
       };
-      const double sun = share(0, std::abs(ratio) * teeth.S);
-      const double first = share(0, teeth.R1) * (kinematic ? 1.0 - 1.0 / ratio : 1.0);
-      const double second = share(1, teeth.R2);
+      const double sun = share(train::kMeshSP1, std::abs(ratio) * teeth.S);
+      const double first =
+          share(train::kMeshP1R1, teeth.R1) * (kinematic ? 1.0 - 1.0 / ratio : 1.0);
+      const double second = share(train::kMeshP2R2, teeth.R2);
       return kinematic ? sun + first + second : sun + std::max(first, second);
     }
     case Objective::kOuterDiameter: {

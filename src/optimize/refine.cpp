@@ -35,6 +35,10 @@ std::vector<std::optional<double>> module_options(const ModuleChoice& choice) {
 
 std::vector<FixedModules> module_combinations(const Specification& spec) {
   std::vector<FixedModules> combinations;
+  if (has_same_module(spec)) {
+    for (const auto& m : module_options(spec.module[0])) combinations.push_back({m, m});
+    return combinations;
+  }
   for (const auto& m1 : module_options(spec.module[0])) {
     for (const auto& m2 : module_options(spec.module[1])) combinations.push_back({m1, m2});
   }
@@ -253,6 +257,37 @@ void fill_optimum(const Specification& spec, const BestEnd& best, double residua
   if (judged_by_model(spec)) judge_by_model(spec, *train, set);
 }
 
+/// Whether a problem hardly misses a gap of tip corners: that has kinks, at which a search stays
+/// though there is a way on.
+bool stays_at_kink(const BestEnd& best) {
+  constexpr double kHardly = 0.01;
+  if (best.found || !best.problem || !(best.outcome.violation <= kHardly)) return false;
+  const RefinementProblem& problem = *best.problem;
+  std::vector<double> g(problem.rows.size());
+  if (!evaluate<double>(problem, used(problem, best.outcome.v), g)) return false;
+  for (std::size_t k = 0; k < g.size(); ++k) {
+    const auto& check = problem.rows[k].check;
+    if (check && check->record->id == CheckId::kTipFouling && g[k] < -design::kFeasibilityTolerance)
+      return true;
+  }
+  return false;
+}
+
+/// Goes on from further starts, until a feasible point is found.
+void take_more_starts(const RefinementProblem& problem, const std::atomic<bool>& stop,
+                      BestEnd& best) {
+  constexpr int kMore = 8;
+  const Solver& solver = problem.spec->solver;
+  const std::vector<Point> starts = starting_points(problem, solver.starts + kMore, solver.seed);
+  for (std::size_t k = static_cast<std::size_t>(solver.starts); k < starts.size(); ++k) {
+    if (stop.load(std::memory_order_relaxed) || best.found) return;
+    const SolveOutcome nearest = least_violation(problem, solve(problem, starts[k]).v, {});
+    if (!feasible(nearest)) continue;
+    best.offer(problem, nearest);
+    best.offer(problem, solve(problem, nearest.v));
+  }
+}
+
 }  // namespace
 
 Refiner::Refiner(const Specification& spec) : spec_(&spec) {
@@ -312,6 +347,7 @@ std::optional<RefinedSet> Refiner::refine(const Candidate& candidate, const Shif
       local.offer(problem, nearest);
       if (feasible(nearest)) local.offer(problem, solve(problem, nearest.v));
     }
+    if (stays_at_kink(local)) take_more_starts(problem, stop, local);
     if (local.found) cross_contact_ratio_kinks(local);
     if (local.problem) best.offer(*local.problem, local.outcome);
   }

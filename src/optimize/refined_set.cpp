@@ -56,7 +56,10 @@ design::Design design_of(const Specification& spec, const RefinedSet& set) {
     const double width_m = set.train.face_width_m[stage];
     if (width_m > 0.0) design.masses.face_width_m[stage] = width_m;
   }
-  if (knows_masses(spec) && spec.bodies.ring_rim_m > 0.0) {
+  design.masses.bore_radius_m = spec.bodies.bore_radius_m;
+  const bool rims_count = knows_masses(spec) || spec.limits[design::CheckId::kGearboxDiameter] ||
+                          spec.limits[design::CheckId::kWall];
+  if (rims_count && spec.bodies.ring_rim_m > 0.0) {
     const auto gears = train::make_train_gears(design.train);
     design.masses.ring1_outer_radius_m = gears[train::kR1].root_radius_m + spec.bodies.ring_rim_m;
     design.masses.ring2_outer_radius_m = gears[train::kR2].root_radius_m + spec.bodies.ring_rim_m;

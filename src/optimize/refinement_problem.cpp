@@ -31,8 +31,48 @@ std::array<double, train::kMeshCount> tooth_sums(const train::ToothSet& z) {
           static_cast<double>(z.R2 - z.P2)};
 }
 
+bool has_one_free_module(const RefinementProblem& p) {
+  return has_same_module(*p.spec) && !p.fixed_module_m[0];
+}
+
 bool stage2_angle_is_variable(const RefinementProblem& p) {
-  return !p.fixed_module_m[0] || !p.fixed_module_m[1];
+  return !has_one_free_module(p) && (!p.fixed_module_m[0] || !p.fixed_module_m[1]);
+}
+
+/// Checks that the search and the choice of variables have seen to.
+bool is_settled(CheckId id) {
+  switch (id) {
+    case CheckId::kEqualSpacing:
+    case CheckId::kIdenticalPlanets:
+    case CheckId::kHuntingTooth:
+    case CheckId::kAllowedTeeth:
+    case CheckId::kSameModule:
+      return true;
+    default:
+      return false;
+  }
+}
+
+/// Whether anything that is asked for depends on the face widths.
+bool widths_matter(const Specification& spec) {
+  return spec.rating || asks_for(spec, Objective::kMass) || asks_for(spec, Objective::kInertia);
+}
+
+/// Checks of what no variable changes: SetBounds has ruled out what fails them.
+bool is_constant(const Specification& spec, const design::CheckInstance& check) {
+  if (check.record->id == CheckId::kWall) {
+    return train::kind_of(check.subject.member) == geometry::GearKind::kRing;
+  }
+  if (check.record->id != CheckId::kGearboxLength) return false;
+  const auto& width = spec.free.face_width_m;
+  return train::whole_extent(spec.axial) || !widths_matter(spec) || (!width[0] && !width[1]);
+}
+
+bool no_mesh_interferes(const design::Limits& limits) {
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    if (!(design::least_backlash_m(limits, k).value_or(-1.0) >= 0.0)) return false;
+  }
+  return true;
 }
 
 void append_checks(RefinementProblem& p, int backlash_branch) {
@@ -42,10 +82,10 @@ void append_checks(RefinementProblem& p, int backlash_branch) {
                            .stage1_module_m = p.length_scale_m,
                            .cutter = p.spec->cutter,
                            .axial = p.spec->axial,
+                           .bodies = bodies_of(*p.spec, least_face_widths_m(*p.spec)),
                            .rating = p.spec->rating ? &*p.spec->rating : nullptr}))) {
     const CheckId id = check.record->id;
-    // Properties of the tooth numbers alone were settled by the search.
-    if (id == CheckId::kEqualSpacing || id == CheckId::kIdenticalPlanets) continue;
+    if (is_settled(id)) continue;
     const bool paper = limits.model == backlash::LostMotionModel::kPaper;
     ConstraintRow row{.check = check,
                       .objective = std::nullopt,
@@ -55,7 +95,7 @@ void append_checks(RefinementProblem& p, int backlash_branch) {
                       .name = check.record->name};
     if (id == CheckId::kOutputBacklashMin) {
       // Implied by meshes that do not interfere.
-      if (check.limit <= 0.0 && limits[CheckId::kNormalBacklash].value_or(-1.0) >= 0.0) continue;
+      if (check.limit <= 0.0 && no_mesh_interferes(limits)) continue;
       if (paper) {
         row.check->subject.which = backlash_branch;
         p.has_branches = true;
@@ -135,11 +175,6 @@ namespace {
 /// Most that a torque is raised above the stated one.
 constexpr double kGreatestTorqueFactor = 1e3;
 
-/// Whether anything that is asked for depends on the face widths.
-bool widths_matter(const Specification& spec) {
-  return spec.rating || asks_for(spec, Objective::kMass) || asks_for(spec, Objective::kInertia);
-}
-
 bool torque_is_variable(const Specification& spec) {
   return spec.rating &&
          (asks_for(spec, Objective::kTorqueCapacity) || asks_for(spec, Objective::kTorqueDensity));
@@ -150,20 +185,14 @@ void set_box(RefinementProblem& p, const Candidate& candidate) {
   const auto sums = tooth_sums(candidate.teeth);
   p.angle_mesh = sums[0] >= sums[1] ? train::kMeshSP1 : train::kMeshP1R1;
   if (!stage2_angle_is_variable(p) &&
-      *p.fixed_module_m[1] * sums[2] >
-          *p.fixed_module_m[0] * sums[static_cast<std::size_t>(p.angle_mesh)]) {
+      p.fixed_module_m[1].value_or(1.0) * sums[2] >
+          p.fixed_module_m[0].value_or(1.0) * sums[static_cast<std::size_t>(p.angle_mesh)]) {
     p.angle_mesh = train::kMeshP2R2;
   }
   p.variables = stage2_angle_is_variable(p) ? kAngleB + 1 : kAngleA + 1;
   for (std::size_t k = kAngleA; k < static_cast<std::size_t>(p.variables); ++k) {
     p.lower[k] = kLeastAngle_rad;
     p.upper[k] = kGreatestAngle_rad;
-  }
-  if (!p.fixed_module_m[0] && !p.fixed_module_m[1]) {
-    const NumberRange& range = *p.spec->module[0].range_m;
-    p.variables = kScale + 1;
-    p.lower[kScale] = range.min / p.length_scale_m;
-    p.upper[kScale] = range.max / p.length_scale_m;
   }
   const auto append = [&](const NumberRange& range) {
     const auto k = static_cast<std::size_t>(p.variables++);
@@ -172,8 +201,12 @@ void set_box(RefinementProblem& p, const Candidate& candidate) {
     return k;
   };
   const FreeVariables& free = p.spec->free;
-  p.first_tip = p.pressure_angle = p.torque = 0;
+  p.scale = p.first_tip = p.pressure_angle = p.torque = 0;
   p.face_width = {};
+  if (!p.fixed_module_m[0] && !p.fixed_module_m[1]) {
+    const NumberRange& range = *p.spec->module[0].range_m;
+    p.scale = append({.min = range.min / p.length_scale_m, .max = range.max / p.length_scale_m});
+  }
   if (free.tip_shortening) {
     p.first_tip = append(*free.tip_shortening);
     for (int i = 1; i < train::kGearCount; ++i) append(*free.tip_shortening);
@@ -201,7 +234,7 @@ RefinementProblem with_rows(const Specification& spec, int planets,
   append_checks(p, branch.backlash);
   append_objectives(p);
   if (!fixed_module_m[0] && fixed_module_m[1]) append_module_bounds(p, 0);
-  if (!fixed_module_m[1]) append_module_bounds(p, 1);
+  if (!fixed_module_m[1] && !has_one_free_module(p)) append_module_bounds(p, 1);
   return p;
 }
 
@@ -232,7 +265,7 @@ RefinementProblem make_problem_rows(const Specification& spec, int planets,
                                     const ProblemBranch& branch) {
   RefinementProblem p = with_rows(spec, planets, fixed_module_m, branch);
   std::erase_if(p.rows, [&](const ConstraintRow& row) {
-    return row.check && in_shift_range(spec, *row.check);
+    return row.check && (in_shift_range(spec, *row.check) || is_constant(spec, *row.check));
   });
   return p;
 }
@@ -278,8 +311,8 @@ train::TrainParameters<T> parameters_at(const RefinementProblem& p, std::span<co
   T& m2 = t.module_m[1];
   T& d = t.center_distance_m;
   if (!stage2_angle_is_variable(p)) {
-    m1 = constant<T>(*p.fixed_module_m[0]);
-    m2 = constant<T>(*p.fixed_module_m[1]);
+    m1 = p.scale > 0 ? T(p.length_scale_m * v[p.scale]) : constant<T>(*p.fixed_module_m[0]);
+    m2 = p.scale > 0 ? m1 : constant<T>(*p.fixed_module_m[1]);
     d = half_cos_alpha * sum_a * (p.angle_mesh == train::kMeshP2R2 ? m2 : m1) / cos_a;
     return t;
   }
@@ -290,7 +323,7 @@ train::TrainParameters<T> parameters_at(const RefinementProblem& p, std::span<co
     m1 = d * cos_a / (half_cos_alpha * sum_a);
     return t;
   }
-  m1 = p.fixed_module_m[0] ? constant<T>(*p.fixed_module_m[0]) : T(p.length_scale_m * v[kScale]);
+  m1 = p.fixed_module_m[0] ? constant<T>(*p.fixed_module_m[0]) : T(p.length_scale_m * v[p.scale]);
   d = half_cos_alpha * sum_a * m1 / cos_a;
   m2 = d * cos_b / (half_cos_alpha * sums[2]);
   return t;
@@ -421,6 +454,8 @@ std::optional<T> evaluate_rows(const RefinementProblem& p, std::span<const T> v,
   }
   gearing.forms = forms;
   gearing.axial = &spec.axial;
+  const auto bodies = bodies_of<T>(spec, load.face_width_m);
+  gearing.bodies = &bodies;
   std::optional<strength::TrainRating<T>> rating, stiffness;
   if (parts.any) {
     auto loaded = rated_train<T>(spec, *train, forms, load.face_width_m);

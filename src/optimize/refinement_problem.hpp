@@ -43,7 +43,6 @@ using Point = std::array<double, kMostUnknowns>;
 /// Places of the variables after the five shifts (in the order of train::GearId).
 inline constexpr std::size_t kAngleA = train::kGearCount;      ///< a
 inline constexpr std::size_t kAngleB = train::kGearCount + 1;  ///< b, if any
-inline constexpr std::size_t kScale = train::kGearCount + 2;   ///< m1/scale, if any
 
 /// Which smooth part of a maximum a problem takes; the best of all branches counts.
 struct ProblemBranch {
@@ -60,7 +59,8 @@ struct ProblemBranch {
 ///        [, b_1/b_1max] [, b_2/b_2max] [, T/T_stated])
 ///
 /// a = working pressure angle [rad] of the mesh with the largest base-circle sum among those whose
-/// module is known with a, b = that of mesh P2-R2 when stage 2's module is free.  Angles instead of
+/// module is known with a, b = that of mesh P2-R2 when stage 2's module is free and not that of
+/// stage 1.  Angles instead of
 /// (m, d) keep every point of the box inside the model's domain: with
 ///   d = m z_sum cos α/(2 cos α_w)
 /// the meshes of smaller base sums have cos α_w < 1 whenever a > 0.
@@ -72,6 +72,7 @@ struct RefinementProblem {
   std::array<std::optional<double>, 2> fixed_module_m;
   int angle_mesh = 0;  ///< mesh whose working angle is v[5]
   int variables = 0;
+  std::size_t scale = 0;           ///< place of m1/length_scale_m; 0: given, or from m2 and b
   std::size_t first_tip = 0;       ///< place of k_S; 0: tips are as stated
   std::size_t pressure_angle = 0;  ///< place of α [rad]; 0: as stated
   /// Places of the face widths over their greatest, by stage; 0: as stated.

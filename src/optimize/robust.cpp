@@ -36,6 +36,10 @@ design::Limits tightened(design::Limits limits, const Tightening& tightening, do
         tightening[static_cast<std::size_t>(r.id)] * (is_backlash(r.id) ? share : 1.0);
     *limit += r.at_least ? by : -by;
   }
+  const double normal = tightening[static_cast<std::size_t>(CheckId::kNormalBacklash)] * share;
+  for (std::optional<double>& limit : limits.mesh_backlash_m) {
+    if (limit) *limit += normal;
+  }
   return limits;
 }
 

@@ -47,11 +47,33 @@ std::optional<Infeasibility> worst_of(std::span<const ShiftRange* const> ranges)
   return worst;
 }
 
+/// Proof that the length along the axis, which is the same for every tooth set, is too much.
+std::optional<Infeasibility> too_long(const Specification& spec) {
+  const auto& most = spec.limits[design::CheckId::kGearboxLength];
+  if (!most) return std::nullopt;
+  const auto widths = least_face_widths_m(spec);
+  const auto extent = train::whole_extent(spec.axial);
+  if (!extent && !(widths[0] > 0.0 && widths[1] > 0.0)) return std::nullopt;
+  const double length = extent ? extent->to_m - extent->from_m : widths[0] + widths[1];
+  const double scale = *most > 0.0 ? *most : length_scale_m(spec);
+  const double excess = length - *most;
+  if (excess <= 2.0 * design::kFeasibilityTolerance * scale) return std::nullopt;
+  return Infeasibility{
+      .check = design::CheckId::kGearboxLength, .miss_si = excess, .violation = excess / scale};
+}
+
+void widen(Interval& whole, const Interval& part) {
+  whole = {std::min(whole.lo, part.lo), std::max(whole.hi, part.hi)};
+}
+
 }  // namespace
 
 SetBounds::SetBounds(const Specification& spec, std::span<const Candidate> candidates,
                      Progress& progress)
-    : spec_(&spec), candidates_(candidates), shifts_(spec, candidates) {
+    : spec_(&spec),
+      candidates_(candidates),
+      shifts_(spec, candidates),
+      of_any_set_(too_long(spec)) {
   if (!has_bounds(spec)) return;
   levels_ = StageTasks(spec).shares_lost_motion() ? kMostLevels : 1;
   const auto keys1 = distinct_stages(
@@ -141,6 +163,7 @@ SetBounds::Stage1 SetBounds::relax1(const Candidate& key, const Effort& effort,
       }
       continue;
     }
+    widen(stage.distance, bound.center_distance);
     at.weighted = bound.least;
     at.point = bound.point;
     stage.most_distance = std::max(stage.most_distance, bound.center_distance.hi);
@@ -222,6 +245,7 @@ SetBounds::Stage2 SetBounds::relax2(const Candidate& key, const Effort& effort,
       }
       continue;
     }
+    widen(stage.distance, bound.center_distance);
     at.ring = bound.least;
     at.point = bound.point;
   }
@@ -236,6 +260,7 @@ double SetBounds::share_of(std::size_t level) const {
 SetBound SetBounds::of(std::size_t k) const {
   if (!has_bounds(*spec_)) {
     SetBound unknown;
+    unknown.infeasible = of_any_set_;
     const auto z = train::teeth_of(candidates_[k].teeth);
     for (std::size_t i = 0; i < train::kGearCount; ++i) {
       const auto& infeasible = shifts_.of(static_cast<int>(i), z[i]).infeasible;
@@ -274,6 +299,12 @@ SetBound SetBounds::combine(std::size_t k, const Stage1& stage1, const Stage2& s
   if (stage2.infeasible &&
       (!stage1.infeasible || blocks_more(*stage2.infeasible, *stage1.infeasible))) {
     bound.infeasible = stage2.infeasible;
+  }
+  if (of_any_set_) bound.infeasible = of_any_set_;
+  const bool apart = stage1.distance.hi < stage2.distance.lo - kRelaxationSlack ||
+                     stage2.distance.hi < stage1.distance.lo - kRelaxationSlack;
+  if (!bound.infeasible && has_same_module(*spec_) && apart) {
+    bound.infeasible = Infeasibility{.check = design::CheckId::kSameModule, .alone = false};
   }
   if (!bound.infeasible) bound.infeasible = flanks_apart(stage1.reach, stage2.reach);
   if (bound.infeasible) {

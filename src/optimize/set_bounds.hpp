@@ -66,6 +66,7 @@ class SetBounds {
   struct Reach {
     double least_m = 0.0, most_m = kInfinity;
   };
+  static constexpr Interval kNowhere{kInfinity, -kInfinity};
   struct Stage1Level {
     bool empty = true;
     double sun = 0.0, ring = 0.0;  ///< least loss of S-P1, of P1-R1
@@ -76,6 +77,7 @@ class SetBounds {
     double sun_weight = 1.0;
     double most_distance = 0.0;  ///< greatest centre distance [modules]
     std::array<Stage1Level, kMostLevels> level;
+    Interval distance = kNowhere;  ///< holds all centre distances [modules]
     Reach reach;
     std::optional<Infeasibility> infeasible;
   };
@@ -86,6 +88,7 @@ class SetBounds {
   };
   struct Stage2 {
     std::array<Stage2Level, kMostLevels> level;
+    Interval distance = kNowhere;
     Reach reach;
     std::optional<Infeasibility> infeasible;
   };
@@ -110,6 +113,7 @@ class SetBounds {
   ShiftTable shifts_;
   std::size_t levels_ = 1;
   double most_distance_ = 0.0;  ///< of any stage 1 [modules]
+  std::optional<Infeasibility> of_any_set_;
   std::vector<Stage1> stage1_;
   std::vector<Stage2> stage2_;
   std::vector<std::uint32_t> stage1_of_, stage2_of_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "geometry/interference.hpp"
 #include "numerics/parallel.hpp"
@@ -67,6 +68,46 @@ TipShift shift_at_tip_thickness(const Specification& spec, int gear, int teeth,
   return {.most = falls(above) ? below : range.hi};
 }
 
+/// A limit that a root radius has to reach, and the miss of its check over that of the radius.
+struct LeastRoot {
+  CheckId check{};
+  double radius_m = 0.0, per_radius = 1.0;
+};
+std::vector<LeastRoot> least_roots(const Specification& spec, int gear) {
+  std::vector<LeastRoot> least;
+  const auto add = [&](CheckId check, double radius_m, double per_radius) {
+    if (radius_m > 0.0) {
+      least.push_back({.check = check, .radius_m = radius_m, .per_radius = per_radius});
+    }
+  };
+  const auto& sun = spec.limits[CheckId::kSunRootDiameter];
+  if (sun && gear == train::kS) add(CheckId::kSunRootDiameter, 0.5 * *sun, 2.0);
+  const double bore = spec.bodies.bore_radius_m[static_cast<std::size_t>(gear)];
+  if (const auto& wall = spec.limits[CheckId::kWall]; wall && bore > 0.0) {
+    add(CheckId::kWall, bore + *wall, 1.0);
+  }
+  return least;
+}
+
+/// The limit of a tip's thickness that asks for more, at the greatest module.
+struct LeastTip {
+  CheckId check{};
+  double modules = 0.0, per_module = 1.0;  ///< the check's own unit over modules, SI
+};
+std::optional<LeastTip> least_tip(const Specification& spec, int gear, double greatest_module_m) {
+  std::optional<LeastTip> least;
+  if (const auto& limit = spec.limits[CheckId::kTipThickness]) {
+    least = LeastTip{.check = CheckId::kTipThickness, .modules = *limit};
+  }
+  const auto& length = spec.limits[CheckId::kTipThicknessLength];
+  if (length && *length > 0.0 && (!least || *length / greatest_module_m > least->modules)) {
+    least = LeastTip{.check = CheckId::kTipThicknessLength,
+                     .modules = *length / greatest_module_m,
+                     .per_module = greatest_module_m};
+  }
+  return train::kind_of(gear) == geometry::GearKind::kRing ? std::nullopt : least;
+}
+
 }  // namespace
 
 Interval module_range(const ModuleChoice& choice) {
@@ -91,6 +132,8 @@ ShiftRange shift_range(const Specification& spec, int gear, int teeth) {
     result.range.lo = std::max(result.range.lo, std::min(shift, all.hi));
   };
   const design::Limits& limits = spec.limits;
+  Interval module = module_range(spec.module[static_cast<std::size_t>(train::stage_of(gear))]);
+  module.hi += kShiftSlack * length_scale_m(spec);
   const bool free_tips = spec.free.tip_shortening.has_value();
   const bool free_angle = spec.free.pressure_angle_rad.has_value();
   if (train::kind_of(gear) == geometry::GearKind::kRing) {
@@ -107,15 +150,20 @@ ShiftRange shift_range(const Specification& spec, int gear, int teeth) {
       at_least(CheckId::kRingTipOutsideBase, *limit - above);
     }
     result.widest = {result.range.lo - kShiftSlack, result.range.hi + kShiftSlack};
-    const auto& diameter = limits[CheckId::kRingRootDiameter];
-    if (diameter && *diameter > 0.0) {
-      const double module =
-          module_range(spec.module[static_cast<std::size_t>(train::stage_of(gear))]).lo;
-      const double root = unit_gear(spec, gear, teeth, all.lo).root_radius_m;
-      const double excess = 2.0 * root * module - *diameter;
-      miss(CheckId::kRingRootDiameter, excess, excess / *diameter);
-      const double most = all.lo + 0.5 * *diameter * (1.0 + kShiftSlack) / module - root;
+    const double root = unit_gear(spec, gear, teeth, all.lo).root_radius_m;
+    const double rim = spec.bodies.ring_rim_m;
+    for (const auto& [check, around] : {std::pair{CheckId::kRingRootDiameter, 0.0},
+                                        std::pair{CheckId::kGearboxDiameter, 2.0 * rim}}) {
+      const auto& diameter = limits[check];
+      if (!diameter || !(*diameter > 0.0)) continue;
+      const double excess = 2.0 * root * module.lo + around - *diameter;
+      miss(check, excess, excess / *diameter);
+      const double most =
+          all.lo + 0.5 * (*diameter * (1.0 + kShiftSlack) - around) / module.lo - root;
       result.widest.hi = std::max(result.widest.lo, std::min(result.widest.hi, most));
+    }
+    if (const auto& wall = limits[CheckId::kWall]; wall && rim > 0.0) {
+      miss(CheckId::kWall, *wall - rim, (*wall - rim) / *wall);
     }
     return result;
   }
@@ -124,19 +172,27 @@ ShiftRange shift_range(const Specification& spec, int gear, int teeth) {
              *limit - geometry::undercut_margin(unit_gear(spec, gear, teeth, 0.0)));
   }
   result.widest = {result.range.lo - kShiftSlack, result.range.hi + kShiftSlack};
-  const auto& limit = limits[CheckId::kTipThickness];
+  for (const LeastRoot& least : least_roots(spec, gear)) {
+    // The root circle grows with the shift, one to one, and with the module.
+    const double root = unit_gear(spec, gear, teeth, all.hi).root_radius_m;
+    const double lacking = least.radius_m - root * module.hi;
+    miss(least.check, lacking * least.per_radius, lacking / least.radius_m);
+    const double shift = all.hi + least.radius_m * (1.0 - kShiftSlack) / module.hi - root;
+    result.widest.lo = std::min(result.widest.hi, std::max(result.widest.lo, shift));
+  }
+  const auto limit = least_tip(spec, gear, module.hi);
   if (limit && !spec.khk_tip[static_cast<std::size_t>(gear)] && !free_tips && !free_angle) {
-    const TipShift tip = shift_at_tip_thickness(spec, gear, teeth, result.range, *limit);
+    const TipShift tip = shift_at_tip_thickness(spec, gear, teeth, result.range, limit->modules);
     if (tip.too_thin) {
       const auto g = unit_gear(spec, gear, teeth, result.range.lo);
-      const double amount = *limit - geometry::tooth_thickness(g, g.tip_radius_m);
-      miss(CheckId::kTipThickness, amount, amount);
+      const double amount = limit->modules - geometry::tooth_thickness(g, g.tip_radius_m);
+      miss(limit->check, amount * limit->per_module, amount);
     }
     result.range.hi = tip.most;
     result.widest.hi =
-        kShiftSlack +
-        shift_at_tip_thickness(spec, gear, teeth, {result.range.lo, all.hi}, *limit - kShiftSlack)
-            .most;
+        kShiftSlack + shift_at_tip_thickness(spec, gear, teeth, {result.range.lo, all.hi},
+                                             limit->modules - kShiftSlack)
+                          .most;
   }
   return result;
 }

@@ -14,6 +14,25 @@ const NumberRange& shift_limits(const Specification& spec, int gear) {
   return ring && spec.ring_shift ? *spec.ring_shift : spec.profile_shift;
 }
 
+std::array<double, 2> least_face_widths_m(const Specification& spec) {
+  std::array<double, 2> widths{};
+  for (std::size_t stage = 0; stage < 2; ++stage) {
+    const auto& range = spec.free.face_width_m[stage];
+    const double rated = spec.rating ? spec.rating->face_width_m[stage] : 0.0;
+    widths[stage] = range ? range->min : spec.bodies.face_width_m[stage].value_or(rated);
+  }
+  return widths;
+}
+
+std::optional<double> most_ring_root_diameter_m(const Specification& spec) {
+  std::optional<double> most = spec.limits[design::CheckId::kRingRootDiameter];
+  if (const auto& whole = spec.limits[design::CheckId::kGearboxDiameter]) {
+    const double root = *whole - 2.0 * spec.bodies.ring_rim_m;
+    most = std::min(most.value_or(root), root);
+  }
+  return most;
+}
+
 double length_scale_m(const Specification& spec) { return least_module(spec.module[0]); }
 
 }  // namespace gear3k::optimize

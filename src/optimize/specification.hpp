@@ -49,6 +49,7 @@ struct GearBodySizes {
   design::GearDensities gear_density_kgm3{};          ///< of one gear, where that of all is empty
   std::array<std::optional<double>, 2> face_width_m;  ///< by stage
   double ring_rim_m = 0.0;                            ///< of both rings outside their root circles
+  std::array<double, train::kGearCount> bore_radius_m{};  ///< of S, P1 and P2
 };
 
 /// Variables that are fixed unless a range is stated.
@@ -121,6 +122,28 @@ struct Specification {
 
 /// The objective that decides.
 inline Objective first_objective(const Specification& spec) { return spec.objectives.front(); }
+
+/// Whether both stages have one module.
+inline bool has_same_module(const Specification& spec) {
+  return spec.limits[design::CheckId::kSameModule].has_value();
+}
+
+/// What the specification states of a train's bodies; must not outlive it.
+/// @param face_width_m  by stage; 0 where it is not stated
+template <class T>
+design::TrainBodies<T> bodies_of(const Specification& spec, const std::array<T, 2>& face_width_m) {
+  return {.bore_radius_m = spec.bodies.bore_radius_m,
+          .ring_outer_radius_m = {},
+          .ring_rim_m = spec.bodies.ring_rim_m,
+          .face_width_m = face_width_m,
+          .allowed_teeth = &spec.limits.allowed_teeth};
+}
+
+/// The least face widths [m]; 0 where they are not stated.
+std::array<double, 2> least_face_widths_m(const Specification& spec);
+
+/// Greatest root diameter that the limits leave the rings [m]; empty: any.
+std::optional<double> most_ring_root_diameter_m(const Specification& spec);
 
 /// Profile shifts that a gear may have.
 const NumberRange& shift_limits(const Specification& spec, int gear);

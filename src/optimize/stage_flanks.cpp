@@ -28,7 +28,7 @@ double greatest_width_m(const Specification& spec, std::size_t stage) {
 /// Greatest module of a stage whose ring has a greatest root diameter [m].
 double greatest_module_m(const Specification& spec, std::size_t stage, const StageGear& ring) {
   const double most = module_range(spec.module[stage]).hi + kFlankSlack * length_scale_m(spec);
-  const auto& diameter = spec.limits[CheckId::kRingRootDiameter];
+  const auto diameter = most_ring_root_diameter_m(spec);
   const double root = 0.5 * ring.teeth + ring.root_height + ring.profile_shift.lo;
   if (!diameter || !(root > 0.0)) return most;
   return std::min(most, 0.5 * *diameter * (1.0 + kFlankSlack) / root);
@@ -130,7 +130,7 @@ StageTask with_flanks(const Specification& spec, const StageTask& task, const St
   loaded.ring_flank = flanks.ring;
   loaded.flank_safety = least_flank_safety_asked(spec);
   loaded.most_module_m = flanks.greatest_module_m;
-  if (const auto& diameter = spec.limits[CheckId::kRingRootDiameter]) {
+  if (const auto diameter = most_ring_root_diameter_m(spec)) {
     loaded.most_root_diameter_m = *diameter * (1.0 + kFlankSlack);
   }
   return loaded;

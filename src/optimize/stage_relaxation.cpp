@@ -182,6 +182,17 @@ class StageSearch {
     return true;
   }
 
+  /// Greatest ρ_a of a tip in an external mesh: T − ρ_a is at least the interference margin, and
+  /// s ρ_a z_mate/z.
+  [[nodiscard]] double most_length(double tangent, int mate_teeth, int teeth) const {
+    double most = kInfinity;
+    if (t_.interference) most = tangent - *t_.interference;
+    if (t_.rolling_share) {
+      most = std::min(most, tangent / (1.0 + *t_.rolling_share * mate_teeth / teeth));
+    }
+    return most;
+  }
+
   static double flank_length(const StageGear& gear, double base, double tip) {
     const double radius = 0.5 * gear.teeth + tip;
     return radius > base ? std::sqrt((radius - base) * (radius + base)) : 0.0;
@@ -244,9 +255,9 @@ class StageSearch {
     if (t_.sun) {
       xp.lo = std::max(xp.lo, sum.lo - t_.sun->profile_shift.hi);
       xp.hi = std::min(xp.hi, sum.hi - t_.sun->profile_shift.lo);
-      if (t_.interference) {
-        const double most = high.sun_tangent - *t_.interference + kSlack;
-        if (most < 0.0) return false;
+      const double most = most_length(high.sun_tangent, t_.sun->teeth, t_.planet.teeth) + kSlack;
+      if (most < 0.0) return false;
+      if (std::isfinite(most)) {
         xp.hi = std::min(xp.hi, tip_at(t_.planet, planet_base_, most) - planet_tip.lo);
       }
     }
@@ -265,6 +276,11 @@ class StageSearch {
                          planet_length.hi + high.ring_tangent - base_pitch_ * t_.contact_ratio.lo};
     if (t_.interference) {
       ring_length.lo = std::max(ring_length.lo, low.ring_tangent + *t_.interference);
+    }
+    if (t_.rolling_share) {
+      // ρ_R − T ≥ s ρ_R z_P/z_R
+      const double left = 1.0 - *t_.rolling_share * t_.planet.teeth / t_.ring.teeth;
+      if (left > 0.0) ring_length.lo = std::max(ring_length.lo, low.ring_tangent / left);
     }
     if (ring_length.hi < -kSlack) return false;
     const Interval& ring_tip = t_.ring.tip_height;
@@ -408,9 +424,10 @@ class StageSearch {
                 std::min(sun.profile_shift.hi, sum.hi - box.planet_shift.lo)};
     Interval sun_length{base_pitch_ * t_.contact_ratio.lo + low.sun_tangent - planet_length.hi,
                         base_pitch_ * t_.contact_ratio.hi + high.sun_tangent - planet_length.lo};
-    if (t_.interference) {
-      sun_length.hi = std::min(sun_length.hi, high.sun_tangent - *t_.interference);
-      if (planet_length.lo > high.sun_tangent - *t_.interference + kSlack) return false;
+    sun_length.hi =
+        std::min(sun_length.hi, most_length(high.sun_tangent, t_.planet.teeth, sun.teeth));
+    if (planet_length.lo > most_length(high.sun_tangent, sun.teeth, t_.planet.teeth) + kSlack) {
+      return false;
     }
     if (sun_length.hi < -kSlack) return false;
     if (std::isfinite(sun_length.hi)) {

@@ -39,8 +39,10 @@ struct StageTask {
     double sun, ring, most;
   };
   std::optional<LostMotion> lost_motion;
-  Interval contact_ratio;                ///< of every mesh
-  std::optional<double> interference;    ///< least involute interference margin
+  Interval contact_ratio;              ///< of every mesh
+  std::optional<double> interference;  ///< least involute interference margin
+  /// Least 1/w of root_sliding() (geometry/sliding.hpp) of every flank.
+  std::optional<double> rolling_share;
   std::optional<double> root_clearance;  ///< least root clearance
   /// Neighbouring planets: d half_spacing − tip radius ≥ half_gap.
   struct PlanetGap {

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "efficiency/friction_law.hpp"
+#include "geometry/sliding.hpp"
 
 namespace gear3k::optimize {
 
@@ -54,13 +55,14 @@ StageTasks::StageTasks(const Specification& spec) : spec_(spec) {
   if (most) budget_ = *most + kFeasibilitySlack * std::max(*most, 1e-3);
   if (budget_ < kInfinity) {
     // A mesh that may interfere gives the others room.
-    const Interval j1 = backlash_floor(0);
-    const Interval j2 = backlash_floor(1);
+    const Interval j1 = backlash_floor(train::kMeshSP1);
+    const Interval j2 = backlash_floor(train::kMeshP1R1);
+    const Interval j3 = backlash_floor(train::kMeshP2R2);
     const double cosine = std::cos(spec.pressure_angle_rad);
     const auto give = [&](double j, double base) { budget_ -= std::min(0.0, j) / base; };
     give(j1.lo, 0.5 * cosine * spec.teeth.S.min * ratio_.lo);
-    give(2.0 * j1.lo, 0.5 * cosine * (spec.teeth.P1.min + spec.teeth.min_internal_difference));
-    give(j2.lo, 0.5 * cosine * (spec.teeth.P2.min + spec.teeth.min_internal_difference));
+    give(2.0 * j2.lo, 0.5 * cosine * (spec.teeth.P1.min + spec.teeth.min_internal_difference));
+    give(j3.lo, 0.5 * cosine * (spec.teeth.P2.min + spec.teeth.min_internal_difference));
   }
 }
 
@@ -75,7 +77,7 @@ StageTask StageTasks::stage1(const Candidate& c, const std::array<Interval, 3>& 
   task.sun_khk_tip = spec_.khk_tip[train::kS];
   task.planet_khk_tip = spec_.khk_tip[train::kP1];
   task.sun_loss = loss(1.0 / c.teeth.S + 1.0 / c.teeth.P1);
-  task.sun_backlash = {backlash_floor(0).lo, kInfinity};
+  task.sun_backlash = {backlash_floor(train::kMeshSP1).lo, kInfinity};
   if (budget_ < kInfinity) {
     // S-P1: j1/(|i| r_bS); P1-R1: (1 − 1/i) j2/r_bR1 kinematically, j2/r_bR1 in the paper's.
     const double half_cos = 0.5 * std::cos(spec_.pressure_angle_rad);
@@ -130,13 +132,31 @@ StageGear StageTasks::gear(int id, int teeth, const Interval& shift) const {
           .machining_allowance = spec_.machining_allowance[i]};
 }
 
-Interval StageTasks::backlash_floor(std::size_t stage) const {
-  const auto& limit = spec_.limits[CheckId::kNormalBacklash];
+Interval StageTasks::backlash_floor(std::size_t mesh) const {
+  const auto limit = design::least_backlash_m(spec_.limits, mesh);
+  const std::size_t stage = mesh == train::kMeshP2R2 ? 1 : 0;
   if (!limit) return {-kInfinity, kInfinity};
   // Feasible means within kFeasibilityTolerance of the scale, which is a module of stage 1.
   const double slack = design::kFeasibilityTolerance * length_scale_m(spec_);
   const double least = *limit - slack;
   return {least / (least > 0.0 ? module_[stage].hi : module_[stage].lo), kInfinity};
+}
+
+std::optional<double> StageTasks::rolling_share() const {
+  const auto& most = spec_.limits[CheckId::kSpecificSliding];
+  if (!most) return std::nullopt;
+  return geometry::rolling_share(*most + kFeasibilitySlack * (1.0 + *most));
+}
+
+std::optional<double> StageTasks::root_clearance(std::size_t stage) const {
+  std::optional<double> least = spec_.limits[CheckId::kRootClearance];
+  if (const auto& length = spec_.limits[CheckId::kRootClearanceLength]) {
+    const double greatest = module_[stage].hi + kFeasibilitySlack * length_scale_m(spec_);
+    const double modules = *length / (*length > 0.0 ? greatest : module_[stage].lo);
+    least = std::max(least.value_or(modules), modules);
+  }
+  if (!least) return std::nullopt;
+  return *least - kFeasibilitySlack;
 }
 
 StageTask StageTasks::common(const Candidate& c, int planet, int ring, const Interval& planet_x,
@@ -152,22 +172,24 @@ StageTask StageTasks::common(const Candidate& c, int planet, int ring, const Int
     if (!spec_.limits[id]) return std::nullopt;
     return *spec_.limits[id] - kSlack;
   };
-  return {.planet = gear(planet, z_planet, planet_x),
-          .ring = gear(ring, z_ring, ring_x),
-          .sun = std::nullopt,
-          .pressure_angle_rad = spec_.pressure_angle_rad,
-          .greatest_angle_rad = kGreatestWorkingAngle_rad,
-          .sun_backlash = {-kInfinity, kInfinity},
-          .ring_backlash = backlash_floor(planet == train::kP1 ? 0 : 1),
-          .lost_motion = std::nullopt,
-          .contact_ratio = {limit(CheckId::kContactRatioMin, -kInfinity) - kSlack,
-                            limit(CheckId::kContactRatioMax, kInfinity) + kSlack},
-          .interference = relaxed(CheckId::kInvoluteInterference),
-          .root_clearance = relaxed(CheckId::kRootClearance),
-          .planet_gap = std::nullopt,
-          .sliding = spec_.friction.model != efficiency::LossModel::kOhlendorf,
-          .sun_loss = 0.0,
-          .ring_loss = loss(1.0 / z_planet - 1.0 / z_ring)};
+  return {
+      .planet = gear(planet, z_planet, planet_x),
+      .ring = gear(ring, z_ring, ring_x),
+      .sun = std::nullopt,
+      .pressure_angle_rad = spec_.pressure_angle_rad,
+      .greatest_angle_rad = kGreatestWorkingAngle_rad,
+      .sun_backlash = {-kInfinity, kInfinity},
+      .ring_backlash = backlash_floor(planet == train::kP1 ? train::kMeshP1R1 : train::kMeshP2R2),
+      .lost_motion = std::nullopt,
+      .contact_ratio = {limit(CheckId::kContactRatioMin, -kInfinity) - kSlack,
+                        limit(CheckId::kContactRatioMax, kInfinity) + kSlack},
+      .interference = relaxed(CheckId::kInvoluteInterference),
+      .rolling_share = rolling_share(),
+      .root_clearance = root_clearance(planet == train::kP1 ? 0 : 1),
+      .planet_gap = std::nullopt,
+      .sliding = spec_.friction.model != efficiency::LossModel::kOhlendorf,
+      .sun_loss = 0.0,
+      .ring_loss = loss(1.0 / z_planet - 1.0 / z_ring)};
 }
 
 }  // namespace gear3k::optimize

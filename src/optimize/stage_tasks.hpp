@@ -3,6 +3,7 @@
 
 #include <array>
 #include <limits>
+#include <optional>
 
 #include "optimize/shift_range.hpp"
 #include "optimize/stage_relaxation.hpp"
@@ -42,8 +43,12 @@ class StageTasks {
  private:
   [[nodiscard]] double loss(double teeth) const;
   [[nodiscard]] StageGear gear(int id, int teeth, const Interval& shift) const;
-  /// Least normal backlash of a stage's meshes, in its modules.
-  [[nodiscard]] Interval backlash_floor(std::size_t stage) const;
+  /// Least normal backlash of a mesh, in its modules.
+  [[nodiscard]] Interval backlash_floor(std::size_t mesh) const;
+  /// Least 1/w of every flank; empty: any.
+  [[nodiscard]] std::optional<double> rolling_share() const;
+  /// Least root clearance of a stage's meshes, in its modules; empty: any.
+  [[nodiscard]] std::optional<double> root_clearance(std::size_t stage) const;
   [[nodiscard]] StageTask common(const Candidate& c, int planet, int ring, const Interval& planet_x,
                                  const Interval& ring_x) const;
 

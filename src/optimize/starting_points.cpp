@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "geometry/involute.hpp"
 
@@ -68,7 +69,18 @@ double working_angle(double base_sum, double center_distance) {
   return base_sum < center_distance ? std::acos(base_sum / center_distance) : 0.0;
 }
 
-bool has_scale(const RefinementProblem& p) { return !p.fixed_module_m[0] && !p.fixed_module_m[1]; }
+/// m2/m1, where it is not refined.
+std::optional<double> module_ratio(const RefinementProblem& p) {
+  if (p.fixed_module_m[0] && p.fixed_module_m[1])
+    return *p.fixed_module_m[1] / *p.fixed_module_m[0];
+  return has_same_module(*p.spec) ? std::optional(1.0) : std::nullopt;
+}
+
+/// Efficiency does not depend on the scale: start at the coarsest module, so that limits of size
+/// are filled and teeth are as strong as they can be.
+void start_scale(const RefinementProblem& p, Point& v) {
+  if (p.scale > 0) v[p.scale] = p.upper[p.scale];
+}
 
 Point start_from(const RefinementProblem& p, const ShiftFractions& fractions) {
   const Specification& spec = *p.spec;
@@ -102,8 +114,9 @@ Point start_from(const RefinementProblem& p, const ShiftFractions& fractions) {
       closing_shift(spec, std::max(angle2, range.low), sum2) + thinned_shift(spec, kP1, v[kP1]);
   v[kR1] = within(kR1, ring1 - thinned_shift(spec, kR1, 0.0));
 
-  if (p.fixed_module_m[0] && p.fixed_module_m[1]) {
-    const double base3 = 0.5 * cos_alpha * sum3 * *p.fixed_module_m[1] / *p.fixed_module_m[0];
+  start_scale(p, v);
+  if (const auto ratio = module_ratio(p)) {
+    const double base3 = 0.5 * cos_alpha * sum3 * *ratio;
     const double angle3 = std::max(working_angle(base3, distance), range.low);
     const double ring2 = closing_shift(spec, angle3, sum3) + thinned_shift(spec, kP2, v[kP2]);
     v[kR2] = within(kR2, ring2 - thinned_shift(spec, kR2, 0.0));
@@ -114,9 +127,6 @@ Point start_from(const RefinementProblem& p, const ShiftFractions& fractions) {
   v[kAngleA] = std::clamp(p.angle_mesh == train::kMeshSP1 ? angle1 : angle2, range.low, range.high);
   v[kAngleB] = closing_angle(
       spec, thinned_shift(spec, kR2, v[kR2]) - thinned_shift(spec, kP2, v[kP2]), sum3, range);
-  // Efficiency does not depend on the scale: start at the coarsest module, so that limits of size
-  // are filled and teeth are as strong as they can be.
-  if (has_scale(p)) v[kScale] = p.upper[kScale];
   return v;
 }
 
@@ -154,9 +164,10 @@ Point start_at(const RefinementProblem& p, const SetBound& bound) {
   set(kR1, bound.stage1.ring_shift);
   set(kP2, bound.stage2.planet_shift);
   set(kR2, bound.stage2.ring_shift);
+  start_scale(p, v);
   double distance = bound.stage1.center_distance;
-  if (p.fixed_module_m[0] && p.fixed_module_m[1]) {
-    const double distance2 = distance * *p.fixed_module_m[0] / *p.fixed_module_m[1];
+  if (const auto ratio = module_ratio(p)) {
+    const double distance2 = distance / *ratio;
     const double angle3 = std::max(working_angle(base_sum[2], distance2), p.lower[kAngleA]);
     set(kR2, closing_shift(spec, angle3, z.R2 - z.P2) + thinned_shift(spec, kP2, v[kP2]) -
                  thinned_shift(spec, kR2, 0.0));
@@ -166,7 +177,6 @@ Point start_at(const RefinementProblem& p, const SetBound& bound) {
   }
   set(kAngleA, working_angle(base_sum[static_cast<std::size_t>(p.angle_mesh)], distance));
   set(kAngleB, working_angle(base_sum[2], bound.stage2.center_distance));
-  if (has_scale(p)) v[kScale] = p.upper[kScale];
   return v;
 }
 

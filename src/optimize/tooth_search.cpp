@@ -36,9 +36,35 @@ IntegerRange ring2_band(const train::ToothSet& z, const Specification& spec) {
           .max = static_cast<int>(std::ceil(std::min(std::max(a, b), cap))) + 1};
 }
 
+/// Whether a mesh of which it is asked has a common factor above the limit.
+bool has_common_factor(const design::Limits& limits, const train::ToothSet& z) {
+  const auto& most = limits[design::CheckId::kHuntingTooth];
+  if (!most) return false;
+  const auto teeth = train::teeth_of(z);
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    const auto [first, second] = train::kMeshGears[k];
+    const int factor =
+        std::gcd(teeth[static_cast<std::size_t>(first)], teeth[static_cast<std::size_t>(second)]);
+    if (design::hunts(limits, k) && factor > *most) return true;
+  }
+  return false;
+}
+
+/// Whether a tooth number is not of its list.
+bool is_off_list(const design::Limits& limits, const train::ToothSet& z) {
+  if (!limits[design::CheckId::kAllowedTeeth]) return false;
+  const auto teeth = train::teeth_of(z);
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    const std::vector<int>& list = limits.allowed_teeth[i];
+    if (!list.empty() && std::ranges::find(list, teeth[i]) == list.end()) return true;
+  }
+  return false;
+}
+
 /// Why a set within the ratio is no candidate; empty: it is one.
 std::optional<ToothRejection> rejection_of(const Specification& spec, const Candidate& c) {
   const train::ToothSet& z = c.teeth;
+  if (is_off_list(spec.limits, z)) return ToothRejection::kAllowedTeeth;
   const int least = spec.teeth.min_internal_difference;
   if (z.R1 - z.P1 < least || z.R2 - z.P2 < least) return ToothRejection::kInternalDifference;
   const bool spaced = spec.limits[design::CheckId::kEqualSpacing].has_value();
@@ -46,6 +72,7 @@ std::optional<ToothRejection> rejection_of(const Specification& spec, const Cand
   const train::Assembly assembly = train::assembly(z, c.planets);
   if (spaced && !assembly.equal_spacing) return ToothRejection::kEqualSpacing;
   if (identical && !assembly.identical_planets) return ToothRejection::kIdenticalPlanets;
+  if (has_common_factor(spec.limits, z)) return ToothRejection::kHuntingTooth;
   return std::nullopt;
 }
 

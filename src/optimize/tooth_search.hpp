@@ -22,11 +22,18 @@ struct Candidate {
 };
 
 /// Why a set within the tooth ranges and the ratio's tolerance is not a candidate.
-enum class ToothRejection { kInternalDifference, kEqualSpacing, kIdenticalPlanets };
-inline constexpr std::size_t kToothRejectionCount = 3;
-/// Names in result files, in the order of the enum; the last two are names of checks.
+enum class ToothRejection {
+  kAllowedTeeth,
+  kInternalDifference,
+  kEqualSpacing,
+  kIdenticalPlanets,
+  kHuntingTooth
+};
+inline constexpr std::size_t kToothRejectionCount = 5;
+/// Names in result files, in the order of the enum; all but the second are names of checks.
 inline constexpr std::array<std::string_view, kToothRejectionCount> kToothRejectionNames{
-    "min_internal_difference", "equal_spacing", "identical_planets"};
+    "allowed_teeth", "min_internal_difference", "equal_spacing", "identical_planets",
+    "hunting_tooth"};
 
 struct ToothSearchResult {
   /// Ordered by planets, S, P1, R1, P2, R2, whatever the number of threads; empty where they were
@@ -55,7 +62,7 @@ bool ratio_matches(double ratio, const RatioTarget& target);
 /// so only the few zR2 of that band are visited; each is then tested by ratio_matches() on the
 /// exactly computed ratio, with a tooth of slack on the band, so that none is lost to rounding.
 /// OpenMP over (S, P1).  Ranges are taken as they are: a range with min > max holds nothing.
-/// Which rules apply: the checks equal_spacing and identical_planets, where they are switched on.
+/// Which rules apply: the checks of tooth numbers, where they are switched on.
 /// @param progress  counts the (S, P1) pairs; its stop ends the search early (result.interrupted)
 ToothSearchResult search_teeth(const Specification& spec, Progress& progress);
 

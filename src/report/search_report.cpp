@@ -13,6 +13,7 @@
 #include "optimize/objective_value.hpp"
 #include "report/display.hpp"
 #include "report/fields.hpp"
+#include "report/limits_report.hpp"
 #include "report/text_table.hpp"
 #include "report/tooth_set_text.hpp"
 
@@ -396,7 +397,7 @@ io::Json certificate_json(const Specification& spec, const OptimizeResult& resul
 std::string summary_json(const Specification& spec, const OptimizeResult& result,
                          const ResultTally& tally, const RunFacts& facts, const ModelUse* model,
                          const optimize::ParetoFront* front, const RobustRun* robust,
-                         const ModelComparison* comparison) {
+                         const ModelComparison* comparison, const design::Limits* stated_limits) {
   io::Json status = io::Json::object();
   io::Json reasons = io::Json::object();
   for (std::size_t k = 0; k < optimize::kStatusCount; ++k) {
@@ -445,6 +446,7 @@ std::string summary_json(const Specification& spec, const OptimizeResult& result
                                     (comparison != nullptr && comparison->interrupted)},
                 {"wall_time_s", facts.wall_time_s},
                 {"threads", facts.threads}};
+  json["limits"] = limits_json(stated_limits != nullptr ? *stated_limits : spec.limits);
   if (robust != nullptr) json["robust"] = robust_json(spec, *robust);
   if (model != nullptr) json["model"] = model_json(*model);
   json["model_change"] = comparison != nullptr ? model_change_json(*comparison) : io::Json(nullptr);
@@ -546,9 +548,16 @@ std::string blocking_text(const Specification& spec, const OptimizeResult& resul
   if (search.candidate_count() == 0) {
     const auto worst = std::ranges::max_element(search.rejected);
     const auto index = static_cast<std::size_t>(worst - search.rejected.begin());
+    std::string others;
+    for (std::size_t k = 0; k < optimize::kToothRejectionCount; ++k) {
+      if (k == index || search.rejected[k] == 0) continue;
+      others += fmt::format("{}{} {}", others.empty() ? "; of the others " : ", ",
+                            optimize::kToothRejectionNames[k], search.rejected[k]);
+    }
     return fmt::format(
-        "no feasible design: blocked by {}: it rejects {} of the {} tooth sets within the ratio{}",
-        optimize::kToothRejectionNames[index], *worst, search.within_ratio,
+        "no feasible design: blocked by {}: it rejects {} of the {} tooth sets within the "
+        "ratio{}{}",
+        optimize::kToothRejectionNames[index], *worst, search.within_ratio, others,
         index == static_cast<std::size_t>(optimize::ToothRejection::kIdenticalPlanets)
             ? " (identical_planets = false would allow individually phased planets)"
             : "");

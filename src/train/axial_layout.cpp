@@ -1,6 +1,19 @@
 #include "train/axial_layout.hpp"
 
+#include <algorithm>
+
 namespace gear3k::train {
+
+std::optional<AxialInterval> whole_extent(const AxialLayout& layout) {
+  std::optional<AxialInterval> whole;
+  for (const std::optional<AxialInterval>& body : layout.extent) {
+    if (!body) continue;
+    if (!whole) whole = body;
+    whole->from_m = std::min(whole->from_m, body->from_m);
+    whole->to_m = std::max(whole->to_m, body->to_m);
+  }
+  return whole;
+}
 
 std::vector<int> overlapping_bodies(const AxialLayout& layout) {
   std::vector<int> pairs;

@@ -33,6 +33,9 @@ struct BodyPair {
 inline constexpr std::array<BodyPair, 5> kPassingBodies{
     {{kP2, kS}, {kP2, kR1}, {kP1, kR2}, {kCarrier, kR1}, {kCarrier, kR2}}};
 
+/// From the first to the last body whose extent is known; empty where none is.
+std::optional<AxialInterval> whole_extent(const AxialLayout& layout);
+
 /// Indices into kPassingBodies of the pairs that overlap along the axis.
 std::vector<int> overlapping_bodies(const AxialLayout& layout);
 

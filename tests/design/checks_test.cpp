@@ -257,6 +257,7 @@ TEST(CheckValue, LengthsOfAToothAreInTheModuleOfTheirOwnGear) {
   large.axial.carrier_radius_m *= 10.0;
   for (const CheckInstance& c : list_checks(all_on(), train_layout(full_layout()))) {
     const CheckId id = c.record->id;
+    if (id == CheckId::kGearboxLength) continue;  // that of [axial], which stays
     const double ratio = large.value(id, c.subject) / small.value(id, c.subject);
     const bool length = c.record->unit == Unit::kMillimetre || c.record->unit == Unit::kMicrometre;
     if (small.value(id, c.subject) == 0.0) {

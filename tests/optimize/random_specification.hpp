@@ -101,6 +101,33 @@ inline void draw_limits(DeterministicRandom& random, Specification& spec) {
                                           : backlash::LostMotionModel::kPaper;
 }
 
+/// Limits of a workshop and of the whole gearbox, of sizes that gears about these may have.
+inline void draw_workshop(DeterministicRandom& random, Specification& spec) {
+  using design::CheckId;
+  const auto draw = [&](CheckId id, double chance, double least, double most) {
+    if (with_chance(random, chance)) spec.limits[id] = random.between(least, most);
+  };
+  draw(CheckId::kSpecificSliding, 0.6, 0.8, 8.0);
+  draw(CheckId::kTipThicknessLength, 0.5, 0.05e-3, 0.4e-3);
+  draw(CheckId::kRootClearanceLength, 0.5, 0.02e-3, 0.2e-3);
+  draw(CheckId::kSunRootDiameter, 0.3, 3e-3, 14e-3);
+  draw(CheckId::kGearboxDiameter, 0.4, 0.05, 0.15);
+  draw(CheckId::kWall, 0.5, 0.2e-3, 3e-3);
+  spec.bodies.ring_rim_m = random.between(0.5e-3, 4e-3);
+  if (with_chance(random, 0.4)) {
+    spec.bodies.bore_radius_m[train::kS] = random.between(0.5e-3, 4e-3);
+    spec.bodies.bore_radius_m[train::kP1] = spec.bodies.bore_radius_m[train::kP2] =
+        random.between(1e-3, 8e-3);
+  }
+  for (auto& least : spec.limits.mesh_backlash_m) {
+    if (with_chance(random, 0.3)) least = random.between(-10e-6, 40e-6);
+  }
+  if (with_chance(random, 0.3)) {
+    spec.limits[CheckId::kSameModule] = 0.0;
+    spec.module[1] = spec.module[0];
+  }
+}
+
 inline ModuleChoice random_module(DeterministicRandom& random) {
   ModuleChoice choice;
   switch (random.index(3)) {
@@ -161,6 +188,14 @@ inline RandomTask random_task(std::uint64_t seed, std::size_t most) {
   return task;
 }
 
+/// A task with limits of a workshop besides.
+inline RandomTask random_workshop_task(std::uint64_t seed, std::size_t most) {
+  RandomTask task = random_task(seed, most);
+  DeterministicRandom random(seed + 50'000);
+  draw_workshop(random, task.spec);
+  return task;
+}
+
 /// The programmes of a tooth set, every check a row: one for each choice of modules and branch.
 inline std::vector<RefinementProblem> problems_of(const Specification& spec,
                                                   const Candidate& candidate) {
@@ -175,6 +210,7 @@ inline std::vector<RefinementProblem> problems_of(const Specification& spec,
   std::vector<RefinementProblem> problems;
   for (const auto& m1 : options(spec.module[0])) {
     for (const auto& m2 : options(spec.module[1])) {
+      if (has_same_module(spec) && m1 != m2) continue;
       problems.push_back(make_refinement_problem(spec, candidate, {m1, m2}));
     }
   }

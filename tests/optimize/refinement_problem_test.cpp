@@ -27,6 +27,8 @@ struct Variant {
   efficiency::LossModel loss;
   Objective objective;
   double ratio;
+  bool workshop = false;  ///< sliding, lengths, walls, whole size
+  bool same_module = false;
 };
 
 class RefinementProblemOf : public testing::TestWithParam<Variant> {
@@ -46,6 +48,8 @@ class RefinementProblemOf : public testing::TestWithParam<Variant> {
     spec_.limits[design::CheckId::kRingRootDiameter] = 0.12;
     spec_.limits[design::CheckId::kRingTipThickness] = 0.2;
     spec_.machining_allowance.fill(0.02);
+    if (v.workshop) add_workshop_limits();
+    if (v.same_module) spec_.limits[design::CheckId::kSameModule] = 0.0;
     spec_.friction.model = v.loss;
     spec_.objectives = {v.objective};
     spec_.ratio.target = v.ratio;
@@ -54,6 +58,27 @@ class RefinementProblemOf : public testing::TestWithParam<Variant> {
     for (std::size_t k = 0; k < candidates.size(); k += 1 + candidates.size() / 25) {
       problems_.push_back(make_refinement_problem(spec_, candidates[k], v.fixed_module_m));
     }
+  }
+
+  void add_workshop_limits() {
+    using design::CheckId;
+    spec_.limits[CheckId::kSpecificSliding] = 3.0;
+    spec_.limits[CheckId::kTipThicknessLength] = 0.2e-3;
+    spec_.limits[CheckId::kRootClearanceLength] = 0.1e-3;
+    spec_.limits[CheckId::kSunRootDiameter] = 8e-3;
+    spec_.limits[CheckId::kGearboxDiameter] = 0.13;
+    spec_.limits[CheckId::kGearboxLength] = 0.02;
+    spec_.limits[CheckId::kWall] = 1e-3;
+    spec_.bodies.bore_radius_m = {2e-3, 4e-3, 0.0, 4e-3, 0.0};
+    spec_.bodies.ring_rim_m = 2e-3;
+    spec_.bodies.density_kgm3 = 7850.0;
+    spec_.bodies.face_width_m = {8e-3, 8e-3};
+    // No more variables than a jet of these tests has.
+    if (GetParam().same_module) {
+      spec_.free.face_width_m[1] = NumberRange{.min = 8e-3, .max = 14e-3};
+    }
+    spec_.objective_limits = {{.objective = Objective::kMass, .value = 3.0}};
+    spec_.limits.mesh_backlash_m[train::kMeshP2R2] = 5e-6;
   }
 
   Specification spec_;
@@ -173,12 +198,18 @@ INSTANTIATE_TEST_SUITE_P(
         Variant{"Stage2Free", {1e-3, std::nullopt}, kPaper, kOhlendorf, kBackward, 96.2},
         Variant{"Stage1Free", {std::nullopt, 1e-3}, kKinematic, kSliding, kForward, 96.2},
         Variant{"BothFree", {std::nullopt, std::nullopt}, kPaper, kSliding, kBackward, 96.2},
-        Variant{"OutputBackwards",
+        Variant{
+            "OutputBackwards", {std::nullopt, std::nullopt}, kKinematic, kSliding, kForward, -96.2},
+        Variant{
+            "Workshop", {std::nullopt, std::nullopt}, kKinematic, kSliding, kBackward, 96.2, true},
+        Variant{"OneModule",
                 {std::nullopt, std::nullopt},
                 kKinematic,
                 kSliding,
-                kForward,
-                -96.2}),
+                kBackward,
+                96.2,
+                true,
+                true}),
     [](const auto& variant) { return std::string(variant.param.name); });
 
 TEST(RefinementProblem, ViolationIsInfiniteWhereverAConstraintIsNotANumber) {

@@ -21,6 +21,7 @@ namespace {
 using rig::DeterministicRandom;
 using test::problems_of;
 using test::random_task;
+using test::random_workshop_task;
 using test::RandomTask;
 using test::search_designs;
 
@@ -119,11 +120,13 @@ class RandomSpecifications : public testing::TestWithParam<int> {
   void for_each_task(const Visit& visit) const {
     for (int n = 0; n < kPerBlock; ++n) {
       const auto seed = static_cast<std::uint64_t>(kPerBlock * GetParam() + n + 1);
-      const RandomTask task = random_task(seed, 3);
-      if (task.candidates.empty()) continue;
-      Progress progress;
-      const SetBounds bounds(task.spec, task.candidates, progress);
-      visit(seed, task, bounds);
+      for (const auto make : {random_task, random_workshop_task}) {
+        const RandomTask task = make(seed, 3);
+        if (task.candidates.empty()) continue;
+        Progress progress;
+        const SetBounds bounds(task.spec, task.candidates, progress);
+        visit(seed, task, bounds);
+      }
     }
   }
 };
@@ -189,11 +192,13 @@ TEST_P(RandomSpecifications, AmountThatALimitHasToGiveWayIsALeastOne) {
     for (std::size_t k = 0; k < task.candidates.size(); ++k) {
       const auto proof = bounds.of(k).infeasible;
       if (!proof || !proof->alone || proof->miss_si <= 0.0) continue;
-      const bool most = proof->check == CheckId::kContactRatioMax ||
-                        proof->check == CheckId::kOutputBacklashMax ||
-                        proof->check == CheckId::kRingRootDiameter;
+      const double eased_by = 0.95 * proof->miss_si;
+      const bool least = design::check_record(proof->check).at_least;
       Specification eased = task.spec;
-      *eased.limits[proof->check] += (most ? 0.95 : -0.95) * proof->miss_si;
+      if (auto& limit = eased.limits[proof->check]) *limit += least ? -eased_by : eased_by;
+      for (auto& limit : eased.limits.mesh_backlash_m) {
+        if (proof->check == CheckId::kNormalBacklash && limit) *limit -= eased_by;
+      }
       const auto found = search_designs(problems_of(eased, task.candidates[k]), 3, seed,
                                         [](const RefinementProblem&, const SolveOutcome&) {});
       EXPECT_FALSE(found) << "seed " << seed << " set " << k << " "
@@ -203,6 +208,25 @@ TEST_P(RandomSpecifications, AmountThatALimitHasToGiveWayIsALeastOne) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, RandomSpecifications, testing::Range(1, sample(4, 7)));
+
+TEST(RandomSpecification, WorkshopLimitsAreNamedInProofs) {
+  using design::CheckId;
+  std::set<CheckId> named;
+  for (std::uint64_t seed = 1; seed <= 120; ++seed) {
+    const RandomTask task = random_workshop_task(seed, 3);
+    if (task.candidates.empty()) continue;
+    Progress progress;
+    const SetBounds bounds(task.spec, task.candidates, progress);
+    for (std::size_t k = 0; k < task.candidates.size(); ++k) {
+      if (const auto proof = bounds.of(k).infeasible) named.insert(proof->check);
+    }
+  }
+  for (const CheckId id :
+       {CheckId::kSpecificSliding, CheckId::kTipThicknessLength, CheckId::kSunRootDiameter,
+        CheckId::kGearboxDiameter, CheckId::kWall, CheckId::kSameModule}) {
+    EXPECT_TRUE(named.contains(id)) << design::check_record(id).name;
+  }
+}
 
 TEST(RandomSpecification, DrawsEveryKindOfWhichBoundsKnow) {
   std::set<std::string> seen;

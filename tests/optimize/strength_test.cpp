@@ -164,7 +164,7 @@ TEST(StrengthInOptimize, AnOptimumOnAKinkIsToldFromAPointBesideIt) {
   for (std::size_t i = 0; i < train::kGearCount; ++i) v[i] = train.profile_shift[i];
   v[kAngleA] = geometry->meshes[static_cast<std::size_t>(p.angle_mesh)].alpha_w_rad;
   v[kAngleB] = geometry->meshes[train::kMeshP2R2].alpha_w_rad;
-  v[kScale] = train.module_m[0] / p.length_scale_m;
+  v[p.scale] = train.module_m[0] / p.length_scale_m;
   std::vector<double> g(p.rows.size());
   const auto best = evaluate<double>(p, used(p, v), g);
   ASSERT_TRUE(best);

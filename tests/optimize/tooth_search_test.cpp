@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <omp.h>
 
+#include <algorithm>
+#include <array>
 #include <numeric>
 #include <random>
 #include <set>
@@ -18,6 +20,28 @@ Specification rp96() {
 }
 
 using Teeth = std::tuple<int, int, int, int, int, int>;
+
+/// Whether a set keeps the limits of common factors and of lists, spelt out.
+bool keeps_tooth_limits(const design::Limits& limits, int s, int p1, int r1, int p2, int r2) {
+  const std::array<std::array<int, 2>, 3> meshes{{{s, p1}, {p1, r1}, {p2, r2}}};
+  for (std::size_t k = 0; k < meshes.size(); ++k) {
+    if (!limits[design::CheckId::kHuntingTooth]) break;
+    const auto& asked = limits.hunting_meshes;
+    const auto mesh = static_cast<train::MeshId>(k);
+    if (!asked.empty() && std::count(asked.begin(), asked.end(), mesh) == 0) continue;
+    for (int factor = 2; factor <= meshes[k][0]; ++factor) {
+      const bool common = meshes[k][0] % factor == 0 && meshes[k][1] % factor == 0;
+      if (common && factor > *limits[design::CheckId::kHuntingTooth]) return false;
+    }
+  }
+  const std::array<int, 5> teeth{s, p1, r1, p2, r2};
+  for (std::size_t i = 0; i < teeth.size(); ++i) {
+    const auto& list = limits.allowed_teeth[i];
+    const bool free = list.empty() || !limits[design::CheckId::kAllowedTeeth];
+    if (!free && std::count(list.begin(), list.end(), teeth[i]) == 0) return false;
+  }
+  return true;
+}
 
 struct BruteForce {
   std::set<Teeth> candidates;
@@ -50,6 +74,7 @@ BruteForce brute_force(const Specification& spec) {
                   (!spaced || (r2 * p1 - r1 * p2) % (n * std::gcd(p1, p2)) != 0)) {
                 continue;
               }
+              if (!keeps_tooth_limits(spec.limits, s, p1, r1, p2, r2)) continue;
               result.candidates.insert({n, s, p1, r1, p2, r2});
             }
           }
@@ -93,6 +118,30 @@ TEST(ToothSearch, Rp96WithoutIdenticalPlanetsHas2117Sets) {
   expect_equal_to_brute_force(spec);
   Progress progress;
   EXPECT_EQ(search_teeth(spec, progress).candidates.size(), 2117U);  // docs/rp96.md
+}
+
+TEST(ToothSearch, CommonFactorsAndListsAreThoseOfTheBruteForceLoop) {
+  using design::CheckId;
+  Specification spec = rp96();
+  spec.limits[CheckId::kHuntingTooth] = 1.0;
+  expect_equal_to_brute_force(spec);
+  Progress progress;
+  const ToothSearchResult hunting = search_teeth(spec, progress);
+  EXPECT_GT(hunting.candidates.size(), 0U);
+  EXPECT_GT(hunting.rejected[static_cast<std::size_t>(ToothRejection::kHuntingTooth)], 0U);
+  EXPECT_EQ(hunting.rejected[static_cast<std::size_t>(ToothRejection::kAllowedTeeth)], 0U);
+  spec.limits.hunting_meshes = {train::kMeshP2R2};
+  expect_equal_to_brute_force(spec);
+  EXPECT_GT(search_teeth(spec, progress).candidates.size(), hunting.candidates.size());
+  spec.limits[CheckId::kHuntingTooth] = 3.0;
+  expect_equal_to_brute_force(spec);
+  spec.limits[CheckId::kAllowedTeeth] = 0.0;
+  spec.limits.allowed_teeth[train::kS] = {12, 14, 15};
+  spec.limits.allowed_teeth[train::kR2] = {90, 93, 96, 99, 102, 105, 108};
+  expect_equal_to_brute_force(spec);
+  const ToothSearchResult listed = search_teeth(spec, progress);
+  EXPECT_GT(listed.candidates.size(), 0U);
+  EXPECT_GT(listed.rejected[static_cast<std::size_t>(ToothRejection::kAllowedTeeth)], 0U);
 }
 
 TEST(ToothSearch, LosesNothingForRandomSpecifications) {

@@ -13,6 +13,7 @@ constexpr std::string_view kTask =
 # Every key with its range and default: gear3k keys
 name = "my gearbox"
 planets = 3                        # or a list to try, such as [3, 4, 5]
+preset = "machined"                # what the workshop can make; or "printed", or "bare" (docs/interface.md)
 objective = "backward_efficiency"  # or forward_efficiency, lost_motion, outer_diameter, ratio_error
 
 [ratio]
@@ -35,21 +36,24 @@ stage2_mm = { min = 0.5, max = 1.0 }
 range = [-0.5, 1.0]
 
 [size]
-max_ring_root_diameter_mm = 80.0   # without the rims outside the rings' roots
+ring_rim_mm = 3.0                  # of both rings outside their root circles
+max_outer_diameter_mm = 86.0       # with the rims
+#sun_bore_mm = 4.0
+#planet_bore_mm = 6.0
 
 [backlash]
 machining_allowance = 0.02         # each tooth thinner by 0.02 modules: room to turn
-min_normal_um = 10.0               # least backlash of every mesh
 max_output_arcmin = 10.0           # greatest lost motion at the output
+#min_normal_um = 20.0              # least backlash of every mesh, in place of the preset's
 
-[contact_ratio]
-range = [1.2, 2.5]
-
-[limits]
-tip_thickness = 0.3                # modules, of S, P1 and P2
-ring_tip_thickness = 0.3
-root_clearance = 0.1               # modules, between a tip and its mate's root
-planet_gap = 0.5                   # modules, between neighbouring planets
+# Limits in place of those of the preset; each check has a key (gear3k keys limits).
+#[contact_ratio]
+#range = [1.2, 2.5]
+#[limits]
+#tip_thickness = 0.3               # modules, of S, P1 and P2
+#specific_sliding = 3.0            # greatest sliding over rolling at a root
+#hunting_tooth = true              # no common factor of the teeth of a mesh
+#same_module = true                # one module for both stages
 
 [friction]
 coefficient = 0.1                  # of the flanks, as in the papers; gear3k diagnose tells yours

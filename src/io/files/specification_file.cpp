@@ -135,6 +135,49 @@ void check_relations(const Input& input, FileReading& reading) {
   }
 }
 
+/// The bores, and the wall that a bore is to leave: at least what is not nothing.
+void finish_bodies(optimize::Specification& spec) {
+  auto& bores = spec.bodies.bore_radius_m;
+  bores[train::kP2] = bores[train::kP1];
+  auto& wall = spec.limits[design::CheckId::kWall];
+  constexpr double kLeastWall_m = 1e-6;
+  if (std::ranges::any_of(bores, [](double r) { return r > 0.0; })) {
+    wall = std::max(wall.value_or(0.0), kLeastWall_m);
+  }
+}
+
+/// What both modules can be, where they are to be the same.
+void unite_modules(optimize::Specification& spec, FileReading& reading) {
+  if (!optimize::has_same_module(spec)) return;
+  if (!reading.has("module.stage1_mm") || !reading.has("module.stage2_mm")) return;
+  const optimize::ModuleChoice& first = spec.module[0];
+  const optimize::ModuleChoice& second = spec.module[1];
+  optimize::ModuleChoice both;
+  if (first.range_m && second.range_m) {
+    both.range_m = optimize::NumberRange{.min = std::max(first.range_m->min, second.range_m->min),
+                                         .max = std::min(first.range_m->max, second.range_m->max)};
+    if (both.range_m->min > both.range_m->max) both.range_m.reset();
+  } else {
+    const auto holds = [](const optimize::ModuleChoice& choice, double module_m) {
+      if (choice.range_m) return module_m >= choice.range_m->min && module_m <= choice.range_m->max;
+      return std::ranges::find(choice.series_m, module_m) != choice.series_m.end();
+    };
+    const optimize::ModuleChoice& series = first.range_m ? second : first;
+    const optimize::ModuleChoice& other = first.range_m ? first : second;
+    for (const double module_m : series.series_m) {
+      if (holds(other, module_m)) both.series_m.push_back(module_m);
+    }
+  }
+  if (!both.range_m && both.series_m.empty()) {
+    reading.error_at(
+        "limits.same_module",
+        "limits.same_module = true: module.stage1_mm and module.stage2_mm have no module in "
+        "common: allowed: choices that share one");
+    return;
+  }
+  spec.module = {both, both};
+}
+
 /// Refuses tooth ranges that hold more sets than can be worked on, before they are searched.
 void check_size(const optimize::Specification& spec, double most, FileReading& reading) {
   const double sets = optimize::estimated_candidates(spec, most);
@@ -191,6 +234,12 @@ void finish_rating(Input& input, FileReading& reading) {
   if (spec.rating && optimize::knows_masses(spec) && spec.bodies.ring_rim_m > 0.0) {
     spec.rating->ring_rim_m = spec.bodies.ring_rim_m;
   }
+  for (const int gear : {train::kS, train::kP1, train::kP2}) {
+    const auto i = static_cast<std::size_t>(gear);
+    if (spec.rating && spec.bodies.bore_radius_m[i] > 0.0) {
+      spec.rating->rim_radius_m[i] = spec.bodies.bore_radius_m[i];
+    }
+  }
 }
 
 optimize::Specification specification_from(const TomlValue& document, const std::string& name,
@@ -204,6 +253,8 @@ optimize::Specification specification_from(const TomlValue& document, const std:
     input.spec.free.tip_shortening = {.min = 0.0, .max = addendum->max - addendum->min};
   }
   input.spec.limits = finish_limits(input.limits, reading);
+  finish_bodies(input.spec);
+  unite_modules(input.spec, reading);
   finish_rating(input, reading);
   check_relations(input, reading);
   check_robust(input.spec, input.tolerances, reading);

@@ -87,6 +87,7 @@ std::vector<std::string> file_order() {
   return {"name",
           "planets",
           "identical_planets",
+          "preset",
           "pressure_angle_deg",
           "center_distance_mm",
           "sign_convention",
@@ -110,6 +111,7 @@ std::vector<std::string> file_order() {
           "backlash",
           "contact_ratio",
           "size",
+          "allowed_teeth",
           "limits"};
 }
 

@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "design/preset.hpp"
+
 namespace gear3k::io {
 
 namespace {
@@ -9,13 +13,30 @@ namespace {
 using design::CheckId, design::CheckRecord, design::CheckScope, units::Unit;
 
 bool belongs_to_pair(const CheckRecord& r) {
-  return r.scope != CheckScope::kTrain && r.scope != CheckScope::kPlanetStep &&
-         r.scope != CheckScope::kBodyPair && r.scope != CheckScope::kPlanetBearing &&
-         r.scope != CheckScope::kPlanetPin && r.id != CheckId::kRingRootDiameter;
+  switch (r.scope) {
+    case CheckScope::kTrain:
+    case CheckScope::kSizedTrain:
+    case CheckScope::kPlanetStep:
+    case CheckScope::kBodyPair:
+    case CheckScope::kPlanetBearing:
+    case CheckScope::kPlanetPin:
+    case CheckScope::kWalledGear:
+    case CheckScope::kListedGear:
+    case CheckScope::kSun:
+      return false;
+    default:
+      return r.id != CheckId::kRingRootDiameter && r.id != CheckId::kGearboxDiameter;
+  }
 }
 
 std::string default_text(const CheckRecord& r) {
   return r.default_limit ? fmt::format("{}", *r.default_limit) : "off";
+}
+
+/// What a preset sets and no other default does: files without a preset do not mention it.
+bool is_off_unless_preset(const CheckRecord& r) {
+  return !r.default_limit &&
+         (r.switched_limit || design::preset_limit(design::Preset::kMachined, r.id));
 }
 
 std::string unit_in_words(const CheckRecord& r) {
@@ -52,12 +73,18 @@ Key<LimitInput> contact_ratio_key() {
       }};
 }
 
+/// The least that a limit may be: of a common factor 1, of sliding none.
+double least_threshold(CheckId id) {
+  if (id == CheckId::kHuntingTooth) return 1.0;
+  return id == CheckId::kSpecificSliding ? 0.0 : -1e6;
+}
+
 /// A key of [limits] that is a number in the record's unit, or a switch.
 Key<LimitInput> threshold_key(const CheckRecord& r) {
   return {.record = {.path = fmt::format("limits.{}", r.name),
                      .type = KeyType::kNumberOrSwitch,
                      .unit = r.unit,
-                     .min = -1e6,
+                     .min = least_threshold(r.id),
                      .max = 1e6,
                      .default_text = default_text(r),
                      .help = std::string(r.help)},
@@ -69,12 +96,14 @@ Key<LimitInput> threshold_key(const CheckRecord& r) {
                   store(record, v, t.limits[id]);
                 }
               },
-          .state =
-              [id = r.id](const KeyRecord& record, const LimitInput& t, std::size_t) {
-                const auto& on = t.switched[static_cast<std::size_t>(id)];
-                return on ? boolean_value(*on)
-                          : stated(record, t.limits[id]).value_or(boolean_value(false));
-              }};
+          .state = [&r](const KeyRecord& record, const LimitInput& t,
+                        std::size_t) -> std::optional<TomlValue> {
+            const auto& on = t.switched[static_cast<std::size_t>(r.id)];
+            if (on) return boolean_value(*on);
+            const auto& limit = t.limits[r.id];
+            if (!limit && is_off_unless_preset(r) && !t.limits.preset) return std::nullopt;
+            return stated(record, limit).value_or(boolean_value(false));
+          }};
 }
 
 /// The switch of a check.
@@ -86,10 +115,50 @@ Key<LimitInput> switch_key(const CheckId id, KeyRecord record) {
       });
 }
 
+/// Sizes of the whole gearbox, and what is asked of single meshes and gears.
+void append_packaging_keys(std::vector<Key<LimitInput>>& keys) {
+  keys.push_back(own_key(CheckId::kGearboxDiameter));
+  keys.push_back(own_key(CheckId::kGearboxLength));
+  keys.push_back(own_key(CheckId::kSunRootDiameter));
+  keys.push_back(own_key(CheckId::kWall));
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    keys.push_back(make_key<LimitInput>(
+        number(fmt::format("backlash.{}.min_normal_um", train::kMeshNames[k]), Unit::kMicrometre,
+               within(-1e6, 1e6), "backlash.min_normal_um",
+               fmt::format("least normal backlash of mesh {}", train::kMeshNames[k])),
+        [k](auto& t, std::size_t) -> auto& { return t.limits.mesh_backlash_m[k]; }));
+  }
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    keys.push_back(make_key<LimitInput>(
+        {.path = fmt::format("allowed_teeth.{}", train::kGearNames[i]),
+         .type = KeyType::kIntegers,
+         .min = 3,
+         .max = 2000,
+         .default_text = "all",
+         .help = fmt::format("tooth numbers that {} may have", train::kGearNames[i])},
+        [i](auto& t, std::size_t) -> auto& { return t.limits.allowed_teeth[i]; }));
+  }
+  keys.push_back(make_key<LimitInput>(
+      {.path = "limits.hunting_meshes",
+       .type = KeyType::kChoices,
+       .choices = {train::kMeshNames.begin(), train::kMeshNames.end()},
+       .default_text = "all three",
+       .help = "meshes that limits.hunting_tooth is asked of"},
+      [](auto& t, std::size_t) -> auto& { return t.limits.hunting_meshes; }));
+}
+
 }  // namespace
 
 std::vector<Key<LimitInput>> limit_keys(bool for_pair) {
   std::vector<Key<LimitInput>> keys;
+  keys.push_back(make_key<LimitInput>(
+      {.path = "preset",
+       .type = KeyType::kChoice,
+       .choices = {design::kPresetNames.begin(), design::kPresetNames.end()},
+       .default_text = "none",
+       .help = "limits of a workshop (docs/interface.md, Presets): bare = the defaults below; each "
+               "is overridden by its own key"},
+      [](auto& t, std::size_t) -> auto& { return t.limits.preset; }));
   if (!for_pair) {
     keys.push_back(
         switch_key(CheckId::kIdenticalPlanets,
@@ -107,18 +176,22 @@ std::vector<Key<LimitInput>> limit_keys(bool for_pair) {
     keys.push_back(own_key(CheckId::kOutputBacklashMin));
     keys.push_back(own_key(CheckId::kOutputBacklashMax));
     keys.push_back(own_key(CheckId::kRingRootDiameter));
+    append_packaging_keys(keys);
   }
   keys.push_back(own_key(CheckId::kNormalBacklash));
   keys.push_back(contact_ratio_key());
   for (const CheckRecord& r : design::check_records()) {
-    if (r.id == CheckId::kIdenticalPlanets || (for_pair && !belongs_to_pair(r))) continue;
+    if (r.id == CheckId::kIdenticalPlanets) continue;
+    if (for_pair && !belongs_to_pair(r)) continue;
     if (r.threshold && r.limit_key.empty()) {
       keys.push_back(threshold_key(r));
       continue;
     }
     keys.push_back(switch_key(
         r.id, number(fmt::format("limits.{}", r.name), Unit::kNone, within(-1e6, 1e6),
-                     r.default_limit ? "true" : "true when stated",
+                     r.default_limit    ? "true"
+                     : r.switched_limit ? "false"
+                                        : "true when stated",
                      r.threshold ? fmt::format("switch of the check; its limit is {}", r.limit_key)
                                  : std::string(r.help))));
   }
@@ -131,7 +204,11 @@ LimitInput stated_limits(const design::Limits& limits) {
   for (const CheckRecord& r : design::check_records()) {
     const bool in_range = has_range && r.id == CheckId::kContactRatioMax;
     const bool number = r.threshold && r.limit_key.empty();
-    if (!limits[r.id] && !number && (r.default_limit || in_range)) {
+    const bool of_preset = limits.preset && design::preset_limit(*limits.preset, r.id);
+    if (limits[r.id] && r.switched_limit && !r.threshold) {
+      input.switched[static_cast<std::size_t>(r.id)] = true;
+    }
+    if (!limits[r.id] && !number && (r.default_limit || in_range || of_preset)) {
       input.switched[static_cast<std::size_t>(r.id)] = false;
     }
   }
@@ -140,23 +217,64 @@ LimitInput stated_limits(const design::Limits& limits) {
   return input;
 }
 
+namespace {
+
+/// Whether a file states the number of a check's limit, or switches it off.
+bool states_limit(const LimitInput& input, const CheckRecord& r, const FileReading& reading) {
+  const auto& on = input.switched[static_cast<std::size_t>(r.id)];
+  if (on) return !*on;
+  return reading.stated(r.limit_key.empty() ? fmt::format("limits.{}", r.name)
+                                            : std::string(r.limit_key));
+}
+
+/// What the preset sets that the file does not state; without one, what is left bare.
+void take_preset(const LimitInput& input, const FileReading& reading, design::Limits& limits) {
+  limits.bare.clear();
+  for (const design::PresetLimit& of_preset : design::preset_limits()) {
+    const CheckRecord& r = design::check_record(of_preset.check);
+    if (states_limit(input, r, reading)) continue;
+    if (limits.preset) {
+      if (const auto limit = design::preset_limit(*limits.preset, r.id)) limits[r.id] = limit;
+    } else if (r.default_limit != of_preset.machined && r.id != CheckId::kWall) {
+      limits.bare.push_back(r.id);
+    }
+  }
+}
+
+void report_missing_limit(const CheckRecord& r, FileReading& reading) {
+  const std::string path = fmt::format("limits.{}", r.name);
+  reading.error_at(path, r.limit_key.empty()
+                             ? fmt::format("{} = true: the check has no default; allowed: a "
+                                           "number{} or false",
+                                           path, unit_in_words(r))
+                             : fmt::format("{} = true: the check has no default; allowed with {} "
+                                           "stated",
+                                           path, r.limit_key));
+}
+
+}  // namespace
+
 design::Limits finish_limits(const LimitInput& input, FileReading& reading) {
   design::Limits limits = input.limits;
+  const bool lists =
+      std::ranges::any_of(limits.allowed_teeth, [](const auto& teeth) { return !teeth.empty(); });
+  if (lists) limits[CheckId::kAllowedTeeth] = 0.0;
+  take_preset(input, reading, limits);
   for (const CheckRecord& r : design::check_records()) {
     const auto& on = input.switched[static_cast<std::size_t>(r.id)];
     if (!on) continue;
     if (!*on) {
       limits[r.id].reset();
+      if (r.id == CheckId::kNormalBacklash) limits.mesh_backlash_m = {};
+    } else if (!limits[r.id] && r.switched_limit) {
+      limits[r.id] = units::to_si(*r.switched_limit, r.unit);
     } else if (!limits[r.id]) {
-      reading.error_at(fmt::format("limits.{}", r.name),
-                       r.limit_key.empty()
-                           ? fmt::format("limits.{} = true: the check has no default; allowed: a "
-                                         "number{} or false",
-                                         r.name, unit_in_words(r))
-                           : fmt::format("limits.{} = true: the check has no default; allowed with "
-                                         "{} stated",
-                                         r.name, r.limit_key));
+      report_missing_limit(r, reading);
     }
+  }
+  if (!limits[CheckId::kHuntingTooth] && reading.stated("limits.hunting_meshes")) {
+    reading.error_at("limits.hunting_meshes",
+                     "limits.hunting_meshes without limits.hunting_tooth: allowed: both");
   }
   return limits;
 }

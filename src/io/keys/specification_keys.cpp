@@ -163,6 +163,14 @@ void append_objective_keys(std::vector<Key<Input>>& keys) {
              "rim of both rings outside their root circles, for mass, inertia and outer "
              "diameter"),
       [](auto& t, std::size_t) -> auto& { return t.spec.bodies.ring_rim_m; }));
+  keys.push_back(make_key<Input>(
+      number("size.sun_bore_mm", Unit::kDiameterMillimetre, within(0.0, 1000.0), "0",
+             "bore diameter of the sun, for its wall, mass, inertia and rim"),
+      [](auto& t, std::size_t) -> auto& { return t.spec.bodies.bore_radius_m[train::kS]; }));
+  keys.push_back(make_key<Input>(
+      number("size.planet_bore_mm", Unit::kDiameterMillimetre, within(0.0, 1000.0), "0",
+             "bore diameter of P1 and P2, for their walls, masses, inertia and rims"),
+      [](auto& t, std::size_t) -> auto& { return t.spec.bodies.bore_radius_m[train::kP1]; }));
 }
 
 void append_tip_keys(std::vector<Key<Input>>& keys) {

@@ -1,0 +1,81 @@
+#include "report/limits_report.hpp"
+
+#include <fmt/format.h>
+
+#include <vector>
+
+#include "design/preset.hpp"
+
+namespace gear3k::report {
+
+namespace {
+
+double in_own_unit(const design::CheckRecord& r, double limit) {
+  return units::decimal_from_si(limit, r.unit);
+}
+
+/// "normal_backlash >= 20 um", or "... off".
+std::string limit_with_unit(const design::CheckRecord& r, const std::optional<double>& limit) {
+  if (!limit) return fmt::format("{} off", r.name);
+  const std::string_view unit = units::unit_name(r.unit);
+  return fmt::format("{} {} {:g}{}{}", r.name, r.at_least ? ">=" : "<=", in_own_unit(r, *limit),
+                     unit.empty() ? "" : " ", unit);
+}
+
+/// Checks with a threshold, of no preset, whose limit is 0: met without any reserve.
+std::vector<std::string_view> limits_at_zero(const design::Limits& limits) {
+  std::vector<std::string_view> names;
+  for (const design::CheckRecord& r : design::check_records()) {
+    const bool of_preset = design::preset_limit(design::Preset::kMachined, r.id).has_value();
+    if (r.threshold && !r.rating && !of_preset && limits[r.id] == 0.0) names.push_back(r.name);
+  }
+  return names;
+}
+
+}  // namespace
+
+std::string limits_line(const design::Limits& limits) {
+  std::vector<std::string> preset, stated, bare;
+  for (const design::PresetLimit& of_preset : design::preset_limits()) {
+    const design::CheckRecord& r = design::check_record(of_preset.check);
+    const auto& limit = limits[r.id];
+    const auto usual = limits.preset ? design::preset_limit(*limits.preset, r.id) : std::nullopt;
+    (limit == usual ? preset : stated).push_back(limit_with_unit(r, limit));
+  }
+  for (const design::CheckId id : limits.bare) {
+    bare.push_back(limit_with_unit(design::check_record(id), limits[id]));
+  }
+  const auto zero = limits_at_zero(limits);
+  const std::string at_zero = zero.empty() ? "" : fmt::format("; at 0: {}", fmt::join(zero, ", "));
+  if (!limits.preset) {
+    const std::string named =
+        bare.empty() ? "none of a workshop's is left bare"
+                     : fmt::format("bare are {} (preset = \"machined\" or \"printed\" sets them)",
+                                   fmt::join(bare, ", "));
+    return fmt::format("Limits: no preset; {}{}\n", named, at_zero);
+  }
+  const auto name = design::kPresetNames[static_cast<std::size_t>(*limits.preset)];
+  if (*limits.preset == design::Preset::kBare) {
+    return fmt::format("Limits: preset bare, the checks' defaults where nothing is stated{}\n",
+                       at_zero);
+  }
+  return fmt::format("Limits: preset {}: {}{}{}{}\n", name, fmt::join(preset, ", "),
+                     stated.empty() ? "" : "; stated instead: ", fmt::join(stated, ", "), at_zero);
+}
+
+io::Json limits_json(const design::Limits& limits) {
+  io::Json bare = io::Json::array();
+  for (const design::CheckId id : limits.bare) bare.push_back(design::check_record(id).name);
+  io::Json in_force = io::Json::object();
+  for (const design::CheckRecord& r : design::check_records()) {
+    if (limits[r.id] && !r.rating) in_force[std::string(r.name)] = in_own_unit(r, *limits[r.id]);
+  }
+  return {{"preset", limits.preset
+                         ? io::Json(design::kPresetNames[static_cast<std::size_t>(*limits.preset)])
+                         : io::Json(nullptr)},
+          {"bare", std::move(bare)},
+          {"at_zero", limits_at_zero(limits)},
+          {"in_force", std::move(in_force)}};
+}
+
+}  // namespace gear3k::report

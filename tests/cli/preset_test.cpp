@@ -1,0 +1,194 @@
+// What a workshop can make: presets and limits of the whole gearbox, from the command line.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/cli/run_program.hpp"
+
+namespace gear3k::preset_cli_test {
+namespace {
+
+using nlohmann::json;
+using test::ProgramResult, test::Workplace, test::replaced;
+
+/// A SPEC of what has to be stated and nothing else.
+const std::string kLeast =
+    "[ratio]\ntarget = 50.0\n"
+    "[teeth]\nS = [12, 14]\nP1 = [30, 45]\nP2 = [30, 45]\nR1_max = 120\nR2_max = 120\n"
+    "[module]\nstage1_mm = { min = 0.5, max = 1.0 }\nstage2_mm = { min = 0.5, max = 1.0 }\n";
+
+/// An optimisation of a SPEC and what is known of its best design.
+struct Optimized {
+  explicit Optimized(const std::string& spec) {
+    place.write("spec.toml", spec);
+    run = place.run({"optimize", "spec.toml", "--out", "out"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    summary = json::parse(place.read("out/summary.json"));
+    best = json::parse(place.run({"analyze", "out/best.toml", "--strict", "--format", "json"}).out);
+  }
+  Workplace place;
+  ProgramResult run;
+  json summary, best;
+};
+
+double number(const json& check, const char* key) { return check.at(key).get<double>(); }
+
+TEST(Preset, LeavesNoMeshOfALeastSpecWithoutBacklashAndNoLimitUnsaid) {
+  // Without a limit every mesh is closed to nothing.
+  const std::string spec = "objective = \"lost_motion\"\n" + kLeast;
+  const Optimized bare(spec);
+  const Optimized made("preset = \"machined\"\n" + spec);
+  int closed = 0;
+  for (const json& mesh : bare.best.at("meshes")) {
+    if (number(mesh, "normal_backlash_um") < 1.0) ++closed;
+  }
+  EXPECT_GT(closed, 0) << "or this case shows nothing";
+  for (const json& mesh : made.best.at("meshes")) {
+    EXPECT_GE(number(mesh, "normal_backlash_um"), 20.0 - 1e-3);
+    EXPECT_GE(number(mesh, "contact_ratio"), 1.2 - 1e-6);
+  }
+  for (const json& check : made.best.at("checks")) EXPECT_TRUE(check.at("ok")) << check;
+  const json& limits = made.summary.at("limits");
+  EXPECT_EQ(limits.at("preset"), "machined");
+  EXPECT_TRUE(limits.at("bare").empty());
+  EXPECT_EQ(limits.at("in_force").at("normal_backlash"), 20.0);
+  EXPECT_EQ(limits.at("in_force").at("specific_sliding"), 3.0);
+  EXPECT_NE(made.run.out.find("\nLimits: preset machined: "), std::string::npos);
+  EXPECT_NE(made.place.read("out/best.toml").find("\npreset = \"machined\"\n"), std::string::npos);
+  // What has no reserve is said to have none.
+  for (const json& check : made.best.at("checks")) {
+    const std::string name = check.at("name");
+    const json& zero = limits.at("at_zero");
+    const bool said = std::find(zero.begin(), zero.end(), name) != zero.end();
+    const bool of_planets = name == "equal_spacing" || name == "identical_planets";
+    EXPECT_EQ(said, number(check, "limit") == 0.0 && !of_planets) << name;
+  }
+  EXPECT_EQ(bare.summary.at("limits").at("preset"), nullptr);
+  EXPECT_GT(bare.summary.at("limits").at("bare").size(), 5U);
+  EXPECT_NE(bare.run.out.find("\nLimits: no preset; bare are "), std::string::npos);
+}
+
+TEST(Preset, ItsLimitsAreOverriddenOneByOne) {
+  const Optimized own("preset = \"machined\"\n" + kLeast +
+                      "[backlash]\nmin_normal_um = 35.0\n[backlash.P2-R2]\nmin_normal_um = 50.0\n"
+                      "[limits]\nspecific_sliding = 2.0\n");
+  const json& limits = own.summary.at("limits").at("in_force");
+  EXPECT_EQ(limits.at("normal_backlash"), 35.0);
+  EXPECT_EQ(limits.at("specific_sliding"), 2.0);
+  EXPECT_EQ(limits.at("contact_ratio_min"), 1.2);
+  EXPECT_NE(own.run.out.find("; stated instead: "), std::string::npos);
+  EXPECT_GE(number(own.best.at("meshes").at(2), "normal_backlash_um"), 50.0 - 1e-3);
+}
+
+TEST(Preset, WithACertificateHasTheBestDesignOfAllSets) {
+  const std::string spec = "preset = \"machined\"\n" + kLeast +
+                           "[size]\nring_rim_mm = 2.0\nmax_outer_diameter_mm = 80.0\n";
+  const Optimized all(spec);
+  const ProgramResult certified =
+      all.place.run({"optimize", "spec.toml", "--out", "certified", "--certify", "--quiet"});
+  ASSERT_EQ(certified.exit_code, 0) << certified.err;
+  const json proof = json::parse(all.place.read("certified/summary.json"));
+  EXPECT_EQ(proof.at("best").at("teeth"), all.summary.at("best").at("teeth"));
+  EXPECT_EQ(proof.at("best").at("eta_b"), all.summary.at("best").at("eta_b"));
+  EXPECT_GE(number(proof.at("certificate"), "global_bound"), number(proof.at("best"), "eta_b"));
+  EXPECT_LT(proof.at("refined").get<int>(), all.summary.at("refined").get<int>());
+}
+
+struct Impossible {
+  const char* name;
+  const char* limits;
+  const char* message;
+};
+class ImpossibleSize : public testing::TestWithParam<Impossible> {};
+
+TEST_P(ImpossibleSize, IsToldWithTheLimitThatBlocksAndByHowMuch) {
+  const Workplace place;
+  place.write("spec.toml", kLeast + GetParam().limits);
+  const ProgramResult result = place.run({"optimize", "spec.toml", "--out", "out"});
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_NE(result.err.find(std::string("no feasible design: blocked by ") + GetParam().message),
+            std::string::npos)
+      << result.err;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Limits, ImpossibleSize,
+    testing::Values(
+        Impossible{"Diameter", "[size]\nring_rim_mm = 2.0\nmax_outer_diameter_mm = 20.0\n",
+                   "gearbox_diameter: the nearest set"},
+        Impossible{"Length",
+                   "[size]\nmax_length_mm = 10.0\n[stage1]\nface_width_mm = 8.0\n[stage2]\n"
+                   "face_width_mm = 8.5\n",
+                   "gearbox_length: the nearest set, 12/30/69/35/93, misses gearbox_length by at "
+                   "least 6.5 mm"},
+        // The largest sun, 14 teeth of module 1, shift 1: 14 + 2 - 2.5 mm.
+        Impossible{"SunRoot", "[size]\nmin_sun_root_diameter_mm = 15.0\n",
+                   "sun_root_diameter: the nearest set"},
+        Impossible{"SunBore", "[size]\nsun_bore_mm = 14.0\nmin_wall_mm = 1.0\n",
+                   "wall: the nearest set"},
+        Impossible{"RingRim", "[size]\nring_rim_mm = 1.0\nmin_wall_mm = 1.5\n",
+                   "wall: the nearest set"},
+        Impossible{"Tip", "[limits]\ntip_thickness_mm = 2.0\n", "tip_thickness_mm: the nearest"},
+        Impossible{"List", "[allowed_teeth]\nS = 11\n", "allowed_teeth: it rejects "},
+        Impossible{"Hunting",
+                   "[limits]\nhunting_tooth = true\n[allowed_teeth]\nS = 12\nP1 = [36, 42]\n",
+                   "allowed_teeth: it rejects "}),
+    [](const auto& impossible) { return std::string(impossible.param.name); });
+
+TEST(BadLimits, OfAWorkshopAreToldAllAtOnceWithWhatIsMeant) {
+  const Workplace place;
+  place.write(
+      "spec.toml",
+      "preset = \"machnied\"\n" +
+          replaced(replaced(kLeast, "stage1_mm = { min = 0.5, max = 1.0 }",
+                            "stage1_mm = { series = [0.5, 0.6] }"),
+                   "stage2_mm = { min = 0.5, max = 1.0 }", "stage2_mm = { min = 0.7, max = 1.0 }") +
+          "[allowed_teeth]\nS = [2, 13]\nP3 = 12\nR1 = \"all\"\n"
+          "[size]\nmax_outer_diameter_mm = -3.0\nmax_lenght_mm = 3.0\nmax_length_mm = \"long\"\n"
+          "min_sun_root_diameter_mm = true\nmin_wall_mm = -1.0\nsun_bore_mm = -2.0\n"
+          "planet_bore_mm = 2000.0\n"
+          "[backlash.S-P1]\nmin_normal_um = \"x\"\n[backlash.S-P2]\nmin_normal_um = 3.0\n"
+          "[limits]\ntip_thickness_mm = \"a\"\nroot_clearance_mm = true\n"
+          "specific_sliding = -1.0\nwall = true\ngearbox_diameter = true\n"
+          "gearbox_length = 3\nsun_root_diameter = true\nallowed_teeth = true\n"
+          "same_module = true\nhunting_tooth = 0.5\nhunting_meshes = [\"S-P1\", \"S-R1\"]\n");
+  const ProgramResult result = place.run({"optimize", "spec.toml", "--out", "out"});
+  EXPECT_EQ(result.exit_code, 2);
+  for (const char* message :
+       {"preset = \"machnied\": allowed: \"bare\" or \"machined\" or \"printed\"; did you mean "
+        "\"machined\"?",
+        "allowed_teeth.S = [2, 13]: allowed: an integer or a list of integers, 3 to 2000",
+        "unknown key allowed_teeth.P3; did you mean allowed_teeth.P1?",
+        "allowed_teeth.R1 = \"all\": allowed:",
+        "size.max_outer_diameter_mm = -3.0: allowed:",
+        "unknown key size.max_lenght_mm; did you mean size.max_length_mm?",
+        "size.max_length_mm = \"long\": allowed:",
+        "size.min_sun_root_diameter_mm = true: allowed:",
+        "size.min_wall_mm = -1.0: allowed:",
+        "size.sun_bore_mm = -2.0: allowed:",
+        "size.planet_bore_mm = 2000.0: allowed: a number in mm, 0 to 1000",
+        "backlash.S-P1.min_normal_um = \"x\": allowed: a number in um",
+        "unknown table [backlash.S-P2]; did you mean [backlash.S-P1]?",
+        "limits.tip_thickness_mm = \"a\": allowed: true, false, or a number in mm",
+        "limits.root_clearance_mm = true: the check has no default; allowed: a number in mm or "
+        "false",
+        "limits.specific_sliding = -1.0: allowed: true, false, or a number, 0 to",
+        "limits.wall = true: the check has no default; allowed with size.min_wall_mm stated",
+        "limits.gearbox_diameter = true: the check has no default",
+        "limits.gearbox_length = 3: allowed: true or false",
+        "limits.sun_root_diameter = true: the check has no default",
+        "limits.allowed_teeth = true: the check has no default; allowed with allowed_teeth stated",
+        "limits.same_module = true: module.stage1_mm and module.stage2_mm have no module in common",
+        "limits.hunting_tooth = 0.5: allowed: true, false, or a number, 1 to",
+        "limits.hunting_meshes = [\"S-P1\", \"S-R1\"]: allowed: \"S-P1\" or \"P1-R1\" or \"P2-R2\"",
+        "limits.hunting_meshes without limits.hunting_tooth: allowed: both"}) {
+    EXPECT_NE(result.err.find(message), std::string::npos) << message << "\n" << result.err;
+  }
+}
+
+}  // namespace
+}  // namespace gear3k::preset_cli_test
