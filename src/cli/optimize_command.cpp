@@ -152,17 +152,18 @@ void print_results(const app::OptimizeTask& task, const OptimizeRun& run,
       break;
     case Format::kTable: {
       const auto series = design::table_series(o.best->design);
-      print_result(report::analysis_table(o.best->evaluation, design::sensitivities(o.best->design),
-                                          task.use(), series ? &*series : nullptr,
-                                          o.best->torque_angle ? &*o.best->torque_angle : nullptr) +
-                   (o.robust ? report::robust_table(task.spec, *o.robust) : "") +
-                   (o.front ? report::pareto_table(task.spec, *o.front) : "") +
-                   (o.comparison ? report::model_change_table(*o.comparison) : "") + "\n" +
-                   report::limits_line(task.stated_limits) +
-                   fmt::format("\nFiles in {}: best.toml (this design), refined.csv ({} tooth sets), "
-                               "pareto.csv ({} designs), summary.json\n",
-                               options.out, o.result.search.candidates.size() - run.tally.open,
-                               o.front ? o.front->points.size() : o.result.pareto.size()));
+      print_result(
+          report::analysis_table(o.best->evaluation, design::sensitivities(o.best->design),
+                                 task.use(), series ? &*series : nullptr,
+                                 o.best->torque_angle ? &*o.best->torque_angle : nullptr) +
+          (o.robust ? report::robust_table(task.spec, *o.robust) : "") +
+          (o.front ? report::pareto_table(task.spec, *o.front) : "") +
+          (o.comparison ? report::model_change_table(*o.comparison) : "") + "\n" +
+          report::limits_line(task.stated_limits) +
+          fmt::format("\nFiles in {}: best.toml (this design), refined.csv ({} tooth sets), "
+                      "pareto.csv ({} designs), summary.json\n",
+                      options.out, o.result.search.candidates.size() - run.tally.open,
+                      o.front ? o.front->points.size() : o.result.pareto.size()));
       break;
     }
   }

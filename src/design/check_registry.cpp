@@ -1,6 +1,7 @@
 // The records of the checks.
 
 #include "design/check_values.hpp"
+#include "design/workshop_values.hpp"
 
 namespace gear3k::design {
 

@@ -15,6 +15,7 @@
 #include "optimize/rated_set.hpp"
 #include "optimize/slsqp.hpp"
 #include "optimize/starting_points.hpp"
+#include "optimize/uniform.hpp"
 
 namespace gear3k::optimize {
 
@@ -169,6 +170,39 @@ bool take_polished(BestEnd& best, const SolveOutcome& polished, double& residual
   return true;
 }
 
+/// Whether a gap of tip corners is near its limit.
+bool has_fouling_near(const RefinementProblem& problem, const Point& v) {
+  constexpr double kNear = 0.01;
+  std::vector<double> g(problem.rows.size());
+  if (!evaluate<double>(problem, used(problem, v), g)) return false;
+  for (std::size_t k = 0; k < g.size(); ++k) {
+    const auto& check = problem.rows[k].check;
+    if (check && check->record->id == CheckId::kTipFouling && g[k] < kNear) return true;
+  }
+  return false;
+}
+
+/// Goes on from points about the best end until one leads to a stationary point: at a kink of a gap
+/// of tip corners a run stays where it first meets it.
+void leave_kink(BestEnd& best, double& residual) {
+  constexpr int kRuns = 24;
+  constexpr std::array<double, 4> kReach{0.05, 0.02, 0.1, 0.01};
+  constexpr double kAngles = 0.3;  // of it
+  const RefinementProblem& problem = *best.problem;
+  if (!has_fouling_near(problem, best.outcome.v)) return;
+  Uniform uniform(stream_of(problem.candidate, problem.spec->solver.seed));
+  for (int n = 0; n < kRuns && !(residual <= kStationary); ++n) {
+    Point start = best.outcome.v;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(problem.variables); ++k) {
+      const bool angle = k == kAngleA || k == kAngleB;
+      const double reach = kReach[static_cast<std::size_t>(n) % kReach.size()];
+      start[k] += reach * (angle ? kAngles : 1.0) * (2.0 * uniform.next() - 1.0);
+      start[k] = std::clamp(start[k], problem.lower[k], problem.upper[k]);
+    }
+    take_polished(best, solve_slsqp(problem, start, {}), residual);
+  }
+}
+
 /// Goes on from the best end until it is stationary: by SLSQP, whose picture of the curvature
 /// starts afresh, then by Ipopt, which `both` asks for in any case.
 /// @returns the KKT residual
@@ -181,6 +215,7 @@ double polish(BestEnd& best) {
   if (best.problem->spec->solver.refine == Refine::kBoth || !(residual <= kStationary)) {
     take_polished(best, solve_ipopt(*best.problem, best.outcome.v), residual);
   }
+  if (!(residual <= kStationary)) leave_kink(best, residual);
   return residual;
 }
 

@@ -108,6 +108,126 @@ std::optional<LeastTip> least_tip(const Specification& spec, int gear, double gr
   return train::kind_of(gear) == geometry::GearKind::kRing ? std::nullopt : least;
 }
 
+/// The range of one gear, made limit by limit.
+class RangeMaker {
+ public:
+  RangeMaker(const Specification& spec, int gear, int teeth)
+      : spec_(spec),
+        gear_(gear),
+        teeth_(teeth),
+        all_{shift_limits(spec, gear).min, shift_limits(spec, gear).max},
+        module_(module_range(spec.module[static_cast<std::size_t>(train::stage_of(gear))])),
+        free_tips_(spec.free.tip_shortening.has_value()),
+        free_angle_(spec.free.pressure_angle_rad.has_value()),
+        result_{.range = all_, .widest = all_, .infeasible = std::nullopt} {
+    module_.hi += kShiftSlack * length_scale_m(spec);
+  }
+
+  ShiftRange range() {
+    if (train::kind_of(gear_) == geometry::GearKind::kRing) {
+      keep_ring_tip();
+      keep_ring_diameters();
+    } else {
+      keep_undercut();
+      keep_roots();
+      keep_tip();
+    }
+    return result_;
+  }
+
+ private:
+  [[nodiscard]] geometry::GearGeometry<double> at(double shift) const {
+    return unit_gear(spec_, gear_, teeth_, shift);
+  }
+  void miss(CheckId check, double miss_si, double violation) {
+    // Two limits that are missed by the tolerance each may be met together.
+    if (violation <= 2.0 * kShiftSlack) return;
+    if (!result_.infeasible || violation > result_.infeasible->violation) {
+      result_.infeasible = {.check = check, .miss_si = miss_si, .violation = violation};
+    }
+  }
+  void at_least(CheckId check, double shift) {
+    miss(check, shift - all_.hi, shift - all_.hi);
+    result_.range.lo = std::max(result_.range.lo, std::min(shift, all_.hi));
+  }
+  void widen_by_slack() {
+    result_.widest = {result_.range.lo - kShiftSlack, result_.range.hi + kShiftSlack};
+  }
+
+  /// Keeps ring tips off their base circles, where the tip's curvature has no derivative: with the
+  /// shortest tips and the greatest pressure angle that are free.
+  void keep_ring_tip() {
+    constexpr double kTipAboveBase = 1e-6;
+    Specification least = spec_;
+    if (free_tips_) least.tip_shortening.fill(spec_.free.tip_shortening->max);
+    if (free_angle_) least.pressure_angle_rad = spec_.free.pressure_angle_rad->max;
+    const double above = geometry::ring_tip_above_base(unit_gear(least, gear_, teeth_, 0.0));
+    result_.range.lo = std::max(all_.lo, std::min(all_.hi, kTipAboveBase - above));
+    const auto& limit = spec_.limits[CheckId::kRingTipOutsideBase];
+    if (limit && !free_tips_ && !free_angle_) {
+      at_least(CheckId::kRingTipOutsideBase, *limit - above);
+    }
+    widen_by_slack();
+  }
+  /// The root circle and the rim outside it, at the least module.
+  void keep_ring_diameters() {
+    const double root = at(all_.lo).root_radius_m;
+    const double rim = spec_.bodies.ring_rim_m;
+    for (const auto& [check, around] : {std::pair{CheckId::kRingRootDiameter, 0.0},
+                                        std::pair{CheckId::kGearboxDiameter, 2.0 * rim}}) {
+      const auto& diameter = spec_.limits[check];
+      if (!diameter || !(*diameter > 0.0)) continue;
+      const double excess = 2.0 * root * module_.lo + around - *diameter;
+      miss(check, excess, excess / *diameter);
+      const double most =
+          all_.lo + 0.5 * (*diameter * (1.0 + kShiftSlack) - around) / module_.lo - root;
+      result_.widest.hi = std::max(result_.widest.lo, std::min(result_.widest.hi, most));
+    }
+    if (const auto& wall = spec_.limits[CheckId::kWall]; wall && rim > 0.0) {
+      miss(CheckId::kWall, *wall - rim, (*wall - rim) / *wall);
+    }
+  }
+  void keep_undercut() {
+    if (const auto& limit = spec_.limits[CheckId::kUndercut]; limit && !free_angle_) {
+      at_least(CheckId::kUndercut, *limit - geometry::undercut_margin(at(0.0)));
+    }
+    widen_by_slack();
+  }
+  /// The root circle grows with the shift, one to one, and with the module.
+  void keep_roots() {
+    for (const LeastRoot& least : least_roots(spec_, gear_)) {
+      const double root = at(all_.hi).root_radius_m;
+      const double lacking = least.radius_m - root * module_.hi;
+      miss(least.check, lacking * least.per_radius, lacking / least.radius_m);
+      const double shift = all_.hi + least.radius_m * (1.0 - kShiftSlack) / module_.hi - root;
+      result_.widest.lo = std::min(result_.widest.hi, std::max(result_.widest.lo, shift));
+    }
+  }
+  void keep_tip() {
+    const auto limit = least_tip(spec_, gear_, module_.hi);
+    if (!limit || spec_.khk_tip[static_cast<std::size_t>(gear_)] || free_tips_ || free_angle_) {
+      return;
+    }
+    const TipShift tip =
+        shift_at_tip_thickness(spec_, gear_, teeth_, result_.range, limit->modules);
+    if (tip.too_thin) {
+      const auto g = at(result_.range.lo);
+      const double amount = limit->modules - geometry::tooth_thickness(g, g.tip_radius_m);
+      miss(limit->check, amount * limit->per_module, amount);
+    }
+    result_.range.hi = tip.most;
+    const TipShift eased = shift_at_tip_thickness(spec_, gear_, teeth_, {result_.range.lo, all_.hi},
+                                                  limit->modules - kShiftSlack);
+    result_.widest.hi = std::max(result_.widest.lo, kShiftSlack + eased.most);
+  }
+
+  const Specification& spec_;
+  int gear_, teeth_;
+  Interval all_, module_;
+  bool free_tips_, free_angle_;
+  ShiftRange result_;
+};
+
 }  // namespace
 
 Interval module_range(const ModuleChoice& choice) {
@@ -117,84 +237,7 @@ Interval module_range(const ModuleChoice& choice) {
 }
 
 ShiftRange shift_range(const Specification& spec, int gear, int teeth) {
-  const NumberRange& limits_of_shift = shift_limits(spec, gear);
-  const Interval all{limits_of_shift.min, limits_of_shift.max};
-  ShiftRange result{.range = all, .widest = all, .infeasible = std::nullopt};
-  const auto miss = [&](CheckId check, double miss_si, double violation) {
-    // Two limits that are missed by the tolerance each may be met together.
-    if (violation <= 2.0 * kShiftSlack) return;
-    if (!result.infeasible || violation > result.infeasible->violation) {
-      result.infeasible = {.check = check, .miss_si = miss_si, .violation = violation};
-    }
-  };
-  const auto at_least = [&](CheckId check, double shift) {
-    miss(check, shift - all.hi, shift - all.hi);
-    result.range.lo = std::max(result.range.lo, std::min(shift, all.hi));
-  };
-  const design::Limits& limits = spec.limits;
-  Interval module = module_range(spec.module[static_cast<std::size_t>(train::stage_of(gear))]);
-  module.hi += kShiftSlack * length_scale_m(spec);
-  const bool free_tips = spec.free.tip_shortening.has_value();
-  const bool free_angle = spec.free.pressure_angle_rad.has_value();
-  if (train::kind_of(gear) == geometry::GearKind::kRing) {
-    // Keeps ring tips off their base circles, where the tip's curvature has no derivative: with the
-    // shortest tips and the greatest pressure angle that are free.
-    constexpr double kTipAboveBase = 1e-6;
-    Specification least = spec;
-    if (free_tips) least.tip_shortening.fill(spec.free.tip_shortening->max);
-    if (free_angle) least.pressure_angle_rad = spec.free.pressure_angle_rad->max;
-    const double above = geometry::ring_tip_above_base(unit_gear(least, gear, teeth, 0.0));
-    result.range.lo = std::max(all.lo, std::min(all.hi, kTipAboveBase - above));
-    const auto& limit = limits[CheckId::kRingTipOutsideBase];
-    if (limit && !free_tips && !free_angle) {
-      at_least(CheckId::kRingTipOutsideBase, *limit - above);
-    }
-    result.widest = {result.range.lo - kShiftSlack, result.range.hi + kShiftSlack};
-    const double root = unit_gear(spec, gear, teeth, all.lo).root_radius_m;
-    const double rim = spec.bodies.ring_rim_m;
-    for (const auto& [check, around] : {std::pair{CheckId::kRingRootDiameter, 0.0},
-                                        std::pair{CheckId::kGearboxDiameter, 2.0 * rim}}) {
-      const auto& diameter = limits[check];
-      if (!diameter || !(*diameter > 0.0)) continue;
-      const double excess = 2.0 * root * module.lo + around - *diameter;
-      miss(check, excess, excess / *diameter);
-      const double most =
-          all.lo + 0.5 * (*diameter * (1.0 + kShiftSlack) - around) / module.lo - root;
-      result.widest.hi = std::max(result.widest.lo, std::min(result.widest.hi, most));
-    }
-    if (const auto& wall = limits[CheckId::kWall]; wall && rim > 0.0) {
-      miss(CheckId::kWall, *wall - rim, (*wall - rim) / *wall);
-    }
-    return result;
-  }
-  if (const auto& limit = limits[CheckId::kUndercut]; limit && !free_angle) {
-    at_least(CheckId::kUndercut,
-             *limit - geometry::undercut_margin(unit_gear(spec, gear, teeth, 0.0)));
-  }
-  result.widest = {result.range.lo - kShiftSlack, result.range.hi + kShiftSlack};
-  for (const LeastRoot& least : least_roots(spec, gear)) {
-    // The root circle grows with the shift, one to one, and with the module.
-    const double root = unit_gear(spec, gear, teeth, all.hi).root_radius_m;
-    const double lacking = least.radius_m - root * module.hi;
-    miss(least.check, lacking * least.per_radius, lacking / least.radius_m);
-    const double shift = all.hi + least.radius_m * (1.0 - kShiftSlack) / module.hi - root;
-    result.widest.lo = std::min(result.widest.hi, std::max(result.widest.lo, shift));
-  }
-  const auto limit = least_tip(spec, gear, module.hi);
-  if (limit && !spec.khk_tip[static_cast<std::size_t>(gear)] && !free_tips && !free_angle) {
-    const TipShift tip = shift_at_tip_thickness(spec, gear, teeth, result.range, limit->modules);
-    if (tip.too_thin) {
-      const auto g = unit_gear(spec, gear, teeth, result.range.lo);
-      const double amount = limit->modules - geometry::tooth_thickness(g, g.tip_radius_m);
-      miss(limit->check, amount * limit->per_module, amount);
-    }
-    result.range.hi = tip.most;
-    result.widest.hi =
-        kShiftSlack + shift_at_tip_thickness(spec, gear, teeth, {result.range.lo, all.hi},
-                                             limit->modules - kShiftSlack)
-                          .most;
-  }
-  return result;
+  return RangeMaker(spec, gear, teeth).range();
 }
 
 bool in_shift_range(const Specification& spec, const design::CheckInstance& check) {

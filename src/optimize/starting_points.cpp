@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "geometry/involute.hpp"
+#include "optimize/uniform.hpp"
 
 namespace gear3k::optimize {
 
@@ -20,24 +21,6 @@ constexpr std::array<ShiftFractions, 4> kFixedStarts{{{0.50, 0.25, 0.30, 0.95},
                                                       {0.35, 0.05, 0.10, 0.50},
                                                       {0.80, 0.60, 0.50, 0.95},
                                                       {0.30, 0.40, 0.70, 0.80}}};
-
-/// Counter-based uniform numbers in [0, 1): the same for a set whatever is refined before it.
-class Uniform {
- public:
-  explicit Uniform(unsigned long long seed) : state_(seed) {}
-  double next() {
-    // splitmix64 (Steele, Lea, Flood, 2014).
-    state_ += 0x9E3779B97F4A7C15ULL;
-    unsigned long long x = state_;
-    x = (x ^ (x >> 30U)) * 0xBF58476D1CE4E5B9ULL;
-    x = (x ^ (x >> 27U)) * 0x94D049BB133111EBULL;
-    x ^= x >> 31U;
-    return static_cast<double>(x >> 11U) * 0x1.0p-53;
-  }
-
- private:
-  unsigned long long state_;
-};
 
 /// Shift with the effect of the machining allowance on backlash folded in: j of (x, q) equals j of
 /// (x − q/(2 sin α), 0) for external gears and of (x + q/(2 sin α), 0) for rings.
@@ -184,12 +167,7 @@ Point start_at(const RefinementProblem& p, const SetBound& bound) {
 
 std::vector<Point> starting_points(const RefinementProblem& problem, int count,
                                    unsigned long long seed, const SetBound* bound) {
-  const train::ToothSet& z = problem.candidate.teeth;
-  unsigned long long stream = seed;
-  for (const int count_of_teeth : {z.S, z.P1, z.R1, z.P2, z.R2, problem.candidate.planets}) {
-    stream = stream * 1000003ULL + static_cast<unsigned long long>(count_of_teeth);
-  }
-  Uniform uniform(stream);
+  Uniform uniform(stream_of(problem.candidate, seed));
   std::vector<Point> points;
   points.reserve(static_cast<std::size_t>(count) + 1);
   if (bound != nullptr && count > 0) points.push_back(start_at(problem, *bound));

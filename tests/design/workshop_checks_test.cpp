@@ -186,6 +186,35 @@ TEST(WorkshopChecks, AMeshMayHaveALeastBacklashOfItsOwn) {
   }
 }
 
+TEST(WorkshopChecks, HoldAtTheWorstCornerOfTheTolerances) {
+  const Evaluation e = evaluated(text_with(
+      "[size]\nmin_wall_mm = 1.0\nmin_sun_root_diameter_mm = 7.0\nmax_length_mm = 20.0\n"
+      "[limits]\nspecific_sliding = 3.0\ntip_thickness_mm = 0.1\n"
+      "[tolerances.S]\nroot_diameter_um = [-40, 10]\n[tolerances.P1]\ntip_diameter_um = 30\n"));
+  ASSERT_TRUE(e.tolerance_limits);
+  const double root = root_diameter_mm(0.59, 14, 0.5, false);
+  bool sliding = false;
+  for (const CheckLimits& check : e.tolerance_limits->checks) {
+    const CheckId id = check.record->id;
+    if (id == CheckId::kWall && check.gear == "S") {
+      EXPECT_NEAR(check.margin.least * 1e3, 0.5 * (root - 0.04 - 4.0) - 1.0, 1e-9);
+    }
+    if (id == CheckId::kSunRootDiameter) {
+      EXPECT_NEAR(check.margin.least * 1e3, root - 0.04 - 7.0, 1e-9);
+      EXPECT_NEAR(check.margin.greatest * 1e3, root + 0.01 - 7.0, 1e-9);
+    }
+    if (id == CheckId::kGearboxLength) {
+      EXPECT_EQ(check.margin.least, check.margin.greatest);
+    }
+    // A longer tip of P1 reaches deeper into S.
+    if (id == CheckId::kSpecificSliding && check.mesh == "S-P1" && check.gear == "S") {
+      sliding = true;
+      EXPECT_LT(check.margin.least, check.margin.nominal - 0.01);
+    }
+  }
+  EXPECT_TRUE(sliding);
+}
+
 // ---- Presets -------------------------------------------------------------------------------
 
 Limits limits_of(const std::string& top, const std::string& limits = "") {
@@ -235,6 +264,24 @@ TEST(Preset, EveryLimitIsOverriddenByItsOwnKey) {
     EXPECT_EQ(limits_of(top, "[limits]\n" + name + " = true\n")[of_preset.check],
               preset_limit(Preset::kMachined, of_preset.check))
         << name;
+  }
+}
+
+TEST(Preset, HoldsForAPairToo) {
+  const PairDesign pair = io::parse_pair(
+      "preset = \"machined\"\nkind = \"external\"\nmodule_mm = 1.0\ncenter_distance_mm = 30.4\n"
+      "[gear1]\nteeth = 20\nprofile_shift = 0.3\n[gear2]\nteeth = 40\nprofile_shift = 0.1\n",
+      "pair.toml");
+  const PairEvaluation e = std::get<PairEvaluation>(evaluate(pair));
+  std::vector<std::string> names;
+  for (const CheckResult& check : e.checks) names.emplace_back(check.record->name);
+  for (const char* name : {"tip_thickness_mm", "root_clearance_mm", "specific_sliding"}) {
+    EXPECT_NE(std::ranges::find(names, name), names.end()) << name;
+  }
+  for (const CheckResult& check : e.checks) {
+    if (check.record->id == CheckId::kNormalBacklash) {
+      EXPECT_NEAR(check.limit, 20e-6, 1e-18);
+    }
   }
 }
 

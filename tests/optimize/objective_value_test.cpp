@@ -27,6 +27,8 @@ TEST(BestValue, NoRefinedSetIsBetter) {
     spec.bodies.density_kgm3 = 7850.0;
     spec.bodies.face_width_m = {0.01, 0.012};
     spec.bodies.ring_rim_m = 0.002;
+    spec.bodies.bore_radius_m = {0.5e-3, 1e-3, 0.0, 1e-3, 0.0};
+    spec.limits[design::CheckId::kWall] = 0.2e-3;
     for (const Objective objective : {Objective::kMass, Objective::kInertia,
                                       Objective::kOuterDiameter, Objective::kLostMotion}) {
       spec.objectives = {objective};
@@ -45,12 +47,13 @@ TEST(BestValue, NoRefinedSetIsBetter) {
   EXPECT_GT(refined, sample(13, 40));
 }
 
-/// Gears of five materials.
+/// Gears of five materials, with bores.
 GearBodySizes bodies_of_five_materials() {
   return {.density_kgm3 = {},
           .gear_density_kgm3 = {7830.0, 1415.0, 8500.0, 1420.0, 1140.0},
           .face_width_m = {0.01, 0.012},
-          .ring_rim_m = 0.002};
+          .ring_rim_m = 0.002,
+          .bore_radius_m = {0.5e-3, 1e-3, 0.0, 1e-3, 0.0}};
 }
 
 /// Volume of each gear's cylinder times its own density.
@@ -62,7 +65,7 @@ double mass_by_hand_kg(const GearBodySizes& bodies, const design::Design& found)
     const bool ring = g.gear.kind == geometry::GearKind::kRing;
     const double toothed = 0.5 * (g.tip_radius_m + g.root_radius_m);
     const double outer = ring ? g.root_radius_m + bodies.ring_rim_m : toothed;
-    const double inner = ring ? toothed : 0.0;
+    const double inner = ring ? toothed : bodies.bore_radius_m[gear];
     const bool step = gear == train::kP1 || gear == train::kP2;
     const bool first = gear == train::kS || gear == train::kP1 || gear == train::kR1;
     sum_kg += (step ? found.train.planets : 1) * *bodies.gear_density_kgm3[gear] *
