@@ -87,6 +87,16 @@ struct ExportOptions : CommonOptions {
   double chord_error_um = 1.0;
 };
 
+struct ActuatorOptions : CommonOptions {  ///< out: a file, with select a folder
+  std::string file;
+  std::string cycle;  ///< CYCLE.csv; "" = none
+  bool without_each = false;
+  bool strict = false;    ///< a failed check ends with kNoFeasibleDesign
+  std::string impedance;  ///< "LO:HI:N" [Hz]; "" = none
+  double amplitude_rad = 0.0;
+  std::string motor = "open";  ///< terminals during --impedance
+};
+
 struct KeysOptions : CommonOptions {
   std::string word;  ///< what a printed row holds; "" = all rows
 };
@@ -105,6 +115,7 @@ ExitCode run_map(const MapOptions& options);
 ExitCode run_diagnose(const DiagnoseOptions& options);
 ExitCode run_tolerances(const TolerancesOptions& options);
 ExitCode run_export(const ExportOptions& options);
+ExitCode run_actuator(const ActuatorOptions& options);
 /// Prints docs/keys.md: every key of DESIGN, PAIR and SPEC files, or those that hold a word.
 ExitCode run_keys(const KeysOptions& options);
 /// Prints a first file of a kind, with comments.

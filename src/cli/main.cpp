@@ -15,6 +15,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/talk.hpp"
+#include "io/files/actuator_file.hpp"
 #include "io/files/design_file.hpp"
 #include "io/files/first_file.hpp"
 #include "io/files/specification_file.hpp"
@@ -26,17 +27,21 @@ namespace {
 
 using namespace gear3k;  // NOLINT(google-build-using-namespace): the program's own namespace
 
-void add_common_options(CLI::App& command, cli::CommonOptions& options) {
+/// @param text  --format text is another word for table
+void add_common_options(CLI::App& command, cli::CommonOptions& options, bool text = false) {
+  std::vector<std::string> names(cli::kFormatNames.begin(), cli::kFormatNames.end());
+  if (text) names.emplace_back("text");
   command
       .add_option_function<std::string>(
           "--format",
           [&options](const std::string& name) {
+            if (name == "text") return;  // kTable, as without it
             options.format = static_cast<cli::Format>(std::ranges::find(cli::kFormatNames, name) -
                                                       cli::kFormatNames.begin());
           },
-          "what is printed: table, json or csv")
-      ->check(CLI::IsMember(
-          std::vector<std::string>(cli::kFormatNames.begin(), cli::kFormatNames.end())))
+          text ? "what is printed: table (or text), json or csv"
+               : "what is printed: table, json or csv")
+      ->check(CLI::IsMember(names))
       ->option_text("FORMAT [table]");
   command.add_flag("--quiet", options.quiet, "no progress and no talk on stderr, errors only");
   command.add_option("--threads", options.threads, "OpenMP threads; all processors by default")
@@ -210,6 +215,33 @@ std::string diagnose_usage_error(const cli::DiagnoseOptions& options) {
     }
   }
   return fmt::format("{}", fmt::join(errors, "\n"));
+}
+
+/// Options of `actuator`; its callback runs after all were read.
+void add_actuator_options(CLI::App& command, cli::ActuatorOptions& options) {
+  command.add_option("ACTUATOR", options.file, "ACTUATOR.toml")->required();
+  command
+      .add_option("--cycle", options.cycle,
+                  "CYCLE.csv: time_s, torque_nm, and speed_rad_s or angle_rad")
+      ->option_text("CYCLE");
+  command.add_flag("--without-each", options.without_each,
+                   "what the cycle costs without each cause of loss");
+  command.add_flag("--strict", options.strict, "exit with 3 when a limit is exceeded");
+  command
+      .add_option("--impedance", options.impedance,
+                  "what the output feels like at N frequencies from LO to HI in Hz")
+      ->option_text("LO:HI:N");
+  command
+      .add_option("--amplitude", options.amplitude_rad,
+                  "of the output in --impedance, for the first harmonic with losses and friction")
+      ->check(CLI::Range(0.0, 1e6))
+      ->option_text("RAD");
+  command.add_option("--motor", options.motor, "terminals of the motor in --impedance")
+      ->check(CLI::IsMember({"open", "shorted", "locked"}))
+      ->option_text("open | shorted | locked");
+  add_common_options(command, options, true);
+  add_out_file(command, options);
+  command.footer([] { return "Keys of ACTUATOR.toml:\n" + io::actuator_key_table(); });
 }
 
 std::vector<std::string> option_names(const CLI::App& command) {
@@ -399,6 +431,12 @@ int run_program(int argc, char** argv) {
   add_common_options(*reproduce_command, reproduce);
   add_out_file(*reproduce_command, reproduce);
   reproduce_command->callback([&] { run = [&] { return cli::run_reproduce(reproduce); }; });
+
+  cli::ActuatorOptions actuator;
+  CLI::App* actuator_command = app.add_subcommand(
+      "actuator", "motor, gearbox and load: what the output feels, what a duty cycle costs");
+  add_actuator_options(*actuator_command, actuator);
+  actuator_command->callback([&] { run = [&] { return cli::run_actuator(actuator); }; });
 
   cli::KeysOptions keys;
   CLI::App* keys_command =

@@ -9,7 +9,7 @@
 
 namespace gear3k::io {
 
-enum class DocumentKind { kUnknown, kDesign, kPair, kSpecification, kBlackBox, kModel };
+enum class DocumentKind { kUnknown, kDesign, kPair, kSpecification, kBlackBox, kModel, kActuator };
 
 /// What a document looks like, told from a table that only one kind of file has.
 struct DocumentLook {

@@ -1,0 +1,213 @@
+#include "actuator/design_gear.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <variant>
+
+#include "design/accelerated_train.hpp"
+#include "design/evaluation.hpp"
+#include "design/mass_model.hpp"
+
+namespace gear3k::actuator {
+
+namespace {
+
+using design::TrainInstant;
+
+design::MovingTrain moving(const DesignTrain& train) {
+  return {.lossy = {.geometry = train.geometry(),
+                    .friction = train.friction,
+                    .shafts = train.shafts,
+                    .face_width_m = train.face_width_m()},
+          .bodies = train.bodies,
+          .lossless_mesh = train.lossless_mesh};
+}
+
+/// The design, or why it has no teeth that run.
+const design::Design& defined(const design::Design& design) {
+  if (const auto undefined = design::why_undefined(design)) {
+    throw std::invalid_argument(undefined->message);
+  }
+  return design;
+}
+
+class DesignGear : public GearModel {
+ public:
+  explicit DesignGear(const Actuator& actuator)
+      : train_(actuator.train),
+        moving_(moving(*train_)),
+        load_kgm2_(actuator.load_inertia_kgm2),
+        constant_(train_->friction.law == efficiency::FrictionLaw::kConstant) {
+    for (const auto& drag : train_->shafts.drag) {
+      constant_ = constant_ && drag.quadratic_Nms2 == 0.0;
+    }
+    constant_ = constant_ && train_->shafts.planet_bearing_coefficient == 0.0;
+  }
+
+  [[nodiscard]] const std::vector<std::string>& causes() const override {
+    return design_gear_causes();
+  }
+  [[nodiscard]] GearInstant at(const OutputMotion& o) const override {
+    const TrainInstant t = instant(o);
+    GearInstant result{.mesh_Nm = o.sense * t.ring2_mesh_Nm,
+                       .input_Nm = o.sense * train_->ratio() * t.sun_torque_Nm};
+    std::size_t k = 0;
+    for (const double loss : t.mesh_loss_W) result.loss_W[k++] = loss;
+    result.loss_W[k++] = t.bearing_loss_W;
+    for (const double loss : t.drag_loss_W) result.loss_W[k++] = loss;
+    return result;
+  }
+  void append_flow_changes(const CyclePiece& piece, std::array<double, 2> range, double sense,
+                           std::vector<double>& roots) const override {
+    constexpr int kSamples = 4;
+    double before = range[0];
+    auto pattern = pattern_at(piece, before, sense);
+    for (int k = 1; k <= kSamples; ++k) {
+      const double x = range[0] + (range[1] - range[0]) * k / kSamples;
+      const auto now = pattern_at(piece, x, sense);
+      // More than one mesh may change within a stretch.
+      for (double from = before; pattern != now;) {
+        const double at = change_between(piece, from, x, sense);
+        roots.push_back(at);
+        pattern = pattern_at(piece, at, sense);
+        if (!(at > from)) break;
+        from = at;
+      }
+      before = x;
+      pattern = now;
+    }
+  }
+  [[nodiscard]] RestBand band(double load_Nm) const override {
+    return {.low_Nm = resting_input(load_Nm, -1.0), .high_Nm = resting_input(load_Nm, 1.0)};
+  }
+  [[nodiscard]] bool constant_efficiencies() const override { return constant_; }
+  [[nodiscard]] double static_Nm() const override { return 0.0; }
+  [[nodiscard]] double inertia_kgm2() const override { return train_->inertia_kgm2() + load_kgm2_; }
+
+ private:
+  using Pattern = std::array<bool, train::kMeshCount>;
+
+  [[nodiscard]] TrainInstant instant(const OutputMotion& o) const {
+    const double outside = o.load_Nm - load_kgm2_ * o.acceleration_rad_s2;
+    const auto result = design::balance_motion(
+        moving_, {.output_speed_rad_s = std::abs(o.speed_rad_s),
+                  .output_acceleration_rad_s2 = o.sense * o.acceleration_rad_s2,
+                  .given_end = train::End::kOutput,
+                  .given_torque_Nm = o.sense * outside,
+                  .temperature_K = train_->temperature_K()});
+    if (result.instant) return *result.instant;
+    throw std::runtime_error(
+        fmt::format("{} at {:g} rad/s and {:g} N m of the load at the output: {}", train_->name(),
+                    o.speed_rad_s, o.load_Nm, design::no_operation_text(result.reason)));
+  }
+  [[nodiscard]] Pattern pattern_at(const CyclePiece& piece, double x, double sense) const {
+    return instant(motion_at(piece, x, sense)).gear1_drives;
+  }
+  /// The first change of who drives after x0, which differs from x1; its later end to rounding.
+  [[nodiscard]] double change_between(const CyclePiece& piece, double x0, double x1,
+                                      double sense) const {
+    const Pattern first = pattern_at(piece, x0, sense);
+    double low = x0;
+    double high = x1;
+    constexpr int kHalvings = 50;
+    for (int k = 0; k < kHalvings; ++k) {
+      const double middle = 0.5 * (low + high);
+      (pattern_at(piece, middle, sense) == first ? low : high) = middle;
+    }
+    return high;
+  }
+  [[nodiscard]] double resting_input(double load_Nm, double sense) const {
+    return sense * train_->ratio() * instant({.load_Nm = load_Nm, .sense = sense}).sun_torque_Nm;
+  }
+
+  std::shared_ptr<const DesignTrain> train_;
+  design::MovingTrain moving_;
+  double load_kgm2_;
+  bool constant_;
+};
+
+}  // namespace
+
+DesignTrain::DesignTrain(const design::Design& design)
+    : shafts(defined(design).shafts),
+      friction(design.friction),
+      name_(design.name),
+      geometry_(*train::make_train_geometry(design::resolved_parameters(design))),
+      temperature_K_(design.operating_point ? design.operating_point->temperature_K
+                                            : design::OperatingPoint<double>{}.temperature_K) {
+  const design::LossyTrain<double> lossy = design::lossy_train(design, geometry_);
+  face_width_m_ = lossy.face_width_m;
+  const design::MassModel masses = design::mass_model(design.masses, geometry_);
+  mass_kg_ = masses.total_mass_kg;
+  if (masses.bodies) {
+    bodies = *masses.bodies;
+  } else {
+    inertia_missing_ = masses.bodies_missing;
+  }
+  if (!design.rating) return;
+  const auto evaluated = design::evaluate(design);
+  const auto* evaluation = std::get_if<design::Evaluation>(&evaluated);
+  if (evaluation == nullptr || !evaluation->strength) return;
+  if (const auto& stiffness = evaluation->strength->backward.stiffness) {
+    stiffness_Nm_rad_ = stiffness->output_Nm_rad;
+  }
+}
+
+double DesignTrain::ratio() const { return train::speed_ratios(geometry_.teeth).sun; }
+
+double DesignTrain::inertia_kgm2() const {
+  return inertia::lossless_inertia<double>({.teeth = geometry_.teeth,
+                                            .planets = geometry_.planets,
+                                            .center_distance_m = geometry_.center_distance_m,
+                                            .bodies = bodies});
+}
+
+const std::vector<std::string>& design_gear_causes() {
+  static const std::vector<std::string> causes = [] {
+    std::vector<std::string> names{"S-P1", "P1-R1", "P2-R2", "bearing"};
+    for (const std::string_view shaft : design::kShaftNames) {
+      names.push_back("drag_" + std::string(shaft));
+    }
+    return names;
+  }();
+  return causes;
+}
+
+std::shared_ptr<const DesignTrain> without(const DesignTrain& train, const std::string& cause) {
+  auto changed = std::make_shared<DesignTrain>(train);
+  if (cause == "inertia") {
+    changed->bodies = {};
+  } else if (cause == "bearing") {
+    changed->shafts.planet_bearing_coefficient = 0.0;
+    changed->shafts.output_bearing_share = 0.0;
+  } else if (cause.starts_with("drag_")) {
+    const auto* const shaft = std::ranges::find(design::kShaftNames, cause.substr(5));
+    changed->shafts.drag[static_cast<std::size_t>(shaft - design::kShaftNames.begin())] = {};
+  } else {
+    const auto& causes = design_gear_causes();
+    const auto mesh = std::ranges::find(causes, cause) - causes.begin();
+    changed->lossless_mesh[static_cast<std::size_t>(mesh)] = true;
+  }
+  return changed;
+}
+
+std::unique_ptr<GearModel> design_gear(const Actuator& actuator) {
+  return std::make_unique<DesignGear>(actuator);
+}
+
+std::optional<double> output_torque(const DesignTrain& train, const OutputMotion& motion,
+                                    double input_Nm) {
+  const auto result = design::balance_motion(
+      moving(train), {.output_speed_rad_s = std::abs(motion.speed_rad_s),
+                      .output_acceleration_rad_s2 = motion.sense * motion.acceleration_rad_s2,
+                      .given_end = train::End::kSun,
+                      .given_torque_Nm = motion.sense * input_Nm / train.ratio(),
+                      .temperature_K = train.temperature_K()});
+  if (!result.instant) return std::nullopt;
+  return -motion.sense * result.instant->output_torque_Nm;
+}
+
+}  // namespace gear3k::actuator

@@ -1,0 +1,393 @@
+#include "actuator/duty_cycle.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "actuator/gear_model.hpp"
+
+namespace gear3k::actuator {
+
+namespace {
+
+/// Nodes and weights of Gauss on [0, 1], exact to degree five: 1/2 and 1/2 ± √(3/5)/2.
+constexpr double kGaussOffset = 0.38729833462074168852;
+constexpr std::array<double, 3> kGaussNodes{0.5 - kGaussOffset, 0.5, 0.5 + kGaussOffset};
+constexpr std::array<double, 3> kGaussWeights{5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
+
+double sign_of(double x) { return x > 0.0 ? 1.0 : x < 0.0 ? -1.0 : 0.0; }
+
+/// Motor and gearbox at a place of a piece.
+struct State {
+  OutputMotion motion{};
+  GearInstant gear{};
+  double reflected_Nm = 0.0;  ///< τ
+};
+
+class CycleRun {
+ public:
+  CycleRun(const Actuator& actuator, bool keep)
+      : actuator_(actuator),
+        chain_(chain_of(actuator)),
+        gear_(gear_model(actuator)),
+        rotor_kgm2_(chain_.ratio * chain_.ratio * actuator.motor.rotor_inertia_kgm2),
+        per_torque_(1.0 / (chain_.ratio * actuator.motor.torque_constant_Nm_A)),
+        keep_(keep) {}
+
+  void add(const CyclePiece& piece, double start_s) {
+    start_s_ = start_s;
+    if (piece.rests()) {
+      add_rest(piece);
+      return;
+    }
+    edges_.assign(1, 0.0);
+    append_sign_changes(piece.speed_rad_s, edges_);
+    edges_.push_back(1.0);
+    const std::vector<double> turns = edges_;
+    for (std::size_t k = 1; k < turns.size(); ++k) add_one_way(piece, turns[k - 1], turns[k]);
+  }
+
+  DutyCycle result(const Cycle& cycle, const std::vector<CyclePiece>& pieces);
+
+ private:
+  struct Sums {
+    CompensatedSum positive, negative, drawn, regenerated, copper, coulomb, viscous, drive;
+    CompensatedSum square_current, square_torque, backdriven, braking, regenerating;
+    std::array<CompensatedSum, kMostGearLosses> gear;
+  };
+
+  [[nodiscard]] State state_at(const CyclePiece& piece, double x, double sense) const {
+    State state{.motion = motion_at(piece, x, sense)};
+    state.gear = gear_->at(state.motion);
+    state.reflected_Nm = rotor_kgm2_ * state.motion.acceleration_rad_s2 +
+                         chain_.d1_Nms * state.motion.speed_rad_s + chain_.c1_Nm * sense +
+                         state.gear.input_Nm;
+    return state;
+  }
+
+  /// A stretch of a piece that turns one way.
+  void add_one_way(const CyclePiece& piece, double x0, double x1) {
+    const double sense = sign_of(value_at(piece.speed_rad_s, 0.5 * (x0 + x1)));
+    std::vector<double>& edges = flow_edges_;
+    edges.assign(1, x0);
+    gear_->append_flow_changes(piece, {x0, x1}, sense, edges);
+    loads_.clear();
+    append_sign_changes(piece.load_Nm, loads_);
+    for (const double x : loads_) {
+      if (x > x0 && x < x1) edges.push_back(x);
+    }
+    edges.push_back(x1);
+    std::ranges::sort(edges);
+    for (std::size_t k = 1; k < edges.size(); ++k) {
+      if (edges[k] > edges[k - 1]) add_one_flow(piece, edges[k - 1], edges[k], sense);
+    }
+  }
+
+  /// A stretch in which power flows one way through each mesh.
+  void add_one_flow(const CyclePiece& piece, double x0, double x1, double sense) {
+    const double width = x1 - x0;
+    const double middle = 0.5 * (x0 + x1);
+    const bool straight = piece.speed_rad_s[2] == 0.0 && gear_->constant_efficiencies();
+    const State first = state_at(piece, x0, sense);
+    const State last = state_at(piece, x1, sense);
+    Quadratic torque{first.reflected_Nm, last.reflected_Nm - first.reflected_Nm, 0.0};
+    Quadratic speed{first.motion.speed_rad_s, last.motion.speed_rad_s - first.motion.speed_rad_s,
+                    0.0};
+    if (!straight) {
+      const State half = state_at(piece, middle, sense);
+      torque = through(first.reflected_Nm, half.reflected_Nm, last.reflected_Nm);
+      speed = through(first.motion.speed_rad_s, half.motion.speed_rad_s, last.motion.speed_rad_s);
+    }
+    split_power(torque, speed);
+    std::vector<double>& parts = part_edges_;
+    note_peaks(first);
+    note_peaks(last);
+    if (!straight) note_extremes(piece, x0, width, sense, torque, speed);
+    for (std::size_t k = 1; k < parts.size(); ++k) {
+      const double begin = x0 + width * parts[k - 1];
+      const double end = k + 1 == parts.size() ? x1 : x0 + width * parts[k];
+      if (!(end > begin)) continue;
+      for (std::size_t g = 0; g < kGaussNodes.size(); ++g) {
+        const State state = state_at(piece, begin + (end - begin) * kGaussNodes[g], sense);
+        accumulate(state, (end - begin) * piece.duration_s * kGaussWeights[g]);
+      }
+      if (keep_) {
+        keep_instant(state_at(piece, begin, sense), start_s_ + begin * piece.duration_s);
+        keep_instant(state_at(piece, end, sense), start_s_ + end * piece.duration_s);
+      }
+    }
+  }
+
+  /// Sets part_edges_: 0, where τ, P_el or P_bus change sign, 1.
+  void split_power(const Quadratic& torque, const Quadratic& speed) {
+    part_edges_.assign(1, 0.0);
+    append_sign_changes(torque, part_edges_);
+    const double copper = actuator_.motor.resistance_ohm * per_torque_ * per_torque_;
+    Quartic power = product(torque, speed);
+    const Quartic square = product(torque, torque);
+    for (std::size_t k = 0; k < power.size(); ++k) power[k] += copper * square[k];
+    append_sign_changes(power, part_edges_);
+    const Drive& drive = actuator_.drive;
+    if (drive.standby_W > 0.0 && drive.efficiency_regenerating > 0.0) {
+      power[0] += drive.standby_W / drive.efficiency_regenerating;
+      append_sign_changes(power, part_edges_);
+    }
+    part_edges_.push_back(1.0);
+    std::ranges::sort(part_edges_);
+  }
+
+  [[nodiscard]] double current(const State& state) const {
+    return state.reflected_Nm * per_torque_;
+  }
+  [[nodiscard]] double voltage(const State& state) const {
+    return actuator_.motor.resistance_ohm * current(state) +
+           actuator_.motor.torque_constant_Nm_A * chain_.ratio * state.motion.speed_rad_s;
+  }
+
+  void accumulate(const State& state, double seconds) {
+    const double w = state.motion.speed_rad_s;
+    const double amperes = current(state);
+    const double copper = actuator_.motor.resistance_ohm * amperes * amperes;
+    const double electrical = copper + state.reflected_Nm * w;
+    const double given = state.motion.load_Nm * w;
+    const Drive& drive = actuator_.drive;
+    const double bus = (electrical > 0.0 ? electrical / drive.efficiency_motoring
+                                         : electrical * drive.efficiency_regenerating) +
+                       drive.standby_W;
+    (given > 0.0 ? sums_.negative : sums_.positive).add(std::abs(given) * seconds);
+    (bus > 0.0 ? sums_.drawn : sums_.regenerated).add(std::abs(bus) * seconds);
+    sums_.copper.add(copper * seconds);
+    sums_.coulomb.add(chain_.c1_Nm * state.motion.sense * w * seconds);
+    sums_.viscous.add(chain_.d1_Nms * w * w * seconds);
+    sums_.drive.add((bus - electrical) * seconds);
+    for (std::size_t k = 0; k < gear_->causes().size(); ++k) {
+      sums_.gear[k].add(state.gear.loss_W[k] * seconds);
+    }
+    sums_.square_current.add(amperes * amperes * seconds);
+    sums_.square_torque.add(state.reflected_Nm * state.reflected_Nm * seconds);
+    if (!(given > 0.0)) return;
+    if (state.gear.mesh_Nm * w < 0.0) sums_.backdriven.add(given * seconds);
+    if (state.reflected_Nm * w < 0.0) sums_.braking.add(given * seconds);
+    if (electrical < 0.0) sums_.regenerating.add(given * seconds);
+  }
+
+  void note_peaks(const State& state) {
+    const double i = std::abs(chain_.ratio);
+    peak_current_A_ = std::max(peak_current_A_, std::abs(current(state)));
+    peak_voltage_V_ = std::max(peak_voltage_V_, std::abs(voltage(state)));
+    peak_speed_rad_s_ = std::max(peak_speed_rad_s_, i * std::abs(state.motion.speed_rad_s));
+    peak_torque_Nm_ = std::max(peak_torque_Nm_, std::abs(state.reflected_Nm) / i);
+  }
+
+  /// Extremes of torque, speed and voltage between the ends of a stretch.
+  void note_extremes(const CyclePiece& piece, double x0, double width, double sense,
+                     const Quadratic& torque, const Quadratic& speed) {
+    Quadratic volts{};
+    for (std::size_t k = 0; k < volts.size(); ++k) {
+      volts[k] = actuator_.motor.resistance_ohm * per_torque_ * torque[k] +
+                 actuator_.motor.torque_constant_Nm_A * chain_.ratio * speed[k];
+    }
+    for (const Quadratic* p : {&torque, &speed, static_cast<const Quadratic*>(&volts)}) {
+      const double place = -0.5 * (*p)[1] / (*p)[2];
+      if (place > 0.0 && place < 1.0) note_peaks(state_at(piece, x0 + width * place, sense));
+    }
+  }
+
+  void keep_instant(const State& state, double time_s) {
+    const double amperes = current(state);
+    instants_.push_back({.time_s = time_s,
+                         .speed_rad_s = state.motion.speed_rad_s,
+                         .load_Nm = state.motion.load_Nm,
+                         .mesh_Nm = state.gear.mesh_Nm,
+                         .motor_Nm = state.reflected_Nm / chain_.ratio,
+                         .current_A = amperes,
+                         .voltage_V = voltage(state),
+                         .electrical_W = voltage(state) * amperes});
+  }
+
+  /// The output rests: the torque of least magnitude that holds it.
+  [[nodiscard]] State resting(const CyclePiece& piece, double x) const {
+    State state{.motion = motion_at(piece, x, 0.0)};
+    const RestBand band = gear_->band(state.motion.load_Nm);
+    const double low = band.low_Nm - chain_.c1_static_Nm;
+    const double high = band.high_Nm + chain_.c1_static_Nm;
+    state.reflected_Nm = low > 0.0 ? low : high < 0.0 ? high : 0.0;
+    state.gear.mesh_Nm = -state.motion.load_Nm;
+    return state;
+  }
+  void add_rest(const CyclePiece& piece);
+
+  const Actuator& actuator_;
+  Chain chain_;
+  std::unique_ptr<GearModel> gear_;
+  double rotor_kgm2_, per_torque_;
+  bool keep_;
+  double start_s_ = 0.0;
+  std::vector<double> edges_, flow_edges_, part_edges_, loads_;
+  Sums sums_;
+  double peak_current_A_ = 0.0, peak_voltage_V_ = 0.0, peak_speed_rad_s_ = 0.0,
+         peak_torque_Nm_ = 0.0;
+  std::vector<MotorInstant> instants_;
+};
+
+void CycleRun::add_rest(const CyclePiece& piece) {
+  std::vector<double> edges{0.0};
+  const double hold = gear_->static_Nm();
+  for (const double kink : {-hold, hold}) {
+    append_sign_changes(Quadratic{piece.load_Nm[0] - kink, piece.load_Nm[1], 0.0}, edges);
+  }
+  edges.push_back(1.0);
+  std::ranges::sort(edges);
+  std::vector<double> parts{0.0};
+  for (std::size_t k = 1; k < edges.size(); ++k) {
+    const double width = edges[k] - edges[k - 1];
+    if (!(width > 0.0)) continue;
+    const RestBand from = gear_->band(value_at(piece.load_Nm, edges[k - 1]));
+    const RestBand to = gear_->band(value_at(piece.load_Nm, edges[k]));
+    std::vector<double> places;
+    append_sign_changes(Quadratic{from.low_Nm - chain_.c1_static_Nm, to.low_Nm - from.low_Nm, 0.0},
+                        places);
+    append_sign_changes(
+        Quadratic{from.high_Nm + chain_.c1_static_Nm, to.high_Nm - from.high_Nm, 0.0}, places);
+    std::ranges::sort(places);
+    for (const double place : places) parts.push_back(edges[k - 1] + width * place);
+    parts.push_back(edges[k]);
+  }
+  for (std::size_t k = 1; k < parts.size(); ++k) {
+    for (std::size_t g = 0; g < kGaussNodes.size(); ++g) {
+      const double width = parts[k] - parts[k - 1];
+      accumulate(resting(piece, parts[k - 1] + width * kGaussNodes[g]),
+                 width * piece.duration_s * kGaussWeights[g]);
+    }
+    for (const double x : {parts[k - 1], parts[k]}) {
+      note_peaks(resting(piece, x));
+      if (keep_) keep_instant(resting(piece, x), start_s_ + x * piece.duration_s);
+    }
+  }
+}
+
+LimitCheck limit_check(std::string name, std::string unit, std::optional<double> value,
+                       double limit) {
+  LimitCheck check{
+      .name = std::move(name), .unit = std::move(unit), .value = value, .limit = limit};
+  if (value) check.margin = limit - *value;
+  check.ok = check.margin && *check.margin >= 0.0;
+  return check;
+}
+
+std::vector<LimitCheck> limit_checks(const Actuator& actuator, const DutyCycle& d) {
+  const Motor& motor = actuator.motor;
+  std::vector<LimitCheck> checks;
+  if (motor.max_current_A) {
+    checks.push_back(limit_check("current", "A", d.peak_current_A, *motor.max_current_A));
+  }
+  if (actuator.drive.bus_voltage_V) {
+    checks.push_back(limit_check("voltage", "V", d.peak_voltage_V, *actuator.drive.bus_voltage_V));
+  }
+  if (motor.max_speed_rad_s) {
+    checks.push_back(
+        limit_check("speed", "rad/s", d.peak_motor_speed_rad_s, *motor.max_speed_rad_s));
+  }
+  if (motor.heat.max_winding_K && d.winding) {
+    checks.push_back(limit_check("winding", "K", d.winding->winding_K, *motor.heat.max_winding_K));
+  }
+  return checks;
+}
+
+/// What a reader has to know about the temperatures.
+void note_heat(const Actuator& actuator, DutyCycle& d) {
+  const MotorHeat& heat = actuator.motor.heat;
+  if (!d.winding) return;
+  if (d.winding->runaway) {
+    d.notes.emplace_back(
+        "thermal runaway: the copper loss grows faster with temperature than heat leaves the "
+        "winding; there is no steady state");
+  }
+  constexpr double kShort = 0.1;
+  if (heat.winding_time_constant_s && d.period_s > kShort * *heat.winding_time_constant_s) {
+    d.notes.push_back(fmt::format(
+        "the cycle of {:g} s is not short against the winding's time constant of {:g} s: its "
+        "temperature swings about the mean that is given",
+        d.period_s, *heat.winding_time_constant_s));
+  }
+  if (!d.periodic) {
+    d.notes.emplace_back("temperatures are those of the rows repeated without end");
+  }
+}
+
+/// drawn − regenerated = positive − negative + losses + kinetic, relative to the magnitudes.
+double balance_error_of(const DutyCycle& d) {
+  CompensatedSum difference;
+  double magnitude = 0.0;
+  const auto add = [&](double energy) {
+    difference.add(energy);
+    magnitude += std::abs(energy);
+  };
+  for (const double energy :
+       {d.drawn_J, -d.regenerated_J, -d.positive_J, d.negative_J, -d.kinetic_J}) {
+    add(energy);
+  }
+  for (const LossEnergy& loss : d.losses) add(-loss.energy_J);
+  return magnitude > 0.0 ? std::abs(difference.value()) / magnitude : 0.0;
+}
+
+DutyCycle CycleRun::result(const Cycle& cycle, const std::vector<CyclePiece>& pieces) {
+  DutyCycle d{.period_s = cycle.time_s.back() - cycle.time_s.front(),
+              .periodic = is_periodic(cycle),
+              .positive_J = sums_.positive.value(),
+              .negative_J = sums_.negative.value(),
+              .drawn_J = sums_.drawn.value(),
+              .regenerated_J = sums_.regenerated.value()};
+  d.losses = {{.cause = "copper", .energy_J = sums_.copper.value()},
+              {.cause = "motor_coulomb", .energy_J = sums_.coulomb.value()},
+              {.cause = "motor_viscous", .energy_J = sums_.viscous.value()}};
+  for (std::size_t k = 0; k < gear_->causes().size(); ++k) {
+    d.losses.push_back({.cause = gear_->causes()[k], .energy_J = sums_.gear[k].value()});
+  }
+  d.losses.push_back({.cause = "drive", .energy_J = sums_.drive.value()});
+  const double first = pieces.front().speed_rad_s[0];
+  const double last = value_at(pieces.back().speed_rad_s, 1.0);
+  d.kinetic_J = 0.5 * (rotor_kgm2_ + gear_->inertia_kgm2()) * (last - first) * (last + first);
+  d.balance_error = balance_error_of(d);
+  const double mean_square = sums_.square_current.value() / d.period_s;
+  d.peak_current_A = peak_current_A_;
+  d.rms_current_A = std::sqrt(mean_square);
+  d.peak_voltage_V = peak_voltage_V_;
+  d.peak_motor_speed_rad_s = peak_speed_rad_s_;
+  d.peak_motor_torque_Nm = peak_torque_Nm_;
+  d.rms_motor_torque_Nm =
+      std::sqrt(sums_.square_torque.value() / d.period_s) / std::abs(chain_.ratio);
+  if (d.negative_J > 0.0) {
+    d.shares = {.backdriven = sums_.backdriven.value() / d.negative_J,
+                .motor_braking = sums_.braking.value() / d.negative_J,
+                .regenerating = sums_.regenerating.value() / d.negative_J};
+  }
+  d.winding =
+      winding_state(actuator_.motor,
+                    {.mean_square_current_A2 = mean_square,
+                     .friction_W = (sums_.coulomb.value() + sums_.viscous.value()) / d.period_s});
+  if (!d.periodic) {
+    d.notes.emplace_back(
+        "the cycle does not close (its first and last row differ): it is taken once, not as "
+        "periodic");
+  }
+  note_heat(actuator_, d);
+  d.checks = limit_checks(actuator_, d);
+  d.feasible = std::ranges::all_of(d.checks, &LimitCheck::ok) && !(d.winding && d.winding->runaway);
+  d.instants = std::move(instants_);
+  return d;
+}
+
+}  // namespace
+
+DutyCycle run_cycle(const Actuator& actuator, const Cycle& cycle, bool keep_instants) {
+  const std::vector<CyclePiece> pieces = pieces_of(cycle);
+  CycleRun run(actuator, keep_instants);
+  for (std::size_t k = 0; k < pieces.size(); ++k) run.add(pieces[k], cycle.time_s[k]);
+  return run.result(cycle, pieces);
+}
+
+}  // namespace gear3k::actuator

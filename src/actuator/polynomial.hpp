@@ -1,0 +1,39 @@
+#pragma once
+// Polynomials of low degree on the unit interval, and where they change sign.
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+namespace gear3k::actuator {
+
+/// Σ c_k x^k.
+using Quadratic = std::array<double, 3>;
+using Quartic = std::array<double, 5>;
+
+constexpr double value_at(const Quadratic& p, double x) { return p[0] + x * (p[1] + x * p[2]); }
+constexpr double slope_at(const Quadratic& p, double x) { return p[1] + 2.0 * x * p[2]; }
+
+/// The quadratic through values at 0, 1/2 and 1.
+Quadratic through(double at_0, double at_half, double at_1);
+/// Product of two.
+Quartic product(const Quadratic& a, const Quadratic& b);
+
+/// Appends the roots within (0, 1) at which a polynomial changes sign, ascending.
+///
+/// The sign of the coefficients does not change a bit of them.  Accuracy: rounding of the
+/// polynomial's value.
+void append_sign_changes(const Quartic& p, std::vector<double>& roots);
+void append_sign_changes(const Quadratic& p, std::vector<double>& roots);
+
+/// A sum that keeps what rounding takes away (Neumaier).
+class CompensatedSum {
+ public:
+  void add(double term);
+  [[nodiscard]] double value() const { return sum_ + rest_; }
+
+ private:
+  double sum_ = 0.0, rest_ = 0.0;
+};
+
+}  // namespace gear3k::actuator

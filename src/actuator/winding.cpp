@@ -1,0 +1,37 @@
+#include "actuator/winding.hpp"
+
+namespace gear3k::actuator {
+
+namespace {
+
+std::optional<double> capacity(const std::optional<double>& time_s,
+                               const std::optional<double>& resistance_K_W) {
+  if (!time_s || !resistance_K_W) return std::nullopt;
+  return *time_s / *resistance_K_W;
+}
+
+}  // namespace
+
+std::optional<WindingState> winding_state(const Motor& motor, const HeatSources& heat) {
+  const MotorHeat& h = motor.heat;
+  if (!h.winding_housing_K_W) return std::nullopt;
+  const double r1 = *h.winding_housing_K_W;
+  const double r2 = h.housing_ambient_K_W.value_or(0.0);
+  WindingState state;
+  state.winding_J_K = capacity(h.winding_time_constant_s, h.winding_housing_K_W);
+  state.housing_J_K = capacity(h.housing_time_constant_s, h.housing_ambient_K_W);
+  const double q = motor.resistance_ohm * heat.mean_square_current_A2;
+  const double denominator = 1.0 - kCopperSlope_1_K * (r1 + r2) * q;
+  if (!(denominator > 0.0)) {
+    state.runaway = true;
+    return state;
+  }
+  const double at_ambient = q * (1.0 + kCopperSlope_1_K * (h.ambient_K - kResistanceTemperature_K));
+  const double rise = ((r1 + r2) * at_ambient + r2 * heat.friction_W) / denominator;
+  state.winding_K = h.ambient_K + rise;
+  const double copper_W = at_ambient + kCopperSlope_1_K * q * rise;
+  state.housing_K = h.ambient_K + r2 * (copper_W + heat.friction_W);
+  return state;
+}
+
+}  // namespace gear3k::actuator

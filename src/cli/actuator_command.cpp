@@ -1,0 +1,103 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <string_view>
+
+#include "app/actuator.hpp"
+#include "cli/commands.hpp"
+#include "cli/progress.hpp"
+#include "cli/result_files.hpp"
+#include "cli/talk.hpp"
+#include "io/files/actuator_file.hpp"
+#include "io/files/cycle_file.hpp"
+#include "io/text/csv_table.hpp"
+#include "io/text/diagnostics.hpp"
+#include "io/text/file_set.hpp"
+
+namespace gear3k::cli {
+
+namespace {
+
+/// "LO:HI:N".
+/// @throws io::InvalidInput naming what is allowed
+actuator::ImpedanceTask impedance_task(const ActuatorOptions& options) {
+  std::array<double, 3> numbers{};
+  std::string_view rest = options.impedance;
+  bool valid = std::ranges::count(rest, ':') == 2;
+  for (double& number : numbers) {
+    const auto value = io::csv_number(rest.substr(0, rest.find(':')));
+    valid = valid && value;
+    number = value.value_or(0.0);
+    rest.remove_prefix(std::min(rest.find(':'), rest.size() - 1) + (rest.empty() ? 0 : 1));
+  }
+  constexpr double kMostPoints = 100000;
+  constexpr double kMostHertz = 1e6;
+  const auto [low, high, points] = numbers;
+  valid = valid && low > 0.0 && high >= low && high <= kMostHertz && points >= 1.0 &&
+          points <= kMostPoints && points == static_cast<int>(points);
+  if (!valid) {
+    throw io::InvalidInput(fmt::format(
+        "--impedance {}: allowed: LO:HI:N, 0 < LO <= HI <= {:g} Hz, N a whole number, 1 to {:g}",
+        options.impedance, kMostHertz, kMostPoints));
+  }
+  constexpr std::array<std::string_view, 3> kTerminals{"open", "shorted", "locked"};
+  const auto* const motor = std::ranges::find(kTerminals, options.motor);
+  return {.low_Hz = low,
+          .high_Hz = high,
+          .points = static_cast<int>(points),
+          .amplitude_rad = options.amplitude_rad,
+          .motor = static_cast<actuator::MotorTerminals>(motor - kTerminals.begin())};
+}
+
+/// Everything that the command reads; errors of all files and options at once.
+app::ActuatorRequest request_of(const ActuatorOptions& options) {
+  app::ActuatorRequest request;
+  request.source = options.file;
+  request.without_each = options.without_each;
+  io::CollectedErrors errors;
+  errors.attempt([&] { request.actuator = io::read_actuator(options.file); });
+  errors.attempt([&] {
+    if (!options.cycle.empty()) request.cycle = io::read_cycle(options.cycle);
+  });
+  errors.attempt([&] {
+    if (!options.impedance.empty()) request.impedance = impedance_task(options);
+  });
+  errors.raise();
+  request.keep_instants = options.format == Format::kCsv;
+  return request;
+}
+
+}  // namespace
+
+ExitCode run_actuator(const ActuatorOptions& options) {
+  end_on_interrupt();
+  use_threads(options);
+  const std::string slip =
+      options.out.empty() ? "" : io::replaced_input(options.out, {options.file, options.cycle});
+  if (!slip.empty()) throw io::InvalidInput("--out: " + slip);
+  const app::ActuatorRequest request = request_of(options);
+  const report::ActuatorResult result = app::analyze_actuator(request);
+  if (!options.quiet && options.format != Format::kTable) {
+    for (const std::string& note : result.reflected.notes) say(fmt::format("note: {}\n", note));
+    if (result.cycle) {
+      for (const std::string& note : result.cycle->notes) say(fmt::format("note: {}\n", note));
+    }
+  }
+  switch (options.format) {
+    case Format::kJson:
+      deliver(options, report::actuator_json(result));
+      break;
+    case Format::kCsv:
+      deliver(options, result.cycle ? report::actuator_cycle_csv(*result.cycle)
+                                    : report::impedance_csv(result.impedance));
+      break;
+    case Format::kTable:
+      deliver(options, report::actuator_table(result));
+      break;
+  }
+  return options.strict && result.cycle && !result.cycle->feasible ? kNoFeasibleDesign : kDone;
+}
+
+}  // namespace gear3k::cli

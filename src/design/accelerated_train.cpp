@@ -1,0 +1,138 @@
+#include "design/accelerated_train.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "design/train_motion.hpp"
+
+namespace gear3k::design {
+
+namespace {
+
+using train::kMeshCount;
+using Kinematics = std::array<MeshKinematics<double>, kMeshCount>;
+
+constexpr int kMostMotionPasses = 5000;
+constexpr int kFullMotionSteps = 50;
+
+/// What the iteration of one motion changes.
+struct MovingState {
+  train::LoadedTrain<double> loaded;
+  std::array<double, kShaftCount> drag_Nm{};
+  double bearing_Nm = 0.0, output_bearing_Nm = 0.0;
+};
+
+/// Adds the inertia torques of the bodies.
+train::BodyTorques<double> with_inertia(train::BodyTorques<double> known, const MovingTrain& t,
+                                        double acceleration) {
+  const train::TrainGeometry<double>& g = t.lossy.geometry;
+  const train::SpeedRatios w = train::speed_ratios(g.teeth);
+  const double n = g.planets;
+  const double d = g.center_distance_m;
+  known.sun -= acceleration * w.sun * t.bodies.sun_kgm2;
+  known.planet -= acceleration * n * w.planet * (t.bodies.planet1_kgm2 + t.bodies.planet2_kgm2);
+  known.carrier -=
+      acceleration * w.carrier * (t.bodies.carrier_kgm2 + n * t.bodies.planet_mass_kg * d * d);
+  known.ring2 -= acceleration * t.bodies.ring2_kgm2;
+  return known;
+}
+
+/// Friction of flanks and bearings at given mesh torques.  @returns false where it has no value
+bool set_friction(const MovingTrain& t, const TrainMotion& motion, const Kinematics& mesh,
+                  const MeshTorques<double>& torque_Nm, const train::BodyTorques<double>& fixed,
+                  MovingState& state) {
+  const LossyTrain<double>& lossy = t.lossy;
+  const double planets = lossy.geometry.planets;
+  for (std::size_t k = 0; k < kMeshCount; ++k) {
+    const auto stage = static_cast<std::size_t>(train::stage_of(train::kMeshGears[k][0]));
+    const auto mu = efficiency::friction_coefficient<double>(
+        lossy.friction,
+        {.normal_force_N = magnitude(torque_Nm[k]) / (planets * mesh[k].central_base_radius_m),
+         .sliding_speed_m_s = mesh[k].sliding_speed_m_s,
+         .sum_speed_m_s = mesh[k].sum_speed_m_s,
+         .reduced_radius_m = mesh[k].reduced_radius_m,
+         .face_width_m = lossy.face_width_m[stage],
+         .temperature_K = motion.temperature_K,
+         .forward = torque_Nm[train::kMeshP2R2] > 0.0});
+    if (!mu) return false;
+    const auto flank = efficiency::flank_friction(lossy.friction, *mu);
+    for (const std::size_t driver : {0U, 1U}) {
+      state.loaded.efficiency[k][driver] =
+          t.lossless_mesh[k]
+              ? 1.0
+              : efficiency::mesh_efficiency(mesh[k].contact[driver], flank, lossy.friction.model);
+    }
+  }
+  const ShaftLosses<double>& shafts = lossy.shafts;
+  state.bearing_Nm = planets * shafts.planet_bearing_coefficient * shafts.planet_bearing_radius_m *
+                     planet_force(lossy.geometry, mesh, torque_Nm);
+  state.output_bearing_Nm = shafts.output_bearing_share * magnitude(torque_Nm[train::kMeshP2R2]);
+  state.loaded.known.pin = fixed.pin + pin_torque(lossy.geometry.teeth, 0.0, state.bearing_Nm);
+  state.loaded.known.ring2 = fixed.ring2 - state.output_bearing_Nm;
+  return true;
+}
+
+TrainInstant instant_of(const MovingTrain& t, const TrainMotion& motion, const MovingState& state,
+                        const train::PowerFlow<double>& flow) {
+  const double w = motion.output_speed_rad_s;
+  const auto speed = shaft_speeds(t.lossy.geometry.teeth);
+  TrainInstant instant{
+      .sun_torque_Nm = flow.sun_torque_Nm,
+      .output_torque_Nm = flow.output_torque_Nm,
+      .ring2_mesh_Nm = flow.mesh_torque_Nm[train::kMeshP2R2],
+      .mesh_loss_W = {},
+      .drag_loss_W = {},
+      .bearing_loss_W =
+          (state.bearing_Nm * std::abs(speed[kPlanetShaft]) + state.output_bearing_Nm) * w,
+      .gear1_drives = flow.gear1_drives};
+  for (std::size_t k = 0; k < kMeshCount; ++k) instant.mesh_loss_W[k] = flow.mesh_loss_Nm[k] * w;
+  for (std::size_t k = 0; k < kShaftCount; ++k) {
+    instant.drag_loss_W[k] = state.drag_Nm[k] * std::abs(speed[k]) * w;
+  }
+  return instant;
+}
+
+}  // namespace
+
+TrainInstantResult balance_motion(const MovingTrain& t, const TrainMotion& motion) {
+  const double speed = motion.output_speed_rad_s;
+  if (!(speed >= 0.0) || !std::isfinite(speed)) {
+    throw std::invalid_argument(
+        fmt::format("balance_motion: output_speed_rad_s = {}, allowed: finite, 0 or more", speed));
+  }
+  const auto none = [](NoOperation reason) {
+    return TrainInstantResult{.instant = std::nullopt, .reason = reason};
+  };
+  const train::TrainGeometry<double>& g = t.lossy.geometry;
+  for (const auto& mesh : g.meshes) {
+    if (!(mesh.contact_ratio > 0.0)) return none(NoOperation::kNoContact);
+  }
+  const Kinematics mesh = kinematics(g, speed);
+  MovingState state{.loaded = {.teeth = g.teeth, .efficiency = {}, .known = {}}};
+  state.drag_Nm = drag_torques(g, t.lossy.shafts, speed, motion.temperature_K);
+  state.loaded = frictionless_train(g.teeth, state.drag_Nm,
+                                    {.end = motion.given_end, .torque_Nm = motion.given_torque_Nm});
+  const train::BodyTorques<double> fixed =
+      with_inertia(state.loaded.known, t, motion.output_acceleration_rad_s2);
+  state.loaded.known = fixed;
+  auto flow = train::solve_power_flow(state.loaded);
+  if (!flow) return none(NoOperation::kLocks);
+  MeshTorques<double> taken{};
+  for (int pass = 0; pass < kMostMotionPasses; ++pass) {
+    for (std::size_t k = 0; k < kMeshCount; ++k) {
+      const double latest = flow->mesh_torque_Nm[k];
+      taken[k] = pass < kFullMotionSteps ? latest : 0.5 * (taken[k] + latest);
+    }
+    if (!set_friction(t, motion, mesh, taken, fixed, state)) return none(NoOperation::kNoFriction);
+    flow = train::solve_power_flow(state.loaded);
+    if (!flow) return none(NoOperation::kLocks);
+    if (relative_change(taken, flow->mesh_torque_Nm) <= kRepeats) {
+      return {.instant = instant_of(t, motion, state, *flow), .reason = NoOperation::kLocks};
+    }
+  }
+  return none(NoOperation::kNotConverged);
+}
+
+}  // namespace gear3k::design

@@ -1,0 +1,100 @@
+#include "io/files/actuator_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <stdexcept>
+
+#include "actuator/design_gear.hpp"
+#include "io/files/design_file.hpp"
+#include "io/files/document_kind.hpp"
+#include "io/keys/actuator_keys.hpp"
+#include "io/text/toml_value.hpp"
+
+namespace gear3k::io {
+
+namespace {
+
+/// What follows from the keys together.
+void resolve_motor(const MotorInput& in, actuator::Motor& motor) {
+  motor = in.motor;
+  motor.static_Nm = in.static_Nm.value_or(motor.coulomb_Nm);
+  if (in.no_load_current_A && in.no_load_speed_rad_s) {
+    motor.viscous_Nms = (motor.torque_constant_Nm_A * *in.no_load_current_A - motor.coulomb_Nm) /
+                        *in.no_load_speed_rad_s;
+  }
+  if (in.thermal_resistance_K_W) motor.heat.winding_housing_K_W = in.thermal_resistance_K_W;
+}
+
+/// An efficiency that was measured with the drag in it, without: docs/theory §58.
+void take_drag_out(double torque_Nm, actuator::Gearbox& gearbox) {
+  const double drag = gearbox.coulomb_Nm;
+  gearbox.efficiency_forward =
+      std::min(1.0, gearbox.efficiency_forward * (torque_Nm + drag) / torque_Nm);
+  gearbox.efficiency_backward =
+      std::min(1.0, gearbox.efficiency_backward * torque_Nm / (torque_Nm - drag));
+}
+
+void resolve_gearbox(const GearboxInput& in, actuator::Gearbox& gearbox) {
+  gearbox = in.gearbox;
+  gearbox.static_Nm = in.backdriving_Nm.value_or(in.coulomb_Nm.value_or(0.0));
+  gearbox.coulomb_Nm = in.coulomb_Nm.value_or(0.5 * gearbox.static_Nm);
+  if (in.efficiency_includes_drag_at_Nm) {
+    take_drag_out(*in.efficiency_includes_drag_at_Nm, gearbox);
+  }
+}
+
+void take_design(const std::string& path, actuator::Actuator& result) {
+  const design::Design design = read_design(path);
+  try {
+    auto train = std::make_shared<const actuator::DesignTrain>(design);
+    result.gearbox = {.ratio = train->ratio(),
+                      .stiffness_Nm_rad = train->stiffness_Nm_rad(),
+                      .mass_kg = train->mass_kg()};
+    result.train = std::move(train);
+  } catch (const std::invalid_argument& error) {
+    throw InvalidInput(fmt::format("{}: {}", path, error.what()));
+  }
+}
+
+actuator::Actuator actuator_from(const TomlValue& document, const std::string& name) {
+  using enum DocumentKind;
+  refuse_other_documents(document, name, {kActuator, kBlackBox},
+                         "ACTUATOR takes a file with [motor] and [gearbox]");
+  FileReading reading(name);
+  ActuatorInput input;
+  read_by_schema(document, actuator_schema(), input, reading);
+  check_actuator(input, reading);
+  actuator::Actuator result{.name = input.name,
+                            .motor = {},
+                            .gearbox = {},
+                            .drive = input.drive,
+                            .load_inertia_kgm2 = input.load_inertia_kgm2,
+                            .train = nullptr};
+  resolve_motor(input.motor, result.motor);
+  CollectedErrors errors;
+  errors.attempt([&] { reading.throw_if_invalid(); });
+  if (input.gearbox.design.empty()) {
+    resolve_gearbox(input.gearbox, result.gearbox);
+  } else {
+    const auto folder = std::filesystem::path(name).parent_path();
+    errors.attempt([&] { take_design((folder / input.gearbox.design).string(), result); });
+  }
+  errors.raise();
+  return result;
+}
+
+}  // namespace
+
+actuator::Actuator read_actuator(const std::string& path) {
+  return actuator_from(read_toml(path), path);
+}
+
+actuator::Actuator parse_actuator(const std::string& text, const std::string& name) {
+  return actuator_from(parse_toml(text, name), name);
+}
+
+std::string actuator_key_table() { return key_table(actuator_schema()); }
+
+}  // namespace gear3k::io

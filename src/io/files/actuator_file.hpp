@@ -1,0 +1,19 @@
+#pragma once
+// ACTUATOR.toml.
+
+#include <string>
+
+#include "actuator/actuator.hpp"
+
+namespace gear3k::io {
+
+/// Reads an ACTUATOR file, and the DESIGN file that it names (seen from its own folder).
+/// @throws InvalidInput with every error of both files
+actuator::Actuator read_actuator(const std::string& path);
+/// The same from a text; `name` stands for the file in messages and for its folder.
+actuator::Actuator parse_actuator(const std::string& text, const std::string& name);
+
+/// Table of the keys, in Markdown.
+std::string actuator_key_table();
+
+}  // namespace gear3k::io

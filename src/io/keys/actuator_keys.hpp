@@ -1,0 +1,39 @@
+#pragma once
+// Keys of ACTUATOR files, and what they set.
+
+#include <optional>
+#include <string>
+
+#include "actuator/actuator.hpp"
+#include "io/keys/key_registry.hpp"
+
+namespace gear3k::io {
+
+struct MotorInput {
+  actuator::Motor motor;
+  std::optional<double> no_load_current_A, no_load_speed_rad_s;
+  std::optional<double> static_Nm;
+  std::optional<double> thermal_resistance_K_W;  ///< from winding to the surroundings, as one
+};
+
+struct GearboxInput {
+  actuator::Gearbox gearbox;
+  std::string design;  ///< path of a DESIGN file; "" = catalogue values
+  std::optional<double> coulomb_Nm, backdriving_Nm;
+  std::optional<double> efficiency_includes_drag_at_Nm;
+};
+
+struct ActuatorInput {
+  std::string name;
+  MotorInput motor;
+  GearboxInput gearbox;
+  actuator::Drive drive;
+  double load_inertia_kgm2 = 0.0;
+};
+
+const Schema<ActuatorInput>& actuator_schema();
+
+/// What the keys say together.
+void check_actuator(const ActuatorInput& input, FileReading& reading);
+
+}  // namespace gear3k::io

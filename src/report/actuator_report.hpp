@@ -1,0 +1,31 @@
+#pragma once
+// What an actuator is and what a duty cycle costs: JSON, CSV, tables.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "actuator/duty_cycle.hpp"
+#include "actuator/impedance.hpp"
+#include "actuator/reflected.hpp"
+
+namespace gear3k::report {
+
+/// All that `gear3k actuator` computes.
+struct ActuatorResult {
+  actuator::Actuator actuator;
+  actuator::Reflected reflected;
+  std::optional<actuator::DutyCycle> cycle;
+  std::string cycle_name;
+  std::optional<std::vector<actuator::WithoutCause>> without_each;
+  std::optional<actuator::ImpedanceTask> impedance_task;
+  std::vector<actuator::ImpedancePoint> impedance;
+};
+
+std::string actuator_json(const ActuatorResult& result);
+std::string actuator_table(const ActuatorResult& result);
+/// The motor over the cycle, a row for each end of a part of it.
+std::string actuator_cycle_csv(const actuator::DutyCycle& cycle);
+std::string impedance_csv(const std::vector<actuator::ImpedancePoint>& points);
+
+}  // namespace gear3k::report
