@@ -6,6 +6,7 @@
 #include <string>
 
 #include "entry.hpp"
+#include "io/files/actuator_file.hpp"
 #include "io/files/design_file.hpp"
 #include "io/files/document_kind.hpp"
 #include "io/files/model_file.hpp"
@@ -45,8 +46,11 @@ void read_as(io::DocumentKind kind, const std::string& text) {
     case kModel:
       io::parse_model(text, name);
       break;
+    case kActuator:
+      io::parse_actuator(text, name);
+      break;
     case kUnknown:
-      for (const auto any : {kDesign, kPair, kSpecification, kBlackBox, kModel}) {
+      for (const auto any : {kDesign, kPair, kSpecification, kBlackBox, kModel, kActuator}) {
         read_or_refuse([&] { read_as(any, text); });
       }
       break;
