@@ -12,9 +12,11 @@
 #include "cli/talk.hpp"
 #include "io/files/actuator_file.hpp"
 #include "io/files/cycle_file.hpp"
+#include "io/files/selection_file.hpp"
 #include "io/text/csv_table.hpp"
 #include "io/text/diagnostics.hpp"
 #include "io/text/file_set.hpp"
+#include "report/selection_report.hpp"
 
 namespace gear3k::cli {
 
@@ -69,11 +71,43 @@ app::ActuatorRequest request_of(const ActuatorOptions& options) {
   return request;
 }
 
+/// --select: the front of all pairs, into a folder.
+ExitCode run_selection(const ActuatorOptions& options) {
+  const io::SelectionFiles files = io::read_selection(options.select);
+  ResultFolder folder({.path = options.out,
+                       .inputs = files.inputs,
+                       .files = {"selection.csv", "pareto.csv", "summary.json"},
+                       .quiet = options.quiet});
+  const actuator::Selection selection = actuator::select(files.task);
+  const std::string json = report::selection_json(files.task, selection);
+  const std::string front = report::selection_front_csv(files.task, selection);
+  const std::vector<std::string> written =
+      folder.write({{.path = "selection.csv", .text = report::selection_csv(files.task, selection)},
+                    {.path = "pareto.csv", .text = front},
+                    {.path = "summary.json", .text = json}});
+  switch (options.format) {
+    case Format::kJson:
+      print_result(json);
+      break;
+    case Format::kCsv:
+      print_result(front);
+      break;
+    case Format::kTable:
+      print_result(report::selection_table(files.task, selection) + files_text(written));
+      break;
+  }
+  const std::string blocking = report::selection_blocking_text(files.task, selection);
+  if (blocking.empty()) return kDone;
+  say(blocking + '\n');
+  return kNoFeasibleDesign;
+}
+
 }  // namespace
 
 ExitCode run_actuator(const ActuatorOptions& options) {
   end_on_interrupt();
   use_threads(options);
+  if (!options.select.empty()) return run_selection(options);
   const std::string slip =
       options.out.empty() ? "" : io::replaced_input(options.out, {options.file, options.cycle});
   if (!slip.empty()) throw io::InvalidInput("--out: " + slip);

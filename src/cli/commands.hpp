@@ -95,6 +95,8 @@ struct ActuatorOptions : CommonOptions {  ///< out: a file, with select a folder
   std::string impedance;  ///< "LO:HI:N" [Hz]; "" = none
   double amplitude_rad = 0.0;
   std::string motor = "open";  ///< terminals during --impedance
+  std::string figures;         ///< folder; "" = none
+  std::string select;          ///< SPEC.toml of a selection; "" = none
 };
 
 struct KeysOptions : CommonOptions {

@@ -18,6 +18,7 @@
 #include "io/files/actuator_file.hpp"
 #include "io/files/design_file.hpp"
 #include "io/files/first_file.hpp"
+#include "io/files/selection_file.hpp"
 #include "io/files/specification_file.hpp"
 #include "io/text/diagnostics.hpp"
 #include "io/text/version.hpp"
@@ -219,7 +220,7 @@ std::string diagnose_usage_error(const cli::DiagnoseOptions& options) {
 
 /// Options of `actuator`; its callback runs after all were read.
 void add_actuator_options(CLI::App& command, cli::ActuatorOptions& options) {
-  command.add_option("ACTUATOR", options.file, "ACTUATOR.toml")->required();
+  command.add_option("ACTUATOR", options.file, "ACTUATOR.toml; not with --select");
   command
       .add_option("--cycle", options.cycle,
                   "CYCLE.csv: time_s, torque_nm, and speed_rad_s or angle_rad")
@@ -239,9 +240,51 @@ void add_actuator_options(CLI::App& command, cli::ActuatorOptions& options) {
   command.add_option("--motor", options.motor, "terminals of the motor in --impedance")
       ->check(CLI::IsMember({"open", "shorted", "locked"}))
       ->option_text("open | shorted | locked");
+  command
+      .add_option("--figures", options.figures,
+                  "folder for figures and their CSV; made when missing; figures need gnuplot")
+      ->check(folder_name)
+      ->option_text("DIR");
+  command
+      .add_option("--select", options.select,
+                  "SPEC.toml of motors, gearboxes and cycles: the Pareto front of all pairs")
+      ->option_text("SPEC");
   add_common_options(command, options, true);
-  add_out_file(command, options);
-  command.footer([] { return "Keys of ACTUATOR.toml:\n" + io::actuator_key_table(); });
+  command
+      .add_option("--out", options.out,
+                  "file for the result, instead of stdout; with --select the folder for "
+                  "selection.csv, pareto.csv and summary.json, made when missing")
+      ->option_text("FILE | DIR");
+  command.footer([] {
+    return "Keys of ACTUATOR.toml:\n" + io::actuator_key_table() + "\nKeys of SPEC.toml:\n" +
+           io::selection_key_table();
+  });
+}
+
+/// What is wrong with the options of `actuator` together; "" when nothing is.
+std::string actuator_usage_error(const cli::ActuatorOptions& options) {
+  std::vector<std::string> errors;
+  const bool select = !options.select.empty();
+  if (select == !options.file.empty()) {
+    errors.emplace_back("actuator: allowed: ACTUATOR, or --select SPEC --out DIR");
+  }
+  if (select && options.out.empty()) errors.emplace_back("--select: allowed: with --out DIR");
+  if (select && (!options.cycle.empty() || !options.figures.empty() || !options.impedance.empty() ||
+                 options.without_each)) {
+    errors.emplace_back(
+        "--cycle, --without-each, --impedance, --figures: allowed: without --select");
+  }
+  if (options.without_each && options.cycle.empty() && !select) {
+    errors.emplace_back("--without-each: allowed: with --cycle CYCLE");
+  }
+  if (options.amplitude_rad > 0.0 && options.impedance.empty()) {
+    errors.emplace_back("--amplitude: allowed: with --impedance LO:HI:N");
+  }
+  if (options.format == cli::Format::kCsv && options.cycle.empty() && options.impedance.empty() &&
+      !select) {
+    errors.emplace_back("--format csv: allowed: with --cycle, --impedance or --select");
+  }
+  return fmt::format("{}", fmt::join(errors, "\n"));
 }
 
 std::vector<std::string> option_names(const CLI::App& command) {
@@ -436,7 +479,12 @@ int run_program(int argc, char** argv) {
   CLI::App* actuator_command = app.add_subcommand(
       "actuator", "motor, gearbox and load: what the output feels, what a duty cycle costs");
   add_actuator_options(*actuator_command, actuator);
-  actuator_command->callback([&] { run = [&] { return cli::run_actuator(actuator); }; });
+  actuator_command->callback([&] {
+    if (const std::string error = actuator_usage_error(actuator); !error.empty()) {
+      throw CLI::ValidationError(error, CLI::ExitCodes::ValidationError);
+    }
+    run = [&] { return cli::run_actuator(actuator); };
+  });
 
   cli::KeysOptions keys;
   CLI::App* keys_command =

@@ -3,6 +3,8 @@
 
 #include <cmath>
 #include <fstream>
+#include <iterator>
+#include <map>
 #include <numbers>
 #include <sstream>
 #include <string>
@@ -78,23 +80,18 @@ inline actuator::Cycle cosine(double amplitude_rad_s, double period_s, int inter
   return cycle;
 }
 
-/// Points of one series of a digitised file: percent of the stride, value.
-struct Curve {
-  std::vector<double> percent, value;
-  /// Straight lines between the points, the first one again after 100 %.
-  double operator()(double at) const {
-    const std::size_t n = percent.size();
-    std::size_t k = 0;
-    while (k < n && percent[k] <= at) ++k;
-    const std::size_t before = (k + n - 1) % n;
-    const std::size_t after = k % n;
-    double from = percent[before];
-    double to = percent[after];
-    if (from > at) from -= 100.0;
-    if (to <= at) to += 100.0;
-    return value[before] + (value[after] - value[before]) * (at - from) / (to - from);
-  }
-};
+/// Points of one series of a digitised file: percent of the stride within [0, 100), value.
+using Curve = std::map<double, double>;
+
+/// Straight lines between the points, from the last one on to the first.
+inline double value_of(const Curve& curve, double percent) {
+  const auto after = curve.upper_bound(percent);
+  const auto [p0, v0] = after == curve.begin() ? *curve.rbegin() : *std::prev(after);
+  const auto [p1, v1] = after == curve.end() ? *curve.begin() : *after;
+  const double from = after == curve.begin() ? p0 - 100.0 : p0;
+  const double to = after == curve.end() ? p1 + 100.0 : p1;
+  return v0 + (v1 - v0) * (percent - from) / (to - from);
+}
 
 inline Curve digitised(const std::string& file, const std::string& series) {
   std::ifstream stream(std::string(GEAR3K_SOURCE_DIR) + "/data/" + file);
@@ -108,8 +105,8 @@ inline Curve digitised(const std::string& file, const std::string& series) {
     std::getline(fields, percent, ',');
     std::getline(fields, value, ',');
     if (name != series) continue;
-    curve.percent.push_back(std::stod(percent));
-    curve.value.push_back(std::stod(value));
+    const double at = std::fmod(std::stod(percent), 100.0);
+    curve[at < 0.0 ? at + 100.0 : at] = std::stod(value);
   }
   return curve;
 }
@@ -121,14 +118,14 @@ inline actuator::Cycle walking(const std::string& file, const std::string& joint
   const Curve speed = digitised(file, joint + "_angular_velocity_deg_s");
   constexpr int kRows = 200;
   double mean = 0.0;
-  for (int k = 0; k < kRows; ++k) mean += speed(0.5 * k) / kRows;
+  for (int k = 0; k < kRows; ++k) mean += value_of(speed, 0.5 * k) / kRows;
   actuator::Cycle cycle;
   cycle.name = joint;
   for (int k = 0; k <= kRows; ++k) {
     const double percent = 0.5 * (k % kRows);
     cycle.time_s.push_back(1.1 * k / kRows);
-    cycle.load_Nm.push_back(-mass_kg * moment(percent));
-    cycle.motion.push_back((speed(percent) - mean) * std::numbers::pi / 180.0);
+    cycle.load_Nm.push_back(-mass_kg * value_of(moment, percent));
+    cycle.motion.push_back((value_of(speed, percent) - mean) * std::numbers::pi / 180.0);
   }
   return cycle;
 }

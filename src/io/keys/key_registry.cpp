@@ -143,6 +143,11 @@ bool fits(const KeyRecord& record, const TomlValue& value) {
       return value.kind == TomlKind::kText
                  ? std::ranges::find(record.choices, value.text) != record.choices.end()
                  : value.is_number() && in_range(record, value.number);
+    case KeyType::kTexts:
+      if (value.kind != TomlKind::kList) return value.kind == TomlKind::kText;
+      return !value.list.empty() && std::ranges::all_of(value.list, [](const TomlValue& v) {
+        return v.kind == TomlKind::kText;
+      });
   }
   return false;
 }
@@ -316,6 +321,8 @@ std::string allowed_text(const KeyRecord& record) {
     case KeyType::kNumberOrChoice:
       return fmt::format("{}, or \"{}\"", with_unit("a number", record),
                          fmt::join(record.choices, "\" or \""));
+    case KeyType::kTexts:
+      return "a text in quotes, or a list of these";
   }
   return "";
 }

@@ -31,7 +31,8 @@ enum class KeyType {
   kNumberPerGear,   ///< a number for all gears, or { S = .., P1 = .., .. }
   kNumberOrRange,   ///< a number (± it), or [lower, upper]
   kNumberOrSwitch,  ///< a number, or true (default limit) or false (off)
-  kNumberOrChoice   ///< a number, or one of the choices
+  kNumberOrChoice,  ///< a number, or one of the choices
+  kTexts            ///< a text, or a list of them
 };
 
 struct KeyRecord {

@@ -10,7 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "io/keys/actuator_keys.hpp"
 #include "io/keys/design_keys.hpp"
+#include "io/keys/selection_keys.hpp"
 #include "io/keys/specification_keys.hpp"
 
 namespace gear3k::io::key_round_trip_test {
@@ -56,6 +58,8 @@ class LegalValues {
       case KeyType::kNumberOrChoice:
         return below(3) == 0 ? text_value(record.choices[below(record.choices.size())])
                              : number(record);
+      case KeyType::kTexts:
+        return list_value({text_value("a.csv"), text_value("b \"c\".csv")});
     }
     return {};
   }
@@ -183,6 +187,8 @@ void expect_every_key_survives(const Schema<Target>& schema) {
 
 TEST(KeyRoundTrip, OfDesign) { expect_every_key_survives(design_schema()); }
 TEST(KeyRoundTrip, OfPair) { expect_every_key_survives(pair_schema()); }
+TEST(KeyRoundTrip, OfActuator) { expect_every_key_survives(actuator_schema()); }
+TEST(KeyRoundTrip, OfSelection) { expect_every_key_survives(selection_schema()); }
 TEST(KeyRoundTrip, OfSpecification) { expect_every_key_survives(specification_schema()); }
 
 }  // namespace

@@ -1,0 +1,313 @@
+#include "actuator/selection.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+
+#include "actuator/duty_cycle.hpp"
+#include "actuator/winding.hpp"
+
+namespace gear3k::actuator {
+
+namespace {
+
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+/// Bounds are lowered by this share: their rounding is not that of the exact cycle.
+constexpr double kRoom = 1e-9;
+
+Actuator actuator_of(const SelectionTask& task, const Pair& pair) {
+  Actuator a{.name = {},
+             .motor = task.motors[pair.motor].motor,
+             .gearbox = task.gearboxes[pair.gearbox].gearbox,
+             .drive = task.drive,
+             .load_inertia_kgm2 = task.load_inertia_kgm2,
+             .train = nullptr};
+  a.motor.heat.ambient_K = task.ambient_K;
+  return a;
+}
+
+/// What no cycle changes.
+void set_constants(const Actuator& a, PairResult& r) {
+  const Chain chain = chain_of(a);
+  if (a.motor.mass_kg && a.gearbox.mass_kg) r.mass_kg = *a.motor.mass_kg + *a.gearbox.mass_kg;
+  if (chain.efficiency_backward > 0.0) {
+    r.breakaway_Nm = chain.c2_static_Nm + chain.c1_static_Nm / chain.efficiency_backward;
+  }
+  r.inertia_kgm2 = chain.j1_kgm2 + a.gearbox.output_inertia_kgm2;
+}
+
+/// Holds the values of a result, or bounds of them, against the limits.
+void judge(const SelectionTask& task, const PairResult& values, double friction_W,
+           PairResult& judged) {
+  const CatalogueMotor& motor = task.motors[values.pair.motor];
+  const CatalogueGearbox& gearbox = task.gearboxes[values.pair.gearbox];
+  judged.excess = -kUnbounded;
+  judged.limit.reset();
+  const auto hold = [&](PairLimit limit, double value, const std::optional<double>& most) {
+    if (!most) return;
+    const double excess = value / *most - 1.0;
+    if (!(excess > judged.excess)) return;
+    judged.excess = excess;
+    judged.limit = limit;
+  };
+  hold(PairLimit::kContinuousTorque, values.rms_torque_Nm, gearbox.continuous_Nm);
+  hold(PairLimit::kIntermittentTorque, values.peak_torque_Nm, gearbox.intermittent_Nm);
+  hold(PairLimit::kNominalCurrent, values.rms_current_A, motor.nominal_current_A);
+  hold(PairLimit::kVoltage, values.peak_voltage_V,
+       task.drive.bus_voltage_V ? task.drive.bus_voltage_V : motor.nominal_voltage_V);
+  if (task.peak_current_factor && motor.nominal_current_A) {
+    hold(PairLimit::kPeakCurrent, values.peak_current_A,
+         *task.peak_current_factor * *motor.nominal_current_A);
+  }
+  Motor warm = motor.motor;
+  warm.heat.ambient_K = task.ambient_K;
+  const auto state =
+      winding_state(warm, {.mean_square_current_A2 = values.rms_current_A * values.rms_current_A,
+                           .friction_W = friction_W});
+  judged.winding_K = state ? state->winding_K : std::nullopt;
+  if (!state || !task.max_winding_K) return;
+  hold(PairLimit::kWinding, state->runaway ? kUnbounded : *state->winding_K - task.ambient_K,
+       *task.max_winding_K - task.ambient_K);
+}
+
+double objective_of(Objective objective, const PairResult& r) {
+  switch (objective) {
+    case Objective::kEnergy:
+      return r.energy_J;
+    case Objective::kMass:
+      return r.mass_kg.value_or(kUnbounded);
+    case Objective::kPeakCurrent:
+      return r.peak_current_A;
+    case Objective::kBreakaway:
+      return r.breakaway_Nm.value_or(kUnbounded);
+    case Objective::kInertia:
+      break;
+  }
+  return r.inertia_kgm2;
+}
+
+double total_time(const SelectionTask& task) {
+  double time = 0.0;
+  for (std::size_t k = 0; k < task.cycles.size(); ++k) {
+    time += task.weights[k] * (task.cycles[k].time_s.back() - task.cycles[k].time_s.front());
+  }
+  return time;
+}
+
+/// A gearbox with the moments of all cycles.
+struct ScreenedGearbox {
+  std::vector<CycleMoments> moments;
+  double rms_torque_Nm = 0.0, peak_torque_Nm = 0.0;
+};
+
+ScreenedGearbox screen_gearbox(const SelectionTask& task, std::size_t gearbox, double time_s) {
+  ScreenedGearbox result;
+  Actuator a = actuator_of(task, {.motor = 0, .gearbox = gearbox});
+  double square = 0.0;
+  for (std::size_t k = 0; k < task.cycles.size(); ++k) {
+    result.moments.push_back(cycle_moments(a, task.cycles[k]));
+    const CycleMoments& m = result.moments.back();
+    square += task.weights[k] * m.square_mesh;
+    result.peak_torque_Nm = std::max(result.peak_torque_Nm, m.peak_mesh_Nm);
+  }
+  result.rms_torque_Nm = std::sqrt(square / time_s);
+  return result;
+}
+
+/// Peaks of current and voltage at the ends of all parts.
+void bound_peaks(const ScreenedGearbox& gearbox, const Motor& motor, const Chain& chain,
+                 double rotor_kgm2, PairResult& r) {
+  const double per_torque = 1.0 / (chain.ratio * motor.torque_constant_Nm_A);
+  const double back = motor.torque_constant_Nm_A * chain.ratio;
+  double current = 0.0;
+  double voltage = 0.0;
+  for (const CycleMoments& m : gearbox.moments) {
+    for (const auto& [u, a, w, s] : m.points) {
+      const double amperes = (u + rotor_kgm2 * a + chain.d1_Nms * w + chain.c1_Nm * s) * per_torque;
+      current = std::max(current, std::abs(amperes));
+      voltage = std::max(voltage, std::abs(motor.resistance_ohm * amperes + back * w));
+    }
+  }
+  r.peak_current_A = current * (1.0 - kRoom);
+  r.peak_voltage_V = voltage * (1.0 - kRoom);
+}
+
+/// Bounds from below of everything that a pair's exact cycles give.
+PairResult bounds_of(const SelectionTask& task, const Pair& pair, const ScreenedGearbox& gearbox,
+                     double time_s) {
+  const Actuator a = actuator_of(task, pair);
+  const Chain chain = chain_of(a);
+  PairResult r{.pair = pair};
+  set_constants(a, r);
+  const double rotor = chain.ratio * chain.ratio * a.motor.rotor_inertia_kgm2;
+  const double torque_constant = chain.ratio * a.motor.torque_constant_Nm_A;
+  const double per_square = 1.0 / (torque_constant * torque_constant);
+  double square = 0.0;
+  double energy = 0.0;
+  double magnitude = 0.0;
+  for (std::size_t k = 0; k < gearbox.moments.size(); ++k) {
+    const CycleMoments& m = gearbox.moments[k];
+    const double amperes2 = square_torque(m, chain, rotor) * per_square;
+    square += task.weights[k] * amperes2;
+    // ∫ τ w: rows of M with w.
+    const double work = m.input_work_J + rotor * m.square[1][2] + chain.d1_Nms * m.square[2][2] +
+                        chain.c1_Nm * m.square[3][2];
+    const double copper = a.motor.resistance_ohm * amperes2;
+    const double standby = task.drive.standby_W * m.period_s;
+    energy += task.weights[k] * (copper + work + standby);
+    magnitude += task.weights[k] * (copper + std::abs(work) + standby);
+  }
+  r.energy_J = energy - kRoom * magnitude;
+  r.rms_current_A = std::sqrt(square / time_s) * (1.0 - kRoom);
+  r.rms_torque_Nm = gearbox.rms_torque_Nm * (1.0 - kRoom);
+  r.peak_torque_Nm = gearbox.peak_torque_Nm * (1.0 - kRoom);
+  judge(task, r, 0.0, r);
+  if (!(r.excess > 0.0)) {
+    bound_peaks(gearbox, a.motor, chain, rotor, r);
+    judge(task, r, 0.0, r);
+  }
+  return r;
+}
+
+void require_task_of(const SelectionTask& task) {
+  if (task.weights.size() == task.cycles.size() && !task.cycles.empty()) return;
+  throw std::invalid_argument(fmt::format("select: {} weights for {} cycles, allowed: one for each",
+                                          task.weights.size(), task.cycles.size()));
+}
+
+/// The pair that misses its limits by least.
+PairResult nearest_of(const SelectionTask& task, const std::vector<PairVerdict>& verdicts) {
+  std::vector<std::size_t> order(verdicts.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t k) { return verdicts[k].excess; });
+  std::optional<PairResult> best;
+  for (const std::size_t k : order) {
+    if (best && !(verdicts[k].excess < best->excess)) break;
+    PairResult result = run_pair(task, verdicts[k].pair);
+    if (!best || result.excess < best->excess) best = std::move(result);
+  }
+  return *best;
+}
+
+}  // namespace
+
+bool dominates(const SelectionTask& task, const PairResult& a, const PairResult& b) {
+  bool better = false;
+  for (const Objective objective : task.objectives) {
+    const double left = objective_of(objective, a);
+    const double right = objective_of(objective, b);
+    if (left > right) return false;
+    better = better || left < right;
+  }
+  return better;
+}
+
+PairResult run_pair(const SelectionTask& task, const Pair& pair) {
+  require_task_of(task);
+  const Actuator a = actuator_of(task, pair);
+  const double time_s = total_time(task);
+  PairResult r{.pair = pair};
+  set_constants(a, r);
+  double square = 0.0;
+  double friction = 0.0;
+  double mesh = 0.0;
+  for (std::size_t k = 0; k < task.cycles.size(); ++k) {
+    const DutyCycle d = run_cycle(a, task.cycles[k]);
+    const CycleMoments m = cycle_moments(a, task.cycles[k]);
+    r.energy_J += task.weights[k] * (d.drawn_J - d.regenerated_J);
+    square += task.weights[k] * d.rms_current_A * d.rms_current_A * d.period_s;
+    for (const LossEnergy& loss : d.losses) {
+      if (loss.cause.starts_with("motor_")) friction += task.weights[k] * loss.energy_J;
+    }
+    r.peak_current_A = std::max(r.peak_current_A, d.peak_current_A);
+    r.peak_voltage_V = std::max(r.peak_voltage_V, d.peak_voltage_V);
+    mesh += task.weights[k] * m.square_mesh;
+    r.peak_torque_Nm = std::max(r.peak_torque_Nm, m.peak_mesh_Nm);
+  }
+  r.rms_current_A = std::sqrt(square / time_s);
+  r.rms_torque_Nm = std::sqrt(mesh / time_s);
+  judge(task, r, friction / time_s, r);
+  return r;
+}
+
+Selection select(const SelectionTask& task) {
+  require_task_of(task);
+  const double time_s = total_time(task);
+  Selection selection;
+  selection.verdicts.reserve(task.motors.size() * task.gearboxes.size());
+  struct Candidate {
+    std::size_t verdict;
+    PairResult bound;
+  };
+  std::vector<Candidate> candidates;
+  for (std::size_t g = 0; g < task.gearboxes.size(); ++g) {
+    const ScreenedGearbox screened = screen_gearbox(task, g, time_s);
+    for (std::size_t m = 0; m < task.motors.size(); ++m) {
+      PairResult bound = bounds_of(task, {.motor = m, .gearbox = g}, screened, time_s);
+      PairVerdict verdict{.pair = bound.pair, .limit = bound.limit, .excess = bound.excess};
+      if (bound.excess > 0.0) {
+        verdict.status = PairStatus::kInfeasible;
+      } else {
+        candidates.push_back({.verdict = selection.verdicts.size(), .bound = std::move(bound)});
+      }
+      selection.verdicts.push_back(verdict);
+    }
+  }
+  // Those that promise most first: they rule out the others.
+  std::ranges::stable_sort(candidates, [&](const Candidate& a, const Candidate& b) {
+    for (const Objective objective : task.objectives) {
+      const double left = objective_of(objective, a.bound);
+      const double right = objective_of(objective, b.bound);
+      if (left != right) return left < right;
+    }
+    return false;
+  });
+  struct FrontMember {
+    std::size_t verdict;
+    PairResult result;
+  };
+  std::vector<FrontMember> front;
+  for (const Candidate& candidate : candidates) {
+    PairVerdict& verdict = selection.verdicts[candidate.verdict];
+    const auto is_dominated_by_front = [&](const PairResult& r) {
+      return std::ranges::any_of(
+          front, [&](const FrontMember& f) { return dominates(task, f.result, r); });
+    };
+    verdict.limit.reset();
+    if (is_dominated_by_front(candidate.bound)) continue;
+    ++selection.run;
+    verdict.run = true;
+    PairResult result = run_pair(task, verdict.pair);
+    verdict.excess = result.excess;
+    if (result.excess > 0.0) {
+      verdict.status = PairStatus::kInfeasible;
+      verdict.limit = result.limit;
+      continue;
+    }
+    if (is_dominated_by_front(result)) continue;
+    std::erase_if(front, [&](const FrontMember& f) {
+      if (!dominates(task, result, f.result)) return false;
+      selection.verdicts[f.verdict].status = PairStatus::kDominated;
+      return true;
+    });
+    verdict.status = PairStatus::kFront;
+    front.push_back({.verdict = candidate.verdict, .result = std::move(result)});
+  }
+  std::ranges::sort(front, {}, &FrontMember::verdict);
+  for (FrontMember& member : front) selection.front.push_back(std::move(member.result));
+  for (const PairVerdict& verdict : selection.verdicts) {
+    if (verdict.status == PairStatus::kInfeasible && verdict.limit) {
+      ++selection.rejected[static_cast<std::size_t>(*verdict.limit)];
+    }
+  }
+  if (selection.front.empty() && !selection.verdicts.empty()) {
+    selection.nearest = nearest_of(task, selection.verdicts);
+  }
+  return selection;
+}
+
+}  // namespace gear3k::actuator

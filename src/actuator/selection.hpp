@@ -1,0 +1,129 @@
+#pragma once
+// Which motors and gearboxes of catalogues suit a load: screened by moments of its cycles, then
+// run.
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "actuator/actuator.hpp"
+#include "actuator/chain.hpp"
+#include "actuator/cycle.hpp"
+
+namespace gear3k::actuator {
+
+enum class Objective { kEnergy, kMass, kPeakCurrent, kBreakaway, kInertia };
+inline constexpr std::array<std::string_view, 5> kObjectiveNames{"energy", "mass", "peak_current",
+                                                                 "breakaway", "inertia"};
+
+/// What a pair is held against.
+enum class PairLimit {
+  kContinuousTorque,    ///< root mean square of m over the gearbox's continuous torque
+  kIntermittentTorque,  ///< peak of m over its intermittent torque
+  kNominalCurrent,      ///< root mean square of the current over the motor's
+  kVoltage,             ///< peak over the bus, or the motor's nominal voltage
+  kPeakCurrent,         ///< peak over the stated multiple of the nominal current
+  kWinding              ///< steady temperature rise over what the stated limit leaves
+};
+inline constexpr std::array<std::string_view, 6> kPairLimitNames{
+    "continuous_torque", "intermittent_torque", "nominal_current",
+    "voltage",           "peak_current",        "winding"};
+
+struct CatalogueMotor {
+  std::string name;
+  Motor motor;
+  std::optional<double> nominal_current_A, nominal_voltage_V;
+};
+struct CatalogueGearbox {
+  std::string name;
+  Gearbox gearbox;
+  std::optional<double> continuous_Nm, intermittent_Nm;
+};
+
+struct SelectionTask {
+  std::string name;
+  std::vector<CatalogueMotor> motors;
+  std::vector<CatalogueGearbox> gearboxes;
+  std::vector<Cycle> cycles;
+  std::vector<double> weights;  ///< how often each cycle is run
+  std::vector<Objective> objectives{Objective::kEnergy, Objective::kMass};
+  Drive drive;
+  double load_inertia_kgm2 = 0.0;
+  std::optional<double> peak_current_factor;  ///< of the nominal current
+  std::optional<double> max_winding_K;
+  double ambient_K = kResistanceTemperature_K;
+};
+
+/// Places in the lists of a task.
+struct Pair {
+  std::size_t motor = 0, gearbox = 0;
+};
+
+/// What a pair does, all cycles together.
+struct PairResult {
+  Pair pair;
+  double energy_J = 0.0;  ///< drawn less regenerated, by the weights
+  double rms_current_A = 0.0, peak_current_A = 0.0, peak_voltage_V = 0.0;
+  double rms_torque_Nm = 0.0, peak_torque_Nm = 0.0;  ///< m
+  std::optional<double> winding_K{};                 ///< empty at a runaway, or where not known
+  std::optional<double> mass_kg{}, breakaway_Nm{};
+  double inertia_kgm2 = 0.0;  ///< reflected, of motor and gearbox
+  /// Greatest value over limit less 1, and which limit: above 0 = infeasible.
+  double excess = 0.0;
+  std::optional<PairLimit> limit{};
+};
+
+enum class PairStatus { kFront, kDominated, kInfeasible };
+inline constexpr std::array<std::string_view, 3> kPairStatusNames{"front", "dominated",
+                                                                  "infeasible"};
+
+/// What became of one pair; a named reason for every rejection.
+struct PairVerdict {
+  Pair pair;
+  PairStatus status = PairStatus::kDominated;
+  std::optional<PairLimit> limit{};  ///< of an infeasible one
+  double excess = 0.0;               ///< by which that limit is exceeded at least, over the limit
+  bool run = false;                  ///< the exact cycle was run; else the moments decided
+};
+
+struct Selection {
+  std::vector<PairVerdict> verdicts;  ///< gearbox by gearbox
+  std::vector<PairResult> front;      ///< in the order of the verdicts
+  std::array<std::size_t, kPairLimitNames.size()> rejected{};
+  std::size_t run = 0;                ///< pairs whose cycles were run
+  std::optional<PairResult> nearest;  ///< where nothing is feasible: least excess
+};
+
+/// The Pareto front of all pairs.
+///
+/// Of a gearbox and a cycle b = (u, a, w, s) is known; M = ∫ b bᵀ dt gives the mean square torque
+/// of any motor as pᵀ M p/t with p = (1, i² J_m, D1, c1), and ∫ τ w dt its energy at a lossless
+/// drive. They bound what the exact cycle gives from below; that is run only where no pair of the
+/// front so far is as good in every objective, so the front is that of running all. Source: own
+/// derivation, docs/theory §63.
+/// @throws std::invalid_argument where weights and cycles differ in number
+Selection select(const SelectionTask& task);
+
+/// One pair by its exact cycles.
+PairResult run_pair(const SelectionTask& task, const Pair& pair);
+
+/// Whether a is as good as b in every objective and better in one.
+bool dominates(const SelectionTask& task, const PairResult& a, const PairResult& b);
+
+/// ∫ b bᵀ dt over the moving part of a cycle, and what else a motor's bounds need.
+struct CycleMoments {
+  std::array<std::array<double, 4>, 4> square{};  ///< of (u, a, w, s)
+  double input_work_J = 0.0;                      ///< ∫ u w dt
+  double square_mesh = 0.0;                       ///< ∫ m² dt
+  double peak_mesh_Nm = 0.0;
+  double period_s = 0.0;
+  std::vector<std::array<double, 4>> points;  ///< b at the ends of all parts
+};
+CycleMoments cycle_moments(const Actuator& actuator, const Cycle& cycle);
+
+/// ∫ τ² dt of a motor: pᵀ M p.
+double square_torque(const CycleMoments& moments, const Chain& chain, double rotor_kgm2);
+
+}  // namespace gear3k::actuator

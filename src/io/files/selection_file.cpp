@@ -1,0 +1,196 @@
+#include "io/files/selection_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+
+#include "io/files/cycle_file.hpp"
+#include "io/files/document_kind.hpp"
+#include "io/keys/selection_keys.hpp"
+#include "io/text/complaints.hpp"
+#include "io/text/csv_table.hpp"
+#include "io/text/file_reader.hpp"
+#include "io/text/toml_value.hpp"
+
+namespace gear3k::io {
+
+namespace {
+
+constexpr std::size_t kMostCatalogueBytes = std::size_t{1} << 26U;
+
+/// Values of a catalogue's rows; errors of all rows are collected.
+class CatalogueRows {
+ public:
+  explicit CatalogueRows(const CsvTable& table) : table_(table) {}
+
+  void require(const std::vector<std::string>& columns) {
+    for (const std::string& column : columns) {
+      if (has(column)) continue;
+      complaints_.add({.line = 1, .column = 1},
+                      fmt::format("column {} is missing: allowed: columns {}", column,
+                                  fmt::join(columns, ", ")));
+    }
+    raise();
+  }
+  /// A number above `least` (or equal to it), or blank.
+  std::optional<double> number(const CsvTable::Row& row, const std::string& column, double least,
+                               bool excluded, double most = kNoBound) {
+    if (!has(column)) return std::nullopt;
+    const auto text = table_.text(row, column);
+    if (!text) return std::nullopt;
+    const auto value = csv_number(*text);
+    if (value && std::isfinite(*value) && *value <= most &&
+        (excluded ? *value > least : *value >= least)) {
+      return value;
+    }
+    complaints_.add({.line = row.line, .column = 1},
+                    fmt::format("{} = \"{}\": allowed: a number {} {:g}{}", column, *text,
+                                excluded ? "above" : "from", least,
+                                most < kNoBound ? fmt::format(" to {:g}", most) : ""));
+    return std::nullopt;
+  }
+  double required(const CsvTable::Row& row, const std::string& column, double least, bool excluded,
+                  double most = kNoBound) {
+    const std::size_t before = complaints_.count();
+    const auto value = number(row, column, least, excluded, most);
+    if (!value && complaints_.count() == before) {
+      complaints_.add({.line = row.line, .column = 1},
+                      fmt::format("{} is blank: allowed: a number", column));
+    }
+    return value.value_or(1.0);
+  }
+  [[nodiscard]] std::string label(const CsvTable::Row& row) const {
+    return fmt::format("{} {}", table_.text(row, "manufacturer").value_or(""),
+                       table_.text(row, "order_code").value_or(""));
+  }
+  void raise() const {
+    if (!complaints_.none()) throw InvalidInput(complaints_.text(table_.name));
+  }
+
+ private:
+  static constexpr double kNoBound = std::numeric_limits<double>::infinity();
+  [[nodiscard]] bool has(const std::string& column) const {
+    return std::ranges::find(table_.header, column) != table_.header.end();
+  }
+
+  const CsvTable& table_;
+  Complaints complaints_;
+};
+
+/// Viscous and Coulomb friction: as published, else all of the no-load torque viscous.
+void set_friction(CatalogueRows& rows, const CsvTable::Row& row, actuator::Motor& motor) {
+  const auto coulomb = rows.number(row, "coulomb_torque_nm", 0.0, false);
+  const auto viscous = rows.number(row, "viscous_nms_per_rad", 0.0, false);
+  const auto current = rows.number(row, "no_load_current_a", 0.0, false);
+  const auto speed = rows.number(row, "no_load_speed_rad_s", 0.0, true);
+  motor.coulomb_Nm = coulomb.value_or(0.0);
+  motor.static_Nm = motor.coulomb_Nm;
+  if (viscous) {
+    motor.viscous_Nms = *viscous;
+  } else if (current && speed) {
+    motor.viscous_Nms =
+        std::max(0.0, motor.torque_constant_Nm_A * *current - motor.coulomb_Nm) / *speed;
+  }
+}
+
+void read_parts(const SelectionInput& input, const std::filesystem::path& folder,
+                CollectedErrors& errors, SelectionFiles& files) {
+  const auto path_of = [&](const std::string& name) { return (folder / name).string(); };
+  const auto text_of = [&](const std::string& name) {
+    files.inputs.push_back(path_of(name));
+    return read_text(path_of(name), "a CSV file", kMostCatalogueBytes);
+  };
+  errors.attempt([&] {
+    if (!input.motors.empty()) {
+      files.task.motors = parse_motors(text_of(input.motors), path_of(input.motors));
+    }
+  });
+  errors.attempt([&] {
+    if (!input.gearboxes.empty()) {
+      files.task.gearboxes = parse_gearboxes(text_of(input.gearboxes), path_of(input.gearboxes),
+                                             input.backward_over_forward);
+    }
+  });
+  for (const std::string& cycle : input.cycles) {
+    errors.attempt([&] {
+      files.inputs.push_back(path_of(cycle));
+      files.task.cycles.push_back(read_cycle(path_of(cycle)));
+    });
+  }
+}
+
+}  // namespace
+
+std::vector<actuator::CatalogueMotor> parse_motors(const std::string& text,
+                                                   const std::string& name) {
+  const CsvTable table = parse_csv(text, name);
+  CatalogueRows rows(table);
+  rows.require({"manufacturer", "order_code", "resistance_ohm", "torque_constant_nm_per_a"});
+  std::vector<actuator::CatalogueMotor> motors;
+  motors.reserve(table.rows.size());
+  for (const CsvTable::Row& row : table.rows) {
+    actuator::CatalogueMotor m;
+    m.name = rows.label(row);
+    m.motor.resistance_ohm = rows.required(row, "resistance_ohm", 0.0, true);
+    m.motor.torque_constant_Nm_A = rows.required(row, "torque_constant_nm_per_a", 0.0, true);
+    m.motor.rotor_inertia_kgm2 = rows.number(row, "rotor_inertia_kgm2", 0.0, false).value_or(0.0);
+    m.motor.mass_kg = rows.number(row, "mass_kg", 0.0, false);
+    m.motor.heat.winding_housing_K_W =
+        rows.number(row, "thermal_resistance_winding_housing_k_per_w", 0.0, true);
+    m.motor.heat.housing_ambient_K_W =
+        rows.number(row, "thermal_resistance_housing_ambient_k_per_w", 0.0, true);
+    m.nominal_current_A = rows.number(row, "nominal_current_a", 0.0, true);
+    m.nominal_voltage_V = rows.number(row, "nominal_voltage_v", 0.0, true);
+    set_friction(rows, row, m.motor);
+    motors.push_back(std::move(m));
+  }
+  rows.raise();
+  return motors;
+}
+
+std::vector<actuator::CatalogueGearbox> parse_gearboxes(const std::string& text,
+                                                        const std::string& name,
+                                                        double backward_over_forward) {
+  const CsvTable table = parse_csv(text, name);
+  CatalogueRows rows(table);
+  rows.require({"manufacturer", "order_code", "ratio", "efficiency"});
+  std::vector<actuator::CatalogueGearbox> gearboxes;
+  gearboxes.reserve(table.rows.size());
+  for (const CsvTable::Row& row : table.rows) {
+    actuator::CatalogueGearbox g;
+    g.name = rows.label(row);
+    g.gearbox.ratio = rows.required(row, "ratio", 0.0, true);
+    g.gearbox.efficiency_forward = rows.required(row, "efficiency", 0.0, true, 1.0);
+    g.gearbox.efficiency_backward =
+        std::min(1.0, backward_over_forward * g.gearbox.efficiency_forward);
+    g.gearbox.input_inertia_kgm2 = rows.number(row, "input_inertia_kgm2", 0.0, false).value_or(0.0);
+    g.gearbox.mass_kg = rows.number(row, "mass_kg", 0.0, false);
+    g.continuous_Nm = rows.number(row, "continuous_torque_nm", 0.0, true);
+    g.intermittent_Nm = rows.number(row, "intermittent_torque_nm", 0.0, true);
+    gearboxes.push_back(std::move(g));
+  }
+  rows.raise();
+  return gearboxes;
+}
+
+SelectionFiles read_selection(const std::string& path) {
+  const TomlValue document = read_toml(path);
+  FileReading reading(path);
+  SelectionInput input;
+  read_by_schema(document, selection_schema(), input, reading);
+  check_selection(input, reading);
+  SelectionFiles files{.task = input.task, .inputs = {path}};
+  CollectedErrors errors;
+  errors.attempt([&] { reading.throw_if_invalid(); });
+  read_parts(input, std::filesystem::path(path).parent_path(), errors, files);
+  errors.raise();
+  if (files.task.weights.empty()) files.task.weights.assign(files.task.cycles.size(), 1.0);
+  return files;
+}
+
+std::string selection_key_table() { return key_table(selection_schema()); }
+
+}  // namespace gear3k::io

@@ -1,0 +1,35 @@
+#pragma once
+// SPEC files of `gear3k actuator --select`, and the catalogues that they name.
+
+#include <string>
+#include <vector>
+
+#include "actuator/selection.hpp"
+
+namespace gear3k::io {
+
+/// A task with all that its file names, and the paths of it.
+struct SelectionFiles {
+  actuator::SelectionTask task;
+  std::vector<std::string> inputs;
+};
+
+/// Reads a SPEC with its catalogues and cycles, their paths as seen from its folder.
+/// @throws InvalidInput with every error of all files
+SelectionFiles read_selection(const std::string& path);
+
+/// Motors of a catalogue: columns manufacturer, order_code, resistance_ohm,
+/// torque_constant_nm_per_a and optionally those of data/motor_catalogue.csv.
+std::vector<actuator::CatalogueMotor> parse_motors(const std::string& text,
+                                                   const std::string& name);
+/// Gearboxes of a catalogue: columns manufacturer, order_code, ratio, efficiency and optionally
+/// those of data/planetary_gearbox_catalogue.csv.
+/// @param backward_over_forward  backward over the catalogue's efficiency
+std::vector<actuator::CatalogueGearbox> parse_gearboxes(const std::string& text,
+                                                        const std::string& name,
+                                                        double backward_over_forward);
+
+/// Table of the keys, in Markdown.
+std::string selection_key_table();
+
+}  // namespace gear3k::io

@@ -1,0 +1,161 @@
+#include "report/selection_report.hpp"
+
+#include <fmt/format.h>
+
+#include <iterator>
+
+#include "report/display.hpp"
+#include "report/text_table.hpp"
+
+namespace gear3k::report {
+
+namespace {
+
+using actuator::Pair, actuator::PairResult, actuator::PairVerdict, actuator::Selection,
+    actuator::SelectionTask;
+using io::Json;
+
+std::string_view limit_name(actuator::PairLimit limit) {
+  return actuator::kPairLimitNames[static_cast<std::size_t>(limit)];
+}
+
+/// A name as a field of a CSV, ready for many lines.
+std::string field(const std::string& name) {
+  std::string line = csv_line({name});
+  line.pop_back();
+  return line;
+}
+
+Json pair_json(const SelectionTask& task, const PairResult& r) {
+  return {{"motor", task.motors[r.pair.motor].name},
+          {"gearbox", task.gearboxes[r.pair.gearbox].name},
+          {"ratio", task.gearboxes[r.pair.gearbox].gearbox.ratio},
+          {"energy_j", r.energy_J},
+          {"mass_kg", r.mass_kg},
+          {"peak_current_a", r.peak_current_A},
+          {"rms_current_a", r.rms_current_A},
+          {"peak_voltage_v", r.peak_voltage_V},
+          {"rms_torque_nm", r.rms_torque_Nm},
+          {"peak_torque_nm", r.peak_torque_Nm},
+          {"breakaway_nm", r.breakaway_Nm},
+          {"inertia_kgm2", r.inertia_kgm2},
+          {"winding_c",
+           r.winding_K ? Json(units::from_si(*r.winding_K, units::Unit::kCelsius)) : Json()},
+          {"limit", r.limit ? Json(limit_name(*r.limit)) : Json()},
+          {"excess", r.limit ? Json(r.excess) : Json()}};
+}
+
+std::string optional_cell(const std::optional<double>& value) {
+  return value ? exact(*value) : std::string();
+}
+
+}  // namespace
+
+std::string selection_csv(const SelectionTask& task, const Selection& selection) {
+  std::vector<std::string> motors;
+  motors.reserve(task.motors.size());
+  for (const auto& motor : task.motors) motors.push_back(field(motor.name));
+  std::vector<std::string> gearboxes;
+  gearboxes.reserve(task.gearboxes.size());
+  for (const auto& gearbox : task.gearboxes) gearboxes.push_back(field(gearbox.name));
+  std::string text = "motor,gearbox,status,reason,excess,run\n";
+  constexpr std::size_t kUsualLine = 70;
+  text.reserve(text.size() + kUsualLine * selection.verdicts.size());
+  for (const PairVerdict& v : selection.verdicts) {
+    text += motors[v.pair.motor];
+    text += ',';
+    text += gearboxes[v.pair.gearbox];
+    text += ',';
+    text += actuator::kPairStatusNames[static_cast<std::size_t>(v.status)];
+    text += ',';
+    if (v.status == actuator::PairStatus::kInfeasible && v.limit) {
+      text += limit_name(*v.limit);
+      fmt::format_to(std::back_inserter(text), ",{:.6g}", v.excess);
+    } else {
+      text += ',';
+    }
+    text += v.run ? ",1\n" : ",0\n";
+  }
+  return text;
+}
+
+std::string selection_front_csv(const SelectionTask& task, const Selection& selection) {
+  std::string text =
+      "motor,gearbox,ratio,energy_j,mass_kg,peak_current_a,rms_current_a,peak_voltage_v,"
+      "rms_torque_nm,peak_torque_nm,breakaway_nm,inertia_kgm2,winding_c\n";
+  for (const PairResult& r : selection.front) {
+    text +=
+        csv_line({task.motors[r.pair.motor].name, task.gearboxes[r.pair.gearbox].name,
+                  exact(task.gearboxes[r.pair.gearbox].gearbox.ratio), exact(r.energy_J),
+                  optional_cell(r.mass_kg), exact(r.peak_current_A), exact(r.rms_current_A),
+                  exact(r.peak_voltage_V), exact(r.rms_torque_Nm), exact(r.peak_torque_Nm),
+                  optional_cell(r.breakaway_Nm), exact(r.inertia_kgm2),
+                  r.winding_K ? exact(units::from_si(*r.winding_K, units::Unit::kCelsius)) : ""});
+  }
+  return text;
+}
+
+std::string selection_json(const SelectionTask& task, const Selection& selection) {
+  Json rejected = Json::object();
+  for (std::size_t k = 0; k < selection.rejected.size(); ++k) {
+    rejected[actuator::kPairLimitNames[k]] = selection.rejected[k];
+  }
+  Json objectives = Json::array();
+  for (const actuator::Objective objective : task.objectives) {
+    objectives.push_back(actuator::kObjectiveNames[static_cast<std::size_t>(objective)]);
+  }
+  std::array<std::size_t, actuator::kPairStatusNames.size()> counts{};
+  for (const PairVerdict& v : selection.verdicts) ++counts[static_cast<std::size_t>(v.status)];
+  Json front = Json::array();
+  for (const PairResult& r : selection.front) front.push_back(pair_json(task, r));
+  return Json{{"tool", tool_json()},
+              {"name", task.name},
+              {"objectives", objectives},
+              {"motors", task.motors.size()},
+              {"gearboxes", task.gearboxes.size()},
+              {"pairs", selection.verdicts.size()},
+              {"run", selection.run},
+              {"front_pairs", counts[0]},
+              {"dominated", counts[1]},
+              {"infeasible", counts[2]},
+              {"rejected", rejected},
+              {"front", front},
+              {"nearest", selection.nearest ? pair_json(task, *selection.nearest) : Json()}}
+      .text();
+}
+
+std::string selection_table(const SelectionTask& task, const Selection& selection) {
+  std::string text =
+      fmt::format("{}: {} motors x {} gearboxes = {} pairs, {} cycles run; front of {}\n",
+                  task.name, task.motors.size(), task.gearboxes.size(), selection.verdicts.size(),
+                  selection.run, selection.front.size());
+  TextTable table({"motor", "gearbox", "ratio", "energy J", "mass kg", "A peak", "A rms", "V peak",
+                   "inertia kg m2"});
+  table.align_left(1);
+  const auto cell = [](double value) { return fmt::format("{:.4g}", value); };
+  for (const PairResult& r : selection.front) {
+    table.add({task.motors[r.pair.motor].name, task.gearboxes[r.pair.gearbox].name,
+               cell(task.gearboxes[r.pair.gearbox].gearbox.ratio), cell(r.energy_J),
+               r.mass_kg ? cell(*r.mass_kg) : "-", cell(r.peak_current_A), cell(r.rms_current_A),
+               cell(r.peak_voltage_V), cell(r.inertia_kgm2)});
+  }
+  if (!selection.front.empty()) text += table.text(0);
+  for (std::size_t k = 0; k < selection.rejected.size(); ++k) {
+    if (selection.rejected[k] == 0) continue;
+    text +=
+        fmt::format("rejected by {}: {}\n", actuator::kPairLimitNames[k], selection.rejected[k]);
+  }
+  return text;
+}
+
+std::string selection_blocking_text(const SelectionTask& task, const Selection& selection) {
+  if (!selection.front.empty()) return "";
+  if (!selection.nearest) return "no pair: the catalogues are empty";
+  const PairResult& r = *selection.nearest;
+  return fmt::format(
+      "no pair is feasible: the nearest, {} with {}, exceeds {} by {:.4g} % of the limit",
+      task.motors[r.pair.motor].name, task.gearboxes[r.pair.gearbox].name,
+      r.limit ? limit_name(*r.limit) : "no limit", 100.0 * r.excess);
+}
+
+}  // namespace gear3k::report

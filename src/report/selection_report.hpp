@@ -1,0 +1,25 @@
+#pragma once
+// A selection of motors and gearboxes: CSV, JSON, table.
+
+#include <string>
+
+#include "actuator/selection.hpp"
+
+namespace gear3k::report {
+
+/// A row for every pair, with the reason of each rejection.
+std::string selection_csv(const actuator::SelectionTask& task,
+                          const actuator::Selection& selection);
+/// The front.
+std::string selection_front_csv(const actuator::SelectionTask& task,
+                                const actuator::Selection& selection);
+std::string selection_json(const actuator::SelectionTask& task,
+                           const actuator::Selection& selection);
+std::string selection_table(const actuator::SelectionTask& task,
+                            const actuator::Selection& selection);
+/// What keeps every pair from being feasible, and by how much the nearest misses it; "" where a
+/// pair is.
+std::string selection_blocking_text(const actuator::SelectionTask& task,
+                                    const actuator::Selection& selection);
+
+}  // namespace gear3k::report
