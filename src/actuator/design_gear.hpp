@@ -30,6 +30,7 @@ class DesignTrain {
   design::ShaftLosses<double> shafts;  ///< drags and bearings
   design::Friction friction;
   std::array<bool, train::kMeshCount> lossless_mesh{};
+  double least_friction_speed_rad_s = 0.0;  ///< of the output, design::TrainMotion
   /// Of the moving bodies; zero where not known.
   inertia::BodyInertias<double> bodies{};
 

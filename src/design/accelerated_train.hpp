@@ -23,6 +23,8 @@ struct TrainMotion {
   train::End given_end = train::End::kOutput;
   double given_torque_Nm = 0.0;  ///< from outside on R2, or on the sun as of w_R2 = 1
   double temperature_K = 293.15;
+  /// Friction of the flanks is that of at least this speed: some laws have no value at rest.
+  double least_friction_speed_rad_s = 0.0;
 };
 
 struct TrainInstant {
