@@ -144,9 +144,8 @@ ActuatorFigure drive_figure(const ActuatorResult& result) {
                        "set ylabel 'motor torque (N m)'\nset xzeroaxis lc rgb '#404040'\n"
                        "set yzeroaxis lc rgb '#404040'\n$band << EOD\n{}EOD\n"
                        "plot $band using 1:2:3 with filledcurves fc rgb '#d9d9d9' title 'sticks', "
-                       "$band using 1:5 with lines lw 2 lc rgb '#1f5fa8' title 'turns with the "
-                       "motor torque (w > 0)', $band using 1:4 with lines lw 2 lc rgb '#c0392b' "
-                       "title 'turns against it (w < 0)'\n",
+                       "$band using 1:5 with lines lw 2 lc rgb '#1f5fa8' title 'turns forward', "
+                       "$band using 1:4 with lines lw 2 lc rgb '#c0392b' title 'turns backward'\n",
                        title(result, "what drives, holds and is driven"), data)},
       .csv = csv};
 }
