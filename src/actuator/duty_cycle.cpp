@@ -235,7 +235,7 @@ class CycleRun {
 
 void CycleRun::add_rest(const CyclePiece& piece) {
   std::vector<double> edges{0.0};
-  const double hold = gear_->static_Nm();
+  const double hold = gear_->static_nm();
   for (const double kink : {-hold, hold}) {
     append_sign_changes(Quadratic{piece.load_Nm[0] - kink, piece.load_Nm[1], 0.0}, edges);
   }
@@ -349,7 +349,7 @@ DutyCycle CycleRun::result(const Cycle& cycle, const std::vector<CyclePiece>& pi
   }
   d.losses.push_back({.cause = "drive", .energy_J = sums_.drive.value()});
   const double first = pieces.front().speed_rad_s[0];
-  const double last = value_at(pieces.back().speed_rad_s, 1.0);
+  const double last = cycle.angles ? value_at(pieces.back().speed_rad_s, 1.0) : cycle.motion.back();
   d.kinetic_J = 0.5 * (rotor_kgm2_ + gear_->inertia_kgm2()) * (last - first) * (last + first);
   d.balance_error = balance_error_of(d);
   const double mean_square = sums_.square_current.value() / d.period_s;

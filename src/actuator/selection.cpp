@@ -188,7 +188,7 @@ PairResult nearest_of(const SelectionTask& task, const std::vector<PairVerdict>&
   for (const std::size_t k : order) {
     if (best && !(verdicts[k].excess < best->excess)) break;
     PairResult result = run_pair(task, verdicts[k].pair);
-    if (!best || result.excess < best->excess) best = std::move(result);
+    if (!best || result.excess < best->excess) best = result;
   }
   return *best;
 }
@@ -252,7 +252,7 @@ Selection select(const SelectionTask& task) {
       if (bound.excess > 0.0) {
         verdict.status = PairStatus::kInfeasible;
       } else {
-        candidates.push_back({.verdict = selection.verdicts.size(), .bound = std::move(bound)});
+        candidates.push_back({.verdict = selection.verdicts.size(), .bound = bound});
       }
       selection.verdicts.push_back(verdict);
     }
@@ -295,10 +295,10 @@ Selection select(const SelectionTask& task) {
       return true;
     });
     verdict.status = PairStatus::kFront;
-    front.push_back({.verdict = candidate.verdict, .result = std::move(result)});
+    front.push_back({.verdict = candidate.verdict, .result = result});
   }
   std::ranges::sort(front, {}, &FrontMember::verdict);
-  for (FrontMember& member : front) selection.front.push_back(std::move(member.result));
+  for (FrontMember& member : front) selection.front.push_back(member.result);
   for (const PairVerdict& verdict : selection.verdicts) {
     if (verdict.status == PairStatus::kInfeasible && verdict.limit) {
       ++selection.rejected[static_cast<std::size_t>(*verdict.limit)];

@@ -2,11 +2,29 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "io/text/diagnostics.hpp"
 
 namespace gear3k::app {
+
+namespace {
+
+/// Greatest load of the diagram: of the cycle, or five times what starts the output.
+double greatest_load(const ActuatorRequest& request, const actuator::Reflected& reflected) {
+  double most = 0.0;
+  if (request.cycle) {
+    for (const double load : request.cycle->load_Nm) most = std::max(most, std::abs(load));
+  }
+  if (most > 0.0) return most;
+  constexpr double kShown = 5.0;
+  const double breakaway = reflected.breakaway_Nm.value_or(0.0);
+  return breakaway > 0.0 ? kShown * breakaway : 1.0;
+}
+
+}  // namespace
 
 report::ActuatorResult analyze_actuator(const ActuatorRequest& request) {
   report::ActuatorResult result{.actuator = request.actuator,
@@ -15,7 +33,8 @@ report::ActuatorResult analyze_actuator(const ActuatorRequest& request) {
                                 .cycle_name = {},
                                 .without_each = {},
                                 .impedance_task = request.impedance,
-                                .impedance = {}};
+                                .impedance = {},
+                                .drive_diagram = {}};
   try {
     result.reflected = actuator::reflected(request.actuator);
     if (request.cycle) {
@@ -25,6 +44,10 @@ report::ActuatorResult analyze_actuator(const ActuatorRequest& request) {
         result.without_each =
             actuator::without_each(request.actuator, *request.cycle, *result.cycle);
       }
+    }
+    if (request.drive_diagram) {
+      result.drive_diagram =
+          actuator::drive_diagram(request.actuator, greatest_load(request, result.reflected));
     }
     if (request.impedance) {
       result.impedance = actuator::impedance(request.actuator, *request.impedance);

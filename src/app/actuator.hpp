@@ -15,6 +15,7 @@ struct ActuatorRequest {
   std::optional<actuator::ImpedanceTask> impedance;
   bool without_each = false;
   bool keep_instants = false;  ///< of the cycle, for CSV and figures
+  bool drive_diagram = false;
 };
 
 /// What an actuator is at its output, what a cycle asks of it, and how it feels from outside.

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
+#include <optional>
 #include <string_view>
+#include <utility>
 
 #include "app/actuator.hpp"
 #include "cli/commands.hpp"
@@ -16,6 +17,7 @@
 #include "io/text/csv_table.hpp"
 #include "io/text/diagnostics.hpp"
 #include "io/text/file_set.hpp"
+#include "report/actuator_plot.hpp"
 #include "report/selection_report.hpp"
 
 namespace gear3k::cli {
@@ -67,8 +69,36 @@ app::ActuatorRequest request_of(const ActuatorOptions& options) {
     if (!options.impedance.empty()) request.impedance = impedance_task(options);
   });
   errors.raise();
-  request.keep_instants = options.format == Format::kCsv;
+  request.keep_instants = options.format == Format::kCsv || !options.figures.empty();
+  request.drive_diagram = !options.figures.empty();
   return request;
+}
+
+/// What --figures may write.
+ResultFolderTask figure_folder(const ActuatorOptions& options) {
+  ResultFolderTask task{.path = options.figures,
+                        .option = "--figures",
+                        .inputs = {options.file, options.cycle, options.out},
+                        .files = {},
+                        .quiet = options.quiet};
+  for (const std::string name : report::kActuatorFigures) {
+    task.files.push_back(name + ".csv");
+    task.figures.push_back(name + ".svg");
+  }
+  return task;
+}
+
+/// @returns paths of all that was written
+std::vector<std::string> write_figures_of(const report::ActuatorResult& result,
+                                          ResultFolder& folder, Figures& figures) {
+  std::vector<report::Plot> plots;
+  std::vector<io::FileText> files;
+  for (report::ActuatorFigure& figure : report::actuator_figures(result)) {
+    files.push_back({.path = figure.plot.name + ".csv", .text = std::move(figure.csv)});
+    plots.push_back(std::move(figure.plot));
+  }
+  figures = draw(plots);
+  return folder.write(std::move(files), figures);
 }
 
 /// --select: the front of all pairs, into a folder.
@@ -112,7 +142,12 @@ ExitCode run_actuator(const ActuatorOptions& options) {
       options.out.empty() ? "" : io::replaced_input(options.out, {options.file, options.cycle});
   if (!slip.empty()) throw io::InvalidInput("--out: " + slip);
   const app::ActuatorRequest request = request_of(options);
+  std::optional<ResultFolder> folder;
+  if (!options.figures.empty()) folder.emplace(figure_folder(options));
   const report::ActuatorResult result = app::analyze_actuator(request);
+  Figures figures;
+  std::vector<std::string> written;
+  if (folder) written = write_figures_of(result, *folder, figures);
   if (!options.quiet && options.format != Format::kTable) {
     for (const std::string& note : result.reflected.notes) say(fmt::format("note: {}\n", note));
     if (result.cycle) {
@@ -121,14 +156,14 @@ ExitCode run_actuator(const ActuatorOptions& options) {
   }
   switch (options.format) {
     case Format::kJson:
-      deliver(options, report::actuator_json(result));
+      deliver(options, with_missing_figures(report::actuator_json(result), figures));
       break;
     case Format::kCsv:
       deliver(options, result.cycle ? report::actuator_cycle_csv(*result.cycle)
                                     : report::impedance_csv(result.impedance));
       break;
     case Format::kTable:
-      deliver(options, report::actuator_table(result));
+      deliver(options, report::actuator_table(result) + files_text(written));
       break;
   }
   return options.strict && result.cycle && !result.cycle->feasible ? kNoFeasibleDesign : kDone;

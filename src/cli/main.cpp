@@ -496,7 +496,7 @@ int run_program(int argc, char** argv) {
 
   cli::NewOptions first;
   CLI::App* new_command = app.add_subcommand(
-      "new", "a first file to change: a task for optimize, one design, or one pair");
+      "new", "a first file to change: a task for optimize, one design, one pair, or an actuator");
   std::vector<std::string> kinds;
   for (const io::FirstFile& file : io::first_files()) kinds.emplace_back(file.kind);
   new_command->add_option("KIND", first.kind, "what to write")

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -109,7 +110,7 @@ TrainInstantResult balance_motion(const MovingTrain& t, const TrainMotion& motio
   for (const auto& mesh : g.meshes) {
     if (!(mesh.contact_ratio > 0.0)) return none(NoOperation::kNoContact);
   }
-  const Kinematics mesh = kinematics(g, speed);
+  const Kinematics mesh = kinematics(g, std::max(speed, motion.least_friction_speed_rad_s));
   MovingState state{.loaded = {.teeth = g.teeth, .efficiency = {}, .known = {}}};
   state.drag_Nm = drag_torques(g, t.lossy.shafts, speed, motion.temperature_K);
   state.loaded = frictionless_train(g.teeth, state.drag_Nm,

@@ -12,7 +12,8 @@ namespace gear3k::design {
 /// A train with the inertia of its bodies; refers to its parts, which must outlive it.
 struct MovingTrain {
   LossyTrain<double> lossy;
-  inertia::BodyInertias<double> bodies;  ///< planets' mass orbits at the geometry's centre distance
+  inertia::BodyInertias<double>
+      bodies{};  ///< planets' mass orbits at the geometry's centre distance
   std::array<bool, train::kMeshCount> lossless_mesh{};  ///< its efficiency is 1
 };
 
@@ -23,6 +24,8 @@ struct TrainMotion {
   train::End given_end = train::End::kOutput;
   double given_torque_Nm = 0.0;  ///< from outside on R2, or on the sun as of w_R2 = 1
   double temperature_K = 293.15;
+  /// Friction of the flanks is that of at least this speed: some laws have no value at rest.
+  double least_friction_speed_rad_s = 0.0;
 };
 
 struct TrainInstant {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "actuator/drive_diagram.hpp"
 #include "actuator/duty_cycle.hpp"
 #include "actuator/impedance.hpp"
 #include "actuator/reflected.hpp"
@@ -20,6 +21,7 @@ struct ActuatorResult {
   std::optional<std::vector<actuator::WithoutCause>> without_each;
   std::optional<actuator::ImpedanceTask> impedance_task;
   std::vector<actuator::ImpedancePoint> impedance;
+  std::vector<actuator::DrivePoint> drive_diagram;  ///< where asked for
 };
 
 std::string actuator_json(const ActuatorResult& result);

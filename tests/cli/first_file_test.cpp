@@ -65,6 +65,12 @@ TEST_P(FirstFile, OfAPairKeepsEveryCheck) {
   EXPECT_EQ(result.out.find("Strength at") != std::string::npos, GetParam());
 }
 
+TEST_P(FirstFile, OfAnActuatorRuns) {
+  const ProgramResult result = place.run({"actuator", written("actuator")});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.out.find("10000") != std::string::npos, GetParam()) << "the stiffness";
+}
+
 INSTANTIATE_TEST_SUITE_P(Choices, FirstFile, testing::Bool(),
                          [](const auto& p) { return p.param ? "AllTaken" : "AsPrinted"; });
 

@@ -45,12 +45,13 @@ void resolve_gearbox(const GearboxInput& in, actuator::Gearbox& gearbox) {
   }
 }
 
-void take_design(const std::string& path, actuator::Actuator& result) {
+void take_design(const std::string& path, double least_speed_rad_s, actuator::Actuator& result) {
   const design::Design design = read_design(path);
   try {
-    auto train = std::make_shared<const actuator::DesignTrain>(design);
+    auto train = std::make_shared<actuator::DesignTrain>(design);
+    train->least_friction_speed_rad_s = least_speed_rad_s;
     result.gearbox = {.ratio = train->ratio(),
-                      .stiffness_Nm_rad = train->stiffness_Nm_rad(),
+                      .stiffness_Nm_rad = train->stiffness_nm_rad(),
                       .mass_kg = train->mass_kg()};
     result.train = std::move(train);
   } catch (const std::invalid_argument& error) {
@@ -79,7 +80,10 @@ actuator::Actuator actuator_from(const TomlValue& document, const std::string& n
     resolve_gearbox(input.gearbox, result.gearbox);
   } else {
     const auto folder = std::filesystem::path(name).parent_path();
-    errors.attempt([&] { take_design((folder / input.gearbox.design).string(), result); });
+    errors.attempt([&] {
+      take_design((folder / input.gearbox.design).string(),
+                  input.gearbox.least_friction_speed_rad_s.value_or(0.0), result);
+    });
   }
   errors.raise();
   return result;

@@ -172,9 +172,48 @@ coefficient = 0.1                  # of the flanks
 #torque_nm = 3.0                   # on gear1, reversing, without end
 )toml";
 
-constexpr std::array<FirstFile, 3> kFirstFiles{{{.kind = "task", .text = kTask},
+constexpr std::string_view kActuator =
+    R"toml(# A motor with gearbox for gear3k:   gear3k actuator FILE     (with a duty cycle: --cycle CYCLE.csv)
+# Lines that begin with "#" and no space are choices that are off: take the "#" away.
+# Every key with its range and default: gear3k keys
+name = "my actuator"
+
+[motor]                            # as its data sheet has it
+resistance_ohm = 0.6               # between the terminals, at 25 C
+torque_constant_nm_per_a = 0.037
+rotor_inertia_kgm2 = 1.8e-5
+no_load_current_a = 0.23           # both no-load values tell its friction
+no_load_speed_rad_s = 640.0
+#coulomb_torque_nm = 0.002         # the part of that friction that no speed changes
+#max_current_a = 20.0
+#winding_housing_k_per_w = 4.1     # both: the winding's temperature in a repeated cycle
+#housing_ambient_k_per_w = 3.6
+#max_winding_c = 155.0
+
+[gearbox]                          # or design = "design.toml" and nothing else
+ratio = 100.0                      # speed of the motor over that of the output
+efficiency_forward = 0.85          # of the loaded meshes, the motor drives
+efficiency_backward = 0.82         # the output drives; 0 or less: self-locking
+backdriving_torque_nm = 3.0        # drag at the output at rest; while it turns half of it
+#viscous_nms_per_rad = 0.05        # at the output
+#input_inertia_kgm2 = 1e-6
+#stiffness_nm_per_rad = 10000.0    # at the output
+
+[load]
+inertia_kgm2 = 0.0                 # on top of the torque of the cycle
+
+# Limits and losses of the drive.
+#[drive]
+#bus_voltage_v = 48.0
+#efficiency_motoring = 0.95
+#efficiency_regenerating = 0.9     # 0: what comes back is burnt
+#standby_w = 1.0
+)toml";
+
+constexpr std::array<FirstFile, 4> kFirstFiles{{{.kind = "task", .text = kTask},
                                                 {.kind = "design", .text = kDesign},
-                                                {.kind = "pair", .text = kPair}}};
+                                                {.kind = "pair", .text = kPair},
+                                                {.kind = "actuator", .text = kActuator}}};
 
 }  // namespace
 

@@ -93,8 +93,12 @@ std::vector<Key<GearboxInput>> gearbox_keys() {
                     .type = KeyType::kText,
                     .default_text = "none",
                     .help = "a DESIGN file, its path as seen from this file, in place of every "
-                            "other key of [gearbox]"},
+                            "other key of [gearbox] but least_friction_speed_rad_s"},
                    &In::design, [](const In& t, std::size_t) { return !t.design.empty(); }),
+      make_key<In>(number("gearbox.least_friction_speed_rad_s", Unit::kNone, above(0.0, 1e6), "0",
+                          "with design: friction of the flanks is that of at least this speed of "
+                          "the output; for laws without a value at rest"),
+                   &In::least_friction_speed_rad_s),
       make_key<In>(
           number("gearbox.ratio", Unit::kNone, within(-kMostRatio, kMostRatio),
                  "needed without design", "speed of the motor over that of the output, signed"),
@@ -247,10 +251,17 @@ void check_actuator(const ActuatorInput& input, FileReading& reading) {
   check_motor(input.motor, reading);
   if (!reading.stated("gearbox.design")) {
     check_catalogue(input.gearbox, reading);
+    if (reading.stated("gearbox.least_friction_speed_rad_s")) {
+      reading.error_at("gearbox.least_friction_speed_rad_s",
+                       "gearbox.least_friction_speed_rad_s: allowed: with gearbox.design");
+    }
     return;
   }
   for (const KeyRecord* record : actuator_schema().records()) {
-    if (!record->path.starts_with("gearbox.") || record->path == "gearbox.design") continue;
+    if (!record->path.starts_with("gearbox.") || record->path == "gearbox.design" ||
+        record->path == "gearbox.least_friction_speed_rad_s") {
+      continue;
+    }
     if (!reading.stated(record->path)) continue;
     reading.error_at(record->path, fmt::format("{}: allowed: without gearbox.design, which tells "
                                                "it",

@@ -18,6 +18,7 @@ struct MotorInput {
 
 struct GearboxInput {
   actuator::Gearbox gearbox;
+  std::optional<double> least_friction_speed_rad_s;
   std::string design;  ///< path of a DESIGN file; "" = catalogue values
   std::optional<double> coulomb_Nm, backdriving_Nm;
   std::optional<double> efficiency_includes_drag_at_Nm;

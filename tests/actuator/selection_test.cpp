@@ -1,0 +1,122 @@
+// Selection against running every pair, and its moments against the exact cycle.
+#include "actuator/selection.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+#include <utility>
+
+#include "io/files/selection_file.hpp"
+#include "tests/actuator/reference_actuators.hpp"
+
+namespace gear3k::selection_test {
+namespace {
+
+using namespace actuator_test;
+using actuator::PairResult, actuator::SelectionTask;
+
+/// The catalogues and the knee of 25 kg; of the motors every `step`-th.
+SelectionTask knee_task(std::size_t step) {
+  SelectionTask task =
+      io::read_selection(std::string(GEAR3K_SOURCE_DIR) + "/examples/actuators/knee_selection.toml")
+          .task;
+  std::vector<actuator::CatalogueMotor> some;
+  for (std::size_t k = 0; k < task.motors.size(); k += step) some.push_back(task.motors[k]);
+  task.motors = std::move(some);
+  return task;
+}
+
+using Places = std::set<std::pair<std::size_t, std::size_t>>;
+
+/// All pairs run; those that no feasible one is better than.
+Places front_of_all(const SelectionTask& task) {
+  std::vector<PairResult> feasible;
+  for (std::size_t m = 0; m < task.motors.size(); ++m) {
+    for (std::size_t g = 0; g < task.gearboxes.size(); ++g) {
+      PairResult r = run_pair(task, {.motor = m, .gearbox = g});
+      if (!(r.excess > 0.0)) feasible.push_back(std::move(r));
+    }
+  }
+  Places front;
+  for (const PairResult& r : feasible) {
+    const bool beaten = std::ranges::any_of(
+        feasible, [&](const PairResult& other) { return dominates(task, other, r); });
+    if (!beaten) front.emplace(r.pair.motor, r.pair.gearbox);
+  }
+  return front;
+}
+
+void expect_front_of_all(const SelectionTask& task) {
+  const actuator::Selection selection = select(task);
+  EXPECT_EQ(selection.verdicts.size(), task.motors.size() * task.gearboxes.size());
+  Places front;
+  for (const PairResult& r : selection.front) front.emplace(r.pair.motor, r.pair.gearbox);
+  EXPECT_EQ(front, front_of_all(task));
+  EXPECT_FALSE(front.empty());
+  EXPECT_LT(selection.run, selection.verdicts.size() / 10);
+}
+
+TEST(Selection, FindsTheFrontOfRunningEveryPairOfSome) {
+  SelectionTask task = knee_task(69);
+  expect_front_of_all(task);
+  using enum actuator::Objective;
+  task.objectives = {kEnergy, kMass, kPeakCurrent, kInertia};
+  task.drive.efficiency_regenerating = 0.5;
+  task.drive.standby_W = 1.0;
+  task.max_winding_K = 273.15 + 120.0;
+  task.peak_current_factor = 3.0;
+  expect_front_of_all(task);
+}
+
+TEST(Selection, FindsTheFrontOfRunningEveryPair) {
+  const SelectionTask task = knee_task(1);
+  EXPECT_EQ(task.motors.size(), 207U);
+  EXPECT_EQ(task.gearboxes.size(), 634U);
+  expect_front_of_all(task);
+}
+
+TEST(Selection, CountsEveryPairOnce) {
+  const SelectionTask task = knee_task(1);
+  const actuator::Selection selection = select(task);
+  EXPECT_EQ(selection.verdicts.size(), 131238U);
+  std::size_t rejected = 0;
+  for (const std::size_t count : selection.rejected) rejected += count;
+  const auto with = [&](actuator::PairStatus status) {
+    return static_cast<std::size_t>(
+        std::ranges::count(selection.verdicts, status, &actuator::PairVerdict::status));
+  };
+  EXPECT_EQ(with(actuator::PairStatus::kInfeasible), rejected) << "each with a named limit";
+  EXPECT_EQ(with(actuator::PairStatus::kFront), selection.front.size());
+}
+
+TEST(Selection, WithoutAFeasiblePairNamesTheNearest) {
+  SelectionTask task = knee_task(103);
+  task.drive.bus_voltage_V = 0.5;
+  const actuator::Selection selection = select(task);
+  EXPECT_TRUE(selection.front.empty());
+  ASSERT_TRUE(selection.nearest);
+  EXPECT_GT(selection.nearest->excess, 0.0);
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t m = 0; m < task.motors.size(); ++m) {
+    for (std::size_t g = 0; g < task.gearboxes.size(); ++g) {
+      least = std::min(least, run_pair(task, {.motor = m, .gearbox = g}).excess);
+    }
+  }
+  EXPECT_EQ(selection.nearest->excess, least);
+}
+
+TEST(Moments, GiveTheSquareTorqueOfTheExactCycle) {
+  actuator::Actuator a = hip_reference();
+  a.motor.coulomb_Nm = 0.003;
+  const auto cycle = walking("knee_walking_digitised.csv", "knee", 25.0);
+  const auto moments = cycle_moments(a, cycle);
+  const auto d = run_cycle(a, cycle);
+  const double mean =
+      square_torque(moments, chain_of(a), 1e4 * a.motor.rotor_inertia_kgm2) / moments.period_s;
+  EXPECT_NEAR(std::sqrt(mean) / 100.0, d.rms_motor_torque_Nm, 1e-13);
+}
+
+}  // namespace
+}  // namespace gear3k::selection_test

@@ -1,0 +1,164 @@
+// `gear3k actuator`: the contract's JSON, exit codes, figures, designed gearboxes, selections.
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/cli/run_program.hpp"
+
+namespace gear3k::actuator_cli_test {
+namespace {
+
+using nlohmann::json;
+using test::example, test::lines_of, test::ProgramResult, test::Workplace;
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// The first reference of the actuator's reference numbers.
+const std::string kReference =
+    "[motor]\nresistance_ohm = 0.5\ntorque_constant_nm_per_a = 0.05\ncoulomb_torque_nm = 0.004\n"
+    "[gearbox]\nratio = 50.0\nefficiency_forward = 0.8\nefficiency_backward = 0.6\n"
+    "backdriving_torque_nm = 2.0\n";
+
+json result_of(const Workplace& place, std::vector<std::string> options) {
+  options.insert(options.begin(), {"actuator", "a.toml", "--format", "json"});
+  const ProgramResult result = place.run(options);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  return json::parse(result.out);
+}
+
+TEST(Actuator, PrintsTheFieldsOfTheContract) {
+  const Workplace place;
+  place.write("a.toml", kReference);
+  place.write("c.csv", "time_s,torque_nm,speed_rad_s\n0,-10,2\n1,-10,2\n");
+  const json data = result_of(place, {"--cycle", "c.csv", "--without-each"});
+  EXPECT_NEAR(data.at("reflected").at("breakaway_nm").get<double>(), 7.0 / 3.0, 1e-14);
+  EXPECT_TRUE(data.at("reflected").at("stiffness_nm_per_rad").at("total").is_null());
+  const json& cycle = data.at("cycle");
+  EXPECT_NEAR(cycle.at("peak_current_a").get<double>(), 5.58, 1e-13);
+  EXPECT_NEAR(cycle.at("electrical_energy_j").at("drawn").get<double>(), 43.4682, 1e-11);
+  EXPECT_NEAR(cycle.at("loss_j").at("mesh").get<double>(), 5.5, 1e-12);
+  EXPECT_TRUE(cycle.at("without_each").contains("mesh"));
+  EXPECT_TRUE(result_of(place, {}).at("cycle").is_null());
+}
+
+TEST(Actuator, ATorqueOfTheActuatorHasTheOtherSign) {
+  const Workplace place;
+  place.write("a.toml", kReference);
+  place.write("load.csv", "time_s,torque_nm,speed_rad_s\n0,-10,2\n1,-10,2\n");
+  place.write("actuator.csv", "time_s,torque_nm,speed_rad_s\n# torque: actuator\n0,10,2\n1,10,2\n");
+  json a = result_of(place, {"--cycle", "load.csv"}).at("cycle");
+  json b = result_of(place, {"--cycle", "actuator.csv"}).at("cycle");
+  a.erase("name");
+  b.erase("name");
+  EXPECT_EQ(a, b);
+}
+
+TEST(Actuator, StrictEndsWith3WhereALimitIsExceeded) {
+  const Workplace place;
+  place.write("a.toml", kReference + "[drive]\nbus_voltage_v = 7.0\n");
+  place.write("c.csv", "time_s,torque_nm,speed_rad_s\n0,-10,2\n1,-10,2\n");
+  EXPECT_EQ(place.run({"actuator", "a.toml", "--cycle", "c.csv"}).exit_code, 0);
+  const ProgramResult strict = place.run({"actuator", "a.toml", "--cycle", "c.csv", "--strict"});
+  EXPECT_EQ(strict.exit_code, 3);
+  EXPECT_TRUE(contains(strict.out, "FAILS")) << strict.out;
+  EXPECT_EQ(strict.out,
+            place.run({"actuator", "a.toml", "--cycle", "c.csv", "--format", "text"}).out);
+}
+
+TEST(Actuator, FilesTellAllTheirErrorsAtOnce) {
+  const Workplace place;
+  place.write("a.toml",
+              "[motor]\nresistance_ohm = -1.0\ntorqe_constant_nm_per_a = 0.05\n"
+              "[gearbox]\nratio = 0\nefficiency_forward = 0.8\n");
+  place.write("c.csv", "time_s,torque_nm,angle_rad\n0,1,2\n0,nan,3\n1,2\n2,x,3\n");
+  const ProgramResult result = place.run({"actuator", "a.toml", "--cycle", "c.csv"});
+  EXPECT_EQ(result.exit_code, 2);
+  for (const char* part :
+       {"a.toml:2:1: motor.resistance_ohm = -1", "did you mean motor.torque_constant_nm_per_a",
+        "gearbox.ratio = 0", "gearbox.efficiency_backward is missing",
+        "c.csv:3:1: time_s = 0 after 0", "c.csv:3:3: torque_nm = \"nan\"", "c.csv:4:1: 2 fields",
+        "c.csv:5:3: torque_nm = \"x\""}) {
+    EXPECT_TRUE(contains(result.err, part)) << part << '\n' << result.err;
+  }
+}
+
+TEST(Actuator, OfADesignTakesItsPathFromItsOwnFolder) {
+  const Workplace place;
+  place.write("a.toml",
+              "[motor]\nresistance_ohm = 0.6\ntorque_constant_nm_per_a = 0.04\n"
+              "rotor_inertia_kgm2 = 1e-5\n[gearbox]\ndesign = \"gear.toml\"\n");
+  place.write("gear.toml", example("designs/loaded.toml"));
+  place.write("c.csv", "time_s,torque_nm,speed_rad_s\n0,-5,1\n0.5,3,-1\n1,-5,1\n");
+  const json data = result_of(place, {"--cycle", "c.csv"});
+  EXPECT_NEAR(data.at("ratio").get<double>(), 96.5161, 5e-5);
+  EXPECT_GT(data.at("cycle").at("loss_j").at("P2-R2").get<double>(), 0.0);
+  EXPECT_LT(data.at("cycle").at("balance_error").get<double>(), 1e-12);
+  EXPECT_GT(data.at("reflected").at("stiffness_nm_per_rad").at("gearbox").get<double>(), 1e5);
+}
+
+TEST(Actuator, DrawsItsFigures) {
+  const Workplace place;
+  place.write("a.toml", kReference);
+  place.write("c.csv", "time_s,torque_nm,speed_rad_s\n0,-10,2\n1,-10,2\n");
+  const ProgramResult result = place.run({"actuator", "a.toml", "--cycle", "c.csv", "--impedance",
+                                          "1:10:3", "--amplitude", "0.1", "--figures", "out"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  for (const std::string name : {"power", "ledger", "impedance", "drive_backdrive"}) {
+    EXPECT_GT(lines_of(place.read("out/" + name + ".csv")).size(), 2U) << name;
+    EXPECT_TRUE(contains(place.read("out/" + name + ".svg"), "</svg>")) << name;
+  }
+}
+
+const std::string kMotors =
+    "manufacturer,order_code,resistance_ohm,torque_constant_nm_per_a,mass_kg,nominal_current_a,"
+    "nominal_voltage_v\nA,small,1.0,0.02,0.1,2.0,24\nA,large,0.3,0.05,0.4,6.0,24\n";
+const std::string kGearboxes =
+    "manufacturer,order_code,ratio,efficiency,mass_kg,continuous_torque_nm,intermittent_torque_nm\n"
+    "B,low,20,0.8,0.2,5,8\nB,high,100,0.7,0.3,5,8\n";
+
+TEST(Selection, WritesEveryPairAndTheFront) {
+  const Workplace place;
+  place.write("motors.csv", kMotors);
+  place.write("gearboxes.csv", kGearboxes);
+  place.write("c.csv", "time_s,torque_nm,speed_rad_s\n0,-3,1\n0.5,3,-1\n1,-3,1\n");
+  place.write("s.toml",
+              "motors = \"motors.csv\"\ngearboxes = \"gearboxes.csv\"\ncycles = \"c.csv\"\n");
+  const ProgramResult result = place.run({"actuator", "--select", "s.toml", "--out", "out"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(lines_of(place.read("out/selection.csv")).size(), 5U);
+  const json summary = json::parse(place.read("out/summary.json"));
+  EXPECT_EQ(summary.at("pairs"), 4);
+  EXPECT_EQ(summary.at("front").size() + 1, lines_of(place.read("out/pareto.csv")).size());
+}
+
+TEST(Selection, WithoutAFeasiblePairEndsWith3AndNamesTheLimit) {
+  const Workplace place;
+  place.write("motors.csv", kMotors);
+  place.write("gearboxes.csv", kGearboxes);
+  place.write("c.csv", "time_s,torque_nm,speed_rad_s\n0,-10,1\n0.5,-10,1\n1,-10,1\n");
+  place.write("s.toml",
+              "motors = \"motors.csv\"\ngearboxes = \"gearboxes.csv\"\ncycles = \"c.csv\"\n");
+  const ProgramResult result = place.run({"actuator", "--select", "s.toml", "--out", "out"});
+  EXPECT_EQ(result.exit_code, 3);
+  // 10 N m against 5 continuous, whatever the motor.
+  EXPECT_TRUE(contains(result.err, "exceeds continuous_torque by 100 % of the limit"))
+      << result.err;
+}
+
+TEST(Actuator, OptionsThatDoNotGoTogetherAreUsageErrors) {
+  const Workplace place;
+  place.write("a.toml", kReference);
+  EXPECT_EQ(place.run({"actuator"}).exit_code, 1);
+  EXPECT_EQ(place.run({"actuator", "a.toml", "--without-each"}).exit_code, 1);
+  EXPECT_EQ(place.run({"actuator", "a.toml", "--amplitude", "0.1"}).exit_code, 1);
+  EXPECT_EQ(place.run({"actuator", "--select", "a.toml"}).exit_code, 1);
+  EXPECT_EQ(place.run({"actuator", "a.toml", "--impedance", "1:2"}).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace gear3k::actuator_cli_test
