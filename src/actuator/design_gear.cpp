@@ -84,7 +84,7 @@ class DesignGear : public GearModel {
     return {.low_Nm = resting_input(load_Nm, -1.0), .high_Nm = resting_input(load_Nm, 1.0)};
   }
   [[nodiscard]] bool constant_efficiencies() const override { return constant_; }
-  [[nodiscard]] double static_Nm() const override { return 0.0; }
+  [[nodiscard]] double static_nm() const override { return 0.0; }
   [[nodiscard]] double inertia_kgm2() const override { return train_->inertia_kgm2() + load_kgm2_; }
 
  private:
@@ -97,7 +97,7 @@ class DesignGear : public GearModel {
                   .output_acceleration_rad_s2 = o.sense * o.acceleration_rad_s2,
                   .given_end = train::End::kOutput,
                   .given_torque_Nm = o.sense * outside,
-                  .temperature_K = train_->temperature_K(),
+                  .temperature_K = train_->temperature_k(),
                   .least_friction_speed_rad_s = train_->least_friction_speed_rad_s});
     if (result.instant) return *result.instant;
     const bool no_friction = result.reason == design::NoOperation::kNoFriction;
@@ -208,7 +208,7 @@ std::optional<double> output_torque(const DesignTrain& train, const OutputMotion
                       .output_acceleration_rad_s2 = motion.sense * motion.acceleration_rad_s2,
                       .given_end = train::End::kSun,
                       .given_torque_Nm = motion.sense * input_Nm / train.ratio(),
-                      .temperature_K = train.temperature_K(),
+                      .temperature_K = train.temperature_k(),
                       .least_friction_speed_rad_s = train.least_friction_speed_rad_s});
   if (!result.instant) return std::nullopt;
   return -motion.sense * result.instant->output_torque_Nm;

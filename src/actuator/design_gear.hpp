@@ -24,7 +24,7 @@ class DesignTrain {
   [[nodiscard]] const std::string& inertia_missing() const { return inertia_missing_; }
   [[nodiscard]] std::optional<double> mass_kg() const { return mass_kg_; }
   /// At the output with the sun locked, meshes and springs; empty without [strength].
-  [[nodiscard]] std::optional<double> stiffness_Nm_rad() const { return stiffness_Nm_rad_; }
+  [[nodiscard]] std::optional<double> stiffness_nm_rad() const { return stiffness_Nm_rad_; }
   [[nodiscard]] const std::string& name() const { return name_; }
 
   design::ShaftLosses<double> shafts;  ///< drags and bearings
@@ -36,7 +36,7 @@ class DesignTrain {
 
   [[nodiscard]] const train::TrainGeometry<double>& geometry() const { return geometry_; }
   [[nodiscard]] const std::array<double, 2>& face_width_m() const { return face_width_m_; }
-  [[nodiscard]] double temperature_K() const { return temperature_K_; }
+  [[nodiscard]] double temperature_k() const { return temperature_K_; }
 
  private:
   std::string name_;

@@ -13,11 +13,6 @@ namespace gear3k::actuator {
 
 namespace {
 
-/// Nodes and weights of Gauss on [0, 1], exact to degree five: 1/2 and 1/2 ± √(3/5)/2.
-constexpr double kGaussOffset = 0.38729833462074168852;
-constexpr std::array<double, 3> kGaussNodes{0.5 - kGaussOffset, 0.5, 0.5 + kGaussOffset};
-constexpr std::array<double, 3> kGaussWeights{5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
-
 double sign_of(double x) { return x > 0.0 ? 1.0 : x < 0.0 ? -1.0 : 0.0; }
 
 /// Motor and gearbox at a place of a piece.
@@ -235,7 +230,7 @@ class CycleRun {
 
 void CycleRun::add_rest(const CyclePiece& piece) {
   std::vector<double> edges{0.0};
-  const double hold = gear_->static_Nm();
+  const double hold = gear_->static_nm();
   for (const double kink : {-hold, hold}) {
     append_sign_changes(Quadratic{piece.load_Nm[0] - kink, piece.load_Nm[1], 0.0}, edges);
   }
@@ -349,8 +344,7 @@ DutyCycle CycleRun::result(const Cycle& cycle, const std::vector<CyclePiece>& pi
   }
   d.losses.push_back({.cause = "drive", .energy_J = sums_.drive.value()});
   const double first = pieces.front().speed_rad_s[0];
-  const double last =
-      cycle.angles ? value_at(pieces.back().speed_rad_s, 1.0) : cycle.motion.back();
+  const double last = cycle.angles ? value_at(pieces.back().speed_rad_s, 1.0) : cycle.motion.back();
   d.kinetic_J = 0.5 * (rotor_kgm2_ + gear_->inertia_kgm2()) * (last - first) * (last + first);
   d.balance_error = balance_error_of(d);
   const double mean_square = sums_.square_current.value() / d.period_s;

@@ -38,7 +38,7 @@ class CatalogueGear : public GearModel {
   }
   [[nodiscard]] RestBand band(double load_Nm) const override { return rest_band(chain_, load_Nm); }
   [[nodiscard]] bool constant_efficiencies() const override { return true; }
-  [[nodiscard]] double static_Nm() const override { return chain_.c2_static_Nm; }
+  [[nodiscard]] double static_nm() const override { return chain_.c2_static_Nm; }
   [[nodiscard]] double inertia_kgm2() const override { return chain_.j2_kgm2 + input_kgm2_; }
 
  private:

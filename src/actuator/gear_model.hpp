@@ -45,7 +45,7 @@ class GearModel {
   /// Whether u is a polynomial of the motion between changes of the flow.
   [[nodiscard]] virtual bool constant_efficiencies() const = 0;
   /// Output-side friction that has to be overcome from rest [N m], where the band has its kinks.
-  [[nodiscard]] virtual double static_Nm() const = 0;
+  [[nodiscard]] virtual double static_nm() const = 0;
   /// J of twice the kinetic energy over w², gearbox and load.
   [[nodiscard]] virtual double inertia_kgm2() const = 0;
 };

@@ -12,7 +12,8 @@ namespace gear3k::design {
 /// A train with the inertia of its bodies; refers to its parts, which must outlive it.
 struct MovingTrain {
   LossyTrain<double> lossy;
-  inertia::BodyInertias<double> bodies;  ///< planets' mass orbits at the geometry's centre distance
+  inertia::BodyInertias<double>
+      bodies{};  ///< planets' mass orbits at the geometry's centre distance
   std::array<bool, train::kMeshCount> lossless_mesh{};  ///< its efficiency is 1
 };
 

@@ -143,14 +143,14 @@ TEST(AcceleratedTrain, WithoutAccelerationIsTheOperationOfTheTrain) {
   const auto expected = operate<double>(lossy,
                                         {.sun_speed_rad_s = sun_speed,
                                          .output_torque_Nm = 12.0,
-                                         .temperature_K = train.temperature_K()},
+                                         .temperature_K = train.temperature_k()},
                                         design::Direction::kForward)
                             .operation;
   ASSERT_TRUE(expected);
   const auto found = design::balance_motion(
       {.lossy = lossy, .bodies = {}}, {.output_speed_rad_s = sun_speed / std::abs(train.ratio()),
                                        .given_torque_Nm = -12.0,
-                                       .temperature_K = train.temperature_K()});
+                                       .temperature_K = train.temperature_k()});
   ASSERT_TRUE(found.instant);
   EXPECT_NEAR(std::abs(found.instant->sun_torque_Nm), expected->sun_torque_Nm,
               1e-12 * expected->sun_torque_Nm);

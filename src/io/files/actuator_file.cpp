@@ -51,7 +51,7 @@ void take_design(const std::string& path, double least_speed_rad_s, actuator::Ac
     auto train = std::make_shared<actuator::DesignTrain>(design);
     train->least_friction_speed_rad_s = least_speed_rad_s;
     result.gearbox = {.ratio = train->ratio(),
-                      .stiffness_Nm_rad = train->stiffness_Nm_rad(),
+                      .stiffness_Nm_rad = train->stiffness_nm_rad(),
                       .mass_kg = train->mass_kg()};
     result.train = std::move(train);
   } catch (const std::invalid_argument& error) {
