@@ -13,11 +13,6 @@ namespace gear3k::actuator {
 
 namespace {
 
-/// Nodes and weights of Gauss on [0, 1], exact to degree five: 1/2 and 1/2 ± √(3/5)/2.
-constexpr double kGaussOffset = 0.38729833462074168852;
-constexpr std::array<double, 3> kGaussNodes{0.5 - kGaussOffset, 0.5, 0.5 + kGaussOffset};
-constexpr std::array<double, 3> kGaussWeights{5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
-
 double sign_of(double x) { return x > 0.0 ? 1.0 : x < 0.0 ? -1.0 : 0.0; }
 
 /// Motor and gearbox at a place of a piece.

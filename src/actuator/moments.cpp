@@ -8,10 +8,6 @@ namespace gear3k::actuator {
 
 namespace {
 
-constexpr double kMomentOffset = 0.38729833462074168852;  // √(3/5)/2
-constexpr std::array<double, 3> kMomentNodes{0.5 - kMomentOffset, 0.5, 0.5 + kMomentOffset};
-constexpr std::array<double, 3> kMomentWeights{5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
-
 using Basis = std::array<double, 4>;
 
 Basis basis_of(const GearInstant& gear, const OutputMotion& motion) {
@@ -56,11 +52,11 @@ class MomentSum {
       moments_.points.push_back(basis_of(gear, motion));
       moments_.peak_mesh_Nm = std::max(moments_.peak_mesh_Nm, std::abs(gear.mesh_Nm));
     }
-    for (std::size_t g = 0; g < kMomentNodes.size(); ++g) {
-      const OutputMotion motion = motion_at(piece, x0 + (x1 - x0) * kMomentNodes[g], sense);
+    for (std::size_t g = 0; g < kGaussNodes.size(); ++g) {
+      const OutputMotion motion = motion_at(piece, x0 + (x1 - x0) * kGaussNodes[g], sense);
       const GearInstant gear = gear_.at(motion);
       const Basis b = basis_of(gear, motion);
-      const double seconds = (x1 - x0) * piece.duration_s * kMomentWeights[g];
+      const double seconds = (x1 - x0) * piece.duration_s * kGaussWeights[g];
       for (std::size_t r = 0; r < b.size(); ++r) {
         for (std::size_t c = 0; c < b.size(); ++c) {
           moments_.square[r][c] += b[r] * b[c] * seconds;

@@ -7,6 +7,11 @@
 
 namespace gear3k::actuator {
 
+/// Nodes and weights of Gauss on [0, 1], exact to degree five: 1/2 and 1/2 ± √(3/5)/2.
+inline constexpr double kGaussOffset = 0.38729833462074168852;
+inline constexpr std::array<double, 3> kGaussNodes{0.5 - kGaussOffset, 0.5, 0.5 + kGaussOffset};
+inline constexpr std::array<double, 3> kGaussWeights{5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
+
 /// Σ c_k x^k.
 using Quadratic = std::array<double, 3>;
 using Quartic = std::array<double, 5>;

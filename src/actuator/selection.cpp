@@ -193,6 +193,89 @@ PairResult nearest_of(const SelectionTask& task, const std::vector<PairVerdict>&
   return *best;
 }
 
+/// A pair that its bounds do not reject.
+struct Candidate {
+  std::size_t verdict = 0;  ///< its place
+  PairResult bound;
+};
+
+/// Verdicts of all pairs by their bounds.  @returns those that are left, the most promising first:
+/// they rule out the others
+std::vector<Candidate> screen(const SelectionTask& task, Selection& selection) {
+  const double time_s = total_time(task);
+  selection.verdicts.reserve(task.motors.size() * task.gearboxes.size());
+  std::vector<Candidate> candidates;
+  for (std::size_t g = 0; g < task.gearboxes.size() && !task.motors.empty(); ++g) {
+    const ScreenedGearbox screened = screen_gearbox(task, g, time_s);
+    for (std::size_t m = 0; m < task.motors.size(); ++m) {
+      const PairResult bound = bounds_of(task, {.motor = m, .gearbox = g}, screened, time_s);
+      PairVerdict verdict{.pair = bound.pair, .limit = bound.limit, .excess = bound.excess};
+      if (bound.excess > 0.0) {
+        verdict.status = PairStatus::kInfeasible;
+      } else {
+        candidates.push_back({.verdict = selection.verdicts.size(), .bound = bound});
+      }
+      selection.verdicts.push_back(verdict);
+    }
+  }
+  std::ranges::stable_sort(candidates, [&](const Candidate& a, const Candidate& b) {
+    for (const Objective objective : task.objectives) {
+      const double left = objective_of(objective, a.bound);
+      const double right = objective_of(objective, b.bound);
+      if (left != right) return left < right;
+    }
+    return false;
+  });
+  return candidates;
+}
+
+/// The front among pairs that were run.
+class Front {
+ public:
+  Front(const SelectionTask& task, Selection& selection) : task_(task), selection_(selection) {}
+
+  void consider(const Candidate& candidate) {
+    PairVerdict& verdict = selection_.verdicts[candidate.verdict];
+    verdict.limit.reset();
+    if (beats(candidate.bound)) return;
+    ++selection_.run;
+    verdict.run = true;
+    const PairResult result = run_pair(task_, verdict.pair);
+    verdict.excess = result.excess;
+    if (result.excess > 0.0) {
+      verdict.status = PairStatus::kInfeasible;
+      verdict.limit = result.limit;
+    } else if (!beats(result)) {
+      std::erase_if(members_, [&](const Member& member) {
+        if (!dominates(task_, result, member.result)) return false;
+        selection_.verdicts[member.verdict].status = PairStatus::kDominated;
+        return true;
+      });
+      verdict.status = PairStatus::kFront;
+      members_.push_back({.verdict = candidate.verdict, .result = result});
+    }
+  }
+  /// In the order of the verdicts.
+  void store() {
+    std::ranges::sort(members_, {}, &Member::verdict);
+    for (const Member& member : members_) selection_.front.push_back(member.result);
+  }
+
+ private:
+  struct Member {
+    std::size_t verdict;
+    PairResult result;
+  };
+  [[nodiscard]] bool beats(const PairResult& result) const {
+    return std::ranges::any_of(
+        members_, [&](const Member& member) { return dominates(task_, member.result, result); });
+  }
+
+  const SelectionTask& task_;
+  Selection& selection_;
+  std::vector<Member> members_;
+};
+
 }  // namespace
 
 bool dominates(const SelectionTask& task, const PairResult& a, const PairResult& b) {
@@ -236,69 +319,11 @@ PairResult run_pair(const SelectionTask& task, const Pair& pair) {
 
 Selection select(const SelectionTask& task) {
   require_task_of(task);
-  const double time_s = total_time(task);
   Selection selection;
-  selection.verdicts.reserve(task.motors.size() * task.gearboxes.size());
-  struct Candidate {
-    std::size_t verdict;
-    PairResult bound;
-  };
-  std::vector<Candidate> candidates;
-  for (std::size_t g = 0; g < task.gearboxes.size(); ++g) {
-    const ScreenedGearbox screened = screen_gearbox(task, g, time_s);
-    for (std::size_t m = 0; m < task.motors.size(); ++m) {
-      PairResult bound = bounds_of(task, {.motor = m, .gearbox = g}, screened, time_s);
-      PairVerdict verdict{.pair = bound.pair, .limit = bound.limit, .excess = bound.excess};
-      if (bound.excess > 0.0) {
-        verdict.status = PairStatus::kInfeasible;
-      } else {
-        candidates.push_back({.verdict = selection.verdicts.size(), .bound = bound});
-      }
-      selection.verdicts.push_back(verdict);
-    }
-  }
-  // Those that promise most first: they rule out the others.
-  std::ranges::stable_sort(candidates, [&](const Candidate& a, const Candidate& b) {
-    for (const Objective objective : task.objectives) {
-      const double left = objective_of(objective, a.bound);
-      const double right = objective_of(objective, b.bound);
-      if (left != right) return left < right;
-    }
-    return false;
-  });
-  struct FrontMember {
-    std::size_t verdict;
-    PairResult result;
-  };
-  std::vector<FrontMember> front;
-  for (const Candidate& candidate : candidates) {
-    PairVerdict& verdict = selection.verdicts[candidate.verdict];
-    const auto is_dominated_by_front = [&](const PairResult& r) {
-      return std::ranges::any_of(
-          front, [&](const FrontMember& f) { return dominates(task, f.result, r); });
-    };
-    verdict.limit.reset();
-    if (is_dominated_by_front(candidate.bound)) continue;
-    ++selection.run;
-    verdict.run = true;
-    PairResult result = run_pair(task, verdict.pair);
-    verdict.excess = result.excess;
-    if (result.excess > 0.0) {
-      verdict.status = PairStatus::kInfeasible;
-      verdict.limit = result.limit;
-      continue;
-    }
-    if (is_dominated_by_front(result)) continue;
-    std::erase_if(front, [&](const FrontMember& f) {
-      if (!dominates(task, result, f.result)) return false;
-      selection.verdicts[f.verdict].status = PairStatus::kDominated;
-      return true;
-    });
-    verdict.status = PairStatus::kFront;
-    front.push_back({.verdict = candidate.verdict, .result = result});
-  }
-  std::ranges::sort(front, {}, &FrontMember::verdict);
-  for (FrontMember& member : front) selection.front.push_back(member.result);
+  const std::vector<Candidate> candidates = screen(task, selection);
+  Front front(task, selection);
+  for (const Candidate& candidate : candidates) front.consider(candidate);
+  front.store();
   for (const PairVerdict& verdict : selection.verdicts) {
     if (verdict.status == PairStatus::kInfeasible && verdict.limit) {
       ++selection.rejected[static_cast<std::size_t>(*verdict.limit)];

@@ -28,7 +28,7 @@ io::Json finite_or_null(double value) {
   return std::isfinite(value) ? io::Json(value) : io::Json(nullptr);
 }
 
-io::Json unit_parameter_json(const SeriesParameter& p, const UnitSeries& series) {
+io::Json series_parameter_json(const SeriesParameter& p, const UnitSeries& series) {
   const RandomEffects& r = p.effects;
   io::Json units = io::Json::array();
   for (std::size_t u = 0; u < p.units.size(); ++u) {
@@ -60,7 +60,7 @@ io::Json cause_json(const SeriesCause& cause, const UnitSeries& series) {
   json["form"] = cause.form.name;
   json["alternatives"] = cause.alternatives;
   json["parameters"] = list_json(
-      cause.parameters, [&](const SeriesParameter& p) { return unit_parameter_json(p, series); });
+      cause.parameters, [&](const SeriesParameter& p) { return series_parameter_json(p, series); });
   return json;
 }
 
