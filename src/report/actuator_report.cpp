@@ -155,15 +155,18 @@ std::string reflected_text(const ActuatorResult& result) {
   table.add({"damping [N m s/rad]", cell(r.motor_Nms), cell(r.gearbox_Nms), "", cell(r.total_Nms)});
   table.add({"stiffness [N m/rad]", number_or(r.motor_Nm_rad, "rigid", ""),
              number_or(r.gearbox_Nm_rad, "rigid", ""), "", number_or(r.total_Nm_rad, "rigid", "")});
-  return table.text(0) + fmt::format(
-                             "\ninertia speeding up     {}\ninertia slowing down    {}\n"
-                             "Coulomb friction        {:.6g} N m; turned from outside {}\n"
-                             "breakaway               {} from outside, {} at the motor\n",
-                             number_or(r.speeding_up_kgm2, "none: self-locking", " kg m2"),
-                             number_or(r.slowing_down_kgm2, "none", " kg m2"), r.coulomb_Nm,
-                             number_or(r.backdriven_coulomb_Nm, "-", " N m"),
-                             number_or(r.breakaway_Nm, "none", " N m"),
-                             number_or(r.breakaway_motor_Nm, "none", " N m"));
+  return table.text(0) +
+         fmt::format(
+             "\ninertia speeding up     {}\ninertia slowing down    {}\n"
+             "Coulomb friction        {:.6g} N m{}\n"
+             "breakaway               {} from outside, {} at the motor\n",
+             number_or(r.speeding_up_kgm2, "none: self-locking", " kg m2"),
+             number_or(r.slowing_down_kgm2, "none", " kg m2"), r.coulomb_Nm,
+             r.backdriven_coulomb_Nm
+                 ? fmt::format("; turned from outside {:.6g} N m", *r.backdriven_coulomb_Nm)
+                 : "",
+             number_or(r.breakaway_Nm, "none", " N m"),
+             number_or(r.breakaway_motor_Nm, "none", " N m"));
 }
 
 std::string checks_text(const std::vector<LimitCheck>& checks) {
@@ -264,8 +267,9 @@ std::string actuator_json(const ActuatorResult& result) {
 }
 
 std::string actuator_table(const ActuatorResult& result) {
-  std::string text =
-      fmt::format("{}: ratio {:.6g}\n", result.actuator.name, result.actuator.gearbox.ratio);
+  std::string text = fmt::format("{}: ratio {:.6g}\n",
+                                 result.actuator.name.empty() ? "actuator" : result.actuator.name,
+                                 result.actuator.gearbox.ratio);
   text += reflected_text(result);
   for (const std::string& note : result.reflected.notes) text += fmt::format("note: {}\n", note);
   if (result.cycle) text += cycle_text(result);

@@ -70,13 +70,13 @@ Actuator lossy_inertia() {
   return a;
 }
 
-actuator::ImpedancePoint at_2_Hz(const Actuator& a, double amplitude_rad) {
+actuator::ImpedancePoint at_2_hertz(const Actuator& a, double amplitude_rad) {
   return impedance(a, {.low_Hz = 2.0, .high_Hz = 2.0, .points = 1, .amplitude_rad = amplitude_rad})
       .front();
 }
 
 TEST(FirstHarmonic, HasTheReferencesImpedance) {
-  const auto inertia = *at_2_Hz(lossy_inertia(), 0.3).first_harmonic_Nms;
+  const auto inertia = *at_2_hertz(lossy_inertia(), 0.3).first_harmonic_Nms;
   EXPECT_NEAR(inertia.real(), 0.032, 5e-8);
   EXPECT_NEAR(inertia.imag(), 0.2638938, 5e-8);
   Actuator rough = lossy_inertia();
@@ -84,7 +84,7 @@ TEST(FirstHarmonic, HasTheReferencesImpedance) {
   rough.gearbox.coulomb_Nm = 0.4;
   rough.gearbox.viscous_Nms = 0.02;
   rough.load_inertia_kgm2 = 0.03;
-  const auto point = at_2_Hz(rough, 0.3);
+  const auto point = at_2_hertz(rough, 0.3);
   EXPECT_NEAR(point.first_harmonic_Nms->real(), 0.2594456, 5e-8);
   EXPECT_NEAR(point.first_harmonic_Nms->imag(), 0.6542934, 5e-8);
   EXPECT_NEAR(*point.flow_change_rad * 180.0 / std::numbers::pi, 12.18599, 5e-6);
@@ -95,7 +95,7 @@ TEST(FirstHarmonic, OfCoulombFrictionAloneIsFourOverPi) {
   a.motor.rotor_inertia_kgm2 = 0.0;
   a.gearbox.coulomb_Nm = 0.7;
   const double speed = 0.3 * 4.0 * std::numbers::pi;
-  EXPECT_NEAR(at_2_Hz(a, 0.3).first_harmonic_Nms->real(), 4.0 * 0.7 / (std::numbers::pi * speed),
+  EXPECT_NEAR(at_2_hertz(a, 0.3).first_harmonic_Nms->real(), 4.0 * 0.7 / (std::numbers::pi * speed),
               1e-13);
 }
 
@@ -125,7 +125,7 @@ TEST(FirstHarmonic, AgreesWithAStepThroughTheMotion) {
   a.gearbox.coulomb_Nm = 0.3;
   a.gearbox.viscous_Nms = 0.05;
   a.load_inertia_kgm2 = 0.04;
-  const auto found = *at_2_Hz(a, 0.2).first_harmonic_Nms;
+  const auto found = *at_2_hertz(a, 0.2).first_harmonic_Nms;
   const Complex expected = stepped(0.85, 0.8, 0.02, 400.0 * 2e-4, 20.0 * 0.02, 0.04, 0.05, 0.3,
                                    4.0 * std::numbers::pi, 0.2);
   EXPECT_NEAR(std::abs(found - expected), 0.0, 2e-6 * std::abs(expected));

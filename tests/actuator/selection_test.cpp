@@ -35,8 +35,8 @@ Places front_of_all(const SelectionTask& task) {
   std::vector<PairResult> feasible;
   for (std::size_t m = 0; m < task.motors.size(); ++m) {
     for (std::size_t g = 0; g < task.gearboxes.size(); ++g) {
-      PairResult r = run_pair(task, {.motor = m, .gearbox = g});
-      if (!(r.excess > 0.0)) feasible.push_back(std::move(r));
+      const PairResult r = run_pair(task, {.motor = m, .gearbox = g});
+      if (!(r.excess > 0.0)) feasible.push_back(r);
     }
   }
   Places front;

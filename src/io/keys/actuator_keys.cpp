@@ -95,10 +95,11 @@ std::vector<Key<GearboxInput>> gearbox_keys() {
                     .help = "a DESIGN file, its path as seen from this file, in place of every "
                             "other key of [gearbox] but least_friction_speed_rad_s"},
                    &In::design, [](const In& t, std::size_t) { return !t.design.empty(); }),
-      make_key<In>(number("gearbox.least_friction_speed_rad_s", Unit::kNone, above(0.0, 1e6), "0",
-                          "with design: friction of the flanks is that of at least this speed of "
-                          "the output; for laws without a value at rest"),
-                   &In::least_friction_speed_rad_s),
+      make_key<In>(
+          number("gearbox.least_friction_speed_rad_s", Unit::kNone, above(0.0, 1e6), "none",
+                 "with design: friction of the flanks is that of at least this speed of "
+                 "the output; for laws without a value at rest"),
+          &In::least_friction_speed_rad_s),
       make_key<In>(
           number("gearbox.ratio", Unit::kNone, within(-kMostRatio, kMostRatio),
                  "needed without design", "speed of the motor over that of the output, signed"),
