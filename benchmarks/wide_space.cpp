@@ -78,15 +78,14 @@ void compare_with_all_starts(const Specification& spec, const OptimizeResult& re
   const Stopwatch stopwatch;
   numerics::parallel_for(count, [&](std::size_t i) {
     const std::size_t k = i * step;
-    SetBound bound = result.bounds->of(k);
-    const bool infeasible = bound.infeasible.has_value();
-    bound = {};  // so that no start is spared, nor led by the bound
+    const bool infeasible = result.bounds->of(k).infeasible.has_value();
+    const std::array unbound{ModuleBound{}};  // no start is spared, nor led by the bound
     const Candidate& candidate = result.search.candidates[k];
     const ShiftRanges shifts = result.bounds->shifts().of(candidate.teeth);
     if (std::ranges::any_of(shifts, [](const ShiftRange& s) { return s.infeasible.has_value(); })) {
       return;
     }
-    const auto all = refiner.refine(candidate, shifts, bound, never);
+    const auto all = refiner.refine(candidate, shifts, unbound, never);
     const auto ours = set_at(result, k);
     const bool found = all && all->status == Status::kOptimal;
     if (infeasible) {

@@ -102,6 +102,9 @@ struct ProgressDisplay::State {
         facts =
             count_of("tooth sets refined") + fmt::format(", {} feasible", progress.feasible.load());
         break;
+      case Phase::kCertificate:
+        facts = count_of("bounds sharpened");
+        break;
       case Phase::kGearboxes:
         facts = count_of("gearboxes built at random");
         break;

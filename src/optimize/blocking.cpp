@@ -156,6 +156,13 @@ RefinedSet proven_infeasible(const Candidate& candidate, const Infeasibility& pr
   set.candidate = candidate;
   set.status = Status::kInfeasible;
   set.blocked_together = !proof.alone;
+  if (proof.of_modules) {
+    set.blocked_by = {{.name = "stage2_module",
+                       .violation = proof.violation,
+                       .amount = units::difference_from_si(proof.miss_si, units::Unit::kMillimetre),
+                       .unit = units::unit_name(units::Unit::kMillimetre)}};
+    return set;
+  }
   const design::CheckRecord& record = design::check_record(proof.check);
   set.blocked_by = {{.name = record.name,
                      .violation = proof.violation,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 #include <utility>
 
@@ -37,7 +38,12 @@ class Run {
     progress_.total = 0;  // while done and phase change, nothing is known
     progress_.done = 0;
     progress_.phase = Progress::Phase::kBounds;
-    result_.bounds = std::make_shared<const SetBounds>(spec_, result_.search.candidates, progress_);
+    bounds_ = std::make_shared<SetBounds>(spec_, result_.search.candidates, progress_);
+    result_.bounds = bounds_;
+    if (options_.best_only || !bounds_->ties() || progress_.stop.load()) return;
+    std::vector<std::uint32_t> all(result_.search.candidates.size());
+    std::iota(all.begin(), all.end(), 0U);
+    bounds_->tie(all, progress_);
   }
 
   /// The sets in the order in which they are to be refined.
@@ -77,20 +83,10 @@ class Run {
     progress_.shown_per_merit = sense_of(first.id) / first.per_unit;
     progress_.total = order.size();
     std::size_t size = options_.best_only ? kFirstWave : kWave;
-    for (std::size_t begin = 0; begin < order.size() && !progress_.stop.load();) {
-      std::size_t end = std::min(order.size(), begin + size);
-      if (options_.best_only && result_.best) {
-        const double best = merit_of(spec_, *result_.best);
-        const auto past =
-            std::partition_point(order.begin() + static_cast<std::ptrdiff_t>(begin), order.end(),
-                                 [&](std::uint32_t k) { return bound_[k] > best + no_gain_; });
-        const auto last = static_cast<std::size_t>(past - order.begin());
-        progress_.total = last;
-        end = std::min(end, last);
-        if (begin == end) break;
-      }
-      refine_wave({order.data() + begin, end - begin});
-      begin = end;
+    while (!progress_.stop.load()) {
+      const std::vector<std::uint32_t> wave = next_wave(order, size);
+      if (wave.empty()) break;
+      refine_wave(wave);
       size = std::min(2 * size, kWave);
     }
     result_.interrupted = progress_.stop.load();
@@ -106,6 +102,62 @@ class Run {
 
  private:
   static constexpr std::size_t kBlock = 1024;
+  /// Sets whose stages are tied at once, where only the best are.
+  static constexpr std::size_t kTied = 512;
+
+  [[nodiscard]] bool may_win(std::uint32_t k) const {
+    if (!options_.best_only || !result_.best) return true;
+    return bound_[k] > merit_of(spec_, *result_.best) + no_gain_;
+  }
+
+  /// Ties the next sets of the order, and puts those that may win among the waiting ones.
+  void take_more(const std::vector<std::uint32_t>& order) {
+    const std::size_t end = std::min(order.size(), taken_ + kTied);
+    const std::span<const std::uint32_t> more{order.data() + taken_, end - taken_};
+    taken_ = end;
+    bounds_->tie(more, progress_, false);
+    for (const std::uint32_t k : more) {
+      const SetBound bound = bounds_->of(k);
+      bound_[k] = merit_bound(spec_, bound, result_.search.candidates[k]);
+      if (bound.infeasible) {
+        ++infeasible_;
+      } else if (bound_[k] > -std::numeric_limits<double>::infinity()) {
+        waiting_.push_back(k);
+      }
+    }
+    std::ranges::sort(waiting_, [&](std::uint32_t a, std::uint32_t b) {
+      return std::pair(-bound_[a], a) < std::pair(-bound_[b], b);
+    });
+  }
+
+  /// The next sets to refine: by falling bound where only the best are, each tied before.
+  std::vector<std::uint32_t> next_wave(const std::vector<std::uint32_t>& order, std::size_t size) {
+    const auto next = [&] { return taken_ < order.size() && may_win(order[taken_]); };
+    if (options_.best_only && bounds_->ties()) {
+      while (next() && !progress_.stop.load() &&
+             (waiting_.empty() || bound_[order[taken_]] > bound_[waiting_.front()])) {
+        take_more(order);
+      }
+    } else if (waiting_.empty() && taken_ == 0) {
+      waiting_ = order;
+      taken_ = order.size();
+    }
+    std::size_t count = 0;
+    while (count < std::min(size, waiting_.size()) && may_win(waiting_[count])) ++count;
+    const auto end = waiting_.begin() + static_cast<std::ptrdiff_t>(count);
+    std::vector<std::uint32_t> wave(waiting_.begin(), end);
+    waiting_.erase(waiting_.begin(), end);
+    const auto open = [&](std::span<const std::uint32_t> sets) {
+      return static_cast<std::size_t>(
+          std::ranges::partition_point(sets, [&](std::uint32_t k) { return may_win(k); }) -
+          sets.begin());
+    };
+    progress_.total =
+        result_.refined.size() + wave.size() +
+        (options_.best_only ? open(waiting_) + open({order.data() + taken_, order.size() - taken_})
+                            : waiting_.size());
+    return wave;
+  }
 
   void refine_wave(std::span<const std::uint32_t> wave) {
     std::vector<std::optional<RefinedSet>> refined(wave.size());
@@ -117,8 +169,8 @@ class Run {
         refined[i] = *known;
       } else {
         const Candidate& candidate = result_.search.candidates[k];
-        refined[i] = refiner_.refine(candidate, result_.bounds->shifts().of(candidate.teeth),
-                                     result_.bounds->of(k), progress_.stop);
+        refined[i] = refiner_.refine(candidate, bounds_->shifts().of(candidate.teeth),
+                                     bounds_->by_modules(k), progress_.stop);
         fresh[i] = 1;
       }
       if (!refined[i]) return;
@@ -162,16 +214,32 @@ class Run {
     c.objective_bounded = !is_of_load(first_objective(spec_));
     c.infeasible = infeasible_;
     c.bounded = result_.search.candidates.size() - infeasible_ - c.refined;
-    if (c.refined < order.size()) c.largest_unrefined_bound = bound_[order[c.refined]];
+    const auto unrefined = [&](std::uint32_t k) {
+      c.largest_unrefined_bound =
+          std::max(c.largest_unrefined_bound.value_or(bound_[k]), bound_[k]);
+    };
+    if (!waiting_.empty()) unrefined(waiting_.front());
+    if (taken_ < order.size()) unrefined(order[taken_]);
     const double proven = kProven * objective_scale(first_objective(spec_), spec_) + no_gain_;
-    std::vector<double> sharp(result_.refined.size());
-    numerics::parallel_for(sharp.size(), [&](std::size_t i) {
-      const std::size_t k = result_.refined[i].index;
-      sharp[i] =
-          bound_[k] > c.best + proven && !progress_.stop.load() &&
-                  is_efficiency(first_objective(spec_))
-              ? merit_bound(spec_, result_.bounds->sharpened(k), result_.search.candidates[k])
-              : bound_[k];
+    std::vector<double> sharp;
+    sharp.reserve(result_.refined.size());
+    std::vector<std::size_t> open;
+    for (const RefinedSet& set : result_.refined) {
+      if (bound_[set.index] > c.best + proven && is_efficiency(first_objective(spec_))) {
+        open.push_back(sharp.size());
+      }
+      sharp.push_back(bound_[set.index]);
+    }
+    progress_.total = 0;
+    progress_.done = 0;
+    progress_.phase = Progress::Phase::kCertificate;
+    progress_.total = open.size();
+    numerics::parallel_for(open.size(), [&](std::size_t i) {
+      if (progress_.stop.load()) return;
+      const std::size_t k = result_.refined[open[i]].index;
+      sharp[open[i]] =
+          merit_bound(spec_, bounds_->sharpened(k, c.best), result_.search.candidates[k]);
+      ++progress_.done;
     });
     c.global_bound = std::max(c.best, c.largest_unrefined_bound.value_or(c.best));
     for (const double bound : sharp) {
@@ -200,8 +268,11 @@ class Run {
   Refiner refiner_;
   /// What a design may gain by missing its limits as far as it may.
   double no_gain_;
+  std::shared_ptr<SetBounds> bounds_;  ///< of the result
   std::vector<double> bound_;
   std::size_t infeasible_ = 0;
+  std::vector<std::uint32_t> waiting_;  ///< to be refined, in this order
+  std::size_t taken_ = 0;               ///< sets of the order that waited so far
 };
 
 }  // namespace

@@ -7,10 +7,10 @@ namespace gear3k::optimize {
 
 /// Counters of a run that another thread may watch, and its switch.
 struct Progress {
-  enum class Phase { kSearch, kBounds, kRefinement, kGearboxes };
+  enum class Phase { kSearch, kBounds, kRefinement, kCertificate, kGearboxes };
   std::atomic<Phase> phase{Phase::kSearch};
   std::atomic<std::size_t> done{0};   ///< (zS, zP1) pairs searched, stages bounded, tooth sets
-                                      ///< refined, or gearboxes built
+                                      ///< refined or their bounds sharpened, gearboxes built
   std::atomic<std::size_t> total{0};  ///< 0 until it is known
   std::atomic<std::size_t> feasible{0};
   std::atomic<double> best_merit{0.0};       ///< meaningless while feasible is 0

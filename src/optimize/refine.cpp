@@ -23,29 +23,6 @@ namespace {
 
 using design::CheckId;
 
-/// The modules that one refinement runs with: empty = continuous.
-using FixedModules = std::array<std::optional<double>, 2>;
-
-std::vector<std::optional<double>> module_options(const ModuleChoice& choice) {
-  if (choice.range_m) {
-    if (choice.range_m->min < choice.range_m->max) return {std::nullopt};
-    return {choice.range_m->min};
-  }
-  return {choice.series_m.begin(), choice.series_m.end()};
-}
-
-std::vector<FixedModules> module_combinations(const Specification& spec) {
-  std::vector<FixedModules> combinations;
-  if (has_same_module(spec)) {
-    for (const auto& m : module_options(spec.module[0])) combinations.push_back({m, m});
-    return combinations;
-  }
-  for (const auto& m1 : module_options(spec.module[0])) {
-    for (const auto& m2 : module_options(spec.module[1])) combinations.push_back({m1, m2});
-  }
-  return combinations;
-}
-
 SolveOutcome solve(const RefinementProblem& problem, const Point& start,
                    const SlsqpOptions& options = {}) {
   return problem.spec->solver.refine == Refine::kIpopt ? solve_ipopt(problem, start)
@@ -323,11 +300,56 @@ void take_more_starts(const RefinementProblem& problem, const std::atomic<bool>&
   }
 }
 
+/// The best end of one problem from several starts, those of its bound first.
+/// @returns empty when `stop` became true
+std::optional<BestEnd> best_of_starts(const RefinementProblem& problem, const SetBound& bound,
+                                      const std::atomic<bool>& stop) {
+  const Specification& spec = *problem.spec;
+  BestEnd local;
+  std::vector<Point> ends;
+  const std::vector<Point> starts = starting_points(problem, spec.solver.starts, spec.solver.seed,
+                                                    bound.known ? &bound : nullptr);
+  for (const Point& start : starts) {
+    if (stop.load(std::memory_order_relaxed)) return std::nullopt;
+    if (ends.size() == 1 && !local.found) {
+      if (const auto nearest = nearest_of_two(problem, ends.front(), start)) {
+        local.offer(problem, *nearest);
+        ends.clear();
+        break;
+      }
+    }
+    const bool near = bound.known && ends.empty();
+    const SolveOutcome end = solve(problem, start, near ? kNearTheEnd : SlsqpOptions{});
+    const bool alike =
+        local.found && feasible(end) && std::abs(end.objective - local.outcome.objective) <= kAlike;
+    ends.push_back(end.v);
+    local.offer(problem, end);
+    if (local.found && near_bound(spec, local.outcome, bound, alike)) break;
+  }
+  for (std::size_t k = 0; k < ends.size() && !local.found; ++k) {
+    if (stop.load(std::memory_order_relaxed)) return std::nullopt;
+    const SolveOutcome nearest = least_violation(problem, ends[k], {});
+    local.offer(problem, nearest);
+    if (feasible(nearest)) local.offer(problem, solve(problem, nearest.v));
+  }
+  if (stays_at_kink(local)) take_more_starts(problem, stop, local);
+  if (local.found) cross_contact_ratio_kinks(local);
+  return local;
+}
+
+/// What a bound leaves to win in units of a problem's objective; infinite where it says nothing.
+double most_of(const Specification& spec, const SetBound& bound) {
+  const Objective objective = first_objective(spec);
+  if (!is_efficiency(objective) || !bound.known) return std::numeric_limits<double>::infinity();
+  return objective == Objective::kForwardEfficiency ? bound.eta_f : bound.eta_b;
+}
+
 }  // namespace
 
 Refiner::Refiner(const Specification& spec) : spec_(&spec) {
+  const std::vector<FixedModules> combinations = module_combinations(spec);
   for (const int planets : spec.planets) {
-    for (const FixedModules& modules : module_combinations(spec)) {
+    for (std::size_t modules = 0; modules < combinations.size(); ++modules) {
       // Either branch of the paper's max() may carry the lower limit, and either part of an
       // objective may be the larger one.
       const bool parts = has_objective_branches(first_objective(spec), spec);
@@ -335,56 +357,35 @@ Refiner::Refiner(const Specification& spec) : spec_(&spec) {
       for (int backlash = 1; backlash <= branches; ++backlash) {
         for (const int part : parts ? std::vector{1, 2} : std::vector{0}) {
           prototypes_.push_back(
-              make_problem_rows(spec, planets, modules, {.backlash = backlash, .objective = part}));
+              {.modules = modules,
+               .problem = make_problem_rows(spec, planets, combinations[modules],
+                                            {.backlash = backlash, .objective = part})});
         }
-        if (prototypes_.back().has_branches) branches = 2;
+        if (prototypes_.back().problem.has_branches) branches = 2;
       }
     }
   }
 }
 
 std::optional<RefinedSet> Refiner::refine(const Candidate& candidate, const ShiftRanges& shifts,
-                                          const SetBound& bound,
+                                          std::span<const ModuleBound> bounds,
                                           const std::atomic<bool>& stop) const {
   const Specification& spec = *spec_;
   RefinedSet set;
   set.candidate = candidate;
   BestEnd best;
   thread_local RefinementProblem problem;
-  for (const RefinementProblem& prototype : prototypes_) {
-    if (prototype.candidate.planets != candidate.planets) continue;
-    problem = prototype;  // keeps the memory of its rows
-    set_teeth(problem, candidate, shifts);
-    BestEnd local;
-    std::vector<Point> ends;
-    const std::vector<Point> starts = starting_points(problem, spec.solver.starts, spec.solver.seed,
-                                                      bound.known ? &bound : nullptr);
-    for (const Point& start : starts) {
-      if (stop.load(std::memory_order_relaxed)) return std::nullopt;
-      if (ends.size() == 1 && !local.found) {
-        if (const auto nearest = nearest_of_two(problem, ends.front(), start)) {
-          local.offer(problem, *nearest);
-          ends.clear();
-          break;
-        }
-      }
-      const bool near = bound.known && ends.empty();
-      const SolveOutcome end = solve(problem, start, near ? kNearTheEnd : SlsqpOptions{});
-      const bool alike = local.found && feasible(end) &&
-                         std::abs(end.objective - local.outcome.objective) <= kAlike;
-      ends.push_back(end.v);
-      local.offer(problem, end);
-      if (local.found && near_bound(spec, local.outcome, bound, alike)) break;
+  for (const auto& [pair, bound] : bounds) {
+    if (best.found && most_of(spec, bound) <= -best.outcome.objective) continue;
+    for (const Prototype& prototype : prototypes_) {
+      if (prototype.problem.candidate.planets != candidate.planets) continue;
+      if (pair && prototype.modules != *pair) continue;
+      problem = prototype.problem;  // keeps the memory of its rows
+      set_teeth(problem, candidate, shifts);
+      const std::optional<BestEnd> local = best_of_starts(problem, bound, stop);
+      if (!local) return std::nullopt;
+      if (local->problem) best.offer(*local->problem, local->outcome);
     }
-    for (std::size_t k = 0; k < ends.size() && !local.found; ++k) {
-      if (stop.load(std::memory_order_relaxed)) return std::nullopt;
-      const SolveOutcome nearest = least_violation(problem, ends[k], {});
-      local.offer(problem, nearest);
-      if (feasible(nearest)) local.offer(problem, solve(problem, nearest.v));
-    }
-    if (stays_at_kink(local)) take_more_starts(problem, stop, local);
-    if (local.found) cross_contact_ratio_kinks(local);
-    if (local.problem) best.offer(*local.problem, local.outcome);
   }
   if (!best.problem) {
     set.status = Status::kFailed;
@@ -409,13 +410,15 @@ std::optional<RefinedSet> Refiner::refine(const Candidate& candidate, const Shif
 RefinedSet refine(const Specification& spec, const Candidate& candidate) {
   Progress progress;
   const std::array one{candidate};
-  const SetBounds bounds(spec, one, progress);
+  SetBounds bounds(spec, one, progress);
+  bounds.tie(std::array{std::uint32_t{0}}, progress);
   const SetBound bound = bounds.of(0);
   if (bound.infeasible) return proven_infeasible(candidate, *bound.infeasible);
   Specification own = spec;
   own.planets = {candidate.planets};
   const std::atomic<bool> never{false};
-  return *Refiner(own).refine(candidate, bounds.shifts().of(candidate.teeth), bound, never);
+  return *Refiner(own).refine(candidate, bounds.shifts().of(candidate.teeth), bounds.by_modules(0),
+                              never);
 }
 
 }  // namespace gear3k::optimize

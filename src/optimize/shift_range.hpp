@@ -29,6 +29,9 @@ struct Infeasibility {
   double miss_si = 0.0;
   double violation = 0.0;  ///< the same, scaled to order 1
   bool alone = true;       ///< else only together with other checks
+  /// Owed to the stages' modules instead of the check: none of a list lets both stages have one
+  /// centre distance.
+  bool of_modules = false;
 };
 
 /// Profile shifts of a gear with the limits that confine them.

@@ -174,7 +174,8 @@ class StageSearch {
     }
     d.lo -= kRelaxationSlack;
     d.hi += kRelaxationSlack;
-    d.lo = std::max(d.lo, closest * (1.0 + 1e-12));
+    d.lo = std::max({d.lo, closest * (1.0 + 1e-12), t_.distance.lo});
+    d.hi = std::min(d.hi, t_.distance.hi);
     if (d.empty()) return false;
     box.low = at(d.lo);
     box.high = at(d.hi);

@@ -33,6 +33,7 @@ struct StageTask {
   bool sun_khk_tip = false, planet_khk_tip = false;  ///< tip shortened by the KHK rule of S-P1
   /// Working angles beyond which nothing is looked for [rad].
   double greatest_angle_rad = 0.0;
+  Interval distance{0.0, kInfinity};     ///< centre distances that are looked at
   Interval sun_backlash, ring_backlash;  ///< j_bn
   /// sun · j_bn of S-P1 + ring · j_bn of the ring's mesh ≤ most (in any one unit).
   struct LostMotion {

@@ -178,6 +178,7 @@ StageTask StageTasks::common(const Candidate& c, int planet, int ring, const Int
       .sun = std::nullopt,
       .pressure_angle_rad = spec_.pressure_angle_rad,
       .greatest_angle_rad = kGreatestWorkingAngle_rad,
+      .distance = {0.0, kInfinity},
       .sun_backlash = {-kInfinity, kInfinity},
       .ring_backlash = backlash_floor(planet == train::kP1 ? train::kMeshP1R1 : train::kMeshP2R2),
       .lost_motion = std::nullopt,

@@ -290,7 +290,8 @@ TEST(CertifiedUnderLoad, AgreesWithRefiningEverySetWithoutBounds) {
     std::size_t carried = 0, ruled_out = 0;
     for (std::size_t k = 0; k < certified.search.candidates.size(); ++k) {
       const Candidate& candidate = certified.search.candidates[k];
-      const auto set = refiner.refine(candidate, shifts.of(candidate.teeth), SetBound{}, never);
+      const auto set =
+          refiner.refine(candidate, shifts.of(candidate.teeth), std::array{ModuleBound{}}, never);
       const SetBound bound = certified.bounds->of(k);
       if (bound.infeasible && bound.infeasible->check == CheckId::kFlankSafety) ++ruled_out;
       if (set->status != Status::kOptimal) continue;

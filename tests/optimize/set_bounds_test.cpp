@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <numeric>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "efficiency/train_efficiency.hpp"
 #include "io/files/specification_file.hpp"
@@ -124,7 +126,10 @@ class RandomSpecifications : public testing::TestWithParam<int> {
         const RandomTask task = make(seed, 3);
         if (task.candidates.empty()) continue;
         Progress progress;
-        const SetBounds bounds(task.spec, task.candidates, progress);
+        SetBounds bounds(task.spec, task.candidates, progress);
+        std::vector<std::uint32_t> all(task.candidates.size());
+        std::iota(all.begin(), all.end(), 0U);
+        bounds.tie(all, progress);
         visit(seed, task, bounds);
       }
     }
@@ -176,8 +181,9 @@ TEST_P(RandomSpecifications, RefinedSetsLieBelowTheBoundsOfBothDirections) {
     for (std::size_t k = 0; k < task.candidates.size(); ++k) {
       const SetBound bound = bounds.of(k);
       if (bound.infeasible) continue;
-      const auto set = refiner.refine(task.candidates[k],
-                                      bounds.shifts().of(task.candidates[k].teeth), bound, never);
+      const auto set =
+          refiner.refine(task.candidates[k], bounds.shifts().of(task.candidates[k].teeth),
+                         bounds.by_modules(k), never);
       if (set->status != Status::kOptimal) continue;
       const std::string what = "seed " + std::to_string(seed) + " set " + std::to_string(k);
       EXPECT_LE(set->eta_b, bound.eta_b + kRounding) << what;
