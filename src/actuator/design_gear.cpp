@@ -150,10 +150,15 @@ DesignTrain::DesignTrain(const design::Design& design)
   } else {
     inertia_missing_ = masses.bodies_missing;
   }
-  if (!design.rating) return;
   const auto evaluated = design::evaluate(design);
   const auto* evaluation = std::get_if<design::Evaluation>(&evaluated);
-  if (evaluation == nullptr || !evaluation->strength) return;
+  if (evaluation == nullptr) return;
+  for (const design::CheckResult& check : evaluation->checks) {
+    if (!check.ok && std::ranges::find(failed_, check.record->title) == failed_.end()) {
+      failed_.push_back(check.record->title);
+    }
+  }
+  if (!evaluation->strength) return;
   if (const auto& stiffness = evaluation->strength->backward.stiffness) {
     stiffness_Nm_rad_ = stiffness->output_Nm_rad;
   }

@@ -22,6 +22,8 @@ class DesignTrain {
   [[nodiscard]] double inertia_kgm2() const;
   /// What its inertia lacks: "" where it is known.
   [[nodiscard]] const std::string& inertia_missing() const { return inertia_missing_; }
+  /// Titles of the checks that the design fails.
+  [[nodiscard]] const std::vector<std::string_view>& failed_checks() const { return failed_; }
   [[nodiscard]] std::optional<double> mass_kg() const { return mass_kg_; }
   /// At the output with the sun locked, meshes and springs; empty without [strength].
   [[nodiscard]] std::optional<double> stiffness_nm_rad() const { return stiffness_Nm_rad_; }
@@ -44,6 +46,7 @@ class DesignTrain {
   std::array<double, 2> face_width_m_{};
   double temperature_K_;
   std::string inertia_missing_;
+  std::vector<std::string_view> failed_;
   std::optional<double> mass_kg_, stiffness_Nm_rad_;
 };
 

@@ -326,7 +326,7 @@ double balance_error_of(const DutyCycle& d) {
     add(energy);
   }
   for (const LossEnergy& loss : d.losses) add(-loss.energy_J);
-  return magnitude > 0.0 ? std::abs(difference.value()) / magnitude : 0.0;
+  return magnitude == 0.0 ? 0.0 : std::abs(difference.value()) / magnitude;
 }
 
 DutyCycle CycleRun::result(const Cycle& cycle, const std::vector<CyclePiece>& pieces) {

@@ -65,6 +65,10 @@ void set_design_parts(const Actuator& actuator, const Chain& chain, Reflected& r
   } catch (const std::runtime_error&) {
     r.notes.emplace_back("the motor cannot start the train: it locks");
   }
+  if (!train.failed_checks().empty()) {
+    r.notes.push_back(fmt::format("{} fails checks of `gear3k analyze`: {}", train.name(),
+                                  fmt::join(train.failed_checks(), "; ")));
+  }
   if (!train.inertia_missing().empty()) {
     r.notes.push_back(fmt::format("the gears of {} have no inertia: it lacks {}", train.name(),
                                   train.inertia_missing()));

@@ -278,6 +278,22 @@ class Front {
 
 }  // namespace
 
+std::vector<Unknown> unknown_of(const SelectionTask& task, const Pair& pair) {
+  const CatalogueMotor& motor = task.motors[pair.motor];
+  const CatalogueGearbox& gearbox = task.gearboxes[pair.gearbox];
+  const MotorHeat& heat = motor.motor.heat;
+  std::vector<Unknown> unknown;
+  const auto add = [&](bool known, Unknown what) {
+    if (!known) unknown.push_back(what);
+  };
+  add(motor.friction_known, Unknown::kMotorFriction);
+  add(motor.nominal_current_A.has_value(), Unknown::kNominalCurrent);
+  add(gearbox.continuous_Nm && gearbox.intermittent_Nm, Unknown::kGearboxTorque);
+  add(heat.winding_housing_K_W && heat.housing_ambient_K_W, Unknown::kWinding);
+  add(motor.motor.mass_kg && gearbox.gearbox.mass_kg, Unknown::kMass);
+  return unknown;
+}
+
 bool dominates(const SelectionTask& task, const PairResult& a, const PairResult& b) {
   bool better = false;
   for (const Objective objective : task.objectives) {

@@ -35,6 +35,7 @@ struct CatalogueMotor {
   std::string name;
   Motor motor;
   std::optional<double> nominal_current_A, nominal_voltage_V;
+  bool friction_known = true;  ///< else it runs without any
 };
 struct CatalogueGearbox {
   std::string name;
@@ -55,6 +56,17 @@ struct SelectionTask {
   std::optional<double> max_winding_K;
   double ambient_K = kResistanceTemperature_K;
 };
+
+/// What is not known of a pair: its result is the better for it.
+enum class Unknown {
+  kMotorFriction,
+  kNominalCurrent,  ///< no limit of the current, nor of its peak
+  kGearboxTorque,   ///< no continuous or no intermittent torque
+  kWinding,         ///< no temperature, and no limit of it
+  kMass
+};
+inline constexpr std::array<std::string_view, 5> kUnknownNames{"motor_friction", "nominal_current",
+                                                               "gearbox_torque", "winding", "mass"};
 
 /// Places in the lists of a task.
 struct Pair {
@@ -108,6 +120,9 @@ Selection select(const SelectionTask& task);
 
 /// One pair by its exact cycles.
 PairResult run_pair(const SelectionTask& task, const Pair& pair);
+
+/// What no catalogue tells of a pair.
+std::vector<Unknown> unknown_of(const SelectionTask& task, const Pair& pair);
 
 /// Whether a is as good as b in every objective and better in one.
 bool dominates(const SelectionTask& task, const PairResult& a, const PairResult& b);

@@ -40,6 +40,11 @@ report::ActuatorResult analyze_actuator(const ActuatorRequest& request) {
     if (request.cycle) {
       result.cycle_name = request.cycle->name;
       result.cycle = actuator::run_cycle(request.actuator, *request.cycle, request.keep_instants);
+      if (!std::isfinite(result.cycle->balance_error)) {
+        throw std::runtime_error(fmt::format(
+            "the energies of {} are not finite numbers: allowed: a motor and gearbox of its size",
+            request.cycle->name));
+      }
       if (request.without_each) {
         result.without_each =
             actuator::without_each(request.actuator, *request.cycle, *result.cycle);

@@ -24,28 +24,29 @@ namespace gear3k::cli {
 
 namespace {
 
-/// "LO:HI:N".
-/// @throws io::InvalidInput naming what is allowed
-actuator::ImpedanceTask impedance_task(const ActuatorOptions& options) {
+constexpr double kMostPoints = 100000;
+constexpr double kMostHertz = 1e6;
+
+/// LO, HI in Hz and N; empty where the text has no such range.
+std::optional<std::array<double, 3>> impedance_range(std::string_view text) {
   std::array<double, 3> numbers{};
-  std::string_view rest = options.impedance;
-  bool valid = std::ranges::count(rest, ':') == 2;
+  bool valid = std::ranges::count(text, ':') == 2;
   for (double& number : numbers) {
-    const auto value = io::csv_number(rest.substr(0, rest.find(':')));
+    const auto value = io::csv_number(text.substr(0, text.find(':')));
     valid = valid && value;
     number = value.value_or(0.0);
-    rest.remove_prefix(std::min(rest.find(':'), rest.size() - 1) + (rest.empty() ? 0 : 1));
+    text.remove_prefix(std::min(text.find(':'), text.size() - 1) + (text.empty() ? 0 : 1));
   }
-  constexpr double kMostPoints = 100000;
-  constexpr double kMostHertz = 1e6;
   const auto [low, high, points] = numbers;
   valid = valid && low > 0.0 && high >= low && high <= kMostHertz && points >= 1.0 &&
           points <= kMostPoints && points == static_cast<int>(points);
-  if (!valid) {
-    throw io::InvalidInput(fmt::format(
-        "--impedance {}: allowed: LO:HI:N, 0 < LO <= HI <= {:g} Hz, N a whole number, 1 to {:g}",
-        options.impedance, kMostHertz, kMostPoints));
-  }
+  return valid ? std::optional(numbers) : std::nullopt;
+}
+
+/// "LO:HI:N".
+/// @throws io::InvalidInput naming what is allowed
+actuator::ImpedanceTask impedance_task(const ActuatorOptions& options) {
+  const auto [low, high, points] = impedance_range(options.impedance).value();
   constexpr std::array<std::string_view, 3> kTerminals{"open", "shorted", "locked"};
   const auto* const motor = std::ranges::find(kTerminals, options.motor);
   return {.low_Hz = low,
@@ -133,6 +134,13 @@ ExitCode run_selection(const ActuatorOptions& options) {
 }
 
 }  // namespace
+
+std::string impedance_error(std::string_view value) {
+  if (impedance_range(value)) return "";
+  return fmt::format(
+      "--impedance {}: allowed: LO:HI:N, 0 < LO <= HI <= {:g} Hz, N a whole number, 1 to {:g}",
+      value, kMostHertz, kMostPoints);
+}
 
 ExitCode run_actuator(const ActuatorOptions& options) {
   end_on_interrupt();

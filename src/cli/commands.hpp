@@ -118,6 +118,8 @@ ExitCode run_diagnose(const DiagnoseOptions& options);
 ExitCode run_tolerances(const TolerancesOptions& options);
 ExitCode run_export(const ExportOptions& options);
 ExitCode run_actuator(const ActuatorOptions& options);
+/// What is wrong with a value of --impedance; "" when nothing is.
+std::string impedance_error(std::string_view value);
 /// Prints docs/keys.md: every key of DESIGN, PAIR and SPEC files, or those that hold a word.
 ExitCode run_keys(const KeysOptions& options);
 /// Prints a first file of a kind, with comments.

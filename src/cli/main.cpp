@@ -262,7 +262,7 @@ void add_actuator_options(CLI::App& command, cli::ActuatorOptions& options) {
 }
 
 /// What is wrong with the options of `actuator` together; "" when nothing is.
-std::string actuator_usage_error(const cli::ActuatorOptions& options) {
+std::string actuator_usage_error(const CLI::App& command, const cli::ActuatorOptions& options) {
   std::vector<std::string> errors;
   const bool select = !options.select.empty();
   if (select == !options.file.empty()) {
@@ -279,6 +279,13 @@ std::string actuator_usage_error(const cli::ActuatorOptions& options) {
   }
   if (options.amplitude_rad > 0.0 && options.impedance.empty()) {
     errors.emplace_back("--amplitude: allowed: with --impedance LO:HI:N");
+  }
+  if (options.impedance.empty() && command.count("--motor") > 0) {
+    errors.emplace_back("--motor: allowed: with --impedance LO:HI:N");
+  }
+  if (!options.impedance.empty()) {
+    const std::string slip = cli::impedance_error(options.impedance);
+    if (!slip.empty()) errors.push_back(slip);
   }
   if (options.format == cli::Format::kCsv && options.cycle.empty() && options.impedance.empty() &&
       !select) {
@@ -480,7 +487,8 @@ int run_program(int argc, char** argv) {
       "actuator", "motor, gearbox and load: what the output feels, what a duty cycle costs");
   add_actuator_options(*actuator_command, actuator);
   actuator_command->callback([&] {
-    if (const std::string error = actuator_usage_error(actuator); !error.empty()) {
+    if (const std::string error = actuator_usage_error(*actuator_command, actuator);
+        !error.empty()) {
       throw CLI::ValidationError(error, CLI::ExitCodes::ValidationError);
     }
     run = [&] { return cli::run_actuator(actuator); };

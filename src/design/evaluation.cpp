@@ -36,6 +36,19 @@ void note_axial_overlap(const Design& design, std::vector<std::string>& notes) {
   }
 }
 
+/// Says which stated limits of size have nothing to hold.
+void note_sizes(const Design& design, std::vector<std::string>& notes) {
+  const GearingLayout layout = train_layout(
+      {.planets = design.train.planets, .axial = design.axial, .bodies = bodies_of(design)});
+  if (design.limits[CheckId::kGearboxLength] && !layout.sized) {
+    notes.emplace_back(
+        "gearbox_length is not checked: no [axial] table, and not the face widths of both stages");
+  }
+  if (design.limits[CheckId::kWall] && std::ranges::none_of(layout.walled, std::identity())) {
+    notes.emplace_back("wall is not checked: no gear has a bore or an outer diameter");
+  }
+}
+
 /// Says which gears are shorter along the axis than their face width: one of both is wrong.
 void note_face_widths(const Design& design, std::vector<std::string>& notes) {
   constexpr double kSlack_m = 1e-9;
@@ -347,6 +360,7 @@ std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
   note_loss_model(e.meshes, e.notes);
   note_axial_overlap(design, e.notes);
   note_face_widths(design, e.notes);
+  note_sizes(design, e.notes);
   note_rated_torque(design, e.notes);
   note_help_of_the_sun(e, e.notes);
   if (!design.center_distance_given) {

@@ -48,6 +48,7 @@ DrawnGear blank_gear(const geometry::GearGeometry<double>& g, GearId id,
   if (id == kP1 || id == kP2) {
     drawn.mark = {.x_m = 0.5 * (g.root_radius_m + g.tip_radius_m), .y_m = 0.0};
   }
+  if (id == kR1) drawn.outer_radius_m = masses.ring1_outer_radius_m;
   if (id == kR2) drawn.outer_radius_m = masses.ring2_outer_radius_m;
   return drawn;
 }

@@ -69,6 +69,7 @@ class SheetRows {
   void limit_by_thickness(Characteristic& row, const Measure& measure) const {
     if (!gear_.tolerances) return;
     const DeviationLimits& limits = gear_.tolerances->tooth_thickness_m;
+    if (limits.lower == limits.upper) return;  // not stated
     const std::optional<double> a = measure(thicker(limits.lower));
     const std::optional<double> b = measure(thicker(limits.upper));
     if (!a || !b) return;
@@ -94,7 +95,8 @@ class SheetRows {
   void add_blank() {
     const double tip_mm = mm(2.0 * gear_.geometry.tip_radius_m);
     Characteristic& tip = add("blank", "tip diameter", "d_a", "mm", tip_mm);
-    if (gear_.tolerances) {
+    if (gear_.tolerances &&
+        gear_.tolerances->tip_diameter_m.lower != gear_.tolerances->tip_diameter_m.upper) {
       tip.lower = tip_mm + mm(gear_.tolerances->tip_diameter_m.lower);
       tip.upper = tip_mm + mm(gear_.tolerances->tip_diameter_m.upper);
     }
@@ -313,8 +315,9 @@ std::vector<InspectionSheet> inspection_sheets(const design::Design& design,
     gear.face_width_m = design.masses.face_width_m[static_cast<std::size_t>(train::stage_of(id))];
     const double bore_m = design.masses.bore_radius_m[id];
     if (kind == GearKind::kExternal && bore_m > 0.0) gear.bore_diameter_m = 2.0 * bore_m;
-    if (id == train::kR2 && design.masses.ring2_outer_radius_m)
-      gear.outer_diameter_m = 2.0 * *design.masses.ring2_outer_radius_m;
+    const auto& outer_m =
+        id == train::kR1 ? design.masses.ring1_outer_radius_m : design.masses.ring2_outer_radius_m;
+    if (kind == GearKind::kRing && outer_m) gear.outer_diameter_m = 2.0 * *outer_m;
     gear.material = material_of(design.rating, id);
     sheets.push_back(sheet_of(std::string(train::kGearNames[id]), evaluation.name, gear));
   }

@@ -45,6 +45,12 @@ std::string limits_line(const design::Limits& limits) {
   for (const design::CheckId id : limits.bare) {
     bare.push_back(limit_with_unit(design::check_record(id), limits[id]));
   }
+  for (std::size_t mesh = 0; mesh < limits.mesh_backlash_m.size(); ++mesh) {
+    if (const auto& least = limits.mesh_backlash_m[mesh]) {
+      stated.push_back(fmt::format("normal_backlash of {} >= {:g} um", train::kMeshNames[mesh],
+                                   units::decimal_from_si(*least, units::Unit::kMicrometre)));
+    }
+  }
   const auto zero = limits_at_zero(limits);
   const std::string at_zero = zero.empty() ? "" : fmt::format("; at 0: {}", fmt::join(zero, ", "));
   if (!limits.preset) {
@@ -67,6 +73,13 @@ io::Json limits_json(const design::Limits& limits) {
   io::Json bare = io::Json::array();
   for (const design::CheckId id : limits.bare) bare.push_back(design::check_record(id).name);
   io::Json in_force = io::Json::object();
+  io::Json of_mesh = io::Json::object();
+  for (std::size_t mesh = 0; mesh < limits.mesh_backlash_m.size(); ++mesh) {
+    if (const auto& least = limits.mesh_backlash_m[mesh]) {
+      of_mesh[std::string(train::kMeshNames[mesh])] =
+          units::decimal_from_si(*least, units::Unit::kMicrometre);
+    }
+  }
   for (const design::CheckRecord& r : design::check_records()) {
     if (limits[r.id] && !r.rating) in_force[std::string(r.name)] = in_own_unit(r, *limits[r.id]);
   }
@@ -75,6 +88,7 @@ io::Json limits_json(const design::Limits& limits) {
                          : io::Json(nullptr)},
           {"bare", std::move(bare)},
           {"at_zero", limits_at_zero(limits)},
+          {"normal_backlash_of_mesh", std::move(of_mesh)},
           {"in_force", std::move(in_force)}};
 }
 

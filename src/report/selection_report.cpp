@@ -26,6 +26,15 @@ std::string field(const std::string& name) {
   return line;
 }
 
+/// Names of what is not known of a pair.
+std::vector<std::string_view> unknown_names(const SelectionTask& task, const Pair& pair) {
+  std::vector<std::string_view> names;
+  for (const actuator::Unknown what : actuator::unknown_of(task, pair)) {
+    names.push_back(actuator::kUnknownNames[static_cast<std::size_t>(what)]);
+  }
+  return names;
+}
+
 Json pair_json(const SelectionTask& task, const PairResult& r) {
   return {{"motor", task.motors[r.pair.motor].name},
           {"gearbox", task.gearboxes[r.pair.gearbox].name},
@@ -42,7 +51,8 @@ Json pair_json(const SelectionTask& task, const PairResult& r) {
           {"winding_c",
            r.winding_K ? Json(units::from_si(*r.winding_K, units::Unit::kCelsius)) : Json()},
           {"limit", r.limit ? Json(limit_name(*r.limit)) : Json()},
-          {"excess", r.limit ? Json(r.excess) : Json()}};
+          {"excess", r.limit ? Json(r.excess) : Json()},
+          {"unknown", unknown_names(task, r.pair)}};
 }
 
 std::string optional_cell(const std::optional<double>& value) {
@@ -82,15 +92,15 @@ std::string selection_csv(const SelectionTask& task, const Selection& selection)
 std::string selection_front_csv(const SelectionTask& task, const Selection& selection) {
   std::string text =
       "motor,gearbox,ratio,energy_j,mass_kg,peak_current_a,rms_current_a,peak_voltage_v,"
-      "rms_torque_nm,peak_torque_nm,breakaway_nm,inertia_kgm2,winding_c\n";
+      "rms_torque_nm,peak_torque_nm,breakaway_nm,inertia_kgm2,winding_c,unknown\n";
   for (const PairResult& r : selection.front) {
-    text +=
-        csv_line({task.motors[r.pair.motor].name, task.gearboxes[r.pair.gearbox].name,
-                  exact(task.gearboxes[r.pair.gearbox].gearbox.ratio), exact(r.energy_J),
-                  optional_cell(r.mass_kg), exact(r.peak_current_A), exact(r.rms_current_A),
-                  exact(r.peak_voltage_V), exact(r.rms_torque_Nm), exact(r.peak_torque_Nm),
-                  optional_cell(r.breakaway_Nm), exact(r.inertia_kgm2),
-                  r.winding_K ? exact(units::from_si(*r.winding_K, units::Unit::kCelsius)) : ""});
+    text += csv_line({task.motors[r.pair.motor].name, task.gearboxes[r.pair.gearbox].name,
+                      exact(task.gearboxes[r.pair.gearbox].gearbox.ratio), exact(r.energy_J),
+                      optional_cell(r.mass_kg), exact(r.peak_current_A), exact(r.rms_current_A),
+                      exact(r.peak_voltage_V), exact(r.rms_torque_Nm), exact(r.peak_torque_Nm),
+                      optional_cell(r.breakaway_Nm), exact(r.inertia_kgm2),
+                      r.winding_K ? exact(units::from_si(*r.winding_K, units::Unit::kCelsius)) : "",
+                      fmt::format("{}", fmt::join(unknown_names(task, r.pair), " "))});
   }
   return text;
 }
@@ -130,16 +140,26 @@ std::string selection_table(const SelectionTask& task, const Selection& selectio
                   task.name, task.motors.size(), task.gearboxes.size(), selection.verdicts.size(),
                   selection.run, selection.front.size());
   TextTable table({"motor", "gearbox", "ratio", "energy J", "mass kg", "A peak", "A rms", "V peak",
-                   "inertia kg m2"});
+                   "inertia kg m2", "not known"});
   table.align_left(1);
   const auto cell = [](double value) { return fmt::format("{:.4g}", value); };
   for (const PairResult& r : selection.front) {
     table.add({task.motors[r.pair.motor].name, task.gearboxes[r.pair.gearbox].name,
                cell(task.gearboxes[r.pair.gearbox].gearbox.ratio), cell(r.energy_J),
                r.mass_kg ? cell(*r.mass_kg) : "-", cell(r.peak_current_A), cell(r.rms_current_A),
-               cell(r.peak_voltage_V), cell(r.inertia_kgm2)});
+               cell(r.peak_voltage_V), cell(r.inertia_kgm2),
+               fmt::format("{}", fmt::join(unknown_names(task, r.pair), " "))});
   }
   if (!selection.front.empty()) text += table.text(0);
+  const auto frictionless = std::ranges::count_if(selection.front, [&](const PairResult& r) {
+    return !task.motors[r.pair.motor].friction_known;
+  });
+  if (frictionless > 0) {
+    text += fmt::format(
+        "Note: {} pairs of the front have a motor of which no friction is published: it runs "
+        "without, and is the better for it\n",
+        frictionless);
+  }
   for (std::size_t k = 0; k < selection.rejected.size(); ++k) {
     if (selection.rejected[k] == 0) continue;
     text +=

@@ -134,6 +134,28 @@ TEST(Selection, WritesEveryPairAndTheFront) {
   const json summary = json::parse(place.read("out/summary.json"));
   EXPECT_EQ(summary.at("pairs"), 4);
   EXPECT_EQ(summary.at("front").size() + 1, lines_of(place.read("out/pareto.csv")).size());
+  // No friction and no thermal resistance stands in the catalogue.
+  EXPECT_EQ(summary.at("front").at(0).at("unknown"), json({"motor_friction", "winding"}));
+  EXPECT_TRUE(contains(result.out, "no friction is published")) << result.out;
+}
+
+TEST(Selection, TellsAllSlipsOfCataloguesAtOnce) {
+  const Workplace place;
+  place.write("motors.csv", "\xEF\xBB\xBF" + kMotors);
+  place.write("gearboxes.csv",
+              "manufacturer,order_code,ratio,efficiency\nB,low,0,0.8\nB,short,3\nB,high,10,2\n");
+  place.write("c.csv", "time_s,torque_nm,speed_rad_s\n0,-3,1\n0.5,3,-1\n1,-3,1\n");
+  place.write("s.toml",
+              "motors = \"motors.csv\"\ngearboxes = \"gearboxes.csv\"\n"
+              "cycles = \"c.csv\"\nobjective = [\"mass\", \"mass\"]\n");
+  const ProgramResult result = place.run({"actuator", "--select", "s.toml", "--out", "out"});
+  EXPECT_EQ(result.exit_code, 2);
+  for (const std::string message :
+       {"ratio = \"0\": allowed: a number above 0", "3 fields, allowed: 4 as in the header",
+        "efficiency = \"2\": allowed: a number above 0 to 1", "objective: \"mass\" twice"}) {
+    EXPECT_TRUE(contains(result.err, message)) << message << " is not in\n" << result.err;
+  }
+  EXPECT_FALSE(contains(result.err, "motors.csv")) << result.err;
 }
 
 TEST(Selection, WithoutAFeasiblePairEndsWith3AndNamesTheLimit) {
@@ -157,7 +179,41 @@ TEST(Actuator, OptionsThatDoNotGoTogetherAreUsageErrors) {
   EXPECT_EQ(place.run({"actuator", "a.toml", "--without-each"}).exit_code, 1);
   EXPECT_EQ(place.run({"actuator", "a.toml", "--amplitude", "0.1"}).exit_code, 1);
   EXPECT_EQ(place.run({"actuator", "--select", "a.toml"}).exit_code, 1);
-  EXPECT_EQ(place.run({"actuator", "a.toml", "--impedance", "1:2"}).exit_code, 2);
+  EXPECT_EQ(place.run({"actuator", "a.toml", "--impedance", "1:2"}).exit_code, 1);
+  EXPECT_EQ(place.run({"actuator", "a.toml", "--motor", "shorted"}).exit_code, 1);
+}
+
+TEST(Actuator, NumbersOfACycleAreThoseOfAnActuator) {
+  const Workplace place;
+  place.write("a.toml", kReference);
+  place.write("c.csv",
+              "# torque: load\n# torque: actuator\ntime_s,torque_nm,speed_rad_s\n0,1e160,1\n"
+              "1e-308,1,1\n1,1,-2e9\n2,1,1\n");
+  const ProgramResult result = place.run({"actuator", "a.toml", "--cycle", "c.csv"});
+  EXPECT_EQ(result.exit_code, 2);
+  for (const std::string message :
+       {"c.csv:2:1: # torque: actuator after # torque: load: allowed: one of them",
+        "c.csv:4:3: torque_nm = \"1e160\": allowed: a number from -1e+09 to 1e+09",
+        "c.csv:5:1: time_s = 1e-308 after 0: allowed: increasing times, by 1e-09 s or more",
+        "c.csv:6:5: speed_rad_s = \"-2e9\": allowed: a number from -1e+09 to 1e+09"}) {
+    EXPECT_TRUE(contains(result.err, message)) << message << " is not in\n" << result.err;
+  }
+}
+
+TEST(Actuator, NotesADesignThatFailsItsChecks) {
+  const Workplace place;
+  std::string design = place.read(std::string(GEAR3K_SOURCE_DIR) + "/examples/designs/loaded.toml");
+  const std::string table = "[backlash]\n";
+  const std::size_t at = design.find(table);
+  ASSERT_NE(at, std::string::npos);
+  design.insert(at + table.size(), "S-P1.min_normal_um = 1000.0\n");
+  place.write("d.toml", design);
+  place.write("a.toml",
+              "[motor]\ntorque_constant_nm_per_a = 0.05\nresistance_ohm = 0.5\n"
+              "[gearbox]\ndesign = \"d.toml\"\n");
+  const ProgramResult result = place.run({"actuator", "a.toml"});
+  EXPECT_TRUE(contains(result.out + result.err, "fails checks of `gear3k analyze`"))
+      << result.out << result.err;
 }
 
 }  // namespace

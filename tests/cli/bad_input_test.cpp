@@ -473,6 +473,8 @@ std::vector<BadInput> specification_inputs() {
       bad_task("MassWithoutDensity",
                replaced(kSpec, "\"backward_efficiency\"", "[\"mass\", \"lost_motion\"]"),
                {"spec.toml:2:1: objective \"mass\" without inertia.density_kg_m3"}),
+      bad_task("LengthOfNothing", kSpec + "[size]\nmax_length_mm = 20.0\n",
+               {"size.max_length_mm without [axial] and without stage1.face_width_mm and"}),
       bad_task("FreeTipsTwice",
                kSpec + "[free]\naddendum = [0.8, 1.2]\ntip_shortening = [0.0, 0.2]\n",
                {"free.tip_shortening and free.addendum: allowed: one of them"}),

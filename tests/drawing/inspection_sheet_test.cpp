@@ -108,6 +108,25 @@ TEST(InspectionSheet, WithoutTolerancesHasNominalValuesAndSaysSo) {
   }
 }
 
+TEST(InspectionSheet, HasNoLimitsOfWhatHasNoTolerance) {
+  design::Design design = io::read_design(std::string(GEAR3K_SOURCE_DIR) +
+                                          "/examples/designs/bilateral_drive_gear.toml");
+  design.tolerances.emplace();
+  design.tolerances->gears[train::kP1].tooth_thickness_m = {.lower = -20e-6, .upper = -10e-6};
+  design.masses.ring1_outer_radius_m = 0.05;
+  const auto evaluation = std::get<design::Evaluation>(design::evaluate(design));
+  for (const InspectionSheet& sheet : drawing::inspection_sheets(design, evaluation)) {
+    if (sheet.name == "P1" || sheet.name == "planet") continue;
+    bool outer = false;
+    for (const Characteristic& row : sheet.rows) {
+      outer = outer || row.name == "outer diameter";
+      if (row.symbol == "d_Ff") continue;
+      EXPECT_FALSE(row.lower || row.upper) << sheet.name << ' ' << row.name;
+    }
+    EXPECT_EQ(outer, sheet.name == "R1") << sheet.name;
+  }
+}
+
 TEST(InspectionSheet, NamesTheGradeOfItsDeviations) {
   geometry::GearGeometry<double> gear;
   gear.gear.module_m = 0.002;

@@ -36,8 +36,9 @@ class CycleReader {
       } else if (!fields_.split(line)) {
         complain(1, "a quote is left open");
       } else if (width_ == 0) {
+        const std::size_t before = complaints_.count();
         read_header();
-        if (!complaints_.none()) break;  // of columns that are not known no row tells anything
+        if (complaints_.count() > before) break;  // of columns that are not known no row tells anything
       } else {
         read_row();
       }
@@ -55,6 +56,11 @@ class CycleReader {
     const std::size_t colon = note.find(':');
     if (colon == std::string_view::npos || trimmed(note.substr(0, colon)) != "torque") return;
     const std::string_view value = trimmed(note.substr(colon + 1));
+    if (!sign_.empty() && sign_ != value) {
+      complain(1,
+               fmt::format("# torque: {} after # torque: {}: allowed: one of them", value, sign_));
+    }
+    sign_ = value;
     if (value == "actuator") {
       turned_ = true;
     } else if (value != "load") {
@@ -112,9 +118,10 @@ class CycleReader {
   double number(CycleColumn column) {
     const std::string_view field = trimmed(fields_.values()[place_[column]]);
     const auto value = csv_number(field);
-    if (value && std::isfinite(*value)) return *value;
-    complain(fields_.column(place_[column]), fmt::format("{} = \"{}\": allowed: a finite number",
-                                                         kCycleColumnNames[column], field));
+    if (value && std::abs(*value) <= kGreatest) return *value;
+    complain(fields_.column(place_[column]),
+             fmt::format("{} = \"{}\": allowed: a number from {:g} to {:g}",
+                         kCycleColumnNames[column], field, -kGreatest, kGreatest));
     return std::nan("");
   }
 
@@ -128,10 +135,10 @@ class CycleReader {
     const double time = number(kTime);
     const double torque = number(kTorque);
     const double motion = number(motion_);
-    if (!cycle_.time_s.empty() && time <= cycle_.time_s.back()) {
+    if (!cycle_.time_s.empty() && time - cycle_.time_s.back() < kShortest_s) {
       complain(fields_.column(place_[kTime]),
-               fmt::format("time_s = {:g} after {:g}: allowed: increasing times", time,
-                           cycle_.time_s.back()));
+               fmt::format("time_s = {:g} after {:g}: allowed: increasing times, by {:g} s or more",
+                           time, cycle_.time_s.back(), kShortest_s));
       return;
     }
     if (std::isnan(time)) return;
@@ -158,6 +165,9 @@ class CycleReader {
     }
   }
 
+  static constexpr double kGreatest = 1e9;     ///< of any column, in its unit
+  static constexpr double kShortest_s = 1e-9;  ///< between two rows
+
   const std::string& name_;
   actuator::Cycle cycle_;
   Complaints complaints_;
@@ -168,6 +178,7 @@ class CycleReader {
   std::size_t width_ = 0, rows_ = 0;
   int line_ = 0, header_line_ = 0;
   bool turned_ = false;
+  std::string sign_;  ///< whose torque it is, as the note says
 };
 
 }  // namespace

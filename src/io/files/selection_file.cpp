@@ -24,16 +24,21 @@ constexpr std::size_t kMostCatalogueBytes = std::size_t{1} << 26U;
 /// Values of a catalogue's rows; errors of all rows are collected.
 class CatalogueRows {
  public:
-  explicit CatalogueRows(const CsvTable& table) : table_(table) {}
+  /// @param slips  of the table's form, told with those of its values
+  CatalogueRows(const CsvTable& table, const std::vector<Diagnostic>& slips) : table_(table) {
+    for (const Diagnostic& slip : slips) complaints_.add(slip.position, slip.message);
+  }
 
   void require(const std::vector<std::string>& columns) {
+    bool missing = false;
     for (const std::string& column : columns) {
       if (has(column)) continue;
+      missing = true;
       complaints_.add({.line = 1, .column = 1},
                       fmt::format("column {} is missing: allowed: columns {}", column,
                                   fmt::join(columns, ", ")));
     }
-    raise();
+    if (missing) raise();
   }
   /// A number above `least` (or equal to it), or blank.
   std::optional<double> number(const CsvTable::Row& row, const std::string& column, double least,
@@ -81,11 +86,14 @@ class CatalogueRows {
 };
 
 /// Viscous and Coulomb friction: as published, else all of the no-load torque viscous.
-void set_friction(CatalogueRows& rows, const CsvTable::Row& row, actuator::Motor& motor) {
+void set_friction(CatalogueRows& rows, const CsvTable::Row& row,
+                  actuator::CatalogueMotor& catalogued) {
+  actuator::Motor& motor = catalogued.motor;
   const auto coulomb = rows.number(row, "coulomb_torque_nm", 0.0, false);
   const auto viscous = rows.number(row, "viscous_nms_per_rad", 0.0, false);
   const auto current = rows.number(row, "no_load_current_a", 0.0, false);
   const auto speed = rows.number(row, "no_load_speed_rad_s", 0.0, true);
+  catalogued.friction_known = coulomb || viscous || (current && speed);
   motor.coulomb_Nm = coulomb.value_or(0.0);
   motor.static_Nm = motor.coulomb_Nm;
   if (viscous) {
@@ -126,8 +134,9 @@ void read_parts(const SelectionInput& input, const std::filesystem::path& folder
 
 std::vector<actuator::CatalogueMotor> parse_motors(const std::string& text,
                                                    const std::string& name) {
-  const CsvTable table = parse_csv(text, name);
-  CatalogueRows rows(table);
+  std::vector<Diagnostic> slips;
+  const CsvTable table = parse_csv(text, name, slips);
+  CatalogueRows rows(table, slips);
   rows.require({"manufacturer", "order_code", "resistance_ohm", "torque_constant_nm_per_a"});
   std::vector<actuator::CatalogueMotor> motors;
   motors.reserve(table.rows.size());
@@ -144,7 +153,7 @@ std::vector<actuator::CatalogueMotor> parse_motors(const std::string& text,
         rows.number(row, "thermal_resistance_housing_ambient_k_per_w", 0.0, true);
     m.nominal_current_A = rows.number(row, "nominal_current_a", 0.0, true);
     m.nominal_voltage_V = rows.number(row, "nominal_voltage_v", 0.0, true);
-    set_friction(rows, row, m.motor);
+    set_friction(rows, row, m);
     motors.push_back(std::move(m));
   }
   rows.raise();
@@ -154,8 +163,9 @@ std::vector<actuator::CatalogueMotor> parse_motors(const std::string& text,
 std::vector<actuator::CatalogueGearbox> parse_gearboxes(const std::string& text,
                                                         const std::string& name,
                                                         double backward_over_forward) {
-  const CsvTable table = parse_csv(text, name);
-  CatalogueRows rows(table);
+  std::vector<Diagnostic> slips;
+  const CsvTable table = parse_csv(text, name, slips);
+  CatalogueRows rows(table, slips);
   rows.require({"manufacturer", "order_code", "ratio", "efficiency"});
   std::vector<actuator::CatalogueGearbox> gearboxes;
   gearboxes.reserve(table.rows.size());

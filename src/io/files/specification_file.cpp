@@ -71,8 +71,19 @@ void check_objectives(const optimize::Specification& spec, FileReading& reading)
   }
 }
 
+void check_sizes(const optimize::Specification& spec, FileReading& reading) {
+  const auto widths = optimize::least_face_widths_m(spec);
+  if (spec.limits[design::CheckId::kGearboxLength] && !train::whole_extent(spec.axial) &&
+      !(widths[0] > 0.0 && widths[1] > 0.0)) {
+    reading.error_at("size.max_length_mm",
+                     "size.max_length_mm without [axial] and without stage1.face_width_mm and "
+                     "stage2.face_width_mm: allowed: with [axial], or with both face widths");
+  }
+}
+
 void check_relations(const Input& input, FileReading& reading) {
   const optimize::Specification& spec = input.spec;
+  check_sizes(spec, reading);
   const auto& teeth = spec.teeth;
   if (reading.has("ratio.target") && spec.ratio.target == 0.0) {
     reading.error_at("ratio.target", "ratio.target = 0: allowed: any number but 0");

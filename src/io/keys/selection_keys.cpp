@@ -93,7 +93,14 @@ const Schema<SelectionInput>& selection_schema() {
 
 void check_selection(const SelectionInput& input, FileReading& reading) {
   const actuator::SelectionTask& task = input.task;
-  if (reading.stated("weights") && task.weights.size() != input.cycles.size()) {
+  for (auto at = task.objectives.begin(); at != task.objectives.end(); ++at) {
+    if (std::find(task.objectives.begin(), at, *at) == at) continue;
+    reading.error_at("objective",
+                     fmt::format("objective: \"{}\" twice: allowed: each once",
+                                 actuator::kObjectiveNames[static_cast<std::size_t>(*at)]));
+  }
+  if (reading.stated("weights") && !task.weights.empty() &&
+      task.weights.size() != input.cycles.size()) {
     reading.error_at("weights", fmt::format("weights: {} for {} cycles: allowed: one for each",
                                             task.weights.size(), input.cycles.size()));
   }

@@ -83,10 +83,19 @@ std::optional<double> CsvTable::number(const Row& row, const std::string& column
 }
 
 CsvTable parse_csv(const std::string& text, const std::string& name) {
+  std::vector<Diagnostic> diagnostics;
+  CsvTable table = parse_csv(text, name, diagnostics);
+  if (!diagnostics.empty()) throw InvalidInput(format_diagnostics(name, diagnostics));
+  return table;
+}
+
+CsvTable parse_csv(const std::string& text, const std::string& name,
+                   std::vector<Diagnostic>& diagnostics) {
   CsvTable table;
   table.name = name;
-  std::vector<Diagnostic> diagnostics;
-  std::istringstream stream(text);
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  std::istringstream stream(text.starts_with(kByteOrderMark) ? text.substr(kByteOrderMark.size())
+                                                             : text);
   std::string line;
   CsvFields fields;
   const auto copied = [&] {
@@ -103,16 +112,16 @@ CsvTable parse_csv(const std::string& text, const std::string& name) {
     } else if (table.header.empty()) {
       table.header = copied();
     } else {
-      table.rows.push_back({.line = number, .fields = copied()});
       const std::size_t count = fields.values().size();
-      if (count != table.header.size()) {
+      if (count == table.header.size()) {
+        table.rows.push_back({.line = number, .fields = copied()});
+      } else {
         diagnostics.push_back({.position = {.line = number, .column = 1},
                                .message = fmt::format("{} fields, allowed: {} as in the header",
                                                       count, table.header.size())});
       }
     }
   }
-  if (!diagnostics.empty()) throw InvalidInput(format_diagnostics(name, diagnostics));
   return table;
 }
 

@@ -53,5 +53,8 @@ struct CsvTable {
 /// @throws InvalidInput for open quotes and rows whose number of fields is not the header's, all at
 ///         once
 CsvTable parse_csv(const std::string& text, const std::string& name);
+/// The same, rows that are not as the header is left out and told instead of thrown.
+CsvTable parse_csv(const std::string& text, const std::string& name,
+                   std::vector<Diagnostic>& diagnostics);
 
 }  // namespace gear3k::io
