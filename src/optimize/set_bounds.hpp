@@ -24,8 +24,11 @@ struct SetBound {
   std::array<double, train::kMeshCount> losses{};  ///< of the meshes about there
 };
 
-/// Whether a specification has bounds: not with a free pressure angle.
-inline bool has_bounds(const Specification& spec) { return !spec.free.pressure_angle_rad; }
+/// Whether a specification has bounds: not with a free pressure angle, nor with a thinning in um
+/// of modules that are to be chosen.
+inline bool has_bounds(const Specification& spec) {
+  return !spec.free.pressure_angle_rad && !thinning_varies(spec);
+}
 
 /// Bounds of all tooth sets of a specification; unknown unless has_bounds().
 ///
