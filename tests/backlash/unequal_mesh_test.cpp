@@ -88,7 +88,7 @@ double rolled_play_m(const Pair& p) {
   const bool ring = gear2.gear.kind == GearKind::kRing;
   const double pitch1 = 2.0 * kPi / gear1.gear.teeth;
   const double pitch2 = 2.0 * kPi / gear2.gear.teeth;
-  constexpr int kPoints = 600, kPositions = 120;
+  constexpr int kPoints = 250, kPositions = 120;
   std::vector<double> radius, half_tooth;
   const double from = std::max(gear1.base_radius_m, gear1.root_radius_m);
   for (int i = 0; i <= kPoints; ++i) {

@@ -330,7 +330,7 @@ std::vector<BadInput> design_inputs() {
                   "one of them"}),
       bad_design("RangeOfTemperatureWithoutAnExpansion",
                  kDesign + "[thermal]\ntemperature_c = [-20.0, 60.0]\nS.expansion_1_k = 0.11\n",
-                 {"gear.toml:17:", "gear.toml:18:", "thermal.S.expansion_1_k = 0.11",
+                 {"gear.toml:16:", "gear.toml:18:", "thermal.S.expansion_1_k = 0.11",
                   "thermal.P1.expansion_1_k is missing", "thermal.carrier.expansion_1_k"}),
       bad_design("UnknownConventionHasADidYouMean",
                  replaced(kDesign, "planets = 3\n", "planets = 3\nsign_convention = \"iso2171\"\n"),

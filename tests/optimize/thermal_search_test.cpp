@@ -53,7 +53,7 @@ carrier.expansion_1_k = 2.3e-5
 
 Specification task(const std::string& text) {
   Specification spec = io::parse_specification(text, "spec.toml");
-  spec.solver.starts = 2;
+  spec.solver.starts = 1;
   return spec;
 }
 

@@ -63,7 +63,7 @@ std::string first_said(const ThermalInput& input) {
   };
   if (input.reference_K != ThermalInput{}.reference_K) return "thermal.reference_c";
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
-    const std::string key = said(input.gears[i], train::kGearNames[i]);
+    std::string key = said(input.gears[i], train::kGearNames[i]);
     if (!key.empty()) return key;
   }
   return said(input.carrier, "carrier");
@@ -112,7 +112,7 @@ ThermalInput stated_thermal(const std::optional<train::ThermalRange>& range,
                             const design::Limits& limits, LimitInput& stated) {
   ThermalInput input;
   if (!range) return input;
-  input.temperature = {.least_K = range->least_K, .greatest_K = range->greatest_K};
+  input.temperature = TemperatureLimits{.least_K = range->least_K, .greatest_K = range->greatest_K};
   input.reference_K = range->reference_K;
   const auto part = [](const train::Growth& growth) {
     return ThermalInput::Part{.expansion_1_K = growth.expansion_1_K, .swelling = growth.swelling};

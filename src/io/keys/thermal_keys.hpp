@@ -12,16 +12,17 @@
 
 namespace gear3k::io {
 
+struct TemperatureLimits {
+  double least_K = 0.0, greatest_K = 0.0;
+};
+
 /// What a file states of temperature and moisture.
 struct ThermalInput {
   struct Part {
     std::optional<double> expansion_1_K;
     train::MoistureStrain swelling;
   };
-  struct Range {
-    double least_K = 0.0, greatest_K = 0.0;
-  };
-  std::optional<Range> temperature;
+  std::optional<TemperatureLimits> temperature;
   double reference_K = train::ThermalRange{}.reference_K;
   std::array<Part, train::kGearCount> gears{};
   Part carrier;
