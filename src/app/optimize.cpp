@@ -28,9 +28,10 @@ void refuse_without_bounds(const OptimizeTask& task) {
   }
   if ((task.certify || front) && !optimize::has_bounds(task.spec)) {
     throw io::InvalidInput(fmt::format(
-        "{}: {} needs bounds, and with free.pressure_angle_deg there are none; allowed: one of "
-        "them",
-        task.source, task.certify ? "--certify" : "a list of objectives"));
+        "{}: {} needs bounds, and with {} there are none; allowed: one of them", task.source,
+        task.certify ? "--certify" : "a list of objectives",
+        task.spec.free.pressure_angle_rad ? "free.pressure_angle_deg"
+                                          : "backlash.NAME.A_sn_um at a module that is searched"));
   }
   if (front && optimize::judged_by_model(task.spec)) {
     throw io::InvalidInput(

@@ -566,6 +566,44 @@ const std::array<CheckRecord, kCheckCount>& records() {
                       .limit_key = "allowed_teeth",
                       .help = "tooth numbers are of the lists in [allowed_teeth]; the value is how "
                               "far one is from the nearest"}),
+      with_values<ThermalBacklash>(
+          CheckRecord{.id = CheckId::kThermalBacklash,
+                      .name = "thermal_backlash",
+                      .title = "normal backlash over temperature",
+                      .group = "temperature",
+                      .unit = Unit::kMicrometre,
+                      .scope = CheckScope::kThermalMesh,
+                      .at_least = true,
+                      .default_limit = std::nullopt,
+                      .switched_limit = 0.0,
+                      .limit_key = "",
+                      .help = "least normal backlash of every mesh at the ends of [thermal], 0 "
+                              "where that is stated"}),
+      with_values<ThermalRootClearance>(
+          CheckRecord{.id = CheckId::kThermalRootClearance,
+                      .name = "thermal_root_clearance",
+                      .title = "tip to mate's root over temperature",
+                      .group = "temperature",
+                      .unit = Unit::kModule,
+                      .scope = CheckScope::kThermalMember,
+                      .at_least = true,
+                      .default_limit = std::nullopt,
+                      .switched_limit = 0.0,
+                      .limit_key = "",
+                      .help = "least radial clearance between a tip circle and the mate's root "
+                              "circle at the ends of [thermal], 0 where that is stated"}),
+      with_values<ThermalLostMotion>(
+          CheckRecord{.id = CheckId::kThermalLostMotion,
+                      .name = "thermal_lost_motion",
+                      .title = "output lost motion over temperature",
+                      .group = "temperature",
+                      .unit = Unit::kArcmin,
+                      .scope = CheckScope::kThermalTrain,
+                      .at_least = false,
+                      .default_limit = std::nullopt,
+                      .limit_key = "",
+                      .help = "greatest kinematic lost motion at the output at the ends of "
+                              "[thermal]"}),
   };
   return kRecords;
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "backlash/unequal_mesh.hpp"
 #include "design/checks.hpp"
 #include "geometry/interference.hpp"
 
@@ -273,6 +274,60 @@ struct OutputBacklash {
     if (s.which == 0) return backlash::output_lost_motion(*g.train, j, g.model);
     const auto phi = backlash::paper_lost_motion(*g.train, j);
     return phi[0] + phi[static_cast<std::size_t>(s.which)];
+  }
+};
+
+/// A mesh at an end of the temperatures, with its gears as they are there.
+template <class T>
+struct GrownMesh {
+  geometry::GearGeometry<T> gear1, gear2;
+  backlash::UnequalMesh<T> mesh;
+};
+template <class T>
+GrownMesh<T> grown_mesh(const Gearing<T>& g, int member, int end) {
+  const train::ThermalRange& range = *g.thermal;
+  const train::ThermalState state = train::end_state(range, end);
+  const auto mesh = static_cast<std::size_t>(member);
+  const auto grown = [&](int gear) {
+    return train::grown_gear(
+        gear_at(g, gear),
+        train::growth_factor(range.gear[static_cast<std::size_t>(gear)], range.reference_K, state));
+  };
+  GrownMesh<T> result{grown(g.mesh_gears[mesh][0]), grown(g.mesh_gears[mesh][1]), {}};
+  const double carrier = train::growth_factor(range.carrier, range.reference_K, state);
+  const T distance_m = g.meshes[mesh].center_distance_m * constant<T>(carrier);
+  result.mesh = backlash::make_unequal_mesh(result.gear1, result.gear2, distance_m);
+  return result;
+}
+
+struct ThermalBacklash {
+  template <class T>
+  static T value(const Gearing<T>& g, CheckSubject s) {
+    return grown_mesh(g, s.member, s.end).mesh.least_backlash_m;
+  }
+};
+
+struct ThermalRootClearance {
+  template <class T>
+  static T value(const Gearing<T>& g, CheckSubject s) {
+    const GrownMesh<T> grown = grown_mesh(g, s.member, s.end);
+    return geometry::root_clearance(grown.gear1, grown.gear2, grown.mesh.mesh, s.which);
+  }
+};
+
+struct ThermalLostMotion {
+  template <class T>
+  static T value(const Gearing<T>& g, CheckSubject s) {
+    train::TrainGeometry<T> train;
+    train.teeth = g.train->teeth;
+    std::array<T, train::kMeshCount> j{};
+    for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+      const GrownMesh<T> grown = grown_mesh(g, static_cast<int>(k), s.end);
+      train.gears[static_cast<std::size_t>(g.mesh_gears[k][0])] = grown.gear1;
+      train.gears[static_cast<std::size_t>(g.mesh_gears[k][1])] = grown.gear2;
+      j[k] = grown.mesh.normal_backlash_m;
+    }
+    return backlash::output_lost_motion(train, j, backlash::LostMotionModel::kKinematic);
   }
 };
 

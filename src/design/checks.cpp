@@ -60,7 +60,8 @@ GearingLayout train_layout(const TrainLayout& train) {
                (train.bodies.face_width_m[0] > 0.0 && train.bodies.face_width_m[1] > 0.0),
       .planets = train.planets,
       .length_scale_m = train.stage1_module_m,
-      .rating = train.rating};
+      .rating = train.rating,
+      .thermal = train.thermal};
   for (const geometry::PinionCutter& cutter : train.cutter) {
     layout.shaped.push_back(cutter.teeth > 0);
   }
@@ -177,7 +178,40 @@ bool is_of_gear(CheckScope scope, const Limits& limits, const GearingLayout& lay
   }
 }
 
+/// Subjects of a check at the ends of the temperatures.
+void list_thermal(const CheckRecord& record, double limit, const GearingLayout& layout,
+                  std::vector<CheckInstance>& checks) {
+  if (layout.thermal == nullptr || layout.planets == 0) return;
+  const bool of_train = record.scope == CheckScope::kThermalTrain;
+  const int members = of_train ? 1 : static_cast<int>(layout.mesh_gears.size());
+  const bool of_gear = record.scope == CheckScope::kThermalMember;
+  for (int end = 0; end < train::end_count(*layout.thermal); ++end) {
+    for (int member = 0; member < members; ++member) {
+      for (int which = of_gear ? 1 : 0; which <= (of_gear ? 2 : 0); ++which) {
+        checks.push_back({.record = &record,
+                          .subject = {.member = member, .which = which, .end = end},
+                          .limit = limit,
+                          .scale = scale_of(record, limit, layout.length_scale_m),
+                          .at = state_text(train::end_state(*layout.thermal, end))});
+      }
+    }
+  }
+}
+
 }  // namespace
+
+std::string state_text(const train::ThermalState& state) {
+  const double temperature_c = units::decimal_from_si(state.temperature_K, Unit::kCelsius);
+  switch (state.moisture) {
+    case train::Moisture::kDry:
+      return fmt::format("{:g} C dry", temperature_c);
+    case train::Moisture::kWet:
+      return fmt::format("{:g} C wet", temperature_c);
+    case train::Moisture::kDrawn:
+      break;
+  }
+  return fmt::format("{:g} C", temperature_c);
+}
 
 std::vector<CheckInstance> list_checks(const Limits& limits, const GearingLayout& layout) {
   std::vector<CheckInstance> checks;
@@ -277,6 +311,11 @@ std::vector<CheckInstance> list_checks(const Limits& limits, const GearingLayout
         if (layout.rating == nullptr || !layout.rating->supports) break;
         if (layout.rating->pin_diameter_m) add({.member = 0, .which = 0});
         break;
+      case CheckScope::kThermalMesh:
+      case CheckScope::kThermalMember:
+      case CheckScope::kThermalTrain:
+        list_thermal(r, *limit, layout, checks);
+        break;
     }
   }
   return checks;
@@ -329,6 +368,16 @@ SubjectNames subject_names(const CheckInstance& check, std::span<const std::stri
       return {.mesh = "", .gear = index == 0 ? "planet A" : "planet B"};
     case CheckScope::kPlanetPin:
       return {.mesh = "", .gear = "planet pin"};
+    case CheckScope::kThermalMesh:
+      return {.mesh = fmt::format("{} at {}", meshes[index], check.at), .gear = ""};
+    case CheckScope::kThermalMember: {
+      const auto pair = mesh_gears[index];
+      const int gear = check.subject.which == 1 ? pair[0] : pair[1];
+      return {.mesh = fmt::format("{} at {}", meshes[index], check.at),
+              .gear = std::string(gears[static_cast<std::size_t>(gear)])};
+    }
+    case CheckScope::kThermalTrain:
+      return {.mesh = "", .gear = fmt::format("at {}", check.at)};
     case CheckScope::kTrain:
     case CheckScope::kSizedTrain:
       break;

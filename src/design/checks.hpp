@@ -13,6 +13,7 @@
 #include "geometry/tooth_form.hpp"
 #include "strength/train_rating.hpp"
 #include "train/axial_layout.hpp"
+#include "train/thermal_growth.hpp"
 #include "train/train_geometry.hpp"
 #include "units/units.hpp"
 
@@ -40,7 +41,10 @@ enum class CheckScope {
   kRatedTooth,     ///< a mesh and one of its gears, where a load is stated (1 or 2)
   kRatedMesh,      ///< a mesh, where a load is stated
   kPlanetBearing,  ///< A or B of a planet, where a load is stated
-  kPlanetPin       ///< where a load is stated
+  kPlanetPin,      ///< where a load is stated
+  kThermalMesh,    ///< a mesh at an end of the temperatures, where these are stated
+  kThermalMember,  ///< the same and one of its gears (1 or 2)
+  kThermalTrain    ///< a train, likewise
 };
 
 enum class CheckId {
@@ -88,9 +92,12 @@ enum class CheckId {
   kSunRootDiameter,
   kSameModule,
   kHuntingTooth,
-  kAllowedTeeth
+  kAllowedTeeth,
+  kThermalBacklash,
+  kThermalRootClearance,
+  kThermalLostMotion
 };
-inline constexpr std::size_t kCheckCount = 45;
+inline constexpr std::size_t kCheckCount = 48;
 
 /// Tooth numbers to choose from, by gear; an empty list allows all.
 using AllowedTeeth = std::array<std::vector<int>, train::kGearCount>;
@@ -122,6 +129,7 @@ struct Gearing {
   /// By mesh; empty where no load is stated or no check needs it (CheckRecord::rating).
   std::span<const strength::MeshRating<T>> rating{};
   const strength::TrainRating<T>* train_rating = nullptr;  ///< likewise; null for a pair
+  const train::ThermalRange* thermal = nullptr;            ///< null where none is stated
 };
 
 /// One value of one check: which gear (kExternalGear, kRing, kCutRing, kPlanetStep), mesh (kMesh,
@@ -131,6 +139,7 @@ struct CheckSubject {
   /// kTip, kMember: the gear of the mesh, 1 or 2.  Output backlash: 0 the whole model, 1 or 2 one
   /// branch of the paper's max(φ_2, φ_3), smooth each.
   int which = 0;
+  int end = 0;  ///< kThermal...: see train::end_state()
 };
 
 template <class T>
@@ -198,6 +207,7 @@ struct CheckInstance {
   CheckSubject subject;
   double limit = 0.0;  ///< SI
   double scale = 1.0;  ///< SI; feasible means margin ≥ −kFeasibilityTolerance · scale
+  std::string at{};    ///< of kThermal...: "60 C", else ""
 };
 inline constexpr double kFeasibilityTolerance = 1e-6;
 
@@ -212,6 +222,7 @@ struct GearingLayout {
   int planets = 0;                    ///< 0 for a pair: no planet steps, no train
   double length_scale_m = 1e-3;       ///< scale of checks on lengths: the module
   const strength::RatingTask* rating = nullptr;  ///< the load, where one is stated
+  const train::ThermalRange* thermal = nullptr;  ///< likewise
 };
 /// What of a train decides which checks it has.
 struct TrainLayout {
@@ -221,6 +232,7 @@ struct TrainLayout {
   train::AxialLayout axial{};
   TrainBodies<double> bodies{};
   const strength::RatingTask* rating = nullptr;
+  const train::ThermalRange* thermal = nullptr;
 };
 GearingLayout train_layout(const TrainLayout& train);
 
@@ -238,7 +250,11 @@ T check_margin(const CheckInstance& check, const Gearing<T>& gearing) {
   return check.record->at_least ? T(value - check.limit) : T(check.limit - value);
 }
 
-/// Names of what a check of a train is about: mesh and gear, "" where there is none.
+/// Temperature and moisture as tables name them: "60 C", "60 C wet".
+std::string state_text(const train::ThermalState& state);
+
+/// Names of what a check of a train is about: mesh and gear, "" where there is none; with
+/// the temperature of a check that is at one ("S-P1 at 60 C", of a train as a gear).
 struct SubjectNames {
   std::string mesh, gear;
 };

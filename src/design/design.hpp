@@ -15,6 +15,7 @@
 #include "efficiency/friction_law.hpp"
 #include "inertia/effective_inertia.hpp"
 #include "strength/rating_task.hpp"
+#include "train/thermal_growth.hpp"
 #include "train/train_geometry.hpp"
 
 namespace gear3k::design {
@@ -69,6 +70,10 @@ struct Sampling {
   std::uint64_t seed = 1;
 };
 
+/// Limits A_sni ≤ A_sn ≤ A_sne of the tooth thickness (arc on the reference circle) from that
+/// without backlash, by gear.
+using ThicknessAllowances = std::array<std::optional<backlash::DeviationLimits>, train::kGearCount>;
+
 struct Design {
   std::string name;
   train::TrainParameters<double> train;  ///< center_distance_m as given, or resolved by evaluate()
@@ -86,7 +91,10 @@ struct Design {
   std::array<std::optional<double>, train::kGearCount> pin_diameter_m;
   Limits limits = default_limits();
   std::optional<backlash::Tolerances> tolerances;
+  /// A_sn of gears as a file states them; what counts is train.machining_allowance and tolerances.
+  ThicknessAllowances thickness_allowance_m;
   Sampling sampling;
+  std::optional<train::ThermalRange> thermal;  ///< where it is to work
   std::optional<strength::RatingTask> rating;  ///< what it is to carry
 };
 
@@ -114,6 +122,8 @@ struct PairDesign {
   Friction friction;
   Limits limits = default_limits();
   std::optional<backlash::PairTolerances> tolerances;
+  /// As Design::thickness_allowance_m.
+  std::array<std::optional<backlash::DeviationLimits>, 2> thickness_allowance_m;
   std::optional<strength::RatingTask> rating;
 };
 

@@ -231,6 +231,11 @@ std::optional<NotDefined> why_undefined(const Design& design) {
       return no_working_angle(train::kMeshNames[k], *distance, sum);
     }
   }
+  if (!design.thermal) return std::nullopt;
+  if (const auto none = mesh_without_angle(gears, *distance, *design.thermal)) {
+    return NotDefined{fmt::format("at {} mesh {} has no working pressure angle",
+                                  state_text(none->state), train::kMeshNames[none->mesh])};
+  }
   return std::nullopt;
 }
 
@@ -328,12 +333,15 @@ std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
   gearing.axial = &design.axial;
   const TrainBodies<double> bodies = bodies_of(design);
   gearing.bodies = &bodies;
+  gearing.thermal = stated_range(design);
+  if (design.thermal) e.thermal = thermal_result(*train, *design.thermal);
   const auto checks = list_checks(design.limits, train_layout({.planets = e.planets,
                                                                .stage1_module_m = e.module_m[0],
                                                                .cutter = parameters.cutter,
                                                                .axial = design.axial,
                                                                .bodies = bodies,
-                                                               .rating = stated_load(design)}));
+                                                               .rating = stated_load(design),
+                                                               .thermal = gearing.thermal}));
   const auto rated = rate_gearbox(design, *train, forms, e.meshes, e.parts);
   LoadedGearing deciding;
   if (rated) {
@@ -355,7 +363,8 @@ std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
                                       .axial = &design.axial,
                                       .bodies = &bodies,
                                       .model = design.limits.model,
-                                      .rating = rated ? rated->rating : GearingRating{}},
+                                      .rating = rated ? rated->rating : GearingRating{},
+                                      .thermal = gearing.thermal},
                                      checks, e.notes);
   note_loss_model(e.meshes, e.notes);
   note_axial_overlap(design, e.notes);

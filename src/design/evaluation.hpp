@@ -10,6 +10,7 @@
 #include "design/mass_model.hpp"
 #include "design/operation.hpp"
 #include "design/planet_sharing.hpp"
+#include "design/thermal_result.hpp"
 #include "design/tolerance_limits.hpp"
 #include "geometry/interference.hpp"
 #include "geometry/sliding.hpp"
@@ -137,6 +138,7 @@ struct Evaluation {
   std::vector<CheckResult> checks;
   std::optional<ToleranceLimits> tolerance_limits;  ///< where the design has tolerances
   std::optional<StrengthResult> strength;           ///< where the design has a rating task
+  std::optional<ThermalResult> thermal;             ///< where the design has a range
   std::vector<std::string> notes;
 };
 

@@ -57,6 +57,11 @@ const strength::RatingTask* stated_load(const AnyDesign& design) {
   return design.rating ? &*design.rating : nullptr;
 }
 
+/// The range of temperature of a design, where one is stated.
+inline const train::ThermalRange* stated_range(const Design& design) {
+  return design.thermal ? &*design.thermal : nullptr;
+}
+
 /// Names of the members that checks are about.
 struct CheckNames {
   std::span<const std::string_view> gears, meshes;

@@ -318,6 +318,7 @@ Responses<T> responses(const Design& design, const Parameters<T>& p,
                               .face_width_m = p.face_width_m,
                               .allowed_teeth = stated.allowed_teeth};
   gearing.bodies = &bodies;
+  gearing.thermal = stated_range(design);
   const auto rating = loaded_rating<T>(design, lossy, forms, point);
   if (rating) {
     gearing.rating = rating->mesh;
@@ -441,7 +442,8 @@ Sensitivities sensitivities(const Design& design, std::size_t tightest) {
                                                .stage1_module_m = design.train.module_m[0],
                                                .cutter = design.train.cutter,
                                                .axial = design.axial,
-                                               .rating = derived_rating(design)}));
+                                               .rating = derived_rating(design),
+                                               .thermal = stated_range(design)}));
   // Loads that the planets' masses are part of.
   std::erase_if(checks, [&](const CheckInstance& check) {
     const CheckScope scope = check.record->scope;

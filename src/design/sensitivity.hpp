@@ -114,11 +114,12 @@ struct Sensitivities {
 /// The checks are the `tightest` with the least margin over scale, failed ones first, of those
 /// that move with any input (assembly does not).
 ///
-/// Does not cover: tooth numbers, cutters, limits, the axial layout, masses, and the points of a
-/// friction table; speed at rest and torque without load, where friction laws have their corner.
-/// η_b is empty where the train cannot be back-driven.  Where a formula changes branch exactly at
-/// the design, a derivative is that of one side. Source: docs/theory §3-§26 through their
-/// templates; property-tested against central differences of evaluate().
+/// Does not cover: tooth numbers, cutters, limits, the axial layout, masses, the range of
+/// temperature, and the points of a friction table; speed at rest and torque without load, where
+/// friction laws have their corner. η_b is empty where the train cannot be back-driven.  Where a
+/// formula changes branch exactly at the design, a derivative is that of one side. Source:
+/// docs/theory §3-§26 through their templates; property-tested against central differences of
+/// evaluate().
 /// @returns no inputs where evaluate() returns NotDefined
 /// @throws std::invalid_argument as evaluate()
 Sensitivities sensitivities(const Design& design, std::size_t tightest = 5);

@@ -137,7 +137,10 @@ class BuiltGearing {
             .train = drawn_.train != nullptr ? &train_ : nullptr,
             .axial = drawn_.axial,
             .bodies = drawn_.bodies,
-            .model = drawn_.model};
+            .model = drawn_.model,
+            .rating = {},
+            .train_rating = nullptr,
+            .thermal = drawn_.thermal};
   }
 
   /// Variables of these gears and, if asked for, of the centre distance.
@@ -344,6 +347,8 @@ std::vector<Variable> variables_of(const CheckInstance& check, const BuiltGearin
     case CheckScope::kInternalMesh:
     case CheckScope::kTip:
     case CheckScope::kMember:
+    case CheckScope::kThermalMesh:
+    case CheckScope::kThermalMember:
       return built.variables(drawn.mesh_gears[static_cast<std::size_t>(member)], true);
     case CheckScope::kBodyPair: {
       const auto [first, second] = train::kPassingBodies[static_cast<std::size_t>(member)];
@@ -353,6 +358,7 @@ std::vector<Variable> variables_of(const CheckInstance& check, const BuiltGearin
     case CheckScope::kSizedTrain:
       return {};
     case CheckScope::kTrain:
+    case CheckScope::kThermalTrain:
     case CheckScope::kRatedTooth:
     case CheckScope::kRatedMesh:
     case CheckScope::kPlanetBearing:

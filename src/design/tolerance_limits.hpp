@@ -105,7 +105,8 @@ struct DrawnGearing {
   const train::AxialLayout* axial = nullptr;            ///< null where nothing is known of it
   const TrainBodies<double>* bodies = nullptr;          ///< likewise
   backlash::LostMotionModel model = backlash::LostMotionModel::kKinematic;
-  GearingRating rating{};  ///< needed by checks with CheckRecord::rating only
+  GearingRating rating{};                        ///< needed by checks with CheckRecord::rating only
+  const train::ThermalRange* thermal = nullptr;  ///< null where none is stated
 };
 
 /// Ranges of a gearing and margins of its checks over all gearboxes that the tolerances allow.

@@ -24,7 +24,8 @@ struct SheetGear {
   GearGeometry<double> geometry{};
   const design::GearResult* result = nullptr;
   std::optional<GearTolerances> tolerances{};
-  std::optional<double> active_root_diameter_m{};  ///< the farthest that a mate reaches
+  std::optional<DeviationLimits> thickness_allowance_m{};  ///< as stated
+  std::optional<double> active_root_diameter_m{};          ///< the farthest that a mate reaches
   std::optional<double> face_width_m{}, bore_diameter_m{}, outer_diameter_m{};
   std::string material{};
 };
@@ -137,6 +138,11 @@ class SheetRows {
     Characteristic& a_sn = add("teeth", "thickness allowance", "A_sn", "um", allowance(g));
     limit_by_thickness(a_sn, allowance);
     a_sn.note = "of s_n, from the tooth without backlash";
+    if (const auto& stated = gear_.thickness_allowance_m) {
+      a_sn.nominal = um(stated->middle());
+      a_sn.lower = um(stated->lower);
+      a_sn.upper = um(stated->upper);
+    }
 
     if (const auto& span = gear_.result->tooth.span) {
       const int count = span->count;
@@ -305,6 +311,7 @@ std::vector<InspectionSheet> inspection_sheets(const design::Design& design,
     SheetGear gear{.geometry = gears[id], .result = &evaluation.gears[id]};
     const GearKind kind = gears[id].gear.kind;
     if (design.tolerances) gear.tolerances = design.tolerances->gears[id];
+    gear.thickness_allowance_m = design.thickness_allowance_m[id];
     for (std::size_t m = 0; m < evaluation.meshes.size(); ++m) {
       for (std::size_t side = 0; side < 2; ++side) {
         if (train::kMeshGears[m][side] != id) continue;
@@ -332,6 +339,7 @@ std::vector<InspectionSheet> inspection_sheets(const design::PairDesign& design,
   for (std::size_t i = 0; i < 2; ++i) {
     SheetGear gear{.geometry = gears[i], .result = &evaluation.gears[i]};
     if (design.tolerances) gear.tolerances = design.tolerances->gears[i];
+    gear.thickness_allowance_m = design.thickness_allowance_m[i];
     gear.active_root_diameter_m = evaluation.mesh.active_root_diameter_m[i];
     if (design.rating) gear.face_width_m = design.rating->face_width_m[0];
     gear.material = material_of(design.rating, i);

@@ -331,7 +331,7 @@ OptimizeResult optimize(const Specification& spec, Progress& progress,
   }
   if (options.best_only && !has_bounds(spec)) {
     throw std::invalid_argument(
-        "optimize: best_only with a free pressure angle, allowed: one of them");
+        "optimize: best_only with a specification that has no bounds, allowed: one of them");
   }
   OptimizeResult result;
   result.search = search_teeth(spec, progress);

@@ -35,6 +35,11 @@ train::TrainParameters<double> train_of(const Specification& spec, const Refined
   train.center_distance_m = set.train.center_distance_m;
   train.tip_shortening = set.train.tip_shortening;
   train.pressure_angle_rad = set.train.pressure_angle_rad;
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    const auto stage = static_cast<std::size_t>(train::stage_of(static_cast<int>(i)));
+    train.machining_allowance[i] =
+        machining_allowance(spec, i, train.pressure_angle_rad, train.module_m[stage]);
+  }
   return train;
 }
 
@@ -66,6 +71,8 @@ design::Design design_of(const Specification& spec, const RefinedSet& set) {
   }
   design.limits = spec.limits;
   design.tolerances = spec.tolerances;
+  design.thickness_allowance_m = spec.thickness_allowance_m;
+  design.thermal = spec.thermal;
   design.sampling = spec.sampling;
   if (spec.rating) {
     design.operating_point = spec.operating_point;

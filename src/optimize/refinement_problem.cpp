@@ -83,7 +83,8 @@ void append_checks(RefinementProblem& p, int backlash_branch) {
                            .cutter = p.spec->cutter,
                            .axial = p.spec->axial,
                            .bodies = bodies_of(*p.spec, least_face_widths_m(*p.spec)),
-                           .rating = p.spec->rating ? &*p.spec->rating : nullptr}))) {
+                           .rating = p.spec->rating ? &*p.spec->rating : nullptr,
+                           .thermal = p.spec->thermal ? &*p.spec->thermal : nullptr}))) {
     const CheckId id = check.record->id;
     if (is_settled(id)) continue;
     const bool paper = limits.model == backlash::LostMotionModel::kPaper;
@@ -282,14 +283,45 @@ RefinementProblem with_all_rows(const RefinementProblem& p) {
   return make_refinement_problem(*p.spec, p.candidate, p.fixed_module_m, p.branch);
 }
 
+namespace {
+
+/// Modules and centre distance at a point.
+template <class T>
+void set_lengths(const RefinementProblem& p, std::span<const T> v, const T& half_cos_alpha,
+                 train::TrainParameters<T>& t) {
+  using std::cos;
+  const auto sums = tooth_sums(p.candidate.teeth);
+  const double sum_a = sums[static_cast<std::size_t>(p.angle_mesh)];
+  const T cos_a = cos(v[kAngleA]);
+  T& m1 = t.module_m[0];
+  T& m2 = t.module_m[1];
+  T& d = t.center_distance_m;
+  if (!stage2_angle_is_variable(p)) {
+    m1 = p.scale > 0 ? T(p.length_scale_m * v[p.scale]) : constant<T>(*p.fixed_module_m[0]);
+    m2 = p.scale > 0 ? m1 : constant<T>(*p.fixed_module_m[1]);
+    d = half_cos_alpha * sum_a * (p.angle_mesh == train::kMeshP2R2 ? m2 : m1) / cos_a;
+    return;
+  }
+  const T cos_b = cos(v[kAngleB]);
+  if (!p.fixed_module_m[0] && p.fixed_module_m[1]) {
+    m2 = constant<T>(*p.fixed_module_m[1]);
+    d = half_cos_alpha * sums[2] * m2 / cos_b;
+    m1 = d * cos_a / (half_cos_alpha * sum_a);
+    return;
+  }
+  m1 = p.fixed_module_m[0] ? constant<T>(*p.fixed_module_m[0]) : T(p.length_scale_m * v[p.scale]);
+  d = half_cos_alpha * sum_a * m1 / cos_a;
+  m2 = d * cos_b / (half_cos_alpha * sums[2]);
+}
+
+}  // namespace
+
 template <class T>
 train::TrainParameters<T> parameters_at(const RefinementProblem& p, std::span<const T> v) {
   using std::cos;
   const Specification& spec = *p.spec;
-  const auto sums = tooth_sums(p.candidate.teeth);
   const T alpha = p.pressure_angle > 0 ? v[p.pressure_angle] : constant<T>(spec.pressure_angle_rad);
   const T half_cos_alpha = 0.5 * cos(alpha);
-  const double sum_a = sums[static_cast<std::size_t>(p.angle_mesh)];
 
   train::TrainParameters<T> t;
   t.teeth = p.candidate.teeth;
@@ -299,33 +331,17 @@ train::TrainParameters<T> parameters_at(const RefinementProblem& p, std::span<co
   t.cutter = spec.cutter;
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
     t.profile_shift[i] = v[i];
-    t.machining_allowance[i] = constant<T>(spec.machining_allowance[i]);
     t.tip_shortening[i] =
         p.first_tip > 0 ? v[p.first_tip + i] : constant<T>(spec.tip_shortening[i]);
     t.rack[i] = {.addendum = constant<T>(spec.rack.addendum),
                  .dedendum = constant<T>(spec.rack.dedendum),
                  .root_radius = constant<T>(spec.rack.root_radius)};
   }
-  const T cos_a = cos(v[kAngleA]);
-  T& m1 = t.module_m[0];
-  T& m2 = t.module_m[1];
-  T& d = t.center_distance_m;
-  if (!stage2_angle_is_variable(p)) {
-    m1 = p.scale > 0 ? T(p.length_scale_m * v[p.scale]) : constant<T>(*p.fixed_module_m[0]);
-    m2 = p.scale > 0 ? m1 : constant<T>(*p.fixed_module_m[1]);
-    d = half_cos_alpha * sum_a * (p.angle_mesh == train::kMeshP2R2 ? m2 : m1) / cos_a;
-    return t;
+  set_lengths(p, v, half_cos_alpha, t);
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    const T& module = t.module_m[static_cast<std::size_t>(train::stage_of(static_cast<int>(i)))];
+    t.machining_allowance[i] = machining_allowance(spec, i, alpha, module);
   }
-  const T cos_b = cos(v[kAngleB]);
-  if (!p.fixed_module_m[0] && p.fixed_module_m[1]) {
-    m2 = constant<T>(*p.fixed_module_m[1]);
-    d = half_cos_alpha * sums[2] * m2 / cos_b;
-    m1 = d * cos_a / (half_cos_alpha * sum_a);
-    return t;
-  }
-  m1 = p.fixed_module_m[0] ? constant<T>(*p.fixed_module_m[0]) : T(p.length_scale_m * v[p.scale]);
-  d = half_cos_alpha * sum_a * m1 / cos_a;
-  m2 = d * cos_b / (half_cos_alpha * sums[2]);
   return t;
 }
 
@@ -456,6 +472,7 @@ std::optional<T> evaluate_rows(const RefinementProblem& p, std::span<const T> v,
   gearing.axial = &spec.axial;
   const auto bodies = bodies_of<T>(spec, load.face_width_m);
   gearing.bodies = &bodies;
+  gearing.thermal = spec.thermal ? &*spec.thermal : nullptr;
   std::optional<strength::TrainRating<T>> rating, stiffness;
   if (parts.any) {
     auto loaded = rated_train<T>(spec, *train, forms, load.face_width_m);

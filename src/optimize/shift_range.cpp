@@ -205,7 +205,8 @@ class RangeMaker {
   }
   void keep_tip() {
     const auto limit = least_tip(spec_, gear_, module_.hi);
-    if (!limit || spec_.khk_tip[static_cast<std::size_t>(gear_)] || free_tips_ || free_angle_) {
+    if (!limit || spec_.khk_tip[static_cast<std::size_t>(gear_)] || free_tips_ || free_angle_ ||
+        thinning_varies(spec_)) {
       return;
     }
     const TipShift tip =

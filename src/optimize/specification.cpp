@@ -33,6 +33,18 @@ std::optional<double> most_ring_root_diameter_m(const Specification& spec) {
   return most;
 }
 
+bool thinning_varies(const Specification& spec) {
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    if (!spec.thickness_allowance_m[i]) continue;
+    const ModuleChoice& module =
+        spec.module[static_cast<std::size_t>(train::stage_of(static_cast<int>(i)))];
+    const bool one_module =
+        module.range_m ? module.range_m->min == module.range_m->max : module.series_m.size() == 1;
+    if (!one_module || spec.free.pressure_angle_rad) return true;
+  }
+  return false;
+}
+
 double length_scale_m(const Specification& spec) { return least_module(spec.module[0]); }
 
 }  // namespace gear3k::optimize

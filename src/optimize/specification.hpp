@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "backlash/thickness_allowance.hpp"
 #include "design/design.hpp"
 #include "design/extension.hpp"
 #include "optimize/objective.hpp"
@@ -102,7 +103,10 @@ struct Specification {
   std::array<geometry::PinionCutter, train::kGearCount> cutter{};
   train::AxialLayout axial;
   GearBodySizes bodies;
+  /// In modules; of gears with a thickness allowance that of the least module.
   std::array<double, train::kGearCount> machining_allowance{};
+  /// A_sn by gear: the thinning of a gear that has one is a length, and q follows the module.
+  design::ThicknessAllowances thickness_allowance_m{};
   design::Limits limits = design::default_limits();
   /// Its extension acts in the refinement with what does not depend on where the gearbox runs.
   design::Friction friction;
@@ -113,6 +117,7 @@ struct Specification {
   /// Of the built gearboxes; required by `robust` unless it holds at nominal.
   std::optional<backlash::Tolerances> tolerances;
   design::Sampling sampling;
+  std::optional<train::ThermalRange> thermal;  ///< where it is to work
   /// What it is to carry; face widths and the rings' rim as in `bodies`, the speed of
   /// `operating_point`.
   std::optional<strength::RatingTask> rating;
@@ -150,6 +155,19 @@ const NumberRange& shift_limits(const Specification& spec, int gear);
 
 /// The least module that a choice offers [m].
 double least_module(const ModuleChoice& choice);
+
+/// Whether a thinning that is stated as a length is of modules or a pressure angle to be chosen, so
+/// that its q is.
+bool thinning_varies(const Specification& spec);
+
+/// q of a gear at this module and pressure angle.
+template <class T>
+T machining_allowance(const Specification& spec, std::size_t gear, const T& pressure_angle_rad,
+                      const T& module_m) {
+  const auto& stated = spec.thickness_allowance_m[gear];
+  return stated ? backlash::machining_allowance_of(*stated, pressure_angle_rad, module_m)
+                : constant<T>(spec.machining_allowance[gear]);
+}
 
 /// Length that makes lengths of this task of order 1: the least of stage 1's modules [m], so that
 /// what is feasible here is feasible to the analysis of the design with its own module.

@@ -14,8 +14,11 @@
 
 namespace gear3k::optimize {
 
-/// Whether a specification has bounds: not with a free pressure angle.
-inline bool has_bounds(const Specification& spec) { return !spec.free.pressure_angle_rad; }
+/// Whether a specification has bounds: not with a free pressure angle, nor with a thinning in um
+/// of modules that are to be chosen.
+inline bool has_bounds(const Specification& spec) {
+  return !spec.free.pressure_angle_rad && !thinning_varies(spec);
+}
 
 /// The distinct stages of tooth sets, and that of each set.
 struct StageKeys {

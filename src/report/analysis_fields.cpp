@@ -10,6 +10,7 @@
 #include "report/sensitivity_report.hpp"
 #include "report/strength_report.hpp"
 #include "report/text_table.hpp"
+#include "report/thermal_report.hpp"
 #include "report/tolerance_report.hpp"
 #include "report/torque_angle_report.hpp"
 
@@ -30,7 +31,8 @@ enum Part : int {
   kOperation,
   kMasses,
   kInputs,
-  kStrength
+  kStrength,
+  kThermal
 };
 
 Fields mesh_fields(const MeshResult& m) {
@@ -238,6 +240,7 @@ Fields analysis_fields(const Evaluation& e, const design::Sensitivities& s, cons
   if (e.tolerance_limits) {
     f.add("tolerances", tolerance_fields(*e.tolerance_limits).at_rank(kTolerances));
   }
+  if (e.thermal) f.add("thermal", thermal_fields(*e.thermal).at_rank(kThermal));
   if (built != nullptr) f.add("built", built_series_fields(*built).at_rank(kBuilt));
   f.join(sensitivity_fields(s).at_rank(kInputs));
   if (model != nullptr) f.add("model", model_json(*model));

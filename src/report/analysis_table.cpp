@@ -13,6 +13,7 @@
 #include "report/sensitivity_report.hpp"
 #include "report/strength_report.hpp"
 #include "report/text_table.hpp"
+#include "report/thermal_report.hpp"
 #include "report/tolerance_report.hpp"
 #include "report/torque_angle_report.hpp"
 
@@ -321,7 +322,7 @@ std::string analysis_table(const Evaluation& e, const design::Sensitivities& s,
   return text + failed_table(e.checks) + gear_table(e.gears) + tooth_table(e.gears) +
          mesh_table(e.meshes) + operation_table(e) + strength_table(e) +
          flank_table(e.meshes, gears) + phase_table(e.meshes) + mass_table(e) +
-         passed_table(e.checks) + tolerance_table(e.tolerance_limits) +
+         passed_table(e.checks) + tolerance_table(e.tolerance_limits) + thermal_table(e.thermal) +
          (built != nullptr ? built_series_table(*built) : "") + sensitivity_table(s) +
          note_lines(e.notes) + not_checked(e);
 }

@@ -322,6 +322,16 @@ std::vector<BadInput> design_inputs() {
                  replaced(kDesign, "teeth = 12,",
                           "teeth = 12, machining_allowance = 0.02, normal_thinning_um = 16.0,"),
                  {"gear.toml:9:", "normal_thinning_um", "machining_allowance"}),
+      bad_design("ThicknessInTwoWaysIsSaidAtBothLines",
+                 replaced(kDesign, "teeth = 12,", "teeth = 12, A_sn_um = [-60.0, -30.0],") +
+                     "[tolerances.S]\ntooth_thickness_um = 15.0\n",
+                 {"gear.toml:9:", "gear.toml:17:",
+                  "gears.S.A_sn_um and tolerances.S.tooth_thickness_um state the same: allowed: "
+                  "one of them"}),
+      bad_design("RangeOfTemperatureWithoutAnExpansion",
+                 kDesign + "[thermal]\ntemperature_c = [-20.0, 60.0]\nS.expansion_1_k = 0.11\n",
+                 {"gear.toml:16:", "gear.toml:18:", "thermal.S.expansion_1_k = 0.11",
+                  "thermal.P1.expansion_1_k is missing", "thermal.carrier.expansion_1_k"}),
       bad_design("UnknownConventionHasADidYouMean",
                  replaced(kDesign, "planets = 3\n", "planets = 3\nsign_convention = \"iso2171\"\n"),
                  {"gear.toml:3:1: sign_convention = \"iso2171\": allowed: \"khk\" or \"iso21771\"; "

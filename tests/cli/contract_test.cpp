@@ -325,6 +325,38 @@ TEST(Analyze, StrictEndsWithZeroWhenEveryCheckPasses) {
   EXPECT_EQ(place.run({"analyze", "gear.toml", "--strict"}).exit_code, 0);
 }
 
+// 16 um of thinning a tooth leave play at 20 C; plastic planets that are 3 mm/m larger do not.
+TEST(Analyze, StrictRefusesAPlasticGearThatJamsWhenItIsWarm) {
+  const Workplace place;
+  std::string text = example(bilateral().file);
+  for (std::size_t at = text.find("teeth = "); at != std::string::npos;
+       at = text.find("teeth = ", at + 40)) {
+    text.insert(at, "machining_allowance = 0.02\n");
+  }
+  place.write("cold.toml", text);
+  EXPECT_EQ(place.run({"analyze", "cold.toml", "--strict"}).exit_code, 0);
+  const std::string steel_but =
+      "S.expansion_1_k = 11e-6\nR1.expansion_1_k = 20e-6\nR2.expansion_1_k = 20e-6\n"
+      "carrier.expansion_1_k = 11e-6\nP1.expansion_1_k = 90e-6\nP2.expansion_1_k = 90e-6\n";
+  place.write("warm.toml", text + "\n[thermal]\ntemperature_c = [20.0, 60.0]\n" + steel_but);
+  const ProgramResult warm = place.run({"analyze", "warm.toml", "--strict"});
+  EXPECT_EQ(warm.exit_code, 3) << warm.err;
+  for (const char* said : {"S-P1 at 60 C", "first jams below at", "thermal_backlash"}) {
+    EXPECT_NE(warm.out.find(said), std::string::npos) << said;
+  }
+  const ProgramResult loose = place.run({"analyze", "warm.toml", "--format", "json"});
+  EXPECT_EQ(loose.exit_code, 0);
+  const json result = json::parse(loose.out);
+  const json& thermal = result.at("thermal");
+  ASSERT_EQ(thermal.at("states").size(), 3U);
+  EXPECT_EQ(thermal.at("states")[2].at("temperature_c"), 60.0);
+  EXPECT_GT(thermal.at("states")[1].at("meshes")[0].at("least_backlash_um"), 0.0);
+  EXPECT_LT(thermal.at("states")[2].at("meshes")[0].at("least_backlash_um"), 0.0);
+  const double jams_c = thermal.at("jams")[0].at("above_c");
+  EXPECT_GT(jams_c, 20.0);
+  EXPECT_LT(jams_c, 60.0);
+}
+
 TEST(Analyze, TableSaysThatTheCentreDistanceWasChosenByTheProgram) {
   const Workplace place;
   place.write("free.toml", example(bilateral().file));

@@ -83,6 +83,17 @@ std::optional<train::TrainGeometry<T>> geometry_at(const RandomDesign& d, const 
   return make_train_geometry(p);
 }
 
+/// Gears of two plastics and a metal in a carrier of another.
+const train::ThermalRange kWarm{
+    .least_K = 253.15,
+    .greatest_K = 333.15,
+    .gear = {train::Growth{.expansion_1_K = 1.1e-5},
+             train::Growth{.expansion_1_K = 1e-4, .swelling = {.dry = -1e-3, .wet = 2e-3}},
+             train::Growth{.expansion_1_K = 8e-5},
+             train::Growth{.expansion_1_K = 1e-4, .swelling = {.dry = -1e-3, .wet = 2e-3}},
+             train::Growth{.expansion_1_K = 1.1e-5}},
+    .carrier = {.expansion_1_K = 2.3e-5}};
+
 Limits all_limits() {
   Limits limits = default_limits();
   for (auto& limit : limits.limit) limit = limit.value_or(1e-3);
@@ -118,6 +129,7 @@ std::vector<T> quantities(const RandomDesign& d, const Variables<T>& v,
     bodies.bore_radius_m = {1e-3, 2e-3, 0.0, 2e-3, 0.0};
     bodies.ring_rim_m = 2e-3;
     gearing.bodies = &bodies;
+    gearing.thermal = &kWarm;
     for (const CheckInstance& check :
          list_checks(all_limits(), train_layout({.planets = d.planets,
                                    .stage1_module_m = value_of(v[6]),
@@ -125,7 +137,9 @@ std::vector<T> quantities(const RandomDesign& d, const Variables<T>& v,
                                    .axial = d.axial,
                                    .bodies = {.bore_radius_m = bodies.bore_radius_m,
                                              .ring_outer_radius_m = {},
-                                             .ring_rim_m = 2e-3}}))) {
+                                             .ring_rim_m = 2e-3},
+                                   .rating = nullptr,
+                                   .thermal = &kWarm}))) {
       // The least gap changes its place in jumps: its derivatives are tested where it stays,
       // tests/geometry/tooth_form_test.cpp.
       if (check.record->id == CheckId::kTipFouling) continue;

@@ -98,6 +98,26 @@ TEST(InspectionSheet, CountsTheMachiningAllowanceInA_sn) {
   }
 }
 
+TEST(InspectionSheet, PrintsTheThicknessAllowancesThatAFileStates) {
+  const design::PairDesign pair = io::parse_pair(
+      "kind = \"external\"\nmodule_mm = 45.0\ncenter_distance_mm = 863.0\n"
+      "[gear1]\nteeth = 19\nprofile_shift = 0.617\nA_sn_um = [-255.0, -175.0]\n"
+      "[gear2]\nteeth = 17\nprofile_shift = 0.8021342559\n",
+      "pair.toml");
+  const auto sheets =
+      drawing::inspection_sheets(pair, std::get<design::PairEvaluation>(design::evaluate(pair)));
+  const Characteristic& a_sn = row_of(sheets.at(0), "A_sn");
+  EXPECT_NEAR(a_sn.lower.value(), -255.0, 1e-12);
+  EXPECT_NEAR(a_sn.nominal.value(), -215.0, 1e-12);
+  EXPECT_NEAR(a_sn.upper.value(), -175.0, 1e-12);
+  // Of the same report: the limits of s_n and W_3 are those of HasTheLimitsThatKissSoftPrints.
+  EXPECT_NEAR(row_of(sheets.at(0), "s_n").lower.value(), 90.642, 0.0005 + 1e-9);
+  EXPECT_NEAR(row_of(sheets.at(0), "s_n").upper.value(), 90.722, 0.0005 + 1e-9);
+  EXPECT_NEAR(row_of(sheets.at(0), "W_3").lower.value(), 362.842, 0.0005 + 1e-9);
+  EXPECT_NEAR(row_of(sheets.at(0), "W_3").upper.value(), 362.917, 0.0005 + 1e-9);
+  EXPECT_EQ(row_of(sheets.at(1), "A_sn").nominal.value(), 0.0);
+}
+
 TEST(InspectionSheet, WithoutTolerancesHasNominalValuesAndSaysSo) {
   for (const InspectionSheet& sheet : train_sheets("bilateral_drive_gear.toml")) {
     for (const Characteristic& row : sheet.rows) {

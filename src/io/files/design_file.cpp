@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
+#include "backlash/thickness_allowance.hpp"
 #include "design/rating_inputs.hpp"
 #include "io/files/strength_task.hpp"
 #include "io/keys/axial_keys.hpp"
@@ -34,6 +36,32 @@ geometry::GearGeometry<double> circles_of(const CommonInput& input,
                                       geometry::make_pressure_angle(input.pressure_angle_rad));
 }
 
+/// Takes the thinning that a gear states as a length.
+void take_thinning(const CommonInput& input, const GearInput& g, const GearPlace& place,
+                   geometry::Gear<double>& gear, FileReading& reading) {
+  std::string stated;
+  double most_um = units::from_si(kGreatestAllowance * place.module_m, Unit::kMicrometre);
+  if (g.thickness_allowance_m) {
+    const auto& limits = *g.thickness_allowance_m;
+    gear.machining_allowance =
+        backlash::machining_allowance_of(limits, input.pressure_angle_rad, place.module_m);
+    most_um /= std::cos(input.pressure_angle_rad);
+    stated = fmt::format("A_sn_um = [{:.6g}, {:.6g}]: thins the tooth by {:.6g}",
+                         units::from_si(limits.lower, Unit::kMicrometre),
+                         units::from_si(limits.upper, Unit::kMicrometre),
+                         units::from_si(-limits.middle(), Unit::kMicrometre));
+  } else if (g.normal_thinning_m) {
+    gear.machining_allowance = *g.normal_thinning_m / place.module_m;
+    stated = fmt::format("normal_thinning_um = {:.6g}",
+                         units::from_si(*g.normal_thinning_m, Unit::kMicrometre));
+  }
+  if (stated.empty() || gear.machining_allowance <= kGreatestAllowance) return;
+  const char* key = g.thickness_allowance_m ? "A_sn_um" : "normal_thinning_um";
+  reading.error_at(fmt::format("{}.{}", place.path, key),
+                   fmt::format("{}.{}: allowed: at most {:.6g} ({:g} module)", place.path, stated,
+                               most_um, kGreatestAllowance));
+}
+
 geometry::Gear<double> finish_gear(const CommonInput& input, const GearInput& g,
                                    const GearPlace& place, FileReading& reading) {
   const std::string teeth_key = place.path + ".teeth";
@@ -52,6 +80,9 @@ geometry::Gear<double> finish_gear(const CommonInput& input, const GearInput& g,
                      fmt::format("{0}.normal_thinning_um and {0}.machining_allowance say the same: "
                                  "allowed: one of them",
                                  place.path));
+  }
+  for (const char* other : {".normal_thinning_um", ".machining_allowance"}) {
+    refuse_both(place.path + ".A_sn_um", place.path + other, reading);
   }
   if (g.tip_shortening >= input.rack.addendum + input.rack.dedendum) {
     reading.error_at(
@@ -107,18 +138,7 @@ geometry::Gear<double> finish_gear(const CommonInput& input, const GearInput& g,
                     g.profile_shift, place.ring ? "tip" : "root", flipped ? "below" : "above",
                     flipped ? g.profile_shift + innermost : g.profile_shift - innermost));
   }
-  if (g.normal_thinning_m) {
-    gear.machining_allowance = *g.normal_thinning_m / place.module_m;
-    if (gear.machining_allowance > kGreatestAllowance) {
-      reading.error_at(
-          place.path + ".normal_thinning_um",
-          fmt::format("{}.normal_thinning_um = {:.6g}: allowed: at most {:.6g} ({:g} "
-                      "module)",
-                      place.path, units::from_si(*g.normal_thinning_m, Unit::kMicrometre),
-                      units::from_si(kGreatestAllowance * place.module_m, Unit::kMicrometre),
-                      kGreatestAllowance));
-    }
-  }
+  take_thinning(input, g, place, gear, reading);
   return gear;
 }
 
@@ -136,14 +156,27 @@ std::string center_distance_place(const FileReading& reading) {
   return reading.stated("center_distance_mm") ? "center_distance_mm" : "";
 }
 
-/// Tolerances of the gear that the file's table `name` is about.
-backlash::GearTolerances gear_tolerances(const ToleranceInput::Gear& input, const std::string& name,
-                                         const geometry::Gear<double>& gear, FileReading& reading) {
-  return finish_gear_tolerances(input,
-                                {.path = "tolerances." + name,
-                                 .module_m = gear.module_m,
-                                 .reference_diameter_m = gear.module_m * gear.teeth},
-                                reading);
+/// A gear with the names of its tables.
+struct TolerancedGear {
+  std::string path, name;  ///< "gears.S", of its tolerances "S"
+  const GearInput& input;
+  const geometry::Gear<double>& gear;
+};
+
+/// Tolerances of a gear, that of its thickness by its allowances where it states them.
+backlash::GearTolerances gear_tolerances(const ToleranceInput::Gear& input, const TolerancedGear& g,
+                                         FileReading& reading) {
+  const std::string path = "tolerances." + g.name;
+  auto result = finish_gear_tolerances(input,
+                                       {.path = path,
+                                        .module_m = g.gear.module_m,
+                                        .reference_diameter_m = g.gear.module_m * g.gear.teeth},
+                                       reading);
+  refuse_both(g.path + ".A_sn_um", path + ".tooth_thickness_um", reading);
+  if (const auto& stated = g.input.thickness_allowance_m) {
+    result.tooth_thickness_m = backlash::thickness_tolerance_of(*stated);
+  }
+  return result;
 }
 
 void check_bore(const DesignInput& input, const GearPlace& place, double bore_radius_m,
@@ -167,6 +200,12 @@ void check_rim(const DesignInput& input, const GearPlace& place, double outer_ra
                   units::from_si(root_radius_m, Unit::kDiameterMillimetre)));
 }
 
+/// Whether any gear states its thickness by allowances, which are tolerances too.
+bool states_allowance(const CommonInput& input) {
+  return std::ranges::any_of(
+      input.gears, [](const GearInput& gear) { return gear.thickness_allowance_m.has_value(); });
+}
+
 design::Design finish_design(const DesignInput& input, FileReading& reading) {
   design::Design design;
   design.name = input.name;
@@ -177,6 +216,7 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
   check_friction(design.friction, reading);
   check_rack(input.rack, input.pressure_angle_rad, reading);
   design.limits = finish_limits(input.limits, reading);
+  design.thermal = finish_thermal(input.thermal, input.limits, design.limits, reading);
   design.center_distance_given = input.center_distance_m.has_value();
   auto& t = design.train;
   t.planets = input.planets;
@@ -201,7 +241,12 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
     t.khk_tip[i] = input.gears[i].khk_tip;
     t.cutter[i] = gear.cutter;
     tolerances.gears[i] = gear_tolerances(input.tolerances.gears[i],
-                                          std::string(train::kGearNames[i]), gear, reading);
+                                          {.path = places[i].path,
+                                           .name = std::string(train::kGearNames[i]),
+                                           .input = input.gears[i],
+                                           .gear = gear},
+                                          reading);
+    design.thickness_allowance_m[i] = input.gears[i].thickness_allowance_m;
     design.pin_diameter_m[i] = input.gears[i].pin_diameter_m;
     const bool has_circles = teeth[i] >= kFewestTeeth && gear.module_m > 0.0;
     const auto& outer_radius_m = input.outer_radius_m[i];
@@ -220,7 +265,7 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
     (id == train::kR1 ? design.masses.ring1_outer_radius_m : design.masses.ring2_outer_radius_m) =
         outer_radius_m;
   }
-  if (input.tolerances.stated) design.tolerances = tolerances;
+  if (input.tolerances.stated || states_allowance(input)) design.tolerances = tolerances;
   design.sampling = input.tolerances.sampling;
   const auto materials = finish_materials(input.strength, train_gear_tables(), reading);
   if (!reading.stated("inertia.density_kg_m3")) {
@@ -291,13 +336,18 @@ design::PairDesign pair_from(const TomlValue& document, const std::string& name)
       .friction = input.friction,
       .limits = finish_limits(input.limits, reading),
       .tolerances = {},
+      .thickness_allowance_m = {input.gears[0].thickness_allowance_m,
+                                input.gears[1].thickness_allowance_m},
       .rating = {}};
-  if (input.tolerances.stated) {
-    const auto& stated = input.tolerances.gears;
-    pair.tolerances = backlash::PairTolerances{
-        .gears = {gear_tolerances(stated[0], "gear1", pair.gear1, reading),
-                  gear_tolerances(stated[1], "gear2", pair.gear2, reading)},
-        .center_distance_m = input.tolerances.center_distance_m};
+  if (input.tolerances.stated || states_allowance(input)) {
+    const auto of = [&](std::size_t i, const char* table, const geometry::Gear<double>& gear) {
+      return gear_tolerances(input.tolerances.gears[i],
+                             {.path = table, .name = table, .input = input.gears[i], .gear = gear},
+                             reading);
+    };
+    pair.tolerances =
+        backlash::PairTolerances{.gears = {of(0, "gear1", pair.gear1), of(1, "gear2", pair.gear2)},
+                                 .center_distance_m = input.tolerances.center_distance_m};
   }
   pair.rating = finish_pair_strength(
       input.strength, finish_materials(input.strength, pair_gear_tables(), reading), reading);

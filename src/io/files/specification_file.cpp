@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "design/rating_inputs.hpp"
 #include "io/files/strength_task.hpp"
 #include "io/keys/axial_keys.hpp"
 #include "io/keys/cutter_keys.hpp"
+#include "io/keys/design_keys.hpp"
 #include "io/keys/model_keys.hpp"
 #include "io/keys/robust_keys.hpp"
 #include "io/keys/specification_keys.hpp"
@@ -253,6 +255,34 @@ void finish_rating(Input& input, FileReading& reading) {
   }
 }
 
+/// Thinning, at the least module, and tolerance of the gears that state thickness allowances.
+void take_allowances(optimize::Specification& spec, FileReading& reading) {
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    const auto& stated = spec.thickness_allowance_m[i];
+    if (!stated) continue;
+    const std::string path = fmt::format("backlash.{}.A_sn_um", train::kGearNames[i]);
+    if (spec.machining_allowance[i] != 0.0) {
+      refuse_both(path, "backlash.machining_allowance", reading);
+    }
+    refuse_both(path, fmt::format("tolerances.{}.tooth_thickness_um", train::kGearNames[i]),
+                reading);
+    spec.tolerances->gears[i].tooth_thickness_m = backlash::thickness_tolerance_of(*stated);
+    const auto stage = static_cast<std::size_t>(train::stage_of(static_cast<int>(i)));
+    if (!reading.has(fmt::format("module.stage{}_mm", stage + 1))) continue;
+    const double module_m = optimize::least_module(spec.module[stage]);
+    spec.machining_allowance[i] =
+        optimize::machining_allowance(spec, i, spec.pressure_angle_rad, module_m);
+    if (spec.machining_allowance[i] <= kGreatestAllowance) continue;
+    const double most_um = units::from_si(kGreatestAllowance * module_m, units::Unit::kMicrometre) /
+                           std::cos(spec.pressure_angle_rad);
+    reading.error_at(path,
+                     fmt::format("{} = [{:.6g}, {:.6g}]: allowed: a middle of at least "
+                                 "-{:.6g} (1 module, the least of the stage)",
+                                 path, units::from_si(stated->lower, units::Unit::kMicrometre),
+                                 units::from_si(stated->upper, units::Unit::kMicrometre), most_um));
+  }
+}
+
 optimize::Specification specification_from(const TomlValue& document, const std::string& name,
                                            double most_sets) {
   FileReading reading(name);
@@ -264,12 +294,17 @@ optimize::Specification specification_from(const TomlValue& document, const std:
     input.spec.free.tip_shortening = {.min = 0.0, .max = addendum->max - addendum->min};
   }
   input.spec.limits = finish_limits(input.limits, reading);
+  input.spec.thermal = finish_thermal(input.thermal, input.limits, input.spec.limits, reading);
   finish_bodies(input.spec);
   unite_modules(input.spec, reading);
   finish_rating(input, reading);
   check_relations(input, reading);
+  const bool allowances = std::ranges::any_of(input.spec.thickness_allowance_m,
+                                              [](const auto& a) { return a.has_value(); });
+  input.tolerances.stated = input.tolerances.stated || allowances;
   check_robust(input.spec, input.tolerances, reading);
   if (input.tolerances.stated) input.spec.tolerances = stated_tolerances(input.tolerances);
+  take_allowances(input.spec, reading);
   input.spec.sampling = input.tolerances.sampling;
   reading.throw_if_invalid();
   check_size(input.spec, most_sets, reading);

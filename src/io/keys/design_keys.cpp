@@ -57,10 +57,12 @@ std::vector<Key<GearInput>> gear_keys() {
       make_key<Gear>(number("machining_allowance", Unit::kModules, within(0.0, kGreatestAllowance),
                             "0", "q: normal thinning of the whole tooth over the module",
                             {design::InputKind::kMachiningAllowance}),
-                     &Gear::machining_allowance),
+                     &Gear::machining_allowance,
+                     [](const Gear& g, std::size_t) { return !g.thickness_allowance_m; }),
       make_key<Gear>(number("normal_thinning_um", Unit::kMicrometre, within(0.0, 1e5), "none",
                             "the same as a length, instead of machining_allowance"),
                      &Gear::normal_thinning_m),
+      make_key<Gear>(thickness_allowance_record("A_sn_um"), &Gear::thickness_allowance_m),
       make_key<Gear>(
           number("tip_shortening", Unit::kModules, within(0.0, design::kGreatestTipShortening), "0",
                  "shortening of the tooth at its tip, on rings too",
@@ -97,6 +99,7 @@ std::vector<std::string> file_order() {
           "gears",
           "material",
           "axial",
+          "thermal",
           "inertia",
           "friction",
           "tolerances",
@@ -146,6 +149,7 @@ std::vector<Key<DesignInput>> keys_of_design() {
       [](auto& t, std::size_t gear) -> auto& { return t.outer_radius_m[gear]; }));
   append_keys(keys, mass_keys(), &KeyTarget::masses);
   append_keys(keys, axial_keys(), &KeyTarget::axial);
+  append_keys(keys, thermal_keys(), &KeyTarget::thermal);
   std::vector<Key<LossInput>> losses;
   for (const LossKey& k : loss_keys()) losses.push_back(k.key);
   append_keys(keys, losses, &KeyTarget::losses);

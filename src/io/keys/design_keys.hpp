@@ -10,6 +10,7 @@
 #include "io/keys/limit_keys.hpp"
 #include "io/keys/loss_keys.hpp"
 #include "io/keys/strength_keys.hpp"
+#include "io/keys/thermal_keys.hpp"
 #include "io/keys/tolerance_keys.hpp"
 
 namespace gear3k::io {
@@ -22,6 +23,7 @@ struct GearInput {
   int teeth = 0;
   double profile_shift = 0.0, machining_allowance = 0.0, tip_shortening = 0.0;
   std::optional<double> normal_thinning_m;
+  std::optional<backlash::DeviationLimits> thickness_allowance_m;
   bool khk_tip = false;
   geometry::PinionCutter cutter;
   std::optional<double> pin_diameter_m;
@@ -46,6 +48,7 @@ struct DesignInput : CommonInput {
   design::Masses masses;
   std::array<std::optional<double>, train::kGearCount> outer_radius_m;  ///< of the rings
   train::AxialLayout axial;
+  ThermalInput thermal;
   LossInput losses;
 };
 

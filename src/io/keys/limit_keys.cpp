@@ -23,6 +23,9 @@ bool belongs_to_pair(const CheckRecord& r) {
     case CheckScope::kWalledGear:
     case CheckScope::kListedGear:
     case CheckScope::kSun:
+    case CheckScope::kThermalMesh:
+    case CheckScope::kThermalMember:
+    case CheckScope::kThermalTrain:
       return false;
     default:
       return r.id != CheckId::kRingRootDiameter && r.id != CheckId::kGearboxDiameter;
@@ -33,10 +36,11 @@ std::string default_text(const CheckRecord& r) {
   return r.default_limit ? fmt::format("{}", *r.default_limit) : "off";
 }
 
-/// What a preset sets and no other default does: files without a preset do not mention it.
+/// What a preset or a range of temperature sets and no other default does: files without them do
+/// not mention it.
 bool is_off_unless_preset(const CheckRecord& r) {
-  return !r.default_limit &&
-         (r.switched_limit || design::preset_limit(design::Preset::kMachined, r.id));
+  return !r.default_limit && (r.switched_limit || r.scope == CheckScope::kThermalTrain ||
+                              design::preset_limit(design::Preset::kMachined, r.id));
 }
 
 std::string unit_in_words(const CheckRecord& r) {

@@ -322,6 +322,7 @@ std::vector<Key<Input>> specification_keys() {
         fmt::format("cutter.{}.", train::kGearNames[ring]));
   }
   append_keys(keys, axial_keys(), of_spec(&Specification::axial));
+  append_keys(keys, thermal_keys(), &Input::thermal);
   append_ratio_keys(keys);
   append_tooth_keys(keys);
   for (const std::size_t stage : {0U, 1U}) keys.push_back(module_key(stage));
@@ -329,6 +330,9 @@ std::vector<Key<Input>> specification_keys() {
   keys.push_back(per_gear_key(number("backlash.machining_allowance", Unit::kNone, within(0.0, 1.0),
                                      "0", "q: normal thinning of the whole tooth over the module"),
                               &Specification::machining_allowance));
+  keys.push_back(make_key<Input>(
+      thickness_allowance_record("backlash.{gear}.A_sn_um"),
+      [](auto& t, std::size_t gear) -> auto& { return t.spec.thickness_allowance_m[gear]; }));
   append_solver_keys(keys);
   append_keys(keys, operating_point_keys(), &Input::losses);
   append_keys(keys, train_strength_keys(), &Input::strength);

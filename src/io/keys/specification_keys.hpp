@@ -7,6 +7,7 @@
 #include "io/keys/limit_keys.hpp"
 #include "io/keys/loss_keys.hpp"
 #include "io/keys/strength_keys.hpp"
+#include "io/keys/thermal_keys.hpp"
 #include "io/keys/tolerance_keys.hpp"
 #include "optimize/specification.hpp"
 
@@ -20,6 +21,7 @@ struct SpecificationInput {
   LossInput losses;  ///< its operating point
   ToleranceInput tolerances;
   StrengthInput strength;
+  ThermalInput thermal;
 
   SpecificationInput();
 };

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "units/units.hpp"
 
@@ -130,6 +131,22 @@ backlash::GearTolerances stated_gear(const ToleranceInput::Gear& input) {
 }
 
 }  // namespace
+
+KeyRecord thickness_allowance_record(std::string path) {
+  return number_range(std::move(path), Unit::kMicrometre, within(-1e5, 0.0), "none",
+                      "A_sni and A_sne, limits of the tooth thickness (arc on the reference "
+                      "circle) from that without backlash: thinning of their middle with half "
+                      "their distance as tolerance, in place of both");
+}
+
+void refuse_both(const std::string& allowance_path, const std::string& other_path,
+                 FileReading& reading) {
+  if (!reading.stated(allowance_path) || !reading.stated(other_path)) return;
+  for (const std::string& path : {allowance_path, other_path}) {
+    reading.error_at(path, fmt::format("{} and {} state the same: allowed: one of them",
+                                       allowance_path, other_path));
+  }
+}
 
 std::vector<Key<ToleranceInput>> gear_tolerance_keys(bool pair) {
   ToleranceKeys keys;

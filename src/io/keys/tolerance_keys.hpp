@@ -30,6 +30,13 @@ struct ToleranceInput {
   design::Sampling sampling;
 };
 
+/// A_sni and A_sne of a gear, in place of its thinning and the tolerance of its tooth thickness.
+KeyRecord thickness_allowance_record(std::string path);
+
+/// Says that a gear states its thickness in two ways, at both of them.
+void refuse_both(const std::string& allowance_path, const std::string& other_path,
+                 FileReading& reading);
+
 /// Keys of gears and centre distance.
 /// @param pair  of two gears: without run-out and pitch, which its limits do not have
 std::vector<Key<ToleranceInput>> gear_tolerance_keys(bool pair);

@@ -301,7 +301,7 @@ TEST(DesignLimits, TrueWithoutAnyThresholdIsAnErrorThatNamesItsKey) {
     EXPECT_NE(errors.find("limits." + name + " = true"), std::string::npos) << errors;
     EXPECT_NE(errors.find(record.limit_key), std::string::npos) << errors;
   }
-  EXPECT_EQ(without_default, 16U);
+  EXPECT_EQ(without_default, 17U);
 }
 
 TEST(DesignLimits, IdenticalPlanetsHaveASwitchOfTheirOwn) {

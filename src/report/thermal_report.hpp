@@ -1,0 +1,18 @@
+#pragma once
+// A gearbox over temperature, as a table and as fields.
+
+#include <optional>
+#include <string>
+
+#include "design/thermal_result.hpp"
+#include "report/fields.hpp"
+
+namespace gear3k::report {
+
+/// "" without a range.
+std::string thermal_table(const std::optional<design::ThermalResult>& thermal);
+
+/// Object of the JSON, and rows of the CSV about "S-P1 at 60 C" and its like.
+Fields thermal_fields(const design::ThermalResult& thermal);
+
+}  // namespace gear3k::report
