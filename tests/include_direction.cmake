@@ -21,6 +21,7 @@ set(order
     calibrate/verdict
     calibrate/series
     actuator
+    motion
     io/text
     io/keys
     io/files

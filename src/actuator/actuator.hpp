@@ -45,6 +45,7 @@ struct Gearbox {
   double coulomb_Nm = 0.0;                 ///< c2 while it turns, at the output
   double static_Nm = 0.0;                  ///< c2s at rest, ≥ coulomb_Nm
   double viscous_Nms = 0.0;                ///< D2, at the output
+  std::optional<double> backlash_rad{};    ///< lost motion of the output with the motor locked
   std::optional<double> mass_kg;
 };
 

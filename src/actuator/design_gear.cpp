@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <variant>
 
+#include "backlash/lost_motion.hpp"
 #include "design/accelerated_train.hpp"
 #include "design/evaluation.hpp"
 #include "design/mass_model.hpp"
@@ -165,6 +166,12 @@ DesignTrain::DesignTrain(const design::Design& design)
 }
 
 double DesignTrain::ratio() const { return train::speed_ratios(geometry_.teeth).sun; }
+
+double DesignTrain::backlash_rad() const {
+  return std::max(0.0,
+                  backlash::output_lost_motion(geometry_, backlash::normal_backlashes(geometry_),
+                                               backlash::LostMotionModel::kKinematic));
+}
 
 double DesignTrain::inertia_kgm2() const {
   return inertia::lossless_inertia<double>({.teeth = geometry_.teeth,

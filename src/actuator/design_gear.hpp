@@ -27,6 +27,8 @@ class DesignTrain {
   [[nodiscard]] std::optional<double> mass_kg() const { return mass_kg_; }
   /// At the output with the sun locked, meshes and springs; empty without [strength].
   [[nodiscard]] std::optional<double> stiffness_nm_rad() const { return stiffness_Nm_rad_; }
+  /// Lost motion at the output with the sun locked, rigid bodies; 0 where teeth interfere.
+  [[nodiscard]] double backlash_rad() const;
   [[nodiscard]] const std::string& name() const { return name_; }
 
   design::ShaftLosses<double> shafts;  ///< drags and bearings

@@ -52,6 +52,7 @@ void take_design(const std::string& path, double least_speed_rad_s, actuator::Ac
     train->least_friction_speed_rad_s = least_speed_rad_s;
     result.gearbox = {.ratio = train->ratio(),
                       .stiffness_Nm_rad = train->stiffness_nm_rad(),
+                      .backlash_rad = train->backlash_rad(),
                       .mass_kg = train->mass_kg()};
     result.train = std::move(train);
   } catch (const std::invalid_argument& error) {
@@ -86,6 +87,7 @@ actuator::Actuator actuator_from(const TomlValue& document, const std::string& n
     });
   }
   errors.raise();
+  if (input.backlash_rad) result.gearbox.backlash_rad = input.backlash_rad;
   return result;
 }
 

@@ -169,6 +169,12 @@ std::vector<Key<ActuatorInput>> keys_of_actuator() {
       make_key<In>(number("load.inertia_kgm2", Unit::kKilogramSquareMetre, within(0.0, 1e9), "0",
                           "of the load, at the output, on top of the cycle's torque"),
                    &In::load_inertia_kgm2));
+  keys.push_back(make_key<In>(
+      number("backlash.output_arcmin", Unit::kArcmin, within(0.0, 3600.0),
+             "that of gearbox.design, else 0",
+             "lost motion of the output with the motor locked, for simulate: within it motor and "
+             "output move by themselves"),
+      &In::backlash_rad));
   return keys;
 }
 

@@ -30,6 +30,7 @@ struct ActuatorInput {
   GearboxInput gearbox;
   actuator::Drive drive;
   double load_inertia_kgm2 = 0.0;
+  std::optional<double> backlash_rad;
 };
 
 const Schema<ActuatorInput>& actuator_schema();
