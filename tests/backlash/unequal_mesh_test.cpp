@@ -88,7 +88,7 @@ double rolled_play_m(const Pair& p) {
   const bool ring = gear2.gear.kind == GearKind::kRing;
   const double pitch1 = 2.0 * kPi / gear1.gear.teeth;
   const double pitch2 = 2.0 * kPi / gear2.gear.teeth;
-  constexpr int kPoints = 250, kPositions = 120;
+  constexpr int kPoints = 250, kPositions = 60;
   std::vector<double> radius, half_tooth;
   const double from = std::max(gear1.base_radius_m, gear1.root_radius_m);
   for (int i = 0; i <= kPoints; ++i) {
@@ -101,7 +101,7 @@ double rolled_play_m(const Pair& p) {
     // Gear 2 about where the middle tooth of gear 1 is in the middle of a space.
     const double middle2 = (ring ? 1.0 : -1.0) * turn1 * gear1.gear.teeth / gear2.gear.teeth;
     double low = -pitch2, high = pitch2;
-    for (int tooth = -4; tooth <= 4; ++tooth) {
+    for (int tooth = -2; tooth <= 2; ++tooth) {
       for (const double side : {-1.0, 1.0}) {
         for (std::size_t i = 0; i < radius.size(); ++i) {
           const double angle = turn1 + tooth * pitch1 + side * half_tooth[i];
@@ -146,7 +146,7 @@ TEST(UnequalMesh, LeavesTheLeastPlayOfTwoGearsThatAreTurnedAgainstEachOther) {
                                  gear_of(75, GearKind::kRing, 0.6, 1.0), 25.7e-3}};
   for (const Pair& p : alike) {
     const bool ring = p.gear2.gear.kind == GearKind::kRing;
-    for (const double growth : {0.994, 0.998, 1.0, 1.002, 1.006}) {
+    for (const double growth : {0.994, 1.0, 1.006}) {
       Pair grown = p;
       (ring ? grown.gear1 : grown.gear2) = train::grown_gear(ring ? p.gear1 : p.gear2, growth);
       const auto mesh = make_unequal_mesh(grown.gear1, grown.gear2, grown.center_distance_m);

@@ -18,14 +18,14 @@
 namespace gear3k::optimize::thermal_search_test {
 namespace {
 
-/// A few dozen tooth sets.
+/// Some tooth sets.
 const std::string kTask = R"(
 [ratio]
 target = 40.0
 tolerance = 0.02
 [teeth]
-S = [13, 15]
-P1 = [24, 30]
+S = [13, 14]
+P1 = [26, 30]
 P2 = [18, 24]
 R1_max = 80
 R2_max = 80
