@@ -99,6 +99,10 @@ struct ActuatorOptions : CommonOptions {  ///< out: a file, with select a folder
   std::string select;          ///< SPEC.toml of a selection; "" = none
 };
 
+struct SimulateOptions : CommonOptions {  ///< out: a folder; "" = none
+  std::string actuator, scenario;
+};
+
 struct KeysOptions : CommonOptions {
   std::string word;  ///< what a printed row holds; "" = all rows
 };
@@ -118,6 +122,7 @@ ExitCode run_diagnose(const DiagnoseOptions& options);
 ExitCode run_tolerances(const TolerancesOptions& options);
 ExitCode run_export(const ExportOptions& options);
 ExitCode run_actuator(const ActuatorOptions& options);
+ExitCode run_simulate(const SimulateOptions& options);
 /// Prints docs/keys.md: every key of DESIGN, PAIR and SPEC files, or those that hold a word.
 ExitCode run_keys(const KeysOptions& options);
 /// Prints a first file of a kind, with comments.
