@@ -10,6 +10,7 @@
 #include "io/files/design_file.hpp"
 #include "io/files/document_kind.hpp"
 #include "io/files/model_file.hpp"
+#include "io/files/scenario_file.hpp"
 #include "io/files/specification_file.hpp"
 #include "io/files/subject_file.hpp"
 #include "io/text/diagnostics.hpp"
@@ -49,8 +50,12 @@ void read_as(io::DocumentKind kind, const std::string& text) {
     case kActuator:
       io::parse_actuator(text, name);
       break;
+    case kScenario:
+      io::parse_scenario(text, name);
+      break;
     case kUnknown:
-      for (const auto any : {kDesign, kPair, kSpecification, kBlackBox, kModel, kActuator}) {
+      for (const auto any :
+           {kDesign, kPair, kSpecification, kBlackBox, kModel, kActuator, kScenario}) {
         read_or_refuse([&] { read_as(any, text); });
       }
       break;

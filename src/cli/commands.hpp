@@ -99,6 +99,10 @@ struct ActuatorOptions : CommonOptions {  ///< out: a file, with select a folder
   std::string select;          ///< SPEC.toml of a selection; "" = none
 };
 
+struct SimulateOptions : CommonOptions {  ///< out: a folder; "" = none
+  std::string actuator, scenario;
+};
+
 struct KeysOptions : CommonOptions {
   std::string word;  ///< what a printed row holds; "" = all rows
 };
@@ -120,6 +124,7 @@ ExitCode run_export(const ExportOptions& options);
 ExitCode run_actuator(const ActuatorOptions& options);
 /// What is wrong with a value of --impedance; "" when nothing is.
 std::string impedance_error(std::string_view value);
+ExitCode run_simulate(const SimulateOptions& options);
 /// Prints docs/keys.md: every key of DESIGN, PAIR and SPEC files, or those that hold a word.
 ExitCode run_keys(const KeysOptions& options);
 /// Prints a first file of a kind, with comments.

@@ -7,6 +7,7 @@
 #include "io/files/actuator_file.hpp"
 #include "io/files/design_file.hpp"
 #include "io/files/first_file.hpp"
+#include "io/files/scenario_file.hpp"
 #include "io/files/selection_file.hpp"
 #include "io/files/specification_file.hpp"
 #include "io/files/subject_file.hpp"
@@ -32,9 +33,10 @@ ExitCode run_keys(const KeysOptions& options) {
       "# Keys of the input files\n\nPrinted by `gear3k keys`.\n\n"
       "## DESIGN.toml\n\n{}\n## PAIR.toml\n\n{}\n## SPEC.toml\n\n{}\n"
       "## Black box (in place of a DESIGN)\n\n{}\n## ACTUATOR.toml\n\n{}\n"
-      "## SPEC.toml of gear3k actuator --select\n\n{}",
+      "## SPEC.toml of gear3k actuator --select\n\n{}\n## SCENARIO.toml\n\n{}",
       io::design_key_table(), io::pair_key_table(), io::specification_key_table(),
-      io::black_box_key_table(), io::actuator_key_table(), io::selection_key_table());
+      io::black_box_key_table(), io::actuator_key_table(), io::selection_key_table(),
+      io::scenario_key_table());
   if (options.word.empty()) {
     deliver(options, document);
     return kDone;

@@ -18,6 +18,7 @@
 #include "io/files/actuator_file.hpp"
 #include "io/files/design_file.hpp"
 #include "io/files/first_file.hpp"
+#include "io/files/scenario_file.hpp"
 #include "io/files/selection_file.hpp"
 #include "io/files/specification_file.hpp"
 #include "io/text/diagnostics.hpp"
@@ -494,6 +495,21 @@ int run_program(int argc, char** argv) {
     run = [&] { return cli::run_actuator(actuator); };
   });
 
+  cli::SimulateOptions simulate;
+  CLI::App* simulate_command = app.add_subcommand(
+      "simulate", "an actuator moved forward in time: modes, events, where its energy goes");
+  simulate_command->add_option("ACTUATOR", simulate.actuator, "ACTUATOR.toml")->required();
+  simulate_command->add_option("SCENARIO", simulate.scenario, "SCENARIO.toml")->required();
+  add_common_options(*simulate_command, simulate);
+  simulate_command
+      ->add_option("--out", simulate.out,
+                   "folder for motion.csv, events.csv, ledger.json and motion.svg; made when "
+                   "missing; the figure needs gnuplot")
+      ->check(folder_name)
+      ->option_text("DIR");
+  simulate_command->footer([] { return "Keys of SCENARIO.toml:\n" + io::scenario_key_table(); });
+  simulate_command->callback([&] { run = [&] { return cli::run_simulate(simulate); }; });
+
   cli::KeysOptions keys;
   CLI::App* keys_command =
       app.add_subcommand("keys", "every key of the input files, as a Markdown document");
@@ -503,8 +519,9 @@ int run_program(int argc, char** argv) {
   keys_command->callback([&] { run = [&] { return cli::run_keys(keys); }; });
 
   cli::NewOptions first;
-  CLI::App* new_command = app.add_subcommand(
-      "new", "a first file to change: a task for optimize, one design, one pair, or an actuator");
+  CLI::App* new_command = app.add_subcommand("new",
+                                             "a first file to change: a task for optimize, one "
+                                             "design, one pair, an actuator or a scenario");
   std::vector<std::string> kinds;
   for (const io::FirstFile& file : io::first_files()) kinds.emplace_back(file.kind);
   new_command->add_option("KIND", first.kind, "what to write")

@@ -60,7 +60,7 @@ State Hybrid::start() const {
   return x;
 }
 
-double Hybrid::kinetic_J(const State& x) const {
+double Hybrid::kinetic_j(const State& x) const {
   const auto [fast, output] = gear_->inertias_kgm2();
   return 0.5 * (fast * x[kFastSpeed] * x[kFastSpeed] + output * x[kOutputSpeed] * x[kOutputSpeed]);
 }

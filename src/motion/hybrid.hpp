@@ -71,7 +71,7 @@ class Hybrid {
   [[nodiscard]] const Mode& mode() const { return mode_; }
   [[nodiscard]] const MotionGear& gear() const { return *gear_; }
   [[nodiscard]] const Surroundings& surroundings() const { return surroundings_; }
-  [[nodiscard]] double kinetic_J(const State& x) const;
+  [[nodiscard]] double kinetic_j(const State& x) const;
   /// A fortieth of the shortest period, at most a fiftieth of the duration.
   [[nodiscard]] double max_step_s() const;
   [[nodiscard]] State start() const;

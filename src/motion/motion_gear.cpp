@@ -11,7 +11,7 @@ namespace {
 /// What rounding may make of a difference of torques, as a share of its terms.
 constexpr double kRoundingShare = 1e-11;
 
-/// A gearbox by catalogue values: equations in closed form, docs/theory §64.
+/// A gearbox by catalogue values: equations in closed form, docs/theory §66.
 class CatalogueMotion : public MotionGear {
  public:
   CatalogueMotion(const actuator::Actuator& actuator, double load_kgm2)

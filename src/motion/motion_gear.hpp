@@ -21,7 +21,7 @@ struct JointInput {
   bool starting = false;  ///< the output's friction is that at rest
 };
 
-/// What follows; docs/theory §64.
+/// What follows; docs/theory §66.
 struct Joint {
   bool jammed = false;  ///< no acceleration satisfies both sides
   double acceleration_rad_s2 = 0.0;

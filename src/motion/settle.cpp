@@ -1,4 +1,4 @@
-// Which mode holds from an instant on; docs/theory §65.
+// Which mode holds from an instant on; docs/theory §67.
 
 #include <fmt/format.h>
 
@@ -75,7 +75,7 @@ void Hybrid::settle_slide(State& x, double time_s, std::vector<Occurrence>& happ
 
 void Hybrid::jam(State& x, std::vector<Occurrence>& happened) {
   const Mode before = mode_;
-  const double energy = kinetic_J(x);
+  const double energy = kinetic_j(x);
   x[kFastSpeed] = x[kOutputSpeed] = 0.0;
   mode_ = {.phase = Phase::kStick, .contact = mode_.contact};
   happened.push_back({.what = "jams", .before = before, .after = mode_, .loss_J = energy});
@@ -83,7 +83,7 @@ void Hybrid::jam(State& x, std::vector<Occurrence>& happened) {
 
 void Hybrid::hit(State& x, int side, std::vector<Occurrence>& happened) {
   const Mode before = mode_;
-  const double energy = kinetic_J(x);
+  const double energy = kinetic_j(x);
   const double speed = gear_->speed_after_contact({x[kFastSpeed], x[kOutputSpeed]});
   x[kFastSpeed] = x[kOutputSpeed] = speed;
   mode_ = {.contact = side};
@@ -92,7 +92,7 @@ void Hybrid::hit(State& x, int side, std::vector<Occurrence>& happened) {
     mode_ = {.phase = Phase::kSlide, .sense = sense, .flow = sense * side, .contact = side};
   }
   happened.push_back(
-      {.what = "contact", .before = before, .after = mode_, .loss_J = energy - kinetic_J(x)});
+      {.what = "contact", .before = before, .after = mode_, .loss_J = energy - kinetic_j(x)});
 }
 
 void Hybrid::set_senses(const State& x, const Outside& o) {

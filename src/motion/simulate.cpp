@@ -86,10 +86,10 @@ class MotionRun {
     return r;
   }
 
-  void note(MotionRow r) {
+  void note(const MotionRow& r) {
     motion_.peak_current_A = std::max(motion_.peak_current_A, std::abs(r.outside.current_A));
     motion_.peak_voltage_V = std::max(motion_.peak_voltage_V, std::abs(r.outside.voltage_V));
-    motion_.rows.push_back(std::move(r));
+    motion_.rows.push_back(r);
   }
 
   /// Rows at multiples of the distance up to the end of a step, or of what is left of it.
@@ -253,9 +253,9 @@ void MotionRun::fill_ledger() {
   l.losses.push_back({.cause = "contact", .energy_J = contact_J_.value()});
   l.losses.push_back({.cause = "jam", .energy_J = jam_J_.value()});
   const Surroundings& s = hybrid_.surroundings();
-  l.kinetic_J = hybrid_.kinetic_J(x_) - hybrid_.kinetic_J(first_);
-  l.spring_J = s.spring_J(x_[kOutputAngle]) - s.spring_J(first_[kOutputAngle]);
-  l.gravity_J = s.gravity_J(x_[kOutputAngle]) - s.gravity_J(first_[kOutputAngle]);
+  l.kinetic_J = hybrid_.kinetic_j(x_) - hybrid_.kinetic_j(first_);
+  l.spring_J = s.spring_j(x_[kOutputAngle]) - s.spring_j(first_[kOutputAngle]);
+  l.gravity_J = s.gravity_j(x_[kOutputAngle]) - s.gravity_j(first_[kOutputAngle]);
   actuator::CompensatedSum difference;
   double magnitude = 0.0;
   const auto add = [&](double energy) {

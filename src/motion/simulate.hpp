@@ -61,11 +61,11 @@ struct Motion {
 
 /// Simulates a scenario.
 ///
-/// Within a mode the motion follows ordinary differential equations (docs/theory §64), integrated
+/// Within a mode the motion follows ordinary differential equations (docs/theory §66), integrated
 /// by Stepper.  A mode ends where a speed, the lead of one side over the other, the excess of a
 /// torque over static friction or the room in the gap passes zero: seen at four points of each
 /// step, placed by steps that end there, to rounding.  Rows of tables end steps.
-/// Source: own derivation, docs/theory §64 to §66.
+/// Source: own derivation, docs/theory §66 to §68.
 /// Accuracy: the ledger closes to 1e-9 of the energy moved at the tolerances that are the default.
 /// Does not account for: inductance, cogging, the winding's temperature in R, elasticity.
 /// @throws std::invalid_argument where a side lacks inertia; std::runtime_error where a step finds

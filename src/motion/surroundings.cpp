@@ -75,12 +75,12 @@ double Surroundings::load_inertia_kgm2() const {
   return scenario_.load.inertia_kgm2 + pendulum.mass_kg * pendulum.length_m * pendulum.length_m;
 }
 
-double Surroundings::spring_J(double output_rad) const {
+double Surroundings::spring_j(double output_rad) const {
   const double angle = output_rad - scenario_.load.rest_angle_rad;
   return 0.5 * scenario_.load.stiffness_Nm_rad * angle * angle;
 }
 
-double Surroundings::gravity_J(double output_rad) const {
+double Surroundings::gravity_j(double output_rad) const {
   const Pendulum& pendulum = scenario_.load.pendulum;
   const double half = std::sin(0.5 * (output_rad - pendulum.hanging_rad));
   return 2.0 * pendulum.mass_kg * pendulum.gravity_m_s2 * pendulum.length_m * half * half;

@@ -38,8 +38,8 @@ class Surroundings {
   /// Inertia of the scenario's load [kg m²], its pendulum's with it.
   [[nodiscard]] double load_inertia_kgm2() const;
   /// Energy in the spring and of the pendulum [J], zero where either pulls nowhere.
-  [[nodiscard]] double spring_J(double output_rad) const;
-  [[nodiscard]] double gravity_J(double output_rad) const;
+  [[nodiscard]] double spring_j(double output_rad) const;
+  [[nodiscard]] double gravity_j(double output_rad) const;
   /// Greatest stiffness at the output [N m/rad].
   [[nodiscard]] double stiffness_nm_rad() const;
 

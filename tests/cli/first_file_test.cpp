@@ -71,6 +71,13 @@ TEST_P(FirstFile, OfAnActuatorRuns) {
   EXPECT_EQ(result.out.find("10000") != std::string::npos, GetParam()) << "the stiffness";
 }
 
+TEST_P(FirstFile, OfAScenarioMovesTheFirstActuator) {
+  const std::string actuator = written("actuator");
+  const ProgramResult result = place.run({"simulate", actuator, written("scenario"), "--quiet"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("backward"), std::string::npos);
+}
+
 INSTANTIATE_TEST_SUITE_P(Choices, FirstFile, testing::Bool(),
                          [](const auto& p) { return p.param ? "AllTaken" : "AsPrinted"; });
 

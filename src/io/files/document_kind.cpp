@@ -13,8 +13,14 @@ namespace gear3k::io {
 namespace {
 
 /// By DocumentKind.
-constexpr std::array<std::string_view, 7> kNames{
-    "", "a DESIGN", "a PAIR", "a SPEC", "a black box", "a model.toml of diagnose", "an ACTUATOR"};
+constexpr std::array<std::string_view, 8> kNames{"",
+                                                 "a DESIGN",
+                                                 "a PAIR",
+                                                 "a SPEC",
+                                                 "a black box",
+                                                 "a model.toml of diagnose",
+                                                 "an ACTUATOR",
+                                                 "a SCENARIO"};
 
 const TomlValue* member(const TomlValue& document, std::string_view key) {
   const auto found = std::ranges::find(document.table, key, &TomlValue::key);
@@ -43,6 +49,7 @@ DocumentLook look_of(const TomlValue& document) {
   for (const std::string_view kind : calibrate::kKindNames) {
     if (has_table(document, kind)) return {.kind = kModel, .sign = fmt::format("[{}]", kind)};
   }
+  if (has_table(document, "control")) return {.kind = kScenario, .sign = "[control]"};
   if (has_table(document, "motor")) return {.kind = kActuator, .sign = "[motor]"};
   if (has_table(document, "gearbox")) return {.kind = kBlackBox, .sign = "[gearbox]"};
   if (describes_gears(document)) return {.kind = kDesign, .sign = "[gears]"};

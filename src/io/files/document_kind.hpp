@@ -9,7 +9,16 @@
 
 namespace gear3k::io {
 
-enum class DocumentKind { kUnknown, kDesign, kPair, kSpecification, kBlackBox, kModel, kActuator };
+enum class DocumentKind {
+  kUnknown,
+  kDesign,
+  kPair,
+  kSpecification,
+  kBlackBox,
+  kModel,
+  kActuator,
+  kScenario
+};
 
 /// What a document looks like, told from a table that only one kind of file has.
 struct DocumentLook {

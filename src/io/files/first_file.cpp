@@ -210,10 +210,52 @@ inertia_kgm2 = 0.0                 # on top of the torque of the cycle
 #standby_w = 1.0
 )toml";
 
-constexpr std::array<FirstFile, 4> kFirstFiles{{{.kind = "task", .text = kTask},
+constexpr std::string_view kScenario =
+    R"toml(# What happens to an actuator, for gear3k:   gear3k simulate ACTUATOR.toml FILE --out DIR
+# Lines that begin with "#" and no space are choices that are off: take the "#" away.
+# Every key with its range and default: gear3k keys
+name = "my scenario"
+duration_s = 4.0
+
+[start]                            # of the output
+output_angle_rad = 0.3
+output_speed_rad_s = 0.0
+#gap_position = 1.0                # with backlash: 1 or -1, the motor's side touches already
+
+[control]
+mode = "torque"                    # voltage, shorted, open or position, each with its own keys
+torque_nm = 0.0                    # of the motor
+torque_amplitude_nm = 0.08         # of a sine
+frequency_hz = 0.5
+#phase_deg = 90.0
+# table = "torque.csv"             # time_s, motor_torque_nm: as gear3k actuator --format csv has them
+# For mode = "position", the output follows an angle:
+# angle_amplitude_rad = 0.5
+# stiffness_nm_per_rad = 50.0
+# damping_nms_per_rad = 2.0
+
+[load]                             # all of these add up
+pendulum_mass_kg = 1.0             # a mass on an arm that turns with the output
+pendulum_length_m = 0.3
+#pendulum_angle_rad = 0.5          # output angle at which it hangs
+#inertia_kgm2 = 0.01
+#torque_nm = 0.5                   # of the load on the output
+#stiffness_nm_per_rad = 2.0        # a spring to the frame
+# table = "load.csv"               # time_s, torque_nm
+
+# How exactly, and how much of it is written.
+#[solver]
+#relative_tolerance = 1e-9
+#max_step_s = 0.01
+#[output]
+#sample_s = 0.01
+)toml";
+
+constexpr std::array<FirstFile, 5> kFirstFiles{{{.kind = "task", .text = kTask},
                                                 {.kind = "design", .text = kDesign},
                                                 {.kind = "pair", .text = kPair},
-                                                {.kind = "actuator", .text = kActuator}}};
+                                                {.kind = "actuator", .text = kActuator},
+                                                {.kind = "scenario", .text = kScenario}}};
 
 }  // namespace
 

@@ -42,6 +42,7 @@ TEST(DocumentKind, TheExamplesLookLikeWhatTheyAre) {
   EXPECT_EQ(kind("pairs/dry_steel_pair.toml"), kPair);
   EXPECT_EQ(kind("ratio-96.toml"), kSpecification);
   EXPECT_EQ(kind("rp96.toml"), kSpecification);
+  EXPECT_EQ(kind_of("[control]\nmode = \"open\"\n"), kScenario);
   EXPECT_EQ(kind_of("[gearbox]\nratio = 96\n"), kBlackBox);
   EXPECT_EQ(kind_of("[lost_motion.causes]\n"), kModel);
   EXPECT_EQ(kind_of("name = \"x\"\n"), kUnknown);

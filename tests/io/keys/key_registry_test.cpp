@@ -16,6 +16,7 @@
 
 #include "io/files/actuator_file.hpp"
 #include "io/files/design_file.hpp"
+#include "io/files/scenario_file.hpp"
 #include "io/files/specification_file.hpp"
 #include "io/keys/limit_keys.hpp"
 
@@ -381,7 +382,12 @@ std::vector<FileKind> file_kinds() {
            "motor.resistance_ohm = 0.5\nmotor.torque_constant_nm_per_a = 0.05\n"
            "gearbox.ratio = 50.0\ngearbox.efficiency_forward = 0.8\n"
            "gearbox.efficiency_backward = 0.6\n",
-           [](const std::string& text) { static_cast<void>(parse_actuator(text, "f")); }}};
+           [](const std::string& text) { static_cast<void>(parse_actuator(text, "f")); }},
+          {"Scenario",
+           scenario_key_table,
+           {},
+           "duration_s = 1.0\ncontrol.mode = \"torque\"\n",
+           [](const std::string& text) { static_cast<void>(parse_scenario(text, "f")); }}};
 }
 
 struct Row {
@@ -570,7 +576,7 @@ TEST_P(EveryKey, IsMissedWhenItIsRequired) {
     }
   }
   // Of an actuator's gearbox a design may stand in place of the others.
-  EXPECT_GE(required, GetParam().name == "Actuator" ? 2U : 4U);
+  EXPECT_GE(required, GetParam().name == "Actuator" || GetParam().name == "Scenario" ? 2U : 4U);
 }
 
 TEST_P(EveryKey, MisspeltByOneLetterIsSuggested) {

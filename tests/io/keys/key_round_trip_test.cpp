@@ -12,6 +12,7 @@
 
 #include "io/keys/actuator_keys.hpp"
 #include "io/keys/design_keys.hpp"
+#include "io/keys/scenario_keys.hpp"
 #include "io/keys/selection_keys.hpp"
 #include "io/keys/specification_keys.hpp"
 
@@ -188,6 +189,7 @@ void expect_every_key_survives(const Schema<Target>& schema) {
 TEST(KeyRoundTrip, OfDesign) { expect_every_key_survives(design_schema()); }
 TEST(KeyRoundTrip, OfPair) { expect_every_key_survives(pair_schema()); }
 TEST(KeyRoundTrip, OfActuator) { expect_every_key_survives(actuator_schema()); }
+TEST(KeyRoundTrip, OfScenario) { expect_every_key_survives(scenario_schema()); }
 TEST(KeyRoundTrip, OfSelection) { expect_every_key_survives(selection_schema()); }
 TEST(KeyRoundTrip, OfSpecification) { expect_every_key_survives(specification_schema()); }
 

@@ -1,0 +1,89 @@
+#include <fmt/format.h>
+
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "app/simulate.hpp"
+#include "cli/commands.hpp"
+#include "cli/progress.hpp"
+#include "cli/result_files.hpp"
+#include "cli/talk.hpp"
+#include "io/files/actuator_file.hpp"
+#include "io/files/scenario_file.hpp"
+#include "io/text/diagnostics.hpp"
+
+namespace gear3k::cli {
+
+namespace {
+
+/// Both files with all that they name; errors of all at once.
+app::SimulateRequest simulate_request(const SimulateOptions& options,
+                                      std::vector<std::string>& inputs) {
+  app::SimulateRequest request;
+  request.source = options.actuator;
+  io::CollectedErrors errors;
+  errors.attempt([&] { request.actuator = io::read_actuator(options.actuator); });
+  errors.attempt([&] {
+    io::ScenarioFiles files = io::read_scenario(options.scenario);
+    request.scenario = std::move(files.scenario);
+    inputs = std::move(files.inputs);
+  });
+  errors.raise();
+  inputs.push_back(options.actuator);
+  return request;
+}
+
+}  // namespace
+
+ExitCode run_simulate(const SimulateOptions& options) {
+  end_on_interrupt();
+  use_threads(options);
+  std::vector<std::string> inputs;
+  const app::SimulateRequest request = simulate_request(options, inputs);
+  std::optional<ResultFolder> folder;
+  if (!options.out.empty()) {
+    folder.emplace(ResultFolderTask{.path = options.out,
+                                    .inputs = inputs,
+                                    .files = {"motion.csv", "events.csv", "ledger.json"},
+                                    .figures = {"motion.svg"},
+                                    .quiet = options.quiet});
+  }
+  report::MotionResult result;
+  try {
+    result = app::simulate(request);
+  } catch (const std::runtime_error& error) {
+    if (dynamic_cast<const io::InvalidInput*>(&error) != nullptr) throw;
+    say(fmt::format("{}: {}\n", options.scenario, error.what()));
+    return kSolverFailure;
+  }
+  const std::string json = report::motion_json(result);
+  const std::string csv = report::motion_csv(result);
+  Figures figures;
+  std::vector<std::string> written;
+  if (folder) {
+    figures = draw({report::motion_plot(result)});
+    written = folder->write({{.path = "motion.csv", .text = csv},
+                             {.path = "events.csv", .text = report::motion_events_csv(result)},
+                             {.path = "ledger.json", .text = json}},
+                            figures);
+  }
+  if (!options.quiet && options.format != Format::kTable) {
+    for (const std::string& note : result.motion.notes) say(fmt::format("note: {}\n", note));
+  }
+  switch (options.format) {
+    case Format::kJson:
+      print_result(with_missing_figures(json, figures));
+      break;
+    case Format::kCsv:
+      print_result(csv);
+      break;
+    case Format::kTable:
+      print_result(report::motion_table(result) + files_text(written));
+      break;
+  }
+  return result.motion.complete ? kDone : kSolverFailure;
+}
+
+}  // namespace gear3k::cli

@@ -1,0 +1,88 @@
+#include "io/files/scenario_file.hpp"
+
+#include <filesystem>
+
+#include "io/files/document_kind.hpp"
+#include "io/keys/scenario_keys.hpp"
+#include "io/text/file_reader.hpp"
+#include "io/text/toml_value.hpp"
+
+namespace gear3k::io {
+
+namespace {
+
+constexpr std::size_t kMostTableBytes = std::size_t{1} << 28U;
+
+/// The command of the mode.
+void take_command(const ScenarioInput& in, motion::Signal& command) {
+  using motion::Control;
+  switch (in.scenario.control) {
+    case Control::kTorque:
+      command.constant = in.torque_Nm;
+      command.amplitude = in.torque_amplitude_Nm;
+      break;
+    case Control::kVoltage:
+      command.constant = in.voltage_V;
+      command.amplitude = in.voltage_amplitude_V;
+      break;
+    case Control::kPosition:
+      command.constant = in.angle_rad;
+      command.amplitude = in.angle_amplitude_rad;
+      break;
+    case Control::kShorted:
+    case Control::kOpen:
+      break;
+  }
+}
+
+std::vector<std::string> command_columns(motion::Control control) {
+  switch (control) {
+    case motion::Control::kVoltage:
+      return {"voltage_v"};
+    case motion::Control::kPosition:
+      return {"angle_rad"};
+    default:
+      return {"motor_torque_nm"};
+  }
+}
+
+ScenarioFiles scenario_from(const TomlValue& document, const std::string& name) {
+  refuse_other_documents(document, name, {DocumentKind::kScenario},
+                         "SCENARIO takes a file with [control]");
+  FileReading reading(name);
+  ScenarioInput input;
+  read_by_schema(document, scenario_schema(), input, reading);
+  check_scenario(input, reading);
+  ScenarioFiles files{.scenario = input.scenario, .inputs = {name}};
+  take_command(input, files.scenario.command);
+  CollectedErrors errors;
+  errors.attempt([&] { reading.throw_if_invalid(); });
+  const auto folder = std::filesystem::path(name).parent_path();
+  const auto read_table = [&](const std::string& file, const std::vector<std::string>& columns,
+                              motion::Signal& signal) {
+    if (file.empty()) return;
+    errors.attempt([&] {
+      const std::string path = (folder / file).string();
+      files.inputs.push_back(path);
+      parse_time_table(read_text(path, "a CSV file", kMostTableBytes), path, columns, signal);
+    });
+  };
+  read_table(input.control_table, command_columns(input.scenario.control), files.scenario.command);
+  read_table(input.load_table, {"torque_nm", "load_nm"}, files.scenario.load.torque_Nm);
+  errors.raise();
+  return files;
+}
+
+}  // namespace
+
+ScenarioFiles read_scenario(const std::string& path) {
+  return scenario_from(read_toml(path), path);
+}
+
+ScenarioFiles parse_scenario(const std::string& text, const std::string& name) {
+  return scenario_from(parse_toml(text, name), name);
+}
+
+std::string scenario_key_table() { return key_table(scenario_schema()); }
+
+}  // namespace gear3k::io

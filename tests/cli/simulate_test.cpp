@@ -1,0 +1,123 @@
+// `gear3k simulate`: files, ledger, exit codes, what the inverse hands over.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/cli/run_program.hpp"
+
+namespace gear3k::simulate_cli_test {
+namespace {
+
+using nlohmann::json;
+using test::example, test::lines_of, test::ProgramResult, test::Workplace;
+
+const std::string kSwinging =
+    "[motor]\nresistance_ohm = 0.6\ntorque_constant_nm_per_a = 0.04\nrotor_inertia_kgm2 = 2e-5\n"
+    "coulomb_torque_nm = 0.004\n"
+    "[gearbox]\nratio = 50.0\nefficiency_forward = 0.8\nefficiency_backward = 0.7\n"
+    "coulomb_torque_nm = 0.3\nviscous_nms_per_rad = 0.02\n[load]\ninertia_kgm2 = 0.01\n";
+
+TEST(Simulate, WritesMotionEventsLedgerAndFigure) {
+  const Workplace place;
+  place.write("a.toml", example("actuators/knee.toml"));
+  place.write("s.toml", example("actuators/knee_swing.toml"));
+  const ProgramResult result =
+      place.run({"simulate", "a.toml", "s.toml", "--out", "out", "--format", "json"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const json data = json::parse(result.out);
+  EXPECT_EQ(json::parse(place.read("out/ledger.json")), data);
+  EXPECT_LT(data.at("ledger").at("balance_error").get<double>(), 1e-9);
+  int entered = 0;
+  for (const char* mode : {"stick", "forward", "backward"}) {
+    entered += data.at("modes").at(mode).at("entries").get<int>();
+    EXPECT_GT(data.at("modes").at(mode).at("time_s").get<double>(), 0.0) << mode;
+  }
+  EXPECT_GE(entered, 12);
+  std::size_t events = 0;
+  for (const auto& count : data.at("events")) events += count.get<std::size_t>();
+  EXPECT_EQ(lines_of(place.read("out/events.csv")).size(), events + 1);
+  EXPECT_GT(lines_of(place.read("out/motion.csv")).size(), 1000U);
+  if (data.contains("missing_figures")) GTEST_SKIP() << "no gnuplot";
+  EXPECT_NE(place.read("out/motion.svg").find("backward flow"), std::string::npos);
+}
+
+TEST(Simulate, TheTorqueThatACycleAsksForReturnsTheCycle) {
+  const Workplace place;
+  place.write("a.toml", kSwinging);
+  place.write("c.csv",
+              "time_s,torque_nm,speed_rad_s\n0,1,0.5\n0.4,-3,2\n0.9,4,-1.5\n1.5,-2,1\n2,1,0.5\n");
+  const ProgramResult inverse =
+      place.run({"actuator", "a.toml", "--cycle", "c.csv", "--format", "csv", "--quiet"});
+  ASSERT_EQ(inverse.exit_code, 0) << inverse.err;
+  place.write("torque.csv", inverse.out);
+  place.write("s.toml",
+              "duration_s = 2.0\n[start]\noutput_speed_rad_s = 0.5\n[control]\nmode = \"torque\"\n"
+              "table = \"torque.csv\"\n[load]\ntable = \"c.csv\"\n[output]\nsample_s = 0.1\n");
+  const ProgramResult forward = place.run({"simulate", "a.toml", "s.toml", "--format", "json"});
+  ASSERT_EQ(forward.exit_code, 0) << forward.err;
+  const json end = json::parse(forward.out).at("end");
+  EXPECT_NEAR(end.at("output_speed_rad_s").get<double>(), 0.5, 2e-6);
+  const double way = 0.2 * 2.5 + 0.25 * 0.5 + 0.3 * -0.5 + 0.25 * 1.5;
+  EXPECT_NEAR(end.at("output_angle_rad").get<double>(), way, 2e-6);
+}
+
+TEST(Simulate, NamesAJamAndKeepsGoing) {
+  const Workplace place;
+  place.write("a.toml",
+              "[motor]\nresistance_ohm = 0.6\ntorque_constant_nm_per_a = 0.04\n"
+              "rotor_inertia_kgm2 = 1e-6\n[gearbox]\nratio = 50.0\nefficiency_forward = 0.4\n"
+              "efficiency_backward = -0.5\n[load]\ninertia_kgm2 = 0.1\n");
+  place.write("s.toml",
+              "duration_s = 1.0\n[start]\noutput_speed_rad_s = 1.0\n[control]\nmode = \"open\"\n"
+              "[load]\ntorque_nm = 0.2\n");
+  const ProgramResult result = place.run({"simulate", "a.toml", "s.toml"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("the self-locking train jams at 0 s"), std::string::npos) << result.out;
+  const json data =
+      json::parse(place.run({"simulate", "a.toml", "s.toml", "--format", "json"}).out);
+  EXPECT_NEAR(data.at("ledger").at("loss_j").at("jam").get<double>(), 0.5 * (0.1 + 2500.0 * 1e-6),
+              1e-12);
+}
+
+TEST(Simulate, TellsErrorsOfBothFilesAtOnce) {
+  const Workplace place;
+  place.write("a.toml", kSwinging + "mass_kg = -1.0\n");
+  place.write("s.toml", "duration_s = 1.0\n[control]\nmode = \"torqe\"\n");
+  const ProgramResult result = place.run({"simulate", "a.toml", "s.toml"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("a.toml:14:"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("s.toml:3:1: control.mode"), std::string::npos) << result.err;
+  place.write("swapped.toml", kSwinging);
+  const ProgramResult swapped = place.run({"simulate", "swapped.toml", "swapped.toml"});
+  EXPECT_EQ(swapped.exit_code, 2);
+  EXPECT_NE(swapped.err.find("looks like an ACTUATOR"), std::string::npos) << swapped.err;
+}
+
+TEST(Simulate, AnActuatorWithoutInertiaIsRefusedByName) {
+  const Workplace place;
+  place.write("a.toml",
+              "[motor]\nresistance_ohm = 0.6\ntorque_constant_nm_per_a = 0.04\n[gearbox]\n"
+              "ratio = 50.0\nefficiency_forward = 0.4\nefficiency_backward = 0.5\n");
+  place.write("s.toml", "duration_s = 1.0\n[control]\nmode = \"open\"\n");
+  const ProgramResult result = place.run({"simulate", "a.toml", "s.toml"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("have no inertia"), std::string::npos) << result.err;
+}
+
+TEST(Simulate, TooManyEventsEndWithWhatIsDone) {
+  const Workplace place;
+  place.write("s.toml", place.run({"new", "scenario"}).out + "\n[solver]\nmax_events = 3\n");
+  place.write("a.toml", kSwinging);
+  const ProgramResult result = place.run({"simulate", "a.toml", "s.toml", "--out", "out"});
+  EXPECT_EQ(result.exit_code, 4) << result.err;
+  EXPECT_NE(result.out.find("more than solver.max_events = 3"), std::string::npos) << result.out;
+  EXPECT_FALSE(json::parse(place.read("out/ledger.json")).at("complete").get<bool>());
+}
+
+}  // namespace
+}  // namespace gear3k::simulate_cli_test
