@@ -104,6 +104,19 @@ Optimization::Best best_of(const OptimizeTask& task, const optimize::RefinedSet&
           .torque_angle = std::move(curve)};
 }
 
+report::HeldBackReport held_back_by(const OptimizeTask& task,
+                                    const optimize::OptimizeResult& result) {
+  const auto held = [&](const optimize::RefinedSet& set) -> report::HeldSet {
+    return {.set = set, .held = optimize::held_back(task.spec, set, task.stated_limits)};
+  };
+  report::HeldBackReport report{
+      .best = held(*result.best), .by_planets = {}, .all_refined = !task.certify};
+  for (const optimize::RefinedSet& set : optimize::best_per_planets(task.spec, result.refined)) {
+    report.by_planets.push_back(held(set));
+  }
+  return report;
+}
+
 }  // namespace
 
 OptimizeTask optimize_task(const OptimizeRequest& request) {
@@ -144,7 +157,10 @@ Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks,
     outcome.front = optimize::search_pareto_front(task.spec, progress, outcome.result.refined);
   }
   outcome.interrupted = outcome.result.interrupted || (outcome.front && outcome.front->interrupted);
-  if (outcome.result.best) outcome.best = best_of(task, *outcome.result.best);
+  if (outcome.result.best) {
+    outcome.best = best_of(task, *outcome.result.best);
+    outcome.held = held_back_by(task, outcome.result);
+  }
   if (task.model) {
     outcome.comparison = compare_with_model(task, outcome, progress);
     outcome.interrupted = outcome.interrupted || outcome.comparison->interrupted;

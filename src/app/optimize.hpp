@@ -12,6 +12,7 @@
 #include "design/torque_angle_curve.hpp"
 #include "optimize/optimizer.hpp"
 #include "optimize/pareto_search.hpp"
+#include "report/limit_price_report.hpp"
 #include "report/model_change_report.hpp"
 #include "report/robust_report.hpp"
 #include "report/search_report.hpp"
@@ -63,6 +64,8 @@ struct Optimization {
     std::optional<design::TorqueAngleCurve> torque_angle;  ///< as Analysis::torque_angle
   };
   std::optional<Best> best;
+  /// What holds the best design back, and the best of every number of planets; where there is one.
+  std::optional<report::HeldBackReport> held;
   /// What the task's model changes in the best design; empty without a model.
   std::optional<report::ModelComparison> comparison;
   bool interrupted = false;

@@ -117,10 +117,10 @@ OptimizeRun run(app::OptimizeTask& task, RunJournal& journal, const OptimizeOpti
   const app::Optimization& o = run.outcome;
   if (!o.searched()) return run;
   run.tally = report::tally_of(o.result);
-  run.summary = report::summary_json(task.spec, o.result, run.tally,
-                                     {.wall_time_s = wall_time_s, .threads = threads}, task.use(),
-                                     o.front ? &*o.front : nullptr, o.robust ? &*o.robust : nullptr,
-                                     o.comparison ? &*o.comparison : nullptr, &task.stated_limits);
+  run.summary = report::summary_json(
+      task.spec, o.result, run.tally, {.wall_time_s = wall_time_s, .threads = threads}, task.use(),
+      o.front ? &*o.front : nullptr, o.robust ? &*o.robust : nullptr,
+      o.comparison ? &*o.comparison : nullptr, &task.stated_limits, o.held ? &*o.held : nullptr);
   return run;
 }
 
@@ -156,6 +156,8 @@ void print_results(const app::OptimizeTask& task, const OptimizeRun& run,
           report::analysis_table(o.best->evaluation, design::sensitivities(o.best->design),
                                  task.use(), series ? &*series : nullptr,
                                  o.best->torque_angle ? &*o.best->torque_angle : nullptr) +
+          report::held_back_table(task.spec, o.held->best) +
+          report::planets_table(task.spec, *o.held) +
           (o.robust ? report::robust_table(task.spec, *o.robust) : "") +
           (o.front ? report::pareto_table(task.spec, *o.front) : "") +
           (o.comparison ? report::model_change_table(*o.comparison) : "") + "\n" +

@@ -361,6 +361,35 @@ LoadAt<T> load_at(const RefinementProblem& p, std::span<const T> v) {
   return load;
 }
 
+Point point_of(const RefinementProblem& p, const train::TrainParameters<double>& train,
+               const LoadAt<double>& load) {
+  Point v{};
+  std::ranges::copy(train.profile_shift, v.begin());
+  const auto sums = tooth_sums(p.candidate.teeth);
+  // The angle at which teeth of a module close a sum at the centre distance.
+  const auto angle = [&](std::size_t mesh, double module_m) {
+    return std::acos(0.5 * std::cos(train.pressure_angle_rad) * sums[mesh] * module_m /
+                     train.center_distance_m);
+  };
+  v[kAngleA] = angle(static_cast<std::size_t>(p.angle_mesh),
+                     train.module_m[p.angle_mesh == train::kMeshP2R2 ? 1 : 0]);
+  if (stage2_angle_is_variable(p)) v[kAngleB] = angle(train::kMeshP2R2, train.module_m[1]);
+  if (p.scale > 0) v[p.scale] = train.module_m[0] / p.length_scale_m;
+  for (std::size_t i = 0; p.first_tip > 0 && i < train::kGearCount; ++i) {
+    v[p.first_tip + i] = train.tip_shortening[i];
+  }
+  if (p.pressure_angle > 0) v[p.pressure_angle] = train.pressure_angle_rad;
+  for (std::size_t stage = 0; stage < 2; ++stage) {
+    if (p.face_width[stage] == 0) continue;
+    v[p.face_width[stage]] = load.face_width_m[stage] / p.spec->free.face_width_m[stage]->max;
+  }
+  if (p.torque > 0) v[p.torque] = load.torque_Nm / p.spec->rating->torque_Nm;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(p.variables); ++k) {
+    v[k] = std::clamp(v[k], p.lower[k], p.upper[k]);
+  }
+  return v;
+}
+
 namespace {
 
 bool all_finite(double x) { return std::isfinite(x); }

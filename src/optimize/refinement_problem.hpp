@@ -123,6 +123,11 @@ struct LoadAt {
 template <class T>
 LoadAt<T> load_at(const RefinementProblem& problem, std::span<const T> v);
 
+/// The point of a train with its load: what parameters_at() and load_at() make of it again, to
+/// rounding.
+Point point_of(const RefinementProblem& problem, const train::TrainParameters<double>& train,
+               const LoadAt<double>& load);
+
 /// f at v, scaled to order 1, and g into the caller's buffer (the solvers call this without
 /// allocating); constraints.size() must be rows.size().
 /// @returns f; empty where the model is not defined or anything is not finite

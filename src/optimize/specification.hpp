@@ -56,6 +56,7 @@ struct GearBodySizes {
 /// Variables that are fixed unless a range is stated.
 struct FreeVariables {
   std::optional<NumberRange> tip_shortening;      ///< of every gear, in modules
+  bool addendum_stated = false;                   ///< it was stated as a range of the addendum
   std::optional<NumberRange> pressure_angle_rad;  ///< instead of Specification's
   /// By stage; GearBodySizes has the least.
   std::array<std::optional<NumberRange>, 2> face_width_m;

@@ -397,7 +397,8 @@ io::Json certificate_json(const Specification& spec, const OptimizeResult& resul
 std::string summary_json(const Specification& spec, const OptimizeResult& result,
                          const ResultTally& tally, const RunFacts& facts, const ModelUse* model,
                          const optimize::ParetoFront* front, const RobustRun* robust,
-                         const ModelComparison* comparison, const design::Limits* stated_limits) {
+                         const ModelComparison* comparison, const design::Limits* stated_limits,
+                         const HeldBackReport* held) {
   io::Json status = io::Json::object();
   io::Json reasons = io::Json::object();
   for (std::size_t k = 0; k < optimize::kStatusCount; ++k) {
@@ -447,6 +448,7 @@ std::string summary_json(const Specification& spec, const OptimizeResult& result
                 {"wall_time_s", facts.wall_time_s},
                 {"threads", facts.threads}};
   json["limits"] = limits_json(stated_limits != nullptr ? *stated_limits : spec.limits);
+  if (held != nullptr) json.update(held_back_json(spec, *held));
   if (robust != nullptr) json["robust"] = robust_json(spec, *robust);
   if (model != nullptr) json["model"] = model_json(*model);
   json["model_change"] = comparison != nullptr ? model_change_json(*comparison) : io::Json(nullptr);

@@ -11,6 +11,7 @@
 #include "optimize/optimizer.hpp"
 #include "optimize/pareto_search.hpp"
 #include "optimize/zero_shift.hpp"
+#include "report/limit_price_report.hpp"
 #include "report/model_change_report.hpp"
 #include "report/model_report.hpp"
 #include "report/robust_report.hpp"
@@ -80,6 +81,7 @@ struct RunFacts {
 /// @param model  with which the sets were judged; null: none
 /// @param front  of several objectives; null: none was asked for
 /// @param stated_limits  before they were tightened; null: those of the specification
+/// @param held  what holds the best designs back; null: there is none
 /// @param comparison  of the best designs without and with the model; null: no model
 std::string summary_json(const optimize::Specification& spec,
                          const optimize::OptimizeResult& result, const ResultTally& tally,
@@ -87,7 +89,8 @@ std::string summary_json(const optimize::Specification& spec,
                          const optimize::ParetoFront* front = nullptr,
                          const RobustRun* robust = nullptr,
                          const ModelComparison* comparison = nullptr,
-                         const design::Limits* stated_limits = nullptr);
+                         const design::Limits* stated_limits = nullptr,
+                         const HeldBackReport* held = nullptr);
 
 /// Counts by status and reason, for the terminal.
 std::string optimize_counts_text(const optimize::OptimizeResult& result, const ResultTally& tally);

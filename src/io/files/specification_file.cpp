@@ -292,6 +292,7 @@ optimize::Specification specification_from(const TomlValue& document, const std:
   if (const auto& addendum = input.free_addendum) {
     input.spec.rack.addendum = addendum->max;
     input.spec.free.tip_shortening = {.min = 0.0, .max = addendum->max - addendum->min};
+    input.spec.free.addendum_stated = true;
   }
   input.spec.limits = finish_limits(input.limits, reading);
   input.spec.thermal = finish_thermal(input.thermal, input.limits, input.spec.limits, reading);

@@ -1,0 +1,443 @@
+#include "optimize/limit_prices.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "optimize/check_row.hpp"
+#include "optimize/gradients.hpp"
+#include "optimize/kkt_residual.hpp"
+#include "optimize/multiplier_range.hpp"
+#include "optimize/objective_value.hpp"
+#include "strength/mesh_rating.hpp"
+
+namespace gear3k::optimize {
+
+namespace {
+
+using design::CheckId;
+
+/// Rows and bounds within this of their limits are active, as for the KKT residual.
+constexpr double kActiveLimit = 1e-6;
+
+/// |∂g/∂L| of a row at its limit: margins over their scale, but for safeties and sliding, whose
+/// rows have slope 1 there (constraint_of()).
+double slope_in_limit(const design::CheckInstance& check) {
+  const bool unscaled =
+      load_exponent(check.record->id) > 0 || check.record->id == CheckId::kSpecificSliding;
+  return unscaled ? 1.0 : 1.0 / check.scale;
+}
+
+std::string subject_text(const design::CheckInstance& check) {
+  const auto names =
+      design::subject_names(check, train::kGearNames, train::kMeshNames, train::kMeshGears);
+  if (names.mesh.empty() || names.gear.empty()) return names.mesh + names.gear;
+  return fmt::format("{} in {}", names.gear, names.mesh);
+}
+
+/// What a file states of a limit by which the search may hold a tighter one.
+double stated_value(const Specification& spec, const design::Limits& stated,
+                    const design::CheckInstance& check) {
+  const CheckId id = check.record->id;
+  const auto mesh = static_cast<std::size_t>(check.subject.member);
+  const bool backlash = id == CheckId::kNormalBacklash;
+  const auto in_file = backlash ? design::least_backlash_m(stated, mesh) : stated[id];
+  const auto searched = backlash ? design::least_backlash_m(spec.limits, mesh) : spec.limits[id];
+  return in_file && searched ? check.limit + (*in_file - *searched) : check.limit;
+}
+
+LimitPrice limit_of_check(const Specification& spec, const design::Limits& stated,
+                          const design::CheckInstance& check) {
+  const design::CheckRecord& record = *check.record;
+  LimitPrice price{.limit = {.check = record.id, .at_least = record.at_least},
+                   .key = record.limit_key.empty() ? fmt::format("limits.{}", record.name)
+                                                   : std::string(record.limit_key),
+                   .stated = record.threshold || !record.limit_key.empty(),
+                   .unit = record.unit,
+                   .value_si = stated_value(spec, stated, check)};
+  const auto mesh = static_cast<std::size_t>(check.subject.member);
+  switch (record.id) {
+    case CheckId::kNormalBacklash:
+      if (!spec.limits.mesh_backlash_m[mesh]) break;
+      price.key = fmt::format("backlash.{}.min_normal_um", train::kMeshNames[mesh]);
+      price.limit.place = check.subject.member;
+      break;
+    case CheckId::kContactRatioMin:
+    case CheckId::kContactRatioMax:
+      price.key += record.at_least ? "[0]" : "[1]";
+      break;
+    case CheckId::kOverloadRootSafety: {
+      const auto gear = static_cast<std::size_t>(
+          train::kMeshGears[mesh][static_cast<std::size_t>(check.subject.which - 1)]);
+      if (strength::is_plastic(spec.rating->material[gear]->record.group)) break;
+      price.limit.check = CheckId::kRootSafety;
+      break;
+    }
+    case CheckId::kOverloadFlankSafety:
+      price.limit.check = CheckId::kFlankSafety;
+      break;
+    default:
+      break;
+  }
+  // The overload asks for the safeties of the load.
+  if (price.limit.check != record.id) {
+    price.key = design::check_record(*price.limit.check).limit_key;
+    price.stated = true;
+  }
+  return price;
+}
+
+LimitPrice limit_of_module(const Specification& spec, int stage, bool at_least) {
+  const auto& range = *spec.module[static_cast<std::size_t>(stage)].range_m;
+  const char* const end = at_least ? "min" : "max";
+  return {.limit = {.kind = LimitKind::kModule, .place = stage, .at_least = at_least},
+          .key = has_same_module(spec)
+                     ? fmt::format("module.stage1_mm.{0} and module.stage2_mm.{0}", end)
+                     : fmt::format("module.stage{}_mm.{}", stage + 1, end),
+          .unit = units::Unit::kMillimetre,
+          .value_si = at_least ? range.min : range.max};
+}
+
+LimitPrice limit_of_range(LimitKind kind, const std::string& key, units::Unit unit, double value_si,
+                          bool at_least) {
+  return {.limit = {.kind = kind, .at_least = at_least},
+          .key = fmt::format("{}[{}]", key, at_least ? 0 : 1),
+          .unit = unit,
+          .value_si = value_si};
+}
+
+/// A column of the conditions of an optimum: which limit it belongs to, and |∂g/∂L|.
+struct Pull {
+  std::optional<LimitPrice> limit;  ///< empty: no limit, but a branch of the objective
+  double weight = 0.0;
+  std::string where;
+  Eigen::VectorXd gradient;
+};
+
+/// Active rows and bounds of a problem at a point.
+class ActiveLimits {
+ public:
+  ActiveLimits(const RefinementProblem& problem, const Point& v, const design::Limits& stated,
+               const Gradients& at)
+      : p_(problem), v_(v), stated_(stated), at_(at) {
+    for (std::size_t k = 0; k < p_.rows.size(); ++k) {
+      if (at_.g[k] <= kActiveLimit) add_row(k);
+    }
+    for (std::size_t k = 0; k < static_cast<std::size_t>(p_.variables); ++k) {
+      if (v_[k] - p_.lower[k] <= kActiveLimit) add_bound(k, true);
+      if (p_.upper[k] - v_[k] <= kActiveLimit) add_bound(k, false);
+    }
+  }
+  [[nodiscard]] const std::vector<Pull>& pulls() const { return pulls_; }
+
+ private:
+  void add_row(std::size_t k) {
+    const ConstraintRow& row = p_.rows[k];
+    const Eigen::VectorXd gradient =
+        Eigen::Map<const Eigen::VectorXd>(at_.dg.data() + k * n(), p_.variables);
+    if (row.check) {
+      if (row.check->record->id == CheckId::kRingTipOutsideBase) {
+        ring_on_base_[static_cast<std::size_t>(row.check->subject.member)] = true;
+      }
+      pulls_.push_back({.limit = limit_of_check(*p_.spec, stated_, *row.check),
+                        .weight = slope_in_limit(*row.check),
+                        .where = subject_text(*row.check),
+                        .gradient = gradient});
+    } else if (row.objective && row.objective->limit) {
+      const ObjectiveRecord& record = objective_record(row.objective->objective);
+      pulls_.push_back({.limit = LimitPrice{.limit = {.kind = LimitKind::kObjective,
+                                                      .place = static_cast<int>(record.id),
+                                                      .at_least = record.maximise},
+                                            .key = std::string(record.name),
+                                            .stated = false,
+                                            .value_si = *row.objective->limit},
+                        .weight = 1.0 / row.objective->scale,
+                        .where = {},
+                        .gradient = gradient});
+    } else if (row.objective) {
+      pulls_.push_back({.limit = {}, .weight = 0.0, .where = {}, .gradient = gradient});
+    } else {
+      pulls_.push_back({.limit = limit_of_module(*p_.spec, row.stage, row.at_least),
+                        .weight = 1.0 / p_.length_scale_m,
+                        .where = {},
+                        .gradient = gradient});
+    }
+  }
+
+  void add_bound(std::size_t k, bool at_least) {
+    const auto axis = static_cast<Eigen::Index>(k);
+    Pull pull{.limit = {},
+              .weight = 1.0,
+              .where = {},
+              .gradient = Eigen::VectorXd::Unit(p_.variables, axis) * (at_least ? 1.0 : -1.0)};
+    if (k < train::kGearCount) {
+      if (!name_shift(k, at_least, pull)) return;
+    } else if (k == p_.scale) {
+      pull.limit = limit_of_module(*p_.spec, 0, at_least);
+      pull.weight = 1.0 / p_.length_scale_m;
+    } else if (p_.first_tip > 0 && k >= p_.first_tip && k < p_.first_tip + train::kGearCount) {
+      name_tip(k - p_.first_tip, at_least, pull);
+    } else if (k == p_.pressure_angle) {
+      pull.limit = limit_of_range(LimitKind::kPressureAngle, "free.pressure_angle_deg",
+                                  units::Unit::kDegree, end_of(k, at_least), at_least);
+    } else if (k == p_.torque) {
+      name_torque(at_least, pull);
+    } else if (k == p_.face_width[0] || k == p_.face_width[1]) {
+      name_width(k == p_.face_width[0] ? 0 : 1, at_least, pull);
+    } else {
+      pull.limit = of_search("working_angle", units::Unit::kDegree, end_of(k, at_least), at_least);
+    }
+    pulls_.push_back(std::move(pull));
+  }
+
+  /// @returns whether it is a limit of its own
+  bool name_shift(std::size_t gear, bool at_least, Pull& pull) const {
+    const Specification& spec = *p_.spec;
+    const bool ring = train::kind_of(static_cast<int>(gear)) == geometry::GearKind::kRing;
+    const NumberRange& range = shift_limits(spec, static_cast<int>(gear));
+    pull.where = train::kGearNames[gear];
+    if (at_least && p_.lower[gear] > range.min) {
+      if (ring_on_base_[gear]) return false;
+      pull.limit =
+          of_search("ring_tip_on_base_circle", units::Unit::kModules, p_.lower[gear], true);
+      return true;
+    }
+    const bool own = ring && spec.ring_shift;
+    pull.limit = limit_of_range(own ? LimitKind::kRingShift : LimitKind::kProfileShift,
+                                own ? "profile_shift.ring_range" : "profile_shift.range",
+                                units::Unit::kModules, at_least ? range.min : range.max, at_least);
+    return true;
+  }
+  void name_tip(std::size_t gear, bool at_least, Pull& pull) const {
+    const FreeVariables& free = p_.spec->free;
+    pull.where = train::kGearNames[gear];
+    const double end = at_least ? free.tip_shortening->min : free.tip_shortening->max;
+    // A least shortening is a greatest addendum.
+    pull.limit =
+        free.addendum_stated
+            ? limit_of_range(LimitKind::kTipShortening, "free.addendum", units::Unit::kModules,
+                             p_.spec->rack.addendum - end, !at_least)
+            : limit_of_range(LimitKind::kTipShortening, "free.tip_shortening",
+                             units::Unit::kModules, end, at_least);
+  }
+  void name_torque(bool at_least, Pull& pull) const {
+    const double stated_Nm = p_.spec->rating->torque_Nm;
+    pull.weight = 1.0 / stated_Nm;
+    if (!at_least) {
+      pull.limit =
+          of_search("torque", units::Unit::kNewtonMetre, stated_Nm * p_.upper[p_.torque], false);
+      return;
+    }
+    pull.limit = LimitPrice{.limit = {.kind = LimitKind::kTorque},
+                            .key = "strength.output_torque_nm",
+                            .unit = units::Unit::kNewtonMetre,
+                            .value_si = stated_Nm};
+  }
+  void name_width(std::size_t stage, bool at_least, Pull& pull) const {
+    const NumberRange& range = *p_.spec->free.face_width_m[stage];
+    pull.weight = 1.0 / range.max;
+    pull.limit = LimitPrice{
+        .limit = {.kind = LimitKind::kFaceWidth,
+                  .place = static_cast<int>(stage),
+                  .at_least = at_least},
+        .key = fmt::format("stage{}.face_width_mm.{}", stage + 1, at_least ? "min" : "max"),
+        .unit = units::Unit::kMillimetre,
+        .value_si = at_least ? range.min : range.max};
+  }
+  static LimitPrice of_search(std::string key, units::Unit unit, double value_si, bool at_least) {
+    return {.limit = {.kind = LimitKind::kSearchSpace, .at_least = at_least},
+            .key = std::move(key),
+            .stated = false,
+            .unit = unit,
+            .value_si = value_si};
+  }
+
+  [[nodiscard]] std::size_t n() const { return static_cast<std::size_t>(p_.variables); }
+  [[nodiscard]] double end_of(std::size_t k, bool at_least) const {
+    return at_least ? p_.lower[k] : p_.upper[k];
+  }
+
+  const RefinementProblem& p_;
+  const Point& v_;
+  const design::Limits& stated_;
+  const Gradients& at_;
+  std::array<bool, train::kGearCount> ring_on_base_{};
+  std::vector<Pull> pulls_;
+};
+
+/// The prices of the limits that active rows and bounds belong to.
+std::vector<LimitPrice> prices_of(const RefinementProblem& problem, const std::vector<Pull>& pulls,
+                                  const Multipliers& multipliers) {
+  std::vector<LimitPrice> prices;
+  std::vector<Eigen::VectorXd> weights;
+  const auto count = static_cast<Eigen::Index>(pulls.size());
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Pull& pull = pulls[static_cast<std::size_t>(k)];
+    if (!pull.limit) continue;
+    const auto same = std::ranges::find_if(prices, [&](const LimitPrice& price) {
+      return price.key == pull.limit->key && price.value_si == pull.limit->value_si;
+    });
+    const auto place = static_cast<std::size_t>(same - prices.begin());
+    if (same == prices.end()) {
+      prices.push_back(*pull.limit);
+      weights.emplace_back(Eigen::VectorXd::Zero(count));
+    }
+    weights[place][k] = pull.weight;
+    if (!pull.where.empty()) prices[place].where.push_back(pull.where);
+  }
+  const double scale = problem.objective_scale * sense_of(problem.objective);
+  for (std::size_t k = 0; k < prices.size(); ++k) {
+    const MultiplierRange range = multipliers.range_of(weights[k]);
+    const double per_sum = prices[k].limit.at_least ? -scale : scale;
+    prices[k].loosened = per_sum * range.least;
+    if (range.greatest) prices[k].tightened = per_sum * *range.greatest;
+  }
+  return prices;
+}
+
+/// The greatest torque that a set carries in the problem, in which it is a variable.
+void raise_torque(const RefinementProblem& problem, Point& v) {
+  if (problem.torque == 0) return;
+  double& torque = v[problem.torque];
+  if (outcome_at(problem, v).violation <= kActiveLimit) return;
+  double carried = problem.lower[problem.torque], beyond = torque;
+  constexpr int kHalvings = 60;
+  for (int i = 0; i < kHalvings; ++i) {
+    torque = 0.5 * (carried + beyond);
+    (outcome_at(problem, v).violation <= 0.0 ? carried : beyond) = torque;
+  }
+  torque = carried;
+}
+
+/// The tooth ranges, lists and tolerances that a set has no room in.
+std::vector<SearchBound> bounds_met(const Specification& spec, const RefinedSet& set) {
+  std::vector<SearchBound> at;
+  const train::ToothSet& z = set.candidate.teeth;
+  const ToothRanges& teeth = spec.teeth;
+  const auto meet = [&](bool met, std::string key, double value) {
+    if (met) at.push_back({.key = std::move(key), .value = value});
+  };
+  const auto meet_range = [&](const char* gear, int count, const IntegerRange& range) {
+    meet(count == range.min, fmt::format("teeth.{}[0]", gear), count);
+    meet(count == range.max, fmt::format("teeth.{}[1]", gear), count);
+  };
+  meet_range("S", z.S, teeth.S);
+  meet_range("P1", z.P1, teeth.P1);
+  meet_range("P2", z.P2, teeth.P2);
+  meet(z.R1 == teeth.R1_max, "teeth.R1_max", z.R1);
+  meet(z.R2 == teeth.R2_max, "teeth.R2_max", z.R2);
+  const int offset = std::abs(z.R1 - (z.S + 2 * z.P1));
+  meet(offset == teeth.max_coaxial_offset, "teeth.max_coaxial_offset", offset);
+  const int difference = std::min(z.R1 - z.P1, z.R2 - z.P2);
+  meet(difference == teeth.min_internal_difference, "teeth.min_internal_difference", difference);
+  const auto counts = train::teeth_of(z);
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    const auto& list = spec.limits.allowed_teeth[i];
+    if (list.empty()) continue;
+    const auto [least, most] = std::ranges::minmax(list);
+    meet(counts[i] == least || counts[i] == most,
+         fmt::format("allowed_teeth.{}", train::kGearNames[i]), counts[i]);
+  }
+  for (std::size_t stage = 0; stage < 2; ++stage) {
+    const auto& series = spec.module[stage].series_m;
+    if (series.empty()) continue;
+    const double module_m = set.train.module_m[stage];
+    meet(module_m == series.front() || module_m == series.back(),
+         fmt::format("module.stage{}_mm.series", stage + 1),
+         units::decimal_from_si(module_m, units::Unit::kMillimetre));
+  }
+  // No ratio is at the tolerance exactly: the last twentieth of it counts.
+  constexpr double kLastShare = 0.95;
+  const double off = std::abs(train::ratio(z) / spec.ratio.target - 1.0);
+  meet(off >= kLastShare * spec.ratio.tolerance, "ratio.tolerance", off);
+  return at;
+}
+
+}  // namespace
+
+bool LimitPrice::unique() const {
+  constexpr double kSamePrice = 1e-6;
+  return tightened && std::abs(*tightened - loosened) <= kSamePrice * std::abs(*tightened);
+}
+
+std::optional<SetProblem> problem_of(const Specification& spec, const RefinedSet& set) {
+  std::array<std::optional<double>, 2> fixed;
+  for (std::size_t stage = 0; stage < 2; ++stage) {
+    const auto& range = spec.module[stage].range_m;
+    if (!range || !(range->min < range->max)) fixed[stage] = set.train.module_m[stage];
+  }
+  const bool parts = has_objective_branches(first_objective(spec), spec);
+  const train::TrainParameters<double> train = train_of(spec, set);
+  const double torque_Nm = set.torque_capacity_Nm.value_or(0.0);
+  std::optional<SetProblem> best;
+  int branches = 1;
+  for (int backlash = 1; backlash <= branches; ++backlash) {
+    for (const int part : parts ? std::vector{1, 2} : std::vector{0}) {
+      SetProblem own{.problem = make_refinement_problem(spec, set.candidate, fixed,
+                                                        {.backlash = backlash, .objective = part})};
+      if (own.problem.has_branches) branches = 2;
+      own.v = point_of(own.problem, train,
+                       {.face_width_m = set.train.face_width_m, .torque_Nm = torque_Nm});
+      raise_torque(own.problem, own.v);
+      const double slack = 2.0 * design::kFeasibilityTolerance;
+      if (!(outcome_at(own.problem, own.v).violation <= slack)) continue;
+      own.kkt_residual = kkt_residual(own.problem, own.v);
+      if (!best || own.kkt_residual < best->kkt_residual) best = std::move(own);
+    }
+  }
+  return best;
+}
+
+HeldBack held_back(const Specification& spec, const RefinedSet& set, const design::Limits& stated) {
+  HeldBack held;
+  held.at = bounds_met(spec, set);
+  const std::optional<SetProblem> own = problem_of(spec, set);
+  Gradients at;
+  if (!own ||
+      !evaluate_gradients(own->problem, used(own->problem, own->v), all_rows(own->problem), at)) {
+    held.missing = "the optimum misses a limit within its tolerance";
+    return held;
+  }
+  const ActiveLimits active(own->problem, own->v, stated, at);
+  const std::vector<Pull>& pulls = active.pulls();
+  if (pulls.empty()) return held;
+  Eigen::MatrixXd a(own->problem.variables, static_cast<Eigen::Index>(pulls.size()));
+  for (std::size_t k = 0; k < pulls.size(); ++k) {
+    a.col(static_cast<Eigen::Index>(k)) = pulls[k].gradient;
+  }
+  const Multipliers multipliers(
+      a, Eigen::Map<const Eigen::VectorXd>(at.df.data(), own->problem.variables));
+  held.kkt_residual = multipliers.residual();
+  if (!(held.kkt_residual <= kStationary)) {
+    held.missing = "the optimum is on a kink, where one gradient does not say what a limit costs";
+    return held;
+  }
+  held.prices = prices_of(own->problem, pulls, multipliers);
+  return held;
+}
+
+std::vector<RefinedSet> best_per_planets(const Specification& spec,
+                                         const std::vector<RefinedSet>& refined) {
+  std::vector<RefinedSet> best;
+  const Objective first = first_objective(spec);
+  const auto cost = [&](const RefinedSet& set) {
+    return std::pair(cost_in_steps(first, sense_of(first) * merit_of(spec, set)), set.index);
+  };
+  for (const RefinedSet& set : refined) {
+    if (set.status != Status::kOptimal) continue;
+    const auto same = std::ranges::find_if(best, [&](const RefinedSet& other) {
+      return other.candidate.planets == set.candidate.planets;
+    });
+    if (same == best.end()) {
+      best.push_back(set);
+    } else if (cost(set) < cost(*same)) {
+      *same = set;
+    }
+  }
+  std::ranges::sort(best, {}, [](const RefinedSet& set) { return set.candidate.planets; });
+  return best;
+}
+
+}  // namespace gear3k::optimize

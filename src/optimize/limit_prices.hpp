@@ -1,0 +1,88 @@
+#pragma once
+// What holds an optimum back: its active limits and bounds, with what each of them costs.
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "optimize/refined_set.hpp"
+#include "optimize/refinement_problem.hpp"
+
+namespace gear3k::optimize {
+
+/// What a limit is of.
+enum class LimitKind {
+  kCheck,
+  kObjective,  ///< that a Pareto search asks for
+  kProfileShift,
+  kRingShift,
+  kModule,
+  kTipShortening,
+  kPressureAngle,
+  kFaceWidth,
+  kTorque,
+  kSearchSpace  ///< where the model ends; nobody states it
+};
+
+/// One number of a specification: a limit, or an end of a range.
+struct LimitOf {
+  LimitKind kind = LimitKind::kCheck;
+  std::optional<design::CheckId> check{};
+  int place = -1;  ///< the mesh that has a least backlash of its own; the stage; the objective
+  bool at_least = true;  ///< what it limits is to be at least it
+  bool operator==(const LimitOf&) const = default;
+};
+
+/// An active limit with the change of the objective per unit of it.
+///
+///   ∂objective/∂L = ± scale Σ_k λ_k |∂g_k/∂L|     over the rows and bounds that it sets
+///
+/// positive where the objective grows with the limit's number.  Source: own derivation, docs/theory
+/// §12.
+struct LimitPrice {
+  LimitOf limit;
+  std::string key;     ///< path in a SPEC, [0] and [1] the ends of a range
+  bool stated = true;  ///< a file can state another number; else a switch, or the search's own
+  units::Unit unit = units::Unit::kNone;
+  double value_si = 0.0;
+  std::vector<std::string> where{};  ///< gears, meshes, or gears in meshes
+  /// Objective [SI] per limit [SI]: where it gives way, where it is tightened (empty: nothing
+  /// feasible is left).  They differ where the multipliers are not unique.
+  double loosened = 0.0;
+  std::optional<double> tightened{};
+  [[nodiscard]] bool unique() const;
+};
+
+/// A bound of the tooth search that a set sits at.
+struct SearchBound {
+  std::string key;
+  double value = 0.0;  ///< of the set, in the unit of the key
+};
+
+struct HeldBack {
+  double kkt_residual = 0.0;
+  std::vector<LimitPrice> prices;  ///< of every active limit, in the order of rows, then bounds
+  std::string_view missing;        ///< why there are none; "" where they are known
+  std::vector<SearchBound> at;
+};
+
+/// @param set  an optimum of the specification
+/// @param stated  what files state of the limits; those of the specification may be tighter, as
+///   calibrated models and built gearboxes ask for
+HeldBack held_back(const Specification& spec, const RefinedSet& set, const design::Limits& stated);
+
+/// The problem of which a refined set is an optimum, every check a row, with the set as its point;
+/// of several branches the one whose KKT residual is the least.  Empty where none holds it.
+struct SetProblem {
+  RefinementProblem problem;
+  Point v{};
+  double kkt_residual = 0.0;
+};
+std::optional<SetProblem> problem_of(const Specification& spec, const RefinedSet& set);
+
+/// The best refined set of each number of planets that has one, by rising number.
+std::vector<RefinedSet> best_per_planets(const Specification& spec,
+                                         const std::vector<RefinedSet>& refined);
+
+}  // namespace gear3k::optimize

@@ -1,0 +1,256 @@
+#include "report/limit_price_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "report/display.hpp"
+#include "report/text_table.hpp"
+#include "report/tooth_set_text.hpp"
+
+namespace gear3k::report {
+
+namespace {
+
+using optimize::LimitPrice, optimize::ObjectiveRecord, optimize::Specification;
+
+/// A step by which a limit is likely to give way, in its unit.
+double natural_step(const LimitPrice& price) {
+  switch (price.unit) {
+    case units::Unit::kNone:
+    case units::Unit::kModule:
+    case units::Unit::kModules:
+      return 0.05;
+    case units::Unit::kMillimetre:
+    case units::Unit::kDiameterMillimetre:
+      return price.key.starts_with("size.") || price.key.find("face_width") != std::string::npos
+                 ? 1.0
+                 : 0.05;
+    case units::Unit::kNewton:
+    case units::Unit::kMegapascal:
+      return 10.0;
+    default:
+      return 1.0;
+  }
+}
+
+/// The same with the sign in which the limit gives way.
+double giving_step(const LimitPrice& price) {
+  return price.limit.at_least ? -natural_step(price) : natural_step(price);
+}
+
+const ObjectiveRecord& record_of(const Specification& spec) {
+  return optimize::objective_record(optimize::first_objective(spec));
+}
+
+/// A price in the units of files: the objective's over the key's.
+double per_unit(const Specification& spec, const LimitPrice& price, double per_si) {
+  return per_si * units::si_per(price.unit) / record_of(spec).per_unit;
+}
+
+/// What the objective gains where the limit gives way by its step, in the objective's unit; with
+/// its sense: negative where less is better.
+double change_per_step(const Specification& spec, const LimitPrice& price) {
+  return per_unit(spec, price, price.loosened) * giving_step(price);
+}
+
+bool in_percent_points(const Specification& spec) {
+  return optimize::is_efficiency(optimize::first_objective(spec));
+}
+
+/// A change of the objective as tables show it.
+std::string change_text(const Specification& spec, double change) {
+  if (in_percent_points(spec)) return fmt::format("{:+.3g} % points", 100.0 * change);
+  return with_unit(fmt::format("{:+.4g}", change), record_of(spec).unit);
+}
+
+std::string value_text(const LimitPrice& price) {
+  return with_unit(fmt::format("{:g}", units::decimal_from_si(price.value_si, price.unit)),
+                   units::unit_name(price.unit));
+}
+
+std::string price_text(const Specification& spec, const LimitPrice& price) {
+  const auto number = [&](double per_si) {
+    const double value = per_unit(spec, price, per_si);
+    return in_percent_points(spec) ? fmt::format("{:+.3g} %", 100.0 * value)
+                                   : with_unit(fmt::format("{:+.3g}", value), record_of(spec).unit);
+  };
+  const std::string_view unit = units::unit_name(price.unit);
+  const std::string per = unit.empty() ? "" : fmt::format(" per {}", unit);
+  if (price.unique()) return number(price.loosened) + per;
+  return fmt::format("{}{}, tightened {}", number(price.loosened), per,
+                     price.tightened ? number(*price.tightened) : "nothing is left");
+}
+
+bool has_price(const LimitPrice& price) { return price.loosened != 0.0 || !price.unique(); }
+
+/// The limit of a file that gains most where it gives way by its step; null: none gains.
+const LimitPrice* dearest(const Specification& spec, const HeldSet& best) {
+  const LimitPrice* most = nullptr;
+  for (const LimitPrice& price : best.held.prices) {
+    if (!price.stated || price.loosened == 0.0) continue;
+    if (most == nullptr ||
+        std::abs(change_per_step(spec, price)) > std::abs(change_per_step(spec, *most))) {
+      most = &price;
+    }
+  }
+  return most;
+}
+
+double objective_of(const Specification& spec, const HeldSet& best) {
+  return optimize::objective_of(spec, best.set, optimize::first_objective(spec)) /
+         record_of(spec).per_unit;
+}
+
+std::string objective_text(const Specification& spec, double value) {
+  if (in_percent_points(spec)) return fmt::format("{:.3f} %", 100.0 * value);
+  return with_unit(fmt::format("{:.5g}", value), record_of(spec).unit);
+}
+
+std::string bounds_text(const HeldSet& best) {
+  if (best.held.at.empty()) return "";
+  std::vector<std::string> at;
+  at.reserve(best.held.at.size());
+  for (const optimize::SearchBound& bound : best.held.at) {
+    at.push_back(fmt::format("{} ({:.4g})", bound.key, bound.value));
+  }
+  return fmt::format("  at a bound of the search, beyond which nothing was tried: {}\n",
+                     fmt::join(at, ", "));
+}
+
+std::string better_text(const Specification& spec, const HeldSet& best) {
+  const LimitPrice* const price = dearest(spec, best);
+  if (price == nullptr) return "";
+  const double change = change_per_step(spec, *price);
+  const double moved =
+      clean(units::decimal_from_si(price->value_si, price->unit) + giving_step(*price));
+  return fmt::format("  nearest better, an estimate to first order: {} with {} = {:g} ({})\n",
+                     objective_text(spec, objective_of(spec, best) + change), price->key, moved,
+                     change_text(spec, change));
+}
+
+}  // namespace
+
+std::string held_back_table(const Specification& spec, const HeldSet& best) {
+  std::string text = fmt::format(
+      "\nHeld back by (price: change of the {} per unit of the limit, to first order; step: what "
+      "it gains where the limit gives way by that)\n",
+      record_of(spec).title);
+  if (!best.held.missing.empty()) {
+    return text + fmt::format("  not known: {}\n", best.held.missing) + bounds_text(best);
+  }
+  TextTable table({"limit", "value", "at", "price", "step", "gain"});
+  for (const std::size_t column : {std::size_t{2}, std::size_t{3}}) table.align_left(column);
+  std::vector<std::string> free;
+  for (const LimitPrice& price : best.held.prices) {
+    if (!has_price(price)) {
+      free.push_back(price.key);
+      continue;
+    }
+    table.add({price.key + (price.stated ? "" : " (no key)"), value_text(price),
+               fmt::format("{}", fmt::join(price.where, ", ")), price_text(spec, price),
+               with_unit(fmt::format("{:+g}", giving_step(price)), units::unit_name(price.unit)),
+               change_text(spec, change_per_step(spec, price))});
+  }
+  const bool any = free.size() < best.held.prices.size();
+  text += any ? table.text(2) : "  no limit: the optimum is inside all of them\n";
+  const bool open = std::ranges::any_of(best.held.prices,
+                                        [](const LimitPrice& price) { return !price.unique(); });
+  if (open) {
+    text +=
+        "  limits bind that depend on each other there: their prices differ where they give way "
+        "and where they are tightened\n";
+  }
+  if (!free.empty()) {
+    text += fmt::format("  met exactly, at no price: {}\n", fmt::join(free, ", "));
+  }
+  return text + bounds_text(best) + better_text(spec, best);
+}
+
+std::string planets_table(const Specification& spec, const HeldBackReport& report) {
+  const std::vector<HeldSet>& sets = report.by_planets;
+  if (sets.size() < 2) return "";
+  TextTable table({"planets", "S/P1/R1/P2/R2", "ratio", std::string(record_of(spec).title),
+                   "held back most by"});
+  for (const std::size_t column : {std::size_t{1}, std::size_t{4}}) table.align_left(column);
+  for (const HeldSet& set : sets) {
+    const LimitPrice* const price = dearest(spec, set);
+    table.add({fmt::format("{}", set.set.candidate.planets), teeth_text(set.set.candidate.teeth),
+               fmt::format("{:.4f}", train::ratio(set.set.candidate.teeth)),
+               objective_text(spec, objective_of(spec, set)),
+               price == nullptr ? "-"
+                                : fmt::format("{} = {} ({})", price->key, value_text(*price),
+                                              price_text(spec, *price))});
+  }
+  return fmt::format("\nBest by number of planets{}\n{}",
+                     report.all_refined ? "" : ", of the sets that were refined", table.text(2));
+}
+
+namespace {
+
+io::Json prices_json(const Specification& spec, const HeldSet& set) {
+  return list_json(set.held.prices, [&](const LimitPrice& price) -> io::Json {
+    const auto number = [&](const std::optional<double>& per_si) -> io::Json {
+      return per_si ? io::Json(per_unit(spec, price, *per_si)) : nullptr;
+    };
+    const double change = change_per_step(spec, price);
+    return {{"key", price.key},
+            {"value", units::decimal_from_si(price.value_si, price.unit)},
+            {"unit", units::unit_name(price.unit)},
+            {"at_least", price.limit.at_least},
+            {"stated", price.stated},
+            {"where", price.where},
+            {"price_per_unit", price.unique() ? number(price.loosened) : io::Json(nullptr)},
+            {"loosened_per_unit", number(price.loosened)},
+            {"tightened_per_unit", number(price.tightened)},
+            {"step", giving_step(price)},
+            {"change_per_step", change},
+            {"percent_points_per_step",
+             in_percent_points(spec) ? io::Json(100.0 * change) : io::Json(nullptr)}};
+  });
+}
+
+io::Json held_set_json(const Specification& spec, const HeldSet& best) {
+  const LimitPrice* const price = dearest(spec, best);
+  io::Json better = nullptr;
+  if (price != nullptr) {
+    const double change = change_per_step(spec, *price);
+    better = {{"key", price->key},
+              {"value",
+               clean(units::decimal_from_si(price->value_si, price->unit) + giving_step(*price))},
+              {"unit", units::unit_name(price->unit)},
+              {"objective", objective_of(spec, best) + change},
+              {"change", change}};
+  }
+  return {{"prices", prices_json(spec, best)},
+          {"prices_missing",
+           best.held.missing.empty() ? io::Json(nullptr) : io::Json(best.held.missing)},
+          {"at_bounds", list_json(best.held.at,
+                                  [](const optimize::SearchBound& bound) -> io::Json {
+                                    return {{"key", bound.key}, {"value", bound.value}};
+                                  })},
+          {"better_estimate", std::move(better)}};
+}
+
+}  // namespace
+
+io::Json held_back_json(const Specification& spec, const HeldBackReport& report) {
+  io::Json json = held_set_json(spec, report.best);
+  json["best_per_planets"] = list_json(report.by_planets, [&](const HeldSet& set) -> io::Json {
+    io::Json entry{{"planets", set.set.candidate.planets},
+                   {"teeth", train::teeth_of(set.set.candidate.teeth)},
+                   {"ratio", train::ratio(set.set.candidate.teeth)},
+                   {"objective", objective_of(spec, set)},
+                   {"eta_b", set.set.eta_b},
+                   {"eta_f", set.set.eta_f},
+                   {"backlash_arcmin", arcmin(set.set.lost_motion_rad)},
+                   {"all_refined", report.all_refined}};
+    entry.update(held_set_json(spec, set));
+    return entry;
+  });
+  return json;
+}
+
+}  // namespace gear3k::report

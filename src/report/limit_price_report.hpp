@@ -1,0 +1,36 @@
+#pragma once
+// What holds the best designs back, for tables and summary.json.
+
+#include <string>
+#include <vector>
+
+#include "io/text/json.hpp"
+#include "optimize/limit_prices.hpp"
+
+namespace gear3k::report {
+
+/// An optimum with what holds it back.
+struct HeldSet {
+  optimize::RefinedSet set;
+  optimize::HeldBack held;
+};
+
+/// The best design with what holds it back, and the best of every number of planets, by rising
+/// number.
+struct HeldBackReport {
+  HeldSet best;
+  std::vector<HeldSet> by_planets;
+  bool all_refined = true;  ///< else only sets that could be the best of all are refined
+};
+
+/// "Held back by": a line for every active limit with its price, the bounds of the search that the
+/// set sits at, and the better answer that the dearest limit would give if it gave way by a step.
+std::string held_back_table(const optimize::Specification& spec, const HeldSet& best);
+
+/// The best design of every number of planets; "" where there is one number only.
+std::string planets_table(const optimize::Specification& spec, const HeldBackReport& report);
+
+/// Fields of summary.json: prices, prices_missing, at_bounds, better_estimate, best_per_planets.
+io::Json held_back_json(const optimize::Specification& spec, const HeldBackReport& report);
+
+}  // namespace gear3k::report

@@ -1,0 +1,115 @@
+// What `optimize` says holds a design back, against runs of the program with the key changed.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/cli/run_program.hpp"
+
+namespace gear3k::held_back_cli_test {
+namespace {
+
+using nlohmann::json;
+using test::ProgramResult, test::Workplace, test::replaced;
+
+/// The winner's teeth of the 96:1 example, without a load.
+const std::string kOneSet =
+    "name = \"one set\"\n[ratio]\ntarget = 96.2\n"
+    "[teeth]\nS = [12, 12]\nP1 = [64, 64]\nP2 = [52, 52]\nR1_max = 141\nR2_max = 132\n"
+    "[module]\nstage1_mm = { min = 0.5, max = 1.0 }\nstage2_mm = { min = 0.5, max = 1.0 }\n"
+    "[profile_shift]\nrange = [0.0, 1.0]\n"
+    "[size]\nmax_ring_root_diameter_mm = 76.0\n"
+    "[backlash]\nmax_output_arcmin = 8.0\nmin_normal_um = 10.0\nmachining_allowance = 0.02\n"
+    "[limits]\nundercut = 0.0\n[friction]\ncoefficient = 0.1\n";
+
+json summary_of(const Workplace& place, const std::string& spec) {
+  place.write("spec.toml", spec);
+  const ProgramResult run = place.run({"optimize", "spec.toml", "--out", "out", "--quiet"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  return json::parse(place.read("out/summary.json"));
+}
+
+double backward_efficiency(const Workplace& place, const std::string& spec) {
+  return summary_of(place, spec).at("best").at("eta_b").get<double>();
+}
+
+TEST(HeldBack, PricesAreWhatRunsWithTheKeyChangedGain) {
+  const Workplace place;
+  const json summary = summary_of(place, kOneSet);
+  struct Moved {
+    const char* key;
+    const char* text;
+    const char* up;
+    const char* down;
+    double difference;
+  };
+  for (const Moved& m :
+       {Moved{"backlash.max_output_arcmin", "max_output_arcmin = 8.0", "max_output_arcmin = 8.02",
+              "max_output_arcmin = 7.98", 0.04},
+        Moved{"limits.undercut", "undercut = 0.0", "undercut = 0.001", "undercut = -0.001", 0.002},
+        Moved{"profile_shift.range[1]", "range = [0.0, 1.0]", "range = [0.0, 1.001]",
+              "range = [0.0, 0.999]", 0.002}}) {
+    const auto price = std::ranges::find_if(
+        summary.at("prices"), [&](const json& entry) { return entry.at("key") == m.key; });
+    ASSERT_NE(price, summary.at("prices").end()) << m.key;
+    const double gain = backward_efficiency(place, replaced(kOneSet, m.text, m.up)) -
+                        backward_efficiency(place, replaced(kOneSet, m.text, m.down));
+    const auto per_unit = price->at("price_per_unit").get<double>();
+    EXPECT_NEAR(gain / m.difference / per_unit, 1.0, 0.02) << m.key;
+    EXPECT_NEAR(price->at("percent_points_per_step").get<double>(),
+                100.0 * per_unit * price->at("step").get<double>(), 1e-12);
+  }
+}
+
+TEST(HeldBack, NamesTheBoundsOfTheSearchAndTheNearestBetterAnswer) {
+  const Workplace place;
+  const json summary = summary_of(place, kOneSet);
+  std::string at;
+  for (const json& bound : summary.at("at_bounds")) at += bound.at("key").get<std::string>() + " ";
+  EXPECT_EQ(at,
+            "teeth.S[0] teeth.S[1] teeth.P1[0] teeth.P1[1] teeth.P2[0] teeth.P2[1] teeth.R1_max "
+            "teeth.R2_max ");
+  const json& better = summary.at("better_estimate");
+  double most = 0.0;
+  for (const json& price : summary.at("prices")) {
+    most = std::max(most, price.at("change_per_step").get<double>());
+  }
+  EXPECT_EQ(better.at("change"), most);
+  EXPECT_DOUBLE_EQ(better.at("objective").get<double>(),
+                   summary.at("best").at("eta_b").get<double>() + most);
+  const std::string table = place.run({"optimize", "spec.toml", "--out", "out", "--quiet"}).out;
+  for (const char* text : {"\nHeld back by ", "  backlash.max_output_arcmin ", "8 arcmin",
+                           "  at a bound of the search, beyond which nothing was tried: teeth.S[0]",
+                           "  nearest better, an estimate to first order: "}) {
+    EXPECT_NE(table.find(text), std::string::npos) << text;
+  }
+  EXPECT_EQ(table.find("Best by number of planets"), std::string::npos);
+}
+
+TEST(HeldBack, TellsTheBestOfEveryNumberOfPlanets) {
+  const Workplace place;
+  const std::string task =
+      "planets = [2, 3]\n[ratio]\ntarget = 50.0\n"
+      "[teeth]\nS = [12, 14]\nP1 = [30, 40]\nP2 = [30, 40]\nR1_max = 120\nR2_max = 120\n"
+      "[module]\nstage1_mm = { min = 0.5, max = 1.0 }\nstage2_mm = { min = 0.5, max = 1.0 }\n";
+  const json both = summary_of(place, task);
+  ASSERT_EQ(both.at("best_per_planets").size(), 2);
+  const std::string table = place.run({"optimize", "spec.toml", "--out", "out", "--quiet"}).out;
+  EXPECT_NE(table.find("\nBest by number of planets\n"), std::string::npos);
+  double best = 0.0;
+  for (const json& entry : both.at("best_per_planets")) {
+    const std::string own =
+        replaced(task, "[2, 3]", std::to_string(entry.at("planets").get<int>()));
+    const json alone = summary_of(place, own);
+    EXPECT_EQ(entry.at("teeth"), alone.at("best").at("teeth"));
+    EXPECT_EQ(entry.at("eta_b"), alone.at("best").at("eta_b"));
+    EXPECT_EQ(entry.at("prices"), alone.at("prices"));
+    best = std::max(best, entry.at("objective").get<double>());
+  }
+  EXPECT_EQ(both.at("best").at("eta_b"), best);
+}
+
+}  // namespace
+}  // namespace gear3k::held_back_cli_test
