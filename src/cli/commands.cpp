@@ -79,6 +79,23 @@ void warn(const app::Notes& notes, bool quiet) {
   for (const std::string& note : notes) say(fmt::format("model: {}\n", note));
 }
 
+report::TableChoice table_choice(const ShowOptions& options) {
+  constexpr int kUsual = 100, kLeast = 60, kMost = 500;
+  report::TableChoice choice{.full = options.full, .sections = {}, .columns = options.columns};
+  for (std::size_t k = 0; k < report::kSectionNames.size(); ++k) {
+    if (std::ranges::find(options.show, report::kSectionNames[k]) != options.show.end()) {
+      choice.sections.push_back(static_cast<report::Section>(k));
+    }
+  }
+  if (choice.columns == 0) {
+    winsize size{};
+    const bool known = ::isatty(STDOUT_FILENO) != 0 &&
+                       ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+    choice.columns = known ? std::clamp(static_cast<int>(size.ws_col), kLeast, kMost) : kUsual;
+  }
+  return choice;
+}
+
 int use_threads(const CommonOptions& options) {
   if (options.threads > 0) omp_set_num_threads(options.threads);
   return omp_get_max_threads();
@@ -87,7 +104,7 @@ int use_threads(const CommonOptions& options) {
 namespace {
 
 std::string result_text(const app::Analysis& analysis, const std::optional<app::Model>& model,
-                        Format format) {
+                        Format format, const ShowOptions& show) {
   const design::BuiltSeries* built = analysis.series ? &*analysis.series : nullptr;
   const report::ModelUse* use = model ? &model->use : nullptr;
   const design::TorqueAngleCurve* curve = analysis.torque_angle ? &*analysis.torque_angle : nullptr;
@@ -100,11 +117,15 @@ std::string result_text(const app::Analysis& analysis, const std::optional<app::
       break;
   }
   const design::Limits& limits = analysis.design.limits;
-  return report::analysis_table(analysis.evaluation, analysis.sensitivities, use, built, curve) +
+  return report::analysis_text(analysis.evaluation,
+                               design::tightest_checks(analysis.design, analysis.evaluation,
+                                                       kTightestShown),
+                               table_choice(show), analysis.sensitivities, use, built, curve) +
          (limits.preset ? "\n" + report::limits_line(limits) : "");
 }
 
-std::string result_text(const design::PairEvaluation& evaluation, Format format) {
+std::string result_text(const design::PairDesign& pair, const design::PairEvaluation& evaluation,
+                        Format format, const ShowOptions& show) {
   switch (format) {
     case Format::kJson:
       return report::analysis_json(evaluation);
@@ -113,7 +134,8 @@ std::string result_text(const design::PairEvaluation& evaluation, Format format)
     case Format::kTable:
       break;
   }
-  return report::analysis_table(evaluation);
+  return report::analysis_text(
+      evaluation, design::tightest_checks(pair, evaluation, kTightestShown), table_choice(show));
 }
 
 /// @throws io::InvalidInput where --out is an input
@@ -196,7 +218,7 @@ ExitCode run_analyze(const AnalyzeOptions& options) {
     end_on_interrupt();
     written = write_torque_angle(options, analysis);
   }
-  std::string text = result_text(analysis, request.model, options.format);
+  std::string text = result_text(analysis, request.model, options.format, options.show);
   if (options.format == Format::kJson) text = with_missing_figures(text, written.figures);
   if (options.format == Format::kTable) text += files_text(written.paths);
   deliver(options, text);
@@ -207,7 +229,7 @@ ExitCode run_mesh(const AnalyzeOptions& options) {
   const app::MeshRequest request{.pair = io::read_pair(options.file), .source = options.file};
   refuse_replacing({options.file}, options.out);
   const design::PairEvaluation evaluation = app::mesh(request);
-  deliver(options, result_text(evaluation, options.format));
+  deliver(options, result_text(request.pair, evaluation, options.format, options.show));
   return judged(evaluation.checks, options);
 }
 

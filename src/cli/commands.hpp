@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "report/table_choice.hpp"
+
 #include "app/model.hpp"
 #include "cli/exit_code.hpp"
 
@@ -26,7 +28,19 @@ struct CommonOptions {
   int threads = 0;  ///< 0 = all processors
 };
 
+/// Which part of a result's table is printed.
+struct ShowOptions {
+  std::vector<std::string> show;  ///< names of sections
+  bool full = false;
+  int columns = 0;  ///< of the first screen; 0: those of the terminal, or 100
+};
+/// Names of sections were checked with the options.
+report::TableChoice table_choice(const ShowOptions& options);
+/// Checks that a first screen lists.
+inline constexpr std::size_t kTightestShown = 6;
+
 struct AnalyzeOptions : CommonOptions {
+  ShowOptions show;
   std::string file;
   std::string model;    ///< MODEL.toml of `analyze`; "" = none
   std::string figures;  ///< folder of `analyze`; "" = none
@@ -43,6 +57,7 @@ struct SearchOptions : CommonOptions {
 };
 
 struct OptimizeOptions : CommonOptions {
+  ShowOptions show;
   std::string file;
   std::string model;     ///< MODEL.toml; "" = none
   bool certify = false;  ///< refine only what can still win, and prove that nothing else can

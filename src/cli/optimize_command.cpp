@@ -153,9 +153,12 @@ void print_results(const app::OptimizeTask& task, const OptimizeRun& run,
     case Format::kTable: {
       const auto series = design::table_series(o.best->design);
       print_result(
-          report::analysis_table(o.best->evaluation, design::sensitivities(o.best->design),
-                                 task.use(), series ? &*series : nullptr,
-                                 o.best->torque_angle ? &*o.best->torque_angle : nullptr) +
+          report::analysis_text(
+              o.best->evaluation,
+              design::tightest_checks(o.best->design, o.best->evaluation, kTightestShown),
+              table_choice(options.show), design::sensitivities(o.best->design), task.use(),
+              series ? &*series : nullptr,
+              o.best->torque_angle ? &*o.best->torque_angle : nullptr) +
           report::held_back_table(task.spec, o.held->best) +
           report::planets_table(task.spec, *o.held) +
           (o.robust ? report::robust_table(task.spec, *o.robust) : "") +

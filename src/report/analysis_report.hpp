@@ -2,13 +2,16 @@
 // What `analyze` and `mesh` print.
 
 #include <string>
+#include <vector>
 
 #include "design/built_series.hpp"
 #include "design/evaluation.hpp"
 #include "design/sensitivity.hpp"
+#include "design/tightest.hpp"
 #include "design/torque_angle_curve.hpp"
 #include "report/fields.hpp"
 #include "report/model_report.hpp"
+#include "report/table_choice.hpp"
 
 namespace gear3k::report {
 
@@ -22,6 +25,22 @@ std::string analysis_table(const design::Evaluation& e, const design::Sensitivit
                            const design::BuiltSeries* built = nullptr,
                            const design::TorqueAngleCurve* curve = nullptr);
 std::string analysis_table(const design::PairEvaluation& e);
+
+/// The first screen and the sections that are asked for, or the whole table.
+/// @param tightest  of design::tightest_checks()
+std::string analysis_text(const design::Evaluation& e,
+                          const std::vector<design::TightestCheck>& tightest,
+                          const TableChoice& choice, const design::Sensitivities& s,
+                          const ModelUse* model = nullptr,
+                          const design::BuiltSeries* built = nullptr,
+                          const design::TorqueAngleCurve* curve = nullptr);
+std::string analysis_text(const design::PairEvaluation& e,
+                          const std::vector<design::TightestCheck>& tightest,
+                          const TableChoice& choice);
+
+/// "Not checked: ..." in a line; "" where all is.
+std::string not_checked_text(const design::Evaluation& e);
+std::string not_checked_text(const design::PairEvaluation& e);
 
 /// JSON by the contract of docs/interface.md.
 std::string analysis_json(const design::Evaluation& e, const design::Sensitivities& s,

@@ -8,6 +8,7 @@
 #include "report/built_series_report.hpp"
 #include "report/check_subject.hpp"
 #include "report/display.hpp"
+#include "report/first_screen.hpp"
 #include "report/mass_report.hpp"
 #include "report/operation_report.hpp"
 #include "report/sensitivity_report.hpp"
@@ -209,6 +210,8 @@ std::string passed_table(const std::vector<CheckResult>& checks) {
   return fmt::format("\nChecks: {} of {} passed\n", passed, checks.size()) + table.text(2);
 }
 
+std::string paragraph(const std::string& line) { return line.empty() ? "" : "\n" + line + "\n"; }
+
 std::string note_lines(const std::vector<std::string>& notes) {
   std::string text;
   for (const std::string& note : notes) text += fmt::format("\nNote: {}", io::printable(note));
@@ -224,7 +227,7 @@ std::string not_checked(const Result& e) {
     missing.push_back(fmt::format("{} (no limit stress of the material is stated)", what));
   }
   if (!e.tolerance_limits) missing.emplace_back("tolerances (no [tolerances])");
-  return missing.empty() ? "" : fmt::format("\nNot checked: {}.\n", fmt::join(missing, ", "));
+  return missing.empty() ? "" : fmt::format("Not checked: {}.", fmt::join(missing, ", "));
 }
 
 std::string assembly_text(const Evaluation& e) {
@@ -267,7 +270,94 @@ std::string inertia_text(const Evaluation& e) {
       value(e.inertia->forward_kgm2));
 }
 
+/// Names of both gears of every mesh.
+std::vector<std::array<std::string, 2>> mesh_gear_names() {
+  std::vector<std::array<std::string, 2>> gears;
+  gears.reserve(train::kMeshGears.size());
+  for (const auto& [first, second] : train::kMeshGears) {
+    gears.push_back({std::string(train::kGearNames[static_cast<std::size_t>(first)]),
+                     std::string(train::kGearNames[static_cast<std::size_t>(second)])});
+  }
+  return gears;
+}
+
+/// Part of a train's whole table.
+std::string section_text(Section section, const Evaluation& e, const design::Sensitivities& s,
+                         const design::BuiltSeries* built) {
+  switch (section) {
+    case Section::kGears:
+      return gear_table(e.gears);
+    case Section::kTeeth:
+      return tooth_table(e.gears);
+    case Section::kMeshes:
+      return mesh_table(e.meshes);
+    case Section::kLosses:
+      return operation_table(e);
+    case Section::kStrength:
+      return strength_table(e);
+    case Section::kFlanks:
+      return flank_table(e.meshes, mesh_gear_names());
+    case Section::kPhases:
+      return phase_table(e.meshes);
+    case Section::kMasses:
+      return mass_table(e);
+    case Section::kChecks:
+      return passed_table(e.checks);
+    case Section::kTolerances:
+      return tolerance_table(e.tolerance_limits);
+    case Section::kThermal:
+      return thermal_table(e.thermal);
+    case Section::kBuilt:
+      return built != nullptr ? built_series_table(*built) : "";
+    case Section::kSensitivities:
+      return sensitivity_table(s);
+    case Section::kNotes:
+      break;
+  }
+  return note_lines(e.notes);
+}
+
+/// The same of a pair, which has fewer parts.
+std::string section_text(Section section, const PairEvaluation& e) {
+  switch (section) {
+    case Section::kGears:
+      return gear_table(e.gears);
+    case Section::kTeeth:
+      return tooth_table(e.gears);
+    case Section::kMeshes:
+      return mesh_table({e.mesh});
+    case Section::kStrength:
+      return strength_table(e);
+    case Section::kFlanks:
+      return flank_table({e.mesh}, {{"1", "2"}});
+    case Section::kPhases:
+      return phase_table({e.mesh});
+    case Section::kChecks:
+      return passed_table(e.checks);
+    case Section::kTolerances:
+      return tolerance_table(e.tolerance_limits);
+    case Section::kNotes:
+      return note_lines(e.notes);
+    default:
+      return "";
+  }
+}
+
+constexpr std::array kAllSections{
+    Section::kGears,   Section::kTeeth,      Section::kMeshes,  Section::kLosses,
+    Section::kStrength, Section::kFlanks,    Section::kPhases,  Section::kMasses,
+    Section::kChecks,  Section::kTolerances, Section::kThermal, Section::kBuilt,
+    Section::kSensitivities, Section::kNotes};
+
+/// Failed checks in full where the checks are asked for.
+bool shows_checks(const TableChoice& choice) {
+  return std::ranges::find(choice.sections, Section::kChecks) != choice.sections.end();
+}
+
 }  // namespace
+
+std::string not_checked_text(const Evaluation& e) { return not_checked(e); }
+std::string not_checked_text(const PairEvaluation& e) { return not_checked(e); }
 
 std::string analysis_table(const Evaluation& e, const design::Sensitivities& s,
                            const ModelUse* model, const design::BuiltSeries* built,
@@ -313,28 +403,45 @@ std::string analysis_table(const Evaluation& e, const design::Sensitivities& s,
     for (const std::string& line : cause_lines(*model)) table.add({"", "  " + line});
   }
   text += table.text(0);
-  std::vector<std::array<std::string, 2>> gears;
-  gears.reserve(train::kMeshGears.size());
-  for (const auto& [first, second] : train::kMeshGears) {
-    gears.push_back({std::string(train::kGearNames[static_cast<std::size_t>(first)]),
-                     std::string(train::kGearNames[static_cast<std::size_t>(second)])});
-  }
-  return text + failed_table(e.checks) + gear_table(e.gears) + tooth_table(e.gears) +
-         mesh_table(e.meshes) + operation_table(e) + strength_table(e) +
-         flank_table(e.meshes, gears) + phase_table(e.meshes) + mass_table(e) +
-         passed_table(e.checks) + tolerance_table(e.tolerance_limits) + thermal_table(e.thermal) +
-         (built != nullptr ? built_series_table(*built) : "") + sensitivity_table(s) +
-         note_lines(e.notes) + not_checked(e);
+  text += failed_table(e.checks);
+  for (const Section section : kAllSections) text += section_text(section, e, s, built);
+  return text + paragraph(not_checked(e));
 }
 
 std::string analysis_table(const PairEvaluation& e) {
-  return fmt::format("{}: centre distance {:.4f} mm{}\n",
-                     e.name.empty() ? "pair" : io::printable(e.name), mm(e.center_distance_m),
-                     e.center_distance_given ? "" : " (zero-backlash distance)") +
-         failed_table(e.checks) + gear_table(e.gears) + tooth_table(e.gears) +
-         mesh_table({e.mesh}) + strength_table(e) + flank_table({e.mesh}, {{"1", "2"}}) +
-         phase_table({e.mesh}) + passed_table(e.checks) + tolerance_table(e.tolerance_limits) +
-         note_lines(e.notes) + not_checked(e);
+  std::string text =
+      fmt::format("{}: centre distance {:.4f} mm{}\n",
+                  e.name.empty() ? "pair" : io::printable(e.name), mm(e.center_distance_m),
+                  e.center_distance_given ? "" : " (zero-backlash distance)") +
+      failed_table(e.checks);
+  for (const Section section : kAllSections) text += section_text(section, e);
+  return text + paragraph(not_checked(e));
+}
+
+std::string analysis_text(const Evaluation& e,
+                          const std::vector<design::TightestCheck>& tightest,
+                          const TableChoice& choice, const design::Sensitivities& s,
+                          const ModelUse* model, const design::BuiltSeries* built,
+                          const design::TorqueAngleCurve* curve) {
+  if (choice.full) return analysis_table(e, s, model, built, curve);
+  std::string text = first_screen(e, tightest, built, choice.columns);
+  if (model != nullptr) {
+    text += broken(fmt::format("Model: {}: {}", model->file, fmt::join(cause_lines(*model), "; ")),
+                   choice.columns, 4);
+  }
+  if (shows_checks(choice)) text += failed_table(e.checks);
+  for (const Section section : choice.sections) text += section_text(section, e, s, built);
+  return text;
+}
+
+std::string analysis_text(const PairEvaluation& e,
+                          const std::vector<design::TightestCheck>& tightest,
+                          const TableChoice& choice) {
+  if (choice.full) return analysis_table(e);
+  std::string text = first_screen(e, tightest, choice.columns);
+  if (shows_checks(choice)) text += failed_table(e.checks);
+  for (const Section section : choice.sections) text += section_text(section, e);
+  return text;
 }
 
 }  // namespace gear3k::report

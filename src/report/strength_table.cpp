@@ -442,6 +442,18 @@ std::vector<std::string> not_judged_of(Meshes meshes) {
 
 }  // namespace
 
+std::string capacity_summary(const design::Evaluation& e) {
+  const StrengthResult& s = e.strength.value();
+  const auto least = strength::least_capacity(s.capacity_forward, s.capacity_backward);
+  if (!least) return capacity_text(s, least);
+  const auto [mesh, member, mode] = least->capacity.governing;
+  const auto gear = static_cast<std::size_t>(train::kMeshGears.at(mesh).at(member));
+  return fmt::format("carries {} at R2 ({} of {} in {}), {} asked for",
+                     torque_text(least->capacity.torque_Nm), mode_name(mode),
+                     train::kGearNames.at(gear), train::kMeshNames.at(mesh),
+                     torque_text(s.torque_Nm));
+}
+
 std::vector<std::string> not_judged(const design::Evaluation& e) {
   if (!e.strength) return {};
   return not_judged_of(rated_meshes(*e.strength));

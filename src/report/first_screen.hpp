@@ -1,0 +1,25 @@
+#pragma once
+// What is seen first of a design: 25 lines of 100 columns at most.
+
+#include <string>
+#include <vector>
+
+#include "design/built_series.hpp"
+#include "design/evaluation.hpp"
+#include "design/tightest.hpp"
+
+namespace gear3k::report {
+
+/// @param tightest  of tightest_checks()
+/// @param built     gearboxes built within the design's tolerances; null: none
+/// @param columns   lines are broken there; tables have at most 80
+std::string first_screen(const design::Evaluation& e,
+                         const std::vector<design::TightestCheck>& tightest,
+                         const design::BuiltSeries* built, int columns);
+std::string first_screen(const design::PairEvaluation& e,
+                         const std::vector<design::TightestCheck>& tightest, int columns);
+
+/// Text broken at blanks, further lines indented.
+std::string broken(const std::string& text, int columns, std::size_t indent);
+
+}  // namespace gear3k::report
