@@ -12,6 +12,7 @@
 #include "benchmarks/program.hpp"
 #include "motion/simulate.hpp"
 
+namespace pendulum_motion_benchmark {
 namespace {
 
 using gear3k::actuator::Actuator;
@@ -49,8 +50,10 @@ Scenario pendulum(double tolerance) {
 }
 
 }  // namespace
+}  // namespace pendulum_motion_benchmark
 
 PROGRAM(pendulum_motion)(int argc, char** argv) {
+  using namespace pendulum_motion_benchmark;
   const Actuator actuator = swinging();
   for (int k = 1; k < argc; ++k) {
     const Scenario scenario = pendulum(std::strtod(argv[k], nullptr));
