@@ -49,11 +49,7 @@ Scenario pendulum(double tolerance) {
   return s;
 }
 
-}  // namespace
-}  // namespace pendulum_motion_benchmark
-
-PROGRAM(pendulum_motion)(int argc, char** argv) {
-  using namespace pendulum_motion_benchmark;
+int run_all(int argc, char** argv) {
   const Actuator actuator = swinging();
   for (int k = 1; k < argc; ++k) {
     const Scenario scenario = pendulum(std::strtod(argv[k], nullptr));
@@ -70,4 +66,11 @@ PROGRAM(pendulum_motion)(int argc, char** argv) {
                 motion.end.sides.output_rad_s, motion.events.size());
   }
   return 0;
+}
+
+}  // namespace
+}  // namespace pendulum_motion_benchmark
+
+PROGRAM(pendulum_motion)(int argc, char** argv) {
+  return pendulum_motion_benchmark::run_all(argc, argv);
 }
