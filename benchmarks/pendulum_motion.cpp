@@ -12,6 +12,7 @@
 #include "benchmarks/program.hpp"
 #include "motion/simulate.hpp"
 
+namespace pendulum_motion_benchmark {
 namespace {
 
 using gear3k::actuator::Actuator;
@@ -48,9 +49,7 @@ Scenario pendulum(double tolerance) {
   return s;
 }
 
-}  // namespace
-
-PROGRAM(pendulum_motion)(int argc, char** argv) {
+int run_all(int argc, char** argv) {
   const Actuator actuator = swinging();
   for (int k = 1; k < argc; ++k) {
     const Scenario scenario = pendulum(std::strtod(argv[k], nullptr));
@@ -67,4 +66,11 @@ PROGRAM(pendulum_motion)(int argc, char** argv) {
                 motion.end.sides.output_rad_s, motion.events.size());
   }
   return 0;
+}
+
+}  // namespace
+}  // namespace pendulum_motion_benchmark
+
+PROGRAM(pendulum_motion)(int argc, char** argv) {
+  return pendulum_motion_benchmark::run_all(argc, argv);
 }

@@ -39,6 +39,7 @@ struct Solver {
   double absolute_tolerance = 1e-12;  ///< rad, rad/s, J
   std::optional<double> max_step_s;   ///< empty: see max_step()
   std::int64_t max_events = 100000;
+  std::int64_t max_steps = 10000000;
 };
 
 struct Scenario {

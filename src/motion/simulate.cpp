@@ -169,6 +169,12 @@ class MotionRun {
         cut(*end);
         return;
       }
+      if (static_cast<std::int64_t>(motion_.steps) >= scenario_.solver.max_steps) {
+        x_ = stepper_.state();
+        spend(stepper_.to_s());
+        motion_.complete = false;
+        return;
+      }
       sample(stepper_.to_s());
       spend(stepper_.to_s());
       if (stepper_.to_s() < limit) continue;
@@ -275,8 +281,12 @@ void MotionRun::finish() {
   note(motion_.end);
   fill_ledger();
   if (!motion_.complete) {
-    motion_.notes.push_back(fmt::format("ended at {:g} s: more than solver.max_events = {} events",
-                                        time_s_, scenario_.solver.max_events));
+    const bool steps = static_cast<std::int64_t>(motion_.steps) >= scenario_.solver.max_steps;
+    motion_.notes.push_back(
+        steps ? fmt::format("ended at {:g} s: solver.max_steps = {} steps, the last of {:g} s",
+                            time_s_, scenario_.solver.max_steps, stepper_.next_step_s())
+              : fmt::format("ended at {:g} s: more than solver.max_events = {} events", time_s_,
+                            scenario_.solver.max_events));
   }
   for (const MotionEvent& event : motion_.events) {
     if (event.what != "jams") continue;

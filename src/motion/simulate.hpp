@@ -54,7 +54,7 @@ struct Motion {
   std::vector<ModeShare> shares{};
   MotionRow end{};
   std::size_t steps = 0, cuts = 0;
-  bool complete = true;  ///< false: solver.max_events were passed
+  bool complete = true;  ///< false: solver.max_events or max_steps were passed
   double peak_current_A = 0.0, peak_voltage_V = 0.0;
   std::vector<std::string> notes{};
 };

@@ -210,6 +210,20 @@ TEST(SimulateProperties, TheTorqueOfACycleReturnsTheCycle) {
   }
 }
 
+TEST(SimulateProperties, AStiffControlEndsAndSaysSo) {
+  Scenario s = pendulum(0.0);
+  s.control = Control::kPosition;
+  s.command = {.amplitude = 0.4, .frequency_Hz = 1.0};
+  s.control_stiffness_Nm_rad = 1e3;
+  s.control_damping_Nms = 1e8;
+  s.solver.max_steps = 2000;
+  const Motion m = simulate(swinging(), s);
+  EXPECT_FALSE(m.complete);
+  EXPECT_EQ(m.steps, 2000U);
+  ASSERT_FALSE(m.notes.empty());
+  EXPECT_NE(m.notes[0].find("solver.max_steps = 2000"), std::string::npos) << m.notes[0];
+}
+
 TEST(SimulateProperties, TooManyEventsEndTheRunAndSaySo) {
   Scenario s = pendulum(0.12);
   s.solver.max_events = 5;

@@ -69,6 +69,12 @@ TEST(TrainMotion, WithConstantFrictionAndNoDragIsACatalogueGearbox) {
   }
 }
 
+TEST(TrainMotion, ItsBacklashIsTheLostMotionOfTheDesign) {
+  const auto evaluated = design::evaluate(loaded());
+  EXPECT_NEAR(actuator::DesignTrain(loaded()).backlash_rad(),
+              std::get<design::Evaluation>(evaluated).lost_motion.kinematic_rad, 1e-15);
+}
+
 TEST(TrainMotion, ItsLedgerClosesWithDragsBearingsAndInertia) {
   for (const double gap : {0.0, 0.005}) {
     Actuator a = with_train(loaded());

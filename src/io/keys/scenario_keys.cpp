@@ -184,6 +184,9 @@ std::vector<Key<ScenarioInput>> solver_keys() {
           make_key<In>(integer("solver.max_events", within(1.0, 1e7), "100000",
                                "events after which a run is ended"),
                        of_solver(&Solver::max_events)),
+          make_key<In>(integer("solver.max_steps", within(1.0, 1e9), "10000000",
+                               "steps after which a run is ended, as where a control is stiff"),
+                       of_solver(&Solver::max_steps)),
           make_key<In>(
               number("output.sample_s", Unit::kNone, above(0.0, 1e6), "a thousandth of duration_s",
                      "distance of the rows of motion.csv; events have rows besides"),
