@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 #include <omp.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -15,6 +17,7 @@
 #include "cli/progress.hpp"
 #include "cli/result_files.hpp"
 #include "cli/talk.hpp"
+#include "design/tightest.hpp"
 #include "drawing/dxf_drawing.hpp"
 #include "drawing/export_report.hpp"
 #include "drawing/inspection_sheet.hpp"
@@ -117,10 +120,10 @@ std::string result_text(const app::Analysis& analysis, const std::optional<app::
       break;
   }
   const design::Limits& limits = analysis.design.limits;
-  return report::analysis_text(analysis.evaluation,
-                               design::tightest_checks(analysis.design, analysis.evaluation,
-                                                       kTightestShown),
-                               table_choice(show), analysis.sensitivities, use, built, curve) +
+  return report::analysis_text(
+             analysis.evaluation,
+             design::tightest_checks(analysis.design, analysis.evaluation, kTightestShown),
+             table_choice(show), analysis.sensitivities, use, built, curve) +
          (limits.preset ? "\n" + report::limits_line(limits) : "");
 }
 

@@ -9,10 +9,9 @@
 #include <string_view>
 #include <vector>
 
-#include "report/table_choice.hpp"
-
 #include "app/model.hpp"
 #include "cli/exit_code.hpp"
+#include "report/table_choice.hpp"
 
 namespace gear3k::cli {
 

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <new>
 #include <sstream>
 
@@ -26,6 +27,30 @@
 #include "units/units.hpp"
 
 namespace {
+
+/// Help whose descriptions end at column 100.
+class NarrowFormatter : public CLI::Formatter {
+ public:
+  std::string make_option_desc(const CLI::Option* option) const override {
+    constexpr std::size_t kColumns = 100;
+    const std::string text = option->get_description();
+    std::string lines;
+    std::size_t begin = 0;
+    while (text.size() - begin > kColumns - column_width_) {
+      std::size_t end = text.rfind(' ', begin + kColumns - column_width_);
+      if (end == std::string::npos || end <= begin) break;
+      lines += text.substr(begin, end - begin) + '\n';
+      begin = end + 1;
+    }
+    return lines + text.substr(begin);
+  }
+};
+
+/// Where the keys of a file are told.
+std::string keys_of(std::string_view file) {
+  return fmt::format("Keys of {}: gear3k keys, or gear3k keys WORD for those that hold a word.",
+                     file);
+}
 
 using namespace gear3k;  // NOLINT(google-build-using-namespace): the program's own namespace
 
@@ -98,8 +123,8 @@ void add_export_options(CLI::App& command, cli::ExportOptions& options) {
            "none.  Planets that cannot be "
            "equally "
            "spaced: the train shows\nplanet 1 alone.  A design that fails checks is drawn all the "
-           "same; stderr names them.\n\nKeys of DESIGN.toml:\n" +
-           io::design_key_table();
+           "same; stderr names them.\n\n" +
+           keys_of("DESIGN.toml");
   });
 }
 
@@ -151,6 +176,22 @@ std::uint64_t seed_of(const std::string& text) {
   throw CLI::ValidationError(fmt::format("--seed = {}: allowed: a whole number, 0 to {}", text,
                                          std::numeric_limits<std::uint64_t>::max()),
                              CLI::ExitCodes::ValidationError);
+}
+
+/// What of a result's table is printed.
+void add_show_options(CLI::App& command, cli::ShowOptions& options) {
+  command
+      .add_option("--show", options.show,
+                  fmt::format("parts of the table after the first screen, by commas: {}",
+                              fmt::join(report::kSectionNames, ", ")))
+      ->delimiter(',')
+      ->check(CLI::IsMember(
+          std::vector<std::string>(report::kSectionNames.begin(), report::kSectionNames.end())))
+      ->option_text("PART,...");
+  command.add_flag("--full", options.full, "the whole table");
+  command.add_option("--columns", options.columns, "of the first screen; 100 into a file")
+      ->check(CLI::Range(60, 500))
+      ->option_text("N");
 }
 
 /// Options of `diagnose`; its callback runs after all were read.
@@ -256,10 +297,7 @@ void add_actuator_options(CLI::App& command, cli::ActuatorOptions& options) {
                   "file for the result, instead of stdout; with --select the folder for "
                   "selection.csv, pareto.csv and summary.json, made when missing")
       ->option_text("FILE | DIR");
-  command.footer([] {
-    return "Keys of ACTUATOR.toml:\n" + io::actuator_key_table() + "\nKeys of SPEC.toml:\n" +
-           io::selection_key_table();
-  });
+  command.footer(keys_of("ACTUATOR.toml and SPEC.toml"));
 }
 
 /// What is wrong with the options of `actuator` together; "" when nothing is.
@@ -339,6 +377,7 @@ int run_program(int argc, char** argv) {
       "gear3k designs 3K compound planetary gearboxes (Wolfrom gears) for robot actuators.\n"
       "Exit codes: 0 done, 1 usage, 2 invalid input, 3 no feasible design or (--strict) a failed\n"
       "check, 4 solver failure, 130 interrupted (what is done is kept)."};
+  app.formatter(std::make_shared<NarrowFormatter>());
   app.set_version_flag("--version", fmt::format("gear3k {} ({})", io::version(), io::git_commit()));
   app.require_subcommand(1);
 
@@ -350,6 +389,7 @@ int run_program(int argc, char** argv) {
   analyze_command->add_option("DESIGN", analyze.file, "DESIGN.toml")->required();
   analyze_command->add_flag("--strict", analyze.strict, "exit with 3 when a check fails");
   add_model_option(*analyze_command, analyze.model);
+  add_show_options(*analyze_command, analyze.show);
   add_common_options(*analyze_command, analyze);
   add_out_file(*analyze_command, analyze);
   analyze_command
@@ -358,16 +398,17 @@ int run_program(int argc, char** argv) {
                    "when missing; figures need gnuplot")
       ->check(folder_name)
       ->option_text("DIR");
-  analyze_command->footer([] { return "Keys of DESIGN.toml:\n" + io::design_key_table(); });
+  analyze_command->footer(keys_of("DESIGN.toml"));
   analyze_command->callback([&] { run = [&] { return cli::run_analyze(analyze); }; });
 
   cli::AnalyzeOptions mesh;
   CLI::App* mesh_command = app.add_subcommand("mesh", "one external or internal pair of gears");
   mesh_command->add_option("PAIR", mesh.file, "PAIR.toml")->required();
   mesh_command->add_flag("--strict", mesh.strict, "exit with 3 when a check fails");
+  add_show_options(*mesh_command, mesh.show);
   add_common_options(*mesh_command, mesh);
   add_out_file(*mesh_command, mesh);
-  mesh_command->footer([] { return "Keys of PAIR.toml:\n" + io::pair_key_table(); });
+  mesh_command->footer(keys_of("PAIR.toml"));
   mesh_command->callback([&] { run = [&] { return cli::run_mesh(mesh); }; });
 
   cli::CompareOptions compare;
@@ -390,13 +431,14 @@ int run_program(int argc, char** argv) {
       ->capture_default_str();
   add_common_options(*search_command, search);
   add_out_file(*search_command, search);
-  search_command->footer([] { return "Keys of SPEC.toml:\n" + io::specification_key_table(); });
+  search_command->footer(keys_of("SPEC.toml"));
   search_command->callback([&] { run = [&] { return cli::run_search(search); }; });
 
   cli::OptimizeOptions optimize;
   CLI::App* optimize_command =
       app.add_subcommand("optimize", "search, refine every tooth set, write the best design");
   optimize_command->add_option("SPEC", optimize.file, "SPEC.toml")->required();
+  add_show_options(*optimize_command, optimize.show);
   optimize_command->add_option("--out", optimize.out, "folder for the result files")
       ->required()
       ->check(folder_name);
@@ -407,7 +449,7 @@ int run_program(int argc, char** argv) {
                              "go on with the run in --out that was interrupted or killed");
   add_model_option(*optimize_command, optimize.model);
   add_common_options(*optimize_command, optimize);
-  optimize_command->footer([] { return "Keys of SPEC.toml:\n" + io::specification_key_table(); });
+  optimize_command->footer(keys_of("SPEC.toml"));
   optimize_command->callback([&] { run = [&] { return cli::run_optimize(optimize); }; });
 
   cli::ExportOptions drawings;
@@ -433,7 +475,7 @@ int run_program(int argc, char** argv) {
       ->option_text("DIR");
   add_model_option(*map_command, map.model);
   add_common_options(*map_command, map);
-  map_command->footer([] { return "Keys of DESIGN.toml:\n" + io::design_key_table(); });
+  map_command->footer(keys_of("DESIGN.toml"));
   map_command->callback([&] { run = [&] { return cli::run_map(map); }; });
 
   cli::TolerancesOptions tolerances;
@@ -456,7 +498,7 @@ int run_program(int argc, char** argv) {
       ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{9'000'000'000'000'000}))
       ->option_text("N");
   add_common_options(*tolerances_command, tolerances);
-  tolerances_command->footer([] { return "Keys of DESIGN.toml:\n" + io::design_key_table(); });
+  tolerances_command->footer(keys_of("DESIGN.toml"));
   tolerances_command->callback([&] { run = [&] { return cli::run_tolerances(tolerances); }; });
 
   cli::DiagnoseOptions diagnose;
@@ -507,7 +549,7 @@ int run_program(int argc, char** argv) {
                    "missing; the figure needs gnuplot")
       ->check(folder_name)
       ->option_text("DIR");
-  simulate_command->footer([] { return "Keys of SCENARIO.toml:\n" + io::scenario_key_table(); });
+  simulate_command->footer(keys_of("SCENARIO.toml"));
   simulate_command->callback([&] { run = [&] { return cli::run_simulate(simulate); }; });
 
   cli::KeysOptions keys;

@@ -343,11 +343,11 @@ std::string section_text(Section section, const PairEvaluation& e) {
   }
 }
 
-constexpr std::array kAllSections{
-    Section::kGears,   Section::kTeeth,      Section::kMeshes,  Section::kLosses,
-    Section::kStrength, Section::kFlanks,    Section::kPhases,  Section::kMasses,
-    Section::kChecks,  Section::kTolerances, Section::kThermal, Section::kBuilt,
-    Section::kSensitivities, Section::kNotes};
+constexpr std::array kAllSections{Section::kGears,         Section::kTeeth,    Section::kMeshes,
+                                  Section::kLosses,        Section::kStrength, Section::kFlanks,
+                                  Section::kPhases,        Section::kMasses,   Section::kChecks,
+                                  Section::kTolerances,    Section::kThermal,  Section::kBuilt,
+                                  Section::kSensitivities, Section::kNotes};
 
 /// Failed checks in full where the checks are asked for.
 bool shows_checks(const TableChoice& choice) {
@@ -418,8 +418,7 @@ std::string analysis_table(const PairEvaluation& e) {
   return text + paragraph(not_checked(e));
 }
 
-std::string analysis_text(const Evaluation& e,
-                          const std::vector<design::TightestCheck>& tightest,
+std::string analysis_text(const Evaluation& e, const std::vector<design::TightestCheck>& tightest,
                           const TableChoice& choice, const design::Sensitivities& s,
                           const ModelUse* model, const design::BuiltSeries* built,
                           const design::TorqueAngleCurve* curve) {

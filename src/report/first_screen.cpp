@@ -63,8 +63,8 @@ std::string tightest_text(const std::vector<CheckResult>& checks,
     if (const std::string tip = tip_text(t); !tip.empty()) line += ", " + tip;
     text += broken(line, columns, kIndent);
   }
-  const auto shown = static_cast<std::ptrdiff_t>(std::ranges::count_if(
-      tightest, [](const TightestCheck& t) { return !t.check->ok; }));
+  const auto shown = static_cast<std::ptrdiff_t>(
+      std::ranges::count_if(tightest, [](const TightestCheck& t) { return !t.check->ok; }));
   if (failed > shown) text += fmt::format("  and {} more (--show checks)\n", failed - shown);
   return text;
 }
@@ -75,14 +75,15 @@ std::string size_text(const Evaluation& e) {
     root_m = std::max(root_m, e.gears[static_cast<std::size_t>(ring)].root_diameter_m);
   }
   return fmt::format(
-      "ring roots {:.2f} mm, centre distance {:.4f} mm, modules {:.5g} and {:.5g} mm, {}", mm(root_m),
-      mm(e.center_distance_m), mm(e.module_m[0]), mm(e.module_m[1]),
+      "ring roots {:.2f} mm, centre distance {:.4f} mm, modules {:.5g} and {:.5g} mm, {}",
+      mm(root_m), mm(e.center_distance_m), mm(e.module_m[0]), mm(e.module_m[1]),
       e.total_mass_kg ? fmt::format("mass {:.4g} kg", *e.total_mass_kg)
-                      : fmt::format("mass not known (lacks {})", e.total_mass_missing));
+                      : std::string("mass not known (--show masses)"));
 }
 
 std::string lost_motion_text(const Evaluation& e, const design::BuiltSeries* built) {
-  std::string text = fmt::format("{} arcmin as drawn", fixed(arcmin(e.lost_motion.kinematic_rad), 2));
+  std::string text =
+      fmt::format("{} arcmin as drawn", fixed(arcmin(e.lost_motion.kinematic_rad), 2));
   if (built != nullptr) {
     const auto& most = built->result.limit_of_99_percent_rad;
     text += most ? fmt::format(", at most {} for 99 % of the built ones", fixed(arcmin(*most), 2))
@@ -151,7 +152,7 @@ std::string first_screen(const Evaluation& e, const std::vector<TightestCheck>& 
   add("  size         " + size_text(e));
   const auto& eta = e.efficiency;
   add(fmt::format("  efficiency   forward {}, backward {}", percent_text(eta.forward),
-                  !eta.backward        ? std::string("undefined")
+                  !eta.backward       ? std::string("undefined")
                   : !eta.backdrivable ? std::string("none: not back-drivable")
                                       : percent_text(eta.backward)));
   if (e.operation) add("  all losses   " + operation_summary(e));
@@ -175,7 +176,8 @@ std::string first_screen(const PairEvaluation& e, const std::vector<TightestChec
                   e.gears[1].teeth, mm(e.center_distance_m),
                   e.center_distance_given ? "" : " (zero-backlash distance)"));
   for (const design::GearResult& g : e.gears) {
-    add(fmt::format("  gear {}       tip {:.4f} mm, root {:.4f} mm, shift {:.4f}, tip thickness "
+    add(
+        fmt::format("  gear {}       tip {:.4f} mm, root {:.4f} mm, shift {:.4f}, tip thickness "
                     "{:.4f} mm",
                     g.name, mm(g.tip_diameter_m), mm(g.root_diameter_m), g.profile_shift,
                     mm(g.tip_thickness_m)));

@@ -451,7 +451,7 @@ std::string capacity_summary(const design::Evaluation& e) {
   return fmt::format("carries {} at R2 ({} of {} in {}), {} asked for",
                      torque_text(least->capacity.torque_Nm), mode_name(mode),
                      train::kGearNames.at(gear), train::kMeshNames.at(mesh),
-                     torque_text(s.torque_Nm));
+                     torque_text(s.forward.torque_Nm));
 }
 
 std::vector<std::string> not_judged(const design::Evaluation& e) {

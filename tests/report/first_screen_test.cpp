@@ -1,0 +1,95 @@
+// The first screen of a design: lines, columns, and the change of a tip that it names.
+
+#include "report/first_screen.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <sstream>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "design/tightest.hpp"
+#include "io/files/design_file.hpp"
+#include "io/files/subject_file.hpp"
+
+namespace gear3k::first_screen_test {
+namespace {
+
+const std::string kExamples = std::string(GEAR3K_SOURCE_DIR) + "/examples/";
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+void expect_fits(const std::string& text, std::size_t lines, std::size_t columns) {
+  EXPECT_LE(lines_of(text).size(), lines) << text;
+  for (const std::string& line : lines_of(text)) EXPECT_LE(line.size(), columns) << line;
+}
+
+class FirstScreen : public testing::TestWithParam<const char*> {};
+
+TEST_P(FirstScreen, FitsAScreen) {
+  const design::Design design = io::read_design(kExamples + "designs/" + GetParam() + ".toml");
+  const auto e = std::get<design::Evaluation>(design::evaluate(design));
+  const auto tightest = design::tightest_checks(design, e, 6);
+  const auto series = design::table_series(design);
+  const design::BuiltSeries* built = series ? &*series : nullptr;
+  expect_fits(report::first_screen(e, tightest, built, 100), 25, 100);
+  expect_fits(report::first_screen(e, tightest, built, 120), 25, 120);
+  expect_fits(report::first_screen(e, tightest, built, 80), 32, 80);
+}
+
+INSTANTIATE_TEST_SUITE_P(Designs, FirstScreen,
+                         testing::Values("loaded", "ratio_96_with_losses", "ratio_96_tolerances",
+                                         "bilateral_drive_gear", "low_backlash_prototype"));
+
+TEST(FirstScreenOfAPair, FitsAScreen) {
+  const design::PairDesign pair = io::read_pair(kExamples + "pair_internal.toml");
+  const auto e = std::get<design::PairEvaluation>(design::evaluate(pair));
+  const auto tightest = design::tightest_checks(pair, e, 6);
+  for (const int columns : {80, 100, 120}) {
+    expect_fits(report::first_screen(e, tightest, columns), 25, static_cast<std::size_t>(columns));
+  }
+}
+
+/// Evaluates the pair with the tip that is named changed, and looks at the check.
+TEST(TipRemedy, MeetsTheLimitWhenItIsMade) {
+  const design::PairDesign pair = io::read_pair(kExamples + "pair_internal.toml");
+  const auto e = std::get<design::PairEvaluation>(design::evaluate(pair));
+  int solved = 0;
+  for (const design::TightestCheck& t : design::tightest_checks(pair, e, 6)) {
+    if (!t.tip) continue;
+    ++solved;
+    design::PairDesign changed = pair;
+    changed.center_distance_m = e.center_distance_m;
+    geometry::Gear<double>& gear = t.tip->gear == e.gears[0].name ? changed.gear1 : changed.gear2;
+    const auto margin_with = [&](double shorter_m) {
+      const double before = gear.tip_shortening;
+      gear.tip_shortening += shorter_m / gear.module_m;
+      const auto result = std::get<design::PairEvaluation>(design::evaluate(changed));
+      gear.tip_shortening = before;
+      const auto same = std::ranges::find_if(result.checks, [&](const design::CheckResult& c) {
+        return c.record == t.check->record && c.gear == t.check->gear;
+      });
+      return same->margin;
+    };
+    const double step_m = 2e-4 * gear.module_m;
+    EXPECT_GE(margin_with(t.tip->shorter_m), 0.0) << t.check->record->name;
+    EXPECT_LT(margin_with(t.tip->shorter_m - step_m), 0.0) << t.check->record->name;
+  }
+  EXPECT_EQ(solved, 2);
+}
+
+TEST(Broken, KeepsEveryWordAndTheColumns) {
+  const std::string text = "  one two  three " + std::string(90, 'x') + " four";
+  const std::string broken = report::broken(text, 60, 4);
+  EXPECT_EQ(broken, "  one two  three\n    " + std::string(90, 'x') + "\n    four\n");
+}
+
+}  // namespace
+}  // namespace gear3k::first_screen_test
