@@ -88,8 +88,9 @@ void note_objectives(const OptimizeTask& task, const optimize::RefinedSet& set, 
   }
 }
 
-Optimization::Best best_of(const OptimizeTask& task, const optimize::RefinedSet& set) {
-  design::Design found = optimize::design_of(task.spec, set);
+Optimization::Best best_of(const OptimizeTask& task, const optimize::Specification& spec,
+                           const optimize::RefinedSet& set) {
+  design::Design found = optimize::design_of(spec, set);
   found.limits = task.stated_limits;
   // What is shown is what best.toml describes, to the last bit.
   design::Design stated = io::as_written(found);
@@ -127,7 +128,8 @@ OptimizeTask optimize_task(const OptimizeRequest& request) {
                     .model_notes = {},
                     .unreachable = {},
                     .source = request.source,
-                    .certify = request.certify};
+                    .certify = request.certify,
+                    .round = request.round};
   if (task.model) {
     task.without_model = request.spec;
     task.spec = with_model(request.spec, *task.model, task.model_notes);
@@ -158,12 +160,20 @@ Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks,
   }
   outcome.interrupted = outcome.result.interrupted || (outcome.front && outcome.front->interrupted);
   if (outcome.result.best) {
-    outcome.best = best_of(task, *outcome.result.best);
+    outcome.best = best_of(task, task.spec, *outcome.result.best);
     outcome.held = held_back_by(task, outcome.result);
   }
   if (task.model) {
     outcome.comparison = compare_with_model(task, outcome, progress);
     outcome.interrupted = outcome.interrupted || outcome.comparison->interrupted;
+  }
+  if (task.round && outcome.result.best && !outcome.interrupted) {
+    outcome.rounding = optimize::round_design(task.spec, *outcome.result.best, progress.stop);
+    outcome.interrupted = progress.stop;
+    if (outcome.rounding->best) {
+      const optimize::RoundedDesign& rounded = *outcome.rounding->best;
+      outcome.rounded = best_of(task, rounded.spec, rounded.set);
+    }
   }
   return outcome;
 }

@@ -12,6 +12,7 @@
 #include "design/torque_angle_curve.hpp"
 #include "optimize/optimizer.hpp"
 #include "optimize/pareto_search.hpp"
+#include "optimize/rounding.hpp"
 #include "report/limit_price_report.hpp"
 #include "report/model_change_report.hpp"
 #include "report/robust_report.hpp"
@@ -24,6 +25,7 @@ struct OptimizeRequest {
   std::optional<Model> model = std::nullopt;
   std::string source = "specification";  ///< stands for the specification in messages
   bool certify = false;  ///< refine only what can still win, and prove that nothing else can
+  bool round = false;    ///< seek the best design of the lattice of SPEC's [round] too
 };
 
 /// A request that can be worked on, with what its model changes.
@@ -37,6 +39,7 @@ struct OptimizeTask {
   std::string unreachable;  ///< why no design can reach the lost motion; "" when one may
   std::string source;
   bool certify = false;
+  bool round = false;
 
   [[nodiscard]] const report::ModelUse* use() const { return model ? &model->use : nullptr; }
 };
@@ -66,6 +69,10 @@ struct Optimization {
   std::optional<Best> best;
   /// What holds the best design back, and the best of every number of planets; where there is one.
   std::optional<report::HeldBackReport> held;
+  /// The best design rounded to what is made; where that was asked for and there is one.
+  std::optional<optimize::Rounding> rounding;
+  /// As files state the best of `rounding`; where it has one.
+  std::optional<Best> rounded;
   /// What the task's model changes in the best design; empty without a model.
   std::optional<report::ModelComparison> comparison;
   bool interrupted = false;

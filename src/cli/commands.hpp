@@ -60,6 +60,7 @@ struct OptimizeOptions : CommonOptions {
   std::string file;
   std::string model;     ///< MODEL.toml; "" = none
   bool certify = false;  ///< refine only what can still win, and prove that nothing else can
+  bool round = false;    ///< the best design of what is made, too
   bool resume = false;   ///< go on with the journal of an interrupted run
 };
 

@@ -445,6 +445,9 @@ int run_program(int argc, char** argv) {
   optimize_command->add_flag(
       "--certify", optimize.certify,
       "refine only tooth sets whose bound reaches the best, and prove that no other holds more");
+  optimize_command->add_flag(
+      "--round", optimize.round,
+      "write the best design rounded to the steps of [round] too, as best_rounded.toml");
   optimize_command->add_flag("--resume", optimize.resume,
                              "go on with the run in --out that was interrupted or killed");
   add_model_option(*optimize_command, optimize.model);

@@ -28,6 +28,7 @@ namespace gear3k::cli {
 namespace {
 
 constexpr const char* kJournalName = "optimize.journal";
+constexpr const char* kRoundedName = "best_rounded.toml";
 
 /// What was read, each file once.
 struct OptimizeInput {
@@ -41,7 +42,8 @@ OptimizeInput read_input(const OptimizeOptions& options) {
   OptimizeInput input{.request = {.spec = io::parse_specification(contents.front(), options.file,
                                                                   optimize::kMostRefinedSets),
                                   .source = options.file,
-                                  .certify = options.certify},
+                                  .certify = options.certify,
+                                  .round = options.round},
                       .fingerprint = io::task_fingerprint(contents)};
   if (!options.model.empty()) {
     input.request.model =
@@ -120,7 +122,8 @@ OptimizeRun run(app::OptimizeTask& task, RunJournal& journal, const OptimizeOpti
   run.summary = report::summary_json(
       task.spec, o.result, run.tally, {.wall_time_s = wall_time_s, .threads = threads}, task.use(),
       o.front ? &*o.front : nullptr, o.robust ? &*o.robust : nullptr,
-      o.comparison ? &*o.comparison : nullptr, &task.stated_limits, o.held ? &*o.held : nullptr);
+      o.comparison ? &*o.comparison : nullptr, &task.stated_limits, o.held ? &*o.held : nullptr,
+      o.rounding ? &*o.rounding : nullptr);
   return run;
 }
 
@@ -135,8 +138,20 @@ void write_files(ResultFolder& folder, const app::OptimizeTask& task, const Opti
   report::write_refined_csv(o.result, columns,
                             [&](std::string_view piece) { files.front().text += piece; });
   if (o.best) files.push_back({.path = "best.toml", .text = io::design_text(o.best->stated)});
+  if (o.rounded) {
+    files.push_back({.path = kRoundedName, .text = io::design_text(o.rounded->stated)});
+  }
   folder.write(std::move(files));
   if (!o.best) folder.set_aside("best.toml");
+  if (!o.rounded) folder.set_aside(kRoundedName);
+}
+
+std::string rounding_text(const app::OptimizeTask& task, const app::Optimization& o) {
+  if (!o.rounding) return "";
+  return report::rounding_table(
+      task.spec,
+      optimize::objective_of(task.spec, *o.result.best, optimize::first_objective(task.spec)),
+      *o.rounding);
 }
 
 void print_results(const app::OptimizeTask& task, const OptimizeRun& run,
@@ -160,14 +175,15 @@ void print_results(const app::OptimizeTask& task, const OptimizeRun& run,
               series ? &*series : nullptr,
               o.best->torque_angle ? &*o.best->torque_angle : nullptr) +
           report::held_back_table(task.spec, o.held->best) +
-          report::planets_table(task.spec, *o.held) +
+          report::planets_table(task.spec, *o.held) + rounding_text(task, o) +
           (o.robust ? report::robust_table(task.spec, *o.robust) : "") +
           (o.front ? report::pareto_table(task.spec, *o.front) : "") +
           (o.comparison ? report::model_change_table(*o.comparison) : "") + "\n" +
           report::limits_line(task.stated_limits) +
-          fmt::format("\nFiles in {}: best.toml (this design), refined.csv ({} tooth sets), "
+          fmt::format("\nFiles in {}: best.toml (this design), {}refined.csv ({} tooth sets), "
                       "pareto.csv ({} designs), summary.json\n",
-                      options.out, o.result.search.candidates.size() - run.tally.open,
+                      options.out, o.rounded ? "best_rounded.toml, " : "",
+                      o.result.search.candidates.size() - run.tally.open,
                       o.front ? o.front->points.size() : o.result.pareto.size()));
       break;
     }
@@ -218,11 +234,12 @@ ExitCode end_without_design(const app::OptimizeTask& task, const OptimizeRun& ru
 ExitCode run_optimize(const OptimizeOptions& options) {
   const OptimizeInput input = read_input(options);
   app::OptimizeTask task = app::optimize_task(input.request);
-  ResultFolder folder({.path = options.out,
-                       .inputs = {options.file, options.model},
-                       .files = {"best.toml", "refined.csv", "pareto.csv", "summary.json"},
-                       .others = {kJournalName},
-                       .quiet = options.quiet});
+  ResultFolder folder(
+      {.path = options.out,
+       .inputs = {options.file, options.model},
+       .files = {"best.toml", kRoundedName, "refined.csv", "pareto.csv", "summary.json"},
+       .others = {kJournalName},
+       .quiet = options.quiet});
   warn(task.model_notes, options.quiet);
   folder.open();
   if (!task.unreachable.empty()) {
@@ -246,6 +263,7 @@ ExitCode run_optimize(const OptimizeOptions& options) {
       open = outcome.front ? "the front, which it searches anew"
                            : "the search without the model, which it begins anew";
     }
+    if (outcome.rounding) open = "the rounding, which it begins anew";
     say(
         fmt::format("interrupted: {} holds the {} tooth sets that were refined; --resume goes on "
                     "with {}\n",
@@ -264,7 +282,16 @@ ExitCode run_optimize(const OptimizeOptions& options) {
     say(fmt::format("{}: fails a check\n", folder.path_of("best.toml")));
     return kSolverFailure;
   }
-  return outcome.interrupted ? kInterrupted : kDone;
+  if (outcome.rounded && !design::all_ok(outcome.rounded->evaluation.checks)) {
+    say(fmt::format("{}: fails a check\n", folder.path_of(kRoundedName)));
+    return kSolverFailure;
+  }
+  if (outcome.interrupted) return kInterrupted;
+  if (outcome.rounding && !outcome.rounded) {
+    say(fmt::format("{}: {}\n", options.file, report::rounding_blocked_text(*outcome.rounding)));
+    return kNoFeasibleDesign;
+  }
+  return kDone;
 }
 
 }  // namespace gear3k::cli

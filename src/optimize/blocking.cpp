@@ -29,22 +29,8 @@ std::vector<std::pair<std::string_view, double>> violations_by_name(
 }
 
 /// A scaled violation of the rows of a name, with its unit.
-Miss miss_of(const RefinementProblem& problem, std::string_view name, double violation) {
-  const auto row = std::ranges::find(problem.rows, name, &ConstraintRow::name);
-  if (row->objective) {
-    const ObjectiveRecord& record = objective_record(row->objective->objective);
-    return {.name = name,
-            .violation = violation,
-            .amount = violation * row->objective->scale / record.per_unit,
-            .unit = record.unit};
-  }
-  const units::Unit unit = row->check ? row->check->record->unit : units::Unit::kMillimetre;
-  const double miss_si =
-      row->check ? miss_of_constraint(*row->check, violation) : violation * problem.length_scale_m;
-  return {.name = name,
-          .violation = violation,
-          .amount = units::difference_from_si(miss_si, unit),
-          .unit = units::unit_name(unit)};
+Miss miss_of_name(const RefinementProblem& problem, std::string_view name, double violation) {
+  return miss_of(problem, *std::ranges::find(problem.rows, name, &ConstraintRow::name), violation);
 }
 
 /// Largest violation of the rows that do not have a name.
@@ -122,6 +108,23 @@ std::optional<SolveOutcome> least_violation_alone(const RefinementProblem& probl
 
 }  // namespace
 
+Miss miss_of(const RefinementProblem& problem, const ConstraintRow& row, double violation) {
+  if (row.objective) {
+    const ObjectiveRecord& record = objective_record(row.objective->objective);
+    return {.name = row.name,
+            .violation = violation,
+            .amount = violation * row.objective->scale / record.per_unit,
+            .unit = record.unit};
+  }
+  const units::Unit unit = row.check ? row.check->record->unit : units::Unit::kMillimetre;
+  const double miss_si =
+      row.check ? miss_of_constraint(*row.check, violation) : violation * problem.length_scale_m;
+  return {.name = row.name,
+          .violation = violation,
+          .amount = units::difference_from_si(miss_si, unit),
+          .unit = units::unit_name(unit)};
+}
+
 std::optional<SolveOutcome> name_blocking_constraints(const RefinementProblem& problem,
                                                       const SolveOutcome& nearest,
                                                       RefinedSet& set) {
@@ -129,7 +132,7 @@ std::optional<SolveOutcome> name_blocking_constraints(const RefinementProblem& p
   std::vector<Miss> alike;
   for (const auto& [name, amount] : violations_by_name(problem, nearest.v)) {
     if (amount >= (1.0 - kAlike) * nearest.violation) {
-      alike.push_back(miss_of(problem, name, amount));
+      alike.push_back(miss_of_name(problem, name, amount));
     }
   }
   for (const Miss& miss : alike) {
@@ -140,7 +143,7 @@ std::optional<SolveOutcome> name_blocking_constraints(const RefinementProblem& p
       set.blocked_by.clear();
       return alone;
     }
-    set.blocked_by.push_back(miss_of(problem, miss.name, alone->violation));
+    set.blocked_by.push_back(miss_of_name(problem, miss.name, alone->violation));
   }
   set.blocked_together = set.blocked_by.empty();
   if (set.blocked_together) set.blocked_by = alike;

@@ -16,6 +16,9 @@ namespace gear3k::optimize {
 std::optional<SolveOutcome> name_blocking_constraints(const RefinementProblem& problem,
                                                       const SolveOutcome& nearest, RefinedSet& set);
 
+/// A scaled violation of a row, in the unit of its limit.
+Miss miss_of(const RefinementProblem& problem, const ConstraintRow& row, double violation);
+
 /// The set that a proof rules out.
 RefinedSet proven_infeasible(const Candidate& candidate, const Infeasibility& proof);
 

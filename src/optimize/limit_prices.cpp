@@ -297,20 +297,6 @@ std::vector<LimitPrice> prices_of(const RefinementProblem& problem, const std::v
   return prices;
 }
 
-/// The greatest torque that a set carries in the problem, in which it is a variable.
-void raise_torque(const RefinementProblem& problem, Point& v) {
-  if (problem.torque == 0) return;
-  double& torque = v[problem.torque];
-  if (outcome_at(problem, v).violation <= kActiveLimit) return;
-  double carried = problem.lower[problem.torque], beyond = torque;
-  constexpr int kHalvings = 60;
-  for (int i = 0; i < kHalvings; ++i) {
-    torque = 0.5 * (carried + beyond);
-    (outcome_at(problem, v).violation <= 0.0 ? carried : beyond) = torque;
-  }
-  torque = carried;
-}
-
 /// The tooth ranges, lists and tolerances that a set has no room in.
 std::vector<SearchBound> bounds_met(const Specification& spec, const RefinedSet& set) {
   std::vector<SearchBound> at;
@@ -362,6 +348,19 @@ bool LimitPrice::unique() const {
   return tightened && std::abs(*tightened - loosened) <= kSamePrice * std::abs(*tightened);
 }
 
+void lower_to_carried_torque(const RefinementProblem& problem, Point& v) {
+  if (problem.torque == 0) return;
+  double& torque = v[problem.torque];
+  if (outcome_at(problem, v).violation <= kActiveLimit) return;
+  double carried = problem.lower[problem.torque], beyond = torque;
+  constexpr int kHalvings = 60;
+  for (int i = 0; i < kHalvings; ++i) {
+    torque = 0.5 * (carried + beyond);
+    (outcome_at(problem, v).violation <= 0.0 ? carried : beyond) = torque;
+  }
+  torque = carried;
+}
+
 std::optional<SetProblem> problem_of(const Specification& spec, const RefinedSet& set) {
   std::array<std::optional<double>, 2> fixed;
   for (std::size_t stage = 0; stage < 2; ++stage) {
@@ -380,7 +379,7 @@ std::optional<SetProblem> problem_of(const Specification& spec, const RefinedSet
       if (own.problem.has_branches) branches = 2;
       own.v = point_of(own.problem, train,
                        {.face_width_m = set.train.face_width_m, .torque_Nm = torque_Nm});
-      raise_torque(own.problem, own.v);
+      lower_to_carried_torque(own.problem, own.v);
       const double slack = 2.0 * design::kFeasibilityTolerance;
       if (!(outcome_at(own.problem, own.v).violation <= slack)) continue;
       own.kkt_residual = kkt_residual(own.problem, own.v);

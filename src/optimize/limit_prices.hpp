@@ -81,6 +81,9 @@ struct SetProblem {
 };
 std::optional<SetProblem> problem_of(const Specification& spec, const RefinedSet& set);
 
+/// Lowers the torque of a point, where it is a variable, to the greatest that is carried there.
+void lower_to_carried_torque(const RefinementProblem& problem, Point& v);
+
 /// The best refined set of each number of planets that has one, by rising number.
 std::vector<RefinedSet> best_per_planets(const Specification& spec,
                                          const std::vector<RefinedSet>& refined);

@@ -2,6 +2,7 @@
 // What a user asks for (SPEC.toml), in SI.
 
 #include <array>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -83,6 +84,17 @@ struct Robust {
   std::array<double, backlash::kToleranceKindNames.size()> cost{1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0};
 };
 
+/// Steps of what is made, for a design that is rounded to them.
+struct RoundSteps {
+  double profile_shift = 0.01;   ///< modules
+  double tip_shortening = 0.01;  ///< where it is free; modules
+  double center_distance_m = 5e-6;
+  double module_m = 1e-5;      ///< where it is in a range
+  double allowance_m = 1e-6;   ///< of the machining allowance as a length
+  double face_width_m = 1e-4;  ///< where it is in a range
+  double pressure_angle_rad = 0.1 * std::numbers::pi / 180.0;  ///< where it is free
+};
+
 struct Specification {
   std::string name;
   std::vector<int> planets{3};
@@ -123,6 +135,7 @@ struct Specification {
   /// `operating_point`.
   std::optional<strength::RatingTask> rating;
   Robust robust;
+  RoundSteps round;
   Solver solver;
 };
 

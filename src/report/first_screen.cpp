@@ -188,6 +188,7 @@ std::string first_screen(const PairEvaluation& e, const std::vector<TightestChec
   add(fmt::format("  mesh         backlash {} um, contact ratio {:.3f}, working angle {:.4f} deg",
                   fixed(um(e.mesh.normal_backlash_m), 2), e.mesh.contact_ratio,
                   degrees(e.mesh.working_pressure_angle_rad)));
+  if (e.strength) add("  strength     " + capacity_summary(e));
   text += '\n' + tightest_text(e.checks, tightest, columns) + '\n';
   add(not_checked_text(e));
   text += notes_text(e.notes, columns);

@@ -398,7 +398,7 @@ std::string summary_json(const Specification& spec, const OptimizeResult& result
                          const ResultTally& tally, const RunFacts& facts, const ModelUse* model,
                          const optimize::ParetoFront* front, const RobustRun* robust,
                          const ModelComparison* comparison, const design::Limits* stated_limits,
-                         const HeldBackReport* held) {
+                         const HeldBackReport* held, const optimize::Rounding* rounding) {
   io::Json status = io::Json::object();
   io::Json reasons = io::Json::object();
   for (std::size_t k = 0; k < optimize::kStatusCount; ++k) {
@@ -449,6 +449,12 @@ std::string summary_json(const Specification& spec, const OptimizeResult& result
                 {"threads", facts.threads}};
   json["limits"] = limits_json(stated_limits != nullptr ? *stated_limits : spec.limits);
   if (held != nullptr) json.update(held_back_json(spec, *held));
+  json["rounded"] = nullptr;
+  if (rounding != nullptr && result.best) {
+    const double free_objective =
+        optimize::objective_of(spec, *result.best, optimize::first_objective(spec));
+    json["rounded"] = rounding_json(spec, free_objective, *rounding);
+  }
   if (robust != nullptr) json["robust"] = robust_json(spec, *robust);
   if (model != nullptr) json["model"] = model_json(*model);
   json["model_change"] = comparison != nullptr ? model_change_json(*comparison) : io::Json(nullptr);

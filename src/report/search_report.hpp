@@ -15,6 +15,7 @@
 #include "report/model_change_report.hpp"
 #include "report/model_report.hpp"
 #include "report/robust_report.hpp"
+#include "report/rounding_report.hpp"
 
 namespace gear3k::report {
 
@@ -81,16 +82,15 @@ struct RunFacts {
 /// @param model  with which the sets were judged; null: none
 /// @param front  of several objectives; null: none was asked for
 /// @param stated_limits  before they were tightened; null: those of the specification
+/// @param rounding  of the best design; null: it was not asked for
 /// @param held  what holds the best designs back; null: there is none
 /// @param comparison  of the best designs without and with the model; null: no model
-std::string summary_json(const optimize::Specification& spec,
-                         const optimize::OptimizeResult& result, const ResultTally& tally,
-                         const RunFacts& facts, const ModelUse* model = nullptr,
-                         const optimize::ParetoFront* front = nullptr,
-                         const RobustRun* robust = nullptr,
-                         const ModelComparison* comparison = nullptr,
-                         const design::Limits* stated_limits = nullptr,
-                         const HeldBackReport* held = nullptr);
+std::string summary_json(
+    const optimize::Specification& spec, const optimize::OptimizeResult& result,
+    const ResultTally& tally, const RunFacts& facts, const ModelUse* model = nullptr,
+    const optimize::ParetoFront* front = nullptr, const RobustRun* robust = nullptr,
+    const ModelComparison* comparison = nullptr, const design::Limits* stated_limits = nullptr,
+    const HeldBackReport* held = nullptr, const optimize::Rounding* rounding = nullptr);
 
 /// Counts by status and reason, for the terminal.
 std::string optimize_counts_text(const optimize::OptimizeResult& result, const ResultTally& tally);

@@ -23,6 +23,7 @@ std::string strength_table(const design::PairEvaluation& e);
 /// Torque capacity and what governs it, of the stated load: a line.
 /// @throws std::bad_optional_access without a rating
 std::string capacity_summary(const design::Evaluation& e);
+std::string capacity_summary(const design::PairEvaluation& e);
 
 /// What is not judged as no limit stress of its material is stated: "root and flank of P2".
 std::vector<std::string> not_judged(const design::Evaluation& e);

@@ -454,6 +454,12 @@ std::string capacity_summary(const design::Evaluation& e) {
                      torque_text(s.forward.torque_Nm));
 }
 
+std::string capacity_summary(const design::PairEvaluation& e) {
+  const std::array<RatedMesh, 1> meshes = rated_meshes(e);
+  return fmt::format("carries {}, {} asked for", pair_capacity_text(e, meshes[0]),
+                     torque_text(rated_torque(e)));
+}
+
 std::vector<std::string> not_judged(const design::Evaluation& e) {
   if (!e.strength) return {};
   return not_judged_of(rated_meshes(*e.strength));

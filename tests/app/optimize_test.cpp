@@ -57,6 +57,23 @@ TEST(Optimize, BestDesignIsThatOfItsFile) {
   EXPECT_EQ(again.lost_motion.kinematic_rad, run.best->evaluation.lost_motion.kinematic_rad);
 }
 
+TEST(Optimize, RoundedDesignIsThatOfItsFileToTheLastBit) {
+  optimize::Specification spec = small_spec();
+  spec.teeth.P1 = {.min = 52, .max = 54};
+  OptimizeTask task = optimize_task({.spec = spec, .round = true});
+  optimize::Progress progress;
+  const Optimization run = optimize(task, {}, progress);
+  ASSERT_TRUE(run.rounding && run.rounding->best && run.rounded);
+  EXPECT_TRUE(design::all_ok(run.rounded->evaluation.checks));
+  const design::Design read = io::parse_design(io::design_text(run.rounded->stated), "rounded");
+  const auto again = std::get<design::Evaluation>(design::evaluate(read));
+  EXPECT_EQ(again.efficiency.backward, run.rounded->evaluation.efficiency.backward);
+  EXPECT_EQ(again.lost_motion.kinematic_rad, run.rounded->evaluation.lost_motion.kinematic_rad);
+  EXPECT_EQ(read.train.profile_shift, run.rounding->best->set.train.profile_shift);
+  EXPECT_EQ(read.train.center_distance_m, run.rounding->best->set.train.center_distance_m);
+  EXPECT_NEAR(again.efficiency.backward.value(), run.rounding->best->objective, 1e-12);
+}
+
 TEST(Optimize, SaysWhatCanBeCarriedOfATorqueThatIsTooMuch) {
   optimize::Specification spec = small_spec();
   spec.planets = {3};

@@ -339,7 +339,7 @@ TEST(Analyze, StrictRefusesAPlasticGearThatJamsWhenItIsWarm) {
       "S.expansion_1_k = 11e-6\nR1.expansion_1_k = 20e-6\nR2.expansion_1_k = 20e-6\n"
       "carrier.expansion_1_k = 11e-6\nP1.expansion_1_k = 90e-6\nP2.expansion_1_k = 90e-6\n";
   place.write("warm.toml", text + "\n[thermal]\ntemperature_c = [20.0, 60.0]\n" + steel_but);
-  const ProgramResult warm = place.run({"analyze", "warm.toml", "--strict"});
+  const ProgramResult warm = place.run({"analyze", "warm.toml", "--strict", "--full"});
   EXPECT_EQ(warm.exit_code, 3) << warm.err;
   for (const char* said : {"S-P1 at 60 C", "first jams below at", "thermal_backlash"}) {
     EXPECT_NE(warm.out.find(said), std::string::npos) << said;
@@ -363,8 +363,8 @@ TEST(Analyze, TableSaysThatTheCentreDistanceWasChosenByTheProgram) {
   place.write("given.toml", replaced(example(bilateral().file), "planets = 3\n",
                                      "planets = 3\ncenter_distance_mm = 21.268\n"));
   const std::string note = "zero-backlash distance";
-  const std::string free = place.run({"analyze", "free.toml"}).out;
-  const std::string given = place.run({"analyze", "given.toml"}).out;
+  const std::string free = place.run({"analyze", "free.toml", "--full"}).out;
+  const std::string given = place.run({"analyze", "given.toml", "--full"}).out;
   const auto line_of = [](const std::string& text) {
     for (const std::string& line : lines_of(text)) {
       if (line.find("centre distance") != std::string::npos) return line;
@@ -417,7 +417,7 @@ TEST(Analyze, SensitivitiesForetellWhatAChangedFileGives) {
 TEST(Analyze, TableHasTheSensitivitiesAndWhatMovesTheTightestChecks) {
   const Workplace place;
   place.write("gear.toml", example(bilateral().file));
-  const std::string table = place.run({"analyze", "gear.toml"}).out;
+  const std::string table = place.run({"analyze", "gear.toml", "--full"}).out;
   const auto sensitivities = table.find("\nSensitivities (");
   const auto tightest = table.find("\nTightest checks (");
   ASSERT_NE(sensitivities, std::string::npos);

@@ -178,7 +178,7 @@ TEST(Export, HelpSaysWhatIsDrawnWithUnitsAndRanges) {
   const ProgramResult result = place.run({"export", "--help"});
   EXPECT_EQ(result.exit_code, 0);
   for (const char* part : {"--dxf", "--svg", "--chord-error-um", "0.01 to 100 um", "planet 1 alone",
-                           "stage1.module_mm"}) {
+                           "Keys of DESIGN.toml"}) {
     EXPECT_TRUE(contains(result.out, part)) << part;
   }
 }

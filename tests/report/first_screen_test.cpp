@@ -82,7 +82,7 @@ TEST(TipRemedy, MeetsTheLimitWhenItIsMade) {
     EXPECT_GE(margin_with(t.tip->shorter_m), 0.0) << t.check->record->name;
     EXPECT_LT(margin_with(t.tip->shorter_m - step_m), 0.0) << t.check->record->name;
   }
-  EXPECT_EQ(solved, 2);
+  EXPECT_GE(solved, 2);
 }
 
 TEST(Broken, KeepsEveryWordAndTheColumns) {

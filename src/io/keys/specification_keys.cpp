@@ -13,6 +13,7 @@
 #include "io/keys/mass_keys.hpp"
 #include "io/keys/model_keys.hpp"
 #include "io/keys/robust_keys.hpp"
+#include "io/keys/round_keys.hpp"
 #include "optimize/objective_value.hpp"
 
 namespace gear3k::io {
@@ -339,6 +340,7 @@ std::vector<Key<Input>> specification_keys() {
   append_keys(keys, limit_keys(false), &Input::limits);
   append_keys(keys, tolerance_keys(), &Input::tolerances);
   append_keys(keys, robust_keys(), of_spec(&Specification::robust));
+  append_keys(keys, round_keys(), of_spec(&Specification::round));
   return keys;
 }
 

@@ -1,0 +1,457 @@
+#include "optimize/rounding.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include "optimize/blocking.hpp"
+#include "optimize/limit_prices.hpp"
+#include "optimize/objective_value.hpp"
+#include "optimize/slsqp.hpp"
+
+namespace gear3k::optimize {
+
+namespace {
+
+/// Multiples of a step, as numbers of few digits in the unit of files.
+class Multiples {
+ public:
+  Multiples(double step_si, units::Unit unit)
+      : unit_(unit), step_(units::decimal_from_si(step_si, unit)), step_si_(step_si) {}
+  [[nodiscard]] double at(long k) const {
+    constexpr double kDigits = 1e12;
+    return units::to_si(std::round(static_cast<double>(k) * step_ * kDigits) / kDigits, unit_);
+  }
+  /// How many steps a value is.
+  [[nodiscard]] double count(double si) const { return si / step_si_; }
+  [[nodiscard]] long nearest(double si) const { return std::lround(count(si)); }
+  [[nodiscard]] long first_from(double si) const {
+    return static_cast<long>(std::ceil(count(si) - kSame));
+  }
+  [[nodiscard]] long last_to(double si) const {
+    return static_cast<long>(std::floor(count(si) + kSame));
+  }
+
+ private:
+  static constexpr double kSame = 1e-7;
+  units::Unit unit_;
+  double step_, step_si_;
+};
+
+enum class AxisOf { kShift, kTip, kPressureAngle, kFaceWidth, kDistance };
+
+/// A value that is to be on the lattice.
+struct Axis {
+  AxisOf of{};
+  std::size_t place = 0;  ///< of the variable; the distance's is the angle of its mesh
+  std::size_t index = 0;  ///< gear or stage
+  Multiples multiples;
+};
+
+/// Multiples that a box has of each axis, both ends included.
+using LatticeBox = std::vector<std::array<long, 2>>;
+
+struct BoxNode {
+  LatticeBox box;
+  SolveOutcome relaxed;
+};
+
+constexpr double kBetter = 1e-7;     ///< of the scaled objective: less is no gain
+constexpr double kOnLattice = 1e-6;  ///< of a step
+
+/// One choice of modules with its allowances, and one branch of the problem.
+class RoundingTask {
+ public:
+  RoundingTask(std::shared_ptr<const Specification> spec, const RefinedSet& set,
+               const ProblemBranch& branch)
+      : spec_(std::move(spec)),
+        set_(set),
+        problem_(make_refinement_problem(
+            *spec_, set.candidate,
+            {spec_->module[0].range_m ? spec_->module[0].range_m->min : set.train.module_m[0],
+             spec_->module[1].range_m ? spec_->module[1].range_m->min : set.train.module_m[1]},
+            branch)) {
+    add_axes();
+  }
+
+  [[nodiscard]] const RefinementProblem& problem() const { return problem_; }
+  [[nodiscard]] const std::vector<Axis>& axes() const { return axes_; }
+
+  /// The whole lattice; empty where an axis has no multiple in its range.
+  [[nodiscard]] std::optional<LatticeBox> whole() const {
+    LatticeBox box;
+    for (const Axis& axis : axes_) {
+      const auto [least, most] = ends_of(axis);
+      box.push_back({axis.multiples.first_from(least), axis.multiples.last_to(most)});
+      if (box.back()[0] > box.back()[1]) return std::nullopt;
+    }
+    return box;
+  }
+
+  /// Where to begin: the free optimum, its distance wide enough for these modules.
+  [[nodiscard]] Point beginning() const {
+    auto train = train_of(*spec_, set_);
+    double wider = 0.0;
+    for (std::size_t stage = 0; stage < 2; ++stage) {
+      wider = std::max(wider, *problem_.fixed_module_m[stage] / train.module_m[stage]);
+      train.module_m[stage] = *problem_.fixed_module_m[stage];
+    }
+    train.center_distance_m *= wider;
+    return point_of(problem_, train,
+                    {.face_width_m = set_.train.face_width_m,
+                     .torque_Nm = set_.torque_capacity_Nm.value_or(0.0)});
+  }
+
+  /// The best of a box with all values free, from a start; not feasible where none was found.
+  [[nodiscard]] SolveOutcome relax(const LatticeBox& box, Point start) const {
+    RefinementProblem p = problem_;
+    confine(box, p);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(p.variables); ++k) {
+      start[k] = std::clamp(start[k], p.lower[k], p.upper[k]);
+    }
+    constexpr SlsqpOptions kNear{.working_margin = 0.3};
+    SolveOutcome end = solve_slsqp(p, start, kNear);
+    if (end.violation <= design::kFeasibilityTolerance) return end;
+    const SolveOutcome met = least_violation(p, start, {});
+    return met.violation <= design::kFeasibilityTolerance ? solve_slsqp(p, met.v, {}) : met;
+  }
+
+  /// How many steps an axis is at a point.
+  [[nodiscard]] double steps_at(const Axis& axis, const Point& v) const {
+    return axis.multiples.count(value_at(axis, v));
+  }
+
+  /// The point of a box next to v, evaluated.
+  [[nodiscard]] RoundedDesign rounded(const LatticeBox& box, const Point& v) const {
+    RoundedDesign design{.spec = {}, .set = set_};
+    RefinedTrain& train = design.set.train;
+    train.module_m = {*problem_.fixed_module_m[0], *problem_.fixed_module_m[1]};
+    for (std::size_t k = 0; k < axes_.size(); ++k) {
+      const Axis& axis = axes_[k];
+      const long at = std::clamp(axis.multiples.nearest(value_at(axis, v)), box[k][0], box[k][1]);
+      member_of(axis, train) = axis.multiples.at(at);
+    }
+    judge(v, design);
+    return design;
+  }
+
+  /// The design with its specification, as it is handed out.
+  [[nodiscard]] RoundedDesign finished(RoundedDesign design) const {
+    design.spec = *spec_;
+    design.set.kkt_residual = std::numeric_limits<double>::quiet_NaN();
+    design.set.torque_capacity_Nm.reset();
+    design.set.torsional_stiffness_Nm_rad.reset();
+    return design;
+  }
+
+ private:
+  void add_axes() {
+    const RoundSteps& steps = spec_->round;
+    if (problem_.pressure_angle > 0) {
+      axes_.push_back({.of = AxisOf::kPressureAngle,
+                       .place = problem_.pressure_angle,
+                       .index = 0,
+                       .multiples = {steps.pressure_angle_rad, units::Unit::kDegree}});
+    }
+    axes_.push_back({.of = AxisOf::kDistance,
+                     .place = kAngleA,
+                     .index = 0,
+                     .multiples = {steps.center_distance_m, units::Unit::kMillimetre}});
+    for (std::size_t i = 0; i < train::kGearCount; ++i) {
+      axes_.push_back({.of = AxisOf::kShift,
+                       .place = i,
+                       .index = i,
+                       .multiples = {steps.profile_shift, units::Unit::kModules}});
+    }
+    for (std::size_t i = 0; problem_.first_tip > 0 && i < train::kGearCount; ++i) {
+      axes_.push_back({.of = AxisOf::kTip,
+                       .place = problem_.first_tip + i,
+                       .index = i,
+                       .multiples = {steps.tip_shortening, units::Unit::kModules}});
+    }
+    for (std::size_t stage = 0; stage < 2; ++stage) {
+      if (problem_.face_width[stage] == 0) continue;
+      axes_.push_back({.of = AxisOf::kFaceWidth,
+                       .place = problem_.face_width[stage],
+                       .index = stage,
+                       .multiples = {steps.face_width_m, units::Unit::kMillimetre}});
+    }
+  }
+
+  static double& member_of(const Axis& axis, RefinedTrain& train) {
+    switch (axis.of) {
+      case AxisOf::kShift:
+        return train.profile_shift[axis.index];
+      case AxisOf::kTip:
+        return train.tip_shortening[axis.index];
+      case AxisOf::kPressureAngle:
+        return train.pressure_angle_rad;
+      case AxisOf::kFaceWidth:
+        return train.face_width_m[axis.index];
+      case AxisOf::kDistance:
+        break;
+    }
+    return train.center_distance_m;
+  }
+
+  [[nodiscard]] double value_at(const Axis& axis, const Point& v) const {
+    if (axis.of == AxisOf::kDistance) {
+      return parameters_at(problem_, used(problem_, v)).center_distance_m;
+    }
+    return v[axis.place] * width_scale(axis);
+  }
+  [[nodiscard]] double width_scale(const Axis& axis) const {
+    return axis.of == AxisOf::kFaceWidth ? spec_->free.face_width_m[axis.index]->max : 1.0;
+  }
+
+  /// Distances of both ends of the angle: the greatest angle belongs to the greatest distance.
+  [[nodiscard]] std::pair<double, double> ends_of(const Axis& axis) const {
+    Point v = problem_.lower;
+    if (axis.of != AxisOf::kDistance) {
+      const double scale = width_scale(axis);
+      return {problem_.lower[axis.place] * scale, problem_.upper[axis.place] * scale};
+    }
+    // Of a free pressure angle the least distance is at its greatest value.
+    if (problem_.pressure_angle > 0) {
+      v[problem_.pressure_angle] = problem_.upper[problem_.pressure_angle];
+    }
+    const double least = value_at(axis, v);
+    v[kAngleA] = problem_.upper[kAngleA];
+    if (problem_.pressure_angle > 0) {
+      v[problem_.pressure_angle] = problem_.lower[problem_.pressure_angle];
+    }
+    return {least, value_at(axis, v)};
+  }
+
+  void confine(const LatticeBox& box, RefinementProblem& p) const {
+    bool angle_known = true;
+    for (std::size_t k = 0; k < axes_.size(); ++k) {
+      const Axis& axis = axes_[k];
+      if (axis.of == AxisOf::kDistance) continue;
+      if (axis.of == AxisOf::kPressureAngle) angle_known = box[k][0] == box[k][1];
+      p.lower[axis.place] = axis.multiples.at(box[k][0]) / width_scale(axis);
+      p.upper[axis.place] = axis.multiples.at(box[k][1]) / width_scale(axis);
+    }
+    const auto distance = std::ranges::find(axes_, AxisOf::kDistance, &Axis::of) - axes_.begin();
+    if (!angle_known) return;
+    const auto place = static_cast<std::size_t>(distance);
+    // d = c/cos a, c the distance at the least angle times its cosine.
+    Point v = p.lower;
+    const double c = value_at(axes_[place], v) * std::cos(v[kAngleA]);
+    const auto angle = [&](long k) {
+      return std::acos(std::min(1.0, c / axes_[place].multiples.at(k)));
+    };
+    p.lower[kAngleA] = std::max(p.lower[kAngleA], angle(box[place][0]));
+    p.upper[kAngleA] = std::max(p.lower[kAngleA], std::min(p.upper[kAngleA], angle(box[place][1])));
+  }
+
+  void judge(const Point& relaxed, RoundedDesign& design) const {
+    Point v = point_of(problem_, train_of(*spec_, design.set),
+                       {.face_width_m = design.set.train.face_width_m, .torque_Nm = 0.0});
+    if (problem_.torque > 0) {
+      v[problem_.torque] =
+          std::min(problem_.upper[problem_.torque], 2.0 * relaxed[problem_.torque]);
+      lower_to_carried_torque(problem_, v);
+    }
+    std::vector<double> g(problem_.rows.size());
+    const auto f = evaluate<double>(problem_, used(problem_, v), g);
+    if (!f) {
+      design.violation = std::numeric_limits<double>::infinity();
+      return;
+    }
+    design.objective = -sense_of(problem_.objective) * problem_.objective_scale * *f;
+    design.violation = worst_violation(g);
+    if (design.violation <= design::kFeasibilityTolerance) return;
+    for (std::size_t k = 0; k < g.size(); ++k) {
+      if (!(g[k] < -design::kFeasibilityTolerance)) continue;
+      const auto same = std::ranges::find(design.missed, problem_.rows[k].name, &Miss::name);
+      if (same != design.missed.end() && same->violation >= -g[k]) continue;
+      const Miss miss = miss_of(problem_, problem_.rows[k], -g[k]);
+      if (same != design.missed.end()) {
+        *same = miss;
+      } else {
+        design.missed.push_back(miss);
+      }
+    }
+    std::ranges::stable_sort(design.missed, std::ranges::greater(), &Miss::violation);
+  }
+
+  std::shared_ptr<const Specification> spec_;
+  const RefinedSet& set_;
+  RefinementProblem problem_;
+  std::vector<Axis> axes_;
+};
+
+/// The search over all tasks.
+class LatticeSearch {
+ public:
+  LatticeSearch(const std::atomic<bool>& stop, const RoundingOptions& options)
+      : stop_(stop), options_(options) {}
+
+  void add(RoundingTask task) { tasks_.push_back(std::move(task)); }
+
+  Rounding run() {
+    std::vector<std::pair<std::size_t, BoxNode>> roots;
+    for (std::size_t k = 0; k < tasks_.size() && !cut(); ++k) {
+      const auto whole = tasks_[k].whole();
+      if (!whole) continue;
+      BoxNode root{.box = *whole, .relaxed = relax(tasks_[k], *whole, tasks_[k].beginning())};
+      offer(tasks_[k], root);
+      if (feasible_node(root)) roots.emplace_back(k, std::move(root));
+    }
+    std::ranges::stable_sort(roots, {},
+                             [](const auto& root) { return root.second.relaxed.objective; });
+    for (auto& [k, root] : roots) descend(tasks_[k], std::move(root));
+    result_.complete = !cut();
+    if (result_.best) result_.nearest.reset();
+    return std::move(result_);
+  }
+
+ private:
+  [[nodiscard]] bool cut() const {
+    return stop_.load(std::memory_order_relaxed) ||
+           result_.relaxations >= options_.most_relaxations;
+  }
+  static bool feasible_node(const BoxNode& node) {
+    return node.relaxed.violation <= design::kFeasibilityTolerance;
+  }
+  SolveOutcome relax(const RoundingTask& task, const LatticeBox& box, const Point& start) {
+    ++result_.relaxations;
+    return task.relax(box, start);
+  }
+  [[nodiscard]] bool can_win(const BoxNode& node) const {
+    return feasible_node(node) && node.relaxed.objective < best_ - kBetter;
+  }
+
+  void descend(const RoundingTask& task, BoxNode root) {
+    std::vector<BoxNode> open;
+    open.push_back(std::move(root));
+    while (!open.empty() && !cut()) {
+      const BoxNode node = std::move(open.back());
+      open.pop_back();
+      if (!can_win(node)) continue;
+      const auto axis = axis_to_cut(task, node);
+      if (!axis) continue;
+      const auto& [first, last] = node.box[*axis];
+      const double at = task.steps_at(task.axes()[*axis], node.relaxed.v);
+      const long below = std::clamp(static_cast<long>(std::floor(at)), first, last - 1);
+      std::array<BoxNode, 2> halves{BoxNode{.box = node.box, .relaxed = {}},
+                                    BoxNode{.box = node.box, .relaxed = {}}};
+      halves[0].box[*axis][1] = below;
+      halves[1].box[*axis][0] = below + 1;
+      for (BoxNode& half : halves) {
+        half.relaxed = relax(task, half.box, node.relaxed.v);
+        offer(task, half);
+      }
+      if (halves[0].relaxed.objective < halves[1].relaxed.objective)
+        std::swap(halves[0], halves[1]);
+      for (BoxNode& half : halves) {
+        if (can_win(half)) open.push_back(std::move(half));
+      }
+    }
+  }
+
+  /// The axis to cut a box at: the pressure angle, then the distance, then the value that is
+  /// farthest between two multiples; where all are on theirs, the longest.  Empty for a point.
+  static std::optional<std::size_t> axis_to_cut(const RoundingTask& task, const BoxNode& node) {
+    std::optional<std::size_t> farthest, longest;
+    double most = kOnLattice;
+    for (std::size_t k = 0; k < task.axes().size(); ++k) {
+      const long length = node.box[k][1] - node.box[k][0];
+      if (length == 0) continue;
+      const Axis& axis = task.axes()[k];
+      if (axis.of == AxisOf::kPressureAngle) return k;
+      const double at = task.steps_at(axis, node.relaxed.v);
+      const double off = std::abs(at - std::round(at));
+      if (axis.of == AxisOf::kDistance && off > kOnLattice) return k;
+      if (off > most) {
+        most = off;
+        farthest = k;
+      }
+      if (!longest || length > node.box[*longest][1] - node.box[*longest][0]) longest = k;
+    }
+    return farthest ? farthest : longest;
+  }
+
+  void offer(const RoundingTask& task, const BoxNode& node) {
+    if (!std::isfinite(node.relaxed.violation)) return;
+    ++result_.points;
+    RoundedDesign design = task.rounded(node.box, node.relaxed.v);
+    const RefinementProblem& p = task.problem();
+    if (design.violation <= design::kFeasibilityTolerance) {
+      const double f = -sense_of(p.objective) * design.objective / p.objective_scale;
+      if (result_.best && !(f < best_)) return;
+      best_ = f;
+      result_.best = task.finished(std::move(design));
+    } else if (!result_.best && std::isfinite(design.violation) &&
+               (!result_.nearest || design.violation < result_.nearest->violation)) {
+      result_.nearest = task.finished(std::move(design));
+    }
+  }
+
+  const std::atomic<bool>& stop_;
+  const RoundingOptions& options_;
+  std::vector<RoundingTask> tasks_;
+  Rounding result_;
+  double best_ = std::numeric_limits<double>::infinity();
+};
+
+/// Modules of a stage about the optimum's: the multiples of its range, or the one that it has.
+std::vector<double> rounded_modules(const Specification& spec, const RefinedSet& set,
+                                    std::size_t stage, int steps) {
+  const double module_m = set.train.module_m[stage];
+  const auto& range = spec.module[stage].range_m;
+  if (!range || !(range->min < range->max)) return {module_m};
+  const Multiples multiples(spec.round.module_m, units::Unit::kMillimetre);
+  const long middle = multiples.nearest(module_m);
+  std::vector<double> modules;
+  for (long k = std::max(middle - steps, multiples.first_from(range->min));
+       k <= std::min(middle + steps, multiples.last_to(range->max)); ++k) {
+    modules.push_back(multiples.at(k));
+  }
+  return modules;
+}
+
+/// The specification with given modules, and the allowances that are whole steps with them.
+std::shared_ptr<const Specification> with_modules(const Specification& spec, double m1, double m2) {
+  auto own = std::make_shared<Specification>(spec);
+  for (const std::size_t stage : {std::size_t{0}, std::size_t{1}}) {
+    const double module_m = stage == 0 ? m1 : m2;
+    own->module[stage] = {.range_m = NumberRange{.min = module_m, .max = module_m}, .series_m = {}};
+  }
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    const double module_m = i == train::kP2 || i == train::kR2 ? m2 : m1;
+    const double steps =
+        std::round(spec.machining_allowance[i] * module_m / spec.round.allowance_m);
+    own->machining_allowance[i] = steps * spec.round.allowance_m / module_m;
+  }
+  return own;
+}
+
+}  // namespace
+
+Rounding round_design(const Specification& spec, const RefinedSet& set,
+                      const std::atomic<bool>& stop, const RoundingOptions& options) {
+  LatticeSearch search(stop, options);
+  const bool parts = has_objective_branches(first_objective(spec), spec);
+  for (const double m1 : rounded_modules(spec, set, 0, options.module_steps)) {
+    for (const double m2 : rounded_modules(spec, set, 1, options.module_steps)) {
+      if (has_same_module(spec) && m1 != m2) continue;
+      const auto own = with_modules(spec, m1, m2);
+      int branches = 1;
+      for (int backlash = 1; backlash <= branches; ++backlash) {
+        for (const int part : parts ? std::vector{1, 2} : std::vector{0}) {
+          RoundingTask task(own, set, {.backlash = backlash, .objective = part});
+          if (task.problem().has_branches) branches = 2;
+          search.add(std::move(task));
+        }
+      }
+    }
+  }
+  return search.run();
+}
+
+}  // namespace gear3k::optimize

@@ -1,0 +1,51 @@
+#pragma once
+// The best design on the lattice of what is made, near an optimum.
+
+#include <atomic>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "optimize/refined_set.hpp"
+
+namespace gear3k::optimize {
+
+/// A design whose shifts, modules, distance, ... are multiples of Specification::round.
+struct RoundedDesign {
+  Specification spec;      ///< with its modules and machining allowances
+  RefinedSet set;          ///< its teeth and train; what the free optimum is rated by is not filled
+  double objective = 0.0;  ///< the first objective, SI
+  double violation = 0.0;  ///< largest, in scaled units
+  std::vector<Miss> missed{};  ///< where that is beyond the tolerance: the limits, largest first
+};
+
+struct Rounding {
+  /// The best that meets every check; empty: none was found.
+  std::optional<RoundedDesign> best;
+  /// Without one, the rounded design that misses its limits least.
+  std::optional<RoundedDesign> nearest;
+  std::size_t relaxations = 0;  ///< problems with some values free that were solved
+  std::size_t points = 0;       ///< rounded designs that were evaluated
+  bool complete = false;        ///< the search was not cut short
+};
+
+struct RoundingOptions {
+  int module_steps = 5;  ///< modules of a range go so many steps to either side
+  std::size_t most_relaxations = 20'000;
+};
+
+/// Branch and bound over the lattice: in a box of the lattice the problem with all values free
+/// bounds what its points can have; the box is cut in two at the value that is farthest between two
+/// points (the centre distance first) until a point is left or the bound is no better than the best
+/// point.
+///
+/// Modules of a range take every combination within module_steps of the optimum's, series and given
+/// modules stay; allowances are rounded with each.  All else has its whole range.  Relaxations are
+/// solved locally: a box whose best point no run finds is lost.
+/// Source: own derivation, docs/theory §12.
+/// @param set  an optimum of the specification
+/// @param stop  ends the search, which is not complete then
+Rounding round_design(const Specification& spec, const RefinedSet& set,
+                      const std::atomic<bool>& stop, const RoundingOptions& options = {});
+
+}  // namespace gear3k::optimize

@@ -1,0 +1,161 @@
+#include "report/rounding_report.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <string_view>
+#include <vector>
+
+#include "report/display.hpp"
+#include "report/text_table.hpp"
+
+namespace gear3k::report {
+
+namespace {
+
+using optimize::RoundedDesign, optimize::Rounding, optimize::Specification, units::Unit;
+
+const optimize::ObjectiveRecord& rounded_objective(const Specification& spec) {
+  return optimize::objective_record(optimize::first_objective(spec));
+}
+
+bool of_efficiency(const Specification& spec) {
+  return optimize::is_efficiency(optimize::first_objective(spec));
+}
+
+/// What the objective is worse by, in its unit.
+double loss_of(const Specification& spec, double free_objective, const RoundedDesign& design) {
+  const optimize::ObjectiveRecord& record = rounded_objective(spec);
+  return optimize::sense_of(record.id) * (free_objective - design.objective) / record.per_unit;
+}
+
+std::string shown_objective(const Specification& spec, double value_si) {
+  if (of_efficiency(spec)) return fmt::format("{:.3f} %", 100.0 * value_si);
+  return with_unit(fmt::format("{:.6g}", value_si / rounded_objective(spec).per_unit),
+                   rounded_objective(spec).unit);
+}
+
+/// The allowances as lengths [um].
+std::array<double, train::kGearCount> allowances_um(const RoundedDesign& design) {
+  std::array<double, train::kGearCount> lengths{};
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    const std::size_t stage = i == train::kP2 || i == train::kR2 ? 1 : 0;
+    lengths[i] = clean(um(design.spec.machining_allowance[i] * design.set.train.module_m[stage]));
+  }
+  return lengths;
+}
+
+double in_file(double si, Unit unit) { return units::decimal_from_si(si, unit); }
+
+template <class Values>
+std::string listed(const Values& values) {
+  std::vector<std::string> texts;
+  texts.reserve(std::size(values));
+  for (const double value : values) texts.push_back(fmt::format("{:g}", value));
+  return fmt::format("{}", fmt::join(texts, " "));
+}
+
+std::string misses_text(const RoundedDesign& design) {
+  std::vector<std::string> misses;
+  misses.reserve(design.missed.size());
+  for (const optimize::Miss& miss : design.missed) {
+    misses.push_back(fmt::format("{} by {}", miss.name,
+                                 with_unit(fmt::format("{:.4g}", miss.amount), miss.unit)));
+  }
+  return fmt::format("{}", fmt::join(misses, ", "));
+}
+
+std::string values_text(const Specification& spec, const RoundedDesign& design) {
+  const optimize::RefinedTrain& t = design.set.train;
+  std::string text = fmt::format(
+      "  modules {} mm, shifts S P1 R1 P2 R2 {}, centre distance {:g} mm, allowances {} um",
+      listed(std::array{in_file(t.module_m[0], Unit::kMillimetre),
+                        in_file(t.module_m[1], Unit::kMillimetre)}),
+      listed(t.profile_shift), in_file(t.center_distance_m, Unit::kMillimetre),
+      listed(allowances_um(design)));
+  if (spec.free.tip_shortening) text += ", tip shortenings " + listed(t.tip_shortening);
+  if (spec.free.pressure_angle_rad) {
+    text += fmt::format(", pressure angle {:g} deg", in_file(t.pressure_angle_rad, Unit::kDegree));
+  }
+  for (const std::size_t stage : {std::size_t{0}, std::size_t{1}}) {
+    if (!spec.free.face_width_m[stage]) continue;
+    text += fmt::format(", face width of stage {} {:g} mm", stage + 1,
+                        in_file(t.face_width_m[stage], Unit::kMillimetre));
+  }
+  return text + "\n";
+}
+
+io::Json rounded_values_json(const RoundedDesign& design) {
+  const optimize::RefinedTrain& t = design.set.train;
+  return {{"module_mm",
+           {in_file(t.module_m[0], Unit::kMillimetre), in_file(t.module_m[1], Unit::kMillimetre)}},
+          {"profile_shift", t.profile_shift},
+          {"center_distance_mm", in_file(t.center_distance_m, Unit::kMillimetre)},
+          {"machining_allowance_um", allowances_um(design)},
+          {"tip_shortening", t.tip_shortening},
+          {"pressure_angle_deg", in_file(t.pressure_angle_rad, Unit::kDegree)},
+          {"face_width_mm",
+           {in_file(t.face_width_m[0], Unit::kMillimetre),
+            in_file(t.face_width_m[1], Unit::kMillimetre)}}};
+}
+
+std::string cut_text(const Rounding& rounding) {
+  return rounding.complete ? "" : "; the search was cut short, there may be a better one";
+}
+
+}  // namespace
+
+std::string rounding_blocked_text(const Rounding& rounding) {
+  return fmt::format("no rounded design meets every check{}{}",
+                     rounding.nearest
+                         ? fmt::format(": the nearest misses {}", misses_text(*rounding.nearest))
+                         : "",
+                     cut_text(rounding));
+}
+
+std::string rounding_table(const Specification& spec, double free_objective,
+                           const Rounding& rounding) {
+  const optimize::RoundSteps& steps = spec.round;
+  std::string text = fmt::format(
+      "\nRounded to what is made: shifts to {:g}, centre distance to {:g} mm, modules of a range "
+      "to "
+      "{:g} mm, allowances to {:g} um\n",
+      steps.profile_shift, in_file(steps.center_distance_m, Unit::kMillimetre),
+      in_file(steps.module_m, Unit::kMillimetre), in_file(steps.allowance_m, Unit::kMicrometre));
+  if (!rounding.best) return text + "  " + rounding_blocked_text(rounding) + "\n";
+  const double loss = loss_of(spec, free_objective, *rounding.best);
+  const std::string lost =
+      of_efficiency(spec) ? fmt::format("{:.4f} percent points", 100.0 * loss)
+                          : with_unit(fmt::format("{:.4g}", loss), rounded_objective(spec).unit);
+  text += fmt::format("  {} {}, a loss of {} against the free optimum{}\n",
+                      rounded_objective(spec).title,
+                      shown_objective(spec, rounding.best->objective), lost, cut_text(rounding));
+  return text + values_text(spec, *rounding.best);
+}
+
+io::Json rounding_json(const Specification& spec, double free_objective, const Rounding& rounding) {
+  const double per_unit = rounded_objective(spec).per_unit;
+  io::Json json{{"feasible", rounding.best.has_value()},
+                {"complete", rounding.complete},
+                {"relaxations", rounding.relaxations},
+                {"points", rounding.points}};
+  if (rounding.best) {
+    const double loss = loss_of(spec, free_objective, *rounding.best);
+    json["objective"] = rounding.best->objective / per_unit;
+    json["loss"] = loss;
+    json["loss_percent_points"] = of_efficiency(spec) ? io::Json(100.0 * loss) : nullptr;
+  }
+  io::Json blocked = io::Json::array();
+  if (!rounding.best && rounding.nearest) {
+    for (const optimize::Miss& miss : rounding.nearest->missed) {
+      blocked.push_back({{"name", miss.name}, {"amount", miss.amount}, {"unit", miss.unit}});
+    }
+  }
+  json["blocked_by"] = std::move(blocked);
+  const auto& design = rounding.best ? rounding.best : rounding.nearest;
+  if (design) json.update(rounded_values_json(*design));
+  return json;
+}
+
+}  // namespace gear3k::report

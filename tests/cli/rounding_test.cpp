@@ -1,0 +1,80 @@
+// `optimize --round`: the best design of what is made.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/cli/run_program.hpp"
+
+namespace gear3k::rounding_cli_test {
+namespace {
+
+using nlohmann::json;
+using test::ProgramResult, test::Workplace, test::replaced;
+
+const std::string kTask =
+    "name = \"one set\"\n[ratio]\ntarget = 96.2\n"
+    "[teeth]\nS = [12, 12]\nP1 = [64, 64]\nP2 = [52, 52]\nR1_max = 141\nR2_max = 132\n"
+    "[module]\nstage1_mm = { min = 0.5, max = 1.0 }\nstage2_mm = { min = 0.5, max = 1.0 }\n"
+    "[size]\nmax_ring_root_diameter_mm = 76.0\n"
+    "[backlash]\nmax_output_arcmin = 8.0\nmin_normal_um = 10.0\nmachining_allowance = 0.02\n"
+    "[friction]\ncoefficient = 0.1\n[round]\nprofile_shift = 0.02\n";
+
+/// Whether a number is a multiple of a step, to rounding.
+bool on_step(double value, double step) {
+  return std::abs(value / step - std::round(value / step)) < 1e-9;
+}
+
+TEST(OptimizeRound, WritesADesignOfWholeStepsThatPassesEveryCheck) {
+  const Workplace place;
+  place.write("spec.toml", kTask);
+  const ProgramResult run = place.run({"optimize", "spec.toml", "--out", "out", "--round"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.out.find("\nRounded to what is made: shifts to 0.02, "), std::string::npos);
+  EXPECT_NE(run.out.find("best_rounded.toml, refined.csv"), std::string::npos);
+  const ProgramResult analysis =
+      place.run({"analyze", "out/best_rounded.toml", "--strict", "--format", "json"});
+  ASSERT_EQ(analysis.exit_code, 0) << analysis.err;
+  const json rounded = json::parse(place.read("out/summary.json")).at("rounded");
+  const json best = json::parse(place.read("out/summary.json")).at("best");
+  EXPECT_EQ(rounded.at("feasible"), true);
+  EXPECT_EQ(rounded.at("complete"), true);
+  for (const json& shift : rounded.at("profile_shift")) EXPECT_TRUE(on_step(shift, 0.02));
+  for (const json& module : rounded.at("module_mm")) EXPECT_TRUE(on_step(module, 0.01));
+  for (const json& length : rounded.at("machining_allowance_um")) EXPECT_TRUE(on_step(length, 1.0));
+  EXPECT_TRUE(on_step(rounded.at("center_distance_mm"), 0.005));
+  const auto objective = rounded.at("objective").get<double>();
+  EXPECT_LT(objective, best.at("eta_b").get<double>());
+  EXPECT_NEAR(rounded.at("loss").get<double>(), best.at("eta_b").get<double>() - objective, 1e-15);
+  // The analysis of the file says the same.
+  const json efficiency = json::parse(analysis.out).at("efficiency");
+  EXPECT_NEAR(efficiency.at("backward").get<double>(), objective, 1e-12);
+  // Without --round it would pass for a result of this run.
+  ASSERT_EQ(place.run({"optimize", "spec.toml", "--out", "out", "--quiet"}).exit_code, 0);
+  EXPECT_FALSE(std::filesystem::exists(place.file("out/best_rounded.toml")));
+  EXPECT_TRUE(std::filesystem::exists(place.file("out/best_rounded.toml.previous")));
+  EXPECT_TRUE(json::parse(place.read("out/summary.json")).at("rounded").is_null());
+}
+
+TEST(OptimizeRound, SaysWhichLimitBlocksWhereNoStepFits) {
+  const Workplace place;
+  place.write("spec.toml", replaced(kTask, "[round]\nprofile_shift = 0.02\n",
+                                    "[round]\nprofile_shift = 0.5\ncenter_distance_mm = 1.0\n"));
+  const ProgramResult run =
+      place.run({"optimize", "spec.toml", "--out", "out", "--round", "--quiet"});
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_NE(run.err.find("spec.toml: no rounded design meets every check: the nearest misses "),
+            std::string::npos)
+      << run.err;
+  EXPECT_TRUE(std::filesystem::exists(place.file("out/best.toml")));
+  EXPECT_FALSE(std::filesystem::exists(place.file("out/best_rounded.toml")));
+  const json rounded = json::parse(place.read("out/summary.json")).at("rounded");
+  EXPECT_EQ(rounded.at("feasible"), false);
+  ASSERT_FALSE(rounded.at("blocked_by").empty());
+  EXPECT_GT(rounded.at("blocked_by")[0].at("amount").get<double>(), 0.0);
+}
+
+}  // namespace
+}  // namespace gear3k::rounding_cli_test
