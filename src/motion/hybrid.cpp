@@ -176,7 +176,11 @@ double Hybrid::start_excess(const Outside& o, int sense) const {
   const Joint rest = gear_->joined(joint_input(o, 0.0, sense, true));
   const Joint turning = gear_->joined(joint_input(o, 0.0, sense, false));
   const bool pulled = mode_.contact != 0 && mode_.contact * rest.lead < 0.0;
-  if (rest.jammed || turning.jammed || pulled) return -scale;
+  // A train that has jammed is let go by a margin, else a jam would repeat without end.
+  constexpr double kReleaseMargin = 1e8;
+  const bool held =
+      sense == jammed_sense_ && !(sense * turning.lead > kReleaseMargin * turning.lead_rounding);
+  if (rest.jammed || turning.jammed || pulled || held) return -scale;
   return sense * (sense * rest.acceleration_rad_s2 < sense * turning.acceleration_rad_s2
                       ? rest.acceleration_rad_s2
                       : turning.acceleration_rad_s2) -
@@ -267,6 +271,7 @@ void Hybrid::take(const std::vector<double>& values, State& x) {
   const auto ended = [&](std::size_t k) { return !(values[kPowers + k] > 0.0); };
   if (mode_.phase == Phase::kSlide && ended(0)) {
     x[kFastSpeed] = x[kOutputSpeed] = 0.0;
+    jammed_sense_ = 0;
     mode_ = {.phase = Phase::kStick, .contact = mode_.contact};
   } else if (mode_.phase == Phase::kGap) {
     if (ended(0)) x[kFastAngle] = x[kOutputAngle] + half_gap_rad_;

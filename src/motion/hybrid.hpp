@@ -125,6 +125,7 @@ class Hybrid {
   double speed_floor_rad_s_;
   Mode mode_;
   Signs signs_;
+  int jammed_sense_ = 0;  ///< the sense in which the train has jammed since it last turned freely
 };
 
 /// "stick", "slide", "gap".
