@@ -102,7 +102,7 @@ void Hybrid::set_senses(const State& x, const Outside& o) {
   set_gap(x, mode_, now);
   const auto sense_of = [&](double speed, double acceleration, int sense, bool fast) {
     // A side that turns, or has just been started with the other one, keeps its sense.
-    if (sense != 0 && sense * speed > -speed_floor_rad_s_ &&
+    if (sense != 0 && sense * speed > -kSpeedFloor_rad_s &&
         (speed != 0.0 || sense * acceleration > 0.0)) {
       return sense;
     }
