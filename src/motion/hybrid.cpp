@@ -35,9 +35,6 @@ Hybrid::Hybrid(const actuator::Actuator& actuator, const Scenario& scenario)
       half_gap_rad_(0.5 * actuator.gearbox.backlash_rad.value_or(0.0)),
       surroundings_(actuator, scenario),
       gear_(motion_gear(actuator, surroundings_.load_inertia_kgm2())) {
-  constexpr double kFloor = 1e-3;
-  constexpr double kMostFloor_rad_s = 1e-12;
-  speed_floor_rad_s_ = std::min(kMostFloor_rad_s, kFloor * scenario.solver.absolute_tolerance);
   const auto [fast, output] = gear_->inertias_kgm2();
   if (!(fast + output > 0.0)) {
     throw std::invalid_argument(
@@ -176,7 +173,11 @@ double Hybrid::start_excess(const Outside& o, int sense) const {
   const Joint rest = gear_->joined(joint_input(o, 0.0, sense, true));
   const Joint turning = gear_->joined(joint_input(o, 0.0, sense, false));
   const bool pulled = mode_.contact != 0 && mode_.contact * rest.lead < 0.0;
-  if (rest.jammed || turning.jammed || pulled) return -scale;
+  // A train that has jammed is let go by a margin, else a jam would repeat without end.
+  constexpr double kReleaseMargin = 1e8;
+  const bool held =
+      sense == jammed_sense_ && !(sense * turning.lead > kReleaseMargin * turning.lead_rounding);
+  if (rest.jammed || turning.jammed || pulled || held) return -scale;
   return sense * (sense * rest.acceleration_rad_s2 < sense * turning.acceleration_rad_s2
                       ? rest.acceleration_rad_s2
                       : turning.acceleration_rad_s2) -
@@ -206,7 +207,9 @@ double Hybrid::cohesion(const Outside& o) const {
   now.outside = o;
   set_gap({}, free, now);
   const double apart = mode_.contact * (now.output_rad_s2 - now.fast_rad_s2);
-  return apart > 0.0 ? -apart : 1.0;
+  constexpr double kHidden = 1e-10;  // accelerations that are alike keep the sides together
+  const double hidden = kHidden * (std::abs(now.output_rad_s2) + std::abs(now.fast_rad_s2));
+  return apart > hidden ? -apart : 1.0;
 }
 
 double Hybrid::hidden_room(const State& x) const {
@@ -222,7 +225,7 @@ std::array<double, 3> Hybrid::power_margins(const Instant& now, const State& x) 
   const double load = -o.prescribed_Nm * x[kOutputSpeed];
   return {signs_.electrical * o.electrical_W + noise,
           signs_.bus * now.bus_W + noise + kPowerRounding * drive_.standby_W,
-          signs_.load * load + 2.0 * speed_floor_rad_s_ * std::abs(o.prescribed_Nm) + kNothing};
+          signs_.load * load + 2.0 * kSpeedFloor_rad_s * std::abs(o.prescribed_Nm) + kNothing};
 }
 
 void Hybrid::watch(const State& x, double time_s, std::vector<double>& values) const {
@@ -239,7 +242,7 @@ void Hybrid::watch(const State& x, double time_s, std::vector<double>& values) c
       add(cohesion(o));
       break;
     case Phase::kSlide:
-      add(mode_.sense * x[kOutputSpeed] + speed_floor_rad_s_);
+      add(mode_.sense * x[kOutputSpeed] + kSpeedFloor_rad_s);
       add(mode_.flow * mode_.sense * now.lead + now.lead_rounding);
       break;
     case Phase::kGap: {
@@ -248,12 +251,12 @@ void Hybrid::watch(const State& x, double time_s, std::vector<double>& values) c
       add(room - ahead);
       add(room + ahead);
       if (mode_.fast_sense != 0) {
-        add(mode_.fast_sense * x[kFastSpeed] + speed_floor_rad_s_);
+        add(mode_.fast_sense * x[kFastSpeed] + kSpeedFloor_rad_s);
       } else {
         add(-std::max(fast_start_excess(o, 1), fast_start_excess(o, -1)));
       }
       if (mode_.output_sense != 0) {
-        add(mode_.output_sense * x[kOutputSpeed] + speed_floor_rad_s_);
+        add(mode_.output_sense * x[kOutputSpeed] + kSpeedFloor_rad_s);
       } else {
         add(-std::max(output_start_excess(o, 1), output_start_excess(o, -1)));
       }
@@ -267,6 +270,7 @@ void Hybrid::take(const std::vector<double>& values, State& x) {
   const auto ended = [&](std::size_t k) { return !(values[kPowers + k] > 0.0); };
   if (mode_.phase == Phase::kSlide && ended(0)) {
     x[kFastSpeed] = x[kOutputSpeed] = 0.0;
+    jammed_sense_ = 0;
     mode_ = {.phase = Phase::kStick, .contact = mode_.contact};
   } else if (mode_.phase == Phase::kGap) {
     if (ended(0)) x[kFastAngle] = x[kOutputAngle] + half_gap_rad_;

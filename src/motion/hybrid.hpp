@@ -52,6 +52,9 @@ struct Occurrence {
   double loss_J = 0.0;
 };
 
+/// A side that turns has come to rest this far beyond zero, which rounding cannot make of a start.
+inline constexpr double kSpeedFloor_rad_s = 1e-15;
+
 /// Everything at an instant of a mode.
 struct Instant {
   Outside outside{};
@@ -122,9 +125,9 @@ class Hybrid {
   double half_gap_rad_;
   Surroundings surroundings_;
   std::unique_ptr<MotionGear> gear_;
-  double speed_floor_rad_s_;
   Mode mode_;
   Signs signs_;
+  int jammed_sense_ = 0;  ///< the sense in which the train has jammed since it last turned freely
 };
 
 /// "stick", "slide", "gap".

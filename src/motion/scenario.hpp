@@ -36,7 +36,7 @@ struct Load {
 
 struct Solver {
   double relative_tolerance = 1e-11;
-  double absolute_tolerance = 1e-12;  ///< rad, rad/s, J
+  double absolute_tolerance = 1e-14;  ///< rad, rad/s, J
   std::optional<double> max_step_s;   ///< empty: see max_step()
   std::int64_t max_events = 100000;
   std::int64_t max_steps = 10000000;

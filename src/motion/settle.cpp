@@ -76,6 +76,7 @@ void Hybrid::settle_slide(State& x, double time_s, std::vector<Occurrence>& happ
 void Hybrid::jam(State& x, std::vector<Occurrence>& happened) {
   const Mode before = mode_;
   const double energy = kinetic_j(x);
+  jammed_sense_ = mode_.sense;
   x[kFastSpeed] = x[kOutputSpeed] = 0.0;
   mode_ = {.phase = Phase::kStick, .contact = mode_.contact};
   happened.push_back({.what = "jams", .before = before, .after = mode_, .loss_J = energy});
@@ -101,7 +102,7 @@ void Hybrid::set_senses(const State& x, const Outside& o) {
   set_gap(x, mode_, now);
   const auto sense_of = [&](double speed, double acceleration, int sense, bool fast) {
     // A side that turns, or has just been started with the other one, keeps its sense.
-    if (sense != 0 && sense * speed > -speed_floor_rad_s_ &&
+    if (sense != 0 && sense * speed > -kSpeedFloor_rad_s &&
         (speed != 0.0 || sense * acceleration > 0.0)) {
       return sense;
     }

@@ -7,6 +7,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "actuator/design_gear.hpp"
+
 namespace gear3k::motion {
 
 namespace {
@@ -301,7 +303,12 @@ void MotionRun::finish() {
 }  // namespace
 
 Motion simulate(const actuator::Actuator& actuator, const Scenario& scenario) {
-  return MotionRun(actuator, scenario).run();
+  Motion motion = MotionRun(actuator, scenario).run();
+  if (actuator.train != nullptr && !actuator.train->inertia_missing().empty()) {
+    motion.notes.push_back(fmt::format("the gears of {} have no inertia: it lacks {}",
+                                       actuator.train->name(), actuator.train->inertia_missing()));
+  }
+  return motion;
 }
 
 }  // namespace gear3k::motion
