@@ -455,8 +455,8 @@ std::string capacity_summary(const design::Evaluation& e) {
 }
 
 std::string capacity_summary(const design::PairEvaluation& e) {
-  const std::array<RatedMesh, 1> meshes = rated_meshes(e);
-  return fmt::format("carries {}, {} asked for", pair_capacity_text(e, meshes[0]),
+  const RatedMesh mesh = rated_mesh(e);
+  return fmt::format("carries {}, {} asked for", pair_capacity_text(e, mesh),
                      torque_text(rated_torque(e)));
 }
 
