@@ -77,7 +77,8 @@ std::string price_text(const Specification& spec, const LimitPrice& price) {
     return in_percent_points(spec) ? fmt::format("{:+.3g} %", 100.0 * value)
                                    : with_unit(fmt::format("{:+.3g}", value), record_of(spec).unit);
   };
-  const std::string_view unit = units::unit_name(price.unit);
+  const std::string_view unit =
+      units::unit_name(price.unit == units::Unit::kModules ? units::Unit::kModule : price.unit);
   const std::string per = unit.empty() ? "" : fmt::format(" per {}", unit);
   if (price.unique()) return number(price.loosened) + per;
   return fmt::format("{}{}, tightened {}", number(price.loosened), per,

@@ -63,6 +63,45 @@ TEST(HeldBack, PricesAreWhatRunsWithTheKeyChangedGain) {
   }
 }
 
+TEST(HeldBack, PricesOfALoadAreWhatRunsWithTheKeyChangedGain) {
+  // Mass of gears as narrow as they carry 20 N m.
+  const std::string task =
+      "objective = \"mass\"\n[ratio]\ntarget = 96.2\ntolerance = 0.01\n"
+      "[teeth]\nS = [12, 12]\nP1 = [60, 60]\nP2 = [35, 35]\nR1_max = 132\nR2_max = 88\n"
+      "[module]\nstage1_mm = { min = 0.5, max = 1.0 }\nstage2_mm = { min = 0.5, max = 1.0 }\n"
+      "[backlash]\nmax_output_arcmin = 8.0\n[limits]\nform_circle = 0.0\n"
+      "[stage1]\nface_width_mm = { min = 1.0, max = 12.0 }\n"
+      "[stage2]\nface_width_mm = { min = 1.0, max = 12.0 }\n"
+      "[material]\nname = \"34CrNiMo6 through hardened\"\n"
+      "[strength]\noutput_torque_nm = 20.0\ns_f_min = 1.5\ns_h_min = 1.2\n"
+      "[friction]\ncoefficient = 0.1\n";
+  const Workplace place;
+  const auto mass = [&](const std::string& spec) {
+    return summary_of(place, spec).at("best_per_planets")[0].at("objective").get<double>();
+  };
+  struct Moved {
+    const char* key;
+    const char* text;
+    const char* up;
+    const char* down;
+    double difference;
+  };
+  const json summary = summary_of(place, task);
+  for (const Moved& m :
+       {Moved{"strength.s_f_min", "s_f_min = 1.5", "s_f_min = 1.501", "s_f_min = 1.499", 0.002},
+        Moved{"strength.s_h_min", "s_h_min = 1.2", "s_h_min = 1.2005", "s_h_min = 1.1995", 0.001},
+        Moved{"limits.form_circle", "form_circle = 0.0", "form_circle = 1e-4",
+              "form_circle = -1e-4", 2e-4}}) {
+    const auto price = std::ranges::find_if(
+        summary.at("prices"), [&](const json& entry) { return entry.at("key") == m.key; });
+    ASSERT_NE(price, summary.at("prices").end()) << m.key;
+    const double gain = mass(replaced(task, m.text, m.up)) - mass(replaced(task, m.text, m.down));
+    EXPECT_NEAR(gain / m.difference / price->at("price_per_unit").get<double>(), 1.0, 0.02)
+        << m.key;
+    EXPECT_TRUE(price->at("percent_points_per_step").is_null());
+  }
+}
+
 TEST(HeldBack, NamesTheBoundsOfTheSearchAndTheNearestBetterAnswer) {
   const Workplace place;
   const json summary = summary_of(place, kOneSet);
