@@ -49,7 +49,7 @@ std::array<double, train::kGearCount> allowances_um(const RoundedDesign& design)
 double in_file(double si, Unit unit) { return units::decimal_from_si(si, unit); }
 
 template <class Values>
-std::string listed(const Values& values) {
+std::string numbers_text(const Values& values) {
   std::vector<std::string> texts;
   texts.reserve(std::size(values));
   for (const double value : values) texts.push_back(fmt::format("{:g}", value));
@@ -70,11 +70,11 @@ std::string values_text(const Specification& spec, const RoundedDesign& design) 
   const optimize::RefinedTrain& t = design.set.train;
   std::string text = fmt::format(
       "  modules {} mm, shifts S P1 R1 P2 R2 {}, centre distance {:g} mm, allowances {} um",
-      listed(std::array{in_file(t.module_m[0], Unit::kMillimetre),
-                        in_file(t.module_m[1], Unit::kMillimetre)}),
-      listed(t.profile_shift), in_file(t.center_distance_m, Unit::kMillimetre),
-      listed(allowances_um(design)));
-  if (spec.free.tip_shortening) text += ", tip shortenings " + listed(t.tip_shortening);
+      numbers_text(std::array{in_file(t.module_m[0], Unit::kMillimetre),
+                              in_file(t.module_m[1], Unit::kMillimetre)}),
+      numbers_text(t.profile_shift), in_file(t.center_distance_m, Unit::kMillimetre),
+      numbers_text(allowances_um(design)));
+  if (spec.free.tip_shortening) text += ", tip shortenings " + numbers_text(t.tip_shortening);
   if (spec.free.pressure_angle_rad) {
     text += fmt::format(", pressure angle {:g} deg", in_file(t.pressure_angle_rad, Unit::kDegree));
   }
