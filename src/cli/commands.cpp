@@ -35,6 +35,7 @@
 #include "papers/reproduce_report.hpp"
 #include "report/analysis_report.hpp"
 #include "report/comparison_report.hpp"
+#include "report/first_screen.hpp"
 #include "report/limits_report.hpp"
 #include "report/search_report.hpp"
 #include "report/torque_angle_plot.hpp"
@@ -124,7 +125,9 @@ std::string result_text(const app::Analysis& analysis, const std::optional<app::
              analysis.evaluation,
              design::tightest_checks(analysis.design, analysis.evaluation, kTightestShown),
              table_choice(show), analysis.sensitivities, use, built, curve) +
-         (limits.preset ? "\n" + report::limits_line(limits) : "");
+         (limits.preset ? "\n" + report::broken(report::limits_line(limits),
+                                                table_choice(show).columns, kBrokenIndent)
+                        : "");
 }
 
 std::string result_text(const design::PairDesign& pair, const design::PairEvaluation& evaluation,

@@ -37,6 +37,8 @@ struct ShowOptions {
 report::TableChoice table_choice(const ShowOptions& options);
 /// Checks that a first screen lists.
 inline constexpr std::size_t kTightestShown = 6;
+/// Of the further lines of one that is broken.
+inline constexpr std::size_t kBrokenIndent = 4;
 
 struct AnalyzeOptions : CommonOptions {
   ShowOptions show;

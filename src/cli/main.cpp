@@ -33,7 +33,7 @@ class NarrowFormatter : public CLI::Formatter {
  public:
   std::string make_option_desc(const CLI::Option* option) const override {
     constexpr std::size_t kColumns = 100;
-    const std::string text = option->get_description();
+    const std::string& text = option->get_description();
     std::string lines;
     std::size_t begin = 0;
     while (text.size() - begin > kColumns - column_width_) {

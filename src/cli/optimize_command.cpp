@@ -17,6 +17,7 @@
 #include "io/files/specification_file.hpp"
 #include "io/text/toml_value.hpp"
 #include "report/analysis_report.hpp"
+#include "report/first_screen.hpp"
 #include "report/limits_report.hpp"
 #include "report/model_change_report.hpp"
 #include "report/robust_report.hpp"
@@ -179,7 +180,8 @@ void print_results(const app::OptimizeTask& task, const OptimizeRun& run,
           (o.robust ? report::robust_table(task.spec, *o.robust) : "") +
           (o.front ? report::pareto_table(task.spec, *o.front) : "") +
           (o.comparison ? report::model_change_table(*o.comparison) : "") + "\n" +
-          report::limits_line(task.stated_limits) +
+          report::broken(report::limits_line(task.stated_limits),
+                         table_choice(options.show).columns, kBrokenIndent) +
           fmt::format("\nFiles in {}: best.toml (this design), {}refined.csv ({} tooth sets), "
                       "pareto.csv ({} designs), summary.json\n",
                       options.out, o.rounded ? "best_rounded.toml, " : "",

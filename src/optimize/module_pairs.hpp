@@ -73,11 +73,11 @@ class ModulePairs {
   };
   struct Profile1 {
     std::optional<Infeasibility> infeasible;
-    std::array<std::array<Losses, kMostLevels>, kCells> cell;
+    std::array<std::array<Losses, kMostLevels>, kCells> cell{};
   };
   struct Profile2 {
     std::optional<Infeasibility> infeasible;
-    std::array<std::array<double, kMostLevels>, kCells> cell;
+    std::array<std::array<double, kMostLevels>, kCells> cell{};
   };
   /// A stage with one of its modules.
   template <class Profile>

@@ -123,10 +123,11 @@ std::string broken(const std::string& text, int columns, std::size_t indent) {
   const auto width = static_cast<std::size_t>(columns);
   std::string result, line;
   std::size_t begin = 0;
-  while (begin < text.size()) {
+  const std::size_t last = text.ends_with('\n') ? text.size() - 1 : text.size();
+  while (begin < last) {
     // Blanks before a word belong to it.
     std::size_t end = text.find_first_not_of(' ', begin);
-    end = end == std::string::npos ? text.size() : std::min(text.find(' ', end), text.size());
+    end = end == std::string::npos ? last : std::min(text.find(' ', end), last);
     const std::string word = text.substr(begin, end - begin);
     if (!line.empty() && line.size() + word.size() > width) {
       result += line + '\n';

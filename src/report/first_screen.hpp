@@ -19,7 +19,7 @@ std::string first_screen(const design::Evaluation& e,
 std::string first_screen(const design::PairEvaluation& e,
                          const std::vector<design::TightestCheck>& tightest, int columns);
 
-/// Text broken at blanks, further lines indented.
+/// A line broken at blanks, further lines indented; it ends with a line end, given or not.
 std::string broken(const std::string& text, int columns, std::size_t indent);
 
 }  // namespace gear3k::report

@@ -136,8 +136,7 @@ std::string better_text(const Specification& spec, const HeldSet& best) {
 
 std::string held_back_table(const Specification& spec, const HeldSet& best) {
   std::string text = fmt::format(
-      "\nHeld back by (price: change of the {} per unit of the limit, to first order; step: what "
-      "it gains where the limit gives way by that)\n",
+      "\nHeld back by (price: change of the {} per unit, first order; gain: by the step)\n",
       record_of(spec).title);
   if (!best.held.missing.empty()) {
     return text + fmt::format("  not known: {}\n", best.held.missing) + bounds_text(best);

@@ -8,7 +8,7 @@ trap 'rm -rf "$folder"' EXIT
 document=$folder/document.md
 
 cat >"$document" <<'END'
-<!-- output: gear3k mesh examples/pair_internal.toml | part 'Meshes' -->
+<!-- output: gear3k mesh examples/pair_internal.toml --full | part 'Meshes' -->
 ```
 ```
 <!-- file: pair.toml -->
