@@ -38,7 +38,8 @@ class CycleReader {
       } else if (width_ == 0) {
         const std::size_t before = complaints_.count();
         read_header();
-        if (complaints_.count() > before) break;  // of columns that are not known no row tells anything
+        if (complaints_.count() > before)
+          break;  // of columns that are not known no row tells anything
       } else {
         read_row();
       }
