@@ -175,8 +175,9 @@ class SheetRows {
     };
     Characteristic& row = add("teeth", "tooth thickness, chord on d", "s_c", "mm", chord(g));
     limit_by_thickness(row, chord);
-    row.note =
-        fmt::format("{:.4f} mm below the tip circle", mm(gear_.result->tooth.chordal.height_m));
+    const double height_m = gear_.result->tooth.chordal.height_m;
+    row.note = fmt::format("{:.4f} mm {} the tip circle", mm(std::abs(height_m)),
+                           height_m < 0.0 ? "beyond" : "below");
   }
 
   void add_deviations() {

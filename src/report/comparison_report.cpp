@@ -15,6 +15,7 @@
 #include "report/check_subject.hpp"
 #include "report/display.hpp"
 #include "report/fields.hpp"
+#include "report/first_screen.hpp"
 #include "report/text_table.hpp"
 #include "report/tooth_set_text.hpp"
 
@@ -141,9 +142,23 @@ std::string change_text(const ComparedQuantity& q) {
   return std::abs(change) < kMost ? fmt::format("{:+.2f} %", percent(change)) : "";
 }
 
+/// Heads of a table's columns: the labels, or letters where one is long.
+std::vector<std::string> column_labels(std::span<const ComparedDesign> designs) {
+  constexpr std::size_t kLong = 14;
+  std::vector<std::string> labels;
+  labels.reserve(designs.size());
+  for (const ComparedDesign& one : designs) labels.push_back(one.label);
+  const bool fit =
+      std::ranges::all_of(labels, [](const std::string& label) { return label.size() <= kLong; });
+  for (std::size_t k = 0; k < labels.size() && !fit; ++k) {
+    labels[k] = k < 26 ? std::string(1, static_cast<char>('A' + k)) : fmt::format("{}", k + 1);
+  }
+  return labels;
+}
+
 TextTable table_of(std::span<const ComparedDesign> designs) {
   std::vector<std::string> header{"quantity", "of", "unit"};
-  for (const ComparedDesign& one : designs) header.push_back(one.label);
+  for (const std::string& label : column_labels(designs)) header.push_back(label);
   if (designs.size() == 2) header.emplace_back("change");
   TextTable table(std::move(header));
   table.align_left(1);
@@ -212,13 +227,18 @@ std::string margins_text(std::span<const ComparedDesign> designs) {
 }  // namespace
 
 std::string comparison_table(std::span<const ComparedDesign> designs) {
-  TextTable head({"design", "file", "teeth S/P1/R1/P2/R2", "checks that fail"});
-  for (const std::size_t column : {1U, 2U}) head.align_left(column);
-  for (const ComparedDesign& one : designs) {
+  constexpr int kColumns = 80;
+  constexpr std::size_t kFurther = 4;  // indent of what follows a broken line
+  const std::vector<std::string> labels = column_labels(designs);
+  std::string text;
+  for (std::size_t k = 0; k < designs.size(); ++k) {
+    const ComparedDesign& one = designs[k];
     const auto failed = std::ranges::count(one.evaluation.checks, false, &CheckResult::ok);
-    head.add({one.label, one.file, teeth_text(one.evaluation.teeth), fmt::format("{}", failed)});
+    const std::string name = one.label == labels[k] ? labels[k] : labels[k] + "  " + one.label;
+    text += broken(fmt::format("{} ({}): {}, checks that fail: {}", name, one.file,
+                               teeth_text(one.evaluation.teeth), failed),
+                   kColumns, kFurther);
   }
-  std::string text = head.text(0);
   const std::vector<ComparedQuantity> quantities = all_quantities(designs);
   for (const TablePart& part : table_parts()) text += part_text(part, designs, quantities);
   text += margins_text(designs);

@@ -11,7 +11,7 @@
 #include "report/display.hpp"
 #include "report/operation_report.hpp"
 #include "report/strength_report.hpp"
-#include "report/text_table.hpp"
+#include "report/thermal_report.hpp"
 
 namespace gear3k::report {
 
@@ -160,6 +160,7 @@ std::string first_screen(const Evaluation& e, const std::vector<TightestCheck>& 
   add("  lost motion  " + lost_motion_text(e, built));
   add("  contact      " + contact_text(e.meshes));
   if (e.strength) add("  strength     " + capacity_summary(e));
+  if (e.thermal) add("  temperature  " + thermal_summary(*e.thermal));
   text += '\n' + tightest_text(e.checks, tightest, columns) + '\n';
   add(not_checked_text(e));
   text += notes_text(e.notes, columns);

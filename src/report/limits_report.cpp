@@ -34,7 +34,7 @@ std::vector<std::string_view> limits_at_zero(const design::Limits& limits) {
 
 }  // namespace
 
-std::string limits_line(const design::Limits& limits) {
+std::string limits_line(const design::Limits& limits, bool of_pair) {
   std::vector<std::string> preset, stated, bare;
   for (const design::PresetLimit& of_preset : design::preset_limits()) {
     const design::CheckRecord& r = design::check_record(of_preset.check);
@@ -52,7 +52,10 @@ std::string limits_line(const design::Limits& limits) {
     }
   }
   const auto zero = limits_at_zero(limits);
-  const std::string at_zero = zero.empty() ? "" : fmt::format("; at 0: {}", fmt::join(zero, ", "));
+  std::string at_zero = zero.empty() ? "" : fmt::format("; at 0: {}", fmt::join(zero, ", "));
+  if (!of_pair && !limits[design::CheckId::kOutputBacklashMax]) {
+    at_zero += "; lost motion without a limit (backlash.max_output_arcmin)";
+  }
   if (!limits.preset) {
     const std::string named =
         bare.empty() ? "none of a workshop's is left bare"

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <limits>
+
 #include "design/checks.hpp"
 #include "report/display.hpp"
 #include "report/text_table.hpp"
@@ -59,7 +62,35 @@ std::string jam_text(const std::optional<double>& temperature_K) {
   return temperature_K ? fmt::format("{:.1f} C", celsius(*temperature_K)) : std::string("none");
 }
 
+/// The nearest temperature of several; `above`: the least of them.
+std::optional<double> nearest_jam(const ThermalResult& thermal, bool above) {
+  std::optional<double> nearest;
+  for (const JamRange& jam : thermal.jams) {
+    const std::optional<double>& at = above ? jam.above_K : jam.below_K;
+    if (at && (!nearest || (above ? *at < *nearest : *at > *nearest))) nearest = at;
+  }
+  return nearest;
+}
+
 }  // namespace
+
+std::string thermal_summary(const ThermalResult& thermal) {
+  double least_m = std::numeric_limits<double>::infinity();
+  double most_rad = 0.0;
+  std::string where;
+  for (const ThermalStateResult& at : thermal.states) {
+    most_rad = std::max(most_rad, at.lost_motion_rad);
+    for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+      if (!(at.meshes[k].least_backlash_m < least_m)) continue;
+      least_m = at.meshes[k].least_backlash_m;
+      where = fmt::format("{} at {}", train::kMeshNames[k], design::state_text(at.state));
+    }
+  }
+  return fmt::format(
+      "least backlash {} um ({}), lost motion up to {} arcmin; jams below: {}, above: {}",
+      fixed(um(least_m), 1), where, fixed(arcmin(most_rad), 2),
+      jam_text(nearest_jam(thermal, false)), jam_text(nearest_jam(thermal, true)));
+}
 
 std::string thermal_table(const std::optional<ThermalResult>& thermal) {
   if (!thermal) return "";

@@ -9,6 +9,9 @@
 
 namespace gear3k::report {
 
+/// Least backlash, greatest lost motion and the nearest temperatures of a jam, in a line.
+std::string thermal_summary(const design::ThermalResult& thermal);
+
 /// "" without a range.
 std::string thermal_table(const std::optional<design::ThermalResult>& thermal);
 

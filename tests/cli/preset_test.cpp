@@ -70,6 +70,7 @@ TEST(Preset, LeavesNoMeshOfALeastSpecWithoutBacklashAndNoLimitUnsaid) {
   EXPECT_EQ(bare.summary.at("limits").at("preset"), nullptr);
   EXPECT_GT(bare.summary.at("limits").at("bare").size(), 5U);
   EXPECT_NE(bare.run.out.find("\nLimits: no preset; bare are "), std::string::npos);
+  EXPECT_NE(bare.run.out.find("(backlash.max_output_arcmin)"), std::string::npos) << bare.run.out;
 }
 
 TEST(Preset, ItsLimitsAreOverriddenOneByOne) {

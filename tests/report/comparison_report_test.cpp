@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <variant>
 #include <vector>
@@ -70,6 +72,17 @@ TEST(Comparison, TellsWhatAChangedFaceWidthChanges) {
   const std::string table = comparison_table(two);
   EXPECT_NE(table.find("output stiffness"), std::string::npos);
   EXPECT_EQ(table.find("contact ratio  "), std::string::npos);
+}
+
+TEST(Comparison, LongNamesLeaveItsTableNarrow) {
+  const std::vector<ComparedDesign> two{
+      compared(example("bilateral_drive_gear.toml"), "in the envelope of another gearbox"),
+      compared(example("loaded.toml"), "a design with a name of many words 12/64/141/52/132")};
+  std::istringstream lines(comparison_table(two));
+  std::size_t longest = 0;
+  for (std::string line; std::getline(lines, line);) longest = std::max(longest, line.size());
+  EXPECT_LE(longest, 100U);
+  EXPECT_NE(lines.str().find("\nB  a design with a name of many words"), std::string::npos);
 }
 
 // Inertia of a small sun is 1e-12 kg m²: still told apart.
