@@ -107,6 +107,14 @@ int use_threads(const CommonOptions& options) {
 
 namespace {
 
+/// Of which preset the limits are; nothing without one.
+std::string limits_paragraph(const design::Limits& limits, const ShowOptions& show,
+                             bool of_pair = false) {
+  if (!limits.preset) return "";
+  return "\n" + report::broken(report::limits_line(limits, of_pair), table_choice(show).columns,
+                               kBrokenIndent);
+}
+
 std::string result_text(const app::Analysis& analysis, const std::optional<app::Model>& model,
                         Format format, const ShowOptions& show) {
   const design::BuiltSeries* built = analysis.series ? &*analysis.series : nullptr;
@@ -125,9 +133,7 @@ std::string result_text(const app::Analysis& analysis, const std::optional<app::
              analysis.evaluation,
              design::tightest_checks(analysis.design, analysis.evaluation, kTightestShown),
              table_choice(show), analysis.sensitivities, use, built, curve) +
-         (limits.preset ? "\n" + report::broken(report::limits_line(limits),
-                                                table_choice(show).columns, kBrokenIndent)
-                        : "");
+         limits_paragraph(limits, show);
 }
 
 std::string result_text(const design::PairDesign& pair, const design::PairEvaluation& evaluation,
@@ -140,8 +146,10 @@ std::string result_text(const design::PairDesign& pair, const design::PairEvalua
     case Format::kTable:
       break;
   }
-  return report::analysis_text(
-      evaluation, design::tightest_checks(pair, evaluation, kTightestShown), table_choice(show));
+  return report::analysis_text(evaluation,
+                               design::tightest_checks(pair, evaluation, kTightestShown),
+                               table_choice(show)) +
+         limits_paragraph(pair.limits, show, true);
 }
 
 /// @throws io::InvalidInput where --out is an input

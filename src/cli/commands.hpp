@@ -64,6 +64,7 @@ struct OptimizeOptions : CommonOptions {
   bool certify = false;  ///< refine only what can still win, and prove that nothing else can
   bool round = false;    ///< the best design of what is made, too
   bool resume = false;   ///< go on with the journal of an interrupted run
+  bool force = false;    ///< replace the result of an earlier run
 };
 
 struct ReproduceOptions : CommonOptions {

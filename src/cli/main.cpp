@@ -450,6 +450,8 @@ int run_program(int argc, char** argv) {
       "write the best design rounded to the steps of [round] too, as best_rounded.toml");
   optimize_command->add_flag("--resume", optimize.resume,
                              "go on with the run in --out that was interrupted or killed");
+  optimize_command->add_flag("--force", optimize.force,
+                             "replace the result of an earlier run in --out");
   add_model_option(*optimize_command, optimize.model);
   add_common_options(*optimize_command, optimize);
   optimize_command->footer(keys_of("SPEC.toml"));

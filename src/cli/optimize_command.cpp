@@ -168,7 +168,12 @@ void print_results(const app::OptimizeTask& task, const OptimizeRun& run,
       break;
     case Format::kTable: {
       const auto series = design::table_series(o.best->design);
+      const std::size_t sets = o.result.search.candidates.size();
       print_result(
+          (o.interrupted
+               ? fmt::format("Stopped: {} of {} tooth sets are done, the best of them is\n",
+                             sets - run.tally.open, sets)
+               : std::string()) +
           report::analysis_text(
               o.best->evaluation,
               design::tightest_checks(o.best->design, o.best->evaluation, kTightestShown),
@@ -231,6 +236,17 @@ ExitCode end_without_design(const app::OptimizeTask& task, const OptimizeRun& ru
   return all_failed ? kSolverFailure : kNoFeasibleDesign;
 }
 
+/// @throws io::InvalidInput where the folder holds the result of an earlier run, unless it is to be
+///   replaced or gone on with
+void refuse_earlier_result(const ResultFolder& folder, const OptimizeOptions& options) {
+  const std::string summary = folder.path_of("summary.json");
+  if (options.force || options.resume || !std::filesystem::exists(summary)) return;
+  throw io::InvalidInput(
+      fmt::format("--out {}: holds the result of an earlier run ({}): allowed: another folder, "
+                  "--force to replace it, --resume to go on with one that was interrupted",
+                  options.out, summary));
+}
+
 }  // namespace
 
 ExitCode run_optimize(const OptimizeOptions& options) {
@@ -242,6 +258,7 @@ ExitCode run_optimize(const OptimizeOptions& options) {
        .files = {"best.toml", kRoundedName, "refined.csv", "pareto.csv", "summary.json"},
        .others = {kJournalName},
        .quiet = options.quiet});
+  refuse_earlier_result(folder, options);
   warn(task.model_notes, options.quiet);
   folder.open();
   if (!task.unreachable.empty()) {

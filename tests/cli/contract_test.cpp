@@ -341,6 +341,9 @@ TEST(Analyze, StrictRefusesAPlasticGearThatJamsWhenItIsWarm) {
   place.write("warm.toml", text + "\n[thermal]\ntemperature_c = [20.0, 60.0]\n" + steel_but);
   const ProgramResult warm = place.run({"analyze", "warm.toml", "--strict", "--full"});
   EXPECT_EQ(warm.exit_code, 3) << warm.err;
+  const std::string first = place.run({"analyze", "warm.toml"}).out;
+  EXPECT_NE(first.find("  temperature  least backlash -"), std::string::npos) << first;
+  EXPECT_NE(first.find("none, above: "), std::string::npos) << first;
   for (const char* said : {"S-P1 at 60 C", "first jams below at", "thermal_backlash"}) {
     EXPECT_NE(warm.out.find(said), std::string::npos) << said;
   }
@@ -935,7 +938,9 @@ TEST(Optimize, MakesTheFolderWithItsParentsAndReplacesTheFilesOfAnEarlierRun) {
   EXPECT_EQ(names_in(place.file("a/b/out")), kResultFiles);
   const std::string best = place.read("a/b/out/best.toml");
   for (const std::string& name : kResultFiles) place.write("a/b/out/" + name, "earlier");
-  ASSERT_EQ(place.run(arguments).exit_code, 0);
+  std::vector<std::string> again = arguments;
+  again.emplace_back("--force");
+  ASSERT_EQ(place.run(again).exit_code, 0);
   EXPECT_EQ(names_in(place.file("a/b/out")), kResultFiles);
   EXPECT_EQ(place.read("a/b/out/best.toml"), best);
   for (const std::string& name : kResultFiles) {
@@ -956,11 +961,11 @@ TEST(Optimize, PrintsTheBestDesignAndThePathsOfItsFiles) {
   const std::string analysis = place.run({"analyze", "out/best.toml"}).out;
   EXPECT_TRUE(table.out.starts_with(analysis));
   const ProgramResult csv =
-      place.run({"optimize", "spec.toml", "--out", "out", "--quiet", "--format", "csv"});
+      place.run({"optimize", "spec.toml", "--out", "out", "--force", "--quiet", "--format", "csv"});
   EXPECT_EQ(csv.out, place.read("out/refined.csv"));
   EXPECT_EQ(csv.err, "");
-  const ProgramResult summary =
-      place.run({"optimize", "spec.toml", "--out", "out", "--quiet", "--format", "json"});
+  const ProgramResult summary = place.run(
+      {"optimize", "spec.toml", "--out", "out", "--force", "--quiet", "--format", "json"});
   EXPECT_EQ(summary.out, place.read("out/summary.json"));
 }
 
@@ -1023,6 +1028,30 @@ TEST(Interrupt, OfALongRunKeepsWhatIsDone) {
   EXPECT_EQ(result->exit_code, kInterrupted);
   EXPECT_NE(result->err.find("interrupted"), std::string::npos) << result->err;
   expect_consistent_files(place);
+  const bool found = !json::parse(place.read("out/summary.json")).at("best").is_null();
+  EXPECT_EQ(result->out.rfind("Stopped: ", 0) == 0, found) << result->out;
+}
+
+TEST(OptimizeFolder, OfAnEarlierRunIsReplacedByForceAlone) {
+  const Workplace place;
+  std::string spec = replaced(example("ratio-96.toml"), "S = [10, 24]", "S = [12, 12]");
+  spec = replaced(spec, "P1 = [18, 70]", "P1 = [64, 64]");
+  place.write("spec.toml", spec);
+  const std::vector<std::string> command{"optimize", "spec.toml", "--out", "out", "--quiet"};
+  ASSERT_EQ(place.run(command).exit_code, 0);
+  const std::string before = place.read("out/summary.json");
+  place.write("spec.toml", replaced(spec, "[64, 64]", "[63, 64]"));
+  const ProgramResult refused = place.run(command);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find("holds the result of an earlier run (out/summary.json): allowed: "
+                             "another folder, --force"),
+            std::string::npos)
+      << refused.err;
+  EXPECT_EQ(place.read("out/summary.json"), before);
+  std::vector<std::string> forced = command;
+  forced.emplace_back("--force");
+  EXPECT_EQ(place.run(forced).exit_code, 0);
+  EXPECT_NE(place.read("out/summary.json"), before);
 }
 
 TEST(Interrupt, IsPromptWithinOneToothSetOfManyStartsAndModules) {

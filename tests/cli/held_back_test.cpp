@@ -26,7 +26,8 @@ const std::string kOneSet =
 
 json summary_of(const Workplace& place, const std::string& spec) {
   place.write("spec.toml", spec);
-  const ProgramResult run = place.run({"optimize", "spec.toml", "--out", "out", "--quiet"});
+  const ProgramResult run =
+      place.run({"optimize", "spec.toml", "--out", "out", "--force", "--quiet"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   return json::parse(place.read("out/summary.json"));
 }
@@ -118,7 +119,8 @@ TEST(HeldBack, NamesTheBoundsOfTheSearchAndTheNearestBetterAnswer) {
   EXPECT_EQ(better.at("change"), most);
   EXPECT_DOUBLE_EQ(better.at("objective").get<double>(),
                    summary.at("best").at("eta_b").get<double>() + most);
-  const std::string table = place.run({"optimize", "spec.toml", "--out", "out", "--quiet"}).out;
+  const std::string table =
+      place.run({"optimize", "spec.toml", "--out", "out", "--force", "--quiet"}).out;
   for (const char* text : {"\nHeld back by ", "  backlash.max_output_arcmin ", "8 arcmin",
                            "  at a bound of the search, beyond which nothing was tried: teeth.S[0]",
                            "  nearest better, an estimate to first order: "}) {
@@ -135,7 +137,8 @@ TEST(HeldBack, TellsTheBestOfEveryNumberOfPlanets) {
       "[module]\nstage1_mm = { min = 0.5, max = 1.0 }\nstage2_mm = { min = 0.5, max = 1.0 }\n";
   const json both = summary_of(place, task);
   ASSERT_EQ(both.at("best_per_planets").size(), 2);
-  const std::string table = place.run({"optimize", "spec.toml", "--out", "out", "--quiet"}).out;
+  const std::string table =
+      place.run({"optimize", "spec.toml", "--out", "out", "--force", "--quiet"}).out;
   EXPECT_NE(table.find("\nBest by number of planets\n"), std::string::npos);
   double best = 0.0;
   for (const json& entry : both.at("best_per_planets")) {

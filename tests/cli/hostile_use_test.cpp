@@ -171,7 +171,8 @@ TEST(ResultFolder, KeepsAnEarlierRunWhereOneFileCannotBeWritten) {
   std::filesystem::remove(place.file("out/summary.json"));
   std::filesystem::create_directory(place.file("out/summary.json"));
   place.write("out/best.toml", "earlier");
-  const ProgramResult result = place.run({"optimize", "spec.toml", "--out", "out", "--quiet"});
+  const ProgramResult result =
+      place.run({"optimize", "spec.toml", "--out", "out", "--force", "--quiet"});
   EXPECT_EQ(result.exit_code, kInvalidInput);
   EXPECT_TRUE(contains(result.err, "out/summary.json: cannot be written")) << result.err;
   EXPECT_EQ(place.read("out/best.toml"), "earlier");
@@ -183,7 +184,8 @@ TEST(Stderr, ThatCannotBeWrittenEndsNoRun) {
   place.write("spec.toml", small_spec());
   ASSERT_EQ(place.run({"optimize", "spec.toml", "--out", "plain"}).exit_code, 0);
   for (const char* device : {"/dev/full", "-"}) {
-    const ProgramResult result = place.run({"optimize", "spec.toml", "--out", "out"}, "", device);
+    const ProgramResult result =
+        place.run({"optimize", "spec.toml", "--out", "out", "--force"}, "", device);
     EXPECT_EQ(result.exit_code, 0) << device << ", signal " << result.signal;
     EXPECT_TRUE(contains(result.out, "Files in out: ")) << device;
     EXPECT_EQ(place.read("out/best.toml"), place.read("plain/best.toml"));

@@ -52,7 +52,8 @@ TEST(OptimizeRound, WritesADesignOfWholeStepsThatPassesEveryCheck) {
   const json efficiency = json::parse(analysis.out).at("efficiency");
   EXPECT_NEAR(efficiency.at("backward").get<double>(), objective, 1e-12);
   // Without --round it would pass for a result of this run.
-  ASSERT_EQ(place.run({"optimize", "spec.toml", "--out", "out", "--quiet"}).exit_code, 0);
+  ASSERT_EQ(place.run({"optimize", "spec.toml", "--out", "out", "--force", "--quiet"}).exit_code,
+            0);
   EXPECT_FALSE(std::filesystem::exists(place.file("out/best_rounded.toml")));
   EXPECT_TRUE(std::filesystem::exists(place.file("out/best_rounded.toml.previous")));
   EXPECT_TRUE(json::parse(place.read("out/summary.json")).at("rounded").is_null());
@@ -63,7 +64,7 @@ TEST(OptimizeRound, SaysWhichLimitBlocksWhereNoStepFits) {
   place.write("spec.toml", replaced(kTask, "[round]\nprofile_shift = 0.02\n",
                                     "[round]\nprofile_shift = 0.5\ncenter_distance_mm = 1.0\n"));
   const ProgramResult run =
-      place.run({"optimize", "spec.toml", "--out", "out", "--round", "--quiet"});
+      place.run({"optimize", "spec.toml", "--out", "out", "--force", "--round", "--quiet"});
   EXPECT_EQ(run.exit_code, 3);
   EXPECT_NE(run.err.find("spec.toml: no rounded design meets every check: the nearest misses "),
             std::string::npos)
