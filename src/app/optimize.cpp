@@ -156,7 +156,10 @@ Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks,
        .known = hooks.known ? hooks.known() : std::vector<optimize::RefinedSet>(),
        .on_wave = hooks.on_wave});
   if (task.spec.objectives.size() > 1 && !outcome.result.interrupted) {
-    outcome.front = optimize::search_pareto_front(task.spec, progress, outcome.result.refined);
+    const auto steps = hooks.front_steps ? hooks.front_steps() : std::vector<optimize::FrontStep>();
+    outcome.front = optimize::search_pareto_front(
+        task.spec, progress,
+        {.known = outcome.result.refined, .steps = steps, .on_step = hooks.on_front_step});
   }
   outcome.interrupted = outcome.result.interrupted || (outcome.front && outcome.front->interrupted);
   if (outcome.result.best) {

@@ -53,6 +53,10 @@ struct OptimizeHooks {
   std::function<std::vector<optimize::RefinedSet>()> known = {};
   /// Called with the sets of a wave when all of them are refined, known ones left out.
   std::function<void(std::span<const optimize::RefinedSet>)> on_wave = {};
+  /// What an earlier run of the same task found of the front; asked for once, before its search.
+  std::function<std::vector<optimize::FrontStep>()> front_steps = {};
+  /// Called with what every further search of the front found.
+  std::function<void(const optimize::FrontStep&)> on_front_step = {};
 };
 
 struct Optimization {

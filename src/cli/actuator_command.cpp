@@ -18,6 +18,7 @@
 #include "io/text/diagnostics.hpp"
 #include "io/text/file_set.hpp"
 #include "report/actuator_plot.hpp"
+#include "report/front_plot.hpp"
 #include "report/selection_report.hpp"
 
 namespace gear3k::cli {
@@ -108,6 +109,7 @@ ExitCode run_selection(const ActuatorOptions& options) {
   ResultFolder folder({.path = options.out,
                        .inputs = files.inputs,
                        .files = {"selection.csv", "pareto.csv", "summary.json"},
+                       .figures = {"pareto.svg"},
                        .quiet = options.quiet});
   const actuator::Selection selection = actuator::select(files.task);
   const std::string json = report::selection_json(files.task, selection);
@@ -115,7 +117,10 @@ ExitCode run_selection(const ActuatorOptions& options) {
   const std::vector<std::string> written =
       folder.write({{.path = "selection.csv", .text = report::selection_csv(files.task, selection)},
                     {.path = "pareto.csv", .text = front},
-                    {.path = "summary.json", .text = json}});
+                    {.path = "summary.json", .text = json}},
+                   files.task.objectives.size() > 1 && !selection.front.empty()
+                       ? draw({report::selection_plot(files.task, selection)})
+                       : Figures());
   switch (options.format) {
     case Format::kJson:
       print_result(json);

@@ -18,6 +18,7 @@
 #include "io/text/toml_value.hpp"
 #include "report/analysis_report.hpp"
 #include "report/first_screen.hpp"
+#include "report/front_plot.hpp"
 #include "report/limits_report.hpp"
 #include "report/model_change_report.hpp"
 #include "report/robust_report.hpp"
@@ -29,6 +30,8 @@ namespace gear3k::cli {
 namespace {
 
 constexpr const char* kJournalName = "optimize.journal";
+constexpr const char* kFrontJournalName = "front.journal";
+constexpr const char* kFrontFigure = "pareto.svg";
 constexpr const char* kRoundedName = "best_rounded.toml";
 
 /// What was read, each file once.
@@ -56,23 +59,25 @@ OptimizeInput read_input(const OptimizeOptions& options) {
 /// What an earlier run of the task left, to go on with, and what this one leaves.
 class RunJournal {
  public:
-  RunJournal(const ResultFolder& folder, std::uint64_t fingerprint, const OptimizeOptions& options)
-      : folder_(folder), fingerprint_(fingerprint), options_(options) {}
+  /// @param name, what  of the file, and of what it records
+  RunJournal(const ResultFolder& folder, std::uint64_t fingerprint, const OptimizeOptions& options,
+             const char* name, const char* what)
+      : folder_(folder), fingerprint_(fingerprint), options_(options), name_(name), what_(what) {}
 
   /// The sets to go on with; a journal that is in the way of a new run is kept under another name.
   std::vector<optimize::RefinedSet> open() {
-    const std::string path = folder_.path_of(kJournalName);
+    const std::string path = folder_.path_of(name_);
     io::Journal journal;
     if (options_.resume) {
       journal = io::read_journal(path, fingerprint_);
       say_unless_quiet(
           journal.exists
-              ? fmt::format("{}: goes on after {} refined tooth sets\n", path, journal.sets.size())
+              ? fmt::format("{}: goes on after {} {}\n", path, journal.sets.size(), what_)
               : fmt::format("{}: there is none, the run starts anew\n", path));
     } else if (std::error_code none; std::filesystem::exists(path, none)) {
       say_unless_quiet(
           fmt::format("{}: of a run that did not end; --resume would go on with it\n", path));
-      folder_.set_aside(kJournalName);
+      folder_.set_aside(name_);
     }
     writer_.emplace(path, fingerprint_, journal);
     return std::move(journal.sets);
@@ -82,7 +87,7 @@ class RunJournal {
   void remove() {
     writer_.reset();
     std::error_code ignored;
-    std::filesystem::remove(folder_.path_of(kJournalName), ignored);
+    std::filesystem::remove(folder_.path_of(name_), ignored);
   }
 
  private:
@@ -93,7 +98,40 @@ class RunJournal {
   const ResultFolder& folder_;
   std::uint64_t fingerprint_;
   const OptimizeOptions& options_;
+  const char* name_;
+  const char* what_;
   std::optional<io::JournalWriter> writer_;
+};
+
+/// The searches of a front on disk: a record each, by rising number; of one that found nothing the
+/// record is no optimum.
+class FrontJournal {
+ public:
+  FrontJournal(const ResultFolder& folder, std::uint64_t fingerprint,
+               const OptimizeOptions& options)
+      : journal_(folder, fingerprint, options, kFrontJournalName, "searches of the front") {}
+
+  std::vector<optimize::FrontStep> open() {
+    std::vector<optimize::FrontStep> steps;
+    for (optimize::RefinedSet& set : journal_.open()) {
+      if (set.index != steps.size()) break;
+      steps.push_back(set.status == optimize::Status::kOptimal ? optimize::FrontStep(std::move(set))
+                                                               : std::nullopt);
+    }
+    steps_ = steps.size();
+    return steps;
+  }
+  void append(const optimize::FrontStep& step) {
+    optimize::RefinedSet record = step.value_or(optimize::RefinedSet{});
+    if (!step) record.status = optimize::Status::kInfeasible;
+    record.index = static_cast<std::uint32_t>(steps_++);
+    journal_.append({&record, 1});
+  }
+  void remove() { journal_.remove(); }
+
+ private:
+  RunJournal journal_;
+  std::size_t steps_ = 0;
 };
 
 /// A run with what its files and tables are made of.
@@ -101,9 +139,11 @@ struct OptimizeRun {
   app::Optimization outcome;
   report::ResultTally tally;
   std::string summary;
+  bool drawn = false;  ///< the figure of the front
 };
 
-OptimizeRun run(app::OptimizeTask& task, RunJournal& journal, const OptimizeOptions& options) {
+OptimizeRun run(app::OptimizeTask& task, RunJournal& journal, FrontJournal& front,
+                const OptimizeOptions& options) {
   const int threads = use_threads(options);
   OptimizeRun run;
   double wall_time_s = 0.0;
@@ -113,7 +153,9 @@ OptimizeRun run(app::OptimizeTask& task, RunJournal& journal, const OptimizeOpti
     run.outcome = app::optimize(
         task,
         {.known = [&] { return journal.open(); },
-         .on_wave = [&](std::span<const optimize::RefinedSet> sets) { journal.append(sets); }},
+         .on_wave = [&](std::span<const optimize::RefinedSet> sets) { journal.append(sets); },
+         .front_steps = [&] { return front.open(); },
+         .on_front_step = [&](const optimize::FrontStep& step) { front.append(step); }},
         progress);
     wall_time_s = display.elapsed_s();
   }
@@ -128,7 +170,7 @@ OptimizeRun run(app::OptimizeTask& task, RunJournal& journal, const OptimizeOpti
   return run;
 }
 
-void write_files(ResultFolder& folder, const app::OptimizeTask& task, const OptimizeRun& run) {
+void write_files(ResultFolder& folder, const app::OptimizeTask& task, OptimizeRun& run) {
   const app::Optimization& o = run.outcome;
   const report::RefinedColumns columns = report::refined_columns(task.spec);
   std::vector<io::FileText> files{{.path = "refined.csv", .text = {}},
@@ -142,7 +184,12 @@ void write_files(ResultFolder& folder, const app::OptimizeTask& task, const Opti
   if (o.rounded) {
     files.push_back({.path = kRoundedName, .text = io::design_text(o.rounded->stated)});
   }
-  folder.write(std::move(files));
+  Figures figures;
+  if (o.front && !o.front->points.empty()) {
+    figures = draw({report::pareto_plot(task.spec, *o.front)});
+  }
+  folder.write(std::move(files), figures);
+  run.drawn = !figures.files.empty();
   if (!o.best) folder.set_aside("best.toml");
   if (!o.rounded) folder.set_aside(kRoundedName);
 }
@@ -188,10 +235,11 @@ void print_results(const app::OptimizeTask& task, const OptimizeRun& run,
           report::broken(report::limits_line(task.stated_limits),
                          table_choice(options.show).columns, kBrokenIndent) +
           fmt::format("\nFiles in {}: best.toml (this design), {}refined.csv ({} tooth sets), "
-                      "pareto.csv ({} designs), summary.json\n",
+                      "pareto.csv ({} designs), {}summary.json\n",
                       options.out, o.rounded ? "best_rounded.toml, " : "",
                       o.result.search.candidates.size() - run.tally.open,
-                      o.front ? o.front->points.size() : o.result.pareto.size()));
+                      o.front ? o.front->points.size() : o.result.pareto.size(),
+                      run.drawn ? fmt::format("{}, ", kFrontFigure) : std::string()));
       break;
     }
   }
@@ -256,7 +304,8 @@ ExitCode run_optimize(const OptimizeOptions& options) {
       {.path = options.out,
        .inputs = {options.file, options.model},
        .files = {"best.toml", kRoundedName, "refined.csv", "pareto.csv", "summary.json"},
-       .others = {kJournalName},
+       .others = {kJournalName, kFrontJournalName},
+       .figures = {kFrontFigure},
        .quiet = options.quiet});
   refuse_earlier_result(folder, options);
   warn(task.model_notes, options.quiet);
@@ -266,8 +315,9 @@ ExitCode run_optimize(const OptimizeOptions& options) {
     say(fmt::format("{}: {}\n", options.file, task.unreachable));
     return kNoFeasibleDesign;
   }
-  RunJournal journal(folder, input.fingerprint, options);
-  const OptimizeRun result = run(task, journal, options);
+  RunJournal journal(folder, input.fingerprint, options, kJournalName, "refined tooth sets");
+  FrontJournal front(folder, input.fingerprint, options);
+  OptimizeRun result = run(task, journal, front, options);
   const app::Optimization& outcome = result.outcome;
   if (!outcome.searched()) return end_without_limits(task, outcome, folder);
   write_files(folder, task, result);
@@ -279,8 +329,7 @@ ExitCode run_optimize(const OptimizeOptions& options) {
   if (outcome.interrupted) {
     const char* open = "the rest";
     if (!outcome.result.interrupted) {
-      open = outcome.front ? "the front, which it searches anew"
-                           : "the search without the model, which it begins anew";
+      open = outcome.front ? "the front" : "the search without the model, which it begins anew";
     }
     if (outcome.rounding) open = "the rounding, which it begins anew";
     say(
@@ -289,6 +338,7 @@ ExitCode run_optimize(const OptimizeOptions& options) {
                     options.out, outcome.result.refined.size(), open));
   } else {
     journal.remove();
+    front.remove();
   }
   if (!outcome.best) return end_without_design(task, result, options);
   print_results(task, result, options);

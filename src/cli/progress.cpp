@@ -58,6 +58,9 @@ struct ProgressDisplay::State {
   optimize::Progress::Phase shown_phase = optimize::Progress::Phase::kSearch;
   Clock::time_point phase_start = start;
   std::size_t phase_done = 0;  ///< when the phase was first seen
+  optimize::Progress::Stage shown_stage = optimize::Progress::Stage::kOne;
+  Clock::time_point stage_start = start, search_start = start;
+  std::size_t shown_searches = 0;
   std::mutex mutex;
   std::condition_variable wake;
   bool done = false;
@@ -67,6 +70,51 @@ struct ProgressDisplay::State {
 
   [[nodiscard]] double elapsed_s() const {
     return std::chrono::duration<double>(Clock::now() - start).count();
+  }
+
+  /// What is left of a stage of several searches: the rest of the one that runs, by how many of
+  /// its tooth sets are done, and the others at the mean of those that were begun.
+  [[nodiscard]] std::string stage_left(std::size_t finished, std::size_t total) {
+    const std::size_t begun = progress.searches.load();
+    const Clock::time_point now = Clock::now();
+    if (begun != shown_searches) {
+      shown_searches = begun;
+      search_start = now;
+    }
+    const auto seconds = [&](Clock::time_point since) {
+      return std::chrono::duration<double>(now - since).count();
+    };
+    if (begun == 0) return "?";
+    const auto ready = static_cast<double>(progress.done.load());
+    const auto all = static_cast<double>(progress.total.load());
+    const bool refines = progress.phase.load() == optimize::Progress::Phase::kRefinement;
+    const double rest =
+        refines && ready > 0.0 ? seconds(search_start) * (all - ready) / ready : 0.0;
+    const double mean = (seconds(stage_start) + rest) / static_cast<double>(begun);
+    const double each =
+        progress.stage.load() == optimize::Progress::Stage::kFrontEnds
+            ? 1.0
+            : static_cast<double>(begun) / std::max(1.0, static_cast<double>(finished));
+    const double more = std::max(0.0, static_cast<double>(total - finished) * each - 1.0);
+    return clock_text(rest + mean * more);
+  }
+
+  /// What the searches of a run are for, with the time that is left; "" where there is one.
+  std::string of_stage() {
+    using Stage = optimize::Progress::Stage;
+    const Stage stage = progress.stage.load();
+    if (stage != shown_stage) {
+      shown_stage = stage;
+      stage_start = Clock::now();
+    }
+    if (stage == Stage::kOne) return "";
+    const std::size_t total = progress.stage_total.load();
+    const std::size_t finished = std::min(progress.stage_done.load(), total);
+    const std::string left = stage_left(finished, total);
+    return stage == Stage::kFrontEnds
+               ? fmt::format("ends of the front, search {} of {}, {} left",
+                             std::min(finished + 1, total), total, left)
+               : fmt::format("front, {} of {} designs in its gaps, {} left", finished, total, left);
   }
 
   void show() {
@@ -83,12 +131,15 @@ struct ProgressDisplay::State {
     const double seconds = std::chrono::duration<double>(Clock::now() - phase_start).count();
     const double rate =
         finished > phase_done ? static_cast<double>(finished - phase_done) / seconds : 0.0;
+    const std::string stage = of_stage();
     const std::string remaining =
         rate > 0.0 ? clock_text(static_cast<double>(total - finished) / rate) : "?";
     using Phase = optimize::Progress::Phase;
     const Phase phase = progress.phase.load();
     const auto count_of = [&](const char* what) {
-      return fmt::format("{}/{} {}, {:.0f}/s, {} left", finished, total, what, rate, remaining);
+      return stage.empty() ? fmt::format("{}/{} {}, {:.0f}/s, {} left", finished, total, what, rate,
+                                         remaining)
+                           : fmt::format("{}; {}/{} {}", stage, finished, total, what);
     };
     std::string facts;
     switch (phase) {
@@ -99,8 +150,8 @@ struct ProgressDisplay::State {
         facts = count_of("stages bounded");
         break;
       case Phase::kRefinement:
-        facts =
-            count_of("tooth sets refined") + fmt::format(", {} feasible", progress.feasible.load());
+        facts = count_of("tooth sets refined");
+        if (stage.empty()) facts += fmt::format(", {} feasible", progress.feasible.load());
         break;
       case Phase::kCertificate:
         facts = count_of("bounds sharpened");
@@ -112,7 +163,7 @@ struct ProgressDisplay::State {
     if (counts == Counts::kSharesDiagnosed) {
       facts = fmt::format("{} % diagnosed, {} left", 100 * finished / total, remaining);
     }
-    if (progress.feasible.load() > 0) {
+    if (progress.feasible.load() > 0 && stage.empty()) {
       facts += fmt::format(", best {:.5g}",
                            progress.best_merit.load() * progress.shown_per_merit.load());
     }

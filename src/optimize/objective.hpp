@@ -62,6 +62,7 @@ double cost_in_steps(Objective objective, double value);
 struct ObjectiveLimit {
   Objective objective = Objective::kBackwardEfficiency;
   double value = 0.0;
+  bool by_check = false;  ///< a limit of the checks holds it, too: for bounds alone
 };
 
 }  // namespace gear3k::optimize

@@ -190,6 +190,19 @@ double best_value(Objective objective, const Specification& spec, const train::T
     }
     return widths;
   };
+  // A ring's root circle, a multiple of its module, is no larger than the size allows.
+  const auto most_modules = [&] {
+    std::array<double, 2> most{module_range(spec.module[0]).hi, module_range(spec.module[1]).hi};
+    const auto limit = most_ring_root_diameter_m(spec);
+    if (!limit) return most;
+    const auto gears = smallest();
+    for (const std::size_t ring : {train::kR1, train::kR2}) {
+      double& module = most[ring == train::kR1 ? 0 : 1];
+      const double used = 2.0 * gears[ring].reference_radius_m / train::teeth_of(teeth)[ring];
+      module = std::min(module, used * *limit / (2.0 * kSlack * gears[ring].root_radius_m));
+    }
+    return most;
+  };
   const double greatest_angle =
       spec.free.pressure_angle_rad ? spec.free.pressure_angle_rad->max : spec.pressure_angle_rad;
   switch (objective) {
@@ -209,9 +222,10 @@ double best_value(Objective objective, const Specification& spec, const train::T
       const double slack = design::kFeasibilityTolerance * length_scale_m(spec);
       const bool kinematic = spec.limits.model == backlash::LostMotionModel::kKinematic;
       const double ratio = train::ratio(teeth);
+      const std::array<double, 2> most_module = most_modules();
       const auto share = [&](std::size_t mesh, double base_teeth) {
         const std::size_t stage = mesh == train::kMeshP2R2 ? 1 : 0;
-        const Interval module = module_range(spec.module[stage]);
+        const Interval module{module_range(spec.module[stage]).lo, most_module[stage]};
         const double half_cos = 0.5 * std::cos(limit[mesh] > 0.0 ? least_angle : greatest_angle);
         const double least = limit[mesh] - slack;
         return least / ((least > 0.0 ? module.hi : module.lo) * half_cos * base_teeth);

@@ -91,7 +91,7 @@ class Run {
     }
     result_.interrupted = progress_.stop.load();
     std::ranges::sort(result_.refined, {}, &RefinedSet::index);
-    if (options_.best_only && !result_.interrupted && result_.best) {
+    if (options_.best_only && options_.certify && !result_.interrupted && result_.best) {
       certify(order);
       if (progress_.stop.load()) {
         result_.certificate.reset();

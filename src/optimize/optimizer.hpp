@@ -22,6 +22,8 @@ namespace gear3k::optimize {
 struct OptimizeOptions {
   /// Refines only sets whose bound reaches the best that was found; else all.
   bool best_only = false;
+  /// Whether a search for the best alone also proves what no design is above: see Certificate.
+  bool certify = true;
   /// Sets that an earlier run refined, by rising index: they are taken as they are.
   std::vector<RefinedSet> known{};
   /// Called with the sets of a wave, known ones left out, when all of them are done.

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "optimize/front_gaps.hpp"
 #include "optimize/objective_value.hpp"
 
 namespace gear3k::optimize {
@@ -16,6 +17,11 @@ namespace {
 /// feasible, efficiencies by less than lost motion and sizes, which are themselves limits.
 constexpr double kLimitSlack = 20.0 * design::kFeasibilityTolerance;
 constexpr double kEfficiencySlack = 2.0 * design::kFeasibilityTolerance;
+
+ObjectiveLimit held_by_check(ObjectiveLimit limit) {
+  limit.by_check = true;
+  return limit;
+}
 
 /// The specification with one objective and limits on the others [SI].
 Specification limited(const Specification& spec, Objective first,
@@ -29,9 +35,11 @@ Specification limited(const Specification& spec, Objective first,
     };
     switch (limit.objective) {
       case Objective::kLostMotion:
+        task.objective_limits.push_back(held_by_check(limit));
         lower(task.limits[CheckId::kOutputBacklashMax], limit.value);
         break;
       case Objective::kOuterDiameter:
+        task.objective_limits.push_back(held_by_check(limit));
         lower(task.limits[CheckId::kRingRootDiameter], limit.value - 2.0 * spec.bodies.ring_rim_m);
         break;
       case Objective::kRatioError:
@@ -47,15 +55,18 @@ Specification limited(const Specification& spec, Objective first,
 
 class FrontSearch {
  public:
-  FrontSearch(const Specification& spec, Progress& progress, std::span<const RefinedSet> known)
-      : spec_(spec), progress_(progress) {
-    for (const RefinedSet& set : known) {
+  FrontSearch(const Specification& spec, Progress& progress, const FrontOptions& options)
+      : spec_(spec), progress_(progress), options_(options) {
+    for (const RefinedSet& set : options.known) {
       if (set.status == Status::kOptimal) points_.push_back(point_of(set));
     }
+    points_ = front_of(std::move(points_));
   }
 
   ParetoFront run() {
     const std::size_t count = spec_.objectives.size();
+    progress_.stage = Progress::Stage::kFrontEnds;
+    progress_.stage_total = count * count;
     const auto anchors = anchor_points();
     if (anchors.size() == count) {
       front_.ideal.resize(count);
@@ -70,10 +81,12 @@ class FrontSearch {
         }
       }
       points_.insert(points_.end(), anchors.begin(), anchors.end());
-      over_grid();
+      fill_gaps();
     }
-    keep_front();
+    front_.points = front_of(std::move(points_));
+    measure();
     front_.interrupted = progress_.stop.load();
+    progress_.stage = Progress::Stage::kOne;
     return std::move(front_);
   }
 
@@ -82,14 +95,28 @@ class FrontSearch {
     return -sense_of(spec_.objectives[k]) * value;
   }
 
+  /// The best of a search of the whole space, or what an earlier run had of it.
   std::optional<ParetoPoint> best_within(Objective first,
                                          const std::vector<ObjectiveLimit>& limits) {
     if (progress_.stop.load()) return std::nullopt;
-    const Specification task = limited(spec_, first, limits);
+    const std::size_t number = front_.searches;
+    FrontStep step;
+    if (number < options_.steps.size()) {
+      step = options_.steps[number];
+    } else {
+      ++progress_.searches;
+      const Specification task = limited(spec_, first, limits);
+      const OptimizeResult result =
+          optimize(task, progress_, {.best_only = true, .certify = false});
+      if (result.interrupted) return std::nullopt;
+      step = result.best;
+      if (step) step->index = static_cast<std::uint32_t>(number);
+      if (options_.on_step) options_.on_step(step);
+    }
     ++front_.searches;
-    const OptimizeResult result = optimize(task, progress_, {.best_only = true});
-    if (!result.best) return std::nullopt;
-    return point_of(*result.best);
+    ++progress_.stage_done;
+    if (!step) return std::nullopt;
+    return point_of(*step);
   }
 
   [[nodiscard]] ParetoPoint point_of(const RefinedSet& set) const {
@@ -127,26 +154,49 @@ class FrontSearch {
     return {.objective = objective, .value = value - sense_of(objective) * slack};
   }
 
-  void over_grid() {
-    const std::size_t others = spec_.objectives.size() - 1;
-    const auto steps = static_cast<std::size_t>(std::max(
-        2.0, std::round(std::pow(spec_.pareto_points, 1.0 / static_cast<double>(others)))));
-    std::vector<std::size_t> at(others, 0);
-    while (!progress_.stop.load()) {
-      std::vector<ObjectiveLimit> limits;
-      for (std::size_t k = 0; k < others; ++k) {
-        const double share = static_cast<double>(at[k]) / static_cast<double>(steps - 1);
-        const double value =
-            front_.ideal[k + 1] + share * (front_.reference[k + 1] - front_.ideal[k + 1]);
-        limits.push_back(limit_at(spec_.objectives[k + 1], value));
-      }
-      if (auto point = best_within(spec_.objectives.front(), limits)) {
-        points_.push_back(std::move(*point));
-      }
-      std::size_t k = 0;
-      while (k < others && ++at[k] == steps) at[k++] = 0;
-      if (k == others) break;
+  /// A value between ideal (0) and reference (1).
+  [[nodiscard]] double value_at(std::size_t k, double share) const {
+    return front_.ideal[k] + share * (front_.reference[k] - front_.ideal[k]);
+  }
+
+  [[nodiscard]] std::vector<double> costs_of(const ParetoPoint& point) const {
+    std::vector<double> costs(spec_.objectives.size());
+    for (std::size_t k = 0; k < costs.size(); ++k) {
+      const double range = cost(k, front_.reference[k]) - cost(k, front_.ideal[k]);
+      costs[k] = range > 0.0 ? (cost(k, point.values[k]) - cost(k, front_.ideal[k])) / range : 0.0;
     }
+    return costs;
+  }
+
+  void fill_gaps() {
+    FrontGaps gaps(spec_.objectives.size());
+    points_ = front_of(std::move(points_));
+    for (const ParetoPoint& point : points_) gaps.add(costs_of(point));
+    const auto wanted = static_cast<std::size_t>(spec_.pareto_points);
+    const std::size_t most = front_.searches + kMostSearches * wanted;
+    progress_.stage_done = 0;
+    progress_.searches = 0;
+    progress_.stage_total = wanted > points_.size() ? wanted - points_.size() : 0;
+    progress_.stage = Progress::Stage::kFrontGaps;
+    const std::size_t at_first = points_.size();
+    while (points_.size() < wanted && front_.searches < most) {
+      const auto place = gaps.next(kFrontFound);
+      if (!place) break;
+      std::vector<ObjectiveLimit> limits;
+      limits.reserve(place->size());
+      for (std::size_t k = 1; k < spec_.objectives.size(); ++k) {
+        limits.push_back(limit_at(spec_.objectives[k], value_at(k, (*place)[k - 1])));
+      }
+      auto point = best_within(spec_.objectives.front(), limits);
+      if (progress_.stop.load()) break;
+      gaps.found(point ? std::optional(costs_of(*point)) : std::nullopt);
+      if (point) {
+        points_.push_back(std::move(*point));
+        points_ = front_of(std::move(points_));
+      }
+      progress_.stage_done = std::max(points_.size(), at_first) - at_first;
+    }
+    front_.missing = gaps.missing();
   }
 
   /// Whether a is no worse than b everywhere, to what limits give way (an anchor's value may be at
@@ -161,8 +211,9 @@ class FrontSearch {
     return true;
   }
 
-  void keep_front() {
-    std::ranges::stable_sort(points_, [&](const ParetoPoint& a, const ParetoPoint& b) {
+  /// The points that no other one covers, from best to worst by the first objective.
+  [[nodiscard]] std::vector<ParetoPoint> front_of(std::vector<ParetoPoint> points) const {
+    std::ranges::stable_sort(points, [&](const ParetoPoint& a, const ParetoPoint& b) {
       for (std::size_t k = 0; k < spec_.objectives.size(); ++k) {
         const double cost_a = cost_in_steps(spec_.objectives[k], a.values[k]);
         const double cost_b = cost_in_steps(spec_.objectives[k], b.values[k]);
@@ -172,60 +223,41 @@ class FrontSearch {
     });
     // In this order a point is covered by ones before it, or after it within the slack.
     std::vector<ParetoPoint> kept;
-    for (ParetoPoint& point : points_) {
+    for (ParetoPoint& point : points) {
       if (std::ranges::none_of(kept, [&](const auto& other) { return covers(other, point); })) {
         kept.push_back(std::move(point));
       }
     }
+    std::vector<ParetoPoint> front;
     for (std::size_t i = 0; i < kept.size(); ++i) {
       const bool covered =
           std::any_of(kept.begin() + static_cast<std::ptrdiff_t>(i) + 1, kept.end(),
                       [&](const ParetoPoint& later) { return covers(later, kept[i]); });
-      if (!covered) front_.points.push_back(kept[i]);
+      if (!covered) front.push_back(kept[i]);
     }
+    return front;
+  }
+
+  void measure() {
     if (front_.ideal.empty()) return;
     std::vector<std::vector<double>> unit;
-    for (const ParetoPoint& point : front_.points) {
-      std::vector<double> place;
-      for (std::size_t k = 0; k < spec_.objectives.size(); ++k) {
-        const double range = cost(k, front_.reference[k]) - cost(k, front_.ideal[k]);
-        place.push_back(range > 0.0 ? (cost(k, point.values[k]) - cost(k, front_.ideal[k])) / range
-                                    : 0.0);
-      }
-      unit.push_back(std::move(place));
-    }
+    unit.reserve(front_.points.size());
+    for (const ParetoPoint& point : front_.points) unit.push_back(costs_of(point));
     front_.hypervolume = hypervolume(std::move(unit));
   }
 
   const Specification& spec_;
   Progress& progress_;
+  const FrontOptions& options_;
   ParetoFront front_;
   std::vector<ParetoPoint> points_;
 };
 
 }  // namespace
 
-double hypervolume(std::vector<std::vector<double>> points) {
-  if (points.empty()) return 0.0;
-  const std::size_t last = points.front().size() - 1;
-  for (auto& point : points) {
-    for (double& x : point) x = std::clamp(x, 0.0, 1.0);
-  }
-  std::ranges::sort(points, {}, [&](const auto& point) { return point[last]; });
-  if (last == 0) return 1.0 - points.front()[0];
-  double volume = 0.0;
-  std::vector<std::vector<double>> below;
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    below.emplace_back(points[k].begin(), points[k].end() - 1);
-    const double next = k + 1 < points.size() ? points[k + 1][last] : 1.0;
-    if (next > points[k][last]) volume += (next - points[k][last]) * hypervolume(below);
-  }
-  return volume;
-}
-
 ParetoFront search_pareto_front(const Specification& spec, Progress& progress,
-                                std::span<const RefinedSet> known) {
-  return FrontSearch(spec, progress, known).run();
+                                const FrontOptions& options) {
+  return FrontSearch(spec, progress, options).run();
 }
 
 }  // namespace gear3k::optimize

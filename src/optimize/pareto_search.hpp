@@ -1,9 +1,12 @@
 #pragma once
 // The Pareto front of a task over all of its tooth sets and their shifts, modules and distances.
 
+#include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "optimize/hypervolume.hpp"
 #include "optimize/optimizer.hpp"
 
 namespace gear3k::optimize {
@@ -20,30 +23,42 @@ struct ParetoFront {
   std::vector<double> ideal, reference;
   /// Share of the box between ideal and reference that the points dominate, see hypervolume().
   double hypervolume = 0.0;
+  /// Share of the box that designs not found may dominate besides, at most: FrontGaps::missing().
+  double missing = 1.0;
   std::size_t searches = 0;  ///< searches of the whole space that were made
   bool interrupted = false;
+};
+
+/// What a search of the whole space within limits found; empty: no design keeps them.
+using FrontStep = std::optional<RefinedSet>;
+
+struct FrontOptions {
+  /// Designs that are offered to the front besides; those without an optimum are not.
+  std::span<const RefinedSet> known{};
+  /// The first searches' results of an earlier run of the same task: they are taken as they are.
+  std::span<const FrontStep> steps{};
+  /// Called with what every further search found.
+  std::function<void(const FrontStep&)> on_step{};
 };
 
 /// Searches the front by limits on all objectives but the first (ε-constraints).
 ///
 /// Each objective alone gives its best value and, by the designs that are best in the others, the
-/// range over which it matters.  Over a grid of limits within these ranges, pareto_points in all,
-/// the first objective is optimised over the whole space, tooth sets whose bounds are not good
-/// enough left out: every point is the best that any tooth set has within its limits, as far as
-/// the refinement of a set finds its optimum.  What other points dominate is dropped.
-/// Source: Haimes, Lasdon, Wismer, 1971 (ε-constraint method).
+/// range over which it matters: the ends of the front.  Then the first objective is optimised over
+/// the whole space, tooth sets whose bounds are not good enough left out, within limits where
+/// FrontGaps finds the front known least, until it has pareto_points designs, or less than
+/// kFrontFound of the box is missing, or the searches are kMostSearches as many.  Every point is
+/// the best that any tooth set has within its limits, as far as the refinement of a set finds its
+/// optimum.  What other points dominate is dropped.
+/// Source: Haimes, Lasdon, Wismer, 1971 (ε-constraint method); own derivation, docs/theory §12.
 /// @param spec  with two objectives or more; must outlive the call only
-/// @param known  designs that are offered to the front besides; those without an optimum are not
 /// @param progress  its stop ends the search, keeping the points found
 ParetoFront search_pareto_front(const Specification& spec, Progress& progress,
-                                std::span<const RefinedSet> known = {});
+                                const FrontOptions& options = {});
 
-/// Volume of the part of the unit cube that points dominate, coordinates 0 = best, 1 = worst.
-///
-///   V = |∪_p [p, 1]|
-///
-/// Source: by slices along the last coordinate (exact); cost grows as n^d.
-/// @returns 0 for no points; coordinates outside [0, 1] are clipped
-double hypervolume(std::vector<std::vector<double>> points);
+/// Of the box between ideal and reference: what a front that is found may lack.
+inline constexpr double kFrontFound = 1e-3;
+/// For each design that is asked for.
+inline constexpr int kMostSearches = 4;
 
 }  // namespace gear3k::optimize

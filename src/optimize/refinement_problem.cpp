@@ -123,6 +123,7 @@ void append_objectives(RefinementProblem& p) {
                       .name = objective_record(row.objective).name});
   };
   for (const ObjectiveLimit& limit : p.spec->objective_limits) {
+    if (limit.by_check) continue;
     append({.objective = limit.objective,
             .limit = limit.value,
             .branch = 0,

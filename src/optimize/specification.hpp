@@ -101,8 +101,8 @@ struct Specification {
   double pressure_angle_rad = 0.0;
   /// Not empty; the first decides, several ask for their Pareto front.
   std::vector<Objective> objectives{Objective::kBackwardEfficiency};
-  int pareto_points = 15;  ///< about so many steps of all other objectives together
-  /// What else designs have to reach; those on lost motion and diameter are in `limits` instead.
+  int pareto_points = 30;  ///< designs of the front that are sought
+  /// What else designs have to reach; those on lost motion and diameter are in `limits`, too.
   std::vector<ObjectiveLimit> objective_limits;
   RatioTarget ratio;
   ToothRanges teeth;

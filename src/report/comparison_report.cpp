@@ -227,7 +227,7 @@ std::string margins_text(std::span<const ComparedDesign> designs) {
 }  // namespace
 
 std::string comparison_table(std::span<const ComparedDesign> designs) {
-  constexpr int kColumns = 80;
+  constexpr int kWidest = 80;
   constexpr std::size_t kFurther = 4;  // indent of what follows a broken line
   const std::vector<std::string> labels = column_labels(designs);
   std::string text;
@@ -237,7 +237,7 @@ std::string comparison_table(std::span<const ComparedDesign> designs) {
     const std::string name = one.label == labels[k] ? labels[k] : labels[k] + "  " + one.label;
     text += broken(fmt::format("{} ({}): {}, checks that fail: {}", name, one.file,
                                teeth_text(one.evaluation.teeth), failed),
-                   kColumns, kFurther);
+                   kWidest, kFurther);
   }
   const std::vector<ComparedQuantity> quantities = all_quantities(designs);
   for (const TablePart& part : table_parts()) text += part_text(part, designs, quantities);

@@ -343,10 +343,11 @@ std::string pareto_table(const Specification& spec, const optimize::ParetoFront&
     table.add(std::move(row));
   }
   return fmt::format(
-      "\nPareto front: {} designs from {} searches of the whole space; hypervolume {:.4f} of the "
-      "box between the best of each objective alone and the worst that the others' best designs "
-      "have\n{}",
-      front.points.size(), front.searches, front.hypervolume, table.text(2));
+      "\nPareto front: {} designs from {} searches of the whole space; of the box between the best "
+      "of each objective\nalone and the worst that the others' best designs have they dominate "
+      "{:.2f} %, others may dominate {:.2f} % more\n{}",
+      front.points.size(), front.searches, 100.0 * front.hypervolume, 100.0 * front.missing,
+      table.text(2));
 }
 
 namespace {
@@ -364,7 +365,8 @@ io::Json front_json(const Specification& spec, const optimize::ParetoFront& fron
   return {{"objectives", std::move(objectives)},
           {"designs", front.points.size()},
           {"searches", front.searches},
-          {"hypervolume", front.hypervolume}};
+          {"hypervolume", front.hypervolume},
+          {"missing", front.missing}};
 }
 
 io::Json certificate_json(const Specification& spec, const OptimizeResult& result) {

@@ -284,5 +284,24 @@ TEST(ResumeOption, JournalOfOneSearchServesTheOther) {
   expect_same_files(results_in(place, "out"), results_in(place, "whole"));
 }
 
+TEST(Resume, OfAFrontGoesOnWithItsSearches) {
+  const Workplace place;
+  std::string spec = replaced(example("rp96.toml"), "\"backward_efficiency\"",
+                              "[\"backward_efficiency\", \"lost_motion\", \"outer_diameter\"]");
+  place.write("spec.toml", replaced(spec, "tolerance = 0.005", "tolerance = 0.001"));
+  ASSERT_EQ(place.run(optimize_arguments("whole", false)).exit_code, 0);
+  RunningProgram program = place.start(optimize_arguments("out", false));
+  const auto killed = ended_by(program, place.file("out/front.journal"), 2000, SIGKILL);
+  ASSERT_TRUE(killed);
+  EXPECT_EQ(killed->signal, SIGKILL);
+  ASSERT_TRUE(std::filesystem::exists(place.file("out/front.journal")));
+  const ProgramResult resumed =
+      place.run({"optimize", "spec.toml", "--out", "out", "--resume", "--columns", "100"});
+  EXPECT_EQ(resumed.exit_code, 0);
+  EXPECT_NE(resumed.err.find("searches of the front"), std::string::npos) << resumed.err;
+  expect_same_files(results_in(place, "whole"), results_in(place, "out"));
+  EXPECT_FALSE(std::filesystem::exists(place.file("out/front.journal")));
+}
+
 }  // namespace
 }  // namespace gear3k::resume_test

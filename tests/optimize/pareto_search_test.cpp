@@ -124,6 +124,72 @@ TEST(ParetoSearch, TheFirstObjectiveAloneHasTheFirstPoint) {
   EXPECT_EQ(front.points.front().set.candidate, alone.best->candidate);
 }
 
+TEST(ParetoSearch, GoesOnWhereAnEarlierRunStoppedAndFindsTheSame) {
+  Specification spec = few_sets();
+  spec.objectives = {Objective::kBackwardEfficiency, Objective::kLostMotion};
+  spec.pareto_points = 8;
+  Progress progress;
+  std::vector<FrontStep> steps;
+  const auto keep = [&](const FrontStep& step) { steps.push_back(step); };
+  const ParetoFront whole = search_pareto_front(spec, progress, {.on_step = keep});
+  ASSERT_EQ(steps.size(), whole.searches);
+  for (const std::size_t done : {std::size_t{1}, steps.size() / 2, steps.size()}) {
+    std::size_t more = 0;
+    const ParetoFront resumed = search_pareto_front(
+        spec, progress,
+        {.steps = std::span(steps).first(done), .on_step = [&](const FrontStep&) { ++more; }});
+    EXPECT_EQ(more, steps.size() - done);
+    ASSERT_EQ(resumed.points.size(), whole.points.size());
+    for (std::size_t k = 0; k < whole.points.size(); ++k) {
+      EXPECT_EQ(resumed.points[k].values, whole.points[k].values);
+      EXPECT_EQ(resumed.points[k].set.candidate, whole.points[k].set.candidate);
+    }
+    EXPECT_EQ(resumed.missing, whole.missing);
+  }
+}
+
+TEST(ParetoSearch, NoDesignOfAnySetIsOutsideWhatItSaysMayBeMissing) {
+  Specification spec = few_sets();
+  spec.objectives = {Objective::kBackwardEfficiency, Objective::kLostMotion,
+                     Objective::kOuterDiameter};
+  spec.pareto_points = sample(10, 30);
+  Progress progress;
+  const ParetoFront front = search_pareto_front(spec, progress);
+  EXPECT_LE(front.hypervolume + front.missing, 1.0 + 1e-9);
+  // Designs of all sets, each refined within limits of their own.
+  std::vector<std::vector<double>> unit;
+  const auto place = [&](const std::vector<double>& values) {
+    std::vector<double> at;
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      at.push_back((values[k] - front.ideal[k]) / (front.reference[k] - front.ideal[k]));
+    }
+    return at;
+  };
+  for (const ParetoPoint& point : front.points) unit.push_back(place(point.values));
+  for (const double lost_motion : {0.2, 0.45, 0.8}) {
+    for (const double diameter : {0.3, 0.7}) {
+      Specification limited = spec;
+      limited.objectives = {Objective::kBackwardEfficiency};
+      const auto between = [&](std::size_t k, double share) {
+        return front.ideal[k] + share * (front.reference[k] - front.ideal[k]);
+      };
+      limited.limits[design::CheckId::kOutputBacklashMax] = between(1, lost_motion);
+      limited.limits[design::CheckId::kRingRootDiameter] =
+          between(2, diameter) - 2.0 * spec.bodies.ring_rim_m;
+      const OptimizeResult all = optimize(limited, progress);
+      for (const RefinedSet& set : all.refined) {
+        if (set.status != Status::kOptimal) continue;
+        std::vector<double> values;
+        for (const Objective objective : spec.objectives) {
+          values.push_back(objective_of(spec, set, objective));
+        }
+        unit.push_back(place(values));
+      }
+    }
+  }
+  EXPECT_LE(hypervolume(unit), front.hypervolume + front.missing + 1e-4);
+}
+
 TEST(ParetoSearch, StoppedAtOnceHasNoPoints) {
   Specification spec = few_sets();
   spec.objectives = {Objective::kBackwardEfficiency, Objective::kMass};

@@ -150,9 +150,9 @@ void append_objective_keys(std::vector<Key<Input>>& keys) {
                                   .help = "what is best; a list asks for the Pareto front, the "
                                           "first of it picks best.toml"},
                                  of_spec(&Specification::objectives)));
-  keys.push_back(make_key<Input>(integer("pareto.points", within(2, 10000), "15",
-                                         "steps of the front; with three objectives or more, of "
-                                         "all but the first together"),
+  keys.push_back(make_key<Input>(integer("pareto.points", within(2, 10000), "30",
+                                         "designs of the Pareto front that are sought where the "
+                                         "objectives are several"),
                                  of_spec(&Specification::pareto_points)));
   keys.push_back(make_key<Input>(
       density_record(), [](auto& t, std::size_t) -> auto& { return t.spec.bodies.density_kgm3; }));
