@@ -47,7 +47,8 @@ struct BackdrivabilitySources {
   std::vector<NoLoadTorque> no_load_torques;
   std::vector<StrainWaveGearbox> strain_waves;
   ScalingTables scaling;
-  train::ToothSet prototype{};  ///< of the low-backlash gear, for a planet's energy
+  double measured_strain_wave_Nm = 0.0;  ///< starting torque of a CSG-25, in the low-backlash paper
+  train::ToothSet prototype{};           ///< of the low-backlash gear, for a planet's energy
 };
 
 struct BackdrivabilityComparison {

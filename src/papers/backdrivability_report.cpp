@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "papers/report_parts.hpp"
 #include "report/display.hpp"
@@ -57,7 +59,20 @@ std::vector<KneeRun> all_runs(const KneeExample& knee) {
   return runs;
 }
 
+/// What the corrected actuator would save without each cause, largest first.
+std::string saved_text(const KneeExample& knee) {
+  std::vector<actuator::WithoutCause> causes = knee.without_each;
+  std::ranges::stable_sort(causes, std::ranges::greater(), &actuator::WithoutCause::saved_J);
+  std::string text;
+  for (const actuator::WithoutCause& w : causes) {
+    if (!(w.saved_J > 0.0)) continue;
+    text += fmt::format("{}{} {} J", text.empty() ? "" : ", ", w.cause, fixed(w.saved_J, 1));
+  }
+  return fmt::format("    saved without one cause, corrected: {}\n", text);
+}
+
 std::string knee_table(const KneeExample& knee) {
+  if (knee.runs.empty()) return {};
   TextTable table({"numbers", "drawn", "regenerated", "copper", "gear drag", "mesh", "motor drag",
                    "peak", "least", "backdriven", "regenerating"});
   for (const KneeRun& run : all_runs(knee)) {
@@ -80,7 +95,7 @@ std::string knee_table(const KneeExample& knee) {
              "the load gives)\n  the knee: {} N m, {} to {} W, gives {} J, takes {} J\n",
              d.period_s, fixed(knee.peak_torque_Nm, 1), fixed(knee.least_power_W, 1),
              fixed(knee.peak_power_W, 1), fixed(d.positive_J, 2), fixed(d.negative_J, 2)) +
-         table.text(4);
+         table.text(4) + saved_text(knee);
 }
 
 io::Json run_json(const KneeRun& run) {
@@ -107,6 +122,7 @@ io::Json run_json(const KneeRun& run) {
 }
 
 io::Json knee_json(const KneeExample& knee) {
+  if (knee.runs.empty()) return nullptr;
   return {{"stride_s", knee.cycle.time_s.back()},
           {"peak_torque_nm", knee.peak_torque_Nm},
           {"peak_power_w", knee.peak_power_W},

@@ -121,6 +121,7 @@ PublishedSources published_sources() {
       io::parse_specification(std::string(paper_figures_toml()), "paper-figures.toml");
   sources.thesis = thesis_sources();
   sources.backdrivability = backdrivability_sources();
+  sources.backdrivability.measured_strain_wave_Nm = sources.strain_wave_starting_torque_Nm;
   sources.backdrivability.prototype = sources.low_backlash.design.train.teeth;
   return sources;
 }
