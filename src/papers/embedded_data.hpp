@@ -14,6 +14,7 @@ std::string_view motor_catalogue_csv();             ///< data/motor_catalogue.cs
 std::string_view planetary_catalogue_csv();         ///< data/planetary_gearbox_catalogue.csv
 std::string_view strain_wave_catalogue_csv();       ///< data/strain_wave_catalogue_rt1_i100.csv
 std::string_view knee_walking_csv();                ///< data/knee_walking_digitised.csv
+std::string_view loaded_design_toml();              ///< examples/designs/loaded.toml
 std::string_view rp96_toml();                       ///< examples/rp96.toml
 std::string_view paper_figures_toml();              ///< examples/paper-figures.toml
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <stdexcept>
+#include <string_view>
 
 #include "numerics/distributions.hpp"
 
@@ -113,15 +114,36 @@ void fit(ScalingLaw& law) {
   }
 }
 
+double fitted_value(const ScalingLaw& law, const ScalingPoint& point) {
+  double logarithm = law.series.at(series_of(law, point.series)).intercept;
+  for (std::size_t k = 0; k < law.factors.size(); ++k) {
+    logarithm += law.factors[k].exponent * std::log(point.x[k]);
+  }
+  return std::exp(logarithm);
+}
+
 namespace {
 
 constexpr const char* kMegaflux = "Allied Motion Megaflux";
 // With T ~ L d^2.5 (eq. 35) and J ~ L d^4 (eq. 23) at L ~ d: J ~ T^(5/3.5).
 constexpr double kInertiaOverTorque = 5.0 / 3.5;
 
-ScalingFactor factor(std::string name, std::optional<double> paper,
+ScalingFactor factor(const char* name, std::optional<double> paper,
                      std::optional<double> equations) {
-  return {.name = std::move(name), .paper = paper, .equations = equations};
+  struct Symbol {
+    const char *name, *symbol;
+  };
+  constexpr std::array<Symbol, 6> kSymbols{{{"diameter", "d"},
+                                            {"length", "L"},
+                                            {"torque", "T"},
+                                            {"mass", "m"},
+                                            {"ratio", "i"},
+                                            {"radius", "r"}}};
+  const auto* const at = std::ranges::find(kSymbols, std::string_view(name), &Symbol::name);
+  return {.name = name,
+          .symbol = at == kSymbols.end() ? name : at->symbol,
+          .paper = paper,
+          .equations = equations};
 }
 
 void append_frameless_motors(const std::vector<MotorFrame>& motors, std::vector<ScalingLaw>& laws) {

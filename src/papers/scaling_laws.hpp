@@ -16,7 +16,7 @@ struct ScalingPoint {
 
 /// A factor of a law with the exponents that the paper and its corrected equations give it.
 struct ScalingFactor {
-  std::string name;
+  std::string name, symbol;
   std::optional<double> paper{}, equations{};
   double exponent = 0.0, band = 0.0;  ///< fitted, and half of its 95 % band
 };
@@ -47,6 +47,9 @@ struct ScalingLaw {
 /// @throws std::invalid_argument for other numbers of factors, without a degree of freedom, or
 ///         where the factors do not vary independently
 void fit(ScalingLaw& law);
+
+/// What a fitted law gives at a point of one of its series.
+double fitted_value(const ScalingLaw& law, const ScalingPoint& point);
 
 /// One row per frame: of windings of the same frame the one with the largest torque.
 struct MotorFrame {

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "actuator/reflected.hpp"
+#include "papers/backdrivability_figures.hpp"
 #include "papers/published_sources.hpp"
 #include "papers/reproduce.hpp"
 
@@ -234,6 +234,31 @@ TEST(Backdrivability, KneeRunsCloseTheirLedgers) {
   const auto most =
       std::ranges::max_element(knee.without_each, {}, &actuator::WithoutCause::saved_J);
   EXPECT_EQ(most->cause, "gear_coulomb");
+}
+
+// Similar gearboxes: forces on lengths squared, torques and stiffnesses on lengths cubed; only what
+// ISO 6336 has depend on the module, the speed or the load in N/mm bends it a little.
+TEST(Backdrivability, ADesignInOtherSizesIsAsStiffAsItsTorque) {
+  const ScaledDesign design = scaled_design();
+  ASSERT_EQ(design.sizes.size(), design.stiffness.points.size());
+  EXPECT_NEAR(design.stiffness.factors[0].exponent, 1.0, 0.01);
+  for (std::size_t k = 0; k < design.sizes.size(); ++k) {
+    const double cube = std::pow(design.sizes[k], 3);
+    EXPECT_NEAR(design.stiffness.points[k].y / design.stiffness.points[2].y / cube, 1.0, 0.02);
+  }
+}
+
+TEST(Backdrivability, RegeneratingPlacesHoldAllNegativePower) {
+  const KneeRun& run = comparison().knee.runs.back();
+  const auto places = regenerating_places(run, 1.1);
+  ASSERT_FALSE(places.empty());
+  for (const actuator::MotorInstant& p : run.duty.instants) {
+    if (p.electrical_W > -1e-9) continue;
+    const double percent = 100.0 * p.time_s / 1.1;
+    EXPECT_TRUE(std::ranges::any_of(places, [&](const auto& place) {
+      return place.first <= percent + 1e-9 && percent <= place.second + 1e-9;
+    })) << percent;
+  }
 }
 
 }  // namespace
