@@ -46,7 +46,7 @@ std::string laws_table(const std::vector<ScalingLaw>& laws) {
   return table.text(2);
 }
 
-double lost_J(const actuator::DutyCycle& duty, const char* cause) {
+double lost_energy(const actuator::DutyCycle& duty, const char* cause) {
   for (const actuator::LossEnergy& loss : duty.losses) {
     if (loss.cause == cause) return loss.energy_J;
   }
@@ -81,9 +81,9 @@ std::string knee_table(const KneeExample& knee) {
       return d.shares ? fixed(report::percent(*d.shares.*part), 1) + " %" : std::string("-");
     };
     table.add({run.name, fixed(d.drawn_J, 2), fixed(d.regenerated_J, 2),
-               fixed(lost_J(d, "copper"), 2),
-               fixed(lost_J(d, "gear_coulomb") + lost_J(d, "gear_viscous"), 2),
-               fixed(lost_J(d, "mesh"), 2), fixed(lost_J(d, "motor_viscous"), 2),
+               fixed(lost_energy(d, "copper"), 2),
+               fixed(lost_energy(d, "gear_coulomb") + lost_energy(d, "gear_viscous"), 2),
+               fixed(lost_energy(d, "mesh"), 2), fixed(lost_energy(d, "motor_viscous"), 2),
                fixed(run.peak_electrical_W, 1), fixed(run.least_electrical_W, 1),
                share(&actuator::NegativeShares::backdriven),
                share(&actuator::NegativeShares::regenerating)});

@@ -63,7 +63,7 @@ std::vector<Part> parts_of(const Cycle& cycle) {
 }
 
 /// Energy that the load gives on a part: the integral of the product of two straight lines.
-double given_J(const Part& p) {
+double given_energy(const Part& p) {
   return (p.to_s - p.from_s) / 6.0 *
          (p.torque_from * p.speed_from + p.torque_to * p.speed_to +
           (p.torque_from + p.torque_to) * (p.speed_from + p.speed_to));
@@ -107,7 +107,7 @@ std::vector<NegativeStretch> negative_stretches(const Cycle& cycle) {
     return std::abs(torque) < std::abs(speed);  // one of the two is a rounding error
   };
   for (const Part& p : parts_of(cycle)) {
-    const double energy = given_J(p);
+    const double energy = given_energy(p);
     if (energy <= 0.0) {
       open = false;
       continue;

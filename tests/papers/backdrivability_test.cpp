@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "papers/backdrivability_figures.hpp"
@@ -143,8 +144,7 @@ TEST(Backdrivability, FitRefusesWhatHasNoAnswer) {
   EXPECT_THROW(fit(dependent), std::invalid_argument);
 }
 
-// The fit of the 23 Megaflux frames was published with the task, and made anew by normal equations
-// with an indicator column per series in another language.
+// Made by normal equations with an indicator column per series, in another language; t from tables.
 TEST(Backdrivability, ExponentsAreThoseOfAnotherRegression) {
   struct Expected {
     const char* name;
@@ -245,6 +245,43 @@ TEST(Backdrivability, ADesignInOtherSizesIsAsStiffAsItsTorque) {
   for (std::size_t k = 0; k < design.sizes.size(); ++k) {
     const double cube = std::pow(design.sizes[k], 3);
     EXPECT_NEAR(design.stiffness.points[k].y / design.stiffness.points[2].y / cube, 1.0, 0.02);
+  }
+}
+
+// The stride in small steps by the law of docs/theory §58 written out here, with Table I's numbers
+// by hand: J1, D1, eta_f, eta_b of the three sets.
+TEST(Backdrivability, KneeRunsAreSumsOverSmallSteps) {
+  struct Numbers {
+    double j1, d1, eta_f, eta_b;
+  };
+  constexpr std::array<Numbers, 3> kNumbers{{{4.72, 2.02, 0.75, 0.8},
+                                             {0.47232, 0.198948, 0.75, 0.75},
+                                             {0.47232, 0.198948, 71.0 / 72.0, 70.0 / 71.0}}};
+  constexpr int kSteps = 100;
+  const KneeExample& knee = comparison().knee;
+  const actuator::Cycle& c = knee.cycle;
+  for (std::size_t n = 0; n < kNumbers.size(); ++n) {
+    const Numbers& k = kNumbers[n];
+    double drawn = 0.0;
+    double regenerated = 0.0;
+    for (std::size_t r = 0; r + 1 < c.time_s.size(); ++r) {
+      const double dt = (c.time_s[r + 1] - c.time_s[r]) / kSteps;
+      const double a = (c.motion[r + 1] - c.motion[r]) / (kSteps * dt);
+      for (int step = 0; step < kSteps; ++step) {
+        const double x = (step + 0.5) / kSteps;
+        const double w = c.motion[r] + x * (c.motion[r + 1] - c.motion[r]);
+        const double load = c.load_Nm[r] + x * (c.load_Nm[r + 1] - c.load_Nm[r]);
+        const double s = w > 0.0 ? 1.0 : -1.0;
+        const double mesh = 17.0 * s + 0.05 * w - load;
+        const double input = s * mesh > 0.0 ? mesh / k.eta_f : k.eta_b * mesh;
+        const double torque = k.j1 * a + k.d1 * w + input;
+        const double current = torque / (120.0 * 0.0295);
+        const double power = 0.447 * current * current + torque * w;
+        (power > 0.0 ? drawn : regenerated) += std::abs(power) * dt;
+      }
+    }
+    EXPECT_NEAR(knee.runs[n].duty.drawn_J, drawn, 1e-4 * drawn) << n;
+    EXPECT_NEAR(knee.runs[n].duty.regenerated_J, regenerated, 1e-3 * regenerated) << n;
   }
 }
 
