@@ -29,6 +29,7 @@
 #include "io/text/file_set.hpp"
 #include "io/text/file_writer.hpp"
 #include "io/text/printable.hpp"
+#include "papers/backdrivability_figures.hpp"
 #include "papers/paper_figures_plot.hpp"
 #include "papers/paper_figures_report.hpp"
 #include "papers/published_sources.hpp"
@@ -317,33 +318,53 @@ ExitCode run_search(const SearchOptions& options) {
 
 namespace {
 
+/// Names of all figures of `reproduce`, without .csv and .svg.
+std::vector<std::string> reproduce_figures() {
+  std::vector<std::string> names(papers::kFigureNames.begin(), papers::kFigureNames.end());
+  names.insert(names.end(), papers::kBackdrivabilityFigures.begin(),
+               papers::kBackdrivabilityFigures.end());
+  return names;
+}
+
 /// @throws io::InvalidInput where a file cannot be written or is also that of --out
 WrittenFigures write_figures(const ReproduceOptions& options,
-                             const papers::PublishedSources& sources) {
+                             const papers::PublishedSources& sources,
+                             const papers::Reproduction& reproduction) {
   std::vector<std::string> names;
-  for (const std::string name : papers::kFigureNames) {
-    names.push_back(name + ".csv");
-    names.push_back(name + ".svg");
-  }
-  refuse_figure_as_result(options.figures, names, options.out);
   ResultFolderTask task{.path = options.figures,
                         .option = "--figures",
                         .inputs = {},
                         .files = {},
                         .quiet = options.quiet};
-  for (const std::string name : papers::kFigureNames) {
+  for (const std::string& name : reproduce_figures()) {
+    names.push_back(name + ".csv");
+    names.push_back(name + ".svg");
     task.files.push_back(name + ".csv");
     task.figures.push_back(name + ".svg");
   }
+  refuse_figure_as_result(options.figures, names, options.out);
   ResultFolder folder(std::move(task));
   const papers::PaperFigures figures = papers::paper_figures(sources);
+  const papers::BackdrivabilityFigures backdrivability{
+      .comparison = reproduction.backdrivability,
+      .strain_waves = sources.backdrivability.strain_waves,
+      .designed = papers::scaled_design()};
   std::vector<io::FileText> files;
-  for (const papers::FigureData& data : papers::figure_data(figures)) {
-    files.push_back({.path = data.name + ".csv", .text = data.csv});
+  const auto add_data = [&](const std::vector<papers::FigureData>& all) {
+    for (const papers::FigureData& data : all) {
+      files.push_back({.path = data.name + ".csv", .text = data.csv});
+    }
+  };
+  add_data(papers::figure_data(figures));
+  add_data(papers::backdrivability_figure_data(backdrivability));
+  std::vector<report::Plot> plots = papers::figure_plots(figures);
+  for (report::Plot& plot : papers::backdrivability_figure_plots(backdrivability)) {
+    plots.push_back(std::move(plot));
   }
-  WrittenFigures written{.figures = draw(papers::figure_plots(figures)),
+  WrittenFigures written{.figures = draw(plots),
                          .paths = {},
-                         .table = papers::figures_table(figures)};
+                         .table = papers::figures_table(figures) +
+                                  papers::backdrivability_figures_table(backdrivability)};
   written.paths = folder.write(std::move(files), written.figures);
   return written;
 }
@@ -357,7 +378,7 @@ ExitCode run_reproduce(const ReproduceOptions& options) {
   WrittenFigures written;
   if (!options.figures.empty()) {
     end_on_interrupt();
-    written = write_figures(options, sources);
+    written = write_figures(options, sources, reproduction);
   }
   switch (options.format) {
     case Format::kJson:

@@ -519,10 +519,10 @@ int run_program(int argc, char** argv) {
 
   cli::ReproduceOptions reproduce;
   CLI::App* reproduce_command = app.add_subcommand(
-      "reproduce", "the published 96.2:1 gearboxes: paper, its equations, measurement; errata");
+      "reproduce", "published gearboxes and actuators: paper, its equations, measurement; errata");
   reproduce_command
       ->add_option("--figures", reproduce.figures,
-                   "folder for the low-backlash paper's Figs. 6 to 8 from our own models, CSV and "
+                   "folder for the papers' figures from our own models, CSV and "
                    "figures; made when missing; figures need gnuplot")
       ->check(folder_name)
       ->option_text("DIR");

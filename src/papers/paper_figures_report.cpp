@@ -375,17 +375,23 @@ std::vector<FigureStatement> figure_statements(const PaperFigures& f) {
           planet_shift_statement(f)};
 }
 
-std::string figures_table(const PaperFigures& figures) {
-  std::string text =
-      fmt::format("\nFigures of the low-backlash paper from our own models\n  {}; {}\n",
-                  friction_text(figures.task), allowance_text(figures.task));
-  for (const FigureStatement& s : figure_statements(figures)) {
+std::string figures_text(const std::string& paper, const std::vector<FigureStatement>& statements,
+                         const std::string& assumptions) {
+  std::string text = fmt::format("\nFigures of the {} from our own models\n", paper);
+  if (!assumptions.empty()) text += fmt::format("  {}\n", assumptions);
+  for (const FigureStatement& s : statements) {
     text += fmt::format("  Fig. {}\n    paper:   {}\n", s.figure, s.paper);
     for (std::size_t k = 0; k < s.ours.size(); ++k) {
       text += fmt::format("    {:8} {}\n", k == 0 ? "gear3k:" : "", s.ours[k]);
     }
   }
   return text;
+}
+
+std::string figures_table(const PaperFigures& figures) {
+  return figures_text(
+      "low-backlash paper", figure_statements(figures),
+      fmt::format("{}; {}", friction_text(figures.task), allowance_text(figures.task)));
 }
 
 std::vector<FigureData> figure_data(const PaperFigures& figures) {

@@ -15,6 +15,10 @@ struct FigureStatement {
 };
 std::vector<FigureStatement> figure_statements(const PaperFigures& figures);
 
+/// Statements under a headline; the paper's words and ours.
+std::string figures_text(const std::string& paper, const std::vector<FigureStatement>& statements,
+                         const std::string& assumptions = "");
+
 /// The statements for the end of the table that `reproduce` prints.
 std::string figures_table(const PaperFigures& figures);
 

@@ -1,13 +1,12 @@
 #include "papers/published_sources.hpp"
 
-#include <fmt/format.h>
-
 #include <numbers>
-#include <stdexcept>
 
 #include "io/files/specification_file.hpp"
 #include "io/text/csv_table.hpp"
+#include "papers/backdrivability_sources.hpp"
 #include "papers/embedded_data.hpp"
+#include "papers/statement_table.hpp"
 #include "units/units.hpp"
 
 namespace gear3k::papers {
@@ -18,22 +17,6 @@ constexpr const char* kPrototypes = "published_3k_prototypes.csv";
 constexpr const char* kStatements = "low_backlash_paper_statements.csv";
 constexpr const char* kPairLosses = "spur_pair_loss_dry_steel.csv";
 constexpr const char* kThesisStatements = "directional_impedance_statements.csv";
-
-const io::CsvTable::Row& row_named(const io::CsvTable& table, const std::string& column,
-                                   const std::string& name) {
-  for (const io::CsvTable::Row& row : table.rows) {
-    if (table.text(row, column) == name) return row;
-  }
-  throw std::invalid_argument(fmt::format("{}: no row {}", table.name, name));
-}
-
-double required(const io::CsvTable& table, const io::CsvTable::Row& row,
-                const std::string& column) {
-  const std::optional<double> value = table.number(row, column);
-  if (!value)
-    throw std::invalid_argument(fmt::format("{}:{}: no {}", table.name, row.line, column));
-  return *value;
-}
 
 std::optional<double> scaled(const io::CsvTable& table, const io::CsvTable::Row& row,
                              const std::string& column, double factor) {
@@ -137,6 +120,9 @@ PublishedSources published_sources() {
   sources.figure_task =
       io::parse_specification(std::string(paper_figures_toml()), "paper-figures.toml");
   sources.thesis = thesis_sources();
+  sources.backdrivability = backdrivability_sources();
+  sources.backdrivability.measured_strain_wave_Nm = sources.strain_wave_starting_torque_Nm;
+  sources.backdrivability.prototype = sources.low_backlash.design.train.teeth;
   return sources;
 }
 

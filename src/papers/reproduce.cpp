@@ -206,7 +206,8 @@ GearboxComparison compare(const PublishedGearbox& gearbox) {
 Reproduction reproduce(const PublishedSources& sources) {
   return {.gearboxes = {compare(sources.low_backlash), compare(sources.bilateral)},
           .ledger = paper_ledger(sources),
-          .thesis = compare_thesis(sources.thesis)};
+          .thesis = compare_thesis(sources.thesis),
+          .backdrivability = compare_backdrivability(sources.backdrivability)};
 }
 
 }  // namespace gear3k::papers

@@ -1,7 +1,8 @@
 #pragma once
 // The published 96.2:1 gearboxes: what the paper says, what its own equations give, what was
 // measured; and the ledger of the paper's errata, computed.  With them the directional-impedance
-// thesis, see thesis_comparison.hpp.
+// thesis, see thesis_comparison.hpp, and the backdrivability-factors paper, see
+// backdrivability.hpp.
 
 #include <array>
 #include <optional>
@@ -10,6 +11,8 @@
 
 #include "design/evaluation.hpp"
 #include "optimize/specification.hpp"
+#include "papers/backdrivability.hpp"
+#include "papers/compared_row.hpp"
 #include "papers/ledger.hpp"
 #include "papers/thesis_comparison.hpp"
 
@@ -49,16 +52,7 @@ struct PublishedSources {
   optimize::Specification task;
   optimize::Specification figure_task;  ///< of the paper's figures, see paper_figures.hpp
   ThesisSources thesis;
-};
-
-/// One compared quantity; empty = nothing said or nothing to say.
-struct ComparedRow {
-  std::string quantity, unit;
-  std::optional<double> paper;      ///< printed
-  std::optional<double> equations;  ///< the paper's own equations, evaluated
-  std::optional<double> exact;      ///< where the equations are an approximation or wrong
-  std::optional<double> measured;
-  int decimals = 4;
+  BackdrivabilitySources backdrivability;
 };
 
 struct FrictionFit {
@@ -95,6 +89,7 @@ struct Reproduction {
   std::vector<GearboxComparison> gearboxes;
   std::vector<LedgerEntry> ledger;
   ThesisComparison thesis;
+  BackdrivabilityComparison backdrivability;
 };
 
 /// Evaluates everything.

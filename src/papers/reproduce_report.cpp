@@ -7,6 +7,8 @@
 #include <cmath>
 
 #include "io/text/json.hpp"
+#include "papers/backdrivability_report.hpp"
+#include "papers/report_parts.hpp"
 #include "report/display.hpp"
 #include "report/fields.hpp"
 #include "report/text_table.hpp"
@@ -18,18 +20,8 @@ namespace {
 using report::Fields, report::TextTable, report::csv_line, report::exact, report::fixed,
     report::list_json, report::tool_json;
 
-std::string shown(const std::optional<double>& value, int decimals) {
-  return value ? fmt::format("{:.{}f}", *value, decimals) : std::string("-");
-}
-
 std::string in_percent(const std::optional<double>& eta) {
   return eta ? fmt::format("{:.1f} %", 100.0 * *eta) : std::string("none");
-}
-
-std::string figure_text(const Figure& f) {
-  const std::string value =
-      std::isfinite(f.value) ? fmt::format("{:.{}f}", f.value, f.decimals) : std::string("none");
-  return fmt::format("{} {}{}{}", f.name, value, f.unit.empty() ? "" : " ", f.unit);
 }
 
 std::string fit_text(const FrictionFit& f) {
@@ -54,61 +46,6 @@ std::string directional_text(const GearboxComparison& g) {
       "  directional: both directions are explained by mu = {:.3f} with {:.3f} times as much "
       "friction in approach as in recess\n",
       g.directional->mu, g.directional->approach_factor / g.directional->recess_factor);
-}
-
-std::string ledger_text(const std::vector<LedgerEntry>& ledger, const char* source) {
-  std::string text;
-  for (const LedgerEntry& entry : ledger) {
-    std::string figures;
-    for (const Figure& f : entry.figures) {
-      figures += (figures.empty() ? "" : ", ") + figure_text(f);
-    }
-    text += fmt::format("{:>3}. {}\n     {:<9} {}\n     finding:  {}\n     computed: {}\n",
-                        entry.number, entry.where, fmt::format("{}:", source), entry.paper,
-                        entry.finding, figures);
-  }
-  return text;
-}
-
-/// A quantity of a gearbox: an item of the JSON, a line of the CSV.
-Fields row_fields(const std::string& gearbox, const ComparedRow& row) {
-  Fields f;
-  f.add_row(gearbox, {"gearbox"});
-  f.add("quantity", row.quantity, {"quantity"});
-  f.add("unit", row.unit, {"unit"});
-  f.add("paper", row.paper, {"paper"});
-  f.add("equations", row.equations, {"equations"});
-  f.add("exact", row.exact, {"exact"});
-  f.add("measured", row.measured, {"measured"});
-  return f;
-}
-
-io::Json ledger_json(const std::vector<LedgerEntry>& entries) {
-  io::Json ledger = io::Json::array();
-  for (const LedgerEntry& entry : entries) {
-    io::Json figures = io::Json::array();
-    for (const Figure& f : entry.figures) {
-      figures.push_back({{"name", f.name}, {"unit", f.unit}, {"value", f.value}});
-    }
-    ledger.push_back({{"number", entry.number},
-                      {"where", entry.where},
-                      {"paper", entry.paper},
-                      {"finding", entry.finding},
-                      {"figures", std::move(figures)}});
-  }
-  return ledger;
-}
-
-std::string ledger_csv(const std::vector<LedgerEntry>& ledger, const std::string& name) {
-  std::string text;
-  for (const LedgerEntry& entry : ledger) {
-    for (const Figure& f : entry.figures) {
-      text += csv_line({fmt::format("{} {}", name, entry.number),
-                        fmt::format("{}: {}", entry.where, f.name), f.unit, "", "", exact(f.value),
-                        ""});
-    }
-  }
-  return text;
 }
 
 // --- the thesis
@@ -271,7 +208,7 @@ std::string reproduce_table(const Reproduction& r) {
   text += "\nLedger of errata: low-backlash 3K gearbox paper\n";
   text += ledger_text(r.ledger, "paper");
   text += thesis_table(r.thesis);
-  return text;
+  return text + backdrivability_table(r.backdrivability);
 }
 
 std::string reproduce_json(const Reproduction& r) {
@@ -310,7 +247,8 @@ std::string reproduce_json(const Reproduction& r) {
   const io::Json json{{"tool", tool_json()},
                       {"gearboxes", std::move(gearboxes)},
                       {"ledger", ledger_json(r.ledger)},
-                      {"directional_impedance_thesis", thesis_json(r.thesis)}};
+                      {"directional_impedance_thesis", thesis_json(r.thesis)},
+                      {"backdrivability_paper", backdrivability_json(r.backdrivability)}};
   return json.text();
 }
 
@@ -349,7 +287,7 @@ std::string reproduce_csv(const Reproduction& r) {
     line("recess factor", g.directional->recess_factor);
   }
   text += ledger_csv(r.ledger, "ledger");
-  return text + thesis_csv(r.thesis);
+  return text + thesis_csv(r.thesis) + backdrivability_csv(r.backdrivability);
 }
 
 }  // namespace gear3k::papers
