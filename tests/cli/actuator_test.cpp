@@ -216,5 +216,48 @@ TEST(Actuator, NotesADesignThatFailsItsChecks) {
       << result.out << result.err;
 }
 
+/// Energy from the bus of `gear3k actuator` with a gearbox.
+double energy_with(const Workplace& place, const std::string& gearbox) {
+  place.write(
+      "one.toml",
+      "[motor]\nresistance_ohm = 0.3\ntorque_constant_nm_per_a = 0.05\n[gearbox]\n" + gearbox);
+  const ProgramResult run =
+      place.run({"actuator", "one.toml", "--cycle", "c.csv", "--format", "json"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const json energy = json::parse(run.out).at("cycle").at("electrical_energy_j");
+  return energy.at("drawn").get<double>() - energy.at("regenerated").get<double>();
+}
+
+TEST(Selection, TakesDesignsAndTheTablesOfOptimize) {
+  const Workplace place;
+  place.write("motors.csv", kMotors);
+  place.write("gearboxes.csv", kGearboxes);
+  place.write("gear.toml", example("designs/bilateral_drive_gear.toml"));
+  place.write("pareto.csv",
+              "zS,zP1,zR1,zP2,zR2,status,ratio,eta_b,eta_f,mass_kg\n"
+              "12,39,90,32,81,optimal,-96.5,0.9,0.91,0.5\n13,39,90,32,81,infeasible,,,,\n");
+  place.write("c.csv", "time_s,torque_nm,speed_rad_s\n0,-3,1\n0.5,3,-1\n1,-3,1\n");
+  place.write("s.toml",
+              "motors = \"motors.csv\"\ngearboxes = [\"gear.toml\", \"pareto.csv\", "
+              "\"gearboxes.csv\"]\ncycles = \"c.csv\"\nobjective = \"energy\"\n");
+  const ProgramResult result = place.run({"actuator", "--select", "s.toml", "--out", "out"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(lines_of(place.read("out/selection.csv")).size(), 1U + 2U * 4U);
+  const json front = json::parse(place.read("out/summary.json")).at("front");
+  ASSERT_EQ(front.size(), 1U);
+  // The command of one actuator says which gearbox takes least, and the same energy.
+  const double designed = energy_with(place, "design = \"gear.toml\"\n");
+  const double refined =
+      energy_with(place, "ratio = -96.5\nefficiency_forward = 0.91\nefficiency_backward = 0.9\n");
+  EXPECT_LT(designed, refined);
+  EXPECT_EQ(front.at(0).at("gearbox"), "bilateral drive gear");
+  EXPECT_NEAR(front.at(0).at("energy_j").get<double>(), designed, 1e-9 * designed);
+
+  place.write("gear.toml", example("designs/ratio_96_with_losses.toml"));
+  const ProgramResult losses = place.run({"actuator", "--select", "s.toml", "--out", "other"});
+  EXPECT_EQ(losses.exit_code, 2);
+  EXPECT_TRUE(contains(losses.err, "gear.toml: its losses depend on speed or load")) << losses.err;
+}
+
 }  // namespace
 }  // namespace gear3k::actuator_cli_test

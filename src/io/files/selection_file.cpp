@@ -7,7 +7,9 @@
 #include <filesystem>
 #include <limits>
 
+#include "design/evaluation.hpp"
 #include "io/files/cycle_file.hpp"
+#include "io/files/design_file.hpp"
 #include "io/files/document_kind.hpp"
 #include "io/keys/selection_keys.hpp"
 #include "io/text/complaints.hpp"
@@ -104,6 +106,66 @@ void set_friction(CatalogueRows& rows, const CsvTable::Row& row,
   }
 }
 
+/// Tooth sets that `optimize` refined.
+std::vector<actuator::CatalogueGearbox> refined_gearboxes(const CsvTable& table,
+                                                          const std::vector<Diagnostic>& slips) {
+  CatalogueRows rows(table, slips);
+  rows.require({"zS", "zP1", "zR1", "zP2", "zR2", "status", "ratio", "eta_b", "eta_f"});
+  constexpr double kAny = -std::numeric_limits<double>::infinity();
+  std::vector<actuator::CatalogueGearbox> gearboxes;
+  for (const CsvTable::Row& row : table.rows) {
+    if (table.text(row, "status") != "optimal") continue;
+    const auto teeth = [&](const char* gear) { return table.text(row, gear).value_or("?"); };
+    actuator::CatalogueGearbox g;
+    g.name = fmt::format("{}/{}/{}/{}/{}", teeth("zS"), teeth("zP1"), teeth("zR1"), teeth("zP2"),
+                         teeth("zR2"));
+    g.gearbox.ratio = rows.required(row, "ratio", kAny, true);
+    g.gearbox.efficiency_forward = rows.required(row, "eta_f", 0.0, true, 1.0);
+    g.gearbox.efficiency_backward = rows.required(row, "eta_b", kAny, true, 1.0);
+    g.gearbox.output_inertia_kgm2 = rows.number(row, "inertia_kgm2", 0.0, false).value_or(0.0);
+    g.gearbox.mass_kg = rows.number(row, "mass_kg", 0.0, false);
+    g.continuous_Nm = rows.number(row, "torque_capacity_nm", 0.0, true);
+    g.intermittent_Nm = g.continuous_Nm;
+    gearboxes.push_back(std::move(g));
+  }
+  rows.raise();
+  return gearboxes;
+}
+
+/// A design by its efficiencies, which decide as long as friction is constant and nothing drags.
+actuator::CatalogueGearbox designed_gearbox(const std::string& path) {
+  const design::Design design = read_design(path);
+  const auto evaluated = design::evaluate(design);
+  const auto* evaluation = std::get_if<design::Evaluation>(&evaluated);
+  if (evaluation == nullptr) {
+    throw InvalidInput(
+        fmt::format("{}: {}", path, std::get<design::NotDefined>(evaluated).message));
+  }
+  const design::ShaftLosses<double>& shafts = design.shafts;
+  const bool drags = std::ranges::any_of(shafts.drag, [](const auto& drag) {
+    return drag.constant_Nm > 0.0 || drag.viscous_Nms > 0.0 || drag.quadratic_Nms2 > 0.0;
+  });
+  if (efficiency::depends_on_state(design.friction) || drags ||
+      shafts.planet_bearing_coefficient > 0.0 || shafts.output_bearing_share > 0.0) {
+    throw InvalidInput(fmt::format(
+        "{}: its losses depend on speed or load, and a selection takes efficiencies: allowed: a "
+        "constant friction.coefficient without drags and bearings; `gear3k actuator` with "
+        "gearbox.design runs this one",
+        path));
+  }
+  if (!evaluation->efficiency.forward || !evaluation->efficiency.backward) {
+    throw InvalidInput(fmt::format("{}: has no efficiencies, as a mesh has no contact", path));
+  }
+  actuator::CatalogueGearbox g;
+  g.name = design.name.empty() ? std::filesystem::path(path).stem().string() : design.name;
+  g.gearbox.ratio = train::ratio(design.train.teeth);
+  g.gearbox.efficiency_forward = *evaluation->efficiency.forward;
+  g.gearbox.efficiency_backward = *evaluation->efficiency.backward;
+  if (evaluation->inertia) g.gearbox.output_inertia_kgm2 = evaluation->inertia->lossless_kgm2;
+  g.gearbox.mass_kg = evaluation->total_mass_kg;
+  return g;
+}
+
 void read_parts(const SelectionInput& input, const std::filesystem::path& folder,
                 CollectedErrors& errors, SelectionFiles& files) {
   const auto path_of = [&](const std::string& name) { return (folder / name).string(); };
@@ -116,12 +178,18 @@ void read_parts(const SelectionInput& input, const std::filesystem::path& folder
       files.task.motors = parse_motors(text_of(input.motors), path_of(input.motors));
     }
   });
-  errors.attempt([&] {
-    if (!input.gearboxes.empty()) {
-      files.task.gearboxes = parse_gearboxes(text_of(input.gearboxes), path_of(input.gearboxes),
-                                             input.backward_over_forward);
-    }
-  });
+  for (const std::string& name : input.gearboxes) {
+    errors.attempt([&] {
+      auto& all = files.task.gearboxes;
+      if (name.ends_with(".toml")) {
+        files.inputs.push_back(path_of(name));
+        all.push_back(designed_gearbox(path_of(name)));
+        return;
+      }
+      const auto more = parse_gearboxes(text_of(name), path_of(name), input.backward_over_forward);
+      all.insert(all.end(), more.begin(), more.end());
+    });
+  }
   for (const std::string& cycle : input.cycles) {
     errors.attempt([&] {
       files.inputs.push_back(path_of(cycle));
@@ -165,6 +233,9 @@ std::vector<actuator::CatalogueGearbox> parse_gearboxes(const std::string& text,
                                                         double backward_over_forward) {
   std::vector<Diagnostic> slips;
   const CsvTable table = parse_csv(text, name, slips);
+  if (std::ranges::find(table.header, "zS") != table.header.end()) {
+    return refined_gearboxes(table, slips);
+  }
   CatalogueRows rows(table, slips);
   rows.require({"manufacturer", "order_code", "ratio", "efficiency"});
   std::vector<actuator::CatalogueGearbox> gearboxes;

@@ -23,7 +23,9 @@ SelectionFiles read_selection(const std::string& path);
 std::vector<actuator::CatalogueMotor> parse_motors(const std::string& text,
                                                    const std::string& name);
 /// Gearboxes of a catalogue: columns manufacturer, order_code, ratio, efficiency and optionally
-/// those of data/planetary_gearbox_catalogue.csv.
+/// those of data/planetary_gearbox_catalogue.csv; or, told by its column zS, the optimal tooth sets
+/// of pareto.csv or refined.csv of `optimize`, with both efficiencies, and mass, inertia (at the
+/// output) and torque capacity where they have them.
 /// @param backward_over_forward  backward over the catalogue's efficiency
 std::vector<actuator::CatalogueGearbox> parse_gearboxes(const std::string& text,
                                                         const std::string& name,

@@ -11,8 +11,8 @@ namespace gear3k::io {
 
 struct SelectionInput {
   actuator::SelectionTask task;
-  std::string motors, gearboxes;  ///< paths of catalogues
-  std::vector<std::string> cycles;
+  std::string motors;  ///< path of a catalogue
+  std::vector<std::string> gearboxes, cycles;
   double backward_over_forward = 1.0;
 };
 
