@@ -12,6 +12,7 @@
 #include "calibrate/model/model_range.hpp"
 #include "io/files/design_file.hpp"
 #include "io/text/diagnostics.hpp"
+#include "optimize/wider_search.hpp"
 #include "units/units.hpp"
 
 namespace gear3k::app {
@@ -106,12 +107,17 @@ Optimization::Best best_of(const OptimizeTask& task, const optimize::Specificati
 }
 
 report::HeldBackReport held_back_by(const OptimizeTask& task,
-                                    const optimize::OptimizeResult& result) {
+                                    const optimize::OptimizeResult& result,
+                                    optimize::Progress& progress) {
   const auto held = [&](const optimize::RefinedSet& set) -> report::HeldSet {
     return {.set = set, .held = optimize::held_back(task.spec, set, task.stated_limits)};
   };
   report::HeldBackReport report{
       .best = held(*result.best), .by_planets = {}, .all_refined = !task.certify};
+  if (!result.interrupted && !progress.stop) {
+    optimize::search_beyond(task.spec, *result.best, result.search.candidates.size(),
+                            report.best.held, progress);
+  }
   for (const optimize::RefinedSet& set : optimize::best_per_planets(task.spec, result.refined)) {
     report.by_planets.push_back(held(set));
   }
@@ -164,7 +170,7 @@ Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks,
   outcome.interrupted = outcome.result.interrupted || (outcome.front && outcome.front->interrupted);
   if (outcome.result.best) {
     outcome.best = best_of(task, task.spec, *outcome.result.best);
-    outcome.held = held_back_by(task, outcome.result);
+    outcome.held = held_back_by(task, outcome.result, progress);
   }
   if (task.model) {
     outcome.comparison = compare_with_model(task, outcome, progress);

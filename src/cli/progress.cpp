@@ -92,7 +92,7 @@ struct ProgressDisplay::State {
         refines && ready > 0.0 ? seconds(search_start) * (all - ready) / ready : 0.0;
     const double mean = (seconds(stage_start) + rest) / static_cast<double>(begun);
     const double each =
-        progress.stage.load() == optimize::Progress::Stage::kFrontEnds
+        progress.stage.load() != optimize::Progress::Stage::kFrontGaps
             ? 1.0
             : static_cast<double>(begun) / std::max(1.0, static_cast<double>(finished));
     const double more = std::max(0.0, static_cast<double>(total - finished) * each - 1.0);
@@ -111,10 +111,12 @@ struct ProgressDisplay::State {
     const std::size_t total = progress.stage_total.load();
     const std::size_t finished = std::min(progress.stage_done.load(), total);
     const std::string left = stage_left(finished, total);
-    return stage == Stage::kFrontEnds
-               ? fmt::format("ends of the front, search {} of {}, {} left",
-                             std::min(finished + 1, total), total, left)
-               : fmt::format("front, {} of {} designs in its gaps, {} left", finished, total, left);
+    if (stage == Stage::kFrontGaps) {
+      return fmt::format("front, {} of {} designs in its gaps, {} left", finished, total, left);
+    }
+    return fmt::format("{}, search {} of {}, {} left",
+                       stage == Stage::kFrontEnds ? "ends of the front" : "beyond ends of ranges",
+                       std::min(finished + 1, total), total, left);
   }
 
   void show() {

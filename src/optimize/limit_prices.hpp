@@ -54,10 +54,17 @@ struct LimitPrice {
   [[nodiscard]] bool unique() const;
 };
 
+/// What a search with a bound given way found: see search_beyond().
+struct WiderSearch {
+  double value = 0.0;                  ///< of the key
+  std::optional<RefinedSet> better{};  ///< empty: nothing better there
+};
+
 /// A bound of the tooth search that a set sits at.
 struct SearchBound {
   std::string key;
-  double value = 0.0;  ///< of the set, in the unit of the key
+  double value = 0.0;                  ///< of the set, in the unit of the key
+  std::optional<WiderSearch> wider{};  ///< empty where nothing beyond it was tried
 };
 
 struct HeldBack {

@@ -10,9 +10,9 @@ struct Progress {
   enum class Phase { kSearch, kBounds, kRefinement, kCertificate, kGearboxes };
   std::atomic<Phase> phase{Phase::kSearch};
   /// What the searches of a run are for, where they are several.
-  enum class Stage { kOne, kFrontEnds, kFrontGaps };
+  enum class Stage { kOne, kFrontEnds, kFrontGaps, kBeyond };
   std::atomic<Stage> stage{Stage::kOne};
-  std::atomic<std::size_t> stage_done{0};  ///< searches at the front's ends, designs in its gaps
+  std::atomic<std::size_t> stage_done{0};  ///< searches, or designs in the gaps of a front
   std::atomic<std::size_t> stage_total{0};
   std::atomic<std::size_t> searches{0};  ///< begun in this stage
   std::atomic<std::size_t> done{0};   ///< (zS, zP1) pairs searched, stages bounded, tooth sets

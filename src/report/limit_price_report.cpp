@@ -110,15 +110,31 @@ std::string objective_text(const Specification& spec, double value) {
   return with_unit(fmt::format("{:.5g}", value), record_of(spec).unit);
 }
 
-std::string bounds_text(const HeldSet& best) {
-  if (best.held.at.empty()) return "";
-  std::vector<std::string> at;
-  at.reserve(best.held.at.size());
+/// The bounds of the search that the set sits at, each with what lies beyond it.
+std::string bounds_text(const Specification& spec, const HeldSet& best) {
+  std::string text;
+  std::vector<std::string> untried;
   for (const optimize::SearchBound& bound : best.held.at) {
-    at.push_back(fmt::format("{} ({:.4g})", bound.key, bound.value));
+    const std::string at = fmt::format("{} ({:.4g})", bound.key, bound.value);
+    if (!bound.wider) {
+      untried.push_back(at);
+      continue;
+    }
+    text += fmt::format("  at a bound of the search: {}, ", at);
+    if (const auto& better = bound.wider->better) {
+      const double change =
+          objective_of(spec, {.set = *better, .held = {}}) - objective_of(spec, best);
+      text += fmt::format("to {:.4g} there is {} with {} ({})\n", bound.wider->value,
+                          teeth_text(better->candidate.teeth),
+                          objective_text(spec, objective_of(spec, {.set = *better, .held = {}})),
+                          change_text(spec, change));
+    } else {
+      text += fmt::format("to {:.4g} nothing is better\n", bound.wider->value);
+    }
   }
-  return fmt::format("  at a bound of the search, beyond which nothing was tried: {}\n",
-                     fmt::join(at, ", "));
+  if (untried.empty()) return text;
+  return text + fmt::format("  at a bound of the search, beyond which nothing was tried: {}\n",
+                            fmt::join(untried, ", "));
 }
 
 std::string better_text(const Specification& spec, const HeldSet& best) {
@@ -139,7 +155,7 @@ std::string held_back_table(const Specification& spec, const HeldSet& best) {
       "\nHeld back by (price: change of the {} per unit, first order; gain: by the step)\n",
       record_of(spec).title);
   if (!best.held.missing.empty()) {
-    return text + fmt::format("  not known: {}\n", best.held.missing) + bounds_text(best);
+    return text + fmt::format("  not known: {}\n", best.held.missing) + bounds_text(spec, best);
   }
   TextTable table({"limit", "value", "at", "price", "step", "gain"});
   for (const std::size_t column : {std::size_t{2}, std::size_t{3}}) table.align_left(column);
@@ -166,7 +182,7 @@ std::string held_back_table(const Specification& spec, const HeldSet& best) {
   if (!free.empty()) {
     text += fmt::format("  met exactly, at no price: {}\n", fmt::join(free, ", "));
   }
-  return text + bounds_text(best) + better_text(spec, best);
+  return text + bounds_text(spec, best) + better_text(spec, best);
 }
 
 std::string planets_table(const Specification& spec, const HeldBackReport& report) {
@@ -212,6 +228,24 @@ io::Json prices_json(const Specification& spec, const HeldSet& set) {
   });
 }
 
+io::Json bound_json(const Specification& spec, const HeldSet& best,
+                    const optimize::SearchBound& bound) {
+  io::Json entry{{"key", bound.key},
+                 {"value", bound.value},
+                 {"tried", bound.wider ? io::Json(bound.wider->value) : nullptr},
+                 {"better", nullptr}};
+  if (bound.wider && bound.wider->better) {
+    const HeldSet better{.set = *bound.wider->better, .held = {}};
+    const double objective = objective_of(spec, better);
+    entry["better"] = {{"planets", better.set.candidate.planets},
+                       {"teeth", train::teeth_of(better.set.candidate.teeth)},
+                       {"ratio", train::ratio(better.set.candidate.teeth)},
+                       {"objective", objective},
+                       {"change", objective - objective_of(spec, best)}};
+  }
+  return entry;
+}
+
 io::Json held_set_json(const Specification& spec, const HeldSet& best) {
   const LimitPrice* const price = dearest(spec, best);
   io::Json better = nullptr;
@@ -228,8 +262,8 @@ io::Json held_set_json(const Specification& spec, const HeldSet& best) {
           {"prices_missing",
            best.held.missing.empty() ? io::Json(nullptr) : io::Json(best.held.missing)},
           {"at_bounds", list_json(best.held.at,
-                                  [](const optimize::SearchBound& bound) -> io::Json {
-                                    return {{"key", bound.key}, {"value", bound.value}};
+                                  [&](const optimize::SearchBound& bound) {
+                                    return bound_json(spec, best, bound);
                                   })},
           {"better_estimate", std::move(better)}};
 }

@@ -1,0 +1,25 @@
+#pragma once
+// What lies just beyond the ends of a search's ranges.
+
+#include "optimize/limit_prices.hpp"
+#include "optimize/progress.hpp"
+#include "optimize/specification.hpp"
+
+namespace gear3k::optimize {
+
+/// Above as many tooth sets only ranges are widened that leave all other sets out.
+inline constexpr std::size_t kMostSearchedAgain = 20000;
+
+/// Searches anew with each bound that the best set sits at given way: tooth ranges and greatest
+/// rings by two teeth, the coaxial offset and the internal difference by one, the ratio's tolerance
+/// by a tenth; of tooth ranges only the sets beyond are searched.  Fills SearchBound::wider.
+///
+/// Nothing is tried where the first objective is no efficiency or the task has no bounds: every set
+/// would have to be refined; nor, but for tooth ranges, above kMostSearchedAgain sets.
+/// @param best  whose bounds `held` has
+/// @param sets  tooth sets of the task
+/// @param progress  its stop ends the searches: what was not tried stays empty
+void search_beyond(const Specification& spec, const RefinedSet& best, std::size_t sets,
+                   HeldBack& held, Progress& progress);
+
+}  // namespace gear3k::optimize
