@@ -56,6 +56,12 @@ struct Drive {
   double standby_W = 0.0;
 };
 
+/// Limits of what is felt at the output: see felt.hpp.
+struct FeltLimits {
+  std::optional<double> max_inertia_kgm2, max_breakaway_Nm, max_transparency;
+  std::optional<double> transparency_torque_Nm;  ///< of the motor, at the output
+};
+
 class DesignTrain;
 
 struct Actuator {
@@ -64,6 +70,7 @@ struct Actuator {
   Gearbox gearbox;  ///< with a train: its ratio, stiffness and mass alone
   Drive drive;
   double load_inertia_kgm2 = 0.0;
+  FeltLimits felt{};
   std::shared_ptr<const DesignTrain> train;  ///< a designed gearbox in place of catalogue values
 };
 

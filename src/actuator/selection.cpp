@@ -25,6 +25,7 @@ Actuator actuator_of(const SelectionTask& task, const Pair& pair) {
              .gearbox = task.gearboxes[pair.gearbox].gearbox,
              .drive = task.drive,
              .load_inertia_kgm2 = task.load_inertia_kgm2,
+             .felt = {},
              .train = nullptr};
   a.motor.heat.ambient_K = task.ambient_K;
   return a;

@@ -29,6 +29,8 @@ double greatest_load(const ActuatorRequest& request, const actuator::Reflected& 
 report::ActuatorResult analyze_actuator(const ActuatorRequest& request) {
   report::ActuatorResult result{.actuator = request.actuator,
                                 .reflected = {},
+                                .felt = {},
+                                .felt_checks = {},
                                 .cycle = {},
                                 .cycle_name = {},
                                 .without_each = {},
@@ -37,6 +39,10 @@ report::ActuatorResult analyze_actuator(const ActuatorRequest& request) {
                                 .drive_diagram = {}};
   try {
     result.reflected = actuator::reflected(request.actuator);
+    if (const auto& torque = request.actuator.felt.transparency_torque_Nm) {
+      result.felt = actuator::felt_torque(request.actuator, *torque);
+    }
+    result.felt_checks = actuator::felt_checks(request.actuator, result.reflected, result.felt);
     if (request.cycle) {
       result.cycle_name = request.cycle->name;
       result.cycle = actuator::run_cycle(request.actuator, *request.cycle, request.keep_instants);

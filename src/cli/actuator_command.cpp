@@ -179,7 +179,9 @@ ExitCode run_actuator(const ActuatorOptions& options) {
       deliver(options, report::actuator_table(result) + files_text(written));
       break;
   }
-  return options.strict && result.cycle && !result.cycle->feasible ? kNoFeasibleDesign : kDone;
+  const bool feasible = (!result.cycle || result.cycle->feasible) &&
+                        std::ranges::all_of(result.felt_checks, &actuator::LimitCheck::ok);
+  return options.strict && !feasible ? kNoFeasibleDesign : kDone;
 }
 
 }  // namespace gear3k::cli

@@ -70,6 +70,13 @@ Json checks_json(const std::vector<LimitCheck>& checks) {
   return list;
 }
 
+Json felt_json(const actuator::FeltTorque& felt) {
+  return {{"motor_torque_nm", felt.motor_Nm},
+          {"moving_with_nm", felt.moving_with_Nm},
+          {"pushed_back_nm", felt.pushed_back_Nm},
+          {"transparency", felt.transparency}};
+}
+
 Json winding_json(const DutyCycle& d) {
   if (!d.winding) return nullptr;
   return {{"runaway", d.winding->runaway},
@@ -209,6 +216,14 @@ std::string ledger_text(const ActuatorResult& result) {
   return table.text(0);
 }
 
+std::string felt_text(const actuator::FeltTorque& felt) {
+  return fmt::format(
+      "motor holds {:.6g} N m      {} moving with it, {} pushed back; transparency {}\n",
+      felt.motor_Nm, number_or(felt.moving_with_Nm, "stands still", " N m"),
+      number_or(felt.pushed_back_Nm, "not to be", " N m"),
+      number_or(felt.transparency, "none", ""));
+}
+
 std::string cycle_text(const ActuatorResult& result) {
   const DutyCycle& d = *result.cycle;
   std::string text = fmt::format("\nCycle {}: {:g} s, {}\n", result.cycle_name, d.period_s,
@@ -261,6 +276,8 @@ std::string actuator_json(const ActuatorResult& result) {
             {"ratio", result.actuator.gearbox.ratio},
             {"reflected", reflected_json(result.reflected)},
             {"cycle", result.cycle ? cycle_json(result) : Json()}};
+  if (result.felt) json["felt"] = felt_json(*result.felt);
+  if (!result.felt_checks.empty()) json["checks"] = checks_json(result.felt_checks);
   if (result.impedance_task) json["impedance"] = impedance_json(result);
   json["notes"] = result.reflected.notes;
   return json.text();
@@ -271,6 +288,8 @@ std::string actuator_table(const ActuatorResult& result) {
                                  result.actuator.name.empty() ? "actuator" : result.actuator.name,
                                  result.actuator.gearbox.ratio);
   text += reflected_text(result);
+  if (result.felt) text += felt_text(*result.felt);
+  text += checks_text(result.felt_checks);
   for (const std::string& note : result.reflected.notes) text += fmt::format("note: {}\n", note);
   if (result.cycle) text += cycle_text(result);
   if (result.impedance_task) text += impedance_text(result);

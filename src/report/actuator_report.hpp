@@ -7,6 +7,7 @@
 
 #include "actuator/drive_diagram.hpp"
 #include "actuator/duty_cycle.hpp"
+#include "actuator/felt.hpp"
 #include "actuator/impedance.hpp"
 #include "actuator/reflected.hpp"
 
@@ -16,6 +17,8 @@ namespace gear3k::report {
 struct ActuatorResult {
   actuator::Actuator actuator;
   actuator::Reflected reflected;
+  std::optional<actuator::FeltTorque> felt;  ///< where a torque of the motor is stated
+  std::vector<actuator::LimitCheck> felt_checks;
   std::optional<actuator::DutyCycle> cycle;
   std::string cycle_name;
   std::optional<std::vector<actuator::WithoutCause>> without_each;

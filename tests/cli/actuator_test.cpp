@@ -114,6 +114,28 @@ TEST(Actuator, DrawsItsFigures) {
   }
 }
 
+TEST(Actuator, LimitsOfWhatIsFeltDecideWithStrict) {
+  const Workplace place;
+  place.write("a.toml", kReference +
+                            "[limits]\nmax_felt_inertia_kgm2 = 0.1\nmax_breakaway_nm = 2.3\n"
+                            "max_transparency = 0.6\ntransparency_torque_nm = 20.0\n");
+  const json data = result_of(place, {});
+  EXPECT_EQ(place.run({"actuator", "a.toml", "--strict"}).exit_code, 3);
+  const json checks = data.at("checks");
+  ASSERT_EQ(checks.size(), 3U);
+  EXPECT_EQ(checks.at(1).at("name"), "breakaway");
+  EXPECT_FALSE(checks.at(1).at("ok").get<bool>()) << "2.0 + 0.2/0.6 N m";
+  // (20 + 0.2)/0.6 + 1 and 0.8 (20 - 0.2) - 1: 0.8 and 0.6 are the efficiencies, 0.2 the motor's.
+  const double back = 20.2 / 0.6 + 1.0;
+  const double with = 0.8 * 19.8 - 1.0;
+  EXPECT_NEAR(data.at("felt").at("transparency").get<double>(), 2.0 * (back - with) / (back + with),
+              1e-12);
+  place.write("a.toml", kReference + "[limits]\nmax_transparency = 0.6\n");
+  const ProgramResult lacks = place.run({"actuator", "a.toml"});
+  EXPECT_EQ(lacks.exit_code, 2);
+  EXPECT_TRUE(contains(lacks.err, "with limits.transparency_torque_nm")) << lacks.err;
+}
+
 const std::string kMotors =
     "manufacturer,order_code,resistance_ohm,torque_constant_nm_per_a,mass_kg,nominal_current_a,"
     "nominal_voltage_v\nA,small,1.0,0.02,0.1,2.0,24\nA,large,0.3,0.05,0.4,6.0,24\n";

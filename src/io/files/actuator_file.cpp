@@ -73,6 +73,7 @@ actuator::Actuator actuator_from(const TomlValue& document, const std::string& n
                             .gearbox = {},
                             .drive = input.drive,
                             .load_inertia_kgm2 = input.load_inertia_kgm2,
+                            .felt = input.felt,
                             .train = nullptr};
   resolve_motor(input.motor, result.motor);
   CollectedErrors errors;

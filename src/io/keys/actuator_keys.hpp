@@ -30,6 +30,7 @@ struct ActuatorInput {
   GearboxInput gearbox;
   actuator::Drive drive;
   double load_inertia_kgm2 = 0.0;
+  actuator::FeltLimits felt;
   std::optional<double> backlash_rad;
 };
 
