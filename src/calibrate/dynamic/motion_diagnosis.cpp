@@ -36,7 +36,7 @@ std::vector<std::size_t> possible_changes(const WindowSums& sums, const DrivePar
 std::vector<DriveFit> all_fits(const WindowSums& sums, const DriveParameters& stated,
                                const std::vector<std::size_t>& causes) {
   std::vector<DriveFit> fits;
-  const auto add = [&](std::vector<std::size_t> free) {
+  const auto add = [&](const std::vector<std::size_t>& free) {
     DriveFit fit = fit_drive(sums, stated, free);
     if (fit.determined && fit.physical) fits.push_back(std::move(fit));
   };

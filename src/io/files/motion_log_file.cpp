@@ -18,22 +18,22 @@ namespace gear3k::io {
 namespace {
 
 constexpr std::size_t kMostLogBytes = std::size_t{1} << 30U;
-constexpr double kGap = 3.0;             // median steps of time
+constexpr double kLogGap = 3.0;          // median steps of time
 constexpr std::size_t kClippedRows = 8;  // at the same extreme, one after the other
 constexpr double kMostClipped = 0.5;     // of the rows
 constexpr double kLargest = 1e9;         // of any number
 constexpr std::size_t kFewestRows = 50;  // of a file
 
 enum LogColumn : std::size_t {
-  kTime,
-  kSpeed,
-  kAngle,
-  kMotorTorque,
-  kMotorCurrent,
-  kLoad,
-  kColumns
+  kLogTime,
+  kLogSpeed,
+  kLogAngle,
+  kLogMotorTorque,
+  kLogMotorCurrent,
+  kLogLoad,
+  kLogColumnCount
 };
-constexpr std::array<std::string_view, kColumns> kLogColumns{
+constexpr std::array<std::string_view, kLogColumnCount> kLogColumns{
     "time_s", "speed_rad_s", "angle_rad", "motor_torque_nm", "motor_current_a", "output_torque_nm"};
 // Named by the contract and not needed here.
 constexpr std::string_view kTemperatureColumn = "temperature_c", kRunColumn = "run";
@@ -44,14 +44,14 @@ struct LogNotes {
 };
 
 struct LogRows {
-  std::array<std::vector<double>, kColumns> value{};
+  std::array<std::vector<double>, kLogColumnCount> value{};
   std::vector<int> line, run;
 };
 
 struct LogFile {
   Complaints complaints;
   LogNotes notes;
-  std::array<std::optional<std::size_t>, kColumns> place{};
+  std::array<std::optional<std::size_t>, kLogColumnCount> place{};
   std::optional<std::size_t> run_place{};
   std::vector<std::string> ignored;
   std::size_t fields = 0;
@@ -128,17 +128,17 @@ void read_log_header(std::string_view line, int number, LogFile& file) {
                         ? ""
                         : fmt::format("; not known: {}", fmt::join(file.ignored, ", "))));
   };
-  if (!file.place[kTime]) missing("time_s");
-  if (lacks(kSpeed, kAngle)) missing("speed_rad_s or angle_rad");
-  if (lacks(kMotorTorque, kMotorCurrent)) missing("motor_torque_nm or motor_current_a");
+  if (!file.place[kLogTime]) missing("time_s");
+  if (lacks(kLogSpeed, kLogAngle)) missing("speed_rad_s or angle_rad");
+  if (lacks(kLogMotorTorque, kLogMotorCurrent)) missing("motor_torque_nm or motor_current_a");
 }
 
 /// Takes a row, or says what is wrong with it.
 void read_log_row(const CsvFields& fields, int line, LogFile& file,
                   std::vector<std::string>& labels) {
-  std::array<double, kColumns> row{};
+  std::array<double, kLogColumnCount> row{};
   bool right = true;
-  for (std::size_t c = 0; c < kColumns; ++c) {
+  for (std::size_t c = 0; c < kLogColumnCount; ++c) {
     if (!file.place.at(c)) continue;
     const std::string_view field = trimmed(fields.values()[*file.place.at(c)]);
     const std::optional<double> value = csv_number(field);
@@ -159,15 +159,16 @@ void read_log_row(const CsvFields& fields, int line, LogFile& file,
   }
   if (!right) return;
   LogRows& rows = file.rows;
-  if (!rows.line.empty() && rows.run.back() == run && !(row[kTime] > rows.value[kTime].back())) {
+  if (!rows.line.empty() && rows.run.back() == run &&
+      !(row[kLogTime] > rows.value[kLogTime].back())) {
     file.complaints.add({.line = line, .column = 1}, [&] {
       return fmt::format(
           "time_s = {} after {} in line {}: allowed: above the time before within a run (a clock "
           "that began anew is a new session: label it in the column run)",
-          row[kTime], rows.value[kTime].back(), rows.line.back());
+          row[kLogTime], rows.value[kLogTime].back(), rows.line.back());
     });
   }
-  for (std::size_t c = 0; c < kColumns; ++c) rows.value.at(c).push_back(row.at(c));
+  for (std::size_t c = 0; c < kLogColumnCount; ++c) rows.value.at(c).push_back(row.at(c));
   rows.line.push_back(line);
   rows.run.push_back(run);
 }
@@ -232,7 +233,7 @@ std::vector<char> clipped_rows(const std::vector<double>& signal) {
 }
 
 double median_step(const LogRows& rows) {
-  const std::vector<double>& time = rows.value[kTime];
+  const std::vector<double>& time = rows.value[kLogTime];
   std::vector<double> steps;
   steps.reserve(time.size());
   for (std::size_t k = 1; k < time.size(); ++k) {
@@ -247,25 +248,25 @@ double median_step(const LogRows& rows) {
 void add_sample(const LogFile& file, std::size_t k, const MotionLogScale& scale,
                 calibrate::MotionStretch& s) {
   const auto& value = file.rows.value;
-  s.time_s.push_back(value[kTime][k]);
-  if (file.place[kSpeed]) {
-    s.speed_rad_s.push_back(value[kSpeed][k]);
+  s.time_s.push_back(value[kLogTime][k]);
+  if (file.place[kLogSpeed]) {
+    s.speed_rad_s.push_back(value[kLogSpeed][k]);
   } else {
-    s.angle_rad.push_back(value[kAngle][k]);
+    s.angle_rad.push_back(value[kLogAngle][k]);
   }
-  const double motor = file.place[kMotorTorque]
-                           ? value[kMotorTorque][k]
-                           : scale.torque_constant_Nm_A * value[kMotorCurrent][k];
+  const double motor = file.place[kLogMotorTorque]
+                           ? value[kLogMotorTorque][k]
+                           : scale.torque_constant_Nm_A * value[kLogMotorCurrent][k];
   s.motor_Nm.push_back(scale.ratio * motor);
-  if (file.place[kLoad]) {
-    s.load_Nm.push_back(file.notes.of_actuator ? -value[kLoad][k] : value[kLoad][k]);
+  if (file.place[kLogLoad]) {
+    s.load_Nm.push_back(file.notes.of_actuator ? -value[kLogLoad][k] : value[kLogLoad][k]);
   }
 }
 
 void cut_log(LogFile& file, const std::string& path, const MotionLogScale& scale,
              calibrate::MotionRecord& record) {
   const LogRows& rows = file.rows;
-  const std::size_t motor = file.place[kMotorTorque] ? kMotorTorque : kMotorCurrent;
+  const std::size_t motor = file.place[kLogMotorTorque] ? kLogMotorTorque : kLogMotorCurrent;
   const std::vector<char> clipped = clipped_rows(rows.value.at(motor));
   const auto lost = static_cast<std::size_t>(std::ranges::count(clipped, char{1}));
   if (static_cast<double>(lost) > kMostClipped * static_cast<double>(clipped.size())) {
@@ -291,7 +292,8 @@ void cut_log(LogFile& file, const std::string& path, const MotionLogScale& scale
       continue;
     }
     const bool follows = open && rows.run[k] == rows.run[k - 1];
-    const bool gap = follows && rows.value[kTime][k] - rows.value[kTime][k - 1] > kGap * step;
+    const bool gap =
+        follows && rows.value[kLogTime][k] - rows.value[kLogTime][k - 1] > kLogGap * step;
     if (gap && gaps++ == 0) first_gap = rows.line[k];
     if (!follows || gap) {
       record.stretches.emplace_back();
@@ -304,7 +306,7 @@ void cut_log(LogFile& file, const std::string& path, const MotionLogScale& scale
     record.notes.push_back(fmt::format(
         "{}: {} {} in the sampling (steps of more than {:g} times {:.4g} s), first before line {}: "
         "no window goes across",
-        path, gaps, gaps == 1 ? "gap" : "gaps", kGap, step, first_gap));
+        path, gaps, gaps == 1 ? "gap" : "gaps", kLogGap, step, first_gap));
   }
   for (const std::string& name : file.ignored) {
     record.notes.push_back(fmt::format("{}: column {} is not used: ignored", path, name));
@@ -315,7 +317,8 @@ void add_log(const std::string& path, std::string_view text, const MotionLogScal
              calibrate::MotionRecord& record, CollectedErrors& errors) {
   LogFile file = read_log(text);
   record.files.push_back(path);
-  if (file.complaints.none() && !file.place[kMotorTorque] && !(scale.torque_constant_Nm_A > 0.0)) {
+  if (file.complaints.none() && !file.place[kLogMotorTorque] &&
+      !(scale.torque_constant_Nm_A > 0.0)) {
     file.complaints.add({.line = file.header_line, .column = 1},
                         "motor_current_a needs motor.torque_constant_nm_per_a, allowed: above 0");
   }

@@ -102,9 +102,10 @@ Tally campaign(const DriveBench& b, double strength, int seeds) {
       add(t, found(changed, stated, 1000 + static_cast<std::uint64_t>(s)), cause, by);
     }
   }
-  fmt::print(
-      "strength {}: {} runs, found {}, listed {}, named {}, ambiguous {}, covered {} of {}\n",
-      strength, t.runs, t.found, t.listed, t.named, t.ambiguous, t.covered, t.intervals);
+  if (long_samples())
+    fmt::print(
+        "strength {}: {} runs, found {}, listed {}, named {}, ambiguous {}, covered {} of {}\n",
+        strength, t.runs, t.found, t.listed, t.named, t.ambiguous, t.covered, t.intervals);
   return t;
 }
 
@@ -124,7 +125,7 @@ TEST(MotionDiagnosis, WhereNothingIsWrongNothingIsFound) {
       const auto d = found(b, stated_of(b), 100 + static_cast<std::uint64_t>(s));
       wrong += d.effects.empty() ? 0 : 1;
     }
-    fmt::print("nulls wrong {} of {}\n", wrong, seeds);
+    if (long_samples()) fmt::print("nulls wrong {} of {}\n", wrong, seeds);
     EXPECT_LE(wrong, sample(5, 34));
   }
 }
@@ -174,8 +175,9 @@ TEST(MotionDiagnosis, AllNumbersOfADriveAreFoundWithAnOutputTorque) {
     }
   }
   const double rms = std::sqrt(square / (2.0 * seeds));
-  fmt::print("covered {} of {}, efficiencies: rms error {}, worst {}\n", covered, 8 * seeds, rms,
-             worst);
+  if (long_samples())
+    fmt::print("covered {} of {}, efficiencies: rms error {}, worst {}\n", covered, 8 * seeds, rms,
+               worst);
   EXPECT_LT(rms, 0.005);
   EXPECT_GE(covered, 8 * seeds * 88 / 100);
 }
