@@ -243,6 +243,21 @@ void tell_gaps(MotionDiagnosis& d, const WindowSums& sums, bool load) {
   }
 }
 
+/// Without T_L inertia and drag of both sides make any coefficients: what acts by an inertia, or by
+/// the torque's gain, has them as an alternative.
+void doubt_without_load(MotionDiagnosis& d) {
+  const bool by_inertia = std::ranges::any_of(d.effects, [](const MotionEffect& e) {
+    const std::string_view id = kDriveCauses.at(e.cause).id;
+    return id != "drag_constant" && id != "drag_viscous";
+  });
+  if (!by_inertia || d.verdict != MotionVerdict::kExplained) return;
+  d.verdict = MotionVerdict::kAmbiguous;
+  d.sides_as_well = true;
+  d.notes.emplace_back(
+      "inertia and drag of both sides, changed together, explain this log as well as the cause "
+      "that is named: it is the simplest, and no more");
+}
+
 /// Verdict and effects.  @returns the changes that explain
 DriveChanges judge(MotionDiagnosis& d, const WindowSums& sums, const DriveParameters& stated,
                    const MotionDiagnoseOptions& options) {
@@ -301,6 +316,7 @@ std::optional<MotionDiagnosis> diagnose_motion(const MotionRecord& record,
     add_residuals(d, stated, changes);
     d.quantities = quantities_of(*sums, stated);
     const bool load = std::ranges::any_of(d.rows, [](const auto& w) { return w.term[3] != 0.0; });
+    if (!load) doubt_without_load(d);
     tell_gaps(d, *sums, load);
     if (round == 1 && d.verdict == MotionVerdict::kAmbiguous) {
       d.next = next_motion(d, *sums, stated, changes);

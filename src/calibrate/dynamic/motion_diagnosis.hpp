@@ -67,6 +67,8 @@ struct MotionDiagnosis {
   double lack_of_fit = 1.0;                  ///< p of what the causes leave
   double baseline_Nm = 0.0, extended_Nm = 0.0, noise_Nm = 0.0;  ///< rms of a window's mean torque
   double correlation = 0.0;                                     ///< between neighbouring windows
+  /// Inertia and drag of both sides together explain as well: no load is logged.
+  bool sides_as_well = false;
   std::vector<MotionWindow> rows;
   std::vector<double> baseline, extended;  ///< residuals of each window's mean torque [N m]
   std::vector<std::string> notes;

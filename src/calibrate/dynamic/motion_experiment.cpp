@@ -138,6 +138,10 @@ Hypotheses hypotheses_of(const MotionDiagnosis& d) {
       h.sets.push_back(other);
     }
   }
+  if (d.sides_as_well) {
+    h.sets.push_back({kMotorCoulombChange, kOutputCoulombChange, kMotorViscousChange,
+                      kOutputViscousChange, kMotorInertiaChange, kOutputInertiaChange});
+  }
   return h;
 }
 
