@@ -11,6 +11,7 @@ set(order
     strength
     design
     optimize
+    calibrate/dynamic
     calibrate/loops
     calibrate/measurement
     calibrate/model

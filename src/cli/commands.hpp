@@ -137,6 +137,8 @@ ExitCode run_optimize(const OptimizeOptions& options);
 ExitCode run_reproduce(const ReproduceOptions& options);
 ExitCode run_map(const MapOptions& options);
 ExitCode run_diagnose(const DiagnoseOptions& options);
+/// The same of logs of kind `dynamic`, of an ACTUATOR.
+ExitCode run_diagnose_motion(const DiagnoseOptions& options);
 ExitCode run_tolerances(const TolerancesOptions& options);
 ExitCode run_export(const ExportOptions& options);
 ExitCode run_actuator(const ActuatorOptions& options);

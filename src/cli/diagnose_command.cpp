@@ -13,6 +13,7 @@
 #include "cli/result_files.hpp"
 #include "cli/talk.hpp"
 #include "io/files/model_file.hpp"
+#include "io/files/motion_log_file.hpp"
 #include "io/files/subject_file.hpp"
 #include "report/condition_columns.hpp"
 #include "report/diagnosis_plot.hpp"
@@ -137,6 +138,7 @@ ResultFolderTask folder_task(const DiagnoseOptions& options) {
 ExitCode run_diagnose(const DiagnoseOptions& options) {
   end_on_interrupt();
   use_threads(options);
+  if (io::any_motion_log(options.data)) return run_diagnose_motion(options);
   const app::DiagnoseRequest request = read_request(options);
   const app::DiagnosisTask task = app::diagnosis_task(request);
   std::optional<ResultFolder> folder;

@@ -198,7 +198,8 @@ void add_show_options(CLI::App& command, cli::ShowOptions& options) {
 void add_diagnose_options(CLI::App& command, cli::DiagnoseOptions& options) {
   command
       .add_option("SUBJECT", options.file,
-                  "DESIGN.toml, PAIR.toml, or a table [gearbox] of catalogue values")
+                  "DESIGN.toml, PAIR.toml, or a table [gearbox] of catalogue values; ACTUATOR.toml "
+                  "for logs of motion")
       ->required();
   command.add_option("DATA", options.data, "measurements, one or more CSV files")->required();
   command

@@ -1,0 +1,100 @@
+#include "app/diagnose_motion.hpp"
+
+#include <fmt/format.h>
+
+#include "actuator/chain.hpp"
+#include "io/text/diagnostics.hpp"
+#include "numerics/square.hpp"
+
+namespace gear3k::app {
+
+namespace {
+
+using calibrate::DriveParameters, calibrate::MotionDiagnosis, calibrate::MotionWindow;
+
+DriveParameters drive_of(const actuator::Actuator& a, const actuator::Chain& chain) {
+  return {.motor_inertia_kgm2 = chain.j1_kgm2,
+          .motor_viscous_Nms = chain.d1_Nms,
+          .motor_coulomb_Nm = chain.c1_Nm,
+          .output_inertia_kgm2 = chain.j2_kgm2 - a.load_inertia_kgm2,
+          .output_viscous_Nms = chain.d2_Nms,
+          .output_coulomb_Nm = chain.c2_Nm,
+          .efficiency_forward = chain.efficiency_forward,
+          .efficiency_backward = chain.efficiency_backward};
+}
+
+/// Squares of what is left of the windows with either sign of a term.
+struct SignSquares {
+  double as_logged = 0.0, motor_reversed = 0.0, load_reversed = 0.0;
+};
+
+SignSquares sign_squares(const std::vector<MotionWindow>& windows, const DriveParameters& drive) {
+  SignSquares r;
+  for (const MotionWindow& w : windows) {
+    const auto beta = calibrate::drive_coefficients(drive, w.flow, w.load_kgm2);
+    const double load = beta[3] * w.term[3];
+    const double own = beta[0] * w.term[0] + beta[1] * w.term[1] + beta[2] * w.term[2];
+    r.as_logged += numerics::square(w.motor_Nm - own - load);
+    r.motor_reversed += numerics::square(-w.motor_Nm - own - load);
+    r.load_reversed += numerics::square(w.motor_Nm - own + load);
+  }
+  return r;
+}
+
+/// A sign is wrong where the other one leaves less than a quarter of the squares.
+void refuse_reversed(const std::vector<MotionWindow>& windows, const DriveParameters& drive,
+                     const std::string& files) {
+  constexpr double kClearly = 0.25;
+  const SignSquares s = sign_squares(windows, drive);
+  if (s.motor_reversed < kClearly * s.as_logged && s.motor_reversed < s.load_reversed) {
+    throw io::InvalidInput(fmt::format(
+        "{}: the motor's torque acts against the motion that it makes: allowed: the sign of "
+        "gearbox.ratio, by which a positive one turns the output forward",
+        files));
+  }
+  if (s.load_reversed < kClearly * s.as_logged) {
+    throw io::InvalidInput(
+        fmt::format("{}: output_torque_nm has the other sign: allowed: that of the load on the "
+                    "output, or the note \"# torque: actuator\"",
+                    files));
+  }
+}
+
+}  // namespace
+
+report::MotionDiagnosisResult diagnose_motion(const DiagnoseMotionRequest& request) {
+  const actuator::Actuator& a = request.actuator;
+  if (a.train != nullptr) {
+    throw io::InvalidInput(
+        fmt::format("{}: gearbox.design: logs of motion are diagnosed for a gearbox by catalogue "
+                    "values: allowed: ratio, efficiency_forward and efficiency_backward, as gear3k "
+                    "analyze prints them for the design",
+                    request.source));
+  }
+  const actuator::Chain chain = actuator::chain_of(a);
+  report::MotionDiagnosisResult result;
+  result.subject = a.name;
+  result.ratio = chain.ratio;
+  const io::MotionLogScale scale{.ratio = chain.ratio,
+                                 .torque_constant_Nm_A = a.motor.torque_constant_Nm_A,
+                                 .load_kgm2 = a.load_inertia_kgm2};
+  const calibrate::MotionRecord record = io::read_motion_logs(request.data, scale);
+  result.files = record.files;
+  const DriveParameters drive = drive_of(a, chain);
+  const std::string files = fmt::format("{}", fmt::join(record.files, ", "));
+  refuse_reversed(calibrate::motion_windows(record, drive), drive, files);
+  auto found = calibrate::diagnose_motion(record, drive,
+                                          {.false_discovery_rate = request.false_discovery_rate});
+  if (!found) {
+    throw io::InvalidInput(fmt::format(
+        "{}: too few stretches of 12 samples and more in one sense and one flow of power: allowed: "
+        "at least 16 (log for longer, faster, or slower motions)",
+        files));
+  }
+  result.diagnosis = std::move(*found);
+  auto& notes = result.diagnosis.notes;
+  notes.insert(notes.begin(), record.notes.begin(), record.notes.end());
+  return result;
+}
+
+}  // namespace gear3k::app

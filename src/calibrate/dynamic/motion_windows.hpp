@@ -1,0 +1,34 @@
+#pragma once
+// Balances of impulse over windows of a log, each in one sense and one flow.
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "calibrate/dynamic/drive_parameters.hpp"
+#include "calibrate/dynamic/motion_record.hpp"
+
+namespace gear3k::calibrate {
+
+/// Terms of a window: means over the test function φ, times √samples so that rows scatter alike.
+struct MotionWindow {
+  std::array<double, 5> term{};      ///< of acceleration, speed, sense, −T_L, and 1
+  std::array<double, 2> variance{};  ///< of the terms of acceleration and −T_L, by their noise
+  double motor_Nm = 0.0;
+  double time_s = 0.0, duration_s = 0.0;
+  double load_kgm2 = 0.0;
+  int flow = 1, sense = 1;
+  bool follows = false;  ///< begins where the window before it ended
+};
+
+/// Cuts a log where the sense or the flow changes and weighs each piece by φ = (1 − x²)^p, which
+/// vanishes at both ends with its slopes: ∫ φ a dt = −∫ φ' w dt (p = 3) = ∫ φ'' θ dt (p = 4),
+/// settled so that sums over samples are exact for constant accelerations.
+/// No signal is differentiated; sense and flow are told by a line through 2 h + 1 samples, and
+/// samples where they are in doubt are in no window.
+/// Source: Shinbrot, M., On the analysis of linear and nonlinear systems, Trans. ASME 79 (1957)
+/// (modulating functions); docs/theory §69.
+/// @param drive  tells which flow a sample has
+std::vector<MotionWindow> motion_windows(const MotionRecord& record, const DriveParameters& drive);
+
+}  // namespace gear3k::calibrate

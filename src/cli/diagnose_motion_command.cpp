@@ -1,0 +1,55 @@
+#include <fmt/format.h>
+
+#include <optional>
+
+#include "app/diagnose_motion.hpp"
+#include "cli/commands.hpp"
+#include "cli/progress.hpp"
+#include "cli/result_files.hpp"
+#include "cli/talk.hpp"
+#include "io/files/actuator_file.hpp"
+#include "io/text/diagnostics.hpp"
+
+namespace gear3k::cli {
+
+ExitCode run_diagnose_motion(const DiagnoseOptions& options) {
+  if (!options.model.empty()) {
+    throw io::InvalidInput(fmt::format(
+        "--model {}: no effect on logs of motion: allowed: without --model", options.model));
+  }
+  const app::DiagnoseMotionRequest request{.actuator = io::read_actuator(options.file),
+                                           .source = options.file,
+                                           .data = options.data,
+                                           .false_discovery_rate = options.false_discovery_rate};
+  std::optional<ResultFolder> folder;
+  if (!options.out.empty()) {
+    ResultFolderTask task{.path = options.out,
+                          .inputs = options.data,
+                          .files = {"diagnosis.json", "residuals.csv"},
+                          .quiet = options.quiet};
+    task.inputs.push_back(options.file);
+    folder.emplace(std::move(task));
+  }
+  const report::MotionDiagnosisResult result = app::diagnose_motion(request);
+  const std::string json = report::motion_diagnosis_json(result);
+  const std::string csv = report::motion_window_csv(result);
+  std::vector<std::string> written;
+  if (folder) {
+    written = folder->write(
+        {{.path = "diagnosis.json", .text = json}, {.path = "residuals.csv", .text = csv}});
+  }
+  switch (options.format) {
+    case Format::kJson:
+      print_result(json);
+      break;
+    case Format::kCsv:
+      print_result(csv);
+      break;
+    case Format::kTable:
+      print_result(report::motion_diagnosis_table(result) + files_text(written));
+      break;
+  }
+  return kDone;
+}
+
+}  // namespace gear3k::cli

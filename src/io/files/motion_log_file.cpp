@@ -1,0 +1,373 @@
+#include "io/files/motion_log_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "io/text/complaints.hpp"
+#include "io/text/csv_table.hpp"
+#include "io/text/file_reader.hpp"
+#include "io/text/printable.hpp"
+#include "io/text/text_lines.hpp"
+
+namespace gear3k::io {
+
+namespace {
+
+constexpr std::size_t kMostLogBytes = std::size_t{1} << 30U;
+constexpr double kLogGap = 3.0;          // median steps of time
+constexpr std::size_t kClippedRows = 8;  // at the same extreme, one after the other
+constexpr double kMostClipped = 0.5;     // of the rows
+constexpr double kLargest = 1e9;         // of any number
+constexpr std::size_t kFewestRows = 50;  // of a file
+
+enum LogColumn : std::size_t {
+  kLogTime,
+  kLogSpeed,
+  kLogAngle,
+  kLogMotorTorque,
+  kLogMotorCurrent,
+  kLogLoad,
+  kLogColumnCount
+};
+constexpr std::array<std::string_view, kLogColumnCount> kLogColumns{
+    "time_s", "speed_rad_s", "angle_rad", "motor_torque_nm", "motor_current_a", "output_torque_nm"};
+// Named by the contract and not needed here.
+constexpr std::string_view kTemperatureColumn = "temperature_c", kRunColumn = "run";
+
+struct LogNotes {
+  bool dynamic = false, of_actuator = false;
+  std::optional<double> load_kgm2{};
+};
+
+struct LogRows {
+  std::array<std::vector<double>, kLogColumnCount> value{};
+  std::vector<int> line, run;
+};
+
+struct LogFile {
+  Complaints complaints;
+  LogNotes notes;
+  std::array<std::optional<std::size_t>, kLogColumnCount> place{};
+  std::optional<std::size_t> run_place{};
+  std::vector<std::string> ignored;
+  std::size_t fields = 0;
+  int header_line = 0;
+  LogRows rows;
+};
+
+struct LogNote {
+  std::string_view key, word;
+};
+std::optional<LogNote> log_note(std::string_view line) {
+  if (!line.starts_with('#')) return std::nullopt;
+  std::string_view rest = line.substr(1);
+  while (rest.ends_with(',')) rest.remove_suffix(1);
+  const auto colon = rest.find(':');
+  if (colon == std::string_view::npos) return std::nullopt;
+  return LogNote{.key = trimmed(rest.substr(0, colon)), .word = trimmed(rest.substr(colon + 1))};
+}
+
+void read_log_note(const LogNote& note, int line, LogFile& file) {
+  const auto wrong = [&](std::string_view allowed) {
+    file.complaints.add({.line = line, .column = 1},
+                        fmt::format("# {}: {}: allowed: {}", note.key, note.word, allowed));
+  };
+  if (note.key == "kind") {
+    file.notes.dynamic = note.word == "dynamic";
+    if (!file.notes.dynamic) wrong("dynamic (other kinds are diagnosed apart from logs of motion)");
+  } else if (note.key == "torque") {
+    file.notes.of_actuator = note.word == "actuator";
+    if (note.word != "actuator" && note.word != "load") wrong("load or actuator");
+  } else if (note.key == "load_inertia_kgm2") {
+    file.notes.load_kgm2 = csv_number(note.word);
+    if (!file.notes.load_kgm2 ||
+        !(*file.notes.load_kgm2 >= 0.0 && *file.notes.load_kgm2 < kLargest)) {
+      wrong("a number, at least 0");
+    }
+  }
+}
+
+void read_log_header(std::string_view line, int number, LogFile& file) {
+  CsvFields fields;
+  file.header_line = number;
+  if (!fields.split(line)) {
+    file.complaints.add({.line = number, .column = 1}, "a quote is left open");
+    return;
+  }
+  file.fields = fields.values().size();
+  for (std::size_t k = 0; k < file.fields; ++k) {
+    const std::string name(trimmed(fields.values()[k]));
+    const auto* const at = std::ranges::find(kLogColumns, name);
+    if (name == kRunColumn) {
+      file.run_place = k;
+    } else if (at != kLogColumns.end()) {
+      auto& place = file.place.at(static_cast<std::size_t>(at - kLogColumns.begin()));
+      if (place) {
+        file.complaints.add({.line = number, .column = fields.column(k)},
+                            fmt::format("column {} is there twice, allowed: once", name));
+      }
+      place = k;
+    } else if (name != kTemperatureColumn) {
+      file.ignored.push_back(name);
+      const std::string near = closest_word(name, {kLogColumns.begin(), kLogColumns.end()});
+      if (!near.empty()) file.ignored.back() += fmt::format(" ({} was meant?)", near);
+    }
+  }
+  const auto lacks = [&](LogColumn a, LogColumn b) {
+    return !file.place.at(a) && !file.place.at(b);
+  };
+  const auto missing = [&](std::string_view what) {
+    file.complaints.add(
+        {.line = number, .column = 1},
+        fmt::format("column {} is missing{}", what,
+                    file.ignored.empty()
+                        ? ""
+                        : fmt::format("; not known: {}", fmt::join(file.ignored, ", "))));
+  };
+  if (!file.place[kLogTime]) missing("time_s");
+  if (lacks(kLogSpeed, kLogAngle)) missing("speed_rad_s or angle_rad");
+  if (lacks(kLogMotorTorque, kLogMotorCurrent)) missing("motor_torque_nm or motor_current_a");
+}
+
+/// Takes a row, or says what is wrong with it.
+void read_log_row(const CsvFields& fields, int line, LogFile& file,
+                  std::vector<std::string>& labels) {
+  std::array<double, kLogColumnCount> row{};
+  bool right = true;
+  for (std::size_t c = 0; c < kLogColumnCount; ++c) {
+    if (!file.place.at(c)) continue;
+    const std::string_view field = trimmed(fields.values()[*file.place.at(c)]);
+    const std::optional<double> value = csv_number(field);
+    if (!value || !(std::abs(*value) <= kLargest)) {
+      file.complaints.add({.line = line, .column = fields.column(*file.place.at(c))}, [&] {
+        return fmt::format("{} = {}: allowed: a number, -1e9 to 1e9", kLogColumns.at(c), field);
+      });
+      right = false;
+    } else {
+      row.at(c) = *value;
+    }
+  }
+  int run = 0;
+  if (file.run_place) {
+    const std::string_view label = trimmed(fields.values()[*file.run_place]);
+    if (labels.empty() || labels.back() != label) labels.emplace_back(label);
+    run = static_cast<int>(labels.size());
+  }
+  if (!right) return;
+  LogRows& rows = file.rows;
+  if (!rows.line.empty() && rows.run.back() == run &&
+      !(row[kLogTime] > rows.value[kLogTime].back())) {
+    file.complaints.add({.line = line, .column = 1}, [&] {
+      return fmt::format(
+          "time_s = {} after {} in line {}: allowed: above the time before within a run (a clock "
+          "that began anew is a new session: label it in the column run)",
+          row[kLogTime], rows.value[kLogTime].back(), rows.line.back());
+    });
+  }
+  for (std::size_t c = 0; c < kLogColumnCount; ++c) rows.value.at(c).push_back(row.at(c));
+  rows.line.push_back(line);
+  rows.run.push_back(run);
+}
+
+LogFile read_log(std::string_view text) {
+  LogFile file;
+  if (const std::optional<Diagnostic> fault = first_unprintable(text)) {
+    file.complaints.add(fault->position, fault->message);
+    return file;
+  }
+  TextLines lines(text);
+  CsvFields fields;
+  std::vector<std::string> labels;
+  while (lines.next()) {
+    const std::string_view line = lines.line();
+    if (line.empty()) continue;
+    if (const auto note = log_note(line)) {
+      read_log_note(*note, lines.number(), file);
+    } else if (line.front() == '#') {
+      continue;
+    } else if (file.header_line == 0) {
+      read_log_header(line, lines.number(), file);
+      if (!file.complaints.none()) break;
+    } else if (!fields.split(line)) {
+      file.complaints.add({.line = lines.number(), .column = 1}, "a quote is left open");
+    } else if (fields.values().size() != file.fields) {
+      file.complaints.add({.line = lines.number(), .column = 1},
+                          fmt::format("{} fields, allowed: {} as in the header",
+                                      fields.values().size(), file.fields));
+    } else {
+      read_log_row(fields, lines.number(), file, labels);
+    }
+  }
+  if (!file.notes.dynamic && file.complaints.none()) {
+    file.complaints.add({},
+                        "the note \"# kind: dynamic\" is missing, as another file of the same "
+                        "command has it: allowed: logs of motion by themselves");
+  }
+  if (file.complaints.none() && file.rows.line.size() < kFewestRows) {
+    file.complaints.add(
+        {}, fmt::format("{} rows, allowed: at least {}", file.rows.line.size(), kFewestRows));
+  }
+  return file;
+}
+
+/// Marks rows at which a signal stays at an extreme.
+std::vector<char> clipped_rows(const std::vector<double>& signal) {
+  const auto [low, high] = std::ranges::minmax(signal);
+  std::vector<char> clipped(signal.size(), 0);
+  if (low == high) return clipped;
+  for (std::size_t k = 0; k < signal.size();) {
+    std::size_t end = k + 1;
+    while (end < signal.size() && signal[end] == signal[k]) ++end;
+    const bool extreme = signal[k] == low || signal[k] == high;
+    if (extreme && signal[k] != 0.0 && end - k >= kClippedRows) {
+      std::fill(clipped.begin() + static_cast<std::ptrdiff_t>(k),
+                clipped.begin() + static_cast<std::ptrdiff_t>(end), char{1});
+    }
+    k = end;
+  }
+  return clipped;
+}
+
+double median_step(const LogRows& rows) {
+  const std::vector<double>& time = rows.value[kLogTime];
+  std::vector<double> steps;
+  steps.reserve(time.size());
+  for (std::size_t k = 1; k < time.size(); ++k) {
+    if (rows.run[k] == rows.run[k - 1]) steps.push_back(time[k] - time[k - 1]);
+  }
+  if (steps.empty()) return 0.0;
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return *middle;
+}
+
+void add_sample(const LogFile& file, std::size_t k, const MotionLogScale& scale,
+                calibrate::MotionStretch& s) {
+  const auto& value = file.rows.value;
+  s.time_s.push_back(value[kLogTime][k]);
+  if (file.place[kLogSpeed]) {
+    s.speed_rad_s.push_back(value[kLogSpeed][k]);
+  } else {
+    s.angle_rad.push_back(value[kLogAngle][k]);
+  }
+  const double motor = file.place[kLogMotorTorque]
+                           ? value[kLogMotorTorque][k]
+                           : scale.torque_constant_Nm_A * value[kLogMotorCurrent][k];
+  s.motor_Nm.push_back(scale.ratio * motor);
+  if (file.place[kLogLoad]) {
+    s.load_Nm.push_back(file.notes.of_actuator ? -value[kLogLoad][k] : value[kLogLoad][k]);
+  }
+}
+
+void cut_log(LogFile& file, const std::string& path, const MotionLogScale& scale,
+             calibrate::MotionRecord& record) {
+  const LogRows& rows = file.rows;
+  const std::size_t motor = file.place[kLogMotorTorque] ? kLogMotorTorque : kLogMotorCurrent;
+  const std::vector<char> clipped = clipped_rows(rows.value.at(motor));
+  const auto lost = static_cast<std::size_t>(std::ranges::count(clipped, char{1}));
+  if (static_cast<double>(lost) > kMostClipped * static_cast<double>(clipped.size())) {
+    file.complaints.add(
+        {}, fmt::format("{} is at its limit in {} of {} rows, allowed: at most {:g} %",
+                        kLogColumns.at(motor), lost, clipped.size(), 100.0 * kMostClipped));
+    return;
+  }
+  if (lost > 0) {
+    const auto first =
+        static_cast<std::size_t>(std::ranges::find(clipped, char{1}) - clipped.begin());
+    record.notes.push_back(
+        fmt::format("{}: {} rows left out: {} stays at its limit, first in line {}", path, lost,
+                    kLogColumns.at(motor), rows.line[first]));
+  }
+  const double step = median_step(rows);
+  std::size_t gaps = 0;
+  int first_gap = 0;
+  bool open = false;
+  for (std::size_t k = 0; k < rows.line.size(); ++k) {
+    if (clipped[k] != 0) {
+      open = false;
+      continue;
+    }
+    const bool follows = open && rows.run[k] == rows.run[k - 1];
+    const bool gap =
+        follows && rows.value[kLogTime][k] - rows.value[kLogTime][k - 1] > kLogGap * step;
+    if (gap && gaps++ == 0) first_gap = rows.line[k];
+    if (!follows || gap) {
+      record.stretches.emplace_back();
+      record.stretches.back().load_kgm2 = file.notes.load_kgm2.value_or(scale.load_kgm2);
+    }
+    open = true;
+    add_sample(file, k, scale, record.stretches.back());
+  }
+  if (gaps > 0) {
+    record.notes.push_back(fmt::format(
+        "{}: {} {} in the sampling (steps of more than {:g} times {:.4g} s), first before line {}: "
+        "no window goes across",
+        path, gaps, gaps == 1 ? "gap" : "gaps", kLogGap, step, first_gap));
+  }
+  for (const std::string& name : file.ignored) {
+    record.notes.push_back(fmt::format("{}: column {} is not used: ignored", path, name));
+  }
+}
+
+void add_log(const std::string& path, std::string_view text, const MotionLogScale& scale,
+             calibrate::MotionRecord& record, CollectedErrors& errors) {
+  LogFile file = read_log(text);
+  record.files.push_back(path);
+  if (file.complaints.none() && !file.place[kLogMotorTorque] &&
+      !(scale.torque_constant_Nm_A > 0.0)) {
+    file.complaints.add({.line = file.header_line, .column = 1},
+                        "motor_current_a needs motor.torque_constant_nm_per_a, allowed: above 0");
+  }
+  if (file.complaints.none()) cut_log(file, path, scale, record);
+  errors.attempt([&] {
+    if (!file.complaints.none()) throw InvalidInput(file.complaints.text(path));
+  });
+}
+
+}  // namespace
+
+bool any_motion_log(const std::vector<std::string>& paths) {
+  return std::ranges::any_of(paths, [](const std::string& path) {
+    const FileBytes file = read_bytes(path, "a CSV file", kMostLogBytes);
+    if (!file.failure.empty()) return false;
+    TextLines lines(file.bytes);
+    while (lines.next()) {
+      if (lines.line().empty()) continue;
+      if (lines.line().front() != '#') return false;
+      const auto note = log_note(lines.line());
+      if (note && note->key == "kind") return note->word == "dynamic";
+    }
+    return false;
+  });
+}
+
+calibrate::MotionRecord read_motion_logs(const std::vector<std::string>& paths,
+                                         const MotionLogScale& scale) {
+  calibrate::MotionRecord record;
+  CollectedErrors errors;
+  for (const std::string& path : paths) {
+    const FileBytes file = read_bytes(path, "a CSV file", kMostLogBytes);
+    if (file.failure.empty()) {
+      add_log(path, file.bytes, scale, record, errors);
+    } else {
+      errors.attempt([&] { throw InvalidInput(fmt::format("{}: {}", path, file.failure)); });
+    }
+  }
+  errors.raise();
+  return record;
+}
+
+calibrate::MotionRecord parse_motion_log(const std::string& path, std::string_view text,
+                                         const MotionLogScale& scale) {
+  calibrate::MotionRecord record;
+  CollectedErrors errors;
+  add_log(path, text, scale, record, errors);
+  errors.raise();
+  return record;
+}
+
+}  // namespace gear3k::io

@@ -1,0 +1,119 @@
+// `gear3k diagnose` with logs of motion: the cause, files, and what is refused.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/cli/run_program.hpp"
+
+namespace gear3k::diagnose_motion_test {
+namespace {
+
+using nlohmann::json;
+using test::example, test::lines_of, test::ProgramResult, test::Workplace;
+
+void put_example(const Workplace& place) {
+  place.write("a.toml", example("actuators/knee.toml"));
+  place.write("m.csv", example("measurements/knee_motion.csv"));
+}
+
+/// The log with one column multiplied.
+std::string scaled(const std::string& text, std::size_t column, double by) {
+  std::istringstream in(text);
+  std::string out, line;
+  while (std::getline(in, line)) {
+    if (line.empty() || line[0] == '#' || line[0] == 't') {
+      out += line + '\n';
+      continue;
+    }
+    std::istringstream fields(line);
+    std::vector<std::string> all;
+    for (std::string field; std::getline(fields, field, ',');) all.push_back(field);
+    all.at(column) = fmt::format("{}", by * std::stod(all.at(column)));
+    out += fmt::format("{}\n", fmt::join(all, ","));
+  }
+  return out;
+}
+
+TEST(DiagnoseMotion, NamesTheLossesThatTheLogWasMadeWith) {
+  const Workplace place;
+  put_example(place);
+  const ProgramResult result =
+      place.run({"diagnose", "a.toml", "m.csv", "--out", "out", "--format", "json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const json data = json::parse(result.out);
+  EXPECT_EQ(json::parse(place.read("out/diagnosis.json")), data);
+  EXPECT_EQ(data.at("verdict"), "explained");
+  ASSERT_EQ(data.at("effects").size(), 1U);
+  const json& effect = data.at("effects")[0];
+  EXPECT_EQ(effect.at("id"), "friction_level");
+  const json& level = effect.at("parameters")[0];
+  EXPECT_LE(level.at("ci95")[0].get<double>(), 0.4);
+  EXPECT_GE(level.at("ci95")[1].get<double>(), 0.4);
+  const std::size_t windows = data.at("windows").at("forward").get<std::size_t>() +
+                              data.at("windows").at("backward").get<std::size_t>();
+  EXPECT_EQ(lines_of(place.read("out/residuals.csv")).size(), windows + 1);
+}
+
+TEST(DiagnoseMotion, ATorqueConstantIsNamedFromTheSameLog) {
+  const Workplace place;
+  put_example(place);
+  // As if the true losses were stated; then the current is logged 10 % low.
+  std::string drive = example("actuators/knee.toml");
+  const auto put = [&](const std::string& key, double value) {
+    const auto at = drive.find(key + " = ");
+    ASSERT_NE(at, std::string::npos);
+    drive.replace(at, drive.find('\n', at) - at, fmt::format("{} = {}", key, value));
+  };
+  put("efficiency_forward", 1.0 / (1.0 + 1.4 * (1.0 / 0.85 - 1.0)));
+  put("efficiency_backward", 1.0 - 1.4 * 0.18);
+  place.write("a.toml", drive);
+  const ProgramResult null = place.run({"diagnose", "a.toml", "m.csv", "--format", "json"});
+  EXPECT_EQ(json::parse(null.out).at("verdict"), "no_discrepancy") << null.out;
+  place.write("low.csv", scaled(example("measurements/knee_motion.csv"), 2, 1.0 / 1.1));
+  const ProgramResult result = place.run({"diagnose", "a.toml", "low.csv", "--format", "json"});
+  const json effects = json::parse(result.out).at("effects");
+  ASSERT_EQ(effects.size(), 1U) << result.out;
+  EXPECT_EQ(effects[0].at("id"), "torque_constant");
+  EXPECT_NEAR(effects[0].at("parameters")[0].at("value").get<double>(), 0.1, 0.01);
+}
+
+TEST(DiagnoseMotion, SignalsOfTheOtherSignAreRefused) {
+  const Workplace place;
+  put_example(place);
+  const std::string log = example("measurements/knee_motion.csv");
+  place.write("motor.csv", scaled(log, 2, -1.0));
+  const ProgramResult motor = place.run({"diagnose", "a.toml", "motor.csv"});
+  EXPECT_EQ(motor.exit_code, 2);
+  EXPECT_NE(motor.err.find("acts against the motion"), std::string::npos) << motor.err;
+  place.write("load.csv", scaled(log, 3, -1.0));
+  const ProgramResult load = place.run({"diagnose", "a.toml", "load.csv"});
+  EXPECT_EQ(load.exit_code, 2);
+  EXPECT_NE(load.err.find("output_torque_nm has the other sign"), std::string::npos) << load.err;
+  place.write("turned.csv", "# torque: actuator\n" + scaled(log, 3, -1.0));
+  EXPECT_EQ(place.run({"diagnose", "a.toml", "turned.csv"}).exit_code, 0);
+}
+
+TEST(DiagnoseMotion, WhatItCannotTakeExitsWithTwo) {
+  const Workplace place;
+  put_example(place);
+  const auto refused = [&](const std::vector<std::string>& words, const std::string& part) {
+    const ProgramResult result = place.run(words);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_NE(result.err.find(part), std::string::npos) << result.err;
+  };
+  place.write("other.csv", example("measurements/bilateral_drive_gear_transmission.csv"));
+  refused({"diagnose", "a.toml", "m.csv", "other.csv"}, "other.csv");
+  place.write("d.toml", "[motor]\nresistance_ohm = 1.0\n");
+  refused({"diagnose", "d.toml", "m.csv"}, "d.toml");
+  place.write("still.csv", scaled(example("measurements/knee_motion.csv"), 1, 0.0));
+  refused({"diagnose", "a.toml", "still.csv"}, "too few stretches");
+}
+
+}  // namespace
+}  // namespace gear3k::diagnose_motion_test
