@@ -87,6 +87,7 @@ struct DiagnoseOptions : CommonOptions {  ///< out: a folder; "" = none
   std::string model;  ///< MODEL.toml; "" = none
   double false_discovery_rate = 0.05;
   std::uint64_t seed = 1;
+  std::vector<std::string> stated;  ///< options that were given, with --
   ConditionLimit sun_speed_rpm, output_torque_nm, test_torque_nm, temperature_c;
 };
 

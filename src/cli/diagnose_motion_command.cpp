@@ -1,6 +1,9 @@
 #include <fmt/format.h>
 
 #include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "app/diagnose_motion.hpp"
 #include "cli/commands.hpp"
@@ -12,11 +15,31 @@
 
 namespace gear3k::cli {
 
-ExitCode run_diagnose_motion(const DiagnoseOptions& options) {
-  if (!options.model.empty()) {
-    throw io::InvalidInput(fmt::format(
-        "--model {}: no effect on logs of motion: allowed: without --model", options.model));
+namespace {
+
+/// Options of `diagnose` that only records of steady points take.
+bool is_of_steady_points(std::string_view option) {
+  return option == "--model" || option == "--seed" || option.starts_with("--min-") ||
+         option.starts_with("--max-");
+}
+
+/// @throws io::InvalidInput naming every option that has no effect
+void refuse_other_options(const std::vector<std::string>& stated) {
+  io::CollectedErrors errors;
+  for (const std::string& option : stated) {
+    if (!is_of_steady_points(option)) continue;
+    errors.attempt([&] {
+      throw io::InvalidInput(
+          fmt::format("{}: no effect on logs of motion: allowed: without it", option));
+    });
   }
+  errors.raise();
+}
+
+}  // namespace
+
+ExitCode run_diagnose_motion(const DiagnoseOptions& options) {
+  refuse_other_options(options.stated);
   const app::DiagnoseMotionRequest request{.actuator = io::read_actuator(options.file),
                                            .source = options.file,
                                            .data = options.data,

@@ -512,6 +512,9 @@ int run_program(int argc, char** argv) {
       "diagnose", "what the simulation gets wrong on measurements, why, and what to measure next");
   add_diagnose_options(*diagnose_command, diagnose);
   diagnose_command->callback([&] {
+    for (const CLI::Option* option : diagnose_command->get_options()) {
+      if (option->count() > 0) diagnose.stated.push_back(option->get_name());
+    }
     if (const std::string error = diagnose_usage_error(diagnose); !error.empty()) {
       throw CLI::ValidationError(error, CLI::ExitCodes::ValidationError);
     }

@@ -113,6 +113,7 @@ TEST(DiagnoseMotion, WhatItCannotTakeExitsWithTwo) {
   refused({"diagnose", "d.toml", "m.csv"}, "d.toml");
   place.write("still.csv", scaled(example("measurements/knee_motion.csv"), 1, 0.0));
   refused({"diagnose", "a.toml", "still.csv"}, "too few stretches");
+  refused({"diagnose", "a.toml", "m.csv", "--seed", "2"}, "--seed: no effect on logs of motion");
 }
 
 }  // namespace
