@@ -30,7 +30,8 @@ class CycleRun {
         gear_(gear_model(actuator)),
         rotor_kgm2_(chain_.ratio * chain_.ratio * actuator.motor.rotor_inertia_kgm2),
         per_torque_(1.0 / (chain_.ratio * actuator.motor.torque_constant_Nm_A)),
-        keep_(keep) {}
+        keep_(keep),
+        causes_(gear_->causes().size()) {}
 
   void add(const CyclePiece& piece, double start_s) {
     start_s_ = start_s;
@@ -41,18 +42,19 @@ class CycleRun {
     edges_.assign(1, 0.0);
     append_sign_changes(piece.speed_rad_s, edges_);
     edges_.push_back(1.0);
-    const std::vector<double> turns = edges_;
-    for (std::size_t k = 1; k < turns.size(); ++k) add_one_way(piece, turns[k - 1], turns[k]);
+    for (std::size_t k = 1; k < edges_.size(); ++k) add_one_way(piece, edges_[k - 1], edges_[k]);
   }
 
   DutyCycle result(const Cycle& cycle, const std::vector<CyclePiece>& pieces);
 
  private:
-  struct Sums {
-    CompensatedSum positive, negative, drawn, regenerated, copper, coulomb, viscous, drive;
-    CompensatedSum square_current, square_torque, backdriven, braking, regenerating;
-    std::array<CompensatedSum, kMostGearLosses> gear;
+  template <class T>
+  struct SumsOf {
+    T positive{}, negative{}, drawn{}, regenerated{}, copper{}, coulomb{}, viscous{}, drive{};
+    T square_current{}, square_torque{}, backdriven{}, braking{}, regenerating{};
+    std::array<T, kMostGearLosses> gear{};
   };
+  using Sums = SumsOf<CompensatedSum>;
 
   [[nodiscard]] State state_at(const CyclePiece& piece, double x, double sense) const {
     State state{.motion = motion_at(piece, x, sense)};
@@ -109,6 +111,7 @@ class CycleRun {
         const State state = state_at(piece, begin + (end - begin) * kGaussNodes[g], sense);
         accumulate(state, (end - begin) * piece.duration_s * kGaussWeights[g]);
       }
+      end_part();
       if (keep_) {
         keep_instant(state_at(piece, begin, sense), start_s_ + begin * piece.duration_s);
         keep_instant(state_at(piece, end, sense), start_s_ + end * piece.duration_s);
@@ -142,6 +145,7 @@ class CycleRun {
            actuator_.motor.torque_constant_Nm_A * chain_.ratio * state.motion.speed_rad_s;
   }
 
+  /// Adds a node of a part to its sums; end_part() then adds the part to those of the cycle.
   void accumulate(const State& state, double seconds) {
     const double w = state.motion.speed_rad_s;
     const double amperes = current(state);
@@ -152,21 +156,41 @@ class CycleRun {
     const double bus = (electrical > 0.0 ? electrical / drive.efficiency_motoring
                                          : electrical * drive.efficiency_regenerating) +
                        drive.standby_W;
-    (given > 0.0 ? sums_.negative : sums_.positive).add(std::abs(given) * seconds);
-    (bus > 0.0 ? sums_.drawn : sums_.regenerated).add(std::abs(bus) * seconds);
-    sums_.copper.add(copper * seconds);
-    sums_.coulomb.add(chain_.c1_Nm * state.motion.sense * w * seconds);
-    sums_.viscous.add(chain_.d1_Nms * w * w * seconds);
-    sums_.drive.add((bus - electrical) * seconds);
-    for (std::size_t k = 0; k < gear_->causes().size(); ++k) {
-      sums_.gear[k].add(state.gear.loss_W[k] * seconds);
+    (given > 0.0 ? part_.negative : part_.positive) += std::abs(given) * seconds;
+    (bus > 0.0 ? part_.drawn : part_.regenerated) += std::abs(bus) * seconds;
+    part_.copper += copper * seconds;
+    part_.coulomb += chain_.c1_Nm * state.motion.sense * w * seconds;
+    part_.viscous += chain_.d1_Nms * w * w * seconds;
+    part_.drive += (bus - electrical) * seconds;
+    for (std::size_t k = 0; k < causes_; ++k) {
+      part_.gear[k] += state.gear.loss_W[k] * seconds;
     }
-    sums_.square_current.add(amperes * amperes * seconds);
-    sums_.square_torque.add(state.reflected_Nm * state.reflected_Nm * seconds);
+    part_.square_current += amperes * amperes * seconds;
+    part_.square_torque += state.reflected_Nm * state.reflected_Nm * seconds;
     if (!(given > 0.0)) return;
-    if (state.gear.mesh_Nm * w < 0.0) sums_.backdriven.add(given * seconds);
-    if (state.reflected_Nm * w < 0.0) sums_.braking.add(given * seconds);
-    if (electrical < 0.0) sums_.regenerating.add(given * seconds);
+    if (state.gear.mesh_Nm * w < 0.0) part_.backdriven += given * seconds;
+    if (state.reflected_Nm * w < 0.0) part_.braking += given * seconds;
+    if (electrical < 0.0) part_.regenerating += given * seconds;
+  }
+
+  void end_part() {
+    const auto add = [&](auto member) { (sums_.*member.first).add(part_.*member.second); };
+    using Part = SumsOf<double>;
+    add(std::pair(&Sums::positive, &Part::positive));
+    add(std::pair(&Sums::negative, &Part::negative));
+    add(std::pair(&Sums::drawn, &Part::drawn));
+    add(std::pair(&Sums::regenerated, &Part::regenerated));
+    add(std::pair(&Sums::copper, &Part::copper));
+    add(std::pair(&Sums::coulomb, &Part::coulomb));
+    add(std::pair(&Sums::viscous, &Part::viscous));
+    add(std::pair(&Sums::drive, &Part::drive));
+    add(std::pair(&Sums::square_current, &Part::square_current));
+    add(std::pair(&Sums::square_torque, &Part::square_torque));
+    add(std::pair(&Sums::backdriven, &Part::backdriven));
+    add(std::pair(&Sums::braking, &Part::braking));
+    add(std::pair(&Sums::regenerating, &Part::regenerating));
+    for (std::size_t k = 0; k < causes_; ++k) sums_.gear[k].add(part_.gear[k]);
+    part_ = {};
   }
 
   void note_peaks(const State& state) {
@@ -223,6 +247,8 @@ class CycleRun {
   double start_s_ = 0.0;
   std::vector<double> edges_, flow_edges_, part_edges_, loads_;
   Sums sums_;
+  SumsOf<double> part_;
+  std::size_t causes_ = 0;  ///< of the gearbox
   double peak_current_A_ = 0.0, peak_voltage_V_ = 0.0, peak_speed_rad_s_ = 0.0,
          peak_torque_Nm_ = 0.0;
   std::vector<MotorInstant> instants_;
@@ -257,6 +283,7 @@ void CycleRun::add_rest(const CyclePiece& piece) {
       accumulate(resting(piece, parts[k - 1] + width * kGaussNodes[g]),
                  width * piece.duration_s * kGaussWeights[g]);
     }
+    end_part();
     for (const double x : {parts[k - 1], parts[k]}) {
       note_peaks(resting(piece, x));
       if (keep_) keep_instant(resting(piece, x), start_s_ + x * piece.duration_s);

@@ -55,6 +55,10 @@ Quartic product(const Quadratic& a, const Quadratic& b) {
 
 // NOLINTNEXTLINE(misc-no-recursion): once per degree
 void append_sign_changes(const Quartic& p, std::vector<double>& roots) {
+  // The constant outweighs all others on [0, 1].
+  if (std::abs(p[0]) > std::abs(p[1]) + std::abs(p[2]) + std::abs(p[3]) + std::abs(p[4])) {
+    return;
+  }
   if (p[4] == 0.0 && p[3] == 0.0) {
     if (p[2] != 0.0) {
       append_quadratic(p[0], p[1], p[2], roots);
@@ -75,12 +79,6 @@ void append_sign_changes(const Quartic& p, std::vector<double>& roots) {
 
 void append_sign_changes(const Quadratic& p, std::vector<double>& roots) {
   append_sign_changes(Quartic{p[0], p[1], p[2], 0.0, 0.0}, roots);
-}
-
-void CompensatedSum::add(double term) {
-  const double sum = sum_ + term;
-  rest_ += std::abs(sum_) >= std::abs(term) ? (sum_ - sum) + term : (term - sum) + sum_;
-  sum_ = sum;
 }
 
 }  // namespace gear3k::actuator

@@ -2,6 +2,7 @@
 // Polynomials of low degree on the unit interval, and where they change sign.
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -34,7 +35,11 @@ void append_sign_changes(const Quadratic& p, std::vector<double>& roots);
 /// A sum that keeps what rounding takes away (Neumaier).
 class CompensatedSum {
  public:
-  void add(double term);
+  void add(double term) {
+    const double sum = sum_ + term;
+    rest_ += std::abs(sum_) >= std::abs(term) ? (sum_ - sum) + term : (term - sum) + sum_;
+    sum_ = sum;
+  }
   [[nodiscard]] double value() const { return sum_ + rest_; }
 
  private:
