@@ -15,9 +15,9 @@ struct Progress {
   std::atomic<std::size_t> stage_done{0};  ///< searches, or designs in the gaps of a front
   std::atomic<std::size_t> stage_total{0};
   std::atomic<std::size_t> searches{0};  ///< begun in this stage
-  std::atomic<std::size_t> done{0};   ///< (zS, zP1) pairs searched, stages bounded, tooth sets
-                                      ///< refined or their bounds sharpened, gearboxes built
-  std::atomic<std::size_t> total{0};  ///< 0 until it is known
+  std::atomic<std::size_t> done{0};      ///< (zS, zP1) pairs searched, stages bounded, tooth sets
+                                         ///< refined or their bounds sharpened, gearboxes built
+  std::atomic<std::size_t> total{0};     ///< 0 until it is known
   std::atomic<std::size_t> feasible{0};
   std::atomic<double> best_merit{0.0};       ///< meaningless while feasible is 0
   std::atomic<double> shown_per_merit{1.0};  ///< of the objective in its unit
