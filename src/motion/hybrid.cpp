@@ -165,23 +165,22 @@ void Hybrid::slopes(const State& x, State& dxdt, double time_s) const {
   std::ranges::copy(now.loss_W, dxdt.begin() + kGearLosses);
 }
 
+double Hybrid::breakaway_excess_nm(const Outside& o, int sense) const {
+  const double rounding = kTorqueRounding * (std::abs(o.reflected_Nm) + std::abs(o.load_Nm) +
+                                             chain_.c1_static_Nm + kNothing);
+  return std::min(gear_->breakaway_excess_nm(joint_input(o, 0.0, sense, true)),
+                  gear_->breakaway_excess_nm(joint_input(o, 0.0, sense, false))) -
+         rounding;
+}
+
 double Hybrid::start_excess(const Outside& o, int sense) const {
-  const auto [fast, output] = gear_->inertias_kgm2();
-  const double scale =
-      (std::abs(o.reflected_Nm) + std::abs(o.load_Nm) + chain_.c1_static_Nm + kNothing) /
-      (fast + output);
+  const double excess = breakaway_excess_nm(o, sense);
+  if (!(excess >= 0.0)) return excess;
   const Joint rest = gear_->joined(joint_input(o, 0.0, sense, true));
-  const Joint turning = gear_->joined(joint_input(o, 0.0, sense, false));
   const bool pulled = mode_.contact != 0 && mode_.contact * rest.lead < 0.0;
-  // A train that has jammed is let go by a margin, else a jam would repeat without end.
-  constexpr double kReleaseMargin = 1e8;
   const bool held =
-      sense == jammed_sense_ && !(sense * turning.lead > kReleaseMargin * turning.lead_rounding);
-  if (rest.jammed || turning.jammed || pulled || held) return -scale;
-  return sense * (sense * rest.acceleration_rad_s2 < sense * turning.acceleration_rad_s2
-                      ? rest.acceleration_rad_s2
-                      : turning.acceleration_rad_s2) -
-         kTorqueRounding * scale;
+      pulled || rest.jammed || gear_->joined(joint_input(o, 0.0, sense, false)).jammed;
+  return held ? -(std::abs(o.reflected_Nm) + std::abs(o.load_Nm) + kNothing) : excess;
 }
 
 double Hybrid::fast_start_excess(const Outside& o, int sense) const {
@@ -203,6 +202,9 @@ double Hybrid::cohesion(const Outside& o) const {
   const Mode free{
       .phase = Phase::kGap, .fast_sense = started(o, true), .output_sense = started(o, false)};
   if (free.fast_sense == 0 && free.output_sense == 0) return 1.0;
+  // A self-locking mesh holds the motor's side by the load that presses on it.
+  const bool pressed = free.fast_sense == free.output_sense && free.fast_sense * mode_.contact < 0;
+  if (pressed && !(breakaway_excess_nm(o, free.fast_sense) >= 0.0)) return 1.0;
   Instant now;
   now.outside = o;
   set_gap({}, free, now);
@@ -270,7 +272,6 @@ void Hybrid::take(const std::vector<double>& values, State& x) {
   const auto ended = [&](std::size_t k) { return !(values[kPowers + k] > 0.0); };
   if (mode_.phase == Phase::kSlide && ended(0)) {
     x[kFastSpeed] = x[kOutputSpeed] = 0.0;
-    jammed_sense_ = 0;
     mode_ = {.phase = Phase::kStick, .contact = mode_.contact};
   } else if (mode_.phase == Phase::kGap) {
     if (ended(0)) x[kFastAngle] = x[kOutputAngle] + half_gap_rad_;

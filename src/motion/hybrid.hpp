@@ -98,6 +98,10 @@ class Hybrid {
 
   [[nodiscard]] JointInput joint_input(const Outside& o, double speed_rad_s, int sense,
                                        bool starting) const;
+  /// What the motor's side has beyond what turns the output from rest, with the frictions at rest
+  /// and with those in motion [N m].
+  [[nodiscard]] double breakaway_excess_nm(const Outside& o, int sense) const;
+  /// The same where the output then starts, below zero where it is held.
   [[nodiscard]] double start_excess(const Outside& o, int sense) const;
   [[nodiscard]] double fast_start_excess(const Outside& o, int sense) const;
   [[nodiscard]] double output_start_excess(const Outside& o, int sense) const;
@@ -127,7 +131,6 @@ class Hybrid {
   std::unique_ptr<MotionGear> gear_;
   Mode mode_;
   Signs signs_;
-  int jammed_sense_ = 0;  ///< the sense in which the train has jammed since it last turned freely
 };
 
 /// "stick", "slide", "gap".

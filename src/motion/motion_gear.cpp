@@ -10,6 +10,8 @@ namespace {
 
 /// What rounding may make of a difference of torques, as a share of its terms.
 constexpr double kRoundingShare = 1e-11;
+/// Keeps the flow where there is no torque at all.
+constexpr double kNoTorqueAtAll = 1e-300;
 
 /// A gearbox by catalogue values: equations in closed form, docs/theory §66.
 class CatalogueMotion : public MotionGear {
@@ -30,6 +32,7 @@ class CatalogueMotion : public MotionGear {
     Joint r;
     r.lead = j2 * in.fast_Nm - j1 * output;
     r.lead_rounding =
+        kNoTorqueAtAll +
         kRoundingShare * (j2 * in.fast_scale_Nm +
                           j1 * (std::abs(in.load_Nm) + std::abs(viscous) + std::abs(friction)));
     const int flow = in.flow != 0 ? in.flow : in.sense * r.lead >= 0.0 ? 1 : -1;
@@ -47,6 +50,11 @@ class CatalogueMotion : public MotionGear {
     r.loss_W = {friction * in.speed_rad_s, viscous * in.speed_rad_s,
                 (r.input_Nm - r.mesh_Nm) * in.speed_rad_s};
     return r;
+  }
+
+  [[nodiscard]] double breakaway_excess_nm(const JointInput& in) const override {
+    const double friction = in.sense * (in.starting ? chain_.c2_static_Nm : chain_.c2_Nm);
+    return in.sense * (in.fast_Nm - mesh_input(chain_, friction - in.load_Nm, in.sense));
   }
 
   [[nodiscard]] FreeSide fast_alone(const FreeInput& in) const override {

@@ -53,6 +53,9 @@ class MotionGear {
 
   [[nodiscard]] virtual const std::vector<std::string>& causes() const = 0;
   [[nodiscard]] virtual Joint joined(const JointInput& in) const = 0;
+  /// What the motor's side has beyond what it takes to turn the output from rest [N m], at the
+  /// output: s (F1 − h_s(−F0)), both forces of `in`; far below zero where the train locks.  §66.
+  [[nodiscard]] virtual double breakaway_excess_nm(const JointInput& in) const = 0;
   [[nodiscard]] virtual FreeSide fast_alone(const FreeInput& in) const = 0;
   [[nodiscard]] virtual FreeSide output_alone(const FreeInput& in) const = 0;
   /// Common speed after a plastic impact of the two sides, of which the motor's at speeds[0]

@@ -122,8 +122,19 @@ class TrainMotion : public MotionGear {
     r.loss_W = balance->gear.loss_W;
     r.lead = has_gap_ ? load_kgm2_ * balance->acceleration - in.load_Nm : r.mesh_Nm;
     constexpr double kHidden = 1e-11;
-    r.lead_rounding = kHidden * scale;
+    constexpr double kLeast = 1e-300;  // keeps the flow where there is no torque at all
+    r.lead_rounding = kHidden * scale + kLeast;
     return r;
+  }
+
+  [[nodiscard]] double breakaway_excess_nm(const JointInput& in) const override {
+    const double sense = in.sense;
+    try {
+      const GearInstant rest = whole_->at({.load_Nm = in.load_Nm, .sense = sense});
+      return sense * (in.fast_Nm - rest.input_Nm);
+    } catch (const std::runtime_error&) {
+      return -std::numeric_limits<double>::max();
+    }
   }
 
   [[nodiscard]] FreeSide fast_alone(const FreeInput& in) const override {

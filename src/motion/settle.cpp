@@ -76,7 +76,6 @@ void Hybrid::settle_slide(State& x, double time_s, std::vector<Occurrence>& happ
 void Hybrid::jam(State& x, std::vector<Occurrence>& happened) {
   const Mode before = mode_;
   const double energy = kinetic_j(x);
-  jammed_sense_ = mode_.sense;
   x[kFastSpeed] = x[kOutputSpeed] = 0.0;
   mode_ = {.phase = Phase::kStick, .contact = mode_.contact};
   happened.push_back({.what = "jams", .before = before, .after = mode_, .loss_J = energy});

@@ -290,14 +290,20 @@ void MotionRun::finish() {
               : fmt::format("ended at {:g} s: more than solver.max_events = {} events", time_s_,
                             scenario_.solver.max_events));
   }
-  for (const MotionEvent& event : motion_.events) {
-    if (event.what != "jams") continue;
-    motion_.notes.push_back(fmt::format(
-        "the self-locking train jams at {:g} s: driven from the output, J1 + eta_b J2 is not above "
-        "0, and no acceleration satisfies both sides",
-        event.time_s));
-    break;
-  }
+  const auto jams = [](const MotionEvent& event) { return event.what == "jams"; };
+  const auto first = std::ranges::find_if(motion_.events, jams);
+  if (first == motion_.events.end()) return;
+  motion_.notes.push_back(fmt::format(
+      "the self-locking train jams at {:g} s: driven from the output, J1 + eta_b J2 is not above "
+      "0, and no acceleration satisfies both sides",
+      first->time_s));
+  const auto count = std::ranges::count_if(motion_.events, jams);
+  if (count < 2) return;
+  const auto last = std::ranges::find_if(motion_.events.rbegin(), motion_.events.rend(), jams);
+  motion_.notes.push_back(fmt::format(
+      "it jams {} times, on average every {:g} s: at rest the motor's torque is above what the "
+      "pressed mesh holds, in motion below what keeps ahead of the output",
+      count, (last->time_s - first->time_s) / static_cast<double>(count - 1)));
 }
 
 }  // namespace

@@ -99,33 +99,6 @@ TEST(SimulateProperties, LedgersOfRandomScenariosClose) {
   }
 }
 
-TEST(SimulateProperties, SelfLockingTrainsBelowTheBoundJamAndGoOn) {
-  RandomNumbers random(23);
-  int jams = 0;
-  for (int k = 0; k < 40; ++k) {
-    Actuator a = swinging();
-    a.motor.rotor_inertia_kgm2 = random.between(1e-7, 1e-5);
-    a.gearbox.efficiency_forward = random.between(0.2, 0.6);
-    a.gearbox.efficiency_backward = random.between(-2.0, -0.3);
-    a.gearbox.backlash_rad = random.count(0, 1) == 0 ? 0.0 : random.between(1e-4, 0.02);
-    Scenario s = pendulum(random.between(0.05, 0.4));
-    s.duration_s = 1.5;
-    s.start_speed_rad_s = random.between(-4.0, 4.0);
-    s.control = random.count(0, 1) == 0 ? Control::kTorque : Control::kOpen;
-    s.load.torque_Nm.constant = random.between(-3.0, 3.0);
-    const Motion m = simulate(a, s);
-    EXPECT_LT(m.ledger.balance_error, 1e-9) << k;
-    EXPECT_TRUE(m.complete) << k;
-    for (const auto& event : m.events) {
-      if (event.what != "jams") continue;
-      ++jams;
-      EXPECT_EQ(event.after.phase, motion::Phase::kStick);
-      EXPECT_EQ(event.speed_rad_s, 0.0);
-    }
-  }
-  EXPECT_GT(jams, 10);
-}
-
 TEST(SimulateProperties, TheMirroredScenarioMovesAsTheMirror) {
   for (const double gap : {0.0, 0.004}) {
     Actuator a = swinging();
