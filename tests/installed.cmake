@@ -1,4 +1,4 @@
-# Installs what is built into a scratch folder, builds examples/cpp against it from outside the tree
+# Installs what is built into a scratch folder, with manual, completion and examples; builds examples/cpp against it from outside the tree
 # and runs it.
 set(scratch ${BINARY_DIR}/installed)
 file(REMOVE_RECURSE ${scratch})
@@ -19,4 +19,10 @@ if(NOT output MATCHES "^bilateral drive gear, 96.2")
   message(FATAL_ERROR "the example prints:\n${output}")
 endif()
 run(${scratch}/prefix/bin/gear3k --version)
+foreach(file share/man/man1/gear3k-optimize.1.gz share/bash-completion/completions/gear3k
+             share/doc/gear3k/docs/interface.md share/doc/gear3k/examples/ratio-96.toml)
+  if(NOT EXISTS ${scratch}/prefix/${file})
+    message(FATAL_ERROR "not installed: ${file}")
+  endif()
+endforeach()
 message(STATUS "installed, built against and run")

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "app/model.hpp"
+#include "cli/command_tree.hpp"
 #include "cli/exit_code.hpp"
 #include "report/table_choice.hpp"
 
@@ -130,6 +131,10 @@ struct NewOptions : CommonOptions {
   std::string kind;  ///< one of io::first_files()
 };
 
+struct ManualOptions : CommonOptions {  ///< out: a folder; "" = none
+  std::string page;                     ///< its name or that of its command; "" = gear3k
+};
+
 ExitCode run_analyze(const AnalyzeOptions& options);
 ExitCode run_mesh(const AnalyzeOptions& options);
 ExitCode run_compare(const CompareOptions& options);
@@ -148,8 +153,19 @@ std::string impedance_error(std::string_view value);
 ExitCode run_simulate(const SimulateOptions& options);
 /// Prints docs/keys.md: every key of DESIGN, PAIR and SPEC files, or those that hold a word.
 ExitCode run_keys(const KeysOptions& options);
+/// What `gear3k keys` prints.
+std::string keys_document();
 /// Prints a first file of a kind, with comments.
 ExitCode run_new(const NewOptions& options);
+/// Prints a page of the manual, or writes all of them.
+ExitCode run_manual(const ManualOptions& options, const CommandTree& gear3k);
+/// The words that name its pages.
+std::vector<std::string> manual_page_words(const CommandTree& gear3k);
+/// Prints the completion of bash.
+ExitCode run_completion(const CommonOptions& options, CommandTree gear3k);
+/// Whether a document that has one form only was asked for in another; it is then said.
+/// @param form  what the document is
+bool other_form(const CommonOptions& options, std::string_view command, std::string_view form);
 
 /// Prints a result to stdout.
 /// @throws io::InvalidInput when stdout cannot be written

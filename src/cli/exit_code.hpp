@@ -1,5 +1,8 @@
 #pragma once
 
+#include <array>
+#include <string_view>
+
 namespace gear3k::cli {
 
 /// Exit codes by the contract of docs/interface.md.
@@ -11,5 +14,18 @@ enum ExitCode {
   kSolverFailure = 4,
   kInterrupted = 130  ///< Ctrl-C; what was done is kept
 };
+
+struct ExitMeaning {
+  ExitCode code;
+  std::string_view text;
+};
+/// As help and manual tell them.
+inline constexpr std::array<ExitMeaning, 6> kExitMeanings{
+    {{kDone, "done"},
+     {kUsage, "usage"},
+     {kInvalidInput, "invalid input"},
+     {kNoFeasibleDesign, "no feasible design or (--strict) a failed check"},
+     {kSolverFailure, "solver failure"},
+     {kInterrupted, "interrupted (what is done is kept)"}}};
 
 }  // namespace gear3k::cli

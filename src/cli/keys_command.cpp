@@ -16,20 +16,14 @@
 
 namespace gear3k::cli {
 
-namespace {
-
-/// Whether a document that has one form only was asked for in another; it is then said.
 bool other_form(const CommonOptions& options, std::string_view command, std::string_view form) {
   if (options.format == Format::kTable) return false;
   say(fmt::format("{}: --format: allowed: table (the document is {})\n", command, form));
   return true;
 }
 
-}  // namespace
-
-ExitCode run_keys(const KeysOptions& options) {
-  if (other_form(options, "keys", "Markdown")) return kUsage;
-  const std::string document = fmt::format(
+std::string keys_document() {
+  return fmt::format(
       "# Keys of the input files\n\nPrinted by `gear3k keys`.\n\n"
       "## DESIGN.toml\n\n{}\n## PAIR.toml\n\n{}\n## SPEC.toml\n\n{}\n"
       "## Black box (in place of a DESIGN)\n\n{}\n## ACTUATOR.toml\n\n{}\n"
@@ -37,6 +31,11 @@ ExitCode run_keys(const KeysOptions& options) {
       io::design_key_table(), io::pair_key_table(), io::specification_key_table(),
       io::black_box_key_table(), io::actuator_key_table(), io::selection_key_table(),
       io::scenario_key_table());
+}
+
+ExitCode run_keys(const KeysOptions& options) {
+  if (other_form(options, "keys", "Markdown")) return kUsage;
+  const std::string document = keys_document();
   if (options.word.empty()) {
     deliver(options, document);
     return kDone;

@@ -14,6 +14,7 @@
 #include <new>
 #include <sstream>
 
+#include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "cli/talk.hpp"
 #include "io/files/actuator_file.hpp"
@@ -27,24 +28,6 @@
 #include "units/units.hpp"
 
 namespace {
-
-/// Help whose descriptions end at column 100.
-class NarrowFormatter : public CLI::Formatter {
- public:
-  std::string make_option_desc(const CLI::Option* option) const override {
-    constexpr std::size_t kColumns = 100;
-    const std::string& text = option->get_description();
-    std::string lines;
-    std::size_t begin = 0;
-    while (text.size() - begin > kColumns - column_width_) {
-      std::size_t end = text.rfind(' ', begin + kColumns - column_width_);
-      if (end == std::string::npos || end <= begin) break;
-      lines += text.substr(begin, end - begin) + '\n';
-      begin = end + 1;
-    }
-    return lines + text.substr(begin);
-  }
-};
 
 /// Where the keys of a file are told.
 std::string keys_of(std::string_view file) {
@@ -334,51 +317,11 @@ std::string actuator_usage_error(const CLI::App& command, const cli::ActuatorOpt
   return fmt::format("{}", fmt::join(errors, "\n"));
 }
 
-std::vector<std::string> option_names(const CLI::App& command) {
-  std::vector<std::string> names;
-  for (const CLI::Option* option : command.get_options()) {
-    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-  }
-  return names;
-}
-
-/// A message about a word that is none of the known ones.
-std::string unknown(const char* kind, const std::string& word,
-                    const std::vector<std::string>& known) {
-  const std::string hint = io::closest_word(word, known);
-  return fmt::format("unknown {} {}{}; allowed: {}", kind, word,
-                     hint.empty() ? "" : fmt::format("; did you mean {}?", hint),
-                     fmt::join(known, ", "));
-}
-
-/// A message about the first word that is no command, or no option of its command; "" when all are.
-std::string unknown_word(const CLI::App& app, int argc, char** argv) {
-  if (argc < 2 || argv[1][0] == '-') return "";
-  std::vector<std::string> commands;
-  const CLI::App* command = nullptr;
-  for (const CLI::App* known : app.get_subcommands(nullptr)) {
-    commands.push_back(known->get_name());
-    if (known->get_name() == argv[1]) command = known;
-  }
-  if (command == nullptr) return unknown("command", argv[1], commands);
-  const std::vector<std::string> options = option_names(*command);
-  for (int k = 2; k < argc; ++k) {
-    const std::string word(argv[k]);
-    const std::string name = word.substr(0, word.find('='));
-    if (name.starts_with("--") && name.size() > 2 &&
-        std::ranges::find(options, name) == options.end()) {
-      return unknown("option", name, options);
-    }
-  }
-  return "";
-}
-
 int run_program(int argc, char** argv) {
   CLI::App app{
-      "gear3k designs 3K compound planetary gearboxes (Wolfrom gears) for robot actuators.\n"
-      "Exit codes: 0 done, 1 usage, 2 invalid input, 3 no feasible design or (--strict) a failed\n"
-      "check, 4 solver failure, 130 interrupted (what is done is kept)."};
-  app.formatter(std::make_shared<NarrowFormatter>());
+      "gear3k designs 3K compound planetary gearboxes (Wolfrom gears) for robot actuators.\n" +
+      cli::exit_codes_text()};
+  app.formatter(cli::narrow_formatter());
   app.set_version_flag("--version", fmt::format("gear3k {} ({})", io::version(), io::git_commit()));
   app.require_subcommand(1);
 
@@ -577,15 +520,34 @@ int run_program(int argc, char** argv) {
   for (const io::FirstFile& file : io::first_files()) kinds.emplace_back(file.kind);
   new_command->add_option("KIND", first.kind, "what to write")
       ->required()
-      ->check([kinds](const std::string& word) {
-        return std::ranges::find(kinds, word) == kinds.end() ? unknown("kind", word, kinds) : "";
-      })
+      ->check(cli::one_of("kind", kinds))
       ->option_text(fmt::format("{}", fmt::join(kinds, " | ")));
   add_common_options(*new_command, first);
   add_out_file(*new_command, first);
   new_command->callback([&] { run = [&] { return cli::run_new(first); }; });
 
-  if (const std::string error = unknown_word(app, argc, argv); !error.empty()) {
+  cli::ManualOptions manual;
+  CLI::App* manual_command = app.add_subcommand("manual", "a page of the manual, for man -l -");
+  manual_command->add_option("PAGE", manual.page, "gear3k-optimize, optimize, ...; gear3k without");
+  manual_command
+      ->add_option(
+          "--out", manual.out,
+          "folder for all pages, man1/*.1 and man5/*.5; made when missing: man -M DIR PAGE")
+      ->check(folder_name)
+      ->option_text("DIR");
+  add_common_options(*manual_command, manual);
+  manual_command->callback(
+      [&] { run = [&] { return cli::run_manual(manual, cli::described(app)); }; });
+
+  cli::CommonOptions completion;
+  CLI::App* completion_command = app.add_subcommand(
+      "completion", "what bash has to read to complete commands: source <(gear3k completion)");
+  add_common_options(*completion_command, completion);
+  add_out_file(*completion_command, completion);
+  completion_command->callback(
+      [&] { run = [&] { return cli::run_completion(completion, cli::described(app)); }; });
+
+  if (const std::string error = cli::unknown_word(app, {argv + 1, argv + argc}); !error.empty()) {
     cli::say(fmt::format("{}\nRun with --help for more information.\n", error));
     return cli::kUsage;
   }

@@ -568,6 +568,8 @@ TEST(FullDevice, IsAnErrorNotSilence) {
         {"reproduce"},
         {"keys"},
         {"new", "task"},
+        {"manual"},
+        {"completion"},
         {"optimize", "spec.toml", "--out", "out", "--quiet"},
         {"--help"}}) {
     const ProgramResult result = place.run(arguments, "/dev/full");

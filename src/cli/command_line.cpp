@@ -1,0 +1,186 @@
+#include "cli/command_line.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+
+#include "cli/exit_code.hpp"
+#include "io/text/diagnostics.hpp"
+
+namespace gear3k::cli {
+
+namespace {
+
+constexpr std::size_t kHelpColumns = 100;
+
+class NarrowFormatter : public CLI::Formatter {
+ public:
+  std::string make_option_desc(const CLI::Option* option) const override {
+    const std::string& text = option->get_description();
+    std::string lines;
+    std::size_t begin = 0;
+    while (text.size() - begin > kHelpColumns - column_width_) {
+      std::size_t end = text.rfind(' ', begin + kHelpColumns - column_width_);
+      if (end == std::string::npos || end <= begin) break;
+      lines += text.substr(begin, end - begin) + '\n';
+      begin = end + 1;
+    }
+    return lines + text.substr(begin);
+  }
+};
+
+std::vector<std::string> option_names(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return names;
+}
+
+/// Words between two marks; the whole is "" without them.
+std::string between(const std::string& text, const std::string& begin, const std::string& end) {
+  const std::size_t from = text.find(begin);
+  if (from == std::string::npos) return "";
+  const std::size_t start = from + begin.size();
+  const std::size_t to = text.find(end, start);
+  return to == std::string::npos ? "" : text.substr(start, to - start);
+}
+
+/// What stands for the value of an option, and what its checks say of it, added to its text.
+void describe_value(const CLI::Option& option, CommandArgument& argument) {
+  // As CLI11 has it: TEXT, INT:INT in [1 - 1024], TEXT:{table,json,csv}.
+  const std::string type = option.get_type_name();
+  for (const std::string& word : CLI::detail::split(between(type, "{", "}"), ',')) {
+    if (!word.empty()) argument.words.push_back(word);
+  }
+  argument.list = option.get_delimiter() == ',';
+  argument.value = option.get_option_text();
+  if (!argument.value.empty()) return;
+  std::string range = between(type, " in [", "]");
+  if (const std::size_t dash = range.find(" - "); dash != std::string::npos) {
+    range.replace(dash, 3, " to ");
+    argument.text += fmt::format(" ({})", range);
+  }
+  if (!type.starts_with("TEXT")) {
+    argument.value = "N";
+  } else {
+    const FileKind kind = file_kind(argument);
+    argument.value = kind == FileKind::kFolder ? "DIR" : kind == FileKind::kNone ? "TEXT" : "FILE";
+  }
+  if (!option.get_default_str().empty()) {
+    argument.value += fmt::format(" [{}]", option.get_default_str());
+  }
+}
+
+CommandTree described(const CLI::App& app, const std::string& name) {
+  CommandTree tree{
+      .name = name, .title = {}, .about = {}, .arguments = {}, .options = {}, .commands = {}};
+  const std::string text = app.get_description();
+  const std::size_t end = std::min(text.find('\n'), text.size());
+  tree.title = text.substr(0, end);
+  // Exit codes, the last lines of the program's own text, are told of every command.
+  const std::string more = end < text.size() ? text.substr(end + 1) : "";
+  tree.about = CLI::detail::trim_copy(more == exit_codes_text() ? "" : more) + "\n\n";
+  tree.about = CLI::detail::trim_copy(tree.about + app.get_footer());
+  for (const CLI::Option* option : app.get_options()) {
+    CommandArgument argument;
+    argument.text = option->get_description();
+    argument.required = option->get_required();
+    if (option->get_items_expected_max() > 0) describe_value(*option, argument);
+    if (!option->nonpositional()) {
+      argument.names = {option->get_name(true)};
+      argument.repeated = option->get_items_expected_max() > 1;
+      tree.arguments.push_back(std::move(argument));
+      continue;
+    }
+    for (const std::string& letter : option->get_snames()) argument.names.push_back("-" + letter);
+    for (const std::string& word : option->get_lnames()) argument.names.push_back("--" + word);
+    tree.options.push_back(std::move(argument));
+  }
+  for (const CLI::App* command : app.get_subcommands(nullptr)) {
+    tree.commands.push_back(described(*command, name + ' ' + command->get_name()));
+  }
+  return tree;
+}
+
+}  // namespace
+
+std::shared_ptr<CLI::FormatterBase> narrow_formatter() {
+  return std::make_shared<NarrowFormatter>();
+}
+
+std::string exit_codes_text() {
+  std::string text = "Exit codes:";
+  std::size_t column = text.size();
+  for (const ExitMeaning& meaning : kExitMeanings) {
+    const bool last = meaning.code == kExitMeanings.back().code;
+    for (const std::string& word : CLI::detail::split(
+             fmt::format("{} {}{}", static_cast<int>(meaning.code), meaning.text, last ? '.' : ','),
+             ' ')) {
+      constexpr std::size_t kColumns = 90;
+      const bool fits = column + 1 + word.size() <= kColumns;
+      text += (fits ? ' ' : '\n') + word;
+      column = fits ? column + 1 + word.size() : word.size();
+    }
+  }
+  return text;
+}
+
+std::string unknown(const std::string& kind, const std::string& word,
+                    const std::vector<std::string>& known) {
+  const std::string hint = io::closest_word(word, known);
+  return fmt::format("unknown {} {}{}; allowed: {}", kind, word,
+                     hint.empty() ? "" : fmt::format("; did you mean {}?", hint),
+                     fmt::join(known, ", "));
+}
+
+CLI::Validator one_of(std::string kind, std::vector<std::string> known) {
+  const std::string set = fmt::format("{{{}}}", fmt::join(known, ","));
+  return {[kind = std::move(kind), known = std::move(known)](const std::string& word) {
+            return std::ranges::find(known, word) == known.end() ? unknown(kind, word, known) : "";
+          },
+          set};
+}
+
+std::string unknown_word(const CLI::App& app, const std::vector<std::string>& words) {
+  const CLI::App* command = &app;
+  std::size_t at = 0;
+  for (; at < words.size(); ++at) {
+    std::vector<std::string> names;
+    const CLI::App* next = nullptr;
+    for (const CLI::App* known : command->get_subcommands(nullptr)) {
+      names.push_back(known->get_name());
+      if (known->get_name() == words[at]) next = known;
+    }
+    if (next == nullptr) {
+      if (command != &app) break;
+      return words[at].starts_with("-") ? "" : unknown("command", words[at], names);
+    }
+    command = next;
+  }
+  const std::vector<std::string> options = option_names(*command);
+  for (; at < words.size(); ++at) {
+    const std::string name = words[at].substr(0, words[at].find('='));
+    if (name.starts_with("--") && name.size() > 2 &&
+        std::ranges::find(options, name) == options.end()) {
+      return unknown("option", name, options);
+    }
+  }
+  return "";
+}
+
+FileKind file_kind(const CommandArgument& argument) {
+  const std::string& text = argument.text;
+  if (text.starts_with("folder")) return FileKind::kFolder;
+  if (text.starts_with("file")) return FileKind::kAny;
+  if (text.find(".toml") != std::string::npos) return FileKind::kToml;
+  if (text.find(".csv") != std::string::npos || text.find("CSV") != std::string::npos) {
+    return FileKind::kCsv;
+  }
+  return FileKind::kNone;
+}
+
+CommandTree described(const CLI::App& app) { return described(app, "gear3k"); }
+
+}  // namespace gear3k::cli

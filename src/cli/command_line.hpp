@@ -1,0 +1,37 @@
+#pragma once
+// What every command's arguments have in common: the shape of the help, and words that are none.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cli/command_tree.hpp"
+
+namespace CLI {
+class App;
+class FormatterBase;
+class Validator;
+}  // namespace CLI
+
+namespace gear3k::cli {
+
+/// Help whose descriptions end at column 100.
+std::shared_ptr<CLI::FormatterBase> narrow_formatter();
+
+/// Exit codes and what they mean, in lines of the help.
+std::string exit_codes_text();
+
+/// A message about a word that is none of the known ones.
+std::string unknown(const std::string& kind, const std::string& word,
+                    const std::vector<std::string>& known);
+
+/// A check that takes the known words only.
+CLI::Validator one_of(std::string kind, std::vector<std::string> known);
+
+/// A message about the first word that is no command, or no option of its command; "" when all are.
+std::string unknown_word(const CLI::App& app, const std::vector<std::string>& words);
+
+/// The commands and options that an app takes.
+CommandTree described(const CLI::App& app);
+
+}  // namespace gear3k::cli
