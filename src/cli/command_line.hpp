@@ -7,7 +7,7 @@
 
 #include "cli/command_tree.hpp"
 
-namespace CLI {
+namespace CLI {  // NOLINT(readability-identifier-naming): the library's own name
 class App;
 class FormatterBase;
 class Validator;

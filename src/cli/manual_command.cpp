@@ -252,6 +252,7 @@ ExitCode run_manual(const ManualOptions& options, const CommandTree& gear3k) {
   const std::vector<ManualPage> pages = manual_pages(gear3k);
   if (!options.out.empty()) {
     std::vector<io::FileText> files;
+    files.reserve(pages.size());
     for (const ManualPage& page : pages) {
       files.push_back(
           {fmt::format("{}/man{}/{}", options.out, page.section, file_of(page)), page.text});
