@@ -17,19 +17,18 @@ for file in bin/gear3k share/man/man1/gear3k.1.gz share/man/man1/gear3k-optimize
   $documents/docs/interface.md $documents/examples/ratio-96.toml; do
   [ -f "$file" ] || { echo "no $file in the package"; exit 1; }
 done
-[ ! -e include ] && [ ! -e lib ]
+if [ -e include ] || [ -e lib ]; then echo "the library is in the package"; exit 1; fi
 
 # dpkg-shlibdeps has found the libraries, and none is sought where this one was built.
 for library in libc6 coinor-libipopt; do
   [[ " $(dpkg -f "$package" Depends)" == *" $library"* ]] || { echo "Depends: no $library"; exit 1; }
 done
-! objdump -p bin/gear3k | grep -E 'RPATH|RUNPATH'
+if objdump -p bin/gear3k | grep -E 'RPATH|RUNPATH'; then exit 1; fi
 
 cmp <(bin/gear3k analyze $documents/examples/designs/loaded.toml --format json) \
   <("$build/gear3k" analyze $documents/examples/designs/loaded.toml --format json)
 
 # It takes twice as long as all the rest.
-if [ "${GEAR3K_LONG:-0}" = 1 ] && command -v lintian >/dev/null 2>&1; then
-  lintian --fail-on error --tag-display-limit 0 "$package" 2>&1 | grep '^E:' && exit 1
+if [ -n "${GEAR3K_LONG:-}" ] && command -v lintian >/dev/null 2>&1; then
+  lintian --fail-on error --tag-display-limit 0 "$package" 2>/dev/null
 fi
-exit 0

@@ -173,7 +173,7 @@ std::string unknown_word(const CLI::App& app, const std::vector<std::string>& wo
 FileKind file_kind(const CommandArgument& argument) {
   const std::string& text = argument.text;
   if (text.starts_with("folder")) return FileKind::kFolder;
-  if (text.starts_with("file")) return FileKind::kAny;
+  if (text.starts_with("file") || text.starts_with("database")) return FileKind::kAny;
   if (text.find(".toml") != std::string::npos) return FileKind::kToml;
   if (text.find(".csv") != std::string::npos || text.find("CSV") != std::string::npos) {
     return FileKind::kCsv;

@@ -26,8 +26,8 @@ struct CommandTree {
   std::vector<CommandTree> commands;
 };
 
-/// What file an argument's value is, by its text: "folder ..." and "file ..." begin so, others name
-/// NAME.toml, NAME.csv or "CSV files".
+/// What file an argument's value is, by its text: "folder ...", "file ..." and "database ..." begin
+/// so, others name NAME.toml, NAME.csv or "CSV files".
 enum class FileKind { kNone, kFolder, kAny, kToml, kCsv };
 FileKind file_kind(const CommandArgument& argument);
 

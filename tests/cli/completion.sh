@@ -62,13 +62,22 @@ expect gear3k manual opt : optimize
 expect gear3k unheard : ""
 
 # Every command of --help is offered, and every long option of its own help.
-mapfile -t commands < <("$program" --help | sed -n '/^Subcommands:/,$ s/^  \([a-z]*\) .*/\1/p')
+# Commands by their help, those of commands below them.
+commands_below() {
+  local below
+  # shellcheck disable=SC2048,SC2086  # words of a command, or none
+  while read -r below; do
+    echo "$*${*:+ }$below"
+    commands_below $* $below
+  done < <("$program" $* --help | sed -n '/^Subcommands:/,$ s/^  \([a-z]\+\) .*/\1/p')
+}
+mapfile -t commands < <(commands_below)
 [ ${#commands[@]} -gt 10 ]
 # shellcheck disable=SC2046
-expect gear3k "" : $(printf '%s\n' "${commands[@]}" | LC_ALL=C sort)
+expect gear3k "" : $(printf '%s\n' "${commands[@]}" | grep -v ' ' | LC_ALL=C sort)
 for command in "${commands[@]}"; do
-  # shellcheck disable=SC2046
-  expect gear3k "$command" -- : $("$program" "$command" --help |
+  # shellcheck disable=SC2046,SC2086
+  expect gear3k $command -- : $("$program" $command --help |
     sed -n 's/^  \(-[a-z],\)\?\(--[a-z-]*\).*/\2/p' | LC_ALL=C sort)
 done
 [ "$failures" = 0 ]

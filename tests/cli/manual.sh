@@ -19,10 +19,19 @@ diff -r pages again
 # Words of a page without what roff makes of them.
 plain() { sed 's/\\-/-/g; s/\\f[BIR]//g; s/\\(aq/'"'"'/g' "$1"; }
 
-mapfile -t commands < <("$program" --help | sed -n '/^Subcommands:/,$ s/^  \([a-z]*\) .*/\1/p')
+# Commands by their help, those of commands below them.
+commands_below() {
+  local below
+  # shellcheck disable=SC2048,SC2086  # words of a command, or none
+  while read -r below; do
+    echo "$*${*:+ }$below"
+    commands_below $* $below
+  done < <("$program" $* --help | sed -n '/^Subcommands:/,$ s/^  \([a-z]\+\) .*/\1/p')
+}
+mapfile -t commands < <(commands_below)
 [ ${#commands[@]} -gt 10 ]
 for command in "" "${commands[@]}"; do
-  page=pages/man1/gear3k${command:+-$command}.1
+  page=pages/man1/gear3k${command:+-${command// /-}}.1
   [ -f "$page" ] || { fail "$page: missing"; continue; }
   # shellcheck disable=SC2086  # no word for the program itself
   help=$("$program" $command --help)
@@ -34,8 +43,11 @@ for command in "" "${commands[@]}"; do
     grep -qx -- "$argument" <<<"$text" || fail "$page: no argument $argument"
   done < <(sed -n '/^Positionals:/,/^$/ s/^  \([A-Z]\+\) .*/\1/p' <<<"$help")
   if [ -n "$command" ]; then
-    grep -q "^gear3k-$command(1)\$" < <(plain pages/man1/gear3k.1) || fail "gear3k.1: no $command"
-    cmp -s "$page" <("$program" manual "$command") || fail "manual $command: not its page"
+    name=${command// /-} above=${command% *}
+    [ "$above" != "$command" ] || above=
+    grep -q "^gear3k-$name(1)\$" < <(plain "pages/man1/gear3k${above:+-${above// /-}}.1") ||
+      fail "the page above has no $command"
+    cmp -s "$page" <("$program" manual "$name") || fail "manual $name: not its page"
   fi
 done
 grep -qx 3 pages/man1/gear3k.1
