@@ -1,5 +1,7 @@
 # Within cpack: fills ${debian_files} with the package's licence and its two changelogs; dates are
-# those of CHANGELOG.md.
+# those of CHANGELOG.md.  Folders that were made on the way get what Debian wants, whatever umask is.
+file(CHMOD_RECURSE $ENV{DESTDIR}${CMAKE_INSTALL_PREFIX} DIRECTORY_PERMISSIONS
+     OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 string(REPLACE . \\. version ${PROJECT_VERSION})
 file(STRINGS ${PROJECT_SOURCE_DIR}/CHANGELOG.md heading REGEX "^## ${version} \\(.*\\)$")
 if(NOT heading MATCHES "([0-9]+-[0-9]+-[0-9]+)\\)$")

@@ -6,10 +6,11 @@ set -euo pipefail
 build=$(realpath "$1")
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-(cd "$build" && cpack -G DEB -B "$folder/made") >"$folder/log" 2>&1 || { cat "$folder/log"; exit 1; }
+(umask 077 && cd "$build" && cpack -G DEB -B "$folder/made") >"$folder/log" 2>&1 || { cat "$folder/log"; exit 1; }
 package=$(echo "$folder"/made/*.deb)
 dpkg -x "$package" "$folder/root"
 cd "$folder/root/usr"
+if dpkg -c "$package" | grep -vE '^[d-]rwxr-xr-x |^-rw-r--r-- '; then echo "are not for all"; exit 1; fi
 documents=share/doc/gear3k
 for file in bin/gear3k share/man/man1/gear3k.1.gz share/man/man1/gear3k-optimize.1.gz \
   share/man/man5/gear3k.5.gz share/bash-completion/completions/gear3k $documents/copyright \
