@@ -29,6 +29,7 @@ set(order
     report
     drawing
     papers
+    sweep
     app
     cli)
 # Rooms that may print or read the clock, and rooms that may have threads.

@@ -4,7 +4,7 @@
 
 build_packages="g++ cmake ninja-build pkg-config git libeigen3-dev libboost-dev libceres-dev coinor-libipopt-dev
 libnlopt-dev libdxflib-dev librandom123-dev libfmt-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev
-gnuplot-nox"
+libsqlite3-dev gnuplot-nox"
 check_packages="libgtest-dev libbenchmark-dev clang-format-14 clang-tidy-14 libomp-14-dev"
 # The fuzzers' compiler, whose runtime has libFuzzer.
 fuzz_packages="clang-14 libclang-rt-14-dev"

@@ -135,7 +135,8 @@ OptimizeTask optimize_task(const OptimizeRequest& request) {
                     .unreachable = {},
                     .source = request.source,
                     .certify = request.certify,
-                    .round = request.round};
+                    .round = request.round,
+                    .explain = request.explain};
   if (task.model) {
     task.without_model = request.spec;
     task.spec = with_model(request.spec, *task.model, task.model_notes);
@@ -170,7 +171,7 @@ Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks,
   outcome.interrupted = outcome.result.interrupted || (outcome.front && outcome.front->interrupted);
   if (outcome.result.best) {
     outcome.best = best_of(task, task.spec, *outcome.result.best);
-    outcome.held = held_back_by(task, outcome.result, progress);
+    if (task.explain) outcome.held = held_back_by(task, outcome.result, progress);
   }
   if (task.model) {
     outcome.comparison = compare_with_model(task, outcome, progress);

@@ -26,6 +26,7 @@ struct OptimizeRequest {
   std::string source = "specification";  ///< stands for the specification in messages
   bool certify = false;  ///< refine only what can still win, and prove that nothing else can
   bool round = false;    ///< seek the best design of the lattice of SPEC's [round] too
+  bool explain = true;   ///< find what holds the best design back
 };
 
 /// A request that can be worked on, with what its model changes.
@@ -40,6 +41,7 @@ struct OptimizeTask {
   std::string source;
   bool certify = false;
   bool round = false;
+  bool explain = true;
 
   [[nodiscard]] const report::ModelUse* use() const { return model ? &model->use : nullptr; }
 };
@@ -71,7 +73,8 @@ struct Optimization {
     std::optional<design::TorqueAngleCurve> torque_angle;  ///< as Analysis::torque_angle
   };
   std::optional<Best> best;
-  /// What holds the best design back, and the best of every number of planets; where there is one.
+  /// What holds the best design back, and the best of every number of planets; where there is one
+  /// and that was asked for.
   std::optional<report::HeldBackReport> held;
   /// The best design rounded to what is made; where that was asked for and there is one.
   std::optional<optimize::Rounding> rounding;

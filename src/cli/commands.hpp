@@ -13,6 +13,7 @@
 #include "cli/command_tree.hpp"
 #include "cli/exit_code.hpp"
 #include "report/table_choice.hpp"
+#include "sweep/store.hpp"
 
 namespace gear3k::cli {
 
@@ -135,6 +136,37 @@ struct ManualOptions : CommonOptions {  ///< out: a folder; "" = none
   std::string page;                     ///< its name or that of its command; "" = gear3k
 };
 
+struct SweepOptions : CommonOptions {  ///< out: the database
+  std::string file;
+  int workers = 1;
+  sweep::Shard shard;
+  std::optional<double> most_s;  ///< ends after so long
+  bool yes = false;              ///< any number of tasks
+};
+/// What a text i/n names; empty where that is none.
+std::optional<sweep::Shard> shard_of(std::string_view text);
+/// Seconds of a text as 10h, 30m or 45s; empty where it is none.
+std::optional<double> duration_s(std::string_view text);
+
+/// What is asked of a sweep's database.
+struct SweepQuestion : CommonOptions {
+  std::string database;
+  std::vector<std::string> by;
+  std::string most = "eta_b", least;
+  std::string x, y;  ///< of a figure
+  std::string sql;
+};
+
+struct SweepMergeOptions : CommonOptions {  ///< out: the database that takes them
+  std::vector<std::string> databases;
+};
+
+ExitCode run_sweep(const SweepOptions& options);
+ExitCode run_sweep_merge(const SweepMergeOptions& options);
+ExitCode run_sweep_status(const SweepQuestion& question);
+ExitCode run_sweep_best(const SweepQuestion& question);
+ExitCode run_sweep_query(const SweepQuestion& question);
+ExitCode run_sweep_figure(const SweepQuestion& question);
 ExitCode run_analyze(const AnalyzeOptions& options);
 ExitCode run_mesh(const AnalyzeOptions& options);
 ExitCode run_compare(const CompareOptions& options);

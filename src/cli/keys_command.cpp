@@ -13,6 +13,7 @@
 #include "io/files/subject_file.hpp"
 #include "io/keys/key_search.hpp"
 #include "io/text/diagnostics.hpp"
+#include "sweep/sweep_file.hpp"
 
 namespace gear3k::cli {
 
@@ -27,10 +28,12 @@ std::string keys_document() {
       "# Keys of the input files\n\nPrinted by `gear3k keys`.\n\n"
       "## DESIGN.toml\n\n{}\n## PAIR.toml\n\n{}\n## SPEC.toml\n\n{}\n"
       "## Black box (in place of a DESIGN)\n\n{}\n## ACTUATOR.toml\n\n{}\n"
-      "## SPEC.toml of gear3k actuator --select\n\n{}\n## SCENARIO.toml\n\n{}",
+      "## SPEC.toml of gear3k actuator --select\n\n{}\n## SCENARIO.toml\n\n{}\n"
+      "## SWEEP.toml\n\n"
+      "Besides, `[task]` with the keys of a SPEC, and `[vary]` ([sweep.md](sweep.md)).\n\n{}",
       io::design_key_table(), io::pair_key_table(), io::specification_key_table(),
       io::black_box_key_table(), io::actuator_key_table(), io::selection_key_table(),
-      io::scenario_key_table());
+      io::scenario_key_table(), sweep::sweep_key_table());
 }
 
 ExitCode run_keys(const KeysOptions& options) {

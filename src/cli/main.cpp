@@ -16,6 +16,8 @@
 
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
+#include "cli/common_options.hpp"
+#include "cli/sweep_options.hpp"
 #include "cli/talk.hpp"
 #include "io/files/actuator_file.hpp"
 #include "io/files/design_file.hpp"
@@ -29,38 +31,8 @@
 
 namespace {
 
-/// Where the keys of a file are told.
-std::string keys_of(std::string_view file) {
-  return fmt::format("Keys of {}: gear3k keys, or gear3k keys WORD for those that hold a word.",
-                     file);
-}
-
 using namespace gear3k;  // NOLINT(google-build-using-namespace): the program's own namespace
-
-/// @param text  --format text is another word for table
-void add_common_options(CLI::App& command, cli::CommonOptions& options, bool text = false) {
-  std::vector<std::string> names(cli::kFormatNames.begin(), cli::kFormatNames.end());
-  if (text) names.emplace_back("text");
-  command
-      .add_option_function<std::string>(
-          "--format",
-          [&options](const std::string& name) {
-            if (name == "text") return;  // kTable, as without it
-            options.format = static_cast<cli::Format>(std::ranges::find(cli::kFormatNames, name) -
-                                                      cli::kFormatNames.begin());
-          },
-          text ? "what is printed: table (or text), json or csv"
-               : "what is printed: table, json or csv")
-      ->check(CLI::IsMember(names))
-      ->option_text("FORMAT [table]");
-  command.add_flag("--quiet", options.quiet, "no progress and no talk on stderr, errors only");
-  command.add_option("--threads", options.threads, "OpenMP threads; all processors by default")
-      ->check(CLI::Range(1, 1024));
-}
-
-void add_out_file(CLI::App& command, cli::CommonOptions& options) {
-  command.add_option("--out", options.out, "file for the result, instead of stdout");
-}
+using cli::add_common_options, cli::add_out_file, cli::keys_of;
 
 void add_model_option(CLI::App& command, std::string& model) {
   command
@@ -503,6 +475,12 @@ int run_program(int argc, char** argv) {
       ->option_text("DIR");
   simulate_command->footer(keys_of("SCENARIO.toml"));
   simulate_command->callback([&] { run = [&] { return cli::run_simulate(simulate); }; });
+
+  cli::SweepCommands sweep;
+  add_sweep_commands(
+      *app.add_subcommand(
+          "sweep", "many tasks, kept in a database: what varies, what is best, what changed"),
+      sweep, run);
 
   cli::KeysOptions keys;
   CLI::App* keys_command =

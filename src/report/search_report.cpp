@@ -9,6 +9,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "io/text/csv_table.hpp"
 #include "io/text/json.hpp"
 #include "optimize/objective_value.hpp"
 #include "report/display.hpp"
@@ -119,12 +120,16 @@ Fields refined_fields(const RefinedSet& s, const std::optional<double>& bound,
   return f;
 }
 
-std::string refined_row(const OptimizeResult& result, const RefinedSet& s,
-                        const RefinedColumns& columns) {
+Fields refined_fields(const OptimizeResult& result, const RefinedSet& s,
+                      const RefinedColumns& columns) {
   const bool bounded = s.status != Status::kInfeasible && result.bounds->of(s.index).known;
   return refined_fields(s, bounded ? std::optional(result.bounds->of(s.index).eta_b) : std::nullopt,
-                        columns)
-      .csv_values();
+                        columns);
+}
+
+std::string refined_row(const OptimizeResult& result, const RefinedSet& s,
+                        const RefinedColumns& columns) {
+  return refined_fields(result, s, columns).csv_values();
 }
 
 /// A set to ask for the names of its columns: teeth that have a ratio, and nothing else.
@@ -287,6 +292,18 @@ RefinedColumns refined_columns(const Specification& spec) {
           .pressure_angle = spec.free.pressure_angle_rad.has_value(),
           .masses = optimize::knows_masses(spec),
           .strength = spec.rating.has_value()};
+}
+
+std::vector<std::string> refined_column_names(const RefinedColumns& columns) {
+  const std::string header = refined_header(columns);
+  io::CsvFields fields;
+  fields.split(std::string_view(header).substr(0, header.find('\n')));
+  return {fields.values().begin(), fields.values().end()};
+}
+
+std::vector<FieldRow> refined_values(const OptimizeResult& result, const RefinedSet& set,
+                                     const RefinedColumns& columns) {
+  return refined_fields(result, set, columns).rows();
 }
 
 void write_refined_csv(const OptimizeResult& result, const RefinedColumns& columns,

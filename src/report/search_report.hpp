@@ -7,10 +7,12 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "optimize/optimizer.hpp"
 #include "optimize/pareto_search.hpp"
 #include "optimize/zero_shift.hpp"
+#include "report/fields.hpp"
 #include "report/limit_price_report.hpp"
 #include "report/model_change_report.hpp"
 #include "report/model_report.hpp"
@@ -61,6 +63,12 @@ struct RefinedColumns {
   bool strength = false;
 };
 RefinedColumns refined_columns(const optimize::Specification& spec);
+/// Names of the columns, in their order.
+std::vector<std::string> refined_column_names(const RefinedColumns& columns);
+/// The columns of one refined set that have a value.
+std::vector<FieldRow> refined_values(const optimize::OptimizeResult& result,
+                                     const optimize::RefinedSet& set,
+                                     const RefinedColumns& columns);
 
 /// refined.csv: a row for every tooth set, in the order of the search; those that an interrupted
 /// run did not reach have none.

@@ -111,6 +111,7 @@ class RunningProgram {
   RunningProgram& operator=(const RunningProgram&) = delete;
 
   void send(int signal) const { ::kill(process_, signal); }
+  [[nodiscard]] pid_t number() const { return process_; }
 
   /// What a descriptor of the program refers to: a path, or "" for one that is closed.
   [[nodiscard]] std::string descriptor(int number) const {

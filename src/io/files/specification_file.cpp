@@ -316,6 +316,48 @@ optimize::Specification specification_from(const TomlValue& document, const std:
   return input.spec;
 }
 
+/// A value of a key in its one form.
+TomlValue as_stated(const Key<Input>& key, std::size_t gear, const TomlValue& value) {
+  Input scratch;
+  key.assign(key.record, scratch, gear, value);
+  auto stated = key.state(key.record, scratch, gear);
+  return stated ? std::move(*stated) : value;
+}
+
+std::string path_of(const KeyRecord& record, const std::vector<std::string>& gears,
+                    std::size_t gear) {
+  constexpr std::string_view kPlaceholder = "{gear}";
+  std::string path = record.path;
+  const auto at = path.find(kPlaceholder);
+  if (at != std::string::npos) path.replace(at, kPlaceholder.size(), gears[gear]);
+  return path;
+}
+
+/// By key, its default in that form as TOML; "" where the key has none that is a value.
+const std::vector<std::string>& usual_texts() {
+  static const std::vector<std::string> texts = [] {
+    std::vector<std::string> all;
+    for (const Key<Input>& key : specification_schema().keys()) {
+      all.emplace_back();
+      if (key.record.required || key.record.default_text.empty()) continue;
+      try {
+        const TomlValue document = parse_toml("x = " + key.record.default_text, "");
+        // What is no value of the key is refused as any other; gears share their default.
+        FileReading unheard("");
+        KeyRecord own = key.record;
+        own.path = "x";
+        const KeyIndex index(expand_keys({&own}, {}));
+        if (match_keys(document, index, unheard).empty()) continue;
+        all.back() = toml_text(as_stated(key, 0, document.table.front()));
+      } catch (const InvalidInput&) {
+        // A default in words, as "with [strength]: 1".
+      }
+    }
+    return all;
+  }();
+  return texts;
+}
+
 }  // namespace
 
 optimize::Specification read_specification(const std::string& path, double most_sets) {
@@ -325,6 +367,51 @@ optimize::Specification read_specification(const std::string& path, double most_
 optimize::Specification parse_specification(const std::string& text, const std::string& name,
                                             double most_sets) {
   return specification_from(parse_toml(text, name), name, most_sets);
+}
+
+optimize::Specification specification_of(const TomlValue& document, const std::string& name,
+                                         double most_sets) {
+  return specification_from(document, name, most_sets);
+}
+
+std::vector<StatedKey> stated_keys(const TomlValue& document) {
+  const Schema<Input>& schema = specification_schema();
+  const TomlValue tables = with_material_tables(document, train_gear_tables());
+  FileReading unheard("");
+  std::vector<FoundValue> found = match_keys(tables, schema.index(), unheard);
+  std::ranges::sort(found, {}, [](const FoundValue& f) { return std::pair(f.key, f.gear); });
+  const bool preset = unheard.has("preset");
+  std::vector<StatedKey> keys;
+  for (const FoundValue& f : found) {
+    const Key<Input>& key = schema.keys()[f.key];
+    if (key.record.path == "name") continue;
+    TomlValue value = as_stated(key, f.gear, *f.value);
+    const std::string path = path_of(key.record, schema.gears(), f.gear);
+    const bool usual =
+        !preset && !path.starts_with("tolerances.") && toml_text(value) == usual_texts()[f.key];
+    keys.push_back(
+        {.key = {.path = path, .gear = f.gear, .value = std::move(value)}, .usual = usual});
+  }
+  return keys;
+}
+
+void check_keys(const TomlValue& part, FileReading& reading) {
+  // The records once more, none of them required.
+  static const std::vector<KeyRecord> records = [] {
+    std::vector<KeyRecord> copies;
+    for (const KeyRecord* record : specification_schema().records()) {
+      copies.push_back(*record);
+      copies.back().required = false;
+    }
+    return copies;
+  }();
+  static const KeyIndex index = [] {
+    std::vector<const KeyRecord*> pointers;
+    for (const KeyRecord& record : records) pointers.push_back(&record);
+    return KeyIndex(expand_keys(pointers, specification_schema().gears()));
+  }();
+  match_keys(with_material_tables(without_gears(part, reading), train_gear_tables()), index,
+             reading);
 }
 
 std::string specification_key_table() { return key_table(specification_schema()); }

@@ -1,0 +1,204 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <charconv>
+#include <random>
+#include <string_view>
+
+#include "cli/commands.hpp"
+#include "cli/figures.hpp"
+#include "cli/sweep_workers.hpp"
+#include "cli/talk.hpp"
+#include "io/text/diagnostics.hpp"
+#include "io/text/file_set.hpp"
+#include "io/text/file_writer.hpp"
+#include "sweep/map_plot.hpp"
+#include "sweep/merge.hpp"
+#include "sweep/questions.hpp"
+#include "sweep/store.hpp"
+#include "sweep/sweep_file.hpp"
+
+namespace gear3k::cli {
+
+namespace {
+
+using sweep::Database;
+
+/// Tasks that need no word of consent.
+constexpr std::uint64_t kMostWithoutConsent = 100'000;
+
+std::string new_uid() {
+  std::random_device random;
+  return fmt::format("{:08x}{:08x}{:08x}", random(), random(),
+                     static_cast<std::uint32_t>(::getpid()));
+}
+
+void deliver_rows(const CommonOptions& options, const sweep::Rows& rows) {
+  switch (options.format) {
+    case Format::kJson:
+      deliver(options, sweep::rows_json(rows));
+      break;
+    case Format::kCsv:
+      deliver(options, sweep::rows_csv(rows));
+      break;
+    case Format::kTable:
+      deliver(options, sweep::rows_table(rows));
+      break;
+  }
+}
+
+Database read_only(const std::string& path) {
+  return sweep::open_sweep_database(path, Database::Access::kRead);
+}
+
+/// Puts the tasks into the queue.  @returns false where Ctrl-C came first
+bool plan(sweep::Store& store, std::int64_t run, const sweep::Sweep& sweep,
+          const sweep::Shard& shard, sweep::Planned& planned) {
+  for (std::uint64_t place = 0; place < sweep.count();) {
+    if (sweep_interrupted()) return false;
+    place = store.plan(run, sweep, shard, place, planned);
+  }
+  store.end_plan();
+  return true;
+}
+
+void refuse_by_mistake(const SweepOptions& options, const sweep::Sweep& sweep) {
+  const std::uint64_t count = sweep.count() / options.shard.count;
+  if (count <= kMostWithoutConsent || options.yes || options.most_s) return;
+  throw io::InvalidInput(fmt::format(
+      "{}: asks for {} tasks: allowed: at most {}, or more with --yes or a budget (--for 10h)",
+      options.file, sweep.count(), kMostWithoutConsent));
+}
+
+}  // namespace
+
+std::optional<sweep::Shard> shard_of(std::string_view text) {
+  const auto slash = text.find('/');
+  if (slash == std::string_view::npos) return std::nullopt;
+  const auto number = [](std::string_view digits) -> std::uint64_t {
+    std::uint64_t value = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    return error == std::errc() && end == digits.data() + digits.size() ? value : 0;
+  };
+  const sweep::Shard shard{.number = number(text.substr(0, slash)),
+                           .count = number(text.substr(slash + 1))};
+  if (shard.number < 1 || shard.number > shard.count) return std::nullopt;
+  return shard;
+}
+
+std::optional<double> duration_s(std::string_view text) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || !(value > 0.0) || end + 1 != text.data() + text.size()) {
+    return std::nullopt;
+  }
+  constexpr double kMinute = 60.0, kHour = 3600.0;
+  switch (*end) {
+    case 's':
+      return value;
+    case 'm':
+      return value * kMinute;
+    case 'h':
+      return value * kHour;
+    default:
+      return std::nullopt;
+  }
+}
+
+ExitCode run_sweep(const SweepOptions& options) {
+  const sweep::Sweep sweep = sweep::read_sweep(options.file);
+  refuse_by_mistake(options, sweep);
+  const std::string slip = io::replaced_input(options.out, {options.file});
+  if (!slip.empty()) throw io::InvalidInput("--out: " + slip);
+  sweep_interrupted();
+  SweepWork work{.database = options.out,
+                 .run = 0,
+                 .uid = new_uid(),
+                 .workers = options.workers > 0 ? options.workers : 1,
+                 .most_s = options.most_s,
+                 .quiet = options.quiet};
+  sweep::Planned planned;
+  {
+    sweep::Store store(sweep::open_sweep_database(options.out, Database::Access::kCreate));
+    work.run = store.begin({.uid = work.uid,
+                            .workers = work.workers,
+                            .shard = options.shard,
+                            .started_s = now_s(),
+                            .host = sweep::host_name()},
+                           sweep);
+    if (!plan(store, work.run, sweep, options.shard, planned)) {
+      say("interrupted: nothing was begun; the same command goes on\n");
+      return kInterrupted;
+    }
+  }
+  if (!options.quiet) {
+    say(fmt::format("{} tasks, {} of them known\n", planned.asked, planned.known));
+  }
+  const SweepEnd end = work_on_sweep(work);
+  if (!end.failure.empty()) throw io::InvalidInput(end.failure);
+  {
+    sweep::Store store(sweep::open_sweep_database(options.out, Database::Access::kWrite));
+    store.end(work.run, now_s());
+    CommonOptions printed = options;
+    printed.out.clear();
+    deliver_rows(printed, sweep::status_of(store.database(), work.uid));
+  }
+  if (end.open > 0 && !options.quiet) {
+    const char* why = "with workers of another call";
+    if (end.interrupted) why = "as it was interrupted; the same command goes on";
+    if (end.out_of_time) why = "as the time was up; the same command goes on";
+    say(fmt::format("{} tasks are open, {}\n", end.open, why));
+  }
+  return end.interrupted ? kInterrupted : kDone;
+}
+
+ExitCode run_sweep_merge(const SweepMergeOptions& options) {
+  const std::string slip = io::replaced_input(options.out, options.databases);
+  if (!slip.empty()) throw io::InvalidInput("--out: " + slip);
+  Database into = sweep::open_sweep_database(options.out, Database::Access::kCreate);
+  sweep::Rows rows{.names = {"database", "added", "known", "differing", "open"}, .rows = {}};
+  for (const std::string& path : options.databases) {
+    const sweep::Merged merged = sweep::merge(into, path);
+    rows.rows.push_back({path, merged.added, merged.known, merged.differing, merged.open});
+  }
+  CommonOptions printed = options;
+  printed.out.clear();
+  deliver_rows(printed, rows);
+  return kDone;
+}
+
+ExitCode run_sweep_status(const SweepQuestion& question) {
+  deliver_rows(question, sweep::status_of(read_only(question.database)));
+  return kDone;
+}
+
+ExitCode run_sweep_best(const SweepQuestion& question) {
+  const bool least = !question.least.empty();
+  deliver_rows(question, sweep::best_of(read_only(question.database),
+                                        {.by = question.by,
+                                         .of = least ? question.least : question.most,
+                                         .least = least}));
+  return kDone;
+}
+
+ExitCode run_sweep_query(const SweepQuestion& question) {
+  deliver_rows(question, sweep::answer_to(read_only(question.database), question.sql));
+  return kDone;
+}
+
+ExitCode run_sweep_figure(const SweepQuestion& question) {
+  const sweep::Map map =
+      sweep::map_of(read_only(question.database), {.x = question.x,
+                                                   .y = question.y,
+                                                   .by = question.by.empty() ? "" : question.by[0],
+                                                   .least = !question.least.empty()});
+  const Figures figures = draw({sweep::map_plot(map, "map")});
+  if (figures.files.empty()) {
+    throw io::InvalidInput(
+        fmt::format("sweep figure: {}: allowed: with gnuplot", figures.missing.front().cause));
+  }
+  deliver(question, figures.files.front().text);
+  return kDone;
+}
+
+}  // namespace gear3k::cli

@@ -1,0 +1,107 @@
+#include "cli/sweep_options.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "cli/common_options.hpp"
+
+namespace gear3k::cli {
+
+namespace {
+
+/// A question to a sweep's database: a subcommand with what all of them take.
+CLI::App& add_sweep_question(CLI::App& sweep, const char* name, const char* text,
+                             SweepQuestion& question, std::function<ExitCode()>& run,
+                             ExitCode (*answer)(const SweepQuestion&)) {
+  CLI::App& command = *sweep.add_subcommand(name, text);
+  command.add_option("DB", question.database, "database of a sweep")->required();
+  add_output_options(command, question);
+  command.footer("");
+  add_out_file(command, question);
+  command.callback(
+      [&question, &run, answer] { run = [&question, answer] { return answer(question); }; });
+  return command;
+}
+
+}  // namespace
+
+void add_sweep_commands(CLI::App& sweep, SweepCommands& commands, std::function<ExitCode()>& run) {
+  SweepOptions& options = commands.sweep;
+  SweepMergeOptions& merge = commands.merge;
+  SweepQuestion& question = commands.question;
+  sweep.require_subcommand(0, 1);
+  sweep.add_option("SWEEP", options.file, "SWEEP.toml: a task, and what of it is varied");
+  sweep.add_option("--out", options.out, "database for the results, made when missing")
+      ->option_text("DB");
+  sweep.add_option("--workers", options.workers, "processes that work on tasks, one thread each")
+      ->check(CLI::Range(1, 1024))
+      ->option_text("N [1]");
+  sweep
+      .add_option_function<std::string>(
+          "--for", [&options](const std::string& text) { options.most_s = duration_s(text); },
+          "ends after this time, as 10h, 30m or 45s; the same command goes on")
+      ->check([](const std::string& text) {
+        return duration_s(text)
+                   ? ""
+                   : fmt::format("{}: allowed: a time above 0, as 10h, 30m or 45s", text);
+      })
+      ->option_text("TIME");
+  sweep
+      .add_option_function<std::string>(
+          "--shard", [&options](const std::string& text) { options.shard = *shard_of(text); },
+          "one of n parts of the tasks, each into a database of its own; then sweep merge")
+      ->check([](const std::string& text) {
+        return shard_of(text) ? "" : fmt::format("{}: allowed: i/n, 1 <= i <= n", text);
+      })
+      ->option_text("i/n");
+  sweep.add_flag("--yes", options.yes, "do more than 100000 tasks");
+  add_output_options(sweep, options);
+  sweep.footer(keys_of("SWEEP.toml"));
+  add_sweep_question(sweep, "status", "what is done, by run", question, run, run_sweep_status);
+  CLI::App& best = add_sweep_question(sweep, "best", "the best design by keys or columns", question,
+                                      run, run_sweep_best);
+  best.add_option("--by", question.by, "keys or columns, a row for each of their values")
+      ->delimiter(',')
+      ->option_text("NAME,...");
+  CLI::Option* most = best.add_option("--most", question.most, "what is best, more of it")
+                          ->option_text("NAME [eta_b]");
+  best.add_option("--least", question.least, "what is best, less of it")
+      ->option_text("NAME")
+      ->excludes(most);
+  add_sweep_question(sweep, "query", "the rows of an SQL statement that only reads", question, run,
+                     run_sweep_query)
+      .add_option("SQL", question.sql, "tables and views: docs/sweep.md")
+      ->required();
+  CLI::App& figure = add_sweep_question(sweep, "figure", "a map of the results, as SVG", question,
+                                        run, run_sweep_figure);
+  figure.add_option("--x", question.x, "key or column along the axis")
+      ->required()
+      ->option_text("NAME");
+  figure.add_option("--y", question.y, "key or column upwards, the greatest of each point")
+      ->required()
+      ->option_text("NAME");
+  figure.add_option("--by", question.by, "key or column, a line for each of its values")
+      ->expected(1)
+      ->option_text("NAME");
+  CLI::App& merge_command = *sweep.add_subcommand(
+      "merge", "takes the results of other databases over; a second time nothing");
+  merge_command.add_option("DB", merge.databases, "databases of sweeps")->required();
+  merge_command.add_option("--out", merge.out, "database that takes them, made when missing")
+      ->required()
+      ->option_text("DB");
+  add_output_options(merge_command, merge);
+  merge_command.footer("");
+  merge_command.callback([&merge, &run] { run = [&merge] { return run_sweep_merge(merge); }; });
+  sweep.callback([&sweep, &options, &run] {
+    if (!sweep.get_subcommands().empty()) return;
+    if (options.file.empty() || options.out.empty()) {
+      throw CLI::ValidationError("sweep: allowed: SWEEP.toml and --out DB, or a subcommand",
+                                 CLI::ExitCodes::ValidationError);
+    }
+    run = [&options] { return run_sweep(options); };
+  });
+}
+
+}  // namespace gear3k::cli

@@ -1,0 +1,24 @@
+#pragma once
+// The command line of `sweep`.
+
+#include <functional>
+
+#include "cli/commands.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace gear3k::cli {
+
+/// What its commands read their options into.
+struct SweepCommands {
+  SweepOptions sweep;
+  SweepMergeOptions merge;
+  SweepQuestion question;
+};
+
+/// Gives `sweep` its options and subcommands, which set `run`.  All must outlive the parsing.
+void add_sweep_commands(CLI::App& sweep, SweepCommands& commands, std::function<ExitCode()>& run);
+
+}  // namespace gear3k::cli

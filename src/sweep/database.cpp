@@ -1,0 +1,203 @@
+#include "sweep/database.hpp"
+
+#include <fmt/format.h>
+#include <sqlite3.h>
+
+#include <utility>
+
+#include "io/text/diagnostics.hpp"
+
+namespace gear3k::sweep {
+
+namespace {
+
+/// What an error of SQLite means to whoever runs a sweep.
+std::string meaning_of(int extended, const char* told) {
+  switch (extended & 0xFF) {
+    case SQLITE_FULL:
+      return "cannot be written: the disk, or what the file may grow to, is full; what was "
+             "recorded "
+             "is kept: allowed: make room, and run the same command again";
+    case SQLITE_READONLY:
+      return "cannot be written: it is read-only; nothing was changed: allowed: a copy that may be "
+             "written";
+    case SQLITE_CANTOPEN:
+      return "cannot be opened: allowed: a file, and a folder in which files may be made beside it";
+    case SQLITE_NOTADB:
+      return "is no SQLite database; nothing was changed: allowed: a file that gear3k sweep made, "
+             "or a new name";
+    case SQLITE_CORRUPT:
+      return "is damaged; nothing was changed: allowed: a copy from before, or what `sqlite3 FILE "
+             "\".recover\"` finds in it";
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+      return fmt::format("another process has held it for {} s: allowed: end that process, or wait",
+                         Database::kBusySeconds);
+    case SQLITE_IOERR:
+      return fmt::format("cannot be read or written ({}); what was recorded is kept", told);
+    default:
+      return told;
+  }
+}
+
+[[noreturn]] void refuse(sqlite3* database, const std::string& path) {
+  throw io::InvalidInput(
+      fmt::format("{}: {}", path,
+                  database == nullptr
+                      ? "cannot be opened: out of memory"
+                      : meaning_of(sqlite3_extended_errcode(database), sqlite3_errmsg(database))));
+}
+
+}  // namespace
+
+Statement::Statement(sqlite3* database, const std::string& path, std::string_view sql)
+    : database_(database), path_(&path) {
+  if (sqlite3_prepare_v2(database, sql.data(), static_cast<int>(sql.size()), &statement_,
+                         nullptr) != SQLITE_OK) {
+    refuse(database, path);
+  }
+}
+
+Statement::Statement(Statement&& other) noexcept
+    : database_(other.database_),
+      path_(other.path_),
+      statement_(std::exchange(other.statement_, nullptr)) {}
+
+Statement::~Statement() { sqlite3_finalize(statement_); }
+
+void Statement::reset() { sqlite3_reset(statement_); }
+
+void Statement::bind(int place, const SqlValue& value) {
+  int result = SQLITE_OK;
+  if (std::holds_alternative<std::nullptr_t>(value)) {
+    result = sqlite3_bind_null(statement_, place);
+  } else if (const auto* integer = std::get_if<std::int64_t>(&value)) {
+    result = sqlite3_bind_int64(statement_, place, *integer);
+  } else if (const auto* number = std::get_if<double>(&value)) {
+    result = sqlite3_bind_double(statement_, place, *number);
+  } else {
+    const auto& text = std::get<std::string>(value);
+    result = sqlite3_bind_text(statement_, place, text.data(), static_cast<int>(text.size()),
+                               SQLITE_TRANSIENT);
+  }
+  if (result != SQLITE_OK) refuse(database_, *path_);
+}
+
+bool Statement::step() {
+  const int result = sqlite3_step(statement_);
+  if (result == SQLITE_ROW) return true;
+  if (result == SQLITE_DONE) return false;
+  refuse(database_, *path_);
+}
+
+void Statement::run() {
+  while (step()) {
+  }
+  reset();
+}
+
+int Statement::columns() const { return sqlite3_column_count(statement_); }
+
+std::string Statement::name(int column) const {
+  const char* name = sqlite3_column_name(statement_, column);
+  return name == nullptr ? "" : name;
+}
+
+SqlValue Statement::value(int column) const {
+  switch (sqlite3_column_type(statement_, column)) {
+    case SQLITE_NULL:
+      return nullptr;
+    case SQLITE_INTEGER:
+      return integer(column);
+    case SQLITE_FLOAT:
+      return number(column);
+    default:
+      return text(column);
+  }
+}
+
+bool Statement::is_null(int column) const {
+  return sqlite3_column_type(statement_, column) == SQLITE_NULL;
+}
+
+std::int64_t Statement::integer(int column) const {
+  return sqlite3_column_int64(statement_, column);
+}
+
+double Statement::number(int column) const { return sqlite3_column_double(statement_, column); }
+
+std::string Statement::text(int column) const {
+  const unsigned char* text = sqlite3_column_text(statement_, column);
+  if (text == nullptr) return "";
+  const auto bytes = static_cast<std::size_t>(sqlite3_column_bytes(statement_, column));
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): the library's own type of a text
+  return {reinterpret_cast<const char*>(text), bytes};
+}
+
+Database::Database(std::string path, Access access)
+    : path_(std::make_unique<const std::string>(std::move(path))) {
+  int flags = SQLITE_OPEN_READONLY;
+  if (access == Access::kWrite) flags = SQLITE_OPEN_READWRITE;
+  if (access == Access::kCreate) flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+  try {
+    if (sqlite3_open_v2(path_->c_str(), &database_, flags, nullptr) != SQLITE_OK) {
+      refuse(database_, *path_);
+    }
+    sqlite3_extended_result_codes(database_, 1);
+    constexpr int kMilliseconds = 1000;
+    sqlite3_busy_timeout(database_, kBusySeconds * kMilliseconds);
+    if (access != Access::kRead && sqlite3_db_readonly(database_, "main") == 1) {
+      throw io::InvalidInput(fmt::format("{}: {}", *path_, meaning_of(SQLITE_READONLY, "")));
+    }
+  } catch (...) {
+    sqlite3_close_v2(database_);
+    throw;
+  }
+}
+
+Database::Database(Database&& other) noexcept
+    : database_(std::exchange(other.database_, nullptr)), path_(std::move(other.path_)) {}
+
+Database::~Database() { sqlite3_close_v2(database_); }
+
+void Database::execute(const std::string& sql) {
+  if (sqlite3_exec(database_, sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK) {
+    refuse(database_, *path_);
+  }
+}
+
+Statement Database::prepare(std::string_view sql) const { return {database_, *path_, sql}; }
+
+SqlValue Database::one(std::string_view sql) const {
+  Statement statement = prepare(sql);
+  return statement.step() ? statement.value(0) : SqlValue(nullptr);
+}
+
+std::int64_t Database::count(std::string_view sql) const {
+  Statement statement = prepare(sql);
+  return statement.step() ? statement.integer(0) : 0;
+}
+
+std::int64_t Database::changes() const { return sqlite3_changes64(database_); }
+
+std::int64_t Database::last_id() const { return sqlite3_last_insert_rowid(database_); }
+
+Transaction::Transaction(Database& database) : database_(database) {
+  database_.execute("BEGIN IMMEDIATE");
+}
+
+Transaction::~Transaction() {
+  if (!open_) return;
+  try {
+    database_.execute("ROLLBACK");
+  } catch (const io::InvalidInput&) {
+    // What broke the transaction has ended it already.
+  }
+}
+
+void Transaction::commit() {
+  database_.execute("COMMIT");
+  open_ = false;
+}
+
+}  // namespace gear3k::sweep

@@ -1,0 +1,212 @@
+#include "sweep/questions.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <sstream>
+
+#include "io/text/diagnostics.hpp"
+#include "sweep/schema.hpp"
+
+namespace gear3k::sweep {
+
+namespace {
+
+/// Tasks with a result, of the newest revision that has one.
+constexpr const char* kNewest =
+    "task t LEFT JOIN design d ON d.task = t.id AND d.rank = 1 WHERE t.status IS NOT NULL AND NOT "
+    "EXISTS(SELECT 1 FROM task n WHERE n.spec_key = t.spec_key AND n.revision > t.revision AND "
+    "n.status IS NOT NULL)";
+
+std::vector<std::string> words_of(const std::string& name) {
+  std::vector<std::string> words(1);
+  for (const char c : name) {
+    if (c == '.' || c == '_') {
+      words.emplace_back();
+    } else {
+      words.back() += c;
+    }
+  }
+  return words;
+}
+
+/// Whether a name's words stand in another's, side by side.
+bool is_part(const std::string& part, const std::string& whole) {
+  const auto words = words_of(whole);
+  const auto some = words_of(part);
+  return std::ranges::search(words, some).begin() != words.end();
+}
+
+struct KeyPath {
+  std::int64_t id;
+  std::string path;
+  bool varied;
+};
+
+std::vector<KeyPath> key_paths(const Database& database) {
+  std::set<std::string> varied;
+  Statement axes = database.prepare("SELECT DISTINCT axes FROM run");
+  while (axes.step()) {
+    std::istringstream list(axes.text(0));
+    for (std::string path; std::getline(list, path, ',');) varied.insert(path);
+  }
+  std::vector<KeyPath> keys;
+  Statement paths = database.prepare("SELECT id, path FROM key ORDER BY path");
+  while (paths.step()) {
+    keys.push_back(
+        {.id = paths.integer(0), .path = paths.text(1), .varied = varied.contains(paths.text(1))});
+  }
+  return keys;
+}
+
+Column key_column(const KeyPath& key) {
+  return {.name = key.path,
+          .sql = fmt::format("(SELECT value FROM task_key k WHERE k.task = t.id AND k.key = {})",
+                             key.id)};
+}
+
+Column design_column(const std::string& name) { return {.name = name, .sql = "d." + quoted(name)}; }
+
+std::string in_words(const SqlValue& value) {
+  if (const auto* text = std::get_if<std::string>(&value)) return *text;
+  if (const auto* integer = std::get_if<std::int64_t>(&value)) return fmt::format("{}", *integer);
+  if (const auto* number = std::get_if<double>(&value)) return fmt::format("{:.6g}", *number);
+  return "none";
+}
+
+}  // namespace
+
+Rows status_of(const Database& database, const std::string& run) {
+  Statement counts = database.prepare(
+      "SELECT r.name AS sweep, r.revision, r.shard, r.tasks, "
+      "coalesce(c.done, 0) AS done, coalesce(c.optimal, 0) AS optimal, "
+      "coalesce(c.without, 0) AS no_feasible_design, coalesce(c.invalid, 0) AS invalid, "
+      "coalesce(c.failed, 0) AS failed, r.tasks - coalesce(c.done, 0) AS open, "
+      "coalesce(c.working, 0) AS working, datetime(r.started, 'unixepoch') AS started, "
+      "datetime(r.ended, 'unixepoch') AS ended, r.version, r.git, r.host "
+      "FROM run r LEFT JOIN (SELECT m.run, count(t.status) AS done, "
+      "sum(t.status = 'optimal') AS optimal, sum(t.status = 'no_feasible_design') AS without, "
+      "sum(t.status = 'invalid') AS invalid, sum(t.status = 'failed') AS failed, "
+      "sum(q.process > 0) AS working FROM run_task m JOIN task t ON t.id = m.task LEFT JOIN queue "
+      "q "
+      "ON q.task = t.id GROUP BY m.run) c ON c.run = r.id WHERE ?1 = '' OR r.uid = ?1 "
+      "ORDER BY r.started DESC, r.id DESC");
+  counts.with(run);
+  return rows_of(counts);
+}
+
+Column column_of(const Database& database, const std::string& name) {
+  const std::vector<KeyPath> keys = key_paths(database);
+  const std::vector<std::string> columns = design_columns();
+  const auto keys_where = [&](auto fits) {
+    std::vector<Column> found;
+    for (const KeyPath& key : keys) {
+      if (fits(key)) found.push_back(key_column(key));
+    }
+    return found;
+  };
+  const auto columns_where = [&](auto fits) {
+    std::vector<Column> found;
+    for (const std::string& column : columns) {
+      if (fits(column)) found.push_back(design_column(column));
+    }
+    return found;
+  };
+  const std::vector<std::vector<Column>> choices{
+      keys_where([&](const KeyPath& key) { return key.varied && key.path == name; }),
+      keys_where([&](const KeyPath& key) { return key.varied && is_part(name, key.path); }),
+      columns_where([&](const std::string& column) { return column == name; }),
+      keys_where([&](const KeyPath& key) { return key.path == name; }),
+      keys_where([&](const KeyPath& key) { return is_part(name, key.path); }),
+      columns_where([&](const std::string& column) { return is_part(name, column); })};
+  const auto found = std::ranges::find_if(choices, [](const auto& c) { return !c.empty(); });
+  if (found == choices.end()) {
+    std::vector<std::string> all = columns;
+    for (const KeyPath& key : keys) all.push_back(key.path);
+    const std::string hint = io::closest_word(name, all);
+    throw io::InvalidInput(fmt::format(
+        "{}: no key and no column {}{}; allowed: a key that a task states, or one of {}",
+        database.path(), name, hint.empty() ? "" : fmt::format("; did you mean {}?", hint),
+        fmt::join(columns, ", ")));
+  }
+  if (found->size() > 1) {
+    std::vector<std::string> names;
+    for (const Column& column : *found) names.push_back(column.name);
+    throw io::InvalidInput(fmt::format("{}: {} may be {}: allowed: one of them", database.path(),
+                                       name, fmt::join(names, " or ")));
+  }
+  return found->front();
+}
+
+Rows best_of(const Database& database, const BestQuestion& question) {
+  std::string names, groups;
+  std::set<std::string> used;
+  for (const std::string& name : question.by) {
+    const Column column = column_of(database, name);
+    used.insert(column.name);
+    names += fmt::format("{} AS {}, ", column.sql, quoted(column.name));
+    groups += fmt::format("{}{}", groups.empty() ? "" : ", ", column.sql);
+  }
+  const Column of = column_of(database, question.of);
+  std::string shown;
+  for (const std::string& column :
+       {of.name, std::string("zS"), std::string("zP1"), std::string("zR1"), std::string("zP2"),
+        std::string("zR2"), std::string("planets"), std::string("ratio"), std::string("eta_b"),
+        std::string("eta_f"), std::string("backlash_arcmin"),
+        std::string("ring_root_diameter_mm")}) {
+    if (!used.insert(column).second) continue;
+    shown += fmt::format("{} AS {}, ", column == of.name ? of.sql : "d." + quoted(column),
+                         quoted(column));
+  }
+  Statement best = database.prepare(fmt::format(
+      "SELECT * FROM (SELECT {0}{1}t.status, t.merit, t.bound, t.key, row_number() OVER ({2} ORDER "
+      "BY {3} IS NULL, {3} {4}, t.key) AS place FROM {5}) WHERE place = 1 ORDER BY {6}",
+      names, shown, groups.empty() ? "" : "PARTITION BY " + groups, of.sql,
+      question.least ? "ASC" : "DESC", kNewest, [&] {
+        std::string order;
+        for (std::size_t k = 0; k < question.by.size(); ++k) order += fmt::format("{}, ", k + 1);
+        return order + "key";
+      }()));
+  Rows rows = rows_of(best);
+  // Its place is that of all of them.
+  rows.names.pop_back();
+  for (auto& row : rows.rows) row.pop_back();
+  return rows;
+}
+
+Rows answer_to(const Database& database, const std::string& sql) {
+  Statement statement = database.prepare(sql);
+  return rows_of(statement);
+}
+
+Map map_of(const Database& database, const MapQuestion& question) {
+  const Column x = column_of(database, question.x);
+  const Column y = column_of(database, question.y);
+  const Column by =
+      question.by.empty() ? Column{.name = "", .sql = "''"} : column_of(database, question.by);
+  Statement points =
+      database.prepare(fmt::format("SELECT {0}, {1}, {2}({3}) FROM {4} AND typeof({1}) IN "
+                                   "('integer', 'real') AND typeof({3}) IN "
+                                   "('integer', 'real') GROUP BY {0}, {1} ORDER BY {0}, {1}",
+                                   by.sql, x.sql, question.least ? "min" : "max", y.sql, kNewest));
+  Map map{.title = "", .x = x.name, .y = y.name, .by = by.name, .lines = {}};
+  while (points.step()) {
+    const std::string name = in_words(points.value(0));
+    if (map.lines.empty() || map.lines.back().name != name) {
+      map.lines.push_back({.name = name, .points = {}});
+    }
+    map.lines.back().points.emplace_back(points.number(1), points.number(2));
+  }
+  if (map.lines.empty()) {
+    throw io::InvalidInput(
+        fmt::format("{}: no design has numbers for both {} and {}: allowed: columns that have",
+                    database.path(), x.name, y.name));
+  }
+  const SqlValue title =
+      database.one("SELECT name FROM run WHERE name <> '' ORDER BY started DESC LIMIT 1");
+  if (const auto* text = std::get_if<std::string>(&title)) map.title = *text;
+  return map;
+}
+
+}  // namespace gear3k::sweep

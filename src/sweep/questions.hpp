@@ -1,0 +1,56 @@
+#pragma once
+// What is asked of a sweep's database.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sweep/rows.hpp"
+
+namespace gear3k::sweep {
+
+/// A row for every run, the last first: what it asked for and what became of it.
+/// @param run  its uid, for one of them; "" = all
+Rows status_of(const Database& database, const std::string& run = "");
+
+/// A column that results are asked by: the name of a key (`ratio.target`, `planets`), of a column
+/// of refined.csv (`eta_b`), or a part of one between dots and underscores (`ratio`,
+/// `outer_diameter`); keys that a run varied go before columns, these before other keys.
+struct Column {
+  std::string name;  ///< whole
+  std::string sql;   ///< of task t and its best design d
+};
+/// @throws io::InvalidInput for one that there is not, or that may be several
+Column column_of(const Database& database, const std::string& name);
+
+struct BestQuestion {
+  std::vector<std::string> by;  ///< a row for each of their values
+  std::string of = "eta_b";     ///< what is best
+  bool least = false;           ///< instead of most
+};
+/// The best design for every value of the columns, of the newest revision of each task; without a
+/// design the row has what blocks.
+Rows best_of(const Database& database, const BestQuestion& question);
+
+/// The rows of a statement that only reads.
+/// @throws io::InvalidInput for one that is wrong or would write
+Rows answer_to(const Database& database, const std::string& sql);
+
+/// What is drawn: a line for each value of `by`.
+struct MapQuestion {
+  std::string x, y;
+  std::string by;      ///< "" = one line
+  bool least = false;  ///< of several results at one point the least instead of the greatest
+};
+struct Map {
+  std::string title, x, y, by;
+  struct Line {
+    std::string name;
+    std::vector<std::pair<double, double>> points;  ///< by rising x
+  };
+  std::vector<Line> lines;
+};
+/// @throws io::InvalidInput where there is nothing to draw
+Map map_of(const Database& database, const MapQuestion& question);
+
+}  // namespace gear3k::sweep

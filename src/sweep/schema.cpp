@@ -1,0 +1,156 @@
+#include "sweep/schema.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "io/text/diagnostics.hpp"
+#include "report/search_report.hpp"
+#include "sweep/file_system.hpp"
+
+namespace gear3k::sweep {
+
+namespace {
+
+constexpr const char* kTables = R"(
+CREATE TABLE run(
+  id INTEGER PRIMARY KEY,
+  uid TEXT NOT NULL UNIQUE,
+  name TEXT NOT NULL,
+  sweep TEXT NOT NULL,
+  axes TEXT NOT NULL,
+  version TEXT NOT NULL,
+  git TEXT NOT NULL,
+  revision INTEGER NOT NULL,
+  host TEXT NOT NULL,
+  workers INTEGER NOT NULL,
+  shard TEXT NOT NULL,
+  tasks INTEGER NOT NULL,
+  started REAL NOT NULL,
+  ended REAL);
+CREATE TABLE task(
+  id INTEGER PRIMARY KEY,
+  key TEXT NOT NULL UNIQUE,
+  spec_key TEXT NOT NULL,
+  revision INTEGER NOT NULL,
+  spec TEXT NOT NULL,
+  status TEXT,
+  reason TEXT,
+  sets INTEGER,
+  merit REAL,
+  bound REAL,
+  best TEXT);
+CREATE INDEX task_by_spec ON task(spec_key, revision);
+CREATE TABLE run_task(run INTEGER NOT NULL, task INTEGER NOT NULL, PRIMARY KEY(run, task)) WITHOUT ROWID;
+CREATE TABLE key(id INTEGER PRIMARY KEY, path TEXT NOT NULL UNIQUE);
+CREATE TABLE task_key(task INTEGER NOT NULL, key INTEGER NOT NULL, value, PRIMARY KEY(task, key)) WITHOUT ROWID;
+CREATE TABLE refusal(task INTEGER NOT NULL, status TEXT NOT NULL, reason TEXT NOT NULL, sets INTEGER NOT NULL,
+  PRIMARY KEY(task, status, reason)) WITHOUT ROWID;
+CREATE TABLE provenance(task INTEGER PRIMARY KEY, run TEXT NOT NULL, host TEXT NOT NULL, finished REAL NOT NULL,
+  cpu_s REAL NOT NULL);
+CREATE TABLE queue(task INTEGER PRIMARY KEY, host TEXT NOT NULL DEFAULT '', process INTEGER NOT NULL DEFAULT 0,
+  began INTEGER NOT NULL DEFAULT 0, until REAL NOT NULL DEFAULT 0, crashes INTEGER NOT NULL DEFAULT 0);
+)";
+
+void add_missing_columns(Database& database) {
+  std::vector<std::string> present;
+  Statement info = database.prepare("SELECT name FROM pragma_table_info('design')");
+  while (info.step()) present.push_back(info.text(0));
+  for (const std::string& column : design_columns()) {
+    if (std::ranges::find(present, column) != present.end()) continue;
+    database.execute(fmt::format("ALTER TABLE design ADD COLUMN {}", quoted(column)));
+  }
+}
+
+void make_tables(Database& database) {
+  Transaction transaction(database);
+  // Another process may have made them meanwhile.
+  if (database.count("PRAGMA user_version") == 0) {
+    database.execute(kTables);
+    std::string columns;
+    for (const std::string& column : design_columns()) columns += ", " + quoted(column);
+    database.execute(
+        fmt::format("CREATE TABLE design(task INTEGER NOT NULL, rank INTEGER NOT NULL{}, "
+                    "PRIMARY KEY(task, rank)) WITHOUT ROWID",
+                    columns));
+    make_result_view(database);
+    database.execute(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}",
+                                 kApplicationId, kSchema));
+  }
+  transaction.commit();
+}
+
+void check_schema(const Database& database) {
+  const std::int64_t application = database.count("PRAGMA application_id");
+  const std::int64_t schema = database.count("PRAGMA user_version");
+  if (application != kApplicationId) {
+    throw io::InvalidInput(fmt::format(
+        "{}: is a database of another program; nothing was changed: allowed: a file that gear3k "
+        "sweep made, or a new name",
+        database.path()));
+  }
+  if (schema > kSchema) {
+    throw io::InvalidInput(fmt::format(
+        "{}: its tables are of schema {}, of a newer gear3k; nothing was changed: allowed: schema "
+        "{}, or the newer program",
+        database.path(), schema, kSchema));
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> design_columns() {
+  return report::refined_column_names(
+      {.model = true, .tips = true, .pressure_angle = true, .masses = true, .strength = true});
+}
+
+std::string quoted(const std::string& name) {
+  std::string text = "\"";
+  for (const char c : name) text += c == '"' ? "\"\"" : std::string(1, c);
+  return text + "\"";
+}
+
+void make_result_view(Database& database) {
+  std::string keys;
+  Statement paths = database.prepare("SELECT id, path FROM key ORDER BY path");
+  while (paths.step()) {
+    keys += fmt::format(", (SELECT value FROM task_key k WHERE k.task = t.id AND k.key = {}) AS {}",
+                        paths.integer(0), quoted(paths.text(1)));
+  }
+  std::string columns;
+  for (const std::string& column : design_columns()) {
+    // The status of a task is its own; that of its best design is always optimal.
+    if (column != "status" && column != "reason") columns += ", d." + quoted(column);
+  }
+  database.execute(fmt::format(
+      "DROP VIEW IF EXISTS result; CREATE VIEW result AS SELECT t.key, t.spec_key, t.revision, "
+      "t.status, t.reason, t.sets, t.merit, t.bound{}{} FROM task t LEFT JOIN design d ON d.task = "
+      "t.id AND d.rank = 1 WHERE t.status IS NOT NULL",
+      keys, columns));
+}
+
+Database open_sweep_database(const std::string& path, Database::Access access) {
+  refuse_network(path);
+  std::error_code none;
+  if (access != Database::Access::kCreate && !std::filesystem::exists(path, none)) {
+    throw io::InvalidInput(fmt::format(
+        "{}: is not there: allowed: a file that gear3k sweep SWEEP.toml --out made", path));
+  }
+  Database database(path, access);
+  // Reads the file's first page: what is no database ends here, unchanged.
+  const bool empty = database.count("PRAGMA schema_version") == 0;
+  if (empty && access == Database::Access::kCreate) {
+    database.execute("PRAGMA journal_mode = WAL");
+    make_tables(database);
+  }
+  check_schema(database);
+  if (access != Database::Access::kRead) {
+    // A commit is in the log when it returns; what the power takes are the last ones, whole.
+    database.execute("PRAGMA synchronous = NORMAL");
+    add_missing_columns(database);
+  }
+  return database;
+}
+
+}  // namespace gear3k::sweep

@@ -1,0 +1,144 @@
+#include "sweep/sweep_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include "io/files/specification_file.hpp"
+#include "io/keys/material_keys.hpp"
+#include "io/keys/strength_keys.hpp"
+
+namespace gear3k::sweep {
+
+namespace {
+
+using io::TomlValue;
+
+struct SweepInput {
+  std::string name;
+  std::optional<std::string> spec;
+};
+
+const io::Schema<SweepInput>& sweep_schema() {
+  static const io::Schema<SweepInput> schema = [] {
+    std::vector<io::Key<SweepInput>> keys;
+    keys.push_back(io::make_key<SweepInput>({.path = "name",
+                                             .type = io::KeyType::kText,
+                                             .default_text = "\"\"",
+                                             .help = "of the sweep, in status and figures"},
+                                            &SweepInput::name));
+    keys.push_back(io::make_key<SweepInput>(
+        {.path = "spec",
+         .type = io::KeyType::kText,
+         .default_text = "[task]",
+         .help = "SPEC.toml of the keys that all tasks share, beside the SWEEP file, in place of a "
+                 "table [task] that states them"},
+        &SweepInput::spec));
+    return io::Schema<SweepInput>({}, std::move(keys));
+  }();
+  return schema;
+}
+
+/// Takes a table out of the document.
+std::optional<TomlValue> taken(TomlValue& document, const char* key, io::FileReading& reading) {
+  const auto found = std::ranges::find(document.table, key, &TomlValue::key);
+  if (found == document.table.end()) return std::nullopt;
+  TomlValue table = std::move(*found);
+  document.table.erase(found);
+  if (table.kind == TomlValue::Kind::kTable) return table;
+  reading.error(table.position,
+                fmt::format("{} = {}: allowed: a table [{}]", key, io::as_text(table), key));
+  return std::nullopt;
+}
+
+/// Keys of the task that are varied as well.
+void check_stated_twice(const Sweep& sweep, const TomlValue& vary, io::FileReading& reading) {
+  for (const std::string& path : sweep.varied()) {
+    if (!has_at(sweep.task, path)) continue;
+    reading.error(vary.position,
+                  fmt::format("{} is stated by the task and varied: allowed: one of them", path));
+  }
+}
+
+/// Whether one of the first tasks fits together.
+/// @throws io::InvalidInput with what is wrong with the first where none does
+void try_tasks(const Sweep& sweep) {
+  std::string first;
+  for (std::uint64_t k = 0; k < std::min(kTriedTasks, sweep.count()); ++k) {
+    try {
+      io::specification_of(sweep.document(k), sweep.task_file);
+      return;
+    } catch (const io::InvalidInput& error) {
+      if (k == 0) first = error.what();
+    }
+  }
+  throw io::InvalidInput(first);
+}
+
+}  // namespace
+
+std::vector<std::string> Sweep::varied() const {
+  std::vector<std::string> paths;
+  for (const Axis& axis : axes) paths.insert(paths.end(), axis.paths.begin(), axis.paths.end());
+  return paths;
+}
+
+TomlValue Sweep::document(std::uint64_t k) const {
+  TomlValue document = task;
+  for (auto axis = axes.rbegin(); axis != axes.rend(); ++axis) {
+    const std::vector<TomlValue>& point = axis->points[k % axis->points.size()];
+    k /= axis->points.size();
+    for (std::size_t p = 0; p < axis->paths.size(); ++p) {
+      set_at(document, axis->paths[p], point[p]);
+    }
+  }
+  return document;
+}
+
+Sweep read_sweep(const std::string& path) {
+  Sweep sweep;
+  sweep.source = io::read_toml_text(path);
+  TomlValue document = io::parse_toml(sweep.source, path);
+  io::FileReading reading(path);
+  std::optional<TomlValue> task = taken(document, "task", reading);
+  const std::optional<TomlValue> vary = taken(document, "vary", reading);
+  SweepInput input;
+  io::read_by_schema(document, sweep_schema(), input, reading);
+  sweep.name = input.name;
+  sweep.task_file = path;
+  const std::string folder = std::filesystem::path(path).parent_path().string();
+  const bool inlined = task.has_value();
+  if (inlined == input.spec.has_value()) {
+    reading.error_at("spec", inlined ? "spec and [task]: allowed: one of them"
+                                     : "no task: allowed: spec = \"SPEC.toml\", or a table [task]");
+  } else if (input.spec) {
+    sweep.task_file = (std::filesystem::path(folder) / *input.spec).string();
+    task = io::read_toml(sweep.task_file);
+  }
+  if (task) {
+    sweep.task = io::with_material_tables(*task, io::train_gear_tables());
+    if (inlined) io::check_keys(sweep.task, reading);
+  }
+  if (vary) {
+    sweep.axes = read_axes(*vary, folder, reading);
+    check_stated_twice(sweep, *vary, reading);
+  }
+  reading.throw_if_invalid();
+  if (!inlined) {
+    // Places of values are those of the SWEEP file; messages name the SPEC.
+    for (Axis& axis : sweep.axes) {
+      for (auto& point : axis.points) {
+        for (TomlValue& value : point) value.position = {};
+      }
+    }
+  }
+  try_tasks(sweep);
+  return sweep;
+}
+
+std::string sweep_key_table() { return io::key_table(sweep_schema()); }
+
+}  // namespace gear3k::sweep

@@ -1,0 +1,257 @@
+// gear3k sweep: what is recorded, whatever happens to its workers.
+
+#include <random>
+
+#include "tests/cli/run_program.hpp"
+#include "tests/sweep/small_sweep.hpp"
+
+namespace gear3k::sweep_test {
+namespace {
+
+using std::chrono::milliseconds;
+using test::kSmallSweep, test::kSmallTask, test::ProgramResult, test::RunningProgram,
+    test::Workplace;
+
+/// All that does not say when, where and by whom.
+std::string content_of(const Workplace& place, const std::string& database) {
+  std::string content;
+  for (const char* sql :
+       {"SELECT * FROM result ORDER BY key",
+        "SELECT t.key, d.* FROM design d JOIN task t ON t.id = d.task ORDER BY t.key, rank",
+        "SELECT t.key, r.status, r.reason, r.sets FROM refusal r JOIN task t ON t.id = r.task "
+        "ORDER BY 1, 2, 3",
+        "SELECT key, spec, best FROM task ORDER BY key"}) {
+    std::string text(sql);
+    // The ids are those of the order in which tasks came.
+    if (text.find("d.*") != std::string::npos) text.replace(text.find("d.*"), 3, "d.eta_b, d.xS");
+    const ProgramResult result = place.run({"sweep", "query", database, text, "--format", "csv"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    content += result.out;
+  }
+  return content;
+}
+
+std::int64_t number_of(const Workplace& place, const std::string& database,
+                       const std::string& sql) {
+  return std::stoll(place.run({"sweep", "query", database, sql}).out);
+}
+
+/// Until three tasks of a database are done.
+void wait_for_three(const Workplace& place, const std::string& database) {
+  while (!place.has(database) ||
+         place.run({"sweep", "query", database, "SELECT count(*) > 2 FROM provenance"}).out !=
+             "1\n") {
+    std::this_thread::sleep_for(milliseconds(20));
+  }
+}
+
+/// Processes whose parent is one, by /proc.
+std::vector<pid_t> children_of(pid_t parent) {
+  std::ifstream list("/proc/" + std::to_string(parent) + "/task/" + std::to_string(parent) +
+                     "/children");
+  std::vector<pid_t> children;
+  for (pid_t child = 0; list >> child;) children.push_back(child);
+  return children;
+}
+
+/// 10 tasks of some hundredths of a second.
+std::string many_tasks() {
+  return kSmallTask +
+         "planets = 4\nratio.target = 40.0\n[vary]\nfriction.coefficient = { min = 0.02, max = "
+         "0.065, step = 0.005 }\n";
+}
+
+TEST(Sweep, RecordsDesignsAndReasonsAndComputesNothingTwice) {
+  const Workplace place;
+  place.write("sweep.toml", kSmallSweep);
+  const ProgramResult first = place.run({"sweep", "sweep.toml", "--out", "db", "--format", "csv"});
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  EXPECT_EQ(number_of(place, "db", "SELECT count(*) FROM task WHERE status = 'optimal'"), 2);
+  EXPECT_EQ(number_of(place, "db", "SELECT count(*) FROM task WHERE status = 'no_feasible_design'"),
+            6);
+  EXPECT_EQ(
+      number_of(place, "db", "SELECT count(*) FROM task WHERE status <> 'optimal' AND reason = ''"),
+      0);
+  // Another file of the same tasks, in another order and with a default stated.
+  place.write("again.toml", kSmallTask + R"(solver.seed = 1
+[vary]
+friction.coefficient = { min = 0.06, max = 0.1, count = 2 }
+planets = [9, 4]
+ratio.target = [44, 40]
+)");
+  const ProgramResult second = place.run({"sweep", "again.toml", "--out", "db"});
+  ASSERT_EQ(second.exit_code, 0) << second.err;
+  EXPECT_NE(second.err.find("8 tasks, 8 of them known"), std::string::npos) << second.err;
+  EXPECT_EQ(number_of(place, "db", "SELECT count(*) FROM provenance"), 8);
+  EXPECT_EQ(number_of(place, "db", "SELECT count(DISTINCT run) FROM provenance"), 1);
+}
+
+TEST(Sweep, TheBestIsThatOfOptimize) {
+  const Workplace place;
+  place.write("sweep.toml", kSmallTask +
+                                "friction.coefficient = 0.1\nplanets = 4\n[vary]\n"
+                                "ratio.target = [40.0]\n");
+  ASSERT_EQ(place.run({"sweep", "sweep.toml", "--out", "db"}).exit_code, 0);
+  place.write("spec.toml", place.run({"sweep", "query", "db", "SELECT spec FROM task"}).out);
+  ASSERT_EQ(place.run({"optimize", "spec.toml", "--certify", "--out", "opt"}).exit_code, 0);
+  EXPECT_EQ(place.run({"sweep", "query", "db", "SELECT best FROM task"}).out,
+            place.read("opt/best.toml"));
+}
+
+TEST(Sweep, AnInvalidTaskIsAResult) {
+  const Workplace place;
+  place.write("sweep.toml", kSmallTask +
+                                "planets = 4\nratio.target = 44.0\nfriction.coefficient = 0.1\n"
+                                "[vary]\nbacklash.min_output_arcmin = [20.0, 1.0]\n");
+  ASSERT_EQ(place.run({"sweep", "sweep.toml", "--out", "db"}).exit_code, 0);
+  const std::string reason =
+      place.run({"sweep", "query", "db", "SELECT reason FROM task WHERE status = 'invalid'"}).out;
+  EXPECT_NE(reason.find("backlash.min_output_arcmin = 20: allowed: at most max_output_arcmin = 12"),
+            std::string::npos)
+      << reason;
+}
+
+TEST(Sweep, ShardsMergedAreTheWhole) {
+  const Workplace place;
+  place.write("sweep.toml", kSmallSweep);
+  ASSERT_EQ(place.run({"sweep", "sweep.toml", "--out", "whole", "--workers", "2"}).exit_code, 0);
+  for (const char* shard : {"1/3", "2/3", "3/3"}) {
+    ASSERT_EQ(
+        place
+            .run({"sweep", "sweep.toml", "--out", std::string("part") + shard[0], "--shard", shard})
+            .exit_code,
+        0);
+  }
+  for (int times = 0; times < 2; ++times) {
+    ASSERT_EQ(place.run({"sweep", "merge", "part1", "part2", "part3", "--out", "merged"}).exit_code,
+              0);
+    EXPECT_EQ(content_of(place, "merged"), content_of(place, "whole"));
+  }
+}
+
+TEST(Sweep, KilledWorkersLoseNothingAndRecordNothingTwice) {
+  const Workplace place;
+  place.write("sweep.toml", many_tasks());
+  ASSERT_EQ(place.run({"sweep", "sweep.toml", "--out", "calm"}).exit_code, 0);
+  const int moments = std::getenv("GEAR3K_LONG") != nullptr ? 50 : 6;
+  std::mt19937 random(1);
+  int killed = 0;
+  for (int run = 0; killed < moments; ++run) {
+    const std::string database = "db" + std::to_string(run);
+    RunningProgram program =
+        place.start({"sweep", "sweep.toml", "--out", database, "--workers", "2", "--quiet"});
+    std::optional<ProgramResult> end;
+    while (!(end = program.wait(milliseconds(random() % 80)))) {
+      const std::vector<pid_t> workers = children_of(program.number());
+      if (workers.empty() || killed == moments) continue;
+      ::kill(workers[random() % workers.size()], SIGKILL);
+      ++killed;
+    }
+    ASSERT_EQ(end->exit_code, 0) << end->err;
+    EXPECT_EQ(content_of(place, database), content_of(place, "calm"));
+    EXPECT_EQ(number_of(place, database, "SELECT count(*) FROM provenance"), 10);
+  }
+}
+
+TEST(Sweep, AKilledSweepGoesOnAtOnce) {
+  const Workplace place;
+  place.write("sweep.toml", many_tasks());
+  RunningProgram program = place.start({"sweep", "sweep.toml", "--out", "db", "--workers", "2"});
+  wait_for_three(place, "db");
+  program.send(SIGKILL);
+  ASSERT_EQ(program.wait(milliseconds(60'000))->signal, SIGKILL);
+  const ProgramResult again = place.run({"sweep", "sweep.toml", "--out", "db"});
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(number_of(place, "db", "SELECT count(*) FROM provenance"), 10);
+  EXPECT_EQ(number_of(place, "db", "SELECT count(*) FROM queue"), 0);
+  ASSERT_EQ(place.run({"sweep", "sweep.toml", "--out", "calm"}).exit_code, 0);
+  EXPECT_EQ(content_of(place, "db"), content_of(place, "calm"));
+}
+
+TEST(Sweep, CtrlCAndTheEndOfTimeKeepWhatIsDone) {
+  const Workplace place;
+  place.write("sweep.toml", many_tasks());
+  {
+    RunningProgram program = place.start({"sweep", "sweep.toml", "--out", "db"});
+    wait_for_three(place, "db");
+    program.send(SIGINT);
+    const auto end = program.wait(milliseconds(60'000));
+    ASSERT_TRUE(end);
+    EXPECT_EQ(end->exit_code, 130);
+    EXPECT_NE(end->err.find("as it was interrupted; the same command goes on"), std::string::npos)
+        << end->err;
+  }
+  EXPECT_EQ(number_of(place, "db", "SELECT count(*) FROM queue WHERE process <> 0"), 0);
+  const std::int64_t before = number_of(place, "db", "SELECT count(*) FROM provenance");
+  EXPECT_GT(before, 2);
+  const ProgramResult timed =
+      place.run({"sweep", "sweep.toml", "--out", "timed", "--for", "0.2s", "--quiet"});
+  EXPECT_EQ(timed.exit_code, 0) << timed.err;
+  EXPECT_GT(number_of(place, "timed", "SELECT count(*) FROM queue"), 0);
+}
+
+TEST(Sweep, RefusesWhatCannotBeMeant) {
+  const Workplace place;
+  place.write("sweep.toml",
+              kSmallTask +
+                  "planets = 4\n[vary]\nratio.target = { min = 10, max = 1009, step = 1 "
+                  "}\nfriction.coefficient = { min = 0.0001, max = 0.1, step = 0.0001 }\n");
+  const ProgramResult million = place.run({"sweep", "sweep.toml", "--out", "db"});
+  EXPECT_EQ(million.exit_code, 2);
+  EXPECT_EQ(million.err,
+            "sweep.toml: asks for 1000000 tasks: allowed: at most 100000, or more with --yes or a "
+            "budget (--for 10h)\n");
+  EXPECT_FALSE(place.has("db"));
+  const auto usage = [&](const std::vector<std::string>& arguments) {
+    const ProgramResult result = place.run(arguments);
+    EXPECT_EQ(result.exit_code, 1) << result.err;
+    return test::lines_of(result.err).front();
+  };
+  EXPECT_EQ(usage({"sweep", "sweep.toml", "--out", "db", "--shard", "5/4"}),
+            "--shard: 5/4: allowed: i/n, 1 <= i <= n");
+  EXPECT_EQ(usage({"sweep", "sweep.toml", "--out", "db", "--for", "10"}),
+            "--for: 10: allowed: a time above 0, as 10h, 30m or 45s");
+  EXPECT_EQ(usage({"sweep", "sweep.toml"}),
+            "sweep: allowed: SWEEP.toml and --out DB, or a subcommand");
+  EXPECT_EQ(usage({"sweep", "best", "db", "--bye", "ratio"}),
+            "unknown option --bye; did you mean --by?; allowed: --help, --format, --quiet, --out, "
+            "--by, --most, --least");
+  const ProgramResult over = place.run({"sweep", "sweep.toml", "--out", "sweep.toml"});
+  EXPECT_EQ(over.exit_code, 2);
+}
+
+TEST(Sweep, QuestionsReadOnly) {
+  const Workplace place;
+  place.write("sweep.toml", kSmallSweep);
+  ASSERT_EQ(place.run({"sweep", "sweep.toml", "--out", "db", "--quiet"}).exit_code, 0);
+  const auto refused = [&](const std::vector<std::string>& arguments) {
+    const ProgramResult result = place.run(arguments);
+    EXPECT_EQ(result.exit_code, 2);
+    return result.err;
+  };
+  EXPECT_EQ(refused({"sweep", "query", "db", "DELETE FROM task"}),
+            "db: cannot be written: it is read-only; nothing was changed: allowed: a copy that may "
+            "be written\n");
+  EXPECT_EQ(refused({"sweep", "query", "db", "SELECT colour FROM task"}),
+            "db: no such column: colour\n");
+  EXPECT_EQ(refused({"sweep", "best", "db", "--by", "rato"}).substr(0, 46),
+            "db: no key and no column rato; did you mean ra");
+  EXPECT_EQ(refused({"sweep", "best", "db", "--by", "teeth"}),
+            "db: teeth may be teeth.P1 or teeth.P2 or teeth.R1_max or teeth.R2_max or teeth.S: "
+            "allowed: one of them\n");
+  const std::string best =
+      place.run({"sweep", "best", "db", "--by", "ratio,planets,friction", "--format", "csv"}).out;
+  EXPECT_EQ(test::lines_of(best).size(), 9U) << best;
+  EXPECT_EQ(test::lines_of(best).front().substr(0, 57),
+            "ratio.target,planets,friction.coefficient,eta_b,zS,zP1,zR");
+  // The least loss is the best of both frictions.
+  const std::string most =
+      place.run({"sweep", "best", "db", "--by", "ratio", "--format", "csv"}).out;
+  const std::string least =
+      place.run({"sweep", "best", "db", "--by", "ratio", "--least", "eta_b", "--format", "csv"})
+          .out;
+  EXPECT_LT(least.substr(least.find("\n40")), most.substr(most.find("\n40")));
+}
+
+}  // namespace
+}  // namespace gear3k::sweep_test

@@ -1,0 +1,273 @@
+#include "sweep/store.hpp"
+
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <set>
+
+#include "sweep/merge.hpp"
+#include "tests/sweep/small_sweep.hpp"
+
+namespace gear3k::store_test {
+namespace {
+
+using sweep::Database, sweep::Process, sweep::Store;
+using test::made_result, test::QueuedTasks, test::refusal_of, test::Workplace;
+
+const Process kOfAnotherMachine{.host = "elsewhere", .number = 7, .began = 7};
+
+sweep::Provenance provenance() {
+  return {.run = "run", .host = "here", .finished_s = 1.0, .cpu_s = 0.5};
+}
+
+/// A process of this machine that has ended.
+Process dead_process() {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::pause();
+    ::_exit(0);
+  }
+  const Process process = sweep::process_of(child);
+  ::kill(child, SIGKILL);
+  ::waitpid(child, nullptr, 0);
+  return process;
+}
+
+TEST(Store, GivesEveryTaskToOneWorker) {
+  const Workplace place;
+  const QueuedTasks tasks(place, "db", 20);
+  Store store = tasks.open();
+  EXPECT_EQ(tasks.planned.asked, 20U);
+  std::set<std::int64_t> ids;
+  for (int k = 0; k < 20; ++k) {
+    const auto claimed = store.claim(tasks.run, sweep::this_process(), 0.0);
+    ASSERT_TRUE(claimed);
+    ids.insert(claimed->id);
+  }
+  EXPECT_EQ(ids.size(), 20U);
+  EXPECT_FALSE(store.claim(tasks.run, sweep::this_process(), 0.0));
+}
+
+TEST(Store, GivesATaskAgainWhenItsLeaseEndsOrItsProcessIsDead) {
+  const Workplace place;
+  const QueuedTasks tasks(place, "db", 1);
+  Store store = tasks.open();
+  const Process self = sweep::this_process();
+  ASSERT_TRUE(store.claim(tasks.run, kOfAnotherMachine, 100.0));
+  // Of another machine nothing is known but the time.
+  EXPECT_FALSE(store.claim(tasks.run, self, 100.0 + sweep::kLeaseSeconds - 1.0));
+  store.renew({kOfAnotherMachine}, 200.0);
+  EXPECT_FALSE(store.claim(tasks.run, self, 200.0 + sweep::kLeaseSeconds - 1.0));
+  ASSERT_TRUE(store.claim(tasks.run, dead_process(), 200.0 + sweep::kLeaseSeconds + 1.0));
+  // This one is of this machine, and dead: at once.
+  const auto again = store.claim(tasks.run, self, 200.0 + sweep::kLeaseSeconds + 1.0);
+  ASSERT_TRUE(again);
+  store.release(again->id);
+  EXPECT_TRUE(store.claim(tasks.run, self, 0.0));
+}
+
+TEST(Store, RecordsATaskOnce) {
+  const Workplace place;
+  const QueuedTasks tasks(place, "db", 1);
+  Store store = tasks.open();
+  const auto claimed = store.claim(tasks.run, kOfAnotherMachine, 0.0);
+  ASSERT_TRUE(claimed);
+  EXPECT_TRUE(store.finish(claimed->id, made_result(0.5), provenance()));
+  EXPECT_FALSE(store.finish(claimed->id, made_result(0.7), provenance()));
+  EXPECT_EQ(store.database().count("SELECT count(*) FROM design"), 5);
+  EXPECT_EQ(std::get<double>(store.database().one("SELECT merit FROM task")), 0.5);
+  EXPECT_EQ(store.open_tasks(tasks.run), 0);
+}
+
+TEST(Store, ATaskThatCrashesItsWorkerThreeTimesHasFailed) {
+  const Workplace place;
+  const QueuedTasks tasks(place, "db", 1);
+  Store store = tasks.open();
+  const Process worker = kOfAnotherMachine;
+  // Workers that are killed from outside do not count.
+  for (int k = 0; k < 2 * sweep::kMostCrashes; ++k) {
+    ASSERT_TRUE(store.claim(tasks.run, worker, 0.0));
+    store.bury(worker, 0, provenance());
+  }
+  for (int k = 0; k < sweep::kMostCrashes; ++k) {
+    ASSERT_TRUE(store.claim(tasks.run, worker, 0.0)) << k;
+    store.bury(worker, SIGSEGV, provenance());
+  }
+  EXPECT_FALSE(store.claim(tasks.run, worker, 0.0));
+  EXPECT_EQ(std::get<std::string>(store.database().one("SELECT status FROM task")), "failed");
+  EXPECT_EQ(std::get<std::string>(store.database().one("SELECT reason FROM task")),
+            "the program ended by signal 11 each of 3 times");
+}
+
+TEST(Store, MergeTakesEveryResultOnce) {
+  const Workplace place;
+  const QueuedTasks first(place, "first", 4);
+  const QueuedTasks second(place, "second", 6);
+  {
+    Store store = first.open();
+    while (const auto claimed = store.claim(first.run, sweep::this_process(), 0.0)) {
+      store.finish(claimed->id, made_result(0.5), provenance());
+    }
+    // Both runs are calls of their own.
+    store.database().execute("UPDATE run SET uid = 'another'");
+  }
+  {
+    Store store = second.open();
+    store.finish(store.claim(second.run, sweep::this_process(), 0.0)->id, made_result(0.7),
+                 provenance());
+  }
+  Database into =
+      sweep::open_sweep_database(place.file("into").string(), Database::Access::kCreate);
+  // 0.001 is the first value of both sweeps; the later values differ.
+  sweep::Merged merged = sweep::merge(into, first.path);
+  EXPECT_EQ(merged.added, 4);
+  merged = sweep::merge(into, second.path);
+  EXPECT_EQ(merged.added, 0);
+  EXPECT_EQ(merged.differing, 1);
+  EXPECT_EQ(merged.open, 5);
+  for (const std::string& path : {first.path, second.path}) {
+    merged = sweep::merge(into, path);
+    EXPECT_EQ(merged.added, 0);
+  }
+  EXPECT_EQ(into.count("SELECT count(*) FROM run"), 2);
+  EXPECT_EQ(into.count("SELECT count(*) FROM task WHERE status IS NOT NULL"), 4);
+  EXPECT_EQ(into.count("SELECT count(*) FROM design"), 20);
+  EXPECT_EQ(into.count("SELECT count(*) FROM result WHERE merit = 0.5"), 4);
+}
+
+TEST(SweepDatabase, RefusesWhatIsNoneOfItsOwnAndLeavesItAsItIs) {
+  const Workplace place;
+  const auto refused = [&](const std::string& name) {
+    const std::string before = place.read(name);
+    const std::string message = refusal_of(
+        [&] { sweep::open_sweep_database(place.file(name).string(), Database::Access::kCreate); });
+    EXPECT_EQ(place.read(name), before) << name;
+    return message.substr(std::min(message.size(), place.file(name).string().size()));
+  };
+  place.write("text", std::string(5000, 'x'));
+  EXPECT_EQ(refused("text"),
+            ": is no SQLite database; nothing was changed: allowed: a file that gear3k sweep made, "
+            "or a new name");
+  {
+    Database other(place.file("other").string(), Database::Access::kCreate);
+    other.execute("CREATE TABLE music(title)");
+  }
+  EXPECT_EQ(refused("other"),
+            ": is a database of another program; nothing was changed: allowed: a file that gear3k "
+            "sweep made, or a new name");
+  {
+    Database newer =
+        sweep::open_sweep_database(place.file("newer").string(), Database::Access::kCreate);
+    newer.execute("PRAGMA journal_mode = DELETE; PRAGMA user_version = 2");
+  }
+  EXPECT_EQ(refused("newer"),
+            ": its tables are of schema 2, of a newer gear3k; nothing was changed: allowed: schema "
+            "1, or the newer program");
+  EXPECT_NE(refusal_of([&] {
+              sweep::open_sweep_database(place.file("none").string(), Database::Access::kRead);
+            }).find("is not there"),
+            std::string::npos);
+}
+
+TEST(SweepDatabase, ADamagedOneIsToldAndNotWritten) {
+  const Workplace place;
+  const QueuedTasks tasks(place, "db", 50);
+  tasks.open().database().execute("PRAGMA wal_checkpoint(TRUNCATE)");
+  std::string bytes = place.read("db");
+  // All pages but the first, which says that it is a database.
+  for (std::size_t k = 4096; k < bytes.size(); ++k) bytes[k] = 'x';
+  place.write("db", bytes);
+  const std::string message =
+      refusal_of([&] { tasks.open().claim(tasks.run, sweep::this_process(), 0.0); });
+  EXPECT_NE(message.find("is damaged; nothing was changed"), std::string::npos) << message;
+  EXPECT_TRUE(place.read("db") == bytes);
+}
+
+TEST(SweepDatabase, AFullOneKeepsWhatWasRecorded) {
+  const Workplace place;
+  const QueuedTasks tasks(place, "db", 200);
+  Store store = tasks.open();
+  store.database().execute("PRAGMA max_page_count = " +
+                           std::to_string(store.database().count("PRAGMA page_count") + 4));
+  int recorded = 0;
+  std::string message;
+  while (message.empty()) {
+    message = refusal_of([&] {
+      const auto claimed = store.claim(tasks.run, sweep::this_process(), 0.0);
+      store.finish(claimed->id, made_result(0.5), provenance());
+      ++recorded;
+    });
+  }
+  EXPECT_GT(recorded, 0);
+  EXPECT_NE(message.find("is full; what was recorded is kept: allowed: make room"),
+            std::string::npos)
+      << message;
+  Store again = tasks.open();
+  EXPECT_EQ(again.database().count("SELECT count(*) FROM task WHERE status IS NOT NULL"), recorded);
+  EXPECT_EQ(again.database().count("SELECT count(*) FROM design"), 5 * recorded);
+  EXPECT_EQ(again.open_tasks(tasks.run), 200 - recorded);
+  EXPECT_EQ(std::get<std::string>(again.database().one("PRAGMA integrity_check")), "ok");
+}
+
+TEST(SweepDatabase, AReadOnlyOneIsToldBeforeAnythingIsDone) {
+  const Workplace place;
+  const QueuedTasks tasks(place, "db", 1);
+  tasks.open().database().execute("PRAGMA journal_mode = DELETE");
+  ::chmod(tasks.path.c_str(), 0444);
+  ::chmod(place.work().c_str(), 0555);
+  ::chmod(place.work().parent_path().c_str(), 0755);
+  // As somebody whom permissions bind: root writes all the same.
+  int ends[2];
+  ASSERT_EQ(::pipe(ends), 0);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    if (::getuid() == 0 && ::setuid(65534) != 0) ::_exit(1);
+    const std::string message = refusal_of([&] { static_cast<void>(tasks.open()); });
+    const auto written = ::write(ends[1], message.data(), message.size());
+    ::_exit(written == static_cast<ssize_t>(message.size()) ? 0 : 1);
+  }
+  ::close(ends[1]);
+  std::string message;
+  char c = 0;
+  while (::read(ends[0], &c, 1) == 1) message += c;
+  ::close(ends[0]);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  ::chmod(place.work().c_str(), 0755);
+  EXPECT_EQ(status, 0);
+  EXPECT_NE(message.find("cannot be written: it is read-only; nothing was changed"),
+            std::string::npos)
+      << message;
+}
+
+TEST(SweepDatabase, ManyWritersWaitForEachOther) {
+  const Workplace place;
+  constexpr int kTasks = 160, kWriters = 16;
+  const QueuedTasks tasks(place, "db", kTasks);
+  std::vector<pid_t> writers;
+  for (int k = 0; k < kWriters; ++k) {
+    writers.push_back(::fork());
+    if (writers.back() != 0) continue;
+    const std::string message = refusal_of([&] {
+      Store store = tasks.open();
+      while (const auto claimed = store.claim(tasks.run, sweep::this_process(), 0.0)) {
+        store.finish(claimed->id, made_result(0.5), provenance());
+      }
+    });
+    ::_exit(message.empty() ? 0 : 1);
+  }
+  for (const pid_t writer : writers) {
+    int status = -1;
+    ::waitpid(writer, &status, 0);
+    EXPECT_EQ(status, 0);
+  }
+  Store store = tasks.open();
+  EXPECT_EQ(store.database().count("SELECT count(*) FROM provenance"), kTasks);
+  EXPECT_EQ(store.database().count("SELECT count(*) FROM design"), 5 * kTasks);
+  EXPECT_EQ(store.open_tasks(tasks.run), 0);
+}
+
+}  // namespace
+}  // namespace gear3k::store_test
