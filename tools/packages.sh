@@ -11,6 +11,8 @@ fuzz_packages="clang-14 libclang-rt-14-dev"
 
 # A second program that opens the drawings; its test is skipped where it cannot be installed.
 optional_check_packages="librecad"
+# Runs the shards of a sweep; where it cannot be installed they run one after the other.
+cluster_check_packages="slurmctld slurmd slurm-client munge"
 
 install_missing() {
   local missing="" package
