@@ -3,6 +3,8 @@
 # follows words, in a folder with files of three kinds.
 set -euo pipefail
 program=$(realpath "$1")
+# shellcheck source=tests/cli/commands_below.sh
+. "$(dirname "$0")/commands_below.sh"
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
@@ -59,18 +61,13 @@ expect gear3k new sc : scenario
 expect gear3k new task "" : ""
 expect gear3k keys max_coax : max_coaxial_offset
 expect gear3k manual opt : optimize
+expect gear3k sweep st : status
+expect gear3k sweep ta : task.toml
+expect gear3k sweep merge no : notes.txt
+expect gear3k sweep best notes.txt --by eta : ""
 expect gear3k unheard : ""
 
 # Every command of --help is offered, and every long option of its own help.
-# Commands by their help, those of commands below them.
-commands_below() {
-  local below
-  # shellcheck disable=SC2048,SC2086  # words of a command, or none
-  while read -r below; do
-    echo "$*${*:+ }$below"
-    commands_below $* $below
-  done < <("$program" $* --help | sed -n '/^Subcommands:/,$ s/^  \([a-z]\+\) .*/\1/p')
-}
 mapfile -t commands < <(commands_below)
 [ ${#commands[@]} -gt 10 ]
 # shellcheck disable=SC2046

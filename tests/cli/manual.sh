@@ -3,6 +3,8 @@
 # same bytes every time, and no word that groff warns of where man is installed.
 set -euo pipefail
 program=$(realpath "$1")
+# shellcheck source=tests/cli/commands_below.sh
+. "$(dirname "$0")/commands_below.sh"
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
@@ -19,15 +21,6 @@ diff -r pages again
 # Words of a page without what roff makes of them.
 plain() { sed 's/\\-/-/g; s/\\f[BIR]//g; s/\\(aq/'"'"'/g' "$1"; }
 
-# Commands by their help, those of commands below them.
-commands_below() {
-  local below
-  # shellcheck disable=SC2048,SC2086  # words of a command, or none
-  while read -r below; do
-    echo "$*${*:+ }$below"
-    commands_below $* $below
-  done < <("$program" $* --help | sed -n '/^Subcommands:/,$ s/^  \([a-z]\+\) .*/\1/p')
-}
 mapfile -t commands < <(commands_below)
 [ ${#commands[@]} -gt 10 ]
 for command in "" "${commands[@]}"; do
