@@ -155,6 +155,8 @@ struct SweepQuestion : CommonOptions {
   std::string most = "eta_b", least;
   std::string x, y;  ///< of a figure
   std::string sql;
+  std::string since;    ///< revision or date of a comparison
+  bool strict = false;  ///< ends with kNoFeasibleDesign where anything is worse
 };
 
 struct SweepMergeOptions : CommonOptions {  ///< out: the database that takes them
@@ -166,6 +168,7 @@ ExitCode run_sweep_merge(const SweepMergeOptions& options);
 ExitCode run_sweep_status(const SweepQuestion& question);
 ExitCode run_sweep_best(const SweepQuestion& question);
 ExitCode run_sweep_query(const SweepQuestion& question);
+ExitCode run_sweep_compare(const SweepQuestion& question);
 ExitCode run_sweep_figure(const SweepQuestion& question);
 ExitCode run_analyze(const AnalyzeOptions& options);
 ExitCode run_mesh(const AnalyzeOptions& options);

@@ -12,6 +12,7 @@
 #include "io/text/diagnostics.hpp"
 #include "io/text/file_set.hpp"
 #include "io/text/file_writer.hpp"
+#include "sweep/compare.hpp"
 #include "sweep/map_plot.hpp"
 #include "sweep/merge.hpp"
 #include "sweep/questions.hpp"
@@ -184,6 +185,17 @@ ExitCode run_sweep_best(const SweepQuestion& question) {
 ExitCode run_sweep_query(const SweepQuestion& question) {
   deliver_rows(question, sweep::answer_to(read_only(question.database), question.sql));
   return kDone;
+}
+
+ExitCode run_sweep_compare(const SweepQuestion& question) {
+  const Database database = read_only(question.database);
+  const sweep::Comparison comparison =
+      sweep::compare(database, sweep::since_of(database, question.since));
+  if (question.format != Format::kTable || !comparison.changes.rows.empty()) {
+    deliver_rows(question, comparison.changes);
+  }
+  if (!question.quiet) say(sweep::counts_text(comparison));
+  return question.strict && comparison.any_worse() ? kNoFeasibleDesign : kDone;
 }
 
 ExitCode run_sweep_figure(const SweepQuestion& question) {

@@ -85,6 +85,13 @@ void add_sweep_commands(CLI::App& sweep, SweepCommands& commands, std::function<
   figure.add_option("--by", question.by, "key or column, a line for each of its values")
       ->expected(1)
       ->option_text("NAME");
+  CLI::App& compare =
+      add_sweep_question(sweep, "compare", "what is better, worse or newly infeasible, and why",
+                         question, run, run_sweep_compare);
+  compare.add_option("--since", question.since, "revision of the models, or time of UTC")
+      ->required()
+      ->option_text("REVISION | DATE");
+  compare.add_flag("--strict", question.strict, "exit with 3 when anything is worse");
   CLI::App& merge_command = *sweep.add_subcommand(
       "merge", "takes the results of other databases over; a second time nothing");
   merge_command.add_option("DB", merge.databases, "databases of sweeps")->required();

@@ -68,13 +68,6 @@ Column key_column(const KeyPath& key) {
 
 Column design_column(const std::string& name) { return {.name = name, .sql = "d." + quoted(name)}; }
 
-std::string in_words(const SqlValue& value) {
-  if (const auto* text = std::get_if<std::string>(&value)) return *text;
-  if (const auto* integer = std::get_if<std::int64_t>(&value)) return fmt::format("{}", *integer);
-  if (const auto* number = std::get_if<double>(&value)) return fmt::format("{:.6g}", *number);
-  return "none";
-}
-
 }  // namespace
 
 Rows status_of(const Database& database, const std::string& run) {
@@ -192,7 +185,7 @@ Map map_of(const Database& database, const MapQuestion& question) {
                                    by.sql, x.sql, question.least ? "min" : "max", y.sql, kNewest));
   Map map{.title = "", .x = x.name, .y = y.name, .by = by.name, .lines = {}};
   while (points.step()) {
-    const std::string name = in_words(points.value(0));
+    const std::string name = points.is_null(0) ? "default" : text_of(points.value(0));
     if (map.lines.empty() || map.lines.back().name != name) {
       map.lines.push_back({.name = name, .points = {}});
     }

@@ -23,13 +23,6 @@ std::string shown(const SqlValue& value) {
   return "-";
 }
 
-std::string exact(const SqlValue& value) {
-  if (const auto* integer = std::get_if<std::int64_t>(&value)) return fmt::format("{}", *integer);
-  if (const auto* number = std::get_if<double>(&value)) return report::exact(*number);
-  if (const auto* text = std::get_if<std::string>(&value)) return *text;
-  return "";
-}
-
 io::Json json_of(const SqlValue& value) {
   if (const auto* integer = std::get_if<std::int64_t>(&value)) return *integer;
   if (const auto* number = std::get_if<double>(&value)) return *number;
@@ -38,6 +31,13 @@ io::Json json_of(const SqlValue& value) {
 }
 
 }  // namespace
+
+std::string text_of(const SqlValue& value) {
+  if (const auto* integer = std::get_if<std::int64_t>(&value)) return fmt::format("{}", *integer);
+  if (const auto* number = std::get_if<double>(&value)) return report::exact(*number);
+  if (const auto* text = std::get_if<std::string>(&value)) return *text;
+  return "";
+}
 
 Rows rows_of(Statement& statement) {
   Rows rows;
@@ -53,7 +53,7 @@ Rows rows_of(Statement& statement) {
 
 std::string rows_table(const Rows& rows) {
   if (rows.rows.size() == 1 && rows.rows.front().size() == 1) {
-    std::string text = exact(rows.rows.front().front());
+    std::string text = text_of(rows.rows.front().front());
     if (text.empty() || text.back() != '\n') text += '\n';
     return text;
   }
@@ -76,7 +76,7 @@ std::string rows_csv(const Rows& rows) {
   std::string text = report::csv_line(rows.names);
   for (const std::vector<SqlValue>& row : rows.rows) {
     std::vector<std::string> fields(row.size());
-    std::ranges::transform(row, fields.begin(), exact);
+    std::ranges::transform(row, fields.begin(), text_of);
     text += report::csv_line(fields);
   }
   return text;

@@ -16,6 +16,9 @@ struct Rows {
 /// All rows of a statement.
 Rows rows_of(Statement& statement);
 
+/// A value with all its digits; "" for NULL.
+std::string text_of(const SqlValue& value);
+
 /// For the terminal, numbers with six digits.  One single value stands as it is, without its name.
 std::string rows_table(const Rows& rows);
 /// Numbers with all digits, NULL as an empty field.
