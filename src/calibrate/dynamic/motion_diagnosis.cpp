@@ -160,10 +160,18 @@ std::vector<MotionQuantity> quantities_of(const WindowSums& sums, const DrivePar
   DriveParameters base = stated;
   base.efficiency_forward = std::min(base.efficiency_forward, 0.98);
   base.efficiency_backward = std::min(base.efficiency_backward, 0.98);
-  const std::vector<std::size_t> free{
-      kLevelChange,        kDirectionChange,     kMotorCoulombChange, kOutputCoulombChange,
-      kMotorViscousChange, kOutputViscousChange, kMotorInertiaChange, kOutputInertiaChange};
-  const DriveFit fit = fit_drive(sums, base, free);
+  std::vector<std::size_t> free{kLevelChange,         kDirectionChange,    kMotorCoulombChange,
+                                kOutputCoulombChange, kMotorViscousChange, kOutputViscousChange,
+                                kMotorInertiaChange,  kOutputInertiaChange};
+  DriveFit fit = fit_drive(sums, base, free);
+  std::size_t first = 2;
+  if (!fit.determined) {
+    // Where each flow has one sense, constant drags and the torque's offset are two numbers for
+    // three: with one of them held the others are what they are.
+    std::erase(free, kOutputCoulombChange);
+    fit = fit_drive(sums, base, free);
+    first = 4;
+  }
   std::vector<MotionQuantity> all{
       {.name = "efficiency_forward", .unit = "", .stated = stated.efficiency_forward},
       {.name = "efficiency_backward", .unit = "", .stated = stated.efficiency_backward},
@@ -177,12 +185,12 @@ std::vector<MotionQuantity> quantities_of(const WindowSums& sums, const DrivePar
   const double t = numerics::student_quantile(0.975, sums.degrees);
   for (std::size_t f = 0; f < 2; ++f) {
     double weight = 0.0, sum = 0.0;
-    for (const WindowGroup& g : sums.groups) {
-      if ((g.flow > 0) != (f == 0)) continue;
-      const auto own = load_coefficient(g);
+    for (std::size_t k = 0; k < sums.groups.size(); ++k) {
+      if ((sums.groups[k].flow > 0) != (f == 0)) continue;
+      const auto own = own_coefficient(sums, 4 * k + 3);
       if (!own) continue;
-      weight += 1.0 / own->second;
-      sum += own->first / own->second;
+      weight += 1.0 / own->variance;
+      sum += own->value / own->variance;
     }
     if (!(weight > 0.0)) continue;
     const double h = sum / weight, half = t / std::sqrt(weight);
@@ -192,8 +200,9 @@ std::vector<MotionQuantity> quantities_of(const WindowSums& sums, const DrivePar
                : MotionEstimate{.value = h, .low = h - half, .high = h + half};
   }
   if (!fit.determined) return all;
-  for (std::size_t k = 2; k < all.size(); ++k) {
-    const MotionEstimate e = estimate_of(fit, k, sums.degrees);
+  for (std::size_t k = first; k < all.size(); ++k) {
+    const std::size_t place = k - (first == 2 ? 0 : 1);
+    const MotionEstimate e = estimate_of(fit, place, sums.degrees);
     all[k].found = MotionEstimate{.value = all[k].stated + e.value,
                                   .low = all[k].stated + e.low,
                                   .high = all[k].stated + e.high};
@@ -224,6 +233,20 @@ void add_residuals(MotionDiagnosis& d, const DriveParameters& stated, const Driv
   d.extended_Nm = root_mean(d.extended);
 }
 
+bool flows_have_one_sense(const std::vector<MotionWindow>& windows) {
+  constexpr double kShare = 0.02;  // of a flow's windows in its rarer sense
+  for (const int flow : {1, -1}) {
+    double all = 0.0, forward = 0.0;
+    for (const MotionWindow& w : windows) {
+      if (w.flow != flow) continue;
+      all += 1.0;
+      if (w.sense > 0) forward += 1.0;
+    }
+    if (all > 0.0 && std::min(forward, all - forward) > kShare * all) return false;
+  }
+  return true;
+}
+
 void tell_gaps(MotionDiagnosis& d, const WindowSums& sums, bool load) {
   if (d.windows[0] == 0 || d.windows[1] == 0) {
     d.notes.push_back(fmt::format(
@@ -240,6 +263,11 @@ void tell_gaps(MotionDiagnosis& d, const WindowSums& sums, bool load) {
     d.notes.emplace_back(
         "the output turns one way only: constant drag and an offset of the motor's torque are one, "
         "and the offset is taken to be 0");
+  } else if (flows_have_one_sense(d.rows)) {
+    d.notes.emplace_back(
+        "each flow has one sense: the constant drags of both sides and an offset of the motor's "
+        "torque are three numbers for two, and neither drag can be known; a load that pulls both "
+        "ways, or logs with the load reversed, would tell");
   }
 }
 

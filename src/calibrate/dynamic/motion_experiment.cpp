@@ -84,12 +84,14 @@ std::vector<WindowGroup> expected_groups(const MotionProposal& p, const DrivePar
 
 /// Lets the sums be those that a drive gives without noise.
 void make_exact(WindowSums& sums, const DriveParameters& drive) {
-  for (WindowGroup& g : sums.groups) {
-    const auto own = drive_coefficients(drive, g.flow, g.load_kgm2);
-    const Eigen::Vector4d beta(own[0], own[1], own[2], own[3]);
-    g.right = g.matrix * beta;
-    g.square = beta.dot(g.right);
+  assemble(sums);
+  Eigen::VectorXd beta(sums.right.size());
+  for (std::size_t k = 0; k < sums.groups.size(); ++k) {
+    const auto own = drive_coefficients(drive, sums.groups[k].flow, sums.groups[k].load_kgm2);
+    beta.segment<4>(static_cast<Index>(4 * k)) = Eigen::Vector4d(own[0], own[1], own[2], own[3]);
   }
+  sums.right = sums.matrix * beta;
+  sums.square = beta.dot(sums.right);
 }
 
 std::vector<MotionProposal> proposals(const LoggedMotion& m, const DriveParameters& d,
@@ -146,21 +148,6 @@ Hypotheses hypotheses_of(const MotionDiagnosis& d) {
 }
 
 }  // namespace
-
-std::optional<std::pair<double, double>> load_coefficient(const WindowGroup& group) {
-  if (!(group.matrix(3, 3) > 0.0)) return std::nullopt;
-  Eigen::Vector4d scale;
-  for (Index j = 0; j < 4; ++j) {
-    if (!(group.matrix(j, j) > 0.0)) return std::nullopt;
-    scale(j) = 1.0 / std::sqrt(group.matrix(j, j));
-  }
-  const Eigen::MatrixXd scaled = scale.asDiagonal() * group.matrix * scale.asDiagonal();
-  if (numerics::symmetric_eigenvalues(scaled)(0) < 1e-8) return std::nullopt;
-  const Eigen::MatrixXd inverse =
-      scale.asDiagonal() * numerics::pseudo_inverse(scaled) * scale.asDiagonal();
-  const double value = inverse.row(3).dot(group.right);
-  return std::pair{value, inverse(3, 3)};
-}
 
 std::optional<MotionProposal> next_motion(const MotionDiagnosis& diagnosis, const WindowSums& sums,
                                           const DriveParameters& stated,

@@ -2,15 +2,11 @@
 // The motion that tells causes apart which a log leaves open.
 
 #include <optional>
-#include <utility>
 
 #include "calibrate/dynamic/motion_diagnosis.hpp"
 #include "calibrate/dynamic/window_fit.hpp"
 
 namespace gear3k::calibrate {
-
-/// Coefficient of −T_L of a group with its variance, all others free; empty where no load moves.
-std::optional<std::pair<double, double>> load_coefficient(const WindowGroup& group);
 
 /// Of a gravity load, a second inertia and a chirp, as long as the log and at its greatest speed,
 /// that which is expected to tell the effects from their alternatives best.

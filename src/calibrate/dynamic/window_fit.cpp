@@ -19,95 +19,106 @@ constexpr double kLeastSenseShare = 0.1;  // of a group's windows, for an offset
 constexpr double kCollinear = 1e-8;       // of 1: what is left of a scaled parameter
 constexpr int kMostSteps = 30;
 
-using Row5 = Eigen::Matrix<double, 5, 1>;
-using Square5 = Eigen::Matrix<double, 5, 5>;
-
-/// Sums of a group before the offset is eliminated.
-struct RawGroup {
-  int flow = 1;
-  double load_kgm2 = 0.0;
-  std::size_t windows = 0, forward_sense = 0;
-  Square5 matrix = Square5::Zero();
-  Row5 right = Row5::Zero();
-  double square = 0.0;
-};
-
 /// Variance of each window, and correlation between neighbours.
 struct NoiseOfWindows {
   double correlation = 0.0;
   std::vector<double> variance;
 };
 
-RawGroup& group_of(std::vector<RawGroup>& groups, const MotionWindow& w) {
+WindowGroup& group_of(std::vector<WindowGroup>& groups, const MotionWindow& w) {
   const auto at = std::ranges::find_if(
-      groups, [&](const RawGroup& g) { return g.flow == w.flow && g.load_kgm2 == w.load_kgm2; });
+      groups, [&](const WindowGroup& g) { return g.flow == w.flow && g.load_kgm2 == w.load_kgm2; });
   if (at != groups.end()) return *at;
   groups.push_back({.flow = w.flow, .load_kgm2 = w.load_kgm2});
   return groups.back();
 }
 
-std::vector<RawGroup> raw_groups(const std::vector<MotionWindow>& windows,
-                                 const NoiseOfWindows& noise) {
-  std::vector<RawGroup> groups;
+/// Groups of the same load show an offset of the torque where both senses are among their windows.
+void mark_senses(std::vector<WindowGroup>& groups, const std::vector<MotionWindow>& windows) {
+  for (WindowGroup& g : groups) {
+    double all = 0.0, forward = 0.0;
+    for (const MotionWindow& w : windows) {
+      if (w.load_kgm2 != g.load_kgm2) continue;
+      all += 1.0;
+      if (w.sense > 0) forward += 1.0;
+    }
+    g.both_senses = forward >= kLeastSenseShare * all && forward <= (1.0 - kLeastSenseShare) * all;
+  }
+}
+
+WindowSums sums_of(const std::vector<MotionWindow>& windows, const NoiseOfWindows& noise) {
+  WindowSums sums;
   const double rho = noise.correlation, still = std::sqrt(1.0 - rho * rho);
   for (std::size_t k = 0; k < windows.size(); ++k) {
     const MotionWindow& w = windows[k];
-    RawGroup& g = group_of(groups, w);
+    WindowGroup& g = group_of(sums.groups, w);
     const bool follows = w.follows && k > 0 && rho != 0.0;
     const double own = follows ? still : 1.0;
     const double now = 1.0 / (own * std::sqrt(noise.variance[k]));
     const double before = follows ? rho / (own * std::sqrt(noise.variance[k - 1])) : 0.0;
-    Row5 x;
-    Row5 variance = Row5::Zero();
     const MotionWindow& earlier = windows[follows ? k - 1 : k];
-    for (Index j = 0; j < 5; ++j) {
-      const auto place = static_cast<std::size_t>(j);
-      x(j) = (now * w.term.at(place) - before * earlier.term.at(place));
-    }
-    const double y = (now * w.motor_Nm - before * earlier.motor_Nm);
-    variance(0) = now * now * w.variance[0] + before * before * earlier.variance[0];
-    variance(3) = now * now * w.variance[1] + before * before * earlier.variance[1];
+    const auto whitened = [&](std::size_t place) {
+      return now * w.term.at(place) - before * earlier.term.at(place);
+    };
+    const Eigen::Vector4d x(whitened(0), whitened(1), whitened(2), whitened(3));
+    const double one = whitened(4);
+    const double y = now * w.motor_Nm - before * earlier.motor_Nm;
     g.matrix += x * x.transpose();
-    g.matrix.diagonal() -= variance;
+    g.matrix(0, 0) -= now * now * w.variance[0] + before * before * earlier.variance[0];
+    g.matrix(3, 3) -= now * now * w.variance[1] + before * before * earlier.variance[1];
     g.right += x * y;
     g.square += y * y;
+    g.offset += one * x;
+    g.offset_square += one * one;
+    g.offset_right += one * y;
     ++g.windows;
-    if (w.sense > 0) ++g.forward_sense;
   }
-  return groups;
+  mark_senses(sums.groups, windows);
+  assemble(sums);
+  return sums;
 }
 
-/// With the offset eliminated where both senses show it.
-WindowGroup settled_group(const RawGroup& raw) {
-  const double share = static_cast<double>(raw.forward_sense) /
-                       static_cast<double>(std::max<std::size_t>(1, raw.windows));
-  WindowGroup g{.flow = raw.flow,
-                .load_kgm2 = raw.load_kgm2,
-                .windows = raw.windows,
-                .both_senses = share >= kLeastSenseShare && share <= 1.0 - kLeastSenseShare};
-  g.matrix = raw.matrix.topLeftCorner<4, 4>();
-  g.right = raw.right.head<4>();
-  g.square = raw.square;
-  if (g.both_senses) {
-    const Eigen::Vector4d cross = raw.matrix.topRightCorner<4, 1>();
-    const double own = raw.matrix(4, 4);
-    g.matrix -= cross * cross.transpose() / own;
-    g.right -= cross * raw.right(4) / own;
-    g.square -= square(raw.right(4)) / own;
+/// 1 over the roots of a matrix's diagonal; 0 for what is not there.
+Eigen::VectorXd unit_scale(const Eigen::MatrixXd& matrix) {
+  Eigen::VectorXd scale = Eigen::VectorXd::Zero(matrix.rows());
+  for (Index j = 0; j < matrix.rows(); ++j) {
+    if (matrix(j, j) > 0.0) scale(j) = 1.0 / std::sqrt(matrix(j, j));
   }
-  return g;
+  return scale;
 }
 
-/// Coefficients of a group by themselves, zero for what it does not show.
-Eigen::Vector4d own_coefficients(const WindowGroup& g, int& count) {
-  Eigen::Vector4d scale;
-  for (Index j = 0; j < 4; ++j)
-    scale(j) = g.matrix(j, j) > 0.0 ? 1.0 / std::sqrt(g.matrix(j, j)) : 0.0;
-  const Eigen::Matrix4d scaled = scale.asDiagonal() * g.matrix * scale.asDiagonal();
+/// Coefficients of all groups by themselves, zero for what they do not show.
+Eigen::VectorXd own_coefficients(const WindowSums& sums, int& count) {
+  const Eigen::VectorXd scale = unit_scale(sums.matrix);
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * sums.matrix * scale.asDiagonal();
   const Eigen::VectorXd values = numerics::symmetric_eigenvalues(scaled);
-  for (Index j = 0; j < 4; ++j) count += values(j) > kCollinear ? 1 : 0;
-  const Eigen::VectorXd right = scale.asDiagonal() * g.right;
+  for (Index j = 0; j < values.size(); ++j) count += values(j) > kCollinear ? 1 : 0;
+  const Eigen::VectorXd right = scale.asDiagonal() * sums.right;
   return scale.asDiagonal() * numerics::least_norm_solution(scaled, right);
+}
+
+/// Sums of the offset of a load over its groups.
+struct OffsetOfLoad {
+  double load_kgm2 = 0.0, square = 0.0, right = 0.0;
+  Eigen::VectorXd cross;  ///< with the coefficients of all groups
+};
+
+std::vector<OffsetOfLoad> offsets_of(const std::vector<WindowGroup>& groups) {
+  std::vector<OffsetOfLoad> offsets;
+  const auto size = static_cast<Index>(4 * groups.size());
+  for (std::size_t k = 0; k < groups.size(); ++k) {
+    const WindowGroup& g = groups[k];
+    if (!g.both_senses || !(g.offset_square > 0.0)) continue;
+    auto at = std::ranges::find(offsets, g.load_kgm2, &OffsetOfLoad::load_kgm2);
+    if (at == offsets.end()) {
+      offsets.push_back({.load_kgm2 = g.load_kgm2, .cross = Eigen::VectorXd::Zero(size)});
+      at = offsets.end() - 1;
+    }
+    at->square += g.offset_square;
+    at->right += g.offset_right;
+    at->cross.segment<4>(static_cast<Index>(4 * k)) = g.offset;
+  }
+  return offsets;
 }
 
 /// Residuals of windows under coefficients by group, mean offset of each group included.
@@ -119,29 +130,25 @@ struct WindowResiduals {
 
 WindowResiduals own_residuals(const std::vector<MotionWindow>& windows,
                               const NoiseOfWindows& noise) {
-  const std::vector<RawGroup> raws = raw_groups(windows, noise);
+  const WindowSums sums = sums_of(windows, noise);
+  const std::vector<OffsetOfLoad> offsets = offsets_of(sums.groups);
   WindowResiduals r;
-  std::vector<Row5> solution;
-  for (const RawGroup& raw : raws) {
-    const WindowGroup g = settled_group(raw);
-    int count = g.both_senses ? 1 : 0;
-    Row5 beta = Row5::Zero();
-    beta.head<4>() = own_coefficients(g, count);
-    if (g.both_senses) {
-      beta(4) = (raw.right(4) - raw.matrix.row(4).head<4>().dot(beta.head<4>())) / raw.matrix(4, 4);
-    }
-    r.coefficients += count;
-    solution.push_back(beta);
-  }
+  int count = static_cast<int>(offsets.size());
+  const Eigen::VectorXd beta = own_coefficients(sums, count);
+  r.coefficients = count;
   r.value.reserve(windows.size());
   for (const MotionWindow& w : windows) {
-    for (std::size_t k = 0; k < raws.size(); ++k) {
-      if (raws[k].flow != w.flow || raws[k].load_kgm2 != w.load_kgm2) continue;
-      double left = w.motor_Nm;
-      for (std::size_t j = 0; j < 5; ++j) left -= w.term.at(j) * solution[k](static_cast<Index>(j));
+    double offset = 0.0;
+    for (const OffsetOfLoad& o : offsets) {
+      if (o.load_kgm2 == w.load_kgm2) offset = (o.right - o.cross.dot(beta)) / o.square;
+    }
+    for (std::size_t k = 0; k < sums.groups.size(); ++k) {
+      if (sums.groups[k].flow != w.flow || sums.groups[k].load_kgm2 != w.load_kgm2) continue;
+      const Eigen::Vector4d own = beta.segment<4>(static_cast<Index>(4 * k));
+      double left = w.motor_Nm - offset * w.term[4];
+      for (std::size_t j = 0; j < 4; ++j) left -= w.term.at(j) * own(static_cast<Index>(j));
       r.value.push_back(left);
-      r.known.push_back(square(solution[k](0)) * w.variance[0] +
-                        square(solution[k](3)) * w.variance[1]);
+      r.known.push_back(square(own(0)) * w.variance[0] + square(own(3)) * w.variance[1]);
     }
   }
   return r;
@@ -197,13 +204,7 @@ Eigen::VectorXd all_coefficients(const WindowSums& sums, const DriveParameters& 
 }
 
 double statistic_of(const WindowSums& sums, const Eigen::VectorXd& beta) {
-  double sum = 0.0;
-  for (std::size_t k = 0; k < sums.groups.size(); ++k) {
-    const WindowGroup& g = sums.groups[k];
-    const Eigen::Vector4d own = beta.segment<4>(static_cast<Index>(4 * k));
-    sum += g.square - 2.0 * own.dot(g.right) + own.dot(g.matrix * own);
-  }
-  return sum;
+  return sums.square - 2.0 * beta.dot(sums.right) + beta.dot(sums.matrix * beta);
 }
 
 /// A step of a change by which its effect is measured.
@@ -248,16 +249,8 @@ NormalEquations normal_equations(const WindowSums& sums, const DriveParameters& 
     slopes.col(j) =
         (all_coefficients(sums, stated, up) - all_coefficients(sums, stated, down)) / (2.0 * step);
   }
-  NormalEquations n{.matrix = Eigen::MatrixXd::Zero(free, free),
-                    .right = Eigen::VectorXd::Zero(free)};
-  for (std::size_t k = 0; k < sums.groups.size(); ++k) {
-    const WindowGroup& g = sums.groups[k];
-    const auto at = static_cast<Index>(4 * k);
-    const Eigen::MatrixXd own = slopes.middleRows(at, 4);
-    n.matrix += own.transpose() * g.matrix * own;
-    n.right += own.transpose() * (g.right - g.matrix * beta.segment<4>(at));
-  }
-  return n;
+  const Eigen::VectorXd left = sums.right - sums.matrix * beta;
+  return {.matrix = slopes.transpose() * sums.matrix * slopes, .right = slopes.transpose() * left};
 }
 
 /// Whether anything can exist within three standard errors of a fit.
@@ -276,6 +269,46 @@ bool nearly_physical(const DriveFit& fit, const DriveParameters& stated) {
 
 }  // namespace
 
+void assemble(WindowSums& sums) {
+  const auto size = static_cast<Index>(4 * sums.groups.size());
+  sums.matrix = Eigen::MatrixXd::Zero(size, size);
+  sums.right = Eigen::VectorXd::Zero(size);
+  sums.square = 0.0;
+  for (std::size_t k = 0; k < sums.groups.size(); ++k) {
+    const auto at = static_cast<Index>(4 * k);
+    sums.matrix.block<4, 4>(at, at) = sums.groups[k].matrix;
+    sums.right.segment<4>(at) = sums.groups[k].right;
+    sums.square += sums.groups[k].square;
+  }
+  for (const OffsetOfLoad& o : offsets_of(sums.groups)) {
+    sums.matrix -= o.cross * o.cross.transpose() / o.square;
+    sums.right -= o.cross * (o.right / o.square);
+    sums.square -= square(o.right) / o.square;
+  }
+}
+
+std::optional<OwnCoefficient> own_coefficient(const WindowSums& sums, std::size_t place) {
+  const auto at = static_cast<Index>(place), rest = sums.matrix.rows() - 1;
+  const double all = sums.matrix(at, at);
+  if (!(all > 0.0)) return std::nullopt;
+  const auto other = [&](Index j) { return j < at ? j : j + 1; };
+  Eigen::MatrixXd others(rest, rest);
+  Eigen::VectorXd cross(rest), right(rest);
+  for (Index j = 0; j < rest; ++j) {
+    for (Index k = 0; k < rest; ++k) others(j, k) = sums.matrix(other(j), other(k));
+    cross(j) = sums.matrix(at, other(j));
+    right(j) = sums.right(other(j));
+  }
+  const Eigen::VectorXd scale = unit_scale(others);
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * others * scale.asDiagonal();
+  const Eigen::VectorXd weights =
+      scale.asDiagonal() * (numerics::pseudo_inverse(scaled) * (scale.asDiagonal() * cross));
+  const double own = all - cross.dot(weights);
+  if (!(own > kCollinear * all)) return std::nullopt;
+  return OwnCoefficient{.value = (sums.right(at) - weights.dot(right)) / own,
+                        .variance = 1.0 / own};
+}
+
 std::optional<WindowSums> window_sums(const std::vector<MotionWindow>& windows) {
   if (windows.size() < 12) return std::nullopt;
   NoiseOfWindows noise;
@@ -288,7 +321,7 @@ std::optional<WindowSums> window_sums(const std::vector<MotionWindow>& windows) 
     if (static_cast<double>(windows.size()) < coefficients + 6.0) return std::nullopt;
     noise = noise_of_windows(windows, residuals);
   }
-  WindowSums sums;
+  WindowSums sums = sums_of(windows, noise);
   sums.correlation = noise.correlation;
   sums.degrees = static_cast<double>(windows.size()) - coefficients;
   double sum = 0.0;
@@ -296,16 +329,12 @@ std::optional<WindowSums> window_sums(const std::vector<MotionWindow>& windows) 
     sum += noise.variance[k] / square(windows[k].term[4]);
   }
   sums.deviation_Nm = std::sqrt(sum / static_cast<double>(windows.size()));
-  for (const RawGroup& raw : raw_groups(windows, noise)) sums.groups.push_back(settled_group(raw));
   return sums;
 }
 
 FreeFit free_fit(const WindowSums& sums) {
   FreeFit r;
-  for (const WindowGroup& g : sums.groups) {
-    const Eigen::Vector4d beta = own_coefficients(g, r.coefficients);
-    r.statistic += g.square - 2.0 * beta.dot(g.right) + beta.dot(g.matrix * beta);
-  }
+  r.statistic = statistic_of(sums, own_coefficients(sums, r.coefficients));
   return r;
 }
 

@@ -10,16 +10,17 @@
 
 namespace gear3k::calibrate {
 
-/// Sums over the windows of one flow and one load; an offset of the logged torque, where both
-/// senses show it apart from drag, is eliminated.
+/// Sums over the windows of one flow and one load.
 struct WindowGroup {
   int flow = 1;
   double load_kgm2 = 0.0;
   std::size_t windows = 0;
-  bool both_senses = false;
+  bool both_senses = false;  ///< of its load: an offset of the logged torque shows apart from drag
   Eigen::Matrix4d matrix = Eigen::Matrix4d::Zero();  ///< Σ x xᵀ, over σ²
   Eigen::Vector4d right = Eigen::Vector4d::Zero();   ///< Σ x y, over σ²
   double square = 0.0;                               ///< Σ y², over σ²
+  Eigen::Vector4d offset = Eigen::Vector4d::Zero();  ///< Σ x · 1, over σ²
+  double offset_square = 0.0, offset_right = 0.0;    ///< Σ 1 · 1 and Σ 1 · y, over σ²
 };
 
 /// All groups, scaled by the noise that the windows show: its variance is what the noise of speed
@@ -30,7 +31,22 @@ struct WindowSums {
   double degrees = 0.0;       ///< of the noise
   double correlation = 0.0;   ///< between neighbours
   double deviation_Nm = 0.0;  ///< of a window's mean torque
+  /// Of all groups one below the other, the offset of each load eliminated where both senses show
+  /// it; see assemble().
+  Eigen::MatrixXd matrix;
+  Eigen::VectorXd right;
+  double square = 0.0;
 };
+
+/// Fills matrix, right and square from the groups.
+void assemble(WindowSums& sums);
+
+/// A coefficient of all groups, place 4 k + j for term j of group k, with all others free.
+struct OwnCoefficient {
+  double value = 0.0, variance = 0.0;
+};
+/// @returns empty where the windows do not show it
+std::optional<OwnCoefficient> own_coefficient(const WindowSums& sums, std::size_t place);
 
 /// Sums of windows; the noise is that of the least squares with all coefficients of every group
 /// free.  Variances of the terms by noise in speed and load are taken off (errors in variables).
