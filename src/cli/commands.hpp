@@ -13,6 +13,7 @@
 #include "cli/command_tree.hpp"
 #include "cli/exit_code.hpp"
 #include "report/table_choice.hpp"
+#include "sweep/atlas.hpp"
 #include "sweep/store.hpp"
 
 namespace gear3k::cli {
@@ -159,11 +160,18 @@ struct SweepQuestion : CommonOptions {
   bool strict = false;  ///< ends with kNoFeasibleDesign where anything is worse
 };
 
+struct AtlasOptions : CommonOptions {
+  sweep::AtlasQuestion question;
+  std::string task;     ///< file of a SPEC; "" = none
+  std::string figures;  ///< folder; "" = none
+};
+
 struct SweepMergeOptions : CommonOptions {  ///< out: the database that takes them
   std::vector<std::string> databases;
 };
 
 ExitCode run_sweep(const SweepOptions& options);
+ExitCode run_atlas(const AtlasOptions& options);
 ExitCode run_sweep_merge(const SweepMergeOptions& options);
 ExitCode run_sweep_status(const SweepQuestion& question);
 ExitCode run_sweep_best(const SweepQuestion& question);

@@ -476,6 +476,12 @@ int run_program(int argc, char** argv) {
   simulate_command->footer(keys_of("SCENARIO.toml"));
   simulate_command->callback([&] { run = [&] { return cli::run_simulate(simulate); }; });
 
+  cli::AtlasOptions atlas;
+  cli::add_atlas_options(
+      *app.add_subcommand("atlas",
+                          "what 3K gearboxes of one size can do: a start for one's own task"),
+      atlas, run);
+
   cli::SweepCommands sweep;
   add_sweep_commands(
       *app.add_subcommand(

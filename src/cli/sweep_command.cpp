@@ -2,16 +2,20 @@
 #include <unistd.h>
 
 #include <charconv>
+#include <filesystem>
 #include <random>
 #include <string_view>
 
 #include "cli/commands.hpp"
 #include "cli/figures.hpp"
+#include "cli/progress.hpp"
+#include "cli/result_files.hpp"
 #include "cli/sweep_workers.hpp"
 #include "cli/talk.hpp"
 #include "io/text/diagnostics.hpp"
 #include "io/text/file_set.hpp"
 #include "io/text/file_writer.hpp"
+#include "sweep/atlas.hpp"
 #include "sweep/compare.hpp"
 #include "sweep/map_plot.hpp"
 #include "sweep/merge.hpp"
@@ -165,6 +169,32 @@ ExitCode run_sweep_merge(const SweepMergeOptions& options) {
   CommonOptions printed = options;
   printed.out.clear();
   deliver_rows(printed, rows);
+  return kDone;
+}
+
+ExitCode run_atlas(const AtlasOptions& options) {
+  const std::vector<sweep::AtlasPoint> points = sweep::atlas_near(options.question);
+  if (!options.task.empty()) {
+    if (std::filesystem::exists(options.task)) {
+      throw io::InvalidInput(fmt::format(
+          "--task {}: is there already, and is not replaced; allowed: a new name", options.task));
+    }
+    io::write_file(options.task, sweep::atlas_task(options.question));
+  }
+  if (!options.figures.empty()) {
+    end_on_interrupt();
+    const std::vector<report::Plot> plots = sweep::atlas_plots();
+    ResultFolderTask task{.path = options.figures,
+                          .option = "--figures",
+                          .inputs = {},
+                          .files = {"atlas.csv"},
+                          .figures = {},
+                          .quiet = options.quiet};
+    for (const report::Plot& plot : plots) task.figures.push_back(plot.name + ".svg");
+    ResultFolder(std::move(task))
+        .write({{.path = "atlas.csv", .text = std::string(sweep::atlas_csv())}}, draw(plots));
+  }
+  deliver_rows(options, sweep::atlas_rows(points));
   return kDone;
 }
 

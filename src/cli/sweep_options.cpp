@@ -111,4 +111,30 @@ void add_sweep_commands(CLI::App& sweep, SweepCommands& commands, std::function<
   });
 }
 
+void add_atlas_options(CLI::App& command, AtlasOptions& options, std::function<ExitCode()>& run) {
+  command.add_option("RATIO", options.question.ratio, "sun's speed over the output's")->required();
+  command.add_option("--planets", options.question.planets, "3 to 6; all by default")
+      ->option_text("N");
+  command
+      .add_option("--backlash", options.question.backlash_arcmin,
+                  "greatest lost motion; all limits of the atlas by default")
+      ->option_text("ARCMIN");
+  command
+      .add_option("--friction", options.question.friction,
+                  "coefficient, the nearest of the atlas; all by default")
+      ->check(CLI::Range(0.001, 1.0))
+      ->option_text("MU");
+  command
+      .add_option("--task", options.task, "file for a SPEC.toml to begin with; none is replaced")
+      ->option_text("FILE");
+  command
+      .add_option("--figures", options.figures,
+                  "folder for atlas.csv and its three figures; made when missing; figures need "
+                  "gnuplot")
+      ->option_text("DIR");
+  add_output_options(command, options);
+  add_out_file(command, options);
+  command.callback([&options, &run] { run = [&options] { return run_atlas(options); }; });
+}
+
 }  // namespace gear3k::cli

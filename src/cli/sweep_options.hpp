@@ -21,4 +21,7 @@ struct SweepCommands {
 /// Gives `sweep` its options and subcommands, which set `run`.  All must outlive the parsing.
 void add_sweep_commands(CLI::App& sweep, SweepCommands& commands, std::function<ExitCode()>& run);
 
+/// The same of `atlas`.
+void add_atlas_options(CLI::App& command, AtlasOptions& options, std::function<ExitCode()>& run);
+
 }  // namespace gear3k::cli

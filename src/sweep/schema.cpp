@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 
 #include "io/text/diagnostics.hpp"
 #include "report/search_report.hpp"
@@ -112,16 +113,25 @@ std::string quoted(const std::string& name) {
 }
 
 void make_result_view(Database& database) {
+  const std::vector<std::string> of_design = design_columns();
   std::string keys;
+  // The status of a task is its own; that of its best design is always optimal.
+  std::set<std::string> named{"status", "reason"};
   Statement paths = database.prepare("SELECT id, path FROM key ORDER BY path");
   while (paths.step()) {
-    keys += fmt::format(", (SELECT value FROM task_key k WHERE k.task = t.id AND k.key = {}) AS {}",
-                        paths.integer(0), quoted(paths.text(1)));
+    const std::string path = paths.text(1);
+    const std::string value = fmt::format(
+        "(SELECT value FROM task_key k WHERE k.task = t.id AND k.key = {})", paths.integer(0));
+    // A key that is a column too, as planets: what the task does not state its design tells.
+    const bool both = std::ranges::find(of_design, path) != of_design.end();
+    keys += fmt::format(", {} AS {}",
+                        both ? fmt::format("coalesce({}, d.{})", value, quoted(path)) : value,
+                        quoted(path));
+    named.insert(path);
   }
   std::string columns;
-  for (const std::string& column : design_columns()) {
-    // The status of a task is its own; that of its best design is always optimal.
-    if (column != "status" && column != "reason") columns += ", d." + quoted(column);
+  for (const std::string& column : of_design) {
+    if (named.insert(column).second) columns += ", d." + quoted(column);
   }
   database.execute(fmt::format(
       "DROP VIEW IF EXISTS result; CREATE VIEW result AS SELECT t.key, t.spec_key, t.revision, "

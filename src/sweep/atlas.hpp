@@ -1,0 +1,55 @@
+#pragma once
+// The atlas: results of one sweep of ours (examples/sweep/atlas.toml), part of the program.
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "report/plot.hpp"
+#include "sweep/rows.hpp"
+#include "train/tooth_set.hpp"
+
+namespace gear3k::sweep {
+
+std::string_view atlas_csv();    ///< of data/atlas.zip
+std::string_view atlas_sweep();  ///< examples/sweep/atlas.toml
+
+/// A task of the atlas, and its best design.
+struct AtlasPoint {
+  double ratio_target = 0.0;
+  int planets = 0;
+  double backlash_arcmin = 0.0, friction = 0.0;  ///< limit of lost motion, coefficient
+  struct Best {
+    train::ToothSet teeth;
+    double eta_b = 0.0, eta_f = 0.0;
+    double bound = 0.0;  ///< of eta_b: no design of the task is above
+    std::array<double, 2> module_mm{};
+    double ring_root_diameter_mm = 0.0, torque_capacity_nm = 0.0;
+  };
+  std::optional<Best> best;  ///< none where no design keeps every limit
+};
+/// In the order of the sweep: ratio, planets, backlash, friction.
+const std::vector<AtlasPoint>& atlas();
+
+struct AtlasQuestion {
+  double ratio = 0.0;
+  std::optional<int> planets{};
+  std::optional<double> backlash_arcmin{};  ///< the loosest limit of the atlas that keeps it
+  std::optional<double> friction{};         ///< the nearest of the atlas
+};
+/// The points of the atlas at its ratio nearest to the one asked for, by proportion.
+/// @throws io::InvalidInput beyond its ratios, numbers of planets or least limit
+std::vector<AtlasPoint> atlas_near(const AtlasQuestion& question);
+Rows atlas_rows(const std::vector<AtlasPoint>& points);
+
+/// A SPEC to begin with: the task of the atlas at the ratio asked for itself, and where it is not
+/// said otherwise at the planets, limit and friction of the point with most backward efficiency.
+std::string atlas_task(const AtlasQuestion& question);
+
+/// Backward efficiency over the ratio, a figure for each limit of lost motion, lines for planets
+/// and frictions; the published 3K gearboxes, measured, as points.
+std::vector<report::Plot> atlas_plots();
+
+}  // namespace gear3k::sweep

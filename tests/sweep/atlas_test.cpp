@@ -1,0 +1,94 @@
+#include "sweep/atlas.hpp"
+
+#include <cmath>
+
+#include "io/text/csv_table.hpp"
+#include "tests/sweep/small_sweep.hpp"
+
+namespace gear3k::atlas_test {
+namespace {
+
+using sweep::AtlasPoint;
+using test::ProgramResult, test::refusal_of, test::Workplace;
+
+/// Of the sun's speed over the output's, from the teeth, by design.md's own words: (1 + G1)/(1 -
+/// G2).
+double ratio_of(const train::ToothSet& teeth) {
+  const double g1 = static_cast<double>(teeth.R1) / teeth.S;
+  const double g2 = static_cast<double>(teeth.P2 * teeth.R1) / (teeth.P1 * teeth.R2);
+  return (1.0 + g1) / (1.0 - g2);
+}
+
+TEST(Atlas, ItsDesignsKeepWhatTheirTasksAsk) {
+  ASSERT_EQ(sweep::atlas().size(), 13U * 4U * 3U * 2U);
+  for (const AtlasPoint& point : sweep::atlas()) {
+    if (!point.best) continue;
+    SCOPED_TRACE(testing::Message() << point.ratio_target << ":1, " << point.planets << " planets");
+    const AtlasPoint::Best& best = *point.best;
+    EXPECT_NEAR(ratio_of(best.teeth) / point.ratio_target, 1.0, 0.003 + 1e-12);
+    // Both meshes of the sun's stage assemble.
+    EXPECT_EQ((best.teeth.S + best.teeth.R1) % point.planets, 0);
+    constexpr double kOfScale = 1e-6;  // limits are kept to this share of their scale
+    EXPECT_LE(best.ring_root_diameter_mm, 76.0 * (1.0 + kOfScale));
+    EXPECT_GE(best.torque_capacity_nm, 20.0 * (1.0 - kOfScale));
+    EXPECT_LE(best.eta_b, best.bound + kOfScale);
+  }
+}
+
+TEST(Atlas, LooserLimitsAndLessFrictionAreNoWorse) {
+  for (const AtlasPoint& tight : sweep::atlas()) {
+    for (const AtlasPoint& loose : sweep::atlas()) {
+      if (tight.ratio_target != loose.ratio_target || tight.planets != loose.planets ||
+          loose.backlash_arcmin < tight.backlash_arcmin || loose.friction > tight.friction ||
+          !tight.best) {
+        continue;
+      }
+      ASSERT_TRUE(loose.best) << loose.ratio_target << " " << loose.planets;
+      // What is proven of the looser task holds for the tighter one; what was found of it is a
+      // local optimum, at most as far off as its bound.
+      EXPECT_LE(tight.best->eta_b, loose.best->bound + 1e-6)
+          << loose.ratio_target << " " << loose.planets;
+    }
+  }
+}
+
+TEST(Atlas, AnswersNearAndRefusesFar) {
+  const auto points =
+      sweep::atlas_near({.ratio = 96.2, .planets = 4, .backlash_arcmin = 12.0, .friction = 0.08});
+  ASSERT_EQ(points.size(), 1U);
+  EXPECT_NEAR(std::log(points[0].ratio_target / 96.2), 0.0, std::log(300.0 / 20.0) / 24.0);
+  EXPECT_EQ(points[0].backlash_arcmin, 8.0);
+  EXPECT_EQ(points[0].friction, 0.1);
+  EXPECT_EQ(sweep::atlas_near({.ratio = 100.0}).size(), 24U);
+  EXPECT_EQ(refusal_of([] { sweep::atlas_near({.ratio = 10.0}); }),
+            "atlas 10: allowed: a ratio from 20 to 300");
+  EXPECT_NE(refusal_of([] { sweep::atlas_near({.ratio = std::nan("")}); }), "");
+  EXPECT_EQ(refusal_of([] { sweep::atlas_near({.ratio = 50.0, .planets = 7}); }),
+            "--planets 7: allowed: 3 to 6");
+  EXPECT_EQ(refusal_of([] { sweep::atlas_near({.ratio = 50.0, .backlash_arcmin = 1.0}); }),
+            "--backlash 1: allowed: at least 5, the atlas's least limit in arcmin");
+}
+
+TEST(Atlas, ItsTaskHasTheResultThatItTells) {
+  const Workplace place;
+  // Where tasks are cheapest: also a check that the atlas is of these models.
+  ASSERT_EQ(place
+                .run({"atlas", "300", "--planets", "6", "--backlash", "20", "--friction", "0.1",
+                      "--task", "spec.toml"})
+                .exit_code,
+            0);
+  ASSERT_EQ(place.run({"optimize", "spec.toml", "--certify", "--out", "out"}).exit_code, 0);
+  const io::CsvTable table = io::parse_csv(place.read("out/pareto.csv"), "pareto.csv");
+  double best = 0.0;
+  for (const io::CsvTable::Row& row : table.rows) {
+    best = std::max(best, *table.number(row, "eta_b"));
+  }
+  const auto points =
+      sweep::atlas_near({.ratio = 300.0, .planets = 6, .backlash_arcmin = 20.0, .friction = 0.1});
+  ASSERT_TRUE(points.at(0).best);
+  EXPECT_NEAR(best, points[0].best->eta_b, 1e-6);
+  EXPECT_EQ(place.run({"atlas", "300", "--task", "spec.toml"}).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace gear3k::atlas_test
