@@ -165,12 +165,21 @@ void Hybrid::slopes(const State& x, State& dxdt, double time_s) const {
   std::ranges::copy(now.loss_W, dxdt.begin() + kGearLosses);
 }
 
+double Hybrid::hidden_torque_nm(const Outside& o) const {
+  return kTorqueRounding *
+         (std::abs(o.reflected_Nm) + std::abs(o.load_Nm) + chain_.c1_static_Nm + kNothing);
+}
+
+std::array<double, 2> Hybrid::rest_margins(const Outside& o) const {
+  const double hidden = hidden_torque_nm(o) + kNothing;
+  return {hidden - signs_.rest[0] * breakaway_excess_nm(o, 1),
+          hidden - signs_.rest[1] * breakaway_excess_nm(o, -1)};
+}
+
 double Hybrid::breakaway_excess_nm(const Outside& o, int sense) const {
-  const double rounding = kTorqueRounding * (std::abs(o.reflected_Nm) + std::abs(o.load_Nm) +
-                                             chain_.c1_static_Nm + kNothing);
   return std::min(gear_->breakaway_excess_nm(joint_input(o, 0.0, sense, true)),
                   gear_->breakaway_excess_nm(joint_input(o, 0.0, sense, false))) -
-         rounding;
+         hidden_torque_nm(o);
 }
 
 double Hybrid::start_excess(const Outside& o, int sense) const {
@@ -241,6 +250,7 @@ void Hybrid::watch(const State& x, double time_s, std::vector<double>& values) c
       add(-start_excess(o, 1));
       add(-start_excess(o, -1));
       if (mode_.contact == 0) break;
+      for (const double margin : rest_margins(o)) add(margin);
       add(cohesion(o));
       break;
     case Phase::kSlide:

@@ -94,13 +94,19 @@ class Hybrid {
  private:
   struct Signs {
     int electrical = 1, bus = 1, load = 1;
+    std::array<int, 2> rest{1, 1};  ///< of what still holds the output at rest, forward, backward
   };
 
   [[nodiscard]] JointInput joint_input(const Outside& o, double speed_rad_s, int sense,
                                        bool starting) const;
+  /// What rounding may make of the torques at rest.
+  [[nodiscard]] double hidden_torque_nm(const Outside& o) const;
   /// What the motor's side has beyond what turns the output from rest, with the frictions at rest
   /// and with those in motion [N m].
   [[nodiscard]] double breakaway_excess_nm(const Outside& o, int sense) const;
+  /// Above zero while neither has changed its sign: what holds may be let go and held again by the
+  /// other side within a step.
+  [[nodiscard]] std::array<double, 2> rest_margins(const Outside& o) const;
   /// The same where the output then starts, below zero where it is held.
   [[nodiscard]] double start_excess(const Outside& o, int sense) const;
   [[nodiscard]] double fast_start_excess(const Outside& o, int sense) const;

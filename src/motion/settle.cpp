@@ -137,6 +137,12 @@ void Hybrid::settle_gap(State& x, double time_s, std::vector<Occurrence>& happen
 }
 
 void Hybrid::hold_signs(const State& x, double time_s) {
+  if (mode_.phase == Phase::kStick && mode_.contact != 0) {
+    const auto margins = rest_margins(surroundings_.at(time_s, sides_in(x)));
+    for (std::size_t k = 0; k < margins.size(); ++k) {
+      if (!(margins.at(k) > 0.0)) signs_.rest.at(k) = -signs_.rest.at(k);
+    }
+  }
   // The bus's power depends on the sign of the electrical one.
   for (int round = 0; round < 2; ++round) {
     const auto [electrical, bus, load] = power_margins(at(x, time_s), x);

@@ -64,6 +64,10 @@ class MotionRun {
     first_ = x_;
     hybrid_.enter(0.0);
     change(0.0, hybrid_.mode());
+    if (scenario_.start_speed_rad_s != 0.0) {
+      // What moves from the beginning does not start.
+      std::erase_if(motion_.events, [](const auto& e) { return e.what.ends_with("starts"); });
+    }
     note(row(x_, 0.0));
     next_sample_ = 1;
     constexpr double kFirst = 1e-2;
