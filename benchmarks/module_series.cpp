@@ -48,6 +48,18 @@ PROGRAM(module_series)(int, char**) {
   const TimedSearch series = timed_search(spec, false);
   const TimedSearch certified = timed_search(spec, true);
 
+  Specification grid = spec;
+  grid.shift_step = 0.05;
+  const TimedSearch on_grid = timed_search(grid, false);
+  const TimedSearch grid_certified = timed_search(grid, true);
+  Specification tools = spec;
+  for (const std::size_t ring : {train::kR1, train::kR2}) {
+    tools.cutter[ring] = {.teeth = 20, .profile_shift = 0.0, .tip_radius = 0.2};
+  }
+  const TimedSearch one_cutter = timed_search(tools, false);
+  for (const std::size_t ring : {train::kR1, train::kR2}) tools.cutter_teeth[ring] = {20, 25, 34};
+  const TimedSearch cutters = timed_search(tools, false);
+
   double seconds = 0.0, difference = 0.0;
   std::vector<double> best(series.result.search.candidates.size(), 0.0);
   for (const double m1 : modules) {
@@ -75,6 +87,13 @@ PROGRAM(module_series)(int, char**) {
   print_search("range 0.5 to 1.0 mm", range);
   print_search("lists", series);
   print_search("lists, certified", certified);
+  print_search("lists, shifts by 0.05", on_grid);
+  print_search("lists, shifts by 0.05, certified", grid_certified);
+  fmt::print("    {:.2f} and {:.2f} times the range\n", on_grid.seconds / range.seconds,
+             grid_certified.seconds / range.seconds);
+  print_search("lists, a cutter in each ring", one_cutter);
+  print_search("lists, three cutters for each", cutters);
+  fmt::print("    {:.2f} times one cutter\n", cutters.seconds / one_cutter.seconds);
   fmt::print("  one search for each of 16 pairs  {:8.2f} s, {:.1f} times the lists'\n", seconds,
              seconds / series.seconds);
   fmt::print("  greatest difference of a set's eta_b between the lists and the pairs: {:.1e}\n",

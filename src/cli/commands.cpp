@@ -21,6 +21,7 @@
 #include "drawing/dxf_drawing.hpp"
 #include "drawing/export_report.hpp"
 #include "drawing/inspection_sheet.hpp"
+#include "drawing/section_drawing.hpp"
 #include "drawing/svg_drawing.hpp"
 #include "io/files/design_file.hpp"
 #include "io/files/specification_file.hpp"
@@ -84,19 +85,24 @@ void warn(const app::Notes& notes, bool quiet) {
   for (const std::string& note : notes) say(fmt::format("model: {}\n", note));
 }
 
+std::optional<int> known_columns(int asked) {
+  constexpr int kLeast = 60, kMost = 500;
+  if (asked > 0) return asked;
+  winsize size{};
+  const bool known = ::isatty(STDOUT_FILENO) != 0 &&
+                     ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+  if (!known) return std::nullopt;
+  return std::clamp(static_cast<int>(size.ws_col), kLeast, kMost);
+}
+
 report::TableChoice table_choice(const ShowOptions& options) {
-  constexpr int kUsual = 100, kLeast = 60, kMost = 500;
-  report::TableChoice choice{.full = options.full, .sections = {}, .columns = options.columns};
+  report::TableChoice choice{.full = options.full,
+                             .sections = {},
+                             .columns = known_columns(options.columns).value_or(kUsualColumns)};
   for (std::size_t k = 0; k < report::kSectionNames.size(); ++k) {
     if (std::ranges::find(options.show, report::kSectionNames[k]) != options.show.end()) {
       choice.sections.push_back(static_cast<report::Section>(k));
     }
-  }
-  if (choice.columns == 0) {
-    winsize size{};
-    const bool known = ::isatty(STDOUT_FILENO) != 0 &&
-                       ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
-    choice.columns = known ? std::clamp(static_cast<int>(size.ws_col), kLeast, kMost) : kUsual;
   }
   return choice;
 }
@@ -267,7 +273,8 @@ ExitCode run_compare(const CompareOptions& options) {
       deliver(options, report::comparison_csv(compared));
       break;
     case Format::kTable:
-      deliver(options, report::comparison_table(compared));
+      deliver(options, report::comparison_table(
+                           compared, known_columns(options.columns).value_or(kUsualColumns)));
       break;
   }
   return kDone;
@@ -424,6 +431,18 @@ struct Exports {
           text_of(one));
     }
   }
+  void add_section(const std::string& folder, const char* format,
+                   const drawing::SectionDrawing& section) {
+    if (folder.empty()) return;
+    const bool dxf = std::string_view(format) == "dxf";
+    add(folder,
+        {.path = "",
+         .drawing = "assembly",
+         .format = format,
+         .contours = section.bodies.size(),
+         .points = 4 * section.bodies.size()},
+        dxf ? drawing::dxf_text(section) : drawing::svg_text(section));
+  }
   void add_sheets(const std::string& folder, const std::vector<drawing::InspectionSheet>& sheets) {
     for (const drawing::InspectionSheet& sheet : sheets) {
       add(folder, {.path = "", .drawing = sheet.name, .format = "csv", .contours = 0, .points = 0},
@@ -438,13 +457,16 @@ Exports exports_of(const design::Design& design, const ExportOptions& options) {
   const design::Evaluation evaluation = app::evaluate(design, options.file);
   const double chord_error_m = options.chord_error_um * 1e-6;
   drawing::DrawingSet set = drawing::make_drawings(design, evaluation, chord_error_m);
+  const drawing::SectionDrawing section = drawing::make_section(design, evaluation, set.notes);
   Exports exports{.summary = {.name = evaluation.name,
                               .chord_error_m = chord_error_m,
                               .files = {},
                               .notes = std::move(set.notes)},
                   .files = {}};
   exports.add_drawings(options.dxf_folder, "dxf", set.drawings, drawing::dxf_text);
+  exports.add_section(options.dxf_folder, "dxf", section);
   exports.add_drawings(options.svg_folder, "svg", set.drawings, drawing::svg_text);
+  exports.add_section(options.svg_folder, "svg", section);
   if (!options.sheet_folder.empty())
     exports.add_sheets(options.sheet_folder, drawing::inspection_sheets(design, evaluation));
   return exports;

@@ -3,11 +3,10 @@
 #include <string>
 
 #include "drawing/drawing.hpp"
+#include "drawing/dxf_file.hpp"
 
 namespace gear3k::drawing {
 
-/// Layer of the circles and centre marks in a DXF drawing.
-inline constexpr const char* kConstructionLayer = "CONSTRUCTION";
 /// Layer of the timing marks of the planets.
 inline constexpr const char* kTimingLayer = "TIMING";
 

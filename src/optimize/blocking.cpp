@@ -154,6 +154,23 @@ std::optional<SolveOutcome> name_blocking_constraints(const RefinementProblem& p
   return std::nullopt;
 }
 
+std::vector<Miss> misses_of(const RefinementProblem& problem, std::span<const double> g) {
+  std::vector<Miss> missed;
+  for (std::size_t k = 0; k < g.size(); ++k) {
+    if (!(g[k] < -design::kFeasibilityTolerance)) continue;
+    const auto same = std::ranges::find(missed, problem.rows[k].name, &Miss::name);
+    if (same != missed.end() && same->violation >= -g[k]) continue;
+    const Miss miss = miss_of(problem, problem.rows[k], -g[k]);
+    if (same != missed.end()) {
+      *same = miss;
+    } else {
+      missed.push_back(miss);
+    }
+  }
+  std::ranges::stable_sort(missed, std::ranges::greater(), &Miss::violation);
+  return missed;
+}
+
 RefinedSet proven_infeasible(const Candidate& candidate, const Infeasibility& proof) {
   RefinedSet set;
   set.candidate = candidate;

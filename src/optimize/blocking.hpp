@@ -2,6 +2,8 @@
 // What keeps a tooth set from having a feasible design.
 
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "optimize/refined_set.hpp"
 #include "optimize/set_bounds.hpp"
@@ -18,6 +20,10 @@ std::optional<SolveOutcome> name_blocking_constraints(const RefinementProblem& p
 
 /// A scaled violation of a row, in the unit of its limit.
 Miss miss_of(const RefinementProblem& problem, const ConstraintRow& row, double violation);
+
+/// The limits that rows of these values miss beyond the tolerance, each once, largest (scaled)
+/// first.
+std::vector<Miss> misses_of(const RefinementProblem& problem, std::span<const double> g);
 
 /// The set that a proof rules out.
 RefinedSet proven_infeasible(const Candidate& candidate, const Infeasibility& proof);

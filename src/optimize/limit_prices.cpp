@@ -377,6 +377,7 @@ std::optional<SetProblem> problem_of(const Specification& spec, const RefinedSet
       SetProblem own{.problem = make_refinement_problem(spec, set.candidate, fixed,
                                                         {.backlash = backlash, .objective = part})};
       if (own.problem.has_branches) branches = 2;
+      own.problem.cutter_teeth = set.train.cutter_teeth;
       own.v = point_of(own.problem, train,
                        {.face_width_m = set.train.face_width_m, .torque_Nm = torque_Nm});
       lower_to_carried_torque(own.problem, own.v);
@@ -392,6 +393,10 @@ std::optional<SetProblem> problem_of(const Specification& spec, const RefinedSet
 HeldBack held_back(const Specification& spec, const RefinedSet& set, const design::Limits& stated) {
   HeldBack held;
   held.at = bounds_met(spec, set);
+  if (spec.shift_step) {
+    held.missing = "shifts are multiples of profile_shift.step, between which nothing is";
+    return held;
+  }
   const std::optional<SetProblem> own = problem_of(spec, set);
   Gradients at;
   if (!own ||

@@ -162,6 +162,8 @@ class Run {
   void refine_wave(std::span<const std::uint32_t> wave) {
     std::vector<std::optional<RefinedSet>> refined(wave.size());
     std::vector<char> fresh(wave.size());
+    const double to_beat =
+        options_.best_only && result_.best ? merit_of(spec_, *result_.best) : -kInfinity;
     numerics::parallel_for(wave.size(), [&](std::size_t i) {
       const std::uint32_t k = wave[i];
       const auto known = std::ranges::lower_bound(options_.known, k, {}, &RefinedSet::index);
@@ -170,7 +172,7 @@ class Run {
       } else {
         const Candidate& candidate = result_.search.candidates[k];
         refined[i] = refiner_.refine(candidate, bounds_->shifts().of(candidate.teeth),
-                                     bounds_->by_modules(k), progress_.stop);
+                                     bounds_->by_modules(k), progress_.stop, to_beat);
         fresh[i] = 1;
       }
       if (!refined[i]) return;

@@ -9,10 +9,13 @@
 #include "design/evaluation.hpp"
 #include "efficiency/train_efficiency.hpp"
 #include "optimize/blocking.hpp"
+#include "optimize/cutter_choice.hpp"
 #include "optimize/ipopt.hpp"
 #include "optimize/kkt_residual.hpp"
+#include "optimize/lattice.hpp"
 #include "optimize/objective_value.hpp"
 #include "optimize/rated_set.hpp"
+#include "optimize/shift_grid.hpp"
 #include "optimize/slsqp.hpp"
 #include "optimize/starting_points.hpp"
 #include "optimize/uniform.hpp"
@@ -236,7 +239,8 @@ void fill_optimum(const Specification& spec, const BestEnd& best, double residua
                .center_distance_m = parameters.center_distance_m,
                .tip_shortening = parameters.tip_shortening,
                .pressure_angle_rad = parameters.pressure_angle_rad,
-               .face_width_m = load.face_width_m};
+               .face_width_m = load.face_width_m,
+               .cutter_teeth = best.problem->cutter_teeth};
   set.kkt_residual = residual;
   set.status = set.kkt_residual <= kStationary ? Status::kOptimal : Status::kFailed;
   const auto train = train::make_train_geometry(parameters);
@@ -344,6 +348,116 @@ double most_of(const Specification& spec, const SetBound& bound) {
   return objective == Objective::kForwardEfficiency ? bound.eta_f : bound.eta_b;
 }
 
+/// The search for the best design of one set over its problems.
+class SetSearch {
+ public:
+  /// @param to_beat  scaled objective
+  SetSearch(const Specification& spec, double to_beat, const std::atomic<bool>& stop)
+      : spec_(spec), choices_(cutter_choices(spec)), to_beat_(to_beat), stop_(stop) {}
+
+  [[nodiscard]] BestEnd& best() { return best_; }
+  /// Whether the grid was given up for what is to be beaten.
+  [[nodiscard]] bool bounded() const { return bounded_; }
+  /// The nearest point of the grid where none is feasible though free shifts are.
+  [[nodiscard]] const std::optional<GridEnd>& nearest() const { return nearest_; }
+
+  /// @returns false when the search was stopped
+  [[nodiscard]] bool search(const RefinementProblem& problem, const SetBound& bound) {
+    if (choices_.size() > 1) {
+      return is_of_load(problem.objective) ? try_every_cutter(problem, bound)
+                                           : choose_cutters(problem, bound);
+    }
+    const std::optional<BestEnd> local = best_of_starts(problem, bound, stop_);
+    if (local) take(*local);
+    return local.has_value() && !stop_.load(std::memory_order_relaxed);
+  }
+
+ private:
+  void take(const BestEnd& local) {
+    if (!local.problem) return;
+    if (!spec_.shift_step || !local.found) {
+      best_.offer(*local.problem, local.outcome);
+      return;
+    }
+    const double least = best_.found ? std::min(to_beat_, best_.outcome.objective) : to_beat_;
+    if (!(local.outcome.objective < least)) {
+      bounded_ = true;
+      return;
+    }
+    GridEnd end = best_on_grid(*local.problem, local.outcome, least, stop_);
+    if (end.found) {
+      best_.offer(*end.held, end.outcome);
+    } else if (std::isfinite(least)) {
+      bounded_ = true;
+    } else if (end.held && (!nearest_ || end.outcome.violation < nearest_->outcome.violation)) {
+      nearest_ = std::move(end);
+    }
+  }
+
+  bool try_every_cutter(const RefinementProblem& problem, const SetBound& bound) {
+    RefinementProblem own = problem;
+    for (const auto& choice : choices_) {
+      own.cutter_teeth = choice;
+      const std::optional<BestEnd> local = best_of_starts(own, bound, stop_);
+      if (!local) return false;
+      take(*local);
+    }
+    return true;
+  }
+
+  /// Cutters by how little the best design of any cutter misses with them.
+  bool choose_cutters(const RefinementProblem& problem, const SetBound& bound) {
+    const std::optional<BestEnd> any = best_of_starts(without_cutter_rows(problem), bound, stop_);
+    if (!any) return false;
+    if (!any->found) {
+      take(*any);
+      return true;
+    }
+    struct Chosen {
+      RefinementProblem problem;
+      double violation = 0.0;
+    };
+    std::vector<Chosen> chosen;
+    for (const auto& choice : choices_) {
+      chosen.push_back({.problem = problem});
+      chosen.back().problem.cutter_teeth = choice;
+      chosen.back().violation = outcome_at(chosen.back().problem, any->outcome.v).violation;
+    }
+    std::ranges::stable_sort(chosen, {}, &Chosen::violation);
+    bool found = false;
+    for (const Chosen& own : chosen) {
+      if (stop_.load(std::memory_order_relaxed)) return false;
+      if (best_.found && !(any->outcome.objective < best_.outcome.objective)) return true;
+      const bool as_it_is = own.violation <= design::kFeasibilityTolerance;
+      BestEnd end;
+      end.offer(own.problem, as_it_is ? outcome_at(own.problem, any->outcome.v)
+                                      : best_within(own.problem, any->outcome.v));
+      found = found || end.found;
+      take(end);
+    }
+    return found || try_every_cutter(problem, bound);
+  }
+
+  const Specification& spec_;
+  std::vector<std::array<int, 2>> choices_;
+  double to_beat_;
+  const std::atomic<bool>& stop_;
+  BestEnd best_;
+  bool bounded_ = false;
+  std::optional<GridEnd> nearest_;
+};
+
+/// Says what the nearest point of the grid misses.
+void name_missed_on_grid(const GridEnd& nearest, RefinedSet& set) {
+  std::vector<double> g(nearest.held->rows.size());
+  const RefinementProblem& problem = *nearest.held;
+  if (evaluate<double>(problem, used(problem, nearest.outcome.v), g)) {
+    set.blocked_by = misses_of(problem, g);
+  }
+  set.blocked_together = set.blocked_by.size() > 1;
+  set.status = Status::kNoFeasibleFound;
+}
+
 }  // namespace
 
 Refiner::Refiner(const Specification& spec) : spec_(&spec) {
@@ -369,11 +483,14 @@ Refiner::Refiner(const Specification& spec) : spec_(&spec) {
 
 std::optional<RefinedSet> Refiner::refine(const Candidate& candidate, const ShiftRanges& shifts,
                                           std::span<const ModuleBound> bounds,
-                                          const std::atomic<bool>& stop) const {
+                                          const std::atomic<bool>& stop, double to_beat) const {
   const Specification& spec = *spec_;
   RefinedSet set;
   set.candidate = candidate;
-  BestEnd best;
+  const double scale = objective_scale(first_objective(spec), spec);
+  // Equals are told apart by who comes first, not here.
+  SetSearch search(spec, 2.0 * kBetterOnLattice - to_beat / scale, stop);
+  BestEnd& best = search.best();
   thread_local RefinementProblem problem;
   for (const auto& [pair, bound] : bounds) {
     if (best.found && most_of(spec, bound) <= -best.outcome.objective) continue;
@@ -382,10 +499,16 @@ std::optional<RefinedSet> Refiner::refine(const Candidate& candidate, const Shif
       if (pair && prototype.modules != *pair) continue;
       problem = prototype.problem;  // keeps the memory of its rows
       set_teeth(problem, candidate, shifts);
-      const std::optional<BestEnd> local = best_of_starts(problem, bound, stop);
-      if (!local) return std::nullopt;
-      if (local->problem) best.offer(*local->problem, local->outcome);
+      if (!search.search(problem, bound)) return std::nullopt;
     }
+  }
+  if (!best.found && search.bounded()) {
+    set.status = Status::kBounded;
+    return set;
+  }
+  if (!best.found && search.nearest()) {
+    name_missed_on_grid(*search.nearest(), set);
+    return set;
   }
   if (!best.problem) {
     set.status = Status::kFailed;
@@ -395,7 +518,7 @@ std::optional<RefinedSet> Refiner::refine(const Candidate& candidate, const Shif
     // The shifts' own checks may be what blocks: all rows take part.
     const RefinementProblem all = with_all_rows(*best.problem);
     const auto found = name_blocking_constraints(all, best.outcome, set);
-    if (!found) {
+    if (!found || spec.shift_step) {
       set.status = Status::kNoFeasibleFound;
       return set;
     }

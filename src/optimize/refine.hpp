@@ -22,12 +22,18 @@ class Refiner {
   /// is above what is found before, several starts each (the first where the bound lies), the best
   /// feasible end; when no start ends feasible, one more from the point of least violation.
   /// Thread-safe; the result depends on the arguments alone.
+  ///
+  /// Where shifts are on a grid, the optimum of every choice with free shifts bounds what its grid
+  /// points can have.  Of cutters to choose from, the optimum without what they have a say in
+  /// bounds all of them.
   /// @param bounds  of SetBounds::by_modules()
+  /// @param to_beat  merit_of() that is of no use: a set whose grid has nothing above it is bounded
   /// @returns empty when `stop` became true before the set was done
   [[nodiscard]] std::optional<RefinedSet> refine(const Candidate& candidate,
                                                  const ShiftRanges& shifts,
                                                  std::span<const ModuleBound> bounds,
-                                                 const std::atomic<bool>& stop) const;
+                                                 const std::atomic<bool>& stop,
+                                                 double to_beat = -kInfinity) const;
 
  private:
   const Specification* spec_;

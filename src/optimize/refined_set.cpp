@@ -35,6 +35,7 @@ train::TrainParameters<double> train_of(const Specification& spec, const Refined
   train.center_distance_m = set.train.center_distance_m;
   train.tip_shortening = set.train.tip_shortening;
   train.pressure_angle_rad = set.train.pressure_angle_rad;
+  train.cutter = cutters_of(spec, set.train.cutter_teeth);
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
     const auto stage = static_cast<std::size_t>(train::stage_of(static_cast<int>(i)));
     train.machining_allowance[i] =

@@ -42,6 +42,7 @@ struct RefinedTrain {
   std::array<double, train::kGearCount> tip_shortening{};
   double pressure_angle_rad = 0.0;
   std::array<double, 2> face_width_m{};  ///< by stage; 0 where it is not stated
+  std::array<int, 2> cutter_teeth{};     ///< of R1 and R2, where they are chosen; else 0
 };
 
 struct RefinedSet {

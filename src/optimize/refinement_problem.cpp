@@ -329,7 +329,7 @@ train::TrainParameters<T> parameters_at(const RefinementProblem& p, std::span<co
   t.planets = p.candidate.planets;
   t.pressure_angle_rad = alpha;
   t.khk_tip = spec.khk_tip;
-  t.cutter = spec.cutter;
+  t.cutter = cutters_of(spec, p.cutter_teeth);
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
     t.profile_shift[i] = v[i];
     t.tip_shortening[i] =

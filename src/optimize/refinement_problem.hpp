@@ -70,7 +70,8 @@ struct RefinementProblem {
   Candidate candidate;
   const Specification* spec = nullptr;  ///< must outlive the problem
   std::array<std::optional<double>, 2> fixed_module_m;
-  int angle_mesh = 0;  ///< mesh whose working angle is v[5]
+  std::array<int, 2> cutter_teeth{};  ///< of R1 and R2; 0: as stated
+  int angle_mesh = 0;                 ///< mesh whose working angle is v[5]
   int variables = 0;
   std::size_t scale = 0;           ///< place of m1/length_scale_m; 0: given, or from m2 and b
   std::size_t first_tip = 0;       ///< place of k_S; 0: tips are as stated

@@ -8,38 +8,13 @@
 #include <utility>
 
 #include "optimize/blocking.hpp"
+#include "optimize/lattice.hpp"
 #include "optimize/limit_prices.hpp"
 #include "optimize/objective_value.hpp"
-#include "optimize/slsqp.hpp"
 
 namespace gear3k::optimize {
 
 namespace {
-
-/// Multiples of a step, as numbers of few digits in the unit of files.
-class Multiples {
- public:
-  Multiples(double step_si, units::Unit unit)
-      : unit_(unit), step_(units::decimal_from_si(step_si, unit)), step_si_(step_si) {}
-  [[nodiscard]] double at(long k) const {
-    constexpr double kDigits = 1e12;
-    return units::to_si(std::round(static_cast<double>(k) * step_ * kDigits) / kDigits, unit_);
-  }
-  /// How many steps a value is.
-  [[nodiscard]] double count(double si) const { return si / step_si_; }
-  [[nodiscard]] long nearest(double si) const { return std::lround(count(si)); }
-  [[nodiscard]] long first_from(double si) const {
-    return static_cast<long>(std::ceil(count(si) - kSame));
-  }
-  [[nodiscard]] long last_to(double si) const {
-    return static_cast<long>(std::floor(count(si) + kSame));
-  }
-
- private:
-  static constexpr double kSame = 1e-7;
-  units::Unit unit_;
-  double step_, step_si_;
-};
 
 enum class AxisOf { kShift, kTip, kPressureAngle, kFaceWidth, kDistance };
 
@@ -50,17 +25,6 @@ struct Axis {
   std::size_t index = 0;  ///< gear or stage
   Multiples multiples;
 };
-
-/// Multiples that a box has of each axis, both ends included.
-using LatticeBox = std::vector<std::array<long, 2>>;
-
-struct BoxNode {
-  LatticeBox box;
-  SolveOutcome relaxed;
-};
-
-constexpr double kBetter = 1e-7;     ///< of the scaled objective: less is no gain
-constexpr double kOnLattice = 1e-6;  ///< of a step
 
 /// One choice of modules with its allowances, and one branch of the problem.
 class RoundingTask {
@@ -74,6 +38,7 @@ class RoundingTask {
             {spec_->module[0].range_m ? spec_->module[0].range_m->min : set.train.module_m[0],
              spec_->module[1].range_m ? spec_->module[1].range_m->min : set.train.module_m[1]},
             branch)) {
+    problem_.cutter_teeth = set.train.cutter_teeth;
     add_axes();
   }
 
@@ -106,17 +71,10 @@ class RoundingTask {
   }
 
   /// The best of a box with all values free, from a start; not feasible where none was found.
-  [[nodiscard]] SolveOutcome relax(const LatticeBox& box, Point start) const {
+  [[nodiscard]] SolveOutcome relax(const LatticeBox& box, const Point& start) const {
     RefinementProblem p = problem_;
     confine(box, p);
-    for (std::size_t k = 0; k < static_cast<std::size_t>(p.variables); ++k) {
-      start[k] = std::clamp(start[k], p.lower[k], p.upper[k]);
-    }
-    constexpr SlsqpOptions kNear{.working_margin = 0.3};
-    SolveOutcome end = solve_slsqp(p, start, kNear);
-    if (end.violation <= design::kFeasibilityTolerance) return end;
-    const SolveOutcome met = least_violation(p, start, {});
-    return met.violation <= design::kFeasibilityTolerance ? solve_slsqp(p, met.v, {}) : met;
+    return best_within(p, start);
   }
 
   /// How many steps an axis is at a point.
@@ -265,18 +223,7 @@ class RoundingTask {
     design.objective = -sense_of(problem_.objective) * problem_.objective_scale * *f;
     design.violation = worst_violation(g);
     if (design.violation <= design::kFeasibilityTolerance) return;
-    for (std::size_t k = 0; k < g.size(); ++k) {
-      if (!(g[k] < -design::kFeasibilityTolerance)) continue;
-      const auto same = std::ranges::find(design.missed, problem_.rows[k].name, &Miss::name);
-      if (same != design.missed.end() && same->violation >= -g[k]) continue;
-      const Miss miss = miss_of(problem_, problem_.rows[k], -g[k]);
-      if (same != design.missed.end()) {
-        *same = miss;
-      } else {
-        design.missed.push_back(miss);
-      }
-    }
-    std::ranges::stable_sort(design.missed, std::ranges::greater(), &Miss::violation);
+    design.missed = misses_of(problem_, g);
   }
 
   std::shared_ptr<const Specification> spec_;
@@ -323,57 +270,33 @@ class LatticeSearch {
     return task.relax(box, start);
   }
   [[nodiscard]] bool can_win(const BoxNode& node) const {
-    return feasible_node(node) && node.relaxed.objective < best_ - kBetter;
+    return feasible_node(node) && node.relaxed.objective < best_ - kBetterOnLattice;
   }
 
   void descend(const RoundingTask& task, BoxNode root) {
-    std::vector<BoxNode> open;
-    open.push_back(std::move(root));
-    while (!open.empty() && !cut()) {
-      const BoxNode node = std::move(open.back());
-      open.pop_back();
-      if (!can_win(node)) continue;
-      const auto axis = axis_to_cut(task, node);
-      if (!axis) continue;
-      const auto& [first, last] = node.box[*axis];
-      const double at = task.steps_at(task.axes()[*axis], node.relaxed.v);
-      const long below = std::clamp(static_cast<long>(std::floor(at)), first, last - 1);
-      std::array<BoxNode, 2> halves{BoxNode{.box = node.box, .relaxed = {}},
-                                    BoxNode{.box = node.box, .relaxed = {}}};
-      halves[0].box[*axis][1] = below;
-      halves[1].box[*axis][0] = below + 1;
-      for (BoxNode& half : halves) {
-        half.relaxed = relax(task, half.box, node.relaxed.v);
-        offer(task, half);
-      }
-      if (halves[0].relaxed.objective < halves[1].relaxed.objective)
-        std::swap(halves[0], halves[1]);
-      for (BoxNode& half : halves) {
-        if (can_win(half)) open.push_back(std::move(half));
-      }
-    }
+    search_boxes({.relax = [&](const LatticeBox& box,
+                               const Point& start) { return relax(task, box, start); },
+                  .steps_at = [&](std::size_t axis,
+                                  const Point& v) { return task.steps_at(task.axes()[axis], v); },
+                  .axis_to_cut = [&](const BoxNode& node) { return axis_to_cut(task, node); },
+                  .offer = [&](const BoxNode& node) { offer(task, node); },
+                  .can_win = [&](const BoxNode& node) { return can_win(node); },
+                  .cut = [&] { return cut(); }},
+                 std::move(root));
   }
 
-  /// The axis to cut a box at: the pressure angle, then the distance, then the value that is
-  /// farthest between two multiples; where all are on theirs, the longest.  Empty for a point.
+  /// The axis to cut a box at: the pressure angle, then the distance, then the farthest one.
   static std::optional<std::size_t> axis_to_cut(const RoundingTask& task, const BoxNode& node) {
-    std::optional<std::size_t> farthest, longest;
-    double most = kOnLattice;
-    for (std::size_t k = 0; k < task.axes().size(); ++k) {
-      const long length = node.box[k][1] - node.box[k][0];
-      if (length == 0) continue;
+    std::vector<double> steps(task.axes().size());
+    for (std::size_t k = 0; k < steps.size(); ++k) {
       const Axis& axis = task.axes()[k];
+      steps[k] = task.steps_at(axis, node.relaxed.v);
+      if (node.box[k][0] == node.box[k][1]) continue;
       if (axis.of == AxisOf::kPressureAngle) return k;
-      const double at = task.steps_at(axis, node.relaxed.v);
-      const double off = std::abs(at - std::round(at));
+      const double off = std::abs(steps[k] - std::round(steps[k]));
       if (axis.of == AxisOf::kDistance && off > kOnLattice) return k;
-      if (off > most) {
-        most = off;
-        farthest = k;
-      }
-      if (!longest || length > node.box[*longest][1] - node.box[*longest][0]) longest = k;
     }
-    return farthest ? farthest : longest;
+    return farthest_axis(node.box, steps);
   }
 
   void offer(const RoundingTask& task, const BoxNode& node) {

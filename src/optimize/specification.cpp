@@ -45,6 +45,14 @@ bool thinning_varies(const Specification& spec) {
   return false;
 }
 
+std::array<geometry::PinionCutter, train::kGearCount> cutters_of(const Specification& spec,
+                                                                 const std::array<int, 2>& teeth) {
+  auto cutters = spec.cutter;
+  if (teeth[0] > 0) cutters[train::kR1].teeth = teeth[0];
+  if (teeth[1] > 0) cutters[train::kR2].teeth = teeth[1];
+  return cutters;
+}
+
 double length_scale_m(const Specification& spec) { return least_module(spec.module[0]); }
 
 }  // namespace gear3k::optimize

@@ -109,11 +109,14 @@ struct Specification {
   std::array<ModuleChoice, 2> module;
   NumberRange profile_shift{.min = 0.0, .max = 1.0};
   std::optional<NumberRange> ring_shift;  ///< of R1 and R2; empty: as all gears
+  std::optional<double> shift_step;       ///< shifts are multiples of it; empty: any
   FreeVariables free;
   geometry::BasicRack<double> rack;
   std::array<double, train::kGearCount> tip_shortening{};
   std::array<bool, train::kGearCount> khk_tip{};  ///< S and P1
   std::array<geometry::PinionCutter, train::kGearCount> cutter{};
+  /// Rising numbers of teeth of which `cutter` takes one; where it has less than two, its own.
+  std::array<std::vector<int>, train::kGearCount> cutter_teeth{};
   train::AxialLayout axial;
   GearBodySizes bodies;
   /// In modules; of gears with a thickness allowance that of the least module.
@@ -182,6 +185,10 @@ T machining_allowance(const Specification& spec, std::size_t gear, const T& pres
   return stated ? backlash::machining_allowance_of(*stated, pressure_angle_rad, module_m)
                 : constant<T>(spec.machining_allowance[gear]);
 }
+
+/// The cutters with these teeth in R1 and R2; 0: as stated.
+std::array<geometry::PinionCutter, train::kGearCount> cutters_of(const Specification& spec,
+                                                                 const std::array<int, 2>& teeth);
 
 /// Length that makes lengths of this task of order 1: the least of stage 1's modules [m], so that
 /// what is feasible here is feasible to the analysis of the design with its own module.

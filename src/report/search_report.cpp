@@ -11,6 +11,7 @@
 
 #include "io/text/csv_table.hpp"
 #include "io/text/json.hpp"
+#include "optimize/cutter_choice.hpp"
 #include "optimize/objective_value.hpp"
 #include "report/display.hpp"
 #include "report/fields.hpp"
@@ -116,6 +117,10 @@ Fields refined_fields(const RefinedSet& s, const std::optional<double>& bound,
   }
   if (columns.strength && columns.masses) {
     optimum.add("torque_density_nm_per_kg", capacity_per_mass(s));
+  }
+  if (columns.cutters) {
+    optimum.add("cutter_R1_teeth", s.train.cutter_teeth[0]);
+    optimum.add("cutter_R2_teeth", s.train.cutter_teeth[1]);
   }
   return f;
 }
@@ -291,7 +296,8 @@ RefinedColumns refined_columns(const Specification& spec) {
           .tips = spec.free.tip_shortening.has_value(),
           .pressure_angle = spec.free.pressure_angle_rad.has_value(),
           .masses = optimize::knows_masses(spec),
-          .strength = spec.rating.has_value()};
+          .strength = spec.rating.has_value(),
+          .cutters = optimize::cutter_choices(spec).size() > 1};
 }
 
 std::vector<std::string> refined_column_names(const RefinedColumns& columns) {

@@ -61,6 +61,7 @@ struct RefinedColumns {
   /// b1_mm, b2_mm, torque_capacity_nm, torsional_stiffness_nm_per_rad; with masses
   /// torque_density_nm_per_kg.
   bool strength = false;
+  bool cutters = false;  ///< cutter_R1_teeth, cutter_R2_teeth; 0: not chosen
 };
 RefinedColumns refined_columns(const optimize::Specification& spec);
 /// Names of the columns, in their order.

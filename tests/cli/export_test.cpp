@@ -18,7 +18,7 @@ using nlohmann::json;
 using test::example, test::ProgramResult, test::read_text, test::replaced, test::Workplace,
     test::write_text;
 
-const std::vector<std::string> kDrawings{"S", "P1", "R1", "P2", "R2", "train"};
+const std::vector<std::string> kDrawings{"S", "P1", "R1", "P2", "R2", "train", "assembly"};
 
 std::string bilateral() { return example("designs/bilateral_drive_gear.toml"); }
 std::string prototype() { return example("designs/low_backlash_prototype.toml"); }
@@ -50,10 +50,10 @@ TEST(Export, WritesEveryGearAndTheTrainInBothFormats) {
   for (std::size_t k = 0; k < paths.size(); ++k) {
     const json& file = list.at("files")[k];
     EXPECT_EQ(file.at("path"), paths[k]);
-    EXPECT_EQ(file.at("drawing"), kDrawings[k % 6]);
-    EXPECT_EQ(file.at("format"), k < 6 ? "dxf" : "svg");
-    EXPECT_EQ(file.at("contours"), k % 6 == 5 ? 9 : 1);
-    EXPECT_GT(file.at("points"), 12 * 10);
+    EXPECT_EQ(file.at("drawing"), kDrawings[k % 7]);
+    EXPECT_EQ(file.at("format"), k < 7 ? "dxf" : "svg");
+    EXPECT_EQ(file.at("contours"), k % 7 == 5 ? 9 : k % 7 == 6 ? 5 : 1);
+    EXPECT_GE(file.at("points"), k % 7 == 6 ? 20 : 12 * 10);
   }
 }
 
@@ -64,10 +64,11 @@ TEST(Export, WritesTheOneFormatThatWasAskedFor) {
     const ProgramResult result =
         place.run({"export", "gear.toml", "--" + format, "out", "--format", "csv"});
     EXPECT_EQ(result.exit_code, 0) << result.err;
-    EXPECT_EQ(place.listing().size(), 8U);
+    EXPECT_EQ(place.listing().size(), 9U);
     const io::CsvTable table = io::parse_csv(result.out, "stdout");
-    ASSERT_EQ(table.rows.size(), 6U);
+    ASSERT_EQ(table.rows.size(), 7U);
     EXPECT_EQ(table.rows[5].fields[0], "out/train." + format);
+    EXPECT_EQ(table.rows[6].fields[0], "out/assembly." + format);
   }
 }
 

@@ -21,7 +21,7 @@ namespace gear3k::io {
 
 namespace {
 
-constexpr std::string_view kFormat = "gear3k refinement journal 1\n";
+constexpr std::string_view kFormat = "gear3k refinement journal 2\n";
 constexpr std::uint32_t kMostBytes = 4096;  ///< of a record
 constexpr std::uint8_t kNoCheck = 255, kStage1Module = 254, kStage2Module = 253;
 

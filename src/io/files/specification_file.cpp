@@ -14,6 +14,7 @@
 #include "io/keys/model_keys.hpp"
 #include "io/keys/robust_keys.hpp"
 #include "io/keys/specification_keys.hpp"
+#include "optimize/lattice.hpp"
 #include "optimize/objective_value.hpp"
 
 namespace gear3k::io {
@@ -37,6 +38,27 @@ void check_free(const optimize::Specification& spec, FileReading& reading) {
   if (spec.free.tip_shortening && (spec.khk_tip[train::kS] || spec.khk_tip[train::kP1])) {
     reading.error_at(tips, fmt::format("{} and tip_rule = \"khk\": allowed: one of them", tips));
   }
+}
+
+/// Shifts that are multiples of a step.
+void finish_shift_step(optimize::Specification& spec, FileReading& reading) {
+  if (!spec.shift_step) return;
+  const double step = *spec.shift_step;
+  if (reading.stated("round.profile_shift")) {
+    reading.error_at("round.profile_shift",
+                     "round.profile_shift and profile_shift.step: allowed: one of them");
+  }
+  spec.round.profile_shift = step;
+  const optimize::Multiples multiples(step, units::Unit::kModules);
+  const auto holds_one = [&](const char* key, const optimize::NumberRange& range) {
+    if (multiples.first_from(range.min) <= multiples.last_to(range.max)) return;
+    reading.error_at(reading.stated(key) ? key : "profile_shift.step",
+                     fmt::format("{} = [{:g}, {:g}] with profile_shift.step = {:g}: allowed: a "
+                                 "range that holds a multiple of the step",
+                                 key, range.min, range.max, step));
+  };
+  holds_one("profile_shift.range", spec.profile_shift);
+  if (spec.ring_shift) holds_one("profile_shift.ring_range", *spec.ring_shift);
 }
 
 void check_objectives(const optimize::Specification& spec, FileReading& reading) {
@@ -128,8 +150,13 @@ void check_relations(const Input& input, FileReading& reading) {
   check_axial(spec.axial, reading);
   check_rack(spec.rack, spec.pressure_angle_rad, reading);
   check_friction(spec.friction, reading);
-  check_cutter("cutter.R1", spec.cutter[train::kR1], teeth.R1_max, reading);
-  check_cutter("cutter.R2", spec.cutter[train::kR2], teeth.R2_max, reading);
+  for (const auto& [ring, teeth_of_ring] :
+       {std::pair{train::kR1, teeth.R1_max}, std::pair{train::kR2, teeth.R2_max}}) {
+    geometry::PinionCutter largest = spec.cutter[ring];
+    if (!spec.cutter_teeth[ring].empty()) largest.teeth = spec.cutter_teeth[ring].back();
+    check_cutter(fmt::format("cutter.{}", train::kGearNames[ring]), largest, teeth_of_ring,
+                 reading);
+  }
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
     if (spec.khk_tip[i] && spec.tip_shortening[i] > 0.0) {
       reading.error_at(
@@ -297,6 +324,7 @@ optimize::Specification specification_from(const TomlValue& document, const std:
   input.spec.limits = finish_limits(input.limits, reading);
   input.spec.thermal = finish_thermal(input.thermal, input.limits, input.spec.limits, reading);
   finish_bodies(input.spec);
+  finish_shift_step(input.spec, reading);
   unite_modules(input.spec, reading);
   finish_rating(input, reading);
   check_relations(input, reading);

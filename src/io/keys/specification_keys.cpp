@@ -249,6 +249,10 @@ void append_free_keys(std::vector<Key<Input>>& keys) {
   add(number("profile_shift.ring_range", Unit::kNone, within(-5.0, 5.0), "profile_shift.range",
              "profile shift of R1 and R2"),
       of_spec(&Specification::ring_shift));
+  keys.push_back(
+      make_key<Input>(number("profile_shift.step", Unit::kModules, within(1e-3, 1.0), "none",
+                             "profile shifts are multiples of it; without it any in their ranges"),
+                      of_spec(&Specification::shift_step)));
   add(number("free.addendum", Unit::kNone, within(0.2, 2.0), "rack.addendum",
              "addendum of each gear, refined in this range; best.toml states it as rack.addendum "
              "less tip_shortening"),
@@ -292,6 +296,30 @@ std::vector<Key<LossInput>> operating_point_keys() {
   return keys;
 }
 
+/// Makes the number of teeth of a ring's cutter a list to choose from.
+void choose_from_cutters(std::size_t ring, std::vector<Key<Input>>& keys) {
+  const std::string path = fmt::format("cutter.{}.teeth", train::kGearNames[ring]);
+  const auto key =
+      std::ranges::find_if(keys, [&](const Key<Input>& k) { return k.record.path == path; });
+  key->record.type = KeyType::kIntegers;
+  key->record.help =
+      "teeth of the pinion cutter that shapes the ring, or of all at hand (one profile_shift, one "
+      "tip_radius), of which optimize chooses; fewer than the ring's; without it the ring's root "
+      "is filleted by an arc of rack.root_radius";
+  key->assign = [ring](const KeyRecord& r, Input& t, std::size_t, const TomlValue& v) {
+    std::vector<int> teeth;
+    store(r, v, teeth);
+    sort_and_unify(teeth);
+    if (teeth.empty()) return;
+    t.spec.cutter[ring].teeth = teeth.front();
+    t.spec.cutter_teeth[ring] = std::move(teeth);
+  };
+  key->state = [ring](const KeyRecord& r, const Input& t, std::size_t) {
+    const std::vector<int>& listed = t.spec.cutter_teeth[ring];
+    return stated(r, listed.empty() ? std::vector{t.spec.cutter[ring].teeth} : listed);
+  };
+}
+
 std::vector<Key<Input>> specification_keys() {
   std::vector<Key<Input>> keys;
   keys.push_back(make_key<Input>({.path = "name",
@@ -321,6 +349,7 @@ std::vector<Key<Input>> specification_keys() {
     append_keys(
         keys, cutter_keys(), [ring](auto& t, std::size_t) -> auto& { return t.spec.cutter[ring]; },
         fmt::format("cutter.{}.", train::kGearNames[ring]));
+    choose_from_cutters(ring, keys);
   }
   append_keys(keys, axial_keys(), of_spec(&Specification::axial));
   append_keys(keys, thermal_keys(), &Input::thermal);

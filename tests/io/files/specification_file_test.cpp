@@ -185,6 +185,36 @@ TEST(ReadSpecification, RelationsAreCheckedBetweenKeys) {
       << backlash;
 }
 
+TEST(ReadSpecification, AStepOfTheShiftsIsThatOfRoundingToo) {
+  const Specification spec = parse(kMinimal + "[profile_shift]\nstep = 0.05\n");
+  EXPECT_EQ(spec.shift_step, 0.05);
+  EXPECT_EQ(spec.round.profile_shift, 0.05);
+  EXPECT_FALSE(parse(kMinimal).shift_step);
+  const std::string both = errors_of(
+      kMinimal +
+      "[profile_shift]\nstep = 0.25\nrange = [0.03, 0.07]\n[round]\nprofile_shift = 0.1\n");
+  EXPECT_NE(both.find("spec.toml:14:1: profile_shift.range = [0.03, 0.07] with"), std::string::npos)
+      << both;
+  EXPECT_NE(both.find("spec.toml:16:1: round.profile_shift and profile_shift.step"),
+            std::string::npos)
+      << both;
+}
+
+TEST(ReadSpecification, CuttersAreOneOrAListToChooseFrom) {
+  const std::string one = "[cutter.R1]\nteeth = 20\ntip_radius = 0.2\n";
+  const Specification single = parse(kMinimal + one);
+  EXPECT_EQ(single.cutter[2].teeth, 20);
+  EXPECT_EQ(single.cutter[2].tip_radius, 0.2);
+  const Specification listed = parse(kMinimal + replaced(one, "20", "[34, 20, 25, 20]"));
+  EXPECT_EQ(listed.cutter[2].teeth, 20);
+  EXPECT_EQ(listed.cutter_teeth[2], (std::vector<int>{20, 25, 34}));
+  EXPECT_TRUE(listed.cutter_teeth[4].empty());
+  const std::string large = errors_of(kMinimal + replaced(one, "20", "[20, 120]"));
+  EXPECT_NE(large.find("spec.toml:13:1: cutter.R1.teeth = 120: allowed: below the 120"),
+            std::string::npos)
+      << large;
+}
+
 TEST(ReadSpecification, TellsHowManySetsTooWideRangesHold) {
   // The widest that every key by itself allows.
   std::string text = replaced(kMinimal, "S = [12, 13]", "S = [4, 500]");

@@ -1,0 +1,90 @@
+#include "optimize/lattice.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "optimize/slsqp.hpp"
+
+namespace gear3k::optimize {
+
+namespace {
+constexpr double kSameStep = 1e-7;  // of a step
+}  // namespace
+
+Multiples::Multiples(double step_si, units::Unit unit)
+    : unit_(unit), step_(units::decimal_from_si(step_si, unit)), step_si_(step_si) {}
+
+double Multiples::at(long k) const {
+  constexpr double kDigits = 1e12;
+  return units::to_si(std::round(static_cast<double>(k) * step_ * kDigits) / kDigits, unit_);
+}
+
+long Multiples::nearest(double si) const { return std::lround(count(si)); }
+
+long Multiples::first_from(double si) const {
+  return static_cast<long>(std::ceil(count(si) - kSameStep));
+}
+
+long Multiples::last_to(double si) const {
+  return static_cast<long>(std::floor(count(si) + kSameStep));
+}
+
+std::optional<std::size_t> farthest_axis(const LatticeBox& box, std::span<const double> steps) {
+  std::optional<std::size_t> farthest, longest;
+  double most = kOnLattice;
+  for (std::size_t k = 0; k < box.size(); ++k) {
+    const long length = box[k][1] - box[k][0];
+    if (length == 0) continue;
+    const double off = std::abs(steps[k] - std::round(steps[k]));
+    if (off > most) {
+      most = off;
+      farthest = k;
+    }
+    if (!longest || length > box[*longest][1] - box[*longest][0]) longest = k;
+  }
+  return farthest ? farthest : longest;
+}
+
+SolveOutcome best_within(const RefinementProblem& problem, Point start) {
+  const auto feasible = [](const SolveOutcome& outcome) {
+    return outcome.violation <= design::kFeasibilityTolerance;
+  };
+  for (std::size_t k = 0; k < static_cast<std::size_t>(problem.variables); ++k) {
+    start[k] = std::clamp(start[k], problem.lower[k], problem.upper[k]);
+  }
+  constexpr SlsqpOptions kNear{.working_margin = 0.3};
+  const SolveOutcome end = solve_slsqp(problem, start, kNear);
+  if (feasible(end)) return end;
+  const SolveOutcome met = least_violation(problem, start, {});
+  return feasible(met) ? solve_slsqp(problem, met.v, {}) : met;
+}
+
+void search_boxes(const BoxProblem& problem, BoxNode root) {
+  std::vector<BoxNode> open;
+  open.push_back(std::move(root));
+  while (!open.empty() && !problem.cut()) {
+    const BoxNode node = std::move(open.back());
+    open.pop_back();
+    if (!problem.can_win(node)) continue;
+    const auto axis = problem.axis_to_cut(node);
+    if (!axis) continue;
+    const auto& [first, last] = node.box[*axis];
+    const double at = problem.steps_at(*axis, node.relaxed.v);
+    const long below = std::clamp(static_cast<long>(std::floor(at)), first, last - 1);
+    std::array<BoxNode, 2> halves{BoxNode{.box = node.box, .relaxed = {}},
+                                  BoxNode{.box = node.box, .relaxed = {}}};
+    halves[0].box[*axis][1] = below;
+    halves[1].box[*axis][0] = below + 1;
+    for (BoxNode& half : halves) {
+      half.relaxed = problem.relax(half.box, node.relaxed.v);
+      problem.offer(half);
+    }
+    if (halves[0].relaxed.objective < halves[1].relaxed.objective) std::swap(halves[0], halves[1]);
+    for (BoxNode& half : halves) {
+      if (problem.can_win(half)) open.push_back(std::move(half));
+    }
+  }
+}
+
+}  // namespace gear3k::optimize

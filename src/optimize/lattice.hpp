@@ -1,0 +1,70 @@
+#pragma once
+// Branch and bound over boxes of a lattice.
+
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "optimize/solve_outcome.hpp"
+#include "units/units.hpp"
+
+namespace gear3k::optimize {
+
+/// Multiples of a step, as numbers of few digits in the unit of files.
+class Multiples {
+ public:
+  Multiples(double step_si, units::Unit unit);
+  [[nodiscard]] double at(long k) const;
+  /// How many steps a value is.
+  [[nodiscard]] double count(double si) const { return si / step_si_; }
+  [[nodiscard]] long nearest(double si) const;
+  [[nodiscard]] long first_from(double si) const;
+  [[nodiscard]] long last_to(double si) const;
+
+ private:
+  units::Unit unit_;
+  double step_, step_si_;
+};
+
+/// Multiples that a box has of each axis, both ends included.
+using LatticeBox = std::vector<std::array<long, 2>>;
+
+/// A box with the best of it where all values are free.
+struct BoxNode {
+  LatticeBox box;
+  SolveOutcome relaxed;
+};
+
+/// What a search over boxes asks of its problem.
+struct BoxProblem {
+  /// The best of a box with all values free, from a start.
+  std::function<SolveOutcome(const LatticeBox&, const Point&)> relax;
+  /// How many steps an axis is at a point.
+  std::function<double(std::size_t, const Point&)> steps_at;
+  /// The axis to cut a box at; empty for a point.
+  std::function<std::optional<std::size_t>(const BoxNode&)> axis_to_cut;
+  std::function<void(const BoxNode&)> offer;    ///< is told of every box
+  std::function<bool(const BoxNode&)> can_win;  ///< whether a box may hold the best point
+  std::function<bool()> cut;                    ///< whether the search is to end
+};
+
+/// Cuts a box in two at an axis, next to its relaxed value, and each half in turn, as long as they
+/// can win; the better half first.
+void search_boxes(const BoxProblem& problem, BoxNode root);
+
+/// Of the axes of which a box has more than one multiple: the one farthest between two multiples;
+/// where all are on theirs, the longest; empty for a point.
+/// @param steps  how many steps each axis is
+std::optional<std::size_t> farthest_axis(const LatticeBox& box, std::span<const double> steps);
+
+/// The best of a problem's box from a start near its end; where that is not feasible, from the
+/// point of least violation on, which is returned where that is not feasible either.
+SolveOutcome best_within(const RefinementProblem& problem, Point start);
+
+inline constexpr double kOnLattice = 1e-6;        ///< of a step
+inline constexpr double kBetterOnLattice = 1e-7;  ///< of the scaled objective: less is no gain
+
+}  // namespace gear3k::optimize

@@ -1,0 +1,35 @@
+#pragma once
+// The best design of one problem whose profile shifts are multiples of a step.
+
+#include <atomic>
+#include <cstddef>
+#include <optional>
+
+#include "optimize/refinement_problem.hpp"
+#include "optimize/solve_outcome.hpp"
+
+namespace gear3k::optimize {
+
+/// What was found on the grid of Specification::shift_step; all other values are free.
+struct GridEnd {
+  /// The problem with its shifts held at the end's; empty where no point was found.
+  std::optional<RefinementProblem> held;
+  SolveOutcome outcome;  ///< the best feasible point, else the one that violates least
+  bool found = false;    ///< feasible, and better than what was to be beaten
+  bool complete = true;  ///< the search was not cut short
+  std::size_t relaxations = 0;
+};
+
+/// Branch and bound over the multiples that the problem's box has of each shift: the problem with
+/// the shifts of a box free bounds what its points can have; a box is cut in two at the shift that
+/// is farthest between two multiples, until its points are no better than the best.
+///
+/// Relaxations are solved locally: a box whose best point no run finds is lost.
+/// Source: own derivation, docs/theory §12.
+/// @param free  an end of the problem, from which the search begins
+/// @param to_beat  only points of a lower (scaled) objective count
+/// @param stop  ends the search, which is not complete then
+GridEnd best_on_grid(const RefinementProblem& problem, const SolveOutcome& free, double to_beat,
+                     const std::atomic<bool>& stop);
+
+}  // namespace gear3k::optimize

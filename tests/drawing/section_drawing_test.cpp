@@ -1,0 +1,255 @@
+// The assembly drawing, read back from its files, against the design's own numbers.
+
+#include "drawing/section_drawing.hpp"
+
+#include <dl_creationadapter.h>
+#include <dl_dxf.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "design/evaluation.hpp"
+#include "drawing/dxf_file.hpp"
+#include "io/files/design_file.hpp"
+
+namespace gear3k::drawing::section_drawing_test {
+namespace {
+
+// 12/64/141/52/132 with everything that the drawing can tell.
+constexpr const char* kDesign = R"(
+name = "section"
+planets = 3
+center_distance_mm = 20.3
+[rack]
+addendum = 1.0
+[stage1]
+module_mm = 0.52
+face_width_mm = 8.0
+[stage2]
+module_mm = 0.5
+face_width_mm = 6.0
+[gears.S]
+teeth = 12
+profile_shift = 0.3
+[gears.P1]
+teeth = 64
+profile_shift = 0.4
+[gears.R1]
+teeth = 141
+profile_shift = 0.9
+outer_diameter_mm = 84.0
+[gears.P2]
+teeth = 52
+profile_shift = 0.3
+[gears.R2]
+teeth = 132
+profile_shift = 0.9
+outer_diameter_mm = 78.0
+)";
+constexpr const char* kAxial = R"(
+[axial]
+S_mm = [1.0, 9.0]
+P1_mm = [0.0, 8.5]
+R1_mm = [0.5, 8.5]
+P2_mm = [9.0, 15.5]
+R2_mm = [9.5, 15.5]
+)";
+
+struct Drawn {
+  design::Design design;
+  design::Evaluation evaluation;
+  SectionDrawing section;
+};
+Drawn drawn(const std::string& text) {
+  design::Design design = io::parse_design(text, "gear.toml");
+  const auto evaluation = std::get<design::Evaluation>(design::evaluate(design));
+  SectionDrawing section = make_section(design, evaluation, {"a note of the drawings"});
+  return {.design = std::move(design), .evaluation = evaluation, .section = std::move(section)};
+}
+
+/// Dimensions [mm] by name, as the text of an SVG has them.
+std::map<std::string, double> dimensions_in(const std::string& svg) {
+  std::map<std::string, double> found;
+  const std::regex group("data-name=\"([^\"]*)\" data-value=\"([^\"]*)\"");
+  for (std::sregex_iterator at(svg.begin(), svg.end(), group), end; at != end; ++at) {
+    found[(*at)[1]] = std::stod((*at)[2]);
+  }
+  return found;
+}
+
+std::map<std::string, double> expected_diameters(const design::Evaluation& e) {
+  std::map<std::string, double> expected;
+  for (const design::GearResult& gear : e.gears) {
+    expected[gear.name + " tip diameter"] = 1e3 * gear.tip_diameter_m;
+    if (gear.name[0] == 'R') expected[gear.name + " root diameter"] = 1e3 * gear.root_diameter_m;
+  }
+  expected["centre distance"] = 20.3;
+  return expected;
+}
+
+bool any_note(const SectionDrawing& section, const std::string& part) {
+  return std::ranges::any_of(
+      section.notes, [&](const std::string& note) { return note.find(part) != std::string::npos; });
+}
+
+TEST(SectionDrawing, SvgTellsEveryDimensionOfTheDesign) {
+  const Drawn d = drawn(std::string(kDesign) + kAxial);
+  std::map<std::string, double> expected = expected_diameters(d.evaluation);
+  expected.insert({{"R1 outer diameter", 84.0},
+                   {"R2 outer diameter", 78.0},
+                   {"S face width", 8.0},
+                   {"P1 face width", 8.5},
+                   {"R1 face width", 8.0},
+                   {"P2 face width", 6.5},
+                   {"R2 face width", 6.0},
+                   {"length", 15.5}});
+  const auto found = dimensions_in(svg_text(d.section));
+  ASSERT_EQ(found.size(), expected.size());
+  for (const auto& [name, value] : expected) {
+    ASSERT_TRUE(found.contains(name)) << name;
+    EXPECT_NEAR(found.at(name), value, 1e-6) << name;
+  }
+  EXPECT_TRUE(any_note(d.section, "P2 9.000 to 15.500"));
+  EXPECT_TRUE(any_note(d.section, "a note of the drawings"));
+}
+
+TEST(SectionDrawing, SvgIsBalancedAndItsBodiesLieWhereTheAxialTableSays) {
+  const Drawn d = drawn(std::string(kDesign) + kAxial);
+  const std::string svg = svg_text(d.section);
+  // Every element is closed.
+  const std::regex tag("<(/?)([a-z]+)([^>]*?)(/?)>");
+  std::vector<std::string> open;
+  for (std::sregex_iterator at(svg.begin(), svg.end(), tag), end; at != end; ++at) {
+    if ((*at)[1] == "/") {
+      ASSERT_FALSE(open.empty());
+      EXPECT_EQ(open.back(), (*at)[2]);
+      open.pop_back();
+    } else if ((*at)[4] != "/") {
+      open.push_back((*at)[2]);
+    }
+  }
+  EXPECT_TRUE(open.empty());
+  std::map<std::string, double> left, width, height;
+  const std::regex rect(
+      "<rect id=\"([^\"]*)\" x=\"([^\"]*)\" y=\"[^\"]*\" width=\"([^\"]*)\" height=\"([^\"]*)\"");
+  for (std::sregex_iterator at(svg.begin(), svg.end(), rect), end; at != end; ++at) {
+    left[(*at)[1]] = std::stod((*at)[2]);
+    width[(*at)[1]] = std::stod((*at)[3]);
+    height[(*at)[1]] = std::stod((*at)[4]);
+  }
+  EXPECT_NEAR(left["R2"] - left["P1"], 9.5, 2e-6);
+  EXPECT_NEAR(left["S"] - left["P1"], 1.0, 2e-6);
+  EXPECT_NEAR(width["P2"], 6.5, 1e-6);
+  const auto& gears = d.evaluation.gears;
+  EXPECT_NEAR(height["P1"], 1e3 * gears[train::kP1].tip_diameter_m, 1e-6);
+  EXPECT_NEAR(height["R1"], 0.5 * (84.0 - 1e3 * gears[train::kR1].tip_diameter_m), 1e-6);
+}
+
+struct SectionReader : public DL_CreationAdapter {
+  void addLayer(const DL_LayerData& layer) override { layers.push_back(layer.name); }
+  void addPolyline(const DL_PolylineData& line) override {
+    EXPECT_EQ(line.flags & 1, 1);
+    bodies[getAttributes().getLayer()] = {};
+    last = getAttributes().getLayer();
+  }
+  void addVertex(const DL_VertexData& v) override { bodies[last].push_back({v.x, v.y}); }
+  void addText(const DL_TextData& text) override {
+    texts.emplace_back(getAttributes().getLayer(), text.text);
+  }
+  void addLine(const DL_LineData& line) override {
+    if (getAttributes().getLayer() == kDimensionLayer) {
+      lengths.push_back(std::hypot(line.x2 - line.x1, line.y2 - line.y1));
+    }
+  }
+  std::string last;
+  std::vector<std::string> layers;
+  std::map<std::string, std::vector<std::array<double, 2>>> bodies;
+  std::vector<std::pair<std::string, std::string>> texts;
+  std::vector<double> lengths;
+};
+
+TEST(SectionDrawing, DxfReadsBackWithBodiesDimensionsAndNotes) {
+  const Drawn d = drawn(std::string(kDesign) + kAxial);
+  std::istringstream stream(dxf_text(d.section));
+  SectionReader reader;
+  DL_Dxf dxf;
+  ASSERT_TRUE(dxf.in(stream, &reader));
+  ASSERT_EQ(reader.bodies.size(), 5U);
+  const auto& ring = reader.bodies.at("R1");
+  ASSERT_EQ(ring.size(), 4U);
+  EXPECT_NEAR(ring[0][0], 0.5, 1e-9);
+  EXPECT_NEAR(ring[2][0], 8.5, 1e-9);
+  EXPECT_NEAR(ring[0][1], 500.0 * d.evaluation.gears[train::kR1].tip_diameter_m, 1e-9);
+  EXPECT_NEAR(ring[2][1], 42.0, 1e-9);
+  for (const char* layer :
+       {"S", "P1", "R1", "P2", "R2", kDimensionLayer, kNotesLayer, kConstructionLayer}) {
+    EXPECT_NE(std::ranges::find(reader.layers, layer), reader.layers.end()) << layer;
+  }
+  const auto has_text = [&](const char* layer, const std::string& part) {
+    return std::ranges::any_of(reader.texts, [&](const auto& text) {
+      return text.first == layer && text.second.find(part) != std::string::npos;
+    });
+  };
+  EXPECT_TRUE(has_text(kDimensionLayer, "a 20.3000"));
+  EXPECT_TRUE(has_text(kDimensionLayer, "R1 outer %%c84.000"));
+  EXPECT_TRUE(has_text(kDimensionLayer, "P2 6.500"));
+  EXPECT_TRUE(has_text(kNotesLayer, "planet 3: direction 240.0000 deg"));
+  // A line as long as each thing that is measured; of diameters about the sun's axis, half of it.
+  for (const double length :
+       {20.3, 42.0, 39.0, 8.5, 6.5, 15.5, 1e3 * d.evaluation.gears[train::kP1].tip_diameter_m}) {
+    EXPECT_TRUE(std::ranges::any_of(reader.lengths, [&](double own) {
+      return std::abs(own - length) < 1e-8;
+    })) << length;
+  }
+}
+
+TEST(SectionDrawing, SaysWhatIsNotStatedAndTellsNoDimensionOfIt) {
+  const Drawn side = drawn(kDesign);
+  EXPECT_TRUE(any_note(side.section, "side by side"));
+  EXPECT_NEAR(dimensions_in(svg_text(side.section)).at("length"), 14.0, 1e-6);
+  std::string bare = kDesign;
+  for (const char* line : {"face_width_mm = 8.0\n", "face_width_mm = 6.0\n",
+                           "outer_diameter_mm = 84.0\n", "outer_diameter_mm = 78.0\n"}) {
+    bare.erase(bare.find(line), std::string(line).size());
+  }
+  const Drawn d = drawn(bare);
+  EXPECT_TRUE(any_note(d.section, "face widths are not stated"));
+  EXPECT_TRUE(any_note(d.section, "the outer diameter of R1 is not stated"));
+  const auto found = dimensions_in(svg_text(d.section));
+  const auto expected = expected_diameters(d.evaluation);
+  ASSERT_EQ(found.size(), expected.size());
+  for (const auto& [name, value] : expected) EXPECT_NEAR(found.at(name), value, 1e-6) << name;
+}
+
+TEST(SectionDrawing, TellsPastWhichGearsSunAndRingsGo) {
+  const Drawn d = drawn(kDesign);
+  const auto tip = [&](std::size_t gear) {
+    return 500.0 * d.evaluation.gears[gear].tip_diameter_m;
+  };
+  const double sun = 20.3 - tip(train::kP2) - tip(train::kS);
+  const double ring2 = 20.3 + tip(train::kP1) - tip(train::kR2);
+  ASSERT_GT(sun, 0.0);
+  ASSERT_GT(ring2, 0.0);
+  const auto text = [](double value) {
+    std::ostringstream out;
+    out.precision(3);
+    out << std::fixed << value;
+    return out.str();
+  };
+  EXPECT_TRUE(any_note(d.section,
+                       "S goes in along the axis from P1's side; from P2's, it passes P2 "
+                       "by " +
+                           text(sun)));
+  EXPECT_TRUE(any_note(d.section, "P1 is in its way by " + text(ring2)));
+}
+
+}  // namespace
+}  // namespace gear3k::drawing::section_drawing_test

@@ -1,0 +1,208 @@
+// Designs whose shifts are multiples of a step against every point of the grid, and stated cutters
+// against one search for each of them.
+
+#include "optimize/shift_grid.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+
+#include "optimize/cutter_choice.hpp"
+#include "optimize/lattice.hpp"
+#include "optimize/limit_prices.hpp"
+#include "optimize/objective_value.hpp"
+#include "optimize/optimizer.hpp"
+#include "tests/optimize/random_specification.hpp"
+#include "tests/sample.hpp"
+
+namespace gear3k::optimize::shift_grid_test {
+namespace {
+
+constexpr double kStep = 0.25;
+
+/// Two lists of modules in both stages, three shifts for every gear, and room for so coarse a grid.
+test::RandomTask grid_task(std::uint64_t seed, std::size_t most) {
+  using design::CheckId;
+  test::RandomTask task = test::random_task(seed, most);
+  Specification& spec = task.spec;
+  spec.profile_shift = {.min = -0.05, .max = 0.55};
+  spec.ring_shift = NumberRange{.min = 0.1, .max = 0.8};
+  spec.shift_step = kStep;
+  spec.module[0] = {.range_m = std::nullopt, .series_m = {0.5e-3, 0.6e-3}};
+  spec.module[1] = spec.module[0];
+  if (seed % 2 == 0) spec.module[1].series_m = {0.8e-3};
+  spec.limits[CheckId::kOutputBacklashMax] = std::nullopt;
+  spec.limits[CheckId::kContactRatioMin] = 1.0;
+  spec.limits[CheckId::kContactRatioMax] = std::nullopt;
+  spec.solver.starts = 4;
+  spec.ratio.tolerance = 0.01;
+  return task;
+}
+
+/// The least scaled objective over the centre distance alone, by scanning it ever finer: about the
+/// best point, or while none is feasible about the one that misses least.
+double best_distance(const RefinementProblem& problem, Point v) {
+  std::vector<double> g(problem.rows.size());
+  double from = problem.lower[kAngleA], to = problem.upper[kAngleA];
+  double best = kInfinity, missed = kInfinity, at = from;
+  constexpr int kPoints = 100, kTimes = 7;
+  for (int n = 0; n < kTimes; ++n) {
+    const double width = (to - from) / kPoints;
+    for (int k = 0; k <= kPoints; ++k) {
+      v[kAngleA] = from + k * width;
+      const auto f = evaluate<double>(problem, used(problem, v), g);
+      if (!f) continue;
+      const double violation = worst_violation(g);
+      if (violation <= design::kFeasibilityTolerance ? *f < best
+                                                     : best == kInfinity && violation < missed) {
+        (violation <= design::kFeasibilityTolerance ? best : missed) =
+            violation <= design::kFeasibilityTolerance ? *f : violation;
+        at = v[kAngleA];
+      }
+    }
+    from = std::max(problem.lower[kAngleA], at - 2.0 * width);
+    to = std::min(problem.upper[kAngleA], at + 2.0 * width);
+  }
+  return best;
+}
+
+/// The best merit of all points of the grid, all pairs of modules; minus infinity: none is
+/// feasible.
+double best_of_all(const Specification& spec, const Candidate& candidate) {
+  double best = kInfinity;
+  const std::vector<double> gear{0.0, 0.25, 0.5}, ring{0.25, 0.5, 0.75};
+  for (const RefinementProblem& problem : test::problems_of(spec, candidate)) {
+    EXPECT_EQ(problem.variables, 6);
+    Point v = problem.lower;
+    for (const double s : gear) {
+      for (const double p1 : gear) {
+        for (const double r1 : ring) {
+          for (const double p2 : gear) {
+            for (const double r2 : ring) {
+              std::ranges::copy(std::array{s, p1, r1, p2, r2}, v.begin());
+              best = std::min(best, best_distance(problem, v));
+            }
+          }
+        }
+      }
+    }
+  }
+  return -best;
+}
+
+TEST(ShiftGrid, SetsAreAsGoodAsTheBestPointOfTheWholeGrid) {
+  constexpr double kSame = 1e-6;
+  const int wanted = sample(2, 20);
+  int compared = 0, none = 0;
+  for (std::uint64_t seed = 1; seed <= 400 && compared < wanted; ++seed) {
+    const test::RandomTask task = grid_task(seed, 1);
+    if (task.candidates.empty()) continue;
+    Specification free = task.spec;
+    free.shift_step.reset();
+    if (refine(free, task.candidates[0]).status != Status::kOptimal) continue;
+    const RefinedSet set = refine(task.spec, task.candidates[0]);
+    const double best = best_of_all(task.spec, task.candidates[0]);
+    ++compared;
+    EXPECT_EQ(set.status == Status::kOptimal, best > -kInfinity)
+        << seed << " " << kStatusNames[static_cast<std::size_t>(set.status)] << " " << best;
+    if (set.status != Status::kOptimal) {
+      ++none;
+      EXPECT_FALSE(set.blocked_by.empty()) << seed;
+      continue;
+    }
+    EXPECT_NEAR(merit_of(task.spec, set), best, kSame) << seed;
+    for (const double x : set.train.profile_shift) {
+      EXPECT_EQ(x, kStep * std::round(x / kStep)) << seed;
+    }
+    EXPECT_FALSE(held_back(task.spec, set, task.spec.limits).missing.empty());
+  }
+  EXPECT_EQ(compared, wanted);
+  std::cout << compared << " grids, " << none << " without a feasible point\n";
+}
+
+TEST(ShiftGrid, ASearchForTheBestAloneEndsAtTheBestOfAllSets) {
+  const int wanted = sample(1, 20);
+  int compared = 0;
+  for (std::uint64_t seed = 1; seed <= 400 && compared < wanted; ++seed) {
+    const test::RandomTask task = grid_task(seed, 0);
+    Progress progress;
+    const OptimizeResult all = optimize(task.spec, progress);
+    if (!all.best) continue;
+    ++compared;
+    const OptimizeResult certified = optimize(task.spec, progress, {.best_only = true});
+    ASSERT_TRUE(certified.best && certified.certificate);
+    EXPECT_NEAR(merit_of(task.spec, *certified.best), merit_of(task.spec, *all.best),
+                2.0 * kBetterOnLattice)
+        << seed;
+    EXPECT_GE(certified.certificate->global_bound, merit_of(task.spec, *all.best) - 1e-12);
+  }
+  EXPECT_EQ(compared, wanted);
+}
+
+/// Rings that are shaped, with what their cutters leave as limits.
+test::RandomTask cutter_task(std::uint64_t seed) {
+  using design::CheckId;
+  test::RandomTask task = test::random_task(seed, 1);
+  Specification& spec = task.spec;
+  spec.limits[CheckId::kRingCutter] = 0.0;
+  spec.limits[CheckId::kFormCircle] = 0.12;
+  spec.limits[CheckId::kTipFouling] = 0.01;
+  spec.limits[CheckId::kOutputBacklashMax] = std::nullopt;
+  spec.limits[CheckId::kContactRatioMax] = std::nullopt;
+  for (const std::size_t ring : {train::kR1, train::kR2}) {
+    if (task.candidates.empty()) break;
+    const train::ToothSet& z = task.candidates[0].teeth;
+    const int teeth = ring == train::kR1 ? z.R1 : z.R2;
+    spec.cutter_teeth[ring] = {13, std::max(14, teeth - 6)};  // the larger one trims tips
+    spec.cutter[ring] = {.teeth = 13, .profile_shift = 0.1, .tip_radius = 0.2};
+  }
+  if (seed % 2 == 0) spec.cutter_teeth[train::kR2] = {};
+  spec.solver.starts = 4;
+  return task;
+}
+
+TEST(StatedCutters, AreChosenAsWellAsByOneSearchForEach) {
+  constexpr double kSame = 1e-7;
+  const int wanted = sample(3, 40);
+  int compared = 0, better = 0, differ = 0;
+  for (std::uint64_t seed = 1; seed <= 400 && compared < wanted; ++seed) {
+    const test::RandomTask task = cutter_task(seed);
+    if (task.candidates.empty()) continue;
+    const RefinedSet set = refine(task.spec, task.candidates[0]);
+    double best = -kInfinity, worst = kInfinity;
+    const auto choices = cutter_choices(task.spec);
+    EXPECT_EQ(choices.size(), seed % 2 == 0 ? 2U : 4U);
+    for (const auto& choice : choices) {
+      Specification one = task.spec;
+      one.cutter = cutters_of(task.spec, choice);
+      one.cutter_teeth = {};
+      const RefinedSet alone = refine(one, task.candidates[0]);
+      const double merit = alone.status == Status::kOptimal ? merit_of(one, alone) : -kInfinity;
+      best = std::max(best, merit);
+      worst = std::min(worst, merit);
+    }
+    if (best == -kInfinity) continue;
+    ++compared;
+    if (best > worst + kSame) ++differ;
+    ASSERT_EQ(set.status, Status::kOptimal) << seed;
+    EXPECT_GE(merit_of(task.spec, set), best - kSame) << seed;
+    if (merit_of(task.spec, set) > best + kSame) ++better;  // another basin
+    // What is written is what was found, with its cutters.
+    Specification found = task.spec;
+    found.cutter = train_of(task.spec, set).cutter;
+    found.cutter_teeth = {};
+    const auto problem = problem_of(found, set);
+    ASSERT_TRUE(problem) << seed;
+    EXPECT_LE(outcome_at(problem->problem, problem->v).violation,
+              2.0 * design::kFeasibilityTolerance);
+  }
+  EXPECT_EQ(compared, wanted);
+  std::cout << compared << " sets, the cutter matters in " << differ << '\n';
+  EXPECT_GT(differ, 0);
+  EXPECT_LE(better, 1 + compared / 10);
+}
+
+}  // namespace
+}  // namespace gear3k::optimize::shift_grid_test
