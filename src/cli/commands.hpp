@@ -30,6 +30,10 @@ struct CommonOptions {
   int threads = 0;  ///< 0 = all processors
 };
 
+/// Columns of a screen, as asked for or those of the terminal; empty into a file.
+std::optional<int> known_columns(int asked);
+inline constexpr int kUsualColumns = 100;
+
 /// Which part of a result's table is printed.
 struct ShowOptions {
   std::vector<std::string> show;  ///< names of sections
@@ -52,6 +56,7 @@ struct AnalyzeOptions : CommonOptions {
 };
 
 struct CompareOptions : CommonOptions {
+  int columns = 0;  ///< of the table; 0: those of the terminal, or 100
   std::vector<std::string> files;  ///< two or more designs
 };
 

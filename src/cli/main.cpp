@@ -134,6 +134,10 @@ std::uint64_t seed_of(const std::string& text) {
 }
 
 /// What of a result's table is printed.
+void add_columns(CLI::App& command, int& columns, int least, const char* help) {
+  command.add_option("--columns", columns, help)->check(CLI::Range(least, 500))->option_text("N");
+}
+
 void add_show_options(CLI::App& command, cli::ShowOptions& options) {
   command
       .add_option("--show", options.show,
@@ -144,9 +148,7 @@ void add_show_options(CLI::App& command, cli::ShowOptions& options) {
           std::vector<std::string>(report::kSectionNames.begin(), report::kSectionNames.end())))
       ->option_text("PART,...");
   command.add_flag("--full", options.full, "the whole table");
-  command.add_option("--columns", options.columns, "of the first screen; 100 into a file")
-      ->check(CLI::Range(60, 500))
-      ->option_text("N");
+  add_columns(command, options.columns, 60, "of the first screen; 100 into a file");
 }
 
 /// Options of `diagnose`; its callback runs after all were read.
@@ -336,6 +338,7 @@ int run_program(int argc, char** argv) {
       ->expected(2, kMostCompared);
   add_common_options(*compare_command, compare);
   add_out_file(*compare_command, compare);
+  add_columns(*compare_command, compare.columns, 80, "of the table; 100 into a file");
   compare_command->callback([&] { run = [&] { return cli::run_compare(compare); }; });
 
   cli::SearchOptions search;

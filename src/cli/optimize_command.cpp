@@ -216,6 +216,22 @@ void print_results(const app::OptimizeTask& task, const OptimizeRun& run,
     case Format::kTable: {
       const auto series = design::table_series(o.best->design);
       const std::size_t sets = o.result.search.candidates.size();
+      const std::string more =
+          report::held_back_table(task.spec, o.held->best) +
+          report::planets_table(task.spec, *o.held) + rounding_text(task, o) +
+          (o.robust ? report::robust_table(task.spec, *o.robust) : "") +
+          (o.front ? report::pareto_table(task.spec, *o.front) : "") +
+          (o.comparison ? report::model_change_table(*o.comparison) : "") + "\n" +
+          report::broken(report::limits_line(task.stated_limits),
+                         table_choice(options.show).columns, kBrokenIndent) +
+          fmt::format(
+              "\nFiles in {}: best.toml (this design), {}refined.csv ({} tooth sets), "
+              "pareto.csv ({} designs), {}summary.json\n",
+              options.out, o.rounded ? "best_rounded.toml, " : "",
+              o.result.search.candidates.size() - run.tally.open,
+              o.front ? o.front->points.size() : o.result.pareto.size(),
+              run.drawn ? fmt::format("{}, ", kFrontFigure) : std::string());
+      const auto columns = known_columns(options.show.columns);
       print_result(
           (o.interrupted
                ? fmt::format("Stopped: {} of {} tooth sets are done, the best of them is\n",
@@ -227,19 +243,7 @@ void print_results(const app::OptimizeTask& task, const OptimizeRun& run,
               table_choice(options.show), design::sensitivities(o.best->design), task.use(),
               series ? &*series : nullptr,
               o.best->torque_angle ? &*o.best->torque_angle : nullptr) +
-          report::held_back_table(task.spec, o.held->best) +
-          report::planets_table(task.spec, *o.held) + rounding_text(task, o) +
-          (o.robust ? report::robust_table(task.spec, *o.robust) : "") +
-          (o.front ? report::pareto_table(task.spec, *o.front) : "") +
-          (o.comparison ? report::model_change_table(*o.comparison) : "") + "\n" +
-          report::broken(report::limits_line(task.stated_limits),
-                         table_choice(options.show).columns, kBrokenIndent) +
-          fmt::format("\nFiles in {}: best.toml (this design), {}refined.csv ({} tooth sets), "
-                      "pareto.csv ({} designs), {}summary.json\n",
-                      options.out, o.rounded ? "best_rounded.toml, " : "",
-                      o.result.search.candidates.size() - run.tally.open,
-                      o.front ? o.front->points.size() : o.result.pareto.size(),
-                      run.drawn ? fmt::format("{}, ", kFrontFigure) : std::string()));
+          (columns ? report::folded(more, *columns, kBrokenIndent) : more));
       break;
     }
   }

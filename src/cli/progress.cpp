@@ -13,6 +13,7 @@
 
 #include "cli/exit_code.hpp"
 #include "cli/talk.hpp"
+#include "optimize/work_rate.hpp"
 
 namespace gear3k::cli {
 
@@ -56,17 +57,17 @@ struct ProgressDisplay::State {
   bool terminal = ::isatty(STDERR_FILENO) != 0;
   bool bar_shown = false;
   optimize::Progress::Phase shown_phase = optimize::Progress::Phase::kSearch;
-  Clock::time_point phase_start = start;
-  std::size_t phase_done = 0;  ///< when the phase was first seen
+  optimize::WorkRate rate;  ///< of the phase
   optimize::Progress::Stage shown_stage = optimize::Progress::Stage::kOne;
   Clock::time_point stage_start = start, search_start = start;
   std::size_t shown_searches = 0;
+  std::size_t shown_done = 0;
   std::mutex mutex;
   std::condition_variable wake;
   bool done = false;
   std::thread thread;
 
-  State(optimize::Progress& p, Counts c) : progress(p), counts(c) {}
+  State(optimize::Progress& p, Counts c) : progress(p), counts(c) { rate.restart(0.0, 0); }
 
   [[nodiscard]] double elapsed_s() const {
     return std::chrono::duration<double>(Clock::now() - start).count();
@@ -124,23 +125,22 @@ struct ProgressDisplay::State {
     const std::size_t finished = progress.done.load();
     if (total == 0) return;
     // Rates are those of the phase: refinement starts its own clock.
-    if (progress.phase.load() != shown_phase) {
+    if (progress.phase.load() != shown_phase || finished < shown_done) {
       shown_phase = progress.phase.load();
-      phase_start = Clock::now();
-      phase_done = finished;
+      shown_done = finished;
+      rate.restart(elapsed_s(), finished);
       return;
     }
-    const double seconds = std::chrono::duration<double>(Clock::now() - phase_start).count();
-    const double rate =
-        finished > phase_done ? static_cast<double>(finished - phase_done) / seconds : 0.0;
+    shown_done = finished;
+    rate.observe(elapsed_s(), finished);
     const std::string stage = of_stage();
-    const std::string remaining =
-        rate > 0.0 ? clock_text(static_cast<double>(total - finished) / rate) : "?";
+    const std::optional<double> left = rate.seconds_left(total);
+    const std::string remaining = left ? clock_text(*left) : "?";
     using Phase = optimize::Progress::Phase;
     const Phase phase = progress.phase.load();
     const auto count_of = [&](const char* what) {
-      return stage.empty() ? fmt::format("{}/{} {}, {:.0f}/s, {} left", finished, total, what, rate,
-                                         remaining)
+      return stage.empty() ? fmt::format("{}/{} {}, {:.0f}/s, {} left", finished, total, what,
+                                         rate.per_second().value_or(0.0), remaining)
                            : fmt::format("{}; {}/{} {}", stage, finished, total, what);
     };
     std::string facts;

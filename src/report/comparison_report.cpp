@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <sstream>
 #include <string_view>
 #include <tuple>
 #include <variant>
@@ -156,42 +157,106 @@ std::vector<std::string> column_labels(std::span<const ComparedDesign> designs) 
   return labels;
 }
 
-TextTable table_of(std::span<const ComparedDesign> designs) {
-  std::vector<std::string> header{"quantity", "of", "unit"};
-  for (const std::string& label : column_labels(designs)) header.push_back(label);
-  if (designs.size() == 2) header.emplace_back("change");
-  TextTable table(std::move(header));
-  table.align_left(1);
-  table.align_left(2);
-  return table;
-}
+/// Rows of a table, its head first: quantity, of, unit, the designs and of two the change.
+class ComparisonRows {
+ public:
+  explicit ComparisonRows(std::span<const ComparedDesign> designs) : designs_(designs.size()) {
+    std::vector<std::string> header{"quantity", "of", "unit"};
+    for (const std::string& label : column_labels(designs)) header.push_back(label);
+    if (designs_ == 2) header.emplace_back("change");
+    rows_.push_back(std::move(header));
+  }
 
-void add_row(TextTable& table, const ComparedQuantity& q) {
-  std::string name = q.quantity;
-  std::ranges::replace(name, '_', ' ');
-  std::vector<std::string> row{std::move(name), q.item == "train" ? "" : q.item, q.unit};
-  for (const auto& value : q.values) row.push_back(cell(value, q.rounding()));
-  if (q.values.size() == 2) row.push_back(change_text(q));
-  table.add(std::move(row));
-}
+  void add(const ComparedQuantity& q) {
+    std::string name = q.quantity;
+    std::ranges::replace(name, '_', ' ');
+    std::vector<std::string> row{std::move(name), q.item == "train" ? "" : q.item, q.unit};
+    for (const auto& value : q.values) row.push_back(cell(value, q.rounding()));
+    if (q.values.size() == 2) row.push_back(change_text(q));
+    rows_.push_back(std::move(row));
+  }
+  [[nodiscard]] bool any() const { return rows_.size() > 1; }
+
+  /// The table in at most so many columns; where it needs more, several of fewer designs.
+  [[nodiscard]] std::string text(std::size_t columns) const {
+    if (designs_ <= 2) return block(kNames, rows_.front().size() - kNames, columns);
+    std::string text;
+    for (std::size_t from = 0; from < designs_;) {
+      std::size_t count = designs_ - from;
+      while (count > 1 && width_of(kNames + from, count) + kLeastName > columns) --count;
+      if (from > 0) text += '\n';
+      text += block(kNames + from, count, columns);
+      from += count;
+    }
+    return text;
+  }
+
+ private:
+  static constexpr std::size_t kNames = 3, kIndent = 2, kGap = 2;
+  static constexpr std::size_t kLeastName = 18;  ///< no name is broken to less
+
+  [[nodiscard]] std::size_t widest(std::size_t column) const {
+    std::size_t most = 0;
+    for (const auto& row : rows_) most = std::max(most, row[column].size());
+    return most;
+  }
+  /// Width of a table of these columns, without the quantities' names.
+  [[nodiscard]] std::size_t width_of(std::size_t first, std::size_t count) const {
+    std::size_t width = kIndent + 2 * kGap + widest(1) + widest(2);
+    for (std::size_t k = first; k < first + count; ++k) width += kGap + widest(k);
+    return width;
+  }
+  /// A name in pieces of at most so many letters, the further ones indented.
+  static std::vector<std::string> pieces(const std::string& name, std::size_t room) {
+    std::vector<std::string> lines;
+    std::istringstream words(broken(name, static_cast<int>(room), 2));
+    for (std::string line; std::getline(words, line);) lines.push_back(line);
+    return lines;
+  }
+  [[nodiscard]] std::string block(std::size_t first, std::size_t count, std::size_t columns) const {
+    const std::size_t others = width_of(first, count);
+    const std::size_t room = std::max(kLeastName, columns > others ? columns - others : 0);
+    const auto of_row = [&](const std::vector<std::string>& row, std::string name) {
+      std::vector<std::string> own{std::move(name), row[1], row[2]};
+      own.insert(own.end(), row.begin() + static_cast<std::ptrdiff_t>(first),
+                 row.begin() + static_cast<std::ptrdiff_t>(first + count));
+      return own;
+    };
+    TextTable table(of_row(rows_.front(), rows_.front()[0]));
+    table.align_left(1);
+    table.align_left(2);
+    for (std::size_t k = 1; k < rows_.size(); ++k) {
+      // What is left of a broken name stands in lines of its own below.
+      const std::vector<std::string> names = pieces(rows_[k][0], room);
+      table.add(of_row(rows_[k], names.front()));
+      for (std::size_t n = 1; n < names.size(); ++n) {
+        std::vector<std::string> below(kNames + count);
+        below[0] = names[n];
+        table.add(std::move(below));
+      }
+    }
+    return table.text(kIndent);
+  }
+
+  std::size_t designs_;
+  std::vector<std::vector<std::string>> rows_;
+};
 
 std::string part_text(const TablePart& part, std::span<const ComparedDesign> designs,
-                      std::span<const ComparedQuantity> quantities) {
-  TextTable table = table_of(designs);
-  bool any = false;
+                      std::span<const ComparedQuantity> quantities, std::size_t columns) {
+  ComparisonRows rows(designs);
   for (const std::string_view name : part.quantities) {
     for (const ComparedQuantity& q : quantities) {
       if (q.quantity != name || is_of_train(q) != part.of_train || q.alike()) continue;
-      add_row(table, q);
-      any = true;
+      rows.add(q);
     }
   }
-  return any ? fmt::format("\n{}\n", part.title) + table.text(2) : "";
+  return rows.any() ? fmt::format("\n{}\n", part.title) + rows.text(columns) : "";
 }
 
 /// Checks that fail in one of the designs, or are met there with less than a twentieth of their
 /// limit to spare.
-std::string margins_text(std::span<const ComparedDesign> designs) {
+std::string margins_text(std::span<const ComparedDesign> designs, std::size_t columns) {
   constexpr double kTight = 0.05;
   std::vector<ComparedQuantity> margins;
   std::map<std::pair<std::string, std::string>, std::size_t> places;
@@ -212,22 +277,18 @@ std::string margins_text(std::span<const ComparedDesign> designs) {
       if (!c.ok || c.margin < kTight * std::abs(c.limit)) tight[place->second] = true;
     }
   }
-  TextTable table = table_of(designs);
-  bool any = false;
+  ComparisonRows rows(designs);
   for (std::size_t k = 0; k < margins.size(); ++k) {
-    if (!tight[k] || margins[k].alike()) continue;
-    add_row(table, margins[k]);
-    any = true;
+    if (tight[k] && !margins[k].alike()) rows.add(margins[k]);
   }
-  return any ? "\nMargins of checks that fail or nearly do in one of them (negative: fails)\n" +
-                   table.text(2)
-             : "";
+  constexpr const char* kHead =
+      "Margins of checks that fail or nearly do in one of them (negative: fails)";
+  return rows.any() ? "\n" + broken(kHead, static_cast<int>(columns), 4) + rows.text(columns) : "";
 }
 
 }  // namespace
 
-std::string comparison_table(std::span<const ComparedDesign> designs) {
-  constexpr int kWidest = 80;
+std::string comparison_table(std::span<const ComparedDesign> designs, int columns) {
   constexpr std::size_t kFurther = 4;  // indent of what follows a broken line
   const std::vector<std::string> labels = column_labels(designs);
   std::string text;
@@ -237,11 +298,12 @@ std::string comparison_table(std::span<const ComparedDesign> designs) {
     const std::string name = one.label == labels[k] ? labels[k] : labels[k] + "  " + one.label;
     text += broken(fmt::format("{} ({}): {}, checks that fail: {}", name, one.file,
                                teeth_text(one.evaluation.teeth), failed),
-                   kWidest, kFurther);
+                   columns, kFurther);
   }
   const std::vector<ComparedQuantity> quantities = all_quantities(designs);
-  for (const TablePart& part : table_parts()) text += part_text(part, designs, quantities);
-  text += margins_text(designs);
+  const auto width = static_cast<std::size_t>(columns);
+  for (const TablePart& part : table_parts()) text += part_text(part, designs, quantities, width);
+  text += margins_text(designs, width);
   const auto differ = std::ranges::count(quantities, false, &ComparedQuantity::alike);
   return text + fmt::format("\n{} of {} quantities differ{}.\n", differ, quantities.size(),
                             differ > 0 ? "; --format csv has them all" : "");

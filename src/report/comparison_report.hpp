@@ -23,7 +23,9 @@ inline constexpr double kAlikeShare = 1e-9, kNegligible = 1e-11;
 
 /// What differs and matters most; of two designs the last column is the change from the first one,
 /// where both values are positive and it is less than tenfold.
-std::string comparison_table(std::span<const ComparedDesign> designs);
+/// @param columns  at most so many (60 and more): names of quantities are broken, then the designs
+///   are told in several tables
+std::string comparison_table(std::span<const ComparedDesign> designs, int columns = 100);
 /// Every quantity of `analyze` and of design::OutputTerms that differs.
 std::string comparison_json(std::span<const ComparedDesign> designs);
 /// The same: item, quantity, unit and a column for each design; "" where it has no value.

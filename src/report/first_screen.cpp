@@ -140,6 +140,18 @@ std::string broken(const std::string& text, int columns, std::size_t indent) {
   return result + line + '\n';
 }
 
+std::string folded(const std::string& text, int columns, std::size_t indent) {
+  std::string result;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const std::string line = text.substr(begin, end - begin);
+    result += line.size() > static_cast<std::size_t>(columns) ? broken(line, columns, indent)
+                                                              : line + '\n';
+    begin = end + 1;
+  }
+  return result;
+}
+
 std::string first_screen(const Evaluation& e, const std::vector<TightestCheck>& tightest,
                          const design::BuiltSeries* built, int columns) {
   std::string text;

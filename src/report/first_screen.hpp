@@ -22,4 +22,7 @@ std::string first_screen(const design::PairEvaluation& e,
 /// A line broken at blanks, further lines indented; it ends with a line end, given or not.
 std::string broken(const std::string& text, int columns, std::size_t indent);
 
+/// A text whose longer lines, those of tables too, are broken so.
+std::string folded(const std::string& text, int columns, std::size_t indent);
+
 }  // namespace gear3k::report

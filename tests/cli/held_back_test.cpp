@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 
 #include "tests/cli/run_program.hpp"
@@ -61,6 +63,43 @@ TEST(HeldBack, PricesAreWhatRunsWithTheKeyChangedGain) {
     EXPECT_NEAR(gain / m.difference / per_unit, 1.0, 0.02) << m.key;
     EXPECT_NEAR(price->at("percent_points_per_step").get<double>(),
                 100.0 * per_unit * price->at("step").get<double>(), 1e-12);
+  }
+}
+
+TEST(HeldBack, FitsTheColumnsOfTheScreen) {
+  const Workplace place;
+  place.write("spec.toml", kOneSet);
+  for (const std::size_t columns : {80U, 120U}) {
+    const ProgramResult run =
+        place.run({"optimize", "spec.toml", "--out", "out", "--force", "--round", "--quiet",
+                   "--columns", std::to_string(columns)});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    std::istringstream lines(run.out);
+    std::size_t count = 0;
+    for (std::string line; std::getline(lines, line); ++count) {
+      EXPECT_LE(line.size(), columns) << line;
+    }
+    EXPECT_GT(count, 30U);
+    for (const char* part : {"Held back by", "Rounded to what is made", "Limits:", "Files in"}) {
+      EXPECT_NE(run.out.find(part), std::string::npos) << part;
+    }
+  }
+}
+
+TEST(ShiftStep, BestDesignHasWholeStepsAndSaysWhyThereAreNoPrices) {
+  const Workplace place;
+  const std::string task =
+      replaced(kOneSet, "range = [0.0, 1.0]", "range = [0.0, 1.0]\nstep = 0.25");
+  const json summary = summary_of(place, task);
+  EXPECT_TRUE(summary.at("prices").empty());
+  EXPECT_EQ(summary.at("prices_missing"),
+            "shifts are multiples of profile_shift.step, between which nothing is");
+  EXPECT_LT(summary.at("best").at("eta_b").get<double>(), backward_efficiency(place, kOneSet));
+  const ProgramResult analysis = place.run({"analyze", "out/best.toml", "--format", "json"});
+  EXPECT_EQ(place.run({"analyze", "out/best.toml", "--strict"}).exit_code, 0);
+  for (const json& gear : json::parse(analysis.out).at("gears")) {
+    const double steps = gear.at("profile_shift").get<double>() / 0.25;
+    EXPECT_EQ(steps, std::round(steps));
   }
 }
 

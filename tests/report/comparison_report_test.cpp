@@ -74,15 +74,30 @@ TEST(Comparison, TellsWhatAChangedFaceWidthChanges) {
   EXPECT_EQ(table.find("contact ratio  "), std::string::npos);
 }
 
-TEST(Comparison, LongNamesLeaveItsTableNarrow) {
-  const std::vector<ComparedDesign> two{
+TEST(Comparison, FitsTheColumnsOfTheScreen) {
+  const std::vector<ComparedDesign> all{
       compared(example("bilateral_drive_gear.toml"), "in the envelope of another gearbox"),
-      compared(example("loaded.toml"), "a design with a name of many words 12/64/141/52/132")};
-  std::istringstream lines(comparison_table(two));
-  std::size_t longest = 0;
-  for (std::string line; std::getline(lines, line);) longest = std::max(longest, line.size());
-  EXPECT_LE(longest, 100U);
-  EXPECT_NE(lines.str().find("\nB  a design with a name of many words"), std::string::npos);
+      compared(example("loaded.toml"), "a design with a name of many words 12/64/141/52/132"),
+      compared(example("low_backlash_prototype.toml"), "prototype"),
+      compared(example("ratio_96_tolerances.toml"), "tolerances"),
+      compared(example("loaded.toml"), "again"),
+      compared(example("loaded.toml"), "and again"),
+      compared(example("bilateral_drive_gear.toml"), "and the first once more")};
+  for (const std::size_t count : {2U, 3U, 5U, 7U}) {
+    for (const std::size_t columns : {80U, 100U, 120U, 400U}) {
+      const std::string table = comparison_table({all.data(), count}, static_cast<int>(columns));
+      std::istringstream lines(table);
+      std::size_t longest = 0;
+      for (std::string line; std::getline(lines, line);) longest = std::max(longest, line.size());
+      EXPECT_LE(longest, columns) << count << '\n' << table;
+      EXPECT_NE(table.find("\nB  a design with a name"), std::string::npos);
+      // Every design has a column in some table.
+      for (std::size_t k = 0; k < count; ++k) {
+        EXPECT_NE(table.find(std::string("  ") + static_cast<char>('A' + k)), std::string::npos);
+      }
+      EXPECT_NE(table.find("0.951284"), std::string::npos);
+    }
+  }
 }
 
 // Inertia of a small sun is 1e-12 kg m²: still told apart.
