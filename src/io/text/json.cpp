@@ -10,45 +10,11 @@
 #include <nlohmann/detail/conversions/to_chars.hpp>
 #include <stdexcept>
 
+#include "io/text/utf8.hpp"
+
 namespace gear3k::io {
 
 namespace {
-
-/// Bytes that may follow the first one of a character, the first of them within its own range.
-struct Continuation {
-  std::size_t count;
-  unsigned char low, high;
-};
-
-/// Source: The Unicode Standard, table 3-7 (well-formed UTF-8 byte sequences).
-Continuation continuation_of(unsigned char first) {
-  if (first >= 0xC2 && first <= 0xDF) return {.count = 1, .low = 0x80, .high = 0xBF};
-  if (first == 0xE0) return {.count = 2, .low = 0xA0, .high = 0xBF};
-  if (first == 0xED) return {.count = 2, .low = 0x80, .high = 0x9F};
-  if (first >= 0xE1 && first <= 0xEF) return {.count = 2, .low = 0x80, .high = 0xBF};
-  if (first == 0xF0) return {.count = 3, .low = 0x90, .high = 0xBF};
-  if (first >= 0xF1 && first <= 0xF3) return {.count = 3, .low = 0x80, .high = 0xBF};
-  if (first == 0xF4) return {.count = 3, .low = 0x80, .high = 0x8F};
-  return {.count = 0, .low = 0, .high = 0};
-}
-
-/// The character of several bytes that a text begins with, or the longest beginning of one.
-struct Character {
-  std::size_t bytes;
-  bool whole;
-};
-Character character_of(std::string_view text) {
-  Continuation next = continuation_of(static_cast<unsigned char>(text.front()));
-  std::size_t bytes = 1;
-  const std::size_t wanted = 1 + next.count;
-  for (; bytes < wanted && bytes < text.size(); ++bytes) {
-    const auto byte = static_cast<unsigned char>(text[bytes]);
-    if (byte < next.low || byte > next.high) break;
-    next.low = 0x80;
-    next.high = 0xBF;
-  }
-  return {.bytes = bytes, .whole = next.count > 0 && bytes == wanted};
-}
 
 void append_ascii(std::string& out, char c) {
   switch (c) {
@@ -91,7 +57,7 @@ void append_quoted(std::string& out, std::string_view text) {
     if (static_cast<unsigned char>(text.front()) < 0x80) {
       append_ascii(out, text.front());
     } else {
-      const Character character = character_of(text);
+      const Utf8Character character = first_character(text);
       bytes = character.bytes;
       out += character.whole ? text.substr(0, bytes) : std::string_view("\xEF\xBF\xBD");
     }
