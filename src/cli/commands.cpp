@@ -9,6 +9,9 @@
 #include <cstdio>
 #include <filesystem>
 #include <limits>
+#include <list>
+#include <utility>
+#include <vector>
 
 #include "app/analyze.hpp"
 #include "app/compare.hpp"
@@ -494,6 +497,43 @@ Exports exports_of(const calibrate::BlackBox&, const ExportOptions& options) {
                          ": is a black box, without teeth; allowed: a DESIGN or a PAIR");
 }
 
+/// Several folders; of those that were made, what was made last goes first.
+struct ResultFolders {
+  std::list<ResultFolder> list;
+
+  ResultFolders() = default;
+  ResultFolders(const ResultFolders&) = delete;
+  ResultFolders& operator=(const ResultFolders&) = delete;
+  ~ResultFolders() {
+    while (!list.empty()) list.pop_back();
+  }
+};
+
+/// Writes into folders of which each is held by this run, all files or none.
+void write_exports(const Exports& exports, const ExportOptions& options) {
+  ResultFolders folders;
+  std::vector<std::filesystem::path> held;
+  io::CollectedErrors errors;
+  const std::pair<const char*, std::string> named[] = {{"--dxf", options.dxf_folder},
+                                                       {"--svg", options.svg_folder},
+                                                       {"--sheet", options.sheet_folder}};
+  for (const auto& [option, folder] : named) {
+    if (folder.empty()) continue;
+    // One folder may be named by several options.
+    std::error_code unknown;
+    const auto path = std::filesystem::weakly_canonical(std::filesystem::absolute(folder), unknown);
+    if (std::ranges::find(held, path) != held.end()) continue;
+    held.push_back(path);
+    errors.attempt([&, &option = option, &folder = folder] {
+      folders.list.emplace_back(ResultFolderTask{
+          .path = folder, .option = option, .inputs = {}, .files = {}, .quiet = options.quiet});
+      folders.list.back().open();
+    });
+  }
+  errors.raise();
+  io::write_files(exports.files, {options.file});
+}
+
 }  // namespace
 
 ExitCode run_export(const ExportOptions& options) {
@@ -502,7 +542,7 @@ ExitCode run_export(const ExportOptions& options) {
       std::visit([&](const auto& subject) { return exports_of(subject, options); },
                  io::read_subject(options.file));
   const drawing::ExportSummary& summary = exports.summary;
-  io::write_files(exports.files, {options.file});
+  write_exports(exports, options);
 
   if (!options.quiet) {
     for (const std::string& note : summary.notes) say(fmt::format("note: {}\n", note));

@@ -1,6 +1,9 @@
 // `gear3k export`: files, what is printed, exit codes.
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -55,6 +58,29 @@ TEST(Export, WritesEveryGearAndTheTrainInBothFormats) {
     EXPECT_EQ(file.at("contours"), k % 7 == 5 ? 9 : k % 7 == 6 ? 5 : 1);
     EXPECT_GE(file.at("points"), k % 7 == 6 ? 20 : 12 * 10);
   }
+}
+
+/// As `optimize` holds the folder of its results.
+TEST(Export, WritesIntoNoFolderThatAnotherRunIsWriting) {
+  const Workplace place;
+  place.write("gear.toml", bilateral());
+  std::filesystem::create_directory(place.file("svg"));
+  const int folder = ::open(place.file("svg").c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  ASSERT_EQ(::flock(folder, LOCK_EX | LOCK_NB), 0);
+  const std::vector<std::string> arguments{"export", "gear.toml", "--dxf",  "dxf",
+                                           "--svg",  "./svg",     "--quiet"};
+  const ProgramResult refused = place.run(arguments);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_TRUE(contains(refused.err, "--svg ./svg: another run is writing it; allowed: another "))
+      << refused.err;
+  EXPECT_EQ(place.listing(), (std::vector<std::string>{"gear.toml", "svg"})) << "none or all";
+  ::close(folder);
+  EXPECT_EQ(place.run(arguments).exit_code, 0);
+  // Two options may name one folder, by two names.
+  const ProgramResult one = place.run(
+      {"export", "gear.toml", "--dxf", "one", "--svg", "svg/../one", "--sheet", "one", "--quiet"});
+  EXPECT_EQ(one.exit_code, 0) << one.err;
+  EXPECT_TRUE(place.has("one/S.dxf") && place.has("one/S.svg") && place.has("one/S.csv"));
 }
 
 TEST(Export, WritesTheOneFormatThatWasAskedFor) {
