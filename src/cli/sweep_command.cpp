@@ -38,18 +38,20 @@ std::string new_uid() {
                      static_cast<std::uint32_t>(::getpid()));
 }
 
-void deliver_rows(const CommonOptions& options, const sweep::Rows& rows) {
-  switch (options.format) {
+std::string rows_text(Format format, const sweep::Rows& rows) {
+  switch (format) {
     case Format::kJson:
-      deliver(options, sweep::rows_json(rows));
-      break;
+      return sweep::rows_json(rows);
     case Format::kCsv:
-      deliver(options, sweep::rows_csv(rows));
-      break;
+      return sweep::rows_csv(rows);
     case Format::kTable:
-      deliver(options, sweep::rows_table(rows));
       break;
   }
+  return sweep::rows_table(rows);
+}
+
+void deliver_rows(const CommonOptions& options, const sweep::Rows& rows) {
+  deliver(options, rows_text(options.format, rows));
 }
 
 Database read_only(const std::string& path) {
@@ -144,9 +146,7 @@ ExitCode run_sweep(const SweepOptions& options) {
   {
     sweep::Store store(sweep::open_sweep_database(options.out, Database::Access::kWrite));
     store.end(work.run, now_s());
-    CommonOptions printed = options;
-    printed.out.clear();
-    deliver_rows(printed, sweep::status_of(store.database(), work.uid));
+    print_result(rows_text(options.format, sweep::status_of(store.database(), work.uid)));
   }
   if (end.open > 0 && !options.quiet) {
     const char* why = "with workers of another call";
@@ -166,9 +166,7 @@ ExitCode run_sweep_merge(const SweepMergeOptions& options) {
     const sweep::Merged merged = sweep::merge(into, path);
     rows.rows.push_back({path, merged.added, merged.known, merged.differing, merged.open});
   }
-  CommonOptions printed = options;
-  printed.out.clear();
-  deliver_rows(printed, rows);
+  print_result(rows_text(options.format, rows));
   return kDone;
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include <cerrno>
 #include <utility>
 
 #include "io/text/diagnostics.hpp"
@@ -40,12 +41,20 @@ std::string meaning_of(int extended, const char* told) {
   }
 }
 
+/// The code of the last error; a limit of the file's size, which is an error of writing to SQLite,
+/// as that of a full disk.
+int code_of(sqlite3* database) {
+  const int code = sqlite3_extended_errcode(database);
+  const int cause = sqlite3_system_errno(database);
+  const bool full = cause == EFBIG || cause == ENOSPC || cause == EDQUOT;
+  return (code & 0xFF) == SQLITE_IOERR && full ? SQLITE_FULL : code;
+}
+
 [[noreturn]] void refuse(sqlite3* database, const std::string& path) {
   throw io::InvalidInput(
       fmt::format("{}: {}", path,
-                  database == nullptr
-                      ? "cannot be opened: out of memory"
-                      : meaning_of(sqlite3_extended_errcode(database), sqlite3_errmsg(database))));
+                  database == nullptr ? "cannot be opened: out of memory"
+                                      : meaning_of(code_of(database), sqlite3_errmsg(database))));
 }
 
 }  // namespace

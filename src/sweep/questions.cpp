@@ -35,7 +35,7 @@ std::vector<std::string> words_of(const std::string& name) {
 bool is_part(const std::string& part, const std::string& whole) {
   const auto words = words_of(whole);
   const auto some = words_of(part);
-  return std::ranges::search(words, some).begin() != words.end();
+  return std::search(words.begin(), words.end(), some.begin(), some.end()) != words.end();
 }
 
 struct KeyPath {

@@ -348,8 +348,7 @@ optimize::Specification specification_from(const TomlValue& document, const std:
 TomlValue as_stated(const Key<Input>& key, std::size_t gear, const TomlValue& value) {
   Input scratch;
   key.assign(key.record, scratch, gear, value);
-  auto stated = key.state(key.record, scratch, gear);
-  return stated ? std::move(*stated) : value;
+  return key.state(key.record, scratch, gear).value_or(value);
 }
 
 std::string path_of(const KeyRecord& record, const std::vector<std::string>& gears,
@@ -427,6 +426,7 @@ void check_keys(const TomlValue& part, FileReading& reading) {
   // The records once more, none of them required.
   static const std::vector<KeyRecord> records = [] {
     std::vector<KeyRecord> copies;
+    copies.reserve(specification_schema().keys().size());
     for (const KeyRecord* record : specification_schema().records()) {
       copies.push_back(*record);
       copies.back().required = false;
@@ -435,6 +435,7 @@ void check_keys(const TomlValue& part, FileReading& reading) {
   }();
   static const KeyIndex index = [] {
     std::vector<const KeyRecord*> pointers;
+    pointers.reserve(records.size());
     for (const KeyRecord& record : records) pointers.push_back(&record);
     return KeyIndex(expand_keys(pointers, specification_schema().gears()));
   }();
