@@ -48,9 +48,9 @@ def energy(ratio, forward, backward, coulomb, rotor, viscous, resistance, consta
 def best_time(call, tries):
     best = float("inf")
     for _ in range(tries):
-        begin = time.perf_counter()
+        begin = time.process_time()
         result = call()
-        best = min(best, time.perf_counter() - begin)
+        best = min(best, time.process_time() - begin)
     return best, result
 
 

@@ -65,9 +65,9 @@ struct DutyCycle {
 ///   drawn − regenerated = positive − negative + losses + kinetic
 ///
 /// A piece is split where w, m, T_L, T_em, P_el or P_bus change sign and integrated by three Gauss
-/// points: exact for constant efficiencies.  A piece that rests (w = 0) takes the torque of least
-/// magnitude that holds it.  Peaks are one-sided limits at the ends of the parts and, where the
-/// speed is no straight line, the extremes between them.
+/// points, two where speed and torque are straight: exact for constant efficiencies.  A piece that
+/// rests (w = 0) takes the torque of least magnitude that holds it.  Peaks are one-sided limits at
+/// the ends of the parts and, where the speed is no straight line, the extremes between them.
 /// Source: own derivation, docs/theory §60.  Accuracy: balance_error ≤ 1e-12 of the sum of all
 /// magnitudes with constant efficiencies.
 /// Does not account for: inductance, cogging, the winding's temperature in R.

@@ -41,40 +41,6 @@ void set_constants(const Actuator& a, PairResult& r) {
   r.inertia_kgm2 = chain.j1_kgm2 + a.gearbox.output_inertia_kgm2;
 }
 
-/// Holds the values of a result, or bounds of them, against the limits.
-void judge(const SelectionTask& task, const PairResult& values, double friction_W,
-           PairResult& judged) {
-  const CatalogueMotor& motor = task.motors[values.pair.motor];
-  const CatalogueGearbox& gearbox = task.gearboxes[values.pair.gearbox];
-  judged.excess = -kUnbounded;
-  judged.limit.reset();
-  const auto hold = [&](PairLimit limit, double value, const std::optional<double>& most) {
-    if (!most) return;
-    const double excess = value / *most - 1.0;
-    if (!(excess > judged.excess)) return;
-    judged.excess = excess;
-    judged.limit = limit;
-  };
-  hold(PairLimit::kContinuousTorque, values.rms_torque_Nm, gearbox.continuous_Nm);
-  hold(PairLimit::kIntermittentTorque, values.peak_torque_Nm, gearbox.intermittent_Nm);
-  hold(PairLimit::kNominalCurrent, values.rms_current_A, motor.nominal_current_A);
-  hold(PairLimit::kVoltage, values.peak_voltage_V,
-       task.drive.bus_voltage_V ? task.drive.bus_voltage_V : motor.nominal_voltage_V);
-  if (task.peak_current_factor && motor.nominal_current_A) {
-    hold(PairLimit::kPeakCurrent, values.peak_current_A,
-         *task.peak_current_factor * *motor.nominal_current_A);
-  }
-  Motor warm = motor.motor;
-  warm.heat.ambient_K = task.ambient_K;
-  const auto state =
-      winding_state(warm, {.mean_square_current_A2 = values.rms_current_A * values.rms_current_A,
-                           .friction_W = friction_W});
-  judged.winding_K = state ? state->winding_K : std::nullopt;
-  if (!state || !task.max_winding_K) return;
-  hold(PairLimit::kWinding, state->runaway ? kUnbounded : *state->winding_K - task.ambient_K,
-       *task.max_winding_K - task.ambient_K);
-}
-
 double objective_of(Objective objective, const PairResult& r) {
   switch (objective) {
     case Objective::kEnergy:
@@ -279,6 +245,43 @@ class Front {
 
 }  // namespace
 
+void judge(const SelectionTask& task, const PairResult& values, double friction_W,
+           PairResult& judged) {
+  const CatalogueMotor& motor = task.motors[values.pair.motor];
+  const CatalogueGearbox& gearbox = task.gearboxes[values.pair.gearbox];
+  judged.excess = -kUnbounded;
+  judged.limit.reset();
+  const auto hold = [&](PairLimit limit, double value, const std::optional<double>& most) {
+    if (!most) return;
+    const double excess = value / *most - 1.0;
+    if (!(excess > judged.excess)) return;
+    judged.excess = excess;
+    judged.limit = limit;
+  };
+  hold(PairLimit::kContinuousTorque, values.rms_torque_Nm, gearbox.continuous_Nm);
+  hold(PairLimit::kIntermittentTorque, values.peak_torque_Nm, gearbox.intermittent_Nm);
+  hold(PairLimit::kNominalCurrent, values.rms_current_A, motor.nominal_current_A);
+  hold(PairLimit::kVoltage, values.peak_voltage_V,
+       task.drive.bus_voltage_V ? task.drive.bus_voltage_V : motor.nominal_voltage_V);
+  if (task.peak_current_factor && motor.nominal_current_A) {
+    hold(PairLimit::kPeakCurrent, values.peak_current_A,
+         *task.peak_current_factor * *motor.nominal_current_A);
+  }
+  hold(PairLimit::kPeakCurrent, values.peak_current_A, motor.motor.max_current_A);
+  hold(PairLimit::kSpeed, values.peak_motor_speed_rad_s, motor.motor.max_speed_rad_s);
+  Motor warm = motor.motor;
+  warm.heat.ambient_K = task.ambient_K;
+  const auto state =
+      winding_state(warm, {.mean_square_current_A2 = values.rms_current_A * values.rms_current_A,
+                           .friction_W = friction_W});
+  judged.winding_K = state ? state->winding_K : std::nullopt;
+  for (const auto& most : {task.max_winding_K, motor.motor.heat.max_winding_K}) {
+    if (!state || !most) continue;
+    hold(PairLimit::kWinding, state->runaway ? kUnbounded : *state->winding_K - task.ambient_K,
+         *most - task.ambient_K);
+  }
+}
+
 std::vector<Unknown> unknown_of(const SelectionTask& task, const Pair& pair) {
   const CatalogueMotor& motor = task.motors[pair.motor];
   const CatalogueGearbox& gearbox = task.gearboxes[pair.gearbox];
@@ -325,6 +328,7 @@ PairResult run_pair(const SelectionTask& task, const Pair& pair) {
     }
     r.peak_current_A = std::max(r.peak_current_A, d.peak_current_A);
     r.peak_voltage_V = std::max(r.peak_voltage_V, d.peak_voltage_V);
+    r.peak_motor_speed_rad_s = std::max(r.peak_motor_speed_rad_s, d.peak_motor_speed_rad_s);
     mesh += task.weights[k] * m.square_mesh;
     r.peak_torque_Nm = std::max(r.peak_torque_Nm, m.peak_mesh_Nm);
   }

@@ -25,11 +25,16 @@ enum class PairLimit {
   kNominalCurrent,      ///< root mean square of the current over the motor's
   kVoltage,             ///< peak over the bus, or the motor's nominal voltage
   kPeakCurrent,         ///< peak over the stated multiple of the nominal current
-  kWinding              ///< steady temperature rise over what the stated limit leaves
+  kWinding,             ///< steady temperature rise over what the stated limit leaves
+  kSpeed                ///< of the motor, over its greatest
 };
-inline constexpr std::array<std::string_view, 6> kPairLimitNames{
-    "continuous_torque", "intermittent_torque", "nominal_current",
-    "voltage",           "peak_current",        "winding"};
+inline constexpr std::array<std::string_view, 7> kPairLimitNames{"continuous_torque",
+                                                                 "intermittent_torque",
+                                                                 "nominal_current",
+                                                                 "voltage",
+                                                                 "peak_current",
+                                                                 "winding",
+                                                                 "speed"};
 
 struct CatalogueMotor {
   std::string name;
@@ -78,6 +83,7 @@ struct PairResult {
   Pair pair;
   double energy_J = 0.0;  ///< drawn less regenerated, by the weights
   double rms_current_A = 0.0, peak_current_A = 0.0, peak_voltage_V = 0.0;
+  double peak_motor_speed_rad_s = 0.0;
   double rms_torque_Nm = 0.0, peak_torque_Nm = 0.0;  ///< m
   std::optional<double> winding_K{};                 ///< empty at a runaway, or where not known
   std::optional<double> mass_kg{}, breakaway_Nm{};
@@ -120,6 +126,12 @@ Selection select(const SelectionTask& task);
 
 /// One pair by its exact cycles.
 PairResult run_pair(const SelectionTask& task, const Pair& pair);
+
+/// Holds the values of a pair, or bounds of them from below, against the limits of its motor and
+/// gearbox: sets excess, limit and winding_K of `judged`, which may be `values`.
+/// @param friction_W  of the motor, mean
+void judge(const SelectionTask& task, const PairResult& values, double friction_W,
+           PairResult& judged);
 
 /// What no catalogue tells of a pair.
 std::vector<Unknown> unknown_of(const SelectionTask& task, const Pair& pair);

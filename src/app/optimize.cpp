@@ -27,6 +27,11 @@ void refuse_without_bounds(const OptimizeTask& task) {
         "--certify: bounds are those of the simulation without the model's losses at an operating "
         "point, by which --model judges the sets; allowed: one of --certify and --model");
   }
+  if (task.model && task.spec.cycle_energy) {
+    throw io::InvalidInput(
+        "--model: the objective cycle_energy takes the friction of the simulation; allowed: one of "
+        "them");
+  }
   if ((task.certify || front) && !optimize::has_bounds(task.spec)) {
     throw io::InvalidInput(fmt::format(
         "{}: {} needs bounds, and with {} there are none; allowed: one of them", task.source,
@@ -171,6 +176,9 @@ Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks,
   outcome.interrupted = outcome.result.interrupted || (outcome.front && outcome.front->interrupted);
   if (outcome.result.best) {
     outcome.best = best_of(task, task.spec, *outcome.result.best);
+    if (task.spec.cycle_energy) {
+      outcome.co_design = co_designed(task.spec, outcome.result, outcome.best->stated);
+    }
     if (task.explain) outcome.held = held_back_by(task, outcome.result, progress);
   }
   if (task.model) {

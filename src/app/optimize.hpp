@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "app/co_design.hpp"
 #include "app/model.hpp"
 #include "design/evaluation.hpp"
 #include "design/torque_angle_curve.hpp"
@@ -73,6 +74,7 @@ struct Optimization {
     std::optional<design::TorqueAngleCurve> torque_angle;  ///< as Analysis::torque_angle
   };
   std::optional<Best> best;
+  std::optional<CoDesigned> co_design;  ///< its motor, of the objective cycle_energy
   /// What holds the best design back, and the best of every number of planets; where there is one
   /// and that was asked for.
   std::optional<report::HeldBackReport> held;

@@ -7,12 +7,14 @@
 #include <utility>
 
 #include "app/actuator.hpp"
+#include "app/selection.hpp"
 #include "cli/commands.hpp"
 #include "cli/progress.hpp"
 #include "cli/result_files.hpp"
 #include "cli/talk.hpp"
 #include "io/files/actuator_file.hpp"
 #include "io/files/cycle_file.hpp"
+#include "io/files/design_file.hpp"
 #include "io/files/selection_file.hpp"
 #include "io/text/csv_table.hpp"
 #include "io/text/diagnostics.hpp"
@@ -103,24 +105,50 @@ std::vector<std::string> write_figures_of(const report::ActuatorResult& result,
   return folder.write(std::move(files), figures);
 }
 
+/// DESIGN files of the gearboxes of the front that were made for it.
+void append_designs(const io::SelectionFiles& files, const actuator::Selection& selection,
+                    const std::vector<report::MadeGearbox>& made,
+                    std::vector<io::FileText>& texts) {
+  for (const report::MadeGearbox& m : made) {
+    if (std::ranges::none_of(selection.front, [&](const actuator::PairResult& r) {
+          return r.pair.gearbox == m.gearbox;
+        })) {
+      continue;
+    }
+    std::string name = files.task.gearboxes[m.gearbox].name;
+    std::ranges::replace(name, '/', '_');
+    texts.push_back(
+        {.path = fmt::format("design_{}.toml", name), .text = io::design_text(m.design)});
+  }
+}
+
 /// --select: the front of all pairs, into a folder.
 ExitCode run_selection(const ActuatorOptions& options) {
-  const io::SelectionFiles files = io::read_selection(options.select);
+  io::SelectionFiles files = io::read_selection(options.select);
   ResultFolder folder({.path = options.out,
                        .inputs = files.inputs,
                        .files = {"selection.csv", "pareto.csv", "summary.json"},
                        .figures = {"pareto.svg"},
                        .quiet = options.quiet});
+  std::vector<report::MadeGearbox> made;
+  if (!files.tasks.empty()) {
+    optimize::Progress progress;
+    const ProgressDisplay display(progress, options.quiet);
+    made = app::make_gearboxes(files, progress);
+    if (progress.stop) return kInterrupted;
+  }
   const actuator::Selection selection = actuator::select(files.task);
   const std::string json = report::selection_json(files.task, selection);
   const std::string front = report::selection_front_csv(files.task, selection);
+  std::vector<io::FileText> texts{
+      {.path = "selection.csv", .text = report::selection_csv(files.task, selection)},
+      {.path = "pareto.csv", .text = front},
+      {.path = "summary.json", .text = json}};
+  append_designs(files, selection, made, texts);
   const std::vector<std::string> written =
-      folder.write({{.path = "selection.csv", .text = report::selection_csv(files.task, selection)},
-                    {.path = "pareto.csv", .text = front},
-                    {.path = "summary.json", .text = json}},
-                   files.task.objectives.size() > 1 && !selection.front.empty()
-                       ? draw({report::selection_plot(files.task, selection)})
-                       : Figures());
+      folder.write(std::move(texts), files.task.objectives.size() > 1 && !selection.front.empty()
+                                         ? draw({report::selection_plot(files.task, selection)})
+                                         : Figures());
   switch (options.format) {
     case Format::kJson:
       print_result(json);

@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "actuator/co_design.hpp"
 #include "app/optimize.hpp"
 #include "cli/commands.hpp"
 #include "cli/progress.hpp"
@@ -11,12 +12,17 @@
 #include "cli/talk.hpp"
 #include "design/built_series.hpp"
 #include "design/sensitivity.hpp"
+#include "io/files/actuator_file.hpp"
+#include "io/files/cycle_file.hpp"
 #include "io/files/design_file.hpp"
 #include "io/files/model_file.hpp"
 #include "io/files/refinement_journal.hpp"
 #include "io/files/specification_file.hpp"
+#include "io/text/file_reader.hpp"
 #include "io/text/toml_value.hpp"
 #include "report/analysis_report.hpp"
+#include "report/certificate_report.hpp"
+#include "report/co_design_report.hpp"
 #include "report/first_screen.hpp"
 #include "report/front_plot.hpp"
 #include "report/limits_report.hpp"
@@ -33,6 +39,7 @@ constexpr const char* kJournalName = "optimize.journal";
 constexpr const char* kFrontJournalName = "front.journal";
 constexpr const char* kFrontFigure = "pareto.svg";
 constexpr const char* kRoundedName = "best_rounded.toml";
+constexpr const char* kActuatorName = "actuator.toml";
 
 /// What was read, each file once.
 struct OptimizeInput {
@@ -40,15 +47,27 @@ struct OptimizeInput {
   std::uint64_t fingerprint = 0;  ///< of the very bytes
 };
 
+/// Files that [actuator] and [cycle] name.
+std::vector<std::string> co_design_sources(const optimize::Specification& spec) {
+  const actuator::CoDesign* const co_design = actuator::co_design_of(spec.cycle_energy.get());
+  return co_design != nullptr ? co_design->sources() : std::vector<std::string>();
+}
+
 OptimizeInput read_input(const OptimizeOptions& options) {
   std::vector<std::string> contents{io::read_toml_text(options.file)};
   if (!options.model.empty()) contents.push_back(io::read_toml_text(options.model));
-  OptimizeInput input{.request = {.spec = io::parse_specification(contents.front(), options.file,
-                                                                  optimize::kMostRefinedSets),
+  optimize::Specification spec =
+      io::parse_specification(contents.front(), options.file, optimize::kMostRefinedSets);
+  const std::vector<std::string> sources = co_design_sources(spec);
+  std::vector<std::string> all = contents;
+  for (const std::string& source : sources) {
+    all.push_back(io::read_text(source, "a file", io::kMostCycleBytes));
+  }
+  OptimizeInput input{.request = {.spec = std::move(spec),
                                   .source = options.file,
                                   .certify = options.certify,
                                   .round = options.round},
-                      .fingerprint = io::task_fingerprint(contents)};
+                      .fingerprint = io::task_fingerprint(all)};
   if (!options.model.empty()) {
     input.request.model =
         app::model_of(io::parse_model(contents.back(), options.model), options.model);
@@ -166,7 +185,7 @@ OptimizeRun run(app::OptimizeTask& task, RunJournal& journal, FrontJournal& fron
       task.spec, o.result, run.tally, {.wall_time_s = wall_time_s, .threads = threads}, task.use(),
       o.front ? &*o.front : nullptr, o.robust ? &*o.robust : nullptr,
       o.comparison ? &*o.comparison : nullptr, &task.stated_limits, o.held ? &*o.held : nullptr,
-      o.rounding ? &*o.rounding : nullptr);
+      o.rounding ? &*o.rounding : nullptr, o.co_design ? &o.co_design->report : nullptr);
   return run;
 }
 
@@ -184,6 +203,10 @@ void write_files(ResultFolder& folder, const app::OptimizeTask& task, OptimizeRu
   if (o.rounded) {
     files.push_back({.path = kRoundedName, .text = io::design_text(o.rounded->stated)});
   }
+  if (o.co_design) {
+    files.push_back(
+        {.path = kActuatorName, .text = io::actuator_text(o.co_design->actuator, "best.toml")});
+  }
   Figures figures;
   if (o.front && !o.front->points.empty()) {
     figures = draw({report::pareto_plot(task.spec, *o.front)});
@@ -192,6 +215,7 @@ void write_files(ResultFolder& folder, const app::OptimizeTask& task, OptimizeRu
   run.drawn = !figures.files.empty();
   if (!o.best) folder.set_aside("best.toml");
   if (!o.rounded) folder.set_aside(kRoundedName);
+  if (!o.co_design) folder.set_aside(kActuatorName);
 }
 
 std::string rounding_text(const app::OptimizeTask& task, const app::Optimization& o) {
@@ -217,6 +241,7 @@ void print_results(const app::OptimizeTask& task, const OptimizeRun& run,
       const auto series = design::table_series(o.best->design);
       const std::size_t sets = o.result.search.candidates.size();
       const std::string more =
+          (o.co_design ? report::co_design_table(o.co_design->report) : std::string()) +
           report::held_back_table(task.spec, o.held->best) +
           report::planets_table(task.spec, *o.held) + rounding_text(task, o) +
           (o.robust ? report::robust_table(task.spec, *o.robust) : "") +
@@ -225,9 +250,10 @@ void print_results(const app::OptimizeTask& task, const OptimizeRun& run,
           report::broken(report::limits_line(task.stated_limits),
                          table_choice(options.show).columns, kBrokenIndent) +
           fmt::format(
-              "\nFiles in {}: best.toml (this design), {}refined.csv ({} tooth sets), "
+              "\nFiles in {}: best.toml (this design), {}{}refined.csv ({} tooth sets), "
               "pareto.csv ({} designs), {}summary.json\n",
               options.out, o.rounded ? "best_rounded.toml, " : "",
+              o.co_design ? "actuator.toml (its motor with it), " : "",
               o.result.search.candidates.size() - run.tally.open,
               o.front ? o.front->points.size() : o.result.pareto.size(),
               run.drawn ? fmt::format("{}, ", kFrontFigure) : std::string());
@@ -278,6 +304,13 @@ void say_carried_torque(const optimize::Specification& spec, const OptimizeOptio
 ExitCode end_without_design(const app::OptimizeTask& task, const OptimizeRun& run,
                             const OptimizeOptions& options) {
   if (run.outcome.interrupted) return kInterrupted;
+  if (const auto nearest = app::nearest_motor(task.spec, run.outcome.result)) {
+    say(report::no_motor_text(
+            *actuator::co_design_of(task.spec.cycle_energy.get()),
+            run.tally.status[static_cast<std::size_t>(optimize::Status::kOptimal)], *nearest) +
+        '\n');
+    return kNoFeasibleDesign;
+  }
   say(fmt::format("{}\n", report::blocking_text(task.spec, run.outcome.result, run.tally)));
   if (run.tally.blocked_by_load > 0) say_carried_torque(task.spec, options);
   const auto count = [&](optimize::Status status) {
@@ -304,13 +337,15 @@ void refuse_earlier_result(const ResultFolder& folder, const OptimizeOptions& op
 ExitCode run_optimize(const OptimizeOptions& options) {
   const OptimizeInput input = read_input(options);
   app::OptimizeTask task = app::optimize_task(input.request);
-  ResultFolder folder(
-      {.path = options.out,
-       .inputs = {options.file, options.model},
-       .files = {"best.toml", kRoundedName, "refined.csv", "pareto.csv", "summary.json"},
-       .others = {kJournalName, kFrontJournalName},
-       .figures = {kFrontFigure},
-       .quiet = options.quiet});
+  std::vector<std::string> inputs = co_design_sources(task.spec);
+  inputs.insert(inputs.end(), {options.file, options.model});
+  ResultFolder folder({.path = options.out,
+                       .inputs = std::move(inputs),
+                       .files = {"best.toml", kRoundedName, kActuatorName, "refined.csv",
+                                 "pareto.csv", "summary.json"},
+                       .others = {kJournalName, kFrontJournalName},
+                       .figures = {kFrontFigure},
+                       .quiet = options.quiet});
   refuse_earlier_result(folder, options);
   warn(task.model_notes, options.quiet);
   folder.open();

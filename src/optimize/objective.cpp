@@ -87,7 +87,15 @@ constexpr std::array<ObjectiveRecord, kObjectiveCount> kRecords{
       .unit = "Nm/rad",
       .per_unit = 1.0,
       .resolution = 1e-2,
-      .help = "of the output against the locked sun, at the stated torque"}}};
+      .help = "of the output against the locked sun, at the stated torque"},
+     {.id = Objective::kCycleEnergy,
+      .name = "cycle_energy",
+      .title = "cycle energy",
+      .maximise = false,
+      .unit = "J",
+      .per_unit = 1.0,
+      .resolution = 1e-8,
+      .help = "energy of the cycles of [cycle] with the best motor of [actuator]"}}};
 
 }  // namespace
 

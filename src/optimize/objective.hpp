@@ -18,9 +18,10 @@ enum class Objective {
   kRatioError,
   kTorqueCapacity,
   kTorqueDensity,
-  kTorsionalStiffness
+  kTorsionalStiffness,
+  kCycleEnergy
 };
-inline constexpr std::size_t kObjectiveCount = 10;
+inline constexpr std::size_t kObjectiveCount = 11;
 
 /// One record per objective: names, sense and unit.
 struct ObjectiveRecord {
@@ -47,6 +48,11 @@ inline bool is_of_load(Objective objective) {
 /// Whether SetBounds bounds an objective; best_value() the others.
 inline bool is_efficiency(Objective objective) {
   return objective == Objective::kBackwardEfficiency || objective == Objective::kForwardEfficiency;
+}
+
+/// Whether an objective follows from the efficiencies of a tooth set, and is bounded by theirs.
+inline bool follows_efficiency(Objective objective) {
+  return is_efficiency(objective) || objective == Objective::kCycleEnergy;
 }
 
 /// Sign with which more is better.

@@ -145,6 +145,11 @@ T objective_value(Objective objective, const ObjectiveInput<T>& input, int branc
         throw std::invalid_argument("objective torsional_stiffness: train not rated");
       }
       return input.rating->stiffness->output_Nm_rad;
+    case Objective::kCycleEnergy:
+      return cycle_energy<T>(
+          *spec.cycle_energy, train::ratio(train.teeth),
+          efficiency::forward_efficiency(train.teeth, mesh_efficiencies(true)),
+          efficiency::backward_efficiency(train.teeth, mesh_efficiencies(false)));
   }
   throw std::invalid_argument("objective_value: objective unknown");
 }
@@ -256,6 +261,8 @@ double best_value(Objective objective, const Specification& spec, const train::T
     case Objective::kTorqueDensity:
     case Objective::kTorsionalStiffness:
       return std::numeric_limits<double>::infinity();
+    case Objective::kCycleEnergy:
+      return spec.cycle_energy->least(train::ratio(teeth), 1.0, 1.0);
   }
   throw std::invalid_argument("best_value: objective unknown");
 }
@@ -290,6 +297,8 @@ double objective_scale(Objective objective, const Specification& spec) {
       return 0.5 * strength::elasticity_of(*rating.material[train::kP1]).youngs_modulus_Pa *
              least_width_m * radius_m * radius_m;
     }
+    case Objective::kCycleEnergy:
+      return spec.cycle_energy->scale_j();
     default:
       return 1.0;
   }

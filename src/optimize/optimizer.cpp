@@ -197,7 +197,7 @@ class Run {
   }
 
   void offer(const RefinedSet& set) {
-    if (set.status != Status::kOptimal) return;
+    if (set.status != Status::kOptimal || is_driven_by_none(set)) return;
     if (!result_.best) {
       result_.best = set;
       return;
@@ -207,6 +207,12 @@ class Run {
       return std::pair(cost_in_steps(first, sense_of(first) * merit_of(spec_, s)), s.index);
     };
     if (cost(set) < cost(*result_.best)) result_.best = set;
+  }
+
+  /// Whether no motor of the specification drives a set within its limits.
+  [[nodiscard]] bool is_driven_by_none(const RefinedSet& set) const {
+    return spec_.cycle_energy && first_objective(spec_) == Objective::kCycleEnergy &&
+           !std::isfinite(merit_of(spec_, set));
   }
 
   void certify(const std::vector<std::uint32_t>& order) {
@@ -227,7 +233,7 @@ class Run {
     sharp.reserve(result_.refined.size());
     std::vector<std::size_t> open;
     for (const RefinedSet& set : result_.refined) {
-      if (bound_[set.index] > c.best + proven && is_efficiency(first_objective(spec_))) {
+      if (bound_[set.index] > c.best + proven && follows_efficiency(first_objective(spec_))) {
         open.push_back(sharp.size());
       }
       sharp.push_back(bound_[set.index]);
@@ -236,11 +242,12 @@ class Run {
     progress_.done = 0;
     progress_.phase = Progress::Phase::kCertificate;
     progress_.total = open.size();
+    const double enough = is_efficiency(first_objective(spec_)) ? c.best : -kInfinity;
     numerics::parallel_for(open.size(), [&](std::size_t i) {
       if (progress_.stop.load()) return;
       const std::size_t k = result_.refined[open[i]].index;
       sharp[open[i]] =
-          merit_bound(spec_, bounds_->sharpened(k, c.best), result_.search.candidates[k]);
+          merit_bound(spec_, bounds_->sharpened(k, enough), result_.search.candidates[k]);
       ++progress_.done;
     });
     c.global_bound = std::max(c.best, c.largest_unrefined_bound.value_or(c.best));
@@ -286,6 +293,8 @@ double merit_bound(const Specification& spec, const SetBound& bound, const Candi
         return bound.eta_b;
       case Objective::kForwardEfficiency:
         return bound.eta_f;
+      case Objective::kCycleEnergy:
+        return spec.cycle_energy->least(train::ratio(candidate.teeth), bound.eta_f, bound.eta_b);
       default:
         return best_value(objective, spec, candidate.teeth, candidate.planets);
     }

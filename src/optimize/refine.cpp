@@ -104,15 +104,31 @@ void cross_contact_ratio_kinks(BestEnd& best) {
   }
 }
 
-/// Whether the best end is as good as proven, or (two starts ended alike) likely so.
-bool near_bound(const Specification& spec, const SolveOutcome& end, const SetBound& bound,
-                bool alike) {
+/// What a bound leaves to win in units of a problem's objective; infinite where it says nothing.
+double most_of(const Specification& spec, const Candidate& candidate, const SetBound& bound) {
   const Objective objective = first_objective(spec);
+  if (!follows_efficiency(objective) || !bound.known) {
+    return std::numeric_limits<double>::infinity();
+  }
+  if (objective == Objective::kCycleEnergy) {
+    return -spec.cycle_energy->least(train::ratio(candidate.teeth), bound.eta_f, bound.eta_b) /
+           spec.cycle_energy->scale_j();
+  }
+  return objective == Objective::kForwardEfficiency ? bound.eta_f : bound.eta_b;
+}
+
+/// Whether the best end is as good as proven, or (two starts ended alike) likely so.
+bool near_bound(const RefinementProblem& problem, const SolveOutcome& end, const SetBound& bound,
+                bool alike) {
+  const Specification& spec = *problem.spec;
   // The KHK rule has a kink, at which a start may stay.
   const bool kinked = spec.khk_tip[train::kS] || spec.khk_tip[train::kP1];
-  if (!is_efficiency(objective) || !bound.known || kinked) return false;
-  const double most = objective == Objective::kForwardEfficiency ? bound.eta_f : bound.eta_b;
-  return most + end.objective <= (alike ? kLikelyNearBound : kNearBound) * (1.0 + end.objective);
+  if (!follows_efficiency(first_objective(spec)) || !bound.known || kinked) return false;
+  SetBound without_losses;
+  without_losses.known = true;
+  const double lossless = most_of(spec, problem.candidate, without_losses);
+  return most_of(spec, problem.candidate, bound) + end.objective <=
+         (alike ? kLikelyNearBound : kNearBound) * (lossless + end.objective);
 }
 
 /// The point of least violation where it is the same from an end and from a start, and misses a
@@ -328,7 +344,7 @@ std::optional<BestEnd> best_of_starts(const RefinementProblem& problem, const Se
         local.found && feasible(end) && std::abs(end.objective - local.outcome.objective) <= kAlike;
     ends.push_back(end.v);
     local.offer(problem, end);
-    if (local.found && near_bound(spec, local.outcome, bound, alike)) break;
+    if (local.found && near_bound(problem, local.outcome, bound, alike)) break;
   }
   for (std::size_t k = 0; k < ends.size() && !local.found; ++k) {
     if (stop.load(std::memory_order_relaxed)) return std::nullopt;
@@ -339,13 +355,6 @@ std::optional<BestEnd> best_of_starts(const RefinementProblem& problem, const Se
   if (stays_at_kink(local)) take_more_starts(problem, stop, local);
   if (local.found) cross_contact_ratio_kinks(local);
   return local;
-}
-
-/// What a bound leaves to win in units of a problem's objective; infinite where it says nothing.
-double most_of(const Specification& spec, const SetBound& bound) {
-  const Objective objective = first_objective(spec);
-  if (!is_efficiency(objective) || !bound.known) return std::numeric_limits<double>::infinity();
-  return objective == Objective::kForwardEfficiency ? bound.eta_f : bound.eta_b;
 }
 
 /// The search for the best design of one set over its problems.
@@ -493,7 +502,7 @@ std::optional<RefinedSet> Refiner::refine(const Candidate& candidate, const Shif
   BestEnd& best = search.best();
   thread_local RefinementProblem problem;
   for (const auto& [pair, bound] : bounds) {
-    if (best.found && most_of(spec, bound) <= -best.outcome.objective) continue;
+    if (best.found && most_of(spec, candidate, bound) <= -best.outcome.objective) continue;
     for (const Prototype& prototype : prototypes_) {
       if (prototype.problem.candidate.planets != candidate.planets) continue;
       if (pair && prototype.modules != *pair) continue;

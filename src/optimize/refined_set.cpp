@@ -105,8 +105,14 @@ double objective_of(const Specification& spec, const RefinedSet& set, Objective 
       return set.torque_capacity_Nm.value_or(0.0) / set.mass_kg;
     case Objective::kTorsionalStiffness:
       return set.torsional_stiffness_Nm_rad.value_or(0.0);
+    case Objective::kCycleEnergy: {
+      if (!(set.eta_b > 0.0)) break;
+      const EnergyAt at =
+          spec.cycle_energy->at(train::ratio(set.candidate.teeth), set.eta_f, set.eta_b);
+      return at.within_limits ? at.energy_J : std::numeric_limits<double>::infinity();
+    }
   }
-  return 0.0;
+  return std::numeric_limits<double>::infinity();
 }
 
 bool judged_by_model(const Specification& spec) {

@@ -2,6 +2,7 @@
 // What a user asks for (SPEC.toml), in SI.
 
 #include <array>
+#include <memory>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 #include "backlash/thickness_allowance.hpp"
 #include "design/design.hpp"
 #include "design/extension.hpp"
+#include "optimize/cycle_energy.hpp"
 #include "optimize/objective.hpp"
 
 namespace gear3k::optimize {
@@ -137,6 +139,8 @@ struct Specification {
   /// What it is to carry; face widths and the rings' rim as in `bodies`, the speed of
   /// `operating_point`.
   std::optional<strength::RatingTask> rating;
+  /// Of the objective cycle_energy: motors, load and cycles; null without.
+  std::shared_ptr<const CycleEnergy> cycle_energy;
   Robust robust;
   RoundSteps round;
   Solver solver;

@@ -13,6 +13,7 @@
 #include "io/text/json.hpp"
 #include "optimize/cutter_choice.hpp"
 #include "optimize/objective_value.hpp"
+#include "report/certificate_report.hpp"
 #include "report/display.hpp"
 #include "report/fields.hpp"
 #include "report/limits_report.hpp"
@@ -70,6 +71,21 @@ std::optional<double> capacity_per_mass(const RefinedSet& s) {
   return s.torque_capacity_Nm ? std::optional(*s.torque_capacity_Nm / s.mass_kg) : std::nullopt;
 }
 
+/// Energy of the cycles with the best motor; empty where none drives the set within its limits.
+void add_co_design(const RefinedSet& s, const actuator::CoDesign& co_design, Optimum& optimum) {
+  std::optional<double> energy_J;
+  std::string motor;
+  if (s.status == Status::kOptimal && s.eta_b > 0.0) {
+    const optimize::EnergyAt at = co_design.at(train::ratio(s.candidate.teeth), s.eta_f, s.eta_b);
+    if (at.within_limits) {
+      energy_J = at.energy_J;
+      motor = co_design.task().motors[at.motor].name;
+    }
+  }
+  optimum.add("cycle_energy_j", energy_J);
+  optimum.add("motor", motor);
+}
+
 /// The columns of refined.csv and pareto.csv.
 /// @param bound  upper bound of eta_b; empty where there is none
 Fields refined_fields(const RefinedSet& s, const std::optional<double>& bound,
@@ -122,6 +138,7 @@ Fields refined_fields(const RefinedSet& s, const std::optional<double>& bound,
     optimum.add("cutter_R1_teeth", s.train.cutter_teeth[0]);
     optimum.add("cutter_R2_teeth", s.train.cutter_teeth[1]);
   }
+  if (columns.co_design != nullptr) add_co_design(s, *columns.co_design, optimum);
   return f;
 }
 
@@ -146,12 +163,6 @@ RefinedSet nameless_set() {
 
 std::string refined_header(const RefinedColumns& columns) {
   return refined_fields(nameless_set(), std::nullopt, columns).csv_header();
-}
-
-/// A value of an objective in its unit, SI given.
-std::string with_objective_unit(const optimize::ObjectiveRecord& record, double value) {
-  return fmt::format("{:.6g}{}{}", value / record.per_unit, record.unit.empty() ? "" : " ",
-                     record.unit);
 }
 
 }  // namespace
@@ -297,7 +308,8 @@ RefinedColumns refined_columns(const Specification& spec) {
           .pressure_angle = spec.free.pressure_angle_rad.has_value(),
           .masses = optimize::knows_masses(spec),
           .strength = spec.rating.has_value(),
-          .cutters = optimize::cutter_choices(spec).size() > 1};
+          .cutters = optimize::cutter_choices(spec).size() > 1,
+          .co_design = actuator::co_design_of(spec.cycle_energy.get())};
 }
 
 std::vector<std::string> refined_column_names(const RefinedColumns& columns) {
@@ -392,38 +404,14 @@ io::Json front_json(const Specification& spec, const optimize::ParetoFront& fron
           {"missing", front.missing}};
 }
 
-io::Json certificate_json(const Specification& spec, const OptimizeResult& result) {
-  if (!result.certificate) return nullptr;
-  const optimize::Certificate& c = *result.certificate;
-  const optimize::ObjectiveRecord& record =
-      optimize::objective_record(optimize::first_objective(spec));
-  const auto shown = [&](double merit) {
-    return optimize::sense_of(record.id) * merit / record.per_unit;
-  };
-  return {
-      {"objective", record.name},
-      {"unit", record.unit},
-      {"best", shown(c.best)},
-      {"refined", c.refined},
-      {"bounded", c.bounded},
-      {"infeasible", c.infeasible},
-      {"largest_unrefined_bound",
-       c.largest_unrefined_bound ? io::Json(shown(*c.largest_unrefined_bound)) : nullptr},
-      {"global_bound", c.objective_bounded ? io::Json(shown(c.global_bound)) : nullptr},
-      {"gap", c.objective_bounded ? io::Json(std::abs(c.global_bound - c.best) / record.per_unit)
-                                  : nullptr},
-      {"locally_optimal_only", c.open},
-      {"strength_bounded", c.strength_bounded},
-      {"strength_not_bounded", c.strength_not_bounded}};
-}
-
 }  // namespace
 
 std::string summary_json(const Specification& spec, const OptimizeResult& result,
                          const ResultTally& tally, const RunFacts& facts, const ModelUse* model,
                          const optimize::ParetoFront* front, const RobustRun* robust,
                          const ModelComparison* comparison, const design::Limits* stated_limits,
-                         const HeldBackReport* held, const optimize::Rounding* rounding) {
+                         const HeldBackReport* held, const optimize::Rounding* rounding,
+                         const CoDesignReport* co_design) {
   io::Json status = io::Json::object();
   io::Json reasons = io::Json::object();
   for (std::size_t k = 0; k < optimize::kStatusCount; ++k) {
@@ -474,6 +462,7 @@ std::string summary_json(const Specification& spec, const OptimizeResult& result
                 {"threads", facts.threads}};
   json["limits"] = limits_json(stated_limits != nullptr ? *stated_limits : spec.limits);
   if (held != nullptr) json.update(held_back_json(spec, *held));
+  if (co_design != nullptr) json["co_design"] = co_design_json(*co_design);
   json["rounded"] = nullptr;
   if (rounding != nullptr && result.best) {
     const double free_objective =
@@ -504,62 +493,6 @@ std::string optimize_counts_text(const OptimizeResult& result, const ResultTally
     if (!reasons.empty()) text += fmt::format(" ({})", reasons);
   }
   return text + "\n";
-}
-
-namespace {
-
-/// Which limits of the load the bounds account for; "" without a load.
-std::string bounded_strength_text(const optimize::Certificate& c) {
-  const auto listed = [](const std::vector<std::string_view>& names) {
-    return names.empty() ? std::string("none") : fmt::format("{}", fmt::join(names, ", "));
-  };
-  if (c.strength_bounded.empty() && c.strength_not_bounded.empty()) return "";
-  return fmt::format("; of the limits of the load the bounds account for {}, and not for {}",
-                     listed(c.strength_bounded), listed(c.strength_not_bounded));
-}
-
-}  // namespace
-
-std::string certificate_text(const Specification& spec, const OptimizeResult& result) {
-  if (!result.certificate) return "";
-  const optimize::Certificate& c = *result.certificate;
-  const optimize::ObjectiveRecord& record =
-      optimize::objective_record(optimize::first_objective(spec));
-  const auto shown = [&](double merit) {
-    return with_objective_unit(record, optimize::sense_of(record.id) * merit);
-  };
-  // A bound is rounded to the side on which it still is one.
-  const auto bound_shown = [&](double merit) {
-    const double value = optimize::sense_of(record.id) * merit / record.per_unit;
-    if (value == 0.0) return shown(merit);
-    constexpr double kDigits = 6.0;
-    const double power = std::pow(10.0, kDigits - 1.0 - std::floor(std::log10(std::abs(value))));
-    const double rounded =
-        (record.maximise ? std::ceil(value * power) : std::floor(value * power)) / power;
-    return with_objective_unit(record, rounded * record.per_unit);
-  };
-  const char* than = record.maximise ? "more" : "less";
-  const std::string strength = bounded_strength_text(c);
-  std::string text =
-      fmt::format("certificate under the stated model: best {} {}", record.name, shown(c.best));
-  if (!c.objective_bounded) {
-    return text + fmt::format(
-                      "; nothing bounds {}: {} sets are refined, to local optima, and {} are "
-                      "proven to have no feasible design{}\n",
-                      record.name, c.refined, c.infeasible, strength);
-  }
-  if (c.largest_unrefined_bound) {
-    text += fmt::format("; no design of the {} bounded sets has {} than {}", c.bounded, than,
-                        bound_shown(*c.largest_unrefined_bound));
-  }
-  text += fmt::format(
-      "; {} sets are proven to have no feasible design; no design of any set has {} than {}",
-      c.infeasible, than, bound_shown(c.global_bound));
-  if (c.open > 0) {
-    text +=
-        fmt::format(" ({} refined sets are locally optimal only and may hold up to that)", c.open);
-  }
-  return text + strength + "\n";
 }
 
 std::string blocking_text(const Specification& spec, const OptimizeResult& result,

@@ -9,9 +9,11 @@
 #include <string_view>
 #include <vector>
 
+#include "actuator/co_design.hpp"
 #include "optimize/optimizer.hpp"
 #include "optimize/pareto_search.hpp"
 #include "optimize/zero_shift.hpp"
+#include "report/co_design_report.hpp"
 #include "report/fields.hpp"
 #include "report/limit_price_report.hpp"
 #include "report/model_change_report.hpp"
@@ -62,6 +64,8 @@ struct RefinedColumns {
   /// torque_density_nm_per_kg.
   bool strength = false;
   bool cutters = false;  ///< cutter_R1_teeth, cutter_R2_teeth; 0: not chosen
+  /// cycle_energy_j, motor; null: none of them.
+  const actuator::CoDesign* co_design = nullptr;
 };
 RefinedColumns refined_columns(const optimize::Specification& spec);
 /// Names of the columns, in their order.
@@ -93,20 +97,18 @@ struct RunFacts {
 /// @param stated_limits  before they were tightened; null: those of the specification
 /// @param rounding  of the best design; null: it was not asked for
 /// @param held  what holds the best designs back; null: there is none
+/// @param co_design  the motor of the best design; null: no motor was asked for
 /// @param comparison  of the best designs without and with the model; null: no model
 std::string summary_json(
     const optimize::Specification& spec, const optimize::OptimizeResult& result,
     const ResultTally& tally, const RunFacts& facts, const ModelUse* model = nullptr,
     const optimize::ParetoFront* front = nullptr, const RobustRun* robust = nullptr,
     const ModelComparison* comparison = nullptr, const design::Limits* stated_limits = nullptr,
-    const HeldBackReport* held = nullptr, const optimize::Rounding* rounding = nullptr);
+    const HeldBackReport* held = nullptr, const optimize::Rounding* rounding = nullptr,
+    const CoDesignReport* co_design = nullptr);
 
 /// Counts by status and reason, for the terminal.
 std::string optimize_counts_text(const optimize::OptimizeResult& result, const ResultTally& tally);
-
-/// What a certificate proves, for the terminal; "" without one.
-std::string certificate_text(const optimize::Specification& spec,
-                             const optimize::OptimizeResult& result);
 
 /// Which constraint blocks a run without a feasible design, and by how much.
 std::string blocking_text(const optimize::Specification& spec,

@@ -4,8 +4,15 @@
 #include <string>
 
 #include "actuator/selection.hpp"
+#include "design/design.hpp"
 
 namespace gear3k::report {
+
+/// A gearbox of a selection that was designed for it.
+struct MadeGearbox {
+  std::size_t gearbox = 0;  ///< its place in the task
+  design::Design design;
+};
 
 /// A row for every pair, with the reason of each rejection.
 std::string selection_csv(const actuator::SelectionTask& task,

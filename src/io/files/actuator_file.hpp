@@ -13,6 +13,10 @@ actuator::Actuator read_actuator(const std::string& path);
 /// The same from a text; `name` stands for the file in messages and for its folder.
 actuator::Actuator parse_actuator(const std::string& text, const std::string& name);
 
+/// The file of an actuator whose gearbox is a DESIGN file.
+/// @param design  its path as seen from the file
+std::string actuator_text(const actuator::Actuator& actuator, const std::string& design);
+
 /// Table of the keys, in Markdown.
 std::string actuator_key_table();
 

@@ -11,6 +11,7 @@
 #include "io/files/cycle_file.hpp"
 #include "io/files/design_file.hpp"
 #include "io/files/document_kind.hpp"
+#include "io/files/specification_file.hpp"
 #include "io/keys/selection_keys.hpp"
 #include "io/text/complaints.hpp"
 #include "io/text/csv_table.hpp"
@@ -183,6 +184,10 @@ void read_parts(const SelectionInput& input, const std::filesystem::path& folder
       auto& all = files.task.gearboxes;
       if (name.ends_with(".toml")) {
         files.inputs.push_back(path_of(name));
+        if (look_of(read_toml(path_of(name))).kind == DocumentKind::kSpecification) {
+          files.tasks.push_back(read_specification(path_of(name), optimize::kMostRefinedSets));
+          return;
+        }
         all.push_back(designed_gearbox(path_of(name)));
         return;
       }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "actuator/selection.hpp"
+#include "optimize/specification.hpp"
 
 namespace gear3k::io {
 
@@ -12,6 +13,8 @@ namespace gear3k::io {
 struct SelectionFiles {
   actuator::SelectionTask task;
   std::vector<std::string> inputs;
+  /// SPEC files of `optimize` among the gearboxes: their designs are still to be made.
+  std::vector<optimize::Specification> tasks{};
 };
 
 /// Reads a SPEC with its catalogues and cycles, their paths as seen from its folder.

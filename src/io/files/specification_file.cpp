@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "design/rating_inputs.hpp"
+#include "io/files/co_design_file.hpp"
 #include "io/files/strength_task.hpp"
 #include "io/keys/axial_keys.hpp"
 #include "io/keys/cutter_keys.hpp"
@@ -310,6 +311,27 @@ void take_allowances(optimize::Specification& spec, FileReading& reading) {
   }
 }
 
+/// Motors, load and cycles of the objective cycle_energy.
+/// @throws InvalidInput with the errors so far, and those of the files
+void take_co_design(Input& input, const std::string& name, FileReading& reading) {
+  optimize::Specification& spec = input.spec;
+  const bool wanted = std::ranges::find(spec.objectives, optimize::Objective::kCycleEnergy) !=
+                      spec.objectives.end();
+  check_co_design(input.co_design, wanted, reading);
+  if (wanted) check_cycle_energy(spec, reading);
+  CollectedErrors errors;
+  errors.attempt([&] { reading.throw_if_invalid(); });
+  if (wanted) {
+    errors.attempt([&] {
+      const CoDesignInput& in = input.co_design;
+      if (!in.selection.cycles.empty() && (!in.motor.empty() || !in.selection.motors.empty())) {
+        spec.cycle_energy = read_co_design(in, name);
+      }
+    });
+  }
+  errors.raise();
+}
+
 optimize::Specification specification_from(const TomlValue& document, const std::string& name,
                                            double most_sets) {
   FileReading reading(name);
@@ -335,7 +357,7 @@ optimize::Specification specification_from(const TomlValue& document, const std:
   if (input.tolerances.stated) input.spec.tolerances = stated_tolerances(input.tolerances);
   take_allowances(input.spec, reading);
   input.spec.sampling = input.tolerances.sampling;
-  reading.throw_if_invalid();
+  take_co_design(input, name, reading);
   check_size(input.spec, most_sets, reading);
   reading.throw_if_invalid();
   if (reading.has("operating_point.sun_speed_rpm")) {

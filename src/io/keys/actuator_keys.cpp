@@ -45,6 +45,10 @@ std::vector<Key<MotorInput>> motor_keys() {
       make_key<In>(number("motor.static_torque_nm", Unit::kNewtonMetre, within(0.0, 1e6),
                           "motor.coulomb_torque_nm", "friction of the motor at rest"),
                    &In::static_Nm),
+      make_key<In>(number("motor.viscous_nms_per_rad", Unit::kViscousDrag, within(0.0, 1e6),
+                          "none, or what no_load_current_a leaves",
+                          "friction of the motor over its speed, in place of no_load_current_a"),
+                   of_motor(&Motor::viscous_Nms)),
       make_key<In>(number("motor.shaft_stiffness_nm_per_rad", Unit::kTorsionalStiffness,
                           above(0.0, 1e12), "rigid", "of the motor's shaft, at the motor"),
                    of_motor(&Motor::shaft_stiffness_Nm_rad)),
@@ -172,7 +176,12 @@ std::vector<Key<ActuatorInput>> keys_of_actuator() {
                                           .help = "name in tables and results"},
                                          &In::name)};
   append_keys(keys, motor_keys(), &In::motor);
-  append_keys(keys, gearbox_keys(), &In::gearbox);
+  for (Key<GearboxInput> key : gearbox_keys()) {
+    if (!key.record.path.ends_with(".design")) {
+      key.written = [](const GearboxInput& in, std::size_t) { return in.design.empty(); };
+    }
+    append_keys(keys, std::vector{key}, &In::gearbox);
+  }
   const std::vector<Key<Drive>> drive{
       make_key<Drive>(number("drive.bus_voltage_v", Unit::kNone, above(0.0, 1e6), "no limit",
                              "greatest voltage at the motor at any instant"),
@@ -217,6 +226,10 @@ void check_motor(const MotorInput& in, FileReading& reading) {
                       "current, {:g} N m",
                       motor.coulomb_Nm, torque));
     }
+  }
+  if (in.no_load_current_A && reading.stated("motor.viscous_nms_per_rad")) {
+    reading.error_at("motor.viscous_nms_per_rad",
+                     "motor.viscous_nms_per_rad: allowed: without motor.no_load_current_a");
   }
   if (in.static_Nm && *in.static_Nm < motor.coulomb_Nm) {
     reading.error_at("motor.static_torque_nm",

@@ -31,12 +31,14 @@ std::vector<Key<In>> keys_of_selection() {
                     .help = "name in tables and results"},
                    of_task(&SelectionTask::name)),
       path_key("motors", &In::motors, "CSV of motors, as data/motor_catalogue.csv"),
-      make_key<In>({.path = "gearboxes",
-                    .type = KeyType::kTexts,
-                    .required = true,
-                    .help = "CSV of gearboxes, as data/planetary_gearbox_catalogue.csv, pareto.csv "
-                            "or refined.csv of `optimize`, DESIGN.toml, or a list of them"},
-                   &In::gearboxes),
+      make_key<In>(
+          {.path = "gearboxes",
+           .type = KeyType::kTexts,
+           .required = true,
+           .help = "CSV of gearboxes, as data/planetary_gearbox_catalogue.csv, pareto.csv "
+                   "or refined.csv of `optimize`, DESIGN.toml, SPEC.toml of `optimize`, whose "
+                   "designs are made, or a list of them"},
+          &In::gearboxes),
       make_key<In>({.path = "cycles",
                     .type = KeyType::kTexts,
                     .required = true,

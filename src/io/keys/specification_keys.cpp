@@ -231,7 +231,7 @@ void append_ratio_keys(std::vector<Key<Input>>& keys) {
              "w_S/w_R2; negative = output turns against the input"),
       [](auto& t, std::size_t) -> auto& { return t.spec.ratio.target; }));
   keys.push_back(make_key<Input>(
-      number("ratio.tolerance", Unit::kNone, within(0.0, 0.5), "0.005",
+      number("ratio.tolerance", Unit::kNone, within(0.0, 0.9), "0.005",
              "greatest |ratio/target - 1|"),
       [](auto& t, std::size_t) -> auto& { return t.spec.ratio.tolerance; }));
 }
@@ -370,6 +370,7 @@ std::vector<Key<Input>> specification_keys() {
   append_keys(keys, tolerance_keys(), &Input::tolerances);
   append_keys(keys, robust_keys(), of_spec(&Specification::robust));
   append_keys(keys, round_keys(), of_spec(&Specification::round));
+  append_keys(keys, co_design_keys(), &Input::co_design);
   return keys;
 }
 

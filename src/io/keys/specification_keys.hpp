@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "io/keys/co_design_keys.hpp"
 #include "io/keys/key_registry.hpp"
 #include "io/keys/limit_keys.hpp"
 #include "io/keys/loss_keys.hpp"
@@ -22,6 +23,7 @@ struct SpecificationInput {
   ToleranceInput tolerances;
   StrengthInput strength;
   ThermalInput thermal;
+  CoDesignInput co_design;
 
   SpecificationInput();
 };

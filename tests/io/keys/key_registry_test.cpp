@@ -521,7 +521,8 @@ TEST_P(EveryKey, RefusesAValueOfAWrongType) {
   for (const Row& row : rows_of(GetParam())) {
     for (const std::string& path : paths_of(row, GetParam())) {
       std::vector<std::string> wrong{"1979-05-27", "[[[]]]", "{ nothing = 1 }"};
-      wrong.emplace_back(row.allowed == "a text in quotes" ? "1" : "\"nothing of the kind\"");
+      wrong.emplace_back(row.allowed.starts_with("a text in quotes") ? "1"
+                                                                     : "\"nothing of the kind\"");
       for (const std::string& value : wrong) {
         const std::string errors = errors_of(GetParam(), with_key(GetParam(), path, value));
         EXPECT_NE(errors.find(":1:"), std::string::npos)

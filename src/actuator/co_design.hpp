@@ -1,0 +1,123 @@
+#pragma once
+// The best motor for a gearbox that is still to be designed.
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "actuator/selection.hpp"
+#include "optimize/cycle_energy.hpp"
+
+namespace gear3k::actuator {
+
+/// Energy of a task's cycles with the best of its motors, for any ratio and efficiencies.
+///
+/// Without inertia and drag of the gearbox, where power flows forward and where backward depends on
+/// the load alone, so that the cycles are cut once.  With h = 1/η_f forward and h = η_b backward
+///
+///   τ = h m + J1 a + D1 w + c1 s,   P_el = ρ τ² + τ w,   ρ = R/(i K_t)²
+///
+/// and the power from the bus, max(P_el/η_mot, η_reg P_el), is convex in h, as is the copper loss
+/// of what is held at rest.  The least energy over h ≥ 1/η_f,max and over 0 ≤ h ≤ η_b,max therefore
+/// is at an end or where its slope vanishes, and the bound is exact but for that place.  A lossless
+/// drive needs no cycle: ∫ P_el dt is a quadratic in h of ∫ b bᵀ dt, b = (m, a, w, s).  Another one
+/// takes at least η_reg and 1/η_mot times that of any stretch, which screens motors.
+/// Source: own derivation, docs/theory §75.
+class CoDesign final : public optimize::CycleEnergy {
+ public:
+  /// @param task  its gearboxes and objectives are not used
+  /// @param sources  files that it came from
+  /// @throws std::invalid_argument without a motor or a cycle, or where weights differ in number
+  explicit CoDesign(SelectionTask task, std::vector<std::string> sources = {});
+
+  [[nodiscard]] optimize::EnergyAt at(double ratio, double forward, double backward) const override;
+  [[nodiscard]] double least(double ratio, double most_forward,
+                             double most_backward) const override;
+  [[nodiscard]] double scale_j() const override { return scale_J_; }
+
+  /// The exact cycles of one motor with such a gearbox.
+  [[nodiscard]] PairResult run(std::size_t motor, double ratio, double forward,
+                               double backward) const;
+  [[nodiscard]] const SelectionTask& task() const { return task_; }
+  [[nodiscard]] const std::vector<std::string>& sources() const { return sources_; }
+  /// Greatest magnitude, and root mean square over all cycles, of the mesh's torque [N m].
+  [[nodiscard]] double peak_mesh_nm() const { return peak_mesh_Nm_; }
+  [[nodiscard]] double rms_mesh_nm() const { return rms_mesh_Nm_; }
+
+ private:
+  enum Flow : std::size_t { kForwardFlow, kBackwardFlow };
+  using Basis = std::array<double, 4>;
+  struct FlowMoments {
+    std::array<Basis, 4> square{};
+  };
+  /// A stretch with one sense and one flow, over x in [0, 1].
+  struct Part {
+    double seconds = 0.0;  ///< its length times its cycle's weight
+    Quadratic mesh_Nm{}, speed_rad_s{}, acceleration_rad_s2{};
+    double sense = 1.0;
+    Flow flow = kForwardFlow;
+  };
+  struct Rest {
+    double seconds = 0.0;
+    Quadratic load_Nm{};
+  };
+  /// A motor as it acts at the output through a ratio.
+  struct Fast {
+    double j1_kgm2, d1_Nms, c1_Nm, c1_static_Nm;
+    double per_torque;  ///< current over τ
+    double back_emf;    ///< volts over w
+    double copper;      ///< ρ
+    double resistance_ohm;
+  };
+  /// Energy over h with its derivatives.
+  struct Sum {
+    double energy = 0.0, slope = 0.0, curvature = 0.0;
+  };
+  /// Parts of a mean square or an energy: A + B h + C h².
+  struct InH {
+    double a = 0.0, b = 0.0, c = 0.0;
+  };
+  /// The least h forward and the most backward, or one value of each.
+  struct Box {
+    double forward, backward;
+    bool exact;
+  };
+
+  void add(const Cycle& cycle, double weight);
+  void add_part(const CyclePiece& piece, std::array<double, 2> range, double sense, double weight);
+  [[nodiscard]] Fast fast_of(std::size_t motor, double ratio) const;
+  [[nodiscard]] static Basis point(const Part& part, double x);
+  static void add_moments(const Part& part, FlowMoments& moments);
+  void set_classes();
+  [[nodiscard]] static InH square_in_h(const FlowMoments& moments, const Fast& fast);
+  [[nodiscard]] static InH energy_in_h(const FlowMoments& moments, const Fast& fast);
+  [[nodiscard]] Sum energy_over(Flow flow, const Fast& fast, double h) const;
+  void add_moving(const Part& part, const Fast& fast, double h, Sum& sum) const;
+  void add_resting(const Rest& rest, const Fast& fast, double h, Sum& sum) const;
+  [[nodiscard]] double least_over(Flow flow, const Fast& fast, double end) const;
+  [[nodiscard]] double quick_bound(const Fast& fast, const Box& box) const;
+  [[nodiscard]] double excess(std::size_t motor, double ratio, const Fast& fast,
+                              const Box& box) const;
+  void bound_peaks(const Fast& fast, const Box& box, double& amperes, double& volts) const;
+  void note_peaks(const Fast& fast, const Box& box, double& amperes, double& volts) const;
+
+  SelectionTask task_;
+  std::vector<std::string> sources_;
+  std::vector<Part> parts_;
+  std::vector<Rest> rests_;
+  std::array<FlowMoments, 2> moments_{};
+  /// Moments of parts alike, of a drive with losses: by flow, then by |w| over |m|.
+  struct Class {
+    Flow flow = kForwardFlow;
+    FlowMoments moments;
+  };
+  std::vector<Class> classes_;
+  double time_s_ = 0.0, peak_speed_rad_s_ = 0.0, peak_mesh_Nm_ = 0.0, rms_mesh_Nm_ = 0.0;
+  double scale_J_ = 0.0;
+  bool lossless_drive_ = true;
+};
+
+/// The co-design of a specification's objective; null without.
+const CoDesign* co_design_of(const optimize::CycleEnergy* energy);
+
+}  // namespace gear3k::actuator

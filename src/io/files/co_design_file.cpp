@@ -1,0 +1,86 @@
+#include "io/files/co_design_file.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <utility>
+
+#include "efficiency/friction_law.hpp"
+#include "io/files/actuator_file.hpp"
+#include "io/files/cycle_file.hpp"
+#include "io/files/selection_file.hpp"
+#include "io/text/diagnostics.hpp"
+#include "io/text/file_reader.hpp"
+
+namespace gear3k::io {
+
+namespace {
+
+constexpr std::size_t kMostMotorBytes = std::size_t{1} << 26U;
+
+}  // namespace
+
+std::shared_ptr<const actuator::CoDesign> read_co_design(const CoDesignInput& input,
+                                                         const std::string& file) {
+  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+  const SelectionInput& in = input.selection;
+  actuator::SelectionTask task = in.task;
+  std::vector<std::string> sources;
+  const auto source = [&](const std::string& name) {
+    sources.push_back((folder / name).string());
+    return sources.back();
+  };
+  CollectedErrors errors;
+  if (!input.motor.empty()) {
+    errors.attempt([&] {
+      const std::string path = source(input.motor);
+      const actuator::Actuator stated = read_actuator(path);
+      task.motors.push_back(
+          {.name = stated.name.empty() ? std::filesystem::path(path).stem().string() : stated.name,
+           .motor = stated.motor,
+           .nominal_current_A = std::nullopt,
+           .nominal_voltage_V = std::nullopt});
+    });
+  }
+  if (!in.motors.empty()) {
+    errors.attempt([&] {
+      const std::string path = source(in.motors);
+      auto more = parse_motors(read_text(path, "a CSV file", kMostMotorBytes), path);
+      if (more.empty()) throw InvalidInput(path + ": no motor: allowed: a row or more");
+      task.motors.insert(task.motors.end(), more.begin(), more.end());
+    });
+  }
+  for (const std::string& cycle : in.cycles) {
+    errors.attempt([&] { task.cycles.push_back(read_cycle(source(cycle))); });
+  }
+  errors.raise();
+  const auto& most = input.max_motor_mass_kg;
+  std::erase_if(task.motors, [&](const actuator::CatalogueMotor& m) {
+    return (most && !(m.motor.mass_kg && *m.motor.mass_kg <= *most)) ||
+           (input.known_friction && !m.friction_known);
+  });
+  if (task.motors.empty()) {
+    throw InvalidInput(
+        fmt::format("{}: actuator.limits: max_motor_mass_kg and known_friction leave "
+                    "no motor: allowed: limits that leave one",
+                    file));
+  }
+  if (task.weights.empty()) task.weights.assign(task.cycles.size(), 1.0);
+  return std::make_shared<const actuator::CoDesign>(std::move(task), std::move(sources));
+}
+
+void check_cycle_energy(const optimize::Specification& spec, FileReading& reading) {
+  if (spec.objectives.size() > 1) {
+    reading.error_at(
+        "objective",
+        "objective: \"cycle_energy\" among others: allowed: by itself (`gear3k actuator "
+        "--select` weighs masses of motors and gearboxes)");
+  }
+  if (efficiency::depends_on_state(spec.friction)) {
+    reading.error_at("friction.law",
+                     "objective \"cycle_energy\" with friction that depends on load or speed: "
+                     "allowed: a constant friction.coefficient");
+  }
+}
+
+}  // namespace gear3k::io

@@ -1,0 +1,98 @@
+#include "io/keys/co_design_keys.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+namespace gear3k::io {
+
+namespace {
+
+constexpr std::array<std::string_view, 4> kTaken{"motors", "drive.", "load.", "limits."};
+
+/// The keys of a selection that a SPEC has, too, none of them required.
+std::vector<Key<SelectionInput>> selection_part() {
+  std::vector<Key<SelectionInput>> keys;
+  for (const Key<SelectionInput>& key : selection_schema().keys()) {
+    const std::string& path = key.record.path;
+    if (std::ranges::any_of(kTaken,
+                            [&](std::string_view start) { return path.starts_with(start); })) {
+      keys.push_back(key);
+    } else if (path == "cycles" || path == "weights") {
+      keys.push_back(key);
+      keys.back().record.path = path == "cycles" ? "cycle.files" : "cycle.weights";
+      if (path == "weights") keys.back().record.default_text = "each once";
+    }
+    if (keys.empty() || !keys.back().record.required) continue;
+    keys.back().record.required = false;
+    keys.back().record.default_text = "none";
+  }
+  return keys;
+}
+
+}  // namespace
+
+std::vector<Key<CoDesignInput>> co_design_keys() {
+  std::vector<Key<CoDesignInput>> keys;
+  keys.push_back(make_key<CoDesignInput>(
+      {.path = "actuator.motor",
+       .type = KeyType::kText,
+       .default_text = "none",
+       .help = "ACTUATOR.toml of whose motor the cycle's energy is to be least, with its greatest "
+               "current, speed and winding temperature; with motors one more of them"},
+      &CoDesignInput::motor,
+      [](const CoDesignInput& in, std::size_t) { return !in.motor.empty(); }));
+  keys.push_back(make_key<CoDesignInput>(
+      number("actuator.limits.max_motor_mass_kg", units::Unit::kKilogram, above(0.0, 1e6),
+             "no limit", "greatest mass of a motor; one of unknown mass is left out then"),
+      &CoDesignInput::max_motor_mass_kg));
+  keys.push_back(unless_default(make_key<CoDesignInput>(
+      {.path = "actuator.limits.known_friction",
+       .type = KeyType::kBoolean,
+       .default_text = "false",
+       .help = "motors of which no friction is published are left out, instead of running without"},
+      &CoDesignInput::known_friction)));
+  for (const Key<SelectionInput>& key : selection_part()) {
+    const bool cycle = key.record.path.starts_with("cycle.");
+    append_keys(keys, std::vector{key}, &CoDesignInput::selection, cycle ? "" : "actuator.");
+    if (key.record.type != KeyType::kText && key.record.type != KeyType::kTexts) continue;
+    keys.back().written = [state = key.state, record = key.record](const CoDesignInput& in,
+                                                                   std::size_t) {
+      const auto value = state(record, in.selection, 0);
+      return value && !(value->kind == TomlValue::Kind::kText && value->text.empty());
+    };
+  }
+  return keys;
+}
+
+void check_co_design(const CoDesignInput& in, bool wanted, FileReading& reading) {
+  if (!wanted) return;
+  if (!reading.stated("actuator.motors") && !reading.stated("actuator.motor")) {
+    reading.error_at("actuator",
+                     "objective \"cycle_energy\" without a motor: allowed: with actuator.motors, a "
+                     "CSV of motors, actuator.motor, an ACTUATOR.toml, or both");
+  }
+  if (!reading.stated("cycle.files")) {
+    reading.error_at("cycle",
+                     "objective \"cycle_energy\" without cycle.files: allowed: CYCLE.csv, or a "
+                     "list of them");
+  }
+  const actuator::SelectionTask& task = in.selection.task;
+  if (reading.has("cycle.weights") && reading.has("cycle.files") &&
+      task.weights.size() != in.selection.cycles.size()) {
+    reading.error_at("cycle.weights",
+                     fmt::format("cycle.weights: {} for {} cycles: allowed: one for each",
+                                 task.weights.size(), in.selection.cycles.size()));
+  }
+  if (task.max_winding_K && *task.max_winding_K <= task.ambient_K) {
+    reading.error_at("actuator.limits.max_winding_c",
+                     fmt::format("actuator.limits.max_winding_c = {:g}: allowed: above "
+                                 "actuator.limits.ambient_c = {:g}",
+                                 units::from_si(*task.max_winding_K, units::Unit::kCelsius),
+                                 units::from_si(task.ambient_K, units::Unit::kCelsius)));
+  }
+}
+
+}  // namespace gear3k::io

@@ -1,0 +1,27 @@
+#pragma once
+// Keys of SPEC for motors, drive, load and cycles of the objective cycle_energy.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "io/keys/key_registry.hpp"
+#include "io/keys/selection_keys.hpp"
+
+namespace gear3k::io {
+
+/// Motors, drive, load and limits are those of a selection, under `actuator.`.
+struct CoDesignInput {
+  SelectionInput selection;
+  std::string motor;  ///< path of an ACTUATOR file
+  std::optional<double> max_motor_mass_kg;
+  bool known_friction = false;  ///< motors of unknown friction are left out
+};
+
+std::vector<Key<CoDesignInput>> co_design_keys();
+
+/// What the keys say together, and with the objective.
+/// @param wanted  whether the objective asks for them
+void check_co_design(const CoDesignInput& input, bool wanted, FileReading& reading);
+
+}  // namespace gear3k::io

@@ -1,0 +1,138 @@
+// `optimize` with the objective cycle_energy, and selections among designs that are made for them.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/cli/run_program.hpp"
+
+namespace gear3k::co_design_cli_test {
+namespace {
+
+using nlohmann::json;
+using test::ProgramResult, test::Workplace;
+
+const std::string kMotors =
+    "manufacturer,order_code,resistance_ohm,torque_constant_nm_per_a,rotor_inertia_kgm2,mass_kg,"
+    "nominal_current_a,coulomb_torque_nm,viscous_nms_per_rad\n"
+    "A,small,1.2,0.02,1e-6,0.1,2,0.001,1e-6\nA,middle,0.6,0.04,2e-5,0.2,5,0.002,1e-5\n"
+    "A,large,0.2,0.08,1e-4,0.9,10,0.004,\n";
+const std::string kCycle =
+    "time_s,torque_nm,speed_rad_s\n0,-3,1\n0.2,-6,3\n0.5,3,-1\n0.7,2,0\n0.8,2,0\n1,-3,1\n";
+/// A few tooth sets.
+const std::string kGears =
+    "name = \"small\"\n[ratio]\ntarget = 45.0\ntolerance = 0.3\n"
+    "[teeth]\nS = [15, 15]\nP1 = [30, 30]\nP2 = [31, 33]\nR1_max = 90\nR2_max = 90\n"
+    "[module]\nstage1_mm = { min = 0.5, max = 0.8 }\nstage2_mm = { min = 0.5, max = 0.8 }\n"
+    "[backlash]\nmax_output_arcmin = 10.0\nmin_normal_um = 5.0\nmachining_allowance = 0.02\n"
+    "[friction]\ncoefficient = 0.08\n";
+const std::string kTask =
+    "objective = \"cycle_energy\"\n" + kGears +
+    "[actuator]\nmotors = \"motors.csv\"\ndrive.efficiency_regenerating = 0.7\n"
+    "[cycle]\nfiles = \"c.csv\"\n";
+
+void write_parts(const Workplace& place) {
+  place.write("motors.csv", kMotors);
+  place.write("c.csv", kCycle);
+}
+
+TEST(OptimizeCycleEnergy, ItsActuatorRunsAsItIsAndNeedsTheSameEnergy) {
+  const Workplace place;
+  write_parts(place);
+  place.write("spec.toml", kTask);
+  const ProgramResult run =
+      place.run({"optimize", "spec.toml", "--certify", "--threads", "1", "--out", "out"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.out.find("\nMotor, of 3, for one cycle:\n"), std::string::npos) << run.out;
+  const json co = json::parse(place.read("out/summary.json")).at("co_design");
+  const auto energy = co.at("energy_j").get<double>();
+  EXPECT_LE(co.at("bound_j").get<double>(), energy);
+  EXPECT_FALSE(co.at("gear_inertia").get<bool>());
+  const ProgramResult actuator = place.run(
+      {"actuator", "out/actuator.toml", "--cycle", "c.csv", "--strict", "--format", "json"});
+  ASSERT_EQ(actuator.exit_code, 0) << actuator.err;
+  const json electrical = json::parse(actuator.out).at("cycle").at("electrical_energy_j");
+  const double drawn = electrical.at("drawn");
+  EXPECT_NEAR(drawn - electrical.at("regenerated").get<double>(), energy, 1e-9 * drawn);
+  EXPECT_NEAR(co.at("run_energy_j").get<double>(), energy, 1e-9 * drawn);
+  EXPECT_NE(place.read("out/refined.csv").find(",cycle_energy_j,motor\n"), std::string::npos);
+
+  ASSERT_EQ(place.run({"optimize", "spec.toml", "--certify", "--threads", "4", "--out", "again"})
+                .exit_code,
+            0);
+  for (const std::string name : {"best.toml", "actuator.toml", "refined.csv", "pareto.csv"}) {
+    EXPECT_EQ(place.read("out/" + name), place.read("again/" + name)) << name;
+  }
+  // All sets refined find the same.
+  ASSERT_EQ(place.run({"optimize", "spec.toml", "--out", "all", "--quiet"}).exit_code, 0);
+  const json all = json::parse(place.read("all/summary.json")).at("co_design");
+  EXPECT_EQ(all.at("motor"), co.at("motor"));
+  EXPECT_NEAR(all.at("energy_j").get<double>(), energy, 1e-9 * drawn);
+  EXPECT_TRUE(all.at("bound_j").is_null());
+}
+
+TEST(OptimizeCycleEnergy, TellsAllErrorsOfItsKeysAndFilesAtOnce) {
+  const Workplace place;
+  place.write("motors.csv", "manufacturer,order_code,resistance_ohm\nA,x,1\n");
+  place.write("c.csv", "time_s,torque_nm\n0,1\n");
+  place.write("spec.toml", "objective = [\"cycle_energy\", \"ratio_error\"]\n" + kGears +
+                               "[actuator]\nmotors = \"motors.csv\"\nmotor = \"none.toml\"\n"
+                               "drive.efficiency_motoring = 1.5\nmoters = 1\n"
+                               "[cycle]\nfiles = \"c.csv\"\nweights = [1.0, 2.0]\n");
+  const ProgramResult run = place.run({"optimize", "spec.toml", "--out", "out"});
+  EXPECT_EQ(run.exit_code, 2);
+  for (const std::string message :
+       {"\"cycle_energy\" among others: allowed: by itself", "actuator.drive.efficiency_motoring",
+        "moters", "cycle.weights: 2 for 1 cycles", "torque_constant_nm_per_a is missing",
+        "none.toml", "c.csv:1:"}) {
+    EXPECT_NE(run.err.find(message), std::string::npos) << message << " is not in\n" << run.err;
+  }
+  place.write("spec.toml", "objective = \"cycle_energy\"\n" + kGears);
+  const ProgramResult bare = place.run({"optimize", "spec.toml", "--out", "out"});
+  EXPECT_EQ(bare.exit_code, 2);
+  for (const std::string message : {"without a motor", "without cycle.files"}) {
+    EXPECT_NE(bare.err.find(message), std::string::npos) << bare.err;
+  }
+}
+
+TEST(OptimizeCycleEnergy, WithoutAMotorWithinItsLimitsEndsWith3AndNamesTheNearest) {
+  const Workplace place;
+  place.write("motors.csv", kMotors);
+  place.write("c.csv", "time_s,torque_nm,speed_rad_s\n0,-60,3\n0.5,-60,3\n1,-60,3\n");
+  place.write("spec.toml", kTask);
+  const ProgramResult run = place.run({"optimize", "spec.toml", "--out", "out"});
+  EXPECT_EQ(run.exit_code, 3) << run.err;
+  EXPECT_NE(run.err.find("of the limit"), std::string::npos) << run.err;
+  EXPECT_FALSE(std::filesystem::exists(place.file("out/best.toml")));
+}
+
+TEST(Selection, MakesTheDesignsOfATaskOfOptimize) {
+  const Workplace place;
+  write_parts(place);
+  place.write("gears.toml", kGears);
+  place.write("s.toml",
+              "motors = \"motors.csv\"\ngearboxes = \"gears.toml\"\ncycles = \"c.csv\"\n"
+              "objective = \"energy\"\n[drive]\nefficiency_regenerating = 0.7\n");
+  const ProgramResult run =
+      place.run({"actuator", "--select", "s.toml", "--out", "out", "--quiet"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json summary = json::parse(place.read("out/summary.json"));
+  EXPECT_EQ(summary.at("pairs"), 3 * summary.at("gearboxes").get<int>());
+  std::string name = summary.at("front").at(0).at("gearbox");
+  std::ranges::replace(name, '/', '_');
+  EXPECT_EQ(place.run({"analyze", "out/design_" + name + ".toml", "--strict", "--quiet"}).exit_code,
+            0);
+  // Choosing both at once is at least as good as choosing among designs of most efficiency.
+  place.write("spec.toml", kTask);
+  ASSERT_EQ(place.run({"optimize", "spec.toml", "--certify", "--quiet", "--out", "both"}).exit_code,
+            0);
+  const json both = json::parse(place.read("both/summary.json")).at("co_design");
+  EXPECT_LE(both.at("energy_j").get<double>(),
+            summary.at("front").at(0).at("energy_j").get<double>() * (1.0 + 1e-9));
+}
+
+}  // namespace
+}  // namespace gear3k::co_design_cli_test
