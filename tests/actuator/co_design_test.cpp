@@ -248,7 +248,7 @@ optimize::Specification with_motor(const optimize::Specification& spec, std::siz
 }
 
 TEST(CoDesignSearch, FindsWhatOneSearchForEachToothSetAndMotorFinds) {
-  const optimize::Specification spec = small_task(sample<std::size_t>(45, 17));
+  const optimize::Specification spec = small_task(sample<std::size_t>(45, 15));
   optimize::Progress progress;
   const auto result = optimize::optimize(spec, progress, {.best_only = true});
   ASSERT_TRUE(result.best && result.certificate);
@@ -300,7 +300,7 @@ std::optional<optimize::RefinedSet> random_design(DeterministicRandom& random,
 }
 
 TEST(CoDesignSearch, NoRandomDesignWithAnyMotorNeedsLessThanTheBound) {
-  const optimize::Specification spec = small_task(sample<std::size_t>(45, 17));
+  const optimize::Specification spec = small_task(sample<std::size_t>(45, 15));
   const SelectionTask& task = actuator::co_design_of(spec.cycle_energy.get())->task();
   optimize::Progress progress;
   const auto best = optimize::optimize(spec, progress, {.best_only = true});
