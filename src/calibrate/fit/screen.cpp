@@ -146,6 +146,11 @@ double Screen::Luck::p_value(double evidence) const {
 
 Screen::Luck Screen::luck(const Eigen::VectorXd& residual, double rate, int simulations,
                           std::uint64_t seed, Chance chance) const {
+  return luck_of(greatest_by_luck(residual, simulations, seed, chance), rate);
+}
+
+std::vector<double> Screen::greatest_by_luck(const Eigen::VectorXd& residual, int simulations,
+                                             std::uint64_t seed, Chance chance) const {
   const Eigen::VectorXd left = free_part(residual);
   const Eigen::Index n = left.size();
   RandomBits random(seed);
@@ -187,6 +192,10 @@ Screen::Luck Screen::luck(const Eigen::VectorXd& residual, double rate, int simu
       greatest.push_back(best);
     }
   }
+  return greatest;
+}
+
+Screen::Luck Screen::luck_of(std::vector<double> greatest, double rate) {
   std::ranges::sort(greatest);
   // The tail is that of −ln p: quantiles further in, moved out by the ratio of their rates, all
   // estimate the threshold; their mean is steadier than the last of them.

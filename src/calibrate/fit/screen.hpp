@@ -55,6 +55,14 @@ class Screen {
   };
   [[nodiscard]] Luck luck(const Eigen::VectorXd& residual, double rate, int simulations,
                           std::uint64_t seed, Chance chance = Chance::kSigns) const;
+  /// The greatest evidence of any block on each of many residuals without structure.  Screens with
+  /// the same `own` draw the same residuals: the greater of two of them is that of their blocks in
+  /// one screen.
+  [[nodiscard]] std::vector<double> greatest_by_luck(const Eigen::VectorXd& residual,
+                                                     int simulations, std::uint64_t seed,
+                                                     Chance chance = Chance::kSigns) const;
+  /// @param greatest  of greatest_by_luck()
+  [[nodiscard]] static Luck luck_of(std::vector<double> greatest, double rate);
 
  private:
   [[nodiscard]] Eigen::MatrixXd free_part(const Eigen::MatrixXd& x) const;

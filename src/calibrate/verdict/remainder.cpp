@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <numbers>
+#include <span>
 #include <utility>
 
 #include "calibrate/measurement/value_range.hpp"
@@ -204,23 +205,27 @@ class TermCollection {
 
   /// Products of up to three covariates.
   void add_products() {
-    const std::vector<Trend> trends = trends_of(problem_.data);
-    std::vector<std::pair<std::string, Eigen::VectorXd>> products;
-    for (std::size_t i = 0; i < trends.size(); ++i) {
-      products.emplace_back(trends[i].name, trends[i].value);
-      for (std::size_t j = i; j < trends.size(); ++j) {
-        const Eigen::VectorXd two = trends[i].value.cwiseProduct(trends[j].value);
-        products.emplace_back(trends[i].name, two);
-        for (std::size_t k = j; k < trends.size(); ++k) {
-          products.emplace_back(trends[i].name, two.cwiseProduct(trends[k].value));
-        }
+    const auto trends = std::make_shared<const std::vector<Trend>>(trends_of(problem_.data));
+    std::vector<std::vector<std::size_t>> products;
+    for (std::size_t i = 0; i < trends->size(); ++i) {
+      products.push_back({i});
+      for (std::size_t j = i; j < trends->size(); ++j) {
+        products.push_back({i, j});
+        for (std::size_t k = j; k < trends->size(); ++k) products.push_back({i, j, k});
       }
     }
     const double share = 1.0 / static_cast<double>(products.size());
-    for (auto& [name, value] : products) {
-      add({.along = name,
+    for (const std::vector<std::size_t>& factors : products) {
+      add({.along = (*trends)[factors.front()].name,
            .count = 1,
-           .plain = [column = std::move(value)] { return Eigen::MatrixXd(column); },
+           .plain =
+               [trends, factors] {
+                 Eigen::MatrixXd column = (*trends)[factors.front()].value;
+                 for (std::size_t k = 1; k < factors.size(); ++k) {
+                   column.array() *= (*trends)[factors[k]].value.array();
+                 }
+                 return column;
+               },
            .weight = share});
     }
   }
@@ -231,19 +236,22 @@ class TermCollection {
   std::vector<Term> terms_;
 };
 
+double weight_of(std::span<const Term* const> terms) {
+  double sum = 0.0;
+  for (const Term* t : terms) sum += t->weight;
+  return sum;
+}
+
 /// Terms side by side, as blocks.
 struct TermBlocks {
   Eigen::MatrixXd columns;
   std::vector<Block> blocks;
 };
-TermBlocks blocks_of_terms(const std::vector<const Term*>& terms, const NoiseModel& noise,
+/// @param sum  of the weights of all terms that are judged together
+TermBlocks blocks_of_terms(std::span<const Term* const> terms, double sum, const NoiseModel& noise,
                            Eigen::Index rows) {
   Eigen::Index total = 0;
-  double sum = 0.0;
-  for (const Term* t : terms) {
-    total += t->count;
-    sum += t->weight;
-  }
+  for (const Term* t : terms) total += t->count;
   TermBlocks result{.columns = Eigen::MatrixXd(rows, total), .blocks = {}};
   result.blocks.reserve(terms.size());
   Eigen::Index first = 0;
@@ -267,7 +275,8 @@ std::vector<CovariateTest> test_covariates(const std::vector<Term>& terms, Entry
   }
   std::vector<CovariateTest> tests;
   if (entries.empty()) return tests;
-  TermBlocks all = blocks_of_terms(entries, residual.noise, residual.left.size());
+  TermBlocks all =
+      blocks_of_terms(entries, weight_of(entries), residual.noise, residual.left.size());
   const Screen screen(residual.own_basis, std::move(all.columns), all.blocks, 0.0);
   const std::vector<Gain> gains = screen.gains(residual.left);
   tests.reserve(entries.size());
@@ -297,11 +306,30 @@ void screen_terms(const std::vector<Term>& terms, const FreeResidual& residual, 
   std::vector<const Term*> pointers;
   pointers.reserve(terms.size());
   for (const Term& t : terms) pointers.push_back(&t);
-  TermBlocks all = blocks_of_terms(pointers, residual.noise, n);
-  const Screen screen(residual.own_basis, std::move(all.columns), all.blocks, 0.0);
-  const std::vector<Gain> gains = screen.gains(residual.left);
-  const auto luck = screen.luck(residual.left, rate, n > kManyScreenedRows ? 128 : 256, seed,
-                                Screen::Chance::kShuffled);
+  const double weight = weight_of(pointers);
+  // The columns of all terms of many rows are hundreds of megabytes: some terms after the others.
+  constexpr Eigen::Index kMostNumbers = 8'000'000;
+  std::vector<Gain> gains;
+  std::vector<double> greatest;
+  for (std::span<const Term* const> left = pointers; !left.empty();) {
+    std::size_t count = 0;
+    for (Eigen::Index columns = 0; count < left.size(); ++count) {
+      columns += left[count]->count;
+      if (count > 0 && columns * n > kMostNumbers) break;
+    }
+    TermBlocks some = blocks_of_terms(left.first(count), weight, residual.noise, n);
+    const Screen screen(residual.own_basis, std::move(some.columns), some.blocks, 0.0);
+    const std::vector<Gain> these = screen.gains(residual.left);
+    gains.insert(gains.end(), these.begin(), these.end());
+    std::vector<double> by_luck = screen.greatest_by_luck(
+        residual.left, n > kManyScreenedRows ? 128 : 256, seed, Screen::Chance::kShuffled);
+    for (std::size_t k = 0; k < greatest.size(); ++k) {
+      by_luck[k] = std::max(by_luck[k], greatest[k]);
+    }
+    greatest = std::move(by_luck);
+    left = left.subspan(count);
+  }
+  const Screen::Luck luck = Screen::luck_of(std::move(greatest), rate);
   const auto best = static_cast<std::size_t>(std::ranges::max_element(gains, {}, &Gain::evidence) -
                                              gains.begin());
   result.best = {.along = terms[best].along,

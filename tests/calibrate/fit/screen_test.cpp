@@ -375,6 +375,26 @@ TEST(Luck, DoesNotDependOnTheUnitOfTheResidual) {
   EXPECT_NE(one.threshold, screen.luck(residual, 0.05, 512, 4).threshold);
 }
 
+TEST(Luck, OfSomeBlocksAfterTheOthersIsThatOfAllTogether) {
+  constexpr Eigen::Index kRows = 50;
+  Noise noise(25);
+  const Eigen::MatrixXd own = noise.matrix(kRows, 2);
+  const Eigen::MatrixXd columns = noise.matrix(kRows, 5);
+  const Eigen::VectorXd residual = noise.matrix(kRows, 1).col(0);
+  const Screen all(own, columns, {{.first = 0, .count = 2}, {.first = 2, .count = 3}}, 0.0);
+  const Screen first(own, columns.leftCols(2), {{.first = 0, .count = 2}}, 0.0);
+  const Screen second(own, columns.rightCols(3), {{.first = 0, .count = 3}}, 0.0);
+  for (const Screen::Chance chance : {Screen::Chance::kSigns, Screen::Chance::kShuffled}) {
+    const auto together = all.greatest_by_luck(residual, 100, 7, chance);
+    const auto one = first.greatest_by_luck(residual, 100, 7, chance);
+    const auto other = second.greatest_by_luck(residual, 100, 7, chance);
+    ASSERT_EQ(together.size(), one.size());
+    for (std::size_t k = 0; k < together.size(); ++k) {
+      EXPECT_NEAR(together[k], std::max(one[k], other[k]), 1e-9);
+    }
+  }
+}
+
 TEST(Luck, AStructureInSixRowsSurvivesSignsButNotShuffling) {
   // Six rows of 120 are off by four standard deviations; a block stands for them.
   constexpr Eigen::Index kRows = 120;
