@@ -24,6 +24,7 @@
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "benchmarks/program.hpp"
@@ -38,7 +39,8 @@ using wide_rig::Score;
 
 struct RateSum {
   int count = 0, right = 0, wrong = 0, remainder = 0, disclosed = 0, excluded = 0, unseen = 0,
-      worse = 0, later = 0, later_worse = 0, stays = 0, intervals = 0, inside = 0, failed = 0;
+      worse = 0, later = 0, later_worse = 0, stays = 0, intervals = 0, inside = 0, failed = 0,
+      worse_read = 0, later_worse_read = 0;
   double seconds = 0.0;
 
   void add(const Score& s) {
@@ -54,10 +56,27 @@ struct RateSum {
     if (std::isfinite(s.unseen) && std::isfinite(s.unseen_refit)) {
       ++unseen;
       worse += s.unseen > kWorse * s.unseen_refit ? 1 : 0;
+      worse_read += read(s.unseen, s) > kWorse * read(s.unseen_refit, s) ? 1 : 0;
     }
     if (std::isfinite(s.later) && std::isfinite(s.later_refit)) {
       ++later;
       later_worse += s.later > kWorse * s.later_refit ? 1 : 0;
+      later_worse_read += read(s.later, s) > kWorse * read(s.later_refit, s) ? 1 : 0;
+    }
+  }
+  /// An error as a measurement of those rows would show it, with its noise.
+  static double read(double error, const Score& s) { return std::hypot(error, s.noise); }
+  void print_predictions(bool leave_out) const {
+    fmt::print(
+        "\nmore than 5 % worse than the refit of one parameter: of campaigns, with 95 % interval\n"
+        "{:<58} {:>19} {:>19}\n{:<58} {} {}\n{:<58} {} {}\n",
+        "", "without noise", "as read, with noise", "  on loads and speeds that were not measured",
+        benchmarks::share(worse, unseen), benchmarks::share(worse_read, unseen),
+        "  in a session after the campaign", benchmarks::share(later_worse, later),
+        benchmarks::share(later_worse_read, later));
+    if (leave_out) {
+      fmt::print("names that stay without a session or a tenth of the rows: {}\n",
+                 benchmarks::share(stays, count));
     }
   }
   void print(const std::string& name, bool leave_out) const {
@@ -130,6 +149,7 @@ PROGRAM(wide_rates)(int argc, char** argv) {
       seeds, "line, strength in noise", "right", "wrong", "rem.", "discl", "excl.", "worse",
       "later", "in CI", leave_out ? " stays    ms" : "   ms");
   std::map<std::string, RateSum> groups;
+  RateSum all;
   Reliability reliability;
   for (const wide_rig::Line& line : wide_rig::lines()) {
     if (!line.name.starts_with(prefix) && line.group != prefix) continue;
@@ -153,7 +173,7 @@ PROGRAM(wide_rates)(int argc, char** argv) {
       RateSum sum;
       RateSum& group = groups[fmt::format("all {} at {}", line.group, strength)];
       for (std::size_t k = 0; k < scores.size(); ++k) {
-        for (RateSum* s : {&sum, &group}) {
+        for (RateSum* s : {&sum, &group, &all}) {
           if (errors[k].empty()) {
             s->add(scores[k]);
             s->seconds += seconds[k];
@@ -167,14 +187,24 @@ PROGRAM(wide_rates)(int argc, char** argv) {
       }
       sum.print(fmt::format("{} at {}", line.name, strength), leave_out);
       for (std::size_t k = 0; answers && k < scores.size(); ++k) {
-        fmt::print("    {:>3} {} {}\n", first_seed + k, scores[k].right ? "right" : "     ",
-                   scores[k].answer);
+        const Score& s = scores[k];
+        fmt::print("    {:>3} {:5} {}{}{}\n", first_seed + k, s.right ? "right" : "", s.answer,
+                   s.disclosed ? "" : " [the truth is not disclosed]",
+                   leave_out && stays[k] == 0 ? " [the names do not stay]" : "");
+        for (const auto& [what, ours, refit] : {std::tuple("unseen", s.unseen, s.unseen_refit),
+                                                std::tuple("later", s.later, s.later_refit)}) {
+          if (!(ours > 1.05 * refit)) continue;
+          fmt::print(
+              "              {}: error {:.4g}, of one refitted parameter {:.4g}, noise {:.4g}\n",
+              what, ours, refit, s.noise);
+        }
       }
       if (line.group == "null") break;
     }
   }
   fmt::print("\n");
   for (const auto& [name, sum] : groups) sum.print(name, leave_out);
+  all.print_predictions(leave_out);
   reliability.print();
   return 0;
 }

@@ -246,6 +246,7 @@ Score score(const Campaign& campaign) {
   const Diagnosis& d = results->front();
   Score score;
   score.strength = campaign.strength;
+  score.noise = campaign.noise_sd;
   score.answer = answer_of(d);
 
   std::vector<bool> taken(d.effects.size(), false);
@@ -258,13 +259,15 @@ Score score(const Campaign& campaign) {
         taken[e] || std::ranges::any_of(campaign.companions,
                                         [&](const std::string& c) { return lists(effect, c); });
     score.wrong_name = score.wrong_name || !allowed;
-    score.lists_excluded =
-        score.lists_excluded || std::ranges::any_of(campaign.excluded, [&](const std::string& id) {
-          return lists(effect, id) && !holds(campaign.companions, id) &&
-                 std::ranges::none_of(campaign.truths, [&](const Truth& t) {
-                   return t.cause == id || holds(t.acceptable, id);
-                 });
-        });
+    for (const std::string& id : campaign.excluded) {
+      const bool ruled_out = lists(effect, id) && !holds(campaign.companions, id) &&
+                             std::ranges::none_of(campaign.truths, [&](const Truth& t) {
+                               return t.cause == id || holds(t.acceptable, id);
+                             });
+      if (!ruled_out) continue;
+      score.lists_excluded = true;
+      score.answer += " [" + id + " is ruled out]";
+    }
   }
   if (unknown) {
     score.right = d.remainder.significant;

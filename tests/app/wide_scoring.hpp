@@ -33,7 +33,7 @@ struct Score {
   int intervals = 0, inside = 0;  ///< of parameters that have a truth
   /// Every probability that the diagnosis states, of names, alternatives and of no cause.
   std::vector<Claim> claims{};
-  double strength = 0.0;
+  double strength = 0.0, noise = 0.0;  ///< noise: standard deviation, unit of the response
   std::string answer;
 };
 
