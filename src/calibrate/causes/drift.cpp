@@ -31,13 +31,14 @@ std::vector<ParameterRecord> parameters(const Form& form, Kind kind) {
   constexpr double kExponents = 1.6;
   if (holds(form, kScale)) shape("log_scale_change", kScales);
   if (holds(form, kExponent)) shape("log_exponent", kExponents);
-  if (holds(form, kFrom)) result.push_back(change_parameter("start_change", target, kind));
+  if (holds(form, kFrom)) result.push_back(change_parameter(kStartChange, target, kind));
   return result;
 }
 
 /// From the first to the last row: linear, levelling off (wear that runs in), or dying away (the
 /// end fits the simulation).  Once it is found: with the time constant, or the exponent of a power
-/// of the time, and with the value at the start as parameters of their own.
+/// of the time, or both (wear that sets in late: 1 − exp(−(t/τ)^k)), and with the value at the
+/// start as parameters of their own.
 std::vector<Form> forms(const Occasion& o) {
   std::vector<Form> result;
   const auto add = [&](const char* variable, const char* unit, double Condition::*member) {
@@ -63,6 +64,8 @@ std::vector<Form> forms(const Occasion& o) {
       result.push_back(form("levelling_any_scale_any_start", 0.3 * span, 0.0));
       result.push_back(form("power_any_exponent", span, 0.0));
       result.push_back(form("power_any_exponent_any_start", span, 0.0));
+      result.push_back(form("onset_any_scale_any_exponent", 0.3 * span, 0.0));
+      result.push_back(form("onset_any_scale_any_exponent_any_start", 0.3 * span, 0.0));
     }
   };
   add("time", "s", &Condition::time_s);
@@ -73,6 +76,7 @@ std::vector<Form> forms(const Occasion& o) {
 void apply(const Form& form, std::span<const Scalar> p, const Condition& condition, Kind kind,
            Modification& m) {
   using std::exp;
+  using std::log;
   const double t = holds(form, "_cycles") ? condition.cycles : condition.time_s;
   if (!std::isfinite(t)) return;
   const double since = t - form.constant("start");
@@ -85,9 +89,13 @@ void apply(const Form& form, std::span<const Scalar> p, const Condition& conditi
     const Scalar scale = holds(form, kScale) ? exp(p[next++]) : Scalar(1.0);
     share = 1.0 - exp(Scalar(-reduced / scale));
   }
-  if (form.name.starts_with("power")) {
-    const Scalar exponent = exp(p[next++]);
-    share = reduced > 0.0 ? Scalar(exp(Scalar(exponent * std::log(reduced)))) : Scalar(0.0);
+  const auto power = [&](const Scalar& x, const Scalar& exponent) {
+    return reduced > 0.0 ? Scalar(exp(Scalar(exponent * log(x)))) : Scalar(0.0);
+  };
+  if (form.name.starts_with("power")) share = power(Scalar(reduced), exp(p[next++]));
+  if (form.name.starts_with("onset")) {
+    const Scalar scale = exp(p[next++]);
+    share = 1.0 - exp(Scalar(-power(Scalar(reduced / scale), exp(p[next++]))));
   }
   Scalar change = p[0] * share;
   if (holds(form, kFrom)) change = change + p[next];

@@ -1,6 +1,7 @@
 #pragma once
 // What sessions, time and cycles can change: the reading as a whole, or what makes it.
 
+#include <algorithm>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -45,6 +46,13 @@ inline constexpr const char* kSessions = "sessions";
 inline constexpr std::size_t kMostSessions = 16;
 inline bool gives_each_session_a_value(const Form& form) {
   return form.name.find(kSessions) != std::string::npos;
+}
+
+/// Of a drift, what all rows have in common: a constant of its own.
+inline constexpr std::string_view kStartChange = "start_change";
+inline bool has_start_parameter(const std::vector<ParameterRecord>& parameters) {
+  return std::ranges::any_of(parameters,
+                             [](const ParameterRecord& r) { return r.name == kStartChange; });
 }
 
 /// The name of a form that acts on a target: "linear_time", "linear_time_friction".

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "calibrate/causes/friction_change.hpp"
+#include "calibrate/causes/reading_change.hpp"
 #include "calibrate/search/free_shapes.hpp"
 
 namespace gear3k::calibrate {
@@ -62,6 +63,26 @@ struct Gap {
   Fit fit_rest;
 };
 
+/// Forms that may be put in the place of an effect.  One with a constant of its own explains what
+/// that constant explains, whatever its law: a law with a level of friction is two, another
+/// coefficient and the law, unless the level is there anyway.
+/// @param may_have_level  whether forms with a level of friction may be among them
+std::vector<Candidate> replacing_forms(const std::vector<Candidate>& all, const Hypothesis& h,
+                                       bool may_have_level) {
+  std::vector<Candidate> forms = candidates_beside(all, h);
+  std::erase_if(forms, [&](const Candidate& c) {
+    const bool has_level = !is_parameter(*c.cause) && has_level_parameter(c.parameters);
+    return has_start_parameter(c.parameters) || (has_level && !may_have_level);
+  });
+  return forms;
+}
+
+/// A hypothesis with the level of friction, and a candidate that may have it as a parameter.
+Hypothesis with_level_and(const Hypothesis& h, const Candidate& level, const Candidate& added) {
+  const bool has_level = has_cause(h, level.cause) || has_level_parameter(added.parameters);
+  return with(has_level ? h : with(h, level), added);
+}
+
 /// Forms that a screening without the effect says could do what it does, by cause in the order of
 /// the library; the best of each cause first.
 using FormsByCause = std::vector<std::vector<Candidate>>;
@@ -103,14 +124,16 @@ FormsByCause likely_forms(const Judge& judge, const std::vector<Candidate>& othe
   return likely;
 }
 
-/// The better of the two best forms of a cause in the place of an effect.
+/// The best of the three likeliest forms of a cause in the place of an effect.
+/// @param level  that is added; null: none
 Replacement best_replacement(const Judge& judge, const Fit& best, const Hypothesis& beside,
-                             const std::vector<Candidate>& forms) {
+                             const Candidate* level, const std::vector<Candidate>& forms) {
   Replacement replacement;
   replacement.statistic = std::numeric_limits<double>::infinity();
   constexpr std::size_t kForms = 3;
   for (std::size_t k = 0; k < forms.size() && k < kForms; ++k) {
-    Hypothesis h = with(beside, forms[k]);
+    Hypothesis h =
+        level != nullptr ? with_level_and(beside, *level, forms[k]) : with(beside, forms[k]);
     if (!fits_variables(h)) continue;
     Fit trial = fit(judge.problem(), std::move(h), judge.scale());
     const double difference = judge.difference(trial, best);
@@ -127,23 +150,25 @@ std::vector<Replacement> replacements_of(const Judge& judge, const SearchResult&
   const Problem& problem = judge.problem();
   const Hypothesis& best = result.fit.hypothesis;
   const Candidate* level = level_of(result);
-  const std::vector<Candidate> others = candidates_beside(judge.candidates(), best);
   std::vector<Replacement> found;
   for (const bool with_level : {false, true}) {
     if (with_level && (level == nullptr || has_cause(best, level->cause))) continue;
+    const bool level_stands = level != nullptr && has_cause(gap.rest, level->cause);
+    const std::vector<Candidate> others =
+        replacing_forms(judge.candidates(), best, with_level || level_stands);
     const Fit start = with_level
                           ? fit(problem, with(gap.fit_rest.hypothesis, *level), judge.scale())
                           : gap.fit_rest;
     // Where the level alone explains, what is added to it explains nothing.
     if (with_level && judge.chi(start) <= judge.chi(result.fit) + kAsWell) continue;
     // From the values beside the effect: without it the others may lie far off.
-    const Hypothesis beside = with_level ? with(gap.rest, *level) : gap.rest;
     for (const std::vector<Candidate>& forms : likely_forms(judge, others, gap, start)) {
       const Cause* cause = forms.front().cause;
       const bool named = std::ranges::any_of(
           found, [&](const Replacement& r) { return r.candidate.cause == cause; });
       if (named) continue;
-      Replacement replacement = best_replacement(judge, result.fit, beside, forms);
+      Replacement replacement =
+          best_replacement(judge, result.fit, gap.rest, with_level ? level : nullptr, forms);
       replacement.with_level = with_level;
       if (replacement.statistic <= kAsWell) found.push_back(std::move(replacement));
     }
@@ -173,8 +198,10 @@ void refit_beside(const Judge& judge, const SearchResult& result, std::size_t ot
       r.statistic = std::numeric_limits<double>::infinity();
       continue;
     }
-    if (r.with_level && !has_cause(beside, level->cause)) beside = with(beside, *level);
-    r.fit = fit(judge.problem(), with(std::move(beside), r.candidate), judge.scale());
+    r.fit = fit(judge.problem(),
+                r.with_level ? with_level_and(beside, *level, r.candidate)
+                             : with(std::move(beside), r.candidate),
+                judge.scale());
     r.statistic = judge.difference(r.fit, result.fit);
   }
   std::erase_if(list, [](const Replacement& r) { return !(r.statistic <= kAsWell); });

@@ -137,6 +137,28 @@ TEST_F(Replacements, OfALawIsAStepWhereSessionsAreInItsOrder) {
   EXPECT_NE(find(result.effects[0], "drag_viscous"), nullptr);
 }
 
+TEST_F(Replacements, OfAConstantAreNoDriftThatIsOneBesideItsChange) {
+  data_ = measured_grid({.sun_speeds_rpm = {600.0}, .rotations = {1}, .repeats = 2});
+  for (std::size_t i = 0; i < data_.rows.size(); ++i) {
+    data_.rows[i].condition.time_s = 60.0 * static_cast<double>(i);
+  }
+  const Hypothesis drag =
+      hypothesis({candidate("drag_constant", {.name = "sun", .body = "sun"})}, {0.05});
+  measure(drag, 0.004);
+  const Problem p = problem();
+  const std::vector<Candidate> all = candidates_for(simulation_, data_);
+  const SearchResult result = found(p, drag);
+  const Judge judge(p, all, result.fit, result.scale);
+  // With a value at the start, levelling off explains a constant drag within what counts.
+  const auto form = std::ranges::find_if(all, [](const Candidate& c) {
+    return c.cause->id == "drift" && c.form.name == "levelling_any_scale_any_start_time_drag";
+  });
+  ASSERT_NE(form, all.end());
+  const Fit started = fit(p, with({}, *form), result.scale);
+  ASSERT_LE(judge.difference(started, result.fit), 6.0);
+  EXPECT_EQ(find(judge_effect(judge, result, 0), "drift"), nullptr);
+}
+
 TEST_F(Replacements, StayAwayFromALawThatTheDataTellFromAStep) {
   // Every session at every speed.
   data_ = measured_grid({.rotations = {1}, .repeats = 4});
