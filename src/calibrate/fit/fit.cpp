@@ -403,7 +403,28 @@ Eigen::VectorXd widening(const Eigen::MatrixXd& jacobian, const Eigen::MatrixXd&
   return result;
 }
 
+/// JᵀJ in units in which every parameter is determined equally well, and its pseudoinverse.
+struct ScaledNormal {
+  Eigen::VectorXd unit;
+  Eigen::MatrixXd scaled, scaled_inverse;
+
+  explicit ScaledNormal(const Eigen::MatrixXd& jacobian) {
+    const Eigen::MatrixXd normal = jacobian.transpose() * jacobian;
+    unit = normal.diagonal().unaryExpr(
+        [](double square) { return square > 0.0 ? 1.0 / std::sqrt(square) : 1.0; });
+    scaled = unit.asDiagonal() * normal * unit.asDiagonal();
+    scaled_inverse = numerics::pseudo_inverse(scaled);
+  }
+  [[nodiscard]] Eigen::MatrixXd inverse() const {
+    return unit.asDiagonal() * scaled_inverse * unit.asDiagonal();
+  }
+};
+
 }  // namespace
+
+Eigen::MatrixXd inverse_normal(const Problem& problem, const Hypothesis& h) {
+  return ScaledNormal(step_at(problem, h).jacobian).inverse();
+}
 
 FinalFit final_fit(const Problem& problem, const Hypothesis& start, double scale) {
   FinalFit result;
@@ -474,20 +495,15 @@ FinalFit final_fit(const Problem& problem, const Hypothesis& start, double scale
                          value >= records[k].upper - std::min(margin, 1e-9);
   }
   if (p > 0) {
-    const Eigen::MatrixXd normal = step.jacobian.transpose() * step.jacobian;
-    // In units in which every parameter is determined equally well; exactly symmetric.
-    const Eigen::VectorXd unit = normal.diagonal().unaryExpr(
-        [](double square) { return square > 0.0 ? 1.0 / std::sqrt(square) : 1.0; });
-    const Eigen::MatrixXd scaled = unit.asDiagonal() * normal * unit.asDiagonal();
-    const Eigen::MatrixXd scaled_inverse = numerics::pseudo_inverse(scaled);
-    const Eigen::MatrixXd inverse = unit.asDiagonal() * scaled_inverse * unit.asDiagonal();
+    const ScaledNormal normal(step.jacobian);
+    const Eigen::MatrixXd inverse = normal.inverse();
     // The projection on what the rows determine; what rounding leaves of the rest has an inverse
     // beyond all digits.
     constexpr double kMostInverse = 1e10;
-    const Eigen::VectorXd share = (scaled_inverse * scaled).diagonal();
+    const Eigen::VectorXd share = (normal.scaled_inverse * normal.scaled).diagonal();
     for (std::size_t k = 0; k < records.size(); ++k) {
       const auto i = static_cast<Eigen::Index>(k);
-      result.determined[k] = share[i] > 1.0 - 1e-6 && scaled_inverse(i, i) < kMostInverse;
+      result.determined[k] = share[i] > 1.0 - 1e-6 && normal.scaled_inverse(i, i) < kMostInverse;
     }
     result.covariance =
         0.5 * result.scale * result.scale * (inverse + Eigen::MatrixXd(inverse.transpose()));

@@ -59,6 +59,10 @@ struct FinalFit {
   bool scale_is_known = false;  ///< NoiseModel::known_scale(), not estimated
   int degrees = 0;              ///< rows less parameters
 };
+/// (JᵀJ)⁻¹ of the whitened derivatives by a hypothesis' parameters; of what the rows do not
+/// determine the pseudoinverse.
+Eigen::MatrixXd inverse_normal(const Problem& problem, const Hypothesis& h);
+
 /// @param start  a fit already
 FinalFit final_fit(const Problem& problem, const Hypothesis& start, double scale);
 

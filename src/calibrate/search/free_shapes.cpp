@@ -45,8 +45,8 @@ class BestFit {
   double score_;
 };
 
-/// The hypothesis with a form in the place of an effect; parameters of the same name keep their
-/// values, the others are 0.
+}  // namespace
+
 Hypothesis in_form(const Hypothesis& h, std::size_t effect, const Candidate& form) {
   Hypothesis result = h;
   const Candidate& own = h.effects[effect];
@@ -67,7 +67,7 @@ Hypothesis in_form(const Hypothesis& h, std::size_t effect, const Candidate& for
   return result;
 }
 
-bool may_replace(const Hypothesis& h, std::size_t effect, const Candidate& form) {
+bool may_free(const Hypothesis& h, std::size_t effect, const Candidate& form) {
   const Candidate& own = h.effects[effect];
   if (form.form.weight > 0.0 || form.cause != own.cause || form.form.law != own.form.law ||
       form.parameters.size() <= own.parameters.size() || form.form.body != own.form.body ||
@@ -80,8 +80,6 @@ bool may_replace(const Hypothesis& h, std::size_t effect, const Candidate& form)
   });
   return !(level_beside && has_level_parameter(form.parameters));
 }
-
-}  // namespace
 
 double log_weight_of(const Candidate& candidate) {
   // A form with free parameters pays for them; beyond that it is one form among those of its cause.
@@ -114,7 +112,7 @@ Fit with_free_shapes(const Problem& problem, const std::vector<Candidate>& all, 
     again = false;
     for (std::size_t e = 0; e < best.hypothesis().effects.size(); ++e) {
       for (const Candidate& form : all) {
-        if (!may_replace(best.hypothesis(), e, form)) continue;
+        if (!may_free(best.hypothesis(), e, form)) continue;
         again = best.offer(in_form(best.hypothesis(), e, form)) || again;
       }
     }

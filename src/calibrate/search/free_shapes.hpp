@@ -15,6 +15,14 @@ double log_weight_of(const Candidate& candidate);
 /// choice of its forms (for known scatter −S/2 in the place of the first term).
 double score_of(const Problem& problem, const Fit& fit, double scale);
 
+/// Whether a form that is not searched for may take the place of an effect as the same law with
+/// more parameters.
+bool may_free(const Hypothesis& h, std::size_t effect, const Candidate& form);
+
+/// The hypothesis with a form in the place of an effect; parameters of the same name keep their
+/// values, the others are 0.
+Hypothesis in_form(const Hypothesis& h, std::size_t effect, const Candidate& form);
+
 /// The fit with effects in forms of more parameters, as long as one has a better score: the shape
 /// of a law, its reference and its level are not known before the data.
 /// @param all  candidates; those of Form::weight 0 are tried

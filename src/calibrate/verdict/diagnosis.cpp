@@ -11,6 +11,7 @@
 #include "calibrate/fit/parameter_results.hpp"
 #include "calibrate/laws/law_result.hpp"
 #include "calibrate/model/model_range.hpp"
+#include "calibrate/search/form_doubt.hpp"
 #include "calibrate/search/noise_from_fit.hpp"
 #include "calibrate/search/search.hpp"
 #include "calibrate/search/search_with_noise.hpp"
@@ -489,8 +490,9 @@ std::optional<Diagnosis> diagnose(const Simulation& simulation, const Measuremen
   const SearchOptions search_options{.rate = kCauseShare * options.false_discovery_rate,
                                      .seed = options.seed};
   SessionScatter sessions;
-  const SearchResult found = search_with_noise(problem, candidates_for(simulation, data),
-                                               search_options, tell, sessions, d.notes);
+  const std::vector<Candidate> all_candidates = candidates_for(simulation, data);
+  const SearchResult found =
+      search_with_noise(problem, all_candidates, search_options, tell, sessions, d.notes);
   if (!tell(0.6)) return std::nullopt;
 
   // What repeats say of the simulation as given, and structure without a cause.
@@ -512,7 +514,8 @@ std::optional<Diagnosis> diagnose(const Simulation& simulation, const Measuremen
   Contest contest = causes_against_structure(found, left.before, left.after, left.of_baseline,
                                              left.of_fit, remainder_rate);
   const StandingEffects standing = standing_effects(found, contest);
-  const FinalFit final = final_fit(problem, standing.hypothesis, found.scale);
+  FinalFit final = final_fit(problem, standing.hypothesis, found.scale);
+  widen_by_forms(problem, all_candidates, found.scale, final);
   d.effects = effects_of(problem, final, standing.found, found, search_options);
 
   // Errors, held out and beyond.
