@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,6 +14,7 @@
 
 #include "backlash/normal_backlash.hpp"
 #include "tests/largest_deviation.hpp"
+#include "tests/linear_solve.hpp"
 #include "tests/random_train.hpp"
 
 namespace gear3k::backlash::lost_motion_test {
@@ -65,12 +66,11 @@ double solved_range(const TrainGeometry<double>& t, const std::array<double, 3>&
         (k == kMeshSP1 && held == Held::kOutput) || (k == kMeshP2R2 && held == Held::kSun);
     closing(row, 2) = moves ? -cos_w * central : 0.0;
   }
-  const auto solver = closing.fullPivLu();
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (unsigned corner = 0; corner < 8; ++corner) {
     Eigen::Vector3d gap;
     for (unsigned k = 0; k < 3; ++k) gap[k] = (corner >> k & 1U) != 0 ? 0.5 * j[k] : -0.5 * j[k];
-    const double turned = solver.solve(gap)[2];
+    const double turned = test::solved(closing, gap)[2];
     low = std::min(low, turned);
     high = std::max(high, turned);
   }

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "tests/largest_deviation.hpp"
+#include "tests/linear_solve.hpp"
 #include "tests/random_train.hpp"
 
 namespace gear3k::efficiency::train_efficiency_test {
@@ -72,7 +73,7 @@ std::vector<PowerFlow> consistent_flows(const ToothSet& z, const MeshEfficiencie
     for (unsigned k = 0; k < 3; ++k) balance(1, k) = passed[k] * rolling[k];
     balance.row(2).setZero();
     balance(2, forward ? 0 : 2) = 1.0;
-    const Eigen::Vector3d torque = balance.fullPivLu().solve(Eigen::Vector3d(0.0, 0.0, 1.0));
+    const Eigen::Vector3d torque = test::solved(balance, Eigen::Vector3d(0.0, 0.0, 1.0));
     bool consistent = torque.allFinite();
     for (unsigned k = 0; k < 3; ++k) {
       if ((torque[k] * rolling[k] > 0.0) != flow.central_drives[k]) consistent = false;

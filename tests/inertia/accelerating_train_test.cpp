@@ -2,13 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 
 #include "inertia/effective_inertia.hpp"
+#include "numerics/linear_algebra.hpp"
 #include "tests/largest_deviation.hpp"
 #include "tests/random_train.hpp"
 
@@ -137,8 +138,9 @@ class ElasticTrain {
       stiffness_[k] = 1.0 / deflection.cwiseAbs2().cwiseQuotient(mass.diagonal()).sum();
       spring += stiffness_[k] * deflection * deflection.transpose();
     }
-    const Eigen::Vector4d squares =
-        Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix4d>(spring, mass).eigenvalues();
+    const Eigen::Vector4d root = mass.diagonal().cwiseSqrt().cwiseInverse();
+    const Eigen::VectorXd squares =
+        numerics::symmetric_eigenvalues(root.asDiagonal() * spring * root.asDiagonal());
     slowest_ = std::sqrt(squares[1]);  // the first is rolling
     const double fastest = std::sqrt(squares[3]);
     damping_time_ = 1.0 / slowest_;

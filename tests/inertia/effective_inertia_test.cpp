@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "tests/largest_deviation.hpp"
+#include "tests/linear_solve.hpp"
 #include "tests/random_train.hpp"
 
 namespace gear3k::inertia::effective_inertia_test {
@@ -123,8 +124,8 @@ std::vector<Motion> consistent_motions(const InertialTrain<double>& t,
     }
     balance.row(2).setZero();
     balance(2, static_cast<Eigen::Index>(driven)) = 1.0;
-    const Eigen::Vector3d torque = balance.fullPivLu().solve(
-        Eigen::Vector3d(carried, spin * (w.planet - w.carrier), driven_torque));
+    const Eigen::Vector3d torque = test::solved(
+        balance, Eigen::Vector3d(carried, spin * (w.planet - w.carrier), driven_torque));
     bool consistent = torque.allFinite();
     double lost = 0.0;
     for (std::size_t k = 0; k < 3; ++k) {

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/QR>
+#include <Eigen/Core>
 #include <limits>
 #include <random>
+
+#include "numerics/linear_algebra.hpp"
 
 namespace gear3k::optimize::nonnegative_least_squares_test {
 namespace {
@@ -18,7 +20,7 @@ double best_by_enumeration(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
       if ((subset >> j & 1U) != 0) columns.push_back(j);
     }
     const Eigen::MatrixXd part = a(Eigen::all, columns);
-    const Eigen::VectorXd x = part.completeOrthogonalDecomposition().solve(b);
+    const Eigen::VectorXd x = numerics::least_norm_solution(part, b);
     if (x.minCoeff() >= -1e-12) best = std::min(best, (part * x - b).norm());
   }
   return best;

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,6 +16,7 @@
 #include "strength/train_stiffness.hpp"
 #include "tests/backlash/toleranced_train.hpp"
 #include "tests/largest_deviation.hpp"
+#include "tests/linear_solve.hpp"
 
 namespace gear3k::strength::load_sharing_test {
 namespace {
@@ -116,7 +117,8 @@ std::vector<PlanetForces> forces_on_one_carrier(const train::TrainGeometry<doubl
     if (slope.norm() < 1e-12 * load.norm()) break;
     // Open flanks count a little, so that every unknown is held.
     const Eigen::VectorXd held = (u.array() > 0.0).select(k, 1e-6 * k);
-    const Eigen::VectorXd way = -(a.transpose() * held.asDiagonal() * a).ldlt().solve(slope);
+    const Eigen::VectorXd way =
+        -test::solved(Eigen::MatrixXd(a.transpose() * held.asDiagonal() * a), slope);
     double size = 1.0;
     const double before = energy(x);
     while (size > 1e-9 && energy(x + size * way) > before + 1e-4 * size * slope.dot(way)) {

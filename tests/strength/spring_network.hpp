@@ -1,13 +1,14 @@
 #pragma once
 // A train as a network of springs, by the motion of its bodies: a witness.
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <array>
 #include <cmath>
 #include <optional>
 #include <vector>
 
 #include "strength/train_stiffness.hpp"
+#include "tests/linear_solve.hpp"
 #include "tests/random_train.hpp"
 
 namespace gear3k::strength {
@@ -127,7 +128,7 @@ class SpringNetwork {
     a(size - 1, locked) = a(locked, size - 1) = 1.0L;
     Vector load = Vector::Zero(size);
     load.head(unknowns_) = torque_Nm / scale;
-    return Eigen::PartialPivLU<Matrix>(a).solve(load);
+    return test::solved(a, load);
   }
 
  private:

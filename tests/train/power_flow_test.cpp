@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +12,7 @@
 
 #include "geometry/scalar.hpp"
 #include "tests/largest_deviation.hpp"
+#include "tests/linear_solve.hpp"
 #include "tests/random_train.hpp"
 
 namespace gear3k::train::power_flow_test {
@@ -110,7 +111,7 @@ FreeBodies balance_of_bodies(const LoadedTrain<double>& t,
   a(row, kH) = -1.0, b(row) = t.known.pin - t.known.carrier, ++row;
   a(row, t.given_end == End::kOutput ? kOutput : kSun) = 1.0, b(row) = t.given_torque_Nm, ++row;
   EXPECT_EQ(row, static_cast<Eigen::Index>(kUnknowns));
-  const Eigen::Matrix<double, kUnknowns, 1> x = a.fullPivLu().solve(b);
+  const Eigen::Matrix<double, kUnknowns, 1> x = test::solved(a, b);
   return {.central_torque = {x(kQ), x(kQ + 1), x(kQ + 2)},
           .sun_torque = x(kSun),
           .output_torque = x(kOutput),

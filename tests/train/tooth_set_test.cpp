@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <toml++/toml.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -14,6 +14,7 @@
 #include <string>
 
 #include "tests/largest_deviation.hpp"
+#include "tests/linear_solve.hpp"
 
 namespace gear3k::train::tooth_set_test {
 namespace {
@@ -53,7 +54,7 @@ SolvedSpeeds solve_willis(const ToothSet& z) {
       0, z.P1, z.R1 - z.P1,       // P1-R1: zP1 (wP - wC) = zR1 (0 - wC)
       0, z.P2, z.R2 - z.P2;       // P2-R2: zP2 (wP - wC) = zR2 (1 - wC)
   b << 0.0, 0.0, z.R2;
-  const Eigen::Vector3d w = a.fullPivLu().solve(b);
+  const Eigen::Vector3d w = test::solved(a, b);
   return {.sun = w[0], .planet = w[1], .carrier = w[2]};
 }
 
