@@ -18,7 +18,7 @@ struct DxfLayer {
   int width;  ///< 1/100 mm
   const char* line_type;
 };
-inline constexpr DxfLayer kDxfConstruction{kConstructionLayer, 8, 5, "CENTER"};
+inline const DxfLayer kDxfConstruction{kConstructionLayer, 8, 5, "CENTER"};
 
 /// Colour index of a gear (train::GearId), which shows on a black and on a white screen.
 int dxf_color_of(int gear);
