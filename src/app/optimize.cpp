@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "app/evaluate.hpp"
+#include "app/mesh_load_search.hpp"
 #include "app/model_change.hpp"
 #include "app/robust_run.hpp"
 #include "calibrate/model/model_range.hpp"
@@ -148,6 +149,7 @@ OptimizeTask optimize_task(const OptimizeRequest& request) {
     task.unreachable = unreachable_lost_motion(request.spec, *task.model);
   }
   refuse_without_bounds(task);
+  refuse_with_own_mesh_load(task);
   task.stated_limits = task.spec.limits;
   return task;
 }
@@ -162,11 +164,17 @@ Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks,
     if (!outcome.searched()) return outcome;
     restart(progress);
   }
-  outcome.result = optimize::optimize(
-      task.spec, progress,
-      {.best_only = task.certify,
-       .known = hooks.known ? hooks.known() : std::vector<optimize::RefinedSet>(),
-       .on_wave = hooks.on_wave});
+  std::string mesh_load;
+  if (has_own_mesh_load(task.spec)) {
+    // Its sets are of searches that differ: none of an earlier run counts.
+    mesh_load = mesh_load_note(hold_mesh_load(task, outcome.result, progress));
+  } else {
+    outcome.result = optimize::optimize(
+        task.spec, progress,
+        {.best_only = task.certify,
+         .known = hooks.known ? hooks.known() : std::vector<optimize::RefinedSet>(),
+         .on_wave = hooks.on_wave});
+  }
   if (task.spec.objectives.size() > 1 && !outcome.result.interrupted) {
     const auto steps = hooks.front_steps ? hooks.front_steps() : std::vector<optimize::FrontStep>();
     outcome.front = optimize::search_pareto_front(
@@ -176,6 +184,7 @@ Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks,
   outcome.interrupted = outcome.result.interrupted || (outcome.front && outcome.front->interrupted);
   if (outcome.result.best) {
     outcome.best = best_of(task, task.spec, *outcome.result.best);
+    if (!mesh_load.empty()) outcome.best->evaluation.notes.push_back(std::move(mesh_load));
     if (task.spec.cycle_energy) {
       outcome.co_design = co_designed(task.spec, outcome.result, outcome.best->stated);
     }

@@ -295,10 +295,15 @@ void say_carried_torque(const optimize::Specification& spec, const OptimizeOptio
   const ProgressDisplay display(progress, options.quiet);
   const auto carried = app::carried_torque(spec, progress);
   if (!carried) return;
+  std::string held;
+  if (const auto& k = spec.rating->factors.held_mesh_load) {
+    held = fmt::format(", at the K_gamma that the last search held ({:.3g}, {:.3g}, {:.3g})",
+                       (*k)[0], (*k)[1], (*k)[2]);
+  }
   say(fmt::format(
       "the load forbids it: with every other limit kept {} carries most, {:.4g} N m of the {:.4g} "
-      "N m that are asked for\n",
-      report::teeth_text(carried->teeth), carried->torque_Nm, spec.rating->torque_Nm));
+      "N m that are asked for{}\n",
+      report::teeth_text(carried->teeth), carried->torque_Nm, spec.rating->torque_Nm, held));
 }
 
 ExitCode end_without_design(const app::OptimizeTask& task, const OptimizeRun& run,

@@ -1,7 +1,9 @@
 #include "optimize/empty_stage.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 namespace gear3k::optimize {
 
@@ -10,10 +12,11 @@ namespace {
 using design::CheckId;
 
 /// Checks that an empty stage may be owed to, in the order in which they are tried.
-constexpr std::array<CheckId, 9> kStageChecks{
-    CheckId::kFlankSafety,    CheckId::kContactRatioMin, CheckId::kOutputBacklashMax,
-    CheckId::kNormalBacklash, CheckId::kSpecificSliding, CheckId::kInvoluteInterference,
-    CheckId::kPlanetGap,      CheckId::kRootClearance,   CheckId::kContactRatioMax};
+constexpr std::array<CheckId, 2> kLoadChecks{CheckId::kFlankSafety, CheckId::kRootSafety};
+constexpr std::array<CheckId, 8> kStageChecks{
+    CheckId::kContactRatioMin, CheckId::kOutputBacklashMax,    CheckId::kNormalBacklash,
+    CheckId::kSpecificSliding, CheckId::kInvoluteInterference, CheckId::kPlanetGap,
+    CheckId::kRootClearance,   CheckId::kContactRatioMax};
 
 /// The task with a check's limit given way by an amount, in its own unit but for the backlash:
 /// normal backlash in modules, lost motion in modules of the ring mesh's backlash.
@@ -53,6 +56,14 @@ StageTask without(StageTask task, CheckId check, double amount) {
       const double left = std::max(0.0, 1.0 - amount / task.flank_safety);
       for (strength::FlankNeed* need : {&task.sun_flank, &task.ring_flank}) {
         for (double& load : need->load_m2) load = left > 0.0 ? load * left * left : 0.0;
+      }
+      break;
+    }
+    case CheckId::kRootSafety: {
+      const double left = std::max(0.0, 1.0 - amount / task.root_safety);
+      StageRoots& r = task.roots;
+      for (strength::RootNeed* need : {&r.sun, &r.planet_of_sun, &r.planet_of_ring}) {
+        need->load_m2 = left > 0.0 ? need->load_m2 * left : 0.0;
       }
       break;
     }
@@ -110,16 +121,22 @@ CheckId named(const Specification& spec, CheckId check, std::size_t stage) {
 
 }  // namespace
 
+bool is_load(CheckId check) { return std::ranges::find(kLoadChecks, check) != kLoadChecks.end(); }
+
 Infeasibility name_empty_stage(const Specification& spec, const StageTask& empty, std::size_t stage,
                                const StageEffort& effort) {
   constexpr double kDropped = 1e3;
   // What is empty without its load is named as without it.
-  const StageTask unloaded = without(empty, CheckId::kFlankSafety, kDropped);
-  const StageTask& task = relax_stage(unloaded, effort).empty ? unloaded : empty;
+  StageTask unloaded = empty;
+  for (const CheckId check : kLoadChecks) unloaded = without(unloaded, check, kDropped);
+  const bool loaded = !relax_stage(unloaded, effort).empty;
+  const StageTask& task = loaded ? empty : unloaded;
   const auto empty_without = [&](const StageTask& t, CheckId check, double amount) {
     return relax_stage(without(t, check, amount), effort).empty;
   };
-  for (const CheckId check : kStageChecks) {
+  using Checks = std::span<const CheckId>;
+  const Checks checks = loaded ? Checks(kLoadChecks) : Checks(kStageChecks);
+  for (const CheckId check : checks) {
     if (empty_without(task, check, kDropped)) continue;
     double proven = 0.0;  // still empty with so much
     for (double step = 0.5; step > 1e-4; step *= 0.5) {
@@ -129,6 +146,7 @@ Infeasibility name_empty_stage(const Specification& spec, const StageTask& empty
     const Amount amount = amount_of(spec, task, name, proven, stage);
     return {.check = name, .miss_si = amount.si, .violation = amount.scaled};
   }
+  if (loaded) return {.check = CheckId::kFlankSafety, .alone = false};
   StageTask rest = task;
   for (const CheckId check : kStageChecks) {
     rest = without(rest, check, kDropped);

@@ -6,6 +6,9 @@
 
 namespace gear3k::optimize {
 
+/// Whether a check is of the load that bounds know: flank_safety, root_safety.
+bool is_load(design::CheckId check);
+
 /// Names the check without which the proof that a stage is empty fails, and the amount that it has
 /// to give way at least (by bisection, while the proof holds); where no check undoes it alone, the
 /// last of those dropped together.

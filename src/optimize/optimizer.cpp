@@ -259,14 +259,28 @@ class Run {
     result_.certificate = c;
   }
 
+  /// Whether the tooth of a mesh that a check is about is a ring's.
+  static bool is_ring(const design::CheckSubject& tooth) {
+    const auto& gears = train::kMeshGears[static_cast<std::size_t>(tooth.member)];
+    return train::kind_of(gears[static_cast<std::size_t>(tooth.which - 1)]) ==
+           geometry::GearKind::kRing;
+  }
+
   void name_strength_limits(Certificate& c) const {
     if (!spec_.rating) return;
+    if (spec_.rating->factors.held_mesh_load) {
+      c.strength_not_bounded.emplace_back("k_gamma of tolerances");
+    }
     for (const ConstraintRow& row : make_problem_rows(spec_, spec_.planets.front(), {}).rows) {
       if (!row.check || !row.check->record->rating) continue;
+      const design::CheckId id = row.check->record->id;
+      const bool root = id == design::CheckId::kRootSafety && bounds_roots(spec_);
+      const bool of_ring = root && is_ring(row.check->subject);
       const bool bounded =
-          row.check->record->id == design::CheckId::kFlankSafety && bounds_flanks(spec_);
+          (root && !of_ring) || (id == design::CheckId::kFlankSafety && bounds_flanks(spec_));
+      const std::string_view name = of_ring ? "root_safety of rings" : row.name;
       auto& names = bounded ? c.strength_bounded : c.strength_not_bounded;
-      if (std::ranges::find(names, row.name) == names.end()) names.push_back(row.name);
+      if (std::ranges::find(names, name) == names.end()) names.push_back(name);
     }
   }
 

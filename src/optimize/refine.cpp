@@ -233,8 +233,8 @@ void rate_optimum(const Specification& spec, const train::TrainGeometry<double>&
                   const LoadAt<double>& load, RefinedSet& set) {
   std::array<geometry::ToothForm<double>, train::kGearCount> forms;
   std::ranges::transform(train.gears, forms.begin(), geometry::make_tooth_form<double>);
-  const strength::RatedTrain<double> loaded =
-      rated_train<double>(spec, train, forms, load.face_width_m);
+  const strength::RatedTrain<double> loaded = strength::with_sections(
+      rated_train<double>(spec, train, forms, load.face_width_m), *spec.rating);
   using strength::Drive;
   const auto least =
       strength::least_capacity(strength::train_capacity(loaded, *spec.rating, Drive::kForward),

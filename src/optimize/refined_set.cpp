@@ -79,6 +79,7 @@ design::Design design_of(const Specification& spec, const RefinedSet& set) {
     design.operating_point = spec.operating_point;
     design.rating = design::rating_of(*spec.rating, design);
     design.rating->ring_rim_m.reset();  // the rings have their outer surfaces now
+    design.rating->factors.held_mesh_load.reset();
   }
   return design;
 }

@@ -14,8 +14,8 @@ namespace {
 /// Whether a proof is named rather than another: what blocks without a load first, then what is
 /// missed by more.
 bool blocks_more(const Infeasibility& proof, const Infeasibility& other) {
-  const bool loaded = proof.check == design::CheckId::kFlankSafety;
-  if (loaded != (other.check == design::CheckId::kFlankSafety)) return !loaded;
+  const bool loaded = is_load(proof.check);
+  if (loaded != is_load(other.check)) return !loaded;
   return proof.violation > other.violation;
 }
 
@@ -81,14 +81,23 @@ void SetBounds::tie(std::span<const std::uint32_t> sets, Progress& progress, boo
                          [&](std::size_t i) { tied_[open[i]] = pairs_->bound(open[i]); });
 }
 
-std::optional<Infeasibility> SetBounds::flanks_apart(const StageReach& stage1,
-                                                     const StageReach& stage2) const {
-  if (!bounds_flanks(*spec_)) return std::nullopt;
-  // Distances that flanks ask for rise with the safety.
-  const double held = std::min(stage1.most_m / stage2.least_m, stage2.most_m / stage1.least_m);
+std::optional<Infeasibility> SetBounds::loads_apart(const StageReach& stage1,
+                                                    const StageReach& stage2) const {
+  const bool of_roots = bounds_roots(*spec_);
+  if (!of_roots && !bounds_flanks(*spec_)) return std::nullopt;
+  // Distances that flanks ask for rise with the safety, those of roots with its square root.
+  const double held1 = stage2.most_m / stage1.least_m;
+  const double held2 = stage1.most_m / stage2.least_m;
+  const double held = std::min(held1, held2);
   if (!(held < 1.0 - kRelaxationSlack)) return std::nullopt;
-  const double miss = least_flank_safety_asked(*spec_) * (1.0 - held);
-  return Infeasibility{.check = design::CheckId::kFlankSafety, .miss_si = miss, .violation = miss};
+  const bool by_root = held1 < held2 ? stage1.by_root : stage2.by_root;
+  const double miss = by_root ? least_root_safety_asked(*spec_) * (1.0 - held * held)
+                              : least_flank_safety_asked(*spec_) * (1.0 - held);
+  return Infeasibility{
+      .check = by_root ? design::CheckId::kRootSafety : design::CheckId::kFlankSafety,
+      .miss_si = miss,
+      .violation = miss,
+      .alone = !of_roots};
 }
 
 SetBound SetBounds::of(std::size_t k) const {
@@ -161,7 +170,7 @@ SetBound SetBounds::combine(std::size_t k, const RelaxedStage1& stage1,
   if (!bound.infeasible && has_same_module(*spec_) && apart) {
     bound.infeasible = Infeasibility{.check = design::CheckId::kSameModule, .alone = false};
   }
-  if (!bound.infeasible) bound.infeasible = flanks_apart(stage1.reach, stage2.reach);
+  if (!bound.infeasible) bound.infeasible = loads_apart(stage1.reach, stage2.reach);
   if (bound.infeasible) {
     bound.eta_b = bound.eta_f = 0.0;
     return bound;

@@ -60,9 +60,9 @@ class SetBounds {
   static constexpr RelaxationEffort kSharp{.weighted = {.boxes = 20000, .tolerance = 1e-4},
                                            .alone = {.boxes = 2000, .tolerance = 1e-3}};
 
-  /// Proof that the flanks of one stage ask for a centre distance that the other cannot have.
-  [[nodiscard]] std::optional<Infeasibility> flanks_apart(const StageReach& stage1,
-                                                          const StageReach& stage2) const;
+  /// Proof that flanks or roots of one stage ask for a centre distance that the other cannot have.
+  [[nodiscard]] std::optional<Infeasibility> loads_apart(const StageReach& stage1,
+                                                         const StageReach& stage2) const;
   [[nodiscard]] SetBound untied(std::size_t k) const;
   [[nodiscard]] SetBound sharpened_untied(std::size_t k, const SetBound& usual) const;
   [[nodiscard]] SetBound combine(std::size_t k, const RelaxedStage1& stage1,

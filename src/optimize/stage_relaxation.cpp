@@ -56,6 +56,7 @@ struct Box {
   double bound = 0.0;
   double error = 0.0;  ///< at most so much of the bound is owed to the size of the box
   bool split_distance = true;
+  bool by_root = false;  ///< a root asks for more than the flanks do
   StagePoint point;
 };
 bool later(const Box& a, const Box& b) { return a.bound > b.bound; }
@@ -113,6 +114,7 @@ class StageSearch {
     }
     result.least = heap_.front().bound;
     result.point = heap_.front().point;
+    result.by_root = heap_.front().by_root;
     Interval& hull = result.center_distance;
     hull = {kInfinity, -kInfinity};
     for (const Box& box : heap_) {
@@ -308,7 +310,7 @@ class StageSearch {
         std::min(t_.contact_ratio.hi,
                  (planet_length.hi - ring_length.lo + high.ring_tangent) / base_pitch_) +
             kSlack};
-    const double ring_factor = least_loss_factor(e1, e2, ring_ratio, t_.sliding);
+    const double ring_factor = factor_of(e1, e2, ring_ratio);
     if (ring_factor == kInfinity) return false;
     double distance_effect = t_.ring_weight * t_.ring_loss *
                              ((planet_base_ + ring_base_) * (high_tan - low_tan) / base_pitch_);
@@ -319,15 +321,23 @@ class StageSearch {
                  .sun_shift = 0.0,
                  .planet_shift = xp.middle(),
                  .ring_shift = xr.middle()};
-    const double mid_tan = 0.5 * (low_tan + high_tan);
-    const LeastShares ring_shares = least_shares(e1, e2, ring_ratio, t_.sliding);
-    box.point.ring_shift =
-        std::clamp(tip_at(t_.ring, ring_base_,
-                          std::max(0.0, ring_base_ * mid_tan - base_pitch_ * ring_shares.e2)) -
-                       ring_tip.middle(),
-                   xr.lo, xr.hi);
+    const bool of_loss = t_.least == StageTask::Least::kLoss;
+    if (of_loss) {
+      const double mid_tan = 0.5 * (low_tan + high_tan);
+      const LeastShares ring_shares = least_shares(e1, e2, ring_ratio, t_.sliding);
+      box.point.ring_shift =
+          std::clamp(tip_at(t_.ring, ring_base_,
+                            std::max(0.0, ring_base_ * mid_tan - base_pitch_ * ring_shares.e2)) -
+                         ring_tip.middle(),
+                     xr.lo, xr.hi);
+    }
 
-    double need_m2 = needed_module2(t_.ring_flank, {.ratio = ring_ratio.hi,
+    const double root = half_ring + t_.ring.root_height + xr.lo;
+    double most_m = t_.most_module_m;
+    if (root > 0.0) most_m = std::min(most_m, 0.5 * t_.most_root_diameter_m / root);
+    most_m *= 1.0 + kSlack;
+    Needs needs{.of_interest_m2 = of_loss ? most_m * most_m : 0.0};
+    needs.flank_m2 = needed_module2(t_.ring_flank, {.ratio = ring_ratio.hi,
                                                     .low_tangent = low.ring_tangent,
                                                     .high_tangent = high.ring_tangent,
                                                     .base1 = planet_base_,
@@ -336,14 +346,17 @@ class StageSearch {
                                                     .length = {planet_length, ring_length},
                                                     .sign = -1.0});
     if (t_.sun &&
-        !examine_sun(box, {sum, sun_tip, planet_length}, distance_effect, shift_effect, need_m2)) {
+        !examine_sun(box, {sum, sun_tip, planet_length}, distance_effect, shift_effect, needs)) {
       return false;
     }
+    add_root(needs, {.table = t_.roots.planet_table, .need = t_.roots.planet_of_ring}, [&] {
+      return root_range(xp, planet_length, ring_ratio,
+                        {base_pitch_ + ring_length.lo - high.ring_tangent,
+                         base_pitch_ + ring_length.hi - low.ring_tangent});
+    });
+    box.by_root = needs.root_m2 > needs.flank_m2;
+    const double need_m2 = std::max(needs.flank_m2, needs.root_m2);
     box.split_distance = distance_effect > shift_effect;
-    const double root = half_ring + t_.ring.root_height + xr.lo;
-    double most_m = t_.most_module_m;
-    if (root > 0.0) most_m = std::min(most_m, 0.5 * t_.most_root_diameter_m / root);
-    most_m *= 1.0 + kSlack;
     switch (t_.least) {
       case StageTask::Least::kLoss:
         return need_m2 <= most_m * most_m;
@@ -360,6 +373,50 @@ class StageSearch {
     return true;
   }
 
+  /// Least m² [m²] that flanks and roots ask for in a box.
+  struct Needs {
+    double flank_m2 = 0.0, root_m2 = 0.0;
+    double of_interest_m2 = 0.0;  ///< what a root asks for below it need not be known
+  };
+  struct TabledRoot {
+    const strength::RootTable* table;
+    const strength::RootNeed& need;
+  };
+  /// Of the greatest distance no need of the load is a limit.
+  template <class RangeOf>
+  void add_root(Needs& needs, const TabledRoot& root, RangeOf range_of) const {
+    if (root.table == nullptr || !(root.need.load_m2 > 0.0) ||
+        t_.least == StageTask::Least::kInverseDistance) {
+      return;
+    }
+    const double known_m2 = std::max({needs.flank_m2, needs.root_m2, needs.of_interest_m2});
+    needs.root_m2 = std::max(
+        needs.root_m2, strength::least_root_module2(*root.table, root.need, range_of(), known_m2));
+  }
+
+  /// least_loss_factor(); where no loss is looked for, 0 where there is one.
+  [[nodiscard]] double factor_of(const Interval& e1, const Interval& e2,
+                                 const Interval& ratio) const {
+    if (t_.least == StageTask::Least::kLoss) return least_loss_factor(e1, e2, ratio, t_.sliding);
+    const bool any = !e1.empty() && !e2.empty() && !ratio.empty() && e1.lo + e2.lo <= ratio.hi &&
+                     e1.hi + e2.hi >= ratio.lo;
+    return any ? 0.0 : kInfinity;
+  }
+
+  /// A gear in a box, a little widened.
+  static strength::RootRange root_range(const Interval& shift, const Interval& tip,
+                                        const Interval& ratio, const Interval& by_mate) {
+    constexpr double kSlack = kRelaxationSlack;
+    return {.least_shift = shift.lo,
+            .greatest_shift = shift.hi,
+            .least_tip = tip.lo - kSlack,
+            .greatest_tip = tip.hi + kSlack,
+            .least_by_mate = by_mate.lo - kSlack,
+            .greatest_by_mate = by_mate.hi + kSlack,
+            .least_contact_ratio = ratio.lo,
+            .greatest_contact_ratio = ratio.hi};
+  }
+
   /// A mesh in a box.
   struct FlankView {
     double ratio = 0.0;                            ///< greatest ε
@@ -373,6 +430,7 @@ class StageSearch {
   [[nodiscard]] double needed_module2(const strength::FlankNeed& need,
                                       const FlankView& view) const {
     double most = 0.0;
+    if (t_.least == StageTask::Least::kInverseDistance) return most;
     for (std::size_t own = 0; own < 2; ++own) {
       const double load = need.load_m2[own];
       if (load > 0.0) {
@@ -415,7 +473,7 @@ class StageSearch {
     Interval planet_length;  ///< ρ_a of the planet
   };
   bool examine_sun(Box& box, const SunView& view, double& distance_effect, double& shift_effect,
-                   double& need_m2) const {
+                   Needs& needs) const {
     constexpr double kSlack = kRelaxationSlack;
     const StageGear& sun = *t_.sun;
     const Distance& low = box.low;
@@ -454,21 +512,32 @@ class StageSearch {
         std::min(t_.contact_ratio.hi,
                  (sun_length.hi + planet_length.hi - low.sun_tangent) / base_pitch_) +
             kSlack};
-    const double factor = least_loss_factor(e1, e2, ratio, t_.sliding);
+    const double factor = factor_of(e1, e2, ratio);
     if (factor == kInfinity) return false;
     const double scale = t_.sun_weight * t_.sun_loss;
     box.bound += scale * factor;
     box.error += scale * (e1.width() + e2.width());
     distance_effect += scale * (planet_base_ + sun_base_) * (high_tan - low_tan) / base_pitch_;
     shift_effect += scale * planet_length.width() / base_pitch_;
-    need_m2 = std::max(need_m2, needed_module2(t_.sun_flank, {.ratio = ratio.hi,
-                                                              .low_tangent = low.sun_tangent,
-                                                              .high_tangent = high.sun_tangent,
-                                                              .base1 = sun_base_,
-                                                              .base2 = planet_base_,
-                                                              .base_sum = sun_sum_,
-                                                              .length = {sun_length, planet_length},
-                                                              .sign = 1.0}));
+    needs.flank_m2 = std::max(needs.flank_m2,
+                              needed_module2(t_.sun_flank, {.ratio = ratio.hi,
+                                                            .low_tangent = low.sun_tangent,
+                                                            .high_tangent = high.sun_tangent,
+                                                            .base1 = sun_base_,
+                                                            .base2 = planet_base_,
+                                                            .base_sum = sun_sum_,
+                                                            .length = {sun_length, planet_length},
+                                                            .sign = 1.0}));
+    const auto of_mate = [&](const Interval& mate) {
+      return Interval{base_pitch_ + low.sun_tangent - mate.hi,
+                      base_pitch_ + high.sun_tangent - mate.lo};
+    };
+    add_root(needs, {.table = t_.roots.sun_table, .need = t_.roots.sun},
+             [&] { return root_range(xs, sun_length, ratio, of_mate(planet_length)); });
+    add_root(needs, {.table = t_.roots.planet_table, .need = t_.roots.planet_of_sun}, [&] {
+      return root_range(box.planet_shift, planet_length, ratio, of_mate(sun_length));
+    });
+    if (t_.least != StageTask::Least::kLoss) return true;
     const LeastShares shares = least_shares(e1, e2, ratio, t_.sliding);
     box.point.sun_shift = std::clamp(
         tip_at(sun, sun_base_,

@@ -9,6 +9,7 @@
 
 #include "optimize/shift_range.hpp"
 #include "strength/flank_bound.hpp"
+#include "strength/root_bound.hpp"
 
 namespace gear3k::optimize {
 
@@ -22,6 +23,14 @@ struct StageGear {
   Interval tip_height{1.0, 1.0};
   double root_height = 0.0;  ///< root radius less z/2 + x: −hfP* external, hfP* ring
   double machining_allowance = 0.0;
+};
+
+/// What the roots of the sun and of the planet in S-P1, and of the planet in its ring, ask; no
+/// table: nothing.
+struct StageRoots {
+  strength::RootNeed sun{}, planet_of_sun{}, planet_of_ring{};
+  const strength::RootTable* sun_table = nullptr;
+  const strength::RootTable* planet_table = nullptr;
 };
 
 /// A planet in its ring and, in stage 1, with the sun, under those limits that concern the stage
@@ -59,14 +68,16 @@ struct StageTask {
   /// diameter of the ring's root.
   strength::FlankNeed sun_flank{}, ring_flank{};
   double flank_safety = 1.0;  ///< the least that is asked of a gear
+  StageRoots roots{};
+  double root_safety = 1.0;  ///< the least that is asked of a gear
   double most_module_m = kInfinity;
   double most_root_diameter_m = kInfinity;
   /// What is minimised instead.
   enum class Least {
     kLoss,
-    kDistance,        ///< centre distance [m] at which the flanks carry the load
-    kInverseDistance  ///< 1/m of the greatest centre distance; with kDistance no flank's need is a
-                      ///< limit
+    kDistance,        ///< centre distance [m] at which flanks and roots carry the load
+    kInverseDistance  ///< 1/m of the greatest centre distance; with kDistance no need of the load
+                      ///< is a limit
   };
   Least least = Least::kLoss;
 };
@@ -89,6 +100,7 @@ struct StageBound {
   double least = 0.0;          ///< no point that meets them has a smaller weighted loss
   Interval center_distance{};  ///< holds all points that meet the limits
   StagePoint point{};          ///< near the least; need not meet the limits
+  bool by_root = false;        ///< a root asks for more there than the flanks do
   int boxes = 0;
 };
 

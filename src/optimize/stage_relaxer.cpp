@@ -67,7 +67,7 @@ StageRelaxer::StageRelaxer(const Specification& spec, const StageKeys& keys,
     : spec_(&spec), keys_(&keys), shifts_(spec, candidates) {
   if (!has_bounds(spec)) return;
   levels_ = StageTasks(spec).shares_lost_motion() ? kMostLevels : 1;
-  if (bounds_flanks(spec)) {
+  if (bounds_flanks(spec) || bounds_roots(spec)) {
     if (stages[0]) take_flanks(0, keys, candidates);
     if (stages[1]) take_flanks(1, keys, candidates);
   }
@@ -119,7 +119,7 @@ RelaxedStage1 StageRelaxer::relax1(std::size_t index, const Ask& ask) const {
       if (level + 1 == levels_ && ask.named) {
         stage.infeasible = name_empty_stage(spec, task, 0, effort.weighted);
         // Stage 2 is not to be called empty for a load on stage 1.
-        if (stage.infeasible->check == design::CheckId::kFlankSafety) {
+        if (is_load(stage.infeasible->check)) {
           stage.most_distance = center_distances(task).hi;
         }
       }
@@ -197,7 +197,9 @@ StageReach StageRelaxer::reach_of(StageTask task, const RelaxationEffort& effort
   StageReach reach;
   task.sun_weight = task.ring_weight = 1.0;  // they choose which side of a box is cut
   task.least = StageTask::Least::kDistance;
-  reach.least_m = relax_stage(task, effort.weighted).least;
+  const StageBound nearest = relax_stage(task, effort.weighted);
+  reach.least_m = nearest.least;
+  reach.by_root = nearest.by_root;
   task.least = StageTask::Least::kInverseDistance;
   const double least = relax_stage(task, effort.alone).least;
   if (least > 0.0) reach.most_m = 1.0 / least;

@@ -34,10 +34,11 @@ struct RelaxationEffort {
   StageEffort weighted, alone;  ///< for both losses together, for one of them
 };
 
-/// Centre distances of a stage [m]: where its flanks are to carry the load at least, and what it
-/// can have at most.
+/// Centre distances of a stage [m]: where its flanks and roots are to carry the load at least, and
+/// what it can have at most.
 struct StageReach {
   double least_m = 0.0, most_m = kInfinity;
+  bool by_root = false;  ///< a root asks for more at the least than the flanks do
 };
 
 struct Stage1Level {
@@ -92,7 +93,7 @@ class StageRelaxer {
 
   [[nodiscard]] std::size_t levels() const { return levels_; }
   [[nodiscard]] const ShiftTable& shifts() const { return shifts_; }
-  /// What the flanks of a stage ask; null where nothing is.
+  /// What flanks and roots of a stage ask; null where nothing is.
   [[nodiscard]] const StageFlanks* flanks_of(std::size_t stage, std::size_t key) const {
     return flanks_[stage].empty() ? nullptr : &flanks_[stage][key];
   }

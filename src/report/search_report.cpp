@@ -470,6 +470,9 @@ std::string summary_json(const Specification& spec, const OptimizeResult& result
     json["rounded"] = rounding_json(spec, free_objective, *rounding);
   }
   if (robust != nullptr) json["robust"] = robust_json(spec, *robust);
+  if (spec.rating && spec.rating->factors.held_mesh_load) {
+    json["k_gamma"] = *spec.rating->factors.held_mesh_load;
+  }
   if (model != nullptr) json["model"] = model_json(*model);
   json["model_change"] = comparison != nullptr ? model_change_json(*comparison) : io::Json(nullptr);
   if (comparison != nullptr && !comparison->change) {

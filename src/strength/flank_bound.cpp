@@ -58,14 +58,39 @@ double greatest_strength_pa(const RatingTask& task, const FavouredGear& g) {
   return g.cycles ? strength.strength_Pa : strength.strength_Pa / strength.life.value;
 }
 
-/// Least K_A K_γ K_v K_Hβ K_Hα; 0 where nothing is known.
-double least_factor(const RatingTask& task, const FlankExtremes& extremes, std::size_t mesh,
-                    double greatest_speed_m_s) {
+constexpr std::array<std::size_t, train::kMeshCount> kCentralGears{train::kS, train::kR1,
+                                                                   train::kR2};
+
+/// v of a mesh at its greatest module.
+double greatest_speed_m_s(const RatingTask& task, const FlankExtremes& extremes, std::size_t mesh) {
+  const double output_rad_s = task.speed_rad_s / std::abs(train::speed_ratios(extremes.teeth).sun);
+  const auto z = train::teeth_of(extremes.teeth);
+  const auto stage = static_cast<std::size_t>(train::stage_of(train::kMeshGears[mesh][0]));
+  return std::abs(train::central_rolling_speeds(extremes.teeth)[mesh]) * output_rad_s * 0.5 *
+         z[kCentralGears[mesh]] * extremes.greatest_module_m[stage];
+}
+
+}  // namespace
+
+double least_line_force_N(const RatingTask& task, const FlankExtremes& extremes, std::size_t mesh) {
+  const auto z = train::teeth_of(extremes.teeth);
+  const double i = train::ratio(extremes.teeth);
+  const std::array<double, train::kMeshCount> share{1.0 / std::abs(i), std::abs(1.0 - 1.0 / i),
+                                                    1.0};
+  const auto stage = static_cast<std::size_t>(train::stage_of(train::kMeshGears[mesh][0]));
+  const double half_cos = 0.5 * std::cos(extremes.pressure_angle_rad);
+  return task.torque_Nm * share[mesh] /
+         (extremes.planets * extremes.greatest_face_width_m[stage] * half_cos *
+          z[kCentralGears[mesh]]);
+}
+
+double least_load_factor(const RatingTask& task, const FlankExtremes& extremes, std::size_t mesh,
+                         double face, double transverse) {
   const StatedFactors& stated = task.factors;
   // K_γ of tolerances is 1 and more.
-  const double mesh_load = stated.mesh_load_source == MeshLoadSource::kTolerances
-                               ? 1.0
-                               : mesh_load_of(task, extremes.planets).value;
+  const bool unknown =
+      stated.mesh_load_source == MeshLoadSource::kTolerances && !stated.held_mesh_load;
+  const double mesh_load = unknown ? 1.0 : mesh_loads_of(task, extremes.planets)[mesh].value;
   const double shared = stated.application.value_or(1.0) * mesh_load;
   const auto z = train::teeth_of(extremes.teeth);
   std::array<int, 2> teeth{};
@@ -76,7 +101,8 @@ double least_factor(const RatingTask& task, const FlankExtremes& extremes, std::
     plastic = plastic || is_plastic(task.material[gear]->record.group);
   }
   if (plastic) return shared;
-  if (!stated.dynamic && greatest_speed_m_s > 0.0) {
+  const double speed_m_s = greatest_speed_m_s(task, extremes, mesh);
+  if (!stated.dynamic && speed_m_s > 0.0) {
     // V K3 is concave in V and 0 at rest: at no smaller speed K_v is below the less of 1 and this.
     const auto [pinion, wheel] = std::minmax(teeth[0], teeth[1]);
     const Factor<double> dynamic =
@@ -85,27 +111,17 @@ double least_factor(const RatingTask& task, const FlankExtremes& extremes, std::
                                 .contact_ratio = 1.0,
                                 .pinion_teeth = pinion,
                                 .tooth_ratio = static_cast<double>(wheel) / pinion,
-                                .speed_m_s = greatest_speed_m_s},
+                                .speed_m_s = speed_m_s},
                                task.accuracy_grade);
     if (dynamic.value < 1.0) return 0.0;
   }
-  return shared * stated.dynamic.value_or(1.0) * stated.flank_face.value_or(1.0) *
-         stated.flank_transverse.value_or(1.0);
+  return shared * stated.dynamic.value_or(1.0) * face * transverse;
 }
-
-}  // namespace
 
 std::array<FlankNeed, train::kMeshCount> flank_needs(const RatingTask& task,
                                                      const FlankExtremes& extremes) {
-  const train::ToothSet& teeth = extremes.teeth;
-  const auto z = train::teeth_of(teeth);
-  const double i = train::ratio(teeth);
-  const std::array<double, train::kMeshCount> share{1.0 / std::abs(i), std::abs(1.0 - 1.0 / i),
-                                                    1.0};
-  constexpr std::array<std::size_t, train::kMeshCount> kCentral{train::kS, train::kR1, train::kR2};
-  const double output_rad_s = task.speed_rad_s / std::abs(train::speed_ratios(teeth).sun);
-  const auto rolling = train::central_rolling_speeds(teeth);
-  const TrainCycles cycles = train_cycles(teeth, extremes.planets, task);
+  const auto z = train::teeth_of(extremes.teeth);
+  const TrainCycles cycles = train_cycles(extremes.teeth, extremes.planets, task);
   const double half_cos = 0.5 * std::cos(extremes.pressure_angle_rad);
 
   std::array<FlankNeed, train::kMeshCount> needs;
@@ -117,11 +133,11 @@ std::array<FlankNeed, train::kMeshCount> flank_needs(const RatingTask& task,
     const bool ring = train::kind_of(second) == geometry::GearKind::kRing;
     const double curvature = (1.0 / z[gears[0]] + (ring ? -1.0 : 1.0) / z[gears[1]]) / half_cos;
     const double module_m = extremes.greatest_module_m[stage];
-    const double speed_m_s = std::abs(rolling[k]) * output_rad_s * 0.5 * z[kCentral[k]] * module_m;
-    const double line_load =
-        task.torque_Nm * share[k] /
-        (extremes.planets * extremes.greatest_face_width_m[stage] * half_cos * z[kCentral[k]]);
-    const double factor = least_factor(task, extremes, k, speed_m_s);
+    const double speed_m_s = greatest_speed_m_s(task, extremes, k);
+    const double line_load = least_line_force_N(task, extremes, k);
+    const double factor =
+        least_load_factor(task, extremes, k, task.factors.flank_face.value_or(1.0),
+                          task.factors.flank_transverse.value_or(1.0));
     const double elasticity = elasticity_factor(elasticity_of(*task.material[gears[0]]),
                                                 elasticity_of(*task.material[gears[1]]));
     const std::array stated{stated_teeth(task, gears[0]), stated_teeth(task, gears[1])};

@@ -23,6 +23,14 @@ struct FlankExtremes {
   double safety_slack = 0.0;  ///< by so much flank_safety may miss its limit
 };
 
+/// F_k m/b [N] of a mesh with its module m and face width b, at least: T c_k/(N b r_k) as below.
+double least_line_force_N(const RatingTask& task, const FlankExtremes& extremes, std::size_t mesh);
+
+/// Least K_A K_γ K_v times a face and a transverse factor; 0 where nothing is known.  Plastics have
+/// K_A K_γ alone.
+double least_load_factor(const RatingTask& task, const FlankExtremes& extremes, std::size_t mesh,
+                         double face, double transverse);
+
 /// What flank_safety asks of the module m of a mesh, by member: no rated design has less than
 ///
 ///   m² tan α_w ≥ load Z_ε² Z²,    Z = Z_B or Z_D of metals, 1 of plastics and rings

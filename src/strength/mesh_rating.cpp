@@ -173,10 +173,7 @@ T temperature_of(const SharedMesh<T>& m, double transfer) {
 
 template <class T>
 RootSection<T> section_of(const RatedGear<T>& g, const RatingTask& task) {
-  if (g.gear.gear.kind == geometry::GearKind::kRing && task.virtual_root_radius) {
-    return virtual_rack_section(g.gear, *task.virtual_root_radius);
-  }
-  return root_section(g.gear, g.form);
+  return g.section != nullptr ? *g.section : root_section_of(g.gear, g.form, task);
 }
 
 /// Root and flank of a metal gear.
@@ -413,6 +410,15 @@ double least_overload_root_safety(const RatingTask& task, std::size_t gear) {
 }
 
 template <class T>
+RootSection<T> root_section_of(const geometry::GearGeometry<T>& gear,
+                               const geometry::ToothForm<T>& form, const RatingTask& task) {
+  if (gear.gear.kind == geometry::GearKind::kRing && task.virtual_root_radius) {
+    return virtual_rack_section(gear, *task.virtual_root_radius);
+  }
+  return root_section(gear, form);
+}
+
+template <class T>
 MeshRating<T> rate_mesh(const RatedGear<T>& gear1, const RatedGear<T>& gear2,
                         const geometry::MeshGeometry<T>& mesh, const MeshDuty<T>& duty,
                         const RatingTask& task, StiffnessPart part) {
@@ -474,9 +480,11 @@ MeshRating<T> rate_mesh(const RatedGear<T>& gear1, const RatedGear<T>& gear2,
   return rating;
 }
 
-#define INSTANTIATE(T)                                                                      \
-  template MeshRating<T> rate_mesh<T>(const RatedGear<T>&, const RatedGear<T>&,             \
-                                      const geometry::MeshGeometry<T>&, const MeshDuty<T>&, \
+#define INSTANTIATE(T)                                                                          \
+  template RootSection<T> root_section_of<T>(const geometry::GearGeometry<T>&,                  \
+                                             const geometry::ToothForm<T>&, const RatingTask&); \
+  template MeshRating<T> rate_mesh<T>(const RatedGear<T>&, const RatedGear<T>&,                 \
+                                      const geometry::MeshGeometry<T>&, const MeshDuty<T>&,     \
                                       const RatingTask&, StiffnessPart);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
 #undef INSTANTIATE

@@ -26,7 +26,14 @@ struct RatedGear {
   RootLoading loading = RootLoading::kPulsating;
   std::optional<T> rim_m{};  ///< material under the root circle
   bool root = true;          ///< of metals: whether the root is rated; else `form` is not read
+  /// As root_section_of(gear, form, task) has it, where that is known already.
+  const RootSection<T>* section = nullptr;
 };
+
+/// The rated section of a gear: of its tool, or of the virtual rack that a task states for rings.
+template <class T>
+RootSection<T> root_section_of(const geometry::GearGeometry<T>& gear,
+                               const geometry::ToothForm<T>& form, const RatingTask& task);
 
 /// What a mesh transmits, of one planet.
 template <class T>

@@ -134,6 +134,11 @@ Factor<T> size_factor(MaterialGroup group, const T& module_m) {
 
 }  // namespace
 
+std::optional<double> slip_layer_thickness_mm(const Material& material) {
+  const std::optional<FoundSlipLayer> layer = slip_layer(material);
+  return layer ? std::optional(layer->thickness_mm) : std::nullopt;
+}
+
 template <class T>
 Factor<T> reversal_factor(RootLoading loading, const std::optional<double>& stated,
                           const Factor<T>& computed) {

@@ -76,6 +76,9 @@ RootStrength<T> static_root_strength(const Material& material, const T& limit_Pa
   return root_strength(material, limit_Pa, condition);
 }
 
+/// ρ' of Y_δ [mm]; empty where nothing is known of it, and Y_δ = 1.
+std::optional<double> slip_layer_thickness_mm(const Material& material);
+
 /// Y_M of a loading.
 /// @param stated    of kReversed
 /// @param computed  of kReversed where it is not stated

@@ -70,7 +70,8 @@ RatedGear<T> rated_gear(const RatedTrain<T>& train, const RatingTask& task,
           .wear_turns = turns_of(cycles[i], gear, train.geometry.teeth),
           .loading = loading_of(gear, train.geometry.teeth, teeth),
           .rim_m = rim_of(train.geometry.gears[i], task, i),
-          .root = root};
+          .root = root,
+          .section = train.sections[i] ? &*train.sections[i] : nullptr};
 }
 
 /// A train driven in one direction: its forces; those of a held load where it locks.
@@ -240,6 +241,33 @@ JudgedSafeties<T> judged(const TrainRating<T>& rating, const RatingTask& task) {
   return list;
 }
 
+/// Whether no factor depends on the torque: S_F ~ 1/T and S_H ~ T^(−1/2).
+bool safeties_scale(const RatingTask& task) {
+  for (const auto& [first, second] : train::kMeshGears) {
+    const GearMaterial& one = *task.material[static_cast<std::size_t>(first)];
+    const GearMaterial& other = *task.material[static_cast<std::size_t>(second)];
+    if (is_plastic(one.record.group) || is_plastic(other.record.group) ||
+        computes_dynamic_factor(task, one, other) || computes_stiffness_factor(task, one, other)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/// The capacity by its safeties at one torque, where they scale.
+std::optional<Capacity<double>> scaled_capacity(const JudgedSafeties<double>& at,
+                                                double torque_Nm) {
+  std::optional<Capacity<double>> least;
+  for (std::size_t i = 0; i < at.ratios.size(); ++i) {
+    const double torque = torque_Nm * std::pow(at.ratios[i].ratio, at.ratios[i].exponent);
+    if (!(std::isfinite(torque) && torque > 0.0)) return std::nullopt;
+    if (!least || torque < least->torque_Nm) {
+      least = Capacity<double>{.torque_Nm = torque, .governing = at.places[i]};
+    }
+  }
+  return least;
+}
+
 /// Cycles of the task's life; empty without.
 TrainCycles life_cycles(const train::ToothSet& teeth, int planets, const RatingTask& task) {
   if (!task.life_s || !(task.speed_rad_s > 0.0)) return {};
@@ -286,6 +314,21 @@ Factor<double> mesh_load_of(const RatingTask& task, int planets) {
           .in_range = false};
 }
 
+MeshLoadFactors mesh_loads_of(const RatingTask& task, int planets) {
+  MeshLoadFactors factors;
+  const StatedFactors& stated = task.factors;
+  if (stated.mesh_load_source == MeshLoadSource::kTolerances && stated.held_mesh_load) {
+    for (std::size_t k = 0; k < factors.size(); ++k) {
+      factors[k] = {.value = (*stated.held_mesh_load)[k],
+                    .branch = "held by a search",
+                    .source = sources::kTolerances};
+    }
+    return factors;
+  }
+  factors.fill(mesh_load_of(task, planets));
+  return factors;
+}
+
 MeshLoadFactors even_mesh_loads() {
   MeshLoadFactors factors;
   factors.fill({.branch = "even", .source = sources::kNotStated});
@@ -311,8 +354,22 @@ bool has_rims(const RatedTrain<T>& train, const RatingTask& task) {
 }
 
 template <class T>
-TrainRating<T> rate_train(const RatedTrain<T>& train, const RatingTask& task, Drive drive,
+RatedTrain<T> with_sections(RatedTrain<T> train, const RatingTask& task) {
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    for (std::size_t i = 0; i < 2 && train.rated[k]; ++i) {
+      const auto gear = static_cast<std::size_t>(train::kMeshGears[k][i]);
+      if (train.sections[gear]) continue;
+      if (!train.roots[k][i] && !is_plastic(task.material[gear]->record.group)) continue;
+      train.sections[gear] = root_section_of(train.geometry.gears[gear], train.forms[gear], task);
+    }
+  }
+  return train;
+}
+
+template <class T>
+TrainRating<T> rate_train(const RatedTrain<T>& stated, const RatingTask& task, Drive drive,
                           const T& torque_Nm, StiffnessPart part) {
+  const RatedTrain<T> train = with_sections(stated, task);
   const train::ToothSet& teeth = train.geometry.teeth;
   std::vector<DrivenTrain<T>> driven;
   if (drive != Drive::kBackward) driven.push_back(driven_train(train, Drive::kForward, torque_Nm));
@@ -325,11 +382,7 @@ TrainRating<T> rate_train(const RatedTrain<T>& train, const RatingTask& task, Dr
   TrainLife life{.motion = motion_of(teeth, task.speed_rad_s),
                  .cycles = train_cycles(teeth, train.geometry.planets, task),
                  .mesh_load = {}};
-  if (train.mesh_load) {
-    life.mesh_load = *train.mesh_load;
-  } else {
-    life.mesh_load.fill(mesh_load_of(task, train.geometry.planets));
-  }
+  life.mesh_load = train.mesh_load ? *train.mesh_load : mesh_loads_of(task, train.geometry.planets);
   for (std::size_t k = 0; k < train::kMeshCount; ++k) {
     if (train.rated[k]) rating.mesh[k] = worse_mesh<T>(train, task, life, k, driven, part);
   }
@@ -348,7 +401,7 @@ TrainRating<T> rate_train(const RatedTrain<T>& train, const RatingTask& task, Dr
 template <class T>
 std::optional<Capacity<T>> train_capacity(const RatedTrain<T>& train, const RatingTask& task,
                                           Drive drive, const MeshLoadFunction& mesh_load) {
-  RatedTrain<T> loaded = train;
+  RatedTrain<T> loaded = with_sections(train, task);
   const auto at = [&](const T& torque_Nm) {
     if (mesh_load) loaded.mesh_load = mesh_load(value_of(torque_Nm));
     return judged(rate_train(loaded, task, drive, torque_Nm, StiffnessPart::kIso), task);
@@ -366,8 +419,11 @@ std::optional<Capacity<T>> train_capacity(const RatedTrain<T>& train, const Rati
       return plain;
     }
   };
-  const auto capacity = governed_capacity(
-      values, {.start_Nm = task.torque_Nm, .scanned_octaves = mesh_load ? kMeshLoadOctaves : 0});
+  const auto capacity =
+      !mesh_load && safeties_scale(task)
+          ? scaled_capacity(values(task.torque_Nm), task.torque_Nm)
+          : governed_capacity(values, {.start_Nm = task.torque_Nm,
+                                       .scanned_octaves = mesh_load ? kMeshLoadOctaves : 0});
   if constexpr (std::is_same_v<T, double>) {
     return capacity;
   } else {
@@ -396,6 +452,7 @@ std::optional<DrivenCapacity> least_capacity(const std::optional<Capacity<double
 #define INSTANTIATE(T)                                                                            \
   template PlanetAxis<T> planet_axis<T>(const PlanetSupports&);                                   \
   template bool has_rims<T>(const RatedTrain<T>&, const RatingTask&);                             \
+  template RatedTrain<T> with_sections<T>(RatedTrain<T>, const RatingTask&);                      \
   template TrainRating<T> rate_train<T>(const RatedTrain<T>&, const RatingTask&, Drive, const T&, \
                                         StiffnessPart);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)

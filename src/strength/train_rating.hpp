@@ -56,7 +56,13 @@ struct RatedTrain {
   /// Whether the roots of metal gears are rated, by mesh and member; else `forms` is not read.
   std::array<std::array<bool, 2>, train::kMeshCount> roots{
       {{true, true}, {true, true}, {true, true}}};
+  /// Rated sections by gear, where they are known: no torque changes them.
+  std::array<std::optional<RootSection<T>>, train::kGearCount> sections{};
 };
+
+/// The train with the sections of all roots that are rated, each made once.
+template <class T>
+RatedTrain<T> with_sections(RatedTrain<T> train, const RatingTask& task);
 
 template <class T>
 struct TrainRating {
@@ -82,6 +88,8 @@ TrainCycles train_cycles(const train::ToothSet& teeth, int planets, const Rating
 /// K_γ as the task has it for N planets; 1 where it states none.
 /// @throws std::invalid_argument for MeshLoadSource::kTolerances, which the task alone does not say
 Factor<double> mesh_load_of(const RatingTask& task, int planets);
+/// The same by mesh: mesh_load_of(), or what the task holds of tolerances.
+MeshLoadFactors mesh_loads_of(const RatingTask& task, int planets);
 /// K_γ = 1 of every mesh, for what depends on the nominal forces alone: springs.
 MeshLoadFactors even_mesh_loads();
 

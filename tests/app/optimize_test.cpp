@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -125,6 +126,98 @@ TEST(Optimize, KeepsNothingWhenItWasEndedAtOnce) {
   const Optimization run = optimize(task, {}, progress);
   EXPECT_TRUE(run.interrupted);
   EXPECT_FALSE(run.best);
+}
+
+/// rp96 with few sets under a load that its planets share as their tolerances let them.
+optimize::Specification shared_load_spec() {
+  return io::parse_specification(R"(
+planets = 3
+objective = "backward_efficiency"
+[ratio]
+target = 96.2
+tolerance = 0.005
+[teeth]
+S = [12, 12]
+P1 = [52, 54]
+R1_max = 120
+P2 = [20, 60]
+R2_max = 120
+max_coaxial_offset = 4
+min_internal_difference = 8
+[module]
+stage1_mm = 1.0
+stage2_mm = { min = 0.5, max = 2.0 }
+[profile_shift]
+range = [0.0, 1.0]
+[backlash]
+max_output_arcmin = 12.0
+min_normal_um = 20.0
+[contact_ratio]
+range = [1.2, 2.5]
+[friction]
+coefficient = 0.1
+[stage1]
+face_width_mm = 8.0
+[stage2]
+face_width_mm = 8.0
+[material]
+name = "34CrNiMo6 through hardened"
+[tolerances]
+samples = 1000
+pin_position_um = 5
+[tolerances.P1]
+tooth_thickness_um = [-3, 0]
+[strength]
+output_torque_nm = 100.0
+s_f_min = 1.5
+k_gamma = "tolerances"
+)",
+                                 "spec.toml");
+}
+
+TEST(Optimize, HoldsKGammaUntilTheBestDesignHasNoMore) {
+  OptimizeTask task = optimize_task({.spec = shared_load_spec()});
+  optimize::Progress progress;
+  const Optimization shared = optimize(task, {}, progress);
+  ASSERT_TRUE(shared.best);
+  const auto& held = task.spec.rating->factors.held_mesh_load;
+  ASSERT_TRUE(held);
+  const auto& strength = shared.best->evaluation.strength;
+  ASSERT_TRUE(strength && strength->planet_sharing && strength->planet_sharing->series);
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    const double own = std::max(1.0, strength->planet_sharing->series->quantile[k]);
+    EXPECT_LE(own, (*held)[k]) << k;
+    EXPECT_LE((*held)[k], 1.02 * own) << k;
+    EXPECT_GT(own, 1.2) << k;
+  }
+  EXPECT_FALSE(shared.best->design.rating->factors.held_mesh_load);
+  for (const design::CheckResult& check : shared.best->evaluation.checks) {
+    EXPECT_TRUE(check.ok);
+  }
+  EXPECT_TRUE(std::ranges::any_of(shared.best->evaluation.notes, [](const std::string& note) {
+    return note.starts_with("K_gamma of the tolerances: held at");
+  }));
+}
+
+TEST(OptimizeTask, RefusesKGammaOfTolerancesWhereNoDesignHasOne) {
+  const auto error_of = [](const OptimizeRequest& request) -> std::string {
+    try {
+      optimize_task(request);
+    } catch (const io::InvalidInput& error) {
+      return error.what();
+    }
+    return "";
+  };
+  OptimizeRequest request{.spec = shared_load_spec(), .source = "spec.toml"};
+  EXPECT_EQ(error_of(request), "");
+  request.spec.objectives = {optimize::Objective::kTorqueCapacity};
+  EXPECT_NE(error_of(request).find("with an objective of the torque"), std::string::npos);
+  request.spec.objectives = {optimize::Objective::kBackwardEfficiency,
+                             optimize::Objective::kOuterDiameter};
+  EXPECT_NE(error_of(request).find("with a list of objectives"), std::string::npos);
+  request.spec.objectives.pop_back();
+  request.round = true;
+  EXPECT_NE(error_of(request).find("with --round"), std::string::npos);
 }
 
 TEST(OptimizeTask, RefusesACertificateWithoutBounds) {

@@ -1,5 +1,5 @@
-// What flanks ask of a tooth set, as bounds have it: against random designs, and against searches
-// that do not use the bounds.
+// What flanks and roots ask of a tooth set, as bounds have it: against random designs, and against
+// searches that do not use the bounds.
 
 #include <gtest/gtest.h>
 #include <omp.h>
@@ -91,7 +91,7 @@ strength::RatingTask random_rating(DeterministicRandom& random) {
 std::optional<strength::TrainRating<double>> rated(const Specification& spec,
                                                    const train::TrainGeometry<double>& train,
                                                    const strength::RatingTask& task,
-                                                   double torque_Nm) {
+                                                   double torque_Nm, bool roots = false) {
   std::array<geometry::ToothForm<double>, train::kGearCount> forms;
   std::ranges::transform(train.gears, forms.begin(), geometry::make_tooth_form<double>);
   auto loaded = design::loaded_train<double>(
@@ -99,7 +99,7 @@ std::optional<strength::TrainRating<double>> rated(const Specification& spec,
       design::even_friction(efficiency::constant_friction<double>(spec.friction, true),
                             efficiency::constant_friction<double>(spec.friction, false)),
       spec.friction.model);
-  loaded.roots = {};
+  if (!roots) loaded.roots = {};
   try {
     return strength::rate_train(loaded, task, strength::Drive::kEither, torque_Nm,
                                 strength::StiffnessPart::kFactors);
@@ -193,6 +193,101 @@ TEST(FlankNeeds, NoRatedDesignHasMoreSafetyThanItsModuleAllows) {
   EXPECT_GT(closest, 0.999) << "the bound is not reached where nothing is lost";
 }
 
+/// A point: both ends alike.
+strength::RootRange root_range_at(const train::TrainGeometry<double>& train, std::size_t mesh,
+                                  std::size_t member) {
+  const auto& gears = train::kMeshGears[mesh];
+  const auto& own = train.gears[static_cast<std::size_t>(gears[member])];
+  const auto& mate = train.gears[static_cast<std::size_t>(gears[1 - member])];
+  const auto& at = train.meshes[mesh];
+  const double m = own.gear.module_m;
+  const double tip = geometry::tip_curvature_radius(own) / m;
+  const double mate_tip = geometry::tip_curvature_radius(mate) / m;
+  const double tangent = std::abs(mate.gear.kind == geometry::GearKind::kRing
+                                      ? mate.base_radius_m - own.base_radius_m
+                                      : mate.base_radius_m + own.base_radius_m) /
+                         m * at.tan_alpha_w;
+  const double by_mate =
+      at.base_pitch_m / m +
+      (mate.gear.kind == geometry::GearKind::kRing ? mate_tip - tangent : tangent - mate_tip);
+  return {.least_shift = own.gear.profile_shift,
+          .greatest_shift = own.gear.profile_shift,
+          .least_tip = tip,
+          .greatest_tip = tip,
+          .least_by_mate = by_mate - kRounding,
+          .greatest_by_mate = by_mate + kRounding,
+          .least_contact_ratio = at.contact_ratio,
+          .greatest_contact_ratio = at.contact_ratio};
+}
+
+TEST(RootNeeds, NoRatedToothHasMoreSafetyThanItsModuleAllows) {
+  int judged = 0, plastic = 0, unbounded = 0;
+  double closest = 0.0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    const test::RandomTask task = test::random_task(seed, 2);
+    DeterministicRandom random(3000 + seed);
+    for (const Candidate& candidate : task.candidates) {
+      strength::RatingTask load = random_rating(random);
+      if (with_chance(random, 0.5)) load.teeth.load_reversal = false;
+      if (with_chance(random, 0.5)) load.teeth.root_roughness_m = random.between(0.5e-6, 20e-6);
+      if (with_chance(random, 0.3)) load.teeth.root_safety_min = random.between(0.8, 2.5);
+      for (const RefinementProblem& problem : test::problems_of(task.spec, candidate)) {
+        for (int trial = 0; trial < 10; ++trial) {
+          Point v{};
+          for (std::size_t k = 0; k < static_cast<std::size_t>(problem.variables); ++k) {
+            v[k] = random.between(problem.lower[k], problem.upper[k]);
+          }
+          const auto train = train::make_train_geometry(parameters_at(problem, used(problem, v)));
+          if (!train) continue;
+          const auto rating = rated(task.spec, *train, load, load.torque_Nm, true);
+          if (!rating) continue;
+          strength::FlankExtremes extremes{.teeth = candidate.teeth,
+                                           .planets = candidate.planets,
+                                           .greatest_face_width_m = load.face_width_m,
+                                           .pressure_angle_rad = task.spec.pressure_angle_rad,
+                                           .dissipative = friction_is_dissipative(task.spec)};
+          extremes.greatest_curvature.fill(1.0);
+          for (const std::size_t gear : {train::kP1, train::kP2}) {
+            extremes.greatest_module_m[gear == train::kP1 ? 0 : 1] =
+                train->gears[gear].gear.module_m;
+          }
+          const auto needs = strength::root_needs(load, extremes);
+          for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+            for (std::size_t i = 0; i < 2; ++i) {
+              const auto& tooth = rating->mesh[k].teeth[i];
+              const auto gear = static_cast<std::size_t>(train::kMeshGears[k][i]);
+              const auto& geometry = train->gears[gear];
+              if (!tooth.root_limit_stated || geometry.gear.kind == geometry::GearKind::kRing) {
+                EXPECT_EQ(needs[k][i].load_m2, 0.0);
+                continue;
+              }
+              const strength::RootTable table =
+                  strength::make_root_table(geometry, geometry.gear.profile_shift);
+              const double least =
+                  strength::least_root_module2(table, needs[k][i], root_range_at(*train, k, i));
+              if (least == 0.0) {
+                ++unbounded;
+                continue;
+              }
+              const double module = geometry.gear.module_m;
+              const double most = strength::least_root_safety(load, gear) * module * module / least;
+              EXPECT_LE(tooth.root_safety, most * (1.0 + kRounding))
+                  << "seed " << seed << " mesh " << k << " member " << i;
+              closest = std::max(closest, tooth.root_safety / most);
+              plastic += tooth.plastic ? 1 : 0;
+              ++judged;
+            }
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(judged, 2000);
+  EXPECT_GT(plastic, 200);
+  EXPECT_GT(judged, 3 * unbounded);
+  EXPECT_GT(closest, 0.999) << "the bound is not reached where nothing is lost";
+}
+
 class RandomLoads : public testing::TestWithParam<int> {};
 
 TEST_P(RandomLoads, NoTrainThatCarriesItsLoadIsRuledOutAndNoMissIsOverstated) {
@@ -277,9 +372,21 @@ Specification small_loaded(double torque_Nm, double ratio) {
   return spec;
 }
 
+/// A load that decides, and the check that rules out by it.
+struct DecidingLoad {
+  double ratio = 0.0, torque_Nm = 60.0, root_safety = 1.5, flank_safety = 1.2;
+  CheckId check = CheckId::kFlankSafety;
+};
+constexpr std::array<DecidingLoad, 3> kDecidingLoads{
+    {{.ratio = 96.2},
+     {.ratio = -96.2},
+     {.ratio = 96.2, .root_safety = 2.5, .flank_safety = 0.5, .check = CheckId::kRootSafety}}};
+
 TEST(CertifiedUnderLoad, AgreesWithRefiningEverySetWithoutBounds) {
-  for (const double ratio : {96.2, -96.2}) {
-    const Specification spec = small_loaded(60.0, ratio);
+  for (const auto& [ratio, torque_Nm, root_safety, flank_safety, check] : kDecidingLoads) {
+    Specification spec = small_loaded(torque_Nm, ratio);
+    spec.rating->teeth.root_safety_min = root_safety;
+    spec.rating->teeth.flank_safety_min = flank_safety;
     Progress progress;
     const OptimizeResult certified = optimize(spec, progress, {.best_only = true});
     ASSERT_TRUE(certified.best && certified.certificate);
@@ -293,7 +400,7 @@ TEST(CertifiedUnderLoad, AgreesWithRefiningEverySetWithoutBounds) {
       const auto set =
           refiner.refine(candidate, shifts.of(candidate.teeth), std::array{ModuleBound{}}, never);
       const SetBound bound = certified.bounds->of(k);
-      if (bound.infeasible && bound.infeasible->check == CheckId::kFlankSafety) ++ruled_out;
+      if (bound.infeasible && bound.infeasible->check == check) ++ruled_out;
       if (set->status != Status::kOptimal) continue;
       ++carried;
       best = std::max(best, set->eta_b);
@@ -304,9 +411,11 @@ TEST(CertifiedUnderLoad, AgreesWithRefiningEverySetWithoutBounds) {
     EXPECT_GE(certified.certificate->global_bound, best - kRounding);
     EXPECT_GT(carried, 0U);
     EXPECT_GT(ruled_out, 0U) << ratio;
-    EXPECT_EQ(certified.certificate->strength_bounded,
-              std::vector<std::string_view>{"flank_safety"});
-    EXPECT_TRUE(std::ranges::count(certified.certificate->strength_not_bounded, "root_safety"));
+    const auto& bounded = certified.certificate->strength_bounded;
+    EXPECT_TRUE(std::ranges::count(bounded, "flank_safety"));
+    EXPECT_TRUE(std::ranges::count(bounded, "root_safety"));
+    EXPECT_TRUE(
+        std::ranges::count(certified.certificate->strength_not_bounded, "root_safety of rings"));
   }
 }
 

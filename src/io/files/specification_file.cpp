@@ -269,8 +269,7 @@ void finish_rating(Input& input, FileReading& reading) {
        .sun_speed_rad_s =
            has_speed ? std::optional(input.losses.operating_point.sun_speed_rad_s) : std::nullopt,
        .axial = spec.axial,
-       .limits = spec.limits,
-       .searched = true},
+       .limits = spec.limits},
       reading);
   if (spec.rating && optimize::knows_masses(spec) && spec.bodies.ring_rim_m > 0.0) {
     spec.rating->ring_rim_m = spec.bodies.ring_rim_m;

@@ -144,19 +144,14 @@ void check_planets(const StrengthInput& input, const std::vector<int>& planets,
                   *few == 1 ? "" : "s", kFewestOfTables));
 }
 
-/// K_gamma of tolerances wants them, and a design that they are of.
-void check_mesh_load(const StrengthInput& input, const RatedTrainFile& file, FileReading& reading) {
+/// K_gamma of tolerances wants them.
+void check_mesh_load(const StrengthInput& input, FileReading& reading) {
   constexpr const char* kFactor = "strength.k_gamma";
   constexpr const char* kQuantile = "strength.k_gamma_quantile";
   if (input.task.factors.mesh_load_source != MeshLoadSource::kTolerances) {
     if (!reading.stated(kQuantile)) return;
     reading.error_at(kQuantile, fmt::format("{} without {} = \"tolerances\": allowed: with it",
                                             kQuantile, kFactor));
-  } else if (file.searched) {
-    reading.error_at(kFactor,
-                     fmt::format("{} = \"tolerances\" in a SPEC: allowed: a number, \"m56\" or "
-                                 "\"drivetrain\"; analyze the design that is found with it",
-                                 kFactor));
   } else if (!reading.stated("tolerances")) {
     reading.error_at(
         kFactor,
@@ -285,7 +280,7 @@ std::optional<RatingTask> finish_train_strength(const StrengthInput& input,
   check_curves(input, materials, gears, reading);
   check_wear(materials, gears, reading);
   check_planets(input, file.planets, reading);
-  check_mesh_load(input, file, reading);
+  check_mesh_load(input, reading);
   check_life("operating_point.sun_speed_rpm", file.sun_speed_rad_s.value_or(0.0), reading);
   RatingTask task = task_of(input, materials);
   for (const std::size_t stage : {0U, 1U}) {

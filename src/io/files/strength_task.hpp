@@ -19,8 +19,7 @@ struct RatedTrainFile {
   std::optional<double> sun_speed_rad_s;
   train::AxialLayout axial;
   design::Limits limits;
-  bool has_pin = false;   ///< inertia.pin_diameter_mm is stated
-  bool searched = false;  ///< a SPEC: the design is not known yet
+  bool has_pin = false;  ///< inertia.pin_diameter_mm is stated
 };
 
 /// Materials by gear, where the file states them.

@@ -57,8 +57,8 @@ StrengthKey train_mesh_load_key() {
                  .default_text = "with [strength]: 1",
                  .help = "K_gamma, the share of the most loaded planet: a number, or a table's for "
                          "3 planets and more: m56 1.0, 1.2, 1.3, 1.4, drivetrain 1.1, 1.25, 1.35, "
-                         "1.44 for 3, 4, 5, 6 and more; in a DESIGN tolerances: of each mesh, "
-                         "from random gearboxes within [tolerances]"},
+                         "1.44 for 3, 4, 5, 6 and more; tolerances: of each mesh, from random "
+                         "gearboxes within [tolerances]"},
       .assign =
           [](const KeyRecord& record, StrengthInput& t, std::size_t, const TomlValue& v) {
             StatedFactors& factors = t.task.factors;
@@ -264,7 +264,7 @@ std::vector<Key<StrengthInput>> train_strength_keys() {
       train_mesh_load_key());
   keys.push_back(strength_number(
       "k_gamma_quantile", Unit::kNone, within(0.5, 1.0), "with k_gamma = \"tolerances\": 0.99",
-      "share of the gearboxes within [tolerances] whose K_gamma is no greater; in a DESIGN",
+      "share of the gearboxes within [tolerances] whose K_gamma is no greater",
       of_factors(&StatedFactors::mesh_load_quantile)));
   keys.push_back(make_key<StrengthInput>(
       number_range("bearings.planet_positions_mm", Unit::kMillimetre, within(-1e4, 1e4),

@@ -746,8 +746,13 @@ TEST(StrengthKeys, TablesOfTheMeshLoadFactorBeginWithThreePlanets) {
                     "planets = [3]\n" + kSpec + kWidths + load + "k_gamma = \"tolerances\"\n",
                     "spec.toml");
               }),
-              "strength.k_gamma = \"tolerances\" in a SPEC: allowed: a number, \"m56\" or "
-              "\"drivetrain\"; analyze the design that is found with it");
+              "strength.k_gamma = \"tolerances\" without [tolerances]: allowed: with it");
+  EXPECT_EQ(errors_of([&] {
+              return parse_specification("planets = [3]\n" + kSpec + kWidths + load +
+                                             "k_gamma = \"tolerances\"\n" + kTolerances,
+                                         "spec.toml");
+            }),
+            "");
   EXPECT_EQ(design_errors(load + m56), "");
   EXPECT_EQ(design_errors(load + drivetrain), "");
   EXPECT_EQ(errors_of([&] { return parse_design(two + "k_gamma = 1.0\n", "g"); }), "");
