@@ -69,6 +69,7 @@ BuiltSeries build_series(const Design& design, const backlash::ClearanceModel& m
       .result = backlash::monte_carlo(model, options),
       .shares = {},
       .rooms = {},
+      .thermal = {},
       .turn = {},
       .paper_limit = paper && design.limits[CheckId::kOutputBacklashMax].has_value()};
   series.rooms =
@@ -78,6 +79,7 @@ BuiltSeries build_series(const Design& design, const backlash::ClearanceModel& m
   // The shares' own count is not that of the series; they can be stopped all the same.
   options.progress = [&](std::uint64_t) { return !progress || progress(series.result.samples); };
   series.shares = backlash::tolerance_shares(model, options);
+  series.thermal = thermal_series(design, model, options);
   return series;
 }
 

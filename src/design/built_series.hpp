@@ -10,6 +10,7 @@
 #include "backlash/tolerance_shares.hpp"
 #include "backlash/turn_yield.hpp"
 #include "design/design.hpp"
+#include "design/thermal_series.hpp"
 
 namespace gear3k::design {
 
@@ -31,6 +32,7 @@ struct BuiltSeries {
   backlash::MonteCarloResult result;
   backlash::ToleranceShares shares;
   FirstContactRooms rooms;
+  std::vector<ThermalSeries> thermal{};     ///< at the ends of the design's range, if any
   std::optional<backlash::TurnYield> turn;  ///< empty unless asked for
   bool paper_limit = false;  ///< the design's limit is for another model and does not count
 };

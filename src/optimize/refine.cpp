@@ -433,7 +433,7 @@ class SetSearch {
       chosen.back().violation = outcome_at(chosen.back().problem, any->outcome.v).violation;
     }
     std::ranges::stable_sort(chosen, {}, &Chosen::violation);
-    bool found = false;
+    bool proven = false;
     for (const Chosen& own : chosen) {
       if (stop_.load(std::memory_order_relaxed)) return false;
       if (best_.found && !(any->outcome.objective < best_.outcome.objective)) return true;
@@ -441,10 +441,11 @@ class SetSearch {
       BestEnd end;
       end.offer(own.problem, as_it_is ? outcome_at(own.problem, any->outcome.v)
                                       : best_within(own.problem, any->outcome.v));
-      found = found || end.found;
+      proven = proven || as_it_is;
       take(end);
     }
-    return found || try_every_cutter(problem, bound);
+    // What goes on from the end of any cutter may stay in a worse basin.
+    return proven || try_every_cutter(problem, bound);
   }
 
   const Specification& spec_;

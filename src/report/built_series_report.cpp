@@ -9,6 +9,7 @@
 
 #include "report/display.hpp"
 #include "report/text_table.hpp"
+#include "report/thermal_report.hpp"
 #include "report/tolerance_report.hpp"
 
 namespace gear3k::report {
@@ -108,6 +109,17 @@ std::string series_text(const BuiltSeries& series) {
                           percent(series.turn->yield.lower), percent(series.turn->yield.upper));
     }
     text += '\n';
+  }
+  for (const design::ThermalSeries& end : series.thermal) {
+    const MonteCarloResult& at = end.result;
+    text += fmt::format(
+        "  {:<22} at most {:.2f} % jam in some position of their teeth; lost motion {}\n",
+        design::state_text(end.state), percent(end.jammed.value),
+        at.assembled.count == 0 ? "none: no gearbox assembles"
+        : at.limit_of_99_percent_rad
+            ? fmt::format("{:.2f} arcmin, 99 % keep {:.2f}", arcmin(at.lost_motion.mean_rad),
+                          arcmin(*at.limit_of_99_percent_rad))
+            : fmt::format("{:.2f} arcmin", arcmin(at.lost_motion.mean_rad)));
   }
   if (series.paper_limit) {
     text +=
@@ -268,6 +280,19 @@ io::Json shares_json(const BuiltSeries& series) {
                                    [&](std::size_t i) { return share_fields(series, i).json(); })}};
 }
 
+io::Json thermal_end_json(const design::ThermalSeries& end) {
+  const MonteCarloResult& r = end.result;
+  const io::Json lost_motion =
+      r.assembled.count > 0 ? lost_motion_fields(r.lost_motion).json() : io::Json(nullptr);
+  return {{"temperature_c", celsius(end.state.temperature_K)},
+          {"moisture", moisture_name(end.state.moisture)},
+          {"jammed", proportion_fields(end.jammed).json()},
+          {"assembled", proportion_fields(r.assembled).json()},
+          {"yield", proportion_fields(r.yield).json()},
+          {"limit_of_99_percent_arcmin", if_any(r.limit_of_99_percent_rad, arcmin)},
+          {"lost_motion_arcmin", lost_motion}};
+}
+
 }  // namespace
 
 std::string built_series_table(const BuiltSeries& series) {
@@ -302,6 +327,10 @@ Fields built_series_fields(const BuiltSeries& series) {
   }
   f.add("first_contact", first_contact_json(series.rooms));
   f.add("shares", shares_json(series));
+  f.add("thermal", nullptr);
+  if (!series.thermal.empty()) {
+    f.add("thermal", list_json(series.thermal, thermal_end_json));
+  }
   return f;
 }
 

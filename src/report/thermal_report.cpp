@@ -15,18 +15,6 @@ namespace {
 
 using design::JamRange, design::ThermalMesh, design::ThermalResult, design::ThermalStateResult;
 
-std::string_view moisture_name(train::Moisture moisture) {
-  switch (moisture) {
-    case train::Moisture::kDry:
-      return "dry";
-    case train::Moisture::kWet:
-      return "wet";
-    case train::Moisture::kDrawn:
-      break;
-  }
-  return "drawn";
-}
-
 Fields thermal_mesh_fields(const ThermalStateResult& at, std::size_t k) {
   const ThermalMesh& m = at.meshes[k];
   const std::string name(train::kMeshNames[k]);
@@ -73,6 +61,18 @@ std::optional<double> nearest_jam(const ThermalResult& thermal, bool above) {
 }
 
 }  // namespace
+
+std::string_view moisture_name(train::Moisture moisture) {
+  switch (moisture) {
+    case train::Moisture::kDry:
+      return "dry";
+    case train::Moisture::kWet:
+      return "wet";
+    case train::Moisture::kDrawn:
+      break;
+  }
+  return "drawn";
+}
 
 std::string thermal_summary(const ThermalResult& thermal) {
   double least_m = std::numeric_limits<double>::infinity();

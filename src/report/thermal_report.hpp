@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "design/thermal_result.hpp"
 #include "report/fields.hpp"
@@ -17,5 +18,8 @@ std::string thermal_table(const std::optional<design::ThermalResult>& thermal);
 
 /// Object of the JSON, and rows of the CSV about "S-P1 at 60 C" and its like.
 Fields thermal_fields(const design::ThermalResult& thermal);
+
+/// "drawn", "dry" or "wet".
+std::string_view moisture_name(train::Moisture moisture);
 
 }  // namespace gear3k::report
