@@ -2,13 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <set>
 #include <vector>
 
+#include "numerics/linear_algebra.hpp"
 #include "tests/calibrate/bench.hpp"
 
 namespace gear3k::calibrate::holdout_test {
@@ -35,7 +36,7 @@ Eigen::VectorXd line_without_its_block(const Eigen::MatrixXd& line, const Eigen:
       x.row(i).setZero();
       y[i] = 0.0;
     }
-    const Eigen::VectorXd refit = line * x.colPivHouseholderQr().solve(y);
+    const Eigen::VectorXd refit = line * numerics::least_squares(x, y);
     for (Eigen::Index i = 0; i < y.size(); ++i) {
       if (blocks.of[static_cast<std::size_t>(i)] == block) predicted[i] = refit[i];
     }

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <boost/math/distributions/chi_squared.hpp>
@@ -13,6 +13,8 @@
 #include <numbers>
 #include <random>
 #include <vector>
+
+#include "numerics/linear_algebra.hpp"
 
 namespace gear3k::calibrate::screen_test {
 namespace {
@@ -108,8 +110,12 @@ TEST(ChiSquareEvidence, GrowsWithoutAStepWhereTheTailUnderflows) {
 
 /// Greatest length that any column of x has outside the span of `of`.
 double outside(const Eigen::MatrixXd& x, const Eigen::MatrixXd& of) {
-  const Eigen::MatrixXd left = x - of * of.colPivHouseholderQr().solve(x);
-  return left.colwise().norm().maxCoeff();
+  double greatest = 0.0;
+  for (Eigen::Index k = 0; k < x.cols(); ++k) {
+    const Eigen::VectorXd left = x.col(k) - of * numerics::least_squares(of, x.col(k));
+    greatest = std::max(greatest, left.norm());
+  }
+  return greatest;
 }
 
 TEST(OrthonormalBasis, SpansTheColumnsWithoutThoseThatDepend) {
@@ -156,7 +162,7 @@ TEST(OrthonormalBasis, LeavesOutColumnsWithoutANumber) {
 
 double least_squares(const Eigen::MatrixXd& x, const Eigen::VectorXd& y) {
   if (x.cols() == 0) return y.squaredNorm();
-  return (y - x * x.colPivHouseholderQr().solve(y)).squaredNorm();
+  return (y - x * numerics::least_squares(x, y)).squaredNorm();
 }
 
 Eigen::MatrixXd joined(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
@@ -270,7 +276,7 @@ TEST(Gains, OfASidedBlockCountOnlyOnItsSide) {
     const Eigen::MatrixXd column = noise.matrix(15, 1) + own;
     const Eigen::VectorXd residual = noise.matrix(15, 1).col(0);
     const Eigen::MatrixXd both = joined(own, column);
-    const double coefficient = both.colPivHouseholderQr().solve(residual)[1];
+    const double coefficient = numerics::least_squares(both, residual)[1];
     growing += coefficient > 0.0 ? 1 : 0;
     for (const int side : {1, -1}) {
       const Screen screen(own, column, {{.first = 0, .count = 1, .side = side}}, kScale);
@@ -282,7 +288,8 @@ TEST(Gains, OfASidedBlockCountOnlyOnItsSide) {
       }
       // One-sided normal test of the coefficient.
       const Eigen::Matrix2d normal = both.transpose() * both;
-      const double sd = kScale * std::sqrt(normal.inverse()(1, 1));
+      const double determinant = normal(0, 0) * normal(1, 1) - normal(0, 1) * normal(1, 0);
+      const double sd = kScale * std::sqrt(normal(0, 0) / determinant);
       const double tail = boost::math::cdf(
           boost::math::complement(boost::math::normal(), std::abs(coefficient) / sd));
       EXPECT_NEAR(gain.evidence, -std::log(tail), 1e-10);

@@ -2,11 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 
 #include "calibrate/fit/screen.hpp"
 #include "calibrate/measurement/measurement.hpp"
+#include "numerics/linear_algebra.hpp"
 #include "tests/rig/deterministic_random.hpp"
 
 namespace gear3k::calibrate::order_scan_test {
@@ -37,7 +38,7 @@ class Orders : public testing::Test {
   }
   /// What the least squares of columns leave of y, by a QR decomposition.
   static double left_of(const Eigen::MatrixXd& columns, const Eigen::VectorXd& y) {
-    return (y - columns * columns.householderQr().solve(y)).squaredNorm();
+    return (y - columns * numerics::least_squares(columns, y)).squaredNorm();
   }
 
   std::vector<double> angle_, noise_;

@@ -2,12 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <string>
 
 #include "calibrate/search/free_shapes.hpp"
+#include "numerics/linear_algebra.hpp"
 #include "tests/calibrate/bench.hpp"
 #include "tests/calibrate/measured_grid.hpp"
 
@@ -197,7 +198,7 @@ class OfTheSensor : public Replacements {
     }
     const Eigen::VectorXd y = measured(data_) - torque;
     const auto left = [&](const Eigen::MatrixXd& x) {
-      return (y - x * x.householderQr().solve(y)).squaredNorm();
+      return (y - x * numerics::least_squares(x, y)).squaredNorm();
     };
     return {
         .both = left(line), .without_gain = left(line.col(1)), .without_offset = left(line.col(0))};

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <boost/math/distributions/chi_squared.hpp>
@@ -14,6 +14,7 @@
 #include "calibrate/fit/holdout.hpp"
 #include "calibrate/fit/parameter_results.hpp"
 #include "calibrate/verdict/diagnosis.hpp"
+#include "numerics/linear_algebra.hpp"
 #include "tests/calibrate/bench.hpp"
 #include "tests/calibrate/measured_grid.hpp"
 
@@ -229,7 +230,7 @@ TEST_F(Part, BeyondWhatItWasFittedToARefitWithoutTheHighestLoadPredicts) {
     below[i] = c.output_torque_Nm < 50.0 ? 1.0 : 0.0;
   }
   const Eigen::MatrixXd x = below.asDiagonal() * line;
-  const Eigen::Vector2d fitted = x.householderQr().solve((y - torque).cwiseProduct(below).eval());
+  const Eigen::Vector2d fitted = numerics::least_squares(x, (y - torque).cwiseProduct(below));
   const Eigen::VectorXd error =
       (y - torque - line * fitted).cwiseProduct(Eigen::VectorXd::Ones(y.size()) - below);
   EXPECT_NEAR(e.extended, std::sqrt(error.squaredNorm() / e.rows), 1e-9);

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -19,6 +19,7 @@
 #include "efficiency/single_pair_loss.hpp"
 #include "io/files/measurement_file.hpp"
 #include "io/files/subject_file.hpp"
+#include "numerics/linear_algebra.hpp"
 
 namespace gear3k::calibrate::dry_steel_pairs_test {
 namespace {
@@ -129,7 +130,7 @@ Parameters refit(const std::vector<Observation>& rows, const Model& model, Param
       beside[k] += kStep;
       slope.col(k) = (e - errors_of(rows, model, beside)) / kStep;
     }
-    Parameters change = slope.colPivHouseholderQr().solve(e);
+    Parameters change = numerics::least_squares(slope, e);
     for (int half = 0;
          half < 20 && errors_of(rows, model, p + change).squaredNorm() > e.squaredNorm(); ++half) {
       change *= 0.5;

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "numerics/linear_algebra.hpp"
 #include "tests/calibrate/measured_grid.hpp"
 #include "tests/calibrate/rig_campaign.hpp"
 #include "tests/rig/deterministic_random.hpp"
@@ -84,7 +85,7 @@ class Plan : public testing::Test {
           (simulated(simulation, c, more) - simulated(simulation, c, less)) / kStep / row_sigma;
       x(i, 0) = (simulated(simulation, c, unit) - base) / row_sigma;
     }
-    return (y - x * x.householderQr().solve(y)).squaredNorm();
+    return (y - x * numerics::least_squares(x, y)).squaredNorm();
   }
   [[nodiscard]] std::vector<Condition> measured_conditions() const {
     std::vector<Condition> result;

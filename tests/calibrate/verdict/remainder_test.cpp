@@ -2,13 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
 #include <numbers>
 
+#include "numerics/linear_algebra.hpp"
 #include "tests/calibrate/measured_grid.hpp"
 #include "tests/calibrate/rig_campaign.hpp"
 
@@ -58,8 +59,7 @@ class Structure : public testing::Test {
   }
   /// Share of a structure's squares outside the space of columns.
   static double outside(const Eigen::MatrixXd& columns, const Eigen::VectorXd& structure) {
-    const Eigen::VectorXd left =
-        structure - columns * columns.colPivHouseholderQr().solve(structure);
+    const Eigen::VectorXd left = structure - columns * numerics::least_squares(columns, structure);
     return left.squaredNorm() / structure.squaredNorm();
   }
 
