@@ -41,10 +41,28 @@ SignSquares sign_squares(const std::vector<MotionWindow>& windows, const DrivePa
   return r;
 }
 
+/// Whether the motor's torque changes in the log.
+bool torque_varies(const std::vector<MotionWindow>& windows) {
+  constexpr double kLeastShare = 1e-6;  // of its mean square
+  double mean = 0.0, mean_square = 0.0;
+  for (const MotionWindow& w : windows) {
+    const double torque = w.motor_Nm / w.term[4], share = 1.0 / static_cast<double>(windows.size());
+    mean += share * torque;
+    mean_square += share * torque * torque;
+  }
+  return mean_square - mean * mean > kLeastShare * mean_square;
+}
+
 /// A sign is wrong where the other one leaves less than a quarter of the squares.
-void refuse_reversed(const std::vector<MotionWindow>& windows, const DriveParameters& drive,
-                     const std::string& files) {
+void refuse_unfit(const std::vector<MotionWindow>& windows, const DriveParameters& drive,
+                  const std::string& files) {
   constexpr double kClearly = 0.25;
+  if (!windows.empty() && !torque_varies(windows)) {
+    throw io::InvalidInput(fmt::format(
+        "{}: the motor's torque does not change: allowed: logs of several speeds, loads "
+        "or accelerations",
+        files));
+  }
   const SignSquares s = sign_squares(windows, drive);
   if (s.motor_reversed < kClearly * s.as_logged && s.motor_reversed < s.load_reversed) {
     throw io::InvalidInput(fmt::format(
@@ -82,7 +100,7 @@ report::MotionDiagnosisResult diagnose_motion(const DiagnoseMotionRequest& reque
   result.files = record.files;
   const DriveParameters drive = drive_of(a, chain);
   const std::string files = fmt::format("{}", fmt::join(record.files, ", "));
-  refuse_reversed(calibrate::motion_windows(record, drive), drive, files);
+  refuse_unfit(calibrate::motion_windows(record, drive), drive, files);
   auto found = calibrate::diagnose_motion(record, drive,
                                           {.false_discovery_rate = request.false_discovery_rate});
   if (!found) {

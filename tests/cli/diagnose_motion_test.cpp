@@ -40,6 +40,18 @@ std::string scaled(const std::string& text, std::size_t column, double by) {
   return out;
 }
 
+TEST(DiagnoseMotion, ALogThatDoesNotChangeIsRefused) {
+  const Workplace place;
+  put_example(place);
+  std::string text = "# kind: dynamic\ntime_s,speed_rad_s,motor_current_a,output_torque_nm\n";
+  for (int k = 0; k < 500; ++k) text += fmt::format("{:.2f},6.4,-0.025,-0.99\n", 0.01 * k);
+  place.write("still.csv", text);
+  const ProgramResult result = place.run({"diagnose", "a.toml", "still.csv"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("still.csv: the motor's torque does not change"), std::string::npos)
+      << result.err;
+}
+
 TEST(DiagnoseMotion, NamesTheLossesThatTheLogWasMadeWith) {
   const Workplace place;
   put_example(place);
