@@ -28,6 +28,13 @@ class NarrowFormatter : public CLI::Formatter {
     }
     return lines + text.substr(begin);
   }
+
+  /// DESIGN... for any argument that may be several, where CLI11 has its least number: DESIGN(2x).
+  std::string make_option_usage(const CLI::Option* option) const override {
+    const std::string name =
+        make_option_name(option, true) + (option->get_expected_max() > 1 ? "..." : "");
+    return option->get_required() ? name : "[" + name + "]";
+  }
 };
 
 std::vector<std::string> option_names(const CLI::App& command) {

@@ -335,7 +335,8 @@ int run_program(int argc, char** argv) {
   constexpr int kMostCompared = 32;
   compare_command->add_option("DESIGN", compare.files, "DESIGN.toml, two or more")
       ->required()
-      ->expected(2, kMostCompared);
+      ->expected(2, kMostCompared)
+      ->option_text(fmt::format("2 to {} files", kMostCompared));
   add_common_options(*compare_command, compare);
   add_out_file(*compare_command, compare);
   add_columns(*compare_command, compare.columns, 80, "of the table; 100 into a file");

@@ -54,8 +54,30 @@ void deliver_rows(const CommonOptions& options, const sweep::Rows& rows) {
   deliver(options, rows_text(options.format, rows));
 }
 
-Database read_only(const std::string& path) {
-  return sweep::open_sweep_database(path, Database::Access::kRead);
+/// @throws io::InvalidInput where --out is one of the databases, or a file that SQLite keeps beside
+void keep_databases(const std::string& out, const std::vector<std::string>& databases) {
+  if (out.empty()) return;
+  std::error_code unknown;
+  const auto whole = [&](const std::string& path) {
+    // Absolute before: of a name that is not there the canonical form may be relative.
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(path), unknown).string();
+  };
+  for (const std::string& database : databases) {
+    const std::string slip = io::replaced_input(out, {database});
+    if (!slip.empty()) throw io::InvalidInput("--out: " + slip);
+    // They come and go with those who have the database open.
+    for (const char* beside : {"-wal", "-shm", "-journal"}) {
+      if (whole(out) != whole(database) + beside) continue;
+      throw io::InvalidInput(
+          fmt::format("--out: {} is a part of {}, allowed: another name", out, database));
+    }
+  }
+}
+
+/// The database of a question, whose answer does not replace it.
+Database asked(const SweepQuestion& question) {
+  keep_databases(question.out, {question.database});
+  return sweep::open_sweep_database(question.database, Database::Access::kRead);
 }
 
 /// Puts the tasks into the queue.  @returns false where Ctrl-C came first
@@ -149,24 +171,17 @@ ExitCode run_sweep(const SweepOptions& options) {
     print_result(rows_text(options.format, sweep::status_of(store.database(), work.uid)));
   }
   if (end.open > 0 && !options.quiet) {
-    const char* why = "with workers of another call";
-    if (end.interrupted) why = "as it was interrupted; the same command goes on";
-    if (end.out_of_time) why = "as the time was up; the same command goes on";
-    say(fmt::format("{} tasks are open, {}\n", end.open, why));
+    const char* why = "still worked on elsewhere";
+    if (end.interrupted) why = "open, as it was interrupted; the same command goes on";
+    if (end.out_of_time) why = "open, as the time was up; the same command goes on";
+    say(fmt::format("{} {} {}\n", end.open, end.open == 1 ? "task is" : "tasks are", why));
   }
   return end.interrupted ? kInterrupted : kDone;
 }
 
 ExitCode run_sweep_merge(const SweepMergeOptions& options) {
-  const std::string slip = io::replaced_input(options.out, options.databases);
-  if (!slip.empty()) throw io::InvalidInput("--out: " + slip);
-  Database into = sweep::open_sweep_database(options.out, Database::Access::kCreate);
-  sweep::Rows rows{.names = {"database", "added", "known", "differing", "open"}, .rows = {}};
-  for (const std::string& path : options.databases) {
-    const sweep::Merged merged = sweep::merge(into, path);
-    rows.rows.push_back({path, merged.added, merged.known, merged.differing, merged.open});
-  }
-  print_result(rows_text(options.format, rows));
+  keep_databases(options.out, options.databases);
+  print_result(rows_text(options.format, sweep::merge(options.databases, options.out)));
   return kDone;
 }
 
@@ -197,28 +212,28 @@ ExitCode run_atlas(const AtlasOptions& options) {
 }
 
 ExitCode run_sweep_status(const SweepQuestion& question) {
-  deliver_rows(question, sweep::status_of(read_only(question.database)));
+  deliver_rows(question, sweep::status_of(asked(question)));
   return kDone;
 }
 
 ExitCode run_sweep_best(const SweepQuestion& question) {
   const bool least = !question.least.empty();
-  deliver_rows(question, sweep::best_of(read_only(question.database),
-                                        {.by = question.by,
-                                         .of = least ? question.least : question.most,
-                                         .least = least}));
+  deliver_rows(question,
+               sweep::best_of(asked(question), {.by = question.by,
+                                                .of = least ? question.least : question.most,
+                                                .least = least}));
   return kDone;
 }
 
 ExitCode run_sweep_query(const SweepQuestion& question) {
-  deliver_rows(question, sweep::answer_to(read_only(question.database), question.sql));
+  deliver_rows(question, sweep::answer_to(asked(question), question.sql));
   return kDone;
 }
 
 ExitCode run_sweep_compare(const SweepQuestion& question) {
-  const Database database = read_only(question.database);
+  const Database database = asked(question);
   const sweep::Comparison comparison =
-      sweep::compare(database, sweep::since_of(database, question.since));
+      sweep::compare(database, sweep::since_of(question.since).value());
   if (question.format != Format::kTable || !comparison.changes.rows.empty()) {
     deliver_rows(question, comparison.changes);
   }
@@ -228,16 +243,17 @@ ExitCode run_sweep_compare(const SweepQuestion& question) {
 
 ExitCode run_sweep_figure(const SweepQuestion& question) {
   const sweep::Map map =
-      sweep::map_of(read_only(question.database), {.x = question.x,
-                                                   .y = question.y,
-                                                   .by = question.by.empty() ? "" : question.by[0],
-                                                   .least = !question.least.empty()});
+      sweep::map_of(asked(question), {.x = question.x,
+                                      .y = question.y,
+                                      .by = question.by.empty() ? "" : question.by[0],
+                                      .least = !question.least.empty()});
   const Figures figures = draw({sweep::map_plot(map, "map")});
   if (figures.files.empty()) {
     throw io::InvalidInput(
         fmt::format("sweep figure: {}: allowed: with gnuplot", figures.missing.front().cause));
   }
-  deliver(question, figures.files.front().text);
+  // As it is: not a text of lines for a terminal.
+  deliver_in_pieces(question, [&](const auto& take) { take(figures.files.front().text); });
   return kDone;
 }
 

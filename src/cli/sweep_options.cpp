@@ -6,6 +6,7 @@
 #include <string>
 
 #include "cli/common_options.hpp"
+#include "sweep/compare.hpp"
 
 namespace gear3k::cli {
 
@@ -90,6 +91,10 @@ void add_sweep_commands(CLI::App& sweep, SweepCommands& commands, std::function<
                          question, run, run_sweep_compare);
   compare.add_option("--since", question.since, "revision of the models, or time of UTC")
       ->required()
+      ->check([](const std::string& text) {
+        return sweep::since_of(text) ? ""
+                                     : fmt::format("{}: allowed: {}", text, sweep::kAllowedSince);
+      })
       ->option_text("REVISION | DATE");
   compare.add_flag("--strict", question.strict, "exit with 3 when anything is worse");
   CLI::App& merge_command = *sweep.add_subcommand(

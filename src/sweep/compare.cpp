@@ -109,20 +109,20 @@ SqlValue merit_value(double merit) {
 
 }  // namespace
 
-Since since_of(const Database& database, const std::string& text) {
+std::optional<Since> since_of(const std::string& text) {
   std::int64_t revision = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), revision);
   if (error == std::errc() && end == text.data() + text.size()) {
-    return {.revision = revision, .time_s = std::nullopt};
+    if (revision < 0) return std::nullopt;
+    return Since{.revision = revision, .time_s = std::nullopt};
   }
-  Statement time = database.prepare("SELECT (julianday(?1) - 2440587.5) * 86400.0");
-  if (text.find('-') == std::string::npos || !time.with(text).step() || time.is_null(0)) {
-    throw io::InvalidInput(fmt::format(
-        "--since {}: allowed: a revision of the models, as 3, or a time of UTC, as 2026-11-25 or "
-        "\"2026-11-25 18:00\"",
-        text));
-  }
-  return {.revision = std::nullopt, .time_s = time.number(0)};
+  // Other texts that SQLite takes are days of Julius, or now.
+  constexpr std::size_t kYearDigits = 4;
+  if (text.find('-') != kYearDigits) return std::nullopt;
+  const Database none(":memory:", Database::Access::kCreate);
+  Statement time = none.prepare("SELECT (julianday(?1) - 2440587.5) * 86400.0");
+  if (!time.with(text).step() || time.is_null(0)) return std::nullopt;
+  return Since{.revision = std::nullopt, .time_s = time.number(0)};
 }
 
 Change change_of(const std::string& status_before, double merit_before,
@@ -137,6 +137,14 @@ Change change_of(const std::string& status_before, double merit_before,
 }
 
 Comparison compare(const Database& database, const Since& since) {
+  const std::int64_t newest =
+      database.count("SELECT max(revision) FROM task WHERE status IS NOT NULL");
+  if (since.revision && *since.revision > newest) {
+    throw io::InvalidInput(
+        fmt::format("{}: no result is of a revision of the models above {}: --since {}: allowed: "
+                    "at most {}, or a time of UTC",
+                    database.path(), newest, *since.revision, newest));
+  }
   Sides sides = sides_of(database, since);
   Comparison comparison;
   comparison.changes.names = {"change", "task",   "merit_before", "merit_after",

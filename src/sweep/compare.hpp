@@ -17,8 +17,11 @@ struct Since {
   std::optional<double> time_s;
 };
 /// A revision ("3"), or a date or time of UTC as SQLite reads it ("2026-11-25 18:00").
-/// @throws io::InvalidInput for a text that is neither
-Since since_of(const Database& database, const std::string& text);
+/// @returns nothing for a text that is neither
+std::optional<Since> since_of(const std::string& text);
+/// What --since may be.
+inline constexpr const char* kAllowedSince =
+    "a revision of the models, as 3, or a time of UTC, as 2026-11-25 or \"2026-11-25 18:00\"";
 
 /// Merits whose difference is at most this share of the greater one are the same.
 inline constexpr double kSameMerit = 1e-6;
@@ -40,6 +43,7 @@ struct Comparison {
 /// Pairs each result after with that before of the same question; where there is none, with that of
 /// a run of the same name and axes at the same values of its axes, whose other keys differ: the
 /// cause is the revision, or these keys.
+/// @throws io::InvalidInput for a revision above those of all results
 Comparison compare(const Database& database, const Since& since);
 
 /// Its counts in a line.

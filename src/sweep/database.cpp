@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <utility>
 
@@ -34,6 +36,9 @@ std::string meaning_of(int extended, const char* told) {
     case SQLITE_LOCKED:
       return fmt::format("another process has held it for {} s: allowed: end that process, or wait",
                          Database::kBusySeconds);
+    case SQLITE_AUTH:
+      return "a statement that does more than read; nothing was changed: allowed: SELECT, WITH, "
+             "VALUES, EXPLAIN, or a PRAGMA that only tells";
     case SQLITE_IOERR:
       return fmt::format("cannot be read or written ({}); what was recorded is kept", told);
     default:
@@ -42,8 +47,9 @@ std::string meaning_of(int extended, const char* told) {
 }
 
 /// The code of the last error; a limit of the file's size, which is an error of writing to SQLite,
-/// as that of a full disk.
+/// as that of a full disk; a refusal by allow_reading(), whose code some statements lose.
 int code_of(sqlite3* database) {
+  if (std::string_view(sqlite3_errmsg(database)) == "not authorized") return SQLITE_AUTH;
   const int code = sqlite3_extended_errcode(database);
   const int cause = sqlite3_system_errno(database);
   const bool full = cause == EFBIG || cause == ENOSPC || cause == EDQUOT;
@@ -57,14 +63,70 @@ int code_of(sqlite3* database) {
                                       : meaning_of(code_of(database), sqlite3_errmsg(database))));
 }
 
+/// Whether a PRAGMA only tells.
+bool is_telling(const char* pragma, const char* argument) {
+  const auto is_it = [pragma](const char* name) { return sqlite3_stricmp(pragma, name) == 0; };
+  // Their argument is what is asked about.
+  constexpr std::array kOfSomething{"table_info",  "table_xinfo",     "index_list",  "index_info",
+                                    "index_xinfo", "integrity_check", "quick_check", "table_list"};
+  constexpr std::array kOfAll{"application_id", "compile_options", "database_list",
+                              "encoding",       "freelist_count",  "function_list",
+                              "journal_mode",   "page_count",      "page_size",
+                              "pragma_list",    "schema_version",  "user_version"};
+  return std::ranges::any_of(kOfSomething, is_it) ||
+         (argument == nullptr && std::ranges::any_of(kOfAll, is_it));
+}
+
+/// Lets statements read; a file opened for reading alone does not keep VACUUM INTO and ATTACH from
+/// making others.
+int allow_reading(void* /*nothing*/, int action, const char* first, const char* second,
+                  const char* /*database*/, const char* /*view*/) {
+  switch (action) {
+    case SQLITE_SELECT:
+    case SQLITE_READ:
+    case SQLITE_FUNCTION:
+    case SQLITE_RECURSIVE:
+      return SQLITE_OK;
+    case SQLITE_PRAGMA:
+      return is_telling(first, second) ? SQLITE_OK : SQLITE_DENY;
+    case SQLITE_UPDATE:
+      // SQLite asks so when it declares the columns of pragma_table_info() or json_each(); of the
+      // table itself nothing can be written, as the file is opened to read.
+      return sqlite3_stricmp(first, "sqlite_master") == 0 ? SQLITE_OK : SQLITE_DENY;
+    default:
+      return SQLITE_DENY;
+  }
+}
+
+struct Finalize {
+  void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+};
+
 }  // namespace
 
 Statement::Statement(sqlite3* database, const std::string& path, std::string_view sql)
     : database_(database), path_(&path) {
-  if (sqlite3_prepare_v2(database, sql.data(), static_cast<int>(sql.size()), &statement_,
-                         nullptr) != SQLITE_OK) {
-    refuse(database, path);
+  std::unique_ptr<sqlite3_stmt, Finalize> only;
+  while (!sql.empty()) {
+    sqlite3_stmt* next = nullptr;
+    const char* rest = nullptr;
+    if (sqlite3_prepare_v2(database, sql.data(), static_cast<int>(sql.size()), &next, &rest) !=
+        SQLITE_OK) {
+      refuse(database, path);
+    }
+    // Spaces, comments and a semicolon alone are none.
+    std::unique_ptr<sqlite3_stmt, Finalize> found(next);
+    if (found && only) {
+      throw io::InvalidInput(fmt::format("{}: several SQL statements: allowed: one", path));
+    }
+    if (found) only = std::move(found);
+    sql.remove_prefix(static_cast<std::size_t>(rest - sql.data()));
   }
+  if (!only) {
+    throw io::InvalidInput(
+        fmt::format("{}: no SQL statement: allowed: one, as \"SELECT * FROM result\"", path));
+  }
+  statement_ = only.release();
 }
 
 Statement::Statement(Statement&& other) noexcept
@@ -158,6 +220,7 @@ Database::Database(std::string path, Access access)
     if (access != Access::kRead && sqlite3_db_readonly(database_, "main") == 1) {
       throw io::InvalidInput(fmt::format("{}: {}", *path_, meaning_of(SQLITE_READONLY, "")));
     }
+    if (access == Access::kRead) sqlite3_set_authorizer(database_, allow_reading, nullptr);
   } catch (...) {
     sqlite3_close_v2(database_);
     throw;

@@ -18,6 +18,7 @@ using SqlValue = std::variant<std::nullptr_t, std::int64_t, double, std::string>
 /// A statement and its place among its rows.  Must not outlive its database.
 class Statement {
  public:
+  /// @throws io::InvalidInput also for a text without a statement, or with several
   Statement(sqlite3* database, const std::string& path, std::string_view sql);
   ~Statement();
   Statement(Statement&& other) noexcept;
@@ -65,7 +66,7 @@ class Statement {
 class Database {
  public:
   enum class Access {
-    kRead,   ///< an existing file, never written
+    kRead,   ///< an existing file; statements that do more than read are refused
     kWrite,  ///< an existing file
     kCreate  ///< the same, or a new file
   };

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <map>
-#include <vector>
+#include <optional>
 
+#include "io/text/diagnostics.hpp"
 #include "sweep/schema.hpp"
 
 namespace gear3k::sweep {
@@ -170,6 +172,26 @@ Merged merge(Database& into, const std::string& path) {
   make_result_view(into);
   transaction.commit();
   return merged;
+}
+
+Rows merge(const std::vector<std::string>& paths, const std::string& into) {
+  for (const std::string& path : paths) open_sweep_database(path, Database::Access::kRead);
+  std::error_code unknown;
+  const bool is_new = !std::filesystem::exists(into, unknown);
+  std::optional<Database> database(open_sweep_database(into, Database::Access::kCreate));
+  Rows rows{.names = {"database", "added", "known", "differing", "open"}, .rows = {}};
+  try {
+    for (const std::string& path : paths) {
+      const Merged merged = merge(*database, path);
+      rows.rows.push_back({path, merged.added, merged.known, merged.differing, merged.open});
+    }
+  } catch (const io::InvalidInput&) {
+    const bool is_empty = database->count("SELECT count(*) FROM run") == 0;
+    database.reset();  // with which SQLite removes what is beside it
+    if (is_new && is_empty) std::filesystem::remove(into, unknown);
+    throw;
+  }
+  return rows;
 }
 
 }  // namespace gear3k::sweep

@@ -2,8 +2,9 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
-#include "sweep/database.hpp"
+#include "sweep/rows.hpp"
 
 namespace gear3k::sweep {
 
@@ -19,5 +20,11 @@ struct Merged {
 /// nothing the second time.
 /// @throws io::InvalidInput as Database
 Merged merge(Database& into, const std::string& path);
+
+/// The same of several databases into a file, made when missing: a row for each.  Where it had to
+/// be made and nothing came into it, it is removed again.
+/// @throws io::InvalidInput as Database, before anything is written for a file that is no database
+///   of a sweep
+Rows merge(const std::vector<std::string>& paths, const std::string& into);
 
 }  // namespace gear3k::sweep

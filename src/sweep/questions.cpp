@@ -142,6 +142,13 @@ Rows best_of(const Database& database, const BestQuestion& question) {
     groups += fmt::format("{}{}", groups.empty() ? "" : ", ", column.sql);
   }
   const Column of = column_of(database, question.of);
+  if (database.count(fmt::format("SELECT count(d.task) > 0 AND count({}) = 0 FROM {}", of.sql,
+                                 kNewest)) == 1) {
+    throw io::InvalidInput(
+        fmt::format("{}: no design has {}: allowed: a name that designs have a "
+                    "value of",
+                    database.path(), of.name));
+  }
   std::string shown;
   for (const std::string& column :
        {of.name, std::string("zS"), std::string("zP1"), std::string("zR1"), std::string("zP2"),

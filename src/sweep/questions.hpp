@@ -30,10 +30,12 @@ struct BestQuestion {
 };
 /// The best design for every value of the columns, of the newest revision of each task; without a
 /// design the row has what blocks.
+/// @throws io::InvalidInput where there are designs, and none has a value of what is best
 Rows best_of(const Database& database, const BestQuestion& question);
 
 /// The rows of a statement that only reads.
-/// @throws io::InvalidInput for one that is wrong or would write
+/// @param database  opened to read
+/// @throws io::InvalidInput for one that is wrong or would write, for several
 Rows answer_to(const Database& database, const std::string& sql);
 
 /// What is drawn: a line for each value of `by`.

@@ -48,6 +48,9 @@ TEST(Compare, SaysTheErrorsOfAllFilesAtOnce) {
   EXPECT_TRUE(contains(result.err, "bad.toml:1:1: planets = 0")) << result.err;
   EXPECT_TRUE(contains(result.err, "missing.toml: cannot be read")) << result.err;
   EXPECT_EQ(place.run({"compare", "a.toml"}).exit_code, 1);
+  const std::string help = place.run({"compare", "--help"}).out;
+  EXPECT_TRUE(contains(help, "compare [OPTIONS] DESIGN...")) << help;
+  EXPECT_TRUE(contains(help, "DESIGN 2 to 32 files")) << help;
   const ProgramResult over = place.run({"compare", "a.toml", "a.toml", "--out", "a.toml"});
   EXPECT_EQ(over.exit_code, 2);
   EXPECT_EQ(place.read("a.toml"), example("designs/bilateral_drive_gear.toml"));

@@ -2,6 +2,7 @@
 
 #include <random>
 
+#include "sweep/model_revision.hpp"
 #include "tests/cli/run_program.hpp"
 #include "tests/sweep/small_sweep.hpp"
 
@@ -211,6 +212,12 @@ TEST(Sweep, RefusesWhatCannotBeMeant) {
             "--shard: 5/4: allowed: i/n, 1 <= i <= n");
   EXPECT_EQ(usage({"sweep", "sweep.toml", "--out", "db", "--for", "10"}),
             "--for: 10: allowed: a time above 0, as 10h, 30m or 45s");
+  for (const char* since : {"yesterday", "-1"}) {
+    EXPECT_EQ(usage({"sweep", "compare", "db", "--since", since}),
+              std::string("--since: ") + since +
+                  ": allowed: a revision of the models, as 3, or a time of UTC, as 2026-11-25 or "
+                  "\"2026-11-25 18:00\"");
+  }
   EXPECT_EQ(usage({"sweep", "sweep.toml"}),
             "sweep: allowed: SWEEP.toml and --out DB, or a subcommand");
   EXPECT_EQ(usage({"sweep", "best", "db", "--bye", "ratio"}),
@@ -229,9 +236,16 @@ TEST(Sweep, QuestionsReadOnly) {
     EXPECT_EQ(result.exit_code, 2);
     return result.err;
   };
-  EXPECT_EQ(refused({"sweep", "query", "db", "DELETE FROM task"}),
-            "db: cannot be written: it is read-only; nothing was changed: allowed: a copy that may "
-            "be written\n");
+  EXPECT_EQ(refused({"sweep", "query", "db", "VACUUM INTO 'file'"}),
+            "db: a statement that does more than read; nothing was changed: allowed: SELECT, WITH, "
+            "VALUES, EXPLAIN, or a PRAGMA that only tells\n");
+  EXPECT_FALSE(place.has("file"));
+  EXPECT_EQ(refused({"sweep", "best", "db", "--least", "mass_kg"}),
+            "db: no design has mass_kg: allowed: a name that designs have a value of\n");
+  const std::string newest = std::to_string(sweep::kModelRevision);
+  EXPECT_EQ(refused({"sweep", "compare", "db", "--since", "999"}),
+            "db: no result is of a revision of the models above " + newest +
+                ": --since 999: allowed: at most " + newest + ", or a time of UTC\n");
   EXPECT_EQ(refused({"sweep", "query", "db", "SELECT colour FROM task"}),
             "db: no such column: colour\n");
   EXPECT_EQ(refused({"sweep", "best", "db", "--by", "rato"}).substr(0, 46),
@@ -251,6 +265,86 @@ TEST(Sweep, QuestionsReadOnly) {
       place.run({"sweep", "best", "db", "--by", "ratio", "--least", "eta_b", "--format", "csv"})
           .out;
   EXPECT_LT(least.substr(least.find("\n40")), most.substr(most.find("\n40")));
+}
+
+TEST(Sweep, AnAnswerDoesNotReplaceItsDatabase) {
+  const Workplace place;
+  const test::QueuedTasks tasks(place, "db", 1);
+  const std::string before = place.read("db");
+  std::filesystem::create_symlink("db", place.file("link"));
+  std::filesystem::create_hard_link(place.file("db"), place.file("other"));
+  const std::vector<std::vector<std::string>> questions{{"status"},
+                                                        {"best"},
+                                                        {"query", "SELECT 1"},
+                                                        {"compare", "--since", "0"},
+                                                        {"figure", "--x", "ratio", "--y", "eta_b"}};
+  const auto refuses = [&](const std::string& database, const std::vector<std::string>& question,
+                           const std::string& out) {
+    std::vector<std::string> words{"sweep", question[0], database};
+    words.insert(words.end(), question.begin() + 1, question.end());
+    words.insert(words.end(), {"--out", out});
+    const ProgramResult result = place.run(words);
+    EXPECT_EQ(result.exit_code, 2) << question[0] << " " << out;
+    EXPECT_EQ(result.err.substr(0, 7), "--out: ") << result.err;
+  };
+  for (const std::vector<std::string>& question : questions) refuses("db", question, "db");
+  for (const char* out : {"link", "other", "./db", "db-wal", "../work/db-shm", "db-journal"}) {
+    refuses("db", {"status"}, out);
+  }
+  for (const char* out : {"db", "other", "db-wal"}) refuses("link", {"status"}, out);
+  EXPECT_EQ(place.run({"sweep", "merge", "db", "--out", "db-wal"}).exit_code, 2);
+  EXPECT_TRUE(place.read("db") == before);
+  EXPECT_EQ(place.run({"sweep", "status", "db", "--out", "answer"}).exit_code, 0);
+}
+
+TEST(Sweep, AFigureIsWrittenAsItIs) {
+  const Workplace place;
+  place.write("sweep.toml", kSmallTask +
+                                "friction.coefficient = 0.1\nplanets = 4\n[vary]\n"
+                                "ratio.target = [40.0]\n");
+  ASSERT_EQ(place.run({"sweep", "sweep.toml", "--out", "db"}).exit_code, 0);
+  const std::vector<std::string> words{"sweep", "figure", "db", "--x", "ratio", "--y", "eta_b"};
+  const ProgramResult shown = place.run(words);
+  ASSERT_EQ(shown.exit_code, 0) << shown.err;
+  EXPECT_NE(shown.out.find('\t'), std::string::npos);
+  EXPECT_EQ(shown.out.find("\\u0009"), std::string::npos);
+  std::vector<std::string> into = words;
+  into.insert(into.end(), {"--out", "map.svg"});
+  ASSERT_EQ(place.run(into).exit_code, 0);
+  EXPECT_EQ(place.read("map.svg"), shown.out);
+}
+
+TEST(Sweep, AMergeThatFailsLeavesNoNewDatabase) {
+  const Workplace place;
+  const test::QueuedTasks tasks(place, "part", 20);
+  { const sweep::Store store = tasks.open(); }
+  place.write("text", "no database");
+  // Found before anything is written, though the first input is sound.
+  EXPECT_EQ(place.run({"sweep", "merge", "part", "text", "--out", "all"}).exit_code, 2);
+  EXPECT_EQ(place.run({"sweep", "merge", "part", "none", "--out", "all"}).exit_code, 2);
+  // Found only while its rows are read.
+  std::string bytes = place.read("part");
+  for (std::size_t k = 4096; k < bytes.size(); ++k) bytes[k] = 'x';
+  place.write("damaged", bytes);
+  const ProgramResult damaged = place.run({"sweep", "merge", "damaged", "--out", "all"});
+  EXPECT_EQ(damaged.exit_code, 2);
+  EXPECT_NE(damaged.err.find("is damaged"), std::string::npos) << damaged.err;
+  for (const std::string& path : place.listing()) EXPECT_NE(path.substr(0, 3), "all") << path;
+}
+
+TEST(Sweep, SaysWhatIsWorkedOnElsewhere) {
+  const Workplace place;
+  const test::QueuedTasks tasks(place, "db", 1);
+  // Of another machine, for an hour.
+  sweep::Store store = tasks.open();
+  const double hence_s =
+      std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count() +
+      3600.0;
+  ASSERT_TRUE(store.claim(tasks.run, {.host = "elsewhere", .number = 7, .began = 7}, hence_s));
+  const ProgramResult result = place.run({"sweep", "sweep.toml", "--out", "db"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("1 task is still worked on elsewhere\n"), std::string::npos)
+      << result.err;
 }
 
 }  // namespace

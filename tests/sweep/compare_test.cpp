@@ -69,7 +69,7 @@ TEST(SweepCompare, FindsWhatAKeyChangedSinceADay) {
   runs.add("second", "friction.coefficient = 0.08\n", 20 * kDay, {0.9, 0.7, kNone, 0.5});
   const sweep::Database database = runs.database();
   const sweep::Comparison comparison =
-      sweep::compare(database, sweep::since_of(database, "1970-01-15"));
+      sweep::compare(database, sweep::since_of("1970-01-15").value());
   EXPECT_EQ(sweep::counts_text(comparison),
             "1 better, 0 worse, 1 newly feasible, 1 newly infeasible, 1 the same; 0 without a "
             "result before, 0 without one since\n");
@@ -81,8 +81,8 @@ TEST(SweepCompare, FindsWhatAKeyChangedSinceADay) {
   EXPECT_EQ(std::get<std::string>(worse[5]), "blocked by planet_gap");
   EXPECT_TRUE(comparison.any_worse());
   // Before the first day there is nothing, after the last nothing either.
-  EXPECT_EQ(sweep::compare(database, sweep::since_of(database, "1970-01-02")).only_after, 8);
-  EXPECT_EQ(sweep::compare(database, sweep::since_of(database, "1971-01-02")).only_before, 8);
+  EXPECT_EQ(sweep::compare(database, sweep::since_of("1970-01-02").value()).only_after, 8);
+  EXPECT_EQ(sweep::compare(database, sweep::since_of("1971-01-02").value()).only_before, 8);
 }
 
 TEST(SweepCompare, FindsWhatARevisionChanged) {
@@ -97,7 +97,7 @@ TEST(SweepCompare, FindsWhatARevisionChanged) {
   runs.add("second", "friction.coefficient = 0.1\n", 20 * kDay, {0.8, 0.65, 0.6, kNone});
   const sweep::Database database = runs.database();
   const std::string before = std::to_string(sweep::kModelRevision - 1);
-  const sweep::Comparison comparison = sweep::compare(database, sweep::since_of(database, before));
+  const sweep::Comparison comparison = sweep::compare(database, sweep::since_of(before).value());
   ASSERT_EQ(comparison.changes.rows.size(), 1U);
   EXPECT_EQ(comparison.same, 3);
   EXPECT_EQ(std::get<std::string>(comparison.changes.rows[0][0]), "worse");
@@ -107,14 +107,20 @@ TEST(SweepCompare, FindsWhatARevisionChanged) {
 
 TEST(SweepCompare, RefusesWhatIsNeitherARevisionNorATime) {
   const Workplace place;
-  Runs runs(place);
-  runs.add("first", "friction.coefficient = 0.1\n", kDay, {});
-  const sweep::Database database = runs.database();
-  for (const char* text : {"yesterday", "", "2026-13-01", "0x1"}) {
-    EXPECT_NE(refusal_of([&] { sweep::since_of(database, text); }).find("allowed: a revision"),
-              std::string::npos)
-        << text;
+  for (const char* text : {"yesterday", "", "2026-13-01", "0x1", "-1", "1e-5", "now", "24-01-01"}) {
+    EXPECT_FALSE(sweep::since_of(text)) << text;
   }
+  EXPECT_EQ(sweep::since_of("3").value().revision, 3);
+  Runs runs(place);
+  runs.add("first", "friction.coefficient = 0.1\n", kDay, {0.8});
+  const sweep::Database database = runs.database();
+  const auto compared = [&](std::int64_t revision) {
+    return refusal_of(
+        [&] { sweep::compare(database, {.revision = revision, .time_s = std::nullopt}); });
+  };
+  EXPECT_EQ(compared(sweep::kModelRevision), "");
+  EXPECT_NE(compared(sweep::kModelRevision + 1).find("no result is of a revision"),
+            std::string::npos);
 }
 
 }  // namespace

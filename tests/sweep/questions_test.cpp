@@ -1,0 +1,69 @@
+#include "sweep/questions.hpp"
+
+#include "tests/sweep/small_sweep.hpp"
+
+namespace gear3k::questions_test {
+namespace {
+
+using sweep::answer_to, sweep::Database;
+using test::refusal_of, test::Workplace;
+
+/// A database with five open tasks, to be read.
+struct Asked {
+  [[nodiscard]] std::string refusal(const std::string& sql) const {
+    const std::string message = refusal_of([&] { answer_to(database, sql); });
+    return message.substr(std::min(message.size(), tasks.path.size()));
+  }
+
+  Workplace place;
+  test::QueuedTasks tasks{place, "db", 5};
+  Database database = sweep::open_sweep_database(tasks.path, Database::Access::kRead);
+};
+
+TEST(SweepQuery, RefusesWhatDoesMoreThanRead) {
+  const Asked asked;
+  const std::string before = asked.place.read("db");
+  const std::string file = "'" + asked.place.file("file").string() + "'";
+  for (const std::string& statement :
+       {std::string("DELETE FROM task"), std::string("UPDATE task SET status = NULL"),
+        "VACUUM INTO " + file, std::string("VACUUM"), "ATTACH " + file + " AS other",
+        std::string("DETACH main"), std::string("PRAGMA journal_mode=DELETE"),
+        std::string("PRAGMA user_version = 5"), std::string("PRAGMA wal_checkpoint"),
+        std::string("PRAGMA unknown"), std::string("BEGIN"), std::string("SAVEPOINT a"),
+        std::string("CREATE TABLE t(x)"), std::string("CREATE TEMP TABLE t(x)"),
+        std::string("REINDEX"), std::string("ANALYZE"), std::string("EXPLAIN DROP TABLE task"),
+        std::string("SELECT 1; DELETE FROM task")}) {
+    EXPECT_EQ(asked.refusal(statement),
+              ": a statement that does more than read; nothing was changed: allowed: SELECT, WITH, "
+              "VALUES, EXPLAIN, or a PRAGMA that only tells")
+        << statement;
+  }
+  // A file opened to read keeps its own table of tables.
+  EXPECT_NE(asked.refusal("UPDATE sqlite_master SET sql = ''"), "");
+  EXPECT_FALSE(asked.place.has("file"));
+  EXPECT_TRUE(asked.place.read("db") == before);
+}
+
+TEST(SweepQuery, TakesOneStatement) {
+  const Asked asked;
+  EXPECT_EQ(asked.refusal("SELECT 1; SELECT 2"), ": several SQL statements: allowed: one");
+  for (const char* none : {"", " ", ";", "-- nothing", "/* nothing */"}) {
+    EXPECT_EQ(asked.refusal(none), ": no SQL statement: allowed: one, as \"SELECT * FROM result\"")
+        << none;
+  }
+  for (const char* one :
+       {"SELECT count(*) FROM task;", "; SELECT 5 -- one", "VALUES(5);;",
+        "WITH RECURSIVE n(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM n WHERE x < 5) SELECT max(x) "
+        "FROM n",
+        "SELECT count(*) FROM pragma_table_info('run_task') JOIN json_each('[1, 2, 3, 4, 5]') "
+        "WHERE pk = 1"}) {
+    const sweep::Rows rows = answer_to(asked.database, one);
+    ASSERT_EQ(rows.rows.size(), 1U) << one;
+    EXPECT_EQ(std::get<std::int64_t>(rows.rows[0][0]), 5) << one;
+  }
+  EXPECT_EQ(sweep::rows_table(answer_to(asked.database, "PRAGMA user_version")), "1\n");
+  EXPECT_EQ(sweep::rows_table(answer_to(asked.database, "PRAGMA integrity_check")), "ok\n");
+}
+
+}  // namespace
+}  // namespace gear3k::questions_test
