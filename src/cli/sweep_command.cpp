@@ -54,20 +54,22 @@ void deliver_rows(const CommonOptions& options, const sweep::Rows& rows) {
   deliver(options, rows_text(options.format, rows));
 }
 
+/// One and the same for a file, whether it is there or not.
+std::string whole_path(const std::string& path) {
+  std::error_code unknown;
+  // Absolute before: of a name that is not there the canonical form may be relative.
+  return std::filesystem::weakly_canonical(std::filesystem::absolute(path), unknown).string();
+}
+
 /// @throws io::InvalidInput where --out is one of the databases, or a file that SQLite keeps beside
 void keep_databases(const std::string& out, const std::vector<std::string>& databases) {
   if (out.empty()) return;
-  std::error_code unknown;
-  const auto whole = [&](const std::string& path) {
-    // Absolute before: of a name that is not there the canonical form may be relative.
-    return std::filesystem::weakly_canonical(std::filesystem::absolute(path), unknown).string();
-  };
   for (const std::string& database : databases) {
     const std::string slip = io::replaced_input(out, {database});
     if (!slip.empty()) throw io::InvalidInput("--out: " + slip);
     // They come and go with those who have the database open.
     for (const char* beside : {"-wal", "-shm", "-journal"}) {
-      if (whole(out) != whole(database) + beside) continue;
+      if (whole_path(out) != whole_path(database) + beside) continue;
       throw io::InvalidInput(
           fmt::format("--out: {} is a part of {}, allowed: another name", out, database));
     }
@@ -188,6 +190,10 @@ ExitCode run_sweep_merge(const SweepMergeOptions& options) {
 ExitCode run_atlas(const AtlasOptions& options) {
   const std::vector<sweep::AtlasPoint> points = sweep::atlas_near(options.question);
   if (!options.task.empty()) {
+    if (!options.out.empty() && whole_path(options.out) == whole_path(options.task)) {
+      throw io::InvalidInput(
+          fmt::format("--out: {} is the file of --task, allowed: another name", options.out));
+    }
     if (std::filesystem::exists(options.task)) {
       throw io::InvalidInput(fmt::format(
           "--task {}: is there already, and is not replaced; allowed: a new name", options.task));

@@ -89,7 +89,7 @@ Rows status_of(const Database& database, const std::string& run) {
   return rows_of(counts);
 }
 
-Column column_of(const Database& database, const std::string& name) {
+Column column_of(const Database& database, const std::string& name, Role role) {
   const std::vector<KeyPath> keys = key_paths(database);
   const std::vector<std::string> columns = design_columns();
   const auto keys_where = [&](auto fits) {
@@ -106,13 +106,17 @@ Column column_of(const Database& database, const std::string& name) {
     }
     return found;
   };
-  const std::vector<std::vector<Column>> choices{
+  const auto own_columns = columns_where([&](const std::string& column) { return column == name; });
+  const auto part_columns =
+      columns_where([&](const std::string& column) { return is_part(name, column); });
+  std::vector<std::vector<Column>> choices{
       keys_where([&](const KeyPath& key) { return key.varied && key.path == name; }),
       keys_where([&](const KeyPath& key) { return key.varied && is_part(name, key.path); }),
-      columns_where([&](const std::string& column) { return column == name; }),
+      own_columns,
       keys_where([&](const KeyPath& key) { return key.path == name; }),
       keys_where([&](const KeyPath& key) { return is_part(name, key.path); }),
-      columns_where([&](const std::string& column) { return is_part(name, column); })};
+      part_columns};
+  if (role == Role::kResult) choices.insert(choices.begin(), {own_columns, part_columns});
   const auto found = std::ranges::find_if(choices, [](const auto& c) { return !c.empty(); });
   if (found == choices.end()) {
     std::vector<std::string> all = columns;
@@ -136,12 +140,13 @@ Rows best_of(const Database& database, const BestQuestion& question) {
   std::string names, groups;
   std::set<std::string> used;
   for (const std::string& name : question.by) {
-    const Column column = column_of(database, name);
-    used.insert(column.name);
+    const Column column = column_of(database, name, Role::kCondition);
+    if (!used.insert(column.name).second) continue;
     names += fmt::format("{} AS {}, ", column.sql, quoted(column.name));
     groups += fmt::format("{}{}", groups.empty() ? "" : ", ", column.sql);
   }
-  const Column of = column_of(database, question.of);
+  const std::size_t by_count = used.size();
+  const Column of = column_of(database, question.of, Role::kResult);
   if (database.count(fmt::format("SELECT count(d.task) > 0 AND count({}) = 0 FROM {}", of.sql,
                                  kNewest)) == 1) {
     throw io::InvalidInput(
@@ -165,7 +170,7 @@ Rows best_of(const Database& database, const BestQuestion& question) {
       names, shown, groups.empty() ? "" : "PARTITION BY " + groups, of.sql,
       question.least ? "ASC" : "DESC", kNewest, [&] {
         std::string order;
-        for (std::size_t k = 0; k < question.by.size(); ++k) order += fmt::format("{}, ", k + 1);
+        for (std::size_t k = 0; k < by_count; ++k) order += fmt::format("{}, ", k + 1);
         return order + "key";
       }()));
   Rows rows = rows_of(best);
@@ -181,10 +186,10 @@ Rows answer_to(const Database& database, const std::string& sql) {
 }
 
 Map map_of(const Database& database, const MapQuestion& question) {
-  const Column x = column_of(database, question.x);
-  const Column y = column_of(database, question.y);
-  const Column by =
-      question.by.empty() ? Column{.name = "", .sql = "''"} : column_of(database, question.by);
+  const Column x = column_of(database, question.x, Role::kCondition);
+  const Column y = column_of(database, question.y, Role::kResult);
+  const Column by = question.by.empty() ? Column{.name = "", .sql = "''"}
+                                        : column_of(database, question.by, Role::kCondition);
   Statement points =
       database.prepare(fmt::format("SELECT {0}, {1}, {2}({3}) FROM {4} AND typeof({1}) IN "
                                    "('integer', 'real') AND typeof({3}) IN "

@@ -15,16 +15,21 @@ Rows status_of(const Database& database, const std::string& run = "");
 
 /// A column that results are asked by: the name of a key (`ratio.target`, `planets`), of a column
 /// of refined.csv (`eta_b`), or a part of one between dots and underscores (`ratio`,
-/// `outer_diameter`); keys that a run varied go before columns, these before other keys.
+/// `outer_diameter`).
 struct Column {
   std::string name;  ///< whole
   std::string sql;   ///< of task t and its best design d
 };
+/// What a name is asked for: of several that it may be, which goes first.
+enum class Role {
+  kCondition,  ///< keys that a run varied go before columns, these before other keys
+  kResult      ///< columns go before keys
+};
 /// @throws io::InvalidInput for one that there is not, or that may be several
-Column column_of(const Database& database, const std::string& name);
+Column column_of(const Database& database, const std::string& name, Role role);
 
 struct BestQuestion {
-  std::vector<std::string> by;  ///< a row for each of their values
+  std::vector<std::string> by;  ///< a row for each of their values; one that comes again is none
   std::string of = "eta_b";     ///< what is best
   bool least = false;           ///< instead of most
 };

@@ -84,9 +84,18 @@ std::string rows_csv(const Rows& rows) {
 
 std::string rows_json(const Rows& rows) {
   io::Json list = io::Json::array();
+  std::vector<std::string> names;
+  for (const std::string& name : rows.names) {
+    const auto is_taken = [&](const std::string& n) {
+      return std::ranges::find(names, n) != names.end();
+    };
+    std::string own = name;
+    for (int k = 1; is_taken(own); ++k) own = fmt::format("{}:{}", name, k);
+    names.push_back(std::move(own));
+  }
   for (const std::vector<SqlValue>& row : rows.rows) {
     io::Json object = io::Json::object();
-    for (std::size_t k = 0; k < row.size(); ++k) object[rows.names[k]] = json_of(row[k]);
+    for (std::size_t k = 0; k < row.size(); ++k) object[names[k]] = json_of(row[k]);
     list.push_back(std::move(object));
   }
   return list.text();

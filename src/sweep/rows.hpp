@@ -23,7 +23,7 @@ std::string text_of(const SqlValue& value);
 std::string rows_table(const Rows& rows);
 /// Numbers with all digits, NULL as an empty field.
 std::string rows_csv(const Rows& rows);
-/// A list of objects.
+/// A list of objects; of several columns of one name the second is `name:1`, as SQLite names it.
 std::string rows_json(const Rows& rows);
 
 }  // namespace gear3k::sweep

@@ -147,6 +147,11 @@ Database open_sweep_database(const std::string& path, Database::Access access) {
     throw io::InvalidInput(fmt::format(
         "{}: is not there: allowed: a file that gear3k sweep SWEEP.toml --out made", path));
   }
+  if (std::filesystem::is_directory(path, none)) {
+    throw io::InvalidInput(
+        fmt::format("{}: is a folder: allowed: a database of a sweep{}", path,
+                    access == Database::Access::kCreate ? ", or a new name" : ""));
+  }
   Database database(path, access);
   // Reads the file's first page: what is no database ends here, unchanged.
   const bool empty = database.count("PRAGMA schema_version") == 0;

@@ -62,6 +62,10 @@ std::string many_tasks() {
          "0.065, step = 0.005 }\n";
 }
 
+std::string one_task() {
+  return kSmallTask + "friction.coefficient = 0.1\nplanets = 4\n[vary]\nratio.target = [40.0]\n";
+}
+
 TEST(Sweep, RecordsDesignsAndReasonsAndComputesNothingTwice) {
   const Workplace place;
   place.write("sweep.toml", kSmallSweep);
@@ -89,9 +93,7 @@ ratio.target = [44, 40]
 
 TEST(Sweep, TheBestIsThatOfOptimize) {
   const Workplace place;
-  place.write("sweep.toml", kSmallTask +
-                                "friction.coefficient = 0.1\nplanets = 4\n[vary]\n"
-                                "ratio.target = [40.0]\n");
+  place.write("sweep.toml", one_task());
   ASSERT_EQ(place.run({"sweep", "sweep.toml", "--out", "db"}).exit_code, 0);
   place.write("spec.toml", place.run({"sweep", "query", "db", "SELECT spec FROM task"}).out);
   ASSERT_EQ(place.run({"optimize", "spec.toml", "--certify", "--out", "opt"}).exit_code, 0);
@@ -223,6 +225,12 @@ TEST(Sweep, RefusesWhatCannotBeMeant) {
   EXPECT_EQ(usage({"sweep", "best", "db", "--bye", "ratio"}),
             "unknown option --bye; did you mean --by?; allowed: --help, --format, --quiet, --out, "
             "--by, --most, --least");
+  for (const std::vector<std::string>& folder :
+       {std::vector<std::string>{"sweep", "status", "."}, {"sweep", "merge", ".", "--out", "db"}}) {
+    const ProgramResult result = place.run(folder);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_EQ(result.err, ".: is a folder: allowed: a database of a sweep\n");
+  }
   const ProgramResult over = place.run({"sweep", "sweep.toml", "--out", "sweep.toml"});
   EXPECT_EQ(over.exit_code, 2);
 }
@@ -299,9 +307,7 @@ TEST(Sweep, AnAnswerDoesNotReplaceItsDatabase) {
 
 TEST(Sweep, AFigureIsWrittenAsItIs) {
   const Workplace place;
-  place.write("sweep.toml", kSmallTask +
-                                "friction.coefficient = 0.1\nplanets = 4\n[vary]\n"
-                                "ratio.target = [40.0]\n");
+  place.write("sweep.toml", one_task());
   ASSERT_EQ(place.run({"sweep", "sweep.toml", "--out", "db"}).exit_code, 0);
   const std::vector<std::string> words{"sweep", "figure", "db", "--x", "ratio", "--y", "eta_b"};
   const ProgramResult shown = place.run(words);

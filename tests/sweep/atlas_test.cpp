@@ -88,6 +88,8 @@ TEST(Atlas, ItsTaskHasTheResultThatItTells) {
   ASSERT_TRUE(points.at(0).best);
   EXPECT_NEAR(best, points[0].best->eta_b, 1e-6);
   EXPECT_EQ(place.run({"atlas", "300", "--task", "spec.toml"}).exit_code, 2);
+  EXPECT_EQ(place.run({"atlas", "300", "--task", "new", "--out", "./new"}).exit_code, 2);
+  EXPECT_FALSE(place.has("new"));
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "sweep/questions.hpp"
 
+#include <array>
+
 #include "tests/sweep/small_sweep.hpp"
 
 namespace gear3k::questions_test {
@@ -63,6 +65,45 @@ TEST(SweepQuery, TakesOneStatement) {
   }
   EXPECT_EQ(sweep::rows_table(answer_to(asked.database, "PRAGMA user_version")), "1\n");
   EXPECT_EQ(sweep::rows_table(answer_to(asked.database, "PRAGMA integrity_check")), "ok\n");
+}
+
+TEST(SweepQuery, JsonKeepsColumnsOfOneName) {
+  const Asked asked;
+  EXPECT_EQ(sweep::rows_json(answer_to(asked.database, "SELECT 1 AS a, 2 AS a, 3 AS \"a:1\"")),
+            "[\n  {\n    \"a\": 1,\n    \"a:1\": 2,\n    \"a:1:1\": 3\n  }\n]\n");
+}
+
+TEST(SweepBest, ConditionsAreKeysAndResultsAreColumns) {
+  const Workplace place;
+  place.write("sweep.toml", test::kSmallTask +
+                                "planets = 4\n[vary]\nratio.target = [40.0, 40.1]\n"
+                                "size.max_ring_root_diameter_mm = [100.0, 110.0]\n");
+  const sweep::Sweep sweep = sweep::read_sweep(place.file("sweep.toml").string());
+  const std::string path = place.file("db").string();
+  sweep::Store store(sweep::open_sweep_database(path, Database::Access::kCreate));
+  const std::int64_t run = store.begin(
+      {.uid = "run", .workers = 1, .shard = {}, .started_s = 0.0, .host = "here"}, sweep);
+  sweep::Planned planned;
+  store.plan(run, sweep, {}, 0, planned);
+  const auto name_of = [&](const std::string& name, sweep::Role role) {
+    return sweep::column_of(store.database(), name, role).name;
+  };
+  for (const auto& [name, condition, result] :
+       {std::array{"ratio", "ratio.target", "ratio"},
+        std::array{"ring_root_diameter", "size.max_ring_root_diameter_mm", "ring_root_diameter_mm"},
+        std::array{"ratio.target", "ratio.target", "ratio.target"},
+        std::array{"eta_b", "eta_b", "eta_b"}, std::array{"teeth.S", "teeth.S", "teeth.S"}}) {
+    EXPECT_EQ(name_of(name, sweep::Role::kCondition), condition);
+    EXPECT_EQ(name_of(name, sweep::Role::kResult), result);
+  }
+  // A name that comes again is no second column.
+  for (int k = 0; k < 4; ++k) {
+    const auto claimed = store.claim(run, sweep::this_process(), 0.0);
+    store.finish(claimed->id, test::made_result(0.5), {});
+  }
+  const sweep::Rows rows = sweep::best_of(store.database(), {.by = {"ratio", "ratio.target"}});
+  EXPECT_EQ(rows.rows.size(), 2U);
+  EXPECT_EQ(std::ranges::count(rows.names, "ratio.target"), 1);
 }
 
 }  // namespace
