@@ -137,8 +137,12 @@ Change change_of(const std::string& status_before, double merit_before,
 }
 
 Comparison compare(const Database& database, const Since& since) {
-  const std::int64_t newest =
-      database.count("SELECT max(revision) FROM task WHERE status IS NOT NULL");
+  const SqlValue greatest = database.one("SELECT max(revision) FROM task WHERE status IS NOT NULL");
+  if (std::holds_alternative<std::nullptr_t>(greatest)) {
+    throw io::InvalidInput(
+        fmt::format("{}: no task has a result: allowed: a database with results", database.path()));
+  }
+  const std::int64_t newest = std::get<std::int64_t>(greatest);
   if (since.revision && *since.revision > newest) {
     throw io::InvalidInput(
         fmt::format("{}: no result is of a revision of the models above {}: --since {}: allowed: "

@@ -43,7 +43,7 @@ struct Comparison {
 /// Pairs each result after with that before of the same question; where there is none, with that of
 /// a run of the same name and axes at the same values of its axes, whose other keys differ: the
 /// cause is the revision, or these keys.
-/// @throws io::InvalidInput for a revision above those of all results
+/// @throws io::InvalidInput for a revision above those of all results, where there are none
 Comparison compare(const Database& database, const Since& since);
 
 /// Its counts in a line.

@@ -42,8 +42,14 @@ std::string meaning_of(int extended, const char* told) {
     case SQLITE_IOERR:
       return fmt::format("cannot be read or written ({}); what was recorded is kept", told);
     default:
-      return told;
+      break;
   }
+  const std::string_view text(told);
+  // Not a column of a table, as SQL reads it.
+  const bool is_key =
+      text.starts_with("no such column") && text.find('.') != std::string_view::npos;
+  return std::string(text) +
+         (is_key ? ": allowed: a key in double quotes, as \"ratio.target\"" : "");
 }
 
 /// The code of the last error; a limit of the file's size, which is an error of writing to SQLite,
@@ -220,7 +226,11 @@ Database::Database(std::string path, Access access)
     if (access != Access::kRead && sqlite3_db_readonly(database_, "main") == 1) {
       throw io::InvalidInput(fmt::format("{}: {}", *path_, meaning_of(SQLITE_READONLY, "")));
     }
-    if (access == Access::kRead) sqlite3_set_authorizer(database_, allow_reading, nullptr);
+    if (access == Access::kRead) {
+      sqlite3_set_authorizer(database_, allow_reading, nullptr);
+      // A key in double quotes that there is not would be a text, the same in every row.
+      sqlite3_db_config(database_, SQLITE_DBCONFIG_DQS_DML, 0, nullptr);
+    }
   } catch (...) {
     sqlite3_close_v2(database_);
     throw;

@@ -105,6 +105,10 @@ bool is_same(const Statement& a, const Statement& b, int first) {
 
 Merged merge(Database& into, const std::string& path) {
   const Database source = open_sweep_database(path, Database::Access::kRead);
+  // While a statement stands at a row all of a connection see the file as it was then: what
+  // another process adds to one table has its rows in the others.
+  Statement snapshot = source.prepare("SELECT 1 FROM sqlite_master");
+  snapshot.step();
   Merged merged;
   Transaction transaction(into);
   add_columns_of(source, into);

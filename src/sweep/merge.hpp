@@ -16,8 +16,8 @@ struct Merged {
   std::int64_t open = 0;       ///< tasks without a result
 };
 
-/// Takes runs and results of another database over, by their keys: all of it or nothing, and
-/// nothing the second time.
+/// Takes runs and results of another database over as it is at one moment, by their keys: all of it
+/// or nothing, and nothing the second time.
 /// @throws io::InvalidInput as Database
 Merged merge(Database& into, const std::string& path);
 

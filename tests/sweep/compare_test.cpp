@@ -112,8 +112,12 @@ TEST(SweepCompare, RefusesWhatIsNeitherARevisionNorATime) {
   }
   EXPECT_EQ(sweep::since_of("3").value().revision, 3);
   Runs runs(place);
-  runs.add("first", "friction.coefficient = 0.1\n", kDay, {0.8});
+  runs.add("open", "friction.coefficient = 0.1\n", kDay, {});
   const sweep::Database database = runs.database();
+  const sweep::Since day = sweep::since_of("1970-01-02").value();
+  EXPECT_NE(refusal_of([&] { sweep::compare(database, day); }).find("no task has a result"),
+            std::string::npos);
+  runs.add("first", "friction.coefficient = 0.1\n", kDay, {0.8});
   const auto compared = [&](std::int64_t revision) {
     return refusal_of(
         [&] { sweep::compare(database, {.revision = revision, .time_s = std::nullopt}); });

@@ -67,6 +67,19 @@ TEST(SweepQuery, TakesOneStatement) {
   EXPECT_EQ(sweep::rows_table(answer_to(asked.database, "PRAGMA integrity_check")), "ok\n");
 }
 
+TEST(SweepQuery, AKeyIsNoText) {
+  const Asked asked;
+  EXPECT_EQ(answer_to(asked.database, "SELECT \"friction.coefficient\" FROM result").rows.size(),
+            0U);
+  for (const char* name : {"\"ratio.traget\"", "ratio.target"}) {
+    const std::string message = asked.refusal(std::string("SELECT ") + name + " FROM result");
+    EXPECT_EQ(message.substr(0, 22), ": no such column: rati") << message;
+    EXPECT_NE(message.find(": allowed: a key in double quotes, as \"ratio.target\""),
+              std::string::npos)
+        << message;
+  }
+}
+
 TEST(SweepQuery, JsonKeepsColumnsOfOneName) {
   const Asked asked;
   EXPECT_EQ(sweep::rows_json(answer_to(asked.database, "SELECT 1 AS a, 2 AS a, 3 AS \"a:1\"")),

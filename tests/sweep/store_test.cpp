@@ -137,6 +137,38 @@ TEST(Store, MergeTakesEveryResultOnce) {
   EXPECT_EQ(into.count("SELECT count(*) FROM result WHERE merit = 0.5"), 4);
 }
 
+TEST(Store, MergeTakesADatabaseAsItIsAtOneMoment) {
+  const Workplace place;
+  const QueuedTasks tasks(place, "db", 1);
+  place.write("more.toml", test::kSmallTask +
+                               "planets = 4\nratio.target = 40.0\n[vary]\nfriction.coefficient = { "
+                               "min = 0.0001, max = 0.2, step = 0.0001 }\n");
+  // Tasks and their keys come in blocks while they are read.
+  const pid_t planner = ::fork();
+  if (planner == 0) {
+    const sweep::Sweep sweep = sweep::read_sweep(place.file("more.toml").string());
+    Store store = tasks.open();
+    const std::int64_t run = store.begin(
+        {.uid = "more", .workers = 1, .shard = {}, .started_s = 0.0, .host = "here"}, sweep);
+    sweep::Planned planned;
+    for (std::uint64_t at = 0; at < sweep.count();) at = store.plan(run, sweep, {}, at, planned);
+    ::_exit(0);
+  }
+  std::vector<std::int64_t> sizes;
+  for (int status = -1; ::waitpid(planner, &status, WNOHANG) == 0;) {
+    const std::string name = "into" + std::to_string(sizes.size());
+    Database into =
+        sweep::open_sweep_database(place.file(name).string(), Database::Access::kCreate);
+    sweep::merge(into, tasks.path);
+    // Every task has keys and a run.
+    sizes.push_back(into.count("SELECT count(*) FROM task"));
+    EXPECT_EQ(into.count("SELECT count(DISTINCT task) FROM task_key"), sizes.back());
+    EXPECT_EQ(into.count("SELECT count(DISTINCT task) FROM run_task"), sizes.back());
+  }
+  EXPECT_FALSE(sizes.empty());
+  EXPECT_TRUE(std::ranges::is_sorted(sizes));
+}
+
 TEST(SweepDatabase, RefusesWhatIsNoneOfItsOwnAndLeavesItAsItIs) {
   const Workplace place;
   const auto refused = [&](const std::string& name) {
