@@ -34,7 +34,7 @@ struct BestQuestion {
   bool least = false;           ///< instead of most
 };
 /// The best design for every value of the columns, of the newest revision of each task; without a
-/// design the row has what blocks.
+/// design the row has its status.
 /// @throws io::InvalidInput where there are designs, and none has a value of what is best
 Rows best_of(const Database& database, const BestQuestion& question);
 

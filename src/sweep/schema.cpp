@@ -159,6 +159,10 @@ Database open_sweep_database(const std::string& path, Database::Access access) {
     database.execute("PRAGMA journal_mode = WAL");
     make_tables(database);
   }
+  if (empty && access != Database::Access::kCreate) {
+    throw io::InvalidInput(
+        fmt::format("{}: is empty: allowed: a file that gear3k sweep made", path));
+  }
   check_schema(database);
   if (access != Database::Access::kRead) {
     // A commit is in the log when it returns; what the power takes are the last ones, whole.

@@ -29,7 +29,7 @@ Process dead_process() {
     ::pause();
     ::_exit(0);
   }
-  const Process process = sweep::process_of(child);
+  Process process = sweep::process_of(child);
   ::kill(child, SIGKILL);
   ::waitpid(child, nullptr, 0);
   return process;
@@ -197,6 +197,10 @@ TEST(SweepDatabase, RefusesWhatIsNoneOfItsOwnAndLeavesItAsItIs) {
   EXPECT_EQ(refused("newer"),
             ": its tables are of schema 2, of a newer gear3k; nothing was changed: allowed: schema "
             "1, or the newer program");
+  place.write("empty", "");
+  const std::string empty = place.file("empty").string();
+  EXPECT_EQ(refusal_of([&] { sweep::open_sweep_database(empty, Database::Access::kRead); }),
+            empty + ": is empty: allowed: a file that gear3k sweep made");
   EXPECT_NE(refusal_of([&] {
               sweep::open_sweep_database(place.file("none").string(), Database::Access::kRead);
             }).find("is not there"),
