@@ -434,7 +434,7 @@ std::vector<BadInput> specification_inputs() {
       bad_spec("RatioInfinite", replaced(kSpec, "96.2", "inf"),
                {"spec.toml:4:1: ratio.target = inf: allowed: a number"}),
       bad_spec("ToleranceInPercent", replaced(kSpec, "96.2\n", "96.2\ntolerance = 5\n"),
-               {"spec.toml:5:1: ratio.tolerance = 5: allowed: a number, 0 to 0.5"}),
+               {"spec.toml:5:1: ratio.tolerance = 5: allowed: a number, 0 to 0.9"}),
       bad_spec("ReversedTeethRange", replaced(kSpec, "[12, 13]", "[20, 10]"),
                {"spec.toml:6:1: teeth.S = [20, 10]: allowed: [low, high]", "low <= high"}),
       bad_spec("OneTeethNumberForARange", replaced(kSpec, "[12, 13]", "12"),
