@@ -72,7 +72,7 @@ double greatest_speed_m_s(const RatingTask& task, const FlankExtremes& extremes,
 
 }  // namespace
 
-double least_line_force_N(const RatingTask& task, const FlankExtremes& extremes, std::size_t mesh) {
+double least_line_force(const RatingTask& task, const FlankExtremes& extremes, std::size_t mesh) {
   const auto z = train::teeth_of(extremes.teeth);
   const double i = train::ratio(extremes.teeth);
   const std::array<double, train::kMeshCount> share{1.0 / std::abs(i), std::abs(1.0 - 1.0 / i),
@@ -134,7 +134,7 @@ std::array<FlankNeed, train::kMeshCount> flank_needs(const RatingTask& task,
     const double curvature = (1.0 / z[gears[0]] + (ring ? -1.0 : 1.0) / z[gears[1]]) / half_cos;
     const double module_m = extremes.greatest_module_m[stage];
     const double speed_m_s = greatest_speed_m_s(task, extremes, k);
-    const double line_load = least_line_force_N(task, extremes, k);
+    const double line_load = least_line_force(task, extremes, k);
     const double factor =
         least_load_factor(task, extremes, k, task.factors.flank_face.value_or(1.0),
                           task.factors.flank_transverse.value_or(1.0));

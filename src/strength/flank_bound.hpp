@@ -24,7 +24,7 @@ struct FlankExtremes {
 };
 
 /// F_k m/b [N] of a mesh with its module m and face width b, at least: T c_k/(N b r_k) as below.
-double least_line_force_N(const RatingTask& task, const FlankExtremes& extremes, std::size_t mesh);
+double least_line_force(const RatingTask& task, const FlankExtremes& extremes, std::size_t mesh);
 
 /// Least K_A K_γ K_v times a face and a transverse factor; 0 where nothing is known.  Plastics have
 /// K_A K_γ alone.

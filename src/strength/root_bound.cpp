@@ -90,7 +90,7 @@ std::array<std::array<RootNeed, 2>, train::kMeshCount> root_needs(const RatingTa
   for (std::size_t k = 0; k < train::kMeshCount; ++k) {
     if (k != train::kMeshP2R2 && !extremes.dissipative) continue;
     const double force_N =
-        least_line_force_N(task, extremes, k) * std::cos(extremes.pressure_angle_rad) *
+        least_line_force(task, extremes, k) * std::cos(extremes.pressure_angle_rad) *
         least_load_factor(task, extremes, k,
                           stated.root_face.value_or(std::min(1.0, stated.flank_face.value_or(1.0))),
                           stated.root_transverse.value_or(1.0));
