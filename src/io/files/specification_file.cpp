@@ -22,8 +22,6 @@ namespace gear3k::io {
 
 namespace {
 
-using Input = SpecificationInput;
-
 /// What the free variables exclude.
 void check_free(const optimize::Specification& spec, FileReading& reading) {
   const char* const tips = reading.has("free.addendum") ? "free.addendum" : "free.tip_shortening";
@@ -106,7 +104,7 @@ void check_sizes(const optimize::Specification& spec, FileReading& reading) {
   }
 }
 
-void check_relations(const Input& input, FileReading& reading) {
+void check_relations(const SpecificationInput& input, FileReading& reading) {
   const optimize::Specification& spec = input.spec;
   check_sizes(spec, reading);
   const auto& teeth = spec.teeth;
@@ -254,7 +252,7 @@ TomlValue without_gears(TomlValue document, FileReading& reading) {
 }
 
 /// Density of the gears and what they are to carry.
-void finish_rating(Input& input, FileReading& reading) {
+void finish_rating(SpecificationInput& input, FileReading& reading) {
   optimize::Specification& spec = input.spec;
   const auto materials = finish_materials(input.strength, train_gear_tables(), reading);
   if (!reading.stated("inertia.density_kg_m3")) {
@@ -312,7 +310,7 @@ void take_allowances(optimize::Specification& spec, FileReading& reading) {
 
 /// Motors, load and cycles of the objective cycle_energy.
 /// @throws InvalidInput with the errors so far, and those of the files
-void take_co_design(Input& input, const std::string& name, FileReading& reading) {
+void take_co_design(SpecificationInput& input, const std::string& name, FileReading& reading) {
   optimize::Specification& spec = input.spec;
   const bool wanted = std::ranges::find(spec.objectives, optimize::Objective::kCycleEnergy) !=
                       spec.objectives.end();
@@ -334,7 +332,7 @@ void take_co_design(Input& input, const std::string& name, FileReading& reading)
 optimize::Specification specification_from(const TomlValue& document, const std::string& name,
                                            double most_sets) {
   FileReading reading(name);
-  Input input;
+  SpecificationInput input;
   read_by_schema(with_material_tables(without_gears(document, reading), train_gear_tables()),
                  specification_schema(), input, reading);
   if (const auto& addendum = input.free_addendum) {
@@ -366,8 +364,8 @@ optimize::Specification specification_from(const TomlValue& document, const std:
 }
 
 /// A value of a key in its one form.
-TomlValue as_stated(const Key<Input>& key, std::size_t gear, const TomlValue& value) {
-  Input scratch;
+TomlValue as_stated(const Key<SpecificationInput>& key, std::size_t gear, const TomlValue& value) {
+  SpecificationInput scratch;
   key.assign(key.record, scratch, gear, value);
   return key.state(key.record, scratch, gear).value_or(value);
 }
@@ -385,7 +383,7 @@ std::string path_of(const KeyRecord& record, const std::vector<std::string>& gea
 const std::vector<std::string>& usual_texts() {
   static const std::vector<std::string> texts = [] {
     std::vector<std::string> all;
-    for (const Key<Input>& key : specification_schema().keys()) {
+    for (const Key<SpecificationInput>& key : specification_schema().keys()) {
       all.emplace_back();
       if (key.record.required || key.record.default_text.empty()) continue;
       try {
@@ -423,7 +421,7 @@ optimize::Specification specification_of(const TomlValue& document, const std::s
 }
 
 std::vector<StatedKey> stated_keys(const TomlValue& document) {
-  const Schema<Input>& schema = specification_schema();
+  const Schema<SpecificationInput>& schema = specification_schema();
   const TomlValue tables = with_material_tables(document, train_gear_tables());
   FileReading unheard("");
   std::vector<FoundValue> found = match_keys(tables, schema.index(), unheard);
@@ -431,7 +429,7 @@ std::vector<StatedKey> stated_keys(const TomlValue& document) {
   const bool preset = unheard.has("preset");
   std::vector<StatedKey> keys;
   for (const FoundValue& f : found) {
-    const Key<Input>& key = schema.keys()[f.key];
+    const Key<SpecificationInput>& key = schema.keys()[f.key];
     if (key.record.path == "name") continue;
     TomlValue value = as_stated(key, f.gear, *f.value);
     const std::string path = path_of(key.record, schema.gears(), f.gear);
