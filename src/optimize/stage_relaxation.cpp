@@ -478,7 +478,10 @@ class StageSearch {
     const StageGear& sun = *t_.sun;
     const Distance& low = box.low;
     const Distance& high = box.high;
-    const auto& [sum, sun_tip, planet_length] = view;
+    // No structured binding: clang 14 does not let lambdas use one.
+    const Interval& sum = view.sum;
+    const Interval& sun_tip = view.sun_tip;
+    const Interval& planet_length = view.planet_length;
     Interval xs{std::max(sun.profile_shift.lo, sum.lo - box.planet_shift.hi),
                 std::min(sun.profile_shift.hi, sum.hi - box.planet_shift.lo)};
     Interval sun_length{base_pitch_ * t_.contact_ratio.lo + low.sun_tangent - planet_length.hi,
