@@ -386,6 +386,18 @@ void CoDesign::note_peaks(const Fast& fast, const Box& box, double& amperes, dou
   }
 }
 
+Felt CoDesign::felt_of(const Fast& fast, const Box& box) const {
+  if (!(box.backward > 0.0)) return {kWithoutBound, kWithoutBound, kWithoutBound};
+  Felt felt{.inertia_kgm2 = task_.load_inertia_kgm2 + fast.j1_kgm2 / box.backward,
+            .breakaway_Nm = fast.c1_static_Nm / box.backward};
+  if (const auto& motor_Nm = task_.felt.transparency_torque_Nm) {
+    const double with = (*motor_Nm - fast.c1_Nm) / box.forward;
+    const double against = (*motor_Nm + fast.c1_Nm) / box.backward;
+    felt.transparency = with > 0.0 ? 2.0 * (against - with) / (against + with) : kWithoutBound;
+  }
+  return felt;
+}
+
 double CoDesign::excess(std::size_t motor, double ratio, const Fast& fast, const Box& box) const {
   double square = 0.0;
   double friction = 0.0;
@@ -416,6 +428,15 @@ double CoDesign::excess(std::size_t motor, double ratio, const Fast& fast, const
     values.peak_current_A *= room;
     values.peak_voltage_V *= room;
   }
+  Felt felt = felt_of(fast, box);
+  if (!box.exact) {
+    felt = {.inertia_kgm2 = felt.inertia_kgm2 * room,
+            .breakaway_Nm = felt.breakaway_Nm * room,
+            .transparency = felt.transparency};
+    // A difference: its rounding is of the size of what it is one of.
+    if (felt.transparency) *felt.transparency -= kBoundRoom;
+  }
+  values.felt = felt;
   judge(task_, values, friction / time_s_ * room, values);
   return values.excess;
 }

@@ -96,6 +96,9 @@ class CoDesign final : public optimize::CycleEnergy {
   void add_resting(const Rest& rest, const Fast& fast, double h, Sum& sum) const;
   [[nodiscard]] double least_over(Flow flow, const Fast& fast, double end) const;
   [[nodiscard]] double quick_bound(const Fast& fast, const Box& box) const;
+  /// What is felt; of a box the least, as all of it falls with each efficiency:
+  ///   J_L + J1/η_b,  c1s/η_b,  2 (r − 1)/(r + 1) with r = (τ + c1)/((τ − c1) η_f η_b)
+  [[nodiscard]] Felt felt_of(const Fast& fast, const Box& box) const;
   [[nodiscard]] double excess(std::size_t motor, double ratio, const Fast& fast,
                               const Box& box) const;
   void bound_peaks(const Fast& fast, const Box& box, double& amperes, double& volts) const;

@@ -9,6 +9,8 @@
 #include <stdexcept>
 
 #include "actuator/duty_cycle.hpp"
+#include "actuator/felt.hpp"
+#include "actuator/reflected.hpp"
 #include "actuator/winding.hpp"
 
 namespace gear3k::actuator {
@@ -25,7 +27,7 @@ Actuator actuator_of(const SelectionTask& task, const Pair& pair) {
              .gearbox = task.gearboxes[pair.gearbox].gearbox,
              .drive = task.drive,
              .load_inertia_kgm2 = task.load_inertia_kgm2,
-             .felt = {},
+             .felt = task.felt,
              .train = nullptr};
   a.motor.heat.ambient_K = task.ambient_K;
   return a;
@@ -39,6 +41,21 @@ void set_constants(const Actuator& a, PairResult& r) {
     r.breakaway_Nm = chain.c2_static_Nm + chain.c1_static_Nm / chain.efficiency_backward;
   }
   r.inertia_kgm2 = chain.j1_kgm2 + a.gearbox.output_inertia_kgm2;
+}
+
+/// Empty without a limit of it.
+std::optional<Felt> felt_of(const Actuator& a) {
+  const FeltLimits& limits = a.felt;
+  if (!limits.max_inertia_kgm2 && !limits.max_breakaway_Nm && !limits.max_transparency) {
+    return std::nullopt;
+  }
+  const Reflected r = reflected(a);
+  Felt felt{.inertia_kgm2 = r.speeding_up_kgm2.value_or(kUnbounded),
+            .breakaway_Nm = r.breakaway_Nm.value_or(kUnbounded)};
+  if (const auto& torque = limits.transparency_torque_Nm) {
+    felt.transparency = felt_torque(a, *torque).transparency.value_or(kUnbounded);
+  }
+  return felt;
 }
 
 double objective_of(Objective objective, const PairResult& r) {
@@ -269,6 +286,12 @@ void judge(const SelectionTask& task, const PairResult& values, double friction_
   }
   hold(PairLimit::kPeakCurrent, values.peak_current_A, motor.motor.max_current_A);
   hold(PairLimit::kSpeed, values.peak_motor_speed_rad_s, motor.motor.max_speed_rad_s);
+  if (values.felt) {
+    hold(PairLimit::kFeltInertia, values.felt->inertia_kgm2, task.felt.max_inertia_kgm2);
+    hold(PairLimit::kBreakaway, values.felt->breakaway_Nm, task.felt.max_breakaway_Nm);
+    hold(PairLimit::kTransparency, values.felt->transparency.value_or(0.0),
+         task.felt.max_transparency);
+  }
   Motor warm = motor.motor;
   warm.heat.ambient_K = task.ambient_K;
   const auto state =
@@ -334,6 +357,7 @@ PairResult run_pair(const SelectionTask& task, const Pair& pair) {
   }
   r.rms_current_A = std::sqrt(square / time_s);
   r.rms_torque_Nm = std::sqrt(mesh / time_s);
+  r.felt = felt_of(a);
   judge(task, r, friction / time_s, r);
   return r;
 }

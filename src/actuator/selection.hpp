@@ -26,15 +26,21 @@ enum class PairLimit {
   kVoltage,             ///< peak over the bus, or the motor's nominal voltage
   kPeakCurrent,         ///< peak over the stated multiple of the nominal current
   kWinding,             ///< steady temperature rise over what the stated limit leaves
-  kSpeed                ///< of the motor, over its greatest
+  kSpeed,               ///< of the motor, over its greatest
+  kFeltInertia,         ///< that speeds up from outside
+  kBreakaway,           ///< from outside
+  kTransparency
 };
-inline constexpr std::array<std::string_view, 7> kPairLimitNames{"continuous_torque",
-                                                                 "intermittent_torque",
-                                                                 "nominal_current",
-                                                                 "voltage",
-                                                                 "peak_current",
-                                                                 "winding",
-                                                                 "speed"};
+inline constexpr std::array<std::string_view, 10> kPairLimitNames{"continuous_torque",
+                                                                  "intermittent_torque",
+                                                                  "nominal_current",
+                                                                  "voltage",
+                                                                  "peak_current",
+                                                                  "winding",
+                                                                  "speed",
+                                                                  "felt_inertia",
+                                                                  "breakaway",
+                                                                  "transparency"};
 
 struct CatalogueMotor {
   std::string name;
@@ -60,6 +66,7 @@ struct SelectionTask {
   std::optional<double> peak_current_factor;  ///< of the nominal current
   std::optional<double> max_winding_K;
   double ambient_K = kResistanceTemperature_K;
+  FeltLimits felt{};
 };
 
 /// What is not known of a pair: its result is the better for it.
@@ -72,6 +79,12 @@ enum class Unknown {
 };
 inline constexpr std::array<std::string_view, 5> kUnknownNames{"motor_friction", "nominal_current",
                                                                "gearbox_torque", "winding", "mass"};
+
+/// What FeltLimits limit; infinite where the output cannot be moved so.
+struct Felt {
+  double inertia_kgm2 = 0.0, breakaway_Nm = 0.0;
+  std::optional<double> transparency{};  ///< empty where its torque is not stated
+};
 
 /// Places in the lists of a task.
 struct Pair {
@@ -87,7 +100,8 @@ struct PairResult {
   double rms_torque_Nm = 0.0, peak_torque_Nm = 0.0;  ///< m
   std::optional<double> winding_K{};                 ///< empty at a runaway, or where not known
   std::optional<double> mass_kg{}, breakaway_Nm{};
-  double inertia_kgm2 = 0.0;  ///< reflected, of motor and gearbox
+  double inertia_kgm2 = 0.0;   ///< reflected, of motor and gearbox
+  std::optional<Felt> felt{};  ///< empty where no limit asks for it, or not yet known
   /// Greatest value over limit less 1, and which limit: above 0 = infeasible.
   double excess = 0.0;
   std::optional<PairLimit> limit{};

@@ -63,7 +63,7 @@ CoDesigned co_designed(const optimize::Specification& spec, const optimize::Opti
                                 .mass_kg = train->mass_kg()},
                     .drive = task.drive,
                     .load_inertia_kgm2 = task.load_inertia_kgm2,
-                    .felt = {},
+                    .felt = task.felt,
                     .train = train};
   actuator::MotorHeat& heat = found.actuator.motor.heat;
   heat.ambient_K = task.ambient_K;

@@ -24,7 +24,9 @@
 #include "cli/exit_code.hpp"
 #include "cli/talk.hpp"
 #include "io/text/diagnostics.hpp"
+#include "io/text/toml_value.hpp"
 #include "sweep/store.hpp"
+#include "sweep/task.hpp"
 
 namespace gear3k::cli {
 
@@ -61,6 +63,12 @@ double cpu_s() {
   return seconds(use.ru_utime) + seconds(use.ru_stime);
 }
 
+/// Whether the files that a task names are those of its key.
+bool has_its_files(const sweep::Claimed& claimed) {
+  const io::TomlValue spec = io::parse_toml(claimed.spec, "task");
+  return !sweep::has_files(spec) || sweep::task_of(spec).key == claimed.key;
+}
+
 /// Takes tasks and records what became of them until none is left or it is to stop.
 void work(const SweepWork& sweep) {
   // One thread for each task: what a result is does not depend on how many workers there are.
@@ -70,6 +78,12 @@ void work(const SweepWork& sweep) {
   while (!sweep_stop) {
     const auto claimed = store.claim(sweep.run, self, now_s());
     if (!claimed) return;
+    if (!has_its_files(*claimed)) {
+      store.release(claimed->id);
+      throw io::InvalidInput(
+          "a file of [actuator] or [cycle] has changed since the tasks were put into the queue: "
+          "allowed: the same command anew, which asks for the tasks of the new files");
+    }
     optimize::Progress progress;
     task_stop = &progress.stop;
     if (sweep_stop) progress.stop = true;

@@ -29,15 +29,23 @@ double rounded_down(double value) {
 
 io::Json motor_json(const CoDesignMotor& motor) {
   const actuator::PairResult& r = motor.result;
-  return {{"motor", motor.name},
-          {"energy_j", r.energy_J},
-          {"rms_current_a", r.rms_current_A},
-          {"peak_current_a", r.peak_current_A},
-          {"peak_voltage_v", r.peak_voltage_V},
-          {"peak_motor_speed_rad_s", r.peak_motor_speed_rad_s},
-          {"winding_c", r.winding_K ? io::Json(units::from_si(*r.winding_K, units::Unit::kCelsius))
-                                    : io::Json(nullptr)},
-          {"unknown", names_of_unknown(motor)}};
+  io::Json json{
+      {"motor", motor.name},
+      {"energy_j", r.energy_J},
+      {"rms_current_a", r.rms_current_A},
+      {"peak_current_a", r.peak_current_A},
+      {"peak_voltage_v", r.peak_voltage_V},
+      {"peak_motor_speed_rad_s", r.peak_motor_speed_rad_s},
+      {"winding_c", r.winding_K ? io::Json(units::from_si(*r.winding_K, units::Unit::kCelsius))
+                                : io::Json(nullptr)},
+      {"unknown", names_of_unknown(motor)}};
+  if (r.felt) {
+    json["felt"] = {{"inertia_kgm2", r.felt->inertia_kgm2},
+                    {"breakaway_nm", r.felt->breakaway_Nm},
+                    {"transparency",
+                     r.felt->transparency ? io::Json(*r.felt->transparency) : io::Json(nullptr)}};
+  }
+  return json;
 }
 
 }  // namespace

@@ -82,8 +82,8 @@ void add_co_design(const RefinedSet& s, const actuator::CoDesign& co_design, Opt
       motor = co_design.task().motors[at.motor].name;
     }
   }
-  optimum.add("cycle_energy_j", energy_J);
-  optimum.add("motor", motor);
+  optimum.add(kCoDesignColumns[0], energy_J);
+  optimum.add(kCoDesignColumns[1], motor);
 }
 
 /// The columns of refined.csv and pareto.csv.

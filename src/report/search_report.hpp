@@ -54,6 +54,9 @@ struct ResultTally {
 };
 ResultTally tally_of(const optimize::OptimizeResult& result);
 
+/// Columns of gearbox and motor together.
+inline constexpr std::array<const char*, 2> kCoDesignColumns{"cycle_energy_j", "motor"};
+
 /// Columns of refined.csv beyond those that are always there.
 struct RefinedColumns {
   bool model = false;           ///< eta_b_model, eta_f_model
@@ -64,7 +67,7 @@ struct RefinedColumns {
   /// torque_density_nm_per_kg.
   bool strength = false;
   bool cutters = false;  ///< cutter_R1_teeth, cutter_R2_teeth; 0: not chosen
-  /// cycle_energy_j, motor; null: none of them.
+  /// kCoDesignColumns; null: none of them.
   const actuator::CoDesign* co_design = nullptr;
 };
 RefinedColumns refined_columns(const optimize::Specification& spec);

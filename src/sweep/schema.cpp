@@ -102,8 +102,14 @@ void check_schema(const Database& database) {
 }  // namespace
 
 std::vector<std::string> design_columns() {
-  return report::refined_column_names(
-      {.model = true, .tips = true, .pressure_angle = true, .masses = true, .strength = true});
+  std::vector<std::string> columns = report::refined_column_names({.model = true,
+                                                                   .tips = true,
+                                                                   .pressure_angle = true,
+                                                                   .masses = true,
+                                                                   .strength = true,
+                                                                   .cutters = true});
+  columns.insert(columns.end(), report::kCoDesignColumns.begin(), report::kCoDesignColumns.end());
+  return columns;
 }
 
 std::string quoted(const std::string& name) {

@@ -187,7 +187,8 @@ void Store::end_plan() {
 std::optional<Claimed> Store::claim(std::int64_t run, const Process& worker, double now_s) {
   Transaction transaction(database_);
   Statement queue = database_.prepare(
-      "SELECT q.task, q.host, q.process, q.began, q.until, t.spec FROM queue q JOIN task t ON t.id "
+      "SELECT q.task, q.host, q.process, q.began, q.until, t.key, t.spec FROM queue q JOIN task t "
+      "ON t.id "
       "= "
       "q.task WHERE EXISTS(SELECT 1 FROM run_task r WHERE r.run = ?1 AND r.task = q.task) ORDER BY "
       "q.task");
@@ -196,7 +197,7 @@ std::optional<Claimed> Store::claim(std::int64_t run, const Process& worker, dou
     const Process holder{
         .host = queue.text(1), .number = queue.integer(2), .began = queue.integer(3)};
     if (queue.number(4) > now_s && !is_dead(holder)) continue;
-    const Claimed claimed{.id = queue.integer(0), .spec = queue.text(5)};
+    const Claimed claimed{.id = queue.integer(0), .key = queue.text(5), .spec = queue.text(6)};
     queue.reset();
     database_
         .prepare("UPDATE queue SET host = ?2, process = ?3, began = ?4, until = ?5 WHERE task = ?1")

@@ -37,7 +37,7 @@ struct Planned {
 /// A task that a worker has.
 struct Claimed {
   std::int64_t id = 0;
-  std::string spec;
+  std::string key, spec;
 };
 
 /// When, where and by how much CPU time a result was found.

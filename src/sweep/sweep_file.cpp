@@ -10,6 +10,7 @@
 #include "io/files/specification_file.hpp"
 #include "io/keys/material_keys.hpp"
 #include "io/keys/strength_keys.hpp"
+#include "sweep/task.hpp"
 
 namespace gear3k::sweep {
 
@@ -52,6 +53,23 @@ std::optional<TomlValue> taken(TomlValue& document, const char* key, io::FileRea
   reading.error(table.position,
                 fmt::format("{} = {}: allowed: a table [{}]", key, io::as_text(table), key));
   return std::nullopt;
+}
+
+/// Makes paths absolute: a database may be gone on with from any folder.
+void set_folder(TomlValue& value, const std::filesystem::path& folder) {
+  for (TomlValue& one : value.list) set_folder(one, folder);
+  if (value.kind != TomlValue::Kind::kText || value.text.empty()) return;
+  value.text = std::filesystem::absolute(folder / value.text).lexically_normal().string();
+}
+
+/// The same for every key under a table that names files.
+void set_folder_under(TomlValue& table, const std::string& prefix,
+                      const std::filesystem::path& folder) {
+  for (TomlValue& member : table.table) {
+    const std::string path = prefix + member.key;
+    if (names_files(path)) set_folder(member, folder);
+    set_folder_under(member, path + ".", folder);
+  }
 }
 
 /// Keys of the task that are varied as well.
@@ -127,6 +145,13 @@ Sweep read_sweep(const std::string& path) {
     check_stated_twice(sweep, *vary, reading);
   }
   reading.throw_if_invalid();
+  set_folder_under(sweep.task, "", std::filesystem::path(sweep.task_file).parent_path());
+  for (Axis& axis : sweep.axes) {
+    for (std::size_t p = 0; p < axis.paths.size(); ++p) {
+      if (!names_files(axis.paths[p])) continue;
+      for (auto& point : axis.points) set_folder(point[p], folder);
+    }
+  }
   if (!inlined) {
     // Places of values are those of the SWEEP file; messages name the SPEC.
     for (Axis& axis : sweep.axes) {

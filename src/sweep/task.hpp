@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "io/keys/key_registry.hpp"
@@ -20,8 +21,15 @@ struct Task {
   std::string spec;  ///< the SPEC with its stated keys in one form, without those at their defaults
   std::vector<io::StatedValue> values;  ///< by key, with those at their defaults
 };
+/// Its keys hash the contents of the files that the SPEC names, too.
 /// @param document  a SPEC
+/// @throws io::InvalidInput where one of these files cannot be read
 Task task_of(const io::TomlValue& document);
+
+/// Whether the value of a key is a path, or a list of paths, of files that the task is made of.
+bool names_files(std::string_view path);
+/// Whether a SPEC states such a key.
+bool has_files(const io::TomlValue& document);
 
 /// optimal: it has a design.  no_feasible_design: every tooth set is refused, see the reasons.
 /// invalid: the SPEC asks for what cannot be.  failed: the solver, or the program itself.

@@ -109,6 +109,53 @@ TEST(OptimizeCycleEnergy, WithoutAMotorWithinItsLimitsEndsWith3AndNamesTheNeares
   EXPECT_FALSE(std::filesystem::exists(place.file("out/best.toml")));
 }
 
+TEST(OptimizeCycleEnergy, RefusesMotorsByWhatIsFeltAndNamesTheLimit) {
+  const Workplace place;
+  write_parts(place);
+  const auto run = [&](const std::string& limits) {
+    place.write("spec.toml", kTask + "[actuator.limits]\n" + limits);
+    return place.run({"optimize", "spec.toml", "--certify", "--quiet", "--force", "--out", "out"});
+  };
+  const auto co_design = [&] {
+    return json::parse(place.read("out/summary.json")).at("co_design");
+  };
+  ASSERT_EQ(run("max_felt_inertia_kgm2 = 1e6\ntransparency_torque_nm = 6\n").exit_code, 0);
+  const json free = co_design();
+  const auto inertia = free.at("felt").at("inertia_kgm2").get<double>();
+  const auto breakaway = free.at("felt").at("breakaway_nm").get<double>();
+  const auto transparency = free.at("felt").at("transparency").get<double>();
+  // Below what the best motor has only another one is left, or none.
+  const auto limit = [](const char* key, double value) {
+    return std::string(key) + " = " + std::to_string(value) + "\n";
+  };
+  const ProgramResult tight = run(limit("max_felt_inertia_kgm2", 0.9 * inertia));
+  ASSERT_EQ(tight.exit_code, 0) << tight.err;
+  EXPECT_NE(co_design().at("motor"), free.at("motor"));
+  EXPECT_LE(co_design().at("felt").at("inertia_kgm2").get<double>(), 0.9 * inertia);
+  EXPECT_GT(co_design().at("energy_j").get<double>(), free.at("energy_j").get<double>());
+  EXPECT_LE(co_design().at("bound_j").get<double>(), co_design().at("energy_j").get<double>());
+  // The limits go with the actuator, which keeps them.
+  EXPECT_NE(place.read("out/actuator.toml").find("max_felt_inertia_kgm2"), std::string::npos);
+  EXPECT_EQ(place.run({"actuator", "out/actuator.toml", "--strict", "--quiet"}).exit_code, 0);
+
+  for (const auto& [text, name] :
+       {std::pair(limit("max_felt_inertia_kgm2", 1e-5), "felt_inertia"),
+        std::pair(limit("max_breakaway_nm", 0.01 * breakaway), "breakaway"),
+        std::pair("transparency_torque_nm = 6\n" + limit("max_transparency", 0.01 * transparency),
+                  "transparency")}) {
+    const ProgramResult none = run(text);
+    EXPECT_EQ(none.exit_code, 3) << name;
+    EXPECT_NE(none.err.find(std::string("exceeds ") + name + " by "), std::string::npos)
+        << none.err;
+  }
+  const ProgramResult bare = run("max_transparency = 0.5\n");
+  EXPECT_EQ(bare.exit_code, 2);
+  EXPECT_NE(bare.err.find("actuator.limits.max_transparency: allowed: with "
+                          "actuator.limits.transparency_torque_nm"),
+            std::string::npos)
+      << bare.err;
+}
+
 TEST(Selection, MakesTheDesignsOfATaskOfOptimize) {
   const Workplace place;
   write_parts(place);

@@ -353,5 +353,41 @@ TEST(Sweep, SaysWhatIsWorkedOnElsewhere) {
       << result.err;
 }
 
+TEST(Sweep, ATaskIsThatOfTheFilesThatItNames) {
+  const Workplace place;
+  std::filesystem::create_directory(place.file("in"));
+  const auto write_cycle = [&](const char* torque) {
+    place.write("in/c.csv", std::string("time_s,torque_nm,speed_rad_s\n0,-3,1\n0.5,") + torque +
+                                ",-1\n1,-3,1\n");
+  };
+  const std::string motors =
+      "manufacturer,order_code,resistance_ohm,torque_constant_nm_per_a,rotor_inertia_kgm2\n"
+      "A,m,0.6,0.04,2e-5\n";
+  place.write("in/motors.csv", motors);
+  write_cycle("3");
+  place.write("in/sweep.toml", kSmallTask +
+                                   "objective = \"cycle_energy\"\nplanets = 4\n"
+                                   "ratio.target = 40.0\nactuator.motors = \"motors.csv\"\n"
+                                   "[vary]\ncycle.files = [\"c.csv\"]\n");
+  // Seen from the SWEEP file, not from here.
+  const auto sweep = [&] { return place.run({"sweep", "in/sweep.toml", "--out", "a.db"}); };
+  const ProgramResult first = sweep();
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  EXPECT_EQ(number_of(place, "a.db", "SELECT count(*) FROM task WHERE status = 'optimal'"), 1);
+  EXPECT_NE(sweep().err.find("1 tasks, 1 of them known"), std::string::npos);
+  write_cycle("4");
+  const ProgramResult other = sweep();
+  EXPECT_NE(other.err.find("1 tasks, 0 of them known"), std::string::npos) << other.err;
+  EXPECT_EQ(number_of(place, "a.db", "SELECT count(DISTINCT merit) FROM task"), 2);
+  EXPECT_EQ(number_of(place, "a.db", "SELECT count(DISTINCT spec_key) FROM task"), 2);
+  EXPECT_EQ(number_of(place, "a.db", "SELECT count(DISTINCT spec) FROM task"), 1);
+  place.write("in/motors.csv", motors + "A,n,0.5,0.05,3e-5\n");
+  EXPECT_NE(sweep().err.find("1 tasks, 0 of them known"), std::string::npos);
+  std::filesystem::remove(place.file("in/c.csv"));
+  const ProgramResult none = sweep();
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_NE(none.err.find("c.csv"), std::string::npos) << none.err;
+}
+
 }  // namespace
 }  // namespace gear3k::sweep_test

@@ -145,28 +145,6 @@ std::vector<Key<GearboxInput>> gearbox_keys() {
                    of_gearbox(&Gearbox::mass_kg))};
 }
 
-std::vector<Key<actuator::FeltLimits>> felt_keys() {
-  using In = actuator::FeltLimits;
-  return {
-      make_key<In>(number("limits.max_felt_inertia_kgm2", Unit::kKilogramSquareMetre,
-                          above(0.0, 1e9), "no limit",
-                          "greatest inertia that is felt where the output is sped up from outside, "
-                          "motor off"),
-                   &In::max_inertia_kgm2),
-      make_key<In>(number("limits.max_breakaway_nm", Unit::kNewtonMetre, above(0.0, 1e9),
-                          "no limit", "greatest torque that starts the output from outside"),
-                   &In::max_breakaway_Nm),
-      make_key<In>(number("limits.max_transparency", Unit::kNone, above(0.0, 1e6), "no limit",
-                          "greatest width of the output's torque over its mean at "
-                          "limits.transparency_torque_nm"),
-                   &In::max_transparency),
-      make_key<In>(
-          number("limits.transparency_torque_nm", Unit::kNewtonMetre, above(0.0, 1e9), "none",
-                 "torque that the motor holds, times the ratio: tells the torques at the "
-                 "output moving with it and pushed back, and their width over their mean"),
-          &In::transparency_torque_Nm)};
-}
-
 std::vector<Key<ActuatorInput>> keys_of_actuator() {
   using In = ActuatorInput;
   using actuator::Drive;
@@ -283,14 +261,36 @@ void check_catalogue(const GearboxInput& in, FileReading& reading) {
   }
 }
 
-void check_felt(const ActuatorInput& input, FileReading& reading) {
-  if (input.felt.max_transparency && !input.felt.transparency_torque_Nm) {
-    reading.error_at("limits.max_transparency",
-                     "limits.max_transparency: allowed: with limits.transparency_torque_nm");
-  }
+}  // namespace
+
+std::vector<Key<actuator::FeltLimits>> felt_keys() {
+  using In = actuator::FeltLimits;
+  return {
+      make_key<In>(number("limits.max_felt_inertia_kgm2", Unit::kKilogramSquareMetre,
+                          above(0.0, 1e9), "no limit",
+                          "greatest inertia that is felt where the output is sped up from outside, "
+                          "motor off"),
+                   &In::max_inertia_kgm2),
+      make_key<In>(number("limits.max_breakaway_nm", Unit::kNewtonMetre, above(0.0, 1e9),
+                          "no limit", "greatest torque that starts the output from outside"),
+                   &In::max_breakaway_Nm),
+      make_key<In>(number("limits.max_transparency", Unit::kNone, above(0.0, 1e6), "no limit",
+                          "greatest width of the output's torque over its mean at "
+                          "limits.transparency_torque_nm"),
+                   &In::max_transparency),
+      make_key<In>(
+          number("limits.transparency_torque_nm", Unit::kNewtonMetre, above(0.0, 1e9), "none",
+                 "torque that the motor holds, times the ratio: tells the torques at the "
+                 "output moving with it and pushed back, and their width over their mean"),
+          &In::transparency_torque_Nm)};
 }
 
-}  // namespace
+void check_felt(const actuator::FeltLimits& felt, const std::string& table, FileReading& reading) {
+  if (!felt.max_transparency || felt.transparency_torque_Nm) return;
+  const std::string path = table + "limits.max_transparency";
+  reading.error_at(path,
+                   fmt::format("{}: allowed: with {}limits.transparency_torque_nm", path, table));
+}
 
 const Schema<ActuatorInput>& actuator_schema() {
   static const Schema<ActuatorInput> schema({}, keys_of_actuator());
@@ -298,7 +298,7 @@ const Schema<ActuatorInput>& actuator_schema() {
 }
 
 void check_actuator(const ActuatorInput& input, FileReading& reading) {
-  check_felt(input, reading);
+  check_felt(input.felt, "", reading);
   check_motor(input.motor, reading);
   if (!reading.stated("gearbox.design")) {
     check_catalogue(input.gearbox, reading);

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "actuator/actuator.hpp"
 #include "io/keys/key_registry.hpp"
@@ -35,6 +36,11 @@ struct ActuatorInput {
 };
 
 const Schema<ActuatorInput>& actuator_schema();
+
+/// Limits of what is felt, which a SPEC has, too.
+std::vector<Key<actuator::FeltLimits>> felt_keys();
+/// @param table  before their paths: "", or one with its dot
+void check_felt(const actuator::FeltLimits& felt, const std::string& table, FileReading& reading);
 
 /// What the keys say together.
 void check_actuator(const ActuatorInput& input, FileReading& reading);

@@ -1,8 +1,10 @@
 #pragma once
 // Keys of SPEC for motors, drive, load and cycles of the objective cycle_energy.
 
+#include <array>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "io/keys/key_registry.hpp"
@@ -15,10 +17,14 @@ struct CoDesignInput {
   SelectionInput selection;
   std::string motor;  ///< path of an ACTUATOR file
   std::optional<double> max_motor_mass_kg;
+  actuator::FeltLimits felt{};
   bool known_friction = false;  ///< motors of unknown friction are left out
 };
 
 std::vector<Key<CoDesignInput>> co_design_keys();
+/// Those of them that name files.
+inline constexpr std::array<std::string_view, 3> kCoDesignFileKeys{
+    "actuator.motor", "actuator.motors", "cycle.files"};
 
 /// What the keys say together, and with the objective.
 /// @param wanted  whether the objective asks for them
