@@ -16,7 +16,7 @@ namespace {
 using backlash::DeviationLimits, backlash::GearTolerances;
 using geometry::GearGeometry, geometry::MeshGeometry;
 
-double sign_of(const GearGeometry<double>& g) {
+double outward_sign(const GearGeometry<double>& g) {
   return g.gear.kind == geometry::GearKind::kExternal ? 1.0 : -1.0;
 }
 
@@ -289,7 +289,7 @@ MeshLimits mesh_limits(BuiltGearing& built, const DrawnGearing& drawn, std::size
                                           : std::numeric_limits<double>::quiet_NaN();
       v[4 + i] = geometry::root_clearance(gear1, gear2, mesh, which) * own.gear.module_m;
       v[6 + i] = 2.0 * radius;
-      v[8 + i] = sign_of(own) * (radius - form.form_radius_m);
+      v[8 + i] = outward_sign(own) * (radius - form.form_radius_m);
     }
     return v;
   };
@@ -474,7 +474,7 @@ CheckRanges check_ranges(BuiltGearing& built, const DrawnGearing& drawn,
 
 BuiltGear built_gear(const BuiltGear& drawn, const GearDeviation& deviation) {
   const GearGeometry<double>& g = drawn.geometry;
-  const double m = g.gear.module_m, sign = sign_of(g);
+  const double m = g.gear.module_m, sign = outward_sign(g);
   // Outwards, in modules.
   const double infeed = sign * deviation.tooth_thickness_m / (2.0 * m * g.angle.tan);
   geometry::Gear<double> gear = g.gear;
