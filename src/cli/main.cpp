@@ -70,15 +70,13 @@ void add_export_options(CLI::App& command, cli::ExportOptions& options) {
       ->option_text("UM [1]");
   add_common_options(command, options);
   command.footer([] {
-    return "At least one of --dxf, --svg and --sheet is needed.  Each folder gets S, P1, R1, P2, "
-           "R2 "
-           "(one gear each,\ntooth 0 on the +x axis) and train (all of them in mesh, backlash "
-           "centred), "
-           "of sheets\nthe compound planet; files of these names are replaced, all of them or "
-           "none.  Planets that cannot be "
-           "equally "
-           "spaced: the train shows\nplanet 1 alone.  A design that fails checks is drawn all the "
-           "same; stderr names them.\n\n" +
+    return "At least one of --dxf, --svg and --sheet is needed.  Each folder of drawings gets S, "
+           "P1, R1, P2, R2\n(one gear each, tooth 0 on the +x axis), train (all of them in mesh, "
+           "backlash centred) and\nassembly (a section with dimensions), one of sheets every gear "
+           "and "
+           "the compound planet; files of\nthese names are replaced, all of them or none.  Planets "
+           "that cannot be equally spaced: the train\nshows planet 1 alone.  A design that fails "
+           "checks is drawn all the same; stderr names them.\n\n" +
            keys_of("DESIGN.toml");
   });
 }

@@ -40,8 +40,10 @@ struct SectionDrawing {
 
 /// The section through the axes of the sun and of planet 1, from the sun's axis outwards.
 ///
-/// Bodies lie where `[axial]` says; where it does not have all gears, the stages lie side by side,
-/// as wide as their faces; without those 10 modules wide, and without dimensions along the axis.  A
+/// Bodies lie where `[axial]` says.  A gear that it does not have lies in the middle of its stage,
+/// which is where the planet's step is stated to be, else the ring, else the sun; a stage of which
+/// nothing is stated lies beside the other.  Such gears are as wide as their faces; without those
+/// 10 modules wide, and without dimensions along the axis.  A
 /// ring without an outer diameter is drawn to 2.5 modules beyond its root, and that is not told as
 /// a dimension.  Notes: what is not stated, where each planet goes and how it is turned, and past
 /// which gears S, R1 and R2 go along the axis, by the gaps

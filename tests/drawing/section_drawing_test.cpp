@@ -229,6 +229,21 @@ TEST(SectionDrawing, SaysWhatIsNotStatedAndTellsNoDimensionOfIt) {
   for (const auto& [name, value] : expected) EXPECT_NEAR(found.at(name), value, 1e-6) << name;
 }
 
+TEST(SectionDrawing, GearsWithoutAPlaceLieInTheirStage) {
+  // Gaps between the steps of the planet count: 9.5 + 6.5 = 16 mm, not 8 + 6.
+  const Drawn planet = drawn(std::string(kDesign) +
+                             "[axial]\nP1_mm = [0.0, 9.0]\n"
+                             "P2_mm = [9.5, 16.0]\n");
+  EXPECT_TRUE(any_note(planet.section, "for S, R1, R2: drawn in the middle of their stage"));
+  EXPECT_TRUE(any_note(planet.section, "R1 0.500 to 8.500, R2 9.750 to 15.750, S 0.500 to 8.500"));
+  EXPECT_NEAR(dimensions_in(svg_text(planet.section)).at("length"), 16.0, 1e-6);
+  // A stage without any lies beside the other.
+  const Drawn second = drawn(std::string(kDesign) + "[axial]\nR2_mm = [20.0, 26.0]\n");
+  EXPECT_TRUE(any_note(second.section, "P1 12.000 to 20.000, P2 20.000 to 26.000"));
+  const Drawn first = drawn(std::string(kDesign) + "[axial]\nS_mm = [20.0, 28.0]\n");
+  EXPECT_TRUE(any_note(first.section, "P1 20.000 to 28.000, P2 28.000 to 34.000"));
+}
+
 TEST(SectionDrawing, TellsPastWhichGearsSunAndRingsGo) {
   const Drawn d = drawn(kDesign);
   const auto tip = [&](std::size_t gear) {
