@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
@@ -70,6 +71,50 @@ TEST(DiagnoseMotion, NamesTheLossesThatTheLogWasMadeWith) {
   const std::size_t windows = data.at("windows").at("forward").get<std::size_t>() +
                               data.at("windows").at("backward").get<std::size_t>();
   EXPECT_EQ(lines_of(place.read("out/residuals.csv")).size(), windows + 1);
+}
+
+/// The log without some of its rows.
+std::string thinned(const std::string& text, const std::function<bool(int)>& lost) {
+  std::string out;
+  int row = 0;
+  for (const std::string& line : lines_of(text)) {
+    const bool sample = !line.empty() && line[0] != '#' && line[0] != 't';
+    if (!sample || !lost(row++)) out += line + '\n';
+  }
+  return out;
+}
+
+TEST(DiagnoseMotion, LostRowsDoNotChangeWhatIsFound) {
+  const std::vector<std::function<bool(int)>> losses{[](int row) { return row % 3 == 2; },
+                                                     [](int row) { return row % 5 == 4; },
+                                                     [](int row) { return row % 2 == 1; }};
+  const Workplace place;
+  put_example(place);
+  for (std::size_t k = 0; k < losses.size(); ++k) {
+    place.write("thin.csv", thinned(example("measurements/knee_motion.csv"), losses[k]));
+    const json data =
+        json::parse(place.run({"diagnose", "a.toml", "thin.csv", "--format", "json"}).out);
+    EXPECT_EQ(data.at("verdict"), "explained") << k;
+    ASSERT_EQ(data.at("effects").size(), 1U) << k;
+    EXPECT_EQ(data.at("effects")[0].at("id"), "friction_level") << k;
+    const json& level = data.at("effects")[0].at("parameters")[0];
+    EXPECT_NEAR(level.at("value").get<double>(), 0.4, 0.03) << k;
+    EXPECT_LE(level.at("ci95")[0].get<double>(), 0.4) << k;
+    EXPECT_GE(level.at("ci95")[1].get<double>(), 0.4) << k;
+    EXPECT_LT(level.at("ci95")[1].get<double>() - level.at("ci95")[0].get<double>(), 0.05) << k;
+  }
+}
+
+TEST(DiagnoseMotion, TimeInMillisecondsIsDoubtedAndNeverExplained) {
+  const Workplace place;
+  put_example(place);
+  place.write("ms.csv", scaled(example("measurements/knee_motion.csv"), 0, 1000.0));
+  const json data =
+      json::parse(place.run({"diagnose", "a.toml", "ms.csv", "--format", "json"}).out);
+  EXPECT_EQ(data.at("verdict"), "unexplained");
+  const std::string notes = data.at("notes").dump();
+  EXPECT_NE(notes.find("milliseconds"), std::string::npos) << notes;
+  EXPECT_NE(notes.find("would differ by a factor"), std::string::npos) << notes;
 }
 
 TEST(DiagnoseMotion, ATorqueConstantIsNamedFromTheSameLog) {

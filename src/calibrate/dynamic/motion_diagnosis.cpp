@@ -19,6 +19,7 @@ using Eigen::Index;
 using numerics::square;
 
 constexpr double kLeastProbability = 0.05;  // of an alternative that is told
+constexpr double kImplausible = 20.0;       // times what is stated: no drive's, but a wrong unit
 constexpr double kMisfit = 1e-4;            // p below which the causes do not explain
 
 /// Causes that these data could show at all.
@@ -286,6 +287,43 @@ void doubt_without_load(MotionDiagnosis& d) {
       "that is named: it is the simplest, and no more");
 }
 
+/// By which factor a cause makes a number of the drive greater or less; 1: not known.
+double factor_of_stated(const MotionEffect& effect, const DriveParameters& stated,
+                        double load_kgm2) {
+  const double inertia = stated.motor_inertia_kgm2 + stated.output_inertia_kgm2 + load_kgm2;
+  switch (effect.cause) {
+    case kLevelChange:
+      return std::abs(1.0 + effect.estimate.value);
+    case kMotorInertiaChange:
+    case kOutputInertiaChange:
+      return inertia > 0.0 ? std::abs(effect.estimate.value) / inertia : 1.0;
+    case kTorqueConstantChange: {
+      const double gain = 1.0 + effect.estimate.value;
+      return std::max(gain, 1.0 / gain);
+    }
+    default:
+      return 1.0;
+  }
+}
+
+/// No log is explained by a drive that cannot be the stated one.
+void doubt_implausible(MotionDiagnosis& d, const DriveParameters& stated) {
+  double load = 0.0;
+  for (const MotionWindow& w : d.rows) load = std::max(load, w.load_kgm2);
+  for (const MotionEffect& e : d.effects) {
+    const double factor = factor_of_stated(e, stated, load);
+    if (!(factor > kImplausible)) continue;
+    d.verdict = MotionVerdict::kUnexplained;
+    const DriveCause& cause = kDriveCauses.at(e.cause);
+    d.notes.push_back(fmt::format(
+        "{}{}{} would differ by a factor of {:.3g} from {}, allowed: at most {:g}; look at the "
+        "units of the log (time_s is in seconds) and at the inertia that is stated",
+        cause.id, cause.body.empty() ? "" : " of the side of the ", cause.body, factor,
+        cause.id == "inertia" ? "all inertia that is stated to move" : "what is stated",
+        kImplausible));
+  }
+}
+
 /// Verdict and effects.  @returns the changes that explain
 DriveChanges judge(MotionDiagnosis& d, const WindowSums& sums, const DriveParameters& stated,
                    const MotionDiagnoseOptions& options) {
@@ -345,6 +383,7 @@ std::optional<MotionDiagnosis> diagnose_motion(const MotionRecord& record,
     d.quantities = quantities_of(*sums, stated);
     const bool load = std::ranges::any_of(d.rows, [](const auto& w) { return w.term[3] != 0.0; });
     if (!load) doubt_without_load(d);
+    doubt_implausible(d, stated);
     tell_gaps(d, *sums, load);
     if (round == 1 && d.verdict == MotionVerdict::kAmbiguous) {
       d.next = next_motion(d, *sums, stated, changes);

@@ -1,8 +1,10 @@
 #include "calibrate/dynamic/motion_windows.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "numerics/square.hpp"
 
@@ -12,55 +14,96 @@ namespace {
 
 using numerics::square;
 
-constexpr std::size_t kHalfWidth = 6;       // samples on each side of a line that tells the flow
+constexpr std::size_t kHalfWidth = 6;       // samples on each side of a curve that tells the flow
 constexpr std::size_t kFewestSamples = 12;  // of a window
 constexpr std::size_t kMostSamples = 400;   // of a window
 constexpr double kWindowsPerPiece = 2.0;    // of the piece of median length
 constexpr double kFewestWindows = 100.0;    // where the samples are enough
 constexpr double kDoubtDeviations = 3.0;    // within which a sign is in doubt
 constexpr double kDoubtShare = 0.03;        // of the root mean square of the mesh's torque
+constexpr int kSettledDegree = 4;           // of speeds whose acceleration is exact
 constexpr double kStillShare = 0.02;  // of the root mean square speed: in doubt whether it turns
 
-/// Standard deviation of white noise on a smooth signal, by third differences (variance 20 σ²).
-double noise_deviation(const std::vector<double>& x) {
+/// Standard deviation of white noise on a smooth signal, by third divided differences of its own
+/// steps of time: blind to parabolas at any sampling, scaled to the variance of one sample.  Even
+/// steps: third differences, of variance 20 σ².
+double noise_deviation(const std::vector<double>& time, const std::vector<double>& x) {
   if (x.size() < 8) return 0.0;
   double sum = 0.0;
   for (std::size_t k = 3; k < x.size(); ++k) {
-    sum += square(x[k] - 3.0 * x[k - 1] + 3.0 * x[k - 2] - x[k - 3]);
+    double difference = 0.0, squares = 0.0;
+    for (std::size_t i = k - 3; i <= k; ++i) {
+      double product = 1.0;
+      for (std::size_t j = k - 3; j <= k; ++j) {
+        if (j != i) product *= time[i] - time[j];
+      }
+      difference += x[i] / product;
+      squares += 1.0 / square(product);
+    }
+    sum += square(difference) / squares;
   }
-  return std::sqrt(sum / (20.0 * static_cast<double>(x.size() - 3)));
+  return std::sqrt(sum / static_cast<double>(x.size() - 3));
 }
 
-/// Speed and acceleration at a sample by lines (of an angle: parabolas) through its neighbours.
+/// Speed and acceleration at a sample by a parabola (of an angle: a cubic) through its neighbours,
+/// which does not take a reversal for later where the speed bends; and their variances by noise.
 struct LocalMotion {
   double speed = 0.0, acceleration = 0.0;
+  double speed_gain = 0.0, acceleration_gain = 0.0;  ///< variance over that of a sample
 };
 
-LocalMotion local_motion(const MotionStretch& s, std::size_t k, std::size_t half) {
+LocalMotion local_motion(const MotionStretch& s, std::size_t k) {
+  constexpr std::size_t kCount = 2 * kHalfWidth + 1;
   const bool angle = s.speed_rad_s.empty();
-  const std::vector<double>& x = angle ? s.angle_rad : s.speed_rad_s;
-  double n = 0.0, t2 = 0.0, t4 = 0.0, y0 = 0.0, y1 = 0.0, y2 = 0.0;
-  const double scale = s.time_s[k + half] - s.time_s[k - half];
-  double t1 = 0.0, t3 = 0.0;
-  for (std::size_t j = k - half; j <= k + half; ++j) {
-    const double t = (s.time_s[j] - s.time_s[k]) / scale, y = x[j] - x[k];
-    n += 1.0;
-    t1 += t;
-    t2 += t * t;
-    t3 += t * t * t;
-    t4 += t * t * t * t;
-    y0 += y;
-    y1 += t * y;
-    y2 += t * t * y;
+  const std::vector<double>& signal = angle ? s.angle_rad : s.speed_rad_s;
+  const std::size_t first = k - kHalfWidth;
+  const double scale = s.time_s[k + kHalfWidth] - s.time_s[first];
+  std::array<double, kCount> t{}, y{}, now{}, before{};
+  for (std::size_t j = 0; j < kCount; ++j) {
+    t.at(j) = (s.time_s[first + j] - s.time_s[k]) / scale;
+    y.at(j) = signal[first + j] - signal[k];
+    now.at(j) = 1.0;
   }
+  // Stieltjes' recurrence of the polynomials that are orthogonal over the samples; here: value and
+  // derivatives of the last two at the sample itself.
+  std::array<double, 3> here{1.0, 0.0, 0.0}, here_before{}, derivative{}, gain{};
+  double norm_before = 1.0;
+  for (int m = 0; m <= (angle ? 3 : 2); ++m) {
+    double norm = 0.0, shift = 0.0, part = 0.0;
+    for (std::size_t j = 0; j < kCount; ++j) {
+      norm += square(now.at(j));
+      shift += t.at(j) * square(now.at(j));
+      part += now.at(j) * y.at(j);
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+      derivative.at(i) += here.at(i) * part / norm;
+      gain.at(i) += square(here.at(i)) / norm;
+    }
+    shift /= norm;
+    const double ratio = m > 0 ? norm / norm_before : 0.0;
+    for (std::size_t j = 0; j < kCount; ++j) {
+      const double next = (t.at(j) - shift) * now.at(j) - ratio * before.at(j);
+      before.at(j) = now.at(j);
+      now.at(j) = next;
+    }
+    const std::array<double, 3> next{-shift * here[0] - ratio * here_before[0],
+                                     here[0] - shift * here[1] - ratio * here_before[1],
+                                     2.0 * here[1] - shift * here[2] - ratio * here_before[2]};
+    here_before = here;
+    here = next;
+    norm_before = norm;
+  }
+  const double two = scale * scale;
   if (!angle) {
-    const double slope = (n * y1 - t1 * y0) / (n * t2 - t1 * t1);
-    return {.speed = x[k] + (y0 - slope * t1) / n, .acceleration = slope / scale};
+    return {.speed = signal[k] + derivative[0],
+            .acceleration = derivative[1] / scale,
+            .speed_gain = gain[0],
+            .acceleration_gain = gain[1] / two};
   }
-  // Evenly spaced within a stretch to a good part: t1 and t3 are about 0.
-  const double curve = (n * y2 - t2 * y0) / (n * t4 - t2 * t2);
-  const double slope = (y1 - curve * t3) / t2;
-  return {.speed = slope / scale, .acceleration = 2.0 * curve / (scale * scale)};
+  return {.speed = derivative[1] / scale,
+          .acceleration = derivative[2] / two,
+          .speed_gain = gain[1] / two,
+          .acceleration_gain = gain[2] / (two * two)};
 }
 
 /// Samples begin ... end − 1 of one sense and one flow.
@@ -77,10 +120,6 @@ struct StretchSigns {
   std::size_t count = 0;
 };
 
-double mean_step(const MotionStretch& s) {
-  return (s.time_s.back() - s.time_s.front()) / static_cast<double>(s.time_s.size() - 1);
-}
-
 StretchSigns stretch_signs(const MotionStretch& s, const DriveParameters& d) {
   StretchSigns r;
   const std::size_t n = s.time_s.size();
@@ -88,8 +127,9 @@ StretchSigns stretch_signs(const MotionStretch& s, const DriveParameters& d) {
   r.mesh = r.speed;
   if (n < 2 * kHalfWidth + 2) return r;
   const double inertia = d.output_inertia_kgm2 + s.load_kgm2;
+  double speed_gain = 0.0, acceleration_gain = 0.0;
   for (std::size_t k = kHalfWidth; k + kHalfWidth < n; ++k) {
-    const LocalMotion m = local_motion(s, k, kHalfWidth);
+    const LocalMotion m = local_motion(s, k);
     double load = 0.0;
     if (!s.load_Nm.empty()) {
       for (std::size_t j = k - kHalfWidth; j <= k + kHalfWidth; ++j) load += s.load_Nm[j];
@@ -101,23 +141,17 @@ StretchSigns stretch_signs(const MotionStretch& s, const DriveParameters& d) {
                 d.output_coulomb_Nm * sense - load;
     r.mesh_square += square(r.mesh[k]);
     r.speed_square += square(m.speed);
+    speed_gain += m.speed_gain;
+    acceleration_gain += m.acceleration_gain;
     ++r.count;
   }
-  const double width = static_cast<double>(2 * kHalfWidth + 1), dt = mean_step(s);
-  const double moment = width * (width * width - 1.0) / 12.0;  // Σ j²
-  double slope_noise = 0.0;
-  if (s.speed_rad_s.empty()) {
-    const double noise = noise_deviation(s.angle_rad);
-    const double fourth = width * (width * width - 1.0) * (3.0 * width * width - 7.0) / 240.0;
-    slope_noise = 2.0 * noise / (dt * dt) / std::sqrt(fourth - moment * moment / width);
-    r.speed_doubt = kDoubtDeviations * noise / (dt * std::sqrt(moment));
-  } else {
-    const double noise = noise_deviation(s.speed_rad_s);
-    slope_noise = noise / (dt * std::sqrt(moment));
-    r.speed_doubt = kDoubtDeviations * noise / std::sqrt(width);
-  }
-  const double load_noise = noise_deviation(s.load_Nm) / std::sqrt(width);
-  r.mesh_doubt = kDoubtDeviations * std::hypot(inertia * slope_noise, load_noise);
+  const auto width = static_cast<double>(2 * kHalfWidth + 1), count = static_cast<double>(r.count);
+  const double noise =
+      noise_deviation(s.time_s, s.speed_rad_s.empty() ? s.angle_rad : s.speed_rad_s);
+  const double load_noise = noise_deviation(s.time_s, s.load_Nm) / std::sqrt(width);
+  r.speed_doubt = kDoubtDeviations * noise * std::sqrt(speed_gain / count);
+  r.mesh_doubt = kDoubtDeviations *
+                 std::hypot(inertia * noise * std::sqrt(acceleration_gain / count), load_noise);
   return r;
 }
 
@@ -157,21 +191,60 @@ struct StretchNoise {
 /// Weights of a window's samples: φ dt, and those whose sums are ∫ φ a dt and ∫ φ w dt.
 struct WindowWeights {
   std::vector<double> phi, rate, speed;
-  double total = 0.0;
+  double total = 0.0, squares = 0.0;  ///< Σ φ dt and Σ (φ dt)²
 };
 
-/// Makes weights blind to what is constant (to angles: moving evenly too), and right for an even
-/// rise, whatever the sampling.
-/// @param rise  signal of which the weights must give `total`
-void settle_weights(std::vector<double>& weights, const std::vector<double>& phi,
-                    const std::vector<double>& rise, double total) {
-  double sum = 0.0, gain = 0.0;
-  for (const double w : weights) sum += w;
-  for (std::size_t k = 0; k < phi.size(); ++k) {
-    weights[k] -= phi[k] * sum / total;
-    gain += weights[k] * rise[k];
+/// A polynomial with its first two derivatives, at the samples of a window.
+struct SampledPolynomial {
+  std::array<std::vector<double>, 3> derivative;
+
+  explicit SampledPolynomial(std::size_t samples, double value) {
+    for (auto& d : derivative) d.assign(samples, 0.0);
+    derivative[0].assign(samples, value);
   }
-  for (double& w : weights) w *= total / gain;
+};
+
+/// The next of the orthogonal polynomials: (x − shift) p − ratio q.
+SampledPolynomial next_polynomial(const std::vector<double>& x, const SampledPolynomial& now,
+                                  const SampledPolynomial& before, double shift, double ratio) {
+  SampledPolynomial next(x.size(), 0.0);
+  for (std::size_t order = 0; order < 3; ++order) {
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      double& value = next.derivative[order][k];
+      value = (x[k] - shift) * now.derivative[order][k] - ratio * before.derivative[order][k];
+      if (order > 0) value += static_cast<double>(order) * now.derivative[order - 1][k];
+    }
+  }
+  return next;
+}
+
+/// Adds to weights a multiple of φ by a polynomial, so that for every polynomial y up to a degree,
+/// at any sampling, Σ weights y = Σ φ d^n y / dt^n with the φ that weighs the torques.
+///
+/// By the polynomials p_m that are orthogonal under φ (Stieltjes' recurrence) each error
+/// e_m = Σ φ p_m^(n) − Σ weights p_m is taken off by itself: weights += φ p_m e_m / Σ φ p_m².
+/// @param x       times over half of the window, from its middle
+/// @param factor  (dx/dt)^n
+/// Source: docs/theory §69.
+void settle_weights(std::vector<double>& weights, const std::vector<double>& phi,
+                    const std::vector<double>& x, std::size_t order, double factor, int degree) {
+  SampledPolynomial before(x.size(), 0.0), now(x.size(), 1.0);
+  double norm_before = 1.0;
+  for (int m = 0; m <= degree; ++m) {
+    const std::vector<double>& p = now.derivative[0];
+    double norm = 0.0, shift = 0.0, error = 0.0;
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      norm += phi[k] * p[k] * p[k];
+      shift += phi[k] * x[k] * p[k] * p[k];
+      error += factor * phi[k] * now.derivative.at(order)[k] - weights[k] * p[k];
+    }
+    for (std::size_t k = 0; k < x.size(); ++k) weights[k] += phi[k] * p[k] * error / norm;
+    SampledPolynomial next =
+        next_polynomial(x, now, before, shift / norm, m > 0 ? norm / norm_before : 0.0);
+    before = std::move(now);
+    now = std::move(next);
+    norm_before = norm;
+  }
 }
 
 WindowWeights window_weights(const MotionStretch& s, const MotionPiece& p) {
@@ -179,7 +252,7 @@ WindowWeights window_weights(const MotionStretch& s, const MotionPiece& p) {
   const double half = 0.5 * (s.time_s[p.end - 1] - s.time_s[p.begin]);
   const double middle = s.time_s[p.begin] + half;
   WindowWeights r;
-  std::vector<double> line, parabola;
+  std::vector<double> place;
   for (std::size_t k = p.begin; k < p.end; ++k) {
     const double before = k > p.begin ? s.time_s[k - 1] : s.time_s[k];
     const double after = k + 1 < p.end ? s.time_s[k + 1] : s.time_s[k];
@@ -187,9 +260,9 @@ WindowWeights window_weights(const MotionStretch& s, const MotionPiece& p) {
     const double rest = std::max(0.0, 1.0 - x * x);
     const double phi = (angle ? rest * rest * rest * rest : rest * rest * rest) * dt;
     r.total += phi;
+    r.squares += phi * phi;
     r.phi.push_back(phi);
-    line.push_back(t);
-    parabola.push_back(0.5 * t * t);
+    place.push_back(x);
     if (angle) {
       r.speed.push_back(8.0 * x * rest * rest * rest / half * dt);
       r.rate.push_back((48.0 * x * x * rest * rest - 8.0 * rest * rest * rest) / (half * half) *
@@ -198,11 +271,12 @@ WindowWeights window_weights(const MotionStretch& s, const MotionPiece& p) {
       r.rate.push_back(6.0 * x * rest * rest / half * dt);
     }
   }
-  settle_weights(r.rate, r.phi, angle ? parabola : line, r.total);
   if (angle) {
-    settle_weights(r.speed, r.phi, line, r.total);
+    settle_weights(r.speed, r.phi, place, 1, 1.0 / half, kSettledDegree + 1);
+    settle_weights(r.rate, r.phi, place, 2, 1.0 / (half * half), kSettledDegree + 1);
   } else {
     r.speed = r.phi;
+    settle_weights(r.rate, r.phi, place, 1, 1.0 / half, kSettledDegree);
   }
   return r;
 }
@@ -211,7 +285,7 @@ MotionWindow window_of(const MotionStretch& s, const MotionPiece& p, const Stret
   const WindowWeights weights = window_weights(s, p);
   const bool angle = s.speed_rad_s.empty();
   const std::vector<double>& signal = angle ? s.angle_rad : s.speed_rad_s;
-  // Of an angle the even part is taken off first, as its weights sum to 0 for even sampling only.
+  // Of an angle the even part is taken off first, for its digits.
   const std::size_t last = p.end - 1;
   const double span = s.time_s[last] - s.time_s[p.begin];
   const double even = angle ? (signal[last] - signal[p.begin]) / span : 0.0;
@@ -229,7 +303,7 @@ MotionWindow window_of(const MotionStretch& s, const MotionPiece& p, const Stret
     rate_variance += square(weights.rate[j] * noise.motion);
   }
   speed += even * weights.total;
-  const double root = std::sqrt(static_cast<double>(p.end - p.begin));
+  const double root = weights.total / std::sqrt(weights.squares);
   const double scale = root / weights.total;
   return {.term = {rate * scale, speed * scale, root * p.sense, -load * scale, root},
           .variance = {rate_variance * scale * scale, load_variance * scale * scale},
@@ -281,8 +355,8 @@ std::vector<MotionWindow> motion_windows(const MotionRecord& record, const Drive
   for (std::size_t k = 0; k < pieces.size(); ++k) {
     const MotionStretch& s = record.stretches[k];
     const StretchNoise noise{
-        .motion = noise_deviation(s.speed_rad_s.empty() ? s.angle_rad : s.speed_rad_s),
-        .load = noise_deviation(s.load_Nm)};
+        .motion = noise_deviation(s.time_s, s.speed_rad_s.empty() ? s.angle_rad : s.speed_rad_s),
+        .load = noise_deviation(s.time_s, s.load_Nm)};
     for (const MotionPiece& p : pieces[k]) {
       const std::size_t size = p.end - p.begin;
       const auto parts =

@@ -10,7 +10,8 @@
 
 namespace gear3k::calibrate {
 
-/// Terms of a window: means over the test function φ, times √samples so that rows scatter alike.
+/// Terms of a window: means over the test function φ, times Σφ/√(Σφ²) so that the torque's
+/// white noise scatters all rows alike.
 struct MotionWindow {
   std::array<double, 5> term{};      ///< of acceleration, speed, sense, −T_L, and 1
   std::array<double, 2> variance{};  ///< of the terms of acceleration and −T_L, by their noise
@@ -23,8 +24,9 @@ struct MotionWindow {
 
 /// Cuts a log where the sense or the flow changes and weighs each piece by φ = (1 − x²)^p, which
 /// vanishes at both ends with its slopes: ∫ φ a dt = −∫ φ' w dt (p = 3) = ∫ φ'' θ dt (p = 4),
-/// settled so that sums over samples are exact for constant accelerations.
-/// No signal is differentiated; sense and flow are told by a line through 2 h + 1 samples, and
+/// settled so that sums over samples are exact for accelerations up to third degree in time, at
+/// any sampling.
+/// No signal is differentiated; sense and flow are told by a parabola through 2 h + 1 samples, and
 /// samples where they are in doubt are in no window.
 /// Source: Shinbrot, M., On the analysis of linear and nonlinear systems, Trans. ASME 79 (1957)
 /// (modulating functions); docs/theory §69.

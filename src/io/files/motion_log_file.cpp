@@ -19,6 +19,7 @@ namespace {
 
 constexpr std::size_t kMostLogBytes = std::size_t{1} << 30U;
 constexpr double kLogGap = 3.0;          // median steps of time
+constexpr double kLogLongStep_s = 0.5;   // median from which time is doubted to be in seconds
 constexpr std::size_t kClippedRows = 8;  // at the same extreme, one after the other
 constexpr double kMostClipped = 0.5;     // of the rows
 constexpr double kLargest = 1e9;         // of any number
@@ -283,6 +284,12 @@ void cut_log(LogFile& file, const std::string& path, const MotionLogScale& scale
                     kLogColumns.at(motor), rows.line[first]));
   }
   const double step = median_step(rows);
+  if (step >= kLogLongStep_s) {
+    record.notes.push_back(fmt::format(
+        "{}: a row every {:.4g} s shows little of a motion: time_s is in seconds, is this file's "
+        "in milliseconds?",
+        path, step));
+  }
   std::size_t gaps = 0;
   int first_gap = 0;
   bool open = false;

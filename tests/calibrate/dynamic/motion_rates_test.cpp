@@ -114,7 +114,7 @@ TEST(MotionRates, CausesBeyondTheNoiseOfTheTorqueAreNamed) {
 }
 
 TEST(MotionRates, NothingIsFoundWhereNothingIsWrongAndNumbersAreCovered) {
-  const int seeds = sample(12, 200);
+  const int seeds = sample(30, 200);
   int wrong = 0, known = 0, covered = 0;
   double square = 0.0, efficiencies = 0.0;
   for (int seed = 0; seed < seeds; ++seed) {
