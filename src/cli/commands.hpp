@@ -56,7 +56,7 @@ struct AnalyzeOptions : CommonOptions {
 };
 
 struct CompareOptions : CommonOptions {
-  int columns = 0;  ///< of the table; 0: those of the terminal, or 100
+  int columns = 0;                 ///< of the table; 0: those of the terminal, or 100
   std::vector<std::string> files;  ///< two or more designs
 };
 

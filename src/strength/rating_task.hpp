@@ -37,13 +37,13 @@ inline constexpr std::array<std::string_view, 4> kMeshLoadSourceNames{"number", 
 struct StatedFactors {
   std::optional<double> application{};  ///< K_A
   MeshLoadSource mesh_load_source = MeshLoadSource::kNumber;
-  std::optional<double> mesh_load{};   ///< K_γ, kNumber
-  double mesh_load_quantile = 0.99;    ///< share of gearboxes that K_γ covers, kTolerances
+  std::optional<double> mesh_load{};  ///< K_γ, kNumber
+  double mesh_load_quantile = 0.99;   ///< share of gearboxes that K_γ covers, kTolerances
   /// kTolerances: K_γ by mesh, held by a search of designs whose own it does not know.
   std::optional<std::array<double, train::kMeshCount>> held_mesh_load{};
-  std::optional<double> dynamic{};     ///< K_v
-  std::optional<double> flank_face{};  ///< K_Hβ
-  std::optional<double> root_face{};   ///< K_Fβ
+  std::optional<double> dynamic{};                              ///< K_v
+  std::optional<double> flank_face{};                           ///< K_Hβ
+  std::optional<double> root_face{};                            ///< K_Fβ
   std::optional<double> flank_transverse{}, root_transverse{};  ///< K_Hα, K_Fα
 };
 
