@@ -34,6 +34,7 @@
 #include "io/text/file_writer.hpp"
 #include "io/text/printable.hpp"
 #include "papers/backdrivability_figures.hpp"
+#include "papers/directional_bench_report.hpp"
 #include "papers/paper_figures_plot.hpp"
 #include "papers/paper_figures_report.hpp"
 #include "papers/published_sources.hpp"
@@ -333,6 +334,7 @@ std::vector<std::string> reproduce_figures() {
   std::vector<std::string> names(papers::kFigureNames.begin(), papers::kFigureNames.end());
   names.insert(names.end(), papers::kBackdrivabilityFigures.begin(),
                papers::kBackdrivabilityFigures.end());
+  names.insert(names.end(), papers::kDirectionalFigures.begin(), papers::kDirectionalFigures.end());
   return names;
 }
 
@@ -367,14 +369,20 @@ WrittenFigures write_figures(const ReproduceOptions& options,
   };
   add_data(papers::figure_data(figures));
   add_data(papers::backdrivability_figure_data(backdrivability));
+  add_data(papers::directional_figure_data(reproduction.directional_bench));
   std::vector<report::Plot> plots = papers::figure_plots(figures);
   for (report::Plot& plot : papers::backdrivability_figure_plots(backdrivability)) {
     plots.push_back(std::move(plot));
   }
-  WrittenFigures written{.figures = draw(plots),
-                         .paths = {},
-                         .table = papers::figures_table(figures) +
-                                  papers::backdrivability_figures_table(backdrivability)};
+  for (report::Plot& plot : papers::directional_figure_plots(reproduction.directional_bench)) {
+    plots.push_back(std::move(plot));
+  }
+  WrittenFigures written{
+      .figures = draw(plots),
+      .paths = {},
+      .table = papers::figures_table(figures) +
+               papers::backdrivability_figures_table(backdrivability) +
+               papers::directional_figures_table(reproduction.directional_bench)};
   written.paths = folder.write(std::move(files), written.figures);
   return written;
 }

@@ -18,4 +18,11 @@ std::string_view loaded_design_toml();              ///< examples/designs/loaded
 std::string_view rp96_toml();                       ///< examples/rp96.toml
 std::string_view paper_figures_toml();              ///< examples/paper-figures.toml
 
+std::string_view bench_actuator_toml();  ///< examples/actuators/directional_bench.toml
+std::string_view bench_load_toml();      ///< examples/actuators/directional_bench_load.toml
+std::string_view bench_push_toml();      ///< examples/actuators/directional_bench_push.toml
+std::string_view bench_braking_toml();   ///< examples/actuators/directional_bench_braking.toml
+std::string_view bench_angle_csv();      ///< examples/actuators/directional_bench_angle.csv
+std::string_view bench_torque_csv();     ///< examples/actuators/directional_bench_torque.csv
+
 }  // namespace gear3k::papers

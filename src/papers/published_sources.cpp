@@ -1,12 +1,16 @@
 #include "papers/published_sources.hpp"
 
 #include <numbers>
+#include <stdexcept>
 
+#include "io/files/actuator_file.hpp"
+#include "io/files/scenario_file.hpp"
 #include "io/files/specification_file.hpp"
 #include "io/text/csv_table.hpp"
 #include "papers/backdrivability_sources.hpp"
 #include "papers/embedded_data.hpp"
 #include "papers/statement_table.hpp"
+#include "strength/material.hpp"
 #include "units/units.hpp"
 
 namespace gear3k::papers {
@@ -80,8 +84,30 @@ ThesisSources thesis_sources() {
       .single_pair_contact_ratio = stated("single_pair_contact_ratio"),
       .small_skew_teeth = static_cast<int>(stated("small_skew_teeth")),
       .small_skew_percent = stated("small_skew"),
-      .sensor_sensitivity_error_percent = stated("sensor_sensitivity_error")};
+      .sensor_sensitivity_error_percent = stated("sensor_sensitivity_error"),
+      .mesh_rate_1_s = stated("mesh_rate"),
+      .largest_asymmetry_percent = stated("largest_asymmetry"),
+      .smaller_asymmetry_percent = stated("smaller_asymmetry")};
   return sources;
+}
+
+DirectionalBenchSources directional_bench_sources() {
+  const auto scenario = [](std::string_view text, const char* name) {
+    const auto table = [](const std::string& path) {
+      return std::string(path == "directional_bench_angle.csv" ? bench_angle_csv()
+                                                               : bench_torque_csv());
+    };
+    return io::parse_scenario(std::string(text), name, table).scenario;
+  };
+  // The thesis's 303 stainless is in no table; density differs little between steels.
+  const strength::Material* steel = strength::find_material("normalised low carbon steel ML MQ");
+  if (steel == nullptr || !steel->density_kgm3) throw std::invalid_argument("no density of steel");
+  return {
+      .actuator = io::parse_actuator(std::string(bench_actuator_toml()), "directional_bench.toml"),
+      .load = scenario(bench_load_toml(), "directional_bench_load.toml"),
+      .push = scenario(bench_push_toml(), "directional_bench_push.toml"),
+      .braking = scenario(bench_braking_toml(), "directional_bench_braking.toml"),
+      .steel_kg_m3 = *steel->density_kgm3};
 }
 
 }  // namespace
@@ -120,6 +146,7 @@ PublishedSources published_sources() {
   sources.figure_task =
       io::parse_specification(std::string(paper_figures_toml()), "paper-figures.toml");
   sources.thesis = thesis_sources();
+  sources.directional_bench = directional_bench_sources();
   sources.backdrivability = backdrivability_sources();
   sources.backdrivability.measured_strain_wave_Nm = sources.strain_wave_starting_torque_Nm;
   sources.backdrivability.prototype = sources.low_backlash.design.train.teeth;

@@ -204,10 +204,16 @@ GearboxComparison compare(const PublishedGearbox& gearbox) {
 }  // namespace
 
 Reproduction reproduce(const PublishedSources& sources) {
-  return {.gearboxes = {compare(sources.low_backlash), compare(sources.bilateral)},
-          .ledger = paper_ledger(sources),
-          .thesis = compare_thesis(sources.thesis),
-          .backdrivability = compare_backdrivability(sources.backdrivability)};
+  Reproduction r{.gearboxes = {compare(sources.low_backlash), compare(sources.bilateral)},
+                 .ledger = paper_ledger(sources),
+                 .thesis = compare_thesis(sources.thesis),
+                 .directional_bench = directional_bench(sources.thesis, sources.directional_bench),
+                 .backdrivability = compare_backdrivability(sources.backdrivability)};
+  for (LedgerEntry entry : r.directional_bench.ledger) {
+    entry.number = static_cast<int>(r.thesis.ledger.size()) + 1;
+    r.thesis.ledger.push_back(std::move(entry));
+  }
+  return r;
 }
 
 }  // namespace gear3k::papers

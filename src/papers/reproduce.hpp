@@ -13,6 +13,7 @@
 #include "optimize/specification.hpp"
 #include "papers/backdrivability.hpp"
 #include "papers/compared_row.hpp"
+#include "papers/directional_bench.hpp"
 #include "papers/ledger.hpp"
 #include "papers/thesis_comparison.hpp"
 
@@ -52,6 +53,7 @@ struct PublishedSources {
   optimize::Specification task;
   optimize::Specification figure_task;  ///< of the paper's figures, see paper_figures.hpp
   ThesisSources thesis;
+  DirectionalBenchSources directional_bench;
   BackdrivabilitySources backdrivability;
 };
 
@@ -88,7 +90,8 @@ struct GearboxComparison {
 struct Reproduction {
   std::vector<GearboxComparison> gearboxes;
   std::vector<LedgerEntry> ledger;
-  ThesisComparison thesis;
+  ThesisComparison thesis;  ///< its ledger goes on with that of the bench
+  DirectionalBench directional_bench;
   BackdrivabilityComparison backdrivability;
 };
 

@@ -8,6 +8,7 @@
 
 #include "io/text/json.hpp"
 #include "papers/backdrivability_report.hpp"
+#include "papers/directional_bench_report.hpp"
 #include "papers/report_parts.hpp"
 #include "report/display.hpp"
 #include "report/fields.hpp"
@@ -86,7 +87,7 @@ std::string map_excerpt(const LossMap& map, const char* title, double LossMap::P
   return fmt::format("  {}\n{}", title, table.text(4));
 }
 
-std::string thesis_table(const ThesisComparison& t) {
+std::string thesis_table(const ThesisComparison& t, const DirectionalBench& bench) {
   std::string text = fmt::format("\n{}: single-tooth loss model, full teeth, mu = {:g}\n", kThesis,
                                  t.map.friction);
   text += map_excerpt(t.map, "Mean torque loss in % (excerpt; all of it with --format json or csv)",
@@ -100,11 +101,12 @@ std::string thesis_table(const ThesisComparison& t) {
                 fixed(m.offset, 3), fixed(m.skew_factor, 0), fixed(m.rms_error, 4)});
   }
   text += models.text(4);
+  text += directional_bench_table(bench);
   text += "\nLedger of errata: directional-impedance thesis\n";
   return text + ledger_text(t.ledger, "thesis");
 }
 
-io::Json thesis_json(const ThesisComparison& t) {
+io::Json thesis_json(const ThesisComparison& t, const DirectionalBench& bench) {
   const std::size_t n = t.map.teeth.size();
   const auto matrix = [&](auto part) {
     io::Json rows = io::Json::array();
@@ -144,10 +146,11 @@ io::Json thesis_json(const ThesisComparison& t) {
             {"on_involutes", matrix(&LossMap::Point::on_involutes)}}},
           {"models", std::move(models)},
           {"rows", std::move(rows)},
+          {"bench", directional_bench_json(bench)},
           {"ledger", ledger_json(t.ledger)}};
 }
 
-std::string thesis_csv(const ThesisComparison& t) {
+std::string thesis_csv(const ThesisComparison& t, const DirectionalBench& bench) {
   std::string text;
   for (const LossMap::Point& p : t.map.points) {
     const auto line = [&](const char* part, double value) {
@@ -176,6 +179,7 @@ std::string thesis_csv(const ThesisComparison& t) {
                         exact(row.measured.loss - row.predicted[k]), ""});
     }
   }
+  text += directional_bench_csv(bench, kThesis);
   return text + ledger_csv(t.ledger, "thesis ledger");
 }
 
@@ -207,7 +211,7 @@ std::string reproduce_table(const Reproduction& r) {
   }
   text += "\nLedger of errata: low-backlash 3K gearbox paper\n";
   text += ledger_text(r.ledger, "paper");
-  text += thesis_table(r.thesis);
+  text += thesis_table(r.thesis, r.directional_bench);
   return text + backdrivability_table(r.backdrivability);
 }
 
@@ -247,7 +251,7 @@ std::string reproduce_json(const Reproduction& r) {
   const io::Json json{{"tool", tool_json()},
                       {"gearboxes", std::move(gearboxes)},
                       {"ledger", ledger_json(r.ledger)},
-                      {"directional_impedance_thesis", thesis_json(r.thesis)},
+                      {"directional_impedance_thesis", thesis_json(r.thesis, r.directional_bench)},
                       {"backdrivability_paper", backdrivability_json(r.backdrivability)}};
   return json.text();
 }
@@ -287,7 +291,7 @@ std::string reproduce_csv(const Reproduction& r) {
     line("recess factor", g.directional->recess_factor);
   }
   text += ledger_csv(r.ledger, "ledger");
-  return text + thesis_csv(r.thesis) + backdrivability_csv(r.backdrivability);
+  return text + thesis_csv(r.thesis, r.directional_bench) + backdrivability_csv(r.backdrivability);
 }
 
 }  // namespace gear3k::papers

@@ -28,6 +28,8 @@ struct ThesisStatements {
   int small_skew_teeth = 0;
   double small_skew_percent = 0.0;
   double sensor_sensitivity_error_percent = 0.0;
+  double mesh_rate_1_s = 0.0;  ///< teeth a second
+  double largest_asymmetry_percent = 0.0, smaller_asymmetry_percent = 0.0;
 };
 
 struct ThesisSources {

@@ -23,33 +23,6 @@ namespace {
 using efficiency::SinglePair;
 using report::percent;
 
-/// A pair of Table 3.1 that was measured in both directions.
-struct MeasuredBothWays {
-  MeasuredPairLoss large_drives, small_drives;
-
-  [[nodiscard]] double skew() const { return 0.5 * (large_drives.loss - small_drives.loss); }
-  [[nodiscard]] double symmetric() const { return 0.5 * (large_drives.loss + small_drives.loss); }
-  [[nodiscard]] double ratio() const {
-    return static_cast<double>(large_drives.driving_teeth) / large_drives.driven_teeth;
-  }
-  [[nodiscard]] int pinion() const { return large_drives.driven_teeth; }
-  [[nodiscard]] int gear() const { return large_drives.driving_teeth; }
-  [[nodiscard]] std::string name() const { return fmt::format("{}/{}", gear(), pinion()); }
-};
-
-std::vector<MeasuredBothWays> measured_both_ways(const std::vector<MeasuredPairLoss>& rows) {
-  std::vector<MeasuredBothWays> pairs;
-  for (const MeasuredPairLoss& large : rows) {
-    if (large.driving_teeth <= large.driven_teeth) continue;
-    for (const MeasuredPairLoss& small : rows) {
-      if (small.driving_teeth == large.driven_teeth && small.driven_teeth == large.driving_teeth) {
-        pairs.push_back({.large_drives = large, .small_drives = small});
-      }
-    }
-  }
-  return pairs;
-}
-
 class ThesisLedger {
  public:
   ThesisLedger(const ThesisSources& sources, const ThesisComparison& comparison)

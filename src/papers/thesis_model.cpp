@@ -12,6 +12,19 @@ namespace gear3k::papers {
 
 using efficiency::SinglePair;
 
+std::vector<MeasuredBothWays> measured_both_ways(const std::vector<MeasuredPairLoss>& rows) {
+  std::vector<MeasuredBothWays> pairs;
+  for (const MeasuredPairLoss& large : rows) {
+    if (large.driving_teeth <= large.driven_teeth) continue;
+    for (const MeasuredPairLoss& small : rows) {
+      if (small.driving_teeth == large.driven_teeth && small.driven_teeth == large.driving_teeth) {
+        pairs.push_back({.large_drives = large, .small_drives = small});
+      }
+    }
+  }
+  return pairs;
+}
+
 SinglePair pair_of(const ThesisStatements& s, const MeasuredPairLoss& m, double friction) {
   const auto angle = geometry::make_pressure_angle(s.pressure_angle_rad);
   const auto gear = [&](int teeth) {

@@ -1,7 +1,10 @@
 #pragma once
 // The single-tooth model of the directional-impedance thesis on its Table 3.1, and fits of it.
 
+#include <fmt/format.h>
+
 #include <Eigen/Core>
+#include <string>
 #include <vector>
 
 #include "efficiency/single_pair_loss.hpp"
@@ -11,6 +14,21 @@ namespace gear3k::papers {
 
 /// Tooth numbers of the loss map: first, last, step.
 inline constexpr int kMapFirst = 10, kMapLast = 120, kMapStep = 10;
+
+/// A pair of Table 3.1 that was measured in both directions.
+struct MeasuredBothWays {
+  MeasuredPairLoss large_drives, small_drives;
+
+  [[nodiscard]] double skew() const { return 0.5 * (large_drives.loss - small_drives.loss); }
+  [[nodiscard]] double symmetric() const { return 0.5 * (large_drives.loss + small_drives.loss); }
+  [[nodiscard]] double ratio() const {
+    return static_cast<double>(large_drives.driving_teeth) / large_drives.driven_teeth;
+  }
+  [[nodiscard]] int pinion() const { return large_drives.driven_teeth; }
+  [[nodiscard]] int gear() const { return large_drives.driving_teeth; }
+  [[nodiscard]] std::string name() const { return fmt::format("{}/{}", gear(), pinion()); }
+};
+std::vector<MeasuredBothWays> measured_both_ways(const std::vector<MeasuredPairLoss>& rows);
 
 /// A pair of full teeth without shift, as the thesis's gears, at a coefficient of friction.
 efficiency::SinglePair pair_of(const ThesisStatements& s, const MeasuredPairLoss& m,

@@ -24,6 +24,10 @@ const std::vector<std::string> kNames{"backdrivability_fig10",
                                       "backdrivability_fig11",
                                       "backdrivability_fig8",
                                       "backdrivability_scaling",
+                                      "directional_bench",
+                                      "directional_braking",
+                                      "directional_felt",
+                                      "directional_transparency",
                                       "fig6",
                                       "fig7",
                                       "fig8a",
@@ -67,6 +71,7 @@ TEST(ReproduceFigures, WritesEveryFigureAsCsvAndSvg) {
   EXPECT_EQ(result.out.substr(0, alone.size()), alone);
   EXPECT_TRUE(contains(result.out, "Figures of the low-backlash paper"));
   EXPECT_TRUE(contains(result.out, "Figures of the backdrivability-factors paper"));
+  EXPECT_TRUE(contains(result.out, "Figures of the directional-impedance thesis"));
 }
 
 // The trapezoid over Fig. 11's points between changes of sign comes near the energies of the JSON;

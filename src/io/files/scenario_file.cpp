@@ -46,7 +46,14 @@ std::vector<std::string> command_columns(motion::Control control) {
   }
 }
 
-ScenarioFiles scenario_from(const TomlValue& document, const std::string& name) {
+using TableText = std::function<std::string(const std::string&)>;
+
+std::string text_of_file(const std::string& path) {
+  return read_text(path, "a CSV file", kMostTableBytes);
+}
+
+ScenarioFiles scenario_from(const TomlValue& document, const std::string& name,
+                            const TableText& table_text) {
   refuse_other_documents(document, name, {DocumentKind::kScenario},
                          "SCENARIO takes a file with [control]");
   FileReading reading(name);
@@ -64,7 +71,7 @@ ScenarioFiles scenario_from(const TomlValue& document, const std::string& name) 
     errors.attempt([&] {
       const std::string path = (folder / file).string();
       files.inputs.push_back(path);
-      parse_time_table(read_text(path, "a CSV file", kMostTableBytes), path, columns, signal);
+      parse_time_table(table_text(path), path, columns, signal);
     });
   };
   read_table(input.control_table, command_columns(input.scenario.control), files.scenario.command);
@@ -76,11 +83,16 @@ ScenarioFiles scenario_from(const TomlValue& document, const std::string& name) 
 }  // namespace
 
 ScenarioFiles read_scenario(const std::string& path) {
-  return scenario_from(read_toml(path), path);
+  return scenario_from(read_toml(path), path, text_of_file);
 }
 
 ScenarioFiles parse_scenario(const std::string& text, const std::string& name) {
-  return scenario_from(parse_toml(text, name), name);
+  return scenario_from(parse_toml(text, name), name, text_of_file);
+}
+
+ScenarioFiles parse_scenario(const std::string& text, const std::string& name,
+                             const TableText& table_text) {
+  return scenario_from(parse_toml(text, name), name, table_text);
 }
 
 std::string scenario_key_table() { return key_table(scenario_schema()); }

@@ -1,6 +1,7 @@
 #pragma once
 // SCENARIO.toml, with the tables that it names.
 
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,6 +21,9 @@ struct ScenarioFiles {
 ScenarioFiles read_scenario(const std::string& path);
 /// The same from a text; `name` stands for the file in messages and for its folder.
 ScenarioFiles parse_scenario(const std::string& text, const std::string& name);
+/// The same with tables that are not files: `table_text` gives the text of each by its path.
+ScenarioFiles parse_scenario(const std::string& text, const std::string& name,
+                             const std::function<std::string(const std::string&)>& table_text);
 
 /// Rows of a table over time, into a signal: a column time_s that does not decrease (two rows of
 /// one time are a jump, of more the first and the last count) and the first of `columns` that is
