@@ -4,31 +4,30 @@
 
 namespace gear3k::actuator {
 
-Chain chain_of(const Actuator& actuator) {
-  const Motor& motor = actuator.motor;
-  const Gearbox& gearbox = actuator.gearbox;
+Chain chain_of(const Motor& motor, const Gearbox& gearbox, double load_kgm2) {
   const double i = gearbox.ratio;
   const double fast = std::abs(i);
-  Chain chain{.ratio = i,
-              .j1_kgm2 = i * i * motor.rotor_inertia_kgm2,
-              .j2_kgm2 = actuator.load_inertia_kgm2,
-              .d1_Nms = i * i * motor.viscous_Nms,
-              .c1_Nm = fast * motor.coulomb_Nm,
-              .c1_static_Nm = fast * motor.static_Nm};
-  if (actuator.train != nullptr) return chain;
-  chain.j1_kgm2 = i * i * (motor.rotor_inertia_kgm2 + gearbox.input_inertia_kgm2);
-  chain.j2_kgm2 = gearbox.output_inertia_kgm2 + actuator.load_inertia_kgm2;
-  chain.d2_Nms = gearbox.viscous_Nms;
-  chain.c2_Nm = gearbox.coulomb_Nm;
-  chain.c2_static_Nm = gearbox.static_Nm;
-  chain.efficiency_forward = gearbox.efficiency_forward;
-  chain.efficiency_backward = gearbox.efficiency_backward;
-  return chain;
+  return {.ratio = i,
+          .j1_kgm2 = i * i * (motor.rotor_inertia_kgm2 + gearbox.input_inertia_kgm2),
+          .j2_kgm2 = gearbox.output_inertia_kgm2 + load_kgm2,
+          .d1_Nms = i * i * motor.viscous_Nms,
+          .d2_Nms = gearbox.viscous_Nms,
+          .c1_Nm = fast * motor.coulomb_Nm,
+          .c2_Nm = gearbox.coulomb_Nm,
+          .c1_static_Nm = fast * motor.static_Nm,
+          .c2_static_Nm = gearbox.static_Nm,
+          .efficiency_forward = gearbox.efficiency_forward,
+          .efficiency_backward = gearbox.efficiency_backward};
 }
 
-double mesh_input(const Chain& chain, double mesh_Nm, double sense) {
-  return sense * mesh_Nm > 0.0 ? mesh_Nm / chain.efficiency_forward
-                               : mesh_Nm * chain.efficiency_backward;
+Chain chain_of(const Actuator& actuator) {
+  if (actuator.train == nullptr) {
+    return chain_of(actuator.motor, actuator.gearbox, actuator.load_inertia_kgm2);
+  }
+  // The train has its own inertia and losses.
+  Gearbox alone;
+  alone.ratio = actuator.gearbox.ratio;
+  return chain_of(actuator.motor, alone, actuator.load_inertia_kgm2);
 }
 
 RestBand rest_band(const Chain& chain, double load_Nm) {

@@ -21,6 +21,8 @@ struct Chain {
 };
 
 Chain chain_of(const Actuator& actuator);
+/// The same of a gearbox by values.
+Chain chain_of(const Motor& motor, const Gearbox& gearbox, double load_kgm2);
 
 /// u = h_s(m): torque that the fast side has to give to the mesh for a torque of the mesh on the
 /// output body, both at the output.
@@ -29,7 +31,10 @@ Chain chain_of(const Actuator& actuator);
 ///
 /// @param sense  s, the sign of the output's speed
 /// Source: own derivation, docs/theory §58.
-double mesh_input(const Chain& chain, double mesh_Nm, double sense);
+inline double mesh_input(const Chain& chain, double mesh_Nm, double sense) {
+  return sense * mesh_Nm > 0.0 ? mesh_Nm / chain.efficiency_forward
+                               : mesh_Nm * chain.efficiency_backward;
+}
 
 /// Torques of the fast side between which the output stays at rest.
 struct RestBand {

@@ -8,7 +8,6 @@
 #include <variant>
 
 #include "backlash/lost_motion.hpp"
-#include "design/accelerated_train.hpp"
 #include "design/evaluation.hpp"
 #include "design/mass_model.hpp"
 
@@ -27,6 +26,16 @@ design::MovingTrain moving(const DesignTrain& train) {
           .lossless_mesh = train.lossless_mesh};
 }
 
+/// By design_gear_causes().
+std::array<double, kMostGearLosses> losses_of(const TrainInstant& t) {
+  std::array<double, kMostGearLosses> loss_W{};
+  std::size_t k = 0;
+  for (const double loss : t.mesh_loss_W) loss_W[k++] = loss;
+  loss_W[k++] = t.bearing_loss_W;
+  for (const double loss : t.drag_loss_W) loss_W[k++] = loss;
+  return loss_W;
+}
+
 /// The design, or why it has no teeth that run.
 const design::Design& defined(const design::Design& design) {
   if (const auto undefined = design::why_undefined(design)) {
@@ -39,9 +48,11 @@ class DesignGear : public GearModel {
  public:
   explicit DesignGear(const Actuator& actuator)
       : train_(actuator.train),
-        moving_(moving(*train_)),
+        prepared_(moving(*train_)),
         load_kgm2_(actuator.load_inertia_kgm2),
-        constant_(train_->friction.law == efficiency::FrictionLaw::kConstant) {
+        linear_(prepared_.is_linear()),
+        constant_(train_->friction.law == efficiency::FrictionLaw::kConstant &&
+                  !efficiency::depends_on_state(train_->friction.extension)) {
     for (const auto& drag : train_->shafts.drag) {
       constant_ = constant_ && drag.quadratic_Nms2 == 0.0;
     }
@@ -53,19 +64,19 @@ class DesignGear : public GearModel {
   }
   [[nodiscard]] GearInstant at(const OutputMotion& o) const override {
     const TrainInstant t = instant(o);
-    GearInstant result{.mesh_Nm = o.sense * t.ring2_mesh_Nm,
-                       .input_Nm = o.sense * train_->ratio() * t.sun_torque_Nm};
-    std::size_t k = 0;
-    for (const double loss : t.mesh_loss_W) result.loss_W[k++] = loss;
-    result.loss_W[k++] = t.bearing_loss_W;
-    for (const double loss : t.drag_loss_W) result.loss_W[k++] = loss;
-    return result;
+    return {.mesh_Nm = o.sense * t.ring2_mesh_Nm,
+            .input_Nm = o.sense * train_->ratio() * t.sun_torque_Nm,
+            .loss_W = losses_of(t)};
   }
   void append_flow_changes(const CyclePiece& piece, std::array<double, 2> range, double sense,
                            std::vector<double>& roots) const override {
-    constexpr int kSamples = 4;
     double before = range[0];
     auto pattern = pattern_at(piece, before, sense);
+    // Between ends of one pattern torques are straight lines of one sign.
+    if (linear_ && piece.speed_rad_s[2] == 0.0 && pattern_at(piece, range[1], sense) == pattern) {
+      return;
+    }
+    constexpr int kSamples = 4;
     for (int k = 1; k <= kSamples; ++k) {
       const double x = range[0] + (range[1] - range[0]) * k / kSamples;
       const auto now = pattern_at(piece, x, sense);
@@ -93,13 +104,13 @@ class DesignGear : public GearModel {
 
   [[nodiscard]] TrainInstant instant(const OutputMotion& o) const {
     const double outside = o.load_Nm - load_kgm2_ * o.acceleration_rad_s2;
-    const auto result = design::balance_motion(
-        moving_, {.output_speed_rad_s = std::abs(o.speed_rad_s),
-                  .output_acceleration_rad_s2 = o.sense * o.acceleration_rad_s2,
-                  .given_end = train::End::kOutput,
-                  .given_torque_Nm = o.sense * outside,
-                  .temperature_K = train_->temperature_k(),
-                  .least_friction_speed_rad_s = train_->least_friction_speed_rad_s});
+    const auto result =
+        prepared_.balance({.output_speed_rad_s = std::abs(o.speed_rad_s),
+                           .output_acceleration_rad_s2 = o.sense * o.acceleration_rad_s2,
+                           .given_end = train::End::kOutput,
+                           .given_torque_Nm = o.sense * outside,
+                           .temperature_K = train_->temperature_k(),
+                           .least_friction_speed_rad_s = train_->least_friction_speed_rad_s});
     if (result.instant) return *result.instant;
     const bool no_friction = result.reason == design::NoOperation::kNoFriction;
     throw std::runtime_error(fmt::format(
@@ -128,9 +139,9 @@ class DesignGear : public GearModel {
   }
 
   std::shared_ptr<const DesignTrain> train_;
-  design::MovingTrain moving_;
+  design::PreparedTrain prepared_;
   double load_kgm2_;
-  bool constant_;
+  bool linear_, constant_;
 };
 
 }  // namespace
@@ -213,17 +224,31 @@ std::unique_ptr<GearModel> design_gear(const Actuator& actuator) {
   return std::make_unique<DesignGear>(actuator);
 }
 
+design::PreparedTrain prepared(const DesignTrain& train) {
+  return design::PreparedTrain(moving(train));
+}
+
+std::optional<GearInstant> moved_from_output(const design::PreparedTrain& prepared,
+                                             const DesignTrain& train, const OutputMotion& motion,
+                                             double input_Nm) {
+  const auto result =
+      prepared.balance({.output_speed_rad_s = std::abs(motion.speed_rad_s),
+                        .output_acceleration_rad_s2 = motion.sense * motion.acceleration_rad_s2,
+                        .given_end = train::End::kSun,
+                        .given_torque_Nm = motion.sense * input_Nm / train.ratio(),
+                        .temperature_K = train.temperature_k(),
+                        .least_friction_speed_rad_s = train.least_friction_speed_rad_s});
+  if (!result.instant) return std::nullopt;
+  return GearInstant{.mesh_Nm = -motion.sense * result.instant->output_torque_Nm,
+                     .input_Nm = input_Nm,
+                     .loss_W = losses_of(*result.instant)};
+}
+
 std::optional<double> output_torque(const DesignTrain& train, const OutputMotion& motion,
                                     double input_Nm) {
-  const auto result = design::balance_motion(
-      moving(train), {.output_speed_rad_s = std::abs(motion.speed_rad_s),
-                      .output_acceleration_rad_s2 = motion.sense * motion.acceleration_rad_s2,
-                      .given_end = train::End::kSun,
-                      .given_torque_Nm = motion.sense * input_Nm / train.ratio(),
-                      .temperature_K = train.temperature_k(),
-                      .least_friction_speed_rad_s = train.least_friction_speed_rad_s});
-  if (!result.instant) return std::nullopt;
-  return -motion.sense * result.instant->output_torque_Nm;
+  const auto moved = moved_from_output(prepared(train), train, motion, input_Nm);
+  if (!moved) return std::nullopt;
+  return moved->mesh_Nm;
 }
 
 }  // namespace gear3k::actuator

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "actuator/gear_model.hpp"
+#include "design/accelerated_train.hpp"
 #include "design/design.hpp"
 
 namespace gear3k::actuator {
@@ -61,12 +62,19 @@ std::shared_ptr<const DesignTrain> without(const DesignTrain& train, const std::
 /// The gearbox of an actuator with a train.
 std::unique_ptr<GearModel> design_gear(const Actuator& actuator);
 
-/// Torque at the output that moves the train against a given torque at the sun's end; for the first
+/// The train for many instants; refers to it.
+design::PreparedTrain prepared(const DesignTrain& train);
+
+/// A train that is moved from the output against a given torque at the sun's end; for the first
 /// harmonic of a free or braked motor.
 ///
 /// @param motion  load_Nm is not used
 /// @param input_Nm  u, of the fast side on the gearbox, reflected
-/// @returns the torque of the gearbox on the output body behind R2; empty where the train locks
+/// @returns losses by design_gear_causes(), and as mesh_Nm the torque of the gearbox on the output
+/// body behind R2; empty where the train locks
+std::optional<GearInstant> moved_from_output(const design::PreparedTrain& prepared,
+                                             const DesignTrain& train, const OutputMotion& motion,
+                                             double input_Nm);
 std::optional<double> output_torque(const DesignTrain& train, const OutputMotion& motion,
                                     double input_Nm);
 

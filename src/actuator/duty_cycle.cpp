@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <type_traits>
 #include <utility>
 
+#include "actuator/catalogue_gear.hpp"
 #include "actuator/gear_model.hpp"
 
 namespace gear3k::actuator {
@@ -19,23 +21,36 @@ constexpr double kTwoPointOffset = 0.28867513459481288225;
 
 double sign_of(double x) { return x > 0.0 ? 1.0 : x < 0.0 ? -1.0 : 0.0; }
 
-/// Motor and gearbox at a place of a piece.
-struct State {
-  OutputMotion motion{};
-  GearInstant gear{};
-  double reflected_Nm = 0.0;  ///< τ
+/// Sums over a cycle; those of the gearbox's causes come after them.
+enum SumOf : std::size_t {
+  kPositive,
+  kNegative,
+  kDrawn,
+  kRegenerated,
+  kCopper,
+  kCoulomb,
+  kViscous,
+  kDrive,
+  kSquareCurrent,
+  kSquareTorque,
+  kBackdriven,
+  kBraking,
+  kRegenerating,
+  kFirstGearCause
 };
 
+/// @tparam Gear  GearModel, or a final one of it, which is then called in line
+template <class Gear, std::size_t kCauses>
 class CycleRun {
  public:
-  CycleRun(const Actuator& actuator, bool keep)
+  CycleRun(const Actuator& actuator, const Gear& gear, bool keep)
       : actuator_(actuator),
         chain_(chain_of(actuator)),
-        gear_(gear_model(actuator)),
+        gear_(gear),
         rotor_kgm2_(chain_.ratio * chain_.ratio * actuator.motor.rotor_inertia_kgm2),
         per_torque_(1.0 / (chain_.ratio * actuator.motor.torque_constant_Nm_A)),
-        keep_(keep),
-        causes_(gear_->causes().size()) {}
+        constant_(gear.constant_efficiencies()),
+        keep_(keep) {}
 
   void add(const CyclePiece& piece, double start_s) {
     start_s_ = start_s;
@@ -43,7 +58,8 @@ class CycleRun {
       add_rest(piece);
       return;
     }
-    edges_.assign(1, 0.0);
+    edges_.clear();
+    edges_.push_back(0.0);
     append_sign_changes(piece.speed_rad_s, edges_);
     edges_.push_back(1.0);
     for (std::size_t k = 1; k < edges_.size(); ++k) add_one_way(piece, edges_[k - 1], edges_[k]);
@@ -52,36 +68,53 @@ class CycleRun {
   DutyCycle result(const Cycle& cycle, const std::vector<CyclePiece>& pieces);
 
  private:
-  template <class T>
-  struct SumsOf {
-    T positive{}, negative{}, drawn{}, regenerated{}, copper{}, coulomb{}, viscous{}, drive{};
-    T square_current{}, square_torque{}, backdriven{}, braking{}, regenerating{};
-    std::array<T, kMostGearLosses> gear{};
+  static constexpr std::size_t kSums = kFirstGearCause + kCauses;
+  using Terms = std::array<double, kSums>;
+  /// Motor and gearbox at a place of a piece.
+  struct State {
+    OutputMotion motion{};
+    GearInstantOf<kCauses> gear{};
+    double reflected_Nm = 0.0;  ///< τ
   };
-  using Sums = SumsOf<CompensatedSum>;
 
-  [[nodiscard]] State state_at(const CyclePiece& piece, double x, double sense) const {
-    State state{.motion = motion_at(piece, x, sense)};
-    state.gear = gear_->at(state.motion);
-    state.reflected_Nm = rotor_kgm2_ * state.motion.acceleration_rad_s2 +
-                         chain_.d1_Nms * state.motion.speed_rad_s + chain_.c1_Nm * sense +
+  [[nodiscard]] State state_at(const OutputMotion& motion) const {
+    State state{.motion = motion};
+    if constexpr (std::is_same_v<Gear, CatalogueGear>) {
+      state.gear = gear_.instant(motion);
+    } else {
+      state.gear = gear_.at(motion);
+    }
+    state.reflected_Nm = rotor_kgm2_ * motion.acceleration_rad_s2 +
+                         chain_.d1_Nms * motion.speed_rad_s + chain_.c1_Nm * motion.sense +
                          state.gear.input_Nm;
     return state;
+  }
+  [[nodiscard]] State state_at(const CyclePiece& piece, double x, double sense) const {
+    return state_at(motion_at(piece, x, sense));
+  }
+  /// Where speed and torque are straight lines.
+  [[nodiscard]] State state_at(const CyclePiece& piece, double x, double sense,
+                               double acceleration) const {
+    return state_at({.speed_rad_s = piece.speed_rad_s[0] + x * piece.speed_rad_s[1],
+                     .acceleration_rad_s2 = acceleration,
+                     .load_Nm = piece.load_Nm[0] + x * piece.load_Nm[1],
+                     .sense = sense});
   }
 
   /// A stretch of a piece that turns one way.
   void add_one_way(const CyclePiece& piece, double x0, double x1) {
     const double sense = sign_of(value_at(piece.speed_rad_s, 0.5 * (x0 + x1)));
     std::vector<double>& edges = flow_edges_;
-    edges.assign(1, x0);
-    gear_->append_flow_changes(piece, {x0, x1}, sense, edges);
+    edges.clear();
+    edges.push_back(x0);
+    gear_.append_flow_changes(piece, {x0, x1}, sense, edges);
     loads_.clear();
     append_sign_changes(piece.load_Nm, loads_);
     for (const double x : loads_) {
       if (x > x0 && x < x1) edges.push_back(x);
     }
     edges.push_back(x1);
-    std::ranges::sort(edges);
+    if (edges.size() > 2) std::ranges::sort(edges);
     for (std::size_t k = 1; k < edges.size(); ++k) {
       if (edges[k] > edges[k - 1]) add_one_flow(piece, edges[k - 1], edges[k], sense);
     }
@@ -89,48 +122,78 @@ class CycleRun {
 
   /// A stretch in which power flows one way through each mesh.
   void add_one_flow(const CyclePiece& piece, double x0, double x1, double sense) {
+    if (piece.speed_rad_s[2] == 0.0 && constant_) {
+      add_straight(piece, x0, x1, sense);
+      return;
+    }
     const double width = x1 - x0;
-    const double middle = 0.5 * (x0 + x1);
-    const bool straight = piece.speed_rad_s[2] == 0.0 && gear_->constant_efficiencies();
     const State first = state_at(piece, x0, sense);
     const State last = state_at(piece, x1, sense);
-    Quadratic torque{first.reflected_Nm, last.reflected_Nm - first.reflected_Nm, 0.0};
-    Quadratic speed{first.motion.speed_rad_s, last.motion.speed_rad_s - first.motion.speed_rad_s,
-                    0.0};
-    if (!straight) {
-      const State half = state_at(piece, middle, sense);
-      torque = through(first.reflected_Nm, half.reflected_Nm, last.reflected_Nm);
-      speed = through(first.motion.speed_rad_s, half.motion.speed_rad_s, last.motion.speed_rad_s);
-    }
+    const State half = state_at(piece, 0.5 * (x0 + x1), sense);
+    const Quadratic torque = through(first.reflected_Nm, half.reflected_Nm, last.reflected_Nm);
+    const Quadratic speed =
+        through(first.motion.speed_rad_s, half.motion.speed_rad_s, last.motion.speed_rad_s);
     split_power(torque, speed);
-    std::vector<double>& parts = part_edges_;
     note_peaks(first);
     note_peaks(last);
-    if (!straight) note_extremes(piece, x0, width, sense, torque, speed);
+    note_extremes(piece, x0, width, sense, torque, speed);
+    for_each_part(x0, x1, [&](double begin, double end) {
+      const double seconds = (end - begin) * piece.duration_s;
+      const auto at = [&](std::size_t g) {
+        return terms_of(state_at(piece, begin + (end - begin) * kGaussNodes[g], sense),
+                        seconds * kGaussWeights[g]);
+      };
+      Terms terms = at(0);
+      add_to(terms, at(1));
+      add_to(terms, at(2));
+      sums_.add(terms);
+      keep_part(piece, begin, end, sense);
+    });
+  }
+  /// The same where speed and torque are straight lines.
+  void add_straight(const CyclePiece& piece, double x0, double x1, double sense) {
+    const double acceleration = piece.acceleration(0.0);
+    const State first = state_at(piece, x0, sense, acceleration);
+    const State last = state_at(piece, x1, sense, acceleration);
+    split_power(
+        {first.reflected_Nm, last.reflected_Nm - first.reflected_Nm, 0.0},
+        {first.motion.speed_rad_s, last.motion.speed_rad_s - first.motion.speed_rad_s, 0.0});
+    note_peaks(first);
+    note_peaks(last);
+    for_each_part(x0, x1, [&](double begin, double end) {
+      const double seconds = (end - begin) * piece.duration_s * 0.5;
+      const auto at = [&](double place) {
+        return terms_of(state_at(piece, begin + (end - begin) * place, sense, acceleration),
+                        seconds);
+      };
+      Terms terms = at(0.5 - kTwoPointOffset);
+      add_to(terms, at(0.5 + kTwoPointOffset));
+      sums_.add(terms);
+      keep_part(piece, begin, end, sense);
+    });
+  }
+
+  /// Between the edges of split_power().
+  template <class Take>
+  void for_each_part(double x0, double x1, Take take) {
+    const double width = x1 - x0;
+    const std::vector<double>& parts = part_edges_;
     for (std::size_t k = 1; k < parts.size(); ++k) {
       const double begin = x0 + width * parts[k - 1];
       const double end = k + 1 == parts.size() ? x1 : x0 + width * parts[k];
-      if (!(end > begin)) continue;
-      const auto take = [&](double place, double weight) {
-        accumulate(state_at(piece, begin + (end - begin) * place, sense),
-                   (end - begin) * piece.duration_s * weight);
-      };
-      if (straight) {
-        for (const double offset : {-kTwoPointOffset, kTwoPointOffset}) take(0.5 + offset, 0.5);
-      } else {
-        for (std::size_t g = 0; g < kGaussNodes.size(); ++g) take(kGaussNodes[g], kGaussWeights[g]);
-      }
-      end_part();
-      if (keep_) {
-        keep_instant(state_at(piece, begin, sense), start_s_ + begin * piece.duration_s);
-        keep_instant(state_at(piece, end, sense), start_s_ + end * piece.duration_s);
-      }
+      if (end > begin) take(begin, end);
     }
+  }
+  void keep_part(const CyclePiece& piece, double begin, double end, double sense) {
+    if (!keep_) return;
+    keep_instant(state_at(piece, begin, sense), start_s_ + begin * piece.duration_s);
+    keep_instant(state_at(piece, end, sense), start_s_ + end * piece.duration_s);
   }
 
   /// Sets part_edges_: 0, where τ, P_el or P_bus change sign, 1.
   void split_power(const Quadratic& torque, const Quadratic& speed) {
-    part_edges_.assign(1, 0.0);
+    part_edges_.clear();
+    part_edges_.push_back(0.0);
     append_sign_changes(torque, part_edges_);
     const double copper = actuator_.motor.resistance_ohm * per_torque_ * per_torque_;
     Quartic power = product(torque, speed);
@@ -143,7 +206,7 @@ class CycleRun {
       append_sign_changes(power, part_edges_);
     }
     part_edges_.push_back(1.0);
-    std::ranges::sort(part_edges_);
+    if (part_edges_.size() > 2) std::ranges::sort(part_edges_);
   }
 
   [[nodiscard]] double current(const State& state) const {
@@ -154,52 +217,41 @@ class CycleRun {
            actuator_.motor.torque_constant_Nm_A * chain_.ratio * state.motion.speed_rad_s;
   }
 
-  /// Adds a node of a part to its sums; end_part() then adds the part to those of the cycle.
-  void accumulate(const State& state, double seconds) {
+  /// What a node of a part adds to the sums.
+  [[nodiscard]] Terms terms_of(const State& state, double seconds) const {
     const double w = state.motion.speed_rad_s;
     const double amperes = current(state);
     const double copper = actuator_.motor.resistance_ohm * amperes * amperes;
     const double electrical = copper + state.reflected_Nm * w;
-    const double given = state.motion.load_Nm * w;
+    const double load = state.motion.load_Nm * w;
     const Drive& drive = actuator_.drive;
     const double bus = (electrical > 0.0 ? electrical / drive.efficiency_motoring
                                          : electrical * drive.efficiency_regenerating) +
                        drive.standby_W;
-    (given > 0.0 ? part_.negative : part_.positive) += std::abs(given) * seconds;
-    (bus > 0.0 ? part_.drawn : part_.regenerated) += std::abs(bus) * seconds;
-    part_.copper += copper * seconds;
-    part_.coulomb += chain_.c1_Nm * state.motion.sense * w * seconds;
-    part_.viscous += chain_.d1_Nms * w * w * seconds;
-    part_.drive += (bus - electrical) * seconds;
-    for (std::size_t k = 0; k < causes_; ++k) {
-      part_.gear[k] += state.gear.loss_W[k] * seconds;
+    const double moved = std::abs(load) * seconds;
+    const double given = load > 0.0 ? moved : 0.0;
+    const double taken = std::abs(bus) * seconds;
+    Terms t;
+    t[kPositive] = load > 0.0 ? 0.0 : moved;
+    t[kNegative] = given;
+    t[kDrawn] = bus > 0.0 ? taken : 0.0;
+    t[kRegenerated] = bus > 0.0 ? 0.0 : taken;
+    t[kCopper] = copper * seconds;
+    t[kCoulomb] = chain_.c1_Nm * state.motion.sense * w * seconds;
+    t[kViscous] = chain_.d1_Nms * w * w * seconds;
+    t[kDrive] = (bus - electrical) * seconds;
+    t[kSquareCurrent] = amperes * amperes * seconds;
+    t[kSquareTorque] = state.reflected_Nm * state.reflected_Nm * seconds;
+    t[kBackdriven] = state.gear.mesh_Nm * w < 0.0 ? given : 0.0;
+    t[kBraking] = state.reflected_Nm * w < 0.0 ? given : 0.0;
+    t[kRegenerating] = electrical < 0.0 ? given : 0.0;
+    for (std::size_t k = 0; k < kCauses; ++k) {
+      t[kFirstGearCause + k] = state.gear.loss_W[k] * seconds;
     }
-    part_.square_current += amperes * amperes * seconds;
-    part_.square_torque += state.reflected_Nm * state.reflected_Nm * seconds;
-    if (!(given > 0.0)) return;
-    if (state.gear.mesh_Nm * w < 0.0) part_.backdriven += given * seconds;
-    if (state.reflected_Nm * w < 0.0) part_.braking += given * seconds;
-    if (electrical < 0.0) part_.regenerating += given * seconds;
+    return t;
   }
-
-  void end_part() {
-    const auto add = [&](auto member) { (sums_.*member.first).add(part_.*member.second); };
-    using Part = SumsOf<double>;
-    add(std::pair(&Sums::positive, &Part::positive));
-    add(std::pair(&Sums::negative, &Part::negative));
-    add(std::pair(&Sums::drawn, &Part::drawn));
-    add(std::pair(&Sums::regenerated, &Part::regenerated));
-    add(std::pair(&Sums::copper, &Part::copper));
-    add(std::pair(&Sums::coulomb, &Part::coulomb));
-    add(std::pair(&Sums::viscous, &Part::viscous));
-    add(std::pair(&Sums::drive, &Part::drive));
-    add(std::pair(&Sums::square_current, &Part::square_current));
-    add(std::pair(&Sums::square_torque, &Part::square_torque));
-    add(std::pair(&Sums::backdriven, &Part::backdriven));
-    add(std::pair(&Sums::braking, &Part::braking));
-    add(std::pair(&Sums::regenerating, &Part::regenerating));
-    for (std::size_t k = 0; k < causes_; ++k) sums_.gear[k].add(part_.gear[k]);
-    part_ = {};
+  static void add_to(Terms& terms, const Terms& more) {
+    for (std::size_t k = 0; k < kSums; ++k) terms[k] += more[k];
   }
 
   void note_peaks(const State& state) {
@@ -239,7 +291,7 @@ class CycleRun {
   /// The output rests: the torque of least magnitude that holds it.
   [[nodiscard]] State resting(const CyclePiece& piece, double x) const {
     State state{.motion = motion_at(piece, x, 0.0)};
-    const RestBand band = gear_->band(state.motion.load_Nm);
+    const RestBand band = gear_.band(state.motion.load_Nm);
     const double low = band.low_Nm - chain_.c1_static_Nm;
     const double high = band.high_Nm + chain_.c1_static_Nm;
     state.reflected_Nm = low > 0.0 ? low : high < 0.0 ? high : 0.0;
@@ -250,22 +302,21 @@ class CycleRun {
 
   const Actuator& actuator_;
   Chain chain_;
-  std::unique_ptr<GearModel> gear_;
+  const Gear& gear_;
   double rotor_kgm2_, per_torque_;
-  bool keep_;
+  bool constant_, keep_;
   double start_s_ = 0.0;
   std::vector<double> edges_, flow_edges_, part_edges_, loads_;
-  Sums sums_;
-  SumsOf<double> part_;
-  std::size_t causes_ = 0;  ///< of the gearbox
+  CompensatedSums<kSums> sums_;
   double peak_current_A_ = 0.0, peak_voltage_V_ = 0.0, peak_speed_rad_s_ = 0.0,
          peak_torque_Nm_ = 0.0;
   std::vector<MotorInstant> instants_;
 };
 
-void CycleRun::add_rest(const CyclePiece& piece) {
+template <class Gear, std::size_t kCauses>
+void CycleRun<Gear, kCauses>::add_rest(const CyclePiece& piece) {
   std::vector<double> edges{0.0};
-  const double hold = gear_->static_nm();
+  const double hold = gear_.static_nm();
   for (const double kink : {-hold, hold}) {
     append_sign_changes(Quadratic{piece.load_Nm[0] - kink, piece.load_Nm[1], 0.0}, edges);
   }
@@ -275,8 +326,8 @@ void CycleRun::add_rest(const CyclePiece& piece) {
   for (std::size_t k = 1; k < edges.size(); ++k) {
     const double width = edges[k] - edges[k - 1];
     if (!(width > 0.0)) continue;
-    const RestBand from = gear_->band(value_at(piece.load_Nm, edges[k - 1]));
-    const RestBand to = gear_->band(value_at(piece.load_Nm, edges[k]));
+    const RestBand from = gear_.band(value_at(piece.load_Nm, edges[k - 1]));
+    const RestBand to = gear_.band(value_at(piece.load_Nm, edges[k]));
     std::vector<double> places;
     append_sign_changes(Quadratic{from.low_Nm - chain_.c1_static_Nm, to.low_Nm - from.low_Nm, 0.0},
                         places);
@@ -287,12 +338,13 @@ void CycleRun::add_rest(const CyclePiece& piece) {
     parts.push_back(edges[k]);
   }
   for (std::size_t k = 1; k < parts.size(); ++k) {
+    Terms terms{};
     for (std::size_t g = 0; g < kGaussNodes.size(); ++g) {
       const double width = parts[k] - parts[k - 1];
-      accumulate(resting(piece, parts[k - 1] + width * kGaussNodes[g]),
-                 width * piece.duration_s * kGaussWeights[g]);
+      add_to(terms, terms_of(resting(piece, parts[k - 1] + width * kGaussNodes[g]),
+                             width * piece.duration_s * kGaussWeights[g]));
     }
-    end_part();
+    sums_.add(terms);
     for (const double x : {parts[k - 1], parts[k]}) {
       note_peaks(resting(piece, x));
       if (keep_) keep_instant(resting(piece, x), start_s_ + x * piece.duration_s);
@@ -365,41 +417,43 @@ double balance_error_of(const DutyCycle& d) {
   return magnitude == 0.0 ? 0.0 : std::abs(difference.value()) / magnitude;
 }
 
-DutyCycle CycleRun::result(const Cycle& cycle, const std::vector<CyclePiece>& pieces) {
+template <class Gear, std::size_t kCauses>
+DutyCycle CycleRun<Gear, kCauses>::result(const Cycle& cycle,
+                                          const std::vector<CyclePiece>& pieces) {
   DutyCycle d{.period_s = cycle.time_s.back() - cycle.time_s.front(),
               .periodic = is_periodic(cycle),
-              .positive_J = sums_.positive.value(),
-              .negative_J = sums_.negative.value(),
-              .drawn_J = sums_.drawn.value(),
-              .regenerated_J = sums_.regenerated.value()};
-  d.losses = {{.cause = "copper", .energy_J = sums_.copper.value()},
-              {.cause = "motor_coulomb", .energy_J = sums_.coulomb.value()},
-              {.cause = "motor_viscous", .energy_J = sums_.viscous.value()}};
-  for (std::size_t k = 0; k < gear_->causes().size(); ++k) {
-    d.losses.push_back({.cause = gear_->causes()[k], .energy_J = sums_.gear[k].value()});
+              .positive_J = sums_.value(kPositive),
+              .negative_J = sums_.value(kNegative),
+              .drawn_J = sums_.value(kDrawn),
+              .regenerated_J = sums_.value(kRegenerated)};
+  d.losses = {{.cause = "copper", .energy_J = sums_.value(kCopper)},
+              {.cause = "motor_coulomb", .energy_J = sums_.value(kCoulomb)},
+              {.cause = "motor_viscous", .energy_J = sums_.value(kViscous)}};
+  for (std::size_t k = 0; k < kCauses; ++k) {
+    d.losses.push_back({.cause = gear_.causes()[k], .energy_J = sums_.value(kFirstGearCause + k)});
   }
-  d.losses.push_back({.cause = "drive", .energy_J = sums_.drive.value()});
+  d.losses.push_back({.cause = "drive", .energy_J = sums_.value(kDrive)});
   const double first = pieces.front().speed_rad_s[0];
   const double last = cycle.angles ? value_at(pieces.back().speed_rad_s, 1.0) : cycle.motion.back();
-  d.kinetic_J = 0.5 * (rotor_kgm2_ + gear_->inertia_kgm2()) * (last - first) * (last + first);
+  d.kinetic_J = 0.5 * (rotor_kgm2_ + gear_.inertia_kgm2()) * (last - first) * (last + first);
   d.balance_error = balance_error_of(d);
-  const double mean_square = sums_.square_current.value() / d.period_s;
+  const double mean_square = sums_.value(kSquareCurrent) / d.period_s;
   d.peak_current_A = peak_current_A_;
   d.rms_current_A = std::sqrt(mean_square);
   d.peak_voltage_V = peak_voltage_V_;
   d.peak_motor_speed_rad_s = peak_speed_rad_s_;
   d.peak_motor_torque_Nm = peak_torque_Nm_;
   d.rms_motor_torque_Nm =
-      std::sqrt(sums_.square_torque.value() / d.period_s) / std::abs(chain_.ratio);
+      std::sqrt(sums_.value(kSquareTorque) / d.period_s) / std::abs(chain_.ratio);
   if (d.negative_J > 0.0) {
-    d.shares = {.backdriven = sums_.backdriven.value() / d.negative_J,
-                .motor_braking = sums_.braking.value() / d.negative_J,
-                .regenerating = sums_.regenerating.value() / d.negative_J};
+    d.shares = {.backdriven = sums_.value(kBackdriven) / d.negative_J,
+                .motor_braking = sums_.value(kBraking) / d.negative_J,
+                .regenerating = sums_.value(kRegenerating) / d.negative_J};
   }
   d.winding =
       winding_state(actuator_.motor,
                     {.mean_square_current_A2 = mean_square,
-                     .friction_W = (sums_.coulomb.value() + sums_.viscous.value()) / d.period_s});
+                     .friction_W = (sums_.value(kCoulomb) + sums_.value(kViscous)) / d.period_s});
   if (!d.periodic) {
     d.notes.emplace_back(
         "the cycle does not close (its first and last row differ): it is taken once, not as "
@@ -412,13 +466,23 @@ DutyCycle CycleRun::result(const Cycle& cycle, const std::vector<CyclePiece>& pi
   return d;
 }
 
+template <class Gear, std::size_t kCauses>
+DutyCycle run_with(const Actuator& actuator, const Gear& gear, const Cycle& cycle, bool keep) {
+  const std::vector<CyclePiece> pieces = pieces_of(cycle);
+  CycleRun<Gear, kCauses> run(actuator, gear, keep);
+  for (std::size_t k = 0; k < pieces.size(); ++k) run.add(pieces[k], cycle.time_s[k]);
+  return run.result(cycle, pieces);
+}
+
 }  // namespace
 
 DutyCycle run_cycle(const Actuator& actuator, const Cycle& cycle, bool keep_instants) {
-  const std::vector<CyclePiece> pieces = pieces_of(cycle);
-  CycleRun run(actuator, keep_instants);
-  for (std::size_t k = 0; k < pieces.size(); ++k) run.add(pieces[k], cycle.time_s[k]);
-  return run.result(cycle, pieces);
+  if (actuator.train == nullptr) {
+    return run_with<CatalogueGear, CatalogueGear::kCauses>(actuator, CatalogueGear(actuator), cycle,
+                                                           keep_instants);
+  }
+  return run_with<GearModel, kMostGearLosses>(actuator, *gear_model(actuator), cycle,
+                                              keep_instants);
 }
 
 }  // namespace gear3k::actuator

@@ -21,11 +21,13 @@ struct OutputMotion {
 inline constexpr std::size_t kMostGearLosses = 8;
 
 /// Torques at the output, and where power is lost.
-struct GearInstant {
-  double mesh_Nm = 0.0;                          ///< m, of the mesh on the output body
-  double input_Nm = 0.0;                         ///< u, of the fast side on the gearbox, reflected
-  std::array<double, kMostGearLosses> loss_W{};  ///< by GearModel::causes()
+template <std::size_t kCauses>
+struct GearInstantOf {
+  double mesh_Nm = 0.0;                  ///< m, of the mesh on the output body
+  double input_Nm = 0.0;                 ///< u, of the fast side on the gearbox, reflected
+  std::array<double, kCauses> loss_W{};  ///< by GearModel::causes()
 };
+using GearInstant = GearInstantOf<kMostGearLosses>;
 
 class GearModel {
  public:
@@ -55,6 +57,11 @@ class GearModel {
 std::unique_ptr<GearModel> gear_model(const Actuator& actuator);
 
 /// The output at a place of a piece.
-OutputMotion motion_at(const CyclePiece& piece, double x, double sense);
+inline OutputMotion motion_at(const CyclePiece& piece, double x, double sense) {
+  return {.speed_rad_s = value_at(piece.speed_rad_s, x),
+          .acceleration_rad_s2 = piece.acceleration(x),
+          .load_Nm = value_at(piece.load_Nm, x),
+          .sense = sense};
+}
 
 }  // namespace gear3k::actuator

@@ -45,20 +45,8 @@ Quadratic through(double at_0, double at_half, double at_1) {
   return {at_0, (at_1 - at_0) - curvature, curvature};
 }
 
-Quartic product(const Quadratic& a, const Quadratic& b) {
-  Quartic p{};
-  for (std::size_t j = 0; j < a.size(); ++j) {
-    for (std::size_t k = 0; k < b.size(); ++k) p[j + k] += a[j] * b[k];
-  }
-  return p;
-}
-
 // NOLINTNEXTLINE(misc-no-recursion): once per degree
-void append_sign_changes(const Quartic& p, std::vector<double>& roots) {
-  // The constant outweighs all others on [0, 1].
-  if (std::abs(p[0]) > std::abs(p[1]) + std::abs(p[2]) + std::abs(p[3]) + std::abs(p[4])) {
-    return;
-  }
+void append_roots(const Quartic& p, std::vector<double>& roots) {
   if (p[4] == 0.0 && p[3] == 0.0) {
     if (p[2] != 0.0) {
       append_quadratic(p[0], p[1], p[2], roots);
@@ -75,10 +63,6 @@ void append_sign_changes(const Quartic& p, std::vector<double>& roots) {
       append_inside(bisect(p, ends[k - 1], ends[k]), roots);
     }
   }
-}
-
-void append_sign_changes(const Quadratic& p, std::vector<double>& roots) {
-  append_sign_changes(Quartic{p[0], p[1], p[2], 0.0, 0.0}, roots);
 }
 
 }  // namespace gear3k::actuator

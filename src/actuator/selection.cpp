@@ -11,6 +11,7 @@
 #include "actuator/duty_cycle.hpp"
 #include "actuator/felt.hpp"
 #include "actuator/reflected.hpp"
+#include "actuator/screening.hpp"
 #include "actuator/winding.hpp"
 
 namespace gear3k::actuator {
@@ -18,41 +19,14 @@ namespace gear3k::actuator {
 namespace {
 
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
-/// Bounds are lowered by this share: their rounding is not that of the exact cycle.
-constexpr double kRoom = 1e-9;
-
-Actuator actuator_of(const SelectionTask& task, const Pair& pair) {
-  Actuator a{.name = {},
-             .motor = task.motors[pair.motor].motor,
-             .gearbox = task.gearboxes[pair.gearbox].gearbox,
-             .drive = task.drive,
-             .load_inertia_kgm2 = task.load_inertia_kgm2,
-             .felt = task.felt,
-             .train = nullptr};
-  a.motor.heat.ambient_K = task.ambient_K;
-  return a;
-}
-
-/// What no cycle changes.
-void set_constants(const Actuator& a, PairResult& r) {
-  const Chain chain = chain_of(a);
-  if (a.motor.mass_kg && a.gearbox.mass_kg) r.mass_kg = *a.motor.mass_kg + *a.gearbox.mass_kg;
-  if (chain.efficiency_backward > 0.0) {
-    r.breakaway_Nm = chain.c2_static_Nm + chain.c1_static_Nm / chain.efficiency_backward;
-  }
-  r.inertia_kgm2 = chain.j1_kgm2 + a.gearbox.output_inertia_kgm2;
-}
 
 /// Empty without a limit of it.
 std::optional<Felt> felt_of(const Actuator& a) {
-  const FeltLimits& limits = a.felt;
-  if (!limits.max_inertia_kgm2 && !limits.max_breakaway_Nm && !limits.max_transparency) {
-    return std::nullopt;
-  }
+  if (!limits_felt(a.felt)) return std::nullopt;
   const Reflected r = reflected(a);
   Felt felt{.inertia_kgm2 = r.speeding_up_kgm2.value_or(kUnbounded),
             .breakaway_Nm = r.breakaway_Nm.value_or(kUnbounded)};
-  if (const auto& torque = limits.transparency_torque_Nm) {
+  if (const auto& torque = a.felt.transparency_torque_Nm) {
     felt.transparency = felt_torque(a, *torque).transparency.value_or(kUnbounded);
   }
   return felt;
@@ -72,89 +46,6 @@ double objective_of(Objective objective, const PairResult& r) {
       break;
   }
   return r.inertia_kgm2;
-}
-
-double total_time(const SelectionTask& task) {
-  double time = 0.0;
-  for (std::size_t k = 0; k < task.cycles.size(); ++k) {
-    time += task.weights[k] * (task.cycles[k].time_s.back() - task.cycles[k].time_s.front());
-  }
-  return time;
-}
-
-/// A gearbox with the moments of all cycles.
-struct ScreenedGearbox {
-  std::vector<CycleMoments> moments;
-  double rms_torque_Nm = 0.0, peak_torque_Nm = 0.0;
-};
-
-ScreenedGearbox screen_gearbox(const SelectionTask& task, std::size_t gearbox, double time_s) {
-  ScreenedGearbox result;
-  Actuator a = actuator_of(task, {.motor = 0, .gearbox = gearbox});
-  double square = 0.0;
-  for (std::size_t k = 0; k < task.cycles.size(); ++k) {
-    result.moments.push_back(cycle_moments(a, task.cycles[k]));
-    const CycleMoments& m = result.moments.back();
-    square += task.weights[k] * m.square_mesh;
-    result.peak_torque_Nm = std::max(result.peak_torque_Nm, m.peak_mesh_Nm);
-  }
-  result.rms_torque_Nm = std::sqrt(square / time_s);
-  return result;
-}
-
-/// Peaks of current and voltage at the ends of all parts.
-void bound_peaks(const ScreenedGearbox& gearbox, const Motor& motor, const Chain& chain,
-                 double rotor_kgm2, PairResult& r) {
-  const double per_torque = 1.0 / (chain.ratio * motor.torque_constant_Nm_A);
-  const double back = motor.torque_constant_Nm_A * chain.ratio;
-  double current = 0.0;
-  double voltage = 0.0;
-  for (const CycleMoments& m : gearbox.moments) {
-    for (const auto& [u, a, w, s] : m.points) {
-      const double amperes = (u + rotor_kgm2 * a + chain.d1_Nms * w + chain.c1_Nm * s) * per_torque;
-      current = std::max(current, std::abs(amperes));
-      voltage = std::max(voltage, std::abs(motor.resistance_ohm * amperes + back * w));
-    }
-  }
-  r.peak_current_A = current * (1.0 - kRoom);
-  r.peak_voltage_V = voltage * (1.0 - kRoom);
-}
-
-/// Bounds from below of everything that a pair's exact cycles give.
-PairResult bounds_of(const SelectionTask& task, const Pair& pair, const ScreenedGearbox& gearbox,
-                     double time_s) {
-  const Actuator a = actuator_of(task, pair);
-  const Chain chain = chain_of(a);
-  PairResult r{.pair = pair};
-  set_constants(a, r);
-  const double rotor = chain.ratio * chain.ratio * a.motor.rotor_inertia_kgm2;
-  const double torque_constant = chain.ratio * a.motor.torque_constant_Nm_A;
-  const double per_square = 1.0 / (torque_constant * torque_constant);
-  double square = 0.0;
-  double energy = 0.0;
-  double magnitude = 0.0;
-  for (std::size_t k = 0; k < gearbox.moments.size(); ++k) {
-    const CycleMoments& m = gearbox.moments[k];
-    const double amperes2 = square_torque(m, chain, rotor) * per_square;
-    square += task.weights[k] * amperes2;
-    // ∫ τ w: rows of M with w.
-    const double work = m.input_work_J + rotor * m.square[1][2] + chain.d1_Nms * m.square[2][2] +
-                        chain.c1_Nm * m.square[3][2];
-    const double copper = a.motor.resistance_ohm * amperes2;
-    const double standby = task.drive.standby_W * m.period_s;
-    energy += task.weights[k] * (copper + work + standby);
-    magnitude += task.weights[k] * (copper + std::abs(work) + standby);
-  }
-  r.energy_J = energy - kRoom * magnitude;
-  r.rms_current_A = std::sqrt(square / time_s) * (1.0 - kRoom);
-  r.rms_torque_Nm = gearbox.rms_torque_Nm * (1.0 - kRoom);
-  r.peak_torque_Nm = gearbox.peak_torque_Nm * (1.0 - kRoom);
-  judge(task, r, 0.0, r);
-  if (!(r.excess > 0.0)) {
-    bound_peaks(gearbox, a.motor, chain, rotor, r);
-    judge(task, r, 0.0, r);
-  }
-  return r;
 }
 
 void require_task_of(const SelectionTask& task) {
@@ -186,13 +77,11 @@ struct Candidate {
 /// Verdicts of all pairs by their bounds.  @returns those that are left, the most promising first:
 /// they rule out the others
 std::vector<Candidate> screen(const SelectionTask& task, Selection& selection) {
-  const double time_s = total_time(task);
   selection.verdicts.reserve(task.motors.size() * task.gearboxes.size());
   std::vector<Candidate> candidates;
+  Screening screening(task);
   for (std::size_t g = 0; g < task.gearboxes.size() && !task.motors.empty(); ++g) {
-    const ScreenedGearbox screened = screen_gearbox(task, g, time_s);
-    for (std::size_t m = 0; m < task.motors.size(); ++m) {
-      const PairResult bound = bounds_of(task, {.motor = m, .gearbox = g}, screened, time_s);
+    for (const PairResult& bound : screening.bounds(g)) {
       PairVerdict verdict{.pair = bound.pair, .limit = bound.limit, .excess = bound.excess};
       if (bound.excess > 0.0) {
         verdict.status = PairStatus::kInfeasible;
@@ -292,11 +181,10 @@ void judge(const SelectionTask& task, const PairResult& values, double friction_
     hold(PairLimit::kTransparency, values.felt->transparency.value_or(0.0),
          task.felt.max_transparency);
   }
-  Motor warm = motor.motor;
-  warm.heat.ambient_K = task.ambient_K;
-  const auto state =
-      winding_state(warm, {.mean_square_current_A2 = values.rms_current_A * values.rms_current_A,
-                           .friction_W = friction_W});
+  const auto state = winding_state(
+      motor.motor, {.mean_square_current_A2 = values.rms_current_A * values.rms_current_A,
+                    .friction_W = friction_W,
+                    .ambient_K = task.ambient_K});
   judged.winding_K = state ? state->winding_K : std::nullopt;
   for (const auto& most : {task.max_winding_K, motor.motor.heat.max_winding_K}) {
     if (!state || !most) continue;
@@ -337,13 +225,13 @@ PairResult run_pair(const SelectionTask& task, const Pair& pair) {
   const Actuator a = actuator_of(task, pair);
   const double time_s = total_time(task);
   PairResult r{.pair = pair};
-  set_constants(a, r);
+  set_constants(a.motor, a.gearbox, chain_of(a), r);
   double square = 0.0;
   double friction = 0.0;
   double mesh = 0.0;
   for (std::size_t k = 0; k < task.cycles.size(); ++k) {
     const DutyCycle d = run_cycle(a, task.cycles[k]);
-    const CycleMoments m = cycle_moments(a, task.cycles[k]);
+    const CycleMoments m = cycle_moments(a, pieces_of(task.cycles[k]));
     r.energy_J += task.weights[k] * (d.drawn_J - d.regenerated_J);
     square += task.weights[k] * d.rms_current_A * d.rms_current_A * d.period_s;
     for (const LossEnergy& loss : d.losses) {

@@ -162,7 +162,7 @@ struct CycleMoments {
   double period_s = 0.0;
   std::vector<std::array<double, 4>> points;  ///< b at the ends of all parts
 };
-CycleMoments cycle_moments(const Actuator& actuator, const Cycle& cycle);
+CycleMoments cycle_moments(const Actuator& actuator, const std::vector<CyclePiece>& pieces);
 
 /// ∫ τ² dt of a motor: pᵀ M p.
 double square_torque(const CycleMoments& moments, const Chain& chain, double rotor_kgm2);

@@ -26,11 +26,12 @@ std::optional<WindingState> winding_state(const Motor& motor, const HeatSources&
     state.runaway = true;
     return state;
   }
-  const double at_ambient = q * (1.0 + kCopperSlope_1_K * (h.ambient_K - kResistanceTemperature_K));
+  const double ambient_K = heat.ambient_K.value_or(h.ambient_K);
+  const double at_ambient = q * (1.0 + kCopperSlope_1_K * (ambient_K - kResistanceTemperature_K));
   const double rise = ((r1 + r2) * at_ambient + r2 * heat.friction_W) / denominator;
-  state.winding_K = h.ambient_K + rise;
+  state.winding_K = ambient_K + rise;
   const double copper_W = at_ambient + kCopperSlope_1_K * q * rise;
-  state.housing_K = h.ambient_K + r2 * (copper_W + heat.friction_W);
+  state.housing_K = ambient_K + r2 * (copper_W + heat.friction_W);
   return state;
 }
 

@@ -10,7 +10,8 @@ namespace gear3k::actuator {
 /// What heats a motor, by means over a cycle.
 struct HeatSources {
   double mean_square_current_A2 = 0.0;
-  double friction_W = 0.0;  ///< of the motor, into the housing
+  double friction_W = 0.0;            ///< of the motor, into the housing
+  std::optional<double> ambient_K{};  ///< in place of the motor's
 };
 
 struct WindingState {

@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "design/train_motion.hpp"
 
@@ -14,6 +17,7 @@ namespace {
 
 using train::kMeshCount;
 using Kinematics = std::array<MeshKinematics<double>, kMeshCount>;
+using Efficiencies = std::array<train::DriverEfficiencies<double>, kMeshCount>;
 
 constexpr int kMostMotionPasses = 5000;
 constexpr int kFullMotionSteps = 50;
@@ -95,9 +99,61 @@ TrainInstant instant_of(const MovingTrain& t, const TrainMotion& motion, const M
   return instant;
 }
 
+/// Efficiencies where friction depends on neither speed nor load, by whether the train drives
+/// forward; empty where it does, or has no value.
+std::optional<std::array<Efficiencies, 2>> fixed_efficiencies(const MovingTrain& t,
+                                                              const Kinematics& mesh) {
+  const ShaftLosses<double>& shafts = t.lossy.shafts;
+  if (t.lossy.friction.law != efficiency::FrictionLaw::kConstant ||
+      efficiency::depends_on_state(t.lossy.friction.extension) ||
+      shafts.planet_bearing_coefficient != 0.0 || shafts.output_bearing_share != 0.0) {
+    return std::nullopt;
+  }
+  std::array<Efficiencies, 2> result{};
+  for (const bool forward : {false, true}) {
+    MovingState state{};
+    MeshTorques<double> torque_Nm{};
+    torque_Nm[train::kMeshP2R2] = forward ? 1.0 : 0.0;
+    if (!set_friction(t, {}, mesh, torque_Nm, {}, state)) return std::nullopt;
+    result[forward ? 1 : 0] = state.loaded.efficiency;
+  }
+  return result;
+}
+
 }  // namespace
 
+struct PreparedTrain::Parts {
+  MovingTrain train;
+  std::array<MeshConstants<double>, kMeshCount> constants{};
+  Kinematics at_rest{};
+  bool contact = true;
+  std::optional<std::array<Efficiencies, 2>> fixed{};
+};
+
+PreparedTrain::PreparedTrain(const MovingTrain& train) {
+  const auto& meshes = train.lossy.geometry.meshes;
+  auto parts = std::make_shared<Parts>(Parts{.train = train});
+  parts->contact =
+      std::ranges::all_of(meshes, [](const auto& mesh) { return mesh.contact_ratio > 0.0; });
+  if (parts->contact) {
+    parts->constants = mesh_constants(train.lossy.geometry);
+    for (std::size_t k = 0; k < kMeshCount; ++k) parts->at_rest[k] = parts->constants[k].at_rest;
+    parts->fixed = fixed_efficiencies(train, parts->at_rest);
+  }
+  parts_ = std::move(parts);
+}
+
+bool PreparedTrain::is_linear() const {
+  const auto& drags = parts_->train.lossy.shafts.drag;
+  return parts_->fixed &&
+         std::ranges::all_of(drags, [](const auto& drag) { return drag.quadratic_Nms2 == 0.0; });
+}
+
 TrainInstantResult balance_motion(const MovingTrain& t, const TrainMotion& motion) {
+  return PreparedTrain(t).balance(motion);
+}
+
+TrainInstantResult PreparedTrain::balance(const TrainMotion& motion) const {
   const double speed = motion.output_speed_rad_s;
   if (!(speed >= 0.0) || !std::isfinite(speed)) {
     throw std::invalid_argument(
@@ -106,11 +162,9 @@ TrainInstantResult balance_motion(const MovingTrain& t, const TrainMotion& motio
   const auto none = [](NoOperation reason) {
     return TrainInstantResult{.instant = std::nullopt, .reason = reason};
   };
+  if (!parts_->contact) return none(NoOperation::kNoContact);
+  const MovingTrain& t = parts_->train;
   const train::TrainGeometry<double>& g = t.lossy.geometry;
-  for (const auto& mesh : g.meshes) {
-    if (!(mesh.contact_ratio > 0.0)) return none(NoOperation::kNoContact);
-  }
-  const Kinematics mesh = kinematics(g, std::max(speed, motion.least_friction_speed_rad_s));
   MovingState state{.loaded = {.teeth = g.teeth, .efficiency = {}, .known = {}}};
   state.drag_Nm = drag_torques(g, t.lossy.shafts, speed, motion.temperature_K);
   state.loaded = frictionless_train(g.teeth, state.drag_Nm,
@@ -118,6 +172,17 @@ TrainInstantResult balance_motion(const MovingTrain& t, const TrainMotion& motio
   const train::BodyTorques<double> fixed =
       with_inertia(state.loaded.known, t, motion.output_acceleration_rad_s2);
   state.loaded.known = fixed;
+  const bool given_output = motion.given_end == train::End::kOutput;
+  if (parts_->fixed && (given_output || (*parts_->fixed)[0] == (*parts_->fixed)[1])) {
+    // The torque on R2 is given, and with it the end that drives; else that decides nothing.
+    const bool forward = -(motion.given_torque_Nm + fixed.ring2) > 0.0;
+    state.loaded.efficiency = (*parts_->fixed)[forward ? 1 : 0];
+    const auto flow = train::solve_power_flow(state.loaded);
+    if (!flow) return none(NoOperation::kLocks);
+    return {.instant = instant_of(t, motion, state, *flow), .reason = NoOperation::kLocks};
+  }
+  Kinematics mesh = parts_->at_rest;
+  set_speeds(parts_->constants, std::max(speed, motion.least_friction_speed_rad_s), mesh);
   auto flow = train::solve_power_flow(state.loaded);
   if (!flow) return none(NoOperation::kLocks);
   MeshTorques<double> taken{};

@@ -2,6 +2,7 @@
 // A gearbox that speeds up or slows down: torques, and losses by mesh, bearing and drag.
 
 #include <array>
+#include <memory>
 #include <optional>
 
 #include "design/operation.hpp"
@@ -49,5 +50,23 @@ struct TrainInstantResult {
 /// @throws std::invalid_argument unless the speed is finite and at least 0
 /// Source: docs/theory §24-§27 (d'Alembert); equal to operate() without acceleration (tested).
 TrainInstantResult balance_motion(const MovingTrain& train, const TrainMotion& motion);
+
+/// The same for many instants of one train: what depends on neither speed nor load is found once.
+///
+/// A friction that depends on neither needs no iteration: one power flow. The results are those of
+/// balance_motion() to the bit (tested).
+class PreparedTrain {
+ public:
+  /// @param train  its parts must outlive this
+  explicit PreparedTrain(const MovingTrain& train);
+
+  [[nodiscard]] TrainInstantResult balance(const TrainMotion& motion) const;
+  /// Whether torques are linear in speed, acceleration and load while each mesh keeps its driver.
+  [[nodiscard]] bool is_linear() const;
+
+ private:
+  struct Parts;
+  std::shared_ptr<const Parts> parts_;
+};
 
 }  // namespace gear3k::design

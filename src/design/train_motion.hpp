@@ -28,11 +28,20 @@ struct MeshKinematics {
   std::array<efficiency::MeshContact<T>, 2> contact{};  ///< gear 1 drives, gear 2 drives
 };
 
+/// What of a mesh depends on neither speed nor load.
 template <class T>
-std::array<MeshKinematics<T>, train::kMeshCount> kinematics(const train::TrainGeometry<T>& g,
-                                                            const T& output_speed_rad_s) {
+struct MeshConstants {
+  T line_radius_m{};          ///< speed along the line of action over the output's
+  T curvature_1_m{};          ///< 1/r_b1 ± 1/r_b2
+  T sliding_per_turning_m{};  ///< mean sliding speed over the sum of the rolling speeds
+  T tan_alpha_w{};
+  MeshKinematics<T> at_rest{};  ///< its speeds are not set
+};
+
+template <class T>
+std::array<MeshConstants<T>, train::kMeshCount> mesh_constants(const train::TrainGeometry<T>& g) {
   const std::array<double, train::kMeshCount> rolling = train::central_rolling_speeds(g.teeth);
-  std::array<MeshKinematics<T>, train::kMeshCount> result;
+  std::array<MeshConstants<T>, train::kMeshCount> result;
   for (std::size_t k = 0; k < train::kMeshCount; ++k) {
     const auto [first, second] = train::kMeshGears[k];
     const auto& gear1 = g.gears[static_cast<std::size_t>(first)];
@@ -40,22 +49,45 @@ std::array<MeshKinematics<T>, train::kMeshCount> kinematics(const train::TrainGe
     const auto& central = k == train::kMeshSP1 ? gear1 : gear2;
     const auto& mesh = g.meshes[k];
     const double sign = geometry::mesh_sign(gear2.gear.kind);
-    // Speed along the line of action and the sum (difference) of the gears' rolling speeds.
-    const T line_speed = central.base_radius_m * std::abs(rolling[k]) * output_speed_rad_s;
-    const T turning = line_speed * (1.0 / gear1.base_radius_m + sign / gear2.base_radius_m);
-    auto& m = result[k];
+    auto& c = result[k];
+    auto& m = c.at_rest;
     m.contact = {efficiency::contact_of(gear1, gear2, mesh, true),
                  efficiency::contact_of(gear1, gear2, mesh, false)};
     const T factor = efficiency::sliding_factor(m.contact[0].approach_contact_ratio,
                                                 m.contact[0].recess_contact_ratio);
-    m.sliding_speed_m_s = 0.5 * factor * mesh.base_pitch_m * turning;
-    m.sum_speed_m_s = 2.0 * line_speed * mesh.tan_alpha_w;
-    m.reduced_radius_m =
-        mesh.tan_alpha_w / (1.0 / gear1.base_radius_m + sign / gear2.base_radius_m);
+    c.line_radius_m = central.base_radius_m * std::abs(rolling[k]);
+    c.curvature_1_m = 1.0 / gear1.base_radius_m + sign / gear2.base_radius_m;
+    c.sliding_per_turning_m = 0.5 * factor * mesh.base_pitch_m;
+    c.tan_alpha_w = mesh.tan_alpha_w;
+    m.reduced_radius_m = mesh.tan_alpha_w / c.curvature_1_m;
     m.central_base_radius_m = central.base_radius_m;
     m.central_working_radius_m =
         central.base_radius_m * mesh.center_distance_m / geometry::base_radius_sum(gear1, gear2);
   }
+  return result;
+}
+
+/// Sets the speeds of the meshes.
+template <class T>
+void set_speeds(const std::array<MeshConstants<T>, train::kMeshCount>& constants,
+                const T& output_speed_rad_s,
+                std::array<MeshKinematics<T>, train::kMeshCount>& meshes) {
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    // Speed along the line of action and the sum (difference) of the gears' rolling speeds.
+    const T line_speed = constants[k].line_radius_m * output_speed_rad_s;
+    const T turning = line_speed * constants[k].curvature_1_m;
+    meshes[k].sliding_speed_m_s = constants[k].sliding_per_turning_m * turning;
+    meshes[k].sum_speed_m_s = 2.0 * line_speed * constants[k].tan_alpha_w;
+  }
+}
+
+template <class T>
+std::array<MeshKinematics<T>, train::kMeshCount> kinematics(const train::TrainGeometry<T>& g,
+                                                            const T& output_speed_rad_s) {
+  const auto constants = mesh_constants(g);
+  std::array<MeshKinematics<T>, train::kMeshCount> result;
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) result[k] = constants[k].at_rest;
+  set_speeds(constants, output_speed_rad_s, result);
   return result;
 }
 

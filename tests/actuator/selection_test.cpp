@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <set>
 #include <utility>
 
@@ -71,6 +72,29 @@ TEST(Selection, FindsTheFrontOfRunningEveryPairOfSome) {
   expect_front_of_all(task);
 }
 
+TEST(Selection, WithFeltLimitsFindsTheFrontOfRunningEveryPair) {
+  SelectionTask task = knee_task(69);
+  task.felt = {.max_inertia_kgm2 = 0.5,
+               .max_breakaway_Nm = 3.0,
+               .max_transparency = 0.6,
+               .transparency_torque_Nm = 10.0};
+  expect_front_of_all(task);
+  // Each of the three rejects pairs that the others leave.
+  const auto front_size = [&] { return select(task).front.size(); };
+  task.felt.max_inertia_kgm2 = 1e-9;
+  EXPECT_EQ(front_size(), 0U);
+  const auto nearest = select(task).nearest;
+  ASSERT_TRUE(nearest);
+  EXPECT_EQ(nearest->limit, actuator::PairLimit::kFeltInertia);
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t m = 0; m < task.motors.size(); ++m) {
+    for (std::size_t g = 0; g < task.gearboxes.size(); ++g) {
+      least = std::min(least, run_pair(task, {.motor = m, .gearbox = g}).excess);
+    }
+  }
+  EXPECT_EQ(nearest->excess, least);
+}
+
 TEST(Selection, FindsTheFrontOfRunningEveryPair) {
   // All 131,238 pairs in the long run, those of every fifth motor else.
   const std::size_t step = sample<std::size_t>(5, 1);
@@ -114,7 +138,7 @@ TEST(Moments, GiveTheSquareTorqueOfTheExactCycle) {
   actuator::Actuator a = hip_reference();
   a.motor.coulomb_Nm = 0.003;
   const auto cycle = walking("knee_walking_digitised.csv", "knee", 25.0);
-  const auto moments = cycle_moments(a, cycle);
+  const auto moments = cycle_moments(a, pieces_of(cycle));
   const auto d = run_cycle(a, cycle);
   const double mean =
       square_torque(moments, chain_of(a), 1e4 * a.motor.rotor_inertia_kgm2) / moments.period_s;
