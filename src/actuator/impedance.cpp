@@ -23,6 +23,7 @@ Complex in_series(const Complex& s, const std::optional<double>& spring) {
 }
 
 struct Terminals {
+  double braking_Nms;  ///< of the shorted motor
   double d1_Nms;
   bool locked;
 };
@@ -31,33 +32,79 @@ Terminals terminals_of(const Actuator& actuator, const Chain& chain, MotorTermin
   const double back = chain.ratio * actuator.motor.torque_constant_Nm_A;
   const double braking =
       motor == MotorTerminals::kShorted ? back * back / actuator.motor.resistance_ohm : 0.0;
-  return {.d1_Nms = chain.d1_Nms + braking, .locked = motor == MotorTerminals::kLocked};
+  return {.braking_Nms = braking,
+          .d1_Nms = chain.d1_Nms + braking,
+          .locked = motor == MotorTerminals::kLocked};
 }
 
-std::optional<Complex> dynamic_stiffness(const Actuator& actuator, const Chain& chain,
-                                         const Terminals& motor, double omega) {
+/// The chain from the rotor to the output, all at the output.
+struct LinearChain {
+  double rotor_kgm2, input_kgm2, gears_kgm2, load_kgm2;
+  double motor_Nms, braking_Nms, gears_Nms;
+  std::optional<double> shaft_Nm_rad, gears_Nm_rad;
+  bool locked;
+};
+
+LinearChain linear_chain(const Actuator& actuator, const Chain& chain, const Terminals& motor) {
   const double square = chain.ratio * chain.ratio;
-  const Complex j(0.0, 1.0);
-  std::optional<double> shaft = actuator.motor.shaft_stiffness_Nm_rad;
-  if (shaft) *shaft *= square;
   const bool designed = actuator.train != nullptr;
-  const double input_kgm2 = designed ? 0.0 : square * actuator.gearbox.input_inertia_kgm2;
-  const double output_kgm2 =
-      designed ? actuator.train->inertia_kgm2() + actuator.load_inertia_kgm2 : chain.j2_kgm2;
+  LinearChain c{.rotor_kgm2 = square * actuator.motor.rotor_inertia_kgm2,
+                .input_kgm2 = designed ? 0.0 : square * actuator.gearbox.input_inertia_kgm2,
+                .gears_kgm2 = designed ? actuator.train->inertia_kgm2()
+                                       : actuator.gearbox.output_inertia_kgm2,
+                .load_kgm2 = actuator.load_inertia_kgm2,
+                .motor_Nms = chain.d1_Nms,
+                .braking_Nms = motor.braking_Nms,
+                .gears_Nms = chain.d2_Nms,
+                .shaft_Nm_rad = actuator.motor.shaft_stiffness_Nm_rad,
+                .gears_Nm_rad = actuator.gearbox.stiffness_Nm_rad,
+                .locked = motor.locked};
+  if (c.shaft_Nm_rad) *c.shaft_Nm_rad *= square;
+  return c;
+}
+
+void set_linear(const LinearChain& c, double omega, ImpedancePoint& point) {
+  const double square = omega * omega;
+  const Complex j(0.0, 1.0);
+  const Complex rotor = -square * c.rotor_kgm2 + j * omega * (c.motor_Nms + c.braking_Nms);
+  std::optional<Complex> behind;  // the gearbox's input
+  if (!c.locked) {
+    behind = in_series(rotor, c.shaft_Nm_rad);
+  } else if (c.shaft_Nm_rad) {
+    behind = *c.shaft_Nm_rad;
+  }
   std::optional<Complex> s;
-  if (!motor.locked) {
-    const double rotor = square * actuator.motor.rotor_inertia_kgm2;
-    s = in_series(-omega * omega * rotor + j * omega * motor.d1_Nms, shaft);
-  } else if (shaft) {
-    s = *shaft;
+  if (behind) {
+    s = in_series(*behind - square * c.input_kgm2, c.gears_Nm_rad);
+  } else if (c.gears_Nm_rad) {
+    s = *c.gears_Nm_rad;
   }
-  if (s) {
-    s = in_series(*s - omega * omega * input_kgm2, actuator.gearbox.stiffness_Nm_rad);
-  } else if (actuator.gearbox.stiffness_Nm_rad) {
-    s = *actuator.gearbox.stiffness_Nm_rad;
+  if (!s) return;
+  point.stiffness_Nm_rad = *s - square * (c.gears_kgm2 + c.load_kgm2) + j * omega * c.gears_Nms;
+  point.impedance_Nms = *point.stiffness_Nm_rad / (j * omega);
+  // How far the input and the rotor move while the output moves by 1.
+  Complex input = behind ? Complex(1.0) : Complex(0.0);
+  if (behind && c.gears_Nm_rad) {
+    input = *c.gears_Nm_rad / (*behind - square * c.input_kgm2 + *c.gears_Nm_rad);
   }
-  if (!s) return std::nullopt;
-  return *s - omega * omega * output_kgm2 + j * omega * chain.d2_Nms;
+  Complex turned = c.locked ? Complex(0.0) : input;
+  if (!c.locked && c.shaft_Nm_rad) turned = input * *c.shaft_Nm_rad / (rotor + *c.shaft_Nm_rad);
+  const auto inertia = [&](double kgm2, const Complex& moved) {
+    return j * omega * kgm2 * std::norm(moved);
+  };
+  const auto spring = [&](const std::optional<double>& stiffness, const Complex& twist) {
+    return stiffness ? *stiffness * std::norm(twist) / (j * omega) : Complex(0.0);
+  };
+  point.causes = {
+      {.name = "motor_inertia", .impedance_Nms = inertia(c.rotor_kgm2, turned)},
+      {.name = "gear_inertia",
+       .impedance_Nms = inertia(c.input_kgm2, input) + inertia(c.gears_kgm2, 1.0)},
+      {.name = "load_inertia", .impedance_Nms = inertia(c.load_kgm2, 1.0)},
+      {.name = "motor_viscous", .impedance_Nms = c.motor_Nms * std::norm(turned)},
+      {.name = "short_circuit", .impedance_Nms = c.braking_Nms * std::norm(turned)},
+      {.name = "gear_viscous", .impedance_Nms = c.gears_Nms},
+      {.name = "motor_stiffness", .impedance_Nms = spring(c.shaft_Nm_rad, input - turned)},
+      {.name = "gear_stiffness", .impedance_Nms = spring(c.gears_Nm_rad, 1.0 - input)}};
 }
 
 /// ∫ (p sin x − q cos x − c) cos x dx and the same times sin x.
@@ -94,8 +141,21 @@ Complex as_impedance(const Harmonics& torque, double speed) {
           -2.0 / std::numbers::pi * torque.sine / speed};
 }
 
-void set_catalogue_harmonic(const Chain& chain, const Terminals& motor, double omega,
-                            double amplitude, ImpedancePoint& point) {
+/// Causes of the rigid chain that its gearbox does not know.
+std::vector<ImpedanceCause> rigid_causes(const LinearChain& c, double coulomb_Nm, double omega,
+                                         double speed) {
+  const auto inertia = [&](double kgm2) { return Complex(0.0, omega * kgm2); };
+  return {
+      {.name = "motor_inertia", .impedance_Nms = inertia(c.rotor_kgm2)},
+      {.name = "gear_inertia", .impedance_Nms = inertia(c.input_kgm2 + c.gears_kgm2)},
+      {.name = "load_inertia", .impedance_Nms = inertia(c.load_kgm2)},
+      {.name = "motor_viscous", .impedance_Nms = c.motor_Nms},
+      {.name = "short_circuit", .impedance_Nms = c.braking_Nms},
+      {.name = "motor_coulomb", .impedance_Nms = 4.0 * coulomb_Nm / (std::numbers::pi * speed)}};
+}
+
+void set_catalogue_harmonic(const Chain& chain, const LinearChain& linear, const Terminals& motor,
+                            double omega, double amplitude, ImpedancePoint& point) {
   const double speed = amplitude * omega;
   const FastSide u{.p = chain.j1_kgm2 * omega * speed, .q = motor.d1_Nms * speed, .c = chain.c1_Nm};
   const double change = flow_change(u);
@@ -104,9 +164,14 @@ void set_catalogue_harmonic(const Chain& chain, const Terminals& motor, double o
   Harmonics torque =
       integral({.p = -chain.j2_kgm2 * omega * speed, .q = -chain.d2_Nms * speed, .c = -chain.c2_Nm},
                -kHalfTurn, kHalfTurn);
+  Harmonics mesh;
   if (!idle) {
     const Harmonics backward = integral(u, -kHalfTurn, change);
     const Harmonics forward = integral(u, change, kHalfTurn);
+    const double b = 1.0 / chain.efficiency_backward - 1.0;
+    const double f = chain.efficiency_forward - 1.0;
+    mesh = {.cosine = -backward.cosine * b - forward.cosine * f,
+            .sine = -backward.sine * b - forward.sine * f};
     torque.cosine -=
         backward.cosine / chain.efficiency_backward + forward.cosine * chain.efficiency_forward;
     torque.sine -=
@@ -114,14 +179,22 @@ void set_catalogue_harmonic(const Chain& chain, const Terminals& motor, double o
     point.flow_change_rad = change;
   }
   point.first_harmonic_Nms = as_impedance(torque, speed);
+  point.harmonic_causes = rigid_causes(linear, chain.c1_Nm, omega, speed);
+  point.harmonic_causes.push_back({.name = "gear_viscous", .impedance_Nms = chain.d2_Nms});
+  point.harmonic_causes.push_back(
+      {.name = "gear_coulomb", .impedance_Nms = 4.0 * chain.c2_Nm / (std::numbers::pi * speed)});
+  point.harmonic_causes.push_back({.name = "mesh", .impedance_Nms = as_impedance(mesh, speed)});
 }
 
 /// The same by quadrature, for a train whose losses follow from its power flow.
-void set_train_harmonic(const Actuator& actuator, const Chain& chain, const Terminals& motor,
-                        double omega, double amplitude, ImpedancePoint& point) {
+void set_train_harmonic(const Actuator& actuator, const Chain& chain, const LinearChain& linear,
+                        const Terminals& motor, double omega, double amplitude,
+                        ImpedancePoint& point) {
   constexpr int kParts = 720;
   const double speed = amplitude * omega;
+  const design::PreparedTrain train = prepared(*actuator.train);
   Harmonics torque;
+  std::array<Harmonics, kMostGearLosses> losses{};
   for (int k = 0; k < kParts; ++k) {
     // Midpoints: of a function of the whole period the rule converges fast between its kinks.
     const double x = -kHalfTurn + 2.0 * kHalfTurn * (k + 0.5) / kParts;
@@ -130,13 +203,23 @@ void set_train_harmonic(const Actuator& actuator, const Chain& chain, const Term
                          .sense = 1.0};
     const double u =
         -chain.j1_kgm2 * o.acceleration_rad_s2 - motor.d1_Nms * o.speed_rad_s - chain.c1_Nm;
-    const auto mesh = output_torque(*actuator.train, o, u);
-    if (!mesh) return;
-    const double t = actuator.load_inertia_kgm2 * o.acceleration_rad_s2 - *mesh;
-    torque.cosine += t * std::cos(x) * 2.0 * kHalfTurn / kParts;
-    torque.sine += t * std::sin(x) * 2.0 * kHalfTurn / kParts;
+    const auto moved = moved_from_output(train, *actuator.train, o, u);
+    if (!moved) return;
+    const auto add = [&](double t, Harmonics& sum) {
+      sum.cosine += t * std::cos(x) * 2.0 * kHalfTurn / kParts;
+      sum.sine += t * std::sin(x) * 2.0 * kHalfTurn / kParts;
+    };
+    add(actuator.load_inertia_kgm2 * o.acceleration_rad_s2 - moved->mesh_Nm, torque);
+    for (std::size_t n = 0; n < losses.size(); ++n) {
+      add(moved->loss_W[n] / o.speed_rad_s, losses[n]);
+    }
   }
   point.first_harmonic_Nms = as_impedance(torque, speed);
+  point.harmonic_causes = rigid_causes(linear, chain.c1_Nm, omega, speed);
+  for (std::size_t n = 0; n < losses.size(); ++n) {
+    point.harmonic_causes.push_back(
+        {.name = design_gear_causes()[n], .impedance_Nms = as_impedance(losses[n], speed)});
+  }
 }
 
 void require_task(const ImpedanceTask& task) {
@@ -156,21 +239,19 @@ std::vector<ImpedancePoint> impedance(const Actuator& actuator, const ImpedanceT
   require_task(task);
   const Chain chain = chain_of(actuator);
   const Terminals motor = terminals_of(actuator, chain, task.motor);
+  const LinearChain linear = linear_chain(actuator, chain, motor);
   std::vector<ImpedancePoint> points;
   points.reserve(static_cast<std::size_t>(task.points));
   for (int k = 0; k < task.points; ++k) {
     const double share = task.points > 1 ? static_cast<double>(k) / (task.points - 1) : 0.0;
     ImpedancePoint point{.frequency_Hz = task.low_Hz * std::pow(task.high_Hz / task.low_Hz, share)};
     const double omega = 2.0 * std::numbers::pi * point.frequency_Hz;
-    point.stiffness_Nm_rad = dynamic_stiffness(actuator, chain, motor, omega);
-    if (point.stiffness_Nm_rad) {
-      point.impedance_Nms = *point.stiffness_Nm_rad / Complex(0.0, omega);
-    }
+    set_linear(linear, omega, point);
     if (task.amplitude_rad > 0.0 && !motor.locked) {
       if (actuator.train != nullptr) {
-        set_train_harmonic(actuator, chain, motor, omega, task.amplitude_rad, point);
+        set_train_harmonic(actuator, chain, linear, motor, omega, task.amplitude_rad, point);
       } else {
-        set_catalogue_harmonic(chain, motor, omega, task.amplitude_rad, point);
+        set_catalogue_harmonic(chain, linear, motor, omega, task.amplitude_rad, point);
       }
     }
     points.push_back(point);

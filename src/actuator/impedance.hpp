@@ -3,6 +3,7 @@
 
 #include <complex>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "actuator/actuator.hpp"
@@ -22,6 +23,12 @@ struct ImpedanceTask {
   MotorTerminals motor = MotorTerminals::kOpen;
 };
 
+/// What a cause adds to an impedance.
+struct ImpedanceCause {
+  std::string name;
+  std::complex<double> impedance_Nms;
+};
+
 struct ImpedancePoint {
   double frequency_Hz = 0.0;
   /// Dynamic stiffness S(jω) [N m/rad] of inertias, dampings and springs without losses and
@@ -31,6 +38,10 @@ struct ImpedancePoint {
   /// First harmonic of the torque over that of the speed at an amplitude, rigid chain with losses
   /// and friction; empty where the train locks or the rotor is locked.
   std::optional<std::complex<double>> first_harmonic_Nms{};
+  /// Complex power of each cause over half the square of the output's speed: real parts are what it
+  /// dissipates, imaginary ones what it stores.  They add up to impedance_Nms and to
+  /// first_harmonic_Nms, whose list stands beside; empty where those are.
+  std::vector<ImpedanceCause> causes{}, harmonic_causes{};
   /// Where in the half period from −90° to 90° of the angle the flow turns forward.
   std::optional<double> flow_change_rad{};
 };
@@ -41,7 +52,12 @@ struct ImpedancePoint {
 ///     →  in series with K_g  →  + output −ω² J2 + jω D2
 ///
 /// A shorted motor adds (i K_t)²/R to D1.
-/// Source: own derivation, docs/theory §62.
+///
+/// By cause: an element of dynamic stiffness s whose ends move by θ_e while the output moves by θ
+/// adds s |θ_e/θ|²/(jω), which sums up to Z for any chain (Tellegen).  Of the first harmonic, a
+/// rigid chain, inertias and dampings add what they are, Coulomb torques 4 c/(π W), each loss of
+/// the gearbox the first harmonic of its power over the speed. Source: own derivation, docs/theory
+/// §62.
 /// @throws std::invalid_argument unless 0 < low ≤ high, points ≥ 1 and amplitude ≥ 0
 std::vector<ImpedancePoint> impedance(const Actuator& actuator, const ImpedanceTask& task);
 

@@ -6,6 +6,8 @@
 
 #include "actuator/design_gear.hpp"
 #include "actuator/duty_cycle.hpp"
+#include "actuator/felt.hpp"
+#include "actuator/reflected.hpp"
 #include "optimize/refined_set.hpp"
 
 namespace gear3k::app {
@@ -76,6 +78,12 @@ CoDesigned co_designed(const optimize::Specification& spec, const optimize::Opti
   if (task.peak_current_factor && motor.nominal_current_A && !motor.motor.max_current_A) {
     found.actuator.motor.max_current_A = *task.peak_current_factor * *motor.nominal_current_A;
   }
+  std::optional<actuator::FeltTorque> felt;
+  if (const auto& torque = task.felt.transparency_torque_Nm) {
+    felt = actuator::felt_torque(found.actuator, *torque);
+  }
+  report.felt_checks =
+      actuator::felt_checks(found.actuator, actuator::reflected(found.actuator), felt);
   for (std::size_t k = 0; k < task.cycles.size(); ++k) {
     const actuator::DutyCycle d = actuator::run_cycle(found.actuator, task.cycles[k]);
     report.run_J += task.weights[k] * (d.drawn_J - d.regenerated_J);

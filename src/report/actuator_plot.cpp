@@ -2,7 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <complex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "report/display.hpp"
 #include "report/text_table.hpp"
@@ -68,59 +75,116 @@ ActuatorFigure ledger_figure(const ActuatorResult& result) {
   return {.plot = {.name = "ledger", .script = script + '\n'}, .csv = csv};
 }
 
-/// One panel over frequency.
+/// One panel over frequency: a total and what each cause adds.
 struct ImpedancePanel {
   const char* label;
   const char* scale;
   double (*value)(const std::complex<double>&);
 };
+/// Of which impedance.
+struct ImpedanceColumn {
+  const char* total;
+  std::optional<std::complex<double>> actuator::ImpedancePoint::*impedance;
+  std::vector<actuator::ImpedanceCause> actuator::ImpedancePoint::*causes;
+};
 
-std::string impedance_panel(const ActuatorResult& result, const ImpedancePanel& panel, int number) {
-  std::string linear;
-  std::string harmonic;
-  for (const actuator::ImpedancePoint& p : result.impedance) {
-    const std::string hertz = exact(p.frequency_Hz);
-    const auto add = [&](std::string& data, const std::optional<std::complex<double>>& z) {
-      if (z && std::abs(*z) > 0.0) data += fmt::format("{} {}\n", hertz, exact(panel.value(*z)));
-    };
-    add(linear, p.impedance_Nms);
-    add(harmonic, p.first_harmonic_Nms);
-  }
+/// Line of a cause, the same in every panel; black is the total's.
+std::string look_of(const std::string& cause, std::size_t place) {
+  constexpr std::array<std::pair<std::string_view, const char*>, 11> kColours{
+      {{"motor_inertia", "#1f5fa8"},
+       {"gear_inertia", "#c0392b"},
+       {"load_inertia", "#8d6e63"},
+       {"motor_viscous", "#e08e0b"},
+       {"short_circuit", "#16a0a0"},
+       {"gear_viscous", "#2e8b57"},
+       {"motor_stiffness", "#7d3c98"},
+       {"gear_stiffness", "#d16ba5"},
+       {"motor_coulomb", "#b8860b"},
+       {"gear_coulomb", "#556b2f"},
+       {"mesh", "#606060"}}};
+  const auto* const known =
+      std::ranges::find(kColours, std::string_view(cause), &decltype(kColours)::value_type::first);
+  if (known != kColours.end()) return fmt::format("lw 1.5 lc rgb '{}'", known->second);
+  // Losses of a designed gearbox.
+  return fmt::format("lw 1.5 dt 2 lc {}", place);
+}
+
+std::string impedance_panel(const ActuatorResult& result, const ImpedancePanel& panel,
+                            const ImpedanceColumn& column, int number) {
   std::string text = fmt::format("{}set ylabel '{}'\n", panel.scale, panel.label);
   std::vector<std::string> layers;
-  const auto layer = [&](const char* name, const std::string& data, const char* look) {
+  const auto layer = [&](const std::string& name, const std::string& look, const auto& value_of) {
+    std::string data;
+    for (const actuator::ImpedancePoint& p : result.impedance) {
+      const std::optional<std::complex<double>> z = value_of(p);
+      if (!z || !(std::abs(*z) > 0.0)) continue;
+      data += fmt::format("{} {}\n", exact(p.frequency_Hz), exact(panel.value(*z)));
+    }
     if (data.empty()) return;
-    text += fmt::format("${}{} << EOD\n{}EOD\n", name, number, data);
-    layers.push_back(
-        fmt::format("${}{} using 1:2 with linespoints pt 7 ps 0.4 lw 2 {}", name, number, look));
+    const std::string block = fmt::format("$p{}_{}", number, layers.size());
+    text += fmt::format("{} << EOD\n{}EOD\n", block, data);
+    layers.push_back(fmt::format("{} using 1:2 with {} title {}", block, look, plot_text(name)));
   };
-  layer("linear", linear, "lc rgb '#1f5fa8' title 'inertias, dampings, springs'");
-  layer("harmonic", harmonic, "lc rgb '#c0392b' title 'first harmonic, losses and friction'");
-  if (layers.empty()) layers.emplace_back("NaN notitle");
+  layer(column.total, "linespoints pt 7 ps 0.2 lw 3 lc rgb '#000000'",
+        [&](const actuator::ImpedancePoint& p) { return p.*column.impedance; });
+  std::vector<std::string> names;
+  for (const actuator::ImpedancePoint& p : result.impedance) {
+    for (const auto& cause : p.*column.causes) {
+      if (std::ranges::find(names, cause.name) == names.end()) names.push_back(cause.name);
+    }
+  }
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    layer(names[k], "linespoints pt 7 ps 0.2 " + look_of(names[k], k),
+          [&](const actuator::ImpedancePoint& p) -> std::optional<std::complex<double>> {
+            const auto& causes = p.*column.causes;
+            const auto at = std::ranges::find(causes, names[k], &actuator::ImpedanceCause::name);
+            if (at == causes.end()) return std::nullopt;
+            return at->impedance_Nms;
+          });
+  }
+  if (layers.empty()) {
+    // Nothing resists: an axis of its own, as there are no values to take one from.
+    text += "unset logscale y\nset yrange [-1:1]\n";
+    layers.emplace_back("NaN notitle");
+  }
   return text + fmt::format("plot {}\n", fmt::join(layers, ", "));
 }
 
 ActuatorFigure impedance_figure(const ActuatorResult& result) {
   const actuator::ImpedanceTask& task = *result.impedance_task;
   const double span = task.high_Hz > task.low_Hz ? 1.0 : 1.1;
-  std::string script = plot_prologue(900, 700);
+  const ImpedanceColumn linear{.total = "all, linear",
+                               .impedance = &actuator::ImpedancePoint::impedance_Nms,
+                               .causes = &actuator::ImpedancePoint::causes};
+  const ImpedanceColumn harmonic{.total = "all, first harmonic",
+                                 .impedance = &actuator::ImpedancePoint::first_harmonic_Nms,
+                                 .causes = &actuator::ImpedancePoint::harmonic_causes};
+  std::vector<ImpedanceColumn> columns{linear};
+  if (task.amplitude_rad > 0.0) columns.push_back(harmonic);
+  std::string script = plot_prologue(columns.size() > 1 ? 1500 : 900, 700);
   script += fmt::format(
-      "set multiplot layout 2,1 title {}\nset lmargin 12\nset grid lc rgb '#e0e0e0'\n"
+      "set multiplot layout 2,{} title {}\nset lmargin 12\nset grid lc rgb '#e0e0e0'\n"
       "set logscale x\nset xrange [{}:{}]\nset xlabel 'frequency (Hz)'\nset format '%g'\n"
-      "set key top left\n",
-      title(result, fmt::format("impedance of the output at {:g} rad", task.amplitude_rad)),
+      "set key outside right top vertical\n",
+      columns.size(),
+      title(result,
+            fmt::format("impedance of the output by cause, which add up as complex numbers; "
+                        "first harmonic at {:g} rad",
+                        task.amplitude_rad)),
       exact(task.low_Hz / span), exact(task.high_Hz * span));
-  script += impedance_panel(result,
-                            {.label = "|Z| (N m s/rad)",
-                             .scale = "set logscale y\n",
-                             .value = [](const std::complex<double>& z) { return std::abs(z); }},
-                            1);
-  script +=
-      impedance_panel(result,
-                      {.label = "phase (deg)",
-                       .scale = "unset logscale y\nset yrange [-180:180]\nset ytics 45\n",
-                       .value = [](const std::complex<double>& z) { return degrees(std::arg(z)); }},
-                      2);
+  const std::array<ImpedancePanel, 2> panels{
+      ImpedancePanel{.label = "|Z| (N m s/rad)",
+                     .scale = "set logscale y\nset autoscale y\nset ytics auto\n",
+                     .value = [](const std::complex<double>& z) { return std::abs(z); }},
+      ImpedancePanel{.label = "phase (deg)",
+                     .scale = "unset logscale y\nset yrange [-190:190]\nset ytics 45\n",
+                     .value = [](const std::complex<double>& z) { return degrees(std::arg(z)); }}};
+  int number = 0;
+  for (const ImpedancePanel& panel : panels) {
+    for (const ImpedanceColumn& column : columns) {
+      script += impedance_panel(result, panel, column, ++number);
+    }
+  }
   return {.plot = {.name = "impedance", .script = script + "unset multiplot\n"},
           .csv = impedance_csv(result.impedance)};
 }

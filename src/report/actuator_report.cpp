@@ -133,6 +133,13 @@ Json complex_json(const std::optional<std::complex<double>>& z) {
 
 constexpr std::array<const char*, 3> kTerminalNames{"open", "shorted", "locked"};
 
+Json causes_json(const std::vector<actuator::ImpedanceCause>& causes) {
+  if (causes.empty()) return {};
+  Json json = Json::object();
+  for (const auto& [name, impedance] : causes) json[name] = complex_json(impedance);
+  return json;
+}
+
 Json impedance_json(const ActuatorResult& result) {
   const actuator::ImpedanceTask& task = *result.impedance_task;
   Json points = Json::array();
@@ -142,7 +149,9 @@ Json impedance_json(const ActuatorResult& result) {
                       {"impedance_nms_per_rad", complex_json(p.impedance_Nms)},
                       {"first_harmonic_nms_per_rad", complex_json(p.first_harmonic_Nms)},
                       {"flow_change_deg",
-                       p.flow_change_rad ? Json(*p.flow_change_rad / units::kDegree) : Json()}});
+                       p.flow_change_rad ? Json(*p.flow_change_rad / units::kDegree) : Json()},
+                      {"causes_nms_per_rad", causes_json(p.causes)},
+                      {"first_harmonic_causes_nms_per_rad", causes_json(p.harmonic_causes)}});
   }
   return {{"motor", kTerminalNames[static_cast<std::size_t>(task.motor)]},
           {"amplitude_rad", task.amplitude_rad},
@@ -249,23 +258,58 @@ std::string cycle_text(const ActuatorResult& result) {
   return text;
 }
 
+/// Magnitude and phase.
+std::array<std::string, 2> magnitude_and_phase(const std::optional<std::complex<double>>& z) {
+  if (!z) return {"-", "-"};
+  return {fmt::format("{:.6g}", std::abs(*z)),
+          std::abs(*z) > 0.0 ? fmt::format("{:.3f}", std::arg(*z) / units::kDegree) : "-"};
+}
+
+/// What each cause adds at the ends of the range; "" where nothing is known.
+std::string causes_text(const std::string& title, const std::vector<ImpedancePoint>& points,
+                        std::vector<actuator::ImpedanceCause> ImpedancePoint::*causes) {
+  const ImpedancePoint& low = points.front();
+  const ImpedancePoint& high = points.back();
+  const auto& first = low.*causes;
+  const auto& last = high.*causes;
+  if (first.empty() || last.size() != first.size()) return "";
+  TextTable table({title, fmt::format("|Z| at {:.5g} Hz", low.frequency_Hz), "phase deg",
+                   fmt::format("|Z| at {:.5g} Hz", high.frequency_Hz), "phase deg"});
+  for (std::size_t k = 0; k < first.size(); ++k) {
+    if (std::abs(first[k].impedance_Nms) + std::abs(last[k].impedance_Nms) == 0.0) continue;
+    const auto a = magnitude_and_phase(first[k].impedance_Nms);
+    const auto b = magnitude_and_phase(last[k].impedance_Nms);
+    table.add({first[k].name, a[0], a[1], b[0], b[1]});
+  }
+  return '\n' + table.text(0);
+}
+
 std::string impedance_text(const ActuatorResult& result) {
   TextTable table({"Hz", "|Z| N m s/rad", "phase deg", "first harmonic", "phase deg"});
-  const auto polar = [](const std::optional<std::complex<double>>& z) {
-    if (!z) return std::array<std::string, 2>{"-", "-"};
-    return std::array<std::string, 2>{fmt::format("{:.6g}", std::abs(*z)),
-                                      fmt::format("{:.3f}", std::arg(*z) / units::kDegree)};
-  };
   for (const ImpedancePoint& p : result.impedance) {
-    const auto linear = polar(p.impedance_Nms);
-    const auto harmonic = polar(p.first_harmonic_Nms);
+    const auto linear = magnitude_and_phase(p.impedance_Nms);
+    const auto harmonic = magnitude_and_phase(p.first_harmonic_Nms);
     table.add(
         {fmt::format("{:.5g}", p.frequency_Hz), linear[0], linear[1], harmonic[0], harmonic[1]});
   }
   return fmt::format("\nImpedance of the output, motor {}; first harmonic at {:g} rad\n",
                      kTerminalNames[static_cast<std::size_t>(result.impedance_task->motor)],
                      result.impedance_task->amplitude_rad) +
-         table.text(0);
+         table.text(0) +
+         causes_text("by cause, complex sum", result.impedance, &ImpedancePoint::causes) +
+         causes_text("of the first harmonic", result.impedance, &ImpedancePoint::harmonic_causes);
+}
+
+/// Names of the causes of the first point that has some.
+std::vector<std::string> names_of_causes(
+    const std::vector<ImpedancePoint>& points,
+    std::vector<actuator::ImpedanceCause> ImpedancePoint::*causes) {
+  std::vector<std::string> names;
+  const auto known =
+      std::ranges::find_if(points, [&](const ImpedancePoint& p) { return !(p.*causes).empty(); });
+  if (known == points.end()) return names;
+  for (const auto& cause : (*known).*causes) names.push_back(cause.name);
+  return names;
 }
 
 }  // namespace
@@ -310,15 +354,30 @@ std::string actuator_cycle_csv(const DutyCycle& cycle) {
 }
 
 std::string impedance_csv(const std::vector<ImpedancePoint>& points) {
+  const auto columns = [](const std::string& name) {
+    return fmt::format("{0}_real_nms_per_rad,{0}_imaginary_nms_per_rad", name);
+  };
   std::string text =
-      "frequency_hz,impedance_real_nms_per_rad,impedance_imaginary_nms_per_rad,"
-      "first_harmonic_real_nms_per_rad,first_harmonic_imaginary_nms_per_rad\n";
+      fmt::format("frequency_hz,{},{}", columns("impedance"), columns("first_harmonic"));
+  const auto linear = names_of_causes(points, &ImpedancePoint::causes);
+  const auto harmonic = names_of_causes(points, &ImpedancePoint::harmonic_causes);
+  for (const std::string& name : linear) text += ',' + columns("impedance_" + name);
+  for (const std::string& name : harmonic) text += ',' + columns("first_harmonic_" + name);
+  text += '\n';
   const auto cells = [](const std::optional<std::complex<double>>& z) {
     return z ? fmt::format("{},{}", exact(z->real()), exact(z->imag())) : std::string(",");
   };
+  const auto append = [&](const std::vector<actuator::ImpedanceCause>& causes, std::size_t count) {
+    for (std::size_t k = 0; k < count; ++k) {
+      text += ',' + (k < causes.size() ? cells(causes[k].impedance_Nms) : ",");
+    }
+  };
   for (const ImpedancePoint& p : points) {
-    text += fmt::format("{},{},{}\n", exact(p.frequency_Hz), cells(p.impedance_Nms),
+    text += fmt::format("{},{},{}", exact(p.frequency_Hz), cells(p.impedance_Nms),
                         cells(p.first_harmonic_Nms));
+    append(p.causes, linear.size());
+    append(p.harmonic_causes, harmonic.size());
+    text += '\n';
   }
   return text;
 }

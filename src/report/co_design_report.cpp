@@ -84,6 +84,17 @@ std::string co_design_table(const CoDesignReport& report) {
          fmt::format("{}", fmt::join(names_of_unknown(motor), " "))});
   }
   text += table.text(0);
+  if (!report.felt_checks.empty()) {
+    TextTable felt({"what is felt", "value", "limit", ""});
+    felt.align_left(3);
+    for (const actuator::LimitCheck& check : report.felt_checks) {
+      const std::string unit = check.unit.empty() ? "" : ' ' + check.unit;
+      felt.add({check.name,
+                check.value ? fmt::format("{:.5g}{}", *check.value, unit) : "without bound",
+                fmt::format("{:.5g}{}", check.limit, unit), check.ok ? "ok" : "FAILS"});
+    }
+    text += felt.text(0);
+  }
   if (report.bound_J) {
     text += fmt::format(
         "No motor of these with any back-drivable gearbox of this task needs less than {:.6g} "

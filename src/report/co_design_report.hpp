@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "actuator/co_design.hpp"
+#include "actuator/duty_cycle.hpp"
 #include "io/text/json.hpp"
 
 namespace gear3k::report {
@@ -22,6 +23,8 @@ struct CoDesignReport {
   /// The chosen one as `gear3k actuator` runs it: with the inertia of the gears, where it is known.
   double run_J = 0.0;
   bool gear_inertia = false;  ///< it has one
+  /// What is felt of it, as `gear3k actuator` has it, against the limits; empty without limits.
+  std::vector<actuator::LimitCheck> felt_checks;
   /// No motor with any gearbox needs less; empty without a certificate.
   std::optional<double> bound_J;
   std::size_t motors_considered = 0, cycles = 0;

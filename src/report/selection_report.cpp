@@ -2,7 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <iterator>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "report/display.hpp"
 #include "report/text_table.hpp"
@@ -26,6 +31,11 @@ std::string field(const std::string& name) {
   return line;
 }
 
+/// A value that is limited, nothing where it has no bound.
+std::optional<double> finite(const std::optional<double>& value) {
+  return value && std::isfinite(*value) ? value : std::nullopt;
+}
+
 /// Names of what is not known of a pair.
 std::vector<std::string_view> unknown_names(const SelectionTask& task, const Pair& pair) {
   std::vector<std::string_view> names;
@@ -35,24 +45,36 @@ std::vector<std::string_view> unknown_names(const SelectionTask& task, const Pai
   return names;
 }
 
+/// Inertia, breakaway, transparency.
+std::vector<std::optional<double>> felt_values(const actuator::Felt& felt) {
+  return {finite(felt.inertia_kgm2), finite(felt.breakaway_Nm), finite(felt.transparency)};
+}
+
+Json felt_values_json(const actuator::Felt& felt) {
+  const auto values = felt_values(felt);
+  return {{"inertia_kgm2", values[0]}, {"breakaway_nm", values[1]}, {"transparency", values[2]}};
+}
+
 Json pair_json(const SelectionTask& task, const PairResult& r) {
-  return {{"motor", task.motors[r.pair.motor].name},
-          {"gearbox", task.gearboxes[r.pair.gearbox].name},
-          {"ratio", task.gearboxes[r.pair.gearbox].gearbox.ratio},
-          {"energy_j", r.energy_J},
-          {"mass_kg", r.mass_kg},
-          {"peak_current_a", r.peak_current_A},
-          {"rms_current_a", r.rms_current_A},
-          {"peak_voltage_v", r.peak_voltage_V},
-          {"rms_torque_nm", r.rms_torque_Nm},
-          {"peak_torque_nm", r.peak_torque_Nm},
-          {"breakaway_nm", r.breakaway_Nm},
-          {"inertia_kgm2", r.inertia_kgm2},
-          {"winding_c",
-           r.winding_K ? Json(units::from_si(*r.winding_K, units::Unit::kCelsius)) : Json()},
-          {"limit", r.limit ? Json(limit_name(*r.limit)) : Json()},
-          {"excess", r.limit ? Json(r.excess) : Json()},
-          {"unknown", unknown_names(task, r.pair)}};
+  Json json{{"motor", task.motors[r.pair.motor].name},
+            {"gearbox", task.gearboxes[r.pair.gearbox].name},
+            {"ratio", task.gearboxes[r.pair.gearbox].gearbox.ratio},
+            {"energy_j", r.energy_J},
+            {"mass_kg", r.mass_kg},
+            {"peak_current_a", r.peak_current_A},
+            {"rms_current_a", r.rms_current_A},
+            {"peak_voltage_v", r.peak_voltage_V},
+            {"rms_torque_nm", r.rms_torque_Nm},
+            {"peak_torque_nm", r.peak_torque_Nm},
+            {"breakaway_nm", r.breakaway_Nm},
+            {"inertia_kgm2", r.inertia_kgm2},
+            {"winding_c",
+             r.winding_K ? Json(units::from_si(*r.winding_K, units::Unit::kCelsius)) : Json()},
+            {"limit", r.limit ? Json(limit_name(*r.limit)) : Json()},
+            {"excess", r.limit ? Json(r.excess) : Json()},
+            {"unknown", unknown_names(task, r.pair)}};
+  if (r.felt) json["felt"] = felt_values_json(*r.felt);
+  return json;
 }
 
 std::string optional_cell(const std::optional<double>& value) {
@@ -92,7 +114,8 @@ std::string selection_csv(const SelectionTask& task, const Selection& selection)
 std::string selection_front_csv(const SelectionTask& task, const Selection& selection) {
   std::string text =
       "motor,gearbox,ratio,energy_j,mass_kg,peak_current_a,rms_current_a,peak_voltage_v,"
-      "rms_torque_nm,peak_torque_nm,breakaway_nm,inertia_kgm2,winding_c,unknown\n";
+      "rms_torque_nm,peak_torque_nm,breakaway_nm,inertia_kgm2,winding_c,unknown,felt_inertia_kgm2,"
+      "transparency\n";
   for (const PairResult& r : selection.front) {
     text += csv_line({task.motors[r.pair.motor].name, task.gearboxes[r.pair.gearbox].name,
                       exact(task.gearboxes[r.pair.gearbox].gearbox.ratio), exact(r.energy_J),
@@ -100,7 +123,9 @@ std::string selection_front_csv(const SelectionTask& task, const Selection& sele
                       exact(r.peak_voltage_V), exact(r.rms_torque_Nm), exact(r.peak_torque_Nm),
                       optional_cell(r.breakaway_Nm), exact(r.inertia_kgm2),
                       r.winding_K ? exact(units::from_si(*r.winding_K, units::Unit::kCelsius)) : "",
-                      fmt::format("{}", fmt::join(unknown_names(task, r.pair), " "))});
+                      fmt::format("{}", fmt::join(unknown_names(task, r.pair), " ")),
+                      r.felt ? optional_cell(finite(r.felt->inertia_kgm2)) : "",
+                      r.felt ? optional_cell(finite(r.felt->transparency)) : ""});
   }
   return text;
 }
@@ -139,16 +164,31 @@ std::string selection_table(const SelectionTask& task, const Selection& selectio
       fmt::format("{}: {} motors x {} gearboxes = {} pairs, {} cycles run; front of {}\n",
                   task.name, task.motors.size(), task.gearboxes.size(), selection.verdicts.size(),
                   selection.run, selection.front.size());
-  TextTable table({"motor", "gearbox", "ratio", "energy J", "mass kg", "A peak", "A rms", "V peak",
-                   "inertia kg m2", "not known"});
+  std::vector<std::string> heads{"motor",  "gearbox", "ratio",  "energy J",     "mass kg",
+                                 "A peak", "A rms",   "V peak", "inertia kg m2"};
+  // What is felt, where it is limited.
+  const bool felt =
+      std::ranges::any_of(selection.front, [](const PairResult& r) { return r.felt.has_value(); });
+  if (felt) heads.insert(heads.end(), {"felt kg m2", "breakaway N m", "transparency"});
+  heads.emplace_back("not known");
+  TextTable table(heads);
   table.align_left(1);
   const auto cell = [](double value) { return fmt::format("{:.4g}", value); };
   for (const PairResult& r : selection.front) {
-    table.add({task.motors[r.pair.motor].name, task.gearboxes[r.pair.gearbox].name,
-               cell(task.gearboxes[r.pair.gearbox].gearbox.ratio), cell(r.energy_J),
-               r.mass_kg ? cell(*r.mass_kg) : "-", cell(r.peak_current_A), cell(r.rms_current_A),
-               cell(r.peak_voltage_V), cell(r.inertia_kgm2),
-               fmt::format("{}", fmt::join(unknown_names(task, r.pair), " "))});
+    std::vector<std::string> cells{task.motors[r.pair.motor].name,
+                                   task.gearboxes[r.pair.gearbox].name,
+                                   cell(task.gearboxes[r.pair.gearbox].gearbox.ratio),
+                                   cell(r.energy_J),
+                                   r.mass_kg ? cell(*r.mass_kg) : "-",
+                                   cell(r.peak_current_A),
+                                   cell(r.rms_current_A),
+                                   cell(r.peak_voltage_V),
+                                   cell(r.inertia_kgm2)};
+    for (const auto& value : felt ? felt_values(*r.felt) : std::vector<std::optional<double>>()) {
+      cells.push_back(value ? cell(*value) : "-");
+    }
+    cells.push_back(fmt::format("{}", fmt::join(unknown_names(task, r.pair), " ")));
+    table.add(cells);
   }
   if (!selection.front.empty()) text += table.text(0);
   const auto frictionless = std::ranges::count_if(selection.front, [&](const PairResult& r) {

@@ -44,6 +44,16 @@ design::Design bare(const char* name) {
   return design;
 }
 
+design::Design with_bodies(design::Design design) {
+  design.masses.sun_kgm2 = 1e-6;
+  design.masses.planet1_kgm2 = 2e-5;
+  design.masses.planet2_kgm2 = 1e-5;
+  design.masses.planet_mass_kg = 0.05;
+  design.masses.carrier_kgm2 = 3e-5;
+  design.masses.ring2_kgm2 = 2e-4;
+  return design;
+}
+
 TEST(DesignGear, WithConstantFrictionAndNoDragIsACatalogueGearbox) {
   const design::Design design = bare("loaded.toml");
   const Actuator designed = with_train(design);
@@ -91,13 +101,7 @@ TEST(DesignGear, ItsFirstHarmonicIsThatOfTheCatalogueGearbox) {
 }
 
 TEST(DesignGear, ALedgerWithDragsAndBodiesCloses) {
-  design::Design design = example("ratio_96_with_losses.toml");
-  design.masses.sun_kgm2 = 1e-6;
-  design.masses.planet1_kgm2 = 2e-5;
-  design.masses.planet2_kgm2 = 1e-5;
-  design.masses.planet_mass_kg = 0.05;
-  design.masses.carrier_kgm2 = 3e-5;
-  design.masses.ring2_kgm2 = 2e-4;
+  const design::Design design = with_bodies(example("ratio_96_with_losses.toml"));
   Actuator a = with_train(design);
   auto train = std::make_shared<DesignTrain>(*a.train);
   train->least_friction_speed_rad_s = 0.1;
@@ -119,13 +123,7 @@ TEST(DesignGear, ALedgerWithDragsAndBodiesCloses) {
 }
 
 TEST(AcceleratedTrain, HasTheEffectiveInertiaOfItsBodies) {
-  design::Design design = bare("loaded.toml");
-  design.masses.sun_kgm2 = 1e-6;
-  design.masses.planet1_kgm2 = 2e-5;
-  design.masses.planet2_kgm2 = 1e-5;
-  design.masses.planet_mass_kg = 0.05;
-  design.masses.carrier_kgm2 = 3e-5;
-  design.masses.ring2_kgm2 = 2e-4;
+  const design::Design design = with_bodies(bare("loaded.toml"));
   const auto evaluated = design::evaluate(design);
   const auto& inertia = *std::get<design::Evaluation>(evaluated).inertia;
   Actuator a = with_train(design);
@@ -155,6 +153,59 @@ TEST(AcceleratedTrain, WithoutAccelerationIsTheOperationOfTheTrain) {
   EXPECT_NEAR(std::abs(found.instant->sun_torque_Nm), expected->sun_torque_Nm,
               1e-12 * expected->sun_torque_Nm);
   EXPECT_NEAR(found.instant->bearing_loss_W, expected->bearing_loss_W, 1e-12);
+}
+
+TEST(PreparedTrain, OfConstantFrictionHasTheBitsOfTheIteration) {
+  // (F/F_0)^0 is 1, and a law that knows the load is iterated.
+  design::Design design = bare("loaded.toml");
+  const DesignTrain constant(design);
+  design.friction.law = efficiency::FrictionLaw::kLoadPower;
+  design.friction.load_exponent = 0.0;
+  design.friction.reference_force_N = 1.0;
+  const DesignTrain iterated(design);
+  const auto a = actuator::prepared(constant);
+  const auto b = actuator::prepared(iterated);
+  ASSERT_TRUE(a.is_linear());
+  ASSERT_FALSE(b.is_linear());
+  for (const auto end : {train::End::kOutput, train::End::kSun}) {
+    for (const double torque : {-7.0, -0.3, 0.4, 12.0}) {
+      const design::TrainMotion motion{.output_speed_rad_s = 1.7,
+                                       .output_acceleration_rad_s2 = -3.0,
+                                       .given_end = end,
+                                       .given_torque_Nm = torque};
+      const auto fixed = a.balance(motion);
+      const auto found = b.balance(motion);
+      ASSERT_EQ(fixed.instant.has_value(), found.instant.has_value());
+      if (!fixed.instant) continue;
+      EXPECT_EQ(fixed.instant->sun_torque_Nm, found.instant->sun_torque_Nm);
+      EXPECT_EQ(fixed.instant->output_torque_Nm, found.instant->output_torque_Nm);
+      EXPECT_EQ(fixed.instant->mesh_loss_W, found.instant->mesh_loss_W);
+    }
+  }
+}
+
+TEST(DesignGear, TheCausesOfItsFirstHarmonicAddUp) {
+  const design::Design design = with_bodies(example("ratio_96_with_losses.toml"));
+  Actuator a = with_train(design);
+  a.motor.coulomb_Nm = 0.002;
+  auto train = std::make_shared<DesignTrain>(*a.train);
+  train->least_friction_speed_rad_s = 0.1;
+  a.train = train;
+  const auto point =
+      impedance(a, {.low_Hz = 3.0, .high_Hz = 3.0, .points = 1, .amplitude_rad = 0.2}).front();
+  ASSERT_TRUE(point.first_harmonic_Nms);
+  std::complex<double> sum;
+  double magnitude = 0.0;
+  for (const auto& cause : point.harmonic_causes) {
+    sum += cause.impedance_Nms;
+    magnitude += std::abs(cause.impedance_Nms);
+    // What a loss takes is taken in every period.
+    const bool loss = cause.name.find("inertia") == std::string::npos;
+    EXPECT_GE(cause.impedance_Nms.real(), loss ? 0.0 : -1e-12) << cause.name;
+  }
+  EXPECT_EQ(point.harmonic_causes.size(), 6U + actuator::design_gear_causes().size());
+  // 720 midpoints have the mean of |cos| to 4e-7 of it.
+  EXPECT_NEAR(std::abs(sum - *point.first_harmonic_Nms), 0.0, 1e-6 * magnitude);
 }
 
 }  // namespace

@@ -1,8 +1,12 @@
 // Winding temperature, reflected quantities, splines, impedance.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <complex>
 #include <numbers>
+#include <string>
+#include <vector>
 
 #include "actuator/impedance.hpp"
 #include "actuator/reflected.hpp"
@@ -166,6 +170,107 @@ TEST(Impedance, OfTheChainIsThatOfItsNetwork) {
   const Complex x2 = 3000.0 / (a22 - 2000.0 * 2000.0 / a11);
   const Complex force = -omega * omega * 0.05 + j * omega * 0.07 + 3000.0 * (1.0 - x2);
   EXPECT_NEAR(std::abs(*point.stiffness_Nm_rad - force), 0.0, 1e-10 * std::abs(force));
+}
+
+Actuator springy(double load_kgm2) {
+  Actuator a = lossy_inertia();
+  a.motor.viscous_Nms = 1e-4;
+  a.motor.shaft_stiffness_Nm_rad = 5.0;
+  a.gearbox.stiffness_Nm_rad = 3000.0;
+  a.gearbox.input_inertia_kgm2 = 3e-5;
+  a.gearbox.output_inertia_kgm2 = 0.01;
+  a.gearbox.viscous_Nms = 0.07;
+  a.gearbox.coulomb_Nm = 0.3;
+  a.motor.coulomb_Nm = 0.02;
+  a.load_inertia_kgm2 = load_kgm2;
+  return a;
+}
+
+Complex sum_of(const std::vector<actuator::ImpedanceCause>& causes) {
+  Complex sum;
+  for (const auto& cause : causes) sum += cause.impedance_Nms;
+  return sum;
+}
+Complex of(const std::vector<actuator::ImpedanceCause>& causes, const std::string& name) {
+  for (const auto& cause : causes) {
+    if (cause.name == name) return cause.impedance_Nms;
+  }
+  ADD_FAILURE() << name;
+  return {};
+}
+
+TEST(Impedance, ItsCausesAddUpWithAnyTerminals) {
+  using enum actuator::MotorTerminals;
+  for (const auto terminals : {kOpen, kShorted, kLocked}) {
+    const auto points = impedance(
+        springy(0.05),
+        {.low_Hz = 0.5, .high_Hz = 80.0, .points = 7, .amplitude_rad = 0.2, .motor = terminals});
+    for (const auto& p : points) {
+      EXPECT_NEAR(std::abs(sum_of(p.causes) - *p.impedance_Nms), 0.0,
+                  1e-12 * std::abs(*p.impedance_Nms));
+      EXPECT_EQ(p.first_harmonic_Nms.has_value(), terminals != kLocked);
+      if (!p.first_harmonic_Nms) continue;
+      EXPECT_NEAR(std::abs(sum_of(p.harmonic_causes) - *p.first_harmonic_Nms), 0.0,
+                  1e-12 * std::abs(*p.first_harmonic_Nms));
+    }
+  }
+}
+
+/// A cause's real part is what its damper dissipates: moved to and fro in the time domain.
+TEST(Impedance, ADampersPartIsThePowerThatItTakes) {
+  Actuator a = springy(0.05);
+  a.motor.viscous_Nms = 5e-3;  // free motions die out
+  const auto p = impedance(a, {.low_Hz = 9.0, .high_Hz = 9.0, .points = 1}).front();
+  const double omega = 18.0 * std::numbers::pi;
+  // Rotor and input behind a prescribed output sin(omega t), by small steps until they repeat.
+  const double rotor = 0.02;
+  const double input = 400.0 * 3e-5;
+  const double damper = 400.0 * 5e-3;
+  constexpr int kSteps = 4000;
+  const double h = 2.0 * std::numbers::pi / omega / kSteps;
+  std::array<double, 4> y{};  // rotor, input, and their speeds
+  const auto slope = [&](const std::array<double, 4>& s, double t) {
+    const double twist = 2000.0 * (s[0] - s[1]);
+    return std::array<double, 4>{s[2], s[3], (-twist - damper * s[2]) / rotor,
+                                 (twist + 3000.0 * (std::sin(omega * t) - s[1])) / input};
+  };
+  double taken = 0.0;
+  constexpr int kPeriods = 60;
+  for (int k = 0; k < kPeriods * kSteps; ++k) {
+    const double t = k * h;
+    const auto step = [&](const std::array<double, 4>& d, double by) {
+      std::array<double, 4> next = y;
+      for (std::size_t n = 0; n < y.size(); ++n) next[n] += by * d[n];
+      return next;
+    };
+    const auto k1 = slope(y, t);
+    const auto k2 = slope(step(k1, 0.5 * h), t + 0.5 * h);
+    const auto k3 = slope(step(k2, 0.5 * h), t + 0.5 * h);
+    const auto k4 = slope(step(k3, h), t + h);
+    if (k >= (kPeriods - 1) * kSteps) taken += damper * y[2] * y[2] * h;
+    for (std::size_t n = 0; n < y.size(); ++n) {
+      y[n] += h / 6.0 * (k1[n] + 2.0 * k2[n] + 2.0 * k3[n] + k4[n]);
+    }
+  }
+  // Over a period |W|^2 Re Z/2 times the period, |W| = omega.
+  const double expected = 0.5 * omega * omega * of(p.causes, "motor_viscous").real() * kSteps * h;
+  EXPECT_NEAR(taken, expected, 1e-6 * expected);
+}
+
+TEST(Impedance, WithoutACauseItsPartIsZero) {
+  Actuator a = springy(0.0);
+  a.motor.rotor_inertia_kgm2 = 0.0;
+  a.gearbox.efficiency_forward = 1.0;
+  a.gearbox.efficiency_backward = 1.0;
+  a.gearbox.stiffness_Nm_rad.reset();
+  const auto p = at_2_hertz(a, 0.2);
+  for (const char* name : {"motor_inertia", "load_inertia", "gear_stiffness", "short_circuit"}) {
+    EXPECT_EQ(of(p.causes, name), Complex(0.0)) << name;
+  }
+  EXPECT_EQ(of(p.harmonic_causes, "mesh"), Complex(0.0));
+  // The others stay: a rigid gearbox moves its input inertia as the output.
+  const double omega = 4.0 * std::numbers::pi;
+  EXPECT_NEAR(of(p.causes, "gear_inertia").imag(), omega * (400.0 * 3e-5 + 0.01), 1e-13);
 }
 
 TEST(Cycle, APeriodicSplineFollowsASine) {

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/cli/run_program.hpp"
@@ -114,6 +116,35 @@ TEST(Actuator, DrawsItsFigures) {
   }
 }
 
+TEST(Actuator, TellsTheImpedanceOfEveryCause) {
+  const Workplace place;
+  place.write("a.toml", kReference + "stiffness_nm_per_rad = 900.0\n");
+  const std::vector<std::string> options{"--impedance", "1:10:3", "--amplitude", "0.1"};
+  const json points = result_of(place, options).at("impedance").at("points");
+  for (const json& p : points) {
+    for (const auto& [total, causes] :
+         {std::pair("impedance_nms_per_rad", "causes_nms_per_rad"),
+          std::pair("first_harmonic_nms_per_rad", "first_harmonic_causes_nms_per_rad")}) {
+      double real = 0.0;
+      double imaginary = 0.0;
+      for (const auto& [name, z] : p.at(causes).items()) {
+        real += z.at("real").get<double>();
+        imaginary += z.at("imaginary").get<double>();
+      }
+      EXPECT_NEAR(real, p.at(total).at("real").get<double>(), 1e-12);
+      EXPECT_NEAR(imaginary, p.at(total).at("imaginary").get<double>(), 1e-12);
+    }
+  }
+  const ProgramResult csv = place.run(
+      {"actuator", "a.toml", "--impedance", "1:10:3", "--amplitude", "0.1", "--format", "csv"});
+  const auto lines = lines_of(csv.out);
+  ASSERT_EQ(lines.size(), 4U);
+  EXPECT_TRUE(contains(lines[0], ",first_harmonic_mesh_real_nms_per_rad,")) << lines[0];
+  EXPECT_EQ(std::ranges::count(lines[0], ','), std::ranges::count(lines[3], ','));
+  EXPECT_TRUE(contains(place.run({"actuator", "a.toml", "--impedance", "1:10:3"}).out,
+                       "by cause, complex sum"));
+}
+
 TEST(Actuator, LimitsOfWhatIsFeltDecideWithStrict) {
   const Workplace place;
   place.write("a.toml", kReference +
@@ -159,6 +190,41 @@ TEST(Selection, WritesEveryPairAndTheFront) {
   // No friction and no thermal resistance stands in the catalogue.
   EXPECT_EQ(summary.at("front").at(0).at("unknown"), json({"motor_friction", "winding"}));
   EXPECT_TRUE(contains(result.out, "no friction is published")) << result.out;
+}
+
+TEST(Selection, HoldsTheLimitsOfWhatIsFelt) {
+  const Workplace place;
+  place.write("motors.csv", kMotors);
+  place.write("gearboxes.csv", kGearboxes);
+  place.write("c.csv", "time_s,torque_nm,speed_rad_s\n0,-3,1\n0.5,3,-1\n1,-3,1\n");
+  const auto run = [&](const std::string& limits) {
+    place.write("s.toml",
+                "motors = \"motors.csv\"\ngearboxes = \"gearboxes.csv\"\ncycles = "
+                "\"c.csv\"\n[load]\ninertia_kgm2 = 0.01\n[limits]\n" +
+                    limits);
+    return place.run({"actuator", "--select", "s.toml", "--out", "out"});
+  };
+  // Without drag and friction: width over mean is that of 1/eta and eta.
+  const auto over_mean = [](double eta) { return 2.0 * (1.0 / eta - eta) / (1.0 / eta + eta); };
+  const ProgramResult some =
+      run("max_transparency = 0.5\ntransparency_torque_nm = 3\nmax_felt_inertia_kgm2 = 1\n");
+  ASSERT_EQ(some.exit_code, 0) << some.err;
+  EXPECT_TRUE(contains(some.out, "transparency")) << some.out;
+  const json summary = json::parse(place.read("out/summary.json"));
+  EXPECT_EQ(summary.at("rejected").at("transparency"), 2) << "both with efficiency 0.7";
+  for (const json& pair : summary.at("front")) {
+    EXPECT_NEAR(pair.at("felt").at("transparency").get<double>(), over_mean(0.8), 1e-12);
+    EXPECT_NEAR(pair.at("felt").at("inertia_kgm2").get<double>(), 0.01, 1e-15);
+  }
+  const ProgramResult none = run("max_transparency = 0.1\ntransparency_torque_nm = 3\n");
+  EXPECT_EQ(none.exit_code, 3);
+  EXPECT_TRUE(contains(none.err, "exceeds transparency by")) << none.err;
+  const ProgramResult heavy = run("max_felt_inertia_kgm2 = 0.005\n");
+  EXPECT_EQ(heavy.exit_code, 3);
+  EXPECT_TRUE(contains(heavy.err, "exceeds felt_inertia by 100 % of the limit")) << heavy.err;
+  const ProgramResult lacks = run("max_transparency = 0.1\n");
+  EXPECT_EQ(lacks.exit_code, 2);
+  EXPECT_TRUE(contains(lacks.err, "limits.max_transparency: allowed: with")) << lacks.err;
 }
 
 TEST(Selection, TellsAllSlipsOfCataloguesAtOnce) {

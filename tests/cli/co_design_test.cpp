@@ -137,6 +137,9 @@ TEST(OptimizeCycleEnergy, RefusesMotorsByWhatIsFeltAndNamesTheLimit) {
   // The limits go with the actuator, which keeps them.
   EXPECT_NE(place.read("out/actuator.toml").find("max_felt_inertia_kgm2"), std::string::npos);
   EXPECT_EQ(place.run({"actuator", "out/actuator.toml", "--strict", "--quiet"}).exit_code, 0);
+  // The screen shows what is felt beside its limit.
+  EXPECT_NE(tight.out.find("what is felt"), std::string::npos) << tight.out;
+  EXPECT_NE(tight.out.find("felt_inertia"), std::string::npos) << tight.out;
 
   for (const auto& [text, name] :
        {std::pair(limit("max_felt_inertia_kgm2", 1e-5), "felt_inertia"),

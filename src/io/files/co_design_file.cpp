@@ -25,7 +25,6 @@ std::shared_ptr<const actuator::CoDesign> read_co_design(const CoDesignInput& in
   const std::filesystem::path folder = std::filesystem::path(file).parent_path();
   const SelectionInput& in = input.selection;
   actuator::SelectionTask task = in.task;
-  task.felt = input.felt;
   std::vector<std::string> sources;
   const auto source = [&](const std::string& name) {
     sources.push_back((folder / name).string());

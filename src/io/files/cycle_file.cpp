@@ -36,10 +36,7 @@ class CycleReader {
       } else if (!fields_.split(line)) {
         complain(1, "a quote is left open");
       } else if (width_ == 0) {
-        const std::size_t before = complaints_.count();
         read_header();
-        if (complaints_.count() > before)
-          break;  // of columns that are not known no row tells anything
       } else {
         read_row();
       }
@@ -115,8 +112,9 @@ class CycleReader {
                             names, hint));
   }
 
-  /// The number of a field; NaN and an error where it is none.
+  /// The number of a field; NaN where there is no such column, and with an error where it is none.
   double number(CycleColumn column) {
+    if (place_[column] == kAbsent) return std::nan("");
     const std::string_view field = trimmed(fields_.values()[place_[column]]);
     const auto value = csv_number(field);
     if (value && std::abs(*value) <= kGreatest) return *value;
@@ -136,6 +134,8 @@ class CycleReader {
     const double time = number(kTime);
     const double torque = number(kTorque);
     const double motion = number(motion_);
+    // Beside a speed an angle is an error of the header; its slips are told with it.
+    if (motion_ != kAngle) number(kAngle);
     if (!cycle_.time_s.empty() && time - cycle_.time_s.back() < kShortest_s) {
       complain(fields_.column(place_[kTime]),
                fmt::format("time_s = {:g} after {:g}: allowed: increasing times, by {:g} s or more",
@@ -154,7 +154,7 @@ class CycleReader {
       complaints_.add({.line = 1, .column = 1},
                       "no header: allowed: columns time_s, torque_nm, and speed_rad_s or "
                       "angle_rad");
-    } else if (rows_ < 2 && complaints_.none()) {
+    } else if (rows_ < 2) {
       line_ = header_line_;
       complain(1, fmt::format("{} row{} below the header: allowed: two or more", rows_,
                               rows_ == 1 ? "" : "s"));

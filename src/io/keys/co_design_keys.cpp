@@ -56,7 +56,6 @@ std::vector<Key<CoDesignInput>> co_design_keys() {
        .default_text = "false",
        .help = "motors of which no friction is published are left out, instead of running without"},
       &CoDesignInput::known_friction)));
-  append_keys(keys, felt_keys(), &CoDesignInput::felt, "actuator.");
   for (const Key<SelectionInput>& key : selection_part()) {
     const bool cycle = key.record.path.starts_with("cycle.");
     append_keys(keys, std::vector{key}, &CoDesignInput::selection, cycle ? "" : "actuator.");
@@ -89,7 +88,7 @@ void check_co_design(const CoDesignInput& in, bool wanted, FileReading& reading)
                      fmt::format("cycle.weights: {} for {} cycles: allowed: one for each",
                                  task.weights.size(), in.selection.cycles.size()));
   }
-  check_felt(in.felt, "actuator.", reading);
+  check_felt(task.felt, "actuator.", reading);
   if (task.max_winding_K && *task.max_winding_K <= task.ambient_K) {
     reading.error_at("actuator.limits.max_winding_c",
                      fmt::format("actuator.limits.max_winding_c = {:g}: allowed: above "

@@ -17,7 +17,6 @@ struct CoDesignInput {
   SelectionInput selection;
   std::string motor;  ///< path of an ACTUATOR file
   std::optional<double> max_motor_mass_kg;
-  actuator::FeltLimits felt{};
   bool known_friction = false;  ///< motors of unknown friction are left out
 };
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "io/keys/actuator_keys.hpp"
+
 namespace gear3k::io {
 
 namespace {
@@ -24,7 +26,7 @@ std::vector<Key<In>> keys_of_selection() {
     return [member](auto& t, std::size_t) -> auto& { return t.task.drive.*member; };
   };
   using actuator::Drive, actuator::SelectionTask;
-  return {
+  std::vector<Key<In>> keys{
       make_key<In>({.path = "name",
                     .type = KeyType::kText,
                     .default_text = "\"\"",
@@ -88,6 +90,9 @@ std::vector<Key<In>> keys_of_selection() {
       make_key<In>(number("limits.ambient_c", Unit::kCelsius, within(-200.0, 1000.0), "25",
                           "temperature of the surroundings"),
                    of_task(&SelectionTask::ambient_K))};
+  append_keys(
+      keys, felt_keys(), [](auto& t, std::size_t) -> auto& { return t.task.felt; });
+  return keys;
 }
 
 }  // namespace
@@ -99,6 +104,7 @@ const Schema<SelectionInput>& selection_schema() {
 
 void check_selection(const SelectionInput& input, FileReading& reading) {
   const actuator::SelectionTask& task = input.task;
+  check_felt(task.felt, "", reading);
   for (auto at = task.objectives.begin(); at != task.objectives.end(); ++at) {
     if (std::find(task.objectives.begin(), at, *at) == at) continue;
     reading.error_at("objective",

@@ -86,6 +86,26 @@ TEST(CycleFile, RefusesWhatIsNoCycle) {
             std::string::npos);
 }
 
+TEST(CycleFile, TellsSlipsOfRowsBesideThoseOfTheHeader) {
+  const std::string both =
+      cycle_error("time_s,torque_nm,speed_rad_s,angle_rad\n0,1,2,3\n1,nan,2,x\n1,1,y,3\n2,1,2\n");
+  for (const std::string message :
+       {"c.csv:1:30: columns speed_rad_s and angle_rad: allowed: one of them",
+        "c.csv:3:3: torque_nm = \"nan\"", "c.csv:3:9: angle_rad = \"x\"",
+        "c.csv:4:5: speed_rad_s = \"y\"", "c.csv:4:1: time_s = 1 after 1", "c.csv:5:1: 3 fields"}) {
+    EXPECT_NE(both.find(message), std::string::npos) << message << " is not in\n" << both;
+  }
+  const std::string lacking = cycle_error("time_s,speed_rad_s\n0,1\n0,x\n");
+  for (const std::string message :
+       {"c.csv:1:1: column torque_nm is missing", "c.csv:3:1: time_s = 0 after 0",
+        "c.csv:3:3: speed_rad_s = \"x\""}) {
+    EXPECT_NE(lacking.find(message), std::string::npos) << message << " is not in\n" << lacking;
+  }
+  const std::string single = cycle_error("time_s,torque_nm,speed_rad_s\n0,inf,2\n");
+  EXPECT_NE(single.find("c.csv:2:3: torque_nm"), std::string::npos) << single;
+  EXPECT_NE(single.find("c.csv:1:1: 1 row below"), std::string::npos) << single;
+}
+
 TEST(CycleFile, ReadsColumnsInAnyOrderAndLeavesOthers) {
   const auto cycle =
       parse_cycle("angle_rad,note,torque_nm,time_s\r\n1,x,2,0\r\n3,y,4,0.5\r\n", "c");
