@@ -164,6 +164,13 @@ std::string correction_text(const Diagnosis& d) {
   if (!d.correction) return "";
   const ResponseText response = response_text(d.kind);
   const calibrate::Correction& c = *d.correction;
+  if (!d.effects.empty()) {
+    return fmt::format(
+        "The model predicts by {} alone: {}\n"
+        "  It predicts rows held out (by {}) to {}; the causes above predict them less well.\n",
+        c.id, parameters_text(c.parameters), d.holdout_blocks,
+        with_unit(fmt::format("{:.3g}", clean(c.held_out_error / response.si)), response.unit));
+  }
   return fmt::format(
       "Empirical correction (no cause): {} as a formula: {}\n"
       "  It predicts rows held out (by {}) to {}, {} % better than the simulation, and explains "

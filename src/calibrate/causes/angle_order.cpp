@@ -1,5 +1,6 @@
 #include "calibrate/causes/angle_order.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -15,17 +16,24 @@ namespace {
 
 // Forms by what the wave is of, each with none, one or two harmonics.
 constexpr std::string_view kConstant = "constant", kProportional = "proportional",
-                           kFriction = "friction", kSecond = "_with_second", kThird = "_with_third";
+                           kFriction = "friction", kDrag = "drag", kSecond = "_with_second",
+                           kThird = "_with_third";
 
 std::size_t harmonics_of(const Form& form) {
   if (form.name.ends_with(kThird)) return 3;
   return form.name.ends_with(kSecond) ? 2 : 1;
 }
 
+bool both_ways(const MeasurementSet& data) {
+  return std::ranges::any_of(data.rows, [&](const Observation& row) {
+    return row.condition.direction != data.rows.front().condition.direction;
+  });
+}
+
 }  // namespace
 
 std::vector<ParameterRecord> angle_parameters(const Form& form, Kind kind) {
-  const bool share = !form.name.starts_with(kConstant);
+  const bool share = !form.name.starts_with(kConstant) && !form.name.starts_with(kDrag);
   const double bound = form.name.starts_with(kFriction) ? 0.99 : share ? 10.0 : 1e4;
   const double plausible = share ? (form.name.starts_with(kFriction) ? 0.9 : 0.2) : bound;
   const auto record = [&](std::string_view name) {
@@ -66,6 +74,8 @@ std::vector<Form> angle_forms(const Occasion& o, const std::vector<train::ShaftO
       add(kProportional, 0.5);
       add(kConstant, 0.3);
       add(kFriction, 0.2, kOnFriction);
+      // In data of one direction a ripple of the sun's torque is one of the reading.
+      if (both_ways(*o.data)) add(kDrag, 0.3, kOnDrag);
     } else if (o.kind == Kind::kLostMotion) {
       add(kConstant, 1.0);
     }
@@ -96,7 +106,9 @@ void apply_angle(const Form& form, std::span<const Scalar> p, const Condition& c
   } else if (form.name.starts_with(kProportional)) {
     m.response_factor = m.response_factor * (1.0 + wave);
   } else {
-    m.added = m.added + wave * response_unit(kind).si;
+    const bool takes =
+        form.name.starts_with(kDrag) && condition.direction != design::Direction::kForward;
+    m.added = m.added + (takes ? -1.0 : 1.0) * wave * response_unit(kind).si;
   }
 }
 

@@ -7,8 +7,9 @@
 
 namespace gear3k::calibrate {
 
-/// Amplitudes of cosine and sine: a share of the response (form "proportional") or in its unit
-/// (form "constant").
+/// Amplitudes of cosine and sine: a share of the response (form "proportional") or of the friction
+/// (form "friction"), or in the response's unit (form "constant": on its magnitude; form "drag": a
+/// torque at the sun, which adds forward and takes away backward).
 std::vector<ParameterRecord> angle_parameters(const Form& form, Kind kind);
 
 /// Forms for orders that the data can show: they span at least a revolution of the body.

@@ -2,10 +2,28 @@
 
 namespace gear3k::calibrate::drag_quadratic {
 
+namespace {
+
+std::vector<ParameterRecord> parameters(const Form& form, Kind) {
+  auto result = drag_parameter("coefficient", "Nms2", 1.0, 0.001);
+  add_bend_parameter(form, result);
+  return result;
+}
+
+/// c ω², or c (ω² − b ω (ω₁ − ω)): c ω₁² at ω₁ as well, with the exponent 2 + b there.
+void apply(const Form& form, std::span<const Scalar> p, const Condition&, Kind, Modification& m) {
+  design::ShaftDrag<Scalar>& drag = shaft_drag(form, m);
+  drag.quadratic_Nms2 = drag.quadratic_Nms2 + p[0];
+  if (!is_bent(form)) return;
+  const Scalar bent = p[0] * p[1];
+  drag.quadratic_Nms2 = drag.quadratic_Nms2 + bent;
+  drag.viscous_Nms = drag.viscous_Nms - bent * form.constant("top_speed");
+}
+
+}  // namespace
+
 extern const Cause cause;
-constinit const Cause cause = drag_cause(
-    "drag_quadratic", "drag proportional to speed squared",
-    [](const Form&, Kind) { return drag_parameter("coefficient", "Nms2", 1.0, 0.001); },
-    add_drag<&design::ShaftDrag<Scalar>::quadratic_Nms2>);
+constinit const Cause cause = drag_cause("drag_quadratic", "drag proportional to speed squared",
+                                         parameters, apply, bent_drag_forms);
 
 }  // namespace gear3k::calibrate::drag_quadratic

@@ -25,6 +25,8 @@ MeasurementSet wide_data(Kind kind, bool with_runs) {
     row.condition.output_torque_Nm = 1.0 + share;
     row.condition.test_torque_Nm = 1.0 + share;
     row.condition.run = with_runs ? step : -1;
+    row.condition.direction =
+        step == 1 ? design::Direction::kBackward : design::Direction::kForward;
     row.response = 1.0;
     data.rows.push_back(row);
   }

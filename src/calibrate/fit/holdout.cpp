@@ -5,10 +5,20 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <utility>
 
 #include "numerics/linear_algebra.hpp"
 
 namespace gear3k::calibrate {
+
+std::optional<Blocks> blocks_along(std::string_view name, const std::vector<Levels>& levels) {
+  constexpr int kFewest = 3;
+  const auto at = std::ranges::find(levels, name, &Levels::name);
+  if (at == levels.end() || at->count < kFewest) return std::nullopt;
+  Blocks blocks{.name = at->name, .of = at->of, .count = at->count};
+  for (int& of : blocks.of) of = std::max(of, 0);
+  return blocks;
+}
 
 Blocks holdout_blocks(const MeasurementSet& data, const std::vector<Levels>& levels) {
   constexpr int kFewest = 3;
@@ -26,11 +36,7 @@ Blocks holdout_blocks(const MeasurementSet& data, const std::vector<Levels>& lev
     if (blocks.count >= kFewest) return blocks;
   }
   for (const char* name : {"load", "test torque", "speed", "run"}) {
-    const auto at = std::ranges::find(levels, name, &Levels::name);
-    if (at == levels.end() || at->count < kFewest) continue;
-    blocks = {.name = name, .of = at->of, .count = at->count};
-    for (int& of : blocks.of) of = std::max(of, 0);
-    return blocks;
+    if (auto along = blocks_along(name, levels)) return *std::move(along);
   }
   const bool turns = std::ranges::all_of(
       data.rows, [](const auto& row) { return std::isfinite(row.condition.output_angle_rad); });

@@ -1,7 +1,9 @@
 #pragma once
 // Prediction of rows that a fit has not seen.
 
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "calibrate/fit/fit.hpp"
@@ -23,6 +25,10 @@ struct Blocks {
   std::vector<int> of;  ///< of each row, from 0
   int count = 0;
 };
+
+/// The levels of a covariate, where there are at least three.
+/// @param name  of covariate_levels()
+std::optional<Blocks> blocks_along(std::string_view name, const std::vector<Levels>& levels);
 
 /// Whole pinions, load levels, test torques, speeds, sessions or sectors of the angle: the first of
 /// these of which there are at least three; else tenths of the rows in their order.

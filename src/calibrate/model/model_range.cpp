@@ -145,9 +145,9 @@ std::vector<std::string> black_box_causes(const std::vector<ExtendedModel>& mode
     for (const AppliedCause& cause : model.causes) {
       const bool of_shafts =
           std::ranges::any_of(cause.form.constants, [](const FormConstant& constant) {
-            // A test torque is one of the output's shaft, whatever stands between the shafts.
+            // A test torque and a drag's speed are a shaft's, whatever stands between the shafts.
             return (constant.unit == "Nm" && constant.name != "hardening_torque") ||
-                   constant.unit == "rad/s";
+                   (constant.unit == "rad/s" && constant.name != "top_speed");
           });
       if (of_shafts) ids.push_back(cause.id);
     }

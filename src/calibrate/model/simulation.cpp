@@ -88,17 +88,16 @@ Scalar black_box_torque(const BlackBox& box, const Condition& c, const Modificat
   const double loss = forward ? 1.0 / box.efficiency_forward - 1.0 : 1.0 - box.efficiency_backward;
   const Scalar friction = loss * friction_factor(e.friction, load, speed, temperature, forward) +
                           e.output_bearing_share;
-  const Scalar through = load / ratio;
   using std::exp;
   const auto drag_at = [&](design::ShaftId shaft, double shaft_ratio) {
     const Scalar w = speed / shaft_ratio;
     const auto& drag = e.drag[shaft];
-    return Scalar((drag.constant_Nm + drag.viscous_Nms * w + drag.quadratic_Nms2 * w * w) /
-                  shaft_ratio);
+    return Scalar(drag.constant_Nm + drag.viscous_Nms * w + drag.quadratic_Nms2 * w * w);
   };
-  const Scalar drag = drag_at(design::kSunShaft, 1.0) + drag_at(design::kOutputShaft, ratio);
+  // What the output's drag takes has gone through the gears, or does not reach them.
   const double sign = forward ? 1.0 : -1.0;
-  return through * (1.0 + sign * friction) + sign * drag;
+  const Scalar through = (load + sign * drag_at(design::kOutputShaft, ratio)) / ratio;
+  return through * (1.0 + sign * friction) + sign * drag_at(design::kSunShaft, 1.0);
 }
 
 /// Loss per friction in approach and in recess: slopes of the exact loss where there is none.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "calibrate/causes/friction_change.hpp"
+#include "calibrate/causes/reading_change.hpp"
 #include "calibrate/fit/columns.hpp"
 #include "calibrate/fit/screen.hpp"
 
@@ -122,7 +123,8 @@ Fit with_free_shapes(const Problem& problem, const std::vector<Candidate>& all, 
 
 namespace {
 
-/// The three causes that explain most of what a fit leaves, each in its best plain form.
+/// The three causes that explain most of what a fit leaves, each in its best plain form; of rows
+/// far off clipped, and of all rows as they are.
 std::vector<Candidate> most_promising(const Problem& problem, const std::vector<Candidate>& all,
                                       const Fit& fit, double scale) {
   constexpr std::size_t kMost = 3;
@@ -134,11 +136,17 @@ std::vector<Candidate> most_promising(const Problem& problem, const std::vector<
   const Columns columns = columns_at(problem, fit.hypothesis, others, wide);
   if (columns.own.cols() >= columns.own.rows()) return {};
   const Screen screen(columns.own, columns.other, blocks_of(others), problem.noise.known_scale());
-  std::vector<Candidate> result;
-  for (const std::size_t k : ranked(others, screen.gains(columns.residual), 1)) {
-    if (result.size() == kMost) break;
-    result.push_back(others[k]);
+  std::vector<std::size_t> taken;
+  for (const Eigen::VectorXd* residual : {&columns.residual, &columns.raw}) {
+    std::vector<std::size_t> order = ranked(others, screen.gains(*residual), 1);
+    if (order.size() > kMost) order.resize(kMost);
+    for (const std::size_t k : order) {
+      if (std::ranges::find(taken, k) == taken.end()) taken.push_back(k);
+    }
   }
+  std::vector<Candidate> result;
+  result.reserve(taken.size());
+  for (const std::size_t k : taken) result.push_back(others[k]);
   return result;
 }
 
@@ -190,6 +198,7 @@ Fit with_exchanges(const Problem& problem, const std::vector<Candidate>& all, Fi
   BestFit best(problem, std::move(found), scale);
   constexpr int kRounds = 3;
   bool again = true;
+  bool exchanged = false;
   for (int round = 0; round < kRounds && again; ++round) {
     again = false;
     const Hypothesis h = best.hypothesis();
@@ -197,11 +206,90 @@ Fit with_exchanges(const Problem& problem, const std::vector<Candidate>& all, Fi
       const Fit rest = fit(problem, without(h, e), scale);
       again = best.offer(rest) || again;
       for (const Candidate& c : most_promising(problem, all, rest, scale)) {
-        if (c.cause != h.effects[e].cause) again = best.offer(with(rest.hypothesis, c)) || again;
+        if (c.cause != h.effects[e].cause || c.form.law != h.effects[e].form.law) {
+          again = best.offer(with(rest.hypothesis, c)) || again;
+        }
       }
     }
+    exchanged = exchanged || again;
   }
-  return std::move(best).take();
+  Fit result = std::move(best).take();
+  return exchanged ? with_free_shapes(problem, all, std::move(result), scale) : result;
+}
+
+namespace {
+
+/// The cause of what all rows have in common where a change acts.
+std::string_view constant_on(Target target) {
+  switch (target) {
+    case Target::kFriction:
+      return "friction_level";
+    case Target::kGain:
+      return "sensor_gain";
+    case Target::kOffset:
+      return "sensor_offset";
+    case Target::kDrag:
+      return "drag_constant";
+    case Target::kAdded:
+      break;
+  }
+  return "clearance";
+}
+
+/// The hypothesis with a drift's value at the start as a cause of its own; none where there is no
+/// such cause or it is there already.
+std::optional<Hypothesis> with_named_start(const std::vector<Candidate>& all, const Hypothesis& h,
+                                           std::size_t effect, Candidate& constant) {
+  const Candidate& own = h.effects[effect];
+  const std::string_view id = constant_on(target_of(own.form.name));
+  const auto named = std::ranges::find_if(all, [&](const Candidate& c) {
+    return c.cause->id == id && c.form.weight > 0.0 && c.parameters.size() == 1;
+  });
+  const auto without_start = std::ranges::find_if(all, [&](const Candidate& c) {
+    return c.cause == own.cause && c.form.law == own.form.law &&
+           c.parameters.size() + 1 == own.parameters.size() &&
+           std::ranges::all_of(c.parameters,
+                               [&](const ParameterRecord& r) {
+                                 return r.name != kStartChange &&
+                                        std::ranges::find(own.parameters, r.name,
+                                                          &ParameterRecord::name) !=
+                                            own.parameters.end();
+                               }) &&
+           own.form.name.starts_with(c.form.name.substr(0, c.form.name.find('_')));
+  });
+  if (named == all.end() || without_start == all.end() || has_cause(h, named->cause)) {
+    return std::nullopt;
+  }
+  constant = *named;
+  const double start = values_of(h, effect).back();
+  Hypothesis result = with(in_form(h, effect, *without_start), constant);
+  result.value.back() = start;
+  return result;
+}
+
+}  // namespace
+
+Fit with_named_starts(const Problem& problem, const std::vector<Candidate>& all, Fit found,
+                      double scale, int most) {
+  for (std::size_t e = 0; e < found.hypothesis.effects.size(); ++e) {
+    const Hypothesis& h = found.hypothesis;
+    if (static_cast<int>(h.effects.size()) >= most) break;
+    if (!has_start_parameter(h.effects[e].parameters)) continue;
+    Candidate constant;
+    const std::optional<Hypothesis> named = with_named_start(all, h, e, constant);
+    if (!named || named->value.size() > static_cast<std::size_t>(kMostParameters)) continue;
+    const Hypothesis rest = without(h, e);
+    const double none = fit(problem, rest, scale).sum_of_squares;
+    const double alone = fit(problem, with(rest, constant), scale).sum_of_squares;
+    constexpr double kMostOfIt = 0.5;
+    if (!(none - alone > kMostOfIt * (none - found.sum_of_squares))) continue;
+    Fit trial = fit(problem, *named, scale);
+    constexpr double kAsGood = 3.0;
+    if (score_of(problem, trial, scale) > score_of(problem, found, scale) - kAsGood) {
+      found = std::move(trial);
+    }
+  }
+  return found;
 }
 
 }  // namespace gear3k::calibrate

@@ -36,10 +36,16 @@ Fit with_free_shapes(const Problem& problem, const std::vector<Candidate>& all, 
 Fit with_plain_shapes(const Problem& problem, const std::vector<Candidate>& all, Fit found,
                       double scale, int most);
 
-/// The fit without effects that it does not need, or with another cause in the place of one, as
-/// long as either has a better score.
+/// The fit without effects that it does not need, or with another cause or another law of the same
+/// cause in the place of one, as long as either has a better score; then with free shapes.
 /// @param found  a fit at this scale
 Fit with_exchanges(const Problem& problem, const std::vector<Candidate>& all, Fit found,
                    double scale);
+
+/// The fit with what a drift starts from as a cause of its own, where that is most of what the
+/// drift explains and explains as well: a zero error that creeps is a zero error.
+/// @param found  a fit at this scale; @param most  effects that a fit may have
+Fit with_named_starts(const Problem& problem, const std::vector<Candidate>& all, Fit found,
+                      double scale, int most);
 
 }  // namespace gear3k::calibrate

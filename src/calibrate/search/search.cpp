@@ -22,7 +22,7 @@ constexpr double kFurtherShare = 0.4;
 constexpr int kSimulations = 768;
 constexpr double kManySearchedRows = 5000.0;
 constexpr int kFitsPerStep = 5;
-constexpr int kSetsPerStep = 12;
+constexpr int kSetsPerStep = 8;
 constexpr std::size_t kRefinedPerStep = 4;
 
 /// Proposals of one step of the search.
@@ -37,10 +37,12 @@ class Proposals {
   /// last fit does.  Where none does: empty, or of an empty last fit the best in score: that
   /// something is there has been tested, and the held-out error will say how little it helps.
   /// @param all  candidates, with the forms of free shape
+  /// @param scale  of the last fit, which misses what is looked for
+  /// @param least  below which no scale falls
   [[nodiscard]] std::optional<Fit> best_fit(const Problem& problem,
                                             const std::vector<Candidate>& all,
                                             const Hypothesis& last, const Blocks& blocks,
-                                            double scale) const {
+                                            double scale, double least) const {
     std::vector<Fit> fits;
     std::vector<double> score;
     fits.reserve(sets_.size());
@@ -54,18 +56,26 @@ class Proposals {
     std::ranges::stable_sort(order,
                              [&](std::size_t a, std::size_t b) { return score[a] > score[b]; });
     std::erase_if(order, [&](std::size_t k) { return !std::isfinite(score[k]); });
-    // Laws of fixed shape leave a residue by which a wrong set may look better.
-    for (std::size_t k = 0; k < order.size() && k < kRefinedPerStep; ++k) {
-      Fit& one = fits[order[k]];
-      one = with_free_shapes(problem, all, std::move(one), scale);
-      score[order[k]] = score_of(problem, one, scale);
+    // By the scale of a fit that misses the effect no row is an outlier, and the best sets would be
+    // told apart by how they go through those: they are compared by what they leave themselves.
+    const auto refined =
+        order.begin() + static_cast<std::ptrdiff_t>(std::min(order.size(), kRefinedPerStep));
+    double fine = scale;
+    for (auto k = order.begin(); k != refined; ++k) {
+      fine = std::min(fine, std::max(least, robust_deviation(fits[*k].residual)));
     }
-    std::ranges::stable_sort(order,
-                             [&](std::size_t a, std::size_t b) { return score[a] > score[b]; });
+    // Laws of fixed shape leave a residue by which a wrong set may look better.
+    for (auto k = order.begin(); k != refined; ++k) {
+      Fit& one = fits[*k];
+      one = with_free_shapes(problem, all, fit(problem, one.hypothesis, fine), fine);
+      score[*k] = score_of(problem, one, fine);
+    }
+    std::stable_sort(order.begin(), refined,
+                     [&](std::size_t a, std::size_t b) { return score[a] > score[b]; });
     const Eigen::VectorXd by_last = predict_held_out(problem, last, blocks);
     for (const std::size_t k : order) {
       const Eigen::VectorXd predicted = predict_held_out(problem, fits[k].hypothesis, blocks);
-      if (predicts_no_worse(problem, predicted, by_last, scale)) return fits[k];
+      if (predicts_no_worse(problem, predicted, by_last, fine)) return fits[k];
     }
     if (order.empty() || !last.effects.empty()) return std::nullopt;
     return fits[order.front()];
@@ -123,6 +133,10 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
   double scale = std::max({known, robust_deviation(base.residual), least});
   base.residual = winsorised(base.residual, scale);
   const LinearSets linear(base, blocks_of(candidates), problem);
+  // Rows far off are outliers, or they are where the effect is greatest: both are looked at.
+  std::swap(base.residual, base.raw);
+  const LinearSets linear_unclipped(base, blocks_of(candidates), problem);
+  std::swap(base.residual, base.raw);
   const auto n = static_cast<double>(problem.data.rows.size());
   const int simulations = n > kManySearchedRows ? kSimulations / 4 : kSimulations;
 
@@ -153,22 +167,28 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
     if (order.empty() || p_value > rate) break;
 
     Proposals proposals;
-    for (std::size_t k = 0; k < order.size() && k < kFitsPerStep; ++k) {
-      proposals.add(with(best.hypothesis, others[order[k]]));
+    for (const auto& some : {order, ranked(others, screen.gains(columns.raw), 2)}) {
+      for (std::size_t k = 0; k < some.size() && k < kFitsPerStep; ++k) {
+        proposals.add(with(best.hypothesis, others[some[k]]));
+      }
     }
     if (size > 1) {
       const std::vector<std::size_t> pool = pool_of(result, best.hypothesis, size);
-      for (const auto& set : best_linear_sets(candidates, pool, linear, size, kSetsPerStep)) {
-        Hypothesis h;
-        for (const std::size_t k : set) h = with(std::move(h), candidates[k]);
-        proposals.add(std::move(h));
+      for (const LinearSets* sets : {&linear, &linear_unclipped}) {
+        for (const auto& set : best_linear_sets(candidates, pool, *sets, size, kSetsPerStep)) {
+          Hypothesis h;
+          for (const std::size_t k : set) h = with(std::move(h), candidates[k]);
+          proposals.add(std::move(h));
+        }
       }
     }
-    std::optional<Fit> winner = proposals.best_fit(problem, all, best.hypothesis, blocks, scale);
+    std::optional<Fit> winner =
+        proposals.best_fit(problem, all, best.hypothesis, blocks, scale, std::max(known, least));
     if (!winner) break;
     if (size > 1) {
       const Fit last = fit(problem, best.hypothesis, scale);
-      const double added = (last.sum_of_squares - winner->sum_of_squares) * scale * scale;
+      const Fit now = fit(problem, winner->hypothesis, scale);
+      const double added = (last.sum_of_squares - now.sum_of_squares) * scale * scale;
       if (added < kLeastShare * (squares - n * scale * scale)) break;
     }
     best = std::move(*winner);
@@ -177,6 +197,7 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
 
   best = with_plain_shapes(problem, all, fit(problem, best.hypothesis, scale), scale, kMostEffects);
   best = with_exchanges(problem, all, std::move(best), scale);
+  best = with_named_starts(problem, all, std::move(best), scale, kMostEffects);
 
   const Judge judge(problem, all, best, scale);
   result.fit = fit(problem, best.hypothesis, scale);  // all fits from here on at one scale

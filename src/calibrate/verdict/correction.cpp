@@ -1,6 +1,7 @@
 #include "calibrate/verdict/correction.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "calibrate/fit/columns.hpp"
@@ -54,6 +55,48 @@ std::optional<FoundCorrection> find_correction(const Problem& problem,
     if (!(sum < least)) continue;
     least = sum;
     best = {.fit = std::move(trial), .predicted = std::move(predicted)};
+  }
+  return best;
+}
+
+std::optional<FoundCorrection> better_refit(const Problem& problem, const Hypothesis& found,
+                                            const std::vector<Candidate>& candidates,
+                                            const std::vector<Levels>& levels, double scale) {
+  const auto is_one_refit = [](const Hypothesis& h) {
+    return h.effects.size() == 1 && is_refit(h.effects.front());
+  };
+  const Blocks shown = holdout_blocks(problem.data, levels);
+  if (shown.count < 2 || is_one_refit(found)) return std::nullopt;
+  std::vector<Blocks> all{shown};
+  for (const char* name : {"load", "test torque", "speed", "run"}) {
+    if (auto along = blocks_along(name, levels); along && along->name != shown.name) {
+      all.push_back(*std::move(along));
+    }
+  }
+  const Eigen::VectorXd y = measured(problem.data);
+  std::vector<Eigen::VectorXd> by_found;
+  by_found.reserve(all.size());
+  for (const Blocks& blocks : all) by_found.push_back(predict_held_out(problem, found, blocks));
+  std::optional<FoundCorrection> best;
+  double least = 0.0;
+  for (const Candidate& c : candidates) {
+    if (!(c.form.weight > 0.0) || !is_refit(c)) continue;
+    Fit trial = fit(problem, with({}, c), scale);
+    double more = 0.0;  // that the refit misses
+    std::optional<Eigen::VectorXd> predicted;
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      Eigen::VectorXd by_refit = predict_held_out(problem, trial.hypothesis, all[k]);
+      for (Eigen::Index i = 0; i < y.size(); ++i) {
+        if (!std::isfinite(by_refit[i]) || !std::isfinite(by_found[k][i])) continue;
+        const double unit = scale / problem.noise.weight[i];
+        more += huber_square((y[i] - by_refit[i]) / unit) -
+                huber_square((y[i] - by_found[k][i]) / unit);
+      }
+      if (k == 0) predicted = std::move(by_refit);
+    }
+    if (!(more < least) || !predicted->allFinite()) continue;
+    least = more;
+    best = {.fit = std::move(trial), .predicted = *std::move(predicted)};
   }
   return best;
 }

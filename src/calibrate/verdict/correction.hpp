@@ -24,4 +24,13 @@ std::optional<FoundCorrection> find_correction(const Problem& problem,
                                                const std::vector<Candidate>& candidates,
                                                const Blocks& blocks, double scale);
 
+/// The refit of one parameter (coefficient of friction, clearance or gain) that predicts rows held
+/// out of its fit better than what was found does, by huber_square() summed over the blocks of
+/// every condition that has them: a prediction is no worse than what a designer would refit.
+/// @param scale  of the weighted rows about what was found
+/// @returns empty where none does, and where what was found is such a refit
+std::optional<FoundCorrection> better_refit(const Problem& problem, const Hypothesis& found,
+                                            const std::vector<Candidate>& candidates,
+                                            const std::vector<Levels>& levels, double scale);
+
 }  // namespace gear3k::calibrate

@@ -451,11 +451,10 @@ void add_law(Diagnosis& d, const Measured& m, const Hypothesis& causes, const Bl
   d.laws.push_back(law_result(problem, *law, final, error_without, d.errors.extended_holdout));
 }
 
-/// Predicts by a cause as a formula, where nothing explains.
-void add_correction(Diagnosis& d, const Measured& m, const std::vector<Candidate>& candidates,
+/// Predicts by a cause as a formula, where nothing explains or what does predicts no better.
+void add_correction(Diagnosis& d, const Measured& m, const std::optional<FoundCorrection>& found,
                     const Blocks& blocks, double scale) {
   const Problem& problem = m.problem;
-  const std::optional<FoundCorrection> found = find_correction(problem, candidates, blocks, scale);
   if (!found) return;
   const FinalFit final = final_fit(problem, found->fit.hypothesis, scale);
   predict_by(d, m, final, {.blocks = blocks, .predicted = found->predicted});
@@ -565,12 +564,17 @@ std::optional<Diagnosis> diagnose(const Simulation& simulation, const Measuremen
   d.next_experiment = next_experiment(problem, standing.hypothesis, standing.found, found.scale,
                                       noise.scale, options);
   d.model = model_of(final, data);
-  if (d.remainder.significant) {
-    const Measured all{
-        .problem = problem, .levels = levels, .rows = rows, .baseline = baseline, .pure = pure};
-    add_law(d, all, standing.hypothesis, held.blocks);
-    if (d.laws.empty() && d.effects.empty()) {
-      add_correction(d, all, found.candidates, held.blocks, found.scale);
+  const Measured all{
+      .problem = problem, .levels = levels, .rows = rows, .baseline = baseline, .pure = pure};
+  if (d.remainder.significant) add_law(d, all, standing.hypothesis, held.blocks);
+  if (d.laws.empty()) {
+    if (!d.effects.empty()) {
+      const auto refit =
+          better_refit(problem, standing.hypothesis, found.candidates, levels, row_scale);
+      add_correction(d, all, refit, held.blocks, row_scale);
+    } else if (d.remainder.significant) {
+      const auto formula = find_correction(problem, found.candidates, held.blocks, found.scale);
+      add_correction(d, all, formula, held.blocks, found.scale);
     }
   }
   d.notes.insert(d.notes.begin(), data.notes.begin(), data.notes.end());

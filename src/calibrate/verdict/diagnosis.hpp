@@ -98,7 +98,8 @@ struct Remainder {
   double share = 0.0;  ///< of the residual variance that the term takes off
 };
 
-/// A cause as a formula where nothing explains: it predicts, and says nothing of why.
+/// A cause as a formula where nothing explains, or where one refitted parameter predicts held-out
+/// rows better than the causes: it predicts, and says nothing of why.
 struct Correction {
   std::string id;
   Form form;
@@ -157,7 +158,8 @@ struct Diagnosis {
   double session_deviation = 0.0;  ///< standard deviation between sessions [SI]; 0 = none found
   LackOfFit lack_of_fit;           ///< of the baseline
   double p_value = 1.0;            ///< of the greatest finding where nothing is wrong
-  /// Where structure is left and neither a cause nor a law stands.
+  /// What the model predicts by: where structure is left and neither a cause nor a law stands, and
+  /// where one refitted parameter predicts better than the causes.
   std::optional<Correction> correction;
   std::vector<CauseEvidence> evidence;
   std::vector<CovariateTest> covariates_before, covariates_after;

@@ -402,6 +402,29 @@ TEST_F(OnTransmission, DragOnTheOutputIsLoadThatTheTeethCarryMoreOrLess) {
   }
 }
 
+TEST_F(OnTransmission, ABentDragKeepsItsTorqueAtTheGreatestSpeedAndChangesItsExponentThere) {
+  constexpr double kTop = 100.0;
+  const Form sun{.name = "sun_any_curve",
+                 .constants = {{.name = "top_speed", .unit = "rad/s", .value = kTop}},
+                 .body = "sun"};
+  for (const auto& [id, coefficient, exponent] :
+       {std::tuple{"drag_viscous", 2e-4, 1.0}, std::tuple{"drag_quadratic", 2e-6, 2.0}}) {
+    for (const double bend : {-0.4, 0.0, 0.5}) {
+      const Hypothesis h = one(id, sun, {coefficient, bend});
+      const auto drag = [&](double speed) {
+        Condition c = forward_;
+        c.sun_speed_rad_s = speed;
+        return torque(c, h) - torque(c);
+      };
+      const double at_top = coefficient * std::pow(kTop, exponent);
+      EXPECT_NEAR(drag(kTop), at_top, kRounding) << id;
+      // d ln D / d ln ω by a central difference; a parabola has no error of truncation.
+      const double slope = (drag(1.01 * kTop) - drag(0.99 * kTop)) / 0.02 / at_top;
+      EXPECT_NEAR(slope, exponent + bend, 1e-8) << id;
+    }
+  }
+}
+
 TEST_F(OnTransmission, BearingLoadGrowsWithTheLoad) {
   const Hypothesis pins =
       one("bearing_load", {.name = "planet_bearings", .body = "planet"}, {0.05});
@@ -530,6 +553,9 @@ TEST_F(OnTransmission, WavesOverTheAngleAreConstantOrGrowWithTheTorque) {
       }
       EXPECT_NEAR(change(1.0 / 32.0, wave("constant", 0.0, constant)), constant, 1e-13);
       EXPECT_NEAR(change(1.0 / 32.0, wave("proportional", 0.0, share)), share * without, 1e-13);
+      // A torque at the sun has to be brought forward, and is won backward.
+      const double sign = c.direction == design::Direction::kForward ? 1.0 : -1.0;
+      EXPECT_NEAR(change(0.0, wave("drag", constant, 0.0)), sign * constant, 1e-13);
     }
   }
 }
@@ -553,6 +579,10 @@ TEST(OnABlackBox, FrictionIsThatOfItsEfficiencies) {
   const Hypothesis drag = one("drag_constant", {.name = "sun", .body = "sun"}, {0.01});
   EXPECT_NEAR(simulated(simulation, f, drag) - simulated(simulation, f), 0.01, kRounding);
   EXPECT_NEAR(simulated(simulation, b, drag) - simulated(simulation, b), -0.01, kRounding);
+  // A seal at the output is more load forward, and less drive backward.
+  const Hypothesis seal = one("drag_constant", {.name = "output", .body = "output"}, {1.5});
+  EXPECT_NEAR(simulated(simulation, f, seal), 21.5 / (5967.0 / 62.0) / 0.85, kRounding);
+  EXPECT_NEAR(simulated(simulation, b, seal), 18.5 / (5967.0 / 62.0) * 0.8, kRounding);
 }
 
 // Lost motion

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "tests/calibrate/bench.hpp"
@@ -64,6 +65,46 @@ TEST_F(Search, NamesAStepWhereSessionsAreInTheOrderOfALaw) {
     EXPECT_EQ(result.fit.hypothesis.effects[0].cause->id, "run_step");
     EXPECT_TRUE(could_be(result.effects[0], "drag_viscous"));
   }
+}
+
+TEST_F(Search, KnowsWhatAStepOfAFewRowsActsOnHoweverFarItIsAboveTheNoise) {
+  // In one session of eight the friction falls by a half: its rows are far off, and the farther
+  // the more load they have.
+  data_ =
+      measured_grid({.output_torques_Nm = {5.0, 20.0, 35.0, 50.0}, .rotations = {1}, .repeats = 8});
+  const std::size_t rows = data_.rows.size() / 8;
+  for (int run = 0; run < 8; ++run) data_.runs.push_back("s" + std::to_string(run + 1));
+  for (std::size_t i = 0; i < data_.rows.size(); ++i) {
+    data_.rows[i].condition.run = static_cast<int>(i / rows);
+  }
+  const Form last{.name = "from_friction",
+                  .constants = {{.name = "first_run", .unit = "", .value = 7.0}},
+                  .law = kOnFriction};
+  for (const double noise : {0.01, 0.002}) {
+    measure(hypothesis({candidate("run_step", last)}, {-0.5}), noise, 4);
+    const SearchResult result = search();
+    ASSERT_EQ(result.effects.size(), 1U) << noise;
+    EXPECT_EQ(result.fit.hypothesis.effects[0].form.name, "from_friction") << noise;
+  }
+}
+
+TEST_F(Search, CallsAZeroErrorThatCreepsAZeroError) {
+  data_ = measured_grid({.repeats = 6});
+  for (std::size_t i = 0; i < data_.rows.size(); ++i) {
+    data_.rows[i].condition.time_s = 60.0 * static_cast<double>(i);
+  }
+  const double last = data_.rows.back().condition.time_s;
+  measure({}, 0.001, 5);
+  // In the sensor's own sign: a quarter more at the end than at the start.
+  for (Observation& row : data_.rows) {
+    const double offset = 0.02 * (1.0 + 0.25 * -std::expm1(-3.0 * row.condition.time_s / last));
+    const double way = row.condition.direction == design::Direction::kForward ? 1.0 : -1.0;
+    row.response += way * row.condition.rotation * offset;
+  }
+  const SearchResult result = search();
+  EXPECT_TRUE(std::ranges::any_of(result.fit.hypothesis.effects, [](const Candidate& c) {
+    return c.cause->id == "sensor_offset";
+  }));
 }
 
 TEST_F(Search, FindsNothingInNoise) {

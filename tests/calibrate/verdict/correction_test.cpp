@@ -51,6 +51,25 @@ TEST_F(CorrectionOf, StructureThatIsNoCauseIsPredictedBetterThanByTheSimulation)
   EXPECT_LT(error(found->predicted), 0.8 * error(as_given));
 }
 
+TEST_F(CorrectionOf, ARefitIsTakenOnlyWhereItPredictsBetterThanWhatWasFound) {
+  const double noise = 1e-3;
+  const Candidate level = candidate("friction_level", {.name = "coefficient"});
+  const Candidate drag = candidate("drag_constant", {.name = "sun", .body = "sun"});
+  const auto refit_of = [&](const Candidate& named) {
+    const Problem p = problem();
+    return better_refit(p, fit(p, hypothesis({named}, {0.0}), noise).hypothesis,
+                        candidates_for(simulation_, data_), covariate_levels(data_), noise);
+  };
+  measure(hypothesis({level}, {0.3}), noise, 6);
+  const auto better = refit_of(drag);
+  ASSERT_TRUE(better.has_value());
+  EXPECT_EQ(better->fit.hypothesis.effects.front().cause->id, "friction_level");
+  EXPECT_LT(error(better->fit.simulated), noise);
+  EXPECT_FALSE(refit_of(level).has_value());  // is that refit
+  measure(hypothesis({drag}, {0.02}), noise, 6);
+  EXPECT_FALSE(refit_of(drag).has_value());
+}
+
 TEST_F(CorrectionOf, RowsThatAgreeHaveNone) {
   measure({}, 0.0, 0);
   EXPECT_FALSE(find(1e-3).has_value());
