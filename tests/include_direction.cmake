@@ -11,7 +11,6 @@ set(order
     strength
     design
     optimize
-    calibrate/dynamic
     calibrate/loops
     calibrate/measurement
     calibrate/model
@@ -21,6 +20,7 @@ set(order
     calibrate/laws
     calibrate/verdict
     calibrate/series
+    calibrate/dynamic
     actuator
     motion
     io/text

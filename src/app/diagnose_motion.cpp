@@ -2,7 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "actuator/chain.hpp"
+#include "calibrate/dynamic/motion_readings.hpp"
+#include "calibrate/dynamic/windup.hpp"
 #include "io/text/diagnostics.hpp"
 #include "numerics/square.hpp"
 
@@ -101,8 +105,14 @@ report::MotionDiagnosisResult diagnose_motion(const DiagnoseMotionRequest& reque
   const DriveParameters drive = drive_of(a, chain);
   const std::string files = fmt::format("{}", fmt::join(record.files, ", "));
   refuse_unfit(calibrate::motion_windows(record, drive), drive, files);
-  auto found = calibrate::diagnose_motion(record, drive,
-                                          {.false_discovery_rate = request.false_discovery_rate});
+  const bool both_sides = std::ranges::any_of(
+      record.stretches, [](const auto& stretch) { return !stretch.windup_rad.empty(); });
+  // One rate for all causes that the log can show.
+  const double share = both_sides ? static_cast<double>(calibrate::kDriveChanges) /
+                                        static_cast<double>(calibrate::kMotionCauses)
+                                  : 1.0;
+  auto found = calibrate::diagnose_motion(
+      record, drive, {.false_discovery_rate = share * request.false_discovery_rate});
   if (!found) {
     throw io::InvalidInput(fmt::format(
         "{}: too few stretches of 12 samples and more in one sense and one flow of power: allowed: "
@@ -110,6 +120,23 @@ report::MotionDiagnosisResult diagnose_motion(const DiagnoseMotionRequest& reque
         files));
   }
   result.diagnosis = std::move(*found);
+  if (both_sides) {
+    const calibrate::StatedWindup stated{
+        .play_rad = a.gearbox.backlash_rad.value_or(0.0),
+        .compliance_rad_Nm = a.gearbox.stiffness_Nm_rad ? 1.0 / *a.gearbox.stiffness_Nm_rad : 0.0};
+    const auto windup =
+        calibrate::diagnose_windup(result.diagnosis.rows, result.diagnosis.drive, stated,
+                                   (1.0 - share) * request.false_discovery_rate);
+    if (windup) {
+      calibrate::add_windup(*windup, stated, result.diagnosis);
+    } else {
+      result.diagnosis.notes.emplace_back(
+          "both sides are logged, but too few stretches have a clear torque: neither play nor "
+          "compliance can be known");
+    }
+  }
+  result.readings = calibrate::motion_readings(record, result.diagnosis.drive,
+                                               result.diagnosis.rows, chain.ratio);
   auto& notes = result.diagnosis.notes;
   notes.insert(notes.begin(), record.notes.begin(), record.notes.end());
   return result;

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "actuator/design_gear.hpp"
 #include "app/evaluate.hpp"
 #include "app/mesh_load_search.hpp"
 #include "app/model_change.hpp"
@@ -33,6 +34,11 @@ void refuse_without_bounds(const OptimizeTask& task) {
         "--model: the objective cycle_energy takes the friction of the simulation; allowed: one of "
         "them");
   }
+  if (task.model && task.spec.felt) {
+    throw io::InvalidInput(
+        "--model: limits of what is felt (actuator.limits) take the friction of the simulation; "
+        "allowed: one of them");
+  }
   if ((task.certify || front) && !optimize::has_bounds(task.spec)) {
     throw io::InvalidInput(fmt::format(
         "{}: {} needs bounds, and with {} there are none; allowed: one of them", task.source,
@@ -45,6 +51,36 @@ void refuse_without_bounds(const OptimizeTask& task) {
         "--model: a list of objectives asks for a Pareto front, which has none of the model's "
         "losses at an operating point; allowed: one objective, or no --model");
   }
+}
+
+/// What the limits hold, by the actuator of the motor and the design.
+std::vector<actuator::LimitCheck> felt_at_best(const optimize::FeltTask& task,
+                                               const design::Design& design) {
+  auto train = std::make_shared<actuator::DesignTrain>(design);
+  actuator::Actuator a;
+  a.gearbox.ratio = train->ratio();
+  a.load_inertia_kgm2 = task.load_inertia_kgm2;
+  a.train = train;
+  a.motor.rotor_inertia_kgm2 = task.rotor_inertia_kgm2;
+  a.motor.coulomb_Nm = task.coulomb_Nm;
+  a.motor.static_Nm = task.static_Nm;
+  a.motor.torque_constant_Nm_A = 1.0;  // any: no current is asked for
+  std::optional<actuator::FeltTorque> torque;
+  for (const optimize::FeltLimit& limit : task.limits) {
+    switch (limit.quantity) {
+      case optimize::FeltQuantity::kInertia:
+        a.felt.max_inertia_kgm2 = limit.value;
+        break;
+      case optimize::FeltQuantity::kBreakaway:
+        a.felt.max_breakaway_Nm = limit.value;
+        break;
+      case optimize::FeltQuantity::kTransparency:
+        a.felt.max_transparency = limit.value;
+        torque = actuator::felt_torque(a, task.transparency_torque_Nm);
+        break;
+    }
+  }
+  return actuator::felt_checks(a, actuator::reflected(a), torque);
 }
 
 /// With the task's model where it judges the sets.
@@ -187,6 +223,9 @@ Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks,
     if (!mesh_load.empty()) outcome.best->evaluation.notes.push_back(std::move(mesh_load));
     if (task.spec.cycle_energy) {
       outcome.co_design = co_designed(task.spec, outcome.result, outcome.best->stated);
+    }
+    if (task.spec.felt) {
+      outcome.felt = felt_at_best(*task.spec.felt, outcome.best->stated);
     }
     if (task.explain) outcome.held = held_back_by(task, outcome.result, progress);
   }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "actuator/felt.hpp"
 #include "app/co_design.hpp"
 #include "app/model.hpp"
 #include "design/evaluation.hpp"
@@ -74,6 +75,8 @@ struct Optimization {
     std::optional<design::TorqueAngleCurve> torque_angle;  ///< as Analysis::torque_angle
   };
   std::optional<Best> best;
+  /// Limits of what is felt at the best design's output through the stated motor.
+  std::vector<actuator::LimitCheck> felt{};
   std::optional<CoDesigned> co_design;  ///< its motor, of the objective cycle_energy
   /// What holds the best design back, and the best of every number of planets; where there is one
   /// and that was asked for.

@@ -20,6 +20,7 @@
 #include "io/files/specification_file.hpp"
 #include "io/text/file_reader.hpp"
 #include "io/text/toml_value.hpp"
+#include "report/actuator_report.hpp"
 #include "report/analysis_report.hpp"
 #include "report/certificate_report.hpp"
 #include "report/co_design_report.hpp"
@@ -50,7 +51,8 @@ struct OptimizeInput {
 /// Files that [actuator] and [cycle] name.
 std::vector<std::string> co_design_sources(const optimize::Specification& spec) {
   const actuator::CoDesign* const co_design = actuator::co_design_of(spec.cycle_energy.get());
-  return co_design != nullptr ? co_design->sources() : std::vector<std::string>();
+  if (co_design != nullptr) return co_design->sources();
+  return spec.felt ? std::vector{spec.felt->source} : std::vector<std::string>();
 }
 
 OptimizeInput read_input(const OptimizeOptions& options) {
@@ -185,7 +187,7 @@ OptimizeRun run(app::OptimizeTask& task, RunJournal& journal, FrontJournal& fron
       task.spec, o.result, run.tally, {.wall_time_s = wall_time_s, .threads = threads}, task.use(),
       o.front ? &*o.front : nullptr, o.robust ? &*o.robust : nullptr,
       o.comparison ? &*o.comparison : nullptr, &task.stated_limits, o.held ? &*o.held : nullptr,
-      o.rounding ? &*o.rounding : nullptr, o.co_design ? &o.co_design->report : nullptr);
+      o.rounding ? &*o.rounding : nullptr, o.co_design ? &o.co_design->report : nullptr, &o.felt);
   return run;
 }
 
@@ -242,7 +244,7 @@ void print_results(const app::OptimizeTask& task, const OptimizeRun& run,
       const std::size_t sets = o.result.search.candidates.size();
       const std::string more =
           (o.co_design ? report::co_design_table(o.co_design->report) : std::string()) +
-          report::held_back_table(task.spec, o.held->best) +
+          report::limit_checks_text(o.felt) + report::held_back_table(task.spec, o.held->best) +
           report::planets_table(task.spec, *o.held) + rounding_text(task, o) +
           (o.robust ? report::robust_table(task.spec, *o.robust) : "") +
           (o.front ? report::pareto_table(task.spec, *o.front) : "") +

@@ -227,6 +227,71 @@ class MotionRun {
     // Changes of a power's sign are no events, but cost as much.
     const std::size_t counted = std::max(motion_.events.size(), motion_.cuts / 2);
     motion_.complete = static_cast<std::int64_t>(counted) <= scenario_.solver.max_events;
+    if (motion_.complete && chatters(end_s)) motion_.complete = false;
+  }
+
+  /// Greatest of a stretch of events.
+  [[nodiscard]] double most_of(std::size_t from, std::size_t to,
+                               double (*value)(const MotionEvent&)) const {
+    double most = 0.0;
+    for (std::size_t k = from; k < to; ++k) most = std::max(most, value(motion_.events[k]));
+    return most;
+  }
+
+  /// Whether events that repeat themselves will go on beyond solver.max_events: a quarter of them
+  /// is past, the last eighth came as fast as the one before, and at that rate the rest comes
+  /// before anything that is prescribed changes.  Says so.
+  bool chatters(double time_s) {
+    const auto& events = motion_.events;
+    const auto most = static_cast<std::size_t>(scenario_.solver.max_events);
+    const std::size_t part = most / 8;
+    if (part < 100 || events.size() < 2 * part || events.size() < looked_ + part / 4) return false;
+    looked_ = events.size();
+    const std::size_t end = events.size() - 1, middle = end - part, begin = end + 1 - 2 * part;
+    const double last = events[end].time_s - events[middle].time_s;
+    const double before = events[middle].time_s - events[begin].time_s;
+    constexpr double kSlower = 1.1;
+    if (last > kSlower * before) return false;
+    const double until = std::min(hybrid_.surroundings().next_row_s(time_s), scenario_.duration_s);
+    const double expected = static_cast<double>(part) / last * (until - time_s);
+    if (static_cast<double>(events.size()) + expected <= static_cast<double>(most)) return false;
+    const auto share = [&](const char* what) {
+      return std::ranges::count(events.begin() + static_cast<std::ptrdiff_t>(middle), events.end(),
+                                what, &MotionEvent::what);
+    };
+    const auto jams = share("jams"), contacts = share("contact");
+    const auto loss = [](const MotionEvent& e) { return e.loss_J; };
+    const double now = most_of(middle, end, loss), earlier = most_of(begin, middle, loss);
+    constexpr double kGrows = 1.1;
+    const bool grows = contacts > 0 && now > kGrows * earlier;
+    std::string what = "events repeat themselves";
+    if (jams > contacts) {
+      what = "judders, it jams and starts";
+    } else if (contacts > 0 && scenario_.control == Control::kPosition) {
+      what = grows ? "unstable: the gains of the control diverge across the gap, it is crossed"
+                   : "unstable: the gains of the control chatter across the gap, it is crossed";
+    } else if (contacts > 0) {
+      what = grows ? "impacts across the gap grow, it is crossed"
+                   : "chatters across the gap, it is crossed";
+    }
+    const char* const repeated = jams > contacts ? "jams" : contacts > 0 ? "contact" : nullptr;
+    double rate = static_cast<double>(part) / last;
+    if (repeated != nullptr) {
+      const auto of = [&](const MotionEvent& e) { return e.what == repeated; };
+      const auto from = events.begin() + static_cast<std::ptrdiff_t>(middle);
+      const auto one = std::find_if(from, events.end(), of);
+      const auto other = std::find_if(events.rbegin(), events.rend(), of);
+      const auto count = std::count_if(from, events.end(), of);
+      if (count > 1) rate = static_cast<double>(count - 1) / (other->time_s - one->time_s);
+    }
+    chatter_ = fmt::format(
+        "{} {:.4g} times a second{}; to {:g} s more than solver.max_events = {} events would pass",
+        what, rate,
+        grows ? fmt::format(" and its impacts take {:.3g} times the energy of those before",
+                            now / earlier)
+              : "",
+        until, scenario_.solver.max_events);
+    return true;
   }
   [[nodiscard]] State x_at_start() const { return stepper_.between(stepper_.from_s()); }
 
@@ -243,6 +308,8 @@ class MotionRun {
   double next_sample_ = 1.0;
   int idle_ = 0;
   double last_cut_s_ = -1.0;
+  std::size_t looked_ = 0;  ///< events when chatters() looked last
+  std::string chatter_;     ///< why the run was ended; "" else
   actuator::CompensatedSum contact_J_, jam_J_;
   std::vector<double> watched_, trial_;
   Motion motion_;
@@ -289,10 +356,11 @@ void MotionRun::finish() {
   if (!motion_.complete) {
     const bool steps = static_cast<std::int64_t>(motion_.steps) >= scenario_.solver.max_steps;
     motion_.notes.push_back(
-        steps ? fmt::format("ended at {:g} s: solver.max_steps = {} steps, the last of {:g} s",
-                            time_s_, scenario_.solver.max_steps, stepper_.next_step_s())
-              : fmt::format("ended at {:g} s: more than solver.max_events = {} events", time_s_,
-                            scenario_.solver.max_events));
+        !chatter_.empty() ? fmt::format("ended at {:g} s: {}", time_s_, chatter_)
+        : steps ? fmt::format("ended at {:g} s: solver.max_steps = {} steps, the last of {:g} s",
+                              time_s_, scenario_.solver.max_steps, stepper_.next_step_s())
+                : fmt::format("ended at {:g} s: more than solver.max_events = {} events", time_s_,
+                              scenario_.solver.max_events));
   }
   const auto jams = [](const MotionEvent& event) { return event.what == "jams"; };
   const auto first = std::ranges::find_if(motion_.events, jams);

@@ -116,6 +116,13 @@ Miss miss_of(const RefinementProblem& problem, const ConstraintRow& row, double 
             .amount = violation * row.objective->scale / record.per_unit,
             .unit = record.unit};
   }
+  if (row.felt) {
+    const units::Unit unit = felt_record(row.felt->quantity).unit;
+    return {.name = row.name,
+            .violation = violation,
+            .amount = felt_miss(*problem.spec->felt, *row.felt, violation),
+            .unit = units::unit_name(unit)};
+  }
   const units::Unit unit = row.check ? row.check->record->unit : units::Unit::kMillimetre;
   const double miss_si =
       row.check ? miss_of_constraint(*row.check, violation) : violation * problem.length_scale_m;
@@ -181,6 +188,14 @@ RefinedSet proven_infeasible(const Candidate& candidate, const Infeasibility& pr
                        .violation = proof.violation,
                        .amount = units::difference_from_si(proof.miss_si, units::Unit::kMillimetre),
                        .unit = units::unit_name(units::Unit::kMillimetre)}};
+    return set;
+  }
+  if (proof.felt) {
+    const FeltRecord& record = felt_record(*proof.felt);
+    set.blocked_by = {{.name = record.name,
+                       .violation = proof.violation,
+                       .amount = proof.miss_si,
+                       .unit = units::unit_name(record.unit)}};
     return set;
   }
   const design::CheckRecord& record = design::check_record(proof.check);

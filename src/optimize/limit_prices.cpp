@@ -156,6 +156,17 @@ class ActiveLimits {
                         .weight = 1.0 / row.objective->scale,
                         .where = {},
                         .gradient = gradient});
+    } else if (row.felt) {
+      const FeltRecord& record = felt_record(row.felt->quantity);
+      pulls_.push_back({.limit = LimitPrice{.limit = {.kind = LimitKind::kFelt,
+                                                      .place = static_cast<int>(row.felt->quantity),
+                                                      .at_least = false},
+                                            .key = std::string(record.key),
+                                            .unit = record.unit,
+                                            .value_si = row.felt->value},
+                        .weight = felt_slope(*row.felt),
+                        .where = {},
+                        .gradient = gradient});
     } else if (row.objective) {
       pulls_.push_back({.limit = {}, .weight = 0.0, .where = {}, .gradient = gradient});
     } else {

@@ -22,6 +22,7 @@ enum class LimitKind {
   kPressureAngle,
   kFaceWidth,
   kTorque,
+  kFelt,        ///< of what is felt at the output
   kSearchSpace  ///< where the model ends; nobody states it
 };
 

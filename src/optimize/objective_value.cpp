@@ -52,19 +52,32 @@ T mass_of(const GearBodies<T>& bodies, int planets) {
 }
 
 template <class T>
+inertia::InertialTrain<T> inertial_train(const GearBodies<T>& bodies, const train::ToothSet& teeth,
+                                         int planets, const T& center_distance_m) {
+  using train::kP1, train::kP2, train::kR2, train::kS;
+  return {.teeth = teeth,
+          .planets = planets,
+          .center_distance_m = center_distance_m,
+          .bodies = {.sun_kgm2 = bodies[kS].inertia_kgm2,
+                     .planet1_kgm2 = bodies[kP1].inertia_kgm2,
+                     .planet2_kgm2 = bodies[kP2].inertia_kgm2,
+                     .planet_mass_kg = bodies[kP1].mass_kg + bodies[kP2].mass_kg,
+                     .carrier_kgm2 = constant<T>(0.0),
+                     .ring2_kgm2 = bodies[kR2].inertia_kgm2}};
+}
+
+template <class T>
 T inertia_of(const GearBodies<T>& bodies, const train::ToothSet& teeth, int planets,
              const T& center_distance_m) {
-  using train::kP1, train::kP2, train::kR2, train::kS;
-  return inertia::lossless_inertia<T>(
-      {.teeth = teeth,
-       .planets = planets,
-       .center_distance_m = center_distance_m,
-       .bodies = {.sun_kgm2 = bodies[kS].inertia_kgm2,
-                  .planet1_kgm2 = bodies[kP1].inertia_kgm2,
-                  .planet2_kgm2 = bodies[kP2].inertia_kgm2,
-                  .planet_mass_kg = bodies[kP1].mass_kg + bodies[kP2].mass_kg,
-                  .carrier_kgm2 = constant<T>(0.0),
-                  .ring2_kgm2 = bodies[kR2].inertia_kgm2}});
+  return inertia::lossless_inertia<T>(inertial_train(bodies, teeth, planets, center_distance_m));
+}
+
+template <class T>
+efficiency::MeshEfficiencies<T> constant_mesh_efficiencies(const ObjectiveInput<T>& input,
+                                                           bool forward) {
+  return efficiency::mesh_efficiencies(
+      input.train, efficiency::constant_friction<T>(input.spec.friction, forward),
+      input.spec.friction.model, forward);
 }
 
 double ratio_error(const Specification& spec, const train::ToothSet& teeth) {
@@ -106,9 +119,7 @@ T objective_value(Objective objective, const ObjectiveInput<T>& input, int branc
   const train::TrainGeometry<T>& train = input.train;
   const auto& normal_backlash_m = input.normal_backlash_m;
   const auto mesh_efficiencies = [&](bool forward) {
-    return efficiency::mesh_efficiencies(train,
-                                         efficiency::constant_friction<T>(spec.friction, forward),
-                                         spec.friction.model, forward);
+    return constant_mesh_efficiencies(input, forward);
   };
   switch (objective) {
     case Objective::kBackwardEfficiency:
@@ -168,6 +179,24 @@ T objective_value(Objective objective, const Specification& spec,
        .torque_Nm = {},
        .rating = nullptr},
       branch);
+}
+
+template <class T>
+FeltGearbox<T> felt_gearbox(const ObjectiveInput<T>& input) {
+  const Specification& spec = input.spec;
+  const train::TrainGeometry<T>& t = input.train;
+  const auto forward = constant_mesh_efficiencies(input, true);
+  const auto backward = constant_mesh_efficiencies(input, false);
+  FeltGearbox<T> felt{.ratio = train::ratio(t.teeth),
+                      .forward = efficiency::forward_efficiency(t.teeth, forward),
+                      .backward = efficiency::backward_efficiency(t.teeth, backward)};
+  if (!knows_masses(spec) || !(value_of(felt.backward) > 0.0)) return felt;
+  auto moving = inertial_train<T>(gear_bodies(spec, input.face_width_m, t.gears), t.teeth,
+                                  t.planets, t.center_distance_m);
+  moving.bodies.sun_kgm2 = moving.bodies.sun_kgm2 + spec.felt->rotor_inertia_kgm2;
+  felt.inertia_kgm2 =
+      inertia::effective_inertia<T>(moving, {.forward = forward, .backward = backward}, false);
+  return felt;
 }
 
 double best_value(Objective objective, const Specification& spec, const train::ToothSet& teeth,
@@ -308,6 +337,7 @@ double objective_scale(Objective objective, const Specification& spec) {
   template T planet_mass_kg<T>(const Specification&, const train::TrainGeometry<T>&,             \
                                const std::array<T, 2>&);                                         \
   template T objective_value<T>(Objective, const ObjectiveInput<T>&, int);                       \
+  template FeltGearbox<T> felt_gearbox<T>(const ObjectiveInput<T>&);                             \
   template T objective_value<T>(Objective, const Specification&, const train::TrainGeometry<T>&, \
                                 const std::array<T, train::kMeshCount>&, int);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)

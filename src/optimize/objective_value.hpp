@@ -58,6 +58,10 @@ T objective_value(Objective objective, const Specification& spec,
                   const train::TrainGeometry<T>& train,
                   const std::array<T, train::kMeshCount>& normal_backlash_m, int branch = 0);
 
+/// What the limits of spec.felt see of a train; its gears' inertia where masses are known.
+template <class T>
+FeltGearbox<T> felt_gearbox(const ObjectiveInput<T>& input);
+
 /// Best value [SI] of an objective other than an efficiency that any shifts and modules of a tooth
 /// set can have, from the least modules, shifts and face widths: nothing feasible is better;
 /// infinite for those of the load.

@@ -129,6 +129,14 @@ void append_objectives(RefinementProblem& p) {
             .branch = 0,
             .scale = objective_scale(limit.objective, *p.spec)});
   }
+  if (p.spec->felt) {
+    for (const FeltLimit& limit : p.spec->felt->limits) {
+      p.rows.push_back({.check = std::nullopt,
+                        .objective = std::nullopt,
+                        .felt = limit,
+                        .name = felt_record(limit.quantity).name});
+    }
+  }
   if (p.branch.objective > 0) {
     append({.objective = p.objective,
             .limit = std::nullopt,
@@ -532,12 +540,16 @@ std::optional<T> evaluate_rows(const RefinementProblem& p, std::span<const T> v,
   const T objective = objective_value(p.objective, at, p.branch.objective) *
                       (-sense_of(p.objective) / p.objective_scale);
   bool finite = all_finite(objective);
+  std::optional<FeltGearbox<T>> felt;
   for (std::size_t k = 0; k < constraints.size(); ++k) {
     const ConstraintRow& row = p.rows[index_of(k)];
     if (row.check) {
       constraints[k] = constraint_of(*row.check, gearing);
     } else if (row.objective) {
       constraints[k] = objective_margin(*row.objective, at);
+    } else if (row.felt) {
+      if (!felt) felt = felt_gearbox(at);
+      constraints[k] = felt_margin(*spec.felt, *row.felt, *felt);
     } else {
       const T& module = parameters.module_m[static_cast<std::size_t>(row.stage)];
       constraints[k] =

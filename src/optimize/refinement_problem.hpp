@@ -24,15 +24,17 @@ struct ObjectiveRow {
   double scale = 1.0;
 };
 
-/// One inequality g ≥ 0: a check, an objective, or a bound on a module that is a dependent
-/// quantity.
+/// One inequality g ≥ 0: a check, an objective, a limit of what is felt, or a bound on a module
+/// that is a dependent quantity.
 struct ConstraintRow {
   std::optional<design::CheckInstance> check;
   std::optional<ObjectiveRow> objective;
-  int stage = 0;          ///< module bound: 0 or 1
-  double bound_m = 0.0;   ///< module bound [m]
-  bool at_least = true;   ///< module bound: module ≥ bound, else ≤
-  std::string_view name;  ///< of the check or objective, or stage1_module / stage2_module
+  std::optional<FeltLimit> felt{};
+  int stage = 0;         ///< module bound: 0 or 1
+  double bound_m = 0.0;  ///< module bound [m]
+  bool at_least = true;  ///< module bound: module ≥ bound, else ≤
+  std::string_view
+      name;  ///< of the check, objective or what is felt, or stage1_module / stage2_module
 };
 
 /// Most variables of a problem: five shifts, two working angles, a module, five tip shortenings,

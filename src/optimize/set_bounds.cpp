@@ -102,11 +102,31 @@ std::optional<Infeasibility> SetBounds::loads_apart(const StageReach& stage1,
 
 SetBound SetBounds::of(std::size_t k) const {
   SetBound bound = untied(k);
-  if (tied_.empty() || !tied_[k].known || bound.infeasible) return bound;
-  bound.infeasible = tied_[k].infeasible;
-  bound.eta_b = std::min(bound.eta_b, tied_[k].eta_b);
-  bound.eta_f = std::min(bound.eta_f, tied_[k].eta_f);
+  if (!tied_.empty() && tied_[k].known && !bound.infeasible) {
+    bound.infeasible = tied_[k].infeasible;
+    bound.eta_b = std::min(bound.eta_b, tied_[k].eta_b);
+    bound.eta_f = std::min(bound.eta_f, tied_[k].eta_f);
+  }
+  refuse_felt(k, bound);
   return bound;
+}
+
+void SetBounds::refuse_felt(std::size_t k, SetBound& bound) const {
+  if (!spec_->felt || bound.infeasible) return;
+  // Without the gears' inertia, which only adds to what is felt.
+  const FeltGearbox<double> best{
+      .ratio = train::ratio(candidates_[k].teeth), .forward = bound.eta_f, .backward = bound.eta_b};
+  for (const FeltLimit& limit : spec_->felt->limits) {
+    const double violation = -felt_margin(*spec_->felt, limit, best);
+    if (violation <= 2.0 * design::kFeasibilityTolerance) continue;
+    if (bound.infeasible && bound.infeasible->violation >= violation) continue;
+    // With efficiencies of 1 the ratio alone is too great.
+    bound.infeasible = Infeasibility{.miss_si = felt_miss(*spec_->felt, limit, violation),
+                                     .violation = violation,
+                                     .alone = !bound.known,
+                                     .felt = limit.quantity};
+  }
+  if (bound.infeasible) bound.eta_b = bound.eta_f = 0.0;
 }
 
 SetBound SetBounds::untied(std::size_t k) const {

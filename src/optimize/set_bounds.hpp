@@ -64,6 +64,8 @@ class SetBounds {
   [[nodiscard]] std::optional<Infeasibility> loads_apart(const StageReach& stage1,
                                                          const StageReach& stage2) const;
   [[nodiscard]] SetBound untied(std::size_t k) const;
+  /// Proof that the greatest efficiencies of a bound keep no limit of what is felt.
+  void refuse_felt(std::size_t k, SetBound& bound) const;
   [[nodiscard]] SetBound sharpened_untied(std::size_t k, const SetBound& usual) const;
   [[nodiscard]] SetBound combine(std::size_t k, const RelaxedStage1& stage1,
                                  const RelaxedStage2& stage2) const;

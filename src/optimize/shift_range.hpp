@@ -32,6 +32,8 @@ struct Infeasibility {
   /// Owed to the stages' modules instead of the check: none of a list lets both stages have one
   /// centre distance.
   bool of_modules = false;
+  /// Owed to a limit of what is felt instead, by the greatest efficiencies.
+  std::optional<FeltQuantity> felt{};
 };
 
 /// Profile shifts of a gear with the limits that confine them.

@@ -13,6 +13,7 @@
 #include "design/design.hpp"
 #include "design/extension.hpp"
 #include "optimize/cycle_energy.hpp"
+#include "optimize/felt_limits.hpp"
 #include "optimize/objective.hpp"
 
 namespace gear3k::optimize {
@@ -141,6 +142,8 @@ struct Specification {
   std::optional<strength::RatingTask> rating;
   /// Of the objective cycle_energy: motors, load and cycles; null without.
   std::shared_ptr<const CycleEnergy> cycle_energy;
+  /// Limits of what is felt at the output through one stated motor.
+  std::optional<FeltTask> felt;
   Robust robust;
   RoundSteps round;
   Solver solver;

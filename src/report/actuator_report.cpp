@@ -56,7 +56,7 @@ ShownCheck shown(const LimitCheck& check) {
   return result;
 }
 
-Json checks_json(const std::vector<LimitCheck>& checks) {
+Json checks_list(const std::vector<LimitCheck>& checks) {
   Json list = Json::array();
   for (const LimitCheck& check : checks) {
     const ShownCheck s = shown(check);
@@ -112,7 +112,7 @@ Json cycle_json(const ActuatorResult& result) {
   json["regenerating_fraction"] = share(&actuator::NegativeShares::regenerating);
   json["winding_c"] = d.winding ? celsius_json(d.winding->winding_K) : Json();
   json["thermal"] = winding_json(d);
-  json["checks"] = checks_json(d.checks);
+  json["checks"] = checks_list(d.checks);
   json["feasible"] = d.feasible;
   json["notes"] = d.notes;
   if (result.without_each) {
@@ -185,7 +185,7 @@ std::string reflected_text(const ActuatorResult& result) {
              number_or(r.breakaway_motor_Nm, "none", " N m"));
 }
 
-std::string checks_text(const std::vector<LimitCheck>& checks) {
+std::string checks_lines(const std::vector<LimitCheck>& checks) {
   if (checks.empty()) return "";
   TextTable table({"check", "value", "limit", "margin", ""});
   table.align_left(4);
@@ -253,7 +253,7 @@ std::string cycle_text(const ActuatorResult& result) {
     text += fmt::format("winding {:.2f} C\n",
                         units::from_si(*d.winding->winding_K, units::Unit::kCelsius));
   }
-  text += checks_text(d.checks);
+  text += checks_lines(d.checks);
   for (const std::string& note : d.notes) text += fmt::format("note: {}\n", note);
   return text;
 }
@@ -314,6 +314,11 @@ std::vector<std::string> names_of_causes(
 
 }  // namespace
 
+io::Json limit_checks_json(const std::vector<LimitCheck>& checks) { return checks_list(checks); }
+std::string limit_checks_text(const std::vector<LimitCheck>& checks) {
+  return checks_lines(checks);
+}
+
 std::string actuator_json(const ActuatorResult& result) {
   Json json{{"tool", tool_json()},
             {"name", result.actuator.name},
@@ -321,7 +326,7 @@ std::string actuator_json(const ActuatorResult& result) {
             {"reflected", reflected_json(result.reflected)},
             {"cycle", result.cycle ? cycle_json(result) : Json()}};
   if (result.felt) json["felt"] = felt_json(*result.felt);
-  if (!result.felt_checks.empty()) json["checks"] = checks_json(result.felt_checks);
+  if (!result.felt_checks.empty()) json["checks"] = checks_list(result.felt_checks);
   if (result.impedance_task) json["impedance"] = impedance_json(result);
   json["notes"] = result.reflected.notes;
   return json.text();
@@ -333,7 +338,7 @@ std::string actuator_table(const ActuatorResult& result) {
                                  result.actuator.gearbox.ratio);
   text += reflected_text(result);
   if (result.felt) text += felt_text(*result.felt);
-  text += checks_text(result.felt_checks);
+  text += checks_lines(result.felt_checks);
   for (const std::string& note : result.reflected.notes) text += fmt::format("note: {}\n", note);
   if (result.cycle) text += cycle_text(result);
   if (result.impedance_task) text += impedance_text(result);

@@ -10,6 +10,7 @@
 #include "actuator/felt.hpp"
 #include "actuator/impedance.hpp"
 #include "actuator/reflected.hpp"
+#include "io/text/json.hpp"
 
 namespace gear3k::report {
 
@@ -26,6 +27,10 @@ struct ActuatorResult {
   std::vector<actuator::ImpedancePoint> impedance;
   std::vector<actuator::DrivePoint> drive_diagram;  ///< where asked for
 };
+
+/// Limits as `checks` of the JSON and as lines of a table.
+io::Json limit_checks_json(const std::vector<actuator::LimitCheck>& checks);
+std::string limit_checks_text(const std::vector<actuator::LimitCheck>& checks);
 
 std::string actuator_json(const ActuatorResult& result);
 std::string actuator_table(const ActuatorResult& result);

@@ -18,6 +18,8 @@ using optimize::LimitPrice, optimize::ObjectiveRecord, optimize::Specification;
 
 /// A step by which a limit is likely to give way, in its unit.
 double natural_step(const LimitPrice& price) {
+  constexpr double kShareOfFelt = 0.05;
+  if (price.limit.kind == optimize::LimitKind::kFelt) return kShareOfFelt * price.value_si;
   switch (price.unit) {
     case units::Unit::kNone:
     case units::Unit::kModule:

@@ -28,12 +28,15 @@ double shaft_scale(std::size_t cause, double ratio) {
     case calibrate::kMotorViscousChange:
     case calibrate::kMotorInertiaChange:
       return 1.0 / (ratio * ratio);
+    case calibrate::kClearanceChange:
+      return arcmin(1.0);
     default:
       return 1.0;
   }
 }
 
 double quantity_scale(const MotionQuantity& q, double ratio) {
+  if (q.name == "backlash") return shaft_scale(calibrate::kClearanceChange, ratio);
   if (q.name == "motor_coulomb") return shaft_scale(calibrate::kMotorCoulombChange, ratio);
   if (q.name.starts_with("motor_")) return shaft_scale(calibrate::kMotorInertiaChange, ratio);
   return 1.0;
@@ -102,6 +105,44 @@ Json motion_proposal_json(const MotionProposal& p, std::size_t first, double rat
           {"half_width", p.half_width * shaft_scale(first, ratio)}};
 }
 
+Json estimate_json(const MotionEstimate& e) {
+  Json interval = Json::array();
+  interval.push_back(e.low);
+  interval.push_back(e.high);
+  return {{"value", e.value}, {"ci95", interval}};
+}
+
+const char* flow_name(int flow) { return flow > 0 ? "forward" : "backward"; }
+
+void add_readings(const calibrate::MotionReadings& r, Json& json) {
+  json["run_downs"] = {
+      {"records", list_json(r.run_downs,
+                            [](const calibrate::RunDown& d) {
+                              return Json{{"time_s", d.time_s},
+                                          {"duration_s", d.duration_s},
+                                          {"from_rad_s", d.from_rad_s},
+                                          {"to_rad_s", d.to_rad_s}};
+                            })},
+      {"drag", list_json(r.drags, [](const calibrate::RunDownDrag& d) {
+         return Json{
+             {"flow", flow_name(d.flow)},
+             {"windows", d.windows},
+             {"constant_nm", estimate_json(d.constant_Nm)},
+             {"viscous_nms_per_rad", d.viscous_Nms ? estimate_json(*d.viscous_Nms) : Json(nullptr)},
+             {"stated_constant_nm", d.stated_constant_Nm},
+             {"stated_viscous_nms_per_rad", d.stated_viscous_Nms}};
+       })}};
+  json["reversals"] = {{"of_sense", r.reversals}, {"of_flank", r.flank_changes}};
+  json["ripple"] = {{"highest_order", r.highest_order},
+                    {"waves", list_json(r.ripple, [](const calibrate::TorqueRipple& w) {
+                       return Json{{"shaft", w.shaft},
+                                   {"harmonic", w.harmonic},
+                                   {"order", w.order},
+                                   {"amplitude_nm", w.amplitude_Nm},
+                                   {"p_value", w.p_value}};
+                     })}};
+}
+
 std::string interval_text(const MotionEstimate& e, double scale) {
   return fmt::format("{:.4g} to {:.4g}", e.low * scale, e.high * scale);
 }
@@ -137,6 +178,30 @@ std::string quantities_text(const MotionDiagnosisResult& r) {
   return table.text(0);
 }
 
+std::string readings_text(const calibrate::MotionReadings& r) {
+  std::string text;
+  for (const calibrate::RunDownDrag& d : r.drags) {
+    text +=
+        fmt::format("run-downs, flow {}: drag {:.4g} ({}) N m, stated {:.4g}", flow_name(d.flow),
+                    d.constant_Nm.value, interval_text(d.constant_Nm, 1.0), d.stated_constant_Nm);
+    if (d.viscous_Nms) {
+      text += fmt::format("; {:.4g} ({}) N m s/rad, stated {:.4g}", d.viscous_Nms->value,
+                          interval_text(*d.viscous_Nms, 1.0), d.stated_viscous_Nms);
+    }
+    text += '\n';
+  }
+  for (const calibrate::TorqueRipple& w : r.ripple) {
+    text += fmt::format(
+        "torque ripple: {:.4g} N m at the output, {} times a turn of the {} (order "
+        "{:.4g})\n",
+        w.amplitude_Nm, w.harmonic, w.shaft, w.order);
+  }
+  if (r.reversals > 0) {
+    text += fmt::format("{} reversals, {} changes of flank\n", r.reversals, r.flank_changes);
+  }
+  return text.empty() ? text : '\n' + text;
+}
+
 }  // namespace
 
 std::string motion_diagnosis_json(const MotionDiagnosisResult& r) {
@@ -160,6 +225,7 @@ std::string motion_diagnosis_json(const MotionDiagnosisResult& r) {
   json["noise_correlation"] = d.correlation;
   json["next_experiment"] =
       d.next ? motion_proposal_json(*d.next, d.effects.front().cause, r.ratio) : Json(nullptr);
+  add_readings(r.readings, json);
   json["notes"] = d.notes;
   return json.text();
 }
@@ -173,7 +239,7 @@ std::string motion_diagnosis_table(const MotionDiagnosisResult& r) {
       kMotionVerdicts.at(static_cast<std::size_t>(d.verdict)), d.windows[0], d.windows[1],
       d.extended_Nm, d.baseline_Nm, d.noise_Nm);
   if (!d.effects.empty()) text += effects_text(r) + '\n';
-  text += quantities_text(r);
+  text += quantities_text(r) + readings_text(r.readings);
   if (d.next) {
     text += fmt::format("\nnext experiment: {}\n", d.next->advice);
     if (d.next->half_width > 0.0) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "calibrate/dynamic/motion_diagnosis.hpp"
+#include "calibrate/dynamic/motion_readings.hpp"
 
 namespace gear3k::report {
 
@@ -13,6 +14,7 @@ struct MotionDiagnosisResult {
   double ratio = 1.0;   ///< i: quantities of the motor's side are told at its shaft
   std::vector<std::string> files;
   calibrate::MotionDiagnosis diagnosis;
+  calibrate::MotionReadings readings{};
 };
 
 std::string motion_diagnosis_json(const MotionDiagnosisResult& result);

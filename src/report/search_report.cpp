@@ -13,6 +13,7 @@
 #include "io/text/json.hpp"
 #include "optimize/cutter_choice.hpp"
 #include "optimize/objective_value.hpp"
+#include "report/actuator_report.hpp"
 #include "report/certificate_report.hpp"
 #include "report/display.hpp"
 #include "report/fields.hpp"
@@ -411,7 +412,8 @@ std::string summary_json(const Specification& spec, const OptimizeResult& result
                          const optimize::ParetoFront* front, const RobustRun* robust,
                          const ModelComparison* comparison, const design::Limits* stated_limits,
                          const HeldBackReport* held, const optimize::Rounding* rounding,
-                         const CoDesignReport* co_design) {
+                         const CoDesignReport* co_design,
+                         const std::vector<actuator::LimitCheck>* felt) {
   io::Json status = io::Json::object();
   io::Json reasons = io::Json::object();
   for (std::size_t k = 0; k < optimize::kStatusCount; ++k) {
@@ -463,6 +465,7 @@ std::string summary_json(const Specification& spec, const OptimizeResult& result
   json["limits"] = limits_json(stated_limits != nullptr ? *stated_limits : spec.limits);
   if (held != nullptr) json.update(held_back_json(spec, *held));
   if (co_design != nullptr) json["co_design"] = co_design_json(*co_design);
+  if (felt != nullptr && !felt->empty()) json["felt"] = limit_checks_json(*felt);
   json["rounded"] = nullptr;
   if (rounding != nullptr && result.best) {
     const double free_objective =

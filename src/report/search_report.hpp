@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "actuator/co_design.hpp"
+#include "actuator/felt.hpp"
 #include "optimize/optimizer.hpp"
 #include "optimize/pareto_search.hpp"
 #include "optimize/zero_shift.hpp"
@@ -102,13 +103,15 @@ struct RunFacts {
 /// @param held  what holds the best designs back; null: there is none
 /// @param co_design  the motor of the best design; null: no motor was asked for
 /// @param comparison  of the best designs without and with the model; null: no model
+/// @param felt  limits of what is felt at the best design's output; null: none are known
 std::string summary_json(
     const optimize::Specification& spec, const optimize::OptimizeResult& result,
     const ResultTally& tally, const RunFacts& facts, const ModelUse* model = nullptr,
     const optimize::ParetoFront* front = nullptr, const RobustRun* robust = nullptr,
     const ModelComparison* comparison = nullptr, const design::Limits* stated_limits = nullptr,
     const HeldBackReport* held = nullptr, const optimize::Rounding* rounding = nullptr,
-    const CoDesignReport* co_design = nullptr);
+    const CoDesignReport* co_design = nullptr,
+    const std::vector<actuator::LimitCheck>* felt = nullptr);
 
 /// Counts by status and reason, for the terminal.
 std::string optimize_counts_text(const optimize::OptimizeResult& result, const ResultTally& tally);

@@ -159,6 +159,71 @@ TEST(OptimizeCycleEnergy, RefusesMotorsByWhatIsFeltAndNamesTheLimit) {
       << bare.err;
 }
 
+/// A task of another objective with a motor of its own.
+const std::string kFeltTask = "objective = \"outer_diameter\"\n" + kGears +
+                              "[actuator]\nmotor = \"motor.toml\"\nload.inertia_kgm2 = 0.003\n"
+                              "limits.max_felt_inertia_kgm2 = ";
+const std::string kFeltMotor =
+    "[motor]\nresistance_ohm = 0.6\ntorque_constant_nm_per_a = 0.04\nrotor_inertia_kgm2 = 2e-5\n"
+    "coulomb_torque_nm = 0.002\n";
+
+TEST(OptimizeFelt, LeadsAnyObjectiveToADesignThatTheActuatorConfirms) {
+  const Workplace place;
+  place.write("motor.toml", kFeltMotor +
+                                "[gearbox]\nratio = 10.0\nefficiency_forward = 0.9\n"
+                                "efficiency_backward = 0.9\n");
+  place.write("free.toml", kFeltTask + "10.0\n");
+  ASSERT_EQ(place.run({"optimize", "free.toml", "--threads", "1", "--out", "free"}).exit_code, 0);
+  const json free = json::parse(place.read("free/summary.json")).at("felt").at(0);
+  EXPECT_EQ(free.at("name"), "felt_inertia");
+  const double limit = 0.985 * free.at("value").get<double>();
+  place.write("felt.toml", kFeltTask + std::to_string(limit) +
+                               "\nlimits.max_transparency = 0.9\n"
+                               "limits.transparency_torque_nm = 1.0\n");
+  const ProgramResult run =
+      place.run({"optimize", "felt.toml", "--certify", "--threads", "1", "--out", "out"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.out.find("felt_inertia"), std::string::npos);
+  EXPECT_NE(run.out.find("actuator.limits.max_felt_inertia_kgm2"), std::string::npos) << run.out;
+  const json felt = json::parse(place.read("out/summary.json")).at("felt");
+  ASSERT_EQ(felt.size(), 2U);
+  EXPECT_LE(felt[0].at("value").get<double>(), limit * (1.0 + 2e-6));
+  // The actuator of the motor and the design says the same of it.
+  place.write("actuator.toml", kFeltMotor +
+                                   "[gearbox]\ndesign = \"out/best.toml\"\n[load]\n"
+                                   "inertia_kgm2 = 0.003\n");
+  const ProgramResult actuator = place.run({"actuator", "actuator.toml", "--format", "json"});
+  ASSERT_EQ(actuator.exit_code, 0) << actuator.err;
+  const json reflected = json::parse(actuator.out).at("reflected");
+  EXPECT_NEAR(reflected.at("inertia_kgm2").at("speeding_up").get<double>(), felt[0].at("value").get<double>(),
+              1e-9);
+}
+
+TEST(OptimizeFelt, WithoutADesignEndsWith3AndNamesTheLimitWithItsAmount) {
+  const Workplace place;
+  place.write("motor.toml", kFeltMotor +
+                                "[gearbox]\nratio = 10.0\nefficiency_forward = 0.9\n"
+                                "efficiency_backward = 0.9\n");
+  place.write("spec.toml", kFeltTask + "0.005\n");
+  const ProgramResult run = place.run({"optimize", "spec.toml", "--threads", "1", "--out", "out"});
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_NE(run.err.find("blocked by felt_inertia"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("misses felt_inertia by "), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find(" kg m2"), std::string::npos) << run.err;
+}
+
+TEST(OptimizeFelt, TellsWhatItsLimitsNeed) {
+  const Workplace place;
+  place.write("spec.toml",
+              "objective = \"outer_diameter\"\n" + kGears +
+                  "[actuator]\nlimits.max_breakaway_nm = 1.0\nlimits.max_transparency = 0.2\n");
+  const ProgramResult run = place.run({"optimize", "spec.toml", "--out", "out"});
+  EXPECT_EQ(run.exit_code, 2);
+  for (const char* part : {"without actuator.motor", "limits.transparency_torque_nm"}) {
+    EXPECT_NE(run.err.find(part), std::string::npos) << run.err;
+  }
+}
+
 TEST(Selection, MakesTheDesignsOfATaskOfOptimize) {
   const Workplace place;
   write_parts(place);

@@ -1,4 +1,5 @@
 // Self-locking trains below J1 + η_b J2 = 0: when they jam, rest and start again.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -141,6 +142,54 @@ TEST(Jam, WithoutAnyTorqueNothingHappens) {
     EXPECT_LE(m.events.size(), 1U) << backward;
     EXPECT_NEAR(m.end.sides.output_rad, 2.0, 1e-12) << backward;
   }
+}
+
+// What repeats itself without end is named before it has come to 100,000 events.
+TEST(Jam, AJudderThatWouldNotEndInTimeIsNamed) {
+  Actuator a = locking();
+  a.motor.torque_constant_Nm_A = 0.5;
+  a.motor.resistance_ohm = 0.5;
+  Scenario s;
+  s.duration_s = 1e6;
+  s.sample_s = 1e5;
+  s.control = Control::kVoltage;
+  s.command.constant = 0.6;
+  s.load.torque_Nm.constant = 1.0;
+  s.solver.max_events = 4000;
+  const Motion m = simulate(a, s);
+  EXPECT_FALSE(m.complete);
+  EXPECT_LT(m.events.size(), 1500U);
+  ASSERT_FALSE(m.notes.empty());
+  EXPECT_NE(m.notes[0].find("judders"), std::string::npos) << m.notes[0];
+  // The rate is that of the closed form of the test above.
+  const double period =
+      (kForward * kFast_kgm2 + kOutput_kgm2) / (kForward * 0.5) * std::log(5.2 / (5.2 - 1.12));
+  EXPECT_NE(m.notes[0].find(fmt::format("{:.4g} times a second", 1.0 / period)), std::string::npos)
+      << m.notes[0];
+  // Where it ends in time nothing is cut short.
+  s.duration_s = 1000.0 * period;
+  EXPECT_TRUE(simulate(a, s).complete);
+}
+
+TEST(Jam, GainsThatChatterAcrossAGapAreNamed) {
+  Actuator a =
+      plain_actuator({.fast_kgm2 = 1.65e-7, .output_kgm2 = 0.00455, .ratio = 20.8}, 0.7, -0.183);
+  a.motor.coulomb_Nm = a.motor.static_Nm = 0.142 / 20.8;
+  a.gearbox.backlash_rad = 1.27e-5;
+  Scenario s;
+  s.duration_s = 1000.0;
+  s.sample_s = 100.0;
+  s.control = Control::kPosition;
+  s.control_stiffness_Nm_rad = 16.2;
+  s.control_damping_Nms = 3.4;
+  s.command = {.amplitude = 0.3, .frequency_Hz = 1.0};
+  s.load.torque_Nm.constant = 0.5;
+  s.solver.max_events = 8000;
+  const Motion m = simulate(a, s);
+  EXPECT_FALSE(m.complete);
+  EXPECT_LT(m.events.size(), 8000U);
+  ASSERT_FALSE(m.notes.empty());
+  EXPECT_NE(m.notes[0].find("unstable: the gains of the control"), std::string::npos) << m.notes[0];
 }
 
 Actuator random_locking(RandomNumbers& random) {

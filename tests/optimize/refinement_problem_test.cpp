@@ -51,6 +51,15 @@ class RefinementProblemOf : public testing::TestWithParam<Variant> {
     if (v.workshop) add_workshop_limits();
     if (v.same_module) spec_.limits[design::CheckId::kSameModule] = 0.0;
     spec_.friction.model = v.loss;
+    spec_.felt = FeltTask{.rotor_inertia_kgm2 = 2e-6,
+                          .coulomb_Nm = 0.001,
+                          .static_Nm = 0.002,
+                          .load_inertia_kgm2 = 0.001,
+                          .transparency_torque_Nm = 3.0,
+                          .limits = {{FeltQuantity::kInertia, 0.03},
+                                     {FeltQuantity::kBreakaway, 0.25},
+                                     {FeltQuantity::kTransparency, 0.3}},
+                          .source = {}};
     spec_.objectives = {v.objective};
     spec_.ratio.target = v.ratio;
     Progress progress;

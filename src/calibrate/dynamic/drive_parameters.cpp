@@ -2,7 +2,7 @@
 
 namespace gear3k::calibrate {
 
-const std::array<DriveCause, kDriveChanges> kDriveCauses{
+const std::array<DriveCause, kMotionCauses> kDriveCauses{
     {{.id = "friction_level",
       .body = "",
       .title = "the losses of the meshes are not the stated ones",
@@ -47,7 +47,17 @@ const std::array<DriveCause, kDriveChanges> kDriveCauses{
       .body = "motor",
       .title = "the motor's torque is not the logged one",
       .name = "change",
-      .unit = ""}}};
+      .unit = ""},
+     {.id = "clearance",
+      .body = "",
+      .title = "play between the motor's side and the output is not the stated one",
+      .name = "play",
+      .unit = "arcmin"},
+     {.id = "compliance",
+      .body = "",
+      .title = "the gearbox winds up by another angle per torque than stated",
+      .name = "compliance",
+      .unit = "rad/Nm"}}};
 
 DriveParameters changed_drive(const DriveParameters& stated, const DriveChanges& changes) {
   DriveParameters d = stated;

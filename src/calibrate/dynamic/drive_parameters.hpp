@@ -35,13 +35,17 @@ enum DriveChange : std::size_t {
   kMotorInertiaChange,
   kOutputInertiaChange,
   kTorqueConstantChange,
-  kDriveChanges
+  kDriveChanges,
+  // Of the wind-up between both sides, which no torque shows.
+  kClearanceChange = kDriveChanges,
+  kComplianceChange,
+  kMotionCauses
 };
 using DriveChanges = std::array<double, kDriveChanges>;
 
 /// Ids as in the contract of `diagnose`; values at the output, relative for the first two and the
 /// last.
-extern const std::array<DriveCause, kDriveChanges> kDriveCauses;
+extern const std::array<DriveCause, kMotionCauses> kDriveCauses;
 
 /// The drive with changes on top of what is stated.
 ///

@@ -389,6 +389,7 @@ std::optional<MotionDiagnosis> diagnose_motion(const MotionRecord& record,
       d.next = next_motion(d, *sums, stated, changes);
     }
     drive = changed_drive(stated, changes);
+    d.drive = drive;
     result = std::move(d);
   }
   return result;

@@ -57,6 +57,12 @@ struct MotionProposal {
   double half_width = 0.0;  ///< of the 95 % interval of the first effect, all of them free
 };
 
+/// What is stated of a drive between its sides.
+struct StatedWindup {
+  double play_rad = 0.0;           ///< j, lost motion of the output
+  double compliance_rad_Nm = 0.0;  ///< 1/K_g at the output; 0: rigid
+};
+
 struct MotionDiagnosis {
   MotionVerdict verdict = MotionVerdict::kNoDiscrepancy;
   std::vector<MotionEffect> effects;
@@ -69,6 +75,7 @@ struct MotionDiagnosis {
   double correlation = 0.0;                                     ///< between neighbouring windows
   /// Inertia and drag of both sides together explain as well: no load is logged.
   bool sides_as_well = false;
+  DriveParameters drive;  ///< as found
   std::vector<MotionWindow> rows;
   std::vector<double> baseline, extended;  ///< residuals of each window's mean torque [N m]
   std::vector<std::string> notes;

@@ -14,6 +14,11 @@ struct MotionStretch {
   std::vector<double> motor_Nm;     ///< τ = i T_em
   std::vector<double> load_Nm;      ///< T_L; empty: none acts
   double load_kgm2 = 0.0;           ///< inertia that moves with the output, known
+  /// Angle of the motor's side over i less that of the output, up to a constant of the session;
+  /// empty: the motor's side is not logged.
+  std::vector<double> windup_rad{};
+  bool windup_drifts = false;  ///< summed up from speeds: its constant wanders
+  int session = 0;             ///< of one constant
 };
 
 /// All logs of one drive.

@@ -290,7 +290,7 @@ MotionWindow window_of(const MotionStretch& s, const MotionPiece& p, const Stret
   const double span = s.time_s[last] - s.time_s[p.begin];
   const double even = angle ? (signal[last] - signal[p.begin]) / span : 0.0;
   double motor = 0.0, speed = 0.0, rate = 0.0, load = 0.0;
-  double rate_variance = 0.0, load_variance = 0.0;
+  double rate_variance = 0.0, load_variance = 0.0, windup = 0.0;
   for (std::size_t j = 0; j < weights.phi.size(); ++j) {
     const std::size_t k = p.begin + j;
     const double value =
@@ -299,6 +299,7 @@ MotionWindow window_of(const MotionStretch& s, const MotionPiece& p, const Stret
     if (!s.load_Nm.empty()) load += weights.phi[j] * s.load_Nm[k];
     speed += weights.speed[j] * value;
     rate += weights.rate[j] * value;
+    if (!s.windup_rad.empty()) windup += weights.phi[j] * s.windup_rad[k];
     load_variance += square(weights.phi[j] * noise.load);
     rate_variance += square(weights.rate[j] * noise.motion);
   }
@@ -312,7 +313,10 @@ MotionWindow window_of(const MotionStretch& s, const MotionPiece& p, const Stret
           .duration_s = span,
           .load_kgm2 = s.load_kgm2,
           .flow = p.flow,
-          .sense = p.sense};
+          .sense = p.sense,
+          .windup_rad = s.windup_rad.empty() ? std::nullopt : std::optional(windup / weights.total),
+          .windup_drifts = s.windup_drifts,
+          .session = s.session};
 }
 
 double median_samples(const std::vector<std::vector<MotionPiece>>& pieces) {
@@ -328,7 +332,11 @@ double median_samples(const std::vector<std::vector<MotionPiece>>& pieces) {
 
 }  // namespace
 
-std::vector<MotionWindow> motion_windows(const MotionRecord& record, const DriveParameters& drive) {
+namespace {
+
+/// The pieces of every stretch.
+std::vector<std::vector<MotionPiece>> all_pieces(const MotionRecord& record,
+                                                 const DriveParameters& drive) {
   std::vector<StretchSigns> signs;
   signs.reserve(record.stretches.size());
   double mesh = 0.0, speed = 0.0, count = 0.0;
@@ -344,6 +352,46 @@ std::vector<MotionWindow> motion_windows(const MotionRecord& record, const Drive
   std::vector<std::vector<MotionPiece>> pieces;
   pieces.reserve(signs.size());
   for (const StretchSigns& s : signs) pieces.push_back(motion_pieces(s, still, doubt));
+  return pieces;
+}
+
+}  // namespace
+
+std::vector<TorqueSample> torque_samples(const MotionRecord& record, const DriveParameters& drive,
+                                         std::size_t most) {
+  const auto pieces = all_pieces(record, drive);
+  std::size_t longest = 0;
+  for (std::size_t k = 0; k < record.stretches.size(); ++k) {
+    if (record.stretches[k].time_s.size() > record.stretches[longest].time_s.size()) longest = k;
+  }
+  std::vector<TorqueSample> samples;
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    const MotionStretch& s = record.stretches[k];
+    const bool summed = s.angle_rad.empty();
+    if (summed && k != longest) continue;
+    std::vector<double> angle = s.angle_rad;
+    for (std::size_t j = 0; summed && j < s.time_s.size(); ++j) {
+      angle.push_back(j == 0 ? 0.0
+                             : angle.back() + 0.5 * (s.speed_rad_s[j] + s.speed_rad_s[j - 1]) *
+                                                  (s.time_s[j] - s.time_s[j - 1]));
+    }
+    for (const MotionPiece& p : pieces[k]) {
+      const auto beta = drive_coefficients(drive, p.flow, s.load_kgm2);
+      for (std::size_t j = p.begin; j < p.end && samples.size() < most; ++j) {
+        const LocalMotion m = local_motion(s, j);
+        const double load = s.load_Nm.empty() ? 0.0 : s.load_Nm[j];
+        samples.push_back({.angle_rad = angle[j],
+                           .speed_rad_s = m.speed,
+                           .left_Nm = s.motor_Nm[j] - beta[0] * m.acceleration - beta[1] * m.speed -
+                                      beta[2] * p.sense + beta[3] * load});
+      }
+    }
+  }
+  return samples;
+}
+
+std::vector<MotionWindow> motion_windows(const MotionRecord& record, const DriveParameters& drive) {
+  const std::vector<std::vector<MotionPiece>> pieces = all_pieces(record, drive);
   double samples = 0.0;
   for (const auto& of_stretch : pieces) {
     for (const MotionPiece& p : of_stretch) samples += static_cast<double>(p.end - p.begin);

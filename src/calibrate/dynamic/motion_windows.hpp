@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "calibrate/dynamic/drive_parameters.hpp"
@@ -20,6 +21,10 @@ struct MotionWindow {
   double load_kgm2 = 0.0;
   int flow = 1, sense = 1;
   bool follows = false;  ///< begins where the window before it ended
+  /// Mean over φ of MotionStretch::windup_rad; empty: not logged.
+  std::optional<double> windup_rad{};
+  bool windup_drifts = false;
+  int session = 0;
 };
 
 /// Cuts a log where the sense or the flow changes and weighs each piece by φ = (1 − x²)^p, which
@@ -32,5 +37,15 @@ struct MotionWindow {
 /// (modulating functions); docs/theory §69.
 /// @param drive  tells which flow a sample has
 std::vector<MotionWindow> motion_windows(const MotionRecord& record, const DriveParameters& drive);
+
+/// What is left of the motor's torque at a sample, over the output's angle.
+struct TorqueSample {
+  double angle_rad = 0.0, speed_rad_s = 0.0, left_Nm = 0.0;
+};
+/// Samples of clear sense and flow with speed and acceleration of the parabola through 13 of them:
+/// of all stretches where the angle is logged, else of the longest one, its speed summed up.
+/// @param most  samples, the first of them
+std::vector<TorqueSample> torque_samples(const MotionRecord& record, const DriveParameters& drive,
+                                         std::size_t most);
 
 }  // namespace gear3k::calibrate

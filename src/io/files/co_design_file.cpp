@@ -69,6 +69,36 @@ std::shared_ptr<const actuator::CoDesign> read_co_design(const CoDesignInput& in
   return std::make_shared<const actuator::CoDesign>(std::move(task), std::move(sources));
 }
 
+optimize::FeltTask felt_of(const CoDesignInput& in, const actuator::Motor& motor,
+                           std::string source) {
+  optimize::FeltTask task{
+      .rotor_inertia_kgm2 = motor.rotor_inertia_kgm2,
+      .coulomb_Nm = motor.coulomb_Nm,
+      .static_Nm = motor.static_Nm,
+      .load_inertia_kgm2 = in.selection.task.load_inertia_kgm2,
+      .transparency_torque_Nm = in.selection.task.felt.transparency_torque_Nm.value_or(0.0),
+      .source = std::move(source)};
+  const auto add = [&](optimize::FeltQuantity quantity, const std::optional<double>& most) {
+    if (most) task.limits.push_back({.quantity = quantity, .value = *most});
+  };
+  add(optimize::FeltQuantity::kInertia, in.selection.task.felt.max_inertia_kgm2);
+  add(optimize::FeltQuantity::kBreakaway, in.selection.task.felt.max_breakaway_Nm);
+  add(optimize::FeltQuantity::kTransparency, in.selection.task.felt.max_transparency);
+  return task;
+}
+
+optimize::FeltTask read_felt(const CoDesignInput& in, const std::string& file) {
+  const std::string path = (std::filesystem::path(file).parent_path() / in.motor).string();
+  return felt_of(in, read_actuator(path).motor, path);
+}
+
+void check_felt_task(const optimize::Specification& spec, FileReading& reading) {
+  if (!efficiency::depends_on_state(spec.friction)) return;
+  reading.error_at("friction.law",
+                   "actuator.limits of what is felt with friction that depends on load or speed: "
+                   "allowed: a constant friction.coefficient");
+}
+
 void check_cycle_energy(const optimize::Specification& spec, FileReading& reading) {
   if (spec.objectives.size() > 1) {
     reading.error_at(

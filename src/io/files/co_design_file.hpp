@@ -16,7 +16,18 @@ namespace gear3k::io {
 std::shared_ptr<const actuator::CoDesign> read_co_design(const CoDesignInput& input,
                                                          const std::string& file);
 
+/// The motor of the input with the limits of what is felt; another one of a co-design that has it
+/// alone.
+/// @throws InvalidInput with every error of the motor's file
+optimize::FeltTask read_felt(const CoDesignInput& input, const std::string& file);
+/// The same for the only motor of a co-design.
+optimize::FeltTask felt_of(const CoDesignInput& input, const actuator::Motor& motor,
+                           std::string source);
+
 /// What the objective cycle_energy cannot be had with.
 void check_cycle_energy(const optimize::Specification& spec, FileReading& reading);
+
+/// What limits of what is felt cannot be had with.
+void check_felt_task(const optimize::Specification& spec, FileReading& reading);
 
 }  // namespace gear3k::io

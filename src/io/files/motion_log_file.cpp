@@ -18,7 +18,7 @@ namespace gear3k::io {
 namespace {
 
 constexpr std::size_t kMostLogBytes = std::size_t{1} << 30U;
-constexpr double kLogGap = 3.0;          // median steps of time
+constexpr double kLogGap = 8.0;          // median steps of time
 constexpr double kLogLongStep_s = 0.5;   // median from which time is doubted to be in seconds
 constexpr std::size_t kClippedRows = 8;  // at the same extreme, one after the other
 constexpr double kMostClipped = 0.5;     // of the rows
@@ -32,10 +32,13 @@ enum LogColumn : std::size_t {
   kLogMotorTorque,
   kLogMotorCurrent,
   kLogLoad,
+  kLogMotorAngle,
+  kLogMotorSpeed,
   kLogColumnCount
 };
 constexpr std::array<std::string_view, kLogColumnCount> kLogColumns{
-    "time_s", "speed_rad_s", "angle_rad", "motor_torque_nm", "motor_current_a", "output_torque_nm"};
+    "time_s",          "speed_rad_s",      "angle_rad",       "motor_torque_nm",
+    "motor_current_a", "output_torque_nm", "motor_angle_rad", "motor_speed_rad_s"};
 // Named by the contract and not needed here.
 constexpr std::string_view kTemperatureColumn = "temperature_c", kRunColumn = "run";
 
@@ -215,17 +218,52 @@ LogFile read_log(std::string_view text) {
   return file;
 }
 
-/// Marks rows at which a signal stays at an extreme.
+/// Whether a signal is held at an extreme: many values are exactly it, and far fewer at any level
+/// next to it.  A smooth one in steps has at its top not three times as many as a step below.
+bool is_held(const std::vector<double>& sorted, bool at_top) {
+  const std::size_t n = sorted.size();
+  const auto at = [&](std::size_t k) { return at_top ? sorted[n - 1 - k] : sorted[k]; };
+  const auto level = [&](std::size_t from) {
+    std::size_t k = from;
+    while (k < n && at(k) == at(from)) ++k;
+    return k;
+  };
+  const std::size_t held = level(0);
+  if (held < kClippedRows) return false;
+  std::size_t most = 0, from = held;
+  constexpr int kLevels = 3;
+  for (int k = 0; k < kLevels && from < n; ++k) {
+    const std::size_t end = level(from);
+    most = std::max(most, end - from);
+    from = end;
+  }
+  constexpr std::size_t kTimes = 4;
+  return held > kTimes * most;
+}
+
+/// Marks rows at which a signal stays at an extreme, or is held at it by a limit: then the rows
+/// between them too, of which noise has decided.
 std::vector<char> clipped_rows(const std::vector<double>& signal) {
-  const auto [low, high] = std::ranges::minmax(signal);
+  std::vector<double> sorted = signal;
+  std::ranges::sort(sorted);
+  const double low = sorted.front(), high = sorted.back();
   std::vector<char> clipped(signal.size(), 0);
   if (low == high) return clipped;
+  const bool held_low = is_held(sorted, false), held_high = is_held(sorted, true);
+  constexpr std::size_t kBetween = 6;
+  std::optional<std::size_t> last;
   for (std::size_t k = 0; k < signal.size();) {
     std::size_t end = k + 1;
     while (end < signal.size() && signal[end] == signal[k]) ++end;
-    const bool extreme = signal[k] == low || signal[k] == high;
-    if (extreme && signal[k] != 0.0 && end - k >= kClippedRows) {
-      std::fill(clipped.begin() + static_cast<std::ptrdiff_t>(k),
+    const bool extreme = (signal[k] == low || signal[k] == high) && signal[k] != 0.0;
+    const bool held = (signal[k] == low && held_low) || (signal[k] == high && held_high);
+    if (extreme && (held || end - k >= kClippedRows)) {
+      std::size_t from = k;
+      if (held) {
+        if (last && k - *last <= kBetween) from = std::min(from, *last);
+        last = end;
+      }
+      std::fill(clipped.begin() + static_cast<std::ptrdiff_t>(from),
                 clipped.begin() + static_cast<std::ptrdiff_t>(end), char{1});
     }
     k = end;
@@ -246,9 +284,56 @@ double median_step(const LogRows& rows) {
   return *middle;
 }
 
-void add_sample(const LogFile& file, std::size_t k, const MotionLogScale& scale,
+/// Turns of one side between two rows, at the output: of its angle, else of its speed.
+double turned(const LogFile& file, LogColumn angle, LogColumn speed, std::size_t before,
+              std::size_t k) {
+  const auto& value = file.rows.value;
+  if (file.place.at(angle)) return value.at(angle)[k] - value.at(angle)[before];
+  return 0.5 * (value.at(speed)[k] + value.at(speed)[before]) *
+         (value[kLogTime][k] - value[kLogTime][before]);
+}
+
+bool logs_motor_side(const LogFile& file) {
+  return file.place[kLogMotorAngle] || file.place[kLogMotorSpeed];
+}
+bool logs_both_angles(const LogFile& file) {
+  return file.place[kLogMotorAngle] && file.place[kLogAngle];
+}
+
+void add_windup(const LogFile& file, std::size_t before, std::size_t k, const MotionLogScale& scale,
+                calibrate::MotionStretch& s) {
+  if (!logs_motor_side(file)) return;
+  s.windup_drifts = !logs_both_angles(file);
+  if (!s.windup_drifts) {
+    const auto& value = file.rows.value;
+    s.windup_rad.push_back(value[kLogMotorAngle][k] / scale.ratio - value[kLogAngle][k]);
+    return;
+  }
+  const double more = s.windup_rad.empty()
+                          ? 0.0
+                          : turned(file, kLogMotorAngle, kLogMotorSpeed, before, k) / scale.ratio -
+                                turned(file, kLogAngle, kLogSpeed, before, k);
+  s.windup_rad.push_back(s.windup_rad.empty() ? 0.0 : s.windup_rad.back() + more);
+}
+
+/// How far the motor's side turns for the output's turn times the ratio; 1 where both agree.
+std::optional<double> turns_of_motor(const LogFile& file, const MotionLogScale& scale) {
+  if (!logs_motor_side(file)) return std::nullopt;
+  double square = 0.0, product = 0.0;
+  for (std::size_t k = 1; k < file.rows.line.size(); ++k) {
+    if (file.rows.run[k] != file.rows.run[k - 1]) continue;
+    const double output = turned(file, kLogAngle, kLogSpeed, k - 1, k);
+    square += output * output;
+    product += output * turned(file, kLogMotorAngle, kLogMotorSpeed, k - 1, k) / scale.ratio;
+  }
+  if (!(square > 0.0)) return std::nullopt;
+  return product / square;
+}
+
+void add_sample(const LogFile& file, std::size_t before, std::size_t k, const MotionLogScale& scale,
                 calibrate::MotionStretch& s) {
   const auto& value = file.rows.value;
+  add_windup(file, before, k, scale, s);
   s.time_s.push_back(value[kLogTime][k]);
   if (file.place[kLogSpeed]) {
     s.speed_rad_s.push_back(value[kLogSpeed][k]);
@@ -290,24 +375,37 @@ void cut_log(LogFile& file, const std::string& path, const MotionLogScale& scale
         "in milliseconds?",
         path, step));
   }
+  constexpr double kOfTurn = 0.2;  // of steps between rows, which noise makes shorter
+  if (const auto turns = turns_of_motor(file, scale); turns && std::abs(*turns - 1.0) > kOfTurn) {
+    file.complaints.add(
+        {.line = file.header_line, .column = 1},
+        fmt::format("{} turns {:.3g} times as far as the output times gearbox.ratio = {:g}: "
+                    "allowed: the angle or speed of the motor's shaft, positive with a positive "
+                    "output where the ratio is positive",
+                    kLogColumns.at(file.place[kLogMotorAngle] ? kLogMotorAngle : kLogMotorSpeed),
+                    *turns, scale.ratio));
+    return;
+  }
+  const int sessions = record.stretches.empty() ? 0 : record.stretches.back().session + 1;
   std::size_t gaps = 0;
   int first_gap = 0;
-  bool open = false;
+  std::optional<std::size_t> last;
   for (std::size_t k = 0; k < rows.line.size(); ++k) {
-    if (clipped[k] != 0) {
-      open = false;
-      continue;
-    }
-    const bool follows = open && rows.run[k] == rows.run[k - 1];
+    if (clipped[k] != 0) continue;
+    const std::size_t before = last.value_or(k);
+    const bool follows = last && rows.run[k] == rows.run[before];
     const bool gap =
-        follows && rows.value[kLogTime][k] - rows.value[kLogTime][k - 1] > kLogGap * step;
+        follows && rows.value[kLogTime][k] - rows.value[kLogTime][before] > kLogGap * step;
     if (gap && gaps++ == 0) first_gap = rows.line[k];
     if (!follows || gap) {
       record.stretches.emplace_back();
       record.stretches.back().load_kgm2 = file.notes.load_kgm2.value_or(scale.load_kgm2);
+      record.stretches.back().session = logs_both_angles(file)
+                                            ? sessions + rows.run[k]
+                                            : sessions + static_cast<int>(record.stretches.size());
     }
-    open = true;
-    add_sample(file, k, scale, record.stretches.back());
+    last = k;
+    add_sample(file, before, k, scale, record.stretches.back());
   }
   if (gaps > 0) {
     record.notes.push_back(fmt::format(

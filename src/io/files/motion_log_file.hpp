@@ -22,10 +22,11 @@ bool any_motion_log(const std::vector<std::string>& paths);
 /// Reads logs of one drive.
 ///
 /// Columns: time_s; speed_rad_s or angle_rad of the output (the speed where both are there);
-/// motor_torque_nm or motor_current_a (the torque where both are); output_torque_nm of the load on
+/// motor_angle_rad or motor_speed_rad_s of the motor's shaft; motor_torque_nm or motor_current_a
+/// (the torque where both are); output_torque_nm of the load on
 /// the output (with a note `# torque: actuator` that of the actuator on the load); run.  Others are
 /// ignored and noted.  A log is cut into stretches where the run changes, where a step of time is
-/// more than three times the median, and where the motor's signal stays at its greatest or least
+/// more than eight times the median, and where the motor's signal is held at its greatest or least
 /// value for eight samples and more (clipped, left out).
 /// @throws InvalidInput with all errors of all files: time that does not increase within a run,
 /// numbers that are none, columns or notes that are missing or wrong, a signal clipped in more

@@ -55,7 +55,7 @@ class Fields {
   std::string_view rest_;
 };
 
-constexpr std::uint8_t kFirstObjective = 200;
+constexpr std::uint8_t kFirstObjective = 200, kFirstFelt = 240;
 
 std::uint8_t code_of(std::string_view name) {
   if (name == "stage1_module") return kStage1Module;
@@ -64,6 +64,10 @@ std::uint8_t code_of(std::string_view name) {
   const auto objective = std::ranges::find(objectives, name, &optimize::ObjectiveRecord::name);
   if (objective != objectives.end()) {
     return static_cast<std::uint8_t>(kFirstObjective + (objective - objectives.begin()));
+  }
+  const auto felt = std::ranges::find(optimize::kFeltRecords, name, &optimize::FeltRecord::name);
+  if (felt != optimize::kFeltRecords.end()) {
+    return static_cast<std::uint8_t>(kFirstFelt + (felt - optimize::kFeltRecords.begin()));
   }
   const auto records = design::check_records();
   const auto record = std::ranges::find(records, name, &design::CheckRecord::name);
@@ -80,6 +84,10 @@ optimize::Miss miss_of(std::uint8_t code, double violation, double amount) {
     const auto& record = optimize::objective_records()[code - std::size_t{kFirstObjective}];
     miss.name = record.name;
     miss.unit = record.unit;
+  } else if (code >= kFirstFelt && code < kFirstFelt + optimize::kFeltRecords.size()) {
+    const optimize::FeltRecord& felt = optimize::kFeltRecords.at(code - std::size_t{kFirstFelt});
+    miss.name = felt.name;
+    miss.unit = units::unit_name(felt.unit);
   } else if (code != kNoCheck) {
     miss.name = code == kStage1Module ? "stage1_module" : "stage2_module";
     miss.unit = units::unit_name(units::Unit::kMillimetre);

@@ -316,15 +316,25 @@ void take_co_design(SpecificationInput& input, const std::string& name, FileRead
                       spec.objectives.end();
   check_co_design(input.co_design, wanted, reading);
   if (wanted) check_cycle_energy(spec, reading);
+  const bool felt = !wanted && limits_felt(input.co_design);
+  if (felt) check_felt_task(spec, reading);
   CollectedErrors errors;
   errors.attempt([&] { reading.throw_if_invalid(); });
   if (wanted) {
     errors.attempt([&] {
       const CoDesignInput& in = input.co_design;
       if (!in.selection.cycles.empty() && (!in.motor.empty() || !in.selection.motors.empty())) {
-        spec.cycle_energy = read_co_design(in, name);
+        const auto co_design = read_co_design(in, name);
+        const auto& motors = co_design->task().motors;
+        if (limits_felt(in) && motors.size() == 1) {
+          spec.felt = felt_of(in, motors.front().motor, co_design->sources().front());
+        }
+        spec.cycle_energy = co_design;
       }
     });
+  }
+  if (felt && !input.co_design.motor.empty()) {
+    errors.attempt([&] { spec.felt = read_felt(input.co_design, name); });
   }
   errors.raise();
 }

@@ -69,7 +69,21 @@ std::vector<Key<CoDesignInput>> co_design_keys() {
   return keys;
 }
 
+bool limits_felt(const CoDesignInput& in) {
+  const actuator::FeltLimits& f = in.selection.task.felt;
+  return f.max_inertia_kgm2 || f.max_breakaway_Nm || f.max_transparency;
+}
+
 void check_co_design(const CoDesignInput& in, bool wanted, FileReading& reading) {
+  if (!wanted && limits_felt(in)) {
+    if (in.motor.empty()) {
+      reading.error_at("actuator.limits",
+                       "actuator.limits of what is felt without actuator.motor: allowed: with the "
+                       "ACTUATOR.toml of the motor (of several motors, objective \"cycle_energy\" "
+                       "chooses one)");
+    }
+    check_felt(in.selection.task.felt, "actuator.", reading);
+  }
   if (!wanted) return;
   if (!reading.stated("actuator.motors") && !reading.stated("actuator.motor")) {
     reading.error_at("actuator",

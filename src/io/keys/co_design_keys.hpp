@@ -25,6 +25,9 @@ std::vector<Key<CoDesignInput>> co_design_keys();
 inline constexpr std::array<std::string_view, 3> kCoDesignFileKeys{
     "actuator.motor", "actuator.motors", "cycle.files"};
 
+/// Whether a limit of what is felt is stated.
+bool limits_felt(const CoDesignInput& input);
+
 /// What the keys say together, and with the objective.
 /// @param wanted  whether the objective asks for them
 void check_co_design(const CoDesignInput& input, bool wanted, FileReading& reading);

@@ -57,6 +57,17 @@ double needed(const MotionRig& r, const RigDrive& d, const Kinematics& k) {
          loss * k.speed / std::hypot(k.speed, 0.01);
 }
 
+/// Angle of the motor's side less that of the output: play that closes within a hundredth of a
+/// newton metre, and a gear out of true.
+double windup(const MotionRig& r, const RigDrive& d, double t) {
+  const Kinematics k = motion_at(r, t);
+  const double through = (d.j2 + r.load_inertia) * k.acceleration + d.d2 * k.speed +
+                         dry(r, d.c2, k.speed) - load_at(r, k);
+  const double flank = through / std::hypot(through, 0.01);
+  return 0.5 * d.play_rad * flank + d.compliance * through +
+         r.eccentricity_rad * std::sin(40.0 * k.angle + 0.4);
+}
+
 }  // namespace
 
 MotionRig motion_rig(std::uint64_t seed, bool has_load) {
@@ -103,9 +114,11 @@ calibrate::MotionRecord rig_log(const MotionRig& r, const RigDrive& drive) {
   calibrate::MotionStretch s;
   s.load_kgm2 = r.load_inertia;
   // Of the torque's noise a part is a ripple that turns with the motor, a part has thick tails.
+  double last_difference = 0.0, last_turn = 0.0, last_angle = 0.0, last_s = 0.0;
   const double phase = even(random) * std::numbers::pi, bias = 0.5 * r.torque_noise * even(random);
   for (int k = 0; k < kSamples; ++k) {
-    const double t = (k + 0.1 * even(random)) * kPeriod_s;
+    const double jitter = 0.1 * even(random);
+    const double t = (k + (r.logs_motor_speed ? 0.0 : jitter)) * kPeriod_s;
     const Kinematics at = motion_at(r, t);
     const double white = normal(random), thick = white * std::exp(0.4 * normal(random) - 0.32);
     const double ripple = 0.6 * std::sqrt(2.0) * std::sin(60.0 * at.angle + phase);
@@ -115,8 +128,41 @@ calibrate::MotionRecord rig_log(const MotionRig& r, const RigDrive& drive) {
     const double step = 0.5 * r.speed_noise;
     s.speed_rad_s.push_back(step * std::round((at.speed + r.speed_noise * normal(random)) / step));
     if (r.has_load) s.load_Nm.push_back(load_at(r, at) + r.load_noise * normal(random));
+    s.motor_Nm.back() += r.motor_ripple_Nm * std::sin(80.0 * at.angle + 1.1);
+    if (r.logs_motor_angle) {
+      // Both angles by encoders of their own, the output's in 2 pi/65536.
+      const double line = 2.0 * std::numbers::pi / 65536.0;
+      const double late = t - r.delay_s;
+      const double motor = motion_at(r, late).angle + windup(r, drive, late);
+      s.angle_rad.push_back(line * std::floor(at.angle / line) + r.angle_noise * normal(random));
+      s.windup_rad.push_back(0.3 + motor + r.angle_noise * normal(random) - s.angle_rad.back());
+    } else if (r.logs_motor_speed) {
+      // Both speeds are differences of counts, of the step before the row.
+      const double turn = at.angle + windup(r, drive, t), dt = k == 0 ? kPeriod_s : t - last_s;
+      const double output = k == 0 ? at.speed : (at.angle - last_angle) / dt;
+      const double motor = k == 0 ? at.speed : (turn - last_turn) / dt;
+      s.speed_rad_s.back() = output + r.speed_noise * normal(random);
+      const double more = motor + r.speed_noise * normal(random) - s.speed_rad_s.back();
+      s.windup_drifts = true;
+      s.windup_rad.push_back(k == 0 ? 0.0
+                                    : s.windup_rad.back() + 0.5 * (more + last_difference) * dt);
+      last_difference = more;
+      last_turn = turn;
+      last_angle = at.angle;
+      last_s = t;
+    }
   }
+  if (r.logs_motor_angle) s.speed_rad_s.clear();
   return {.files = {"rig"}, .stretches = {s}, .notes = {}};
+}
+
+double rig_windup_effect(const MotionRig& r, const RigDrive& before, const RigDrive& after) {
+  double square = 0.0;
+  for (int k = 0; k < kSamples; ++k) {
+    const double t = k * kPeriod_s, change = windup(r, after, t) - windup(r, before, t);
+    square += change * change / kSamples;
+  }
+  return std::sqrt(square);
 }
 
 double rig_effect(const MotionRig& r, const RigDrive& before, const RigDrive& after) {

@@ -17,6 +17,8 @@ struct RigDrive {
   double loss_forward = 0.0;   ///< 1/η_f − 1
   double loss_backward = 0.0;  ///< 1 − η_b
   double gain = 1.0;           ///< true over logged torque
+  double play_rad = 0.0;       ///< lost motion of the output
+  double compliance = 0.0;     ///< rad per N m
 };
 
 /// Drive, motion, load, sensors, of a seed.
@@ -29,7 +31,13 @@ struct MotionRig {
   std::uint64_t seed = 0;
   std::array<double, 4> size{}, frequency{}, phase{};  ///< of the motion
   double weight_Nm = 0.0, weight_at = 0.0, spring_Nm = 0.0, constant_Nm = 0.0;
-  double stribeck = 0.0;  ///< share by which drag at creep exceeds that in motion
+  // Of the motor's side, where it is logged: as angles, else as speeds.
+  bool logs_motor_angle = false, logs_motor_speed = false;
+  double angle_noise = 0.0;       ///< of either angle [rad]
+  double eccentricity_rad = 0.0;  ///< once a turn of the motor's shaft, ratio 40
+  double delay_s = 0.0;           ///< of the motor's side
+  double motor_ripple_Nm = 0.0;   ///< twice a turn of the motor's shaft, of the logged torque
+  double stribeck = 0.0;          ///< share by which drag at creep exceeds that in motion
 };
 
 MotionRig motion_rig(std::uint64_t seed, bool has_load);
@@ -37,6 +45,8 @@ MotionRig motion_rig(std::uint64_t seed, bool has_load);
 calibrate::MotionRecord rig_log(const MotionRig& rig, const RigDrive& drive);
 /// Root mean square of what the log's torque without noise changes between two drives [N m].
 double rig_effect(const MotionRig& rig, const RigDrive& before, const RigDrive& after);
+/// Root mean square of the wind-up's change between two drives [rad].
+double rig_windup_effect(const MotionRig& rig, const RigDrive& before, const RigDrive& after);
 calibrate::DriveParameters rig_stated(const MotionRig& rig);
 
 }  // namespace gear3k::test
