@@ -132,15 +132,18 @@ void TurningPlays::add_teeth(const ClearanceModel& model, const train::ToothSet&
   }
 }
 
-std::vector<PlanetPlay> TurningPlays::at(double revolutions) const {
-  std::array<double, kBodies> cosine{};
-  std::array<double, kBodies> sine{};
+TurningPlays::Angles TurningPlays::angles(double revolutions) const {
+  Angles angles;
   for (std::size_t b = 0; b < kBodies; ++b) {
     const double turns = rate_[b] * revolutions;
     const double angle = kTurn * (turns - std::floor(turns));
-    cosine[b] = std::cos(angle);
-    sine[b] = std::sin(angle);
+    angles.cosine[b] = std::cos(angle);
+    angles.sine[b] = std::sin(angle);
   }
+  return angles;
+}
+
+std::vector<PlanetPlay> TurningPlays::at(double revolutions, const Angles& angles) const {
   std::vector<PlanetPlay> plays(static_cast<std::size_t>(planets_));
   const auto bound_of = [&](std::size_t i) -> double& {
     constexpr std::size_t kMeshes = train::kMeshCount;
@@ -150,7 +153,7 @@ std::vector<PlanetPlay> TurningPlays::at(double revolutions) const {
   for (std::size_t i = 0; i < bounds_.size(); ++i) {
     double bound = bounds_[i].constant;
     for (std::size_t b = 0; b < kBodies; ++b) {
-      bound += bounds_[i].cosine[b] * cosine[b] + bounds_[i].sine[b] * sine[b];
+      bound += bounds_[i].cosine[b] * angles.cosine[b] + bounds_[i].sine[b] * angles.sine[b];
     }
     bound_of(i) = bound;
   }
@@ -203,20 +206,47 @@ TurnWindow turn_window(const train::ToothSet& z, int samples_per_tooth) {
       .samples = static_cast<std::size_t>(std::ceil(samples_per_tooth * meshing * revolutions))};
 }
 
+namespace {
+
+/// Revolutions of the output at a sample of a window.
+double revolutions_at(const TurnWindow& window, std::size_t sample) {
+  return window.revolutions * static_cast<double>(sample) / static_cast<double>(window.samples);
+}
+
+}  // namespace
+
+std::vector<TurningPlays::Angles> turning_angles(const TurningPlays& plays,
+                                                 const TurnWindow& window) {
+  std::vector<TurningPlays::Angles> angles;
+  angles.reserve(window.samples);
+  for (std::size_t i = 0; i < window.samples; ++i) {
+    angles.push_back(plays.angles(revolutions_at(window, i)));
+  }
+  return angles;
+}
+
 Turn turn(const OutputLevers& levers, const TurningPlays& plays, const TurnWindow& window) {
   if (!(window.revolutions > 0.0) || window.samples == 0) {
     throw std::invalid_argument(
         fmt::format("turn: {} samples over {} revolutions, allowed: at least 1 over more than 0",
                     window.samples, window.revolutions));
   }
+  return turn(levers, plays, window, turning_angles(plays, window));
+}
+
+Turn turn(const OutputLevers& levers, const TurningPlays& plays, const TurnWindow& window,
+          const std::vector<TurningPlays::Angles>& angles) {
+  if (angles.size() != window.samples) {
+    throw std::invalid_argument(
+        fmt::format("turn: angles of {} samples, allowed: of {}", angles.size(), window.samples));
+  }
   Turn result{
       .window = window, .points = {}, .least_margin_m = std::numeric_limits<double>::infinity()};
   result.points.reserve(window.samples);
   for (std::size_t i = 0; i < window.samples; ++i) {
-    const double revolutions =
-        window.revolutions * static_cast<double>(i) / static_cast<double>(window.samples);
+    const double revolutions = revolutions_at(window, i);
     const double angle = kTurn * revolutions;
-    const OutputRange range = output_range(levers, plays.at(revolutions));
+    const OutputRange range = output_range(levers, plays.at(revolutions, angles[i]));
     if (range.margin_m < result.least_margin_m) {
       result.least_margin_m = range.margin_m;
       result.least_margin_angle_rad = angle;

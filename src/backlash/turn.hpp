@@ -39,6 +39,12 @@ std::size_t flank_count(const train::ToothSet& z, int gear, int planets);
 /// the tighter one would hold the bound; tip contact ahead of the path of contact.
 class TurningPlays {
  public:
+  static constexpr std::size_t kBodies = 4;  ///< sun, planet, R1, R2
+  /// cos ρ and sin ρ of the bodies at one angle of the output.
+  struct Angles {
+    std::array<double, kBodies> cosine{}, sine{};
+  };
+
   /// @param values  one for each of model.deviations; those of single pitches count nothing, the
   ///                errors of the teeth stand for them
   /// @param z       tooth numbers of the model's train
@@ -46,12 +52,17 @@ class TurningPlays {
   TurningPlays(const ClearanceModel& model, const train::ToothSet& z,
                std::span<const DeviationValue> values, const ToothErrors& errors = {});
 
-  /// Plays where the output stands at as many revolutions.
-  [[nodiscard]] std::vector<PlanetPlay> at(double revolutions) const;
+  /// Where the output stands at as many revolutions; the same for every gearbox of a train.
+  [[nodiscard]] Angles angles(double revolutions) const;
+  /// Plays there.
+  /// @param angles  those of so many revolutions
+  [[nodiscard]] std::vector<PlanetPlay> at(double revolutions, const Angles& angles) const;
+  [[nodiscard]] std::vector<PlanetPlay> at(double revolutions) const {
+    return at(revolutions, angles(revolutions));
+  }
   [[nodiscard]] int planets() const { return planets_; }
 
  private:
-  static constexpr std::size_t kBodies = 4;  ///< sun, planet, R1, R2
   struct Bound {
     double constant = 0.0;
     std::array<double, kBodies> cosine{}, sine{};
@@ -125,5 +136,13 @@ struct Turn {
 };
 /// @throws std::invalid_argument for a window without length or samples
 Turn turn(const OutputLevers& levers, const TurningPlays& plays, const TurnWindow& window);
+
+/// The angles at every sample of a window.
+std::vector<TurningPlays::Angles> turning_angles(const TurningPlays& plays,
+                                                 const TurnWindow& window);
+/// The same for one of many gearboxes of a train: the angles are computed once for all of them.
+/// @param angles  turning_angles() of any of them
+Turn turn(const OutputLevers& levers, const TurningPlays& plays, const TurnWindow& window,
+          const std::vector<TurningPlays::Angles>& angles);
 
 }  // namespace gear3k::backlash

@@ -24,7 +24,7 @@ using test::example, test::ProgramResult, test::read_text, test::replaced, test:
 constexpr int kInvalidInput = 2;
 constexpr int kInterrupted = 130;
 
-/// Some thousands of tooth sets in several waves, a second or two in all; the path model, whose
+/// Some hundreds of tooth sets or more in several waves, a second in all; the path model, whose
 /// bounds leave --certify enough to refine.
 std::string long_task(const std::string& tolerance) {
   std::string spec = replaced(example("rp96.toml"), "planets = 3", "planets = [3, 4]");
@@ -86,7 +86,8 @@ Arguments optimize_arguments(const std::string& folder, bool certify, Arguments 
 /// With and without --certify.
 class Resume : public testing::TestWithParam<bool> {
  protected:
-  static std::string task() { return long_task(GetParam() ? "0.005" : "0.02"); }
+  // 520 sets in five waves; with --certify about 90 in three.
+  static std::string task() { return long_task(GetParam() ? "0.004" : "0.005"); }
 };
 
 TEST_P(Resume, AfterAKillGivesTheBytesOfAnUndisturbedRun) {
@@ -96,7 +97,7 @@ TEST_P(Resume, AfterAKillGivesTheBytesOfAnUndisturbedRun) {
   const ResultFiles whole = results_in(place, "whole");
   EXPECT_FALSE(place.has("whole/optimize.journal"));
   // In the first wave, in the second, and later.
-  for (const std::uintmax_t bytes : {0U, 100U, GetParam() ? 12000U : 130000U}) {
+  for (const std::uintmax_t bytes : {0U, 100U, GetParam() ? 12000U : 80000U}) {
     const std::string folder = "killed" + std::to_string(bytes);
     RunningProgram program = place.start(optimize_arguments(folder, GetParam()));
     const auto killed = ended_by(program, place.file(folder) / "optimize.journal", bytes, SIGKILL);
@@ -153,7 +154,7 @@ INSTANTIATE_TEST_SUITE_P(Runs, Resume, testing::Bool(), [](const auto& certify) 
 
 /// A folder out/ with the journal of a run that was killed.
 void leave_a_killed_run(const Workplace& place) {
-  place.write("spec.toml", long_task("0.01"));
+  place.write("spec.toml", long_task("0.005"));
   RunningProgram program = place.start(optimize_arguments("out", false));
   const auto killed = ended_by(program, place.file("out") / "optimize.journal", 1000, SIGKILL);
   ASSERT_TRUE(killed);
@@ -174,7 +175,7 @@ TEST(ResumeOption, RefusesTheJournalOfAChangedSpecificationAndLeavesIt) {
   const Workplace place;
   ASSERT_NO_FATAL_FAILURE(leave_a_killed_run(place));
   const std::string journal = place.read("out/optimize.journal");
-  place.write("spec.toml", replaced(long_task("0.01"), "coefficient = 0.1", "coefficient = 0.11"));
+  place.write("spec.toml", replaced(long_task("0.005"), "coefficient = 0.1", "coefficient = 0.11"));
   const auto resumed = place.run(optimize_arguments("out", false, {"--resume"}));
   EXPECT_EQ(resumed.exit_code, kInvalidInput);
   EXPECT_NE(resumed.err.find("another task"), std::string::npos) << resumed.err;
