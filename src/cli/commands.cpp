@@ -126,14 +126,17 @@ std::string limits_paragraph(const design::Limits& limits, const ShowOptions& sh
                                kBrokenIndent);
 }
 
+/// @param figures  what was drawn of it
 std::string result_text(const app::Analysis& analysis, const std::optional<app::Model>& model,
-                        Format format, const ShowOptions& show) {
+                        const Figures& figures, Format format, const ShowOptions& show) {
   const design::BuiltSeries* built = analysis.series ? &*analysis.series : nullptr;
   const report::ModelUse* use = model ? &model->use : nullptr;
   const design::TorqueAngleCurve* curve = analysis.torque_angle ? &*analysis.torque_angle : nullptr;
   switch (format) {
     case Format::kJson:
-      return report::analysis_json(analysis.evaluation, analysis.sensitivities, use, built, curve);
+      return with_missing_figures(
+          report::analysis_json(analysis.evaluation, analysis.sensitivities, use, built, curve),
+          figures);
     case Format::kCsv:
       return report::analysis_csv(analysis.evaluation, analysis.sensitivities, built);
     case Format::kTable:
@@ -151,7 +154,7 @@ std::string result_text(const design::PairDesign& pair, const design::PairEvalua
                         Format format, const ShowOptions& show) {
   switch (format) {
     case Format::kJson:
-      return report::analysis_json(evaluation);
+      return report::analysis_json(evaluation).text();
     case Format::kCsv:
       return report::analysis_csv(evaluation);
     case Format::kTable:
@@ -243,8 +246,8 @@ ExitCode run_analyze(const AnalyzeOptions& options) {
     end_on_interrupt();
     written = write_torque_angle(options, analysis);
   }
-  std::string text = result_text(analysis, request.model, options.format, options.show);
-  if (options.format == Format::kJson) text = with_missing_figures(text, written.figures);
+  std::string text =
+      result_text(analysis, request.model, written.figures, options.format, options.show);
   if (options.format == Format::kTable) text += files_text(written.paths);
   deliver(options, text);
   return judged(analysis.evaluation.checks, options);

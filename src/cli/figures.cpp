@@ -1,10 +1,7 @@
 #include "cli/figures.hpp"
 
-#include <string_view>
-
 #include "io/text/diagnostics.hpp"
 #include "io/text/gnuplot.hpp"
-#include "io/text/json.hpp"
 
 namespace gear3k::cli {
 
@@ -21,15 +18,11 @@ Figures draw(const std::vector<report::Plot>& plots) {
   return figures;
 }
 
-std::string with_missing_figures(const std::string& json, const Figures& figures) {
-  if (figures.missing.empty()) return json;
-  io::Json missing = io::Json::array();
+std::string with_missing_figures(io::Json json, const Figures& figures) {
   for (const auto& [file, cause] : figures.missing) {
-    missing.push_back({{"file", file}, {"cause", cause}});
+    json["missing_figures"].push_back({{"file", file}, {"cause", cause}});
   }
-  // The members of one object after those of the other: "{ ... \n}\n" and "{\n ... \n}\n".
-  const std::string members = io::Json{{"missing_figures", missing}}.text().substr(1);
-  return json.substr(0, json.size() - std::string_view("\n}\n").size()) + ',' + members;
+  return json.text();
 }
 
 }  // namespace gear3k::cli

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "io/text/file_set.hpp"
+#include "io/text/json.hpp"
 #include "report/plot.hpp"
 
 namespace gear3k::cli {
@@ -22,6 +23,6 @@ Figures draw(const std::vector<report::Plot>& plots);
 
 /// A result as JSON with what it lacks: member missing_figures, [{"file", "cause"}], at its end,
 /// where figures are missing.
-std::string with_missing_figures(const std::string& json, const Figures& figures);
+std::string with_missing_figures(io::Json json, const Figures& figures);
 
 }  // namespace gear3k::cli

@@ -58,7 +58,7 @@ ExitCode run_simulate(const SimulateOptions& options) {
     say(fmt::format("{}: {}\n", options.scenario, error.what()));
     return kSolverFailure;
   }
-  const std::string json = report::motion_json(result);
+  const io::Json json = report::motion_json(result);
   const std::string csv = report::motion_csv(result);
   Figures figures;
   std::vector<std::string> written;
@@ -66,7 +66,7 @@ ExitCode run_simulate(const SimulateOptions& options) {
     figures = draw({report::motion_plot(result)});
     written = folder->write({{.path = "motion.csv", .text = csv},
                              {.path = "events.csv", .text = report::motion_events_csv(result)},
-                             {.path = "ledger.json", .text = json}},
+                             {.path = "ledger.json", .text = json.text()}},
                             figures);
   }
   if (!options.quiet && options.format != Format::kTable) {

@@ -215,7 +215,7 @@ std::string reproduce_table(const Reproduction& r) {
   return text + backdrivability_table(r.backdrivability);
 }
 
-std::string reproduce_json(const Reproduction& r) {
+io::Json reproduce_json(const Reproduction& r) {
   io::Json gearboxes = io::Json::array();
   for (const GearboxComparison& g : r.gearboxes) {
     io::Json rows =
@@ -253,7 +253,7 @@ std::string reproduce_json(const Reproduction& r) {
                       {"ledger", ledger_json(r.ledger)},
                       {"directional_impedance_thesis", thesis_json(r.thesis, r.directional_bench)},
                       {"backdrivability_paper", backdrivability_json(r.backdrivability)}};
-  return json.text();
+  return json;
 }
 
 std::string reproduce_csv(const Reproduction& r) {

@@ -3,12 +3,13 @@
 
 #include <string>
 
+#include "io/text/json.hpp"
 #include "papers/reproduce.hpp"
 
 namespace gear3k::papers {
 
 std::string reproduce_table(const Reproduction& r);
-std::string reproduce_json(const Reproduction& r);
+io::Json reproduce_json(const Reproduction& r);
 /// CSV with the columns gearbox, quantity, unit, paper, equations, exact, measured; the ledger's
 /// figures under "ledger N" with their value as exact.  The thesis's maps and models stand under
 /// equations, its residuals and its ledger ("thesis ledger N") under exact.

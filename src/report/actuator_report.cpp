@@ -319,7 +319,7 @@ std::string limit_checks_text(const std::vector<LimitCheck>& checks) {
   return checks_lines(checks);
 }
 
-std::string actuator_json(const ActuatorResult& result) {
+io::Json actuator_json(const ActuatorResult& result) {
   Json json{{"tool", tool_json()},
             {"name", result.actuator.name},
             {"ratio", result.actuator.gearbox.ratio},
@@ -329,7 +329,7 @@ std::string actuator_json(const ActuatorResult& result) {
   if (!result.felt_checks.empty()) json["checks"] = checks_list(result.felt_checks);
   if (result.impedance_task) json["impedance"] = impedance_json(result);
   json["notes"] = result.reflected.notes;
-  return json.text();
+  return json;
 }
 
 std::string actuator_table(const ActuatorResult& result) {

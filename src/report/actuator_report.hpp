@@ -32,7 +32,7 @@ struct ActuatorResult {
 io::Json limit_checks_json(const std::vector<actuator::LimitCheck>& checks);
 std::string limit_checks_text(const std::vector<actuator::LimitCheck>& checks);
 
-std::string actuator_json(const ActuatorResult& result);
+io::Json actuator_json(const ActuatorResult& result);
 std::string actuator_table(const ActuatorResult& result);
 /// The motor over the cycle, a row for each end of a part of it.
 std::string actuator_cycle_csv(const actuator::DutyCycle& cycle);

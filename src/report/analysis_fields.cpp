@@ -268,12 +268,11 @@ Fields analysis_fields(const PairEvaluation& e) {
 
 }  // namespace
 
-std::string analysis_json(const Evaluation& e, const design::Sensitivities& s,
-                          const ModelUse* model, const design::BuiltSeries* built,
-                          const design::TorqueAngleCurve* curve) {
-  return analysis_fields(e, s, model, built, curve).json().text();
+io::Json analysis_json(const Evaluation& e, const design::Sensitivities& s, const ModelUse* model,
+                       const design::BuiltSeries* built, const design::TorqueAngleCurve* curve) {
+  return analysis_fields(e, s, model, built, curve).json();
 }
-std::string analysis_json(const PairEvaluation& e) { return analysis_fields(e).json().text(); }
+io::Json analysis_json(const PairEvaluation& e) { return analysis_fields(e).json(); }
 
 Fields analysis_quantities(const Evaluation& e) {
   return analysis_fields(e, {}, nullptr, nullptr, nullptr);

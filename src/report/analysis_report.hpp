@@ -43,11 +43,10 @@ std::string not_checked_text(const design::Evaluation& e);
 std::string not_checked_text(const design::PairEvaluation& e);
 
 /// JSON by the contract of docs/interface.md.
-std::string analysis_json(const design::Evaluation& e, const design::Sensitivities& s,
-                          const ModelUse* model = nullptr,
-                          const design::BuiltSeries* built = nullptr,
-                          const design::TorqueAngleCurve* curve = nullptr);
-std::string analysis_json(const design::PairEvaluation& e);
+io::Json analysis_json(const design::Evaluation& e, const design::Sensitivities& s,
+                       const ModelUse* model = nullptr, const design::BuiltSeries* built = nullptr,
+                       const design::TorqueAngleCurve* curve = nullptr);
+io::Json analysis_json(const design::PairEvaluation& e);
 
 /// The quantities of an evaluation, each listed once.
 Fields analysis_quantities(const design::Evaluation& e);

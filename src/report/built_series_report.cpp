@@ -334,11 +334,11 @@ Fields built_series_fields(const BuiltSeries& series) {
   return f;
 }
 
-std::string tolerances_json(const design::Evaluation& e, const BuiltSeries& series) {
+io::Json tolerances_json(const design::Evaluation& e, const BuiltSeries& series) {
   io::Json json{{"tool", tool_json()}, {"name", e.name}};
   if (e.tolerance_limits) json["tolerances"] = tolerance_fields(*e.tolerance_limits).json();
   json["built"] = built_series_fields(series).json();
-  return json.text();
+  return json;
 }
 
 std::string lost_motion_histogram_csv(const BuiltSeries& series) {

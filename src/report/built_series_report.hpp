@@ -18,7 +18,7 @@ std::string built_series_table(const design::BuiltSeries& series);
 Fields built_series_fields(const design::BuiltSeries& series);
 
 /// What `tolerances` says as JSON: the limits of a gearbox within its tolerances and the series.
-std::string tolerances_json(const design::Evaluation& e, const design::BuiltSeries& series);
+io::Json tolerances_json(const design::Evaluation& e, const design::BuiltSeries& series);
 
 /// "from_arcmin,to_arcmin,gearboxes" of the lost motion of those that assemble.
 std::string lost_motion_histogram_csv(const design::BuiltSeries& series);

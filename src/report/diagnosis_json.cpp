@@ -356,8 +356,8 @@ Verdict worst_verdict(const std::vector<Diagnosis>& diagnoses) {
   return worst;
 }
 
-std::string diagnosis_json(const std::vector<Diagnosis>& diagnoses,
-                           const std::vector<MeasurementSet>& sets, const DiagnosisSetup& setup) {
+io::Json diagnosis_json(const std::vector<Diagnosis>& diagnoses,
+                        const std::vector<MeasurementSet>& sets, const DiagnosisSetup& setup) {
   require_matching(diagnoses, sets);
   io::Json json{{"tool", tool_json()}, {"subject", diagnoses.front().subject}};
   json["seed"] = setup.seed;
@@ -380,7 +380,7 @@ std::string diagnosis_json(const std::vector<Diagnosis>& diagnoses,
     }
     json["kinds"] = kinds;
   }
-  return json.text();
+  return json;
 }
 
 }  // namespace gear3k::report

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "calibrate/verdict/diagnosis.hpp"
+#include "io/text/json.hpp"
 #include "report/model_report.hpp"
 
 namespace gear3k::report {
@@ -26,9 +27,9 @@ std::string diagnosis_table(const std::vector<calibrate::Diagnosis>& diagnoses,
                             const DiagnosisSetup& setup = {});
 
 /// docs/interface.md, "diagnose".
-std::string diagnosis_json(const std::vector<calibrate::Diagnosis>& diagnoses,
-                           const std::vector<calibrate::MeasurementSet>& sets,
-                           const DiagnosisSetup& setup = {});
+io::Json diagnosis_json(const std::vector<calibrate::Diagnosis>& diagnoses,
+                        const std::vector<calibrate::MeasurementSet>& sets,
+                        const DiagnosisSetup& setup = {});
 
 /// A row per measurement: where it stands, its condition, measured and simulated before and after.
 std::string residual_csv(const std::vector<calibrate::Diagnosis>& diagnoses,

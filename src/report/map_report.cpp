@@ -271,7 +271,7 @@ std::string map_table(const OperatingMap& map, const ModelUse* model) {
   return text;
 }
 
-std::string map_json(const OperatingMap& map, const ModelUse* model) {
+io::Json map_json(const OperatingMap& map, const ModelUse* model) {
   io::Json speeds = io::Json::array();
   io::Json torques = io::Json::array();
   io::Json running = io::Json::array();
@@ -312,7 +312,7 @@ std::string map_json(const OperatingMap& map, const ModelUse* model) {
                   {"backward", point_json(map.reference, Direction::kBackward)}}},
                 {"notes", map.notes}};
   if (model != nullptr) json["model"] = model_json(*model);
-  return json.text();
+  return json;
 }
 
 std::string map_csv(const OperatingMap& map) {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "design/operating_map.hpp"
+#include "io/text/json.hpp"
 #include "report/model_report.hpp"
 
 namespace gear3k::report {
@@ -17,7 +18,7 @@ const char* absence(design::MapStatus status);
 std::string map_table(const design::OperatingMap& map, const ModelUse* model = nullptr);
 
 /// docs/interface.md, "map".
-std::string map_json(const design::OperatingMap& map, const ModelUse* model = nullptr);
+io::Json map_json(const design::OperatingMap& map, const ModelUse* model = nullptr);
 
 /// One row per direction, speed and torque, a measurement file of kind `transmission` at that:
 /// where there is no operation, its fields are empty.

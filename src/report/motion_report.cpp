@@ -77,7 +77,7 @@ std::string motion_events_csv(const MotionResult& result) {
   return text;
 }
 
-std::string motion_json(const MotionResult& result) {
+io::Json motion_json(const MotionResult& result) {
   const motion::Motion& m = result.motion;
   Json modes = Json::object();
   for (const motion::ModeShare& share : m.shares) {
@@ -104,7 +104,7 @@ std::string motion_json(const MotionResult& result) {
             {"peak_voltage_v", m.peak_voltage_V},
             {"steps", m.steps},
             {"notes", m.notes}};
-  return json.text();
+  return json;
 }
 
 std::string motion_table(const MotionResult& result) {

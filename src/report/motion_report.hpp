@@ -4,6 +4,7 @@
 #include <string>
 
 #include "actuator/actuator.hpp"
+#include "io/text/json.hpp"
 #include "motion/scenario.hpp"
 #include "motion/simulate.hpp"
 #include "report/plot.hpp"
@@ -21,7 +22,7 @@ std::string motion_csv(const MotionResult& result);
 /// A row for each event, with the modes before and after it.
 std::string motion_events_csv(const MotionResult& result);
 /// The ledger of energy with all that sums the run up.
-std::string motion_json(const MotionResult& result);
+io::Json motion_json(const MotionResult& result);
 std::string motion_table(const MotionResult& result);
 
 /// Angle, speed and torques over time; what is behind them tells the mode.

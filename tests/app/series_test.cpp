@@ -121,7 +121,7 @@ TEST(Series, RowsHoldThePartsOwnAgain) {
 
   const std::string csv = report::residual_csv(*results, task.sets);
   EXPECT_NE(csv.find(",block,outlier,gearbox\n"), std::string::npos);
-  const auto json = nlohmann::json::parse(report::diagnosis_json(*results, task.sets));
+  const auto json = nlohmann::json::parse(report::diagnosis_json(*results, task.sets).text());
   const auto& series = json.at("series");
   EXPECT_EQ(series.at("units").size(), campaign.units.size());
   EXPECT_EQ(series.at("causes").at(0).at("of"), "part");
@@ -163,7 +163,7 @@ TEST(Series, GearboxesOfFewRowsAreRefusedAllAtOnce) {
 
 TEST(Series, TheSameAtAnyNumberOfCalls) {
   const DiagnosisTask task = task_of(small("both: clearance", 7, 4));
-  const auto json = [&] { return report::diagnosis_json(*diagnose(task, {}), task.sets); };
+  const auto json = [&] { return report::diagnosis_json(*diagnose(task, {}), task.sets).text(); };
   EXPECT_EQ(json(), json());
 }
 

@@ -247,7 +247,8 @@ TEST(ThesisLedger, LargerDriverDoesNotAlwaysLoseMore) {
 TEST(ThesisReport, JsonHoldsMapModelsResidualsAndLedger) {
   Reproduction r;
   r.thesis = comparison();
-  const auto json = nlohmann::json::parse(reproduce_json(r)).at("directional_impedance_thesis");
+  const auto json =
+      nlohmann::json::parse(reproduce_json(r).text()).at("directional_impedance_thesis");
   const auto& map = json.at("loss_map");
   const std::size_t n = comparison().map.teeth.size();
   for (const char* part : {"loss", "symmetric", "skew", "on_involutes"}) {

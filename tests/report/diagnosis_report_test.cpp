@@ -35,7 +35,7 @@ struct Case {
   std::vector<Diagnosis> diagnoses;
   std::vector<MeasurementSet> sets;
   [[nodiscard]] std::string table() const { return diagnosis_table(diagnoses, sets); }
-  [[nodiscard]] json as_json() const { return json::parse(diagnosis_json(diagnoses, sets)); }
+  [[nodiscard]] json as_json() const { return json::parse(diagnosis_json(diagnoses, sets).text()); }
 };
 
 /// Eight rows whose mean sun torque is 0.5 Nm; the simulation lacks 0.021 Nm of drag.
@@ -422,7 +422,7 @@ DiagnosisSetup with_model() {
 
 TEST(DiagnosisJson, SaysWithWhichModelSeedAndRateItWasMade) {
   const Case c = dragged();
-  const json data = json::parse(diagnosis_json(c.diagnoses, c.sets, with_model()));
+  const json data = json::parse(diagnosis_json(c.diagnoses, c.sets, with_model()).text());
   EXPECT_EQ(data.at("seed"), 17);
   EXPECT_EQ(data.at("false_discovery_rate"), 0.01);
   const json& model = data.at("model");
@@ -502,7 +502,7 @@ TEST(DiagnosisReport, ResultsAndDataMustGoTogether) {
   Case c = dragged();
   c.diagnoses[0].rows.pop_back();
   EXPECT_THROW(static_cast<void>(c.table()), std::invalid_argument);
-  EXPECT_THROW(diagnosis_json({}, {}), std::invalid_argument);
+  EXPECT_THROW(diagnosis_json({}, {}).text(), std::invalid_argument);
 }
 
 TEST(ConditionColumns, CovariatesAreFoundByTheirShortNames) {

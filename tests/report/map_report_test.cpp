@@ -128,7 +128,7 @@ TEST(MapCsv, RowsWithoutOperationHaveNoNumbersButAStatus) {
 }
 
 TEST(MapJson, HoldsEveryPointAndSaysWhyATorqueIsMissing) {
-  const json data = json::parse(map_json(map_of(without_rest())));
+  const json data = json::parse(map_json(map_of(without_rest())).text());
   EXPECT_EQ(data.at("points").size(), 180U);
   EXPECT_EQ(data.at("sun_speed_rpm").size(), 9U);
   EXPECT_EQ(data.at("sun_speed_rpm").at(8), 1000.0);
@@ -146,11 +146,11 @@ TEST(MapJson, HoldsEveryPointAndSaysWhyATorqueIsMissing) {
 }
 
 TEST(MapJson, TellsSelfLocking) {
-  const json locks = json::parse(map_json(map_of(self_locking())));
+  const json locks = json::parse(map_json(map_of(self_locking())).text());
   EXPECT_TRUE(locks.at("backdriving_margin").at("self_locking").get<bool>());
   EXPECT_LT(locks.at("backdriving_margin").at("least").get<double>(), 0.0);
   EXPECT_EQ(locks.at("running").at(0).at("output").at("status"), "locks");
-  const json drives = json::parse(map_json(map_of(usual())));
+  const json drives = json::parse(map_json(map_of(usual())).text());
   EXPECT_FALSE(drives.at("backdriving_margin").at("self_locking").get<bool>());
 }
 

@@ -24,7 +24,7 @@ design::Evaluation evaluated(const design::Design& design) {
 }
 
 nlohmann::json json_of(const design::Design& design) {
-  return nlohmann::json::parse(analysis_json(evaluated(design), {})).at("operating_point");
+  return nlohmann::json::parse(analysis_json(evaluated(design), {}).text()).at("operating_point");
 }
 
 TEST(OperationReport, IsNullAndSilentWithoutAnOperatingPoint) {

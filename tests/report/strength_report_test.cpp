@@ -223,7 +223,7 @@ TEST(StrengthReport, IsNullAndSilentWithoutARating) {
   const auto e = std::get<design::PairEvaluation>(design::evaluate(
       io::read_pair(std::string(GEAR3K_SOURCE_DIR) + "/examples/pairs/dry_steel_pair.toml")));
   ASSERT_FALSE(e.strength.has_value());
-  EXPECT_TRUE(Json::parse(analysis_json(e)).at("strength").is_null());
+  EXPECT_TRUE(Json::parse(analysis_json(e).text()).at("strength").is_null());
   EXPECT_EQ(analysis_csv(e).find("sigma_f"), std::string::npos);
   EXPECT_EQ(strength_table(e), "");
   EXPECT_EQ(strength_table(design::Evaluation{}), "");
