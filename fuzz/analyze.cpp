@@ -15,7 +15,7 @@ FUZZER(analyze)(const std::uint8_t* data, std::size_t size) {
     design.sampling.samples = std::min<std::int64_t>(design.sampling.samples, 100);
     const app::Analysis a = app::analyze({.design = design, .source = fuzz::kName});
     const design::BuiltSeries* built = a.series ? &*a.series : nullptr;
-    report::analysis_json(a.evaluation, a.sensitivities, nullptr, built);
+    fuzz::write(report::analysis_json(a.evaluation, a.sensitivities, nullptr, built));
     report::analysis_csv(a.evaluation, a.sensitivities, built);
     report::analysis_table(a.evaluation, a.sensitivities, nullptr, built);
   });

@@ -31,17 +31,15 @@ calibrate::Subject subject_of(const std::string& text) {
 }
 
 void diagnose(const std::string& text) {
-  const std::string separator = "\n---\n";
-  const auto at = text.find(separator);
-  if (at == std::string::npos) return;
-  const std::string rows = text.substr(at + separator.size());
-  if (static_cast<std::size_t>(std::ranges::count(rows, '\n')) > kMostRows) return;
-  const app::DiagnosisTask task =
-      app::diagnosis_task({.subject = subject_of(text.substr(0, at + 1)),
-                           .source = fuzz::kName,
-                           .data = io::parse_measurements({{.path = "fuzz.csv", .text = rows}})});
+  const auto files = fuzz::two_files(text);
+  if (!files) return;
+  if (static_cast<std::size_t>(std::ranges::count(files->second, '\n')) > kMostRows) return;
+  const app::DiagnosisTask task = app::diagnosis_task(
+      {.subject = subject_of(files->first),
+       .source = fuzz::kName,
+       .data = io::parse_measurements({{.path = "fuzz.csv", .text = files->second}})});
   const auto results = app::diagnose(task, {});
-  report::diagnosis_json(*results, task.sets, {});
+  fuzz::write(report::diagnosis_json(*results, task.sets, {}));
   report::diagnosis_table(*results, task.sets, {});
   report::residual_csv(*results, task.sets);
   report::diagnosis_plots(*results, task.sets, task.orders);

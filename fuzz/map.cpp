@@ -17,7 +17,7 @@ FUZZER(map)(const std::uint8_t* data, std::size_t size) {
       axis->points = std::min(axis->points, 3);
     }
     const design::OperatingMap map = app::map({.design = design, .source = fuzz::kName}).map;
-    report::map_json(map, nullptr);
+    fuzz::write(report::map_json(map, nullptr));
     report::map_csv(map);
     report::map_table(map, nullptr);
     report::map_plots(map);

@@ -12,7 +12,7 @@ FUZZER(mesh)(const std::uint8_t* data, std::size_t size) {
   return fuzz::done_or_refused(data, size, [](const std::string& text) {
     const design::PairEvaluation e =
         app::mesh({.pair = io::parse_pair(text, fuzz::kName), .source = fuzz::kName});
-    report::analysis_json(e);
+    fuzz::write(report::analysis_json(e));
     report::analysis_csv(e);
     report::analysis_table(e);
   });

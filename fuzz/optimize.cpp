@@ -35,6 +35,8 @@ void optimize_and_report(const optimize::Specification& spec) {
   report::summary_json(task.spec, o.result, tally, {}, nullptr, o.front ? &*o.front : nullptr,
                        o.robust ? &*o.robust : nullptr);
   if (o.robust) report::robust_table(task.spec, *o.robust);
+  if (o.co_design) fuzz::write(report::co_design_json(o.co_design->report));
+  app::nearest_motor(task.spec, o.result);
   if (o.best) {
     io::parse_design(io::design_text(o.best->stated), "best.toml");
   } else {
@@ -46,6 +48,7 @@ void optimize_and_report(const optimize::Specification& spec) {
 
 FUZZER(optimize)(const std::uint8_t* data, std::size_t size) {
   return fuzz::done_or_refused(data, size, [](const std::string& text) {
-    optimize_and_report(fuzz::with_little_work(io::parse_specification(text, fuzz::kName)));
+    optimize_and_report(
+        fuzz::with_little_work(io::parse_specification(text, fuzz::kNameAmongActuators)));
   });
 }

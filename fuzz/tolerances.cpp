@@ -19,7 +19,7 @@ FUZZER(tolerances)(const std::uint8_t* data, std::size_t size) {
     optimize::Progress progress;
     const app::Tolerances t = app::tolerances({.design = design, .source = fuzz::kName}, progress);
     report::tolerance_table(t.evaluation.tolerance_limits);
-    report::tolerances_json(t.evaluation, t.series);
+    fuzz::write(report::tolerances_json(t.evaluation, t.series));
     report::built_series_table(t.series);
     report::lost_motion_histogram_csv(t.series);
     report::tolerance_shares_csv(t.series);

@@ -6,14 +6,29 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "io/text/diagnostics.hpp"
+#include "io/text/json.hpp"
 #include "optimize/specification.hpp"
 
 namespace gear3k::fuzz {
 
 inline const std::string kName = "fuzz.toml";
+/// Of files that name others: those of the examples.
+inline const std::string kNameAmongActuators = GEAR3K_SOURCE_DIR "/examples/actuators/fuzz.toml";
+
+/// An input that is two files, with a line "---" between them.
+struct TwoFiles {
+  std::string first, second;
+};
+inline std::optional<TwoFiles> two_files(const std::string& text) {
+  const std::string separator = "\n---\n";
+  const auto at = text.find(separator);
+  if (at == std::string::npos) return std::nullopt;
+  return TwoFiles{.first = text.substr(0, at + 1), .second = text.substr(at + separator.size())};
+}
 
 /// Does the work of a command, which may refuse its input with InvalidInput and nothing else.
 template <class Work>
@@ -26,6 +41,9 @@ int done_or_refused(const std::uint8_t* data, std::size_t size, Work work) {
   }
   return 0;
 }
+
+/// Writes a result as JSON, as far as its text.
+inline void write(const io::Json& json) { static_cast<void>(json.text()); }
 
 /// The first counts of a range.
 inline optimize::IntegerRange first_of(const optimize::IntegerRange& range, int count) {

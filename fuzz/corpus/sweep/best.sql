@@ -1,0 +1,1 @@
+SELECT "ratio.target", max(d.eta_b) FROM task t LEFT JOIN design d ON d.task = t.id GROUP BY 1 ORDER BY 2 DESC LIMIT 5
