@@ -112,6 +112,10 @@ struct Finalize {
 
 Statement::Statement(sqlite3* database, const std::string& path, std::string_view sql)
     : database_(database), path_(&path) {
+  // SQLite reads up to there, and would never come to the end.
+  if (sql.find('\0') != std::string_view::npos) {
+    throw io::InvalidInput(fmt::format("{}: a zero byte in an SQL statement", path));
+  }
   std::unique_ptr<sqlite3_stmt, Finalize> only;
   while (!sql.empty()) {
     sqlite3_stmt* next = nullptr;

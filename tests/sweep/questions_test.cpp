@@ -49,6 +49,7 @@ TEST(SweepQuery, RefusesWhatDoesMoreThanRead) {
 TEST(SweepQuery, TakesOneStatement) {
   const Asked asked;
   EXPECT_EQ(asked.refusal("SELECT 1; SELECT 2"), ": several SQL statements: allowed: one");
+  EXPECT_EQ(asked.refusal({"SELECT 1\0, 2", 12}), ": a zero byte in an SQL statement");
   for (const char* none : {"", " ", ";", "-- nothing", "/* nothing */"}) {
     EXPECT_EQ(asked.refusal(none), ": no SQL statement: allowed: one, as \"SELECT * FROM result\"")
         << none;
