@@ -83,19 +83,19 @@ WindupRows rows_of(const std::vector<MotionWindow>& windows, const DriveParamete
     }
     return r;
   }
-  struct Mean {
+  struct RowMean {
     Row x = Row::Zero();
     double y = 0.0, n = 0.0;
   };
-  std::map<int, Mean> means;
+  std::map<int, RowMean> means;
   for (const OneWindup& w : all) {
-    Mean& m = means[w.session];
+    RowMean& m = means[w.session];
     m.x += w.x;
     m.y += w.y;
     m.n += 1.0;
   }
   for (const OneWindup& w : all) {
-    const Mean& m = means[w.session];
+    const RowMean& m = means[w.session];
     r.x.emplace_back(w.x - m.x / m.n);
     r.x.back()(kDrift) = 0.0;
     r.y.push_back(w.y - m.y / m.n);
