@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "actuator/gear_model.hpp"
+#include "actuator/screening.hpp"
 
 namespace gear3k::actuator {
 
@@ -27,6 +28,15 @@ Quadratic stretch_of(const Quadratic& p, std::array<double, 2> range) {
 /// The bracket of a minimum of a convex function, halved until it is this narrow.
 constexpr int kBracketHalvings = 40;
 constexpr int kBracketDoublings = 200;
+
+Actuator with_train(const SelectionTask& task, std::size_t motor,
+                    const std::shared_ptr<const DesignTrain>& train) {
+  Actuator a = actuator_of(task, {.motor = motor, .gearbox = 0});
+  a.gearbox = {};
+  a.gearbox.ratio = train->ratio();
+  a.train = train;
+  return a;
+}
 
 }  // namespace
 
@@ -48,6 +58,9 @@ CoDesign::CoDesign(SelectionTask task, std::vector<std::string> sources)
   }
   for (const Part& part : parts_) {
     add_moments(part, moments_[part.flow]);
+    FlowMoments own;
+    add_moments(part, own);
+    acceleration_work_ += std::sqrt(own.square[1][1] * own.square[2][2]);
     for (std::size_t g = 0; g < kGaussNodes.size(); ++g) {
       scale_J_ += std::abs(value_at(part.mesh_Nm, kGaussNodes[g]) *
                            value_at(part.speed_rad_s, kGaussNodes[g])) *
@@ -155,10 +168,16 @@ void CoDesign::add_part(const CyclePiece& piece, std::array<double, 2> range, do
   }
 }
 
-CoDesign::Fast CoDesign::fast_of(std::size_t motor, double ratio) const {
+double CoDesign::square_acceleration() const {
+  return moments_[kForwardFlow].square[1][1] + moments_[kBackwardFlow].square[1][1];
+}
+
+CoDesign::Fast CoDesign::fast_of(std::size_t motor, double ratio, double inertia_kgm2) const {
   const Motor& m = task_.motors[motor].motor;
   const double per_torque = 1.0 / (ratio * m.torque_constant_Nm_A);
-  return {.j1_kgm2 = ratio * ratio * m.rotor_inertia_kgm2,
+  const double rotor = ratio * ratio * m.rotor_inertia_kgm2;
+  return {.rotor_kgm2 = rotor,
+          .j1_kgm2 = rotor + inertia_kgm2,
           .d1_Nms = ratio * ratio * m.viscous_Nms,
           .c1_Nm = std::abs(ratio) * m.coulomb_Nm,
           .c1_static_Nm = std::abs(ratio) * m.static_Nm,
@@ -223,8 +242,14 @@ void CoDesign::add_moving(const Part& part, const Fast& fast, double h, Sum& sum
                                         : task_.drive.efficiency_regenerating) *
                            seconds;
       sum.energy += share * power;
-      sum.slope += share * (2.0 * fast.copper * tau + w) * m;
-      sum.curvature += share * 2.0 * fast.copper * m * m;
+      const double a = value_at(part.acceleration_rad_s2, x);
+      const double rise = share * (2.0 * fast.copper * tau + w);
+      const double bend = share * 2.0 * fast.copper;
+      sum.slope += rise * m;
+      sum.curvature += bend * m * m;
+      sum.inertia_slope += rise * a;
+      sum.inertia_curvature += bend * a * a;
+      sum.mixed += bend * a * m;
     }
   }
 }
@@ -257,8 +282,16 @@ CoDesign::Sum CoDesign::energy_over(Flow flow, const Fast& fast, double h) const
   Sum sum;
   if (lossless_drive_) {
     const InH e = energy_in_h(moments_[flow], fast);
-    sum = {
-        .energy = e.a + h * (e.b + h * e.c), .slope = e.b + 2.0 * h * e.c, .curvature = 2.0 * e.c};
+    const auto& m = moments_[flow].square;
+    const double bend = 2.0 * fast.copper;
+    sum = {.energy = e.a + h * (e.b + h * e.c),
+           .slope = e.b + 2.0 * h * e.c,
+           .curvature = 2.0 * e.c,
+           .inertia_slope = bend * (fast.j1_kgm2 * m[1][1] + fast.d1_Nms * m[1][2] +
+                                    fast.c1_Nm * m[1][3] + h * m[0][1]) +
+                            m[1][2],
+           .inertia_curvature = bend * m[1][1],
+           .mixed = bend * m[0][1]};
   } else {
     for (const Part& part : parts_) {
       if (part.flow == flow) add_moving(part, fast, h, sum);
@@ -270,10 +303,10 @@ CoDesign::Sum CoDesign::energy_over(Flow flow, const Fast& fast, double h) const
   return sum;
 }
 
-double CoDesign::least_over(Flow flow, const Fast& fast, double end) const {
+CoDesign::Least CoDesign::least_over(Flow flow, const Fast& fast, double end) const {
   const double inwards = flow == kForwardFlow ? 1.0 : -1.0;
   const Sum at_end = energy_over(flow, fast, end);
-  if (at_end.slope * inwards >= 0.0) return at_end.energy;
+  if (at_end.slope * inwards >= 0.0) return {.h = end, .bound = at_end.energy, .sum = at_end};
   // It falls into the box: between `falling` and `rising` lies its least.
   double falling = end;
   double rising = 0.0;
@@ -284,7 +317,7 @@ double CoDesign::least_over(Flow flow, const Fast& fast, double end) const {
       rising *= 2.0;
     }
   } else if (const Sum at_zero = energy_over(flow, fast, 0.0); at_zero.slope >= 0.0) {
-    return at_zero.energy;
+    return {.h = 0.0, .bound = at_zero.energy, .sum = at_zero};
   }
   for (int k = 0; k < kBracketHalvings; ++k) {
     const double middle = 0.5 * (falling + rising);
@@ -293,14 +326,79 @@ double CoDesign::least_over(Flow flow, const Fast& fast, double end) const {
   // The tangents of a convex function lie below it.
   const Sum a = energy_over(flow, fast, falling);
   const Sum b = energy_over(flow, fast, rising);
-  return std::max(a.energy + a.slope * (rising - falling), b.energy + b.slope * (falling - rising));
+  return {.h = rising,
+          .bound = std::max(a.energy + a.slope * (rising - falling),
+                            b.energy + b.slope * (falling - rising)),
+          .sum = b};
 }
 
+/// E ≥ its tangent at the least inertia J, in h, in J and in what γ differs from J at any time:
+///   E(J) + ∂E/∂J (J' − J) − c J' ∫ |∂P/∂τ| |a| dt,   c = the greater of 1 − γ/J and γ/J − 1
+double CoDesign::sharp_bound(const Fast& fast, const Box& box,
+                             const optimize::EnergyBox& gearboxes) const {
+  const double least_J = gearboxes.least_inertia_kgm2;
+  double energy = task_.drive.standby_W * time_s_;
+  double magnitude = energy;
+  double slope = 0.0;
+  double torque = 0.0;  // ∫ |τ a|
+  for (const Flow flow : {kForwardFlow, kBackwardFlow}) {
+    const double end = flow == kForwardFlow ? box.forward : box.backward;
+    const Least least = least_over(flow, fast, end);
+    // A place within rounding of the least one: its tangent over the range of h.
+    const double range = flow == kForwardFlow ? std::max(0.0, least.h - end) : end;
+    const double tilt = flow == kForwardFlow ? std::max(0.0, least.sum.slope) * range
+                                             : std::abs(least.sum.slope) * range;
+    const bool at_end = least.h == end || least.h == 0.0;
+    energy +=
+        least_J > 0.0 && !at_end ? std::min(least.bound, least.sum.energy - tilt) : least.bound;
+    magnitude += std::abs(least.bound);
+    slope += least.sum.inertia_slope;
+    const InH s = square_in_h(moments_[flow], fast);
+    torque += std::sqrt(std::max(0.0, s.a + least.h * (s.b + least.h * s.c)) *
+                        moments_[flow].square[1][1]);
+  }
+  if (gearboxes.most_inertia_kgm2 > 0.0) {
+    const double more =
+        (2.0 * fast.copper * torque + acceleration_work_) / task_.drive.efficiency_motoring;
+    const double factor =
+        std::max(1.0 - gearboxes.inertia_factor[0], gearboxes.inertia_factor[1] - 1.0);
+    energy += std::min(0.0, slope - factor * more) * (gearboxes.most_inertia_kgm2 - least_J) -
+              factor * least_J * more;
+    magnitude += (std::abs(slope) + more) * gearboxes.most_inertia_kgm2;
+  }
+  return energy - kBoundRoom * (magnitude + scale_J_);
+}
+
+/// Where γ may differ by D from the inertia of J1, |∂P/∂τ| D |a| ≤ (2 ρ |τ| + |w|) D |a|/η_mot, of
+/// which 2 ρ |τ| D |a| ≤ θ ρ τ² + ρ D² a²/θ: the bound with a share θ of the copper loss left out,
+/// less the rest.
 double CoDesign::quick_bound(const Fast& fast, const Box& box) const {
-  double least = task_.drive.standby_W * time_s_;
-  double magnitude = least;
-  const auto add = [&](Flow flow, const FlowMoments& moments, double most, double more) {
-    const InH e = energy_in_h(moments, fast);
+  const Drive& drive = task_.drive;
+  const double more = 1.0 / drive.efficiency_motoring;
+  const double both = drive.efficiency_motoring * drive.efficiency_regenerating;
+  double least = drive.standby_W * time_s_;
+  double share = 0.0;  // θ
+  if (box.spread_kgm2 > 0.0) {
+    double square = 0.0;
+    for (const Flow flow : {kForwardFlow, kBackwardFlow}) {
+      const InH s = square_in_h(moments_[flow], fast);
+      const double h = flow == kForwardFlow ? box.forward : box.backward;
+      square += std::max(0.0, s.a + h * (s.b + h * s.c));
+    }
+    constexpr double kMostShare = 0.5;
+    const double inertia = box.spread_kgm2 * box.spread_kgm2 * square_acceleration();
+    share = kMostShare * std::max(both, kMostShare);
+    if (square > 0.0) share = std::min(share, std::sqrt(inertia / square));
+    if (share > 0.0) least -= more * fast.copper * inertia / share;
+    least -= more * box.spread_kgm2 * acceleration_work_;
+  }
+  double magnitude = std::abs(least);
+  Fast spared = fast;
+  spared.copper *= 1.0 - share;
+  Fast spared_back = fast;
+  if (both > 0.0) spared_back.copper *= std::max(0.0, 1.0 - share / both);
+  const auto minimum = [&](Flow flow, const FlowMoments& moments, const Fast& by) {
+    const InH e = energy_in_h(moments, by);
     double h = flow == kForwardFlow ? box.forward : box.backward;
     if (!box.exact && e.c > 0.0) {
       const double lowest = -0.5 * e.b / e.c;
@@ -308,16 +406,26 @@ double CoDesign::quick_bound(const Fast& fast, const Box& box) const {
     } else if (!box.exact && flow == kBackwardFlow && e.b > 0.0) {
       h = 0.0;
     }
-    const double energy = e.a + h * (e.b + h * e.c);
-    least += energy > 0.0 ? energy * more : energy * most;
     magnitude += (std::abs(e.a) + std::abs(h * e.b) + h * h * e.c) * more;
+    return e.a + h * (e.b + h * e.c);
   };
   if (lossless_drive_) {
-    for (const Flow flow : {kForwardFlow, kBackwardFlow}) add(flow, moments_[flow], 1.0, 1.0);
+    for (const Flow flow : {kForwardFlow, kBackwardFlow}) {
+      least += minimum(flow, moments_[flow], spared);
+    }
   } else {
     for (const Class& part : classes_) {
-      add(part.flow, part.moments, task_.drive.efficiency_regenerating,
-          1.0 / task_.drive.efficiency_motoring);
+      const double energy = minimum(part.flow, part.moments, spared);
+      if (share == 0.0) {
+        least += energy > 0.0 ? energy * more : energy * drive.efficiency_regenerating;
+      } else {
+        double best = energy * more;
+        if (share < both) {
+          best = std::max(
+              best, drive.efficiency_regenerating * minimum(part.flow, part.moments, spared_back));
+        }
+        least += best;
+      }
     }
   }
   return least - kBoundRoom * magnitude;
@@ -344,11 +452,14 @@ void CoDesign::bound_peaks(const Fast& fast, const Box& box, double& amperes, do
     for (const double x : {0.0, 1.0}) {
       const auto [m, a, w, s] = point(part, x);
       const double q = fast.j1_kgm2 * a + fast.d1_Nms * w + fast.c1_Nm * s;
+      const double other = box.spread_kgm2 * std::abs(a);
       amperes = std::max(amperes, least_magnitude(q * fast.per_torque, m * fast.per_torque, forward,
-                                                  end, box.exact));
+                                                  end, box.exact) -
+                                      other * std::abs(fast.per_torque));
       const double ohms = fast.resistance_ohm * fast.per_torque;
       volts = std::max(
-          volts, least_magnitude(q * ohms + fast.back_emf * w, m * ohms, forward, end, box.exact));
+          volts, least_magnitude(q * ohms + fast.back_emf * w, m * ohms, forward, end, box.exact) -
+                     other * std::abs(ohms));
     }
   }
 }
@@ -388,7 +499,9 @@ void CoDesign::note_peaks(const Fast& fast, const Box& box, double& amperes, dou
 
 Felt CoDesign::felt_of(const Fast& fast, const Box& box) const {
   if (!(box.backward > 0.0)) return {kWithoutBound, kWithoutBound, kWithoutBound};
-  Felt felt{.inertia_kgm2 = task_.load_inertia_kgm2 + fast.j1_kgm2 / box.backward,
+  // Of a box without that of the gears, which only adds to it.
+  const double inertia = box.exact ? fast.j1_kgm2 : fast.rotor_kgm2;
+  Felt felt{.inertia_kgm2 = task_.load_inertia_kgm2 + inertia / box.backward,
             .breakaway_Nm = fast.c1_static_Nm / box.backward};
   if (const auto& motor_Nm = task_.felt.transparency_torque_Nm) {
     const double with = (*motor_Nm - fast.c1_Nm) / box.forward;
@@ -419,6 +532,11 @@ double CoDesign::excess(std::size_t motor, double ratio, const Fast& fast, const
   }
   const double room = box.exact ? 1.0 : 1.0 - kBoundRoom;
   PairResult values{.pair = {.motor = motor, .gearbox = 0}};
+  if (box.spread_kgm2 > 0.0) {
+    const double left =
+        std::max(0.0, std::sqrt(square) - box.spread_kgm2 * std::sqrt(square_acceleration()));
+    square = left * left;
+  }
   values.rms_current_A = std::sqrt(square / time_s_) * std::abs(fast.per_torque) * room;
   values.peak_motor_speed_rad_s = std::abs(ratio) * peak_speed_rad_s_ * room;
   if (box.exact) {
@@ -441,11 +559,28 @@ double CoDesign::excess(std::size_t motor, double ratio, const Fast& fast, const
   return values.excess;
 }
 
-optimize::EnergyAt CoDesign::at(double ratio, double forward, double backward) const {
-  const Box box{.forward = 1.0 / forward, .backward = backward, .exact = true};
+optimize::EnergyAt CoDesign::at(const optimize::EnergyGearbox& g) const {
+  const Box box{.forward = 1.0 / g.forward,
+                .backward = g.backward,
+                .exact = true,
+                .inertia_kgm2 = g.inertia_kgm2};
+  const auto fast_at = [&](std::size_t k) { return fast_of(k, g.ratio, g.inertia_kgm2); };
+  const auto energy_with = [&](std::size_t k, bool within) {
+    const Fast fast = fast_at(k);
+    const Sum f = energy_over(kForwardFlow, fast, box.forward);
+    const Sum b = energy_over(kBackwardFlow, fast, box.backward);
+    return optimize::EnergyAt{.energy_J = f.energy + b.energy + task_.drive.standby_W * time_s_,
+                              .slope = {f.slope, b.slope},
+                              .curvature = {f.curvature, b.curvature},
+                              .inertia_slope = f.inertia_slope + b.inertia_slope,
+                              .inertia_curvature = f.inertia_curvature + b.inertia_curvature,
+                              .mixed = {f.mixed, b.mixed},
+                              .motor = k,
+                              .within_limits = within};
+  };
   thread_local std::vector<double> bounds;
   bounds.resize(task_.motors.size());
-  for (std::size_t k = 0; k < bounds.size(); ++k) bounds[k] = quick_bound(fast_of(k, ratio), box);
+  for (std::size_t k = 0; k < bounds.size(); ++k) bounds[k] = quick_bound(fast_at(k), box);
   optimize::EnergyAt best{.energy_J = kWithoutBound, .within_limits = false};
   double least_excess = kWithoutBound;
   std::size_t nearest = 0;
@@ -454,39 +589,52 @@ optimize::EnergyAt CoDesign::at(double ratio, double forward, double backward) c
     if (*next >= best.energy_J) break;
     const auto k = static_cast<std::size_t>(next - bounds.begin());
     *next = kWithoutBound;
-    const Fast fast = fast_of(k, ratio);
-    const double over = excess(k, ratio, fast, box);
+    const double over = excess(k, g.ratio, fast_at(k), box);
     if (over > 0.0) {
       if (over < least_excess) nearest = k;
       least_excess = std::min(least_excess, over);
       continue;
     }
-    const Sum f = energy_over(kForwardFlow, fast, box.forward);
-    const Sum b = energy_over(kBackwardFlow, fast, box.backward);
-    const double energy = f.energy + b.energy + task_.drive.standby_W * time_s_;
-    if (!(energy < best.energy_J)) continue;
-    best = {.energy_J = energy,
-            .slope = {f.slope, b.slope},
-            .curvature = {f.curvature, b.curvature},
-            .motor = k};
+    const optimize::EnergyAt own = energy_with(k, true);
+    if (own.energy_J < best.energy_J) best = own;
   }
-  if (best.within_limits) return best;
-  const Fast fast = fast_of(nearest, ratio);
-  const Sum f = energy_over(kForwardFlow, fast, box.forward);
-  const Sum b = energy_over(kBackwardFlow, fast, box.backward);
-  return {.energy_J = f.energy + b.energy + task_.drive.standby_W * time_s_,
-          .slope = {f.slope, b.slope},
-          .curvature = {f.curvature, b.curvature},
-          .motor = nearest,
-          .within_limits = false};
+  return best.within_limits ? best : energy_with(nearest, false);
 }
 
-double CoDesign::least(double ratio, double most_forward, double most_backward) const {
-  if (!(most_forward > 0.0 && most_backward > 0.0)) return kWithoutBound;
-  const Box box{.forward = 1.0 / most_forward, .backward = most_backward, .exact = false};
+optimize::EnergyAt CoDesign::of(const design::Design& design) const {
+  const auto train = std::make_shared<const DesignTrain>(design);
+  Screening screening(task_);
+  std::vector<PairResult> bounds = screening.bounds(with_train(task_, 0, train));
+  std::ranges::stable_sort(
+      bounds, {}, [](const PairResult& r) { return std::pair(r.excess > 0.0, r.energy_J); });
+  optimize::EnergyAt best{.energy_J = kWithoutBound, .within_limits = false};
+  for (const PairResult& bound : bounds) {
+    if (bound.excess > 0.0 || bound.energy_J >= best.energy_J) break;
+    const PairResult r = run(bound.pair.motor, train);
+    // Of equals the one that stands first, as at() has it.
+    if (r.excess > 0.0 || r.energy_J > best.energy_J) continue;
+    if (r.energy_J == best.energy_J && r.pair.motor > best.motor) continue;
+    best = {.energy_J = r.energy_J, .motor = r.pair.motor};
+  }
+  return best;
+}
+
+double CoDesign::least(const optimize::EnergyBox& g) const {
+  if (!(g.most_forward > 0.0 && g.most_backward > 0.0)) return kWithoutBound;
+  if (!g.known) return -kWithoutBound;
+  const double low = g.inertia_factor[0];
+  const Box box{.forward = 1.0 / g.most_forward,
+                .backward = g.most_backward,
+                .exact = false,
+                .inertia_kgm2 = g.least_inertia_kgm2,
+                .spread_kgm2 =
+                    std::max({0.0, g.inertia_factor[1] * g.most_inertia_kgm2 - g.least_inertia_kgm2,
+                              g.least_inertia_kgm2 - std::min(low * g.least_inertia_kgm2,
+                                                              low * g.most_inertia_kgm2)})};
+  const auto fast_at = [&](std::size_t k) { return fast_of(k, g.ratio, box.inertia_kgm2); };
   thread_local std::vector<double> bounds;
   bounds.resize(task_.motors.size());
-  for (std::size_t k = 0; k < bounds.size(); ++k) bounds[k] = quick_bound(fast_of(k, ratio), box);
+  for (std::size_t k = 0; k < bounds.size(); ++k) bounds[k] = quick_bound(fast_at(k), box);
   double best = kWithoutBound;
   for (std::size_t seen = 0; seen < bounds.size(); ++seen) {
     const auto next = std::ranges::min_element(bounds);
@@ -494,26 +642,29 @@ double CoDesign::least(double ratio, double most_forward, double most_backward) 
     const auto k = static_cast<std::size_t>(next - bounds.begin());
     const double quick = *next;
     *next = kWithoutBound;
-    const Fast fast = fast_of(k, ratio);
-    if (excess(k, ratio, fast, box) > 0.0) continue;
+    const Fast fast = fast_at(k);
+    if (excess(k, g.ratio, fast, box) > 0.0) continue;
     double energy = quick;
-    if (!lossless_drive_ || !rests_.empty()) {
-      const double moving = least_over(kForwardFlow, fast, box.forward) +
-                            least_over(kBackwardFlow, fast, box.backward);
-      energy = std::max(energy, moving + task_.drive.standby_W * time_s_ -
-                                    kBoundRoom * (std::abs(moving) + scale_J_));
+    if (!lossless_drive_ || !rests_.empty() || box.spread_kgm2 > 0.0) {
+      energy = std::max(energy, sharp_bound(fast, box, g));
     }
     best = std::min(best, energy);
   }
   return best;
 }
 
-PairResult CoDesign::run(std::size_t motor, double ratio, double forward, double backward) const {
+PairResult CoDesign::run(std::size_t motor, const optimize::EnergyGearbox& g) const {
   SelectionTask task = task_;
-  task.gearboxes.front().gearbox.ratio = ratio;
-  task.gearboxes.front().gearbox.efficiency_forward = forward;
-  task.gearboxes.front().gearbox.efficiency_backward = backward;
+  Gearbox& gearbox = task.gearboxes.front().gearbox;
+  gearbox.ratio = g.ratio;
+  gearbox.efficiency_forward = g.forward;
+  gearbox.efficiency_backward = g.backward;
+  gearbox.input_inertia_kgm2 = g.inertia_kgm2 / (g.ratio * g.ratio);
   return run_pair(task, {.motor = motor, .gearbox = 0});
+}
+
+PairResult CoDesign::run(std::size_t motor, const std::shared_ptr<const DesignTrain>& train) const {
+  return run_actuator(task_, {.motor = motor, .gearbox = 0}, with_train(task_, motor, train));
 }
 
 const CoDesign* co_design_of(const optimize::CycleEnergy* energy) {

@@ -170,7 +170,13 @@ Felt Screening::felt_bound(const Chain& chain) const {
 }
 
 const std::vector<PairResult>& Screening::bounds(std::size_t gearbox) {
-  const Actuator first = actuator_of(task_, {.motor = 0, .gearbox = gearbox});
+  return bounds(actuator_of(task_, {.motor = 0, .gearbox = gearbox}), gearbox);
+}
+
+const std::vector<PairResult>& Screening::bounds(const Actuator& first) { return bounds(first, 0); }
+
+/// Of a train the constants are those without its losses, which bound them from below.
+const std::vector<PairResult>& Screening::bounds(const Actuator& first, std::size_t gearbox) {
   moments_.clear();
   std::ranges::fill(sums_.square_A2, 0.0);
   std::ranges::fill(sums_.energy_J, 0.0);

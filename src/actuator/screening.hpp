@@ -31,6 +31,8 @@ class Screening {
   /// Bounds from below of everything that the exact cycles of each motor give with a gearbox,
   /// judged; by motor.  Valid until the next call.
   const std::vector<PairResult>& bounds(std::size_t gearbox);
+  /// The same with the gearbox of an actuator, such as a train; pairs name gearbox 0.
+  const std::vector<PairResult>& bounds(const Actuator& first);
 
  private:
   using Column = std::vector<double>;
@@ -43,6 +45,7 @@ class Screening {
     Column square_A2, energy_J, magnitude_J;
   };
 
+  const std::vector<PairResult>& bounds(const Actuator& first, std::size_t gearbox);
   void reflect_motors(double ratio);
   void add_cycle(const CycleMoments& moments, double weight);
   void set_peaks();

@@ -221,8 +221,11 @@ bool dominates(const SelectionTask& task, const PairResult& a, const PairResult&
 }
 
 PairResult run_pair(const SelectionTask& task, const Pair& pair) {
+  return run_actuator(task, pair, actuator_of(task, pair));
+}
+
+PairResult run_actuator(const SelectionTask& task, const Pair& pair, const Actuator& a) {
   require_task_of(task);
-  const Actuator a = actuator_of(task, pair);
   const double time_s = total_time(task);
   PairResult r{.pair = pair};
   set_constants(a.motor, a.gearbox, chain_of(a), r);
@@ -246,6 +249,11 @@ PairResult run_pair(const SelectionTask& task, const Pair& pair) {
   r.rms_current_A = std::sqrt(square / time_s);
   r.rms_torque_Nm = std::sqrt(mesh / time_s);
   r.felt = felt_of(a);
+  if (a.train != nullptr) {
+    const Reflected felt = reflected(a);
+    r.breakaway_Nm = felt.breakaway_Nm;
+    r.inertia_kgm2 = felt.motor_kgm2 + felt.gearbox_kgm2;
+  }
   judge(task, r, friction / time_s, r);
   return r;
 }

@@ -140,6 +140,8 @@ Selection select(const SelectionTask& task);
 
 /// One pair by its exact cycles.
 PairResult run_pair(const SelectionTask& task, const Pair& pair);
+/// The same of an actuator in place of the pair's, such as one with a train.
+PairResult run_actuator(const SelectionTask& task, const Pair& pair, const Actuator& actuator);
 
 /// Holds the values of a pair, or bounds of them from below, against the limits of its motor and
 /// gearbox: sets excess, limit and winding_K of `judged`, which may be `values`.

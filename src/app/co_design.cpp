@@ -27,11 +27,15 @@ CoDesigned co_designed(const optimize::Specification& spec, const optimize::Opti
   const optimize::RefinedSet& set = *result.best;
   const double ratio = train::ratio(set.candidate.teeth);
   CoDesigned found;
+  auto train = std::make_shared<actuator::DesignTrain>(design);
+  const bool inertia = set.cycle_energy_J.has_value();
   std::vector<actuator::PairResult> motors;
   for (std::size_t k = 0; k < task.motors.size(); ++k) {
-    motors.push_back(co_design.run(k, ratio, set.eta_f, set.eta_b));
+    motors.push_back(
+        inertia ? co_design.run(k, train)
+                : co_design.run(k, {.ratio = ratio, .forward = set.eta_f, .backward = set.eta_b}));
   }
-  const std::size_t chosen = spec.cycle_energy->at(ratio, set.eta_f, set.eta_b).motor;
+  const std::size_t chosen = optimize::energy_of(spec, set).motor;
   std::erase_if(motors, [&](const actuator::PairResult& r) {
     return r.excess > 0.0 && r.pair.motor != chosen;
   });
@@ -55,7 +59,6 @@ CoDesigned co_designed(const optimize::Specification& spec, const optimize::Opti
   if (spec.rating) report.stated_torque_Nm = spec.rating->torque_Nm;
   if (result.certificate) report.bound_J = -result.certificate->global_bound;
 
-  auto train = std::make_shared<actuator::DesignTrain>(design);
   report.gear_inertia = train->inertia_kgm2() > 0.0;
   found.actuator = {.name = spec.name,
                     .motor = task.motors[chosen].motor,
@@ -82,8 +85,11 @@ CoDesigned co_designed(const optimize::Specification& spec, const optimize::Opti
   if (const auto& torque = task.felt.transparency_torque_Nm) {
     felt = actuator::felt_torque(found.actuator, *torque);
   }
-  report.felt_checks =
-      actuator::felt_checks(found.actuator, actuator::reflected(found.actuator), felt);
+  // Limits that are constraints of the search are shown with it.
+  if (!spec.felt) {
+    report.felt_checks =
+        actuator::felt_checks(found.actuator, actuator::reflected(found.actuator), felt);
+  }
   for (std::size_t k = 0; k < task.cycles.size(); ++k) {
     const actuator::DutyCycle d = actuator::run_cycle(found.actuator, task.cycles[k]);
     report.run_J += task.weights[k] * (d.drawn_J - d.regenerated_J);
@@ -97,8 +103,8 @@ std::optional<actuator::PairResult> nearest_motor(const optimize::Specification&
   if (co_design == nullptr || result.best) return std::nullopt;
   std::optional<actuator::PairResult> nearest;
   const auto offer = [&](double ratio, double eta_f, double eta_b) {
-    const auto at = spec.cycle_energy->at(ratio, eta_f, eta_b);
-    const actuator::PairResult r = co_design->run(at.motor, ratio, eta_f, eta_b);
+    const optimize::EnergyGearbox g{.ratio = ratio, .forward = eta_f, .backward = eta_b};
+    const actuator::PairResult r = co_design->run(spec.cycle_energy->at(g).motor, g);
     if (!nearest || r.excess < nearest->excess) nearest = r;
   };
   for (const optimize::RefinedSet& set : result.refined) {

@@ -9,6 +9,7 @@
 #include "efficiency/train_efficiency.hpp"
 #include "inertia/effective_inertia.hpp"
 #include "inertia/mass_properties.hpp"
+#include "optimize/energy_box.hpp"
 #include "optimize/refinement_problem.hpp"
 #include "optimize/shift_range.hpp"
 
@@ -94,6 +95,10 @@ bool knows_masses(const Specification& spec) {
   return b.face_width_m[0] && b.face_width_m[1];
 }
 
+bool knows_inertia(const Specification& spec) {
+  return knows_masses(spec) && spec.bodies.ring_rim_m > 0.0;
+}
+
 bool has_objective_branches(Objective objective, const Specification& spec) {
   return objective == Objective::kOuterDiameter ||
          (objective == Objective::kLostMotion &&
@@ -158,9 +163,14 @@ T objective_value(Objective objective, const ObjectiveInput<T>& input, int branc
       return input.rating->stiffness->output_Nm_rad;
     case Objective::kCycleEnergy:
       return cycle_energy<T>(
-          *spec.cycle_energy, train::ratio(train.teeth),
-          efficiency::forward_efficiency(train.teeth, mesh_efficiencies(true)),
-          efficiency::backward_efficiency(train.teeth, mesh_efficiencies(false)));
+          *spec.cycle_energy,
+          {.ratio = train::ratio(train.teeth),
+           .forward = efficiency::forward_efficiency(train.teeth, mesh_efficiencies(true)),
+           .backward = efficiency::backward_efficiency(train.teeth, mesh_efficiencies(false)),
+           .inertia_kgm2 = knows_inertia(spec)
+                               ? inertia_of(gear_bodies(spec, input.face_width_m, train.gears),
+                                            train.teeth, train.planets, train.center_distance_m)
+                               : constant<T>(0.0)});
   }
   throw std::invalid_argument("objective_value: objective unknown");
 }
@@ -291,7 +301,7 @@ double best_value(Objective objective, const Specification& spec, const train::T
     case Objective::kTorsionalStiffness:
       return std::numeric_limits<double>::infinity();
     case Objective::kCycleEnergy:
-      return spec.cycle_energy->least(train::ratio(teeth), 1.0, 1.0);
+      return spec.cycle_energy->least(energy_box(spec, teeth, planets, 1.0, 1.0));
   }
   throw std::invalid_argument("best_value: objective unknown");
 }

@@ -17,6 +17,10 @@ bool knows_masses(const Specification& spec);
 /// outer diameter (R1's, R2's) and the lost motion by the paper's model (φ_1 + φ_2, φ_1 + φ_3).
 bool has_objective_branches(Objective objective, const Specification& spec);
 
+/// Whether a design's gears have an inertia that its duty cycles feel: knows_masses(), and rings of
+/// a rim, as R2 turns.
+bool knows_inertia(const Specification& spec);
+
 /// Whether an objective or a limit asks for a value.
 bool asks_for(const Specification& spec, Objective objective);
 

@@ -9,6 +9,7 @@
 
 #include "numerics/parallel.hpp"
 #include "optimize/blocking.hpp"
+#include "optimize/energy_box.hpp"
 #include "optimize/objective_value.hpp"
 
 namespace gear3k::optimize {
@@ -308,7 +309,8 @@ double merit_bound(const Specification& spec, const SetBound& bound, const Candi
       case Objective::kForwardEfficiency:
         return bound.eta_f;
       case Objective::kCycleEnergy:
-        return spec.cycle_energy->least(train::ratio(candidate.teeth), bound.eta_f, bound.eta_b);
+        return spec.cycle_energy->least(
+            energy_box(spec, candidate.teeth, candidate.planets, bound.eta_f, bound.eta_b));
       default:
         return best_value(objective, spec, candidate.teeth, candidate.planets);
     }

@@ -10,6 +10,7 @@
 #include "efficiency/train_efficiency.hpp"
 #include "optimize/blocking.hpp"
 #include "optimize/cutter_choice.hpp"
+#include "optimize/energy_box.hpp"
 #include "optimize/ipopt.hpp"
 #include "optimize/kkt_residual.hpp"
 #include "optimize/lattice.hpp"
@@ -111,7 +112,8 @@ double most_of(const Specification& spec, const Candidate& candidate, const SetB
     return std::numeric_limits<double>::infinity();
   }
   if (objective == Objective::kCycleEnergy) {
-    return -spec.cycle_energy->least(train::ratio(candidate.teeth), bound.eta_f, bound.eta_b) /
+    return -spec.cycle_energy->least(
+               energy_box(spec, candidate.teeth, candidate.planets, bound.eta_f, bound.eta_b)) /
            spec.cycle_energy->scale_j();
   }
   return objective == Objective::kForwardEfficiency ? bound.eta_f : bound.eta_b;
@@ -286,6 +288,11 @@ void fill_optimum(const Specification& spec, const BestEnd& best, double residua
     set.inertia_kgm2 = objective_value(Objective::kInertia, at);
   }
   if (spec.rating) rate_optimum(spec, *train, load, set);
+  if (first_objective(spec) == Objective::kCycleEnergy && knows_inertia(spec) && set.eta_b > 0.0) {
+    const EnergyAt run = spec.cycle_energy->of(design_of(spec, set));
+    set.cycle_energy_J = run.within_limits ? run.energy_J : std::numeric_limits<double>::infinity();
+    set.motor = run.motor;
+  }
   if (judged_by_model(spec)) judge_by_model(spec, *train, set);
 }
 

@@ -84,6 +84,16 @@ design::Design design_of(const Specification& spec, const RefinedSet& set) {
   return design;
 }
 
+EnergyAt energy_of(const Specification& spec, const RefinedSet& set) {
+  if (set.cycle_energy_J) {
+    return {.energy_J = *set.cycle_energy_J,
+            .motor = set.motor,
+            .within_limits = std::isfinite(*set.cycle_energy_J)};
+  }
+  return spec.cycle_energy->at(
+      {.ratio = train::ratio(set.candidate.teeth), .forward = set.eta_f, .backward = set.eta_b});
+}
+
 double objective_of(const Specification& spec, const RefinedSet& set, Objective objective) {
   switch (objective) {
     case Objective::kBackwardEfficiency:
@@ -108,8 +118,7 @@ double objective_of(const Specification& spec, const RefinedSet& set, Objective 
       return set.torsional_stiffness_Nm_rad.value_or(0.0);
     case Objective::kCycleEnergy: {
       if (!(set.eta_b > 0.0)) break;
-      const EnergyAt at =
-          spec.cycle_energy->at(train::ratio(set.candidate.teeth), set.eta_f, set.eta_b);
+      const EnergyAt at = energy_of(spec, set);
       return at.within_limits ? at.energy_J : std::numeric_limits<double>::infinity();
     }
   }

@@ -69,6 +69,10 @@ struct RefinedSet {
   /// without a load, and the capacity where no limit stress is stated.
   std::optional<double> torque_capacity_Nm, torsional_stiffness_Nm_rad;
   double kkt_residual = 0.0;
+  /// With the inertia of its gears, by its power flow, and the motor; empty without inertia, and
+  /// infinite where no motor keeps its limits.
+  std::optional<double> cycle_energy_J;
+  std::size_t motor = 0;
 };
 
 /// The first constraint that blocks a set; "" when there is none.
@@ -81,6 +85,10 @@ train::TrainParameters<double> train_of(const Specification& spec, const Refined
 
 /// The design of a refined set, with the specification's limits and friction; without its model.
 design::Design design_of(const Specification& spec, const RefinedSet& set);
+
+/// The energy of its duty cycles with the best motor, of a specification with cycle_energy; with
+/// the inertia of its gears where that is known.
+EnergyAt energy_of(const Specification& spec, const RefinedSet& set);
 
 /// Value of an objective, SI.
 double objective_of(const Specification& spec, const RefinedSet& set, Objective objective);

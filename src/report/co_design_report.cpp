@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "report/actuator_report.hpp"
 #include "report/text_table.hpp"
 #include "units/units.hpp"
 
@@ -84,26 +85,17 @@ std::string co_design_table(const CoDesignReport& report) {
          fmt::format("{}", fmt::join(names_of_unknown(motor), " "))});
   }
   text += table.text(0);
-  if (!report.felt_checks.empty()) {
-    TextTable felt({"what is felt", "value", "limit", ""});
-    felt.align_left(3);
-    for (const actuator::LimitCheck& check : report.felt_checks) {
-      const std::string unit = check.unit.empty() ? "" : ' ' + check.unit;
-      felt.add({check.name,
-                check.value ? fmt::format("{:.5g}{}", *check.value, unit) : "without bound",
-                fmt::format("{:.5g}{}", check.limit, unit), check.ok ? "ok" : "FAILS"});
-    }
-    text += felt.text(0);
-  }
+  text += limit_checks_text(report.felt_checks);
   if (report.bound_J) {
     text += fmt::format(
         "No motor of these with any back-drivable gearbox of this task needs less than {:.6g} "
-        "J{}\n",
-        rounded_down(*report.bound_J), report.gear_inertia ? ", gears without inertia" : "");
+        "J, {} the inertia of its gears\n",
+        rounded_down(*report.bound_J), report.gear_inertia ? "with" : "without");
   }
-  if (report.gear_inertia) {
-    text += fmt::format("With the inertia of its gears, as actuator.toml runs: {:.6g} J\n",
-                        report.run_J);
+  if (!report.gear_inertia) {
+    text +=
+        "Face widths, densities and size.ring_rim_mm are not all stated: the gears run without "
+        "inertia\n";
   }
   text +=
       fmt::format("Cycles: {:.4g} N m at most, {:.4g} N m rms; {}\n", report.peak_torque_Nm,

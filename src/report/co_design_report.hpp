@@ -13,14 +13,14 @@ namespace gear3k::report {
 
 /// A motor with the best gearbox.
 struct CoDesignMotor {
-  actuator::PairResult result;  ///< by the gearbox's efficiencies, without its inertia
+  actuator::PairResult result;  ///< with the inertia of its gears, where it is known
   std::string name;
   std::vector<actuator::Unknown> unknown;  ///< of the motor
 };
 
 struct CoDesignReport {
   std::vector<CoDesignMotor> motors;  ///< the chosen one, then the next best within their limits
-  /// The chosen one as `gear3k actuator` runs it: with the inertia of the gears, where it is known.
+  /// The chosen one as `gear3k actuator` runs it.
   double run_J = 0.0;
   bool gear_inertia = false;  ///< it has one
   /// What is felt of it, as `gear3k actuator` has it, against the limits; empty without limits.

@@ -77,7 +77,13 @@ void add_co_design(const RefinedSet& s, const actuator::CoDesign& co_design, Opt
   std::optional<double> energy_J;
   std::string motor;
   if (s.status == Status::kOptimal && s.eta_b > 0.0) {
-    const optimize::EnergyAt at = co_design.at(train::ratio(s.candidate.teeth), s.eta_f, s.eta_b);
+    const optimize::EnergyAt at =
+        s.cycle_energy_J ? optimize::EnergyAt{.energy_J = *s.cycle_energy_J,
+                                              .motor = s.motor,
+                                              .within_limits = std::isfinite(*s.cycle_energy_J)}
+                         : co_design.at({.ratio = train::ratio(s.candidate.teeth),
+                                         .forward = s.eta_f,
+                                         .backward = s.eta_b});
     if (at.within_limits) {
       energy_J = at.energy_J;
       motor = co_design.task().motors[at.motor].name;

@@ -19,6 +19,7 @@
 #include "actuator/reflected.hpp"
 #include "io/files/selection_file.hpp"
 #include "io/files/specification_file.hpp"
+#include "optimize/energy_box.hpp"
 #include "optimize/objective_value.hpp"
 #include "optimize/optimizer.hpp"
 #include "optimize/refinement_problem.hpp"
@@ -99,20 +100,24 @@ SelectionTask random_felt_task(DeterministicRandom& random) {
   return task;
 }
 
-struct RandomGearbox {
-  double ratio, forward, backward;
-};
+using RandomGearbox = optimize::EnergyGearbox;
 RandomGearbox random_gearbox(DeterministicRandom& random) {
   return {.ratio = random.between(10.0, 150.0) * (random.uniform() < 0.5 ? -1.0 : 1.0),
           .forward = random.between(0.3, 1.0),
-          .backward = random.between(0.05, 1.0)};
+          .backward = random.between(0.05, 1.0),
+          .inertia_kgm2 = random.uniform() < 0.5 ? 0.0 : random.between(0.0, 0.3)};
+}
+
+/// Gearboxes with efficiencies up to these.
+optimize::EnergyBox box_of(const RandomGearbox& most) {
+  return {.ratio = most.ratio, .most_forward = most.forward, .most_backward = most.backward};
 }
 
 /// Least energy of the motors that keep their limits, by their exact cycles; empty where none does.
 std::optional<double> least_of_exact(const CoDesign& co_design, const RandomGearbox& g) {
   std::optional<double> least;
   for (std::size_t k = 0; k < co_design.task().motors.size(); ++k) {
-    const PairResult r = co_design.run(k, g.ratio, g.forward, g.backward);
+    const PairResult r = co_design.run(k, g);
     if (!(r.excess > 0.0) && !(least && *least <= r.energy_J)) least = r.energy_J;
   }
   return least;
@@ -125,7 +130,7 @@ TEST(CoDesign, EnergyAndLimitsAreThoseOfTheExactCyclesOfEveryMotor) {
     DeterministicRandom random(seed);
     const CoDesign co_design(random_task(random, seed % 2 == 0));
     const RandomGearbox g = random_gearbox(random);
-    const auto at = co_design.at(g.ratio, g.forward, g.backward);
+    const auto at = co_design.at(g);
     const auto exact = least_of_exact(co_design, g);
     ASSERT_EQ(at.within_limits, exact.has_value()) << seed;
     (exact ? within : beyond) += 1;
@@ -152,6 +157,7 @@ TEST(CoDesign, WhatIsFeltIsThatOfTheActuatorWithEveryMotor) {
       a.gearbox.ratio = g.ratio;
       a.gearbox.efficiency_forward = g.forward;
       a.gearbox.efficiency_backward = g.backward;
+      a.gearbox.input_inertia_kgm2 = g.inertia_kgm2 / (g.ratio * g.ratio);
       a.load_inertia_kgm2 = task.load_inertia_kgm2;
       a.felt = task.felt;
       const auto torque = actuator::felt_torque(a, *task.felt.transparency_torque_Nm);
@@ -159,7 +165,7 @@ TEST(CoDesign, WhatIsFeltIsThatOfTheActuatorWithEveryMotor) {
       for (const auto& check : actuator::felt_checks(a, actuator::reflected(a), torque)) {
         kept = kept && check.ok;
       }
-      const PairResult r = co_design.run(k, g.ratio, g.forward, g.backward);
+      const PairResult r = co_design.run(k, g);
       EXPECT_EQ(kept, !(r.excess > 0.0)) << seed << " motor " << k;
       if (!kept) {
         const auto limit = static_cast<std::size_t>(r.limit.value());
@@ -169,7 +175,7 @@ TEST(CoDesign, WhatIsFeltIsThatOfTheActuatorWithEveryMotor) {
       }
       if (kept && !(least && *least <= r.energy_J)) least = r.energy_J;
     }
-    const auto at = co_design.at(g.ratio, g.forward, g.backward);
+    const auto at = co_design.at(g);
     ASSERT_EQ(at.within_limits, least.has_value()) << seed;
     if (!least) continue;
     ++within;
@@ -185,12 +191,13 @@ TEST(CoDesign, WhatIsFeltRulesNoGearboxOfABoxOutThatKeepsItsLimits) {
     DeterministicRandom random(seed + 6000);
     const CoDesign co_design(random_felt_task(random));
     const RandomGearbox most = random_gearbox(random);
-    const double bound = co_design.least(most.ratio, most.forward, most.backward);
+    const double bound = co_design.least(box_of(most));
     if (std::isinf(bound)) ++ruled_out;
     for (int k = 0; k < 20; ++k) {
       const double forward = k == 0 ? most.forward : most.forward * random.between(0.5, 1.0);
       const double backward = k < 2 ? most.backward : most.backward * random.between(0.5, 1.0);
-      const auto exact = least_of_exact(co_design, {most.ratio, forward, backward});
+      const double inertia = most.inertia_kgm2 * (k == 0 ? 1.0 : random.between(0.9, 1.56));
+      const auto exact = least_of_exact(co_design, {most.ratio, forward, backward, inertia});
       if (!exact) continue;
       EXPECT_LE(bound, *exact + 1e-9 * co_design.scale_j()) << seed;
     }
@@ -205,17 +212,39 @@ TEST(CoDesign, SlopesAreThoseOfDifferences) {
     task.motors.resize(1);  // the best one may be another one a step away
     const CoDesign co_design(std::move(task));
     const RandomGearbox g = random_gearbox(random);
-    const auto at = co_design.at(g.ratio, g.forward, g.backward);
+    const auto at = co_design.at(g);
     constexpr double kStep = 1e-5;
     const auto forward = [&](double step) {
-      return co_design.at(g.ratio, 1.0 / (1.0 / g.forward + step), g.backward).energy_J;
+      RandomGearbox other = g;
+      other.forward = 1.0 / (1.0 / g.forward + step);
+      return co_design.at(other).energy_J;
     };
     const auto backward = [&](double step) {
-      return co_design.at(g.ratio, g.forward, g.backward + step).energy_J;
+      RandomGearbox other = g;
+      other.backward = g.backward + step;
+      return co_design.at(other).energy_J;
     };
     const double size = co_design.scale_j() + std::abs(at.energy_J);
     EXPECT_NEAR(at.slope[0], (forward(kStep) - forward(-kStep)) / (2.0 * kStep), 1e-5 * size);
     EXPECT_NEAR(at.slope[1], (backward(kStep) - backward(-kStep)) / (2.0 * kStep), 1e-5 * size);
+    const auto inertia = [&](double step) {
+      RandomGearbox other = g;
+      other.inertia_kgm2 = g.inertia_kgm2 + step;
+      return co_design.at(other);
+    };
+    const auto up = inertia(kStep);
+    const auto down = inertia(-kStep);
+    EXPECT_NEAR(at.inertia_slope, (up.energy_J - down.energy_J) / (2.0 * kStep),
+                1e-5 * (size + std::abs(at.inertia_slope)));
+    // A drive with losses bends by jumps of its slope, too.
+    const actuator::Drive& drive = co_design.task().drive;
+    const bool smooth = drive.efficiency_motoring == 1.0 && drive.efficiency_regenerating == 1.0;
+    for (const std::size_t flow : {0U, 1U}) {
+      if (!smooth) break;
+      EXPECT_NEAR(at.mixed[flow], (up.slope[flow] - down.slope[flow]) / (2.0 * kStep),
+                  1e-4 * (size + std::abs(at.mixed[flow])));
+    }
+    EXPECT_GE(at.inertia_curvature, 0.0);
     EXPECT_GE(at.curvature[0], 0.0);
     EXPECT_GE(at.curvature[1], 0.0);
   }
@@ -227,12 +256,13 @@ TEST(CoDesign, NoGearboxOfABoxNeedsLessThanItsBound) {
     DeterministicRandom random(seed + 2000);
     const CoDesign co_design(random_task(random, seed % 3 == 0));
     const RandomGearbox most = random_gearbox(random);
-    const double bound = co_design.least(most.ratio, most.forward, most.backward);
+    const double bound = co_design.least(box_of(most));
     double least = std::numeric_limits<double>::infinity();
     for (int k = 0; k < 40; ++k) {
       const double forward = k == 0 ? most.forward : most.forward * random.between(0.05, 1.0);
       const double backward = k < 2 ? most.backward : most.backward * random.uniform();
-      const auto exact = least_of_exact(co_design, {most.ratio, forward, backward});
+      const double inertia = most.inertia_kgm2 * (k == 0 ? 1.0 : random.between(0.9, 1.56));
+      const auto exact = least_of_exact(co_design, {most.ratio, forward, backward, inertia});
       if (exact) least = std::min(least, *exact);
       if (exact && k > 1 && *exact == least) ++inner;
     }
@@ -245,8 +275,9 @@ TEST(CoDesign, TheBoundOfABoxIsReachedInIt) {
   for (std::uint64_t seed = 1; seed <= sample(8U, 100U); ++seed) {
     DeterministicRandom random(seed + 3000);
     const CoDesign co_design(random_task(random, false));
-    const RandomGearbox most = random_gearbox(random);
-    const double bound = co_design.least(most.ratio, most.forward, most.backward);
+    RandomGearbox most = random_gearbox(random);
+    most.inertia_kgm2 = 0.0;  // bounds with inertia leave room for what it may be at any time
+    const double bound = co_design.least(box_of(most));
     // Energies forward and backward add up for one motor: two lines instead of a grid.
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < co_design.task().motors.size(); ++k) {
@@ -256,14 +287,14 @@ TEST(CoDesign, TheBoundOfABoxIsReachedInIt) {
       constexpr int kSteps = 400;
       double forward = std::numeric_limits<double>::infinity();
       double backward = forward;
-      const double corner = own.at(most.ratio, most.forward, most.backward).energy_J;
+      const double corner = own.at(most).energy_J;
       for (int n = 0; n <= kSteps; ++n) {
         const double share = static_cast<double>(n) / kSteps;
         forward = std::min(
             forward,
-            own.at(most.ratio, most.forward * (1.0 - 0.999 * share), most.backward).energy_J);
+            own.at({most.ratio, most.forward * (1.0 - 0.999 * share), most.backward}).energy_J);
         backward = std::min(
-            backward, own.at(most.ratio, most.forward, most.backward * (1.0 - share)).energy_J);
+            backward, own.at({most.ratio, most.forward, most.backward * (1.0 - share)}).energy_J);
       }
       least = std::min(least, forward + backward - corner);
     }
@@ -299,9 +330,18 @@ machining_allowance = 0.02
 coefficient = 0.08
 )";
 
+constexpr const char* kMasses =
+    "[stage1]\nface_width_mm = 8.0\n[stage2]\nface_width_mm = 10.0\n[inertia]\ndensity_kg_m3 = "
+    "7850.0\n";
+
 /// The small task with some of the catalogue's motors.
-optimize::Specification small_task(std::size_t step) {
+optimize::Specification small_task(std::size_t step, bool masses = false) {
   std::string text = kSmallTask;
+  if (masses) {
+    text += kMasses;
+    const std::string size = "[size]\n";
+    text.insert(text.find(size) + size.size(), "ring_rim_mm = 2.0\n");
+  }
   text.replace(text.find("LEAST"), 5, sample("32", "28"));
   optimize::Specification spec = io::parse_specification(
       text, std::string(GEAR3K_SOURCE_DIR) + "/examples/actuators/small.toml");
@@ -322,8 +362,7 @@ optimize::Specification with_motor(const optimize::Specification& spec, std::siz
   return own;
 }
 
-TEST(CoDesignSearch, FindsWhatOneSearchForEachToothSetAndMotorFinds) {
-  const optimize::Specification spec = small_task(sample<std::size_t>(45, 15));
+void expect_the_best_of_each_set_and_motor(const optimize::Specification& spec) {
   optimize::Progress progress;
   const auto result = optimize::optimize(spec, progress, {.best_only = true});
   ASSERT_TRUE(result.best && result.certificate);
@@ -345,6 +384,14 @@ TEST(CoDesignSearch, FindsWhatOneSearchForEachToothSetAndMotorFinds) {
   // A stride may give back more than it takes.
   EXPECT_NEAR(found, least, 1e-6 * std::abs(least));
   EXPECT_LE(-result.certificate->global_bound, least + 1e-9 * std::abs(least));
+}
+
+TEST(CoDesignSearch, FindsWhatOneSearchForEachToothSetAndMotorFinds) {
+  expect_the_best_of_each_set_and_motor(small_task(sample<std::size_t>(45, 15)));
+}
+
+TEST(CoDesignSearch, WithTheInertiaOfTheGearsFindsWhatOneSearchForEachToothSetAndMotorFinds) {
+  expect_the_best_of_each_set_and_motor(small_task(sample<std::size_t>(45, 15), true));
 }
 
 /// A feasible design drawn between a set's optimum and a place anywhere in its box.
@@ -375,8 +422,8 @@ std::optional<optimize::RefinedSet> random_design(DeterministicRandom& random,
   return std::nullopt;
 }
 
-TEST(CoDesignSearch, NoRandomDesignWithAnyMotorNeedsLessThanTheBound) {
-  const optimize::Specification spec = small_task(sample<std::size_t>(45, 15));
+/// @param within  how near the least energy of all comes to the bound, over its size
+void expect_no_random_design_below_the_bound(const optimize::Specification& spec, double within) {
   const SelectionTask& task = actuator::co_design_of(spec.cycle_energy.get())->task();
   optimize::Progress progress;
   const auto best = optimize::optimize(spec, progress, {.best_only = true});
@@ -402,7 +449,7 @@ TEST(CoDesignSearch, NoRandomDesignWithAnyMotorNeedsLessThanTheBound) {
     a.train = std::make_shared<const actuator::DesignTrain>(design_of(spec, *set));
     a.gearbox.ratio = a.train->ratio();
     const std::size_t chosen =
-        n % 2 == 0 ? spec.cycle_energy->at(a.gearbox.ratio, set->eta_f, set->eta_b).motor
+        n % 2 == 0 ? spec.cycle_energy->at({a.gearbox.ratio, set->eta_f, set->eta_b}).motor
                    : random.index(task.motors.size());
     a.motor = task.motors[chosen].motor;
     const actuator::DutyCycle d = actuator::run_cycle(a, task.cycles.front());
@@ -414,7 +461,78 @@ TEST(CoDesignSearch, NoRandomDesignWithAnyMotorNeedsLessThanTheBound) {
     nearest = std::min(nearest, d.drawn_J - d.regenerated_J);
   }
   EXPECT_GT(judged, designs / 4);
-  EXPECT_LT(nearest, bound + 0.2 * std::abs(bound));
+  EXPECT_LT(nearest, bound + within * std::abs(bound));
+}
+
+TEST(CoDesignSearch, NoRandomDesignWithAnyMotorNeedsLessThanTheBound) {
+  expect_no_random_design_below_the_bound(small_task(sample<std::size_t>(45, 15)), 0.2);
+}
+
+TEST(CoDesignSearch, NoRandomDesignWithInertiaNeedsLessThanTheBound) {
+  expect_no_random_design_below_the_bound(small_task(sample<std::size_t>(45, 15), true), 0.5);
+}
+
+TEST(EnergyBox, HoldsTheInertiaOfRandomDesignsAsTheMotorFeelsIt) {
+  const optimize::Specification spec = small_task(45, true);
+  optimize::Progress progress;
+  const auto all = optimize::optimize(spec, progress);
+  std::vector<const optimize::RefinedSet*> optima;
+  for (const optimize::RefinedSet& set : all.refined) {
+    if (set.status == optimize::Status::kOptimal) optima.push_back(&set);
+  }
+  ASSERT_FALSE(optima.empty());
+  DeterministicRandom random(8);
+  int mixed = 0;
+  for (std::size_t n = 0, designs = 0; designs < sample<std::size_t>(30, 2000); ++n) {
+    ASSERT_LT(n, 40000U);
+    const auto& optimum = *optima[random.index(optima.size())];
+    const auto set = random_design(random, spec, optimum);
+    if (!set) continue;
+    ++designs;
+    const auto& z = set->candidate.teeth;
+    const optimize::EnergyBox box = optimize::energy_box(spec, z, set->candidate.planets, 1.0, 1.0);
+    ASSERT_TRUE(box.known);
+    actuator::Actuator a;
+    a.train = std::make_shared<const actuator::DesignTrain>(design_of(spec, *set));
+    a.gearbox.ratio = a.train->ratio();
+    const double inertia = a.train->inertia_kgm2();
+    EXPECT_GE(inertia, box.least_inertia_kgm2);
+    EXPECT_LE(inertia, box.most_inertia_kgm2);
+    const auto gear = actuator::gear_model(a);
+    for (int k = 0; k < 20; ++k) {
+      actuator::OutputMotion motion{.speed_rad_s = 1.0, .load_Nm = random.between(-1.0, 1.0)};
+      const double still = gear->at(motion).input_Nm;
+      motion.acceleration_rad_s2 =
+          random.between(-1.0, 1.0) * std::pow(10.0, random.between(-1.0, 4.0));
+      const double felt = (gear->at(motion).input_Nm - still) / motion.acceleration_rad_s2;
+      EXPECT_GE(felt, box.inertia_factor[0] * inertia);
+      EXPECT_LE(felt, box.inertia_factor[1] * inertia);
+      if (std::abs(felt / inertia - 1.0) > 1e-3) ++mixed;
+    }
+  }
+  EXPECT_GT(mixed, 10);
+}
+
+TEST(CoDesignSearch, OfADesignWithInertiaIsTheLeastOfItsMotorsCycles) {
+  const optimize::Specification spec = small_task(45, true);
+  optimize::Progress progress;
+  const auto result = optimize::optimize(spec, progress, {.best_only = true});
+  ASSERT_TRUE(result.best && result.best->cycle_energy_J);
+  const auto& co_design = *actuator::co_design_of(spec.cycle_energy.get());
+  const auto train = std::make_shared<const actuator::DesignTrain>(design_of(spec, *result.best));
+  EXPECT_NEAR(train->inertia_kgm2(), result.best->inertia_kgm2, 1e-12 * result.best->inertia_kgm2);
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < co_design.task().motors.size(); ++k) {
+    const PairResult r = co_design.run(k, train);
+    if (!(r.excess > 0.0)) least = std::min(least, r.energy_J);
+  }
+  EXPECT_EQ(*result.best->cycle_energy_J, least);
+  // The model of the search, with all inertia on the motor's side, is near it.
+  const auto at = co_design.at({.ratio = train->ratio(),
+                                .forward = result.best->eta_f,
+                                .backward = result.best->eta_b,
+                                .inertia_kgm2 = result.best->inertia_kgm2});
+  EXPECT_NEAR(at.energy_J, least, 1e-2 * co_design.scale_j());
 }
 
 TEST(CoDesignSearch, TheGearboxOfEfficienciesIsTheDesign) {
@@ -422,8 +540,8 @@ TEST(CoDesignSearch, TheGearboxOfEfficienciesIsTheDesign) {
   optimize::Progress progress;
   const auto result = optimize::optimize(spec, progress, {.best_only = true});
   ASSERT_TRUE(result.best);
-  const auto at = spec.cycle_energy->at(train::ratio(result.best->candidate.teeth),
-                                        result.best->eta_f, result.best->eta_b);
+  const auto at = spec.cycle_energy->at(
+      {train::ratio(result.best->candidate.teeth), result.best->eta_f, result.best->eta_b});
   const SelectionTask& task = actuator::co_design_of(spec.cycle_energy.get())->task();
   actuator::Actuator a;
   a.train = std::make_shared<const actuator::DesignTrain>(design_of(spec, *result.best));

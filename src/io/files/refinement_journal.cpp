@@ -127,6 +127,8 @@ std::string record_of(const optimize::RefinedSet& s) {
   put(record, number_of(s.torque_capacity_Nm));
   put(record, number_of(s.torsional_stiffness_Nm_rad));
   put(record, s.kkt_residual);
+  put(record, number_of(s.cycle_energy_J));
+  put(record, static_cast<std::uint64_t>(s.motor));
   return record;
 }
 
@@ -144,18 +146,22 @@ bool read_record(std::string_view bytes, optimize::RefinedSet& s) {
     s.blocked_by.push_back(miss_of(code, violation, amount));
   }
   double eta_b_model = 0.0, eta_f_model = 0.0;
-  double torque_capacity_Nm = 0.0, torsional_stiffness_Nm_rad = 0.0;
+  double torque_capacity_Nm = 0.0, torsional_stiffness_Nm_rad = 0.0, cycle_energy_J = 0.0;
+  std::uint64_t motor = 0;
   if (!(fields.get(s.train) && fields.get(s.eta_b) && fields.get(s.eta_f) &&
         fields.get(eta_b_model) && fields.get(eta_f_model) && fields.get(s.lost_motion_rad) &&
         fields.get(s.contact_ratio) && fields.get(s.ring_root_diameter_m) &&
         fields.get(s.mass_kg) && fields.get(s.inertia_kgm2) && fields.get(torque_capacity_Nm) &&
-        fields.get(torsional_stiffness_Nm_rad) && fields.get(s.kkt_residual))) {
+        fields.get(torsional_stiffness_Nm_rad) && fields.get(s.kkt_residual) &&
+        fields.get(cycle_energy_J) && fields.get(motor))) {
     return false;
   }
   s.eta_b_model = optional_of(eta_b_model);
   s.eta_f_model = optional_of(eta_f_model);
   s.torque_capacity_Nm = optional_of(torque_capacity_Nm);
   s.torsional_stiffness_Nm_rad = optional_of(torsional_stiffness_Nm_rad);
+  s.cycle_energy_J = optional_of(cycle_energy_J);
+  s.motor = static_cast<std::size_t>(motor);
   return fields.rest().empty() && static_cast<std::size_t>(s.status) < optimize::kStatusCount;
 }
 
