@@ -86,17 +86,17 @@ Scalar black_box_torque(const BlackBox& box, const Condition& c, const Modificat
   const Scalar temperature = number(stated_or(c.temperature_K, kRoomTemperature_K));
   const double ratio = std::abs(box.ratio);
   const double loss = forward ? 1.0 / box.efficiency_forward - 1.0 : 1.0 - box.efficiency_backward;
-  const Scalar friction = loss * friction_factor(e.friction, load, speed, temperature, forward) +
-                          e.output_bearing_share;
+  const Scalar friction = loss * friction_factor(e.friction, load, speed, temperature, forward);
   using std::exp;
   const auto drag_at = [&](design::ShaftId shaft, double shaft_ratio) {
     const Scalar w = speed / shaft_ratio;
     const auto& drag = e.drag[shaft];
     return Scalar(drag.constant_Nm + drag.viscous_Nms * w + drag.quadratic_Nms2 * w * w);
   };
-  // What the output's drag takes has gone through the gears, or does not reach them.
+  // What drag and bearing of the output take has gone through the gears, or does not reach them.
+  const Scalar at_output = drag_at(design::kOutputShaft, ratio) + e.output_bearing_share * load;
   const double sign = forward ? 1.0 : -1.0;
-  const Scalar through = (load + sign * drag_at(design::kOutputShaft, ratio)) / ratio;
+  const Scalar through = (load + sign * at_output) / ratio;
   return through * (1.0 + sign * friction) + sign * drag_at(design::kSunShaft, 1.0);
 }
 

@@ -281,8 +281,8 @@ Fit with_named_starts(const Problem& problem, const std::vector<Candidate>& all,
     const Hypothesis rest = without(h, e);
     const double none = fit(problem, rest, scale).sum_of_squares;
     const double alone = fit(problem, with(rest, constant), scale).sum_of_squares;
-    constexpr double kMostOfIt = 0.5;
-    if (!(none - alone > kMostOfIt * (none - found.sum_of_squares))) continue;
+    constexpr double kLargePart = 0.5;
+    if (!(none - alone > kLargePart * (none - found.sum_of_squares))) continue;
     Fit trial = fit(problem, *named, scale);
     constexpr double kAsGood = 3.0;
     if (score_of(problem, trial, scale) > score_of(problem, found, scale) - kAsGood) {

@@ -207,11 +207,15 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
       result.effects.push_back(judge_effect(judge, result, e));
     }
     take_better_names(judge, all, result);
-    // A name has to pay for its parameters.
+    // A name has to pay for its parameters; beside another one its evidence has to be strong, for a
+    // law of slightly another shape than the true one leaves what a second cause takes up.
+    constexpr double kStrong = 10.0;
+    const double least_gain = result.effects.size() > 1 ? kStrong : 0.0;
     const auto weakest = std::ranges::min_element(result.effects, {}, &FoundEffect::delta_bic);
-    if (weakest == result.effects.end() || weakest->delta_bic > 0.0) break;
+    if (weakest == result.effects.end() || weakest->delta_bic > least_gain) break;
     const auto effect = static_cast<std::size_t>(weakest - result.effects.begin());
-    result.fit = fit(problem, without(result.fit.hypothesis, effect), scale);
+    result.fit = with_free_shapes(
+        problem, all, fit(problem, without(result.fit.hypothesis, effect), scale), scale);
   }
   result.scale = std::sqrt(judge.variance());
   return result;

@@ -583,6 +583,11 @@ TEST(OnABlackBox, FrictionIsThatOfItsEfficiencies) {
   const Hypothesis seal = one("drag_constant", {.name = "output", .body = "output"}, {1.5});
   EXPECT_NEAR(simulated(simulation, f, seal), 21.5 / (5967.0 / 62.0) / 0.85, kRounding);
   EXPECT_NEAR(simulated(simulation, b, seal), 18.5 / (5967.0 / 62.0) * 0.8, kRounding);
+  // What a bearing at the output takes is a share of the load that the gears carry more or less.
+  const Hypothesis bearing =
+      one("bearing_load", {.name = "output_bearing", .body = "output"}, {0.02});
+  EXPECT_NEAR(simulated(simulation, f, bearing), lossless * 1.02 / 0.85, kRounding);
+  EXPECT_NEAR(simulated(simulation, b, bearing), lossless * 0.98 * 0.8, kRounding);
 }
 
 // Lost motion
