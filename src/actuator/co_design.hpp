@@ -94,8 +94,8 @@ class CoDesign final : public optimize::CycleEnergy {
   };
   /// The least h forward and the most backward, or one value of each.
   struct Box {
-    double forward, backward;
-    bool exact;
+    double forward = 1.0, backward = 1.0;
+    bool exact = false;
     double inertia_kgm2 = 0.0;  ///< J1 has it
     double spread_kgm2 = 0.0;   ///< by which γ may differ from it
   };

@@ -77,9 +77,8 @@ T cycle_energy(const CycleEnergy& energy, const EnergyGearboxOf<T>& g) {
       energy.at({.ratio = g.ratio, .forward = eta_f, .backward = eta_b, .inertia_kgm2 = inertia});
   const T by_forward = 1.0 / g.forward - 1.0 / eta_f;
   const T by_backward = g.backward - eta_b;
-  const T losses = by_forward * (at.slope[0] + by_forward * (0.5 * at.curvature[0])) +
-                   by_backward * (at.slope[1] + by_backward * (0.5 * at.curvature[1])) +
-                   at.energy_J;
+  T losses = by_forward * (at.slope[0] + by_forward * (0.5 * at.curvature[0])) +
+             by_backward * (at.slope[1] + by_backward * (0.5 * at.curvature[1])) + at.energy_J;
   if (inertia == 0.0) return losses;
   const T more = g.inertia_kgm2 - inertia;
   return losses + more * (at.inertia_slope + more * (0.5 * at.inertia_curvature) +
