@@ -7,6 +7,7 @@
 #include "actuator/chain.hpp"
 #include "calibrate/dynamic/motion_readings.hpp"
 #include "calibrate/dynamic/windup.hpp"
+#include "io/files/actuator_file.hpp"
 #include "io/text/diagnostics.hpp"
 #include "numerics/square.hpp"
 
@@ -82,6 +83,42 @@ void refuse_unfit(const std::vector<MotionWindow>& windows, const DriveParameter
   }
 }
 
+/// The stated actuator with what the logs have found.
+actuator::Actuator found_actuator(const actuator::Actuator& stated,
+                                  const calibrate::MotionDiagnosis& d) {
+  actuator::Actuator a = stated;
+  const DriveParameters& f = d.drive;
+  const double i = a.gearbox.ratio;
+  // What is found is of both inertias of the fast side; the rotor takes it as far as it goes.
+  const double fast = f.motor_inertia_kgm2 / (i * i);
+  a.motor.rotor_inertia_kgm2 = std::max(0.0, fast - a.gearbox.input_inertia_kgm2);
+  a.gearbox.input_inertia_kgm2 = std::max(0.0, fast - a.motor.rotor_inertia_kgm2);
+  a.motor.viscous_Nms = std::max(0.0, f.motor_viscous_Nms / (i * i));
+  const double motor_rest = a.motor.static_Nm - a.motor.coulomb_Nm;
+  a.motor.coulomb_Nm = std::max(0.0, f.motor_coulomb_Nm / std::abs(i));
+  a.motor.static_Nm = a.motor.coulomb_Nm + motor_rest;
+  a.motor.torque_constant_Nm_A *= f.torque_gain;
+  a.gearbox.output_inertia_kgm2 = std::max(0.0, f.output_inertia_kgm2);
+  a.gearbox.viscous_Nms = std::max(0.0, f.output_viscous_Nms);
+  const double output_rest = a.gearbox.static_Nm - a.gearbox.coulomb_Nm;
+  a.gearbox.coulomb_Nm = std::max(0.0, f.output_coulomb_Nm);
+  a.gearbox.static_Nm = a.gearbox.coulomb_Nm + output_rest;
+  a.gearbox.efficiency_forward = std::min(1.0, f.efficiency_forward);
+  a.gearbox.efficiency_backward = std::min(1.0, f.efficiency_backward);
+  for (const calibrate::MotionEffect& e : d.effects) {
+    if (e.cause == calibrate::kClearanceChange) {
+      a.gearbox.backlash_rad =
+          std::max(0.0, a.gearbox.backlash_rad.value_or(0.0) + e.estimate.value);
+    } else if (e.cause == calibrate::kComplianceChange) {
+      const double before = a.gearbox.stiffness_Nm_rad ? 1.0 / *a.gearbox.stiffness_Nm_rad : 0.0;
+      const double compliance = before + e.estimate.value;
+      a.gearbox.stiffness_Nm_rad =
+          compliance > 0.0 ? std::optional(1.0 / compliance) : std::nullopt;
+    }
+  }
+  return a;
+}
+
 }  // namespace
 
 report::MotionDiagnosisResult diagnose_motion(const DiagnoseMotionRequest& request) {
@@ -137,6 +174,9 @@ report::MotionDiagnosisResult diagnose_motion(const DiagnoseMotionRequest& reque
   }
   result.readings = calibrate::motion_readings(record, result.diagnosis.drive,
                                                result.diagnosis.rows, chain.ratio);
+  result.model = fmt::format("# {} with what gear3k diagnose found in {}\n{}",
+                             a.name.empty() ? std::string("actuator") : a.name, files,
+                             io::actuator_text(found_actuator(a, result.diagnosis)));
   auto& notes = result.diagnosis.notes;
   notes.insert(notes.begin(), record.notes.begin(), record.notes.end());
   return result;

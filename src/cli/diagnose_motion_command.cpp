@@ -48,7 +48,7 @@ ExitCode run_diagnose_motion(const DiagnoseOptions& options) {
   if (!options.out.empty()) {
     ResultFolderTask task{.path = options.out,
                           .inputs = options.data,
-                          .files = {"diagnosis.json", "residuals.csv"},
+                          .files = {"diagnosis.json", "model.toml", "residuals.csv"},
                           .quiet = options.quiet};
     task.inputs.push_back(options.file);
     folder.emplace(std::move(task));
@@ -58,8 +58,9 @@ ExitCode run_diagnose_motion(const DiagnoseOptions& options) {
   const std::string csv = report::motion_window_csv(result);
   std::vector<std::string> written;
   if (folder) {
-    written = folder->write(
-        {{.path = "diagnosis.json", .text = json}, {.path = "residuals.csv", .text = csv}});
+    written = folder->write({{.path = "diagnosis.json", .text = json},
+                             {.path = "model.toml", .text = result.model},
+                             {.path = "residuals.csv", .text = csv}});
   }
   switch (options.format) {
     case Format::kJson:

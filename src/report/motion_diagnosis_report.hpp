@@ -15,6 +15,7 @@ struct MotionDiagnosisResult {
   std::vector<std::string> files;
   calibrate::MotionDiagnosis diagnosis;
   calibrate::MotionReadings readings{};
+  std::string model{};  ///< an ACTUATOR file with what was found
 };
 
 std::string motion_diagnosis_json(const MotionDiagnosisResult& result);

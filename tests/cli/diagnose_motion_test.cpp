@@ -81,6 +81,13 @@ TEST(DiagnoseMotion, NamesTheLossesThatTheLogWasMadeWith) {
   const std::size_t windows = data.at("windows").at("forward").get<std::size_t>() +
                               data.at("windows").at("backward").get<std::size_t>();
   EXPECT_EQ(lines_of(place.read("out/residuals.csv")).size(), windows + 1);
+  // With the model nothing is left to be found, and it is an actuator like any other.
+  const ProgramResult again =
+      place.run({"diagnose", "out/model.toml", "m.csv", "--format", "json"});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(json::parse(again.out).at("verdict"), "no_discrepancy");
+  const ProgramResult actuator = place.run({"actuator", "out/model.toml"});
+  EXPECT_EQ(actuator.exit_code, 0) << actuator.err;
 }
 
 /// The log without some of its rows.
@@ -240,6 +247,11 @@ TEST(DiagnoseMotion, LogsOfBothSidesShowPlayAndCompliance) {
   EXPECT_GT(data.at("reversals").at("of_sense").get<int>(), 5);
   EXPECT_TRUE(data.at("run_downs").at("drag").is_array());
   EXPECT_GT(data.at("ripple").at("highest_order").get<double>(), 10.0);
+  const ProgramResult written = place.run({"diagnose", "a.toml", "b.csv", "--out", "out"});
+  ASSERT_EQ(written.exit_code, 0) << written.err;
+  const ProgramResult again =
+      place.run({"diagnose", "out/model.toml", "b.csv", "--format", "json"});
+  EXPECT_EQ(json::parse(again.out).at("verdict"), "no_discrepancy") << again.out;
   // Turned the other way round it is refused.
   place.write("r.csv", with_both_angles(log, 11.0 * arcmin, 2e-4, -1.0));
   const ProgramResult reversed = place.run({"diagnose", "a.toml", "r.csv"});

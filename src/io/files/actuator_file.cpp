@@ -102,18 +102,36 @@ actuator::Actuator parse_actuator(const std::string& text, const std::string& na
   return actuator_from(parse_toml(text, name), name);
 }
 
+namespace {
+
+/// All but the gearbox.
+ActuatorInput input_of(const actuator::Actuator& actuator) {
+  return {.name = actuator.name,
+          .motor = {.motor = actuator.motor,
+                    .no_load_current_A = std::nullopt,
+                    .no_load_speed_rad_s = std::nullopt,
+                    .static_Nm = actuator.motor.static_Nm,
+                    .thermal_resistance_K_W = std::nullopt},
+          .gearbox = {},
+          .drive = actuator.drive,
+          .load_inertia_kgm2 = actuator.load_inertia_kgm2,
+          .felt = actuator.felt,
+          .backlash_rad = std::nullopt};
+}
+
+}  // namespace
+
+std::string actuator_text(const actuator::Actuator& actuator) {
+  ActuatorInput input = input_of(actuator);
+  input.gearbox.gearbox = actuator.gearbox;
+  input.gearbox.coulomb_Nm = actuator.gearbox.coulomb_Nm;
+  input.gearbox.backdriving_Nm = actuator.gearbox.static_Nm;
+  input.backlash_rad = actuator.gearbox.backlash_rad;
+  return text_by_schema(actuator_schema(), input);
+}
+
 std::string actuator_text(const actuator::Actuator& actuator, const std::string& design) {
-  ActuatorInput input{.name = actuator.name,
-                      .motor = {.motor = actuator.motor,
-                                .no_load_current_A = std::nullopt,
-                                .no_load_speed_rad_s = std::nullopt,
-                                .static_Nm = actuator.motor.static_Nm,
-                                .thermal_resistance_K_W = std::nullopt},
-                      .gearbox = {},
-                      .drive = actuator.drive,
-                      .load_inertia_kgm2 = actuator.load_inertia_kgm2,
-                      .felt = actuator.felt,
-                      .backlash_rad = std::nullopt};
+  ActuatorInput input = input_of(actuator);
   input.gearbox.design = design;
   return text_by_schema(actuator_schema(), input);
 }

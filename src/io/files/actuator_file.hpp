@@ -16,6 +16,8 @@ actuator::Actuator parse_actuator(const std::string& text, const std::string& na
 /// The file of an actuator whose gearbox is a DESIGN file.
 /// @param design  its path as seen from the file
 std::string actuator_text(const actuator::Actuator& actuator, const std::string& design);
+/// The file of an actuator with catalogue values, play included.
+std::string actuator_text(const actuator::Actuator& actuator);
 
 /// Table of the keys, in Markdown.
 std::string actuator_key_table();
