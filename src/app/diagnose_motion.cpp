@@ -84,8 +84,7 @@ void refuse_unfit(const std::vector<MotionWindow>& windows, const DriveParameter
 }
 
 /// The stated actuator with what the logs have found.
-actuator::Actuator found_actuator(const actuator::Actuator& stated,
-                                  const calibrate::MotionDiagnosis& d) {
+actuator::Actuator found_actuator(const actuator::Actuator& stated, const MotionDiagnosis& d) {
   actuator::Actuator a = stated;
   const DriveParameters& f = d.drive;
   const double i = a.gearbox.ratio;

@@ -62,7 +62,8 @@ T objective_value(Objective objective, const Specification& spec,
                   const train::TrainGeometry<T>& train,
                   const std::array<T, train::kMeshCount>& normal_backlash_m, int branch = 0);
 
-/// What the limits of spec.felt see of a train; its gears' inertia where masses are known.
+/// What the limits of spec.felt see of a train; its gears' inertia where masses and a rim of the
+/// rings are stated.
 template <class T>
 FeltGearbox<T> felt_gearbox(const ObjectiveInput<T>& input);
 

@@ -186,6 +186,7 @@ TEST(FeltLimits, BoundsLoseNothingAndRandomDesignsAreNoBetter) {
 TEST(FeltLimits, WithGearsOfMassTheirInertiaCounts) {
   Specification spec = small_task();
   spec.bodies.density_kgm3 = 7800.0;
+  spec.bodies.ring_rim_m = 3e-3;
   spec.bodies.face_width_m = {8e-3, 8e-3};
   spec.teeth.S = {.min = 15, .max = 15};
   spec.teeth.P1 = {.min = 30, .max = 30};

@@ -200,6 +200,7 @@ std::optional<WindupDiagnosis> diagnose_windup(const std::vector<MotionWindow>& 
   const double nuisances = rows.drifts ? 2.0 : 1.0;
   const auto with = [&](const std::vector<Index>& causes_free) {
     std::vector<Index> free;
+    free.reserve(kWindupColumns);
     for (const Index cause : causes_free) free.push_back(cause);
     free.push_back(kDelay);
     if (rows.drifts) free.push_back(kDrift);
