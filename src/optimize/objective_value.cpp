@@ -200,9 +200,7 @@ FeltGearbox<T> felt_gearbox(const ObjectiveInput<T>& input) {
   FeltGearbox<T> felt{.ratio = train::ratio(t.teeth),
                       .forward = efficiency::forward_efficiency(t.teeth, forward),
                       .backward = efficiency::backward_efficiency(t.teeth, backward)};
-  // Without a rim the design that is found does not say how heavy its output ring is.
-  const bool known = knows_masses(spec) && spec.bodies.ring_rim_m > 0.0;
-  if (!known || !(value_of(felt.backward) > 0.0)) return felt;
+  if (!knows_inertia(spec) || !(value_of(felt.backward) > 0.0)) return felt;
   auto moving = inertial_train<T>(gear_bodies(spec, input.face_width_m, t.gears), t.teeth,
                                   t.planets, t.center_distance_m);
   moving.bodies.sun_kgm2 = moving.bodies.sun_kgm2 + spec.felt->rotor_inertia_kgm2;
