@@ -380,7 +380,8 @@ class SetSearch {
   /// @returns false when the search was stopped
   [[nodiscard]] bool search(const RefinementProblem& problem, const SetBound& bound) {
     if (choices_.size() > 1) {
-      return is_of_load(problem.objective) ? try_every_cutter(problem, bound)
+      BestEnd best;
+      return is_of_load(problem.objective) ? try_every_cutter(problem, bound, best)
                                            : choose_cutters(problem, bound);
     }
     const std::optional<BestEnd> local = best_of_starts(problem, bound, stop_);
@@ -410,13 +411,19 @@ class SetSearch {
     }
   }
 
-  bool try_every_cutter(const RefinementProblem& problem, const SetBound& bound) {
+  /// The best end of any cutter, offered to the grid by itself.
+  void take(const BestEnd& end, BestEnd& best) {
+    if (end.problem) best.offer(*end.problem, end.outcome);
+    take(end);
+  }
+
+  bool try_every_cutter(const RefinementProblem& problem, const SetBound& bound, BestEnd& best) {
     RefinementProblem own = problem;
     for (const auto& choice : choices_) {
       own.cutter_teeth = choice;
       const std::optional<BestEnd> local = best_of_starts(own, bound, stop_);
       if (!local) return false;
-      take(*local);
+      take(*local, best);
     }
     return true;
   }
@@ -440,19 +447,28 @@ class SetSearch {
       chosen.back().violation = outcome_at(chosen.back().problem, any->outcome.v).violation;
     }
     std::ranges::stable_sort(chosen, {}, &Chosen::violation);
-    bool proven = false;
+    BestEnd best;
+    const bool proven = chosen.front().violation <= design::kFeasibilityTolerance;
     for (const Chosen& own : chosen) {
       if (stop_.load(std::memory_order_relaxed)) return false;
-      if (best_.found && !(any->outcome.objective < best_.outcome.objective)) return true;
+      if (best_.found && !(any->outcome.objective < best_.outcome.objective)) break;
       const bool as_it_is = own.violation <= design::kFeasibilityTolerance;
       BestEnd end;
       end.offer(own.problem, as_it_is ? outcome_at(own.problem, any->outcome.v)
                                       : best_within(own.problem, any->outcome.v));
-      proven = proven || as_it_is;
-      take(end);
+      take(end, best);
+    }
+    if (!best.problem) return true;  // other modules have a better design
+    if (proven) {
+      // What no cutter has a say in is a local optimum: it bounds them all as far as the starts of
+      // one of them do not lead farther.
+      const std::optional<BestEnd> own = best_of_starts(chosen.front().problem, bound, stop_);
+      if (!own) return false;
+      take(*own, best);
+      if (!(best.outcome.objective < any->outcome.objective - kAlike)) return true;
     }
     // What goes on from the end of any cutter may stay in a worse basin.
-    return proven || try_every_cutter(problem, bound);
+    return try_every_cutter(problem, bound, best);
   }
 
   const Specification& spec_;
