@@ -194,6 +194,9 @@ Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks,
                       optimize::Progress& progress) {
   if (!task.unreachable.empty()) throw std::invalid_argument(task.unreachable);
   Optimization outcome;
+  progress.front_objectives = task.spec.objectives.size() > 1 ? task.spec.objectives.size() : 0;
+  progress.front_designs = static_cast<std::size_t>(task.spec.pareto_points);
+  progress.rounding = task.round;
   if (task.spec.robust.hold != optimize::Hold::kNominal) {
     outcome.robust = hold_for_built(task, progress);
     outcome.interrupted = progress.stop;
@@ -213,9 +216,11 @@ Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks,
   }
   if (task.spec.objectives.size() > 1 && !outcome.result.interrupted) {
     const auto steps = hooks.front_steps ? hooks.front_steps() : std::vector<optimize::FrontStep>();
-    outcome.front = optimize::search_pareto_front(
-        task.spec, progress,
-        {.known = outcome.result.refined, .steps = steps, .on_step = hooks.on_front_step});
+    outcome.front = optimize::search_pareto_front(task.spec, progress,
+                                                  {.known = outcome.result.refined,
+                                                   .steps = steps,
+                                                   .on_step = hooks.on_front_step,
+                                                   .searched = &outcome.result});
   }
   outcome.interrupted = outcome.result.interrupted || (outcome.front && outcome.front->interrupted);
   if (outcome.result.best) {

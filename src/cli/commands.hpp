@@ -68,11 +68,12 @@ struct SearchOptions : CommonOptions {
 struct OptimizeOptions : CommonOptions {
   ShowOptions show;
   std::string file;
-  std::string model;     ///< MODEL.toml; "" = none
-  bool certify = false;  ///< refine only what can still win, and prove that nothing else can
-  bool round = false;    ///< the best design of what is made, too
-  bool resume = false;   ///< go on with the journal of an interrupted run
-  bool force = false;    ///< replace the result of an earlier run
+  std::string model;            ///< MODEL.toml; "" = none
+  bool certify = false;         ///< refine only what can still win, and prove that nothing else can
+  bool round = false;           ///< the best design of what is made, too
+  bool resume = false;          ///< go on with the journal of an interrupted run
+  bool force = false;           ///< replace the result of an earlier run
+  double front_budget_s = 0.0;  ///< for the search of a front; 0: as long as it takes
 };
 
 struct ReproduceOptions : CommonOptions {

@@ -366,6 +366,10 @@ int run_program(int argc, char** argv) {
   optimize_command->add_flag(
       "--round", optimize.round,
       "write the best design rounded to the steps of [round] too, as best_rounded.toml");
+  optimize_command
+      ->add_option("--front-budget", optimize.front_budget_s,
+                   "seconds after which the front of a list of objectives is left as it is")
+      ->check(CLI::Range(0.001, 1e7));
   optimize_command->add_flag("--resume", optimize.resume,
                              "go on with the run in --out that was interrupted or killed");
   optimize_command->add_flag("--force", optimize.force,

@@ -124,8 +124,8 @@ class RunJournal {
   std::optional<io::JournalWriter> writer_;
 };
 
-/// The searches of a front on disk: a record each, by rising number; of one that found nothing the
-/// record is no optimum.
+/// The searches of a front on disk by rising number: the sets that each refined, with twice its
+/// number, and what it found, with the odd one after it; where it found nothing that is no optimum.
 class FrontJournal {
  public:
   FrontJournal(const ResultFolder& folder, std::uint64_t fingerprint,
@@ -134,19 +134,29 @@ class FrontJournal {
 
   std::vector<optimize::FrontStep> open() {
     std::vector<optimize::FrontStep> steps;
+    optimize::FrontStep step;
     for (optimize::RefinedSet& set : journal_.open()) {
-      if (set.index != steps.size()) break;
-      steps.push_back(set.status == optimize::Status::kOptimal ? optimize::FrontStep(std::move(set))
-                                                               : std::nullopt);
+      if (set.index == 2 * steps.size()) {
+        step.refined.push_back(std::move(set));
+      } else if (set.index == 2 * steps.size() + 1) {
+        if (set.status == optimize::Status::kOptimal) step.best = std::move(set);
+        steps.push_back(std::exchange(step, {}));
+      } else {
+        break;
+      }
     }
     steps_ = steps.size();
     return steps;
   }
   void append(const optimize::FrontStep& step) {
-    optimize::RefinedSet record = step.value_or(optimize::RefinedSet{});
-    if (!step) record.status = optimize::Status::kInfeasible;
-    record.index = static_cast<std::uint32_t>(steps_++);
-    journal_.append({&record, 1});
+    std::vector<optimize::RefinedSet> records = step.refined;
+    for (optimize::RefinedSet& record : records)
+      record.index = static_cast<std::uint32_t>(2 * steps_);
+    records.push_back(step.best.value_or(optimize::RefinedSet{}));
+    if (!step.best) records.back().status = optimize::Status::kInfeasible;
+    records.back().index = static_cast<std::uint32_t>(2 * steps_ + 1);
+    ++steps_;
+    journal_.append(records);
   }
   void remove() { journal_.remove(); }
 
@@ -170,7 +180,8 @@ OptimizeRun run(app::OptimizeTask& task, RunJournal& journal, FrontJournal& fron
   double wall_time_s = 0.0;
   {
     optimize::Progress progress;
-    const ProgressDisplay display(progress, options.quiet);
+    const ProgressDisplay display(progress, options.quiet, ProgressDisplay::Counts::kOfPhase,
+                                  options.front_budget_s);
     run.outcome = app::optimize(
         task,
         {.known = [&] { return journal.open(); },
@@ -353,6 +364,12 @@ ExitCode run_optimize(const OptimizeOptions& options) {
                        .others = {kJournalName, kFrontJournalName},
                        .figures = {kFrontFigure},
                        .quiet = options.quiet});
+  if (options.front_budget_s > 0.0 && task.spec.objectives.size() < 2) {
+    throw io::InvalidInput(fmt::format(
+        "--front-budget {:g}: {} has one objective and so no front; allowed: with a list of "
+        "objectives",
+        options.front_budget_s, options.file));
+  }
   refuse_earlier_result(folder, options);
   warn(task.model_notes, options.quiet);
   folder.open();
@@ -382,6 +399,12 @@ ExitCode run_optimize(const OptimizeOptions& options) {
         fmt::format("interrupted: {} holds the {} tooth sets that were refined; --resume goes on "
                     "with {}\n",
                     options.out, outcome.result.refined.size(), open));
+  } else if (outcome.front && outcome.front->ended == optimize::ParetoFront::Ended::kBudget) {
+    if (!options.quiet) {
+      say(fmt::format("the front's {:g} s were spent with {} of {} designs; --resume goes on\n",
+                      options.front_budget_s, outcome.front->points.size(),
+                      task.spec.pareto_points));
+    }
   } else {
     journal.remove();
     front.remove();
@@ -403,7 +426,8 @@ ExitCode run_optimize(const OptimizeOptions& options) {
   }
   if (outcome.interrupted) return kInterrupted;
   if (outcome.rounding && !outcome.rounded) {
-    say(fmt::format("{}: {}\n", options.file, report::rounding_blocked_text(*outcome.rounding)));
+    say(fmt::format("{}: {}\n", options.file,
+                    report::rounding_blocked_text(task.spec, *outcome.rounding)));
     return kNoFeasibleDesign;
   }
   return kDone;

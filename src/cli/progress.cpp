@@ -9,11 +9,12 @@
 #include <condition_variable>
 #include <csignal>
 #include <mutex>
+#include <optional>
 #include <string_view>
 
 #include "cli/exit_code.hpp"
 #include "cli/talk.hpp"
-#include "optimize/work_rate.hpp"
+#include "optimize/run_forecast.hpp"
 
 namespace gear3k::cli {
 
@@ -56,95 +57,72 @@ struct ProgressDisplay::State {
   Clock::time_point start = Clock::now();
   bool terminal = ::isatty(STDERR_FILENO) != 0;
   bool bar_shown = false;
-  optimize::Progress::Phase shown_phase = optimize::Progress::Phase::kSearch;
-  optimize::WorkRate rate;  ///< of the phase
-  optimize::Progress::Stage shown_stage = optimize::Progress::Stage::kOne;
-  Clock::time_point stage_start = start, search_start = start;
-  std::size_t shown_searches = 0;
-  std::size_t shown_done = 0;
+  bool shown = true;
+  double front_budget_s = 0.0;
+  std::optional<double> front_began_s;
+  optimize::RunForecast forecast;
   std::mutex mutex;
   std::condition_variable wake;
   bool done = false;
   std::thread thread;
 
-  State(optimize::Progress& p, Counts c) : progress(p), counts(c) { rate.restart(0.0, 0); }
+  State(optimize::Progress& p, Counts c) : progress(p), counts(c) {}
 
   [[nodiscard]] double elapsed_s() const {
     return std::chrono::duration<double>(Clock::now() - start).count();
   }
 
-  /// What is left of a stage of several searches: the rest of the one that runs, by how many of
-  /// its tooth sets are done, and the others at the mean of those that were begun.
-  [[nodiscard]] std::string stage_left(std::size_t finished, std::size_t total) {
-    const std::size_t begun = progress.searches.load();
-    const Clock::time_point now = Clock::now();
-    if (begun != shown_searches) {
-      shown_searches = begun;
-      search_start = now;
+  /// What the searches of a run are for; "" where there is one.
+  static std::string of_stage(const optimize::ProgressSeen& seen) {
+    using Stage = optimize::Progress::Stage;
+    const std::size_t total = seen.stage_total;
+    const std::size_t finished = std::min(seen.stage_done, total);
+    switch (seen.stage) {
+      case Stage::kOne:
+        break;
+      case Stage::kFrontGaps:
+        return fmt::format("front, {} of {} designs in its gaps", finished, total);
+      case Stage::kFrontEnds:
+      case Stage::kBeyond:
+        return fmt::format(
+            "{}, search {} of {}",
+            seen.stage == Stage::kFrontEnds ? "ends of the front" : "beyond ends of ranges",
+            std::min(finished + 1, total), total);
     }
-    const auto seconds = [&](Clock::time_point since) {
-      return std::chrono::duration<double>(now - since).count();
-    };
-    if (begun == 0) return "?";
-    const auto ready = static_cast<double>(progress.done.load());
-    const auto all = static_cast<double>(progress.total.load());
-    const bool refines = progress.phase.load() == optimize::Progress::Phase::kRefinement;
-    const double rest =
-        refines && ready > 0.0 ? seconds(search_start) * (all - ready) / ready : 0.0;
-    const double mean = (seconds(stage_start) + rest) / static_cast<double>(begun);
-    const double each =
-        progress.stage.load() != optimize::Progress::Stage::kFrontGaps
-            ? 1.0
-            : static_cast<double>(begun) / std::max(1.0, static_cast<double>(finished));
-    const double more = std::max(0.0, static_cast<double>(total - finished) * each - 1.0);
-    return clock_text(rest + mean * more);
+    return "";
   }
 
-  /// What the searches of a run are for, with the time that is left; "" where there is one.
-  std::string of_stage() {
-    using Stage = optimize::Progress::Stage;
-    const Stage stage = progress.stage.load();
-    if (stage != shown_stage) {
-      shown_stage = stage;
-      stage_start = Clock::now();
-    }
-    if (stage == Stage::kOne) return "";
-    const std::size_t total = progress.stage_total.load();
-    const std::size_t finished = std::min(progress.stage_done.load(), total);
-    const std::string left = stage_left(finished, total);
-    if (stage == Stage::kFrontGaps) {
-      return fmt::format("front, {} of {} designs in its gaps, {} left", finished, total, left);
-    }
-    return fmt::format("{}, search {} of {}, {} left",
-                       stage == Stage::kFrontEnds ? "ends of the front" : "beyond ends of ranges",
-                       std::min(finished + 1, total), total, left);
+  /// Ends the search of a front when its time is spent.
+  void keep_budget() {
+    using Budget = optimize::Progress::Budget;
+    Budget open = Budget::kOpen;
+    if (progress.front_budget.load() != open) return;
+    if (!front_began_s) front_began_s = elapsed_s();
+    if (elapsed_s() - *front_began_s < front_budget_s) return;
+    if (progress.front_budget.compare_exchange_strong(open, Budget::kSpent)) progress.stop = true;
   }
 
   void show() {
-    const std::size_t total = progress.total.load();
-    const std::size_t finished = progress.done.load();
+    const optimize::ProgressSeen seen = optimize::seen_of(progress);
+    forecast.observe(elapsed_s(), seen);
+    const std::size_t total = seen.total;
+    const std::size_t finished = seen.done;
     if (total == 0) return;
-    // Rates are those of the phase: refinement starts its own clock.
-    if (progress.phase.load() != shown_phase || finished < shown_done) {
-      shown_phase = progress.phase.load();
-      shown_done = finished;
-      rate.restart(elapsed_s(), finished);
-      return;
+    const std::string stage = of_stage(seen);
+    std::optional<double> left = forecast.seconds_left();
+    if (left && front_budget_s > 0.0 && front_began_s && !stage.empty()) {
+      left = std::min(*left, std::max(0.0, front_budget_s - (elapsed_s() - *front_began_s)));
     }
-    shown_done = finished;
-    rate.observe(elapsed_s(), finished);
-    const std::string stage = of_stage();
-    const std::optional<double> left = rate.seconds_left(total);
     const std::string remaining = left ? clock_text(*left) : "?";
     using Phase = optimize::Progress::Phase;
-    const Phase phase = progress.phase.load();
     const auto count_of = [&](const char* what) {
-      return stage.empty() ? fmt::format("{}/{} {}, {:.0f}/s, {} left", finished, total, what,
-                                         rate.per_second().value_or(0.0), remaining)
-                           : fmt::format("{}; {}/{} {}", stage, finished, total, what);
+      return stage.empty()
+                 ? fmt::format("{}/{} {}, {:.0f}/s, {} left", finished, total, what,
+                               forecast.per_second().value_or(0.0), remaining)
+                 : fmt::format("{}, {} left; {}/{} {}", stage, remaining, finished, total, what);
     };
     std::string facts;
-    switch (phase) {
+    switch (seen.phase) {
       case Phase::kSearch:
         facts = count_of("(S, P1) pairs searched");
         break;
@@ -183,18 +161,31 @@ struct ProgressDisplay::State {
 
   void watch() {
     using std::chrono::milliseconds;
-    const auto interval = terminal ? milliseconds(200) : milliseconds(5000);
+    constexpr int kLook_ms = 200;
+    const int every = terminal ? 1 : 25;  // looks between two lines
     std::unique_lock lock(mutex);
-    while (!wake.wait_for(lock, interval, [this] { return done; })) show();
+    for (int n = 1; !wake.wait_for(lock, milliseconds(kLook_ms), [this] { return done; }); ++n) {
+      if (front_budget_s > 0.0) keep_budget();
+      if (!shown) continue;
+      if (n % every == 0) {
+        show();
+      } else {
+        forecast.observe(elapsed_s(), optimize::seen_of(progress));
+      }
+    }
   }
 };
 
-ProgressDisplay::ProgressDisplay(optimize::Progress& progress, bool quiet, Counts counts)
+ProgressDisplay::ProgressDisplay(optimize::Progress& progress, bool quiet, Counts counts,
+                                 double front_budget_s)
     : state_(std::make_unique<State>(progress, counts)) {
+  state_->shown = !quiet;
+  state_->front_budget_s = front_budget_s;
   stop_flag = &progress.stop;
   std::signal(SIGINT, on_interrupt);
   std::signal(SIGTERM, on_interrupt);
-  if (!quiet) state_->thread = std::thread([s = state_.get()] { s->watch(); });
+  if (!quiet || front_budget_s > 0.0)
+    state_->thread = std::thread([s = state_.get()] { s->watch(); });
 }
 
 ProgressDisplay::~ProgressDisplay() {

@@ -23,7 +23,9 @@ class ProgressDisplay {
     kSharesDiagnosed,  ///< done of total is the share of a diagnosis; the phase means nothing
   };
 
-  ProgressDisplay(optimize::Progress& progress, bool quiet, Counts counts = Counts::kOfPhase);
+  /// @param front_budget_s  time after which the search of a front is ended; 0: none
+  ProgressDisplay(optimize::Progress& progress, bool quiet, Counts counts = Counts::kOfPhase,
+                  double front_budget_s = 0.0);
   ~ProgressDisplay();
   ProgressDisplay(const ProgressDisplay&) = delete;
   ProgressDisplay& operator=(const ProgressDisplay&) = delete;

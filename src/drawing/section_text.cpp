@@ -46,9 +46,12 @@ DimensionStrokes strokes_of(const Dimension& d, double height) {
   if (d.along_axis) {
     result.text = {.x_m = middle.x_m, .y_m = middle.y_m + kGap * height};
   } else {
-    // Beside its column, at least as far up as half its length.
+    // Beside its column, at least as far up as half its length; longer than the column, beyond it.
     const double half = 0.31 * height * static_cast<double>(d.text.size());
-    result.text = {.x_m = middle.x_m - kGap * height, .y_m = std::max(middle.y_m, half)};
+    const double top = std::max(from.y_m, to.y_m);
+    const bool beyond = 2.0 * half > std::abs(to.y_m - from.y_m);
+    result.text = {.x_m = middle.x_m - kGap * height,
+                   .y_m = beyond ? top + tick + kGap * height + half : std::max(middle.y_m, half)};
     result.angle_rad = 0.5 * std::numbers::pi;
   }
   return result;

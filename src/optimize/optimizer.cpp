@@ -35,6 +35,30 @@ class Run {
                      : 4.0 * design::kFeasibilityTolerance *
                            objective_scale(first_objective(spec), spec)) {}
 
+  /// Leaves out the sets that are no better than the design to begin with.
+  void screen() {
+    std::vector<Candidate>& all = result_.search.candidates;
+    std::vector<char> open(all.size(), 1);
+    const auto& incumbent = options_.incumbent;
+    const double floor = incumbent ? merit_of(spec_, *incumbent) + no_gain_ : -kInfinity;
+    if (options_.bound_before) {
+      numerics::parallel_for(all.size(), [&](std::size_t k) {
+        const bool own = incumbent && all[k] == incumbent->candidate;
+        open[k] = own || options_.bound_before(all[k]) > floor ? 1 : 0;
+      });
+      std::size_t kept = 0;
+      for (std::size_t k = 0; k < all.size(); ++k) {
+        if (open[k] != 0) all[kept++] = all[k];
+      }
+      all.resize(kept);
+    }
+    if (!incumbent) return;
+    const auto own = std::ranges::find(all, incumbent->candidate);
+    if (own == all.end()) return;
+    result_.best = incumbent;
+    result_.best->index = static_cast<std::uint32_t>(own - all.begin());
+  }
+
   void bound() {
     progress_.total = 0;  // while done and phase change, nothing is known
     progress_.done = 0;
@@ -170,6 +194,9 @@ class Run {
       const auto known = std::ranges::lower_bound(options_.known, k, {}, &RefinedSet::index);
       if (known != options_.known.end() && known->index == k) {
         refined[i] = *known;
+      } else if (auto answer = options_.answer ? options_.answer(result_.search.candidates[k])
+                                               : std::nullopt) {
+        refined[i] = std::move(answer);
       } else {
         const Candidate& candidate = result_.search.candidates[k];
         refined[i] = refiner_.refine(candidate, bounds_->shifts().of(candidate.teeth),
@@ -367,6 +394,7 @@ OptimizeResult optimize(const Specification& spec, Progress& progress,
     return result;
   }
   Run run(spec, progress, options, result);
+  run.screen();
   run.bound();
   if (progress.stop.load()) {
     result.bounds = nullptr;

@@ -28,6 +28,13 @@ struct OptimizeOptions {
   std::vector<RefinedSet> known{};
   /// Called with the sets of a wave, known ones left out, when all of them are done.
   std::function<void(std::span<const RefinedSet>)> on_wave{};
+  /// What is known of a set without refining it; called from many threads.
+  std::function<std::optional<RefinedSet>(const Candidate&)> answer{};
+  /// A design to begin with: only sets that may be better are of interest.
+  std::optional<RefinedSet> incumbent{};
+  /// A bound of merit_of() that is known of a set before its stages are relaxed: those that it
+  /// rules out are left out of the search altogether; called from many threads.
+  std::function<double(const Candidate&)> bound_before{};
 };
 
 /// What the bounds prove of a result, for the specification's model (its search space, its checks

@@ -4,10 +4,12 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <thread>
 #include <utility>
 
 #include "optimize/front_gaps.hpp"
 #include "optimize/objective_value.hpp"
+#include "optimize/set_answers.hpp"
 
 namespace gear3k::optimize {
 
@@ -53,10 +55,16 @@ Specification limited(const Specification& spec, Objective first,
   return task;
 }
 
+double slack_of(const Specification& spec, Objective objective) {
+  return is_efficiency(objective) ? kEfficiencySlack
+                                  : kLimitSlack * std::abs(objective_scale(objective, spec));
+}
+
 class FrontSearch {
  public:
   FrontSearch(const Specification& spec, Progress& progress, const FrontOptions& options)
-      : spec_(spec), progress_(progress), options_(options) {
+      : spec_(spec), progress_(progress), options_(options), answers_(spec, costs_in(spec)) {
+    learn();
     for (const RefinedSet& set : options.known) {
       if (set.status == Status::kOptimal) points_.push_back(point_of(set));
     }
@@ -65,8 +73,11 @@ class FrontSearch {
 
   ParetoFront run() {
     const std::size_t count = spec_.objectives.size();
-    progress_.stage = Progress::Stage::kFrontEnds;
+    progress_.stage_done = 0;
+    progress_.searches = 0;
     progress_.stage_total = count * count;
+    progress_.stage = Progress::Stage::kFrontEnds;
+    progress_.front_budget = Progress::Budget::kOpen;
     const auto anchors = anchor_points();
     if (anchors.size() == count) {
       front_.ideal.resize(count);
@@ -85,8 +96,14 @@ class FrontSearch {
     }
     front_.points = front_of(std::move(points_));
     measure();
-    front_.interrupted = progress_.stop.load();
     progress_.stage = Progress::Stage::kOne;
+    if (progress_.front_budget.exchange(Progress::Budget::kNone) == Progress::Budget::kSpent) {
+      while (!progress_.stop.load()) std::this_thread::yield();
+      progress_.stop = false;
+      front_.ended = ParetoFront::Ended::kBudget;
+    }
+    front_.interrupted = progress_.stop.load();
+    if (front_.interrupted) front_.ended = ParetoFront::Ended::kInterrupted;
     return std::move(front_);
   }
 
@@ -103,20 +120,74 @@ class FrontSearch {
     FrontStep step;
     if (number < options_.steps.size()) {
       step = options_.steps[number];
+      answers_.take(ask_of(first, limits), options_.steps[number].refined);
     } else {
       ++progress_.searches;
       const Specification task = limited(spec_, first, limits);
-      const OptimizeResult result =
-          optimize(task, progress_, {.best_only = true, .certify = false});
+      const OptimizeResult result = optimize(task, progress_, options_of(task, first, limits));
       if (result.interrupted) return std::nullopt;
-      step = result.best;
-      if (step) step->index = static_cast<std::uint32_t>(number);
+      step = {.best = result.best, .refined = std::exchange(fresh_, {})};
+      answers_.keep(ask_of(first, limits), step.refined);
       if (options_.on_step) options_.on_step(step);
     }
     ++front_.searches;
     ++progress_.stage_done;
-    if (!step) return std::nullopt;
-    return point_of(*step);
+    if (!step.best) return std::nullopt;
+    return point_of(*step.best);
+  }
+
+  static SetAnswers::Objectives costs_in(const Specification& spec) {
+    SetAnswers::Objectives costs{.each = spec.objectives, .slack = {}};
+    for (const Objective objective : spec.objectives) {
+      costs.slack.push_back(slack_of(spec, objective));
+    }
+    return costs;
+  }
+
+  [[nodiscard]] CostAsk ask_of(Objective first, const std::vector<ObjectiveLimit>& limits) const {
+    CostAsk ask{.first = 0, .limits = std::vector<double>(spec_.objectives.size(), kInfinity)};
+    for (std::size_t k = 0; k < spec_.objectives.size(); ++k) {
+      if (spec_.objectives[k] == first) ask.first = k;
+      for (const ObjectiveLimit& limit : limits) {
+        if (limit.objective == spec_.objectives[k]) ask.limits[k] = cost(k, limit.value);
+      }
+    }
+    return ask;
+  }
+
+  /// Takes what the search for the first objective alone has of each set.
+  void learn() {
+    if (options_.searched == nullptr) return;
+    const OptimizeResult& searched = *options_.searched;
+    answers_.take(ask_of(spec_.objectives.front(), {}), searched.refined);
+    const auto& candidates = searched.search.candidates;
+    for (std::size_t k = 0; k < candidates.size(); ++k) {
+      open_.emplace_back(candidates[k], static_cast<std::uint32_t>(k));
+    }
+    std::ranges::sort(open_);
+  }
+
+  /// What is known of the sets before a search within limits.
+  [[nodiscard]] OptimizeOptions options_of(const Specification& task, Objective first,
+                                           const std::vector<ObjectiveLimit>& limits) {
+    const CostAsk ask = ask_of(first, limits);
+    OptimizeOptions options{.best_only = true, .certify = false};
+    options.answer = [this, ask](const Candidate& candidate) {
+      return answers_.answer(ask, candidate);
+    };
+    options.on_wave = [this](std::span<const RefinedSet> sets) {
+      fresh_.insert(fresh_.end(), sets.begin(), sets.end());
+    };
+    options.incumbent = answers_.best_within(ask);
+    if (options_.searched != nullptr && options_.searched->bounds) {
+      options.bound_before = [this, &task, ask](const Candidate& candidate) {
+        const auto own = std::ranges::lower_bound(open_, candidate, {}, &Numbered::first);
+        if (own == open_.end() || own->first != candidate) return kInfinity;
+        const SetBound bound = options_.searched->bounds->of(own->second);
+        return bound.infeasible ? -kInfinity : merit_bound(task, bound, candidate);
+      };
+    }
+    return options;
   }
 
   [[nodiscard]] ParetoPoint point_of(const RefinedSet& set) const {
@@ -149,9 +220,8 @@ class FrontSearch {
   }
 
   [[nodiscard]] ObjectiveLimit limit_at(Objective objective, double value) const {
-    const double slack = is_efficiency(objective) ? kEfficiencySlack
-                                                  : kLimitSlack * objective_scale(objective, spec_);
-    return {.objective = objective, .value = value - sense_of(objective) * slack};
+    return {.objective = objective,
+            .value = value - sense_of(objective) * slack_of(spec_, objective)};
   }
 
   /// A value between ideal (0) and reference (1).
@@ -179,9 +249,13 @@ class FrontSearch {
     progress_.stage_total = wanted > points_.size() ? wanted - points_.size() : 0;
     progress_.stage = Progress::Stage::kFrontGaps;
     const std::size_t at_first = points_.size();
-    while (points_.size() < wanted && front_.searches < most) {
+    front_.ended = ParetoFront::Ended::kDesigns;
+    while (points_.size() < wanted) {
       const auto place = gaps.next(kFrontFound);
-      if (!place) break;
+      if (!place || front_.searches >= most) {
+        front_.ended = place ? ParetoFront::Ended::kSearches : ParetoFront::Ended::kFound;
+        break;
+      }
       std::vector<ObjectiveLimit> limits;
       limits.reserve(place->size());
       for (std::size_t k = 1; k < spec_.objectives.size(); ++k) {
@@ -251,6 +325,10 @@ class FrontSearch {
   const FrontOptions& options_;
   ParetoFront front_;
   std::vector<ParetoPoint> points_;
+  SetAnswers answers_;
+  using Numbered = std::pair<Candidate, std::uint32_t>;
+  std::vector<Numbered> open_;     ///< the sets of the search before, sorted
+  std::vector<RefinedSet> fresh_;  ///< what the search that runs has refined
 };
 
 }  // namespace

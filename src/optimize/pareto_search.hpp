@@ -1,9 +1,11 @@
 #pragma once
 // The Pareto front of a task over all of its tooth sets and their shifts, modules and distances.
 
+#include <array>
 #include <functional>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "optimize/hypervolume.hpp"
@@ -26,11 +28,22 @@ struct ParetoFront {
   /// Share of the box that designs not found may dominate besides, at most: FrontGaps::missing().
   double missing = 1.0;
   std::size_t searches = 0;  ///< searches of the whole space that were made
+  /// Why it ended: with the designs asked for, with less than kFrontFound missing, after
+  /// kMostSearches for each design, when its time was spent (Progress::front_budget), when the run
+  /// was stopped, or because an objective alone has no design.
+  enum class Ended { kDesigns, kFound, kSearches, kBudget, kInterrupted, kNoEnds };
+  Ended ended = Ended::kNoEnds;
   bool interrupted = false;
 };
+/// Names in result files, in the order of the enum.
+inline constexpr std::array<std::string_view, 6> kFrontEndedNames{
+    "designs", "found", "searches", "budget", "interrupted", "no_ends"};
 
-/// What a search of the whole space within limits found; empty: no design keeps them.
-using FrontStep = std::optional<RefinedSet>;
+/// A search of the whole space within limits.
+struct FrontStep {
+  std::optional<RefinedSet> best;   ///< empty: no design keeps them
+  std::vector<RefinedSet> refined;  ///< the sets that it refined
+};
 
 struct FrontOptions {
   /// Designs that are offered to the front besides; those without an optimum are not.
@@ -39,6 +52,9 @@ struct FrontOptions {
   std::span<const FrontStep> steps{};
   /// Called with what every further search found.
   std::function<void(const FrontStep&)> on_step{};
+  /// A search of the same task for its first objective alone: its bounds hold within any limits,
+  /// and its optima are known.
+  const OptimizeResult* searched = nullptr;
 };
 
 /// Searches the front by limits on all objectives but the first (ε-constraints).
@@ -49,7 +65,8 @@ struct FrontOptions {
 /// FrontGaps finds the front known least, until it has pareto_points designs, or less than
 /// kFrontFound of the box is missing, or the searches are kMostSearches as many.  Every point is
 /// the best that any tooth set has within its limits, as far as the refinement of a set finds its
-/// optimum.  What other points dominate is dropped.
+/// optimum.  What other points dominate is dropped.  What searches within wider limits have found
+/// of a set is not refined again (SetAnswers).
 /// Source: Haimes, Lasdon, Wismer, 1971 (ε-constraint method); own derivation, docs/theory §12.
 /// @param spec  with two objectives or more; must outlive the call only
 /// @param progress  its stop ends the search, keeping the points found

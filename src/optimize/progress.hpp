@@ -9,6 +9,13 @@ namespace gear3k::optimize {
 struct Progress {
   enum class Phase { kSearch, kBounds, kRefinement, kCertificate, kGearboxes };
   std::atomic<Phase> phase{Phase::kSearch};
+  /// What a run does after its first search.
+  struct Plan {
+    std::size_t front_objectives = 0, front_designs = 0;  ///< of a front that is sought
+    bool rounding = false;
+  };
+  std::atomic<std::size_t> front_objectives{0}, front_designs{0};
+  std::atomic<bool> rounding{false};
   /// What the searches of a run are for, where they are several.
   enum class Stage { kOne, kFrontEnds, kFrontGaps, kBeyond };
   std::atomic<Stage> stage{Stage::kOne};
@@ -22,6 +29,10 @@ struct Progress {
   std::atomic<double> best_merit{0.0};       ///< meaningless while feasible is 0
   std::atomic<double> shown_per_merit{1.0};  ///< of the objective in its unit
   std::atomic<bool> stop{false};             ///< set it to end the run, keeping what is done
+  /// A front that is sought may be ended by who counts its time: whoever takes kOpen to kSpent sets
+  /// `stop`, which the front takes back.
+  enum class Budget { kNone, kOpen, kSpent };
+  std::atomic<Budget> front_budget{Budget::kNone};
 };
 
 }  // namespace gear3k::optimize

@@ -22,6 +22,11 @@ constexpr std::array<ShiftFractions, 4> kFixedStarts{{{0.50, 0.25, 0.30, 0.95},
                                                       {0.80, 0.60, 0.50, 0.95},
                                                       {0.30, 0.40, 0.70, 0.80}}};
 
+/// More of them where the objective is of sizes: a ring of little shift has a larger base circle in
+/// the same root circle.
+constexpr std::array<ShiftFractions, 2> kLargeBaseStarts{
+    {{0.50, 0.00, 0.90, 0.00}, {0.20, 0.10, 0.50, 0.05}}};
+
 /// Shift with the effect of the machining allowance on backlash folded in: j of (x, q) equals j of
 /// (x − q/(2 sin α), 0) for external gears and of (x + q/(2 sin α), 0) for rings.
 double thinned_shift(const Specification& spec, int gear, double x) {
@@ -179,6 +184,11 @@ std::vector<Point> starting_points(const RefinementProblem& problem, int count,
                                                               .P1 = uniform.next(),
                                                               .P2 = uniform.next(),
                                                               .R2 = uniform.next()}));
+  }
+  if (problem.objective == Objective::kLostMotion) {
+    for (const ShiftFractions& start : kLargeBaseStarts) {
+      points.push_back(start_from(problem, start));
+    }
   }
   for (Point& point : points) start_free_variables(problem, point);
   return points;

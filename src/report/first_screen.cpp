@@ -102,6 +102,17 @@ std::string contact_text(const std::vector<design::MeshResult>& meshes) {
   return fmt::format("least contact ratio {:.3f} ({})", least.contact_ratio, least.name);
 }
 
+/// The cutters of the rings, "" where none is stated.
+std::string cutters_text(const Evaluation& e) {
+  std::string text;
+  for (const int ring : {train::kR1, train::kR2}) {
+    const design::GearResult& g = e.gears[static_cast<std::size_t>(ring)];
+    if (g.tooth.cutter_teeth == 0) continue;
+    text += fmt::format("{}{} by {} teeth", text.empty() ? "" : ", ", g.name, g.tooth.cutter_teeth);
+  }
+  return text;
+}
+
 std::string notes_text(const std::vector<std::string>& notes, int columns) {
   constexpr std::size_t kShown = 2;
   std::string text;
@@ -170,11 +181,13 @@ std::string first_screen(const Evaluation& e, const std::vector<TightestCheck>& 
                                       : percent_text(eta.backward)));
   if (e.operation) add("  all losses   " + operation_summary(e));
   add("  lost motion  " + lost_motion_text(e, built));
-  add("  contact      " + contact_text(e.meshes));
+  const std::string cutters = cutters_text(e);
+  add("  contact      " + contact_text(e.meshes) +
+      (cutters.empty() ? "" : "; pinion cutters: " + cutters));
   if (e.strength) add("  strength     " + capacity_summary(e));
   if (e.thermal) add("  temperature  " + thermal_summary(*e.thermal));
   text += '\n' + tightest_text(e.checks, tightest, columns) + '\n';
-  add(not_checked_text(e));
+  if (const std::string not_checked = not_checked_text(e); !not_checked.empty()) add(not_checked);
   text += notes_text(e.notes, columns);
   add(std::string(kMore));
   while (text.ends_with("\n\n")) text.pop_back();
@@ -204,7 +217,7 @@ std::string first_screen(const PairEvaluation& e, const std::vector<TightestChec
                   degrees(e.mesh.working_pressure_angle_rad)));
   if (e.strength) add("  strength     " + capacity_summary(e));
   text += '\n' + tightest_text(e.checks, tightest, columns) + '\n';
-  add(not_checked_text(e));
+  if (const std::string not_checked = not_checked_text(e); !not_checked.empty()) add(not_checked);
   text += notes_text(e.notes, columns);
   add(std::string(kMore));
   while (text.ends_with("\n\n")) text.pop_back();

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "report/display.hpp"
+#include "report/limits_report.hpp"
 #include "report/text_table.hpp"
 #include "report/tooth_set_text.hpp"
 
@@ -89,6 +90,20 @@ std::string price_text(const Specification& spec, const LimitPrice& price) {
 
 bool has_price(const LimitPrice& price) { return price.loosened != 0.0 || !price.unique(); }
 
+/// The preset whose limit a price is of; "" where there is none.
+std::string_view preset_of(const Specification& spec, const LimitPrice& price) {
+  const auto& check = price.limit.check;
+  if (price.limit.kind != optimize::LimitKind::kCheck || price.limit.place >= 0 || !check ||
+      !is_of_preset(spec.limits, *check)) {
+    return "";
+  }
+  return design::kPresetNames[static_cast<std::size_t>(*spec.limits.preset)];
+}
+std::string preset_text(const Specification& spec, const LimitPrice& price) {
+  const std::string_view preset = preset_of(spec, price);
+  return preset.empty() ? "" : fmt::format(" ({})", preset);
+}
+
 /// The limit of a file that gains most where it gives way by its step; null: none gains.
 const LimitPrice* dearest(const Specification& spec, const HeldSet& best) {
   const LimitPrice* most = nullptr;
@@ -167,8 +182,9 @@ std::string held_back_table(const Specification& spec, const HeldSet& best) {
       free.push_back(price.key);
       continue;
     }
-    table.add({price.key + (price.stated ? "" : " (no key)"), value_text(price),
-               fmt::format("{}", fmt::join(price.where, ", ")), price_text(spec, price),
+    table.add({price.key + (price.stated ? "" : " (no key)") + preset_text(spec, price),
+               value_text(price), fmt::format("{}", fmt::join(price.where, ", ")),
+               price_text(spec, price),
                with_unit(fmt::format("{:+g}", giving_step(price)), units::unit_name(price.unit)),
                change_text(spec, change_per_step(spec, price))});
   }
@@ -219,6 +235,8 @@ io::Json prices_json(const Specification& spec, const HeldSet& set) {
             {"unit", units::unit_name(price.unit)},
             {"at_least", price.limit.at_least},
             {"stated", price.stated},
+            {"preset",
+             preset_of(spec, price).empty() ? io::Json(nullptr) : io::Json(preset_of(spec, price))},
             {"where", price.where},
             {"price_per_unit", price.unique() ? number(price.loosened) : io::Json(nullptr)},
             {"loosened_per_unit", number(price.loosened)},

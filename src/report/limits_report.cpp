@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "design/preset.hpp"
@@ -20,6 +21,20 @@ std::string limit_with_unit(const design::CheckRecord& r, const std::optional<do
   const std::string_view unit = units::unit_name(r.unit);
   return fmt::format("{} {} {:g}{}{}", r.name, r.at_least ? ">=" : "<=", in_own_unit(r, *limit),
                      unit.empty() ? "" : " ", unit);
+}
+
+/// The key that states the limit of a check.
+std::string limit_key(const design::CheckRecord& r) {
+  switch (r.id) {
+    case design::CheckId::kNormalBacklash:
+      return "backlash.min_normal_um";
+    case design::CheckId::kContactRatioMin:
+      return "contact_ratio.range[0]";
+    case design::CheckId::kWall:
+      return "size.min_wall_mm";
+    default:
+      return fmt::format("limits.{}", r.name);
+  }
 }
 
 /// Checks with a threshold, of no preset, whose limit is 0: met without any reserve.
@@ -72,7 +87,33 @@ std::string limits_line(const design::Limits& limits, bool of_pair) {
                      stated.empty() ? "" : "; stated instead: ", fmt::join(stated, ", "), at_zero);
 }
 
+bool is_of_preset(const design::Limits& limits, design::CheckId check) {
+  const auto usual = limits.preset ? design::preset_limit(*limits.preset, check) : std::nullopt;
+  return usual && limits[check] == usual;
+}
+
+std::string preset_note(const design::Limits& limits, std::span<const std::string_view> checks) {
+  std::vector<std::string> named;
+  for (const design::PresetLimit& of_preset : design::preset_limits()) {
+    const design::CheckRecord& r = design::check_record(of_preset.check);
+    if (std::ranges::find(checks, r.name) == checks.end() || !is_of_preset(limits, r.id)) continue;
+    const std::string_view unit = units::unit_name(r.unit);
+    named.push_back(fmt::format("{} = {:g}{}{}", limit_key(r), in_own_unit(r, *limits[r.id]),
+                                unit.empty() ? "" : " ", unit));
+  }
+  if (named.empty()) return "";
+  return fmt::format("; of preset {}, unless stated otherwise: {}",
+                     design::kPresetNames[static_cast<std::size_t>(*limits.preset)],
+                     fmt::join(named, ", "));
+}
+
 io::Json limits_json(const design::Limits& limits) {
+  io::Json of_preset = io::Json::array();
+  for (const design::PresetLimit& limit : design::preset_limits()) {
+    if (is_of_preset(limits, limit.check)) {
+      of_preset.push_back(design::check_record(limit.check).name);
+    }
+  }
   io::Json bare = io::Json::array();
   for (const design::CheckId id : limits.bare) bare.push_back(design::check_record(id).name);
   io::Json in_force = io::Json::object();
@@ -89,6 +130,7 @@ io::Json limits_json(const design::Limits& limits) {
   return {{"preset", limits.preset
                          ? io::Json(design::kPresetNames[static_cast<std::size_t>(*limits.preset)])
                          : io::Json(nullptr)},
+          {"of_preset", std::move(of_preset)},
           {"bare", std::move(bare)},
           {"at_zero", limits_at_zero(limits)},
           {"normal_backlash_of_mesh", std::move(of_mesh)},

@@ -1,7 +1,9 @@
 #pragma once
 // Which limits a result was made for: those of a preset, those stated, those left bare.
 
+#include <span>
 #include <string>
+#include <string_view>
 
 #include "design/checks.hpp"
 #include "io/text/json.hpp"
@@ -12,8 +14,17 @@ namespace gear3k::report {
 /// limits of a workshop that nobody stated.  Then the other limits that leave no reserve.
 std::string limits_line(const design::Limits& limits, bool of_pair = false);
 
-/// preset (null without), bare and at_zero (names), in_force (by name, in the unit of the check;
-/// those of a load are in its own tables).
+/// The limits of a preset among checks that block a design, with the keys that state others:
+/// "; of preset printed: limits.tip_thickness_mm = 0.8"; "" where there is none.
+/// @param checks  names; others than those of a check with a limit of the preset say nothing
+std::string preset_note(const design::Limits& limits, std::span<const std::string_view> checks);
+
+/// Whether the limit of a check is the preset's.
+bool is_of_preset(const design::Limits& limits, design::CheckId check);
+
+/// of_preset (names of the checks whose limits are the preset's), preset (null without), bare and
+/// at_zero (names), in_force (by name, in the unit of the check; those of a load are in its own
+/// tables).
 io::Json limits_json(const design::Limits& limits);
 
 }  // namespace gear3k::report

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "report/display.hpp"
+#include "report/limits_report.hpp"
 #include "report/text_table.hpp"
 
 namespace gear3k::report {
@@ -106,12 +107,16 @@ std::string cut_text(const Rounding& rounding) {
 
 }  // namespace
 
-std::string rounding_blocked_text(const Rounding& rounding) {
-  return fmt::format("no rounded design meets every check{}{}",
+std::string rounding_blocked_text(const Specification& spec, const Rounding& rounding) {
+  std::vector<std::string_view> names;
+  if (rounding.nearest) {
+    for (const optimize::Miss& miss : rounding.nearest->missed) names.push_back(miss.name);
+  }
+  return fmt::format("no rounded design meets every check{}{}{}",
                      rounding.nearest
                          ? fmt::format(": the nearest misses {}", misses_text(*rounding.nearest))
                          : "",
-                     cut_text(rounding));
+                     preset_note(spec.limits, names), cut_text(rounding));
 }
 
 std::string rounding_table(const Specification& spec, double free_objective,
@@ -123,7 +128,7 @@ std::string rounding_table(const Specification& spec, double free_objective,
       "{:g} mm, allowances to {:g} um\n",
       steps.profile_shift, in_file(steps.center_distance_m, Unit::kMillimetre),
       in_file(steps.module_m, Unit::kMillimetre), in_file(steps.allowance_m, Unit::kMicrometre));
-  if (!rounding.best) return text + "  " + rounding_blocked_text(rounding) + "\n";
+  if (!rounding.best) return text + "  " + rounding_blocked_text(spec, rounding) + "\n";
   const double loss = loss_of(spec, free_objective, *rounding.best);
   const std::string lost =
       of_efficiency(spec) ? fmt::format("{:.4f} percent points", 100.0 * loss)

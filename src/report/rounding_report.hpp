@@ -14,7 +14,8 @@ namespace gear3k::report {
 std::string rounding_table(const optimize::Specification& spec, double free_objective,
                            const optimize::Rounding& rounding);
 /// Which limit blocks where no rounded design meets every check, and by how much.
-std::string rounding_blocked_text(const optimize::Rounding& rounding);
+std::string rounding_blocked_text(const optimize::Specification& spec,
+                                  const optimize::Rounding& rounding);
 /// `rounded` of summary.json.
 io::Json rounding_json(const optimize::Specification& spec, double free_objective,
                        const optimize::Rounding& rounding);

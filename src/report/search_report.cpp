@@ -366,6 +366,32 @@ std::string pareto_csv(const Specification& spec, const optimize::ParetoFront& f
   return text;
 }
 
+namespace {
+
+/// Why the search of a front ended.
+std::string ended_text(const Specification& spec, const optimize::ParetoFront& front) {
+  using Ended = optimize::ParetoFront::Ended;
+  switch (front.ended) {
+    case Ended::kDesigns:
+      return "as many as were asked for";
+    case Ended::kFound:
+      return fmt::format("of {} asked for: less than {:g} % is missing", spec.pareto_points,
+                         100.0 * optimize::kFrontFound);
+    case Ended::kSearches:
+      return fmt::format("of {} asked for: {} searches for each were made", spec.pareto_points,
+                         optimize::kMostSearches);
+    case Ended::kBudget:
+      return fmt::format("of {} asked for: its time was spent", spec.pareto_points);
+    case Ended::kInterrupted:
+      return fmt::format("of {} asked for: stopped", spec.pareto_points);
+    case Ended::kNoEnds:
+      break;
+  }
+  return "an objective alone has no design";
+}
+
+}  // namespace
+
 std::string pareto_table(const Specification& spec, const optimize::ParetoFront& front) {
   std::vector<std::string> head{"S/P1/R1/P2/R2", "planets", "ratio"};
   for (const optimize::Objective objective : spec.objectives) {
@@ -385,11 +411,12 @@ std::string pareto_table(const Specification& spec, const optimize::ParetoFront&
     table.add(std::move(row));
   }
   return fmt::format(
-      "\nPareto front: {} designs from {} searches of the whole space; of the box between the best "
-      "of each objective\nalone and the worst that the others' best designs have they dominate "
+      "\nPareto front: {} designs from {} searches of the whole space ({}); of the box between the "
+      "best of each objective\nalone and the worst that the others' best designs have they "
+      "dominate "
       "{:.2f} %, others may dominate {:.2f} % more\n{}",
-      front.points.size(), front.searches, 100.0 * front.hypervolume, 100.0 * front.missing,
-      table.text(2));
+      front.points.size(), front.searches, ended_text(spec, front), 100.0 * front.hypervolume,
+      100.0 * front.missing, table.text(2));
 }
 
 namespace {
@@ -406,6 +433,8 @@ io::Json front_json(const Specification& spec, const optimize::ParetoFront& fron
   }
   return {{"objectives", std::move(objectives)},
           {"designs", front.points.size()},
+          {"asked", spec.pareto_points},
+          {"ended", optimize::kFrontEndedNames[static_cast<std::size_t>(front.ended)]},
           {"searches", front.searches},
           {"hypervolume", front.hypervolume},
           {"missing", front.missing}};
@@ -565,14 +594,18 @@ std::string blocking_text(const Specification& spec, const OptimizeResult& resul
                             miss.unit.empty() ? "" : " ", miss.unit);
     }
   }
+  std::vector<std::string_view> names;
+  for (const auto& [reason, count] : reasons) names.emplace_back(reason);
+  for (const optimize::Miss& miss : nearest->blocked_by) names.push_back(miss.name);
   const char* others = ", each with all other limits kept";
   if (nearest->blocked_by.size() == 1) others = " with all other limits kept";
   if (nearest->blocked_together) others = ", together";
   if (proven) others = nearest->blocked_together ? ", together with other limits" : "";
   return fmt::format(
       "no feasible design: blocked by {}: the nearest set, {}, misses {}{}; sets by the constraint "
-      "that blocks them: {}{}",
-      reason_of(*nearest), teeth_text(nearest->candidate.teeth), misses, others, counts, failed);
+      "that blocks them: {}{}{}",
+      reason_of(*nearest), teeth_text(nearest->candidate.teeth), misses, others, counts, failed,
+      preset_note(spec.limits, names));
 }
 
 }  // namespace gear3k::report

@@ -85,6 +85,17 @@ TEST(Preset, ItsLimitsAreOverriddenOneByOne) {
   EXPECT_GE(number(own.best.at("meshes").at(2), "normal_backlash_um"), 50.0 - 1e-3);
 }
 
+TEST(Preset, IsNamedWhereItsLimitsBlockEveryDesignWithTheKeyThatStatesAnother) {
+  const Workplace place;
+  place.write("spec.toml", "preset = \"printed\"\n" + kLeast.substr(0, kLeast.find("[module]")) +
+                               "[module]\nstage1_mm = 0.5\nstage2_mm = { min = 0.5, max = 0.6 }\n");
+  const ProgramResult result = place.run({"optimize", "spec.toml", "--out", "out", "--certify"});
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_NE(result.err.find("of preset printed, unless stated otherwise: "), std::string::npos)
+      << result.err;
+  EXPECT_NE(result.err.find("limits.tip_thickness_mm = 0.8 mm"), std::string::npos) << result.err;
+}
+
 TEST(Preset, WithACertificateHasTheBestDesignOfAllSets) {
   const std::string spec = "preset = \"machined\"\n" + kLeast +
                            "[size]\nring_rim_mm = 2.0\nmax_outer_diameter_mm = 80.0\n";

@@ -121,6 +121,33 @@ TEST(SectionDrawing, SvgTellsEveryDimensionOfTheDesign) {
   EXPECT_TRUE(any_note(d.section, "a note of the drawings"));
 }
 
+TEST(SectionDrawing, NoTextBesideAColumnCrossesItsEnds) {
+  const Drawn d = drawn(std::string(kDesign) + kAxial);
+  const std::string svg = svg_text(d.section);
+  const std::regex group(R"-(<g class="dimension"[^>]*>([\s\S]*?)</g>)-");
+  const std::regex line(R"-(d="M[-0-9.]+ ([-0-9.]+)L[-0-9.]+ ([-0-9.]+)")-");
+  const std::regex turned(R"-(rotate\(-90 [-0-9.]+ ([-0-9.]+)\)[^>]*>([^<]*)<)-");
+  const double height = 1e3 * d.section.text_height_m;
+  int texts = 0;
+  for (std::sregex_iterator at(svg.begin(), svg.end(), group), end; at != end; ++at) {
+    const std::string part = (*at)[1];
+    std::smatch text;
+    if (!std::regex_search(part, text, turned)) continue;
+    ++texts;
+    // The third line is the dimension's; a letter is some half of its height wide.
+    auto strokes = std::sregex_iterator(part.begin(), part.end(), line);
+    std::advance(strokes, 2);
+    const double one = std::stod((*strokes)[1]), other = std::stod((*strokes)[2]);
+    const double y = std::stod(text[1]);
+    const double half = 0.25 * height * static_cast<double>(text[2].length());
+    for (const double end_y : {one, other}) {
+      EXPECT_GT(std::abs(end_y - y), half)
+          << text[2] << " at " << y << " of " << one << ", " << other;
+    }
+  }
+  EXPECT_GT(texts, 5);
+}
+
 TEST(SectionDrawing, SvgIsBalancedAndItsBodiesLieWhereTheAxialTableSays) {
   const Drawn d = drawn(std::string(kDesign) + kAxial);
   const std::string svg = svg_text(d.section);

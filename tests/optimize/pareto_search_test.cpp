@@ -148,6 +148,44 @@ TEST(ParetoSearch, GoesOnWhereAnEarlierRunStoppedAndFindsTheSame) {
   }
 }
 
+TEST(ParetoSearch, IsAsGoodWithWhatASearchOfTheFirstObjectiveKnows) {
+  Specification spec = few_sets();
+  spec.objectives = {Objective::kBackwardEfficiency, Objective::kLostMotion};
+  Progress progress;
+  const OptimizeResult searched = optimize(spec, progress);
+  const ParetoFront with =
+      search_pareto_front(spec, progress, {.known = searched.refined, .searched = &searched});
+  EXPECT_EQ(with.ended, ParetoFront::Ended::kDesigns);
+  for (const ParetoPoint& point : with.points) {
+    Specification limited = spec;
+    limited.objectives = {Objective::kBackwardEfficiency};
+    limited.limits[design::CheckId::kOutputBacklashMax] = std::max(point.values[1], 1e-9);
+    const OptimizeResult all = optimize(limited, progress);
+    ASSERT_TRUE(all.best);
+    EXPECT_NEAR(point.values[0], all.best->eta_b, 1e-5);
+  }
+}
+
+TEST(ParetoSearch, IsLeftAsItIsWhenItsTimeIsSpentAndTheRunGoesOn) {
+  Specification spec = few_sets();
+  spec.objectives = {Objective::kBackwardEfficiency, Objective::kLostMotion};
+  Progress progress;
+  std::size_t steps = 0;
+  const auto spend = [&](const FrontStep&) {
+    if (++steps < 5) return;
+    Progress::Budget open = Progress::Budget::kOpen;
+    if (progress.front_budget.compare_exchange_strong(open, Progress::Budget::kSpent)) {
+      progress.stop = true;
+    }
+  };
+  const ParetoFront front = search_pareto_front(spec, progress, {.on_step = spend});
+  EXPECT_EQ(front.ended, ParetoFront::Ended::kBudget);
+  EXPECT_FALSE(front.interrupted);
+  EXPECT_FALSE(progress.stop);
+  EXPECT_EQ(front.searches, 5U);
+  EXPECT_FALSE(front.points.empty());
+}
+
 TEST(ParetoSearch, NoDesignOfAnySetIsOutsideWhatItSaysMayBeMissing) {
   Specification spec = few_sets();
   spec.objectives = {Objective::kBackwardEfficiency, Objective::kLostMotion,

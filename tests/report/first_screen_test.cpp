@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
+#include <iterator>
 #include <sstream>
 #include <string>
 #include <variant>
@@ -47,6 +49,28 @@ TEST_P(FirstScreen, FitsAScreen) {
 INSTANTIATE_TEST_SUITE_P(Designs, FirstScreen,
                          testing::Values("loaded", "ratio_96_with_losses", "ratio_96_tolerances",
                                          "bilateral_drive_gear", "low_backlash_prototype"));
+
+std::string screen_of(const design::Design& design) {
+  const auto e = std::get<design::Evaluation>(design::evaluate(design));
+  return report::first_screen(e, design::tightest_checks(design, e, 6), nullptr, 100);
+}
+
+TEST(FirstScreenOfShapedRings, NamesTheirCutters) {
+  design::Design design = io::read_design(kExamples + "designs/ratio_96_tolerances.toml");
+  EXPECT_EQ(screen_of(design).find("cutter"), std::string::npos) << screen_of(design);
+  design.train.cutter[train::kR2].teeth = 40;
+  EXPECT_NE(screen_of(design).find("pinion cutters: R2 by 40 teeth\n"), std::string::npos)
+      << screen_of(design);
+}
+
+TEST(FirstScreenOfAllTables, HasNoTwoEmptyLines) {
+  std::ifstream file(kExamples + "designs/loaded.toml");
+  const std::string loaded{std::istreambuf_iterator<char>(file), {}};
+  const std::string screen = screen_of(
+      io::parse_design(loaded + "\n[tolerances]\ncenter_distance_um = 10\n", "loaded.toml"));
+  EXPECT_EQ(screen.find("Not checked"), std::string::npos) << screen;
+  EXPECT_EQ(screen.find("\n\n\n"), std::string::npos) << screen;
+}
 
 TEST(FirstScreenOfAPair, FitsAScreen) {
   const design::PairDesign pair = io::read_pair(kExamples + "pair_internal.toml");

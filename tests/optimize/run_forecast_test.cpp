@@ -1,0 +1,91 @@
+// Time left over all phases of a run, against simulated runs of known durations.
+
+#include "optimize/run_forecast.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <vector>
+
+namespace gear3k::optimize::run_forecast_test {
+namespace {
+
+using Phase = Progress::Phase;
+using Stage = Progress::Stage;
+
+/// A part of a run: so many items in a time, as progress shows them.
+struct Part {
+  ProgressSeen seen;
+  std::size_t items = 0;
+  double time_s = 0.0;
+};
+
+void expect_within(double factor, const std::vector<Part>& parts, const Progress::Plan& plan) {
+  double whole = 0.0;
+  for (const Part& part : parts) whole += part.time_s;
+  RunForecast forecast;
+  EXPECT_FALSE(forecast.seconds_left());
+  double began = 0.0;
+  int judged = 0;
+  for (const Part& part : parts) {
+    constexpr double kLook_s = 0.05;
+    for (double t = 0.0; t < part.time_s; t += kLook_s) {
+      ProgressSeen seen = part.seen;
+      seen.plan = plan;
+      seen.total = part.items;
+      seen.done = static_cast<std::size_t>(static_cast<double>(part.items) * t / part.time_s);
+      forecast.observe(began + t, seen);
+      const double now = began + t;
+      const auto left = forecast.seconds_left();
+      if (!left || now < 0.1 * whole || now > 0.95 * whole) continue;
+      EXPECT_LT(*left, factor * (whole - now)) << now << " of " << whole;
+      EXPECT_GT(*left * factor, whole - now) << now << " of " << whole;
+      ++judged;
+    }
+    began += part.time_s;
+  }
+  EXPECT_GT(judged, 50);
+}
+
+ProgressSeen at(Phase phase, Stage stage = Stage::kOne) {
+  ProgressSeen seen;
+  seen.phase = phase;
+  seen.stage = stage;
+  return seen;
+}
+
+TEST(RunForecast, OfOneSearchIsThatOfItsRefinement) {
+  expect_within(2.0,
+                {{at(Phase::kSearch), 100, 0.2},
+                 {at(Phase::kBounds), 1000, 0.8},
+                 {at(Phase::kRefinement), 2000, 4.0}},
+                {});
+}
+
+TEST(RunForecast, TellsAFrontThatIsStillToComeWhileSetsAreRefined) {
+  // Searches as they are expected: 20 ms a set, 25 sets and a fifth of finding them.
+  std::vector<Part> parts{{at(Phase::kBounds), 1000, 1.0}, {at(Phase::kRefinement), 1000, 6.0}};
+  const auto add = [&](Stage stage, std::size_t done, std::size_t total, std::size_t searches) {
+    Part part{at(Phase::kRefinement, stage), 35, 0.7};
+    part.seen.stage_done = done;
+    part.seen.stage_total = total;
+    part.seen.searches = searches;
+    parts.push_back(part);
+  };
+  for (std::size_t n = 0; n < 4; ++n) add(Stage::kFrontEnds, n, 4, n + 1);
+  for (std::size_t n = 0; n < 30; ++n) add(Stage::kFrontGaps, n, 30, n + 1);
+  expect_within(2.0, parts, {.front_objectives = 2, .front_designs = 30, .rounding = false});
+  RunForecast alone;
+  alone.observe(0.0, at(Phase::kRefinement));
+  ProgressSeen half = at(Phase::kRefinement);
+  half.total = 100;
+  half.done = 50;
+  alone.observe(5.0, half);
+  const double without = *alone.seconds_left();
+  half.plan = {.front_objectives = 2, .front_designs = 30, .rounding = false};
+  alone.observe(5.0, half);
+  EXPECT_GT(*alone.seconds_left(), 10.0 * without);
+}
+
+}  // namespace
+}  // namespace gear3k::optimize::run_forecast_test
