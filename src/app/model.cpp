@@ -31,6 +31,10 @@ void note_range(const Model& model, const calibrate::UsedRange& used, Notes& not
   }
 }
 
+void note_point(const Model& model, const Point& point, Notes& notes) {
+  note_range(model, {.where = "the operating point", .low = point, .high = point}, notes);
+}
+
 /// Laws are about readings: they do not change the gearbox.
 void note_laws(const Model& model, Notes& notes) {
   for (const ExtendedModel& m : model.use.models) {
@@ -168,11 +172,7 @@ design::Design with_model(const design::Design& design, const Model& model, Note
     }
   }
   if (extended.operating_point) {
-    note_range(model,
-               {.where = "the operating point",
-                .low = *extended.operating_point,
-                .high = *extended.operating_point},
-               notes);
+    note_point(model, *extended.operating_point, notes);
   }
   return extended;
 }
@@ -204,11 +204,7 @@ optimize::Specification with_model(const optimize::Specification& spec, Model& m
   extended.operating_point = point_or_middle(spec.operating_point, model, "SPEC", notes);
   extended.model = model.extension;
   if (extended.operating_point) {
-    note_range(model,
-               {.where = "the operating point",
-                .low = *extended.operating_point,
-                .high = *extended.operating_point},
-               notes);
+    note_point(model, *extended.operating_point, notes);
   } else {
     notes.emplace_back(
         "neither SPEC nor model states an operating point: the refined sets are not judged with "

@@ -270,37 +270,36 @@ struct Matcher {
 
 }  // namespace
 
-KeyRecord number(std::string path, units::Unit unit, const Range& range, std::string default_text,
-                 std::string help) {
-  const bool required = default_text == kRequired;
-  return {.path = std::move(path),
+KeyRecord number(std::string_view path, units::Unit unit, const Range& range,
+                 std::string_view default_text, std::string_view help) {
+  return {.path = std::string(path),
           .unit = unit,
           .min = range.min,
           .max = range.max,
           .min_excluded = range.min_excluded,
-          .required = required,
-          .default_text = std::move(default_text),
-          .help = std::move(help)};
+          .required = default_text == kRequired,
+          .default_text = std::string(default_text),
+          .help = std::string(help)};
 }
 
-KeyRecord number(std::string path, units::Unit unit, const Range& range, std::string default_text,
-                 std::string help, const design::InputId& input) {
-  KeyRecord record = number(std::move(path), unit, range, std::move(default_text), std::move(help));
+KeyRecord number(std::string_view path, units::Unit unit, const Range& range,
+                 std::string_view default_text, std::string_view help,
+                 const design::InputId& input) {
+  KeyRecord record = number(path, unit, range, default_text, help);
   record.input = input;
   return record;
 }
 
-KeyRecord number_range(std::string path, units::Unit unit, const Range& range,
-                       std::string default_text, std::string help) {
-  KeyRecord record = number(std::move(path), unit, range, std::move(default_text), std::move(help));
+KeyRecord number_range(std::string_view path, units::Unit unit, const Range& range,
+                       std::string_view default_text, std::string_view help) {
+  KeyRecord record = number(path, unit, range, default_text, help);
   record.type = KeyType::kNumberRange;
   return record;
 }
 
-KeyRecord integer(std::string path, const Range& range, std::string default_text,
-                  std::string help) {
-  KeyRecord record =
-      number(std::move(path), units::Unit::kNone, range, std::move(default_text), std::move(help));
+KeyRecord integer(std::string_view path, const Range& range, std::string_view default_text,
+                  std::string_view help) {
+  KeyRecord record = number(path, units::Unit::kNone, range, default_text, help);
   record.type = KeyType::kInteger;
   return record;
 }

@@ -65,15 +65,17 @@ constexpr Range above(double min, double max) {
 inline constexpr const char* kRequired = "required";
 
 /// The record of a key that holds a number.
-KeyRecord number(std::string path, units::Unit unit, const Range& range, std::string default_text,
-                 std::string help);
+KeyRecord number(std::string_view path, units::Unit unit, const Range& range,
+                 std::string_view default_text, std::string_view help);
 /// The same of an input with sensitivities.
-KeyRecord number(std::string path, units::Unit unit, const Range& range, std::string default_text,
-                 std::string help, const design::InputId& input);
+KeyRecord number(std::string_view path, units::Unit unit, const Range& range,
+                 std::string_view default_text, std::string_view help,
+                 const design::InputId& input);
 /// Of one that holds two numbers.
-KeyRecord number_range(std::string path, units::Unit unit, const Range& range,
-                       std::string default_text, std::string help);
-KeyRecord integer(std::string path, const Range& range, std::string default_text, std::string help);
+KeyRecord number_range(std::string_view path, units::Unit unit, const Range& range,
+                       std::string_view default_text, std::string_view help);
+KeyRecord integer(std::string_view path, const Range& range, std::string_view default_text,
+                  std::string_view help);
 
 /// Position of a name in a list of names that holds it.
 template <class Names>
