@@ -51,8 +51,8 @@ TEST_P(WideBench, IsToldAsItIs) {
 
 // Of n answers right at a true rate of 93 % the binomial law leaves fewer than these in less than
 // about one case of a thousand (8: P(X < 5) = 1.3e-3, 10: P(X < 6) = 3e-4, 16: P(X < 11) = 4e-4,
-// 20: P(X < 14) = 2e-4); where the changes act elsewhere than on the reading as a whole, or a law is
-// not one of the library, less is found by chance alone.
+// 20: P(X < 14) = 2e-4); where the changes act elsewhere than on the reading as a whole, or a law
+// is not one of the library, less is found by chance alone.
 INSTANTIATE_TEST_SUITE_P(
     Rig, WideBench,
     testing::Values(Group{"Targets",
