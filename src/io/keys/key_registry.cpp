@@ -46,15 +46,6 @@ bool integers_in_range(const KeyRecord& record, const std::vector<TomlValue>& li
   });
 }
 
-/// Whether no value of a list of choices is there twice.
-bool all_differ(const std::vector<TomlValue>& list) {
-  for (auto one = list.begin(); one != list.end(); ++one) {
-    const auto same = [&](const TomlValue& other) { return other.number == one->number; };
-    if (std::any_of(std::next(one), list.end(), same)) return false;
-  }
-  return true;
-}
-
 bool numbers_in_range(const KeyRecord& record, const std::vector<TomlValue>& list) {
   return std::ranges::all_of(
       list, [&](const TomlValue& e) { return e.is_number() && in_range(record, e.number); });
@@ -77,18 +68,9 @@ bool module_fits(const KeyRecord& record, const TomlValue& value) {
   if (table && value.table.size() == 1 && value.table[0].key == "series") {
     const TomlValue& series = value.table[0];
     return series.kind == TomlValue::Kind::kList && !series.list.empty() &&
-           numbers_in_range(record, series.list) && all_differ(series.list);
+           numbers_in_range(record, series.list);
   }
   return min_max_fits(record, value);
-}
-
-/// Whether a list to choose from, or that of a series, has a value twice.
-bool repeats(const TomlValue& value) {
-  const bool series = value.kind == TomlValue::Kind::kTable && value.table.size() == 1;
-  const TomlValue& list = series ? value.table[0] : value;
-  const auto is_number = [](const TomlValue& e) { return e.is_number(); };
-  return list.kind == TomlValue::Kind::kList && std::ranges::all_of(list.list, is_number) &&
-         !all_differ(list.list);
 }
 
 bool per_gear_fits(const KeyRecord& record, const TomlValue& value) {
@@ -135,8 +117,7 @@ bool fits(const KeyRecord& record, const TomlValue& value) {
              value.list[0].integer <= value.list[1].integer;
     case KeyType::kIntegers:
       if (value.kind == TomlKind::kList) {
-        return !value.list.empty() && integers_in_range(record, value.list) &&
-               all_differ(value.list);
+        return !value.list.empty() && integers_in_range(record, value.list);
       }
       return value.kind == TomlKind::kInteger && in_range(record, value.number) &&
              value.integer >= -kGreatestExact && value.integer <= kGreatestExact;
@@ -233,8 +214,8 @@ struct Matcher {
   void value(const ExpandedKey& key, const TomlValue& v) {
     reading.remember(key.path, v.position);
     if (!fits(*key.record, v)) {
-      std::string message = fmt::format("{} = {}: allowed: {}{}", key.path, as_text(v),
-                                        allowed_text(*key.record), repeats(v) ? "; each once" : "");
+      std::string message =
+          fmt::format("{} = {}: allowed: {}", key.path, as_text(v), allowed_text(*key.record));
       message += hint_of(*key.record, v);
       reading.error(v.position, message);
       return;

@@ -205,7 +205,7 @@ TEST(ReadSpecification, CuttersAreOneOrAListToChooseFrom) {
   const Specification single = parse(kMinimal + one);
   EXPECT_EQ(single.cutter[2].teeth, 20);
   EXPECT_EQ(single.cutter[2].tip_radius, 0.2);
-  const Specification listed = parse(kMinimal + replaced(one, "20", "[34, 20, 25]"));
+  const Specification listed = parse(kMinimal + replaced(one, "20", "[34, 20, 25, 20]"));
   EXPECT_EQ(listed.cutter[2].teeth, 20);
   EXPECT_EQ(listed.cutter_teeth[2], (std::vector<int>{20, 25, 34}));
   EXPECT_TRUE(listed.cutter_teeth[4].empty());
