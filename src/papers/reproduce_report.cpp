@@ -248,11 +248,11 @@ io::Json reproduce_json(const Reproduction& r) {
                          {"directional_fit", std::move(directional)},
                          {"recess_only_backward", g.recess_only_backward}});
   }
-  const io::Json json{{"tool", tool_json()},
-                      {"gearboxes", std::move(gearboxes)},
-                      {"ledger", ledger_json(r.ledger)},
-                      {"directional_impedance_thesis", thesis_json(r.thesis, r.directional_bench)},
-                      {"backdrivability_paper", backdrivability_json(r.backdrivability)}};
+  io::Json json{{"tool", tool_json()},
+                {"gearboxes", std::move(gearboxes)},
+                {"ledger", ledger_json(r.ledger)},
+                {"directional_impedance_thesis", thesis_json(r.thesis, r.directional_bench)},
+                {"backdrivability_paper", backdrivability_json(r.backdrivability)}};
   return json;
 }
 

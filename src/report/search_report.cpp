@@ -595,6 +595,7 @@ std::string blocking_text(const Specification& spec, const OptimizeResult& resul
     }
   }
   std::vector<std::string_view> names;
+  names.reserve(reasons.size() + nearest->blocked_by.size());
   for (const auto& [reason, count] : reasons) names.emplace_back(reason);
   for (const optimize::Miss& miss : nearest->blocked_by) names.push_back(miss.name);
   const char* others = ", each with all other limits kept";

@@ -31,9 +31,9 @@ auto of_factors(Member StatedFactors::*member) {
 
 template <class View>
 StrengthKey strength_number(const char* name, Unit unit, const Range& range,
-                            const char* default_text, std::string help, View view) {
+                            const char* default_text, const std::string& help, View view) {
   return unless_default(make_key<StrengthInput>(
-      number(fmt::format("strength.{}", name), unit, range, default_text, std::move(help)), view));
+      number(fmt::format("strength.{}", name), unit, range, default_text, help), view));
 }
 
 template <class View>

@@ -132,8 +132,8 @@ backlash::GearTolerances stated_gear(const ToleranceInput::Gear& input) {
 
 }  // namespace
 
-KeyRecord thickness_allowance_record(std::string path) {
-  return number_range(std::move(path), Unit::kMicrometre, within(-1e5, 0.0), "none",
+KeyRecord thickness_allowance_record(const std::string& path) {
+  return number_range(path, Unit::kMicrometre, within(-1e5, 0.0), "none",
                       "A_sni and A_sne, limits of the tooth thickness (arc on the reference "
                       "circle) from that without backlash: thinning of their middle with half "
                       "their distance as tolerance, in place of both");

@@ -31,7 +31,7 @@ struct ToleranceInput {
 };
 
 /// A_sni and A_sne of a gear, in place of its thinning and the tolerance of its tooth thickness.
-KeyRecord thickness_allowance_record(std::string path);
+KeyRecord thickness_allowance_record(const std::string& path);
 
 /// Says that a gear states its thickness in two ways, at both of them.
 void refuse_both(const std::string& allowance_path, const std::string& other_path,

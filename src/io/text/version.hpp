@@ -4,7 +4,7 @@
 
 namespace gear3k::io {
 
-std::string_view version();     ///< of the tool, e.g. "0.2.0"
+std::string_view version();     ///< of the tool, e.g. "0.3.0"
 std::string_view git_commit();  ///< that it was built from; "unknown" outside a checkout
 
 }  // namespace gear3k::io
