@@ -159,8 +159,8 @@ std::vector<double> Screen::greatest_by_luck(const Eigen::VectorXd& residual, in
   std::vector<double> greatest;
   greatest.reserve(static_cast<std::size_t>(simulations));
   // Samples of many rows are as large as all columns together.
-  constexpr Eigen::Index kManyScreenedRows = 20000;
-  const Eigen::Index batch = n > kManyScreenedRows ? 16 : 64;
+  constexpr Eigen::Index kRowsOfLargeSamples = 20000;
+  const Eigen::Index batch = n > kRowsOfLargeSamples ? 16 : 64;
   for (int done = 0; done < simulations; done += static_cast<int>(batch)) {
     Eigen::MatrixXd sample(n, batch);
     for (Eigen::Index k = 0; k < batch; ++k) {
