@@ -2,6 +2,7 @@
 // The best motor for a gearbox that is still to be designed.
 
 #include <array>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -53,6 +54,9 @@ class CoDesign final : public optimize::CycleEnergy {
   [[nodiscard]] double rms_mesh_nm() const { return rms_mesh_Nm_; }
 
  private:
+  static constexpr double kWithoutBound = std::numeric_limits<double>::infinity();
+  /// Bounds are lowered by this share, for their rounding.
+  static constexpr double kBoundRoom = 1e-9;
   enum Flow : std::size_t { kForwardFlow, kBackwardFlow };
   using Basis = std::array<double, 4>;
   struct FlowMoments {

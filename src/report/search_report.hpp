@@ -3,7 +3,6 @@
 
 #include <array>
 #include <functional>
-#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -19,6 +18,7 @@
 #include "report/limit_price_report.hpp"
 #include "report/model_change_report.hpp"
 #include "report/model_report.hpp"
+#include "report/result_tally.hpp"
 #include "report/robust_report.hpp"
 #include "report/rounding_report.hpp"
 
@@ -41,19 +41,6 @@ void write_search_json(const optimize::Specification& spec,
                        const optimize::ToothSearchResult& search,
                        optimize::ZeroShiftRanking& ranking,
                        const std::function<void(std::string_view)>& out);
-
-/// Counts over all tooth sets of a result.
-struct ResultTally {
-  std::array<std::size_t, optimize::kStatusCount> status{};
-  /// By status, how many sets each constraint blocks.
-  std::array<std::map<std::string, std::size_t>, optimize::kStatusCount> reasons;
-  std::size_t open = 0;  ///< not reached, as the run was interrupted
-  /// Of the sets without a feasible design the one that says most: found rather than proven so,
-  /// blocked by one constraint alone, by the least miss.
-  std::optional<optimize::RefinedSet> nearest;
-  std::size_t blocked_by_load = 0;  ///< sets that a limit of the load blocks, alone or among others
-};
-ResultTally tally_of(const optimize::OptimizeResult& result);
 
 /// Columns of gearbox and motor together.
 inline constexpr std::array<const char*, 2> kCoDesignColumns{"cycle_energy_j", "motor"};
@@ -112,12 +99,5 @@ std::string summary_json(
     const HeldBackReport* held = nullptr, const optimize::Rounding* rounding = nullptr,
     const CoDesignReport* co_design = nullptr,
     const std::vector<actuator::LimitCheck>* felt = nullptr);
-
-/// Counts by status and reason, for the terminal.
-std::string optimize_counts_text(const optimize::OptimizeResult& result, const ResultTally& tally);
-
-/// Which constraint blocks a run without a feasible design, and by how much.
-std::string blocking_text(const optimize::Specification& spec,
-                          const optimize::OptimizeResult& result, const ResultTally& tally);
 
 }  // namespace gear3k::report

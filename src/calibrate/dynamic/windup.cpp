@@ -289,6 +289,12 @@ std::optional<WindupDiagnosis> diagnose_windup(const std::vector<MotionWindow>& 
     MotionEffect e;
     e.cause = change(cause);
     e.estimate = estimate(*best, cause);
+    if (most.size() == 2) {
+      // The other number is stated, not known: the interval holds what it leaves open.
+      const MotionEstimate open = estimate(full, cause);
+      e.estimate.low = std::min(e.estimate.low, open.low);
+      e.estimate.high = std::max(e.estimate.high, open.high);
+    }
     double without = null;
     for (const WindupFit& f : fits) {
       if (std::ranges::find(f.free, cause) != f.free.end()) {

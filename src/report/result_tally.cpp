@@ -1,0 +1,147 @@
+#include "report/result_tally.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+#include <tuple>
+#include <vector>
+
+#include "report/limits_report.hpp"
+#include "report/tooth_set_text.hpp"
+
+namespace gear3k::report {
+
+using optimize::OptimizeResult;
+using optimize::RefinedSet;
+using optimize::Specification;
+using optimize::Status;
+using optimize::ToothSearchResult;
+
+namespace {
+
+/// Whether a check of the load is missed.
+bool is_of_load(const optimize::Miss& miss) {
+  return std::ranges::any_of(design::check_records(), [&](const design::CheckRecord& record) {
+    return record.rating && record.name == miss.name;
+  });
+}
+
+}  // namespace
+
+ResultTally tally_of(const OptimizeResult& result) {
+  ResultTally tally;
+  // Sets that one constraint alone keeps from being feasible say most.
+  const auto key = [](const RefinedSet& s) {
+    const double violation = s.blocked_by.front().violation;
+    return std::tuple(s.status == Status::kInfeasible, s.blocked_together, !(violation > 0.0),
+                      violation, s.index);
+  };
+  optimize::for_each_set(result, [&](std::size_t, const std::optional<RefinedSet>& set) {
+    if (!set) {
+      ++tally.open;
+      return;
+    }
+    const auto status = static_cast<std::size_t>(set->status);
+    ++tally.status[status];
+    if (set->status == Status::kOptimal) return;
+    if (!reason_of(*set).empty()) ++tally.reasons[status][std::string(reason_of(*set))];
+    if (set->blocked_by.empty()) return;
+    if (!tally.nearest || key(*set) < key(*tally.nearest)) tally.nearest = set;
+    if (std::ranges::any_of(set->blocked_by, is_of_load)) ++tally.blocked_by_load;
+  });
+  return tally;
+}
+
+std::string optimize_counts_text(const OptimizeResult& result, const ResultTally& tally) {
+  std::string text = fmt::format("{} of {} tooth sets refined", result.refined.size(),
+                                 result.search.candidates.size());
+  for (std::size_t k = 0; k < optimize::kStatusCount; ++k) {
+    const auto status = static_cast<Status>(k);
+    if (tally.status[k] == 0) continue;
+    text += fmt::format("; {} {}", tally.status[k], optimize::kStatusNames[k]);
+    if (status == Status::kOptimal || status == Status::kBounded) continue;
+    std::string reasons;
+    for (const auto& [reason, n] : tally.reasons[k]) {
+      reasons += fmt::format("{}{} {}", reasons.empty() ? "" : ", ", reason, n);
+    }
+    if (!reasons.empty()) text += fmt::format(" ({})", reasons);
+  }
+  return text + "\n";
+}
+
+std::string blocking_text(const Specification& spec, const OptimizeResult& result,
+                          const ResultTally& tally) {
+  const ToothSearchResult& search = result.search;
+  if (search.within_ratio == 0) {
+    const std::string nearest =
+        search.nearest_ratio != 0.0
+            ? fmt::format("; the nearest that these tooth ranges reach is {:.6g}:1, {:.3g} % off",
+                          search.nearest_ratio,
+                          100.0 * std::abs(search.nearest_ratio / spec.ratio.target - 1.0))
+            : std::string(
+                  "; teeth.R1_max, teeth.R2_max or max_coaxial_offset leave no ring larger than "
+                  "its planet");
+    return fmt::format(
+        "no feasible design: blocked by ratio: no tooth set within {:g} % of {:g}:1{}",
+        100.0 * spec.ratio.tolerance, spec.ratio.target, nearest);
+  }
+  if (search.candidate_count() == 0) {
+    const auto worst = std::ranges::max_element(search.rejected);
+    const auto index = static_cast<std::size_t>(worst - search.rejected.begin());
+    std::string others;
+    for (std::size_t k = 0; k < optimize::kToothRejectionCount; ++k) {
+      if (k == index || search.rejected[k] == 0) continue;
+      others += fmt::format("{}{} {}", others.empty() ? "; of the others " : ", ",
+                            optimize::kToothRejectionNames[k], search.rejected[k]);
+    }
+    return fmt::format(
+        "no feasible design: blocked by {}: it rejects {} of the {} tooth sets within the "
+        "ratio{}{}",
+        optimize::kToothRejectionNames[index], *worst, search.within_ratio, others,
+        index == static_cast<std::size_t>(optimize::ToothRejection::kIdenticalPlanets)
+            ? " (identical_planets = false would allow individually phased planets)"
+            : "");
+  }
+  if (!tally.nearest) return "no feasible design: the solver failed on every tooth set";
+  const RefinedSet* nearest = &*tally.nearest;
+  std::map<std::string, std::size_t> reasons =
+      tally.reasons[static_cast<std::size_t>(Status::kNoFeasibleFound)];
+  for (const auto& [reason, count] : tally.reasons[static_cast<std::size_t>(Status::kInfeasible)]) {
+    reasons[reason] += count;
+  }
+  std::string counts;
+  for (const auto& [reason, count] : reasons) {
+    counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", reason, count);
+  }
+  const std::size_t failures = tally.status[static_cast<std::size_t>(Status::kFailed)];
+  const std::string failed =
+      failures > 0 ? fmt::format("; the solver failed on {} more, which may have designs", failures)
+                   : "";
+  const bool proven = nearest->status == Status::kInfeasible;
+  std::string misses;
+  for (const optimize::Miss& miss : nearest->blocked_by) {
+    const char* separator = nearest->blocked_together ? ", " : ", or ";
+    misses += fmt::format("{}{}", misses.empty() ? "" : separator, miss.name);
+    if (miss.violation > 0.0) {
+      misses += fmt::format(" by {}{:.4g}{}{}", proven ? "at least " : "", miss.amount,
+                            miss.unit.empty() ? "" : " ", miss.unit);
+    }
+  }
+  std::vector<std::string_view> names;
+  names.reserve(reasons.size() + nearest->blocked_by.size());
+  for (const auto& [reason, count] : reasons) names.emplace_back(reason);
+  for (const optimize::Miss& miss : nearest->blocked_by) names.push_back(miss.name);
+  const char* others = ", each with all other limits kept";
+  if (nearest->blocked_by.size() == 1) others = " with all other limits kept";
+  if (nearest->blocked_together) others = ", together";
+  if (proven) others = nearest->blocked_together ? ", together with other limits" : "";
+  return fmt::format(
+      "no feasible design: blocked by {}: the nearest set, {}, misses {}{}; sets by the constraint "
+      "that blocks them: {}{}{}",
+      reason_of(*nearest), teeth_text(nearest->candidate.teeth), misses, others, counts, failed,
+      preset_note(spec.limits, names));
+}
+
+}  // namespace gear3k::report

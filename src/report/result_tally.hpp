@@ -1,0 +1,34 @@
+#pragma once
+// What became of the tooth sets of a run of `optimize`, and what blocks a run without a design.
+
+#include <array>
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "optimize/optimizer.hpp"
+
+namespace gear3k::report {
+
+/// Counts over all tooth sets of a result.
+struct ResultTally {
+  std::array<std::size_t, optimize::kStatusCount> status{};
+  /// By status, how many sets each constraint blocks.
+  std::array<std::map<std::string, std::size_t>, optimize::kStatusCount> reasons;
+  std::size_t open = 0;  ///< not reached, as the run was interrupted
+  /// Of the sets without a feasible design the one that says most: found rather than proven so,
+  /// blocked by one constraint alone, by the least miss.
+  std::optional<optimize::RefinedSet> nearest;
+  std::size_t blocked_by_load = 0;  ///< sets that a limit of the load blocks, alone or among others
+};
+ResultTally tally_of(const optimize::OptimizeResult& result);
+
+/// Counts by status and reason, for the terminal.
+std::string optimize_counts_text(const optimize::OptimizeResult& result, const ResultTally& tally);
+
+/// Which constraint blocks a run without a feasible design, and by how much.
+std::string blocking_text(const optimize::Specification& spec,
+                          const optimize::OptimizeResult& result, const ResultTally& tally);
+
+}  // namespace gear3k::report
