@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "tests/cli/run_program.hpp"
+#include "tests/sample.hpp"
 
 namespace gear3k::resume_test {
 namespace {
@@ -86,8 +87,11 @@ Arguments optimize_arguments(const std::string& folder, bool certify, Arguments 
 /// With and without --certify.
 class Resume : public testing::TestWithParam<bool> {
  protected:
-  // 520 sets in five waves; with --certify about 90 in three.
-  static std::string task() { return long_task(GetParam() ? "0.004" : "0.005"); }
+  // 520 sets in five waves, in the long run 2200; with --certify about 90 in three.
+  static std::string task() {
+    if (GetParam()) return long_task(sample("0.004", "0.005"));
+    return long_task(sample("0.005", "0.02"));
+  }
 };
 
 TEST_P(Resume, AfterAKillGivesTheBytesOfAnUndisturbedRun) {
