@@ -188,8 +188,11 @@ void judge(const SelectionTask& task, const PairResult& values, double friction_
   judged.winding_K = state ? state->winding_K : std::nullopt;
   for (const auto& most : {task.max_winding_K, motor.motor.heat.max_winding_K}) {
     if (!state || !most) continue;
-    hold(PairLimit::kWinding, state->runaway ? kUnbounded : *state->winding_K - task.ambient_K,
-         *most - task.ambient_K);
+    // No motor is cooler than what is around it.
+    const double room_K = *most - task.ambient_K;
+    const bool kept = !state->runaway && room_K > 0.0;
+    hold(PairLimit::kWinding, kept ? *state->winding_K - task.ambient_K : kUnbounded,
+         kept ? room_K : 1.0);
   }
 }
 

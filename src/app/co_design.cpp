@@ -72,8 +72,10 @@ CoDesigned co_designed(const optimize::Specification& spec, const optimize::Opti
                     .train = train};
   actuator::MotorHeat& heat = found.actuator.motor.heat;
   heat.ambient_K = task.ambient_K;
-  const bool known = heat.winding_housing_K_W.has_value();
-  if (known && task.max_winding_K && !heat.max_winding_K) heat.max_winding_K = task.max_winding_K;
+  if (heat.winding_housing_K_W && task.max_winding_K) {
+    heat.max_winding_K =
+        std::min(*task.max_winding_K, heat.max_winding_K.value_or(*task.max_winding_K));
+  }
   const actuator::CatalogueMotor& motor = task.motors[chosen];
   if (!found.actuator.drive.bus_voltage_V) {
     found.actuator.drive.bus_voltage_V = motor.nominal_voltage_V;

@@ -134,6 +134,24 @@ TEST(Selection, WithoutAFeasiblePairNamesTheNearest) {
   EXPECT_EQ(selection.nearest->excess, least);
 }
 
+TEST(Selection, NoMotorKeepsALimitOfItsWindingBelowItsSurroundings) {
+  SelectionTask task = knee_task(9);
+  task.ambient_K = 273.15 + 50.0;
+  std::size_t known = 0;
+  for (actuator::CatalogueMotor& motor : task.motors) {
+    if (!motor.motor.heat.winding_housing_K_W) continue;
+    motor.motor.heat.max_winding_K = 273.15 + 40.0;
+    ++known;
+  }
+  EXPECT_GT(known, 3U);
+  for (std::size_t m = 0; m < task.motors.size(); ++m) {
+    const PairResult r = run_pair(task, {.motor = m, .gearbox = 0});
+    if (!task.motors[m].motor.heat.max_winding_K) continue;
+    EXPECT_GT(r.excess, 0.0) << task.motors[m].name;
+    EXPECT_EQ(r.limit, actuator::PairLimit::kWinding) << task.motors[m].name;
+  }
+}
+
 TEST(Moments, GiveTheSquareTorqueOfTheExactCycle) {
   actuator::Actuator a = hip_reference();
   a.motor.coulomb_Nm = 0.003;

@@ -98,6 +98,29 @@ TEST(OptimizeCycleEnergy, TellsAllErrorsOfItsKeysAndFilesAtOnce) {
   }
 }
 
+TEST(OptimizeCycleEnergy, HoldsAWindingToTheLowerLimitAndToNoneBelowItsSurroundings) {
+  const Workplace place;
+  write_parts(place);
+  place.write("m.toml",
+              "[motor]\nresistance_ohm = 0.6\ntorque_constant_nm_per_a = 0.04\n"
+              "rotor_inertia_kgm2 = 2e-5\nwinding_housing_k_per_w = 1.0\nmax_winding_c = 110.0\n"
+              "[gearbox]\nratio = 45.0\nefficiency_forward = 0.9\nefficiency_backward = 0.9\n");
+  const auto run = [&](const std::string& limits) {
+    place.write("spec.toml", "objective = \"cycle_energy\"\n" + kGears +
+                                 "[actuator]\nmotor = \"m.toml\"\n[actuator.limits]\n" + limits +
+                                 "[cycle]\nfiles = \"c.csv\"\n");
+    return place.run({"optimize", "spec.toml", "--certify", "--quiet", "--force", "--out", "out"});
+  };
+  ASSERT_EQ(run("max_winding_c = 90.0\n").exit_code, 0);
+  EXPECT_NE(place.read("out/actuator.toml").find("max_winding_c = 90.0\n"), std::string::npos);
+  const ProgramResult hot = run("ambient_c = 120.0\n");
+  EXPECT_EQ(hot.exit_code, 2);
+  EXPECT_NE(hot.err.find("m.toml: motor.max_winding_c = 110: allowed: above "
+                         "actuator.limits.ambient_c = 120"),
+            std::string::npos)
+      << hot.err;
+}
+
 TEST(OptimizeCycleEnergy, WithoutAMotorWithinItsLimitsEndsWith3AndNamesTheNearest) {
   const Workplace place;
   place.write("motors.csv", kMotors);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <optional>
 #include <utility>
 
 #include "efficiency/friction_law.hpp"
@@ -11,12 +12,24 @@
 #include "io/files/selection_file.hpp"
 #include "io/text/diagnostics.hpp"
 #include "io/text/file_reader.hpp"
+#include "units/units.hpp"
 
 namespace gear3k::io {
 
 namespace {
 
 constexpr std::size_t kMostMotorBytes = std::size_t{1} << 26U;
+
+/// @throws InvalidInput where no current at all keeps the winding's limit
+void refuse_hot_surroundings(const actuator::Motor& motor, double ambient_K,
+                             const std::string& path) {
+  const std::optional<double>& most_K = motor.heat.max_winding_K;
+  if (!most_K || *most_K > ambient_K) return;
+  throw InvalidInput(
+      fmt::format("{}: motor.max_winding_c = {:g}: allowed: above actuator.limits.ambient_c = {:g}",
+                  path, units::from_si(*most_K, units::Unit::kCelsius),
+                  units::from_si(ambient_K, units::Unit::kCelsius)));
+}
 
 }  // namespace
 
@@ -35,6 +48,7 @@ std::shared_ptr<const actuator::CoDesign> read_co_design(const CoDesignInput& in
     errors.attempt([&] {
       const std::string path = source(input.motor);
       const actuator::Actuator stated = read_actuator(path);
+      refuse_hot_surroundings(stated.motor, task.ambient_K, path);
       task.motors.push_back(
           {.name = stated.name.empty() ? std::filesystem::path(path).stem().string() : stated.name,
            .motor = stated.motor,
