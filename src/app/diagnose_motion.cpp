@@ -83,27 +83,33 @@ void refuse_unfit(const std::vector<MotionWindow>& windows, const DriveParameter
   }
 }
 
-/// The stated actuator with what the logs have found.
-actuator::Actuator found_actuator(const actuator::Actuator& stated, const MotionDiagnosis& d) {
+/// The stated actuator with what the logs have found; what no effect changes stays to the last bit.
+actuator::Actuator found_actuator(const actuator::Actuator& stated, const DriveParameters& drive,
+                                  const MotionDiagnosis& d) {
   actuator::Actuator a = stated;
   const DriveParameters& f = d.drive;
-  const double i = a.gearbox.ratio;
+  const double i = std::abs(a.gearbox.ratio);
+  const auto add = [](double& value, double more) { value = std::max(0.0, value + more); };
   // What is found is of both inertias of the fast side; the rotor takes it as far as it goes.
-  const double fast = f.motor_inertia_kgm2 / (i * i);
-  a.motor.rotor_inertia_kgm2 = std::max(0.0, fast - a.gearbox.input_inertia_kgm2);
-  a.gearbox.input_inertia_kgm2 = std::max(0.0, fast - a.motor.rotor_inertia_kgm2);
-  a.motor.viscous_Nms = std::max(0.0, f.motor_viscous_Nms / (i * i));
-  const double motor_rest = a.motor.static_Nm - a.motor.coulomb_Nm;
-  a.motor.coulomb_Nm = std::max(0.0, f.motor_coulomb_Nm / std::abs(i));
-  a.motor.static_Nm = a.motor.coulomb_Nm + motor_rest;
+  const double fast = (f.motor_inertia_kgm2 - drive.motor_inertia_kgm2) / (i * i);
+  const double gears = std::min(0.0, fast + a.motor.rotor_inertia_kgm2);
+  add(a.motor.rotor_inertia_kgm2, fast);
+  add(a.gearbox.input_inertia_kgm2, gears);
+  add(a.motor.viscous_Nms, (f.motor_viscous_Nms - drive.motor_viscous_Nms) / (i * i));
+  add(a.motor.coulomb_Nm, (f.motor_coulomb_Nm - drive.motor_coulomb_Nm) / i);
+  a.motor.static_Nm += a.motor.coulomb_Nm - stated.motor.coulomb_Nm;
   a.motor.torque_constant_Nm_A *= f.torque_gain;
-  a.gearbox.output_inertia_kgm2 = std::max(0.0, f.output_inertia_kgm2);
-  a.gearbox.viscous_Nms = std::max(0.0, f.output_viscous_Nms);
-  const double output_rest = a.gearbox.static_Nm - a.gearbox.coulomb_Nm;
-  a.gearbox.coulomb_Nm = std::max(0.0, f.output_coulomb_Nm);
-  a.gearbox.static_Nm = a.gearbox.coulomb_Nm + output_rest;
-  a.gearbox.efficiency_forward = std::min(1.0, f.efficiency_forward);
-  a.gearbox.efficiency_backward = std::min(1.0, f.efficiency_backward);
+  add(a.gearbox.output_inertia_kgm2, f.output_inertia_kgm2 - drive.output_inertia_kgm2);
+  add(a.gearbox.viscous_Nms, f.output_viscous_Nms - drive.output_viscous_Nms);
+  add(a.gearbox.coulomb_Nm, f.output_coulomb_Nm - drive.output_coulomb_Nm);
+  a.gearbox.static_Nm += a.gearbox.coulomb_Nm - stated.gearbox.coulomb_Nm;
+  const bool losses = std::ranges::any_of(d.effects, [](const calibrate::MotionEffect& e) {
+    return e.cause == calibrate::kLevelChange || e.cause == calibrate::kDirectionChange;
+  });
+  if (losses) {
+    a.gearbox.efficiency_forward = std::min(1.0, f.efficiency_forward);
+    a.gearbox.efficiency_backward = std::min(1.0, f.efficiency_backward);
+  }
   for (const calibrate::MotionEffect& e : d.effects) {
     if (e.cause == calibrate::kClearanceChange) {
       a.gearbox.backlash_rad =
@@ -175,7 +181,7 @@ report::MotionDiagnosisResult diagnose_motion(const DiagnoseMotionRequest& reque
                                                result.diagnosis.rows, chain.ratio);
   result.model = fmt::format("# {} with what gear3k diagnose found in {}\n{}",
                              a.name.empty() ? std::string("actuator") : a.name, files,
-                             io::actuator_text(found_actuator(a, result.diagnosis)));
+                             io::actuator_text(found_actuator(a, drive, result.diagnosis)));
   auto& notes = result.diagnosis.notes;
   notes.insert(notes.begin(), record.notes.begin(), record.notes.end());
   return result;

@@ -86,6 +86,12 @@ TEST(DiagnoseMotion, NamesTheLossesThatTheLogWasMadeWith) {
       place.run({"diagnose", "out/model.toml", "m.csv", "--format", "json"});
   ASSERT_EQ(again.exit_code, 0) << again.err;
   EXPECT_EQ(json::parse(again.out).at("verdict"), "no_discrepancy");
+  // What was not found stays as it was stated.
+  for (const std::string value : {"rotor_inertia_kgm2 = 1.81e-05\n", "input_inertia_kgm2 = 1e-06\n",
+                                  "backdriving_torque_nm = 1.0\n", "coulomb_torque_nm = 0.5\n",
+                                  "viscous_nms_per_rad = 0.02\n"}) {
+    EXPECT_NE(place.read("out/model.toml").find(value), std::string::npos) << value;
+  }
   const ProgramResult actuator = place.run({"actuator", "out/model.toml"});
   EXPECT_EQ(actuator.exit_code, 0) << actuator.err;
 }
@@ -187,6 +193,17 @@ TEST(DiagnoseMotion, WhatItCannotTakeExitsWithTwo) {
   refused({"diagnose", "d.toml", "m.csv"}, "d.toml");
   place.write("still.csv", scaled(example("measurements/knee_motion.csv"), 1, 0.0));
   refused({"diagnose", "a.toml", "still.csv"}, "too few stretches");
+  // The same log twice would be twice as sure.
+  place.write("copy.csv", "\xEF\xBB\xBF" + example("measurements/knee_motion.csv"));
+  place.write("again.csv", place.read("copy.csv"));
+  refused({"diagnose", "a.toml", "copy.csv", "again.csv"},
+          "again.csv: holds the same bytes as copy.csv: allowed: each file once");
+  place.write("nameless.csv", "time_s,speed_rad_s,motor_torque_nm\n0,1,1\n");
+  refused({"diagnose", "a.toml", "nameless.csv"},
+          "is missing, allowed: transmission, lost_motion, torque_angle, pair_loss, dynamic (of an "
+          "ACTUATOR)");
+  place.write("slip.csv", "# kind: dynamik\ntime_s,speed_rad_s,motor_torque_nm\n0,1,1\n");
+  refused({"diagnose", "a.toml", "slip.csv"}, "did you mean dynamic?");
   refused({"diagnose", "a.toml", "m.csv", "--seed", "2"}, "--seed: no effect on logs of motion");
 }
 

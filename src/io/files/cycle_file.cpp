@@ -189,9 +189,7 @@ actuator::Cycle read_cycle(const std::string& path) {
 }
 
 actuator::Cycle parse_cycle(std::string_view text, const std::string& name) {
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
-  return CycleReader(name).read(text);
+  return CycleReader(name).read(without_mark(text));
 }
 
 }  // namespace gear3k::io

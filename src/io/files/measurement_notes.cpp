@@ -31,23 +31,29 @@ std::optional<Note> note_of(const TextLines& lines) {
               .line = lines.number()};
 }
 
+/// Of logs of motion, which are read by themselves.
+const std::string kMotionKind = "dynamic";
+
 /// Which of these words a note says; -1 where it is none of them.
+/// @param elsewhere  a word that other files of the command say; "" for none
 template <class Words>
-int choice(const Note& note, const Words& words, Complaints& complaints) {
+int choice(const Note& note, const Words& words, Complaints& complaints,
+           const std::string& elsewhere = "") {
   for (std::size_t k = 0; k < words.size(); ++k) {
     if (words[k] == note.word) return static_cast<int>(k);
   }
-  const std::vector<std::string> known(words.begin(), words.end());
+  std::vector<std::string> known(words.begin(), words.end());
+  if (!elsewhere.empty()) known.push_back(elsewhere);
   const std::string near = closest_word(std::string(note.word), known);
   complaints.add(
       {.line = note.line, .column = 1},
-      fmt::format("# {}: {}: allowed: {}{}", note.key, note.word, fmt::join(words, " or "),
+      fmt::format("# {}: {}: allowed: {}{}", note.key, note.word, fmt::join(known, " or "),
                   near.empty() ? "" : fmt::format("; did you mean {}?", near)));
   return -1;
 }
 
 void read_kind(const Note& note, MeasurementNotes& notes, Complaints& complaints) {
-  const int k = choice(note, calibrate::kKindNames, complaints);
+  const int k = choice(note, calibrate::kKindNames, complaints, kMotionKind);
   notes.kind_stated = true;
   if (k < 0) return;
   const auto kind = static_cast<Kind>(k);
@@ -112,8 +118,9 @@ void check_notes(const MeasurementNotes& notes, const std::vector<std::string>& 
                  Complaints& complaints) {
   if (!notes.kind) {
     if (notes.kind_stated) return;
-    std::string message = fmt::format("the note \"# kind: ...\" is missing, allowed: {}",
-                                      fmt::join(calibrate::kKindNames, ", "));
+    std::string message =
+        fmt::format("the note \"# kind: ...\" is missing, allowed: {}, {} (of an ACTUATOR)",
+                    fmt::join(calibrate::kKindNames, ", "), kMotionKind);
     const std::string near = closest_word("kind", notes.keys);
     if (!near.empty()) {
       message += fmt::format("; \"# {}:\" was meant?", near);

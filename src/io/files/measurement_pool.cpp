@@ -9,6 +9,7 @@
 
 #include "io/files/measurement_repetitions.hpp"
 #include "io/text/diagnostics.hpp"
+#include "io/text/text_lines.hpp"
 
 namespace gear3k::io {
 
@@ -133,9 +134,7 @@ void MeasurementPool::add(const std::string& path, std::string_view text) {
       return;
     }
   }
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-  file.content = read_measurement_text(
-      path, text.starts_with(kByteOrderMark) ? text.substr(kByteOrderMark.size()) : text);
+  file.content = read_measurement_text(path, without_mark(text));
   if (!file.content.notes.kind) return;
   // The fingerprint goes on from file to file.
   std::uint64_t& hash = fingerprint_[static_cast<std::size_t>(*file.content.notes.kind)];

@@ -5,11 +5,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <map>
 #include <optional>
+#include <utility>
 
 #include "io/text/complaints.hpp"
 #include "io/text/csv_table.hpp"
 #include "io/text/file_reader.hpp"
+#include "io/text/fnv_hash.hpp"
 #include "io/text/printable.hpp"
 #include "io/text/text_lines.hpp"
 
@@ -43,7 +47,7 @@ constexpr std::array<std::string_view, kLogColumnCount> kLogColumns{
 constexpr std::string_view kTemperatureColumn = "temperature_c", kRunColumn = "run";
 
 struct LogNotes {
-  bool dynamic = false, of_actuator = false;
+  bool dynamic = false, other_kind = false, of_actuator = false;
   std::optional<double> load_kgm2{};
 };
 
@@ -82,7 +86,10 @@ void read_log_note(const LogNote& note, int line, LogFile& file) {
   };
   if (note.key == "kind") {
     file.notes.dynamic = note.word == "dynamic";
-    if (!file.notes.dynamic) wrong("dynamic (other kinds are diagnosed apart from logs of motion)");
+    file.notes.other_kind = !file.notes.dynamic;
+    if (file.notes.other_kind) {
+      wrong("dynamic (other kinds are diagnosed apart from logs of motion)");
+    }
   } else if (note.key == "torque") {
     file.notes.of_actuator = note.word == "actuator";
     if (note.word != "actuator" && note.word != "load") wrong("load or actuator");
@@ -148,7 +155,7 @@ void read_log_row(const CsvFields& fields, int line, LogFile& file,
     const std::optional<double> value = csv_number(field);
     if (!value || !(std::abs(*value) <= kLargest)) {
       file.complaints.add({.line = line, .column = fields.column(*file.place.at(c))}, [&] {
-        return fmt::format("{} = {}: allowed: a number, -1e9 to 1e9", kLogColumns.at(c), field);
+        return fmt::format("{} = \"{}\": allowed: a number, -1e9 to 1e9", kLogColumns.at(c), field);
       });
       right = false;
     } else {
@@ -191,6 +198,7 @@ LogFile read_log(std::string_view text) {
     if (line.empty()) continue;
     if (const auto note = log_note(line)) {
       read_log_note(*note, lines.number(), file);
+      if (file.notes.other_kind) return file;
     } else if (line.front() == '#') {
       continue;
     } else if (file.header_line == 0) {
@@ -210,6 +218,11 @@ LogFile read_log(std::string_view text) {
     file.complaints.add({},
                         "the note \"# kind: dynamic\" is missing, as another file of the same "
                         "command has it: allowed: logs of motion by themselves");
+  }
+  if (file.complaints.none() && file.header_line == 0) {
+    file.complaints.add({},
+                        "no header: allowed: columns time_s, speed_rad_s or angle_rad, and "
+                        "motor_torque_nm or motor_current_a");
   }
   if (file.complaints.none() && file.rows.line.size() < kFewestRows) {
     file.complaints.add(
@@ -420,7 +433,7 @@ void cut_log(LogFile& file, const std::string& path, const MotionLogScale& scale
 
 void add_log(const std::string& path, std::string_view text, const MotionLogScale& scale,
              calibrate::MotionRecord& record, CollectedErrors& errors) {
-  LogFile file = read_log(text);
+  LogFile file = read_log(without_mark(text));
   record.files.push_back(path);
   if (file.complaints.none() && !file.place[kLogMotorTorque] &&
       !(scale.torque_constant_Nm_A > 0.0)) {
@@ -439,7 +452,7 @@ bool any_motion_log(const std::vector<std::string>& paths) {
   return std::ranges::any_of(paths, [](const std::string& path) {
     const FileBytes file = read_bytes(path, "a CSV file", kMostLogBytes);
     if (!file.failure.empty()) return false;
-    TextLines lines(file.bytes);
+    TextLines lines(without_mark(file.bytes));
     while (lines.next()) {
       if (lines.line().empty()) continue;
       if (lines.line().front() != '#') return false;
@@ -454,12 +467,23 @@ calibrate::MotionRecord read_motion_logs(const std::vector<std::string>& paths,
                                          const MotionLogScale& scale) {
   calibrate::MotionRecord record;
   CollectedErrors errors;
+  std::map<std::pair<std::uint64_t, std::size_t>, std::string> seen;  // paths by hash and size
   for (const std::string& path : paths) {
     const FileBytes file = read_bytes(path, "a CSV file", kMostLogBytes);
-    if (file.failure.empty()) {
+    const auto refuse = [&](const std::string& why) {
+      errors.attempt([&] { throw InvalidInput(fmt::format("{}: {}", path, why)); });
+    };
+    if (!file.failure.empty()) {
+      refuse(file.failure);
+      continue;
+    }
+    const auto [other, is_new] =
+        seen.try_emplace({hashed(kHashBasis, file.bytes), file.bytes.size()}, path);
+    if (is_new) {
       add_log(path, file.bytes, scale, record, errors);
     } else {
-      errors.attempt([&] { throw InvalidInput(fmt::format("{}: {}", path, file.failure)); });
+      // Twice the same rows would be twice as sure of what they say.
+      refuse(fmt::format("holds the same bytes as {}: allowed: each file once", other->second));
     }
   }
   errors.raise();

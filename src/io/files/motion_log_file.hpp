@@ -30,7 +30,7 @@ bool any_motion_log(const std::vector<std::string>& paths);
 /// value for eight samples and more (clipped, left out).
 /// @throws InvalidInput with all errors of all files: time that does not increase within a run,
 /// numbers that are none, columns or notes that are missing or wrong, a signal clipped in more
-/// than half of its rows
+/// than half of its rows, a file with the same bytes as one before
 calibrate::MotionRecord read_motion_logs(const std::vector<std::string>& paths,
                                          const MotionLogScale& scale);
 /// The same of a text; `path` stands for the file in messages.

@@ -119,9 +119,7 @@ class TimeTableReader {
 
 void parse_time_table(std::string_view text, const std::string& name,
                       const std::vector<std::string>& columns, motion::Signal& signal) {
-  constexpr std::string_view kMark = "\xEF\xBB\xBF";
-  if (text.starts_with(kMark)) text.remove_prefix(kMark.size());
-  TimeTableReader(name, columns).read(text, signal);
+  TimeTableReader(name, columns).read(without_mark(text), signal);
 }
 
 }  // namespace gear3k::io

@@ -8,6 +8,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "io/text/text_lines.hpp"
+
 namespace gear3k::io {
 
 bool CsvFields::split(std::string_view line) {
@@ -93,9 +95,7 @@ CsvTable parse_csv(const std::string& text, const std::string& name,
                    std::vector<Diagnostic>& diagnostics) {
   CsvTable table;
   table.name = name;
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-  std::istringstream stream(text.starts_with(kByteOrderMark) ? text.substr(kByteOrderMark.size())
-                                                             : text);
+  std::istringstream stream{std::string(without_mark(text))};
   std::string line;
   CsvFields fields;
   const auto copied = [&] {

@@ -414,7 +414,7 @@ TEST(Measurements, HundredThousandRowsKeepEveryValue) {
 TEST(Measurements, AMissingKindIsToldFromTheColumns) {
   expect_in(
       "data.csv: the note \"# kind: ...\" is missing, allowed: transmission, lost_motion, "
-      "torque_angle, pair_loss; the columns are those of pair_loss",
+      "torque_angle, pair_loss, dynamic (of an ACTUATOR); the columns are those of pair_loss",
       errors_of("driving_teeth,driven_teeth,loss_factor\n16,80,0.03\n"));
   expect_in("\"# Kind:\" was meant?", errors_of("# Kind: pair_loss\na,b\n"));
 }
@@ -422,7 +422,7 @@ TEST(Measurements, AMissingKindIsToldFromTheColumns) {
 TEST(Measurements, AnUnknownKindHasADidYouMean) {
   expect_in(
       "data.csv:2:1: # kind: transmision: allowed: transmission or lost_motion or "
-      "torque_angle or pair_loss; did you mean transmission?",
+      "torque_angle or pair_loss or dynamic; did you mean transmission?",
       errors_of("# source: x\n# kind: transmision\na,b\n1,2\n"));
 }
 

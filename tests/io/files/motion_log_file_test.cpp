@@ -70,8 +70,8 @@ TEST(MotionLogFile, EveryErrorIsToldWithItsPlace) {
   const std::string error =
       error_of(kHead + rows(0, 50) + "0.1,1,1,1\n0.9,x,1,1\n1,1,nan,1\n1,1\n");
   EXPECT_TRUE(has(error, "m.csv:53:1: time_s = 0.1 after 0.49 in line 52")) << error;
-  EXPECT_TRUE(has(error, "m.csv:54:5: speed_rad_s = x: allowed: a number")) << error;
-  EXPECT_TRUE(has(error, "m.csv:55:5: motor_current_a = nan")) << error;
+  EXPECT_TRUE(has(error, "m.csv:54:5: speed_rad_s = \"x\": allowed: a number")) << error;
+  EXPECT_TRUE(has(error, "m.csv:55:5: motor_current_a = \"nan\"")) << error;
   EXPECT_TRUE(has(error, "m.csv:56:1: 2 fields, allowed: 4")) << error;
 }
 
@@ -79,8 +79,11 @@ TEST(MotionLogFile, ColumnsAndNotesThatAreMissingOrWrong) {
   const std::string none = error_of("# kind: dynamic\ntime_s,speed_rad,motor_torque_nm\n1,2,3\n");
   EXPECT_TRUE(has(none, "m.csv:2:1: column speed_rad_s or angle_rad is missing")) << none;
   EXPECT_TRUE(has(none, "speed_rad_s was meant?")) << none;
-  EXPECT_TRUE(
-      has(error_of("# kind: transmission\n" + rows(0, 2)), "# kind: transmission: allowed"));
+  // Of another kind nothing else is told.
+  EXPECT_EQ(error_of("# kind: transmission\ndirection,sun_speed_rpm\n" + rows(0, 2)),
+            "m.csv:1:1: # kind: transmission: allowed: dynamic (other kinds are diagnosed apart "
+            "from logs of motion)");
+  EXPECT_TRUE(has(error_of("# kind: dynamic\n"), "m.csv: no header: allowed: columns time_s"));
   EXPECT_TRUE(
       has(error_of("# torque: motor\n" + kHead + rows(0, 60)), "m.csv:1:1: # torque: motor"));
   EXPECT_TRUE(has(error_of("# load_inertia_kgm2: -1\n" + kHead + rows(0, 60)),
@@ -89,6 +92,18 @@ TEST(MotionLogFile, ColumnsAndNotesThatAreMissingOrWrong) {
   std::string flat = kHead + rows(0, 20);
   for (int k = 20; k < 60; ++k) flat += fmt::format("{:.3f},{},99,2\n", 0.01 * k, k);
   EXPECT_TRUE(has(error_of(flat), "motor_current_a is at its limit in 40 of 60 rows"));
+}
+
+TEST(MotionLogFile, AByteOrderMarkAndEndsOfLinesOfAnotherSystemChangeNothing) {
+  std::string text;
+  for (const char c : kHead + rows(0, 60)) {
+    if (c == '\n') text += '\r';
+    text += c;
+  }
+  const auto record = parse_motion_log("m.csv", "\xEF\xBB\xBF" + text, kScale);
+  ASSERT_EQ(record.stretches.size(), 1U);
+  EXPECT_EQ(record.stretches[0].motor_Nm,
+            parse_motion_log("m.csv", kHead + rows(0, 60), kScale).stretches[0].motor_Nm);
 }
 
 TEST(MotionLogFile, ARunOfItsOwnMayBeginItsClockAnew) {
