@@ -292,9 +292,12 @@ std::string impedance_text(const ActuatorResult& result) {
     table.add(
         {fmt::format("{:.5g}", p.frequency_Hz), linear[0], linear[1], harmonic[0], harmonic[1]});
   }
-  return fmt::format("\nImpedance of the output, motor {}; first harmonic at {:g} rad\n",
-                     kTerminalNames[static_cast<std::size_t>(result.impedance_task->motor)],
-                     result.impedance_task->amplitude_rad) +
+  const actuator::ImpedanceTask& task = *result.impedance_task;
+  const std::string harmonic = task.amplitude_rad > 0.0
+                                   ? fmt::format("first harmonic at {:g} rad", task.amplitude_rad)
+                                   : "no first harmonic without an amplitude";
+  return fmt::format("\nImpedance of the output, motor {}; {}\n",
+                     kTerminalNames[static_cast<std::size_t>(task.motor)], harmonic) +
          table.text(0) +
          causes_text("by cause, complex sum", result.impedance, &ImpedancePoint::causes) +
          causes_text("of the first harmonic", result.impedance, &ImpedancePoint::harmonic_causes);

@@ -296,7 +296,8 @@ std::string comparison_table(std::span<const ComparedDesign> designs, int column
     const ComparedDesign& one = designs[k];
     const auto failed = std::ranges::count(one.evaluation.checks, false, &CheckResult::ok);
     const std::string name = one.label == labels[k] ? labels[k] : labels[k] + "  " + one.label;
-    text += broken(fmt::format("{} ({}): {}, checks that fail: {}", name, one.file,
+    const std::string file = one.label == one.file ? "" : fmt::format(" ({})", one.file);
+    text += broken(fmt::format("{}{}: {}, checks that fail: {}", name, file,
                                teeth_text(one.evaluation.teeth), failed),
                    columns, kFurther);
   }

@@ -160,10 +160,10 @@ std::string selection_json(const SelectionTask& task, const Selection& selection
 }
 
 std::string selection_table(const SelectionTask& task, const Selection& selection) {
-  std::string text =
-      fmt::format("{}: {} motors x {} gearboxes = {} pairs, {} cycles run; front of {}\n",
-                  task.name, task.motors.size(), task.gearboxes.size(), selection.verdicts.size(),
-                  selection.run, selection.front.size());
+  std::string text = fmt::format(
+      "{}: {} motors x {} gearboxes = {} pairs, {} cycles run; front of {}\n",
+      task.name.empty() ? "selection" : task.name, task.motors.size(), task.gearboxes.size(),
+      selection.verdicts.size(), selection.run, selection.front.size());
   std::vector<std::string> heads{"motor",  "gearbox", "ratio",  "energy J",     "mass kg",
                                  "A peak", "A rms",   "V peak", "inertia kg m2"};
   // What is felt, where it is limited.

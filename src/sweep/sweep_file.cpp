@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "io/files/document_kind.hpp"
 #include "io/files/specification_file.hpp"
 #include "io/keys/material_keys.hpp"
 #include "io/keys/strength_keys.hpp"
@@ -123,6 +124,10 @@ Sweep read_sweep(const std::string& path) {
   io::FileReading reading(path);
   std::optional<TomlValue> task = taken(document, "task", reading);
   const std::optional<TomlValue> vary = taken(document, "vary", reading);
+  if (!task && std::ranges::find(document.table, "spec", &TomlValue::key) == document.table.end()) {
+    io::refuse_other_documents(document, path, {},
+                               "SWEEP takes a file with spec = \"SPEC.toml\" or [task]");
+  }
   SweepInput input;
   io::read_by_schema(document, sweep_schema(), input, reading);
   sweep.name = input.name;

@@ -375,12 +375,12 @@ std::vector<BadInput> design_inputs() {
       bad_design("UnknownCheckHasADidYouMean", kDesign + "[limits]\ntip_thicknes = 0.3\n",
                  {"gear.toml:17:1: unknown key limits.tip_thicknes; did you mean "
                   "limits.tip_thickness?"}),
-      bad_design("SpecificationForADesign", kSpec,
-                 {"gear.toml:3:2: unknown table [ratio]", "gear.toml:5:2: unknown table [teeth]",
-                  "stage1.module_mm is missing"}),
-      bad_design("PairForADesign", kPair,
-                 {"gear.toml:1:1: unknown key kind", "gear.toml:3:2: unknown table [gear1]",
-                  "gears.S.teeth is missing"}),
+      bad_design(
+          "SpecificationForADesign", kSpec,
+          {"gear.toml: looks like a SPEC: it has [ratio]; DESIGN takes a file with [gears]"}),
+      bad_design(
+          "PairForADesign", kPair,
+          {"gear.toml: looks like a PAIR: it has [gear1]; DESIGN takes a file with [gears]"}),
       bad_design("AllErrorsAtOnce",
                  replaced(replaced(replaced(replaced(kDesign, "planets = 3", "planets = -1"),
                                             "module_mm = 0.8\n", "module_mm = nan\n"),
@@ -411,8 +411,8 @@ std::vector<BadInput> pair_inputs() {
       bad_pair("PairIsoRingWithPositiveTeeth", "sign_convention = \"iso21771\"\n" + kPair,
                {"pair.toml:7:1: gear2.teeth = 24: allowed: at most -3", "iso21771"}),
       bad_pair("DesignForAPair", kDesign,
-               {"pair.toml:2:1: unknown key planets", "pair.toml:8:2: unknown table [gears]",
-                "kind is missing"}),
+               {"pair.toml: looks like a DESIGN: it has [gears]; PAIR takes a file with [gear1] "
+                "and [gear2]"}),
       bad_pair(
           "PairErrorsAtOnce",
           replaced(replaced(kPair, "module_mm = 3.0", "module_mm = -3.0"), "profile_shift",
@@ -465,8 +465,8 @@ std::vector<BadInput> specification_inputs() {
                {"spec.toml:1:1: planets = []: allowed: an integer or a list of integers"}),
       bad_spec(
           "DesignForASpecification", kDesign,
-          {"spec.toml:5:1: unknown key stage1.module_mm", "spec.toml:8:2: unknown table [gears]",
-           "ratio.target is missing", "teeth.S is missing"}),
+          {"spec.toml: looks like a DESIGN: it has [gears]; SPEC takes a file with [ratio] and "
+           "[teeth]"}),
       bad_spec(
           "SpecErrorsAtOnce",
           replaced(replaced(replaced(kSpec, "[12, 13]", "[13, 12]"), "R2_max", "R2_mx"),

@@ -8,6 +8,7 @@
 
 #include "backlash/thickness_allowance.hpp"
 #include "design/rating_inputs.hpp"
+#include "io/files/document_kind.hpp"
 #include "io/files/strength_task.hpp"
 #include "io/keys/axial_keys.hpp"
 #include "io/keys/cutter_keys.hpp"
@@ -367,13 +368,23 @@ design::PairDesign pair_from(const TomlValue& document, const std::string& name)
 
 }  // namespace
 
-design::Design read_design(const std::string& path) { return design_from(read_toml(path), path); }
+design::Design read_design(const std::string& path) {
+  const TomlValue document = read_toml(path);
+  refuse_other_documents(document, path, {DocumentKind::kDesign},
+                         "DESIGN takes a file with [gears]");
+  return design_from(document, path);
+}
 
 design::Design parse_design(const std::string& text, const std::string& name) {
   return design_from(parse_toml(text, name), name);
 }
 
-design::PairDesign read_pair(const std::string& path) { return pair_from(read_toml(path), path); }
+design::PairDesign read_pair(const std::string& path) {
+  const TomlValue document = read_toml(path);
+  refuse_other_documents(document, path, {DocumentKind::kPair},
+                         "PAIR takes a file with [gear1] and [gear2]");
+  return pair_from(document, path);
+}
 
 design::PairDesign parse_pair(const std::string& text, const std::string& name) {
   return pair_from(parse_toml(text, name), name);

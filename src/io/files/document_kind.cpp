@@ -13,14 +13,15 @@ namespace gear3k::io {
 namespace {
 
 /// By DocumentKind.
-constexpr std::array<std::string_view, 8> kNames{"",
+constexpr std::array<std::string_view, 9> kNames{"",
                                                  "a DESIGN",
                                                  "a PAIR",
                                                  "a SPEC",
                                                  "a black box",
                                                  "a model.toml of diagnose",
                                                  "an ACTUATOR",
-                                                 "a SCENARIO"};
+                                                 "a SCENARIO",
+                                                 "a SPEC of a selection"};
 
 const TomlValue* member(const TomlValue& document, std::string_view key) {
   const auto found = std::ranges::find(document.table, key, &TomlValue::key);
@@ -42,24 +43,37 @@ bool describes_gears(const TomlValue& document) {
   return gears.empty() || !std::ranges::all_of(gears, of_material_only);
 }
 
+/// All kinds that a document has a sign of, the most telling first.
+std::vector<DocumentLook> looks_of(const TomlValue& document) {
+  using enum DocumentKind;
+  std::vector<DocumentLook> looks;
+  const auto add_table = [&](DocumentKind kind, std::string_view key) {
+    if (!has_table(document, key)) return false;
+    looks.push_back({.kind = kind, .sign = fmt::format("[{}]", key)});
+    return true;
+  };
+  for (const std::string_view kind : calibrate::kKindNames) {
+    if (add_table(kModel, kind)) break;
+  }
+  add_table(kScenario, "control");
+  if (!add_table(kActuator, "motor")) {
+    if (member(document, "gearboxes") != nullptr) {
+      looks.push_back({.kind = kSelection, .sign = "gearboxes"});
+    } else {
+      add_table(kBlackBox, "gearbox");
+    }
+  }
+  if (describes_gears(document)) looks.push_back({.kind = kDesign, .sign = "[gears]"});
+  if (!add_table(kPair, "gear1")) add_table(kPair, "gear2");
+  if (!add_table(kSpecification, "ratio")) add_table(kSpecification, "teeth");
+  return looks;
+}
+
 }  // namespace
 
 DocumentLook look_of(const TomlValue& document) {
-  using enum DocumentKind;
-  for (const std::string_view kind : calibrate::kKindNames) {
-    if (has_table(document, kind)) return {.kind = kModel, .sign = fmt::format("[{}]", kind)};
-  }
-  if (has_table(document, "control")) return {.kind = kScenario, .sign = "[control]"};
-  if (has_table(document, "motor")) return {.kind = kActuator, .sign = "[motor]"};
-  if (has_table(document, "gearbox")) return {.kind = kBlackBox, .sign = "[gearbox]"};
-  if (describes_gears(document)) return {.kind = kDesign, .sign = "[gears]"};
-  for (const std::string_view key : {"gear1", "gear2"}) {
-    if (has_table(document, key)) return {.kind = kPair, .sign = fmt::format("[{}]", key)};
-  }
-  for (const std::string_view key : {"ratio", "teeth"}) {
-    if (has_table(document, key)) return {.kind = kSpecification, .sign = fmt::format("[{}]", key)};
-  }
-  return {};
+  const std::vector<DocumentLook> looks = looks_of(document);
+  return looks.empty() ? DocumentLook{} : looks.front();
 }
 
 std::string look_text(const DocumentLook& look, std::string_view takes) {
@@ -70,10 +84,12 @@ std::string look_text(const DocumentLook& look, std::string_view takes) {
 
 void refuse_other_documents(const TomlValue& document, const std::string& path,
                             std::initializer_list<DocumentKind> allowed, std::string_view takes) {
-  const DocumentLook look = look_of(document);
-  if (look.kind == DocumentKind::kUnknown || std::ranges::find(allowed, look.kind) != allowed.end())
-    return;
-  throw InvalidInput(fmt::format("{}: {}", path, look_text(look, takes)));
+  const std::vector<DocumentLook> looks = looks_of(document);
+  const bool has_sign = std::ranges::any_of(looks, [&](const DocumentLook& look) {
+    return std::ranges::find(allowed, look.kind) != allowed.end();
+  });
+  if (looks.empty() || has_sign) return;
+  throw InvalidInput(fmt::format("{}: {}", path, look_text(looks.front(), takes)));
 }
 
 }  // namespace gear3k::io

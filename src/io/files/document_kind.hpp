@@ -17,7 +17,8 @@ enum class DocumentKind {
   kBlackBox,
   kModel,
   kActuator,
-  kScenario
+  kScenario,
+  kSelection
 };
 
 /// What a document looks like, told from a table that only one kind of file has.
@@ -30,7 +31,8 @@ DocumentLook look_of(const TomlValue& document);
 /// "looks like a DESIGN: it has [gears]; TAKES"; "" of an unknown kind.
 std::string look_text(const DocumentLook& look, std::string_view takes);
 
-/// Refuses a document that is plainly another file, before all that would be wrong with its keys.
+/// Refuses a document that is plainly another file, before all that would be wrong with its keys;
+/// not one that has a sign of what is allowed, too.
 /// @param takes  what is read here: "--model takes a model.toml of diagnose"
 /// @throws InvalidInput "PATH: looks like a DESIGN: it has [gears]; TAKES"
 void refuse_other_documents(const TomlValue& document, const std::string& path,

@@ -264,6 +264,8 @@ std::vector<actuator::CatalogueGearbox> parse_gearboxes(const std::string& text,
 
 SelectionFiles read_selection(const std::string& path) {
   const TomlValue document = read_toml(path);
+  refuse_other_documents(document, path, {DocumentKind::kSelection, DocumentKind::kBlackBox},
+                         "--select takes a file with motors, gearboxes and cycles");
   FileReading reading(path);
   SelectionInput input;
   read_by_schema(document, selection_schema(), input, reading);

@@ -8,6 +8,7 @@
 
 #include "design/rating_inputs.hpp"
 #include "io/files/co_design_file.hpp"
+#include "io/files/document_kind.hpp"
 #include "io/files/strength_task.hpp"
 #include "io/keys/axial_keys.hpp"
 #include "io/keys/cutter_keys.hpp"
@@ -417,7 +418,10 @@ const std::vector<std::string>& usual_texts() {
 }  // namespace
 
 optimize::Specification read_specification(const std::string& path, double most_sets) {
-  return specification_from(read_toml(path), path, most_sets);
+  const TomlValue document = read_toml(path);
+  refuse_other_documents(document, path, {DocumentKind::kSpecification},
+                         "SPEC takes a file with [ratio] and [teeth]");
+  return specification_from(document, path, most_sets);
 }
 
 optimize::Specification parse_specification(const std::string& text, const std::string& name,

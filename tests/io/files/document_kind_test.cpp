@@ -8,8 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "io/files/design_file.hpp"
 #include "io/files/measurement_file.hpp"
 #include "io/files/model_file.hpp"
+#include "io/files/selection_file.hpp"
+#include "io/files/specification_file.hpp"
 #include "io/files/subject_file.hpp"
 #include "io/text/diagnostics.hpp"
 
@@ -42,6 +45,9 @@ TEST(DocumentKind, TheExamplesLookLikeWhatTheyAre) {
   EXPECT_EQ(kind("pairs/dry_steel_pair.toml"), kPair);
   EXPECT_EQ(kind("ratio-96.toml"), kSpecification);
   EXPECT_EQ(kind("rp96.toml"), kSpecification);
+  EXPECT_EQ(kind("actuators/knee.toml"), kActuator);
+  EXPECT_EQ(kind("actuators/knee_selection.toml"), kSelection);
+  EXPECT_EQ(kind("actuators/knee_co_design.toml"), kSpecification);
   EXPECT_EQ(kind_of("[control]\nmode = \"open\"\n"), kScenario);
   EXPECT_EQ(kind_of("[gearbox]\nratio = 96\n"), kBlackBox);
   EXPECT_EQ(kind_of("[lost_motion.causes]\n"), kModel);
@@ -63,6 +69,37 @@ TEST(DocumentKind, ASpecInPlaceOfASubjectIsToldAloneAndAtOnce) {
             example_path("rp96.toml") +
                 ": looks like a SPEC: it has [ratio]; SUBJECT takes a DESIGN, a PAIR or a black "
                 "box ([gearbox])");
+}
+
+TEST(DocumentKind, EveryReaderTellsAnotherKindOfFileAloneAndAtOnce) {
+  const std::string design = example_path("designs/loaded.toml");
+  const std::string pair = example_path("pair_internal.toml"), spec = example_path("rp96.toml");
+  const std::string selection = example_path("actuators/knee_selection.toml");
+  EXPECT_EQ(error_of([&] { read_design(pair); }),
+            pair + ": looks like a PAIR: it has [gear1]; DESIGN takes a file with [gears]");
+  EXPECT_EQ(error_of([&] { read_pair(design); }),
+            design +
+                ": looks like a DESIGN: it has [gears]; PAIR takes a file with [gear1] and "
+                "[gear2]");
+  EXPECT_EQ(error_of([&] { read_specification(design, 1e7); }),
+            design +
+                ": looks like a DESIGN: it has [gears]; SPEC takes a file with [ratio] and "
+                "[teeth]");
+  EXPECT_EQ(error_of([&] { read_selection(spec); }),
+            spec +
+                ": looks like a SPEC: it has [ratio]; --select takes a file with motors, "
+                "gearboxes and cycles");
+  EXPECT_EQ(error_of([&] { read_subject(selection); }),
+            selection +
+                ": looks like a SPEC of a selection: it has gearboxes; SUBJECT takes a "
+                "DESIGN, a PAIR or a black box ([gearbox])");
+}
+
+TEST(DocumentKind, AFileWithASignOfWhatIsAllowedIsReadAsThat) {
+  const TomlValue both = parse_toml("[motor]\n[gears.S]\nteeth = 12\n", "t.toml");
+  EXPECT_EQ(look_of(both).kind, DocumentKind::kActuator);
+  EXPECT_EQ(error_of([&] { refuse_other_documents(both, "t.toml", {DocumentKind::kDesign}, ""); }),
+            "");
 }
 
 TEST(DocumentKind, ADesignInPlaceOfMeasurementsIsToldAloneAndAtOnce) {
