@@ -165,7 +165,9 @@ PROGRAM(wide_rates)(int argc, char** argv) {
           scores[k] = wide_rig::score(campaign);
           seconds[k] =
               std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-          if (leave_out) stays[k] = wide_rig::names_stay(campaign, first_seed + k) ? 1 : 0;
+          if (leave_out) {
+            stays[k] = wide_rig::leave_out(campaign, scores[k], first_seed + k).same ? 1 : 0;
+          }
         } catch (const std::exception& error) {
           errors[k] = error.what();
         }

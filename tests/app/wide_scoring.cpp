@@ -137,15 +137,56 @@ void score_unseen(const calibrate::Subject& subject, const Campaign& campaign,
   const calibrate::Problem problem{.simulation = task.simulations.front(),
                                    .data = data,
                                    .noise = calibrate::make_noise_model(data)};
+  const calibrate::Columns base = calibrate::columns_at(problem, {}, {}, 0.0);
+  const double scale = calibrate::robust_deviation(base.residual);
+  double least = std::numeric_limits<double>::infinity();
   for (const calibrate::Candidate& c : calibrate::candidates_for(problem.simulation, data)) {
-    const bool refits = c.cause->id == "friction_level" || c.cause->id == "clearance";
-    if (!refits) continue;
-    const calibrate::Columns base = calibrate::columns_at(problem, {}, {}, 0.0);
-    const calibrate::Fit fit =
-        calibrate::fit(problem, calibrate::with({}, c), calibrate::robust_deviation(base.residual));
+    const bool refits = c.cause->id == "friction_level" || c.cause->id == "clearance" ||
+                        c.cause->id == "sensor_gain";
+    if (!refits || !(c.form.weight > 0.0)) continue;
+    const calibrate::Fit fit = calibrate::fit(problem, calibrate::with({}, c), scale);
+    if (!(fit.sum_of_squares < least)) continue;
+    least = fit.sum_of_squares;
     score.unseen_refit = error_of(subject, unseen, nullptr, fit.hypothesis);
     if (later) score.later_refit = error_of(subject, *later, nullptr, fit.hypothesis);
   }
+}
+
+/// Which of the orders that describe a wave as well are named or listed.
+void score_orders(const Campaign& campaign, const Diagnosis& d, Score& score) {
+  if (campaign.truths.size() != 1 || campaign.orders.empty()) return;
+  const auto listed = [&](const std::string& cause, double order) {
+    constexpr double kSame = 1e-3;
+    const auto is = [&](const std::string& id, const calibrate::Form& form) {
+      return id == cause && std::abs(form.order - order) < kSame * order;
+    };
+    const auto any = [&](const std::vector<calibrate::Alternative>& list) {
+      return std::ranges::any_of(list, [&](const auto& a) { return is(a.id, a.form); });
+    };
+    return std::ranges::any_of(d.effects, [&](const Effect& e) {
+      return is(e.id, e.form) || any(e.alternatives) || any(e.other_bodies);
+    });
+  };
+  for (const PossibleOrder& o : campaign.orders) {
+    ++score.orders;
+    score.orders_listed += listed(o.cause, o.order) ? 1 : 0;
+  }
+  for (const TruthParameter& p : campaign.truths.front().parameters) {
+    if (p.name == "order") {
+      score.own_order_listed = listed(campaign.truths.front().cause, p.value);
+    }
+  }
+}
+
+/// Every effect's name with its alternatives.
+std::vector<std::vector<std::string>> explanations_of(const Diagnosis& d) {
+  std::vector<std::vector<std::string>> result;
+  for (const Effect& e : d.effects) {
+    std::vector<std::string> ids{e.id};
+    for (const auto& a : e.alternatives) ids.push_back(a.id);
+    result.push_back(std::move(ids));
+  }
+  return result;
 }
 
 std::string answer_of(const Diagnosis& d) {
@@ -239,6 +280,10 @@ void count_claims(const Campaign& campaign, const Diagnosis& d, Score& score) {
 
 }  // namespace
 
+bool Score::all_right() const {
+  return right && verdict_fits && disclosed && !lists_excluded && !(gain <= 0.0);
+}
+
 Score score(const Campaign& campaign) {
   const calibrate::Subject subject = subject_of(campaign.subject_toml);
   const app::DiagnosisTask task = task_of(subject, campaign.files);
@@ -248,6 +293,13 @@ Score score(const Campaign& campaign) {
   score.strength = campaign.strength;
   score.noise = campaign.noise_sd;
   score.answer = answer_of(d);
+  score.verdict = calibrate::kVerdictNames[static_cast<std::size_t>(d.verdict)];
+  score.explanations = explanations_of(d);
+  score.gain = std::isfinite(d.errors.weighted_gain)
+                   ? d.errors.weighted_gain
+                   : 1.0 - d.errors.extended_holdout / d.errors.baseline_holdout;
+  // Nothing found: both models are the same.
+  if (d.effects.empty()) score.gain = kNone;
 
   std::vector<bool> taken(d.effects.size(), false);
   const bool unknown =
@@ -273,7 +325,11 @@ Score score(const Campaign& campaign) {
     score.right = d.remainder.significant;
     score.wrong_name = !d.effects.empty() && !d.remainder.significant;
     score.disclosed = true;
+    score.verdict_fits = d.verdict == calibrate::Verdict::kUnexplained;
   } else {
+    score.verdict_fits = campaign.truths.empty() ? d.verdict == calibrate::Verdict::kNoDiscrepancy
+                                                 : d.verdict == calibrate::Verdict::kExplained ||
+                                                       d.verdict == calibrate::Verdict::kAmbiguous;
     score.false_remainder = d.remainder.significant && all_named && !score.wrong_name;
     score.right = all_named && !score.wrong_name && !d.remainder.significant;
     score.disclosed = std::ranges::all_of(campaign.truths, [&](const Truth& t) {
@@ -286,23 +342,19 @@ Score score(const Campaign& campaign) {
     }
   }
   count_claims(campaign, d, score);
+  score_orders(campaign, d, score);
   score_unseen(subject, campaign, task, d, score);
   return score;
 }
 
-bool names_stay(const Campaign& campaign, std::size_t part) {
+LeftOut leave_out(const Campaign& campaign, const Score& whole, std::size_t part) {
   const calibrate::Subject subject = subject_of(campaign.subject_toml);
   app::DiagnosisTask task = task_of(subject, campaign.files);
-  const auto names = [&] {
-    const auto results = app::diagnose(task, {});
-    std::multiset<std::string> ids;
-    for (const Effect& e : results->front().effects) ids.insert(e.id);
-    return ids;
-  };
-  const std::multiset<std::string> of_all = names();
   calibrate::MeasurementSet& data = task.sets.front();
   const std::size_t n = data.rows.size();
-  const std::size_t sessions = data.runs.size();
+  const bool one_step = std::ranges::any_of(
+      campaign.truths, [](const Truth& t) { return t.law.ends_with("one_step"); });
+  const std::size_t sessions = one_step ? 0 : data.runs.size();
   constexpr std::size_t kParts = 10;
   std::vector<calibrate::Observation> rows;
   std::vector<std::size_t> stays;
@@ -327,7 +379,30 @@ bool names_stay(const Campaign& campaign, std::size_t part) {
     for (const std::size_t i : stays) values.push_back(c.value[i]);
     c.value = std::move(values);
   }
-  return names() == of_all;
+  const auto results = app::diagnose(task, {});
+  const Diagnosis& d = results->front();
+  LeftOut result{.answer = answer_of(d)};
+  const auto left = explanations_of(d);
+  const auto names = [](const std::vector<std::vector<std::string>>& all) {
+    std::multiset<std::string> ids;
+    for (const auto& one : all) ids.insert(one.front());
+    return ids;
+  };
+  result.same = names(left) == names(whole.explanations);
+  std::vector<bool> taken(left.size(), false);
+  result.same_or_alternatives =
+      left.size() == whole.explanations.size() &&
+      std::ranges::all_of(whole.explanations, [&](const std::vector<std::string>& before) {
+        for (std::size_t e = 0; e < left.size(); ++e) {
+          if (taken[e] || !(holds(before, left[e].front()) || holds(left[e], before.front()))) {
+            continue;
+          }
+          taken[e] = true;
+          return true;
+        }
+        return false;
+      });
+  return result;
 }
 
 }  // namespace gear3k::wide_rig

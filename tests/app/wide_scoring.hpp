@@ -24,9 +24,16 @@ struct Score {
   bool wrong_name = false;       ///< an effect that belongs to no hidden one
   bool false_remainder = false;  ///< a remainder beside names that are all right
   bool disclosed = false;        ///< every hidden cause is a name or an alternative
-  bool lists_excluded = false;   ///< a name or an alternative that the data rule out
-  /// Root mean square error on rows at unseen conditions, and that of the best model with one
-  /// refitted parameter; NaN where the campaign has none.
+  /// The verdict is one that fits: explained or ambiguous, nothing hidden no_discrepancy, an effect
+  /// of no cause unexplained.
+  bool verdict_fits = false;
+  /// 1 - error of the extended model on held-out rows over that of the simulation as given, as the
+  /// diagnosis states it; NaN where it states none.
+  double gain = std::numeric_limits<double>::quiet_NaN();
+  bool lists_excluded = false;  ///< a name or an alternative that the data rule out
+  /// Root mean square error on rows at unseen conditions, and that of the refit of one parameter
+  /// (coefficient of friction, clearance or gain) that fits the campaign best; NaN where there are
+  /// none.
   double unseen = std::numeric_limits<double>::quiet_NaN(), unseen_refit = unseen;
   /// The same in a session after the campaign, as `--model` predicts it.
   double later = unseen, later_refit = unseen;
@@ -34,7 +41,17 @@ struct Score {
   /// Every probability that the diagnosis states, of names, alternatives and of no cause.
   std::vector<Claim> claims{};
   double strength = 0.0, noise = 0.0;  ///< noise: standard deviation, unit of the response
-  std::string answer;
+  /// Of waves: orders of the gearbox that describe the rows as well, how many of them are named or
+  /// listed, and whether the true one is.
+  int orders = 0, orders_listed = 0;
+  bool own_order_listed = false;
+  /// Every effect: its name, then its alternatives.
+  std::vector<std::vector<std::string>> explanations{};
+  std::string verdict{}, answer{};
+
+  /// Verdict, names, alternatives and held-out gain: right, the verdict fits, every hidden cause is
+  /// a name or an alternative, nothing that the data rule out is, and the stated gain is above 0.
+  bool all_right() const;
 };
 
 /// The text of a subject.toml of any kind, and its data, as `diagnose` gets them.
@@ -45,9 +62,18 @@ app::DiagnosisTask task_of(const calibrate::Subject& subject, const std::vector<
 /// @throws io::InvalidInput for files that cannot be read
 Score score(const Campaign& campaign);
 
-/// Whether the names stay when one session, or a tenth of the rows in their order, is left out.
-/// @param part  which; the remainder of the division by their number
+/// What becomes of the names when one of more than two sessions, or else a tenth of the rows in
+/// their order, is left out.  Of a single step between sessions always a tenth: its only session on
+/// one side would take the step with it.
+struct LeftOut {
+  bool same = false;  ///< the same names
+  /// The same but for names that change places with one of their alternatives.
+  bool same_or_alternatives = false;
+  std::string answer{};
+};
+/// @param whole  the score of the campaign
+/// @param part  which part; the remainder of the division by their number
 /// @throws as score()
-bool names_stay(const Campaign& campaign, std::size_t part);
+LeftOut leave_out(const Campaign& campaign, const Score& whole, std::size_t part);
 
 }  // namespace gear3k::wide_rig

@@ -89,8 +89,10 @@ Measured measure(const BenchSubject& subject, const HiddenLaw& hidden,
                                          root_mean_square(sigma), strength)
                                .amplitude;
   std::vector<double> readings;
-  for (const double clean : clean_of({{&result.effect, result.amplitude}})) {
-    readings.push_back(std::max(with_noise(noise, clean, random), 1e-9));
+  wide_rig::NoisyReadings sensor(noise);
+  const std::vector<double> clean = clean_of({{&result.effect, result.amplitude}});
+  for (std::size_t i = 0; i < clean.size(); ++i) {
+    readings.push_back(std::max(sensor.read(clean[i], plan.rows[i].session, random), 1e-9));
   }
   plan.columns.sigma = random.uniform() < 0.3;
   if (hidden.few_columns) {

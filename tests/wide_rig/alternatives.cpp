@@ -107,9 +107,9 @@ class ShapeList {
     for (std::size_t i = 0; i < rows_.size(); ++i) result[i] = value(i) / sigma_[i];
     return result;
   }
-  void add(const std::string& cause,
-           const std::vector<std::function<double(std::size_t)>>& values) {
-    CauseShape shape{.cause = cause};
+  void add(const std::string& cause, const std::vector<std::function<double(std::size_t)>>& values,
+           double order = 0.0) {
+    CauseShape shape{.cause = cause, .order = order};
     for (const auto& value : values) shape.columns.push_back(column(value));
     shapes.push_back(std::move(shape));
   }
@@ -152,7 +152,7 @@ class ShapeList {
           return target[i] * std::sin(rate * rows_[i].output_angle_deg);
         });
       }
-      add(cause, waves);
+      add(cause, waves, body.order);
     }
   }
 
@@ -162,6 +162,14 @@ class ShapeList {
   const std::vector<BenchRow>& rows_;
   const Column& sigma_;
 };
+
+std::vector<CauseShape> waves_of(const std::vector<CauseShape>& shapes) {
+  std::vector<CauseShape> waves;
+  for (const CauseShape& shape : shapes) {
+    if (shape.order > 0.0) waves.push_back(shape);
+  }
+  return waves;
+}
 
 Alternatives transmission_shapes(const BenchSubject& subject, const std::vector<BenchRow>& rows,
                                  const BenchColumns& columns, const Column& sigma) {
@@ -255,6 +263,13 @@ Alternatives transmission_shapes(const BenchSubject& subject, const std::vector<
   Alternatives result;
   result.always.push_back(list.column([&](std::size_t i) { return level[i]; }));
   result.shapes = std::move(list.shapes);
+  result.waves = waves_of(result.shapes);
+  if (columns.angle) {
+    ShapeList by_friction(rows, sigma);
+    by_friction.add_waves("runout", turning_bodies(subject), level);
+    by_friction.add_waves("mesh_order", tooth_orders(subject), level);
+    for (CauseShape& shape : by_friction.shapes) result.waves.push_back(std::move(shape));
+  }
   return result;
 }
 
@@ -275,7 +290,10 @@ Alternatives lost_motion_shapes(const BenchSubject& subject, const std::vector<B
     list.add_waves("runout", turning_bodies(subject), ones);
     list.add_waves("mesh_order", tooth_orders(subject), ones);
   }
-  return {.shapes = std::move(list.shapes), .always = {}};
+  Alternatives result;
+  result.shapes = std::move(list.shapes);
+  result.waves = waves_of(result.shapes);
+  return result;
 }
 
 Alternatives pair_loss_shapes(const BenchSubject& subject, const std::vector<BenchRow>& rows,
@@ -309,6 +327,30 @@ Alternatives pair_loss_shapes(const BenchSubject& subject, const std::vector<Ben
   return result;
 }
 
+// What is free beside an effect, as an orthonormal set.
+std::vector<Column> free_beside(const Alternatives& alternatives, const std::vector<Column>& others,
+                                bool is_level) {
+  std::vector<Column> base;
+  if (!is_level) {
+    for (const Column& column : alternatives.always) add_unit(column, base);
+  }
+  for (const Column& column : others) add_unit(column, base);
+  return base;
+}
+
+// What a shape leaves of an effect out of which the base is taken.
+Column rest_of(const Column& reduced, const CauseShape& shape, const std::vector<Column>& base) {
+  std::vector<Column> units;
+  for (Column column : shape.columns) {
+    const double before = dot(column, column);
+    take_out(column, base);
+    if (dot(column, column) > 1e-12 * before) add_unit(std::move(column), units);
+  }
+  Column rest = reduced;
+  take_out(rest, units);
+  return rest;
+}
+
 }  // namespace
 
 Alternatives usual_shapes(const BenchSubject& subject, const std::string& kind,
@@ -322,23 +364,12 @@ Alternatives usual_shapes(const BenchSubject& subject, const std::string& kind,
 
 std::vector<LeftOver> left_over(const Alternatives& alternatives, const std::vector<double>& effect,
                                 const std::vector<std::vector<double>>& others, bool is_level) {
-  std::vector<Column> base;
-  if (!is_level) {
-    for (const Column& column : alternatives.always) add_unit(column, base);
-  }
-  for (const Column& column : others) add_unit(column, base);
+  const std::vector<Column> base = free_beside(alternatives, others, is_level);
   Column reduced = effect;
   take_out(reduced, base);
   std::vector<LeftOver> result;
   for (const CauseShape& shape : alternatives.shapes) {
-    std::vector<Column> units;
-    for (Column column : shape.columns) {
-      const double before = dot(column, column);
-      take_out(column, base);
-      if (dot(column, column) > 1e-12 * before) add_unit(std::move(column), units);
-    }
-    Column rest = reduced;
-    take_out(rest, units);
+    Column rest = rest_of(reduced, shape, base);
     const double left = dot(rest, rest);
     auto found = std::find_if(result.begin(), result.end(),
                               [&](const LeftOver& x) { return x.cause == shape.cause; });
@@ -347,6 +378,39 @@ std::vector<LeftOver> left_over(const Alternatives& alternatives, const std::vec
     } else if (left < found->chi_square) {
       *found = {shape.cause, left, std::move(rest)};
     }
+  }
+  return result;
+}
+
+std::vector<OrderAsGood> orders_as_good(const Alternatives& alternatives,
+                                        const std::vector<double>& effect,
+                                        const std::vector<std::vector<double>>& others,
+                                        double own_order, double more) {
+  const std::vector<Column> base = free_beside(alternatives, others, false);
+  Column reduced = effect;
+  take_out(reduced, base);
+  struct Best {
+    OrderAsGood at;
+    double left = 0.0;
+  };
+  std::vector<Best> best;
+  double own = 1e300;
+  for (const CauseShape& shape : alternatives.waves) {
+    const Column rest = rest_of(reduced, shape, base);
+    const double left = dot(rest, rest);
+    if (shape.order == own_order) own = std::min(own, left);
+    const auto found = std::find_if(best.begin(), best.end(), [&](const Best& b) {
+      return b.at.cause == shape.cause && b.at.order == shape.order;
+    });
+    if (found == best.end()) {
+      best.push_back({{shape.cause, shape.order}, left});
+    } else {
+      found->left = std::min(found->left, left);
+    }
+  }
+  std::vector<OrderAsGood> result;
+  for (const Best& b : best) {
+    if (b.left < own + more) result.push_back(b.at);
   }
   return result;
 }

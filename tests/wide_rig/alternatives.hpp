@@ -18,10 +18,12 @@ namespace gear3k::wide_rig {
 struct CauseShape {
   std::string cause;
   std::vector<std::vector<double>> columns{};  ///< each of the length of the rows, over sigma
+  double order = 0.0;                          ///< of a wave: periods per turn of the output
 };
 
 struct Alternatives {
   std::vector<CauseShape> shapes;
+  std::vector<CauseShape> waves;  ///< at every order of the gearbox, of friction too
   std::vector<std::vector<double>> always;  ///< free in any case: the level of friction
 };
 
@@ -42,5 +44,18 @@ struct LeftOver {
 /// @param is_level the effect is itself another coefficient of friction: that is then not free
 std::vector<LeftOver> left_over(const Alternatives& alternatives, const std::vector<double>& effect,
                                 const std::vector<std::vector<double>>& others, bool is_level);
+
+/// An order of the gearbox at which a wave is described as well as at its own.
+struct OrderAsGood {
+  std::string cause;
+  double order = 0.0;
+};
+
+/// Orders whose waves (two harmonics, best target) leave a chi-square of the effect that is less
+/// than `more` above what its own order leaves; that one is among them.
+std::vector<OrderAsGood> orders_as_good(const Alternatives& alternatives,
+                                        const std::vector<double>& effect,
+                                        const std::vector<std::vector<double>>& others,
+                                        double own_order, double more);
 
 }  // namespace gear3k::wide_rig

@@ -219,6 +219,12 @@ class Verdicts {
     const bool is_level = truth.cause == "friction_level";
     if (truth.cause != "unknown") truth.acceptable.push_back(truth.cause);
     possible_.insert(truth.cause);
+    const double order = order_of(truth);
+    if (order > 0.0) {
+      for (const OrderAsGood& o : orders_as_good(shapes_, effects_[t], others, order, kAsGood)) {
+        campaign.orders.push_back({o.cause, o.order});
+      }
+    }
     const auto all = left_over(shapes_, effects_[t], others, is_level);
     for (const LeftOver& left : all) {
       if (left.chi_square < kAsGood && left.cause != truth.cause) {
@@ -229,6 +235,14 @@ class Verdicts {
       keep_possible(left, chi_square_of(effects_[t]));
       if (left.cause == truth.cause && left.chi_square > kAsGood) judge_rest(left);
     }
+  }
+
+  // Periods per turn of the output of a wave, else 0.
+  static double order_of(const Truth& truth) {
+    for (const TruthParameter& p : truth.parameters) {
+      if (p.name == "order") return p.value;
+    }
+    return 0.0;
   }
 
   // What the plainest shapes of the cause itself leave may be given to others.
@@ -429,7 +443,8 @@ Campaign make_campaign(const Line& line, double strength, std::uint64_t seed) {
 
   Bench bench;
   const bool needs_design = has_cause(hidden, {"mesh_order", "thermal_expansion"}) ||
-                            has_law(hidden, "approach_recess") || has_law(hidden, "ring_meshes");
+                            has_law(hidden, "approach_recess") || has_law(hidden, "ring_meshes") ||
+                            line.plan.starts_with("coarse_grid");
   bench.subject =
       line.kind == "pair_loss" ? random_pair(random) : random_gearbox(random, !needs_design);
   const std::string plan = line.plan.empty() ? chosen_plan(line.kind, hidden, random) : line.plan;
@@ -462,6 +477,7 @@ Campaign make_campaign(const Line& line, double strength, std::uint64_t seed) {
   context.typical = root_mean_square(nominal);
   context.turns = bench.plan.turns;
   context.first_order = plan == "one_turn";
+  context.orders = bench.plan.aliased_orders;
   draw_effects(bench, hidden, context, random);
   const auto strengths =
       bench.plan.sun_torque_set
@@ -482,14 +498,15 @@ Campaign make_campaign(const Line& line, double strength, std::uint64_t seed) {
 
   std::vector<BenchRow> written = rows;
   std::vector<double> readings;
+  NoisyReadings sensor(bench.noise);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (bench.plan.sun_torque_set) {
-      const double read_Nm = with_noise(bench.noise, rows[i].output_torque_Nm, random);
+      const double read_Nm = sensor.read(rows[i].output_torque_Nm, rows[i].session, random);
       written[i].output_torque_Nm =
           std::max(std::round(read_Nm * 1e5) / 1e5, 0.05 * rows[i].output_torque_Nm);
       readings.push_back(bench.plan.set_torques_Nm[i]);
     } else {
-      readings.push_back(std::max(with_noise(bench.noise, clean[i], random), 1e-9));
+      readings.push_back(std::max(sensor.read(clean[i], rows[i].session, random), 1e-9));
     }
   }
   // The stated deviation is the sensor's own at the reading without noise.

@@ -397,8 +397,14 @@ HiddenEffect wave_effect(const std::string& cause, const std::string& law,
                          const EffectContext& context, rig::DeterministicRandom& random) {
   HiddenEffect effect{.cause = cause, .law = law};
   const auto bodies = turning_bodies(*context.subject);
-  TurningBody body = chosen_order(cause == "runout" ? bodies : tooth_orders(*context.subject),
-                                  context.turns, random);
+  auto possible = cause == "runout" ? bodies : tooth_orders(*context.subject);
+  if (!context.orders.empty()) {
+    std::erase_if(possible, [&](const TurningBody& b) {
+      return std::find(context.orders.begin(), context.orders.end(), b.order) ==
+             context.orders.end();
+    });
+  }
+  TurningBody body = chosen_order(std::move(possible), context.turns, random);
   if (context.first_order) body = bodies.back();
   if (context.kind == "lost_motion") {
     effect.channel = Channel::lost_motion;

@@ -15,9 +15,10 @@ struct EffectContext {
   std::string kind{};
   Span load_Nm{}, speed_rpm{}, temperature_c{}, test_torque_Nm{};
   int sessions = 1;
-  double typical = 1.0;      ///< mean response without effects
-  double turns = 100.0;      ///< of the output over the campaign, 0: no angles
-  bool first_order = false;  ///< waves are those of the output itself
+  double typical = 1.0;             ///< mean response without effects
+  double turns = 100.0;             ///< of the output over the campaign, 0: no angles
+  bool first_order = false;         ///< waves are those of the output itself
+  std::vector<double> orders = {};  ///< waves are one of these; empty: any
 };
 
 /// Laws of a cause for a kind of measurement, the obvious one first.

@@ -1,7 +1,9 @@
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 #include "tests/wide_rig/hidden_effect.hpp"
+#include "tests/wide_rig/test_plan.hpp"
 #include "tests/wide_rig/wide_rig.hpp"
 
 namespace gear3k::wide_rig {
@@ -87,25 +89,21 @@ void add_several(std::vector<Line>& all) {
 void add_nulls(std::vector<Line>& all) {
   const auto add = [&](const std::string& kind, const std::string& plan, const std::string& noise) {
     all.push_back({.name = "null " + kind + " " + noise + " " + plan,
-                   .group = "null",
+                   .group = noise == "correlated" || noise == "blocks" ? "correlated" : "null",
                    .kind = kind,
                    .hidden = {},
                    .plan = plan,
                    .noise = noise});
   };
-  for (const char* plan : {"crossed", "by_session", "even_angles", "sun_torque_set",
-                           "warming_with_time", "one_direction"}) {
-    for (const char* noise : {"normal", "t3", "outliers", "quantised"}) {
-      add("transmission", plan, noise);
+  for (const char* kind : {"transmission", "lost_motion", "pair_loss"}) {
+    for (const std::string& plan : plans_of(kind)) {
+      if (plan.starts_with("coarse_grid")) continue;  // made for waves
+      for (const char* noise :
+           {"normal", "t3", "outliers", "quantised", "reading", "correlated", "blocks"}) {
+        add(kind, plan, noise);
+      }
     }
   }
-  for (const char* plan : {"crossed", "by_session", "even_angles"}) {
-    for (const char* noise : {"normal", "t3", "outliers", "quantised"}) {
-      add("lost_motion", plan, noise);
-    }
-  }
-  for (const char* noise : {"normal", "t3", "quantised"}) add("pair_loss", "crossed", noise);
-  add("pair_loss", "by_session", "normal");
   add("torque_angle", "loops", "normal");
 }
 
@@ -138,6 +136,21 @@ void add_confounded(std::vector<Line>& all) {
   add("friction_level", "all_pairs", "one_sense", "pair_loss");
 }
 
+void add_aliased(std::vector<Line>& all) {
+  for (const char* kind : {"transmission", "lost_motion"}) {
+    for (const auto& [cause, plan] :
+         {std::pair{"runout", "coarse_grid"}, std::pair{"mesh_order", "coarse_grid"},
+          std::pair{"runout", "coarse_grid_shafts"}}) {
+      all.push_back({.name = std::string("aliased ") + kind + " " + cause + " " + plan,
+                     .group = "aliased",
+                     .kind = kind,
+                     .hidden = {{cause, ""}},
+                     .plan = plan,
+                     .noise = ""});
+    }
+  }
+}
+
 void add_unknowns(std::vector<Line>& all) {
   for (const char* kind : {"transmission", "lost_motion", "pair_loss"}) {
     for (const std::string& law : laws_of("unknown", kind)) {
@@ -160,6 +173,7 @@ std::vector<Line> lines() {
   add_several(all);
   add_nulls(all);
   add_confounded(all);
+  add_aliased(all);
   add_unknowns(all);
   return all;
 }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "tests/wide_rig/hidden_effect.hpp"
+
 namespace gear3k::wide_rig {
 namespace {
 
@@ -275,6 +277,74 @@ TestPlan lost_motion_plan(const std::string& name, int sessions_wanted,
   return plan;
 }
 
+// An even grid of angles on which two orders of the gearbox are one.
+struct CoarseGrid {
+  double positions_a_turn = 12.0;
+  int turns = 1;
+  double first = 1.0, second = 1.0;  // orders
+};
+
+// The slowest order that looks the same at the positions.
+double folded(double order, double positions_a_turn) {
+  return std::fabs(order - positions_a_turn * std::round(order / positions_a_turn));
+}
+
+// Two waves of orders a and b are the same at n positions a turn where a - b or a + b is a multiple
+// of n; over some turns they stay together while they slip by less than a hundredth of a period. What
+// looks constant, or changes its sign from each position to the next, is left out.
+std::vector<CoarseGrid> coarse_grids(const std::vector<TurningBody>& firsts,
+                                     const std::vector<TurningBody>& seconds) {
+  std::vector<CoarseGrid> result;
+  for (const TurningBody& a : firsts) {
+    for (const TurningBody& b : seconds) {
+      for (int turns = 1; turns <= 3; ++turns) {
+        const double least = 0.95 / turns;
+        if (a.order < std::max(0.8, least) || b.order < std::max(0.8, least)) continue;
+        if (std::fabs(a.order - b.order) < 1.0 / turns) continue;  // not resolved on any grid
+        for (double n = 6.0; n <= 48.0; n += 1.0) {
+          const double slip = std::min(folded(a.order - b.order, n), folded(a.order + b.order, n));
+          const double low = folded(a.order, n);
+          if (slip * turns < 0.01 && low > least && low < 0.45 * n && n * turns >= 12.0) {
+            result.push_back({n, turns, a.order, b.order});
+          }
+        }
+      }
+    }
+  }
+  return result;
+}
+
+void set_coarse_grid(TestPlan& plan, const BenchSubject& subject,
+                     rig::DeterministicRandom& random) {
+  const auto shafts = turning_bodies(subject);
+  const auto others = plan.name == "coarse_grid" ? tooth_orders(subject) : shafts;
+  auto grids = coarse_grids(shafts, others);
+  if (grids.empty()) {  // a step that the two orders themselves give
+    for (const TurningBody& a : shafts) {
+      for (const TurningBody& b : others) {
+        const double sum = a.order + b.order, apart = std::fabs(a.order - b.order);
+        if (a.order < 0.95 || b.order < 0.95 || apart < 1.0) continue;
+        const double n = sum / std::ceil(sum / 48.0);
+        if (n >= 6.0) grids.push_back({n, 1 + static_cast<int>(12.0 / n), a.order, b.order});
+      }
+    }
+  }
+  if (grids.empty()) throw std::invalid_argument("no coarse grid for this gearbox");
+  const CoarseGrid grid = grids[random.index(grids.size())];
+  const auto positions = static_cast<std::size_t>(grid.positions_a_turn * grid.turns);
+  for (std::size_t i = 0; i < plan.rows.size(); ++i) {
+    plan.rows[i].output_angle_deg =
+        rounded(static_cast<double>(i % positions) * 360.0 / grid.positions_a_turn, 1e-6);
+  }
+  for (std::vector<BenchRow>* rows : {&plan.unseen, &plan.later}) {
+    for (BenchRow& row : *rows) {
+      row.output_angle_deg = plan.rows[random.index(plan.rows.size())].output_angle_deg;
+    }
+  }
+  plan.turns = grid.turns;
+  plan.aliased_orders = {grid.first, grid.second};
+}
+
 TestPlan pair_loss_plan(const std::string& name, int sessions_wanted,
                         rig::DeterministicRandom& random) {
   TestPlan plan{.name = name};
@@ -320,11 +390,19 @@ std::vector<std::string> plans_of(const std::string& kind) {
             "one_turn",          "one_direction",
             "one_rotation",      "warming_with_speed",
             "warming_with_time", "temperature_by_session",
-            "load_by_session"};
+            "load_by_session",   "coarse_grid",
+            "coarse_grid_shafts"};
   }
   if (kind == "lost_motion") {
-    return {"crossed",    "by_session",        "even_angles",           "one_turn",
-            "one_torque", "warming_with_time", "temperature_by_session"};
+    return {"crossed",
+            "by_session",
+            "even_angles",
+            "one_turn",
+            "one_torque",
+            "warming_with_time",
+            "temperature_by_session",
+            "coarse_grid",
+            "coarse_grid_shafts"};
   }
   if (kind == "pair_loss") return {"crossed", "by_session", "one_sense"};
   if (kind == "torque_angle") return {"loops"};
@@ -334,6 +412,12 @@ std::vector<std::string> plans_of(const std::string& kind) {
 TestPlan make_plan(const std::string& kind, const std::string& plan, const BenchSubject& subject,
                    int sessions_wanted, rig::DeterministicRandom& random) {
   const std::string name = plan_or_throw(kind, plan);
+  if (name.starts_with("coarse_grid")) {
+    TestPlan result = kind == "lost_motion" ? lost_motion_plan(name, sessions_wanted, random)
+                                            : transmission_plan(name, sessions_wanted, random);
+    set_coarse_grid(result, subject, random);
+    return result;
+  }
   if (kind == "lost_motion") return lost_motion_plan(name, sessions_wanted, random);
   if (kind == "pair_loss") return pair_loss_plan(name, sessions_wanted, random);
   if (kind == "torque_angle") return {.name = name};

@@ -29,6 +29,12 @@ struct File {
   std::string name, text;
 };
 
+/// A wave that something in the gearbox can make.
+struct PossibleOrder {
+  std::string cause;   ///< runout or mesh_order
+  double order = 0.0;  ///< periods per turn of the output
+};
+
 /// What a test bench with hidden effects writes, and what is true.
 struct Campaign {
   std::string subject_toml{};  ///< DESIGN, PAIR or black box
@@ -55,6 +61,10 @@ struct Campaign {
   /// coefficient of friction free, they leave a chi-square above 60 and a twentieth of the
   /// effect's.
   std::vector<std::string> excluded{};
+  /// Of waves: the orders of the gearbox that describe these rows as well as the true one (aliases
+  /// on a grid of angles, orders that the turns do not resolve), the true one among them:
+  /// chi-square within 9 of what the true one leaves.
+  std::vector<PossibleOrder> orders{};
   /// Causes that may stand beside the truths without being wrong: what is common to all rows of an
   /// effect whose zero is not the nominal gearbox (reference points, mean of steps), and what a law
   /// holds besides its cause.
@@ -68,11 +78,13 @@ struct HiddenCause {
 /// A line of a table of rates.
 struct Line {
   std::string name;
-  std::string group;  ///< single, special, pair, triple, null, confounded or unknown
-  std::string kind;   ///< of measurement
+  /// single, special, pair, triple, null, correlated (null, noise that remembers), confounded,
+  /// aliased or unknown
+  std::string group;
+  std::string kind;  ///< of measurement
   std::vector<HiddenCause> hidden;
   std::string plan;   ///< empty: chosen at random among those that let the causes be told apart
-  std::string noise;  ///< normal, t3, outliers or quantised; empty: at random
+  std::string noise;  ///< a model of sensor_noise.hpp; empty: at random
 };
 
 /// All lines, names unique.

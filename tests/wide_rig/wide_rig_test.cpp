@@ -209,19 +209,85 @@ TEST(WideRig, SessionValuesDifferAndAreNotMonotone) {
 
 TEST(WideRig, NoiseHasItsStandardDeviation) {
   rig::DeterministicRandom random(7);
-  for (const char* model : {"normal", "t3", "quantised"}) {
+  for (const char* model : {"normal", "t3", "quantised", "reading", "correlated", "blocks"}) {
     const SensorNoise noise = random_noise(model, 1.0, 0.03, random);
+    NoisyReadings sensor(noise);
     double square = 0.0;
     constexpr int kDraws = 40000;
     for (int i = 0; i < kDraws; ++i) {
-      const double deviation = with_noise(noise, 1.3, random) - 1.3;
+      const double deviation = sensor.read(1.3, 0, random) - 1.3;
       square += deviation * deviation;
     }
     // Student's t with 3 degrees of freedom has no fourth moment.
     EXPECT_NEAR(std::sqrt(square / kDraws) / sigma_of(noise, 1.3), 1.0,
-                noise.model == "normal" ? 0.02 : 0.25)
+                noise.model == "normal" || noise.model == "reading" ? 0.02 : 0.25)
         << model;
   }
+}
+
+// Readings that remember the one before: the correlation of neighbours within a session is the
+// memory, that across sessions is none.
+TEST(WideRig, CorrelatedNoiseRemembersWithinItsSession) {
+  rig::DeterministicRandom random(9);
+  const SensorNoise noise = random_noise("correlated", 1.0, 0.03, random);
+  NoisyReadings sensor(noise);
+  constexpr int kDraws = 40000;
+  double within = 0.0, across = 0.0, before = 0.0;
+  for (int i = 0; i < kDraws; ++i) {
+    const double deviate = (sensor.read(1.0, i / 2, random) - 1.0) / sigma_of(noise, 1.0);
+    (i % 2 == 1 ? within : across) += deviate * before;
+    before = deviate;
+  }
+  EXPECT_NEAR(within / (kDraws / 2), noise.memory, 0.03);
+  EXPECT_NEAR(across / (kDraws / 2), 0.0, 0.03);
+}
+
+// The zero creeps from zeroing to zeroing: rows of a block lie on one side of rows without it.
+TEST(WideRig, BlocksShareTheirNoise) {
+  rig::DeterministicRandom random(11);
+  const SensorNoise noise = random_noise("blocks", 1.0, 0.03, random);
+  NoisyReadings sensor(noise);
+  constexpr int kBlocks = 4000;
+  double square = 0.0, last = 0.0;
+  for (int b = 0; b < kBlocks; ++b) {
+    double sum = 0.0;
+    for (int i = 0; i < noise.block_rows; ++i) {
+      const double deviate = (sensor.read(1.0, 0, random) - 1.0) / sigma_of(noise, 1.0);
+      sum += deviate;
+      if (i + 1 == noise.block_rows) last += deviate * deviate;
+    }
+    square += sum * sum / noise.block_rows;
+  }
+  // Mean of the block squared: (1 - s) / n + 3 s / 4; at its end nearly 1 - s + 3 s.
+  const double s = noise.shared, n = noise.block_rows;
+  EXPECT_NEAR(square / kBlocks, 1.0 - s + 0.75 * s * n, 0.1 * (1.0 + n * s));
+  const double end = (n - 0.5) / n;
+  EXPECT_NEAR(last / kBlocks, 1.0 - s + 3.0 * s * end * end, 0.15);
+}
+
+// On its coarse grid a wave is described as well at another order, and not at all others.
+TEST(WideRig, CoarseGridsHaveAnAlias) {
+  int with_alias = 0, all = 0;
+  for (const Line& line : lines()) {
+    if (line.group != "aliased") continue;
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      const Campaign campaign = make_campaign(line, 4.0, seed);
+      const auto& orders = campaign.orders;
+      const auto& parameters = campaign.truths.at(0).parameters;
+      EXPECT_EQ(std::count_if(orders.begin(), orders.end(),
+                              [&](const PossibleOrder& o) {
+                                return o.cause == campaign.truths[0].cause &&
+                                       o.order == parameters.at(0).value;
+                              }),
+                1)
+          << line.name;
+      with_alias += orders.size() > 1 ? 1 : 0;
+      EXPECT_LT(orders.size(), 8U) << line.name << ' ' << seed;
+      ++all;
+    }
+  }
+  EXPECT_EQ(all, 30);
+  EXPECT_GE(with_alias, all * 8 / 10);
 }
 
 TEST(WideRig, CampaignsAreDeterministicAndSeedsDiffer) {
@@ -281,7 +347,7 @@ TEST(WideRig, UnknownLawsAreNoCause) {
 
 TEST(WideRig, NullCampaignsHideNothing) {
   for (const Line& line : lines()) {
-    if (line.group != "null") continue;
+    if (line.group != "null" && line.group != "correlated") continue;
     const Campaign campaign = make_campaign(line, 8.0, 2);
     EXPECT_TRUE(campaign.truths.empty());
     EXPECT_EQ(campaign.strength, 0.0);
