@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 #include <set>
 #include <vector>
@@ -167,15 +168,21 @@ void score_orders(const Campaign& campaign, const Diagnosis& d, Score& score) {
       return is(e.id, e.form) || any(e.alternatives) || any(e.other_bodies);
     });
   };
+  // The orders of a body relative to the carrier and absolute are one answer.
+  const Truth& truth = campaign.truths.front();
+  const auto own = std::ranges::find(truth.parameters, "order", &TruthParameter::name);
+  std::map<std::pair<std::string, std::string>, bool> bodies;
   for (const PossibleOrder& o : campaign.orders) {
-    ++score.orders;
-    score.orders_listed += listed(o.cause, o.order) ? 1 : 0;
+    bool& any = bodies[{o.cause, o.body}];
+    any = any || listed(o.cause, o.order);
   }
-  for (const TruthParameter& p : campaign.truths.front().parameters) {
-    if (p.name == "order") {
-      score.own_order_listed = listed(campaign.truths.front().cause, p.value);
-    }
+  for (const PossibleOrder& o : campaign.orders) {
+    const bool true_one =
+        own != truth.parameters.end() && o.cause == truth.cause && o.order == own->value;
+    score.own_order_listed = score.own_order_listed || (true_one && bodies[{o.cause, o.body}]);
   }
+  score.orders = static_cast<int>(bodies.size());
+  for (const auto& [body, any] : bodies) score.orders_listed += any ? 1 : 0;
 }
 
 /// Every effect's name with its alternatives.

@@ -41,8 +41,8 @@ struct Score {
   /// Every probability that the diagnosis states, of names, alternatives and of no cause.
   std::vector<Claim> claims{};
   double strength = 0.0, noise = 0.0;  ///< noise: standard deviation, unit of the response
-  /// Of waves: orders of the gearbox that describe the rows as well, how many of them are named or
-  /// listed, and whether the true one is.
+  /// Of waves: bodies (and teeth) one of whose orders describes the rows as well, how many of them
+  /// are named or listed, and whether the true one is.
   int orders = 0, orders_listed = 0;
   bool own_order_listed = false;
   /// Every effect: its name, then its alternatives.

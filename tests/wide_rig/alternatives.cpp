@@ -108,8 +108,8 @@ class ShapeList {
     return result;
   }
   void add(const std::string& cause, const std::vector<std::function<double(std::size_t)>>& values,
-           double order = 0.0) {
-    CauseShape shape{.cause = cause, .order = order};
+           const TurningBody& body = {.name = "", .order = 0.0}) {
+    CauseShape shape{.cause = cause, .order = body.order, .body = body.name};
     for (const auto& value : values) shape.columns.push_back(column(value));
     shapes.push_back(std::move(shape));
   }
@@ -152,7 +152,7 @@ class ShapeList {
           return target[i] * std::sin(rate * rows_[i].output_angle_deg);
         });
       }
-      add(cause, waves, body.order);
+      add(cause, waves, body);
     }
   }
 
@@ -403,7 +403,7 @@ std::vector<OrderAsGood> orders_as_good(const Alternatives& alternatives,
       return b.at.cause == shape.cause && b.at.order == shape.order;
     });
     if (found == best.end()) {
-      best.push_back({{shape.cause, shape.order}, left});
+      best.push_back({{shape.cause, shape.body, shape.order}, left});
     } else {
       found->left = std::min(found->left, left);
     }

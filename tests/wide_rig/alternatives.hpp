@@ -19,11 +19,12 @@ struct CauseShape {
   std::string cause;
   std::vector<std::vector<double>> columns{};  ///< each of the length of the rows, over sigma
   double order = 0.0;                          ///< of a wave: periods per turn of the output
+  std::string body{};                          ///< of a wave: what turns
 };
 
 struct Alternatives {
   std::vector<CauseShape> shapes;
-  std::vector<CauseShape> waves;  ///< at every order of the gearbox, of friction too
+  std::vector<CauseShape> waves;            ///< at every order of the gearbox, of friction too
   std::vector<std::vector<double>> always;  ///< free in any case: the level of friction
 };
 
@@ -47,7 +48,7 @@ std::vector<LeftOver> left_over(const Alternatives& alternatives, const std::vec
 
 /// An order of the gearbox at which a wave is described as well as at its own.
 struct OrderAsGood {
-  std::string cause;
+  std::string cause, body;
   double order = 0.0;
 };
 

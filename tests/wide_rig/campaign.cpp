@@ -222,7 +222,12 @@ class Verdicts {
     const double order = order_of(truth);
     if (order > 0.0) {
       for (const OrderAsGood& o : orders_as_good(shapes_, effects_[t], others, order, kAsGood)) {
-        campaign.orders.push_back({o.cause, o.order});
+        campaign.orders.push_back({o.cause, o.body.substr(0, o.body.find(' ')), o.order});
+        possible_.insert(o.cause);
+        const auto& known = truth.acceptable;
+        if (std::find(known.begin(), known.end(), o.cause) == known.end()) {
+          truth.acceptable.push_back(o.cause);
+        }
       }
     }
     const auto all = left_over(shapes_, effects_[t], others, is_level);

@@ -289,9 +289,12 @@ double folded(double order, double positions_a_turn) {
   return std::fabs(order - positions_a_turn * std::round(order / positions_a_turn));
 }
 
+// The body, whose order may be relative to the carrier or not.
+std::string first_word(const std::string& name) { return name.substr(0, name.find(' ')); }
+
 // Two waves of orders a and b are the same at n positions a turn where a - b or a + b is a multiple
-// of n; over some turns they stay together while they slip by less than a hundredth of a period. What
-// looks constant, or changes its sign from each position to the next, is left out.
+// of n; over some turns they stay together while they slip by less than a hundredth of a period.
+// What looks constant, or changes its sign from each position to the next, is left out.
 std::vector<CoarseGrid> coarse_grids(const std::vector<TurningBody>& firsts,
                                      const std::vector<TurningBody>& seconds) {
   std::vector<CoarseGrid> result;
@@ -300,6 +303,7 @@ std::vector<CoarseGrid> coarse_grids(const std::vector<TurningBody>& firsts,
       for (int turns = 1; turns <= 3; ++turns) {
         const double least = 0.95 / turns;
         if (a.order < std::max(0.8, least) || b.order < std::max(0.8, least)) continue;
+        if (first_word(a.name) == first_word(b.name)) continue;
         if (std::fabs(a.order - b.order) < 1.0 / turns) continue;  // not resolved on any grid
         for (double n = 6.0; n <= 48.0; n += 1.0) {
           const double slip = std::min(folded(a.order - b.order, n), folded(a.order + b.order, n));
@@ -324,6 +328,7 @@ void set_coarse_grid(TestPlan& plan, const BenchSubject& subject,
       for (const TurningBody& b : others) {
         const double sum = a.order + b.order, apart = std::fabs(a.order - b.order);
         if (a.order < 0.95 || b.order < 0.95 || apart < 1.0) continue;
+        if (first_word(a.name) == first_word(b.name)) continue;
         const double n = sum / std::ceil(sum / 48.0);
         if (n >= 6.0) grids.push_back({n, 1 + static_cast<int>(12.0 / n), a.order, b.order});
       }

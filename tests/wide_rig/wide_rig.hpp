@@ -31,7 +31,9 @@ struct File {
 
 /// A wave that something in the gearbox can make.
 struct PossibleOrder {
-  std::string cause;   ///< runout or mesh_order
+  std::string cause;  ///< runout or mesh_order
+  /// sun, planet, carrier, R2 or teeth; an order of a body may be relative to the carrier or not.
+  std::string body{};
   double order = 0.0;  ///< periods per turn of the output
 };
 
