@@ -33,7 +33,7 @@ calibrate::Subject subject_of(const std::string& text) {
 void diagnose(const std::string& text) {
   const auto files = fuzz::two_files(text);
   if (!files) return;
-  if (static_cast<std::size_t>(std::ranges::count(files->second, '\n')) > kMostRows) return;
+  if (fuzz::has_more_lines(files->second, kMostRows)) return;
   const app::DiagnosisTask task = app::diagnosis_task(
       {.subject = subject_of(files->first),
        .source = fuzz::kName,

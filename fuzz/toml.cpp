@@ -11,6 +11,7 @@
 #include "io/files/document_kind.hpp"
 #include "io/files/model_file.hpp"
 #include "io/files/scenario_file.hpp"
+#include "io/files/selection_file.hpp"
 #include "io/files/specification_file.hpp"
 #include "io/files/subject_file.hpp"
 #include "io/text/diagnostics.hpp"
@@ -53,9 +54,13 @@ void read_as(io::DocumentKind kind, const std::string& text) {
     case kScenario:
       io::parse_scenario(text, name);
       break;
+    case kSelection:
+      io::parse_selection(
+          text, name, [](const std::string& file) -> std::string { throw io::InvalidInput(file); });
+      break;
     case kUnknown:
       for (const auto any :
-           {kDesign, kPair, kSpecification, kBlackBox, kModel, kActuator, kScenario}) {
+           {kDesign, kPair, kSpecification, kBlackBox, kModel, kActuator, kScenario, kSelection}) {
         read_or_refuse([&] { read_as(any, text); });
       }
       break;

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "io/text/diagnostics.hpp"
 #include "io/text/json.hpp"
@@ -28,6 +29,19 @@ inline std::optional<TwoFiles> two_files(const std::string& text) {
   const auto at = text.find(separator);
   if (at == std::string::npos) return std::nullopt;
   return TwoFiles{.first = text.substr(0, at + 1), .second = text.substr(at + separator.size())};
+}
+
+/// An input that is several files in this way.
+inline std::vector<std::string> files_of(const std::string& text) {
+  std::vector<std::string> files{text};
+  while (const auto two = two_files(files.back())) {
+    files.back() = two->first;
+    files.push_back(two->second);
+  }
+  return files;
+}
+inline bool has_more_lines(const std::string& text, std::size_t most) {
+  return static_cast<std::size_t>(std::ranges::count(text, '\n')) > most;
 }
 
 /// Does the work of a command, which may refuse its input with InvalidInput and nothing else.

@@ -9,6 +9,7 @@
 #include "calibrate/dynamic/windup.hpp"
 #include "io/files/actuator_file.hpp"
 #include "io/text/diagnostics.hpp"
+#include "io/text/printable.hpp"
 #include "numerics/square.hpp"
 
 namespace gear3k::app {
@@ -124,25 +125,56 @@ actuator::Actuator found_actuator(const actuator::Actuator& stated, const DriveP
   return a;
 }
 
+/// The text of found_actuator(); of the stated one, with a note, where no ACTUATOR can have what
+/// was found.
+std::string model_of(const actuator::Actuator& stated, const DriveParameters& drive,
+                     const std::string& files, MotionDiagnosis& d) {
+  const auto text = [&](const actuator::Actuator& a, const char* what) {
+    return fmt::format("# {} {} gear3k diagnose found in {}\n{}",
+                       io::printable(a.name.empty() ? "actuator" : a.name), what,
+                       io::printable(files), io::actuator_text(a));
+  };
+  std::string found = text(found_actuator(stated, drive, d), "with what");
+  try {
+    static_cast<void>(io::parse_actuator(found, "model.toml"));
+    return found;
+  } catch (const io::InvalidInput&) {
+    d.notes.emplace_back(
+        "no ACTUATOR can have the numbers that were found: model.toml has the stated ones");
+    return text(stated, "as stated, without what");
+  }
+}
+
+void require_catalogue_values(const DiagnoseMotionRequest& request) {
+  if (request.actuator.train == nullptr) return;
+  throw io::InvalidInput(
+      fmt::format("{}: gearbox.design: logs of motion are diagnosed for a gearbox by catalogue "
+                  "values: allowed: ratio, efficiency_forward and efficiency_backward, as gear3k "
+                  "analyze prints them for the design",
+                  request.source));
+}
+
 }  // namespace
 
+io::MotionLogScale log_scale(const actuator::Actuator& actuator) {
+  return {.ratio = actuator.gearbox.ratio,
+          .torque_constant_Nm_A = actuator.motor.torque_constant_Nm_A,
+          .load_kgm2 = actuator.load_inertia_kgm2};
+}
+
 report::MotionDiagnosisResult diagnose_motion(const DiagnoseMotionRequest& request) {
+  require_catalogue_values(request);
+  return diagnose_motion(request, io::read_motion_logs(request.data, log_scale(request.actuator)));
+}
+
+report::MotionDiagnosisResult diagnose_motion(const DiagnoseMotionRequest& request,
+                                              const calibrate::MotionRecord& record) {
+  require_catalogue_values(request);
   const actuator::Actuator& a = request.actuator;
-  if (a.train != nullptr) {
-    throw io::InvalidInput(
-        fmt::format("{}: gearbox.design: logs of motion are diagnosed for a gearbox by catalogue "
-                    "values: allowed: ratio, efficiency_forward and efficiency_backward, as gear3k "
-                    "analyze prints them for the design",
-                    request.source));
-  }
   const actuator::Chain chain = actuator::chain_of(a);
   report::MotionDiagnosisResult result;
   result.subject = a.name;
   result.ratio = chain.ratio;
-  const io::MotionLogScale scale{.ratio = chain.ratio,
-                                 .torque_constant_Nm_A = a.motor.torque_constant_Nm_A,
-                                 .load_kgm2 = a.load_inertia_kgm2};
-  const calibrate::MotionRecord record = io::read_motion_logs(request.data, scale);
   result.files = record.files;
   const DriveParameters drive = drive_of(a, chain);
   const std::string files = fmt::format("{}", fmt::join(record.files, ", "));
@@ -179,10 +211,8 @@ report::MotionDiagnosisResult diagnose_motion(const DiagnoseMotionRequest& reque
   }
   result.readings = calibrate::motion_readings(record, result.diagnosis.drive,
                                                result.diagnosis.rows, chain.ratio);
-  result.model = fmt::format("# {} with what gear3k diagnose found in {}\n{}",
-                             a.name.empty() ? std::string("actuator") : a.name, files,
-                             io::actuator_text(found_actuator(a, drive, result.diagnosis)));
   auto& notes = result.diagnosis.notes;
+  result.model = model_of(a, drive, files, result.diagnosis);
   notes.insert(notes.begin(), record.notes.begin(), record.notes.end());
   return result;
 }

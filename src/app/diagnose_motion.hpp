@@ -23,4 +23,10 @@ struct DiagnoseMotionRequest {
 /// with too few windows of a clear sense and flow, and signals of the wrong sign
 report::MotionDiagnosisResult diagnose_motion(const DiagnoseMotionRequest& request);
 
+/// What turns logs of this actuator into torques at the output.
+io::MotionLogScale log_scale(const actuator::Actuator& actuator);
+/// The same with logs that were read, by log_scale(); `data` of the request is not read.
+report::MotionDiagnosisResult diagnose_motion(const DiagnoseMotionRequest& request,
+                                              const calibrate::MotionRecord& record);
+
 }  // namespace gear3k::app

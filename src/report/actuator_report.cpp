@@ -6,6 +6,7 @@
 #include <complex>
 
 #include "io/text/json.hpp"
+#include "io/text/printable.hpp"
 #include "report/display.hpp"
 #include "report/text_table.hpp"
 
@@ -235,8 +236,8 @@ std::string felt_text(const actuator::FeltTorque& felt) {
 
 std::string cycle_text(const ActuatorResult& result) {
   const DutyCycle& d = *result.cycle;
-  std::string text = fmt::format("\nCycle {}: {:g} s, {}\n", result.cycle_name, d.period_s,
-                                 d.periodic ? "periodic" : "not periodic");
+  std::string text = fmt::format("\nCycle {}: {:g} s, {}\n", io::printable(result.cycle_name),
+                                 d.period_s, d.periodic ? "periodic" : "not periodic");
   text += ledger_text(result);
   text += fmt::format("balance error {:.1e} of all magnitudes\n\n", d.balance_error);
   text += fmt::format(
@@ -336,9 +337,10 @@ io::Json actuator_json(const ActuatorResult& result) {
 }
 
 std::string actuator_table(const ActuatorResult& result) {
-  std::string text = fmt::format("{}: ratio {:.6g}\n",
-                                 result.actuator.name.empty() ? "actuator" : result.actuator.name,
-                                 result.actuator.gearbox.ratio);
+  std::string text =
+      fmt::format("{}: ratio {:.6g}\n",
+                  io::printable(result.actuator.name.empty() ? "actuator" : result.actuator.name),
+                  result.actuator.gearbox.ratio);
   text += reflected_text(result);
   if (result.felt) text += felt_text(*result.felt);
   text += checks_lines(result.felt_checks);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "io/text/printable.hpp"
 #include "report/actuator_report.hpp"
 #include "report/text_table.hpp"
 #include "units/units.hpp"
@@ -115,7 +116,7 @@ std::string no_motor_text(const actuator::CoDesign& co_design, std::size_t gearb
   return fmt::format(
       "no feasible design: none of {} motors drives {} within its limits: the nearest, {}, exceeds "
       "{} by {:.4g} % of the limit",
-      task.motors.size(), gears, task.motors[nearest.pair.motor].name,
+      task.motors.size(), gears, io::printable(task.motors[nearest.pair.motor].name),
       nearest.limit ? actuator::kPairLimitNames[static_cast<std::size_t>(*nearest.limit)]
                     : "no limit",
       100.0 * nearest.excess);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "io/text/json.hpp"
+#include "io/text/printable.hpp"
 #include "report/display.hpp"
 #include "report/text_table.hpp"
 
@@ -235,7 +236,7 @@ std::string motion_diagnosis_table(const MotionDiagnosisResult& r) {
   std::string text = fmt::format(
       "{}: {}\n{} windows forward, {} backward; of a window's mean torque at the output {:.4g} N m "
       "stay, {:.4g} as stated, {:.4g} is noise\n\n",
-      r.subject.empty() ? "actuator" : r.subject,
+      r.subject.empty() ? "actuator" : io::printable(r.subject),
       kMotionVerdicts.at(static_cast<std::size_t>(d.verdict)), d.windows[0], d.windows[1],
       d.extended_Nm, d.baseline_Nm, d.noise_Nm);
   if (!d.effects.empty()) text += effects_text(r) + '\n';
@@ -249,7 +250,7 @@ std::string motion_diagnosis_table(const MotionDiagnosisResult& r) {
                           kDriveCauses.at(first).unit);
     }
   }
-  for (const std::string& note : d.notes) text += "\nnote: " + note;
+  for (const std::string& note : d.notes) text += "\nnote: " + io::printable(note);
   if (!d.notes.empty()) text += '\n';
   return text;
 }

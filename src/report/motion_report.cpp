@@ -5,6 +5,7 @@
 #include <map>
 
 #include "io/text/json.hpp"
+#include "io/text/printable.hpp"
 #include "report/display.hpp"
 #include "report/text_table.hpp"
 
@@ -22,7 +23,7 @@ const char* flow_name(const Mode& mode) {
 
 std::string run_title(const MotionResult& result) {
   const auto named = [](const std::string& name, const char* otherwise) {
-    return name.empty() ? std::string(otherwise) : name;
+    return name.empty() ? std::string(otherwise) : io::printable(name);
   };
   return fmt::format("{}: {}", named(result.actuator.name, "actuator"),
                      named(result.scenario.name, "scenario"));

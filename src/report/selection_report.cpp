@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "io/text/printable.hpp"
 #include "report/display.hpp"
 #include "report/text_table.hpp"
 
@@ -162,8 +163,8 @@ std::string selection_json(const SelectionTask& task, const Selection& selection
 std::string selection_table(const SelectionTask& task, const Selection& selection) {
   std::string text = fmt::format(
       "{}: {} motors x {} gearboxes = {} pairs, {} cycles run; front of {}\n",
-      task.name.empty() ? "selection" : task.name, task.motors.size(), task.gearboxes.size(),
-      selection.verdicts.size(), selection.run, selection.front.size());
+      task.name.empty() ? "selection" : io::printable(task.name), task.motors.size(),
+      task.gearboxes.size(), selection.verdicts.size(), selection.run, selection.front.size());
   std::vector<std::string> heads{"motor",  "gearbox", "ratio",  "energy J",     "mass kg",
                                  "A peak", "A rms",   "V peak", "inertia kg m2"};
   // What is felt, where it is limited.
@@ -214,7 +215,8 @@ std::string selection_blocking_text(const SelectionTask& task, const Selection& 
   const PairResult& r = *selection.nearest;
   return fmt::format(
       "no pair is feasible: the nearest, {} with {}, exceeds {} by {:.4g} % of the limit",
-      task.motors[r.pair.motor].name, task.gearboxes[r.pair.gearbox].name,
+      io::printable(task.motors[r.pair.motor].name),
+      io::printable(task.gearboxes[r.pair.gearbox].name),
       r.limit ? limit_name(*r.limit) : "no limit", 100.0 * r.excess);
 }
 

@@ -22,8 +22,6 @@ namespace gear3k::io {
 
 namespace {
 
-constexpr std::size_t kMostCatalogueBytes = std::size_t{1} << 26U;
-
 /// Values of a catalogue's rows; errors of all rows are collected.
 class CatalogueRows {
  public:
@@ -167,12 +165,14 @@ actuator::CatalogueGearbox designed_gearbox(const std::string& path) {
   return g;
 }
 
+using TextOfFile = std::function<std::string(const std::string&)>;
+
 void read_parts(const SelectionInput& input, const std::filesystem::path& folder,
-                CollectedErrors& errors, SelectionFiles& files) {
+                const TextOfFile& file_text, CollectedErrors& errors, SelectionFiles& files) {
   const auto path_of = [&](const std::string& name) { return (folder / name).string(); };
   const auto text_of = [&](const std::string& name) {
     files.inputs.push_back(path_of(name));
-    return read_text(path_of(name), "a CSV file", kMostCatalogueBytes);
+    return file_text(path_of(name));
   };
   errors.attempt([&] {
     if (!input.motors.empty()) {
@@ -196,11 +196,26 @@ void read_parts(const SelectionInput& input, const std::filesystem::path& folder
     });
   }
   for (const std::string& cycle : input.cycles) {
-    errors.attempt([&] {
-      files.inputs.push_back(path_of(cycle));
-      files.task.cycles.push_back(read_cycle(path_of(cycle)));
-    });
+    errors.attempt(
+        [&] { files.task.cycles.push_back(parse_cycle(text_of(cycle), path_of(cycle))); });
   }
+}
+
+SelectionFiles selection_from(const TomlValue& document, const std::string& name,
+                              const TextOfFile& file_text) {
+  refuse_other_documents(document, name, {DocumentKind::kSelection, DocumentKind::kBlackBox},
+                         "--select takes a file with motors, gearboxes and cycles");
+  FileReading reading(name);
+  SelectionInput input;
+  read_by_schema(document, selection_schema(), input, reading);
+  check_selection(input, reading);
+  SelectionFiles files{.task = input.task, .inputs = {name}};
+  CollectedErrors errors;
+  errors.attempt([&] { reading.throw_if_invalid(); });
+  read_parts(input, std::filesystem::path(name).parent_path(), file_text, errors, files);
+  errors.raise();
+  if (files.task.weights.empty()) files.task.weights.assign(files.task.cycles.size(), 1.0);
+  return files;
 }
 
 }  // namespace
@@ -263,20 +278,14 @@ std::vector<actuator::CatalogueGearbox> parse_gearboxes(const std::string& text,
 }
 
 SelectionFiles read_selection(const std::string& path) {
-  const TomlValue document = read_toml(path);
-  refuse_other_documents(document, path, {DocumentKind::kSelection, DocumentKind::kBlackBox},
-                         "--select takes a file with motors, gearboxes and cycles");
-  FileReading reading(path);
-  SelectionInput input;
-  read_by_schema(document, selection_schema(), input, reading);
-  check_selection(input, reading);
-  SelectionFiles files{.task = input.task, .inputs = {path}};
-  CollectedErrors errors;
-  errors.attempt([&] { reading.throw_if_invalid(); });
-  read_parts(input, std::filesystem::path(path).parent_path(), errors, files);
-  errors.raise();
-  if (files.task.weights.empty()) files.task.weights.assign(files.task.cycles.size(), 1.0);
-  return files;
+  return selection_from(read_toml(path), path, [](const std::string& file) {
+    return read_text(file, "a CSV file", kMostCycleBytes);
+  });
+}
+
+SelectionFiles parse_selection(const std::string& text, const std::string& name,
+                               const TextOfFile& file_text) {
+  return selection_from(parse_toml(text, name), name, file_text);
 }
 
 std::string selection_key_table() { return key_table(selection_schema()); }

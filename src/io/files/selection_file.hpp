@@ -1,6 +1,7 @@
 #pragma once
 // SPEC files of `gear3k actuator --select`, and the catalogues that they name.
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,10 @@ struct SelectionFiles {
 /// Reads a SPEC with its catalogues and cycles, their paths as seen from its folder.
 /// @throws InvalidInput with every error of all files
 SelectionFiles read_selection(const std::string& path);
+/// The same from a text with catalogues and cycles that are not files: `file_text` gives the text
+/// of each by its path.  DESIGN and SPEC files among the gearboxes are read as files.
+SelectionFiles parse_selection(const std::string& text, const std::string& name,
+                               const std::function<std::string(const std::string&)>& file_text);
 
 /// Motors of a catalogue: columns manufacturer, order_code, resistance_ohm,
 /// torque_constant_nm_per_a and optionally those of data/motor_catalogue.csv.
