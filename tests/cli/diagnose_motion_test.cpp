@@ -291,6 +291,24 @@ TEST(DiagnoseMotion, AThirdOfTheRowsMayBeLostByChance) {
 }
 
 // A limit that noise lets go now and then: 3.7 A of 4.6.
+TEST(DiagnoseMotion, NumbersThatNoActuatorHasLeaveTheStatedOnes) {
+  const Workplace place;
+  std::string actuator = example("actuators/knee.toml");
+  const std::string loss = "no_load_current_a = 0.234";
+  place.write("a.toml",
+              actuator.replace(actuator.find(loss), loss.size(), "no_load_current_a = 0"));
+  place.write("m.csv", scaled(example("measurements/knee_motion.csv"), 2, 1e-12));
+  const ProgramResult result =
+      place.run({"diagnose", "a.toml", "m.csv", "--out", "out", "--format", "json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const json data = json::parse(result.out);
+  EXPECT_EQ(data.at("verdict"), "unexplained");
+  EXPECT_NE(data.at("notes").dump().find("no ACTUATOR can have the numbers"), std::string::npos);
+  EXPECT_NE(place.read("out/model.toml").find("torque_constant_nm_per_a = 0.0369\n"),
+            std::string::npos);
+  EXPECT_EQ(place.run({"actuator", "out/model.toml"}).exit_code, 0);
+}
+
 TEST(DiagnoseMotion, AClippedCurrentWithNoiseIsLeftOut) {
   const Workplace place;
   put_example(place);

@@ -235,6 +235,23 @@ TEST(Names, OfTwoLinesForgeNoLineOfATable) {
   }
 }
 
+TEST(Names, OfTwoLinesForgeNoLineOfATableOrFileOfActuators) {
+  const Workplace place;
+  std::string knee = example("actuators/knee.toml");
+  place.write("a.toml", replaced(knee, "\"knee\"", "\"x\\nforged = 1\""));
+  place.write("s.toml", "duration_s = 0.1\n[control]\nmode = \"shorted\"\n");
+  place.write("log\n.csv", example("measurements/knee_motion.csv"));
+  for (const std::vector<std::string>& command :
+       std::vector<std::vector<std::string>>{{"actuator", "a.toml"},
+                                             {"simulate", "a.toml", "s.toml"},
+                                             {"diagnose", "a.toml", "log\n.csv", "--out", "out"}}) {
+    const ProgramResult result = place.run(command);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_TRUE(result.out.starts_with("x\\u000aforged = 1: ")) << result.out;
+  }
+  EXPECT_EQ(place.run({"actuator", "out/model.toml"}).exit_code, 0);
+}
+
 TEST(Options, OfControlCharactersCommandNoTerminal) {
   const Workplace place;
   place.write("gear.toml", design_named("gear"));
