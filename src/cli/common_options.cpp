@@ -4,6 +4,8 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -36,6 +38,10 @@ void add_common_options(CLI::App& command, CommonOptions& options, bool text) {
   add_output_options(command, options, text);
   command.add_option("--threads", options.threads, "OpenMP threads; all processors by default")
       ->check(CLI::Range(1, 1024));
+}
+
+std::string refuse_nan(const std::string& text) {
+  return std::isnan(std::strtod(text.c_str(), nullptr)) ? text + ": allowed: a number" : "";
 }
 
 void add_out_file(CLI::App& command, CommonOptions& options) {

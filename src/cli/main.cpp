@@ -234,6 +234,7 @@ void add_actuator_options(CLI::App& command, cli::ActuatorOptions& options) {
       .add_option("--amplitude", options.amplitude_rad,
                   "of the output in --impedance, for the first harmonic with losses and friction")
       ->check(CLI::Range(0.0, 1e6))
+      ->check(cli::refuse_nan)
       ->option_text("RAD");
   command.add_option("--motor", options.motor, "terminals of the motor in --impedance")
       ->check(CLI::IsMember({"open", "shorted", "locked"}))
@@ -369,7 +370,8 @@ int run_program(int argc, char** argv) {
   optimize_command
       ->add_option("--front-budget", optimize.front_budget_s,
                    "seconds after which the front of a list of objectives is left as it is")
-      ->check(CLI::Range(0.001, 1e7));
+      ->check(CLI::Range(0.001, 1e7))
+      ->check(cli::refuse_nan);
   optimize_command->add_flag("--resume", optimize.resume,
                              "go on with the run in --out that was interrupted or killed");
   optimize_command->add_flag("--force", optimize.force,

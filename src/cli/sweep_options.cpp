@@ -128,6 +128,7 @@ void add_atlas_options(CLI::App& command, AtlasOptions& options, std::function<E
       .add_option("--friction", options.question.friction,
                   "coefficient, the nearest of the atlas; all by default")
       ->check(CLI::Range(0.001, 1.0))
+      ->check(refuse_nan)
       ->option_text("MU");
   command
       .add_option("--task", options.task, "file for a SPEC.toml to begin with; none is replaced")

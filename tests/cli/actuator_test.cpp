@@ -72,6 +72,21 @@ TEST(Actuator, StrictEndsWith3WhereALimitIsExceeded) {
             place.run({"actuator", "a.toml", "--cycle", "c.csv", "--format", "text"}).out);
 }
 
+TEST(Actuator, FilesPartedBySemicolonsAreToldSo) {
+  const Workplace place;
+  place.write("a.toml", kReference);
+  place.write("c.csv", "time_s;torque_nm;speed_rad_s\n0;-10;2\n1;-10;2\n");
+  EXPECT_EQ(place.run({"actuator", "a.toml", "--cycle", "c.csv"}).err,
+            "c.csv:1:1: the header is one field: allowed: fields parted by commas\n");
+  place.write("s.toml", "motors = \"c.csv\"\ngearboxes = \"c.csv\"\ncycles = \"c.csv\"\n");
+  const ProgramResult all = place.run({"actuator", "--select", "s.toml", "--out", "out"});
+  EXPECT_EQ(all.exit_code, 2);
+  EXPECT_FALSE(contains(all.err, "is missing")) << all.err;
+  place.write("t.toml", "duration_s = 1.0\n[control]\nmode = \"torque\"\ntable = \"c.csv\"\n");
+  EXPECT_EQ(place.run({"simulate", "a.toml", "t.toml"}).err,
+            "c.csv:1:1: the header is one field: allowed: fields parted by commas\n");
+}
+
 TEST(Actuator, FilesTellAllTheirErrorsAtOnce) {
   const Workplace place;
   place.write("a.toml",
@@ -269,6 +284,18 @@ TEST(Actuator, OptionsThatDoNotGoTogetherAreUsageErrors) {
   EXPECT_EQ(place.run({"actuator", "--select", "a.toml"}).exit_code, 1);
   EXPECT_EQ(place.run({"actuator", "a.toml", "--impedance", "1:2"}).exit_code, 1);
   EXPECT_EQ(place.run({"actuator", "a.toml", "--motor", "shorted"}).exit_code, 1);
+}
+
+TEST(Options, NoNumberIsInNoRange) {
+  const Workplace place;
+  for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{
+           {"actuator", "a.toml", "--impedance", "1:10:2", "--amplitude", "nan"},
+           {"optimize", "s.toml", "--out", "out", "--front-budget", "nan"},
+           {"atlas", "50", "--friction", "nan"}}) {
+    const ProgramResult result = place.run(command);
+    EXPECT_EQ(result.exit_code, 1) << command.back();
+    EXPECT_TRUE(contains(result.err, "nan: allowed: a number")) << result.err;
+  }
 }
 
 TEST(Actuator, NumbersOfACycleAreThoseOfAnActuator) {

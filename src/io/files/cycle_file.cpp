@@ -71,6 +71,10 @@ class CycleReader {
   void read_header() {
     width_ = fields_.values().size();
     header_line_ = line_;
+    if (const auto slip = wrong_separator(width_, fields_.values()[0]); !slip.empty()) {
+      complain(1, std::string(slip));
+      return;
+    }
     for (std::size_t k = 0; k < width_; ++k) {
       const std::string_view field = trimmed(fields_.values()[k]);
       const auto* const known = std::ranges::find(kCycleColumnNames, field);

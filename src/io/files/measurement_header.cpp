@@ -66,9 +66,12 @@ void match_header(MeasurementHeader& found, Kind kind, Complaints& complaints) {
     complaints.add({.line = found.line, .column = place}, std::move(message));
   };
   const std::vector<const Column*> absent = match_names(header, kind);
-  if (header.size() == 1 && header[0].name.find_first_of(";\t") != std::string::npos) {
-    complain(1, "the header is one field: allowed: fields parted by commas");
-    return;
+  if (!header.empty()) {
+    const auto slip = wrong_separator(header.size(), header[0].name);
+    if (!slip.empty()) {
+      complain(1, std::string(slip));
+      return;
+    }
   }
   if (absent.size() == columns_of(kind).size() &&
       std::ranges::all_of(header,

@@ -110,6 +110,10 @@ void read_log_header(std::string_view line, int number, LogFile& file) {
     return;
   }
   file.fields = fields.values().size();
+  if (const auto slip = wrong_separator(file.fields, fields.values()[0]); !slip.empty()) {
+    file.complaints.add({.line = number, .column = 1}, std::string(slip));
+    return;
+  }
   for (std::size_t k = 0; k < file.fields; ++k) {
     const std::string name(trimmed(fields.values()[k]));
     const auto* const at = std::ranges::find(kLogColumns, name);

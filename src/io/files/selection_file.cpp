@@ -31,6 +31,10 @@ class CatalogueRows {
   }
 
   void require(const std::vector<std::string>& columns) {
+    if (!table_.header.empty()) {
+      const auto slip = wrong_separator(table_.header.size(), table_.header[0]);
+      if (!slip.empty()) throw InvalidInput(fmt::format("{}: {}", table_.name, slip));
+    }
     bool missing = false;
     for (const std::string& column : columns) {
       if (has(column)) continue;

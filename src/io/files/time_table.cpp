@@ -61,6 +61,10 @@ class TimeTableReader {
 
   void read_header() {
     width_ = fields_.values().size();
+    if (const auto slip = wrong_separator(width_, fields_.values()[0]); !slip.empty()) {
+      complain(1, std::string(slip));
+      return;
+    }
     const auto time = place_of("time_s");
     if (!time) complain(1, "column time_s is missing");
     std::optional<std::size_t> value;

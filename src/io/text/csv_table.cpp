@@ -84,6 +84,11 @@ std::optional<double> CsvTable::number(const Row& row, const std::string& column
   return value;
 }
 
+std::string_view wrong_separator(std::size_t fields, std::string_view first) {
+  const bool wrong = fields == 1 && first.find_first_of(";\t") != std::string_view::npos;
+  return wrong ? "the header is one field: allowed: fields parted by commas" : "";
+}
+
 CsvTable parse_csv(const std::string& text, const std::string& name) {
   std::vector<Diagnostic> diagnostics;
   CsvTable table = parse_csv(text, name, diagnostics);

@@ -30,6 +30,9 @@ class CsvFields {
 /// The number that a field without blanks around it holds; infinite or NaN where it says so.
 std::optional<double> csv_number(std::string_view field);
 
+/// What is wrong with a header of one field that semicolons or tabs part; "" with any other.
+std::string_view wrong_separator(std::size_t fields, std::string_view first);
+
 /// A CSV text: lines beginning with '#' are notes, the first other line is the header.
 struct CsvTable {
   struct Row {

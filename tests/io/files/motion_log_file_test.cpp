@@ -83,6 +83,8 @@ TEST(MotionLogFile, ColumnsAndNotesThatAreMissingOrWrong) {
   EXPECT_EQ(error_of("# kind: transmission\ndirection,sun_speed_rpm\n" + rows(0, 2)),
             "m.csv:1:1: # kind: transmission: allowed: dynamic (other kinds are diagnosed apart "
             "from logs of motion)");
+  EXPECT_EQ(error_of("# kind: dynamic\ntime_s;speed_rad_s;motor_torque_nm\n1;2;3\n"),
+            "m.csv:2:1: the header is one field: allowed: fields parted by commas");
   EXPECT_TRUE(has(error_of("# kind: dynamic\n"), "m.csv: no header: allowed: columns time_s"));
   EXPECT_TRUE(
       has(error_of("# torque: motor\n" + kHead + rows(0, 60)), "m.csv:1:1: # torque: motor"));
