@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "calibrate/search/order_scan.hpp"
 #include "numerics/distributions.hpp"
@@ -121,76 +122,128 @@ void read_reversals(const std::vector<MotionWindow>& windows, MotionReadings& r)
   }
 }
 
+/// Samples among which waves are sought.
+struct RippleSeries {
+  std::vector<double> angle;
+  Eigen::VectorXd left;
+  double turns = 0.0;
+  std::vector<double> phase_per_order;  ///< |w| h of some of them; empty: waves stay as they are
+
+  /// Mean square of what is seen of waves of an order, over theirs.
+  [[nodiscard]] double seen(double order) const {
+    if (phase_per_order.empty()) return 1.0;
+    double sum = 0.0;
+    for (const double phase : phase_per_order) {
+      const double x = order * phase;
+      constexpr double kSmall = 0.01;
+      sum += square(x < kSmall ? 1.0 : 3.0 * (std::sin(x) - x * std::cos(x)) / (x * x * x));
+    }
+    return sum / static_cast<double>(phase_per_order.size());
+  }
+};
+
+/// @param even  as the waves of the output want it, whose accelerations are no noise
+RippleSeries ripple_series(const std::vector<TorqueSample>& samples, bool even) {
+  RippleSeries r;
+  std::vector<double> left;
+  constexpr std::size_t kPhases = 200;
+  for (const TorqueSample& sample : samples) {
+    if (even && !sample.even_Nm) continue;
+    r.angle.push_back(sample.angle_rad);
+    left.push_back(even ? *sample.even_Nm : sample.left_Nm);
+  }
+  if (left.empty()) return r;
+  for (std::size_t k = 0; even && k < samples.size(); k += 1 + samples.size() / kPhases) {
+    if (samples[k].even_Nm) {
+      r.phase_per_order.push_back(std::abs(samples[k].speed_rad_s) * samples[k].half_s);
+    }
+  }
+  const auto [least, most] = std::ranges::minmax(r.angle);
+  r.turns = (most - least) / (2.0 * std::numbers::pi);
+  r.left = Eigen::Map<const Eigen::VectorXd>(left.data(), static_cast<Eigen::Index>(left.size()));
+  r.left.array() -= r.left.mean();
+  return r;
+}
+
+double amplitude_in(const RippleSeries& series, double order) {
+  const Eigen::MatrixXd wave = waves(series.angle, order);
+  const double cc = wave.col(0).squaredNorm(), ss = wave.col(1).squaredNorm();
+  const double cs = wave.col(0).dot(wave.col(1));
+  const double c = wave.col(0).dot(series.left), s = wave.col(1).dot(series.left);
+  const double all = cc * ss - cs * cs;
+  return std::hypot((c * ss - s * cs) / all, (s * cc - c * cs) / all) /
+         std::sqrt(series.seen(order));
+}
+
+/// Probability of as much of an order by chance: its neighbours tell how much is no wave.
+std::optional<double> chance_of_order(const RippleSeries& series, double order) {
+  constexpr int kAside = 20;
+  constexpr double kLeastSeen = 0.2;  // of squares
+  if (series.seen(order) < kLeastSeen) return std::nullopt;
+  NoiseModel even;
+  even.weight = Eigen::VectorXd::Ones(series.left.size());
+  const FreeResidual residual{
+      .noise = even, .own_basis = Eigen::MatrixXd(series.left.size(), 0), .left = series.left};
+  const double width = std::max(1.5 / series.turns, 0.01 * order);
+  const double first = std::max(order - kAside * width, 0.25 * width);
+  const auto count = static_cast<int>(std::floor((order + kAside * width - first) / width)) + 1;
+  const OrderScan scan = scan_orders(series.angle, first, width, count, residual);
+  const OrderScan own = scan_orders(series.angle, order, 1.0, 1, residual);
+  double background = 0.0, kept = 0.0;
+  for (std::size_t k = 0; k < scan.order.size(); ++k) {
+    const double seen = series.seen(scan.order[k]);
+    if (std::abs(scan.order[k] - order) < 1.2 * width || seen < kLeastSeen) continue;
+    background += scan.share[k] / seen;
+    kept += 1.0;
+  }
+  if (!(kept > 4.0) || !(background > 0.0)) return std::nullopt;
+  // Powers of noise are exponential: of one over the mean of n the F distribution.
+  const double f = own.share[0] / series.seen(order) * kept / background;
+  return numerics::f_upper_tail(f, 2.0, 2.0 * kept);
+}
+
 void read_ripple(const MotionRecord& record, const DriveParameters& drive, double ratio,
                  MotionReadings& r) {
   const std::vector<TorqueSample> samples = torque_samples(record, drive, kMostSampled);
   if (samples.size() < kFewestSampled) return;
-  std::vector<double> angle;
-  double fastest = 0.0, least = samples.front().angle_rad, most = least;
-  Eigen::VectorXd left(static_cast<Eigen::Index>(samples.size()));
-  for (std::size_t k = 0; k < samples.size(); ++k) {
-    angle.push_back(samples[k].angle_rad);
-    left(static_cast<Eigen::Index>(k)) = samples[k].left_Nm;
-    fastest = std::max(fastest, std::abs(samples[k].speed_rad_s));
-    least = std::min(least, samples[k].angle_rad);
-    most = std::max(most, samples[k].angle_rad);
+  double fastest = 0.0;
+  for (const TorqueSample& sample : samples) {
+    fastest = std::max(fastest, std::abs(sample.speed_rad_s));
   }
-  left.array() -= left.mean();
   double step_s = 0.0, steps = 0.0;
   for (const MotionStretch& s : record.stretches) {
     step_s += s.time_s.back() - s.time_s.front();
     steps += static_cast<double>(s.time_s.size()) - 1.0;
   }
-  const double turns = (most - least) / (2.0 * std::numbers::pi);
   r.highest_order = fastest > 0.0 ? std::numbers::pi * steps / (step_s * fastest) : 0.0;
-  NoiseModel even;
-  even.weight = Eigen::VectorXd::Ones(left.size());
-  const FreeResidual residual{
-      .noise = even, .own_basis = Eigen::MatrixXd(left.size(), 0), .left = left};
+  const RippleSeries of_motor = ripple_series(samples, false),
+                     of_output = ripple_series(samples, true);
   struct Place {
     const char* shaft;
     int harmonic;
     double order;
+    const RippleSeries* series;
   };
   std::vector<Place> places;
   for (int harmonic = 1; harmonic <= kMostHarmonic; ++harmonic) {
-    places.push_back({"motor", harmonic, harmonic * std::abs(ratio)});
+    places.push_back({"motor", harmonic, harmonic * std::abs(ratio), &of_motor});
     if (harmonic <= 2 && std::abs(ratio) > 4.0)
-      places.push_back({"output", harmonic, 1.0 * harmonic});
+      places.push_back({"output", harmonic, 1.0 * harmonic, &of_output});
   }
   // Two turns of a shaft, and orders that the sampling does not fold.
   std::erase_if(places, [&](const Place& p) {
-    return p.order > 0.8 * r.highest_order || turns * p.order < 2.0;
+    return p.order > 0.8 * r.highest_order || p.series->turns * p.order < 2.0 ||
+           p.series->angle.size() < kFewestSampled;
   });
   for (const Place& p : places) {
-    // Its neighbours tell how much is no wave of this shaft.
-    constexpr int kAside = 20;
-    const double width = std::max(1.5 / turns, 0.01 * p.order);
-    const double first = std::max(p.order - kAside * width, 0.25 * width);
-    const auto count = static_cast<int>(std::floor((p.order + kAside * width - first) / width)) + 1;
-    const OrderScan scan = scan_orders(angle, first, width, count, residual);
-    const OrderScan own = scan_orders(angle, p.order, 1.0, 1, residual);
-    double background = 0.0, kept = 0.0;
-    for (std::size_t k = 0; k < scan.order.size(); ++k) {
-      if (std::abs(scan.order[k] - p.order) < 1.2 * width) continue;
-      background += scan.share[k];
-      kept += 1.0;
-    }
-    if (!(kept > 4.0) || !(background > 0.0)) continue;
-    // Powers of noise are exponential: of one over the mean of n the F distribution.
-    const double f = own.share[0] * kept / background;
-    const double chance =
-        numerics::f_upper_tail(f, 2.0, 2.0 * kept) * static_cast<double>(places.size());
+    const std::optional<double> one = chance_of_order(*p.series, p.order);
+    if (!one) continue;
+    const double chance = *one * static_cast<double>(places.size());
     if (!(chance < kRippleRate)) continue;
-    const Eigen::MatrixXd wave = waves(angle, p.order);
-    const double cc = wave.col(0).squaredNorm(), ss = wave.col(1).squaredNorm();
-    const double cs = wave.col(0).dot(wave.col(1));
-    const double c = wave.col(0).dot(left), s = wave.col(1).dot(left), all = cc * ss - cs * cs;
-    const double amplitude = std::hypot((c * ss - s * cs) / all, (s * cc - c * cs) / all);
     r.ripple.push_back({.shaft = p.shaft,
                         .harmonic = p.harmonic,
                         .order = p.order,
-                        .amplitude_Nm = amplitude,
+                        .amplitude_Nm = amplitude_in(*p.series, p.order),
                         .p_value = std::min(1.0, chance)});
   }
 }

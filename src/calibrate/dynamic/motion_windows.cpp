@@ -52,36 +52,44 @@ struct LocalMotion {
   double speed_gain = 0.0, acceleration_gain = 0.0;  ///< variance over that of a sample
 };
 
-LocalMotion local_motion(const MotionStretch& s, std::size_t k) {
-  constexpr std::size_t kCount = 2 * kHalfWidth + 1;
-  const bool angle = s.speed_rad_s.empty();
-  const std::vector<double>& signal = angle ? s.angle_rad : s.speed_rad_s;
+constexpr std::size_t kLocal = 2 * kHalfWidth + 1;
+using LocalWeights = std::array<double, kLocal>;
+
+/// Weights by which the samples about one of them give value, slope and second derivative of their
+/// polynomial there.
+struct LocalFit {
+  std::array<LocalWeights, 3> weight{};
+  std::array<double, 3> gain{};  ///< Σ weight²
+};
+
+LocalFit local_fit(const MotionStretch& s, std::size_t k, int degree) {
   const std::size_t first = k - kHalfWidth;
   const double scale = s.time_s[k + kHalfWidth] - s.time_s[first];
-  std::array<double, kCount> t{}, y{}, now{}, before{};
-  for (std::size_t j = 0; j < kCount; ++j) {
+  LocalWeights t{}, now{}, before{};
+  for (std::size_t j = 0; j < kLocal; ++j) {
     t.at(j) = (s.time_s[first + j] - s.time_s[k]) / scale;
-    y.at(j) = signal[first + j] - signal[k];
     now.at(j) = 1.0;
   }
   // Stieltjes' recurrence of the polynomials that are orthogonal over the samples; here: value and
   // derivatives of the last two at the sample itself.
-  std::array<double, 3> here{1.0, 0.0, 0.0}, here_before{}, derivative{}, gain{};
+  LocalFit fit;
+  std::array<double, 3> here{1.0, 0.0, 0.0}, here_before{};
   double norm_before = 1.0;
-  for (int m = 0; m <= (angle ? 3 : 2); ++m) {
-    double norm = 0.0, shift = 0.0, part = 0.0;
-    for (std::size_t j = 0; j < kCount; ++j) {
+  for (int m = 0; m <= degree; ++m) {
+    double norm = 0.0, shift = 0.0;
+    for (std::size_t j = 0; j < kLocal; ++j) {
       norm += square(now.at(j));
       shift += t.at(j) * square(now.at(j));
-      part += now.at(j) * y.at(j);
     }
     for (std::size_t i = 0; i < 3; ++i) {
-      derivative.at(i) += here.at(i) * part / norm;
-      gain.at(i) += square(here.at(i)) / norm;
+      for (std::size_t j = 0; j < kLocal; ++j) {
+        fit.weight.at(i).at(j) += here.at(i) * now.at(j) / norm;
+      }
+      fit.gain.at(i) += square(here.at(i)) / norm;
     }
     shift /= norm;
     const double ratio = m > 0 ? norm / norm_before : 0.0;
-    for (std::size_t j = 0; j < kCount; ++j) {
+    for (std::size_t j = 0; j < kLocal; ++j) {
       const double next = (t.at(j) - shift) * now.at(j) - ratio * before.at(j);
       before.at(j) = now.at(j);
       now.at(j) = next;
@@ -93,17 +101,66 @@ LocalMotion local_motion(const MotionStretch& s, std::size_t k) {
     here = next;
     norm_before = norm;
   }
-  const double two = scale * scale;
-  if (!angle) {
-    return {.speed = signal[k] + derivative[0],
-            .acceleration = derivative[1] / scale,
-            .speed_gain = gain[0],
-            .acceleration_gain = gain[1] / two};
+  double unit = 1.0;
+  for (std::size_t i = 0; i < 3; ++i, unit /= scale) {
+    for (double& w : fit.weight.at(i)) w *= unit;
+    fit.gain.at(i) *= square(unit);
   }
-  return {.speed = derivative[1] / scale,
-          .acceleration = derivative[2] / two,
-          .speed_gain = gain[1] / two,
-          .acceleration_gain = gain[2] / (two * two)};
+  return fit;
+}
+
+LocalMotion local_motion(const MotionStretch& s, std::size_t k) {
+  const bool angle = s.speed_rad_s.empty();
+  const std::vector<double>& signal = angle ? s.angle_rad : s.speed_rad_s;
+  const LocalFit fit = local_fit(s, k, angle ? 3 : 2);
+  std::array<double, 3> derivative{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < kLocal; ++j) {
+      derivative.at(i) += fit.weight.at(i).at(j) * (signal[k - kHalfWidth + j] - signal[k]);
+    }
+  }
+  derivative[0] += signal[k];
+  const std::size_t speed = angle ? 1 : 0;
+  return {.speed = derivative.at(speed),
+          .acceleration = derivative.at(speed + 1),
+          .speed_gain = fit.gain.at(speed),
+          .acceleration_gain = fit.gain.at(speed + 1)};
+}
+
+/// From weights of a signal those of its rate: Σ c y = Σ b dy/dt where Σ c = 0, by trapezoids.
+LocalWeights weights_of_rate(const LocalWeights& c, const double* time) {
+  LocalWeights b{};
+  double after = 0.0;
+  for (std::size_t j = kLocal - 1; j > 0; --j) {
+    after += c.at(j);
+    const double half = 0.5 * after * (time[j] - time[j - 1]);
+    b.at(j) += half;
+    b.at(j - 1) += half;
+  }
+  return b;
+}
+
+/// What is left of the motor's torque about a sample, every signal weighed as the acceleration that
+/// the parabola there takes for its own is a mean of those about it.
+double even_residual(const MotionStretch& s, std::size_t k, int sense,
+                     const std::array<double, 4>& beta) {
+  const bool angle = s.speed_rad_s.empty();
+  const std::vector<double>& signal = angle ? s.angle_rad : s.speed_rad_s;
+  const std::size_t first = k - kHalfWidth;
+  const double* const time = s.time_s.data() + first;
+  const LocalFit fit = local_fit(s, k, angle ? 3 : 2);
+  const LocalWeights& rate = fit.weight.at(angle ? 2 : 1);
+  const LocalWeights mean =
+      angle ? weights_of_rate(weights_of_rate(rate, time), time) : weights_of_rate(rate, time);
+  double left = 0.0, acceleration = 0.0, speed = 0.0;
+  for (std::size_t j = 0; j < kLocal; ++j) {
+    const double load = s.load_Nm.empty() ? 0.0 : s.load_Nm[first + j];
+    left += mean.at(j) * (s.motor_Nm[first + j] - beta[2] * sense + beta[3] * load);
+    acceleration += rate.at(j) * (signal[first + j] - signal[k]);
+    if (!angle) speed += mean.at(j) * signal[first + j];
+  }
+  if (angle) speed = local_motion(s, k).speed;
+  return left - beta[0] * acceleration - beta[1] * speed;
 }
 
 /// Samples begin ... end − 1 of one sense and one flow.
@@ -384,6 +441,9 @@ std::vector<TorqueSample> torque_samples(const MotionRecord& record, const Drive
                            .speed_rad_s = m.speed,
                            .left_Nm = s.motor_Nm[j] - beta[0] * m.acceleration - beta[1] * m.speed -
                                       beta[2] * p.sense + beta[3] * load});
+        if (j < p.begin + kHalfWidth || j + kHalfWidth >= p.end) continue;
+        samples.back().even_Nm = even_residual(s, j, p.sense, beta);
+        samples.back().half_s = 0.5 * (s.time_s[j + kHalfWidth] - s.time_s[j - kHalfWidth]);
       }
     }
   }

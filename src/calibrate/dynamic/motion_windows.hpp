@@ -41,6 +41,12 @@ std::vector<MotionWindow> motion_windows(const MotionRecord& record, const Drive
 /// What is left of the motor's torque at a sample, over the output's angle.
 struct TorqueSample {
   double angle_rad = 0.0, speed_rad_s = 0.0, left_Nm = 0.0;
+  /// The same with torques and speed weighed over the 13 samples as the parabola's slope weighs the
+  /// accelerations there, φ ~ h² − t² within h; empty near the end of a piece.  It has none of what
+  /// a slope misses of an acceleration that bends, and of waves of a frequency ω the share
+  ///   3 (sin x − x cos x)/x³, x = ω h.
+  std::optional<double> even_Nm{};
+  double half_s = 0.0;  ///< h
 };
 /// Samples of clear sense and flow with speed and acceleration of the parabola through 13 of them:
 /// of all stretches where the angle is logged, else of the longest one, its speed summed up.

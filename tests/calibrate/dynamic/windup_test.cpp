@@ -220,5 +220,61 @@ TEST(MotionReadings, RippleOfTheMotorsShaftIsFoundByItsOrder) {
   EXPECT_LE(others + false_waves, 1 + runs / 20);
 }
 
+/// A weight that turns round and round with the output, whose speed it bends once a turn; with a
+/// wave of the motor's torque over the output's angle.
+MotionRecord turning_weight(const DriveParameters& drive, int seed, double wave_Nm, bool angles) {
+  RandomNumbers random(seed);
+  MotionStretch s;
+  s.load_kgm2 = 0.1;
+  const auto beta = drive_coefficients(drive, 1, s.load_kgm2);
+  for (int k = 0; k < 2000; ++k) {
+    const double t = 0.01 * k, angle = 5.0 * t + 0.5 * std::sin(5.0 * t);
+    const double speed = 5.0 + 2.5 * std::cos(5.0 * t), rate = -12.5 * std::sin(5.0 * t);
+    const double load = 4.0 * std::sin(angle) - 6.0;
+    const auto noise = [&](double size) {
+      return size * (random.between(-1.0, 1.0) + random.between(-1.0, 1.0));
+    };
+    s.time_s.push_back(t);
+    if (angles) {
+      s.angle_rad.push_back(angle + noise(1e-5));
+    } else {
+      s.speed_rad_s.push_back(speed + noise(0.01));
+    }
+    s.load_Nm.push_back(load + noise(0.02));
+    s.motor_Nm.push_back(beta[0] * rate + beta[1] * speed + beta[2] - beta[3] * load +
+                         wave_Nm * std::sin(angle + 0.4) + noise(0.05));
+  }
+  MotionRecord record;
+  record.stretches.push_back(std::move(s));
+  return record;
+}
+
+TEST(MotionReadings, AWeightThatTurnsWithTheOutputIsNoRipple) {
+  const DriveParameters drive{.motor_inertia_kgm2 = 0.1,
+                              .motor_viscous_Nms = 0.05,
+                              .motor_coulomb_Nm = 0.3,
+                              .output_inertia_kgm2 = 0.02,
+                              .output_viscous_Nms = 0.02,
+                              .output_coulomb_Nm = 0.2,
+                              .efficiency_forward = 0.85,
+                              .efficiency_backward = 0.8};
+  for (const bool angles : {false, true}) {
+    int none = 0;
+    for (int seed = 1; seed <= 4; ++seed) {
+      const auto read = [&](double wave_Nm) {
+        const MotionRecord record = turning_weight(drive, seed, wave_Nm, angles);
+        return motion_readings(record, drive, motion_windows(record, drive), 50.0).ripple;
+      };
+      none += read(0.0).empty() ? 1 : 0;
+      const std::vector<TorqueRipple> found = read(0.1);
+      ASSERT_FALSE(found.empty()) << seed << angles;
+      EXPECT_EQ(found[0].shaft, "output");
+      EXPECT_EQ(found[0].harmonic, 1);
+      EXPECT_NEAR(found[0].amplitude_Nm, 0.1, 0.015) << seed << angles;
+    }
+    EXPECT_EQ(none, 4) << angles;
+  }
+}
+
 }  // namespace
 }  // namespace gear3k::windup_test
