@@ -78,10 +78,14 @@ TEST(Actuator, FilesPartedBySemicolonsAreToldSo) {
   place.write("c.csv", "time_s;torque_nm;speed_rad_s\n0;-10;2\n1;-10;2\n");
   EXPECT_EQ(place.run({"actuator", "a.toml", "--cycle", "c.csv"}).err,
             "c.csv:1:1: the header is one field: allowed: fields parted by commas\n");
-  place.write("s.toml", "motors = \"c.csv\"\ngearboxes = \"c.csv\"\ncycles = \"c.csv\"\n");
-  const ProgramResult all = place.run({"actuator", "--select", "s.toml", "--out", "out"});
-  EXPECT_EQ(all.exit_code, 2);
-  EXPECT_FALSE(contains(all.err, "is missing")) << all.err;
+  place.write("m.csv", "# a note\nmanufacturer;order_code;ratio\n");
+  place.write("g.csv", "# two\n# notes\nmanufacturer,order_code,ratio\n");
+  place.write("s.toml", "motors = \"m.csv\"\ngearboxes = \"g.csv\"\ncycles = \"c.csv\"\n");
+  EXPECT_EQ(place.run({"actuator", "--select", "s.toml", "--out", "out"}).err,
+            "m.csv:2:1: the header is one field: allowed: fields parted by commas\n"
+            "g.csv:3:1: column efficiency is missing: allowed: columns manufacturer, order_code, "
+            "ratio, efficiency\n"
+            "c.csv:1:1: the header is one field: allowed: fields parted by commas\n");
   place.write("t.toml", "duration_s = 1.0\n[control]\nmode = \"torque\"\ntable = \"c.csv\"\n");
   EXPECT_EQ(place.run({"simulate", "a.toml", "t.toml"}).err,
             "c.csv:1:1: the header is one field: allowed: fields parted by commas\n");

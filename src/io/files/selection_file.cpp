@@ -33,13 +33,15 @@ class CatalogueRows {
   void require(const std::vector<std::string>& columns) {
     if (!table_.header.empty()) {
       const auto slip = wrong_separator(table_.header.size(), table_.header[0]);
-      if (!slip.empty()) throw InvalidInput(fmt::format("{}: {}", table_.name, slip));
+      if (!slip.empty()) {
+        throw InvalidInput(fmt::format("{}:{}:1: {}", table_.name, table_.header_line, slip));
+      }
     }
     bool missing = false;
     for (const std::string& column : columns) {
       if (has(column)) continue;
       missing = true;
-      complaints_.add({.line = 1, .column = 1},
+      complaints_.add({.line = table_.header_line, .column = 1},
                       fmt::format("column {} is missing: allowed: columns {}", column,
                                   fmt::join(columns, ", ")));
     }

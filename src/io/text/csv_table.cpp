@@ -116,6 +116,7 @@ CsvTable parse_csv(const std::string& text, const std::string& name,
           {.position = {.line = number, .column = 1}, .message = "a quote is left open"});
     } else if (table.header.empty()) {
       table.header = copied();
+      table.header_line = number;
     } else {
       const std::size_t count = fields.values().size();
       if (count == table.header.size()) {

@@ -42,6 +42,7 @@ struct CsvTable {
   std::string name;  ///< stands for the file in messages
   std::vector<std::string> notes;
   std::vector<std::string> header;
+  int header_line = 1;  ///< in the file, from 1
   std::vector<Row> rows;
 
   /// The field of a row under a column; empty when the field is blank.
