@@ -209,6 +209,7 @@ std::shared_ptr<const DesignTrain> without(const DesignTrain& train, const std::
   } else if (cause == "bearing") {
     changed->shafts.planet_bearing_coefficient = 0.0;
     changed->shafts.output_bearing_share = 0.0;
+    changed->shafts.output_bearing_growth = {};
   } else if (cause.starts_with("drag_")) {
     const auto* const shaft = std::ranges::find(design::kShaftNames, cause.substr(5));
     changed->shafts.drag[static_cast<std::size_t>(shaft - design::kShaftNames.begin())] = {};

@@ -60,7 +60,8 @@ bool set_friction(const MovingTrain& t, const TrainMotion& motion, const Kinemat
          .reduced_radius_m = mesh[k].reduced_radius_m,
          .face_width_m = lossy.face_width_m[stage],
          .temperature_K = motion.temperature_K,
-         .forward = torque_Nm[train::kMeshP2R2] > 0.0});
+         .forward = torque_Nm[train::kMeshP2R2] > 0.0,
+         .ring2_torque_Nm = magnitude(torque_Nm[train::kMeshP2R2])});
     if (!mu) return false;
     const auto flank = efficiency::flank_friction(lossy.friction, *mu);
     for (const std::size_t driver : {0U, 1U}) {
@@ -73,7 +74,8 @@ bool set_friction(const MovingTrain& t, const TrainMotion& motion, const Kinemat
   const ShaftLosses<double>& shafts = lossy.shafts;
   state.bearing_Nm = planets * shafts.planet_bearing_coefficient * shafts.planet_bearing_radius_m *
                      planet_force(lossy.geometry, mesh, torque_Nm);
-  state.output_bearing_Nm = shafts.output_bearing_share * magnitude(torque_Nm[train::kMeshP2R2]);
+  state.output_bearing_Nm =
+      output_bearing_torque_Nm(shafts, magnitude(torque_Nm[train::kMeshP2R2]));
   state.loaded.known.pin = fixed.pin + pin_torque(lossy.geometry.teeth, 0.0, state.bearing_Nm);
   state.loaded.known.ring2 = fixed.ring2 - state.output_bearing_Nm;
   return true;
@@ -106,7 +108,8 @@ std::optional<std::array<Efficiencies, 2>> fixed_efficiencies(const MovingTrain&
   const ShaftLosses<double>& shafts = t.lossy.shafts;
   if (t.lossy.friction.law != efficiency::FrictionLaw::kConstant ||
       efficiency::depends_on_state(t.lossy.friction.extension) ||
-      shafts.planet_bearing_coefficient != 0.0 || shafts.output_bearing_share != 0.0) {
+      shafts.planet_bearing_coefficient != 0.0 || shafts.output_bearing_share != 0.0 ||
+      shafts.output_bearing_growth.share != 0.0) {
     return std::nullopt;
   }
   std::array<Efficiencies, 2> result{};

@@ -26,6 +26,7 @@ Design extended(Design design, const Extension<double>& extension) {
     shafts.planet_bearing_coefficient = arm / radius;
   }
   shafts.output_bearing_share += extension.output_bearing_share;
+  shafts.output_bearing_growth = extension.output_bearing_growth;
   design.lost_motion = extension.lost_motion;
   return design;
 }

@@ -19,7 +19,8 @@ struct Extension {
   double drag_reference_temperature_K = 293.15;
   /// Added to planet_bearing_coefficient times planet_bearing_radius_m.
   T planet_bearing_arm_m{};
-  T output_bearing_share{};  ///< added, see ShaftLosses
+  T output_bearing_share{};                 ///< added, see ShaftLosses
+  GrowingShare<T> output_bearing_growth{};  ///< added
   backlash::LostMotionExtension<T> lost_motion;
 };
 

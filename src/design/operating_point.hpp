@@ -2,6 +2,7 @@
 // Where a gearbox runs, and what it loses outside the flanks.
 
 #include <array>
+#include <cmath>
 #include <string_view>
 
 #include "geometry/scalar.hpp"
@@ -30,6 +31,26 @@ struct ShaftDrag {
   T quadratic_Nms2{};  ///< q [Nm s²/rad²]: churning, windage
 };
 
+/// A share of a torque that grows with its magnitude: λ (|T|/T_0)^y, as the coefficient of a
+/// rolling bearing does (f ~ (P/C)^y).  |T|/T_0 counts as at least 1e-3, for the power has no value
+/// at 0. Source: Palmgren's equation of the load-dependent friction of rolling bearings.
+template <class T>
+struct GrowingShare {
+  T share{};                  ///< λ at T_0
+  T exponent{};               ///< y
+  double reference_Nm = 1.0;  ///< T_0 > 0
+};
+/// @param torque_Nm  |T|
+template <class T>
+T share_at(const GrowingShare<T>& s, const T& torque_Nm) {
+  using std::exp;
+  using std::log;
+  constexpr double kLeast = 1e-3;
+  if (is_neutral(s.share, 0.0)) return constant<T>(0.0);
+  const T reduced = larger(T(torque_Nm / s.reference_Nm), constant<T>(kLeast));
+  return T(s.share * exp(T(s.exponent * log(reduced))));
+}
+
 /// Losses outside the flanks.
 template <class T>
 struct ShaftLosses {
@@ -41,9 +62,18 @@ struct ShaftLosses {
   T planet_bearing_radius_m{};
   /// Friction of R2's bearing: this share of the torque that R2's teeth carry.
   T output_bearing_share{};
+  GrowingShare<T> output_bearing_growth{};  ///< beside it
   /// All drags times exp(β (θ − θ_0)).
   T drag_temperature_1_K{};                      ///< β
   double drag_reference_temperature_K = 293.15;  ///< θ_0
 };
+
+/// Friction of R2's bearing.
+/// @param torque_Nm  magnitude of what R2's teeth carry
+template <class T>
+T output_bearing_torque_Nm(const ShaftLosses<T>& shafts, const T& torque_Nm) {
+  return T((shafts.output_bearing_share + share_at(shafts.output_bearing_growth, torque_Nm)) *
+           torque_Nm);
+}
 
 }  // namespace gear3k::design

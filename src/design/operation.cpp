@@ -58,7 +58,8 @@ bool apply_friction(const LossyTrain<T>& t, const FrictionState<T>& state,
                      .reduced_radius_m = mesh[k].reduced_radius_m,
                      .face_width_m = t.face_width_m[stage],
                      .temperature_K = state.temperature_K,
-                     .forward = state.forward});
+                     .forward = state.forward,
+                     .ring2_torque_Nm = magnitude(torque_Nm[train::kMeshP2R2])});
     if (!mu) return false;
     m.friction = *mu;
     const auto flank = efficiency::flank_friction(t.friction, *mu);
@@ -70,7 +71,8 @@ bool apply_friction(const LossyTrain<T>& t, const FrictionState<T>& state,
   motion.bearing_Nm = planets * t.shafts.planet_bearing_coefficient *
                       t.shafts.planet_bearing_radius_m * planet_force(t.geometry, mesh, torque_Nm);
   loaded.known.pin = pin_torque(t.geometry.teeth, motion.drag_Nm[kPlanetShaft], motion.bearing_Nm);
-  motion.output_bearing_Nm = t.shafts.output_bearing_share * magnitude(torque_Nm[train::kMeshP2R2]);
+  motion.output_bearing_Nm =
+      output_bearing_torque_Nm(t.shafts, magnitude(torque_Nm[train::kMeshP2R2]));
   loaded.known.ring2 = -motion.drag_Nm[kOutputShaft] - motion.output_bearing_Nm;
   return true;
 }

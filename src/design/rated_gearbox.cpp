@@ -12,6 +12,7 @@ namespace {
 
 bool has_shaft_losses(const ShaftLosses<double>& losses) {
   return losses.planet_bearing_coefficient > 0.0 || losses.output_bearing_share > 0.0 ||
+         losses.output_bearing_growth.share > 0.0 ||
          std::ranges::any_of(losses.drag, [](const ShaftDrag<double>& drag) {
            return drag.constant_Nm > 0.0 || drag.viscous_Nms > 0.0 || drag.quadratic_Nms2 > 0.0;
          });

@@ -20,9 +20,13 @@ To scalar_as(const From& x) {
 
 template <class To, class From>
 efficiency::FrictionBend<To> bend_as(const efficiency::FrictionBend<From>& b) {
-  return {.quadratic = scalar_as<To>(b.quadratic),
-          .cubic = scalar_as<To>(b.cubic),
-          .half_range = b.half_range};
+  efficiency::FrictionBend<To> result{.quadratic = scalar_as<To>(b.quadratic),
+                                      .cubic = scalar_as<To>(b.cubic),
+                                      .s = {},
+                                      .places = b.places,
+                                      .half_range = b.half_range};
+  for (std::size_t k = 0; k < b.s.size(); ++k) result.s[k] = scalar_as<To>(b.s[k]);
+  return result;
 }
 
 template <class To, class From>
@@ -31,6 +35,7 @@ efficiency::FrictionExtension<To> extension_as(const efficiency::FrictionExtensi
   return {.level = as(e.level),
           .load_exponent = as(e.load_exponent),
           .reference_force_N = e.reference_force_N,
+          .load_is_torque = e.load_is_torque,
           .slow_excess = as(e.slow_excess),
           .slow_speed_m_s = as(e.slow_speed_m_s),
           .speed_exponent = as(e.speed_exponent),
@@ -58,6 +63,13 @@ backlash::LostMotionExtension<To> extension_as(const backlash::LostMotionExtensi
 }
 
 template <class To, class From>
+GrowingShare<To> growing_share_as(const GrowingShare<From>& s) {
+  return {.share = scalar_as<To>(s.share),
+          .exponent = scalar_as<To>(s.exponent),
+          .reference_Nm = s.reference_Nm};
+}
+
+template <class To, class From>
 Extension<To> extension_as(const Extension<From>& e) {
   Extension<To> result{.friction = extension_as<To>(e.friction),
                        .drag = {},
@@ -65,6 +77,7 @@ Extension<To> extension_as(const Extension<From>& e) {
                        .drag_reference_temperature_K = e.drag_reference_temperature_K,
                        .planet_bearing_arm_m = scalar_as<To>(e.planet_bearing_arm_m),
                        .output_bearing_share = scalar_as<To>(e.output_bearing_share),
+                       .output_bearing_growth = growing_share_as<To>(e.output_bearing_growth),
                        .lost_motion = extension_as<To>(e.lost_motion)};
   for (std::size_t i = 0; i < kShaftCount; ++i) {
     result.drag[i] = {.constant_Nm = scalar_as<To>(e.drag[i].constant_Nm),
@@ -106,6 +119,7 @@ ShaftLosses<To> shafts_as(const ShaftLosses<From>& s) {
                          .planet_bearing_coefficient = as(s.planet_bearing_coefficient),
                          .planet_bearing_radius_m = as(s.planet_bearing_radius_m),
                          .output_bearing_share = as(s.output_bearing_share),
+                         .output_bearing_growth = growing_share_as<To>(s.output_bearing_growth),
                          .drag_temperature_1_K = as(s.drag_temperature_1_K),
                          .drag_reference_temperature_K = s.drag_reference_temperature_K};
   for (std::size_t i = 0; i < s.drag.size(); ++i) {

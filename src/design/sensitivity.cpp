@@ -369,6 +369,7 @@ void derive(const Design& design, Parameters<double>& at, const std::vector<Chec
     p.friction.table = design.friction.table;
     p.friction.extension = extension_as<Jet1>(design.friction.extension);
     p.shafts.output_bearing_share = constant<Jet1>(design.shafts.output_bearing_share);
+    p.shafts.output_bearing_growth = growing_share_as<Jet1>(design.shafts.output_bearing_growth);
     p.shafts.drag_temperature_1_K = constant<Jet1>(design.shafts.drag_temperature_1_K);
     p.shafts.drag_reference_temperature_K = design.shafts.drag_reference_temperature_K;
     const auto jets = inputs_of(design, p);

@@ -75,7 +75,8 @@ std::optional<train::PowerFlow<T>> balance_at(const Running& r,
          .reduced_radius_m = constant<T>(mesh.reduced_radius_m),
          .face_width_m = constant<T>(r.train.face_width_m[stage]),
          .temperature_K = constant<T>(r.temperature_K),
-         .forward = r.forward});
+         .forward = r.forward,
+         .ring2_torque_Nm = magnitude(torque_Nm[train::kMeshP2R2])});
     if (!mu) return std::nullopt;
     const auto flank = efficiency::flank_friction(friction, *mu);
     for (const std::size_t driver : {0U, 1U}) {
@@ -87,8 +88,8 @@ std::optional<train::PowerFlow<T>> balance_at(const Running& r,
   const T arm = shafts.planet_bearing_coefficient * shafts.planet_bearing_radius_m;
   const T bearing = static_cast<double>(g.planets) * arm * planet_force<T>(g, r.mesh, torque_Nm);
   loaded.known.pin = pin_torque<T>(g.teeth, drag[kPlanetShaft], bearing);
-  loaded.known.ring2 =
-      -drag[kOutputShaft] - shafts.output_bearing_share * magnitude(torque_Nm[train::kMeshP2R2]);
+  loaded.known.ring2 = -drag[kOutputShaft] -
+                       output_bearing_torque_Nm(shafts, magnitude(torque_Nm[train::kMeshP2R2]));
   return train::solve_power_flow(loaded);
 }
 

@@ -1,18 +1,27 @@
 #pragma once
 // How the friction of the meshes differs from a design's law: what a calibrated model carries.
 
+#include <array>
 #include <cmath>
 
 #include "geometry/scalar.hpp"
 
 namespace gear3k::efficiency {
 
-/// How a law of one variable bends: exp(q x² + c x³), with x the variable (ln F, ln v or θ) from
-/// its reference on, over half_range; beyond |x| = 1.5 as there.
+/// Most places at which a free smooth curve has a value of its own.
+inline constexpr int kMostCurvePlaces = 7;
+
+/// How a law of one variable bends: exp(q x² + c x³ + s(x)), with x the variable (ln F, ln v or θ)
+/// from its reference on, over half_range; x² and x³ beyond |x| = 1.5 as there.
+///
+/// s goes through given values at even places from x = −1 to 1, as a cubic between two of them
+/// with the slopes of chords (Catmull-Rom), straight on to |x| = 1.5 and beyond as there.
 template <class T>
 struct FrictionBend {
-  T quadratic{}, cubic{};   ///< q, c
-  double half_range = 1.0;  ///< > 0
+  T quadratic{}, cubic{};               ///< q, c
+  std::array<T, kMostCurvePlaces> s{};  ///< that of the middle is the level, and 0
+  int places = kMostCurvePlaces;        ///< of s, odd
+  double half_range = 1.0;              ///< > 0
 };
 
 /// Factors on the coefficient of friction that a design states; by default all are 1.
@@ -20,7 +29,8 @@ struct FrictionBend {
 ///   μ = μ_design · level · (F/F_0)^n · (1 + a exp(−v/v_0)) · (v/v_1)^m · exp(β (θ − θ_0)) · side
 ///       · bends of F, v and θ
 ///
-/// F, v: normal force and mean sliding speed of a mesh; θ: temperature of the lubricant; side:
+/// F, v: normal force (or, of all meshes alike, the torque that R2's teeth carry) and mean sliding
+/// speed of a mesh; θ: temperature of the lubricant; side:
 /// `forward` or `backward`, by which end drives the train.  `approach` and `recess` multiply the
 /// friction on either side of the pitch point.
 /// Source: empirical forms, docs/theory §29; the parameters come from measurements.
@@ -28,7 +38,8 @@ template <class T>
 struct FrictionExtension {
   T level = constant<T>(1.0);
   T load_exponent{};                        ///< n
-  double reference_force_N = 1.0;           ///< F_0 > 0
+  double reference_force_N = 1.0;           ///< F_0 > 0; [N m] where it is a torque
+  bool load_is_torque = false;              ///< each mesh by its own share of the load
   T slow_excess{};                          ///< a
   T slow_speed_m_s = constant<T>(1.0);      ///< v_0 > 0
   T speed_exponent{};                       ///< m
@@ -42,8 +53,15 @@ struct FrictionExtension {
 
 template <class T>
 bool is_straight(const FrictionBend<T>& bend) {
+  for (const T& s : bend.s) {
+    if (!is_neutral(s, 0.0)) return false;
+  }
   return is_neutral(bend.quadratic, 0.0) && is_neutral(bend.cubic, 0.0);
 }
+
+/// s(x).
+template <class T>
+T curve_at(const FrictionBend<T>& bend, const T& x);
 
 /// Whether the factor depends on the temperature.
 template <class T>
@@ -70,9 +88,10 @@ T constant_factor(const FrictionExtension<T>& e, bool forward) {
 inline constexpr double kLeastReduced = 1e-3;
 
 /// The whole factor.
+/// @param load  normal force [N], or where load_is_torque the torque that R2's teeth carry [N m]
 template <class T>
-T friction_factor(const FrictionExtension<T>& e, const T& normal_force_N,
-                  const T& sliding_speed_m_s, const T& temperature_K, bool forward) {
+T friction_factor(const FrictionExtension<T>& e, const T& load, const T& sliding_speed_m_s,
+                  const T& temperature_K, bool forward) {
   using std::exp;
   using std::log;
   T factor = constant_factor(e, forward);
@@ -83,12 +102,14 @@ T friction_factor(const FrictionExtension<T>& e, const T& normal_force_N,
     constexpr double kFarthest = 1.5;
     const T x = smaller(larger(T(from_reference / b.half_range), constant<T>(-kFarthest)),
                         constant<T>(kFarthest));
-    factor = factor * exp(T(x * x * (b.quadratic + b.cubic * x)));
+    factor =
+        factor *
+        exp(T(x * x * (b.quadratic + b.cubic * x) + curve_at(b, T(from_reference / b.half_range))));
   };
   const auto log_over = [](const T& x, double reference) {
     return T(log(larger(T(x / reference), constant<T>(kLeastReduced))));
   };
-  if (!is_straight(e.load_bend)) bend(e.load_bend, log_over(normal_force_N, e.reference_force_N));
+  if (!is_straight(e.load_bend)) bend(e.load_bend, log_over(load, e.reference_force_N));
   if (!is_straight(e.speed_bend)) {
     bend(e.speed_bend, log_over(sliding_speed_m_s, e.reference_speed_m_s));
   }
@@ -96,7 +117,7 @@ T friction_factor(const FrictionExtension<T>& e, const T& normal_force_N,
     bend(e.temperature_bend, T(temperature_K - e.reference_temperature_K));
   }
   if (!is_neutral(e.load_exponent, 0.0)) {
-    factor = factor * power(normal_force_N, e.reference_force_N, e.load_exponent);
+    factor = factor * power(load, e.reference_force_N, e.load_exponent);
   }
   if (!is_neutral(e.slow_excess, 0.0)) {
     factor = factor * (1.0 + e.slow_excess * exp(T(-sliding_speed_m_s / e.slow_speed_m_s)));

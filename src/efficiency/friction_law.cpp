@@ -123,16 +123,42 @@ T dynamic_viscosity(const Lubricant<T>& oil, const T& temperature_K) {
 }
 
 template <class T>
+T curve_at(const FrictionBend<T>& bend, const T& x) {
+  const int last_place = bend.places - 1;
+  const double last = last_place;
+  const double beyond = 0.25 * last;  // from |x| = 1 to 1.5
+  const T u = smaller(larger(T((x + 1.0) * (0.5 * last)), constant<T>(-beyond)),
+                      constant<T>(last + beyond));
+  const auto value = [&](int place) { return bend.s[static_cast<std::size_t>(place)]; };
+  const auto slope = [&](int place) {
+    if (place == 0) return T(value(1) - value(0));
+    if (place == last_place) return T(value(place) - value(place - 1));
+    return T(0.5 * (value(place + 1) - value(place - 1)));
+  };
+  if (value_of(u) <= 0.0) return T(value(0) + u * slope(0));
+  if (value_of(u) >= last) return T(value(last_place) + (u - last) * slope(last_place));
+  const int left = static_cast<int>(value_of(u));
+  const T t = u - static_cast<double>(left);
+  const T chord = value(left + 1) - value(left);
+  const T first = slope(left);
+  const T second = slope(left + 1);
+  return T(value(left) + t * (first + t * (3.0 * chord - 2.0 * first - second +
+                                           t * (first + second - 2.0 * chord))));
+}
+
+template <class T>
 std::optional<T> friction_coefficient(const Friction<T>& friction, const MeshState<T>& state) {
   std::optional<T> mu = unbounded_friction(friction, state);
   if (!mu) return mu;
-  const T factor = friction_factor(friction.extension, state.normal_force_N,
-                                   state.sliding_speed_m_s, state.temperature_K, state.forward);
+  const T& load = friction.extension.load_is_torque ? state.ring2_torque_Nm : state.normal_force_N;
+  const T factor = friction_factor(friction.extension, load, state.sliding_speed_m_s,
+                                   state.temperature_K, state.forward);
   mu = smaller(T(*mu * factor), constant<T>(kGreatestFriction));
   return mu;
 }
 
 #define INSTANTIATE(T)                                            \
+  template T curve_at<T>(const FrictionBend<T>&, const T&);       \
   template T dynamic_viscosity<T>(const Lubricant<T>&, const T&); \
   template std::optional<T> friction_coefficient<T>(const Friction<T>&, const MeshState<T>&);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)

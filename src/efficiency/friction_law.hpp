@@ -102,6 +102,7 @@ struct MeshState {
   T face_width_m;
   T temperature_K;
   bool forward = true;  ///< the sun drives the train
+  T ring2_torque_Nm{};  ///< that R2's teeth carry, of all planets
 };
 
 /// Whether a law needs to know where the mesh runs, and whether it reads Friction::coefficient.

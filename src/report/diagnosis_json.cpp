@@ -275,6 +275,15 @@ io::Json correction_json(const Diagnosis& d, const std::vector<std::string>& run
   return json;
 }
 
+io::Json refit_json(const Diagnosis& d) {
+  if (!d.refit) return nullptr;
+  const double si = response_text(d.kind).si;
+  return {{"id", d.refit->id},
+          {"held_out_error", d.refit->refit_error / si},
+          {"found_held_out_error", d.refit->found_error / si},
+          {"predicts", d.refit->predicts}};
+}
+
 /// Everything about one kind.
 io::Json kind_json(const Diagnosis& d, const MeasurementSet& set) {
   const double si = response_text(d.kind).si;
@@ -283,6 +292,7 @@ io::Json kind_json(const Diagnosis& d, const MeasurementSet& set) {
       list_json(d.effects, [&](const Effect& effect) { return effect_json(effect, set.runs); });
   json["physically_implausible"] = implausible_json(d);
   json["correction"] = correction_json(d, set.runs);
+  json["best_refit"] = refit_json(d);
   json["laws"] =
       list_json(d.laws, [&](const calibrate::LawResult& law) { return law_json(law, d.kind); });
   json["rmse"] = rmse_json(d);

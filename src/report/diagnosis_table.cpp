@@ -101,11 +101,14 @@ std::string limits_text(const ParameterResult& p) {
   return text;
 }
 
-std::string alternative_text(const Alternative& a, const std::vector<std::string>& runs) {
-  std::string text =
-      fmt::format("    {}: {}{}{}: {}{}\n", a.id, a.title, place_clause(a.id, a.form),
-                  form_clause(a.form, runs), parameters_text(a.parameters),
-                  a.with_level ? ", with another coefficient of friction" : "");
+std::string alternative_text(const Alternative& a, const std::vector<std::string>& runs,
+                             calibrate::Kind kind) {
+  const bool angles = kind == calibrate::Kind::kLostMotion || kind == calibrate::Kind::kTorqueAngle;
+  const char* const level =
+      angles ? ", with another clearance" : ", with another coefficient of friction";
+  std::string text = fmt::format("    {}: {}{}{}: {}{}\n", a.id, a.title,
+                                 place_clause(a.id, a.form), form_clause(a.form, runs),
+                                 parameters_text(a.parameters), a.with_level ? level : "");
   for (const ParameterResult& p : a.parameters) {
     if (!p.plausible) {
       text +=
@@ -116,7 +119,8 @@ std::string alternative_text(const Alternative& a, const std::vector<std::string
 }
 
 /// @param several  whether other causes act beside it
-std::string effect_text(const Effect& e, const std::vector<std::string>& runs, bool several) {
+std::string effect_text(const Effect& e, const std::vector<std::string>& runs, bool several,
+                        calibrate::Kind kind) {
   std::string text = fmt::format("Cause: {}{}: {}{}. [{}]\n", e.title, place_clause(e.id, e.form),
                                  parameters_text(e.parameters), form_clause(e.form, runs), e.id);
   if (e.id == "friction_level") text += "  This is a parameter, not a missing effect.\n";
@@ -133,7 +137,7 @@ std::string effect_text(const Effect& e, const std::vector<std::string>& runs, b
   if (!e.alternatives.empty()) {
     text += several ? "  These data cannot tell it from (each beside another cause as above):\n"
                     : "  These data cannot tell it from:\n";
-    for (const Alternative& a : e.alternatives) text += alternative_text(a, runs);
+    for (const Alternative& a : e.alternatives) text += alternative_text(a, runs, kind);
   }
   return text;
 }
@@ -164,12 +168,15 @@ std::string correction_text(const Diagnosis& d) {
   if (!d.correction) return "";
   const ResponseText response = response_text(d.kind);
   const calibrate::Correction& c = *d.correction;
-  if (!d.effects.empty()) {
+  const bool agrees = !d.remainder.significant;
+  if (!d.effects.empty() || agrees) {
     return fmt::format(
         "The model predicts by {} alone: {}\n"
-        "  It predicts rows held out (by {}) to {}; the causes above predict them less well.\n",
+        "  It predicts rows held out (by {}) to {}; {} less well.\n",
         c.id, parameters_text(c.parameters), d.holdout_blocks,
-        with_unit(fmt::format("{:.3g}", clean(c.held_out_error / response.si)), response.unit));
+        with_unit(fmt::format("{:.3g}", clean(c.held_out_error / response.si)), response.unit),
+        agrees && d.effects.empty() ? "the simulation as given predicts them"
+                                    : "the causes above predict them");
   }
   return fmt::format(
       "Empirical correction (no cause): {} as a formula: {}\n"
@@ -549,7 +556,7 @@ std::string kind_text(const Diagnosis& d, const MeasurementSet& set) {
   if (several && std::ranges::find(d.effects, "friction_level", &Effect::id) != d.effects.end()) {
     text += "One coefficient of friction cannot explain these data by itself.\n";
   }
-  for (const Effect& effect : d.effects) text += effect_text(effect, set.runs, several);
+  for (const Effect& effect : d.effects) text += effect_text(effect, set.runs, several, d.kind);
   if (!d.effects.empty()) text += "(± is half of the 95 % interval.)\n";
   std::string laws;
   for (const calibrate::LawResult& law : d.laws) laws += law_text(law, d);

@@ -661,5 +661,30 @@ TEST(FrictionExtension, LoadAndSpeedMakeConstantFrictionDependOnTheState) {
   EXPECT_TRUE(depends_on_state(f));
 }
 
+TEST(Curve, OfValuesOnAParabolaIsThatParabolaInside) {
+  // The slope of a parabola is that of the chord over two intervals.
+  const auto parabola = [](double x) { return 0.3 - 0.2 * x + 0.7 * x * x; };
+  for (const int places : {5, 7}) {
+    FrictionBend<double> bend{.places = places};
+    for (int k = 0; k < places; ++k) {
+      bend.s[static_cast<std::size_t>(k)] = parabola(2.0 * k / (places - 1) - 1.0);
+    }
+    for (const double x : {-0.49, -0.1, 0.0, 0.26, 0.5}) {
+      EXPECT_NEAR(curve_at(bend, x), parabola(x), 1e-14) << places << " " << x;
+    }
+    for (const double x : {-1.0, 1.0}) EXPECT_NEAR(curve_at(bend, x), parabola(x), 1e-14);
+  }
+}
+
+TEST(Curve, OfValuesOnALineGoesOnBeyondThemForHalfTheRange) {
+  FrictionBend<double> bend{.places = 5};
+  for (int k = 0; k < 5; ++k) bend.s[static_cast<std::size_t>(k)] = 0.4 * (0.5 * k - 1.0);
+  for (const double x : {-1.5, -1.2, -0.7, 0.1, 1.0, 1.3, 1.5}) {
+    EXPECT_NEAR(curve_at(bend, x), 0.4 * x, 1e-14) << x;
+  }
+  EXPECT_NEAR(curve_at(bend, -4.0), -0.6, 1e-14);
+  EXPECT_NEAR(curve_at(bend, 4.0), 0.6, 1e-14);
+}
+
 }  // namespace
 }  // namespace gear3k::efficiency::friction_law_test

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "calibrate/measurement/value_range.hpp"
 #include "calibrate/model/cause.hpp"
 #include "units/units.hpp"
 
@@ -10,6 +11,7 @@ namespace {
 constexpr const char* kPlanetBearings = "planet_bearings";
 constexpr const char* kBothShafts = "both_shafts";
 constexpr const char* kPinionShaft = "pinion_shaft";
+constexpr const char* kGrowing = "output_bearing_any_exponent";
 
 std::vector<ParameterRecord> parameters(const Form& form, Kind) {
   if (form.name == kPlanetBearings || form.name == kBothShafts || form.name == kPinionShaft) {
@@ -20,12 +22,22 @@ std::vector<ParameterRecord> parameters(const Form& form, Kind) {
              .plausible_low = 0.0,
              .plausible_high = 1.0}};
   }
-  return {{.name = "share",
-           .unit = "",
-           .lower = 0.0,
-           .upper = 1.0,
-           .plausible_low = 0.0,
-           .plausible_high = 0.05}};
+  std::vector<ParameterRecord> result{{.name = "share",
+                                       .unit = "",
+                                       .lower = 0.0,
+                                       .upper = 1.0,
+                                       .plausible_low = 0.0,
+                                       .plausible_high = 0.05}};
+  if (form.name == kGrowing) {
+    // Of rolling bearings y is 0.3 to 0.55 (Palmgren); between the two others it is no bearing's.
+    result.push_back({.name = "load_exponent",
+                      .unit = "",
+                      .lower = -0.5,
+                      .upper = 1.0,
+                      .plausible_low = -0.2,
+                      .plausible_high = 0.6});
+  }
+  return result;
 }
 
 std::vector<Form> forms(const Occasion& o) {
@@ -35,9 +47,20 @@ std::vector<Form> forms(const Occasion& o) {
             {.name = kPinionShaft, .weight = 0.2}};
   }
   if (o.kind != Kind::kTransmission) return {};
-  if (o.teeth == nullptr) return {{.name = "output_bearing", .body = "output"}};
-  return {{.name = kPlanetBearings, .body = "planet", .weight = 0.6},
-          {.name = "output_bearing", .body = "output", .weight = 0.4}};
+  std::vector<Form> result;
+  if (o.teeth != nullptr)
+    result.push_back({.name = kPlanetBearings, .body = "planet", .weight = 0.6});
+  result.push_back(
+      {.name = "output_bearing", .body = "output", .weight = o.teeth == nullptr ? 1.0 : 0.4});
+  // Once it is found: a share that grows with the load.
+  const ValueRange torque = range_of(*o.data, &Condition::output_torque_Nm);
+  if (torque.varies() && torque.high > 0.0) {
+    result.push_back({.name = kGrowing,
+                      .constants = {{.name = "top_torque", .unit = "Nm", .value = torque.high}},
+                      .body = "output",
+                      .weight = 0.0});
+  }
+  return result;
 }
 
 /// Σ 1/r of the shafts of a pair whose bearings lose [1/m]: at the same force on the teeth a
@@ -62,6 +85,9 @@ void apply(const Form& form, std::span<const Scalar> p, const Condition& conditi
     m.added = m.added + p[0];
   } else if (form.name == kPlanetBearings) {
     m.gearbox.planet_bearing_arm_m = m.gearbox.planet_bearing_arm_m + p[0] * units::kMillimetre;
+  } else if (form.name == kGrowing) {
+    m.gearbox.output_bearing_growth = {
+        .share = p[0], .exponent = p[1], .reference_Nm = form.constant("top_torque")};
   } else {
     m.gearbox.output_bearing_share = m.gearbox.output_bearing_share + p[0];
   }

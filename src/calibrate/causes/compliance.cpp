@@ -16,12 +16,15 @@ std::vector<ParameterRecord> parameters(const Form& form, Kind) {
                                        .plausible_low = 0.0,
                                        .plausible_high = 10.0}};
   if (form.name == kHardening) {
+    // A contact of points, the softest at its beginning, has 1/3 (Hertz): what looks softer still
+    // is play, which is `clearance`.
+    constexpr double kSoftest = 0.5;
     result.push_back({.name = "hardening",
                       .unit = "",
                       .lower = -1.0,
-                      .upper = 0.95,
+                      .upper = kSoftest,
                       .plausible_low = -0.2,
-                      .plausible_high = 0.95});
+                      .plausible_high = kSoftest});
   }
   return result;
 }

@@ -1,6 +1,7 @@
 #include "calibrate/causes/form_catalogue.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <functional>
 
@@ -13,7 +14,8 @@ MeasurementSet wide_data(Kind kind, bool with_runs) {
   MeasurementSet data;
   data.kind = kind;
   if (with_runs) data.runs = {"1", "2", "3"};
-  for (const int step : {0, 1, 2}) {
+  constexpr int kRows = 17;  // near every place of a curve
+  for (int step = 0; step < kRows; ++step) {
     const double share = 0.5 * step;
     constexpr double kFar = 1e4;
     Observation row;
@@ -24,7 +26,10 @@ MeasurementSet wide_data(Kind kind, bool with_runs) {
     row.condition.sun_speed_rad_s = 1.0 + share;
     row.condition.output_torque_Nm = 1.0 + share;
     row.condition.test_torque_Nm = 1.0 + share;
-    row.condition.run = with_runs ? step : -1;
+    row.condition.run = with_runs ? step / 6 : -1;
+    constexpr std::array<int, 3> kTeeth{20, 30, 20};
+    row.condition.driving_teeth = kTeeth[static_cast<std::size_t>(step % 3)];
+    row.condition.driven_teeth = 50 - row.condition.driving_teeth;
     row.condition.direction =
         step == 1 ? design::Direction::kBackward : design::Direction::kForward;
     row.response = 1.0;

@@ -3,23 +3,58 @@
 // parameters too.
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <span>
 #include <string_view>
 #include <vector>
 
 #include "calibrate/causes/friction_change.hpp"
+#include "calibrate/measurement/value_range.hpp"
 
 namespace gear3k::calibrate {
 
-/// Names of forms: a law with its level, with its level and a curvature, and with an S-shape too.
+/// Names of forms: a law with its level, with its level and a curvature, and with an S-shape too;
+/// and a level with any smooth curve through 5 or 7 places.
 inline constexpr std::string_view kAnyLevel = "any_level", kAnyCurve = "any_curve",
-                                  kAnyShape = "any_shape";
+                                  kAnyShape = "any_shape", kAnySmooth = "any_smooth",
+                                  kAnyFineSmooth = "any_smooth_fine";
+/// At the end of the name of a form that takes the torque that R2's teeth carry in the place of
+/// each mesh's force: every mesh by its own share of the load.
+inline constexpr std::string_view kByTorque = "_by_torque";
+
+inline bool is_smooth(const Form& form) { return form.name.starts_with(kAnySmooth); }
+/// Whether a form is for the end of a search: it says little that the others of its cause do not.
+inline bool is_refinement(const Form& form) {
+  return is_smooth(form) || form.name.ends_with(kByTorque);
+}
 
 /// Appends what a form's name says: level, curvature and skewness.
 inline void add_shape_parameters(const Form& form, std::vector<ParameterRecord>& parameters) {
-  const bool shape = form.name == kAnyShape;
-  const bool curve = shape || form.name == kAnyCurve;
-  if (curve || form.name == kAnyLevel) parameters.push_back(level_parameter());
+  const bool shape = form.name.starts_with(kAnyShape);
+  const bool curve = shape || form.name.starts_with(kAnyCurve);
+  if (curve || is_smooth(form) || form.name.starts_with(kAnyLevel)) {
+    parameters.push_back(level_parameter());
+  }
+  if (is_smooth(form)) {
+    // ln of friction over that at the middle, at the other places.
+    constexpr std::array<std::string_view, 6> kFine{"log_change_1", "log_change_2", "log_change_3",
+                                                    "log_change_5", "log_change_6", "log_change_7"};
+    constexpr std::array<std::string_view, 4> kCoarse{"log_change_1", "log_change_2",
+                                                      "log_change_4", "log_change_5"};
+    const bool fine = form.name.starts_with(kAnyFineSmooth);
+    const std::span<const std::string_view> names =
+        fine ? std::span<const std::string_view>(kFine) : kCoarse;
+    for (const std::string_view name : names) {
+      constexpr double kMost = 4.0;
+      parameters.push_back({.name = name,
+                            .unit = "",
+                            .lower = -kMost,
+                            .upper = kMost,
+                            .plausible_low = -kMost,
+                            .plausible_high = kMost});
+    }
+  }
   const auto bend = [&](std::string_view name) {
     constexpr double kMost = 3.0;
     parameters.push_back({.name = name,
@@ -51,10 +86,51 @@ inline void change_shape(std::span<const Scalar> p, double half_range,
   bend.half_range = half_range;
 }
 
+/// Sets level and curve of a form of any smooth shape.
+inline void change_smoothly(std::span<const Scalar> p, double half_range,
+                            efficiency::FrictionBend<Scalar>& bend, Modification& m) {
+  change_level(p[0], m);
+  const std::size_t middle = p.size() / 2;
+  for (std::size_t k = 1; k < p.size(); ++k) bend.s[k <= middle ? k - 1 : k] = p[k];
+  bend.places = static_cast<int>(p.size());
+  bend.half_range = half_range;
+}
+
+/// Whether each of several even places over the range of some values is the nearest to one of them:
+/// what has no rows near it is no part of a curve.
+inline bool cover(const std::vector<double>& values, int places) {
+  const ValueRange range = range_of(values);
+  if (!range.varies()) return false;
+  std::vector<bool> covered(static_cast<std::size_t>(places), false);
+  for (const double value : values) {
+    if (!std::isfinite(value)) continue;
+    const double at = (value - range.low) / (range.high - range.low) * (places - 1);
+    covered[static_cast<std::size_t>(std::lround(at))] = true;
+  }
+  return std::ranges::find(covered, false) == covered.end();
+}
+
+/// What rows state, or ln of it.
+inline std::vector<double> stated(const MeasurementSet& data, double Condition::*member,
+                                  bool logarithm) {
+  std::vector<double> values;
+  values.reserve(data.rows.size());
+  for (const Observation& row : data.rows) {
+    const double value = row.condition.*member;
+    values.push_back(logarithm ? std::log(value) : value);
+  }
+  return values;
+}
+
 /// Appends the forms of free shape of a law about its middle.
 /// @param form  without name
-inline void add_free_shapes(const Form& form, std::vector<Form>& forms) {
-  for (const std::string_view name : {kAnyLevel, kAnyCurve, kAnyShape}) {
+/// @param values  of the law's variable in the data
+inline void add_free_shapes(const Form& form, const std::vector<double>& values,
+                            std::vector<Form>& forms) {
+  for (const std::string_view name :
+       {kAnyLevel, kAnyCurve, kAnyShape, kAnySmooth, kAnyFineSmooth}) {
+    if (name == kAnySmooth && !cover(values, 5)) continue;
+    if (name == kAnyFineSmooth && !cover(values, 7)) continue;
     Form free = form;
     free.name = name;
     free.weight = 0.0;

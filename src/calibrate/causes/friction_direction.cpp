@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "calibrate/model/cause.hpp"
 #include "calibrate/model/simulation.hpp"
@@ -6,6 +8,24 @@
 namespace gear3k::calibrate::friction_direction {
 
 namespace {
+
+constexpr const char* kOfPairs = "driving_";
+constexpr const char* kPinion = "driving_pinion";
+constexpr const char* kGear = "driving_gear";
+constexpr const char* kPinionGear = "driving_pinion_gear";
+
+/// Of a pair: +1 where the gear of fewer teeth drives, −1 where it is driven, 0 of equal ones.
+int driving_side(const Condition& c) {
+  return (c.driving_teeth < c.driven_teeth ? 1 : 0) - (c.driving_teeth > c.driven_teeth ? 1 : 0);
+}
+
+bool both_drive(const MeasurementSet& data) {
+  const auto some = [&](int side) {
+    return std::ranges::any_of(
+        data.rows, [&](const Observation& row) { return driving_side(row.condition) == side; });
+  };
+  return some(1) && some(-1);
+}
 
 std::vector<ParameterRecord> parameters(const Form&, Kind) {
   return {{.name = "asymmetry",
@@ -16,15 +36,21 @@ std::vector<ParameterRecord> parameters(const Form&, Kind) {
            .plausible_high = 0.6}};
 }
 
-/// Friction differs before and behind the pitch point, or with the end that drives.  One gearbox
-/// cannot tell these apart; in data of pairs only the first can be meant.  Either side of the pitch
+/// Friction differs before and behind the pitch point, or with the end that drives, of pairs the
+/// smaller or the larger gear.  One gearbox cannot tell these apart.  Either side of the pitch
 /// point by itself is the asymmetry together with the level, which is a cause of its own: a form
 /// with both would hide it.
 std::vector<Form> forms(const Occasion& o) {
   if (o.kind == Kind::kPairLoss) {
-    return {{.name = "approach_recess", .weight = 0.8},
-            {.name = "approach", .weight = 0.1},
-            {.name = "recess", .weight = 0.1}};
+    std::vector<Form> result{{.name = "approach_recess", .weight = 0.5},
+                             {.name = "approach", .weight = 0.1},
+                             {.name = "recess", .weight = 0.1}};
+    if (both_drive(*o.data)) {
+      result.push_back({.name = kPinionGear, .weight = 0.2, .law = kOnFriction});
+      result.push_back({.name = kPinion, .weight = 0.05, .law = kOnFriction});
+      result.push_back({.name = kGear, .weight = 0.05, .law = kOnFriction});
+    }
+    return result;
   }
   if (o.kind != Kind::kTransmission) return {};
   std::vector<Form> result{{.name = "forward_backward", .weight = 0.6},
@@ -36,7 +62,16 @@ std::vector<Form> forms(const Occasion& o) {
   return result;
 }
 
-void apply(const Form& form, std::span<const Scalar> p, const Condition&, Kind, Modification& m) {
+void apply(const Form& form, std::span<const Scalar> p, const Condition& condition, Kind kind,
+           Modification& m) {
+  if (kind == Kind::kPairLoss && form.name.starts_with(kOfPairs)) {
+    const int side = driving_side(condition);
+    const bool acts = form.name == kPinionGear || (form.name == kPinion) == (side > 0);
+    if (!acts || side == 0) return;
+    const double sign = form.name == kPinionGear ? side : 1.0;
+    m.friction_level = m.friction_level * (1.0 + sign * p[0]);
+    return;
+  }
   auto& f = m.gearbox.friction;
   const auto scale = [&](Scalar& factor, const Scalar& change) {
     factor = factor * (1.0 + change);

@@ -3,19 +3,25 @@
 #include <utility>
 
 #include "calibrate/causes/free_shape.hpp"
+#include "calibrate/measurement/value_range.hpp"
 #include "calibrate/model/cause.hpp"
 
 namespace gear3k::calibrate::friction_load {
 
 namespace {
 
+constexpr std::string_view kTorque = "reference_torque";
+
 std::vector<ParameterRecord> parameters(const Form& form, Kind) {
-  std::vector<ParameterRecord> result{{.name = "exponent",
-                                       .unit = "",
-                                       .lower = -2.0,
-                                       .upper = 2.0,
-                                       .plausible_low = -0.5,
-                                       .plausible_high = 0.5}};
+  std::vector<ParameterRecord> result;
+  if (!is_smooth(form)) {
+    result.push_back({.name = "exponent",
+                      .unit = "",
+                      .lower = -2.0,
+                      .upper = 2.0,
+                      .plausible_low = -0.5,
+                      .plausible_high = 0.5});
+  }
   add_shape_parameters(form, result);
   return result;
 }
@@ -42,16 +48,30 @@ std::vector<Form> forms(const Occasion& o) {
   Form free = result[places.size() / 2];
   free.constants.push_back(
       {.name = "log_half_range", .unit = "", .value = 0.5 * std::log(o.load[1] / o.load[0])});
-  add_free_shapes(free, result);
+  const std::vector<double> values = stated(*o.data, &Condition::output_torque_Nm, true);
+  add_free_shapes(free, values, result);
+  const ValueRange torque = range_of(*o.data, &Condition::output_torque_Nm);
+  if (o.teeth == nullptr || !(torque.low > 0.0)) return result;
+  free.constants = {
+      {.name = std::string(kTorque), .unit = "Nm", .value = std::sqrt(torque.low * torque.high)},
+      {.name = "log_half_range", .unit = "", .value = 0.5 * std::log(torque.high / torque.low)}};
+  const std::size_t first = result.size();
+  add_free_shapes(free, values, result);
+  for (std::size_t k = first; k < result.size(); ++k) result[k].name += kByTorque;
+  std::erase_if(result, [](const Form& form) { return form.name == "any_shape_by_torque"; });
   return result;
 }
 
 void apply(const Form& form, std::span<const Scalar> p, const Condition&, Kind, Modification& m) {
-  if (p.size() > 1) {
-    change_shape(p.subspan(1), half_range_of(form), m.gearbox.friction.load_bend, m);
+  auto& f = m.gearbox.friction;
+  f.load_is_torque = form.name.ends_with(kByTorque);
+  f.reference_force_N = form.constant(f.load_is_torque ? kTorque : "reference_load");
+  if (is_smooth(form)) {
+    change_smoothly(p, half_range_of(form), f.load_bend, m);
+    return;
   }
-  m.gearbox.friction.load_exponent = p[0];
-  m.gearbox.friction.reference_force_N = form.constant("reference_load");
+  if (p.size() > 1) change_shape(p.subspan(1), half_range_of(form), f.load_bend, m);
+  f.load_exponent = p[0];
 }
 
 }  // namespace

@@ -29,12 +29,15 @@ std::vector<ParameterRecord> parameters(const Form& form, Kind) {
     }
     return result;
   }
-  std::vector<ParameterRecord> result{{.name = "exponent",
-                                       .unit = "",
-                                       .lower = -2.0,
-                                       .upper = 2.0,
-                                       .plausible_low = -0.7,
-                                       .plausible_high = 0.5}};
+  std::vector<ParameterRecord> result;
+  if (!is_smooth(form)) {
+    result.push_back({.name = "exponent",
+                      .unit = "",
+                      .lower = -2.0,
+                      .upper = 2.0,
+                      .plausible_low = -0.7,
+                      .plausible_high = 0.5});
+  }
   add_shape_parameters(form, result);
   return result;
 }
@@ -63,7 +66,7 @@ std::vector<Form> forms(const Occasion& o) {
     Form free = form("", "reference_speed", middle, 0.0);
     free.constants.push_back(
         {.name = "log_half_range", .unit = "", .value = 0.5 * std::log(o.speed[1] / o.speed[0])});
-    add_free_shapes(free, result);
+    add_free_shapes(free, stated(*o.data, &Condition::sun_speed_rad_s, true), result);
     result.push_back(form("power_from_highest", "reference_speed", o.speed[1], 0.1));
     result.push_back(form("power_from_lowest", "reference_speed", o.speed[0], 0.1));
   }
@@ -76,6 +79,9 @@ void apply(const Form& form, std::span<const Scalar> p, const Condition&, Kind, 
     friction.slow_excess = p[0];
     friction.slow_speed_m_s = Scalar(form.constant("speed_scale"));
     if (form.name == kAnyScale) friction.slow_speed_m_s = friction.slow_speed_m_s * exp(p[1]);
+  } else if (is_smooth(form)) {
+    change_smoothly(p, half_range_of(form), friction.speed_bend, m);
+    friction.reference_speed_m_s = form.constant("reference_speed");
   } else {
     if (p.size() > 1) change_shape(p.subspan(1), half_range_of(form), friction.speed_bend, m);
     friction.speed_exponent = p[0];

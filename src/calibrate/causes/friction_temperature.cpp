@@ -8,12 +8,15 @@ namespace {
 constexpr const char* kDrag = "drag";
 
 std::vector<ParameterRecord> parameters(const Form& form, Kind) {
-  std::vector<ParameterRecord> result{{.name = "coefficient",
-                                       .unit = "1/K",
-                                       .lower = -0.5,
-                                       .upper = 0.5,
-                                       .plausible_low = -0.06,
-                                       .plausible_high = 0.04}};
+  std::vector<ParameterRecord> result;
+  if (!is_smooth(form)) {
+    result.push_back({.name = "coefficient",
+                      .unit = "1/K",
+                      .lower = -0.5,
+                      .upper = 0.5,
+                      .plausible_low = -0.06,
+                      .plausible_high = 0.04});
+  }
   add_shape_parameters(form, result);
   return result;
 }
@@ -36,7 +39,7 @@ std::vector<Form> forms(const Occasion& o) {
   // Once it is found: with the level at the middle, and the shape, as parameters of their own.
   Form free = form("", o.temperature_K[0] + 0.5 * span, 0.0);
   free.constants.push_back({.name = "half_range", .unit = "K", .value = 0.5 * span});
-  add_free_shapes(free, result);
+  add_free_shapes(free, stated(*o.data, &Condition::temperature_K, false), result);
   if (o.has_drag) {
     result.push_back(form(kDrag, o.design_temperature_K, 0.3));
     result.back().law = kDrag;
@@ -50,6 +53,9 @@ void apply(const Form& form, std::span<const Scalar> p, const Condition&, Kind, 
   if (form.name == kDrag) {
     m.gearbox.drag_temperature_1_K = p[0];
     m.gearbox.drag_reference_temperature_K = reference_K;
+  } else if (is_smooth(form)) {
+    change_smoothly(p, half_range_of(form), m.gearbox.friction.temperature_bend, m);
+    m.gearbox.friction.reference_temperature_K = reference_K;
   } else {
     if (p.size() > 1) {
       change_shape(p.subspan(1), half_range_of(form), m.gearbox.friction.temperature_bend, m);

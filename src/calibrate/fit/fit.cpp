@@ -56,7 +56,10 @@ struct Pass {
 std::vector<Pass> make_passes(const std::vector<Candidate>& candidates, Place place) {
   std::vector<Pass> passes;
   for (std::size_t k = 0; k < candidates.size(); ++k) {
-    if (candidates[k].cause->place != place) continue;
+    // A friction that differs by row is read row by row, whatever the cause.
+    const Place own =
+        changes_row_friction(candidates[k]) ? Place::kMeasurement : candidates[k].cause->place;
+    if (own != place) continue;
     const auto all = static_cast<Eigen::Index>(candidates[k].parameters.size());
     for (Eigen::Index first = 0; first < all; first += kSlots) {
       const Eigen::Index count = std::min<Eigen::Index>(kSlots, all - first);

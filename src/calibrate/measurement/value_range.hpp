@@ -2,6 +2,7 @@
 // The range of what rows state.
 
 #include <cmath>
+#include <vector>
 
 #include "calibrate/measurement/measurement.hpp"
 

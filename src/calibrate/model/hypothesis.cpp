@@ -12,9 +12,7 @@ std::vector<ParameterRecord> parameters_of(const Hypothesis& h) {
   return result;
 }
 
-bool changes_row_friction(const Candidate& candidate) {
-  return candidate.cause->place == Place::kMeasurement && candidate.form.law == kOnFriction;
-}
+bool changes_row_friction(const Candidate& candidate) { return candidate.form.law == kOnFriction; }
 
 std::size_t value_offset(const Hypothesis& h, std::size_t effect) {
   std::size_t first = 0;

@@ -35,8 +35,9 @@ MeshLosses mesh_losses(const design::Operation<double>& operation, design::Direc
       std::max(std::abs(std::log(friction.approach)), std::abs(std::log(friction.recess)));
   for (std::size_t k = 0; k < losses.size(); ++k) {
     const auto& mesh = operation.mesh[k];
-    const double factor = efficiency::friction_factor(
-        friction, mesh.normal_force_N, mesh.sliding_speed_m_s, temperature_K, forward);
+    const double load = friction.load_is_torque ? operation.output_torque_Nm : mesh.normal_force_N;
+    const double factor =
+        efficiency::friction_factor(friction, load, mesh.sliding_speed_m_s, temperature_K, forward);
     losses[k] = {
         .share = operation.input_power_W > 0.0 ? mesh.loss_W / operation.input_power_W : 0.0,
         .normal_force_N = mesh.normal_force_N,

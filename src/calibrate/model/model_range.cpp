@@ -136,7 +136,8 @@ bool needs_operating_point(const design::Extension<double>& e) {
     return d.constant_Nm != 0.0 || d.viscous_Nms != 0.0 || d.quadratic_Nms2 != 0.0;
   });
   return drags || depends_on_state(e.friction) || e.planet_bearing_arm_m != 0.0 ||
-         e.output_bearing_share != 0.0 || e.drag_temperature_1_K != 0.0;
+         e.output_bearing_share != 0.0 || e.output_bearing_growth.share != 0.0 ||
+         e.drag_temperature_1_K != 0.0;
 }
 
 std::vector<std::string> black_box_causes(const std::vector<ExtendedModel>& models) {
@@ -145,8 +146,10 @@ std::vector<std::string> black_box_causes(const std::vector<ExtendedModel>& mode
     for (const AppliedCause& cause : model.causes) {
       const bool of_shafts =
           std::ranges::any_of(cause.form.constants, [](const FormConstant& constant) {
-            // A test torque and a drag's speed are a shaft's, whatever stands between the shafts.
-            return (constant.unit == "Nm" && constant.name != "hardening_torque") ||
+            // A test torque, a drag's speed and a bearing's torque are a shaft's, whatever stands
+            // between the shafts.
+            return (constant.unit == "Nm" && constant.name != "hardening_torque" &&
+                    constant.name != "top_torque" && constant.name != "reference_torque") ||
                    (constant.unit == "rad/s" && constant.name != "top_speed");
           });
       if (of_shafts) ids.push_back(cause.id);

@@ -94,7 +94,9 @@ Scalar black_box_torque(const BlackBox& box, const Condition& c, const Modificat
     return Scalar(drag.constant_Nm + drag.viscous_Nms * w + drag.quadratic_Nms2 * w * w);
   };
   // What drag and bearing of the output take has gone through the gears, or does not reach them.
-  const Scalar at_output = drag_at(design::kOutputShaft, ratio) + e.output_bearing_share * load;
+  const Scalar at_output =
+      drag_at(design::kOutputShaft, ratio) +
+      (e.output_bearing_share + share_at(e.output_bearing_growth, load)) * load;
   const double sign = forward ? 1.0 : -1.0;
   const Scalar through = (load + sign * at_output) / ratio;
   return through * (1.0 + sign * friction) + sign * drag_at(design::kSunShaft, 1.0);
@@ -210,6 +212,7 @@ std::optional<Scalar> Simulation::sun_torque(const Condition& c, const Modificat
   shafts.drag_reference_temperature_K = e.drag_reference_temperature_K;
   shafts.planet_bearing_radius_m = shafts.planet_bearing_radius_m + e.planet_bearing_arm_m;
   shafts.output_bearing_share = shafts.output_bearing_share + e.output_bearing_share;
+  shafts.output_bearing_growth = e.output_bearing_growth;
   const double temperature_K = stated_or(c.temperature_K, temperature_of(g.design));
   if (slopes == Slopes::kImplicit) {
     auto torque =

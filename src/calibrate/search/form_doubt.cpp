@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "calibrate/causes/friction_change.hpp"
+#include "calibrate/causes/free_shape.hpp"
 #include "calibrate/search/free_shapes.hpp"
 
 namespace gear3k::calibrate {
@@ -98,6 +98,7 @@ void widen_by_forms(const Problem& problem, const std::vector<Candidate>& all, d
   if (h.effects.size() < 2 || !(scale > 0.0) || !(final.scale > 0.0)) return;
   FreerFits fits(problem, final, scale);
   for (const Candidate& form : all) {
+    if (is_refinement(form.form)) continue;
     for (std::size_t e = 0; e < h.effects.size(); ++e) {
       if (may_free(h, e, form)) fits.add(in_form(h, e, form), e);
     }

@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "calibrate/causes/friction_change.hpp"
+#include "calibrate/causes/free_shape.hpp"
 #include "calibrate/causes/reading_change.hpp"
 #include "calibrate/fit/columns.hpp"
 #include "calibrate/fit/screen.hpp"
@@ -48,6 +48,22 @@ class BestFit {
 
 }  // namespace
 
+namespace {
+
+bool has_parameter(const Candidate& c, std::string_view name) {
+  return std::ranges::find(c.parameters, name, &ParameterRecord::name) != c.parameters.end();
+}
+
+/// The hypothesis without the level of friction; none where it has not got it by itself.
+std::optional<Hypothesis> without_level(const Hypothesis& h) {
+  for (std::size_t e = 0; e < h.effects.size(); ++e) {
+    if (h.effects[e].cause->remedy == Remedy::kFrictionValue) return without(h, e);
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
 Hypothesis in_form(const Hypothesis& h, std::size_t effect, const Candidate& form) {
   Hypothesis result = h;
   const Candidate& own = h.effects[effect];
@@ -71,8 +87,16 @@ Hypothesis in_form(const Hypothesis& h, std::size_t effect, const Candidate& for
 bool may_free(const Hypothesis& h, std::size_t effect, const Candidate& form) {
   const Candidate& own = h.effects[effect];
   if (form.form.weight > 0.0 || form.cause != own.cause || form.form.law != own.form.law ||
-      form.parameters.size() <= own.parameters.size() || form.form.body != own.form.body ||
-      form.form.order != own.form.order) {
+      form.form.body != own.form.body || form.form.order != own.form.order) {
+    return false;
+  }
+  // As many parameters, but by each mesh's own share of the load or by its force.
+  const bool other_variable =
+      own.form.weight == 0.0 && form.parameters.size() == own.parameters.size() &&
+      form.form.name.ends_with(kByTorque) != own.form.name.ends_with(kByTorque);
+  if (form.parameters.size() <= own.parameters.size() && !other_variable) return false;
+  // What bends may need a curve of any shape.
+  if (is_smooth(form.form) && !is_smooth(own.form) && !has_parameter(own, "curvature")) {
     return false;
   }
   // A form with a level of its own makes no sense beside the level.
@@ -106,6 +130,24 @@ double score_of(const Problem& problem, const Fit& fit, double scale) {
   return likelihood - 0.5 * p * std::log(std::max(n, 2.0)) + log_weight;
 }
 
+namespace {
+
+/// A law beside the level of friction, with that level as its own and of free shape.
+bool offer_own_level(const std::vector<Candidate>& all, BestFit& best) {
+  const std::optional<Hypothesis> rest = without_level(best.hypothesis());
+  if (!rest) return false;
+  bool better = false;
+  for (std::size_t e = 0; e < rest->effects.size(); ++e) {
+    for (const Candidate& form : all) {
+      if (!has_level_parameter(form.parameters) || !may_free(*rest, e, form)) continue;
+      better = best.offer(in_form(*rest, e, form)) || better;
+    }
+  }
+  return better;
+}
+
+}  // namespace
+
 Fit with_free_shapes(const Problem& problem, const std::vector<Candidate>& all, Fit found,
                      double scale) {
   BestFit best(problem, std::move(found), scale);
@@ -117,11 +159,49 @@ Fit with_free_shapes(const Problem& problem, const std::vector<Candidate>& all, 
         again = best.offer(in_form(best.hypothesis(), e, form)) || again;
       }
     }
+    again = again || offer_own_level(all, best);
   }
   return std::move(best).take();
 }
 
 namespace {
+
+/// The cause whose smooth law takes most off what a hypothesis leaves, by linearisation.
+std::optional<Candidate> likeliest_smooth(const Problem& problem, const std::vector<Candidate>& all,
+                                          const Hypothesis& rest, double scale) {
+  std::vector<Candidate> smooth;
+  for (const Candidate& c : all) {
+    const bool plain = c.form.name == kAnySmooth;
+    if (plain && !has_cause(rest, c.cause)) smooth.push_back(c);
+  }
+  if (smooth.size() < 2) return smooth.empty() ? std::nullopt : std::optional(smooth.front());
+  const Fit left = fit(problem, rest, scale);
+  const double wide = std::max(scale, robust_deviation(left.residual));
+  const Columns columns = columns_at(problem, left.hypothesis, smooth, wide);
+  if (columns.own.cols() >= columns.own.rows()) return std::nullopt;
+  const Screen screen(columns.own, columns.other, blocks_of(smooth), problem.noise.known_scale());
+  const std::vector<Gain> gains = screen.gains(columns.residual);
+  const auto most = std::ranges::max_element(gains, {}, &Gain::sum_of_squares);
+  return smooth[static_cast<std::size_t>(most - gains.begin())];
+}
+
+/// A law of any smooth curve as one of the same cause with fewer parameters, where that scores
+/// better.
+Fit with_fewer_bends(const Problem& problem, const std::vector<Candidate>& all, Fit found,
+                     double scale) {
+  const Hypothesis h = found.hypothesis;
+  BestFit best(problem, std::move(found), scale);
+  for (std::size_t e = 0; e < h.effects.size(); ++e) {
+    if (!is_smooth(h.effects[e].form)) continue;
+    for (const Candidate& form : all) {
+      if (form.cause == h.effects[e].cause && form.form.law == h.effects[e].form.law &&
+          has_level_parameter(form.parameters) && !is_smooth(form.form)) {
+        best.offer(with(without(h, e), form));
+      }
+    }
+  }
+  return std::move(best).take();
+}
 
 /// The three causes that explain most of what a fit leaves, each in its best plain form; of rows
 /// far off clipped, and of all rows as they are.
@@ -215,6 +295,35 @@ Fit with_exchanges(const Problem& problem, const std::vector<Candidate>& all, Fi
   }
   Fit result = std::move(best).take();
   return exchanged ? with_free_shapes(problem, all, std::move(result), scale) : result;
+}
+
+Fit with_smooth_laws(const Problem& problem, const std::vector<Candidate>& all, Fit found,
+                     double scale) {
+  const Hypothesis h = found.hypothesis;
+  const std::size_t count = h.effects.size();
+  if (count < 2) return found;
+  BestFit best(problem, std::move(found), scale);
+  for (std::size_t a = 0; a < count; ++a) {
+    for (std::size_t b = a; b < count; ++b) {
+      // No curve of a condition goes around with an angle.
+      if (h.effects[a].form.order > 0.0 || h.effects[b].form.order > 0.0) continue;
+      std::vector<bool> stays(count, true);
+      stays[a] = stays[b] = false;
+      const Hypothesis rest = subset(h, stays);
+      const bool has_level = std::ranges::any_of(
+          rest.effects, [](const Candidate& c) { return has_level_parameter(c.parameters); });
+      if (has_level) continue;
+      if (const auto form = likeliest_smooth(problem, all, rest, scale)) {
+        best.offer(with(rest, *form));
+      }
+    }
+  }
+  const bool changed = !same_forms(best.hypothesis(), h);
+  Fit result = std::move(best).take();
+  if (!changed) return result;
+  result = with_exchanges(problem, all, std::move(result), scale);
+  return with_free_shapes(problem, all, with_fewer_bends(problem, all, std::move(result), scale),
+                          scale);
 }
 
 namespace {

@@ -42,6 +42,13 @@ Fit with_plain_shapes(const Problem& problem, const std::vector<Candidate>& all,
 Fit with_exchanges(const Problem& problem, const std::vector<Candidate>& all, Fit found,
                    double scale);
 
+/// The fit with a law of any smooth curve of load, speed or temperature in the place of one or two
+/// effects, where that has a better score: two effects of fixed shape may draw one law that no
+/// plain form has.
+/// @param found  a fit at this scale
+Fit with_smooth_laws(const Problem& problem, const std::vector<Candidate>& all, Fit found,
+                     double scale);
+
 /// The fit with what a drift starts from as a cause of its own, where that is most of what the
 /// drift explains and explains as well: a zero error that creeps is a zero error.
 /// @param found  a fit at this scale; @param most  effects that a fit may have

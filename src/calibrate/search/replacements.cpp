@@ -48,10 +48,11 @@ bool fits_variables(const Hypothesis& h) {
   return h.value.size() <= static_cast<std::size_t>(kMostParameters);
 }
 
-/// The coefficient of friction among the candidates; null where the data have none.
+/// What all rows may have in common: the coefficient of friction among the candidates, of lost
+/// motion a clearance; null where the data have neither.
 const Candidate* level_of(const SearchResult& result) {
   const auto at = std::ranges::find_if(result.candidates, [](const Candidate& c) {
-    return c.cause->remedy == Remedy::kFrictionValue;
+    return c.cause->remedy == Remedy::kFrictionValue || c.cause->remedy == Remedy::kClearance;
   });
   return at == result.candidates.end() ? nullptr : &*at;
 }
@@ -77,10 +78,18 @@ std::vector<Candidate> replacing_forms(const std::vector<Candidate>& all, const 
   return forms;
 }
 
-/// A hypothesis with the level of friction, and a candidate that may have it as a parameter.
+Hypothesis without_cause(const Hypothesis& h, const Cause* cause) {
+  for (std::size_t e = 0; e < h.effects.size(); ++e) {
+    if (h.effects[e].cause == cause) return without(h, e);
+  }
+  return h;
+}
+
+/// A hypothesis with the level of friction, and a candidate that may have it as a parameter: then
+/// in the place of the level.
 Hypothesis with_level_and(const Hypothesis& h, const Candidate& level, const Candidate& added) {
-  const bool has_level = has_cause(h, level.cause) || has_level_parameter(added.parameters);
-  return with(has_level ? h : with(h, level), added);
+  if (has_level_parameter(added.parameters)) return with(without_cause(h, level.cause), added);
+  return with(has_cause(h, level.cause) ? h : with(h, level), added);
 }
 
 /// Forms that a screening without the effect says could do what it does, by cause in the order of
@@ -103,9 +112,19 @@ FormsByCause likely_forms(const Judge& judge, const std::vector<Candidate>& othe
       (1.0 - kBent) * gains.back().sum_of_squares - 3.0 * kAsWell * judge.variance();
   std::vector<std::size_t> order(pool.size() - 1);
   std::iota(order.begin(), order.end(), std::size_t{0});
+  // An exponent or a scale of what is 0 does nothing: what such a form can do its columns do not
+  // say.
+  const auto is_bent = [&](std::size_t k) {
+    const Block& block = screen.blocks()[k];
+    const auto own = columns.other.middleCols(block.first, block.count);
+    return (own.colwise().squaredNorm().array() == 0.0).any();
+  };
+  constexpr double kOfBent = 0.5;
   std::erase_if(order, [&](std::size_t k) {
     const double gain = gains[k].sum_of_squares;
-    return !(gain > 0.0 && gain >= needed) && pool.size() > kFewForms;
+    const bool may =
+        gain >= needed || (gain >= kOfBent * gains.back().sum_of_squares && is_bent(k));
+    return !(gain > 0.0 && may) && pool.size() > kFewForms;
   });
   const auto worth = [&](std::size_t k) {
     return gains[k].sum_of_squares - static_cast<double>(pool[k].parameters.size()) *
@@ -125,20 +144,25 @@ FormsByCause likely_forms(const Judge& judge, const std::vector<Candidate>& othe
 }
 
 /// The best of the three likeliest forms of a cause in the place of an effect.
-/// @param level  that is added; null: none
+/// @param level  of friction; null where the data have none
+/// @param with_level  whether it is added; a form with a level of its own takes its place anyway
 Replacement best_replacement(const Judge& judge, const Fit& best, const Hypothesis& beside,
-                             const Candidate* level, const std::vector<Candidate>& forms) {
+                             const Candidate* level, bool with_level,
+                             const std::vector<Candidate>& forms) {
   Replacement replacement;
   replacement.statistic = std::numeric_limits<double>::infinity();
   constexpr std::size_t kForms = 3;
   for (std::size_t k = 0; k < forms.size() && k < kForms; ++k) {
-    Hypothesis h =
-        level != nullptr ? with_level_and(beside, *level, forms[k]) : with(beside, forms[k]);
+    const bool has_level =
+        level != nullptr && (with_level || (has_level_parameter(forms[k].parameters) &&
+                                            has_cause(beside, level->cause)));
+    Hypothesis h = has_level ? with_level_and(beside, *level, forms[k]) : with(beside, forms[k]);
     if (!fits_variables(h)) continue;
     Fit trial = fit(judge.problem(), std::move(h), judge.scale());
     const double difference = judge.difference(trial, best);
     if (difference < replacement.statistic) {
       replacement = {.candidate = forms[k], .statistic = difference, .fit = std::move(trial)};
+      replacement.with_level = has_level;
     }
   }
   return replacement;
@@ -168,8 +192,7 @@ std::vector<Replacement> replacements_of(const Judge& judge, const SearchResult&
           found, [&](const Replacement& r) { return r.candidate.cause == cause; });
       if (named) continue;
       Replacement replacement =
-          best_replacement(judge, result.fit, gap.rest, with_level ? level : nullptr, forms);
-      replacement.with_level = with_level;
+          best_replacement(judge, result.fit, gap.rest, level, with_level, forms);
       if (replacement.statistic <= kAsWell) found.push_back(std::move(replacement));
     }
   }
@@ -366,8 +389,8 @@ void take_unsearched_forms(const Judge& judge, const std::vector<Candidate>& all
     for (const Candidate& form : all) {
       const Fit& best = result.fit;
       const Candidate own = best.hypothesis.effects[e];
-      if (form.form.weight > 0.0 || form.cause != own.cause || form.form.law != own.form.law ||
-          form.form.order != own.form.order) {
+      if (form.form.weight > 0.0 || own.form.weight == 0.0 || form.cause != own.cause ||
+          form.form.law != own.form.law || form.form.order != own.form.order) {
         continue;
       }
       // A form with a level of its own makes no sense beside the level.

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "calibrate/causes/free_shape.hpp"
 #include "calibrate/fit/holdout.hpp"
 #include "calibrate/search/free_shapes.hpp"
 #include "calibrate/search/linear_sets.hpp"
@@ -124,6 +125,9 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
   std::ranges::copy_if(all, std::back_inserter(result.candidates),
                        [](const Candidate& c) { return c.form.weight > 0.0; });
   const std::vector<Candidate>& candidates = result.candidates;
+  std::vector<Candidate> simple;
+  std::ranges::copy_if(all, std::back_inserter(simple),
+                       [](const Candidate& c) { return !is_refinement(c.form); });
   const double known = problem.noise.known_scale();
   Columns base = columns_at(problem, {}, candidates, 0.0);
   // Known scatter bounds outliers only once something is fitted: what the simulation misses is far
@@ -183,7 +187,7 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
       }
     }
     std::optional<Fit> winner =
-        proposals.best_fit(problem, all, best.hypothesis, blocks, scale, std::max(known, least));
+        proposals.best_fit(problem, simple, best.hypothesis, blocks, scale, std::max(known, least));
     if (!winner) break;
     if (size > 1) {
       const Fit last = fit(problem, best.hypothesis, scale);
@@ -195,8 +199,15 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
     scale = std::max({known, robust_deviation(best.residual), least});
   }
 
-  best = with_plain_shapes(problem, all, fit(problem, best.hypothesis, scale), scale, kMostEffects);
-  best = with_exchanges(problem, all, std::move(best), scale);
+  best =
+      with_plain_shapes(problem, simple, fit(problem, best.hypothesis, scale), scale, kMostEffects);
+  best = with_exchanges(problem, simple, std::move(best), scale);
+  // Of what stands now, by each mesh's share of the load and in curves of any shape.
+  const bool refines = std::ranges::any_of(all, [&](const Candidate& c) {
+    return is_refinement(c.form) && has_cause(best.hypothesis, c.cause);
+  });
+  if (refines) best = with_free_shapes(problem, all, std::move(best), scale);
+  best = with_smooth_laws(problem, all, std::move(best), scale);
   best = with_named_starts(problem, all, std::move(best), scale, kMostEffects);
 
   const Judge judge(problem, all, best, scale);

@@ -59,44 +59,65 @@ std::optional<FoundCorrection> find_correction(const Problem& problem,
   return best;
 }
 
-std::optional<FoundCorrection> better_refit(const Problem& problem, const Hypothesis& found,
-                                            const std::vector<Candidate>& candidates,
-                                            const std::vector<Levels>& levels, double scale) {
-  const auto is_one_refit = [](const Hypothesis& h) {
-    return h.effects.size() == 1 && is_refit(h.effects.front());
-  };
-  const Blocks shown = holdout_blocks(problem.data, levels);
-  if (shown.count < 2 || is_one_refit(found)) return std::nullopt;
-  std::vector<Blocks> all{shown};
+namespace {
+
+/// The blocks that a prediction is judged by.
+std::vector<Blocks> judging_blocks(const Problem& problem, const std::vector<Levels>& levels) {
+  std::vector<Blocks> all{holdout_blocks(problem.data, levels)};
   for (const char* name : {"load", "test torque", "speed", "run"}) {
-    if (auto along = blocks_along(name, levels); along && along->name != shown.name) {
+    if (auto along = blocks_along(name, levels); along && along->name != all.front().name) {
       all.push_back(*std::move(along));
     }
   }
+  return all;
+}
+
+/// Sums over rows that both predict.
+struct Compared {
+  double more = 0.0;                ///< that the refit misses, by huber_square()
+  double refit = 0.0, found = 0.0;  ///< squares
+  int rows = 0;
+};
+
+}  // namespace
+
+std::optional<RefitContest> contest_with_refit(const Problem& problem, const Hypothesis& found,
+                                               const std::vector<Candidate>& candidates,
+                                               const std::vector<Levels>& levels, double scale) {
+  const auto is_one_refit = [](const Hypothesis& h) {
+    return h.effects.size() == 1 && is_refit(h.effects.front());
+  };
+  const std::vector<Blocks> all = judging_blocks(problem, levels);
+  if (all.front().count < 2 || is_one_refit(found)) return std::nullopt;
   const Eigen::VectorXd y = measured(problem.data);
   std::vector<Eigen::VectorXd> by_found;
   by_found.reserve(all.size());
   for (const Blocks& blocks : all) by_found.push_back(predict_held_out(problem, found, blocks));
-  std::optional<FoundCorrection> best;
-  double least = 0.0;
+  std::optional<RefitContest> best;
   for (const Candidate& c : candidates) {
     if (!(c.form.weight > 0.0) || !is_refit(c)) continue;
     Fit trial = fit(problem, with({}, c), scale);
-    double more = 0.0;  // that the refit misses
+    Compared sum;
     std::optional<Eigen::VectorXd> predicted;
     for (std::size_t k = 0; k < all.size(); ++k) {
       Eigen::VectorXd by_refit = predict_held_out(problem, trial.hypothesis, all[k]);
       for (Eigen::Index i = 0; i < y.size(); ++i) {
         if (!std::isfinite(by_refit[i]) || !std::isfinite(by_found[k][i])) continue;
         const double unit = scale / problem.noise.weight[i];
-        more += huber_square((y[i] - by_refit[i]) / unit) -
-                huber_square((y[i] - by_found[k][i]) / unit);
+        const double refit_misses = y[i] - by_refit[i];
+        const double found_misses = y[i] - by_found[k][i];
+        sum.more += huber_square(refit_misses / unit) - huber_square(found_misses / unit);
+        sum.refit += refit_misses * refit_misses;
+        sum.found += found_misses * found_misses;
+        ++sum.rows;
       }
       if (k == 0) predicted = std::move(by_refit);
     }
-    if (!(more < least) || !predicted->allFinite()) continue;
-    least = more;
-    best = {.fit = std::move(trial), .predicted = *std::move(predicted)};
+    if (sum.rows == 0 || !predicted->allFinite() || (best && !(sum.more < best->gain))) continue;
+    best = {.refit = {.fit = std::move(trial), .predicted = *std::move(predicted)},
+            .refit_error = std::sqrt(sum.refit / sum.rows),
+            .error = std::sqrt(sum.found / sum.rows),
+            .gain = sum.more};
   }
   return best;
 }

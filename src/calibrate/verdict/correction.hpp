@@ -24,13 +24,22 @@ std::optional<FoundCorrection> find_correction(const Problem& problem,
                                                const std::vector<Candidate>& candidates,
                                                const Blocks& blocks, double scale);
 
-/// The refit of one parameter (coefficient of friction, clearance or gain) that predicts rows held
-/// out of its fit better than what was found does, by huber_square() summed over the blocks of
-/// every condition that has them: a prediction is no worse than what a designer would refit.
+/// A prediction against the refit of one parameter (coefficient of friction, clearance or gain), in
+/// rows held out of either: over the blocks of load, test torque, speed and session, and those that
+/// are shown.
+struct RefitContest {
+  FoundCorrection refit;                  ///< that predicts them best
+  double refit_error = 0.0, error = 0.0;  ///< root mean squares over all blocks [SI]
+  double gain = 0.0;  ///< of the prediction over the refit, in sums of huber_square()
+  [[nodiscard]] bool refit_is_better() const { return gain < 0.0; }
+};
+
+/// @param found  what predicts; empty: the simulation as given
+/// @param candidates  of which the refits are taken
 /// @param scale  of the weighted rows about what was found
-/// @returns empty where none does, and where what was found is such a refit
-std::optional<FoundCorrection> better_refit(const Problem& problem, const Hypothesis& found,
-                                            const std::vector<Candidate>& candidates,
-                                            const std::vector<Levels>& levels, double scale);
+/// @returns empty without blocks, without such a parameter, and where what was found is that refit
+std::optional<RefitContest> contest_with_refit(const Problem& problem, const Hypothesis& found,
+                                               const std::vector<Candidate>& candidates,
+                                               const std::vector<Levels>& levels, double scale);
 
 }  // namespace gear3k::calibrate

@@ -428,11 +428,29 @@ void predict_by(Diagnosis& d, const Measured& m, const FinalFit& final, const He
   d.model = model_of(final, problem.data);
 }
 
-/// Looks for a law in what is left and, where there is one, fits and predicts with it.
-void add_law(Diagnosis& d, const Measured& m, const Hypothesis& causes, const Blocks& blocks) {
+/// What predicts against the refit of one parameter.
+std::optional<RefitContest> contest_of(Diagnosis& d, const Measured& m, const Hypothesis& found,
+                                       const std::vector<Candidate>& candidates, double scale) {
+  auto contest = contest_with_refit(m.problem, found, candidates, m.levels, scale);
+  d.refit.reset();
+  if (contest) {
+    d.refit = {.id = std::string(contest->refit.fit.hypothesis.effects.front().cause->id),
+               .refit_error = contest->refit_error,
+               .found_error = contest->error,
+               .predicts = contest->refit_is_better()};
+  }
+  return contest;
+}
+
+/// Looks for a law in what is left and, where there is one that predicts better than one refitted
+/// parameter, fits and predicts with it.
+void add_law(Diagnosis& d, const Measured& m, const Hypothesis& causes, const Blocks& blocks,
+             const std::vector<Candidate>& candidates) {
   const Problem& problem = m.problem;
   const std::optional<FoundLaw> law = find_law(problem, causes, blocks);
   if (!law) return;
+  const auto contest = contest_of(d, m, law->hypothesis, candidates, law->scale);
+  if (contest && contest->refit_is_better()) return;
   const FinalFit final = final_fit(problem, law->hypothesis, law->scale);
   const double error_without = d.errors.extended_holdout;
   predict_by(d, m, final, {.blocks = blocks, .predicted = law->predicted});
@@ -465,6 +483,30 @@ void add_correction(Diagnosis& d, const Measured& m, const std::optional<FoundCo
                   .parameters = parameter_results(problem.simulation, final, 0),
                   .held_out_error = d.errors.extended_holdout,
                   .held_out_gain = 1.0 - d.errors.extended_holdout / d.errors.baseline_holdout};
+}
+
+/// Where no law is given: by the causes, else where structure is left by a correction, else by the
+/// simulation as given; by the refit of one parameter where that predicts better.
+void predict_at_least_as_refit(Diagnosis& d, const Measured& m, const Hypothesis& causes,
+                               const SearchResult& found, const Blocks& blocks, double row_scale) {
+  std::optional<FoundCorrection> formula;
+  double scale = row_scale;
+  if (causes.effects.empty() && d.remainder.significant) {
+    scale = found.scale;
+    formula = find_correction(m.problem, found.candidates, blocks, scale);
+  }
+  const auto contest =
+      contest_of(d, m, formula ? formula->fit.hypothesis : causes, found.candidates, scale);
+  const bool nothing_found = causes.effects.empty() && !d.remainder.significant;
+  if (contest && nothing_found) {
+    // Luck makes one parameter better than none in every third campaign; a model that is found to
+    // agree stays as it is as long as it is no more than this much worse.
+    constexpr double kMuchBetter = 1.05;
+    d.refit->predicts =
+        contest->refit_is_better() && contest->error > kMuchBetter * contest->refit_error;
+  }
+  if (d.refit && d.refit->predicts) formula = contest->refit;
+  add_correction(d, m, formula, blocks, scale);
 }
 
 }  // namespace
@@ -566,16 +608,11 @@ std::optional<Diagnosis> diagnose(const Simulation& simulation, const Measuremen
   d.model = model_of(final, data);
   const Measured all{
       .problem = problem, .levels = levels, .rows = rows, .baseline = baseline, .pure = pure};
-  if (d.remainder.significant) add_law(d, all, standing.hypothesis, held.blocks);
+  if (d.remainder.significant) {
+    add_law(d, all, standing.hypothesis, held.blocks, found.candidates);
+  }
   if (d.laws.empty()) {
-    if (!d.effects.empty()) {
-      const auto refit =
-          better_refit(problem, standing.hypothesis, found.candidates, levels, row_scale);
-      add_correction(d, all, refit, held.blocks, row_scale);
-    } else if (d.remainder.significant) {
-      const auto formula = find_correction(problem, found.candidates, held.blocks, found.scale);
-      add_correction(d, all, formula, held.blocks, found.scale);
-    }
+    predict_at_least_as_refit(d, all, standing.hypothesis, found, held.blocks, row_scale);
   }
   d.notes.insert(d.notes.begin(), data.notes.begin(), data.notes.end());
   if (!tell(1.0)) return std::nullopt;

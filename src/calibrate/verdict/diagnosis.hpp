@@ -108,6 +108,15 @@ struct Correction {
   double held_out_gain = kUnknown;   ///< 1 − that over the same of the simulation as given
 };
 
+/// The best refit of one parameter (coefficient of friction, clearance or gain) against what was
+/// found, in rows held out of either, over the blocks of all conditions that have some.
+struct RefitComparison {
+  std::string id;
+  double refit_error = kUnknown;  ///< root mean square [SI]
+  double found_error = kUnknown;  ///< of causes, law or correction, else of the simulation as given
+  bool predicts = false;          ///< the model predicts by the refit, as it is the better one
+};
+
 struct RowResult {
   double baseline = 0.0, extended = 0.0;  ///< simulated [SI]
   double sigma = 0.0;                     ///< of the row [SI]
@@ -159,8 +168,9 @@ struct Diagnosis {
   LackOfFit lack_of_fit;           ///< of the baseline
   double p_value = 1.0;            ///< of the greatest finding where nothing is wrong
   /// What the model predicts by: where structure is left and neither a cause nor a law stands, and
-  /// where one refitted parameter predicts better than the causes.
+  /// where one refitted parameter predicts better than what was found.
   std::optional<Correction> correction;
+  std::optional<RefitComparison> refit;  ///< none where the model is such a refit, or has no blocks
   std::vector<CauseEvidence> evidence;
   std::vector<CovariateTest> covariates_before, covariates_after;
   Periodogram periodogram;

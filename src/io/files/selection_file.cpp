@@ -151,7 +151,8 @@ actuator::CatalogueGearbox designed_gearbox(const std::string& path) {
     return drag.constant_Nm > 0.0 || drag.viscous_Nms > 0.0 || drag.quadratic_Nms2 > 0.0;
   });
   if (efficiency::depends_on_state(design.friction) || drags ||
-      shafts.planet_bearing_coefficient > 0.0 || shafts.output_bearing_share > 0.0) {
+      shafts.planet_bearing_coefficient > 0.0 || shafts.output_bearing_share > 0.0 ||
+      shafts.output_bearing_growth.share > 0.0) {
     throw InvalidInput(fmt::format(
         "{}: its losses depend on speed or load, and a selection takes efficiencies: allowed: a "
         "constant friction.coefficient without drags and bearings; `gear3k actuator` with "

@@ -445,6 +445,70 @@ TEST_F(OnTransmission, BearingLoadGrowsWithTheLoad) {
   }
 }
 
+TEST_F(OnTransmission, TheShareOfAGrowingBearingIsAPowerOfWhatItsTeethCarry) {
+  // Without another loss at the output its teeth carry load and bearing: T_3 = T + K forward,
+  // T − K backward, with K = λ T_3 (T_3/T_0)^y.
+  constexpr double kShare = 0.03;
+  constexpr double kExponent = 0.4;
+  constexpr double kTop = 50.0;
+  const Hypothesis growing =
+      one("bearing_load",
+          {.name = "output_bearing_any_exponent",
+           .constants = {{.name = "top_torque", .unit = "Nm", .value = kTop}},
+           .body = "output"},
+          {kShare, kExponent});
+  for (Condition c : {forward_, backward_}) {
+    const double sign = c.direction == design::Direction::kForward ? 1.0 : -1.0;
+    for (const double load : {4.0, 20.0, 50.0}) {
+      double teeth = load;
+      for (int pass = 0; pass < 60; ++pass) {
+        teeth = load + sign * kShare * teeth * std::pow(teeth / kTop, kExponent);
+      }
+      c.output_torque_Nm = load;
+      Condition loaded = c;
+      loaded.output_torque_Nm = teeth;
+      EXPECT_NEAR(torque(c, growing), torque(loaded), 1e-11) << load;
+    }
+  }
+}
+
+TEST_F(OnTransmission, ALawOfTheTorqueChangesAllMeshesByTheSameFactor) {
+  // Nothing is lost at the output: its teeth carry the load, and the law is a level at each.
+  constexpr double kReference = 15.0;
+  constexpr double kExponent = -0.4;
+  constexpr double kChange = 0.1;
+  const Hypothesis law =
+      one("friction_load",
+          {.name = "any_level_by_torque",
+           .constants = {{.name = "reference_torque", .unit = "Nm", .value = kReference}}},
+          {kExponent, kChange});
+  for (Condition c : {forward_, backward_}) {
+    for (const double load : {4.0, 15.0, 50.0}) {
+      c.output_torque_Nm = load;
+      const double factor = (1.0 + kChange) * std::pow(load / kReference, kExponent);
+      EXPECT_NEAR(torque(c, law), torque(c, level(factor - 1.0)), 1e-11) << load;
+    }
+  }
+}
+
+TEST_F(OnTransmission, ASmoothLawIsALevelAtItsPlaces) {
+  const std::vector<double> log_change{0.4, 0.1, -0.2, -0.1};
+  const Hypothesis law =
+      one("friction_load",
+          {.name = "any_smooth_by_torque",
+           .constants = {{.name = "reference_torque", .unit = "Nm", .value = 20.0},
+                         {.name = "log_half_range", .unit = "", .value = std::log(2.0)}}},
+          {0.2, 0.4, 0.1, -0.2, -0.1});
+  for (Condition c : {forward_, backward_}) {
+    for (int place = 0; place < 5; ++place) {
+      c.output_torque_Nm = 20.0 * std::pow(2.0, 0.5 * (place - 2));
+      const double change =
+          place == 2 ? 0.0 : log_change[static_cast<std::size_t>(place < 2 ? place : place - 1)];
+      EXPECT_NEAR(torque(c, law), torque(c, level(1.2 * std::exp(change) - 1.0)), 1e-11) << place;
+    }
+  }
+}
+
 TEST_F(OnTransmission, FrictionOnThePinsIsThatOfTheRig) {
   // Without friction in the meshes, where the rig states how forces shift with it in its own way.
   rig::Gearbox smooth = rig::bilateral_drive_gear();
@@ -588,6 +652,15 @@ TEST(OnABlackBox, FrictionIsThatOfItsEfficiencies) {
       one("bearing_load", {.name = "output_bearing", .body = "output"}, {0.02});
   EXPECT_NEAR(simulated(simulation, f, bearing), lossless * 1.02 / 0.85, kRounding);
   EXPECT_NEAR(simulated(simulation, b, bearing), lossless * 0.98 * 0.8, kRounding);
+  // One that grows with the root of the load: half its share at a quarter of the greatest.
+  const Hypothesis growing =
+      one("bearing_load",
+          {.name = "output_bearing_any_exponent",
+           .constants = {{.name = "top_torque", .unit = "Nm", .value = 80.0}},
+           .body = "output"},
+          {0.04, 0.5});
+  EXPECT_NEAR(simulated(simulation, f, growing), lossless * 1.02 / 0.85, kRounding);
+  EXPECT_NEAR(simulated(simulation, b, growing), lossless * 0.98 * 0.8, kRounding);
 }
 
 // Lost motion
@@ -702,6 +775,24 @@ TEST_F(OnPairs, DrivingFromTheOtherSideSwapsApproachAndRecess) {
                          loss(down_, "friction_direction", "recess", s) - without;
     EXPECT_NEAR(sides, s * without, 0.02 * std::abs(s) * without);
   }
+}
+
+TEST_F(OnPairs, FrictionMayDifferWithTheGearThatDrives) {
+  const auto change = [&](const char* form, int driving, int driven) {
+    const Condition c{.driving_teeth = driving, .driven_teeth = driven};
+    const Hypothesis h =
+        one("friction_direction", {.name = form, .law = kOnFriction}, {0.2}, Kind::kPairLoss);
+    return simulated(simulation_, c, h) / simulated(simulation_, c) - 1.0;
+  };
+  // The loss of the first-order model is proportional to friction.
+  constexpr double kRelative = 1e-12;
+  EXPECT_NEAR(change("driving_pinion_gear", 20, 40), 0.2, kRelative);
+  EXPECT_NEAR(change("driving_pinion_gear", 40, 20), -0.2, kRelative);
+  EXPECT_NEAR(change("driving_pinion_gear", 30, 30), 0.0, kRelative);
+  EXPECT_NEAR(change("driving_pinion", 20, 40), 0.2, kRelative);
+  EXPECT_NEAR(change("driving_pinion", 40, 20), 0.0, kRelative);
+  EXPECT_NEAR(change("driving_gear", 20, 40), 0.0, kRelative);
+  EXPECT_NEAR(change("driving_gear", 40, 20), 0.2, kRelative);
 }
 
 TEST_F(OnPairs, BearingsAddAndGainMultipliesTheEfficiency) {

@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "tests/calibrate/bench.hpp"
 #include "tests/calibrate/measured_grid.hpp"
+#include "units/units.hpp"
 
 namespace gear3k::calibrate::search_test {
 namespace {
@@ -107,6 +109,31 @@ TEST_F(Search, CallsAZeroErrorThatCreepsAZeroError) {
   }));
 }
 
+TEST_F(Search, NamesTheLoadWhereFrictionFallsFromOneLevelToAnother) {
+  // A fall that no power and no bend has, and that a drag beside another level comes near to.
+  data_ = measured_grid({.sun_speeds_rpm = {200.0, 600.0},
+                         .output_torques_Nm = {5.0, 7.0, 10.0, 14.0, 20.0, 28.0, 40.0, 56.0},
+                         .rotations = {1},
+                         .repeats = 4});
+  const double middle = std::sqrt(5.0 * 56.0);
+  const Hypothesis fall = hypothesis(
+      {candidate("friction_load",
+                 {.name = "any_smooth_fine_by_torque",
+                  .constants = {{.name = "reference_torque", .unit = "Nm", .value = middle},
+                                {.name = "log_half_range",
+                                 .unit = "",
+                                 .value = 0.5 * std::log(56.0 / 5.0)}}})},
+      {0.0, 0.3, 0.3, 0.25, -0.25, -0.3, -0.3});
+  measure(fall, 1e-3, 5);
+  const SearchResult result = search();
+  ASSERT_EQ(result.effects.size(), 1U);
+  const Candidate& found = result.fit.hypothesis.effects.front();
+  EXPECT_EQ(found.cause->id, "friction_load");
+  EXPECT_TRUE(found.form.name.starts_with("any_smooth")) << found.form.name;
+  EXPECT_LT((result.fit.simulated - clean_).norm() / std::sqrt(static_cast<double>(clean_.size())),
+            1e-3);
+}
+
 TEST_F(Search, FindsNothingInNoise) {
   data_ = measured_grid({.repeats = 2});
   constexpr int kCases = 40;
@@ -144,6 +171,77 @@ TEST_F(Search, FindsCausesThatActTogether) {
         << c.cause->id;
     EXPECT_GT(result.effects[at].delta_bic, 10.0) << c.cause->id;
   }
+}
+
+/// Rows of another kind than transmission, as the library simulates them, with normal deviates.
+SearchResult search_in(const Simulation& simulation, MeasurementSet data, const Hypothesis& hidden,
+                       double deviation, std::uint64_t seed) {
+  rig::DeterministicRandom random(seed);
+  const Eigen::VectorXd clean = simulated(simulation, data, hidden).value();
+  for (std::size_t i = 0; i < data.rows.size(); ++i) {
+    data.rows[i].response = clean[static_cast<Eigen::Index>(i)] + deviation * random.normal();
+  }
+  const Problem problem{.simulation = simulation, .data = data, .noise = make_noise_model(data)};
+  return search_causes(problem, candidates_for(simulation, data), {});
+}
+
+std::vector<std::string> names_of(const SearchResult& result) {
+  std::vector<std::string> names;
+  for (const Candidate& c : result.fit.hypothesis.effects) names.emplace_back(c.cause->id);
+  std::ranges::sort(names);
+  return names;
+}
+
+using Names = std::vector<std::string>;
+
+TEST(SearchOfPairs, TellsFrictionByTheGearThatDrivesFromNoDifference) {
+  const Simulation simulation(pair_of(design_of(rig::bilateral_drive_gear())), Kind::kPairLoss);
+  MeasurementSet data;
+  data.kind = Kind::kPairLoss;
+  for (const int driving : {18, 24, 31, 43, 60, 85}) {
+    for (const int driven : {18, 24, 31, 43, 60, 85}) {
+      if (driving == driven) continue;
+      Observation row;
+      row.condition.driving_teeth = driving;
+      row.condition.driven_teeth = driven;
+      data.rows.push_back(row);
+    }
+  }
+  const Hypothesis pinion =
+      hypothesis({candidate("friction_direction", {.name = "driving_pinion", .law = kOnFriction},
+                            Kind::kPairLoss)},
+                 {0.1});
+  constexpr double kNoise = 1e-4;
+  EXPECT_EQ(names_of(search_in(simulation, data, pinion, kNoise, 1)), Names{"friction_direction"});
+  EXPECT_EQ(names_of(search_in(simulation, data, {}, kNoise, 1)), Names{});
+}
+
+TEST(SearchOfLostMotion, TellsPlayFromWindUpThatIsSoftAtItsBeginning) {
+  const Simulation simulation(design_of(rig::bilateral_drive_gear()), Kind::kLostMotion);
+  MeasurementSet data;
+  data.kind = Kind::kLostMotion;
+  for (int repeat = 0; repeat < 8; ++repeat) {
+    for (const double torque_Nm : {0.5, 1.0, 2.0, 4.0, 8.0}) {
+      Observation row;
+      row.condition.test_torque_Nm = torque_Nm;
+      data.rows.push_back(row);
+    }
+  }
+  const Candidate play = candidate("clearance", {.name = "constant"}, Kind::kLostMotion);
+  // Contact of points (Hertz): the approach goes with the torque to the power 2/3.
+  const Candidate points =
+      candidate("compliance",
+                {.name = "hardening",
+                 .constants = {{.name = "hardening_torque", .unit = "Nm", .value = 8.0}}},
+                Kind::kLostMotion);
+  const double noise_rad = 0.05 * units::kArcmin;
+  EXPECT_EQ(names_of(search_in(simulation, data, hypothesis({play, points}, {2.0, 0.2, 1.0 / 3.0}),
+                               noise_rad, 1)),
+            (Names{"clearance", "compliance"}));
+  EXPECT_EQ(
+      names_of(search_in(simulation, data, hypothesis({points}, {0.2, 1.0 / 3.0}), noise_rad, 1)),
+      Names{"compliance"});
+  EXPECT_EQ(names_of(search_in(simulation, data, {}, noise_rad, 1)), Names{});
 }
 
 }  // namespace

@@ -51,23 +51,31 @@ TEST_F(CorrectionOf, StructureThatIsNoCauseIsPredictedBetterThanByTheSimulation)
   EXPECT_LT(error(found->predicted), 0.8 * error(as_given));
 }
 
-TEST_F(CorrectionOf, ARefitIsTakenOnlyWhereItPredictsBetterThanWhatWasFound) {
+TEST_F(CorrectionOf, ARefitIsBetterOnlyWhereItPredictsHeldOutRowsBetter) {
   const double noise = 1e-3;
   const Candidate level = candidate("friction_level", {.name = "coefficient"});
   const Candidate drag = candidate("drag_constant", {.name = "sun", .body = "sun"});
-  const auto refit_of = [&](const Candidate& named) {
+  const auto contest = [&](const Hypothesis& found) {
     const Problem p = problem();
-    return better_refit(p, fit(p, hypothesis({named}, {0.0}), noise).hypothesis,
-                        candidates_for(simulation_, data_), covariate_levels(data_), noise);
+    return contest_with_refit(p, fit(p, found, noise).hypothesis,
+                              candidates_for(simulation_, data_), covariate_levels(data_), noise);
   };
+  const Hypothesis by_drag = hypothesis({drag}, {0.0});
   measure(hypothesis({level}, {0.3}), noise, 6);
-  const auto better = refit_of(drag);
-  ASSERT_TRUE(better.has_value());
-  EXPECT_EQ(better->fit.hypothesis.effects.front().cause->id, "friction_level");
-  EXPECT_LT(error(better->fit.simulated), noise);
-  EXPECT_FALSE(refit_of(level).has_value());  // is that refit
+  for (const Hypothesis& found : {by_drag, Hypothesis{}}) {
+    const auto better = contest(found);
+    ASSERT_TRUE(better.has_value());
+    EXPECT_TRUE(better->refit_is_better());
+    EXPECT_GT(better->error, better->refit_error);
+    EXPECT_EQ(better->refit.fit.hypothesis.effects.front().cause->id, "friction_level");
+    EXPECT_LT(error(better->refit.fit.simulated), noise);
+  }
+  EXPECT_FALSE(contest(hypothesis({level}, {0.0})).has_value());  // is that refit
   measure(hypothesis({drag}, {0.02}), noise, 6);
-  EXPECT_FALSE(refit_of(drag).has_value());
+  const auto worse = contest(by_drag);
+  ASSERT_TRUE(worse.has_value());
+  EXPECT_FALSE(worse->refit_is_better());
+  EXPECT_LT(worse->error, worse->refit_error);
 }
 
 TEST_F(CorrectionOf, RowsThatAgreeHaveNone) {
