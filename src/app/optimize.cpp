@@ -15,6 +15,7 @@
 #include "io/files/design_file.hpp"
 #include "io/text/diagnostics.hpp"
 #include "optimize/wider_search.hpp"
+#include "report/result_tally.hpp"
 #include "units/units.hpp"
 
 namespace gear3k::app {
@@ -166,6 +167,14 @@ report::HeldBackReport held_back_by(const OptimizeTask& task,
   return report;
 }
 
+/// Whether no set has a design, and limits that are no load's may be why.
+bool sought_in_vain(const OptimizeTask& task, const optimize::OptimizeResult& result) {
+  if (result.best || result.interrupted || result.search.candidates.empty()) return false;
+  if (!optimize::has_bounds(task.spec) || optimize::judged_by_model(task.spec)) return false;
+  if (task.spec.robust.hold != optimize::Hold::kNominal || task.spec.cycle_energy) return false;
+  return report::tally_of(result).blocked_by_load == 0;
+}
+
 }  // namespace
 
 OptimizeTask optimize_task(const OptimizeRequest& request) {
@@ -197,6 +206,14 @@ Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks,
   progress.front_objectives = task.spec.objectives.size() > 1 ? task.spec.objectives.size() : 0;
   progress.front_designs = static_cast<std::size_t>(task.spec.pareto_points);
   progress.rounding = task.round;
+  progress.best_only = task.certify;
+  progress.explains = task.explain && optimize::has_bounds(task.spec);
+  progress.passes_most = optimize::most_robust_passes(task.spec.robust.hold);
+  // Yields are bisected to the end; in the worst case a few passes are enough as a rule.
+  constexpr std::size_t kFew = 5;
+  const bool bisects = task.spec.robust.hold == optimize::Hold::kYield;
+  progress.passes_least = bisects ? progress.passes_most.load() : 2;
+  if (!bisects) progress.passes_most = std::min(kFew, progress.passes_most.load());
   if (task.spec.robust.hold != optimize::Hold::kNominal) {
     outcome.robust = hold_for_built(task, progress);
     outcome.interrupted = progress.stop;
@@ -233,6 +250,9 @@ Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks,
       outcome.felt = felt_at_best(*task.spec.felt, outcome.best->stated);
     }
     if (task.explain) outcome.held = held_back_by(task, outcome.result, progress);
+  }
+  if (task.explain && sought_in_vain(task, outcome.result)) {
+    outcome.relaxed = optimize::relax_limits(task.spec, outcome.result, progress);
   }
   if (task.model) {
     outcome.comparison = compare_with_model(task, outcome, progress);

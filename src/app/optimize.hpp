@@ -14,6 +14,7 @@
 #include "design/torque_angle_curve.hpp"
 #include "optimize/optimizer.hpp"
 #include "optimize/pareto_search.hpp"
+#include "optimize/relaxed_limits.hpp"
 #include "optimize/rounding.hpp"
 #include "report/limit_price_report.hpp"
 #include "report/model_change_report.hpp"
@@ -28,7 +29,7 @@ struct OptimizeRequest {
   std::string source = "specification";  ///< stands for the specification in messages
   bool certify = false;  ///< refine only what can still win, and prove that nothing else can
   bool round = false;    ///< seek the best design of the lattice of SPEC's [round] too
-  bool explain = true;   ///< find what holds the best design back
+  bool explain = true;   ///< find what holds the best design back, or what would give one
 };
 
 /// A request that can be worked on, with what its model changes.
@@ -81,6 +82,8 @@ struct Optimization {
   /// What holds the best design back, and the best of every number of planets; where there is one
   /// and that was asked for.
   std::optional<report::HeldBackReport> held;
+  /// What would give a design; where there is none and that was asked for.
+  std::optional<optimize::RelaxedLimits> relaxed;
   /// The best design rounded to what is made; where that was asked for and there is one.
   std::optional<optimize::Rounding> rounding;
   /// As files state the best of `rounding`; where it has one.

@@ -74,14 +74,25 @@ report::RobustRun hold_for_built(OptimizeTask& task, optimize::Progress& progres
   optimize::Specification& spec = task.spec;
   const bool best_only = optimize::has_bounds(spec) && !optimize::judged_by_model(spec);
   report::RobustRun run;
+  progress.stage = optimize::Progress::Stage::kBuilt;
+  progress.stage_done = 0;
+  progress.searches = 0;
+  progress.stage_total = optimize::most_robust_passes(spec.robust.hold);
   run.search = optimize::robust_limits(spec, [&](const optimize::Specification& tightened) {
     restart(progress);
+    ++progress.searches;
     optimize::OptimizeResult result =
         optimize::optimize(tightened, progress, {.best_only = best_only});
+    ++progress.stage_done;
+    progress.phase = optimize::Progress::Phase::kGearboxes;
     return optimize::SearchOutcome{.best = std::move(result.best),
                                    .interrupted = result.interrupted};
   });
-  if (!run.search.chosen || run.search.interrupted) return run;
+  progress.stage_done = progress.stage_total.load();  // what follows is built, not searched
+  if (!run.search.chosen || run.search.interrupted) {
+    progress.stage = optimize::Progress::Stage::kOne;
+    return run;
+  }
   const optimize::RobustPass& chosen = run.search.passes[*run.search.chosen];
   run.samples = static_cast<std::uint64_t>(spec.sampling.samples);
   run.fresh_seed = spec.sampling.seed + 1;
@@ -94,6 +105,7 @@ report::RobustRun hold_for_built(OptimizeTask& task, optimize::Progress& progres
   run.chosen_turn = turn_of_built(stated_limits_of(task, *chosen.best), run.fresh_seed);
   if (spec.robust.cheapest)
     run.cheapest = cheapen(spec, stated_limits_of(task, *chosen.best), run, progress);
+  progress.stage = optimize::Progress::Stage::kOne;
   spec.limits = chosen.limits;
   return run;
 }

@@ -28,6 +28,7 @@
 #include "report/front_plot.hpp"
 #include "report/limits_report.hpp"
 #include "report/model_change_report.hpp"
+#include "report/relaxed_limits_report.hpp"
 #include "report/robust_report.hpp"
 #include "report/search_report.hpp"
 #include "report/tooth_set_text.hpp"
@@ -198,7 +199,8 @@ OptimizeRun run(app::OptimizeTask& task, RunJournal& journal, FrontJournal& fron
       task.spec, o.result, run.tally, {.wall_time_s = wall_time_s, .threads = threads}, task.use(),
       o.front ? &*o.front : nullptr, o.robust ? &*o.robust : nullptr,
       o.comparison ? &*o.comparison : nullptr, &task.stated_limits, o.held ? &*o.held : nullptr,
-      o.rounding ? &*o.rounding : nullptr, o.co_design ? &o.co_design->report : nullptr, &o.felt);
+      o.rounding ? &*o.rounding : nullptr, o.co_design ? &o.co_design->report : nullptr, &o.felt,
+      o.relaxed ? &*o.relaxed : nullptr);
   return run;
 }
 
@@ -330,6 +332,7 @@ ExitCode end_without_design(const app::OptimizeTask& task, const OptimizeRun& ru
     return kNoFeasibleDesign;
   }
   say(fmt::format("{}\n", report::blocking_text(task.spec, run.outcome.result, run.tally)));
+  if (run.outcome.relaxed) say(report::relaxed_limits_text(task.spec, *run.outcome.relaxed));
   if (run.tally.blocked_by_load > 0) say_carried_torque(task.spec, options);
   const auto count = [&](optimize::Status status) {
     return run.tally.status[static_cast<std::size_t>(status)];

@@ -44,6 +44,13 @@ std::string clock_text(double seconds) {
   return fmt::format("{}:{:02}", whole / 60, whole % 60);
 }
 
+/// "1:20", or "0:40 to 3:10" where that is not known better.
+std::string range_text(const optimize::RunForecast::Range& left) {
+  const std::string least = clock_text(left.least_s), most = clock_text(left.most_s);
+  if (left.is_one() || least == most) return clock_text(left.middle_s());
+  return fmt::format("{} to {}", least, most);
+}
+
 }  // namespace
 
 void end_on_interrupt() {
@@ -83,11 +90,17 @@ struct ProgressDisplay::State {
       case Stage::kFrontGaps:
         return fmt::format("front, {} of {} designs in its gaps", finished, total);
       case Stage::kFrontEnds:
+        return fmt::format("ends of the front, search {} of {}", std::min(finished + 1, total),
+                           total);
       case Stage::kBeyond:
-        return fmt::format(
-            "{}, search {} of {}",
-            seen.stage == Stage::kFrontEnds ? "ends of the front" : "beyond ends of ranges",
-            std::min(finished + 1, total), total);
+        return fmt::format("beyond ends of ranges, search {} of {}", std::min(finished + 1, total),
+                           total);
+      case Stage::kBuilt:
+        return fmt::format("limits for built gearboxes, search {} of at most {}",
+                           std::max<std::size_t>(1, seen.searches), total);
+      case Stage::kRelaxed:
+        return fmt::format("limits left out, search {} of {}", std::min(finished + 1, total),
+                           total);
     }
     return "";
   }
@@ -109,11 +122,13 @@ struct ProgressDisplay::State {
     const std::size_t finished = seen.done;
     if (total == 0) return;
     const std::string stage = of_stage(seen);
-    std::optional<double> left = forecast.seconds_left();
+    std::optional<optimize::RunForecast::Range> left = forecast.range_left();
     if (left && front_budget_s > 0.0 && front_began_s && !stage.empty()) {
-      left = std::min(*left, std::max(0.0, front_budget_s - (elapsed_s() - *front_began_s)));
+      const double of_budget_s = std::max(0.0, front_budget_s - (elapsed_s() - *front_began_s));
+      left->least_s = std::min(left->least_s, of_budget_s);
+      left->most_s = std::min(left->most_s, of_budget_s);
     }
-    const std::string remaining = left ? clock_text(*left) : "?";
+    const std::string remaining = left ? range_text(*left) : "?";
     using Phase = optimize::Progress::Phase;
     const auto count_of = [&](const char* what) {
       return stage.empty()

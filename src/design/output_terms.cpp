@@ -31,6 +31,8 @@ OutputTerms output_terms(const Design& design, const Evaluation& evaluation) {
       2.0 * std::max(outer1_m.value_or(train->gears[train::kR1].root_radius_m),
                      outer2_m.value_or(train->gears[train::kR2].root_radius_m));
   terms.outer_surface_stated = outer1_m && outer2_m;
+  terms.ring_root_diameter_m = 2.0 * std::max(train->gears[train::kR1].root_radius_m,
+                                              train->gears[train::kR2].root_radius_m);
   return terms;
 }
 

@@ -23,6 +23,7 @@ struct OutputTerms {
   /// The larger ring: over its outer surface where it is stated, else its root circle [m].
   double outer_diameter_m = 0.0;
   bool outer_surface_stated = false;  ///< of both rings
+  double ring_root_diameter_m = 0.0;  ///< the larger ring's
 };
 
 /// Source: forces by virtual work, docs/theory §51; efficiencies, §6.

@@ -15,7 +15,7 @@ constexpr std::array<PresetLimit, 12> kPresetLimits{
      {.check = CheckId::kPlanetGap, .machined = 0.5, .printed = 0.5},
      {.check = CheckId::kContactRatioMin, .machined = 1.2, .printed = 1.3},
      {.check = CheckId::kNormalBacklash, .machined = 20.0, .printed = 200.0},
-     {.check = CheckId::kTipThicknessLength, .machined = 0.15, .printed = 0.8},
+     {.check = CheckId::kTipThicknessLength, .machined = 0.15, .printed = 0.4},
      {.check = CheckId::kRootClearanceLength, .machined = 0.08, .printed = 0.2},
      {.check = CheckId::kSpecificSliding, .machined = 3.0, .printed = 3.0},
      {.check = CheckId::kWall, .machined = 1.0, .printed = 1.2}}};

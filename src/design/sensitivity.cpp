@@ -10,6 +10,7 @@
 #include "design/loaded_train.hpp"
 #include "design/operation.hpp"
 #include "design/scalar_as.hpp"
+#include "design/thermal_result.hpp"
 
 namespace gear3k::design {
 
@@ -221,6 +222,7 @@ template <class T>
 struct Responses {
   std::array<std::optional<T>, kQuantityCount> quantity{};
   std::vector<T> margin;
+  std::vector<ThermalPlay<T>> ends;  ///< of the range of temperature
 };
 
 /// The train's efficiency in a direction; empty where evaluate() has none, or it is not positive.
@@ -324,6 +326,12 @@ Responses<T> responses(const Design& design, const Parameters<T>& p,
     gearing.rating = rating->mesh;
     gearing.train_rating = &*rating;
   }
+  if (gearing.thermal != nullptr) {
+    for (int end = 0; end < train::end_count(*gearing.thermal); ++end) {
+      r.ends.push_back(
+          thermal_play(*train, *gearing.thermal, train::end_state(*gearing.thermal, end)));
+    }
+  }
   r.margin.reserve(checks.size());
   for (const CheckInstance& check : checks) {
     const bool known = !check.record->rating || rating;
@@ -352,7 +360,8 @@ std::vector<Sensitivity> acting_inputs(const std::vector<Input<double>>& inputs,
                     .value = value,
                     .step = rule.step * size,
                     .slope = {},
-                    .margin_slope = std::vector<std::optional<double>>(checks)});
+                    .margin_slope = std::vector<std::optional<double>>(checks),
+                    .thermal = {}});
   }
   return list;
 }
@@ -391,6 +400,14 @@ void derive(const Design& design, Parameters<double>& at, const std::vector<Chec
       };
       for (std::size_t q = 0; q < kQuantityCount; ++q) {
         if (r.quantity[q]) rows[k].slope[q] = slope(*r.quantity[q]);
+      }
+      for (const ThermalPlay<Jet1>& play : r.ends) {
+        ThermalSlopes& slopes = rows[k].thermal.emplace_back();
+        slopes.lost_motion = slope(play.lost_motion_rad);
+        for (std::size_t m = 0; m < train::kMeshCount; ++m) {
+          slopes.normal_backlash[m] = slope(play.normal_backlash_m[m]);
+          slopes.least_backlash[m] = slope(play.least_backlash_m[m]);
+        }
       }
       for (std::size_t c = 0; c < checks.size(); ++c) {
         // A rating takes its speed as a number: no derivatives by it.
@@ -453,6 +470,9 @@ Sensitivities sensitivities(const Design& design, std::size_t tightest) {
   });
   const Responses<double> r = responses(design, at, checks);
   result.value = r.quantity;
+  for (int end = 0; design.thermal && end < train::end_count(*design.thermal); ++end) {
+    result.ends.push_back(train::end_state(*design.thermal, end));
+  }
   std::vector<Sensitivity> rows = acting_inputs(inputs_of(design, at), checks.size());
   derive(design, at, checks, rows);
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "design/design.hpp"
+#include "train/thermal_growth.hpp"
 
 namespace gear3k::design {
 
@@ -71,6 +72,12 @@ struct TightCheck {
   double margin = 0.0;     ///< SI
 };
 
+/// Derivatives by one input of the plays in a state of the range of temperature.
+struct ThermalSlopes {
+  std::optional<double> lost_motion;  ///< kinematic, at the output; SI per unit, as the next
+  std::array<std::optional<double>, train::kMeshCount> normal_backlash{}, least_backlash{};
+};
+
 /// Derivatives by one input; empty where a quantity or its derivative is not defined.
 struct Sensitivity {
   InputId input;
@@ -78,6 +85,7 @@ struct Sensitivity {
   double value = 0.0, step = 0.0;
   std::array<std::optional<double>, kQuantityCount> slope{};  ///< SI per unit
   std::vector<std::optional<double>> margin_slope;  ///< by Sensitivities::checks, the same
+  std::vector<ThermalSlopes> thermal;               ///< by Sensitivities::ends
 
   /// Change of a quantity per step: slope times step, in SI.
   [[nodiscard]] std::optional<double> effect(QuantityId quantity) const;
@@ -88,6 +96,8 @@ struct Sensitivities {
   std::array<std::optional<double>, kQuantityCount> value{};  ///< SI
   std::vector<Sensitivity> inputs;  ///< by falling effect on η_b, then η_f, then lost motion
   std::vector<TightCheck> checks;   ///< the tightest first
+  /// Of the range of temperature, where there is one.
+  std::vector<train::ThermalState> ends;
   bool center_distance_given = false;
   bool operating_point = false;  ///< without one, no total efficiencies
 };
@@ -111,13 +121,16 @@ struct Sensitivities {
 /// convention, machining_allowance as stated in modules, whatever the file said of them.  The rack
 /// is one for all gears.
 ///
+/// Plays at the ends of a range of temperature are derived by the same inputs: those of the
+/// drawing, as thermal_play() has them grown.
+///
 /// The checks are the `tightest` with the least margin over scale, failed ones first, of those
 /// that move with any input (assembly does not).
 ///
 /// Does not cover: tooth numbers, cutters, limits, the axial layout, masses, the range of
-/// temperature, and the points of a friction table; speed at rest and torque without load, where
-/// friction laws have their corner. η_b is empty where the train cannot be back-driven.  Where a
-/// formula changes branch exactly at the design, a derivative is that of one side. Source:
+/// temperature and what grows, and the points of a friction table; speed at rest and torque without
+/// load, where friction laws have their corner. η_b is empty where the train cannot be back-driven.
+/// Where a formula changes branch exactly at the design, a derivative is that of one side. Source:
 /// docs/theory §3-§26 through their templates; property-tested against central differences of
 /// evaluate().
 /// @returns no inputs where evaluate() returns NotDefined

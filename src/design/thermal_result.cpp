@@ -11,11 +11,14 @@ namespace gear3k::design {
 namespace {
 
 using geometry::GearGeometry, train::ThermalRange, train::ThermalState;
-using TrainGears = std::array<GearGeometry<double>, train::kGearCount>;
+template <class T>
+using TrainGearsOf = std::array<GearGeometry<T>, train::kGearCount>;
+using TrainGears = TrainGearsOf<double>;
 
-TrainGears grown_gears(const TrainGears& gears, const ThermalRange& range,
-                       const ThermalState& state) {
-  TrainGears grown;
+template <class T>
+TrainGearsOf<T> grown_gears(const TrainGearsOf<T>& gears, const ThermalRange& range,
+                            const ThermalState& state) {
+  TrainGearsOf<T> grown;
   for (std::size_t i = 0; i < gears.size(); ++i) {
     grown[i] =
         train::grown_gear(gears[i], train::growth_factor(range.gear[i], range.reference_K, state));
@@ -140,6 +143,29 @@ std::optional<ThermalResult> thermal_result(const train::TrainGeometry<double>& 
   }
   return result;
 }
+
+template <class T>
+ThermalPlay<T> thermal_play(const train::TrainGeometry<T>& drawn, const ThermalRange& range,
+                            const ThermalState& state) {
+  train::TrainGeometry<T> grown = drawn;
+  grown.gears = grown_gears(drawn.gears, range, state);
+  grown.center_distance_m = drawn.center_distance_m * constant<T>(carrier_factor(range, state));
+  ThermalPlay<T> play;
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    const auto mesh = backlash::make_unequal_mesh(
+        grown.gears[static_cast<std::size_t>(train::kMeshGears[k][0])],
+        grown.gears[static_cast<std::size_t>(train::kMeshGears[k][1])], grown.center_distance_m);
+    play.normal_backlash_m[k] = mesh.normal_backlash_m;
+    play.least_backlash_m[k] = mesh.least_backlash_m;
+  }
+  play.lost_motion_rad = backlash::output_lost_motion(grown, play.normal_backlash_m,
+                                                      backlash::LostMotionModel::kKinematic);
+  return play;
+}
+template ThermalPlay<double> thermal_play(const train::TrainGeometry<double>&, const ThermalRange&,
+                                          const ThermalState&);
+template ThermalPlay<Jet1> thermal_play(const train::TrainGeometry<Jet1>&, const ThermalRange&,
+                                        const ThermalState&);
 
 std::optional<NoThermalMesh> mesh_without_angle(const TrainGears& gears, double center_distance_m,
                                                 const ThermalRange& range) {

@@ -54,6 +54,17 @@ struct ThermalResult {
 std::optional<ThermalResult> thermal_result(const train::TrainGeometry<double>& train,
                                             const train::ThermalRange& range);
 
+/// Plays of a train in a state; every mesh must have a working angle there.
+template <class T>
+struct ThermalPlay {
+  T lost_motion_rad{};  ///< kinematic, at the output
+  /// Mean and least of each mesh, see backlash::UnequalMesh.
+  std::array<T, train::kMeshCount> normal_backlash_m{}, least_backlash_m{};
+};
+template <class T>
+ThermalPlay<T> thermal_play(const train::TrainGeometry<T>& drawn, const train::ThermalRange& range,
+                            const train::ThermalState& state);
+
 /// The state and the mesh that leave no working pressure angle; empty where all do.
 struct NoThermalMesh {
   train::ThermalState state;

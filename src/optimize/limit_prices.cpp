@@ -52,8 +52,7 @@ LimitPrice limit_of_check(const Specification& spec, const design::Limits& state
                           const design::CheckInstance& check) {
   const design::CheckRecord& record = *check.record;
   LimitPrice price{.limit = {.check = record.id, .at_least = record.at_least},
-                   .key = record.limit_key.empty() ? fmt::format("limits.{}", record.name)
-                                                   : std::string(record.limit_key),
+                   .key = key_of_limit(record),
                    .stated = record.threshold || !record.limit_key.empty(),
                    .unit = record.unit,
                    .value_si = stated_value(spec, stated, check)};
@@ -63,10 +62,6 @@ LimitPrice limit_of_check(const Specification& spec, const design::Limits& state
       if (!spec.limits.mesh_backlash_m[mesh]) break;
       price.key = fmt::format("backlash.{}.min_normal_um", train::kMeshNames[mesh]);
       price.limit.place = check.subject.member;
-      break;
-    case CheckId::kContactRatioMin:
-    case CheckId::kContactRatioMax:
-      price.key += record.at_least ? "[0]" : "[1]";
       break;
     case CheckId::kOverloadRootSafety: {
       const auto gear = static_cast<std::size_t>(
@@ -372,7 +367,16 @@ void lower_to_carried_torque(const RefinementProblem& problem, Point& v) {
   torque = carried;
 }
 
-std::optional<SetProblem> problem_of(const Specification& spec, const RefinedSet& set) {
+std::string key_of_limit(const design::CheckRecord& record) {
+  const std::string key = record.limit_key.empty() ? fmt::format("limits.{}", record.name)
+                                                   : std::string(record.limit_key);
+  const bool of_range =
+      record.id == CheckId::kContactRatioMin || record.id == CheckId::kContactRatioMax;
+  return of_range ? key + (record.at_least ? "[0]" : "[1]") : key;
+}
+
+std::optional<SetProblem> problem_of(const Specification& spec, const RefinedSet& set,
+                                     double slack) {
   std::array<std::optional<double>, 2> fixed;
   for (std::size_t stage = 0; stage < 2; ++stage) {
     const auto& range = spec.module[stage].range_m;
@@ -392,7 +396,6 @@ std::optional<SetProblem> problem_of(const Specification& spec, const RefinedSet
       own.v = point_of(own.problem, train,
                        {.face_width_m = set.train.face_width_m, .torque_Nm = torque_Nm});
       lower_to_carried_torque(own.problem, own.v);
-      const double slack = 2.0 * design::kFeasibilityTolerance;
       if (!(outcome_at(own.problem, own.v).violation <= slack)) continue;
       own.kkt_residual = kkt_residual(own.problem, own.v);
       if (!best || own.kkt_residual < best->kkt_residual) best = std::move(own);

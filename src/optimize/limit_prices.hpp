@@ -35,6 +35,9 @@ struct LimitOf {
   bool operator==(const LimitOf&) const = default;
 };
 
+/// Path in a SPEC of the limit of a check, e.g. "limits.tip_thickness_mm".
+std::string key_of_limit(const design::CheckRecord& record);
+
 /// An active limit with the change of the objective per unit of it.
 ///
 ///   ∂objective/∂L = ± scale Σ_k λ_k |∂g_k/∂L|     over the rows and bounds that it sets
@@ -87,7 +90,9 @@ struct SetProblem {
   Point v{};
   double kkt_residual = 0.0;
 };
-std::optional<SetProblem> problem_of(const Specification& spec, const RefinedSet& set);
+/// @param slack  by how much rows may be missed at that point (scaled)
+std::optional<SetProblem> problem_of(const Specification& spec, const RefinedSet& set,
+                                     double slack = 2.0 * design::kFeasibilityTolerance);
 
 /// Lowers the torque of a point, where it is a variable, to the greatest that is carried there.
 void lower_to_carried_torque(const RefinementProblem& problem, Point& v);

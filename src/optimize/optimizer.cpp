@@ -39,16 +39,20 @@ class Run {
   void screen() {
     std::vector<Candidate>& all = result_.search.candidates;
     std::vector<char> open(all.size(), 1);
+    before_.assign(options_.bound_before ? all.size() : 0, kInfinity);
     const auto& incumbent = options_.incumbent;
     const double floor = incumbent ? merit_of(spec_, *incumbent) + no_gain_ : -kInfinity;
     if (options_.bound_before) {
       numerics::parallel_for(all.size(), [&](std::size_t k) {
         const bool own = incumbent && all[k] == incumbent->candidate;
-        open[k] = own || options_.bound_before(all[k]) > floor ? 1 : 0;
+        before_[k] = options_.bound_before(all[k]);
+        open[k] = own || before_[k] > floor ? 1 : 0;
       });
       std::size_t kept = 0;
       for (std::size_t k = 0; k < all.size(); ++k) {
-        if (open[k] != 0) all[kept++] = all[k];
+        if (open[k] == 0) continue;
+        before_[kept] = before_[k];
+        all[kept++] = all[k];
       }
       all.resize(kept);
     }
@@ -82,7 +86,7 @@ class Run {
       for (std::size_t k = block * kBlock; k < std::min(count, (block + 1) * kBlock); ++k) {
         const SetBound bound = result_.bounds->of(k);
         infeasible[k] = bound.infeasible ? 1 : 0;
-        bound_[k] = merit_bound(spec_, bound, result_.search.candidates[k]);
+        bound_[k] = merit_within(k, bound);
       }
     });
     for (std::size_t k = 0; k < count; ++k) {
@@ -90,6 +94,7 @@ class Run {
       const bool reaches = bound_[k] > -std::numeric_limits<double>::infinity();
       if (infeasible[k] == 0 && reaches) order.push_back(static_cast<std::uint32_t>(k));
     }
+    progress_.open = order.size();
     if (options_.best_only) {
       std::ranges::stable_sort(
           order, [&](std::uint32_t a, std::uint32_t b) { return bound_[a] > bound_[b]; });
@@ -112,6 +117,8 @@ class Run {
       const std::vector<std::uint32_t> wave = next_wave(order, size);
       if (wave.empty()) break;
       refine_wave(wave);
+      if (options_.any && result_.best) break;
+      if (result_.refined.size() >= options_.most_refined) break;
       size = std::min(2 * size, kWave);
     }
     result_.interrupted = progress_.stop.load();
@@ -130,6 +137,12 @@ class Run {
   /// Sets whose stages are tied at once, where only the best are.
   static constexpr std::size_t kTied = 512;
 
+  /// What a set's design can have at most, by its bound and by what is known before.
+  [[nodiscard]] double merit_within(std::size_t k, const SetBound& bound) const {
+    const double own = merit_bound(spec_, bound, result_.search.candidates[k]);
+    return before_.empty() ? own : std::min(own, before_[k]);
+  }
+
   [[nodiscard]] bool may_win(std::uint32_t k) const {
     if (!options_.best_only || !result_.best) return true;
     return bound_[k] > merit_of(spec_, *result_.best) + no_gain_;
@@ -143,7 +156,7 @@ class Run {
     bounds_->tie(more, progress_, false);
     for (const std::uint32_t k : more) {
       const SetBound bound = bounds_->of(k);
-      bound_[k] = merit_bound(spec_, bound, result_.search.candidates[k]);
+      bound_[k] = merit_within(k, bound);
       if (bound.infeasible) {
         ++infeasible_;
       } else if (bound_[k] > -std::numeric_limits<double>::infinity()) {
@@ -321,6 +334,7 @@ class Run {
   double no_gain_;
   std::shared_ptr<SetBounds> bounds_;  ///< of the result
   std::vector<double> bound_;
+  std::vector<double> before_;  ///< OptimizeOptions::bound_before, where that is known
   std::size_t infeasible_ = 0;
   std::vector<std::uint32_t> waiting_;  ///< to be refined, in this order
   std::size_t taken_ = 0;               ///< sets of the order that waited so far

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -24,6 +25,10 @@ struct OptimizeOptions {
   bool best_only = false;
   /// Whether a search for the best alone also proves what no design is above: see Certificate.
   bool certify = true;
+  /// Ends with the first wave that has a design.
+  bool any = false;
+  /// No further wave is begun when so many sets are refined.
+  std::size_t most_refined = std::numeric_limits<std::size_t>::max();
   /// Sets that an earlier run refined, by rising index: they are taken as they are.
   std::vector<RefinedSet> known{};
   /// Called with the sets of a wave, known ones left out, when all of them are done.
@@ -33,7 +38,8 @@ struct OptimizeOptions {
   /// A design to begin with: only sets that may be better are of interest.
   std::optional<RefinedSet> incumbent{};
   /// A bound of merit_of() that is known of a set before its stages are relaxed: those that it
-  /// rules out are left out of the search altogether; called from many threads.
+  /// rules out are left out of the search altogether, others are refined in its order where it is
+  /// below the stages' own; called from many threads.
   std::function<double(const Candidate&)> bound_before{};
 };
 

@@ -181,10 +181,11 @@ class FrontSearch {
     options.incumbent = answers_.best_within(ask);
     if (options_.searched != nullptr && options_.searched->bounds) {
       options.bound_before = [this, &task, ask](const Candidate& candidate) {
+        const double known = -answers_.least_cost(ask, candidate);
         const auto own = std::ranges::lower_bound(open_, candidate, {}, &Numbered::first);
-        if (own == open_.end() || own->first != candidate) return kInfinity;
+        if (own == open_.end() || own->first != candidate) return known;
         const SetBound bound = options_.searched->bounds->of(own->second);
-        return bound.infeasible ? -kInfinity : merit_bound(task, bound, candidate);
+        return bound.infeasible ? -kInfinity : std::min(known, merit_bound(task, bound, candidate));
       };
     }
     return options;

@@ -220,6 +220,18 @@ RobustResult robust_limits(const Specification& spec,
   return RobustSearch(spec, search).run();
 }
 
+std::size_t most_robust_passes(Hold hold) {
+  switch (hold) {
+    case Hold::kNominal:
+      return 0;
+    case Hold::kWorstCase:
+      return 1 + kWorstCasePasses;
+    case Hold::kYield:
+      return 1 + kYieldPasses;
+  }
+  return 0;
+}
+
 bool checks_hold(const design::Design& design) {
   const auto evaluated = design::evaluate(design);
   const auto* evaluation = std::get_if<design::Evaluation>(&evaluated);

@@ -64,6 +64,9 @@ RobustResult robust_limits(const Specification& spec,
                            const std::function<SearchOutcome(const Specification&)>& search);
 inline constexpr std::uint64_t kRobustSamples = 200'000;
 
+/// Searches that robust_limits() makes at most; 0 where nothing is to hold for built gearboxes.
+std::size_t most_robust_passes(Hold hold);
+
 /// How gearboxes built to a design of this specification turn out.
 /// @param seed  of the random gearboxes
 /// @throws std::invalid_argument without tolerances, and where at an end of the centre distance's

@@ -64,6 +64,20 @@ std::optional<RefinedSet> SetAnswers::answer(const CostAsk& ask, const Candidate
   return std::nullopt;
 }
 
+double SetAnswers::least_cost(const CostAsk& ask, const Candidate& candidate) const {
+  double least = -kInfinity;
+  const auto found = known_.find(candidate);
+  if (found == known_.end()) return least;
+  for (const Known& known : found->second) {
+    const CostAsk& past = asks_[known.ask];
+    if (!keeps(ask.limits, past.limits)) continue;
+    if (known.set == nullptr) return kInfinity;
+    if (past.first != ask.first) continue;
+    least = std::max(least, known.costs[ask.first] - objectives_.slack[ask.first]);
+  }
+  return least;
+}
+
 std::optional<RefinedSet> SetAnswers::best_within(const CostAsk& ask) const {
   const RefinedSet* best = nullptr;
   double least = 0.0;

@@ -44,6 +44,10 @@ class SetAnswers {
   /// What is known of a set; empty: it is to be refined.  Without a design: no_feasible_found.
   [[nodiscard]] std::optional<RefinedSet> answer(const CostAsk& ask,
                                                  const Candidate& candidate) const;
+  /// The least that a set costs by the ask's first objective, as searches within wider limits found
+  /// it: no less is within narrower ones.  Minus infinity where none was, infinite where there is
+  /// no design.
+  [[nodiscard]] double least_cost(const CostAsk& ask, const Candidate& candidate) const;
   /// The best design of any set that keeps the limits of an ask.
   [[nodiscard]] std::optional<RefinedSet> best_within(const CostAsk& ask) const;
 

@@ -55,6 +55,7 @@ std::optional<double> number_of(const io::Json& json) {
 
 Fields terms_fields(const design::OutputTerms& terms, std::span<const design::MeshResult> meshes) {
   Fields f("train");
+  f.add("ring_root_diameter_mm", mm(terms.ring_root_diameter_m), {"ring_root_diameter", "mm"});
   f.add("outer_diameter_mm", mm(terms.outer_diameter_m), {"outer_diameter", "mm"});
   for (std::size_t k = 0; k < meshes.size(); ++k) {
     f.append("tooth_force_n_per_nm", terms.tooth_force_per_torque_1_m[k],
@@ -107,7 +108,8 @@ struct TablePart {
 const std::vector<TablePart>& table_parts() {
   static const std::vector<TablePart> parts{
       {.title = "Size",
-       .quantities = {"planets", "ratio", "module", "center_distance", "outer_diameter", "mass"},
+       .quantities = {"planets", "ratio", "module", "center_distance", "ring_root_diameter",
+                      "outer_diameter", "mass"},
        .of_train = true},
       {.title = "Output",
        .quantities = {"efficiency_forward", "efficiency_backward",
@@ -254,6 +256,20 @@ std::string part_text(const TablePart& part, std::span<const ComparedDesign> des
   return rows.any() ? fmt::format("\n{}\n", part.title) + rows.text(columns) : "";
 }
 
+/// Whose outer diameter has no rims in it, where that of others has.
+std::string rims_text(std::span<const ComparedDesign> designs, std::size_t columns) {
+  const std::vector<std::string> labels = column_labels(designs);
+  std::vector<std::string> without;
+  for (std::size_t k = 0; k < designs.size(); ++k) {
+    if (!designs[k].terms.outer_surface_stated) without.push_back(labels[k]);
+  }
+  if (without.empty() || without.size() == designs.size()) return "";
+  return broken(fmt::format("  no rims are stated of {}: its outer diameter is that of the larger "
+                            "root circle",
+                            fmt::join(without, ", ")),
+                static_cast<int>(columns), 4);
+}
+
 /// Checks that fail in one of the designs, or are met there with less than a twentieth of their
 /// limit to spare.
 std::string margins_text(std::span<const ComparedDesign> designs, std::size_t columns) {
@@ -303,7 +319,10 @@ std::string comparison_table(std::span<const ComparedDesign> designs, int column
   }
   const std::vector<ComparedQuantity> quantities = all_quantities(designs);
   const auto width = static_cast<std::size_t>(columns);
-  for (const TablePart& part : table_parts()) text += part_text(part, designs, quantities, width);
+  for (const TablePart& part : table_parts()) {
+    text += part_text(part, designs, quantities, width);
+    if (&part == table_parts().data()) text += rims_text(designs, width);
+  }
   text += margins_text(designs, width);
   const auto differ = std::ranges::count(quantities, false, &ComparedQuantity::alike);
   return text + fmt::format("\n{} of {} quantities differ{}.\n", differ, quantities.size(),

@@ -154,15 +154,42 @@ std::string bounds_text(const Specification& spec, const HeldSet& best) {
                             fmt::join(untried, ", "));
 }
 
+/// What a bound of the search that gives way gains, the most of them; null: none gains.
+const optimize::SearchBound* most_beyond(const Specification& spec, const HeldSet& best) {
+  const optimize::SearchBound* most = nullptr;
+  double gain = 0.0;
+  const double sense = optimize::sense_of(optimize::first_objective(spec));
+  for (const optimize::SearchBound& bound : best.held.at) {
+    if (!bound.wider || !bound.wider->better) continue;
+    const double own = sense * (objective_of(spec, {.set = *bound.wider->better, .held = {}}) -
+                                objective_of(spec, best));
+    if (most != nullptr && own <= gain) continue;
+    most = &bound;
+    gain = own;
+  }
+  return most;
+}
+
 std::string better_text(const Specification& spec, const HeldSet& best) {
   const LimitPrice* const price = dearest(spec, best);
   if (price == nullptr) return "";
   const double change = change_per_step(spec, *price);
   const double moved =
       clean(units::decimal_from_si(price->value_si, price->unit) + giving_step(*price));
-  return fmt::format("  nearest better, an estimate to first order: {} with {} = {:g} ({})\n",
-                     objective_text(spec, objective_of(spec, best) + change), price->key, moved,
-                     change_text(spec, change));
+  std::string text =
+      fmt::format("  nearest better, an estimate to first order: {} with {} = {:g} ({})\n",
+                  objective_text(spec, objective_of(spec, best) + change), price->key, moved,
+                  change_text(spec, change));
+  if (const optimize::SearchBound* const beyond = most_beyond(spec, best)) {
+    const HeldSet better{.set = *beyond->wider->better, .held = {}};
+    const double gain = objective_of(spec, better) - objective_of(spec, best);
+    if (std::abs(gain) > std::abs(change)) {
+      text += fmt::format("  more beyond a bound of the search: {} with {} to {:g} ({})\n",
+                          objective_text(spec, objective_of(spec, better)), beyond->key,
+                          beyond->wider->value, change_text(spec, gain));
+    }
+  }
+  return text;
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "design/preset.hpp"
+#include "optimize/limit_prices.hpp"
 
 namespace gear3k::report {
 
@@ -21,20 +22,6 @@ std::string limit_with_unit(const design::CheckRecord& r, const std::optional<do
   const std::string_view unit = units::unit_name(r.unit);
   return fmt::format("{} {} {:g}{}{}", r.name, r.at_least ? ">=" : "<=", in_own_unit(r, *limit),
                      unit.empty() ? "" : " ", unit);
-}
-
-/// The key that states the limit of a check.
-std::string limit_key(const design::CheckRecord& r) {
-  switch (r.id) {
-    case design::CheckId::kNormalBacklash:
-      return "backlash.min_normal_um";
-    case design::CheckId::kContactRatioMin:
-      return "contact_ratio.range[0]";
-    case design::CheckId::kWall:
-      return "size.min_wall_mm";
-    default:
-      return fmt::format("limits.{}", r.name);
-  }
 }
 
 /// Checks with a threshold, of no preset, whose limit is 0: met without any reserve.
@@ -98,8 +85,8 @@ std::string preset_note(const design::Limits& limits, std::span<const std::strin
     const design::CheckRecord& r = design::check_record(of_preset.check);
     if (std::ranges::find(checks, r.name) == checks.end() || !is_of_preset(limits, r.id)) continue;
     const std::string_view unit = units::unit_name(r.unit);
-    named.push_back(fmt::format("{} = {:g}{}{}", limit_key(r), in_own_unit(r, *limits[r.id]),
-                                unit.empty() ? "" : " ", unit));
+    named.push_back(fmt::format("{} = {:g}{}{}", optimize::key_of_limit(r),
+                                in_own_unit(r, *limits[r.id]), unit.empty() ? "" : " ", unit));
   }
   if (named.empty()) return "";
   return fmt::format("; of preset {}, unless stated otherwise: {}",

@@ -137,6 +137,11 @@ std::string blocking_text(const Specification& spec, const OptimizeResult& resul
   if (nearest->blocked_by.size() == 1) others = " with all other limits kept";
   if (nearest->blocked_together) others = ", together";
   if (proven) others = nearest->blocked_together ? ", together with other limits" : "";
+  if (proven && nearest->blocked_by.front().violation > 0.0) {
+    others = nearest->blocked_together
+                 ? " (a proven bound, its distance may be far more), together with other limits"
+                 : " (a proven bound, its distance may be far more)";
+  }
   return fmt::format(
       "no feasible design: blocked by {}: the nearest set, {}, misses {}{}; sets by the constraint "
       "that blocks them: {}{}{}",

@@ -14,6 +14,7 @@
 #include "report/display.hpp"
 #include "report/fields.hpp"
 #include "report/limits_report.hpp"
+#include "report/relaxed_limits_report.hpp"
 #include "report/text_table.hpp"
 #include "report/tooth_set_text.hpp"
 
@@ -409,7 +410,8 @@ std::string summary_json(const Specification& spec, const OptimizeResult& result
                          const ModelComparison* comparison, const design::Limits* stated_limits,
                          const HeldBackReport* held, const optimize::Rounding* rounding,
                          const CoDesignReport* co_design,
-                         const std::vector<actuator::LimitCheck>* felt) {
+                         const std::vector<actuator::LimitCheck>* felt,
+                         const optimize::RelaxedLimits* relaxed) {
   io::Json status = io::Json::object();
   io::Json reasons = io::Json::object();
   for (std::size_t k = 0; k < optimize::kStatusCount; ++k) {
@@ -459,6 +461,8 @@ std::string summary_json(const Specification& spec, const OptimizeResult& result
                 {"wall_time_s", facts.wall_time_s},
                 {"threads", facts.threads}};
   json["limits"] = limits_json(stated_limits != nullptr ? *stated_limits : spec.limits);
+  json["relaxed_limits"] =
+      relaxed != nullptr ? relaxed_limits_json(spec, *relaxed) : io::Json(nullptr);
   if (held != nullptr) json.update(held_back_json(spec, *held));
   if (co_design != nullptr) json["co_design"] = co_design_json(*co_design);
   if (felt != nullptr && !felt->empty()) json["felt"] = limit_checks_json(*felt);

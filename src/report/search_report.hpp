@@ -12,6 +12,7 @@
 #include "actuator/felt.hpp"
 #include "optimize/optimizer.hpp"
 #include "optimize/pareto_search.hpp"
+#include "optimize/relaxed_limits.hpp"
 #include "optimize/zero_shift.hpp"
 #include "report/co_design_report.hpp"
 #include "report/fields.hpp"
@@ -90,6 +91,7 @@ struct RunFacts {
 /// @param held  what holds the best designs back; null: there is none
 /// @param co_design  the motor of the best design; null: no motor was asked for
 /// @param comparison  of the best designs without and with the model; null: no model
+/// @param relaxed  what would give a design; null: there is one, or none was sought
 /// @param felt  limits of what is felt at the best design's output; null: none are known
 std::string summary_json(
     const optimize::Specification& spec, const optimize::OptimizeResult& result,
@@ -98,6 +100,7 @@ std::string summary_json(
     const ModelComparison* comparison = nullptr, const design::Limits* stated_limits = nullptr,
     const HeldBackReport* held = nullptr, const optimize::Rounding* rounding = nullptr,
     const CoDesignReport* co_design = nullptr,
-    const std::vector<actuator::LimitCheck>* felt = nullptr);
+    const std::vector<actuator::LimitCheck>* felt = nullptr,
+    const optimize::RelaxedLimits* relaxed = nullptr);
 
 }  // namespace gear3k::report

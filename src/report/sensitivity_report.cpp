@@ -12,6 +12,7 @@
 #include "report/check_subject.hpp"
 #include "report/display.hpp"
 #include "report/text_table.hpp"
+#include "report/thermal_report.hpp"
 
 namespace gear3k::report {
 
@@ -96,6 +97,39 @@ std::string quantity_table(const Sensitivities& s) {
   return text;
 }
 
+/// Of a train over temperature: lost motion and the least backlash of each mesh at each end.
+std::string thermal_ends_table(const Sensitivities& s) {
+  if (s.ends.empty()) return "";
+  std::vector<std::string> header{"input", "step"};
+  for (const train::ThermalState& end : s.ends) {
+    const std::string at = design::state_text(end);
+    header.push_back(fmt::format("arcmin at {}", at));
+    for (const std::string_view mesh : train::kMeshNames) {
+      header.push_back(fmt::format("{} um", mesh));
+    }
+  }
+  TextTable table(header);
+  for (const Sensitivity& row : s.inputs) {
+    std::vector<std::string> cells{io::key_of(row.input), step_text(row)};
+    bool moves = false;
+    const auto add = [&](const std::optional<double>& slope, double per_si, int decimals) {
+      const std::string text =
+          slope ? signed_number(*slope * row.step * per_si, decimals) : std::string("none");
+      moves = moves || (slope && text != "0");
+      cells.push_back(text);
+    };
+    for (const design::ThermalSlopes& at : row.thermal) {
+      add(at.lost_motion, kArcmin, kDecimals);
+      for (const auto& mesh : at.least_backlash) add(mesh, 1.0 / units::kMicrometre, 3);
+    }
+    if (moves) table.add(std::move(cells));
+  }
+  return "\nSensitivities at the ends of [thermal] (change per step of lost motion and of the "
+         "least "
+         "backlash of each mesh)\n" +
+         table.text(2);
+}
+
 /// The inputs that move a margin most per step, at most three.
 std::vector<const Sensitivity*> strongest_inputs(const Sensitivities& s, std::size_t check) {
   constexpr std::size_t kMost = 3;
@@ -151,6 +185,28 @@ std::string derivative_unit(Unit of, Unit by_unit) {
   return fmt::format(fmt::runtime(product ? "{}/({})" : "{}/{}"), name.empty() ? "1" : name, by);
 }
 
+/// Derivatives at an end of the range of temperature.
+Fields thermal_slope_fields(const Sensitivities& s, const Sensitivity& row, std::size_t end) {
+  const design::ThermalSlopes& at = row.thermal[end];
+  const std::string state = design::state_text(s.ends[end]);
+  Fields f(fmt::format("{} at {}", io::key_of(row.input), state));
+  f.add("temperature_c", celsius(s.ends[end].temperature_K));
+  f.add("moisture", moisture_name(s.ends[end].moisture));
+  f.add("d_lost_motion_arcmin", in_unit_or_none(at.lost_motion, Unit::kArcmin),
+        {"d_lost_motion_arcmin", derivative_unit(Unit::kArcmin, row.unit)});
+  const auto add = [&](const char* field, const auto& slopes) {
+    f.add(field, io::Json::array());
+    for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+      f.append(field, in_unit_or_none(slopes[k], Unit::kMicrometre),
+               {fmt::format("{} {}", field, train::kMeshNames[k]),
+                derivative_unit(Unit::kMicrometre, row.unit)});
+    }
+  };
+  add("d_normal_backlash_um", at.normal_backlash);
+  add("d_least_backlash_um", at.least_backlash);
+  return f;
+}
+
 Fields input_fields(const Sensitivities& s, const Sensitivity& row) {
   const std::string& key = io::key_of(row.input);
   Fields f(key);
@@ -162,6 +218,12 @@ Fields input_fields(const Sensitivities& s, const Sensitivity& row) {
   for (const Column& c : columns_of(s)) {
     f.add(c.field, in_unit_or_none(row.slope[static_cast<std::size_t>(c.quantity)], c.field_unit),
           {c.field, derivative_unit(c.field_unit, row.unit)});
+  }
+  if (!s.ends.empty()) {
+    f.add("thermal", io::Json::array());
+    for (std::size_t end = 0; end < s.ends.size(); ++end) {
+      f.append("thermal", thermal_slope_fields(s, row, end));
+    }
   }
   f.add("d_margin", io::Json::array());
   for (std::size_t i = 0; i < s.checks.size(); ++i) {
@@ -188,7 +250,7 @@ Fields tight_check_fields(const TightCheck& check) {
 
 std::string sensitivity_table(const Sensitivities& s) {
   if (s.inputs.empty()) return "";
-  return quantity_table(s) + check_table(s);
+  return quantity_table(s) + thermal_ends_table(s) + check_table(s);
 }
 
 Fields sensitivity_fields(const Sensitivities& s) {

@@ -93,7 +93,39 @@ TEST(Preset, IsNamedWhereItsLimitsBlockEveryDesignWithTheKeyThatStatesAnother) {
   EXPECT_EQ(result.exit_code, 3);
   EXPECT_NE(result.err.find("of preset printed, unless stated otherwise: "), std::string::npos)
       << result.err;
-  EXPECT_NE(result.err.find("limits.tip_thickness_mm = 0.8 mm"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("limits.tip_thickness_mm = 0.4 mm"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("(a proven bound, its distance may be far more)"), std::string::npos)
+      << result.err;
+}
+
+TEST(Preset, ThatBlocksEveryDesignIsToldWithAValueThatHasOne) {
+  const Workplace place;
+  const std::string spec =
+      "preset = \"printed\"\n" + kLeast + "[contact_ratio]\nrange = [1.2, 3.0]\n[limits]\n";
+  place.write("spec.toml", spec + "tip_thickness_mm = 0.8\n");
+  const ProgramResult result = place.run({"optimize", "spec.toml", "--out", "out", "--certify"});
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_NE(result.err.find("there is a design, all other limits kept, with one limit relaxed\n"),
+            std::string::npos)
+      << result.err;
+  const json told = json::parse(place.read("out/summary.json")).at("relaxed_limits");
+  ASSERT_FALSE(told.at("freed").empty());
+  for (const json& freed : told.at("freed")) {
+    ASSERT_EQ(freed.at("limits").size(), 1U);
+    const json& limit = freed.at("limits").at(0);
+    if (limit.at("key") != "limits.tip_thickness_mm") continue;
+    EXPECT_EQ(limit.at("stated"), 0.8);
+    EXPECT_EQ(limit.at("of_preset"), false);
+    place.write("again.toml", spec + "tip_thickness_mm = " + limit.at("relaxed").dump() + "\n");
+    const ProgramResult again =
+        place.run({"optimize", "again.toml", "--out", "again", "--certify"});
+    EXPECT_EQ(again.exit_code, 0) << again.err;
+    const json best = json::parse(place.read("again/summary.json"));
+    EXPECT_EQ(best.at("relaxed_limits"), nullptr);
+    EXPECT_GE(number(best.at("best"), "eta_b"), number(freed, "objective") - 1e-6);
+    return;
+  }
+  ADD_FAILURE() << told;
 }
 
 TEST(Preset, WithACertificateHasTheBestDesignOfAllSets) {

@@ -69,8 +69,11 @@ std::string with_number(const std::string& text, const std::string& key, double 
 /// every check.
 struct Numbers {
   std::array<std::optional<double>, kQuantityCount> quantity;
+  /// Of every check; then at each end of the temperatures the lost motion and of each mesh the mean
+  /// and the least backlash.
   std::vector<double> margin;
 };
+constexpr std::size_t kAtEnd = 1 + 2 * train::kMeshCount;
 constexpr std::array<double, kQuantityCount> kSize{1.0, 1.0, 1.0, 1.0, 10.0 * kArcmin_rad};
 double size_of(const CheckResult& check) {
   switch (check.record->unit) {
@@ -102,6 +105,13 @@ Numbers numbers_of(const Evaluation& e) {
   }
   n.quantity[kLostMotion] = e.lost_motion.kinematic_rad;
   for (const CheckResult& c : e.checks) n.margin.push_back(c.margin);
+  for (std::size_t s = 1; e.thermal && s < e.thermal->states.size(); ++s) {
+    n.margin.push_back(e.thermal->states[s].lost_motion_rad);
+    for (const ThermalMesh& m : e.thermal->states[s].meshes) {
+      n.margin.push_back(m.normal_backlash_m);
+      n.margin.push_back(m.least_backlash_m);
+    }
+  }
   return n;
 }
 
@@ -214,6 +224,21 @@ void compare(const std::string& name, const Design& design, Tally& tally) {
       tally.see(fmt::format("{}: {} by {}", name, name_of(base.checks[c]), io::key_of(row.input)),
                 jet, fine[kQuantityCount + c], coarse[kQuantityCount + c], size_of(base.checks[c]));
     }
+    ASSERT_EQ(row.thermal.size() * kAtEnd, at.margin.size() - base.checks.size());
+    std::size_t place = kQuantityCount + base.checks.size();
+    for (std::size_t end = 0; end < row.thermal.size(); ++end) {
+      const auto see = [&](const char* what, const std::optional<double>& slope, double size) {
+        ASSERT_TRUE(slope);
+        tally.see(fmt::format("{}: {} at end {} by {}", name, what, end, io::key_of(row.input)),
+                  *slope * row.step, fine[place], coarse[place], size);
+        ++place;
+      };
+      see("lost motion", row.thermal[end].lost_motion, 10.0 * kArcmin_rad);
+      for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+        see("mean backlash", row.thermal[end].normal_backlash[k], 1e-4);
+        see("least backlash", row.thermal[end].least_backlash[k], 1e-4);
+      }
+    }
   }
 }
 
@@ -287,6 +312,31 @@ TEST(Sensitivity, OfAnUnstatedDistanceAndTipsByRuleCountWhatBothBringAlong) {
   d.train.center_distance_m = 21.29e-3;
   compare("stated", d, tally);
   expect_few_kinks(tally);
+}
+
+TEST(Sensitivity, AtTheEndsOfTemperatureAreTheDifferencesOfEvaluationsThere) {
+  Tally tally;
+  Design d = thinned(low_backlash());
+  const train::Growth plastic{.expansion_1_K = 1.1e-4, .swelling = {-1e-3, 2e-3}};
+  const train::Growth metal{.expansion_1_K = 1.2e-5, .swelling = {}};
+  d.thermal = {.least_K = 253.15,
+               .greatest_K = 333.15,
+               .gear = {metal, plastic, plastic, plastic, metal},
+               .carrier = {.expansion_1_K = 2.3e-5}};
+  d.limits[CheckId::kThermalBacklash].reset();
+  compare("two materials, swelling", d, tally);
+  for (train::Growth& growth : d.thermal->gear) growth.swelling = {};
+  d.train.center_distance_m = evaluated(d).center_distance_m + 5e-5;
+  d.center_distance_given = true;
+  compare("two materials, distance stated", d, tally);
+  EXPECT_EQ(sensitivities(d).ends.size(), 2U);
+  expect_few_kinks(tally);
+  // They are not those of the drawing.
+  const Sensitivities s = sensitivities(d);
+  const auto row = row_of(s, "center_distance_mm");
+  EXPECT_GT(std::abs(row->thermal[1].lost_motion.value() - row->slope[kLostMotion].value()),
+            1e-4 * std::abs(row->slope[kLostMotion].value()));
+  EXPECT_TRUE(sensitivities(low_backlash()).ends.empty());
 }
 
 TEST(Sensitivity, ToThePlanetsShiftHoldsAStatedDistanceAndFollowsAnUnstatedOne) {

@@ -1,0 +1,169 @@
+// The time left that `optimize` tells against what was left, in CPU time of one thread.
+//
+//   time_left [--looks] [TASK...]     all tasks by default, some minutes; else those of the
+//   numbers;
+//                                     --looks prints what was told
+//
+// A look counts as right where what is left lies within the range told, or within a factor of two
+// of the one number where that is told.
+
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <ctime>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include "app/optimize.hpp"
+#include "benchmarks/program.hpp"
+#include "io/files/specification_file.hpp"
+#include "optimize/run_forecast.hpp"
+
+namespace {
+
+using namespace gear3k;  // NOLINT(google-build-using-namespace): a program
+
+struct TimedTask {
+  const char* name;
+  const char* file;
+  std::vector<std::array<const char*, 2>> lines{};  ///< a line that begins so becomes another one
+  bool certify = false, round = false;
+};
+
+const std::vector<TimedTask> kTasks{
+    {.name = "ratio-96, all sets", .file = "examples/ratio-96.toml"},
+    {.name = "the wrist, certified and rounded",
+     .file = "examples/jobs/wrist_150.toml",
+     .certify = true,
+     .round = true},
+    {.name = "printed 30:1, certified", .file = "examples/jobs/printed_30.toml", .certify = true},
+    {.name = "the same envelope, all sets", .file = "examples/jobs/same_envelope_96.toml"},
+    {.name = "ratio-96 for built gearboxes", .file = "examples/ratio-96-robust.toml"},
+    {.name = "ratio-96, front of two objectives",
+     .file = "examples/ratio-96.toml",
+     .lines = {{"objective =", "objective = [\"backward_efficiency\", \"lost_motion\"]"}}},
+    {.name = "ratio-96, front of three objectives",
+     .file = "examples/ratio-96.toml",
+     .lines = {{"objective =",
+                "objective = [\"backward_efficiency\", \"lost_motion\", \"outer_diameter\"]"}}},
+    {.name = "the whole space around 96:1, certified",
+     .file = "examples/ratio-96-wide.toml",
+     .certify = true},
+    {.name = "printed 30:1 without a design, certified",
+     .file = "examples/jobs/printed_30.toml",
+     .lines = {{"max_ring_root_diameter_mm", "max_ring_root_diameter_mm = 45.0"}},
+     .certify = true}};
+
+std::string text_with_lines(const TimedTask& task) {
+  std::ifstream file(std::string(GEAR3K_SOURCE_DIR) + "/" + task.file);
+  std::string text, line;
+  while (std::getline(file, line)) {
+    for (const auto& [begin, other] : task.lines) {
+      if (line.starts_with(begin)) line = other;
+    }
+    text += line + '\n';
+  }
+  return text;
+}
+
+double cpu_s() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+struct Look {
+  double at_s = 0.0;
+  optimize::ProgressSeen seen;
+  std::optional<optimize::RunForecast::Range> left;
+};
+
+/// How many times too much or too little was told; 1 within what was told as a range.
+double factor_of(const optimize::RunForecast::Range& told, double left_s) {
+  const double tiny = 1e-3;
+  const auto apart = [&](double a, double b) { return std::max(a, tiny) / std::max(b, tiny); };
+  if (told.is_one())
+    return std::max(apart(told.middle_s(), left_s), apart(left_s, told.middle_s()));
+  return std::max({1.0, apart(told.least_s, left_s), apart(left_s, told.most_s)});
+}
+
+void run(const TimedTask& timed, bool print_looks) {
+  app::OptimizeTask task =
+      app::optimize_task({.spec = io::parse_specification(text_with_lines(timed), timed.file,
+                                                          optimize::kMostRefinedSets),
+                          .certify = timed.certify,
+                          .round = timed.round});
+  optimize::Progress progress;
+  std::vector<Look> looks;
+  std::atomic<bool> ended{false};
+  const double began_s = cpu_s();
+  std::thread watcher([&] {
+    optimize::RunForecast forecast;
+    while (!ended) {
+      const double now_s = cpu_s() - began_s;
+      const optimize::ProgressSeen seen = optimize::seen_of(progress);
+      forecast.observe(now_s, seen);
+      looks.push_back({.at_s = now_s, .seen = seen, .left = forecast.range_left()});
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+  });
+  app::optimize(task, {}, progress);
+  const double whole_s = cpu_s() - began_s;
+  ended = true;
+  watcher.join();
+  int right = 0, ranges = 0, unknown = 0, judged = 0;
+  double worst = 1.0, worst_at = 0.0;
+  // Looks that are even in CPU time, whatever else the machine did.
+  std::size_t next = 0;
+  for (double share = 0.1; share < 0.95; share += 0.0025) {
+    while (next + 1 < looks.size() && looks[next + 1].at_s <= share * whole_s) ++next;
+    const Look& look = looks[next];
+    ++judged;
+    if (!look.left) {
+      ++unknown;
+      continue;
+    }
+    const double factor = factor_of(*look.left, whole_s - look.at_s);
+    const double allowed = look.left->is_one() ? 2.0 : 1.0 + 1e-9;
+    right += factor <= allowed ? 1 : 0;
+    ranges += look.left->is_one() ? 0 : 1;
+    if (factor > worst) worst = factor, worst_at = share;
+    if (print_looks && judged % 10 == 1) {
+      fmt::print("    at {:6.2f} s: {:.2f} to {:.2f} s, left {:.2f} s; stage {} phase {} {}/{}\n",
+                 look.at_s, look.left->least_s, look.left->most_s, whole_s - look.at_s,
+                 static_cast<int>(look.seen.stage), static_cast<int>(look.seen.phase),
+                 look.seen.done, look.seen.total);
+    }
+  }
+  const auto percent = [&](int count) { return 100.0 * count / judged; };
+  fmt::print(
+      "  {:<42} {:7.1f} s {:5.0f} % right, {:3.0f} % ranges, {:3.0f} % unknown, worst {:.1f} "
+      "at {:.0f} %\n",
+      timed.name, whole_s, percent(right), percent(ranges), percent(unknown), worst,
+      100.0 * worst_at);
+}
+
+}  // namespace
+
+PROGRAM(time_left)(int argc, char** argv) {
+  omp_set_num_threads(1);
+  bool print_looks = false;
+  std::vector<TimedTask> chosen;
+  for (int i = 1; i < argc; ++i) {
+    const auto number = static_cast<std::size_t>(std::atoi(argv[i]));
+    if (number >= 1 && number <= kTasks.size()) chosen.push_back(kTasks[number - 1]);
+    print_looks = print_looks || std::string_view(argv[i]) == "--looks";
+  }
+  for (const TimedTask& task : chosen.empty() ? kTasks : chosen) run(task, print_looks);
+  return 0;
+}

@@ -1,0 +1,300 @@
+#include "optimize/relaxed_limits.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <variant>
+
+#include "design/evaluation.hpp"
+#include "optimize/blocking.hpp"
+#include "optimize/limit_prices.hpp"
+#include "optimize/slsqp.hpp"
+
+namespace gear3k::optimize {
+
+namespace {
+
+using design::CheckId;
+
+/// Limits of which pairs are made.
+constexpr std::size_t kMostPaired = 5;
+/// Sets of a search of which it is asked how far a limit has to give way.
+constexpr std::size_t kMostMeasured = 48;
+/// Limits that are named for less than this share of what the most named one is are left out
+/// together first.
+constexpr double kSeldom = 0.05;
+/// Searches between the stated value and one that has a design, and the share of the stated one at
+/// which they end.
+constexpr int kHalvings = 4;
+constexpr double kShortWay = 0.05;
+
+/// What holds without a preset; empty: nothing.
+std::optional<double> bare_limit(CheckId check) {
+  // Walls of bores that are stated never vanish.
+  constexpr double kLeastWall_m = 1e-6;
+  if (check == CheckId::kWall) return kLeastWall_m;
+  static const design::Limits bare = design::default_limits();
+  return bare[check];
+}
+
+Specification without(const Specification& spec, std::span<const CheckId> checks) {
+  Specification own = spec;
+  for (const CheckId check : checks) own.limits[check] = bare_limit(check);
+  return own;
+}
+
+/// A limit rounded to three digits in its unit, towards what is easier to keep.
+double rounded_looser(const design::CheckRecord& record, double limit_si) {
+  const double value = units::from_si(limit_si, record.unit);
+  if (value == 0.0) return 0.0;
+  const double digit = std::pow(10.0, std::floor(std::log10(std::abs(value))) - 2.0);
+  // What is a whole number of digits to rounding stays.
+  constexpr double kRounding = 1e-6;
+  const double steps = value / digit;
+  return units::to_si(
+      digit * (record.at_least ? std::floor(steps + kRounding) : std::ceil(steps - kRounding)),
+      record.unit);
+}
+
+/// Where the limit of a check has to be that a set has a design near its own, all other limits
+/// kept; empty where none was found.
+/// @param own  the specification under which it is an optimum
+std::optional<double> nearest_limit(const Specification& spec, const Specification& own,
+                                    const RefinedSet& set, CheckId check) {
+  const design::CheckRecord& record = design::check_record(check);
+  Specification tight = own;
+  tight.limits[check] = spec.limits[check];
+  std::optional<SetProblem> problem =
+      problem_of(tight, set, std::numeric_limits<double>::infinity());
+  if (!problem) return std::nullopt;
+  const SolveOutcome nearest = least_violation(problem->problem, problem->v, {}, record.name);
+  std::vector<double> g(problem->problem.rows.size());
+  if (!std::isfinite(nearest.violation) ||
+      !evaluate<double>(problem->problem, used(problem->problem, nearest.v), g)) {
+    return std::nullopt;
+  }
+  const std::vector<Miss> misses = misses_of(problem->problem, g);
+  if (misses.empty()) return *spec.limits[check];
+  if (misses.size() > 1 || misses.front().name != record.name) return std::nullopt;
+  const double amount = misses.front().amount * units::si_per(record.unit);
+  return *spec.limits[check] + (record.at_least ? -amount : amount);
+}
+
+/// The value of a check in a design, the worst of its own; empty where it has none.
+std::optional<double> value_in_design(const Specification& spec, const RefinedSet& set,
+                                      CheckId check) {
+  const auto outcome = design::evaluate(design_of(spec, set));
+  const auto* const evaluation = std::get_if<design::Evaluation>(&outcome);
+  if (evaluation == nullptr) return std::nullopt;
+  std::optional<double> worst;
+  for (const design::CheckResult& result : evaluation->checks) {
+    if (result.record->id != check) continue;
+    const bool worse =
+        !worst || (result.record->at_least ? result.value < *worst : result.value > *worst);
+    if (worse) worst = result.value;
+  }
+  return worst;
+}
+
+class Relaxation {
+ public:
+  Relaxation(const Specification& spec, Progress& progress) : spec_(spec), progress_(progress) {}
+
+  /// @returns empty where no design was found without them, or the search was stopped
+  std::optional<Freed> free(std::span<const CheckId> checks) {
+    const Specification own = without(spec_, checks);
+    const OptimizeResult result = any_design(own);
+    if (!result.best) return std::nullopt;
+    Freed freed{.limits = {}, .set = *result.best};
+    for (const CheckId check : checks) {
+      freed.limits.push_back(
+          {.check = check, .stated_si = *spec_.limits[check], .relaxed_si = bare_limit(check)});
+    }
+    Specification relaxed = own;
+    // The last first: the others are as far out as they may be while it is tightened.
+    for (std::size_t k = checks.size(); k-- > 0;) {
+      tighten(relaxed, result.refined, freed, k);
+    }
+    if (checks.size() == 1) bisect(own, freed);
+    return freed;
+  }
+
+  /// Whether a design was found with all of them left out.
+  bool frees(std::span<const CheckId> checks) {
+    return any_design(without(spec_, checks)).best.has_value();
+  }
+
+ private:
+  OptimizeResult any_design(const Specification& spec) {
+    ++progress_.searches;
+    return optimize(
+        spec, progress_,
+        {.best_only = true, .certify = false, .any = true, .most_refined = kMostRefinedWithout});
+  }
+
+  /// Searches anew half way to the stated limit while that has a design, or the way is short.
+  void bisect(const Specification& own, Freed& freed) {
+    RelaxedLimit& limit = freed.limits.front();
+    const design::CheckRecord& record = design::check_record(limit.check);
+    double refused = limit.stated_si;
+    for (int k = 0; k < kHalvings && limit.relaxed_si && !progress_.stop.load(); ++k) {
+      const double middle = rounded_looser(record, 0.5 * (refused + *limit.relaxed_si));
+      const double way = std::abs(*limit.relaxed_si - refused);
+      if (way <= kShortWay * std::abs(limit.stated_si) || middle == *limit.relaxed_si) break;
+      Specification tried = own;
+      tried.limits[limit.check] = middle;
+      const OptimizeResult result = any_design(tried);
+      if (!result.best) {
+        refused = middle;
+        continue;
+      }
+      limit.relaxed_si = middle;
+      freed.set = *result.best;
+      tighten(tried, result.refined, freed, 0);
+    }
+  }
+
+  /// Brings the limit back to the nearest value at which one of the sets has a design.
+  void tighten(Specification& relaxed, const std::vector<RefinedSet>& sets, Freed& freed,
+               std::size_t place) const {
+    RelaxedLimit& limit = freed.limits[place];
+    const design::CheckRecord& record = design::check_record(limit.check);
+    const double sense = record.at_least ? 1.0 : -1.0;  // limits that are harder to keep are more
+    struct Near {
+      const RefinedSet* set;
+      double limit;
+    };
+    std::vector<Near> near;
+    const auto measure = [&](const RefinedSet& set) {
+      if (const auto value = nearest_limit(spec_, relaxed, set, limit.check)) {
+        near.push_back({.set = &set, .limit = *value});
+      }
+      // Where it is without being asked to be nearer.
+      if (const auto value = value_in_design(relaxed, set, limit.check)) {
+        near.push_back({.set = &set, .limit = *value});
+      }
+    };
+    if (place + 1 == freed.limits.size()) {
+      std::size_t measured = 0;
+      for (const RefinedSet& set : sets) {
+        if (set.status != Status::kOptimal || measured == kMostMeasured) continue;
+        if (progress_.stop.load()) return;
+        measure(set);
+        ++measured;
+      }
+    } else {
+      measure(freed.set);
+    }
+    std::ranges::stable_sort(
+        near, [&](const Near& a, const Near& b) { return sense * a.limit > sense * b.limit; });
+    constexpr std::size_t kTries = 4;
+    for (std::size_t k = 0; k < std::min(kTries, near.size()); ++k) {
+      Specification tried = relaxed;
+      const double value = rounded_looser(record, near[k].limit);
+      if (!(sense * value < sense * limit.stated_si)) continue;
+      if (limit.relaxed_si && !(sense * value > sense * *limit.relaxed_si)) break;
+      tried.limits[limit.check] = value;
+      RefinedSet set = refine(tried, near[k].set->candidate);
+      if (set.status != Status::kOptimal) continue;
+      limit.relaxed_si = value;
+      relaxed = std::move(tried);
+      freed.set = std::move(set);
+      return;
+    }
+  }
+
+  const Specification& spec_;
+  Progress& progress_;
+};
+
+bool has_walls(const Specification& spec) {
+  const auto& bores_m = spec.bodies.bore_radius_m;
+  return spec.bodies.ring_rim_m > 0.0 ||
+         std::ranges::any_of(bores_m, [](double radius_m) { return radius_m > 0.0; });
+}
+
+/// Sets that each limit is named for.
+std::vector<std::size_t> sets_named(const OptimizeResult& blocked,
+                                    std::span<const CheckId> checks) {
+  std::vector<std::size_t> counts(checks.size(), 0);
+  for_each_set(blocked, [&](std::size_t, const std::optional<RefinedSet>& set) {
+    if (!set) return;
+    for (const Miss& miss : set->blocked_by) {
+      const auto named = std::ranges::find(
+          checks, miss.name, [](CheckId id) { return design::check_record(id).name; });
+      if (named != checks.end()) ++counts[static_cast<std::size_t>(named - checks.begin())];
+    }
+  });
+  return counts;
+}
+
+}  // namespace
+
+std::vector<CheckId> limits_that_may_give_way(const Specification& spec) {
+  std::vector<CheckId> checks;
+  for (const design::CheckRecord& record : design::check_records()) {
+    const bool of_teeth =
+        record.id == CheckId::kHuntingTooth || record.id == CheckId::kAllowedTeeth;
+    if (!record.threshold || record.rating || of_teeth || !spec.limits[record.id]) continue;
+    if (record.id == CheckId::kWall && !has_walls(spec)) continue;
+    const double sense = record.at_least ? 1.0 : -1.0;
+    const auto bare = bare_limit(record.id);
+    if (bare && !(sense * *spec.limits[record.id] > sense * *bare)) continue;
+    checks.push_back(record.id);
+  }
+  return checks;
+}
+
+RelaxedLimits relax_limits(const Specification& spec, const OptimizeResult& blocked,
+                           Progress& progress) {
+  RelaxedLimits result;
+  std::vector<CheckId> checks = limits_that_may_give_way(spec);
+  progress.stage = Progress::Stage::kRelaxed;
+  progress.stage_done = 0;
+  progress.searches = 0;
+  progress.stage_total = checks.size();
+  Relaxation relaxation(spec, progress);
+  const auto try_to_free = [&](std::span<const CheckId> together) {
+    if (auto freed = relaxation.free(together)) result.freed.push_back(*std::move(freed));
+    ++progress.stage_done;
+    return !progress.stop.load();
+  };
+  const std::vector<std::size_t> counts = sets_named(blocked, checks);
+  const std::size_t most = checks.empty() ? 0 : std::ranges::max(counts);
+  std::vector<CheckId> seldom;
+  for (std::size_t k = 0; k < checks.size(); ++k) {
+    const bool rare = static_cast<double>(counts[k]) < kSeldom * static_cast<double>(most);
+    if (rare) seldom.push_back(checks[k]);
+  }
+  // None of those without which there is none together frees one by itself.
+  const bool none_of_seldom = seldom.size() > 1 && !relaxation.frees(seldom);
+  for (const CheckId check : checks) {
+    const bool skipped = none_of_seldom && std::ranges::find(seldom, check) != seldom.end();
+    if (skipped ? progress.stop.load() : !try_to_free(std::array{check})) break;
+    if (skipped) ++progress.stage_done;
+    result.alone.push_back(check);
+  }
+  if (result.freed.empty() && !progress.stop.load()) {
+    std::vector<std::size_t> order(checks.size());
+    for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
+    std::ranges::stable_sort(order, std::ranges::greater(),
+                             [&](std::size_t k) { return counts[k]; });
+    order.resize(std::min(order.size(), kMostPaired));
+    progress.stage_total += order.size() * (order.size() - (order.empty() ? 0 : 1)) / 2;
+    for (std::size_t b = 1; b < order.size() && !progress.stop.load(); ++b) {
+      for (std::size_t a = 0; a < b; ++a) {
+        const std::array pair{checks[order[a]], checks[order[b]]};
+        if (!try_to_free(pair)) break;
+        result.paired.push_back(pair);
+      }
+    }
+  }
+  result.interrupted = progress.stop.load();
+  progress.stage = Progress::Stage::kOne;
+  return result;
+}
+
+}  // namespace gear3k::optimize

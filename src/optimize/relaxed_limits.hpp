@@ -1,0 +1,57 @@
+#pragma once
+// Which limits would have to give way, and how far, where no tooth set has a design.
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "optimize/optimizer.hpp"
+#include "optimize/progress.hpp"
+
+namespace gear3k::optimize {
+
+/// A limit with a value at which there is a design.
+struct RelaxedLimit {
+  design::CheckId check{};
+  double stated_si = 0.0;
+  /// Between the stated one and that which holds without a preset; empty: with the limit off.
+  std::optional<double> relaxed_si{};
+};
+
+/// Limits that give way together, and a design that keeps them as relaxed and all others as stated.
+struct Freed {
+  std::vector<RelaxedLimit> limits;  ///< one, or two
+  RefinedSet set;
+};
+
+struct RelaxedLimits {
+  std::vector<Freed> freed;
+  std::vector<design::CheckId> alone;                  ///< tried by themselves
+  std::vector<std::array<design::CheckId, 2>> paired;  ///< tried together, where none suffices
+  bool interrupted = false;
+};
+
+/// Refinements of one search without a limit, after which it is given up.
+inline constexpr std::size_t kMostRefinedWithout = 224;
+/// Pairs of limits that are tried.
+inline constexpr std::size_t kMostPairs = 10;
+
+/// Limits that may give way: thresholds of checks, not those of the load, that are stated (by the
+/// file or its preset) tighter than what holds without.
+std::vector<design::CheckId> limits_that_may_give_way(const Specification& spec);
+
+/// Leaves out each limit by itself (what holds without a preset stays; those that block few sets
+/// first together, which settles them where nothing is found), and where none suffices two
+/// of those that block most sets; each time the search ends with its first wave that has a design,
+/// or at kMostRefinedWithout refined sets.  Of its sets the one that needs the limit to give way
+/// least has it relaxed to three digits and is refined anew with it, so that what is told has a
+/// design; a few more searches half way to the stated value bring it nearer.  A search of all sets
+/// might find one that needs less.
+///
+/// @param blocked  of the specification: without a design, not interrupted
+/// @param progress  its stop ends the searches, what was found before stays
+RelaxedLimits relax_limits(const Specification& spec, const OptimizeResult& blocked,
+                           Progress& progress);
+
+}  // namespace gear3k::optimize

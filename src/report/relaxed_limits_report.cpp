@@ -1,0 +1,132 @@
+#include "report/relaxed_limits_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "optimize/limit_prices.hpp"
+#include "report/display.hpp"
+#include "report/limits_report.hpp"
+#include "report/tooth_set_text.hpp"
+
+namespace gear3k::report {
+
+namespace {
+
+using design::CheckId;
+using optimize::Freed, optimize::RelaxedLimit, optimize::Specification;
+
+std::string key_of(CheckId check) { return optimize::key_of_limit(design::check_record(check)); }
+
+double in_unit_of(CheckId check, double value_si) {
+  return units::decimal_from_si(value_si, design::check_record(check).unit);
+}
+
+std::string limit_text(const Specification& spec, const RelaxedLimit& limit) {
+  const std::string unit{units::unit_name(design::check_record(limit.check).unit)};
+  const std::string value =
+      limit.relaxed_si
+          ? fmt::format(
+                "= {}",
+                with_unit(fmt::format("{:g}", in_unit_of(limit.check, *limit.relaxed_si)), unit))
+          : std::string("off");
+  return fmt::format("{} {} instead of {:g}{}", key_of(limit.check), value,
+                     in_unit_of(limit.check, limit.stated_si),
+                     is_of_preset(spec.limits, limit.check) ? " (preset)" : "");
+}
+
+std::string objective_text(const Specification& spec, const optimize::RefinedSet& set) {
+  const optimize::Objective first = optimize::first_objective(spec);
+  const optimize::ObjectiveRecord& record = optimize::objective_record(first);
+  const double value = optimize::objective_of(spec, set, first) / record.per_unit;
+  if (optimize::is_efficiency(first))
+    return fmt::format("{} {:.2f} %", record.title, 100.0 * value);
+  return fmt::format("{} {}", record.title, with_unit(fmt::format("{:.4g}", value), record.unit));
+}
+
+/// The limits tried that are in no line.
+std::vector<std::string> keys_without_design(const optimize::RelaxedLimits& relaxed) {
+  std::vector<std::string> keys;
+  for (const CheckId check : relaxed.alone) {
+    const bool frees = std::ranges::any_of(relaxed.freed, [&](const Freed& freed) {
+      return freed.limits.size() == 1 && freed.limits.front().check == check;
+    });
+    if (!frees) keys.push_back(key_of(check));
+  }
+  return keys;
+}
+
+}  // namespace
+
+std::string relaxed_limits_text(const Specification& spec, const optimize::RelaxedLimits& relaxed) {
+  std::string text;
+  for (const Freed& freed : relaxed.freed) {
+    std::string limits;
+    for (const RelaxedLimit& limit : freed.limits) {
+      limits += (limits.empty() ? "" : " and ") + limit_text(spec, limit);
+    }
+    text += fmt::format("  {}: {}, {}\n", limits, teeth_text(freed.set.candidate.teeth),
+                        objective_text(spec, freed.set));
+  }
+  const std::vector<std::string> others = keys_without_design(relaxed);
+  if (!text.empty()) {
+    const bool pairs = relaxed.freed.front().limits.size() > 1;
+    text =
+        fmt::format("there is a design, all other limits kept, with {}\n",
+                    pairs ? "two limits relaxed (none was found with one)" : "one limit relaxed") +
+        text;
+    if (!pairs && !others.empty()) {
+      text +=
+          fmt::format("  none was found with another one left out: {}\n", fmt::join(others, ", "));
+    }
+  } else if (!others.empty()) {
+    text = fmt::format(
+        "no design was found with one limit left out ({}){}: ranges of teeth, modules and shifts "
+        "or the number of "
+        "planets have to give way\n",
+        fmt::join(others, ", "),
+        relaxed.paired.empty()
+            ? ""
+            : fmt::format(", nor with two of those that block most sets ({} pairs)",
+                          relaxed.paired.size()));
+  }
+  if (relaxed.interrupted) text += "  interrupted: not all limits were tried\n";
+  return text;
+}
+
+io::Json relaxed_limits_json(const Specification& spec, const optimize::RelaxedLimits& relaxed) {
+  io::Json freed = list_json(relaxed.freed, [&](const Freed& one) -> io::Json {
+    const optimize::Objective first = optimize::first_objective(spec);
+    return {{"limits", list_json(one.limits,
+                                 [&](const RelaxedLimit& limit) -> io::Json {
+                                   const design::CheckRecord& r = design::check_record(limit.check);
+                                   const bool preset = is_of_preset(spec.limits, limit.check);
+                                   return {{"key", key_of(limit.check)},
+                                           {"check", r.name},
+                                           {"stated", in_unit_of(limit.check, limit.stated_si)},
+                                           {"relaxed", limit.relaxed_si
+                                                           ? io::Json(in_unit_of(limit.check,
+                                                                                 *limit.relaxed_si))
+                                                           : nullptr},
+                                           {"unit", units::unit_name(r.unit)},
+                                           {"at_least", r.at_least},
+                                           {"of_preset", preset}};
+                                 })},
+            {"planets", one.set.candidate.planets},
+            {"teeth", train::teeth_of(one.set.candidate.teeth)},
+            {"ratio", train::ratio(one.set.candidate.teeth)},
+            {"objective", optimize::objective_of(spec, one.set, first) /
+                              optimize::objective_record(first).per_unit}};
+  });
+  return {{"freed", std::move(freed)},
+          {"tried_alone", list_json(relaxed.alone, [](CheckId check) { return key_of(check); })},
+          {"tried_in_pairs", list_json(relaxed.paired,
+                                       [](const std::array<CheckId, 2>& pair) -> io::Json {
+                                         return {key_of(pair[0]), key_of(pair[1])};
+                                       })},
+          {"interrupted", relaxed.interrupted}};
+}
+
+}  // namespace gear3k::report

@@ -1,0 +1,137 @@
+// Limits that have to give way against searches of all tooth sets without each of them, and against
+// bisection of a limit by refining one set.
+
+#include "optimize/relaxed_limits.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "io/files/specification_file.hpp"
+#include "optimize/refine.hpp"
+
+namespace gear3k::optimize::relaxed_limits_test {
+namespace {
+
+using design::CheckId;
+
+/// 23 tooth sets, without limits.
+const std::string kTask = R"(
+preset = "machined"
+planets = 3
+[ratio]
+target = 40.0
+tolerance = 0.02
+[teeth]
+S = [14, 15]
+P1 = [24, 28]
+P2 = [18, 22]
+R1_max = 80
+R2_max = 80
+[module]
+stage1_mm = { min = 0.5, max = 0.8 }
+stage2_mm = { min = 0.5, max = 0.8 }
+[profile_shift]
+range = [-0.2, 0.8]
+)";
+
+Specification specification(const std::string& limits) {
+  return io::parse_specification(kTask + limits, "spec.toml", kMostRefinedSets);
+}
+
+bool has_design(const Specification& spec) {
+  Progress progress;
+  return optimize(spec, progress).best.has_value();
+}
+
+struct Blocked {
+  const char* name;
+  const char* limits;
+  bool alone;  ///< one limit by itself frees a design
+};
+class BlockedTask : public testing::TestWithParam<Blocked> {};
+
+TEST_P(BlockedTask, IsFreedByTheLimitsWithoutWhichSearchesOfAllSetsFindADesign) {
+  const Specification spec = specification(GetParam().limits);
+  Progress progress;
+  const OptimizeResult blocked = optimize(spec, progress, {.best_only = true});
+  ASSERT_FALSE(blocked.best);
+  ASSERT_FALSE(blocked.search.candidates.empty());
+  const RelaxedLimits relaxed = relax_limits(spec, blocked, progress);
+  EXPECT_EQ(relaxed.alone, limits_that_may_give_way(spec));
+  const bool alone = std::ranges::any_of(
+      relaxed.freed, [](const Freed& freed) { return freed.limits.size() == 1; });
+  EXPECT_EQ(alone, GetParam().alone);
+  EXPECT_EQ(relaxed.paired.empty(), alone);
+  EXPECT_FALSE(relaxed.freed.empty()) << "or this case shows nothing";
+  for (const CheckId check : relaxed.alone) {
+    Specification without = spec;
+    without.limits[check] = design::default_limits()[check];
+    const bool told = std::ranges::any_of(relaxed.freed, [&](const Freed& freed) {
+      return freed.limits.size() == 1 && freed.limits.front().check == check;
+    });
+    EXPECT_EQ(has_design(without), told) << design::check_record(check).name;
+  }
+  for (const Freed& freed : relaxed.freed) {
+    Specification with = spec;
+    for (const RelaxedLimit& limit : freed.limits) {
+      const bool at_least = design::check_record(limit.check).at_least;
+      ASSERT_TRUE(limit.relaxed_si);
+      EXPECT_EQ(limit.stated_si, *spec.limits[limit.check]);
+      if (at_least) {
+        EXPECT_LT(*limit.relaxed_si, limit.stated_si);
+      } else {
+        EXPECT_GT(*limit.relaxed_si, limit.stated_si);
+      }
+      with.limits[limit.check] = limit.relaxed_si;
+    }
+    const RefinedSet again = refine(with, freed.set.candidate);
+    EXPECT_EQ(again.status, Status::kOptimal);
+    EXPECT_NEAR(again.eta_b, freed.set.eta_b, 1e-9);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Limits, BlockedTask,
+    testing::Values(
+        Blocked{"Tip", "[limits]\ntip_thickness_mm = 0.7\n", true},
+        Blocked{"Diameter", "[size]\nmax_ring_root_diameter_mm = 30.0\n", true},
+        Blocked{"TipInADiameter",
+                "[limits]\ntip_thickness_mm = 0.45\n[size]\nring_rim_mm = 2.0\n"
+                "max_outer_diameter_mm = 50.0\n",
+                true},
+        Blocked{"Contact", "[contact_ratio]\nrange = [1.55, 3.0]\n", true},
+        Blocked{"Two", "[limits]\ntip_thickness_mm = 0.7\n[contact_ratio]\nrange = [1.55, 3.0]\n",
+                false}),
+    [](const auto& blocked) { return std::string(blocked.param.name); });
+
+TEST(RelaxedLimit, OfOneSetIsWhatBisectionFindsToThreeDigits) {
+  const std::string one = "[allowed_teeth]\nS = 14\nP1 = 28\nP2 = 20\nR1 = 70\nR2 = 59\n";
+  const auto at = [&](double tip_mm) {
+    return specification(one + "[limits]\ntip_thickness_mm = " + std::to_string(tip_mm) + "\n");
+  };
+  const Specification spec = at(0.9);
+  Progress progress;
+  const OptimizeResult blocked = optimize(spec, progress, {.best_only = true});
+  ASSERT_FALSE(blocked.best);
+  ASSERT_EQ(blocked.search.candidates.size(), 1U);
+  const RelaxedLimits relaxed = relax_limits(spec, blocked, progress);
+  const auto tip = std::ranges::find_if(relaxed.freed, [](const Freed& freed) {
+    return freed.limits.front().check == CheckId::kTipThicknessLength;
+  });
+  ASSERT_NE(tip, relaxed.freed.end());
+  double least = 0.15, greatest = 0.9;
+  while (greatest - least > 1e-4) {
+    const double middle = 0.5 * (least + greatest);
+    const RefinedSet set = refine(at(middle), blocked.search.candidates.front());
+    (set.status == Status::kOptimal ? least : greatest) = middle;
+  }
+  EXPECT_LE(1e3 * *tip->limits.front().relaxed_si, greatest);
+  EXPECT_GE(1e3 * *tip->limits.front().relaxed_si, least - 0.002);
+}
+
+}  // namespace
+}  // namespace gear3k::optimize::relaxed_limits_test
