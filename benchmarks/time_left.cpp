@@ -40,7 +40,7 @@ struct TimedTask {
   bool certify = false, round = false;
 };
 
-const std::vector<TimedTask> kTasks{
+const std::vector<TimedTask> kTimedTasks{
     {.name = "ratio-96, all sets", .file = "examples/ratio-96.toml"},
     {.name = "the wrist, certified and rounded",
      .file = "examples/jobs/wrist_150.toml",
@@ -76,13 +76,13 @@ std::string text_with_lines(const TimedTask& task) {
   return text;
 }
 
-double cpu_s() {
+double process_cpu_s() {
   timespec now{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-struct Look {
+struct TimedLook {
   double at_s = 0.0;
   optimize::ProgressSeen seen;
   std::optional<optimize::RunForecast::Range> left;
@@ -97,20 +97,20 @@ double factor_of(const optimize::RunForecast::Range& told, double left_s) {
   return std::max({1.0, apart(told.least_s, left_s), apart(left_s, told.most_s)});
 }
 
-void run(const TimedTask& timed, bool print_looks) {
+void time_task(const TimedTask& timed, bool print_looks) {
   app::OptimizeTask task =
       app::optimize_task({.spec = io::parse_specification(text_with_lines(timed), timed.file,
                                                           optimize::kMostRefinedSets),
                           .certify = timed.certify,
                           .round = timed.round});
   optimize::Progress progress;
-  std::vector<Look> looks;
+  std::vector<TimedLook> looks;
   std::atomic<bool> ended{false};
-  const double began_s = cpu_s();
+  const double began_s = process_cpu_s();
   std::thread watcher([&] {
     optimize::RunForecast forecast;
     while (!ended) {
-      const double now_s = cpu_s() - began_s;
+      const double now_s = process_cpu_s() - began_s;
       const optimize::ProgressSeen seen = optimize::seen_of(progress);
       forecast.observe(now_s, seen);
       looks.push_back({.at_s = now_s, .seen = seen, .left = forecast.range_left()});
@@ -118,7 +118,7 @@ void run(const TimedTask& timed, bool print_looks) {
     }
   });
   app::optimize(task, {}, progress);
-  const double whole_s = cpu_s() - began_s;
+  const double whole_s = process_cpu_s() - began_s;
   ended = true;
   watcher.join();
   int right = 0, ranges = 0, unknown = 0, judged = 0;
@@ -127,7 +127,7 @@ void run(const TimedTask& timed, bool print_looks) {
   std::size_t next = 0;
   for (double share = 0.1; share < 0.95; share += 0.0025) {
     while (next + 1 < looks.size() && looks[next + 1].at_s <= share * whole_s) ++next;
-    const Look& look = looks[next];
+    const TimedLook& look = looks[next];
     ++judged;
     if (!look.left) {
       ++unknown;
@@ -161,9 +161,9 @@ PROGRAM(time_left)(int argc, char** argv) {
   std::vector<TimedTask> chosen;
   for (int i = 1; i < argc; ++i) {
     const auto number = static_cast<std::size_t>(std::atoi(argv[i]));
-    if (number >= 1 && number <= kTasks.size()) chosen.push_back(kTasks[number - 1]);
+    if (number >= 1 && number <= kTimedTasks.size()) chosen.push_back(kTimedTasks[number - 1]);
     print_looks = print_looks || std::string_view(argv[i]) == "--looks";
   }
-  for (const TimedTask& task : chosen.empty() ? kTasks : chosen) run(task, print_looks);
+  for (const TimedTask& task : chosen.empty() ? kTimedTasks : chosen) time_task(task, print_looks);
   return 0;
 }
