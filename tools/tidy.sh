@@ -16,7 +16,7 @@ mkdir -p "$work"
 
 # Targets that are read together, the longest first; a target that is not named is a group by itself.
 groups=(
-  gear3k_calibrate
+  "gear3k_calibrate gear3k_calibrate_seldom"
   "calibrate_test gear3k_rig rig_test"
   "gear3k_io gear3k_report gear3k_drawing gear3k_papers"
   "units_test geometry_test train_test backlash_test efficiency_test inertia_test strength_test"
@@ -26,7 +26,7 @@ groups=(
   "design_test optimize_test"
   "gear3k_app gear3k_cli gear3k"
   "cli_test app_test"
-  gear3k_optimize
+  "gear3k_optimize gear3k_optimize_seldom"
   "BENCHMARKS"
 )
 
