@@ -18,8 +18,9 @@ std::string shown(const std::optional<double>& value, const std::string& unit) {
   return fmt::format("{:.4f}", *value);
 }
 
-std::string exact_or_empty(const std::optional<double>& value) {
-  return value ? report::exact(*value) : "";
+/// Twelve digits, less than a picometre: what the change of units leaves after them is no size.
+std::string digits_or_empty(const std::optional<double>& value) {
+  return value ? fmt::format("{:.12g}", *value) : "";
 }
 
 /// What a page says above its table.
@@ -47,8 +48,8 @@ std::string sheet_csv(const InspectionSheet& sheet) {
       {"group", "characteristic", "symbol", "unit", "nominal", "lower", "upper", "note"});
   for (const Characteristic& row : sheet.rows) {
     text +=
-        report::csv_line({row.group, row.name, row.symbol, row.unit, exact_or_empty(row.nominal),
-                          exact_or_empty(row.lower), exact_or_empty(row.upper), row.note});
+        report::csv_line({row.group, row.name, row.symbol, row.unit, digits_or_empty(row.nominal),
+                          digits_or_empty(row.lower), digits_or_empty(row.upper), row.note});
   }
   for (const std::string& note : sheet.notes) {
     text += report::csv_line({"note", "", "", "", "", "", "", note});

@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 #include <sqlite3.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <filesystem>
 #include <utility>
 
 #include "io/text/diagnostics.hpp"
@@ -67,6 +69,29 @@ int code_of(sqlite3* database) {
       fmt::format("{}: {}", path,
                   database == nullptr ? "cannot be opened: out of memory"
                                       : meaning_of(code_of(database), sqlite3_errmsg(database))));
+}
+
+/// Whether nobody can write a file beside it, and all that was recorded is in the file: a log that
+/// is not yet in it would be passed over.
+bool is_still(const std::string& path) {
+  namespace fs = std::filesystem;
+  fs::path folder = fs::path(path).parent_path();
+  if (folder.empty()) folder = ".";
+  std::error_code no_log;
+  const auto log_size = fs::file_size(path + "-wal", no_log);
+  return ::access(folder.c_str(), W_OK) != 0 && (no_log || log_size == 0);
+}
+
+/// The address of a file that does not change (SQLite, "Uniform Resource Identifiers"): it is read
+/// without the files beside it that connections share.
+std::string still_address(const std::string& path) {
+  std::string address = "file:";
+  for (const char c : path) {
+    const bool plain = (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') ||
+                       std::string_view("/-._~").find(c) != std::string_view::npos;
+    address += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return address + "?immutable=1";
 }
 
 /// Whether a PRAGMA only tells.
@@ -220,8 +245,11 @@ Database::Database(std::string path, Access access)
   int flags = SQLITE_OPEN_READONLY;
   if (access == Access::kWrite) flags = SQLITE_OPEN_READWRITE;
   if (access == Access::kCreate) flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+  const bool still = access == Access::kRead && is_still(*path_);
+  const std::string address = still ? still_address(*path_) : *path_;
+  if (still) flags |= SQLITE_OPEN_URI;
   try {
-    if (sqlite3_open_v2(path_->c_str(), &database_, flags, nullptr) != SQLITE_OK) {
+    if (sqlite3_open_v2(address.c_str(), &database_, flags, nullptr) != SQLITE_OK) {
       refuse(database_, *path_);
     }
     sqlite3_extended_result_codes(database_, 1);

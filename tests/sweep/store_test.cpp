@@ -4,6 +4,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <filesystem>
 #include <fstream>
 #include <set>
 
@@ -247,20 +248,18 @@ TEST(SweepDatabase, AFullOneKeepsWhatWasRecorded) {
   EXPECT_EQ(std::get<std::string>(again.database().one("PRAGMA integrity_check")), "ok");
 }
 
-TEST(SweepDatabase, AReadOnlyOneIsToldBeforeAnythingIsDone) {
-  const Workplace place;
-  const QueuedTasks tasks(place, "db", 1);
-  tasks.open().database().execute("PRAGMA journal_mode = DELETE");
-  ::chmod(tasks.path.c_str(), 0444);
+/// What `told` returns to somebody who may read the place and write nothing in it: root writes all
+/// the same.
+template <class Told>
+std::string as_a_mere_reader(const Workplace& place, Told told) {
   ::chmod(place.work().c_str(), 0555);
   ::chmod(place.work().parent_path().c_str(), 0755);
-  // As somebody whom permissions bind: root writes all the same.
   int ends[2];
-  ASSERT_EQ(::pipe(ends), 0);
+  if (::pipe(ends) != 0) return "no pipe";
   const pid_t child = ::fork();
   if (child == 0) {
     if (::getuid() == 0 && ::setuid(65534) != 0) ::_exit(1);
-    const std::string message = refusal_of([&] { static_cast<void>(tasks.open()); });
+    const std::string message = told();
     const auto written = ::write(ends[1], message.data(), message.size());
     ::_exit(written == static_cast<ssize_t>(message.size()) ? 0 : 1);
   }
@@ -273,8 +272,48 @@ TEST(SweepDatabase, AReadOnlyOneIsToldBeforeAnythingIsDone) {
   ::waitpid(child, &status, 0);
   ::chmod(place.work().c_str(), 0755);
   EXPECT_EQ(status, 0);
+  return message;
+}
+
+TEST(SweepDatabase, AReadOnlyOneIsToldBeforeAnythingIsDone) {
+  const Workplace place;
+  const QueuedTasks tasks(place, "db", 1);
+  tasks.open().database().execute("PRAGMA journal_mode = DELETE");
+  ::chmod(tasks.path.c_str(), 0444);
+  const std::string message =
+      as_a_mere_reader(place, [&] { return refusal_of([&] { static_cast<void>(tasks.open()); }); });
   EXPECT_NE(message.find("cannot be written: it is read-only; nothing was changed"),
             std::string::npos)
+      << message;
+}
+
+TEST(SweepDatabase, IsReadWhereNothingCanBeWritten) {
+  const Workplace place;
+  const QueuedTasks tasks(place, "as%20 it?is#", 7);
+  const auto counted = [&] {
+    std::string text;
+    const std::string refusal = refusal_of([&] {
+      const Database database = open_sweep_database(tasks.path, Database::Access::kRead);
+      text = std::to_string(database.count("SELECT count(*) FROM task"));
+    });
+    return text + refusal;
+  };
+  EXPECT_EQ(as_a_mere_reader(place, counted), "7");
+  EXPECT_FALSE(std::filesystem::exists(tasks.path + "-shm"));
+
+  // What is in the log alone would be passed over: a run that was killed, its shared memory lost.
+  const std::string copy = (place.work() / "copy").string();
+  Store store = tasks.open();
+  ASSERT_TRUE(store.claim(tasks.run, sweep::this_process(), 0.0));
+  std::filesystem::copy_file(tasks.path, copy);
+  std::filesystem::copy_file(tasks.path + "-wal", copy + "-wal");
+  const std::string message = as_a_mere_reader(place, [&] {
+    return refusal_of([&] {
+      const Database database = open_sweep_database(copy, Database::Access::kRead);
+      static_cast<void>(database.count("SELECT count(*) FROM task"));
+    });
+  });
+  EXPECT_NE(message.find("a folder in which files may be made beside it"), std::string::npos)
       << message;
 }
 
