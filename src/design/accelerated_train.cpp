@@ -74,8 +74,7 @@ bool set_friction(const MovingTrain& t, const TrainMotion& motion, const Kinemat
   const ShaftLosses<double>& shafts = lossy.shafts;
   state.bearing_Nm = planets * shafts.planet_bearing_coefficient * shafts.planet_bearing_radius_m *
                      planet_force(lossy.geometry, mesh, torque_Nm);
-  state.output_bearing_Nm =
-      output_bearing_torque_Nm(shafts, magnitude(torque_Nm[train::kMeshP2R2]));
+  state.output_bearing_Nm = output_bearing_torque(shafts, magnitude(torque_Nm[train::kMeshP2R2]));
   state.loaded.known.pin = fixed.pin + pin_torque(lossy.geometry.teeth, 0.0, state.bearing_Nm);
   state.loaded.known.ring2 = fixed.ring2 - state.output_bearing_Nm;
   return true;

@@ -71,7 +71,7 @@ struct ShaftLosses {
 /// Friction of R2's bearing.
 /// @param torque_Nm  magnitude of what R2's teeth carry
 template <class T>
-T output_bearing_torque_Nm(const ShaftLosses<T>& shafts, const T& torque_Nm) {
+T output_bearing_torque(const ShaftLosses<T>& shafts, const T& torque_Nm) {
   return T((shafts.output_bearing_share + share_at(shafts.output_bearing_growth, torque_Nm)) *
            torque_Nm);
 }

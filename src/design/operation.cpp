@@ -72,7 +72,7 @@ bool apply_friction(const LossyTrain<T>& t, const FrictionState<T>& state,
                       t.shafts.planet_bearing_radius_m * planet_force(t.geometry, mesh, torque_Nm);
   loaded.known.pin = pin_torque(t.geometry.teeth, motion.drag_Nm[kPlanetShaft], motion.bearing_Nm);
   motion.output_bearing_Nm =
-      output_bearing_torque_Nm(t.shafts, magnitude(torque_Nm[train::kMeshP2R2]));
+      output_bearing_torque(t.shafts, magnitude(torque_Nm[train::kMeshP2R2]));
   loaded.known.ring2 = -motion.drag_Nm[kOutputShaft] - motion.output_bearing_Nm;
   return true;
 }

@@ -88,8 +88,8 @@ std::optional<train::PowerFlow<T>> balance_at(const Running& r,
   const T arm = shafts.planet_bearing_coefficient * shafts.planet_bearing_radius_m;
   const T bearing = static_cast<double>(g.planets) * arm * planet_force<T>(g, r.mesh, torque_Nm);
   loaded.known.pin = pin_torque<T>(g.teeth, drag[kPlanetShaft], bearing);
-  loaded.known.ring2 = -drag[kOutputShaft] -
-                       output_bearing_torque_Nm(shafts, magnitude(torque_Nm[train::kMeshP2R2]));
+  loaded.known.ring2 =
+      -drag[kOutputShaft] - output_bearing_torque(shafts, magnitude(torque_Nm[train::kMeshP2R2]));
   return train::solve_power_flow(loaded);
 }
 
