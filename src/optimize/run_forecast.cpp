@@ -27,6 +27,10 @@ constexpr double kLeastOfFinding = 0.05, kMostOfFinding = 0.8, kOfBestAlone = 0.
 /// design; the share of those that are counted which is made at least.
 constexpr double kSearchesBeyond = 0.5, kSearchesWithoutLimits = 8.0;
 constexpr double kShareOfBeyond = 0.1, kShareOfRelaxed = 0.4;
+/// Searches that bring limits which give way nearer, of all of them.
+constexpr double kSearchesNearer = 8.0;
+/// A range of a front's time has ends so many times its middle, at the end and at first.
+constexpr double kWidthOfFront = 1.3, kWidthAtFirst = 4.0;
 /// What is built after the searches for built gearboxes, over what is built in one of them.
 constexpr double kBuiltAfter = 8.0;
 /// Stages of the second kind, which are bounded after the first, take less: by this share of what
@@ -218,6 +222,13 @@ void RunForecast::add_front(Range& left) const {
   if (in_gaps) more_s = std::max(0.0, rest(0) * gaps_s - left.least_s);
   left.least_s += more_s;
   left.most_s += more_s;
+  // Single searches of a front may cost as much as all others: the more of them are to come, the
+  // less is known.
+  const double open =
+      in_gaps && last_.stage_total > 0 ? rest(0) / static_cast<double>(last_.stage_total) : 1.0;
+  const double width = kWidthOfFront + (kWidthAtFirst - kWidthOfFront) * open;
+  left.least_s /= width;
+  left.most_s *= width;
 }
 
 std::optional<RunForecast::Range> RunForecast::range_left() const {
@@ -254,6 +265,7 @@ std::optional<RunForecast::Range> RunForecast::range_now() const {
     left.least_s +=
         (last_.stage == Stage::kBeyond ? kShareOfBeyond : kShareOfRelaxed) * stage_rest_s;
     left.most_s += stage_rest_s;
+    if (last_.stage == Stage::kRelaxed) left.most_s += kSearchesNearer * search_s();
   } else if (plan.explains) {
     const bool none = last_.feasible == 0 && last_.phase == Phase::kRefinement &&
                       2 * last_.done > std::min(last_.total, 4 * kSetsKnown);

@@ -9,6 +9,7 @@
 #include "optimize/limit_prices.hpp"
 #include "report/display.hpp"
 #include "report/limits_report.hpp"
+#include "report/text_table.hpp"
 #include "report/tooth_set_text.hpp"
 
 namespace gear3k::report {
