@@ -389,6 +389,10 @@ std::string gain_table(const Diagnosis& d, const MeasurementSet& set) {
 
 std::string remainder_text(const Diagnosis& d) {
   const auto& r = d.remainder;
+  if (!r.significant && r.minor) {
+    return "Left over: more than noise makes, too little of the discrepancy to look for (see the "
+           "notes).\n";
+  }
   if (!r.significant) {
     return std::isfinite(d.errors.noise_floor) ? "Left over: nothing beyond noise.\n" : "";
   }

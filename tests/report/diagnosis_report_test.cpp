@@ -150,6 +150,14 @@ TEST(DiagnosisTable, SaysInPercentHowFarOffTheSimulationIsAndWhy) {
   EXPECT_TRUE(contains(text, "nothing beyond noise")) << text;
 }
 
+TEST(DiagnosisTable, TellsAMinorRemainderFromNone) {
+  Case c = dragged();
+  c.diagnoses.front().remainder.minor = true;
+  const std::string text = c.table();
+  EXPECT_TRUE(contains(text, "Left over: more than noise makes")) << text;
+  EXPECT_FALSE(contains(text, "nothing beyond noise")) << text;
+}
+
 TEST(DiagnosisTable, NamesWhatExplainsAsWellWithItsValueAndWhatIsImplausible) {
   const std::string text = ambiguous().table();
   EXPECT_TRUE(contains(text, "Verdict: ambiguous.")) << text;

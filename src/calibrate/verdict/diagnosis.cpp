@@ -591,16 +591,19 @@ std::optional<Diagnosis> diagnose(const Simulation& simulation, const Measuremen
     contest.remainder.best.statistic =
         winsorised(whitened, 1.0).squaredNorm() / (row_scale * row_scale) - final.degrees;
   }
+  bool minor = false;
   if (contest.structure && !standing.found.empty()) {
     const double squares = contest.remainder.best.statistic * row_scale * row_scale;
     const double discrepancy = discrepancy_of(left.before, row_scale);
-    if (!matters(squares, discrepancy)) {
+    minor = !matters(squares, discrepancy);
+    if (minor) {
       contest.structure = false;
       d.notes.push_back(note_on_minor_remainder(squares, discrepancy));
     }
   }
   d.remainder = remainder_of(problem, contest, standing.hypothesis, found.scale, levels,
                              baseline.measured - final.simulated);
+  d.remainder.minor = minor;
   d.verdict = verdict_of(d);
   set_posteriors(d.effects, contest.structure);
   d.next_experiment = next_experiment(problem, standing.hypothesis, standing.found, found.scale,

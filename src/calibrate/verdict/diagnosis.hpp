@@ -87,6 +87,7 @@ struct Periodogram {
 /// Structure that no cause explains.
 struct Remainder {
   bool significant = false;
+  bool minor = false;     ///< more than noise makes, too little of the discrepancy to matter
   std::string along;      ///< covariate; "" = none
   bool constant = false;  ///< the same in all rows
   double p_value = 1.0;
