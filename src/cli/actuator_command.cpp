@@ -35,10 +35,11 @@ std::optional<std::array<double, 3>> impedance_range(std::string_view text) {
   std::array<double, 3> numbers{};
   bool valid = std::ranges::count(text, ':') == 2;
   for (double& number : numbers) {
-    const auto value = io::csv_number(text.substr(0, text.find(':')));
+    const std::size_t end = std::min(text.find(':'), text.size());
+    const auto value = io::csv_number(text.substr(0, end));
     valid = valid && value;
     number = value.value_or(0.0);
-    text.remove_prefix(std::min(text.find(':'), text.size() - 1) + (text.empty() ? 0 : 1));
+    text.remove_prefix(std::min(end + 1, text.size()));
   }
   const auto [low, high, points] = numbers;
   valid = valid && low > 0.0 && high >= low && high <= kMostHertz && points >= 1.0 &&

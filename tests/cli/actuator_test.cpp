@@ -286,7 +286,9 @@ TEST(Actuator, OptionsThatDoNotGoTogetherAreUsageErrors) {
   EXPECT_EQ(place.run({"actuator", "a.toml", "--without-each"}).exit_code, 1);
   EXPECT_EQ(place.run({"actuator", "a.toml", "--amplitude", "0.1"}).exit_code, 1);
   EXPECT_EQ(place.run({"actuator", "--select", "a.toml"}).exit_code, 1);
-  EXPECT_EQ(place.run({"actuator", "a.toml", "--impedance", "1:2"}).exit_code, 1);
+  for (const std::string range : {"1", "1:2", "1:2:", "1,2"}) {
+    EXPECT_EQ(place.run({"actuator", "a.toml", "--impedance", range}).exit_code, 1) << range;
+  }
   EXPECT_EQ(place.run({"actuator", "a.toml", "--motor", "shorted"}).exit_code, 1);
 }
 
