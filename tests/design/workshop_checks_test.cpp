@@ -233,7 +233,7 @@ TEST(Preset, SetsEveryLimitOfItsTable) {
     EXPECT_TRUE(limits.bare.empty());
   }
   EXPECT_DOUBLE_EQ(preset_limit(Preset::kMachined, CheckId::kNormalBacklash).value(), 20e-6);
-  EXPECT_DOUBLE_EQ(preset_limit(Preset::kPrinted, CheckId::kTipThicknessLength).value(), 0.8e-3);
+  EXPECT_DOUBLE_EQ(preset_limit(Preset::kPrinted, CheckId::kTipThicknessLength).value(), 0.4e-3);
 }
 
 TEST(Preset, BareIsWhatHoldsWithoutOne) {
