@@ -17,8 +17,8 @@ namespace {
 
 /// Campaigns of a scenario of a group: the rates of a group are held over all of its scenarios.
 const int group_seeds = sample(2, 16);
-/// Campaigns of a scenario by itself.  Of four seeds at 70 % one has to be right; where the rate is
-/// higher, three ask as much.
+/// Campaigns of a scenario by itself.  Of four at 70 % one has to be right, of three none; of three
+/// at 95 % two have to be, as of four, at 90 % one (of four two).
 int seeds_of(const Scenario& scenario) {
   return sample(scenario.name.starts_with("resolved") ? 4 : 3, 16);
 }
