@@ -28,7 +28,7 @@ constexpr std::size_t kMostMeasured = 48;
 constexpr double kSeldom = 0.05;
 /// Searches between the stated value and one that has a design, and the share of the stated one at
 /// which they end.
-constexpr int kHalvings = 4;
+constexpr int kRelaxedHalvings = 4;
 constexpr double kShortWay = 0.05;
 
 /// What holds without a preset; empty: nothing.
@@ -140,7 +140,7 @@ class Relaxation {
     RelaxedLimit& limit = freed.limits.front();
     const design::CheckRecord& record = design::check_record(limit.check);
     double refused = limit.stated_si;
-    for (int k = 0; k < kHalvings && limit.relaxed_si && !progress_.stop.load(); ++k) {
+    for (int k = 0; k < kRelaxedHalvings && limit.relaxed_si && !progress_.stop.load(); ++k) {
       const double middle = rounded_looser(record, 0.5 * (refused + *limit.relaxed_si));
       const double way = std::abs(*limit.relaxed_si - refused);
       if (way <= kShortWay * std::abs(limit.stated_si) || middle == *limit.relaxed_si) break;

@@ -124,46 +124,47 @@ void tabulate(TomlValue& document, std::string_view path) {
 }  // namespace
 
 std::vector<Key<MaterialInput>> material_keys() {
-  using Input = MaterialInput;
   constexpr const char* kOfRow = "that of the named row, else none";
-  const auto stress = [&](const char* name, std::optional<double> Input::*member,
+  const auto stress = [&](const char* name, std::optional<double> MaterialInput::*member,
                           const char* default_text, const char* help) {
-    return make_key<Input>(number(name, Unit::kMegapascal, above(0.0, 1e6), default_text, help),
-                           member);
+    return make_key<MaterialInput>(
+        number(name, Unit::kMegapascal, above(0.0, 1e6), default_text, help), member);
   };
   return {
-      make_key<Input>({.path = "name",
-                       .type = KeyType::kText,
-                       .default_text = "none",
-                       .help = "a row of the table of materials (docs/materials.md); without it "
-                               "the numbers are a material of their own; material = \"NAME\" says "
-                               "the same"},
-                      &Input::name),
-      make_key<Input>(
+      make_key<MaterialInput>(
+          {.path = "name",
+           .type = KeyType::kText,
+           .default_text = "none",
+           .help = "a row of the table of materials (docs/materials.md); without it "
+                   "the numbers are a material of their own; material = \"NAME\" says "
+                   "the same"},
+          &MaterialInput::name),
+      make_key<MaterialInput>(
           {.path = "group",
            .type = KeyType::kChoice,
            .choices = {strength::kMaterialGroupNames.begin(), strength::kMaterialGroupNames.end()},
            .default_text = "that of the named row, else V",
            .help = "whose life, size, notch and roughness factors hold"},
-          &Input::group),
-      make_key<Input>(
+          &MaterialInput::group),
+      make_key<MaterialInput>(
           number("hardness", Unit::kNone, above(0.0, 2000.0), "the row's, where it has one value",
                  "in the scale of the named row, and within its range; HBW where no row "
                  "states a scale"),
-          &Input::hardness),
-      stress("youngs_modulus_mpa", &Input::youngs_modulus_Pa, kOfRow, "modulus of elasticity E"),
-      make_key<Input>(
+          &MaterialInput::hardness),
+      stress("youngs_modulus_mpa", &MaterialInput::youngs_modulus_Pa, kOfRow,
+             "modulus of elasticity E"),
+      make_key<MaterialInput>(
           number("poisson_ratio", Unit::kNone, within(0.0, 0.499), kOfRow, "Poisson's ratio"),
-          &Input::poisson_ratio),
-      stress("sigma_h_lim_mpa", &Input::flank_limit_Pa, kOfRow,
+          &MaterialInput::poisson_ratio),
+      stress("sigma_h_lim_mpa", &MaterialInput::flank_limit_Pa, kOfRow,
              "sigma_Hlim of the flank; in place of a row's curve too"),
-      stress("sigma_f_lim_mpa", &Input::root_limit_Pa, kOfRow,
+      stress("sigma_f_lim_mpa", &MaterialInput::root_limit_Pa, kOfRow,
              "nominal sigma_Flim of the root, to be multiplied by Y_ST = 2"),
-      make_key<Input>(
+      make_key<MaterialInput>(
           number("density_kg_m3", Unit::kKilogramPerCubicMetre, above(0.0, 30000.0), kOfRow,
                  "density; that of the gear's mass where inertia.density_kg_m3 is not stated"),
-          &Input::density_kgm3),
-      stress("yield_strength_mpa", &Input::yield_strength_Pa, kOfRow,
+          &MaterialInput::density_kgm3),
+      stress("yield_strength_mpa", &MaterialInput::yield_strength_Pa, kOfRow,
              "yield strength, for the peak load of plastics and the notch of through hardened "
              "steel")};
 }
