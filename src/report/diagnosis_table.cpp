@@ -11,6 +11,7 @@
 #include "report/display.hpp"
 #include "report/series_report.hpp"
 #include "report/text_table.hpp"
+#include "report/uncertain_value.hpp"
 
 namespace gear3k::report {
 
@@ -29,40 +30,11 @@ std::string rows_text(std::size_t rows) {
   return rows == 1 ? "1 row" : fmt::format("{} rows", rows);
 }
 
-/// Decimals that show two digits of a deviation; negative above 100.
-int decimals_of(double deviation) {
-  constexpr double kRounding = 1e-9;
-  return 1 - static_cast<int>(std::floor(std::log10(deviation) + kRounding));
-}
-constexpr int kMostDecimals = 6;
-
-/// A value and half its 95 % interval, to two digits of that; the interval itself where it is
-/// lopsided.
-std::string value_text(const ParameterResult& p) {
-  const double half = 0.5 * (p.high - p.low);
-  if (!std::isfinite(half) || half <= 0.0) {
-    return with_unit(fmt::format("{:.4g}", clean(p.value)), p.unit);
-  }
-  const int decimals = decimals_of(half);
-  const bool plain = decimals <= kMostDecimals;
-  const auto number = [&](double x) {
-    return plain ? fixed(x, std::max(0, decimals)) : fmt::format("{:.4g}", clean(x));
-  };
-  constexpr double kLopsided = 0.1;  // of the interval's width
-  if (std::abs(p.high - p.value - half) > kLopsided * 2.0 * half) {
-    return with_unit(
-        fmt::format("{} (95 %: {} to {})", number(p.value), number(p.low), number(p.high)), p.unit);
-  }
-  return with_unit(
-      fmt::format("{} ± {}", number(p.value), plain ? number(half) : fmt::format("{:.2g}", half)),
-      p.unit);
-}
-
 std::string parameters_text(const std::vector<ParameterResult>& parameters) {
   std::vector<std::string> parts;
   parts.reserve(parameters.size());
   for (const ParameterResult& p : parameters) {
-    parts.push_back(fmt::format("{} {}", spaced(p.name), value_text(p)));
+    parts.push_back(fmt::format("{} {}", spaced(p.name), interval_text(p)));
   }
   return fmt::format("{}", fmt::join(parts, ", "));
 }
@@ -426,15 +398,6 @@ std::string lack_text(const Diagnosis& d) {
   return fmt::format("Lack of fit of the simulation as given: F({}, {}) = {:.3g}, {}.\n",
                      d.lack_of_fit.degrees, d.lack_of_fit.pure_degrees, clean(d.lack_of_fit.f),
                      p_statement(d.lack_of_fit.p_value));
-}
-
-/// "12.30 ± 0.15", to two digits of the standard deviation; without one where it is not known.
-std::string deviation_text(double value, double deviation) {
-  if (!std::isfinite(deviation) || deviation <= 0.0) return fmt::format("{:.4g}", clean(value));
-  const int decimals = decimals_of(deviation);
-  if (decimals > kMostDecimals) return fmt::format("{:.4g} ± {:.2g}", clean(value), deviation);
-  return fmt::format("{} ± {}", fixed(value, std::max(0, decimals)),
-                     fixed(deviation, std::max(0, decimals)));
 }
 
 std::string stiffness_text(const std::optional<calibrate::FlankStiffness>& flank) {

@@ -18,10 +18,10 @@
 #include "calibrate/search/stability.hpp"
 #include "calibrate/verdict/correction.hpp"
 #include "calibrate/verdict/experiment.hpp"
+#include "calibrate/verdict/noise_level.hpp"
 #include "calibrate/verdict/posterior.hpp"
 #include "calibrate/verdict/remainder.hpp"
 #include "calibrate/verdict/unexplained.hpp"
-#include "numerics/distributions.hpp"
 
 namespace gear3k::calibrate {
 
@@ -137,47 +137,6 @@ std::vector<CauseEvidence> first_evidence(const SearchResult& found, double rows
   }
   std::ranges::stable_sort(result, std::greater<>(), &CauseEvidence::evidence);
   return result;
-}
-
-/// The noise of weighted rows and where it is known from: stated, else of the repeats, else of the
-/// residuals.
-struct NoiseLevel {
-  double scale = 0.0;
-  NoiseSource source = NoiseSource::kResiduals;
-};
-NoiseLevel noise_level(const NoiseModel& noise, const PureError& pure, double scale_of_fit) {
-  if (noise.source == NoiseSource::kStated) return {.scale = 1.0, .source = noise.source};
-  constexpr int kEnoughRepeats = 10;
-  // Repeats at other angles or times scatter by what varies with those; repeats that agree to the
-  // last digit say nothing.
-  constexpr double kMost = 1.15;
-  if (pure.degrees >= kEnoughRepeats) {
-    const double of_repeats = std::sqrt(pure.sum_of_squares / pure.degrees);
-    if (of_repeats > noise.least_scale() && of_repeats < kMost * scale_of_fit) {
-      return {.scale = of_repeats, .source = NoiseSource::kRepeats};
-    }
-  }
-  return {.scale = scale_of_fit, .source = noise.source};
-}
-
-/// Whether rows scatter by more than they state, outliers aside, whatever the structure.
-/// @param whitened  residuals of the final fit
-/// @returns the probability of residuals as large as these; 1 where no scatter is stated, or where
-/// it is within a quarter of the stated one: nobody knows it better
-double chance_of_scatter(const NoiseModel& noise, const Eigen::VectorXd& whitened, int degrees) {
-  if (noise.source != NoiseSource::kStated || degrees < 1) return 1.0;
-  constexpr double kAsStated = 1.25;
-  const double squares = winsorised(whitened, 1.0).squaredNorm();
-  if (squares <= kAsStated * kAsStated * degrees) return 1.0;
-  // A tenth of the rows far off is outliers, not scatter.
-  if (robust_deviation(whitened) <= kAsStated) return 1.0;
-  return numerics::gamma_upper(0.5 * degrees, 0.5 * squares);
-}
-
-/// Whether the rows say how much they scatter, by sigma, repeats or by being many.
-bool noise_is_known(NoiseSource source, const FinalFit& final) {
-  constexpr int kFewestDegrees = 8;
-  return source != NoiseSource::kResiduals || final.degrees >= kFewestDegrees;
 }
 
 /// Whether a parameter of an effect has a value that no gearbox shows.

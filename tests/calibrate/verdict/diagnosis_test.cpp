@@ -15,13 +15,10 @@
 namespace gear3k::rig::diagnosis_test {
 namespace {
 
-/// Campaigns of a scenario of a group: the rates of a group are held over all of its scenarios.
+/// Campaigns of a scenario by itself, and of one of a group: the rates of a group are held over all
+/// of its scenarios together.
+const int seeds = sample(4, 16);
 const int group_seeds = sample(2, 16);
-/// Campaigns of a scenario by itself.  Of four at 70 % one has to be right, of three none; of three
-/// at 95 % two have to be, as of four, at 90 % one (of four two).
-int seeds_of(const Scenario& scenario) {
-  return sample(scenario.name.starts_with("resolved") ? 4 : 3, 16);
-}
 
 /// Greatest k with P(X < k) < chance and least with P(X > k) < chance, X of n cases at a true rate.
 int least_of(int cases, double rate, double chance = 0.001) {
@@ -38,8 +35,8 @@ int most_of(int cases, double rate, double chance = 0.001) {
 }
 
 /// Least number of right answers and most wrong names among the seeds of one scenario: a guard
-/// against what breaks one altogether, by rates that each scenario keeps; rates are held by the
-/// groups of scenarios below.
+/// against what breaks one altogether, by rates that each scenario keeps.  Of four seeds at a true
+/// rate of 60 % none is right in 3 % of cases; rates are held by the groups of scenarios below.
 struct Bound {
   int right, wrong;
 };
@@ -75,7 +72,7 @@ bool in_group(const Scenario& scenario) {
 
 class Campaign : public testing::TestWithParam<Scenario> {};
 
-TEST_P(Campaign, IsToldAsItIs) { scores_of(GetParam(), 1, seeds_of(GetParam())); }
+TEST_P(Campaign, IsToldAsItIs) { scores_of(GetParam(), 1, seeds); }
 
 std::vector<Scenario> scenarios_without_group() {
   std::vector<Scenario> list = scenarios();
