@@ -34,7 +34,7 @@ std::string parameters_text(const std::vector<ParameterResult>& parameters) {
   std::vector<std::string> parts;
   parts.reserve(parameters.size());
   for (const ParameterResult& p : parameters) {
-    parts.push_back(fmt::format("{} {}", spaced(p.name), interval_text(p)));
+    parts.push_back(fmt::format("{} {}", spaced(p.name), with_interval(p)));
   }
   return fmt::format("{}", fmt::join(parts, ", "));
 }

@@ -20,7 +20,7 @@ constexpr int kMostDecimals = 6;
 
 }  // namespace
 
-std::string interval_text(const calibrate::ParameterResult& p) {
+std::string with_interval(const calibrate::ParameterResult& p) {
   const double half = 0.5 * (p.high - p.low);
   if (!std::isfinite(half) || half <= 0.0) {
     return with_unit(fmt::format("{:.4g}", clean(p.value)), p.unit);
