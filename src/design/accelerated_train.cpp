@@ -50,10 +50,11 @@ bool set_friction(const MovingTrain& t, const TrainMotion& motion, const Kinemat
                   MovingState& state) {
   const LossyTrain<double>& lossy = t.lossy;
   const double planets = lossy.geometry.planets;
+  const auto friction = efficiency::friction_at(lossy.friction, motion.temperature_K);
   for (std::size_t k = 0; k < kMeshCount; ++k) {
     const auto stage = static_cast<std::size_t>(train::stage_of(train::kMeshGears[k][0]));
     const auto mu = efficiency::friction_coefficient<double>(
-        lossy.friction,
+        friction,
         {.normal_force_N = magnitude(torque_Nm[k]) / (planets * mesh[k].central_base_radius_m),
          .sliding_speed_m_s = mesh[k].sliding_speed_m_s,
          .sum_speed_m_s = mesh[k].sum_speed_m_s,

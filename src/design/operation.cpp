@@ -46,20 +46,21 @@ bool apply_friction(const LossyTrain<T>& t, const FrictionState<T>& state,
                     const MeshTorques<T>& torque_Nm, Motion<T>& motion,
                     train::LoadedTrain<T>& loaded) {
   const double planets = t.geometry.planets;
+  const auto friction = efficiency::friction_at(t.friction, state.temperature_K);
   for (std::size_t k = 0; k < kMeshCount; ++k) {
     auto& m = motion.mesh[k];
     m.normal_force_N = magnitude(torque_Nm[k]) / (planets * mesh[k].central_base_radius_m);
     m.sliding_speed_m_s = mesh[k].sliding_speed_m_s;
     const auto stage = static_cast<std::size_t>(train::stage_of(train::kMeshGears[k][0]));
     const auto mu = efficiency::friction_coefficient<T>(
-        t.friction, {.normal_force_N = m.normal_force_N,
-                     .sliding_speed_m_s = m.sliding_speed_m_s,
-                     .sum_speed_m_s = mesh[k].sum_speed_m_s,
-                     .reduced_radius_m = mesh[k].reduced_radius_m,
-                     .face_width_m = t.face_width_m[stage],
-                     .temperature_K = state.temperature_K,
-                     .forward = state.forward,
-                     .ring2_torque_Nm = magnitude(torque_Nm[train::kMeshP2R2])});
+        friction, {.normal_force_N = m.normal_force_N,
+                   .sliding_speed_m_s = m.sliding_speed_m_s,
+                   .sum_speed_m_s = mesh[k].sum_speed_m_s,
+                   .reduced_radius_m = mesh[k].reduced_radius_m,
+                   .face_width_m = t.face_width_m[stage],
+                   .temperature_K = state.temperature_K,
+                   .forward = state.forward,
+                   .ring2_torque_Nm = magnitude(torque_Nm[train::kMeshP2R2])});
     if (!mu) return false;
     m.friction = *mu;
     const auto flank = efficiency::flank_friction(t.friction, *mu);

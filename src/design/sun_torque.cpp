@@ -17,14 +17,18 @@ using train::kMeshCount;
 template <class T>
 T efficiency_of(const efficiency::MeshContact<double>& contact,
                 const efficiency::FlankFriction<T>& mu, efficiency::LossModel model) {
-  const bool by_sides = !(is_neutral(mu.approach_factor, 1.0) && is_neutral(mu.recess_factor, 1.0));
+  constexpr bool kValue = std::is_floating_point_v<T>;
+  const bool alike = is_neutral(mu.approach_factor, 1.0) && is_neutral(mu.recess_factor, 1.0);
+  const efficiency::LossSlopes wanted = kValue  ? efficiency::LossSlopes::kNone
+                                        : alike ? efficiency::LossSlopes::kByCoefficient
+                                                : efficiency::LossSlopes::kByAll;
   const efficiency::MeshEfficiencySlopes eta =
       mesh_efficiency_slopes(contact,
                              {.coefficient = value_of(mu.coefficient),
                               .approach_factor = value_of(mu.approach_factor),
                               .recess_factor = value_of(mu.recess_factor)},
-                             model, by_sides);
-  if constexpr (std::is_floating_point_v<T>) {
+                             model, wanted);
+  if constexpr (kValue) {
     return eta.efficiency;
   } else {
     return T(eta.efficiency, eta.by_coefficient * mu.coefficient.v +
@@ -55,7 +59,7 @@ struct Running {
 /// F: the train in balance with the friction that given mesh torques make.
 template <class T>
 std::optional<train::PowerFlow<T>> balance_at(const Running& r,
-                                              const efficiency::Friction<T>& friction,
+                                              const efficiency::FrictionAtTemperature<T>& friction,
                                               const ShaftLosses<T>& shafts,
                                               const MeshTorques<T>& torque_Nm,
                                               const Drivers& drivers) {
@@ -78,11 +82,12 @@ std::optional<train::PowerFlow<T>> balance_at(const Running& r,
          .forward = r.forward,
          .ring2_torque_Nm = magnitude(torque_Nm[train::kMeshP2R2])});
     if (!mu) return std::nullopt;
-    const auto flank = efficiency::flank_friction(friction, *mu);
+    const auto flank = efficiency::flank_friction(*friction.friction, *mu);
     for (const std::size_t driver : {0U, 1U}) {
       loaded.efficiency[k][driver] =
-          drivers[k][driver] ? efficiency_of<T>(mesh.contact[driver], flank, friction.model)
-                             : constant<T>(0.0);
+          drivers[k][driver]
+              ? efficiency_of<T>(mesh.contact[driver], flank, friction.friction->model)
+              : constant<T>(0.0);
     }
   }
   const T arm = shafts.planet_bearing_coefficient * shafts.planet_bearing_radius_m;
@@ -95,8 +100,9 @@ std::optional<train::PowerFlow<T>> balance_at(const Running& r,
 
 /// Mesh torques that make the friction which makes them.
 std::optional<train::PowerFlow<double>> settled(const Running& r,
-                                                const efficiency::Friction<double>& friction,
+                                                const efficiency::Friction<double>& friction_law,
                                                 const ShaftLosses<double>& shafts) {
+  const auto friction = efficiency::friction_at(friction_law, r.temperature_K);
   const train::ToothSet& teeth = r.train.geometry.teeth;
   auto flow = train::solve_power_flow(frictionless_train<double>(
       teeth, drag_torques<double>(r.train.geometry, shafts, r.output_speed_rad_s, r.temperature_K),
@@ -147,12 +153,17 @@ std::optional<Jet1> sun_torque(const FixedTrain& train, const VariedLosses& loss
 
   MeshTorques<Jet1> torque;
   for (std::size_t k = 0; k < kMeshCount; ++k) torque[k] = Jet1(flow->mesh_torque_Nm[k]);
-  const auto by_losses = balance_at<Jet1>(running, losses.friction, losses.shafts, torque, drivers);
+  const Jet1 temperature_K(point.temperature_K);
+  const auto by_losses =
+      balance_at<Jet1>(running, efficiency::friction_at(losses.friction, temperature_K),
+                       losses.shafts, torque, drivers);
   for (std::size_t k = 0; k < kMeshCount; ++k) {
     torque[k] = Jet1(flow->mesh_torque_Nm[k], static_cast<int>(k));
   }
-  const auto by_torques = balance_at<Jet1>(running, friction_as<Jet1>(friction),
-                                           shafts_as<Jet1>(shafts), torque, drivers);
+  const auto fixed_friction = friction_as<Jet1>(friction);
+  const auto by_torques =
+      balance_at<Jet1>(running, efficiency::friction_at(fixed_friction, temperature_K),
+                       shafts_as<Jet1>(shafts), torque, drivers);
   if (!by_losses || !by_torques) return std::nullopt;
   Eigen::Matrix3d from_torques;                           // ∂F/∂τ
   Eigen::Matrix<double, 3, Jet1::DIMENSION> from_losses;  // ∂F/∂p

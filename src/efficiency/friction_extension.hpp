@@ -87,11 +87,23 @@ T constant_factor(const FrictionExtension<T>& e, bool forward) {
 /// Least force and speed over their references that the powers see: they have no value at 0.
 inline constexpr double kLeastReduced = 1e-3;
 
+/// Which bends there are, where the factor is wanted in many states.
+struct BentBy {
+  bool load = false, speed = false, temperature = false;
+};
+template <class T>
+BentBy bent_by(const FrictionExtension<T>& e) {
+  return {.load = !is_straight(e.load_bend),
+          .speed = !is_straight(e.speed_bend),
+          .temperature = !is_straight(e.temperature_bend)};
+}
+
 /// The whole factor.
+/// @param bent  bent_by(e)
 /// @param load  normal force [N], or where load_is_torque the torque that R2's teeth carry [N m]
 template <class T>
-T friction_factor(const FrictionExtension<T>& e, const T& load, const T& sliding_speed_m_s,
-                  const T& temperature_K, bool forward) {
+T friction_factor(const FrictionExtension<T>& e, const BentBy& bent, const T& load,
+                  const T& sliding_speed_m_s, const T& temperature_K, bool forward) {
   using std::exp;
   using std::log;
   T factor = constant_factor(e, forward);
@@ -109,11 +121,11 @@ T friction_factor(const FrictionExtension<T>& e, const T& load, const T& sliding
   const auto log_over = [](const T& x, double reference) {
     return T(log(larger(T(x / reference), constant<T>(kLeastReduced))));
   };
-  if (!is_straight(e.load_bend)) bend(e.load_bend, log_over(load, e.reference_force_N));
-  if (!is_straight(e.speed_bend)) {
+  if (bent.load) bend(e.load_bend, log_over(load, e.reference_force_N));
+  if (bent.speed) {
     bend(e.speed_bend, log_over(sliding_speed_m_s, e.reference_speed_m_s));
   }
-  if (!is_straight(e.temperature_bend)) {
+  if (bent.temperature) {
     bend(e.temperature_bend, T(temperature_K - e.reference_temperature_K));
   }
   if (!is_neutral(e.load_exponent, 0.0)) {
@@ -129,6 +141,11 @@ T friction_factor(const FrictionExtension<T>& e, const T& load, const T& sliding
     factor = factor * exp(T(e.temperature_1_K * (temperature_K - e.reference_temperature_K)));
   }
   return factor;
+}
+template <class T>
+T friction_factor(const FrictionExtension<T>& e, const T& load, const T& sliding_speed_m_s,
+                  const T& temperature_K, bool forward) {
+  return friction_factor(e, bent_by(e), load, sliding_speed_m_s, temperature_K, forward);
 }
 
 }  // namespace gear3k::efficiency

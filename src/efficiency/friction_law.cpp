@@ -60,20 +60,19 @@ T stribeck_friction(const Friction<T>& f, const MeshState<T>& state) {
 }
 
 template <class T>
-std::optional<T> schlenk_friction(const Friction<T>& f, const MeshState<T>& state) {
+std::optional<T> schlenk_friction(const FrictionAtTemperature<T>& at, const MeshState<T>& state) {
   if (!(value_of(state.sum_speed_m_s) > 0.0)) return std::nullopt;
   if (!(value_of(state.normal_force_N) > 0.0)) return constant<T>(0.0);
   constexpr double kMilli = 1e3;
   const T force_N_mm = state.normal_force_N / (state.face_width_m * kMilli);
   const T radius_mm = state.reduced_radius_m * kMilli;
-  const T viscosity_mPas = dynamic_viscosity(f.lubricant, state.temperature_K) * kMilli;
-  const T roughness_um = f.roughness_m * 1e6;
   return T(0.048 * pow(T(force_N_mm / (state.sum_speed_m_s * radius_mm)), 0.2) *
-           pow(viscosity_mPas, -0.05) * pow(roughness_um, 0.25) * f.lubricant_factor);
+           at.viscosity_factor * at.roughness_factor * at.friction->lubricant_factor);
 }
 
 template <class T>
-std::optional<T> unbounded_friction(const Friction<T>& f, const MeshState<T>& state) {
+std::optional<T> unbounded_friction(const FrictionAtTemperature<T>& at, const MeshState<T>& state) {
+  const Friction<T>& f = *at.friction;
   switch (f.law) {
     case FrictionLaw::kConstant:
       break;
@@ -82,7 +81,7 @@ std::optional<T> unbounded_friction(const Friction<T>& f, const MeshState<T>& st
     case FrictionLaw::kStribeck:
       return stribeck_friction(f, state);
     case FrictionLaw::kSchlenk:
-      return schlenk_friction(f, state);
+      return schlenk_friction(at, state);
     case FrictionLaw::kTable:
       return table_friction(f.table, state);
   }
@@ -147,19 +146,45 @@ T curve_at(const FrictionBend<T>& bend, const T& x) {
 }
 
 template <class T>
-std::optional<T> friction_coefficient(const Friction<T>& friction, const MeshState<T>& state) {
-  std::optional<T> mu = unbounded_friction(friction, state);
+FrictionAtTemperature<T> friction_at(const Friction<T>& friction, const T& temperature_K) {
+  FrictionAtTemperature<T> at{.friction = &friction,
+                              .bent = bent_by(friction.extension),
+                              .viscosity_factor = constant<T>(1.0),
+                              .roughness_factor = constant<T>(1.0)};
+  if (friction.law == FrictionLaw::kSchlenk) {
+    constexpr double kMilli = 1e3;
+    const T viscosity_mPas = dynamic_viscosity(friction.lubricant, temperature_K) * kMilli;
+    const T roughness_um = friction.roughness_m * 1e6;
+    at.viscosity_factor = pow(viscosity_mPas, -0.05);
+    at.roughness_factor = pow(roughness_um, 0.25);
+  }
+  return at;
+}
+
+template <class T>
+std::optional<T> friction_coefficient(const FrictionAtTemperature<T>& at,
+                                      const MeshState<T>& state) {
+  std::optional<T> mu = unbounded_friction(at, state);
   if (!mu) return mu;
-  const T& load = friction.extension.load_is_torque ? state.ring2_torque_Nm : state.normal_force_N;
-  const T factor = friction_factor(friction.extension, load, state.sliding_speed_m_s,
-                                   state.temperature_K, state.forward);
+  const FrictionExtension<T>& e = at.friction->extension;
+  const T& load = e.load_is_torque ? state.ring2_torque_Nm : state.normal_force_N;
+  const T factor = friction_factor(e, at.bent, load, state.sliding_speed_m_s, state.temperature_K,
+                                   state.forward);
   mu = smaller(T(*mu * factor), constant<T>(kGreatestFriction));
   return mu;
 }
 
-#define INSTANTIATE(T)                                            \
-  template T curve_at<T>(const FrictionBend<T>&, const T&);       \
-  template T dynamic_viscosity<T>(const Lubricant<T>&, const T&); \
+template <class T>
+std::optional<T> friction_coefficient(const Friction<T>& friction, const MeshState<T>& state) {
+  return friction_coefficient(friction_at(friction, state.temperature_K), state);
+}
+
+#define INSTANTIATE(T)                                                               \
+  template T curve_at<T>(const FrictionBend<T>&, const T&);                          \
+  template T dynamic_viscosity<T>(const Lubricant<T>&, const T&);                    \
+  template FrictionAtTemperature<T> friction_at<T>(const Friction<T>&, const T&);    \
+  template std::optional<T> friction_coefficient<T>(const FrictionAtTemperature<T>&, \
+                                                    const MeshState<T>&);            \
   template std::optional<T> friction_coefficient<T>(const Friction<T>&, const MeshState<T>&);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
 #undef INSTANTIATE

@@ -134,4 +134,20 @@ constexpr bool reads_coefficient(FrictionLaw law) {
 template <class T>
 std::optional<T> friction_coefficient(const Friction<T>& friction, const MeshState<T>& state);
 
+/// A friction and what it has in common in all states of one temperature.
+template <class T>
+struct FrictionAtTemperature {
+  const Friction<T>* friction;
+  BentBy bent;
+  T viscosity_factor, roughness_factor;  ///< η^−0.05 [mPa s], Ra^0.25 [µm]; kSchlenk
+};
+/// @param friction  must outlive the result
+template <class T>
+FrictionAtTemperature<T> friction_at(const Friction<T>& friction, const T& temperature_K);
+
+/// The same to the last bit, for states of that temperature.
+template <class T>
+std::optional<T> friction_coefficient(const FrictionAtTemperature<T>& friction,
+                                      const MeshState<T>& state);
+
 }  // namespace gear3k::efficiency

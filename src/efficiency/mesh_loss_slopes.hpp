@@ -11,15 +11,19 @@ struct MeshEfficiencySlopes {
   double by_coefficient = 0.0, by_approach_factor = 0.0, by_recess_factor = 0.0;
 };
 
-/// Efficiency of a mesh whose geometry does not vary, in a tenth of the time that derivatives by
-/// all its numbers take: along the path of contact the torques of all pairs in contact together are
-/// linear in the position, and depend on two numbers, μ times the factors of both sides.
+/// Which slopes are wanted: those by the factors cost the most in the models of first order, and
+/// are left out by kByCoefficient where both factors are 1.
+enum class LossSlopes { kNone, kByCoefficient, kByAll };
+
+/// Efficiency of a mesh whose geometry does not vary, in a small part of the time that derivatives
+/// by all its numbers take: along the path of contact the torques of all pairs in contact together
+/// are linear in the position, and depend on two numbers, μ times the factors of both sides; the
+/// integrals of their quotients are closed forms.
 ///
-/// @param by_sides  false: the slopes by the factors are not wanted where both are 1 (they cost the
-/// most in the models of first order)
-/// Accuracy: as mesh_efficiency() of a scalar with derivatives, to rounding.
+/// Slopes that are not wanted are not given. Accuracy: as mesh_efficiency() of a scalar with
+/// derivatives, to rounding; the closed forms are in docs/theory §23, its quadrature.
 MeshEfficiencySlopes mesh_efficiency_slopes(const MeshContact<double>& contact,
                                             const FlankFriction<double>& mu, LossModel model,
-                                            bool by_sides);
+                                            LossSlopes wanted);
 
 }  // namespace gear3k::efficiency

@@ -56,7 +56,7 @@ TEST(MeshEfficiencySlopes, AreThoseOfTheScalarWithDerivatives) {
                                               .approach_factor = Jet1(mu.approach_factor, 1),
                                               .recess_factor = Jet1(mu.recess_factor, 2)},
                                              model);
-    const MeshEfficiencySlopes fast = mesh_efficiency_slopes(c, mu, model, true);
+    const MeshEfficiencySlopes fast = mesh_efficiency_slopes(c, mu, model, LossSlopes::kByAll);
     efficiency.see(i, fast.efficiency - exact.a, 1e-14 * (1.0 + std::abs(exact.a)));
     const std::array<double, 3> slope{fast.by_coefficient, fast.by_approach_factor,
                                       fast.by_recess_factor};
@@ -64,9 +64,12 @@ TEST(MeshEfficiencySlopes, AreThoseOfTheScalarWithDerivatives) {
     for (std::size_t k = 0; k < 3; ++k) {
       slopes.see(i, slope[k] - exact.v[static_cast<Eigen::Index>(k)], 1e-12 * scale);
     }
-    const MeshEfficiencySlopes short_cut = mesh_efficiency_slopes(c, mu, model, false);
+    const MeshEfficiencySlopes short_cut =
+        mesh_efficiency_slopes(c, mu, model, LossSlopes::kByCoefficient);
+    const MeshEfficiencySlopes value = mesh_efficiency_slopes(c, mu, model, LossSlopes::kNone);
     slopes.see(i, short_cut.by_coefficient - exact.v[0], 1e-12 * scale);
     efficiency.see(i, short_cut.efficiency - exact.a, 1e-14 * (1.0 + std::abs(exact.a)));
+    efficiency.see(i, value.efficiency - exact.a, 1e-14 * (1.0 + std::abs(exact.a)));
   }
   efficiency.expect_allowed("efficiency");
   slopes.expect_allowed("slopes");
