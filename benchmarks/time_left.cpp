@@ -1,8 +1,9 @@
 // The time left that `optimize` tells against what was left, in CPU time of one thread.
 //
-//   time_left [--looks] [TASK...]     all tasks by default, some minutes; else those of the
-//   numbers;
-//                                     --looks prints what was told
+//     time_left [--looks] [--phases] [TASK...]
+//
+// All tasks by default, some minutes; else those of the numbers.  --looks prints what was told,
+// --phases what ran.
 //
 // A look counts as right where what is left lies within the range told, or within a factor of two
 // of the one number where that is told.
@@ -97,7 +98,29 @@ double factor_of(const optimize::RunForecast::Range& told, double left_s) {
   return std::max({1.0, apart(told.least_s, left_s), apart(left_s, told.most_s)});
 }
 
-void time_task(const TimedTask& timed, bool print_looks) {
+/// What ran, from one phase to the next.
+void print_phases(const std::vector<TimedLook>& looks) {
+  for (std::size_t k = 0, begin = 0; k < looks.size(); ++k) {
+    const optimize::ProgressSeen& seen = looks[k].seen;
+    if (k + 1 < looks.size() && looks[k + 1].seen.phase == seen.phase &&
+        looks[k + 1].seen.stage == seen.stage && looks[k + 1].seen.searches == seen.searches) {
+      continue;
+    }
+    fmt::print(
+        "    {:7.2f} to {:7.2f} s: stage {} search {} phase {}: {}/{}; {} sets, {} open, {} "
+        "first stages, empty {} and {}\n",
+        looks[begin].at_s, looks[k].at_s, static_cast<int>(seen.stage), seen.searches,
+        static_cast<int>(seen.phase), seen.done, seen.total, seen.sets, seen.open,
+        seen.first_stages, seen.empty_first, seen.empty_second);
+    begin = k + 1;
+  }
+}
+
+struct TimedPrint {
+  bool looks = false, phases = false;
+};
+
+void time_task(const TimedTask& timed, const TimedPrint& print) {
   app::OptimizeTask task =
       app::optimize_task({.spec = io::parse_specification(text_with_lines(timed), timed.file,
                                                           optimize::kMostRefinedSets),
@@ -121,6 +144,7 @@ void time_task(const TimedTask& timed, bool print_looks) {
   const double whole_s = process_cpu_s() - began_s;
   ended = true;
   watcher.join();
+  if (print.phases) print_phases(looks);
   int right = 0, ranges = 0, unknown = 0, judged = 0;
   double worst = 1.0, worst_at = 0.0;
   // Looks that are even in CPU time, whatever else the machine did.
@@ -138,7 +162,7 @@ void time_task(const TimedTask& timed, bool print_looks) {
     right += factor <= allowed ? 1 : 0;
     ranges += look.left->is_one() ? 0 : 1;
     if (factor > worst) worst = factor, worst_at = share;
-    if (print_looks && judged % 10 == 1) {
+    if (print.looks && judged % 10 == 1) {
       fmt::print("    at {:6.2f} s: {:.2f} to {:.2f} s, left {:.2f} s; stage {} phase {} {}/{}\n",
                  look.at_s, look.left->least_s, look.left->most_s, whole_s - look.at_s,
                  static_cast<int>(look.seen.stage), static_cast<int>(look.seen.phase),
@@ -157,13 +181,14 @@ void time_task(const TimedTask& timed, bool print_looks) {
 
 PROGRAM(time_left)(int argc, char** argv) {
   omp_set_num_threads(1);
-  bool print_looks = false;
+  TimedPrint print;
   std::vector<TimedTask> chosen;
   for (int i = 1; i < argc; ++i) {
     const auto number = static_cast<std::size_t>(std::atoi(argv[i]));
     if (number >= 1 && number <= kTimedTasks.size()) chosen.push_back(kTimedTasks[number - 1]);
-    print_looks = print_looks || std::string_view(argv[i]) == "--looks";
+    print.looks = print.looks || std::string_view(argv[i]) == "--looks";
+    print.phases = print.phases || std::string_view(argv[i]) == "--phases";
   }
-  for (const TimedTask& task : chosen.empty() ? kTimedTasks : chosen) time_task(task, print_looks);
+  for (const TimedTask& task : chosen.empty() ? kTimedTasks : chosen) time_task(task, print);
   return 0;
 }

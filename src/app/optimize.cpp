@@ -160,6 +160,10 @@ report::HeldBackReport held_back_by(const OptimizeTask& task,
   if (!result.interrupted && !progress.stop) {
     optimize::search_beyond(task.spec, *result.best, result.search.candidates.size(),
                             report.best.held, progress);
+    if (!progress.stop) {
+      optimize::search_relaxed(task.spec, *result.best, result.search.candidates.size(),
+                               report.best.held, progress);
+    }
   }
   for (const optimize::RefinedSet& set : optimize::best_per_planets(task.spec, result.refined)) {
     report.by_planets.push_back(held(set));

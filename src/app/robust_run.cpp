@@ -1,9 +1,12 @@
 #include "app/robust_run.hpp"
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
 
+#include "backlash/turn.hpp"
+#include "backlash/turn_yield.hpp"
 #include "design/built_series.hpp"
 #include "optimize/cheapest_tolerances.hpp"
 #include "optimize/robust.hpp"
@@ -58,6 +61,11 @@ report::RobustRun::Cheapest cheapen(optimize::Specification& spec, const design:
   return result;
 }
 
+/// What gearboxes over a whole turn of two designs cost, in gearboxes built, before these are
+/// known; and one position of one of them.
+constexpr std::size_t kTurned = 8'000'000;
+constexpr double kPosition = 0.6;
+
 /// Gearboxes of a design over a whole turn.
 backlash::TurnYield turn_of_built(const design::Design& design, std::uint64_t seed) {
   const auto model = design::clearance_model_of(design);
@@ -66,6 +74,13 @@ backlash::TurnYield turn_of_built(const design::Design& design, std::uint64_t se
                                .scatter = {.scatter = design.tolerances->scatter,
                                            .sigma_level = design.tolerances->sigma_level},
                                .limit_rad = design.limits[design::CheckId::kOutputBacklashMax]});
+}
+
+/// What turn_of_built() costs, in gearboxes built.
+std::size_t built_in_turn(const design::Design& design) {
+  const auto gearboxes = static_cast<double>(backlash::TurnYieldOptions{}.gearboxes);
+  const auto positions = static_cast<double>(backlash::turn_window(design.train.teeth).samples);
+  return static_cast<std::size_t>(kPosition * gearboxes * positions);
 }
 
 }  // namespace
@@ -78,17 +93,22 @@ report::RobustRun hold_for_built(OptimizeTask& task, optimize::Progress& progres
   progress.stage_done = 0;
   progress.searches = 0;
   progress.stage_total = optimize::most_robust_passes(spec.robust.hold);
+  const auto samples = static_cast<std::size_t>(spec.sampling.samples);
+  progress.built_per_pass = std::min<std::size_t>(optimize::kRobustSamples, samples);
+  progress.built_after = 2 * samples + kTurned;
   run.search = optimize::robust_limits(spec, [&](const optimize::Specification& tightened) {
     restart(progress);
     ++progress.searches;
     optimize::OptimizeResult result =
-        optimize::optimize(tightened, progress, {.best_only = best_only});
+        optimize::optimize(tightened, progress, {.best_only = best_only, .certify = false});
     ++progress.stage_done;
     progress.phase = optimize::Progress::Phase::kGearboxes;
     return optimize::SearchOutcome{.best = std::move(result.best),
                                    .interrupted = result.interrupted};
   });
   progress.stage_done = progress.stage_total.load();  // what follows is built, not searched
+  progress.total = 0;
+  progress.done = 0;
   if (!run.search.chosen || run.search.interrupted) {
     progress.stage = optimize::Progress::Stage::kOne;
     return run;
@@ -96,15 +116,19 @@ report::RobustRun hold_for_built(OptimizeTask& task, optimize::Progress& progres
   const optimize::RobustPass& chosen = run.search.passes[*run.search.chosen];
   run.samples = static_cast<std::uint64_t>(spec.sampling.samples);
   run.fresh_seed = spec.sampling.seed + 1;
-  run.nominal = optimize::built_outcome(stated_limits_of(task, *run.search.passes.front().best),
-                                        run.samples, run.fresh_seed);
-  run.chosen =
-      optimize::built_outcome(stated_limits_of(task, *chosen.best), run.samples, run.fresh_seed);
-  run.nominal_turn =
-      turn_of_built(stated_limits_of(task, *run.search.passes.front().best), run.fresh_seed);
-  run.chosen_turn = turn_of_built(stated_limits_of(task, *chosen.best), run.fresh_seed);
-  if (spec.robust.cheapest)
-    run.cheapest = cheapen(spec, stated_limits_of(task, *chosen.best), run, progress);
+  const design::Design nominal = stated_limits_of(task, *run.search.passes.front().best);
+  const design::Design held = stated_limits_of(task, *chosen.best);
+  const std::array turned{built_in_turn(nominal), built_in_turn(held)};
+  progress.total = 2 * run.samples + turned[0] + turned[1];
+  run.nominal = optimize::built_outcome(nominal, run.samples, run.fresh_seed);
+  progress.done += run.samples;
+  run.chosen = optimize::built_outcome(held, run.samples, run.fresh_seed);
+  progress.done += run.samples;
+  run.nominal_turn = turn_of_built(nominal, run.fresh_seed);
+  progress.done += turned[0];
+  run.chosen_turn = turn_of_built(held, run.fresh_seed);
+  progress.done += turned[1];
+  if (spec.robust.cheapest) run.cheapest = cheapen(spec, held, run, progress);
   progress.stage = optimize::Progress::Stage::kOne;
   spec.limits = chosen.limits;
   return run;

@@ -177,6 +177,42 @@ std::string unknown_word(const CLI::App& app, const std::vector<std::string>& wo
   return "";
 }
 
+std::string usage_error(const CLI::App& app, const CLI::ParseError& error) {
+  const CLI::App* command = &app;
+  std::string name = "gear3k";
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().front();
+    name += ' ' + command->get_name();
+  }
+  const std::string complaint = error.what();
+  std::string missing, usage;
+  for (const CLI::Option* option : command->get_options()) {
+    const std::string own = option->get_name(!option->nonpositional());
+    const auto given = option->count();
+    const auto least = static_cast<std::size_t>(std::max(0, option->get_items_expected_min()));
+    if (option->get_required()) {
+      usage += option->nonpositional()
+                   ? fmt::format(" {} {}", own, own == "--out" ? "OUT" : "VALUE")
+                   : fmt::format(" {}{}", own, option->get_expected_max() > 1 ? "..." : "");
+    }
+    if (option->get_required() && given == 0) {
+      const std::string& words = option->get_option_text();
+      missing += fmt::format("{}: {} is missing: {}{}\n", name, own, option->get_description(),
+                             words.empty() ? "" : fmt::format(" ({})", words));
+    } else if (given > 0 && given < least) {
+      missing += fmt::format("{}: {}: {} given, allowed: {} ({})\n", name, own, given,
+                             option->get_option_text().empty() ? fmt::format("{} or more", least)
+                                                               : option->get_option_text(),
+                             option->get_description());
+    } else if (given == 0 && complaint.starts_with(own + ": ") && complaint.ends_with(" missing")) {
+      missing +=
+          fmt::format("{}: {} without its value: {}\n", name, own, option->get_description());
+    }
+  }
+  if (missing.empty()) return complaint + '\n';
+  return fmt::format("{}usage: {} [OPTIONS]{}\n", missing, name, usage);
+}
+
 FileKind file_kind(const CommandArgument& argument) {
   const std::string& text = argument.text;
   if (text.starts_with("folder")) return FileKind::kFolder;

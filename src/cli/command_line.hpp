@@ -10,6 +10,7 @@
 namespace CLI {  // NOLINT(readability-identifier-naming): the library's own name
 class App;
 class FormatterBase;
+class ParseError;
 class Validator;
 }  // namespace CLI
 
@@ -30,6 +31,10 @@ CLI::Validator one_of(std::string kind, std::vector<std::string> known);
 
 /// A message about the first word that is no command, or no option of its command; "" when all are.
 std::string unknown_word(const CLI::App& app, const std::vector<std::string>& words);
+
+/// What is wrong with the arguments that app.parse() refused: the command, every argument that is
+/// missing with its meaning, or how many there may be.
+std::string usage_error(const CLI::App& app, const CLI::ParseError& error);
 
 /// The commands and options that an app takes.
 CommandTree described(const CLI::App& app);

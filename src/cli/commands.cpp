@@ -20,6 +20,7 @@
 #include "cli/progress.hpp"
 #include "cli/result_files.hpp"
 #include "cli/talk.hpp"
+#include "design/output_terms.hpp"
 #include "design/tightest.hpp"
 #include "drawing/dxf_drawing.hpp"
 #include "drawing/export_report.hpp"
@@ -146,7 +147,8 @@ std::string result_text(const app::Analysis& analysis, const std::optional<app::
   return report::analysis_text(
              analysis.evaluation,
              design::tightest_checks(analysis.design, analysis.evaluation, kTightestShown),
-             table_choice(show), analysis.sensitivities, use, built, curve) +
+             table_choice(show), analysis.sensitivities, use, built, curve,
+             design::stated_outer_diameter_m(analysis.design)) +
          limits_paragraph(limits, show);
 }
 

@@ -548,10 +548,12 @@ int run_program(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     std::ostringstream help;
     std::ostringstream complaint;
-    const int code = app.exit(error, help, complaint);
-    cli::say(complaint.str());
-    cli::print_result(help.str());
-    return code == 0 ? cli::kDone : cli::kUsage;
+    if (app.exit(error, help, complaint) == 0) {
+      cli::print_result(help.str());
+      return cli::kDone;
+    }
+    cli::say(cli::usage_error(app, error) + "Run with --help for more information.\n");
+    return cli::kUsage;
   }
   return run();
 }

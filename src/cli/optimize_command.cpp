@@ -11,6 +11,7 @@
 #include "cli/result_files.hpp"
 #include "cli/talk.hpp"
 #include "design/built_series.hpp"
+#include "design/output_terms.hpp"
 #include "design/sensitivity.hpp"
 #include "io/files/actuator_file.hpp"
 #include "io/files/cycle_file.hpp"
@@ -282,8 +283,8 @@ void print_results(const app::OptimizeTask& task, const OptimizeRun& run,
               o.best->evaluation,
               design::tightest_checks(o.best->design, o.best->evaluation, kTightestShown),
               table_choice(options.show), design::sensitivities(o.best->design), task.use(),
-              series ? &*series : nullptr,
-              o.best->torque_angle ? &*o.best->torque_angle : nullptr) +
+              series ? &*series : nullptr, o.best->torque_angle ? &*o.best->torque_angle : nullptr,
+              design::stated_outer_diameter_m(o.best->design)) +
           (columns ? report::folded(more, *columns, kBrokenIndent) : more));
       break;
     }

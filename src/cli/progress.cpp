@@ -93,8 +93,8 @@ struct ProgressDisplay::State {
         return fmt::format("ends of the front, search {} of {}", std::min(finished + 1, total),
                            total);
       case Stage::kBeyond:
-        return fmt::format("beyond ends of ranges, search {} of {}", std::min(finished + 1, total),
-                           total);
+        return fmt::format("beyond ranges and limits, search {} of {}",
+                           std::min(finished + 1, total), total);
       case Stage::kBuilt:
         return fmt::format("limits for built gearboxes, search {} of at most {}",
                            std::max<std::size_t>(1, seen.searches), total);

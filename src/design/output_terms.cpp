@@ -25,15 +25,21 @@ OutputTerms output_terms(const Design& design, const Evaluation& evaluation) {
   if (const auto& backward = evaluation.efficiency.backward) {
     terms.back_driven_torque_share = *backward / ratio;
   }
-  const auto& outer1_m = design.masses.ring1_outer_radius_m;
-  const auto& outer2_m = design.masses.ring2_outer_radius_m;
   terms.outer_diameter_m =
-      2.0 * std::max(outer1_m.value_or(train->gears[train::kR1].root_radius_m),
-                     outer2_m.value_or(train->gears[train::kR2].root_radius_m));
-  terms.outer_surface_stated = outer1_m && outer2_m;
+      2.0 *
+      std::max(design.masses.ring1_outer_radius_m.value_or(train->gears[train::kR1].root_radius_m),
+               design.masses.ring2_outer_radius_m.value_or(train->gears[train::kR2].root_radius_m));
+  terms.outer_surface_stated = stated_outer_diameter_m(design).has_value();
   terms.ring_root_diameter_m = 2.0 * std::max(train->gears[train::kR1].root_radius_m,
                                               train->gears[train::kR2].root_radius_m);
   return terms;
+}
+
+std::optional<double> stated_outer_diameter_m(const Design& design) {
+  const auto& outer1_m = design.masses.ring1_outer_radius_m;
+  const auto& outer2_m = design.masses.ring2_outer_radius_m;
+  if (!outer1_m || !outer2_m) return std::nullopt;
+  return 2.0 * std::max(*outer1_m, *outer2_m);
 }
 
 }  // namespace gear3k::design

@@ -31,4 +31,7 @@ struct OutputTerms {
 /// @throws std::invalid_argument where the train's geometry is not defined
 OutputTerms output_terms(const Design& design, const Evaluation& evaluation);
 
+/// Over the outer surfaces of the rings, the larger one; empty where one of them is not stated.
+std::optional<double> stated_outer_diameter_m(const Design& design);
+
 }  // namespace gear3k::design

@@ -133,7 +133,8 @@ class SheetRows {
     };
     limit_by_thickness(add("teeth", "tooth thickness, arc on d", "s_n", "mm", arc(g)), arc);
     const auto allowance = [](const GearGeometry<double>& a) -> std::optional<double> {
-      return -um(a.gear.module_m * a.gear.machining_allowance) / a.angle.cos;
+      // No thinning is 0, not -0.
+      return 0.0 - um(a.gear.module_m * a.gear.machining_allowance) / a.angle.cos;
     };
     Characteristic& a_sn = add("teeth", "thickness allowance", "A_sn", "um", allowance(g));
     limit_by_thickness(a_sn, allowance);
@@ -226,6 +227,19 @@ void take_active_root(std::optional<double>& known, std::optional<double> other,
   } else {
     known = kind == GearKind::kRing ? std::max(*known, *other) : std::min(*known, *other);
   }
+}
+
+/// The play of a mesh as drawn, to be felt when gear and mate are together.
+Characteristic backlash_row(std::string_view mate, double normal_backlash_m,
+                            double center_distance_m) {
+  return {.group = "mesh",
+          .name = fmt::format("normal backlash with {}", mate),
+          .symbol = "j_bn",
+          .unit = "um",
+          .nominal = um(normal_backlash_m),
+          .lower = {},
+          .upper = {},
+          .note = fmt::format("as drawn, centre distance {:.4f} mm", mm(center_distance_m))};
 }
 
 std::string material_of(const std::optional<strength::RatingTask>& rating, std::size_t gear) {
@@ -328,6 +342,14 @@ std::vector<InspectionSheet> inspection_sheets(const design::Design& design,
     if (kind == GearKind::kRing && outer_m) gear.outer_diameter_m = 2.0 * *outer_m;
     gear.material = material_of(design.rating, id);
     sheets.push_back(sheet_of(std::string(train::kGearNames[id]), evaluation.name, gear));
+    for (std::size_t m = 0; m < evaluation.meshes.size(); ++m) {
+      for (std::size_t side = 0; side < 2; ++side) {
+        if (train::kMeshGears[m][side] != id) continue;
+        sheets.back().rows.push_back(backlash_row(train::kGearNames[train::kMeshGears[m][1 - side]],
+                                                  evaluation.meshes[m].normal_backlash_m,
+                                                  evaluation.center_distance_m));
+      }
+    }
   }
   sheets.push_back(planet_sheet(design, evaluation));
   return sheets;

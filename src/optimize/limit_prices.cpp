@@ -349,6 +349,41 @@ std::vector<SearchBound> bounds_met(const Specification& spec, const RefinedSet&
 
 }  // namespace
 
+double giving_step(const LimitPrice& price) {
+  const double sign = price.limit.at_least ? -1.0 : 1.0;
+  constexpr double kShareOfFelt = 0.05;
+  if (price.limit.kind == LimitKind::kFelt) return sign * kShareOfFelt * price.value_si;
+  switch (price.unit) {
+    case units::Unit::kNone:
+    case units::Unit::kModule:
+    case units::Unit::kModules:
+      return sign * 0.05;
+    case units::Unit::kMillimetre:
+    case units::Unit::kDiameterMillimetre: {
+      const bool large =
+          price.key.starts_with("size.") || price.key.find("face_width") != std::string::npos;
+      return sign * (large ? 1.0 : 0.05);
+    }
+    case units::Unit::kNewton:
+    case units::Unit::kMegapascal:
+      return sign * 10.0;
+    default:
+      return sign;
+  }
+}
+
+const LimitPrice* dearest(const HeldBack& held) {
+  const auto gain = [](const LimitPrice& price) {
+    return std::abs(price.loosened * units::si_per(price.unit) * giving_step(price));
+  };
+  const LimitPrice* most = nullptr;
+  for (const LimitPrice& price : held.prices) {
+    if (!price.stated || price.loosened == 0.0) continue;
+    if (most == nullptr || gain(price) > gain(*most)) most = &price;
+  }
+  return most;
+}
+
 bool LimitPrice::unique() const {
   constexpr double kSamePrice = 1e-6;
   return tightened && std::abs(*tightened - loosened) <= kSamePrice * std::abs(*tightened);

@@ -58,6 +58,9 @@ struct LimitPrice {
   [[nodiscard]] bool unique() const;
 };
 
+/// A step by which a limit is likely to give way, in the unit of its key, with its sign.
+double giving_step(const LimitPrice& price);
+
 /// What a search with a bound given way found: see search_beyond().
 struct WiderSearch {
   double value = 0.0;                  ///< of the key
@@ -71,12 +74,24 @@ struct SearchBound {
   std::optional<WiderSearch> wider{};  ///< empty where nothing beyond it was tried
 };
 
+/// The design with the limit given way by its step that gains most, to first order.
+struct RelaxedAnswer {
+  std::string key;
+  double value_si = 0.0;  ///< of the limit then
+  bool all_sets = false;  ///< every tooth set was searched with it; else the set itself
+  std::optional<RefinedSet> better{};  ///< empty: nothing better was found
+};
+
 struct HeldBack {
   double kkt_residual = 0.0;
   std::vector<LimitPrice> prices;  ///< of every active limit, in the order of rows, then bounds
   std::string_view missing;        ///< why there are none; "" where they are known
   std::vector<SearchBound> at;
+  std::optional<RelaxedAnswer> relaxed{};  ///< empty where no search was made
 };
+
+/// The limit of a file that gains most where it gives way by its step, to first order; null: none.
+const LimitPrice* dearest(const HeldBack& held);
 
 /// @param set  an optimum of the specification
 /// @param stated  what files state of the limits; those of the specification may be tighter, as

@@ -17,10 +17,14 @@ struct Progress {
     bool explains = false;   ///< searches follow beyond ends of ranges, or without limits
     /// Searches for limits that hold for built gearboxes, where these come first.
     std::size_t passes_least = 0, passes_most = 0;
+    /// Gearboxes built at random in each of them, and after them (positions of those that turn
+    /// count as gearboxes, too).
+    std::size_t built_per_pass = 0, built_after = 0;
   };
   std::atomic<std::size_t> front_objectives{0}, front_designs{0};
   std::atomic<bool> rounding{false}, best_only{false}, explains{false};
   std::atomic<std::size_t> passes_least{0}, passes_most{0};
+  std::atomic<std::size_t> built_per_pass{0}, built_after{0};
   /// What the searches of a run are for, where they are several.
   enum class Stage { kOne, kFrontEnds, kFrontGaps, kBeyond, kRelaxed, kBuilt };
   std::atomic<Stage> stage{Stage::kOne};
@@ -30,7 +34,9 @@ struct Progress {
   std::atomic<std::size_t> done{0};      ///< (zS, zP1) pairs searched, stages bounded, tooth sets
                                          ///< refined or their bounds sharpened, gearboxes built
   std::atomic<std::size_t> total{0};     ///< 0 until it is known
-  std::atomic<std::size_t> open{0};      ///< sets that a search of all of them has to refine
+  /// Of the search: tooth sets, stages of the first kind, and stages of both without a design.
+  std::atomic<std::size_t> sets{0}, first_stages{0}, empty_first{0}, empty_second{0};
+  std::atomic<std::size_t> open{0};  ///< sets that a search of all of them has to refine
   std::atomic<std::size_t> feasible{0};
   std::atomic<double> best_merit{0.0};       ///< meaningless while feasible is 0
   std::atomic<double> shown_per_merit{1.0};  ///< of the objective in its unit

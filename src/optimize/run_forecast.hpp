@@ -15,19 +15,20 @@ struct ProgressSeen {
   Progress::Stage stage = Progress::Stage::kOne;
   Progress::Plan plan;
   std::size_t done = 0, total = 0, stage_done = 0, stage_total = 0, searches = 0;
+  std::size_t sets = 0, first_stages = 0, empty_first = 0, empty_second = 0;
   std::size_t open = 0, feasible = 0;
 };
 ProgressSeen seen_of(const Progress& progress);
 
 /// Time that a run has left, over the phase that runs and those that follow.
 ///
-/// The phase that runs goes on as WorkRate has it.  What follows is counted in searches of the
-/// whole space, each of which costs some refinements at the mean of those that were made and a
-/// share of the time that the first search took to find and bound its sets; searches of a front
-/// count by their own times as these come to be known. What is not known ahead (searches beyond the
-/// ends of ranges or without limits, how often limits for built gearboxes are sought, what sets
-/// cost of which none was refined) makes it a range.
-/// Source: own derivation; the shares are measured, docs/theory §12 ("Time left").
+/// What a run does is counted in units of its own speed: stages bounded, sets refined, bounds
+/// sharpened, gearboxes built.  A unit costs what those done so far did; before any is done, so
+/// many times what bounding a stage that has a design took.  How many sets are refined follows from
+/// the shares of stages without a design; what is not known ahead (how many of the sets may still
+/// win, how many bounds are sharpened, searches beyond the ends of ranges or without limits) makes
+/// it a range.  Searches of a front count by their own times as these come to be known.
+/// Source: own derivation; the costs are measured, docs/theory §12 ("Time left").
 /// Accuracy: what is left lies within the range, or within a factor of two of its middle where that
 /// is told alone, in most looks from a tenth of a run on, for tasks of the kind measured there.
 class RunForecast {
@@ -47,37 +48,52 @@ class RunForecast {
   [[nodiscard]] std::optional<double> seconds_left() const;
 
  private:
+  /// Time that items of one kind took.
+  struct Work {
+    double time_s = 0.0;
+    std::size_t items = 0;
+    [[nodiscard]] double each_s() const {
+      return items > 0 ? time_s / static_cast<double>(items) : 0.0;
+    }
+    /// The same with some items that took what is expected of them.
+    [[nodiscard]] double each_s(double expected_s, double weight) const {
+      return (weight * expected_s + time_s) / (weight + static_cast<double>(items));
+    }
+  };
+  void account(double now_s, const ProgressSeen& seen);
+  [[nodiscard]] double stage_s() const;
+  [[nodiscard]] double set_s() const;
+  [[nodiscard]] double sharpening_s() const;
   [[nodiscard]] double search_s() const;
   [[nodiscard]] double front_search_s() const;
+  [[nodiscard]] double built_after_s() const;
+  [[nodiscard]] bool certifies() const;
   [[nodiscard]] std::optional<Range> range_now() const;
-  [[nodiscard]] std::optional<double> rest_of_search_s() const;
-  [[nodiscard]] std::optional<double> rest_of_first_s(const std::optional<double>& left) const;
+  [[nodiscard]] std::optional<Range> rest_of_search() const;
+  [[nodiscard]] std::optional<Range> rest_of_first() const;
+  [[nodiscard]] Range after_bounds() const;
   void add_passes(Range& left) const;
   void add_front(Range& left) const;
 
   bool begun_ = false;
-  double last_s_ = 0.0, search_began_s_ = 0.0;
+  double last_s_ = 0.0, search_began_s_ = 0.0, phase_began_s_ = 0.0, item_began_s_ = 0.0;
   ProgressSeen last_;
   WorkRate rate_;           ///< of the phase
   double finding_s_ = 0.0;  ///< search and bounds of the latest search of all sets
-  struct Refined {
-    double time_s = 0.0;
-    std::size_t sets = 0;
-    [[nodiscard]] double each_s() const {
-      return sets > 0 ? time_s / static_cast<double>(sets) : 0.0;
-    }
-  };
-  Refined& refined_in(Progress::Stage stage) {
+  double found_s_ = 0.0;    ///< of the latest that is over
+  Work stages_;             ///< with a design; all of the time that bounding took
+  Work& refined_in(Progress::Stage stage) {
     const bool limited =
         stage == Progress::Stage::kFrontEnds || stage == Progress::Stage::kFrontGaps;
     return limited ? limited_ : first_;
   }
-  Refined first_, limited_;  ///< in the first search, and in those within limits
-  double gaps_s_ = 0.0;      ///< in the gaps of a front, with the searches begun there
+  Work first_, limited_;  ///< sets, in the first search and in those within limits
+  Work sharpened_;        ///< bounds
+  double gaps_s_ = 0.0;   ///< in the gaps of a front, with the searches begun there
   std::size_t gap_searches_ = 0;
   std::optional<Range> told_;  ///< what was known last, and when
   double told_at_s_ = 0.0;
-  double built_s_ = 0.0;  ///< with gearboxes in these searches
+  double built_s_ = 0.0;  ///< with gearboxes in the searches for built ones
   double after_began_s_ = 0.0;
   double passes_s_ = 0.0;  ///< in searches for built gearboxes that ended
 };

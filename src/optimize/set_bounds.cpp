@@ -44,11 +44,15 @@ SetBounds::SetBounds(const Specification& spec, std::span<const Candidate> candi
       relaxer_(spec, keys_, candidates),
       of_any_set_(too_long(spec)) {
   if (!has_bounds(spec)) return;
+  progress.sets = candidates.size();
+  progress.first_stages = keys_.keys[0].size();
+  progress.empty_first = progress.empty_second = 0;
   progress.total = keys_.keys[0].size() + keys_.keys[1].size();
   stage1_.resize(keys_.keys[0].size());
   numerics::parallel_for(stage1_.size(), [&](std::size_t k) {
     if (!progress.stop.load(std::memory_order_relaxed)) {
       stage1_[k] = relaxer_.relax1(k, {.effort = kUsual});
+      if (stage1_[k].infeasible) ++progress.empty_first;
     }
     ++progress.done;
   });
@@ -59,6 +63,7 @@ SetBounds::SetBounds(const Specification& spec, std::span<const Candidate> candi
   numerics::parallel_for(stage2_.size(), [&](std::size_t k) {
     if (!progress.stop.load(std::memory_order_relaxed)) {
       stage2_[k] = relaxer_.relax2(k, {.effort = kUsual}, most_distance_);
+      if (stage2_[k].infeasible) ++progress.empty_second;
     }
     ++progress.done;
   });

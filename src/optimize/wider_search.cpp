@@ -9,6 +9,7 @@
 
 #include "optimize/objective_value.hpp"
 #include "optimize/optimizer.hpp"
+#include "optimize/refine.hpp"
 
 namespace gear3k::optimize {
 
@@ -91,6 +92,84 @@ void search_beyond(const Specification& spec, const RefinedSet& best, std::size_
     ++progress.stage_done;
   }
   progress.stage = Progress::Stage::kOne;
+}
+
+std::optional<Specification> with_limit_moved(Specification spec, const LimitOf& limit,
+                                              double by_si) {
+  const auto move = [&](auto& range) {
+    if (!range) return false;
+    (limit.at_least ? range->min : range->max) += by_si;
+    return true;
+  };
+  bool moved = false;
+  switch (limit.kind) {
+    case LimitKind::kCheck: {
+      auto& value = limit.place >= 0
+                        ? spec.limits.mesh_backlash_m[static_cast<std::size_t>(limit.place)]
+                        : spec.limits[*limit.check];
+      moved = value.has_value();
+      if (moved) *value += by_si;
+      break;
+    }
+    case LimitKind::kProfileShift:
+      (limit.at_least ? spec.profile_shift.min : spec.profile_shift.max) += by_si;
+      moved = true;
+      break;
+    case LimitKind::kRingShift:
+      moved = move(spec.ring_shift);
+      break;
+    case LimitKind::kModule:
+      for (std::size_t stage = 0; stage < spec.module.size(); ++stage) {
+        if (static_cast<int>(stage) == limit.place || has_same_module(spec)) {
+          moved = move(spec.module[stage].range_m) || moved;
+        }
+      }
+      break;
+    case LimitKind::kTipShortening:
+      moved = move(spec.free.tip_shortening);
+      break;
+    case LimitKind::kPressureAngle:
+      moved = move(spec.free.pressure_angle_rad);
+      break;
+    case LimitKind::kObjective:
+    case LimitKind::kFaceWidth:
+    case LimitKind::kTorque:
+    case LimitKind::kFelt:
+    case LimitKind::kSearchSpace:
+      break;
+  }
+  return moved ? std::optional(std::move(spec)) : std::nullopt;
+}
+
+void search_relaxed(const Specification& spec, const RefinedSet& best, std::size_t sets,
+                    HeldBack& held, Progress& progress) {
+  const LimitPrice* const price = dearest(held);
+  if (price == nullptr || spec.robust.hold != Hold::kNominal || judged_by_model(spec)) return;
+  const double step_si = giving_step(*price) * units::si_per(price->unit);
+  auto own = with_limit_moved(spec, price->limit, step_si);
+  if (!own) return;
+  const Objective first = first_objective(spec);
+  own->objectives = {first};
+  const auto cost = [&](const RefinedSet& set) {
+    return cost_in_steps(first, objective_of(*own, set, first));
+  };
+  RelaxedAnswer relaxed{.key = price->key, .value_si = price->value_si + step_si};
+  const RefinedSet again = refine(*own, best.candidate);
+  if (again.status == Status::kOptimal && cost(again) < cost(best)) relaxed.better = again;
+  relaxed.all_sets = is_efficiency(first) && has_bounds(*own) && sets <= kMostSearchedAgain;
+  if (relaxed.all_sets) {
+    progress.stage = Progress::Stage::kBeyond;
+    progress.stage_done = 0;
+    progress.stage_total = 1;
+    progress.searches = 1;
+    const OptimizeResult result = optimize(
+        *own, progress, {.best_only = true, .certify = false, .incumbent = relaxed.better});
+    progress.stage = Progress::Stage::kOne;
+    if (result.interrupted) return;
+    const auto beaten = [&] { return cost(relaxed.better ? *relaxed.better : best); };
+    if (result.best && cost(*result.best) < beaten()) relaxed.better = result.best;
+  }
+  held.relaxed = std::move(relaxed);
 }
 
 }  // namespace gear3k::optimize

@@ -1,6 +1,9 @@
 #pragma once
 // What lies just beyond the ends of a search's ranges.
 
+#include <cstddef>
+#include <optional>
+
 #include "optimize/limit_prices.hpp"
 #include "optimize/progress.hpp"
 #include "optimize/specification.hpp"
@@ -21,5 +24,17 @@ inline constexpr std::size_t kMostSearchedAgain = 20000;
 /// @param progress  its stop ends the searches: what was not tried stays empty
 void search_beyond(const Specification& spec, const RefinedSet& best, std::size_t sets,
                    HeldBack& held, Progress& progress);
+
+/// The specification with a limit moved [SI]; empty where the limit is none of checks, shifts,
+/// modules, tips and pressure angle.
+std::optional<Specification> with_limit_moved(Specification spec, const LimitOf& limit,
+                                              double by_si);
+
+/// Refines the best set, and searches all sets where the task has bounds and up to
+/// kMostSearchedAgain of them, with the dearest() limit given way by its step.  Fills
+/// HeldBack::relaxed; leaves it empty where no limit has a price or is one that
+/// with_limit_moved() does not move, and with `[robust]`.
+void search_relaxed(const Specification& spec, const RefinedSet& best, std::size_t sets,
+                    HeldBack& held, Progress& progress);
 
 }  // namespace gear3k::optimize

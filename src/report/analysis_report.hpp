@@ -1,6 +1,7 @@
 #pragma once
 // What `analyze` and `mesh` print.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,12 +29,14 @@ std::string analysis_table(const design::PairEvaluation& e);
 
 /// The first screen and the sections that are asked for, or the whole table.
 /// @param tightest  of design::tightest_checks()
+/// @param outer_diameter_m  of design::stated_outer_diameter_m()
 std::string analysis_text(const design::Evaluation& e,
                           const std::vector<design::TightestCheck>& tightest,
                           const TableChoice& choice, const design::Sensitivities& s,
                           const ModelUse* model = nullptr,
                           const design::BuiltSeries* built = nullptr,
-                          const design::TorqueAngleCurve* curve = nullptr);
+                          const design::TorqueAngleCurve* curve = nullptr,
+                          std::optional<double> outer_diameter_m = {});
 std::string analysis_text(const design::PairEvaluation& e,
                           const std::vector<design::TightestCheck>& tightest,
                           const TableChoice& choice);

@@ -421,9 +421,10 @@ std::string analysis_table(const PairEvaluation& e) {
 std::string analysis_text(const Evaluation& e, const std::vector<design::TightestCheck>& tightest,
                           const TableChoice& choice, const design::Sensitivities& s,
                           const ModelUse* model, const design::BuiltSeries* built,
-                          const design::TorqueAngleCurve* curve) {
+                          const design::TorqueAngleCurve* curve,
+                          std::optional<double> outer_diameter_m) {
   if (choice.full) return analysis_table(e, s, model, built, curve);
-  std::string text = first_screen(e, tightest, built, choice.columns);
+  std::string text = first_screen(e, tightest, built, choice.columns, outer_diameter_m);
   if (model != nullptr) {
     text += broken(fmt::format("Model: {}: {}", model->file, fmt::join(cause_lines(*model), "; ")),
                    choice.columns, 4);

@@ -69,13 +69,14 @@ std::string tightest_text(const std::vector<CheckResult>& checks,
   return text;
 }
 
-std::string size_text(const Evaluation& e) {
+std::string size_text(const Evaluation& e, const std::optional<double>& outer_diameter_m) {
   double root_m = 0.0;
   for (const int ring : {train::kR1, train::kR2}) {
     root_m = std::max(root_m, e.gears[static_cast<std::size_t>(ring)].root_diameter_m);
   }
   return fmt::format(
-      "ring roots {:.2f} mm, centre distance {:.4f} mm, modules {:.5g} and {:.5g} mm, {}",
+      "{}ring roots {:.2f} mm, centre distance {:.4f} mm, modules {:.5g} and {:.5g} mm, {}",
+      outer_diameter_m ? fmt::format("outer diameter {:.2f} mm, ", mm(*outer_diameter_m)) : "",
       mm(root_m), mm(e.center_distance_m), mm(e.module_m[0]), mm(e.module_m[1]),
       e.total_mass_kg ? fmt::format("mass {:.4g} kg", *e.total_mass_kg)
                       : std::string("mass not known (--show masses)"));
@@ -164,7 +165,8 @@ std::string folded(const std::string& text, int columns, std::size_t indent) {
 }
 
 std::string first_screen(const Evaluation& e, const std::vector<TightestCheck>& tightest,
-                         const design::BuiltSeries* built, int columns) {
+                         const design::BuiltSeries* built, int columns,
+                         std::optional<double> outer_diameter_m) {
   std::string text;
   const auto add = [&](const std::string& line) { text += broken(line, columns, kIndent); };
   add(fmt::format("{}: S {} / P1 {} / R1 {} / P2 {} / R2 {}, {} {}planets",
@@ -173,7 +175,7 @@ std::string first_screen(const Evaluation& e, const std::vector<TightestCheck>& 
                   e.assembly.equal_spacing && e.assembly.identical_planets ? "identical " : ""));
   add(fmt::format("  ratio        {:.4f}:1{}", e.ratio,
                   e.ratio < 0.0 ? ", output turns against the input" : ""));
-  add("  size         " + size_text(e));
+  add("  size         " + size_text(e, outer_diameter_m));
   const auto& eta = e.efficiency;
   add(fmt::format("  efficiency   forward {}, backward {}", percent_text(eta.forward),
                   !eta.backward       ? std::string("undefined")

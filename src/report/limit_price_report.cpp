@@ -15,34 +15,8 @@ namespace gear3k::report {
 
 namespace {
 
+using optimize::dearest, optimize::giving_step;
 using optimize::LimitPrice, optimize::ObjectiveRecord, optimize::Specification;
-
-/// A step by which a limit is likely to give way, in its unit.
-double natural_step(const LimitPrice& price) {
-  constexpr double kShareOfFelt = 0.05;
-  if (price.limit.kind == optimize::LimitKind::kFelt) return kShareOfFelt * price.value_si;
-  switch (price.unit) {
-    case units::Unit::kNone:
-    case units::Unit::kModule:
-    case units::Unit::kModules:
-      return 0.05;
-    case units::Unit::kMillimetre:
-    case units::Unit::kDiameterMillimetre:
-      return price.key.starts_with("size.") || price.key.find("face_width") != std::string::npos
-                 ? 1.0
-                 : 0.05;
-    case units::Unit::kNewton:
-    case units::Unit::kMegapascal:
-      return 10.0;
-    default:
-      return 1.0;
-  }
-}
-
-/// The same with the sign in which the limit gives way.
-double giving_step(const LimitPrice& price) {
-  return price.limit.at_least ? -natural_step(price) : natural_step(price);
-}
 
 const ObjectiveRecord& record_of(const Specification& spec) {
   return optimize::objective_record(optimize::first_objective(spec));
@@ -104,19 +78,6 @@ std::string preset_text(const Specification& spec, const LimitPrice& price) {
   return preset.empty() ? "" : fmt::format(" ({})", preset);
 }
 
-/// The limit of a file that gains most where it gives way by its step; null: none gains.
-const LimitPrice* dearest(const Specification& spec, const HeldSet& best) {
-  const LimitPrice* most = nullptr;
-  for (const LimitPrice& price : best.held.prices) {
-    if (!price.stated || price.loosened == 0.0) continue;
-    if (most == nullptr ||
-        std::abs(change_per_step(spec, price)) > std::abs(change_per_step(spec, *most))) {
-      most = &price;
-    }
-  }
-  return most;
-}
-
 double objective_of(const Specification& spec, const HeldSet& best) {
   return optimize::objective_of(spec, best.set, optimize::first_objective(spec)) /
          record_of(spec).per_unit;
@@ -170,8 +131,21 @@ const optimize::SearchBound* most_beyond(const Specification& spec, const HeldSe
   return most;
 }
 
+/// What a search with the limit given way found.
+std::string relaxed_text(const Specification& spec, const HeldSet& best) {
+  const std::optional<optimize::RelaxedAnswer>& relaxed = best.held.relaxed;
+  if (!relaxed) return "";
+  const std::string_view what = relaxed->all_sets ? "all tooth sets searched again with it"
+                                                  : "this tooth set refined again with it";
+  if (!relaxed->better) return fmt::format("  {}: nothing better\n", what);
+  const HeldSet better{.set = *relaxed->better, .held = {}};
+  return fmt::format("  {}: {} has {} ({})\n", what, teeth_text(better.set.candidate.teeth),
+                     objective_text(spec, objective_of(spec, better)),
+                     change_text(spec, objective_of(spec, better) - objective_of(spec, best)));
+}
+
 std::string better_text(const Specification& spec, const HeldSet& best) {
-  const LimitPrice* const price = dearest(spec, best);
+  const LimitPrice* const price = dearest(best.held);
   if (price == nullptr) return "";
   const double change = change_per_step(spec, *price);
   const double moved =
@@ -179,7 +153,8 @@ std::string better_text(const Specification& spec, const HeldSet& best) {
   std::string text =
       fmt::format("  nearest better, an estimate to first order: {} with {} = {:g} ({})\n",
                   objective_text(spec, objective_of(spec, best) + change), price->key, moved,
-                  change_text(spec, change));
+                  change_text(spec, change)) +
+      relaxed_text(spec, best);
   if (const optimize::SearchBound* const beyond = most_beyond(spec, best)) {
     const HeldSet better{.set = *beyond->wider->better, .held = {}};
     const double gain = objective_of(spec, better) - objective_of(spec, best);
@@ -237,7 +212,7 @@ std::string planets_table(const Specification& spec, const HeldBackReport& repor
                    "held back most by"});
   for (const std::size_t column : {std::size_t{1}, std::size_t{4}}) table.align_left(column);
   for (const HeldSet& set : sets) {
-    const LimitPrice* const price = dearest(spec, set);
+    const LimitPrice* const price = dearest(set.held);
     table.add({fmt::format("{}", set.set.candidate.planets), teeth_text(set.set.candidate.teeth),
                fmt::format("{:.4f}", train::ratio(set.set.candidate.teeth)),
                objective_text(spec, objective_of(spec, set)),
@@ -275,6 +250,29 @@ io::Json prices_json(const Specification& spec, const HeldSet& set) {
   });
 }
 
+/// A better design than the best one, of a search with a bound or a limit given way.
+io::Json better_json(const Specification& spec, const HeldSet& best,
+                     const optimize::RefinedSet& set) {
+  const HeldSet better{.set = set, .held = {}};
+  const double objective = objective_of(spec, better);
+  return {{"planets", set.candidate.planets},
+          {"teeth", train::teeth_of(set.candidate.teeth)},
+          {"ratio", train::ratio(set.candidate.teeth)},
+          {"objective", objective},
+          {"change", objective - objective_of(spec, best)}};
+}
+
+io::Json relaxed_json(const Specification& spec, const HeldSet& best) {
+  const std::optional<optimize::RelaxedAnswer>& relaxed = best.held.relaxed;
+  const LimitPrice* const price = dearest(best.held);
+  if (!relaxed || price == nullptr) return nullptr;
+  return {{"key", relaxed->key},
+          {"value", clean(units::decimal_from_si(relaxed->value_si, price->unit))},
+          {"unit", units::unit_name(price->unit)},
+          {"all_sets", relaxed->all_sets},
+          {"better", relaxed->better ? better_json(spec, best, *relaxed->better) : nullptr}};
+}
+
 io::Json bound_json(const Specification& spec, const HeldSet& best,
                     const optimize::SearchBound& bound) {
   io::Json entry{{"key", bound.key},
@@ -282,19 +280,13 @@ io::Json bound_json(const Specification& spec, const HeldSet& best,
                  {"tried", bound.wider ? io::Json(bound.wider->value) : nullptr},
                  {"better", nullptr}};
   if (bound.wider && bound.wider->better) {
-    const HeldSet better{.set = *bound.wider->better, .held = {}};
-    const double objective = objective_of(spec, better);
-    entry["better"] = {{"planets", better.set.candidate.planets},
-                       {"teeth", train::teeth_of(better.set.candidate.teeth)},
-                       {"ratio", train::ratio(better.set.candidate.teeth)},
-                       {"objective", objective},
-                       {"change", objective - objective_of(spec, best)}};
+    entry["better"] = better_json(spec, best, *bound.wider->better);
   }
   return entry;
 }
 
 io::Json held_set_json(const Specification& spec, const HeldSet& best) {
-  const LimitPrice* const price = dearest(spec, best);
+  const LimitPrice* const price = dearest(best.held);
   io::Json better = nullptr;
   if (price != nullptr) {
     const double change = change_per_step(spec, *price);
@@ -312,7 +304,8 @@ io::Json held_set_json(const Specification& spec, const HeldSet& best) {
                                   [&](const optimize::SearchBound& bound) {
                                     return bound_json(spec, best, bound);
                                   })},
-          {"better_estimate", std::move(better)}};
+          {"better_estimate", std::move(better)},
+          {"better_searched", relaxed_json(spec, best)}};
 }
 
 }  // namespace

@@ -165,15 +165,28 @@ std::string selection_table(const SelectionTask& task, const Selection& selectio
       "{}: {} motors x {} gearboxes = {} pairs, {} cycles run; front of {}\n",
       task.name.empty() ? "selection" : io::printable(task.name), task.motors.size(),
       task.gearboxes.size(), selection.verdicts.size(), selection.run, selection.front.size());
-  std::vector<std::string> heads{"motor",  "gearbox", "ratio",  "energy J",     "mass kg",
-                                 "A peak", "A rms",   "V peak", "inertia kg m2"};
+  std::vector<std::string> heads{"motor",  "gearbox", "ratio",  "energy J", "mass kg",
+                                 "A peak", "A rms",   "V peak", "J kg m2"};
+  std::vector<std::string_view> unknown;  // each by a letter, told below the table
+  const auto letters_of = [&](const PairResult& r) {
+    std::vector<char> letters;
+    for (const std::string_view name : unknown_names(task, r.pair)) {
+      const auto place = std::ranges::find(unknown, name) - unknown.begin();
+      if (place == std::ssize(unknown)) unknown.push_back(name);
+      letters.push_back(static_cast<char>('a' + place));
+    }
+    std::ranges::sort(letters);
+    return letters;
+  };
+  heads.emplace_back("?");
+  TextTable table(heads);
+  table.align_left(1);
+  table.align_left(heads.size() - 1);
   // What is felt, where it is limited.
   const bool felt =
       std::ranges::any_of(selection.front, [](const PairResult& r) { return r.felt.has_value(); });
-  if (felt) heads.insert(heads.end(), {"felt kg m2", "breakaway N m", "transparency"});
-  heads.emplace_back("not known");
-  TextTable table(heads);
-  table.align_left(1);
+  TextTable felt_table({"motor", "gearbox", "felt kg m2", "breakaway N m", "transparency"});
+  felt_table.align_left(1);
   const auto cell = [](double value) { return fmt::format("{:.4g}", value); };
   for (const PairResult& r : selection.front) {
     std::vector<std::string> cells{task.motors[r.pair.motor].name,
@@ -185,13 +198,22 @@ std::string selection_table(const SelectionTask& task, const Selection& selectio
                                    cell(r.rms_current_A),
                                    cell(r.peak_voltage_V),
                                    cell(r.inertia_kgm2)};
-    for (const auto& value : felt ? felt_values(*r.felt) : std::vector<std::optional<double>>()) {
-      cells.push_back(value ? cell(*value) : "-");
-    }
-    cells.push_back(fmt::format("{}", fmt::join(unknown_names(task, r.pair), " ")));
+    cells.push_back(fmt::format("{}", fmt::join(letters_of(r), " ")));
     table.add(cells);
+    if (!felt) continue;
+    cells.resize(2);
+    for (const auto& value : felt_values(*r.felt)) cells.push_back(value ? cell(*value) : "-");
+    felt_table.add(cells);
   }
   if (!selection.front.empty()) text += table.text(0);
+  if (!unknown.empty()) {
+    std::vector<std::string> legend;
+    for (std::size_t k = 0; k < unknown.size(); ++k) {
+      legend.push_back(fmt::format("{} {}", static_cast<char>('a' + k), unknown[k]));
+    }
+    text += fmt::format("?: not known of the pair: {}\n", fmt::join(legend, ", "));
+  }
+  if (felt) text += '\n' + felt_table.text(0);
   const auto frictionless = std::ranges::count_if(selection.front, [&](const PairResult& r) {
     return !task.motors[r.pair.motor].friction_known;
   });

@@ -279,6 +279,27 @@ TEST(Selection, WithoutAFeasiblePairEndsWith3AndNamesTheLimit) {
       << result.err;
 }
 
+TEST(Actuator, TableOfTheExamplesSelectionFitsTheScreen) {
+  const Workplace place;
+  const std::string source = GEAR3K_SOURCE_DIR "/examples/actuators/knee_selection.toml";
+  const ProgramResult result = place.run({"actuator", "--select", source, "--out", "out"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  for (const std::string& line : lines_of(result.out)) EXPECT_LE(line.size(), 120U) << line;
+  EXPECT_TRUE(contains(result.out, "\n?: not known of the pair: a ")) << result.out;
+}
+
+TEST(Actuator, AMissingDesignIsToldWithItsKey) {
+  const Workplace place;
+  place.write("a.toml",
+              "[motor]\ntorque_constant_nm_per_a = 0.05\nresistance_ohm = 0.5\n"
+              "[gearbox]\ndesign = \"absent.toml\"\n");
+  const ProgramResult result = place.run({"actuator", "a.toml"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(
+      contains(result.err, "a.toml: gearbox.design: absent.toml: cannot be read: No such file"))
+      << result.err;
+}
+
 TEST(Actuator, OptionsThatDoNotGoTogetherAreUsageErrors) {
   const Workplace place;
   place.write("a.toml", kReference);

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include "tests/cli/run_program.hpp"
 
@@ -36,6 +38,33 @@ TEST(Compare, PrintsDesignsByNameAndByFileWhereNamesAreAlike) {
   const json document = json::parse(place.read("result.json"));
   EXPECT_EQ(document.at("designs").at(1).at("file"), "b.toml");
   EXPECT_EQ(document.at("designs").at(1).at("ok"), false);
+}
+
+// Those of `optimize` and `actuator --select`: held_back_test.cpp, actuator_test.cpp.
+TEST(Screens, FitTheirColumns) {
+  const Workplace place;
+  place.write("a.toml", example("designs/ratio_96_tolerances.toml"));
+  place.write("b.toml", example("designs/loaded.toml"));
+  place.write("p.toml", example("pairs/dry_steel_pair.toml"));
+  for (const std::vector<std::string>& command :
+       std::vector<std::vector<std::string>>{{"analyze", "a.toml"},
+                                             {"analyze", "b.toml"},
+                                             {"mesh", "p.toml"},
+                                             {"compare", "a.toml", "b.toml"}}) {
+    for (const std::size_t columns : {80U, 120U}) {
+      std::vector<std::string> words = command;
+      words.insert(words.end(), {"--columns", std::to_string(columns)});
+      const ProgramResult run = place.run(words);
+      EXPECT_EQ(run.exit_code, 0) << run.err;
+      std::istringstream lines(run.out);
+      std::size_t count = 0;
+      for (std::string line; std::getline(lines, line); ++count) {
+        EXPECT_LE(line.size(), columns) << line;
+      }
+      EXPECT_GT(count, 10U) << command.front();
+      EXPECT_LE(count, command.front() == "analyze" ? 25U : 200U);
+    }
+  }
 }
 
 TEST(Compare, SaysTheErrorsOfAllFilesAtOnce) {

@@ -206,6 +206,30 @@ TEST(HeldBack, NamesTheBoundsOfTheSearchAndTheNearestBetterAnswer) {
   EXPECT_EQ(table.find("Best by number of planets"), std::string::npos);
 }
 
+// The better answer is what a run with the limit moved has.
+TEST(HeldBack, SearchesAgainWithTheLimitThatGainsMost) {
+  const Workplace place;
+  const json summary = summary_of(place, kOneSet);
+  const json& again = summary.at("better_searched");
+  ASSERT_EQ(again.at("key"), summary.at("better_estimate").at("key"));
+  EXPECT_EQ(again.at("all_sets"), true);
+  const auto value = again.at("value").get<double>();
+  const std::string key = again.at("key");
+  const std::string moved =
+      key == "limits.undercut"
+          ? replaced(kOneSet, "undercut = 0.0", "undercut = " + std::to_string(value))
+      : key == "profile_shift.range[1]"
+          ? replaced(kOneSet, "range = [0.0, 1.0]", "range = [0.0, " + std::to_string(value) + "]")
+          : replaced(kOneSet, "max_output_arcmin = 8.0",
+                     "max_output_arcmin = " + std::to_string(value));
+  ASSERT_NE(moved, kOneSet) << key;
+  const double best = summary.at("best").at("eta_b").get<double>();
+  const auto found = again.at("better").at("objective").get<double>();
+  EXPECT_NEAR(found, backward_efficiency(place, moved), 1e-8);
+  EXPECT_GT(found, best);
+  EXPECT_DOUBLE_EQ(again.at("better").at("change").get<double>(), found - best);
+}
+
 TEST(HeldBack, TellsTheBestOfEveryNumberOfPlanets) {
   const Workplace place;
   const std::string task =

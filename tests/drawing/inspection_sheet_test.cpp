@@ -118,6 +118,25 @@ TEST(InspectionSheet, PrintsTheThicknessAllowancesThatAFileStates) {
   EXPECT_EQ(row_of(sheets.at(1), "A_sn").nominal.value(), 0.0);
 }
 
+// Both gears of a mesh say the same play, and it is that of the evaluation.
+TEST(InspectionSheet, HasThePlayOfEveryMesh) {
+  const auto sheets = train_sheets("ratio_96_tolerances.toml");
+  const design::Design design = io::read_design(kExamples + "designs/ratio_96_tolerances.toml");
+  const auto e = std::get<design::Evaluation>(design::evaluate(design));
+  for (std::size_t m = 0; m < e.meshes.size(); ++m) {
+    for (std::size_t side = 0; side < 2; ++side) {
+      const auto own = train::kMeshGears[m][side], mate = train::kMeshGears[m][1 - side];
+      const auto& rows = sheets.at(static_cast<std::size_t>(own)).rows;
+      const auto row =
+          std::ranges::find(rows, "normal backlash with " + std::string(train::kGearNames[mate]),
+                            &Characteristic::name);
+      ASSERT_NE(row, rows.end()) << m;
+      EXPECT_NEAR(*row->nominal, 1e6 * e.meshes[m].normal_backlash_m, 1e-9);
+      EXPECT_GT(*row->nominal, 0.0);
+    }
+  }
+}
+
 TEST(InspectionSheet, WithoutTolerancesHasNominalValuesAndSaysSo) {
   for (const InspectionSheet& sheet : train_sheets("bilateral_drive_gear.toml")) {
     for (const Characteristic& row : sheet.rows) {

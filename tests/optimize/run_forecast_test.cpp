@@ -54,17 +54,79 @@ ProgressSeen at(Phase phase, Stage stage = Stage::kOne) {
   return seen;
 }
 
+/// Bounds of 1000 stages, half of them of each kind and all with a design, of so many sets.
+ProgressSeen bounds_of(std::size_t sets, Stage stage = Stage::kOne) {
+  ProgressSeen seen = at(Phase::kBounds, stage);
+  seen.sets = sets;
+  seen.total = 1000;
+  seen.first_stages = 500;
+  return seen;
+}
+
 TEST(RunForecast, OfOneSearchIsThatOfItsRefinement) {
   expect_within(2.0,
-                {{at(Phase::kSearch), 100, 0.2},
-                 {at(Phase::kBounds), 1000, 0.8},
-                 {at(Phase::kRefinement), 2000, 4.0}},
+                {{at(Phase::kSearch), 100, 0.1},
+                 {bounds_of(1000), 1000, 0.9},
+                 {at(Phase::kRefinement), 1000, 6.0}},
                 {});
+}
+
+// A stage without a design spares the sets that have it.
+TEST(RunForecast, CountsTheSetsThatStagesLeaveOpen) {
+  ProgressSeen half = bounds_of(1000);
+  RunForecast all_open, few_open;
+  all_open.observe(0.0, half);
+  few_open.observe(0.0, half);
+  half.done = 500;
+  all_open.observe(0.5, half);
+  half.empty_first = 450;
+  few_open.observe(0.5, half);
+  // What took 0.5 s were 50 stages with a design: each costs ten times as much.
+  EXPECT_NEAR(*few_open.seconds_left() / *all_open.seconds_left(), 1.0, 0.35);
+  half.empty_first = 500;
+  RunForecast none_open;
+  none_open.observe(0.0, bounds_of(1000));
+  none_open.observe(0.5, half);
+  EXPECT_LT(*none_open.seconds_left(), 0.5 * *all_open.seconds_left());
+}
+
+// Passes with gearboxes, what is built after them, and the search under the limits found.
+TEST(RunForecast, HoldsForBuiltGearboxes) {
+  constexpr std::size_t kPasses = 5;
+  std::vector<Part> parts;
+  for (std::size_t pass = 0; pass < kPasses; ++pass) {
+    const auto add = [&](Part part) {
+      part.seen.stage = Stage::kBuilt;
+      part.seen.stage_done = pass;
+      part.seen.stage_total = kPasses;
+      part.seen.searches = pass + 1;
+      part.seen.open = 800;
+      parts.push_back(part);
+    };
+    add({bounds_of(1000), 1000, 1.0});
+    add({at(Phase::kRefinement), 30, 0.25});
+    add({at(Phase::kGearboxes), 30, 0.2});
+  }
+  Part built{at(Phase::kGearboxes, Stage::kBuilt), 10'000'000, 10.0};
+  built.seen.stage_done = built.seen.stage_total = built.seen.searches = kPasses;
+  built.seen.open = 800;
+  parts.push_back(built);
+  ProgressSeen found = bounds_of(1000);
+  found.searches = kPasses;
+  parts.push_back({found, 1000, 1.0});
+  ProgressSeen refined = at(Phase::kRefinement);
+  refined.searches = kPasses;
+  parts.push_back({refined, 800, 6.4});
+  expect_within(2.0, parts,
+                {.passes_least = kPasses,
+                 .passes_most = kPasses,
+                 .built_per_pass = 200'000,
+                 .built_after = 10'000'000});
 }
 
 TEST(RunForecast, TellsAFrontThatIsStillToComeWhileSetsAreRefined) {
   // Searches as they are expected: 20 ms a set, 25 sets and a fifth of finding them.
-  std::vector<Part> parts{{at(Phase::kBounds), 1000, 1.0}, {at(Phase::kRefinement), 1000, 6.0}};
+  std::vector<Part> parts{{bounds_of(1000), 1000, 1.0}, {at(Phase::kRefinement), 1000, 6.0}};
   const auto add = [&](Stage stage, std::size_t done, std::size_t total, std::size_t searches) {
     Part part{at(Phase::kRefinement, stage), 35, 0.7};
     part.seen.stage_done = done;

@@ -12,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#include "design/output_terms.hpp"
 #include "design/tightest.hpp"
 #include "io/files/design_file.hpp"
 #include "io/files/subject_file.hpp"
@@ -53,6 +54,22 @@ INSTANTIATE_TEST_SUITE_P(Designs, FirstScreen,
 std::string screen_of(const design::Design& design) {
   const auto e = std::get<design::Evaluation>(design::evaluate(design));
   return report::first_screen(e, design::tightest_checks(design, e, 6), nullptr, 100);
+}
+
+// Of the larger ring, and only where the outer surfaces of both are stated.
+TEST(FirstScreenOfRims, HasTheOuterDiameter) {
+  design::Design design = io::read_design(kExamples + "designs/loaded.toml");
+  const auto e = std::get<design::Evaluation>(design::evaluate(design));
+  const auto screen = [&] {
+    return report::first_screen(e, {}, nullptr, 100, design::stated_outer_diameter_m(design));
+  };
+  EXPECT_EQ(screen().find("outer diameter"), std::string::npos);
+  design.masses.ring1_outer_radius_m = 0.041;
+  EXPECT_EQ(screen().find("outer diameter"), std::string::npos);
+  design.masses.ring2_outer_radius_m = 0.0425;
+  EXPECT_NE(screen().find("\n  size         outer diameter 85.00 mm, ring roots "),
+            std::string::npos)
+      << screen();
 }
 
 TEST(FirstScreenOfShapedRings, NamesTheirCutters) {

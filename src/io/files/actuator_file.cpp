@@ -10,6 +10,7 @@
 #include "io/files/design_file.hpp"
 #include "io/files/document_kind.hpp"
 #include "io/keys/actuator_keys.hpp"
+#include "io/text/file_reader.hpp"
 #include "io/text/toml_value.hpp"
 
 namespace gear3k::io {
@@ -83,6 +84,7 @@ actuator::Actuator actuator_from(const TomlValue& document, const std::string& n
   } else {
     const auto folder = std::filesystem::path(name).parent_path();
     errors.attempt([&] {
+      check_named_file((folder / input.gearbox.design).string(), "gearbox.design", name);
       take_design((folder / input.gearbox.design).string(),
                   input.gearbox.least_friction_speed_rad_s.value_or(0.0), result);
     });

@@ -39,14 +39,15 @@ std::shared_ptr<const actuator::CoDesign> read_co_design(const CoDesignInput& in
   const SelectionInput& in = input.selection;
   actuator::SelectionTask task = in.task;
   std::vector<std::string> sources;
-  const auto source = [&](const std::string& name) {
+  const auto source = [&](const std::string& name, std::string_view key) {
     sources.push_back((folder / name).string());
+    check_named_file(sources.back(), key, file);
     return sources.back();
   };
   CollectedErrors errors;
   if (!input.motor.empty()) {
     errors.attempt([&] {
-      const std::string path = source(input.motor);
+      const std::string path = source(input.motor, "actuator.motor");
       const actuator::Actuator stated = read_actuator(path);
       refuse_hot_surroundings(stated.motor, task.ambient_K, path);
       task.motors.push_back(
@@ -58,14 +59,14 @@ std::shared_ptr<const actuator::CoDesign> read_co_design(const CoDesignInput& in
   }
   if (!in.motors.empty()) {
     errors.attempt([&] {
-      const std::string path = source(in.motors);
+      const std::string path = source(in.motors, "actuator.motors");
       auto more = parse_motors(read_text(path, "a CSV file", kMostMotorBytes), path);
       if (more.empty()) throw InvalidInput(path + ": no motor: allowed: a row or more");
       task.motors.insert(task.motors.end(), more.begin(), more.end());
     });
   }
   for (const std::string& cycle : in.cycles) {
-    errors.attempt([&] { task.cycles.push_back(read_cycle(source(cycle))); });
+    errors.attempt([&] { task.cycles.push_back(read_cycle(source(cycle, "cycle.files"))); });
   }
   errors.raise();
   const auto& most = input.max_motor_mass_kg;
@@ -103,6 +104,7 @@ optimize::FeltTask felt_of(const CoDesignInput& in, const actuator::Motor& motor
 
 optimize::FeltTask read_felt(const CoDesignInput& in, const std::string& file) {
   const std::string path = (std::filesystem::path(file).parent_path() / in.motor).string();
+  check_named_file(path, "actuator.motor", file);
   return felt_of(in, read_actuator(path).motor, path);
 }
 

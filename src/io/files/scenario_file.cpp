@@ -66,16 +66,18 @@ ScenarioFiles scenario_from(const TomlValue& document, const std::string& name,
   errors.attempt([&] { reading.throw_if_invalid(); });
   const auto folder = std::filesystem::path(name).parent_path();
   const auto read_table = [&](const std::string& file, const std::vector<std::string>& columns,
-                              motion::Signal& signal) {
+                              motion::Signal& signal, std::string_view key) {
     if (file.empty()) return;
     errors.attempt([&] {
       const std::string path = (folder / file).string();
       files.inputs.push_back(path);
-      parse_time_table(table_text(path), path, columns, signal);
+      parse_time_table(text_of_named_file(table_text, path, key, name), path, columns, signal);
     });
   };
-  read_table(input.control_table, command_columns(input.scenario.control), files.scenario.command);
-  read_table(input.load_table, {"torque_nm", "load_nm"}, files.scenario.load.torque_Nm);
+  read_table(input.control_table, command_columns(input.scenario.control), files.scenario.command,
+             "control.table");
+  read_table(input.load_table, {"torque_nm", "load_nm"}, files.scenario.load.torque_Nm,
+             "load.table");
   errors.raise();
   return files;
 }

@@ -174,16 +174,17 @@ actuator::CatalogueGearbox designed_gearbox(const std::string& path) {
 
 using TextOfFile = std::function<std::string(const std::string&)>;
 
-void read_parts(const SelectionInput& input, const std::filesystem::path& folder,
-                const TextOfFile& file_text, CollectedErrors& errors, SelectionFiles& files) {
+void read_parts(const SelectionInput& input, const std::string& of, const TextOfFile& file_text,
+                CollectedErrors& errors, SelectionFiles& files) {
+  const std::filesystem::path folder = std::filesystem::path(of).parent_path();
   const auto path_of = [&](const std::string& name) { return (folder / name).string(); };
-  const auto text_of = [&](const std::string& name) {
+  const auto text_of = [&](const std::string& name, std::string_view key) {
     files.inputs.push_back(path_of(name));
-    return file_text(path_of(name));
+    return text_of_named_file(file_text, path_of(name), key, of);
   };
   errors.attempt([&] {
     if (!input.motors.empty()) {
-      files.task.motors = parse_motors(text_of(input.motors), path_of(input.motors));
+      files.task.motors = parse_motors(text_of(input.motors, "motors"), path_of(input.motors));
     }
   });
   for (const std::string& name : input.gearboxes) {
@@ -191,6 +192,7 @@ void read_parts(const SelectionInput& input, const std::filesystem::path& folder
       auto& all = files.task.gearboxes;
       if (name.ends_with(".toml")) {
         files.inputs.push_back(path_of(name));
+        check_named_file(path_of(name), "gearboxes", of);
         if (look_of(read_toml(path_of(name))).kind == DocumentKind::kSpecification) {
           files.tasks.push_back(read_specification(path_of(name), optimize::kMostRefinedSets));
           return;
@@ -198,13 +200,15 @@ void read_parts(const SelectionInput& input, const std::filesystem::path& folder
         all.push_back(designed_gearbox(path_of(name)));
         return;
       }
-      const auto more = parse_gearboxes(text_of(name), path_of(name), input.backward_over_forward);
+      const auto more =
+          parse_gearboxes(text_of(name, "gearboxes"), path_of(name), input.backward_over_forward);
       all.insert(all.end(), more.begin(), more.end());
     });
   }
   for (const std::string& cycle : input.cycles) {
-    errors.attempt(
-        [&] { files.task.cycles.push_back(parse_cycle(text_of(cycle), path_of(cycle))); });
+    errors.attempt([&] {
+      files.task.cycles.push_back(parse_cycle(text_of(cycle, "cycles"), path_of(cycle)));
+    });
   }
 }
 
@@ -219,7 +223,7 @@ SelectionFiles selection_from(const TomlValue& document, const std::string& name
   SelectionFiles files{.task = input.task, .inputs = {name}};
   CollectedErrors errors;
   errors.attempt([&] { reading.throw_if_invalid(); });
-  read_parts(input, std::filesystem::path(name).parent_path(), file_text, errors, files);
+  read_parts(input, name, file_text, errors, files);
   errors.raise();
   if (files.task.weights.empty()) files.task.weights.assign(files.task.cycles.size(), 1.0);
   return files;

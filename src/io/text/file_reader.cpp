@@ -74,4 +74,19 @@ std::string read_text(const std::string& path, std::string_view what, std::size_
   return std::move(file.bytes);
 }
 
+void check_named_file(const std::string& path, std::string_view key, const std::string& of) {
+  if (OpenFile(path).descriptor() >= 0) return;
+  throw InvalidInput(fmt::format("{}: {}: {}: {}", of, key, path, system_failure()));
+}
+
+std::string text_of_named_file(const std::function<std::string(const std::string&)>& text_of_file,
+                               const std::string& path, std::string_view key,
+                               const std::string& of) {
+  try {
+    return text_of_file(path);
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(fmt::format("{}: {}: {}", of, key, error.what()));
+  }
+}
+
 }  // namespace gear3k::io

@@ -2,6 +2,7 @@
 // Files read whole.
 
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -22,5 +23,15 @@ FileBytes read_bytes(const std::string& path, std::string_view what, std::size_t
 /// The same.
 /// @throws InvalidInput naming the path and the failure
 std::string read_text(const std::string& path, std::string_view what, std::size_t most_bytes);
+
+/// Whether a file that a key of another one names can be opened.
+/// @param of  the file that has the key
+/// @throws InvalidInput naming both files, the key and the failure
+void check_named_file(const std::string& path, std::string_view key, const std::string& of);
+
+/// What `text_of_file` has of such a file; the same where it throws.
+std::string text_of_named_file(const std::function<std::string(const std::string&)>& text_of_file,
+                               const std::string& path, std::string_view key,
+                               const std::string& of);
 
 }  // namespace gear3k::io

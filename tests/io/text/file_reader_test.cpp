@@ -45,6 +45,31 @@ TEST(FileReader, WhatCannotBeOpenedIsNamedWithItsCause) {
   EXPECT_EQ(failure_of(place.work().string()), "is a directory, allowed: a test file");
 }
 
+TEST(FileReader, AMissingFileIsToldWithTheKeyThatNamesIt) {
+  const Workplace place;
+  const auto told = [](const auto& read) -> std::string {
+    try {
+      read();
+    } catch (const InvalidInput& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(told([&] { check_named_file(place.work() / "absent", "gearbox.design", "a.toml"); }),
+            "a.toml: gearbox.design: " + (place.work() / "absent").string() +
+                ": cannot be read: No such file or directory");
+  place.write("there", "x");
+  EXPECT_EQ(told([&] { check_named_file(place.work() / "there", "gearbox.design", "a.toml"); }),
+            "");
+  EXPECT_EQ(
+      told([] {
+        text_of_named_file(
+            [](const std::string& path) -> std::string { throw InvalidInput(path + ": is empty"); },
+            "c.csv", "cycles", "s.toml");
+      }),
+      "s.toml: cycles: c.csv: is empty");
+}
+
 // The first page of a process's memory is never there: a file that opens and cannot be read.
 TEST(FileReader, AReadThatFailsIsNotTheEndOfTheFile) {
   const std::string path = "/proc/self/mem";
