@@ -286,7 +286,8 @@ TEST(ModelOption, OptimizeComparesTheBestDesignsWithoutAndWithTheModel) {
 
 TEST(ModelOption, OptimizeOfAListOfObjectivesSaysThatItComparesNothing) {
   const Workplace place;
-  place.write("spec.toml", "objective = [\"outer_diameter\", \"lost_motion\"]\n" + one_set());
+  place.write("spec.toml",
+              "objective = [\"outer_diameter\", \"lost_motion\"]\npareto.points = 2\n" + one_set());
   place.write("model.toml", kDrag);
   const ProgramResult result =
       place.run({"optimize", "spec.toml", "--out", "out", "--model", "model.toml"});

@@ -45,98 +45,10 @@ std::string teeth_of(const io::CsvTable& table, const io::CsvTable::Row& row) {
   return text;
 }
 
-TEST(ReproduceFigures, WritesEveryFigureAsCsvAndSvg) {
-  const Workplace place;
-  const ProgramResult result = place.run({"reproduce", "--figures", "a/figures"});
-  EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_EQ(result.err, "");
-  std::vector<std::string> expected{"a", "a/figures"};
-  for (const std::string& name : kNames) {
-    expected.push_back("a/figures/" + name + ".csv");
-    expected.push_back("a/figures/" + name + ".svg");
-    EXPECT_TRUE(contains(result.out, "a/figures/" + name + ".svg")) << result.out;
-    const std::string svg = place.read("a/figures/" + name + ".svg");
-    std::istringstream stream(svg);
-    boost::property_tree::ptree tree;
-    ASSERT_NO_THROW(boost::property_tree::read_xml(stream, tree)) << name;
-    EXPECT_EQ(tree.count("svg"), 1U) << name;
-    if (std::ranges::find(kLowBacklash, name) == kLowBacklash.end()) continue;
-    for (const char* part : {"backward efficiency (%)", "(arcmin)", "mu = 0.1"}) {
-      EXPECT_TRUE(contains(svg, part)) << name << ": " << part;
-    }
-  }
-  EXPECT_EQ(place.listing(), expected);
-  // The table is that of `reproduce` alone, with the figures below it.
-  const std::string alone = place.run({"reproduce"}).out;
-  EXPECT_EQ(result.out.substr(0, alone.size()), alone);
-  EXPECT_TRUE(contains(result.out, "Figures of the low-backlash paper"));
-  EXPECT_TRUE(contains(result.out, "Figures of the backdrivability-factors paper"));
-  EXPECT_TRUE(contains(result.out, "Figures of the directional-impedance thesis"));
-}
-
-// The trapezoid over Fig. 11's points between changes of sign comes near the energies of the JSON;
-// the points of Fig. 10 are those of the data file by hand at two places.
-TEST(ReproduceFigures, BackdrivabilityPointsGiveTheEnergiesOfTheResult) {
-  const Workplace place;
-  const ProgramResult result = place.run({"reproduce", "--figures", "f", "--format", "json"});
-  ASSERT_EQ(result.exit_code, 0) << result.err;
-  const io::CsvTable power =
-      io::parse_csv(place.read("f/backdrivability_fig11.csv"), "backdrivability_fig11.csv");
-  double drawn = 0.0;
-  const io::CsvTable::Row* before = nullptr;
-  for (const auto& row : power.rows) {
-    if (power.text(row, "numbers") != "corrected") continue;
-    if (before != nullptr) {
-      const double mean =
-          0.5 * (*power.number(row, "electrical_w") + *power.number(*before, "electrical_w"));
-      drawn +=
-          std::max(0.0, mean) * (*power.number(row, "time_s") - *power.number(*before, "time_s"));
-    }
-    before = &row;
-  }
-  const auto json = nlohmann::json::parse(result.out);
-  const auto& runs = json.at("backdrivability_paper").at("knee").at("runs");
-  ASSERT_EQ(runs.at(2).at("name"), "corrected");
-  EXPECT_NEAR(drawn, runs.at(2).at("drawn_j").get<double>(), 0.01 * drawn);
-  const io::CsvTable stride =
-      io::parse_csv(place.read("f/backdrivability_fig10.csv"), "backdrivability_fig10.csv");
-  ASSERT_EQ(stride.rows.size(), 201U);
-  // At 17 %, between 16.13906: 0.45616 and 17.15659: 0.46045 N m/kg.
-  const double at_17 = 0.45616 + (0.46045 - 0.45616) * (17.0 - 16.13906) / (17.15659 - 16.13906);
-  EXPECT_NEAR(*stride.number(stride.rows[34], "stride_percent"), 17.0, 1e-12);
-  EXPECT_NEAR(*stride.number(stride.rows[34], "torque_nm"), 75.0 * at_17, 1e-9);
-}
-
-TEST(ReproduceFigures, JsonAndCsvStayWhatTheyAre) {
-  const Workplace place;
-  for (const char* format : {"json", "csv"}) {
-    const ProgramResult result =
-        place.run({"reproduce", "--figures", "f", "--format", format, "--out", "result"});
-    EXPECT_EQ(result.exit_code, 0) << result.err;
-    EXPECT_EQ(result.out, "");
-    EXPECT_EQ(place.read("result"), place.run({"reproduce", "--format", format}).out);
-  }
-}
-
-TEST(ReproduceFigures, SameBytesWhateverTheThreads) {
-  const Workplace place;
-  const ProgramResult one = place.run({"reproduce", "--figures", "1", "--threads", "1"});
-  const ProgramResult four = place.run({"reproduce", "--figures", "4", "--threads", "4"});
-  ASSERT_EQ(one.exit_code, 0) << one.err;
-  ASSERT_EQ(four.exit_code, 0) << four.err;
-  for (const std::string& name : kNames) {
-    for (const char* type : {".csv", ".svg"}) {
-      EXPECT_EQ(place.read("1/" + name + type), place.read("4/" + name + type)) << name << type;
-    }
-  }
-}
-
-// The specification behind the figures is an example: `search` and `optimize` on it give the same
-// points.
-TEST(ReproduceFigures, PointsAreThoseOfSearchAndOptimize) {
-  const Workplace place;
+/// Of `reproduce --figures f`, the points of Figs. 6 and 7 in `f`: the specification behind the
+/// figures is an example, and `search` and `optimize` on it give the same points.
+void expect_points_of_search_and_optimize(const Workplace& place) {
   place.write("spec.toml", example("paper-figures.toml"));
-  ASSERT_EQ(place.run({"reproduce", "--figures", "f"}).exit_code, 0);
   const io::CsvTable figure = io::parse_csv(place.read("f/fig7.csv"), "fig7.csv");
   std::map<std::string, const io::CsvTable::Row*> zero_shift;
   std::map<std::string, const io::CsvTable::Row*> refined;
@@ -174,21 +86,92 @@ TEST(ReproduceFigures, PointsAreThoseOfSearchAndOptimize) {
   EXPECT_EQ(compared, refined.size());
 }
 
-TEST(ReproduceFigures, WithoutGnuplotTheDataAreThereAndOldFiguresAreNot) {
+/// Of `reproduce --figures f --format json`: the trapezoid over Fig. 11's points between changes of
+/// sign comes near the energies of the JSON; the points of Fig. 10 are those of the data file by
+/// hand at two places.
+void expect_backdrivability_points(const Workplace& place, const nlohmann::json& json) {
+  const io::CsvTable power =
+      io::parse_csv(place.read("f/backdrivability_fig11.csv"), "backdrivability_fig11.csv");
+  double drawn = 0.0;
+  const io::CsvTable::Row* before = nullptr;
+  for (const auto& row : power.rows) {
+    if (power.text(row, "numbers") != "corrected") continue;
+    if (before != nullptr) {
+      const double mean =
+          0.5 * (*power.number(row, "electrical_w") + *power.number(*before, "electrical_w"));
+      drawn +=
+          std::max(0.0, mean) * (*power.number(row, "time_s") - *power.number(*before, "time_s"));
+    }
+    before = &row;
+  }
+  const auto& runs = json.at("backdrivability_paper").at("knee").at("runs");
+  ASSERT_EQ(runs.at(2).at("name"), "corrected");
+  EXPECT_NEAR(drawn, runs.at(2).at("drawn_j").get<double>(), 0.01 * drawn);
+  const io::CsvTable stride =
+      io::parse_csv(place.read("f/backdrivability_fig10.csv"), "backdrivability_fig10.csv");
+  ASSERT_EQ(stride.rows.size(), 201U);
+  // At 17 %, between 16.13906: 0.45616 and 17.15659: 0.46045 N m/kg.
+  const double at_17 = 0.45616 + (0.46045 - 0.45616) * (17.0 - 16.13906) / (17.15659 - 16.13906);
+  EXPECT_NEAR(*stride.number(stride.rows[34], "stride_percent"), 17.0, 1e-12);
+  EXPECT_NEAR(*stride.number(stride.rows[34], "torque_nm"), 75.0 * at_17, 1e-9);
+}
+
+// One run for all that it writes: they take seconds.
+TEST(ReproduceFigures, EveryFigureIsWrittenWithThePointsOfTheOtherCommands) {
   const Workplace place;
-  ASSERT_EQ(place.run({"reproduce", "--figures", "f"}).exit_code, 0);
+  const ProgramResult result = place.run({"reproduce", "--figures", "a/figures", "--threads", "4"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  std::vector<std::string> expected{"a", "a/figures"};
+  for (const std::string& name : kNames) {
+    expected.push_back("a/figures/" + name + ".csv");
+    expected.push_back("a/figures/" + name + ".svg");
+    EXPECT_TRUE(contains(result.out, "a/figures/" + name + ".svg")) << result.out;
+    const std::string svg = place.read("a/figures/" + name + ".svg");
+    std::istringstream stream(svg);
+    boost::property_tree::ptree tree;
+    ASSERT_NO_THROW(boost::property_tree::read_xml(stream, tree)) << name;
+    EXPECT_EQ(tree.count("svg"), 1U) << name;
+    if (std::ranges::find(kLowBacklash, name) == kLowBacklash.end()) continue;
+    for (const char* part : {"backward efficiency (%)", "(arcmin)", "mu = 0.1"}) {
+      EXPECT_TRUE(contains(svg, part)) << name << ": " << part;
+    }
+  }
+  EXPECT_EQ(place.listing(), expected);
+  // The table is that of `reproduce` alone, with the figures below it.
+  const std::string alone = place.run({"reproduce"}).out;
+  EXPECT_EQ(result.out.substr(0, alone.size()), alone);
+  EXPECT_TRUE(contains(result.out, "Figures of the low-backlash paper"));
+  EXPECT_TRUE(contains(result.out, "Figures of the backdrivability-factors paper"));
+  EXPECT_TRUE(contains(result.out, "Figures of the directional-impedance thesis"));
+
+  // From one thread the same bytes; the JSON is that of `reproduce` alone.
+  const ProgramResult one = place.run(
+      {"reproduce", "--figures", "f", "--format", "json", "--out", "result", "--threads", "1"});
+  ASSERT_EQ(one.exit_code, 0) << one.err;
+  EXPECT_EQ(one.out, "");
+  for (const std::string& name : kNames) {
+    for (const char* type : {".csv", ".svg"}) {
+      EXPECT_EQ(place.read("a/figures/" + name + type), place.read("f/" + name + type)) << name;
+    }
+  }
+  const std::string json = place.run({"reproduce", "--format", "json"}).out;
+  EXPECT_EQ(place.read("result"), json);
+  expect_backdrivability_points(place, nlohmann::json::parse(json));
+  expect_points_of_search_and_optimize(place);
+
+  // Without gnuplot the data are there, and old figures are not; the CSV is that of `reproduce`.
   const std::string data = place.read("f/fig6.csv");
   place.write("f/fig6.csv", "old");
-  ProgramResult result;
+  ProgramResult bare;
   {
     const OtherPath path("");
-    result = place.run({"reproduce", "--figures", "f"});
+    bare = place.run({"reproduce", "--figures", "f", "--format", "csv", "--out", "result"});
   }
-  EXPECT_EQ(result.exit_code, 0);
-  EXPECT_TRUE(contains(result.err, "gnuplot: not found in PATH; figures need it")) << result.err;
-  EXPECT_TRUE(contains(result.err, "written without figures: f/fig6.csv, f/fig7.csv"))
-      << result.err;
-  EXPECT_TRUE(contains(result.out, "Figures of the low-backlash paper"));
+  EXPECT_EQ(bare.exit_code, 0);
+  EXPECT_TRUE(contains(bare.err, "gnuplot: not found in PATH; figures need it")) << bare.err;
+  EXPECT_TRUE(contains(bare.err, "written without figures: f/fig6.csv, f/fig7.csv")) << bare.err;
+  EXPECT_EQ(place.read("result"), place.run({"reproduce", "--format", "csv"}).out);
   EXPECT_EQ(place.read("f/fig6.csv"), data);
   for (const std::string& name : kNames) {
     EXPECT_FALSE(place.has("f/" + name + ".svg")) << name;

@@ -39,7 +39,7 @@ const std::string kDrawn =
     "[backlash]\nmax_output_arcmin = 17.5\n";
 const std::string kTolerances =
     "[tolerances]\ncenter_distance_um = 5\npin_position_um = 10\nplanet_phase_arcmin = 6\n"
-    "samples = 4000\nseed = 7\n"
+    "samples = 1000\nseed = 7\n"
     "[tolerances.S]\nrunout_um = 10\n"
     "[tolerances.R2]\ntooth_thickness_um = [-20, 0]\nrunout_um = 15\ncumulative_pitch_um = 25\n"
     "single_pitch_um = 5\n";
@@ -61,7 +61,7 @@ TEST(TolerancesCommand, PrintsSpreadSharesAndOneTurn) {
   EXPECT_EQ(result.err, "");
   for (const char* part :
        {"Limits of the built gearbox",
-        "Built gearboxes at one position of the turn: 4000 drawn at random, seed 7",
+        "Built gearboxes at one position of the turn: 1000 drawn at random, seed 7",
         "at every position      of a turn, 400 gearboxes: ", "and keep 17.5 arcmin",
         "99 % of all keep", "worst case", "at first contact", "Which tolerance to tighten first",
         "R2 tooth_thickness", "sun against the carrier"}) {
@@ -117,13 +117,13 @@ TEST(TolerancesCommand, FilesAgreeWithEachOther) {
   EXPECT_EQ(data.at("name"), "gear");
   EXPECT_TRUE(data.contains("tolerances"));
   const json& built = data.at("built");
-  EXPECT_EQ(built.at("samples"), 4000);
+  EXPECT_EQ(built.at("samples"), 1000);
   EXPECT_EQ(built.at("seed"), 7);
   EXPECT_NEAR(built.at("limit_arcmin").get<double>(), 17.5, 1e-12);
   const io::CsvTable bins = io::parse_csv(place.read("out/lost_motion.csv"), "lost_motion.csv");
   double count = 0.0;
   for (const auto& row : bins.rows) count += bins.number(row, "gearboxes").value();
-  EXPECT_NEAR(count, 4000.0 * built.at("assembled").at("value").get<double>(), 1e-6);
+  EXPECT_NEAR(count, 1000.0 * built.at("assembled").at("value").get<double>(), 1e-6);
   const io::CsvTable shares = io::parse_csv(place.read("out/tolerances.csv"), "tolerances.csv");
   EXPECT_EQ(shares.rows.size(), 8U);
   EXPECT_EQ(shares.rows.size(), built.at("shares").at("tolerances").size());
@@ -132,8 +132,8 @@ TEST(TolerancesCommand, FilesAgreeWithEachOther) {
 TEST(TolerancesCommand, SameBytesAtAnyNumberOfThreadsAndOthersFromAnotherSeed) {
   const Workplace place;
   place.write("gear.toml", kToleranced);
-  // Several chunks of gearboxes, so that threads have something to share.
-  const std::vector<std::string> run{"tolerances", "gear.toml", "--samples", "60000"};
+  // Five chunks of gearboxes, so that threads have something to share.
+  const std::vector<std::string> run{"tolerances", "gear.toml", "--samples", "20000"};
   const auto with = [&](std::vector<std::string> more) {
     more.insert(more.begin(), run.begin(), run.end());
     ASSERT_EQ(place.run(more).exit_code, 0);
@@ -155,16 +155,16 @@ TEST(TolerancesCommand, SameBytesAtAnyNumberOfThreadsAndOthersFromAnotherSeed) {
         .get<double>();
   };
   // Five standard errors of the difference.
-  EXPECT_NEAR(yield("1"), yield("seed"), 5.0 * std::sqrt(2.0 * 0.25 / 60000.0));
+  EXPECT_NEAR(yield("1"), yield("seed"), 5.0 * std::sqrt(2.0 * 0.25 / 20000.0));
 }
 
 TEST(TolerancesCommand, OptionsStandForTheKeysOfTheFile) {
   const Workplace place;
   place.write("gear.toml", kToleranced);
-  place.write("other.toml", replaced(replaced(kToleranced, "samples = 4000", "samples = 3000"),
+  place.write("other.toml", replaced(replaced(kToleranced, "samples = 1000", "samples = 1500"),
                                      "seed = 7", "seed = 9"));
   const ProgramResult by_option = place.run(
-      {"tolerances", "gear.toml", "--samples", "3000", "--seed", "9", "--format", "json"});
+      {"tolerances", "gear.toml", "--samples", "1500", "--seed", "9", "--format", "json"});
   const ProgramResult by_key = place.run({"tolerances", "other.toml", "--format", "json"});
   EXPECT_EQ(by_option.exit_code, 0) << by_option.err;
   EXPECT_EQ(by_option.out, by_key.out);
@@ -292,11 +292,11 @@ TEST(AnalyzeTolerances, AddsLimitsAndSeriesOnlyWhereTheyAreStated) {
   }
   // Nothing that was there before changes.
   for (const auto& [key, value] : drawn.items()) EXPECT_EQ(built.at(key), value) << key;
-  EXPECT_EQ(built.at("built").at("samples"), 4000);
+  EXPECT_EQ(built.at("built").at("samples"), 1000);
   const std::string drawn_table = place.run({"analyze", "drawn.toml", "--full"}).out;
   const std::string built_table = place.run({"analyze", "built.toml", "--full"}).out;
   for (const char* part :
-       {"Limits of the built gearbox", "Built gearboxes at one position of the turn: 4000",
+       {"Limits of the built gearbox", "Built gearboxes at one position of the turn: 1000",
         "Which tolerance to tighten first"}) {
     EXPECT_FALSE(contains(drawn_table, part)) << part;
     EXPECT_TRUE(contains(built_table, part)) << part;
@@ -311,7 +311,7 @@ TEST(AnalyzeTolerances, ShowsTheSeriesOfTheTolerancesCommand) {
   const json analyzed = json::parse(place.run({"analyze", "gear.toml", "--format", "json"}).out);
   const json built = json::parse(place.run({"tolerances", "gear.toml", "--format", "json"}).out);
   EXPECT_EQ(analyzed.at("tolerances"), built.at("tolerances"));
-  // 4000 gearboxes are fewer than either command takes for shares; only one turns them.
+  // 1000 gearboxes are fewer than either command takes for shares; only one turns them.
   json series = built.at("built");
   EXPECT_EQ(series.at("turn").at("gearboxes"), 400);
   EXPECT_TRUE(analyzed.at("built").at("turn").is_null());
