@@ -11,6 +11,7 @@
 #include "optimize/kkt_residual.hpp"
 #include "optimize/multiplier_range.hpp"
 #include "optimize/objective_value.hpp"
+#include "optimize/solve_outcome.hpp"
 #include "strength/mesh_rating.hpp"
 
 namespace gear3k::optimize {
