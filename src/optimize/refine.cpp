@@ -563,7 +563,8 @@ std::optional<RefinedSet> Refiner::refine(const Candidate& candidate, const Shif
   return set;
 }
 
-RefinedSet refine(const Specification& spec, const Candidate& candidate) {
+std::optional<RefinedSet> refine(const Specification& spec, const Candidate& candidate,
+                                 const std::atomic<bool>& stop) {
   Progress progress;
   const std::array one{candidate};
   SetBounds bounds(spec, one, progress);
@@ -572,9 +573,13 @@ RefinedSet refine(const Specification& spec, const Candidate& candidate) {
   if (bound.infeasible) return proven_infeasible(candidate, *bound.infeasible);
   Specification own = spec;
   own.planets = {candidate.planets};
+  return Refiner(own).refine(candidate, bounds.shifts().of(candidate.teeth), bounds.by_modules(0),
+                             stop);
+}
+
+RefinedSet refine(const Specification& spec, const Candidate& candidate) {
   const std::atomic<bool> never{false};
-  return *Refiner(own).refine(candidate, bounds.shifts().of(candidate.teeth), bounds.by_modules(0),
-                              never);
+  return *refine(spec, candidate, never);
 }
 
 }  // namespace gear3k::optimize

@@ -46,5 +46,8 @@ class Refiner {
 
 /// Refines one tooth set by itself.
 RefinedSet refine(const Specification& spec, const Candidate& candidate);
+/// @returns empty when `stop` became true before it was done
+std::optional<RefinedSet> refine(const Specification& spec, const Candidate& candidate,
+                                 const std::atomic<bool>& stop);
 
 }  // namespace gear3k::optimize

@@ -154,8 +154,9 @@ void search_relaxed(const Specification& spec, const RefinedSet& best, std::size
     return cost_in_steps(first, objective_of(*own, set, first));
   };
   RelaxedAnswer relaxed{.key = price->key, .value_si = price->value_si + step_si};
-  const RefinedSet again = refine(*own, best.candidate);
-  if (again.status == Status::kOptimal && cost(again) < cost(best)) relaxed.better = again;
+  const std::optional<RefinedSet> again = refine(*own, best.candidate, progress.stop);
+  if (!again) return;
+  if (again->status == Status::kOptimal && cost(*again) < cost(best)) relaxed.better = again;
   relaxed.all_sets = is_efficiency(first) && has_bounds(*own) && sets <= kMostSearchedAgain;
   if (relaxed.all_sets) {
     progress.stage = Progress::Stage::kBeyond;
