@@ -275,6 +275,15 @@ io::Json correction_json(const Diagnosis& d, const std::vector<std::string>& run
   return json;
 }
 
+io::Json memory_json(const calibrate::MemoryEstimate& m) {
+  if (!(m.memory.share > 0.0)) return nullptr;
+  return {{"correlation", m.memory.correlation()},
+          {"ci95", {m.low, m.high}},
+          {"share", m.memory.share},
+          {"decay", m.memory.decay},
+          {"p_value", m.p_value}};
+}
+
 io::Json refit_json(const Diagnosis& d) {
   if (!d.refit) return nullptr;
   const double si = response_text(d.kind).si;
@@ -307,7 +316,8 @@ io::Json kind_json(const Diagnosis& d, const MeasurementSet& set) {
                   {"noise",
                    {{"source", kNoiseNames[static_cast<std::size_t>(d.noise_source)]},
                     {"repeat_degrees", d.repeat_degrees},
-                    {"session_deviation", d.session_deviation / si}}}};
+                    {"session_deviation", d.session_deviation / si},
+                    {"memory", memory_json(d.memory)}}}};
   json["loops"] = loops_json(set);
   json["p_value"] = d.p_value;
   json["lack_of_fit"] =

@@ -223,6 +223,12 @@ std::string headline(const Diagnosis& d, const MeasurementSet& set) {
     text += fmt::format("Sessions scatter by {} beyond that.\n",
                         error_text(d.session_deviation, d, 0.0));
   }
+  if (d.memory.memory.share > 0.0) {
+    text += fmt::format(
+        "The noise remembers: readings that follow each other correlate by {:.2f} ({:.2f} to "
+        "{:.2f}), and all\nthat is said here was judged against such noise.\n",
+        d.memory.memory.correlation(), d.memory.low, d.memory.high);
+  }
   return text;
 }
 

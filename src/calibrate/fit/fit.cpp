@@ -438,8 +438,9 @@ FinalFit final_fit(const Problem& problem, const Hypothesis& start, double scale
   result.degrees = static_cast<int>(n - p);
   result.at_bound.assign(records.size(), false);
   result.determined.assign(records.size(), true);
-  // Ceres knows no correlated rows: where sessions scatter, the search's fit is the last one.
-  if (p > 0 && !(problem.noise.session_variance > 0.0)) {
+  // Ceres knows no correlated rows: where sessions scatter or the noise remembers, the search's fit
+  // is the last one.
+  if (p > 0 && !(problem.noise.session_variance > 0.0) && !problem.noise.remembers()) {
     std::vector<double> values = start.value;
     RowsAt rows(problem, start, values);
     ceres::Problem::Options ownership;

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <numeric>
+#include <set>
+#include <utility>
 
 #include "calibrate/fit/screen.hpp"
 #include "calibrate/measurement/response_unit.hpp"
+#include "calibrate/measurement/value_range.hpp"
 
 namespace gear3k::calibrate {
 
@@ -46,6 +49,7 @@ NoiseModel subset_of(const NoiseModel& noise, const std::vector<std::size_t>& ro
     part.run.push_back(run);
     if (run >= 0) part.rows_per_run[static_cast<std::size_t>(run)] += 1.0;
   }
+  part.order = subset_of(noise.order, rows);
   return part;
 }
 
@@ -89,6 +93,60 @@ Eigen::VectorXd channel_weights(const LawData& d, LawAction action, LawRows rows
     w[i] = acts_in(law, c) ? law_change(action, c, d.simulated[i], d.si) : 0.0;
   }
   return w;
+}
+
+namespace {
+
+/// The value of a law at its conditions, as many as factors.
+double value_at(const Law& law, const std::vector<double>& x, const double* p) {
+  double product = p[0];
+  const double* of_factor = p + (law.offset ? 2 : 1);
+  for (std::size_t f = 0; f < law.factors.size(); ++f) {
+    product *= factor_value(law.factors[f], x[f], of_factor);
+    of_factor += parameter_count(law.factors[f].shape);
+  }
+  return product + (law.offset ? p[1] : 0.0);
+}
+
+}  // namespace
+
+bool exceeds_its_rows(const LawData& d, const LawTrial& trial) {
+  const Law& law = trial.law;
+  const double* p = trial.value.data() + own_size(trial);
+  std::set<std::vector<double>> states;
+  std::vector<ValueRange> range(law.factors.size());
+  ValueRange held;
+  // Where a law does not act it is 0.
+  held.extend(0.0);
+  for (const Observation& row : d.data.rows) {
+    if (!acts_in(law, row.condition)) continue;
+    std::vector<double> x;
+    for (std::size_t f = 0; f < law.factors.size(); ++f) {
+      x.push_back(law_conditions()[law.factors[f].condition].value(row.condition));
+      range[f].extend(x.back());
+    }
+    held.extend(value_at(law, x, p));
+    states.insert(std::move(x));
+  }
+  constexpr double kInside = 0.25, kBeyond = 1.0, kWider = 0.25;
+  constexpr int kPlaces = 48;
+  const double width = held.high - held.low;
+  for (const std::vector<double>& state : states) {
+    for (std::size_t f = 0; f < state.size(); ++f) {
+      const double span = range[f].high - range[f].low;
+      std::vector<double> x = state;
+      for (int k = 0; k <= kPlaces; ++k) {
+        const double share = -kWider + (1.0 + 2.0 * kWider) * k / kPlaces;
+        x[f] = range[f].low + share * span;
+        const LawCondition& condition = law_conditions()[law.factors[f].condition];
+        if (x[f] < 0.0 && condition.natural_zero && !(condition.turn > 0.0)) continue;
+        const double v = value_at(law, x, p);
+        const double most = width * (share < 0.0 || share > 1.0 ? kBeyond : kInside);
+        if (!(v >= held.low - most && v <= held.high + most)) return true;
+      }
+    }
+  }
+  return false;
 }
 
 Eigen::VectorXd left_by_own(const LawData& d) {

@@ -58,6 +58,8 @@ class LawSearch {
       fit.polish(t, all);
     }
     sum_without_ = fit.sum_of(fit.without_law(all), all);
+    std::erase_if(trials, [&](const LawTrial& t) { return exceeds_its_rows(d_, t); });
+    if (trials.empty()) return std::nullopt;
     return *std::ranges::min_element(trials, {},
                                      [&](const LawTrial& t) { return t.sum + cost(t); });
   }

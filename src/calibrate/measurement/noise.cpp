@@ -114,6 +114,7 @@ NoiseModel make_noise_model(const MeasurementSet& data) {
       noise.weight[i] = 1.0 / data.rows[static_cast<std::size_t>(i)].sigma;
     }
   }
+  noise.order = reading_order(data);
   noise.runs = static_cast<int>(data.runs.size());
   noise.rows_per_run.assign(data.runs.size(), 0.0);
   noise.run.reserve(data.rows.size());
@@ -125,23 +126,59 @@ NoiseModel make_noise_model(const MeasurementSet& data) {
   return noise;
 }
 
+namespace {
+
+/// What one unit more in all rows of a session is once the rows are independent.
+Eigen::VectorXd whitened_ones(const NoiseModel& noise) {
+  Eigen::MatrixXd ones = Eigen::MatrixXd::Ones(noise.weight.size(), 1);
+  if (noise.remembers()) MemoryFilter(noise.order, noise.memory).whiten(ones);
+  return ones;
+}
+
+/// Its squares, by session.
+std::vector<double> squares_by_session(const NoiseModel& noise, const Eigen::VectorXd& ones) {
+  if (!noise.remembers()) return noise.rows_per_run;
+  std::vector<double> squares(noise.rows_per_run.size(), 0.0);
+  for (Eigen::Index i = 0; i < ones.size(); ++i) {
+    const int r = noise.run[static_cast<std::size_t>(i)];
+    if (r >= 0) squares[static_cast<std::size_t>(r)] += ones[i] * ones[i];
+  }
+  return squares;
+}
+
+}  // namespace
+
 void NoiseModel::whiten(Eigen::MatrixXd& columns) const {
   columns.array().colwise() *= weight.array();
+  if (remembers()) MemoryFilter(order, memory).whiten(columns);
   if (!(session_variance > 0.0) || runs == 0) return;
+  const Eigen::VectorXd ones = whitened_ones(*this);
+  const std::vector<double> squares = squares_by_session(*this, ones);
   Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(runs, columns.cols());
   for (Eigen::Index i = 0; i < columns.rows(); ++i) {
     const int r = run[static_cast<std::size_t>(i)];
-    if (r >= 0) mean.row(r) += columns.row(i);
+    if (r >= 0) mean.row(r) += ones[i] * columns.row(i);
   }
   for (int r = 0; r < runs; ++r) {
-    // (I + q 11ᵀ)^(−1/2) = I − (1 − 1/√(1 + n q)) 11ᵀ/n
-    const double n = rows_per_run[static_cast<std::size_t>(r)];
+    // (I + q u uᵀ)^(−1/2) = I − (1 − 1/√(1 + n q)) u uᵀ/n, n = uᵀu
+    const double n = squares[static_cast<std::size_t>(r)];
     if (n > 0.0) mean.row(r) *= (1.0 - 1.0 / std::sqrt(1.0 + n * session_variance)) / n;
   }
   for (Eigen::Index i = 0; i < columns.rows(); ++i) {
     const int r = run[static_cast<std::size_t>(i)];
-    if (r >= 0) columns.row(i) -= mean.row(r);
+    if (r >= 0) columns.row(i) -= ones[i] * mean.row(r);
   }
+}
+
+double NoiseModel::log_determinant() const {
+  double sum = -2.0 * weight.array().log().sum();
+  if (remembers()) sum += MemoryFilter(order, memory).log_determinant();
+  if (session_variance > 0.0 && runs > 0) {
+    for (const double n : squares_by_session(*this, whitened_ones(*this))) {
+      sum += std::log1p(n * session_variance);
+    }
+  }
+  return sum;
 }
 
 double NoiseModel::known_scale() const {
@@ -160,7 +197,7 @@ bool NoiseModel::within_rounding(const Eigen::VectorXd& whitened) const {
 }
 
 bool NoiseModel::counts_rows_alike() const {
-  return weight.size() > 0 && (weight.array() == weight[0]).all() &&
+  return weight.size() > 0 && (weight.array() == weight[0]).all() && !remembers() &&
          !(session_variance > 0.0 && runs > 0);
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "calibrate/measurement/measurement.hpp"
+#include "calibrate/measurement/noise_memory.hpp"
 
 namespace gear3k::calibrate {
 
@@ -35,10 +36,15 @@ struct NoiseModel {
   double session_variance = 0.0;
   /// Deviation of a reading by the last digit alone [SI]: its unit over √12.
   double rounding = 0.0;
+  ReadingOrder order{};  ///< of the rows, where the data tell it
+  NoiseMemory memory{};  ///< of readings that follow each other so
 
-  /// Weights rows and takes out of each session's mean what sessions scatter: afterwards all rows
-  /// are independent and scatter alike.
+  /// Weights rows, takes off what the readings before say of each, and out of each session's mean
+  /// what sessions scatter: afterwards all rows are independent and scatter alike.
   void whiten(Eigen::MatrixXd& columns) const;
+  /// ln det of the rows' covariance, in units of the variance of a whitened row.
+  [[nodiscard]] double log_determinant() const;
+  [[nodiscard]] bool remembers() const { return memory.share > 0.0 && order.known(); }
   /// Deviation of whitened rows where it must be taken as stated, as few rows say nothing of their
   /// own scatter; 0: it is estimated.
   [[nodiscard]] double known_scale() const;

@@ -105,6 +105,7 @@ SessionScatter session_scatter(const Problem& problem, const SearchResult& found
     const int r = noise.run[static_cast<std::size_t>(i)];
     if (r >= 0) sessions(i, r) = 1.0;
   }
+  if (noise.remembers()) noise.whiten(sessions);
   sessions -= basis * (basis.transpose() * sessions);
   const Eigen::MatrixXd session_basis = orthonormal_basis(sessions);
   const auto degrees = static_cast<int>(session_basis.cols());

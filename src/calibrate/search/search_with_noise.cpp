@@ -2,34 +2,145 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <utility>
 
 namespace gear3k::calibrate {
 
 namespace {
 
+/// Readings count as independent where such look like these by luck more often.
+constexpr double kMemoryChance = 0.03;
+/// Where causes were found, memory in their place is tried from here on: the likelihood chooses.
+constexpr double kTriedChance = 0.2;
+
+/// What was found under a noise model.
+struct SearchUnderNoise {
+  SearchResult found{};
+  NoiseModel noise{};
+  SessionScatter sessions{};
+  MemoryEstimate memory{};
+};
+
+/// Searches under the problem's noise, and again where sessions scatter.
+SearchUnderNoise search_sessions(Problem& problem, const std::vector<Candidate>& candidates,
+                                 const SearchOptions& options) {
+  SearchUnderNoise result{.found = search_causes(problem, candidates, options)};
+  result.sessions = session_scatter(problem, result.found);
+  if (result.sessions.guarded > 0.0) {
+    problem.noise.session_variance = result.sessions.guarded;
+    result.found = search_causes(problem, candidates, options);
+  }
+  result.noise = problem.noise;
+  return result;
+}
+
+/// −2 ln of the likelihood of what was found under its noise, and what its parameters cost, those
+/// of the memory and the choice of each cause among them.
+double criterion(const Problem& problem, const SearchUnderNoise& s) {
+  const auto n = static_cast<double>(problem.data.rows.size());
+  const Eigen::VectorXd residual =
+      winsorised(s.found.fit.residual, robust_deviation(s.found.fit.residual));
+  const double parameters = static_cast<double>(s.found.fit.hypothesis.value.size()) +
+                            (s.noise.remembers() ? 2.0 : 0.0) +
+                            (s.noise.session_variance > 0.0 ? 1.0 : 0.0);
+  const double choice = 2.0 * std::log(static_cast<double>(causes().size()));
+  return s.noise.log_determinant() + n * std::log(residual.squaredNorm() / n) +
+         parameters * std::log(n) + choice * static_cast<double>(s.found.effects.size());
+}
+
+bool same_causes(const SearchResult& a, const SearchResult& b) {
+  const auto& of_a = a.fit.hypothesis.effects;
+  const auto& of_b = b.fit.hypothesis.effects;
+  return of_a.size() == of_b.size() && std::ranges::all_of(of_a, [&](const Candidate& c) {
+           return std::ranges::find(of_b, c.cause, &Candidate::cause) != of_b.end();
+         });
+}
+
+/// Searches anew under a memory, until what is found has that memory.
+SearchUnderNoise search_remembering(Problem& problem, const std::vector<Candidate>& candidates,
+                                    const SearchOptions& options, MemoryEstimate memory) {
+  constexpr int kPasses = 3;
+  SearchUnderNoise result;
+  for (int pass = 0; pass < kPasses; ++pass) {
+    problem.noise.memory = memory.memory;
+    problem.noise.session_variance = 0.0;
+    SearchUnderNoise next = search_sessions(problem, candidates, options);
+    const bool settled = pass > 0 && same_causes(next.found, result.found);
+    result = std::move(next);
+    result.memory = memory;
+    if (settled || pass + 1 == kPasses) break;
+    const MemoryEstimate again = memory_of(problem, result.found.fit.hypothesis, kMemoryChance);
+    if (!(again.memory.share > 0.0)) break;
+    constexpr double kSame = 0.05;
+    if (std::abs(again.memory.correlation() - memory.memory.correlation()) < kSame) break;
+    memory = again;
+  }
+  return result;
+}
+
+/// Whether a search under a memory may come out as the better one: readings that remember explain
+/// better than what was found, or a part of several causes as well.
+bool may_replace(Problem& problem, const NoiseMemory& memory, const SearchUnderNoise& found) {
+  if (found.found.effects.size() > 1) return true;
+  problem.noise = found.noise;
+  problem.noise.memory = memory;
+  problem.noise.session_variance = 0.0;
+  SearchUnderNoise none{.found = {}, .noise = problem.noise};
+  none.found.fit = fit(problem, {}, found.found.scale);
+  return criterion(problem, none) < criterion(problem, found);
+}
+
 /// The search in all rows of a problem.
 SearchResult search_in_all(Problem& problem, const std::vector<Candidate>& candidates,
                            const SearchOptions& options, const std::function<bool(double)>& tell,
-                           SessionScatter& sessions, std::vector<std::string>& notes) {
-  SearchResult found = search_causes(problem, candidates, options);
-  if (!tell(0.4)) return found;
-  if (const auto weights = weights_by_response(problem, found)) {
+                           SessionScatter& sessions, MemoryEstimate& memory,
+                           std::vector<std::string>& notes) {
+  SearchResult first = search_causes(problem, candidates, options);
+  if (!tell(0.4)) return first;
+  if (const auto weights = weights_by_response(problem, first)) {
     problem.noise.weight = *weights;
     notes.emplace_back("the noise grows with the response: rows are weighted accordingly");
-    found = search_causes(problem, candidates, options);
+    first = search_causes(problem, candidates, options);
   }
-  sessions = session_scatter(problem, found);
-  if (sessions.guarded > 0.0) {
-    problem.noise.session_variance = sessions.guarded;
-    found = search_causes(problem, candidates, options);
+  SearchUnderNoise best{.found = std::move(first)};
+  best.sessions = session_scatter(problem, best.found);
+  if (best.sessions.guarded > 0.0) {
+    problem.noise.session_variance = best.sessions.guarded;
+    best.found = search_causes(problem, candidates, options);
   }
-  return found;
+  best.noise = problem.noise;
+  // Of what was found, and of all that the simulation as given misses: causes may have taken up
+  // what the noise remembers, and noise may seem to remember what causes do.
+  const MemoryEstimate beside = memory_of(problem, best.found.fit.hypothesis, kMemoryChance);
+  const bool remembers = beside.memory.share > 0.0;
+  const MemoryEstimate alone =
+      best.found.effects.empty() ? beside : memory_of(problem, Hypothesis{}, kTriedChance);
+  if (remembers) best = search_remembering(problem, candidates, options, beside);
+  if (alone.memory.share > 0.0 && !best.found.effects.empty() &&
+      may_replace(problem, alone.memory, best)) {
+    SearchUnderNoise other = search_remembering(problem, candidates, options, alone);
+    if (!same_causes(other.found, best.found) &&
+        criterion(problem, other) < criterion(problem, best)) {
+      best = std::move(other);
+    }
+  }
+  problem.noise = best.noise;
+  sessions = best.sessions;
+  memory = best.memory;
+  return std::move(best.found);
 }
 
 /// Rows at random places, as many as a search needs: what so many do not show is nothing.
-MeasurementSet thinned(const MeasurementSet& data, std::size_t rows, std::uint64_t seed) {
-  MeasurementSet result = data;
+struct ThinnedRows {
+  MeasurementSet data;
+  std::vector<std::size_t> place;  ///< of each in the data as given
+};
+ThinnedRows thinned(const MeasurementSet& data, std::size_t rows, std::uint64_t seed) {
+  ThinnedRows thin{.data = data, .place = {}};
+  MeasurementSet& result = thin.data;
   result.rows.clear();
   for (Covariate& c : result.covariates) c.value.clear();
   // Selection sampling: each set of so many rows is as likely, and their order stays.
@@ -39,11 +150,12 @@ MeasurementSet thinned(const MeasurementSet& data, std::size_t rows, std::uint64
     const auto left = static_cast<double>(data.rows.size() - i);
     if (!(random.uniform() * left < wanted)) continue;
     result.rows.push_back(data.rows[i]);
+    thin.place.push_back(i);
     for (std::size_t k = 0; k < data.covariates.size(); ++k) {
       result.covariates[k].value.push_back(data.covariates[k].value[i]);
     }
   }
-  return result;
+  return thin;
 }
 
 }  // namespace
@@ -51,15 +163,18 @@ MeasurementSet thinned(const MeasurementSet& data, std::size_t rows, std::uint64
 SearchResult search_with_noise(Problem& problem, const std::vector<Candidate>& candidates,
                                const SearchOptions& options,
                                const std::function<bool(double)>& tell, SessionScatter& sessions,
-                               std::vector<std::string>& notes) {
+                               MemoryEstimate& memory, std::vector<std::string>& notes) {
   constexpr std::size_t kEnough = 12000;
   if (problem.data.rows.size() <= 2 * kEnough) {
-    return search_in_all(problem, candidates, options, tell, sessions, notes);
+    return search_in_all(problem, candidates, options, tell, sessions, memory, notes);
   }
-  const MeasurementSet some = thinned(problem.data, kEnough, options.seed);
-  Problem part{.simulation = problem.simulation, .data = some, .noise = make_noise_model(some)};
-  SearchResult found = search_in_all(part, candidates, options, tell, sessions, notes);
+  const ThinnedRows some = thinned(problem.data, kEnough, options.seed);
+  Problem part{
+      .simulation = problem.simulation, .data = some.data, .noise = make_noise_model(some.data)};
+  part.noise.order = subset_of(problem.noise.order, some.place);
+  SearchResult found = search_in_all(part, candidates, options, tell, sessions, memory, notes);
   problem.noise.session_variance = part.noise.session_variance;
+  problem.noise.memory = part.noise.memory;
   found.fit = fit(problem, found.fit.hypothesis, found.scale);
   if (const auto weights = weights_by_response(problem, found)) {
     problem.noise.weight = *weights;

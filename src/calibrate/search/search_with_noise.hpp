@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "calibrate/search/memory_from_fit.hpp"
 #include "calibrate/search/noise_from_fit.hpp"
 #include "calibrate/search/search.hpp"
 
@@ -17,10 +18,11 @@ namespace gear3k::calibrate {
 /// model, are then fitted to all.
 /// @param tell      told how far the work of a diagnosis is; the search ends where it says false
 /// @param sessions  what sessions scatter beyond what was found
+/// @param memory    how the noise remembers
 /// @param notes     what a reader wants to know of it, appended
 SearchResult search_with_noise(Problem& problem, const std::vector<Candidate>& candidates,
                                const SearchOptions& options,
                                const std::function<bool(double)>& tell, SessionScatter& sessions,
-                               std::vector<std::string>& notes);
+                               MemoryEstimate& memory, std::vector<std::string>& notes);
 
 }  // namespace gear3k::calibrate

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "calibrate/fit/columns.hpp"
@@ -79,6 +80,11 @@ struct Compared {
   int rows = 0;
 };
 
+/// Standard error of a sum of what rows contribute.
+double deviation_of_sum(const Eigen::VectorXd& x) {
+  return x.size() < 2 ? 0.0 : (x.array() - x.mean()).matrix().norm();
+}
+
 }  // namespace
 
 std::optional<RefitContest> contest_with_refit(const Problem& problem, const Hypothesis& found,
@@ -98,26 +104,35 @@ std::optional<RefitContest> contest_with_refit(const Problem& problem, const Hyp
     if (!(c.form.weight > 0.0) || !is_refit(c)) continue;
     Fit trial = fit(problem, with({}, c), scale);
     Compared sum;
+    Eigen::VectorXd by_row = Eigen::VectorXd::Zero(y.size());
+    double least = std::numeric_limits<double>::infinity();
     std::optional<Eigen::VectorXd> predicted;
     for (std::size_t k = 0; k < all.size(); ++k) {
       Eigen::VectorXd by_refit = predict_held_out(problem, trial.hypothesis, all[k]);
+      Eigen::VectorXd here = Eigen::VectorXd::Zero(y.size());
       for (Eigen::Index i = 0; i < y.size(); ++i) {
         if (!std::isfinite(by_refit[i]) || !std::isfinite(by_found[k][i])) continue;
         const double unit = scale / problem.noise.weight[i];
         const double refit_misses = y[i] - by_refit[i];
         const double found_misses = y[i] - by_found[k][i];
-        sum.more += huber_square(refit_misses / unit) - huber_square(found_misses / unit);
+        here[i] = huber_square(refit_misses / unit) - huber_square(found_misses / unit);
         sum.refit += refit_misses * refit_misses;
         sum.found += found_misses * found_misses;
         ++sum.rows;
       }
+      const double deviation = deviation_of_sum(here);
+      if (deviation > 0.0) least = std::min(least, here.sum() / deviation);
+      by_row += here;
       if (k == 0) predicted = std::move(by_refit);
     }
+    sum.more = by_row.sum();
     if (sum.rows == 0 || !predicted->allFinite() || (best && !(sum.more < best->gain))) continue;
     best = {.refit = {.fit = std::move(trial), .predicted = *std::move(predicted)},
             .refit_error = std::sqrt(sum.refit / sum.rows),
             .error = std::sqrt(sum.found / sum.rows),
-            .gain = sum.more};
+            .gain = sum.more,
+            .gain_deviation = deviation_of_sum(by_row),
+            .least_gain = least};
   }
   return best;
 }

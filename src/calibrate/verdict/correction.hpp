@@ -30,8 +30,13 @@ std::optional<FoundCorrection> find_correction(const Problem& problem,
 struct RefitContest {
   FoundCorrection refit;                  ///< that predicts them best
   double refit_error = 0.0, error = 0.0;  ///< root mean squares over all blocks [SI]
-  double gain = 0.0;  ///< of the prediction over the refit, in sums of huber_square()
+  double gain = 0.0;            ///< of the prediction over the refit, in sums of huber_square()
+  double gain_deviation = 0.0;  ///< standard error of that, by what rows differ in
+  /// The least gain in rows left out by one condition, in standard errors of its own.
+  double least_gain = 0.0;
   [[nodiscard]] bool refit_is_better() const { return gain < 0.0; }
+  /// Whether it is not clear that what was found predicts better: over all, or along one condition.
+  [[nodiscard]] bool refit_is_safer() const { return gain < gain_deviation || least_gain < -1.0; }
 };
 
 /// @param found  what predicts; empty: the simulation as given

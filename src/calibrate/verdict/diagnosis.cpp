@@ -28,8 +28,9 @@ namespace gear3k::calibrate {
 namespace {
 
 /// Of the stated rate of false discoveries, what the search for causes and that for remainders get.
-constexpr double kCauseShare = 0.85;
-constexpr double kRemainderShare = 0.15;
+/// The rest is for second looks: weights, sessions and memory that chance gives the noise.
+constexpr double kCauseShare = 0.55;
+constexpr double kRemainderShare = 0.1;
 
 /// Rows that the baseline simulates.
 struct SimulatedRows {
@@ -396,7 +397,9 @@ std::optional<RefitContest> contest_of(Diagnosis& d, const Measured& m, const Hy
     d.refit = {.id = std::string(contest->refit.fit.hypothesis.effects.front().cause->id),
                .refit_error = contest->refit_error,
                .found_error = contest->error,
-               .predicts = contest->refit_is_better()};
+               // Rows at a level that alone shows a law say nothing against it.
+               .predicts = std::ranges::any_of(found.effects, is_law) ? contest->refit_is_better()
+                                                                      : contest->refit_is_safer()};
   }
   return contest;
 }
@@ -492,7 +495,7 @@ std::optional<Diagnosis> diagnose(const Simulation& simulation, const Measuremen
   SessionScatter sessions;
   const std::vector<Candidate> all_candidates = candidates_for(simulation, data);
   const SearchResult found =
-      search_with_noise(problem, all_candidates, search_options, tell, sessions, d.notes);
+      search_with_noise(problem, all_candidates, search_options, tell, sessions, d.memory, d.notes);
   if (!tell(0.6)) return std::nullopt;
 
   // What repeats say of the simulation as given, and structure without a cause.

@@ -166,6 +166,7 @@ struct Diagnosis {
   NoiseSource noise_source = NoiseSource::kResiduals;
   int repeat_degrees = 0;
   double session_deviation = 0.0;  ///< standard deviation between sessions [SI]; 0 = none found
+  MemoryEstimate memory;           ///< how the noise remembers
   LackOfFit lack_of_fit;           ///< of the baseline
   double p_value = 1.0;            ///< of the greatest finding where nothing is wrong
   /// What the model predicts by: where structure is left and neither a cause nor a law stands, and

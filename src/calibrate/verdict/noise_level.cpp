@@ -26,8 +26,11 @@ double chance_of_scatter(const NoiseModel& noise, const Eigen::VectorXd& whitene
   constexpr double kAsStated = 1.25;
   const double squares = winsorised(whitened, 1.0).squaredNorm();
   if (squares <= kAsStated * kAsStated * degrees) return 1.0;
-  // A tenth of the rows far off is outliers, not scatter.
-  if (robust_deviation(whitened) <= kAsStated) return 1.0;
+  // A tenth of the rows far off is outliers, not scatter; the median of n rows is itself uncertain
+  // by 1.17/√n of what it is.
+  constexpr double kErrors = 2.0 * 1.167;
+  const double most = kAsStated * (1.0 + kErrors / std::sqrt(static_cast<double>(degrees)));
+  if (robust_deviation(whitened) <= most) return 1.0;
   return numerics::gamma_upper(0.5 * degrees, 0.5 * squares);
 }
 

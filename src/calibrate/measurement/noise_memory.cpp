@@ -1,0 +1,153 @@
+#include "calibrate/measurement/noise_memory.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+namespace gear3k::calibrate {
+
+namespace {
+
+/// Correlation of a condition with that of the row before in its session; 0 where it does not vary
+/// or is not stated.
+template <class Get>
+double order_of_condition(const MeasurementSet& data, const Get& get) {
+  double mean = 0.0;
+  for (const Observation& row : data.rows) mean += get(row.condition);
+  mean /= static_cast<double>(data.rows.size());
+  double square = 0.0;
+  double product = 0.0;
+  int pairs = 0;
+  for (std::size_t i = 0; i < data.rows.size(); ++i) {
+    const double here = get(data.rows[i].condition) - mean;
+    square += here * here;
+    if (i == 0 || data.rows[i - 1].condition.run != data.rows[i].condition.run) continue;
+    product += here * (get(data.rows[i - 1].condition) - mean);
+    ++pairs;
+  }
+  if (pairs < 1 || !(square > 0.0)) return 0.0;
+  return product / pairs / (square / static_cast<double>(data.rows.size()));
+}
+
+/// Whether the angle never goes back from a line to the next of its session: the output has turned
+/// on, and the lines stand in the order of time.
+bool turns_on(const MeasurementSet& data) {
+  for (std::size_t i = 1; i < data.rows.size(); ++i) {
+    const Condition& before = data.rows[i - 1].condition;
+    const Condition& here = data.rows[i].condition;
+    if (before.run == here.run && here.output_angle_rad < before.output_angle_rad) return false;
+  }
+  return true;
+}
+
+/// Whether a condition follows the order of the lines.
+bool lines_are_sorted(const MeasurementSet& data) {
+  // Three standard errors of independent rows.
+  const double most = 3.0 / std::sqrt(static_cast<double>(data.rows.size()));
+  const auto follows = [&](const auto& get) {
+    return std::abs(order_of_condition(data, get)) > most;
+  };
+  return follows([](const Condition& c) { return c.output_torque_Nm; }) ||
+         follows([](const Condition& c) { return c.sun_speed_rad_s; }) ||
+         follows([](const Condition& c) { return c.test_torque_Nm; }) ||
+         follows([](const Condition& c) { return c.temperature_K; }) ||
+         (!turns_on(data) && follows([](const Condition& c) { return c.output_angle_rad; })) ||
+         follows([](const Condition& c) { return static_cast<double>(c.rotation); }) ||
+         follows([](const Condition& c) { return static_cast<double>(c.driving_teeth); }) ||
+         follows([](const Condition& c) { return static_cast<double>(c.driven_teeth); }) ||
+         follows([](const Condition& c) { return c.module_m; }) || follows([](const Condition& c) {
+           return c.direction == design::Direction::kForward ? 1.0 : -1.0;
+         });
+}
+
+}  // namespace
+
+ReadingOrder reading_order(const MeasurementSet& data) {
+  // Rows of one loop share more than their neighbourhood.
+  if (data.kind == Kind::kTorqueAngle || data.rows.empty()) return {};
+  const auto stated = [&](double Condition::*member) {
+    return std::ranges::all_of(
+        data.rows, [&](const Observation& row) { return std::isfinite(row.condition.*member); });
+  };
+  double Condition::*clock = nullptr;
+  if (stated(&Condition::time_s)) {
+    clock = &Condition::time_s;
+  } else if (stated(&Condition::cycles)) {
+    clock = &Condition::cycles;
+  } else if (lines_are_sorted(data)) {
+    return {};
+  }
+  ReadingOrder order{.row = std::vector<int>(data.rows.size()), .step = {}};
+  std::iota(order.row.begin(), order.row.end(), 0);
+  const auto session = [&](int i) {
+    const Observation& row = data.rows[static_cast<std::size_t>(i)];
+    return std::pair(row.condition.run, row.condition.run < 0 ? row.file : 0);
+  };
+  std::ranges::stable_sort(order.row, [&](int a, int b) {
+    if (session(a) != session(b)) return session(a) < session(b);
+    if (clock == nullptr) return false;
+    return data.rows[static_cast<std::size_t>(a)].condition.*clock <
+           data.rows[static_cast<std::size_t>(b)].condition.*clock;
+  });
+  order.step.reserve(order.row.size());
+  for (std::size_t k = 0; k < order.row.size(); ++k) {
+    const bool first = k == 0 || session(order.row[k - 1]) != session(order.row[k]);
+    order.step.push_back(first ? 0 : 1);
+  }
+  return order;
+}
+
+ReadingOrder subset_of(const ReadingOrder& order, const std::vector<std::size_t>& rows) {
+  if (!order.known()) return {};
+  std::vector<int> place(order.row.size(), -1);
+  for (std::size_t k = 0; k < rows.size(); ++k) place[rows[k]] = static_cast<int>(k);
+  ReadingOrder part;
+  int since = 0;
+  bool first = true;
+  for (std::size_t k = 0; k < order.row.size(); ++k) {
+    since += order.step[k];
+    first = first || order.step[k] == 0;
+    const int at = place[static_cast<std::size_t>(order.row[k])];
+    if (at < 0) continue;
+    part.row.push_back(at);
+    part.step.push_back(first ? 0 : since);
+    since = 0;
+    first = false;
+  }
+  return part;
+}
+
+MemoryFilter::MemoryFilter(const ReadingOrder& order, const NoiseMemory& memory) : order_(order) {
+  const std::size_t n = order.row.size();
+  fade_.resize(n);
+  gain_.resize(n);
+  unit_.resize(n);
+  const double own = 1.0 - memory.share;
+  double variance = memory.share;  // of what is remembered, given the rows before
+  for (std::size_t k = 0; k < n; ++k) {
+    fade_[k] = order.step[k] == 0 ? 0.0 : std::pow(memory.decay, order.step[k]);
+    variance = memory.share + fade_[k] * fade_[k] * (variance - memory.share);
+    const double total = variance + own;
+    gain_[k] = variance / total;
+    unit_[k] = 1.0 / std::sqrt(total);
+    variance *= own / total;
+    log_determinant_ += std::log(total);
+  }
+}
+
+void MemoryFilter::whiten(Eigen::MatrixXd& columns) const {
+  for (Eigen::Index c = 0; c < columns.cols(); ++c) {
+    double state = 0.0;
+    for (std::size_t k = 0; k < order_.row.size(); ++k) {
+      double& x = columns(order_.row[k], c);
+      state *= fade_[k];
+      const double off = x - state;
+      state += gain_[k] * off;
+      x = off * unit_[k];
+    }
+  }
+}
+
+}  // namespace gear3k::calibrate

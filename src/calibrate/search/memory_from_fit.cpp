@@ -1,0 +1,136 @@
+#include "calibrate/search/memory_from_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "calibrate/fit/screen.hpp"
+#include "numerics/linear_algebra.hpp"
+
+namespace gear3k::calibrate {
+
+namespace {
+
+/// Weighted residuals and what was fitted to them; likelihoods of memories of theirs.
+class RememberingRows {
+ public:
+  RememberingRows(const ReadingOrder& order, const Eigen::VectorXd& residual,
+                  const Eigen::MatrixXd& fitted)
+      : order_(order), n_(residual.size()) {
+    // Without their sessions' levels the columns that are left are independent of those.
+    Eigen::MatrixXd own = fitted;
+    Eigen::MatrixXd ones = Eigen::MatrixXd::Ones(n_, 1);
+    without_levels(ones, own);
+    const Eigen::MatrixXd basis = orthonormal_basis(own);
+    sessions_ = std::ranges::count(order_.step, 0);
+    columns_.resize(n_, basis.cols() + 2);
+    columns_ << residual, basis, Eigen::MatrixXd::Ones(n_, 1);
+  }
+
+  /// 2 ln of the restricted likelihood, up to a constant; −∞ where nothing is left.
+  [[nodiscard]] double likelihood(const NoiseMemory& memory) const {
+    Eigen::MatrixXd columns = columns_;
+    const MemoryFilter filter(order_, memory);
+    filter.whiten(columns);
+    const Eigen::Index p = columns.cols() - 2;
+    const Eigen::MatrixXd ones = columns.rightCols(1);
+    Eigen::MatrixXd rest = columns.leftCols(p + 1);
+    double log_determinant = filter.log_determinant() + without_levels(ones, rest);
+    double left = rest.col(0).squaredNorm();
+    if (p > 0) {
+      const Eigen::MatrixXd own = rest.rightCols(p);
+      const Eigen::MatrixXd normal = own.transpose() * own;
+      const Eigen::VectorXd moment = own.transpose() * rest.col(0);
+      log_determinant += numerics::symmetric_eigenvalues(normal).array().max(1e-12).log().sum();
+      left -= moment.dot(numerics::solve_symmetric(normal, moment));
+    }
+    const auto degrees = static_cast<double>(n_ - p - sessions_);
+    if (!(left > 0.0) || degrees < 1.0) return -std::numeric_limits<double>::infinity();
+    return -log_determinant - degrees * std::log(left / degrees);
+  }
+
+ private:
+  /// Takes the multiple of the ones off each session of the columns.
+  /// @returns Σ ln of the ones' squares
+  double without_levels(const Eigen::MatrixXd& ones, Eigen::MatrixXd& columns) const {
+    double log_squares = 0.0;
+    for (std::size_t first = 0; first < order_.row.size();) {
+      std::size_t end = first + 1;
+      while (end < order_.row.size() && order_.step[end] != 0) ++end;
+      double square = 0.0;
+      Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(columns.cols());
+      for (std::size_t k = first; k < end; ++k) {
+        square += ones(order_.row[k], 0) * ones(order_.row[k], 0);
+        sum += ones(order_.row[k], 0) * columns.row(order_.row[k]);
+      }
+      for (std::size_t k = first; k < end; ++k) {
+        columns.row(order_.row[k]) -= ones(order_.row[k], 0) / square * sum;
+      }
+      log_squares += std::log(square);
+      first = end;
+    }
+    return log_squares;
+  }
+
+  const ReadingOrder& order_;
+  Eigen::Index n_;
+  Eigen::MatrixXd columns_;
+  Eigen::Index sessions_ = 0;
+};
+
+/// P of so great a ratio where readings are independent: of one parameter at its bound, and of a
+/// second that only matters beyond it.
+double chance_of_ratio(double ratio) {
+  if (!(ratio > 0.0)) return 1.0;
+  constexpr double kPlaces = 1.3;
+  return std::min(1.0, kPlaces * std::erfc(std::sqrt(0.5 * ratio)));
+}
+
+}  // namespace
+
+MemoryEstimate memory_of(const Problem& problem, const Hypothesis& hypothesis, double chance) {
+  MemoryEstimate result;
+  const NoiseModel& noise = problem.noise;
+  if (!noise.order.known() || noise.weight.size() < kFewestRememberingRows) return result;
+  const Linearisation at = linearise(problem, hypothesis, {});
+  const Eigen::VectorXd weighted =
+      (measured(problem.data) - at.simulated).cwiseProduct(noise.weight);
+  const Eigen::MatrixXd own = noise.weight.asDiagonal() * at.own;
+  const RememberingRows rows(noise.order, winsorised(weighted, robust_deviation(weighted)), own);
+  const double independent = rows.likelihood({});
+  struct TriedMemory {
+    NoiseMemory memory;
+    double ratio;
+  };
+  std::vector<TriedMemory> places;
+  const auto scan = [&](double first_decay, double decay_step, int decays, double first_share,
+                        double share_step, int shares) {
+    for (int k = 0; k < decays; ++k) {
+      for (int j = 0; j < shares; ++j) {
+        const NoiseMemory memory{.share = first_share + share_step * j,
+                                 .decay = first_decay + decay_step * k};
+        places.push_back({.memory = memory, .ratio = rows.likelihood(memory) - independent});
+      }
+    }
+  };
+  scan(0.2, 0.15, 6, 0.2, 0.2, 5);  // φ 0.2 to 0.95
+  TriedMemory best = *std::ranges::max_element(places, {}, &TriedMemory::ratio);
+  result.likelihood_ratio = std::max(0.0, best.ratio);
+  result.p_value = chance_of_ratio(best.ratio);
+  if (result.p_value > chance) return result;
+  scan(0.05, 0.05, 19, 0.1, 0.1, 10);
+  best = *std::ranges::max_element(places, {}, &TriedMemory::ratio);
+  result.memory = best.memory;
+  result.likelihood_ratio = best.ratio;
+  constexpr double kNinetyFive = 3.841;  // quantile of χ² with one degree of freedom
+  result.low = result.high = best.memory.correlation();
+  for (const TriedMemory& p : places) {
+    if (p.ratio < best.ratio - kNinetyFive) continue;
+    result.low = std::min(result.low, p.memory.correlation());
+    result.high = std::max(result.high, p.memory.correlation());
+  }
+  return result;
+}
+
+}  // namespace gear3k::calibrate

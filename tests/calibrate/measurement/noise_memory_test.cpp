@@ -1,0 +1,88 @@
+#include "calibrate/measurement/noise_memory.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+#include <cmath>
+#include <vector>
+
+#include "calibrate/fit/screen.hpp"
+
+namespace gear3k::calibrate::noise_memory_test {
+namespace {
+
+MeasurementSet rows_at(const std::vector<double>& time_s, const std::vector<int>& run) {
+  MeasurementSet data;
+  for (std::size_t i = 0; i < time_s.size(); ++i) {
+    Observation row;
+    row.condition.time_s = time_s[i];
+    row.condition.run = run[i];
+    data.rows.push_back(row);
+  }
+  return data;
+}
+
+TEST(ReadingOrder, IsThatOfTimeInEachSession) {
+  const ReadingOrder order = reading_order(rows_at({30.0, 10.0, 5.0, 20.0, 1.0}, {1, 0, 1, 0, 1}));
+  EXPECT_EQ(order.row, (std::vector<int>{1, 3, 4, 2, 0}));
+  EXPECT_EQ(order.step, (std::vector<int>{0, 1, 0, 1, 1}));
+}
+
+TEST(ReadingOrder, WithoutAClockIsThatOfLinesThatNoConditionFollows) {
+  MeasurementSet data;
+  RandomBits random(3);
+  for (int i = 0; i < 60; ++i) {
+    Observation row;
+    row.condition.output_torque_Nm = 1.0 + std::floor(11.0 * random.uniform());
+    row.condition.output_angle_rad = 0.1 * i;
+    data.rows.push_back(row);
+  }
+  EXPECT_TRUE(reading_order(data).known());
+  for (int i = 0; i < 60; ++i) {
+    data.rows[static_cast<std::size_t>(i)].condition.output_torque_Nm = 1.0 + 0.1 * i;
+  }
+  EXPECT_FALSE(reading_order(data).known());
+  // A clock says more than the lines.
+  for (int i = 0; i < 60; ++i) data.rows[static_cast<std::size_t>(i)].condition.time_s = 60.0 - i;
+  EXPECT_EQ(reading_order(data).row.front(), 59);
+}
+
+TEST(ReadingOrder, OfSomeRowsCountsTheReadingsBetweenThem) {
+  const ReadingOrder order{.row = {2, 0, 1, 4, 3}, .step = {0, 1, 1, 0, 1}};
+  const ReadingOrder part = subset_of(order, {1, 2, 3});
+  // Rows 2, 1 and 3 are places 1, 0 and 2 of the part.
+  EXPECT_EQ(part.row, (std::vector<int>{1, 0, 2}));
+  EXPECT_EQ(part.step, (std::vector<int>{0, 2, 0}));
+}
+
+/// The covariance that the filter undoes, entry by entry: ρ φ^k between rows of a session.
+Eigen::MatrixXd covariance_of(const ReadingOrder& order, const NoiseMemory& memory) {
+  const auto n = static_cast<Eigen::Index>(order.row.size());
+  Eigen::MatrixXd c = Eigen::MatrixXd::Identity(n, n);
+  for (std::size_t a = 0; a < order.row.size(); ++a) {
+    int apart = 0;
+    for (std::size_t b = a + 1; b < order.row.size() && order.step[b] != 0; ++b) {
+      apart += order.step[b];
+      c(order.row[a], order.row[b]) = memory.share * std::pow(memory.decay, apart);
+      c(order.row[b], order.row[a]) = c(order.row[a], order.row[b]);
+    }
+  }
+  return c;
+}
+
+TEST(MemoryFilter, IsARootOfTheInverseCovariance) {
+  const ReadingOrder order{.row = {2, 0, 1, 4, 3, 6, 5}, .step = {0, 1, 3, 0, 1, 2, 1}};
+  for (const NoiseMemory memory : {NoiseMemory{.share = 1.0, .decay = 0.6},
+                                   NoiseMemory{.share = 0.3, .decay = 0.95}, NoiseMemory{}}) {
+    const MemoryFilter filter(order, memory);
+    Eigen::MatrixXd root = Eigen::MatrixXd::Identity(7, 7);
+    filter.whiten(root);
+    const Eigen::MatrixXd c = covariance_of(order, memory);
+    EXPECT_LT((root.transpose() * root - c.inverse()).cwiseAbs().maxCoeff(), 1e-12);
+    EXPECT_NEAR(filter.log_determinant(), std::log(c.determinant()), 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace gear3k::calibrate::noise_memory_test
