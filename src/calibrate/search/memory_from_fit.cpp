@@ -3,9 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
+#include <numbers>
+#include <vector>
 
 #include "calibrate/fit/screen.hpp"
+#include "calibrate/measurement/covariate_levels.hpp"
+#include "calibrate/measurement/value_range.hpp"
+#include "calibrate/search/order_scan.hpp"
 #include "numerics/linear_algebra.hpp"
 
 namespace gear3k::calibrate {
@@ -26,6 +30,29 @@ class RememberingRows {
     sessions_ = std::ranges::count(order_.step, 0);
     columns_.resize(n_, basis.cols() + 2);
     columns_ << residual, basis, Eigen::MatrixXd::Ones(n_, 1);
+  }
+
+  /// 2 ln of the likelihood of the wave along a clock that takes off most, over that of independent
+  /// readings, less 2 ln of the number of orders that it was chosen from.
+  [[nodiscard]] double wave_ratio(const std::vector<double>& phase) const {
+    constexpr Eigen::Index kMostOrders = 200;
+    constexpr Eigen::Index kProducts = 400'000;
+    const Eigen::MatrixXd ones = Eigen::MatrixXd::Ones(n_, 1);
+    Eigen::MatrixXd rest = columns_.leftCols(columns_.cols() - 1);
+    without_levels(ones, rest);
+    const Eigen::MatrixXd basis = orthonormal_basis(rest.rightCols(rest.cols() - 1));
+    const Eigen::VectorXd left = free_of(basis, rest.leftCols(1));
+    const Eigen::Index count = std::min({n_ / 2, kMostOrders, kProducts / n_ + 2});
+    double most = 0.0;
+    for (Eigen::Index k = 0; k < count; ++k) {
+      Eigen::MatrixXd wave = waves(phase, 1.0 + 0.5 * static_cast<double>(k));
+      without_levels(ones, wave);
+      const Eigen::MatrixXd own = orthonormal_basis(free_of(basis, wave));
+      most = std::max(most, (own.transpose() * left).squaredNorm());
+    }
+    const double kept = std::max(1.0 - most / left.squaredNorm(), 1e-12);
+    return -static_cast<double>(n_) * std::log(kept) -
+           2.0 * std::log(static_cast<double>(std::max<Eigen::Index>(count, 1)));
   }
 
   /// 2 ln of the restricted likelihood, up to a constant; −∞ where nothing is left.
@@ -87,6 +114,31 @@ double chance_of_ratio(double ratio) {
   return std::min(1.0, kPlaces * std::erfc(std::sqrt(0.5 * ratio)));
 }
 
+/// The clock of the readings, from 0 to 2π: time, cycles or angle where stated, else their number.
+std::vector<double> phase_of(const Problem& problem) {
+  const MeasurementSet& data = problem.data;
+  std::vector<double> phase;
+  ValueRange range;
+  for (double Condition::*clock :
+       {&Condition::time_s, &Condition::cycles, &Condition::output_angle_rad}) {
+    phase = column_of(data, clock);
+    range = range_of(phase);
+    if (range.varies() && std::ranges::all_of(phase, [](double x) { return std::isfinite(x); })) {
+      break;
+    }
+    range = {};
+  }
+  if (!range.varies()) {
+    const std::vector<int>& row = problem.noise.order.row;
+    for (std::size_t k = 0; k < row.size(); ++k) {
+      phase[static_cast<std::size_t>(row[k])] = static_cast<double>(k);
+    }
+    range = {.low = 0.0, .high = static_cast<double>(row.size() - 1)};
+  }
+  for (double& x : phase) x = 2.0 * std::numbers::pi * (x - range.low) / (range.high - range.low);
+  return phase;
+}
+
 }  // namespace
 
 MemoryEstimate memory_of(const Problem& problem, const Hypothesis& hypothesis, double chance) {
@@ -119,6 +171,8 @@ MemoryEstimate memory_of(const Problem& problem, const Hypothesis& hypothesis, d
   result.likelihood_ratio = std::max(0.0, best.ratio);
   result.p_value = chance_of_ratio(best.ratio);
   if (result.p_value > chance) return result;
+  // A wave in time is no memory where it says more: either has two numbers.
+  if (rows.wave_ratio(phase_of(problem)) > best.ratio) return result;
   scan(0.05, 0.05, 19, 0.1, 0.1, 10);
   best = *std::ranges::max_element(places, {}, &TriedMemory::ratio);
   result.memory = best.memory;

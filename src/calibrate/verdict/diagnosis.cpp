@@ -392,14 +392,15 @@ void predict_by(Diagnosis& d, const Measured& m, const FinalFit& final, const He
 std::optional<RefitContest> contest_of(Diagnosis& d, const Measured& m, const Hypothesis& found,
                                        const std::vector<Candidate>& candidates, double scale) {
   auto contest = contest_with_refit(m.problem, found, candidates, m.levels, scale);
+  // Rows at a level that alone shows a law say nothing against it.
+  const bool of_law =
+      std::ranges::any_of(found.effects, [](const Candidate& c) { return is_law(c); });
   d.refit.reset();
   if (contest) {
     d.refit = {.id = std::string(contest->refit.fit.hypothesis.effects.front().cause->id),
                .refit_error = contest->refit_error,
                .found_error = contest->error,
-               // Rows at a level that alone shows a law say nothing against it.
-               .predicts = std::ranges::any_of(found.effects, is_law) ? contest->refit_is_better()
-                                                                      : contest->refit_is_safer()};
+               .predicts = of_law ? contest->refit_is_better() : contest->refit_is_safer()};
   }
   return contest;
 }
