@@ -203,6 +203,9 @@ std::string answer_of(const Diagnosis& d) {
     std::string others;
     for (const auto& a : e.alternatives) others += (others.empty() ? "" : " ") + a.id;
     if (!others.empty()) text += "(" + others + ")";
+    for (const auto& p : e.parameters) {
+      if (!p.plausible) text += " <" + p.name + " " + std::to_string(p.value) + ">";
+    }
   }
   if (text.empty())
     text = std::string(calibrate::kVerdictNames[static_cast<std::size_t>(d.verdict)]);

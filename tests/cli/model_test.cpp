@@ -112,7 +112,7 @@ std::string doubtful() {
                   "body = \"sun\"\n",
                   "body = \"sun\"\nalternatives = [\"sensor_offset\", \"drag_viscous\"]\n") +
          "[transmission.causes.friction_direction]\nform = \"forward_backward\"\nasymmetry = "
-         "-0.9\n";
+         "-0.985\n";
 }
 
 TEST(ModelOption, ADoubtfulModelIsToldWhereverItIsUsed) {
@@ -127,7 +127,7 @@ TEST(ModelOption, ADoubtfulModelIsToldWhereverItIsUsed) {
     for (const char* part :
          {"the diagnosis of transmission was ambiguous: drag_constant could as well be "
           "sensor_offset or drag_viscous",
-          "friction_direction: asymmetry -0.9 is outside the plausible -0.6 to 0.6: distrust"}) {
+          "friction_direction: asymmetry -0.985 is outside the plausible -0.98 to 0.98: distrust"}) {
       EXPECT_TRUE(contains(result.err, part)) << result.err;
       EXPECT_TRUE(contains(notes, part)) << notes;
     }

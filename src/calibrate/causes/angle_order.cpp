@@ -35,7 +35,7 @@ bool both_ways(const MeasurementSet& data) {
 std::vector<ParameterRecord> angle_parameters(const Form& form, Kind kind) {
   const bool share = !form.name.starts_with(kConstant) && !form.name.starts_with(kDrag);
   const double bound = form.name.starts_with(kFriction) ? 0.99 : share ? 10.0 : 1e4;
-  const double plausible = share ? (form.name.starts_with(kFriction) ? 0.9 : 0.2) : bound;
+  const double plausible = share ? (form.name.starts_with(kFriction) ? 0.99 : 0.2) : bound;
   const auto record = [&](std::string_view name) {
     return ParameterRecord{.name = name,
                            .unit = share ? "" : response_unit(kind).name,

@@ -37,8 +37,8 @@ std::vector<ParameterRecord> parameters(const Form& form, Kind kind) {
 
 /// From the first to the last row: linear, levelling off (wear that runs in), or dying away (the
 /// end fits the simulation).  Once it is found: with the time constant, or the exponent of a power
-/// of the time, or both (wear that sets in late: 1 − exp(−(t/τ)^k)), and with the value at the
-/// start as parameters of their own.
+/// of the time, or both (wear that sets in late: 1 − exp(−(t/τ)^k)), or as the logarithm of the
+/// time (creep), and with the value at the start as parameters of their own.
 std::vector<Form> forms(const Occasion& o) {
   std::vector<Form> result;
   const auto add = [&](const char* variable, const char* unit, double Condition::*member) {
@@ -62,6 +62,8 @@ std::vector<Form> forms(const Occasion& o) {
       result.push_back(form("centred", span, 0.2));
       result.push_back(form("levelling_any_scale", 0.3 * span, 0.0));
       result.push_back(form("levelling_any_scale_any_start", 0.3 * span, 0.0));
+      result.push_back(form("logarithmic_any_scale", 0.3 * span, 0.0));
+      result.push_back(form("logarithmic_any_scale_any_start", 0.3 * span, 0.0));
       result.push_back(form("power_any_exponent", span, 0.0));
       result.push_back(form("power_any_exponent_any_start", span, 0.0));
       result.push_back(form("onset_any_scale_any_exponent", 0.3 * span, 0.0));
@@ -89,6 +91,7 @@ void apply(const Form& form, std::span<const Scalar> p, const Condition& conditi
     const Scalar scale = holds(form, kScale) ? exp(p[next++]) : Scalar(1.0);
     share = 1.0 - exp(Scalar(-reduced / scale));
   }
+  if (form.name.starts_with("logarithmic")) share = log(Scalar(1.0 + reduced / exp(p[next++])));
   const auto power = [&](const Scalar& x, const Scalar& exponent) {
     return reduced > 0.0 ? Scalar(exp(Scalar(exponent * log(x)))) : Scalar(0.0);
   };

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "calibrate/causes/friction_change.hpp"
 #include "calibrate/model/cause.hpp"
 #include "calibrate/model/simulation.hpp"
 
@@ -27,13 +28,20 @@ bool both_drive(const MeasurementSet& data) {
   return some(1) && some(-1);
 }
 
-std::vector<ParameterRecord> parameters(const Form&, Kind) {
+/// Of both sides of the pitch point or both ends, a positive asymmetry takes from the one what it
+/// gives to the other.
+bool is_of_both(const Form& form) {
+  return form.name == "forward_backward" || form.name == "approach_recess" ||
+         form.name == kPinionGear;
+}
+
+std::vector<ParameterRecord> parameters(const Form& form, Kind) {
   return {{.name = "asymmetry",
            .unit = "",
            .lower = -50.0,
            .upper = 50.0,
-           .plausible_low = -0.6,
-           .plausible_high = 0.6}};
+           .plausible_low = kSomeFriction,
+           .plausible_high = is_of_both(form) ? -kSomeFriction : kMostChange}};
 }
 
 /// Friction differs before and behind the pitch point, or with the end that drives, of pairs the
@@ -85,7 +93,7 @@ void apply(const Form& form, std::span<const Scalar> p, const Condition& conditi
 }
 
 /// In data of pairs the coefficients on either side of the pitch point, which all causes of a fit
-/// make together.  Clean metals without lubricant reach about 1; friction below 0 would drive.
+/// make together.  Friction below 0 would drive.
 std::vector<DerivedParameter> flank_coefficients(const Form&, std::span<const Scalar>,
                                                  const Simulation& simulation,
                                                  const Modification& all) {
@@ -97,7 +105,7 @@ std::vector<DerivedParameter> flank_coefficients(const Form&, std::span<const Sc
                                        .lower = -HUGE_VAL,
                                        .upper = HUGE_VAL,
                                        .plausible_low = 0.0,
-                                       .plausible_high = 1.0},
+                                       .plausible_high = kMostFriction},
                             .value = value};
   };
   return {side("friction_in_approach", coefficients[0]),

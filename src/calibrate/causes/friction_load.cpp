@@ -19,8 +19,8 @@ std::vector<ParameterRecord> parameters(const Form& form, Kind) {
                       .unit = "",
                       .lower = -2.0,
                       .upper = 2.0,
-                      .plausible_low = -0.5,
-                      .plausible_high = 0.5});
+                      .plausible_low = -2.0,
+                      .plausible_high = 2.0});
   }
   add_shape_parameters(form, result);
   return result;

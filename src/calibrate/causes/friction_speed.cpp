@@ -17,8 +17,8 @@ std::vector<ParameterRecord> parameters(const Form& form, Kind) {
                                          .unit = "",
                                          .lower = -0.99,
                                          .upper = 50.0,
-                                         .plausible_low = -0.6,
-                                         .plausible_high = 4.0}};
+                                         .plausible_low = -0.99,
+                                         .plausible_high = 50.0}};
     if (form.name == kAnyScale) {
       result.push_back({.name = "log_scale_change",
                         .unit = "",
@@ -35,8 +35,8 @@ std::vector<ParameterRecord> parameters(const Form& form, Kind) {
                       .unit = "",
                       .lower = -2.0,
                       .upper = 2.0,
-                      .plausible_low = -0.7,
-                      .plausible_high = 0.5});
+                      .plausible_low = -2.0,
+                      .plausible_high = 2.0});
   }
   add_shape_parameters(form, result);
   return result;

@@ -14,8 +14,8 @@ std::vector<ParameterRecord> parameters(const Form& form, Kind) {
                       .unit = "1/K",
                       .lower = -0.5,
                       .upper = 0.5,
-                      .plausible_low = -0.06,
-                      .plausible_high = 0.04});
+                      .plausible_low = -0.5,
+                      .plausible_high = 0.5});
   }
   add_shape_parameters(form, result);
   return result;

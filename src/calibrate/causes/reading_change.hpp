@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "calibrate/causes/friction_change.hpp"
 #include "calibrate/measurement/response_unit.hpp"
 #include "calibrate/model/cause.hpp"
 
@@ -77,10 +78,10 @@ inline ParameterRecord change_parameter(std::string_view name, Target target, Ki
     case Target::kFriction:
       return {.name = name,
               .unit = "",
-              .lower = -0.99,
-              .upper = 9.0,
-              .plausible_low = -0.8,
-              .plausible_high = 3.0};
+              .lower = kLeastChange,
+              .upper = kMostChange,
+              .plausible_low = kSomeFriction,
+              .plausible_high = kMostChange};
     case Target::kGain:
       return {.name = name,
               .unit = "",

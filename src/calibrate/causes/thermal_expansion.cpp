@@ -7,13 +7,16 @@ namespace {
 constexpr double kCelsius = 273.15;
 constexpr double kMicro = 1e-6;
 
+/// Of the housing less that of the gears.  The most that solids show is 200 (polyethylene;
+/// matmake.com, Thermal Expansion of Common Polymers and Plastics).
 std::vector<ParameterRecord> parameters(const Form&, Kind) {
+  constexpr double kMost = 200.0;
   return {{.name = "expansion",
            .unit = "um/m/K",
            .lower = -2000.0,
            .upper = 2000.0,
-           .plausible_low = -80.0,
-           .plausible_high = 80.0}};
+           .plausible_low = -kMost,
+           .plausible_high = kMost}};
 }
 
 std::vector<Form> forms(const Occasion& o) {

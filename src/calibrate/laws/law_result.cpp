@@ -21,7 +21,7 @@ LawResult law_result(const Problem& problem, const FoundLaw& found, const FinalF
       .acts_on = std::string(kLawActionNames[static_cast<std::size_t>(law.action)]),
       .rows = std::string(kLawRowsNames[static_cast<std::size_t>(law.rows)]),
       .unit = is_share(law.action) ? "" : std::string(response_unit(problem.data.kind).name),
-      .parameters = parameter_results(problem.simulation, final, effect),
+      .parameters = parameter_results(problem, final, effect),
       .held_out_gain = 1.0 - error_with / error_without,
       .held_out_error = error_with,
       .delta_bic = found.delta_bic,

@@ -274,6 +274,41 @@ std::array<Scalar, 2> Simulation::flank_coefficients(const Modification& m) cons
   return {flank.coefficient * flank.approach_factor, flank.coefficient * flank.recess_factor};
 }
 
+std::vector<std::optional<FrictionRange>> Simulation::flank_friction(
+    const std::vector<Condition>& conditions, const Modification& m) const {
+  std::vector<std::optional<FrictionRange>> result(conditions.size());
+  if (std::holds_alternative<BlackBox>(subject_)) return result;
+  if (kind_ == Kind::kPairLoss) {
+    const auto sides = flank_coefficients(m);
+    const auto [least, greatest] = std::minmax({sides[0].a, sides[1].a});
+    std::ranges::fill(result, FrictionRange{.least = least, .greatest = greatest});
+    return result;
+  }
+  const auto& g = std::get<Gearbox>(subject_);
+  const design::Design design = design::extended(g.design, design::extension_as<double>(m.gearbox));
+  const auto& friction = design.friction;
+  const auto [lower, upper] = std::minmax({friction.approach_factor * friction.extension.approach,
+                                           friction.recess_factor * friction.extension.recess});
+  const design::LossyTrain<double> train = design::lossy_train(design, g.fixed_geometry);
+  for (std::size_t i = 0; i < conditions.size(); ++i) {
+    const Condition& c = conditions[i];
+    const auto operated = design::operate<double>(
+        train,
+        {.sun_speed_rad_s = c.sun_speed_rad_s,
+         .output_torque_Nm = c.output_torque_Nm,
+         .temperature_K = stated_or(c.temperature_K, temperature_of(g.design))},
+        c.direction);
+    if (!operated.operation) continue;
+    FrictionRange range{.least = HUGE_VAL, .greatest = -HUGE_VAL};
+    for (const auto& mesh : operated.operation->mesh) {
+      range.least = std::min(range.least, mesh.friction * lower);
+      range.greatest = std::max(range.greatest, mesh.friction * upper);
+    }
+    result[i] = range;
+  }
+  return result;
+}
+
 Scalar Simulation::pair_loss(const Condition& c, const Modification& m) const {
   double pressure_angle_rad = 0.0;
   geometry::BasicRack<double> rack;

@@ -16,6 +16,11 @@ namespace gear3k::calibrate {
 /// What was measured: a gearbox, a gearbox as a black box, or pairs of gears of one rack.
 using Subject = std::variant<design::Design, BlackBox, design::PairDesign>;
 
+/// Least and greatest coefficient of friction on any flank.
+struct FrictionRange {
+  double least = 0.0, greatest = 0.0;
+};
+
 /// How the derivatives of a torque that friction has to settle are found: the same to rounding.
 enum class Slopes {
   kIterated,  ///< with the torque, by design::operate()
@@ -43,6 +48,12 @@ class Simulation {
   /// What is read of a response under the other parts of a modification [SI].
   [[nodiscard]] Scalar reading(const Scalar& response, const Condition& condition,
                                const Modification& m) const;
+
+  /// Coefficients of friction on the flanks of all meshes, approach and recess, at conditions under
+  /// a modification, less what it changes by row; empty where the gearbox does not run, and of a
+  /// black box, which has no flanks.
+  [[nodiscard]] std::vector<std::optional<FrictionRange>> flank_friction(
+      const std::vector<Condition>& conditions, const Modification& m) const;
 
   /// Coefficients of friction in approach and in recess under a modification; of pairs.
   [[nodiscard]] std::array<Scalar, 2> flank_coefficients(const Modification& m) const;

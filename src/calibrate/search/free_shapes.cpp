@@ -326,6 +326,56 @@ Fit with_smooth_laws(const Problem& problem, const std::vector<Candidate>& all, 
                           scale);
 }
 
+Fit with_one_law_of_time(const Problem& problem, const std::vector<Candidate>& all, Fit found,
+                         double scale) {
+  const Hypothesis h = found.hypothesis;
+  const auto at = [&](std::string_view id) {
+    return std::ranges::find_if(h.effects, [&](const Candidate& c) { return c.cause->id == id; });
+  };
+  const auto drift = at("drift"), step = at("run_step");
+  if (drift == h.effects.end() || step == h.effects.end()) return found;
+  std::vector<bool> stays(h.effects.size(), true);
+  stays[static_cast<std::size_t>(drift - h.effects.begin())] = false;
+  stays[static_cast<std::size_t>(step - h.effects.begin())] = false;
+  const Hypothesis rest = subset(h, stays);
+  const double change = values_of(h, static_cast<std::size_t>(drift - h.effects.begin())).front();
+  std::optional<Fit> best;
+  double most = -HUGE_VAL;
+  for (const Candidate& form : all) {
+    if (form.cause != drift->cause || form.form.weight > 0.0) continue;
+    if (form.form.law != drift->form.law && form.form.law != step->form.law) continue;
+    // Steep or flat, early or late: from one place alone the fit may end in a valley beside it.
+    for (const double scale_from : {0.0, 1.0}) {
+      for (const double exponent_from : {0.0, 1.0}) {
+        Hypothesis trial = with(rest, form);
+        bool has_exponent = false;
+        for (std::size_t k = 0; k < form.parameters.size(); ++k) {
+          double& value = trial.value[rest.value.size() + k];
+          const std::string_view name = form.parameters[k].name;
+          if (name == "change") value = change;
+          if (name == "log_scale_change") value = scale_from;
+          if (name == "log_exponent") {
+            value = exponent_from;
+            has_exponent = true;
+          }
+        }
+        if (!has_exponent && exponent_from > 0.0) continue;
+        if (trial.value.size() > static_cast<std::size_t>(kMostParameters)) continue;
+        Fit fitted = fit(problem, std::move(trial), scale);
+        const double score = score_of(problem, fitted, scale);
+        if (!best || score > most) {
+          most = score;
+          best = std::move(fitted);
+        }
+      }
+    }
+  }
+  // Of two names the second has to be as strongly there as beside any other (ΔBIC 10).
+  constexpr double kStrong = 5.0;
+  if (!best || !(most > score_of(problem, found, scale) - kStrong)) return found;
+  return std::move(*best);
+}
+
 namespace {
 
 /// The cause of what all rows have in common where a change acts.

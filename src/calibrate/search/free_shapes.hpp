@@ -49,6 +49,11 @@ Fit with_exchanges(const Problem& problem, const std::vector<Candidate>& all, Fi
 Fit with_smooth_laws(const Problem& problem, const std::vector<Candidate>& all, Fit found,
                      double scale);
 
+/// A drift and a step between sessions as one drift of free shape, where the score of the two is not
+/// above that by ΔBIC 10: a step takes up what a drift of slightly another shape leaves.
+Fit with_one_law_of_time(const Problem& problem, const std::vector<Candidate>& all, Fit found,
+                         double scale);
+
 /// The fit with what a drift starts from as a cause of its own, where that is most of what the
 /// drift explains and explains as well: a zero error that creeps is a zero error.
 /// @param found  a fit at this scale; @param most  effects that a fit may have

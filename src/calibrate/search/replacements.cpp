@@ -33,15 +33,11 @@ bool is_law(const Cause& cause) {
          cause.remedy == Remedy::kBearings || cause.remedy == Remedy::kStiffness;
 }
 
-/// Whether the last effect has values that a gearbox may show.
-bool last_is_plausible(const Hypothesis& h) {
-  const auto& records = h.effects.back().parameters;
-  const std::size_t first = h.value.size() - records.size();
-  for (std::size_t k = 0; k < records.size(); ++k) {
-    const double value = h.value[first + k];
-    if (!(value >= records[k].plausible_low && value <= records[k].plausible_high)) return false;
-  }
-  return true;
+/// Whether the last effect, the level of friction, is one that is more likely than a missing
+/// effect: within three times what is stated.
+bool last_is_likely(const Hypothesis& h) {
+  constexpr double kLeast = -0.7, kMost = 2.0;
+  return h.value.back() >= kLeast && h.value.back() <= kMost;
 }
 
 bool fits_variables(const Hypothesis& h) {
@@ -168,6 +164,32 @@ Replacement best_replacement(const Judge& judge, const Fit& best, const Hypothes
   return replacement;
 }
 
+/// Whether a form with a value for each session, the last effect of a fit, says what all sessions
+/// have in common rather than how they differ: that is a constant, and no step.
+bool says_what_all_share(const MeasurementSet& data, const Hypothesis& h) {
+  if (!gives_each_session_a_value(h.effects.back().form)) return false;
+  const auto values = values_of(h, h.effects.size() - 1);
+  std::vector<double> rows(values.size(), 0.0);
+  for (const Observation& row : data.rows) {
+    const auto run = static_cast<std::size_t>(row.condition.run);
+    if (row.condition.run >= 0 && run < rows.size()) rows[run] += 1.0;
+  }
+  const double count = std::accumulate(rows.begin(), rows.end(), 0.0);
+  const double mean =
+      std::inner_product(rows.begin(), rows.end(), values.begin(), 0.0) / std::max(count, 1.0);
+  double squares = 0.0;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    squares += rows[k] * (values[k] - mean) * (values[k] - mean);
+  }
+  return squares < count * mean * mean;
+}
+
+/// Friction on one side of the pitch point alone is an asymmetry and a level: in the place of the
+/// level it explains what the level does.
+bool holds_level(const Candidate& c, Kind kind) {
+  return kind == Kind::kPairLoss && (c.form.name == "approach" || c.form.name == "recess");
+}
+
 /// What else explains as well in the place of an effect, by itself or with another level.
 std::vector<Replacement> replacements_of(const Judge& judge, const SearchResult& result,
                                          const Gap& gap) {
@@ -178,8 +200,12 @@ std::vector<Replacement> replacements_of(const Judge& judge, const SearchResult&
   for (const bool with_level : {false, true}) {
     if (with_level && (level == nullptr || has_cause(best, level->cause))) continue;
     const bool level_stands = level != nullptr && has_cause(gap.rest, level->cause);
-    const std::vector<Candidate> others =
+    std::vector<Candidate> others =
         replacing_forms(judge.candidates(), best, with_level || level_stands);
+    if (is_parameter(*gap.own.cause)) {
+      std::erase_if(others,
+                    [&](const Candidate& c) { return holds_level(c, problem.simulation.kind()); });
+    }
     const Fit start = with_level
                           ? fit(problem, with(gap.fit_rest.hypothesis, *level), judge.scale())
                           : gap.fit_rest;
@@ -193,7 +219,10 @@ std::vector<Replacement> replacements_of(const Judge& judge, const SearchResult&
       if (named) continue;
       Replacement replacement =
           best_replacement(judge, result.fit, gap.rest, level, with_level, forms);
-      if (replacement.statistic <= kAsWell) found.push_back(std::move(replacement));
+      if (replacement.statistic <= kAsWell &&
+          !says_what_all_share(problem.data, replacement.fit.hypothesis)) {
+        found.push_back(std::move(replacement));
+      }
     }
   }
   std::ranges::stable_sort(found, {}, &Replacement::statistic);
@@ -350,7 +379,7 @@ void prefer_parameters(const Judge& judge, SearchResult& result) {
     constexpr double kTie = 1e-3;
     const auto parameter = [&](const Replacement& r) {
       return is_parameter(*r.candidate.cause) && r.statistic <= kParameter &&
-             last_is_plausible(r.fit.hypothesis);
+             last_is_likely(r.fit.hypothesis);
     };
     const auto step = [&](const Replacement& r) {
       return is_step(*r.candidate.cause) && is_law(*own.cause) &&

@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "calibrate/fit/holdout.hpp"
-#include "calibrate/fit/parameter_results.hpp"
+#include "calibrate/fit/row_friction.hpp"
 #include "calibrate/laws/law_result.hpp"
 #include "calibrate/model/model_range.hpp"
 #include "calibrate/search/form_doubt.hpp"
@@ -83,7 +83,7 @@ std::vector<Alternative> alternatives_of(const Problem& problem,
                       .form = r.candidate.form,
                       .with_level = r.with_level,
                       .statistic = r.statistic,
-                      .parameters = parameter_results(problem.simulation, fit, at),
+                      .parameters = parameter_results(problem, fit, at),
                       .remedy = r.candidate.cause->remedy});
   }
   return result;
@@ -104,7 +104,7 @@ std::vector<Effect> effects_of(const Problem& problem, const FinalFit& final,
          .title = std::string(c.cause->title),
          .form = c.form,
          .remedy = c.cause->remedy,
-         .parameters = parameter_results(problem.simulation, final, e),
+         .parameters = parameter_results(problem, final, e),
          .alternatives = alternatives_of(problem, found[e].replacements, search.scale),
          .other_bodies = alternatives_of(problem, found[e].other_bodies, search.scale),
          .delta_bic = found[e].delta_bic,
@@ -427,7 +427,7 @@ void add_law(Diagnosis& d, const Measured& m, const Hypothesis& causes, const Bl
   });
   if (d.effects.size() < before) d.next_experiment.reset();
   for (std::size_t e = 0; e < d.effects.size(); ++e) {
-    d.effects[e].parameters = parameter_results(problem.simulation, final, e);
+    d.effects[e].parameters = parameter_results(problem, final, e);
   }
   d.laws.push_back(law_result(problem, *law, final, error_without, d.errors.extended_holdout));
 }
@@ -443,7 +443,7 @@ void add_correction(Diagnosis& d, const Measured& m, const std::optional<FoundCo
   const Candidate& c = final.hypothesis.effects.front();
   d.correction = {.id = std::string(c.cause->id),
                   .form = c.form,
-                  .parameters = parameter_results(problem.simulation, final, 0),
+                  .parameters = parameter_results(problem, final, 0),
                   .held_out_error = d.errors.extended_holdout,
                   .held_out_gain = 1.0 - d.errors.extended_holdout / d.errors.baseline_holdout};
 }

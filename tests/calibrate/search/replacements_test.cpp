@@ -87,7 +87,7 @@ TEST_F(OneSlope, ThatNoGearboxShowsIsNotGivenToIt) {
   const Replacement* level = find(result.effects[0], "friction_level");
   ASSERT_NE(level, nullptr);
   EXPECT_LE(level->statistic, 4.0);
-  EXPECT_GT(level->fit.hypothesis.value[0], level->candidate.parameters[0].plausible_high);
+  EXPECT_GT(level->fit.hypothesis.value[0], 2.0);
   const Judge judge(p, result.candidates, result.fit, result.scale);
   prefer_parameters(judge, result);
   EXPECT_NE(name(result), "friction_level");
@@ -112,6 +112,26 @@ TEST_F(Replacements, OfAStepIsTheCoefficientOfFrictionWhereItDoesAsMuch) {
   prefer_parameters(judge, result);
   EXPECT_EQ(name(result), "friction_level");
   EXPECT_NE(find(result.effects[0], "run_step"), nullptr);
+}
+
+TEST_F(Replacements, WithAValueForEachSessionThatAllShareIsNoStep) {
+  data_ = measured_grid({.repeats = 3});
+  data_.runs = {"a", "b", "c"};
+  for (std::size_t i = 0; i < data_.rows.size(); ++i) {
+    data_.rows[i].condition.run = static_cast<int>(3 * i / data_.rows.size());
+  }
+  const Candidate offset = candidate("sensor_offset", {.name = "offset"});
+  const Candidate sessions = candidate(
+      "run_step",
+      {.name = "sensor_sessions", .constants = {{.name = "sessions", .unit = "", .value = 3.0}}});
+  // Values that differ by a tenth: they fit better than one value does.
+  measure(hypothesis({sessions}, {0.011, 0.010, 0.009}), 0.001);
+  const Problem one = problem();
+  EXPECT_EQ(find(found(one, hypothesis({offset}, {0.01})).effects[0], "run_step"), nullptr);
+  // Values of either sign are steps.
+  measure(hypothesis({sessions}, {0.006, -0.005, 0.006}), 0.001);
+  const Problem some = problem();
+  EXPECT_NE(find(found(some, hypothesis({offset}, {0.002})).effects[0], "run_step"), nullptr);
 }
 
 TEST_F(Replacements, OfALawIsAStepWhereSessionsAreInItsOrder) {

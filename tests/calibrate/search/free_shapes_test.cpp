@@ -1,0 +1,72 @@
+#include "calibrate/search/free_shapes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "calibrate/search/search.hpp"
+#include "tests/calibrate/bench.hpp"
+#include "tests/calibrate/measured_grid.hpp"
+
+namespace gear3k::calibrate::free_shapes_test {
+namespace {
+
+/// Two sessions; friction that changes over the time as a function says.
+class OverTime : public Bench {
+ protected:
+  OverTime() {
+    data_ = measured_grid({.sun_speeds_rpm = {300.0, 900.0}, .rotations = {1}, .repeats = 4});
+    data_.runs = {"first", "second"};
+    for (std::size_t i = 0; i < data_.rows.size(); ++i) {
+      Condition& c = data_.rows[i].condition;
+      c.time_s = 100.0 * static_cast<double>(i);
+      c.run = 2 * i < data_.rows.size() ? 0 : 1;
+    }
+  }
+  [[nodiscard]] Candidate of(const char* id, const std::string& form) const {
+    for (const Candidate& c : candidates_for(simulation_, data_)) {
+      if (c.cause->id == id && c.form.name == form) return c;
+    }
+    throw std::invalid_argument("no form " + form);
+  }
+  [[nodiscard]] Fit joined(const Hypothesis& truth) {
+    constexpr double kNoise = 0.0005;
+    measure(truth, kNoise, 3);
+    const Problem p = problem();
+    const Fit two =
+        fit(p,
+            hypothesis({of("drift", "linear_time_friction"), of("run_step", "from_friction")},
+                       {0.0, 0.0}),
+            kNoise);
+    return with_one_law_of_time(p, candidates_for(simulation_, data_), two, kNoise);
+  }
+};
+
+TEST_F(OverTime, ADriftThatSetsInLateIsNoDriftWithAStep) {
+  const Hypothesis late = hypothesis({of("drift", "onset_any_scale_any_exponent_time_friction")},
+                                     {0.8, std::log(0.5 / 0.3), std::log(4.0)});
+  const Fit one = joined(late);
+  ASSERT_EQ(one.hypothesis.effects.size(), 1U);
+  EXPECT_EQ(one.hypothesis.effects[0].cause->id, "drift");
+}
+
+TEST_F(OverTime, FrictionThatCreepsWithTheLogarithmOfTheTimeIsOneDrift) {
+  const Hypothesis creep =
+      hypothesis({of("drift", "logarithmic_any_scale_time_friction")}, {0.12, -2.0});
+  const Fit one = joined(creep);
+  ASSERT_EQ(one.hypothesis.effects.size(), 1U);
+  EXPECT_EQ(one.hypothesis.effects[0].form.name, "logarithmic_any_scale_time_friction");
+  EXPECT_NEAR(one.hypothesis.value[0], 0.12, 0.02);
+}
+
+TEST_F(OverTime, ADriftAndAStepStayTwo) {
+  // Up with time, and back down between the sessions: no monotone law.
+  const Hypothesis both = hypothesis(
+      {of("drift", "linear_time_friction"), of("run_step", "from_friction")}, {0.6, -0.5});
+  EXPECT_EQ(joined(both).hypothesis.effects.size(), 2U);
+}
+
+}  // namespace
+}  // namespace gear3k::calibrate::free_shapes_test
