@@ -36,8 +36,11 @@ void add_output_options(CLI::App& command, CommonOptions& options, bool text) {
 
 void add_common_options(CLI::App& command, CommonOptions& options, bool text) {
   add_output_options(command, options, text);
-  command.add_option("--threads", options.threads, "OpenMP threads; all processors by default")
-      ->check(CLI::Range(1, 1024));
+  command
+      .add_option("--threads", options.threads,
+                  "OpenMP threads, 1 to 1024; all processors by default")
+      ->check(CLI::Range(1, 1024))
+      ->option_text("N");
 }
 
 std::string refuse_nan(const std::string& text) {

@@ -37,7 +37,7 @@ using cli::add_common_options, cli::add_out_file, cli::keys_of;
 void add_model_option(CLI::App& command, std::string& model) {
   command
       .add_option("--model", model,
-                  "MODEL.toml that diagnose wrote: what measurements add to the simulation")
+                  "MODEL.toml of diagnose: what measurements add to the simulation")
       ->check([](const std::string& file) {
         return file.empty() ? "the name of a file, not \"\"" : std::string();
       })
@@ -60,7 +60,7 @@ void add_export_options(CLI::App& command, cli::ExportOptions& options) {
       ->option_text("DIR");
   command
       .add_option("--sheet", options.sheet_folder,
-                  "folder for inspection sheets (CSV and pages to print); made when missing")
+                  "folder for inspection sheets (CSV and pages); made when missing")
       ->check(folder_name)
       ->option_text("DIR");
   command
@@ -153,21 +153,21 @@ void add_show_options(CLI::App& command, cli::ShowOptions& options) {
 void add_diagnose_options(CLI::App& command, cli::DiagnoseOptions& options) {
   command
       .add_option("SUBJECT", options.file,
-                  "DESIGN.toml, PAIR.toml, or a table [gearbox] of catalogue values; ACTUATOR.toml "
-                  "for logs of motion")
+                  "DESIGN.toml, PAIR.toml, a table [gearbox], or ACTUATOR.toml for logs")
       ->required();
-  command.add_option("DATA", options.data, "measurements, one or more CSV files")->required();
+  command
+      .add_option("DATA", options.data, "measurements: CSV files, of several kinds together too")
+      ->required();
   command
       .add_option("--out", options.out,
-                  "folder for diagnosis.json, model.toml, residuals.csv and figures; made when "
-                  "missing; figures need gnuplot")
+                  "folder for result files and figures (by gnuplot); made when missing")
       ->check(folder_name)
       ->option_text("DIR");
   add_model_option(command, options.model);
   command
       .add_option("--false-discovery-rate", options.false_discovery_rate,
-                  "probability of finding anything where nothing is wrong, up to 0.5")
-      ->option_text("RATE [0.05]");
+                  "probability of a finding where nothing is wrong, up to 0.5 [0.05]")
+      ->option_text("P");
   command
       .add_option_function<std::string>(
           "--seed", [&options](const std::string& text) { options.seed = seed_of(text); },
@@ -176,19 +176,17 @@ void add_diagnose_options(CLI::App& command, cli::DiagnoseOptions& options) {
   for (const LimitOption& limit : kLimitOptions) {
     command
         .add_option(fmt::format("--min-{}", limit.name), (options.*limit.limit).least,
-                    fmt::format("least {}; by default below data and design, docs/interface.md",
-                                limit.text))
+                    fmt::format("least {}", limit.text))
         ->option_text("MIN");
     command
         .add_option(fmt::format("--max-{}", limit.name), (options.*limit.limit).greatest,
-                    fmt::format("greatest {}; by default above data and design, docs/interface.md",
-                                limit.text))
+                    fmt::format("greatest {}", limit.text))
         ->option_text("MAX");
   }
   add_common_options(command, options);
   command.footer(
-      "Kinds and columns of DATA.csv, causes and results: docs/interface.md.  Several files and "
-      "kinds\nmay be given together.  --format csv prints residuals.csv.");
+      "DATA.csv's columns, causes, results, limits; residuals.csv by --format csv: "
+      "docs/interface.md.");
 }
 
 /// What is wrong with the options of `diagnose` together; "" when nothing is.
@@ -232,21 +230,22 @@ void add_actuator_options(CLI::App& command, cli::ActuatorOptions& options) {
       ->option_text("LO:HI:N");
   command
       .add_option("--amplitude", options.amplitude_rad,
-                  "of the output in --impedance, for the first harmonic with losses and friction")
+                  "of the output in --impedance, for the first harmonic with losses")
       ->check(CLI::Range(0.0, 1e6))
       ->check(cli::refuse_nan)
       ->option_text("RAD");
-  command.add_option("--motor", options.motor, "terminals of the motor in --impedance")
+  command
+      .add_option("--motor", options.motor, "of the motor in --impedance: open, shorted or locked")
       ->check(CLI::IsMember({"open", "shorted", "locked"}))
-      ->option_text("open | shorted | locked");
+      ->option_text("TERMINALS");
   command
       .add_option("--figures", options.figures,
-                  "folder for figures and their CSV; made when missing; figures need gnuplot")
+                  "folder for figures (by gnuplot) and their CSV; made when missing")
       ->check(folder_name)
       ->option_text("DIR");
   command
       .add_option("--select", options.select,
-                  "SPEC.toml of motors, gearboxes and cycles: the Pareto front of all pairs")
+                  "SPEC.toml of motors, gearboxes, cycles: the Pareto front of all pairs")
       ->option_text("SPEC");
   add_common_options(command, options, true);
   command
@@ -363,15 +362,15 @@ int run_program(int argc, char** argv) {
       ->check(folder_name);
   optimize_command->add_flag(
       "--certify", optimize.certify,
-      "refine only tooth sets whose bound reaches the best, and prove that no other holds more");
-  optimize_command->add_flag(
-      "--round", optimize.round,
-      "write the best design rounded to the steps of [round] too, as best_rounded.toml");
+      "refine only sets whose bound reaches the best, and prove none better");
+  optimize_command->add_flag("--round", optimize.round,
+                             "write it rounded to the steps of [round] too, as best_rounded.toml");
   optimize_command
       ->add_option("--front-budget", optimize.front_budget_s,
-                   "seconds after which the front of a list of objectives is left as it is")
+                   "after which the front of a list of objectives is left as it is")
       ->check(CLI::Range(0.001, 1e7))
-      ->check(cli::refuse_nan);
+      ->check(cli::refuse_nan)
+      ->option_text("SECONDS");
   optimize_command->add_flag("--resume", optimize.resume,
                              "go on with the run in --out that was interrupted or killed");
   optimize_command->add_flag("--force", optimize.force,

@@ -52,7 +52,7 @@ void add_sweep_commands(CLI::App& sweep, SweepCommands& commands, std::function<
   sweep
       .add_option_function<std::string>(
           "--shard", [&options](const std::string& text) { options.shard = *shard_of(text); },
-          "one of n parts of the tasks, each into a database of its own; then sweep merge")
+          "one of n parts of the tasks, for a database of its own; sweep merge")
       ->check([](const std::string& text) {
         return shard_of(text) ? "" : fmt::format("{}: allowed: i/n, 1 <= i <= n", text);
       })

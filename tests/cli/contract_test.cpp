@@ -604,7 +604,7 @@ std::vector<std::string> documented_keys(const std::string& file_kind) {
   return keys;
 }
 
-TEST(Help, OfEveryCommandFitsAScreenAndSaysWhereItsKeysAre) {
+TEST(Help, OfEveryCommandSaysWhereItsKeysAre) {
   struct Command {
     std::string name, file_kind;
   };
@@ -619,8 +619,6 @@ TEST(Help, OfEveryCommandFitsAScreenAndSaysWhereItsKeysAre) {
     EXPECT_EQ(result.err, "");
     EXPECT_NE(result.out.find("Keys of " + c.file_kind), std::string::npos) << result.out;
     EXPECT_NE(result.out.find("gear3k keys WORD"), std::string::npos) << result.out;
-    EXPECT_LE(lines_of(result.out).size(), 40U) << c.name;
-    for (const std::string& line : lines_of(result.out)) EXPECT_LE(line.size(), 100U) << line;
     for (const char* option : {"--format", "--quiet", "--threads", "--out", "--help"}) {
       EXPECT_NE(result.out.find(option), std::string::npos) << c.name << ": " << option;
     }
@@ -636,7 +634,7 @@ TEST(Help, OfEveryCommandFitsAScreenAndSaysWhereItsKeysAre) {
   EXPECT_EQ(place.listing().size(), 0U);
 }
 
-TEST(Help, OfTheProgramNamesEveryCommandAndTheExitCodes) {
+TEST(Help, OfTheProgramNamesEveryCommandAndTheExitCodesAndThatOfACommandFitsAScreen) {
   const Workplace place;
   const ProgramResult result = place.run({"--help"});
   EXPECT_EQ(result.exit_code, 0);
@@ -645,8 +643,15 @@ TEST(Help, OfTheProgramNamesEveryCommandAndTheExitCodes) {
                            "1 usage", "2 invalid input", "3 no feasible design"}) {
     EXPECT_NE(result.out.find(word), std::string::npos) << word;
   }
-  for (const char* command : {"reproduce", "keys"}) {
-    EXPECT_EQ(place.run({command, "--help"}).exit_code, 0) << command;
+  for (const char* command :
+       {"analyze", "mesh", "compare", "search", "optimize", "map", "tolerances", "diagnose",
+        "export", "actuator", "reproduce", "simulate", "sweep", "atlas", "new", "keys", "manual",
+        "completion"}) {
+    const ProgramResult help = place.run({command, "--help"});
+    EXPECT_EQ(help.exit_code, 0) << command;
+    // The eight limits of the next experiment take diagnose one line beyond a screen of 25.
+    EXPECT_LE(lines_of(help.out).size(), 26U) << command;
+    for (const std::string& line : lines_of(help.out)) EXPECT_LE(line.size(), 100U) << line;
   }
 }
 
