@@ -345,7 +345,8 @@ std::vector<InspectionSheet> inspection_sheets(const design::Design& design,
     for (std::size_t m = 0; m < evaluation.meshes.size(); ++m) {
       for (std::size_t side = 0; side < 2; ++side) {
         if (train::kMeshGears[m][side] != id) continue;
-        sheets.back().rows.push_back(backlash_row(train::kGearNames[train::kMeshGears[m][1 - side]],
+        const auto mate = static_cast<std::size_t>(train::kMeshGears[m][1 - side]);
+        sheets.back().rows.push_back(backlash_row(train::kGearNames[mate],
                                                   evaluation.meshes[m].normal_backlash_m,
                                                   evaluation.center_distance_m));
       }

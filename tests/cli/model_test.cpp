@@ -127,7 +127,8 @@ TEST(ModelOption, ADoubtfulModelIsToldWhereverItIsUsed) {
     for (const char* part :
          {"the diagnosis of transmission was ambiguous: drag_constant could as well be "
           "sensor_offset or drag_viscous",
-          "friction_direction: asymmetry -0.985 is outside the plausible -0.98 to 0.98: distrust"}) {
+          "friction_direction: asymmetry -0.985 is outside the plausible -0.98 to 0.98: "
+          "distrust"}) {
       EXPECT_TRUE(contains(result.err, part)) << result.err;
       EXPECT_TRUE(contains(notes, part)) << notes;
     }

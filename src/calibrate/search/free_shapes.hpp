@@ -49,8 +49,8 @@ Fit with_exchanges(const Problem& problem, const std::vector<Candidate>& all, Fi
 Fit with_smooth_laws(const Problem& problem, const std::vector<Candidate>& all, Fit found,
                      double scale);
 
-/// A drift and a step between sessions as one drift of free shape, where the score of the two is not
-/// above that by ΔBIC 10: a step takes up what a drift of slightly another shape leaves.
+/// A drift and a step between sessions as one drift of free shape, where the score of the two is
+/// not above that by ΔBIC 10: a step takes up what a drift of slightly another shape leaves.
 Fit with_one_law_of_time(const Problem& problem, const std::vector<Candidate>& all, Fit found,
                          double scale);
 
