@@ -6,7 +6,8 @@
 // --phases what ran.
 //
 // A look counts as right where what is left lies within the range told, or within a factor of two
-// of the one number where that is told.
+// of the one number where that is told; "middle" is the share whose geometric middle of the range
+// is within a factor of two, too.
 
 #include <fmt/format.h>
 #include <omp.h>
@@ -15,6 +16,7 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <ctime>
 #include <fstream>
@@ -145,7 +147,7 @@ void time_task(const TimedTask& timed, const TimedPrint& print) {
   ended = true;
   watcher.join();
   if (print.phases) print_phases(looks);
-  int right = 0, ranges = 0, unknown = 0, judged = 0;
+  int right = 0, middle = 0, ranges = 0, unknown = 0, judged = 0;
   double worst = 1.0, worst_at = 0.0;
   // Looks that are even in CPU time, whatever else the machine did.
   std::size_t next = 0;
@@ -161,6 +163,9 @@ void time_task(const TimedTask& timed, const TimedPrint& print) {
     const double allowed = look.left->is_one() ? 2.0 : 1.0 + 1e-9;
     right += factor <= allowed ? 1 : 0;
     ranges += look.left->is_one() ? 0 : 1;
+    const double left_s = whole_s - look.at_s;
+    const double middle_s = std::sqrt(look.left->least_s * look.left->most_s);
+    middle += middle_s <= 2.0 * left_s && left_s <= 2.0 * middle_s ? 1 : 0;
     if (factor > worst) worst = factor, worst_at = share;
     if (print.looks && judged % 10 == 1) {
       fmt::print("    at {:6.2f} s: {:.2f} to {:.2f} s, left {:.2f} s; stage {} phase {} {}/{}\n",
@@ -171,10 +176,12 @@ void time_task(const TimedTask& timed, const TimedPrint& print) {
   }
   const auto percent = [&](int count) { return 100.0 * count / judged; };
   fmt::print(
-      "  {:<42} {:7.1f} s {:5.0f} % right, {:3.0f} % ranges, {:3.0f} % unknown, worst {:.1f} "
+      "  {:<42} {:7.1f} s {:5.0f} % right, {:3.0f} % middle, {:3.0f} % ranges, {:3.0f} % unknown, "
+      "worst "
+      "{:.1f} "
       "at {:.0f} %\n",
-      timed.name, whole_s, percent(right), percent(ranges), percent(unknown), worst,
-      100.0 * worst_at);
+      timed.name, whole_s, percent(right), percent(middle), percent(ranges), percent(unknown),
+      worst, 100.0 * worst_at);
 }
 
 }  // namespace

@@ -2,12 +2,35 @@
 
 #include <limits>
 
+#include "efficiency/train_efficiency.hpp"
+
 namespace gear3k::optimize {
+
+namespace {
+
+/// Whether the loss model leaves every mesh a part of its power: far outside its range the closed
+/// form of Ohlendorf takes more than there is, and efficiencies of the train are then without
+/// bound.
+bool leaves_power(const RefinementProblem& problem, const Point& v) {
+  const efficiency::Friction<double>& friction = problem.spec->friction;
+  if (friction.model != efficiency::LossModel::kOhlendorf) return true;
+  const auto train = train::make_train_geometry(parameters_at(problem, used(problem, v)));
+  if (!train) return false;
+  for (const bool forward : {true, false}) {
+    const auto flank = efficiency::constant_friction<double>(friction, forward);
+    for (const double eta : efficiency::mesh_efficiencies(*train, flank, friction.model, forward)) {
+      if (!(eta > 0.0)) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
 
 SolveOutcome outcome_at(const RefinementProblem& problem, const Point& v,
                         std::span<double> constraints) {
   const auto objective = evaluate<double>(problem, used(problem, v), constraints);
-  if (!objective) {
+  if (!objective || !leaves_power(problem, v)) {
     return {.v = v, .objective = 0.0, .violation = std::numeric_limits<double>::infinity()};
   }
   return {.v = v, .objective = *objective, .violation = worst_violation(constraints)};

@@ -8,7 +8,8 @@ namespace gear3k::optimize {
 struct SolveOutcome {
   Point v{};
   double objective = 0.0;  ///< −η
-  double violation = 0.0;  ///< largest, in scaled units; infinite where the model is not defined
+  double violation = 0.0;  ///< largest, in scaled units; infinite where the model is not defined,
+                           ///< or lets a mesh lose more than its power
 };
 
 /// Values of the problem at v.

@@ -4,11 +4,13 @@
 
 #include <array>
 #include <limits>
+#include <numbers>
 #include <random>
 
 #include "io/files/specification_file.hpp"
 #include "optimize/kkt_residual.hpp"
 #include "optimize/slsqp.hpp"
+#include "optimize/solve_outcome.hpp"
 #include "optimize/starting_points.hpp"
 #include "tests/optimize/rp96_problem.hpp"
 
@@ -229,6 +231,24 @@ TEST(RefinementProblem, ViolationIsInfiniteWhereverAConstraintIsNotANumber) {
   }
   EXPECT_EQ(worst_violation(std::array{0.5, -3.0, 2.0}), 3.0);
   EXPECT_EQ(worst_violation(std::array{0.5, 2.0}), 0.0);
+}
+
+// Of a mesh that would lose more than its power the closed form says nothing.
+TEST(RefinementProblem, HasNoOutcomeWhereOhlendorfLeavesAMeshNoPower) {
+  Specification spec = rp96_specification();
+  Progress progress;
+  const auto candidates = search_teeth(spec, progress).candidates;
+  const auto violation = [&](efficiency::LossModel model, double coefficient) {
+    spec.friction.model = model;
+    spec.friction.coefficient = coefficient;
+    const RefinementProblem p = make_refinement_problem(spec, candidates.front(), {});
+    return outcome_at(p, p.lower).violation;
+  };
+  // 1 - pi (1/z1 + 1/z2) mu Lambda is below 0 at S-P1 for mu = 10, as Lambda is at least 1/2.
+  ASSERT_GT(std::numbers::pi * (1.0 / candidates.front().teeth.S) * 10.0 * 0.5, 1.0);
+  EXPECT_TRUE(std::isfinite(violation(kOhlendorf, 0.1)));
+  EXPECT_EQ(violation(kOhlendorf, 10.0), std::numeric_limits<double>::infinity());
+  EXPECT_TRUE(std::isfinite(violation(kSliding, 10.0)));
 }
 
 TEST(RefinementProblem, AgreesWithRp96TypedAnew) {
