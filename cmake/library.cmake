@@ -1,5 +1,6 @@
-# gear3k_library(NAME [TEXT|LOOPS] SOURCES source... [SELDOM source...] LINK library...): the library
-# gear3k_NAME of a folder of src/, compiled as a few large sources.
+# gear3k_library(NAME [TEXT|LOOPS] [BATCH n] SOURCES source... [SELDOM source...] LINK library...): the
+# library gear3k_NAME of a folder of src/, compiled as a few large sources, of n of its own each
+# (40 by default; fewer are quicker to compile after a change, and slower the first time).
 #
 # Levels of optimisation compile faster where no higher one gains; the bytes of results are those of
 # -O3 (no flag lets arithmetic be reordered).  TEXT, what reads and writes and does not compute for
@@ -21,7 +22,7 @@ function(gear3k_compiled target level)
 endfunction()
 
 function(gear3k_library name)
-  cmake_parse_arguments(arg "TEXT;LOOPS" "" "SOURCES;SELDOM;LINK" ${ARGN})
+  cmake_parse_arguments(arg "TEXT;LOOPS" "BATCH" "SOURCES;SELDOM;LINK" ${ARGN})
   set(level computing)
   if(arg_TEXT)
     set(level text)
@@ -38,6 +39,9 @@ function(gear3k_library name)
   endif()
   set_target_properties(gear3k_${name} PROPERTIES EXPORT_NAME ${name})
   gear3k_compiled(gear3k_${name} ${level} ${arg_LINK})
+  if(arg_BATCH)
+    set_target_properties(gear3k_${name} PROPERTIES UNITY_BUILD_BATCH_SIZE ${arg_BATCH})
+  endif()
   if(NOT arg_TEXT)
     set_property(GLOBAL APPEND PROPERTY gear3k_computing_libraries gear3k_${name})
   endif()
