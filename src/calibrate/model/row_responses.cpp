@@ -14,8 +14,8 @@ namespace gear3k::calibrate {
 
 namespace {
 
-/// Fewer simulations than these are not worth threads: one takes a microsecond and, where friction
-/// depends on the tooth forces, ten; to begin a team of two takes a few.
+/// Fewer simulations than these are not worth threads: where friction depends on the tooth forces
+/// one takes about ten microseconds (benchmarks/many_rows).
 constexpr std::size_t kManySimulations = 16;
 constexpr std::size_t kManyTemperatures = 64;
 constexpr std::size_t kPoints = 17;
