@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # clang-tidy over the sources that changed since they were last found clean: of src/ and the test
-# benches; with GEAR3K_LONG=1 of all tests, benchmarks, fuzzers and examples too:
+# benches; with GEAR3K_LONG=1 of all tests, benchmarks, fuzzers and examples too, and with the check
+# that takes as long as all others together (parameters that need not be copies):
 #   tools/tidy.sh BUILD_DIR [GROUP]...    (configured with GEAR3K_UNITY, and built: its dependencies
 #                                          are used; a group has the name of its first target)
 # Most of the time of clang-tidy goes into the headers of the libraries.  So the sources are read in
@@ -111,13 +112,17 @@ state_of() {
   } | sha256sum
 }
 tidy_group() {
-  local name=$1 state begin=$EPOCHSECONDS
+  local name=$1 state begin=$EPOCHSECONDS checks=() extent=long
   state=$(state_of "$name") || return 1
-  [ -f "$work/$name.clean" ] && [ "$(cat "$work/$name.clean")" = "$state" ] && return 0
-  rm -f "$work/$name.clean"
+  [ -f "$work/$name.long.clean" ] && [ "$(cat "$work/$name.long.clean")" = "$state" ] && return 0
+  if [ "${GEAR3K_LONG:-0}" != 1 ]; then
+    checks=(--checks=-performance-unnecessary-value-param)
+    extent=short
+    [ -f "$work/$name.short.clean" ] && [ "$(cat "$work/$name.short.clean")" = "$state" ] && return 0
+  fi
   # What clang-tidy says on stderr (counts of suppressed warnings) matters only when it fails.
-  if clang-tidy-14 --quiet -p "$work" "$work/$name.cpp" 2>"$work/$name.err"; then
-    printf '%s\n' "$state" >"$work/$name.clean"
+  if clang-tidy-14 --quiet -p "$work" "${checks[@]}" "$work/$name.cpp" 2>"$work/$name.err"; then
+    printf '%s\n' "$state" >"$work/$name.$extent.clean"
     printf '%-24s clean, %4d s\n' "$name" $((EPOCHSECONDS - begin))
   else
     cat "$work/$name.err" >&2

@@ -168,10 +168,14 @@ std::string result_text(const design::PairDesign& pair, const design::PairEvalua
          limits_paragraph(pair.limits, show, true);
 }
 
-/// @throws io::InvalidInput where --out is an input
-void refuse_replacing(const std::vector<std::string>& inputs, const std::string& out) {
-  const std::string slip = out.empty() ? "" : io::replaced_input(out, inputs);
+/// @throws io::InvalidInput where --out is an input or cannot be written
+/// @param figures  the folder of --figures, which is made and may hold the result
+void refuse_replacing(const std::vector<std::string>& inputs, const std::string& out,
+                      const std::string& figures = "") {
+  if (out.empty()) return;
+  const std::string slip = io::replaced_input(out, inputs);
   if (!slip.empty()) throw io::InvalidInput("--out: " + slip);
+  if (figures.empty()) io::expect_file(out);
 }
 
 /// Exit code of what was analysed.
@@ -240,7 +244,7 @@ ExitCode run_analyze(const AnalyzeOptions& options) {
                                     .model = app::read_model(options.model),
                                     .source = options.file};
   use_threads(options);
-  refuse_replacing({options.file, options.model}, options.out);
+  refuse_replacing({options.file, options.model}, options.out, options.figures);
   const app::Analysis analysis = app::analyze(request);
   warn(analysis.model_notes, options.quiet);
   WrittenFigures written;
@@ -395,6 +399,7 @@ WrittenFigures write_figures(const ReproduceOptions& options,
 }  // namespace
 
 ExitCode run_reproduce(const ReproduceOptions& options) {
+  refuse_replacing({}, options.out, options.figures);
   use_threads(options);
   const papers::PublishedSources sources = papers::published_sources();
   const papers::Reproduction reproduction = papers::reproduce(sources);

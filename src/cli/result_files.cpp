@@ -44,6 +44,7 @@ ResultFolder::ResultFolder(ResultFolderTask task) : task_(std::move(task)) {
       throw io::InvalidInput(fmt::format("{} {}: {}", task_.option, task_.path, slip));
     }
   }
+  io::expect_folder(task_.path);
   std::error_code status;
   if (fs::is_directory(task_.path, status)) lock();
 }

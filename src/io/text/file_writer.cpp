@@ -20,6 +20,16 @@ namespace {
   throw InvalidInput(fmt::format("{}: cannot be written: {}", path, cause));
 }
 
+InvalidInput no_folder(const std::string& path, const std::string& cause) {
+  return InvalidInput(fmt::format("{}: cannot be made a folder: {}", path, cause));
+}
+
+/// @param folder  what has to take the new name: that of the path, or one around it
+void expect_writable(const std::string& path, const std::string& folder) {
+  if (::access(folder.c_str(), W_OK) == 0) return;
+  throw InvalidInput(fmt::format("{}: cannot be written to: {}", path, std::strerror(errno)));
+}
+
 /// Whether a path is written to as it stands, and not replaced by a new file: a pipe, a device, or
 /// a link of the system to what a descriptor refers to (/dev/stdout), a regular file too.
 bool belongs_to_system(const std::filesystem::path& path) {
@@ -77,11 +87,31 @@ void prepare_folder(const std::string& path) {
   std::error_code status;
   std::filesystem::create_directories(path, status);
   if (status || !std::filesystem::is_directory(path)) {
-    throw InvalidInput(fmt::format("{}: cannot be made a folder: {}", path,
-                                   status ? status.message() : "a file is in the way"));
+    throw no_folder(path, status ? status.message() : "a file is in the way");
   }
-  if (::access(path.c_str(), W_OK) != 0) {
-    throw InvalidInput(fmt::format("{}: cannot be written to: {}", path, std::strerror(errno)));
+  expect_writable(path, path);
+}
+
+void expect_folder(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code unknown;
+  fs::path there = path;  // it, or the innermost folder around it that there is
+  while (!there.empty() && !fs::exists(there, unknown) && there != there.parent_path()) {
+    there = there.parent_path();
+  }
+  if (there.empty()) there = ".";
+  if (!fs::is_directory(there, unknown)) throw no_folder(path, "a file is in the way");
+  expect_writable(path, there.string());
+}
+
+void expect_file(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code unknown;
+  if (belongs_to_system(path)) return;
+  if (fs::is_directory(path, unknown)) refuse(path, "a folder has this name");
+  // The last dot makes a file in the place of the folder an error too.
+  if (::access((fs::path(path).parent_path() / ".").c_str(), W_OK) != 0) {
+    refuse(path, std::strerror(errno));
   }
 }
 

@@ -251,18 +251,47 @@ TEST_F(FileWriter, PrepareFolderMakesItWithItsParentsAndKeepsWhatIsThere) {
   EXPECT_EQ(read(path("a/b/c/file")), "kept");
 }
 
-TEST_F(FileWriter, PrepareFolderNamesTheFileInTheWay) {
+TEST_F(FileWriter, AFolderNamesTheFileInTheWay) {
   std::ofstream(path("file")) << "kept";
-  for (const std::string& folder : {path("file"), path("file/inner")}) {
-    try {
-      prepare_folder(folder);
-      FAIL() << "no exception for " << folder;
-    } catch (const InvalidInput& error) {
-      EXPECT_TRUE(std::string(error.what()).starts_with(folder + ": cannot be made a folder"))
-          << error.what();
+  for (const auto& refused : {prepare_folder, expect_folder}) {
+    for (const std::string& folder : {path("file"), path("file/inner"), path("file/in/ner")}) {
+      try {
+        refused(folder);
+        ADD_FAILURE() << "no exception for " << folder;
+      } catch (const InvalidInput& error) {
+        EXPECT_TRUE(std::string(error.what()).starts_with(folder + ": cannot be made a folder"))
+            << error.what();
+      }
     }
   }
   EXPECT_EQ(read(path("file")), "kept");
+}
+
+TEST_F(FileWriter, WhatIsExpectedIsNotMade) {
+  EXPECT_NO_THROW(expect_folder(path("a/b/c")));
+  EXPECT_NO_THROW(expect_file(path("new")));
+  EXPECT_NO_THROW(expect_file("/dev/null"));
+  EXPECT_TRUE(std::filesystem::is_empty(path(".")));
+}
+
+TEST_F(FileWriter, AFileIsExpectedWhereItCanBe) {
+  std::filesystem::create_directory(path("folder"));
+  std::ofstream(path("file")) << "kept";
+  EXPECT_NO_THROW(expect_file(path("file")));
+  const auto refusal = [](const std::string& name) -> std::string {
+    try {
+      expect_file(name);
+    } catch (const InvalidInput& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refusal(path("folder")),
+            path("folder") + ": cannot be written: a folder has this name");
+  EXPECT_EQ(refusal(path("absent/file")),
+            path("absent/file") + ": cannot be written: No such file or directory");
+  EXPECT_EQ(refusal(path("file/inner")),
+            path("file/inner") + ": cannot be written: Not a directory");
 }
 
 }  // namespace
