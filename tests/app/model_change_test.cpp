@@ -15,6 +15,7 @@
 #include "io/files/specification_file.hpp"
 #include "tests/calibrate/redesign_spec.hpp"
 #include "tests/calibrate/redesigned.hpp"
+#include "tests/sample.hpp"
 
 namespace gear3k::app::model_change_test {
 namespace {
@@ -217,11 +218,12 @@ TEST(ModelChange, EndsWithTheSearchWithoutTheModel) {
   EXPECT_TRUE(comparison.interrupted);
 }
 
-/// 12 campaigns of the bench.  Of intervals that hold in 85 % of campaigns fewer than 7 of 12 hold
-/// with a probability of 0.5 %.
+/// Campaigns of the bench.  Of intervals that hold in 85 % of campaigns fewer than 4 of 8 hold with
+/// a probability of 0.3 %, fewer than 7 of 12 with 0.5 %.
 TEST(ModelChange, TrueGainOnTheBenchIsInItsInterval) {
   optimize::Specification spec = small_spec();
   const wide_rig::FirstDesign first = wide_rig::first_design(spec);
+  const int campaigns_of_law = sample(2, 3);
   int covered = 0;
   int changed = 0;
   std::uint64_t seed = 0;
@@ -230,7 +232,7 @@ TEST(ModelChange, TrueGainOnTheBenchIsInItsInterval) {
                                                         {"friction_level", "all_meshes"},
                                                         {"friction_load", "power"},
                                                         {"friction_speed", "power"}}) {
-    for (int n = 0; n < 3; ++n) {
+    for (int n = 0; n < campaigns_of_law; ++n) {
       const auto result = wide_rig::redesigned(
           first, {.cause = cause, .law = law, .plan = "crossed", .rows = 32, .few_columns = true},
           ++seed);
@@ -240,8 +242,8 @@ TEST(ModelChange, TrueGainOnTheBenchIsInItsInterval) {
   }
   RecordProperty("covered", covered);
   RecordProperty("changed", changed);
-  EXPECT_GE(covered, 7);
-  EXPECT_GE(changed, 4) << "designs that stay prove nothing";
+  EXPECT_GE(covered, sample(4, 7));
+  EXPECT_GE(changed, sample(3, 4)) << "designs that stay prove nothing";
 }
 
 }  // namespace
