@@ -10,56 +10,34 @@ namespace gear3k::calibrate {
 
 namespace {
 
-/// Correlation of a condition with that of the row before in its session; 0 where it does not vary
-/// or is not stated.
+/// Whether a condition moves from line to line of its session, and in one sense only.
 template <class Get>
-double order_of_condition(const MeasurementSet& data, const Get& get) {
-  double mean = 0.0;
-  for (const Observation& row : data.rows) mean += get(row.condition);
-  mean /= static_cast<double>(data.rows.size());
-  double square = 0.0;
-  double product = 0.0;
-  int pairs = 0;
-  for (std::size_t i = 0; i < data.rows.size(); ++i) {
-    const double here = get(data.rows[i].condition) - mean;
-    square += here * here;
-    if (i == 0 || data.rows[i - 1].condition.run != data.rows[i].condition.run) continue;
-    product += here * (get(data.rows[i - 1].condition) - mean);
-    ++pairs;
-  }
-  if (pairs < 1 || !(square > 0.0)) return 0.0;
-  return product / pairs / (square / static_cast<double>(data.rows.size()));
-}
-
-/// Whether the angle never goes back from a line to the next of its session: the output has turned
-/// on, and the lines stand in the order of time.
-bool turns_on(const MeasurementSet& data) {
+bool never_turns(const MeasurementSet& data, const Get& get) {
+  bool rises = false;
+  bool falls = false;
   for (std::size_t i = 1; i < data.rows.size(); ++i) {
     const Condition& before = data.rows[i - 1].condition;
     const Condition& here = data.rows[i].condition;
-    if (before.run == here.run && here.output_angle_rad < before.output_angle_rad) return false;
+    if (before.run != here.run) continue;
+    rises = rises || get(here) > get(before);
+    falls = falls || get(here) < get(before);
   }
-  return true;
+  return rises != falls;
 }
 
-/// Whether a condition follows the order of the lines.
+/// Whether lines stand in the order of a condition.  One that follows the line before without that,
+/// as the temperature of a chamber does, was measured so; an angle may go on by itself.
 bool lines_are_sorted(const MeasurementSet& data) {
-  // Three standard errors of independent rows.
-  const double most = 3.0 / std::sqrt(static_cast<double>(data.rows.size()));
-  const auto follows = [&](const auto& get) {
-    return std::abs(order_of_condition(data, get)) > most;
-  };
-  return follows([](const Condition& c) { return c.output_torque_Nm; }) ||
-         follows([](const Condition& c) { return c.sun_speed_rad_s; }) ||
-         follows([](const Condition& c) { return c.test_torque_Nm; }) ||
-         follows([](const Condition& c) { return c.temperature_K; }) ||
-         (!turns_on(data) && follows([](const Condition& c) { return c.output_angle_rad; })) ||
-         follows([](const Condition& c) { return static_cast<double>(c.rotation); }) ||
-         follows([](const Condition& c) { return static_cast<double>(c.driving_teeth); }) ||
-         follows([](const Condition& c) { return static_cast<double>(c.driven_teeth); }) ||
-         follows([](const Condition& c) { return c.module_m; }) || follows([](const Condition& c) {
-           return c.direction == design::Direction::kForward ? 1.0 : -1.0;
-         });
+  const auto sorted_by = [&](const auto& get) { return never_turns(data, get); };
+  return sorted_by([](const Condition& c) { return c.output_torque_Nm; }) ||
+         sorted_by([](const Condition& c) { return c.sun_speed_rad_s; }) ||
+         sorted_by([](const Condition& c) { return c.test_torque_Nm; }) ||
+         sorted_by([](const Condition& c) { return c.temperature_K; }) ||
+         sorted_by([](const Condition& c) { return c.rotation; }) ||
+         sorted_by([](const Condition& c) { return c.driving_teeth; }) ||
+         sorted_by([](const Condition& c) { return c.driven_teeth; }) ||
+         sorted_by([](const Condition& c) { return c.module_m; }) ||
+         sorted_by([](const Condition& c) { return c.direction; });
 }
 
 }  // namespace

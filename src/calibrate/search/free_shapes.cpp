@@ -326,6 +326,37 @@ Fit with_smooth_laws(const Problem& problem, const std::vector<Candidate>& all, 
                           scale);
 }
 
+namespace {
+
+/// The fit of the best score among those of one name in the place of several.
+class BestOfOne {
+ public:
+  BestOfOne(const Problem& problem, double scale) : problem_(problem), scale_(scale) {}
+  /// One of too many parameters is none.
+  void offer(Hypothesis h) {
+    if (h.value.size() > static_cast<std::size_t>(kMostParameters)) return;
+    Fit trial = fit(problem_, std::move(h), scale_);
+    const double score = score_of(problem_, trial, scale_);
+    if (fit_ && !(score > score_)) return;
+    score_ = score;
+    fit_ = std::move(trial);
+  }
+  /// Of several names the second has to be as strongly there as beside any other (ΔBIC 10).
+  [[nodiscard]] Fit in_place_of(Fit several) && {
+    constexpr double kStrong = 5.0;
+    const bool stays = fit_ && score_ > score_of(problem_, several, scale_) - kStrong;
+    return stays ? std::move(*fit_) : std::move(several);
+  }
+
+ private:
+  const Problem& problem_;
+  double scale_;
+  std::optional<Fit> fit_;
+  double score_ = 0.0;
+};
+
+}  // namespace
+
 Fit with_one_law_of_time(const Problem& problem, const std::vector<Candidate>& all, Fit found,
                          double scale) {
   const Hypothesis h = found.hypothesis;
@@ -339,8 +370,7 @@ Fit with_one_law_of_time(const Problem& problem, const std::vector<Candidate>& a
   stays[static_cast<std::size_t>(step - h.effects.begin())] = false;
   const Hypothesis rest = subset(h, stays);
   const double change = values_of(h, static_cast<std::size_t>(drift - h.effects.begin())).front();
-  std::optional<Fit> best;
-  double most = -HUGE_VAL;
+  BestOfOne one(problem, scale);
   for (const Candidate& form : all) {
     if (form.cause != drift->cause || form.form.weight > 0.0) continue;
     if (form.form.law != drift->form.law && form.form.law != step->form.law) continue;
@@ -360,20 +390,32 @@ Fit with_one_law_of_time(const Problem& problem, const std::vector<Candidate>& a
           }
         }
         if (!has_exponent && exponent_from > 0.0) continue;
-        if (trial.value.size() > static_cast<std::size_t>(kMostParameters)) continue;
-        Fit fitted = fit(problem, std::move(trial), scale);
-        const double score = score_of(problem, fitted, scale);
-        if (!best || score > most) {
-          most = score;
-          best = std::move(fitted);
-        }
+        one.offer(std::move(trial));
       }
     }
   }
-  // Of two names the second has to be as strongly there as beside any other (ΔBIC 10).
-  constexpr double kStrong = 5.0;
-  if (!best || !(most > score_of(problem, found, scale) - kStrong)) return found;
-  return std::move(*best);
+  return std::move(one).in_place_of(std::move(found));
+}
+
+Fit with_one_wave(const Problem& problem, const std::vector<Candidate>& all, Fit found,
+                  double scale) {
+  const Hypothesis h = found.hypothesis;
+  std::vector<bool> stays;
+  stays.reserve(h.effects.size());
+  for (const Candidate& c : h.effects) stays.push_back(!(c.form.order > 0.0));
+  if (std::ranges::count(stays, false) < 2) return found;
+  const Hypothesis rest = subset(h, stays);
+  BestOfOne one(problem, scale);
+  for (const Candidate& form : all) {
+    if (!(form.form.order > 0.0) || form.form.weight > 0.0) continue;
+    if (std::ranges::none_of(h.effects, [&](const Candidate& c) {
+          return c.form.order > 0.0 && c.form.law == form.form.law;
+        })) {
+      continue;
+    }
+    one.offer(with(rest, form));
+  }
+  return std::move(one).in_place_of(std::move(found));
 }
 
 namespace {

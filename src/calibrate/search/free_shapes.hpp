@@ -49,6 +49,12 @@ Fit with_exchanges(const Problem& problem, const std::vector<Candidate>& all, Fi
 Fit with_smooth_laws(const Problem& problem, const std::vector<Candidate>& all, Fit found,
                      double scale);
 
+/// Waves as one with harmonics, at the order and of the body that score best, where the score of
+/// several is not above that by ΔBIC 10: on a grid of angles an order may stand for a harmonic of
+/// another.
+Fit with_one_wave(const Problem& problem, const std::vector<Candidate>& all, Fit found,
+                  double scale);
+
 /// A drift and a step between sessions as one drift of free shape, where the score of the two is
 /// not above that by ΔBIC 10: a step takes up what a drift of slightly another shape leaves.
 Fit with_one_law_of_time(const Problem& problem, const std::vector<Candidate>& all, Fit found,

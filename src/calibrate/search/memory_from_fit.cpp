@@ -139,6 +139,23 @@ std::vector<double> phase_of(const Problem& problem) {
   return phase;
 }
 
+/// 2 ln of its likelihood over that of independent readings.
+struct TriedMemory {
+  NoiseMemory memory;
+  double ratio = 0.0;
+};
+
+/// The correlations of neighbours within χ² 3.84 of the likeliest memory of an estimate.
+void set_interval(const std::vector<TriedMemory>& places, MemoryEstimate& estimate) {
+  constexpr double kNinetyFive = 3.841;  // quantile of χ² with one degree of freedom
+  estimate.low = estimate.high = estimate.memory.correlation();
+  for (const TriedMemory& p : places) {
+    if (p.ratio < estimate.likelihood_ratio - kNinetyFive) continue;
+    estimate.low = std::min(estimate.low, p.memory.correlation());
+    estimate.high = std::max(estimate.high, p.memory.correlation());
+  }
+}
+
 }  // namespace
 
 MemoryEstimate memory_of(const Problem& problem, const Hypothesis& hypothesis, double chance) {
@@ -151,10 +168,6 @@ MemoryEstimate memory_of(const Problem& problem, const Hypothesis& hypothesis, d
   const Eigen::MatrixXd own = noise.weight.asDiagonal() * at.own;
   const RememberingRows rows(noise.order, winsorised(weighted, robust_deviation(weighted)), own);
   const double independent = rows.likelihood({});
-  struct TriedMemory {
-    NoiseMemory memory;
-    double ratio;
-  };
   std::vector<TriedMemory> places;
   const auto scan = [&](double first_decay, double decay_step, int decays, double first_share,
                         double share_step, int shares) {
@@ -171,19 +184,56 @@ MemoryEstimate memory_of(const Problem& problem, const Hypothesis& hypothesis, d
   result.likelihood_ratio = std::max(0.0, best.ratio);
   result.p_value = chance_of_ratio(best.ratio);
   if (result.p_value > chance) return result;
-  // A wave in time is no memory where it says more: either has two numbers.
-  if (rows.wave_ratio(phase_of(problem)) > best.ratio) return result;
+  // A wave in time is no memory where it says clearly more.  Either has two numbers, but what a
+  // zero does in one campaign is nearly a wave as well, and its memory is of no shape that is
+  // known.
+  constexpr double kClearly = 10.0;
+  if (rows.wave_ratio(phase_of(problem)) > best.ratio + kClearly) return result;
   scan(0.05, 0.05, 19, 0.1, 0.1, 10);
   best = *std::ranges::max_element(places, {}, &TriedMemory::ratio);
   result.memory = best.memory;
   result.likelihood_ratio = best.ratio;
-  constexpr double kNinetyFive = 3.841;  // quantile of χ² with one degree of freedom
-  result.low = result.high = best.memory.correlation();
-  for (const TriedMemory& p : places) {
-    if (p.ratio < best.ratio - kNinetyFive) continue;
-    result.low = std::min(result.low, p.memory.correlation());
-    result.high = std::max(result.high, p.memory.correlation());
+  set_interval(places, result);
+  return result;
+}
+
+MemoryEvidence memory_evidence(const NoiseModel& noise, const Eigen::VectorXd& missed,
+                               const Eigen::MatrixXd& own) {
+  const auto n = static_cast<double>(missed.size());
+  const auto twice_log_likelihood = [&](const NoiseMemory& memory) {
+    NoiseModel trial = noise;
+    trial.memory = memory;
+    Eigen::MatrixXd columns(missed.size(), own.cols() + 1);
+    columns << missed, own;
+    trial.whiten(columns);
+    const Eigen::MatrixXd left =
+        free_of(orthonormal_basis(columns.rightCols(own.cols())), columns.leftCols(1));
+    return -trial.log_determinant() - n * std::log(std::max(left.squaredNorm(), 1e-300) / n);
+  };
+  const double independent = twice_log_likelihood({});
+  std::vector<TriedMemory> places;
+  // What lasts for many readings and is more than the noise beside it is a drift or a step.
+  constexpr double kLong = 0.7, kMostOfLong = 0.5;
+  for (const double decay : {0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 0.95}) {
+    for (int k = 1; k <= 10; ++k) {
+      const NoiseMemory memory{.share = 0.1 * k, .decay = decay};
+      if (decay > kLong && memory.share > kMostOfLong) break;
+      places.push_back({.memory = memory, .ratio = twice_log_likelihood(memory) - independent});
+    }
   }
+  const TriedMemory best = *std::ranges::max_element(places, {}, &TriedMemory::ratio);
+  MemoryEvidence result;
+  result.likeliest.memory = best.memory;
+  result.likeliest.likelihood_ratio = std::max(0.0, best.ratio);
+  result.likeliest.p_value = chance_of_ratio(best.ratio);
+  set_interval(places, result.likeliest);
+  // As likely before the data to remember, anyhow, as not to.
+  const double top = std::max(0.0, best.ratio);
+  double mean = 0.0;
+  for (const TriedMemory& p : places) mean += std::exp(0.5 * (p.ratio - top));
+  mean /= static_cast<double>(places.size());
+  result.twice_log_likelihood =
+      independent + top + 2.0 * std::log(0.5 * mean + 0.5 * std::exp(-0.5 * top));
   return result;
 }
 

@@ -16,4 +16,21 @@ namespace gear3k::calibrate {
 MemoryEstimate memory_of(const Problem& problem, const Hypothesis& hypothesis, double chance);
 inline constexpr int kFewestRememberingRows = 20;
 
+/// Noise of unknown memory, taken as a whole.
+struct MemoryEvidence {
+  /// 2 ln of the likelihood, its mean over all memories; up to a constant of the data.
+  double twice_log_likelihood = 0.0;
+  MemoryEstimate likeliest;
+};
+
+/// Likelihood of what a hypothesis misses, its parameters free, averaged over what the noise may
+/// remember: nothing with the weight 1/2, else φ from 0.2 to 0.95 and ρ up to 1, of long memory
+/// (φ > 0.7) up to 1/2.  Sessions have no levels of their own here: memory makes them differ.
+/// Source: docs/theory §30 (noise that remembers).  Valid: an order that is known.
+/// @param noise   with the weights and the scatter of sessions; its memory does not count
+/// @param missed  measured − simulated, far rows moved in [SI]
+/// @param own     derivatives by the hypothesis' parameters [SI]
+MemoryEvidence memory_evidence(const NoiseModel& noise, const Eigen::VectorXd& missed,
+                               const Eigen::MatrixXd& own);
+
 }  // namespace gear3k::calibrate

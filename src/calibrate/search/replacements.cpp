@@ -338,8 +338,10 @@ std::vector<Replacement> other_bodies_of(const Judge& judge, const SearchResult&
   const Candidate& own = result.fit.hypothesis.effects[effect];
   std::vector<Replacement> found;
   if (own.form.body.empty()) return found;
-  for (const Candidate& c : result.candidates) {
-    if (c.cause != own.cause || c.form.body == own.form.body ||
+  // Forms with harmonics are not searched for, but a body that is round in none has them too.
+  for (const Candidate& c : judge.candidates()) {
+    const bool searched = c.form.weight > 0.0 || own.form.order > 0.0;
+    if (!searched || c.cause != own.cause || c.form.body == own.form.body ||
         c.parameters.size() != own.parameters.size()) {
       continue;
     }

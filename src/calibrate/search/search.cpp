@@ -209,6 +209,7 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
   if (refines) best = with_free_shapes(problem, all, std::move(best), scale);
   best = with_smooth_laws(problem, all, std::move(best), scale);
   best = with_one_law_of_time(problem, all, std::move(best), scale);
+  best = with_one_wave(problem, all, std::move(best), scale);
   best = with_named_starts(problem, all, std::move(best), scale, kMostEffects);
 
   const Judge judge(problem, all, best, scale);

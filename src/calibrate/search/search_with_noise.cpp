@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <utility>
 
 namespace gear3k::calibrate {
@@ -93,6 +94,35 @@ bool may_replace(Problem& problem, const NoiseMemory& memory, const SearchUnderN
   return criterion(problem, none) < criterion(problem, found);
 }
 
+/// The memory that may stand in the place of all that was found; none where what was found is
+/// likelier, whatever the noise remembers, its parameters and the choice of its causes paid for.
+std::optional<MemoryEstimate> memory_instead(const Problem& problem,
+                                             const SearchUnderNoise& found) {
+  const NoiseModel& noise = found.noise;
+  const Hypothesis& h = found.found.fit.hypothesis;
+  if (!noise.order.known() || noise.weight.size() < kFewestRememberingRows || h.effects.empty()) {
+    return std::nullopt;
+  }
+  const Linearisation causes_at = linearise(problem, h, {});
+  const Linearisation given = linearise(problem, {}, {});
+  // The same rows are far off with the causes and without.
+  const Eigen::VectorXd weighted =
+      (measured(problem.data) - causes_at.simulated).cwiseProduct(noise.weight);
+  const Eigen::VectorXd missed =
+      winsorised(weighted, robust_deviation(weighted)).cwiseQuotient(noise.weight);
+  const MemoryEvidence with_causes = memory_evidence(noise, missed, causes_at.own);
+  NoiseModel alone = noise;
+  alone.session_variance = 0.0;
+  const MemoryEvidence without =
+      memory_evidence(alone, missed + causes_at.simulated - given.simulated, given.own);
+  const double log_n = std::log(static_cast<double>(missed.size()));
+  const double cost =
+      (static_cast<double>(h.value.size()) + (noise.session_variance > 0.0 ? 1.0 : 0.0)) * log_n +
+      2.0 * std::log(static_cast<double>(causes().size())) * static_cast<double>(h.effects.size());
+  if (with_causes.twice_log_likelihood - cost > without.twice_log_likelihood) return std::nullopt;
+  return without.likeliest;
+}
+
 /// The search in all rows of a problem.
 SearchResult search_in_all(Problem& problem, const std::vector<Candidate>& candidates,
                            const SearchOptions& options, const std::function<bool(double)>& tell,
@@ -124,6 +154,17 @@ SearchResult search_in_all(Problem& problem, const std::vector<Candidate>& candi
     SearchUnderNoise other = search_remembering(problem, candidates, options, alone);
     if (!same_causes(other.found, best.found) &&
         criterion(problem, other) < criterion(problem, best)) {
+      best = std::move(other);
+    }
+  }
+  // What memory alone explains as well is said only where it stands out under that memory, too.
+  if (const auto instead = memory_instead(problem, best)) {
+    problem.noise = best.noise;
+    problem.noise.memory = instead->memory;
+    problem.noise.session_variance = 0.0;
+    SearchUnderNoise other = search_sessions(problem, candidates, options);
+    if (other.found.effects.size() < best.found.effects.size()) {
+      other.memory = *instead;
       best = std::move(other);
     }
   }

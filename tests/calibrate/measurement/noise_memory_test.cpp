@@ -48,6 +48,26 @@ TEST(ReadingOrder, WithoutAClockIsThatOfLinesThatNoConditionFollows) {
   EXPECT_EQ(reading_order(data).row.front(), 59);
 }
 
+TEST(ReadingOrder, OfAChamberThatIsSetNowAndThenIsThatOfTheLines) {
+  MeasurementSet data;
+  RandomBits random(3);
+  double temperature_K = 300.0;
+  for (int i = 0; i < 60; ++i) {
+    if (i % 6 == 0) temperature_K = 290.0 + 20.0 * random.uniform();
+    Observation row;
+    row.condition.temperature_K = temperature_K + 0.5 * random.uniform();
+    data.rows.push_back(row);
+  }
+  EXPECT_TRUE(reading_order(data).known());
+  // From the warmest row to the coldest, in two sessions: sorted.
+  for (int i = 0; i < 60; ++i) {
+    Condition& c = data.rows[static_cast<std::size_t>(i)].condition;
+    c.run = i / 30;
+    c.temperature_K = 310.0 - i % 30;
+  }
+  EXPECT_FALSE(reading_order(data).known());
+}
+
 TEST(ReadingOrder, OfSomeRowsCountsTheReadingsBetweenThem) {
   const ReadingOrder order{.row = {2, 0, 1, 4, 3}, .step = {0, 1, 1, 0, 1}};
   const ReadingOrder part = subset_of(order, {1, 2, 3});

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include "calibrate/search/search.hpp"
@@ -65,6 +66,57 @@ TEST_F(OverTime, ADriftAndAStepStayTwo) {
   // Up with time, and back down between the sessions: no monotone law.
   const Hypothesis both = hypothesis(
       {of("drift", "linear_time_friction"), of("run_step", "from_friction")}, {0.6, -0.5});
+  EXPECT_EQ(joined(both).hypothesis.effects.size(), 2U);
+}
+
+/// Angles on a grid or at random.
+class OverTheAngle : public Bench {
+ protected:
+  OverTheAngle() {
+    data_ = measured_grid({.sun_speeds_rpm = {600.0}, .rotations = {1}, .repeats = 8});
+  }
+  void set_angles(double step_rad) {
+    rig::DeterministicRandom random(4);
+    for (Observation& row : data_.rows) {
+      const double steps = random.between(0.0, 2000.0);
+      row.condition.output_angle_rad = step_rad > 0.0 ? std::floor(steps) * step_rad : 0.1 * steps;
+    }
+  }
+  [[nodiscard]] Candidate of(const char* id, const std::string& form, const char* body) const {
+    for (const Candidate& c : candidates_for(simulation_, data_)) {
+      if (c.cause->id == id && c.form.name == form && c.form.body == body) return c;
+    }
+    throw std::invalid_argument("no form " + form);
+  }
+  [[nodiscard]] Fit joined(const Hypothesis& truth) {
+    constexpr double kNoise = 0.001;
+    measure(truth, kNoise, 3);
+    const Problem p = problem();
+    const Fit two = fit(p,
+                        hypothesis({of("mesh_order", "proportional", "stage 1"),
+                                    of("runout", "proportional", "carrier")},
+                                   {0.0, 0.0, 0.0, 0.0}),
+                        kNoise);
+    return with_one_wave(p, candidates_for(simulation_, data_), two, kNoise);
+  }
+};
+
+TEST_F(OverTheAngle, AWaveWithItsHarmonicIsOne) {
+  // The mesh's order is that of the output, backward, at every angle of the grid.
+  set_angles(1.0);
+  const double mesh = of("mesh_order", "proportional", "stage 1").form.order;
+  set_angles(2.0 * std::numbers::pi / (mesh + 1.0));
+  const Fit one = joined(
+      hypothesis({of("runout", "proportional_with_second", "output")}, {0.02, 0.01, -0.01, 0.005}));
+  ASSERT_EQ(one.hypothesis.effects.size(), 1U);
+  EXPECT_EQ(one.hypothesis.effects[0].form.name, "proportional_with_second");
+}
+
+TEST_F(OverTheAngle, WavesOfTwoBodiesStayTwo) {
+  set_angles(0.0);
+  const Hypothesis both = hypothesis(
+      {of("mesh_order", "proportional", "stage 1"), of("runout", "proportional", "carrier")},
+      {0.02, 0.01, -0.01, 0.02});
   EXPECT_EQ(joined(both).hypothesis.effects.size(), 2U);
 }
 

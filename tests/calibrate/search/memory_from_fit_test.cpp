@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -98,6 +100,66 @@ TEST_F(MemoryFromFit, NeedsAnOrderAndRows) {
   Problem p = problem();
   p.noise.order = {};
   EXPECT_EQ(memory_of(p, {}, 0.03).p_value, 1.0);
+}
+
+TEST_F(MemoryFromFit, EvidenceIsTheMeanOfLikelihoodsByTheCovarianceItself) {
+  measure(2, 0.5);
+  const Problem p = problem();
+  const auto n = static_cast<Eigen::Index>(data_.rows.size());
+  const Eigen::VectorXd missed =
+      measured(data_) - Eigen::Map<const Eigen::VectorXd>(clean_.data(), n);
+  const Eigen::MatrixXd own = Eigen::MatrixXd::Ones(n, 1);
+  // −2 ln of the likelihood of one memory: a dense covariance, the mean by generalised squares.
+  const auto deviance = [&](double share, double decay) {
+    Eigen::MatrixXd c(n, n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      for (Eigen::Index k = 0; k < n; ++k) {
+        const bool same = data_.rows[static_cast<std::size_t>(i)].condition.run ==
+                          data_.rows[static_cast<std::size_t>(k)].condition.run;
+        c(i, k) =
+            i == k ? 1.0
+                   : (same ? share * std::pow(decay, std::abs(static_cast<double>(i - k))) : 0.0);
+      }
+    }
+    const Eigen::LLT<Eigen::MatrixXd> root(c);
+    const Eigen::VectorXd y = root.matrixL().solve(missed);
+    const Eigen::VectorXd one = root.matrixL().solve(own).col(0);
+    const double left = y.squaredNorm() - std::pow(one.dot(y), 2) / one.squaredNorm();
+    const Eigen::MatrixXd lower = root.matrixL();
+    return 2.0 * lower.diagonal().array().log().sum() +
+           static_cast<double>(n) * std::log(left / static_cast<double>(n));
+  };
+  const double independent = deviance(0.0, 0.5);
+  double sum = 0.0;
+  int count = 0;
+  double least = HUGE_VAL;
+  for (const double decay : {0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 0.95}) {
+    for (int k = 1; k <= (decay > 0.7 ? 5 : 10); ++k) {
+      const double one = deviance(0.1 * k, decay);
+      least = std::min(least, one);
+      sum += std::exp(-0.5 * (one - independent));
+      ++count;
+    }
+  }
+  const double mean = independent - 2.0 * std::log(0.5 * sum / count + 0.5);
+  const MemoryEvidence evidence = memory_evidence(p.noise, missed, own);
+  EXPECT_NEAR(-evidence.twice_log_likelihood, mean, 1e-6 * std::abs(mean));
+  EXPECT_NEAR(evidence.likeliest.likelihood_ratio, independent - least, 1e-6);
+  EXPECT_NEAR(evidence.likeliest.memory.correlation(), 0.5, 0.25);
+}
+
+TEST_F(MemoryFromFit, StepsOfTwiceTheNoiseAreNone) {
+  measure(3, 0.0);
+  data_.runs = {"a", "b", "c", "d"};
+  for (std::size_t i = 0; i < data_.rows.size(); ++i) {
+    const auto run = static_cast<int>(4 * i / data_.rows.size());
+    data_.rows[i].condition.run = run;
+    data_.rows[i].response += (run % 2 == 0 ? 1.5 : -2.0) * sigma_;
+  }
+  const auto d = diagnose(simulation_, data_, {});
+  ASSERT_EQ(d->effects.size(), 1U);
+  EXPECT_EQ(d->effects[0].id, "run_step");
+  EXPECT_EQ(d->memory.memory.share, 0.0);
 }
 
 TEST_F(MemoryFromFit, IsToldInThePlaceOfACause) {

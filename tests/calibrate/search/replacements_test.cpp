@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include "calibrate/search/free_shapes.hpp"
@@ -312,6 +313,44 @@ TEST_F(Replacements, OfEitherDirectionAreTheFlanksWhereOneGearboxCannotTell) {
   EXPECT_EQ(result.fit.hypothesis.effects[0].form.name, "approach_recess");
   EXPECT_LE(judge.chi(result.fit), before + 2.0);
   EXPECT_NEAR(result.fit.hypothesis.value[0], 0.2, 0.05);
+}
+
+TEST_F(Replacements, OfAWaveWithAHarmonicAreTheBodiesThatHaveItsOrderOnTheGrid) {
+  data_ = measured_grid({.sun_speeds_rpm = {600.0}, .rotations = {1}, .repeats = 8});
+  const auto set_angles = [&](double step_rad) {
+    for (std::size_t i = 0; i < data_.rows.size(); ++i) {
+      data_.rows[i].condition.output_angle_rad = static_cast<double>(7 * i % 41) * step_rad;
+    }
+  };
+  const auto wave = [&](const char* body) {
+    for (const Candidate& c : candidates_for(simulation_, data_)) {
+      if (c.cause->id == "runout" && c.form.name == "proportional_with_second" &&
+          c.form.body == body) {
+        return c;
+      }
+    }
+    throw std::invalid_argument("no such body");
+  };
+  set_angles(1.0);
+  // The sun goes backward by as much as the planet forward, from each angle to the next.
+  const double sum = wave("sun").form.order + wave("planet").form.order;
+  set_angles(2.0 * std::numbers::pi / sum);
+  const Hypothesis truth = hypothesis({wave("planet")}, {0.02, 0.01, -0.01, 0.005});
+  measure(truth, 0.001);
+  const Problem p = problem();
+  SearchResult result;
+  result.fit = fit(p, fitted(p, truth), 0.001);
+  result.scale = 0.001;
+  result.effects.resize(1);
+  const std::vector<Candidate> all = candidates_for(simulation_, data_);
+  const Judge judge(p, all, result.fit, result.scale);
+  take_better_names(judge, all, result);
+  EXPECT_EQ(result.fit.hypothesis.effects.at(0).form.body, "planet");
+  const auto& others = result.effects.at(0).other_bodies;
+  EXPECT_TRUE(std::ranges::any_of(
+      others, [](const Replacement& r) { return r.candidate.form.body == "sun"; }));
+  EXPECT_TRUE(std::ranges::none_of(
+      others, [](const Replacement& r) { return r.candidate.form.body == "output"; }));
 }
 
 }  // namespace
