@@ -171,12 +171,41 @@ report::HeldBackReport held_back_by(const OptimizeTask& task,
   return report;
 }
 
-/// Whether no set has a design, and limits that are no load's may be why.
-bool sought_in_vain(const OptimizeTask& task, const optimize::OptimizeResult& result) {
-  if (result.best || result.interrupted || result.search.candidates.empty()) return false;
-  if (!optimize::has_bounds(task.spec) || optimize::judged_by_model(task.spec)) return false;
-  if (task.spec.robust.hold != optimize::Hold::kNominal || task.spec.cycle_energy) return false;
-  return report::tally_of(result).blocked_by_load == 0;
+/// Whether no set has a design.
+bool sought_in_vain(const optimize::OptimizeResult& result) {
+  return !result.best && !result.interrupted && !result.search.candidates.empty();
+}
+
+/// Why it is not asked which limits would have to give way; "": it is.
+std::string why_not_relaxed(const OptimizeTask& task, const optimize::OptimizeResult& result) {
+  if (!optimize::has_bounds(task.spec)) {
+    return "searches without a limit need bounds, which a free pressure angle and thickness "
+           "allowances in um at modules that are searched do not leave";
+  }
+  const bool any = std::ranges::any_of(result.refined, [](const optimize::RefinedSet& set) {
+    return set.status == optimize::Status::kOptimal;
+  });
+  if (any) return "there are designs, but no motor drives one within its limits";
+  const std::size_t by_load = report::tally_of(result).blocked_by_load;
+  if (by_load > 0) {
+    return fmt::format(
+        "limits of the load block {} of the tooth sets, and the torque that can be carried is told "
+        "instead",
+        by_load);
+  }
+  if (has_own_mesh_load(task.spec)) {
+    return "the distribution of the load on the planets (k_gamma of tolerances) is each design's "
+           "own";
+  }
+  return "";
+}
+
+/// What is asked without some of its limits: feasibility does not depend on the losses that a model
+/// adds at an operating point, and limits that it changes are the task's.
+optimize::Specification to_be_relaxed(const OptimizeTask& task) {
+  optimize::Specification spec = task.spec;
+  spec.model.reset();
+  return spec;
 }
 
 }  // namespace
@@ -255,8 +284,11 @@ Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks,
     }
     if (task.explain) outcome.held = held_back_by(task, outcome.result, progress);
   }
-  if (task.explain && sought_in_vain(task, outcome.result)) {
-    outcome.relaxed = optimize::relax_limits(task.spec, outcome.result, progress);
+  if (task.explain && sought_in_vain(outcome.result)) {
+    outcome.not_relaxed = why_not_relaxed(task, outcome.result);
+    if (outcome.not_relaxed.empty()) {
+      outcome.relaxed = optimize::relax_limits(to_be_relaxed(task), outcome.result, progress);
+    }
   }
   if (task.model) {
     outcome.comparison = compare_with_model(task, outcome, progress);

@@ -84,6 +84,7 @@ struct Optimization {
   std::optional<report::HeldBackReport> held;
   /// What would give a design; where there is none and that was asked for.
   std::optional<optimize::RelaxedLimits> relaxed;
+  std::string not_relaxed{};  ///< why that was not asked, where there is no design; else ""
   /// The best design rounded to what is made; where that was asked for and there is one.
   std::optional<optimize::Rounding> rounding;
   /// As files state the best of `rounding`; where it has one.

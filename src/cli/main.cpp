@@ -156,7 +156,7 @@ void add_diagnose_options(CLI::App& command, cli::DiagnoseOptions& options) {
                   "DESIGN.toml, PAIR.toml, a table [gearbox], or ACTUATOR.toml for logs")
       ->required();
   command
-      .add_option("DATA", options.data, "measurements: CSV files, of several kinds together too")
+      .add_option("DATA", options.data, "CSV files, of several kinds together too; columns: docs/interface.md")
       ->required();
   command
       .add_option("--out", options.out,
@@ -184,9 +184,6 @@ void add_diagnose_options(CLI::App& command, cli::DiagnoseOptions& options) {
         ->option_text("MAX");
   }
   add_common_options(command, options);
-  command.footer(
-      "DATA.csv's columns, causes, results, limits; residuals.csv by --format csv: "
-      "docs/interface.md.");
 }
 
 /// What is wrong with the options of `diagnose` together; "" when nothing is.

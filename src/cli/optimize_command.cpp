@@ -197,7 +197,8 @@ OptimizeRun run(app::OptimizeTask& task, RunJournal& journal, FrontJournal& fron
   if (!o.searched()) return run;
   run.tally = report::tally_of(o.result);
   run.summary = report::summary_json(
-      task.spec, o.result, run.tally, {.wall_time_s = wall_time_s, .threads = threads}, task.use(),
+      task.spec, o.result, run.tally,
+      {.wall_time_s = wall_time_s, .threads = threads, .not_relaxed = o.not_relaxed}, task.use(),
       o.front ? &*o.front : nullptr, o.robust ? &*o.robust : nullptr,
       o.comparison ? &*o.comparison : nullptr, &task.stated_limits, o.held ? &*o.held : nullptr,
       o.rounding ? &*o.rounding : nullptr, o.co_design ? &o.co_design->report : nullptr, &o.felt,
@@ -301,6 +302,8 @@ ExitCode end_without_limits(const app::OptimizeTask& task, const app::Optimizati
   }
   say(fmt::format("{}: {}\n", task.source,
                   report::robust_blocking_text(task.spec, outcome.robust->search)));
+  say("limits that would have to give way are not told for built gearboxes: robust.hold = "
+      "\"nominal\" tells those of the design as drawn\n");
   return kNoFeasibleDesign;
 }
 
@@ -334,6 +337,10 @@ ExitCode end_without_design(const app::OptimizeTask& task, const OptimizeRun& ru
   }
   say(fmt::format("{}\n", report::blocking_text(task.spec, run.outcome.result, run.tally)));
   if (run.outcome.relaxed) say(report::relaxed_limits_text(task.spec, *run.outcome.relaxed));
+  if (!run.outcome.not_relaxed.empty()) {
+    say(fmt::format("limits that would have to give way are not told: {}\n",
+                    run.outcome.not_relaxed));
+  }
   if (run.tally.blocked_by_load > 0) say_carried_torque(task.spec, options);
   const auto count = [&](optimize::Status status) {
     return run.tally.status[static_cast<std::size_t>(status)];

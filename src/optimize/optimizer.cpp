@@ -212,8 +212,10 @@ class Run {
         refined[i] = std::move(answer);
       } else {
         const Candidate& candidate = result_.search.candidates[k];
-        refined[i] = refiner_.refine(candidate, bounds_->shifts().of(candidate.teeth),
-                                     bounds_->by_modules(k), progress_.stop, to_beat);
+        refined[i] = refiner_.refine(
+            candidate, bounds_->shifts().of(candidate.teeth), bounds_->by_modules(k),
+            progress_.stop,
+            {.to_beat = to_beat, .design = options_.design ? options_.design(candidate) : nullptr});
         fresh[i] = 1;
       }
       if (!refined[i]) return;

@@ -35,6 +35,9 @@ struct OptimizeOptions {
   std::function<void(std::span<const RefinedSet>)> on_wave{};
   /// What is known of a set without refining it; called from many threads.
   std::function<std::optional<RefinedSet>(const Candidate&)> answer{};
+  /// A design of a set to begin its refinement with, null where none is known; called from many
+  /// threads.
+  std::function<const KnownTrain*(const Candidate&)> design{};
   /// A design to begin with: only sets that may be better are of interest.
   std::optional<RefinedSet> incumbent{};
   /// A bound of merit_of() that is known of a set before its stages are relaxed: those that it

@@ -10,6 +10,7 @@
 #include "optimize/front_gaps.hpp"
 #include "optimize/objective_value.hpp"
 #include "optimize/set_answers.hpp"
+#include "optimize/set_least.hpp"
 
 namespace gear3k::optimize {
 
@@ -19,6 +20,9 @@ namespace {
 /// feasible, efficiencies by less than lost motion and sizes, which are themselves limits.
 constexpr double kLimitSlack = 20.0 * design::kFeasibilityTolerance;
 constexpr double kEfficiencySlack = 2.0 * design::kFeasibilityTolerance;
+/// Limits on lost motion within which sets are asked for their least first, over what bounds it:
+/// beyond them most have a design.
+constexpr double kNarrow = 1.08;
 
 ObjectiveLimit held_by_check(ObjectiveLimit limit) {
   limit.by_check = true;
@@ -64,6 +68,10 @@ class FrontSearch {
  public:
   FrontSearch(const Specification& spec, Progress& progress, const FrontOptions& options)
       : spec_(spec), progress_(progress), options_(options), answers_(spec, costs_in(spec)) {
+    if (LeastLostMotion::knows(spec) &&
+        std::ranges::find(spec.objectives, Objective::kLostMotion) != spec.objectives.end()) {
+      least_.emplace(spec);
+    }
     learn();
     for (const RefinedSet& set : options.known) {
       if (set.status == Status::kOptimal) points_.push_back(point_of(set));
@@ -172,15 +180,30 @@ class FrontSearch {
                                            const std::vector<ObjectiveLimit>& limits) {
     const CostAsk ask = ask_of(first, limits);
     OptimizeOptions options{.best_only = true, .certify = false};
-    options.answer = [this, ask](const Candidate& candidate) {
-      return answers_.answer(ask, candidate);
+    const std::optional<double> most_lost_motion = lost_motion_limit(limits);
+    options.answer = [this, ask,
+                      most_lost_motion](const Candidate& candidate) -> std::optional<RefinedSet> {
+      auto answer = answers_.answer(ask, candidate);
+      if (answer || !most_lost_motion) return answer;
+      return ruled_out(candidate, *most_lost_motion);
     };
+    // The ends of the front are told as their own starts find them.
+    if (most_lost_motion && progress_.stage == Progress::Stage::kFrontGaps) {
+      options.design = [this, most = *most_lost_motion](const Candidate& candidate) {
+        const LeastLostMotion::Least* least = least_->known(candidate);
+        const bool any = least != nullptr && std::isfinite(least->lost_motion_rad);
+        return any && !keeps_not(least, most) ? &least->at : nullptr;
+      };
+    }
     options.on_wave = [this](std::span<const RefinedSet> sets) {
       fresh_.insert(fresh_.end(), sets.begin(), sets.end());
     };
     options.incumbent = answers_.best_within(ask);
     if (options_.searched != nullptr && options_.searched->bounds) {
-      options.bound_before = [this, &task, ask](const Candidate& candidate) {
+      options.bound_before = [this, &task, ask, most_lost_motion](const Candidate& candidate) {
+        if (most_lost_motion && keeps_not(least_->known(candidate), *most_lost_motion)) {
+          return -kInfinity;
+        }
         const double known = -answers_.least_cost(ask, candidate);
         const auto own = std::ranges::lower_bound(open_, candidate, {}, &Numbered::first);
         if (own == open_.end() || own->first != candidate) return known;
@@ -189,6 +212,31 @@ class FrontSearch {
       };
     }
     return options;
+  }
+
+  /// The limit on lost motion of a search where sets are asked for their least [rad], with what
+  /// refined values may be beyond it.
+  [[nodiscard]] std::optional<double> lost_motion_limit(
+      const std::vector<ObjectiveLimit>& limits) const {
+    const auto own = std::ranges::find(limits, Objective::kLostMotion, &ObjectiveLimit::objective);
+    if (!least_ || own == limits.end()) return std::nullopt;
+    return own->value + slack_of(spec_, Objective::kLostMotion);
+  }
+
+  static bool keeps_not(const LeastLostMotion::Least* least, double most_rad) {
+    return least != nullptr && least->lost_motion_rad > most_rad;
+  }
+
+  /// A set whose least lost motion is above a limit that is near what bounds it.
+  std::optional<RefinedSet> ruled_out(const Candidate& candidate, double most_rad) {
+    const double bound_rad =
+        best_value(Objective::kLostMotion, spec_, candidate.teeth, candidate.planets);
+    if (most_rad > kNarrow * bound_rad) return std::nullopt;
+    if (!keeps_not(least_->of(candidate, progress_.stop), most_rad)) return std::nullopt;
+    RefinedSet none;
+    none.candidate = candidate;
+    none.status = Status::kNoFeasibleFound;
+    return none;
   }
 
   [[nodiscard]] ParetoPoint point_of(const RefinedSet& set) const {
@@ -327,6 +375,7 @@ class FrontSearch {
   ParetoFront front_;
   std::vector<ParetoPoint> points_;
   SetAnswers answers_;
+  std::optional<LeastLostMotion> least_;  ///< where lost motion is an objective
   using Numbered = std::pair<Candidate, std::uint32_t>;
   std::vector<Numbered> open_;     ///< the sets of the search before, sorted
   std::vector<RefinedSet> fresh_;  ///< what the search that runs has refined

@@ -8,18 +8,16 @@
 
 #include "design/evaluation.hpp"
 #include "efficiency/train_efficiency.hpp"
+#include "optimize/best_end.hpp"
 #include "optimize/blocking.hpp"
 #include "optimize/cutter_choice.hpp"
 #include "optimize/energy_box.hpp"
-#include "optimize/ipopt.hpp"
-#include "optimize/kkt_residual.hpp"
 #include "optimize/lattice.hpp"
 #include "optimize/objective_value.hpp"
 #include "optimize/rated_set.hpp"
 #include "optimize/shift_grid.hpp"
 #include "optimize/slsqp.hpp"
 #include "optimize/starting_points.hpp"
-#include "optimize/uniform.hpp"
 
 namespace gear3k::optimize {
 
@@ -27,41 +25,12 @@ namespace {
 
 using design::CheckId;
 
-SolveOutcome solve(const RefinementProblem& problem, const Point& start,
-                   const SlsqpOptions& options = {}) {
-  return problem.spec->solver.refine == Refine::kIpopt ? solve_ipopt(problem, start)
-                                                       : solve_slsqp(problem, start, options);
-}
-
 /// For the start where the bound lies: rows far from their limits there seldom bind at the end.
 constexpr SlsqpOptions kNearTheEnd{.working_margin = 0.3};
 /// No more starts are taken where the best end is no farther below the set's bound than the first
 /// share of its loss; or than the second one, and two starts have ended alike.
 constexpr double kNearBound = 0.05, kLikelyNearBound = 0.25;
 constexpr double kAlike = 1e-8;  ///< of two ends' objectives
-
-bool feasible(const SolveOutcome& outcome) {
-  return outcome.violation <= design::kFeasibilityTolerance;
-}
-
-/// The best end of all starts, or the one that violates least.
-struct BestEnd {
-  std::optional<RefinementProblem> problem;
-  SolveOutcome outcome;
-  bool found = false;  ///< feasible
-
-  void offer(const RefinementProblem& p, const SolveOutcome& o) {
-    if (!std::isfinite(o.violation)) return;
-    const bool ok = feasible(o);
-    const bool better =
-        !problem || (ok && !found) ||
-        (ok == found && (ok ? o.objective < outcome.objective : o.violation < outcome.violation));
-    if (!better) return;
-    problem = p;
-    outcome = o;
-    found = ok;
-  }
-};
 
 /// The problem with the contact ratio of a mesh kept on one side of a value.
 RefinementProblem with_contact_ratio_bound(const RefinementProblem& problem, int mesh, double value,
@@ -145,76 +114,6 @@ std::optional<SolveOutcome> nearest_of_two(const RefinementProblem& problem, con
     return std::nullopt;
   }
   return one.violation <= two.violation ? one : two;
-}
-
-/// Ends are alike within this; and where one is stationary and the other is not, within what the
-/// tolerance of feasibility is worth.
-constexpr double kSameObjective = 1e-9, kWorthOfTolerance = 10.0 * design::kFeasibilityTolerance;
-
-/// Takes another end in place of the best one if it is better, or as good and nearer to a
-/// stationary point.
-/// @param residual  of the best end; kept up to date
-/// @returns whether it took it
-bool take_polished(BestEnd& best, const SolveOutcome& polished, double& residual) {
-  if (!feasible(polished)) return false;
-  const double gain = best.outcome.objective - polished.objective;
-  const double own = kkt_residual(*best.problem, polished.v);
-  const bool makes_stationary = own <= kStationary && !(residual <= kStationary);
-  const double loss =
-      makes_stationary ? kWorthOfTolerance * (1.0 + std::abs(polished.objective)) : kSameObjective;
-  if (!(gain > kSameObjective || (gain > -loss && own < residual))) return false;
-  best.outcome = polished;
-  residual = own;
-  return true;
-}
-
-/// Whether a gap of tip corners is near its limit.
-bool has_fouling_near(const RefinementProblem& problem, const Point& v) {
-  constexpr double kNear = 0.01;
-  std::vector<double> g(problem.rows.size());
-  if (!evaluate<double>(problem, used(problem, v), g)) return false;
-  for (std::size_t k = 0; k < g.size(); ++k) {
-    const auto& check = problem.rows[k].check;
-    if (check && check->record->id == CheckId::kTipFouling && g[k] < kNear) return true;
-  }
-  return false;
-}
-
-/// Goes on from points about the best end until one leads to a stationary point: at a kink of a gap
-/// of tip corners a run stays where it first meets it.
-void leave_kink(BestEnd& best, double& residual) {
-  constexpr int kRuns = 24;
-  constexpr std::array<double, 4> kReach{0.05, 0.02, 0.1, 0.01};
-  constexpr double kAngles = 0.3;  // of it
-  const RefinementProblem& problem = *best.problem;
-  if (!has_fouling_near(problem, best.outcome.v)) return;
-  Uniform uniform(stream_of(problem.candidate, problem.spec->solver.seed));
-  for (int n = 0; n < kRuns && !(residual <= kStationary); ++n) {
-    Point start = best.outcome.v;
-    for (std::size_t k = 0; k < static_cast<std::size_t>(problem.variables); ++k) {
-      const bool angle = k == kAngleA || k == kAngleB;
-      const double reach = kReach[static_cast<std::size_t>(n) % kReach.size()];
-      start[k] += reach * (angle ? kAngles : 1.0) * (2.0 * uniform.next() - 1.0);
-      start[k] = std::clamp(start[k], problem.lower[k], problem.upper[k]);
-    }
-    take_polished(best, solve_slsqp(problem, start, {}), residual);
-  }
-}
-
-/// Goes on from the best end until it is stationary: by SLSQP, whose picture of the curvature
-/// starts afresh, then by Ipopt, which `both` asks for in any case.
-/// @returns the KKT residual
-double polish(BestEnd& best) {
-  constexpr int kAgain = 2;
-  double residual = kkt_residual(*best.problem, best.outcome.v);
-  for (int i = 0; i < kAgain && !(residual <= kStationary); ++i) {
-    if (!take_polished(best, solve_slsqp(*best.problem, best.outcome.v, {}), residual)) break;
-  }
-  if (best.problem->spec->solver.refine == Refine::kBoth || !(residual <= kStationary)) {
-    take_polished(best, solve_ipopt(*best.problem, best.outcome.v), residual);
-  }
-  if (!(residual <= kStationary)) leave_kink(best, residual);
-  return residual;
 }
 
 /// Efficiencies with the calibrated model at the operating point.
@@ -327,18 +226,20 @@ void take_more_starts(const RefinementProblem& problem, const std::atomic<bool>&
   }
 }
 
-/// The best end of one problem from several starts, those of its bound first.
+/// The best end of one problem from several starts, that of its bound first, a known design last.
 /// @returns empty when `stop` became true
 std::optional<BestEnd> best_of_starts(const RefinementProblem& problem, const SetBound& bound,
-                                      const std::atomic<bool>& stop) {
+                                      const std::atomic<bool>& stop,
+                                      const KnownTrain* known = nullptr) {
   const Specification& spec = *problem.spec;
   BestEnd local;
   std::vector<Point> ends;
-  const std::vector<Point> starts = starting_points(problem, spec.solver.starts, spec.solver.seed,
-                                                    bound.known ? &bound : nullptr);
+  std::vector<Point> starts = starting_points(problem, spec.solver.starts, spec.solver.seed,
+                                              bound.known ? &bound : nullptr);
+  if (known != nullptr) starts.push_back(point_of(problem, known->train, known->load));
   for (const Point& start : starts) {
     if (stop.load(std::memory_order_relaxed)) return std::nullopt;
-    if (ends.size() == 1 && !local.found) {
+    if (ends.size() == 1 && !local.found && known == nullptr) {
       if (const auto nearest = nearest_of_two(problem, ends.front(), start)) {
         local.offer(problem, *nearest);
         ends.clear();
@@ -368,8 +269,14 @@ std::optional<BestEnd> best_of_starts(const RefinementProblem& problem, const Se
 class SetSearch {
  public:
   /// @param to_beat  scaled objective
-  SetSearch(const Specification& spec, double to_beat, const std::atomic<bool>& stop)
-      : spec_(spec), choices_(cutter_choices(spec)), to_beat_(to_beat), stop_(stop) {}
+  /// @param known  see KnownOfSet::design
+  SetSearch(const Specification& spec, double to_beat, const std::atomic<bool>& stop,
+            const KnownTrain* known)
+      : spec_(spec),
+        choices_(cutter_choices(spec)),
+        to_beat_(to_beat),
+        stop_(stop),
+        known_(known) {}
 
   [[nodiscard]] BestEnd& best() { return best_; }
   /// Whether the grid was given up for what is to be beaten.
@@ -384,7 +291,7 @@ class SetSearch {
       return is_of_load(problem.objective) ? try_every_cutter(problem, bound, best)
                                            : choose_cutters(problem, bound);
     }
-    const std::optional<BestEnd> local = best_of_starts(problem, bound, stop_);
+    const std::optional<BestEnd> local = best_of_starts(problem, bound, stop_, known_);
     if (local) take(*local);
     return local.has_value() && !stop_.load(std::memory_order_relaxed);
   }
@@ -475,6 +382,7 @@ class SetSearch {
   std::vector<std::array<int, 2>> choices_;
   double to_beat_;
   const std::atomic<bool>& stop_;
+  const KnownTrain* known_;
   BestEnd best_;
   bool bounded_ = false;
   std::optional<GridEnd> nearest_;
@@ -516,13 +424,14 @@ Refiner::Refiner(const Specification& spec) : spec_(&spec) {
 
 std::optional<RefinedSet> Refiner::refine(const Candidate& candidate, const ShiftRanges& shifts,
                                           std::span<const ModuleBound> bounds,
-                                          const std::atomic<bool>& stop, double to_beat) const {
+                                          const std::atomic<bool>& stop,
+                                          const KnownOfSet& known) const {
   const Specification& spec = *spec_;
   RefinedSet set;
   set.candidate = candidate;
   const double scale = objective_scale(first_objective(spec), spec);
   // Equals are told apart by who comes first, not here.
-  SetSearch search(spec, 2.0 * kBetterOnLattice - to_beat / scale, stop);
+  SetSearch search(spec, 2.0 * kBetterOnLattice - known.to_beat / scale, stop, known.design);
   BestEnd& best = search.best();
   thread_local RefinementProblem problem;
   for (const auto& [pair, bound] : bounds) {
@@ -561,6 +470,41 @@ std::optional<RefinedSet> Refiner::refine(const Candidate& candidate, const Shif
   const double residual = polish(best);
   fill_optimum(spec, best, residual, set);
   return set;
+}
+
+std::optional<BestOfSet> Refiner::best_end(const Candidate& candidate, const ShiftRanges& shifts,
+                                           const std::atomic<bool>& stop) const {
+  constexpr double kEndsAlike = 1e-6;
+  const Specification& spec = *spec_;
+  BestEnd best;
+  thread_local RefinementProblem problem;
+  for (const Prototype& prototype : prototypes_) {
+    if (prototype.problem.candidate.planets != candidate.planets) continue;
+    problem = prototype.problem;
+    set_teeth(problem, candidate, shifts);
+    std::vector<Point> starts = starting_points(problem, spec.solver.starts, spec.solver.seed);
+    std::ranges::reverse(starts);
+    BestEnd own;
+    for (const Point& start : starts) {
+      if (stop.load(std::memory_order_relaxed)) return std::nullopt;
+      const SolveOutcome end = solve(problem, start);
+      const bool alike = own.found && feasible(end) &&
+                         std::abs(end.objective - own.outcome.objective) <= kEndsAlike;
+      own.offer(problem, end);
+      if (alike) break;
+    }
+    if (!own.problem) continue;
+    // The picture of the curvature starts afresh there.
+    const SolveOutcome nearest =
+        own.found ? own.outcome : least_violation(problem, own.outcome.v, {});
+    if (feasible(nearest)) own.offer(problem, solve(problem, nearest.v));
+    best.offer(*own.problem, own.outcome);
+  }
+  if (!best.found) return BestOfSet{};
+  const auto at = used(*best.problem, best.outcome.v);
+  return BestOfSet{
+      .merit = -best.outcome.objective * objective_scale(first_objective(spec), spec),
+      .at = {.train = parameters_at(*best.problem, at), .load = load_at(*best.problem, at)}};
 }
 
 std::optional<RefinedSet> refine(const Specification& spec, const Candidate& candidate,

@@ -12,6 +12,27 @@
 
 namespace gear3k::optimize {
 
+/// A point of a tooth set to begin with.
+struct KnownTrain {
+  train::TrainParameters<double> train;
+  LoadAt<double> load;
+};
+
+/// What is known of a tooth set before it is refined.
+struct KnownOfSet {
+  /// merit_of() that is of no use: a set whose grid has nothing above it is bounded.
+  double to_beat = -kInfinity;
+  /// A feasible design: one more start, so that none is given up that has one.  Must outlive the
+  /// call.
+  const KnownTrain* design = nullptr;
+};
+
+/// The best end of a set's starts.
+struct BestOfSet {
+  double merit = -kInfinity;  ///< merit_of(); minus infinity where no end is feasible
+  KnownTrain at;
+};
+
 /// The nonlinear programmes of a specification, prepared once for all of its tooth sets: one for
 /// each choice of modules, number of planets and branch of the paper's lost motion.
 class Refiner {
@@ -27,13 +48,19 @@ class Refiner {
   /// points can have.  Of cutters to choose from, the optimum without what they have a say in
   /// bounds all of them.
   /// @param bounds  of SetBounds::by_modules()
-  /// @param to_beat  merit_of() that is of no use: a set whose grid has nothing above it is bounded
   /// @returns empty when `stop` became true before the set was done
   [[nodiscard]] std::optional<RefinedSet> refine(const Candidate& candidate,
                                                  const ShiftRanges& shifts,
                                                  std::span<const ModuleBound> bounds,
                                                  const std::atomic<bool>& stop,
-                                                 double to_beat = -kInfinity) const;
+                                                 const KnownOfSet& known = {}) const;
+
+  /// The best end that a set's starts find, which is not polished: the last starts first, and no
+  /// more where two ended alike.
+  /// @returns empty when `stop` became true before that
+  [[nodiscard]] std::optional<BestOfSet> best_end(const Candidate& candidate,
+                                                  const ShiftRanges& shifts,
+                                                  const std::atomic<bool>& stop) const;
 
  private:
   const Specification* spec_;

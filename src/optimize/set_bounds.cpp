@@ -48,10 +48,12 @@ SetBounds::SetBounds(const Specification& spec, std::span<const Candidate> candi
   progress.first_stages = keys_.keys[0].size();
   progress.empty_first = progress.empty_second = 0;
   progress.total = keys_.keys[0].size() + keys_.keys[1].size();
+  // Nobody asks what blocks a set within the limits of a front.
+  const StageRelaxer::Ask ask{.effort = kUsual, .named = spec.objective_limits.empty()};
   stage1_.resize(keys_.keys[0].size());
   numerics::parallel_for(stage1_.size(), [&](std::size_t k) {
     if (!progress.stop.load(std::memory_order_relaxed)) {
-      stage1_[k] = relaxer_.relax1(k, {.effort = kUsual});
+      stage1_[k] = relaxer_.relax1(k, ask);
       if (stage1_[k].infeasible) ++progress.empty_first;
     }
     ++progress.done;
@@ -62,7 +64,7 @@ SetBounds::SetBounds(const Specification& spec, std::span<const Candidate> candi
   stage2_.resize(keys_.keys[1].size());
   numerics::parallel_for(stage2_.size(), [&](std::size_t k) {
     if (!progress.stop.load(std::memory_order_relaxed)) {
-      stage2_[k] = relaxer_.relax2(k, {.effort = kUsual}, most_distance_);
+      stage2_[k] = relaxer_.relax2(k, ask, most_distance_);
       if (stage2_[k].infeasible) ++progress.empty_second;
     }
     ++progress.done;

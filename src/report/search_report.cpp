@@ -463,6 +463,8 @@ std::string summary_json(const Specification& spec, const OptimizeResult& result
   json["limits"] = limits_json(stated_limits != nullptr ? *stated_limits : spec.limits);
   json["relaxed_limits"] =
       relaxed != nullptr ? relaxed_limits_json(spec, *relaxed) : io::Json(nullptr);
+  json["relaxed_limits_missing"] =
+      facts.not_relaxed.empty() ? io::Json(nullptr) : io::Json(facts.not_relaxed);
   if (held != nullptr) json.update(held_back_json(spec, *held));
   if (co_design != nullptr) json["co_design"] = co_design_json(*co_design);
   if (felt != nullptr && !felt->empty()) json["felt"] = limit_checks_json(*felt);

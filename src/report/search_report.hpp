@@ -83,6 +83,8 @@ std::string pareto_table(const optimize::Specification& spec, const optimize::Pa
 struct RunFacts {
   double wall_time_s = 0.0;
   int threads = 1;
+  /// Why it was not asked which limits would have to give way; "": it was, or need not be.
+  std::string not_relaxed{};
 };
 /// @param model  with which the sets were judged; null: none
 /// @param front  of several objectives; null: none was asked for

@@ -1,0 +1,88 @@
+// The least lost motion of single sets against another solver, and against what refinements within
+// limits find.
+
+#include "optimize/set_least.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <string>
+
+#include "io/files/specification_file.hpp"
+
+namespace gear3k::optimize::set_least_test {
+namespace {
+
+Specification ratio_96() {
+  return io::read_specification(std::string(GEAR3K_SOURCE_DIR) + "/examples/ratio-96.toml");
+}
+
+Candidate candidate(int s, int p1, int r1, int p2, int r2) {
+  return {.teeth = {.S = s, .P1 = p1, .R1 = r1, .P2 = p2, .R2 = r2}, .planets = 3};
+}
+
+const std::array<Candidate, 2> kSets{candidate(15, 63, 141, 53, 133),
+                                     candidate(24, 51, 126, 53, 140)};
+
+TEST(LeastLostMotion, IsThatOfAnotherSolver) {
+  const Specification spec = ratio_96();
+  Specification other = spec;
+  other.objectives = {Objective::kLostMotion};
+  other.solver.refine = Refine::kIpopt;
+  LeastLostMotion least(spec);
+  const std::atomic<bool> never{false};
+  for (const Candidate& set : kSets) {
+    const RefinedSet by_ipopt = refine(other, set);
+    ASSERT_EQ(by_ipopt.status, Status::kOptimal);
+    EXPECT_EQ(least.known(set), nullptr);
+    const auto* own = least.of(set, never);
+    ASSERT_NE(own, nullptr);
+    EXPECT_EQ(least.known(set), own);
+    // Both give way by the tolerance of feasibility; Ipopt may stay in a worse basin.
+    EXPECT_LT(own->lost_motion_rad, by_ipopt.lost_motion_rad * (1.0 + 1e-5));
+    EXPECT_GT(own->lost_motion_rad, by_ipopt.lost_motion_rad * 0.98);
+  }
+}
+
+TEST(LeastLostMotion, HasADesignThatASearchWithinItMayBeginWith) {
+  Specification spec = ratio_96();
+  LeastLostMotion least(spec);
+  const std::atomic<bool> never{false};
+  for (const Candidate& set : kSets) {
+    const auto* own = least.of(set, never);
+    ASSERT_NE(own, nullptr);
+    const auto train = train::make_train_geometry(own->at.train);
+    ASSERT_TRUE(train);
+    EXPECT_NEAR(backlash::output_lost_motion(*train, backlash::normal_backlashes(*train),
+                                             backlash::LostMotionModel::kKinematic),
+                own->lost_motion_rad, 1e-12);
+    Progress progress;
+    const std::array one{set};
+    const SetBounds bounds(spec, one, progress);
+    const auto within = [&](double share) {
+      Specification narrow = spec;
+      narrow.limits[design::CheckId::kOutputBacklashMax] = share * own->lost_motion_rad;
+      return Refiner(narrow).refine(set, bounds.shifts().of(set.teeth),
+                                    std::array{ModuleBound{.pair = {}, .bound = {}}}, never,
+                                    {.design = &own->at});
+    };
+    EXPECT_EQ(within(1.001)->status, Status::kOptimal);
+    EXPECT_EQ(within(0.999)->status, Status::kNoFeasibleFound);
+  }
+}
+
+TEST(LeastLostMotion, KnowsNothingOfLists) {
+  Specification spec = ratio_96();
+  EXPECT_TRUE(LeastLostMotion::knows(spec));
+  spec.shift_step = 0.01;
+  EXPECT_FALSE(LeastLostMotion::knows(spec));
+}
+
+TEST(LeastLostMotion, IsNotToldWhenItIsStopped) {
+  LeastLostMotion least(ratio_96());
+  const std::atomic<bool> stopped{true};
+  EXPECT_EQ(least.of(kSets[0], stopped), nullptr);
+}
+
+}  // namespace
+}  // namespace gear3k::optimize::set_least_test
