@@ -59,6 +59,11 @@ std::vector<std::string> keys_without_design(const optimize::RelaxedLimits& rela
   return keys;
 }
 
+bool has_bores(const Specification& spec) {
+  return std::ranges::any_of(spec.bodies.bore_radius_m,
+                             [](double radius_m) { return radius_m > 0.0; });
+}
+
 }  // namespace
 
 std::string relaxed_limits_text(const Specification& spec, const optimize::RelaxedLimits& relaxed) {
@@ -84,14 +89,15 @@ std::string relaxed_limits_text(const Specification& spec, const optimize::Relax
     }
   } else if (!others.empty()) {
     text = fmt::format(
-        "no design was found with one limit left out ({}){}: ranges of teeth, modules and shifts "
+        "no design was found with one limit left out ({}){}: {}ranges of teeth, modules and shifts "
         "or the number of "
         "planets have to give way\n",
         fmt::join(others, ", "),
         relaxed.paired.empty()
             ? ""
             : fmt::format(", nor with two of those that block most sets ({} pairs)",
-                          relaxed.paired.size()));
+                          relaxed.paired.size()),
+        has_bores(spec) ? "stated bores, " : "");
   }
   if (relaxed.interrupted) text += "  interrupted: not all limits were tried\n";
   return text;

@@ -296,7 +296,7 @@ TEST(Actuator, AMissingDesignIsToldWithItsKey) {
   const ProgramResult result = place.run({"actuator", "a.toml"});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_TRUE(
-      contains(result.err, "a.toml: gearbox.design: absent.toml: cannot be read: No such file"))
+      contains(result.err, "a.toml:5:1: gearbox.design: absent.toml: cannot be read: No such file"))
       << result.err;
 }
 

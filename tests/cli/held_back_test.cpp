@@ -34,6 +34,43 @@ json summary_of(const Workplace& place, const std::string& spec) {
   return json::parse(place.read("out/summary.json"));
 }
 
+TEST(WithoutDesign, WhyNoLimitIsRelaxedIsSaidOnTheScreenAndInTheSummary) {
+  const Workplace place;
+  place.write("spec.toml", replaced(kOneSet, "diameter_mm = 76.0", "diameter_mm = 40.0") +
+                               "[free]\npressure_angle_deg = [19.0, 21.0]\n");
+  const ProgramResult run = place.run({"optimize", "spec.toml", "--out", "out", "--quiet"});
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_NE(run.err.find("limits that would have to give way are not told: searches without a "
+                         "limit need bounds, which a free pressure angle"),
+            std::string::npos)
+      << run.err;
+  const json summary = json::parse(place.read("out/summary.json"));
+  EXPECT_EQ(summary.at("relaxed_limits"), nullptr);
+  EXPECT_EQ(summary.at("relaxed_limits_missing").get<std::string>().find("searches without"), 0U);
+  place.write("spec.toml", replaced(kOneSet, "diameter_mm = 76.0", "diameter_mm = 40.0"));
+  const ProgramResult told =
+      place.run({"optimize", "spec.toml", "--out", "out", "--force", "--quiet"});
+  EXPECT_EQ(told.exit_code, 3);
+  const json other = json::parse(place.read("out/summary.json"));
+  EXPECT_EQ(other.at("relaxed_limits_missing"), nullptr);
+  EXPECT_FALSE(other.at("relaxed_limits").at("freed").empty());
+}
+
+TEST(WithoutDesign, ADiameterOfNothingIsRefusedWithItsLine) {
+  for (const char* key : {"max_ring_root_diameter_mm", "max_outer_diameter_mm"}) {
+    const Workplace place;
+    place.write("spec.toml",
+                replaced(kOneSet, "max_ring_root_diameter_mm = 76.0", std::string(key) + " = 0"));
+    const ProgramResult run = place.run({"optimize", "spec.toml", "--out", "out"});
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_NE(run.err.find(std::string("spec.toml:16:1: size.") + key +
+                           " = 0: allowed: a number in mm, above 0 to 1000000"),
+              std::string::npos)
+        << run.err;
+    EXPECT_EQ(place.listing(), std::vector<std::string>{"spec.toml"});
+  }
+}
+
 double backward_efficiency(const Workplace& place, const std::string& spec) {
   return summary_of(place, spec).at("best").at("eta_b").get<double>();
 }

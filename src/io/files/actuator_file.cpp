@@ -84,7 +84,8 @@ actuator::Actuator actuator_from(const TomlValue& document, const std::string& n
   } else {
     const auto folder = std::filesystem::path(name).parent_path();
     errors.attempt([&] {
-      check_named_file((folder / input.gearbox.design).string(), "gearbox.design", name);
+      check_named_file((folder / input.gearbox.design).string(), "gearbox.design",
+                       reading.place_of("gearbox.design"));
       take_design((folder / input.gearbox.design).string(),
                   input.gearbox.least_friction_speed_rad_s.value_or(0.0), result);
     });

@@ -34,14 +34,15 @@ void refuse_hot_surroundings(const actuator::Motor& motor, double ambient_K,
 }  // namespace
 
 std::shared_ptr<const actuator::CoDesign> read_co_design(const CoDesignInput& input,
-                                                         const std::string& file) {
+                                                         const std::string& file,
+                                                         const FileReading& reading) {
   const std::filesystem::path folder = std::filesystem::path(file).parent_path();
   const SelectionInput& in = input.selection;
   actuator::SelectionTask task = in.task;
   std::vector<std::string> sources;
-  const auto source = [&](const std::string& name, std::string_view key) {
+  const auto source = [&](const std::string& name, const std::string& key) {
     sources.push_back((folder / name).string());
-    check_named_file(sources.back(), key, file);
+    check_named_file(sources.back(), key, reading.place_of(key));
     return sources.back();
   };
   CollectedErrors errors;
@@ -102,9 +103,10 @@ optimize::FeltTask felt_of(const CoDesignInput& in, const actuator::Motor& motor
   return task;
 }
 
-optimize::FeltTask read_felt(const CoDesignInput& in, const std::string& file) {
+optimize::FeltTask read_felt(const CoDesignInput& in, const std::string& file,
+                             const FileReading& reading) {
   const std::string path = (std::filesystem::path(file).parent_path() / in.motor).string();
-  check_named_file(path, "actuator.motor", file);
+  check_named_file(path, "actuator.motor", reading.place_of("actuator.motor"));
   return felt_of(in, read_actuator(path).motor, path);
 }
 

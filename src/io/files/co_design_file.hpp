@@ -6,20 +6,24 @@
 
 #include "actuator/co_design.hpp"
 #include "io/keys/co_design_keys.hpp"
+#include "io/keys/key_registry.hpp"
 #include "optimize/specification.hpp"
 
 namespace gear3k::io {
 
 /// Motors, drive, load and cycles of a SPEC.
 /// @param file  the SPEC, from whose folder paths are seen
+/// @param reading  of it, for the places of its keys
 /// @throws InvalidInput with every error of the files
 std::shared_ptr<const actuator::CoDesign> read_co_design(const CoDesignInput& input,
-                                                         const std::string& file);
+                                                         const std::string& file,
+                                                         const FileReading& reading);
 
 /// The motor of the input with the limits of what is felt; another one of a co-design that has it
 /// alone.
 /// @throws InvalidInput with every error of the motor's file
-optimize::FeltTask read_felt(const CoDesignInput& input, const std::string& file);
+optimize::FeltTask read_felt(const CoDesignInput& input, const std::string& file,
+                             const FileReading& reading);
 /// The same for the only motor of a co-design.
 optimize::FeltTask felt_of(const CoDesignInput& input, const actuator::Motor& motor,
                            std::string source);

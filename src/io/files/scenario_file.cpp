@@ -66,12 +66,13 @@ ScenarioFiles scenario_from(const TomlValue& document, const std::string& name,
   errors.attempt([&] { reading.throw_if_invalid(); });
   const auto folder = std::filesystem::path(name).parent_path();
   const auto read_table = [&](const std::string& file, const std::vector<std::string>& columns,
-                              motion::Signal& signal, std::string_view key) {
+                              motion::Signal& signal, const std::string& key) {
     if (file.empty()) return;
     errors.attempt([&] {
       const std::string path = (folder / file).string();
       files.inputs.push_back(path);
-      parse_time_table(text_of_named_file(table_text, path, key, name), path, columns, signal);
+      parse_time_table(text_of_named_file(table_text, path, key, reading.place_of(key)), path,
+                       columns, signal);
     });
   };
   read_table(input.control_table, command_columns(input.scenario.control), files.scenario.command,

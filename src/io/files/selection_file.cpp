@@ -174,13 +174,13 @@ actuator::CatalogueGearbox designed_gearbox(const std::string& path) {
 
 using TextOfFile = std::function<std::string(const std::string&)>;
 
-void read_parts(const SelectionInput& input, const std::string& of, const TextOfFile& file_text,
-                CollectedErrors& errors, SelectionFiles& files) {
+void read_parts(const SelectionInput& input, const std::string& of, const FileReading& reading,
+                const TextOfFile& file_text, CollectedErrors& errors, SelectionFiles& files) {
   const std::filesystem::path folder = std::filesystem::path(of).parent_path();
   const auto path_of = [&](const std::string& name) { return (folder / name).string(); };
-  const auto text_of = [&](const std::string& name, std::string_view key) {
+  const auto text_of = [&](const std::string& name, const std::string& key) {
     files.inputs.push_back(path_of(name));
-    return text_of_named_file(file_text, path_of(name), key, of);
+    return text_of_named_file(file_text, path_of(name), key, reading.place_of(key));
   };
   errors.attempt([&] {
     if (!input.motors.empty()) {
@@ -192,7 +192,7 @@ void read_parts(const SelectionInput& input, const std::string& of, const TextOf
       auto& all = files.task.gearboxes;
       if (name.ends_with(".toml")) {
         files.inputs.push_back(path_of(name));
-        check_named_file(path_of(name), "gearboxes", of);
+        check_named_file(path_of(name), "gearboxes", reading.place_of("gearboxes"));
         if (look_of(read_toml(path_of(name))).kind == DocumentKind::kSpecification) {
           files.tasks.push_back(read_specification(path_of(name), optimize::kMostRefinedSets));
           return;
@@ -223,7 +223,7 @@ SelectionFiles selection_from(const TomlValue& document, const std::string& name
   SelectionFiles files{.task = input.task, .inputs = {name}};
   CollectedErrors errors;
   errors.attempt([&] { reading.throw_if_invalid(); });
-  read_parts(input, name, file_text, errors, files);
+  read_parts(input, name, reading, file_text, errors, files);
   errors.raise();
   if (files.task.weights.empty()) files.task.weights.assign(files.task.cycles.size(), 1.0);
   return files;

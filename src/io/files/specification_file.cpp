@@ -325,7 +325,7 @@ void take_co_design(SpecificationInput& input, const std::string& name, FileRead
     errors.attempt([&] {
       const CoDesignInput& in = input.co_design;
       if (!in.selection.cycles.empty() && (!in.motor.empty() || !in.selection.motors.empty())) {
-        const auto co_design = read_co_design(in, name);
+        const auto co_design = read_co_design(in, name, reading);
         const auto& motors = co_design->task().motors;
         if (limits_felt(in) && motors.size() == 1) {
           spec.felt = felt_of(in, motors.front().motor, co_design->sources().front());
@@ -335,7 +335,7 @@ void take_co_design(SpecificationInput& input, const std::string& name, FileRead
     });
   }
   if (felt && !input.co_design.motor.empty()) {
-    errors.attempt([&] { spec.felt = read_felt(input.co_design, name); });
+    errors.attempt([&] { spec.felt = read_felt(input.co_design, name, reading); });
   }
   errors.raise();
 }

@@ -326,19 +326,24 @@ std::string allowed_text(const KeyRecord& record) {
   return "";
 }
 
-void FileReading::error_at(const std::string& path, const std::string& message) {
+Position FileReading::position_of(const std::string& path) const {
   std::string place = path;
   while (true) {
     for (const auto& [known, position] : places_) {
-      if (known == place) {
-        error(position, message);
-        return;
-      }
+      if (known == place) return position;
     }
-    if (place.empty()) break;
+    if (place.empty()) return {.line = 1, .column = 1};
     place = parent_of(place);
   }
-  error({.line = 1, .column = 1}, message);
+}
+
+void FileReading::error_at(const std::string& path, const std::string& message) {
+  error(position_of(path), message);
+}
+
+std::string FileReading::place_of(const std::string& path) const {
+  const Position position = position_of(path);
+  return fmt::format("{}:{}:{}", file_, position.line, position.column);
 }
 
 bool FileReading::has(const std::string& path) const { return accepted_.contains(path); }

@@ -158,6 +158,8 @@ class FileReading {
   void error(Position position, const std::function<std::string()>& message) {
     complaints_.add(position, message);
   }
+  /// "file:line:column" of a key, of its table or of the file where the key is absent.
+  [[nodiscard]] std::string place_of(const std::string& path) const;
   /// Whether a key is in the file, with whatever value.
   [[nodiscard]] bool stated(const std::string& path) const;
   /// Whether a key is in the file with a value of its type and range.
@@ -171,6 +173,8 @@ class FileReading {
   void accept(const std::string& path) { accepted_.insert(path); }
 
  private:
+  [[nodiscard]] Position position_of(const std::string& path) const;
+
   std::string file_;
   std::vector<std::pair<std::string, Position>> places_;
   std::set<std::string> accepted_;

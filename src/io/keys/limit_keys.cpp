@@ -51,10 +51,12 @@ std::string unit_in_words(const CheckRecord& r) {
 /// A limit with a table of its own: a number in the record's unit.
 Key<LimitInput> own_key(const CheckId id) {
   const CheckRecord& r = design::check_record(id);
+  // No gearbox is within a diameter of 0, by which nothing can be divided.
+  const bool diameter = id == CheckId::kRingRootDiameter || id == CheckId::kGearboxDiameter;
+  const Range range =
+      diameter ? above(0.0, 1e6) : within(id == CheckId::kNormalBacklash ? -1e6 : 0.0, 1e6);
   return make_key<LimitInput>(
-      number(std::string(r.limit_key), r.unit,
-             within(id == CheckId::kNormalBacklash ? -1e6 : 0.0, 1e6), default_text(r),
-             std::string(r.help)),
+      number(std::string(r.limit_key), r.unit, range, default_text(r), std::string(r.help)),
       [id](auto& t, std::size_t) -> auto& { return t.limits[id]; });
 }
 

@@ -25,7 +25,7 @@ FileBytes read_bytes(const std::string& path, std::string_view what, std::size_t
 std::string read_text(const std::string& path, std::string_view what, std::size_t most_bytes);
 
 /// Whether a file that a key of another one names can be opened.
-/// @param of  the file that has the key
+/// @param of  the file that has the key, and its place there
 /// @throws InvalidInput naming both files, the key and the failure
 void check_named_file(const std::string& path, std::string_view key, const std::string& of);
 
