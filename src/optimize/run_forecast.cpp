@@ -125,7 +125,10 @@ void RunForecast::account(double now_s, const ProgressSeen& seen) {
     if (seen.phase == Phase::kRefinement) found_s_ = finding_s_;
   }
   if (!after || last_.stage != Stage::kBuilt) after_began_s_ = now_s;
-  if (last_.stage == Stage::kFrontGaps) gaps_s_ += passed_s;
+  if (last_.stage == Stage::kFrontGaps) {
+    gaps_s_ += passed_s;
+    longest_gap_s_ = std::max(longest_gap_s_, now_s - search_began_s_);
+  }
 }
 
 void RunForecast::observe(double now_s, const ProgressSeen& seen) {
@@ -186,8 +189,11 @@ double RunForecast::front_search_s() const {
   const double sets_s = limited_.items >= kSetsKnown ? kSetsOfFrontSearch * limited_.each_s()
                                                      : kSetsWithoutLimits * first_.each_s();
   const double expected_s = kFindingOfFrontSearch * finding_s_ + sets_s;
-  const auto made = static_cast<double>(gap_searches_);
-  return (kExpected * expected_s + gaps_s_) / (kExpected + made);
+  // What the longest search found bounds the others: none like it is foreseen.
+  const bool many = gap_searches_ > 2;
+  const double longest_s = many ? longest_gap_s_ : 0.0;
+  const auto made = static_cast<double>(many ? gap_searches_ - 1 : gap_searches_);
+  return (kExpected * expected_s + gaps_s_ - longest_s) / (kExpected + made);
 }
 
 /// Whether the search that runs sharpens bounds at its end.

@@ -87,9 +87,10 @@ class RunForecast {
         stage == Progress::Stage::kFrontEnds || stage == Progress::Stage::kFrontGaps;
     return limited ? limited_ : first_;
   }
-  Work first_, limited_;  ///< sets, in the first search and in those within limits
-  Work sharpened_;        ///< bounds
-  double gaps_s_ = 0.0;   ///< in the gaps of a front, with the searches begun there
+  Work first_, limited_;        ///< sets, in the first search and in those within limits
+  Work sharpened_;              ///< bounds
+  double gaps_s_ = 0.0;         ///< in the gaps of a front, with the searches begun there
+  double longest_gap_s_ = 0.0;  ///< of one of them
   std::size_t gap_searches_ = 0;
   std::optional<Range> told_;  ///< what was known last, and when
   double told_at_s_ = 0.0;
