@@ -57,6 +57,8 @@ backlash::LostMotionExtension<To> extension_as(const backlash::LostMotionExtensi
           .compliance_rad_Nm = scalar_as<To>(e.compliance_rad_Nm),
           .hardening = scalar_as<To>(e.hardening),
           .hardening_torque_Nm = e.hardening_torque_Nm,
+          .soft_windup_rad = scalar_as<To>(e.soft_windup_rad),
+          .soft_torque_Nm = scalar_as<To>(e.soft_torque_Nm),
           .expansion_1_K = scalar_as<To>(e.expansion_1_K),
           .reference_temperature_K = e.reference_temperature_K,
           .beyond_springs = e.beyond_springs};

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cmath>
+#include <vector>
 
 #include "calibrate/measurement/value_range.hpp"
 #include "calibrate/model/cause.hpp"
@@ -12,15 +14,46 @@ constexpr const char* kPlanetBearings = "planet_bearings";
 constexpr const char* kBothShafts = "both_shafts";
 constexpr const char* kPinionShaft = "pinion_shaft";
 constexpr const char* kGrowing = "output_bearing_any_exponent";
+constexpr const char* kSized = "both_shafts_any_size";
+
+bool is_of_radii(const Form& form) {
+  return form.name == kBothShafts || form.name == kPinionShaft || form.name == kSized;
+}
+
+/// Radius of a gear of a pair [m]; a usual module where the rows state none.
+double gear_radius_m(const Condition& c, int teeth) {
+  constexpr double kUsualModule_m = 1e-3;
+  return 0.5 * teeth * (c.module_m > 0.0 ? c.module_m : kUsualModule_m);
+}
+
+/// Radii of all gears of the rows.
+ValueRange gear_radii(const MeasurementSet& data) {
+  std::vector<double> radii;
+  for (const Observation& row : data.rows) {
+    for (const int teeth : {row.condition.driving_teeth, row.condition.driven_teeth}) {
+      if (teeth > 0) radii.push_back(gear_radius_m(row.condition, teeth));
+    }
+  }
+  return range_of(radii);
+}
 
 std::vector<ParameterRecord> parameters(const Form& form, Kind) {
-  if (form.name == kPlanetBearings || form.name == kBothShafts || form.name == kPinionShaft) {
-    return {{.name = "friction_radius",
-             .unit = "mm",
-             .lower = 0.0,
-             .upper = 100.0,
-             .plausible_low = 0.0,
-             .plausible_high = 1.0}};
+  if (form.name == kPlanetBearings || is_of_radii(form)) {
+    std::vector<ParameterRecord> radius{{.name = "friction_radius",
+                                         .unit = "mm",
+                                         .lower = 0.0,
+                                         .upper = 100.0,
+                                         .plausible_low = 0.0,
+                                         .plausible_high = 1.0}};
+    if (form.name == kSized) {
+      radius.push_back({.name = "size_exponent",
+                        .unit = "",
+                        .lower = 0.0,
+                        .upper = 1.0,
+                        .plausible_low = 0.0,
+                        .plausible_high = 1.0});
+    }
+    return radius;
   }
   std::vector<ParameterRecord> result{{.name = "share",
                                        .unit = "",
@@ -42,9 +75,19 @@ std::vector<ParameterRecord> parameters(const Form& form, Kind) {
 
 std::vector<Form> forms(const Occasion& o) {
   if (o.kind == Kind::kPairLoss) {
-    return {{.name = "shafts", .weight = 0.5},
-            {.name = kBothShafts, .weight = 0.3},
-            {.name = kPinionShaft, .weight = 0.2}};
+    std::vector<Form> result{{.name = "shafts", .weight = 0.5},
+                             {.name = kBothShafts, .weight = 0.3},
+                             {.name = kPinionShaft, .weight = 0.2}};
+    // Once it is found: larger gears sit on larger bearings.
+    const ValueRange radius = gear_radii(*o.data);
+    if (radius.varies()) {
+      const double middle_m = std::sqrt(radius.low * radius.high);
+      result.push_back(
+          {.name = kSized,
+           .constants = {{.name = "reference_radius", .unit = "mm", .value = 1e3 * middle_m}},
+           .weight = 0.0});
+    }
+    return result;
   }
   if (o.kind != Kind::kTransmission) return {};
   std::vector<Form> result;
@@ -63,24 +106,29 @@ std::vector<Form> forms(const Occasion& o) {
   return result;
 }
 
-/// Σ 1/r of the shafts of a pair whose bearings lose [1/m]: at the same force on the teeth a
-/// bearing takes the share μ r_bearing/r of the power.
-double inverse_radii(const Form& form, const Condition& c) {
-  constexpr double kUsualModule_m = 1e-3;
-  const double module_m = c.module_m > 0.0 ? c.module_m : kUsualModule_m;
-  const int less = std::min(c.driving_teeth, c.driven_teeth);
-  const int more = std::max(c.driving_teeth, c.driven_teeth);
-  const double pinion = 2.0 / (module_m * less);
-  return form.name == kPinionShaft ? pinion : pinion + 2.0 / (module_m * more);
+/// Σ r_bearing/r of the shafts of a pair over the friction radius [1/m]: at the same force on the
+/// teeth a bearing takes the share μ r_bearing/r of the power.  Its radius is the same on all
+/// shafts, or goes with that of the gear, r_bearing ~ r^g.
+Scalar inverse_radii(const Form& form, std::span<const Scalar> p, const Condition& c) {
+  using std::exp;
+  const double pinion_m = gear_radius_m(c, std::min(c.driving_teeth, c.driven_teeth));
+  const double gear_m = gear_radius_m(c, std::max(c.driving_teeth, c.driven_teeth));
+  if (form.name == kPinionShaft) return Scalar(1.0 / pinion_m);
+  if (form.name == kBothShafts) return Scalar(1.0 / pinion_m + 1.0 / gear_m);
+  const double middle_m = units::kMillimetre * form.constant("reference_radius");
+  const auto share = [&](double radius_m) {
+    return Scalar(exp(Scalar(p[1] * std::log(radius_m / middle_m))) / radius_m);
+  };
+  return share(pinion_m) + share(gear_m);
 }
 
 /// In data of pairs a share of the power alike in all of them, or as the radii of the gears have
 /// it.
 void apply(const Form& form, std::span<const Scalar> p, const Condition& condition, Kind kind,
            Modification& m) {
-  if (kind == Kind::kPairLoss && (form.name == kBothShafts || form.name == kPinionShaft)) {
+  if (kind == Kind::kPairLoss && is_of_radii(form)) {
     if (condition.driving_teeth <= 0 || condition.driven_teeth <= 0) return;
-    m.added = m.added + p[0] * (units::kMillimetre * inverse_radii(form, condition));
+    m.added = m.added + p[0] * units::kMillimetre * inverse_radii(form, p, condition);
   } else if (kind == Kind::kPairLoss) {
     m.added = m.added + p[0];
   } else if (form.name == kPlanetBearings) {

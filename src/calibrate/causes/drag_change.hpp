@@ -13,6 +13,10 @@
 
 namespace gear3k::calibrate {
 
+/// The greatest torque that seals, preload and oil are taken to have at a shaft [N m], an
+/// assumption.
+inline constexpr double kMostDrag_Nm = 5.0;
+
 /// A torque or coefficient that a cause adds to the design's, from 0 on.
 inline std::vector<ParameterRecord> drag_parameter(std::string_view name, std::string_view unit,
                                                    double greatest, double plausible) {

@@ -5,7 +5,8 @@ namespace gear3k::calibrate::drag_viscous {
 namespace {
 
 std::vector<ParameterRecord> parameters(const Form& form, Kind) {
-  auto result = drag_parameter("coefficient", "Nms", 10.0, 0.1);
+  // What is plausible is told by the torque in the rows (fit/row_drag.hpp).
+  auto result = drag_parameter("coefficient", "Nms", 10.0, 10.0);
   add_bend_parameter(form, result);
   return result;
 }

@@ -29,7 +29,12 @@ std::vector<ParameterRecord> parameters(const Form& form, Kind kind) {
   };
   constexpr double kScales = 3.0;
   constexpr double kExponents = 1.6;
-  if (holds(form, kScale)) shape("log_scale_change", kScales);
+  if (holds(form, kScale)) {
+    shape("log_scale_change", kScales);
+    // What it tends to no row need reach: the coefficient in the rows says what can be.
+    constexpr double kFarEnd = 10.0;
+    if (target == Target::kFriction) result[0].lower = result[0].plausible_low = -kFarEnd;
+  }
   if (holds(form, kExponent)) shape("log_exponent", kExponents);
   if (holds(form, kFrom)) result.push_back(change_parameter(kStartChange, target, kind));
   return result;

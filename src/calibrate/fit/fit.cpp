@@ -437,6 +437,7 @@ FinalFit final_fit(const Problem& problem, const Hypothesis& start, double scale
   const auto n = static_cast<Eigen::Index>(problem.data.rows.size());
   result.degrees = static_cast<int>(n - p);
   result.at_bound.assign(records.size(), false);
+  result.beyond.assign(records.size(), 0.0);
   result.determined.assign(records.size(), true);
   // Ceres knows no correlated rows: where sessions scatter or the noise remembers, the search's fit
   // is the last one.
@@ -501,6 +502,13 @@ FinalFit final_fit(const Problem& problem, const Hypothesis& start, double scale
   if (p > 0) {
     const ScaledNormal normal(step.jacobian);
     const Eigen::MatrixXd inverse = normal.inverse();
+    const Eigen::VectorXd free_step = inverse * (step.jacobian.transpose() * psi);
+    for (std::size_t k = 0; k < records.size(); ++k) {
+      const double change = free_step[static_cast<Eigen::Index>(k)];
+      if (result.at_bound[k] && leaves(records[k], result.hypothesis.value[k], change)) {
+        result.beyond[k] = change;
+      }
+    }
     // The projection on what the rows determine; what rounding leaves of the rest has an inverse
     // beyond all digits.
     constexpr double kMostInverse = 1e10;

@@ -53,6 +53,8 @@ struct FinalFit {
   /// rows do not scatter alike.
   Eigen::MatrixXd covariance;
   std::vector<bool> at_bound;
+  /// Of a parameter at a bound: how far beyond it the rows would have it, by linearisation; else 0.
+  std::vector<double> beyond;
   /// Whether the rows determine the parameter; its variance says nothing where they do not.
   std::vector<bool> determined;
   double scale = 0.0;           ///< standard deviation of the whitened rows after the fit

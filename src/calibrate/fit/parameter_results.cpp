@@ -18,15 +18,26 @@ double interval_factor(const FinalFit& fit) {
   return numerics::student_quantile(0.975, fit.degrees);
 }
 
+/// Whether a value can be.  At a bound of the fit it is the bound's and not that of the rows: it
+/// can be as long as the interval about where they would have it holds a value that can.
+/// @param beyond  how far across the bound they would have it; @param half  of the interval
+bool is_plausible(const ParameterRecord& record, double value, double beyond, double half) {
+  const double near = 1e-3 * (record.upper - record.lower);
+  const bool stopped = value <= record.lower + near || value >= record.upper - near;
+  const double reach = stopped ? half : 0.0;
+  return value + beyond + reach >= record.plausible_low &&
+         value + beyond - reach <= record.plausible_high;
+}
+
 ParameterResult parameter_result(const ParameterRecord& record, double value, double variance,
-                                 double factor) {
+                                 double factor, double beyond = 0.0) {
   const double half = factor * std::sqrt(std::max(0.0, variance));
   return {.name = std::string(record.name),
           .unit = std::string(record.unit),
           .value = value,
           .low = value - half,
           .high = value + half,
-          .plausible = value >= record.plausible_low && value <= record.plausible_high,
+          .plausible = is_plausible(record, value, beyond, half),
           .plausible_low = record.plausible_low,
           .plausible_high = record.plausible_high};
 }
@@ -42,8 +53,8 @@ std::vector<ParameterResult> parameter_results(const Simulation& simulation, con
   std::vector<ParameterResult> result;
   for (std::size_t k = 0; k < own.parameters.size(); ++k) {
     const auto at = static_cast<Eigen::Index>(first + k);
-    result.push_back(
-        parameter_result(own.parameters[k], h.value[first + k], fit.covariance(at, at), factor));
+    result.push_back(parameter_result(own.parameters[k], h.value[first + k], fit.covariance(at, at),
+                                      factor, fit.beyond[first + k]));
     result.back().at_bound = fit.at_bound[first + k];
   }
   if (own.cause->derived == nullptr) return result;

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "calibrate/causes/friction_change.hpp"
+#include "calibrate/fit/row_drag.hpp"
 
 namespace gear3k::calibrate {
 
@@ -127,6 +128,7 @@ std::vector<ParameterResult> parameter_results(const Problem& problem, const Fin
                                                std::size_t effect) {
   std::vector<ParameterResult> result = parameter_results(problem.simulation, fit, effect);
   add_implausible_friction(problem, fit, effect, result);
+  add_implausible_drag(problem, fit, effect, result);
   return result;
 }
 

@@ -139,6 +139,25 @@ std::string session_text(const Session& session) {
                                : fmt::format("{}, run {}", session.name, session.label);
 }
 
+/// Sessions that no row is of, as of records without a loop, are none.
+void drop_empty_runs(MeasurementSet& set) {
+  std::vector<int> place(set.runs.size(), -1);
+  for (const Observation& row : set.rows) {
+    if (row.condition.run >= 0) place[static_cast<std::size_t>(row.condition.run)] = 0;
+  }
+  std::vector<std::string> runs;
+  for (std::size_t k = 0; k < place.size(); ++k) {
+    if (place[k] < 0) continue;
+    place[k] = static_cast<int>(runs.size());
+    runs.push_back(set.runs[k]);
+  }
+  for (Observation& row : set.rows) {
+    int& run = row.condition.run;
+    if (run >= 0) run = place[static_cast<std::size_t>(run)];
+  }
+  set.runs = std::move(runs);
+}
+
 }  // namespace
 
 LoopObservations loop_observations(const std::vector<LockedShaftRecord>& records, double ratio) {
@@ -279,6 +298,7 @@ void add_loops(MeasurementSet& set, const LoopObservations& loops, int file_offs
     if (!keep_sigma) row.sigma = kUnknown;
     set.rows.push_back(row);
   }
+  drop_empty_runs(set);
   set.loops.reserve(set.loops.size() + loops.sessions.size());
   for (LoopSession session : loops.sessions) {
     session.file += file_offset;

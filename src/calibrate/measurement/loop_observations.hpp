@@ -58,7 +58,7 @@ LoopObservations loop_observations(const std::vector<LockedShaftRecord>& records
 /// Adds rows of loops to data of lost motion, or to a set of torque_angle that has none.  Rows of
 /// files without sessions become sessions named after their files.  Their sigma is kept where the
 /// set's rows have one, and of a single loop: several loops are repeats, which say more.  The
-/// sessions go along.
+/// sessions go along; those without a row are left out.
 /// @param file_offset  of the loops' files in set.files
 void add_loops(MeasurementSet& set, const LoopObservations& loops, int file_offset);
 

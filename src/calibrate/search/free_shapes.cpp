@@ -328,6 +328,9 @@ Fit with_smooth_laws(const Problem& problem, const std::vector<Candidate>& all, 
 
 namespace {
 
+/// ln L by which a second name has to be there beside another: ΔBIC 10, strong evidence.
+constexpr double kStrong = 5.0;
+
 /// The fit of the best score among those of one name in the place of several.
 class BestOfOne {
  public:
@@ -343,7 +346,6 @@ class BestOfOne {
   }
   /// Of several names the second has to be as strongly there as beside any other (ΔBIC 10).
   [[nodiscard]] Fit in_place_of(Fit several) && {
-    constexpr double kStrong = 5.0;
     const bool stays = fit_ && score_ > score_of(problem_, several, scale_) - kStrong;
     return stays ? std::move(*fit_) : std::move(several);
   }
@@ -355,7 +357,37 @@ class BestOfOne {
   double score_ = 0.0;
 };
 
+/// Whether an effect is play beside a wind-up: both are in every gearbox, and a wind-up that is
+/// soft enough draws play as well.
+bool is_play_beside_windup(const Hypothesis& h, std::size_t effect) {
+  return h.effects[effect].cause->remedy == Remedy::kClearance &&
+         std::ranges::any_of(
+             h.effects, [](const Candidate& c) { return c.cause->remedy == Remedy::kStiffness; });
+}
+
 }  // namespace
+
+Fit with_freed_rests(const Problem& problem, const std::vector<Candidate>& all, Fit found,
+                     double scale) {
+  for (bool again = true; again && found.hypothesis.effects.size() > 1;) {
+    again = false;
+    const Hypothesis h = found.hypothesis;
+    double most = score_of(problem, found, scale) - kStrong;
+    std::optional<Fit> freed;
+    for (std::size_t e = 0; e < h.effects.size(); ++e) {
+      if (is_play_beside_windup(h, e)) continue;
+      const Fit rest = fit(problem, without(h, e), scale);
+      Fit trial = with_free_shapes(problem, all, rest, scale);
+      const double score = score_of(problem, trial, scale);
+      if (same_forms(trial.hypothesis, rest.hypothesis) || !(score > most)) continue;
+      most = score;
+      freed = std::move(trial);
+    }
+    again = freed.has_value();
+    if (freed) found = std::move(*freed);
+  }
+  return found;
+}
 
 Fit with_one_law_of_time(const Problem& problem, const std::vector<Candidate>& all, Fit found,
                          double scale) {
@@ -470,6 +502,13 @@ std::optional<Hypothesis> with_named_start(const std::vector<Candidate>& all, co
 
 }  // namespace
 
+namespace {
+
+/// ln L by which a fit with a constant as a cause of its own may be worse.
+constexpr double kAsGood = 3.0;
+
+}  // namespace
+
 Fit with_named_starts(const Problem& problem, const std::vector<Candidate>& all, Fit found,
                       double scale, int most) {
   for (std::size_t e = 0; e < found.hypothesis.effects.size(); ++e) {
@@ -485,9 +524,47 @@ Fit with_named_starts(const Problem& problem, const std::vector<Candidate>& all,
     constexpr double kLargePart = 0.5;
     if (!(none - alone > kLargePart * (none - found.sum_of_squares))) continue;
     Fit trial = fit(problem, *named, scale);
-    constexpr double kAsGood = 3.0;
     if (score_of(problem, trial, scale) > score_of(problem, found, scale) - kAsGood) {
       found = std::move(trial);
+    }
+  }
+  return found;
+}
+
+namespace {
+
+/// Sessions that each have a value, as what they have in common and one change in time beside it,
+/// or as that alone; none where there is no such constant or it is there already.
+std::optional<Fit> with_named_mean(const Problem& problem, const std::vector<Candidate>& all,
+                                   const Hypothesis& rest, const Candidate& own, double scale) {
+  const std::string_view id = constant_on(target_of(own.form.law));
+  const auto constant = std::ranges::find_if(all, [&](const Candidate& c) {
+    return c.cause->id == id && c.form.weight > 0.0 && c.parameters.size() == 1;
+  });
+  if (constant == all.end() || has_cause(rest, constant->cause)) return std::nullopt;
+  const Fit mean = fit(problem, with(rest, *constant), scale);
+  BestFit best(problem, mean, scale);
+  for (const Candidate& c : all) {
+    const bool in_time = c.cause == own.cause || c.cause->id == "drift";
+    if (in_time && c.form.law == own.form.law && c.form.weight > 0.0 &&
+        !gives_each_session_a_value(c.form) && !has_cause(rest, c.cause)) {
+      best.offer(with(mean.hypothesis, c));
+    }
+  }
+  return with_free_shapes(problem, all, std::move(best).take(), scale);
+}
+
+}  // namespace
+
+Fit with_named_means(const Problem& problem, const std::vector<Candidate>& all, Fit found,
+                     double scale, int most) {
+  for (std::size_t e = 0; e < found.hypothesis.effects.size(); ++e) {
+    const Hypothesis& h = found.hypothesis;
+    if (static_cast<int>(h.effects.size()) >= most) break;
+    if (!gives_each_session_a_value(h.effects[e].form)) continue;
+    std::optional<Fit> named = with_named_mean(problem, all, without(h, e), h.effects[e], scale);
+    if (named && score_of(problem, *named, scale) > score_of(problem, found, scale) - kAsGood) {
+      found = std::move(*named);
     }
   }
   return found;

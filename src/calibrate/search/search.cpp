@@ -210,7 +210,9 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
   best = with_smooth_laws(problem, all, std::move(best), scale);
   best = with_one_law_of_time(problem, all, std::move(best), scale);
   best = with_one_wave(problem, all, std::move(best), scale);
+  best = with_freed_rests(problem, all, std::move(best), scale);
   best = with_named_starts(problem, all, std::move(best), scale, kMostEffects);
+  best = with_named_means(problem, all, std::move(best), scale, kMostEffects);
 
   const Judge judge(problem, all, best, scale);
   result.fit = fit(problem, best.hypothesis, scale);  // all fits from here on at one scale

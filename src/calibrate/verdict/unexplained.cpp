@@ -65,12 +65,13 @@ double evidence_of_causes(const SearchResult& found, const Columns& base, const 
          static_cast<double>(found.effects.size()) * std::log(static_cast<double>(offered.size()));
 }
 
-/// Whether the causes are most of what a term does.
-bool are_most_of(const EmpiricalTerm& term, const Columns& base, const Columns& fitted) {
+/// Whether the causes take off at least a share of the squares that a term takes off.
+bool take_share_of(const EmpiricalTerm& term, double share, const Columns& base,
+                   const Columns& fitted) {
   const auto [before, after] = squares_of(base, fitted);
   const Eigen::VectorXd clipped = winsorised(base.raw, robust_deviation(base.raw));
   return before - after >=
-         kMostOfIt * (orthonormal_basis(term.columns).transpose() * clipped).squaredNorm();
+         share * (orthonormal_basis(term.columns).transpose() * clipped).squaredNorm();
 }
 
 /// Twelfths of a wave, as levels.
@@ -105,8 +106,9 @@ Contest causes_against_structure(const SearchResult& found, const Columns& base,
     contest.stays[e] = stays_beside(fitted, h, e, after.best, found.first_luck.threshold);
   }
   constexpr double kClearly = 3.0;
-  if (count > 0 && before.p_value <= rate &&
-      !(contest.structure && are_most_of(before.best, base, fitted)) &&
+  // Causes that leave no structure and take off all that the term does leave it nothing to explain.
+  const double enough = contest.structure ? kMostOfIt : 1.0;
+  if (count > 0 && before.p_value <= rate && !take_share_of(before.best, enough, base, fitted) &&
       before.best.evidence > evidence_of_causes(found, base, fitted) + kClearly) {
     contest = {.structure = true, .stays = std::vector<bool>(count, false), .remainder = before};
   }

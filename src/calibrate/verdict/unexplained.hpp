@@ -23,8 +23,8 @@ struct Contest {
 /// An effect that the data no longer need beside a significant best term does not stay, unless it
 /// is two thirds of what the term does.  None stays where a term of the baseline's residuals
 /// explains clearly better than all causes together, each paid for by the number of causes it was
-/// chosen from: then the causes only imitate it, unless they are two thirds of it and structure is
-/// left.
+/// chosen from: then the causes only imitate it, unless they are all of it and leave no structure,
+/// or are two thirds of it and structure is left.
 Contest causes_against_structure(const SearchResult& found, const Columns& base,
                                  const Columns& fitted, const RemainderSearch& before,
                                  const RemainderSearch& after, double rate);

@@ -264,9 +264,9 @@ class CauseReader {
       return c.value > kAbsoluteZero_c ? "" : "a number above -273.15";
     }
     // What forces, speeds, torques and times are divided by.
-    constexpr std::array<std::string_view, 9> kScales{"load",          "speed",      "scale",
-                                                      "time_constant", "half_range", "torque",
-                                                      "slowest",       "fastest",    "span"};
+    constexpr std::array<std::string_view, 10> kScales{
+        "radius",     "load",   "speed",   "scale",   "time_constant",
+        "half_range", "torque", "slowest", "fastest", "span"};
     const bool scale =
         std::ranges::any_of(kScales, [&](std::string_view end) { return c.name.ends_with(end); });
     return !scale || c.value > 0.0 ? "" : "a number above 0";

@@ -696,6 +696,23 @@ TEST_P(OnLostMotion, ComplianceAddsTwiceTheTestTorque) {
   EXPECT_EQ(arcmin(none, h), arcmin(none));
 }
 
+TEST_P(OnLostMotion, TwoStagesAreSoftUpToATorque) {
+  const Form form =
+      with_constants("two_stage", {{.name = "soft_torque", .unit = "Nm", .value = 2.0},
+                                   {.name = "torque_half_range", .unit = "", .value = 1.0}});
+  const Hypothesis h = one("compliance", form, {0.4, 1.5, std::log(2.0)}, GetParam());
+  const auto wound = [&](double torque_Nm) {
+    Condition c = row_;
+    c.test_torque_Nm = torque_Nm;
+    return arcmin(c, h) - arcmin(c);
+  };
+  // Up to 4 N m both stages give way, beyond it the stiff one alone.
+  EXPECT_NEAR(wound(1.0), 0.8 + 1.5 / 4.0, kAngle);
+  EXPECT_NEAR(wound(4.0), 3.2 + 1.5, kAngle);
+  EXPECT_NEAR(wound(6.0), 4.8 + 1.5, kAngle);
+  EXPECT_NEAR(wound(0.0), 0.0, kAngle);
+}
+
 TEST_P(OnLostMotion, AStepIsInArcminutes) {
   const Hypothesis h =
       one("run_step", with_constants("from", {{.name = "first_run", .unit = "", .value = 1.0}}),
@@ -799,6 +816,23 @@ TEST_F(OnPairs, BearingsAddAndGainMultipliesTheEfficiency) {
   const double without = simulated(simulation_, down_);
   EXPECT_NEAR(loss(down_, "bearing_load", "shafts", 0.01) - without, 0.01, 1e-15);
   EXPECT_NEAR(1.0 - loss(down_, "sensor_gain", "gain", -0.02), 0.98 * (1.0 - without), 1e-15);
+}
+
+TEST_F(OnPairs, BearingsMayGrowWithTheirGears) {
+  Condition c = down_;
+  c.module_m = 2e-3;  // radii of 20 and 80 mm
+  const auto lost = [&](double exponent) {
+    const Form form = with_constants("both_shafts_any_size",
+                                     {{.name = "reference_radius", .unit = "mm", .value = 40.0}});
+    const Hypothesis h = one("bearing_load", form, {0.08, exponent}, Kind::kPairLoss);
+    return simulated(simulation_, c, h) - simulated(simulation_, c);
+  };
+  // All of one size, as wide as the gears have it, and between the two: 2^(−1/2) and 2^(1/2) times.
+  EXPECT_NEAR(lost(0.0), 0.08 / 20.0 + 0.08 / 80.0, 1e-15);
+  EXPECT_NEAR(lost(1.0), 2.0 * 0.08 / 40.0, 1e-15);
+  EXPECT_NEAR(lost(0.5), 0.08 / 20.0 * std::sqrt(0.5) + 0.08 / 80.0 * std::sqrt(2.0), 1e-15);
+  EXPECT_NEAR(lost(0.0), loss(c, "bearing_load", "both_shafts", 0.08) - simulated(simulation_, c),
+              1e-15);
 }
 
 }  // namespace

@@ -21,6 +21,7 @@ const ParameterResult& named(const std::vector<ParameterResult>& all, const std:
 FinalFit fit_of(Hypothesis h, const Eigen::MatrixXd& covariance, int degrees) {
   FinalFit fit;
   fit.at_bound.assign(h.value.size(), false);
+  fit.beyond.assign(h.value.size(), 0.0);
   fit.hypothesis = std::move(h);
   fit.covariance = covariance;
   fit.degrees = degrees;
@@ -55,6 +56,29 @@ TEST_F(ParameterResults, HaveStudentsIntervals) {
   EXPECT_FALSE(gain[0].at_bound);
   EXPECT_TRUE(drag[0].at_bound);
   EXPECT_EQ(drag[0].unit, "Nm");
+}
+
+TEST_F(ParameterResults, AtABoundArePlausibleWhereTheRowsDoNotRuleItOut) {
+  const Candidate gain = candidate("sensor_gain", {.name = "gain"});
+  const ParameterRecord& record = gain.parameters[0];
+  const auto is_plausible = [&](double value, double beyond, double deviation) {
+    const Eigen::MatrixXd covariance = Eigen::MatrixXd::Constant(1, 1, deviation * deviation);
+    FinalFit fit = fit_of(hypothesis({gain}, {value}), covariance, 1000);
+    fit.at_bound[0] = value == record.lower;
+    fit.beyond[0] = beyond;
+    return parameter_results(simulation_, fit, 0)[0].plausible;
+  };
+  // Inside the bounds the value decides, however little is known of it.
+  EXPECT_TRUE(is_plausible(record.plausible_high, 0.0, 10.0));
+  EXPECT_FALSE(is_plausible(record.plausible_high + 1e-6, 0.0, 10.0));
+  // At the bound the interval does: 1.9623 deviations at 1000 degrees of freedom.
+  const double away = record.plausible_low - record.lower;
+  ASSERT_GT(away, 0.0);
+  EXPECT_TRUE(is_plausible(record.lower, 0.0, 1.001 * away / 1.9623));
+  EXPECT_FALSE(is_plausible(record.lower, 0.0, 0.999 * away / 1.9623));
+  // About where the rows would have it without the bound.
+  EXPECT_FALSE(is_plausible(record.lower, -away, 1.001 * away / 1.9623));
+  EXPECT_TRUE(is_plausible(record.lower, -away, 2.001 * away / 1.9623));
 }
 
 TEST_F(ParameterResults, LeadWithTheAmplitudeOfAWave) {

@@ -208,6 +208,28 @@ TEST(AddLoops, PooledRowsAreSessionsOfTheirFiles) {
   EXPECT_TRUE(std::isnan(set.covariates.front().value.back()));
 }
 
+TEST(AddLoops, SessionsWithoutARowAreNone) {
+  // A session that has no loop, and the file's own list of the same sessions.
+  const TorqueAngleRecord loops_of = wind_up({}, 3);
+  TorqueAngleRecord both = loops_of;
+  std::vector<std::string> run(loops_of.time_s.size(), "with");
+  for (std::size_t k = 0; k < 4; ++k) {
+    both.time_s.push_back(loops_of.time_s.back() + 1.0 + static_cast<double>(k));
+    both.angle_rad.push_back(0.0);
+    both.torque_Nm.push_back(0.1);
+    run.emplace_back("without");
+  }
+  const LoopObservations loops = loop_observations({{.samples = both, .run = run}}, 96.0);
+  MeasurementSet set;
+  set.kind = Kind::kTorqueAngle;
+  set.files = {"loops.csv"};
+  set.runs = {"with", "without"};
+  add_loops(set, loops, 0);
+  EXPECT_EQ(set.runs, (std::vector<std::string>{"with"}));
+  ASSERT_FALSE(set.rows.empty());
+  for (const Observation& row : set.rows) EXPECT_EQ(row.condition.run, 0);
+}
+
 TEST(AddLoops, SigmaIsStatedForAllRowsOrNone) {
   const LoopObservations loops = loop_observations({{.samples = wind_up({}, 3)}}, 96.0);
   MeasurementSet without = lost_motion_rows(kUnknown);

@@ -120,5 +120,74 @@ TEST_F(OverTheAngle, WavesOfTwoBodiesStayTwo) {
   EXPECT_EQ(joined(both).hypothesis.effects.size(), 2U);
 }
 
+/// Laws of load and speed beside causes that take up what their plain forms leave.
+class FreedRests : public Bench {
+ protected:
+  FreedRests() {
+    data_ = measured_grid({.sun_speeds_rpm = {100.0, 300.0, 1000.0},
+                           .output_torques_Nm = {3.0, 6.0, 12.0, 25.0, 50.0},
+                           .repeats = 2});
+  }
+  [[nodiscard]] Candidate of(const char* id, const std::string& form) const {
+    for (const Candidate& c : candidates_for(simulation_, data_)) {
+      if (c.cause->id == id && c.form.name == form) return c;
+    }
+    throw std::invalid_argument("no form " + form);
+  }
+  [[nodiscard]] Hypothesis freed(const Hypothesis& truth, const Hypothesis& two) {
+    constexpr double kNoise = 0.002;
+    measure(truth, kNoise, 5);
+    const Problem p = problem();
+    return with_freed_rests(p, candidates_for(simulation_, data_), fit(p, two, kNoise), kNoise)
+        .hypothesis;
+  }
+};
+
+TEST_F(FreedRests, ALawOfAnotherLevelIsOneEffect) {
+  const Hypothesis law = hypothesis({of("friction_load", "any_level")}, {-0.2, 0.15});
+  const Hypothesis found = freed(
+      law, hypothesis({of("friction_load", "about_middle"), of("friction_level", "coefficient")},
+                      {0.0, 0.0}));
+  ASSERT_EQ(found.effects.size(), 1U);
+  EXPECT_EQ(found.effects[0].cause->id, "friction_load");
+  EXPECT_NEAR(found.value[0], -0.2, 0.05);
+}
+
+TEST_F(FreedRests, TwoCausesThatNoFreeShapeReplacesStay) {
+  const Hypothesis both =
+      hypothesis({of("friction_load", "about_middle"), of("drag_constant", "sun")}, {-0.2, 0.03});
+  EXPECT_TRUE(same_forms(freed(both, both), both));
+}
+
+/// Sessions of a constant that moves between them.
+class NamedMeans : public OverTime {
+ protected:
+  [[nodiscard]] Hypothesis named(const std::vector<double>& offset_Nm) {
+    data_.runs = {"1", "2", "3"};
+    for (std::size_t i = 0; i < data_.rows.size(); ++i) {
+      data_.rows[i].condition.run = static_cast<int>(3 * i / data_.rows.size());
+    }
+    constexpr double kNoise = 0.0005;
+    const Hypothesis sessions = hypothesis({of("run_step", "sensor_sessions")}, offset_Nm);
+    measure(sessions, kNoise, 3);
+    const Problem p = problem();
+    return with_named_means(p, candidates_for(simulation_, data_), fit(p, sessions, kNoise), kNoise,
+                            3)
+        .hypothesis;
+  }
+};
+
+TEST_F(NamedMeans, AZeroErrorThatMovesIsAZeroErrorAndAStep) {
+  const Hypothesis found = named({0.03, 0.026, 0.026});
+  ASSERT_EQ(found.effects.size(), 2U);
+  EXPECT_EQ(found.effects[0].cause->id, "sensor_offset");
+}
+
+TEST_F(NamedMeans, SessionsThatDifferAsTheyLikeStaySessions) {
+  const Hypothesis found = named({0.03, -0.04, 0.01});
+  ASSERT_EQ(found.effects.size(), 1U);
+  EXPECT_EQ(found.effects[0].form.name, "sensor_sessions");
+}
+
 }  // namespace
 }  // namespace gear3k::calibrate::free_shapes_test

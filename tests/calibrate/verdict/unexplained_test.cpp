@@ -155,9 +155,17 @@ TEST_F(AContest, DropsACauseThatOnlyImitatesATerm) {
   const Contest beside = causes_against_structure(
       s.found, s.base, s.fitted, search_with(whole, 1.0), search_with(whole, 1e-6), 0.01);
   EXPECT_EQ(beside.stays, std::vector<bool>{false});
-  // A term of the baseline's residuals that explains far more than the causes do.
+  // One of the baseline's residuals that does the very same, in fewer parameters or a better known
+  // place: where the drag leaves nothing, there is nothing for it to explain.
   EmpiricalTerm far = same;
   far.evidence = 1e4;
+  EXPECT_EQ(causes_against_structure(s.found, s.base, s.fitted, search_with(far, 1e-6),
+                                     search_with(same, 1.0), 0.01)
+                .stays,
+            std::vector<bool>{true});
+  // One that explains far more than the causes do.
+  far.columns.resize(other.size(), 2);
+  far.columns << s.fitted.own.col(0), other;
   const Contest against = causes_against_structure(
       s.found, s.base, s.fitted, search_with(far, 1e-6), search_with(same, 1.0), 0.01);
   EXPECT_TRUE(against.structure);

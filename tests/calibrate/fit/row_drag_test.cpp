@@ -1,0 +1,56 @@
+#include "calibrate/fit/row_drag.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Core>
+#include <numbers>
+
+#include "tests/calibrate/bench.hpp"
+#include "tests/calibrate/measured_grid.hpp"
+
+namespace gear3k::calibrate::row_drag_test {
+namespace {
+
+class RowDrag : public Bench {
+ protected:
+  RowDrag() { data_ = measured_grid({.sun_speeds_rpm = {200.0, 600.0}}); }
+  [[nodiscard]] std::vector<ParameterResult> told(const char* id, const char* shaft,
+                                                  double coefficient) const {
+    FinalFit fit;
+    fit.hypothesis = hypothesis({candidate(id, {.name = shaft, .body = shaft})}, {coefficient});
+    fit.covariance = Eigen::MatrixXd::Constant(1, 1, 1e-4);
+    std::vector<ParameterResult> result;
+    add_implausible_drag(problem(), fit, 0, result);
+    return result;
+  }
+  static constexpr double kSun_rad_s = 600.0 * std::numbers::pi / 30.0;
+};
+
+TEST_F(RowDrag, IsToldWhereItIsMoreThanSealsAndOilHave) {
+  EXPECT_TRUE(told("drag_viscous", "sun", 4.9 / kSun_rad_s).empty());
+  const auto viscous = told("drag_viscous", "sun", 6.0 / kSun_rad_s);
+  ASSERT_EQ(viscous.size(), 1U);
+  EXPECT_EQ(viscous[0].name, "greatest_drag");
+  EXPECT_FALSE(viscous[0].plausible);
+  EXPECT_NEAR(viscous[0].value, 6.0, 1e-12);
+  EXPECT_NEAR(viscous[0].high - viscous[0].value, 1.96 * 0.01 * kSun_rad_s, 1e-9);
+  const auto quadratic = told("drag_quadratic", "sun", 7.0 / (kSun_rad_s * kSun_rad_s));
+  ASSERT_EQ(quadratic.size(), 1U);
+  EXPECT_NEAR(quadratic[0].value, 7.0, 1e-12);
+}
+
+TEST_F(RowDrag, OfTheOutputIsAtItsOwnSpeed) {
+  const double output_rad_s = kSun_rad_s / std::abs(simulation_.ratio());
+  // The same coefficient is a hundred times the torque at the sun.
+  EXPECT_TRUE(told("drag_viscous", "output", 4.9 / output_rad_s).empty());
+  EXPECT_FALSE(told("drag_viscous", "sun", 4.9 / output_rad_s).empty());
+  EXPECT_NEAR(told("drag_viscous", "output", 6.0 / output_rad_s).at(0).value, 6.0, 1e-12);
+}
+
+TEST_F(RowDrag, OfOtherCausesIsNone) {
+  EXPECT_TRUE(told("drag_constant", "sun", 50.0).empty());
+  EXPECT_TRUE(told("friction_level", "", 50.0).empty());
+}
+
+}  // namespace
+}  // namespace gear3k::calibrate::row_drag_test
