@@ -5,6 +5,7 @@
 #include "numerics/parallel.hpp"
 #include "optimize/efficiency_bound.hpp"
 #include "optimize/empty_stage.hpp"
+#include "optimize/objective_value.hpp"
 #include "optimize/stage_tasks.hpp"
 
 namespace gear3k::optimize {
@@ -32,6 +33,19 @@ std::optional<Infeasibility> too_long(const Specification& spec) {
   if (excess <= 2.0 * design::kFeasibilityTolerance * scale) return std::nullopt;
   return Infeasibility{
       .check = design::CheckId::kGearboxLength, .miss_si = excess, .violation = excess / scale};
+}
+
+/// Proof that the least backlash of the meshes at the greatest modules, which a limit of size
+/// leaves, is more lost motion than is allowed.
+std::optional<Infeasibility> too_much_lost_motion(const Specification& spec, const Candidate& set) {
+  const auto& most = spec.limits[design::CheckId::kOutputBacklashMax];
+  if (!most || !(*most > 0.0)) return std::nullopt;
+  const double excess = best_value(Objective::kLostMotion, spec, set.teeth, set.planets) - *most;
+  if (!(excess > 2.0 * design::kFeasibilityTolerance * std::max(*most, 1e-3))) return std::nullopt;
+  return Infeasibility{.check = design::CheckId::kOutputBacklashMax,
+                       .miss_si = excess,
+                       .violation = excess / *most,
+                       .alone = false};
 }
 
 }  // namespace
@@ -198,6 +212,7 @@ SetBound SetBounds::combine(std::size_t k, const RelaxedStage1& stage1,
     bound.infeasible = Infeasibility{.check = design::CheckId::kSameModule, .alone = false};
   }
   if (!bound.infeasible) bound.infeasible = loads_apart(stage1.reach, stage2.reach);
+  if (!bound.infeasible) bound.infeasible = too_much_lost_motion(*spec_, candidates_[k]);
   if (bound.infeasible) {
     bound.eta_b = bound.eta_f = 0.0;
     return bound;

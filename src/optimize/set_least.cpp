@@ -1,7 +1,5 @@
 #include "optimize/set_least.hpp"
 
-#include <utility>
-
 #include "optimize/cutter_choice.hpp"
 #include "optimize/module_pairs.hpp"
 #include "optimize/shift_range.hpp"
@@ -36,10 +34,10 @@ const LeastLostMotion::Least* LeastLostMotion::of(const Candidate& candidate,
   }
   std::optional<BestOfSet> best = refiner_.best_end(candidate, shifts, stop);
   if (!best) return nullptr;
-  Least least{.at = std::move(best->at)};
+  Least least{.at = best->at};
   if (best->merit > -kInfinity) least.lost_motion_rad = -best->merit;
   const std::lock_guard lock(mutex_);
-  return &known_.emplace(candidate, std::move(least)).first->second;
+  return &known_.emplace(candidate, least).first->second;
 }
 
 const LeastLostMotion::Least* LeastLostMotion::known(const Candidate& candidate) const {
