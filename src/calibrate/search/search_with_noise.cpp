@@ -157,8 +157,12 @@ SearchResult search_in_all(Problem& problem, const std::vector<Candidate>& candi
       best = std::move(other);
     }
   }
-  // What memory alone explains as well is said only where it stands out under that memory, too.
-  if (const auto instead = memory_instead(problem, best)) {
+  // What memory alone explains as well is said only where it stands out under that memory, too; not
+  // where what looks like memory is a wave.
+  const bool waves = (beside.p_value <= kMemoryChance && !remembers) ||
+                     (alone.p_value <= kMemoryChance && !(alone.memory.share > 0.0));
+  const auto instead = waves ? std::nullopt : memory_instead(problem, best);
+  if (instead) {
     problem.noise = best.noise;
     problem.noise.memory = instead->memory;
     problem.noise.session_variance = 0.0;
