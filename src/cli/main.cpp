@@ -156,7 +156,8 @@ void add_diagnose_options(CLI::App& command, cli::DiagnoseOptions& options) {
                   "DESIGN.toml, PAIR.toml, a table [gearbox], or ACTUATOR.toml for logs")
       ->required();
   command
-      .add_option("DATA", options.data, "CSV files, of several kinds together too; columns: docs/interface.md")
+      .add_option("DATA", options.data,
+                  "CSV files, of several kinds together too; columns: docs/interface.md")
       ->required();
   command
       .add_option("--out", options.out,

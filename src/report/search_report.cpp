@@ -180,6 +180,7 @@ std::string search_counts_text(const Specification& spec, const ToothSearchResul
     text +=
         fmt::format(", {} rejected by {}", search.rejected[k], optimize::kToothRejectionNames[k]);
   }
+  if (search.interrupted) text += "; so far: stopped before all tooth numbers were searched";
   return text + "\n";
 }
 

@@ -62,5 +62,17 @@ TEST(SearchReport, ToothSetsWithoutAnyHaveAHeader) {
       << "empty where no working angle is defined";
 }
 
+TEST(SearchReport, CountsOfASearchThatWasStoppedSaySo) {
+  const optimize::Specification spec =
+      io::read_specification(GEAR3K_SOURCE_DIR "/examples/ratio-96.toml");
+  optimize::Progress progress;
+  const auto counts = [&] {
+    return search_counts_text(spec, optimize::search_teeth(spec, progress));
+  };
+  EXPECT_EQ(counts().find("stopped"), std::string::npos);
+  progress.stop = true;
+  EXPECT_TRUE(counts().ends_with("; so far: stopped before all tooth numbers were searched\n"));
+}
+
 }  // namespace
 }  // namespace gear3k::report::search_report_test
