@@ -168,14 +168,25 @@ std::string result_text(const design::PairDesign& pair, const design::PairEvalua
          limits_paragraph(pair.limits, show, true);
 }
 
-/// @throws io::InvalidInput where --out is an input or cannot be written
+/// Whether a file is to lie in a folder, which need not be there.
+bool is_within(const std::string& file, const std::string& folder) {
+  const auto whole = [](const std::filesystem::path& path) {
+    std::error_code status;
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(path), status);
+  };
+  return whole(file).parent_path() == whole(folder);
+}
+
+/// Of what is told before a result is computed.
 /// @param figures  the folder of --figures, which is made and may hold the result
+/// @throws io::InvalidInput where --out is an input, or it or `figures` cannot be written
 void refuse_replacing(const std::vector<std::string>& inputs, const std::string& out,
                       const std::string& figures = "") {
+  if (!figures.empty()) io::expect_folder(figures);
   if (out.empty()) return;
   const std::string slip = io::replaced_input(out, inputs);
   if (!slip.empty()) throw io::InvalidInput("--out: " + slip);
-  if (figures.empty()) io::expect_file(out);
+  if (figures.empty() || !is_within(out, figures)) io::expect_file(out);
 }
 
 /// Exit code of what was analysed.

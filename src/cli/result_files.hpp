@@ -27,9 +27,8 @@ class ResultFolder {
  public:
   /// A folder that is there is locked at once, one that is not with the first file (or open()).  On
   /// file systems that lock no folders runs are not kept apart.
-  /// @throws io::InvalidInput where a result would replace an input, nothing can be written there,
-  /// or
-  ///   another run holds it
+  /// @throws io::InvalidInput where a result would replace an input, the folder cannot be made or
+  ///   written to, or another run holds it
   explicit ResultFolder(ResultFolderTask task);
   /// A folder that was made and got no file goes again.
   ~ResultFolder();

@@ -190,7 +190,9 @@ class FrontSearch {
     // The ends of the front are told as their own starts find them.
     if (most_lost_motion && progress_.stage == Progress::Stage::kFrontGaps) {
       options.design = [this, most = *most_lost_motion](const Candidate& candidate) {
-        const LeastLostMotion::Least* least = least_->known(candidate);
+        // Asked just before where the limit is narrow; beyond it what is known by chance is no
+        // start, as a run that goes on with an earlier one does not know it.
+        const auto* least = is_narrow(candidate, most) ? least_->known(candidate) : nullptr;
         const bool any = least != nullptr && std::isfinite(least->lost_motion_rad);
         return any && !keeps_not(least, most) ? &least->at : nullptr;
       };
@@ -200,10 +202,7 @@ class FrontSearch {
     };
     options.incumbent = answers_.best_within(ask);
     if (options_.searched != nullptr && options_.searched->bounds) {
-      options.bound_before = [this, &task, ask, most_lost_motion](const Candidate& candidate) {
-        if (most_lost_motion && keeps_not(least_->known(candidate), *most_lost_motion)) {
-          return -kInfinity;
-        }
+      options.bound_before = [this, &task, ask](const Candidate& candidate) {
         const double known = -answers_.least_cost(ask, candidate);
         const auto own = std::ranges::lower_bound(open_, candidate, {}, &Numbered::first);
         if (own == open_.end() || own->first != candidate) return known;
@@ -227,11 +226,15 @@ class FrontSearch {
     return least != nullptr && least->lost_motion_rad > most_rad;
   }
 
+  /// Whether a limit is so near what bounds a set that it is asked for its least first.
+  [[nodiscard]] bool is_narrow(const Candidate& candidate, double most_rad) const {
+    return most_rad <=
+           kNarrow * best_value(Objective::kLostMotion, spec_, candidate.teeth, candidate.planets);
+  }
+
   /// A set whose least lost motion is above a limit that is near what bounds it.
   std::optional<RefinedSet> ruled_out(const Candidate& candidate, double most_rad) {
-    const double bound_rad =
-        best_value(Objective::kLostMotion, spec_, candidate.teeth, candidate.planets);
-    if (most_rad > kNarrow * bound_rad) return std::nullopt;
+    if (!is_narrow(candidate, most_rad)) return std::nullopt;
     if (!keeps_not(least_->of(candidate, progress_.stop), most_rad)) return std::nullopt;
     RefinedSet none;
     none.candidate = candidate;

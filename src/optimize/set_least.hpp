@@ -13,10 +13,10 @@ namespace gear3k::optimize {
 
 /// The least lost motion of tooth sets, whatever else they are to have.
 ///
-/// Within a narrow limit most sets have no design.  A refinement that finds none costs ten times
-/// one that does, and says nothing about the next limit; the least of a set answers all of them.
-/// Several starts, as in any refinement: a local optimum, not a proof.
-/// Source: own derivation, docs/theory §12 ("Pareto front").
+/// Within a narrow limit many sets have no design.  A refinement that finds none costs some ten
+/// times one that does, and says nothing about the next limit; the least of a set answers all of
+/// them. Several starts, as in any refinement: a local optimum, not a proof. Source: own
+/// derivation, docs/theory §12 ("Pareto front").
 class LeastLostMotion {
  public:
   explicit LeastLostMotion(const Specification& spec);
@@ -26,13 +26,13 @@ class LeastLostMotion {
 
   /// Whether there is one programme for a set: not with modules, shifts or cutters from lists.
   [[nodiscard]] static bool knows(const Specification& spec);
-  /// A design of a set with its least lost motion [rad], which is minus infinity where no start
-  /// has one.  Thread-safe, and the same for a set whenever it is asked for; null when `stop`
-  /// became true.
+  /// What a set can have at least.
   struct Least {
-    double lost_motion_rad = -kInfinity;
-    KnownTrain at;
+    double lost_motion_rad = -kInfinity;  ///< minus infinity where no start ended in a design
+    KnownTrain at;                        ///< the design that has it
   };
+  /// The same for a set whenever it is asked for.  Thread-safe.
+  /// @returns null when `stop` became true
   [[nodiscard]] const Least* of(const Candidate& candidate, const std::atomic<bool>& stop);
   /// What is known of a set so far; null: nothing.
   [[nodiscard]] const Least* known(const Candidate& candidate) const;

@@ -195,6 +195,17 @@ TEST(ReproduceFigures, AFolderThatCannotBeMadeLeavesNothingBehind) {
   EXPECT_EQ(place.listing(), (std::vector<std::string>{"file"}));
 }
 
+TEST(ReproduceFigures, AResultThatCannotBeWrittenLeavesNoFigures) {
+  const Workplace place;
+  const ProgramResult result =
+      place.run({"reproduce", "--figures", "f", "--out", "absent/result.txt"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.err, "absent/result.txt: cannot be written: No such file or directory\n");
+  EXPECT_TRUE(place.listing().empty());
+  EXPECT_EQ(place.run({"reproduce", "--figures", "f", "--out", "f/result.txt"}).exit_code, 0);
+  EXPECT_TRUE(place.has("f/result.txt"));
+}
+
 TEST(ReproduceFigures, TheResultsFileMayNotBeAFigure) {
   const Workplace place;
   for (const char* file : {"f/fig7.csv", "f/../f/fig8a.svg"}) {

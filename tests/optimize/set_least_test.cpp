@@ -33,7 +33,7 @@ TEST(LeastLostMotion, IsThatOfAnotherSolver) {
   other.solver.refine = Refine::kIpopt;
   LeastLostMotion least(spec);
   const std::atomic<bool> never{false};
-  for (const Candidate& set : {kSets[1]}) {
+  for (const Candidate& set : kSets) {
     const RefinedSet by_ipopt = refine(other, set);
     ASSERT_EQ(by_ipopt.status, Status::kOptimal);
     EXPECT_EQ(least.known(set), nullptr);

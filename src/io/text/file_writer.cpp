@@ -26,7 +26,7 @@ InvalidInput no_folder(const std::string& path, const std::string& cause) {
 
 /// @param folder  what has to take the new name: that of the path, or one around it
 void expect_writable(const std::string& path, const std::string& folder) {
-  if (::access(folder.c_str(), W_OK) == 0) return;
+  if (::access(folder.c_str(), W_OK | X_OK) == 0) return;
   throw InvalidInput(fmt::format("{}: cannot be written to: {}", path, std::strerror(errno)));
 }
 
@@ -96,7 +96,9 @@ void expect_folder(const std::string& path) {
   namespace fs = std::filesystem;
   std::error_code unknown;
   fs::path there = path;  // it, or the innermost folder around it that there is
-  while (!there.empty() && !fs::exists(there, unknown) && there != there.parent_path()) {
+  // A link to nothing is there: it is in the way.
+  while (!there.empty() && !fs::exists(fs::symlink_status(there, unknown)) &&
+         there != there.parent_path()) {
     there = there.parent_path();
   }
   if (there.empty()) there = ".";
@@ -110,7 +112,7 @@ void expect_file(const std::string& path) {
   if (belongs_to_system(path)) return;
   if (fs::is_directory(path, unknown)) refuse(path, "a folder has this name");
   // The last dot makes a file in the place of the folder an error too.
-  if (::access((fs::path(path).parent_path() / ".").c_str(), W_OK) != 0) {
+  if (::access((fs::path(path).parent_path() / ".").c_str(), W_OK | X_OK) != 0) {
     refuse(path, std::strerror(errno));
   }
 }

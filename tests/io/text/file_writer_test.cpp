@@ -253,8 +253,10 @@ TEST_F(FileWriter, PrepareFolderMakesItWithItsParentsAndKeepsWhatIsThere) {
 
 TEST_F(FileWriter, AFolderNamesTheFileInTheWay) {
   std::ofstream(path("file")) << "kept";
+  fs::create_symlink("nowhere", path("link"));
   for (const auto& refused : {prepare_folder, expect_folder}) {
-    for (const std::string& folder : {path("file"), path("file/inner"), path("file/in/ner")}) {
+    for (const std::string& folder :
+         {path("file"), path("file/inner"), path("file/in/ner"), path("link"), path("link/in")}) {
       try {
         refused(folder);
         ADD_FAILURE() << "no exception for " << folder;
