@@ -21,7 +21,7 @@ namespace {
 constexpr double kLimitSlack = 20.0 * design::kFeasibilityTolerance;
 constexpr double kEfficiencySlack = 2.0 * design::kFeasibilityTolerance;
 /// Limits on lost motion within which sets are asked for their least first, over what bounds it:
-/// beyond them most have a design.
+/// of examples/ratio-96.toml most have a design beyond.
 constexpr double kNarrow = 1.08;
 
 ObjectiveLimit held_by_check(ObjectiveLimit limit) {
