@@ -19,16 +19,16 @@ struct LostMotionTest {
 template <class T>
 bool changes_lost_motion(const backlash::LostMotionExtension<T>& e) {
   return !(is_neutral(e.clearance_rad, 0.0) && is_neutral(e.compliance_rad_Nm, 0.0) &&
-           is_neutral(e.expansion_1_K, 0.0));
+           is_neutral(e.soft_windup_rad, 0.0) && is_neutral(e.expansion_1_K, 0.0));
 }
 
 /// Angle of the output between +T and −T, sun locked.
 ///
-///   φ = φ_kin(d (1 + α (θ − θ_0))) + φ_0 + 2 T c
+///   φ = φ_kin(d (1 + α (θ − θ_0))) + φ_0 + 2 T c (T/T_0)^−h + w min(1, T/T_1)
 ///
 /// The parts keep their size: α is the carrier's expansion relative to that of the gears.  A mesh
 /// that interferes keeps its negative share, as in backlash::kinematic_lost_motion().
-/// Source: definition of the test, docs/theory §29.
+/// Source: definition of the test, docs/theory (29.4).
 /// @returns φ [rad]; empty where a mesh has no working angle at the distance of the temperature
 template <class T>
 std::optional<T> measured_lost_motion(const train::TrainParameters<T>& parameters,

@@ -244,6 +244,14 @@ std::optional<Couples> couples_of(const train::ToothSet& teeth,
   return result;
 }
 
+/// What a calibrated model adds to the springs on one side of the loop.
+double added_windup(const ElasticTrain& train, const backlash::LostMotionExtension<double>& e,
+                    double torque_Nm) {
+  const double half_rad = 0.5 * backlash::windup(e, torque_Nm);
+  if (half_rad == 0.0 || e.beyond_springs) return half_rad;
+  return half_rad - elastic_windup(train, torque_Nm);
+}
+
 void check_loop(const TorqueAngleTask& task) {
   if (!(task.peak_torque_Nm > 0.0 && task.lost_motion_rad >= 0.0 && task.steps >= 1)) {
     throw std::invalid_argument(
@@ -268,7 +276,7 @@ std::optional<TorqueAngleCurve> torque_angle_loop(const ElasticTrain& train,
   double side_friction_J = 0.0;
   const auto angle_at = [&] {
     return 0.5 * task.lost_motion_rad + path.state().angle[0] +
-           task.added_compliance_rad_Nm * path.state().load[0];
+           added_windup(train, task.extension, path.state().load[0]);
   };
   curve.branch[0].push_back({.torque_Nm = 0.0, .angle_rad = angle_at()});
   for (const std::size_t side : {0U, 1U}) {
@@ -300,7 +308,7 @@ std::optional<TorqueAngleCurve> torque_angle_loop(const ElasticTrain& train,
   curve.loop_J = 2.0 * side_J;
   curve.friction_J = 2.0 * side_friction_J;
   const auto elastic = [&](double torque_Nm) {
-    return elastic_windup(train, torque_Nm) + task.added_compliance_rad_Nm * torque_Nm;
+    return elastic_windup(train, torque_Nm) + added_windup(train, task.extension, torque_Nm);
   };
   curve.elastic_rad = elastic(task.peak_torque_Nm);
   for (const double share : {0.125, 0.25, 0.5, 1.0}) {
@@ -328,19 +336,13 @@ std::variant<TorqueAngleCurve, std::string> torque_angle_curve(const Design& des
   const auto loaded = loaded_train<double>(*geometry, {}, task.face_width_m,
                                            force_friction(design.friction, evaluation.meshes),
                                            design.friction.model);
-  // In series with the springs; of a model that hardens, its secant at the peak.  One that was
-  // found without them holds their wind-up too.
-  double added_rad = 0.5 * backlash::windup(design.lost_motion, task.torque_Nm);
-  if (added_rad != 0.0 && !design.lost_motion.beyond_springs) {
-    added_rad -= elastic_windup(*train, task.torque_Nm);
-  }
   auto curve = torque_angle_loop(
       *train,
       {.peak_torque_Nm = task.torque_Nm,
        .lost_motion_rad = *lost_motion,
        .teeth = parameters.teeth,
        .efficiency = loaded.efficiency[static_cast<std::size_t>(strength::Drive::kBackward)],
-       .added_compliance_rad_Nm = added_rad / task.torque_Nm});
+       .extension = design.lost_motion});
   if (!curve) return "with so much friction no forces of the locked train are in balance";
   return *std::move(curve);
 }

@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "backlash/lost_motion_extension.hpp"
 #include "design/elastic_windup.hpp"
 #include "design/evaluation.hpp"
 
@@ -51,8 +52,10 @@ struct TorqueAngleTask {
   double lost_motion_rad = 0.0;  ///< ≥ 0
   train::ToothSet teeth{};
   strength::MeshDriverEfficiencies<double> efficiency{};  ///< of each mesh by its driver
-  double added_compliance_rad_Nm = 0.0;  ///< in series with all springs, between R2 and output
-  int steps = 100;                       ///< of each branch
+  /// Its windup() is in series with all springs, between R2 and output, or holds theirs too; the
+  /// rest of it has no part in the loop.
+  backlash::LostMotionExtension<double> extension{};
+  int steps = 100;  ///< of each branch
 };
 
 /// The loop of a held train.
@@ -74,8 +77,9 @@ std::optional<TorqueAngleCurve> torque_angle_loop(const ElasticTrain& train,
 
 /// The curve of a design up to the torque that it states, or why there is none.
 ///
-/// Lost motion is measured_lost_motion() at T = 0, with what a calibrated model adds; its
-/// compliance is in series.
+/// Lost motion is measured_lost_motion() at T = 0, with what a calibrated model adds; half of its
+/// windup() at each torque is in series, less the wind-up of the springs where it was found without
+/// them. Source: docs/theory (57.7).
 /// @param evaluation  of the design
 std::variant<TorqueAngleCurve, std::string> torque_angle_curve(const Design& design,
                                                                const Evaluation& evaluation);

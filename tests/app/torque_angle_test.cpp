@@ -244,6 +244,24 @@ TEST(TorqueAngleOfADesign, AModelsComplianceIsInSeriesWithTheSpringsThatItCounts
   EXPECT_NEAR(analyze({.design = whole}).torque_angle->elastic_rad, 20.0 * 1e-5, 1e-12);
 }
 
+TEST(TorqueAngleOfADesign, AModelInTwoStagesIsSoftAtFirst) {
+  design::Design design = loaded_design();
+  design.lost_motion.soft_windup_rad = 1.6e-3;
+  design.lost_motion.soft_torque_Nm = 10.0;
+  design.operating_point = {.output_torque_Nm = 5.0};
+  const Analysis analysis = analyze({.design = design});
+  const auto& lost = analysis.evaluation.lost_motion;
+  ASSERT_TRUE(lost.measured_rad);
+  EXPECT_NEAR(*lost.measured_rad, lost.kinematic_rad + 0.8e-3, 1e-12);
+  // Half of it on each side, and that is all of the wind-up: 0.2 mrad of 2.5 N m, 0.8 of 10 and 20.
+  ASSERT_TRUE(analysis.torque_angle);
+  const auto& stiffness = analysis.torque_angle->stiffness;
+  ASSERT_EQ(stiffness.size(), 4U);
+  EXPECT_NEAR(stiffness[0].output_Nm_rad, 2.5 / 0.2e-3, 1e-6);
+  EXPECT_NEAR(stiffness[2].output_Nm_rad, 10.0 / 0.8e-3, 1e-6);
+  EXPECT_NEAR(stiffness[3].output_Nm_rad, 20.0 / 0.8e-3, 1e-6);
+}
+
 TEST(TorqueAngleOfADesign, IsThereWithStrengthOnly) {
   design::Design design = loaded_design();
   EXPECT_NE(report::torque_angle_csv(*analyze({.design = design}).torque_angle)

@@ -102,6 +102,16 @@ TEST(MeasuredLostMotion, ClearanceAddsAndWindUpIsTwiceTorqueTimesCompliance) {
   EXPECT_NEAR(*measured, rigid + 1e-3 + 1.2e-3, 1e-13);
 }
 
+TEST(MeasuredLostMotion, ASoftWindUpAloneIsAChangeAndCountsUpToItsTorque) {
+  const auto p = some_train();
+  const backlash::LostMotionExtension<double> e{.soft_windup_rad = 1.2e-3, .soft_torque_Nm = 8.0};
+  EXPECT_TRUE(changes_lost_motion(e));
+  EXPECT_FALSE(changes_lost_motion(backlash::LostMotionExtension<double>{}));
+  const double rigid = rigid_by_thicknesses(p);
+  EXPECT_NEAR(*measured_lost_motion<double>(p, e, {.torque_Nm = 2.0}), rigid + 0.3e-3, 1e-13);
+  EXPECT_NEAR(*measured_lost_motion<double>(p, e, {.torque_Nm = 20.0}), rigid + 1.2e-3, 1e-13);
+}
+
 TEST(MeasuredLostMotion, ExpansionIsTheRigidTrainAtTheWarmDistance) {
   const auto p = some_train();
   for (const double kelvin : {-40.0, 0.0, 60.0}) {

@@ -172,6 +172,48 @@ TEST(TorqueAngleCurve, WithoutLostMotionTheSidesMeetAtZeroTorque) {
   }
 }
 
+TEST(TorqueAngleCurve, AModelsWindUpIsThatOfEachTorque) {
+  RandomTrain random(581);
+  const auto g = random.train(true);
+  const auto springs = strength::random_springs(random);
+  const ElasticTrain train = constant_springs(g, springs);
+  const double k = strength::train_stiffness(g, springs).output_Nm_rad;
+  for (const bool beyond : {true, false}) {
+    auto task = task_of(g, even(1.0));
+    task.extension = {.compliance_rad_Nm = 3e-5,
+                      .hardening = 0.25,
+                      .hardening_torque_Nm = 16.0,
+                      .soft_windup_rad = 2e-3,
+                      .soft_torque_Nm = 4.0,
+                      .beyond_springs = beyond};
+    const auto curve = torque_angle_loop(train, task);
+    ASSERT_TRUE(curve);
+    const auto wound = [&](double torque_Nm) {
+      const double soft_rad = torque_Nm < 4.0 ? 0.25e-3 * torque_Nm : 1e-3;
+      // T (16/T)^(1/4) = 2 T^(3/4)
+      return (beyond ? torque_Nm / k : 0.0) + 3e-5 * 2.0 * std::pow(torque_Nm, 0.75) + soft_rad;
+    };
+    for (const std::size_t side : {0U, 1U}) {
+      for (const auto& point : curve->branch[side]) {
+        EXPECT_NEAR(point.angle_rad, 0.5e-3 + wound(point.torque_Nm), 1e-9 * wound(20.0));
+      }
+    }
+    EXPECT_NEAR(curve->elastic_rad, wound(20.0), 1e-9 * wound(20.0));
+    for (const StiffnessAtTorque& at : curve->stiffness) {
+      const double expected = at.torque_Nm / wound(at.torque_Nm);
+      EXPECT_NEAR(at.output_Nm_rad, expected, 1e-9 * expected);
+    }
+    // Between R2 and the output nothing of it rubs.
+    task.efficiency = even(0.98);
+    const auto rubbed = torque_angle_loop(train, task);
+    task.extension = {};
+    const auto plain = torque_angle_loop(train, task);
+    ASSERT_TRUE(rubbed && plain);
+    EXPECT_GT(plain->loop_J, 0.0);
+    EXPECT_NEAR(rubbed->loop_J, plain->loop_J, 1e-9 * 20.0 * wound(20.0));
+  }
+}
+
 TEST(TorqueAngleCurve, RefusesWhatIsNoLoop) {
   RandomTrain random(580);
   const auto g = random.train(true);
