@@ -179,8 +179,8 @@ bool sought_in_vain(const optimize::OptimizeResult& result) {
 /// Why it is not asked which limits would have to give way; "": it is.
 std::string why_not_relaxed(const OptimizeTask& task, const optimize::OptimizeResult& result) {
   if (!optimize::has_bounds(task.spec)) {
-    return "searches without a limit need bounds, which a free pressure angle and thickness "
-           "allowances in um at modules that are searched do not leave";
+    return "this needs bounds, and there are none with a free pressure angle, or with thickness "
+           "allowances in um where modules are searched";
   }
   const bool any = std::ranges::any_of(result.refined, [](const optimize::RefinedSet& set) {
     return set.status == optimize::Status::kOptimal;
