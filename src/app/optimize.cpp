@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -208,6 +209,37 @@ optimize::Specification to_be_relaxed(const OptimizeTask& task) {
   return spec;
 }
 
+/// To a thousandth of its unit, never stricter.
+double looser_thousandth(const design::CheckRecord& record, double limit_si) {
+  constexpr double kSteps = 1e3;
+  constexpr double kRounding = 1e-6;  // what is a whole number but for rounding stays
+  const double steps = kSteps * units::from_si(limit_si, record.unit);
+  const double whole =
+      record.at_least ? std::floor(steps + kRounding) : std::ceil(steps - kRounding);
+  return units::to_si(whole / kSteps, record.unit);
+}
+
+/// Limits of lost motion as SPEC states them: with what the model took off for its own share.
+void tell_with_model(const OptimizeTask& task, optimize::RelaxedLimits& relaxed) {
+  if (!task.model) return;
+  const double shift_rad = task.model->use.lost_motion_shift_rad;
+  if (shift_rad == 0.0) return;
+  using design::CheckId;
+  for (optimize::Freed& freed : relaxed.freed) {
+    for (optimize::RelaxedLimit& limit : freed.limits) {
+      const CheckId id = limit.check;
+      if (id != CheckId::kOutputBacklashMin && id != CheckId::kOutputBacklashMax) continue;
+      const auto& stated = task.without_model->limits[id];
+      const bool as_stated = stated && task.spec.limits[id] == task.stated_limits[id];
+      limit.stated_si = as_stated ? *stated : limit.stated_si + shift_rad;
+      if (limit.relaxed_si) {
+        limit.relaxed_si =
+            looser_thousandth(design::check_record(id), *limit.relaxed_si + shift_rad);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 OptimizeTask optimize_task(const OptimizeRequest& request) {
@@ -288,6 +320,7 @@ Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks,
     outcome.not_relaxed = why_not_relaxed(task, outcome.result);
     if (outcome.not_relaxed.empty()) {
       outcome.relaxed = optimize::relax_limits(to_be_relaxed(task), outcome.result, progress);
+      tell_with_model(task, *outcome.relaxed);
     }
   }
   if (task.model) {

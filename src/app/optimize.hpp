@@ -82,7 +82,8 @@ struct Optimization {
   /// What holds the best design back, and the best of every number of planets; where there is one
   /// and that was asked for.
   std::optional<report::HeldBackReport> held;
-  /// What would give a design; where there is none and that was asked for.
+  /// What would give a design, limits of lost motion with the share of the task's model; where
+  /// there is none and that was asked for.
   std::optional<optimize::RelaxedLimits> relaxed;
   std::string not_relaxed{};  ///< why that was not asked, where there is no design; else ""
   /// The best design rounded to what is made; where that was asked for and there is one.

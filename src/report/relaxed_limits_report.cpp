@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "design/measured_lost_motion.hpp"
 #include "optimize/limit_prices.hpp"
 #include "report/display.hpp"
 #include "report/limits_report.hpp"
@@ -38,6 +39,16 @@ std::string limit_text(const Specification& spec, const RelaxedLimit& limit) {
                      is_of_preset(spec.limits, limit.check) ? " (preset)" : "");
 }
 
+/// What is left out of a design's objective that the task's model adds; "" where nothing is.
+std::string left_out(const Specification& spec) {
+  if (optimize::judged_by_model(spec)) return "the model's losses at the operating point";
+  const bool moves = spec.model && design::changes_lost_motion(spec.model->lost_motion);
+  if (moves && optimize::first_objective(spec) == optimize::Objective::kLostMotion) {
+    return "the model's lost motion";
+  }
+  return "";
+}
+
 std::string objective_text(const Specification& spec, const optimize::RefinedSet& set) {
   const optimize::Objective first = optimize::first_objective(spec);
   const optimize::ObjectiveRecord& record = optimize::objective_record(first);
@@ -67,14 +78,16 @@ bool has_bores(const Specification& spec) {
 }  // namespace
 
 std::string relaxed_limits_text(const Specification& spec, const optimize::RelaxedLimits& relaxed) {
+  const std::string without = left_out(spec);
   std::string text;
   for (const Freed& freed : relaxed.freed) {
     std::string limits;
     for (const RelaxedLimit& limit : freed.limits) {
       limits += (limits.empty() ? "" : " and ") + limit_text(spec, limit);
     }
-    text += fmt::format("  {}: {}, {}\n", limits, teeth_text(freed.set.candidate.teeth),
-                        objective_text(spec, freed.set));
+    text +=
+        fmt::format("  {}: {}, {}{}\n", limits, teeth_text(freed.set.candidate.teeth),
+                    objective_text(spec, freed.set), without.empty() ? "" : " without " + without);
   }
   const std::vector<std::string> others = keys_without_design(relaxed);
   if (!text.empty()) {
@@ -125,7 +138,8 @@ io::Json relaxed_limits_json(const Specification& spec, const optimize::RelaxedL
             {"teeth", train::teeth_of(one.set.candidate.teeth)},
             {"ratio", train::ratio(one.set.candidate.teeth)},
             {"objective", optimize::objective_of(spec, one.set, first) /
-                              optimize::objective_record(first).per_unit}};
+                              optimize::objective_record(first).per_unit},
+            {"objective_without_model", !left_out(spec).empty()}};
   });
   return {{"freed", std::move(freed)},
           {"tried_alone", list_json(relaxed.alone, [](CheckId check) { return key_of(check); })},

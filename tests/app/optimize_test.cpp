@@ -1,10 +1,12 @@
 #include "app/optimize.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "app/search.hpp"
@@ -13,6 +15,8 @@
 #include "io/files/model_file.hpp"
 #include "io/files/specification_file.hpp"
 #include "io/text/diagnostics.hpp"
+#include "report/relaxed_limits_report.hpp"
+#include "units/units.hpp"
 
 namespace gear3k::app::optimize_test {
 namespace {
@@ -241,6 +245,67 @@ TEST(OptimizeTask, SaysWhyNoTeethCanKeepALimitWithTheModel) {
       << task.unreachable;
   optimize::Progress progress;
   EXPECT_THROW(optimize(task, {}, progress), std::invalid_argument);
+}
+
+TEST(OptimizeTask, AWindUpThatIsSoftOnlyLowersTheLimitOfLostMotion) {
+  const std::string text =
+      "[lost_motion.causes.compliance]\nform = \"two_stage\"\ncompliance_arcmin_per_nm = 0.0\n"
+      "soft_windup_arcmin = 1.5\nlog_soft_torque_change = 0.0\nsoft_torque_nm = 4.0\n"
+      "torque_half_range = 1.0\n";
+  const Model model = model_of(io::parse_model(text, "model.toml"), "model.toml");
+  for (const auto& [torque_Nm, limit_arcmin] : {std::pair{2.0, 7.25}, {4.0, 6.5}, {9.0, 6.5}}) {
+    optimize::Specification spec = small_spec();
+    spec.operating_point = {.output_torque_Nm = torque_Nm};
+    const OptimizeTask task = optimize_task({.spec = spec, .model = model});
+    EXPECT_NEAR(*task.spec.limits[design::CheckId::kOutputBacklashMax],
+                limit_arcmin * units::kArcmin, 1e-12);
+  }
+}
+
+/// Which limits would have to give way, with a model that takes most of one of them.
+TEST(Optimize, LimitsThatGiveWayAreThoseOfTheSpecificationWithAModel) {
+  constexpr auto kMost = design::CheckId::kOutputBacklashMax;
+  const std::string text =
+      "[lost_motion.causes.clearance]\nform = \"constant\"\nextra_lost_motion_arcmin = 1.5\n"
+      "[transmission.causes.bearing_load]\nform = \"planet_bearings\"\nfriction_radius_mm = 1.0\n";
+  const Model model = model_of(io::parse_model(text, "model.toml"), "model.toml");
+  optimize::Specification spec = small_spec();
+  spec.planets = {3};
+  spec.teeth.P1 = {.min = 52, .max = 54};
+  spec.limits[design::CheckId::kNormalBacklash] = 40e-6;
+  spec.limits[kMost] = 3.0 * units::kArcmin;
+  spec.operating_point = {.sun_speed_rad_s = 100.0, .output_torque_Nm = 10.0};
+  OptimizeTask task = optimize_task({.spec = spec, .model = model});
+  optimize::Progress progress;
+  const Optimization run = optimize(task, {}, progress);
+  ASSERT_FALSE(run.best);
+  ASSERT_TRUE(run.relaxed);
+  const auto freed = std::ranges::find_if(run.relaxed->freed, [](const optimize::Freed& one) {
+    return one.limits.size() == 1 && one.limits.front().check == kMost;
+  });
+  ASSERT_NE(freed, run.relaxed->freed.end());
+  const optimize::RelaxedLimit& told = freed->limits.front();
+  EXPECT_EQ(told.stated_si, 3.0 * units::kArcmin);
+  ASSERT_TRUE(told.relaxed_si);
+  EXPECT_GT(*told.relaxed_si, told.stated_si);
+  const std::string screen = report::relaxed_limits_text(task.spec, *run.relaxed);
+  EXPECT_NE(screen.find(fmt::format("backlash.max_output_arcmin = {:g} arcmin instead of 3: ",
+                                    *told.relaxed_si / units::kArcmin)),
+            std::string::npos)
+      << screen;
+  EXPECT_NE(screen.find(" % without the model's losses at the operating point\n"),
+            std::string::npos)
+      << screen;
+  const std::string json = report::relaxed_limits_json(task.spec, *run.relaxed).text();
+  EXPECT_NE(json.find("\"objective_without_model\": true"), std::string::npos) << json;
+  EXPECT_NE(json.find("\"stated\": 3.0"), std::string::npos) << json;
+  // With the value told there is a design, and with what the model leaves of it there is none.
+  for (const double share_rad : {0.0, 1.5 * units::kArcmin}) {
+    optimize::Specification again = spec;
+    again.limits[kMost] = *told.relaxed_si - share_rad;
+    OptimizeTask second = optimize_task({.spec = again, .model = model, .explain = false});
+    EXPECT_EQ(optimize(second, {}, progress).best.has_value(), share_rad == 0.0);
+  }
 }
 
 }  // namespace
