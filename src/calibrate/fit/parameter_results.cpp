@@ -8,36 +8,41 @@
 
 namespace gear3k::calibrate {
 
-namespace {
-
-/// Factor of a standard deviation for a 95 % interval: the normal's where the scatter is known,
-/// else Student's.
 double interval_factor(const FinalFit& fit) {
   constexpr double kNormal = 1.959963984540054;
   if (fit.scale_is_known || fit.degrees < 1) return kNormal;
   return numerics::student_quantile(0.975, fit.degrees);
 }
 
+namespace {
+
+/// A value of the fit, or one derived from those of the fit.
+struct FittedValue {
+  double value = 0.0;
+  double variance = 0.0;
+  bool at_bound = false;
+  double beyond = 0.0;  ///< how far across the bound the rows would have it
+};
+
 /// Whether a value can be.  At a bound of the fit it is the bound's and not that of the rows: it
 /// can be as long as the interval about where they would have it holds a value that can.
-/// @param beyond  how far across the bound they would have it; @param half  of the interval
-bool is_plausible(const ParameterRecord& record, double value, double beyond, double half) {
-  const double near = 1e-3 * (record.upper - record.lower);
-  const bool stopped = value <= record.lower + near || value >= record.upper - near;
-  const double reach = stopped ? half : 0.0;
-  return value + beyond + reach >= record.plausible_low &&
-         value + beyond - reach <= record.plausible_high;
+/// @param half  of the interval
+bool is_plausible(const ParameterRecord& record, const FittedValue& of, double half) {
+  const double reach = of.at_bound ? half : 0.0;
+  const double wanted = of.value + of.beyond;
+  return wanted + reach >= record.plausible_low && wanted - reach <= record.plausible_high;
 }
 
-ParameterResult parameter_result(const ParameterRecord& record, double value, double variance,
-                                 double factor, double beyond = 0.0) {
-  const double half = factor * std::sqrt(std::max(0.0, variance));
+ParameterResult parameter_result(const ParameterRecord& record, const FittedValue& of,
+                                 double factor) {
+  const double half = factor * std::sqrt(std::max(0.0, of.variance));
   return {.name = std::string(record.name),
           .unit = std::string(record.unit),
-          .value = value,
-          .low = value - half,
-          .high = value + half,
-          .plausible = is_plausible(record, value, beyond, half),
+          .value = of.value,
+          .low = of.value - half,
+          .high = of.value + half,
+          .at_bound = of.at_bound,
+          .plausible = is_plausible(record, of, half),
           .plausible_low = record.plausible_low,
           .plausible_high = record.plausible_high};
 }
@@ -53,9 +58,12 @@ std::vector<ParameterResult> parameter_results(const Simulation& simulation, con
   std::vector<ParameterResult> result;
   for (std::size_t k = 0; k < own.parameters.size(); ++k) {
     const auto at = static_cast<Eigen::Index>(first + k);
-    result.push_back(parameter_result(own.parameters[k], h.value[first + k], fit.covariance(at, at),
-                                      factor, fit.beyond[first + k]));
-    result.back().at_bound = fit.at_bound[first + k];
+    result.push_back(parameter_result(own.parameters[k],
+                                      {.value = h.value[first + k],
+                                       .variance = fit.covariance(at, at),
+                                       .at_bound = fit.at_bound[first + k],
+                                       .beyond = fit.beyond[first + k]},
+                                      factor));
   }
   if (own.cause->derived == nullptr) return result;
   // As many slopes at a time as a Scalar has.
@@ -78,8 +86,8 @@ std::vector<ParameterResult> parameter_results(const Simulation& simulation, con
   for (std::size_t k = 0; k < list.size(); ++k) {
     const DerivedParameter& d = list[k];
     const Eigen::VectorXd& slope = slopes[k];
-    ParameterResult derived =
-        parameter_result(d.record, d.value.a, slope.dot(fit.covariance * slope), factor);
+    ParameterResult derived = parameter_result(
+        d.record, {.value = d.value.a, .variance = slope.dot(fit.covariance * slope)}, factor);
     derived.derived = true;
     result.insert(d.leads ? result.begin() + leading++ : result.end(), std::move(derived));
   }

@@ -20,6 +20,10 @@ struct ParameterResult {
   bool derived = false;  ///< follows from the others (amplitude of a run-out)
 };
 
+/// Factor of a standard deviation for a 95 % interval: the normal's where the scatter is known,
+/// else Student's.
+double interval_factor(const FinalFit& fit);
+
 /// Parameters of one effect of a fit with 95 % intervals (Student's t over the fit's degrees of
 /// freedom), and its derived quantities (Cause::derived), whose variance is gᵀ C g by their
 /// gradient g and the fit's covariance C.

@@ -30,8 +30,8 @@ void add_implausible_drag(const Problem& problem, const FinalFit& fit, std::size
   const double torque_Nm = slope * fit.hypothesis.value[first];
   if (torque_Nm <= kMostDrag_Nm) return;
   const auto at = static_cast<Eigen::Index>(first);
-  constexpr double kNormal = 1.96;
-  const double half = kNormal * slope * std::sqrt(std::max(0.0, fit.covariance(at, at)));
+  const double half =
+      interval_factor(fit) * slope * std::sqrt(std::max(0.0, fit.covariance(at, at)));
   parameters.push_back({.name = "greatest_drag",
                         .unit = "Nm",
                         .value = torque_Nm,

@@ -108,8 +108,8 @@ void add_implausible_friction(const Problem& problem, const FinalFit& fit, std::
       const auto there = row_friction(problem, moved);
       if (there) slope[k] = (*there.*end - value) / step;
     }
-    constexpr double kNormal = 1.96;
-    const double half = kNormal * std::sqrt(std::max(0.0, slope.dot(fit.covariance * slope)));
+    const double half =
+        interval_factor(fit) * std::sqrt(std::max(0.0, slope.dot(fit.covariance * slope)));
     parameters.push_back({.name = name,
                           .unit = "",
                           .value = value,

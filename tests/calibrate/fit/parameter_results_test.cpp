@@ -71,6 +71,7 @@ TEST_F(ParameterResults, AtABoundArePlausibleWhereTheRowsDoNotRuleItOut) {
   // Inside the bounds the value decides, however little is known of it.
   EXPECT_TRUE(is_plausible(record.plausible_high, 0.0, 10.0));
   EXPECT_FALSE(is_plausible(record.plausible_high + 1e-6, 0.0, 10.0));
+  EXPECT_FALSE(is_plausible(record.lower + 1e-9, 0.0, 10.0));
   // At the bound the interval does: 1.9623 deviations at 1000 degrees of freedom.
   const double away = record.plausible_low - record.lower;
   ASSERT_GT(away, 0.0);

@@ -17,6 +17,7 @@ class RowDrag : public Bench {
   [[nodiscard]] std::vector<ParameterResult> told(const char* id, const char* shaft,
                                                   double coefficient) const {
     FinalFit fit;
+    fit.degrees = 10;
     fit.hypothesis = hypothesis({candidate(id, {.name = shaft, .body = shaft})}, {coefficient});
     fit.covariance = Eigen::MatrixXd::Constant(1, 1, 1e-4);
     std::vector<ParameterResult> result;
@@ -33,7 +34,8 @@ TEST_F(RowDrag, IsToldWhereItIsMoreThanSealsAndOilHave) {
   EXPECT_EQ(viscous[0].name, "greatest_drag");
   EXPECT_FALSE(viscous[0].plausible);
   EXPECT_NEAR(viscous[0].value, 6.0, 1e-12);
-  EXPECT_NEAR(viscous[0].high - viscous[0].value, 1.96 * 0.01 * kSun_rad_s, 1e-9);
+  // Tables of Student's t: 2.22814 for 10 degrees of freedom.
+  EXPECT_NEAR(viscous[0].high - viscous[0].value, 2.22814 * 0.01 * kSun_rad_s, 1e-5 * kSun_rad_s);
   const auto quadratic = told("drag_quadratic", "sun", 7.0 / (kSun_rad_s * kSun_rad_s));
   ASSERT_EQ(quadratic.size(), 1U);
   EXPECT_NEAR(quadratic[0].value, 7.0, 1e-12);

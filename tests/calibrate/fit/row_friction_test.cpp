@@ -46,6 +46,7 @@ class RowFriction : public Bench {
   }
   [[nodiscard]] std::vector<ParameterResult> told(const Hypothesis& h, std::size_t effect) const {
     FinalFit fit;
+    fit.degrees = 10;
     fit.hypothesis = h;
     const auto count = static_cast<Eigen::Index>(h.value.size());
     fit.covariance = 1e-4 * Eigen::MatrixXd::Identity(count, count);
@@ -107,8 +108,9 @@ TEST_F(RowFriction, BelowNoneOrAboveThatOfCleanMetalsIsImplausible) {
   EXPECT_EQ(negative[0].name, "least_friction");
   EXPECT_FALSE(negative[0].plausible);
   EXPECT_NEAR(negative[0].value, -0.25 * mu(), 1e-12);
-  // Of the three parameters the value at the start alone counts in the first row: deviation 0.01.
-  EXPECT_NEAR(0.5 * (negative[0].high - negative[0].low), 1.96 * 0.01 * mu(), 1e-6);
+  // Of the three parameters the value at the start alone counts in the first row: deviation 0.01,
+  // and 2.22814 of it by tables of Student's t for 10 degrees of freedom.
+  EXPECT_NEAR(0.5 * (negative[0].high - negative[0].low), 2.22814 * 0.01 * mu(), 1e-6);
 
   // Three times what is stated, and four times that in the last row.
   const auto above = told(hypothesis({level(), drift()}, {2.0, 3.0, 0.0, 0.0}), 0);
