@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -66,6 +67,67 @@ TEST(ReadingOrder, OfAChamberThatIsSetNowAndThenIsThatOfTheLines) {
     c.temperature_K = 310.0 - i % 30;
   }
   EXPECT_FALSE(reading_order(data).known());
+}
+
+/// Lines of 13 set torques, four of each, from the least to the greatest; each read 0.3 % off.
+MeasurementSet read_torques(std::uint64_t seed) {
+  MeasurementSet data;
+  RandomBits random(seed);
+  for (int i = 0; i < 52; ++i) {
+    const double set_Nm = 10.0 + 10.0 * std::floor(i / 4.0);
+    Observation row;
+    row.condition.output_torque_Nm = set_Nm * (1.0 + 0.003 * random.normal());
+    data.rows.push_back(row);
+  }
+  return data;
+}
+
+TEST(ReadingOrder, IsNotThatOfLinesSortedBySetPointsThatScatter) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    MeasurementSet data = read_torques(seed);
+    EXPECT_FALSE(reading_order(data).known()) << seed;
+    std::ranges::reverse(data.rows);
+    EXPECT_FALSE(reading_order(data).known()) << seed;
+  }
+}
+
+TEST(ReadingOrder, IsNotThatOfSortedLinesOfWhichOneWasReadAgain) {
+  const MeasurementSet sorted = read_torques(1);
+  for (std::size_t again = 0; again < sorted.rows.size(); ++again) {
+    for (std::size_t to = 0; to <= sorted.rows.size(); to += 13) {
+      MeasurementSet data = sorted;
+      data.rows.insert(data.rows.begin() + static_cast<std::ptrdiff_t>(to), sorted.rows[again]);
+      EXPECT_FALSE(reading_order(data).known()) << again << " at " << to;
+    }
+  }
+}
+
+TEST(ReadingOrder, OfTorquesThatRiseAndFallOrAChamberThatCreepsIsThatOfTheLines) {
+  MeasurementSet data = read_torques(1);
+  const MeasurementSet back = data;
+  data.rows.insert(data.rows.end(), back.rows.rbegin(), back.rows.rend());
+  EXPECT_TRUE(reading_order(data).known());
+  // To and fro, half of a turn and a bit: most of it in one sense.
+  RandomBits random(5);
+  for (std::size_t i = 0; i < data.rows.size(); ++i) {
+    Condition& c = data.rows[i].condition;
+    c.output_torque_Nm = 1.0 + std::floor(11.0 * random.uniform());
+    c.temperature_K =
+        300.0 + 5.0 * std::sin(0.045 * static_cast<double>(i)) + 0.2 * random.normal();
+  }
+  EXPECT_TRUE(reading_order(data).known());
+  // What follows the line before by 95 %.
+  int sorted = 0;
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    RandomBits other(seed);
+    double creep = other.normal();
+    for (Observation& row : data.rows) {
+      creep = 0.95 * creep + std::sqrt(1.0 - 0.95 * 0.95) * other.normal();
+      row.condition.temperature_K = 300.0 + creep;
+    }
+    sorted += reading_order(data).known() ? 0 : 1;
+  }
+  EXPECT_EQ(sorted, 0);
 }
 
 TEST(ReadingOrder, OfSomeRowsCountsTheReadingsBetweenThem) {
