@@ -198,7 +198,7 @@ MemoryEstimate memory_of(const Problem& problem, const Hypothesis& hypothesis, d
 }
 
 MemoryEvidence memory_evidence(const NoiseModel& noise, const Eigen::VectorXd& missed,
-                               const Eigen::MatrixXd& own) {
+                               const Eigen::MatrixXd& own, double chance) {
   const auto n = static_cast<double>(missed.size());
   const auto twice_log_likelihood = [&](const NoiseMemory& memory) {
     NoiseModel trial = noise;
@@ -223,10 +223,12 @@ MemoryEvidence memory_evidence(const NoiseModel& noise, const Eigen::VectorXd& m
   }
   const TriedMemory best = *std::ranges::max_element(places, {}, &TriedMemory::ratio);
   MemoryEvidence result;
-  result.likeliest.memory = best.memory;
   result.likeliest.likelihood_ratio = std::max(0.0, best.ratio);
   result.likeliest.p_value = chance_of_ratio(best.ratio);
-  set_interval(places, result.likeliest);
+  if (result.likeliest.p_value <= chance) {
+    result.likeliest.memory = best.memory;
+    set_interval(places, result.likeliest);
+  }
   // As likely before the data to remember, anyhow, as not to.
   const double top = std::max(0.0, best.ratio);
   double mean = 0.0;

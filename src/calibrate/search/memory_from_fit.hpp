@@ -20,7 +20,7 @@ inline constexpr int kFewestRememberingRows = 20;
 struct MemoryEvidence {
   /// 2 ln of the likelihood, its mean over all memories; up to a constant of the data.
   double twice_log_likelihood = 0.0;
-  MemoryEstimate likeliest;
+  MemoryEstimate likeliest;  ///< none where independent readings look like this by luck
 };
 
 /// Likelihood of what a hypothesis misses, its parameters free, averaged over what the noise may
@@ -30,7 +30,8 @@ struct MemoryEvidence {
 /// @param noise   with the weights and the scatter of sessions; its memory does not count
 /// @param missed  measured − simulated, far rows moved in [SI]
 /// @param own     derivatives by the hypothesis' parameters [SI]
+/// @param chance  no likeliest memory where independent readings look like this more often by luck
 MemoryEvidence memory_evidence(const NoiseModel& noise, const Eigen::VectorXd& missed,
-                               const Eigen::MatrixXd& own);
+                               const Eigen::MatrixXd& own, double chance);
 
 }  // namespace gear3k::calibrate

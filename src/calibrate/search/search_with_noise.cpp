@@ -94,8 +94,9 @@ bool may_replace(Problem& problem, const NoiseMemory& memory, const SearchUnderN
   return criterion(problem, none) < criterion(problem, found);
 }
 
-/// The memory that may stand in the place of all that was found; none where what was found is
-/// likelier, whatever the noise remembers, its parameters and the choice of its causes paid for.
+/// The memory that may stand in the place of all that was found; none where the readings do not
+/// show one, or where what was found is likelier, whatever the noise remembers, its parameters and
+/// the choice of its causes paid for.
 std::optional<MemoryEstimate> memory_instead(const Problem& problem,
                                              const SearchUnderNoise& found) {
   const NoiseModel& noise = found.noise;
@@ -110,11 +111,12 @@ std::optional<MemoryEstimate> memory_instead(const Problem& problem,
       (measured(problem.data) - causes_at.simulated).cwiseProduct(noise.weight);
   const Eigen::VectorXd missed =
       winsorised(weighted, robust_deviation(weighted)).cwiseQuotient(noise.weight);
-  const MemoryEvidence with_causes = memory_evidence(noise, missed, causes_at.own);
+  const MemoryEvidence with_causes = memory_evidence(noise, missed, causes_at.own, kTriedChance);
   NoiseModel alone = noise;
   alone.session_variance = 0.0;
-  const MemoryEvidence without =
-      memory_evidence(alone, missed + causes_at.simulated - given.simulated, given.own);
+  const MemoryEvidence without = memory_evidence(
+      alone, missed + causes_at.simulated - given.simulated, given.own, kTriedChance);
+  if (!(without.likeliest.memory.share > 0.0)) return std::nullopt;
   const double log_n = std::log(static_cast<double>(missed.size()));
   const double cost =
       (static_cast<double>(h.value.size()) + (noise.session_variance > 0.0 ? 1.0 : 0.0)) * log_n +

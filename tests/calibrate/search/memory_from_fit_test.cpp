@@ -142,10 +142,27 @@ TEST_F(MemoryFromFit, EvidenceIsTheMeanOfLikelihoodsByTheCovarianceItself) {
     }
   }
   const double mean = independent - 2.0 * std::log(0.5 * sum / count + 0.5);
-  const MemoryEvidence evidence = memory_evidence(p.noise, missed, own);
+  const MemoryEvidence evidence = memory_evidence(p.noise, missed, own, 0.2);
   EXPECT_NEAR(-evidence.twice_log_likelihood, mean, 1e-6 * std::abs(mean));
   EXPECT_NEAR(evidence.likeliest.likelihood_ratio, independent - least, 1e-6);
   EXPECT_NEAR(evidence.likeliest.memory.correlation(), 0.5, 0.25);
+}
+
+TEST_F(MemoryFromFit, EvidenceNamesNoMemoryThatReadingsDoNotShow) {
+  const auto n = static_cast<Eigen::Index>(data_.rows.size());
+  int shown = 0;
+  constexpr int kSeeds = 60;
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    measure(seed, 0.0);
+    const Eigen::VectorXd missed =
+        measured(data_) - Eigen::Map<const Eigen::VectorXd>(clean_.data(), n);
+    const MemoryEstimate m =
+        memory_evidence(problem().noise, missed, Eigen::MatrixXd::Ones(n, 1), 0.2).likeliest;
+    EXPECT_EQ(m.memory.share > 0.0, m.p_value <= 0.2) << seed;
+    shown += m.memory.share > 0.0 ? 1 : 0;
+  }
+  // Of 60 with 20 % each 99.9 % have fewer than 23.
+  EXPECT_LT(shown, 23);
 }
 
 TEST_F(MemoryFromFit, StepsOfTwiceTheNoiseAreNone) {
