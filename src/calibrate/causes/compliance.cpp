@@ -51,8 +51,8 @@ std::vector<ParameterRecord> parameters(const Form& form, Kind) {
 }
 
 /// Test torques between which what is soft at first may come to its end: a quarter of the loaded
-/// rows, and two torques at least, lie below.  Otherwise it would be a constant in disguise, which
-/// is `clearance`.
+/// rows, and two torques at least, lie at or below.  Otherwise it would be a constant in disguise,
+/// which is `clearance`.
 ValueRange soft_torques(const MeasurementSet& data) {
   std::vector<double> torque_Nm;
   for (const Observation& row : data.rows) {
