@@ -329,7 +329,7 @@ Fit with_smooth_laws(const Problem& problem, const std::vector<Candidate>& all, 
 namespace {
 
 /// ln L by which a second name has to be there beside another: ΔBIC 10, strong evidence.
-constexpr double kStrong = 5.0;
+constexpr double kStrongLogLikelihood = 5.0;
 
 /// The fit of the best score among those of one name in the place of several.
 class BestOfOne {
@@ -346,7 +346,7 @@ class BestOfOne {
   }
   /// Of several names the second has to be as strongly there as beside any other (ΔBIC 10).
   [[nodiscard]] Fit in_place_of(Fit several) && {
-    const bool stays = fit_ && score_ > score_of(problem_, several, scale_) - kStrong;
+    const bool stays = fit_ && score_ > score_of(problem_, several, scale_) - kStrongLogLikelihood;
     return stays ? std::move(*fit_) : std::move(several);
   }
 
@@ -372,7 +372,7 @@ Fit with_freed_rests(const Problem& problem, const std::vector<Candidate>& all, 
   for (bool again = true; again && found.hypothesis.effects.size() > 1;) {
     again = false;
     const Hypothesis h = found.hypothesis;
-    double most = score_of(problem, found, scale) - kStrong;
+    double most = score_of(problem, found, scale) - kStrongLogLikelihood;
     std::optional<Fit> freed;
     for (std::size_t e = 0; e < h.effects.size(); ++e) {
       if (is_play_beside_windup(h, e)) continue;
