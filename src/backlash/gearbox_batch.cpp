@@ -24,7 +24,7 @@ Strips everything() {
 }
 /// std::max and std::min, in a form that becomes one instruction each.
 inline double batch_larger(double a, double b) { return a < b ? b : a; }
-inline double smaller(double a, double b) { return b < a ? b : a; }
+inline double batch_smaller(double a, double b) { return b < a ? b : a; }
 
 }  // namespace
 
@@ -76,13 +76,14 @@ void GearboxBatch::ranges(std::span<const Lanes* const> values, BatchRange& resu
       const auto& [low1, high1, low2, high2, low3, high3] = u;
       for (std::size_t b = 0; b < kBlock; ++b) {
         w.lower[b] = batch_larger(w.lower[b], low1[b] + low2[b]);
-        w.upper[b] = smaller(w.upper[b], high1[b] + high2[b]);
+        w.upper[b] = batch_smaller(w.upper[b], high1[b] + high2[b]);
         s13.lower[b] = batch_larger(s13.lower[b], kappa * low1[b] + low3[b]);
-        s13.upper[b] = smaller(s13.upper[b], kappa * high1[b] + high3[b]);
+        s13.upper[b] = batch_smaller(s13.upper[b], kappa * high1[b] + high3[b]);
         s23.lower[b] = batch_larger(s23.lower[b], low3[b] - kappa * high2[b]);
-        s23.upper[b] = smaller(s23.upper[b], high3[b] - kappa * low2[b]);
-        margin[b] = smaller(smaller(smaller(margin[b], high1[b] - low1[b]), high2[b] - low2[b]),
-                            high3[b] - low3[b]);
+        s23.upper[b] = batch_smaller(s23.upper[b], high3[b] - kappa * low2[b]);
+        margin[b] = batch_smaller(
+            batch_smaller(batch_smaller(margin[b], high1[b] - low1[b]), high2[b] - low2[b]),
+            high3[b] - low3[b]);
       }
     }
     // output_range() takes the lower end from mirrored strips: signs change, roundings do not.
@@ -91,17 +92,19 @@ void GearboxBatch::ranges(std::span<const Lanes* const> values, BatchRange& resu
     const Block& s13_up = f > 0.0 ? s13.lower : s13.upper;
     const Block& s13_down = f > 0.0 ? s13.upper : s13.lower;
     for (std::size_t b = 0; b < kBlock; ++b) {
-      const double up = smaller(smaller(s13.upper[b] - e * w.lower[b], s23.upper[b] - f * w_up[b]),
-                                (e * s23.upper[b] - f * s13_up[b]) / kappa);
+      const double up =
+          batch_smaller(batch_smaller(s13.upper[b] - e * w.lower[b], s23.upper[b] - f * w_up[b]),
+                        (e * s23.upper[b] - f * s13_up[b]) / kappa);
       const double down =
-          smaller(smaller(e * w.upper[b] - s13.lower[b], f * w_down[b] - s23.lower[b]),
-                  (f * s13_down[b] - e * s23.lower[b]) / kappa);
+          batch_smaller(batch_smaller(e * w.upper[b] - s13.lower[b], f * w_down[b] - s23.lower[b]),
+                        (f * s13_down[b] - e * s23.lower[b]) / kappa);
       result.width_rad.lane[at + b] = up / output_m + down / output_m;
-      const double chains = smaller(smaller(w.upper[b] - w.lower[b], s13.upper[b] - s13.lower[b]),
-                                    s23.upper[b] - s23.lower[b]);
-      const double across = smaller(kappa * w.upper[b] - (s13.lower[b] - s23.upper[b]),
-                                    (s13.upper[b] - s23.lower[b]) - kappa * w.lower[b]);
-      result.margin_m.lane[at + b] = smaller(smaller(margin[b], chains), across);
+      const double chains =
+          batch_smaller(batch_smaller(w.upper[b] - w.lower[b], s13.upper[b] - s13.lower[b]),
+                        s23.upper[b] - s23.lower[b]);
+      const double across = batch_smaller(kappa * w.upper[b] - (s13.lower[b] - s23.upper[b]),
+                                          (s13.upper[b] - s23.lower[b]) - kappa * w.lower[b]);
+      result.margin_m.lane[at + b] = batch_smaller(batch_smaller(margin[b], chains), across);
     }
   }
 }
