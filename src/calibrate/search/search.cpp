@@ -13,6 +13,7 @@
 #include "calibrate/search/free_shapes.hpp"
 #include "calibrate/search/linear_sets.hpp"
 #include "calibrate/search/replacements.hpp"
+#include "calibrate/search/second_names.hpp"
 
 namespace gear3k::calibrate {
 

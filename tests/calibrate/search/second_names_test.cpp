@@ -1,4 +1,4 @@
-#include "calibrate/search/free_shapes.hpp"
+#include "calibrate/search/second_names.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include "tests/calibrate/bench.hpp"
 #include "tests/calibrate/measured_grid.hpp"
 
-namespace gear3k::calibrate::free_shapes_test {
+namespace gear3k::calibrate::second_names_test {
 namespace {
 
 /// Two sessions; friction that changes over the time as a function says.
@@ -190,4 +190,4 @@ TEST_F(NamedMeans, SessionsThatDifferAsTheyLikeStaySessions) {
 }
 
 }  // namespace
-}  // namespace gear3k::calibrate::free_shapes_test
+}  // namespace gear3k::calibrate::second_names_test
