@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # clang-tidy over the sources that changed since they were last found clean: of src/ and the test
-# benches; with GEAR3K_LONG=1 of all tests, benchmarks, fuzzers and examples too, and with the check
-# that takes as long as all others together (parameters that need not be copies):
+# benches; with GEAR3K_LONG=1 of all tests, benchmarks, fuzzers and examples too, and of app/ and cli/
+# with the check that takes as long there, in CLI11's header, as all others together (parameters that
+# need not be copies):
 #   tools/tidy.sh BUILD_DIR [GROUP]...    (configured with GEAR3K_UNITY, and built: its dependencies
 #                                          are used; a group has the name of its first target)
 # Most of the time of clang-tidy goes into the headers of the libraries.  So the sources are read in
@@ -115,7 +116,7 @@ tidy_group() {
   local name=$1 state begin=$EPOCHSECONDS checks=() extent=long
   state=$(state_of "$name") || return 1
   [ -f "$work/$name.long.clean" ] && [ "$(cat "$work/$name.long.clean")" = "$state" ] && return 0
-  if [ "${GEAR3K_LONG:-0}" != 1 ]; then
+  if [ "${GEAR3K_LONG:-0}" != 1 ] && [ "$name" = gear3k_app ]; then
     checks=(--checks=-performance-unnecessary-value-param)
     extent=short
     [ -f "$work/$name.short.clean" ] && [ "$(cat "$work/$name.short.clean")" = "$state" ] && return 0
