@@ -1,8 +1,6 @@
 #!/usr/bin/env bash
 # clang-tidy over the sources that changed since they were last found clean: of src/ and the test
-# benches; with GEAR3K_LONG=1 of all tests, benchmarks, fuzzers and examples too, and of app/ and cli/
-# with the check that takes as long there, in CLI11's header, as all others together (parameters that
-# need not be copies):
+# benches; with GEAR3K_LONG=1 of all tests, benchmarks, fuzzers and examples too, and with all checks:
 #   tools/tidy.sh BUILD_DIR [GROUP]...    (configured with GEAR3K_UNITY, and built: its dependencies
 #                                          are used; a group has the name of its first target)
 # Most of the time of clang-tidy goes into the headers of the libraries.  So the sources are read in
@@ -51,6 +49,24 @@ awk -v root="$root/" -v commands="$work/commands/" '
     while ((getline line < file) > 0)
       if (line ~ /^#include "/) { split(line, part, "\""); print target "\t" object "\t" part[2] }
   }' "$build/compile_commands.json" >"$work/units"
+
+# Left to GEAR3K_LONG=1: together a fifth of the time, nearly all of it in headers of libraries, for
+# what the compiler warns of as well (-Wempty-body), for functions of C that no source calls
+# (strings, allocation), or for style.
+seldom_checks=(
+  bugprone-not-null-terminated-result
+  bugprone-sizeof-expression
+  bugprone-suspicious-semicolon
+  bugprone-suspicious-string-compare
+  bugprone-undelegated-constructor
+  bugprone-unused-raii
+  modernize-use-nullptr
+  performance-unnecessary-value-param
+  readability-redundant-control-flow
+  readability-redundant-declaration
+)
+seldom=$(printf ',-%s' "${seldom_checks[@]}")
+seldom=${seldom#,}
 
 # One source per group, and one compile_commands.json for them.
 entries=
@@ -116,8 +132,8 @@ tidy_group() {
   local name=$1 state begin=$EPOCHSECONDS checks=() extent=long
   state=$(state_of "$name") || return 1
   [ -f "$work/$name.long.clean" ] && [ "$(cat "$work/$name.long.clean")" = "$state" ] && return 0
-  if [ "${GEAR3K_LONG:-0}" != 1 ] && [ "$name" = gear3k_app ]; then
-    checks=(--checks=-performance-unnecessary-value-param)
+  if [ "${GEAR3K_LONG:-0}" != 1 ]; then
+    checks=("--checks=$seldom")
     extent=short
     [ -f "$work/$name.short.clean" ] && [ "$(cat "$work/$name.short.clean")" = "$state" ] && return 0
   fi
@@ -131,7 +147,7 @@ tidy_group() {
   fi
 }
 export -f tidy_group state_of
-export root build work
+export root build work seldom
 if [ $# -gt 0 ]; then
   list=$(printf '%s\n' "$@")
 elif [ "${GEAR3K_LONG:-0}" != 1 ]; then
