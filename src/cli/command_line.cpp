@@ -150,6 +150,26 @@ CLI::Validator one_of(std::string kind, std::vector<std::string> known) {
           set};
 }
 
+void check_file_names(CLI::App& app) {
+  for (CLI::Option* option : app.get_options([](const CLI::Option*) { return true; })) {
+    if (option->get_items_expected_max() == 0) continue;
+    CommandArgument argument;
+    argument.text = option->get_description();
+    const FileKind kind = file_kind(argument);
+    if (kind == FileKind::kNone) continue;
+    const char* what = kind == FileKind::kFolder ? "folder" : "file";
+    const bool named = option->nonpositional();
+    option->check([what, named](const std::string& name) -> std::string {
+      if (name.empty()) return fmt::format("the name of a {}, not \"\"", what);
+      if (!named || !name.starts_with("--")) return "";
+      return fmt::format("without its value; ./{} is the name of a {}", name, what);
+    });
+  }
+  for (CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    check_file_names(*command);
+  }
+}
+
 std::string unknown_word(const CLI::App& app, const std::vector<std::string>& words) {
   const CLI::App* command = &app;
   std::size_t at = 0;

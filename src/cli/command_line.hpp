@@ -29,6 +29,11 @@ std::string unknown(const std::string& kind, const std::string& word,
 /// A check that takes the known words only.
 CLI::Validator one_of(std::string kind, std::vector<std::string> known);
 
+/// Adds checks to every argument of every command that names a file or folder (file_kind): its name
+/// is not "", which would be read as if the option were not there, and that of an option not the
+/// next option (`--out --quiet`).
+void check_file_names(CLI::App& app);
+
 /// A message about the first word that is no command, or no option of its command; "" when all are.
 std::string unknown_word(const CLI::App& app, const std::vector<std::string>& words);
 

@@ -38,30 +38,19 @@ void add_model_option(CLI::App& command, std::string& model) {
   command
       .add_option("--model", model,
                   "MODEL.toml of diagnose: what measurements add to the simulation")
-      ->check([](const std::string& file) {
-        return file.empty() ? "the name of a file, not \"\"" : std::string();
-      })
       ->option_text("MODEL");
-}
-
-/// A message when a name cannot be a folder's; "" when it can.
-std::string folder_name(const std::string& folder) {
-  return folder.empty() ? "the name of a folder, not \"\"" : "";
 }
 
 /// Options of `export`; its callback runs after all were read.
 void add_export_options(CLI::App& command, cli::ExportOptions& options) {
   command.add_option("DESIGN", options.file, "DESIGN.toml; for --sheet also PAIR.toml")->required();
   command.add_option("--dxf", options.dxf_folder, "folder for DXF files; made when missing")
-      ->check(folder_name)
       ->option_text("DIR");
   command.add_option("--svg", options.svg_folder, "folder for SVG files; made when missing")
-      ->check(folder_name)
       ->option_text("DIR");
   command
       .add_option("--sheet", options.sheet_folder,
                   "folder for inspection sheets (CSV and pages); made when missing")
-      ->check(folder_name)
       ->option_text("DIR");
   command
       .add_option("--chord-error-um", options.chord_error_um,
@@ -162,7 +151,6 @@ void add_diagnose_options(CLI::App& command, cli::DiagnoseOptions& options) {
   command
       .add_option("--out", options.out,
                   "folder for result files and figures (by gnuplot); made when missing")
-      ->check(folder_name)
       ->option_text("DIR");
   add_model_option(command, options.model);
   command
@@ -239,7 +227,6 @@ void add_actuator_options(CLI::App& command, cli::ActuatorOptions& options) {
   command
       .add_option("--figures", options.figures,
                   "folder for figures (by gnuplot) and their CSV; made when missing")
-      ->check(folder_name)
       ->option_text("DIR");
   command
       .add_option("--select", options.select,
@@ -310,7 +297,6 @@ int run_program(int argc, char** argv) {
       ->add_option("--figures", analyze.figures,
                    "folder for torque_angle.csv and its figure, of a design with [strength]; made "
                    "when missing; figures need gnuplot")
-      ->check(folder_name)
       ->option_text("DIR");
   analyze_command->footer(keys_of("DESIGN.toml"));
   analyze_command->callback([&] { run = [&] { return cli::run_analyze(analyze); }; });
@@ -355,9 +341,7 @@ int run_program(int argc, char** argv) {
       app.add_subcommand("optimize", "search, refine every tooth set, write the best design");
   optimize_command->add_option("SPEC", optimize.file, "SPEC.toml")->required();
   add_show_options(*optimize_command, optimize.show);
-  optimize_command->add_option("--out", optimize.out, "folder for the result files")
-      ->required()
-      ->check(folder_name);
+  optimize_command->add_option("--out", optimize.out, "folder for the result files")->required();
   optimize_command->add_flag(
       "--certify", optimize.certify,
       "refine only sets whose bound reaches the best, and prove none better");
@@ -397,7 +381,6 @@ int run_program(int argc, char** argv) {
       ->add_option("--out", map.out,
                    "folder for map.csv, map.json and figures; made when missing; figures need "
                    "gnuplot")
-      ->check(folder_name)
       ->option_text("DIR");
   add_model_option(*map_command, map.model);
   add_common_options(*map_command, map);
@@ -413,7 +396,6 @@ int run_program(int argc, char** argv) {
       ->add_option("--out", tolerances.out,
                    "folder for tolerances.json, lost_motion.csv, tolerances.csv, turn.csv, "
                    "turn_orders.csv and figures; made when missing; figures need gnuplot")
-      ->check(folder_name)
       ->option_text("DIR");
   tolerances_command
       ->add_option("--samples", tolerances.samples, "gearboxes, instead of tolerances.samples")
@@ -448,7 +430,6 @@ int run_program(int argc, char** argv) {
       ->add_option("--figures", reproduce.figures,
                    "folder for the papers' figures from our own models, CSV and "
                    "figures; made when missing; figures need gnuplot")
-      ->check(folder_name)
       ->option_text("DIR");
   add_common_options(*reproduce_command, reproduce);
   add_out_file(*reproduce_command, reproduce);
@@ -476,7 +457,6 @@ int run_program(int argc, char** argv) {
       ->add_option("--out", simulate.out,
                    "folder for motion.csv, events.csv, ledger.json and motion.svg; made when "
                    "missing; the figure needs gnuplot")
-      ->check(folder_name)
       ->option_text("DIR");
   simulate_command->footer(keys_of("SCENARIO.toml"));
   simulate_command->callback([&] { run = [&] { return cli::run_simulate(simulate); }; });
@@ -522,7 +502,6 @@ int run_program(int argc, char** argv) {
       ->add_option(
           "--out", manual.out,
           "folder for all pages, man1/*.1 and man5/*.5; made when missing: man -M DIR PAGE")
-      ->check(folder_name)
       ->option_text("DIR");
   add_common_options(*manual_command, manual);
   manual_command->callback(
@@ -536,6 +515,7 @@ int run_program(int argc, char** argv) {
   completion_command->callback(
       [&] { run = [&] { return cli::run_completion(completion, cli::described(app)); }; });
 
+  cli::check_file_names(app);
   if (const std::string error = cli::unknown_word(app, {argv + 1, argv + argc}); !error.empty()) {
     cli::say(fmt::format("{}\nRun with --help for more information.\n", error));
     return cli::kUsage;

@@ -7,6 +7,7 @@
 
 #include "io/text/printable.hpp"
 #include "report/actuator_report.hpp"
+#include "report/selection_report.hpp"
 #include "report/text_table.hpp"
 #include "units/units.hpp"
 
@@ -115,11 +116,11 @@ std::string no_motor_text(const actuator::CoDesign& co_design, std::size_t gearb
                     : "even a gearbox without losses, of any ratio of this task,";
   return fmt::format(
       "no feasible design: none of {} motors drives {} within its limits: the nearest, {}, exceeds "
-      "{} by {:.4g} % of the limit",
+      "{}{}",
       task.motors.size(), gears, io::printable(task.motors[nearest.pair.motor].name),
       nearest.limit ? actuator::kPairLimitNames[static_cast<std::size_t>(*nearest.limit)]
                     : "no limit",
-      100.0 * nearest.excess);
+      excess_text(nearest.excess));
 }
 
 }  // namespace gear3k::report

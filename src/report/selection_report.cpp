@@ -231,15 +231,19 @@ std::string selection_table(const SelectionTask& task, const Selection& selectio
   return text;
 }
 
+std::string excess_text(double share) {
+  return std::isfinite(share) ? fmt::format(" by {:.4g} % of the limit", 100.0 * share)
+                              : " without bound";
+}
+
 std::string selection_blocking_text(const SelectionTask& task, const Selection& selection) {
   if (!selection.front.empty()) return "";
   if (!selection.nearest) return "no pair: the catalogues are empty";
   const PairResult& r = *selection.nearest;
-  return fmt::format(
-      "no pair is feasible: the nearest, {} with {}, exceeds {} by {:.4g} % of the limit",
-      io::printable(task.motors[r.pair.motor].name),
-      io::printable(task.gearboxes[r.pair.gearbox].name),
-      r.limit ? limit_name(*r.limit) : "no limit", 100.0 * r.excess);
+  return fmt::format("no pair is feasible: the nearest, {} with {}, exceeds {}{}",
+                     io::printable(task.motors[r.pair.motor].name),
+                     io::printable(task.gearboxes[r.pair.gearbox].name),
+                     r.limit ? limit_name(*r.limit) : "no limit", excess_text(r.excess));
 }
 
 }  // namespace gear3k::report

@@ -24,6 +24,9 @@ std::string selection_json(const actuator::SelectionTask& task,
                            const actuator::Selection& selection);
 std::string selection_table(const actuator::SelectionTask& task,
                             const actuator::Selection& selection);
+/// By how much a limit is exceeded: " by 12 % of the limit"; a share without bound (a winding that
+/// heats up without end, an output that cannot drive) as that.
+std::string excess_text(double share);
 /// What keeps every pair from being feasible, and by how much the nearest misses it; "" where a
 /// pair is.
 std::string selection_blocking_text(const actuator::SelectionTask& task,

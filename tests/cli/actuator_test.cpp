@@ -279,6 +279,27 @@ TEST(Selection, WithoutAFeasiblePairEndsWith3AndNamesTheLimit) {
       << result.err;
 }
 
+TEST(Selection, WindingThatHeatsUpWithoutEndExceedsWithoutBound) {
+  const Workplace place;
+  // 30 A rms in 1 Ohm: 900 W and more through 100 K/W.
+  place.write(
+      "motors.csv",
+      "manufacturer,order_code,resistance_ohm,torque_constant_nm_per_a,rotor_inertia_kgm2,"
+      "thermal_resistance_winding_housing_k_per_w,thermal_resistance_housing_ambient_k_per_w"
+      "\nA,hot,1,0.01,1e-6,50,50\n");
+  place.write("gearboxes.csv", "manufacturer,order_code,ratio,efficiency\nB,ten,10,1\n");
+  place.write("c.csv", "time_s,torque_nm,speed_rad_s\n0,-3,1\n0.5,-3,1\n1,-3,1\n");
+  place.write("s.toml",
+              "motors = \"motors.csv\"\ngearboxes = \"gearboxes.csv\"\ncycles = \"c.csv\"\n"
+              "[limits]\nmax_winding_c = 120\n");
+  const ProgramResult result = place.run({"actuator", "--select", "s.toml", "--out", "out"});
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_TRUE(contains(result.err, "A hot with B ten, exceeds winding without bound\n"))
+      << result.err;
+  EXPECT_EQ(lines_of(place.read("out/selection.csv")).at(1),
+            "A hot,B ten,infeasible,winding,inf,0");
+}
+
 TEST(Actuator, TableOfTheExamplesSelectionFitsTheScreen) {
   const Workplace place;
   const std::string source = GEAR3K_SOURCE_DIR "/examples/actuators/knee_selection.toml";

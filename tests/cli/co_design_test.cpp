@@ -39,6 +39,37 @@ void write_parts(const Workplace& place) {
   place.write("c.csv", kCycle);
 }
 
+TEST(OptimizeCycleEnergy, LimitThatLeavesNoMotorIsToldWithItsLine) {
+  const Workplace place;
+  write_parts(place);
+  const auto error_of = [&](const std::string& limit) {
+    place.write("spec.toml", test::replaced(kTask, "[cycle]", limit + "[cycle]"));
+    const ProgramResult run = place.run({"optimize", "spec.toml", "--out", "out"});
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_NE(run.err.find("leave no motor"), std::string::npos) << run.err;
+    return run.err;
+  };
+  const std::string mass = error_of("limits.max_motor_mass_kg = 0.05\n");
+  EXPECT_TRUE(mass.starts_with("spec.toml:24:8: ")) << mass;
+  place.write("motors.csv",
+              "manufacturer,order_code,resistance_ohm,torque_constant_nm_per_a,"
+              "rotor_inertia_kgm2\nA,small,1.2,0.02,1e-6\n");
+  const std::string friction = error_of("limits.known_friction = true\n");
+  EXPECT_TRUE(friction.starts_with("spec.toml:24:8: ")) << friction;
+}
+
+TEST(OptimizeCycleEnergy, WeightsAreOneForEachCycle) {
+  const Workplace place;
+  write_parts(place);
+  for (const char* files : {"\"c.csv\"", "[\"c.csv\", \"c.csv\", \"c.csv\"]"}) {
+    place.write("spec.toml", test::replaced(kTask, "files = \"c.csv\"",
+                                            std::string("weights = [1, 2]\nfiles = ") + files));
+    const ProgramResult run = place.run({"optimize", "spec.toml", "--out", "out"});
+    EXPECT_EQ(run.exit_code, 2) << run.err;
+    EXPECT_TRUE(run.err.starts_with("spec.toml:25:1: cycle.weights: 2 for ")) << run.err;
+  }
+}
+
 TEST(OptimizeCycleEnergy, ItsActuatorRunsAsItIsAndNeedsTheSameEnergy) {
   const Workplace place;
   write_parts(place);

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "tests/cli/other_path.hpp"
@@ -21,6 +22,7 @@ namespace {
 using std::chrono::milliseconds, std::chrono::seconds;
 using test::example, test::ProgramResult, test::replaced, test::RunningProgram, test::Workplace;
 
+constexpr int kUsage = 1;
 constexpr int kInvalidInput = 2;
 constexpr int kNoFeasibleDesign = 3;
 
@@ -104,6 +106,33 @@ TEST(Pipe, SubjectThroughItIsReadOnce) {
   place.write("data.csv", example("measurements/published_bilateral_drive_gear.csv"));
   const ProgramResult result = place.run({"diagnose", "gear", "data.csv", "--quiet"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
+}
+
+TEST(Input, WhatIsNoNameOfAFileIsRefusedAsOne) {
+  const Workplace place;
+  place.write("gear.toml", design_named("a"));
+  const std::pair<std::vector<std::string>, std::string> commands[] = {
+      {{"analyze", ""}, "DESIGN: the name of a file, not \"\""},
+      {{"analyze", "gear.toml", "--out", ""}, "--out: the name of a file, not \"\""},
+      {{"compare", "gear.toml", ""}, "DESIGN: the name of a file, not \"\""},
+      {{"diagnose", "gear.toml", ""}, "DATA: the name of a file, not \"\""},
+      {{"actuator", "gear.toml", "--cycle", ""}, "--cycle: the name of a file, not \"\""},
+      {{"sweep", "status", ""}, "DB: the name of a file, not \"\""},
+      {{"sweep", "merge", "gear.toml", "--out", ""}, "--out: the name of a file, not \"\""},
+      {{"atlas", "96", "--task", ""}, "--task: the name of a file, not \"\""},
+      {{"atlas", "96", "--figures", ""}, "--figures: the name of a folder, not \"\""},
+      {{"new", "task", "--out", ""}, "--out: the name of a file, not \"\""},
+      {{"analyze", "gear.toml", "--model", "--strict"}, "--model: without its value; ./--strict"},
+      {{"map", "gear.toml", "--out", "--quiet"},
+       "--out: without its value; ./--quiet is the name"}};
+  for (const auto& [arguments, message] : commands) {
+    const ProgramResult result = place.run(arguments);
+    EXPECT_EQ(result.exit_code, kUsage) << message;
+    EXPECT_EQ(result.out, "") << message;
+    EXPECT_TRUE(contains(result.err, message)) << result.err;
+  }
+  EXPECT_EQ(place.run({"new", "design", "--out", "./--quiet"}).exit_code, 0);
+  EXPECT_TRUE(std::filesystem::exists(place.file("--quiet")));
 }
 
 TEST(Input, ReadErrorIsNotItsEnd) {

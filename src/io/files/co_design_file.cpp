@@ -79,9 +79,11 @@ std::shared_ptr<const actuator::CoDesign> read_co_design(const CoDesignInput& in
     throw InvalidInput(
         fmt::format("{}: actuator.limits: max_motor_mass_kg and known_friction leave "
                     "no motor: allowed: limits that leave one",
-                    file));
+                    reading.place_of(most ? "actuator.limits.max_motor_mass_kg"
+                                          : "actuator.limits.known_friction")));
   }
-  if (task.weights.empty()) task.weights.assign(task.cycles.size(), 1.0);
+  // Of another number than the cycles they have been refused (check_co_design).
+  if (task.weights.size() != task.cycles.size()) task.weights.assign(task.cycles.size(), 1.0);
   return std::make_shared<const actuator::CoDesign>(std::move(task), std::move(sources));
 }
 
