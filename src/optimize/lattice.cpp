@@ -46,17 +46,55 @@ std::optional<std::size_t> farthest_axis(const LatticeBox& box, std::span<const 
   return farthest ? farthest : longest;
 }
 
-SolveOutcome best_within(const RefinementProblem& problem, Point start) {
+void CutGains::add(std::size_t axis, bool up, double steps, std::optional<double> gain) {
+  const double off = up ? std::ceil(steps) - steps : steps - std::floor(steps);
+  if (!gain || !(off > kOnLattice)) return;
+  const double worth = std::max(0.0, *gain) / off;
+  for (Mean* mean : {&of_[axis][up ? 1 : 0], &all_}) {
+    mean->sum += worth;
+    ++mean->count;
+  }
+}
+
+double CutGains::expected(std::size_t axis, bool up, double off) const {
+  const Mean& own = of_[axis][up ? 1 : 0];
+  const Mean& mean = own.count > 0 ? own : all_;
+  return mean.count > 0 ? off * mean.sum / mean.count : off;
+}
+
+std::optional<std::size_t> CutGains::best_axis(const LatticeBox& box,
+                                               std::span<const double> steps) const {
+  constexpr double kLeast = 1e-9;
+  std::optional<std::size_t> best;
+  double most = -1.0;
+  for (std::size_t k = 0; k < box.size(); ++k) {
+    if (box[k][0] == box[k][1] || std::abs(steps[k] - std::round(steps[k])) <= kOnLattice) continue;
+    const double below = steps[k] - std::floor(steps[k]);
+    const double score = std::max(kLeast, expected(k, false, below)) *
+                         std::max(kLeast, expected(k, true, 1.0 - below));
+    if (score > most) {
+      most = score;
+      best = k;
+    }
+  }
+  return best ? best : farthest_axis(box, steps);
+}
+
+SolveOutcome best_within(const RefinementProblem& problem, Point start, bool give_up) {
   const auto feasible = [](const SolveOutcome& outcome) {
     return outcome.violation <= design::kFeasibilityTolerance;
   };
   for (std::size_t k = 0; k < static_cast<std::size_t>(problem.variables); ++k) {
     start[k] = std::clamp(start[k], problem.lower[k], problem.upper[k]);
   }
-  constexpr SlsqpOptions kNear{.working_margin = 0.3};
-  const SolveOutcome end = solve_slsqp(problem, start, kNear);
+  SlsqpOptions near{.working_margin = 0.3, .give_up = give_up};
+  if (give_up) {
+    near.x_tolerance = 1e-8;
+    near.f_tolerance = 1e-11;
+  }
+  const SolveOutcome end = solve_slsqp(problem, start, near);
   if (feasible(end)) return end;
-  const SolveOutcome met = least_violation(problem, start, {});
+  const SolveOutcome met = least_violation(problem, start, give_up ? near : SlsqpOptions{});
   return feasible(met) ? solve_slsqp(problem, met.v, {}) : met;
 }
 
@@ -64,6 +102,9 @@ void search_boxes(const BoxProblem& problem, BoxNode root) {
   std::vector<BoxNode> open;
   open.push_back(std::move(root));
   while (!open.empty() && !problem.cut()) {
+    std::swap(open.back(), *std::ranges::min_element(open, {}, [](const BoxNode& node) {
+                return node.relaxed.objective;
+              }));
     const BoxNode node = std::move(open.back());
     open.pop_back();
     if (!problem.can_win(node)) continue;
@@ -80,7 +121,7 @@ void search_boxes(const BoxProblem& problem, BoxNode root) {
       half.relaxed = problem.relax(half.box, node.relaxed.v);
       problem.offer(half);
     }
-    if (halves[0].relaxed.objective < halves[1].relaxed.objective) std::swap(halves[0], halves[1]);
+    if (problem.learn) problem.learn(node, *axis, halves);
     for (BoxNode& half : halves) {
       if (problem.can_win(half)) open.push_back(std::move(half));
     }

@@ -38,6 +38,29 @@ struct BoxNode {
   SolveOutcome relaxed;
 };
 
+/// What cuts at each axis were worth: the mean gain of the relaxed objective for each step that the
+/// cut took off its axis, downwards and upwards.
+class CutGains {
+ public:
+  explicit CutGains(std::size_t axes) : of_(axes) {}
+  /// @param steps  where the axis was, in steps; the half beyond it begins at the next multiple
+  /// @param gain  what the relaxed optimum became worse by; empty: the half has no feasible point
+  void add(std::size_t axis, bool up, double steps, std::optional<double> gain);
+  /// The axis whose worse half and better half promise most together, of those off their
+  /// multiples; else as farthest_axis().
+  [[nodiscard]] std::optional<std::size_t> best_axis(const LatticeBox& box,
+                                                     std::span<const double> steps) const;
+
+ private:
+  struct Mean {
+    double sum = 0.0;
+    int count = 0;
+  };
+  [[nodiscard]] double expected(std::size_t axis, bool up, double off) const;
+  std::vector<std::array<Mean, 2>> of_;
+  Mean all_;
+};
+
 /// What a search over boxes asks of its problem.
 struct BoxProblem {
   /// The best of a box with all values free, from a start.
@@ -49,10 +72,12 @@ struct BoxProblem {
   std::function<void(const BoxNode&)> offer;    ///< is told of every box
   std::function<bool(const BoxNode&)> can_win;  ///< whether a box may hold the best point
   std::function<bool()> cut;                    ///< whether the search is to end
+  /// Is told of both halves of a box that was cut at an axis.
+  std::function<void(const BoxNode&, std::size_t, const std::array<BoxNode, 2>&)> learn{};
 };
 
 /// Cuts a box in two at an axis, next to its relaxed value, and each half in turn, as long as they
-/// can win; the better half first.
+/// can win; the box of the best bound first.
 void search_boxes(const BoxProblem& problem, BoxNode root);
 
 /// Of the axes of which a box has more than one multiple: the one farthest between two multiples;
@@ -62,7 +87,9 @@ std::optional<std::size_t> farthest_axis(const LatticeBox& box, std::span<const 
 
 /// The best of a problem's box from a start near its end; where that is not feasible, from the
 /// point of least violation on, which is returned where that is not feasible either.
-SolveOutcome best_within(const RefinementProblem& problem, Point start);
+/// @param give_up  for one of many boxes: no more is asked of one without a feasible point than
+///                 that rows which were seen are missed, and bounds are less sharp (1e-11)
+SolveOutcome best_within(const RefinementProblem& problem, Point start, bool give_up = false);
 
 inline constexpr double kOnLattice = 1e-6;        ///< of a step
 inline constexpr double kBetterOnLattice = 1e-7;  ///< of the scaled objective: less is no gain

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
+#include <set>
 #include <utility>
 
 #include "optimize/lattice.hpp"
+#include "optimize/one_variable.hpp"
 
 namespace gear3k::optimize {
 
@@ -30,7 +31,12 @@ class GridSearch {
       return beside_the_box(free);
     }
     BoxNode root{.box = whole, .relaxed = {}};
-    root.relaxed = feasible(free) && holds(whole, free.v) ? free : relax(whole, free.v);
+    if (feasible(free) && holds(whole, free.v)) {
+      root.relaxed = free;
+    } else {
+      ++end_.relaxations;
+      root.relaxed = best_within(confined(whole), free.v);
+    }
     if (!feasible(root.relaxed)) {
       end_.held = confined(whole);
       end_.outcome = root.relaxed;
@@ -46,13 +52,27 @@ class GridSearch {
                for (std::size_t i = 0; i < steps.size(); ++i) {
                  steps[i] = shifts_.count(node.relaxed.v[i]);
                }
-               return farthest_axis(node.box, steps);
+               return gains_.best_axis(node.box, steps);
              },
          .offer = [&](const BoxNode& node) { offer(node); },
          .can_win = [&](const BoxNode& node) { return can_win(node); },
-         .cut = [&] { return cut(); }},
+         .cut = [&] { return cut(); },
+         .learn = [&](const BoxNode& node, std::size_t axis,
+                      const std::array<BoxNode, 2>& halves) { learn(node, axis, halves); }},
         std::move(root));
     end_.complete = !cut();
+    if (!end_.found && end_.held) {
+      // Points of boxes were given up early: what the nearest one misses is asked for in full.
+      const SolveOutcome full = best_within(*end_.held, end_.outcome.v);
+      if (feasible(full)) {
+        if (full.objective < best_) {
+          end_.outcome = full;
+          end_.found = true;
+        }
+      } else {
+        end_.outcome = full;
+      }
+    }
     return std::move(end_);
   }
 
@@ -96,21 +116,44 @@ class GridSearch {
 
   SolveOutcome relax(const LatticeBox& box, const Point& start) {
     ++end_.relaxations;
-    return best_within(confined(box), start);
+    return end_of(confined(box), start);
+  }
+
+  static SolveOutcome end_of(const RefinementProblem& problem, const Point& start) {
+    if (const auto axis = only_free_variable(problem)) {
+      return solve_one_variable(problem, *axis, start);
+    }
+    return best_within(problem, start, true);
+  }
+
+  void learn(const BoxNode& node, std::size_t axis, const std::array<BoxNode, 2>& halves) {
+    const double steps = shifts_.count(node.relaxed.v[axis]);
+    for (const bool up : {false, true}) {
+      const SolveOutcome& half = halves[up ? 1 : 0].relaxed;
+      gains_.add(
+          axis, up, steps,
+          feasible(half) ? std::optional(half.objective - node.relaxed.objective) : std::nullopt);
+    }
   }
 
   /// Takes the point of a box next to its relaxed one, with the other values refined for it.
   void offer(const BoxNode& node) {
     if (!can_win(node)) return;
+    std::array<long, train::kGearCount> steps{};
     LatticeBox point = node.box;
+    bool whole = true;
     for (std::size_t i = 0; i < point.size(); ++i) {
-      const long at =
-          std::clamp(shifts_.nearest(node.relaxed.v[i]), node.box[i][0], node.box[i][1]);
-      point[i] = {at, at};
+      whole = whole && node.box[i][0] == node.box[i][1];
+      steps[i] = std::clamp(shifts_.nearest(node.relaxed.v[i]), node.box[i][0], node.box[i][1]);
+      point[i] = {steps[i], steps[i]};
     }
-    ++end_.relaxations;
+    if (!whole && !offered_.insert(steps).second) return;
     RefinementProblem held = confined(point);
-    const SolveOutcome outcome = best_within(held, node.relaxed.v);
+    SolveOutcome outcome = node.relaxed;
+    if (!whole) {
+      ++end_.relaxations;
+      outcome = end_of(held, node.relaxed.v);
+    }
     if (feasible(outcome)) {
       if (!(outcome.objective < best_)) return;
       best_ = outcome.objective;
@@ -126,6 +169,8 @@ class GridSearch {
   const std::atomic<bool>& stop_;
   Multiples shifts_;
   double best_;
+  std::set<std::array<long, train::kGearCount>> offered_;
+  CutGains gains_{train::kGearCount};
   GridEnd end_;
 };
 

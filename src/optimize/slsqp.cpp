@@ -219,6 +219,13 @@ void select_all(const RefinementProblem& problem, Workspace& space) {
   }
 }
 
+/// Whether a row that the solver saw is missed.
+bool misses_selected(const Workspace& space) {
+  return std::ranges::any_of(space.selection, [&](std::uint16_t k) {
+    return !(space.values[k] >= -design::kFeasibilityTolerance);
+  });
+}
+
 bool is_better(const SolveOutcome& a, const SolveOutcome& b) {
   const bool a_feasible = a.violation <= design::kFeasibilityTolerance;
   const bool b_feasible = b.violation <= design::kFeasibilityTolerance;
@@ -258,7 +265,8 @@ SolveOutcome solve_slsqp(const RefinementProblem& problem, const Point& start,
       continue;
     }
     if (outcome.violation <= design::kFeasibilityTolerance ||
-        space.selection.size() == problem.rows.size()) {
+        space.selection.size() == problem.rows.size() ||
+        (options.give_up && misses_selected(space))) {
       return ended(outcome);
     }
     constexpr int kRounds = 4;
@@ -279,7 +287,7 @@ SolveOutcome least_violation(const RefinementProblem& problem, const Point& star
     return row.check && row.check->record->rating;
   });
   space.selection.clear();
-  if (rated && std::isfinite(outcome.violation)) {
+  if ((rated || options.give_up) && std::isfinite(outcome.violation)) {
     select_below(problem, options.working_margin, space);
   }
   if (space.selection.empty()) select_all(problem, space);
@@ -299,7 +307,10 @@ SolveOutcome least_violation(const RefinementProblem& problem, const Point& star
     run(functions, space, options, elastic_name.empty());
     from = point_of(problem, space.x);
     outcome = judge(problem, from, space);
-    if (space.selection.size() == problem.rows.size()) return outcome;
+    if (space.selection.size() == problem.rows.size() ||
+        (options.give_up && misses_selected(space))) {
+      return outcome;
+    }
     constexpr int kRounds = 3;
     if (round == kRounds || !std::isfinite(outcome.violation)) {
       select_all(problem, space);

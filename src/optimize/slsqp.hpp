@@ -15,6 +15,9 @@ struct SlsqpOptions {
   /// Rows that are farther from their limits at the start (in units of their scales) are left out
   /// until the solver violates them: worth it where the start is near the end.
   double working_margin = std::numeric_limits<double>::infinity();
+  /// Ends as soon as a run misses rows that it saw: no more rows would help, but another run from
+  /// its end might.
+  bool give_up = false;
 };
 
 /// Refines from a start by NLopt's SLSQP with exact gradients.  Thread-safe.
