@@ -131,8 +131,8 @@ void add_show_options(CLI::App& command, cli::ShowOptions& options) {
                   fmt::format("parts of the table after the first screen, by commas: {}",
                               fmt::join(report::kSectionNames, ", ")))
       ->delimiter(',')
-      ->check(CLI::IsMember(
-          std::vector<std::string>(report::kSectionNames.begin(), report::kSectionNames.end())))
+      ->check(cli::one_of("part", std::vector<std::string>(report::kSectionNames.begin(),
+                                                           report::kSectionNames.end())))
       ->option_text("PART,...");
   command.add_flag("--full", options.full, "the whole table");
   add_columns(command, options.columns, 60, "of the first screen; 100 into a file");
@@ -353,10 +353,11 @@ int run_program(int argc, char** argv) {
       ->check(CLI::Range(0.001, 1e7))
       ->check(cli::refuse_nan)
       ->option_text("SECONDS");
-  optimize_command->add_flag("--resume", optimize.resume,
-                             "go on with the run in --out that was interrupted or killed");
-  optimize_command->add_flag("--force", optimize.force,
-                             "replace the result of an earlier run in --out");
+  CLI::Option* resume = optimize_command->add_flag(
+      "--resume", optimize.resume, "go on with the run in --out that was interrupted or killed");
+  optimize_command
+      ->add_flag("--force", optimize.force, "replace the result of an earlier run in --out")
+      ->excludes(resume);
   add_model_option(*optimize_command, optimize.model);
   add_common_options(*optimize_command, optimize);
   optimize_command->footer(keys_of("SPEC.toml"));

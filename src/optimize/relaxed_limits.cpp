@@ -50,13 +50,15 @@ Specification without(const Specification& spec, std::span<const CheckId> checks
 double rounded_looser(const design::CheckRecord& record, double limit_si) {
   const double value = units::from_si(limit_si, record.unit);
   if (value == 0.0) return 0.0;
-  const double digit = std::pow(10.0, std::floor(std::log10(std::abs(value))) - 2.0);
+  // Of whole numbers of digits: their quotient is the number of few digits next to the value.
+  const double exponent = std::floor(std::log10(std::abs(value))) - 2.0;
+  const double power = std::pow(10.0, std::abs(exponent));
   // What is a whole number of digits to rounding stays.
   constexpr double kRounding = 1e-6;
-  const double steps = value / digit;
-  return units::to_si(
-      digit * (record.at_least ? std::floor(steps + kRounding) : std::ceil(steps - kRounding)),
-      record.unit);
+  const double digits = exponent < 0.0 ? value * power : value / power;
+  const double whole =
+      record.at_least ? std::floor(digits + kRounding) : std::ceil(digits - kRounding);
+  return units::to_si(exponent < 0.0 ? whole / power : whole * power, record.unit);
 }
 
 /// Where the limit of a check has to be that a set has a design near its own, all other limits

@@ -346,6 +346,8 @@ std::vector<BadInput> design_inputs() {
                  kDesign + "[thermal]\ntemperature_c = [-20.0, 60.0]\nS.expansion_1_k = 0.11\n",
                  {"gear.toml:16:", "gear.toml:18:", "thermal.S.expansion_1_k = 0.11",
                   "thermal.P1.expansion_1_k is missing", "thermal.carrier.expansion_1_k"}),
+      bad_design("TipBeyondItsPoint", kDesign + "[limits]\ntip_thickness_mm = -1.0\n",
+                 {"gear.toml:17:1: limits.tip_thickness_mm = -1.0", "0 to 1000000"}),
       bad_design("UnknownConventionHasADidYouMean",
                  replaced(kDesign, "planets = 3\n", "planets = 3\nsign_convention = \"iso2171\"\n"),
                  {"gear.toml:3:1: sign_convention = \"iso2171\": allowed: \"khk\" or \"iso21771\"; "
@@ -611,6 +613,20 @@ TEST(BadInput, AnUnknownFormatIsRefusedInTheUsersWords) {
   for (const char* inside : {"->", "{2", "0}"}) {
     EXPECT_EQ(result.err.find(inside), std::string::npos) << result.err;
   }
+}
+
+TEST(BadInput, APartOfTheTableThatIsUnknownHasADidYouMean) {
+  const ProgramResult result = Workplace().run({"analyze", "gear.toml", "--show", "meshs"});
+  EXPECT_EQ(result.exit_code, kUsage);
+  EXPECT_NE(result.err.find("unknown part meshs; did you mean meshes?"), std::string::npos)
+      << result.err;
+}
+
+TEST(BadInput, GoingOnWithARunAndReplacingItExcludeEachOther) {
+  const ProgramResult result =
+      Workplace().run({"optimize", "spec.toml", "--out", "out", "--resume", "--force"});
+  EXPECT_EQ(result.exit_code, kUsage);
+  EXPECT_NE(result.err.find("--resume excludes --force"), std::string::npos) << result.err;
 }
 
 TEST(BadInput, ErrorsDoNotTouchTheResultsOfAnEarlierRun) {

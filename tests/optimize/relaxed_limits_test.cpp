@@ -3,6 +3,7 @@
 
 #include "optimize/relaxed_limits.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -80,6 +81,10 @@ TEST_P(BlockedTask, IsFreedByTheLimitsWithoutWhichSearchesOfAllSetsFindADesign) 
     for (const RelaxedLimit& limit : freed.limits) {
       const bool at_least = design::check_record(limit.check).at_least;
       ASSERT_TRUE(limit.relaxed_si);
+      // Three digits in the unit of files, as one would type them.
+      const double told =
+          units::decimal_from_si(*limit.relaxed_si, design::check_record(limit.check).unit);
+      EXPECT_EQ(told, std::stod(fmt::format("{:.3g}", told)));
       EXPECT_EQ(limit.stated_si, *spec.limits[limit.check]);
       if (at_least) {
         EXPECT_LT(*limit.relaxed_si, limit.stated_si);

@@ -79,10 +79,20 @@ Key<LimitInput> contact_ratio_key() {
       }};
 }
 
-/// The least that a limit may be: of a common factor 1, of sliding none.
+/// The least that a limit may be: of a common factor 1, of sliding none; no tooth ends beyond its
+/// point.
 double least_threshold(CheckId id) {
-  if (id == CheckId::kHuntingTooth) return 1.0;
-  return id == CheckId::kSpecificSliding ? 0.0 : -1e6;
+  switch (id) {
+    case CheckId::kHuntingTooth:
+      return 1.0;
+    case CheckId::kSpecificSliding:
+    case CheckId::kTipThickness:
+    case CheckId::kRingTipThickness:
+    case CheckId::kTipThicknessLength:
+      return 0.0;
+    default:
+      return -1e6;
+  }
 }
 
 /// A key of [limits] that is a number in the record's unit, or a switch.

@@ -82,6 +82,19 @@ train::Growth finish_part(const ThermalInput::Part& part, const std::string& nam
 
 }  // namespace
 
+namespace {
+
+/// Whether the table is in the file with nothing in it.
+bool is_empty_table(const FileReading& reading) {
+  const auto stated = [&](std::string_view name) {
+    return reading.stated(fmt::format("thermal.{}", name));
+  };
+  return reading.stated("thermal") && !stated("reference_c") && !stated("carrier") &&
+         std::ranges::none_of(train::kGearNames, stated);
+}
+
+}  // namespace
+
 std::optional<train::ThermalRange> finish_thermal(const ThermalInput& input,
                                                   const LimitInput& stated, design::Limits& limits,
                                                   FileReading& reading) {
@@ -89,6 +102,10 @@ std::optional<train::ThermalRange> finish_thermal(const ThermalInput& input,
     const std::string other = first_said(input);
     if (!other.empty()) {
       reading.error_at(other, fmt::format("{} without {}: allowed: both", other, kTemperature));
+    } else if (is_empty_table(reading)) {
+      reading.error_at("thermal", fmt::format("[thermal] is empty: needs {} and expansion_1_k of "
+                                              "each gear and the carrier",
+                                              kTemperature));
     }
     return std::nullopt;
   }

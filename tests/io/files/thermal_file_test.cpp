@@ -110,6 +110,13 @@ TEST(ThermalFile, RefusesKeysWithoutTheTemperaturesAndARangeUpsideDown) {
             std::string::npos);
 }
 
+TEST(ThermalFile, RefusesAnEmptyTableAndTellsWhatItNeeds) {
+  const std::string errors = errors_of(kGears + "[thermal]\n");
+  EXPECT_NE(errors.find("gear.toml:11:"), std::string::npos) << errors;
+  EXPECT_NE(errors.find("[thermal] is empty: needs thermal.temperature_c"), std::string::npos)
+      << errors;
+}
+
 TEST(ThermalFile, ThatLeavesNoWorkingAngleNamesTheTemperatureAndTheMesh) {
   std::string text = kGears + kThermal;
   text.replace(text.find("carrier.expansion_1_k = 2.3e-5"), 30, "carrier.expansion_1_k = -1e-3 ");
