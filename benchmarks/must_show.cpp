@@ -2,7 +2,7 @@
 // series of gearboxes, each diagnosed once for every line of the table that it serves.
 //
 //   must_show --out=FILE [--campaigns=200] [--first=SEED] [--budget-cpu-seconds=S] [--threads=N]
-//             [--shard=K/N] [--only=GROUP-PREFIX]
+//             [--shard=K/N] [--only=GROUP-PREFIX] [--line=PREFIX]...
 //   must_show --report [--csv=TABLE] FILE...
 //   must_show --table=TABLE
 //
@@ -10,7 +10,8 @@
 // so that a run may be stopped at any time.  Groups come on evenly: the next campaign is of the
 // group that is the least share of its number, and of its lines the next one in an order that mixes
 // kinds and causes.  Shards divide the campaigns; --report puts their files together,
-// prints the table and writes its counts, which --table prints again.
+// prints the table and writes its counts, which --table prints again.  --line leaves of the groups
+// the lines whose names begin so; each has N campaigns of its group then, fewer lines more seeds.
 
 #include <fmt/format.h>
 #include <omp.h>
@@ -241,7 +242,7 @@ struct RateOptions {
   double budget_s = HUGE_VAL;
   std::size_t shard = 1, shards = 1;
   bool report = false;
-  std::vector<std::string> files{};
+  std::vector<std::string> files{}, lines{};
 };
 
 std::optional<RateOptions> rate_options(int argc, char** argv) {
@@ -257,6 +258,8 @@ std::optional<RateOptions> rate_options(int argc, char** argv) {
       o.only = value;
     } else if (name == "--table") {
       o.table = value;
+    } else if (name == "--line") {
+      o.lines.push_back(value);
     } else if (name == "--csv") {
       o.csv = value;
     } else if (name == "--campaigns") {
@@ -370,7 +373,7 @@ PROGRAM(must_show)(int argc, char** argv) {
   if (!options) {
     fmt::print(
         "usage: must_show --out=FILE [--campaigns=200] [--first=SEED] [--budget-cpu-seconds=S]\n"
-        "                 [--threads=N] [--shard=K/N] [--only=GROUP-PREFIX]\n"
+        "                 [--threads=N] [--shard=K/N] [--only=GROUP-PREFIX] [--line=PREFIX]...\n"
         "       must_show --report [--csv=TABLE] FILE...\n"
         "       must_show --table=TABLE\n");
     return 1;
@@ -388,7 +391,16 @@ PROGRAM(must_show)(int argc, char** argv) {
     if (!options->csv.empty()) std::ofstream(options->csv) << benchmarks::csv_of(table);
     return 0;
   }
-  const std::vector<RateGroup> all = rate_groups();
+  std::vector<RateGroup> all = rate_groups();
+  if (!options->lines.empty()) {
+    for (RateGroup& group : all) {
+      std::erase_if(group.cells, [&](const RateCell& cell) {
+        return std::ranges::none_of(
+            options->lines, [&](const std::string& line) { return cell.name().starts_with(line); });
+      });
+    }
+    std::erase_if(all, [](const RateGroup& group) { return group.cells.empty(); });
+  }
   RateRun run(*options, all);
   omp_set_num_threads(options->threads);
   numerics::parallel_for(static_cast<std::size_t>(options->threads), [&](std::size_t) {

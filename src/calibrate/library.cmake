@@ -73,6 +73,7 @@ gear3k_library(calibrate
     causes/form_catalogue.cpp
     fit/parameter_results.cpp
     fit/row_drag.cpp
+    fit/row_gain.cpp
     fit/row_friction.cpp
     laws/law_data.cpp
     laws/law_forms.cpp

@@ -44,10 +44,11 @@ train::BodyTorques<double> with_inertia(train::BodyTorques<double> known, const 
   return known;
 }
 
-/// Friction of flanks and bearings at given mesh torques.  @returns false where it has no value
+/// Friction of flanks and bearings at given mesh torques and torque at the output's shaft.
+/// @returns false where it has no value
 bool set_friction(const MovingTrain& t, const TrainMotion& motion, const Kinematics& mesh,
-                  const MeshTorques<double>& torque_Nm, const train::BodyTorques<double>& fixed,
-                  MovingState& state) {
+                  const MeshTorques<double>& torque_Nm, double output_torque_Nm,
+                  const train::BodyTorques<double>& fixed, MovingState& state) {
   const LossyTrain<double>& lossy = t.lossy;
   const double planets = lossy.geometry.planets;
   const auto friction = efficiency::friction_at(lossy.friction, motion.temperature_K);
@@ -64,8 +65,9 @@ bool set_friction(const MovingTrain& t, const TrainMotion& motion, const Kinemat
          .forward = torque_Nm[train::kMeshP2R2] > 0.0,
          .ring2_torque_Nm = magnitude(torque_Nm[train::kMeshP2R2])});
     if (!mu) return false;
-    const auto flank = efficiency::flank_friction(lossy.friction, *mu);
     for (const std::size_t driver : {0U, 1U}) {
+      const auto flank = efficiency::flank_friction(
+          lossy.friction, friction_of_mesh(lossy.friction.extension, *mu, k, driver));
       state.loaded.efficiency[k][driver] =
           t.lossless_mesh[k]
               ? 1.0
@@ -75,7 +77,7 @@ bool set_friction(const MovingTrain& t, const TrainMotion& motion, const Kinemat
   const ShaftLosses<double>& shafts = lossy.shafts;
   state.bearing_Nm = planets * shafts.planet_bearing_coefficient * shafts.planet_bearing_radius_m *
                      planet_force(lossy.geometry, mesh, torque_Nm);
-  state.output_bearing_Nm = output_bearing_torque(shafts, magnitude(torque_Nm[train::kMeshP2R2]));
+  state.output_bearing_Nm = output_bearing_torque(shafts, std::abs(output_torque_Nm));
   state.loaded.known.pin = fixed.pin + pin_torque(lossy.geometry.teeth, 0.0, state.bearing_Nm);
   state.loaded.known.ring2 = fixed.ring2 - state.output_bearing_Nm;
   return true;
@@ -117,7 +119,7 @@ std::optional<std::array<Efficiencies, 2>> fixed_efficiencies(const MovingTrain&
     MovingState state{};
     MeshTorques<double> torque_Nm{};
     torque_Nm[train::kMeshP2R2] = forward ? 1.0 : 0.0;
-    if (!set_friction(t, {}, mesh, torque_Nm, {}, state)) return std::nullopt;
+    if (!set_friction(t, {}, mesh, torque_Nm, 0.0, {}, state)) return std::nullopt;
     result[forward ? 1 : 0] = state.loaded.efficiency;
   }
   return result;
@@ -189,12 +191,17 @@ TrainInstantResult PreparedTrain::balance(const TrainMotion& motion) const {
   auto flow = train::solve_power_flow(state.loaded);
   if (!flow) return none(NoOperation::kLocks);
   MeshTorques<double> taken{};
+  double taken_output = 0.0;
   for (int pass = 0; pass < kMostMotionPasses; ++pass) {
     for (std::size_t k = 0; k < kMeshCount; ++k) {
       const double latest = flow->mesh_torque_Nm[k];
       taken[k] = pass < kFullMotionSteps ? latest : 0.5 * (taken[k] + latest);
     }
-    if (!set_friction(t, motion, mesh, taken, fixed, state)) return none(NoOperation::kNoFriction);
+    const double output = flow->output_torque_Nm;
+    taken_output = pass < kFullMotionSteps ? output : 0.5 * (taken_output + output);
+    if (!set_friction(t, motion, mesh, taken, taken_output, fixed, state)) {
+      return none(NoOperation::kNoFriction);
+    }
     flow = train::solve_power_flow(state.loaded);
     if (!flow) return none(NoOperation::kLocks);
     if (relative_change(taken, flow->mesh_torque_Nm) <= kRepeats) {

@@ -60,7 +60,8 @@ struct ShaftLosses {
   /// forces on the planet.
   T planet_bearing_coefficient{};
   T planet_bearing_radius_m{};
-  /// Friction of R2's bearing: this share of the torque that R2's teeth carry.
+  /// Friction of R2's bearing: this share of the torque at the output's shaft, whose reaction the
+  /// bearing takes.
   T output_bearing_share{};
   GrowingShare<T> output_bearing_growth{};  ///< beside it
   /// All drags times exp(β (θ − θ_0)).
@@ -68,8 +69,11 @@ struct ShaftLosses {
   double drag_reference_temperature_K = 293.15;  ///< θ_0
 };
 
-/// Friction of R2's bearing.
-/// @param torque_Nm  magnitude of what R2's teeth carry
+/// Friction of R2's bearing, M = λ |T_o|.  N planets press on R2 evenly all round, so that their
+/// forces add up to a torque and load no bearing: what does is the force F = |T_o|/r_L that the
+/// load (lever, belt, pinion) takes at its arm r_L, and the friction of a bearing of radius r_b is
+/// μ_b r_b F, λ = μ_b r_b/r_L.
+/// @param torque_Nm  magnitude of the torque at the output's shaft
 template <class T>
 T output_bearing_torque(const ShaftLosses<T>& shafts, const T& torque_Nm) {
   return T((shafts.output_bearing_share + share_at(shafts.output_bearing_growth, torque_Nm)) *

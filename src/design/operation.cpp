@@ -38,12 +38,13 @@ struct FrictionState {
   bool forward;
 };
 
-/// Sets the friction of flanks and bearings that the given mesh torques make.
+/// Sets the friction of flanks and bearings that the given mesh torques make, and that of R2's
+/// bearing under the given torque at the output's shaft.
 /// @returns false where the friction law has no value
 template <class T>
 bool apply_friction(const LossyTrain<T>& t, const FrictionState<T>& state,
                     const std::array<MeshKinematics<T>, kMeshCount>& mesh,
-                    const MeshTorques<T>& torque_Nm, Motion<T>& motion,
+                    const MeshTorques<T>& torque_Nm, const T& output_torque_Nm, Motion<T>& motion,
                     train::LoadedTrain<T>& loaded) {
   const double planets = t.geometry.planets;
   const auto friction = efficiency::friction_at(t.friction, state.temperature_K);
@@ -63,8 +64,9 @@ bool apply_friction(const LossyTrain<T>& t, const FrictionState<T>& state,
                    .ring2_torque_Nm = magnitude(torque_Nm[train::kMeshP2R2])});
     if (!mu) return false;
     m.friction = *mu;
-    const auto flank = efficiency::flank_friction(t.friction, *mu);
     for (const std::size_t driver : {0U, 1U}) {
+      const auto flank = efficiency::flank_friction(
+          t.friction, friction_of_mesh(t.friction.extension, *mu, k, driver));
       loaded.efficiency[k][driver] =
           efficiency::mesh_efficiency(mesh[k].contact[driver], flank, t.friction.model);
     }
@@ -72,8 +74,7 @@ bool apply_friction(const LossyTrain<T>& t, const FrictionState<T>& state,
   motion.bearing_Nm = planets * t.shafts.planet_bearing_coefficient *
                       t.shafts.planet_bearing_radius_m * planet_force(t.geometry, mesh, torque_Nm);
   loaded.known.pin = pin_torque(t.geometry.teeth, motion.drag_Nm[kPlanetShaft], motion.bearing_Nm);
-  motion.output_bearing_Nm =
-      output_bearing_torque(t.shafts, magnitude(torque_Nm[train::kMeshP2R2]));
+  motion.output_bearing_Nm = output_bearing_torque(t.shafts, magnitude(output_torque_Nm));
   loaded.known.ring2 = -motion.drag_Nm[kOutputShaft] - motion.output_bearing_Nm;
   return true;
 }
@@ -107,12 +108,15 @@ MotionResult<T> move(const LossyTrain<T>& t, const OperatingPoint<T>& point, Dir
   bool repeats = false;
   int passes = kMostPasses;
   MeshTorques<T> taken{};  // the torques that friction is taken at
+  T taken_output{};
   for (int pass = 0; pass < passes; ++pass) {
     for (std::size_t k = 0; k < kMeshCount; ++k) {
       const T& latest = flow->mesh_torque_Nm[k];
       taken[k] = pass < kFullSteps ? latest : T(0.5 * (taken[k] + latest));
     }
-    if (!apply_friction(t, state, mesh, taken, motion, loaded)) {
+    const T& output = flow->output_torque_Nm;
+    taken_output = pass < kFullSteps ? output : T(0.5 * (taken_output + output));
+    if (!apply_friction(t, state, mesh, taken, taken_output, motion, loaded)) {
       return none(NoOperation::kNoFriction);
     }
     flow = train::solve_power_flow(loaded);
@@ -127,7 +131,9 @@ MotionResult<T> move(const LossyTrain<T>& t, const OperatingPoint<T>& point, Dir
   for (std::size_t k = 0; k < kMeshCount; ++k) {
     auto& m = motion.mesh[k];
     m.gear1_drives = flow->gear1_drives[k];
-    m.efficiency = loaded.efficiency[k][m.gear1_drives ? 0 : 1];
+    const std::size_t driver = m.gear1_drives ? 0 : 1;
+    m.friction = friction_of_mesh(t.friction.extension, m.friction, k, driver);
+    m.efficiency = loaded.efficiency[k][driver];
     m.loss_W = flow->mesh_loss_Nm[k] * output_speed;
   }
   motion.flow = *flow;

@@ -48,7 +48,10 @@ efficiency::FrictionExtension<To> extension_as(const efficiency::FrictionExtensi
           .forward = as(e.forward),
           .backward = as(e.backward),
           .approach = as(e.approach),
-          .recess = as(e.recess)};
+          .recess = as(e.recess),
+          .inner_drives = as(e.inner_drives),
+          .outer_drives = as(e.outer_drives),
+          .ring_meshes = as(e.ring_meshes)};
 }
 
 template <class To, class From>

@@ -82,19 +82,20 @@ std::optional<train::PowerFlow<T>> balance_at(const Running& r,
          .forward = r.forward,
          .ring2_torque_Nm = magnitude(torque_Nm[train::kMeshP2R2])});
     if (!mu) return std::nullopt;
-    const auto flank = efficiency::flank_friction(*friction.friction, *mu);
+    const efficiency::Friction<T>& law = *friction.friction;
     for (const std::size_t driver : {0U, 1U}) {
-      loaded.efficiency[k][driver] =
-          drivers[k][driver]
-              ? efficiency_of<T>(mesh.contact[driver], flank, friction.friction->model)
-              : constant<T>(0.0);
+      const auto flank =
+          efficiency::flank_friction(law, friction_of_mesh(law.extension, *mu, k, driver));
+      loaded.efficiency[k][driver] = drivers[k][driver]
+                                         ? efficiency_of<T>(mesh.contact[driver], flank, law.model)
+                                         : constant<T>(0.0);
     }
   }
   const T arm = shafts.planet_bearing_coefficient * shafts.planet_bearing_radius_m;
   const T bearing = static_cast<double>(g.planets) * arm * planet_force<T>(g, r.mesh, torque_Nm);
   loaded.known.pin = pin_torque<T>(g.teeth, drag[kPlanetShaft], bearing);
-  loaded.known.ring2 =
-      -drag[kOutputShaft] - output_bearing_torque(shafts, magnitude(torque_Nm[train::kMeshP2R2]));
+  loaded.known.ring2 = -drag[kOutputShaft] -
+                       output_bearing_torque(shafts, constant<T>(std::abs(r.output_torque_Nm)));
   return train::solve_power_flow(loaded);
 }
 

@@ -19,6 +19,16 @@ T magnitude(const T& x) {
 }
 inline double sign_of(double x) { return x < 0.0 ? -1.0 : 1.0; }
 
+/// The coefficient of friction of a mesh by which of its gears drives.
+/// @param driver  0: gear 1, the inner one; 1: gear 2
+template <class T>
+T friction_of_mesh(const efficiency::FrictionExtension<T>& extension, const T& coefficient,
+                   std::size_t mesh, std::size_t driver) {
+  if (!efficiency::depends_on_mesh(extension)) return coefficient;
+  const bool with_ring = mesh != train::kMeshSP1;
+  return T(coefficient * efficiency::mesh_factor(extension, with_ring, driver == 0));
+}
+
 /// What of a mesh does not depend on its load.
 template <class T>
 struct MeshKinematics {

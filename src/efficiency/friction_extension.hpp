@@ -32,7 +32,9 @@ struct FrictionBend {
 /// F, v: normal force (or, of all meshes alike, the torque that R2's teeth carry) and mean sliding
 /// speed of a mesh; θ: temperature of the lubricant; side:
 /// `forward` or `backward`, by which end drives the train.  `approach` and `recess` multiply the
-/// friction on either side of the pitch point.
+/// friction on either side of the pitch point; `inner_drives` and `outer_drives` that of a mesh by
+/// which of its gears drives, the inner one (the sun, of planet and ring the planet) or the other;
+/// `ring_meshes` that of both meshes with a ring.
 /// Source: empirical forms, docs/theory §29; the parameters come from measurements.
 template <class T>
 struct FrictionExtension {
@@ -49,7 +51,24 @@ struct FrictionExtension {
   FrictionBend<T> load_bend, speed_bend, temperature_bend;
   T forward = constant<T>(1.0), backward = constant<T>(1.0);
   T approach = constant<T>(1.0), recess = constant<T>(1.0);
+  T inner_drives = constant<T>(1.0), outer_drives = constant<T>(1.0);
+  T ring_meshes = constant<T>(1.0);
 };
+
+/// Whether meshes differ by themselves.
+template <class T>
+bool depends_on_mesh(const FrictionExtension<T>& e) {
+  return !(is_neutral(e.inner_drives, 1.0) && is_neutral(e.outer_drives, 1.0) &&
+           is_neutral(e.ring_meshes, 1.0));
+}
+
+/// Friction of a mesh of a train over that of the others.
+/// @param with_ring  the outer gear is a ring; @param inner_drives  else the outer gear does
+template <class T>
+T mesh_factor(const FrictionExtension<T>& e, bool with_ring, bool inner_drives) {
+  const T& side = inner_drives ? e.inner_drives : e.outer_drives;
+  return with_ring ? T(side * e.ring_meshes) : side;
+}
 
 template <class T>
 bool is_straight(const FrictionBend<T>& bend) {
@@ -69,10 +88,10 @@ bool depends_on_temperature(const FrictionExtension<T>& e) {
   return !(is_neutral(e.temperature_1_K, 0.0) && is_straight(e.temperature_bend));
 }
 
-/// Whether the factor needs to know where a mesh runs.
+/// Whether the factor needs to know where a mesh runs, or which one it is.
 template <class T>
 bool depends_on_state(const FrictionExtension<T>& e) {
-  return depends_on_temperature(e) ||
+  return depends_on_temperature(e) || depends_on_mesh(e) ||
          !(is_neutral(e.load_exponent, 0.0) && is_neutral(e.slow_excess, 0.0) &&
            is_neutral(e.speed_exponent, 0.0) && is_straight(e.load_bend) &&
            is_straight(e.speed_bend));

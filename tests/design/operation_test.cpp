@@ -766,9 +766,9 @@ TEST(ExtendedOperation, ANeutralExtensionChangesNoBit) {
 }
 
 /// Own derivation: R2's teeth carry the load and the bearing's friction.  Forward
-/// M_teeth = M_load + s M_teeth, backward M_teeth = M_drive − s M_teeth; the rest of the train,
+/// M_teeth = M_load + s M_load, backward M_teeth = M_drive − s M_drive; the rest of the train,
 /// with friction proportional to load, sees the same gearbox under that torque.
-TEST(ExtendedOperation, AnOutputBearingLoadsTheTeethByItsShareOfTheirTorque) {
+TEST(ExtendedOperation, AnOutputBearingLoadsTheTeethByItsShareOfTheShaftsTorque) {
   Random random(263);
   LargestDeviation largest;
   int seen = 0;
@@ -782,7 +782,7 @@ TEST(ExtendedOperation, AnOutputBearingLoadsTheTeethByItsShareOfTheirTorque) {
     for (const Direction direction : kDirections) {
       const bool forward = direction == Direction::kForward;
       OperatingPoint<double> at_teeth = point;
-      at_teeth.output_torque_Nm *= forward ? 1.0 / (1.0 - share) : 1.0 / (1.0 + share);
+      at_teeth.output_torque_Nm *= forward ? 1.0 + share : 1.0 - share;
       const auto plain = operate(g.train(), at_teeth, direction);
       const auto bearing = operate(with_bearing.train(), point, direction);
       if (!plain.operation || !bearing.operation) continue;
@@ -791,7 +791,7 @@ TEST(ExtendedOperation, AnOutputBearingLoadsTheTeethByItsShareOfTheirTorque) {
       ++seen;
       const double expected = plain.operation->sun_torque_Nm;
       largest.see(i, bearing.operation->sun_torque_Nm - expected, 1e-11 * expected);
-      const double loss = share * at_teeth.output_torque_Nm *
+      const double loss = share * point.output_torque_Nm *
                           std::abs(speeds_of(g.geometry.teeth, point.sun_speed_rad_s).output);
       largest.see(i, bearing.operation->bearing_loss_W - loss, 1e-11 * loss + 1e-300);
     }

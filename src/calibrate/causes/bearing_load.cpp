@@ -16,6 +16,14 @@ constexpr const char* kPinionShaft = "pinion_shaft";
 constexpr const char* kGrowing = "output_bearing_any_exponent";
 constexpr const char* kSized = "both_shafts_any_size";
 
+/// The greatest share μ_b r_b/r_L of the load that a bearing may take: of one whose load acts no
+/// further in than the bearing itself, r_L >= r_b, that of plain bearings that lubricate
+/// themselves, μ_b = 0.01 to 0.3 (Machine Design, "Bearing friction"); of rolling ones it is a
+/// hundredth.
+constexpr double kMostShare = 0.3;
+/// That of the shafts of a rig for pairs, which run in rolling bearings, an assumption.
+constexpr double kMostShareOfRig = 0.05;
+
 bool is_of_radii(const Form& form) {
   return form.name == kBothShafts || form.name == kPinionShaft || form.name == kSized;
 }
@@ -37,7 +45,7 @@ ValueRange gear_radii(const MeasurementSet& data) {
   return range_of(radii);
 }
 
-std::vector<ParameterRecord> parameters(const Form& form, Kind) {
+std::vector<ParameterRecord> parameters(const Form& form, Kind kind) {
   if (form.name == kPlanetBearings || is_of_radii(form)) {
     std::vector<ParameterRecord> radius{{.name = "friction_radius",
                                          .unit = "mm",
@@ -55,12 +63,13 @@ std::vector<ParameterRecord> parameters(const Form& form, Kind) {
     }
     return radius;
   }
-  std::vector<ParameterRecord> result{{.name = "share",
-                                       .unit = "",
-                                       .lower = 0.0,
-                                       .upper = 1.0,
-                                       .plausible_low = 0.0,
-                                       .plausible_high = 0.05}};
+  std::vector<ParameterRecord> result{
+      {.name = "share",
+       .unit = "",
+       .lower = 0.0,
+       .upper = 1.0,
+       .plausible_low = 0.0,
+       .plausible_high = kind == Kind::kPairLoss ? kMostShareOfRig : kMostShare}};
   if (form.name == kGrowing) {
     // Of rolling bearings y is 0.3 to 0.55 (Palmgren); between the two others it is no bearing's.
     result.push_back({.name = "load_exponent",

@@ -13,8 +13,9 @@
 
 namespace gear3k::calibrate {
 
-/// The greatest torque that seals, preload and oil are taken to have at a shaft [N m], an
-/// assumption.
+/// The torque that seals, preload and oil are taken to have at any shaft [N m], an assumption.
+/// Above it, as in large gearboxes, they have no more than what the shaft carries
+/// (fit/row_drag.hpp).
 inline constexpr double kMostDrag_Nm = 5.0;
 
 /// A torque or coefficient that a cause adds to the design's, from 0 on.

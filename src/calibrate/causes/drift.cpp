@@ -19,13 +19,15 @@ bool holds(const Form& form, std::string_view word) {
 std::vector<ParameterRecord> parameters(const Form& form, Kind kind) {
   const Target target = target_of(form.name);
   std::vector<ParameterRecord> result{change_parameter("change", target, kind)};
+  // A time constant beyond the data is a straight line, and an exponent no more than a shape: no
+  // value of theirs is one that cannot be.
   const auto shape = [&](std::string_view name, double bound) {
     result.push_back({.name = name,
                       .unit = "",
                       .lower = -bound,
                       .upper = bound,
-                      .plausible_low = -bound,
-                      .plausible_high = bound});
+                      .plausible_low = -HUGE_VAL,
+                      .plausible_high = HUGE_VAL});
   };
   constexpr double kScales = 3.0;
   constexpr double kExponents = 1.6;
@@ -35,20 +37,29 @@ std::vector<ParameterRecord> parameters(const Form& form, Kind kind) {
     constexpr double kFarEnd = 10.0;
     if (target == Target::kFriction) result[0].lower = result[0].plausible_low = -kFarEnd;
   }
+  // Nor what a gain tends to: its greatest change in the rows says what can be.
+  if (target == Target::kGain) {
+    result[0].plausible_low = result[0].lower;
+    result[0].plausible_high = result[0].upper;
+  }
   if (holds(form, kExponent)) shape("log_exponent", kExponents);
   if (holds(form, kFrom)) result.push_back(change_parameter(kStartChange, target, kind));
   return result;
 }
 
-/// From the first to the last row: linear, levelling off (wear that runs in), or dying away (the
+/// From the first to the last row (of loops from the beginning of their record: by the first loop
+/// something has changed): linear, levelling off (wear that runs in), or dying away (the
 /// end fits the simulation).  Once it is found: with the time constant, or the exponent of a power
 /// of the time, or both (wear that sets in late: 1 − exp(−(t/τ)^k)), or as the logarithm of the
 /// time (creep), and with the value at the start as parameters of their own.
 std::vector<Form> forms(const Occasion& o) {
   std::vector<Form> result;
   const auto add = [&](const char* variable, const char* unit, double Condition::*member) {
-    const ValueRange range = range_of(*o.data, member);
+    ValueRange range = range_of(*o.data, member);
     if (!range.varies()) return;
+    if (member == &Condition::time_s && o.data->record_start_s < range.low) {
+      range.low = o.data->record_start_s;
+    }
     const double span = range.high - range.low;
     for (const TargetRecord& target : targets_of(o.kind)) {
       const auto form = [&](const std::string& shape, double constant, double weight) {

@@ -14,6 +14,8 @@ constexpr const char* kOfPairs = "driving_";
 constexpr const char* kPinion = "driving_pinion";
 constexpr const char* kGear = "driving_gear";
 constexpr const char* kPinionGear = "driving_pinion_gear";
+constexpr const char* kInner = "driving_inner";
+constexpr const char* kOuter = "driving_outer";
 
 /// Of a pair: +1 where the gear of fewer teeth drives, −1 where it is driven, 0 of equal ones.
 int driving_side(const Condition& c) {
@@ -44,10 +46,12 @@ std::vector<ParameterRecord> parameters(const Form& form, Kind) {
            .plausible_high = is_of_both(form) ? -kSomeFriction : kMostChange}};
 }
 
-/// Friction differs before and behind the pitch point, or with the end that drives, of pairs the
-/// smaller or the larger gear.  One gearbox cannot tell these apart.  Either side of the pitch
-/// point by itself is the asymmetry together with the level, which is a cause of its own: a form
-/// with both would hide it.
+/// Friction differs before and behind the pitch point, or with the end that drives the train, or
+/// with the gear that drives in each mesh, as other flanks carry then: of pairs the smaller or the
+/// larger gear, in a gearbox the inner one (sun, or planet in a ring) or the outer one, which in
+/// some meshes drives forward and in others backward.  One gearbox cannot tell these apart.  Either
+/// side of the pitch point by itself is the asymmetry together with the level, which is a cause of
+/// its own: a form with both would hide it.
 std::vector<Form> forms(const Occasion& o) {
   if (o.kind == Kind::kPairLoss) {
     std::vector<Form> result{{.name = "approach_recess", .weight = 0.5},
@@ -64,6 +68,10 @@ std::vector<Form> forms(const Occasion& o) {
   std::vector<Form> result{{.name = "forward_backward", .weight = 0.6},
                            {.name = "forward", .weight = 0.2},
                            {.name = "backward", .weight = 0.2}};
+  if (o.teeth != nullptr) {
+    result.push_back({.name = kInner, .weight = 0.15});
+    result.push_back({.name = kOuter, .weight = 0.15});
+  }
   // What the flanks do can be told from these only by other gearboxes: it takes their place where
   // it explains the data as well.
   if (o.teeth != nullptr) result.push_back({.name = "approach_recess", .weight = 0.0});
@@ -86,6 +94,8 @@ void apply(const Form& form, std::span<const Scalar> p, const Condition& conditi
   };
   if (form.name == "forward_backward" || form.name == "forward") scale(f.forward, p[0]);
   if (form.name == "backward") scale(f.backward, p[0]);
+  if (form.name == kInner) scale(f.inner_drives, p[0]);
+  if (form.name == kOuter) scale(f.outer_drives, p[0]);
   if (form.name == "forward_backward") scale(f.backward, -p[0]);
   if (form.name.starts_with("approach")) scale(f.approach, p[0]);
   if (form.name == "recess") scale(f.recess, p[0]);

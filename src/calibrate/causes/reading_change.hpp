@@ -70,6 +70,9 @@ inline Target target_of(std::string_view form_name) {
   return Target::kAdded;
 }
 
+/// The greatest change of a sensor's gain by session or time, an assumption.
+inline constexpr double kMostGainChange = 0.2;
+
 /// A parameter that is a change of a target: of friction and gain a share, else in the unit of the
 /// response.
 inline ParameterRecord change_parameter(std::string_view name, Target target, Kind kind) {
@@ -87,8 +90,8 @@ inline ParameterRecord change_parameter(std::string_view name, Target target, Ki
               .unit = "",
               .lower = -0.9,
               .upper = 9.0,
-              .plausible_low = -0.2,
-              .plausible_high = 0.2};
+              .plausible_low = -kMostGainChange,
+              .plausible_high = kMostGainChange};
     case Target::kAdded:
     case Target::kOffset:
     case Target::kDrag:

@@ -16,19 +16,44 @@ int power_of_speed(const Candidate& c) {
   return c.cause->id == "drag_quadratic" ? 2 : 0;
 }
 
+/// The greatest torque of a drag that can be at a shaft: a gearbox that takes more to turn than to
+/// carry its greatest load is none.
+double most_drag_Nm(const Problem& problem, bool at_output) {
+  double carried_Nm = 0.0;
+  for (const Observation& row : problem.data.rows) {
+    const double torque_Nm = at_output ? row.condition.output_torque_Nm : row.response;
+    carried_Nm = std::max(carried_Nm, std::abs(torque_Nm));
+  }
+  return std::max(kMostDrag_Nm, carried_Nm);
+}
+
+/// Of a drag that is a torque itself.
+void judge_torques(const Problem& problem, const Candidate& own,
+                   std::vector<ParameterResult>& parameters) {
+  const bool first_at_output = own.form.body == "output";
+  for (ParameterResult& p : parameters) {
+    if (p.name != "torque" && p.name != "other_torque") continue;
+    p.plausible_high = most_drag_Nm(problem, first_at_output == (p.name == "torque"));
+    p.plausible = p.value <= p.plausible_high;
+  }
+}
+
 }  // namespace
 
 void add_implausible_drag(const Problem& problem, const FinalFit& fit, std::size_t effect,
                           std::vector<ParameterResult>& parameters) {
   const Candidate& own = fit.hypothesis.effects[effect];
+  if (own.cause->id == "drag_constant") judge_torques(problem, own, parameters);
   const int power = power_of_speed(own);
   const double sun_rad_s = range_of(problem.data, &Condition::sun_speed_rad_s).high;
   if (power == 0 || !(sun_rad_s > 0.0)) return;
-  const double ratio = own.form.body == "output" ? std::abs(problem.simulation.ratio()) : 1.0;
+  const bool at_output = own.form.body == "output";
+  const double ratio = at_output ? std::abs(problem.simulation.ratio()) : 1.0;
   const double slope = std::pow(sun_rad_s / ratio, power);
   const std::size_t first = value_offset(fit.hypothesis, effect);
   const double torque_Nm = slope * fit.hypothesis.value[first];
-  if (torque_Nm <= kMostDrag_Nm) return;
+  const double most_Nm = most_drag_Nm(problem, at_output);
+  if (torque_Nm <= most_Nm) return;
   const auto at = static_cast<Eigen::Index>(first);
   const double half =
       interval_factor(fit) * slope * std::sqrt(std::max(0.0, fit.covariance(at, at)));
@@ -39,7 +64,7 @@ void add_implausible_drag(const Problem& problem, const FinalFit& fit, std::size
                         .high = torque_Nm + half,
                         .plausible = false,
                         .plausible_low = 0.0,
-                        .plausible_high = kMostDrag_Nm,
+                        .plausible_high = most_Nm,
                         .derived = true});
 }
 

@@ -7,6 +7,7 @@
 
 #include "calibrate/causes/friction_change.hpp"
 #include "calibrate/fit/row_drag.hpp"
+#include "calibrate/fit/row_gain.hpp"
 
 namespace gear3k::calibrate {
 
@@ -129,6 +130,7 @@ std::vector<ParameterResult> parameter_results(const Problem& problem, const Fin
   std::vector<ParameterResult> result = parameter_results(problem.simulation, fit, effect);
   add_implausible_friction(problem, fit, effect, result);
   add_implausible_drag(problem, fit, effect, result);
+  add_implausible_gain(problem, fit, effect, result);
   return result;
 }
 

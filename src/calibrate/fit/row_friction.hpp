@@ -26,7 +26,8 @@ std::optional<FrictionRange> row_friction(const Problem& problem, const Hypothes
 void add_implausible_friction(const Problem& problem, const FinalFit& fit, std::size_t effect,
                               std::vector<ParameterResult>& parameters);
 
-/// parameter_results() with these, and what is not plausible of drags (fit/row_drag.hpp).
+/// parameter_results() with these, and what is not plausible of drags (fit/row_drag.hpp) and of a
+/// sensor's gain (fit/row_gain.hpp).
 std::vector<ParameterResult> parameter_results(const Problem& problem, const FinalFit& fit,
                                                std::size_t effect);
 

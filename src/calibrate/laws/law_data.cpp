@@ -128,7 +128,7 @@ bool exceeds_its_rows(const LawData& d, const LawTrial& trial) {
     held.extend(value_at(law, x, p));
     states.insert(std::move(x));
   }
-  constexpr double kInside = 0.25, kBeyond = 1.0, kWider = 0.25;
+  constexpr double kInside = 0.25, kBeyond = 1.0;
   constexpr int kPlaces = 48;
   const double width = held.high - held.low;
   for (const std::vector<double>& state : states) {
@@ -136,7 +136,7 @@ bool exceeds_its_rows(const LawData& d, const LawTrial& trial) {
       const double span = range[f].high - range[f].low;
       std::vector<double> x = state;
       for (int k = 0; k <= kPlaces; ++k) {
-        const double share = -kWider + (1.0 + 2.0 * kWider) * k / kPlaces;
+        const double share = -kLawReach + (1.0 + 2.0 * kLawReach) * k / kPlaces;
         x[f] = range[f].low + share * span;
         const LawCondition& condition = law_conditions()[law.factors[f].condition];
         if (x[f] < 0.0 && condition.natural_zero && !(condition.turn > 0.0)) continue;

@@ -47,6 +47,10 @@ struct LawTrial {
   int orders = 1;     ///< that a wave or pulse was chosen from
 };
 
+/// How far beyond the range of a condition, over that range, a law is held against its rows and
+/// asked for a value of its own.
+inline constexpr double kLawReach = 0.25;
+
 /// Whether a law does more where nothing was measured than its rows hold: one of its conditions
 /// varied from each row by itself, inside the range of the rows by more than a quarter of what the
 /// law differs by in them, a quarter of the range beyond it by more than that difference.

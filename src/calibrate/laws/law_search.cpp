@@ -9,6 +9,7 @@
 #include "calibrate/laws/law_fit.hpp"
 #include "calibrate/laws/law_scan.hpp"
 #include "calibrate/measurement/response_unit.hpp"
+#include "calibrate/measurement/value_range.hpp"
 
 namespace gear3k::calibrate {
 
@@ -142,14 +143,34 @@ class LawSearch {
   int forms_ = 0;
 };
 
+/// The law with the ends of what it is asked for: the range of its conditions in the rows where it
+/// acts, and as much beyond as a law is held against (exceeds_its_rows).
+Law within_its_rows(Law law, const MeasurementSet& data) {
+  const Law plain = law;
+  for (LawFactor& f : law.factors) {
+    if (!has_limits(f)) continue;
+    const LawCondition& condition = law_conditions()[f.condition];
+    ValueRange range;
+    for (const Observation& row : data.rows) {
+      if (acts_in(plain, row.condition)) range.extend(condition.value(row.condition));
+    }
+    const double wider = kLawReach * (range.high - range.low);
+    f.least = range.low - wider;
+    if (condition.natural_zero) f.least = std::max(f.least, std::min(range.low, 0.0));
+    f.greatest = range.high + wider;
+  }
+  return law;
+}
+
 /// A law beside a hypothesis.
 std::optional<FoundLaw> law_beside(const Problem& problem, const Hypothesis& hypothesis,
                                    const Blocks& blocks) {
   LawSearch search(problem, hypothesis);
-  const std::optional<LawTrial> best = search.best();
+  std::optional<LawTrial> best = search.best();
   if (!best || search.delta_bic(*best) < kClearBic) return std::nullopt;
   const std::vector<LawTrial> refitted = search.without_blocks(*best, blocks);
   if (!search.predicts(refitted, blocks)) return std::nullopt;
+  best->law = within_its_rows(best->law, problem.data);
   const Form form = form_of(best->law);
   FoundLaw found{.law = best->law,
                  .hypothesis = with(

@@ -240,6 +240,8 @@ LoopObservations loop_observations(const std::vector<LockedShaftRecord>& records
     row.line = session->place[loop->first_sample];
     if (!session->samples.time_s.empty()) {
       row.condition.time_s = session->samples.time_s[loop->reversal_sample];
+      const double start_s = session->samples.time_s.front();
+      if (!(result.record_start_s <= start_s)) result.record_start_s = start_s;
     }
     if (loop->lost_motion_sd_rad > 0.0) row.sigma = loop->lost_motion_sd_rad;
     row.response = loop->lost_motion_rad - half;
@@ -306,6 +308,7 @@ void add_loops(MeasurementSet& set, const LoopObservations& loops, int file_offs
   }
   for (Covariate& covariate : set.covariates) covariate.value.resize(set.rows.size(), kUnknown);
   set.notes.insert(set.notes.end(), loops.notes.begin(), loops.notes.end());
+  set.record_start_s = loops.record_start_s;
 }
 
 }  // namespace gear3k::calibrate

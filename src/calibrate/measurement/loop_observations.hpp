@@ -28,6 +28,7 @@ struct LoopObservations {
   std::vector<LoopSession> sessions;  ///< those with loops that were used
   int measured = 0;                   ///< loops used
   int refused = 0;                    ///< loops found and not used, and runs without any
+  double record_start_s = kUnknown;   ///< when the first record with such loops begins
 };
 
 /// Fractions of the smallest peak torque of all loops at which travel is read, as the mean over

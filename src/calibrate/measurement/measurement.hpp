@@ -67,7 +67,10 @@ struct MeasurementSet {
   std::vector<Covariate> covariates;
   /// What was found and how it was handled, in words: rows left out, duplicates, saturation.
   std::vector<std::string> notes;
-  std::uint64_t fingerprint = 0;     ///< FNV-1a, 64 bit, of the files' bytes
+  std::uint64_t fingerprint = 0;  ///< FNV-1a, 64 bit, of the files' bytes
+  /// When the first record began that rows were read from [s]: before the first row.  NaN: rows
+  /// were not read from records.
+  double record_start_s = kUnknown;
   std::vector<LoopSession> loops{};  ///< from which rows were read, where they were
   /// By file: the gearbox of a series that it was measured on; empty where no file states one.
   std::vector<std::string> units{};

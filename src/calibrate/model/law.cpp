@@ -360,12 +360,17 @@ bool acts_in(const Law& law, const Condition& c) {
   });
 }
 
+bool has_limits(const LawFactor& factor) {
+  return !(law_conditions()[factor.condition].turn > 0.0) && !record_of(factor.shape).turns;
+}
+
 template <class T>
 T law_value(const Law& law, const Condition& c, const T* p) {
   T product = p[0];
   const T* next = p + (law.offset ? 2 : 1);
   for (const LawFactor& f : law.factors) {
-    product = product * factor_value(f, law_conditions()[f.condition].value(c), next);
+    const double x = std::clamp(law_conditions()[f.condition].value(c), f.least, f.greatest);
+    product = product * factor_value(f, x, next);
     next += parameter_count(f.shape);
   }
   return law.offset ? T(product + p[1]) : product;
@@ -409,15 +414,18 @@ Form form_of(const Law& law) {
     form.constants.push_back(
         {.name = "reference", .unit = std::string(unit), .value = f.reference});
     form.constants.push_back({.name = "constant", .value = f.constant});
+    form.constants.push_back({.name = "least", .unit = std::string(unit), .value = f.least});
+    form.constants.push_back({.name = "greatest", .unit = std::string(unit), .value = f.greatest});
   }
   if (law.offset) form.name += " offset";
   return form;
 }
 
 Law law_of(const Form& form) {
+  constexpr std::size_t kConstants = 5;
   const std::vector<std::string> words = words_of(form.name);
   const std::size_t factors = words.size() < 4 ? 0 : (words.size() - 2) / 2;
-  if (factors < 1 || factors > 2 || form.constants.size() != 3 * factors) {
+  if (factors < 1 || factors > 2 || form.constants.size() != kConstants * factors) {
     throw std::invalid_argument(fmt::format("law: there is no form \"{}\"", form.name));
   }
   Law law{.action = static_cast<LawAction>(place_of(kLawActionNames, words[0])),
@@ -425,9 +433,12 @@ Law law_of(const Form& form) {
           .factors = {},
           .offset = words.size() % 2 != 0};
   for (std::size_t f = 0; f < factors; ++f) {
-    LawFactor factor{.origin = form.constants[3 * f].value,
-                     .reference = form.constants[3 * f + 1].value,
-                     .constant = form.constants[3 * f + 2].value};
+    const auto constant = [&](std::size_t k) { return form.constants[kConstants * f + k].value; };
+    LawFactor factor{.origin = constant(0),
+                     .reference = constant(1),
+                     .constant = constant(2),
+                     .least = constant(3),
+                     .greatest = constant(4)};
     int shape = 0;
     while (shape < kLawShapes && record_of(static_cast<LawShape>(shape)).name != words[2 + 2 * f]) {
       ++shape;

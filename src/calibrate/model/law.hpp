@@ -2,6 +2,7 @@
 // A formula without a cause: what is left of a response as a function of the conditions.
 
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -73,6 +74,9 @@ struct LawFactor {
   std::size_t condition = 0;             ///< of law_conditions()
   double origin = 0.0, reference = 1.0;  ///< of u, in the condition's unit; reference > 0
   double constant = 0.0;                 ///< x_t or W
+  /// Where x is taken as these beyond them: a formula for measured values says nothing far from
+  /// them.
+  double least = -HUGE_VAL, greatest = HUGE_VAL;
 };
 
 /// v = offset + amplitude · f_1 · f_2.  At most three parameters (kMostLawParameters).
@@ -98,7 +102,11 @@ T factor_value(const LawFactor& factor, double x, const T* p);
 /// Whether a law acts in rows of a condition, and states all that it needs.
 bool acts_in(const Law& law, const Condition& condition);
 
-/// v at a condition where acts_in() holds, in the unit of its amplitude.
+/// Whether a factor's condition has an end: angles, and times of waves, go on as they do.
+bool has_limits(const LawFactor& factor);
+
+/// v at a condition where acts_in() holds, in the unit of its amplitude; conditions beyond least
+/// and greatest count as these.
 template <class T>
 T law_value(const Law& law, const Condition& condition, const T* p);
 

@@ -140,7 +140,23 @@ class LawReader {
           number(law_constant_key(factor, place), width ? "a number above 0" : "a number",
                  [&](double x) { return !width || x > 0.0; });
     }
+    read_limits(factor, place);
     law.factors.push_back(factor);
+  }
+
+  /// Where the condition ends, where that is stated.
+  void read_limits(LawFactor& factor, std::size_t place) {
+    const auto limit = [&](std::string_view name, double& x, const std::string& allowed,
+                           auto allows) {
+      const std::string key = law_unit_key(name, factor, place);
+      known_.push_back(key);
+      if (member(key) != nullptr) x = number(key, allowed, allows);
+    };
+    limit("least", factor.least, "a number", [](double) { return true; });
+    limit("greatest", factor.greatest,
+          std::isfinite(factor.least) ? fmt::format("a number, at least {}", factor.least)
+                                      : "a number",
+          [&](double x) { return x >= factor.least; });
   }
 
   void read_parameters(const TomlValue& table, AppliedLaw& applied) {

@@ -123,6 +123,11 @@ std::string law_text(const ExtendedModel& model, std::string_view kind, std::siz
     if (!record_of(factor.shape).constant.empty()) {
       text += fmt::format("{} = {}\n", law_constant_key(factor, f), toml_number(factor.constant));
     }
+    for (const auto& [name, x] :
+         {std::pair{"least", factor.least}, std::pair{"greatest", factor.greatest}}) {
+      if (!std::isfinite(x)) continue;
+      text += fmt::format("{} = {}\n", law_unit_key(name, factor, f), toml_number(x));
+    }
   }
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     require(std::isfinite(applied.value[i]), "a law is not finite");

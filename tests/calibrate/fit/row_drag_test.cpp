@@ -13,7 +13,9 @@ namespace {
 
 class RowDrag : public Bench {
  protected:
-  RowDrag() { data_ = measured_grid({.sun_speeds_rpm = {200.0, 600.0}}); }
+  RowDrag() {
+    data_ = measured_grid({.sun_speeds_rpm = {200.0, 600.0}, .output_torques_Nm = {1.0, 4.0}});
+  }
   [[nodiscard]] std::vector<ParameterResult> told(const char* id, const char* shaft,
                                                   double coefficient) const {
     FinalFit fit;
@@ -49,10 +51,38 @@ TEST_F(RowDrag, OfTheOutputIsAtItsOwnSpeed) {
   EXPECT_NEAR(told("drag_viscous", "output", 6.0 / output_rad_s).at(0).value, 6.0, 1e-12);
 }
 
-TEST_F(RowDrag, OfOtherCausesIsNone) {
-  EXPECT_TRUE(told("drag_constant", "sun", 50.0).empty());
-  EXPECT_TRUE(told("friction_level", "", 50.0).empty());
+TEST_F(RowDrag, OfAShaftThatCarriesMoreMayBeMore) {
+  for (Observation& row : data_.rows) row.response = -6.5;
+  EXPECT_TRUE(told("drag_viscous", "sun", 6.0 / kSun_rad_s).empty());
+  EXPECT_EQ(told("drag_viscous", "sun", 7.0 / kSun_rad_s).at(0).plausible_high, 6.5);
 }
+
+TEST_F(RowDrag, OfASealIsHeldAgainstTheSame) {
+  for (Observation& row : data_.rows) row.condition.output_torque_Nm = 8.0;
+  const auto plausible = [&](const Form& form, std::vector<double> torques_Nm) {
+    FinalFit fit;
+    fit.hypothesis = hypothesis({candidate("drag_constant", form)}, torques_Nm);
+    std::vector<ParameterResult> result(torques_Nm.size());
+    for (std::size_t k = 0; k < result.size(); ++k) {
+      result[k].name = k == 0 ? "torque" : "other_torque";
+      result[k].value = torques_Nm[k];
+    }
+    add_implausible_drag(problem(), fit, 0, result);
+    std::vector<bool> each;
+    for (const ParameterResult& r : result) each.push_back(r.plausible);
+    return each;
+  };
+  using Each = std::vector<bool>;
+  EXPECT_EQ(plausible({.name = "sun", .body = "sun"}, {4.9}), Each{true});
+  EXPECT_EQ(plausible({.name = "sun", .body = "sun"}, {5.1}), Each{false});
+  EXPECT_EQ(plausible({.name = "output", .body = "output"}, {7.9}), Each{true});
+  EXPECT_EQ(plausible({.name = "output", .body = "output"}, {8.1}), Each{false});
+  EXPECT_EQ(plausible({.name = "sun_and_output", .body = "sun"}, {4.9, 7.9}), (Each{true, true}));
+  EXPECT_EQ(plausible({.name = "output_and_sun", .body = "output"}, {7.9, 5.1}),
+            (Each{true, false}));
+}
+
+TEST_F(RowDrag, OfOtherCausesIsNone) { EXPECT_TRUE(told("friction_level", "", 50.0).empty()); }
 
 }  // namespace
 }  // namespace gear3k::calibrate::row_drag_test

@@ -151,6 +151,27 @@ TEST(Law, ChangesTheReadingByItsAction) {
   EXPECT_THROW(apply_law(applied, c, Kind::kTransmission, m), std::invalid_argument);
 }
 
+TEST(Law, KeepsItsValueBeyondItsEnds) {
+  // 1 + u from 0.2 to 0.5 of 3000 rpm.
+  Law law{.factors = {{.shape = LawShape::kCentred,
+                       .condition = condition("sun_speed"),
+                       .reference = 3000.0,
+                       .least = 600.0,
+                       .greatest = 1500.0}}};
+  const std::vector<double> p{1.0, -3000.0};
+  for (const auto& [rpm, expected] :
+       {std::pair{100.0, 1.2}, std::pair{600.0, 1.2}, std::pair{900.0, 1.3}, std::pair{1500.0, 1.5},
+        std::pair{9000.0, 1.5}}) {
+    Condition c;
+    c.sun_speed_rad_s = rpm * std::numbers::pi / 30.0;
+    EXPECT_NEAR(law_value(law, c, p.data()), expected, 1e-12) << rpm;
+    EXPECT_NEAR(law_value(law_of(form_of(law)), c, p.data()), expected, 1e-12) << rpm;
+  }
+  EXPECT_TRUE(has_limits(law.factors[0]));
+  law.factors[0].shape = LawShape::kWave;
+  EXPECT_FALSE(has_limits(law.factors[0]));
+}
+
 TEST(Law, OverTimeBelongsToItsCampaign) {
   for (const char* name : {"time", "cycles", "sun_speed", "temperature"}) {
     Condition c;

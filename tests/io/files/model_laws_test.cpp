@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 
 #include "io/files/model_file.hpp"
@@ -45,7 +46,9 @@ TEST(ModelLaws, EveryShapeOfEveryConditionComesBackExactly) {
                                .reference = 100.0 / 7.0,
                                .constant = record_of(static_cast<LawShape>(shape)).constant.empty()
                                                ? 0.0
-                                               : 0.1 + 1.0 / 7.0};
+                                               : 0.1 + 1.0 / 7.0,
+                               .least = shape % 3 == 0 ? -HUGE_VAL : 0.3 / 7.0,
+                               .greatest = shape % 2 == 0 ? HUGE_VAL : 900.0 / 7.0};
         const int fitted = 1 + parameter_count(factor.shape);
         Law law{.action = static_cast<calibrate::LawAction>(laws % 4),
                 .rows = static_cast<calibrate::LawRows>(laws % 5),
@@ -76,6 +79,8 @@ TEST(ModelLaws, EveryShapeOfEveryConditionComesBackExactly) {
         EXPECT_EQ(back[0].laws[0].law.action, law.action);
         EXPECT_EQ(back[0].laws[0].law.factors[0].reference, factor.reference);
         EXPECT_EQ(back[0].laws[0].law.factors[0].constant, factor.constant);
+        EXPECT_EQ(back[0].laws[0].law.factors[0].least, factor.least);
+        EXPECT_EQ(back[0].laws[0].law.factors[0].greatest, factor.greatest);
         EXPECT_EQ(model_text(back), text);
       }
     }

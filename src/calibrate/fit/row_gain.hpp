@@ -1,0 +1,17 @@
+#pragma once
+// What a drift of the sensor's gain comes to in the measured rows, and whether a sensor drifts so.
+
+#include <vector>
+
+#include "calibrate/fit/fit.hpp"
+#include "calibrate/fit/parameter_results.hpp"
+
+namespace gear3k::calibrate {
+
+/// Appends to the parameters of a drift that acts on the gain `greatest_gain_change`, of that row
+/// in which the gain is furthest from 1, where that is more than kMostGainChange and so not
+/// plausible. What the law of the drift tends to, no row need reach.
+void add_implausible_gain(const Problem& problem, const FinalFit& fit, std::size_t effect,
+                          std::vector<ParameterResult>& parameters);
+
+}  // namespace gear3k::calibrate
