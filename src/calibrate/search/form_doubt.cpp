@@ -102,7 +102,7 @@ void widen_by_forms(const Problem& problem, const std::vector<Candidate>& all, d
     for (std::size_t e = 0; e < h.effects.size(); ++e) {
       if (may_free(h, e, form)) fits.add(in_form(h, e, form), e);
     }
-    if (form.cause->remedy == Remedy::kFrictionValue && !has_level(h)) {
+    if (form.cause->remedy == Remedy::kFrictionValue && form.form.weight > 0.0 && !has_level(h)) {
       fits.add(with(h, form), h.effects.size());
     }
   }

@@ -349,8 +349,9 @@ NextExperiment plan_experiment(const Problem& problem, const std::vector<Explana
   std::vector<View> views;
   views.reserve(explanations.size());
   std::vector<Candidate> level = candidates_for(problem.simulation, problem.data);
-  std::erase_if(level,
-                [](const Candidate& c) { return c.cause->remedy != Remedy::kFrictionValue; });
+  std::erase_if(level, [](const Candidate& c) {
+    return c.cause->remedy != Remedy::kFrictionValue || !(c.form.weight > 0.0);
+  });
   Eigen::MatrixXd measured_rows = measured(problem.data);
   problem.noise.whiten(measured_rows);
   for (const Explanation& e : explanations) {

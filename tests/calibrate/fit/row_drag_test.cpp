@@ -14,7 +14,9 @@ namespace {
 class RowDrag : public Bench {
  protected:
   RowDrag() {
-    data_ = measured_grid({.sun_speeds_rpm = {200.0, 600.0}, .output_torques_Nm = {1.0, 4.0}});
+    data_ = measured_grid({.sun_speeds_rpm = {200.0, 600.0},
+                           .output_torques_Nm = {1.0, 4.0},
+                           .directions = {design::Direction::kForward}});
   }
   [[nodiscard]] std::vector<ParameterResult> told(const char* id, const char* shaft,
                                                   double coefficient) const {
@@ -52,9 +54,22 @@ TEST_F(RowDrag, OfTheOutputIsAtItsOwnSpeed) {
 }
 
 TEST_F(RowDrag, OfAShaftThatCarriesMoreMayBeMore) {
-  for (Observation& row : data_.rows) row.response = -6.5;
+  // What the load takes at the sun, and the drag on top of it.
+  const auto measured_with = [&](double load_Nm, double drag_Nm) {
+    for (Observation& row : data_.rows) {
+      row.response = load_Nm + drag_Nm * row.condition.sun_speed_rad_s / kSun_rad_s;
+    }
+  };
+  measured_with(6.5, 6.0);
   EXPECT_TRUE(told("drag_viscous", "sun", 6.0 / kSun_rad_s).empty());
-  EXPECT_EQ(told("drag_viscous", "sun", 7.0 / kSun_rad_s).at(0).plausible_high, 6.5);
+  measured_with(6.5, 7.0);
+  EXPECT_NEAR(told("drag_viscous", "sun", 7.0 / kSun_rad_s).at(0).plausible_high, 6.5, 1e-12);
+  // A load that turned the sun backward against the drag was the greater.
+  for (Observation& row : data_.rows) {
+    row.condition.direction = design::Direction::kBackward;
+    row.response = 0.5;
+  }
+  EXPECT_TRUE(told("drag_viscous", "sun", 7.0 / kSun_rad_s).empty());
 }
 
 TEST_F(RowDrag, OfASealIsHeldAgainstTheSame) {
