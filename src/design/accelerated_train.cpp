@@ -204,7 +204,8 @@ TrainInstantResult PreparedTrain::balance(const TrainMotion& motion) const {
     }
     flow = train::solve_power_flow(state.loaded);
     if (!flow) return none(NoOperation::kLocks);
-    if (relative_change(taken, flow->mesh_torque_Nm) <= kRepeats) {
+    if (relative_change(taken, taken_output, flow->mesh_torque_Nm, flow->output_torque_Nm) <=
+        kRepeats) {
       return {.instant = instant_of(t, motion, state, *flow), .reason = NoOperation::kLocks};
     }
   }

@@ -121,7 +121,8 @@ MotionResult<T> move(const LossyTrain<T>& t, const OperatingPoint<T>& point, Dir
     }
     flow = train::solve_power_flow(loaded);
     if (!flow) return none(NoOperation::kLocks);
-    if (!repeats && relative_change(taken, flow->mesh_torque_Nm) <= kRepeats) {
+    if (!repeats && relative_change(taken, taken_output, flow->mesh_torque_Nm,
+                                    flow->output_torque_Nm) <= kRepeats) {
       repeats = true;
       // Derivatives follow the values at the same rate, one pass behind: as many passes again.
       passes = std::is_floating_point_v<T> ? pass + 1 : 2 * (pass + 1);

@@ -200,6 +200,17 @@ double relative_change(const MeshTorques<T>& from, const MeshTorques<T>& to) {
   return scale > 0.0 ? change / scale : 0.0;
 }
 
+/// The same, and of the torque at the output's shaft, which is no part of the meshes' where the sun
+/// is the end that is given: they repeat before it does.
+template <class T>
+double relative_change(const MeshTorques<T>& from, const T& from_output_Nm,
+                       const MeshTorques<T>& to, const T& to_output_Nm) {
+  const double change = std::abs(value_of(to_output_Nm) - value_of(from_output_Nm));
+  double scale = std::abs(value_of(to_output_Nm));
+  for (const T& torque : to) scale = std::max(scale, std::abs(value_of(torque)));
+  return std::max(relative_change(from, to), scale > 0.0 ? change / scale : 0.0);
+}
+
 // Torques that repeat to some roundings end the iteration.  Where bearing friction takes nearly all
 // that moves a planet passes gain little, and beyond that none: the torques then grow without end.
 inline constexpr double kRepeats = 4e-15;

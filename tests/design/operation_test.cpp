@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "design/accelerated_train.hpp"
 #include "design/scalar_as.hpp"
 #include "design/sun_torque.hpp"
 #include "tests/largest_deviation.hpp"
@@ -798,6 +799,40 @@ TEST(ExtendedOperation, AnOutputBearingLoadsTheTeethByItsShareOfTheShaftsTorque)
   }
   largest.expect_allowed("torque of the sun");
   EXPECT_GT(seen, 500);
+}
+
+/// With the sun's torque given no mesh knows of the output's bearing, so that their torques repeat
+/// before the shaft's does.
+TEST(ExtendedOperation, AnOutputBearingTakesItsShareWithAFreeSunToo) {
+  Random random(268);
+  LargestDeviation operated, balanced;
+  int seen = 0, moving = 0;
+  for (int i = 0; i < 400; ++i) {
+    Gearbox g = random.gearbox(FrictionLaw::kConstant, kModels[static_cast<std::size_t>(i % 4)]);
+    g.shafts.planet_bearing_coefficient = 0.0;
+    const double share = random.between(0.05, 0.3);
+    g.shafts.output_bearing_share = share;
+    const OperatingPoint<double> point = random.point();
+    const double output = speeds_of(g.geometry.teeth, point.sun_speed_rad_s).output;
+    if (const auto free = drive_free_sun(g.train(), point).operation) {
+      ++seen;
+      const double loss = share * free->output_torque_Nm * output;
+      operated.see(i, free->bearing_loss_W - loss, 1e-10 * loss + 1e-300);
+    }
+    const auto found =
+        balance_motion({.lossy = g.train(), .bodies = {}}, {.output_speed_rad_s = output,
+                                                            .given_end = train::End::kSun,
+                                                            .given_torque_Nm = 0.0,
+                                                            .temperature_K = point.temperature_K});
+    if (!found.instant) continue;
+    ++moving;
+    const double loss = share * std::abs(found.instant->output_torque_Nm) * output;
+    balanced.see(i, found.instant->bearing_loss_W - loss, 1e-10 * loss + 1e-300);
+  }
+  operated.expect_allowed("operation");
+  balanced.expect_allowed("balance");
+  EXPECT_GT(seen, 50);
+  EXPECT_GT(moving, 50);
 }
 
 TEST(ExtendedOperation, DragsFollowTheTemperatureTogether) {
