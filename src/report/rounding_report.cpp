@@ -102,7 +102,9 @@ io::Json rounded_values_json(const RoundedDesign& design) {
 }
 
 std::string cut_text(const Rounding& rounding) {
-  return rounding.complete ? "" : "; the search was cut short, there may be a better one";
+  if (rounding.complete) return "";
+  return fmt::format("; the search was cut short, there may be {}",
+                     rounding.best ? "a better one" : "one");
 }
 
 }  // namespace
@@ -112,7 +114,10 @@ std::string rounding_blocked_text(const Specification& spec, const Rounding& rou
   if (rounding.nearest) {
     for (const optimize::Miss& miss : rounding.nearest->missed) names.push_back(miss.name);
   }
-  return fmt::format("no rounded design meets every check{}{}{}",
+  // Of a search that was cut short it is not known that there is none.
+  return fmt::format("{}{}{}{}",
+                     rounding.complete ? "no rounded design meets every check"
+                                       : "no rounded design that meets every check was found",
                      rounding.nearest
                          ? fmt::format(": the nearest misses {}", misses_text(*rounding.nearest))
                          : "",

@@ -13,7 +13,8 @@ namespace gear3k::report {
 /// @param free_objective  of the optimum that was rounded, SI
 std::string rounding_table(const optimize::Specification& spec, double free_objective,
                            const optimize::Rounding& rounding);
-/// Which limit blocks where no rounded design meets every check, and by how much.
+/// Which limit blocks where no rounded design meets every check, or none was found before the
+/// search was cut short, and by how much.
 std::string rounding_blocked_text(const optimize::Specification& spec,
                                   const optimize::Rounding& rounding);
 /// `rounded` of summary.json.
