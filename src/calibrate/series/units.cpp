@@ -72,6 +72,7 @@ std::deque<SeriesUnit> series_units(const Simulation& simulation, const Measurem
     own.kind = data.kind;
     own.files = data.files;
     own.units = data.units;
+    own.record_start_s = data.record_start_s;
     for (const Covariate& c : data.covariates)
       own.covariates.push_back({.name = c.name, .value = {}});
     std::vector<std::size_t> places;
