@@ -21,8 +21,8 @@ struct GridEnd {
 };
 
 /// Branch and bound over the multiples that the problem's box has of each shift: the problem with
-/// the shifts of a box free bounds what its points can have; a box is cut in two at the shift that
-/// is farthest between two multiples, until its points are no better than the best.
+/// the shifts of a box free bounds what its points can have; a box is cut in two at the shift whose
+/// halves promise most by the cuts so far (CutGains), until its points are no better than the best.
 ///
 /// Relaxations are solved locally: a box whose best point no run finds is lost.
 /// Source: own derivation, docs/theory §12.

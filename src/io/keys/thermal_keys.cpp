@@ -80,10 +80,6 @@ train::Growth finish_part(const ThermalInput::Part& part, const std::string& nam
   return {.expansion_1_K = part.expansion_1_K.value_or(0.0), .swelling = part.swelling};
 }
 
-}  // namespace
-
-namespace {
-
 /// Whether the table is in the file with nothing in it.
 bool is_empty_table(const FileReading& reading) {
   const auto stated = [&](std::string_view name) {
