@@ -150,7 +150,11 @@ class LawReader {
                            auto allows) {
       const std::string key = law_unit_key(name, factor, place);
       known_.push_back(key);
-      if (member(key) != nullptr) x = number(key, allowed, allows);
+      if (member(key) == nullptr) return;
+      // What stands for a refused number limits no other one.
+      const std::size_t before = reader_.errors();
+      const double stated = number(key, allowed, allows);
+      if (reader_.errors() == before) x = stated;
     };
     limit("least", factor.least, "a number", [](double) { return true; });
     limit("greatest", factor.greatest,

@@ -116,6 +116,12 @@ TEST(ModelLaws, EveryErrorHasItsPlaceAndWhatIsAllowed) {
             "m.toml:7:1: transmission.laws.law.condition = \"test_torque\""},
            {"3000.0", "0.0", "m.toml:8:1: transmission.laws.law.reference_rpm = 0"},
            {"3000.0", "0.0", "allowed: 1e-06 to 1e+12"},
+           {"3000.0\n", "3000.0\nleast_rpm = nan\n",
+            "m.toml:9:1: transmission.laws.law.least_rpm = nan"},
+           {"3000.0\n", "3000.0\nleast_rpm = 900.0\ngreatest_rpm = 600.0\n",
+            "m.toml:10:1: transmission.laws.law.greatest_rpm = 600"},
+           {"3000.0\n", "3000.0\nleast_rpm = 900.0\ngreatest_rpm = 600.0\n",
+            "allowed: a number, at least 900"},
            {"0.012", "inf", "m.toml:9:1: transmission.laws.law.amplitude_nm = inf"},
            {"1.4", "9.0", "transmission.laws.law.exponent = 9"},
            {"1.4", "9.0", "allowed: a number, -8 to 8"},
@@ -132,6 +138,14 @@ TEST(ModelLaws, EveryErrorHasItsPlaceAndWhatIsAllowed) {
     EXPECT_NE(errors.find(c.expected), std::string::npos)
         << "expected: " << c.expected << "\nin: " << errors;
   }
+}
+
+TEST(ModelLaws, ARefusedLeastValueLimitsNoGreatestOne) {
+  std::string text = kGood;
+  text.replace(text.find("3000.0\n"), 7, "3000.0\nleast_rpm = \"low\"\ngreatest_rpm = 0.5\n");
+  const std::string errors = errors_of(text);
+  EXPECT_NE(errors.find("least_rpm"), std::string::npos) << errors;
+  EXPECT_EQ(errors.find("greatest_rpm"), std::string::npos) << errors;
 }
 
 TEST(ModelLaws, MoreThanThreeParametersAreRefused) {
