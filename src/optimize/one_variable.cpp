@@ -26,9 +26,18 @@ class AlongOne {
   bool search(Point& v, std::span<const std::uint16_t> selection) {
     Side low{.at = problem_.lower[axis_]}, high{.at = problem_.upper[axis_]};
     int between = 0;
+    std::optional<double> defined;
     for (int step = 0; step < kMostSteps; ++step) {
-      if (!evaluate_gradients(problem_, used(problem_, v), selection, at_)) return false;
       double& x = v[axis_];
+      if (!evaluate_gradients(problem_, used(problem_, v), selection, at_)) {
+        // A step left what the model is defined for: half of it back.
+        if (!defined) return false;
+        (x > *defined ? high : low) = {.at = x, .tried = true};
+        x = 0.5 * (*defined + x);
+        if (std::abs(x - *defined) <= kSameValue) return false;
+        continue;
+      }
+      defined = x;
       const Pull pull = missed();
       const bool is_missed = pull.up < 0.0 || pull.down < 0.0;
       if (between > 0 && !(pull.up < 0.0 && pull.down < 0.0)) return !is_missed;
