@@ -102,9 +102,11 @@ void search_boxes(const BoxProblem& problem, BoxNode root) {
   std::vector<BoxNode> open;
   open.push_back(std::move(root));
   while (!open.empty() && !problem.cut()) {
-    std::swap(open.back(), *std::ranges::min_element(open, {}, [](const BoxNode& node) {
-                return node.relaxed.objective;
-              }));
+    if (problem.best_first) {
+      std::swap(open.back(), *std::ranges::min_element(open, {}, [](const BoxNode& node) {
+                  return node.relaxed.objective;
+                }));
+    }
     const BoxNode node = std::move(open.back());
     open.pop_back();
     if (!problem.can_win(node)) continue;
@@ -122,6 +124,7 @@ void search_boxes(const BoxProblem& problem, BoxNode root) {
       problem.offer(half);
     }
     if (problem.learn) problem.learn(node, *axis, halves);
+    if (halves[0].relaxed.objective < halves[1].relaxed.objective) std::swap(halves[0], halves[1]);
     for (BoxNode& half : halves) {
       if (problem.can_win(half)) open.push_back(std::move(half));
     }

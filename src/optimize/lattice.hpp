@@ -74,10 +74,13 @@ struct BoxProblem {
   std::function<bool()> cut;                    ///< whether the search is to end
   /// Is told of both halves of a box that was cut at an axis.
   std::function<void(const BoxNode&, std::size_t, const std::array<BoxNode, 2>&)> learn{};
+  /// Of all boxes left the one of the best bound next, not the latest, of whose halves the better
+  /// one comes last.
+  bool best_first = false;
 };
 
 /// Cuts a box in two at an axis, next to its relaxed value, and each half in turn, as long as they
-/// can win; the box of the best bound first.
+/// can win.
 void search_boxes(const BoxProblem& problem, BoxNode root);
 
 /// Of the axes of which a box has more than one multiple: the one farthest between two multiples;

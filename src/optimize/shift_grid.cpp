@@ -58,7 +58,8 @@ class GridSearch {
          .can_win = [&](const BoxNode& node) { return can_win(node); },
          .cut = [&] { return cut(); },
          .learn = [&](const BoxNode& node, std::size_t axis,
-                      const std::array<BoxNode, 2>& halves) { learn(node, axis, halves); }},
+                      const std::array<BoxNode, 2>& halves) { learn(node, axis, halves); },
+         .best_first = true},
         std::move(root));
     end_.complete = !cut();
     if (!end_.found && end_.held) {
