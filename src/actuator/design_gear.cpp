@@ -50,14 +50,7 @@ class DesignGear : public GearModel {
       : train_(actuator.train),
         prepared_(moving(*train_)),
         load_kgm2_(actuator.load_inertia_kgm2),
-        linear_(prepared_.is_linear()),
-        constant_(train_->friction.law == efficiency::FrictionLaw::kConstant &&
-                  !efficiency::depends_on_state(train_->friction.extension)) {
-    for (const auto& drag : train_->shafts.drag) {
-      constant_ = constant_ && drag.quadratic_Nms2 == 0.0;
-    }
-    constant_ = constant_ && train_->shafts.planet_bearing_coefficient == 0.0;
-  }
+        linear_(prepared_.is_linear()) {}
 
   [[nodiscard]] const std::vector<std::string>& causes() const override {
     return design_gear_causes();
@@ -95,7 +88,7 @@ class DesignGear : public GearModel {
   [[nodiscard]] RestBand band(double load_Nm) const override {
     return {.low_Nm = resting_input(load_Nm, -1.0), .high_Nm = resting_input(load_Nm, 1.0)};
   }
-  [[nodiscard]] bool constant_efficiencies() const override { return constant_; }
+  [[nodiscard]] bool constant_efficiencies() const override { return linear_; }
   [[nodiscard]] double static_nm() const override { return 0.0; }
   [[nodiscard]] double inertia_kgm2() const override { return train_->inertia_kgm2() + load_kgm2_; }
 
@@ -141,7 +134,7 @@ class DesignGear : public GearModel {
   std::shared_ptr<const DesignTrain> train_;
   design::PreparedTrain prepared_;
   double load_kgm2_;
-  bool linear_, constant_;
+  bool linear_;
 };
 
 }  // namespace

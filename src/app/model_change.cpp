@@ -54,7 +54,7 @@ struct Values {
 std::optional<double> mesh_efficiency(const design::Design& design,
                                       const train::TrainGeometry<double>& geometry, bool forward) {
   const auto eta = efficiency::mesh_efficiencies(
-      geometry, efficiency::constant_friction<double>(design.friction, forward),
+      geometry, efficiency::constant_friction<double>(design.friction, geometry.teeth, forward),
       design.friction.model, forward);
   if (!std::ranges::all_of(eta, [](double e) { return e > 0.0; })) return std::nullopt;
   return forward ? efficiency::forward_efficiency(geometry.teeth, eta)

@@ -106,10 +106,11 @@ std::array<MeshFriction, train::kMeshCount> mesh_frictions(
     const LossyTrain<double>& train, const std::optional<OperatingResult>& operation) {
   std::array<MeshFriction, train::kMeshCount> mu{};
   if (!efficiency::depends_on_state(train.friction)) {
-    const auto constant_mu = [&](bool forward) {
-      return train.friction.coefficient * constant_factor(train.friction.extension, forward);
-    };
-    mu.fill({.forward = constant_mu(true), .backward = constant_mu(false)});
+    const auto forward = *mesh_friction<double>(train, {}, Direction::kForward);
+    const auto backward = *mesh_friction<double>(train, {}, Direction::kBackward);
+    for (std::size_t k = 0; k < mu.size(); ++k) {
+      mu[k] = {.forward = forward[k], .backward = backward[k]};
+    }
     return mu;
   }
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();

@@ -48,7 +48,7 @@ std::optional<double> margin_at(const LossyTrain<double>& train,
   if (operation) {
     for (std::size_t k = 0; k < train::kMeshCount; ++k) friction[k] = operation->mesh[k].friction;
   } else if (!efficiency::depends_on_state(train.friction)) {
-    friction.fill(train.friction.coefficient * constant_factor(train.friction.extension, false));
+    friction = *mesh_friction<double>(train, {}, Direction::kBackward);
   } else {
     return std::nullopt;
   }

@@ -283,8 +283,14 @@ std::optional<std::array<T, kMeshCount>> mesh_friction(const LossyTrain<T>& trai
                                                        Direction direction) {
   std::array<T, kMeshCount> mu{};
   if (!efficiency::depends_on_state(train.friction)) {
-    mu.fill(train.friction.coefficient *
-            constant_factor(train.friction.extension, direction == Direction::kForward));
+    const auto& extension = train.friction.extension;
+    const bool forward = direction == Direction::kForward;
+    const T same = train.friction.coefficient * constant_factor(extension, forward);
+    const bool g2_below_one = train::g2(train.geometry.teeth) < 1.0;
+    for (std::size_t k = 0; k < kMeshCount; ++k) {
+      const bool gear1 = train::gear1_drives(static_cast<train::MeshId>(k), g2_below_one, forward);
+      mu[k] = friction_of_mesh(extension, same, k, gear1 ? 0 : 1);
+    }
     return mu;
   }
   const OperationResult<T> result = operate(train, point, direction);

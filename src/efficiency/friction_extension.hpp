@@ -55,7 +55,7 @@ struct FrictionExtension {
   T ring_meshes = constant<T>(1.0);
 };
 
-/// Whether meshes differ by themselves.
+/// Whether meshes differ by themselves: by constants, which ask for no state.
 template <class T>
 bool depends_on_mesh(const FrictionExtension<T>& e) {
   return !(is_neutral(e.inner_drives, 1.0) && is_neutral(e.outer_drives, 1.0) &&
@@ -88,16 +88,16 @@ bool depends_on_temperature(const FrictionExtension<T>& e) {
   return !(is_neutral(e.temperature_1_K, 0.0) && is_straight(e.temperature_bend));
 }
 
-/// Whether the factor needs to know where a mesh runs, or which one it is.
+/// Whether the factor needs to know where a mesh runs.
 template <class T>
 bool depends_on_state(const FrictionExtension<T>& e) {
-  return depends_on_temperature(e) || depends_on_mesh(e) ||
+  return depends_on_temperature(e) ||
          !(is_neutral(e.load_exponent, 0.0) && is_neutral(e.slow_excess, 0.0) &&
            is_neutral(e.speed_exponent, 0.0) && is_straight(e.load_bend) &&
            is_straight(e.speed_bend));
 }
 
-/// The part of the factor that does not: level and side.
+/// The part of the factor that does not: level and side.  What meshes differ by is mesh_factor().
 template <class T>
 T constant_factor(const FrictionExtension<T>& e, bool forward) {
   return e.level * (forward ? e.forward : e.backward);

@@ -82,14 +82,28 @@ FlankFriction<T> flank_friction(const Friction<T>& friction, const T& coefficien
           .recess_factor = friction.recess_factor * friction.extension.recess};
 }
 
-/// The same for FrictionLaw::kConstant, as constants of a scalar.
+/// The same for FrictionLaw::kConstant, as constants of a scalar, of a mesh as mesh_factor() has
+/// it.
 template <class T>
-FlankFriction<T> constant_friction(const Friction<double>& friction, bool forward) {
+FlankFriction<T> constant_friction(const Friction<double>& friction, bool forward, bool with_ring,
+                                   bool inner_drives) {
   const auto flank =
-      flank_friction(friction, friction.coefficient * constant_factor(friction.extension, forward));
+      flank_friction(friction, friction.coefficient * constant_factor(friction.extension, forward) *
+                                   mesh_factor(friction.extension, with_ring, inner_drives));
   return {.coefficient = constant<T>(flank.coefficient),
           .approach_factor = constant<T>(flank.approach_factor),
           .recess_factor = constant<T>(flank.recess_factor)};
+}
+
+/// Of a mesh without and with a ring, each with the inner and the outer gear driving: what a mesh
+/// of any train has is one of these.
+inline std::array<FlankFriction<double>, 4> constant_frictions(const Friction<double>& friction,
+                                                               bool forward) {
+  std::array<FlankFriction<double>, 4> flanks;
+  for (const std::size_t k : {0U, 1U, 2U, 3U}) {
+    flanks[k] = constant_friction<double>(friction, forward, k >= 2, k % 2 == 0);
+  }
+  return flanks;
 }
 
 /// A running mesh as its friction sees it; forces and speeds are magnitudes.

@@ -28,12 +28,12 @@ MeshContact<T> mesh_contact(const train::TrainGeometry<T>& train, train::MeshId 
 }
 
 template <class T>
-MeshEfficiencies<T> mesh_efficiencies(const train::TrainGeometry<T>& train,
-                                      const FlankFriction<T>& mu, LossModel model, bool forward) {
+MeshEfficiencies<T> mesh_efficiencies(const train::TrainGeometry<T>& train, const MeshFlanks<T>& mu,
+                                      LossModel model, bool forward) {
   MeshEfficiencies<T> eta{};
   for (std::size_t k = 0; k < train::kMeshCount; ++k) {
     eta[k] =
-        mesh_efficiency(mesh_contact(train, static_cast<train::MeshId>(k), forward), mu, model);
+        mesh_efficiency(mesh_contact(train, static_cast<train::MeshId>(k), forward), mu[k], model);
   }
   return eta;
 }
@@ -73,7 +73,7 @@ T backdriving_margin(const train::ToothSet& z, const MeshEfficiencies<T>& eta) {
                                         const geometry::MeshGeometry<T>&, bool);                \
   template MeshContact<T> mesh_contact<T>(const train::TrainGeometry<T>&, train::MeshId, bool); \
   template MeshEfficiencies<T> mesh_efficiencies<T>(const train::TrainGeometry<T>&,             \
-                                                    const FlankFriction<T>&, LossModel, bool);  \
+                                                    const MeshFlanks<T>&, LossModel, bool);     \
   template T forward_efficiency<T>(const train::ToothSet&, const MeshEfficiencies<T>&);         \
   template T backward_efficiency<T>(const train::ToothSet&, const MeshEfficiencies<T>&);        \
   template T backdriving_margin<T>(const train::ToothSet&, const MeshEfficiencies<T>&);

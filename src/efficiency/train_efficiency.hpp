@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "efficiency/friction_law.hpp"
 #include "efficiency/mesh_loss.hpp"
 #include "train/train_geometry.hpp"
 
@@ -21,10 +22,33 @@ MeshContact<T> contact_of(const geometry::GearGeometry<T>& gear1,
 template <class T>
 MeshContact<T> mesh_contact(const train::TrainGeometry<T>& train, train::MeshId mesh, bool forward);
 
+/// Friction of the flanks of the three meshes in one drive direction.
+template <class T>
+using MeshFlanks = std::array<FlankFriction<T>, train::kMeshCount>;
+
+/// Those of FrictionLaw::kConstant, as constants of a scalar.
+template <class T>
+MeshFlanks<T> constant_friction(const Friction<double>& friction, const train::ToothSet& teeth,
+                                bool forward) {
+  const bool g2_below_one = train::g2(teeth) < 1.0;
+  MeshFlanks<T> flanks;
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    const auto mesh = static_cast<train::MeshId>(k);
+    flanks[k] = constant_friction<T>(friction, forward, mesh != train::kMeshSP1,
+                                     train::gear1_drives(mesh, g2_below_one, forward));
+  }
+  return flanks;
+}
+
 /// Efficiency of each mesh for a drive direction of the train.
 template <class T>
+MeshEfficiencies<T> mesh_efficiencies(const train::TrainGeometry<T>& train, const MeshFlanks<T>& mu,
+                                      LossModel model, bool forward);
+template <class T>
 MeshEfficiencies<T> mesh_efficiencies(const train::TrainGeometry<T>& train,
-                                      const FlankFriction<T>& mu, LossModel model, bool forward);
+                                      const FlankFriction<T>& mu, LossModel model, bool forward) {
+  return mesh_efficiencies(train, MeshFlanks<T>{mu, mu, mu}, model, forward);
+}
 template <class T>
 MeshEfficiencies<T> mesh_efficiencies(const train::TrainGeometry<T>& train, const T& mu,
                                       LossModel model, bool forward) {

@@ -77,9 +77,11 @@ double least_efficiency(const Specification& spec, double farthest, int sides, d
                         double second, double sign) {
   double friction = 0.0;
   for (const bool forward : {false, true}) {
-    const auto flank = efficiency::constant_friction<double>(spec.friction, forward);
-    friction = std::max(
-        friction, flank.coefficient * std::max({1.0, flank.approach_factor, flank.recess_factor}));
+    for (const auto& flank : efficiency::constant_frictions(spec.friction, forward)) {
+      friction =
+          std::max(friction,
+                   flank.coefficient * std::max({1.0, flank.approach_factor, flank.recess_factor}));
+    }
   }
   const double left = 1.0 - friction * (1.0 + kTurn * farthest / std::min(first, second));
   if (!(left > 0.0)) return 0.0;

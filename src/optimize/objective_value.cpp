@@ -77,7 +77,8 @@ template <class T>
 efficiency::MeshEfficiencies<T> constant_mesh_efficiencies(const ObjectiveInput<T>& input,
                                                            bool forward) {
   return efficiency::mesh_efficiencies(
-      input.train, efficiency::constant_friction<T>(input.spec.friction, forward),
+      input.train,
+      efficiency::constant_friction<T>(input.spec.friction, input.train.teeth, forward),
       input.spec.friction.model, forward);
 }
 

@@ -9,11 +9,11 @@ template <class T>
 strength::RatedTrain<T> rated_train(const Specification& spec, const train::TrainGeometry<T>& train,
                                     std::span<const geometry::ToothForm<T>> forms,
                                     const std::array<T, 2>& face_width_m) {
-  auto rated = design::loaded_train<T>(
-      train, forms, face_width_m,
-      design::even_friction(efficiency::constant_friction<T>(spec.friction, true),
-                            efficiency::constant_friction<T>(spec.friction, false)),
-      spec.friction.model);
+  auto rated =
+      design::loaded_train<T>(train, forms, face_width_m,
+                              {efficiency::constant_friction<T>(spec.friction, train.teeth, true),
+                               efficiency::constant_friction<T>(spec.friction, train.teeth, false)},
+                              spec.friction.model);
   // For the centrifugal force on the planets' bearings.
   if (spec.rating->supports && knows_masses(spec)) {
     rated.planet_mass_kg = planet_mass_kg(spec, train, face_width_m);

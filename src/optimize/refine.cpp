@@ -166,8 +166,8 @@ void fill_optimum(const Specification& spec, const BestEnd& best, double residua
   const auto& teeth = set.candidate.teeth;
   const auto efficiencies = [&](bool forward) {
     return efficiency::mesh_efficiencies(
-        *train, efficiency::constant_friction<double>(spec.friction, forward), spec.friction.model,
-        forward);
+        *train, efficiency::constant_friction<double>(spec.friction, train->teeth, forward),
+        spec.friction.model, forward);
   };
   set.eta_b = efficiency::backward_efficiency(teeth, efficiencies(false));
   set.eta_f = efficiency::forward_efficiency(teeth, efficiencies(true));

@@ -17,8 +17,9 @@ bool leaves_power(const RefinementProblem& problem, const Point& v) {
   const auto train = train::make_train_geometry(parameters_at(problem, used(problem, v)));
   if (!train) return false;
   for (const bool forward : {true, false}) {
-    const auto flank = efficiency::constant_friction<double>(friction, forward);
-    for (const double eta : efficiency::mesh_efficiencies(*train, flank, friction.model, forward)) {
+    const auto flanks = efficiency::constant_friction<double>(friction, train->teeth, forward);
+    for (const double eta :
+         efficiency::mesh_efficiencies(*train, flanks, friction.model, forward)) {
       if (!(eta > 0.0)) return false;
     }
   }

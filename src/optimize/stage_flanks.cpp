@@ -120,10 +120,10 @@ bool friction_is_dissipative(const Specification& spec) {
     return true;
   }
   return std::ranges::all_of(std::array{true, false}, [&](bool forward) {
-    const auto flank = efficiency::constant_friction<double>(spec.friction, forward);
-    return flank.coefficient <= 0.0 ||
-           (flank.approach_factor == 1.0 && flank.recess_factor == 1.0) ||
-           least_friction(spec, forward) > 0.0;
+    const auto flanks = efficiency::constant_frictions(spec.friction, forward);
+    return least_friction(spec, forward) > 0.0 || std::ranges::all_of(flanks, [](const auto& f) {
+             return f.coefficient <= 0.0 || (f.approach_factor == 1.0 && f.recess_factor == 1.0);
+           });
   });
 }
 

@@ -17,10 +17,9 @@ using design::CheckId;
 constexpr double kFeasibilitySlack = 2.0 * design::kFeasibilityTolerance;
 constexpr double kGreatestWorkingAngle_rad = 80.0 * std::numbers::pi / 180.0;
 
-}  // namespace
-
-double least_friction(const Specification& spec, bool forward) {
-  const auto flank = efficiency::constant_friction<double>(spec.friction, forward);
+/// least_friction() of one mesh.
+double least_flank_friction(const efficiency::FlankFriction<double>& flank,
+                            efficiency::LossModel model) {
   const double mu = std::max(0.0, flank.coefficient);
   const double approach = flank.approach_factor;
   const double recess = flank.recess_factor;
@@ -28,8 +27,8 @@ double least_friction(const Specification& spec, bool forward) {
   const double most = std::max(approach, recess);
   // ρ_d/r_bd ≤ tan α_a of an external driver; on a driving ring at most tan α_w or that.
   const double lever = std::tan(65.0 * std::numbers::pi / 180.0) + 6.0 * std::numbers::pi / 5.0;
-  const bool path = spec.friction.model == efficiency::LossModel::kCoulombPath ||
-                    spec.friction.model == efficiency::LossModel::kDirectional;
+  const bool path =
+      model == efficiency::LossModel::kCoulombPath || model == efficiency::LossModel::kDirectional;
   if (path) return mu * least / (1.0 + mu * most * lever);
   if (mu * lever * std::max(1.0, approach) >= 1.0) {
     return approach == 1.0 && recess == 1.0 ? mu : 0.0;
@@ -41,6 +40,16 @@ double least_friction(const Specification& spec, bool forward) {
   const double lacking = 1.0 + change - least;
   if (lacking <= 0.0) return mu;
   return mu * std::max(0.0, 1.0 - lacking / (1.0 - mu * lever * approach));
+}
+
+}  // namespace
+
+double least_friction(const Specification& spec, bool forward) {
+  double least = kInfinity;
+  for (const auto& flank : efficiency::constant_frictions(spec.friction, forward)) {
+    least = std::min(least, least_flank_friction(flank, spec.friction.model));
+  }
+  return least;
 }
 
 StageTasks::StageTasks(const Specification& spec) : spec_(spec) {

@@ -49,8 +49,8 @@ ZeroShiftSet at_zero_shift(const Specification& spec, const Candidate& candidate
   set.lost_motion_rad = backlash::output_lost_motion(*train, j, spec.limits.model);
   const auto eta = [&](bool forward) {
     return efficiency::mesh_efficiencies(
-        *train, efficiency::constant_friction<double>(spec.friction, forward), spec.friction.model,
-        forward);
+        *train, efficiency::constant_friction<double>(spec.friction, train->teeth, forward),
+        spec.friction.model, forward);
   };
   set.eta_b = efficiency::backward_efficiency(z, eta(false));
   set.eta_f = efficiency::forward_efficiency(z, eta(true));

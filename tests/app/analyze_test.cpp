@@ -47,6 +47,45 @@ TEST(Analyze, TakesAModelAtTheMiddleOfItsRangeAndSaysSo) {
   EXPECT_EQ(analysis.evaluation.notes.back(), analysis.model_notes.back());
 }
 
+/// The models have no range, and with it no point in its middle.
+TEST(Analyze, FrictionByMeshNeedsNoOperatingPoint) {
+  const auto with = [](const std::string& causes) {
+    const Model model = model_of(io::parse_model(causes, "model.toml"), "model.toml");
+    return analyze({.design = bilateral(), .model = model}).evaluation;
+  };
+  const std::string all =
+      "[transmission.causes.friction_level]\nform = \"coefficient\"\nrelative_change = 0.2\n";
+  const std::string rings =
+      "[transmission.causes.friction_level]\nform = \"by_mesh\"\nrelative_change = 0.0\n"
+      "relative_change_of_rings = 0.2\n";
+  const auto driving = [](const std::string& side) {
+    return "[transmission.causes.friction_direction]\nform = \"driving_" + side +
+           "\"\nasymmetry = 0.2\n";
+  };
+  const auto worse = with(all);
+  ASSERT_FALSE(worse.operation);
+  const auto by_rings = with(rings);
+  const auto inner = with(driving("inner"));
+  const auto outer = with(driving("outer"));
+  for (const auto& e : {by_rings, inner, outer}) {
+    EXPECT_FALSE(e.operation);
+    ASSERT_TRUE(e.efficiency.forward && e.efficiency.backward);
+  }
+  int inner_ones = 0;
+  for (std::size_t k = 0; k < worse.meshes.size(); ++k) {
+    const auto plain = analyze({.design = bilateral()}).evaluation.meshes[k];
+    EXPECT_EQ(by_rings.meshes[k].friction_forward,
+              k == train::kMeshSP1 ? plain.friction_forward : worse.meshes[k].friction_forward);
+    // The sun drives forward; of P1-R1 and P2-R2 the planets of just one.
+    const bool is_inner = inner.meshes[k].friction_forward == worse.meshes[k].friction_forward;
+    inner_ones += is_inner ? 1 : 0;
+    EXPECT_TRUE(is_inner || k != train::kMeshSP1);
+    EXPECT_EQ(is_inner, outer.meshes[k].friction_forward == plain.friction_forward);
+    EXPECT_EQ(is_inner, inner.meshes[k].friction_backward == plain.friction_backward);
+  }
+  EXPECT_EQ(inner_ones, 2);
+}
+
 design::Design loaded_example() {
   return io::read_design(GEAR3K_SOURCE_DIR "/examples/designs/loaded.toml");
 }

@@ -696,6 +696,12 @@ TEST(Operation, GradientIsThatOfCentralDifferencesForEveryLawAndModel) {
 // --- extensions of a calibrated model
 
 /// With every extension at once.
+void extend_by_mesh(Random& random, efficiency::FrictionExtension<double>& e) {
+  e.inner_drives = random.between(0.8, 1.2);
+  e.outer_drives = random.between(0.8, 1.2);
+  e.ring_meshes = random.between(0.8, 1.2);
+}
+
 void extend(Random& random, Gearbox& g) {
   auto& e = g.friction.extension;
   e.level = random.between(0.5, 1.3);
@@ -710,6 +716,7 @@ void extend(Random& random, Gearbox& g) {
   e.backward = random.between(0.8, 1.2);
   e.approach = random.between(0.8, 1.2);
   e.recess = random.between(0.8, 1.2);
+  extend_by_mesh(random, e);
   g.shafts.output_bearing_share = random.between(0.0, 0.05);
   g.shafts.drag_temperature_1_K = random.between(-0.02, 0.02);
 }
@@ -739,6 +746,44 @@ TEST(ExtendedOperation, InputLessOutputPowerIsTheSumOfTheLosses) {
   }
   power.expect_allowed("power");
   EXPECT_GT(operating, 3000);
+}
+
+/// The balance of torques settles who drives by itself.
+TEST(ExtendedOperation, FactorsByMeshNeedNoOperatingPoint) {
+  Random random(264);
+  LargestDeviation train, mesh;
+  int seen = 0;
+  for (int i = 0; i < 2000; ++i) {
+    Gearbox g = random.gearbox(FrictionLaw::kConstant, kModels[static_cast<std::size_t>(i % 4)]);
+    g.shafts = {};
+    g.friction.extension.level = random.between(0.5, 1.3);
+    g.friction.extension.backward = random.between(0.8, 1.2);
+    extend_by_mesh(random, g.friction.extension);
+    ASSERT_FALSE(efficiency::depends_on_state(g.friction));
+    const Direction direction = kDirections[static_cast<std::size_t>(i / 4 % 2)];
+    const bool forward = direction == Direction::kForward;
+    const auto result = operate(g.train(), random.point(), direction);
+    if (!result.operation || !(*result.operation->efficiency > 0.0)) continue;
+    const auto& z = g.geometry.teeth;
+    const auto flanks = efficiency::constant_friction<double>(g.friction, z, forward);
+    const auto eta = efficiency::mesh_efficiencies(g.geometry, flanks, g.friction.model, forward);
+    const double alone =
+        forward ? efficiency::forward_efficiency(z, eta) : efficiency::backward_efficiency(z, eta);
+    if (!(alone > 0.0)) continue;
+    ++seen;
+    const auto mu = mesh_friction<double>(g.train(), {}, direction);
+    ASSERT_TRUE(mu);
+    for (std::size_t k = 0; k < kMeshCount; ++k) {
+      const double expected = result.operation->mesh[k].friction;
+      EXPECT_NEAR((*mu)[k], expected, 4.0 * kEps * expected) << "case " << i;
+      mesh.see(i, eta[k] - result.operation->mesh[k].efficiency, 8.0 * kEps);
+    }
+    train.see(i, *result.operation->efficiency - alone,
+              64.0 * kEps * (1.0 + std::abs(train::ratio(z))));
+  }
+  train.expect_allowed("efficiency");
+  mesh.expect_allowed("efficiency of a mesh");
+  EXPECT_GT(seen, 1000);
 }
 
 TEST(ExtendedOperation, ANeutralExtensionChangesNoBit) {

@@ -96,8 +96,8 @@ std::optional<strength::TrainRating<double>> rated(const Specification& spec,
   std::ranges::transform(train.gears, forms.begin(), geometry::make_tooth_form<double>);
   auto loaded = design::loaded_train<double>(
       train, forms, task.face_width_m,
-      design::even_friction(efficiency::constant_friction<double>(spec.friction, true),
-                            efficiency::constant_friction<double>(spec.friction, false)),
+      {efficiency::constant_friction<double>(spec.friction, train.teeth, true),
+       efficiency::constant_friction<double>(spec.friction, train.teeth, false)},
       spec.friction.model);
   if (!roots) loaded.roots = {};
   try {
