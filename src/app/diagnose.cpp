@@ -31,26 +31,14 @@ std::string name_of(const Subject& subject) {
 void refuse_foreign_model(const Subject& subject, const std::vector<ExtendedModel>& models,
                           const DiagnoseRequest& request) {
   const bool black_box = std::holds_alternative<calibrate::BlackBox>(subject);
-  std::vector<std::string> ids;
-  if (black_box) {
-    for (const ExtendedModel& model : models) {
-      for (const calibrate::AppliedCause& cause : model.causes) {
-        if (std::ranges::any_of(cause.form.constants, [](const auto& constant) {
-              return constant.unit == "N" || constant.unit == "m/s";
-            })) {
-          ids.push_back(cause.id);
-        }
-      }
-    }
-  } else {
-    ids = calibrate::black_box_causes(models);
-  }
+  const auto ids =
+      black_box ? calibrate::tooth_causes(models) : calibrate::black_box_causes(models);
   if (ids.empty()) return;
-  throw io::InvalidInput(
-      fmt::format("{}: {}: measured on {}, allowed for {}: a model that diagnose found with {}",
-                  request.model->file, fmt::join(ids, ", "),
-                  black_box ? "a DESIGN, by its tooth forces and sliding" : "a black box",
-                  request.source, black_box ? "a black box" : "a DESIGN"));
+  throw io::InvalidInput(fmt::format(
+      "{}: {}: measured on {}, allowed for {}: a model that diagnose found with {}",
+      request.model->file, fmt::join(ids, ", "),
+      black_box ? "a DESIGN, by its teeth (force, sliding, mesh or side)" : "a black box",
+      request.source, black_box ? "a black box" : "a DESIGN"));
 }
 
 /// Why a subject cannot say what data of a kind measure; "" where it can.

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <string_view>
 
+#include "io/files/model_file.hpp"
 #include "io/files/subject_file.hpp"
 #include "io/text/diagnostics.hpp"
 
@@ -49,6 +51,41 @@ TEST(DiagnosisTask, RefusesDataThatTheSubjectCannotExplain) {
   } catch (const io::InvalidInput& error) {
     EXPECT_EQ(std::string(error.what()).find("gear.toml: a PAIR explains pair_loss data only"), 0U)
         << error.what();
+  }
+}
+
+TEST(DiagnosisTask, RefusesAModelByMeshesForABlackBox) {
+  for (const char* cause : {"friction_level]\nform = \"by_mesh\"\nrelative_change = 0.1\n"
+                            "relative_change_of_rings = -0.2\n",
+                            "friction_direction]\nform = \"driving_inner\"\nasymmetry = 0.2\n",
+                            "friction_direction]\nform = \"driving_outer\"\nasymmetry = 0.2\n",
+                            "friction_direction]\nform = \"approach_recess\"\nasymmetry = 0.2\n",
+                            "friction_level]\nform = \"coefficient\"\nrelative_change = 0.1\n"}) {
+    DiagnoseRequest request = bilateral_request();
+    request.subject = calibrate::BlackBox{.name = "box",
+                                          .ratio = 102.0,
+                                          .efficiency_forward = 0.9,
+                                          .efficiency_backward = 0.9,
+                                          .backlash_rad = 1e-3};
+    request.source = "box.toml";
+    request.model =
+        model_of(io::parse_model(std::string("[transmission.causes.") + cause, "model.toml"),
+                 "model.toml")
+            .use;
+    std::string said;
+    try {
+      diagnosis_task(request);
+    } catch (const io::InvalidInput& error) {
+      said = error.what();
+    }
+    if (std::string_view(cause).find("coefficient") != std::string_view::npos) {
+      EXPECT_EQ(said, "");
+      continue;
+    }
+    const std::string id(cause, std::string_view(cause).find(']'));
+    EXPECT_EQ(said, "model.toml: " + id +
+                        ": measured on a DESIGN, by its teeth (force, sliding, mesh or side), "
+                        "allowed for box.toml: a model that diagnose found with a black box");
   }
 }
 

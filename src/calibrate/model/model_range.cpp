@@ -55,6 +55,16 @@ std::string interval_text(double low, double high, std::string_view unit) {
   return fmt::format("{:.6g} to {:.6g} {}", low, high, unit);
 }
 
+/// What a cause of a model does by itself.
+Modification modification_by(const Cause& cause, const AppliedCause& applied, Kind kind) {
+  std::vector<Scalar> p;
+  p.reserve(applied.value.size());
+  for (const double value : applied.value) p.push_back(constant<Scalar>(value));
+  Modification m;
+  cause.apply(applied.form, p, {}, kind, m);
+  return m;
+}
+
 }  // namespace
 
 std::vector<ConditionRange> ranges_of(const MeasurementSet& data) {
@@ -123,11 +133,7 @@ bool changes_gearbox(const AppliedCause& applied, Kind kind) {
     return false;
   }
   // In data of pairs the bearings are the test rig's: they add to the response.
-  Modification m;
-  std::vector<Scalar> p;
-  p.reserve(applied.value.size());
-  for (const double value : applied.value) p.push_back(constant<Scalar>(value));
-  cause->apply(applied.form, p, {}, kind, m);
+  const Modification m = modification_by(*cause, applied, kind);
   return is_neutral(m.added, 0.0) && is_neutral(m.response_factor, 1.0);
 }
 
@@ -154,6 +160,27 @@ std::vector<std::string> black_box_causes(const std::vector<ExtendedModel>& mode
                    (constant.unit == "rad/s" && constant.name != "top_speed");
           });
       if (of_shafts) ids.push_back(cause.id);
+    }
+  }
+  return ids;
+}
+
+std::vector<std::string> tooth_causes(const std::vector<ExtendedModel>& models) {
+  std::vector<std::string> ids;
+  for (const ExtendedModel& model : models) {
+    for (const AppliedCause& applied : model.causes) {
+      const Cause* cause = find_cause(applied.id);
+      if (cause == nullptr) continue;
+      const Modification m = modification_by(*cause, applied, model.kind);
+      const auto& friction = m.gearbox.friction;
+      const bool by_constants =
+          std::ranges::any_of(applied.form.constants, [](const FormConstant& constant) {
+            return constant.unit == "N" || constant.unit == "m/s";
+          });
+      if (by_constants || depends_on_mesh(friction) || !is_neutral(friction.approach, 1.0) ||
+          !is_neutral(friction.recess, 1.0)) {
+        ids.push_back(applied.id);
+      }
     }
   }
   return ids;
