@@ -20,7 +20,7 @@ int power_of_speed(const Candidate& c) {
 /// carry its greatest load is none.  The sun's torque is that of the load with the drag on top,
 /// backward less it.
 /// @param at_1rads  the sun's drag at 1 rad/s to the given power of the speed
-double most_drag_Nm(const Problem& problem, bool at_output, double at_1rads, int power) {
+double most_drag_nm(const Problem& problem, bool at_output, double at_1rads, int power) {
   double carried_Nm = 0.0;
   for (const Observation& row : problem.data.rows) {
     const double own_Nm = at_1rads * std::pow(row.condition.sun_speed_rad_s, power);
@@ -39,7 +39,7 @@ void judge_torques(const Problem& problem, const Candidate& own,
   for (ParameterResult& p : parameters) {
     if (p.name != "torque" && p.name != "other_torque") continue;
     const bool at_output = first_at_output == (p.name == "torque");
-    p.plausible_high = most_drag_Nm(problem, at_output, p.value, 0);
+    p.plausible_high = most_drag_nm(problem, at_output, p.value, 0);
     p.plausible = p.value <= p.plausible_high;
   }
 }
@@ -58,7 +58,7 @@ void add_implausible_drag(const Problem& problem, const FinalFit& fit, std::size
   const double slope = std::pow(sun_rad_s / ratio, power);
   const std::size_t first = value_offset(fit.hypothesis, effect);
   const double torque_Nm = slope * fit.hypothesis.value[first];
-  const double most_Nm = most_drag_Nm(problem, at_output, fit.hypothesis.value[first], power);
+  const double most_Nm = most_drag_nm(problem, at_output, fit.hypothesis.value[first], power);
   if (torque_Nm <= most_Nm) return;
   const auto at = static_cast<Eigen::Index>(first);
   const double half =
