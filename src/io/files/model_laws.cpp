@@ -140,11 +140,11 @@ class LawReader {
           number(law_constant_key(factor, place), width ? "a number above 0" : "a number",
                  [&](double x) { return !width || x > 0.0; });
     }
-    read_limits(factor, place);
+    if (has_limits(factor)) read_limits(factor, place);
     law.factors.push_back(factor);
   }
 
-  /// Where the condition ends, where that is stated.
+  /// Where the condition ends, where that is stated; what turns or goes on in waves has no end.
   void read_limits(LawFactor& factor, std::size_t place) {
     const auto limit = [&](std::string_view name, double& x, const std::string& allowed,
                            auto allows) {

@@ -40,15 +40,19 @@ TEST(ModelLaws, EveryShapeOfEveryConditionComesBackExactly) {
       const auto& conditions = calibrate::law_conditions();
       for (std::size_t c = 0; c < conditions.size(); ++c) {
         if (std::ranges::find(conditions[c].kinds, kind) == conditions[c].kinds.end()) continue;
-        const LawFactor factor{.shape = static_cast<LawShape>(shape),
-                               .condition = c,
-                               .origin = c % 2 == 0 ? 0.0 : 1.0 / 3.0,
-                               .reference = 100.0 / 7.0,
-                               .constant = record_of(static_cast<LawShape>(shape)).constant.empty()
-                                               ? 0.0
-                                               : 0.1 + 1.0 / 7.0,
-                               .least = shape % 3 == 0 ? -HUGE_VAL : 0.3 / 7.0,
-                               .greatest = shape % 2 == 0 ? HUGE_VAL : 900.0 / 7.0};
+        LawFactor factor{.shape = static_cast<LawShape>(shape),
+                         .condition = c,
+                         .origin = c % 2 == 0 ? 0.0 : 1.0 / 3.0,
+                         .reference = 100.0 / 7.0,
+                         .constant = record_of(static_cast<LawShape>(shape)).constant.empty()
+                                         ? 0.0
+                                         : 0.1 + 1.0 / 7.0,
+                         .least = shape % 3 == 0 ? -HUGE_VAL : 0.3 / 7.0,
+                         .greatest = shape % 2 == 0 ? HUGE_VAL : 900.0 / 7.0};
+        if (!has_limits(factor)) {
+          factor.least = -HUGE_VAL;
+          factor.greatest = HUGE_VAL;
+        }
         const int fitted = 1 + parameter_count(factor.shape);
         Law law{.action = static_cast<calibrate::LawAction>(laws % 4),
                 .rows = static_cast<calibrate::LawRows>(laws % 5),
@@ -138,6 +142,15 @@ TEST(ModelLaws, EveryErrorHasItsPlaceAndWhatIsAllowed) {
     EXPECT_NE(errors.find(c.expected), std::string::npos)
         << "expected: " << c.expected << "\nin: " << errors;
   }
+}
+
+TEST(ModelLaws, WhatTurnsHasNoEnds) {
+  std::string text = kGood;
+  text.replace(text.find("\"sun_speed\""), 11, "\"output_angle\"");
+  text.replace(text.find("reference_rpm = 3000.0"), 22, "reference_deg = 30.0\nleast_deg = 1.0");
+  EXPECT_NE(errors_of(text).find("m.toml:9:1: unknown key transmission.laws.law.least_deg"),
+            std::string::npos)
+      << errors_of(text);
 }
 
 TEST(ModelLaws, ARefusedLeastValueLimitsNoGreatestOne) {
