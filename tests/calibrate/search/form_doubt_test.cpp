@@ -49,7 +49,8 @@ TEST_F(FormDoubt, AddsWhatFreerFormsOfTheOtherLawMoveAParameterBy) {
   const FinalFit plain = final_fit(p, drag_beside("about_middle", {0.005, -0.1}), kWide);
   FinalFit wide = plain;
   widen_by_forms(p, candidates_for(simulation_, data_), kWide, wide);
-  // By hand: the plain fit, three freer laws, and the plain law with the level beside it.
+  // By hand: the plain fit, three freer laws, and the plain law with the level beside it, and with
+  // another seal.
   std::vector<Hypothesis> freer;
   for (const char* law : {"any_level", "any_curve", "any_shape"}) {
     Hypothesis h = drag_beside(law, {});
@@ -68,7 +69,7 @@ TEST_F(FormDoubt, AddsWhatFreerFormsOfTheOtherLawMoveAParameterBy) {
   const double own = aic(plain);
   double sum = 1.0;
   double drag = alike(plain, 0);
-  double sum_of_level = 1.0;
+  double sum_of_others = 1.0;
   double exponent = alike(plain, 1);
   for (const Hypothesis& h : freer) {
     const FinalFit fit = final_fit(p, h, kWide);
@@ -79,15 +80,24 @@ TEST_F(FormDoubt, AddsWhatFreerFormsOfTheOtherLawMoveAParameterBy) {
     };
     sum += weight;
     drag += weight * of(0);
-    // The exponent is another thing in a law of another form, but not beside the level.
+    // The exponent is another thing in a law of another form, but not beside the level,
     if (&h != &freer.back()) continue;
-    sum_of_level += weight;
+    sum_of_others += weight;
     exponent += weight * of(1);
   }
+  // nor beside seals at both shafts.
+  Hypothesis seals = with(with({}, form("drag_constant", "sun_and_output")),
+                          form("friction_load", "about_middle"));
+  seals.value.assign(3, 0.0);
+  const FinalFit sealed = final_fit(p, seals, kWide);
+  const double weight = std::exp(-0.5 * (aic(sealed) - own));
+  sum_of_others += weight;
+  exponent +=
+      weight * std::hypot(alike(sealed, 2), sealed.hypothesis.value[2] - plain.hypothesis.value[1]);
   const auto wider = [&](Eigen::Index k) { return deviation(wide, k) / deviation(plain, k); };
   constexpr double kRounding = 1e-2;  // fits end short of the minimum, each at its own place
   EXPECT_NEAR(wider(0) / (drag / sum / alike(plain, 0)), 1.0, kRounding);
-  EXPECT_NEAR(wider(1) / (exponent / sum_of_level / alike(plain, 1)), 1.0, kRounding);
+  EXPECT_NEAR(wider(1) / (exponent / sum_of_others / alike(plain, 1)), 1.0, kRounding);
   EXPECT_GT(wider(0), 1.2);
   EXPECT_EQ(wide.hypothesis.value, plain.hypothesis.value);
 }
