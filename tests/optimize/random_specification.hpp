@@ -188,11 +188,21 @@ inline RandomTask random_task(std::uint64_t seed, std::size_t most) {
   return task;
 }
 
-/// A task with limits of a workshop besides.
+/// Friction that differs by the mesh and by the gear that drives in it, often less in all of them.
+inline void draw_friction_by_mesh(DeterministicRandom& random, Specification& spec) {
+  if (!with_chance(random, 0.5)) return;
+  const double most = with_chance(random, 0.7) ? 0.7 : 1.6;
+  spec.friction.extension.inner_drives = random.between(0.4, most);
+  spec.friction.extension.outer_drives = random.between(0.4, most);
+  spec.friction.extension.ring_meshes = random.between(0.4, most);
+}
+
+/// A task with limits of a workshop besides, and friction by mesh.
 inline RandomTask random_workshop_task(std::uint64_t seed, std::size_t most) {
   RandomTask task = random_task(seed, most);
   DeterministicRandom random(seed + 50'000);
   draw_workshop(random, task.spec);
+  draw_friction_by_mesh(random, task.spec);
   return task;
 }
 

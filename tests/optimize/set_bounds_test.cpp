@@ -257,11 +257,13 @@ TEST(RandomSpecification, DrawsEveryKindOfWhichBoundsKnow) {
     const auto& most = spec.limits[design::CheckId::kContactRatioMax];
     saw(most && *most < 2.0, "epsilon below 2");
     saw(most && *most > 2.0, "epsilon above 2");
+    saw(efficiency::depends_on_mesh(random_workshop_task(seed, 3).spec.friction.extension),
+        "friction by mesh");
     seen.insert("loss " + std::to_string(static_cast<int>(spec.friction.model)));
     seen.insert("planets " + std::to_string(spec.planets.front()));
     seen.insert("objective " + std::to_string(static_cast<int>(first_objective(spec))));
   }
-  EXPECT_EQ(seen.size(), 4U + 3U + 3U + 2U + 4U + 4U + 2U);
+  EXPECT_EQ(seen.size(), 4U + 3U + 3U + 2U + 4U + 4U + 2U + 1U);
 }
 
 // ---- Best only -----------------------------------------------------------------------------
