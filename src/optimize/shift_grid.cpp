@@ -61,7 +61,6 @@ class GridSearch {
                       const std::array<BoxNode, 2>& halves) { learn(node, axis, halves); },
          .best_first = true},
         std::move(root));
-    end_.complete = !cut();
     if (!end_.found && end_.held) {
       // Points of boxes were given up early: what the nearest one misses is asked for in full.
       const SolveOutcome full = best_within(*end_.held, end_.outcome.v);

@@ -18,8 +18,7 @@ constexpr const char* kSized = "both_shafts_any_size";
 
 /// The greatest share μ_b r_b/r_L of the load that a bearing may take: of one whose load acts no
 /// further in than the bearing itself, r_L >= r_b, that of plain bearings that lubricate
-/// themselves, μ_b = 0.01 to 0.3 (Machine Design, "Bearing friction"); of rolling ones it is a
-/// hundredth.
+/// themselves, μ_b = 0.01 to 0.3 (Machine Design, "Bearing friction", 2002).
 constexpr double kMostShare = 0.3;
 /// That of the shafts of a rig for pairs, which run in rolling bearings, an assumption.
 constexpr double kMostShareOfRig = 0.05;
