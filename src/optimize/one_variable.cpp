@@ -12,7 +12,8 @@ namespace {
 
 constexpr double kMissed = 1e-9;      ///< a row below it is missed
 constexpr double kSameValue = 1e-12;  ///< of the variable
-constexpr int kMostSteps = 60, kMostRounds = 4, kBetween = 3;
+constexpr double kInside = 1e-7;      ///< of the variable: a look from a limit inwards
+constexpr int kMostSteps = 60, kMostRounds = 4, kBetween = 3, kPlaces = 16;
 /// Rows farther from their limits wait until they are missed; less for those that need tooth forms.
 constexpr double kNearMargin = 0.3, kNearCostlyMargin = 0.05;
 
@@ -26,7 +27,13 @@ class AlongOne {
   bool search(Point& v, std::span<const std::uint16_t> selection) {
     Side low{.at = problem_.lower[axis_]}, high{.at = problem_.upper[axis_]};
     int between = 0;
-    std::optional<double> defined;
+    bool looked_inside = false;
+    stuck_ = false;
+    std::optional<double> defined, met;  // where it was so last
+    const auto end = [&] {
+      if (met) v[axis_] = *met;
+      return met.has_value();
+    };
     for (int step = 0; step < kMostSteps; ++step) {
       double& x = v[axis_];
       if (!evaluate_gradients(problem_, used(problem_, v), selection, at_)) {
@@ -34,14 +41,25 @@ class AlongOne {
         if (!defined) return false;
         (x > *defined ? high : low) = {.at = x, .tried = true};
         x = 0.5 * (*defined + x);
-        if (std::abs(x - *defined) <= kSameValue) return false;
+        if (std::abs(x - *defined) <= kSameValue) return end();
         continue;
       }
       defined = x;
       const Pull pull = missed();
-      const bool is_missed = pull.up < 0.0 || pull.down < 0.0;
-      if (between > 0 && !(pull.up < 0.0 && pull.down < 0.0)) return !is_missed;
+      const bool is_missed = pull.up < 0.0 || pull.down < 0.0 || pull.flat;
       double next = x;
+      if (is_missed && met) {
+        // What rows say so far from where they were met proves nothing: towards that place.
+        const bool back_rises = *met > x;
+        (back_rises ? low : high) = {.at = x, .tried = true};
+        next = x + pull.step;
+        const bool between_both = back_rises ? x < next && next < *met : *met < next && next < x;
+        if (!between_both) next = 0.5 * (x + *met);
+        if (std::abs(next - *met) <= kSameValue) return end();
+        x = next;
+        continue;
+      }
+      if (!is_missed) met = x;
       if (pull.up < 0.0 && pull.down < 0.0) {
         if (++between > kBetween) return false;
         next = std::clamp(x + pull.meet, low.at, high.at);
@@ -49,16 +67,33 @@ class AlongOne {
         x = next;
         continue;
       }
-      if (pull.stuck) return false;
+      if (is_missed && pull.step == 0.0) {
+        stuck_ = true;
+        return false;
+      }
       const double slope = at_.df[axis_];
       const bool rises = is_missed ? pull.up < 0.0 : slope < 0.0;
       Side& behind = rises ? low : high;
       const Side& ahead = rises ? high : low;
+      const Side before = behind;
       behind = {.at = x, .tried = true, .slope = is_missed ? 0.0 : slope};
       if (is_missed) {
         next = x + pull.step;
       } else {
-        next = x + blocked(rises, ahead.at - x);
+        const double free_way = blocked(rises, ahead.at - x);
+        if (std::abs(free_way) <= kSameValue && !looked_inside) {
+          // The slope at a row's limit may be that of what lies beyond it, as where the limit of a
+          // contact ratio is where another number of teeth begins to share the load.
+          looked_inside = true;
+          const double inside = std::clamp(x + (rises ? -kInside : kInside), problem_.lower[axis_],
+                                           problem_.upper[axis_]);
+          if (inside != x) {
+            behind = before;
+            x = inside;
+            continue;
+          }
+        }
+        next = x + free_way;
         if (low.slope < 0.0 && high.slope > 0.0) {
           const double level = low.at - low.slope * (high.at - low.at) / (high.slope - low.slope);
           if (rises ? level < next : level > next) next = level;
@@ -71,8 +106,11 @@ class AlongOne {
       if (std::abs(next - x) <= kSameValue) return !is_missed;
       x = next;
     }
-    return false;
+    return end();
   }
+
+  /// Whether the last search ended at a row that is missed and does not change there.
+  [[nodiscard]] bool is_stuck() const { return stuck_; }
 
  private:
   /// An end of the bracket: that of the range, until a point is tried.
@@ -85,7 +123,7 @@ class AlongOne {
     double up = 0.0, down = 0.0;  ///< the rows missed most that rise, and that fall; 0: none
     double step = 0.0;            ///< to where all of one side are met
     double meet = 0.0;            ///< to where the two missed most are missed alike
-    bool stuck = false;           ///< a row is missed whatever is done
+    bool flat = false;            ///< a row is missed that does not change here
   };
   [[nodiscard]] Pull missed() const {
     Pull pull;
@@ -94,8 +132,7 @@ class AlongOne {
       const double g = at_.g[k], slope = at_.dg[k * n_ + axis_];
       if (!(g < -kMissed)) continue;
       if (slope == 0.0) {
-        pull.stuck = true;
-        pull.up = std::min(pull.up, g);
+        pull.flat = true;
         continue;
       }
       double& most = slope > 0.0 ? pull.up : pull.down;
@@ -125,6 +162,7 @@ class AlongOne {
   const RefinementProblem& problem_;
   std::size_t axis_, n_;
   Gradients& at_;
+  bool stuck_ = false;
 };
 
 }  // namespace
@@ -170,16 +208,40 @@ SolveOutcome solve_one_variable(const RefinementProblem& problem, std::size_t ax
     selection = all_rows(problem);
   }
   AlongOne along(problem, axis, at);
-  for (int round = 0; round < kMostRounds; ++round) {
-    const bool met = along.search(v, selection);
-    outcome = outcome_at(problem, v, values);
-    if (!met || !std::isfinite(outcome.violation) ||
-        outcome.violation <= design::kFeasibilityTolerance) {
-      break;
+  const auto is_feasible = [](const SolveOutcome& of) {
+    return of.violation <= design::kFeasibilityTolerance;
+  };
+  // Rows that nobody looked at let a round go far: the next one begins where the first did.
+  const auto refine = [&](const Point& begin) {
+    for (int round = 0; round < kMostRounds; ++round) {
+      v = begin;
+      const bool met = along.search(v, selection);
+      outcome = outcome_at(problem, v, values);
+      if (is_feasible(outcome)) return;
+      if (!std::isfinite(outcome.violation)) {
+        selection = all_rows(problem);
+      } else if (!met || !select(-design::kFeasibilityTolerance, -design::kFeasibilityTolerance)) {
+        return;
+      }
     }
-    if (!select(-design::kFeasibilityTolerance, -design::kFeasibilityTolerance)) break;
+  };
+  const SolveOutcome first = outcome;
+  refine(Point(v));
+  if (!is_feasible(outcome) && (along.is_stuck() || !std::isfinite(outcome.violation))) {
+    // Nothing said where to: from the best of some places of the range.
+    SolveOutcome best = outcome;
+    for (int k = 1; k < kPlaces; ++k) {
+      v[axis] = problem.lower[axis] + (problem.upper[axis] - problem.lower[axis]) * k / kPlaces;
+      SolveOutcome place = outcome_at(problem, v, values);
+      if (place.violation < best.violation) best = std::move(place);
+    }
+    if (best.violation < outcome.violation) {
+      selection = all_rows(problem);
+      refine(best.v);
+      if (best.violation < outcome.violation) outcome = std::move(best);
+    }
   }
-  return outcome;
+  return !is_feasible(outcome) && is_feasible(first) ? first : outcome;
 }
 
 }  // namespace gear3k::optimize
