@@ -232,13 +232,13 @@ SolveOutcome solve_one_variable(const RefinementProblem& problem, std::size_t ax
     SolveOutcome best = outcome;
     for (int k = 1; k < kPlaces; ++k) {
       v[axis] = problem.lower[axis] + (problem.upper[axis] - problem.lower[axis]) * k / kPlaces;
-      SolveOutcome place = outcome_at(problem, v, values);
-      if (place.violation < best.violation) best = std::move(place);
+      const SolveOutcome place = outcome_at(problem, v, values);
+      if (place.violation < best.violation) best = place;
     }
     if (best.violation < outcome.violation) {
       selection = all_rows(problem);
       refine(best.v);
-      if (best.violation < outcome.violation) outcome = std::move(best);
+      if (best.violation < outcome.violation) outcome = best;
     }
   }
   return !is_feasible(outcome) && is_feasible(first) ? first : outcome;
