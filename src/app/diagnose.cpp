@@ -85,6 +85,27 @@ std::optional<Ends> ends_of(const ExperimentLimit& limit,
   return Ends{least, greatest};
 }
 
+/// Limits of a torque at R2.  Unless they are stated, the next experiment is not to break the
+/// gearbox: it has no more than what the gearbox is to carry, or what the data have.
+/// @param meant what the map spans of it, which the default reaches too; null: nothing
+/// @param[in,out] held becomes true where that lowers the default
+std::optional<Ends> torque_ends(std::optional<double> rated_Nm, ExperimentLimit limit,
+                                const calibrate::ConditionQuantity& quantity,
+                                const MeasurementSet& set, const design::GridAxis* meant,
+                                bool& held) {
+  const auto [low, high] = calibrate::range_of(set, quantity.member);
+  if (rated_Nm && !limit.greatest && std::isfinite(high)) {
+    const double most_Nm = std::max(*rated_Nm, high);
+    const double by_default_Nm = std::max(1.25 * high, meant == nullptr ? 0.0 : meant->to);
+    if (most_Nm < by_default_Nm) {
+      limit.greatest = most_Nm;
+      if (!limit.least && meant != nullptr) limit.least = std::min(0.75 * low, meant->from);
+      held = true;
+    }
+  }
+  return ends_of(limit, quantity, set);
+}
+
 /// Says what the compliance of rows of lost motion counts from, where the DESIGN states springs.
 void tell_springs(const DiagnosisTask& task, const MeasurementSet& set,
                   const Simulation& simulation, Diagnosis& d) {
@@ -179,6 +200,7 @@ DiagnosisTask diagnosis_task(const DiagnoseRequest& request) {
   if (const auto* design = std::get_if<design::Design>(&subject)) {
     task.orders = train::shaft_orders(design->train.teeth);
     task.states_springs = design->rating.has_value();
+    if (design->rating) task.rated_torque_Nm = design->rating->torque_Nm;
   }
   return task;
 }
@@ -193,8 +215,13 @@ std::optional<std::vector<Diagnosis>> diagnose(const DiagnosisTask& task,
     how.false_discovery_rate = settings.false_discovery_rate;
     how.seed = settings.seed;
     how.sun_speed_rad_s = ends_of(settings.sun_speed_rad_s, calibrate::kSunSpeed, set);
-    how.output_torque_Nm = ends_of(settings.output_torque_Nm, calibrate::kOutputTorque, set);
-    how.test_torque_Nm = ends_of(settings.test_torque_Nm, calibrate::kTestTorque, set);
+    bool held = false;
+    const design::MapGrid* grid = task.simulations[k].grid();
+    how.output_torque_Nm =
+        torque_ends(task.rated_torque_Nm, settings.output_torque_Nm, calibrate::kOutputTorque, set,
+                    grid == nullptr ? nullptr : &grid->output_torque_Nm, held);
+    how.test_torque_Nm = torque_ends(task.rated_torque_Nm, settings.test_torque_Nm,
+                                     calibrate::kTestTorque, set, nullptr, held);
     how.temperature_K = ends_of(settings.temperature_K, calibrate::kTemperature, set);
     how.progress = [&](double share) {
       const double all = (static_cast<double>(k) + share) / static_cast<double>(task.sets.size());
@@ -210,6 +237,12 @@ std::optional<std::vector<Diagnosis>> diagnose(const DiagnosisTask& task,
     if (!result) return std::nullopt;
     result->subject = task.subject;
     result->model.name = task.subject;
+    if (held && result->next_experiment) {
+      result->notes.push_back(fmt::format(
+          "the next experiment keeps to the {:.4g} N m of [strength], or what the data have: "
+          "--max-output-torque-nm and --max-test-torque-nm allow more",
+          *task.rated_torque_Nm));
+    }
     tell_springs(task, set, task.simulations[k], *result);
     complete_model(*result);
     results.push_back(std::move(*result));

@@ -32,6 +32,7 @@ struct DiagnosisTask {
   std::vector<calibrate::Simulation> simulations;  ///< of each set
   std::vector<train::ShaftOrder> orders;           ///< of the shafts of a DESIGN
   bool states_springs = false;                     ///< a DESIGN with [strength]
+  std::optional<double> rated_torque_Nm{};         ///< at R2, of such a DESIGN
 };
 
 /// Simulations of what was measured; loops become rows of lost motion, and rows that give more

@@ -152,6 +152,18 @@ void add_notes(const Design& design, OperatingMap& map) {
     map.notes.emplace_back(
         "no center_distance_mm given: the zero-backlash distance of mesh P1-R1 is used");
   }
+  if (const auto& point = design.operating_point) {
+    const auto beyond = [](const GridAxis& axis, double value) {
+      return value < axis.from || value > axis.to;
+    };
+    if (beyond(design.map.sun_speed_rad_s, std::abs(point->sun_speed_rad_s)) ||
+        beyond(design.map.output_torque_Nm, point->output_torque_Nm)) {
+      map.notes.emplace_back(
+          "the operating point lies outside the map: map.sun_speed_rpm and map.output_torque_nm "
+          "say "
+          "what it spans");
+    }
+  }
   const auto count = [&](auto holds) { return std::ranges::count_if(map.points, holds); };
   const auto note = [&](long number, std::string_view text) {
     if (number > 0)

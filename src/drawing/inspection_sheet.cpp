@@ -113,7 +113,7 @@ class SheetRows {
       limit_by_thickness(root, [&](const GearGeometry<double>& g) {
         return root_mm + mm(2.0 * geometry::infeed(g).root_radius_m) - drawn;
       });
-      root.note = "limits: the tool fed in for the limits of the tooth thickness";
+      if (root.lower) root.note = "limits: the tool fed in for the limits of the tooth thickness";
     }
     Characteristic& form =
         add("blank", "root form diameter", "d_Ff", "mm", mm(gear_.result->tooth.form_diameter_m));
@@ -269,10 +269,11 @@ InspectionSheet planet_sheet(const design::Design& design, const design::Evaluat
                   : fmt::format("planet {}: marked tooth of P2 from that of P1", i + 1),
             "phi", degrees(marks[i].phase_rad));
     row.note = "counter-clockwise, seen as drawn";
-    if (design.tolerances) {
-      row.lower = *row.nominal + degrees(design.tolerances->planet_phase_rad.lower);
-      row.upper = *row.nominal + degrees(design.tolerances->planet_phase_rad.upper);
-    }
+    if (!design.tolerances) continue;
+    const DeviationLimits& limits = design.tolerances->planet_phase_rad;
+    if (limits.lower == limits.upper) continue;  // not stated
+    row.lower = *row.nominal + degrees(limits.lower);
+    row.upper = *row.nominal + degrees(limits.upper);
   }
   if (!e.assembly.equal_spacing) {
     sheet.notes.push_back(

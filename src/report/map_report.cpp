@@ -89,7 +89,7 @@ std::string efficiency_table(const OperatingMap& map, Direction direction) {
 }
 
 std::string torque_text(const MapTorque& torque) {
-  return torque.torque_Nm ? fmt::format("{:.5g} Nm", clean(*torque.torque_Nm))
+  return torque.torque_Nm ? fmt::format("{:.5g} N m", clean(*torque.torque_Nm))
                           : "none: " + torque.reason;
 }
 

@@ -175,6 +175,7 @@ void add_capacity(Fields& f, const design::Evaluation& e) {
   f.add("capacity_forward_nm", torque(s.capacity_forward), {"torque_capacity_forward", "N m"});
   f.add("capacity_backward_nm", torque(s.capacity_backward), {"torque_capacity_backward", "N m"});
   f.add("torque_density_nm_per_kg", torque_density(e), {"torque_density", "N m/kg"});
+  f.add("gears_torque_density_nm_per_kg", gears_torque_density(e));
   f.add("governing", least ? governing_json(least->capacity, least->drive) : nullptr);
   f.add("governing_forward", governing_json(s.capacity_forward, Drive::kForward));
   f.add("governing_backward", governing_json(s.capacity_backward, Drive::kBackward));
@@ -248,6 +249,23 @@ std::optional<double> torque_density(const design::Evaluation& e) {
   const auto least = e.strength ? e.strength->least_capacity() : std::nullopt;
   if (!least || !e.total_mass_kg) return std::nullopt;
   return least->capacity.torque_Nm / *e.total_mass_kg;
+}
+
+std::optional<double> gears_mass_kg(const design::Evaluation& e) {
+  double sum_kg = 0.0;
+  for (const std::string_view gear : train::kGearNames) {
+    const auto part = std::ranges::find(e.parts, gear, &design::PartMass::name);
+    if (part == e.parts.end() || !part->mass_kg) return std::nullopt;
+    sum_kg += part->count * *part->mass_kg;
+  }
+  return sum_kg;
+}
+
+std::optional<double> gears_torque_density(const design::Evaluation& e) {
+  const auto least = e.strength ? e.strength->least_capacity() : std::nullopt;
+  const auto mass_kg = gears_mass_kg(e);
+  if (!least || !mass_kg) return std::nullopt;
+  return least->capacity.torque_Nm / *mass_kg;
 }
 
 Fields strength_fields(const design::Evaluation& e) {

@@ -29,7 +29,14 @@ std::string capacity_summary(const design::PairEvaluation& e);
 std::vector<std::string> not_judged(const design::Evaluation& e);
 std::vector<std::string> not_judged(const design::PairEvaluation& e);
 
-/// Capacity over mass [N m/kg]; empty without either.
+/// Capacity over the mass of all parts [N m/kg]; empty without either.
 std::optional<double> torque_density(const design::Evaluation& e);
+
+/// Mass of S, R1, R2 and all planets' steps [kg], as the objectives mass and torque_density count
+/// it; empty where one is not known.
+std::optional<double> gears_mass_kg(const design::Evaluation& e);
+
+/// Capacity over that mass [N m/kg]; empty without either.
+std::optional<double> gears_torque_density(const design::Evaluation& e);
 
 }  // namespace gear3k::report

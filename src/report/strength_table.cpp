@@ -356,7 +356,13 @@ std::string density_text(const design::Evaluation& e,
   if (const auto density = torque_density(e)) {
     return fmt::format("{:.4g} N m/kg, of {:.5g} kg", *density, *e.total_mass_kg);
   }
-  return least ? "not known: lacks the mass of a part" : "not judged";
+  if (!least) return "not judged";
+  std::string text = "not known: lacks the mass of a part";
+  if (const auto of_gears = gears_torque_density(e)) {
+    text += fmt::format("; of the gears alone {:.4g} N m/kg, of {:.5g} kg", *of_gears,
+                        gears_mass_kg(e).value());
+  }
+  return text;
 }
 
 std::string bearing_text(const strength::TrainRating<double>& rating) {

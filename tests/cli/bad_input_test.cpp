@@ -484,6 +484,10 @@ std::vector<BadInput> specification_inputs() {
           {"spec.toml:6:1: teeth.S = [13, 12]",
            "spec.toml:10:1: unknown key teeth.R2_mx; did you mean teeth.R2_max?",
            "teeth.R2_max is missing", "spec.toml:17:1: solver.starts = 0: allowed: an integer"}),
+      bad_task(
+          "DesignForATask", kDesign,
+          {"spec.toml: looks like a DESIGN: it has [gears]; SPEC takes a file with [ratio] and "
+           "[teeth]"}),
       bad_task("EmptySpec", "",
                {"spec.toml:1:1: ratio.target is missing", "teeth.S is missing",
                 "module.stage1_mm is missing"}),

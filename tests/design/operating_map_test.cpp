@@ -316,6 +316,23 @@ TEST(OperatingMap, ReferenceIsTheOperatingPointElseTheMostPower) {
   EXPECT_EQ(with.points[0].point.temperature_K, 350.0);
 }
 
+TEST(OperatingMap, SaysWhereTheOperatingPointLiesOutsideIt) {
+  Design design = g2_below_one();  // its map: 20 to 100 rad/s and 5 to 50 N m
+  const auto says = [&](double speed_rad_s, double torque_Nm) {
+    design.operating_point = OperatingPoint<double>{
+        .sun_speed_rad_s = speed_rad_s, .output_torque_Nm = torque_Nm, .temperature_K = 293.15};
+    return std::ranges::any_of(map_of(design).notes, [](const std::string& note) {
+      return note.find("outside the map") != std::string::npos;
+    });
+  };
+  EXPECT_FALSE(says(60.0, 20.0));
+  EXPECT_FALSE(says(60.0, 50.0));
+  EXPECT_TRUE(says(101.0, 20.0));
+  EXPECT_TRUE(says(19.0, 20.0));
+  EXPECT_TRUE(says(60.0, 51.0));
+  EXPECT_TRUE(says(60.0, 4.0));
+}
+
 TEST(OperatingMap, AnUndefinedGeometryIsSaidAsByEvaluate) {
   Design design = g2_below_one();
   design.train.center_distance_m *= 0.9;

@@ -350,6 +350,22 @@ TEST(StrengthReport, CapacityIsTheSmallerOfBothDirectionsAndSaysWhatGoverns) {
                             "direction": "forward"})"));
 }
 
+TEST(StrengthReport, TheDensityOfTheGearsAloneCountsEveryPlanet) {
+  design::Evaluation e = rated_train();
+  EXPECT_TRUE(json_of(e)["gears_torque_density_nm_per_kg"].is_null());
+  e.parts = {{.name = "S", .count = 1, .mass_kg = 0.1, .inertia_kgm2 = {}},
+             {.name = "P1", .count = 3, .mass_kg = 0.1, .inertia_kgm2 = {}},
+             {.name = "P2", .count = 3, .mass_kg = 0.05, .inertia_kgm2 = {}},
+             {.name = "R1", .count = 1, .mass_kg = 0.2, .inertia_kgm2 = {}},
+             {.name = "R2", .count = 1, .mass_kg = 0.25, .inertia_kgm2 = {}},
+             {.name = "carrier", .count = 1, .mass_kg = 7.0, .inertia_kgm2 = {}}};
+  // 0.1 + 3 (0.1 + 0.05) + 0.2 + 0.25 = 1 kg
+  EXPECT_NEAR(json_of(e)["gears_torque_density_nm_per_kg"].get<double>(), 25.25, 1e-12);
+  EXPECT_NE(strength_table(e).find("of the gears alone 25.25 N m/kg, of 1 kg"), std::string::npos);
+  e.parts[3].mass_kg.reset();
+  EXPECT_TRUE(json_of(e)["gears_torque_density_nm_per_kg"].is_null());
+}
+
 TEST(StrengthReport, WhatIsNotJudgedIsNull) {
   design::Evaluation e = rated_train();
   Json json = json_of(e);

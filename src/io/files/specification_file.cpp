@@ -418,15 +418,15 @@ const std::vector<std::string>& usual_texts() {
 }  // namespace
 
 optimize::Specification read_specification(const std::string& path, double most_sets) {
-  const TomlValue document = read_toml(path);
-  refuse_other_documents(document, path, {DocumentKind::kSpecification},
-                         "SPEC takes a file with [ratio] and [teeth]");
-  return specification_from(document, path, most_sets);
+  return parse_specification(read_toml_text(path), path, most_sets);
 }
 
 optimize::Specification parse_specification(const std::string& text, const std::string& name,
                                             double most_sets) {
-  return specification_from(parse_toml(text, name), name, most_sets);
+  const TomlValue document = parse_toml(text, name);
+  refuse_other_documents(document, name, {DocumentKind::kSpecification},
+                         "SPEC takes a file with [ratio] and [teeth]");
+  return specification_from(document, name, most_sets);
 }
 
 optimize::Specification specification_of(const TomlValue& document, const std::string& name,
