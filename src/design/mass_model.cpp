@@ -2,7 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "inertia/mass_properties.hpp"
 
@@ -68,14 +72,30 @@ PartMass part_of(std::string_view name, int count,
   return part;
 }
 
-/// What gives a part its mass.
-std::string_view mass_hint(std::string_view part) {
-  if (part == "R1") return "density_kg_m3, stage1.face_width_mm, gears.R1.outer_diameter_mm";
-  if (part == "R2") return "density_kg_m3, stage2.face_width_mm, gears.R2.outer_diameter_mm";
-  if (part == "carrier") return "carrier_outer_diameter_mm, carrier_thickness_mm, density_kg_m3";
-  if (part == "pin") return "pin_diameter_mm, pin_length_mm, density_kg_m3";
-  return part == "P2" ? "density_kg_m3, stage2.face_width_mm"
-                      : "density_kg_m3, stage1.face_width_mm";
+/// What a part without a mass lacks of what would give it one.
+std::string lacking(const Masses& masses, std::string_view part) {
+  std::vector<std::string> keys;
+  const auto need = [&](bool stated, std::string key) {
+    if (!stated) keys.push_back(std::move(key));
+  };
+  const auto gear = std::ranges::find(train::kGearNames, part);
+  if (part == "carrier") {
+    need(masses.carrier_outer_radius_m.has_value(), "carrier_outer_diameter_mm");
+    need(masses.carrier_thickness_m.has_value(), "carrier_thickness_mm");
+    need(masses.carrier_density_kgm3 || masses.density_kgm3, "density_kg_m3");
+  } else if (part == "pin") {
+    need(masses.planet_pin_radius_m.has_value(), "pin_diameter_mm");
+    need(masses.planet_pin_length_m.has_value(), "pin_length_mm");
+    need(masses.planet_pin_density_kgm3 || masses.density_kgm3, "density_kg_m3");
+  } else if (gear != train::kGearNames.end()) {
+    const auto id = static_cast<train::GearId>(gear - train::kGearNames.begin());
+    const auto stage = static_cast<std::size_t>(train::stage_of(id));
+    need(density_of(masses.density_kgm3, masses.gear_density_kgm3, id).has_value(),
+         "density_kg_m3");
+    need(masses.face_width_m[stage].has_value(), fmt::format("stage{}.face_width_mm", stage + 1));
+    need(other_radius(masses, id).has_value(), fmt::format("gears.{}.outer_diameter_mm", part));
+  }
+  return fmt::format("{}", fmt::join(keys, ", "));
 }
 
 bool has_pins(const Masses& masses) {
@@ -95,7 +115,7 @@ void add_total(const Masses& masses, MassModel& model) {
     if (part.mass_kg) {
       total += part.count * *part.mass_kg;
     } else if (!counted_as_planet) {
-      missing.push_back(fmt::format("{} ({})", part.name, mass_hint(part.name)));
+      missing.push_back(fmt::format("{} ({})", part.name, lacking(masses, part.name)));
     }
   }
   if (missing.empty()) model.total_mass_kg = total;
