@@ -32,12 +32,13 @@ void refuse_foreign_model(const Subject& subject, const std::vector<ExtendedMode
                           const DiagnoseRequest& request) {
   const bool black_box = std::holds_alternative<calibrate::BlackBox>(subject);
   const auto ids =
-      black_box ? calibrate::tooth_causes(models) : calibrate::black_box_causes(models);
+      black_box ? calibrate::inner_causes(models) : calibrate::black_box_causes(models);
   if (ids.empty()) return;
   throw io::InvalidInput(fmt::format(
       "{}: {}: measured on {}, allowed for {}: a model that diagnose found with {}",
       request.model->file, fmt::join(ids, ", "),
-      black_box ? "a DESIGN, by its teeth (force, sliding, mesh or side)" : "a black box",
+      black_box ? "a DESIGN, by what is inside (teeth, planets, centre distance or stated drags)"
+                : "a black box",
       request.source, black_box ? "a black box" : "a DESIGN"));
 }
 

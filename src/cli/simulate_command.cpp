@@ -70,7 +70,9 @@ ExitCode run_simulate(const SimulateOptions& options) {
                             figures);
   }
   if (!options.quiet && options.format != Format::kTable) {
-    for (const std::string& note : result.motion.notes) say(fmt::format("note: {}\n", note));
+    for (const std::string& note : result.motion.notes) {
+      if (note != result.motion.ended_early) say(fmt::format("note: {}\n", note));
+    }
   }
   switch (options.format) {
     case Format::kJson:
@@ -83,7 +85,9 @@ ExitCode run_simulate(const SimulateOptions& options) {
       print_result(report::motion_table(result) + files_text(written));
       break;
   }
-  return result.motion.complete ? kDone : kSolverFailure;
+  if (result.motion.complete) return kDone;
+  say(fmt::format("{}: {}\n", options.scenario, result.motion.ended_early));
+  return kSolverFailure;
 }
 
 }  // namespace gear3k::cli

@@ -355,12 +355,15 @@ void MotionRun::finish() {
   fill_ledger();
   if (!motion_.complete) {
     const bool steps = static_cast<std::int64_t>(motion_.steps) >= scenario_.solver.max_steps;
-    motion_.notes.push_back(
-        !chatter_.empty() ? fmt::format("ended at {:g} s: {}", time_s_, chatter_)
-        : steps ? fmt::format("ended at {:g} s: solver.max_steps = {} steps, the last of {:g} s",
-                              time_s_, scenario_.solver.max_steps, stepper_.next_step_s())
-                : fmt::format("ended at {:g} s: more than solver.max_events = {} events", time_s_,
-                              scenario_.solver.max_events));
+    const std::string why =
+        !chatter_.empty() ? chatter_
+        : steps
+            ? fmt::format("solver.max_steps = {} steps, the last of {:g} s",
+                          scenario_.solver.max_steps, stepper_.next_step_s())
+            : fmt::format("more than solver.max_events = {} events", scenario_.solver.max_events);
+    motion_.ended_early =
+        fmt::format("ended at {:g} s of {:g} s: {}", time_s_, scenario_.duration_s, why);
+    motion_.notes.push_back(motion_.ended_early);
   }
   const auto jams = [](const MotionEvent& event) { return event.what == "jams"; };
   const auto first = std::ranges::find_if(motion_.events, jams);

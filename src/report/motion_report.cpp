@@ -111,8 +111,10 @@ io::Json motion_json(const MotionResult& result) {
 std::string motion_table(const MotionResult& result) {
   const motion::Motion& m = result.motion;
   const Ledger& l = m.ledger;
-  std::string text = fmt::format("{}: {:.6g} s, {} events, {} steps\n", run_title(result),
-                                 m.end.time_s, m.events.size(), m.steps);
+  std::string text =
+      fmt::format("{}: {:.6g} s{}, {} events, {} steps\n", run_title(result), m.end.time_s,
+                  m.complete ? "" : fmt::format(" of {:.6g} s", result.scenario.duration_s),
+                  m.events.size(), m.steps);
   text += fmt::format("ends at {:.6g} rad with {:.6g} rad/s\n\n", m.end.sides.output_rad,
                       m.end.sides.output_rad_s);
   TextTable modes({"mode", "time [s]", "entered"});

@@ -41,6 +41,31 @@ TEST(PitchGrade, DoublesEveryTwoGradesUpToRounding) {
   }
 }
 
+// To 1 µm from 10 µm on, to 0.5 µm from 5 µm on, else to 0.1 µm.  At grade 5 f_pt of
+// module 0.5 to 2 mm (mean 1) and diameter 50 to 125 mm (79.06) is 0.3 (1 + 0.4 · 8.891) + 4
+// = 5.37.
+TEST(PitchGrade, RoundsInStepsThatGrowAtFiveAndTenMicrometres) {
+  bool seen[3] = {false, false, false};
+  for (const double module_m : {1e-3, 3e-3, 5e-3}) {
+    for (const double d_m : {10e-3, 40e-3, 100e-3, 200e-3, 400e-3}) {
+      for (int grade = kFinestGrade; grade <= kCoarsestGrade; ++grade) {
+        const auto t = pitch_grade({.module_m = module_m, .reference_diameter_m = d_m}, grade);
+        ASSERT_TRUE(t);
+        for (const double length_m : {t->single_pitch_m, t->cumulative_pitch_m, t->runout_m}) {
+          const double value_um = 1e6 * length_m;
+          const double steps = value_um > 9.99 ? 1.0 : value_um > 4.99 ? 2.0 : 10.0;
+          EXPECT_NEAR(value_um * steps, std::round(value_um * steps), 1e-9) << value_um;
+          seen[steps == 1.0 ? 0 : steps == 2.0 ? 1 : 2] = true;
+        }
+      }
+    }
+  }
+  EXPECT_TRUE(seen[0] && seen[1] && seen[2]);
+  const auto t = pitch_grade({.module_m = 1e-3, .reference_diameter_m = 100e-3}, 5);
+  ASSERT_TRUE(t);
+  EXPECT_NEAR(1e6 * t->single_pitch_m, 5.5, 1e-9);
+}
+
 TEST(PitchGrade, BelongsToTheRangeAnEndCloses) {
   const auto at_end = pitch_grade({.module_m = 1e-3, .reference_diameter_m = 50e-3}, 6);
   const auto below = pitch_grade({.module_m = 1e-3, .reference_diameter_m = 30e-3}, 6);

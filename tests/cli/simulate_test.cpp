@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -116,6 +117,17 @@ TEST(Simulate, TooManyEventsEndWithWhatIsDone) {
   const ProgramResult result = place.run({"simulate", "a.toml", "s.toml", "--out", "out"});
   EXPECT_EQ(result.exit_code, 4) << result.err;
   EXPECT_NE(result.out.find("more than solver.max_events = 3"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find(" s of 4 s, 4 events"), std::string::npos) << result.out;
+  // Whoever reads stderr alone learns why, quiet or not, and once.
+  for (const char* format : {"table", "json", "csv"}) {
+    const ProgramResult quiet =
+        place.run({"simulate", "a.toml", "s.toml", "--quiet", "--format", format});
+    EXPECT_EQ(quiet.exit_code, 4);
+    EXPECT_EQ(quiet.err.find("s.toml: ended at "), 0U) << quiet.err;
+    EXPECT_EQ(std::ranges::count(quiet.err, '\n'), 1) << quiet.err;
+    const ProgramResult loud = place.run({"simulate", "a.toml", "s.toml", "--format", format});
+    EXPECT_EQ(loud.err, quiet.err);
+  }
   EXPECT_FALSE(json::parse(place.read("out/ledger.json")).at("complete").get<bool>());
 }
 

@@ -210,6 +210,21 @@ TEST(SimulateProperties, TheTorqueOfACycleReturnsTheCycle) {
   }
 }
 
+// T = 2 π √(J/(m g l)) with J of the load, the output and the motor referred to it; however coarse
+// the tolerance, a step is at most a fortieth of it.
+TEST(SimulateProperties, StepsAreAtMostAFortiethOfThePeriodOfAPendulum) {
+  Actuator a = plain_actuator({.fast_kgm2 = 1e-9, .output_kgm2 = 0.001, .ratio = 10.0}, 1.0, 1.0);
+  Scenario s = pendulum(0.0);
+  s.control = Control::kOpen;
+  s.solver.relative_tolerance = s.solver.absolute_tolerance = 1e-2;
+  const auto& p = s.load.pendulum;
+  const double inertia_kgm2 = 1e-9 * 100.0 + 0.001 + p.mass_kg * p.length_m * p.length_m;
+  const double period_s =
+      2.0 * std::numbers::pi * std::sqrt(inertia_kgm2 / (p.mass_kg * p.gravity_m_s2 * p.length_m));
+  s.duration_s = 20.0 * period_s;
+  EXPECT_GE(simulate(a, s).steps, 800U);
+}
+
 TEST(SimulateProperties, AStiffControlEndsAndSaysSo) {
   Scenario s = pendulum(0.0);
   s.control = Control::kPosition;

@@ -39,6 +39,14 @@ TEST(LifeFactor, PassesThroughItsPointsAndIsHeldBeyond) {
   EXPECT_NEAR(root_life_factor(kEh, LifeCurve::kSteel, std::sqrt(1e3 * 3e6)).value, std::sqrt(2.5),
               1e-12);
   EXPECT_FALSE(root_life_factor(kEh, LifeCurve::kSteel, 1e11).in_range);
+  // Of nitrocarburised steel the whole of finite life lies between 1.1 and 1.
+  const auto branch = [](double cycles) {
+    return root_life_factor(MaterialGroup::kNitrocarburised, LifeCurve::kNitrocarburised, cycles)
+        .branch;
+  };
+  EXPECT_EQ(branch(1e3), "static");
+  EXPECT_EQ(branch(1e5), "finite life");
+  EXPECT_EQ(branch(1e7), "long life");
   EXPECT_EQ(root_life_factor(kEh, LifeCurve::kNone, 1e5).source, sources::kNotStated);
   EXPECT_EQ(root_life_factor(MaterialGroup::kPom, LifeCurve::kPlastic, 1e5).value, 1.0);
   EXPECT_THROW(root_life_factor(kEh, LifeCurve::kSteel, -1.0), std::invalid_argument);

@@ -165,20 +165,30 @@ std::vector<std::string> black_box_causes(const std::vector<ExtendedModel>& mode
   return ids;
 }
 
-std::vector<std::string> tooth_causes(const std::vector<ExtendedModel>& models) {
+std::vector<std::string> inner_causes(const std::vector<ExtendedModel>& models) {
+  const auto by_teeth = [](const auto& friction) {
+    return depends_on_mesh(friction) || !is_neutral(friction.approach, 1.0) ||
+           !is_neutral(friction.recess, 1.0);
+  };
+  const auto drags = [](const auto& drag) {
+    return !is_neutral(drag.constant_Nm, 0.0) || !is_neutral(drag.viscous_Nms, 0.0) ||
+           !is_neutral(drag.quadratic_Nms2, 0.0);
+  };
   std::vector<std::string> ids;
   for (const ExtendedModel& model : models) {
     for (const AppliedCause& applied : model.causes) {
       const Cause* cause = find_cause(applied.id);
       if (cause == nullptr) continue;
-      const Modification m = modification_by(*cause, applied, model.kind);
-      const auto& friction = m.gearbox.friction;
+      const auto& gearbox = modification_by(*cause, applied, model.kind).gearbox;
       const bool by_constants =
           std::ranges::any_of(applied.form.constants, [](const FormConstant& constant) {
             return constant.unit == "N" || constant.unit == "m/s";
           });
-      if (by_constants || depends_on_mesh(friction) || !is_neutral(friction.approach, 1.0) ||
-          !is_neutral(friction.recess, 1.0)) {
+      if (by_constants || by_teeth(gearbox.friction) ||
+          !is_neutral(gearbox.planet_bearing_arm_m, 0.0) ||
+          !is_neutral(gearbox.drag_temperature_1_K, 0.0) ||
+          !is_neutral(gearbox.lost_motion.expansion_1_K, 0.0) ||
+          drags(gearbox.drag[design::kPlanetShaft]) || drags(gearbox.drag[design::kCarrierShaft])) {
         ids.push_back(applied.id);
       }
     }

@@ -40,8 +40,9 @@ bool needs_operating_point(const design::Extension<double>& extension);
 /// nothing in a gearbox with teeth.
 std::vector<std::string> black_box_causes(const std::vector<ExtendedModel>& models);
 
-/// Causes that act by teeth, which a black box has not: by tooth force and sliding, by mesh, by the
-/// gear that drives it or by the side of its pitch point.
-std::vector<std::string> tooth_causes(const std::vector<ExtendedModel>& models);
+/// Causes that act on what a black box has not: by tooth force and sliding, by mesh, by the gear
+/// that drives it or by the side of its pitch point; on planets and their bearings, the centre
+/// distance, and drags that the design states.
+std::vector<std::string> inner_causes(const std::vector<ExtendedModel>& models);
 
 }  // namespace gear3k::calibrate
