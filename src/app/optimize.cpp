@@ -269,6 +269,9 @@ Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks,
   if (!task.unreachable.empty()) throw std::invalid_argument(task.unreachable);
   Optimization outcome;
   progress.front_objectives = task.spec.objectives.size() > 1 ? task.spec.objectives.size() : 0;
+  progress.front_lost_motion =
+      std::ranges::find(task.spec.objectives, optimize::Objective::kLostMotion) !=
+      task.spec.objectives.end();
   progress.front_designs = static_cast<std::size_t>(task.spec.pareto_points);
   progress.rounding = task.round;
   progress.best_only = task.certify;

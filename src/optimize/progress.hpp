@@ -12,6 +12,7 @@ struct Progress {
   /// What a run does after its first search.
   struct Plan {
     std::size_t front_objectives = 0, front_designs = 0;  ///< of a front that is sought
+    bool front_lost_motion = false;                       ///< whether lost motion is one of them
     bool rounding = false;
     bool best_only = false;  ///< the search refines only what can still win
     bool explains = false;   ///< searches follow beyond ends of ranges, or without limits
@@ -22,7 +23,7 @@ struct Progress {
     std::size_t built_per_pass = 0, built_after = 0;
   };
   std::atomic<std::size_t> front_objectives{0}, front_designs{0};
-  std::atomic<bool> rounding{false}, best_only{false}, explains{false};
+  std::atomic<bool> front_lost_motion{false}, rounding{false}, best_only{false}, explains{false};
   std::atomic<std::size_t> passes_least{0}, passes_most{0};
   std::atomic<std::size_t> built_per_pass{0}, built_after{0};
   /// What the searches of a run are for, where they are several.

@@ -273,10 +273,10 @@ RelaxedLimits relax_limits(const Specification& spec, const OptimizeResult& bloc
   }
   // None of those without which there is none together frees one by itself.
   const bool none_of_seldom = seldom.size() > 1 && !relaxation.frees(seldom);
+  if (none_of_seldom) progress.stage_total -= seldom.size();
   for (const CheckId check : checks) {
     const bool skipped = none_of_seldom && std::ranges::find(seldom, check) != seldom.end();
     if (skipped ? progress.stop.load() : !try_to_free(std::array{check})) break;
-    if (skipped) ++progress.stage_done;
     result.alone.push_back(check);
   }
   if (result.freed.empty() && !progress.stop.load()) {

@@ -2,75 +2,91 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "optimize/relaxed_limits.hpp"
 #include "optimize/wider_search.hpp"
 
 namespace gear3k::optimize {
 
 namespace {
 
-using Phase = Progress::Phase;
-using Stage = Progress::Stage;
+/// What is expected of a run before it shows it, and by what factor it may be more or less.
+struct Foreseen {
+  double expected, factor;
+};
 
-// In units of bounding a stage that has a design: refining a set (5 to 13 measured), sharpening a
-// bound (110 to 370).
-constexpr double kRefining = 8.0, kSharpening = 250.0;
-/// Sets, stages and bounds that count as done at what is expected of them.
-constexpr double kSetsExpected = 20.0, kStagesExpected = 20.0, kBoundsExpected = 0.5;
-constexpr double kStageExpected_s = 2.5e-4;
-/// Sets that a search for the best alone refines, and bounds that a certificate sharpens then.
-constexpr double kLeastRefined = 16.0, kMostRefined = 64.0;
-constexpr double kLeastSharpened = 0.5, kMostSharpened = 16.0;
-/// By how much the estimate of sets to refine from the stages bounded may be off: pairs of modules
-/// rule out others.
-constexpr double kLeastOpen = 0.3, kMostOpen = 1.2;
-/// What follows the search for tooth sets, over it, before anything is known.
-constexpr double kLeastOfSearching = 2.0, kMostOfSearching = 30.0;
-/// A search of the whole space for the best alone, within limits of a front, and rounding: sets
-/// that it refines, and its share of what finding and bounding all sets takes.  Sets cost more
-/// within limits than without: before any was refined so, they count for more.
-constexpr double kSetsOfSearch = 32.0;
-constexpr double kSetsOfFrontSearch = 25.0, kSetsWithoutLimits = 80.0;
-constexpr double kFindingOfFrontSearch = 0.2;
-constexpr double kSetsOfRounding = 40.0;
-/// Whole searches that may follow beyond the ends of ranges, or without limits where no set has a
-/// design; the share of those that are counted which is made at least.
-constexpr double kSearchesBeyond = 0.5, kSearchesWithoutLimits = 8.0;
-/// Of a search with a limit given way, over one for the best alone.
-constexpr double kLeastOfAgain = 0.7;
-/// Of large tasks only what lies beyond tooth ranges is searched.
-constexpr double kSearchesBeyondOfMany = 0.1;
-constexpr double kShareOfBeyond = 0.1, kShareOfRelaxed = 0.4;
-/// Searches that bring limits which give way nearer, of all of them.
-constexpr double kSearchesNearer = 8.0;
-/// A range of a front's time has ends so many times its middle, at the end and at first.
-constexpr double kWidthOfFront = 1.6, kWidthLater = 3.0, kWidthAtFirst = 4.0;
-/// Searches in the gaps of a front get shorter, as what they found bounds the others: later ones
-/// take this of the mean of those made.
-constexpr std::size_t kFirstInGaps = 8;
-constexpr double kLaterInGaps = 0.6;
-/// Stages of the second kind, which are bounded after the first, take less: by this share of what
-/// all take at the rate of the first.
-constexpr double kLessBySecond = 0.3;
-constexpr double kLeastOfRest = 0.55;  ///< of the rest of bounding, which gets faster
-/// By how much the ends of a range may be off.
-constexpr double kEndsOff = 1.25;
+// All numbers below were measured on the tasks of benchmarks/time_left: docs/theory §12
+// ("Time left").
+
+/// Over bounding a stage of the first kind that has a design: refining a set, sharpening a bound
+/// (measured 4 to 14 and 100 to 180), and a stage of the second kind (0.4 to 0.9).
+constexpr double kRefining = 5.0, kSharpening = 150.0, kSecondStage = 0.55;
+/// What the rest of bounding may be off by.
+constexpr double kBoundingFactor = 1.5;
+/// Sets and bounds that count as done at that.
+constexpr double kSetsExpected = 20.0, kBoundsExpected = 0.5;
+/// Of the sets whose stages have a design those to refine: pairs of modules rule out others.
+constexpr Foreseen kOpen{.expected = 0.8, .factor = 1.5};
+/// Of a search for the best alone: sets refined (0 to 31), bounds sharpened (1 to 18).
+constexpr Foreseen kSetsOfBest{.expected = 32.0, .factor = 2.0};
+constexpr Foreseen kSharpened{.expected = 3.0, .factor = 4.0};
+/// Sets that rounding costs.
+constexpr Foreseen kRounding{.expected = 30.0, .factor = 2.0};
+/// What is built after the passes for built gearboxes, over a pass, before any is built.
+constexpr Foreseen kBuiltAfter{.expected = 4.0, .factor = 2.0};
+/// What the searches for the ends of a front and in its gaps take, over the searches of all sets
+/// before.
+struct FrontForeseen {
+  double ends;
+  Foreseen gaps;
+};
+/// With lost motion among the objectives a narrow limit on it leaves many sets without a design,
+/// and finding none costs some ten times finding one: ends 0.5 to 2.5, gaps 0.6 to 25.  Limits on
+/// diameters and masses bound sets at once: 0.05 to 0.4 and 0.1 to 0.9.
+constexpr FrontForeseen kWithLostMotion{.ends = 1.0, .gaps = {.expected = 6.0, .factor = 5.0}};
+constexpr FrontForeseen kWithoutLostMotion{.ends = 0.15, .gaps = {.expected = 0.35, .factor = 3.0}};
+const FrontForeseen& front_foreseen(const Progress::Plan& plan) {
+  return plan.front_lost_motion ? kWithLostMotion : kWithoutLostMotion;
+}
+/// Searches in the gaps as many as which the ends count; after twice as many the rest costs this
+/// share of those so far, as what they found bounds the others.
+constexpr double kEndsCountAs = 4.0, kLaterInGaps = 0.6;
+/// Whole searches with ranges or limits given way: where there is a design, where more than
+/// kMostSearchedAgain sets or robust limits let few be made, and where there is no design.
+constexpr Foreseen kBeyond{.expected = 1.2, .factor = 1.5};
+constexpr Foreseen kFewBeyond{.expected = 0.05, .factor = 2.0};
+constexpr Foreseen kRelaxed{.expected = 15.0, .factor = 3.0};
+/// Searches for each design in the gaps and for each limit left out, and items that count as done
+/// at it.
+constexpr double kForDesign = 1.5, kForLimit = 2.5, kItemsExpected = 4.0;
+/// What takes longer than expected goes on for this part of the time that it took.
+constexpr double kGoesOn = 1.0 / 3.0;
+/// Refined sets after which a search for the best alone knows how many it refines.
+constexpr std::size_t kSetsKnown = 64;
 /// A range whose ends are no farther apart is told as its middle.
 constexpr double kOneNumber = 2.5;
-constexpr double kEndless = std::numeric_limits<double>::infinity();
-/// Searches for each design in the gaps, some of which find none, and the share of the designs that
-/// are asked for there: the ends, and the optima of the search before, are others.
-constexpr double kSearchesPerDesign = 1.6, kDesignsInGaps = 0.6;
-/// Searches that count as made at what is expected of one.
-constexpr double kExpected = 3.0;
-/// A search for the best alone knows how many sets it will refine when it has refined some; in the
-/// gaps of a front it is no longer than some times what is expected of one.
-constexpr std::size_t kSetsKnown = 64;
-constexpr double kLongest = 3.0;
 
-/// Whether a stage searches all sets of the task as stated, or as built gearboxes need it.
-bool is_of_all(Stage stage) { return stage == Stage::kOne || stage == Stage::kBuilt; }
+using Range = RunForecast::Range;
+
+void add(Range& left, double time_s, double factor = 1.0) {
+  left.least_s += time_s / factor;
+  left.most_s += time_s * factor;
+}
+void add(Range& left, const Foreseen& items, double each_s) {
+  add(left, items.expected * each_s, items.factor);
+}
+
+double number_left(std::size_t done, std::size_t total) {
+  return total > done ? static_cast<double>(total - done) : 0.0;
+}
+
+double time_left(double expected_s, double elapsed_s) {
+  return std::max(expected_s - elapsed_s, kGoesOn * elapsed_s);
+}
+
+bool is_of_all(Progress::Stage stage) {
+  return stage == Progress::Stage::kOne || stage == Progress::Stage::kBuilt;
+}
 
 }  // namespace
 
@@ -79,6 +95,7 @@ ProgressSeen seen_of(const Progress& progress) {
           .stage = progress.stage.load(),
           .plan = {.front_objectives = progress.front_objectives.load(),
                    .front_designs = progress.front_designs.load(),
+                   .front_lost_motion = progress.front_lost_motion.load(),
                    .rounding = progress.rounding.load(),
                    .best_only = progress.best_only.load(),
                    .explains = progress.explains.load(),
@@ -99,68 +116,68 @@ ProgressSeen seen_of(const Progress& progress) {
           .feasible = progress.feasible.load()};
 }
 
-/// Where the work of the time since the last look belongs.
-void RunForecast::account(double now_s, const ProgressSeen& seen) {
-  const double passed_s = now_s - last_s_;
-  const bool after = last_.stage_done == last_.stage_total;
-  switch (last_.phase) {
-    case Phase::kSearch:
-      break;
-    case Phase::kBounds:
-      if (is_of_all(last_.stage)) stages_.time_s += passed_s;
-      break;
-    case Phase::kRefinement:
-      refined_in(last_.stage).time_s += passed_s;
-      break;
-    case Phase::kCertificate:
-      sharpened_.time_s += passed_s;
-      break;
-    case Phase::kGearboxes:
-      if (last_.stage == Stage::kBuilt && !after) built_s_ += passed_s;
-      break;
-  }
-  const bool finds = last_.phase == Phase::kSearch || last_.phase == Phase::kBounds;
-  if (finds && is_of_all(last_.stage)) {
+bool RunForecast::builds_after() const {
+  return last_.stage == Stage::kBuilt && last_.stage_done == last_.stage_total;
+}
+
+bool RunForecast::is_over() const { return last_.stage == Stage::kOne && is_explained_; }
+
+/// Where the time since the last look belongs.
+void RunForecast::account(double passed_s, const ProgressSeen& seen) {
+  if (last_.phase == Phase::kCertificate) bounds_.time_s += passed_s;
+  if (!is_of_all(last_.stage) || is_over()) return;
+  before_front_s_ += passed_s;
+  if (last_.phase == Phase::kSearch || last_.phase == Phase::kBounds) {
     finding_s_ += passed_s;
     if (seen.phase == Phase::kRefinement) found_s_ = finding_s_;
   }
-  if (!after || last_.stage != Stage::kBuilt) after_began_s_ = now_s;
-  if (last_.stage == Stage::kFrontGaps) {
-    gaps_s_ += passed_s;
-    longest_gap_s_ = std::max(longest_gap_s_, now_s - search_began_s_);
+  if (last_.phase == Phase::kBounds) stages_.time_s += passed_s;
+  if (last_.phase == Phase::kRefinement) sets_.time_s += passed_s;
+  if (last_.phase == Phase::kGearboxes && !builds_after()) built_s_ += passed_s;
+}
+
+/// The items that were done since the last look.
+void RunForecast::count(const ProgressSeen& seen, bool other) {
+  const std::size_t more = seen.done - (other ? 0 : last_.done);
+  if (seen.phase == Phase::kCertificate) bounds_.items += static_cast<double>(more);
+  if (!is_of_all(seen.stage)) return;
+  if (seen.phase == Phase::kRefinement) sets_.items += static_cast<double>(more);
+  if (seen.phase == Phase::kBounds) {
+    // Stages without a design cost next to nothing.
+    const std::size_t empty = seen.empty_first + seen.empty_second;
+    const std::size_t before = other ? 0 : last_.empty_first + last_.empty_second;
+    stages_.items += static_cast<double>(more - std::min(more, empty - std::min(empty, before)));
   }
 }
 
+/// A search ends, and another one begins.
+void RunForecast::end_search(double now_s, const ProgressSeen& seen) {
+  const double took_s = now_s - search_began_s_;
+  if (begun_ && last_.searches > 0 && !builds_after()) {
+    Work& over = searches(last_.stage);
+    over.time_s += took_s;
+    over.items += 1.0;
+    over.longest_s = std::max(over.longest_s, took_s);
+  }
+  search_began_s_ = now_s;
+  if (is_of_all(seen.stage)) finding_s_ = 0.0;
+  is_explained_ = is_explained_ ||
+                  (begun_ && (last_.stage == Stage::kBeyond || last_.stage == Stage::kRelaxed));
+}
+
 void RunForecast::observe(double now_s, const ProgressSeen& seen) {
-  const bool other = !begun_ || seen.phase != last_.phase || seen.stage != last_.stage ||
-                     seen.searches != last_.searches || seen.done < last_.done;
-  if (begun_) account(now_s, seen);
-  const std::size_t before = other ? 0 : last_.done;
-  const std::size_t more = seen.done - before;
-  if (seen.phase == Phase::kRefinement) refined_in(seen.stage).items += more;
-  if (seen.phase == Phase::kCertificate) sharpened_.items += more;
-  if (seen.phase == Phase::kBounds && is_of_all(seen.stage)) {
-    // Stages without a design cost next to nothing.
-    const std::size_t empty = seen.empty_first + seen.empty_second;
-    const std::size_t empty_before = other ? 0 : last_.empty_first + last_.empty_second;
-    stages_.items += more - std::min(more, empty - std::min(empty, empty_before));
-  }
-  if (seen.stage == Stage::kFrontGaps) gap_searches_ = seen.searches;
-  if (!begun_ || seen.stage != last_.stage || seen.searches != last_.searches) {
-    if (begun_ && last_.stage == Stage::kBuilt && last_.searches > 0 &&
-        last_.stage_done < last_.stage_total) {
-      passes_s_ += now_s - search_began_s_;
-    }
-    search_began_s_ = now_s;
-    if (is_of_all(seen.stage)) finding_s_ = 0.0;
-  }
+  const bool search = !begun_ || seen.stage != last_.stage || seen.searches != last_.searches;
+  const bool other = search || seen.phase != last_.phase || seen.done < last_.done;
+  const bool passes_end = begun_ && seen.stage == Stage::kBuilt && !builds_after() &&
+                          seen.stage_done == seen.stage_total;
+  if (begun_) account(now_s - last_s_, seen);
+  count(seen, other);
+  if (search || passes_end) end_search(now_s, seen);
   if (other) {
     rate_.restart(now_s, seen.done);
-    phase_began_s_ = now_s;
   } else {
     rate_.observe(now_s, seen.done);
   }
-  if (other || seen.done != last_.done) item_began_s_ = now_s;
   begun_ = true;
   last_ = seen;
   last_s_ = now_s;
@@ -170,270 +187,227 @@ void RunForecast::observe(double now_s, const ProgressSeen& seen) {
   }
 }
 
-double RunForecast::stage_s() const { return stages_.each_s(kStageExpected_s, kStagesExpected); }
-
 double RunForecast::set_s() const {
-  if (stages_.items == 0) return first_.each_s();  // nothing is bounded
-  return first_.each_s(kRefining * stage_s(), kSetsExpected);
+  if (stages_.items == 0.0) return sets_.mean_s(0.0, 0.0);  // nothing is bounded
+  return sets_.mean_s(kRefining * stages_.mean_s(0.0, 0.0), kSetsExpected);
 }
 
 double RunForecast::sharpening_s() const {
-  return sharpened_.each_s(kSharpening * stage_s(), kBoundsExpected);
+  return bounds_.mean_s(kSharpening * stages_.mean_s(0.0, 0.0), kBoundsExpected);
 }
 
-double RunForecast::search_s() const {
-  return (found_s_ > 0.0 ? found_s_ : finding_s_) + kSetsOfSearch * set_s();
-}
-
-double RunForecast::front_search_s() const {
-  const double sets_s = limited_.items >= kSetsKnown ? kSetsOfFrontSearch * limited_.each_s()
-                                                     : kSetsWithoutLimits * first_.each_s();
-  const double expected_s = kFindingOfFrontSearch * finding_s_ + sets_s;
-  // What the longest search found bounds the others: none like it is foreseen.
-  const bool many = gap_searches_ > 2;
-  const double longest_s = many ? longest_gap_s_ : 0.0;
-  const auto made = static_cast<double>(many ? gap_searches_ - 1 : gap_searches_);
-  return (kExpected * expected_s + gaps_s_ - longest_s) / (kExpected + made);
-}
-
-/// Whether the search that runs sharpens bounds at its end.
-bool RunForecast::certifies() const { return last_.plan.best_only && last_.stage == Stage::kOne; }
-
-/// What follows the bounds of a search of all sets.
-RunForecast::Range RunForecast::after_bounds() const {
-  if (!last_.plan.best_only && last_.stage != Stage::kBuilt) {
-    const auto share = [](std::size_t empty, std::size_t done) {
-      return done > 0 ? 1.0 - static_cast<double>(empty) / static_cast<double>(done) : 1.0;
-    };
-    const std::size_t firsts = std::min(last_.done, last_.first_stages);
-    const double open = static_cast<double>(last_.sets) * share(last_.empty_first, firsts) *
-                        share(last_.empty_second, last_.done - firsts);
-    return {.least_s = kLeastOpen * open * set_s(), .most_s = kMostOpen * open * set_s()};
-  }
-  Range after{.least_s = kLeastRefined * set_s(), .most_s = kMostRefined * set_s()};
-  if (certifies()) {
-    after.least_s += kLeastSharpened * sharpening_s();
-    after.most_s += kMostSharpened * sharpening_s();
-  }
-  return after;
-}
-
-std::optional<RunForecast::Range> RunForecast::rest_of_search() const {
-  const std::optional<double> left = rate_.seconds_left(last_.total);
-  double expected_s = 0.0, longest_s = kEndless;
-  switch (last_.stage) {
+/// What a search of a stage takes, on average of those to come.
+double RunForecast::search_s(Stage stage) const {
+  const double found_s = found_s_ > 0.0 ? found_s_ : finding_s_;
+  const auto objectives = static_cast<double>(last_.plan.front_objectives);
+  switch (stage) {
     case Stage::kOne:
-      return rest_of_first();
-    case Stage::kBeyond:
-    case Stage::kRelaxed:
-      expected_s = search_s();
       break;
     case Stage::kBuilt:
-      if (last_.stage_done == last_.stage_total) {
-        const double passed_s = last_s_ - after_began_s_;
-        double whole_s = built_after_s();
-        const double made = static_cast<double>(last_.done) / static_cast<double>(last_.total);
-        if (last_.done > 0) whole_s = (item_began_s_ - after_began_s_) / made;
-        const double rest_s = std::max(whole_s - passed_s, 0.2 * (1.0 - made) * whole_s);
-        return Range{.least_s = rest_s, .most_s = rest_s};
-      }
-      if (passes_s_ == 0.0) return rest_of_first();
-      expected_s = passes_s_ / static_cast<double>(std::max<std::size_t>(1, last_.searches - 1));
-      break;
+      return searches(stage).mean_s(0.0, 0.0);
     case Stage::kFrontEnds:
-      expected_s = front_search_s();
+      return front_foreseen(last_.plan).ends * before_front_s_ / (objectives * objectives);
+    case Stage::kFrontGaps: {
+      Work made = searches(stage);
+      if (made.items > 2.0) {
+        // What the longest one found bounds the others: none like it is foreseen.
+        made.time_s -= made.longest_s;
+        made.items -= 1.0;
+      }
+      const double later = searches(stage).items >= 2.0 * kEndsCountAs ? kLaterInGaps : 1.0;
+      return later * made.mean_s(searches(Stage::kFrontEnds).mean_s(0.0, 0.0), kEndsCountAs);
+    }
+    case Stage::kBeyond:
       break;
-    case Stage::kFrontGaps:
-      expected_s = front_search_s();
-      longest_s = kLongest * expected_s;
-      break;
+    case Stage::kRelaxed:
+      return searches(stage).mean_s(found_s, 1.0);
   }
-  if (last_.phase == Phase::kRefinement && last_.done >= kSetsKnown && left) {
-    return Range{.least_s = std::min(*left, longest_s), .most_s = *left};
-  }
-  const double rest_s =
-      std::min(std::max(0.0, expected_s - (last_s_ - search_began_s_)), longest_s);
-  return Range{.least_s = rest_s, .most_s = rest_s};
+  return found_s + kSetsOfBest.expected / kSetsOfBest.factor * set_s();
 }
 
-std::optional<RunForecast::Range> RunForecast::rest_of_first() const {
-  const std::optional<double> left = rate_.seconds_left(last_.total);
-  const auto total = static_cast<double>(last_.total), done = static_cast<double>(last_.done);
+/// Searches of the stage that are to come after the one that runs.
+double RunForecast::searches_left() const {
+  const double items = number_left(last_.stage_done, last_.stage_total);
+  const bool gaps = last_.stage == Stage::kFrontGaps;
+  if (!gaps && last_.stage != Stage::kRelaxed) return items - 1.0;
+  const double expected = gaps ? kForDesign : kForLimit;
+  return items * (kItemsExpected * expected + searches(last_.stage).items) /
+             (kItemsExpected + static_cast<double>(last_.stage_done)) -
+         1.0;
+}
+
+/// What follows the bounds of a search of all sets, where it refines all of them.
+Range RunForecast::rest_of_all() const {
+  const auto share = [](std::size_t empty, std::size_t done) {
+    return done > 0 ? 1.0 - static_cast<double>(empty) / static_cast<double>(done) : 1.0;
+  };
+  const std::size_t firsts = std::min(last_.done, last_.first_stages);
+  Range left;
+  add(left, kOpen,
+      static_cast<double>(last_.sets) * share(last_.empty_first, firsts) *
+          share(last_.empty_second, last_.done - firsts) * set_s());
+  return left;
+}
+
+/// Where it refines only what may win, and has refined so many.
+Range RunForecast::rest_of_best(double refined) const {
+  const double least = kSetsOfBest.expected / kSetsOfBest.factor;
+  Range left{
+      .least_s = std::max(0.0, least - refined) * set_s(),
+      .most_s = std::max(least, kSetsOfBest.expected * kSetsOfBest.factor - refined) * set_s()};
+  if (last_.stage == Stage::kOne) add(left, kSharpened, sharpening_s());
+  return left;
+}
+
+/// Of the search of all sets that runs.
+std::optional<Range> RunForecast::rest_of_first() const {
   const bool best_only = last_.plan.best_only || last_.stage == Stage::kBuilt;
-  Range rest;
+  const std::optional<double> left_s = rate_.seconds_left(last_.total);
+  Range left;
   switch (last_.phase) {
-    case Phase::kSearch: {
-      if (!left) return std::nullopt;
-      const double whole_s = finding_s_ + *left;
-      return Range{.least_s = *left + kLeastOfSearching * whole_s,
-                   .most_s = *left + kMostOfSearching * whole_s};
-    }
+    case Phase::kSearch:
+      return std::nullopt;
     case Phase::kBounds: {
-      if (!left) return std::nullopt;
-      const double rest_s = *left * (1.0 - kLessBySecond * std::max(0.0, 1.0 - done / total));
-      rest = after_bounds();
-      rest.least_s += kLeastOfRest * rest_s;
-      rest.most_s += rest_s;
-      return rest;
+      if (!left_s) return std::nullopt;
+      left = best_only ? rest_of_best(0.0) : rest_of_all();
+      const double firsts = number_left(last_.done, last_.first_stages);
+      const double seconds = number_left(last_.done, last_.total) - firsts;
+      add(left,
+          firsts > 0.0 ? *left_s * (firsts + kSecondStage * seconds) / (firsts + seconds) : *left_s,
+          kBoundingFactor);
+      return left;
     }
     case Phase::kRefinement:
       if (!best_only) {
-        const bool known = last_.done > kSetsKnown * 4 && left;
-        const double rest_s = known ? *left : (total - done) * set_s();
-        return Range{.least_s = rest_s, .most_s = rest_s};
+        add(left, number_left(last_.done, last_.total) * set_s());
+      } else if (last_.done < kSetsKnown || !left_s) {
+        left = rest_of_best(static_cast<double>(last_.done));
+      } else {
+        add(left, *left_s);
+        if (last_.stage == Stage::kOne) add(left, kSharpened, sharpening_s());
       }
-      // How many may still win is not known before some are refined.
-      rest = last_.done >= kSetsKnown && left
-                 ? Range{.least_s = 0.5 * *left, .most_s = *left}
-                 : Range{.least_s = std::max(0.0, kLeastRefined - done) * set_s(),
-                         .most_s = std::max(kLeastRefined, kMostRefined - done) * set_s()};
-      if (certifies()) {
-        rest.least_s += kLeastSharpened * sharpening_s();
-        rest.most_s += kMostSharpened * sharpening_s();
-      }
-      return rest;
-    case Phase::kCertificate: {
-      const double rest_s = std::max((total - done) * sharpening_s() - (last_s_ - item_began_s_),
-                                     0.3 * (total - done) * sharpening_s());
-      return Range{.least_s = rest_s, .most_s = rest_s};
-    }
+      return left;
+    case Phase::kCertificate:
+      add(left, number_left(last_.done, last_.total) * sharpening_s());
+      return left;
     case Phase::kGearboxes:
-      return left ? std::optional(Range{.least_s = *left, .most_s = *left}) : std::nullopt;
+      if (!left_s) return std::nullopt;
+      add(left, *left_s);
+      return left;
   }
   return std::nullopt;
 }
 
-/// What is built after the searches for built gearboxes, at what one costs in them.
-double RunForecast::built_after_s() const {
-  const Progress::Plan& plan = last_.plan;
-  const bool after = last_.stage_done == last_.stage_total;
-  const std::size_t passes =
-      after ? last_.searches : last_.searches - std::min<std::size_t>(1, last_.searches);
-  const double built = static_cast<double>(std::max<std::size_t>(1, passes)) *
-                       static_cast<double>(plan.built_per_pass);
-  const double number =
-      static_cast<double>(after && last_.total > 0 ? last_.total : plan.built_after);
-  return built > 0.0 ? number * built_s_ / built : 0.0;
+/// Of the search that runs.
+std::optional<Range> RunForecast::rest_of_search() const {
+  const double elapsed_s = last_s_ - search_began_s_;
+  Range left;
+  if (builds_after()) {
+    add(left, time_left(built_after_s(), elapsed_s));
+    return left;
+  }
+  const bool of_all = is_of_all(last_.stage);
+  if (of_all && searches(last_.stage).items == 0.0) return rest_of_first();
+  if (last_.stage == Stage::kOne) return rest_of_first();
+  double left_s = time_left(search_s(last_.stage), elapsed_s);
+  if (!of_all && last_.phase == Phase::kRefinement && last_.done >= kSetsKnown) {
+    const std::size_t most = last_.stage == Stage::kRelaxed ? kMostRefinedWithout : last_.total;
+    left_s = rate_.seconds_left(std::min(most, last_.total)).value_or(left_s);
+  }
+  add(left, left_s);
+  return left;
 }
 
+/// What is built after the passes, at what one costs in them.
+double RunForecast::built_after_s() const {
+  const double passes = std::max(1.0, searches(Stage::kBuilt).items);
+  const auto& plan = last_.plan;
+  if (plan.built_per_pass == 0) return 0.0;
+  return built_s_ / passes * static_cast<double>(plan.built_after) /
+         static_cast<double>(plan.built_per_pass);
+}
+
+/// What follows the pass for built gearboxes that runs.
 void RunForecast::add_passes(Range& left) const {
   const Progress::Plan& plan = last_.plan;
-  if (last_.stage != Stage::kBuilt) return;
-  const std::size_t begun = std::max<std::size_t>(1, last_.searches);
-  const Range pass = begun > 1 ? Range{.least_s = passes_s_ / static_cast<double>(begun - 1),
-                                       .most_s = passes_s_ / static_cast<double>(begun - 1)}
-                               : Range{.least_s = last_s_ - search_began_s_ + left.least_s,
-                                       .most_s = last_s_ - search_began_s_ + left.most_s};
-  if (last_.stage_done < last_.stage_total) {
-    const std::size_t most = std::max(begun, plan.passes_most);
-    const std::size_t least = std::clamp(plan.passes_least, begun, most);
-    // Before any is built a gearbox counts as so small a part of a pass.
-    constexpr double kLeastBuilt = 2.0, kMostBuilt = 8.0;
+  const double pass_s = searches(Stage::kBuilt).items > 0.0
+                            ? search_s(Stage::kBuilt)
+                            : last_s_ - search_began_s_ + left.middle_s();
+  if (!builds_after()) {
+    const std::size_t begun = std::max<std::size_t>(1, last_.searches);
+    left.least_s += pass_s * number_left(begun, plan.passes_least);
+    left.most_s += pass_s * number_left(begun, plan.passes_most);
     const double built_s = built_after_s();
-    left.least_s += pass.least_s * static_cast<double>(least - begun) +
-                    (built_s > 0.0 ? built_s : kLeastBuilt * pass.least_s);
-    left.most_s += pass.most_s * static_cast<double>(most - begun) +
-                   (built_s > 0.0 ? built_s : kMostBuilt * pass.most_s);
+    if (built_s > 0.0) {
+      add(left, built_s);
+    } else {
+      add(left, kBuiltAfter, pass_s);
+    }
   }
   // Then the search under the limits found.
   if (plan.best_only) {
-    left.least_s += pass.least_s + kLeastSharpened * sharpening_s();
-    left.most_s += pass.most_s + kMostSharpened * sharpening_s();
-  } else if (last_.phase == Phase::kSearch || last_.phase == Phase::kBounds) {
-    const Range found{.least_s = found_s_ > 0.0 ? found_s_ : 0.6 * pass.least_s,
-                      .most_s = found_s_ > 0.0 ? found_s_ : pass.most_s};
-    const double open = static_cast<double>(last_.open > 0 ? last_.open : last_.sets);
-    left.least_s += found.least_s + 0.5 * open * set_s();
-    left.most_s += found.most_s + open * set_s();
+    add(left, pass_s);
+    add(left, kSharpened, sharpening_s());
   } else {
-    const double own_s = found_s_ + static_cast<double>(last_.open) * set_s();
-    left.least_s += own_s;
-    left.most_s += own_s;
+    add(left, found_s_ > 0.0 ? found_s_ : pass_s);
+    if (last_.open > 0) {
+      add(left, static_cast<double>(last_.open) * set_s());
+    } else {
+      add(left, kOpen, static_cast<double>(last_.sets) * set_s());
+    }
   }
 }
 
-void RunForecast::add_front(Range& left) const {
+/// What follows the searches of the stage that runs.
+void RunForecast::add_later(Range& left) const {
   const Progress::Plan& plan = last_.plan;
-  if (plan.front_objectives < 2) return;
-  const auto rest = [&](std::size_t ahead) {
-    return last_.stage_total > last_.stage_done + ahead
-               ? static_cast<double>(last_.stage_total - last_.stage_done - ahead)
-               : 0.0;
-  };
-  const auto objectives = static_cast<double>(plan.front_objectives);
-  const double designs = kDesignsInGaps * static_cast<double>(plan.front_designs);
-  const bool in_gaps = last_.stage == Stage::kFrontGaps;
-  const double ended = gap_searches_ > 0 ? static_cast<double>(gap_searches_ - 1) : 0.0;
-  const double found = in_gaps ? static_cast<double>(last_.stage_done) : 0.0;
-  const double gaps_s =
-      front_search_s() * (kExpected * kSearchesPerDesign + ended) / (kExpected + found);
-  const double end_s = front_search_s();
-  double more_s = 0.0;
-  if (is_of_all(last_.stage)) more_s = objectives * objectives * end_s + designs * gaps_s;
-  if (last_.stage == Stage::kFrontEnds) more_s = rest(1) * end_s + designs * gaps_s;
-  const bool later = in_gaps && gap_searches_ > kFirstInGaps;
-  if (in_gaps) {
-    more_s = std::max(0.0, (later ? kLaterInGaps : 1.0) * rest(0) * gaps_s - left.least_s);
+  const bool of_all = is_of_all(last_.stage);
+  if (plan.front_objectives > 1) {
+    const FrontForeseen& front = front_foreseen(plan);
+    if (of_all) add(left, front.ends * before_front_s_);
+    if (of_all || last_.stage == Stage::kFrontEnds) add(left, front.gaps, before_front_s_);
   }
-  left.least_s += more_s;
-  left.most_s += more_s;
-  // Single searches of a front may cost as much as all others: the more of them are to come, the
-  // less is known.
-  const double open =
-      in_gaps && last_.stage_total > 0 ? rest(0) / static_cast<double>(last_.stage_total) : 1.0;
-  const double width =
-      kWidthOfFront + ((later ? kWidthLater : kWidthAtFirst) - kWidthOfFront) * open;
-  left.least_s /= width;
-  left.most_s *= width;
+  if (plan.explains && last_.stage != Stage::kBeyond && last_.stage != Stage::kRelaxed) {
+    const bool none = last_.feasible == 0 && last_.phase == Phase::kRefinement &&
+                      2 * last_.done > std::min(last_.total, 4 * kSetsKnown);
+    const bool few = last_.sets > kMostSearchedAgain || plan.passes_most > 0;
+    add(left, none ? kRelaxed : few ? kFewBeyond : kBeyond, search_s(Stage::kBeyond));
+  }
 }
 
-std::optional<RunForecast::Range> RunForecast::range_left() const {
+std::optional<Range> RunForecast::range_now() const {
+  if (!begun_ || last_.total == 0) return std::nullopt;
+  Range left;
+  const Progress::Plan& plan = last_.plan;
+  const double rounding_s = plan.rounding ? kRounding.expected * set_s() : 0.0;
+  if (is_over()) {
+    if (rounding_s > 0.0) add(left, time_left(rounding_s, last_s_ - search_began_s_));
+    return left;
+  }
+  const std::optional<Range> running = rest_of_search();
+  if (!running) return std::nullopt;
+  left = *running;
+  if (last_.stage == Stage::kBuilt) add_passes(left);
+  if (!is_of_all(last_.stage)) {
+    const bool gaps = last_.stage == Stage::kFrontGaps;
+    const bool limits = last_.stage == Stage::kRelaxed;
+    add(left, std::max(0.0, searches_left()) * search_s(last_.stage),
+        gaps     ? front_foreseen(plan).gaps.factor
+        : limits ? kRelaxed.factor
+                 : 1.0);
+  }
+  add_later(left);
+  add(left, rounding_s, kRounding.factor);
+  return left;
+}
+
+std::optional<Range> RunForecast::range_left() const {
   const std::optional<Range> now = range_now();
   if (now || !told_) return now;
   // Between two phases what was told before holds, less the time that passed.
   const double passed_s = last_s_ - told_at_s_;
   return Range{.least_s = std::max(0.0, told_->least_s - passed_s),
                .most_s = std::max(0.0, told_->most_s - passed_s)};
-}
-
-std::optional<RunForecast::Range> RunForecast::range_now() const {
-  if (!begun_ || last_.total == 0) return std::nullopt;
-  const std::optional<Range> rest = rest_of_search();
-  if (!rest) return std::nullopt;
-  Range left = *rest;
-  const Progress::Plan& plan = last_.plan;
-  add_passes(left);
-  add_front(left);
-  const double stage_rest_s =
-      last_.stage_total > last_.stage_done + 1
-          ? search_s() * static_cast<double>(last_.stage_total - last_.stage_done - 1)
-          : 0.0;
-  if (last_.stage == Stage::kBeyond || last_.stage == Stage::kRelaxed) {
-    left.least_s +=
-        (last_.stage == Stage::kBeyond ? kShareOfBeyond : kShareOfRelaxed) * stage_rest_s;
-    left.most_s += stage_rest_s;
-    if (last_.stage == Stage::kRelaxed) left.most_s += kSearchesNearer * search_s();
-  } else if (plan.explains) {
-    const bool none = last_.feasible == 0 && last_.phase == Phase::kRefinement &&
-                      2 * last_.done > std::min(last_.total, 4 * kSetsKnown);
-    const bool many = last_.sets > kMostSearchedAgain;
-    const double beyond = many ? kSearchesBeyondOfMany : kSearchesBeyond;
-    left.most_s += (none ? kSearchesWithoutLimits : beyond) * search_s();
-    // With the dearest limit given way.
-    if (!none && !many && plan.passes_most == 0) {
-      left.least_s += kLeastOfAgain * search_s();
-      left.most_s += search_s();
-    }
-  }
-  if (plan.rounding) {
-    left.least_s += 0.5 * kSetsOfRounding * set_s();
-    left.most_s += 2.0 * kSetsOfRounding * set_s();
-  }
-  if (!left.is_one()) {
-    left.least_s /= kEndsOff;
-    left.most_s *= kEndsOff;
-  }
-  return left;
 }
 
 std::optional<double> RunForecast::seconds_left() const {

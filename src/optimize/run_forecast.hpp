@@ -1,6 +1,7 @@
 #pragma once
 // How long a run has still to go, all of its phases together.
 
+#include <array>
 #include <cstddef>
 #include <optional>
 
@@ -22,15 +23,13 @@ ProgressSeen seen_of(const Progress& progress);
 
 /// Time that a run has left, over the phase that runs and those that follow.
 ///
-/// What a run does is counted in units of its own speed: stages bounded, sets refined, bounds
-/// sharpened, gearboxes built.  A unit costs what those done so far did; before any is done, so
-/// many times what bounding a stage that has a design took.  How many sets are refined follows from
-/// the shares of stages without a design; what is not known ahead (how many of the sets may still
-/// win, how many bounds are sharpened, searches beyond the ends of ranges or without limits) makes
-/// it a range.  Searches of a front count by their own times as these come to be known.
-/// Source: own derivation; the costs are measured, docs/theory §12 ("Time left").
-/// Accuracy: what is left lies within the range, or within a factor of two of its middle where that
-/// is told alone, in most looks from a tenth of a run on, for tasks of the kind measured there.
+/// A run is a plan: a search of all tooth sets (or passes of it for built gearboxes), searches of a
+/// front, searches with limits and ranges given way, rounding.  What a search takes is the mean of
+/// those of its kind that are over; before, what is expected of it from what bounding and refining
+/// took so far.  How many searches are to come is known where the plan counts them, else so many
+/// for each design or limit as were needed so far.  What is only expected makes the time a range.
+/// Source: own derivation; what is expected was measured, docs/theory §12 ("Time left").
+/// Accuracy: benchmarks/time_left, docs/theory §12.
 class RunForecast {
  public:
   void observe(double now_s, const ProgressSeen& seen);
@@ -48,55 +47,53 @@ class RunForecast {
   [[nodiscard]] std::optional<double> seconds_left() const;
 
  private:
+  using Phase = Progress::Phase;
+  using Stage = Progress::Stage;
   /// Time that items of one kind took.
   struct Work {
-    double time_s = 0.0;
-    std::size_t items = 0;
-    [[nodiscard]] double each_s() const {
-      return items > 0 ? time_s / static_cast<double>(items) : 0.0;
-    }
-    /// The same with some items that took what is expected of them.
-    [[nodiscard]] double each_s(double expected_s, double weight) const {
-      return (weight * expected_s + time_s) / (weight + static_cast<double>(items));
+    double time_s = 0.0, items = 0.0, longest_s = 0.0;
+    /// Of one, where so many count as done at what is expected of them; 0 while nothing is known.
+    [[nodiscard]] double mean_s(double expected_s, double weight) const {
+      const double all = weight + items;
+      return all > 0.0 ? (weight * expected_s + time_s) / all : 0.0;
     }
   };
-  void account(double now_s, const ProgressSeen& seen);
-  [[nodiscard]] double stage_s() const;
+  void account(double passed_s, const ProgressSeen& seen);
+  void count(const ProgressSeen& seen, bool other);
+  void end_search(double now_s, const ProgressSeen& seen);
+  /// Whether the passes for built gearboxes are over, and more are built.
+  [[nodiscard]] bool builds_after() const;
+  /// Whether all searches are.
+  [[nodiscard]] bool is_over() const;
   [[nodiscard]] double set_s() const;
   [[nodiscard]] double sharpening_s() const;
-  [[nodiscard]] double search_s() const;
-  [[nodiscard]] double front_search_s() const;
+  [[nodiscard]] double search_s(Stage stage) const;
+  [[nodiscard]] double searches_left() const;
   [[nodiscard]] double built_after_s() const;
-  [[nodiscard]] bool certifies() const;
   [[nodiscard]] std::optional<Range> range_now() const;
   [[nodiscard]] std::optional<Range> rest_of_search() const;
   [[nodiscard]] std::optional<Range> rest_of_first() const;
-  [[nodiscard]] Range after_bounds() const;
+  [[nodiscard]] Range rest_of_all() const;
+  [[nodiscard]] Range rest_of_best(double refined) const;
   void add_passes(Range& left) const;
-  void add_front(Range& left) const;
-
-  bool begun_ = false;
-  double last_s_ = 0.0, search_began_s_ = 0.0, phase_began_s_ = 0.0, item_began_s_ = 0.0;
-  ProgressSeen last_;
-  WorkRate rate_;           ///< of the phase
-  double finding_s_ = 0.0;  ///< search and bounds of the latest search of all sets
-  double found_s_ = 0.0;    ///< of the latest that is over
-  Work stages_;             ///< with a design; all of the time that bounding took
-  Work& refined_in(Progress::Stage stage) {
-    const bool limited =
-        stage == Progress::Stage::kFrontEnds || stage == Progress::Stage::kFrontGaps;
-    return limited ? limited_ : first_;
+  void add_later(Range& left) const;
+  Work& searches(Stage stage) { return searches_.at(static_cast<std::size_t>(stage)); }
+  [[nodiscard]] const Work& searches(Stage stage) const {
+    return searches_.at(static_cast<std::size_t>(stage));
   }
-  Work first_, limited_;        ///< sets, in the first search and in those within limits
-  Work sharpened_;              ///< bounds
-  double gaps_s_ = 0.0;         ///< in the gaps of a front, with the searches begun there
-  double longest_gap_s_ = 0.0;  ///< of one of them
-  std::size_t gap_searches_ = 0;
-  std::optional<Range> told_;  ///< what was known last, and when
+
+  bool begun_ = false, is_explained_ = false;  ///< ranges or limits gave way
+  ProgressSeen last_;
+  double last_s_ = 0.0, search_began_s_ = 0.0;
+  WorkRate rate_;                 ///< of the phase
+  double finding_s_ = 0.0;        ///< search and bounds of the latest search of all sets
+  double found_s_ = 0.0;          ///< of the latest that is over
+  double before_front_s_ = 0.0;   ///< in searches of all sets
+  double built_s_ = 0.0;          ///< with gearboxes in the passes
+  Work stages_, sets_, bounds_;   ///< bounded, with a design; refined; sharpened
+  std::array<Work, 6> searches_;  ///< that are over, by Stage
+  std::optional<Range> told_;     ///< what was known last, and when
   double told_at_s_ = 0.0;
-  double built_s_ = 0.0;  ///< with gearboxes in the searches for built ones
-  double after_began_s_ = 0.0;
-  double passes_s_ = 0.0;  ///< in searches for built gearboxes that ended
 };
 
 }  // namespace gear3k::optimize

@@ -73,7 +73,7 @@ void search_beyond(const Specification& spec, const RefinedSet& best, std::size_
   progress.stage = Progress::Stage::kBeyond;
   progress.stage_done = 0;
   progress.searches = 0;
-  progress.stage_total = held.at.size();
+  progress.stage_total = held.at.size() + 1;  // with that of search_relaxed()
   for (SearchBound& bound : held.at) {
     auto task = wider_task(spec, bound.key);
     if (task && (task->beyond_only || sets <= kMostSearchedAgain)) {
@@ -160,9 +160,9 @@ void search_relaxed(const Specification& spec, const RefinedSet& best, std::size
   relaxed.all_sets = is_efficiency(first) && has_bounds(*own) && sets <= kMostSearchedAgain;
   if (relaxed.all_sets) {
     progress.stage = Progress::Stage::kBeyond;
-    progress.stage_done = 0;
-    progress.stage_total = 1;
-    progress.searches = 1;
+    progress.stage_done = held.at.size();
+    progress.stage_total = held.at.size() + 1;
+    ++progress.searches;
     const OptimizeResult result = optimize(
         *own, progress, {.best_only = true, .certify = false, .incumbent = relaxed.better});
     progress.stage = Progress::Stage::kOne;
