@@ -310,6 +310,11 @@ Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks,
   outcome.interrupted = outcome.result.interrupted || (outcome.front && outcome.front->interrupted);
   if (outcome.result.best) {
     outcome.best = best_of(task, task.spec, *outcome.result.best);
+    if (std::string cut =
+            report::grid_cut_text(task.spec, report::tally_of(outcome.result).grid_cut);
+        !cut.empty()) {
+      outcome.best->evaluation.notes.push_back(std::move(cut));
+    }
     if (!mesh_load.empty()) outcome.best->evaluation.notes.push_back(std::move(mesh_load));
     if (task.spec.cycle_energy) {
       outcome.co_design = co_designed(task.spec, outcome.result, outcome.best->stated);

@@ -98,7 +98,7 @@ SolveOutcome best_within(const RefinementProblem& problem, Point start, bool giv
   return feasible(met) ? solve_slsqp(problem, met.v, {}) : met;
 }
 
-void search_boxes(const BoxProblem& problem, BoxNode root) {
+bool search_boxes(const BoxProblem& problem, BoxNode root) {
   std::vector<BoxNode> open;
   open.push_back(std::move(root));
   while (!open.empty() && !problem.cut()) {
@@ -129,6 +129,7 @@ void search_boxes(const BoxProblem& problem, BoxNode root) {
       if (problem.can_win(half)) open.push_back(std::move(half));
     }
   }
+  return std::ranges::none_of(open, problem.can_win);
 }
 
 }  // namespace gear3k::optimize

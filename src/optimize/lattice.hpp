@@ -81,7 +81,8 @@ struct BoxProblem {
 
 /// Cuts a box in two at an axis, next to its relaxed value, and each half in turn, as long as they
 /// can win.
-void search_boxes(const BoxProblem& problem, BoxNode root);
+/// @returns whether no box is left that can win: false where `cut` ended the search before
+bool search_boxes(const BoxProblem& problem, BoxNode root);
 
 /// Of the axes of which a box has more than one multiple: the one farthest between two multiples;
 /// where all are on theirs, the longest; empty for a point.

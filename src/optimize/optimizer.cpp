@@ -280,6 +280,7 @@ class Run {
         open.push_back(sharp.size());
       }
       sharp.push_back(bound_[set.index]);
+      c.grid_cut += set.grid_cut ? 1 : 0;
     }
     progress_.total = 0;
     progress_.done = 0;

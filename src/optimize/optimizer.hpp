@@ -61,6 +61,9 @@ struct Certificate {
   /// Refined sets whose sharpened bound is above the best by more than kProven: their optima are
   /// local, and they might hold something better.
   std::size_t open = 0;
+  /// Refined sets the search of whose grids of shifts was cut short: what is proven is the bounds',
+  /// which know no grid.
+  std::size_t grid_cut = 0;
   /// Limits of the load that the bounds know of, and those that they leave out.
   std::vector<std::string_view> strength_bounded, strength_not_bounded;
 };

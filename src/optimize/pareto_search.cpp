@@ -138,6 +138,8 @@ class FrontSearch {
       answers_.keep(ask_of(first, limits), step.refined);
       if (options_.on_step) options_.on_step(step);
     }
+    front_.grid_cut += static_cast<std::size_t>(
+        std::ranges::count_if(step.refined, [](const RefinedSet& set) { return set.grid_cut; }));
     ++front_.searches;
     ++progress_.stage_done;
     if (!step.best) return std::nullopt;

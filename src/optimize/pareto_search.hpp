@@ -28,6 +28,8 @@ struct ParetoFront {
   /// Share of the box that designs not found may dominate besides, at most: FrontGaps::missing().
   double missing = 1.0;
   std::size_t searches = 0;  ///< searches of the whole space that were made
+  /// Refinements in them that cut the search of a grid of shifts short.
+  std::size_t grid_cut = 0;
   /// Why it ended: with the designs asked for, with less than kFrontFound missing, after
   /// kMostSearches for each design, when its time was spent (Progress::front_budget), when the run
   /// was stopped, or because an objective alone has no design.

@@ -281,6 +281,8 @@ class SetSearch {
   [[nodiscard]] BestEnd& best() { return best_; }
   /// Whether the grid was given up for what is to be beaten.
   [[nodiscard]] bool bounded() const { return bounded_; }
+  /// Whether the search of a grid was cut short.
+  [[nodiscard]] bool cut() const { return cut_; }
   /// The nearest point of the grid where none is feasible though free shifts are.
   [[nodiscard]] const std::optional<GridEnd>& nearest() const { return nearest_; }
 
@@ -309,9 +311,10 @@ class SetSearch {
       return;
     }
     GridEnd end = best_on_grid(*local.problem, local.outcome, least, stop_);
+    cut_ = cut_ || end.cut;
     if (end.found) {
       best_.offer(*end.held, end.outcome);
-    } else if (std::isfinite(least)) {
+    } else if (std::isfinite(least) && !end.cut) {
       bounded_ = true;
     } else if (end.held && (!nearest_ || end.outcome.violation < nearest_->outcome.violation)) {
       nearest_ = std::move(end);
@@ -384,7 +387,7 @@ class SetSearch {
   const std::atomic<bool>& stop_;
   const KnownTrain* known_;
   BestEnd best_;
-  bool bounded_ = false;
+  bool bounded_ = false, cut_ = false;
   std::optional<GridEnd> nearest_;
 };
 
@@ -444,12 +447,17 @@ std::optional<RefinedSet> Refiner::refine(const Candidate& candidate, const Shif
       if (!search.search(problem, bound)) return std::nullopt;
     }
   }
-  if (!best.found && search.bounded()) {
+  set.grid_cut = search.cut();
+  if (!best.found && search.bounded() && !search.cut()) {
     set.status = Status::kBounded;
     return set;
   }
   if (!best.found && search.nearest()) {
     name_missed_on_grid(*search.nearest(), set);
+    return set;
+  }
+  if (!best.found && search.cut()) {
+    set.status = Status::kNoFeasibleFound;
     return set;
   }
   if (!best.problem) {

@@ -49,6 +49,9 @@ struct RefinedSet {
   std::uint32_t index = 0;  ///< among the candidates of the search
   Candidate candidate;
   Status status = Status::kFailed;
+  /// The search of a grid of shifts was cut short (Solver::grid_relaxations): it may have a better
+  /// point, or one at all.
+  bool grid_cut = false;
   bool blocked_together = false;  ///< none of blocked_by was found to suffice alone
   /// What blocks the set; empty when optimal or failed.  infeasible: the constraint that no point
   /// of the box can meet.  no_feasible_found: the constraints any one of which may give way alone

@@ -12,8 +12,6 @@ namespace gear3k::optimize {
 
 namespace {
 
-constexpr std::size_t kMostRelaxations = 20'000;
-
 class GridSearch {
  public:
   GridSearch(const RefinementProblem& problem, double to_beat, const std::atomic<bool>& stop)
@@ -43,7 +41,7 @@ class GridSearch {
       return std::move(end_);
     }
     offer(root);
-    search_boxes(
+    const bool whole_grid = search_boxes(
         {.relax = [&](const LatticeBox& box, const Point& start) { return relax(box, start); },
          .steps_at = [&](std::size_t axis, const Point& v) { return shifts_.count(v[axis]); },
          .axis_to_cut =
@@ -61,6 +59,7 @@ class GridSearch {
                       const std::array<BoxNode, 2>& halves) { learn(node, axis, halves); },
          .best_first = true},
         std::move(root));
+    end_.cut = !whole_grid;
     if (!end_.found && end_.held) {
       // Points of boxes were given up early: what the nearest one misses is asked for in full.
       const SolveOutcome full = best_within(*end_.held, end_.outcome.v);
@@ -92,7 +91,8 @@ class GridSearch {
     return outcome.violation <= design::kFeasibilityTolerance;
   }
   [[nodiscard]] bool cut() const {
-    return stop_.load(std::memory_order_relaxed) || end_.relaxations >= kMostRelaxations;
+    return stop_.load(std::memory_order_relaxed) ||
+           end_.relaxations >= problem_.spec->solver.grid_relaxations;
   }
   [[nodiscard]] bool can_win(const BoxNode& node) const {
     return feasible(node.relaxed) && node.relaxed.objective < best_ - kBetterOnLattice;

@@ -16,15 +16,17 @@ struct GridEnd {
   std::optional<RefinementProblem> held;
   SolveOutcome outcome;  ///< the best feasible point, else the one that violates least
   bool found = false;    ///< feasible, and better than what was to be beaten
-  std::size_t relaxations = 0;
+  int relaxations = 0;
+  bool cut = false;  ///< Solver::grid_relaxations ended the search: a better point may be left
 };
 
 /// Branch and bound over the multiples that the problem's box has of each shift: the problem with
 /// the shifts of a box free bounds what its points can have; a box is cut in two at the shift whose
 /// halves promise most by the cuts so far (CutGains), until its points are no better than the best.
 ///
-/// Relaxations are solved locally: a box whose best point no run finds is lost.  After 20,000 of
-/// them the best point so far is taken. Source: own derivation, docs/theory §12.
+/// Relaxations are solved locally: a box whose best point no run finds is lost.  After
+/// Solver::grid_relaxations of them the best point so far is taken.
+/// Source: own derivation, docs/theory §12.
 /// @param free  an end of the problem, from which the search begins
 /// @param to_beat  only points of a lower (scaled) objective count
 /// @param stop  ends the search with the best point so far

@@ -70,6 +70,8 @@ struct Solver {
   Refine refine = Refine::kSlsqp;
   int starts = 4;
   unsigned long long seed = 1;
+  /// With a step of shifts: relaxations after which the search of one grid takes its best point.
+  int grid_relaxations = 20'000;
 };
 
 /// What the limits hold for.

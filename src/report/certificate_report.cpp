@@ -52,6 +52,7 @@ io::Json certificate_json(const Specification& spec, const OptimizeResult& resul
       {"gap", c.objective_bounded ? io::Json(std::abs(c.global_bound - c.best) / record.per_unit)
                                   : nullptr},
       {"locally_optimal_only", c.open},
+      {"grid_cut", c.grid_cut},
       {"strength_bounded", c.strength_bounded},
       {"strength_not_bounded", c.strength_not_bounded}};
 }
@@ -94,6 +95,10 @@ std::string certificate_text(const Specification& spec, const OptimizeResult& re
   if (c.open > 0) {
     text +=
         fmt::format(" ({} refined sets are locally optimal only and may hold up to that)", c.open);
+  }
+  if (c.grid_cut > 0) {
+    text += fmt::format("; the grids of {} refined set{} were not searched to the end", c.grid_cut,
+                        c.grid_cut == 1 ? "" : "s");
   }
   return text + strength + "\n";
 }

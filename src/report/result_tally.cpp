@@ -45,6 +45,7 @@ ResultTally tally_of(const OptimizeResult& result) {
     }
     const auto status = static_cast<std::size_t>(set->status);
     ++tally.status[status];
+    tally.grid_cut += set->grid_cut ? 1 : 0;
     if (set->status == Status::kOptimal) return;
     if (!reason_of(*set).empty()) ++tally.reasons[status][std::string(reason_of(*set))];
     if (set->blocked_by.empty()) return;
@@ -52,6 +53,14 @@ ResultTally tally_of(const OptimizeResult& result) {
     if (std::ranges::any_of(set->blocked_by, is_of_load)) ++tally.blocked_by_load;
   });
   return tally;
+}
+
+std::string grid_cut_text(const Specification& spec, std::size_t sets) {
+  if (sets == 0) return "";
+  return fmt::format(
+      "the grid of shifts was not searched to the end in {} tooth set{}, at solver.grid_relaxations "
+      "= {}: better designs may be left there, a greater number finds them",
+      sets, sets == 1 ? "" : "s", spec.solver.grid_relaxations);
 }
 
 std::string optimize_counts_text(const OptimizeResult& result, const ResultTally& tally) {

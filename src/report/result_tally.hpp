@@ -16,13 +16,17 @@ struct ResultTally {
   std::array<std::size_t, optimize::kStatusCount> status{};
   /// By status, how many sets each constraint blocks.
   std::array<std::map<std::string, std::size_t>, optimize::kStatusCount> reasons;
-  std::size_t open = 0;  ///< not reached, as the run was interrupted
+  std::size_t grid_cut = 0;  ///< sets the search of whose grids was cut short
+  std::size_t open = 0;      ///< not reached, as the run was interrupted
   /// Of the sets without a feasible design the one that says most: found rather than proven so,
   /// blocked by one constraint alone, by the least miss.
   std::optional<optimize::RefinedSet> nearest;
   std::size_t blocked_by_load = 0;  ///< sets that a limit of the load blocks, alone or among others
 };
 ResultTally tally_of(const optimize::OptimizeResult& result);
+
+/// What was not found as the search of grids was cut short, and how it is; "": none was.
+std::string grid_cut_text(const optimize::Specification& spec, std::size_t sets);
 
 /// Counts by status and reason, for the terminal.
 std::string optimize_counts_text(const optimize::OptimizeResult& result, const ResultTally& tally);

@@ -143,6 +143,7 @@ Fields refined_fields(const RefinedSet& s, const std::optional<double>& bound,
     optimum.add("cutter_R2_teeth", s.train.cutter_teeth[1]);
   }
   if (columns.co_design != nullptr) add_co_design(s, *columns.co_design, optimum);
+  if (columns.grid) f.add_row(s.grid_cut, {"grid_cut"});
   return f;
 }
 
@@ -278,6 +279,7 @@ RefinedColumns refined_columns(const Specification& spec) {
           .pressure_angle = spec.free.pressure_angle_rad.has_value(),
           .masses = optimize::knows_masses(spec),
           .strength = spec.rating.has_value(),
+          .grid = spec.shift_step.has_value(),
           .cutters = optimize::cutter_choices(spec).size() > 1,
           .co_design = actuator::co_design_of(spec.cycle_energy.get())};
 }
@@ -373,13 +375,19 @@ std::string pareto_table(const Specification& spec, const optimize::ParetoFront&
     }
     table.add(std::move(row));
   }
+  const std::string cut =
+      front.grid_cut > 0 ? fmt::format(
+                               "  grids of shifts were not searched to the end in {} refinements "
+                               "(solver.grid_relaxations = {})\n",
+                               front.grid_cut, spec.solver.grid_relaxations)
+                         : "";
   return fmt::format(
       "\nPareto front: {} designs from {} searches of the whole space ({}); of the box between the "
       "best of each objective\nalone and the worst that the others' best designs have they "
       "dominate "
-      "{:.2f} %, others may dominate {:.2f} % more\n{}",
+      "{:.2f} %, others may dominate {:.2f} % more\n{}{}",
       front.points.size(), front.searches, ended_text(spec, front), 100.0 * front.hypervolume,
-      100.0 * front.missing, table.text(2));
+      100.0 * front.missing, table.text(2), cut);
 }
 
 namespace {
@@ -400,7 +408,8 @@ io::Json front_json(const Specification& spec, const optimize::ParetoFront& fron
           {"ended", optimize::kFrontEndedNames[static_cast<std::size_t>(front.ended)]},
           {"searches", front.searches},
           {"hypervolume", front.hypervolume},
-          {"missing", front.missing}};
+          {"missing", front.missing},
+          {"grid_cut", front.grid_cut}};
 }
 
 }  // namespace
@@ -451,6 +460,7 @@ std::string summary_json(const Specification& spec, const OptimizeResult& result
                 {"seed", spec.solver.seed},
                 {"search", search_counts_json(spec, result.search)},
                 {"refined", result.refined.size()},
+                {"grid_cut", tally.grid_cut},
                 {"status", std::move(status)},
                 {"reasons", std::move(reasons)},
                 {"best", std::move(best)},

@@ -55,6 +55,7 @@ struct RefinedColumns {
   /// b1_mm, b2_mm, torque_capacity_nm, torsional_stiffness_nm_per_rad; with masses
   /// torque_density_nm_per_kg.
   bool strength = false;
+  bool grid = false;     ///< grid_cut
   bool cutters = false;  ///< cutter_R1_teeth, cutter_R2_teeth; 0: not chosen
   /// kCoDesignColumns; null: none of them.
   const actuator::CoDesign* co_design = nullptr;

@@ -143,6 +143,33 @@ TEST(ShiftStep, BestDesignHasWholeStepsAndSaysWhyThereAreNoPrices) {
   EXPECT_LT(summary.at("best").at("eta_b").get<double>(), backward_efficiency(place, kOneSet));
 }
 
+TEST(ShiftStep, AGridThatIsNotSearchedToTheEndIsToldEverywhere) {
+  const Workplace place;
+  const std::string task =
+      replaced(kOneSet, "range = [0.0, 1.0]", "range = [0.0, 1.0]\nstep = 0.01") +
+      "[solver]\ngrid_relaxations = 3\n";
+  place.write("spec.toml", task);
+  const ProgramResult run = place.run({"optimize", "spec.toml", "--out", "out", "--certify",
+                                       "--columns", "100", "--show", "notes"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(
+      run.out.find("Note: the grid of shifts was not searched to the end in 1 tooth set, at"),
+      std::string::npos)
+      << run.out;
+  EXPECT_NE(run.err.find("the grids of 1 refined set were not searched to the end"),
+            std::string::npos)
+      << run.err;
+  const json summary = json::parse(place.read("out/summary.json"));
+  EXPECT_EQ(summary.at("grid_cut"), 1);
+  EXPECT_EQ(summary.at("certificate").at("grid_cut"), 1);
+  EXPECT_NE(place.read("out/refined.csv").find(",grid_cut\n"), std::string::npos);
+  EXPECT_NE(place.read("out/refined.csv").find(",true\n"), std::string::npos);
+  const json whole = summary_of(place, replaced(task, "relaxations = 3", "relaxations = 20000"));
+  EXPECT_EQ(whole.at("grid_cut"), 0);
+  EXPECT_GE(whole.at("best").at("eta_b").get<double>(),
+            summary.at("best").at("eta_b").get<double>());
+}
+
 TEST(HeldBack, TellsWhatLiesBeyondTheEndsOfRanges) {
   const Workplace place;
   std::string task = replaced(kOneSet, "P1 = [64, 64]", "P1 = [50, 66]");

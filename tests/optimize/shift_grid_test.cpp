@@ -96,6 +96,40 @@ TEST(ShiftGrid, ASearchForTheBestAloneEndsAtTheBestOfAllSets) {
   EXPECT_EQ(compared, wanted);
 }
 
+/// A task whose grids are searched with one relaxation only.
+Specification cut_short(Specification spec) {
+  spec.solver.grid_relaxations = 1;
+  return spec;
+}
+
+TEST(ShiftGrid, ASetWhoseGridIsCutShortIsNeitherProvenEmptyNorBounded) {
+  const test::RandomTask task = grid_task(9, 3);
+  const RefinedSet whole = refine(task.spec, task.candidates.at(0));
+  ASSERT_EQ(whole.status, Status::kOptimal);
+  EXPECT_FALSE(whole.grid_cut);
+  const RefinedSet part = refine(cut_short(task.spec), task.candidates.at(0));
+  EXPECT_TRUE(part.grid_cut);
+  EXPECT_EQ(part.status, Status::kNoFeasibleFound);
+}
+
+TEST(ShiftGrid, ACertificateTellsOfGridsThatWereCutShortAndBoundsTheWholeOnes) {
+  const test::RandomTask task = grid_task(11, 3);
+  const Specification few = cut_short(task.spec);
+  Progress progress;
+  const OptimizeResult part = optimize(few, progress, {.best_only = true});
+  const OptimizeResult whole = optimize(task.spec, progress, {.best_only = true});
+  ASSERT_TRUE(part.certificate && whole.certificate);
+  EXPECT_GT(part.certificate->grid_cut, 0U);
+  EXPECT_EQ(whole.certificate->grid_cut, 0U);
+  EXPECT_GE(merit_of(task.spec, *whole.best), merit_of(few, *part.best));
+  EXPECT_GE(part.certificate->global_bound, merit_of(task.spec, *whole.best));
+  for (const RefinedSet& set : part.refined) {
+    if (set.grid_cut) {
+      EXPECT_NE(set.status, Status::kBounded);
+    }
+  }
+}
+
 /// Rings that are shaped, with what their cutters leave as limits.
 test::RandomTask cutter_task(std::uint64_t seed) {
   using design::CheckId;

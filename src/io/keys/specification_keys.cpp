@@ -282,6 +282,11 @@ void append_solver_keys(std::vector<Key<Input>>& keys) {
       integer("solver.seed", within(0, 9007199254740992.0), "1",
               "seed of the starting points after the fourth"),
       [](auto& t, std::size_t) -> auto& { return t.spec.solver.seed; }));
+  keys.push_back(make_key<Input>(
+      integer(
+          "solver.grid_relaxations", within(1, 1e9), "20000",
+          "with profile_shift.step: relaxations after which the search of one grid is cut short"),
+      [](auto& t, std::size_t) -> auto& { return t.spec.solver.grid_relaxations; }));
 }
 
 /// The keys of a DESIGN's operating point.

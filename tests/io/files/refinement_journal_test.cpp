@@ -42,6 +42,7 @@ RefinedSet random_set(DeterministicRandom& random, std::uint32_t index) {
       .teeth = {.S = teeth(), .P1 = teeth(), .R1 = teeth(), .P2 = teeth(), .R2 = teeth()},
       .planets = 3 + static_cast<int>(random.index(4))};
   s.status = static_cast<optimize::Status>(random.index(optimize::kStatusCount));
+  s.grid_cut = random.uniform() < 0.5;
   s.blocked_together = random.uniform() < 0.5;
   const auto records = design::check_records();
   for (std::size_t k = random.index(4); k > 0; --k) {
@@ -91,6 +92,7 @@ void expect_same_bits(const RefinedSet& a, const RefinedSet& b) {
   EXPECT_EQ(a.index, b.index);
   EXPECT_EQ(a.candidate, b.candidate);
   EXPECT_EQ(a.status, b.status);
+  EXPECT_EQ(a.grid_cut, b.grid_cut);
   EXPECT_EQ(a.blocked_together, b.blocked_together);
   ASSERT_EQ(a.blocked_by.size(), b.blocked_by.size());
   for (std::size_t k = 0; k < a.blocked_by.size(); ++k) {
