@@ -46,10 +46,12 @@ Specification without(const Specification& spec, std::span<const CheckId> checks
   return own;
 }
 
-/// A limit rounded to three digits in its unit, towards what is easier to keep.
+/// A limit rounded to three digits in its unit, towards what is easier to keep; one that is no more
+/// than rounding off 0 is 0 where that is easier.
 double rounded_looser(const design::CheckRecord& record, double limit_si) {
+  constexpr double kNothing = 1e-9;  // in the unit
   const double value = units::from_si(limit_si, record.unit);
-  if (value == 0.0) return 0.0;
+  if (value == 0.0 || (std::abs(value) < kNothing && (value > 0.0) == record.at_least)) return 0.0;
   // Of whole numbers of digits: their quotient is the number of few digits next to the value.
   const double exponent = std::floor(std::log10(std::abs(value))) - 2.0;
   const double power = std::pow(10.0, std::abs(exponent));

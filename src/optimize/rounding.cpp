@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <set>
 #include <utility>
 
 #include "optimize/blocking.hpp"
@@ -242,13 +243,20 @@ class LatticeSearch {
 
   Rounding run() {
     std::vector<std::pair<std::size_t, BoxNode>> roots;
+    std::set<std::array<double, 2>> tried, with_design;
     for (std::size_t k = 0; k < tasks_.size() && !cut(); ++k) {
+      const auto& modules = tasks_[k].problem().fixed_module_m;
+      tried.insert({*modules[0], *modules[1]});
       const auto whole = tasks_[k].whole();
       if (!whole) continue;
       BoxNode root{.box = *whole, .relaxed = relax(tasks_[k], *whole, tasks_[k].beginning())};
       offer(tasks_[k], root);
-      if (feasible_node(root)) roots.emplace_back(k, std::move(root));
+      if (!feasible_node(root)) continue;
+      with_design.insert({*modules[0], *modules[1]});
+      roots.emplace_back(k, std::move(root));
     }
+    result_.module_pairs = tried.size();
+    result_.module_pairs_with_design = with_design.size();
     std::ranges::stable_sort(roots, {},
                              [](const auto& root) { return root.second.relaxed.objective; });
     for (auto& [k, root] : roots) descend(tasks_[k], std::move(root));
@@ -338,6 +346,14 @@ std::vector<double> rounded_modules(const Specification& spec, const RefinedSet&
   return modules;
 }
 
+/// The number of twelve decimals that a value is but for rounding; else the value.
+double with_few_digits(double value) {
+  constexpr double kDecimals = 1e12;
+  const double few = std::round(value * kDecimals) / kDecimals;
+  const bool same = std::abs(few - value) <= 4.0 * std::numeric_limits<double>::epsilon() * value;
+  return same ? few : value;
+}
+
 /// The specification with given modules, and the allowances that are whole steps with them.
 std::shared_ptr<const Specification> with_modules(const Specification& spec, double m1, double m2) {
   auto own = std::make_shared<Specification>(spec);
@@ -349,7 +365,7 @@ std::shared_ptr<const Specification> with_modules(const Specification& spec, dou
     const double module_m = i == train::kP2 || i == train::kR2 ? m2 : m1;
     const double steps =
         std::round(spec.machining_allowance[i] * module_m / spec.round.allowance_m);
-    own->machining_allowance[i] = steps * spec.round.allowance_m / module_m;
+    own->machining_allowance[i] = with_few_digits(steps * spec.round.allowance_m / module_m);
   }
   return own;
 }

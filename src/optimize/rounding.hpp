@@ -27,6 +27,8 @@ struct Rounding {
   std::size_t relaxations = 0;  ///< problems with some values free that were solved
   std::size_t points = 0;       ///< rounded designs that were evaluated
   bool complete = false;        ///< the search was not cut short
+  /// Pairs of modules that were tried, and those with a design where all else is free.
+  std::size_t module_pairs = 0, module_pairs_with_design = 0;
 };
 
 struct RoundingOptions {

@@ -289,7 +289,9 @@ std::string margins_text(std::span<const ComparedDesign> designs, std::size_t co
                            .values = std::vector<std::optional<double>>(designs.size())});
         tight.push_back(false);
       }
-      margins[place->second].values[i] = units::difference_from_si(c.margin, unit);
+      // What passes may miss its limit by rounding.
+      const double margin = c.ok ? std::max(0.0, c.margin) : c.margin;
+      margins[place->second].values[i] = units::difference_from_si(margin, unit);
       if (!c.ok || c.margin < kTight * std::abs(c.limit)) tight[place->second] = true;
     }
   }

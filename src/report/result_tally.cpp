@@ -28,6 +28,12 @@ bool is_of_load(const optimize::Miss& miss) {
   });
 }
 
+/// Of a ratio from its target.
+std::string percent_off(double ratio, double target) {
+  const double percent = 100.0 * std::abs(ratio / target - 1.0);
+  return percent < 1000.0 ? fmt::format("{:.3g}", percent) : fmt::format("{:.0f}", percent);
+}
+
 }  // namespace
 
 ResultTally tally_of(const OptimizeResult& result) {
@@ -58,7 +64,8 @@ ResultTally tally_of(const OptimizeResult& result) {
 std::string grid_cut_text(const Specification& spec, std::size_t sets) {
   if (sets == 0) return "";
   return fmt::format(
-      "the grid of shifts was not searched to the end in {} tooth set{}, at solver.grid_relaxations "
+      "the grid of shifts was not searched to the end in {} tooth set{}, at "
+      "solver.grid_relaxations "
       "= {}: better designs may be left there, a greater number finds them",
       sets, sets == 1 ? "" : "s", spec.solver.grid_relaxations);
 }
@@ -86,9 +93,9 @@ std::string blocking_text(const Specification& spec, const OptimizeResult& resul
   if (search.within_ratio == 0) {
     const std::string nearest =
         search.nearest_ratio != 0.0
-            ? fmt::format("; the nearest that these tooth ranges reach is {:.6g}:1, {:.3g} % off",
+            ? fmt::format("; the nearest that these tooth ranges reach is {:.6g}:1, {} % off",
                           search.nearest_ratio,
-                          100.0 * std::abs(search.nearest_ratio / spec.ratio.target - 1.0))
+                          percent_off(search.nearest_ratio, spec.ratio.target))
             : std::string(
                   "; teeth.R1_max, teeth.R2_max or max_coaxial_offset leave no ring larger than "
                   "its planet");

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string_view>
@@ -101,6 +102,24 @@ io::Json rounded_values_json(const RoundedDesign& design) {
             in_file(t.face_width_m[1], Unit::kMillimetre)}}};
 }
 
+/// Where it is the step of modules that leaves nothing; "": it is not.
+std::string modules_text(const Specification& spec, const Rounding& rounding) {
+  const auto in_range = [](const optimize::ModuleChoice& choice) {
+    return choice.range_m && choice.range_m->min < choice.range_m->max;
+  };
+  if (std::ranges::none_of(spec.module, in_range) || !rounding.complete) return "";
+  const double step_mm = in_file(spec.round.module_m, Unit::kMillimetre);
+  if (rounding.module_pairs == 0) {
+    return fmt::format(": no module in its range is a multiple of round.module_mm = {:g}", step_mm);
+  }
+  if (rounding.module_pairs_with_design > 0) return "";
+  return fmt::format(
+      ": with none of the modules tried in steps of {:g} mm (round.module_mm) do these teeth have "
+      "a "
+      "design, whatever the shifts and the centre distance",
+      step_mm);
+}
+
 std::string cut_text(const Rounding& rounding) {
   if (rounding.complete) return "";
   return fmt::format("; the search was cut short, there may be {}",
@@ -115,9 +134,10 @@ std::string rounding_blocked_text(const Specification& spec, const Rounding& rou
     for (const optimize::Miss& miss : rounding.nearest->missed) names.push_back(miss.name);
   }
   // Of a search that was cut short it is not known that there is none.
-  return fmt::format("{}{}{}{}",
+  return fmt::format("{}{}{}{}{}",
                      rounding.complete ? "no rounded design meets every check"
                                        : "no rounded design that meets every check was found",
+                     modules_text(spec, rounding),
                      rounding.nearest
                          ? fmt::format(": the nearest misses {}", misses_text(*rounding.nearest))
                          : "",
@@ -135,12 +155,19 @@ std::string rounding_table(const Specification& spec, double free_objective,
       in_file(steps.module_m, Unit::kMillimetre), in_file(steps.allowance_m, Unit::kMicrometre));
   if (!rounding.best) return text + "  " + rounding_blocked_text(spec, rounding) + "\n";
   const double loss = loss_of(spec, free_objective, *rounding.best);
+  const double amount = std::abs(loss);
   const std::string lost =
-      of_efficiency(spec) ? fmt::format("{:.4f} percent points", 100.0 * loss)
-                          : with_unit(fmt::format("{:.4g}", loss), rounded_objective(spec).unit);
-  text += fmt::format("  {} {}, a loss of {} against the free optimum{}\n",
-                      rounded_objective(spec).title,
-                      shown_objective(spec, rounding.best->objective), lost, cut_text(rounding));
+      of_efficiency(spec) ? fmt::format("{:.4f} percent points", 100.0 * amount)
+                          : with_unit(fmt::format("{:.4g}", amount), rounded_objective(spec).unit);
+  // Allowances are rounded with the modules: what is made may be more than what was drawn.
+  constexpr double kShown = 5e-7;  // of an efficiency, and of another value's own
+  const double own = rounding.best->objective / rounded_objective(spec).per_unit;
+  const bool better = loss < -kShown * (of_efficiency(spec) ? 1.0 : std::abs(own));
+  text += fmt::format(
+      "  {} {}, {} the free optimum{}\n", rounded_objective(spec).title,
+      shown_objective(spec, rounding.best->objective),
+      better ? fmt::format("{} better than", lost) : fmt::format("a loss of {} against", lost),
+      cut_text(rounding));
   return text + values_text(spec, *rounding.best);
 }
 
@@ -149,7 +176,9 @@ io::Json rounding_json(const Specification& spec, double free_objective, const R
   io::Json json{{"feasible", rounding.best.has_value()},
                 {"complete", rounding.complete},
                 {"relaxations", rounding.relaxations},
-                {"points", rounding.points}};
+                {"points", rounding.points},
+                {"module_pairs", rounding.module_pairs},
+                {"module_pairs_with_design", rounding.module_pairs_with_design}};
   if (rounding.best) {
     const double loss = loss_of(spec, free_objective, *rounding.best);
     json["objective"] = rounding.best->objective / per_unit;

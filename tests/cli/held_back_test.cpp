@@ -56,6 +56,26 @@ TEST(WithoutDesign, WhyNoLimitIsRelaxedIsSaidOnTheScreenAndInTheSummary) {
   EXPECT_FALSE(other.at("relaxed_limits").at("freed").empty());
 }
 
+// A mesh without backlash has no lost motion, to rounding.
+TEST(WithoutDesign, ALimitThatHasToVanishIsToldAsNothing) {
+  const Workplace place;
+  place.write("spec.toml",
+              "name = \"no play\"\npreset = \"machined\"\n[ratio]\ntarget = 50.0\n"
+              "tolerance = 0.01\n"
+              "[teeth]\nS = [13, 13]\nP1 = [43, 43]\nP2 = [36, 36]\nR1_max = 110\nR2_max = 110\n"
+              "min_internal_difference = 9\n"
+              "[module]\nstage1_mm = { min = 0.5, max = 1.0 }\n"
+              "stage2_mm = { min = 0.5, max = 1.0 }\n[profile_shift]\nrange = [-0.5, 1.0]\n"
+              "[size]\nring_rim_mm = 3.0\nmax_outer_diameter_mm = 86.0\n"
+              "[backlash]\nmachining_allowance = 0.02\nmax_output_arcmin = 0\n"
+              "[friction]\ncoefficient = 0.1\n");
+  const ProgramResult run = place.run({"optimize", "spec.toml", "--out", "out", "--quiet"});
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_NE(run.err.find("\n  backlash.min_normal_um = 0 um instead of 20 (preset): "),
+            std::string::npos)
+      << run.err;
+}
+
 TEST(WithoutDesign, ADiameterOfNothingIsRefusedWithItsLine) {
   for (const char* key : {"max_ring_root_diameter_mm", "max_outer_diameter_mm"}) {
     const Workplace place;
@@ -152,9 +172,8 @@ TEST(ShiftStep, AGridThatIsNotSearchedToTheEndIsToldEverywhere) {
   const ProgramResult run = place.run({"optimize", "spec.toml", "--out", "out", "--certify",
                                        "--columns", "100", "--show", "notes"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_NE(
-      run.out.find("Note: the grid of shifts was not searched to the end in 1 tooth set, at"),
-      std::string::npos)
+  EXPECT_NE(run.out.find("Note: the grid of shifts was not searched to the end in 1 tooth set, at"),
+            std::string::npos)
       << run.out;
   EXPECT_NE(run.err.find("the grids of 1 refined set were not searched to the end"),
             std::string::npos)

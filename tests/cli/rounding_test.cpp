@@ -59,6 +59,63 @@ TEST(OptimizeRound, WritesADesignOfWholeStepsThatPassesEveryCheck) {
   EXPECT_TRUE(json::parse(place.read("out/summary.json")).at("rounded").is_null());
 }
 
+json rounded_with(const Workplace& place, const std::string& steps, ProgramResult& run) {
+  place.write("spec.toml", replaced(kTask, "[round]\nprofile_shift = 0.02\n", "[round]\n" + steps));
+  run = place.run({"optimize", "spec.toml", "--out", "out", "--force", "--round", "--quiet"});
+  return json::parse(place.read("out/summary.json")).at("rounded");
+}
+
+TEST(OptimizeRound, SaysWhichStepOfModulesFitsNothing) {
+  const Workplace place;
+  ProgramResult run;
+  // Multiples within 0.5 to 1.0 mm: 0.7 alone, with which the stages have no distance in common.
+  const json one = rounded_with(place, "module_mm = 0.7\n", run);
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_NE(run.err.find("every check: with none of the modules tried in steps of 0.7 mm "
+                         "(round.module_mm) do these teeth have a design"),
+            std::string::npos)
+      << run.err;
+  EXPECT_EQ(one.at("module_pairs"), 1);
+  EXPECT_EQ(one.at("module_pairs_with_design"), 0);
+  place.write("spec.toml", replaced(replaced(kTask, "stage1_mm = { min = 0.5, max = 1.0 }",
+                                             "stage1_mm = { min = 0.51, max = 0.59 }"),
+                                    "profile_shift = 0.02", "module_mm = 0.1"));
+  run = place.run({"optimize", "spec.toml", "--out", "out", "--force", "--round", "--quiet"});
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_NE(run.err.find("no module in its range is a multiple of round.module_mm = 0.1"),
+            std::string::npos)
+      << run.err;
+}
+
+// Without its allowance of 10 um a tooth is thicker than the free optimum's.
+TEST(OptimizeRound, SaysWhereWhatIsMadeIsBetterThanWhatIsDrawn) {
+  const Workplace place;
+  ProgramResult run;
+  const json rounded = rounded_with(place, "allowance_um = 100\n", run);
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_LT(rounded.at("loss").get<double>(), 0.0);
+  EXPECT_NE(run.out.find(" percent points better than the free optimum"), std::string::npos)
+      << run.out;
+  EXPECT_EQ(run.out.find("a loss of -"), std::string::npos);
+}
+
+TEST(OptimizeRound, WritesAllowancesOfFewDigits) {
+  const Workplace place;
+  std::string task =
+      replaced(kTask, "stage1_mm = { min = 0.5, max", "stage1_mm = { min = 0.6, max");
+  task = replaced(replaced(task, "stage2_mm = { min = 0.5, max", "stage2_mm = { min = 0.6, max"),
+                  "diameter_mm = 76.0", "diameter_mm = 90.0");
+  place.write("spec.toml", replaced(task, "profile_shift = 0.02", "module_mm = 0.1"));
+  const ProgramResult run =
+      place.run({"optimize", "spec.toml", "--out", "out", "--round", "--quiet"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json rounded = json::parse(place.read("out/summary.json")).at("rounded");
+  EXPECT_EQ(rounded.at("module_mm")[0], 0.6);
+  // 12 um over 0.6 mm.
+  EXPECT_NE(place.read("out/best_rounded.toml").find("machining_allowance = 0.02\n"),
+            std::string::npos);
+}
+
 TEST(OptimizeRound, SaysWhichLimitBlocksWhereNoStepFits) {
   const Workplace place;
   place.write("spec.toml", replaced(kTask, "[round]\nprofile_shift = 0.02\n",

@@ -114,6 +114,20 @@ TEST(Comparison, TellsSmallMassesApart) {
   EXPECT_LT(all.at("S,inertia")[1], all.at("S,inertia")[0]);
 }
 
+// What passes may miss its limit by rounding, which no reader takes for a failure.
+TEST(Comparison, ShowsNoNegativeMarginOfACheckThatPasses) {
+  std::vector<ComparedDesign> two{compared(example("loaded.toml"), "a"),
+                                  compared(example("loaded.toml"), "b")};
+  for (auto& check : two[1].evaluation.checks) {
+    check.ok = true;
+    check.margin = -1e-17;
+  }
+  const std::string text = comparison_table(two);
+  const std::size_t margins = text.find("Margins of checks");
+  ASSERT_NE(margins, std::string::npos);
+  EXPECT_EQ(text.find("e-1", margins), std::string::npos) << text.substr(margins);
+}
+
 TEST(Comparison, KeepsAPlaceForWhatADesignLacks) {
   const std::vector<ComparedDesign> two{compared(example("bilateral_drive_gear.toml"), "bare"),
                                         compared(example("loaded.toml"), "loaded, 20 N m")};

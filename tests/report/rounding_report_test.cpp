@@ -16,5 +16,26 @@ TEST(RoundingReport, OfASearchThatWasCutShortClaimsNoMoreThanIsKnown) {
             "may be one");
 }
 
+TEST(RoundingReport, NamesTheStepOfModulesWhereThatLeavesNothing) {
+  optimize::Specification spec{};
+  spec.module[0] = {.range_m = optimize::NumberRange{.min = 0.5e-3, .max = 0.65e-3},
+                    .series_m = {}};
+  spec.module[1] = spec.module[0];
+  spec.round.module_m = 0.7e-3;
+  optimize::Rounding rounding;
+  rounding.complete = true;
+  EXPECT_EQ(rounding_blocked_text(spec, rounding),
+            "no rounded design meets every check: no module in its range is a multiple of "
+            "round.module_mm = 0.7");
+  rounding.module_pairs = 4;
+  EXPECT_EQ(
+      rounding_blocked_text(spec, rounding),
+      "no rounded design meets every check: with none of the modules tried in steps of 0.7 mm "
+      "(round.module_mm) do these teeth have a design, whatever the shifts and the centre "
+      "distance");
+  rounding.module_pairs_with_design = 1;
+  EXPECT_EQ(rounding_blocked_text(spec, rounding), "no rounded design meets every check");
+}
+
 }  // namespace
 }  // namespace gear3k::report::rounding_report_test
