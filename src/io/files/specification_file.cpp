@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <utility>
 
 #include "design/rating_inputs.hpp"
@@ -61,6 +62,12 @@ void finish_shift_step(optimize::Specification& spec, FileReading& reading) {
   if (spec.ring_shift) holds_one("profile_shift.ring_range", *spec.ring_shift);
 }
 
+/// Whether one of these keys is stated with a value that is refused: what needs it is not missing.
+bool any_refused(const FileReading& reading, std::initializer_list<const char*> keys) {
+  return std::ranges::any_of(
+      keys, [&](const char* key) { return reading.stated(key) && !reading.has(key); });
+}
+
 void check_objectives(const optimize::Specification& spec, FileReading& reading) {
   for (std::size_t k = 0; k < spec.objectives.size(); ++k) {
     const auto name = optimize::objective_record(spec.objectives[k]).name;
@@ -85,7 +92,9 @@ void check_objectives(const optimize::Specification& spec, FileReading& reading)
                                    "stated: allowed: with sigma_f_lim_mpa or sigma_h_lim_mpa",
                                    name));
     }
-    if (needs_masses && !optimize::knows_masses(spec)) {
+    if (needs_masses && !optimize::knows_masses(spec) &&
+        !any_refused(reading, {"stage1.face_width_mm", "stage2.face_width_mm",
+                               "inertia.density_kg_m3", "material.name"})) {
       reading.error_at("objective",
                        fmt::format("objective \"{}\" without inertia.density_kg_m3, or "
                                    "materials of a known density, stage1.face_width_mm and "
@@ -98,7 +107,8 @@ void check_objectives(const optimize::Specification& spec, FileReading& reading)
 void check_sizes(const optimize::Specification& spec, FileReading& reading) {
   const auto widths = optimize::least_face_widths_m(spec);
   if (spec.limits[design::CheckId::kGearboxLength] && !train::whole_extent(spec.axial) &&
-      !(widths[0] > 0.0 && widths[1] > 0.0)) {
+      !(widths[0] > 0.0 && widths[1] > 0.0) &&
+      !any_refused(reading, {"stage1.face_width_mm", "stage2.face_width_mm"})) {
     reading.error_at("size.max_length_mm",
                      "size.max_length_mm without [axial] and without stage1.face_width_mm and "
                      "stage2.face_width_mm: allowed: with [axial], or with both face widths");

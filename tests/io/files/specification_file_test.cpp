@@ -45,6 +45,17 @@ Specification example(const std::string& name) {
   return read_specification(std::string(GEAR3K_SOURCE_DIR) + "/examples/" + name);
 }
 
+// What hangs on a width is not said to lack it where the width's own value is refused.
+TEST(ReadSpecification, AWidthThatIsRefusedIsNotMissing) {
+  const std::string errors =
+      errors_of("objective = \"mass\"\n" + kMinimal +
+                "[size]\nmax_length_mm = 20.0\n[inertia]\ndensity_kg_m3 = 7850.0\n"
+                "[stage1]\nface_width_mm = [4.0, 8.0]\n[stage2]\nface_width_mm = 8.0\n");
+  EXPECT_EQ(errors.find("spec.toml:18:1: stage1.face_width_mm = [4.0, 8.0]: allowed: "), 0U)
+      << errors;
+  EXPECT_EQ(errors.find('\n'), std::string::npos) << errors;
+}
+
 TEST(ReadSpecification, DefaultsAreThoseOfTheContract) {
   const Specification spec = parse(kMinimal);
   EXPECT_EQ(spec.planets, std::vector<int>{3});
