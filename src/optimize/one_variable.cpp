@@ -25,88 +25,18 @@ class AlongOne {
 
   /// @returns whether the rows are met at the end
   bool search(Point& v, std::span<const std::uint16_t> selection) {
-    Side low{.at = problem_.lower[axis_]}, high{.at = problem_.upper[axis_]};
-    int between = 0;
-    bool looked_inside = false;
-    stuck_ = false;
-    std::optional<double> defined, met;  // where it was so last
-    const auto end = [&] {
-      if (met) v[axis_] = *met;
-      return met.has_value();
-    };
+    low_ = {.at = problem_.lower[axis_]};
+    high_ = {.at = problem_.upper[axis_]};
+    defined_.reset();
+    met_.reset();
+    between_ = 0;
+    looked_inside_ = stuck_ = false;
+    double& x = v[axis_];
     for (int step = 0; step < kMostSteps; ++step) {
-      double& x = v[axis_];
-      if (!evaluate_gradients(problem_, used(problem_, v), selection, at_)) {
-        // A step left what the model is defined for: half of it back.
-        if (!defined) return false;
-        (x > *defined ? high : low) = {.at = x, .tried = true};
-        x = 0.5 * (*defined + x);
-        if (std::abs(x - *defined) <= kSameValue) return end();
-        continue;
-      }
-      defined = x;
-      const Pull pull = missed();
-      const bool is_missed = pull.up < 0.0 || pull.down < 0.0 || pull.flat;
-      double next = x;
-      if (is_missed && met) {
-        // What rows say so far from where they were met proves nothing: towards that place.
-        const bool back_rises = *met > x;
-        (back_rises ? low : high) = {.at = x, .tried = true};
-        next = x + pull.step;
-        const bool between_both = back_rises ? x < next && next < *met : *met < next && next < x;
-        if (!between_both) next = 0.5 * (x + *met);
-        if (std::abs(next - *met) <= kSameValue) return end();
-        x = next;
-        continue;
-      }
-      if (!is_missed) met = x;
-      if (pull.up < 0.0 && pull.down < 0.0) {
-        if (++between > kBetween) return false;
-        next = std::clamp(x + pull.meet, low.at, high.at);
-        if (std::abs(next - x) <= kSameValue) return false;
-        x = next;
-        continue;
-      }
-      if (is_missed && pull.step == 0.0) {
-        stuck_ = true;
-        return false;
-      }
-      const double slope = at_.df[axis_];
-      const bool rises = is_missed ? pull.up < 0.0 : slope < 0.0;
-      Side& behind = rises ? low : high;
-      const Side& ahead = rises ? high : low;
-      const Side before = behind;
-      behind = {.at = x, .tried = true, .slope = is_missed ? 0.0 : slope};
-      if (is_missed) {
-        next = x + pull.step;
-      } else {
-        const double free_way = blocked(rises, ahead.at - x);
-        if (std::abs(free_way) <= kSameValue && !looked_inside) {
-          // The slope at a row's limit may be that of what lies beyond it, as where the limit of a
-          // contact ratio is where another number of teeth begins to share the load.
-          looked_inside = true;
-          const double inside = std::clamp(x + (rises ? -kInside : kInside), problem_.lower[axis_],
-                                           problem_.upper[axis_]);
-          if (inside != x) {
-            behind = before;
-            x = inside;
-            continue;
-          }
-        }
-        next = x + free_way;
-        if (low.slope < 0.0 && high.slope > 0.0) {
-          const double level = low.at - low.slope * (high.at - low.at) / (high.slope - low.slope);
-          if (rises ? level < next : level > next) next = level;
-        }
-        if (slope == 0.0 || std::abs(next - x) <= kSameValue) return true;
-      }
-      if (rises ? next >= ahead.at : next <= ahead.at) {
-        next = ahead.tried ? 0.5 * (low.at + high.at) : ahead.at;
-      }
-      if (std::abs(next - x) <= kSameValue) return !is_missed;
-      x = next;
+      const bool is_defined = evaluate_gradients(problem_, used(problem_, v), selection, at_);
+      if (const End end = is_defined ? move(x) : back_to_defined(x)) return *end;
     }
-    return end();
+    return end_at_met(x);
   }
 
   /// Whether the last search ended at a row that is missed and does not change there.
@@ -119,12 +49,115 @@ class AlongOne {
     bool tried = false;
     double slope = 0.0;  ///< of the objective there; 0 where a row is missed, or none was tried
   };
+  /// Where the rows that are missed pull to.
   struct Pull {
     double up = 0.0, down = 0.0;  ///< the rows missed most that rise, and that fall; 0: none
     double step = 0.0;            ///< to where all of one side are met
     double meet = 0.0;            ///< to where the two missed most are missed alike
     bool flat = false;            ///< a row is missed that does not change here
+    [[nodiscard]] bool any() const { return up < 0.0 || down < 0.0 || flat; }
   };
+  /// Of a step: whether rows are met where the search ends; empty while it goes on, from x.
+  using End = std::optional<bool>;
+
+  [[nodiscard]] bool end_at_met(double& x) const {
+    if (met_) x = *met_;
+    return met_.has_value();
+  }
+
+  /// A step left what the model is defined for: half of it back.
+  End back_to_defined(double& x) {
+    if (!defined_) return false;
+    (x > *defined_ ? high_ : low_) = {.at = x, .tried = true};
+    x = 0.5 * (*defined_ + x);
+    if (std::abs(x - *defined_) <= kSameValue) return end_at_met(x);
+    return std::nullopt;
+  }
+
+  End move(double& x) {
+    defined_ = x;
+    const Pull pull = missed();
+    if (!pull.any()) {
+      met_ = x;
+      return towards_less(x);
+    }
+    if (met_) return back_to_met(x, pull);
+    if (pull.up < 0.0 && pull.down < 0.0) return between_two(x, pull);
+    if (pull.step == 0.0) {
+      stuck_ = true;
+      return false;
+    }
+    const bool rises = pull.up < 0.0;
+    (rises ? low_ : high_) = {.at = x, .tried = true};
+    return go(x, x + pull.step, rises, false);
+  }
+
+  /// What rows say so far from where they were met proves nothing: towards that place.
+  End back_to_met(double& x, const Pull& pull) {
+    const bool rises = *met_ > x;
+    (rises ? low_ : high_) = {.at = x, .tried = true};
+    double next = x + pull.step;
+    const bool is_between = rises ? x < next && next < *met_ : *met_ < next && next < x;
+    if (!is_between) next = 0.5 * (x + *met_);
+    if (std::abs(next - *met_) <= kSameValue) return end_at_met(x);
+    x = next;
+    return std::nullopt;
+  }
+
+  /// Rows pull to both sides: to where they are missed alike, a few times.
+  End between_two(double& x, const Pull& pull) {
+    if (++between_ > kBetween) return false;
+    const double next = std::clamp(x + pull.meet, low_.at, high_.at);
+    if (std::abs(next - x) <= kSameValue) return false;
+    x = next;
+    return std::nullopt;
+  }
+
+  /// All rows are met: towards less of the objective, up to the first row in the way or to where
+  /// the slopes at both sides of the bracket say that it is level.
+  End towards_less(double& x) {
+    const double slope = at_.df[axis_];
+    const bool rises = slope < 0.0;
+    Side& behind = rises ? low_ : high_;
+    const Side before = behind;
+    behind = {.at = x, .tried = true, .slope = slope};
+    const double free_way = blocked(rises, (rises ? high_ : low_).at - x);
+    if (std::abs(free_way) <= kSameValue && look_inside(x, rises)) {
+      behind = before;
+      return std::nullopt;
+    }
+    double next = x + free_way;
+    if (low_.slope < 0.0 && high_.slope > 0.0) {
+      const double level = low_.at - low_.slope * (high_.at - low_.at) / (high_.slope - low_.slope);
+      if (rises ? level < next : level > next) next = level;
+    }
+    if (slope == 0.0 || std::abs(next - x) <= kSameValue) return true;
+    return go(x, next, rises, true);
+  }
+
+  /// The slope at a row's limit may be that of what lies beyond it, as where the limit of a contact
+  /// ratio is where another number of teeth begins to share the load: a look from it inwards, once.
+  bool look_inside(double& x, bool rises) {
+    if (looked_inside_) return false;
+    looked_inside_ = true;
+    const double inside =
+        std::clamp(x + (rises ? -kInside : kInside), problem_.lower[axis_], problem_.upper[axis_]);
+    if (inside == x) return false;
+    x = inside;
+    return true;
+  }
+
+  /// Within the bracket, whose middle is next where a step would leave it.
+  End go(double& x, double next, bool rises, bool is_met) const {
+    const Side& ahead = rises ? high_ : low_;
+    if (rises ? next >= ahead.at : next <= ahead.at) {
+      next = ahead.tried ? 0.5 * (low_.at + high_.at) : ahead.at;
+    }
+    if (std::abs(next - x) <= kSameValue) return is_met;
+    x = next;
+    return std::nullopt;
+  }
+
   [[nodiscard]] Pull missed() const {
     Pull pull;
     double up_slope = 0.0, down_slope = 0.0;
@@ -147,6 +180,7 @@ class AlongOne {
     }
     return pull;
   }
+
   /// How far the rows let it go, to first order, at most `most`.
   [[nodiscard]] double blocked(bool rises, double most) const {
     double far = most;
@@ -162,7 +196,10 @@ class AlongOne {
   const RefinementProblem& problem_;
   std::size_t axis_, n_;
   Gradients& at_;
-  bool stuck_ = false;
+  Side low_, high_;
+  std::optional<double> defined_, met_;  ///< where the model was, and all rows were, last
+  int between_ = 0;                      ///< steps between rows that pull to both sides
+  bool looked_inside_ = false, stuck_ = false;
 };
 
 }  // namespace
