@@ -121,21 +121,6 @@ OctaveTable radius_table(const ScatterOptions& scatter) {
                      });
 }
 
-double number_deviation(const ScatterOptions& scatter) {
-  if (scatter.scatter == Scatter::kUniform)
-    return 1.0 / boost::math::constants::root_three<double>();
-  const double level = checked_level(scatter);
-  const double within = std::erf(level / boost::math::constants::root_two<double>());
-  return std::sqrt(1.0 - 2.0 * level * normal_density(level) / within) / level;
-}
-
-double component_deviation(const ScatterOptions& scatter) {
-  if (scatter.scatter == Scatter::kUniform) return 0.5;
-  const double level = checked_level(scatter);
-  const double h = 0.5 * level * level;
-  return std::sqrt(1.0 - h / std::expm1(h)) / level;
-}
-
 RandomGearbox::RandomGearbox(const ClearanceModel& model, const ScatterOptions& scatter,
                              std::uint64_t seed, std::uint64_t stream)
     : key_{seed, stream}, number_(number_table(scatter)), radius_(radius_table(scatter)) {

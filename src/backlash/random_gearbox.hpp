@@ -130,11 +130,5 @@ class RandomGearbox {
 /// Quantile functions on (0, 1) of a number in ±1 and of a radius in [0, 1].
 OctaveTable number_table(const ScatterOptions& scatter);
 OctaveTable radius_table(const ScatterOptions& scatter);
-/// Standard deviation of a number, and of one component in a circle, over the half width.
-///
-///   normal:   √(1 − 2 L φ(L)/(2 Φ(L) − 1))/L,   √(1 − (L²/2)/(e^{L²/2} − 1))/L
-///   uniform:  1/√3,                              1/2
-double number_deviation(const ScatterOptions& scatter);
-double component_deviation(const ScatterOptions& scatter);
 
 }  // namespace gear3k::backlash

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "design/check_scope.hpp"
+
 namespace gear3k::design {
 
 const CheckRecord& check_record(CheckId id) {
@@ -178,13 +180,44 @@ bool is_of_gear(CheckScope scope, const Limits& limits, const GearingLayout& lay
   }
 }
 
+/// Whether a check of some meshes is asked of this one.
+bool is_of_mesh(const CheckRecord& record, const Limits& limits, const GearingLayout& layout,
+                std::size_t mesh) {
+  const auto first = static_cast<std::size_t>(layout.mesh_gears[mesh][0]);
+  const auto second = static_cast<std::size_t>(layout.mesh_gears[mesh][1]);
+  if (record.scope == CheckScope::kRatedMesh) {
+    if (layout.rating == nullptr) return false;
+    const auto& material = layout.rating->material;
+    const auto computes = record.id == CheckId::kDynamicSpeed ? strength::computes_dynamic_factor
+                                                              : strength::computes_stiffness_factor;
+    return computes(*layout.rating, *material[first], *material[second]);
+  }
+  if (record.id == CheckId::kHuntingTooth && !hunts(limits, mesh)) return false;
+  return record.scope == CheckScope::kMesh ||
+         layout.gear_kinds[second] == geometry::GearKind::kRing;
+}
+
+/// Whether a check of some members of meshes is asked of this one.
+bool is_of_member(const CheckRecord& record, const GearingLayout& layout, std::size_t mesh,
+                  int which) {
+  const auto first = static_cast<std::size_t>(layout.mesh_gears[mesh][0]);
+  const auto second = static_cast<std::size_t>(layout.mesh_gears[mesh][1]);
+  if (record.scope == CheckScope::kTip) {
+    return which == 2 || layout.gear_kinds[second] == geometry::GearKind::kExternal;
+  }
+  if (record.scope != CheckScope::kRatedTooth) return true;
+  if (layout.rating == nullptr) return false;
+  return which == 1 ? applies(record.id, *layout.rating, first, second)
+                    : applies(record.id, *layout.rating, second, first);
+}
+
 /// Subjects of a check at the ends of the temperatures.
 void list_thermal(const CheckRecord& record, double limit, const GearingLayout& layout,
                   std::vector<CheckInstance>& checks) {
   if (layout.thermal == nullptr || layout.planets == 0) return;
-  const bool of_train = record.scope == CheckScope::kThermalTrain;
+  const bool of_train = target_of(record.scope) == CheckTarget::kTrain;
   const int members = of_train ? 1 : static_cast<int>(layout.mesh_gears.size());
-  const bool of_gear = record.scope == CheckScope::kThermalMember;
+  const bool of_gear = target_of(record.scope) == CheckTarget::kMember;
   for (int end = 0; end < train::end_count(*layout.thermal); ++end) {
     for (int member = 0; member < members; ++member) {
       for (int which = of_gear ? 1 : 0; which <= (of_gear ? 2 : 0); ++which) {
@@ -213,6 +246,59 @@ std::string state_text(const train::ThermalState& state) {
   return fmt::format("{:g} C", temperature_c);
 }
 
+namespace {
+
+/// Subjects that a check is asked of, in the order in which tables show them; not of those over
+/// temperature.
+std::vector<CheckSubject> subjects_of(const CheckRecord& record, const Limits& limits,
+                                      const GearingLayout& layout) {
+  std::vector<CheckSubject> subjects;
+  const auto add = [&](int member, int which = 0) {
+    subjects.push_back({.member = member, .which = which});
+  };
+  const std::size_t meshes = layout.mesh_gears.size();
+  switch (target_of(record.scope)) {
+    case CheckTarget::kGear:
+      if (record.scope == CheckScope::kPlanetStep) {
+        if (layout.planets > 1) subjects = {{.member = train::kP1}, {.member = train::kP2}};
+        break;
+      }
+      for (int i = 0; i < static_cast<int>(layout.gear_kinds.size()); ++i) {
+        if (is_of_gear(record.scope, limits, layout, i)) add(i);
+      }
+      break;
+    case CheckTarget::kMesh:
+      for (std::size_t k = 0; k < meshes; ++k) {
+        if (is_of_mesh(record, limits, layout, k)) add(static_cast<int>(k));
+      }
+      break;
+    case CheckTarget::kMember:
+      for (std::size_t k = 0; k < meshes; ++k) {
+        for (const int which : {1, 2}) {
+          if (is_of_member(record, layout, k, which)) add(static_cast<int>(k), which);
+        }
+      }
+      break;
+    case CheckTarget::kBodyPair:
+      for (const int pair : layout.passing_bodies) add(pair);
+      break;
+    case CheckTarget::kPlanetBearing:
+      if (layout.rating != nullptr && layout.rating->supports)
+        subjects = {{.member = 0}, {.member = 1}};
+      break;
+    case CheckTarget::kPlanetPin:
+      if (layout.rating == nullptr || !layout.rating->supports) break;
+      if (layout.rating->pin_diameter_m) add(0);
+      break;
+    case CheckTarget::kTrain:
+      if (layout.planets > 0 && (record.scope == CheckScope::kTrain || layout.sized)) add(0);
+      break;
+  }
+  return subjects;
+}
+
+}  // namespace
+
 std::vector<CheckInstance> list_checks(const Limits& limits, const GearingLayout& layout) {
   std::vector<CheckInstance> checks;
   for (const CheckRecord& r : check_records()) {
@@ -222,100 +308,17 @@ std::vector<CheckInstance> list_checks(const Limits& limits, const GearingLayout
     }
     const std::optional<double>& limit = limits[r.id];
     if (!limit) continue;
+    if (is_thermal(r.scope)) {
+      list_thermal(r, *limit, layout, checks);
+      continue;
+    }
     const double scale = scale_of(r, *limit, layout.length_scale_m);
-    const auto add = [&](CheckSubject subject) {
+    for (const CheckSubject& subject : subjects_of(r, limits, layout)) {
       checks.push_back({.record = &r, .subject = subject, .limit = *limit, .scale = scale});
-    };
-    const int gears = static_cast<int>(layout.gear_kinds.size());
-    const int meshes = static_cast<int>(layout.mesh_gears.size());
-    const auto kind = [&](int i) { return layout.gear_kinds[static_cast<std::size_t>(i)]; };
-    switch (r.scope) {
-      case CheckScope::kGear:
-      case CheckScope::kExternalGear:
-      case CheckScope::kRing:
-      case CheckScope::kCutRing:
-      case CheckScope::kWalledGear:
-      case CheckScope::kListedGear:
-      case CheckScope::kSun:
-        for (int i = 0; i < gears; ++i) {
-          if (is_of_gear(r.scope, limits, layout, i)) add({.member = i, .which = 0});
-        }
-        break;
-      case CheckScope::kMesh:
-      case CheckScope::kInternalMesh:
-        for (int k = 0; k < meshes; ++k) {
-          const int second = layout.mesh_gears[static_cast<std::size_t>(k)][1];
-          const bool internal = kind(second) == geometry::GearKind::kRing;
-          const bool asked =
-              r.id != CheckId::kHuntingTooth || hunts(limits, static_cast<std::size_t>(k));
-          if (asked && (internal || r.scope == CheckScope::kMesh)) add({.member = k, .which = 0});
-        }
-        break;
-      case CheckScope::kMember:
-        for (int k = 0; k < meshes; ++k) {
-          for (const int which : {1, 2}) add({.member = k, .which = which});
-        }
-        break;
-      case CheckScope::kTip:
-        for (int k = 0; k < meshes; ++k) {
-          const auto [first, second] = layout.mesh_gears[static_cast<std::size_t>(k)];
-          if (kind(second) == geometry::GearKind::kExternal) add({.member = k, .which = 1});
-          add({.member = k, .which = 2});
-        }
-        break;
-      case CheckScope::kPlanetStep:
-        if (layout.planets > 1) {
-          add({.member = train::kP1, .which = 0});
-          add({.member = train::kP2, .which = 0});
-        }
-        break;
-      case CheckScope::kBodyPair:
-        for (const int pair : layout.passing_bodies) add({.member = pair, .which = 0});
-        break;
-      case CheckScope::kTrain:
-        if (layout.planets > 0) add({.member = 0, .which = 0});
-        break;
-      case CheckScope::kSizedTrain:
-        if (layout.planets > 0 && layout.sized) add({.member = 0, .which = 0});
-        break;
-      case CheckScope::kRatedTooth:
-        for (int k = 0; layout.rating != nullptr && k < meshes; ++k) {
-          const std::array<int, 2>& pair = layout.mesh_gears[static_cast<std::size_t>(k)];
-          for (const int which : {1, 2}) {
-            const auto gear = static_cast<std::size_t>(which == 1 ? pair[0] : pair[1]);
-            const auto mate = static_cast<std::size_t>(which == 1 ? pair[1] : pair[0]);
-            if (!applies(r.id, *layout.rating, gear, mate)) continue;
-            add({.member = k, .which = which});
-            checks.back().limit += least_of(r.id, *layout.rating, gear);
-          }
-        }
-        break;
-      case CheckScope::kRatedMesh:
-        for (int k = 0; layout.rating != nullptr && k < meshes; ++k) {
-          const auto [first, second] = layout.mesh_gears[static_cast<std::size_t>(k)];
-          const auto& material = layout.rating->material;
-          const auto computes = r.id == CheckId::kDynamicSpeed
-                                    ? strength::computes_dynamic_factor
-                                    : strength::computes_stiffness_factor;
-          if (computes(*layout.rating, *material[static_cast<std::size_t>(first)],
-                       *material[static_cast<std::size_t>(second)])) {
-            add({.member = k, .which = 0});
-          }
-        }
-        break;
-      case CheckScope::kPlanetBearing:
-        if (layout.rating == nullptr || !layout.rating->supports) break;
-        for (const int support : {0, 1}) add({.member = support, .which = 0});
-        break;
-      case CheckScope::kPlanetPin:
-        if (layout.rating == nullptr || !layout.rating->supports) break;
-        if (layout.rating->pin_diameter_m) add({.member = 0, .which = 0});
-        break;
-      case CheckScope::kThermalMesh:
-      case CheckScope::kThermalMember:
-      case CheckScope::kThermalTrain:
-        list_thermal(r, *limit, layout, checks);
-        break;
+      if (r.scope != CheckScope::kRatedTooth) continue;
+      const auto& pair = layout.mesh_gears[static_cast<std::size_t>(subject.member)];
+      const int gear = pair[subject.which == 1 ? 0 : 1];
+      checks.back().limit += least_of(r.id, *layout.rating, static_cast<std::size_t>(gear));
     }
   }
   return checks;
@@ -336,53 +339,41 @@ SubjectNames subject_names(const CheckInstance& check, std::span<const std::stri
                            std::span<const std::string_view> meshes,
                            std::span<const std::array<int, 2>> mesh_gears) {
   const auto index = static_cast<std::size_t>(check.subject.member);
-  switch (check.record->scope) {
-    case CheckScope::kGear:
-    case CheckScope::kExternalGear:
-    case CheckScope::kRing:
-    case CheckScope::kCutRing:
-    case CheckScope::kWalledGear:
-    case CheckScope::kListedGear:
-    case CheckScope::kSun:
-    case CheckScope::kPlanetStep:
-      return {.mesh = "", .gear = std::string(gears[index])};
-    case CheckScope::kMesh:
-    case CheckScope::kInternalMesh:
-    case CheckScope::kRatedMesh:
-      return {.mesh = std::string(meshes[index]), .gear = ""};
-    case CheckScope::kBodyPair: {
-      const train::BodyPair pair = train::kPassingBodies[index];
-      return {.mesh = "",
-              .gear = fmt::format("{}, {}", train::kBodyNames[static_cast<std::size_t>(pair.first)],
-                                  train::kBodyNames[static_cast<std::size_t>(pair.second)])};
+  SubjectNames names;
+  switch (target_of(check.record->scope)) {
+    case CheckTarget::kGear:
+      names.gear = gears[index];
+      break;
+    case CheckTarget::kMesh:
+      names.mesh = meshes[index];
+      break;
+    case CheckTarget::kMember: {
+      const int gear = mesh_gears[index][check.subject.which == 1 ? 0 : 1];
+      names = {.mesh = std::string(meshes[index]),
+               .gear = std::string(gears[static_cast<std::size_t>(gear)])};
+      break;
     }
-    case CheckScope::kTip:
-    case CheckScope::kMember:
-    case CheckScope::kRatedTooth: {
-      const auto pair = mesh_gears[index];
-      const int gear = check.subject.which == 1 ? pair[0] : pair[1];
-      return {.mesh = std::string(meshes[index]),
-              .gear = std::string(gears[static_cast<std::size_t>(gear)])};
+    case CheckTarget::kBodyPair: {
+      const auto [first, second] = train::kPassingBodies[index];
+      names.gear = fmt::format("{}, {}", train::kBodyNames[static_cast<std::size_t>(first)],
+                               train::kBodyNames[static_cast<std::size_t>(second)]);
+      break;
     }
-    case CheckScope::kPlanetBearing:
-      return {.mesh = "", .gear = index == 0 ? "planet A" : "planet B"};
-    case CheckScope::kPlanetPin:
-      return {.mesh = "", .gear = "planet pin"};
-    case CheckScope::kThermalMesh:
-      return {.mesh = fmt::format("{} at {}", meshes[index], check.at), .gear = ""};
-    case CheckScope::kThermalMember: {
-      const auto pair = mesh_gears[index];
-      const int gear = check.subject.which == 1 ? pair[0] : pair[1];
-      return {.mesh = fmt::format("{} at {}", meshes[index], check.at),
-              .gear = std::string(gears[static_cast<std::size_t>(gear)])};
-    }
-    case CheckScope::kThermalTrain:
-      return {.mesh = "", .gear = fmt::format("at {}", check.at)};
-    case CheckScope::kTrain:
-    case CheckScope::kSizedTrain:
+    case CheckTarget::kPlanetBearing:
+      names.gear = index == 0 ? "planet A" : "planet B";
+      break;
+    case CheckTarget::kPlanetPin:
+      names.gear = "planet pin";
+      break;
+    case CheckTarget::kTrain:
       break;
   }
-  return {};
+  if (is_thermal(check.record->scope)) {
+    // Of a mesh or its gear beside the mesh, of the train by itself.
+    std::string& place = names.mesh.empty() ? names.gear : names.mesh;
+    place += fmt::format("{}at {}", place.empty() ? "" : " ", check.at);
+  }
+  return names;
 }
 
 template <class T>

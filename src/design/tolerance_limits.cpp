@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "backlash/normal_backlash.hpp"
+#include "design/check_scope.hpp"
 #include "geometry/interference.hpp"
 #include "geometry/tooth_measures.hpp"
 
@@ -332,37 +333,24 @@ GearLimits gear_limits(BuiltGearing& built, const DrawnGearing& drawn, std::size
 std::vector<Variable> variables_of(const CheckInstance& check, const BuiltGearing& built,
                                    const DrawnGearing& drawn) {
   const int member = check.subject.member;
-  switch (check.record->scope) {
-    case CheckScope::kGear:
-    case CheckScope::kExternalGear:
-    case CheckScope::kRing:
-    case CheckScope::kCutRing:
-    case CheckScope::kWalledGear:
-    case CheckScope::kListedGear:
-    case CheckScope::kSun:
-      return built.variables(std::array{member}, false);
-    case CheckScope::kPlanetStep:
-      return built.variables(std::array{member}, true);
-    case CheckScope::kMesh:
-    case CheckScope::kInternalMesh:
-    case CheckScope::kTip:
-    case CheckScope::kMember:
-    case CheckScope::kThermalMesh:
-    case CheckScope::kThermalMember:
+  const CheckScope scope = check.record->scope;
+  if (is_rated(scope)) return built.backlash_variables();
+  switch (target_of(scope)) {
+    case CheckTarget::kGear:
+      return built.variables(std::array{member}, scope == CheckScope::kPlanetStep);
+    case CheckTarget::kMesh:
+    case CheckTarget::kMember:
       return built.variables(drawn.mesh_gears[static_cast<std::size_t>(member)], true);
-    case CheckScope::kBodyPair: {
+    case CheckTarget::kBodyPair: {
       const auto [first, second] = train::kPassingBodies[static_cast<std::size_t>(member)];
       if (first == train::kCarrier) return built.variables(std::array{second}, false);
       return built.variables(std::array{first, second}, true);
     }
-    case CheckScope::kSizedTrain:
-      return {};
-    case CheckScope::kTrain:
-    case CheckScope::kThermalTrain:
-    case CheckScope::kRatedTooth:
-    case CheckScope::kRatedMesh:
-    case CheckScope::kPlanetBearing:
-    case CheckScope::kPlanetPin:
+    case CheckTarget::kTrain:
+      if (scope == CheckScope::kSizedTrain) return {};
+      break;
+    case CheckTarget::kPlanetBearing:
+    case CheckTarget::kPlanetPin:
       break;
   }
   return built.backlash_variables();

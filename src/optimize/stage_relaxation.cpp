@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "geometry/involute.hpp"
+#include "optimize/flank_box.hpp"
 
 namespace gear3k::optimize {
 
@@ -205,179 +206,221 @@ class StageSearch {
     return std::sqrt(length * length + base * base) - 0.5 * gear.teeth;
   }
 
-  /// Confines the box and bounds its losses.  @returns false when it holds no point
-  bool examine(Box& box) const {
-    constexpr double kSlack = kRelaxationSlack;
-    const Distance& low = box.low;
-    const Distance& high = box.high;
-    Interval& xp = box.planet_shift;
-    const double double_sin = 2.0 * sin_;
-    const double half_planet = 0.5 * t_.planet.teeth;
-    const double half_ring = 0.5 * t_.ring.teeth;
-    Interval planet_tip = t_.planet.tip_height;
-
-    // x_R − x_P and x_S + x_P from backlash and clearance.
-    const double q2 = t_.planet.machining_allowance + t_.ring.machining_allowance;
-    double most_ring_backlash = t_.ring_backlash.hi;
-    Interval sum{-kInfinity, kInfinity};
-    if (t_.sun) {
-      const double q1 = t_.planet.machining_allowance + t_.sun->machining_allowance;
-      if (t_.lost_motion) {
-        const double least =
-            std::max(t_.sun_backlash.lo,
-                     low.sun_opening + q1 - double_sin * (t_.sun->profile_shift.hi + xp.hi)) -
-            kSlack;
-        most_ring_backlash =
-            std::min(most_ring_backlash,
-                     (t_.lost_motion->most - t_.lost_motion->sun * least) / t_.lost_motion->ring);
-      }
-      sum = {(low.sun_opening + q1 - t_.sun_backlash.hi) / double_sin - kSlack,
-             (high.sun_opening + q1 - t_.sun_backlash.lo) / double_sin + kSlack};
-    }
-    Interval difference{(t_.ring_backlash.lo - q2 + low.ring_opening) / double_sin - kSlack,
-                        (most_ring_backlash - q2 + high.ring_opening) / double_sin + kSlack};
-    const Interval khk = khk_shortening(box, sum);
-    if (t_.planet_khk_tip) planet_tip = {planet_tip.lo - khk.hi, planet_tip.hi - khk.lo};
-    const Interval sun_tip = !t_.sun           ? Interval{}
-                             : !t_.sun_khk_tip ? t_.sun->tip_height
-                                               : Interval{t_.sun->tip_height.lo - khk.hi,
-                                                          t_.sun->tip_height.hi - khk.lo};
-    if (t_.root_clearance) {
-      const double room = *t_.root_clearance + low.d + half_planet - half_ring - kSlack;
-      difference.lo = std::max({difference.lo, room + planet_tip.lo - t_.ring.root_height,
-                                room + t_.planet.root_height - t_.ring.tip_height.hi});
-      if (t_.sun) {
-        const double free =
-            high.d - *t_.root_clearance - half_planet - 0.5 * t_.sun->teeth + kSlack;
-        sum.hi = std::min({sum.hi, free - sun_tip.lo - t_.planet.root_height,
-                           free - planet_tip.lo - t_.sun->root_height});
-      }
-    }
-    xp.lo = std::max(xp.lo, t_.ring.profile_shift.lo - difference.hi);
-    xp.hi = std::min(xp.hi, t_.ring.profile_shift.hi - difference.lo);
-    if (t_.sun) {
-      xp.lo = std::max(xp.lo, sum.lo - t_.sun->profile_shift.hi);
-      xp.hi = std::min(xp.hi, sum.hi - t_.sun->profile_shift.lo);
-      const double most = most_length(high.sun_tangent, t_.sun->teeth, t_.planet.teeth) + kSlack;
-      if (most < 0.0) return false;
-      if (std::isfinite(most)) {
-        xp.hi = std::min(xp.hi, tip_at(t_.planet, planet_base_, most) - planet_tip.lo);
-      }
-    }
-    if (t_.planet_gap) {
-      xp.hi = std::min(xp.hi, high.d * t_.planet_gap->half_spacing - t_.planet_gap->half_gap -
-                                  half_planet - planet_tip.lo + kSlack);
-    }
-    if (xp.empty()) return false;
-    const Interval planet_length{flank_length(t_.planet, planet_base_, xp.lo + planet_tip.lo),
-                                 flank_length(t_.planet, planet_base_, xp.hi + planet_tip.hi)};
-
-    // The ring.
-    Interval xr{std::max(t_.ring.profile_shift.lo, xp.lo + difference.lo),
-                std::min(t_.ring.profile_shift.hi, xp.hi + difference.hi)};
-    Interval ring_length{planet_length.lo + low.ring_tangent - base_pitch_ * t_.contact_ratio.hi,
-                         planet_length.hi + high.ring_tangent - base_pitch_ * t_.contact_ratio.lo};
-    if (t_.interference) {
-      ring_length.lo = std::max(ring_length.lo, low.ring_tangent + *t_.interference);
-    }
-    if (t_.rolling_share) {
-      // ρ_R − T ≥ s ρ_R z_P/z_R
-      const double left = 1.0 - *t_.rolling_share * t_.planet.teeth / t_.ring.teeth;
-      if (left > 0.0) ring_length.lo = std::max(ring_length.lo, low.ring_tangent / left);
-    }
-    if (ring_length.hi < -kSlack) return false;
-    const Interval& ring_tip = t_.ring.tip_height;
-    if (std::isfinite(ring_length.hi)) {
-      xr.hi = std::min(
-          xr.hi, tip_at(t_.ring, ring_base_, std::max(0.0, ring_length.hi)) - ring_tip.lo + kSlack);
-    }
-    if (ring_length.lo > 0.0) {
-      xr.lo = std::max(xr.lo, tip_at(t_.ring, ring_base_, ring_length.lo) - ring_tip.hi - kSlack);
-    }
-    if (xr.empty()) return false;
-    ring_length = {flank_length(t_.ring, ring_base_, xr.lo + ring_tip.lo),
-                   flank_length(t_.ring, ring_base_, xr.hi + ring_tip.hi)};
-    const double low_tan = low.ring_tangent / ring_sum_;
-    const double high_tan = high.ring_tangent / ring_sum_;
-    const Interval e1{(planet_length.lo - planet_base_ * high_tan) / base_pitch_ - kSlack,
-                      (planet_length.hi - planet_base_ * low_tan) / base_pitch_ + kSlack};
-    const Interval e2{(ring_base_ * low_tan - ring_length.hi) / base_pitch_ - kSlack,
-                      (ring_base_ * high_tan - ring_length.lo) / base_pitch_ + kSlack};
-    const Interval ring_ratio{
-        std::max(t_.contact_ratio.lo,
-                 (planet_length.lo - ring_length.hi + low.ring_tangent) / base_pitch_) -
-            kSlack,
-        std::min(t_.contact_ratio.hi,
-                 (planet_length.hi - ring_length.lo + high.ring_tangent) / base_pitch_) +
-            kSlack};
-    const double ring_factor = factor_of(e1, e2, ring_ratio);
-    if (ring_factor == kInfinity) return false;
-    double distance_effect = t_.ring_weight * t_.ring_loss *
-                             ((planet_base_ + ring_base_) * (high_tan - low_tan) / base_pitch_);
-    double shift_effect = t_.ring_weight * t_.ring_loss * planet_length.width() / base_pitch_;
-    box.error = t_.ring_weight * t_.ring_loss * (e1.width() + e2.width());
-    box.bound = t_.ring_weight * t_.ring_loss * ring_factor;
-    box.point = {.center_distance = 0.5 * (low.d + high.d),
-                 .sun_shift = 0.0,
-                 .planet_shift = xp.middle(),
-                 .ring_shift = xr.middle()};
-    const bool of_loss = t_.least == StageTask::Least::kLoss;
-    if (of_loss) {
-      const double mid_tan = 0.5 * (low_tan + high_tan);
-      const LeastShares ring_shares = least_shares(e1, e2, ring_ratio, t_.sliding);
-      box.point.ring_shift =
-          std::clamp(tip_at(t_.ring, ring_base_,
-                            std::max(0.0, ring_base_ * mid_tan - base_pitch_ * ring_shares.e2)) -
-                         ring_tip.middle(),
-                     xr.lo, xr.hi);
-    }
-
-    const double root = half_ring + t_.ring.root_height + xr.lo;
-    double most_m = t_.most_module_m;
-    if (root > 0.0) most_m = std::min(most_m, 0.5 * t_.most_root_diameter_m / root);
-    most_m *= 1.0 + kSlack;
-    Needs needs{.of_interest_m2 = of_loss ? most_m * most_m : 0.0};
-    needs.flank_m2 = needed_module2(t_.ring_flank, {.ratio = ring_ratio.hi,
-                                                    .low_tangent = low.ring_tangent,
-                                                    .high_tangent = high.ring_tangent,
-                                                    .base1 = planet_base_,
-                                                    .base2 = ring_base_,
-                                                    .base_sum = ring_sum_,
-                                                    .length = {planet_length, ring_length},
-                                                    .sign = -1.0});
-    if (t_.sun &&
-        !examine_sun(box, {sum, sun_tip, planet_length}, distance_effect, shift_effect, needs)) {
-      return false;
-    }
-    add_root(needs, {.table = t_.roots.planet_table, .need = t_.roots.planet_of_ring}, [&] {
-      return root_range(xp, planet_length, ring_ratio,
-                        {base_pitch_ + ring_length.lo - high.ring_tangent,
-                         base_pitch_ + ring_length.hi - low.ring_tangent});
-    });
-    box.by_root = needs.root_m2 > needs.flank_m2;
-    const double need_m2 = std::max(needs.flank_m2, needs.root_m2);
-    box.split_distance = distance_effect > shift_effect;
-    switch (t_.least) {
-      case StageTask::Least::kLoss:
-        return need_m2 <= most_m * most_m;
-      case StageTask::Least::kDistance:
-        box.bound = std::sqrt(need_m2) * low.d * (1.0 - kSlack);
-        box.error = box.bound *
-                    (high.d / low.d - 1.0 + (high_tan - low_tan) / high_tan + ring_ratio.width());
-        break;
-      case StageTask::Least::kInverseDistance:
-        box.bound = 1.0 / (most_m * high.d);
-        box.error = box.bound * (high.d / low.d - 1.0 + xr.width() / half_ring);
-        break;
-    }
-    return true;
-  }
-
+  /// What a box leaves, in modules.
+  struct Rest {
+    Interval sum{-kInfinity, kInfinity};  ///< x_S + x_P
+    Interval difference{};                ///< x_R − x_P
+    Interval planet_tip{}, sun_tip{};     ///< heights
+    Interval planet_length{};             ///< ρ_a of the planet
+    Interval ring_shift{}, ring_length{};
+    double low_tan = 0.0, high_tan = 0.0;  ///< tan α_w of planet and ring
+    Interval e1{}, e2{}, ring_ratio{};     ///< contact ratios of planet and ring
+  };
   /// Least m² [m²] that flanks and roots ask for in a box.
   struct Needs {
     double flank_m2 = 0.0, root_m2 = 0.0;
     double of_interest_m2 = 0.0;  ///< what a root asks for below it need not be known
   };
+  /// What of a bound is owed to the width of a box.
+  struct Effects {
+    double distance = 0.0, shift = 0.0;
+  };
+
+  /// Confines the box and bounds its losses.  @returns false when it holds no point
+  bool examine(Box& box) const {
+    Rest rest = confine_sums(box);
+    if (!confine_planet(box, rest) || !confine_ring(box, rest)) return false;
+    Effects effects;
+    if (!bound_ring_loss(box, rest, effects)) return false;
+    const double root = 0.5 * t_.ring.teeth + t_.ring.root_height + rest.ring_shift.lo;
+    double most_m = t_.most_module_m;
+    if (root > 0.0) most_m = std::min(most_m, 0.5 * t_.most_root_diameter_m / root);
+    most_m *= 1.0 + kRelaxationSlack;
+    const bool of_loss = t_.least == StageTask::Least::kLoss;
+    Needs needs{.of_interest_m2 = of_loss ? most_m * most_m : 0.0};
+    needs.flank_m2 =
+        needed_module2(t_.ring_flank, {.base_pitch = base_pitch_,
+                                       .ratio = rest.ring_ratio.hi,
+                                       .low_tangent = box.low.ring_tangent,
+                                       .high_tangent = box.high.ring_tangent,
+                                       .base1 = planet_base_,
+                                       .base2 = ring_base_,
+                                       .base_sum = ring_sum_,
+                                       .length = {rest.planet_length, rest.ring_length},
+                                       .sign = -1.0});
+    if (t_.sun && !examine_sun(box, rest, effects, needs)) return false;
+    add_root(needs, {.table = t_.roots.planet_table, .need = t_.roots.planet_of_ring}, [&] {
+      return root_range(box.planet_shift, rest.planet_length, rest.ring_ratio,
+                        {base_pitch_ + rest.ring_length.lo - box.high.ring_tangent,
+                         base_pitch_ + rest.ring_length.hi - box.low.ring_tangent});
+    });
+    box.by_root = needs.root_m2 > needs.flank_m2;
+    box.split_distance = effects.distance > effects.shift;
+    const double need_m2 = std::max(needs.flank_m2, needs.root_m2);
+    if (of_loss) return need_m2 <= most_m * most_m;
+    bound_distance(box, rest, std::sqrt(need_m2), most_m);
+    return true;
+  }
+
+  /// x_R − x_P and x_S + x_P from backlash and clearance.
+  [[nodiscard]] Rest confine_sums(const Box& box) const {
+    constexpr double kSlack = kRelaxationSlack;
+    const Distance& low = box.low;
+    const Distance& high = box.high;
+    const double double_sin = 2.0 * sin_;
+    Rest rest;
+    rest.planet_tip = t_.planet.tip_height;
+    const double q2 = t_.planet.machining_allowance + t_.ring.machining_allowance;
+    double most_ring_backlash = t_.ring_backlash.hi;
+    if (t_.sun) {
+      const double q1 = t_.planet.machining_allowance + t_.sun->machining_allowance;
+      if (t_.lost_motion) {
+        const double least =
+            std::max(t_.sun_backlash.lo,
+                     low.sun_opening + q1 -
+                         double_sin * (t_.sun->profile_shift.hi + box.planet_shift.hi)) -
+            kSlack;
+        most_ring_backlash =
+            std::min(most_ring_backlash,
+                     (t_.lost_motion->most - t_.lost_motion->sun * least) / t_.lost_motion->ring);
+      }
+      rest.sum = {(low.sun_opening + q1 - t_.sun_backlash.hi) / double_sin - kSlack,
+                  (high.sun_opening + q1 - t_.sun_backlash.lo) / double_sin + kSlack};
+    }
+    rest.difference = {(t_.ring_backlash.lo - q2 + low.ring_opening) / double_sin - kSlack,
+                       (most_ring_backlash - q2 + high.ring_opening) / double_sin + kSlack};
+    const Interval khk = khk_shortening(box, rest.sum);
+    const auto shortened = [&](const Interval& tip) {
+      return Interval{tip.lo - khk.hi, tip.hi - khk.lo};
+    };
+    if (t_.planet_khk_tip) rest.planet_tip = shortened(rest.planet_tip);
+    if (t_.sun) {
+      rest.sun_tip = t_.sun_khk_tip ? shortened(t_.sun->tip_height) : t_.sun->tip_height;
+    }
+    if (!t_.root_clearance) return rest;
+    const double half_planet = 0.5 * t_.planet.teeth;
+    const double room = *t_.root_clearance + low.d + half_planet - 0.5 * t_.ring.teeth - kSlack;
+    rest.difference.lo =
+        std::max({rest.difference.lo, room + rest.planet_tip.lo - t_.ring.root_height,
+                  room + t_.planet.root_height - t_.ring.tip_height.hi});
+    if (t_.sun) {
+      const double free = high.d - *t_.root_clearance - half_planet - 0.5 * t_.sun->teeth + kSlack;
+      rest.sum.hi = std::min({rest.sum.hi, free - rest.sun_tip.lo - t_.planet.root_height,
+                              free - rest.planet_tip.lo - t_.sun->root_height});
+    }
+    return rest;
+  }
+
+  /// The planet's shift and tip.  @returns false where none is left
+  bool confine_planet(Box& box, Rest& rest) const {
+    constexpr double kSlack = kRelaxationSlack;
+    Interval& xp = box.planet_shift;
+    xp.lo = std::max(xp.lo, t_.ring.profile_shift.lo - rest.difference.hi);
+    xp.hi = std::min(xp.hi, t_.ring.profile_shift.hi - rest.difference.lo);
+    if (t_.sun) {
+      xp.lo = std::max(xp.lo, rest.sum.lo - t_.sun->profile_shift.hi);
+      xp.hi = std::min(xp.hi, rest.sum.hi - t_.sun->profile_shift.lo);
+      const double most =
+          most_length(box.high.sun_tangent, t_.sun->teeth, t_.planet.teeth) + kSlack;
+      if (most < 0.0) return false;
+      if (std::isfinite(most)) {
+        xp.hi = std::min(xp.hi, tip_at(t_.planet, planet_base_, most) - rest.planet_tip.lo);
+      }
+    }
+    if (t_.planet_gap) {
+      xp.hi = std::min(xp.hi, box.high.d * t_.planet_gap->half_spacing - t_.planet_gap->half_gap -
+                                  0.5 * t_.planet.teeth - rest.planet_tip.lo + kSlack);
+    }
+    if (xp.empty()) return false;
+    rest.planet_length = {flank_length(t_.planet, planet_base_, xp.lo + rest.planet_tip.lo),
+                          flank_length(t_.planet, planet_base_, xp.hi + rest.planet_tip.hi)};
+    return true;
+  }
+
+  /// The ring's shift and tip.  @returns false where none is left
+  bool confine_ring(const Box& box, Rest& rest) const {
+    constexpr double kSlack = kRelaxationSlack;
+    const Distance& low = box.low;
+    const Distance& high = box.high;
+    Interval& xr = rest.ring_shift;
+    Interval& length = rest.ring_length;
+    xr = {std::max(t_.ring.profile_shift.lo, box.planet_shift.lo + rest.difference.lo),
+          std::min(t_.ring.profile_shift.hi, box.planet_shift.hi + rest.difference.hi)};
+    length = {rest.planet_length.lo + low.ring_tangent - base_pitch_ * t_.contact_ratio.hi,
+              rest.planet_length.hi + high.ring_tangent - base_pitch_ * t_.contact_ratio.lo};
+    if (t_.interference) length.lo = std::max(length.lo, low.ring_tangent + *t_.interference);
+    if (t_.rolling_share) {
+      // ρ_R − T ≥ s ρ_R z_P/z_R
+      const double left = 1.0 - *t_.rolling_share * t_.planet.teeth / t_.ring.teeth;
+      if (left > 0.0) length.lo = std::max(length.lo, low.ring_tangent / left);
+    }
+    if (length.hi < -kSlack) return false;
+    const Interval& tip = t_.ring.tip_height;
+    if (std::isfinite(length.hi)) {
+      xr.hi =
+          std::min(xr.hi, tip_at(t_.ring, ring_base_, std::max(0.0, length.hi)) - tip.lo + kSlack);
+    }
+    if (length.lo > 0.0) {
+      xr.lo = std::max(xr.lo, tip_at(t_.ring, ring_base_, length.lo) - tip.hi - kSlack);
+    }
+    if (xr.empty()) return false;
+    length = {flank_length(t_.ring, ring_base_, xr.lo + tip.lo),
+              flank_length(t_.ring, ring_base_, xr.hi + tip.hi)};
+    return true;
+  }
+
+  /// Loss of planet and ring, or where none is looked for whether they touch at all.
+  /// @returns false where they cannot
+  bool bound_ring_loss(Box& box, Rest& rest, Effects& effects) const {
+    constexpr double kSlack = kRelaxationSlack;
+    const Interval& planet = rest.planet_length;
+    const Interval& ring = rest.ring_length;
+    const double low_tan = rest.low_tan = box.low.ring_tangent / ring_sum_;
+    const double high_tan = rest.high_tan = box.high.ring_tangent / ring_sum_;
+    rest.e1 = {(planet.lo - planet_base_ * high_tan) / base_pitch_ - kSlack,
+               (planet.hi - planet_base_ * low_tan) / base_pitch_ + kSlack};
+    rest.e2 = {(ring_base_ * low_tan - ring.hi) / base_pitch_ - kSlack,
+               (ring_base_ * high_tan - ring.lo) / base_pitch_ + kSlack};
+    rest.ring_ratio = {
+        std::max(t_.contact_ratio.lo, (planet.lo - ring.hi + box.low.ring_tangent) / base_pitch_) -
+            kSlack,
+        std::min(t_.contact_ratio.hi, (planet.hi - ring.lo + box.high.ring_tangent) / base_pitch_) +
+            kSlack};
+    const double factor = factor_of(rest.e1, rest.e2, rest.ring_ratio);
+    if (factor == kInfinity) return false;
+    const double scale = t_.ring_weight * t_.ring_loss;
+    effects = {
+        .distance = scale * ((planet_base_ + ring_base_) * (high_tan - low_tan) / base_pitch_),
+        .shift = scale * planet.width() / base_pitch_};
+    box.error = scale * (rest.e1.width() + rest.e2.width());
+    box.bound = scale * factor;
+    box.point = {.center_distance = 0.5 * (box.low.d + box.high.d),
+                 .sun_shift = 0.0,
+                 .planet_shift = box.planet_shift.middle(),
+                 .ring_shift = rest.ring_shift.middle()};
+    if (t_.least != StageTask::Least::kLoss) return true;
+    const double mid_tan = 0.5 * (low_tan + high_tan);
+    const LeastShares shares = least_shares(rest.e1, rest.e2, rest.ring_ratio, t_.sliding);
+    box.point.ring_shift = std::clamp(
+        tip_at(t_.ring, ring_base_, std::max(0.0, ring_base_ * mid_tan - base_pitch_ * shares.e2)) -
+            t_.ring.tip_height.middle(),
+        rest.ring_shift.lo, rest.ring_shift.hi);
+    return true;
+  }
+
+  /// Least, or over 1 greatest, centre distance in metres where that is looked for.
+  void bound_distance(Box& box, const Rest& rest, double least_m, double most_m) const {
+    const double wider = box.high.d / box.low.d - 1.0;
+    if (t_.least == StageTask::Least::kDistance) {
+      box.bound = least_m * box.low.d * (1.0 - kRelaxationSlack);
+      box.error = box.bound * (wider + (rest.high_tan - rest.low_tan) / rest.high_tan +
+                               rest.ring_ratio.width());
+    } else {
+      box.bound = 1.0 / (most_m * box.high.d);
+      box.error = box.bound * (wider + rest.ring_shift.width() / (0.5 * t_.ring.teeth));
+    }
+  }
+
   struct TabledRoot {
     const strength::RootTable* table;
     const strength::RootNeed& need;
@@ -417,45 +460,9 @@ class StageSearch {
             .greatest_contact_ratio = ratio.hi};
   }
 
-  /// A mesh in a box.
-  struct FlankView {
-    double ratio = 0.0;                            ///< greatest ε
-    double low_tangent = 0.0, high_tangent = 0.0;  ///< d sin α_w
-    double base1 = 0.0, base2 = 0.0;               ///< base radii
-    double base_sum = 0.0;                         ///< base2 ± base1
-    std::array<Interval, 2> length{};              ///< ρ_a of gears 1 and 2
-    double sign = 1.0;                             ///< +1 external, −1 ring
-  };
-  /// Least m² [m²] with which the flanks of a mesh carry their load in a box.
-  [[nodiscard]] double needed_module2(const strength::FlankNeed& need,
-                                      const FlankView& view) const {
-    double most = 0.0;
-    if (t_.least == StageTask::Least::kInverseDistance) return most;
-    for (std::size_t own = 0; own < 2; ++own) {
-      const double load = need.load_m2[own];
-      if (load > 0.0) {
-        most = std::max(most, load * (need.single_contact[own] ? single_contact2(view, own) : 1.0));
-      }
-    }
-    if (most <= 0.0) return 0.0;
-    constexpr double kHeldContactRatio = 3.0;  // of Z_ε, strength/flank_stress
-    const double z_epsilon2 = (4.0 - std::min(view.ratio, kHeldContactRatio)) / 3.0;
-    return most * z_epsilon2 * view.base_sum / view.high_tangent;
-  }
-  /// Least Z_B² (own 0) or Z_D² (own 1) in a box.
-  [[nodiscard]] double single_contact2(const FlankView& view, std::size_t own) const {
-    const Interval inner{view.length[own].lo - base_pitch_, view.length[own].hi - base_pitch_};
-    // Nearer to a tangent point than that strength/flank_stress holds the point.
-    const double held = 1e-3 * view.high_tangent;
-    if (inner.lo <= held) return 1.0;
-    double most = inner.hi * (view.high_tangent + inner.hi);
-    if (view.sign > 0.0) {
-      if (view.low_tangent - inner.hi <= held) return 1.0;
-      const double worst = std::clamp(0.5 * view.high_tangent, inner.lo, inner.hi);
-      most = worst * (view.high_tangent - worst);
-    }
-    const double tan_w = view.low_tangent / view.base_sum;
-    return std::max(1.0, view.base1 * view.base2 * tan_w * tan_w / most);
+  /// Of the greatest distance no need of the load is a limit.
+  [[nodiscard]] double needed_module2(const strength::FlankNeed& need, const FlankBox& box) const {
+    return t_.least == StageTask::Least::kInverseDistance ? 0.0 : least_flank_module2(need, box);
   }
 
   /// k = x_S + x_P − y of the KHK rule, y = d − (z_S + z_P)/2; 0 where there is none.
@@ -467,21 +474,15 @@ class StageSearch {
             std::max(0.0, std::min(sum.hi, xs.hi + box.planet_shift.hi) - (box.low.d - half_sum))};
   }
 
-  struct SunView {
-    Interval sum;            ///< x_S + x_P
-    Interval sun_tip;        ///< tip height of the sun
-    Interval planet_length;  ///< ρ_a of the planet
-  };
-  bool examine_sun(Box& box, const SunView& view, double& distance_effect, double& shift_effect,
-                   Needs& needs) const {
+  bool examine_sun(Box& box, const Rest& rest, Effects& effects, Needs& needs) const {
     constexpr double kSlack = kRelaxationSlack;
     const StageGear& sun = *t_.sun;
     const Distance& low = box.low;
     const Distance& high = box.high;
     // No structured binding: clang 14 does not let lambdas use one.
-    const Interval& sum = view.sum;
-    const Interval& sun_tip = view.sun_tip;
-    const Interval& planet_length = view.planet_length;
+    const Interval& sum = rest.sum;
+    const Interval& sun_tip = rest.sun_tip;
+    const Interval& planet_length = rest.planet_length;
     Interval xs{std::max(sun.profile_shift.lo, sum.lo - box.planet_shift.hi),
                 std::min(sun.profile_shift.hi, sum.hi - box.planet_shift.lo)};
     Interval sun_length{base_pitch_ * t_.contact_ratio.lo + low.sun_tangent - planet_length.hi,
@@ -520,10 +521,11 @@ class StageSearch {
     const double scale = t_.sun_weight * t_.sun_loss;
     box.bound += scale * factor;
     box.error += scale * (e1.width() + e2.width());
-    distance_effect += scale * (planet_base_ + sun_base_) * (high_tan - low_tan) / base_pitch_;
-    shift_effect += scale * planet_length.width() / base_pitch_;
+    effects.distance += scale * (planet_base_ + sun_base_) * (high_tan - low_tan) / base_pitch_;
+    effects.shift += scale * planet_length.width() / base_pitch_;
     needs.flank_m2 = std::max(needs.flank_m2,
-                              needed_module2(t_.sun_flank, {.ratio = ratio.hi,
+                              needed_module2(t_.sun_flank, {.base_pitch = base_pitch_,
+                                                            .ratio = ratio.hi,
                                                             .low_tangent = low.sun_tangent,
                                                             .high_tangent = high.sun_tangent,
                                                             .base1 = sun_base_,

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "backlash/lost_motion.hpp"
+#include "tests/backlash/scatter_deviation.hpp"
 #include "tests/backlash/toleranced_train.hpp"
 
 namespace gear3k::backlash::monte_carlo_test {

@@ -9,6 +9,7 @@
 #include <random>
 #include <vector>
 
+#include "tests/backlash/scatter_deviation.hpp"
 #include "tests/backlash/toleranced_train.hpp"
 #include "tests/largest_deviation.hpp"
 

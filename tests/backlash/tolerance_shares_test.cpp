@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "tests/backlash/scatter_deviation.hpp"
 #include "tests/backlash/toleranced_train.hpp"
 
 namespace gear3k::backlash::tolerance_shares_test {

@@ -21,6 +21,7 @@
 #include "geometry/sliding.hpp"
 #include "inertia/effective_inertia.hpp"
 #include "inertia/mass_properties.hpp"
+#include "tests/seeded.hpp"
 #include "train/train_geometry.hpp"
 
 namespace gear3k::design::derivatives_test {
@@ -335,22 +336,6 @@ struct Deviations {
 Variables<double> moved(const RandomDesign& d, std::size_t k, double steps) {
   Variables<double> v = d.at;
   v[k] += steps * kStep * d.scales()[k];
-  return v;
-}
-
-Variables<Jet1> seeded1(const Variables<double>& at) {
-  Variables<Jet1> v;
-  for (std::size_t k = 0; k < kVariables; ++k) v[k] = Jet1(at[k], static_cast<int>(k));
-  return v;
-}
-
-Variables<Jet2> seeded2(const Variables<double>& at) {
-  Variables<Jet2> v;
-  for (std::size_t k = 0; k < kVariables; ++k) {
-    v[k] = constant<Jet2>(at[k]);
-    v[k].a = Jet1(at[k], static_cast<int>(k));
-    v[k].v[static_cast<Eigen::Index>(k)] = Jet1(1.0);
-  }
   return v;
 }
 

@@ -19,6 +19,7 @@
 #include "tests/geometry/generated_space.hpp"
 #include "tests/largest_deviation.hpp"
 #include "tests/random_numbers.hpp"
+#include "tests/seeded.hpp"
 
 namespace gear3k::geometry::tooth_form_test {
 namespace {
@@ -623,20 +624,6 @@ Design random_design(Random& random, int kind) {
 Variables<double> moved(const Design& d, std::size_t k, double steps) {
   Variables<double> v = d.at;
   v[k] += steps * kStep * d.scales()[k];
-  return v;
-}
-Variables<Jet1> seeded1(const Variables<double>& at) {
-  Variables<Jet1> v;
-  for (std::size_t k = 0; k < kVariables; ++k) v[k] = Jet1(at[k], static_cast<int>(k));
-  return v;
-}
-Variables<Jet2> seeded2(const Variables<double>& at) {
-  Variables<Jet2> v;
-  for (std::size_t k = 0; k < kVariables; ++k) {
-    v[k] = constant<Jet2>(at[k]);
-    v[k].a = Jet1(at[k], static_cast<int>(k));
-    v[k].v[static_cast<Eigen::Index>(k)] = Jet1(1.0);
-  }
   return v;
 }
 

@@ -13,6 +13,7 @@
 
 #include "io/files/specification_file.hpp"
 #include "optimize/refine.hpp"
+#include "tests/optimize/small_task.hpp"
 
 namespace gear3k::optimize::relaxed_limits_test {
 namespace {
@@ -20,24 +21,8 @@ namespace {
 using design::CheckId;
 
 /// 23 tooth sets, without limits.
-const std::string kTask = R"(
-preset = "machined"
-planets = 3
-[ratio]
-target = 40.0
-tolerance = 0.02
-[teeth]
-S = [14, 15]
-P1 = [24, 28]
-P2 = [18, 22]
-R1_max = 80
-R2_max = 80
-[module]
-stage1_mm = { min = 0.5, max = 0.8 }
-stage2_mm = { min = 0.5, max = 0.8 }
-[profile_shift]
-range = [-0.2, 0.8]
-)";
+const std::string kTask = "preset = \"machined\"\nplanets = 3\n" +
+                          test::small_task({.S = {14, 15}, .P1 = {24, 28}, .P2 = {18, 22}});
 
 Specification specification(const std::string& limits) {
   return io::parse_specification(kTask + limits, "spec.toml", kMostRefinedSets);

@@ -14,27 +14,14 @@
 #include "optimize/optimizer.hpp"
 #include "optimize/set_bounds.hpp"
 #include "optimize/starting_points.hpp"
+#include "tests/optimize/small_task.hpp"
 
 namespace gear3k::optimize::thermal_search_test {
 namespace {
 
 /// Some tooth sets.
-const std::string kTask = R"(
-[ratio]
-target = 40.0
-tolerance = 0.02
-[teeth]
-S = [13, 14]
-P1 = [26, 30]
-P2 = [18, 24]
-R1_max = 80
-R2_max = 80
-[module]
-stage1_mm = { min = 0.5, max = 0.8 }
-stage2_mm = { min = 0.5, max = 0.8 }
-[profile_shift]
-range = [-0.2, 0.8]
-[friction]
+const std::string kTask = test::small_task({.S = {13, 14}, .P1 = {26, 30}, .P2 = {18, 24}}) +
+                          R"([friction]
 coefficient = 0.06
 [backlash]
 max_output_arcmin = 12.0

@@ -12,29 +12,15 @@
 #include "io/files/specification_file.hpp"
 #include "optimize/optimizer.hpp"
 #include "optimize/refine.hpp"
+#include "tests/optimize/small_task.hpp"
 
 namespace gear3k::optimize::workshop_search_test {
 namespace {
 
 /// A few dozen tooth sets of which some have no room for their bores, rims or tips.
-constexpr const char* kTask = R"(
-preset = "machined"
-planets = 3
-[ratio]
-target = 40.0
-tolerance = 0.02
-[teeth]
-S = [13, 15]
-P1 = [24, 30]
-P2 = [18, 24]
-R1_max = 80
-R2_max = 80
-[module]
-stage1_mm = { min = 0.5, max = 0.8 }
-stage2_mm = { min = 0.5, max = 0.8 }
-[profile_shift]
-range = [-0.2, 0.8]
-[size]
+const std::string kTask = "preset = \"machined\"\nplanets = 3\n" +
+                          test::small_task({.S = {13, 15}, .P1 = {24, 30}, .P2 = {18, 24}}) +
+                          R"([size]
 sun_bore_mm = 5.0
 planet_bore_mm = 8.0
 ring_rim_mm = 2.5
@@ -218,8 +204,8 @@ TEST(WorkshopSearch, FindsDesignsBeyondKinksOfAGapOfTipCorners) {
 }
 
 TEST(WorkshopSearch, OneModuleIsOneModule) {
-  const Specification spec = io::parse_specification(
-      std::string(kTask) + "[limits]\nsame_module = true\nwall = false\n", "task.toml");
+  const Specification spec =
+      io::parse_specification(kTask + "[limits]\nsame_module = true\nwall = false\n", "task.toml");
   Progress progress;
   const OptimizeResult result = optimize(spec, progress);
   int found = 0;
