@@ -10,6 +10,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "tests/wide_rig/part_laws.hpp"
+
 namespace gear3k::wide_rig {
 namespace {
 
@@ -51,7 +53,9 @@ const std::map<std::string, Laws>& transmission_laws() {
 const std::map<std::string, Laws>& lost_motion_laws() {
   static const std::map<std::string, Laws> laws{
       {"clearance", {"constant", "seated", "thinned_teeth"}},
-      {"compliance", {"linear", "hertz_power", "logarithmic", "soft_start"}},
+      {"compliance",
+       {"linear", "hertz_power", "logarithmic", "soft_start", "two_stage", "three_stage",
+        "gradual_stages"}},
       {"thermal_expansion", {"linear", "lagging_housing", "two_materials"}},
       {"runout", {"single_wave", "with_harmonics", "one_sided"}},
       {"mesh_order", {"single_wave", "with_harmonics", "one_sided"}},
@@ -65,7 +69,9 @@ const std::map<std::string, Laws>& pair_loss_laws() {
   static const std::map<std::string, Laws> laws{
       {"friction_level", {"all_pairs", "wear_of_fine_teeth", "loss_power"}},
       {"friction_direction", {"flank_finish", "reducing_only", "approach_recess"}},
-      {"bearing_load", {"shaft_bearings", "pinion_bearing", "rolling_bearings"}},
+      {"bearing_load",
+       {"shaft_bearings", "pinion_bearing", "rolling_bearings", "torsion_shafts", "hub_bores",
+        "catalogue_bores"}},
       {"sensor_gain", {"loss_reading", "torque_ratio", "compressive"}},
       {"run_step", {"friction_sessions", "friction_one_step", "reading_sessions"}},
       {"unknown", {"common_factors", "tooth_window"}}};
@@ -75,7 +81,9 @@ const std::map<std::string, Laws>& pair_loss_laws() {
 const std::map<std::string, Laws>& torque_angle_laws() {
   static const std::map<std::string, Laws> laws{
       {"clearance", {"constant", "seated", "thinned_teeth"}},
-      {"compliance", {"linear", "hertz_power", "logarithmic", "soft_start"}},
+      {"compliance",
+       {"linear", "hertz_power", "logarithmic", "soft_start", "two_stage", "three_stage",
+        "gradual_stages"}},
       {"run_step", {"sessions", "one_step"}},
       {"drift", {"linear", "exponential", "power"}}};
   return laws;
@@ -472,6 +480,9 @@ HiddenEffect play_effect(const std::string& cause, const std::string& law,
         return (1.0 - share) * row.test_torque_Nm / top_Nm +
                share * std::min(1.0, row.test_torque_Nm / knee_Nm);
       });
+    } else if (law.ends_with("_stage") || law.ends_with("_stages")) {
+      const auto wound = stage_law(law, torque, random);
+      effect.value = times([=](const BenchRow& row) { return wound(row.test_torque_Nm); });
     } else {
       effect.value = times([=](const BenchRow& row) { return row.test_torque_Nm / top_Nm; });
       effect.parameters.push_back({"compliance", "arcmin/Nm of test torque", 0.0, 1.0 / top_Nm});
@@ -540,6 +551,15 @@ HiddenEffect pair_effect(const std::string& cause, const std::string& law,
       return 24.0 / small * std::pow(small / 24.0, growth) +
              both * 24.0 / large * std::pow(large / 24.0, growth);
     });
+    if (law.ends_with("_shafts") || law.ends_with("_bores")) {
+      const auto radius = bearing_radius_law(law, random);
+      const double half_module_mm = 0.5 * context.subject->module_mm;
+      effect.value = times([=](const BenchRow& row) {
+        const double one = half_module_mm * row.driving_teeth;
+        const double other = half_module_mm * row.driven_teeth;
+        return radius(one) / one + radius(other) / other;
+      });
+    }
     effect.companions = {"friction_level"};
     effect.start = 1e-3;
     positive(effect);

@@ -22,13 +22,14 @@ std::vector<ParameterRecord> parameters(const Form& form, Kind) {
                                        .plausible_low = 0.0,
                                        .plausible_high = 10.0}};
   if (form.name == kHardening) {
-    // A contact of points, the softest at its beginning, has 1/3 (Hertz): what looks softer still
-    // is play, which is `clearance`.
-    constexpr double kSoftest = 0.5;
+    // Compliance by T^(-h): points that touch have 1/3 (Hertz), a cone 1/2 (Sneddon), rough seats
+    // up to 1, as their approach goes with ln T (Persson 2007).  Beyond 1/2 the fit would take up
+    // play, which is `clearance`, but a gearbox may well be so soft at first.
+    constexpr double kSoftestOfFit = 0.5, kSoftest = 1.0;
     result.push_back({.name = "hardening",
                       .unit = "",
                       .lower = -1.0,
-                      .upper = kSoftest,
+                      .upper = kSoftestOfFit,
                       .plausible_low = -0.2,
                       .plausible_high = kSoftest});
   }

@@ -43,14 +43,8 @@ BranchZero find_branch_zero(const FilteredRecord& f, const Branch& branch,
   }
   zero.at = at;
   zero.at_double = zero_torque_crossing(f.raw.time_s, f.twice, branch, continuation);
-  const double branch_compliance = compliance_at(*at, f, branch);
-  std::vector<double> scatter;
-  scatter.reserve(to - from);
-  for (std::size_t i = from; i < to; ++i) {
-    scatter.push_back(f.raw.angle_rad[i] - f.smooth.angle_rad[i] -
-                      branch_compliance * (f.raw.torque_Nm[i] - f.smooth.torque_Nm[i]));
-  }
-  zero.noise = noise_of_left_out(scatter, f.left_out);
+  zero.noise =
+      noise_of_left_out(angle_scatter(f, from, to, compliance_at(*at, f, branch)), f.left_out);
   std::vector<double> weight(f.raw.time_s.size(), 0.0);
   add_filter_weights(f.response, at->i, 1.0 - at->s, weight);
   add_filter_weights(f.response, at->j, at->s, weight);

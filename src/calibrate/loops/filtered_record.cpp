@@ -61,4 +61,15 @@ FilteredRecord filter_record(TorqueAngleRecord record, double cutoff_per_sample,
   return f;
 }
 
+std::vector<double> angle_scatter(const FilteredRecord& f, std::size_t from, std::size_t to,
+                                  double compliance) {
+  std::vector<double> scatter;
+  scatter.reserve(to - from);
+  for (std::size_t i = from; i < to; ++i) {
+    scatter.push_back(f.raw.angle_rad[i] - f.smooth.angle_rad[i] -
+                      compliance * (f.raw.torque_Nm[i] - f.smooth.torque_Nm[i]));
+  }
+  return scatter;
+}
+
 }  // namespace gear3k::calibrate

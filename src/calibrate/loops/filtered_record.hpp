@@ -35,4 +35,15 @@ struct FilteredRecord {
 FilteredRecord filter_record(TorqueAngleRecord record, double cutoff_per_sample,
                              double samples_per_loop);
 
+/// Scatter of the angle from one sample to before another, that of the torque turned into angle.
+///
+///   u_i = (θ - θ̂)_i - c (T - T̂)_i          about the smooth curve
+///
+/// Source: docs/theory §31 (uncertainty).  Valid: no jump within `scatter_reach` of those samples.
+/// @param compliance  c, of the angle per torque there [rad/Nm]
+/// @returns of each sample [rad]; noise_of_left_out() of them and the record's `left_out` is that
+/// of the angle
+std::vector<double> angle_scatter(const FilteredRecord& record, std::size_t from, std::size_t to,
+                                  double compliance);
+
 }  // namespace gear3k::calibrate

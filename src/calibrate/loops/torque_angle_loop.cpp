@@ -51,6 +51,10 @@ BranchedRecord branch_record(FilteredRecord filtered, const std::vector<std::siz
 
 // --- one loop -----------------------------------------------------------------------------------
 
+double place_of(const Crossing& at) {
+  return static_cast<double>(at.i) + at.s * static_cast<double>(at.j - at.i);
+}
+
 /// Between the loading flanks at fractions of the smaller of their peaks (eq. 31.2).
 std::vector<TravelAtTorque> travel_between(const FilteredRecord& f, const Branch& rise,
                                            const Branch& fall, const std::vector<double>& levels) {
@@ -64,7 +68,9 @@ std::vector<TravelAtTorque> travel_between(const FilteredRecord& f, const Branch
     const auto down = torque_crossing(f.raw.time_s, f.once, fall, -level * peak);
     if (!up || !down) continue;
     travel.push_back({.torque_Nm = level * peak,
-                      .angle_rad = f.angle_sense * (up->angle_rad - down->angle_rad)});
+                      .angle_rad = f.angle_sense * (up->angle_rad - down->angle_rad),
+                      .fall_sample = place_of(*down),
+                      .rise_sample = place_of(*up)});
   }
   return travel;
 }
@@ -138,6 +144,8 @@ Loop measure_loop(const BranchedRecord& r, const LoopOptions& options, std::size
   const int sense = r.filtered.angle_sense;
   loop.falling_zero_angle_rad = fall.at->angle_rad;
   loop.rising_zero_angle_rad = rise.at->angle_rad;
+  loop.falling_zero_sample = place_of(*fall.at);
+  loop.rising_zero_sample = place_of(*rise.at);
   loop.lost_motion_rad = sense * (fall.at->angle_rad - rise.at->angle_rad);
   loop.lost_motion_sd_rad = std::sqrt(fall.variance_rad2 + rise.variance_rad2);
   loop.extrapolated_torque_Nm = std::max(fall.at->extrapolated_Nm, rise.at->extrapolated_Nm);
@@ -148,6 +156,25 @@ Loop measure_loop(const BranchedRecord& r, const LoopOptions& options, std::size
   loop.closing_error_rad = closing_error_rad(r.filtered, loop);
   loop.outcome = judge(r, options, b, loop);
   return loop;
+}
+
+/// Of the angle on the loading flanks of all loops, beyond the dead band and short of the turn. One
+/// flank is too few samples to tell how its noise correlates.
+CorrelatedNoise flank_noise(const BranchedRecord& r) {
+  constexpr double kFrom = 0.25;
+  const FilteredRecord& f = r.filtered;
+  std::vector<double> scatter;
+  for (const Branch& branch : r.branches) {
+    const double peak = f.once.torque_Nm[branch.last];
+    if ((peak > 0.0) != branch.rising) continue;
+    const auto from = torque_crossing(f.raw.time_s, f.once, branch, kFrom * peak);
+    const auto to = torque_crossing(f.raw.time_s, f.once, branch, kStiffnessTo * peak);
+    if (!from || !to || to->i < from->i + kFewestFlankSamples) continue;
+    const double compliance = (to->angle_rad - from->angle_rad) / ((kStiffnessTo - kFrom) * peak);
+    const std::vector<double> more = angle_scatter(f, from->i, to->i, compliance);
+    scatter.insert(scatter.end(), more.begin(), more.end());
+  }
+  return scatter.empty() ? CorrelatedNoise{} : noise_of_left_out(scatter, f.left_out);
 }
 
 // --- one record ---------------------------------------------------------------------------------
@@ -167,6 +194,7 @@ LoopAnalysis measure_record(FilteredRecord filtered, const LoopOptions& options)
   for (std::size_t b = 0; b + 1 < r.branches.size(); ++b) {
     analysis.loops.push_back(measure_loop(r, options, b));
   }
+  analysis.flank_noise = flank_noise(r);
   analysis.creep = find_creep(r.filtered, r.zeros, analysis.loops);
   return analysis;
 }

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "calibrate/loops/correlated_noise.hpp"
+
 namespace gear3k::calibrate {
 
 /// One measurement on a shaft while the other shaft is locked, in the order of time.
@@ -64,6 +66,8 @@ struct FlankStiffness {
 struct TravelAtTorque {
   double torque_Nm = 0.0;  ///< T > 0
   double angle_rad = 0.0;  ///< from -T on the falling flank to +T on the rising flank
+  /// Where the flanks pass -T and +T, in samples of the record, between two of them.
+  double fall_sample = 0.0, rise_sample = 0.0;
 };
 
 /// A falling branch and the rising branch next to it.
@@ -76,6 +80,8 @@ struct Loop {
   std::size_t first_sample = 0, reversal_sample = 0, last_sample = 0;
   double lowest_torque_Nm = 0.0, highest_torque_Nm = 0.0;            ///< filtered
   double falling_zero_angle_rad = 0.0, rising_zero_angle_rad = 0.0;  ///< at zero torque
+  /// Where the branches pass zero torque, in samples of the record, between two of them.
+  double falling_zero_sample = 0.0, rising_zero_sample = 0.0;
   /// Angle of the falling less that of the rising branch, both at zero torque; positive where the
   /// loop dissipates, whatever the sign of the angle.
   double lost_motion_rad = 0.0;
@@ -108,8 +114,11 @@ struct LoopAnalysis {
   double cutoff_per_sample = 0.0;  ///< of one pass, in cycles per sample
   double cutoff_Hz = 0.0;          ///< the same at the median time step; 0 where that is 0
   int angle_sense = 1;             ///< -1: the angle falls where the torque rises
-  std::optional<Creep> creep{};    ///< empty where no loop closes and no branch repeats
-  std::vector<Loop> loops{};       ///< of neighbouring branches: each branch may be in two of them
+  /// Of the angle on all loading flanks [rad²], that of the torque turned into angle; variance 0
+  /// where none has enough samples.
+  CorrelatedNoise flank_noise{};
+  std::optional<Creep> creep{};  ///< empty where no loop closes and no branch repeats
+  std::vector<Loop> loops{};     ///< of neighbouring branches: each branch may be in two of them
 };
 
 /// Finds the torque reversals, filters, and measures each pair of a falling and a rising branch.

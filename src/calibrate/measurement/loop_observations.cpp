@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
+#include <numeric>
 #include <stdexcept>
 #include <utility>
 
+#include "calibrate/loops/zero_phase_filter.hpp"
+#include "calibrate/measurement/loop_reading.hpp"
 #include "calibrate/measurement/response_unit.hpp"
 
 namespace gear3k::calibrate {
@@ -28,6 +30,7 @@ struct Session {
 struct UsedLoop {
   const Session* session;
   const Loop* loop;
+  const LoopAnalysis* record;
 };
 
 std::vector<Session> sessions_of(const std::vector<LockedShaftRecord>& records, double ratio,
@@ -80,58 +83,72 @@ double peak_of(const Loop& loop) {
   return std::min(-loop.lowest_torque_Nm, loop.highest_torque_Nm);
 }
 
-/// Travel at a torque, between the levels that were read.
-std::optional<double> travel_at(const Loop& loop, double torque_Nm) {
-  const auto& levels = loop.travel;
-  for (std::size_t k = 1; k < levels.size(); ++k) {
-    const auto& low = levels[k - 1];
-    const auto& high = levels[k];
-    if (torque_Nm < low.torque_Nm || torque_Nm > high.torque_Nm) continue;
-    const double share = (torque_Nm - low.torque_Nm) / (high.torque_Nm - low.torque_Nm);
-    return low.angle_rad + share * (high.angle_rad - low.angle_rad);
+std::vector<LoopReading> readings_of(const std::vector<UsedLoop>& used, double peak_Nm) {
+  std::vector<LoopReading> readings;
+  readings.reserve(used.size());
+  const Session* session = nullptr;
+  std::vector<double> response;
+  for (const UsedLoop& u : used) {
+    if (u.session != session) response = impulse_response(u.record->cutoff_per_sample);
+    session = u.session;
+    readings.push_back(read_loop(*u.loop, u.record->flank_noise, response, peak_Nm));
   }
-  return std::nullopt;
+  return readings;
 }
 
-/// Mean travel about a torque; empty where the flanks do not reach that far.
-std::optional<double> mean_travel(const Loop& loop, double torque_Nm, double band_Nm) {
-  constexpr int kSteps = 10;
-  double sum = 0.0;
-  for (int k = 0; k <= kSteps; ++k) {
-    const auto travel = travel_at(loop, torque_Nm + band_Nm * (2.0 * k / kSteps - 1.0));
-    if (!travel) return std::nullopt;
-    sum += *travel;
+/// Friction holds the shaft that was measured: loops of one such shaft have one.
+std::vector<double> openings_of(const std::vector<UsedLoop>& used,
+                                const std::vector<LoopReading>& readings) {
+  std::vector<double> opening(used.size(), 0.0);
+  for (const bool sun_locked : {true, false}) {
+    std::vector<LoopReading> some;
+    std::vector<std::size_t> place;
+    for (std::size_t k = 0; k < used.size(); ++k) {
+      if (used[k].session->sun_locked != sun_locked) continue;
+      some.push_back(readings[k]);
+      place.push_back(k);
+    }
+    const std::vector<double> h = friction_openings_rad(some);
+    for (std::size_t k = 0; k < place.size(); ++k) opening[place[k]] = h[k];
   }
-  return sum / (kSteps + 1);
+  return opening;
 }
 
-struct Intercept {
-  double value = 0.0, standard_deviation = 0.0;
+/// When a reading was taken that is made of two: between the times of both.
+double mean_time(const std::vector<double>& time_s, double one_sample, double other_sample) {
+  const auto at = [&](double place) {
+    const auto last = static_cast<double>(time_s.size() - 1);
+    const auto k = static_cast<std::size_t>(std::clamp(std::floor(place), 0.0, last));
+    const std::size_t next = std::min(k + 1, time_s.size() - 1);
+    return time_s[k] + (place - static_cast<double>(k)) * (time_s[next] - time_s[k]);
+  };
+  return 0.5 * (at(one_sample) + at(other_sample));
+}
+
+double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+/// Deviations of a session's readings, which share their filter and their noise; NaN: not known.
+struct ReadingScatter {
+  double zero_rad = kUnknown, travel_rad = kUnknown;
 };
-
-/// Least-squares line through points (x, y), at x = 0, with the scatter about it; empty with fewer
-/// than three.
-std::optional<Intercept> intercept_of(const std::vector<std::array<double, 2>>& points) {
-  if (points.size() < 3) return std::nullopt;
-  const auto count = static_cast<double>(points.size());
-  double x = 0.0;
-  double y = 0.0;
-  for (const auto& p : points) {
-    x += p[0] / count;
-    y += p[1] / count;
+ReadingScatter scatter_of(const Session& session, const std::vector<UsedLoop>& used,
+                          const std::vector<LoopReading>& readings) {
+  constexpr double kMostRatio = 3.0;
+  std::vector<double> zero, travel;
+  for (std::size_t k = 0; k < used.size(); ++k) {
+    if (used[k].session != &session) continue;
+    zero.push_back(readings[k].zero_variance_rad2);
+    for (const TravelReading& one : readings[k].travel) travel.push_back(one.variance_rad2);
   }
-  double xx = 0.0;
-  double xy = 0.0;
-  double yy = 0.0;
-  for (const auto& p : points) {
-    xx += (p[0] - x) * (p[0] - x);
-    xy += (p[0] - x) * (p[1] - y);
-    yy += (p[1] - y) * (p[1] - y);
-  }
-  if (!(xx > 0.0)) return std::nullopt;
-  const double left = std::max(0.0, yy - xy * xy / xx) / (count - 2.0);
-  return Intercept{.value = y - xy / xx * x,
-                   .standard_deviation = std::sqrt(left * (1.0 / count + x * x / xx))};
+  if (zero.empty() || travel.empty()) return {};
+  const double zero_rad = std::sqrt(median_of(std::move(zero)));
+  const double travel_rad = std::sqrt(median_of(std::move(travel)));
+  return {.zero_rad = std::max(zero_rad, travel_rad / kMostRatio),
+          .travel_rad = std::max(travel_rad, zero_rad / kMostRatio)};
 }
 
 std::string session_text(const Session& session) {
@@ -203,7 +220,7 @@ LoopObservations loop_observations(const std::vector<LockedShaftRecord>& records
       }
       if (loop.first_sample < free_from) continue;
       free_from = loop.last_sample;
-      used.push_back({.session = &sessions[s], .loop = &loop});
+      used.push_back({.session = &sessions[s], .loop = &loop, .record = &analysis});
       found.loops.push_back({.number = static_cast<int>(k) + 1, .loop = loop});
     }
     if (!found.loops.empty()) result.sessions.push_back(std::move(found));
@@ -213,45 +230,42 @@ LoopObservations loop_observations(const std::vector<LockedShaftRecord>& records
 
   double peak = std::numeric_limits<double>::infinity();
   for (const UsedLoop& u : used) peak = std::min(peak, peak_of(*u.loop));
-  double taken_sum = 0.0;
-  int taken = 0;
-  for (const auto& [session, loop] : used) {
-    std::vector<std::array<double, 2>> points;
-    for (const double fraction : kTravelFractions) {
-      if (const auto travel = mean_travel(*loop, fraction * peak, kTravelBand * peak)) {
-        points.push_back({fraction * peak, *travel});
-      }
-    }
-    double half = 0.0;
-    if (const auto at_zero = intercept_of(points)) {
-      constexpr double kDeviations = 3.0;
-      const double h = loop->lost_motion_rad - at_zero->value;
-      if (h > kDeviations * std::hypot(loop->lost_motion_sd_rad, at_zero->standard_deviation)) {
-        half = 0.5 * h;
-      }
-    }
-    if (half > 0.0) {
-      taken_sum += half;
-      ++taken;
-    }
+  const std::vector<LoopReading> readings = readings_of(used, peak);
+  const std::vector<double> opening = openings_of(used, readings);
+  for (std::size_t u = 0; u < used.size(); ++u) {
+    const Session& session = *used[u].session;
+    const Loop& loop = *used[u].loop;
+    const ReadingScatter scatter = scatter_of(session, used, readings);
     Observation row;
-    row.condition.run = session->run;
-    row.file = session->file;
-    row.line = session->place[loop->first_sample];
-    if (!session->samples.time_s.empty()) {
-      row.condition.time_s = session->samples.time_s[loop->reversal_sample];
-      const double start_s = session->samples.time_s.front();
-      if (!(result.record_start_s <= start_s)) result.record_start_s = start_s;
+    row.condition.run = session.run;
+    row.file = session.file;
+    row.line = session.place[loop.first_sample];
+    const std::vector<double>& time_s = session.samples.time_s;
+    if (!time_s.empty() && !(result.record_start_s <= time_s.front())) {
+      result.record_start_s = time_s.front();
     }
-    if (loop->lost_motion_sd_rad > 0.0) row.sigma = loop->lost_motion_sd_rad;
-    row.response = loop->lost_motion_rad - half;
+    const auto time_of = [&](double fall_sample, double rise_sample) {
+      if (time_s.empty()) return kUnknown;
+      // Within one loop nothing tells a drift from what goes with the torque.
+      return used.size() > 1 ? mean_time(time_s, fall_sample, rise_sample)
+                             : time_s[loop.reversal_sample];
+    };
+    row.condition.time_s = time_of(loop.falling_zero_sample, loop.rising_zero_sample);
+    row.response = readings[u].zero_rad - 0.5 * opening[u];
+    row.scatter = scatter.zero_rad;
+    const auto sigma = [](double v) { return v > 0.0 ? std::sqrt(v) : kUnknown; };
+    row.sigma = sigma(readings[u].zero_variance_rad2);
     result.rows.push_back(row);
-    for (const auto& [torque, travel] : points) {
-      row.condition.test_torque_Nm = torque;
-      row.response = travel + half;
+    row.scatter = scatter.travel_rad;
+    for (const TravelReading& travel : readings[u].travel) {
+      row.condition.test_torque_Nm = travel.torque_Nm;
+      row.condition.time_s = time_of(travel.fall_sample, travel.rise_sample);
+      row.response = travel.angle_rad + 0.5 * opening[u];
+      row.sigma = sigma(travel.variance_rad2);
       result.rows.push_back(row);
     }
   }
+  const auto taken = std::ranges::count_if(opening, [](double h) { return h > 0.0; });
   result.notes.push_back(
       fmt::format("{} loop{} read as lost motion at test torques 0 to {:.4g} N m", used.size(),
                   used.size() == 1 ? "" : "s", kTravelFractions.back() * peak));
@@ -259,7 +273,9 @@ LoopObservations loop_observations(const std::vector<LockedShaftRecord>& records
     result.notes.push_back(fmt::format(
         "friction opens {} loop{} by {:.3g} arcmin at zero torque and takes as much off the travel "
         "(means): both are corrected for it",
-        taken, taken == 1 ? "" : "s", taken_sum / taken / response_unit(Kind::kLostMotion).si));
+        taken, taken == 1 ? "" : "s",
+        0.5 * std::accumulate(opening.begin(), opening.end(), 0.0) / static_cast<double>(taken) /
+            response_unit(Kind::kLostMotion).si));
   }
   return result;
 }

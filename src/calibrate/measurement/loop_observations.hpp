@@ -1,11 +1,11 @@
 #pragma once
 // Torque-angle records as lost motion under test torques.
 
-#include <array>
 #include <string>
 #include <vector>
 
 #include "calibrate/loops/torque_angle_loop.hpp"
+#include "calibrate/measurement/loop_reading.hpp"
 #include "calibrate/measurement/measurement.hpp"
 
 namespace gear3k::calibrate {
@@ -31,11 +31,6 @@ struct LoopObservations {
   double record_start_s = kUnknown;   ///< when the first record with such loops begins
 };
 
-/// Fractions of the smallest peak torque of all loops at which travel is read, as the mean over
-/// kTravelBand to either side (less would leave the noise of single samples).
-inline constexpr std::array<double, 6> kTravelFractions{0.3, 0.4, 0.5, 0.6, 0.7, 0.8};
-inline constexpr double kTravelBand = 0.05;
-
 /// Each loop as rows of lost motion at the output: one at test torque 0, the angle between the
 /// branches at zero torque, and the travel between -T and +T on the loading flanks at a few
 /// torques.
@@ -46,12 +41,19 @@ inline constexpr double kTravelBand = 0.05;
 ///   θ(0) = b + T_f c,   travel(T) = b + (T - T_f) c,   c = 1/k₊ + 1/k₋
 ///
 /// so that half of h = θ(0) - travel extrapolated to T = 0 (= 2 T_f c) is taken from the first and
-/// added to the second, where h > 3 of its standard deviations: b + c T is what the gearbox gives
-/// without friction, which the lost motion of the design leaves out.  Notes say how much.
+/// added to the second (friction_openings_rad(), of the loops measured at the same shaft): b + c T
+/// is what the gearbox gives without friction, which the lost motion of the design leaves out.
+/// Notes say how much.
 ///
+/// The time of a row is the mean of the two at which its branches pass the torque: what drifts
+/// within a loop would else look like compliance.  One loop alone has one time: within it nothing
+/// tells a drift from what goes with the torque.
 /// A record without runs is a session of its own when there are several.
 /// Loops that share a branch are not independent: of those, every second one is used.  Sigma is
-/// that of the loop's filter at zero torque, for its travels too.
+/// that of the noise at zero torque and in the mean over each travel's band, without that of the
+/// opening, which all rows share; scatter the same, as the median of the session's loops, at most
+/// 3 times as great in one row as in another: noise slower than the filter, which all rows of a
+/// loop share, is not seen.
 /// Source: own derivation; branches as in docs/theory §31.
 /// @throws std::invalid_argument when the ratio is not finite or 0, or as analyse_loops()
 LoopObservations loop_observations(const std::vector<LockedShaftRecord>& records, double ratio);

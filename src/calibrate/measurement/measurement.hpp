@@ -43,7 +43,9 @@ struct Observation {
   Condition condition;
   double response = 0.0;    ///< sun torque [Nm], lost motion [rad] or loss factor
   double sigma = kUnknown;  ///< one standard deviation of the response
-  int file = 0, line = 0;   ///< where it stands, of MeasurementSet::files
+  /// The same in proportion to those of other rows, where how it was read tells no more.
+  double scatter = kUnknown;
+  int file = 0, line = 0;  ///< where it stands, of MeasurementSet::files
 };
 
 /// A column that the layout does not name.

@@ -114,6 +114,15 @@ NoiseModel make_noise_model(const MeasurementSet& data) {
       noise.weight[i] = 1.0 / data.rows[static_cast<std::size_t>(i)].sigma;
     }
   }
+  const bool in_proportion =
+      !stated && n > 0 &&
+      std::ranges::all_of(data.rows, [](const auto& row) { return row.scatter > 0.0; });
+  if (in_proportion) {
+    for (Eigen::Index i = 0; i < n; ++i) {
+      noise.weight[i] = 1.0 / data.rows[static_cast<std::size_t>(i)].scatter;
+    }
+    noise.weight /= root_mean_square(noise.weight);
+  }
   noise.order = reading_order(data);
   noise.runs = static_cast<int>(data.runs.size());
   noise.rows_per_run.assign(data.runs.size(), 0.0);

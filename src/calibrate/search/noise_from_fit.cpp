@@ -60,7 +60,7 @@ std::optional<Eigen::VectorXd> weights_by_response(const Problem& problem,
   }
   constexpr double kClearly = 3.0;
   if (best == 0.0 || likelihood(best) < likelihood(0.0) + kClearly) return std::nullopt;
-  return weights(best);
+  return problem.noise.weight.cwiseProduct(weights(best));
 }
 
 SessionScatter session_scatter(const Problem& problem, const SearchResult& found) {

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "tests/rig/deterministic_random.hpp"
+
 namespace gear3k::calibrate::loop_observations_test {
 namespace {
 
@@ -55,6 +57,47 @@ TEST(LoopObservations, AreDeadBandPlusWindUpWithoutTheFriction) {
     EXPECT_NEAR(row.response, travel_of(shaft, row.condition.test_torque_Nm),
                 0.01 * shaft.dead_band_rad)
         << row.condition.test_torque_Nm;
+  }
+}
+
+TEST(LoopObservations, WhatDriftsWithinALoopIsThatOfTheRowsTime) {
+  const Shaft shaft;
+  constexpr double kDrift_s = 0.02 * kArcmin;  // of the dead band, per second
+  TorqueAngleRecord record = wind_up(shaft, 4);
+  const std::vector<double> still = record.angle_rad;
+  for (std::size_t k = 0; k < still.size(); ++k) {
+    // The flank that carries moves out by half of it.
+    const double side = std::copysign(0.5, still[k]);
+    if (std::abs(still[k]) >= 0.5 * shaft.dead_band_rad) {
+      record.angle_rad[k] += side * kDrift_s * record.time_s[k];
+    }
+  }
+  const LoopObservations found = loop_observations({{.samples = record}}, 96.0);
+  ASSERT_GE(found.rows.size(), 14U);
+  double earliest = HUGE_VAL, latest = 0.0;
+  for (std::size_t k = 0; k < 7; ++k) {
+    const Condition& c = found.rows[k].condition;
+    earliest = std::min(earliest, c.time_s);
+    latest = std::max(latest, c.time_s);
+    EXPECT_NEAR(found.rows[k].response - kDrift_s * c.time_s, travel_of(shaft, c.test_torque_Nm),
+                0.01 * shaft.dead_band_rad)
+        << c.test_torque_Nm;
+  }
+  // 0.5 of the peak is an eighth of a loop of 40 s.
+  EXPECT_GT(latest - earliest, 4.0);
+}
+
+TEST(LoopObservations, RowsScatterInProportionWhereTheAngleAndMeansOverABandDo) {
+  rig::DeterministicRandom random(5);
+  TorqueAngleRecord record = wind_up({}, 5);
+  for (double& angle : record.angle_rad) angle += 1e-5 * random.normal();
+  const LoopObservations found = loop_observations({{.samples = record}}, 96.0);
+  ASSERT_GE(found.rows.size(), 14U);
+  const double zero = found.rows[0].scatter, travel = found.rows[1].scatter;
+  EXPECT_GT(zero, 1.2 * travel);
+  EXPECT_LT(zero, 3.01 * travel);
+  for (const Observation& row : found.rows) {
+    EXPECT_EQ(row.scatter, row.condition.test_torque_Nm > 0.0 ? travel : zero);
   }
 }
 

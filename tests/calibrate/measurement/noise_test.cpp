@@ -209,6 +209,20 @@ TEST(NoiseModel, TakesStatedDeviationsWhereEveryRowHasOne) {
   EXPECT_EQ(with.weight, Eigen::Vector3d(2.0, 0.5, 0.25));
 }
 
+TEST(NoiseModel, WeightsRowsInProportionWhereEveryOneTellsIt) {
+  MeasurementSet data = set_of({row_at(20.0, 5.0), row_at(20.0, 50.0), row_at(60.0, 5.0)});
+  data.rows[0].scatter = data.rows[1].scatter = 2.0;
+  EXPECT_TRUE(make_noise_model(data).counts_rows_alike()) << "the third says nothing";
+  data.rows[2].scatter = 1.0;
+  const NoiseModel noise = make_noise_model(data);
+  EXPECT_NE(noise.source, NoiseSource::kStated) << "a unit of theirs is not stated";
+  EXPECT_NEAR(noise.weight[2] / noise.weight[0], 2.0, 1e-12);
+  EXPECT_EQ(noise.weight[0], noise.weight[1]);
+  EXPECT_NEAR(noise.weight.squaredNorm(), 3.0, 1e-12);
+  for (Observation& row : data.rows) row.sigma = 0.1;
+  EXPECT_TRUE(make_noise_model(data).counts_rows_alike()) << "what is stated comes first";
+}
+
 TEST(Whiten, MakesRowsOfScatteringSessionsIndependent) {
   // Unequal sessions, one row without any, unequal rows.
   std::vector<Observation> rows;
