@@ -343,7 +343,7 @@ std::string ended_text(const Specification& spec, const optimize::ParetoFront& f
       return fmt::format("of {} asked for: less than {:g} % is missing", spec.pareto_points,
                          100.0 * optimize::kFrontFound);
     case Ended::kSearches:
-      return fmt::format("of {} asked for: {} searches for each were made", spec.pareto_points,
+      return fmt::format("of {} asked for: {} searches for each made", spec.pareto_points,
                          optimize::kMostSearches);
     case Ended::kBudget:
       return fmt::format("of {} asked for: its time was spent", spec.pareto_points);
@@ -382,10 +382,10 @@ std::string pareto_table(const Specification& spec, const optimize::ParetoFront&
                                front.grid_cut, spec.solver.grid_relaxations)
                          : "";
   return fmt::format(
-      "\nPareto front: {} designs from {} searches of the whole space ({}); of the box between the "
-      "best of each objective\nalone and the worst that the others' best designs have they "
-      "dominate "
-      "{:.2f} %, others may dominate {:.2f} % more\n{}{}",
+      "\nPareto front: {} designs from {} searches of all sets ({})\n"
+      "  of the box between the best of each objective alone and the worst of the others' best "
+      "designs\n"
+      "  they dominate {:.2f} %, others may dominate {:.2f} % more\n{}{}",
       front.points.size(), front.searches, ended_text(spec, front), 100.0 * front.hypervolume,
       100.0 * front.missing, table.text(2), cut);
 }

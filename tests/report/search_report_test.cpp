@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <sstream>
 #include <string>
 #include <string_view>
 
@@ -39,6 +40,29 @@ TEST(SearchReport, ObjectivesFollowTheColumnsOfTheFront) {
   const std::string row = text.substr(header.size());
   EXPECT_TRUE(row.starts_with("12,64,141,52,132,failed,,96.5")) << row;
   EXPECT_EQ(std::ranges::count(row, ','), std::ranges::count(header, ','));
+}
+
+TEST(SearchReport, WhatIsSaidOfAFrontFitsAHundredColumnsAndTellsOfGridsThatWereCutShort) {
+  optimize::Specification spec;
+  spec.objectives = {optimize::Objective::kBackwardEfficiency, optimize::Objective::kLostMotion};
+  spec.pareto_points = 30;
+  optimize::ParetoFront front;
+  front.searches = 120;
+  front.ended = optimize::ParetoFront::Ended::kSearches;
+  const auto longest = [](const std::string& text) {
+    std::size_t most = 0;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) most = std::max(most, line.size());
+    return most;
+  };
+  EXPECT_EQ(pareto_table(spec, front).find("grids"), std::string::npos);
+  front.grid_cut = 2;
+  const std::string text = pareto_table(spec, front);
+  EXPECT_LE(longest(text), 100U) << text;
+  EXPECT_NE(text.find("grids of shifts were not searched to the end in 2 refinements"),
+            std::string::npos);
+  const optimize::OptimizeResult nothing{};
+  EXPECT_EQ(pareto_csv(nothing, {.grid = true}), kHeader + ",grid_cut\n");
 }
 
 std::string search_csv(optimize::ZeroShiftRanking& ranking) {
