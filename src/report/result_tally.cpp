@@ -28,6 +28,13 @@ bool is_of_load(const optimize::Miss& miss) {
   });
 }
 
+/// Of blocked sets that are proven empty, or of others, what says more first: one constraint alone
+/// before several, a known miss before one that is not, less of it.
+std::tuple<bool, bool, double, std::uint32_t> key_of(const RefinedSet& set) {
+  const double miss = set.blocked_by.front().violation;
+  return {set.blocked_together, !(miss > 0.0), miss, set.index};
+}
+
 /// Of a ratio from its target.
 std::string percent_off(double ratio, double target) {
   const double percent = 100.0 * std::abs(ratio / target - 1.0);
@@ -38,11 +45,11 @@ std::string percent_off(double ratio, double target) {
 
 ResultTally tally_of(const OptimizeResult& result) {
   ResultTally tally;
-  // Sets that one constraint alone keeps from being feasible say most.
-  const auto key = [](const RefinedSet& s) {
-    const double violation = s.blocked_by.front().violation;
-    return std::tuple(s.status == Status::kInfeasible, s.blocked_together, !(violation > 0.0),
-                      violation, s.index);
+  std::map<std::string_view, RefinedSet> nearest;  // by what blocks it, proven sets apart
+  const auto offer = [&](const RefinedSet& set) {
+    const bool proven = set.status == Status::kInfeasible;
+    const auto [own, is_new] = nearest.try_emplace(proven ? reason_of(set) : "", set);
+    if (!is_new && key_of(set) < key_of(own->second)) own->second = set;
   };
   optimize::for_each_set(result, [&](std::size_t, const std::optional<RefinedSet>& set) {
     if (!set) {
@@ -55,9 +62,20 @@ ResultTally tally_of(const OptimizeResult& result) {
     if (set->status == Status::kOptimal) return;
     if (!reason_of(*set).empty()) ++tally.reasons[status][std::string(reason_of(*set))];
     if (set->blocked_by.empty()) return;
-    if (!tally.nearest || key(*set) < key(*tally.nearest)) tally.nearest = set;
+    offer(*set);
     if (std::ranges::any_of(set->blocked_by, is_of_load)) ++tally.blocked_by_load;
   });
+  // Sets that were tried before those proven empty, whose bounds are no distances: of these what
+  // blocks most of them.
+  constexpr auto kProven = static_cast<std::size_t>(Status::kInfeasible);
+  const auto& proven = tally.reasons[kProven];
+  const std::size_t proven_count = tally.status[kProven];
+  const auto key = [&](const auto& own) {
+    const auto alike = proven.find(std::string(own.first));
+    const std::size_t sets = alike == proven.end() ? 0 : alike->second;
+    return std::tuple(!own.first.empty(), proven_count - sets, key_of(own.second));
+  };
+  if (!nearest.empty()) tally.nearest = std::ranges::min_element(nearest, {}, key)->second;
   return tally;
 }
 
@@ -65,8 +83,7 @@ std::string grid_cut_text(const Specification& spec, std::size_t sets) {
   if (sets == 0) return "";
   return fmt::format(
       "the grid of shifts was not searched to the end in {} tooth set{}, at "
-      "solver.grid_relaxations "
-      "= {}: better designs may be left there, a greater number finds them",
+      "solver.grid_relaxations = {}: better designs may be left there, a greater number finds them",
       sets, sets == 1 ? "" : "s", spec.solver.grid_relaxations);
 }
 

@@ -19,7 +19,8 @@ struct ResultTally {
   std::size_t grid_cut = 0;  ///< sets the search of whose grids was cut short
   std::size_t open = 0;      ///< not reached, as the run was interrupted
   /// Of the sets without a feasible design the one that says most: found rather than proven so,
-  /// blocked by one constraint alone, by the least miss.
+  /// blocked by one constraint alone, of proven ones by that which blocks most sets, by the least
+  /// miss.
   std::optional<optimize::RefinedSet> nearest;
   std::size_t blocked_by_load = 0;  ///< sets that a limit of the load blocks, alone or among others
 };

@@ -56,6 +56,27 @@ TEST(WithoutDesign, WhyNoLimitIsRelaxedIsSaidOnTheScreenAndInTheSummary) {
   EXPECT_FALSE(other.at("relaxed_limits").at("freed").empty());
 }
 
+// What blocks most sets is named, not the one whose proof happens to miss least.
+TEST(WithoutDesign, TheConstraintThatBlocksMostSetsIsNamed) {
+  const Workplace place;
+  place.write("spec.toml",
+              "name = \"seven planets\"\nplanets = 7\nidentical_planets = false\n[ratio]\n"
+              "target = 96.2\n[teeth]\nS = [11, 14]\nP1 = [50, 70]\nP2 = [30, 60]\n"
+              "R1_max = 150\nR2_max = 150\n[module]\nstage1_mm = { min = 0.5, max = 1.0 }\n"
+              "stage2_mm = { min = 0.5, max = 1.0 }\n[size]\nmax_ring_root_diameter_mm = 76.0\n"
+              "[friction]\ncoefficient = 0.1\n");
+  const ProgramResult run = place.run({"optimize", "spec.toml", "--out", "out", "--quiet"});
+  EXPECT_EQ(run.exit_code, 3);
+  const json reasons = json::parse(place.read("out/summary.json")).at("reasons").at("infeasible");
+  ASSERT_GT(reasons.size(), 1U) << reasons;
+  std::string most;
+  for (const auto& [reason, sets] : reasons.items()) {
+    if (most.empty() || sets > reasons.at(most)) most = reason;
+  }
+  EXPECT_EQ(run.err.find("no feasible design: blocked by " + most + ": the nearest set"), 0U)
+      << reasons << run.err;
+}
+
 // A mesh without backlash has no lost motion, to rounding.
 TEST(WithoutDesign, ALimitThatHasToVanishIsToldAsNothing) {
   const Workplace place;
