@@ -274,6 +274,268 @@ std::string actuator_usage_error(const CLI::App& command, const cli::ActuatorOpt
   return fmt::format("{}", fmt::join(errors, "\n"));
 }
 
+/// Options of every command, and what runs: a command is called after all arguments were accepted.
+struct Commands {
+  cli::AnalyzeOptions analyze;
+  cli::AnalyzeOptions mesh;
+  cli::CompareOptions compare;
+  cli::SearchOptions search;
+  cli::OptimizeOptions optimize;
+  cli::ExportOptions drawings;
+  cli::MapOptions map;
+  cli::TolerancesOptions tolerances;
+  cli::DiagnoseOptions diagnose;
+  cli::ReproduceOptions reproduce;
+  cli::ActuatorOptions actuator;
+  cli::SimulateOptions simulate;
+  cli::AtlasOptions atlas;
+  cli::SweepCommands sweep;
+  cli::KeysOptions keys;
+  cli::NewOptions first;
+  cli::ManualOptions manual;
+  cli::CommonOptions completion;
+  std::function<cli::ExitCode()> run;
+};
+
+/// One gearbox or pair, and several beside each other.
+void add_gearbox_commands(CLI::App& app, Commands& c) {
+  CLI::App* analyze_command = app.add_subcommand("analyze", "everything known about one gearbox");
+  analyze_command->add_option("DESIGN", c.analyze.file, "DESIGN.toml")->required();
+  analyze_command->add_flag("--strict", c.analyze.strict, "exit with 3 when a check fails");
+  add_model_option(*analyze_command, c.analyze.model);
+  add_show_options(*analyze_command, c.analyze.show);
+  add_common_options(*analyze_command, c.analyze);
+  add_out_file(*analyze_command, c.analyze);
+  analyze_command
+      ->add_option("--figures", c.analyze.figures,
+                   "folder for torque_angle.csv and its figure, of a design with [strength]; made "
+                   "when missing; figures need gnuplot")
+      ->option_text("DIR");
+  analyze_command->footer(keys_of("DESIGN.toml"));
+  analyze_command->callback([&c] { c.run = [&c] { return cli::run_analyze(c.analyze); }; });
+
+  CLI::App* mesh_command = app.add_subcommand("mesh", "one external or internal pair of gears");
+  mesh_command->add_option("PAIR", c.mesh.file, "PAIR.toml")->required();
+  mesh_command->add_flag("--strict", c.mesh.strict, "exit with 3 when a check fails");
+  add_show_options(*mesh_command, c.mesh.show);
+  add_common_options(*mesh_command, c.mesh);
+  add_out_file(*mesh_command, c.mesh);
+  mesh_command->footer(keys_of("PAIR.toml"));
+  mesh_command->callback([&c] { c.run = [&c] { return cli::run_mesh(c.mesh); }; });
+
+  CLI::App* compare_command =
+      app.add_subcommand("compare", "designs side by side: what differs, and by how much");
+  constexpr int kMostCompared = 32;
+  compare_command->add_option("DESIGN", c.compare.files, "DESIGN.toml, two or more")
+      ->required()
+      ->expected(2, kMostCompared)
+      ->option_text(fmt::format("2 to {} files", kMostCompared));
+  add_common_options(*compare_command, c.compare);
+  add_out_file(*compare_command, c.compare);
+  add_columns(*compare_command, c.compare.columns, 80, "of the table; 100 into a file");
+  compare_command->callback([&c] { c.run = [&c] { return cli::run_compare(c.compare); }; });
+}
+
+/// From a task to a gearbox.
+void add_task_commands(CLI::App& app, Commands& c) {
+  CLI::App* search_command =
+      app.add_subcommand("search", "the tooth sets that fit a ratio, ranked at zero profile shift");
+  search_command->add_option("SPEC", c.search.file, "SPEC.toml")->required();
+  search_command->add_option("--top", c.search.top, "rows of the table")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  add_common_options(*search_command, c.search);
+  add_out_file(*search_command, c.search);
+  search_command->footer(keys_of("SPEC.toml"));
+  search_command->callback([&c] { c.run = [&c] { return cli::run_search(c.search); }; });
+
+  CLI::App* optimize_command =
+      app.add_subcommand("optimize", "search, refine every tooth set, write the best design");
+  optimize_command->add_option("SPEC", c.optimize.file, "SPEC.toml")->required();
+  add_show_options(*optimize_command, c.optimize.show);
+  optimize_command->add_option("--out", c.optimize.out, "folder for the result files")->required();
+  optimize_command->add_flag(
+      "--certify", c.optimize.certify,
+      "refine only sets whose bound reaches the best, and prove none better");
+  optimize_command->add_flag("--round", c.optimize.round,
+                             "write it rounded to the steps of [round] too, as best_rounded.toml");
+  optimize_command
+      ->add_option("--front-budget", c.optimize.front_budget_s,
+                   "after which the front of a list of objectives is left as it is")
+      ->check(CLI::Range(0.001, 1e7))
+      ->check(cli::refuse_nan)
+      ->option_text("SECONDS");
+  CLI::Option* resume = optimize_command->add_flag(
+      "--resume", c.optimize.resume, "go on with the run in --out that was interrupted or killed");
+  optimize_command
+      ->add_flag("--force", c.optimize.force, "replace the result of an earlier run in --out")
+      ->excludes(resume);
+  add_model_option(*optimize_command, c.optimize.model);
+  add_common_options(*optimize_command, c.optimize);
+  optimize_command->footer(keys_of("SPEC.toml"));
+  optimize_command->callback([&c] { c.run = [&c] { return cli::run_optimize(c.optimize); }; });
+}
+
+/// What becomes of a drawn gearbox.
+void add_drawn_commands(CLI::App& app, Commands& c) {
+  CLI::App* export_command = app.add_subcommand(
+      "export", "tooth outlines and the assembled train as DXF and SVG drawings");
+  add_export_options(*export_command, c.drawings);
+  export_command->callback([&c] {
+    if (const std::string error = export_usage_error(c.drawings); !error.empty()) {
+      throw CLI::ValidationError(error, CLI::ExitCodes::ValidationError);
+    }
+    c.run = [&c] { return cli::run_export(c.drawings); };
+  });
+
+  CLI::App* map_command = app.add_subcommand(
+      "map", "efficiency over speed and load in both directions, no-load and breakaway torque");
+  map_command->add_option("DESIGN", c.map.file, "DESIGN.toml")->required();
+  map_command
+      ->add_option("--out", c.map.out,
+                   "folder for map.csv, map.json and figures; made when missing; figures need "
+                   "gnuplot")
+      ->option_text("DIR");
+  add_model_option(*map_command, c.map.model);
+  add_common_options(*map_command, c.map);
+  map_command->footer(keys_of("DESIGN.toml"));
+  map_command->callback([&c] { c.run = [&c] { return cli::run_map(c.map); }; });
+
+  CLI::App* tolerances_command = app.add_subcommand(
+      "tolerances", "what gearboxes built within their tolerances will do: yield, jamming, spread");
+  tolerances_command->add_option("DESIGN", c.tolerances.file, "DESIGN.toml with [tolerances]")
+      ->required();
+  tolerances_command
+      ->add_option("--out", c.tolerances.out,
+                   "folder for tolerances.json, lost_motion.csv, tolerances.csv, turn.csv, "
+                   "turn_orders.csv and figures; made when missing; figures need gnuplot")
+      ->option_text("DIR");
+  tolerances_command
+      ->add_option("--samples", c.tolerances.samples, "gearboxes, instead of tolerances.samples")
+      ->check(CLI::Range(std::int64_t{1000}, std::int64_t{1'000'000'000}))
+      ->option_text("N");
+  tolerances_command
+      ->add_option("--seed", c.tolerances.seed,
+                   "of the random gearboxes, instead of tolerances.seed")
+      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{9'000'000'000'000'000}))
+      ->option_text("N");
+  add_common_options(*tolerances_command, c.tolerances);
+  tolerances_command->footer(keys_of("DESIGN.toml"));
+  tolerances_command->callback(
+      [&c] { c.run = [&c] { return cli::run_tolerances(c.tolerances); }; });
+}
+
+/// Beside measurements.
+void add_measured_commands(CLI::App& app, Commands& c) {
+  CLI::App* diagnose_command = app.add_subcommand(
+      "diagnose", "what the simulation gets wrong on measurements, why, and what to measure next");
+  add_diagnose_options(*diagnose_command, c.diagnose);
+  diagnose_command->callback([&c, diagnose_command] {
+    for (const CLI::Option* option : diagnose_command->get_options()) {
+      if (option->count() > 0) c.diagnose.stated.push_back(option->get_name());
+    }
+    if (const std::string error = diagnose_usage_error(c.diagnose); !error.empty()) {
+      throw CLI::ValidationError(error, CLI::ExitCodes::ValidationError);
+    }
+    c.run = [&c] { return cli::run_diagnose(c.diagnose); };
+  });
+
+  CLI::App* reproduce_command = app.add_subcommand(
+      "reproduce", "published gearboxes and actuators: paper, its equations, measurement; errata");
+  reproduce_command
+      ->add_option("--figures", c.reproduce.figures,
+                   "folder for the papers' figures from our own models, CSV and "
+                   "figures; made when missing; figures need gnuplot")
+      ->option_text("DIR");
+  add_common_options(*reproduce_command, c.reproduce);
+  add_out_file(*reproduce_command, c.reproduce);
+  reproduce_command->callback([&c] { c.run = [&c] { return cli::run_reproduce(c.reproduce); }; });
+}
+
+/// With a motor.
+void add_actuator_commands(CLI::App& app, Commands& c) {
+  CLI::App* actuator_command = app.add_subcommand(
+      "actuator", "motor, gearbox and load: what the output feels, what a duty cycle costs");
+  add_actuator_options(*actuator_command, c.actuator);
+  actuator_command->callback([&c, actuator_command] {
+    if (const std::string error = actuator_usage_error(*actuator_command, c.actuator);
+        !error.empty()) {
+      throw CLI::ValidationError(error, CLI::ExitCodes::ValidationError);
+    }
+    c.run = [&c] { return cli::run_actuator(c.actuator); };
+  });
+
+  CLI::App* simulate_command = app.add_subcommand(
+      "simulate", "an actuator moved forward in time: modes, events, where its energy goes");
+  simulate_command->add_option("ACTUATOR", c.simulate.actuator, "ACTUATOR.toml")->required();
+  simulate_command->add_option("SCENARIO", c.simulate.scenario, "SCENARIO.toml")->required();
+  add_common_options(*simulate_command, c.simulate);
+  simulate_command
+      ->add_option("--out", c.simulate.out,
+                   "folder for motion.csv, events.csv, ledger.json and motion.svg; made when "
+                   "missing; the figure needs gnuplot")
+      ->option_text("DIR");
+  simulate_command->footer(keys_of("SCENARIO.toml"));
+  simulate_command->callback([&c] { c.run = [&c] { return cli::run_simulate(c.simulate); }; });
+}
+
+/// Many tasks at once.
+void add_many_task_commands(CLI::App& app, Commands& c) {
+  cli::add_atlas_options(
+      *app.add_subcommand("atlas",
+                          "what 3K gearboxes of one size can do: a start for one's own task"),
+      c.atlas, c.run);
+
+  add_sweep_commands(
+      *app.add_subcommand(
+          "sweep", "many tasks, kept in a database: what varies, what is best, what changed"),
+      c.sweep, c.run);
+}
+
+/// What files hold and how commands are called.
+void add_help_commands(CLI::App& app, Commands& c) {
+  CLI::App* keys_command =
+      app.add_subcommand("keys", "every key of the input files, as a Markdown document");
+  keys_command->add_option("WORD", c.keys.word, "only keys whose path or meaning holds this word");
+  add_common_options(*keys_command, c.keys);
+  add_out_file(*keys_command, c.keys);
+  keys_command->callback([&c] { c.run = [&c] { return cli::run_keys(c.keys); }; });
+
+  CLI::App* new_command = app.add_subcommand("new",
+                                             "a first file to change: a task for optimize, one "
+                                             "design, one pair, an actuator or a scenario");
+  std::vector<std::string> kinds;
+  for (const io::FirstFile& file : io::first_files()) kinds.emplace_back(file.kind);
+  new_command->add_option("KIND", c.first.kind, "what to write")
+      ->required()
+      ->check(cli::one_of("kind", kinds))
+      ->option_text(fmt::format("{}", fmt::join(kinds, " | ")));
+  add_common_options(*new_command, c.first);
+  add_out_file(*new_command, c.first);
+  new_command->callback([&c] { c.run = [&c] { return cli::run_new(c.first); }; });
+
+  CLI::App* manual_command = app.add_subcommand("manual", "a page of the manual, for man -l -");
+  manual_command->add_option("PAGE", c.manual.page,
+                             "gear3k-optimize, optimize, ...; gear3k without");
+  manual_command
+      ->add_option(
+          "--out", c.manual.out,
+          "folder for all pages, man1/*.1 and man5/*.5; made when missing: man -M DIR PAGE")
+      ->option_text("DIR");
+  add_common_options(*manual_command, c.manual);
+  manual_command->callback([&app, &c] {
+    c.run = [&app, &c] { return cli::run_manual(c.manual, cli::described(app)); };
+  });
+
+  CLI::App* completion_command = app.add_subcommand(
+      "completion", "what bash has to read to complete commands: source <(gear3k completion)");
+  add_common_options(*completion_command, c.completion);
+  add_out_file(*completion_command, c.completion);
+  completion_command->callback([&app, &c] {
+    c.run = [&app, &c] { return cli::run_completion(c.completion, cli::described(app)); };
+  });
+}
+
 int run_program(int argc, char** argv) {
   CLI::App app{
       "gear3k designs 3K compound planetary gearboxes (Wolfrom gears) for robot actuators.\n" +
@@ -282,239 +544,14 @@ int run_program(int argc, char** argv) {
   app.set_version_flag("--version", fmt::format("gear3k {} ({})", io::version(), io::git_commit()));
   app.require_subcommand(1);
 
-  // Deferred, so that a command runs after all arguments were accepted.
-  std::function<cli::ExitCode()> run;
-
-  cli::AnalyzeOptions analyze;
-  CLI::App* analyze_command = app.add_subcommand("analyze", "everything known about one gearbox");
-  analyze_command->add_option("DESIGN", analyze.file, "DESIGN.toml")->required();
-  analyze_command->add_flag("--strict", analyze.strict, "exit with 3 when a check fails");
-  add_model_option(*analyze_command, analyze.model);
-  add_show_options(*analyze_command, analyze.show);
-  add_common_options(*analyze_command, analyze);
-  add_out_file(*analyze_command, analyze);
-  analyze_command
-      ->add_option("--figures", analyze.figures,
-                   "folder for torque_angle.csv and its figure, of a design with [strength]; made "
-                   "when missing; figures need gnuplot")
-      ->option_text("DIR");
-  analyze_command->footer(keys_of("DESIGN.toml"));
-  analyze_command->callback([&] { run = [&] { return cli::run_analyze(analyze); }; });
-
-  cli::AnalyzeOptions mesh;
-  CLI::App* mesh_command = app.add_subcommand("mesh", "one external or internal pair of gears");
-  mesh_command->add_option("PAIR", mesh.file, "PAIR.toml")->required();
-  mesh_command->add_flag("--strict", mesh.strict, "exit with 3 when a check fails");
-  add_show_options(*mesh_command, mesh.show);
-  add_common_options(*mesh_command, mesh);
-  add_out_file(*mesh_command, mesh);
-  mesh_command->footer(keys_of("PAIR.toml"));
-  mesh_command->callback([&] { run = [&] { return cli::run_mesh(mesh); }; });
-
-  cli::CompareOptions compare;
-  CLI::App* compare_command =
-      app.add_subcommand("compare", "designs side by side: what differs, and by how much");
-  constexpr int kMostCompared = 32;
-  compare_command->add_option("DESIGN", compare.files, "DESIGN.toml, two or more")
-      ->required()
-      ->expected(2, kMostCompared)
-      ->option_text(fmt::format("2 to {} files", kMostCompared));
-  add_common_options(*compare_command, compare);
-  add_out_file(*compare_command, compare);
-  add_columns(*compare_command, compare.columns, 80, "of the table; 100 into a file");
-  compare_command->callback([&] { run = [&] { return cli::run_compare(compare); }; });
-
-  cli::SearchOptions search;
-  CLI::App* search_command =
-      app.add_subcommand("search", "the tooth sets that fit a ratio, ranked at zero profile shift");
-  search_command->add_option("SPEC", search.file, "SPEC.toml")->required();
-  search_command->add_option("--top", search.top, "rows of the table")
-      ->check(CLI::Range(1, 1000000))
-      ->capture_default_str();
-  add_common_options(*search_command, search);
-  add_out_file(*search_command, search);
-  search_command->footer(keys_of("SPEC.toml"));
-  search_command->callback([&] { run = [&] { return cli::run_search(search); }; });
-
-  cli::OptimizeOptions optimize;
-  CLI::App* optimize_command =
-      app.add_subcommand("optimize", "search, refine every tooth set, write the best design");
-  optimize_command->add_option("SPEC", optimize.file, "SPEC.toml")->required();
-  add_show_options(*optimize_command, optimize.show);
-  optimize_command->add_option("--out", optimize.out, "folder for the result files")->required();
-  optimize_command->add_flag(
-      "--certify", optimize.certify,
-      "refine only sets whose bound reaches the best, and prove none better");
-  optimize_command->add_flag("--round", optimize.round,
-                             "write it rounded to the steps of [round] too, as best_rounded.toml");
-  optimize_command
-      ->add_option("--front-budget", optimize.front_budget_s,
-                   "after which the front of a list of objectives is left as it is")
-      ->check(CLI::Range(0.001, 1e7))
-      ->check(cli::refuse_nan)
-      ->option_text("SECONDS");
-  CLI::Option* resume = optimize_command->add_flag(
-      "--resume", optimize.resume, "go on with the run in --out that was interrupted or killed");
-  optimize_command
-      ->add_flag("--force", optimize.force, "replace the result of an earlier run in --out")
-      ->excludes(resume);
-  add_model_option(*optimize_command, optimize.model);
-  add_common_options(*optimize_command, optimize);
-  optimize_command->footer(keys_of("SPEC.toml"));
-  optimize_command->callback([&] { run = [&] { return cli::run_optimize(optimize); }; });
-
-  cli::ExportOptions drawings;
-  CLI::App* export_command = app.add_subcommand(
-      "export", "tooth outlines and the assembled train as DXF and SVG drawings");
-  add_export_options(*export_command, drawings);
-  export_command->callback([&] {
-    if (const std::string error = export_usage_error(drawings); !error.empty()) {
-      throw CLI::ValidationError(error, CLI::ExitCodes::ValidationError);
-    }
-    run = [&] { return cli::run_export(drawings); };
-  });
-
-  cli::MapOptions map;
-  CLI::App* map_command = app.add_subcommand(
-      "map", "efficiency over speed and load in both directions, no-load and breakaway torque");
-  map_command->add_option("DESIGN", map.file, "DESIGN.toml")->required();
-  map_command
-      ->add_option("--out", map.out,
-                   "folder for map.csv, map.json and figures; made when missing; figures need "
-                   "gnuplot")
-      ->option_text("DIR");
-  add_model_option(*map_command, map.model);
-  add_common_options(*map_command, map);
-  map_command->footer(keys_of("DESIGN.toml"));
-  map_command->callback([&] { run = [&] { return cli::run_map(map); }; });
-
-  cli::TolerancesOptions tolerances;
-  CLI::App* tolerances_command = app.add_subcommand(
-      "tolerances", "what gearboxes built within their tolerances will do: yield, jamming, spread");
-  tolerances_command->add_option("DESIGN", tolerances.file, "DESIGN.toml with [tolerances]")
-      ->required();
-  tolerances_command
-      ->add_option("--out", tolerances.out,
-                   "folder for tolerances.json, lost_motion.csv, tolerances.csv, turn.csv, "
-                   "turn_orders.csv and figures; made when missing; figures need gnuplot")
-      ->option_text("DIR");
-  tolerances_command
-      ->add_option("--samples", tolerances.samples, "gearboxes, instead of tolerances.samples")
-      ->check(CLI::Range(std::int64_t{1000}, std::int64_t{1'000'000'000}))
-      ->option_text("N");
-  tolerances_command
-      ->add_option("--seed", tolerances.seed, "of the random gearboxes, instead of tolerances.seed")
-      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{9'000'000'000'000'000}))
-      ->option_text("N");
-  add_common_options(*tolerances_command, tolerances);
-  tolerances_command->footer(keys_of("DESIGN.toml"));
-  tolerances_command->callback([&] { run = [&] { return cli::run_tolerances(tolerances); }; });
-
-  cli::DiagnoseOptions diagnose;
-  CLI::App* diagnose_command = app.add_subcommand(
-      "diagnose", "what the simulation gets wrong on measurements, why, and what to measure next");
-  add_diagnose_options(*diagnose_command, diagnose);
-  diagnose_command->callback([&] {
-    for (const CLI::Option* option : diagnose_command->get_options()) {
-      if (option->count() > 0) diagnose.stated.push_back(option->get_name());
-    }
-    if (const std::string error = diagnose_usage_error(diagnose); !error.empty()) {
-      throw CLI::ValidationError(error, CLI::ExitCodes::ValidationError);
-    }
-    run = [&] { return cli::run_diagnose(diagnose); };
-  });
-
-  cli::ReproduceOptions reproduce;
-  CLI::App* reproduce_command = app.add_subcommand(
-      "reproduce", "published gearboxes and actuators: paper, its equations, measurement; errata");
-  reproduce_command
-      ->add_option("--figures", reproduce.figures,
-                   "folder for the papers' figures from our own models, CSV and "
-                   "figures; made when missing; figures need gnuplot")
-      ->option_text("DIR");
-  add_common_options(*reproduce_command, reproduce);
-  add_out_file(*reproduce_command, reproduce);
-  reproduce_command->callback([&] { run = [&] { return cli::run_reproduce(reproduce); }; });
-
-  cli::ActuatorOptions actuator;
-  CLI::App* actuator_command = app.add_subcommand(
-      "actuator", "motor, gearbox and load: what the output feels, what a duty cycle costs");
-  add_actuator_options(*actuator_command, actuator);
-  actuator_command->callback([&] {
-    if (const std::string error = actuator_usage_error(*actuator_command, actuator);
-        !error.empty()) {
-      throw CLI::ValidationError(error, CLI::ExitCodes::ValidationError);
-    }
-    run = [&] { return cli::run_actuator(actuator); };
-  });
-
-  cli::SimulateOptions simulate;
-  CLI::App* simulate_command = app.add_subcommand(
-      "simulate", "an actuator moved forward in time: modes, events, where its energy goes");
-  simulate_command->add_option("ACTUATOR", simulate.actuator, "ACTUATOR.toml")->required();
-  simulate_command->add_option("SCENARIO", simulate.scenario, "SCENARIO.toml")->required();
-  add_common_options(*simulate_command, simulate);
-  simulate_command
-      ->add_option("--out", simulate.out,
-                   "folder for motion.csv, events.csv, ledger.json and motion.svg; made when "
-                   "missing; the figure needs gnuplot")
-      ->option_text("DIR");
-  simulate_command->footer(keys_of("SCENARIO.toml"));
-  simulate_command->callback([&] { run = [&] { return cli::run_simulate(simulate); }; });
-
-  cli::AtlasOptions atlas;
-  cli::add_atlas_options(
-      *app.add_subcommand("atlas",
-                          "what 3K gearboxes of one size can do: a start for one's own task"),
-      atlas, run);
-
-  cli::SweepCommands sweep;
-  add_sweep_commands(
-      *app.add_subcommand(
-          "sweep", "many tasks, kept in a database: what varies, what is best, what changed"),
-      sweep, run);
-
-  cli::KeysOptions keys;
-  CLI::App* keys_command =
-      app.add_subcommand("keys", "every key of the input files, as a Markdown document");
-  keys_command->add_option("WORD", keys.word, "only keys whose path or meaning holds this word");
-  add_common_options(*keys_command, keys);
-  add_out_file(*keys_command, keys);
-  keys_command->callback([&] { run = [&] { return cli::run_keys(keys); }; });
-
-  cli::NewOptions first;
-  CLI::App* new_command = app.add_subcommand("new",
-                                             "a first file to change: a task for optimize, one "
-                                             "design, one pair, an actuator or a scenario");
-  std::vector<std::string> kinds;
-  for (const io::FirstFile& file : io::first_files()) kinds.emplace_back(file.kind);
-  new_command->add_option("KIND", first.kind, "what to write")
-      ->required()
-      ->check(cli::one_of("kind", kinds))
-      ->option_text(fmt::format("{}", fmt::join(kinds, " | ")));
-  add_common_options(*new_command, first);
-  add_out_file(*new_command, first);
-  new_command->callback([&] { run = [&] { return cli::run_new(first); }; });
-
-  cli::ManualOptions manual;
-  CLI::App* manual_command = app.add_subcommand("manual", "a page of the manual, for man -l -");
-  manual_command->add_option("PAGE", manual.page, "gear3k-optimize, optimize, ...; gear3k without");
-  manual_command
-      ->add_option(
-          "--out", manual.out,
-          "folder for all pages, man1/*.1 and man5/*.5; made when missing: man -M DIR PAGE")
-      ->option_text("DIR");
-  add_common_options(*manual_command, manual);
-  manual_command->callback(
-      [&] { run = [&] { return cli::run_manual(manual, cli::described(app)); }; });
-
-  cli::CommonOptions completion;
-  CLI::App* completion_command = app.add_subcommand(
-      "completion", "what bash has to read to complete commands: source <(gear3k completion)");
-  add_common_options(*completion_command, completion);
-  add_out_file(*completion_command, completion);
-  completion_command->callback(
-      [&] { run = [&] { return cli::run_completion(completion, cli::described(app)); }; });
+  Commands commands;
+  add_gearbox_commands(app, commands);
+  add_task_commands(app, commands);
+  add_drawn_commands(app, commands);
+  add_measured_commands(app, commands);
+  add_actuator_commands(app, commands);
+  add_many_task_commands(app, commands);
+  add_help_commands(app, commands);
 
   cli::check_file_names(app);
   if (const std::string error = cli::unknown_word(app, {argv + 1, argv + argc}); !error.empty()) {
@@ -533,7 +570,7 @@ int run_program(int argc, char** argv) {
     cli::say(cli::usage_error(app, error) + "Run with --help for more information.\n");
     return cli::kUsage;
   }
-  return run();
+  return commands.run();
 }
 
 }  // namespace

@@ -255,62 +255,61 @@ LossyTrain<double> lossy_train(const Design& design, const train::TrainGeometry<
                            design.masses.face_width_m[1].value_or(0.0)}};
 }
 
-std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
-  if (auto undefined = why_undefined(design)) return *std::move(undefined);
-  const train::TrainParameters<double> parameters = resolved_parameters(design);
-  const auto train = train::make_train_geometry(parameters);
-  const auto& gears = train->gears;
-  const auto forms = tooth_forms(gears);
-  const auto j_bn = backlash::normal_backlashes(*train);
+namespace {
 
-  Evaluation e{};
-  e.name = design.name;
-  e.teeth = parameters.teeth;
-  e.planets = parameters.planets;
-  e.ratio = train::ratio(e.teeth);
-  e.g1 = train::g1(e.teeth);
-  e.g2 = train::g2(e.teeth);
-  e.center_distance_m = parameters.center_distance_m;
-  e.center_distance_given = design.center_distance_given;
-  e.module_m = parameters.module_m;
-  const bool g2_below_one = e.g2 < 1.0;
-  const LossyTrain<double> lossy = lossy_train(design, *train);
-  e.operation = operation_result(lossy, design);
+using TrainForms = std::array<geometry::ToothForm<double>, train::kGearCount>;
+
+/// A train whose centre distance and forms are known.
+struct DrawnTrain {
+  const Design& design;
+  const train::TrainParameters<double>& parameters;
+  const train::TrainGeometry<double>& geometry;
+  const TrainForms& forms;
+  const std::array<double, train::kMeshCount>& normal_backlash_m;
+};
+
+/// Losses of the meshes and of the train at the operating point, or by constant friction.
+/// @returns the efficiencies of the meshes
+inertia::DirectionalEfficiencies<double> add_meshes(const DrawnTrain& drawn, Evaluation& e) {
+  const auto& gears = drawn.geometry.gears;
+  const LossyTrain<double> lossy = lossy_train(drawn.design, drawn.geometry);
+  e.operation = operation_result(lossy, drawn.design);
   const auto mu = mesh_frictions(lossy, e.operation);
   note_operation(e.operation, e.notes);
+  inertia::DirectionalEfficiencies<double> eta{};
   for (std::size_t k = 0; k < train::kMeshCount; ++k) {
     const auto [first, second] = train::kMeshGears[k];
     e.meshes.push_back(mesh_result(
         {.name = train::kMeshNames[k],
          .gear1 = gears[static_cast<std::size_t>(first)],
          .gear2 = gears[static_cast<std::size_t>(second)],
-         .mesh = train->meshes[k],
-         .gear1_drives = train::gear1_drives(static_cast<train::MeshId>(k), g2_below_one, true)},
-        design.friction, mu[k]));
-  }
-  for (std::size_t i = 0; i < train::kGearCount; ++i) {
-    e.gears.push_back(
-        gear_result(train::kGearNames[i], gears[i], forms[i], design.pin_diameter_m[i]));
-  }
-
-  inertia::DirectionalEfficiencies<double> eta{};
-  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+         .mesh = drawn.geometry.meshes[k],
+         .gear1_drives = train::gear1_drives(static_cast<train::MeshId>(k), e.g2 < 1.0, true)},
+        drawn.design.friction, mu[k]));
     eta.forward[k] = e.meshes[k].efficiency_forward;
     eta.backward[k] = e.meshes[k].efficiency_backward;
   }
   const bool in_contact = std::ranges::all_of(
       e.meshes, [](const MeshResult& mesh) { return mesh.contact_ratio > 0.0; });
   e.efficiency = efficiency_result(e.teeth, eta, in_contact);
+  return eta;
+}
 
+LostMotionResult lost_motion_result(const DrawnTrain& drawn, double ratio) {
   using backlash::LostMotionModel;
-  const double kinematic = backlash::output_lost_motion(*train, j_bn, LostMotionModel::kKinematic);
-  e.lost_motion = {.paper_rad = backlash::output_lost_motion(*train, j_bn, LostMotionModel::kPaper),
-                   .kinematic_rad = kinematic,
-                   .input_kinematic_rad = kinematic * std::abs(e.ratio),
-                   .kinematic_share_rad = backlash::kinematic_lost_motion(*train, j_bn),
-                   .measured_rad = measured_result(design, parameters, *train)};
+  const auto& j_bn = drawn.normal_backlash_m;
+  const double kinematic =
+      backlash::output_lost_motion(drawn.geometry, j_bn, LostMotionModel::kKinematic);
+  return {.paper_rad = backlash::output_lost_motion(drawn.geometry, j_bn, LostMotionModel::kPaper),
+          .kinematic_rad = kinematic,
+          .input_kinematic_rad = kinematic * std::abs(ratio),
+          .kinematic_share_rad = backlash::kinematic_lost_motion(drawn.geometry, j_bn),
+          .measured_rad = measured_result(drawn.design, drawn.parameters, drawn.geometry)};
+}
 
-  MassModel masses = mass_model(design.masses, *train);
+void add_masses(const DrawnTrain& drawn, const inertia::DirectionalEfficiencies<double>& eta,
+                Evaluation& e) {
+  MassModel masses = mass_model(drawn.design.masses, drawn.geometry);
   e.parts = std::move(masses.parts);
   e.total_mass_kg = masses.total_mass_kg;
   e.total_mass_missing = std::move(masses.total_mass_missing);
@@ -324,26 +323,26 @@ std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
                                eta);
   }
   note_masses(masses, e.notes);
-  e.assembly = train::assembly(e.teeth, e.planets);
-  for (std::size_t k = 0; e.assembly.equal_spacing && k < train::kMeshCount; ++k) {
-    e.meshes[k].planet_phase =
-        train::mesh_phases(e.teeth, static_cast<train::MeshId>(k), e.planets);
-  }
-  Gearing<double> gearing = gearing_of(*train, j_bn, design.limits.model);
-  gearing.forms = forms;
+}
+
+/// Strength, all checks, and both within the tolerances.
+void add_checks(const DrawnTrain& drawn, Evaluation& e) {
+  const Design& design = drawn.design;
+  Gearing<double> gearing =
+      gearing_of(drawn.geometry, drawn.normal_backlash_m, design.limits.model);
+  gearing.forms = drawn.forms;
   gearing.axial = &design.axial;
   const TrainBodies<double> bodies = bodies_of(design);
   gearing.bodies = &bodies;
   gearing.thermal = stated_range(design);
-  if (design.thermal) e.thermal = thermal_result(*train, *design.thermal);
   const auto checks = list_checks(design.limits, train_layout({.planets = e.planets,
                                                                .stage1_module_m = e.module_m[0],
-                                                               .cutter = parameters.cutter,
+                                                               .cutter = drawn.parameters.cutter,
                                                                .axial = design.axial,
                                                                .bodies = bodies,
                                                                .rating = stated_load(design),
                                                                .thermal = gearing.thermal}));
-  const auto rated = rate_gearbox(design, *train, forms, e.meshes, e.parts);
+  const auto rated = rate_gearbox(design, drawn.geometry, drawn.forms, e.meshes, e.parts);
   LoadedGearing deciding;
   if (rated) {
     deciding = rated->rating(gearing, {true, true, true});
@@ -354,19 +353,22 @@ std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
   }
   e.checks = run_checks(checks, gearing, {.gears = train::kGearNames, .meshes = train::kMeshNames});
   e.tolerance_limits = limits_within(design.tolerances,
-                                     {.gears = gears,
-                                      .forms = forms,
+                                     {.gears = drawn.geometry.gears,
+                                      .forms = drawn.forms,
                                       .mesh_gears = train::kMeshGears,
                                       .gear_names = train::kGearNames,
                                       .mesh_names = train::kMeshNames,
                                       .center_distance_m = e.center_distance_m,
-                                      .train = &*train,
+                                      .train = &drawn.geometry,
                                       .axial = &design.axial,
                                       .bodies = &bodies,
                                       .model = design.limits.model,
                                       .rating = rated ? rated->rating : GearingRating{},
                                       .thermal = gearing.thermal},
                                      checks, e.notes);
+}
+
+void add_notes(const Design& design, Evaluation& e) {
   note_loss_model(e.meshes, e.notes);
   note_axial_overlap(design, e.notes);
   note_face_widths(design, e.notes);
@@ -377,6 +379,46 @@ std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
     e.notes.emplace_back(
         "no center_distance_mm given: the zero-backlash distance of mesh P1-R1 is used");
   }
+}
+
+}  // namespace
+
+std::variant<Evaluation, NotDefined> evaluate(const Design& design) {
+  if (auto undefined = why_undefined(design)) return *std::move(undefined);
+  const train::TrainParameters<double> parameters = resolved_parameters(design);
+  const auto train = train::make_train_geometry(parameters);
+  const auto forms = tooth_forms(train->gears);
+  const auto j_bn = backlash::normal_backlashes(*train);
+  const DrawnTrain drawn{.design = design,
+                         .parameters = parameters,
+                         .geometry = *train,
+                         .forms = forms,
+                         .normal_backlash_m = j_bn};
+  Evaluation e{};
+  e.name = design.name;
+  e.teeth = parameters.teeth;
+  e.planets = parameters.planets;
+  e.ratio = train::ratio(e.teeth);
+  e.g1 = train::g1(e.teeth);
+  e.g2 = train::g2(e.teeth);
+  e.center_distance_m = parameters.center_distance_m;
+  e.center_distance_given = design.center_distance_given;
+  e.module_m = parameters.module_m;
+  const inertia::DirectionalEfficiencies<double> eta = add_meshes(drawn, e);
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    e.gears.push_back(
+        gear_result(train::kGearNames[i], train->gears[i], forms[i], design.pin_diameter_m[i]));
+  }
+  e.lost_motion = lost_motion_result(drawn, e.ratio);
+  add_masses(drawn, eta, e);
+  e.assembly = train::assembly(e.teeth, e.planets);
+  for (std::size_t k = 0; e.assembly.equal_spacing && k < train::kMeshCount; ++k) {
+    e.meshes[k].planet_phase =
+        train::mesh_phases(e.teeth, static_cast<train::MeshId>(k), e.planets);
+  }
+  if (design.thermal) e.thermal = thermal_result(*train, *design.thermal);
+  add_checks(drawn, e);
+  add_notes(design, e);
   return e;
 }
 
