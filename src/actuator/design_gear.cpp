@@ -184,6 +184,19 @@ double DesignTrain::inertia_kgm2() const {
                                             .bodies = bodies});
 }
 
+std::vector<std::string> notes_of(const DesignTrain& train) {
+  std::vector<std::string> notes;
+  if (!train.failed_checks().empty()) {
+    notes.push_back(fmt::format("{} fails checks of `gear3k analyze`: {}", train.name(),
+                                fmt::join(train.failed_checks(), "; ")));
+  }
+  if (!train.inertia_missing().empty()) {
+    notes.push_back(fmt::format("the gears of {} have no inertia: it lacks {}", train.name(),
+                                train.inertia_missing()));
+  }
+  return notes;
+}
+
 const std::vector<std::string>& design_gear_causes() {
   static const std::vector<std::string> causes = [] {
     std::vector<std::string> names{"S-P1", "P1-R1", "P2-R2", "bearing"};

@@ -53,6 +53,9 @@ class DesignTrain {
   std::optional<double> mass_kg_, stiffness_Nm_rad_;
 };
 
+/// What results of a design do not show by themselves: checks that fail, gears without inertia.
+std::vector<std::string> notes_of(const DesignTrain& train);
+
 /// Names of its losses in the ledger: S-P1, P1-R1, P2-R2, bearing, drag_S, ...
 const std::vector<std::string>& design_gear_causes();
 

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "actuator/chain.hpp"
 #include "actuator/design_gear.hpp"
@@ -65,14 +67,7 @@ void set_design_parts(const Actuator& actuator, const Chain& chain, Reflected& r
   } catch (const std::runtime_error&) {
     r.notes.emplace_back("the motor cannot start the train: it locks");
   }
-  if (!train.failed_checks().empty()) {
-    r.notes.push_back(fmt::format("{} fails checks of `gear3k analyze`: {}", train.name(),
-                                  fmt::join(train.failed_checks(), "; ")));
-  }
-  if (!train.inertia_missing().empty()) {
-    r.notes.push_back(fmt::format("the gears of {} have no inertia: it lacks {}", train.name(),
-                                  train.inertia_missing()));
-  }
+  std::ranges::move(notes_of(train), std::back_inserter(r.notes));
 }
 
 void set_catalogue_parts(const Actuator& actuator, const Chain& chain, Reflected& r) {

@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <stdexcept>
 
+#include "actuator/design_gear.hpp"
 #include "io/text/diagnostics.hpp"
 
 namespace gear3k::app {
@@ -15,6 +18,10 @@ report::MotionResult simulate(const SimulateRequest& request) {
     result.motion = motion::simulate(request.actuator, request.scenario);
   } catch (const std::invalid_argument& error) {
     throw io::InvalidInput(fmt::format("{}: {}", request.source, error.what()));
+  }
+  if (request.actuator.train) {
+    std::ranges::move(actuator::notes_of(*request.actuator.train),
+                      std::back_inserter(result.motion.notes));
   }
   return result;
 }

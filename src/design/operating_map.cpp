@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "backlash/normal_backlash.hpp"
+#include "units/units.hpp"
+
 namespace gear3k::design {
 
 namespace {
@@ -142,6 +145,21 @@ bool drags(const ShaftDrag<double>& drag) {
   return drag.constant_Nm != 0.0 || drag.viscous_Nms != 0.0 || drag.quadratic_Nms2 != 0.0;
 }
 
+void note_interference(const train::TrainGeometry<double>& train, OperatingMap& map) {
+  const auto j_bn = backlash::normal_backlashes(train);
+  constexpr double kRounding_m = 1e-9;
+  std::vector<std::string> interfering;
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    if (!(j_bn[k] < -kRounding_m)) continue;
+    interfering.push_back(fmt::format("{} {:.1f} um", train::kMeshNames[k],
+                                      units::from_si(j_bn[k], units::Unit::kMicrometre)));
+  }
+  if (interfering.empty()) return;
+  map.notes.push_back(
+      fmt::format("teeth interfere as drawn, so that it cannot be assembled: normal backlash {}",
+                  fmt::join(interfering, ", ")));
+}
+
 void add_notes(const Design& design, OperatingMap& map) {
   if (!std::ranges::any_of(design.shafts.drag, drags)) {
     map.notes.emplace_back(
@@ -224,6 +242,7 @@ std::variant<OperatingMap, NotDefined> make_operating_map(const Design& design) 
     point.output_torque_Nm = std::ranges::max(map.output_torque_Nm);
   }
   map.reference = pair_at(train, point);
+  note_interference(*geometry, map);
   add_notes(design, map);
   return map;
 }

@@ -110,6 +110,26 @@ TEST(Simulate, AnActuatorWithoutInertiaIsRefusedByName) {
   EXPECT_NE(result.err.find("have no inertia"), std::string::npos) << result.err;
 }
 
+// The published prototype interferes at its one centre distance; without face widths its gears have
+// no inertia.
+TEST(Simulate, SaysWhatTheDesignLacksAsActuatorDoes) {
+  const Workplace place;
+  place.write("d.toml", example("designs/low_backlash_prototype.toml"));
+  place.write("a.toml",
+              "[motor]\nresistance_ohm = 0.6\ntorque_constant_nm_per_a = 0.04\n"
+              "rotor_inertia_kgm2 = 2e-5\n[gearbox]\ndesign = \"d.toml\"\n"
+              "[load]\ninertia_kgm2 = 0.1\n");
+  place.write("s.toml", "duration_s = 0.1\n[control]\nmode = \"torque\"\ntorque_nm = 0.1\n");
+  const ProgramResult moved = place.run({"simulate", "a.toml", "s.toml", "--format", "json"});
+  ASSERT_EQ(moved.exit_code, 0) << moved.err;
+  const ProgramResult reflected = place.run({"actuator", "a.toml"});
+  for (const char* part : {"fails checks of `gear3k analyze`", "normal backlash", "no inertia"}) {
+    EXPECT_NE(json::parse(moved.out).at("notes").dump().find(part), std::string::npos) << moved.out;
+    EXPECT_NE(moved.err.find(part), std::string::npos) << moved.err;
+    EXPECT_NE((reflected.out + reflected.err).find(part), std::string::npos);
+  }
+}
+
 TEST(Simulate, TooManyEventsEndWithWhatIsDone) {
   const Workplace place;
   place.write("s.toml", place.run({"new", "scenario"}).out + "\n[solver]\nmax_events = 3\n");

@@ -316,6 +316,23 @@ TEST(OperatingMap, ReferenceIsTheOperatingPointElseTheMostPower) {
   EXPECT_EQ(with.points[0].point.temperature_K, 350.0);
 }
 
+// Coaxial gears without shifts and thinning close at their distance; farther apart the rings'
+// teeth run into those of the planets, and the sun's come free.
+TEST(OperatingMap, NamesTheMeshesThatInterfereAsDrawn) {
+  Design design = g2_below_one();
+  const auto said = [&] {
+    for (const std::string& note : map_of(design).notes) {
+      if (note.starts_with("teeth interfere as drawn")) return note;
+    }
+    return std::string();
+  };
+  EXPECT_EQ(said(), "");
+  design.train.center_distance_m += 0.1e-3;
+  EXPECT_EQ(said().find("S-P1"), std::string::npos) << said();
+  EXPECT_NE(said().find("normal backlash P1-R1 -"), std::string::npos) << said();
+  EXPECT_NE(said().find(" um, P2-R2 -"), std::string::npos) << said();
+}
+
 TEST(OperatingMap, SaysWhereTheOperatingPointLiesOutsideIt) {
   Design design = g2_below_one();  // its map: 20 to 100 rad/s and 5 to 50 N m
   const auto says = [&](double speed_rad_s, double torque_Nm) {
