@@ -51,7 +51,7 @@ Redesign redesign(const std::vector<rig::HiddenCause>& causes) {
     std::vector<std::string> words{"diagnose", "first/best.toml", "half2.csv", "--format",
                                    "json",     "--quiet"};
     words.insert(words.end(), options.begin(), options.end());
-    return json::parse(run(place, words).out)["rmse"]["baseline_train"];
+    return json::parse(run(place, words).out)["rmse"]["baseline_train"].get<double>();
   };
   run(place,
       {"optimize", "spec.toml", "--model", "found/model.toml", "--out", "second", "--quiet"});

@@ -86,7 +86,7 @@ TEST(OptimizeCycleEnergy, ItsActuatorRunsAsItIsAndNeedsTheSameEnergy) {
       {"actuator", "out/actuator.toml", "--cycle", "c.csv", "--strict", "--format", "json"});
   ASSERT_EQ(actuator.exit_code, 0) << actuator.err;
   const json electrical = json::parse(actuator.out).at("cycle").at("electrical_energy_j");
-  const double drawn = electrical.at("drawn");
+  const auto drawn = electrical.at("drawn").get<double>();
   EXPECT_NEAR(drawn - electrical.at("regenerated").get<double>(), energy, 1e-9 * drawn);
   EXPECT_NEAR(co.at("run_energy_j").get<double>(), energy, 1e-9 * drawn);
   EXPECT_NE(place.read("out/refined.csv").find(",cycle_energy_j,motor\n"), std::string::npos);
@@ -289,7 +289,7 @@ TEST(Selection, MakesTheDesignsOfATaskOfOptimize) {
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const json summary = json::parse(place.read("out/summary.json"));
   EXPECT_EQ(summary.at("pairs"), 3 * summary.at("gearboxes").get<int>());
-  std::string name = summary.at("front").at(0).at("gearbox");
+  auto name = summary.at("front").at(0).at("gearbox").get<std::string>();
   std::ranges::replace(name, '/', '_');
   EXPECT_EQ(place.run({"analyze", "out/design_" + name + ".toml", "--strict", "--quiet"}).exit_code,
             0);

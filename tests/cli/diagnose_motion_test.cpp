@@ -251,7 +251,7 @@ TEST(DiagnoseMotion, LogsOfBothSidesShowPlayAndCompliance) {
   const json data = json::parse(result.out);
   std::vector<std::string> ids;
   for (const json& e : data.at("effects")) {
-    ids.push_back(e.at("id"));
+    ids.push_back(e.at("id").get<std::string>());
     const json& p = e.at("parameters")[0];
     if (e.at("id") == "clearance") {
       EXPECT_EQ(p.at("unit"), "arcmin");

@@ -219,7 +219,7 @@ TEST(HeldBack, TellsWhatLiesBeyondTheEndsOfRanges) {
   const double best = summary.at("best").at("eta_b").get<double>();
   int better = 0;
   for (const json& bound : summary.at("at_bounds")) {
-    const std::string key = bound.at("key");
+    const auto key = bound.at("key").get<std::string>();
     if (!key.starts_with("teeth.S") && !key.starts_with("teeth.P")) continue;
     // A run with that range says the same.
     const std::string gear = key.substr(6, key.size() - 9);
@@ -321,7 +321,7 @@ TEST(HeldBack, SearchesAgainWithTheLimitThatGainsMost) {
   ASSERT_EQ(again.at("key"), summary.at("better_estimate").at("key"));
   EXPECT_EQ(again.at("all_sets"), true);
   const auto value = again.at("value").get<double>();
-  const std::string key = again.at("key");
+  const auto key = again.at("key").get<std::string>();
   const std::string moved =
       key == "limits.undercut"
           ? replaced(kOneSet, "undercut = 0.0", "undercut = " + std::to_string(value))

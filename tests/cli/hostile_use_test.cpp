@@ -165,7 +165,7 @@ TEST(Figures, ThatCannotBeDrawnAreAWarningAndAField) {
   const auto missing = nlohmann::json::parse(place.read("map/map.json")).at("missing_figures");
   ASSERT_EQ(missing.size(), 2U);
   EXPECT_EQ(missing.at(1).at("file"), "efficiency_backward.svg");
-  EXPECT_TRUE(contains(missing.at(1).at("cause"), "broken"));
+  EXPECT_TRUE(contains(missing.at(1).at("cause").get<std::string>(), "broken"));
   const ProgramResult quiet = place.run({"map", "gear.toml", "--out", "map", "--quiet"});
   EXPECT_EQ(quiet.exit_code, 0);
   EXPECT_EQ(quiet.err, "");

@@ -138,7 +138,7 @@ TEST(Map, WithoutGnuplotTheResultsAreThereAndOldFiguresAreNot) {
   const json missing = json::parse(place.read("map/map.json")).at("missing_figures");
   ASSERT_EQ(missing.size(), kFigures.size());
   EXPECT_EQ(missing.at(0).at("file"), "efficiency_forward.svg");
-  EXPECT_TRUE(contains(missing.at(0).at("cause"), "gnuplot: not found in PATH"));
+  EXPECT_TRUE(contains(missing.at(0).at("cause").get<std::string>(), "gnuplot: not found in PATH"));
   for (const std::string& name : kFigures) {
     EXPECT_FALSE(place.has("map/" + name)) << name;
     EXPECT_TRUE(place.has("map/" + name + ".previous")) << name;

@@ -297,7 +297,8 @@ TEST(ModelOption, OptimizeOfAListOfObjectivesSaysThatItComparesNothing) {
       << result.out;
   const json summary = json::parse(place.read("out/summary.json"));
   EXPECT_TRUE(summary.at("model_change").is_null());
-  EXPECT_TRUE(contains(summary.at("model_change_missing"), "a list of objectives"));
+  EXPECT_TRUE(
+      contains(summary.at("model_change_missing").get<std::string>(), "a list of objectives"));
 }
 
 TEST(ModelOption, OptimizeKeepsTheLimitOfLostMotionWithTheModelsClearance) {

@@ -61,7 +61,7 @@ TEST(Preset, LeavesNoMeshOfALeastSpecWithoutBacklashAndNoLimitUnsaid) {
   EXPECT_NE(made.place.read("out/best.toml").find("\npreset = \"machined\"\n"), std::string::npos);
   // What has no reserve is said to have none.
   for (const json& check : made.best.at("checks")) {
-    const std::string name = check.at("name");
+    const auto name = check.at("name").get<std::string>();
     const json& zero = limits.at("at_zero");
     const bool said = std::find(zero.begin(), zero.end(), name) != zero.end();
     const bool of_planets = name == "equal_spacing" || name == "identical_planets";

@@ -41,10 +41,13 @@ TEST(OptimizeRound, WritesADesignOfWholeStepsThatPassesEveryCheck) {
   const json best = json::parse(place.read("out/summary.json")).at("best");
   EXPECT_EQ(rounded.at("feasible"), true);
   EXPECT_EQ(rounded.at("complete"), true);
-  for (const json& shift : rounded.at("profile_shift")) EXPECT_TRUE(on_step(shift, 0.02));
-  for (const json& module : rounded.at("module_mm")) EXPECT_TRUE(on_step(module, 0.01));
-  for (const json& length : rounded.at("machining_allowance_um")) EXPECT_TRUE(on_step(length, 1.0));
-  EXPECT_TRUE(on_step(rounded.at("center_distance_mm"), 0.005));
+  for (const json& shift : rounded.at("profile_shift"))
+    EXPECT_TRUE(on_step(shift.get<double>(), 0.02));
+  for (const json& module : rounded.at("module_mm"))
+    EXPECT_TRUE(on_step(module.get<double>(), 0.01));
+  for (const json& length : rounded.at("machining_allowance_um"))
+    EXPECT_TRUE(on_step(length.get<double>(), 1.0));
+  EXPECT_TRUE(on_step(rounded.at("center_distance_mm").get<double>(), 0.005));
   const auto objective = rounded.at("objective").get<double>();
   EXPECT_LT(objective, best.at("eta_b").get<double>());
   EXPECT_NEAR(rounded.at("loss").get<double>(), best.at("eta_b").get<double>() - objective, 1e-15);

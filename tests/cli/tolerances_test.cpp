@@ -375,7 +375,7 @@ TEST(OptimizeRobust, WritesADesignThatYieldsAsAskedUnderTheStatedLimits) {
   ASSERT_GT(chosen, 0U);
   ASSERT_LT(chosen, robust.at("passes").size());
   const json& pass = robust.at("passes").at(chosen);
-  EXPECT_GE(pass.at("built").at("yield"), 0.97);
+  EXPECT_GE(pass.at("built").at("yield").get<double>(), 0.97);
   EXPECT_LT(pass.at("max_output_arcmin"), 8.0);
   EXPECT_GT(pass.at("min_normal_um"), 10.0);
   EXPECT_LT(robust.at("passes").at(0).at("built").at("yield"), 0.97);
@@ -388,7 +388,8 @@ TEST(OptimizeRobust, WritesADesignThatYieldsAsAskedUnderTheStatedLimits) {
   ASSERT_EQ(again.exit_code, 0) << again.err;
   const json built = json::parse(again.out).at("built");
   EXPECT_NEAR(built.at("limit_arcmin").get<double>(), 8.0, 1e-12);
-  EXPECT_NEAR(built.at("yield").at("value").get<double>(), pass.at("built").at("yield"),
+  EXPECT_NEAR(built.at("yield").at("value").get<double>(),
+              pass.at("built").at("yield").get<double>(),
               5.0 * std::sqrt(0.97 * 0.03 * (1.0 / 50000.0 + 1.0 / 20000.0)));
   const ProgramResult analysis = place.run({"analyze", "out/best.toml", "--format", "json"});
   EXPECT_EQ(json::parse(analysis.out).at("built").at("yield").at("value"),
@@ -462,7 +463,7 @@ TEST(OptimizeRobust, CheapestTolerancesAreThoseOfTheFile) {
   const json cheapest = json::parse(place.read("out/summary.json")).at("robust").at("cheapest");
   EXPECT_EQ(cheapest.at("reached"), true);
   EXPECT_LT(cheapest.at("cost"), cheapest.at("stated_cost"));
-  EXPECT_GE(cheapest.at("yield"), 0.9);
+  EXPECT_GE(cheapest.at("yield").get<double>(), 0.9);
   EXPECT_EQ(cheapest.at("fresh").at("checks_hold"), true);
   const json data = json::parse(place.run({"tolerances", "out/best.toml", "--format", "json"}).out);
   for (const json& check : data.at("tolerances").at("checks")) {
@@ -484,7 +485,7 @@ TEST(OptimizeRobust, CheapestTolerancesAreThoseOfTheFile) {
     }
     EXPECT_TRUE(found) << name;
   }
-  EXPECT_NEAR(built.at("yield").at("value").get<double>(), cheapest.at("yield"),
+  EXPECT_NEAR(built.at("yield").at("value").get<double>(), cheapest.at("yield").get<double>(),
               5.0 * std::sqrt(0.1 * 0.9 / 20000.0));
 }
 

@@ -261,7 +261,7 @@ TEST(ThesisReport, JsonHoldsMapModelsResidualsAndLedger) {
   ASSERT_EQ(json.at("rows").size(), 31U);
   for (const auto& row : json.at("rows")) {
     for (const auto& m : json.at("models")) {
-      const std::string name = m.at("name");
+      const auto name = m.at("name").get<std::string>();
       EXPECT_EQ(row.at("measured").get<double>() - row.at("predicted").at(name).get<double>(),
                 row.at("residual").at(name).get<double>());
     }

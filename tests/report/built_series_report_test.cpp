@@ -108,8 +108,8 @@ TEST(YieldJson, LostMotionLiesBetweenTheWorstCases) {
   for (const json& q : motion.at("quantiles")) {
     EXPECT_GT(q.at("probability").get<double>(), probability);
     EXPECT_GE(q.at("lost_motion_arcmin").get<double>(), before);
-    probability = q.at("probability");
-    before = q.at("lost_motion_arcmin");
+    probability = q.at("probability").get<double>();
+    before = q.at("lost_motion_arcmin").get<double>();
   }
   EXPECT_EQ(motion.at("quantiles").size(), backlash::kLostMotionProbabilities.size());
   EXPECT_EQ(built.at("margin_um").size(), backlash::kMarginProbabilities.size());
@@ -135,7 +135,7 @@ TEST(YieldJson, TolerancesComeByWhatHalvingThemGainsOrElseByTheirShare) {
   std::vector<std::string> names;
   for (const json& s : sources) {
     const json& halved = s.at("halved");
-    const double gain = halved.at("yield_gain").at("value");
+    const auto gain = halved.at("yield_gain").at("value").get<double>();
     const double order = any_gain ? gain : s.at("variance_total").at("value").get<double>();
     EXPECT_LE(order, before);
     before = order;

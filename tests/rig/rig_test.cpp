@@ -34,7 +34,7 @@ class RigOf : public testing::TestWithParam<Gearbox> {};
 TEST_P(RigOf, SunTorqueAgreesWithAnalyze) {
   const Gearbox& gearbox = GetParam();
   const nlohmann::json analysis = analyze(gearbox);
-  const double ratio = analysis["ratio"];
+  const auto ratio = analysis["ratio"].get<double>();
   // Truncation: none; both are exact for the first-order loss with an equal share of the load.
   constexpr double kTolerance = 1e-5;
   for (const double load : {5.0, 50.0}) {
@@ -52,7 +52,7 @@ TEST_P(RigOf, SunTorqueAgreesWithAnalyze) {
 
 TEST_P(RigOf, LostMotionAgreesWithAnalyze) {
   const Gearbox& gearbox = GetParam();
-  const double expected = analyze(gearbox)["backlash"]["kinematic_arcmin"];
+  const auto expected = analyze(gearbox)["backlash"]["kinematic_arcmin"].get<double>();
   ASSERT_GT(expected, 0.0);
   EXPECT_NEAR(lost_motion_arcmin(gearbox, {}), expected, 1e-6 * expected);
 }
