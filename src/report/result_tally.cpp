@@ -28,11 +28,17 @@ bool is_of_load(const optimize::Miss& miss) {
   });
 }
 
-/// Of blocked sets that are proven empty, or of others, what says more first: one constraint alone
-/// before several, a known miss before one that is not, less of it.
-std::tuple<bool, bool, double, std::uint32_t> key_of(const RefinedSet& set) {
+/// Whether little is known of what blocks a set: it takes several constraints, by no known miss; of
+/// the load what can be carried is told.
+bool is_vague(const RefinedSet& set) {
+  const optimize::Miss& first = set.blocked_by.front();
+  return set.blocked_together && !(first.violation > 0.0) && !is_of_load(first);
+}
+/// Of sets that are blocked alike what says more first: a known miss before one that is not, less
+/// of it.
+std::tuple<bool, double, std::uint32_t> miss_of(const RefinedSet& set) {
   const double miss = set.blocked_by.front().violation;
-  return {set.blocked_together, !(miss > 0.0), miss, set.index};
+  return {!(miss > 0.0), miss, set.index};
 }
 
 /// Of a ratio from its target.
@@ -49,7 +55,10 @@ ResultTally tally_of(const OptimizeResult& result) {
   const auto offer = [&](const RefinedSet& set) {
     const bool proven = set.status == Status::kInfeasible;
     const auto [own, is_new] = nearest.try_emplace(proven ? reason_of(set) : "", set);
-    if (!is_new && key_of(set) < key_of(own->second)) own->second = set;
+    const auto key = [](const RefinedSet& s) {
+      return std::tuple(is_vague(s), s.blocked_together, miss_of(s));
+    };
+    if (!is_new && key(set) < key(own->second)) own->second = set;
   };
   optimize::for_each_set(result, [&](std::size_t, const std::optional<RefinedSet>& set) {
     if (!set) {
@@ -66,14 +75,15 @@ ResultTally tally_of(const OptimizeResult& result) {
     if (std::ranges::any_of(set->blocked_by, is_of_load)) ++tally.blocked_by_load;
   });
   // Sets that were tried before those proven empty, whose bounds are no distances: of these what
-  // blocks most of them.
+  // blocks most of them, where that is known well.
   constexpr auto kProven = static_cast<std::size_t>(Status::kInfeasible);
   const auto& proven = tally.reasons[kProven];
   const std::size_t proven_count = tally.status[kProven];
   const auto key = [&](const auto& own) {
     const auto alike = proven.find(std::string(own.first));
     const std::size_t sets = alike == proven.end() ? 0 : alike->second;
-    return std::tuple(!own.first.empty(), proven_count - sets, key_of(own.second));
+    return std::tuple(!own.first.empty(), is_vague(own.second), proven_count - sets,
+                      miss_of(own.second));
   };
   if (!nearest.empty()) tally.nearest = std::ranges::min_element(nearest, {}, key)->second;
   return tally;
