@@ -187,7 +187,7 @@ TEST(ShiftStep, BestDesignHasWholeStepsAndSaysWhyThereAreNoPrices) {
 TEST(ShiftStep, AGridThatIsNotSearchedToTheEndIsToldEverywhere) {
   const Workplace place;
   const std::string task =
-      replaced(kOneSet, "range = [0.0, 1.0]", "range = [0.0, 1.0]\nstep = 0.01") +
+      replaced(kOneSet, "range = [0.0, 1.0]", "range = [0.0, 1.0]\nstep = 0.1") +
       "[solver]\ngrid_relaxations = 3\n";
   place.write("spec.toml", task);
   const ProgramResult run = place.run({"optimize", "spec.toml", "--out", "out", "--certify",
