@@ -10,9 +10,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <vector>
 
+#include "benchmarks/cpu_time.hpp"
 #include "benchmarks/program.hpp"
 #include "io/files/specification_file.hpp"
 #include "optimize/optimizer.hpp"
@@ -26,17 +26,11 @@ struct TimedSearch {
   OptimizeResult result;
   double seconds = 0.0;
 };
-double process_cpu_s() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 TimedSearch timed_search(const Specification& spec, bool best_only) {
   Progress progress;
-  const double start_s = process_cpu_s();
+  const double start_s = benchmarks::process_cpu_s();
   TimedSearch run{.result = optimize::optimize(spec, progress, {.best_only = best_only})};
-  run.seconds = process_cpu_s() - start_s;
+  run.seconds = benchmarks::process_cpu_s() - start_s;
   return run;
 }
 

@@ -18,7 +18,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
-#include <ctime>
 #include <fstream>
 #include <iterator>
 #include <optional>
@@ -28,6 +27,7 @@
 #include <vector>
 
 #include "app/optimize.hpp"
+#include "benchmarks/cpu_time.hpp"
 #include "benchmarks/program.hpp"
 #include "io/files/specification_file.hpp"
 #include "optimize/run_forecast.hpp"
@@ -113,12 +113,6 @@ std::string text_with_lines(const TimedTask& task) {
   return text;
 }
 
-double process_cpu_s() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 struct TimedLook {
   double at_s = 0.0;
   optimize::ProgressSeen seen;
@@ -165,11 +159,11 @@ void time_task(const TimedTask& timed, const TimedPrint& print) {
   optimize::Progress progress;
   std::vector<TimedLook> looks;
   std::atomic<bool> ended{false};
-  const double began_s = process_cpu_s();
+  const double began_s = benchmarks::process_cpu_s();
   std::thread watcher([&] {
     optimize::RunForecast forecast;
     while (!ended) {
-      const double now_s = process_cpu_s() - began_s;
+      const double now_s = benchmarks::process_cpu_s() - began_s;
       const optimize::ProgressSeen seen = optimize::seen_of(progress);
       forecast.observe(now_s, seen);
       looks.push_back({.at_s = now_s, .seen = seen, .left = forecast.range_left()});
@@ -177,7 +171,7 @@ void time_task(const TimedTask& timed, const TimedPrint& print) {
     }
   });
   app::optimize(task, {}, progress);
-  const double whole_s = process_cpu_s() - began_s;
+  const double whole_s = benchmarks::process_cpu_s() - began_s;
   ended = true;
   watcher.join();
   if (print.phases) print_phases(looks);
