@@ -185,143 +185,211 @@ double correlation_of(const WindupRows& r, const WindupFit& fit) {
   return std::clamp(lagged / both, -0.5, 0.9);
 }
 
-}  // namespace
+/// The rows, what may be free in them, and the fit with all of it free.
+class WindupModels {
+ public:
+  /// Empty where too few rows are left, or nothing is determined.
+  static std::optional<WindupModels> of(WindupRows rows, const StatedWindup& stated);
 
-std::optional<WindupDiagnosis> diagnose_windup(const std::vector<MotionWindow>& windows,
-                                               const DriveParameters& drive,
-                                               const StatedWindup& stated, double rate) {
-  WindupRows rows = rows_of(windows, drive);
+  [[nodiscard]] WindupDiagnosis measured() const;
+  void judge(double rate, WindupDiagnosis& d) const;
+
+ private:
+  /// Sets of causes that can exist, by increasing size; the first has none.
+  struct Candidates {
+    std::vector<WindupFit> fits;
+    double null = 0.0;  ///< squares over σ² without a cause
+    double gain = 0.0;  ///< of the best single cause
+  };
+
+  [[nodiscard]] WindupFit fit(const std::vector<Index>& causes_free) const;
+  [[nodiscard]] double deviation(const WindupFit& fit, Index column) const;
+  [[nodiscard]] MotionEstimate estimate(const WindupFit& fit, Index cause) const;
+  [[nodiscard]] double base(Index cause) const;
+  [[nodiscard]] bool is_physical(const WindupFit& fit) const;
+  [[nodiscard]] Candidates candidates() const;
+  /// Causes that are free in a fit; the delay, and of differences the drift, always are.
+  [[nodiscard]] double size(const WindupFit& fit) const;
+  [[nodiscard]] double price() const { return std::log(degrees_); }
+  [[nodiscard]] double score(const WindupFit& fit) const;
+  [[nodiscard]] MotionEffect effect_of(Index cause, const WindupFit& best,
+                                       const Candidates& candidates) const;
+
+  WindupRows rows_;
+  StatedWindup stated_;
+  WindupSums sums_;
+  std::vector<Index> causes_;  ///< each determined alone
+  std::vector<Index> most_;    ///< determined together
+  WindupFit full_;             ///< with these free
+  double degrees_ = 0.0, variance_ = 0.0;
+};
+
+std::optional<WindupModels> WindupModels::of(WindupRows rows, const StatedWindup& stated) {
   if (rows.y.size() < kFewestWindups) return std::nullopt;
   for (std::size_t k = 0; k < rows.y.size(); ++k) {
     rows.y[k] -=
         rows.x[k](kPlay) * stated.play_rad + rows.x[k](kCompliance) * stated.compliance_rad_Nm;
   }
-  // What is always free: the delay, and of differences the drift.
-  const double nuisances = rows.drifts ? 2.0 : 1.0;
-  const auto with = [&](const std::vector<Index>& causes_free) {
-    std::vector<Index> free;
-    free.reserve(kWindupColumns);
-    for (const Index cause : causes_free) free.push_back(cause);
-    free.push_back(kDelay);
-    if (rows.drifts) free.push_back(kDrift);
-    return free;
-  };
-  WindupSums sums = sums_of_windup(rows, 0.0);
-  std::vector<Index> causes;
+  WindupModels m;
+  m.rows_ = std::move(rows);
+  m.stated_ = stated;
+  m.sums_ = sums_of_windup(m.rows_, 0.0);
   for (const Index cause : {kPlay, kCompliance}) {
-    if (fit_windup(sums, with({cause})).determined) causes.push_back(cause);
+    if (m.fit({cause}).determined) m.causes_.push_back(cause);
   }
-  if (causes.empty()) return std::nullopt;
-  std::vector<Index> most = causes;
-  if (!fit_windup(sums, with(most)).determined) most = {causes.front()};
-  sums = sums_of_windup(rows, correlation_of(rows, fit_windup(sums, with(most))));
-  const WindupFit full = fit_windup(sums, with(most));
-  const double degrees = static_cast<double>(rows.y.size() - full.free.size()) - rows.constants;
-  if (!full.determined || degrees < 6.0 || !(full.squares > 0.0)) return std::nullopt;
-  const double variance = full.squares / degrees;
+  if (m.causes_.empty()) return std::nullopt;
+  m.most_ = m.causes_;
+  if (!m.fit(m.most_).determined) m.most_ = {m.causes_.front()};
+  m.sums_ = sums_of_windup(m.rows_, correlation_of(m.rows_, m.fit(m.most_)));
+  m.full_ = m.fit(m.most_);
+  m.degrees_ = static_cast<double>(m.rows_.y.size() - m.full_.free.size()) - m.rows_.constants;
+  if (!m.full_.determined || m.degrees_ < 6.0 || !(m.full_.squares > 0.0)) return std::nullopt;
+  m.variance_ = m.full_.squares / m.degrees_;
+  return m;
+}
 
-  const auto estimate = [&](const WindupFit& fit, Index cause) {
-    const auto place = std::ranges::find(fit.free, cause) - fit.free.begin();
-    const double half = numerics::student_quantile(0.975, degrees) *
-                        std::sqrt(variance * std::max(0.0, fit.covariance(place, place)));
-    return MotionEstimate{
-        .value = fit.value(cause), .low = fit.value(cause) - half, .high = fit.value(cause) + half};
-  };
-  const auto base = [&](Index cause) {
-    return cause == kPlay ? stated.play_rad : stated.compliance_rad_Nm;
-  };
-  const auto change = [](Index cause) {
-    return cause == kPlay ? std::size_t{kClearanceChange} : std::size_t{kComplianceChange};
-  };
+WindupFit WindupModels::fit(const std::vector<Index>& causes_free) const {
+  std::vector<Index> free = causes_free;
+  free.push_back(kDelay);
+  if (rows_.drifts) free.push_back(kDrift);
+  return fit_windup(sums_, free);
+}
 
+double WindupModels::deviation(const WindupFit& fit, Index column) const {
+  const auto place = std::ranges::find(fit.free, column) - fit.free.begin();
+  return std::sqrt(variance_ * std::max(0.0, fit.covariance(place, place)));
+}
+
+MotionEstimate WindupModels::estimate(const WindupFit& fit, Index cause) const {
+  const double half = numerics::student_quantile(0.975, degrees_) * deviation(fit, cause);
+  return {
+      .value = fit.value(cause), .low = fit.value(cause) - half, .high = fit.value(cause) + half};
+}
+
+double WindupModels::base(Index cause) const {
+  return cause == kPlay ? stated_.play_rad : stated_.compliance_rad_Nm;
+}
+
+double WindupModels::size(const WindupFit& fit) const {
+  return static_cast<double>(fit.free.size()) - (rows_.drifts ? 2.0 : 1.0);
+}
+
+double WindupModels::score(const WindupFit& fit) const {
+  return fit.squares / variance_ + size(fit) * price();
+}
+
+WindupDiagnosis WindupModels::measured() const {
   WindupDiagnosis d;
-  d.windows = rows.y.size();
-  d.flank_changes = rows.flank_changes;
-  d.of_speeds = rows.drifts;
-  d.delay_s = -full.value(kDelay);
-  {
-    const auto place = std::ranges::find(full.free, Index{kDelay}) - full.free.begin();
-    d.delay_error_s = std::sqrt(variance * std::max(0.0, full.covariance(place, place)));
+  d.windows = rows_.y.size();
+  d.flank_changes = rows_.flank_changes;
+  d.of_speeds = rows_.drifts;
+  d.delay_s = -full_.value(kDelay);
+  d.delay_error_s = deviation(full_, kDelay);
+  if (most_.size() < 2) return d;
+  for (const Index cause : causes_) {
+    const MotionEstimate e = estimate(full_, cause);
+    d.found.at(static_cast<std::size_t>(cause)) = MotionEstimate{
+        .value = base(cause) + e.value, .low = base(cause) + e.low, .high = base(cause) + e.high};
   }
-  if (most.size() == 2) {
-    for (const Index cause : causes) {
-      MotionEstimate e = estimate(full, cause);
-      e = {
-          .value = base(cause) + e.value, .low = base(cause) + e.low, .high = base(cause) + e.high};
-      d.found.at(static_cast<std::size_t>(cause)) = e;
-    }
-  }
+  return d;
+}
 
-  // Every set of causes that can exist.
-  std::vector<WindupFit> fits{fit_windup(sums, with({}))};
-  const double null = fits.front().squares / variance;
-  double gain = 0.0;
+/// Whether neither play nor compliance comes out below zero by more than three standard errors.
+bool WindupModels::is_physical(const WindupFit& fit) const {
+  constexpr double kErrors = 1.5;  // of the half width, of about two
+  return std::ranges::all_of(fit.free, [&](Index cause) {
+    if (cause != kPlay && cause != kCompliance) return true;
+    const MotionEstimate e = estimate(fit, cause);
+    const double room = kErrors * (e.high - e.value);
+    if (!(base(cause) + e.value + room >= 0.0)) return false;
+    // A crossing between two readings of a speed is missed: they do not show less play.
+    return !rows_.drifts || cause != kPlay || e.value > 0.0;
+  });
+}
+
+WindupModels::Candidates WindupModels::candidates() const {
+  Candidates c{.fits = {fit({})}};
+  c.null = c.fits.front().squares / variance_;
   const auto add = [&](const std::vector<Index>& free) {
-    WindupFit fit = fit_windup(sums, with(free));
-    if (!fit.determined) return;
-    if (free.size() == 1) gain = std::max(gain, null - fit.squares / variance);
-    // Within three standard errors of neither play nor compliance.
-    for (const Index cause : free) {
-      const MotionEstimate e = estimate(fit, cause);
-      constexpr double kErrors = 1.5;  // of the half width, of about two
-      const double room = kErrors * (e.high - e.value);
-      fit.physical = fit.physical && base(cause) + e.value + room >= 0.0;
-      // A crossing between two readings of a speed is missed: they do not show less play.
-      if (rows.drifts && cause == kPlay) fit.physical = fit.physical && e.value > 0.0;
+    WindupFit one = fit(free);
+    if (!one.determined) return;
+    if (free.size() == 1) c.gain = std::max(c.gain, c.null - one.squares / variance_);
+    if (is_physical(one)) c.fits.push_back(std::move(one));
+  };
+  for (const Index cause : causes_) add({cause});
+  if (most_.size() == 2) add(most_);
+  return c;
+}
+
+std::size_t change_of(Index cause) {
+  return cause == kPlay ? std::size_t{kClearanceChange} : std::size_t{kComplianceChange};
+}
+
+MotionEffect WindupModels::effect_of(Index cause, const WindupFit& best,
+                                     const Candidates& candidates) const {
+  const auto holds = [](const WindupFit& f, Index which) {
+    return std::ranges::find(f.free, which) != f.free.end();
+  };
+  MotionEffect e;
+  e.cause = change_of(cause);
+  e.estimate = estimate(best, cause);
+  if (most_.size() == 2) {
+    // The other number is stated, not known: the interval holds what it leaves open.
+    const MotionEstimate open = estimate(full_, cause);
+    e.estimate.low = std::min(e.estimate.low, open.low);
+    e.estimate.high = std::max(e.estimate.high, open.high);
+  }
+  double total = 0.0, without = candidates.null;
+  for (const WindupFit& f : candidates.fits) total += std::exp(-0.5 * (score(f) - score(best)));
+  for (const WindupFit& f : candidates.fits) {
+    if (holds(f, cause)) {
+      e.probability += std::exp(-0.5 * (score(f) - score(best))) / total;
+    } else if (size(f) + 1.0 == size(best)) {
+      without = f.squares / variance_;
     }
-    if (fit.physical) fits.push_back(std::move(fit));
-  };
-  for (const Index cause : causes) add({cause});
-  if (most.size() == 2) add(most);
-  const double single = numerics::f_upper_tail(gain, 1.0, degrees);
-  d.p_value = std::min(1.0, single * static_cast<double>(causes.size()));
-  if (d.p_value >= rate || fits.size() < 2) return d;
-  const double price = std::log(degrees);
-  const auto size = [&](const WindupFit& f) {
-    return static_cast<double>(f.free.size()) - nuisances;
-  };
-  const auto score = [&](const WindupFit& f) { return f.squares / variance + size(f) * price; };
-  const auto best = std::ranges::min_element(fits.begin() + 1, fits.end(), {}, score);
-  double total = 0.0;
-  for (const WindupFit& f : fits) total += std::exp(-0.5 * (score(f) - score(*best)));
-  for (const Index cause : causes) {
+  }
+  const double gained = without - best.squares / variance_;
+  e.delta_bic = gained - price();
+  e.p_value = numerics::f_upper_tail(std::max(0.0, gained), 1.0, degrees_);
+  if (size(best) != 1.0) return e;
+  for (const WindupFit& f : candidates.fits) {
+    if (&f == &best || size(f) != 1.0) continue;
+    const Index other = f.free.front();
+    const double statistic = (f.squares - best.squares) / variance_;
+    const double weight = std::exp(-0.5 * statistic);
+    if (weight / (1.0 + weight) < kLeastAlternative) continue;
+    e.alternatives.push_back({.cause = change_of(other),
+                              .estimate = estimate(f, other),
+                              .statistic = statistic,
+                              .probability = weight / (1.0 + weight)});
+  }
+  return e;
+}
+
+/// Of every set of causes that can exist the one that is best by BIC, if any is significant.
+void WindupModels::judge(double rate, WindupDiagnosis& d) const {
+  const Candidates all = candidates();
+  const double single = numerics::f_upper_tail(all.gain, 1.0, degrees_);
+  d.p_value = std::min(1.0, single * static_cast<double>(causes_.size()));
+  if (d.p_value >= rate || all.fits.size() < 2) return;
+  const auto best = std::ranges::min_element(all.fits.begin() + 1, all.fits.end(), {},
+                                             [&](const WindupFit& f) { return score(f); });
+  for (const Index cause : causes_) {
     if (std::ranges::find(best->free, cause) == best->free.end()) continue;
-    MotionEffect e;
-    e.cause = change(cause);
-    e.estimate = estimate(*best, cause);
-    if (most.size() == 2) {
-      // The other number is stated, not known: the interval holds what it leaves open.
-      const MotionEstimate open = estimate(full, cause);
-      e.estimate.low = std::min(e.estimate.low, open.low);
-      e.estimate.high = std::max(e.estimate.high, open.high);
-    }
-    double without = null;
-    for (const WindupFit& f : fits) {
-      if (std::ranges::find(f.free, cause) != f.free.end()) {
-        e.probability += std::exp(-0.5 * (score(f) - score(*best))) / total;
-      } else if (size(f) + 1.0 == size(*best)) {
-        without = f.squares / variance;
-      }
-    }
-    const double gained = without - best->squares / variance;
-    e.delta_bic = gained - price;
-    e.p_value = numerics::f_upper_tail(std::max(0.0, gained), 1.0, degrees);
-    if (size(*best) == 1.0) {
-      for (const WindupFit& f : fits) {
-        if (&f == &*best || size(f) != 1.0) continue;
-        const Index other = f.free.front();
-        const double statistic = (f.squares - best->squares) / variance;
-        const double weight = std::exp(-0.5 * statistic);
-        if (weight / (1.0 + weight) < kLeastAlternative) continue;
-        e.alternatives.push_back({.cause = change(other),
-                                  .estimate = estimate(f, other),
-                                  .statistic = statistic,
-                                  .probability = weight / (1.0 + weight)});
-      }
-    }
-    d.effects.push_back(std::move(e));
+    d.effects.push_back(effect_of(cause, *best, all));
   }
   std::ranges::sort(d.effects, std::greater{}, &MotionEffect::delta_bic);
+}
+
+}  // namespace
+
+std::optional<WindupDiagnosis> diagnose_windup(const std::vector<MotionWindow>& windows,
+                                               const DriveParameters& drive,
+                                               const StatedWindup& stated, double rate) {
+  const auto models = WindupModels::of(rows_of(windows, drive), stated);
+  if (!models) return std::nullopt;
+  WindupDiagnosis d = models->measured();
+  models->judge(rate, d);
   return d;
 }
 
