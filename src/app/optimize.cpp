@@ -187,7 +187,14 @@ std::string why_not_relaxed(const OptimizeTask& task, const optimize::OptimizeRe
     return set.status == optimize::Status::kOptimal;
   });
   if (any) return "there are designs, but no motor drives one within its limits";
-  const std::size_t by_load = report::tally_of(result).blocked_by_load;
+  const report::ResultTally tally = report::tally_of(result);
+  if (tally.cut_without_design > 0) {
+    return fmt::format(
+        "the grids of shifts of {} of the tooth sets were not searched to the end "
+        "(solver.grid_relaxations = {}), and none may have to",
+        tally.cut_without_design, task.spec.solver.grid_relaxations);
+  }
+  const std::size_t by_load = tally.blocked_by_load;
   if (by_load > 0) {
     return fmt::format(
         "limits of the load block {} of the tooth sets, and the torque that can be carried is told "

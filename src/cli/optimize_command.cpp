@@ -336,9 +336,6 @@ ExitCode end_without_design(const app::OptimizeTask& task, const OptimizeRun& ru
     return kNoFeasibleDesign;
   }
   say(fmt::format("{}\n", report::blocking_text(task.spec, run.outcome.result, run.tally)));
-  if (run.tally.grid_cut > 0) {
-    say(fmt::format("{}\n", report::grid_cut_text(task.spec, run.tally.grid_cut)));
-  }
   if (run.outcome.relaxed) say(report::relaxed_limits_text(task.spec, *run.outcome.relaxed));
   if (!run.outcome.not_relaxed.empty()) {
     say(fmt::format("limits that would have to give way are not told: {}\n",

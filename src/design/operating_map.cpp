@@ -178,8 +178,7 @@ void add_notes(const Design& design, OperatingMap& map) {
         beyond(design.map.output_torque_Nm, point->output_torque_Nm)) {
       map.notes.emplace_back(
           "the operating point lies outside the map: map.sun_speed_rpm and map.output_torque_nm "
-          "say "
-          "what it spans");
+          "say what it spans");
     }
   }
   const auto count = [&](auto holds) { return std::ranges::count_if(map.points, holds); };

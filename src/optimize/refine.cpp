@@ -452,12 +452,13 @@ std::optional<RefinedSet> Refiner::refine(const Candidate& candidate, const Shif
     set.status = Status::kBounded;
     return set;
   }
-  if (!best.found && search.nearest()) {
-    name_missed_on_grid(*search.nearest(), set);
+  if (!best.found && search.cut()) {
+    // What the nearest point misses says nothing of those that were not looked at.
+    set.status = Status::kNoFeasibleFound;
     return set;
   }
-  if (!best.found && search.cut()) {
-    set.status = Status::kNoFeasibleFound;
+  if (!best.found && search.nearest()) {
+    name_missed_on_grid(*search.nearest(), set);
     return set;
   }
   if (!best.problem) {

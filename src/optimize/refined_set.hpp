@@ -53,10 +53,10 @@ struct RefinedSet {
   /// point, or one at all.
   bool grid_cut = false;
   bool blocked_together = false;  ///< none of blocked_by was found to suffice alone
-  /// What blocks the set; empty when optimal or failed.  infeasible: the constraint that no point
-  /// of the box can meet.  no_feasible_found: the constraints any one of which may give way alone
-  /// (a point was found that meets all others), least (scaled) first; or, when none was found to
-  /// suffice, those that the least violating point misses most, together.
+  /// What blocks the set; empty when optimal, failed or grid_cut.  infeasible: the constraint that
+  /// no point of the box can meet.  no_feasible_found: the constraints any one of which may give
+  /// way alone (a point was found that meets all others), least (scaled) first; or, when none was
+  /// found to suffice, those that the least violating point misses most, together.
   std::vector<Miss> blocked_by;
   // The rest only when optimal.
   RefinedTrain train;

@@ -88,12 +88,7 @@ void append_checks(RefinementProblem& p, int backlash_branch) {
     const CheckId id = check.record->id;
     if (is_settled(id)) continue;
     const bool paper = limits.model == backlash::LostMotionModel::kPaper;
-    ConstraintRow row{.check = check,
-                      .objective = std::nullopt,
-                      .stage = 0,
-                      .bound_m = 0.0,
-                      .at_least = true,
-                      .name = check.record->name};
+    ConstraintRow row{.check = check, .objective = std::nullopt, .name = check.record->name};
     if (id == CheckId::kOutputBacklashMin) {
       // Implied by meshes that do not interfere.
       if (check.limit <= 0.0 && no_mesh_interferes(limits)) continue;
@@ -115,12 +110,8 @@ void append_checks(RefinementProblem& p, int backlash_branch) {
 
 void append_objectives(RefinementProblem& p) {
   const auto append = [&](const ObjectiveRow& row) {
-    p.rows.push_back({.check = std::nullopt,
-                      .objective = row,
-                      .stage = 0,
-                      .bound_m = 0.0,
-                      .at_least = true,
-                      .name = objective_record(row.objective).name});
+    p.rows.push_back(
+        {.check = std::nullopt, .objective = row, .name = objective_record(row.objective).name});
   };
   for (const ObjectiveLimit& limit : p.spec->objective_limits) {
     if (limit.by_check) continue;

@@ -17,7 +17,7 @@ struct GridEnd {
   SolveOutcome outcome;  ///< the best feasible point, else the one that violates least
   bool found = false;    ///< feasible, and better than what was to be beaten
   int relaxations = 0;
-  bool cut = false;  ///< Solver::grid_relaxations ended the search: a better point may be left
+  bool cut = false;  ///< grid_relaxations, or a stopped run, ended it: a better point may be left
 };
 
 /// Branch and bound over the multiples that the problem's box has of each shift: the problem with

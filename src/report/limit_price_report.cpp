@@ -83,6 +83,11 @@ double objective_of(const Specification& spec, const HeldSet& best) {
          record_of(spec).per_unit;
 }
 
+/// Whether an objective can have a value: an estimate to first order may leave what is possible.
+bool is_possible(const Specification& spec, double value) {
+  return in_percent_points(spec) ? value < 1.0 : value > 0.0;
+}
+
 std::string objective_text(const Specification& spec, double value) {
   if (in_percent_points(spec)) return fmt::format("{:.3f} %", 100.0 * value);
   return with_unit(fmt::format("{:.5g}", value), record_of(spec).unit);
@@ -150,11 +155,16 @@ std::string better_text(const Specification& spec, const HeldSet& best) {
   const double change = change_per_step(spec, *price);
   const double moved =
       clean(units::decimal_from_si(price->value_si, price->unit) + giving_step(*price));
+  const double estimate = objective_of(spec, best) + change;
   std::string text =
-      fmt::format("  nearest better, an estimate to first order: {} with {} = {:g} ({})\n",
-                  objective_text(spec, objective_of(spec, best) + change), price->key, moved,
-                  change_text(spec, change)) +
-      relaxed_text(spec, best);
+      is_possible(spec, estimate)
+          ? fmt::format("  nearest better, an estimate to first order: {} with {} = {:g} ({})\n",
+                        objective_text(spec, estimate), price->key, moved,
+                        change_text(spec, change))
+          : fmt::format(
+                "  nearest better: with {} = {:g}; its price does not hold as far as that\n",
+                price->key, moved);
+  text += relaxed_text(spec, best);
   if (const optimize::SearchBound* const beyond = most_beyond(spec, best)) {
     const HeldSet better{.set = *beyond->wider->better, .held = {}};
     const double gain = objective_of(spec, better) - objective_of(spec, best);
@@ -188,7 +198,9 @@ std::string held_back_table(const Specification& spec, const HeldSet& best) {
                value_text(price), fmt::format("{}", fmt::join(price.where, ", ")),
                price_text(spec, price),
                with_unit(fmt::format("{:+g}", giving_step(price)), units::unit_name(price.unit)),
-               change_text(spec, change_per_step(spec, price))});
+               is_possible(spec, objective_of(spec, best) + change_per_step(spec, price))
+                   ? change_text(spec, change_per_step(spec, price))
+                   : "-"});
   }
   const bool any = free.size() < best.held.prices.size();
   text += any ? table.text(2) : "  no limit: the optimum is inside all of them\n";
@@ -294,8 +306,13 @@ io::Json held_set_json(const Specification& spec, const HeldSet& best) {
               {"value",
                clean(units::decimal_from_si(price->value_si, price->unit) + giving_step(*price))},
               {"unit", units::unit_name(price->unit)},
-              {"objective", objective_of(spec, best) + change},
-              {"change", change}};
+              {"objective", nullptr},
+              {"change", nullptr}};
+    // The price of a limit does not hold up to where no design can be.
+    if (const double estimate = objective_of(spec, best) + change; is_possible(spec, estimate)) {
+      better["objective"] = estimate;
+      better["change"] = change;
+    }
   }
   return {{"prices", prices_json(spec, best)},
           {"prices_missing",

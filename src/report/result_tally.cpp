@@ -68,6 +68,7 @@ ResultTally tally_of(const OptimizeResult& result) {
     const auto status = static_cast<std::size_t>(set->status);
     ++tally.status[status];
     tally.grid_cut += set->grid_cut ? 1 : 0;
+    if (set->grid_cut && set->status == Status::kNoFeasibleFound) ++tally.cut_without_design;
     if (set->status == Status::kOptimal) return;
     if (!reason_of(*set).empty()) ++tally.reasons[status][std::string(reason_of(*set))];
     if (set->blocked_by.empty()) return;
@@ -147,8 +148,9 @@ std::string blocking_text(const Specification& spec, const OptimizeResult& resul
             ? " (identical_planets = false would allow individually phased planets)"
             : "");
   }
-  if (!tally.nearest) return "no feasible design: the solver failed on every tooth set";
-  const RefinedSet* nearest = &*tally.nearest;
+  if (!tally.nearest && tally.cut_without_design == 0) {
+    return "no feasible design: the solver failed on every tooth set";
+  }
   std::map<std::string, std::size_t> reasons =
       tally.reasons[static_cast<std::size_t>(Status::kNoFeasibleFound)];
   for (const auto& [reason, count] : tally.reasons[static_cast<std::size_t>(Status::kInfeasible)]) {
@@ -162,6 +164,16 @@ std::string blocking_text(const Specification& spec, const OptimizeResult& resul
   const std::string failed =
       failures > 0 ? fmt::format("; the solver failed on {} more, which may have designs", failures)
                    : "";
+  if (tally.cut_without_design > 0) {
+    return fmt::format(
+        "no feasible design was found: the grids of shifts of {} tooth set{} were not searched to "
+        "the end and may have one (raise solver.grid_relaxations = {}){}{}{}",
+        tally.cut_without_design, tally.cut_without_design == 1 ? "" : "s",
+        spec.solver.grid_relaxations,
+        counts.empty() ? "" : "; the other sets by the constraint that blocks them: ", counts,
+        failed);
+  }
+  const RefinedSet* nearest = &*tally.nearest;
   const bool proven = nearest->status == Status::kInfeasible;
   std::string misses;
   for (const optimize::Miss& miss : nearest->blocked_by) {

@@ -139,7 +139,7 @@ std::string robust_blocking_text(const Specification& spec, const optimize::Robu
       best = &*pass.outcome;
     }
   }
-  if (!search.passes.front().best) return "no design is feasible with the limits as stated";
+  if (!search.passes.front().best) return "no feasible design was found with the limits as stated";
   const std::string reached =
       best == nullptr
           ? std::string(

@@ -114,9 +114,9 @@ std::string modules_text(const Specification& spec, const Rounding& rounding) {
   }
   if (rounding.module_pairs_with_design > 0) return "";
   return fmt::format(
-      ": with none of the modules tried in steps of {:g} mm (round.module_mm) do these teeth have "
-      "a "
-      "design, whatever the shifts and the centre distance",
+      ": with none of the modules tried in steps of {:g} mm (round.module_mm) was a design of "
+      "these "
+      "teeth found, whatever the shifts and the centre distance",
       step_mm);
 }
 
@@ -129,19 +129,18 @@ std::string cut_text(const Rounding& rounding) {
 }  // namespace
 
 std::string rounding_blocked_text(const Specification& spec, const Rounding& rounding) {
+  // Where no module fits, the nearest point is far off: what it misses is not what blocks.
+  std::string blocked = modules_text(spec, rounding);
   std::vector<std::string_view> names;
-  if (rounding.nearest) {
+  if (blocked.empty() && rounding.nearest) {
     for (const optimize::Miss& miss : rounding.nearest->missed) names.push_back(miss.name);
+    blocked = fmt::format(": the nearest misses {}", misses_text(*rounding.nearest));
   }
   // Of a search that was cut short it is not known that there is none.
-  return fmt::format("{}{}{}{}{}",
+  return fmt::format("{}{}{}{}",
                      rounding.complete ? "no rounded design meets every check"
                                        : "no rounded design that meets every check was found",
-                     modules_text(spec, rounding),
-                     rounding.nearest
-                         ? fmt::format(": the nearest misses {}", misses_text(*rounding.nearest))
-                         : "",
-                     preset_note(spec.limits, names), cut_text(rounding));
+                     blocked, preset_note(spec.limits, names), cut_text(rounding));
 }
 
 std::string rounding_table(const Specification& spec, double free_objective,
@@ -149,8 +148,7 @@ std::string rounding_table(const Specification& spec, double free_objective,
   const optimize::RoundSteps& steps = spec.round;
   std::string text = fmt::format(
       "\nRounded to what is made: shifts to {:g}, centre distance to {:g} mm, modules of a range "
-      "to "
-      "{:g} mm, allowances to {:g} um\n",
+      "to {:g} mm, allowances to {:g} um\n",
       steps.profile_shift, in_file(steps.center_distance_m, Unit::kMillimetre),
       in_file(steps.module_m, Unit::kMillimetre), in_file(steps.allowance_m, Unit::kMicrometre));
   if (!rounding.best) return text + "  " + rounding_blocked_text(spec, rounding) + "\n";

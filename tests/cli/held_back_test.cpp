@@ -34,6 +34,10 @@ json summary_of(const Workplace& place, const std::string& spec) {
   return json::parse(place.read("out/summary.json"));
 }
 
+double backward_efficiency(const Workplace& place, const std::string& spec) {
+  return summary_of(place, spec).at("best").at("eta_b").get<double>();
+}
+
 TEST(WithoutDesign, WhyNoLimitIsRelaxedIsSaidOnTheScreenAndInTheSummary) {
   const Workplace place;
   place.write("spec.toml", replaced(kOneSet, "diameter_mm = 76.0", "diameter_mm = 40.0") +
@@ -54,6 +58,32 @@ TEST(WithoutDesign, WhyNoLimitIsRelaxedIsSaidOnTheScreenAndInTheSummary) {
   const json other = json::parse(place.read("out/summary.json"));
   EXPECT_EQ(other.at("relaxed_limits_missing"), nullptr);
   EXPECT_FALSE(other.at("relaxed_limits").at("freed").empty());
+}
+
+// With the default of grid_relaxations this task has a design: no limit has to give way.
+TEST(WithoutDesign, AGridThatIsCutShortNamesNoLimit) {
+  const Workplace place;
+  const std::string task =
+      replaced(replaced(kOneSet, "stage1_mm = { min = 0.5, max = 1.0 }", "stage1_mm = 0.5"),
+               "range = [0.0, 1.0]", "range = [0.0, 1.0]\nstep = 0.02");
+  place.write("spec.toml", task + "[solver]\ngrid_relaxations = 3\n");
+  const ProgramResult run = place.run({"optimize", "spec.toml", "--out", "out", "--quiet"});
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_EQ(run.err.find("no feasible design was found: the grids of shifts of 1 tooth set were "
+                         "not searched to the end and may have one (raise "
+                         "solver.grid_relaxations = 3)"),
+            0U)
+      << run.err;
+  EXPECT_NE(run.err.find("\nlimits that would have to give way are not told: the grids of shifts "
+                         "of 1 of the tooth sets were not searched to the end"),
+            std::string::npos)
+      << run.err;
+  EXPECT_EQ(run.err.find("blocked by"), std::string::npos) << run.err;
+  const json summary = json::parse(place.read("out/summary.json"));
+  EXPECT_EQ(summary.at("relaxed_limits"), nullptr);
+  EXPECT_EQ(summary.at("status").at("no_feasible_found"), 1) << summary;
+  EXPECT_TRUE(summary.at("reasons").at("no_feasible_found").empty()) << summary;
+  EXPECT_GT(backward_efficiency(place, task), 0.9);
 }
 
 // What blocks most sets is named, not the one whose proof happens to miss least.
@@ -110,10 +140,6 @@ TEST(WithoutDesign, ADiameterOfNothingIsRefusedWithItsLine) {
         << run.err;
     EXPECT_EQ(place.listing(), std::vector<std::string>{"spec.toml"});
   }
-}
-
-double backward_efficiency(const Workplace& place, const std::string& spec) {
-  return summary_of(place, spec).at("best").at("eta_b").get<double>();
 }
 
 TEST(HeldBack, PricesAreWhatRunsWithTheKeyChangedGain) {

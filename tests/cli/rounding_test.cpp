@@ -75,7 +75,7 @@ TEST(OptimizeRound, SaysWhichStepOfModulesFitsNothing) {
   const json one = rounded_with(place, "module_mm = 0.7\n", run);
   EXPECT_EQ(run.exit_code, 3);
   EXPECT_NE(run.err.find("every check: with none of the modules tried in steps of 0.7 mm "
-                         "(round.module_mm) do these teeth have a design"),
+                         "(round.module_mm) was a design of these teeth found"),
             std::string::npos)
       << run.err;
   EXPECT_EQ(one.at("module_pairs"), 1);

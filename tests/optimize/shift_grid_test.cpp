@@ -110,6 +110,7 @@ TEST(ShiftGrid, ASetWhoseGridIsCutShortIsNeitherProvenEmptyNorBounded) {
   const RefinedSet part = refine(cut_short(task.spec), task.candidates.at(0));
   EXPECT_TRUE(part.grid_cut);
   EXPECT_EQ(part.status, Status::kNoFeasibleFound);
+  EXPECT_TRUE(part.blocked_by.empty());
 }
 
 TEST(ShiftGrid, ACertificateTellsOfGridsThatWereCutShortAndBoundsTheWholeOnes) {

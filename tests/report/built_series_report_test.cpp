@@ -392,7 +392,7 @@ TEST(RobustBlocking, NamesWhatWasReached) {
       "pressure angle; wider limits or tighter [tolerances] would help"));
   search.passes = {{}};
   EXPECT_EQ(robust_blocking_text(robust_specification(optimize::Hold::kYield), search),
-            "no design is feasible with the limits as stated");
+            "no feasible design was found with the limits as stated");
 }
 
 }  // namespace

@@ -31,10 +31,16 @@ TEST(RoundingReport, NamesTheStepOfModulesWhereThatLeavesNothing) {
   EXPECT_EQ(
       rounding_blocked_text(spec, rounding),
       "no rounded design meets every check: with none of the modules tried in steps of 0.7 mm "
-      "(round.module_mm) do these teeth have a design, whatever the shifts and the centre "
+      "(round.module_mm) was a design of these teeth found, whatever the shifts and the centre "
       "distance");
+  // The nearest point is far off: no limit that it misses is named.
+  rounding.nearest.emplace();
+  rounding.nearest->missed = {
+      {.name = "form_circle", .violation = 9.0, .amount = 11.05, .unit = "module"}};
+  EXPECT_EQ(rounding_blocked_text(spec, rounding).find("form_circle"), std::string::npos);
   rounding.module_pairs_with_design = 1;
-  EXPECT_EQ(rounding_blocked_text(spec, rounding), "no rounded design meets every check");
+  EXPECT_EQ(rounding_blocked_text(spec, rounding),
+            "no rounded design meets every check: the nearest misses form_circle by 11.05 module");
 }
 
 }  // namespace
