@@ -103,6 +103,175 @@ std::vector<std::size_t> pool_of(const SearchResult& result, const Hypothesis& l
   return pool;
 }
 
+/// The search step by step: each adds one effect, or exchanges those that are there for a set of
+/// one more, while what is left is more than luck.
+class Growth {
+ public:
+  Growth(const Problem& problem, const std::vector<Candidate>& all, const SearchOptions& options,
+         SearchResult& result);
+  /// @param size  effects after it
+  /// @returns whether it found any
+  bool step(int size);
+
+  [[nodiscard]] const Fit& best() const { return best_; }
+  [[nodiscard]] double scale() const { return scale_; }
+  /// Candidates that refine no other.
+  [[nodiscard]] const std::vector<Candidate>& simple() const { return simple_; }
+
+ private:
+  [[nodiscard]] double rows() const { return static_cast<double>(problem_.data.rows.size()); }
+  [[nodiscard]] bool is_luck(int size, const Screen& screen, const Columns& columns,
+                             const std::vector<Gain>& gains, double greatest);
+  [[nodiscard]] Proposals proposals(int size, const std::vector<Candidate>& others,
+                                    const Screen& screen, const Columns& columns,
+                                    const std::vector<std::size_t>& order) const;
+  [[nodiscard]] bool adds_enough(const Fit& winner) const;
+
+  const Problem& problem_;
+  const SearchOptions& options_;
+  SearchResult& result_;
+  std::vector<Candidate> simple_;
+  double known_, least_;  ///< scales of the noise
+  Columns base_;          ///< of the simulation as given
+  bool agrees_;           ///< as given it misses no more than rounding
+  double scale_;
+  double squares_ = 0.0;  ///< of what it misses
+  // Rows far off are outliers, or they are where the effect is greatest: both are looked at.
+  std::optional<LinearSets> linear_, linear_unclipped_;
+  Blocks blocks_;
+  Fit best_;
+};
+
+Growth::Growth(const Problem& problem, const std::vector<Candidate>& all,
+               const SearchOptions& options, SearchResult& result)
+    : problem_(problem),
+      options_(options),
+      result_(result),
+      known_(problem.noise.known_scale()),
+      least_(problem.noise.least_scale()),
+      base_(columns_at(problem, {}, result.candidates, 0.0)),
+      agrees_(problem.noise.within_rounding(base_.residual)),
+      // Known scatter bounds outliers only once something is fitted: what the simulation misses is
+      // far beyond it.
+      scale_(std::max({known_, robust_deviation(base_.residual), least_})),
+      blocks_(holdout_blocks(problem.data, covariate_levels(problem.data))),
+      best_(fit(problem, {}, scale_)) {
+  std::ranges::copy_if(all, std::back_inserter(simple_),
+                       [](const Candidate& c) { return !is_refinement(c.form); });
+  base_.residual = winsorised(base_.residual, scale_);
+  squares_ = base_.residual.squaredNorm();
+  linear_.emplace(base_, blocks_of(result.candidates), problem);
+  std::swap(base_.residual, base_.raw);
+  linear_unclipped_.emplace(base_, blocks_of(result.candidates), problem);
+  std::swap(base_.residual, base_.raw);
+}
+
+/// Whether the greatest gain of a step is what chance gives.
+bool Growth::is_luck(int size, const Screen& screen, const Columns& columns,
+                     const std::vector<Gain>& gains, double greatest) {
+  const int simulations = rows() > kManySearchedRows ? kSimulations / 4 : kSimulations;
+  const Screen::Luck luck = screen.luck(columns.residual, options_.rate, simulations,
+                                        options_.seed + static_cast<std::uint64_t>(size));
+  const double p_value = agrees_ ? 1.0 : luck.p_value(greatest);
+  if (size == 1) {
+    result_.first_gains = gains;
+    result_.first_luck = luck;
+    result_.first_p = p_value;
+  }
+  return p_value > (size == 1 ? options_.rate : kFurtherShare * options_.rate);
+}
+
+/// What is there with one more, and beyond the first the best sets of that size by linear fits.
+Proposals Growth::proposals(int size, const std::vector<Candidate>& others, const Screen& screen,
+                            const Columns& columns, const std::vector<std::size_t>& order) const {
+  Proposals some;
+  for (const auto& ranks : {order, ranked(others, screen.gains(columns.raw), 2)}) {
+    for (std::size_t k = 0; k < ranks.size() && k < kFitsPerStep; ++k) {
+      some.add(with(best_.hypothesis, others[ranks[k]]));
+    }
+  }
+  if (size == 1) return some;
+  const std::vector<Candidate>& candidates = result_.candidates;
+  const std::vector<std::size_t> pool = pool_of(result_, best_.hypothesis, size);
+  for (const LinearSets* sets : {&*linear_, &*linear_unclipped_}) {
+    for (const auto& set : best_linear_sets(candidates, pool, *sets, size, kSetsPerStep)) {
+      Hypothesis h;
+      for (const std::size_t k : set) h = with(std::move(h), candidates[k]);
+      some.add(std::move(h));
+    }
+  }
+  return some;
+}
+
+/// A law of slightly wrong shape leaves more than noise where the effect is far above it: what adds
+/// less than a share to what is explained is no cause of its own.
+bool Growth::adds_enough(const Fit& winner) const {
+  constexpr double kLeastShare = 0.015;
+  const Fit last = fit(problem_, best_.hypothesis, scale_);
+  const Fit now = fit(problem_, winner.hypothesis, scale_);
+  const double added = (last.sum_of_squares - now.sum_of_squares) * scale_ * scale_;
+  return !(added < kLeastShare * (squares_ - rows() * scale_ * scale_));
+}
+
+bool Growth::step(int size) {
+  const std::vector<Candidate> others = candidates_beside(result_.candidates, best_.hypothesis);
+  const Columns columns =
+      size == 1 ? std::exchange(base_, {}) : columns_at(problem_, best_.hypothesis, others, scale_);
+  if (static_cast<double>(columns.own.cols()) >= rows()) return false;
+  const Screen screen(columns.own, columns.other, blocks_of(others), known_);
+  const std::vector<Gain> gains = screen.gains(columns.residual);
+  const std::vector<std::size_t> order = ranked(others, gains, 2);
+  const double greatest = order.empty() ? 0.0 : gains[order[0]].evidence;
+  if (is_luck(size, screen, columns, gains, greatest) || order.empty()) return false;
+  std::optional<Fit> winner =
+      proposals(size, others, screen, columns, order)
+          .best_fit(problem_, simple_, best_.hypothesis, blocks_, scale_, std::max(known_, least_));
+  if (!winner || (size > 1 && !adds_enough(*winner))) return false;
+  best_ = std::move(*winner);
+  scale_ = std::max({known_, robust_deviation(best_.residual), least_});
+  return true;
+}
+
+/// The fit with other shapes and names for the same data where they say more, or as much with less.
+Fit in_other_shapes(const Problem& problem, const std::vector<Candidate>& all,
+                    const std::vector<Candidate>& simple, Fit best, double scale) {
+  best =
+      with_plain_shapes(problem, simple, fit(problem, best.hypothesis, scale), scale, kMostEffects);
+  best = with_exchanges(problem, simple, std::move(best), scale);
+  // Of what stands now, by each mesh's share of the load and in curves of any shape.
+  const bool refines = std::ranges::any_of(all, [&](const Candidate& c) {
+    return is_refinement(c.form) && has_cause(best.hypothesis, c.cause);
+  });
+  if (refines) best = with_free_shapes(problem, all, std::move(best), scale);
+  best = with_smooth_laws(problem, all, std::move(best), scale);
+  best = with_one_law_of_time(problem, all, std::move(best), scale);
+  best = with_one_wave(problem, all, std::move(best), scale);
+  best = with_freed_rests(problem, all, std::move(best), scale);
+  best = with_named_starts(problem, all, std::move(best), scale, kMostEffects);
+  return with_named_means(problem, all, std::move(best), scale, kMostEffects);
+}
+
+/// Judges the effects of the fit and takes out, the weakest first, those that do not pay.
+void keep_what_pays(const Problem& problem, const std::vector<Candidate>& all, const Judge& judge,
+                    double scale, SearchResult& result) {
+  while (true) {
+    result.effects.clear();
+    for (std::size_t e = 0; e < result.fit.hypothesis.effects.size(); ++e) {
+      result.effects.push_back(judge_effect(judge, result, e));
+    }
+    take_better_names(judge, all, result);
+    // A name has to pay for its parameters; beside another one its evidence has to be strong, for a
+    // law of slightly another shape than the true one leaves what a second cause takes up.
+    constexpr double kStrong = 10.0;
+    const double least_gain = result.effects.size() > 1 ? kStrong : 0.0;
+    const auto weakest = std::ranges::min_element(result.effects, {}, &FoundEffect::delta_bic);
+    if (weakest == result.effects.end() || weakest->delta_bic > least_gain) return;
+    const auto effect = static_cast<std::size_t>(weakest - result.effects.begin());
+    result.fit = with_free_shapes(
+        problem, all, fit(problem, without(result.fit.hypothesis, effect), scale), scale);
+  }
+}
+
 }  // namespace
 
 std::vector<Candidate> candidates_for(const Simulation& simulation, const MeasurementSet& data) {
@@ -125,114 +294,14 @@ SearchResult search_causes(const Problem& problem, const std::vector<Candidate>&
   SearchResult result;
   std::ranges::copy_if(all, std::back_inserter(result.candidates),
                        [](const Candidate& c) { return c.form.weight > 0.0; });
-  const std::vector<Candidate>& candidates = result.candidates;
-  std::vector<Candidate> simple;
-  std::ranges::copy_if(all, std::back_inserter(simple),
-                       [](const Candidate& c) { return !is_refinement(c.form); });
-  const double known = problem.noise.known_scale();
-  Columns base = columns_at(problem, {}, candidates, 0.0);
-  // Known scatter bounds outliers only once something is fitted: what the simulation misses is far
-  // beyond it.
-  const double least = problem.noise.least_scale();
-  const bool agrees = problem.noise.within_rounding(base.residual);
-  double scale = std::max({known, robust_deviation(base.residual), least});
-  base.residual = winsorised(base.residual, scale);
-  const LinearSets linear(base, blocks_of(candidates), problem);
-  // Rows far off are outliers, or they are where the effect is greatest: both are looked at.
-  std::swap(base.residual, base.raw);
-  const LinearSets linear_unclipped(base, blocks_of(candidates), problem);
-  std::swap(base.residual, base.raw);
-  const auto n = static_cast<double>(problem.data.rows.size());
-  const int simulations = n > kManySearchedRows ? kSimulations / 4 : kSimulations;
-
-  // A law of slightly wrong shape leaves more than noise where the effect is far above it: what
-  // adds less than this share to what is explained is no cause of its own.
-  constexpr double kLeastShare = 0.015;
-  const double squares = base.residual.squaredNorm();
-  const Blocks blocks = holdout_blocks(problem.data, covariate_levels(problem.data));
-  Fit best = fit(problem, {}, scale);
-  for (int size = 1; size <= kMostEffects; ++size) {
-    const std::vector<Candidate> others = candidates_beside(candidates, best.hypothesis);
-    const Columns columns =
-        size == 1 ? std::exchange(base, {}) : columns_at(problem, best.hypothesis, others, scale);
-    if (static_cast<double>(columns.own.cols()) >= n) break;
-    const Screen screen(columns.own, columns.other, blocks_of(others), known);
-    const std::vector<Gain> gains = screen.gains(columns.residual);
-    const Screen::Luck luck = screen.luck(columns.residual, options.rate, simulations,
-                                          options.seed + static_cast<std::uint64_t>(size));
-    const std::vector<std::size_t> order = ranked(others, gains, 2);
-    const double greatest = order.empty() ? 0.0 : gains[order[0]].evidence;
-    const double p_value = agrees ? 1.0 : luck.p_value(greatest);
-    if (size == 1) {
-      result.first_gains = gains;
-      result.first_luck = luck;
-      result.first_p = p_value;
-    }
-    const double rate = size == 1 ? options.rate : kFurtherShare * options.rate;
-    if (order.empty() || p_value > rate) break;
-
-    Proposals proposals;
-    for (const auto& some : {order, ranked(others, screen.gains(columns.raw), 2)}) {
-      for (std::size_t k = 0; k < some.size() && k < kFitsPerStep; ++k) {
-        proposals.add(with(best.hypothesis, others[some[k]]));
-      }
-    }
-    if (size > 1) {
-      const std::vector<std::size_t> pool = pool_of(result, best.hypothesis, size);
-      for (const LinearSets* sets : {&linear, &linear_unclipped}) {
-        for (const auto& set : best_linear_sets(candidates, pool, *sets, size, kSetsPerStep)) {
-          Hypothesis h;
-          for (const std::size_t k : set) h = with(std::move(h), candidates[k]);
-          proposals.add(std::move(h));
-        }
-      }
-    }
-    std::optional<Fit> winner =
-        proposals.best_fit(problem, simple, best.hypothesis, blocks, scale, std::max(known, least));
-    if (!winner) break;
-    if (size > 1) {
-      const Fit last = fit(problem, best.hypothesis, scale);
-      const Fit now = fit(problem, winner->hypothesis, scale);
-      const double added = (last.sum_of_squares - now.sum_of_squares) * scale * scale;
-      if (added < kLeastShare * (squares - n * scale * scale)) break;
-    }
-    best = std::move(*winner);
-    scale = std::max({known, robust_deviation(best.residual), least});
+  Growth growth(problem, all, options, result);
+  for (int size = 1; size <= kMostEffects && growth.step(size); ++size) {
   }
-
-  best =
-      with_plain_shapes(problem, simple, fit(problem, best.hypothesis, scale), scale, kMostEffects);
-  best = with_exchanges(problem, simple, std::move(best), scale);
-  // Of what stands now, by each mesh's share of the load and in curves of any shape.
-  const bool refines = std::ranges::any_of(all, [&](const Candidate& c) {
-    return is_refinement(c.form) && has_cause(best.hypothesis, c.cause);
-  });
-  if (refines) best = with_free_shapes(problem, all, std::move(best), scale);
-  best = with_smooth_laws(problem, all, std::move(best), scale);
-  best = with_one_law_of_time(problem, all, std::move(best), scale);
-  best = with_one_wave(problem, all, std::move(best), scale);
-  best = with_freed_rests(problem, all, std::move(best), scale);
-  best = with_named_starts(problem, all, std::move(best), scale, kMostEffects);
-  best = with_named_means(problem, all, std::move(best), scale, kMostEffects);
-
+  const double scale = growth.scale();
+  const Fit best = in_other_shapes(problem, all, growth.simple(), growth.best(), scale);
   const Judge judge(problem, all, best, scale);
   result.fit = fit(problem, best.hypothesis, scale);  // all fits from here on at one scale
-  while (true) {
-    result.effects.clear();
-    for (std::size_t e = 0; e < result.fit.hypothesis.effects.size(); ++e) {
-      result.effects.push_back(judge_effect(judge, result, e));
-    }
-    take_better_names(judge, all, result);
-    // A name has to pay for its parameters; beside another one its evidence has to be strong, for a
-    // law of slightly another shape than the true one leaves what a second cause takes up.
-    constexpr double kStrong = 10.0;
-    const double least_gain = result.effects.size() > 1 ? kStrong : 0.0;
-    const auto weakest = std::ranges::min_element(result.effects, {}, &FoundEffect::delta_bic);
-    if (weakest == result.effects.end() || weakest->delta_bic > least_gain) break;
-    const auto effect = static_cast<std::size_t>(weakest - result.effects.begin());
-    result.fit = with_free_shapes(
-        problem, all, fit(problem, without(result.fit.hypothesis, effect), scale), scale);
-  }
+  keep_what_pays(problem, all, judge, scale, result);
   result.scale = std::sqrt(judge.variance());
   return result;
 }
