@@ -206,7 +206,8 @@ double RunForecast::search_s(Stage stage) const {
     case Stage::kBuilt:
       return searches(stage).mean_s(0.0, 0.0);
     case Stage::kFrontEnds:
-      return front_foreseen(last_.plan).ends * before_front_s_ / (objectives * objectives);
+      return searches(stage).mean_s(
+          front_foreseen(last_.plan).ends * before_front_s_ / (objectives * objectives), 1.0);
     case Stage::kFrontGaps: {
       Work made = searches(stage);
       if (made.items > 2.0) {
@@ -218,11 +219,12 @@ double RunForecast::search_s(Stage stage) const {
       return later * made.mean_s(searches(Stage::kFrontEnds).mean_s(0.0, 0.0), kEndsCountAs);
     }
     case Stage::kBeyond:
-      break;
+      return searches(stage).mean_s(found_s + kSetsOfBest.expected / kSetsOfBest.factor * set_s(),
+                                    1.0);
     case Stage::kRelaxed:
       return searches(stage).mean_s(found_s, 1.0);
   }
-  return found_s + kSetsOfBest.expected / kSetsOfBest.factor * set_s();
+  return found_s;
 }
 
 /// Searches of the stage that are to come after the one that runs.
@@ -252,8 +254,9 @@ Range RunForecast::rest_of_all() const {
 /// Where it refines only what may win, and has refined so many.
 Range RunForecast::rest_of_best(double refined) const {
   const double least = kSetsOfBest.expected / kSetsOfBest.factor;
+  // Another one at least, however many it has refined.
   Range left{
-      .least_s = std::max(0.0, least - refined) * set_s(),
+      .least_s = std::max(1.0, least - refined) * set_s(),
       .most_s = std::max(least, kSetsOfBest.expected * kSetsOfBest.factor - refined) * set_s()};
   if (last_.stage == Stage::kOne) add(left, kSharpened, sharpening_s());
   return left;
@@ -318,21 +321,39 @@ std::optional<Range> RunForecast::rest_of_search() const {
   return left;
 }
 
+/// What a pass takes to build its gearboxes; 0 before any is built.
+double RunForecast::built_in_pass_s() const {
+  double passes = searches(Stage::kBuilt).items, all_s = built_s_;
+  if (last_.stage == Stage::kBuilt && last_.phase == Phase::kGearboxes && !builds_after()) {
+    passes += 1.0;
+    all_s += rate_.seconds_left(last_.total).value_or(0.0);
+  }
+  return passes > 0.0 ? all_s / passes : 0.0;
+}
+
 /// What is built after the passes, at what one costs in them.
 double RunForecast::built_after_s() const {
-  const double passes = std::max(1.0, searches(Stage::kBuilt).items);
   const auto& plan = last_.plan;
   if (plan.built_per_pass == 0) return 0.0;
-  return built_s_ / passes * static_cast<double>(plan.built_after) /
+  return built_in_pass_s() * static_cast<double>(plan.built_after) /
          static_cast<double>(plan.built_per_pass);
 }
 
 /// What follows the pass for built gearboxes that runs.
 void RunForecast::add_passes(Range& left) const {
   const Progress::Plan& plan = last_.plan;
-  const double pass_s = searches(Stage::kBuilt).items > 0.0
-                            ? search_s(Stage::kBuilt)
-                            : last_s_ - search_began_s_ + left.middle_s();
+  double pass_s = search_s(Stage::kBuilt);
+  if (searches(Stage::kBuilt).items == 0.0) {
+    pass_s = last_s_ - search_began_s_ + left.middle_s();
+    if (last_.phase != Phase::kGearboxes && plan.built_after > 0) {
+      // Its own gearboxes, at what is expected of those built after the passes.
+      const double built_s = kBuiltAfter.expected * pass_s *
+                             static_cast<double>(plan.built_per_pass) /
+                             static_cast<double>(plan.built_after);
+      add(left, built_s, kBuiltAfter.factor);
+      pass_s += built_s;
+    }
+  }
   if (!builds_after()) {
     const std::size_t begun = std::max<std::size_t>(1, last_.searches);
     left.least_s += pass_s * number_left(begun, plan.passes_least);
@@ -411,8 +432,9 @@ std::optional<Range> RunForecast::range_left() const {
 }
 
 std::optional<double> RunForecast::seconds_left() const {
-  const std::optional<Range> left = range_left();
-  return left ? std::optional(left->middle_s()) : std::nullopt;
+  if (const std::optional<Range> now = range_now()) return now->middle_s();
+  if (!told_) return std::nullopt;
+  return std::max(0.0, told_->middle_s() - (last_s_ - told_at_s_));
 }
 
 bool RunForecast::Range::is_one() const { return most_s <= kOneNumber * least_s; }

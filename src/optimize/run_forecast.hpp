@@ -69,6 +69,7 @@ class RunForecast {
   [[nodiscard]] double sharpening_s() const;
   [[nodiscard]] double search_s(Stage stage) const;
   [[nodiscard]] double searches_left() const;
+  [[nodiscard]] double built_in_pass_s() const;
   [[nodiscard]] double built_after_s() const;
   [[nodiscard]] std::optional<Range> range_now() const;
   [[nodiscard]] std::optional<Range> rest_of_search() const;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -64,31 +65,65 @@ std::optional<WiderTask> wider_task(const Specification& spec, const std::string
   return task;
 }
 
+double step_si(const LimitPrice& price) { return giving_step(price) * units::si_per(price.unit); }
+
+/// Whether all sets are searched again, beyond a range or with a limit given way.
+bool is_searched_again(const Specification& spec) {
+  return is_efficiency(first_objective(spec)) && has_bounds(spec) && !judged_by_model(spec);
+}
+
+/// The task beyond a bound; empty where it is not searched.
+std::optional<WiderTask> task_beyond(const Specification& spec, const SearchBound& bound,
+                                     std::size_t sets) {
+  auto task = wider_task(spec, bound.key);
+  if (!task || (!task->beyond_only && sets > kMostSearchedAgain)) return std::nullopt;
+  task->spec.objectives = {first_objective(spec)};
+  return task;
+}
+
+/// The task with the dearest limit given way by its step [SI]; empty where there is none, or it is
+/// not asked for.
+std::optional<Specification> relaxed_task(const Specification& spec, const LimitPrice* price) {
+  if (price == nullptr || spec.robust.hold != Hold::kNominal || judged_by_model(spec)) {
+    return std::nullopt;
+  }
+  auto own = with_limit_moved(spec, price->limit, step_si(*price));
+  if (own) own->objectives = {first_objective(spec)};
+  return own;
+}
+
 }  // namespace
+
+std::size_t searches_again(const Specification& spec, std::size_t sets, const HeldBack& held) {
+  if (!is_searched_again(spec)) return 0;
+  const auto beyond = std::ranges::count_if(held.at, [&](const SearchBound& bound) {
+    return task_beyond(spec, bound, sets).has_value();
+  });
+  const bool relaxed = sets <= kMostSearchedAgain && relaxed_task(spec, dearest(held));
+  return static_cast<std::size_t>(beyond) + (relaxed ? 1 : 0);
+}
 
 void search_beyond(const Specification& spec, const RefinedSet& best, std::size_t sets,
                    HeldBack& held, Progress& progress) {
+  if (!is_searched_again(spec)) return;
   const Objective first = first_objective(spec);
-  if (!is_efficiency(first) || !has_bounds(spec) || judged_by_model(spec)) return;
   progress.stage = Progress::Stage::kBeyond;
   progress.stage_done = 0;
   progress.searches = 0;
-  progress.stage_total = held.at.size() + 1;  // with that of search_relaxed()
+  progress.stage_total = searches_again(spec, sets, held);
   for (SearchBound& bound : held.at) {
-    auto task = wider_task(spec, bound.key);
-    if (task && (task->beyond_only || sets <= kMostSearchedAgain)) {
-      task->spec.objectives = {first};
-      ++progress.searches;
-      const OptimizeResult result =
-          optimize(task->spec, progress, {.best_only = true, .certify = false});
-      if (result.interrupted) break;
-      WiderSearch wider{.value = task->value, .better = std::nullopt};
-      const auto cost = [&](const RefinedSet& set) {
-        return cost_in_steps(first, objective_of(spec, set, first));
-      };
-      if (result.best && cost(*result.best) < cost(best)) wider.better = result.best;
-      bound.wider = wider;
-    }
+    const auto task = task_beyond(spec, bound, sets);
+    if (!task) continue;
+    ++progress.searches;
+    const OptimizeResult result =
+        optimize(task->spec, progress, {.best_only = true, .certify = false});
+    if (result.interrupted) break;
+    WiderSearch wider{.value = task->value, .better = std::nullopt};
+    const auto cost = [&](const RefinedSet& set) {
+      return cost_in_steps(first, objective_of(spec, set, first));
+    };
+    if (result.best && cost(*result.best) < cost(best)) wider.better = result.best;
+    bound.wider = wider;
     ++progress.stage_done;
   }
   progress.stage = Progress::Stage::kOne;
@@ -144,24 +179,21 @@ std::optional<Specification> with_limit_moved(Specification spec, const LimitOf&
 void search_relaxed(const Specification& spec, const RefinedSet& best, std::size_t sets,
                     HeldBack& held, Progress& progress) {
   const LimitPrice* const price = dearest(held);
-  if (price == nullptr || spec.robust.hold != Hold::kNominal || judged_by_model(spec)) return;
-  const double step_si = giving_step(*price) * units::si_per(price->unit);
-  auto own = with_limit_moved(spec, price->limit, step_si);
+  const std::optional<Specification> own = relaxed_task(spec, price);
   if (!own) return;
   const Objective first = first_objective(spec);
-  own->objectives = {first};
   const auto cost = [&](const RefinedSet& set) {
     return cost_in_steps(first, objective_of(*own, set, first));
   };
-  RelaxedAnswer relaxed{.key = price->key, .value_si = price->value_si + step_si};
+  RelaxedAnswer relaxed{.key = price->key, .value_si = price->value_si + step_si(*price)};
   const std::optional<RefinedSet> again = refine(*own, best.candidate, progress.stop);
   if (!again) return;
   if (again->status == Status::kOptimal && cost(*again) < cost(best)) relaxed.better = again;
-  relaxed.all_sets = is_efficiency(first) && has_bounds(*own) && sets <= kMostSearchedAgain;
+  relaxed.all_sets = is_searched_again(*own) && sets <= kMostSearchedAgain;
   if (relaxed.all_sets) {
     progress.stage = Progress::Stage::kBeyond;
-    progress.stage_done = held.at.size();
-    progress.stage_total = held.at.size() + 1;
+    progress.stage_total = std::max<std::size_t>(1, searches_again(spec, sets, held));
+    progress.stage_done = progress.stage_total - 1;
     ++progress.searches;
     const OptimizeResult result = optimize(
         *own, progress, {.best_only = true, .certify = false, .incumbent = relaxed.better});

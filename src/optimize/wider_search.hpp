@@ -25,6 +25,9 @@ inline constexpr std::size_t kMostSearchedAgain = 20000;
 void search_beyond(const Specification& spec, const RefinedSet& best, std::size_t sets,
                    HeldBack& held, Progress& progress);
 
+/// Searches of tooth sets that search_beyond() and search_relaxed() make together.
+std::size_t searches_again(const Specification& spec, std::size_t sets, const HeldBack& held);
+
 /// The specification with a limit moved [SI]; empty where the limit is none of checks, shifts,
 /// modules, tips and pressure angle.
 std::optional<Specification> with_limit_moved(Specification spec, const LimitOf& limit,

@@ -383,8 +383,8 @@ std::string pareto_table(const Specification& spec, const optimize::ParetoFront&
                          : "";
   return fmt::format(
       "\nPareto front: {} designs from {} searches of all sets ({})\n"
-      "  of the box between the best of each objective alone and the worst of the others' best "
-      "designs\n"
+      "  of the box between the best of each objective alone and the worst of the others' "
+      "best designs\n"
       "  they dominate {:.2f} %, others may dominate {:.2f} % more\n{}{}",
       front.points.size(), front.searches, ended_text(spec, front), 100.0 * front.hypervolume,
       100.0 * front.missing, table.text(2), cut);

@@ -156,6 +156,112 @@ TEST(RunForecast, LearnsFromTheSearchesOfAFront) {
   EXPECT_GT(*forecast.seconds_left(), 0.5 * left_s);
 }
 
+/// Searches of a stage one after the other, from a time on; the next one has begun then.
+double run_searches(RunForecast& forecast, ProgressSeen seen, const std::vector<double>& times_s,
+                    double began_s) {
+  for (std::size_t k = 0; k <= times_s.size(); ++k) {
+    seen.searches = k + 1;
+    seen.stage_done = k;
+    forecast.observe(began_s, seen);
+    if (k < times_s.size()) began_s += times_s[k];
+  }
+  return began_s;
+}
+
+/// A search of all sets: bounds in 1 s, refinement in 19 s.
+void run_search_of_all(RunForecast& forecast, const Progress::Plan& plan) {
+  ProgressSeen seen = bounds_of(1000);
+  seen.plan = plan;
+  forecast.observe(0.0, seen);
+  seen.done = seen.total;
+  forecast.observe(1.0, seen);
+  seen.phase = Phase::kRefinement;
+  seen.feasible = 1;
+  seen.done = 0;
+  forecast.observe(1.0, seen);
+  seen.done = seen.total;
+  forecast.observe(20.0, seen);
+}
+
+// What is told of the ends still to come follows from those made, some of which take far less.
+TEST(RunForecast, LearnsFromTheEndsOfAFront) {
+  const Progress::Plan plan{.front_objectives = 3, .front_designs = 30, .front_lost_motion = true};
+  ProgressSeen seen = at(Phase::kRefinement, Stage::kFrontEnds);
+  seen.plan = plan;
+  seen.total = 10;
+  seen.stage_total = 9;
+  const auto least_after = [&](const std::vector<double>& times_s) {
+    RunForecast forecast;
+    run_search_of_all(forecast, plan);
+    run_searches(forecast, seen, times_s, 20.0);
+    return forecast.range_left()->least_s;
+  };
+  // Means of 0.2 and 8 s, with three searches to come.
+  const double more_s =
+      least_after({12.0, 0.0, 12.0, 3.0, 15.0, 6.0}) - least_after({0.1, 0.0, 0.4, 0.3, 0.3, 0.1});
+  EXPECT_GT(more_s, 0.5 * 3.0 * (8.0 - 0.2));
+  EXPECT_LT(more_s, 3.0 * (8.0 - 0.2));
+}
+
+TEST(RunForecast, LearnsFromTheSearchesBeyondRanges) {
+  const Progress::Plan plan{.explains = true};
+  ProgressSeen seen = at(Phase::kSearch, Stage::kBeyond);
+  seen.plan = plan;
+  seen.total = 10;
+  seen.stage_total = 10;
+  RunForecast forecast;
+  run_search_of_all(forecast, plan);
+  forecast.observe(20.0, seen);
+  // As many as there are to come, of 0.1 s on average.
+  run_searches(forecast, seen, {0.01, 0.25, 0.01, 0.03, 0.2}, 20.0);
+  const double after_s = *forecast.seconds_left();
+  EXPECT_GT(after_s, 0.5 * 5.0 * 0.1);
+  RunForecast slow;
+  run_search_of_all(slow, plan);
+  run_searches(slow, seen, {4.0, 6.0, 8.0, 10.0, 12.0}, 20.0);
+  EXPECT_GT(*slow.seconds_left(), 0.5 * 5.0 * 8.0);
+  EXPECT_LT(*slow.seconds_left(), 2.0 * 5.0 * 8.0);
+  EXPECT_LT(after_s, 0.1 * *slow.seconds_left());
+}
+
+/// The first of five passes for built gearboxes, in which so many sets are refined: bounds take
+/// 0.1 s, a set as long.
+double left_in_first_pass(std::size_t refined, std::size_t built_per_pass) {
+  RunForecast forecast;
+  ProgressSeen seen = bounds_of(1000, Stage::kBuilt);
+  seen.plan = {.passes_least = 5,
+               .passes_most = 5,
+               .built_per_pass = built_per_pass,
+               .built_after = 1'000'000};
+  seen.searches = 1;
+  seen.stage_total = 5;
+  forecast.observe(0.0, seen);
+  seen.done = seen.total;
+  forecast.observe(0.1, seen);
+  seen.phase = Phase::kRefinement;
+  seen.total = 1000;
+  for (seen.done = 0; seen.done < refined; ++seen.done) {
+    forecast.observe(0.1 + 0.1 * static_cast<double>(seen.done), seen);
+  }
+  forecast.observe(0.1 + 0.1 * static_cast<double>(refined), seen);
+  return *forecast.seconds_left();
+}
+
+// A search that goes on beyond the fewest sets has not ended: its pass takes no less than before.
+TEST(RunForecast, OfAPassDoesNotFallWhereItRefinesMoreThanTheFewest) {
+  double before_s = left_in_first_pass(14, 0);
+  for (const std::size_t refined : {15U, 16U, 17U, 24U, 40U}) {
+    const double now_s = left_in_first_pass(refined, 0);
+    EXPECT_GT(now_s, 0.98 * before_s) << refined;
+    before_s = now_s;
+  }
+}
+
+// A pass builds gearboxes: a fifth of those after the passes, which take four passes.
+TEST(RunForecast, CountsTheGearboxesOfTheFirstPass) {
+  EXPECT_GT(left_in_first_pass(10, 200'000), 1.3 * left_in_first_pass(10, 0));
+}
+
 // Where ranges and limits gave way only rounding is to come.
 TEST(RunForecast, ForeseesNoSearchAfterTheLast) {
   RunForecast forecast;
@@ -191,7 +297,8 @@ TEST(RunForecast, TellsAFrontThatIsStillToComeWhileSetsAreRefined) {
   };
   for (std::size_t n = 0; n < 4; ++n) add(Stage::kFrontEnds, n, 4, n + 1);
   for (std::size_t n = 0; n < 30; ++n) add(Stage::kFrontGaps, n, 30, n + 1);
-  expect_within(2.0, parts, {.front_objectives = 2, .front_designs = 30, .front_lost_motion = true});
+  expect_within(2.0, parts,
+                {.front_objectives = 2, .front_designs = 30, .front_lost_motion = true});
   RunForecast alone;
   alone.observe(0.0, at(Phase::kRefinement));
   ProgressSeen half = at(Phase::kRefinement);

@@ -1,0 +1,51 @@
+// Searches beyond ranges: as many are foreseen as are made.
+
+#include "optimize/wider_search.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "io/files/specification_file.hpp"
+#include "optimize/optimizer.hpp"
+
+namespace gear3k::optimize::wider_search_test {
+namespace {
+
+/// Ranges and lists of modules whose ends the best set may sit at.
+constexpr const char* kTask =
+    "[ratio]\ntarget = 45.0\ntolerance = 0.3\n"
+    "[teeth]\nS = [14, 14]\nP1 = [29, 30]\nP2 = [30, 32]\nR1_max = 90\nR2_max = 90\n"
+    "[module]\nstage1_mm = { series = [0.6, 0.7] }\nstage2_mm = { series = [0.6, 0.7] }\n"
+    "[backlash]\nmax_output_arcmin = 12.0\nmin_normal_um = 5.0\nmachining_allowance = 0.02\n"
+    "[friction]\ncoefficient = 0.1\n";
+
+/// Of a task with so many sets.
+void expect_as_many_as_foreseen(const Specification& spec, const RefinedSet& best,
+                                std::size_t sets) {
+  Progress progress;
+  HeldBack held = held_back(spec, best, spec.limits);
+  const std::size_t foreseen = searches_again(spec, sets, held);
+  search_beyond(spec, best, sets, held, progress);
+  const auto tried = static_cast<std::size_t>(std::ranges::count_if(
+      held.at, [](const SearchBound& bound) { return bound.wider.has_value(); }));
+  EXPECT_EQ(progress.stage_total, foreseen);
+  EXPECT_EQ(progress.stage_done, tried);
+  EXPECT_EQ(progress.searches, tried);
+  EXPECT_LT(tried, held.at.size());  // beyond lists nothing is searched
+  EXPECT_GT(tried, 0U);
+  search_relaxed(spec, best, sets, held, progress);
+  EXPECT_EQ(progress.searches, foreseen);
+}
+
+TEST(WiderSearch, ForeseesAsManySearchesAsItMakes) {
+  const Specification spec = io::parse_specification(kTask, "task.toml");
+  Progress progress;
+  const OptimizeResult result = optimize(spec, progress, {.best_only = true});
+  ASSERT_TRUE(result.best);
+  expect_as_many_as_foreseen(spec, *result.best, result.search.candidates.size());
+  expect_as_many_as_foreseen(spec, *result.best, kMostSearchedAgain + 1);
+}
+
+}  // namespace
+}  // namespace gear3k::optimize::wider_search_test
