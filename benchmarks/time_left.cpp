@@ -66,7 +66,8 @@ const std::vector<TimedTask> kTimedTasks{
      .file = "examples/jobs/printed_30.toml",
      .lines = {{"max_ring_root_diameter_mm", "max_ring_root_diameter_mm = 45.0"}},
      .certify = true},
-    // Those that follow were looked at for fronts without lost motion only.
+    // Those that follow were looked at for fronts without lost motion and searches beyond ranges
+    // only.
     {.name = "a wrist of -100:1, certified",
      .file = "examples/jobs/wrist_150.toml",
      .lines = {{"target =", "target = -100.0"}},

@@ -28,7 +28,7 @@ ProgressSeen seen_of(const Progress& progress);
 /// those of its kind that are over; before, what is expected of it from what bounding and refining
 /// took so far.  How many searches are to come is known where the plan counts them, else so many
 /// for each design or limit as were needed so far.  What is only expected makes the time a range.
-/// Source: own derivation; what is expected was measured, docs/theory §12 ("Time left").
+/// Source: own derivation; what is expected was measured or chosen, docs/theory §12 ("Time left").
 /// Accuracy: benchmarks/time_left, docs/theory §12.
 class RunForecast {
  public:
