@@ -82,6 +82,7 @@ gear3k_library(calibrate
     measurement/impossible_rows.cpp
     measurement/left_out_rows.cpp
     measurement/loop_observations.cpp
+    measurement/loop_friction.cpp
     measurement/loop_reading.cpp
     measurement/sensor_limit.cpp
     model/law_doubt.cpp

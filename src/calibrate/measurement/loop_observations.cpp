@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "calibrate/loops/zero_phase_filter.hpp"
+#include "calibrate/measurement/loop_friction.hpp"
 #include "calibrate/measurement/loop_reading.hpp"
 #include "calibrate/measurement/response_unit.hpp"
 
@@ -97,9 +98,9 @@ std::vector<LoopReading> readings_of(const std::vector<UsedLoop>& used, double p
 }
 
 /// Friction holds the shaft that was measured: loops of one such shaft have one.
-std::vector<double> openings_of(const std::vector<UsedLoop>& used,
-                                const std::vector<LoopReading>& readings) {
-  std::vector<double> opening(used.size(), 0.0);
+std::vector<FrictionShare> shares_of(const std::vector<UsedLoop>& used,
+                                     const std::vector<LoopReading>& readings) {
+  std::vector<FrictionShare> shares(used.size());
   for (const bool sun_locked : {true, false}) {
     std::vector<LoopReading> some;
     std::vector<std::size_t> place;
@@ -108,10 +109,27 @@ std::vector<double> openings_of(const std::vector<UsedLoop>& used,
       some.push_back(readings[k]);
       place.push_back(k);
     }
-    const std::vector<double> h = friction_openings_rad(some);
-    for (std::size_t k = 0; k < place.size(); ++k) opening[place[k]] = h[k];
+    std::vector<FrictionShare> of_some = friction_shares(some);
+    for (std::size_t k = 0; k < place.size(); ++k) shares[place[k]] = std::move(of_some[k]);
   }
-  return opening;
+  return shares;
+}
+
+std::string friction_note(const std::vector<FrictionShare>& shares) {
+  double loops = 0.0, zero = 0.0, travel = 0.0, travels = 0.0;
+  for (const FrictionShare& share : shares) {
+    if (!(share.friction_Nm > 0.0)) continue;
+    loops += 1.0;
+    zero += share.zero_rad;
+    travel += std::accumulate(share.travel_rad.begin(), share.travel_rad.end(), 0.0);
+    travels += static_cast<double>(share.travel_rad.size());
+  }
+  if (loops == 0.0) return {};
+  const double unit = response_unit(Kind::kLostMotion).si;
+  return fmt::format(
+      "friction opens {} loop{} by {:.3g} arcmin at zero torque and takes {:.3g} off the travel "
+      "(means): both are corrected for it",
+      loops, loops == 1.0 ? "" : "s", zero / loops / unit, travel / travels / unit);
 }
 
 /// When a reading was taken that is made of two: between the times of both.
@@ -131,12 +149,11 @@ double median_of(std::vector<double> values) {
   return *middle;
 }
 
-/// Deviations of a session's readings, which share their filter and their noise; NaN: not known.
-struct ReadingScatter {
-  double zero_rad = kUnknown, travel_rad = kUnknown;
-};
-ReadingScatter scatter_of(const Session& session, const std::vector<UsedLoop>& used,
-                          const std::vector<LoopReading>& readings) {
+/// By how much more than its travels a session's angles at zero torque scatter; 1 where not known.
+/// Only rows of one session are compared: noise slower than the filter, which all rows of a loop
+/// share, is in none of these deviations, so that faster sampling says nothing of whole loops.
+double zero_scatter(const Session& session, const std::vector<UsedLoop>& used,
+                    const std::vector<LoopReading>& readings) {
   constexpr double kMostRatio = 3.0;
   std::vector<double> zero, travel;
   for (std::size_t k = 0; k < used.size(); ++k) {
@@ -144,11 +161,11 @@ ReadingScatter scatter_of(const Session& session, const std::vector<UsedLoop>& u
     zero.push_back(readings[k].zero_variance_rad2);
     for (const TravelReading& one : readings[k].travel) travel.push_back(one.variance_rad2);
   }
-  if (zero.empty() || travel.empty()) return {};
-  const double zero_rad = std::sqrt(median_of(std::move(zero)));
-  const double travel_rad = std::sqrt(median_of(std::move(travel)));
-  return {.zero_rad = std::max(zero_rad, travel_rad / kMostRatio),
-          .travel_rad = std::max(travel_rad, zero_rad / kMostRatio)};
+  if (zero.empty() || travel.empty()) return 1.0;
+  const double of_zero = median_of(std::move(zero));
+  const double of_travel = median_of(std::move(travel));
+  if (!(of_zero > 0.0 && of_travel > 0.0)) return 1.0;
+  return std::clamp(std::sqrt(of_zero / of_travel), 1.0 / kMostRatio, kMostRatio);
 }
 
 std::string session_text(const Session& session) {
@@ -231,11 +248,10 @@ LoopObservations loop_observations(const std::vector<LockedShaftRecord>& records
   double peak = std::numeric_limits<double>::infinity();
   for (const UsedLoop& u : used) peak = std::min(peak, peak_of(*u.loop));
   const std::vector<LoopReading> readings = readings_of(used, peak);
-  const std::vector<double> opening = openings_of(used, readings);
+  const std::vector<FrictionShare> shares = shares_of(used, readings);
   for (std::size_t u = 0; u < used.size(); ++u) {
     const Session& session = *used[u].session;
     const Loop& loop = *used[u].loop;
-    const ReadingScatter scatter = scatter_of(session, used, readings);
     Observation row;
     row.condition.run = session.run;
     row.file = session.file;
@@ -251,31 +267,26 @@ LoopObservations loop_observations(const std::vector<LockedShaftRecord>& records
                              : time_s[loop.reversal_sample];
     };
     row.condition.time_s = time_of(loop.falling_zero_sample, loop.rising_zero_sample);
-    row.response = readings[u].zero_rad - 0.5 * opening[u];
-    row.scatter = scatter.zero_rad;
+    row.response = readings[u].zero_rad - shares[u].zero_rad;
+    row.scatter = zero_scatter(session, used, readings);
     const auto sigma = [](double v) { return v > 0.0 ? std::sqrt(v) : kUnknown; };
     row.sigma = sigma(readings[u].zero_variance_rad2);
     result.rows.push_back(row);
-    row.scatter = scatter.travel_rad;
-    for (const TravelReading& travel : readings[u].travel) {
+    row.scatter = 1.0;
+    for (std::size_t k = 0; k < readings[u].travel.size(); ++k) {
+      const TravelReading& travel = readings[u].travel[k];
       row.condition.test_torque_Nm = travel.torque_Nm;
       row.condition.time_s = time_of(travel.fall_sample, travel.rise_sample);
-      row.response = travel.angle_rad + 0.5 * opening[u];
+      row.response = travel.angle_rad + shares[u].travel_rad[k];
       row.sigma = sigma(travel.variance_rad2);
       result.rows.push_back(row);
     }
   }
-  const auto taken = std::ranges::count_if(opening, [](double h) { return h > 0.0; });
   result.notes.push_back(
       fmt::format("{} loop{} read as lost motion at test torques 0 to {:.4g} N m", used.size(),
                   used.size() == 1 ? "" : "s", kTravelFractions.back() * peak));
-  if (taken > 0) {
-    result.notes.push_back(fmt::format(
-        "friction opens {} loop{} by {:.3g} arcmin at zero torque and takes as much off the travel "
-        "(means): both are corrected for it",
-        taken, taken == 1 ? "" : "s",
-        0.5 * std::accumulate(opening.begin(), opening.end(), 0.0) / static_cast<double>(taken) /
-            response_unit(Kind::kLostMotion).si));
+  if (std::string note = friction_note(shares); !note.empty()) {
+    result.notes.push_back(std::move(note));
   }
   return result;
 }

@@ -40,9 +40,9 @@ struct LoopObservations {
 ///
 ///   θ(0) = b + T_f c,   travel(T) = b + (T - T_f) c,   c = 1/k₊ + 1/k₋
 ///
-/// so that half of h = θ(0) - travel extrapolated to T = 0 (= 2 T_f c) is taken from the first and
-/// added to the second (friction_openings_rad(), of the loops measured at the same shaft): b + c T
-/// is what the gearbox gives without friction, which the lost motion of the design leaves out.
+/// with straight flanks; friction_shares() takes what it opens from the first and adds what it
+/// takes off to the second, for flanks that may curve, of the loops measured at the same shaft: b +
+/// c T is what the gearbox gives without friction, which the lost motion of the design leaves out.
 /// Notes say how much.
 ///
 /// The time of a row is the mean of the two at which its branches pass the torque: what drifts
@@ -51,10 +51,10 @@ struct LoopObservations {
 /// A record without runs is a session of its own when there are several.
 /// Loops that share a branch are not independent: of those, every second one is used.  Sigma is
 /// that of the noise at zero torque and in the mean over each travel's band, without that of the
-/// opening, which all rows share; scatter the same, as the median of the session's loops, at most
-/// 3 times as great in one row as in another: noise slower than the filter, which all rows of a
-/// loop share, is not seen.
-/// Source: own derivation; branches as in docs/theory §31.
+/// friction, which all rows share; scatter is 1 for travels and the ratio of the two sigmas
+/// (medians of the session's loops, 1/3 to 3; 1 where one is not known) at zero torque: sessions
+/// weigh alike whatever their sampling rate, as noise slower than the filter, which all rows of a
+/// loop share, is in no sigma. Source: own derivation; branches as in docs/theory §31.
 /// @throws std::invalid_argument when the ratio is not finite or 0, or as analyse_loops()
 LoopObservations loop_observations(const std::vector<LockedShaftRecord>& records, double ratio);
 

@@ -7,7 +7,6 @@
 
 #include "calibrate/loops/correlated_noise.hpp"
 #include "calibrate/loops/zero_phase_filter.hpp"
-#include "numerics/distributions.hpp"
 #include "numerics/square.hpp"
 
 namespace gear3k::calibrate {
@@ -70,36 +69,10 @@ std::optional<TravelReading> mean_travel(const Loop& loop, const CorrelatedNoise
   return mean;
 }
 
-struct Intercept {
-  double value = 0.0, variance = 0.0;
-};
-
-/// Least-squares line through three travels or more, at zero torque, with the scatter about it.
-Intercept intercept_of(const std::vector<TravelReading>& points) {
-  const auto count = static_cast<double>(points.size());
-  double x = 0.0;
-  double y = 0.0;
-  for (const TravelReading& p : points) {
-    x += p.torque_Nm / count;
-    y += p.angle_rad / count;
-  }
-  double xx = 0.0;
-  double xy = 0.0;
-  double yy = 0.0;
-  for (const TravelReading& p : points) {
-    xx += numerics::square(p.torque_Nm - x);
-    xy += (p.torque_Nm - x) * (p.angle_rad - y);
-    yy += numerics::square(p.angle_rad - y);
-  }
-  const double left = std::max(0.0, yy - xy * xy / xx) / (count - 2.0);
-  return {.value = y - xy / xx * x, .variance = left * (1.0 / count + x * x / xx)};
-}
-
 }  // namespace
 
 LoopReading read_loop(const Loop& loop, const CorrelatedNoise& noise,
                       const std::vector<double>& response, double peak_Nm) {
-  constexpr std::size_t kFewest = 3;
   // One branch is few samples to tell its noise from; that of all flanks is the least.
   const double least = variance_of_mean(noise, {loop.falling_zero_sample}, response) +
                        variance_of_mean(noise, {loop.rising_zero_sample}, response);
@@ -112,43 +85,7 @@ LoopReading read_loop(const Loop& loop, const CorrelatedNoise& noise,
       reading.travel.push_back(*travel);
     }
   }
-  if (reading.travel.size() < kFewest) return reading;
-  const Intercept at_zero = intercept_of(reading.travel);
-  reading.has_opening = true;
-  reading.opening_rad = reading.zero_rad - at_zero.value;
-  reading.opening_variance_rad2 = reading.zero_variance_rad2 + at_zero.variance;
   return reading;
-}
-
-std::vector<double> friction_openings_rad(const std::vector<LoopReading>& loops) {
-  constexpr double kDeviations = 3.0;
-  constexpr double kDiffer = 1e-3;
-  double count = 0.0;
-  double mean = 0.0;
-  double variance = 0.0;
-  for (const LoopReading& loop : loops) {
-    if (!loop.has_opening) continue;
-    count += 1.0;
-    mean += loop.opening_rad;
-    variance += loop.opening_variance_rad2;
-  }
-  std::vector<double> opening(loops.size(), 0.0);
-  if (count == 0.0) return opening;
-  mean /= count;
-  variance /= count;
-  if (!(mean > kDeviations * std::sqrt(variance / count))) return opening;
-  double squares = 0.0;
-  for (const LoopReading& loop : loops) {
-    if (loop.has_opening) squares += numerics::square(loop.opening_rad - mean);
-  }
-  const bool differ =
-      count > 1.0 && variance > 0.0 &&
-      numerics::gamma_upper(0.5 * (count - 1.0), 0.5 * squares / variance) < kDiffer;
-  for (std::size_t k = 0; k < loops.size(); ++k) {
-    if (!loops[k].has_opening) continue;
-    opening[k] = differ ? std::max(0.0, loops[k].opening_rad) : mean;
-  }
-  return opening;
 }
 
 }  // namespace gear3k::calibrate

@@ -28,9 +28,6 @@ struct LoopReading {
   double zero_rad = 0.0;  ///< between the branches at zero torque
   double zero_variance_rad2 = 0.0;
   std::vector<TravelReading> travel{};
-  bool has_opening = false;  ///< three travels at least
-  /// h = θ(0) less the travels' line at zero torque, and its variance.
-  double opening_rad = 0.0, opening_variance_rad2 = 0.0;
 };
 
 /// The travels of a loop that has some at Loop::travel 1 % of its peak apart.
@@ -40,8 +37,7 @@ struct LoopReading {
 ///   σ² Σ_j Σ_l w_j w_l φ^|j-l|
 ///
 /// of both flanks, with the weights w of their samples in the filtered angles; that of θ(0) is at
-/// least what the same noise makes there.  That of h is var θ(0) and the scatter of the travels
-/// about their line.
+/// least what the same noise makes there.
 ///
 /// Source: own derivation, docs/theory §31 (uncertainty).
 /// @param noise     LoopAnalysis::flank_noise of the loop's record
@@ -49,13 +45,5 @@ struct LoopReading {
 /// @param peak_Nm   of which kTravelFractions are
 LoopReading read_loop(const Loop& loop, const CorrelatedNoise& noise,
                       const std::vector<double>& response, double peak_Nm);
-
-/// By how much friction opens each loop at zero torque, h = 2 T_f c; 0 where it does not.
-///
-/// One gearbox has one friction: h is the mean of all loops, where that is beyond 3 of its standard
-/// deviations, and each loop's own only where they differ by more than these (χ², 0.1 %).
-/// A loop's own h would give its rows an error in common that looks like a step.
-/// Source: own derivation, docs/theory §31 (rows of lost motion).
-std::vector<double> friction_openings_rad(const std::vector<LoopReading>& loops);
 
 }  // namespace gear3k::calibrate

@@ -43,7 +43,8 @@ struct Observation {
   Condition condition;
   double response = 0.0;    ///< sun torque [Nm], lost motion [rad] or loss factor
   double sigma = kUnknown;  ///< one standard deviation of the response
-  /// The same in proportion to those of other rows, where how it was read tells no more.
+  /// Its deviation over that of another row, a ratio without unit, where how it was read tells only
+  /// that; used where all rows have one and not all a sigma.
   double scatter = kUnknown;
   int file = 0, line = 0;  ///< where it stands, of MeasurementSet::files
 };

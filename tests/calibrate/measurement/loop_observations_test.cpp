@@ -89,16 +89,82 @@ TEST(LoopObservations, WhatDriftsWithinALoopIsThatOfTheRowsTime) {
 
 TEST(LoopObservations, RowsScatterInProportionWhereTheAngleAndMeansOverABandDo) {
   rig::DeterministicRandom random(5);
-  TorqueAngleRecord record = wind_up({}, 5);
-  for (double& angle : record.angle_rad) angle += 1e-5 * random.normal();
-  const LoopObservations found = loop_observations({{.samples = record}}, 96.0);
-  ASSERT_GE(found.rows.size(), 14U);
-  const double zero = found.rows[0].scatter, travel = found.rows[1].scatter;
-  EXPECT_GT(zero, 1.2 * travel);
-  EXPECT_LT(zero, 3.01 * travel);
-  for (const Observation& row : found.rows) {
-    EXPECT_EQ(row.scatter, row.condition.test_torque_Nm > 0.0 ? travel : zero);
+  std::vector<double> zero_off, travel_off;
+  double stated = 0.0;
+  constexpr int kRecords = 40;
+  const Shaft shaft{.friction_Nm = 0.8, .peak_Nm = 8.0};
+  const LoopObservations still = loop_observations({{.samples = wind_up(shaft, 2, 400)}}, 96.0);
+  for (int k = 0; k < kRecords; ++k) {
+    TorqueAngleRecord record = wind_up(shaft, 2, 400);
+    for (double& angle : record.angle_rad) angle += 1e-5 * random.normal();
+    const LoopObservations found = loop_observations({{.samples = record}}, 96.0);
+    ASSERT_EQ(found.rows.size(), still.rows.size());
+    stated += found.rows[0].scatter / kRecords;
+    for (std::size_t row = 0; row < found.rows.size(); ++row) {
+      const bool is_zero = found.rows[row].condition.test_torque_Nm == 0.0;
+      EXPECT_TRUE(is_zero || found.rows[row].scatter == 1.0);
+      // What friction takes off is an error in common: travels count about their own mean.
+      (is_zero ? zero_off : travel_off)
+          .push_back(found.rows[row].response - still.rows[row].response);
+    }
   }
+  const auto variance = [](const std::vector<double>& off, std::size_t of_one_record) {
+    double squares = 0.0;
+    for (std::size_t k = 0; k < off.size(); k += of_one_record) {
+      double mean = 0.0;
+      for (std::size_t j = 0; j < of_one_record; ++j)
+        mean += off[k + j] / static_cast<double>(of_one_record);
+      for (std::size_t j = 0; j < of_one_record; ++j) {
+        squares += (off[k + j] - mean) * (off[k + j] - mean);
+      }
+    }
+    const auto records = static_cast<double>(off.size() / of_one_record);
+    return squares / (records * static_cast<double>(of_one_record - 1));
+  };
+  const std::size_t loops = still.rows.size() / 7;
+  ASSERT_GE(loops, 2U);
+  const double measured = std::sqrt(variance(zero_off, loops) / variance(travel_off, 6 * loops));
+  EXPECT_GT(measured, 1.2);
+  // At zero torque the greater of two estimates of its noise is stated.
+  EXPECT_GT(stated, 0.8 * measured);
+  EXPECT_LT(stated, 1.5 * measured);
+}
+
+/// Loops whose play differs from one to the next, as no sampling rate takes out.
+TorqueAngleRecord uneven_loops(int samples_per_loop, double noise_rad,
+                               rig::DeterministicRandom& random) {
+  TorqueAngleRecord record = wind_up({}, 6, samples_per_loop);
+  double shift = 0.0;
+  for (std::size_t k = 0; k < record.angle_rad.size(); ++k) {
+    if (k % static_cast<std::size_t>(samples_per_loop) == 0) shift = 3e-5 * random.normal();
+    record.time_s[k] = 40.0 * static_cast<double>(k) / samples_per_loop;
+    record.angle_rad[k] += std::copysign(shift, record.angle_rad[k]) + noise_rad * random.normal();
+  }
+  return record;
+}
+
+TEST(LoopObservations, NoSessionOutweighsAnotherForItsSamplingRateOrItsSensor) {
+  rig::DeterministicRandom random(17);
+  TorqueAngleRecord both = uneven_loops(6000, 5e-6, random);
+  std::vector<std::string> run(both.time_s.size(), "fast");
+  const TorqueAngleRecord slow = uneven_loops(400, 2e-5, random);
+  for (std::size_t k = 0; k < slow.time_s.size(); ++k) {
+    both.time_s.push_back(slow.time_s[k] + 1000.0);
+    both.angle_rad.push_back(slow.angle_rad[k]);
+    both.torque_Nm.push_back(slow.torque_Nm[k]);
+    run.emplace_back("slow");
+  }
+  const LoopObservations found = loop_observations({{.samples = both, .run = run}}, 96.0);
+  double weight[2] = {0.0, 0.0}, rows[2] = {0.0, 0.0};
+  for (const Observation& row : found.rows) {
+    const auto session = static_cast<std::size_t>(row.condition.run);
+    weight[session] += 1.0 / (row.scatter * row.scatter);
+    rows[session] += 1.0;
+  }
+  ASSERT_GT(rows[0], 0.0);
+  ASSERT_EQ(rows[0], rows[1]);
+  // By the noise that passes the filter the first would count 16 to 240 times as much.
+  EXPECT_NEAR(weight[0] / weight[1], 1.0, 0.15);
 }
 
 TEST(LoopObservations, NotesSayHowMuchFrictionWasTakenOut) {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numeric>
 #include <vector>
 
 #include "calibrate/loops/zero_phase_filter.hpp"
@@ -13,30 +12,6 @@
 
 namespace gear3k::calibrate::loop_reading_test {
 namespace {
-
-LoopReading opened_by(double h, double sd) {
-  return {.has_opening = true, .opening_rad = h, .opening_variance_rad2 = sd * sd};
-}
-
-TEST(FrictionOpenings, OneLoopFarOffAmongOthersIsLuck) {
-  const auto h = friction_openings_rad(
-      {opened_by(3.5, 1.0), opened_by(-1.0, 1.0), opened_by(0.2, 1.0), opened_by(-0.4, 1.0)});
-  EXPECT_EQ(h, std::vector<double>(4, 0.0));
-}
-
-TEST(FrictionOpenings, AreTheirMeanWhereAllOpen) {
-  const auto h = friction_openings_rad(
-      {opened_by(4.0, 1.0), opened_by(2.0, 1.0), opened_by(3.0, 1.0), LoopReading{}});
-  for (int k = 0; k < 3; ++k) EXPECT_NEAR(h[static_cast<std::size_t>(k)], 3.0, 1e-12);
-  EXPECT_EQ(h[3], 0.0) << "of a loop without enough travels nothing is known";
-}
-
-TEST(FrictionOpenings, AreEachLoopsOwnWhereTheyDiffer) {
-  EXPECT_EQ(friction_openings_rad({opened_by(30.0, 1.0), opened_by(10.0, 1.0)}),
-            (std::vector<double>{30.0, 10.0}));
-}
-
-TEST(FrictionOpenings, OfNoLoopAreNone) { EXPECT_TRUE(friction_openings_rad({}).empty()); }
 
 /// Triangles of torque over a spring, with noise of the angle that remembers.
 TorqueAngleRecord noisy_loops(double sd_rad, double correlation, rig::DeterministicRandom& random) {
