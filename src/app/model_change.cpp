@@ -356,7 +356,7 @@ report::ModelComparison compare_with_model(const OptimizeTask& task, const Optim
   if (!comparison.missing.empty()) return comparison;
   if (found.interrupted || !found.best) {
     comparison.missing =
-        found.interrupted ? "the search was interrupted" : "no design is feasible with the model";
+        found.interrupted ? "the search was interrupted" : "no feasible design was found with the model";
     return comparison;
   }
   OptimizeTask plain{.spec = *task.without_model,

@@ -191,7 +191,7 @@ std::string why_not_relaxed(const OptimizeTask& task, const optimize::OptimizeRe
   if (tally.cut_without_design > 0) {
     return fmt::format(
         "the grids of shifts of {} of the tooth sets were not searched to the end "
-        "(solver.grid_relaxations = {}), and none may have to",
+        "(solver.grid_relaxations = {}), so it may be that none has to",
         tally.cut_without_design, task.spec.solver.grid_relaxations);
   }
   const std::size_t by_load = tally.blocked_by_load;
