@@ -46,6 +46,7 @@ std::vector<LoopReading> readings_of(const Flanks& flanks, int loops, double noi
                                      std::uint64_t seed) {
   rig::DeterministicRandom random(seed);
   std::vector<LoopReading> readings;
+  readings.reserve(static_cast<std::size_t>(loops));
   for (int k = 0; k < loops; ++k) readings.push_back(reading_of(flanks, noise_rad, random));
   return readings;
 }
@@ -145,6 +146,7 @@ TEST(LoopFriction, IsEachLoopsOwnWhereTheyDiffer) {
   rig::DeterministicRandom random(4);
   const std::vector<double> friction_Nm{0.9, 0.7, 0.5, 0.3, 0.0};
   std::vector<LoopReading> readings;
+  readings.reserve(friction_Nm.size());
   for (const double f : friction_Nm)
     readings.push_back(reading_of({.friction_Nm = f}, 1e-6, random));
   const auto shares = friction_shares(readings);

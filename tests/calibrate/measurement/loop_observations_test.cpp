@@ -118,8 +118,8 @@ TEST(LoopObservations, RowsScatterInProportionWhereTheAngleAndMeansOverABandDo) 
         squares += (off[k + j] - mean) * (off[k + j] - mean);
       }
     }
-    const auto records = static_cast<double>(off.size() / of_one_record);
-    return squares / (records * static_cast<double>(of_one_record - 1));
+    const std::size_t records = off.size() / of_one_record;
+    return squares / static_cast<double>(records * (of_one_record - 1));
   };
   const std::size_t loops = still.rows.size() / 7;
   ASSERT_GE(loops, 2U);
