@@ -229,7 +229,8 @@ TEST(RunForecast, LearnsFromTheSearchesBeyondRanges) {
 double left_in_first_pass(std::size_t refined, std::size_t built_per_pass) {
   RunForecast forecast;
   ProgressSeen seen = bounds_of(1000, Stage::kBuilt);
-  seen.plan = {.passes_least = 5,
+  seen.plan = {.best_only = true,
+               .passes_least = 5,
                .passes_most = 5,
                .built_per_pass = built_per_pass,
                .built_after = 1'000'000};
