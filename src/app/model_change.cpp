@@ -355,8 +355,8 @@ report::ModelComparison compare_with_model(const OptimizeTask& task, const Optim
   comparison.missing = why_incomparable(task);
   if (!comparison.missing.empty()) return comparison;
   if (found.interrupted || !found.best) {
-    comparison.missing =
-        found.interrupted ? "the search was interrupted" : "no feasible design was found with the model";
+    comparison.missing = found.interrupted ? "the search was interrupted"
+                                           : "no feasible design was found with the model";
     return comparison;
   }
   OptimizeTask plain{.spec = *task.without_model,
