@@ -123,8 +123,7 @@ void tell_springs(const DiagnosisTask& task, const MeasurementSet& set,
   } else if (angles && task.states_springs && calibrate::has_whole_windup(task.models)) {
     d.notes.emplace_back(
         "the model holds a compliance that was found without the springs of [strength]: it stays "
-        "all "
-        "of the wind-up");
+        "all of the wind-up");
   }
 }
 

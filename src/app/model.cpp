@@ -96,8 +96,7 @@ void lower_limits(optimize::Specification& spec, Model& model, Notes& notes) {
   if (e.beyond_springs) {
     notes.emplace_back(
         "limits of lost motion hold without the wind-up of the springs of [strength], beyond which "
-        "the "
-        "model's compliance counts");
+        "the model's compliance counts");
   }
   if (e.expansion_1_K != 0.0) {
     notes.emplace_back(

@@ -179,9 +179,9 @@ std::string tighten_text(const BuiltSeries& series) {
          "of the lost motion, 0 where it jams\n" +
          (mostly_beyond(series)
               ? "  Half of them and more exceed the limit: move the middle first (shifts, "
-                "machining "
-                "allowance, [robust] of a SPEC);\n  planets that differ have less lost motion than "
-                "alike ones, so that tighter tolerances then gain nothing\n"
+                "machining allowance, [robust] of a SPEC);\n"
+                "  planets that differ have less lost motion than alike ones, so that tighter "
+                "tolerances then gain nothing\n"
               : "");
 }
 

@@ -383,8 +383,7 @@ std::string remainder_text(const Diagnosis& d) {
     return fmt::format(
         "Left over: more than noise, along nothing that the data state ({}): root mean square {} "
         "where noise is {}. The stated sigma is too small, or rows differ in what the file does "
-        "not "
-        "say.\n",
+        "not say.\n",
         p_statement(r.p_value), error_text(d.errors.extended_train, d, 0.0),
         error_text(d.errors.noise_floor, d, 0.0));
   }

@@ -62,14 +62,12 @@ std::string robust_table(const Specification& spec, const RobustRun& run) {
       chosen, run.chosen);
   std::string text = fmt::format(
       "\nLimits that hold for the built gearboxes at one position of the turn ({} searches; {} "
-      "gearboxes "
-      "each from seed {}, which no search used)\n",
+      "gearboxes each from seed {}, which no search used)\n",
       run.search.passes.size(), run.samples, run.fresh_seed);
   text += table.text(2);
   text += fmt::format(
       "  at every position of a turn, {} gearboxes: {:.1f} % and {:.1f} % assemble, {:.1f} % and "
-      "{:.1f} "
-      "% also keep the limit\n",
+      "{:.1f} % also keep the limit\n",
       run.nominal_turn.gearboxes, percent(run.nominal_turn.assembled.value),
       percent(run.chosen_turn.assembled.value), percent(run.nominal_turn.yield.value),
       percent(run.chosen_turn.yield.value));
@@ -159,8 +157,7 @@ std::string robust_blocking_text(const Specification& spec, const optimize::Robu
           : fmt::format("for a yield of {:g} %", clean(percent(spec.robust.yield)));
   return fmt::format(
       "no design was found that holds {}: {}{}; wider limits or tighter [tolerances] would help "
-      "(`gear3k "
-      "tolerances` on a design shows which)",
+      "(`gear3k tolerances` on a design shows which)",
       asked, reached, any_infeasible ? "; under limits tighter than that nothing is feasible" : "");
 }
 

@@ -115,8 +115,7 @@ std::string modules_text(const Specification& spec, const Rounding& rounding) {
   if (rounding.module_pairs_with_design > 0) return "";
   return fmt::format(
       ": with none of the modules tried in steps of {:g} mm (round.module_mm) was a design of "
-      "these "
-      "teeth found, whatever the shifts and the centre distance",
+      "these teeth found, whatever the shifts and the centre distance",
       step_mm);
 }
 

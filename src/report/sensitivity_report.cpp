@@ -125,8 +125,7 @@ std::string thermal_ends_table(const Sensitivities& s) {
     if (moves) table.add(std::move(cells));
   }
   return "\nSensitivities at the ends of [thermal] (change per step of lost motion and of the "
-         "least "
-         "backlash of each mesh)\n" +
+         "least backlash of each mesh)\n" +
          table.text(2);
 }
 

@@ -181,9 +181,9 @@ std::string unit_series_text(const calibrate::Diagnosis& d) {
   text += values_table(series);
   text +=
       "  (± is a standard deviation.) The verdict and causes above are those of all rows less what "
-      "is "
-      "the parts' own.\n  A mean or a deviation counts where its p-value is at most a tenth of the "
-      "rate of false discoveries.\n";
+      "is the parts' own.\n"
+      "  A mean or a deviation counts where its p-value is at most a tenth of the rate of false "
+      "discoveries.\n";
   std::vector<std::string> of_parts;
   for (const SeriesCause& cause : series.causes) {
     if (cause.of == calibrate::Origin::kPart) of_parts.push_back(cause.id);

@@ -217,8 +217,7 @@ std::string tolerance_table(const std::optional<ToleranceLimits>& limits) {
   if (!limits) return "";
   std::string text =
       "\nLimits of the built gearbox (min / nominal / max; nominal as drawn; without run-out, "
-      "pitch "
-      "deviations, pin position and planet phase)\n";
+      "pitch deviations, pin position and planet phase)\n";
   if (limits->lost_motion_rad) {
     text += fmt::format("  lost motion at output, kinematic   {} arcmin\n\n",
                         cell({"", *limits->lost_motion_rad, Unit::kArcmin, 2}));
