@@ -2,7 +2,7 @@
 // series of gearboxes, each diagnosed once for every line of the table that it serves.
 //
 //   must_show --out=FILE [--campaigns=200] [--first=SEED] [--budget-cpu-seconds=S] [--threads=N]
-//             [--shard=K/N] [--only=GROUP-PREFIX] [--line=PREFIX]...
+//             [--shard=K/N] [--only=GROUP-PREFIX] [--line=PREFIX]... [--again [FILE...]]
 //   must_show --report [--csv=TABLE] FILE...
 //   must_show --table=TABLE
 //
@@ -12,6 +12,10 @@
 // kinds and causes.  Shards divide the campaigns; --report puts their files together,
 // prints the table and writes its counts, which --table prints again.  --line leaves of the groups
 // the lines whose names begin so; each has N campaigns of its group then, fewer lines more seeds.
+//
+// --again, with the options of a run that is whole (its records in FILE and in those named behind):
+// single laws of which any campaign is not right have 40 more, plans without anything hidden whose
+// upper limit of something said is above 8 % 400 more, of seeds that the run has not.
 
 #include <fmt/format.h>
 #include <omp.h>
@@ -38,6 +42,7 @@
 #include "benchmarks/must_show_table.hpp"
 #include "benchmarks/program.hpp"
 #include "benchmarks/rate_record.hpp"
+#include "benchmarks/second_sample.hpp"
 #include "numerics/parallel.hpp"
 #include "tests/app/wide_scoring.hpp"
 #include "tests/calibrate/series_scoring.hpp"
@@ -51,9 +56,11 @@ struct RateCell {
   std::optional<wide_rig::Line> line{};
   std::optional<series_rig::SeriesScenario> series{};
   double strength = 0.0;
+  bool again = false;  ///< of the second sample
 
   [[nodiscard]] std::string name() const {
     std::string text = line ? line->name : "series " + series->name;
+    if (again) text.insert(0, benchmarks::kAgain);
     std::ranges::replace(text, ',', ';');
     return text;
   }
@@ -167,6 +174,62 @@ class RateQueue {
   std::size_t count_ = 0, stride_ = 1, at_ = 0;
 };
 
+/// Those of the second sample, out of the lines of the first.
+std::vector<RateGroup> groups_again(const std::vector<RateGroup>& first,
+                                    const std::vector<RateRecord>& records) {
+  std::vector<RateGroup> again;
+  const auto add = [&](const std::string& name, const auto& wanted) {
+    RateGroup group{.name = std::string(benchmarks::kAgain) + name, .cells = {}};
+    for (const RateGroup& from : first) {
+      for (const RateCell& cell : from.cells) {
+        if (!cell.line || !wanted(cell)) continue;
+        group.cells.push_back(cell);
+        group.cells.back().again = true;
+      }
+    }
+    if (!group.cells.empty()) again.push_back(std::move(group));
+  };
+  for (const benchmarks::TwoSamples& law : benchmarks::laws_taken_again(records)) {
+    add(law.name, [&](const RateCell& cell) { return cell.name() == law.name; });
+    if (!again.empty())
+      again.back().share = 1.0 * benchmarks::kAgainOfLaw / benchmarks::kAgainOfPlan;
+  }
+  for (const benchmarks::TwoSamples& plan : benchmarks::plans_taken_again(records)) {
+    add("nulls " + plan.name, [&](const RateCell& cell) {
+      return benchmarks::is_null_line(cell.name()) &&
+             !benchmarks::noise_remembers(cell.line->noise) &&
+             cell.line->kind + " " + cell.line->plan == plan.name;
+    });
+  }
+  return again;
+}
+
+std::string key_of(const DueCampaign& task) {
+  return RateRecord{.line = task.cell->name(), .strength = task.cell->strength, .seed = task.seed}
+      .key();
+}
+
+/// Campaigns of the groups that no record is of; how many seeds the groups take.
+struct FirstSample {
+  std::vector<std::string> missing{};
+  std::uint64_t seeds = 0;
+};
+
+FirstSample first_sample(const std::vector<RateGroup>& groups, int campaigns, std::uint64_t first,
+                         const std::vector<RateRecord>& records) {
+  std::set<std::string> done;
+  for (const RateRecord& r : records) done.insert(r.key());
+  FirstSample sample;
+  for (const RateGroup& group : groups) {
+    for (RateQueue queue(group, campaigns, first); !queue.empty();) {
+      const DueCampaign task = queue.next();
+      sample.seeds = std::max(sample.seeds, task.seed - first + 1);
+      if (!done.contains(key_of(task))) sample.missing.push_back(key_of(task));
+    }
+  }
+  return sample;
+}
+
 double thread_seconds() {
   timespec t{};
   ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
@@ -241,7 +304,7 @@ struct RateOptions {
   std::uint64_t first = 1;
   double budget_s = HUGE_VAL;
   std::size_t shard = 1, shards = 1;
-  bool report = false;
+  bool report = false, again = false;
   std::vector<std::string> files{}, lines{};
 };
 
@@ -278,6 +341,8 @@ std::optional<RateOptions> rate_options(int argc, char** argv) {
       if (o.shard < 1 || o.shard > o.shards) return std::nullopt;
     } else if (word == "--report") {
       o.report = true;
+    } else if (word == "--again") {
+      o.again = true;
     } else if (word.starts_with("--")) {
       return std::nullopt;
     } else {
@@ -285,7 +350,9 @@ std::optional<RateOptions> rate_options(int argc, char** argv) {
     }
   }
   if (!o.table.empty()) return o;
-  if (o.report ? o.files.empty() : o.out.empty() || !o.files.empty()) return std::nullopt;
+  if (o.report ? o.files.empty() : o.out.empty() || (!o.again && !o.files.empty())) {
+    return std::nullopt;
+  }
   return o;
 }
 
@@ -294,7 +361,6 @@ class RateRun {
  public:
   RateRun(const RateOptions& options, const std::vector<RateGroup>& all) : options_(options) {
     for (const RateGroup& group : all) {
-      if (!group.name.starts_with(options.only)) continue;
       queues_.emplace_back(group, options.campaigns, options.first);
       groups_.push_back(&group);
     }
@@ -324,10 +390,7 @@ class RateRun {
       if (least == nullptr) break;
       const bool mine = least->at() % options_.shards == options_.shard - 1;
       const DueCampaign task = least->next();
-      const std::string key =
-          RateRecord{.line = task.cell->name(), .strength = task.cell->strength, .seed = task.seed}
-              .key();
-      if (mine && done_.insert(key).second) return task;
+      if (mine && done_.insert(key_of(task)).second) return task;
     }
     return std::nullopt;
   }
@@ -366,14 +429,38 @@ class RateRun {
   double spent_s_ = 0.0;
 };
 
+/// The groups and the options of the second sample in place of the first's.
+/// @returns false, with what is missing said, unless the first is whole
+bool turn_to_second_sample(RateOptions& options, std::vector<RateGroup>& groups) {
+  std::vector<std::string> files = options.files;
+  if (std::filesystem::exists(options.out)) files.push_back(options.out);
+  const auto records = benchmarks::read_rate_records(files);
+  const FirstSample first = first_sample(groups, options.campaigns, options.first, records);
+  if (!first.missing.empty()) {
+    fmt::print("the first sample is not whole: {} campaigns missing, such as {}\n",
+               first.missing.size(), first.missing.front());
+    return false;
+  }
+  if (first.seeds > benchmarks::kAgainSeeds) {
+    fmt::print("the first sample has {} seeds, the second begins {} after its first\n", first.seeds,
+               benchmarks::kAgainSeeds);
+    return false;
+  }
+  groups = groups_again(groups, records);
+  options.first += benchmarks::kAgainSeeds;
+  options.campaigns = benchmarks::kAgainOfPlan;
+  return true;
+}
+
 }  // namespace
 
 PROGRAM(must_show)(int argc, char** argv) {
-  const auto options = rate_options(argc, argv);
+  auto options = rate_options(argc, argv);
   if (!options) {
     fmt::print(
         "usage: must_show --out=FILE [--campaigns=200] [--first=SEED] [--budget-cpu-seconds=S]\n"
         "                 [--threads=N] [--shard=K/N] [--only=GROUP-PREFIX] [--line=PREFIX]...\n"
+        "                 [--again [FILE...]]\n"
         "       must_show --report [--csv=TABLE] FILE...\n"
         "       must_show --table=TABLE\n");
     return 1;
@@ -401,6 +488,9 @@ PROGRAM(must_show)(int argc, char** argv) {
     }
     std::erase_if(all, [](const RateGroup& group) { return group.cells.empty(); });
   }
+  std::erase_if(all,
+                [&](const RateGroup& group) { return !group.name.starts_with(options->only); });
+  if (options->again && !turn_to_second_sample(*options, all)) return 1;
   RateRun run(*options, all);
   omp_set_num_threads(options->threads);
   numerics::parallel_for(static_cast<std::size_t>(options->threads), [&](std::size_t) {

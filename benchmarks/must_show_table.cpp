@@ -14,6 +14,7 @@
 #include <string_view>
 #include <utility>
 
+#include "benchmarks/second_sample.hpp"
 #include "benchmarks/share.hpp"
 
 namespace gear3k::benchmarks {
@@ -31,10 +32,8 @@ struct Asked {
 };
 
 bool begins(const RateRecord& r, std::string_view name) { return r.line.starts_with(name); }
-bool is_null(const RateRecord& r) { return begins(r, "null "); }
-bool remembers(const RateRecord& r) {
-  return is_null(r) && (r.noise == "correlated" || r.noise == "blocks");
-}
+bool is_null(const RateRecord& r) { return is_null_line(r.line); }
+bool remembers(const RateRecord& r) { return is_null(r) && noise_remembers(r.noise); }
 bool is_series(const RateRecord& r) { return begins(r, "series "); }
 bool has_truth(const RateRecord& r) {
   return !is_null(r) && !is_series(r) && !begins(r, "unknown ");
@@ -193,8 +192,7 @@ void add_nulls(Table& table) {
   table.share("independent noise", table.where(independent), wrong, {.most = 5.0});
   std::map<std::string, Records> plans, noises;
   for (const RateRecord* r : table.where(is_null)) {
-    const std::string kind = r->line.substr(5, r->line.find(' ', 5) - 5);
-    if (!remembers(*r)) plans[kind + " " + r->plan].push_back(r);
+    if (!remembers(*r)) plans[plan_name(*r)].push_back(r);
     noises[r->noise].push_back(r);
   }
   for (const auto& [plan, of] : plans) {
@@ -344,6 +342,39 @@ void add_series(Table& table) {
   table.count("intervals of mean and deviation hold the population's", inside, intervals, {});
 }
 
+// What the first sample is too small to tell; nothing without a second.
+void add_second_sample(Table& table, const std::vector<RateRecord>& records) {
+  table.part("second sample; the first chose it");
+  const auto compared = [](const TwoSamples& s) {
+    return fmt::format("{}: first {} of {}; again", s.name, s.first_hits, s.first);
+  };
+  const auto taken = [](std::vector<TwoSamples> due) {
+    const auto whole = due.size();
+    std::erase_if(due, [](const TwoSamples& s) { return s.again == 0; });
+    return std::pair{std::move(due), static_cast<int>(whole)};
+  };
+  const auto [laws, laws_due] = taken(laws_taken_again(records));
+  int below = 0;
+  for (const TwoSamples& s : laws) {
+    below += s.again_hits < 0.88 * s.again ? 1 : 0;
+    table.count(compared(s), s.again_hits, s.again, {.least = 88.0});
+  }
+  const auto [plans, plans_due] = taken(plans_taken_again(records));
+  int above = 0;
+  for (const TwoSamples& s : plans) {
+    above += 100.0 * share_interval(s.again_hits, s.again)[1] > 8.0 ? 1 : 0;
+    table.count(compared(s), s.again_hits, s.again, {.most = 8.0, .by_upper = true});
+  }
+  if (laws.empty() && plans.empty()) return;
+  const int of_laws = static_cast<int>(laws.size()), of_plans = static_cast<int>(plans.size());
+  table.count("laws with any not right in the first: taken again", of_laws, laws_due, {});
+  table.count("singles; laws below 88 % in the second sample", below, of_laws, {.most = 0.0});
+  table.count("plans whose upper limit is above 8 % in the first: taken again", of_plans, plans_due,
+              {});
+  table.count("plans whose upper limit is above 8 % in the second sample", above, of_plans,
+              {.most = 0.0});
+}
+
 std::string asked_text(const TableLine& l) {
   const std::string unit = std::isfinite(l.value) ? "" : " %";
   const std::string end = l.by_upper ? ", upper end" : "";
@@ -383,14 +414,18 @@ bool has_free_reference(const std::string& line) {
 }
 
 std::vector<TableLine> must_show_table(const std::vector<RateRecord>& records) {
-  Table table(records);
+  std::vector<RateRecord> first;
+  std::ranges::copy_if(records, std::back_inserter(first),
+                       [](const RateRecord& r) { return !is_again(r); });
+  Table table(first);
   add_singles(table);
   add_specials(table);
   add_nulls(table);
   add_names(table);
-  add_numbers(table, records);
+  add_numbers(table, first);
   add_predictions(table);
   add_series(table);
+  add_second_sample(table, records);
   return table.take();
 }
 
