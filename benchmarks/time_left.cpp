@@ -206,9 +206,7 @@ void time_task(const TimedTask& timed, const TimedPrint& print) {
   const auto percent = [&](int count) { return 100.0 * count / judged; };
   fmt::print(
       "  {:<42} {:7.1f} s {:5.0f} % right, {:3.0f} % middle, {:3.0f} % ranges, {:3.0f} % unknown, "
-      "worst "
-      "{:.1f} "
-      "at {:.0f} %\n",
+      "worst {:.1f} at {:.0f} %\n",
       timed.name, whole_s, percent(right), percent(middle), percent(ranges), percent(unknown),
       worst, 100.0 * worst_at);
 }

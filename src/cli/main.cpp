@@ -62,10 +62,9 @@ void add_export_options(CLI::App& command, cli::ExportOptions& options) {
     return "At least one of --dxf, --svg and --sheet is needed.  Each folder of drawings gets S, "
            "P1, R1, P2, R2\n(one gear each, tooth 0 on the +x axis), train (all of them in mesh, "
            "backlash centred) and\nassembly (a section with dimensions), one of sheets every gear "
-           "and "
-           "the compound planet; files of\nthese names are replaced, all of them or none.  Planets "
-           "that cannot be equally spaced: the train\nshows planet 1 alone.  A design that fails "
-           "checks is drawn all the same; stderr names them.\n\n" +
+           "and the compound planet; files of\nthese names are replaced, all of them or none.  "
+           "Planets that cannot be equally spaced: the train\nshows planet 1 alone.  A design that "
+           "fails checks is drawn all the same; stderr names them.\n\n" +
            keys_of("DESIGN.toml");
   });
 }

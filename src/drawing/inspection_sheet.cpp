@@ -291,8 +291,8 @@ InspectionSheet planet_sheet(const design::Design& design, const design::Evaluat
             : "the planets are different parts: each has its own `phi`");
   sheet.notes.emplace_back(
       "to assemble: hold R1 and R2 with a space on the axis of planet 1 (as the train is drawn), "
-      "set "
-      "each planet with the mark of P1 turned by `psi` from the line sun - planet, then the sun");
+      "set each planet with the mark of P1 turned by `psi` from the line sun - planet, then the "
+      "sun");
   if (!design.tolerances) {
     sheet.notes.emplace_back("no tolerances are stated: only nominal values are given");
   }

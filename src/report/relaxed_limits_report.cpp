@@ -103,8 +103,7 @@ std::string relaxed_limits_text(const Specification& spec, const optimize::Relax
   } else if (!others.empty()) {
     text = fmt::format(
         "no design was found with one limit left out ({}){}: {}ranges of teeth, modules and shifts "
-        "or the number of "
-        "planets have to give way\n",
+        "or the number of planets have to give way\n",
         fmt::join(others, ", "),
         relaxed.paired.empty()
             ? ""
