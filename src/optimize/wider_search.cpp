@@ -81,6 +81,55 @@ std::optional<WiderTask> task_beyond(const Specification& spec, const SearchBoun
   return task;
 }
 
+/// The specification with a limit moved [SI]; empty where the limit is none of checks, shifts,
+/// modules, tips and pressure angle.
+std::optional<Specification> with_limit_moved(Specification spec, const LimitOf& limit,
+                                              double by_si) {
+  const auto move = [&](auto& range) {
+    if (!range) return false;
+    (limit.at_least ? range->min : range->max) += by_si;
+    return true;
+  };
+  bool moved = false;
+  switch (limit.kind) {
+    case LimitKind::kCheck: {
+      auto& value = limit.place >= 0
+                        ? spec.limits.mesh_backlash_m[static_cast<std::size_t>(limit.place)]
+                        : spec.limits[*limit.check];
+      moved = value.has_value();
+      if (moved) *value += by_si;
+      break;
+    }
+    case LimitKind::kProfileShift:
+      (limit.at_least ? spec.profile_shift.min : spec.profile_shift.max) += by_si;
+      moved = true;
+      break;
+    case LimitKind::kRingShift:
+      moved = move(spec.ring_shift);
+      break;
+    case LimitKind::kModule:
+      for (std::size_t stage = 0; stage < spec.module.size(); ++stage) {
+        if (static_cast<int>(stage) == limit.place || has_same_module(spec)) {
+          moved = move(spec.module[stage].range_m) || moved;
+        }
+      }
+      break;
+    case LimitKind::kTipShortening:
+      moved = move(spec.free.tip_shortening);
+      break;
+    case LimitKind::kPressureAngle:
+      moved = move(spec.free.pressure_angle_rad);
+      break;
+    case LimitKind::kObjective:
+    case LimitKind::kFaceWidth:
+    case LimitKind::kTorque:
+    case LimitKind::kFelt:
+    case LimitKind::kSearchSpace:
+      break;
+  }
+  return moved ? std::optional(std::move(spec)) : std::nullopt;
+}
+
 /// The task with the dearest limit given way by its step [SI]; empty where there is none, or it is
 /// not asked for.
 std::optional<Specification> relaxed_task(const Specification& spec, const LimitPrice* price) {
@@ -127,53 +176,6 @@ void search_beyond(const Specification& spec, const RefinedSet& best, std::size_
     ++progress.stage_done;
   }
   progress.stage = Progress::Stage::kOne;
-}
-
-std::optional<Specification> with_limit_moved(Specification spec, const LimitOf& limit,
-                                              double by_si) {
-  const auto move = [&](auto& range) {
-    if (!range) return false;
-    (limit.at_least ? range->min : range->max) += by_si;
-    return true;
-  };
-  bool moved = false;
-  switch (limit.kind) {
-    case LimitKind::kCheck: {
-      auto& value = limit.place >= 0
-                        ? spec.limits.mesh_backlash_m[static_cast<std::size_t>(limit.place)]
-                        : spec.limits[*limit.check];
-      moved = value.has_value();
-      if (moved) *value += by_si;
-      break;
-    }
-    case LimitKind::kProfileShift:
-      (limit.at_least ? spec.profile_shift.min : spec.profile_shift.max) += by_si;
-      moved = true;
-      break;
-    case LimitKind::kRingShift:
-      moved = move(spec.ring_shift);
-      break;
-    case LimitKind::kModule:
-      for (std::size_t stage = 0; stage < spec.module.size(); ++stage) {
-        if (static_cast<int>(stage) == limit.place || has_same_module(spec)) {
-          moved = move(spec.module[stage].range_m) || moved;
-        }
-      }
-      break;
-    case LimitKind::kTipShortening:
-      moved = move(spec.free.tip_shortening);
-      break;
-    case LimitKind::kPressureAngle:
-      moved = move(spec.free.pressure_angle_rad);
-      break;
-    case LimitKind::kObjective:
-    case LimitKind::kFaceWidth:
-    case LimitKind::kTorque:
-    case LimitKind::kFelt:
-    case LimitKind::kSearchSpace:
-      break;
-  }
-  return moved ? std::optional(std::move(spec)) : std::nullopt;
 }
 
 void search_relaxed(const Specification& spec, const RefinedSet& best, std::size_t sets,

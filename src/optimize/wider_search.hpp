@@ -28,15 +28,10 @@ void search_beyond(const Specification& spec, const RefinedSet& best, std::size_
 /// Searches of tooth sets that search_beyond() and search_relaxed() make together.
 std::size_t searches_again(const Specification& spec, std::size_t sets, const HeldBack& held);
 
-/// The specification with a limit moved [SI]; empty where the limit is none of checks, shifts,
-/// modules, tips and pressure angle.
-std::optional<Specification> with_limit_moved(Specification spec, const LimitOf& limit,
-                                              double by_si);
-
 /// Refines the best set, and searches all sets where the task has bounds and up to
 /// kMostSearchedAgain of them, with the dearest() limit given way by its step.  Fills
-/// HeldBack::relaxed; leaves it empty where no limit has a price or is one that
-/// with_limit_moved() does not move, and with `[robust]`.
+/// HeldBack::relaxed; leaves it empty where no limit has a price or it is none of checks, shifts,
+/// modules, tips and pressure angle, and with `[robust]`.
 void search_relaxed(const Specification& spec, const RefinedSet& best, std::size_t sets,
                     HeldBack& held, Progress& progress);
 

@@ -81,8 +81,8 @@ KneeRun knee_run(std::string name, Actuator actuator, const Cycle& cycle) {
   return run;
 }
 
-}  // namespace
-
+/// A stride of 1.1 s in 201 rows by straight lines between the digitised points, periodic: the
+/// load's torque is −mass times the moment, the speed is without its mean.
 Cycle walking_cycle(const MotionCurves& curves, double mass_kg) {
   const auto percent_of = [](int row) { return kFullStride * (row % kStrideRows) / kStrideRows; };
   double mean = 0.0;
@@ -100,6 +100,7 @@ Cycle walking_cycle(const MotionCurves& curves, double mass_kg) {
   return cycle;
 }
 
+/// The stretches of a cycle of speeds, each between changes of sign of torque or speed.
 std::vector<NegativeStretch> negative_stretches(const Cycle& cycle) {
   std::vector<NegativeStretch> stretches;
   bool open = false;
@@ -129,6 +130,8 @@ std::vector<NegativeStretch> negative_stretches(const Cycle& cycle) {
   }
   return stretches;
 }
+
+}  // namespace
 
 Actuator knee_actuator(const BackdrivabilityStatements& s, KneeNumbers numbers) {
   const bool printed = numbers == KneeNumbers::kPrinted;

@@ -19,10 +19,6 @@ struct MotionCurves {
   Curve moment_Nm_kg, speed_deg_s;
 };
 
-/// A stride of 1.1 s in 201 rows by straight lines between the digitised points, periodic: the
-/// load's torque is −mass times the moment, the speed is without its mean.
-actuator::Cycle walking_cycle(const MotionCurves& curves, double mass_kg);
-
 /// The paper's actuator, by which numbers.
 enum class KneeNumbers {
   kPrinted,    ///< as eqs. 38, 41, 42 and 45 print them
@@ -38,8 +34,6 @@ struct NegativeStretch {
   double peak_torque_Nm;                            ///< largest magnitude
   double energy_J;                                  ///< that the load gives
 };
-/// The stretches of a cycle of speeds, each between changes of sign of torque or speed.
-std::vector<NegativeStretch> negative_stretches(const actuator::Cycle& cycle);
 
 struct KneeRun {
   std::string name{};

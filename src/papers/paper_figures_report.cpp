@@ -218,6 +218,15 @@ std::size_t feasible_count(const PaperFigures& f, std::size_t limit) {
   }));
 }
 
+/// Points of a map that are feasible.
+std::vector<const FigureMapPoint*> feasible_points(const FigureMap& map) {
+  std::vector<const FigureMapPoint*> points;
+  for (const FigureMapPoint& p : map.points) {
+    if (p.status == "ok") points.push_back(&p);
+  }
+  return points;
+}
+
 FigureStatement ring_shift_statement(const PaperFigures& f) {
   const auto points = feasible_points(f.ring_shifts);
   const auto most_efficient = [&](double lost_motion_rad) {
@@ -311,14 +320,6 @@ FigureStatement planet_shift_statement(const PaperFigures& f) {
 
 }  // namespace
 
-std::vector<const FigureMapPoint*> feasible_points(const FigureMap& map) {
-  std::vector<const FigureMapPoint*> points;
-  for (const FigureMapPoint& p : map.points) {
-    if (p.status == "ok") points.push_back(&p);
-  }
-  return points;
-}
-
 const RefinedSet* best_refined(const PaperFigures& figures, std::size_t limit) {
   const RefinedSet* best = nullptr;
   for (const RefinedPoint& set : figures.refined) {
@@ -328,6 +329,8 @@ const RefinedSet* best_refined(const PaperFigures& figures, std::size_t limit) {
   }
   return best;
 }
+
+namespace {
 
 std::vector<FigureStatement> figure_statements(const PaperFigures& f) {
   const PaperStatements& s = f.statements;
@@ -374,6 +377,8 @@ std::vector<FigureStatement> figure_statements(const PaperFigures& f) {
   return {std::move(scatter), std::move(refined), ring_shift_statement(f), module_statement(f),
           planet_shift_statement(f)};
 }
+
+}  // namespace
 
 std::string figures_text(const std::string& paper, const std::vector<FigureStatement>& statements,
                          const std::string& assumptions) {

@@ -13,7 +13,6 @@ struct FigureStatement {
   std::string figure, paper;
   std::vector<std::string> ours;
 };
-std::vector<FigureStatement> figure_statements(const PaperFigures& figures);
 
 /// Statements under a headline; the paper's words and ours.
 std::string figures_text(const std::string& paper, const std::vector<FigureStatement>& statements,
@@ -29,9 +28,6 @@ struct FigureData {
 };
 /// docs/interface.md, "Figures of `reproduce`".
 std::vector<FigureData> figure_data(const PaperFigures& figures);
-
-/// Points of a map that are feasible.
-std::vector<const FigureMapPoint*> feasible_points(const FigureMap& map);
 
 /// The refined set with the greatest η_b under one limit; null where none is feasible.
 const optimize::RefinedSet* best_refined(const PaperFigures& figures, std::size_t limit);

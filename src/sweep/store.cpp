@@ -71,8 +71,7 @@ void insert_design(Database& database, std::int64_t task, std::size_t rank,
 
 std::int64_t signed_count(std::uint64_t count) { return static_cast<std::int64_t>(count); }
 
-}  // namespace
-
+/// Writes what a task became; its row is there and has no result.
 void insert_result(Database& database, std::int64_t task, const TaskResult& result) {
   database
       .prepare(
@@ -90,6 +89,8 @@ void insert_result(Database& database, std::int64_t task, const TaskResult& resu
     insert_design(database, task, k + 1, result.designs[k]);
   }
 }
+
+}  // namespace
 
 std::int64_t Store::begin(const Run& run, const Sweep& sweep) {
   Transaction transaction(database_);

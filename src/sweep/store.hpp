@@ -93,7 +93,4 @@ class Store {
   std::map<std::string, std::int64_t> key_ids_;
 };
 
-/// Writes what a task became; its row is there and has no result.
-void insert_result(Database& database, std::int64_t task, const TaskResult& result);
-
 }  // namespace gear3k::sweep
