@@ -323,6 +323,9 @@ Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks,
       outcome.best->evaluation.notes.push_back(std::move(cut));
     }
     if (!mesh_load.empty()) outcome.best->evaluation.notes.push_back(std::move(mesh_load));
+    if (std::string unread = report::unread_steps_text(task.spec); !task.round && !unread.empty()) {
+      outcome.best->evaluation.notes.push_back(std::move(unread));
+    }
     if (task.spec.cycle_energy) {
       outcome.co_design = co_designed(task.spec, outcome.result, outcome.best->stated);
     }

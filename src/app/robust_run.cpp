@@ -1,5 +1,6 @@
 #include "app/robust_run.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -104,7 +105,9 @@ report::RobustRun hold_for_built(OptimizeTask& task, optimize::Progress& progres
     ++progress.stage_done;
     progress.phase = optimize::Progress::Phase::kGearboxes;
     return optimize::SearchOutcome{.best = std::move(result.best),
-                                   .interrupted = result.interrupted};
+                                   .interrupted = result.interrupted,
+                                   .grid_cut = static_cast<std::size_t>(std::ranges::count_if(
+                                       result.refined, &optimize::RefinedSet::grid_cut))};
   });
   progress.stage_done = progress.stage_total.load();  // what follows is built, not searched
   progress.total = 0;

@@ -110,7 +110,16 @@ struct Pull {
   double weight = 0.0;
   std::string where;
   Eigen::VectorXd gradient;
+  std::optional<std::size_t> check_row{};  ///< its place among the rows, where it is a check's
 };
+
+/// The load that designs are to carry.
+LimitPrice limit_of_torque(const Specification& spec) {
+  return {.limit = {.kind = LimitKind::kTorque},
+          .key = "strength.output_torque_nm",
+          .unit = units::Unit::kNewtonMetre,
+          .value_si = spec.rating->torque_Nm};
+}
 
 /// Active rows and bounds of a problem at a point.
 class ActiveLimits {
@@ -140,7 +149,8 @@ class ActiveLimits {
       pulls_.push_back({.limit = limit_of_check(*p_.spec, stated_, *row.check),
                         .weight = slope_in_limit(*row.check),
                         .where = subject_text(*row.check),
-                        .gradient = gradient});
+                        .gradient = gradient,
+                        .check_row = k});
     } else if (row.objective && row.objective->limit) {
       const ObjectiveRecord& record = objective_record(row.objective->objective);
       pulls_.push_back({.limit = LimitPrice{.limit = {.kind = LimitKind::kObjective,
@@ -237,10 +247,7 @@ class ActiveLimits {
           of_search("torque", units::Unit::kNewtonMetre, stated_Nm * p_.upper[p_.torque], false);
       return;
     }
-    pull.limit = LimitPrice{.limit = {.kind = LimitKind::kTorque},
-                            .key = "strength.output_torque_nm",
-                            .unit = units::Unit::kNewtonMetre,
-                            .value_si = stated_Nm};
+    pull.limit = limit_of_torque(*p_.spec);
   }
   void name_width(std::size_t stage, bool at_least, Pull& pull) const {
     const NumberRange& range = *p_.spec->free.face_width_m[stage];
@@ -274,6 +281,16 @@ class ActiveLimits {
   std::vector<Pull> pulls_;
 };
 
+/// Fills the prices of a limit by the weights |∂g_k/∂L| of its rows.
+void fill_price(const RefinementProblem& problem, const Multipliers& multipliers,
+                const Eigen::VectorXd& weight, LimitPrice& price) {
+  const double scale = problem.objective_scale * sense_of(problem.objective);
+  const MultiplierRange range = multipliers.range_of(weight);
+  const double per_sum = price.limit.at_least ? -scale : scale;
+  price.loosened = per_sum * range.least;
+  if (range.greatest) price.tightened = per_sum * *range.greatest;
+}
+
 /// The prices of the limits that active rows and bounds belong to.
 std::vector<LimitPrice> prices_of(const RefinementProblem& problem, const std::vector<Pull>& pulls,
                                   const Multipliers& multipliers) {
@@ -294,14 +311,51 @@ std::vector<LimitPrice> prices_of(const RefinementProblem& problem, const std::v
     weights[place][k] = pull.weight;
     if (!pull.where.empty()) prices[place].where.push_back(pull.where);
   }
-  const double scale = problem.objective_scale * sense_of(problem.objective);
   for (std::size_t k = 0; k < prices.size(); ++k) {
-    const MultiplierRange range = multipliers.range_of(weights[k]);
-    const double per_sum = prices[k].limit.at_least ? -scale : scale;
-    prices[k].loosened = per_sum * range.least;
-    if (range.greatest) prices[k].tightened = per_sum * *range.greatest;
+    fill_price(problem, multipliers, weights[k], prices[k]);
   }
   return prices;
+}
+
+/// The price of the load where it is stated and no variable: of all active rows that it moves.
+/// Empty where it moves none, or one of them the other way.
+std::optional<LimitPrice> price_of_load(const SetProblem& own, const std::vector<Pull>& pulls,
+                                        const Multipliers& multipliers) {
+  const RefinementProblem& stated = own.problem;
+  // The load moves the stiffness itself, too.
+  const auto is_stiffness = [](const ConstraintRow& row) {
+    return row.objective && row.objective->objective == Objective::kTorsionalStiffness;
+  };
+  if (!stated.spec->rating || stated.torque > 0 ||
+      stated.objective == Objective::kTorsionalStiffness ||
+      std::ranges::any_of(stated.rows, is_stiffness)) {
+    return std::nullopt;
+  }
+  RefinementProblem free = stated;
+  free.torque = static_cast<std::size_t>(free.variables++);
+  Point v = own.v;
+  v[free.torque] = free.lower[free.torque] = free.upper[free.torque] = 1.0;
+  std::vector<std::uint16_t> rows;
+  for (const Pull& pull : pulls) {
+    if (pull.check_row) rows.push_back(static_cast<std::uint16_t>(*pull.check_row));
+  }
+  Gradients at;
+  if (rows.empty() || !evaluate_gradients(free, used(free, v), rows, at)) return std::nullopt;
+  LimitPrice price = limit_of_torque(*stated.spec);
+  Eigen::VectorXd weight = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(pulls.size()));
+  std::size_t row = 0;
+  for (std::size_t k = 0; k < pulls.size(); ++k) {
+    if (!pulls[k].check_row) continue;
+    const auto variables = static_cast<std::size_t>(free.variables);
+    const double slope = at.dg[row++ * variables + free.torque] / price.value_si;
+    if (slope > 0.0) return std::nullopt;
+    if (slope == 0.0) continue;
+    weight[static_cast<Eigen::Index>(k)] = -slope;
+    price.where.push_back(pulls[k].where);
+  }
+  if (price.where.empty()) return std::nullopt;
+  fill_price(stated, multipliers, weight, price);
+  return price;
 }
 
 /// The tooth ranges, lists and tolerances that a set has no room in.
@@ -352,8 +406,10 @@ std::vector<SearchBound> bounds_met(const Specification& spec, const RefinedSet&
 
 double giving_step(const LimitPrice& price) {
   const double sign = price.limit.at_least ? -1.0 : 1.0;
-  constexpr double kShareOfFelt = 0.05;
-  if (price.limit.kind == LimitKind::kFelt) return sign * kShareOfFelt * price.value_si;
+  constexpr double kShare = 0.05;
+  if (price.limit.kind == LimitKind::kFelt || price.limit.kind == LimitKind::kTorque) {
+    return sign * kShare * price.value_si;
+  }
   switch (price.unit) {
     case units::Unit::kNone:
     case units::Unit::kModule:
@@ -380,6 +436,7 @@ const LimitPrice* dearest(const HeldBack& held) {
   const LimitPrice* most = nullptr;
   for (const LimitPrice& price : held.prices) {
     if (!price.stated || price.loosened == 0.0) continue;
+    if (price.limit.kind == LimitKind::kTorque) continue;
     if (most == nullptr || gain(price) > gain(*most)) most = &price;
   }
   return most;
@@ -469,6 +526,7 @@ HeldBack held_back(const Specification& spec, const RefinedSet& set, const desig
     return held;
   }
   held.prices = prices_of(own->problem, pulls, multipliers);
+  if (auto load = price_of_load(*own, pulls, multipliers)) held.prices.push_back(*std::move(load));
   return held;
 }
 

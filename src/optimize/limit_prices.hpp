@@ -42,8 +42,10 @@ std::string key_of_limit(const design::CheckRecord& record);
 ///
 ///   ∂objective/∂L = ± scale Σ_k λ_k |∂g_k/∂L|     over the rows and bounds that it sets
 ///
-/// positive where the objective grows with the limit's number.  Source: own derivation, docs/theory
-/// §12.
+/// positive where the objective grows with the limit's number.  The load
+/// (strength.output_torque_nm) moves every row of strength, and its price is that of all of them
+/// together; it has none where the torsional stiffness, which depends on it, is asked for.  Source:
+/// own derivation, docs/theory §12.
 struct LimitPrice {
   LimitOf limit;
   std::string key;     ///< path in a SPEC, [0] and [1] the ends of a range
@@ -91,6 +93,7 @@ struct HeldBack {
 };
 
 /// The limit of a file that gains most where it gives way by its step, to first order; null: none.
+/// The load is none: it is what the gearbox is for.
 const LimitPrice* dearest(const HeldBack& held);
 
 /// @param set  an optimum of the specification

@@ -9,6 +9,7 @@
 #include "design/rating_inputs.hpp"
 #include "optimize/objective_value.hpp"
 #include "optimize/refinement_problem.hpp"
+#include "units/units.hpp"
 
 namespace gear3k::optimize {
 
@@ -20,8 +21,9 @@ void state_addenda(train::TrainParameters<double>& train) {
   const auto [least, most] = std::ranges::minmax(train.tip_shortening);
   if (most <= design::kGreatestTipShortening) return;
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
-    train.rack[i].addendum -= least;
-    train.tip_shortening[i] -= least;
+    for (double* const length : {&train.rack[i].addendum, &train.tip_shortening[i]}) {
+      *length = units::meant_si(*length - least, units::Unit::kModules);
+    }
   }
 }
 
@@ -67,8 +69,12 @@ design::Design design_of(const Specification& spec, const RefinedSet& set) {
                           spec.limits[design::CheckId::kWall];
   if (rims_count && spec.bodies.ring_rim_m > 0.0) {
     const auto gears = train::make_train_gears(design.train);
-    design.masses.ring1_outer_radius_m = gears[train::kR1].root_radius_m + spec.bodies.ring_rim_m;
-    design.masses.ring2_outer_radius_m = gears[train::kR2].root_radius_m + spec.bodies.ring_rim_m;
+    const auto outer_radius_m = [&](std::size_t ring) {
+      return units::meant_si(gears[ring].root_radius_m + spec.bodies.ring_rim_m,
+                             units::Unit::kDiameterMillimetre);
+    };
+    design.masses.ring1_outer_radius_m = outer_radius_m(train::kR1);
+    design.masses.ring2_outer_radius_m = outer_radius_m(train::kR2);
   }
   design.limits = spec.limits;
   design.tolerances = spec.tolerances;

@@ -150,8 +150,11 @@ class RobustSearch {
     spec.limits = limits;
     SearchOutcome found = search_(spec);
     result_.interrupted = found.interrupted;
-    result_.passes.push_back(
-        {.share = share, .limits = limits, .best = std::move(found.best), .outcome = {}});
+    result_.passes.push_back({.share = share,
+                              .limits = limits,
+                              .best = std::move(found.best),
+                              .grid_cut = found.grid_cut,
+                              .outcome = {}});
     RobustPass& pass = result_.passes.back();
     if (found.interrupted || !pass.best) return std::nullopt;
     const auto samples =

@@ -26,6 +26,7 @@ struct RobustPass {
   double share = 0.0;
   design::Limits limits;
   std::optional<RefinedSet> best;  ///< empty: nothing is feasible under these limits
+  std::size_t grid_cut = 0;        ///< see SearchOutcome
   /// Of the best; empty where the tolerances leave one of its meshes without a working angle.
   std::optional<BuiltOutcome> outcome;
 };
@@ -41,6 +42,7 @@ struct RobustResult {
 struct SearchOutcome {
   std::optional<RefinedSet> best;
   bool interrupted = false;
+  std::size_t grid_cut = 0;  ///< sets whose grids were not searched to the end
 };
 
 /// Finds limits under which the best design holds as spec.robust asks.

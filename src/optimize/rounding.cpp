@@ -346,14 +346,6 @@ std::vector<double> rounded_modules(const Specification& spec, const RefinedSet&
   return modules;
 }
 
-/// The number of twelve decimals that a value is but for rounding; else the value.
-double with_few_digits(double value) {
-  constexpr double kDecimals = 1e12;
-  const double few = std::round(value * kDecimals) / kDecimals;
-  const bool same = std::abs(few - value) <= 4.0 * std::numeric_limits<double>::epsilon() * value;
-  return same ? few : value;
-}
-
 /// The specification with given modules, and the allowances that are whole steps with them.
 std::shared_ptr<const Specification> with_modules(const Specification& spec, double m1, double m2) {
   auto own = std::make_shared<Specification>(spec);
@@ -365,7 +357,8 @@ std::shared_ptr<const Specification> with_modules(const Specification& spec, dou
     const double module_m = i == train::kP2 || i == train::kR2 ? m2 : m1;
     const double steps =
         std::round(spec.machining_allowance[i] * module_m / spec.round.allowance_m);
-    own->machining_allowance[i] = with_few_digits(steps * spec.round.allowance_m / module_m);
+    own->machining_allowance[i] =
+        units::meant_si(steps * spec.round.allowance_m / module_m, units::Unit::kModules);
   }
   return own;
 }

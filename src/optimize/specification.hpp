@@ -91,6 +91,7 @@ struct Robust {
 
 /// Steps of what is made, for a design that is rounded to them.
 struct RoundSteps {
+  bool stated = false;           ///< a file states one of them
   double profile_shift = 0.01;   ///< modules
   double tip_shortening = 0.01;  ///< where it is free; modules
   double center_distance_m = 5e-6;

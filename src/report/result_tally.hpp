@@ -29,6 +29,8 @@ ResultTally tally_of(const optimize::OptimizeResult& result);
 
 /// What was not found as the search of grids was cut short, and how it is; "": none was.
 std::string grid_cut_text(const optimize::Specification& spec, std::size_t sets);
+/// The same of refinements in many searches, as the line below a table; "": none was.
+std::string grid_cut_line(const optimize::Specification& spec, std::size_t refinements);
 
 /// Counts by status and reason, for the terminal.
 std::string optimize_counts_text(const optimize::OptimizeResult& result, const ResultTally& tally);

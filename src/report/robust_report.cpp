@@ -6,6 +6,7 @@
 
 #include "io/text/json.hpp"
 #include "report/display.hpp"
+#include "report/result_tally.hpp"
 #include "report/text_table.hpp"
 #include "report/tooth_set_text.hpp"
 
@@ -34,6 +35,12 @@ io::Json outcome_json(const BuiltOutcome& o) {
           {"worst_case_arcmin", arcmin(o.greatest_rad)},
           {"least_margin_um", um(o.least_margin_m)},
           {"checks_hold", o.checks_hold}};
+}
+
+std::size_t grid_cut_of(const optimize::RobustResult& search) {
+  std::size_t sets = 0;
+  for (const RobustPass& pass : search.passes) sets += pass.grid_cut;
+  return sets;
 }
 
 }  // namespace
@@ -65,6 +72,7 @@ std::string robust_table(const Specification& spec, const RobustRun& run) {
       "gearboxes each from seed {}, which no search used)\n",
       run.search.passes.size(), run.samples, run.fresh_seed);
   text += table.text(2);
+  text += grid_cut_line(spec, grid_cut_of(run.search));
   text += fmt::format(
       "  at every position of a turn, {} gearboxes: {:.1f} % and {:.1f} % assemble, {:.1f} % and "
       "{:.1f} % also keep the limit\n",
@@ -98,6 +106,7 @@ io::Json robust_json(const Specification& spec, const RobustRun& run) {
          {"max_output_arcmin", if_any(pass.limits[CheckId::kOutputBacklashMax], arcmin)},
          {"teeth", pass.best ? io::Json(train::teeth_of(pass.best->candidate.teeth)) : nullptr},
          {"eta_b", pass.best ? io::Json(pass.best->eta_b) : nullptr},
+         {"grid_cut", pass.grid_cut},
          {"built", pass.outcome ? outcome_json(*pass.outcome) : nullptr}});
   }
   io::Json json{{"hold", optimize::kHoldNames[static_cast<std::size_t>(spec.robust.hold)]},
@@ -155,10 +164,15 @@ std::string robust_blocking_text(const Specification& spec, const optimize::Robu
       spec.robust.hold == Hold::kWorstCase
           ? std::string("in the worst case of its tolerances")
           : fmt::format("for a yield of {:g} %", clean(percent(spec.robust.yield)));
+  const std::size_t cut = grid_cut_of(search);
   return fmt::format(
-      "no design was found that holds {}: {}{}; wider limits or tighter [tolerances] would help "
+      "no design was found that holds {}: {}{}{}; wider limits or tighter [tolerances] would help "
       "(`gear3k tolerances` on a design shows which)",
-      asked, reached, any_infeasible ? "; under limits tighter than that nothing is feasible" : "");
+      asked, reached, any_infeasible ? "; under limits tighter than that nothing is feasible" : "",
+      cut > 0 ? fmt::format("; grids of shifts were not searched to the end in {} refinements "
+                            "(solver.grid_relaxations = {})",
+                            cut, spec.solver.grid_relaxations)
+              : "");
 }
 
 }  // namespace gear3k::report

@@ -142,6 +142,12 @@ std::string rounding_blocked_text(const Specification& spec, const Rounding& rou
                      blocked, preset_note(spec.limits, names), cut_text(rounding));
 }
 
+std::string unread_steps_text(const Specification& spec) {
+  return spec.round.stated ? "the steps of [round] are read by optimize --round only: nothing was "
+                             "rounded to them"
+                           : "";
+}
+
 std::string rounding_table(const Specification& spec, double free_objective,
                            const Rounding& rounding) {
   const optimize::RoundSteps& steps = spec.round;

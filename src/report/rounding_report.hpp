@@ -11,6 +11,9 @@ namespace gear3k::report {
 /// What was rounded to which steps, and what that costs; without a design, which limit blocks and
 /// by how much.
 /// @param free_objective  of the optimum that was rounded, SI
+/// What is said of steps that a file states where nothing is rounded; "": it states none.
+std::string unread_steps_text(const optimize::Specification& spec);
+
 std::string rounding_table(const optimize::Specification& spec, double free_objective,
                            const optimize::Rounding& rounding);
 /// Which limit blocks where no rounded design meets every check, or none was found before the

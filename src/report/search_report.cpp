@@ -374,19 +374,13 @@ std::string pareto_table(const Specification& spec, const optimize::ParetoFront&
     }
     table.add(std::move(row));
   }
-  const std::string cut =
-      front.grid_cut > 0 ? fmt::format(
-                               "  grids of shifts were not searched to the end in {} refinements "
-                               "(solver.grid_relaxations = {})\n",
-                               front.grid_cut, spec.solver.grid_relaxations)
-                         : "";
   return fmt::format(
       "\nPareto front: {} designs from {} searches of all sets ({})\n"
       "  of the box between the best of each objective alone and the worst of the others' "
       "best designs\n"
       "  they dominate {:.2f} %, others may dominate {:.2f} % more\n{}{}",
       front.points.size(), front.searches, ended_text(spec, front), 100.0 * front.hypervolume,
-      100.0 * front.missing, table.text(2), cut);
+      100.0 * front.missing, table.text(2), grid_cut_line(spec, front.grid_cut));
 }
 
 namespace {
@@ -479,6 +473,9 @@ std::string summary_json(const Specification& spec, const OptimizeResult& result
   if (co_design != nullptr) json["co_design"] = co_design_json(*co_design);
   if (felt != nullptr && !felt->empty()) json["felt"] = limit_checks_json(*felt);
   json["rounded"] = nullptr;
+  const std::string unread = unread_steps_text(spec);
+  json["rounded_missing"] =
+      rounding != nullptr || unread.empty() ? io::Json(nullptr) : io::Json(unread);
   if (rounding != nullptr && result.best) {
     const double free_objective =
         optimize::objective_of(spec, *result.best, optimize::first_objective(spec));

@@ -35,4 +35,11 @@ double decimal_from_si(double si, Unit unit) {
   return quotient;
 }
 
+double meant_si(double si, Unit unit) {
+  constexpr int kDigits = 12;
+  constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
+  const double few = to_si(rounded(from_si(si, unit), kDigits), unit);
+  return std::abs(few - si) <= kRounding * std::abs(si) ? few : si;
+}
+
 }  // namespace gear3k::units

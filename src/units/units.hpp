@@ -104,6 +104,13 @@ constexpr double difference_from_si(double si, Unit unit) { return si / si_per(u
 /// the value is from_si(), whose to_si() is off by one last bit.
 double decimal_from_si(double si, Unit unit);
 
+/// The SI value that a sum or product of decimal numbers means: of at most twelve digits in the
+/// unit, where one is that but for rounding (four units of the last place); else `si` itself.
+///
+/// 2 (34.24 mm + 0.65 mm) is 69.78 mm then, not 69.77999999999999.  A value that means none is
+/// taken for one, and moved by as much, in less than one of a hundred cases.
+double meant_si(double si, Unit unit);
+
 inline constexpr double kMillimetre = si_per(Unit::kMillimetre);  ///< m
 inline constexpr double kMicrometre = si_per(Unit::kMicrometre);  ///< m
 inline constexpr double kDegree = si_per(Unit::kDegree);          ///< rad

@@ -236,6 +236,21 @@ TEST(ShiftStep, AGridThatIsNotSearchedToTheEndIsToldEverywhere) {
             summary.at("best").at("eta_b").get<double>());
 }
 
+TEST(ShiftStep, GridsThatPassesForBuiltGearboxesDidNotEndAreTold) {
+  const Workplace place;
+  place.write("spec.toml",
+              replaced(kOneSet, "range = [0.0, 1.0]", "range = [0.0, 1.0]\nstep = 0.1") +
+                  "[solver]\ngrid_relaxations = 3\n[tolerances]\ncenter_distance_um = 2.0\n"
+                  "samples = 1000\n[robust]\nhold = \"worst_case\"\n");
+  const ProgramResult run = place.run({"optimize", "spec.toml", "--out", "out", "--quiet"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.out.find("  grids of shifts were not searched to the end in "), std::string::npos)
+      << run.out;
+  const json passes = json::parse(place.read("out/summary.json")).at("robust").at("passes");
+  ASSERT_FALSE(passes.empty());
+  for (const json& pass : passes) EXPECT_EQ(pass.at("grid_cut"), 1);
+}
+
 TEST(HeldBack, TellsWhatLiesBeyondTheEndsOfRanges) {
   const Workplace place;
   std::string task = replaced(kOneSet, "P1 = [64, 64]", "P1 = [50, 66]");

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <string>
 
 #include "tests/cli/run_program.hpp"
@@ -117,6 +118,41 @@ TEST(OptimizeRound, WritesAllowancesOfFewDigits) {
   // 12 um over 0.6 mm.
   EXPECT_NE(place.read("out/best_rounded.toml").find("machining_allowance = 0.02\n"),
             std::string::npos);
+}
+
+TEST(OptimizeRound, WritesNoDigitsOfRounding) {
+  const Workplace place;
+  // Rims make an outer diameter of root circle and twice 2.15 mm.
+  place.write("spec.toml", replaced(kTask, "max_ring_root_diameter_mm = 76.0",
+                                    "max_ring_root_diameter_mm = 76.0\nmax_outer_diameter_mm = "
+                                    "86.0\nring_rim_mm = 2.15"));
+  const ProgramResult run =
+      place.run({"optimize", "spec.toml", "--out", "out", "--round", "--quiet"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const std::string design = place.read("out/best_rounded.toml");
+  EXPECT_NE(design.find("outer_diameter_mm = "), std::string::npos) << design;
+  // 10 um over 0.52 mm has no end; all other numbers do.
+  const std::regex long_number("\n(?!machining_allowance)[a-z_]* = [0-9]+\\.[0-9]{13,}");
+  std::smatch found;
+  EXPECT_FALSE(std::regex_search(design, found, long_number)) << found[0];
+}
+
+TEST(OptimizeRound, StepsThatNothingReadsAreToldOnTheScreenAndInTheSummary) {
+  const Workplace place;
+  place.write("spec.toml", kTask);
+  const ProgramResult run =
+      place.run({"optimize", "spec.toml", "--out", "out", "--columns", "200", "--show", "notes"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const std::string text = "the steps of [round] are read by optimize --round only";
+  EXPECT_NE(run.out.find(text), std::string::npos) << run.out;
+  const auto missing = json::parse(place.read("out/summary.json")).at("rounded_missing");
+  EXPECT_EQ(missing.get<std::string>().find(text), 0U);
+  // Nothing is said of steps that no file states.
+  place.write("spec.toml", replaced(kTask, "[round]\nprofile_shift = 0.02\n", ""));
+  const ProgramResult bare =
+      place.run({"optimize", "spec.toml", "--out", "out", "--force", "--format", "json"});
+  ASSERT_EQ(bare.exit_code, 0) << bare.err;
+  EXPECT_EQ(json::parse(bare.out).at("rounded_missing"), nullptr);
 }
 
 TEST(OptimizeRound, SaysWhichLimitBlocksWhereNoStepFits) {

@@ -9,10 +9,12 @@
 #include <iostream>
 #include <set>
 
+#include "io/files/specification_file.hpp"
 #include "optimize/multiplier_range.hpp"
 #include "optimize/refine.hpp"
 #include "tests/optimize/random_specification.hpp"
 #include "tests/sample.hpp"
+#include "tests/strength/steel.hpp"
 
 namespace gear3k::optimize::limit_prices_test {
 namespace {
@@ -147,6 +149,9 @@ Specification moved(Specification spec, const LimitOf& limit, double by_si) {
     case LimitKind::kPressureAngle:
       end(*spec.free.pressure_angle_rad);
       break;
+    case LimitKind::kTorque:
+      spec.rating->torque_Nm += by_si;
+      break;
     default:
       ADD_FAILURE() << "no limit that these tasks have";
   }
@@ -237,6 +242,46 @@ void compare_prices(const Specification& spec, const RefinedSet& set, BankTally&
     EXPECT_TRUE(near) << spec.solver.seed << " " << price.key << " " << price.loosened << " is "
                       << quotient;
   }
+}
+
+const LimitPrice* price_of_the_load(const HeldBack& held) {
+  const auto price = std::ranges::find_if(
+      held.prices, [](const LimitPrice& own) { return own.limit.kind == LimitKind::kTorque; });
+  return price == held.prices.end() ? nullptr : &*price;
+}
+
+TEST(LimitPrices, OfTheLoadIsWhatRefiningAnewWithAnotherOneGains) {
+  Specification spec =
+      io::read_specification(std::string(GEAR3K_SOURCE_DIR) + "/examples/rp96.toml");
+  const Candidate winner{.teeth = {.S = 12, .P1 = 54, .R1 = 120, .P2 = 47, .R2 = 118},
+                         .planets = 3};
+  const RefinedSet unloaded = refine(spec, winner);
+  EXPECT_EQ(price_of_the_load(held_back(spec, unloaded, spec.limits)), nullptr);
+  constexpr double kWidth_m = 2e-3;  // so narrow that these loads bind
+  spec.bodies.face_width_m = {kWidth_m, kWidth_m};
+  spec.rating.emplace();
+  spec.rating->material.fill(strength::steel_700_290());
+  spec.rating->face_width_m = {kWidth_m, kWidth_m};
+  spec.rating->teeth.root_safety_min = 1.5;
+  spec.rating->teeth.flank_safety_min = 1.2;
+  int compared = 0;
+  for (const double torque_Nm : {22.0, 26.0, 30.0, 34.0}) {
+    spec.rating->torque_Nm = torque_Nm;
+    const RefinedSet set = refine(spec, winner);
+    ASSERT_EQ(set.status, Status::kOptimal) << torque_Nm;
+    const HeldBack held = held_back(spec, set, spec.limits);
+    const LimitPrice* const price = price_of_the_load(held);
+    const auto from = problem_of(spec, set);
+    if (price == nullptr || !from || !price->unique()) continue;
+    EXPECT_LT(price->loosened, 0.0) << "the efficiency falls where more is to be carried";
+    const double step_Nm = 1e-4 * torque_Nm;
+    const auto up = refined_anew(spec, *from, price->limit, step_Nm);
+    const auto down = refined_anew(spec, *from, price->limit, -step_Nm);
+    if (!up || !down) continue;
+    ++compared;
+    EXPECT_NEAR((*up - *down) / (2.0 * step_Nm) / price->loosened, 1.0, 0.01) << torque_Nm;
+  }
+  EXPECT_GE(compared, 2);
 }
 
 TEST(LimitPrices, AreWhatRefiningAnewWithTheLimitMovedGains) {

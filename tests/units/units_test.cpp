@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <random>
 #include <string>
 #include <vector>
@@ -64,6 +65,36 @@ TEST(Units, ADecimalComesBackFromItsSiValueAsItWas) {
       EXPECT_EQ(back, value) << unit_name(unit);
     }
   }
+}
+
+TEST(Units, ASumOfDecimalsIsTheDecimalThatItMeans) {
+  std::mt19937_64 random(5);
+  int broken = 0;
+  for (int sample = 0; sample < 2000; ++sample) {
+    // Whole steps of 0.01 mm, as a root diameter and the rims about it; summed up in whole numbers.
+    const int root = 3000 + static_cast<int>(random() % 5000),
+              rim = 50 + static_cast<int>(random() % 200);
+    const double meant_mm = (root + 2 * rim) / 100.0;
+    const double sum_m = to_si(root / 100.0, Unit::kDiameterMillimetre) + 1e-5 * rim;
+    broken += decimal_from_si(sum_m, Unit::kDiameterMillimetre) == meant_mm ? 0 : 1;
+    EXPECT_EQ(
+        decimal_from_si(meant_si(sum_m, Unit::kDiameterMillimetre), Unit::kDiameterMillimetre),
+        meant_mm);
+  }
+  EXPECT_GT(broken, 100) << "or this shows nothing";
+}
+
+TEST(Units, AValueThatMeansNoDecimalStaysAsItIs) {
+  std::mt19937_64 random(3);
+  int moved = 0;
+  for (int sample = 0; sample < 2000; ++sample) {
+    const double si = 0.1 * std::ldexp(static_cast<double>(random() >> 11U), -53);
+    const double meant = meant_si(si, Unit::kMillimetre);
+    moved += meant == si ? 0 : 1;
+    EXPECT_LE(std::abs(meant - si), 4.0 * std::numeric_limits<double>::epsilon() * si);
+  }
+  EXPECT_LT(moved, 20);
+  EXPECT_EQ(meant_si(0.0, Unit::kMillimetre), 0.0);
 }
 
 TEST(Units, AStatedLimitIsNotWrittenBeyondItself) {

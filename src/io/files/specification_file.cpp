@@ -16,6 +16,7 @@
 #include "io/keys/design_keys.hpp"
 #include "io/keys/model_keys.hpp"
 #include "io/keys/robust_keys.hpp"
+#include "io/keys/round_keys.hpp"
 #include "io/keys/specification_keys.hpp"
 #include "optimize/lattice.hpp"
 #include "optimize/objective_value.hpp"
@@ -364,6 +365,8 @@ optimize::Specification specification_from(const TomlValue& document, const std:
   input.spec.limits = finish_limits(input.limits, reading);
   input.spec.thermal = finish_thermal(input.thermal, input.limits, input.spec.limits, reading);
   finish_bodies(input.spec);
+  input.spec.round.stated = std::ranges::any_of(
+      round_keys(), [&](const auto& key) { return reading.stated(key.record.path); });
   finish_shift_step(input.spec, reading);
   unite_modules(input.spec, reading);
   finish_rating(input, reading);
