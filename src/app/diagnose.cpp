@@ -86,8 +86,16 @@ std::optional<Ends> ends_of(const ExperimentLimit& limit,
   return Ends{least, greatest};
 }
 
+/// Whether a map spans the torques that it has where no file states others.
+bool is_default_torque(const design::GridAxis& axis) {
+  const design::GridAxis by_default = design::MapGrid{}.output_torque_Nm;
+  return axis.from == by_default.from && axis.to == by_default.to;
+}
+
 /// Limits of a torque at R2.  Unless they are stated, the next experiment is not to break the
 /// gearbox: it has no more than what the gearbox is to carry, or what the data have.
+/// @param rated_Nm what the gearbox is to carry; empty: unknown, and a map that nobody stated does
+///   not say so either: the experiment keeps to a quarter beyond the data
 /// @param meant what the map spans of it, which the default reaches too; null: nothing
 /// @param[in,out] held becomes true where that lowers the default
 std::optional<Ends> torque_ends(std::optional<double> rated_Nm, ExperimentLimit limit,
@@ -95,8 +103,9 @@ std::optional<Ends> torque_ends(std::optional<double> rated_Nm, ExperimentLimit 
                                 const MeasurementSet& set, const design::GridAxis* meant,
                                 bool& held) {
   const auto [low, high] = calibrate::range_of(set, quantity.member);
-  if (rated_Nm && !limit.greatest && std::isfinite(high)) {
-    const double most_Nm = std::max(*rated_Nm, high);
+  const bool nobody_said = !rated_Nm && meant != nullptr && is_default_torque(*meant);
+  if ((rated_Nm || nobody_said) && !limit.greatest && std::isfinite(high)) {
+    const double most_Nm = nobody_said ? 1.25 * high : std::max(*rated_Nm, high);
     const double by_default_Nm = std::max(1.25 * high, meant == nullptr ? 0.0 : meant->to);
     if (most_Nm < by_default_Nm) {
       limit.greatest = most_Nm;
@@ -238,10 +247,15 @@ std::optional<std::vector<Diagnosis>> diagnose(const DiagnosisTask& task,
     result->subject = task.subject;
     result->model.name = task.subject;
     if (held && result->next_experiment) {
-      result->notes.push_back(fmt::format(
-          "the next experiment keeps to the {:.4g} N m of [strength], or what the data have: "
-          "--max-output-torque-nm and --max-test-torque-nm allow more",
-          *task.rated_torque_Nm));
+      result->notes.push_back(
+          task.rated_torque_Nm
+              ? fmt::format(
+                    "the next experiment keeps to the {:.4g} N m of [strength], or what the data "
+                    "have: --max-output-torque-nm and --max-test-torque-nm allow more",
+                    *task.rated_torque_Nm)
+              : std::string("the next experiment keeps to a quarter beyond the torques of the "
+                            "data, as neither [strength] nor [map] says what the gearbox carries: "
+                            "--max-output-torque-nm allows more"));
     }
     tell_springs(task, set, task.simulations[k], *result);
     complete_model(*result);

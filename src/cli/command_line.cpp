@@ -4,6 +4,8 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
+#include <cstdlib>
 
 #include "cli/exit_code.hpp"
 #include "io/text/diagnostics.hpp"
@@ -150,6 +152,35 @@ CLI::Validator one_of(std::string kind, std::vector<std::string> known) {
           set};
 }
 
+CLI::Validator within(std::int64_t least, std::int64_t greatest) {
+  const std::string range = fmt::format("{} to {}", least, greatest);
+  return {[=](const std::string& word) -> std::string {
+            std::int64_t value = 0;
+            const char* const last = word.data() + word.size();
+            const auto read = std::from_chars(word.data(), last, value);
+            const bool whole = read.ec == std::errc() && read.ptr == last;
+            if (whole && value >= least && value <= greatest) return "";
+            return fmt::format("= {}: allowed: a whole number, {}", word, range);
+          },
+          range};
+}
+
+CLI::Validator within(int least, int greatest) {
+  return within(std::int64_t{least}, std::int64_t{greatest});
+}
+
+CLI::Validator within(double least, double greatest) {
+  const std::string range = fmt::format("{:g} to {:g}", least, greatest);
+  return {[=](const std::string& word) -> std::string {
+            char* end = nullptr;
+            const double value = std::strtod(word.c_str(), &end);
+            const bool number = !word.empty() && *end == '\0';
+            if (number && value >= least && value <= greatest) return "";
+            return fmt::format("= {}: allowed: a number, {}", word, range);
+          },
+          range};
+}
+
 void check_file_names(CLI::App& app) {
   for (CLI::Option* option : app.get_options([](const CLI::Option*) { return true; })) {
     if (option->get_items_expected_max() == 0) continue;
@@ -197,6 +228,20 @@ std::string unknown_word(const CLI::App& app, const std::vector<std::string>& wo
   return "";
 }
 
+namespace {
+
+/// A complaint of the parser in the words of this program: "--option = value: allowed: ...".
+std::string of_house(std::string complaint) {
+  constexpr std::string_view kWithin = ": = ", kUnread = "Could not convert: ";
+  if (complaint.starts_with(kUnread)) {
+    return complaint.substr(kUnread.size()) + ": allowed: a number";
+  }
+  if (const auto at = complaint.find(kWithin); at != std::string::npos) complaint.erase(at, 1);
+  return complaint;
+}
+
+}  // namespace
+
 std::string usage_error(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App* command = &app;
   std::string name = "gear3k";
@@ -204,7 +249,7 @@ std::string usage_error(const CLI::App& app, const CLI::ParseError& error) {
     command = command->get_subcommands().front();
     name += ' ' + command->get_name();
   }
-  const std::string complaint = error.what();
+  const std::string complaint = of_house(error.what());
   std::string missing, usage;
   for (const CLI::Option* option : command->get_options()) {
     const std::string own = option->get_name(!option->nonpositional());

@@ -1,6 +1,7 @@
 #pragma once
 // What every command's arguments have in common: the shape of the help, and words that are none.
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -28,6 +29,11 @@ std::string unknown(const std::string& kind, const std::string& word,
 
 /// A check that takes the known words only.
 CLI::Validator one_of(std::string kind, std::vector<std::string> known);
+/// A check that a word is a number, of whole ones for integers, from `least` to `greatest`;
+/// usage_error() says it as "--option = word: allowed: ...".
+CLI::Validator within(std::int64_t least, std::int64_t greatest);
+CLI::Validator within(int least, int greatest);
+CLI::Validator within(double least, double greatest);
 
 /// Adds checks to every argument of every command that names a file or folder (file_kind): its name
 /// is not "", which would be read as if the option were not there, and that of an option not the

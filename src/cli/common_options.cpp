@@ -4,8 +4,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -29,7 +27,7 @@ void add_output_options(CLI::App& command, CommonOptions& options, bool text) {
           },
           text ? "what is printed: table (or text), json or csv"
                : "what is printed: table, json or csv")
-      ->check(CLI::IsMember(names))
+      ->check(one_of("format", names))
       ->option_text("FORMAT [table]");
   command.add_flag("--quiet", options.quiet, "no progress and no talk on stderr, errors only");
 }
@@ -39,12 +37,8 @@ void add_common_options(CLI::App& command, CommonOptions& options, bool text) {
   command
       .add_option("--threads", options.threads,
                   "OpenMP threads, 1 to 1024; all processors by default")
-      ->check(CLI::Range(1, 1024))
+      ->check(within(1, 1024))
       ->option_text("N");
-}
-
-std::string refuse_nan(const std::string& text) {
-  return std::isnan(std::strtod(text.c_str(), nullptr)) ? text + ": allowed: a number" : "";
 }
 
 void add_out_file(CLI::App& command, CommonOptions& options) {

@@ -21,9 +21,6 @@ void add_output_options(CLI::App& command, CommonOptions& options, bool text = f
 /// The same with the number of threads.
 void add_common_options(CLI::App& command, CommonOptions& options, bool text = false);
 
-/// What is wrong with a number that is none: it is in every range.
-std::string refuse_nan(const std::string& text);
-
 /// A file for the result.
 void add_out_file(CLI::App& command, CommonOptions& options);
 

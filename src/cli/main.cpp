@@ -121,7 +121,7 @@ std::uint64_t seed_of(const std::string& text) {
 
 /// What of a result's table is printed.
 void add_columns(CLI::App& command, int& columns, int least, const char* help) {
-  command.add_option("--columns", columns, help)->check(CLI::Range(least, 500))->option_text("N");
+  command.add_option("--columns", columns, help)->check(cli::within(least, 500))->option_text("N");
 }
 
 void add_show_options(CLI::App& command, cli::ShowOptions& options) {
@@ -216,12 +216,11 @@ void add_actuator_options(CLI::App& command, cli::ActuatorOptions& options) {
   command
       .add_option("--amplitude", options.amplitude_rad,
                   "of the output in --impedance, for the first harmonic with losses")
-      ->check(CLI::Range(0.0, 1e6))
-      ->check(cli::refuse_nan)
+      ->check(cli::within(0.0, 1e6))
       ->option_text("RAD");
   command
       .add_option("--motor", options.motor, "of the motor in --impedance: open, shorted or locked")
-      ->check(CLI::IsMember({"open", "shorted", "locked"}))
+      ->check(cli::one_of("terminals", {"open", "shorted", "locked"}))
       ->option_text("TERMINALS");
   command
       .add_option("--figures", options.figures,
@@ -341,7 +340,7 @@ void add_task_commands(CLI::App& app, Commands& c) {
       app.add_subcommand("search", "the tooth sets that fit a ratio, ranked at zero profile shift");
   search_command->add_option("SPEC", c.search.file, "SPEC.toml")->required();
   search_command->add_option("--top", c.search.top, "rows of the table")
-      ->check(CLI::Range(1, 1000000))
+      ->check(cli::within(1, 1'000'000))
       ->capture_default_str();
   add_common_options(*search_command, c.search);
   add_out_file(*search_command, c.search);
@@ -361,8 +360,7 @@ void add_task_commands(CLI::App& app, Commands& c) {
   optimize_command
       ->add_option("--front-budget", c.optimize.front_budget_s,
                    "after which the front of a list of objectives is left as it is")
-      ->check(CLI::Range(0.001, 1e7))
-      ->check(cli::refuse_nan)
+      ->check(cli::within(0.001, 1e7))
       ->option_text("SECONDS");
   CLI::Option* resume = optimize_command->add_flag(
       "--resume", c.optimize.resume, "go on with the run in --out that was interrupted or killed");
@@ -411,12 +409,12 @@ void add_drawn_commands(CLI::App& app, Commands& c) {
       ->option_text("DIR");
   tolerances_command
       ->add_option("--samples", c.tolerances.samples, "gearboxes, instead of tolerances.samples")
-      ->check(CLI::Range(std::int64_t{1000}, std::int64_t{1'000'000'000}))
+      ->check(cli::within(1000, 1'000'000'000))
       ->option_text("N");
   tolerances_command
       ->add_option("--seed", c.tolerances.seed,
                    "of the random gearboxes, instead of tolerances.seed")
-      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{9'000'000'000'000'000}))
+      ->check(cli::within(std::int64_t{0}, std::int64_t{9'000'000'000'000'000}))
       ->option_text("N");
   add_common_options(*tolerances_command, c.tolerances);
   tolerances_command->footer(keys_of("DESIGN.toml"));

@@ -37,7 +37,7 @@ void add_sweep_commands(CLI::App& sweep, SweepCommands& commands, std::function<
   sweep.add_option("--out", options.out, "database for the results, made when missing")
       ->option_text("DB");
   sweep.add_option("--workers", options.workers, "processes that work on tasks, one thread each")
-      ->check(CLI::Range(1, 1024))
+      ->check(within(1, 1024))
       ->option_text("N [1]");
   sweep
       .add_option_function<std::string>(
@@ -127,8 +127,7 @@ void add_atlas_options(CLI::App& command, AtlasOptions& options, std::function<E
   command
       .add_option("--friction", options.question.friction,
                   "coefficient, the nearest of the atlas; all by default")
-      ->check(CLI::Range(0.001, 1.0))
-      ->check(refuse_nan)
+      ->check(within(0.001, 1.0))
       ->option_text("MU");
   command
       .add_option("--task", options.task, "file for a SPEC.toml to begin with; none is replaced")

@@ -187,10 +187,13 @@ class SectionMaker {
     const double x = left ? extent.from_m : extent.to_m;
     const double axis = axis_of(gear);
     const bool whole = gear == kP1 || gear == kP2;
+    constexpr double kBeyondAxis = 0.8;
     const std::string name = fmt::format("{} {}", train::kGearNames[gear], what);
     across(left, name + " diameter", fmt::format("{} ⌀{:.3f}", name, mm(2.0 * radius)),
-           2.0 * radius, {.x_m = x, .y_m = whole ? axis - radius : 0.0},
+           2.0 * radius,
+           {.x_m = x, .y_m = whole ? axis - radius : -kBeyondAxis * drawing_.text_height_m},
            {.x_m = x, .y_m = axis + radius});
+    drawing_.dimensions.back().half = !whole;
   }
   void ring_diameters(bool left, std::size_t ring) {
     diameter(left, ring, "tip", gears_[ring].tip_radius_m);

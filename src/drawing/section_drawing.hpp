@@ -25,8 +25,11 @@ struct Dimension {
   std::string text;  ///< as it is printed; a diameter sign stands as U+2300
   double value_m = 0.0;
   bool along_axis = false;
-  geometry::Point from, to;  ///< what is measured; of a diameter about the sun's axis half of it
+  geometry::Point from, to;  ///< what is measured
   double line_m = 0.0;
+  /// Of a diameter of which the half section shows the upper half: `from` lies a little beyond the
+  /// axis, where the dimension line ends without extension line and terminator (ISO 129-1).
+  bool half = false;
 };
 
 struct SectionDrawing {

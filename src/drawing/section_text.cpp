@@ -22,7 +22,7 @@ struct Stroke {
   Point from, to;
 };
 
-/// The strokes of a dimension: the lines to what is measured, the dimension line and its ticks.
+/// The strokes of a dimension: its line, the lines to what is measured and the ticks.
 struct DimensionStrokes {
   std::vector<Stroke> strokes;
   Point text;  ///< middle of its baseline
@@ -35,12 +35,15 @@ DimensionStrokes strokes_of(const Dimension& d, double height) {
   const Point to = d.along_axis ? Point{.x_m = d.to.x_m, .y_m = d.line_m}
                                 : Point{.x_m = d.line_m, .y_m = d.to.y_m};
   DimensionStrokes result;
-  result.strokes = {{d.from, from}, {d.to, to}, {from, to}};
+  result.strokes = {{from, to}};
   const double tick = 0.3 * height;
-  for (const Point& end : {from, to}) {
+  const auto end_at = [&](const Point& measured, const Point& end) {
+    result.strokes.push_back({measured, end});
     result.strokes.push_back({{.x_m = end.x_m - tick, .y_m = end.y_m - tick},
                               {.x_m = end.x_m + tick, .y_m = end.y_m + tick}});
-  }
+  };
+  if (!d.half) end_at(d.from, from);
+  end_at(d.to, to);
   const Point middle{.x_m = 0.5 * (from.x_m + to.x_m), .y_m = 0.5 * (from.y_m + to.y_m)};
   constexpr double kGap = 0.35;
   if (d.along_axis) {

@@ -121,6 +121,31 @@ TEST(SectionDrawing, SvgTellsEveryDimensionOfTheDesign) {
   EXPECT_TRUE(any_note(d.section, "a note of the drawings"));
 }
 
+/// Lines of the group of a dimension in an SVG: its own, to what is measured, and ticks.
+long lines_of(const std::string& svg, const std::string& name) {
+  const std::regex group("<g class=\"dimension\" data-name=\"" + name + "\"([\\s\\S]*?)</g>");
+  const std::regex line("d=\"M[^\"]*L[^\"]*\"");
+  std::smatch found;
+  if (!std::regex_search(svg, found, group)) return 0;
+  const std::string part = found[1];
+  return std::distance(std::sregex_iterator(part.begin(), part.end(), line), {});
+}
+
+TEST(SectionDrawing, DiametersOfTheHalfSectionEndBeyondTheAxisWithoutATick) {
+  const Drawn d = drawn(std::string(kDesign) + kAxial);
+  const std::string svg = svg_text(d.section);
+  int halves = 0;
+  for (const Dimension& dimension : d.section.dimensions) {
+    EXPECT_EQ(dimension.half, dimension.from.y_m < 0.0) << dimension.name;
+    EXPECT_EQ(lines_of(svg, dimension.name), dimension.half ? 3 : 5) << dimension.name;
+    if (!dimension.half) continue;
+    ++halves;
+    EXPECT_NEAR(dimension.to.y_m, 0.5 * dimension.value_m, 1e-12) << dimension.name;
+    EXPECT_GT(dimension.from.y_m, -d.section.text_height_m) << dimension.name;
+  }
+  EXPECT_EQ(halves, 7) << "the sun's tip; tip, root and outer diameter of each ring";
+}
+
 TEST(SectionDrawing, NoTextBesideAColumnCrossesItsEnds) {
   const Drawn d = drawn(std::string(kDesign) + kAxial);
   const std::string svg = svg_text(d.section);
@@ -134,9 +159,8 @@ TEST(SectionDrawing, NoTextBesideAColumnCrossesItsEnds) {
     std::smatch text;
     if (!std::regex_search(part, text, turned)) continue;
     ++texts;
-    // The third line is the dimension's; a letter is some half of its height wide.
-    auto strokes = std::sregex_iterator(part.begin(), part.end(), line);
-    std::advance(strokes, 2);
+    // The first line is the dimension's; a letter is some half of its height wide.
+    const auto strokes = std::sregex_iterator(part.begin(), part.end(), line);
     const double one = std::stod((*strokes)[1]), other = std::stod((*strokes)[2]);
     const double y = std::stod(text[1]);
     const double half = 0.25 * height * static_cast<double>(text[2].length());
@@ -229,9 +253,13 @@ TEST(SectionDrawing, DxfReadsBackWithBodiesDimensionsAndNotes) {
   EXPECT_TRUE(has_text(kDimensionLayer, "R1 outer %%c84.000"));
   EXPECT_TRUE(has_text(kDimensionLayer, "P2 6.500"));
   EXPECT_TRUE(has_text(kNotesLayer, "planet 3: direction 240.0000 deg"));
-  // A line as long as each thing that is measured; of diameters about the sun's axis, half of it.
-  for (const double length :
-       {20.3, 42.0, 39.0, 8.5, 6.5, 15.5, 1e3 * d.evaluation.gears[train::kP1].tip_diameter_m}) {
+  // A line as long as each thing that is measured; of diameters about the sun's axis, half of it
+  // and what is drawn beyond the axis.
+  const auto half = std::ranges::find_if(d.section.dimensions, &Dimension::half);
+  ASSERT_NE(half, d.section.dimensions.end());
+  const double beyond = -1e3 * half->from.y_m;
+  for (const double length : {20.3, 42.0 + beyond, 39.0 + beyond, 8.5, 6.5, 15.5,
+                              1e3 * d.evaluation.gears[train::kP1].tip_diameter_m}) {
     EXPECT_TRUE(std::ranges::any_of(reader.lengths, [&](double own) {
       return std::abs(own - length) < 1e-8;
     })) << length;
