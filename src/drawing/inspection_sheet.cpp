@@ -284,7 +284,7 @@ InspectionSheet planet_sheet(const design::Design& design, const design::Evaluat
     add("assembly", fmt::format("planet {}: axis, seen from the sun's", i + 1), "theta",
         carrier_deg);
     add("assembly", fmt::format("planet {}: mark of P1, from the direction of its axis", i + 1),
-        "psi", std::remainder(degrees(marks[i].p1_rad) - carrier_deg, 360.0));
+        "psi", degrees(marks[i].p1_from_axis_rad));
   }
   sheet.notes.emplace_back(
       alike ? "all planets are one part: the marked teeth of P1 and P2 stand as `phi` says"

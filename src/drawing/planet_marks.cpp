@@ -25,8 +25,12 @@ std::vector<PlanetMarks> planet_marks(const train::ToothSet& z, int planets) {
       }
     }
     const double turn = 2.0 * std::numbers::pi;
+    // In whole numbers, where 0 has no sign.
+    long long from_axis = remainder(a + best_k * n - i * p1, n * p1);
+    if (2 * from_axis > n * p1) from_axis -= n * p1;
     marks.push_back(
         {.p1_rad = turn * static_cast<double>(a + best_k * n) / static_cast<double>(n * p1),
+         .p1_from_axis_rad = turn * static_cast<double>(from_axis) / static_cast<double>(n * p1),
          .phase_rad = turn * static_cast<double>(best) / static_cast<double>(n * p1 * p2)});
   }
   return marks;

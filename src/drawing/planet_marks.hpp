@@ -9,7 +9,8 @@ namespace gear3k::drawing {
 
 /// How planet i is put in.
 struct PlanetMarks {
-  double p1_rad = 0.0;     ///< direction of the marked tooth of P1, as TrainPlacement's angles
+  double p1_rad = 0.0;  ///< direction of the marked tooth of P1, as TrainPlacement's angles
+  double p1_from_axis_rad = 0.0;  ///< the same from the line sun - planet, within half a turn
   double phase_rad = 0.0;  ///< of the marked tooth of P2 beyond it, as small as it can be, >= 0
 };
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -307,8 +306,7 @@ class SectionMaker {
       all.push_back(
           fmt::format("planet {}: direction {:.4f} deg, psi {:.4f} deg, mark of P2 from that of P1 "
                       "{:.4f} deg",
-                      i + 1, direction_deg,
-                      std::remainder(report::degrees(marks[i].p1_rad) - direction_deg, 360.0),
+                      i + 1, direction_deg, report::degrees(marks[i].p1_from_axis_rad),
                       report::degrees(marks[i].phase_rad)));
     }
   }

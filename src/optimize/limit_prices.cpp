@@ -408,7 +408,7 @@ double giving_step(const LimitPrice& price) {
   const double sign = price.limit.at_least ? -1.0 : 1.0;
   constexpr double kShare = 0.05;
   if (price.limit.kind == LimitKind::kFelt || price.limit.kind == LimitKind::kTorque) {
-    return sign * kShare * price.value_si;
+    return units::meant_si(sign * kShare * price.value_si, units::Unit::kNone);
   }
   switch (price.unit) {
     case units::Unit::kNone:

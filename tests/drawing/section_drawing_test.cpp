@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <regex>
 #include <sstream>
 #include <string>
@@ -18,6 +19,7 @@
 
 #include "design/evaluation.hpp"
 #include "drawing/dxf_file.hpp"
+#include "drawing/planet_marks.hpp"
 #include "io/files/design_file.hpp"
 
 namespace gear3k::drawing::section_drawing_test {
@@ -263,6 +265,25 @@ TEST(SectionDrawing, DxfReadsBackWithBodiesDimensionsAndNotes) {
     EXPECT_TRUE(std::ranges::any_of(reader.lengths, [&](double own) {
       return std::abs(own - length) < 1e-8;
     })) << length;
+  }
+}
+
+TEST(PlanetMarks, FromTheAxisAreTheDirectionsWithoutThatOfTheAxis) {
+  for (const auto& [z, planets] :
+       {std::pair{train::ToothSet{.S = 18, .P1 = 43, .R1 = 105, .P2 = 39, .R2 = 87}, 3},
+        std::pair{train::ToothSet{.S = 12, .P1 = 39, .R1 = 90, .P2 = 32, .R2 = 81}, 3},
+        std::pair{train::ToothSet{.S = 14, .P1 = 40, .R1 = 94, .P2 = 36, .R2 = 92}, 3},
+        std::pair{train::ToothSet{.S = 13, .P1 = 44, .R1 = 102, .P2 = 28, .R2 = 72}, 5}}) {
+    const auto marks = planet_marks(z, planets);
+    ASSERT_EQ(marks.size(), static_cast<std::size_t>(planets)) << z.S;
+    const double turn = 2.0 * std::numbers::pi;
+    for (std::size_t i = 0; i < marks.size(); ++i) {
+      const double from_axis = marks[i].p1_from_axis_rad;
+      const double axis = turn * static_cast<double>(i) / planets;
+      EXPECT_NEAR(std::remainder(marks[i].p1_rad - axis - from_axis, turn), 0.0, 1e-12) << z.S;
+      EXPECT_LE(std::abs(from_axis), 0.5 * turn) << z.S;
+      EXPECT_FALSE(from_axis == 0.0 && std::signbit(from_axis)) << z.S << " prints as -0";
+    }
   }
 }
 
