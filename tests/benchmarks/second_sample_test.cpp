@@ -41,6 +41,7 @@ double upper_limit(int hits, int count) {
 
 std::vector<std::string> names(const std::vector<TwoSamples>& of) {
   std::vector<std::string> list;
+  list.reserve(of.size());
   for (const TwoSamples& s : of) list.push_back(s.name);
   return list;
 }
