@@ -75,6 +75,7 @@ gear3k_library(calibrate
     fit/row_drag.cpp
     fit/row_gain.cpp
     fit/row_friction.cpp
+    fit/rounding.cpp
     laws/law_data.cpp
     laws/law_forms.cpp
     laws/law_result.cpp
@@ -106,6 +107,7 @@ gear3k_library(calibrate
     verdict/model_update.cpp
     verdict/noise_level.cpp
     verdict/remainder.cpp
+    verdict/rounded_readings.cpp
     verdict/unexplained.cpp
     dynamic/drive_parameters.cpp
     dynamic/motion_diagnosis.cpp

@@ -83,6 +83,14 @@ class FreerFits {
   std::vector<FreerFit> fits_;
 };
 
+/// A law whose reference is taken from the design or the data, and whether a constant that would
+/// move it stands beside it.
+bool has_fixed_reference(const Hypothesis& h) {
+  const auto expands = [](const Candidate& c) { return c.cause->remedy == Remedy::kHousing; };
+  const auto is_constant = [](const Candidate& c) { return c.cause->remedy == Remedy::kClearance; };
+  return std::ranges::any_of(h.effects, expands) && std::ranges::none_of(h.effects, is_constant);
+}
+
 bool has_level(const Hypothesis& h) {
   return std::ranges::any_of(h.effects, [](const Candidate& c) {
     return c.cause->remedy == Remedy::kFrictionValue || has_level_parameter(c.parameters);
@@ -94,8 +102,9 @@ bool has_level(const Hypothesis& h) {
 void widen_by_forms(const Problem& problem, const std::vector<Candidate>& all, double scale,
                     FinalFit& final) {
   const Hypothesis& h = final.hypothesis;
-  // A law alone has no parameters beside it.
-  if (h.effects.size() < 2 || !(scale > 0.0) || !(final.scale > 0.0)) return;
+  // A law alone has no parameters beside it but those that its reference hides.
+  const bool fixed_reference = has_fixed_reference(h);
+  if ((h.effects.size() < 2 && !fixed_reference) || !(scale > 0.0) || !(final.scale > 0.0)) return;
   FreerFits fits(problem, final, scale);
   for (const Candidate& form : all) {
     if (is_refinement(form.form)) continue;
@@ -103,6 +112,9 @@ void widen_by_forms(const Problem& problem, const std::vector<Candidate>& all, d
       if (may_free(h, e, form)) fits.add(in_form(h, e, form), e);
     }
     if (form.cause->remedy == Remedy::kFrictionValue && form.form.weight > 0.0 && !has_level(h)) {
+      fits.add(with(h, form), h.effects.size());
+    }
+    if (form.cause->remedy == Remedy::kClearance && form.form.weight > 0.0 && fixed_reference) {
       fits.add(with(h, form), h.effects.size());
     }
   }

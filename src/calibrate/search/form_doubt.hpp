@@ -17,6 +17,9 @@ namespace gear3k::calibrate {
 ///
 /// θ_0 that of the fit itself (Buckland, Burnham and Augustin 1997, Biometrics 53, 603-618, eq. 9).
 ///
+/// A law whose reference is taken from the design or the data (thermal expansion) has a fit with the
+/// constant that moves it (clearance) among them, alone as well.
+///
 /// @param all    candidates, with those of free shape
 /// @param scale  of the treatment of outliers, as of fit()
 void widen_by_forms(const Problem& problem, const std::vector<Candidate>& all, double scale,

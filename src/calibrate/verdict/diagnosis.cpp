@@ -474,8 +474,9 @@ void predict_at_least_as_refit(Diagnosis& d, const Measured& m, const Hypothesis
 
 }  // namespace
 
-std::optional<Diagnosis> diagnose(const Simulation& simulation, const MeasurementSet& all_data,
-                                  const DiagnoseOptions& options) {
+std::optional<Diagnosis> diagnose_as_read(const Simulation& simulation,
+                                          const MeasurementSet& all_data,
+                                          const DiagnoseOptions& options) {
   bool goes_on = true;
   const std::function<bool(double)> tell = [&](double share) {
     goes_on = goes_on && (!options.progress || options.progress(share));

@@ -187,9 +187,15 @@ struct Diagnosis {
   std::shared_ptr<const UnitSeries> series;  ///< where the files state their gearbox, else null
 };
 
-/// Diagnoses the data of one kind.
+/// Diagnoses the data of one kind, the readings taken for what they are.
 /// @returns empty when progress ended it
 /// @throws std::invalid_argument when no row can be simulated
+std::optional<Diagnosis> diagnose_as_read(const Simulation& simulation, const MeasurementSet& data,
+                                          const DiagnoseOptions& options);
+
+/// The same; where something is found in readings of coarse steps they are diagnosed once more
+/// without the bias of rounding (less_rounding()) that the simulation as given foretells, and if
+/// nothing is found then, that is the answer.
 std::optional<Diagnosis> diagnose(const Simulation& simulation, const MeasurementSet& data,
                                   const DiagnoseOptions& options);
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -111,6 +112,56 @@ TEST_F(FormDoubt, OfALawAloneIsNone) {
   FinalFit wide = plain;
   widen_by_forms(p, candidates_for(simulation_, data_), kWide, wide);
   EXPECT_EQ(wide.covariance, plain.covariance);
+}
+
+TEST(FormDoubtOfAReference, AddsWhatAConstantBesideTheLawMovesItBy) {
+  // A housing that expands from 27 C on, measured far from there, under a form that takes 20 C.
+  constexpr double kTruth = 40.0;  // um/m/K
+  const Simulation simulation(design_of(rig::bilateral_drive_gear()), Kind::kLostMotion);
+  MeasurementSet data;
+  data.kind = Kind::kLostMotion;
+  for (int k = 0; k < 60; ++k) {
+    data.rows.push_back({.condition = {.test_torque_Nm = 1.0, .temperature_K = 313.15 + 0.2 * k}});
+  }
+  const auto candidates = candidates_for(simulation, data);
+  const auto form = [&](const char* cause, const char* name) {
+    return *std::ranges::find_if(candidates, [&](const Candidate& c) {
+      return c.cause->id == cause && c.form.name == name;
+    });
+  };
+  const Candidate from_design = form("thermal_expansion", "from_design");
+  Candidate elsewhere = from_design;
+  elsewhere.form.constants.front().value += 7.0;
+  const Eigen::VectorXd clean =
+      simulated(simulation, data, hypothesis({elsewhere}, {kTruth})).value();
+  rig::DeterministicRandom random(5);
+  const double most = 0.02 * std::abs(clean[0] - simulated(simulation, data, {}).value()[0]);
+  for (std::size_t i = 0; i < data.rows.size(); ++i) {
+    data.rows[i].response = clean[static_cast<Eigen::Index>(i)] + random.between(-most, most);
+  }
+  const Problem p{.simulation = simulation, .data = data, .noise = make_noise_model(data)};
+  const double scale = 10.0 * most;  // no row is three of it off
+  const FinalFit plain = final_fit(p, hypothesis({from_design}, {30.0}), scale);
+  FinalFit wide = plain;
+  widen_by_forms(p, candidates, scale, wide);
+  const auto half = [&](const FinalFit& fit) { return 2.0 * std::sqrt(fit.covariance(0, 0)); };
+  const double off = std::abs(plain.hypothesis.value[0] - kTruth);
+  EXPECT_GT(off, half(plain));
+  EXPECT_LT(off, half(wide));
+  // By hand.
+  Hypothesis both = with(plain.hypothesis, form("clearance", "constant"));
+  const FinalFit freer = final_fit(p, both, scale);
+  const double variance = plain.scale * plain.scale;
+  const auto aic = [&](const FinalFit& fit) {
+    return (measured(data) - fit.simulated).squaredNorm() / variance +
+           2.0 * static_cast<double>(fit.hypothesis.value.size());
+  };
+  const double weight = std::exp(-0.5 * (aic(freer) - aic(plain)));
+  const double alike = std::sqrt(variance * inverse_normal(p, plain.hypothesis)(0, 0));
+  const double moved = std::hypot(std::sqrt(variance * inverse_normal(p, freer.hypothesis)(0, 0)),
+                                  freer.hypothesis.value[0] - plain.hypothesis.value[0]);
+  const double expected = (alike + weight * moved) / (1.0 + weight) / alike;
+  EXPECT_NEAR(half(wide) / half(plain) / expected, 1.0, 1e-2);
 }
 
 }  // namespace
