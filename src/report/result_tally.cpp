@@ -98,12 +98,14 @@ std::string grid_cut_text(const Specification& spec, std::size_t sets) {
       sets, sets == 1 ? "" : "s", spec.solver.grid_relaxations);
 }
 
-std::string grid_cut_line(const Specification& spec, std::size_t refinements) {
+std::string grid_cuts_text(const Specification& spec, std::size_t refinements,
+                           const TextAround& around) {
   if (refinements == 0) return "";
   return fmt::format(
-      "  grids of shifts were not searched to the end in {} refinement{} "
-      "(solver.grid_relaxations = {})\n",
-      refinements, refinements == 1 ? "" : "s", spec.solver.grid_relaxations);
+      "{}grids of shifts were not searched to the end in {} refinement{} "
+      "(solver.grid_relaxations = {}){}",
+      around.before, refinements, refinements == 1 ? "" : "s", spec.solver.grid_relaxations,
+      around.after);
 }
 
 std::string optimize_counts_text(const OptimizeResult& result, const ResultTally& tally) {

@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "optimize/optimizer.hpp"
 
@@ -29,8 +30,12 @@ ResultTally tally_of(const optimize::OptimizeResult& result);
 
 /// What was not found as the search of grids was cut short, and how it is; "": none was.
 std::string grid_cut_text(const optimize::Specification& spec, std::size_t sets);
-/// The same of refinements in many searches, as the line below a table; "": none was.
-std::string grid_cut_line(const optimize::Specification& spec, std::size_t refinements);
+/// The same of refinements in many searches, between two texts; "": none was.
+struct TextAround {
+  std::string_view before, after;
+};
+std::string grid_cuts_text(const optimize::Specification& spec, std::size_t refinements,
+                           const TextAround& around = {.before = "  ", .after = "\n"});
 
 /// Counts by status and reason, for the terminal.
 std::string optimize_counts_text(const optimize::OptimizeResult& result, const ResultTally& tally);

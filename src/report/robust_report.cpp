@@ -72,7 +72,7 @@ std::string robust_table(const Specification& spec, const RobustRun& run) {
       "gearboxes each from seed {}, which no search used)\n",
       run.search.passes.size(), run.samples, run.fresh_seed);
   text += table.text(2);
-  text += grid_cut_line(spec, grid_cut_of(run.search));
+  text += grid_cuts_text(spec, grid_cut_of(run.search));
   text += fmt::format(
       "  at every position of a turn, {} gearboxes: {:.1f} % and {:.1f} % assemble, {:.1f} % and "
       "{:.1f} % also keep the limit\n",
@@ -164,15 +164,11 @@ std::string robust_blocking_text(const Specification& spec, const optimize::Robu
       spec.robust.hold == Hold::kWorstCase
           ? std::string("in the worst case of its tolerances")
           : fmt::format("for a yield of {:g} %", clean(percent(spec.robust.yield)));
-  const std::size_t cut = grid_cut_of(search);
   return fmt::format(
       "no design was found that holds {}: {}{}{}; wider limits or tighter [tolerances] would help "
       "(`gear3k tolerances` on a design shows which)",
       asked, reached, any_infeasible ? "; under limits tighter than that nothing is feasible" : "",
-      cut > 0 ? fmt::format("; grids of shifts were not searched to the end in {} refinements "
-                            "(solver.grid_relaxations = {})",
-                            cut, spec.solver.grid_relaxations)
-              : "");
+      grid_cuts_text(spec, grid_cut_of(search), {.before = "; ", .after = ""}));
 }
 
 }  // namespace gear3k::report

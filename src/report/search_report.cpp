@@ -380,7 +380,7 @@ std::string pareto_table(const Specification& spec, const optimize::ParetoFront&
       "best designs\n"
       "  they dominate {:.2f} %, others may dominate {:.2f} % more\n{}{}",
       front.points.size(), front.searches, ended_text(spec, front), 100.0 * front.hypervolume,
-      100.0 * front.missing, table.text(2), grid_cut_line(spec, front.grid_cut));
+      100.0 * front.missing, table.text(2), grid_cuts_text(spec, front.grid_cut));
 }
 
 namespace {
