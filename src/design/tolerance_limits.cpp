@@ -62,6 +62,46 @@ class RangeFinder {
   BuiltRange range_;
 };
 
+struct BuiltGear {
+  geometry::GearGeometry<double> geometry;
+  geometry::ToothForm<double> form;
+};
+
+/// A gear with deviations.
+///
+/// The drawn gear's own tool is fed in until the tooth is as thick as asked for,
+///
+///   x_E = x ± A_s/(2 m tan α)    (+ external, − ring)
+///
+/// and root, form circle and fillet move with it; the tip circle, which is turned, moves by its own
+/// deviation only.  The machining allowance q stays what the file says, a tool with thicker teeth.
+/// The root circle moves by m Δx_E as ISO 21771 has it.  The form circle and the fillet of a shaped
+/// ring are those that the drawn gear's cutter, the same in size, leaves: with it the root circle
+/// would move by sin α/sin α_w0 of that only.  With a deviation of the root diameter the tool is as
+/// deep as that says, whatever the thickness, and form circle and fillet are that tool's.
+/// Source: ISO 21771 (generating profile shift); docs/theory §14.  Against KISSsoft's root, form
+/// and active diameters at both limits: tests/golden/kisssoft_stage_01.toml.
+BuiltGear built_gear(const BuiltGear& drawn, const GearDeviation& deviation) {
+  const GearGeometry<double>& g = drawn.geometry;
+  const double m = g.gear.module_m, sign = outward_sign(g);
+  // Outwards, in modules.
+  const double infeed = sign * deviation.tooth_thickness_m / (2.0 * m * g.angle.tan);
+  geometry::Gear<double> gear = g.gear;
+  gear.profile_shift += infeed;
+  gear.tip_shortening += sign * (infeed - 0.5 * deviation.tip_diameter_m / m);
+  if (deviation.root_diameter_m) {
+    gear.rack.dedendum += sign * (infeed - 0.5 * *deviation.root_diameter_m / m);
+  }
+  BuiltGear built{.geometry = geometry::make_gear_geometry(gear, g.angle), .form = {}};
+  built.form = geometry::make_tooth_form(built.geometry);
+  if (!deviation.root_diameter_m && drawn.form.cutter_tip_radius_m > 0.0) {
+    GearGeometry<double> shaped = built.geometry;
+    shaped.root_radius_m = built.form.cutter_center_distance_m + drawn.form.cutter_tip_radius_m;
+    built.form = geometry::make_tooth_form(shaped);
+  }
+  return built;
+}
+
 /// A gearing that can be put into any corner of its tolerances.
 class BuiltGearing {
  public:
@@ -459,27 +499,6 @@ CheckRanges check_ranges(BuiltGearing& built, const DrawnGearing& drawn,
 }
 
 }  // namespace
-
-BuiltGear built_gear(const BuiltGear& drawn, const GearDeviation& deviation) {
-  const GearGeometry<double>& g = drawn.geometry;
-  const double m = g.gear.module_m, sign = outward_sign(g);
-  // Outwards, in modules.
-  const double infeed = sign * deviation.tooth_thickness_m / (2.0 * m * g.angle.tan);
-  geometry::Gear<double> gear = g.gear;
-  gear.profile_shift += infeed;
-  gear.tip_shortening += sign * (infeed - 0.5 * deviation.tip_diameter_m / m);
-  if (deviation.root_diameter_m) {
-    gear.rack.dedendum += sign * (infeed - 0.5 * *deviation.root_diameter_m / m);
-  }
-  BuiltGear built{.geometry = geometry::make_gear_geometry(gear, g.angle), .form = {}};
-  built.form = geometry::make_tooth_form(built.geometry);
-  if (!deviation.root_diameter_m && drawn.form.cutter_tip_radius_m > 0.0) {
-    GearGeometry<double> shaped = built.geometry;
-    shaped.root_radius_m = built.form.cutter_center_distance_m + drawn.form.cutter_tip_radius_m;
-    built.form = geometry::make_tooth_form(shaped);
-  }
-  return built;
-}
 
 std::optional<ToleranceLimits> tolerance_limits(const DrawnGearing& drawn,
                                                 std::span<const GearTolerances> gears,

@@ -25,26 +25,6 @@ struct GearDeviation {
   double tip_diameter_m = 0.0;
   std::optional<double> root_diameter_m;  ///< empty: the root follows the tooth thickness
 };
-struct BuiltGear {
-  geometry::GearGeometry<double> geometry;
-  geometry::ToothForm<double> form;
-};
-
-/// A gear with deviations.
-///
-/// The drawn gear's own tool is fed in until the tooth is as thick as asked for,
-///
-///   x_E = x ± A_s/(2 m tan α)    (+ external, − ring)
-///
-/// and root, form circle and fillet move with it; the tip circle, which is turned, moves by its own
-/// deviation only.  The machining allowance q stays what the file says, a tool with thicker teeth.
-/// The root circle moves by m Δx_E as ISO 21771 has it.  The form circle and the fillet of a shaped
-/// ring are those that the drawn gear's cutter, the same in size, leaves: with it the root circle
-/// would move by sin α/sin α_w0 of that only.  With a deviation of the root diameter the tool is as
-/// deep as that says, whatever the thickness, and form circle and fillet are that tool's.
-/// Source: ISO 21771 (generating profile shift); docs/theory §14.  Against KISSsoft's root, form
-/// and active diameters at both limits: tests/golden/kisssoft_stage_01.toml.
-BuiltGear built_gear(const BuiltGear& drawn, const GearDeviation& deviation);
 
 struct MeshLimits {
   std::string name;
