@@ -5,10 +5,12 @@
 # Levels of optimisation compile faster where no higher one gains; the bytes of results are those of
 # -O3 (no flag lets arithmetic be reordered).  TEXT, what reads and writes and does not compute for
 # long: -Og, a fifth to a third faster to compile than -O1 (-O0 is no faster).  LOOPS, whose loops
-# over many gearboxes or components are vectorised: -O3.  Else -O2: at -O1 `calibrate` and `optimize`
-# compile a sixth faster, and diagnoses and searches run 5 to 16 % longer.  SELDOM, the sources of a
-# folder that computes which decide, order and tell what others compute: -Og, two fifths faster than
-# -O2; a profile of the tests of the folder has none above a thousandth of the time.
+# over many gearboxes or components are vectorised: -O3 (at -O1 Monte Carlo runs 51 % longer).  Else
+# -O2: at -O1 `strength` and `design` compile a fifth faster, `numerics` no faster, and the program
+# runs longer whichever folder it is: floors up to `strength` 3 to 5 %, `optimize` 3 to 9 %,
+# `calibrate` 4 to 7 %, all of them 7 to 13 %; `design` alone less than 3 % but for maps.  SELDOM, the
+# sources of a folder that computes which decide, order and tell what others compute: -Og, two fifths
+# faster than -O2; a profile of the tests of the folder has none above a thousandth of the time.
 set(text_level -Og)
 set(loops_level -O3)
 set(computing_level -O2)
