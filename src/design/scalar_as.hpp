@@ -24,6 +24,7 @@ efficiency::FrictionBend<To> bend_as(const efficiency::FrictionBend<From>& b) {
                                       .cubic = scalar_as<To>(b.cubic),
                                       .s = {},
                                       .places = b.places,
+                                      .x = b.x,
                                       .half_range = b.half_range};
   for (std::size_t k = 0; k < b.s.size(); ++k) result.s[k] = scalar_as<To>(b.s[k]);
   return result;

@@ -14,14 +14,18 @@ inline constexpr int kMostCurvePlaces = 7;
 /// How a law of one variable bends: exp(q x² + c x³ + s(x)), with x the variable (ln F, ln v or θ)
 /// from its reference on, over half_range; x² and x³ beyond |x| = 1.5 as there.
 ///
-/// s goes through given values at even places from x = −1 to 1, as a cubic between two of them
-/// with the slopes of chords (Catmull-Rom), straight on to |x| = 1.5 and beyond as there.
+/// s goes through given values at places from x = −1 to 1, even ones or those given, as a cubic
+/// between two of them, straight on to |x| = 1.5 and beyond as there.  Its slope at a place is that
+/// of the parabola through it and the places beside it (of even ones: Catmull-Rom), at the first
+/// and the last that of the chord.
 template <class T>
 struct FrictionBend {
   T quadratic{}, cubic{};               ///< q, c
-  std::array<T, kMostCurvePlaces> s{};  ///< that of the middle is the level, and 0
-  int places = kMostCurvePlaces;        ///< of s, odd
-  double half_range = 1.0;              ///< > 0
+  std::array<T, kMostCurvePlaces> s{};  ///< that of place number `places`/2 is the level, and 0
+  int places = kMostCurvePlaces;        ///< of s
+  /// x of each place, rising from −1 to 1; all 0: even ones.
+  std::array<double, kMostCurvePlaces> x{};
+  double half_range = 1.0;  ///< > 0
 };
 
 /// Factors on the coefficient of friction that a design states; by default all are 1.

@@ -123,26 +123,35 @@ T dynamic_viscosity(const Lubricant<T>& oil, const T& temperature_K) {
 
 template <class T>
 T curve_at(const FrictionBend<T>& bend, const T& x) {
-  const int last_place = bend.places - 1;
-  const double last = last_place;
-  const double beyond = 0.25 * last;  // from |x| = 1 to 1.5
-  const T u = smaller(larger(T((x + 1.0) * (0.5 * last)), constant<T>(-beyond)),
-                      constant<T>(last + beyond));
+  const int last = bend.places - 1;
+  const bool even = bend.x[0] == 0.0 && bend.x[1] == 0.0;
   const auto value = [&](int place) { return bend.s[static_cast<std::size_t>(place)]; };
-  const auto slope = [&](int place) {
-    if (place == 0) return T(value(1) - value(0));
-    if (place == last_place) return T(value(place) - value(place - 1));
-    return T(0.5 * (value(place + 1) - value(place - 1)));
+  const auto at = [&](int place) {
+    return even ? 2.0 * place / last - 1.0 : bend.x[static_cast<std::size_t>(place)];
   };
-  if (value_of(u) <= 0.0) return T(value(0) + u * slope(0));
-  if (value_of(u) >= last) return T(value(last_place) + (u - last) * slope(last_place));
-  const int left = static_cast<int>(value_of(u));
-  const T t = u - static_cast<double>(left);
-  const T chord = value(left + 1) - value(left);
-  const T first = slope(left);
-  const T second = slope(left + 1);
-  return T(value(left) + t * (first + t * (3.0 * chord - 2.0 * first - second +
-                                           t * (first + second - 2.0 * chord))));
+  const auto chord = [&](int place) {
+    return T((value(place + 1) - value(place)) / (at(place + 1) - at(place)));
+  };
+  const auto slope = [&](int place) {
+    if (place == 0) return chord(0);
+    if (place == last) return chord(last - 1);
+    const double before = at(place) - at(place - 1);
+    const double after = at(place + 1) - at(place);
+    return T((after * chord(place - 1) + before * chord(place)) / (before + after));
+  };
+  constexpr double kFarthest = 1.5;
+  const T u = smaller(larger(x, constant<T>(-kFarthest)), constant<T>(kFarthest));
+  if (value_of(u) <= at(0)) return T(value(0) + (u - at(0)) * slope(0));
+  if (value_of(u) >= at(last)) return T(value(last) + (u - at(last)) * slope(last));
+  int left = 0;
+  while (value_of(u) >= at(left + 1)) ++left;
+  const double width = at(left + 1) - at(left);
+  const T t = (u - at(left)) / width;
+  const T rise = value(left + 1) - value(left);
+  const T first = slope(left) * width;
+  const T second = slope(left + 1) * width;
+  return T(value(left) + t * (first + t * (3.0 * rise - 2.0 * first - second +
+                                           t * (first + second - 2.0 * rise))));
 }
 
 template <class T>

@@ -676,6 +676,23 @@ TEST(Curve, OfValuesOnAParabolaIsThatParabolaInside) {
   }
 }
 
+TEST(Curve, OfUnevenPlacesGoesThroughThemAndIsAParabolaBetweenInnerOnes) {
+  const auto parabola = [](double x) { return 0.3 - 0.2 * x + 0.7 * x * x; };
+  const std::vector<double> at{-1.0, -0.4, -0.25, 0.3, 0.9, 1.0};
+  FrictionBend<double> bend{.places = static_cast<int>(at.size())};
+  for (std::size_t k = 0; k < at.size(); ++k) {
+    bend.x[k] = at[k];
+    bend.s[k] = parabola(at[k]);
+  }
+  for (const double x : at) EXPECT_NEAR(curve_at(bend, x), parabola(x), 1e-14) << x;
+  for (const double x : {-0.39, -0.3, 0.0, 0.2, 0.5, 0.8}) {
+    EXPECT_NEAR(curve_at(bend, x), parabola(x), 1e-14) << x;
+  }
+  // Straight on along the last chord.
+  const double slope = (parabola(1.0) - parabola(0.9)) / 0.1;
+  EXPECT_NEAR(curve_at(bend, 1.3), parabola(1.0) + 0.3 * slope, 1e-13);
+}
+
 TEST(Curve, OfValuesOnALineGoesOnBeyondThemForHalfTheRange) {
   FrictionBend<double> bend{.places = 5};
   for (int k = 0; k < 5; ++k) bend.s[static_cast<std::size_t>(k)] = 0.4 * (0.5 * k - 1.0);

@@ -3,28 +3,32 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cstdlib>
 #include <functional>
 
 namespace gear3k::calibrate {
 
 namespace {
 
+constexpr int kManyLevels = 17;  // near every place of a curve
+
 /// Rows far apart in everything that forms are made from; with runs, one of them between others.
-MeasurementSet wide_data(Kind kind, bool with_runs) {
+/// @param levels  of load, speed and temperature
+MeasurementSet wide_data(Kind kind, bool with_runs, int levels) {
   MeasurementSet data;
   data.kind = kind;
   if (with_runs) data.runs = {"1", "2", "3"};
-  constexpr int kRows = 17;  // near every place of a curve
-  for (int step = 0; step < kRows; ++step) {
+  for (int step = 0; step < kManyLevels; ++step) {
     const double share = 0.5 * step;
+    const double level = 0.5 * (step % levels);
     constexpr double kFar = 1e4;
     Observation row;
     row.condition.output_angle_rad = share * kFar;
-    row.condition.temperature_K = 293.15 + share;
+    row.condition.temperature_K = 293.15 + level;
     row.condition.time_s = share * kFar;
     row.condition.cycles = share * kFar;
-    row.condition.sun_speed_rad_s = 1.0 + share;
-    row.condition.output_torque_Nm = 1.0 + share;
+    row.condition.sun_speed_rad_s = 1.0 + level;
+    row.condition.output_torque_Nm = 1.0 + level;
     row.condition.test_torque_Nm = 1.0 + share;
     row.condition.run = with_runs ? step / 6 : -1;
     constexpr std::array<int, 3> kTeeth{20, 30, 20};
@@ -70,8 +74,8 @@ void add_form(std::vector<CatalogueForm>& catalogue, const Form& form) {
 std::vector<CatalogueForm> form_catalogue(const Cause& cause, Kind kind) {
   const train::ToothSet teeth{.S = 12, .P1 = 39, .R1 = 90, .P2 = 32, .R2 = 81};
   std::vector<CatalogueForm> catalogue;
-  for (const bool with_runs : {true, false}) {
-    const MeasurementSet data = wide_data(kind, with_runs);
+  for (const int levels : {-kManyLevels, kManyLevels, 4, 5, 6, 7}) {
+    const MeasurementSet data = wide_data(kind, levels < 0, std::abs(levels));
     for (const bool black_box : {false, true}) {
       Occasion occasion;
       occasion.kind = kind;

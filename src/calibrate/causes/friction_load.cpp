@@ -67,7 +67,7 @@ void apply(const Form& form, std::span<const Scalar> p, const Condition&, Kind, 
   f.load_is_torque = form.name.ends_with(kByTorque);
   f.reference_force_N = form.constant(f.load_is_torque ? kTorque : "reference_load");
   if (is_smooth(form)) {
-    change_smoothly(p, half_range_of(form), f.load_bend, m);
+    change_smoothly(form, p, f.load_bend, m);
     return;
   }
   if (p.size() > 1) change_shape(p.subspan(1), half_range_of(form), f.load_bend, m);

@@ -80,7 +80,7 @@ void apply(const Form& form, std::span<const Scalar> p, const Condition&, Kind, 
     friction.slow_speed_m_s = Scalar(form.constant("speed_scale"));
     if (form.name == kAnyScale) friction.slow_speed_m_s = friction.slow_speed_m_s * exp(p[1]);
   } else if (is_smooth(form)) {
-    change_smoothly(p, half_range_of(form), friction.speed_bend, m);
+    change_smoothly(form, p, friction.speed_bend, m);
     friction.reference_speed_m_s = form.constant("reference_speed");
   } else {
     if (p.size() > 1) change_shape(p.subspan(1), half_range_of(form), friction.speed_bend, m);

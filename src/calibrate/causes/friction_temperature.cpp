@@ -54,7 +54,7 @@ void apply(const Form& form, std::span<const Scalar> p, const Condition&, Kind, 
     m.gearbox.drag_temperature_1_K = p[0];
     m.gearbox.drag_reference_temperature_K = reference_K;
   } else if (is_smooth(form)) {
-    change_smoothly(p, half_range_of(form), m.gearbox.friction.temperature_bend, m);
+    change_smoothly(form, p, m.gearbox.friction.temperature_bend, m);
     m.gearbox.friction.reference_temperature_K = reference_K;
   } else {
     if (p.size() > 1) {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -20,7 +21,22 @@ std::optional<Blocks> blocks_along(std::string_view name, const std::vector<Leve
   return blocks;
 }
 
-Blocks holdout_blocks(const MeasurementSet& data, const std::vector<Levels>& levels) {
+bool bends_with_levels(const Hypothesis& h, std::string_view condition,
+                       const std::vector<Levels>& levels) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 2> kLaws{
+      {{"load", "friction_load"}, {"speed", "friction_speed"}}};
+  const auto along = std::ranges::find(levels, condition, &Levels::name);
+  if (along == levels.end() || along->binned) return false;
+  return std::ranges::any_of(h.effects, [&](const Candidate& c) {
+    return static_cast<int>(c.parameters.size()) + 1 >= along->count &&
+           std::ranges::any_of(kLaws, [&](const auto& law) {
+             return law.first == condition && law.second == c.cause->id;
+           });
+  });
+}
+
+Blocks holdout_blocks(const MeasurementSet& data, const std::vector<Levels>& levels,
+                      const Hypothesis& h) {
   constexpr int kFewest = 3;
   Blocks blocks;
   const std::size_t n = data.rows.size();
@@ -36,6 +52,7 @@ Blocks holdout_blocks(const MeasurementSet& data, const std::vector<Levels>& lev
     if (blocks.count >= kFewest) return blocks;
   }
   for (const char* name : {"load", "test torque", "speed", "run"}) {
+    if (bends_with_levels(h, name, levels)) continue;
     if (auto along = blocks_along(name, levels)) return *std::move(along);
   }
   const bool turns = std::ranges::all_of(
@@ -112,7 +129,7 @@ Extrapolation extrapolate(const Problem& problem, const Hypothesis& h,
   Extrapolation result;
   for (const char* name : {"load", "speed", "test torque"}) {
     const auto at = std::ranges::find(levels, name, &Levels::name);
-    if (at == levels.end() || at->count < 3) continue;
+    if (at == levels.end() || at->count < 3 || bends_with_levels(h, name, levels)) continue;
     Blocks blocks{.name = name, .of = {}, .count = 2};
     for (const int level : at->of) blocks.of.push_back(level == at->count - 1 ? 1 : 0);
     const Eigen::VectorXd predicted = predict_held_out(problem, h, blocks);

@@ -30,9 +30,16 @@ struct Blocks {
 /// @param name  of covariate_levels()
 std::optional<Blocks> blocks_along(std::string_view name, const std::vector<Levels>& levels);
 
+/// Whether a law of a condition ("load" or "speed") has so many parameters that its levels less one
+/// would leave nothing over: how it misses a level that is left out says nothing of the law.
+bool bends_with_levels(const Hypothesis& hypothesis, std::string_view condition,
+                       const std::vector<Levels>& levels);
+
 /// Whole pinions, load levels, test torques, speeds, sessions or sectors of the angle: the first of
 /// these of which there are at least three; else tenths of the rows in their order.
-Blocks holdout_blocks(const MeasurementSet& data, const std::vector<Levels>& levels);
+/// @param hypothesis  to be held out; not along what it bends_with_levels()
+Blocks holdout_blocks(const MeasurementSet& data, const std::vector<Levels>& levels,
+                      const Hypothesis& hypothesis = {});
 
 /// Each row as a fit without its block predicts it [SI].
 ///

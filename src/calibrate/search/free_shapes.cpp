@@ -59,7 +59,10 @@ bool may_free(const Hypothesis& h, std::size_t effect, const Candidate& form) {
   const bool other_variable =
       own.form.weight == 0.0 && form.parameters.size() == own.parameters.size() &&
       form.form.name.ends_with(kByTorque) != own.form.name.ends_with(kByTorque);
-  if (form.parameters.size() <= own.parameters.size() && !other_variable) return false;
+  // As many, but of the levels that the data have.
+  const bool levels = is_of_levels(form.form) && !is_smooth(own.form) &&
+                      form.parameters.size() == own.parameters.size();
+  if (form.parameters.size() <= own.parameters.size() && !other_variable && !levels) return false;
   // What bends may need a curve of any shape.
   if (is_smooth(form.form) && !is_smooth(own.form) && !has_parameter(own, "curvature")) {
     return false;
@@ -136,7 +139,8 @@ std::optional<Candidate> likeliest_smooth(const Problem& problem, const std::vec
                                           const Hypothesis& rest, double scale) {
   std::vector<Candidate> smooth;
   for (const Candidate& c : all) {
-    const bool plain = c.form.name == kAnySmooth;
+    const bool plain =
+        c.form.name == kAnySmooth || (is_of_levels(c.form) && !c.form.name.ends_with(kByTorque));
     if (plain && !has_cause(rest, c.cause)) smooth.push_back(c);
   }
   if (smooth.size() < 2) return smooth.empty() ? std::nullopt : std::optional(smooth.front());

@@ -43,8 +43,9 @@ class Proposals {
   /// @param least  below which no scale falls
   [[nodiscard]] std::optional<Fit> best_fit(const Problem& problem,
                                             const std::vector<Candidate>& all,
-                                            const Hypothesis& last, const Blocks& blocks,
-                                            double scale, double least) const {
+                                            const Hypothesis& last,
+                                            const std::vector<Levels>& levels, double scale,
+                                            double least) const {
     std::vector<Fit> fits;
     std::vector<double> score;
     fits.reserve(sets_.size());
@@ -74,8 +75,14 @@ class Proposals {
     }
     std::stable_sort(order.begin(), refined,
                      [&](std::size_t a, std::size_t b) { return score[a] > score[b]; });
-    const Eigen::VectorXd by_last = predict_held_out(problem, last, blocks);
+    Blocks blocks;
+    Eigen::VectorXd by_last;
     for (const std::size_t k : order) {
+      Blocks own = holdout_blocks(problem.data, levels, fits[k].hypothesis);
+      if (own.name != blocks.name) {
+        blocks = std::move(own);
+        by_last = predict_held_out(problem, last, blocks);
+      }
       const Eigen::VectorXd predicted = predict_held_out(problem, fits[k].hypothesis, blocks);
       if (predicts_no_worse(problem, predicted, by_last, fine)) return fits[k];
     }
@@ -138,7 +145,7 @@ class Growth {
   double squares_ = 0.0;  ///< of what it misses
   // Rows far off are outliers, or they are where the effect is greatest: both are looked at.
   std::optional<LinearSets> linear_, linear_unclipped_;
-  Blocks blocks_;
+  std::vector<Levels> levels_;
   Fit best_;
 };
 
@@ -154,7 +161,7 @@ Growth::Growth(const Problem& problem, const std::vector<Candidate>& all,
       // Known scatter bounds outliers only once something is fitted: what the simulation misses is
       // far beyond it.
       scale_(std::max({known_, robust_deviation(base_.residual), least_})),
-      blocks_(holdout_blocks(problem.data, covariate_levels(problem.data))),
+      levels_(covariate_levels(problem.data)),
       best_(fit(problem, {}, scale_)) {
   std::ranges::copy_if(all, std::back_inserter(simple_),
                        [](const Candidate& c) { return !is_refinement(c.form); });
@@ -225,7 +232,7 @@ bool Growth::step(int size) {
   if (is_luck(size, screen, columns, gains, greatest) || order.empty()) return false;
   std::optional<Fit> winner =
       proposals(size, others, screen, columns, order)
-          .best_fit(problem_, simple_, best_.hypothesis, blocks_, scale_, std::max(known_, least_));
+          .best_fit(problem_, simple_, best_.hypothesis, levels_, scale_, std::max(known_, least_));
   if (!winner || (size > 1 && !adds_enough(*winner))) return false;
   best_ = std::move(*winner);
   scale_ = std::max({known_, robust_deviation(best_.residual), least_});

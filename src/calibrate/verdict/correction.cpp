@@ -63,9 +63,11 @@ std::optional<FoundCorrection> find_correction(const Problem& problem,
 namespace {
 
 /// The blocks that a prediction is judged by.
-std::vector<Blocks> judging_blocks(const Problem& problem, const std::vector<Levels>& levels) {
-  std::vector<Blocks> all{holdout_blocks(problem.data, levels)};
+std::vector<Blocks> judging_blocks(const Problem& problem, const Hypothesis& found,
+                                   const std::vector<Levels>& levels) {
+  std::vector<Blocks> all{holdout_blocks(problem.data, levels, found)};
   for (const char* name : {"load", "test torque", "speed", "run"}) {
+    if (bends_with_levels(found, name, levels)) continue;
     if (auto along = blocks_along(name, levels); along && along->name != all.front().name) {
       all.push_back(*std::move(along));
     }
@@ -93,7 +95,7 @@ std::optional<RefitContest> contest_with_refit(const Problem& problem, const Hyp
   const auto is_one_refit = [](const Hypothesis& h) {
     return h.effects.size() == 1 && is_refit(h.effects.front());
   };
-  const std::vector<Blocks> all = judging_blocks(problem, levels);
+  const std::vector<Blocks> all = judging_blocks(problem, found, levels);
   if (all.front().count < 2 || is_one_refit(found)) return std::nullopt;
   const Eigen::VectorXd y = measured(problem.data);
   std::vector<Eigen::VectorXd> by_found;

@@ -267,7 +267,7 @@ struct HeldOut {
 };
 HeldOut held_out_rows(const Problem& problem, const Hypothesis& h,
                       const std::vector<Levels>& levels) {
-  HeldOut held{.blocks = holdout_blocks(problem.data, levels), .predicted = {}};
+  HeldOut held{.blocks = holdout_blocks(problem.data, levels, h), .predicted = {}};
   held.predicted = predict_held_out(problem, h, held.blocks);
   return held;
 }

@@ -290,6 +290,7 @@ class CauseReader {
       form.constants.push_back(constant);
     }
     in_order_of_form(known, form.constants);
+    require_rising_places(table, path, form);
     if (!known.bodies.empty()) {
       keys.emplace_back("body");
       const auto body = std::ranges::find(table.table, "body", &TomlValue::key);
@@ -317,6 +318,23 @@ class CauseReader {
       }
     }
     require_constants(table, path, known, form);
+  }
+
+  /// A curve through levels has them one after the other.
+  void require_rising_places(const TomlValue& table, const std::string& path,
+                             const calibrate::Form& form) {
+    double last = -1.0;
+    bool rises = true;
+    for (const calibrate::FormConstant& c : form.constants) {
+      if (!c.name.starts_with("place_")) continue;
+      rises = rises && c.value > last && c.value < 1.0;
+      last = c.value;
+    }
+    if (!rises) {
+      reader_.error(
+          table.position,
+          fmt::format("{}: place_2, place_3, ...: allowed: rising, above -1 and below 1", path));
+    }
   }
 
   /// Every form needs all its constants; where a name is known in several units, or stands for

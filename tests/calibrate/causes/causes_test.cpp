@@ -563,6 +563,27 @@ TEST_F(OnTransmission, ASmoothLawIsALevelAtItsPlaces) {
   }
 }
 
+TEST_F(OnTransmission, ALawOfLevelsIsALevelAtEach) {
+  const std::vector<double> load_Nm{5.0, 8.0, 11.0, 45.0}, log_change{0.4, 0.1, 0.0, -0.2};
+  const double middle = std::sqrt(load_Nm.front() * load_Nm.back());
+  const double half = 0.5 * std::log(load_Nm.back() / load_Nm.front());
+  const Hypothesis law =
+      one("friction_load",
+          {.name = "any_smooth_4_levels_by_torque",
+           .constants = {{.name = "reference_torque", .unit = "Nm", .value = middle},
+                         {.name = "log_half_range", .unit = "", .value = half},
+                         {.name = "place_2", .unit = "", .value = std::log(8.0 / middle) / half},
+                         {.name = "place_3", .unit = "", .value = std::log(11.0 / middle) / half}}},
+          {0.2, 0.4, 0.1, -0.2});
+  for (Condition c : {forward_, backward_}) {
+    for (std::size_t k = 0; k < load_Nm.size(); ++k) {
+      c.output_torque_Nm = load_Nm[k];
+      EXPECT_NEAR(torque(c, law), torque(c, level(1.2 * std::exp(log_change[k]) - 1.0)), 1e-11)
+          << load_Nm[k];
+    }
+  }
+}
+
 TEST_F(OnTransmission, FrictionOnThePinsIsThatOfTheRig) {
   // Without friction in the meshes, where the rig states how forces shift with it in its own way.
   rig::Gearbox smooth = rig::bilateral_drive_gear();

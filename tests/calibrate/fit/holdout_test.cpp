@@ -242,6 +242,23 @@ TEST(HoldoutBlocks, OfTransmissionsAreLoadsThenSpeedsThenSessions) {
   expect_blocks_by(data, "run", 4, [](const Condition& c) { return c.run; });
 }
 
+TEST(HoldoutBlocks, AreNotTheLoadsWhereALawHasAsManyParameters) {
+  // Four loads: without one of them a law of three parameters goes through all that is left.
+  const MeasurementSet data = campaign(Kind::kTransmission);
+  const std::vector<Levels> levels = covariate_levels(data);
+  const auto by = [&](const std::string& cause, std::size_t parameters) {
+    const Hypothesis law{
+        .effects = {{.cause = find_cause(cause),
+                     .form = {},
+                     .parameters = std::vector<ParameterRecord>(parameters, ParameterRecord{})}},
+        .value = std::vector<double>(parameters, 0.0)};
+    return holdout_blocks(data, levels, law).name;
+  };
+  EXPECT_EQ(by("friction_load", 2), "load");
+  EXPECT_EQ(by("friction_load", 3), "speed");
+  EXPECT_EQ(by("friction_speed", 3), "load");
+}
+
 TEST(HoldoutBlocks, OfLostMotionAreTestTorques) {
   expect_blocks_by(campaign(Kind::kLostMotion), "test torque",
                    static_cast<int>(rig::lost_motion_plan().torques_Nm.size()),

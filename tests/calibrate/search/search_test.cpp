@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -132,6 +133,33 @@ TEST_F(Search, NamesTheLoadWhereFrictionFallsFromOneLevelToAnother) {
   EXPECT_TRUE(found.form.name.starts_with("any_smooth")) << found.form.name;
   EXPECT_LT((result.fit.simulated - clean_).norm() / std::sqrt(static_cast<double>(clean_.size())),
             1e-3);
+}
+
+TEST_F(Search, NamesTheLoadWhereFrictionJumpsBetweenTwoOfFourLevels) {
+  // The rig's gearbox with another coefficient of friction at each load.
+  data_ = measured_grid({.sun_speeds_rpm = {600.0},
+                         .output_torques_Nm = {7.9, 15.4, 26.2, 42.6},
+                         .rotations = {1},
+                         .repeats = 5});
+  rig::DeterministicRandom random(5);
+  constexpr double kNoise = 5e-4;
+  for (Observation& row : data_.rows) {
+    rig::Gearbox gearbox = rig::bilateral_drive_gear();
+    gearbox.friction *= row.condition.output_torque_Nm < 20.0 ? 1.5 : 0.4;
+    row.response =
+        rig::sun_torque(gearbox,
+                        {.forward = row.condition.direction == design::Direction::kForward,
+                         .sun_speed_rpm = row.condition.sun_speed_rad_s * 30.0 / std::numbers::pi,
+                         .output_torque_Nm = row.condition.output_torque_Nm}) +
+        kNoise * random.normal();
+  }
+  const SearchResult result = search();
+  ASSERT_EQ(result.effects.size(), 1U);
+  EXPECT_EQ(result.fit.hypothesis.effects.front().cause->id, "friction_load");
+  EXPECT_LT(robust_deviation(result.fit.residual), 1.3 * kNoise);
+  // No power and no bend goes so.
+  const std::string& form = result.fit.hypothesis.effects.front().form.name;
+  EXPECT_TRUE(form.starts_with("any_smooth_4_levels")) << form;
 }
 
 TEST_F(Search, FindsNothingInNoise) {

@@ -99,6 +99,9 @@ ExtendedModel everything(Kind kind, std::mt19937_64& generator) {
           if (constant.name == "sessions") {
             constant.value = 1.0 + std::floor(kMost * share(generator));
           }
+          if (constant.name.starts_with("place_")) {  // one after the other
+            constant.value = -1.0 + 0.25 * (constant.name.back() - '1' + share(generator));
+          }
         }
         if (!known.bodies.empty()) applied.form.body = known.bodies.back();
         if (known.has_order) applied.form.order = 100.0 * share(generator);
@@ -301,6 +304,9 @@ TEST(ModelFile, EveryErrorHasItsPlaceAndWhatIsAllowed) {
        {"unknown parameter \"drag_constant.torq_nm\"; did you mean drag_constant.torque_nm?",
         "friction_level.relative_change is missing"}},
       {"[lost_motion.causes.drag_constant]\nform = \"sun\"\n", {"lost_motion data cannot show"}},
+      {"[transmission.causes.friction_load]\nform = \"any_smooth_4_levels\"\n"
+       "reference_load_n = 100.0\nlog_half_range = 1.0\nplace_2 = 0.4\nplace_3 = 0.1\n",
+       {"allowed: rising, above -1 and below 1"}},
       {"[transmission.causes.friction_load]\nform = \"about_middle\"\nexponent = 0.1\n",
        {"needs reference_load_n, or reference_load_nm"}}};
   for (const Case& one : cases) {
