@@ -90,7 +90,9 @@ std::optional<ReadingSteps> reading_steps(const MeasurementSet& data) {
   values.reserve(data.rows.size());
   for (const Observation& row : data.rows) values.push_back(row.response);
   std::ranges::sort(values);
-  if (values.size() < 3) return std::nullopt;
+  // So few may have equal distances by chance, or as they were made.
+  constexpr std::size_t kFewest = 30;
+  if (values.size() < kFewest) return std::nullopt;
   const double range = values.back() - values.front();
   // Apart by more than the digits of a file.
   const double same = 1e-7 * std::max(std::abs(values.front()), std::abs(values.back()));
