@@ -74,7 +74,7 @@ Blocks holdout_blocks(const MeasurementSet& data, const std::vector<Levels>& lev
 }
 
 Eigen::VectorXd predict_held_out(const Problem& problem, const Hypothesis& hypothesis,
-                                 const Blocks& blocks) {
+                                 const Blocks& blocks, double least_left) {
   const Linearisation at = linearise(problem, hypothesis, {});
   Eigen::VectorXd predicted = at.simulated;
   const Eigen::Index p = at.own.cols();
@@ -95,12 +95,18 @@ Eigen::VectorXd predict_held_out(const Problem& problem, const Hypothesis& hypot
     block_moment[b] += j.row(i).transpose() * r[i];
   }
   std::vector<Eigen::VectorXd> change(block_normal.size());
+  // In units in which the full data determine every parameter equally well.
+  const Eigen::VectorXd unit = normal.diagonal().cwiseSqrt().cwiseInverse();
+  const double least = least_left > 0.0
+                           ? least_left * numerics::symmetric_eigenvalues(
+                                              unit.asDiagonal() * normal * unit.asDiagonal())
+                                              .prod()
+                           : 0.0;
   for (std::size_t b = 0; b < change.size(); ++b) {
-    // In units in which the full data determine every parameter equally well.
-    const Eigen::VectorXd unit = normal.diagonal().cwiseSqrt().cwiseInverse();
     const Eigen::MatrixXd left = unit.asDiagonal() * (normal - block_normal[b]) * unit.asDiagonal();
     constexpr double kDetermined = 1e-9;
-    if (!(numerics::symmetric_eigenvalues(left)[0] > kDetermined)) continue;
+    const Eigen::VectorXd eigenvalues = numerics::symmetric_eigenvalues(left);
+    if (!(eigenvalues[0] > kDetermined) || eigenvalues.prod() < least) continue;
     change[b] = unit.asDiagonal() *
                 numerics::solve_symmetric(left, unit.asDiagonal() * (moment - block_moment[b]));
   }

@@ -44,9 +44,11 @@ Blocks holdout_blocks(const MeasurementSet& data, const std::vector<Levels>& lev
 /// Each row as a fit without its block predicts it [SI].
 ///
 /// Along the linearisation at the full fit; exact for what is linear in its parameters.
+/// @param least_left  of the information det JᵀJ: blocks without which less of it is left have no
+///                    prediction
 /// @returns NaN in blocks without which the parameters are not determined
 Eigen::VectorXd predict_held_out(const Problem& problem, const Hypothesis& hypothesis,
-                                 const Blocks& blocks);
+                                 const Blocks& blocks, double least_left = 0.0);
 
 /// Whether predictions of held-out rows miss them by no more than others do: huber_square() of the
 /// weighted rows, summed over those that both predict.

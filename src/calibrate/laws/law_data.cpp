@@ -55,8 +55,9 @@ NoiseModel subset_of(const NoiseModel& noise, const std::vector<std::size_t>& ro
 
 }  // namespace
 
-LawData law_data(const Problem& problem, const Hypothesis& hypothesis) {
+LawData law_data(const Problem& problem, const Hypothesis& hypothesis, LawScope scope) {
   LawData d;
+  d.scope = scope;
   d.rows = searched_rows(problem.data.rows.size());
   d.data = subset_of(problem.data, d.rows);
   d.noise = subset_of(problem.noise, d.rows);

@@ -7,6 +7,7 @@
 
 #include "calibrate/fit/fit.hpp"
 #include "calibrate/fit/holdout.hpp"
+#include "calibrate/laws/law_forms.hpp"
 #include "calibrate/model/law.hpp"
 
 namespace gear3k::calibrate {
@@ -21,9 +22,10 @@ struct LawData {
   Eigen::MatrixXd own;            ///< derivatives by the hypothesis' own parameters, whitened
   Eigen::MatrixXd own_basis;      ///< orthonormal, of the same space
   double si = 1.0;                ///< SI value of the unit of amplitudes
+  LawScope scope = LawScope::kEveryForm;
 };
 /// All rows, or 1500 at random (always the same) of more.
-LawData law_data(const Problem& problem, const Hypothesis& hypothesis);
+LawData law_data(const Problem& problem, const Hypothesis& hypothesis, LawScope scope);
 
 /// The searched rows in a block, or those outside it.
 std::vector<Eigen::Index> rows_of(const LawData& d, const Blocks& all, int block, bool inside);

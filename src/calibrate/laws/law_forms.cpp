@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calibrate/measurement/condition_quantity.hpp"
+
 namespace gear3k::calibrate {
 
 namespace {
@@ -34,12 +36,16 @@ std::vector<double> between(const std::vector<double>& level) {
 
 }  // namespace
 
-std::vector<ConditionValues> condition_values(const MeasurementSet& data) {
+std::vector<ConditionValues> condition_values(const MeasurementSet& data, LawScope scope) {
   std::vector<ConditionValues> result;
   const auto& conditions = law_conditions();
+  const bool plain = scope == LawScope::kPlain;
+  const bool load_scatters = plain && is_commanded(data);
   for (std::size_t c = 0; c < conditions.size(); ++c) {
     const LawCondition& condition = conditions[c];
     if (std::ranges::find(condition.kinds, data.kind) == condition.kinds.end()) continue;
+    if (plain && condition.of_campaign) continue;
+    if (load_scatters && condition.name == kOutputTorque.name) continue;
     ConditionValues values{.condition = c, .value = {}, .level = {}};
     values.value.reserve(data.rows.size());
     for (const Observation& row : data.rows) values.value.push_back(condition.value(row.condition));
@@ -132,7 +138,7 @@ std::vector<std::array<LawShape, 2>> product_shapes() {
           {LawShape::kStep, LawShape::kStep}};
 }
 
-std::vector<Channel> channels_of(const MeasurementSet& data) {
+std::vector<Channel> channels_of(const MeasurementSet& data, LawScope scope) {
   const auto differ = [&](auto get) {
     return std::ranges::any_of(data.rows, [&](const Observation& row) {
       return get(row.condition) != get(data.rows.front().condition);
@@ -148,6 +154,7 @@ std::vector<Channel> channels_of(const MeasurementSet& data) {
     actions = {LawAction::kLoss, LawAction::kAdded, LawAction::kShareLost, LawAction::kShare};
   channels.reserve(3 * actions.size() + 4);
   for (const LawAction action : actions) channels.push_back({.action = action});
+  if (scope == LawScope::kPlain) return channels;
   if (both_senses) {
     for (const LawRows rows : {LawRows::kPositive, LawRows::kNegative}) {
       for (const LawAction action : actions) channels.push_back({.action = action, .rows = rows});

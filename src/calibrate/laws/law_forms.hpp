@@ -8,6 +8,15 @@
 
 namespace gear3k::calibrate {
 
+/// Which forms are tried.
+enum class LawScope {
+  kEveryForm,
+  /// Those that act in all rows, by conditions that are no time and no scatter of what was read: a
+  /// few far rows of one sense, or one hour, look like a law too easily where nothing else tells of
+  /// structure.
+  kPlain,
+};
+
 /// Of the rows: each condition that all of them state and along which they differ.
 struct ConditionValues {
   std::size_t condition = 0;             ///< of law_conditions()
@@ -15,7 +24,7 @@ struct ConditionValues {
   std::vector<double> level;             ///< ascending: the values, or quantiles of many
   double origin = 0.0, reference = 1.0;  ///< of the factors
 };
-std::vector<ConditionValues> condition_values(const MeasurementSet& data);
+std::vector<ConditionValues> condition_values(const MeasurementSet& data, LawScope scope);
 
 /// A factor with values of its parameters.
 struct TriedFactor {
@@ -37,6 +46,6 @@ struct Channel {
   LawAction action = LawAction::kAdded;
   LawRows rows = LawRows::kAll;
 };
-std::vector<Channel> channels_of(const MeasurementSet& data);
+std::vector<Channel> channels_of(const MeasurementSet& data, LawScope scope);
 
 }  // namespace gear3k::calibrate

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calibrate/measurement/condition_quantity.hpp"
 #include "calibrate/measurement/response_unit.hpp"
 #include "calibrate/measurement/value_range.hpp"
 
@@ -37,6 +38,15 @@ LawResult law_result(const Problem& problem, const FoundLaw& found, const FinalF
                             .high = range.high});
   }
   return result;
+}
+
+std::string covariate_of(const Law& law) {
+  std::string name(law_conditions()[law.factors.front().condition].name);
+  if (name == kOutputTorque.name) return "load";
+  if (name == kSunSpeed.name) return "speed";
+  if (name == kOutputAngle.name) return "angle";
+  std::ranges::replace(name, '_', ' ');
+  return name;
 }
 
 bool is_law(const Candidate& candidate) { return candidate.cause == &law_cause(); }

@@ -32,6 +32,9 @@ struct LawResult {
 LawResult law_result(const Problem& problem, const FoundLaw& found, const FinalFit& final,
                      double error_without, double error_with);
 
+/// The covariate that a law's first condition is: "load", "speed", "angle", "tooth sum", ...
+std::string covariate_of(const Law& law);
+
 /// Whether an effect of a hypothesis is a law, no cause.
 bool is_law(const Candidate& candidate);
 

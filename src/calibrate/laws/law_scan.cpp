@@ -31,7 +31,8 @@ FormKey key_of(const Law& law) {
 
 class FormScan {
  public:
-  explicit FormScan(const LawData& data) : d_(data), values_(condition_values(data.data)) {}
+  explicit FormScan(const LawData& data)
+      : d_(data), values_(condition_values(data.data, data.scope)) {}
 
   std::vector<LawTrial> best_of_each() {
     scan_singles();
@@ -105,7 +106,7 @@ class FormScan {
       for (std::size_t k = 0; k < grid.size(); ++k) {
         plain.col(static_cast<Eigen::Index>(k)) = column_of(grid[k], v);
       }
-      for (const Channel& ch : channels_of(d_.data)) {
+      for (const Channel& ch : channels_of(d_.data, d_.scope)) {
         const Eigen::VectorXd w = channel_weights(d_, ch.action, ch.rows);
         const Eigen::MatrixXd columns = w.asDiagonal() * plain;
         for (const bool offset : {false, true}) {
@@ -131,7 +132,7 @@ class FormScan {
   }
 
   void scan_products() {
-    const std::vector<Channel> channels = channels_of(d_.data);
+    const std::vector<Channel> channels = channels_of(d_.data, d_.scope);
     for (std::size_t a = 0; a < values_.size(); ++a) {
       for (std::size_t b = 0; b < values_.size(); ++b) {
         if (a == b) continue;
@@ -234,7 +235,7 @@ class FormScan {
           std::min(kHighestOrder / step, kProducts / static_cast<double>(d_.data.rows.size())));
       if (count < 2) continue;
       std::vector<LawAction> actions{LawAction::kAdded};
-      const std::vector<Channel> channels = channels_of(d_.data);
+      const std::vector<Channel> channels = channels_of(d_.data, d_.scope);
       if (channels.front().action == LawAction::kLoss) actions.push_back(LawAction::kLoss);
       for (const LawAction action : actions) {
         const Eigen::VectorXd w = channel_weights(d_, action, LawRows::kAll) / d_.si;

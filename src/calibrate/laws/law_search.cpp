@@ -18,14 +18,22 @@ namespace {
 /// Forms that are refined, and how much better a law must be than none.
 constexpr std::size_t kRefined = 24;
 constexpr double kClearBic = 10.0;
+/// The same where nothing else tells of structure, and the least share of what is explained.
+constexpr double kSureBic = 20.0;
+constexpr double kLeastLawShare = 0.02;
 /// A share of a response that is the same everywhere is the response itself: the plainer law is
 /// preferred where the data cannot tell.
 constexpr double kShareCosts = 1.0;
 
+/// Σ min(r²/s², 3²): rows further off count as these.
+double capped_sum(const Eigen::VectorXd& whitened, double scale) {
+  return (whitened / scale).array().square().min(kWinsor * kWinsor).sum();
+}
+
 class LawSearch {
  public:
-  LawSearch(const Problem& problem, const Hypothesis& hypothesis)
-      : d_(law_data(problem, hypothesis)) {}
+  LawSearch(const Problem& problem, const Hypothesis& hypothesis, LawScope scope)
+      : d_(law_data(problem, hypothesis, scope)) {}
 
   /// The best form, refined; its value holds the changes of the hypothesis' own parameters first.
   std::optional<LawTrial> best() {
@@ -67,6 +75,14 @@ class LawSearch {
 
   [[nodiscard]] double scale() const { return scale_; }
   [[nodiscard]] double delta_bic(const LawTrial& t) const { return sum_without_ - t.sum - cost(t); }
+  /// The same with rows far off as three deviations, whether or not a law describes them.
+  [[nodiscard]] double sure_bic(const LawTrial& t) const {
+    std::vector<Eigen::Index> all(static_cast<std::size_t>(d_.residual.size()));
+    std::iota(all.begin(), all.end(), Eigen::Index{0});
+    const LawFit fit(d_, scale_);
+    return capped_sum(fit.without_law(all), scale_) - capped_sum(fit.at(t).residual, scale_) -
+           cost(t);
+  }
   [[nodiscard]] int forms() const { return forms_; }
 
   /// A trial's values without each block.
@@ -162,12 +178,29 @@ Law within_its_rows(Law law, const MeasurementSet& data) {
   return law;
 }
 
+/// What a law changes in each row of a fit with it [SI, not whitened].
+Eigen::VectorXd change_of(const Problem& problem, const FoundLaw& found, const Fit& fit) {
+  const auto parameters = parameters_of(found.law, problem.data.kind).size();
+  const double* p = fit.hypothesis.value.data() + (fit.hypothesis.value.size() - parameters);
+  const double si = response_unit(problem.data.kind).si;
+  const Eigen::VectorXd plain = linearise(problem, {}, {}).simulated;
+  Eigen::VectorXd change = Eigen::VectorXd::Zero(plain.size());
+  for (Eigen::Index i = 0; i < change.size(); ++i) {
+    const Condition& c = problem.data.rows[static_cast<std::size_t>(i)].condition;
+    if (!acts_in(found.law, c)) continue;
+    change[i] = law_change(found.law.action, c, plain[i], si) * law_value(found.law, c, p);
+  }
+  return change;
+}
+
 /// A law beside a hypothesis.
 std::optional<FoundLaw> law_beside(const Problem& problem, const Hypothesis& hypothesis,
-                                   const Blocks& blocks) {
-  LawSearch search(problem, hypothesis);
+                                   const Blocks& blocks, LawScope scope) {
+  LawSearch search(problem, hypothesis, scope);
   std::optional<LawTrial> best = search.best();
   if (!best || search.delta_bic(*best) < kClearBic) return std::nullopt;
+  const bool plain = scope == LawScope::kPlain;
+  if (plain && search.sure_bic(*best) < kSureBic) return std::nullopt;
   const std::vector<LawTrial> refitted = search.without_blocks(*best, blocks);
   if (!search.predicts(refitted, blocks)) return std::nullopt;
   best->law = within_its_rows(best->law, problem.data);
@@ -179,7 +212,8 @@ std::optional<FoundLaw> law_beside(const Problem& problem, const Hypothesis& hyp
                                   .parameters = law_cause().parameters(form, problem.data.kind)}),
                  .scale = search.scale(),
                  .predicted = LawSearch::predicted(problem, hypothesis, refitted, blocks),
-                 .delta_bic = search.delta_bic(*best),
+                 .delta_bic = plain ? search.sure_bic(*best) : search.delta_bic(*best),
+                 .change = {},
                  .forms = search.forms()};
   const auto records = parameters_of(found.hypothesis);
   const std::size_t own = hypothesis.value.size();
@@ -188,7 +222,9 @@ std::optional<FoundLaw> law_beside(const Problem& problem, const Hypothesis& hyp
     value = k < own ? value + best->value[k] : best->value[k];
     value = std::clamp(value, records[k].lower, records[k].upper);
   }
-  found.hypothesis = fit(problem, found.hypothesis, found.scale).hypothesis;
+  const Fit at = fit(problem, found.hypothesis, found.scale);
+  found.hypothesis = at.hypothesis;
+  found.change = change_of(problem, found, at);
   return found;
 }
 
@@ -225,14 +261,55 @@ void drop_superfluous(const Problem& problem, const Blocks& blocks, FoundLaw& fo
   }
 }
 
+/// Squares of a fit, rows far off as three deviations.
+double capped_sum(const Problem& problem, const Hypothesis& h, double scale) {
+  Eigen::MatrixXd white = measured(problem.data) - fit(problem, h, scale).simulated;
+  problem.noise.whiten(white);
+  return capped_sum(Eigen::VectorXd(white.col(0)), scale);
+}
+
+/// Whether a law without the causes does better than these, where nothing tells of structure beside
+/// them.
+bool replaces_causes(const Problem& problem, const Hypothesis& causes, const FoundLaw& law,
+                     std::size_t count) {
+  const double ln = std::log(static_cast<double>(problem.data.rows.size()));
+  const double of_causes = capped_sum(problem, causes, law.scale);
+  const double of_law = capped_sum(problem, law.hypothesis, law.scale);
+  const double cost_of_causes =
+      static_cast<double>(causes.value.size()) * ln +
+      2.0 * std::log(static_cast<double>(count)) * static_cast<double>(causes.effects.size());
+  const double cost_of_law =
+      law_cost(law.law) * ln + 2.0 * std::log(static_cast<double>(std::max(law.forms, 1)));
+  const double gain = of_causes - of_law;
+  if (gain < kClearBic || gain < cost_of_law - cost_of_causes + kClearBic) return false;
+  const double of_nothing = capped_sum(problem, {}, law.scale);
+  return causes.effects.size() > 1 || gain >= kLeastLawShare * (of_nothing - of_law);
+}
+
+/// A law where nothing else tells of structure: without the causes, or beside them.
+std::optional<FoundLaw> find_plain_law(const Problem& problem, const Hypothesis& hypothesis,
+                                       const Blocks& blocks, std::size_t causes) {
+  std::optional<FoundLaw> alone = law_beside(problem, {}, blocks, LawScope::kPlain);
+  if (hypothesis.effects.empty()) return alone;
+  if (alone && replaces_causes(problem, hypothesis, *alone, causes)) return alone;
+  std::optional<FoundLaw> beside = law_beside(problem, hypothesis, blocks, LawScope::kPlain);
+  if (!beside) return std::nullopt;
+  const double with_law = capped_sum(problem, beside->hypothesis, beside->scale);
+  const double of_law = capped_sum(problem, hypothesis, beside->scale) - with_law;
+  const double of_all = capped_sum(problem, {}, beside->scale) - with_law;
+  if (of_law < kLeastLawShare * of_all) return std::nullopt;
+  return beside;
+}
+
 }  // namespace
 
 std::optional<FoundLaw> find_law(const Problem& problem, const Hypothesis& hypothesis,
-                                 const Blocks& blocks) {
-  std::optional<FoundLaw> beside = law_beside(problem, hypothesis, blocks);
+                                 const Blocks& blocks, LawScope scope, std::size_t causes) {
+  if (scope == LawScope::kPlain) return find_plain_law(problem, hypothesis, blocks, causes);
+  std::optional<FoundLaw> beside = law_beside(problem, hypothesis, blocks, scope);
   if (hypothesis.effects.empty()) return beside;
   if (beside) drop_superfluous(problem, blocks, *beside);
-  std::optional<FoundLaw> alone = law_beside(problem, {}, blocks);
+  std::optional<FoundLaw> alone = law_beside(problem, {}, blocks, scope);
   if (!alone) return beside;
   const double scale = beside ? std::min(beside->scale, alone->scale) : alone->scale;
   const double with_causes = criterion(problem, beside ? beside->hypothesis : hypothesis, scale,

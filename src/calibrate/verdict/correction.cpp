@@ -7,6 +7,7 @@
 
 #include "calibrate/fit/columns.hpp"
 #include "calibrate/fit/screen.hpp"
+#include "calibrate/laws/law_result.hpp"
 
 namespace gear3k::calibrate {
 
@@ -100,7 +101,15 @@ std::optional<RefitContest> contest_with_refit(const Problem& problem, const Hyp
   const Eigen::VectorXd y = measured(problem.data);
   std::vector<Eigen::VectorXd> by_found;
   by_found.reserve(all.size());
-  for (const Blocks& blocks : all) by_found.push_back(predict_held_out(problem, found, blocks));
+  // Rows at a level that alone shows a law say nothing against it: of the tail of a peak its height
+  // is not known.
+  constexpr double kShown = 1e-3;
+  const double least_left =
+      std::ranges::any_of(found.effects, [](const Candidate& c) { return is_law(c); }) ? kShown
+                                                                                       : 0.0;
+  for (const Blocks& blocks : all) {
+    by_found.push_back(predict_held_out(problem, found, blocks, least_left));
+  }
   std::optional<RefitContest> best;
   for (const Candidate& c : candidates) {
     if (!(c.form.weight > 0.0) || !is_refit(c)) continue;

@@ -406,11 +406,14 @@ std::optional<RefitContest> contest_of(Diagnosis& d, const Measured& m, const Hy
 }
 
 /// Looks for a law in what is left and, where there is one that predicts better than one refitted
-/// parameter, fits and predicts with it.
+/// parameter, fits and predicts with it.  Where no structure was found yet, it tells of some.
 void add_law(Diagnosis& d, const Measured& m, const Hypothesis& causes, const Blocks& blocks,
              const std::vector<Candidate>& candidates) {
   const Problem& problem = m.problem;
-  const std::optional<FoundLaw> law = find_law(problem, causes, blocks);
+  const bool structure = d.remainder.significant;
+  const std::optional<FoundLaw> law =
+      find_law(problem, causes, blocks, structure ? LawScope::kEveryForm : LawScope::kPlain,
+               candidates.size());
   if (!law) return;
   const auto contest = contest_of(d, m, law->hypothesis, candidates, law->scale);
   if (contest && contest->refit_is_better()) return;
@@ -430,6 +433,10 @@ void add_law(Diagnosis& d, const Measured& m, const Hypothesis& causes, const Bl
     d.effects[e].parameters = parameter_results(problem, final, e);
   }
   d.laws.push_back(law_result(problem, *law, final, error_without, d.errors.extended_holdout));
+  if (structure) return;
+  d.remainder = structure_of(problem, *law, m.levels);
+  d.verdict = verdict_of(d);
+  set_posteriors(d.effects, true);
 }
 
 /// Predicts by a cause as a formula, where nothing explains or what does predicts no better.
@@ -575,7 +582,8 @@ std::optional<Diagnosis> diagnose_as_read(const Simulation& simulation,
   d.model = model_of(final, data);
   const Measured all{
       .problem = problem, .levels = levels, .rows = rows, .baseline = baseline, .pure = pure};
-  if (d.remainder.significant) {
+  // Loops have noise in common, which looks like a law too easily.
+  if (d.remainder.significant || data.kind != Kind::kTorqueAngle) {
     add_law(d, all, standing.hypothesis, held.blocks, found.candidates);
   }
   if (d.laws.empty()) {

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <set>
 
+#include "calibrate/laws/law_result.hpp"
 #include "calibrate/measurement/value_range.hpp"
 
 namespace gear3k::calibrate {
@@ -151,6 +152,27 @@ void describe_shape(const Problem& problem, const Columns& columns, const Empiri
     remainder.mean[k] /= remainder.rows[k];
     remainder.term[k] /= remainder.rows[k];
   }
+}
+
+Remainder structure_of(const Problem& problem, const FoundLaw& law,
+                       const std::vector<Levels>& levels) {
+  EmpiricalTerm term{.along = covariate_of(law.law), .columns = law.change};
+  problem.noise.whiten(term.columns);
+  if (record_of(law.law.factors.front().shape).turns) {
+    // Amplitude, perhaps an offset, then the order.
+    const std::size_t own = parameters_of(law.law, problem.data.kind).size();
+    term.order = law.hypothesis.value[law.hypothesis.value.size() - own + (law.law.offset ? 2 : 1)];
+  }
+  Remainder remainder;
+  remainder.significant = true;
+  remainder.p_value = std::min(1.0, std::exp(-0.5 * law.delta_bic));
+  const Hypothesis causes =
+      fit(problem, without(law.hypothesis, law.hypothesis.effects.size() - 1), law.scale)
+          .hypothesis;
+  const Columns columns = columns_at(problem, causes, {}, law.scale);
+  describe_shape(problem, columns, term, levels,
+                 measured(problem.data) - linearise(problem, causes, {}).simulated, remainder);
+  return remainder;
 }
 
 }  // namespace gear3k::calibrate

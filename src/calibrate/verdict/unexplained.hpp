@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "calibrate/laws/law_search.hpp"
 #include "calibrate/search/search.hpp"
 #include "calibrate/verdict/remainder.hpp"
 
@@ -35,5 +36,10 @@ Contest causes_against_structure(const SearchResult& found, const Columns& base,
 void describe_shape(const Problem& problem, const Columns& columns, const EmpiricalTerm& term,
                     const std::vector<Levels>& levels, const Eigen::VectorXd& residual,
                     Remainder& remainder);
+
+/// What a law that was found by itself tells of as structure that no cause explains: along its
+/// first condition, beside the causes that stay.  p: exp(-delta_bic/2).
+Remainder structure_of(const Problem& problem, const FoundLaw& law,
+                       const std::vector<Levels>& levels);
 
 }  // namespace gear3k::calibrate

@@ -207,6 +207,21 @@ TEST_F(HeldOut, AreUnknownWhereTheRestDoesNotDetermineTheParameters) {
   }
 }
 
+TEST_F(HeldOut, WithTooLittleInformationLeftAreUnknown) {
+  // Of one offset every row tells as much: without a block the share of the other rows is left.
+  const Hypothesis offset = hypothesis({candidate("sensor_offset", {.name = "offset"})}, {0.003});
+  measure_evenly(offset, 0.004, 3);
+  const Blocks blocks = by("load");
+  ASSERT_GE(blocks.count, 3);
+  const auto n = static_cast<double>(blocks.of.size());
+  const auto own = static_cast<double>(std::ranges::count(blocks.of, blocks.of[0]));
+  const Eigen::VectorXd plain = predict_held_out(problem(), offset, blocks);
+  const Eigen::VectorXd kept = predict_held_out(problem(), offset, blocks, 0.99 * (1.0 - own / n));
+  const Eigen::VectorXd gone = predict_held_out(problem(), offset, blocks, 1.01 * (1.0 - own / n));
+  EXPECT_EQ(kept[0], plain[0]);
+  EXPECT_TRUE(std::isnan(gone[0]));
+}
+
 // Which blocks
 
 Blocks blocks_of_set(const MeasurementSet& data) {

@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "calibrate/laws/law_result.hpp"
+#include "calibrate/search/search.hpp"
 #include "calibrate/verdict/diagnosis.hpp"
 #include "tests/rig/deterministic_random.hpp"
 
@@ -79,12 +80,12 @@ struct Found {
   FoundLaw law;
   LawResult result;
 };
-std::optional<Found> law_in(const Rig& rig) {
+std::optional<Found> law_in(const Rig& rig, LawScope scope = LawScope::kEveryForm) {
   const Simulation simulation(box(), rig.data.kind);
   const Problem problem{
       .simulation = simulation, .data = rig.data, .noise = make_noise_model(rig.data)};
   const Blocks blocks = holdout_blocks(rig.data, covariate_levels(rig.data));
-  auto law = find_law(problem, {}, blocks);
+  auto law = find_law(problem, {}, blocks, scope);
   if (!law) return std::nullopt;
   const FinalFit final = final_fit(problem, law->hypothesis, law->scale);
   LawResult result = law_result(problem, *law, final, 1.0, 0.5);
@@ -169,6 +170,68 @@ TEST(LawSearch, WhatOnlyOneBlockShowsIsNoLaw) {
   // A loss at the highest load alone: no other load says anything of it.
   EXPECT_FALSE(
       law_in(transmission_rig([](double, double nm) { return nm > 35.0 ? 0.01 : 0.0; }, 0.002, 8)));
+}
+
+/// What stays where viscous drag and another coefficient of friction stand, and a law is looked for
+/// in all rows.
+std::optional<FoundLaw> plain_law_after_two_causes(const Rig& rig) {
+  const Simulation simulation(box(), rig.data.kind);
+  const Problem problem{
+      .simulation = simulation, .data = rig.data, .noise = make_noise_model(rig.data)};
+  Hypothesis causes;
+  const std::vector<Candidate> candidates = candidates_for(simulation, rig.data);
+  for (const char* id : {"drag_viscous", "friction_level"}) {
+    const auto at =
+        std::ranges::find_if(candidates, [&](const Candidate& c) { return c.cause->id == id; });
+    causes = with(causes, *at);
+  }
+  causes = fit(problem, causes, 1.0).hypothesis;
+  return find_law(problem, causes, holdout_blocks(rig.data, covariate_levels(rig.data)),
+                  LawScope::kPlain, candidates.size());
+}
+
+TEST(LawSearch, OneFormulaTakesThePlaceOfTwoCausesThatImitateIt) {
+  constexpr double kNoise = 0.0012;
+  const Rig rig = transmission_rig(
+      [](double rpm, double nm) { return 0.012 * rpm / 3000.0 * std::sqrt(nm / 40.0); }, kNoise,
+      21);
+  const auto law = plain_law_after_two_causes(rig);
+  ASSERT_TRUE(law);
+  EXPECT_EQ(law->hypothesis.effects.size(), 1U);
+  EXPECT_EQ(law->law.factors.size(), 2U);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < rig.data.rows.size(); ++i) {
+    const Condition& c = rig.data.rows[i].condition;
+    const double loss =
+        0.012 * c.sun_speed_rad_s / kRpm / 3000.0 * std::sqrt(c.output_torque_Nm / 40.0);
+    const double hidden = c.direction == design::Direction::kForward ? loss : -loss;
+    const double e = law->change[static_cast<Eigen::Index>(i)] - hidden;
+    sum += e * e;
+  }
+  // A measurement would miss it by 1.1 of the noise.
+  EXPECT_LT(std::sqrt(sum / static_cast<double>(rig.clean.size())), 0.458 * kNoise);
+}
+
+TEST(LawSearch, TwoCausesThatAreThereStay) {
+  for (int seed = 31; seed <= 34; ++seed) {
+    EXPECT_FALSE(plain_law_after_two_causes(transmission_rig(
+        [](double rpm, double nm) { return 0.006 * rpm / 3000.0 + 0.00025 * nm; }, 0.0012, seed)));
+  }
+}
+
+TEST(LawSearch, AFewFarRowsAreNoLawWhereNothingElseTellsOfStructure) {
+  Rig rig = transmission_rig([](double, double) { return 0.0; }, 0.002, 4);
+  // No two speeds alike, neighbours at different loads; four neighbours twenty deviations off.
+  const std::size_t n = rig.data.rows.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t place = 37 * i % n;
+    Observation& row = rig.data.rows[i];
+    row.condition.sun_speed_rad_s = (150.0 + 15.0 * static_cast<double>(place)) * kRpm;
+    const bool forward = row.condition.direction == design::Direction::kForward;
+    if (place >= 60 && place < 64) row.response += forward ? 0.04 : -0.04;
+  }
+  EXPECT_TRUE(law_in(rig));
+  EXPECT_FALSE(law_in(rig, LawScope::kPlain));
 }
 
 Rig chatter() {
