@@ -268,6 +268,14 @@ double capped_sum(const Problem& problem, const Hypothesis& h, double scale) {
   return capped_sum(Eigen::VectorXd(white.col(0)), scale);
 }
 
+/// What there is to explain: squares of the simulation as given, rows far off as less far.
+double squares_as_given(const Problem& problem, double scale) {
+  Eigen::MatrixXd white = measured(problem.data) - linearise(problem, {}, {}).simulated;
+  problem.noise.whiten(white);
+  const Eigen::VectorXd r = white.col(0) / scale;
+  return winsorised(r, robust_deviation(r)).squaredNorm();
+}
+
 /// Whether a law without the causes does better than these, where nothing tells of structure beside
 /// them.
 bool replaces_causes(const Problem& problem, const Hypothesis& causes, const FoundLaw& law,
@@ -282,8 +290,7 @@ bool replaces_causes(const Problem& problem, const Hypothesis& causes, const Fou
       law_cost(law.law) * ln + 2.0 * std::log(static_cast<double>(std::max(law.forms, 1)));
   const double gain = of_causes - of_law;
   if (gain < kClearBic || gain < cost_of_law - cost_of_causes + kClearBic) return false;
-  const double of_nothing = capped_sum(problem, {}, law.scale);
-  return causes.effects.size() > 1 || gain >= kLeastLawShare * (of_nothing - of_law);
+  return causes.effects.size() > 1 || gain >= kLeastLawShare * squares_as_given(problem, law.scale);
 }
 
 /// A law where nothing else tells of structure: without the causes, or beside them.
@@ -294,10 +301,9 @@ std::optional<FoundLaw> find_plain_law(const Problem& problem, const Hypothesis&
   if (alone && replaces_causes(problem, hypothesis, *alone, causes)) return alone;
   std::optional<FoundLaw> beside = law_beside(problem, hypothesis, blocks, LawScope::kPlain);
   if (!beside) return std::nullopt;
-  const double with_law = capped_sum(problem, beside->hypothesis, beside->scale);
-  const double of_law = capped_sum(problem, hypothesis, beside->scale) - with_law;
-  const double of_all = capped_sum(problem, {}, beside->scale) - with_law;
-  if (of_law < kLeastLawShare * of_all) return std::nullopt;
+  const double gain = capped_sum(problem, hypothesis, beside->scale) -
+                      capped_sum(problem, beside->hypothesis, beside->scale);
+  if (gain < kLeastLawShare * squares_as_given(problem, beside->scale)) return std::nullopt;
   return beside;
 }
 
