@@ -47,9 +47,9 @@ struct FoundLaw {
 ///
 /// Of the scope kPlain (nothing else tells of structure) more is asked: rows beyond three
 /// deviations count as three in every sum, so that a few far rows make no law; it is less by 20
-/// than without it; beside causes it takes off at least a fiftieth of the squares that there are; and
-/// causes fall, each paid for as one of N as well, one alone only where the law does better by that
-/// fiftieth.
+/// than without it; beside causes it takes off at least a fiftieth of the squares that there are;
+/// and causes fall, each paid for as one of N as well, one alone only where the law does better by
+/// that fiftieth.
 /// @param hypothesis  a fit already
 /// @param blocks  that are held out together
 /// @param causes  N, from which the hypothesis' were chosen
