@@ -296,6 +296,9 @@ Fit fit(const Problem& problem, Hypothesis start, double scale) {
   // Rows far off move a fit by a few deviations a pass only.
   constexpr int kPasses = 60;
   constexpr double kSmall = 1e-4;
+  // A linearisation says nothing of values further away: at an end of its range a factor of
+  // friction may make the gearbox lock, where no derivative leads back.
+  constexpr double kMostOfRange = 0.25;
   for (int pass = 0; pass < kPasses && p > 0; ++pass) {
     // Far from the fit all rows are off: they are no outliers yet, and clipped they would hold it
     // back.
@@ -310,7 +313,9 @@ Fit fit(const Problem& problem, Hypothesis start, double scale) {
       for (Eigen::Index k = 0; k < p; ++k) {
         auto& value = next.value[static_cast<std::size_t>(k)];
         const auto& record = records[static_cast<std::size_t>(k)];
-        value = std::clamp(value + share * change[k], record.lower, record.upper);
+        const double most = kMostOfRange * (record.upper - record.lower);
+        const double moved = value + std::clamp(share * change[k], -most, most);
+        value = std::clamp(moved, record.lower, record.upper);
       }
       Step trial = step_at(problem, next);
       const double sum = trial.at.runs ? robust_sum(trial.residual, scale) : HUGE_VAL;
