@@ -348,18 +348,18 @@ void add_second_sample(Table& table, const std::vector<RateRecord>& records) {
   const auto compared = [](const TwoSamples& s) {
     return fmt::format("{}: first {} of {}; again", s.name, s.first_hits, s.first);
   };
-  const auto taken = [](std::vector<TwoSamples> due) {
-    const auto whole = due.size();
-    std::erase_if(due, [](const TwoSamples& s) { return s.again == 0; });
-    return std::pair{std::move(due), static_cast<int>(whole)};
+  const auto taken = [](std::vector<TwoSamples> due, int whole) {
+    const auto number = due.size();
+    std::erase_if(due, [whole](const TwoSamples& s) { return s.again < whole; });
+    return std::pair{std::move(due), static_cast<int>(number)};
   };
-  const auto [laws, laws_due] = taken(laws_taken_again(records));
+  const auto [laws, laws_due] = taken(laws_taken_again(records), kAgainOfLaw);
   int below = 0;
   for (const TwoSamples& s : laws) {
     below += s.again_hits < 0.88 * s.again ? 1 : 0;
     table.count(compared(s), s.again_hits, s.again, {.least = 88.0});
   }
-  const auto [plans, plans_due] = taken(plans_taken_again(records));
+  const auto [plans, plans_due] = taken(plans_taken_again(records), kAgainOfPlan);
   int above = 0;
   for (const TwoSamples& s : plans) {
     above += 100.0 * share_interval(s.again_hits, s.again)[1] > 8.0 ? 1 : 0;
@@ -368,10 +368,10 @@ void add_second_sample(Table& table, const std::vector<RateRecord>& records) {
   if (laws.empty() && plans.empty()) return;
   const int of_laws = static_cast<int>(laws.size()), of_plans = static_cast<int>(plans.size());
   table.count("laws with any not right in the first: taken again", of_laws, laws_due, {});
-  table.count("singles; laws below 88 % in the second sample", below, of_laws, {.most = 0.0});
+  table.count("of these: laws below 88 % in the second sample", below, of_laws, {.most = 0.0});
   table.count("plans whose upper limit is above 8 % in the first: taken again", of_plans, plans_due,
               {});
-  table.count("plans whose upper limit is above 8 % in the second sample", above, of_plans,
+  table.count("of these: upper limit above 8 % in the second sample, too", above, of_plans,
               {.most = 0.0});
 }
 

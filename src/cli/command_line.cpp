@@ -236,7 +236,9 @@ std::string of_house(std::string complaint) {
   if (complaint.starts_with(kUnread)) {
     return complaint.substr(kUnread.size()) + ": allowed: a number";
   }
-  if (const auto at = complaint.find(kWithin); at != std::string::npos) complaint.erase(at, 1);
+  // After the name of an option, which has no blank; what follows is the user's own word.
+  const auto at = complaint.find(kWithin);
+  if (at != std::string::npos && at < complaint.find(' ')) complaint.erase(at, 1);
   return complaint;
 }
 

@@ -343,13 +343,20 @@ std::optional<LimitPrice> price_of_load(const SetProblem& own, const std::vector
   if (rows.empty() || !evaluate_gradients(free, used(free, v), rows, at)) return std::nullopt;
   LimitPrice price = limit_of_torque(*stated.spec);
   Eigen::VectorXd weight = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(pulls.size()));
+  const auto slope_of = [&](std::size_t row) {
+    const auto variables = static_cast<std::size_t>(free.variables);
+    return at.dg[row * variables + free.torque] / price.value_si;
+  };
+  double rounding = 0.0;  // what of a slope is none
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    rounding = std::max(rounding, 1e-9 * std::abs(slope_of(row)));
+  }
   std::size_t row = 0;
   for (std::size_t k = 0; k < pulls.size(); ++k) {
     if (!pulls[k].check_row) continue;
-    const auto variables = static_cast<std::size_t>(free.variables);
-    const double slope = at.dg[row++ * variables + free.torque] / price.value_si;
-    if (slope > 0.0) return std::nullopt;
-    if (slope == 0.0) continue;
+    const double slope = slope_of(row++);
+    if (slope > rounding) return std::nullopt;
+    if (slope >= -rounding) continue;
     weight[static_cast<Eigen::Index>(k)] = -slope;
     price.where.push_back(pulls[k].where);
   }

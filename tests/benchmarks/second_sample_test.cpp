@@ -91,10 +91,12 @@ TEST(SecondSample, IsJudgedAloneAndLeavesTheFirstAsItIs) {
   add(records, "single pair_loss friction_level poor", 8, 6);
   add(records, "null transmission normal crossed", 145, 135);
   add(records, "null lost_motion normal crossed", 145, 135);
+  add(records, "single pair_loss friction_level begun", 8, 7);
   const std::string before = csv_of(must_show_table(records));
   EXPECT_EQ(found(must_show_table(records), "second sample"), nullptr);
   add(records, "again single pair_loss friction_level luck", 40, 38);
   add(records, "again single pair_loss friction_level poor", 40, 33);
+  add(records, "again single pair_loss friction_level begun", 39, 20);  // not whole: not judged
   add(records, "again null transmission normal crossed", 400, 384);
   add(records, "again null lost_motion normal crossed", 400, 370);
   for (RateRecord& r : records) {
@@ -107,12 +109,12 @@ TEST(SecondSample, IsJudgedAloneAndLeavesTheFirstAsItIs) {
   ASSERT_NE(luck, nullptr);
   EXPECT_EQ(luck->hits, 38);
   EXPECT_EQ(luck->count, 40);
-  const TableLine* laws = found(table, "singles; laws below 88 % in the second sample");
+  const TableLine* laws = found(table, "of these: laws below 88 % in the second sample");
   ASSERT_NE(laws, nullptr);
   EXPECT_EQ(laws->count, 2);
   EXPECT_EQ(laws->hits, 1);  // 33 of 40 is 82.5 %
   const TableLine* plans =
-      found(table, "plans whose upper limit is above 8 % in the second sample");
+      found(table, "of these: upper limit above 8 % in the second sample, too");
   ASSERT_NE(plans, nullptr);
   EXPECT_EQ(plans->count, 2);
   EXPECT_LT(upper_limit(16, 400), 0.08);
