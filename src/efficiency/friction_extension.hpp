@@ -15,9 +15,9 @@ inline constexpr int kMostCurvePlaces = 7;
 /// from its reference on, over half_range; x² and x³ beyond |x| = 1.5 as there.
 ///
 /// s goes through given values at places from x = −1 to 1, even ones or those given, as a cubic
-/// between two of them, straight on to |x| = 1.5 and beyond as there.  Its slope at a place is that
-/// of the parabola through it and the places beside it (of even ones: Catmull-Rom), at the first
-/// and the last that of the chord.
+/// between two of them, straight on to |x| = 1.5 and beyond as there.  Its slope at an even place
+/// is that of the chord past it (Catmull-Rom), at a given one 0 or a harmonic mean of both chords,
+/// so that s stays between neighbours (docs/theory §29); at the first and the last the chord's.
 template <class T>
 struct FrictionBend {
   T quadratic{}, cubic{};               ///< q, c

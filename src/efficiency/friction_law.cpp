@@ -135,9 +135,14 @@ T curve_at(const FrictionBend<T>& bend, const T& x) {
   const auto slope = [&](int place) {
     if (place == 0) return chord(0);
     if (place == last) return chord(last - 1);
+    const T left = chord(place - 1);
+    const T right = chord(place);
     const double before = at(place) - at(place - 1);
     const double after = at(place + 1) - at(place);
-    return T((after * chord(place - 1) + before * chord(place)) / (before + after));
+    if (even) return T((after * left + before * right) / (before + after));
+    if (!(value_of(left) * value_of(right) > 0.0)) return constant<T>(0.0);
+    return T(3.0 * (before + after) * left * right /
+             ((2.0 * before + after) * left + (before + 2.0 * after) * right));
   };
   constexpr double kFarthest = 1.5;
   const T u = smaller(larger(x, constant<T>(-kFarthest)), constant<T>(kFarthest));

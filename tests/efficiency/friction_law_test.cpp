@@ -8,6 +8,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numeric>
 #include <random>
 #include <stdexcept>
 #include <string>
@@ -676,21 +677,88 @@ TEST(Curve, OfValuesOnAParabolaIsThatParabolaInside) {
   }
 }
 
-TEST(Curve, OfUnevenPlacesGoesThroughThemAndIsAParabolaBetweenInnerOnes) {
-  const auto parabola = [](double x) { return 0.3 - 0.2 * x + 0.7 * x * x; };
-  const std::vector<double> at{-1.0, -0.4, -0.25, 0.3, 0.9, 1.0};
-  FrictionBend<double> bend{.places = static_cast<int>(at.size())};
-  for (std::size_t k = 0; k < at.size(); ++k) {
-    bend.x[k] = at[k];
-    bend.s[k] = parabola(at[k]);
+/// Through given places at random, from one hundredth of the range apart.
+FrictionBend<double> uneven(Random& random) {
+  FrictionBend<double> bend{.places = random.count(4, 7)};
+  const auto last = static_cast<std::size_t>(bend.places - 1);
+  std::vector<double> gap(last);
+  for (double& g : gap) g = random.scale(0.01, 1.0);
+  const double range = std::accumulate(gap.begin(), gap.end(), 0.0);
+  bend.x[0] = -1.0;
+  for (std::size_t k = 1; k < last; ++k) bend.x[k] = bend.x[k - 1] + 2.0 * gap[k - 1] / range;
+  bend.x[last] = 1.0;
+  for (std::size_t k = 0; k <= last; ++k) bend.s[k] = random.between(-1.5, 1.5);
+  return bend;
+}
+
+TEST(Curve, OfUnevenPlacesGoesThroughThemAndStaysBetweenNeighbours) {
+  Random random;
+  for (int trial = 0; trial < 300; ++trial) {
+    const FrictionBend<double> bend = uneven(random);
+    const auto last = static_cast<std::size_t>(bend.places - 1);
+    for (std::size_t k = 0; k <= last; ++k) {
+      EXPECT_NEAR(curve_at(bend, bend.x[k]), bend.s[k], 1e-12) << k;
+    }
+    for (std::size_t k = 0; k < last; ++k) {
+      const auto [low, high] = std::minmax(bend.s[k], bend.s[k + 1]);
+      // One way from the one to the other, in small steps.
+      double before = bend.s[k];
+      for (int step = 1; step < 60; ++step) {
+        const double x = bend.x[k] + (bend.x[k + 1] - bend.x[k]) * step / 60.0;
+        const double s = curve_at(bend, x);
+        EXPECT_GE(s, low - 1e-12) << trial << ' ' << k << ' ' << step;
+        EXPECT_LE(s, high + 1e-12) << trial << ' ' << k << ' ' << step;
+        EXPECT_GE((s - before) * (bend.s[k + 1] - bend.s[k]), -1e-12) << trial << ' ' << k;
+        before = s;
+      }
+    }
   }
-  for (const double x : at) EXPECT_NEAR(curve_at(bend, x), parabola(x), 1e-14) << x;
-  for (const double x : {-0.39, -0.3, 0.0, 0.2, 0.5, 0.8}) {
-    EXPECT_NEAR(curve_at(bend, x), parabola(x), 1e-14) << x;
+}
+
+TEST(Curve, BetweenLevelsThatAShortStepPrecedesIsNotDrawnBeyondThem) {
+  // Loads 5, 5.5, 20 and 45 N m, friction 1/1.5 at the first and 1 at the others.
+  const double half = 0.5 * std::log(45.0 / 5.0);
+  const auto at = [&](double load_Nm) { return std::log(load_Nm / 15.0) / half; };
+  FrictionBend<double> bend{.s = {-std::log(1.5)}, .places = 4};
+  bend.x = {-1.0, at(5.5), at(20.0), 1.0};
+  for (const double load_Nm : {5.5, 6.0, 8.45, 12.0, 20.0, 30.0, 45.0, 60.0}) {
+    EXPECT_NEAR(curve_at(bend, at(load_Nm)), 0.0, 1e-15) << load_Nm;
   }
-  // Straight on along the last chord.
-  const double slope = (parabola(1.0) - parabola(0.9)) / 0.1;
-  EXPECT_NEAR(curve_at(bend, 1.3), parabola(1.0) + 0.3 * slope, 1e-13);
+}
+
+TEST(Curve, OfUnevenPlacesOnALineIsThatLine) {
+  Random random;
+  for (int trial = 0; trial < 20; ++trial) {
+    FrictionBend<double> bend = uneven(random);
+    for (std::size_t k = 0; k < 7; ++k) bend.s[k] = 0.3 - 0.4 * bend.x[k];
+    for (const double x : {-1.5, -1.2, -0.7, 0.1, 0.9, 1.0, 1.3, 1.5}) {
+      EXPECT_NEAR(curve_at(bend, x), 0.3 - 0.4 * x, 1e-12) << x;
+    }
+    EXPECT_NEAR(curve_at(bend, 4.0), -0.3, 1e-12);
+  }
+}
+
+TEST(Curve, OfUnevenPlacesHasTheDerivativesOfItsValues) {
+  Random random;
+  constexpr double kStep = 1e-6;
+  for (int trial = 0; trial < 100; ++trial) {
+    const FrictionBend<double> bend = uneven(random);
+    const double x = random.between(-1.4, 1.4);
+    FrictionBend<Jet1> jets{.places = bend.places};
+    jets.x = bend.x;
+    for (int k = 0; k < bend.places; ++k) {
+      jets.s[static_cast<std::size_t>(k)] = Jet1(bend.s[static_cast<std::size_t>(k)], k);
+    }
+    const Jet1 s = curve_at<Jet1>(jets, Jet1(x));
+    EXPECT_NEAR(s.a, curve_at(bend, x), 1e-12);
+    for (int k = 0; k < bend.places; ++k) {
+      FrictionBend<double> above = bend, below = bend;
+      above.s[static_cast<std::size_t>(k)] += kStep;
+      below.s[static_cast<std::size_t>(k)] -= kStep;
+      const double slope = (curve_at(above, x) - curve_at(below, x)) / (2.0 * kStep);
+      EXPECT_NEAR(s.v[k], slope, 1e-6) << trial << ' ' << k;
+    }
+  }
 }
 
 TEST(Curve, OfValuesOnALineGoesOnBeyondThemForHalfTheRange) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cstdlib>
 #include <functional>
 
 namespace gear3k::calibrate {
@@ -12,15 +11,20 @@ namespace {
 
 constexpr int kManyLevels = 17;  // near every place of a curve
 
+/// What the rows of a campaign differ in.
+struct WidePlan {
+  bool with_runs = false;
+  int levels = kManyLevels;  ///< of load, speed and temperature
+};
+
 /// Rows far apart in everything that forms are made from; with runs, one of them between others.
-/// @param levels  of load, speed and temperature
-MeasurementSet wide_data(Kind kind, bool with_runs, int levels) {
+MeasurementSet wide_data(Kind kind, const WidePlan& plan) {
   MeasurementSet data;
   data.kind = kind;
-  if (with_runs) data.runs = {"1", "2", "3"};
+  if (plan.with_runs) data.runs = {"1", "2", "3"};
   for (int step = 0; step < kManyLevels; ++step) {
     const double share = 0.5 * step;
-    const double level = 0.5 * (step % levels);
+    const double level = 0.5 * (step % plan.levels);
     constexpr double kFar = 1e4;
     Observation row;
     row.condition.output_angle_rad = share * kFar;
@@ -30,7 +34,7 @@ MeasurementSet wide_data(Kind kind, bool with_runs, int levels) {
     row.condition.sun_speed_rad_s = 1.0 + level;
     row.condition.output_torque_Nm = 1.0 + level;
     row.condition.test_torque_Nm = 1.0 + share;
-    row.condition.run = with_runs ? step / 6 : -1;
+    row.condition.run = plan.with_runs ? step / 6 : -1;
     constexpr std::array<int, 3> kTeeth{20, 30, 20};
     row.condition.driving_teeth = kTeeth[static_cast<std::size_t>(step % 3)];
     row.condition.driven_teeth = 50 - row.condition.driving_teeth;
@@ -74,8 +78,14 @@ void add_form(std::vector<CatalogueForm>& catalogue, const Form& form) {
 std::vector<CatalogueForm> form_catalogue(const Cause& cause, Kind kind) {
   const train::ToothSet teeth{.S = 12, .P1 = 39, .R1 = 90, .P2 = 32, .R2 = 81};
   std::vector<CatalogueForm> catalogue;
-  for (const int levels : {-kManyLevels, kManyLevels, 4, 5, 6, 7}) {
-    const MeasurementSet data = wide_data(kind, levels < 0, std::abs(levels));
+  constexpr std::array<WidePlan, 6> kPlans{{{.with_runs = true},
+                                            {.levels = kManyLevels},
+                                            {.levels = 4},
+                                            {.levels = 5},
+                                            {.levels = 6},
+                                            {.levels = 7}}};
+  for (const WidePlan& plan : kPlans) {
+    const MeasurementSet data = wide_data(kind, plan);
     for (const bool black_box : {false, true}) {
       Occasion occasion;
       occasion.kind = kind;

@@ -40,8 +40,7 @@ inline bool is_refinement(const Form& form) {
 inline int places_of(const Form& form) {
   constexpr int kCoarse = 5, kFine = 7;
   if (!is_of_levels(form)) return form.name.starts_with(kAnyFineSmooth) ? kFine : kCoarse;
-  return 2 + static_cast<int>(std::ranges::count_if(
-                 form.constants, [](const FormConstant& c) { return c.name.starts_with(kPlace); }));
+  return form.name[kAnySmooth.size() + 1] - '0';
 }
 
 /// Appends what a form's name says: level, curvature and skewness.

@@ -39,7 +39,6 @@ Blocks holdout_blocks(const MeasurementSet& data, const std::vector<Levels>& lev
                       const Hypothesis& h) {
   constexpr int kFewest = 3;
   Blocks blocks;
-  const std::size_t n = data.rows.size();
   if (data.kind == Kind::kPairLoss) {
     std::map<int, int> pinions;
     for (const Observation& row : data.rows) {
@@ -51,10 +50,20 @@ Blocks holdout_blocks(const MeasurementSet& data, const std::vector<Levels>& lev
     blocks.count = static_cast<int>(pinions.size());
     if (blocks.count >= kFewest) return blocks;
   }
+  bool bends = false;
   for (const char* name : {"load", "test torque", "speed", "run"}) {
-    if (bends_with_levels(h, name, levels)) continue;
-    if (auto along = blocks_along(name, levels)) return *std::move(along);
+    auto along = blocks_along(name, levels);
+    if (!along) continue;
+    if (!bends_with_levels(h, name, levels)) return *std::move(along);
+    bends = true;
   }
+  if (bends) return {.name = "", .of = std::vector<int>(data.rows.size(), 0), .count = 1};
+  return parts_of_rows(data);
+}
+
+Blocks parts_of_rows(const MeasurementSet& data) {
+  Blocks blocks;
+  const std::size_t n = data.rows.size();
   const bool turns = std::ranges::all_of(
       data.rows, [](const auto& row) { return std::isfinite(row.condition.output_angle_rad); });
   constexpr int kParts = 10;
@@ -73,8 +82,24 @@ Blocks holdout_blocks(const MeasurementSet& data, const std::vector<Levels>& lev
   return blocks;
 }
 
+namespace {
+
+/// ln of the information of some parameters, the others free: det(N)/det(N_others).
+double log_information(const Eigen::MatrixXd& normal, const std::vector<bool>& of) {
+  std::vector<Eigen::Index> others;
+  for (std::size_t k = 0; k < of.size(); ++k) {
+    if (!of[k]) others.push_back(static_cast<Eigen::Index>(k));
+  }
+  const auto log_det = [](const Eigen::MatrixXd& n) {
+    return n.size() == 0 ? 0.0 : numerics::symmetric_eigenvalues(n).array().log().sum();
+  };
+  return log_det(normal) - log_det(normal(others, others));
+}
+
+}  // namespace
+
 Eigen::VectorXd predict_held_out(const Problem& problem, const Hypothesis& hypothesis,
-                                 const Blocks& blocks, double least_left) {
+                                 const Blocks& blocks, const Shown& shown) {
   const Linearisation at = linearise(problem, hypothesis, {});
   Eigen::VectorXd predicted = at.simulated;
   const Eigen::Index p = at.own.cols();
@@ -97,16 +122,16 @@ Eigen::VectorXd predict_held_out(const Problem& problem, const Hypothesis& hypot
   std::vector<Eigen::VectorXd> change(block_normal.size());
   // In units in which the full data determine every parameter equally well.
   const Eigen::VectorXd unit = normal.diagonal().cwiseSqrt().cwiseInverse();
-  const double least = least_left > 0.0
-                           ? least_left * numerics::symmetric_eigenvalues(
-                                              unit.asDiagonal() * normal * unit.asDiagonal())
-                                              .prod()
-                           : 0.0;
+  const auto asked = static_cast<double>(std::ranges::count(shown.of, true));
+  const double all =
+      asked > 0.0 ? log_information(unit.asDiagonal() * normal * unit.asDiagonal(), shown.of) : 0.0;
   for (std::size_t b = 0; b < change.size(); ++b) {
     const Eigen::MatrixXd left = unit.asDiagonal() * (normal - block_normal[b]) * unit.asDiagonal();
     constexpr double kDetermined = 1e-9;
-    const Eigen::VectorXd eigenvalues = numerics::symmetric_eigenvalues(left);
-    if (!(eigenvalues[0] > kDetermined) || eigenvalues.prod() < least) continue;
+    if (!(numerics::symmetric_eigenvalues(left)[0] > kDetermined)) continue;
+    if (asked > 0.0 && log_information(left, shown.of) - all < asked * std::log(shown.least)) {
+      continue;
+    }
     change[b] = unit.asDiagonal() *
                 numerics::solve_symmetric(left, unit.asDiagonal() * (moment - block_moment[b]));
   }

@@ -21,7 +21,7 @@ struct Extrapolation {
 
 /// Blocks of rows that are left out together.
 struct Blocks {
-  std::string name;     ///< "pinion", "load", "test torque", "speed", "run", "angle" or "rows"
+  std::string name;     ///< "pinion", "load", "test torque", "speed", "run", "angle", "rows" or ""
   std::vector<int> of;  ///< of each row, from 0
   int count = 0;
 };
@@ -36,19 +36,31 @@ bool bends_with_levels(const Hypothesis& hypothesis, std::string_view condition,
                        const std::vector<Levels>& levels);
 
 /// Whole pinions, load levels, test torques, speeds, sessions or sectors of the angle: the first of
-/// these of which there are at least three; else tenths of the rows in their order.
+/// these of which there are at least three; else parts_of_rows().
 /// @param hypothesis  to be held out; not along what it bends_with_levels()
+/// @returns one block without a name where the hypothesis bends with all that has levels: whatever
+///          else is left out, each level stays, and nothing tells of what lies between them
 Blocks holdout_blocks(const MeasurementSet& data, const std::vector<Levels>& levels,
                       const Hypothesis& hypothesis = {});
+
+/// Tenths of a turn where all rows state their angle, else of the rows in their order.
+Blocks parts_of_rows(const MeasurementSet& data);
+
+/// Of which of a hypothesis' parameters one block must not hold all that the data say.
+struct Shown {
+  std::vector<bool> of;  ///< of each parameter; empty: none
+  /// Of their information det(N)/det(N_others), N = JᵀJ: what is to be left without a block, the
+  /// root of as many parameters.
+  double least = 0.0;
+};
 
 /// Each row as a fit without its block predicts it [SI].
 ///
 /// Along the linearisation at the full fit; exact for what is linear in its parameters.
-/// @param least_left  of the information det JᵀJ: blocks without which less of it is left have no
-///                    prediction
-/// @returns NaN in blocks without which the parameters are not determined
+/// @returns NaN in blocks without which the parameters are not determined, or those that are to be
+///          shown too little
 Eigen::VectorXd predict_held_out(const Problem& problem, const Hypothesis& hypothesis,
-                                 const Blocks& blocks, double least_left = 0.0);
+                                 const Blocks& blocks, const Shown& shown = {});
 
 /// Whether predictions of held-out rows miss them by no more than others do: huber_square() of the
 /// weighted rows, summed over those that both predict.

@@ -79,6 +79,7 @@ class Proposals {
     Eigen::VectorXd by_last;
     for (const std::size_t k : order) {
       Blocks own = holdout_blocks(problem.data, levels, fits[k].hypothesis);
+      if (own.name.empty()) own = parts_of_rows(problem.data);  // for what else the set holds
       if (own.name != blocks.name) {
         blocks = std::move(own);
         by_last = predict_held_out(problem, last, blocks);

@@ -103,12 +103,13 @@ std::optional<RefitContest> contest_with_refit(const Problem& problem, const Hyp
   by_found.reserve(all.size());
   // Rows at a level that alone shows a law say nothing against it: of the tail of a peak its height
   // is not known.
-  constexpr double kShown = 1e-3;
-  const double least_left =
-      std::ranges::any_of(found.effects, [](const Candidate& c) { return is_law(c); }) ? kShown
-                                                                                       : 0.0;
+  constexpr double kLeast = 0.01;
+  Shown shown{.of = {}, .least = kLeast};
+  for (const Candidate& c : found.effects) {
+    shown.of.insert(shown.of.end(), c.parameters.size(), is_law(c));
+  }
   for (const Blocks& blocks : all) {
-    by_found.push_back(predict_held_out(problem, found, blocks, least_left));
+    by_found.push_back(predict_held_out(problem, found, blocks, shown));
   }
   std::optional<RefitContest> best;
   for (const Candidate& c : candidates) {

@@ -362,6 +362,11 @@ std::string note_on_orders(double highest) {
       highest);
 }
 
+std::string note_on_levels_in_sample() {
+  return "a law of friction goes through every level of what was varied: no level could be left "
+         "out, and what the model predicts between the levels was not measured";
+}
+
 /// What a prediction that is no finding is made of, beside the fit.
 struct Measured {
   const Problem& problem;
@@ -534,6 +539,7 @@ std::optional<Diagnosis> diagnose_as_read(const Simulation& simulation,
   const HeldOut held = held_out_rows(problem, standing.hypothesis, levels);
   d.errors = errors_of(problem, baseline, final, held);
   d.holdout_blocks = held.blocks.name;
+  if (held.blocks.name.empty()) d.notes.push_back(note_on_levels_in_sample());
   d.extrapolation =
       extrapolate(problem, standing.hypothesis, levels, baseline.measured, baseline.simulated);
 
@@ -583,7 +589,8 @@ std::optional<Diagnosis> diagnose_as_read(const Simulation& simulation,
   const Measured all{
       .problem = problem, .levels = levels, .rows = rows, .baseline = baseline, .pure = pure};
   // Loops have noise in common, which looks like a law too easily.
-  if (d.remainder.significant || data.kind != Kind::kTorqueAngle) {
+  const bool predicts = !held.blocks.name.empty();
+  if (predicts && (d.remainder.significant || data.kind != Kind::kTorqueAngle)) {
     add_law(d, all, standing.hypothesis, held.blocks, found.candidates);
   }
   if (d.laws.empty()) {

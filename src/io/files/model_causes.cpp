@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "calibrate/causes/form_catalogue.hpp"
+#include "calibrate/causes/free_shape.hpp"
 #include "calibrate/causes/reading_change.hpp"
 #include "io/files/model_file_keys.hpp"
 
@@ -290,7 +291,7 @@ class CauseReader {
       form.constants.push_back(constant);
     }
     in_order_of_form(known, form.constants);
-    require_rising_places(table, path, form);
+    require_rising_places(table, path, known);
     if (!known.bodies.empty()) {
       keys.emplace_back("body");
       const auto body = std::ranges::find(table.table, "body", &TomlValue::key);
@@ -320,20 +321,26 @@ class CauseReader {
     require_constants(table, path, known, form);
   }
 
-  /// A curve through levels has them one after the other.
+  /// A curve through levels has them one after the other; refuses the first that is not.
   void require_rising_places(const TomlValue& table, const std::string& path,
-                             const calibrate::Form& form) {
-    double last = -1.0;
-    bool rises = true;
-    for (const calibrate::FormConstant& c : form.constants) {
-      if (!c.name.starts_with("place_")) continue;
-      rises = rises && c.value > last && c.value < 1.0;
-      last = c.value;
-    }
-    if (!rises) {
-      reader_.error(
-          table.position,
-          fmt::format("{}: place_2, place_3, ...: allowed: rising, above -1 and below 1", path));
+                             const CatalogueForm& known) {
+    constexpr double kGap = 0.01, kFirst = -1.0, kLast = 1.0;
+    double before = kFirst;
+    std::string of_before = "the first place";
+    for (const calibrate::FormConstant& c : known.constants) {
+      if (!c.name.starts_with(calibrate::kPlace)) continue;
+      const std::string key = key_of(c);
+      const TomlValue* value = member_of(table, key);
+      if (value == nullptr || !value->is_number() || !std::isfinite(value->number)) continue;
+      const double place = value->number;
+      if (!(place >= before + kGap && place <= kLast - kGap)) {
+        reader_.refuse(*value, fmt::format("{}.{}", path, key),
+                       fmt::format("a number at least {} above {} ({}), up to {}", kGap, of_before,
+                                   before, kLast - kGap));
+        return;
+      }
+      before = place;
+      of_before = key;
     }
   }
 

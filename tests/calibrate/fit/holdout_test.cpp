@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <set>
@@ -216,10 +217,62 @@ TEST_F(HeldOut, WithTooLittleInformationLeftAreUnknown) {
   const auto n = static_cast<double>(blocks.of.size());
   const auto own = static_cast<double>(std::ranges::count(blocks.of, blocks.of[0]));
   const Eigen::VectorXd plain = predict_held_out(problem(), offset, blocks);
-  const Eigen::VectorXd kept = predict_held_out(problem(), offset, blocks, 0.99 * (1.0 - own / n));
-  const Eigen::VectorXd gone = predict_held_out(problem(), offset, blocks, 1.01 * (1.0 - own / n));
+  const Eigen::VectorXd kept =
+      predict_held_out(problem(), offset, blocks, {.of = {true}, .least = 0.99 * (1.0 - own / n)});
+  const Eigen::VectorXd gone =
+      predict_held_out(problem(), offset, blocks, {.of = {true}, .least = 1.01 * (1.0 - own / n)});
   EXPECT_EQ(kept[0], plain[0]);
   EXPECT_TRUE(std::isnan(gone[0]));
+}
+
+TEST_F(HeldOut, AskForTheInformationOfThoseParametersAlone) {
+  // An offset that all rows show, a step that those of the last session do; all of these but one
+  // are a block.
+  const Hypothesis both = hypothesis(
+      {candidate("sensor_offset", {.name = "offset"}), step_in_last_session().effects.front()},
+      {0.003, 0.01});
+  measure_evenly(both, 0.004, 3);
+  const int last = static_cast<int>(data_.runs.size()) - 1;
+  Blocks blocks{.name = "own", .of = {}, .count = 3};
+  Eigen::MatrixXd columns(static_cast<Eigen::Index>(data_.rows.size()), 2);
+  columns.col(0) = sensor_line().col(1);
+  bool spared = false;
+  for (std::size_t i = 0; i < data_.rows.size(); ++i) {
+    const bool steps = data_.rows[i].condition.run == last;
+    columns(static_cast<Eigen::Index>(i), 1) = steps ? 1.0 : 0.0;
+    blocks.of.push_back(steps && spared ? 0 : 1 + static_cast<int>(i % 2));
+    spared = spared || steps;
+  }
+  // Of one parameter: the variance with all rows over that without the block.
+  const auto variance = [&](const Eigen::MatrixXd& j, Eigen::Index k) {
+    const Eigen::Matrix2d n = j.transpose() * j;
+    return n(1 - k, 1 - k) / (n(0, 0) * n(1, 1) - n(0, 1) * n(1, 0));
+  };
+  Eigen::MatrixXd rest = columns;
+  for (std::size_t i = 0; i < blocks.of.size(); ++i) {
+    if (blocks.of[i] == 0) rest.row(static_cast<Eigen::Index>(i)).setZero();
+  }
+  const auto first = static_cast<Eigen::Index>(std::ranges::find(blocks.of, 0) - blocks.of.begin());
+  const auto predicts = [&](const Shown& shown) {
+    return std::isfinite(predict_held_out(problem(), both, blocks, shown)[first]);
+  };
+  ASSERT_TRUE(predicts({}));
+  std::array<double, 2> left{};
+  for (const Eigen::Index k : {0, 1}) {
+    left[static_cast<std::size_t>(k)] = variance(columns, k) / variance(rest, k);
+    const std::vector<bool> of{k == 0, k == 1};
+    const double share = left[static_cast<std::size_t>(k)];
+    EXPECT_TRUE(predicts({.of = of, .least = 0.99 * share})) << k;
+    EXPECT_FALSE(predicts({.of = of, .least = 1.01 * share})) << k;
+  }
+  // The step's loss says nothing of the offset.
+  EXPECT_GT(left[0], 0.5);
+  EXPECT_LT(left[1], 0.1);
+  // Of both: the root of the determinants' ratio.
+  const double share = std::sqrt((rest.transpose() * rest).determinant() /
+                                 (columns.transpose() * columns).determinant());
+  EXPECT_TRUE(predicts({.of = {true, true}, .least = 0.99 * share}));
+  EXPECT_FALSE(predicts({.of = {true, true}, .least = 1.01 * share}));
 }
 
 // Which blocks
@@ -272,6 +325,29 @@ TEST(HoldoutBlocks, AreNotTheLoadsWhereALawHasAsManyParameters) {
   EXPECT_EQ(by("friction_load", 2), "load");
   EXPECT_EQ(by("friction_load", 3), "speed");
   EXPECT_EQ(by("friction_speed", 3), "load");
+}
+
+TEST(HoldoutBlocks, AreNoneWhereALawGoesThroughAllThatHasLevels) {
+  MeasurementSet data = campaign(Kind::kTransmission);
+  for (Observation& row : data.rows) {
+    row.condition.sun_speed_rad_s = 60.0;
+    row.condition.run = 0;
+  }
+  const auto of = [&](const char* cause) {
+    const Hypothesis law{.effects = {{.cause = find_cause(cause),
+                                      .form = {},
+                                      .parameters = std::vector<ParameterRecord>(4)}},
+                         .value = std::vector<double>(4, 0.0)};
+    return holdout_blocks(data, covariate_levels(data), law);
+  };
+  EXPECT_EQ(of("friction_speed").name, "load");
+  const Blocks none = of("friction_load");
+  EXPECT_EQ(none.name, "");
+  EXPECT_EQ(none.count, 1);
+  EXPECT_EQ(none.of, std::vector<int>(data.rows.size(), 0));
+  // Without any levels there is nothing between them.
+  for (Observation& row : data.rows) row.condition.output_torque_Nm = 20.0;
+  EXPECT_EQ(of("friction_load").count, 10);
 }
 
 TEST(HoldoutBlocks, OfLostMotionAreTestTorques) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tests/calibrate/bench.hpp"
+#include "tests/calibrate/friction_jump.hpp"
 #include "tests/calibrate/measured_grid.hpp"
 #include "units/units.hpp"
 
@@ -136,23 +137,8 @@ TEST_F(Search, NamesTheLoadWhereFrictionFallsFromOneLevelToAnother) {
 }
 
 TEST_F(Search, NamesTheLoadWhereFrictionJumpsBetweenTwoOfFourLevels) {
-  // The rig's gearbox with another coefficient of friction at each load.
-  data_ = measured_grid({.sun_speeds_rpm = {600.0},
-                         .output_torques_Nm = {7.9, 15.4, 26.2, 42.6},
-                         .rotations = {1},
-                         .repeats = 5});
-  rig::DeterministicRandom random(5);
   constexpr double kNoise = 5e-4;
-  for (Observation& row : data_.rows) {
-    rig::Gearbox gearbox = rig::bilateral_drive_gear();
-    gearbox.friction *= row.condition.output_torque_Nm < 20.0 ? 1.5 : 0.4;
-    row.response =
-        rig::sun_torque(gearbox,
-                        {.forward = row.condition.direction == design::Direction::kForward,
-                         .sun_speed_rpm = row.condition.sun_speed_rad_s * 30.0 / std::numbers::pi,
-                         .output_torque_Nm = row.condition.output_torque_Nm}) +
-        kNoise * random.normal();
-  }
+  data_ = friction_jump(kNoise, 5);
   const SearchResult result = search();
   ASSERT_EQ(result.effects.size(), 1U);
   EXPECT_EQ(result.fit.hypothesis.effects.front().cause->id, "friction_load");

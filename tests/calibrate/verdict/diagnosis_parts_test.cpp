@@ -16,6 +16,7 @@
 #include "calibrate/verdict/diagnosis.hpp"
 #include "numerics/linear_algebra.hpp"
 #include "tests/calibrate/bench.hpp"
+#include "tests/calibrate/friction_jump.hpp"
 #include "tests/calibrate/measured_grid.hpp"
 
 namespace gear3k::calibrate::diagnosis_parts_test {
@@ -187,6 +188,30 @@ TEST_F(Part, ARowFarOffPullsPredictionsNoMoreThanOneLessFarOff) {
   EXPECT_LT((farther - far).cwiseAbs().maxCoeff(), 1e-9);
   // And hardly more than if it were within the noise.
   EXPECT_LT((farther - predicted(0.0)).cwiseAbs().maxCoeff(), kSigma);
+}
+
+TEST_F(Part, ALawThroughEveryLevelClaimsNothingOfWhatLiesBetween) {
+  // Another coefficient of friction at each of four loads, at one speed: without a load the law
+  // goes through all others, and rows left out of every load alike would be no test.
+  constexpr double kNoise = 5e-4;
+  data_ = friction_jump(kNoise, 5);
+  const Diagnosis d = diagnosed();
+  ASSERT_EQ(d.effects.size(), 1U);
+  ASSERT_EQ(d.effects.front().id, "friction_load");
+  EXPECT_LT(d.errors.extended_train, 1.3 * kNoise);
+  EXPECT_EQ(d.holdout_blocks, "");
+  EXPECT_TRUE(std::isnan(d.errors.extended_holdout));
+  EXPECT_FALSE(d.refit.has_value());
+  EXPECT_FALSE(d.correction.has_value());
+  ASSERT_EQ(d.model.causes.size(), 1U);
+  EXPECT_EQ(d.model.causes.front().id, "friction_load");
+  for (const RowResult& row : d.rows) EXPECT_TRUE(std::isnan(row.holdout));
+  EXPECT_EQ(std::ranges::count_if(d.notes,
+                                  [](const std::string& note) {
+                                    return note.find("between the levels was not measured") !=
+                                           std::string::npos;
+                                  }),
+            1);
 }
 
 TEST_F(Part, AnExactLawIsExactBeyondWhatItWasFittedTo) {

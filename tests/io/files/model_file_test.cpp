@@ -305,8 +305,13 @@ TEST(ModelFile, EveryErrorHasItsPlaceAndWhatIsAllowed) {
         "friction_level.relative_change is missing"}},
       {"[lost_motion.causes.drag_constant]\nform = \"sun\"\n", {"lost_motion data cannot show"}},
       {"[transmission.causes.friction_load]\nform = \"any_smooth_4_levels\"\n"
-       "reference_load_n = 100.0\nlog_half_range = 1.0\nplace_2 = 0.4\nplace_3 = 0.1\n",
-       {"allowed: rising, above -1 and below 1"}},
+       "reference_load_n = 100.0\nlog_half_range = 1.0\nplace_2 = 0.4\nplace_3 = 0.405\n",
+       {"m.toml:6:1: transmission.causes.friction_load.place_3 = 0.405: allowed: a number at least "
+        "0.01 above place_2 (0.4), up to 0.99"}},
+      {"[transmission.causes.friction_load]\nform = \"any_smooth_5_levels\"\nplace_2 = -0.995\n"
+       "reference_load_n = 100.0\nlog_half_range = 1.0\nplace_3 = -0.999\nplace_4 = 2.0\n",
+       {"m.toml:3:1: transmission.causes.friction_load.place_2 = -0.995: allowed: a number at "
+        "least 0.01 above the first place (-1), up to 0.99"}},
       {"[transmission.causes.friction_load]\nform = \"about_middle\"\nexponent = 0.1\n",
        {"needs reference_load_n, or reference_load_nm"}}};
   for (const Case& one : cases) {
@@ -315,6 +320,17 @@ TEST(ModelFile, EveryErrorHasItsPlaceAndWhatIsAllowed) {
       EXPECT_TRUE(contains(errors, part)) << "wanted: " << part << "\ngot: " << errors;
     }
   }
+}
+
+TEST(ModelFile, AMissingPlaceOfALevelIsOneErrorAndNoneOfTheParameters) {
+  const std::string errors = errors_of(
+      "[transmission.causes.friction_load]\nform = \"any_smooth_4_levels\"\n"
+      "reference_load_n = 100.0\nlog_half_range = 1.0\nplace_2 = -0.3\n"
+      "relative_change = 0.1\nlog_change_1 = 0.2\nlog_change_2 = 0.1\n"
+      "log_change_4 = -0.1\n");
+  EXPECT_TRUE(contains(errors, "m.toml:1:")) << errors;
+  EXPECT_TRUE(contains(errors, "place_2 and place_3")) << errors;
+  EXPECT_EQ(std::ranges::count(errors, '\n'), 0) << errors;
 }
 
 TEST(ModelFile, AWrongFormDoesNotHideWhatElseIsWrongWithACause) {
