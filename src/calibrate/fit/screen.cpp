@@ -198,13 +198,15 @@ std::vector<double> Screen::greatest_by_luck(const Eigen::VectorXd& residual, in
 Screen::Luck Screen::luck_of(std::vector<double> greatest, double rate) {
   std::ranges::sort(greatest);
   // The tail is that of −ln p: quantiles further in, moved out by the ratio of their rates, all
-  // estimate the threshold; their mean is steadier than the last of them.
+  // estimate the threshold; their mean is steadier than the last of them.  Rates of less than one
+  // of these cases are all told by those of one.
+  const double told = std::max(rate, 1.0 / static_cast<double>(greatest.size()));
   double sum = 0.0;
   double count = 0.0;
   for (const double inner : {1.0, 1.5, 2.0, 3.0}) {
-    const double share = 1.0 - std::min(inner * rate, 0.5);
+    const double share = 1.0 - std::min(inner * told, 0.5);
     const auto at = static_cast<std::size_t>(share * static_cast<double>(greatest.size() - 1));
-    sum += greatest[at] + std::log(std::min(inner * rate, 0.5) / rate);
+    sum += greatest[at] + std::log(std::min(inner * told, 0.5) / rate);
     count += 1.0;
   }
   return {.threshold = sum / count, .rate = rate};

@@ -194,13 +194,14 @@ Eigen::VectorXd change_of(const Problem& problem, const FoundLaw& found, const F
 }
 
 /// A law beside a hypothesis.
+/// @param least  that it is better by where nothing else tells of structure
 std::optional<FoundLaw> law_beside(const Problem& problem, const Hypothesis& hypothesis,
-                                   const Blocks& blocks, LawScope scope) {
+                                   const Blocks& blocks, LawScope scope, double least = kSureBic) {
   LawSearch search(problem, hypothesis, scope);
   std::optional<LawTrial> best = search.best();
   if (!best || search.delta_bic(*best) < kClearBic) return std::nullopt;
   const bool plain = scope == LawScope::kPlain;
-  if (plain && search.sure_bic(*best) < kSureBic) return std::nullopt;
+  if (plain && search.sure_bic(*best) < least) return std::nullopt;
   const std::vector<LawTrial> refitted = search.without_blocks(*best, blocks);
   if (!search.predicts(refitted, blocks)) return std::nullopt;
   best->law = within_its_rows(best->law, problem.data);
@@ -295,11 +296,12 @@ bool replaces_causes(const Problem& problem, const Hypothesis& causes, const Fou
 
 /// A law where nothing else tells of structure: without the causes, or beside them.
 std::optional<FoundLaw> find_plain_law(const Problem& problem, const Hypothesis& hypothesis,
-                                       const Blocks& blocks, std::size_t causes) {
-  std::optional<FoundLaw> alone = law_beside(problem, {}, blocks, LawScope::kPlain);
+                                       const Blocks& blocks, std::size_t causes, double rate) {
+  const double least = std::max(kSureBic, -2.0 * std::log(rate));
+  std::optional<FoundLaw> alone = law_beside(problem, {}, blocks, LawScope::kPlain, least);
   if (hypothesis.effects.empty()) return alone;
   if (alone && replaces_causes(problem, hypothesis, *alone, causes)) return alone;
-  std::optional<FoundLaw> beside = law_beside(problem, hypothesis, blocks, LawScope::kPlain);
+  std::optional<FoundLaw> beside = law_beside(problem, hypothesis, blocks, LawScope::kPlain, least);
   if (!beside) return std::nullopt;
   const double gain = capped_sum(problem, hypothesis, beside->scale) -
                       capped_sum(problem, beside->hypothesis, beside->scale);
@@ -310,8 +312,9 @@ std::optional<FoundLaw> find_plain_law(const Problem& problem, const Hypothesis&
 }  // namespace
 
 std::optional<FoundLaw> find_law(const Problem& problem, const Hypothesis& hypothesis,
-                                 const Blocks& blocks, LawScope scope, std::size_t causes) {
-  if (scope == LawScope::kPlain) return find_plain_law(problem, hypothesis, blocks, causes);
+                                 const Blocks& blocks, LawScope scope, std::size_t causes,
+                                 double rate) {
+  if (scope == LawScope::kPlain) return find_plain_law(problem, hypothesis, blocks, causes, rate);
   std::optional<FoundLaw> beside = law_beside(problem, hypothesis, blocks, scope);
   if (hypothesis.effects.empty()) return beside;
   if (beside) drop_superfluous(problem, blocks, *beside);

@@ -46,15 +46,16 @@ struct FoundLaw {
 /// measure, it is given alone.
 ///
 /// Of the scope kPlain (nothing else tells of structure) more is asked: rows beyond three
-/// deviations count as three in every sum, so that a few far rows make no law; it is less by 20
-/// than without it; beside causes it takes off at least a fiftieth of the squares that there are;
-/// and causes fall, each paid for as one of N as well, one alone only where the law does better by
-/// that fiftieth.
+/// deviations count as three in every sum, so that a few far rows make no law; it is less by
+/// max(20, −2 ln rate) than without it; beside causes it takes off at least a fiftieth of the
+/// squares that there are; and causes fall, each paid for as one of N as well, one alone only where
+/// the law does better by that fiftieth.
 /// @param hypothesis  a fit already
 /// @param blocks  that are held out together
 /// @param causes  N, from which the hypothesis' were chosen
+/// @param rate  of false discoveries
 std::optional<FoundLaw> find_law(const Problem& problem, const Hypothesis& hypothesis,
                                  const Blocks& blocks, LawScope scope = LawScope::kEveryForm,
-                                 std::size_t causes = 1);
+                                 std::size_t causes = 1, double rate = 0.05);
 
 }  // namespace gear3k::calibrate

@@ -335,19 +335,6 @@ double discrepancy_of(const Columns& before, double scale) {
   return std::max(0.0, squares - static_cast<double>(before.raw.size()) * scale * scale);
 }
 
-/// Whether squares that no cause explains are more than laws of slightly wrong shape leave.
-bool matters(double squares, double discrepancy) {
-  constexpr double kLeastShare = 0.02;
-  return squares >= kLeastShare * discrepancy;
-}
-
-std::string note_on_minor_remainder(double squares, double discrepancy) {
-  return fmt::format(
-      "the causes leave a structure that no noise makes, {:.1f} % of the squares of the "
-      "discrepancy: a law of slightly another shape",
-      100.0 * squares / discrepancy);
-}
-
 std::string note_on_unknown_noise(std::size_t rows) {
   return fmt::format(
       "{} row{} without sigma or repeats: whether the simulation agrees within the noise is not "
@@ -413,12 +400,12 @@ std::optional<RefitContest> contest_of(Diagnosis& d, const Measured& m, const Hy
 /// Looks for a law in what is left and, where there is one that predicts better than one refitted
 /// parameter, fits and predicts with it.  Where no structure was found yet, it tells of some.
 void add_law(Diagnosis& d, const Measured& m, const Hypothesis& causes, const Blocks& blocks,
-             const std::vector<Candidate>& candidates) {
+             const std::vector<Candidate>& candidates, double false_discovery_rate) {
   const Problem& problem = m.problem;
   const bool structure = d.remainder.significant;
   const std::optional<FoundLaw> law =
       find_law(problem, causes, blocks, structure ? LawScope::kEveryForm : LawScope::kPlain,
-               candidates.size());
+               candidates.size(), false_discovery_rate);
   if (!law) return;
   const auto contest = contest_of(d, m, law->hypothesis, candidates, law->scale);
   if (contest && contest->refit_is_better()) return;
@@ -439,7 +426,10 @@ void add_law(Diagnosis& d, const Measured& m, const Hypothesis& causes, const Bl
   }
   d.laws.push_back(law_result(problem, *law, final, error_without, d.errors.extended_holdout));
   if (structure) return;
+  // What was too little to matter is what the law tells of.
+  std::erase_if(d.notes, tells_of_minor_remainder);
   d.remainder = structure_of(problem, *law, m.levels);
+  d.p_value = std::min(d.p_value, d.remainder.p_value);
   d.verdict = verdict_of(d);
   set_posteriors(d.effects, true);
 }
@@ -591,7 +581,8 @@ std::optional<Diagnosis> diagnose_as_read(const Simulation& simulation,
   // Loops have noise in common, which looks like a law too easily.
   const bool predicts = !held.blocks.name.empty();
   if (predicts && (d.remainder.significant || data.kind != Kind::kTorqueAngle)) {
-    add_law(d, all, standing.hypothesis, held.blocks, found.candidates);
+    add_law(d, all, standing.hypothesis, held.blocks, found.candidates,
+            options.false_discovery_rate);
   }
   if (d.laws.empty()) {
     predict_at_least_as_refit(d, all, standing.hypothesis, found, held.blocks, row_scale);

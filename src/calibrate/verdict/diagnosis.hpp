@@ -193,9 +193,10 @@ struct Diagnosis {
 std::optional<Diagnosis> diagnose_as_read(const Simulation& simulation, const MeasurementSet& data,
                                           const DiagnoseOptions& options);
 
-/// The same; where something is found in readings of coarse steps they are diagnosed once more
-/// without the bias of rounding (less_rounding()) that the simulation as given foretells, and if
-/// nothing is found then, that is the answer.
+/// The same; where something is found in readings of coarse steps, readings as they may have been
+/// before rounding if the simulation as given is right (before_rounding()) are diagnosed too.  If
+/// nothing is found in them, that is the answer: errors and σ are of the readings themselves, all
+/// else of those before rounding.  If something else is found, a note says what.
 std::optional<Diagnosis> diagnose(const Simulation& simulation, const MeasurementSet& data,
                                   const DiagnoseOptions& options);
 

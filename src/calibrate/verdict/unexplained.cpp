@@ -1,5 +1,7 @@
 #include "calibrate/verdict/unexplained.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
@@ -12,6 +14,8 @@
 namespace gear3k::calibrate {
 
 namespace {
+
+constexpr std::string_view kMinorRemainder = "the causes leave a structure that no noise makes, ";
 
 /// Share of what a term takes off the squares that causes must take off to be most of it: a term of
 /// levels holds what all rows have in common as well, and would put out the plainest cause.
@@ -174,5 +178,18 @@ Remainder structure_of(const Problem& problem, const FoundLaw& law,
                  measured(problem.data) - linearise(problem, causes, {}).simulated, remainder);
   return remainder;
 }
+
+bool matters(double squares, double discrepancy) {
+  constexpr double kLeastShare = 0.02;
+  return squares >= kLeastShare * discrepancy;
+}
+
+std::string note_on_minor_remainder(double squares, double discrepancy) {
+  return fmt::format(
+      "{}{:.1f} % of the squares of the discrepancy: a law of slightly another shape",
+      kMinorRemainder, 100.0 * squares / discrepancy);
+}
+
+bool tells_of_minor_remainder(const std::string& note) { return note.starts_with(kMinorRemainder); }
 
 }  // namespace gear3k::calibrate

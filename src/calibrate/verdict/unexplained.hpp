@@ -42,4 +42,11 @@ void describe_shape(const Problem& problem, const Columns& columns, const Empiri
 Remainder structure_of(const Problem& problem, const FoundLaw& law,
                        const std::vector<Levels>& levels);
 
+/// Whether squares that no cause explains are more than laws of slightly wrong shape leave.
+bool matters(double squares, double discrepancy);
+
+/// What is said of squares that do not matter, and whether a note is that.
+std::string note_on_minor_remainder(double squares, double discrepancy);
+bool tells_of_minor_remainder(const std::string& note);
+
 }  // namespace gear3k::calibrate

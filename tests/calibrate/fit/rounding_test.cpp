@@ -110,5 +110,51 @@ TEST_F(Rounding, IsNoDiscrepancyAndHidesNone) {
   EXPECT_FALSE(diagnose(simulation_, data_, {})->effects.empty());
 }
 
+TEST_F(Rounding, ErrorsAndSigmaAreOfTheReadingsWhateverRowCannotBeSimulated) {
+  read({}, kStep, 1);
+  const std::size_t rows = data_.rows.size();
+  data_.rows.push_back(data_.rows.front());
+  data_.rows.back().condition.output_torque_Nm = 1.7e308;
+  double told = 0.0;
+  DiagnoseOptions options;
+  options.progress = [&](double share) {
+    EXPECT_GE(share, told);
+    told = share;
+    return true;
+  };
+  const auto d = diagnose(simulation_, data_, options);
+  EXPECT_EQ(told, 1.0);
+  ASSERT_EQ(d->verdict, Verdict::kNoDiscrepancy);
+  ASSERT_TRUE(std::isnan(d->rows.back().baseline));
+  double squares = 0.0, held = 0.0;
+  for (std::size_t i = 0; i < rows; ++i) {
+    const RowResult& row = d->rows[i];
+    squares += std::pow(data_.rows[i].response - row.baseline, 2);
+    held += std::pow(data_.rows[i].response - row.holdout, 2);
+    EXPECT_GE(row.sigma, 0.2886 * kStep);
+  }
+  const auto n = static_cast<double>(rows);
+  EXPECT_NEAR(d->errors.baseline_train, std::sqrt(squares / n), 1e-12);
+  EXPECT_NEAR(d->errors.extended_holdout, std::sqrt(held / n), 1e-12);
+  EXPECT_GE(d->errors.noise_floor, 0.2886 * kStep);
+}
+
+TEST_F(Rounding, WhatWouldBeFoundBeforeItIsTold) {
+  // A drag of a third of a step; rounding makes it a law of load.
+  Hypothesis drag;
+  for (const Candidate& c : candidates_for(simulation_, data_)) {
+    if (c.cause->id == "drag_constant" && c.form.name == "sun") drag = with({}, c);
+  }
+  drag.value = {0.0022};
+  read(drag, kStep, 2);
+  const auto d = diagnose(simulation_, data_, {});
+  ASSERT_NE(d->verdict, Verdict::kNoDiscrepancy);
+  EXPECT_TRUE(
+      std::ranges::none_of(d->effects, [](const Effect& e) { return e.id == "drag_constant"; }));
+  EXPECT_TRUE(std::ranges::any_of(d->notes, [](const std::string& note) {
+    return note.find("before it drag_constant would be found") != std::string::npos;
+  }));
+}
+
 }  // namespace
 }  // namespace gear3k::calibrate::rounding_test

@@ -319,6 +319,17 @@ double greatest(const Screen& screen, const Eigen::VectorXd& residual) {
   return best;
 }
 
+TEST(Luck, OfRatesThatNoCaseShowsIsThatOfTheTail) {
+  // The greatest of 256 cases whose tail is e^(−x): x = −ln rate at any rate.
+  constexpr int kCases = 256;
+  std::vector<double> cases;
+  for (int k = 0; k < kCases; ++k) cases.push_back(-std::log((k + 0.5) / kCases));
+  for (const double rate : {0.05, 1e-3, 1e-6, 1e-9}) {
+    EXPECT_NEAR(Screen::luck_of(cases, rate).threshold, -std::log(rate), 0.5) << rate;
+    EXPECT_NEAR(std::log(Screen::luck_of(cases, rate).p_value(12.0)), -12.0, 0.5) << rate;
+  }
+}
+
 TEST(Luck, IsPassedByFreshNoiseAtTheRateStated) {
   constexpr Eigen::Index kRows = 60;
   constexpr double kRate = 0.05;

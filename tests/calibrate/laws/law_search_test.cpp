@@ -219,17 +219,24 @@ TEST(LawSearch, TwoCausesThatAreThereStay) {
   }
 }
 
-TEST(LawSearch, AFewFarRowsAreNoLawWhereNothingElseTellsOfStructure) {
-  Rig rig = transmission_rig([](double, double) { return 0.0; }, 0.002, 4);
-  // No two speeds alike, neighbours at different loads; four neighbours twenty deviations off.
+/// No two speeds alike, neighbours at different loads; a loss [Nm] by the place of the speed.
+Rig loss_by_place(const std::function<double(double place)>& loss, int seed) {
+  Rig rig = transmission_rig([](double, double) { return 0.0; }, 0.002, seed);
   const std::size_t n = rig.data.rows.size();
   for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t place = 37 * i % n;
+    const auto place = static_cast<double>(37 * i % n);
     Observation& row = rig.data.rows[i];
-    row.condition.sun_speed_rad_s = (150.0 + 15.0 * static_cast<double>(place)) * kRpm;
+    row.condition.sun_speed_rad_s = (150.0 + 15.0 * place) * kRpm;
     const bool forward = row.condition.direction == design::Direction::kForward;
-    if (place >= 60 && place < 64) row.response += forward ? 0.04 : -0.04;
+    row.response += forward ? loss(place) : -loss(place);
   }
+  return rig;
+}
+
+TEST(LawSearch, AFewFarRowsAreNoLawWhereNothingElseTellsOfStructure) {
+  // Four neighbours twenty deviations off.
+  const Rig rig =
+      loss_by_place([](double place) { return place >= 60.0 && place < 64.0 ? 0.04 : 0.0; }, 4);
   EXPECT_TRUE(law_in(rig));
   EXPECT_FALSE(law_in(rig, LawScope::kPlain));
 }
@@ -267,6 +274,28 @@ TEST(Laws, ADiagnosisWithoutACauseGetsOneAndItsModelAppliesIt) {
   const auto again = diagnose(extended, rig.data, {});
   ASSERT_TRUE(again);
   EXPECT_TRUE(again->laws.empty());
+}
+
+TEST(Laws, OneFoundByItselfHeedsTheRateOfFalseDiscoveries) {
+  // A peak twelve neighbouring speeds wide.
+  const Rig rig = loss_by_place(
+      [](double place) {
+        const double x = (place - 90.0) / 6.0;
+        return 0.005 / (1.0 + x * x);
+      },
+      1);
+  const Simulation simulation(box(), Kind::kTransmission);
+  DiagnoseOptions options;
+  options.false_discovery_rate = 1e-5;
+  const auto d = diagnose(simulation, rig.data, options);
+  ASSERT_EQ(d->laws.size(), 1U);
+  EXPECT_EQ(d->verdict, Verdict::kUnexplained);
+  const double difference = d->laws[0].delta_bic;
+  EXPECT_GT(difference, -2.0 * std::log(1e-5));
+  EXPECT_LT(difference, -2.0 * std::log(1e-9));
+  EXPECT_NEAR(std::log(d->p_value), -0.5 * difference, 1e-9);
+  options.false_discovery_rate = 1e-9;
+  EXPECT_TRUE(diagnose(simulation, rig.data, options)->laws.empty());
 }
 
 TEST(Laws, WhatIsExplainedOrAgreesHasNone) {
