@@ -17,8 +17,8 @@ namespace gear3k::calibrate {
 ///
 /// θ_0 that of the fit itself (Buckland, Burnham and Augustin 1997, Biometrics 53, 603-618, eq. 9).
 ///
-/// A law whose reference is taken from the design or the data (thermal expansion) has a fit with the
-/// constant that moves it (clearance) among them, alone as well.
+/// A law whose reference is taken from the design or the data (thermal expansion) has a fit with
+/// the constant that moves it (clearance) among them, alone as well.
 ///
 /// @param all    candidates, with those of free shape
 /// @param scale  of the treatment of outliers, as of fit()
