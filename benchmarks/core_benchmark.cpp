@@ -87,14 +87,12 @@ template <class T>
 std::vector<T> seeded(const RefinementProblem& p, const Point& v) {
   std::vector<T> jets(static_cast<std::size_t>(p.variables));
   for (std::size_t k = 0; k < jets.size(); ++k) {
-    const int axis = static_cast<int>(k);
     if constexpr (std::is_same_v<T, double>) {
       jets[k] = v[k];
     } else if constexpr (std::is_same_v<T, Jet1>) {
-      jets[k] = Jet1(v[k], axis);
+      jets[k] = Jet1(v[k], static_cast<int>(k));
     } else {
-      jets[k].a = Jet1(v[k], axis);
-      jets[k].v[axis] = Jet1(1.0);
+      jets[k] = Jet2::variable(v[k], k);
     }
   }
   return jets;

@@ -17,11 +17,7 @@ std::array<Jet1, kCount> seeded1(const std::array<double, kCount>& at) {
 template <std::size_t kCount>
 std::array<Jet2, kCount> seeded2(const std::array<double, kCount>& at) {
   std::array<Jet2, kCount> v;
-  for (std::size_t k = 0; k < kCount; ++k) {
-    v[k] = constant<Jet2>(at[k]);
-    v[k].a = Jet1(at[k], static_cast<int>(k));
-    v[k].v[static_cast<Eigen::Index>(k)] = Jet1(1.0);
-  }
+  for (std::size_t k = 0; k < kCount; ++k) v[k] = Jet2::variable(at[k], k);
   return v;
 }
 

@@ -121,6 +121,7 @@ class RefinementNlp : public Ipopt::TNLP {
   }
 
  private:
+  static std::size_t at(Index k) { return static_cast<std::size_t>(k); }
   /// First row and first column of a block.
   struct Block {
     Index row, column;
@@ -132,17 +133,19 @@ class RefinementNlp : public Ipopt::TNLP {
     const Index columns = std::min<Index>(kMaxVariables, n - block.column);
     std::array<Jet2, kMostUnknowns> jets;
     for (Index k = 0; k < n; ++k) {
-      Jet2& jet = jets[static_cast<std::size_t>(k)];
-      const bool in_columns = k >= block.column && k < block.column + columns;
-      jet.a = in_columns ? Jet1(x[k], k - block.column) : Jet1(x[k]);
-      if (k >= block.row && k < block.row + rows) jet.v[k - block.row] = Jet1(1.0);
+      Jet2& jet = jets[at(k)];
+      jet = Jet2(x[k]);
+      if (k >= block.row && k < block.row + rows) jet.by_row[at(k - block.row)] = 1.0;
+      if (k >= block.column && k < block.column + columns) {
+        jet.by_column[at(k - block.column)] = 1.0;
+      }
     }
     const auto f = evaluate<Jet2>(problem_, used(problem_, jets), g2_);
     if (!f) return false;
     for (Index i = 0; i < rows; ++i) {
       for (Index j = 0; j < columns && block.column + j <= block.row + i; ++j) {
-        double sum = obj_factor * f->v[i].v[j];
-        for (std::size_t k = 0; k < g2_.size(); ++k) sum += lambda[k] * g2_[k].v[i].v[j];
+        double sum = obj_factor * f->mixed[at(i)][at(j)];
+        for (std::size_t k = 0; k < g2_.size(); ++k) sum += lambda[k] * g2_[k].mixed[at(i)][at(j)];
         const Index row = block.row + i;
         values[row * (row + 1) / 2 + block.column + j] = sum;
       }

@@ -393,13 +393,9 @@ Point point_of(const RefinementProblem& p, const train::TrainParameters<double>&
 namespace {
 
 bool all_finite(double x) { return std::isfinite(x); }
-template <class T, int N>
-bool all_finite(const ceres::Jet<T, N>& x) {
-  if (!all_finite(x.a)) return false;
-  for (int k = 0; k < N; ++k) {
-    if (!all_finite(x.v[k])) return false;
-  }
-  return true;
+bool all_finite(const Jet1& x) {
+  return std::isfinite(x.a) &&
+         std::all_of(x.v.begin(), x.v.end(), [](double slope) { return std::isfinite(slope); });
 }
 
 }  // namespace

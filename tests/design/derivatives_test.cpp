@@ -428,15 +428,13 @@ TEST(Derivatives, HessiansAreTheCentralDifferencesOfTheGradients) {
       }
       values.see(q, value_of(jets[q]) - exact[q], kValueRounding * size1);
       for (std::size_t k = 0; k < kVariables; ++k) {
-        const auto row = static_cast<Eigen::Index>(k);
         const double expected = exact_gradients[q * kVariables + k];
-        gradients.see(q, jets[q].a.v[row] * scales[k] - expected, kValueRounding * size1);
-        gradients.see(q, jets[q].v[row].a * scales[k] - expected, kValueRounding * size1);
+        gradients.see(q, jets[q].by_column[k] * scales[k] - expected, kValueRounding * size1);
+        gradients.see(q, jets[q].by_row[k] * scales[k] - expected, kValueRounding * size1);
         for (std::size_t l = 0; l < kVariables; ++l) {
-          const auto column = static_cast<Eigen::Index>(l);
-          const double curvature = jets[q].v[row].v[column] * scales[k] * scales[l];
+          const double curvature = jets[q].mixed[k][l] * scales[k] * scales[l];
           hessians.see(q, curvature - slopes[k][q * kVariables + l], kTruncation * size2);
-          symmetry.see(q, curvature - jets[q].v[column].v[row] * scales[k] * scales[l],
+          symmetry.see(q, curvature - jets[q].mixed[l][k] * scales[k] * scales[l],
                        kValueRounding * size2);
         }
       }

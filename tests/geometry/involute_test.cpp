@@ -87,10 +87,7 @@ TEST(InverseInvolute, FirstAndSecondDerivativeAreThoseOfTheImplicitFunction) {
   for (int i = 0; i < kCases / 10; ++i) {
     const double a = angle();
     const double value = exact_involute(a);
-    Jet2 seeded = constant<Jet2>(value);
-    seeded.a = Jet1(value, 3);
-    seeded.v[3] = Jet1(1.0);
-    const Jet2 result = inverse_involute(seeded);
+    const Jet2 result = inverse_involute(Jet2::variable(value, 3));
     const Jet1 result1 = inverse_involute(Jet1(value, 3));
     const double t = std::tan(a);
     const double slope = 1.0 / (t * t);
@@ -98,11 +95,11 @@ TEST(InverseInvolute, FirstAndSecondDerivativeAreThoseOfTheImplicitFunction) {
     // An error of 1e-14 rad in a changes tan a by this share.
     const double share = kInverseAccuracy_rad * (1.0 + t * t) / t;
     first.see(i, result1.v[3] - slope, (2.0 * share + 8.0 * kEps) * slope);
-    first.see(i, result.v[3].a - slope, (2.0 * share + 8.0 * kEps) * slope);
-    first.see(i, result.a.v[3] - slope, (2.0 * share + 8.0 * kEps) * slope);
-    second.see(i, result.v[3].v[3] - curvature, (5.0 * share + 64.0 * kEps) * -curvature);
+    first.see(i, result.by_row[3] - slope, (2.0 * share + 8.0 * kEps) * slope);
+    first.see(i, result.by_column[3] - slope, (2.0 * share + 8.0 * kEps) * slope);
+    second.see(i, result.mixed[3][3] - curvature, (5.0 * share + 64.0 * kEps) * -curvature);
     EXPECT_EQ(result1.v[0], 0.0);
-    EXPECT_EQ(result.v[3].v[0], 0.0);
+    EXPECT_EQ(result.mixed[3][0], 0.0);
   }
   first.expect_allowed("first");
   second.expect_allowed("second");

@@ -722,7 +722,7 @@ TEST_P(DerivativesOfRoots, AreTheCentralDifferences) {
       if (doubt1 <= kTruncation * size1) {
         ++gradients.smooth[q];
         for (std::size_t k = 0; k < kVariables; ++k) {
-          const double jet = jets[q].a.v[static_cast<Eigen::Index>(k)] * scales[k];
+          const double jet = jets[q].by_column[k] * scales[k];
           gradients.see(q, jet - slopes[k].value[q], kTruncation * size1);
           gradients.see(q, first[q * kVariables + k] - slopes[k].value[q], kTruncation * size1);
         }
@@ -731,9 +731,7 @@ TEST_P(DerivativesOfRoots, AreTheCentralDifferences) {
         ++hessians.smooth[q];
         for (std::size_t k = 0; k < kVariables; ++k) {
           for (std::size_t l = 0; l < kVariables; ++l) {
-            const double jet =
-                jets[q].v[static_cast<Eigen::Index>(k)].v[static_cast<Eigen::Index>(l)] *
-                scales[k] * scales[l];
+            const double jet = jets[q].mixed[k][l] * scales[k] * scales[l];
             hessians.see(q, jet - curvatures[k].value[q * kVariables + l], kTruncation * size2);
           }
         }

@@ -143,10 +143,7 @@ TEST_P(RefinementProblemOf, GradientsAndHessiansEqualCentralDifferences) {
       v[k] = std::clamp(v[k] + 0.02 * unit(random), p.lower[k] + 0.01, p.upper[k] - 0.01);
     }
     std::array<Jet2, kMostUnknowns> jets;
-    for (std::size_t k = 0; k < n; ++k) {
-      jets[k].a = Jet1(v[k], static_cast<int>(k));
-      jets[k].v[static_cast<Eigen::Index>(k)] = Jet1(1.0);
-    }
+    for (std::size_t k = 0; k < n; ++k) jets[k] = Jet2::variable(v[k], k);
     std::vector<Jet2> g(p.rows.size());
     const auto f = evaluate<Jet2>(p, used(p, jets), g);
     ASSERT_TRUE(f);
@@ -174,16 +171,15 @@ TEST_P(RefinementProblemOf, GradientsAndHessiansEqualCentralDifferences) {
       const auto difference = [&](auto of) {
         return (of(at[0]) - 8.0 * of(at[1]) + 8.0 * of(at[2]) - of(at[3])) / (12.0 * kStep);
       };
-      const auto axis = static_cast<Eigen::Index>(k);
       for (std::size_t row = 0; row < g.size(); ++row) {
         const double slope = difference([&](const auto& jets1) { return jets1[row].a; });
-        worst_gradient =
-            std::max(worst_gradient, std::abs(slope - g[row].a.v[axis]) / (1.0 + std::abs(slope)));
+        worst_gradient = std::max(worst_gradient,
+                                  std::abs(slope - g[row].by_column[k]) / (1.0 + std::abs(slope)));
         for (std::size_t l = 0; l < n; ++l) {
           const auto other = static_cast<Eigen::Index>(l);
           const double curvature =
               difference([&](const auto& jets1) { return jets1[row].v[other]; });
-          worst_hessian = std::max(worst_hessian, std::abs(curvature - g[row].v[axis].v[other]) /
+          worst_hessian = std::max(worst_hessian, std::abs(curvature - g[row].mixed[k][l]) /
                                                       (1.0 + std::abs(curvature)));
         }
       }

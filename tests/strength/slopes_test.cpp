@@ -172,12 +172,10 @@ template <class T>
 std::array<T, kVariables> seeded(const Point& point) {
   std::array<T, kVariables> result{};
   for (std::size_t i = 0; i < kVariables; ++i) {
-    result[i] = constant<T>(point[i]);
     if constexpr (std::is_same_v<T, Jet1>) {
-      result[i].v[static_cast<int>(i)] = 1.0;
+      result[i] = Jet1(point[i], static_cast<int>(i));
     } else {
-      result[i].a.v[static_cast<int>(i)] = 1.0;
-      result[i].v[static_cast<int>(i)] = constant<Jet1>(1.0);
+      result[i] = Jet2::variable(point[i], i);
     }
   }
   return result;
@@ -231,7 +229,8 @@ TEST(StrengthSlopes, HessiansAreTheDifferencesOfGradients) {
           const double scale =
               std::abs(difference) +
               std::abs(value_of(exact.values[k]) / (point[i] * point[static_cast<std::size_t>(j)]));
-          EXPECT_NEAR(exact.values[k].v[j].v[static_cast<int>(i)], difference, 1e-5 * scale)
+          EXPECT_NEAR(exact.values[k].mixed[static_cast<std::size_t>(j)][i], difference,
+                      1e-5 * scale)
               << exact.names[k] << " by variables " << i << ", " << j;
         }
       }
