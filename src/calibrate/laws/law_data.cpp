@@ -111,7 +111,7 @@ double value_at(const Law& law, const std::vector<double>& x, const double* p) {
 
 }  // namespace
 
-bool exceeds_its_rows(const LawData& d, const LawTrial& trial) {
+bool exceeds_its_rows(const LawData& d, const LawTrial& trial, double inside) {
   const Law& law = trial.law;
   const double* p = trial.value.data() + own_size(trial);
   std::set<std::vector<double>> states;
@@ -129,7 +129,7 @@ bool exceeds_its_rows(const LawData& d, const LawTrial& trial) {
     held.extend(value_at(law, x, p));
     states.insert(std::move(x));
   }
-  constexpr double kInside = 0.25, kBeyond = 1.0;
+  constexpr double kBeyond = 1.0;
   constexpr int kPlaces = 48;
   const double width = held.high - held.low;
   for (const std::vector<double>& state : states) {
@@ -142,7 +142,7 @@ bool exceeds_its_rows(const LawData& d, const LawTrial& trial) {
         const LawCondition& condition = law_conditions()[law.factors[f].condition];
         if (x[f] < 0.0 && condition.natural_zero && !(condition.turn > 0.0)) continue;
         const double v = value_at(law, x, p);
-        const double most = width * (share < 0.0 || share > 1.0 ? kBeyond : kInside);
+        const double most = width * (share < 0.0 || share > 1.0 ? kBeyond : inside);
         if (!(v >= held.low - most && v <= held.high + most)) return true;
       }
     }

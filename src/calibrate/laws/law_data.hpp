@@ -56,7 +56,8 @@ inline constexpr double kLawReach = 0.25;
 /// Whether a law does more where nothing was measured than its rows hold: one of its conditions
 /// varied from each row by itself, inside the range of the rows by more than a quarter of what the
 /// law differs by in them, a quarter of the range beyond it by more than that difference.
-bool exceeds_its_rows(const LawData& d, const LawTrial& trial);
+/// @param inside  another share in the place of the quarter
+bool exceeds_its_rows(const LawData& d, const LawTrial& trial, double inside = 0.25);
 
 /// Parameters that a form has, its constants among them: they are chosen too.
 int law_cost(const Law& law);

@@ -107,34 +107,112 @@ Eigen::VectorXd LawFit::without_law(const std::vector<Eigen::Index>& in) const {
   return r;
 }
 
+bool LawFit::take_better(LawTrial& t, LawTrial other, const std::vector<Eigen::Index>& in) const {
+  refine(other, in);
+  if (!(other.sum < t.sum)) return false;
+  t = std::move(other);
+  return true;
+}
+
+namespace {
+
+constexpr std::array<double, 10> kPreferredNumbers{1.0,  1.25, 1.6, 2.0, 2.5,
+                                                   3.15, 4.0,  5.0, 6.3, 8.0};
+
+/// The next preferred number below (step -1) or above (1).
+double next_preferred(double now, int step) {
+  const double decade = std::pow(10.0, std::floor(std::log10(now * 1.0001)));
+  auto k = static_cast<int>(std::ranges::lower_bound(kPreferredNumbers, 0.999 * now / decade) -
+                            kPreferredNumbers.begin()) +
+           step;
+  const double shift = k < 0 ? 0.1 : k > 9 ? 10.0 : 1.0;
+  k = (k + 10) % 10;
+  return kPreferredNumbers[static_cast<std::size_t>(k)] * decade * shift;
+}
+
+/// Values of a condition in the rows, ascending, each once.
+std::vector<double> distinct_values(const LawData& d, const LawCondition& condition) {
+  std::vector<double> values;
+  values.reserve(d.data.rows.size());
+  for (const Observation& row : d.data.rows) {
+    const double x = condition.value(row.condition);
+    if (std::isfinite(x)) values.push_back(x);
+  }
+  std::ranges::sort(values);
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+  return values;
+}
+
+/// Where the parameters of a factor begin among a trial's values.
+std::size_t first_value(const LawTrial& t, std::size_t factor) {
+  std::size_t at = static_cast<std::size_t>(own_size(t)) + (t.law.offset ? 2 : 1);
+  for (std::size_t f = 0; f < factor; ++f) {
+    at += static_cast<std::size_t>(parameter_count(t.law.factors[f].shape));
+  }
+  return at;
+}
+
+/// The same pulses twice as often: at an order and phase doubled, with every second one new.
+LawTrial twice_as_often(LawTrial t, std::size_t factor) {
+  const std::size_t order = first_value(t, factor);
+  const double phase = 2.0 * t.value[order + 1];
+  t.value[order] *= 2.0;
+  t.value[order + 1] = phase - std::floor(phase + 0.5);
+  t.law.factors[factor].constant = next_preferred(1.8 * t.law.factors[factor].constant, 1);
+  return t;
+}
+
+}  // namespace
+
+bool LawFit::polish_step(LawTrial& t, std::size_t factor,
+                         const std::vector<Eigen::Index>& in) const {
+  const std::vector<double> x =
+      distinct_values(d_, law_conditions()[t.law.factors[factor].condition]);
+  const auto gaps = static_cast<std::ptrdiff_t>(x.size()) - 1;
+  const auto between = [&](std::ptrdiff_t gap) {
+    const auto k = static_cast<std::size_t>(gap);
+    return 0.5 * (x[k] + x[k + 1]);
+  };
+  bool improved = false;
+  for (std::ptrdiff_t jump = 16; jump > 0;) {
+    // The threshold lies above x[gap].
+    const std::ptrdiff_t gap =
+        std::ranges::upper_bound(x, t.law.factors[factor].constant) - x.begin() - 1;
+    bool moved = false;
+    for (const std::ptrdiff_t to : {gap - jump, gap + jump}) {
+      if (moved || to < 0 || to >= gaps) continue;
+      LawTrial other = t;
+      other.law.factors[factor].constant = between(to);
+      moved = take_better(t, std::move(other), in);
+    }
+    improved = improved || moved;
+    if (!moved) jump /= 2;
+  }
+  return improved;
+}
+
+bool LawFit::polish_width(LawTrial& t, std::size_t factor,
+                          const std::vector<Eigen::Index>& in) const {
+  for (const int step : {-1, 1}) {
+    LawTrial other = t;
+    double& width = other.law.factors[factor].constant;
+    width = next_preferred(width, step);
+    if (take_better(t, std::move(other), in)) return true;
+  }
+  return t.law.factors[factor].shape == LawShape::kPulse &&
+         take_better(t, twice_as_often(t, factor), in);
+}
+
 void LawFit::polish(LawTrial& t, const std::vector<Eigen::Index>& in) const {
-  constexpr std::array<double, 10> kPreferredNumbers{1.0,  1.25, 1.6, 2.0, 2.5,
-                                                     3.15, 4.0,  5.0, 6.3, 8.0};
   constexpr int kPasses = 6;
   bool again = true;
   for (int pass = 0; pass < kPasses && again; ++pass) {
     again = false;
     for (std::size_t f = 0; f < t.law.factors.size(); ++f) {
       const LawShape shape = t.law.factors[f].shape;
-      if (shape != LawShape::kWindow && shape != LawShape::kPulse) continue;
-      const double now = t.law.factors[f].constant;
-      for (const int step : {-1, 1}) {
-        // The next preferred number below or above.
-        const double decade = std::pow(10.0, std::floor(std::log10(now * 1.0001)));
-        auto k =
-            static_cast<int>(std::ranges::lower_bound(kPreferredNumbers, 0.999 * now / decade) -
-                             kPreferredNumbers.begin()) +
-            step;
-        const double shift = k < 0 ? 0.1 : k > 9 ? 10.0 : 1.0;
-        k = (k + 10) % 10;
-        LawTrial other = t;
-        other.law.factors[f].constant =
-            kPreferredNumbers[static_cast<std::size_t>(k)] * decade * shift;
-        refine(other, in);
-        if (!(other.sum < t.sum)) continue;
-        t = std::move(other);
-        again = true;
-        break;
+      if (shape == LawShape::kStep) again = polish_step(t, f, in) || again;
+      if (shape == LawShape::kWindow || shape == LawShape::kPulse) {
+        again = polish_width(t, f, in) || again;
       }
     }
   }

@@ -34,13 +34,19 @@ class LawFit {
   /// @returns the residual of all rows
   Eigen::VectorXd refine(LawTrial& t, const std::vector<Eigen::Index>& in) const;
 
-  /// Other constants of a refined trial, preferred numbers one by one, as long as one does better.
+  /// Other constants of a refined trial as long as one does better: widths by preferred numbers one
+  /// by one, thresholds between any two values of the rows, and pulses twice as often.
   void polish(LawTrial& t, const std::vector<Eigen::Index>& in) const;
 
   /// The residual of all rows with the own parameters alone, fitted over rows by the same loss.
   [[nodiscard]] Eigen::VectorXd without_law(const std::vector<Eigen::Index>& in) const;
 
  private:
+  /// Refines another trial, which becomes this one where its sum is less.
+  bool take_better(LawTrial& t, LawTrial other, const std::vector<Eigen::Index>& in) const;
+  bool polish_step(LawTrial& t, std::size_t factor, const std::vector<Eigen::Index>& in) const;
+  bool polish_width(LawTrial& t, std::size_t factor, const std::vector<Eigen::Index>& in) const;
+
   const LawData& d_;
   double scale_;
 };

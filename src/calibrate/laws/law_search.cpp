@@ -21,6 +21,9 @@ constexpr double kClearBic = 10.0;
 /// The same where nothing else tells of structure, and the least share of what is explained.
 constexpr double kSureBic = 20.0;
 constexpr double kLeastLawShare = 0.02;
+/// What a law that is better by kSureBic than all others may do between its rows, over what it
+/// differs by in them.
+constexpr double kPeakBetween = 1.0;
 /// A share of a response that is the same everywhere is the response itself: the plainer law is
 /// preferred where the data cannot tell.
 constexpr double kShareCosts = 1.0;
@@ -32,8 +35,9 @@ double capped_sum(const Eigen::VectorXd& whitened, double scale) {
 
 class LawSearch {
  public:
-  LawSearch(const Problem& problem, const Hypothesis& hypothesis, LawScope scope)
-      : d_(law_data(problem, hypothesis, scope)) {}
+  LawSearch(const Problem& problem, const Hypothesis& hypothesis, LawScope scope,
+            double scale = 0.0)
+      : d_(law_data(problem, hypothesis, scope)), scale_(scale) {}
 
   /// The best form, refined; its value holds the changes of the hypothesis' own parameters first.
   std::optional<LawTrial> best() {
@@ -67,10 +71,7 @@ class LawSearch {
       fit.polish(t, all);
     }
     sum_without_ = fit.sum_of(fit.without_law(all), all);
-    std::erase_if(trials, [&](const LawTrial& t) { return exceeds_its_rows(d_, t); });
-    if (trials.empty()) return std::nullopt;
-    return *std::ranges::min_element(trials, {},
-                                     [&](const LawTrial& t) { return t.sum + cost(t); });
+    return best_within_rows(trials);
   }
 
   [[nodiscard]] double scale() const { return scale_; }
@@ -147,6 +148,21 @@ class LawSearch {
   }
 
  private:
+  /// The best that does no more where nothing was measured than its rows hold; or one that does,
+  /// between them by no more than they differ, where it is better by kSureBic: what the rows hold
+  /// is then no law of another form.
+  [[nodiscard]] std::optional<LawTrial> best_within_rows(std::vector<LawTrial> trials) const {
+    const auto score = [&](const LawTrial& t) { return t.sum + cost(t); };
+    std::ranges::stable_sort(trials, {}, score);
+    const LawTrial* peak = nullptr;
+    for (const LawTrial& t : trials) {
+      if (peak != nullptr && score(t) - score(*peak) > kSureBic) break;
+      if (!exceeds_its_rows(d_, t)) return t;
+      if (peak == nullptr && !exceeds_its_rows(d_, t, kPeakBetween)) peak = &t;
+    }
+    return peak == nullptr ? std::nullopt : std::optional(*peak);
+  }
+
   [[nodiscard]] double cost(const LawTrial& t) const {
     return law_cost(t.law) * std::log(static_cast<double>(d_.data.rows.size())) +
            2.0 * std::log(static_cast<double>(t.orders)) +
@@ -229,30 +245,34 @@ std::optional<FoundLaw> law_beside(const Problem& problem, const Hypothesis& hyp
   return found;
 }
 
-/// Σ ρ(r/s) + p ln n of a hypothesis, constants of laws among p, and 2 ln N for the law among N
-/// forms that `law` is; none where it is null.
-double criterion(const Problem& problem, const Hypothesis& h, double scale, const FoundLaw* law) {
+/// Σ ρ(r/s) + p ln n of a hypothesis, constants of laws among p, 2 ln M for each cause among M, and
+/// 2 ln N for the law among N forms that `law` is; none where it is null.
+/// @param causes  M
+double criterion(const Problem& problem, const Hypothesis& h, double scale, const FoundLaw* law,
+                 std::size_t causes) {
   const Fit at = fit(problem, h, scale);
   int parameters = 0;
+  double choice = law == nullptr ? 0.0 : 2.0 * std::log(static_cast<double>(law->forms));
   for (const Candidate& c : h.effects) {
+    if (c.cause != &law_cause()) choice += 2.0 * std::log(static_cast<double>(causes));
     parameters +=
         c.cause == &law_cause() ? law_cost(law_of(c.form)) : static_cast<int>(c.parameters.size());
   }
-  const double choice = law == nullptr ? 0.0 : 2.0 * std::log(static_cast<double>(law->forms));
   return at.sum_of_squares + parameters * std::log(static_cast<double>(problem.data.rows.size())) +
          choice;
 }
 
 /// Takes out causes that beside the law do not pay for their parameters.
-void drop_superfluous(const Problem& problem, const Blocks& blocks, FoundLaw& found) {
+void drop_superfluous(const Problem& problem, const Blocks& blocks, std::size_t causes,
+                      FoundLaw& found) {
   for (std::size_t k = 0; k < found.hypothesis.effects.size();) {
     if (found.hypothesis.effects[k].cause == &law_cause()) {
       ++k;
       continue;
     }
     const Hypothesis rest = fit(problem, without(found.hypothesis, k), found.scale).hypothesis;
-    if (criterion(problem, rest, found.scale, &found) >
-        criterion(problem, found.hypothesis, found.scale, &found)) {
+    if (criterion(problem, rest, found.scale, &found, causes) >
+        criterion(problem, found.hypothesis, found.scale, &found, causes)) {
       ++k;
       continue;
     }
@@ -311,20 +331,32 @@ std::optional<FoundLaw> find_plain_law(const Problem& problem, const Hypothesis&
 
 }  // namespace
 
+Eigen::VectorXd predict_law_held_out(const Problem& problem, const Hypothesis& hypothesis,
+                                     const Blocks& blocks, double scale) {
+  const std::size_t last = hypothesis.effects.size() - 1;
+  const Hypothesis causes = without(hypothesis, last);
+  const auto values = values_of(hypothesis, last);
+  LawTrial trial{.law = law_of(hypothesis.effects[last].form), .value = {}};
+  trial.value.assign(causes.value.size(), 0.0);
+  trial.value.insert(trial.value.end(), values.begin(), values.end());
+  const LawSearch search(problem, causes, LawScope::kEveryForm, scale);
+  return LawSearch::predicted(problem, causes, search.without_blocks(trial, blocks), blocks);
+}
+
 std::optional<FoundLaw> find_law(const Problem& problem, const Hypothesis& hypothesis,
                                  const Blocks& blocks, LawScope scope, std::size_t causes,
                                  double rate) {
   if (scope == LawScope::kPlain) return find_plain_law(problem, hypothesis, blocks, causes, rate);
   std::optional<FoundLaw> beside = law_beside(problem, hypothesis, blocks, scope);
   if (hypothesis.effects.empty()) return beside;
-  if (beside) drop_superfluous(problem, blocks, *beside);
+  if (beside) drop_superfluous(problem, blocks, causes, *beside);
   std::optional<FoundLaw> alone = law_beside(problem, {}, blocks, scope);
   if (!alone) return beside;
   const double scale = beside ? std::min(beside->scale, alone->scale) : alone->scale;
   const double with_causes = criterion(problem, beside ? beside->hypothesis : hypothesis, scale,
-                                       beside ? &*beside : nullptr);
+                                       beside ? &*beside : nullptr, causes);
   const bool causes_fall =
-      criterion(problem, alone->hypothesis, scale, &*alone) + kClearBic < with_causes;
+      criterion(problem, alone->hypothesis, scale, &*alone, causes) + kClearBic < with_causes;
   return causes_fall ? alone : beside;
 }
 

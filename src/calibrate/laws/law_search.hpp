@@ -43,7 +43,9 @@ struct FoundLaw {
 /// predicted with all parameters fitted anew without them (constants stay), gain more over the
 /// hypothesis than the standard error of that gain over blocks.
 /// Causes that only imitate the law fall: where a law without them does better by 10, in the same
-/// measure, it is given alone.
+/// measure with each cause paid for as one of `causes`, it is given alone.  A form that does more
+/// between its rows than they hold (exceeds_its_rows) is none, unless it is better by 20 than all
+/// others and does no more there than it differs by in them.
 ///
 /// Of the scope kPlain (nothing else tells of structure) more is asked: rows beyond three
 /// deviations count as three in every sum, so that a few far rows make no law; it is less by
@@ -57,5 +59,12 @@ struct FoundLaw {
 std::optional<FoundLaw> find_law(const Problem& problem, const Hypothesis& hypothesis,
                                  const Blocks& blocks, LawScope scope = LawScope::kEveryForm,
                                  std::size_t causes = 1, double rate = 0.05);
+
+/// Each row as a fit of causes and law without its block predicts it, the causes along their
+/// linearisation, the law with all its parameters fitted anew [SI].
+/// @param hypothesis  a fit, a law its last effect
+/// @param scale  standard deviation of the whitened rows
+Eigen::VectorXd predict_law_held_out(const Problem& problem, const Hypothesis& hypothesis,
+                                     const Blocks& blocks, double scale);
 
 }  // namespace gear3k::calibrate

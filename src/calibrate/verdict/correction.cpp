@@ -110,6 +110,10 @@ std::optional<RefitContest> contest_with_refit(const Problem& problem, const Hyp
   }
   for (const Blocks& blocks : all) {
     by_found.push_back(predict_held_out(problem, found, blocks, shown));
+    // The linearisation of a peak is not the peak that the other rows show.
+    if (found.effects.empty() || !is_law(found.effects.back())) continue;
+    const Eigen::VectorXd refitted = predict_law_held_out(problem, found, blocks, scale);
+    by_found.back() = by_found.back().array().isFinite().select(refitted, kUnknown);
   }
   std::optional<RefitContest> best;
   for (const Candidate& c : candidates) {

@@ -2,10 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numeric>
 
+#include "calibrate/laws/law_fit.hpp"
 #include "calibrate/laws/law_result.hpp"
+#include "calibrate/measurement/condition_quantity.hpp"
 #include "calibrate/search/search.hpp"
 #include "calibrate/verdict/diagnosis.hpp"
 #include "tests/rig/deterministic_random.hpp"
@@ -157,6 +161,138 @@ TEST(LawSearch, ASaturationOfLostMotionComesBackInsideItsIntervals) {
   ASSERT_EQ(found->result.range.size(), 1U);
   EXPECT_EQ(found->result.range[0].low, 0.5);
   EXPECT_EQ(found->result.range[0].high, 18.0);
+}
+
+// No two loads alike, 0.2 Nm apart from 6 Nm on; a loss above a threshold.
+TEST(LawSearch, AThresholdIsFoundBetweenTheTwoLoadsThatItLiesBetween) {
+  for (const double threshold : {17.05, 22.65, 27.25}) {
+    Rig rig = transmission_rig([](double, double) { return 0.0; }, 0.001, 11);
+    const std::size_t n = rig.data.rows.size();
+    double below = 0.0;
+    double above = 1e9;
+    for (std::size_t i = 0; i < n; ++i) {
+      Observation& row = rig.data.rows[i];
+      const double nm = 6.0 + 0.2 * static_cast<double>(37 * i % n);
+      const bool forward = row.condition.direction == design::Direction::kForward;
+      const double noise = row.response - rig.clean[i];
+      const double loss = nm > threshold ? 0.01 : 0.0;
+      row.condition.output_torque_Nm = nm;
+      row.response = noise + (forward ? nm / 50.0 / 0.8 + loss : nm / 50.0 * 0.75 - loss);
+      (nm > threshold ? above : below) = nm > threshold ? std::min(above, nm) : std::max(below, nm);
+    }
+    const auto found = law_in(rig);
+    ASSERT_TRUE(found);
+    ASSERT_EQ(found->law.law.factors.size(), 1U) << found->result.formula;
+    ASSERT_EQ(found->law.law.factors[0].shape, LawShape::kStep) << found->result.formula;
+    EXPECT_GT(found->law.law.factors[0].constant, below);
+    EXPECT_LT(found->law.law.factors[0].constant, above);
+  }
+}
+
+TEST(LawSearch, APeakBetweenTwoSpeedsIsNamedWhereNothingElseIsNear) {
+  // At 900 and 1500 rpm it has 0.58 of its height.
+  constexpr double kNoise = 0.0004;
+  const Rig rig = transmission_rig(
+      [](double rpm, double) {
+        const double x = (rpm - 1200.0) / 350.0;
+        return 0.02 / (1.0 + x * x);
+      },
+      kNoise, 12);
+  const auto found = law_in(rig);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->law.law.factors[0].shape, LawShape::kResonance) << found->result.formula;
+  expect_inside(found->result, "centre", 1200.0);
+  expect_inside(found->result, "width", 350.0);
+  EXPECT_LT(held_out_error(*found, rig), 0.458 * kNoise);
+}
+
+TEST(LawSearch, APeakFarAboveWhatTheRowsHoldIsNot) {
+  // At 900 and 1500 rpm it has a fifth of its height.
+  const Rig rig = transmission_rig(
+      [](double rpm, double) {
+        const double x = (rpm - 1200.0) / 150.0;
+        return 0.02 / (1.0 + x * x);
+      },
+      0.0004, 13);
+  const auto found = law_in(rig);
+  if (!found) return;
+  double greatest = 0.0;
+  for (double rpm = 150.0; rpm <= 3000.0; rpm += 10.0) {
+    Condition c = rig.data.rows.front().condition;
+    c.sun_speed_rad_s = rpm * kRpm;
+    const auto values = values_of(found->law.hypothesis, found->law.hypothesis.effects.size() - 1);
+    if (!acts_in(found->law.law, c)) continue;
+    greatest = std::max(greatest, std::abs(law_value(found->law.law, c, values.data())));
+  }
+  // Twice what the rows differ by: 0.004 less next to nothing.
+  EXPECT_LT(greatest, 0.0088) << found->result.formula;
+}
+
+/// 8 torques by angles over seven turns of the output; pulses of lost motion.
+Rig pulse_rig(double order) {
+  Rig rig = lost_motion_rig([](double, double) { return 0.0; }, 0.05, 14);
+  for (std::size_t i = 0; i < rig.data.rows.size(); ++i) {
+    Observation& row = rig.data.rows[i];
+    const double turn = 7.0 * std::fmod(0.6180339887 * static_cast<double>(i), 1.0);
+    row.condition.output_angle_rad = 2.0 * std::numbers::pi * turn;
+    const double off = order * turn - std::round(order * turn);
+    row.response += 1.5 * kArcmin * std::exp(-off * off / (0.1 * 0.1));
+  }
+  return rig;
+}
+
+TEST(LawFit, EverySecondPulseIsPolishedToAll) {
+  const Rig rig = pulse_rig(5.3);
+  const Simulation simulation(box(), rig.data.kind);
+  const Problem problem{
+      .simulation = simulation, .data = rig.data, .noise = make_noise_model(rig.data)};
+  const LawData data = law_data(problem, {}, LawScope::kEveryForm);
+  const auto angle = std::ranges::find(law_conditions(), kOutputAngle.name, &LawCondition::name);
+  LawTrial trial{
+      .law = {.factors = {{.shape = LawShape::kPulse,
+                           .condition = static_cast<std::size_t>(angle - law_conditions().begin()),
+                           .reference = 360.0,
+                           .constant = 0.05}}},
+      .value = {1.5, 2.65, 0.0}};
+  std::vector<Eigen::Index> all(rig.data.rows.size());
+  std::iota(all.begin(), all.end(), Eigen::Index{0});
+  const LawFit fit(data, 0.05 * kArcmin);
+  fit.refine(trial, all);
+  const double before = trial.sum;
+  fit.polish(trial, all);
+  EXPECT_LT(trial.sum, 0.2 * before);
+  EXPECT_NEAR(trial.value[1], 5.3, 0.01);
+  EXPECT_NEAR(trial.law.factors[0].constant, 0.1, 0.021);
+}
+
+TEST(LawFit, WithoutABlockALawThatIsExactPredictsItExactly) {
+  // No noise: whatever block is left out, the others determine the law, and only fitting it anew,
+  // not its linearisation at other values, gives what was hidden.
+  const auto loss = [](double rpm, double) {
+    const double x = (rpm - 1000.0) / 300.0;
+    return 0.02 / (1.0 + x * x);
+  };
+  const Rig rig = transmission_rig(loss, 0.0, 1);
+  const Simulation simulation(box(), rig.data.kind);
+  const Problem problem{
+      .simulation = simulation, .data = rig.data, .noise = make_noise_model(rig.data)};
+  const auto speed = std::ranges::find(law_conditions(), kSunSpeed.name, &LawCondition::name);
+  const Law law{
+      .action = LawAction::kLoss,
+      .factors = {{.shape = LawShape::kResonance,
+                   .condition = static_cast<std::size_t>(speed - law_conditions().begin()),
+                   .reference = 3000.0}}};
+  const Form form = form_of(law);
+  Hypothesis h = with({}, {.cause = &law_cause(),
+                           .form = form,
+                           .parameters = law_cause().parameters(form, rig.data.kind)});
+  h.value = {0.018, 960.0, 330.0};
+  const auto blocks = blocks_along("speed", covariate_levels(rig.data));
+  ASSERT_TRUE(blocks);
+  const Eigen::VectorXd predicted = predict_law_held_out(problem, h, *blocks, 0.0004);
+  for (std::size_t i = 0; i < rig.clean.size(); ++i) {
+    EXPECT_NEAR(predicted[static_cast<Eigen::Index>(i)], rig.clean[i], 1e-5) << i;
+  }
 }
 
 TEST(LawSearch, NothingIsFoundInNoise) {
