@@ -103,9 +103,8 @@ bool search_boxes(const BoxProblem& problem, BoxNode root) {
   open.push_back(std::move(root));
   while (!open.empty() && !problem.cut()) {
     if (problem.best_first) {
-      std::swap(open.back(), *std::ranges::min_element(open, {}, [](const BoxNode& node) {
-                  return node.relaxed.objective;
-                }));
+      std::swap(open.back(), *std::ranges::min_element(
+                                 open, {}, [](const BoxNode& node) { return node.bound; }));
     }
     const BoxNode node = std::move(open.back());
     open.pop_back();
@@ -115,16 +114,16 @@ bool search_boxes(const BoxProblem& problem, BoxNode root) {
     const auto& [first, last] = node.box[*axis];
     const double at = problem.steps_at(*axis, node.relaxed.v);
     const long below = std::clamp(static_cast<long>(std::floor(at)), first, last - 1);
-    std::array<BoxNode, 2> halves{BoxNode{.box = node.box, .relaxed = {}},
-                                  BoxNode{.box = node.box, .relaxed = {}}};
+    std::array<BoxNode, 2> halves;
+    for (BoxNode& half : halves) half.box = node.box;
     halves[0].box[*axis][1] = below;
     halves[1].box[*axis][0] = below + 1;
     for (BoxNode& half : halves) {
-      half.relaxed = problem.relax(half.box, node.relaxed.v);
+      problem.relax(node, half);
       problem.offer(half);
     }
     if (problem.learn) problem.learn(node, *axis, halves);
-    if (halves[0].relaxed.objective < halves[1].relaxed.objective) std::swap(halves[0], halves[1]);
+    if (halves[0].bound < halves[1].bound) std::swap(halves[0], halves[1]);
     for (BoxNode& half : halves) {
       if (problem.can_win(half)) open.push_back(std::move(half));
     }

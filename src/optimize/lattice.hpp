@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -36,6 +37,8 @@ using LatticeBox = std::vector<std::array<long, 2>>;
 struct BoxNode {
   LatticeBox box;
   SolveOutcome relaxed;
+  /// Of the objective of its points; infinite: it has none.
+  double bound = std::numeric_limits<double>::infinity();
 };
 
 /// What cuts at each axis were worth: the mean gain of the relaxed objective for each step that the
@@ -63,8 +66,9 @@ class CutGains {
 
 /// What a search over boxes asks of its problem.
 struct BoxProblem {
-  /// The best of a box with all values free, from a start.
-  std::function<SolveOutcome(const LatticeBox&, const Point&)> relax;
+  /// Finds the best of a half with all values free, from that of the box that it was cut from, and
+  /// its bound; may take off the half what has no feasible point.
+  std::function<void(const BoxNode&, BoxNode&)> relax;
   /// How many steps an axis is at a point.
   std::function<double(std::size_t, const Point&)> steps_at;
   /// The axis to cut a box at; empty for a point.

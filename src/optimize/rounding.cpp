@@ -282,8 +282,11 @@ class LatticeSearch {
   }
 
   void descend(const RoundingTask& task, BoxNode root) {
-    search_boxes({.relax = [&](const LatticeBox& box,
-                               const Point& start) { return relax(task, box, start); },
+    search_boxes({.relax =
+                      [&](const BoxNode& from, BoxNode& half) {
+                        half.relaxed = relax(task, half.box, from.relaxed.v);
+                        half.bound = half.relaxed.objective;
+                      },
                   .steps_at = [&](std::size_t axis,
                                   const Point& v) { return task.steps_at(task.axes()[axis], v); },
                   .axis_to_cut = [&](const BoxNode& node) { return axis_to_cut(task, node); },

@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "optimize/grid_distances.hpp"
 #include "optimize/lattice.hpp"
 #include "optimize/one_variable.hpp"
 
@@ -18,6 +19,7 @@ class GridSearch {
       : problem_(problem),
         stop_(stop),
         shifts_(*problem.spec->shift_step, units::Unit::kModules),
+        distances_(GridDistances::of(problem, shifts_)),
         best_(to_beat) {}
 
   GridEnd run(const SolveOutcome& free) {
@@ -28,37 +30,46 @@ class GridSearch {
     if (std::ranges::any_of(whole, [](const auto& axis) { return axis[0] > axis[1]; })) {
       return beside_the_box(free);
     }
-    BoxNode root{.box = whole, .relaxed = {}};
+    BoxNode root;
+    root.box = whole;
     if (feasible(free) && holds(whole, free.v)) {
       root.relaxed = free;
     } else {
       ++end_.relaxations;
       root.relaxed = best_within(confined(whole), free.v);
+      if (!feasible(root.relaxed)) {
+        ++end_.relaxations;
+        const SolveOutcome again = best_within(confined(whole), middle_of(confined(whole)));
+        if (feasible(again)) root.relaxed = again;
+      }
     }
+    root.bound = root.relaxed.objective;
     if (!feasible(root.relaxed)) {
       end_.held = confined(whole);
       end_.outcome = root.relaxed;
       return std::move(end_);
     }
     offer(root);
-    const bool whole_grid = search_boxes(
-        {.relax = [&](const LatticeBox& box, const Point& start) { return relax(box, start); },
-         .steps_at = [&](std::size_t axis, const Point& v) { return shifts_.count(v[axis]); },
-         .axis_to_cut =
-             [&](const BoxNode& node) {
-               std::array<double, train::kGearCount> steps{};
-               for (std::size_t i = 0; i < steps.size(); ++i) {
-                 steps[i] = shifts_.count(node.relaxed.v[i]);
-               }
-               return gains_.best_axis(node.box, steps);
-             },
-         .offer = [&](const BoxNode& node) { offer(node); },
-         .can_win = [&](const BoxNode& node) { return can_win(node); },
-         .cut = [&] { return cut(); },
-         .learn = [&](const BoxNode& node, std::size_t axis,
-                      const std::array<BoxNode, 2>& halves) { learn(node, axis, halves); },
-         .best_first = true},
-        std::move(root));
+    const bool whole_grid =
+        !left_of(root.box) ||
+        search_boxes(
+            {.relax = [&](const BoxNode& from, BoxNode& half) { relax(from, half); },
+             .steps_at = [&](std::size_t axis, const Point& v) { return shifts_.count(v[axis]); },
+             .axis_to_cut =
+                 [&](const BoxNode& node) {
+                   std::array<double, train::kGearCount> steps{};
+                   for (std::size_t i = 0; i < steps.size(); ++i) {
+                     steps[i] = shifts_.count(node.relaxed.v[i]);
+                   }
+                   return gains_.best_axis(node.box, steps);
+                 },
+             .offer = [&](const BoxNode& node) { offer(node); },
+             .can_win = [&](const BoxNode& node) { return can_win(node); },
+             .cut = [&] { return cut(); },
+             .learn = [&](const BoxNode& node, std::size_t axis,
+                          const std::array<BoxNode, 2>& halves) { learn(node, axis, halves); },
+             .best_first = true},
+            std::move(root));
     end_.cut = !whole_grid;
     if (!end_.found && end_.held) {
       // Points of boxes were given up early: what the nearest one misses is asked for in full.
@@ -95,7 +106,7 @@ class GridSearch {
            end_.relaxations >= problem_.spec->solver.grid_relaxations;
   }
   [[nodiscard]] bool can_win(const BoxNode& node) const {
-    return feasible(node.relaxed) && node.relaxed.objective < best_ - kBetterOnLattice;
+    return node.bound < best_ - kBetterOnLattice;
   }
   /// Whether the shifts of a point are within a box.
   [[nodiscard]] bool holds(const LatticeBox& box, const Point& v) const {
@@ -114,9 +125,41 @@ class GridSearch {
     return p;
   }
 
-  SolveOutcome relax(const LatticeBox& box, const Point& start) {
+  /// The best of a half without what is proven to have no feasible point; where none is found from
+  /// the end of the box that was cut, the search begins once more in the middle.
+  void relax(const BoxNode& from, BoxNode& half) {
+    half.relaxed = {.v = from.relaxed.v, .objective = 0.0, .violation = kInfinity};
+    const auto problem = left_of(half.box);
+    if (!problem) return;
     ++end_.relaxations;
-    return end_of(confined(box), start);
+    half.relaxed = end_of(*problem, from.relaxed.v);
+    if (!feasible(half.relaxed) && !only_free_variable(*problem)) {
+      ++end_.relaxations;
+      const SolveOutcome again = best_within(*problem, middle_of(*problem), true);
+      if (feasible(again)) half.relaxed = again;
+    }
+    if (feasible(half.relaxed)) half.bound = half.relaxed.objective;
+  }
+
+  /// The problem of a box, from which what is proven to have no feasible point is taken off.
+  /// @returns empty where nothing is left
+  [[nodiscard]] std::optional<RefinementProblem> left_of(LatticeBox& box) const {
+    if (!distances_) return confined(box);
+    const auto angle_rad = distances_->confine(box);
+    if (!angle_rad) return std::nullopt;
+    RefinementProblem p = confined(box);
+    const double least = std::clamp(angle_rad->lo, p.lower[kAngleA], p.upper[kAngleA]);
+    p.upper[kAngleA] = std::clamp(angle_rad->hi, least, p.upper[kAngleA]);
+    p.lower[kAngleA] = least;
+    return p;
+  }
+
+  static Point middle_of(const RefinementProblem& problem) {
+    Point v{};
+    for (std::size_t k = 0; k < static_cast<std::size_t>(problem.variables); ++k) {
+      v[k] = 0.5 * (problem.lower[k] + problem.upper[k]);
+    }
+    return v;
   }
 
   static SolveOutcome end_of(const RefinementProblem& problem, const Point& start) {
@@ -148,11 +191,14 @@ class GridSearch {
       point[i] = {steps[i], steps[i]};
     }
     if (!whole && !offered_.insert(steps).second) return;
+    const auto left = left_of(point);
+    if (!left && end_.held) return;
+    // What holds the distance there is a row too: the problem as it was made goes on from here.
     RefinementProblem held = confined(point);
     SolveOutcome outcome = node.relaxed;
     if (!whole) {
       ++end_.relaxations;
-      outcome = end_of(held, node.relaxed.v);
+      outcome = end_of(left ? *left : held, node.relaxed.v);
     }
     if (feasible(outcome)) {
       if (!(outcome.objective < best_)) return;
@@ -168,6 +214,7 @@ class GridSearch {
   const RefinementProblem& problem_;
   const std::atomic<bool>& stop_;
   Multiples shifts_;
+  std::optional<GridDistances> distances_;
   double best_;
   std::set<std::array<long, train::kGearCount>> offered_;
   CutGains gains_{train::kGearCount};

@@ -24,7 +24,9 @@ struct GridEnd {
 /// the shifts of a box free bounds what its points can have; a box is cut in two at the shift whose
 /// halves promise most by the cuts so far (CutGains), until its points are no better than the best.
 ///
-/// Relaxations are solved locally: a box whose best point no run finds is lost.  After
+/// What limits of backlash leave no distance is proven empty (GridDistances).  The other
+/// relaxations are solved locally, from the end of the box that was cut and, where no feasible
+/// point is found, from the middle: a box whose best point neither run finds is lost.  After
 /// Solver::grid_relaxations of them the best point so far is taken.
 /// Source: own derivation, docs/theory §12.
 /// @param free  an end of the problem, from which the search begins

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <iostream>
 
+#include "io/files/specification_file.hpp"
 #include "optimize/cutter_choice.hpp"
 #include "optimize/lattice.hpp"
 #include "optimize/limit_prices.hpp"
@@ -75,6 +76,33 @@ TEST(ShiftGrid, SetsAreAsGoodAsTheBestPointOfTheWholeGrid) {
   }
   EXPECT_EQ(compared, wanted);
   std::cout << compared << " grids, " << none << " without a feasible point\n";
+}
+
+/// The best point of the grid of this set, as every point whose backlashes leave a distance, each
+/// evaluated at 25 distances, says.  From the box that was cut alone, no feasible point is found in
+/// a box that holds it.
+TEST(ShiftGrid, ABoxIsNotLeftWhereOneStartAloneFindsNoFeasiblePoint) {
+  Specification spec =
+      io::read_specification(std::string(GEAR3K_SOURCE_DIR) + "/examples/ratio-96.toml");
+  spec.shift_step = 0.05;
+  for (ModuleChoice& choice : spec.module) {
+    choice = {.range_m = std::nullopt, .series_m = {0.5e-3, 0.6e-3, 0.8e-3, 1e-3}};
+  }
+  Progress progress;
+  const ToothSearchResult sets = search_teeth(spec, progress);
+  const auto set = std::ranges::find_if(sets.candidates, [](const Candidate& c) {
+    const train::ToothSet& z = c.teeth;
+    return z.S == 12 && z.P1 == 44 && z.R1 == 102 && z.P2 == 28 && z.R2 == 72;
+  });
+  ASSERT_NE(set, sets.candidates.end());
+  const RefinementProblem problem = make_refinement_problem(spec, *set, {0.6e-3, 0.8e-3});
+  Point v = problem.lower;
+  std::ranges::copy(std::array{0.4, 0.75, 0.8, 0.75, 0.55}, v.begin());
+  const double witness = -best_distance(problem, v);
+  ASSERT_GT(witness, 0.0);
+  const RefinedSet best = refine(spec, *set);
+  ASSERT_EQ(best.status, Status::kOptimal);
+  EXPECT_GE(merit_of(spec, best), witness - 1e-6);
 }
 
 TEST(ShiftGrid, ASearchForTheBestAloneEndsAtTheBestOfAllSets) {
