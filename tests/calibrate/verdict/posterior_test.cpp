@@ -34,12 +34,14 @@ TEST(SetPosteriors, AddUpToOne) {
   }
 }
 
-TEST(SetPosteriors, OddsOfAnAlternativeFallByHalfItsStatistic) {
-  std::vector<Effect> effects{effect(200.0, {0.0, 4.0})};
+TEST(SetPosteriors, OddsOfAnAlternativeFallLessAndLessByItsStatistic) {
+  std::vector<Effect> effects{effect(200.0, {0.0, 5.7, 17.1})};
   set_posteriors(effects, false);
   const Effect& e = effects[0];
   EXPECT_GT(e.probability, e.alternatives[0].probability);
-  EXPECT_NEAR(e.alternatives[1].probability / e.alternatives[0].probability, std::exp(-1.0), 1e-12);
+  // (1 + 5.7/5.7)^-3 and (1 + 17.1/5.7)^-3.
+  EXPECT_NEAR(e.alternatives[0].probability / e.alternatives[1].probability, 8.0, 1e-9);
+  EXPECT_NEAR(e.alternatives[0].probability / e.alternatives[2].probability, 64.0, 1e-9);
 }
 
 TEST(SetPosteriors, WhatFitsFarBetterIsNotTakenAtItsStatistic) {
