@@ -28,7 +28,7 @@
 #include "app/diagnose.hpp"
 #include "benchmarks/program.hpp"
 #include "benchmarks/share.hpp"
-#include "calibrate/fit/fit.hpp"
+#include "calibrate/fit/linearisation.hpp"
 #include "calibrate/measurement/response_unit.hpp"
 #include "numerics/parallel.hpp"
 #include "tests/app/wide_scoring.hpp"

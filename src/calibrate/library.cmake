@@ -34,8 +34,10 @@ gear3k_library(calibrate
     ${causes}
     causes/angle_order.cpp
     fit/columns.cpp
+    fit/final_fit.cpp
     fit/fit.cpp
     fit/holdout.cpp
+    fit/linearisation.cpp
     fit/screen.cpp
     laws/law_fit.cpp
     laws/law_scan.cpp

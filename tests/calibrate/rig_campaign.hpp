@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "calibrate/fit/fit.hpp"
+#include "calibrate/fit/linearisation.hpp"
 #include "calibrate/model/simulation.hpp"
 #include "calibrate/search/search.hpp"
 #include "tests/rig/rig.hpp"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "calibrate/fit/fit.hpp"
+#include "calibrate/fit/final_fit.hpp"
 
 namespace gear3k::calibrate {
 

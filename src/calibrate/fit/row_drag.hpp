@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "calibrate/fit/fit.hpp"
+#include "calibrate/fit/final_fit.hpp"
 #include "calibrate/fit/parameter_results.hpp"
 
 namespace gear3k::calibrate {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "calibrate/fit/fit.hpp"
+#include "calibrate/fit/linearisation.hpp"
 
 namespace gear3k::calibrate {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "calibrate/fit/fit.hpp"
+#include "calibrate/fit/linearisation.hpp"
 #include "calibrate/model/law.hpp"
 
 namespace gear3k::calibrate {

@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "calibrate/fit/fit.hpp"
 #include "calibrate/fit/holdout.hpp"
+#include "calibrate/fit/linearisation.hpp"
 #include "calibrate/laws/law_forms.hpp"
 #include "calibrate/model/law.hpp"
 

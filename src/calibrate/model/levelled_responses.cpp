@@ -11,6 +11,12 @@ namespace {
 
 constexpr std::size_t kMostPoints = 9;
 
+double log_of(double level) {
+  // Friction at or below 0 is no level: what asks for it is met at the least one.
+  constexpr double kLeast = 0.01;
+  return std::log(std::max(level, kLeast));
+}
+
 std::vector<double> points_of(const LevelRange& levels) {
   if (!levels.varies()) return {0.0};
   const double middle = 0.5 * (levels.log_low + levels.log_high);
@@ -51,12 +57,15 @@ struct Lagrange {
 }  // namespace
 
 void LevelRange::include(double level) {
-  // Friction at or below 0 is no level: what asks for it is met at the least one.
-  constexpr double kLeast = 0.01;
   constexpr double kRoom = 0.005;
-  const double at = std::log(std::max(level, kLeast));
+  const double at = log_of(level);
   log_low = std::min(log_low, at - kRoom);
   log_high = std::max(log_high, at + kRoom);
+}
+
+bool LevelRange::holds(double level) const {
+  const double at = log_of(level);
+  return !varies() || (at >= log_low && at <= log_high);
 }
 
 LevelledResponses::LevelledResponses(const RowStates& states, const Simulation& simulation,

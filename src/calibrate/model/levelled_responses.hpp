@@ -16,6 +16,8 @@ struct LevelRange {
   /// With one more level in it, and room around it for derivatives.
   void include(double level);
   [[nodiscard]] bool varies() const { return log_high > log_low; }
+  /// Whether a level is in it; any is where none differs.
+  [[nodiscard]] bool holds(double level) const;
 };
 
 /// Responses by row and level of friction.

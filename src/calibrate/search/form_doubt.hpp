@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "calibrate/fit/fit.hpp"
+#include "calibrate/fit/final_fit.hpp"
 
 namespace gear3k::calibrate {
 

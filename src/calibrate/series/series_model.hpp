@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "calibrate/fit/fit.hpp"
+#include "calibrate/fit/final_fit.hpp"
 #include "calibrate/series/series.hpp"
 
 namespace gear3k::calibrate {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "calibrate/fit/fit.hpp"
+#include "calibrate/fit/linearisation.hpp"
 
 namespace gear3k::calibrate {
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "calibrate/fit/final_fit.hpp"
 #include "calibrate/fit/holdout.hpp"
 #include "calibrate/fit/row_friction.hpp"
 #include "calibrate/laws/law_result.hpp"

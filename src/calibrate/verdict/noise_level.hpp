@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "calibrate/fit/fit.hpp"
+#include "calibrate/fit/final_fit.hpp"
 #include "calibrate/measurement/noise.hpp"
 
 namespace gear3k::calibrate {

@@ -1,5 +1,3 @@
-#include "calibrate/fit/fit.hpp"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -9,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "calibrate/fit/final_fit.hpp"
 #include "tests/calibrate/rig_campaign.hpp"
 #include "tests/rig/deterministic_random.hpp"
 #include "tests/sample.hpp"
@@ -179,6 +178,38 @@ TEST_P(EveryForm, IsFoundAgainInItsOwnDataWithoutNoise) {
     for (const double share : {0.1, 1e-3, 1e-6}) h = fit(problem, h, share * size_).hypothesis;
     for (std::size_t k = 0; k < truth.value.size(); ++k) {
       EXPECT_NEAR(h.value[k], truth.value[k], 1e-6 * std::abs(truth.value[k])) << told(c) << k;
+    }
+  }
+}
+
+TEST_P(EveryForm, IsNearbyWhatItIsInASimulationOfItsOwn) {
+  for (std::size_t index = 0; index < candidates_.size(); index += sample<std::size_t>(5, 1)) {
+    const Candidate& c = candidates_[index];
+    Hypothesis h = with({}, c);
+    h.value = some_values(c);
+    const auto times = [&](double factor) {
+      std::vector<double> value = h.value;
+      for (double& v : value) v *= factor;
+      return value;
+    };
+    constexpr double kRoom = 0.1;
+    const NearbyRows nearby(problem_, h, kRoom);
+    // Greatest difference with all values greater by a share.
+    const auto error = [&](double share) {
+      Hypothesis moved = h;
+      moved.value = times(1.0 + share);
+      const Linearisation rows = nearby.at(moved.value);
+      EXPECT_TRUE(rows.runs) << told(c);
+      return (rows.simulated - at(moved)).cwiseAbs().maxCoeff();
+    };
+    if (nearby.is_exact_at(times(1.03))) {
+      EXPECT_LT(error(0.03), 1e-6 * size_) << told(c);
+    } else {
+      // Linear in what acts in the gearbox: half as far, a quarter as wrong.
+      EXPECT_LT(error(0.015), 0.3 * error(0.03) + 1e-6 * size_) << told(c);
+    }
+    if (c.cause->id == std::string("run_step") && changes_row_friction(c)) {
+      EXPECT_FALSE(nearby.at(times(50.0)).runs) << told(c) << ": friction beyond the room";
     }
   }
 }

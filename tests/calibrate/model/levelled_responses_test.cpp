@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "calibrate/fit/fit.hpp"
+#include "calibrate/fit/linearisation.hpp"
 #include "tests/calibrate/bench.hpp"
 #include "tests/calibrate/measured_grid.hpp"
 

@@ -1,0 +1,290 @@
+#include "calibrate/fit/linearisation.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "numerics/parallel.hpp"
+
+namespace gear3k::calibrate {
+
+namespace {
+
+constexpr int kSlots = kMaxVariables;
+/// From here on rows are simulated in parallel.
+constexpr std::size_t kManyRows = 2000;
+
+/// Candidates that one pass of derivatives carries.
+struct Pass {
+  /// As many parameters of a candidate as the pass had room for.
+  struct Part {
+    std::size_t candidate;
+    std::vector<Scalar> values;  ///< of all its parameters: 0, the part's with a slot each
+    Eigen::Index first, count;   ///< of the candidate's parameters
+    int slot;                    ///< of the first
+  };
+  std::vector<Part> parts;
+  int used = 0;
+
+  bool add(const std::vector<Candidate>& candidates, std::size_t k, Eigen::Index first,
+           Eigen::Index count) {
+    const Candidate& candidate = candidates[k];
+    const bool clash =
+        candidate.cause->exclusive_forms && std::ranges::any_of(parts, [&](const Part& other) {
+          return candidates[other.candidate].cause == candidate.cause;
+        });
+    if (clash || used + count > kSlots) return false;
+    std::vector<Scalar> p(candidate.parameters.size(), Scalar(0.0));
+    for (Eigen::Index j = 0; j < count; ++j) {
+      p[static_cast<std::size_t>(first + j)] = Scalar(0.0, used + static_cast<int>(j));
+    }
+    parts.push_back(
+        {.candidate = k, .values = std::move(p), .first = first, .count = count, .slot = used});
+    used += static_cast<int>(count);
+    return true;
+  }
+};
+
+/// Passes that together carry all candidates of a place.
+std::vector<Pass> make_passes(const std::vector<Candidate>& candidates, Place place) {
+  std::vector<Pass> passes;
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    // A friction that differs by row is read row by row, whatever the cause.
+    const Place own =
+        changes_row_friction(candidates[k]) ? Place::kMeasurement : candidates[k].cause->place;
+    if (own != place) continue;
+    const auto all = static_cast<Eigen::Index>(candidates[k].parameters.size());
+    for (Eigen::Index first = 0; first < all; first += kSlots) {
+      const Eigen::Index count = std::min<Eigen::Index>(kSlots, all - first);
+      const bool found =
+          std::ranges::any_of(passes, [&](Pass& p) { return p.add(candidates, k, first, count); });
+      if (found) continue;
+      passes.emplace_back();
+      passes.back().add(candidates, k, first, count);
+    }
+  }
+  return passes;
+}
+
+/// The gearbox under a hypothesis, in any row.
+Modification gearbox_under(const Simulation& simulation, const Hypothesis& h,
+                           const std::vector<Scalar>& values) {
+  Modification m = simulation.unmodified({});
+  apply(h, values, {}, simulation.kind(), m);
+  return m;
+}
+
+Modification reading_under(const Simulation& simulation, const Hypothesis& h,
+                           std::span<const Scalar> values, const Condition& condition) {
+  Modification m = simulation.unmodified(condition);
+  apply_to_reading(h, values, condition, simulation.kind(), m);
+  return m;
+}
+
+/// Levels of friction that a hypothesis gives the rows, or a model under the simulation.
+LevelRange levels_of(const Problem& problem, const Hypothesis& h) {
+  LevelRange levels;
+  const bool by_row = std::ranges::any_of(h.effects, changes_row_friction);
+  if (!problem.simulation.has_models() && !by_row) return levels;
+  const auto constants = constants_of(h.value);
+  for (const Observation& row : problem.data.rows) {
+    const double level =
+        reading_under(problem.simulation, h, constants, row.condition).friction_level.a;
+    if (level != 1.0) levels.include(level);
+  }
+  // A hypothesis at 1 has derivatives by the level all the same.
+  if (by_row) levels.include(1.0);
+  return levels;
+}
+
+/// @param work  of a row, by its place in the data and in a vector of all
+template <class Work>
+void for_rows(const Problem& problem, const Work& work) {
+  constexpr std::size_t kChunk = 512;
+  const std::size_t n = problem.data.rows.size();
+  const auto of_chunk = [&](std::size_t chunk) {
+    const std::size_t first = chunk * kChunk;
+    for (std::size_t row = first; row < std::min(n, first + kChunk); ++row) {
+      work(row, static_cast<Eigen::Index>(row));
+    }
+  };
+  numerics::parallel_for((n + kChunk - 1) / kChunk, of_chunk, n > kManyRows);
+}
+
+void apply_pass(const Pass& pass, const std::vector<Candidate>& others, const Condition& condition,
+                Kind kind, Modification& m) {
+  for (const Pass::Part& part : pass.parts) {
+    const Candidate& c = others[part.candidate];
+    c.cause->apply(c.form, part.values, condition, kind, m);
+  }
+}
+
+/// The derivatives of all rows by what may be added to a hypothesis, each at 0.
+/// @param first_column  of each candidate in the result
+Eigen::MatrixXd derivatives_by(const std::vector<Candidate>& others,
+                               const std::vector<Eigen::Index>& first_column,
+                               const Problem& problem, const Hypothesis& h, Eigen::Index columns) {
+  const Simulation& simulation = problem.simulation;
+  const Kind kind = simulation.kind();
+  const LevelRange levels = levels_of(problem, h);
+  const auto constants = constants_of(h.value);
+  const auto in_gearbox = make_passes(others, Place::kGearbox);
+  const auto in_reading = make_passes(others, Place::kMeasurement);
+  const Modification known = gearbox_under(simulation, h, constants);
+  LevelRange with_others = levels;
+  if (std::ranges::any_of(others, changes_row_friction)) with_others.include(1.0);
+  const LevelledResponses plain(problem.states, simulation, known, with_others);
+  std::vector<LevelledResponses> of_pass;
+  of_pass.reserve(in_gearbox.size());
+  for (const Pass& pass : in_gearbox) {
+    Modification m = known;
+    apply_pass(pass, others, {}, kind, m);
+    of_pass.emplace_back(problem.states, simulation, m, levels);
+  }
+  Eigen::MatrixXd result =
+      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(problem.data.rows.size()), columns);
+  for_rows(problem, [&](std::size_t row, Eigen::Index i) {
+    const Condition& condition = problem.data.rows[row].condition;
+    const auto store = [&](const Pass& pass, const Scalar& y) {
+      for (const Pass::Part& part : pass.parts) {
+        result.row(i).segment(first_column[part.candidate] + part.first, part.count) =
+            y.v.segment(part.slot, part.count).transpose();
+      }
+    };
+    const Modification reading = reading_under(simulation, h, constants, condition);
+    for (std::size_t k = 0; k < in_gearbox.size(); ++k) {
+      const std::optional<Scalar> response = of_pass[k].of_row(row, reading.friction_level);
+      if (!response) continue;
+      Modification m = reading;
+      // Of pairs a loss beside the mesh is read with it.
+      if (kind == Kind::kPairLoss) apply_pass(in_gearbox[k], others, condition, kind, m);
+      store(in_gearbox[k], simulation.reading(*response, condition, m));
+    }
+    for (const Pass& pass : in_reading) {
+      Modification m = reading;
+      apply_pass(pass, others, condition, kind, m);
+      const std::optional<Scalar> response = plain.by_level(row, m.friction_level);
+      if (response) store(pass, simulation.reading(*response, condition, m));
+    }
+  });
+  return result;
+}
+
+}  // namespace
+
+Eigen::VectorXd measured(const MeasurementSet& data) {
+  Eigen::VectorXd y(static_cast<Eigen::Index>(data.rows.size()));
+  for (std::size_t i = 0; i < data.rows.size(); ++i) {
+    y[static_cast<Eigen::Index>(i)] = data.rows[i].response;
+  }
+  return y;
+}
+
+NearbyRows::NearbyRows(const Problem& problem, Hypothesis about, double room)
+    : problem_(problem), about_(std::move(about)), levels_(levels_of(problem, about_)) {
+  if (levels_.varies()) {
+    levels_.log_low -= room;
+    levels_.log_high += room;
+  }
+  for (const Candidate& c : about_.effects) {
+    const bool acts = c.cause->place == Place::kGearbox && !changes_row_friction(c);
+    in_gearbox_.insert(in_gearbox_.end(), c.parameters.size(), acts);
+  }
+  // As many parameters at a time as a Scalar has slots.
+  for (std::size_t first = 0; first == 0 || first < about_.value.size(); first += kSlots) {
+    const auto variables = variables_of(about_.value, first);
+    gearbox_.emplace_back(problem.states, problem.simulation,
+                          gearbox_under(problem.simulation, about_, variables), levels_);
+  }
+}
+
+bool NearbyRows::is_exact_at(const std::vector<double>& value) const {
+  for (std::size_t k = 0; k < value.size(); ++k) {
+    if (in_gearbox_[k] && value[k] != about_.value[k]) return false;
+  }
+  return true;
+}
+
+Linearisation NearbyRows::at(const std::vector<double>& value) const {
+  const Simulation& simulation = problem_.simulation;
+  const auto n = static_cast<Eigen::Index>(problem_.data.rows.size());
+  const auto parameters = static_cast<Eigen::Index>(value.size());
+  const bool is_moved = !is_exact_at(value);
+  Linearisation result{.simulated = Eigen::VectorXd::Zero(n),
+                       .own = Eigen::MatrixXd::Zero(n, parameters),
+                       .other = {}};
+  std::atomic<bool> all_run = true;
+  for (std::size_t block = 0; block < gearbox_.size(); ++block) {
+    const auto begin = static_cast<Eigen::Index>(block) * kSlots;
+    const Eigen::Index slots = std::min<Eigen::Index>(kSlots, parameters - begin);
+    const auto variables = variables_of(value, static_cast<std::size_t>(begin));
+    for_rows(problem_, [&](std::size_t row, Eigen::Index i) {
+      const Condition& condition = problem_.data.rows[row].condition;
+      const Modification reading = reading_under(simulation, about_, variables, condition);
+      std::optional<Scalar> response;
+      if (levels_.holds(reading.friction_level.a)) {
+        response = gearbox_[block].of_row(row, reading.friction_level);
+      }
+      if (!response) {
+        all_run = false;
+        return;
+      }
+      if (is_moved) response->a += change_in_gearbox(row, reading.friction_level.a, value);
+      const Scalar y = simulation.reading(*response, condition, reading);
+      result.simulated[i] = y.a;
+      if (slots > 0) result.own.row(i).segment(begin, slots) = y.v.head(slots).transpose();
+    });
+  }
+  result.runs = all_run;
+  return result;
+}
+
+double NearbyRows::change_in_gearbox(std::size_t row, double level,
+                                     const std::vector<double>& value) const {
+  double change = 0.0;
+  for (std::size_t block = 0; block < gearbox_.size(); ++block) {
+    const std::optional<Scalar> response = gearbox_[block].of_row(row, Scalar(level));
+    const std::size_t first = block * kSlots;
+    const std::size_t end = std::min<std::size_t>(first + kSlots, value.size());
+    for (std::size_t k = first; response && k < end; ++k) {
+      if (!in_gearbox_[k]) continue;
+      change += response->v[static_cast<Eigen::Index>(k - first)] * (value[k] - about_.value[k]);
+    }
+  }
+  return change;
+}
+
+WhitenedRows NearbyRows::whitened_at(const std::vector<double>& value) const {
+  Linearisation at = this->at(value);
+  Eigen::MatrixXd columns(at.own.rows(), at.own.cols() + 1);
+  columns << measured(problem_.data) - at.simulated, at.own;
+  problem_.noise.whiten(columns);
+  return {.residual = columns.col(0),
+          .jacobian = columns.rightCols(at.own.cols()),
+          .simulated = std::move(at.simulated),
+          .runs = at.runs};
+}
+
+Linearisation linearise(const Problem& problem, const Hypothesis& hypothesis,
+                        const std::vector<Candidate>& others) {
+  Linearisation result = NearbyRows(problem, hypothesis).at(hypothesis.value);
+  Eigen::Index columns = 0;
+  std::vector<Eigen::Index> first_column;
+  first_column.reserve(others.size());
+  for (const Candidate& c : others) {
+    first_column.push_back(columns);
+    columns += static_cast<Eigen::Index>(c.parameters.size());
+  }
+  result.other = others.empty()
+                     ? Eigen::MatrixXd::Zero(result.own.rows(), 0)
+                     : derivatives_by(others, first_column, problem, hypothesis, columns);
+  return result;
+}
+
+WhitenedRows whitened_rows(const Problem& problem, const Hypothesis& h) {
+  return NearbyRows(problem, h).whitened_at(h.value);
+}
+
+}  // namespace gear3k::calibrate
