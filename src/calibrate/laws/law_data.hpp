@@ -2,6 +2,7 @@
 // The rows that a law is looked for in, as the search works with them.
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -44,9 +45,10 @@ Eigen::VectorXd left_by_own(const LawData& d);
 struct LawTrial {
   Law law;
   std::vector<double> value;
-  double gain = 0.0;  ///< squares that it takes off, along the grid
-  double sum = 0.0;   ///< Σ ρ once refined
-  int orders = 1;     ///< that a wave or pulse was chosen from
+  double gain = 0.0;                ///< squares that it takes off, along the grid
+  double sum = 0.0;                 ///< Σ ρ once refined
+  int orders = 1;                   ///< that a wave or pulse was chosen from
+  double highest_order = HUGE_VAL;  ///< of these; infinite where none were looked through
 };
 
 /// How far beyond the range of a condition, over that range, a law is held against its rows and

@@ -1,10 +1,10 @@
 #include "calibrate/laws/law_fit.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "calibrate/fit/screen.hpp"
+#include "calibrate/laws/law_forms.hpp"
 #include "numerics/linear_algebra.hpp"
 
 namespace gear3k::calibrate {
@@ -116,25 +116,13 @@ bool LawFit::take_better(LawTrial& t, LawTrial other, const std::vector<Eigen::I
 
 namespace {
 
-constexpr std::array<double, 10> kPreferredNumbers{1.0,  1.25, 1.6, 2.0, 2.5,
-                                                   3.15, 4.0,  5.0, 6.3, 8.0};
-
-/// The next preferred number below (step -1) or above (1).
-double next_preferred(double now, int step) {
-  const double decade = std::pow(10.0, std::floor(std::log10(now * 1.0001)));
-  auto k = static_cast<int>(std::ranges::lower_bound(kPreferredNumbers, 0.999 * now / decade) -
-                            kPreferredNumbers.begin()) +
-           step;
-  const double shift = k < 0 ? 0.1 : k > 9 ? 10.0 : 1.0;
-  k = (k + 10) % 10;
-  return kPreferredNumbers[static_cast<std::size_t>(k)] * decade * shift;
-}
-
-/// Values of a condition in the rows, ascending, each once.
-std::vector<double> distinct_values(const LawData& d, const LawCondition& condition) {
+/// Values of a factor's condition in the rows where the law acts, ascending, each once.
+std::vector<double> distinct_values(const LawData& d, const Law& law, std::size_t factor) {
+  const LawCondition& condition = law_conditions()[law.factors[factor].condition];
   std::vector<double> values;
   values.reserve(d.data.rows.size());
   for (const Observation& row : d.data.rows) {
+    if (!acts_in(law, row.condition)) continue;
     const double x = condition.value(row.condition);
     if (std::isfinite(x)) values.push_back(x);
   }
@@ -158,16 +146,22 @@ LawTrial twice_as_often(LawTrial t, std::size_t factor) {
   const double phase = 2.0 * t.value[order + 1];
   t.value[order] *= 2.0;
   t.value[order + 1] = phase - std::floor(phase + 0.5);
-  t.law.factors[factor].constant = next_preferred(1.8 * t.law.factors[factor].constant, 1);
+  double& width = t.law.factors[factor].constant;
+  width = preferred_number(2.0 * width);
   return t;
+}
+
+/// Bounds of a factor's first parameter.
+ParameterRecord first_record(const LawTrial& t, std::size_t factor, Kind kind) {
+  const auto own = static_cast<std::size_t>(own_size(t));
+  return parameters_of(t.law, kind)[first_value(t, factor) - own];
 }
 
 }  // namespace
 
 bool LawFit::polish_step(LawTrial& t, std::size_t factor,
                          const std::vector<Eigen::Index>& in) const {
-  const std::vector<double> x =
-      distinct_values(d_, law_conditions()[t.law.factors[factor].condition]);
+  const std::vector<double> x = distinct_values(d_, t.law, factor);
   const auto gaps = static_cast<std::ptrdiff_t>(x.size()) - 1;
   const auto between = [&](std::ptrdiff_t gap) {
     const auto k = static_cast<std::size_t>(gap);
@@ -196,11 +190,13 @@ bool LawFit::polish_width(LawTrial& t, std::size_t factor,
   for (const int step : {-1, 1}) {
     LawTrial other = t;
     double& width = other.law.factors[factor].constant;
-    width = next_preferred(width, step);
+    width = preferred_number(width, step);
     if (take_better(t, std::move(other), in)) return true;
   }
-  return t.law.factors[factor].shape == LawShape::kPulse &&
-         take_better(t, twice_as_often(t, factor), in);
+  if (t.law.factors[factor].shape != LawShape::kPulse) return false;
+  LawTrial other = twice_as_often(t, factor);
+  const double most = std::min(first_record(t, factor, d_.data.kind).upper, 2.0 * t.highest_order);
+  return other.value[first_value(other, factor)] <= most && take_better(t, std::move(other), in);
 }
 
 void LawFit::polish(LawTrial& t, const std::vector<Eigen::Index>& in) const {

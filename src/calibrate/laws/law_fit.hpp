@@ -35,7 +35,8 @@ class LawFit {
   Eigen::VectorXd refine(LawTrial& t, const std::vector<Eigen::Index>& in) const;
 
   /// Other constants of a refined trial as long as one does better: widths by preferred numbers one
-  /// by one, thresholds between any two values of the rows, and pulses twice as often.
+  /// by one, thresholds between any two values of the rows where the law acts, and pulses twice as
+  /// often, up to twice the highest order that was looked through.
   void polish(LawTrial& t, const std::vector<Eigen::Index>& in) const;
 
   /// The residual of all rows with the own parameters alone, fitted over rows by the same loss.

@@ -1,6 +1,7 @@
 #include "calibrate/laws/law_forms.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "calibrate/measurement/condition_quantity.hpp"
@@ -119,6 +120,15 @@ std::vector<TriedFactor> grid_of(LawShape shape, const ConditionValues& values) 
       break;
   }
   return grid;
+}
+
+double preferred_number(double value, int steps) {
+  constexpr std::array<double, 10> kDecade{1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0};
+  constexpr int kPlaces = static_cast<int>(kDecade.size());
+  const int place = static_cast<int>(std::lround(kPlaces * std::log10(value))) + steps;
+  const int in_decade = (place % kPlaces + kPlaces) % kPlaces;
+  return kDecade[static_cast<std::size_t>(in_decade)] *
+         std::pow(10.0, (place - in_decade) / kPlaces);
 }
 
 std::vector<LawShape> single_shapes() {

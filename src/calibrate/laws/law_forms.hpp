@@ -35,6 +35,10 @@ struct TriedFactor {
 /// Places where the search tries a factor of one condition: the grid of its parameters.
 std::vector<TriedFactor> grid_of(LawShape shape, const ConditionValues& values);
 
+/// The preferred number (R10 of ISO 3: 1, 1.25, 1.6, 2, 2.5, 3.15, 4, 5, 6.3, 8, 10, ...) nearest
+/// in ratio to a value above 0, or the one so many steps above it: what widths are taken from.
+double preferred_number(double value, int steps = 0);
+
 /// Shapes of a law of one condition but for waves and pulses, whose orders are scanned for.
 std::vector<LawShape> single_shapes();
 /// Shapes that go together in a product, in this order or (if they differ) in the other.

@@ -73,7 +73,8 @@ class FormScan {
   }
 
   /// Takes a trial in where it is the best of its form so far.
-  void offer(Law law, const std::vector<double>& factors, double gain, int orders = 1) {
+  void offer(Law law, const std::vector<double>& factors, double gain, int orders = 1,
+             double highest_order = HUGE_VAL) {
     LawTrial& best = tried_[key_of(law)];
     if (!best.value.empty() && gain <= best.gain) return;
     best.value.assign(law.offset ? 2 : 1, 0.0);
@@ -81,6 +82,7 @@ class FormScan {
     best.law = std::move(law);
     best.gain = gain;
     best.orders = orders;
+    best.highest_order = highest_order;
   }
 
   static std::vector<double> parameters(const TriedFactor& t) {
@@ -243,7 +245,9 @@ class FormScan {
         for (const LawShape shape : {LawShape::kWave, LawShape::kPulse}) {
           const int harmonics = shape == LawShape::kWave ? 1 : kHarmonics;
           std::vector<double> orders = best_orders(power, step, harmonics, kOrders);
-          // Every second pulse alone has a power of its own.
+          // Every second pulse alone has a power of its own.  What all of them take off decides
+          // here whether the form is refined at all; LawFit::polish doubles again, from the refined
+          // order and phase and to widths that this grid does not have.
           for (std::size_t k = 0; shape == LawShape::kPulse && k < kOrders && k < orders.size();
                ++k) {
             orders.push_back(2.0 * orders[k]);
@@ -275,7 +279,7 @@ class FormScan {
                 channel_weights(d_, action, LawRows::kAll).asDiagonal() * columns, d_.own_basis);
             for (std::size_t k = 0; k < grid.size(); ++k) {
               offer({.action = action, .factors = {grid[k].factor}}, parameters(grid[k]),
-                    gain[static_cast<Eigen::Index>(k)], count);
+                    gain[static_cast<Eigen::Index>(k)], count, step * count);
             }
           }
         }

@@ -1,9 +1,12 @@
 #include "calibrate/laws/law_search.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <stdexcept>
 
 #include "calibrate/fit/screen.hpp"
 #include "calibrate/laws/law_fit.hpp"
@@ -21,8 +24,8 @@ constexpr double kClearBic = 10.0;
 /// The same where nothing else tells of structure, and the least share of what is explained.
 constexpr double kSureBic = 20.0;
 constexpr double kLeastLawShare = 0.02;
-/// What a law that is better by kSureBic than all others may do between its rows, over what it
-/// differs by in them.
+/// What a law that is better by kSureBic than all others refined may do between its rows, over what
+/// it differs by in them.
 constexpr double kPeakBetween = 1.0;
 /// A share of a response that is the same everywhere is the response itself: the plainer law is
 /// preferred where the data cannot tell.
@@ -148,9 +151,9 @@ class LawSearch {
   }
 
  private:
-  /// The best that does no more where nothing was measured than its rows hold; or one that does,
-  /// between them by no more than they differ, where it is better by kSureBic: what the rows hold
-  /// is then no law of another form.
+  /// Of the refined, the best that does no more where nothing was measured than its rows hold; or
+  /// one that does, between them by no more than they differ, where it is better by kSureBic: what
+  /// the rows hold is then no law of another form among these.
   [[nodiscard]] std::optional<LawTrial> best_within_rows(std::vector<LawTrial> trials) const {
     const auto score = [&](const LawTrial& t) { return t.sum + cost(t); };
     std::ranges::stable_sort(trials, {}, score);
@@ -247,14 +250,14 @@ std::optional<FoundLaw> law_beside(const Problem& problem, const Hypothesis& hyp
 
 /// Σ ρ(r/s) + p ln n of a hypothesis, constants of laws among p, 2 ln M for each cause among M, and
 /// 2 ln N for the law among N forms that `law` is; none where it is null.
-/// @param causes  M
+/// @param candidates  M
 double criterion(const Problem& problem, const Hypothesis& h, double scale, const FoundLaw* law,
-                 std::size_t causes) {
+                 std::size_t candidates) {
   const Fit at = fit(problem, h, scale);
   int parameters = 0;
   double choice = law == nullptr ? 0.0 : 2.0 * std::log(static_cast<double>(law->forms));
   for (const Candidate& c : h.effects) {
-    if (c.cause != &law_cause()) choice += 2.0 * std::log(static_cast<double>(causes));
+    if (c.cause != &law_cause()) choice += 2.0 * std::log(static_cast<double>(candidates));
     parameters +=
         c.cause == &law_cause() ? law_cost(law_of(c.form)) : static_cast<int>(c.parameters.size());
   }
@@ -263,7 +266,7 @@ double criterion(const Problem& problem, const Hypothesis& h, double scale, cons
 }
 
 /// Takes out causes that beside the law do not pay for their parameters.
-void drop_superfluous(const Problem& problem, const Blocks& blocks, std::size_t causes,
+void drop_superfluous(const Problem& problem, const Blocks& blocks, std::size_t candidates,
                       FoundLaw& found) {
   for (std::size_t k = 0; k < found.hypothesis.effects.size();) {
     if (found.hypothesis.effects[k].cause == &law_cause()) {
@@ -271,8 +274,8 @@ void drop_superfluous(const Problem& problem, const Blocks& blocks, std::size_t 
       continue;
     }
     const Hypothesis rest = fit(problem, without(found.hypothesis, k), found.scale).hypothesis;
-    if (criterion(problem, rest, found.scale, &found, causes) >
-        criterion(problem, found.hypothesis, found.scale, &found, causes)) {
+    if (criterion(problem, rest, found.scale, &found, candidates) >
+        criterion(problem, found.hypothesis, found.scale, &found, candidates)) {
       ++k;
       continue;
     }
@@ -300,13 +303,13 @@ double squares_as_given(const Problem& problem, double scale) {
 /// Whether a law without the causes does better than these, where nothing tells of structure beside
 /// them.
 bool replaces_causes(const Problem& problem, const Hypothesis& causes, const FoundLaw& law,
-                     std::size_t count) {
+                     std::size_t candidates) {
   const double ln = std::log(static_cast<double>(problem.data.rows.size()));
   const double of_causes = capped_sum(problem, causes, law.scale);
   const double of_law = capped_sum(problem, law.hypothesis, law.scale);
   const double cost_of_causes =
       static_cast<double>(causes.value.size()) * ln +
-      2.0 * std::log(static_cast<double>(count)) * static_cast<double>(causes.effects.size());
+      2.0 * std::log(static_cast<double>(candidates)) * static_cast<double>(causes.effects.size());
   const double cost_of_law =
       law_cost(law.law) * ln + 2.0 * std::log(static_cast<double>(std::max(law.forms, 1)));
   const double gain = of_causes - of_law;
@@ -316,11 +319,11 @@ bool replaces_causes(const Problem& problem, const Hypothesis& causes, const Fou
 
 /// A law where nothing else tells of structure: without the causes, or beside them.
 std::optional<FoundLaw> find_plain_law(const Problem& problem, const Hypothesis& hypothesis,
-                                       const Blocks& blocks, std::size_t causes, double rate) {
+                                       const Blocks& blocks, std::size_t candidates, double rate) {
   const double least = std::max(kSureBic, -2.0 * std::log(rate));
   std::optional<FoundLaw> alone = law_beside(problem, {}, blocks, LawScope::kPlain, least);
   if (hypothesis.effects.empty()) return alone;
-  if (alone && replaces_causes(problem, hypothesis, *alone, causes)) return alone;
+  if (alone && replaces_causes(problem, hypothesis, *alone, candidates)) return alone;
   std::optional<FoundLaw> beside = law_beside(problem, hypothesis, blocks, LawScope::kPlain, least);
   if (!beside) return std::nullopt;
   const double gain = capped_sum(problem, hypothesis, beside->scale) -
@@ -333,7 +336,15 @@ std::optional<FoundLaw> find_plain_law(const Problem& problem, const Hypothesis&
 
 Eigen::VectorXd predict_law_held_out(const Problem& problem, const Hypothesis& hypothesis,
                                      const Blocks& blocks, double scale) {
+  if (hypothesis.effects.empty()) {
+    throw std::invalid_argument(
+        "predict_law_held_out: the hypothesis has 0 effects, not 1 or more");
+  }
   const std::size_t last = hypothesis.effects.size() - 1;
+  if (const Cause* cause = hypothesis.effects[last].cause; cause != &law_cause()) {
+    throw std::invalid_argument(
+        fmt::format("predict_law_held_out: the last effect is {}, no law", cause->id));
+  }
   const Hypothesis causes = without(hypothesis, last);
   const auto values = values_of(hypothesis, last);
   LawTrial trial{.law = law_of(hypothesis.effects[last].form), .value = {}};
@@ -344,19 +355,20 @@ Eigen::VectorXd predict_law_held_out(const Problem& problem, const Hypothesis& h
 }
 
 std::optional<FoundLaw> find_law(const Problem& problem, const Hypothesis& hypothesis,
-                                 const Blocks& blocks, LawScope scope, std::size_t causes,
+                                 const Blocks& blocks, LawScope scope, std::size_t candidates,
                                  double rate) {
-  if (scope == LawScope::kPlain) return find_plain_law(problem, hypothesis, blocks, causes, rate);
+  if (scope == LawScope::kPlain)
+    return find_plain_law(problem, hypothesis, blocks, candidates, rate);
   std::optional<FoundLaw> beside = law_beside(problem, hypothesis, blocks, scope);
   if (hypothesis.effects.empty()) return beside;
-  if (beside) drop_superfluous(problem, blocks, causes, *beside);
+  if (beside) drop_superfluous(problem, blocks, candidates, *beside);
   std::optional<FoundLaw> alone = law_beside(problem, {}, blocks, scope);
   if (!alone) return beside;
   const double scale = beside ? std::min(beside->scale, alone->scale) : alone->scale;
   const double with_causes = criterion(problem, beside ? beside->hypothesis : hypothesis, scale,
-                                       beside ? &*beside : nullptr, causes);
+                                       beside ? &*beside : nullptr, candidates);
   const bool causes_fall =
-      criterion(problem, alone->hypothesis, scale, &*alone, causes) + kClearBic < with_causes;
+      criterion(problem, alone->hypothesis, scale, &*alone, candidates) + kClearBic < with_causes;
   return causes_fall ? alone : beside;
 }
 

@@ -43,27 +43,29 @@ struct FoundLaw {
 /// predicted with all parameters fitted anew without them (constants stay), gain more over the
 /// hypothesis than the standard error of that gain over blocks.
 /// Causes that only imitate the law fall: where a law without them does better by 10, in the same
-/// measure with each cause paid for as one of `causes`, it is given alone.  A form that does more
-/// between its rows than they hold (exceeds_its_rows) is none, unless it is better by 20 than all
-/// others and does no more there than it differs by in them.
+/// measure with each cause paid for as one of `candidates`, it is given alone.  A form that does
+/// more between its rows than they hold (exceeds_its_rows) is none, unless it is better by 20 than
+/// all others of the 24 that are refined and does no more there than it differs by in them: what a
+/// form that was not refined would reach is not known.
 ///
 /// Of the scope kPlain (nothing else tells of structure) more is asked: rows beyond three
 /// deviations count as three in every sum, so that a few far rows make no law; it is less by
 /// max(20, −2 ln rate) than without it; beside causes it takes off at least a fiftieth of the
-/// squares that there are; and causes fall, each paid for as one of N as well, one alone only where
-/// the law does better by that fiftieth.
+/// squares that there are; and causes fall, each paid for as one of `candidates` as well, one alone
+/// only where the law does better by that fiftieth.
 /// @param hypothesis  a fit already
 /// @param blocks  that are held out together
-/// @param causes  N, from which the hypothesis' were chosen
+/// @param candidates  M, from which the causes of the hypothesis were chosen; at least 1
 /// @param rate  of false discoveries
 std::optional<FoundLaw> find_law(const Problem& problem, const Hypothesis& hypothesis,
-                                 const Blocks& blocks, LawScope scope = LawScope::kEveryForm,
-                                 std::size_t causes = 1, double rate = 0.05);
+                                 const Blocks& blocks, LawScope scope, std::size_t candidates,
+                                 double rate = 0.05);
 
 /// Each row as a fit of causes and law without its block predicts it, the causes along their
 /// linearisation, the law with all its parameters fitted anew [SI].
 /// @param hypothesis  a fit, a law its last effect
 /// @param scale  standard deviation of the whitened rows
+/// @throws std::invalid_argument when the hypothesis has no effects, or its last is no law
 Eigen::VectorXd predict_law_held_out(const Problem& problem, const Hypothesis& hypothesis,
                                      const Blocks& blocks, double scale);
 

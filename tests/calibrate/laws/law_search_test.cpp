@@ -6,8 +6,12 @@
 #include <cmath>
 #include <functional>
 #include <numeric>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
 
 #include "calibrate/laws/law_fit.hpp"
+#include "calibrate/laws/law_forms.hpp"
 #include "calibrate/laws/law_result.hpp"
 #include "calibrate/measurement/condition_quantity.hpp"
 #include "calibrate/search/search.hpp"
@@ -89,7 +93,7 @@ std::optional<Found> law_in(const Rig& rig, LawScope scope = LawScope::kEveryFor
   const Problem problem{
       .simulation = simulation, .data = rig.data, .noise = make_noise_model(rig.data)};
   const Blocks blocks = holdout_blocks(rig.data, covariate_levels(rig.data));
-  auto law = find_law(problem, {}, blocks, scope);
+  auto law = find_law(problem, {}, blocks, scope, candidates_for(simulation, rig.data).size());
   if (!law) return std::nullopt;
   const FinalFit final = final_fit(problem, law->hypothesis, law->scale);
   LawResult result = law_result(problem, *law, final, 1.0, 0.5);
@@ -241,28 +245,100 @@ Rig pulse_rig(double order) {
   return rig;
 }
 
-TEST(LawFit, EverySecondPulseIsPolishedToAll) {
-  const Rig rig = pulse_rig(5.3);
+std::size_t condition_named(std::string_view name) {
+  const auto at = std::ranges::find(law_conditions(), name, &LawCondition::name);
+  return static_cast<std::size_t>(at - law_conditions().begin());
+}
+
+/// A trial refined and polished in all rows, and its sum between the two.
+struct Polished {
+  LawTrial trial;
+  double refined_sum = 0.0;
+};
+Polished polished(const Rig& rig, LawTrial trial, double scale) {
   const Simulation simulation(box(), rig.data.kind);
   const Problem problem{
       .simulation = simulation, .data = rig.data, .noise = make_noise_model(rig.data)};
   const LawData data = law_data(problem, {}, LawScope::kEveryForm);
-  const auto angle = std::ranges::find(law_conditions(), kOutputAngle.name, &LawCondition::name);
-  LawTrial trial{
-      .law = {.factors = {{.shape = LawShape::kPulse,
-                           .condition = static_cast<std::size_t>(angle - law_conditions().begin()),
-                           .reference = 360.0,
-                           .constant = 0.05}}},
-      .value = {1.5, 2.65, 0.0}};
   std::vector<Eigen::Index> all(rig.data.rows.size());
   std::iota(all.begin(), all.end(), Eigen::Index{0});
-  const LawFit fit(data, 0.05 * kArcmin);
+  const LawFit fit(data, scale);
   fit.refine(trial, all);
-  const double before = trial.sum;
+  const double refined_sum = trial.sum;
   fit.polish(trial, all);
-  EXPECT_LT(trial.sum, 0.2 * before);
-  EXPECT_NEAR(trial.value[1], 5.3, 0.01);
-  EXPECT_NEAR(trial.law.factors[0].constant, 0.1, 0.021);
+  return {std::move(trial), refined_sum};
+}
+
+/// Every second pulse of an order, at half the width of all.
+LawTrial every_second_of(double order) {
+  return {.law = {.factors = {{.shape = LawShape::kPulse,
+                               .condition = condition_named(kOutputAngle.name),
+                               .reference = 360.0,
+                               .constant = 0.05}}},
+          .value = {1.5, 0.5 * order, 0.0}};
+}
+
+TEST(LawFit, EverySecondPulseIsPolishedToAll) {
+  const Polished all = polished(pulse_rig(5.3), every_second_of(5.3), 0.05 * kArcmin);
+  EXPECT_LT(all.trial.sum, 0.2 * all.refined_sum);
+  EXPECT_NEAR(all.trial.value[1], 5.3, 0.01);
+  EXPECT_NEAR(all.trial.law.factors[0].constant, 0.1, 0.021);
+}
+
+TEST(LawFit, PulsesAreDoubledToTwiceTheOrdersThatWereLookedThroughAndNoFurther) {
+  for (const auto& [highest, order] : {std::pair{2.6, 2.65}, std::pair{2.7, 5.3}}) {
+    LawTrial trial = every_second_of(5.3);
+    trial.highest_order = highest;
+    EXPECT_NEAR(polished(pulse_rig(5.3), trial, 0.05 * kArcmin).trial.value[1], order, 0.02);
+  }
+  // Nor beyond the bound of an order.
+  const LawTrial high =
+      polished(pulse_rig(12000.0), every_second_of(12000.0), 0.05 * kArcmin).trial;
+  EXPECT_NEAR(high.value[1], 6000.0, 0.02);
+}
+
+TEST(LawForms, PreferredNumbersAreTheNearestInRatio) {
+  const std::vector<double> known{0.01, 0.0125, 0.016, 0.02, 0.025, 0.0315, 0.04,  0.05, 0.063,
+                                  0.08, 0.1,    0.125, 0.16, 0.2,   0.25,   0.315, 0.4,  0.5,
+                                  0.63, 0.8,    1.0,   1.25, 1.6,   2.0,    2.5};
+  for (std::size_t k = 1; k + 1 < known.size(); ++k) {
+    // Off the grid by less than half a step, which is a ratio of 1.12.
+    for (const double off : {0.91, 1.0, 1.09}) {
+      EXPECT_DOUBLE_EQ(preferred_number(off * known[k]), known[k]) << off;
+      EXPECT_DOUBLE_EQ(preferred_number(off * known[k], -1), known[k - 1]) << off;
+      EXPECT_DOUBLE_EQ(preferred_number(off * known[k], 1), known[k + 1]) << off;
+    }
+  }
+}
+
+TEST(LawFit, AThresholdOfOneDirectionIsMovedBetweenTheLoadsOfThatDirection) {
+  // Forward at four loads, backward at forty between each two of them; forward one step at 35 N m.
+  constexpr double kNoise = 0.001;
+  Rig rig;
+  rig.data.kind = Kind::kTransmission;
+  rig::DeterministicRandom random(5);
+  const auto add = [&](bool forward, double nm) {
+    Observation row;
+    row.condition.direction = forward ? design::Direction::kForward : design::Direction::kBackward;
+    row.condition.sun_speed_rad_s = 1000.0 * kRpm;
+    row.condition.output_torque_Nm = nm;
+    row.response = (forward ? nm / 50.0 / 0.8 + (nm > 35.0 ? 0.02 : 0.0) : nm / 50.0 * 0.75) +
+                   kNoise * random.normal();
+    rig.data.rows.push_back(row);
+  };
+  for (int k = 0; k < 120; ++k) {
+    add(false, 10.125 + 0.25 * k);
+    add(true, 10.0 * (1 + k % 4));
+  }
+  const LawTrial start{.law = {.rows = LawRows::kForward,
+                               .factors = {{.shape = LawShape::kStep,
+                                            .condition = condition_named(kOutputTorque.name),
+                                            .reference = 40.0,
+                                            .constant = 15.0}}},
+                       .value = {0.01}};
+  const LawTrial found = polished(rig, start, kNoise).trial;
+  EXPECT_DOUBLE_EQ(found.law.factors[0].constant, 35.0);
+  EXPECT_NEAR(found.value[0], 0.02, 4.0 * kNoise / std::sqrt(30.0));
 }
 
 TEST(LawFit, WithoutABlockALawThatIsExactPredictsItExactly) {
@@ -276,12 +352,10 @@ TEST(LawFit, WithoutABlockALawThatIsExactPredictsItExactly) {
   const Simulation simulation(box(), rig.data.kind);
   const Problem problem{
       .simulation = simulation, .data = rig.data, .noise = make_noise_model(rig.data)};
-  const auto speed = std::ranges::find(law_conditions(), kSunSpeed.name, &LawCondition::name);
-  const Law law{
-      .action = LawAction::kLoss,
-      .factors = {{.shape = LawShape::kResonance,
-                   .condition = static_cast<std::size_t>(speed - law_conditions().begin()),
-                   .reference = 3000.0}}};
+  const Law law{.action = LawAction::kLoss,
+                .factors = {{.shape = LawShape::kResonance,
+                             .condition = condition_named(kSunSpeed.name),
+                             .reference = 3000.0}}};
   const Form form = form_of(law);
   Hypothesis h = with({}, {.cause = &law_cause(),
                            .form = form,
@@ -293,6 +367,17 @@ TEST(LawFit, WithoutABlockALawThatIsExactPredictsItExactly) {
   for (std::size_t i = 0; i < rig.clean.size(); ++i) {
     EXPECT_NEAR(predicted[static_cast<Eigen::Index>(i)], rig.clean[i], 1e-5) << i;
   }
+}
+
+TEST(LawFit, WithoutALawAsTheLastEffectNoneIsPredicted) {
+  const Rig rig = transmission_rig([](double, double) { return 0.0; }, 0.002, 1);
+  const Simulation simulation(box(), rig.data.kind);
+  const Problem problem{
+      .simulation = simulation, .data = rig.data, .noise = make_noise_model(rig.data)};
+  const Blocks blocks = holdout_blocks(rig.data, covariate_levels(rig.data));
+  EXPECT_THROW(predict_law_held_out(problem, {}, blocks, 0.002), std::invalid_argument);
+  const Hypothesis cause = with({}, candidates_for(simulation, rig.data).front());
+  EXPECT_THROW(predict_law_held_out(problem, cause, blocks, 0.002), std::invalid_argument);
 }
 
 TEST(LawSearch, NothingIsFoundInNoise) {
