@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <set>
 #include <utility>
 
@@ -28,49 +29,38 @@ class GridSearch {
       whole.push_back({shifts_.first_from(problem_.lower[i]), shifts_.last_to(problem_.upper[i])});
     }
     if (std::ranges::any_of(whole, [](const auto& axis) { return axis[0] > axis[1]; })) {
-      return beside_the_box(free);
+      return missed_at(with_all_rows(problem_), nearest_to(free.v), free.v);
     }
     BoxNode root;
     root.box = whole;
-    if (feasible(free) && holds(whole, free.v)) {
-      root.relaxed = free;
-    } else {
-      ++end_.relaxations;
-      root.relaxed = best_within(confined(whole), free.v);
-      if (!feasible(root.relaxed)) {
-        ++end_.relaxations;
-        const SolveOutcome again = best_within(confined(whole), middle_of(confined(whole)));
-        if (feasible(again)) root.relaxed = again;
-      }
-    }
+    const auto left = left_of(root.box);
+    if (!left) return missed_at(problem_, nearest_to(free.v, whole), free.v);
+    root.relaxed = feasible(free) && holds(root.box, free.v) ? free : root_end(*left, free.v);
     root.bound = root.relaxed.objective;
     if (!feasible(root.relaxed)) {
-      end_.held = confined(whole);
+      end_.held = confined(root.box);
       end_.outcome = root.relaxed;
       return std::move(end_);
     }
     offer(root);
-    const bool whole_grid =
-        !left_of(root.box) ||
-        search_boxes(
-            {.relax = [&](const BoxNode& from, BoxNode& half) { relax(from, half); },
-             .steps_at = [&](std::size_t axis, const Point& v) { return shifts_.count(v[axis]); },
-             .axis_to_cut =
-                 [&](const BoxNode& node) {
-                   std::array<double, train::kGearCount> steps{};
-                   for (std::size_t i = 0; i < steps.size(); ++i) {
-                     steps[i] = shifts_.count(node.relaxed.v[i]);
-                   }
-                   return gains_.best_axis(node.box, steps);
-                 },
-             .offer = [&](const BoxNode& node) { offer(node); },
-             .can_win = [&](const BoxNode& node) { return can_win(node); },
-             .cut = [&] { return cut(); },
-             .learn = [&](const BoxNode& node, std::size_t axis,
-                          const std::array<BoxNode, 2>& halves) { learn(node, axis, halves); },
-             .best_first = true},
-            std::move(root));
-    end_.cut = !whole_grid;
+    end_.cut = !search_boxes(
+        {.relax = [&](const BoxNode& from, BoxNode& half) { relax(from, half); },
+         .steps_at = [&](std::size_t axis, const Point& v) { return shifts_.count(v[axis]); },
+         .axis_to_cut =
+             [&](const BoxNode& node) {
+               std::array<double, train::kGearCount> steps{};
+               for (std::size_t i = 0; i < steps.size(); ++i) {
+                 steps[i] = shifts_.count(node.relaxed.v[i]);
+               }
+               return gains_.best_axis(node.box, steps);
+             },
+         .offer = [&](const BoxNode& node) { offer(node); },
+         .can_win = [&](const BoxNode& node) { return can_win(node); },
+         .cut = [&] { return cut(); },
+         .learn = [&](const BoxNode& node, std::size_t axis,
+                      const std::array<BoxNode, 2>& halves) { learn(node, axis, halves); },
+         .best_first = true},
+        std::move(root));
     if (!end_.found && end_.held) {
       // Points of boxes were given up early: what the nearest one misses is asked for in full.
       const SolveOutcome full = best_within(*end_.held, end_.outcome.v);
@@ -87,17 +77,43 @@ class GridSearch {
   }
 
  private:
-  /// The grid point next to an end, where the box has none: it misses what confines the shifts.
-  GridEnd beside_the_box(const SolveOutcome& free) {
-    RefinementProblem held = with_all_rows(problem_);
-    for (std::size_t i = 0; i < train::kGearCount; ++i) {
-      held.lower[i] = held.upper[i] = shifts_.at(shifts_.nearest(free.v[i]));
+  using Steps = std::array<long, train::kGearCount>;
+
+  [[nodiscard]] Steps nearest_to(const Point& v) const {
+    Steps steps{};
+    for (std::size_t i = 0; i < steps.size(); ++i) steps[i] = shifts_.nearest(v[i]);
+    return steps;
+  }
+  [[nodiscard]] Steps nearest_to(const Point& v, const LatticeBox& box) const {
+    Steps steps = nearest_to(v);
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+      steps[i] = std::clamp(steps[i], box[i][0], box[i][1]);
     }
-    ++end_.relaxations;
-    end_.outcome = best_within(held, free.v);
+    return steps;
+  }
+
+  /// The end of a grid that is proven empty: what one point misses, where no design is to be beaten
+  /// (else nobody asks).
+  GridEnd missed_at(RefinementProblem held, const Steps& steps, const Point& start) {
+    if (std::isfinite(best_)) return std::move(end_);
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+      held.lower[i] = held.upper[i] = shifts_.at(steps[i]);
+    }
+    end_.outcome = best_within(held, start);
     end_.held = std::move(held);
     return std::move(end_);
   }
+
+  /// The best of the whole grid's box, from an end and, where that finds none, from the middle.
+  SolveOutcome root_end(const RefinementProblem& problem, const Point& start) {
+    ++end_.relaxations;
+    const SolveOutcome first = best_within(problem, start);
+    if (feasible(first)) return first;
+    ++end_.relaxations;
+    const SolveOutcome again = best_within(problem, middle_of(problem));
+    return feasible(again) ? again : first;
+  }
+
   static bool feasible(const SolveOutcome& outcome) {
     return outcome.violation <= design::kFeasibilityTolerance;
   }
@@ -182,12 +198,11 @@ class GridSearch {
   /// Takes the point of a box next to its relaxed one, with the other values refined for it.
   void offer(const BoxNode& node) {
     if (!can_win(node)) return;
-    std::array<long, train::kGearCount> steps{};
+    const Steps steps = nearest_to(node.relaxed.v, node.box);
     LatticeBox point = node.box;
     bool whole = true;
     for (std::size_t i = 0; i < point.size(); ++i) {
       whole = whole && node.box[i][0] == node.box[i][1];
-      steps[i] = std::clamp(shifts_.nearest(node.relaxed.v[i]), node.box[i][0], node.box[i][1]);
       point[i] = {steps[i], steps[i]};
     }
     if (!whole && !offered_.insert(steps).second) return;
@@ -216,7 +231,7 @@ class GridSearch {
   Multiples shifts_;
   std::optional<GridDistances> distances_;
   double best_;
-  std::set<std::array<long, train::kGearCount>> offered_;
+  std::set<Steps> offered_;
   CutGains gains_{train::kGearCount};
   GridEnd end_;
 };

@@ -12,12 +12,15 @@ namespace gear3k::optimize {
 
 /// What was found on the grid of Specification::shift_step; all other values are free.
 struct GridEnd {
-  /// The problem with its shifts held at the end's; empty where no point was found.
+  /// The problem of the end, with its shifts held where it is a point of the grid; may be
+  /// empty where nothing better than what was to be beaten is found.
   std::optional<RefinementProblem> held;
   SolveOutcome outcome;  ///< the best feasible point, else the one that violates least
   bool found = false;    ///< feasible, and better than what was to be beaten
-  int relaxations = 0;
-  bool cut = false;  ///< grid_relaxations, or a stopped run, ended it: a better point may be left
+  int relaxations = 0;   ///< none where the whole grid is proven empty
+  /// grid_relaxations, or a stopped run, ended it: a better point may be left.  False: no box is
+  /// left to be searched, as far as local searches tell (below).
+  bool cut = false;
 };
 
 /// Branch and bound over the multiples that the problem's box has of each shift: the problem with
@@ -26,8 +29,8 @@ struct GridEnd {
 ///
 /// What limits of backlash leave no distance is proven empty (GridDistances).  The other
 /// relaxations are solved locally, from the end of the box that was cut and, where no feasible
-/// point is found, from the middle: a box whose best point neither run finds is lost.  After
-/// Solver::grid_relaxations of them the best point so far is taken.
+/// point is found, from the middle: a box whose best point neither run finds is lost, the whole
+/// grid too.  After Solver::grid_relaxations of them the best point so far is taken.
 /// Source: own derivation, docs/theory §12.
 /// @param free  an end of the problem, from which the search begins
 /// @param to_beat  only points of a lower (scaled) objective count

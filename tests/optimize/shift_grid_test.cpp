@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <iostream>
 
@@ -24,26 +25,32 @@ namespace {
 using test::grid_task, test::best_distance;
 constexpr double kStep = test::kGridStep;
 
-/// The best merit of all points of the grid, all pairs of modules; minus infinity: none is
-/// feasible.
-double best_of_all(const Specification& spec, const Candidate& candidate) {
+/// The least scaled objective of all points of the grid; infinity: none is feasible.
+double best_of_grid(const RefinementProblem& problem) {
   double best = kInfinity;
   const std::vector<double> gear{0.0, 0.25, 0.5}, ring{0.25, 0.5, 0.75};
-  for (const RefinementProblem& problem : test::problems_of(spec, candidate)) {
-    EXPECT_EQ(problem.variables, 6);
-    Point v = problem.lower;
-    for (const double s : gear) {
-      for (const double p1 : gear) {
-        for (const double r1 : ring) {
-          for (const double p2 : gear) {
-            for (const double r2 : ring) {
-              std::ranges::copy(std::array{s, p1, r1, p2, r2}, v.begin());
-              best = std::min(best, best_distance(problem, v));
-            }
+  EXPECT_EQ(problem.variables, 6);
+  Point v = problem.lower;
+  for (const double s : gear) {
+    for (const double p1 : gear) {
+      for (const double r1 : ring) {
+        for (const double p2 : gear) {
+          for (const double r2 : ring) {
+            std::ranges::copy(std::array{s, p1, r1, p2, r2}, v.begin());
+            best = std::min(best, best_distance(problem, v));
           }
         }
       }
     }
+  }
+  return best;
+}
+
+/// The best merit of all pairs of modules; minus infinity: none has a feasible point.
+double best_of_all(const Specification& spec, const Candidate& candidate) {
+  double best = kInfinity;
+  for (const RefinementProblem& problem : test::problems_of(spec, candidate)) {
+    best = std::min(best, best_of_grid(problem));
   }
   return -best;
 }
@@ -78,9 +85,35 @@ TEST(ShiftGrid, SetsAreAsGoodAsTheBestPointOfTheWholeGrid) {
   std::cout << compared << " grids, " << none << " without a feasible point\n";
 }
 
-/// The best point of the grid of this set, as every point whose backlashes leave a distance, each
-/// evaluated at 25 distances, says.  From the box that was cut alone, no feasible point is found in
-/// a box that holds it.
+/// A point of the grid of this set, its distance scanned: the search has to end no worse.  From the
+/// box that was cut alone, no feasible point is found in a box that holds it.
+/// A grid whose sums of shifts leave the meshes no common distance, though free shifts do.
+TEST(ShiftGrid, AGridThatIsProvenEmptyCostsNoRelaxationAndHasNoFeasiblePoint) {
+  const int wanted = sample(2, 20);
+  const std::atomic<bool> stop{false};
+  int empty = 0;
+  for (std::uint64_t seed = 1; seed <= 400 && empty < wanted; ++seed) {
+    test::RandomTask task = grid_task(seed, 1);
+    if (task.candidates.empty()) continue;
+    task.spec.limits[design::CheckId::kOutputBacklashMax] = 1e-3;
+    task.spec.limits[design::CheckId::kNormalBacklash] = 5e-6;
+    const RefinementProblem problem = make_refinement_problem(
+        task.spec, task.candidates[0], {0.5e-3, task.spec.module[1].series_m[0]});
+    const SolveOutcome free = best_within(problem, problem.lower);
+    if (free.violation > design::kFeasibilityTolerance) continue;
+    const GridEnd end = best_on_grid(problem, free, kInfinity, stop);
+    if (end.relaxations > 0) continue;  // asked of the rows
+    ++empty;
+    EXPECT_FALSE(end.found || end.cut) << seed;
+    ASSERT_TRUE(end.held) << seed;
+    EXPECT_GT(end.outcome.violation, design::kFeasibilityTolerance) << seed;
+    EXPECT_EQ(best_of_grid(problem), kInfinity) << seed;
+    const GridEnd bounded = best_on_grid(problem, free, 1.0, stop);
+    EXPECT_FALSE(bounded.found || bounded.cut || bounded.held) << seed;
+  }
+  EXPECT_EQ(empty, wanted);
+}
+
 TEST(ShiftGrid, ABoxIsNotLeftWhereOneStartAloneFindsNoFeasiblePoint) {
   Specification spec =
       io::read_specification(std::string(GEAR3K_SOURCE_DIR) + "/examples/ratio-96.toml");
