@@ -72,7 +72,8 @@ void close_meshes(const RefinementProblem& problem, const Multiples& shifts, Poi
 TEST(GridDistances, KeepEveryPointOfABoxThatMeetsTheRowsAndRuleOutOthers) {
   constexpr int kAngles = 40;
   const std::uint64_t wanted = sample(4U, 40U);
-  int met = 0, ruled_out = 0, left = 0;
+  int met_at_random = 0, met_closed = 0, ruled_out = 0, left = 0;
+  int boxes_smaller = 0, angles_narrower = 0;  // of boxes that hold a point that meets the rows
   Specification spec =
       io::read_specification(std::string(GEAR3K_SOURCE_DIR) + "/examples/ratio-96.toml");
   spec.shift_step = 0.05;
@@ -119,7 +120,8 @@ TEST(GridDistances, KeepEveryPointOfABoxThatMeetsTheRowsAndRuleOutOthers) {
         if (!inside) continue;
       }
       LatticeBox alone = box_about(point, 0, random);
-      LatticeBox wide = box_about(point, 6, random);
+      const LatticeBox given = box_about(point, 6, random);
+      LatticeBox wide = given;
       const auto own = distances->confine(alone);
       const auto all = distances->confine(wide);
       if (own) {
@@ -127,12 +129,14 @@ TEST(GridDistances, KeepEveryPointOfABoxThatMeetsTheRowsAndRuleOutOthers) {
       } else {
         ++ruled_out;
       }
+      bool meets = false;
       for (int k = 0; k <= kAngles; ++k) {
         const double off = 0.1 * (2.0 * k / kAngles - 1.0);
         v[kAngleA] = std::max(problem.lower[kAngleA], about + off * std::abs(off));
         const auto f = evaluate<double>(problem, used(problem, v), rows, g);
         if (!f || worst_violation(g) > design::kFeasibilityTolerance) continue;
-        ++met;
+        meets = true;
+        ++(n % 4 == 0 ? met_at_random : met_closed);
         ASSERT_TRUE(own && all) << seed;
         EXPECT_GE(v[kAngleA], own->lo) << seed;
         EXPECT_LE(v[kAngleA], own->hi) << seed;
@@ -143,11 +147,19 @@ TEST(GridDistances, KeepEveryPointOfABoxThatMeetsTheRowsAndRuleOutOthers) {
           EXPECT_GE(wide[i][1], point[i]) << seed;
         }
       }
+      if (!meets) continue;
+      boxes_smaller += wide != given ? 1 : 0;
+      const double free = problem.upper[kAngleA] - problem.lower[kAngleA];
+      angles_narrower += all->width() < 0.5 * free ? 1 : 0;
     }
   }
-  std::cout << met << " points and distances meet the rows, " << ruled_out << " points ruled out, "
-            << left << " left\n";
-  EXPECT_GT(met, 100);
+  std::cout << met_at_random << " + " << met_closed << " points and distances meet the rows, "
+            << ruled_out << " points ruled out, " << left << " left, " << boxes_smaller
+            << " boxes smaller, " << angles_narrower << " angles narrower\n";
+  EXPECT_GT(met_at_random, 0);
+  EXPECT_GT(met_closed, 100);
+  EXPECT_GT(boxes_smaller, 10);
+  EXPECT_GT(angles_narrower, 10);
   EXPECT_GT(ruled_out, 100);
 }
 
