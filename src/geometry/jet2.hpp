@@ -4,6 +4,7 @@
 // compile so.
 
 #include <array>
+#include <cstddef>
 
 namespace gear3k {
 
@@ -54,7 +55,7 @@ Jet2 operator/(const Jet2& x, const Jet2& y);
 Jet2 operator/(const Jet2& x, double y);
 Jet2 operator/(double x, const Jet2& y);
 
-/// |x|; at x = 0 as right of it.
+/// |x|; at 0 by its sign: as right of 0 at +0.0, as left of it at −0.0.
 Jet2 abs(const Jet2& x);
 Jet2 sqrt(const Jet2& x);
 Jet2 exp(const Jet2& x);

@@ -205,6 +205,17 @@ TEST(Jet2, BlocksOfOtherRowsThanColumnsAreThoseOfTheWholeHessian) {
   }
 }
 
+TEST(Jet2, HasAtZeroTheMagnitudesSlopeOnTheSideOfItsSign) {
+  for (const double zero : {0.0, -0.0}) {
+    const double slope = std::copysign(1.0, zero);
+    const Jet2 x = Jet2::variable(zero, 2);
+    EXPECT_FALSE(std::signbit(abs(x).value));
+    EXPECT_EQ(abs(x).by_row[2], slope);
+    EXPECT_EQ(abs(x).by_column[2], slope);
+    EXPECT_EQ(abs(x).mixed[2][2], 0.0);
+  }
+}
+
 TEST(Jet2, IsNeutralWithoutDerivativesOnly) {
   EXPECT_TRUE(is_neutral(Jet2(1.0), 1.0));
   EXPECT_FALSE(is_neutral(Jet2(1.0), 0.0));
