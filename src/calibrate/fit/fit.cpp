@@ -117,6 +117,84 @@ Spot downhill(const NearbyRows& nearby, Spot at, const std::vector<ParameterReco
   return at;
 }
 
+/// Where a fit stands, and the gearbox as simulated there.
+class Descent {
+ public:
+  Descent(const Problem& problem, Hypothesis start, double scale)
+      : problem_(problem),
+        records_(parameters_of(start)),
+        scale_(scale),
+        h_(std::move(start)),
+        nearby_(simulated_at(h_)),
+        at_{.value = h_.value, .rows = nearby_.whitened_at(h_.value)} {
+    at_.sum = misfit(at_.rows, scale_);
+  }
+
+  /// A pass.
+  /// @returns whether it gained
+  bool improve() {
+    if (at_.rows.runs) {
+      Spot below = downhill(nearby_, at_, records_, scale_);
+      const bool is_lower = at_.sum - below.sum > kSmall;
+      if (nearby_.is_exact_at(below.value)) {
+        at_ = std::move(below);
+      } else if (is_lower && advance(as_vector(below.value) - as_vector(at_.value))) {
+        return true;
+      }
+    }
+    // Where what is lower nearby is not so in truth, and in the end, by a step of Gauss and Newton.
+    return advance(step_from(at_, records_, scale_));
+  }
+
+  Fit result() && {
+    h_.value = std::move(at_.value);
+    return {.hypothesis = std::move(h_),
+            .simulated = std::move(at_.rows.simulated),
+            .residual = std::move(at_.rows.residual),
+            .sum_of_squares = at_.sum};
+  }
+
+ private:
+  /// With room for levels of friction to move in, unless the gearbox locks at some of these.
+  [[nodiscard]] NearbyRows simulated_at(const Hypothesis& h) const {
+    constexpr double kRoom = 0.12;
+    NearbyRows with_room(problem_, h, kRoom);
+    if (with_room.at(h.value).runs) return with_room;
+    return {problem_, h};
+  }
+
+  /// Along a step, or as much of it as leads downhill.
+  /// @returns whether it gained
+  bool advance(const Eigen::VectorXd& step) {
+    double share = 1.0;
+    for (int half = 0; half < kHalves; ++half, share *= 0.5) {
+      Hypothesis next{.effects = h_.effects, .value = moved(at_.value, share * step, records_)};
+      std::optional<NearbyRows> there;
+      Spot trial{.value = next.value,
+                 .rows = {.residual = {}, .jacobian = {}, .simulated = {}, .runs = false}};
+      if (nearby_.is_exact_at(next.value)) trial.rows = nearby_.whitened_at(next.value);
+      if (!trial.rows.runs) {
+        there.emplace(simulated_at(next));
+        trial.rows = there->whitened_at(next.value);
+      }
+      trial.sum = misfit(trial.rows, scale_);
+      if (!(trial.sum <= at_.sum)) continue;
+      const bool improved = at_.sum - trial.sum > kSmall;
+      at_ = std::move(trial);
+      if (there) nearby_ = std::move(*there);
+      return improved;
+    }
+    return false;
+  }
+
+  const Problem& problem_;
+  std::vector<ParameterRecord> records_;
+  double scale_;
+  Hypothesis h_;
+  NearbyRows nearby_;
+  Spot at_;
+};
+
 }  // namespace
 
 Eigen::VectorXd winsorised(Eigen::VectorXd residual, double scale) {
@@ -135,52 +213,13 @@ bool leaves_range(const ParameterRecord& record, double value, double step) {
 }
 
 Fit fit(const Problem& problem, Hypothesis start, double scale) {
-  const auto records = parameters_of(start);
-  Hypothesis h = std::move(start);
-  // Levels of friction move by no more than this in most of the passes.
-  constexpr double kRoom = 0.12;
-  std::optional<NearbyRows> nearby(std::in_place, problem, h, kRoom);
-  Spot at{.value = h.value, .rows = nearby->whitened_at(h.value)};
-  at.sum = misfit(at.rows, scale);
+  const bool has_parameters = !start.value.empty();
+  Descent descent(problem, std::move(start), scale);
   constexpr int kPasses = 60;
-  bool improved = !records.empty();
-  for (int pass = 0; pass < kPasses && improved; ++pass) {
-    // Where nothing nearby is lower a step of Gauss and Newton has the last word.
-    std::optional<Eigen::VectorXd> step;
-    if (at.rows.runs) {
-      Spot below = downhill(*nearby, at, records, scale);
-      const bool is_lower = at.sum - below.sum > kSmall;
-      if (nearby->is_exact_at(below.value)) {
-        at = std::move(below);
-      } else if (is_lower) {
-        step = as_vector(below.value) - as_vector(at.value);
-      }
-    }
-    if (!step) step = step_from(at, records, scale);
-    improved = false;
-    double share = 1.0;
-    for (int half = 0; half < kHalves; ++half, share *= 0.5) {
-      h.value = moved(at.value, share * *step, records);
-      std::optional<NearbyRows> there;
-      Spot trial{.value = h.value, .rows = {}};
-      if (nearby->is_exact_at(h.value)) trial.rows = nearby->whitened_at(h.value);
-      if (trial.rows.residual.size() == 0 || !trial.rows.runs) {
-        there.emplace(problem, h, kRoom);
-        trial.rows = there->whitened_at(h.value);
-      }
-      trial.sum = misfit(trial.rows, scale);
-      if (!(trial.sum <= at.sum)) continue;
-      improved = at.sum - trial.sum > kSmall;
-      at = std::move(trial);
-      if (there) nearby.emplace(std::move(*there));
-      break;
-    }
+  for (int pass = 0; has_parameters && pass < kPasses; ++pass) {
+    if (!descent.improve()) break;
   }
-  h.value = std::move(at.value);
-  return {.hypothesis = std::move(h),
-          .simulated = std::move(at.rows.simulated),
-          .residual = std::move(at.rows.residual),
-          .sum_of_squares = at.sum};
+  return std::move(descent).result();
 }
 
 }  // namespace gear3k::calibrate

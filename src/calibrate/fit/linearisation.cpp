@@ -183,7 +183,7 @@ Eigen::VectorXd measured(const MeasurementSet& data) {
 }
 
 NearbyRows::NearbyRows(const Problem& problem, Hypothesis about, double room)
-    : problem_(problem), about_(std::move(about)), levels_(levels_of(problem, about_)) {
+    : problem_(&problem), about_(std::move(about)), levels_(levels_of(problem, about_)) {
   if (levels_.varies()) {
     levels_.log_low -= room;
     levels_.log_high += room;
@@ -208,10 +208,10 @@ bool NearbyRows::is_exact_at(const std::vector<double>& value) const {
 }
 
 Linearisation NearbyRows::at(const std::vector<double>& value) const {
-  const Simulation& simulation = problem_.simulation;
-  const auto n = static_cast<Eigen::Index>(problem_.data.rows.size());
+  const Simulation& simulation = problem_->simulation;
+  const auto n = static_cast<Eigen::Index>(problem_->data.rows.size());
   const auto parameters = static_cast<Eigen::Index>(value.size());
-  const bool is_moved = !is_exact_at(value);
+  const Eigen::VectorXd change = change_in_gearbox(value);
   Linearisation result{.simulated = Eigen::VectorXd::Zero(n),
                        .own = Eigen::MatrixXd::Zero(n, parameters),
                        .other = {}};
@@ -220,8 +220,8 @@ Linearisation NearbyRows::at(const std::vector<double>& value) const {
     const auto begin = static_cast<Eigen::Index>(block) * kSlots;
     const Eigen::Index slots = std::min<Eigen::Index>(kSlots, parameters - begin);
     const auto variables = variables_of(value, static_cast<std::size_t>(begin));
-    for_rows(problem_, [&](std::size_t row, Eigen::Index i) {
-      const Condition& condition = problem_.data.rows[row].condition;
+    for_rows(*problem_, [&](std::size_t row, Eigen::Index i) {
+      const Condition& condition = problem_->data.rows[row].condition;
       const Modification reading = reading_under(simulation, about_, variables, condition);
       std::optional<Scalar> response;
       if (levels_.holds(reading.friction_level.a)) {
@@ -231,7 +231,7 @@ Linearisation NearbyRows::at(const std::vector<double>& value) const {
         all_run = false;
         return;
       }
-      if (is_moved) response->a += change_in_gearbox(row, reading.friction_level.a, value);
+      response->a += change[i];
       const Scalar y = simulation.reading(*response, condition, reading);
       result.simulated[i] = y.a;
       if (slots > 0) result.own.row(i).segment(begin, slots) = y.v.head(slots).transpose();
@@ -241,26 +241,33 @@ Linearisation NearbyRows::at(const std::vector<double>& value) const {
   return result;
 }
 
-double NearbyRows::change_in_gearbox(std::size_t row, double level,
-                                     const std::vector<double>& value) const {
-  double change = 0.0;
-  for (std::size_t block = 0; block < gearbox_.size(); ++block) {
-    const std::optional<Scalar> response = gearbox_[block].of_row(row, Scalar(level));
-    const std::size_t first = block * kSlots;
-    const std::size_t end = std::min<std::size_t>(first + kSlots, value.size());
-    for (std::size_t k = first; response && k < end; ++k) {
-      if (!in_gearbox_[k]) continue;
-      change += response->v[static_cast<Eigen::Index>(k - first)] * (value[k] - about_.value[k]);
+Eigen::VectorXd NearbyRows::change_in_gearbox(const std::vector<double>& value) const {
+  Eigen::VectorXd change =
+      Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem_->data.rows.size()));
+  if (is_exact_at(value)) return change;
+  const auto constants = constants_of(value);
+  for_rows(*problem_, [&](std::size_t row, Eigen::Index i) {
+    const Modification reading =
+        reading_under(problem_->simulation, about_, constants, problem_->data.rows[row].condition);
+    for (std::size_t block = 0; block < gearbox_.size(); ++block) {
+      const auto response = gearbox_[block].of_row(row, reading.friction_level);
+      const std::size_t first = block * kSlots;
+      const std::size_t end = std::min<std::size_t>(first + kSlots, value.size());
+      for (std::size_t k = first; response && k < end; ++k) {
+        if (!in_gearbox_[k]) continue;
+        change[i] +=
+            response->v[static_cast<Eigen::Index>(k - first)] * (value[k] - about_.value[k]);
+      }
     }
-  }
+  });
   return change;
 }
 
 WhitenedRows NearbyRows::whitened_at(const std::vector<double>& value) const {
   Linearisation at = this->at(value);
   Eigen::MatrixXd columns(at.own.rows(), at.own.cols() + 1);
-  columns << measured(problem_.data) - at.simulated, at.own;
-  problem_.noise.whiten(columns);
+  columns << measured(problem_->data) - at.simulated, at.own;
+  problem_->noise.whiten(columns);
   return {.residual = columns.col(0),
           .jacobian = columns.rightCols(at.own.cols()),
           .simulated = std::move(at.simulated),

@@ -45,7 +45,8 @@ WhitenedRows whitened_rows(const Problem& problem, const Hypothesis& h);
 /// Rows under a hypothesis and near it, of one simulation of the gearbox.
 ///
 /// What acts on the reading, and the level of each row's friction, are as they are at any values;
-/// what acts in the gearbox is taken as linear in the change of its parameters.
+/// what acts in the gearbox is taken as linear in the change of its parameters, and its derivatives
+/// as those of the hypothesis.  The problem outlives it.
 class NearbyRows {
  public:
   /// @param room  in ln(level of friction), beyond the levels that the rows have under `about`
@@ -58,10 +59,10 @@ class NearbyRows {
   [[nodiscard]] bool is_exact_at(const std::vector<double>& value) const;
 
  private:
-  [[nodiscard]] double change_in_gearbox(std::size_t row, double level,
-                                         const std::vector<double>& value) const;
+  /// Of each row's response, by the parameters that act in the gearbox.
+  [[nodiscard]] Eigen::VectorXd change_in_gearbox(const std::vector<double>& value) const;
 
-  const Problem& problem_;
+  const Problem* problem_;
   Hypothesis about_;
   LevelRange levels_;
   std::vector<bool> in_gearbox_;            ///< by parameter

@@ -12,9 +12,9 @@ namespace {
 // loses to how often such probabilities held in 11,232 campaigns (seeds from 5001 and 6001 on);
 // benchmarks/must_show tells how often they are right on other seeds.
 
-/// An alternative that is behind by χ² is less likely by (1 + χ²/kBehind)^-kTail: a law of slightly
-/// another shape than the true one misses by more than noise.  One that is ahead counts as
-/// exp(−χ²/(2 kTemper)).
+/// An alternative that is behind by χ² is less likely by (1 + χ²/kBehind)^-kTail, about as much as
+/// exp(−χ²/2) says while it is near and ever less beyond: a law of slightly another shape than the
+/// true one misses by more than noise.  One that is ahead counts as exp(−χ²/(2 kTemper)).
 constexpr double kBehind = 5.7, kTail = 3.0, kTemper = 2.0;
 /// ln of the odds of the name over an alternative that is as good: the search chose it by more than
 /// χ², and prefers parameters.
