@@ -79,7 +79,7 @@ struct Spot {
 };
 
 /// Less of the misfit than this is none.
-constexpr double kSmall = 1e-4;
+constexpr double kNoGain = 1e-4;
 /// A step is halved so often.
 constexpr int kHalves = 6;
 
@@ -109,7 +109,7 @@ Spot downhill(const NearbyRows& nearby, Spot at, const std::vector<ParameterReco
       if (half == 0 && !next.rows.runs) return at;
       next.sum = misfit(next.rows, scale);
       if (!(next.sum <= at.sum)) continue;
-      improved = at.sum - next.sum > kSmall;
+      improved = at.sum - next.sum > kNoGain;
       at = std::move(next);
       break;
     }
@@ -135,7 +135,7 @@ class Descent {
   bool improve() {
     if (at_.rows.runs) {
       Spot below = downhill(nearby_, at_, records_, scale_);
-      const bool is_lower = at_.sum - below.sum > kSmall;
+      const bool is_lower = at_.sum - below.sum > kNoGain;
       if (nearby_.is_exact_at(below.value)) {
         at_ = std::move(below);
       } else if (is_lower && advance(as_vector(below.value) - as_vector(at_.value))) {
@@ -179,7 +179,7 @@ class Descent {
       }
       trial.sum = misfit(trial.rows, scale_);
       if (!(trial.sum <= at_.sum)) continue;
-      const bool improved = at_.sum - trial.sum > kSmall;
+      const bool improved = at_.sum - trial.sum > kNoGain;
       at_ = std::move(trial);
       if (there) nearby_ = std::move(*there);
       return improved;
