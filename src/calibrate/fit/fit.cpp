@@ -81,7 +81,7 @@ struct Spot {
 /// Less of the misfit than this is none.
 constexpr double kNoGain = 1e-4;
 /// A step is halved so often.
-constexpr int kHalves = 6;
+constexpr int kStepHalves = 6;
 
 /// Gauss-Newton step from a place on.
 /// @param scale  standard deviation of the whitened rows
@@ -103,7 +103,7 @@ Spot downhill(const NearbyRows& nearby, Spot at, const std::vector<ParameterReco
     const Eigen::VectorXd step = step_from(at, records, scale);
     improved = false;
     double share = 1.0;
-    for (int half = 0; half < kHalves; ++half, share *= 0.5) {
+    for (int half = 0; half < kStepHalves; ++half, share *= 0.5) {
       Spot next{.value = moved(at.value, share * step, records), .rows = {}};
       next.rows = nearby.whitened_at(next.value);
       if (half == 0 && !next.rows.runs) return at;
@@ -167,7 +167,7 @@ class Descent {
   /// @returns whether it gained
   bool advance(const Eigen::VectorXd& step) {
     double share = 1.0;
-    for (int half = 0; half < kHalves; ++half, share *= 0.5) {
+    for (int half = 0; half < kStepHalves; ++half, share *= 0.5) {
       Hypothesis next{.effects = h_.effects, .value = moved(at_.value, share * step, records_)};
       std::optional<NearbyRows> there;
       Spot trial{.value = next.value,
