@@ -2,7 +2,9 @@
 
 #include <Eigen/Core>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "design/scalar_as.hpp"
 #include "design/train_motion.hpp"
@@ -99,6 +101,13 @@ std::optional<train::PowerFlow<T>> balance_at(const Running& r,
   return train::solve_power_flow(loaded);
 }
 
+template <class T>
+MeshTorques<T> torques_as(const MeshTorques<double>& from) {
+  MeshTorques<T> result;
+  std::ranges::transform(from, result.begin(), [](double x) { return constant<T>(x); });
+  return result;
+}
+
 /// Mesh torques that make the friction which makes them.
 std::optional<train::PowerFlow<double>> settled(const Running& r,
                                                 const efficiency::Friction<double>& friction_law,
@@ -126,59 +135,61 @@ std::optional<train::PowerFlow<double>> settled(const Running& r,
 
 }  // namespace
 
-std::optional<Jet1> sun_torque(const FixedTrain& train, const VariedLosses& losses,
-                               const OperatingPoint<double>& point, Direction direction) {
-  const train::TrainGeometry<double>& g = train.geometry;
+SunTorque::SunTorque(const FixedTrain& train, VariedLosses losses)
+    : train_(train),
+      losses_(std::move(losses)),
+      numbers_{.friction = friction_as<double>(losses_.friction),
+               .shafts = shafts_as<double>(losses_.shafts)},
+      by_torque_{.friction = friction_as<Jet3>(numbers_.friction),
+                 .shafts = shafts_as<Jet3>(numbers_.shafts)},
+      meshes_(mesh_constants(train.geometry)),
+      sun_speed_(train::speed_ratios(train.geometry.teeth).sun),
+      meshes_run_(std::ranges::all_of(train.geometry.meshes,
+                                      [](const auto& mesh) { return mesh.contact_ratio > 0.0; })) {}
+
+std::optional<Jet1> SunTorque::at(const OperatingPoint<double>& point, Direction direction) const {
   const auto is_magnitude = [](double x) { return x >= 0.0 && std::isfinite(x); };
   if (!is_magnitude(point.sun_speed_rad_s) || !is_magnitude(point.output_torque_Nm)) {
     return std::nullopt;
   }
-  for (const auto& mesh : g.meshes) {
-    if (!(mesh.contact_ratio > 0.0)) return std::nullopt;
-  }
-  const train::SpeedRatios w = train::speed_ratios(g.teeth);
-  const double output_speed = point.sun_speed_rad_s / std::abs(w.sun);
+  if (!meshes_run_) return std::nullopt;
+  const double output_speed = point.sun_speed_rad_s / std::abs(sun_speed_);
   const bool forward = direction == Direction::kForward;
   const Running running{
-      .train = train,
-      .mesh = kinematics(g, output_speed),
+      .train = train_,
+      .mesh = kinematics(meshes_, output_speed),
       .output_speed_rad_s = output_speed,
       .temperature_K = point.temperature_K,
       .forward = forward,
       .output_torque_Nm = forward ? -point.output_torque_Nm : point.output_torque_Nm};
-  const auto friction = friction_as<double>(losses.friction);
-  const auto shafts = shafts_as<double>(losses.shafts);
-  const auto flow = settled(running, friction, shafts);
+  const auto flow = settled(running, numbers_.friction, numbers_.shafts);
   if (!flow) return std::nullopt;
   const Drivers drivers = only(flow->gear1_drives);
 
-  MeshTorques<Jet1> torque;
-  for (std::size_t k = 0; k < kMeshCount; ++k) torque[k] = Jet1(flow->mesh_torque_Nm[k]);
-  const Jet1 temperature_K(point.temperature_K);
-  const auto by_losses =
-      balance_at<Jet1>(running, efficiency::friction_at(losses.friction, temperature_K),
-                       losses.shafts, torque, drivers);
+  const auto by_losses = balance_at<Jet1>(
+      running, efficiency::friction_at(losses_.friction, Jet1(point.temperature_K)), losses_.shafts,
+      torques_as<Jet1>(flow->mesh_torque_Nm), drivers);
+  MeshTorques<Jet3> torque;
   for (std::size_t k = 0; k < kMeshCount; ++k) {
-    torque[k] = Jet1(flow->mesh_torque_Nm[k], static_cast<int>(k));
+    torque[k] = Jet3(flow->mesh_torque_Nm[k], static_cast<int>(k));
   }
-  const auto fixed_friction = friction_as<Jet1>(friction);
-  const auto by_torques =
-      balance_at<Jet1>(running, efficiency::friction_at(fixed_friction, temperature_K),
-                       shafts_as<Jet1>(shafts), torque, drivers);
+  const auto by_torques = balance_at<Jet3>(
+      running, efficiency::friction_at(by_torque_.friction, Jet3(point.temperature_K)),
+      by_torque_.shafts, torque, drivers);
   if (!by_losses || !by_torques) return std::nullopt;
   Eigen::Matrix3d from_torques;                           // ∂F/∂τ
   Eigen::Matrix<double, 3, Jet1::DIMENSION> from_losses;  // ∂F/∂p
   for (Eigen::Index k = 0; k < 3; ++k) {
     const auto mesh = static_cast<std::size_t>(k);
-    from_torques.row(k) = by_torques->mesh_torque_Nm[mesh].v.head<3>().transpose();
+    from_torques.row(k) = by_torques->mesh_torque_Nm[mesh].v.transpose();
     from_losses.row(k) = by_losses->mesh_torque_Nm[mesh].v.transpose();
   }
   const Eigen::Matrix3d left = Eigen::Matrix3d::Identity() - from_torques;
   const Eigen::Matrix<double, 3, Jet1::DIMENSION> slopes = left.inverse() * from_losses;
   Jet1 sun(flow->sun_torque_Nm);
-  sun.v = by_losses->sun_torque_Nm.v + slopes.transpose() * by_torques->sun_torque_Nm.v.head<3>();
+  sun.v = by_losses->sun_torque_Nm.v + slopes.transpose() * by_torques->sun_torque_Nm.v;
   if (!sun.v.allFinite()) return std::nullopt;
-  return Jet1((forward ? 1.0 : -1.0) * sign_of(w.sun) * sun);
+  return Jet1((forward ? 1.0 : -1.0) * sign_of(sun_speed_) * sun);
 }
 
 }  // namespace gear3k::design

@@ -92,13 +92,17 @@ void set_speeds(const std::array<MeshConstants<T>, train::kMeshCount>& constants
 }
 
 template <class T>
-std::array<MeshKinematics<T>, train::kMeshCount> kinematics(const train::TrainGeometry<T>& g,
-                                                            const T& output_speed_rad_s) {
-  const auto constants = mesh_constants(g);
+std::array<MeshKinematics<T>, train::kMeshCount> kinematics(
+    const std::array<MeshConstants<T>, train::kMeshCount>& constants, const T& output_speed_rad_s) {
   std::array<MeshKinematics<T>, train::kMeshCount> result;
   for (std::size_t k = 0; k < train::kMeshCount; ++k) result[k] = constants[k].at_rest;
   set_speeds(constants, output_speed_rad_s, result);
   return result;
+}
+template <class T>
+std::array<MeshKinematics<T>, train::kMeshCount> kinematics(const train::TrainGeometry<T>& g,
+                                                            const T& output_speed_rad_s) {
+  return kinematics(mesh_constants(g), output_speed_rad_s);
 }
 
 /// Resultant of the mesh forces on one planet.

@@ -125,7 +125,7 @@ template <class T>
 T curve_at(const FrictionBend<T>& bend, const T& x) {
   const int last = bend.places - 1;
   const bool even = bend.x[0] == 0.0 && bend.x[1] == 0.0;
-  const auto value = [&](int place) { return bend.s[static_cast<std::size_t>(place)]; };
+  const auto value = [&](int place) -> const T& { return bend.s[static_cast<std::size_t>(place)]; };
   const auto at = [&](int place) {
     return even ? 2.0 * place / last - 1.0 : bend.x[static_cast<std::size_t>(place)];
   };
@@ -201,6 +201,7 @@ std::optional<T> friction_coefficient(const Friction<T>& friction, const MeshSta
                                                     const MeshState<T>&);            \
   template std::optional<T> friction_coefficient<T>(const Friction<T>&, const MeshState<T>&);
 GEAR3K_FOR_EACH_SCALAR(INSTANTIATE)
+INSTANTIATE(Jet3)
 #undef INSTANTIATE
 
 }  // namespace gear3k::efficiency

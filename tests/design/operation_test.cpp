@@ -1085,8 +1085,8 @@ TEST(SunTorque, IsThatOfTheOperationWithItsDerivativesByTheLosses) {
                        .output_torque_Nm = as(point.output_torque_Nm),
                        .temperature_K = as(point.temperature_K)},
                       direction);
-    const auto fast = sun_torque({.geometry = g.geometry, .face_width_m = g.face_width_m}, losses,
-                                 point, direction);
+    const auto fast = SunTorque({.geometry = g.geometry, .face_width_m = g.face_width_m}, losses)
+                          .at(point, direction);
     if (!exact.operation) {
       EXPECT_FALSE(fast) << "case " << i;
       continue;

@@ -55,13 +55,20 @@ std::vector<double> instants(const MeasurementSet& data) {
   return result;
 }
 
-/// From one run (or instant) on; or up to there, when the later runs are those that fit; or in one
-/// run alone, between others; or every session with a value of its own.  Each may act on the
-/// reading or on what makes it; of the sensor's own sign it is named for the sensor.
+/// From one run (or instant) on, of more sessions than have a value each from one of 31; or up to
+/// there, when the later runs are those that fit; or in one run alone, between others; or every
+/// session with a value of its own.  Each may act on the reading or on what makes it; of the
+/// sensor's own sign it is named for the sensor.
 std::vector<Form> forms(const Occasion& o) {
   std::vector<FormConstant> places;
   const auto runs = static_cast<int>(o.data->runs.size());
-  for (int run = 1; run < runs; ++run) {
+  const bool few = runs <= static_cast<int>(kSessionNames.size());
+  // Of many sessions every so many-th: what lies between is as good as met by its neighbour.
+  constexpr int kMostPlaces = 31;
+  const int count = std::min(runs - 1, few ? runs - 1 : kMostPlaces);
+  for (int k = 1; k <= count; ++k) {
+    const int run =
+        few ? k : static_cast<int>(std::lround(static_cast<double>(k) * runs / (count + 1)));
     places.push_back({.name = kFirstRun, .unit = "", .value = static_cast<double>(run)});
   }
   if (runs == 0) {
@@ -86,10 +93,11 @@ std::vector<Form> forms(const Occasion& o) {
       const double share = 1.0 / std::sqrt(static_cast<double>(places.size()));
       add("from", place, 0.5 * share);
       add("until", place, 0.25 * share);
-      if (place.name == kFirstRun && place.value + 1 < runs) add("only", place, 0.25 * share);
+      if (few && place.name == kFirstRun && place.value + 1 < runs)
+        add("only", place, 0.25 * share);
     }
     constexpr int kFewest = 3;
-    if (runs >= kFewest && runs <= static_cast<int>(kSessionNames.size())) {
+    if (runs >= kFewest && few) {
       add(kSessions, {.name = kSessions, .unit = "", .value = static_cast<double>(runs)}, 0.5);
     }
   }

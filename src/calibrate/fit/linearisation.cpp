@@ -76,12 +76,59 @@ Modification gearbox_under(const Simulation& simulation, const Hypothesis& h,
   return m;
 }
 
-Modification reading_under(const Simulation& simulation, const Hypothesis& h,
-                           std::span<const Scalar> values, const Condition& condition) {
-  Modification m = simulation.unmodified(condition);
-  apply_to_reading(h, values, condition, simulation.kind(), m);
-  return m;
+void apply_pass(const Pass& pass, const std::vector<Candidate>& others, const Condition& condition,
+                Kind kind, Modification& m) {
+  for (const Pass::Part& part : pass.parts) {
+    const Candidate& c = others[part.candidate];
+    c.cause->apply(c.form, part.values, condition, kind, m);
+  }
 }
+
+/// What rows are read under, one after the other.  A gearbox with its derivatives is some thousand
+/// bytes, which no row changes: it is kept from row to row.
+class RowReadings {
+ public:
+  /// @param h, values  must outlive this
+  RowReadings(const Simulation& simulation, const Hypothesis& h, std::span<const Scalar> values)
+      : simulation_(simulation), h_(h), values_(values) {}
+
+  /// Until the next row.
+  const Modification& under(const Condition& condition) {
+    start(condition, row_);
+    apply_to_reading(h_, values_, condition, simulation_.kind(), row_);
+    return row_;
+  }
+  /// The same with candidates more.
+  const Modification& with(const Pass& pass, const std::vector<Candidate>& others,
+                           const Condition& condition) {
+    if (is_kept()) {
+      static_cast<ReadingChange&>(more_) = row_;
+    } else {
+      more_ = row_;
+    }
+    apply_pass(pass, others, condition, simulation_.kind(), more_);
+    return more_;
+  }
+
+ private:
+  /// Whether readings leave the gearbox alone: models bring their own, and losses of pairs are read
+  /// under all of it.
+  [[nodiscard]] bool is_kept() const {
+    return !simulation_.has_models() && simulation_.kind() != Kind::kPairLoss;
+  }
+  void start(const Condition& condition, Modification& m) const {
+    if (is_kept()) {
+      static_cast<ReadingChange&>(m) = {};
+    } else {
+      m = simulation_.unmodified(condition);
+    }
+  }
+
+  const Simulation& simulation_;
+  const Hypothesis& h_;
+  std::span<const Scalar> values_;
+  Modification row_, more_;
+};
 
 /// Levels of friction that a hypothesis gives the rows, or a model under the simulation.
 LevelRange levels_of(const Problem& problem, const Hypothesis& h) {
@@ -89,9 +136,9 @@ LevelRange levels_of(const Problem& problem, const Hypothesis& h) {
   const bool by_row = std::ranges::any_of(h.effects, changes_row_friction);
   if (!problem.simulation.has_models() && !by_row) return levels;
   const auto constants = constants_of(h.value);
+  RowReadings readings(problem.simulation, h, constants);
   for (const Observation& row : problem.data.rows) {
-    const double level =
-        reading_under(problem.simulation, h, constants, row.condition).friction_level.a;
+    const double level = readings.under(row.condition).friction_level.a;
     if (level != 1.0) levels.include(level);
   }
   // A hypothesis at 1 has derivatives by the level all the same.
@@ -99,26 +146,21 @@ LevelRange levels_of(const Problem& problem, const Hypothesis& h) {
   return levels;
 }
 
-/// @param work  of a row, by its place in the data and in a vector of all
+/// @param work  of a row, by its place in the data and in a vector of all, with what it is read
+/// under
 template <class Work>
-void for_rows(const Problem& problem, const Work& work) {
+void for_rows(const Problem& problem, const Hypothesis& h, std::span<const Scalar> values,
+              const Work& work) {
   constexpr std::size_t kChunk = 512;
   const std::size_t n = problem.data.rows.size();
   const auto of_chunk = [&](std::size_t chunk) {
+    RowReadings readings(problem.simulation, h, values);
     const std::size_t first = chunk * kChunk;
     for (std::size_t row = first; row < std::min(n, first + kChunk); ++row) {
-      work(row, static_cast<Eigen::Index>(row));
+      work(row, static_cast<Eigen::Index>(row), readings);
     }
   };
   numerics::parallel_for((n + kChunk - 1) / kChunk, of_chunk, n > kManyRows);
-}
-
-void apply_pass(const Pass& pass, const std::vector<Candidate>& others, const Condition& condition,
-                Kind kind, Modification& m) {
-  for (const Pass::Part& part : pass.parts) {
-    const Candidate& c = others[part.candidate];
-    c.cause->apply(c.form, part.values, condition, kind, m);
-  }
 }
 
 /// The derivatives of all rows by what may be added to a hypothesis, each at 0.
@@ -145,7 +187,7 @@ Eigen::MatrixXd derivatives_by(const std::vector<Candidate>& others,
   }
   Eigen::MatrixXd result =
       Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(problem.data.rows.size()), columns);
-  for_rows(problem, [&](std::size_t row, Eigen::Index i) {
+  for_rows(problem, h, constants, [&](std::size_t row, Eigen::Index i, RowReadings& readings) {
     const Condition& condition = problem.data.rows[row].condition;
     const auto store = [&](const Pass& pass, const Scalar& y) {
       for (const Pass::Part& part : pass.parts) {
@@ -153,18 +195,17 @@ Eigen::MatrixXd derivatives_by(const std::vector<Candidate>& others,
             y.v.segment(part.slot, part.count).transpose();
       }
     };
-    const Modification reading = reading_under(simulation, h, constants, condition);
+    const Modification& reading = readings.under(condition);
     for (std::size_t k = 0; k < in_gearbox.size(); ++k) {
       const std::optional<Scalar> response = of_pass[k].of_row(row, reading.friction_level);
       if (!response) continue;
-      Modification m = reading;
       // Of pairs a loss beside the mesh is read with it.
-      if (kind == Kind::kPairLoss) apply_pass(in_gearbox[k], others, condition, kind, m);
+      const bool of_pairs = kind == Kind::kPairLoss;
+      const Modification& m = of_pairs ? readings.with(in_gearbox[k], others, condition) : reading;
       store(in_gearbox[k], simulation.reading(*response, condition, m));
     }
     for (const Pass& pass : in_reading) {
-      Modification m = reading;
-      apply_pass(pass, others, condition, kind, m);
+      const Modification& m = readings.with(pass, others, condition);
       const std::optional<Scalar> response = plain.by_level(row, m.friction_level);
       if (response) store(pass, simulation.reading(*response, condition, m));
     }
@@ -220,22 +261,23 @@ Linearisation NearbyRows::at(const std::vector<double>& value) const {
     const auto begin = static_cast<Eigen::Index>(block) * kSlots;
     const Eigen::Index slots = std::min<Eigen::Index>(kSlots, parameters - begin);
     const auto variables = variables_of(value, static_cast<std::size_t>(begin));
-    for_rows(*problem_, [&](std::size_t row, Eigen::Index i) {
-      const Condition& condition = problem_->data.rows[row].condition;
-      const Modification reading = reading_under(simulation, about_, variables, condition);
-      std::optional<Scalar> response;
-      if (levels_.holds(reading.friction_level.a)) {
-        response = gearbox_[block].of_row(row, reading.friction_level);
-      }
-      if (!response) {
-        all_run = false;
-        return;
-      }
-      response->a += change[i];
-      const Scalar y = simulation.reading(*response, condition, reading);
-      result.simulated[i] = y.a;
-      if (slots > 0) result.own.row(i).segment(begin, slots) = y.v.head(slots).transpose();
-    });
+    for_rows(*problem_, about_, variables,
+             [&](std::size_t row, Eigen::Index i, RowReadings& readings) {
+               const Condition& condition = problem_->data.rows[row].condition;
+               const Modification& reading = readings.under(condition);
+               std::optional<Scalar> response;
+               if (levels_.holds(reading.friction_level.a)) {
+                 response = gearbox_[block].of_row(row, reading.friction_level);
+               }
+               if (!response) {
+                 all_run = false;
+                 return;
+               }
+               response->a += change[i];
+               const Scalar y = simulation.reading(*response, condition, reading);
+               result.simulated[i] = y.a;
+               if (slots > 0) result.own.row(i).segment(begin, slots) = y.v.head(slots).transpose();
+             });
   }
   result.runs = all_run;
   return result;
@@ -246,20 +288,20 @@ Eigen::VectorXd NearbyRows::change_in_gearbox(const std::vector<double>& value) 
       Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem_->data.rows.size()));
   if (is_exact_at(value)) return change;
   const auto constants = constants_of(value);
-  for_rows(*problem_, [&](std::size_t row, Eigen::Index i) {
-    const Modification reading =
-        reading_under(problem_->simulation, about_, constants, problem_->data.rows[row].condition);
-    for (std::size_t block = 0; block < gearbox_.size(); ++block) {
-      const auto response = gearbox_[block].of_row(row, reading.friction_level);
-      const std::size_t first = block * kSlots;
-      const std::size_t end = std::min<std::size_t>(first + kSlots, value.size());
-      for (std::size_t k = first; response && k < end; ++k) {
-        if (!in_gearbox_[k]) continue;
-        change[i] +=
-            response->v[static_cast<Eigen::Index>(k - first)] * (value[k] - about_.value[k]);
-      }
-    }
-  });
+  for_rows(
+      *problem_, about_, constants, [&](std::size_t row, Eigen::Index i, RowReadings& readings) {
+        const Modification& reading = readings.under(problem_->data.rows[row].condition);
+        for (std::size_t block = 0; block < gearbox_.size(); ++block) {
+          const auto response = gearbox_[block].of_row(row, reading.friction_level);
+          const std::size_t first = block * kSlots;
+          const std::size_t end = std::min<std::size_t>(first + kSlots, value.size());
+          for (std::size_t k = first; response && k < end; ++k) {
+            if (!in_gearbox_[k]) continue;
+            change[i] +=
+                response->v[static_cast<Eigen::Index>(k - first)] * (value[k] - about_.value[k]);
+          }
+        }
+      });
   return change;
 }
 

@@ -135,34 +135,28 @@ NoiseModel make_noise_model(const MeasurementSet& data) {
   return noise;
 }
 
-namespace {
-
-/// What one unit more in all rows of a session is once the rows are independent.
-Eigen::VectorXd whitened_ones(const NoiseModel& noise) {
-  Eigen::MatrixXd ones = Eigen::MatrixXd::Ones(noise.weight.size(), 1);
-  if (noise.remembers()) MemoryFilter(noise.order, noise.memory).whiten(ones);
+Eigen::VectorXd NoiseModel::whitened_ones() const {
+  Eigen::MatrixXd ones = Eigen::MatrixXd::Ones(weight.size(), 1);
+  if (remembers()) MemoryFilter(order, memory).whiten(ones);
   return ones;
 }
 
-/// Its squares, by session.
-std::vector<double> squares_by_session(const NoiseModel& noise, const Eigen::VectorXd& ones) {
-  if (!noise.remembers()) return noise.rows_per_run;
-  std::vector<double> squares(noise.rows_per_run.size(), 0.0);
+std::vector<double> NoiseModel::squares_by_session(const Eigen::VectorXd& ones) const {
+  if (!remembers()) return rows_per_run;
+  std::vector<double> squares(rows_per_run.size(), 0.0);
   for (Eigen::Index i = 0; i < ones.size(); ++i) {
-    const int r = noise.run[static_cast<std::size_t>(i)];
+    const int r = run[static_cast<std::size_t>(i)];
     if (r >= 0) squares[static_cast<std::size_t>(r)] += ones[i] * ones[i];
   }
   return squares;
 }
 
-}  // namespace
-
 void NoiseModel::whiten(Eigen::MatrixXd& columns) const {
   columns.array().colwise() *= weight.array();
   if (remembers()) MemoryFilter(order, memory).whiten(columns);
   if (!(session_variance > 0.0) || runs == 0) return;
-  const Eigen::VectorXd ones = whitened_ones(*this);
-  const std::vector<double> squares = squares_by_session(*this, ones);
+  const Eigen::VectorXd ones = whitened_ones();
+  const std::vector<double> squares = squares_by_session(ones);
   Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(runs, columns.cols());
   for (Eigen::Index i = 0; i < columns.rows(); ++i) {
     const int r = run[static_cast<std::size_t>(i)];
@@ -183,7 +177,7 @@ double NoiseModel::log_determinant() const {
   double sum = -2.0 * weight.array().log().sum();
   if (remembers()) sum += MemoryFilter(order, memory).log_determinant();
   if (session_variance > 0.0 && runs > 0) {
-    for (const double n : squares_by_session(*this, whitened_ones(*this))) {
+    for (const double n : squares_by_session(whitened_ones())) {
       sum += std::log1p(n * session_variance);
     }
   }

@@ -44,6 +44,10 @@ struct NoiseModel {
   void whiten(Eigen::MatrixXd& columns) const;
   /// ln det of the rows' covariance, in units of the variance of a whitened row.
   [[nodiscard]] double log_determinant() const;
+  /// What one unit more in all rows of a session is in whitened rows, with 1 for the unit of the
+  /// weighted ones; and its squares, by session: its rows where nothing is remembered.
+  [[nodiscard]] Eigen::VectorXd whitened_ones() const;
+  [[nodiscard]] std::vector<double> squares_by_session(const Eigen::VectorXd& ones) const;
   [[nodiscard]] bool remembers() const { return memory.share > 0.0 && order.known(); }
   /// Deviation of whitened rows where it must be taken as stated, as few rows say nothing of their
   /// own scatter; 0: it is estimated.

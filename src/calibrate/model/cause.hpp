@@ -17,9 +17,8 @@ using Scalar = Jet1;
 
 class Simulation;
 
-/// What causes may change in the simulation of one row.
-struct Modification {
-  design::Extension<Scalar> gearbox;
+/// What causes may change in the reading of one row.
+struct ReadingChange {
   /// On the friction of the meshes in this row, beside the gearbox's own level: what sessions, time
   /// and cycles change.  Simulation::response() does not know it: LevelledResponses does.
   Scalar friction_level{1.0};
@@ -27,6 +26,11 @@ struct Modification {
   Scalar added{0.0};            ///< to the response [its SI unit]
   Scalar sensor_gain{1.0};      ///< of the sensor that measures the response
   Scalar sensor_offset{0.0};    ///< in the sensor's own sign [SI]
+};
+
+/// What causes may change in the simulation of one row.
+struct Modification : ReadingChange {
+  design::Extension<Scalar> gearbox;
 };
 
 /// A parameter of a cause; numbers in `unit`.

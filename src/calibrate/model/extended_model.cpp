@@ -68,7 +68,8 @@ void apply_model(const ExtendedModel& model, const Condition& condition, Kind ki
       continue;
     }
     // Responses and sensors of another kind are other ones; the gearbox is the same.
-    Modification other{.gearbox = m.gearbox};
+    Modification other;
+    other.gearbox = m.gearbox;
     apply_cause(applied, condition, model.kind, other);
     m.gearbox = other.gearbox;
   }

@@ -133,10 +133,9 @@ void simulate(std::size_t count, const ResponseAt& response, ConditionOf conditi
 
 RowResponses::RowResponses(const RowStates& states, const Simulation& simulation,
                            const Modification& gearbox)
-    : RowResponses(states, simulation.reads_temperature(gearbox),
-                   [&, slopes = simulation.slopes_for(
-                           states.count(simulation.reads_temperature(gearbox)), gearbox)](
-                       const Condition& c) { return simulation.response(c, gearbox, slopes); }) {}
+    : RowResponses(
+          states, simulation.reads_temperature(gearbox),
+          simulation.responses(gearbox, states.count(simulation.reads_temperature(gearbox)))) {}
 
 RowResponses::RowResponses(const RowStates& states, bool reads_temperature,
                            const ResponseAt& response)

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstddef>
-#include <functional>
 #include <optional>
 #include <vector>
 
@@ -31,9 +30,6 @@ struct RowStates {
   std::vector<Condition> states, cases;  ///< conditions of the first row of each
   std::vector<Interpolation> interpolations;
 };
-
-/// A response by condition; empty where the gearbox does not run.
-using ResponseAt = std::function<std::optional<Scalar>(const Condition&)>;
 
 /// Responses by row.
 class RowResponses {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <stdexcept>
 #include <utility>
 
@@ -123,6 +124,27 @@ const geometry::BasicRack<double>& rack_of(const design::PairDesign& pair) {
   return pair.gear1.rack;
 }
 
+/// What a gearbox loses under an extension.
+design::VariedLosses losses_under(const design::Extension<Scalar>& e,
+                                  const efficiency::Friction<Scalar>& stated,
+                                  const design::ShaftLosses<Scalar>& shafts_stated) {
+  design::VariedLosses losses{.friction = stated, .shafts = shafts_stated};
+  losses.friction.extension = e.friction;
+  auto& shafts = losses.shafts;
+  for (std::size_t i = 0; i < shafts.drag.size(); ++i) {
+    auto& drag = shafts.drag[i];
+    drag.constant_Nm = drag.constant_Nm + e.drag[i].constant_Nm;
+    drag.viscous_Nms = drag.viscous_Nms + e.drag[i].viscous_Nms;
+    drag.quadratic_Nms2 = drag.quadratic_Nms2 + e.drag[i].quadratic_Nms2;
+  }
+  shafts.drag_temperature_1_K = e.drag_temperature_1_K;
+  shafts.drag_reference_temperature_K = e.drag_reference_temperature_K;
+  shafts.planet_bearing_radius_m = shafts.planet_bearing_radius_m + e.planet_bearing_arm_m;
+  shafts.output_bearing_share = shafts.output_bearing_share + e.output_bearing_share;
+  shafts.output_bearing_growth = e.output_bearing_growth;
+  return losses;
+}
+
 }  // namespace
 
 Simulation::Simulation(const Subject& subject, Kind kind, std::vector<ExtendedModel> models)
@@ -194,47 +216,40 @@ double Simulation::ratio() const {
   return 0.0;
 }
 
-std::optional<Scalar> Simulation::sun_torque(const Condition& c, const Modification& m,
-                                             Slopes slopes) const {
-  if (const auto* box = std::get_if<BlackBox>(&subject_)) return black_box_torque(*box, c, m);
+ResponseAt Simulation::sun_torques(const Modification& m, std::size_t count) const {
+  if (const auto* box = std::get_if<BlackBox>(&subject_)) {
+    return [box, &m](const Condition& c) { return black_box_torque(*box, c, m); };
+  }
   const auto& g = std::get<Gearbox>(subject_);
-  const auto& e = m.gearbox;
-  design::VariedLosses losses{.friction = g.friction, .shafts = g.shafts};
-  auto& [friction, shafts] = losses;
-  friction.extension = e.friction;
-  for (std::size_t i = 0; i < shafts.drag.size(); ++i) {
-    auto& drag = shafts.drag[i];
-    drag.constant_Nm = drag.constant_Nm + e.drag[i].constant_Nm;
-    drag.viscous_Nms = drag.viscous_Nms + e.drag[i].viscous_Nms;
-    drag.quadratic_Nms2 = drag.quadratic_Nms2 + e.drag[i].quadratic_Nms2;
-  }
-  shafts.drag_temperature_1_K = e.drag_temperature_1_K;
-  shafts.drag_reference_temperature_K = e.drag_reference_temperature_K;
-  shafts.planet_bearing_radius_m = shafts.planet_bearing_radius_m + e.planet_bearing_arm_m;
-  shafts.output_bearing_share = shafts.output_bearing_share + e.output_bearing_share;
-  shafts.output_bearing_growth = e.output_bearing_growth;
-  const double temperature_K = stated_or(c.temperature_K, temperature_of(g.design));
-  if (slopes == Slopes::kImplicit) {
-    auto torque =
-        design::sun_torque({.geometry = g.fixed_geometry, .face_width_m = g.face_width_m}, losses,
-                           {.sun_speed_rad_s = c.sun_speed_rad_s,
-                            .output_torque_Nm = c.output_torque_Nm,
-                            .temperature_K = temperature_K},
-                           c.direction);
-    if (torque) return torque;
-  }
-  const design::LossyTrain<Scalar> train{
-      .geometry = g.geometry,
-      .friction = friction,
-      .shafts = shafts,
-      .face_width_m = numbers<std::array<Scalar, 2>>(g.face_width_m)};
-  const auto result = design::operate<Scalar>(train,
-                                              {.sun_speed_rad_s = number(c.sun_speed_rad_s),
-                                               .output_torque_Nm = number(c.output_torque_Nm),
-                                               .temperature_K = number(temperature_K)},
-                                              c.direction);
-  if (!result.operation) return std::nullopt;
-  return result.operation->sun_torque_Nm;
+  const auto losses =
+      std::make_shared<const design::VariedLosses>(losses_under(m.gearbox, g.friction, g.shafts));
+  const auto temperature_K = [&g](const Condition& c) {
+    return stated_or(c.temperature_K, temperature_of(g.design));
+  };
+  const auto iterated = [&g, losses, temperature_K](const Condition& c) -> std::optional<Scalar> {
+    const design::LossyTrain<Scalar> train{
+        .geometry = g.geometry,
+        .friction = losses->friction,
+        .shafts = losses->shafts,
+        .face_width_m = numbers<std::array<Scalar, 2>>(g.face_width_m)};
+    const auto result = design::operate<Scalar>(train,
+                                                {.sun_speed_rad_s = number(c.sun_speed_rad_s),
+                                                 .output_torque_Nm = number(c.output_torque_Nm),
+                                                 .temperature_K = number(temperature_K(c))},
+                                                c.direction);
+    if (!result.operation) return std::nullopt;
+    return result.operation->sun_torque_Nm;
+  };
+  if (!is_quicker_at_fixed_geometry(count, m)) return iterated;
+  const auto quick = std::make_shared<const design::SunTorque>(
+      design::FixedTrain{.geometry = g.fixed_geometry, .face_width_m = g.face_width_m}, *losses);
+  return [quick, iterated, temperature_K](const Condition& c) {
+    const auto torque = quick->at({.sun_speed_rad_s = c.sun_speed_rad_s,
+                                   .output_torque_Nm = c.output_torque_Nm,
+                                   .temperature_K = temperature_K(c)},
+                                  c.direction);
+    return torque ? torque : iterated(c);
+  };
 }
 
 std::optional<Scalar> Simulation::lost_motion(const Condition& c, const Modification& m) const {
@@ -356,33 +371,34 @@ Scalar Simulation::pair_loss(const Condition& c, const Modification& m) const {
          mu * (side[0] * (flanks.approach_factor - 1.0) + side[1] * (flanks.recess_factor - 1.0));
 }
 
-Slopes Simulation::slopes_for(std::size_t responses, const Modification& m) const {
+bool Simulation::is_quicker_at_fixed_geometry(std::size_t count, const Modification& m) const {
   // Where friction depends on the tooth forces, or is integrated along the path of contact, one
   // iterated response takes as long as fifty others.
   constexpr std::size_t kFew = 1000;
   constexpr std::size_t kFewOfLongOnes = 20;
-  const auto* gearbox = std::get_if<Gearbox>(&subject_);
-  if (gearbox == nullptr) return Slopes::kIterated;
-  const design::Friction& friction = gearbox->design.friction;
+  const design::Friction& friction = std::get<Gearbox>(subject_).design.friction;
   const bool is_long = efficiency::depends_on_state(friction) ||
                        depends_on_state(m.gearbox.friction) ||
                        friction.model == efficiency::LossModel::kCoulombPath ||
                        friction.model == efficiency::LossModel::kDirectional;
-  return responses > (is_long ? kFewOfLongOnes : kFew) ? Slopes::kImplicit : Slopes::kIterated;
+  return count > (is_long ? kFewOfLongOnes : kFew);
 }
 
-std::optional<Scalar> Simulation::response(const Condition& c, const Modification& m,
-                                           Slopes slopes) const {
+ResponseAt Simulation::responses(const Modification& m, std::size_t count) const {
   switch (kind_) {
     case Kind::kTransmission:
-      return sun_torque(c, m, slopes);
+      return sun_torques(m, count);
     case Kind::kLostMotion:
     case Kind::kTorqueAngle:
-      return lost_motion(c, m);
+      return [this, &m](const Condition& c) { return lost_motion(c, m); };
     case Kind::kPairLoss:
       break;
   }
-  return pair_loss(c, m);
+  return [this, &m](const Condition& c) { return pair_loss(c, m); };
+}
+
+std::optional<Scalar> Simulation::response(const Condition& c, const Modification& m) const {
+  return responses(m, 1)(c);
 }
 
 bool Simulation::reads_temperature(const Modification& m) const {

@@ -1,6 +1,7 @@
 #pragma once
 // The simulation of a measured response, and what causes change in it.
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <variant>
@@ -21,11 +22,8 @@ struct FrictionRange {
   double least = 0.0, greatest = 0.0;
 };
 
-/// How the derivatives of a torque that friction has to settle are found: the same to rounding.
-enum class Slopes {
-  kIterated,  ///< with the torque, by design::operate()
-  kImplicit   ///< at the settled torque, by design::sun_torque(): for many rows
-};
+/// A response by condition; empty where the gearbox does not run.
+using ResponseAt = std::function<std::optional<Scalar>(const Condition&)>;
 
 /// A subject ready to be simulated.
 class Simulation {
@@ -39,10 +37,11 @@ class Simulation {
   [[nodiscard]] Modification unmodified(const Condition& condition) const;
 
   /// Response of the gearbox [SI] under Modification::gearbox; empty where it does not run.
-  [[nodiscard]] std::optional<Scalar> response(const Condition& condition, const Modification& m,
-                                               Slopes slopes = Slopes::kIterated) const;
-  /// The quicker way for so many responses that it matters.
-  [[nodiscard]] Slopes slopes_for(std::size_t responses, const Modification& m) const;
+  [[nodiscard]] std::optional<Scalar> response(const Condition& condition,
+                                               const Modification& m) const;
+  /// The same at so many conditions, the same to rounding, by the way that is the quickest for
+  /// them; from several threads too.  Refers to this object and to the modification.
+  [[nodiscard]] ResponseAt responses(const Modification& m, std::size_t count) const;
   /// Whether that response depends on Condition::temperature_K.
   [[nodiscard]] bool reads_temperature(const Modification& m) const;
   /// What is read of a response under the other parts of a modification [SI].
@@ -85,8 +84,9 @@ class Simulation {
     Scalar lost_motion_rad;
     std::optional<design::ElasticTrain> springs;
   };
-  [[nodiscard]] std::optional<Scalar> sun_torque(const Condition& c, const Modification& m,
-                                                 Slopes slopes) const;
+  [[nodiscard]] ResponseAt sun_torques(const Modification& m, std::size_t count) const;
+  /// Whether so many are found quicker by design::SunTorque than by design::operate().
+  [[nodiscard]] bool is_quicker_at_fixed_geometry(std::size_t count, const Modification& m) const;
   [[nodiscard]] std::optional<Scalar> lost_motion(const Condition& c, const Modification& m) const;
   [[nodiscard]] Scalar pair_loss(const Condition& c, const Modification& m) const;
   [[nodiscard]] const design::Friction& stated_friction() const;

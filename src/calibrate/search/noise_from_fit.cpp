@@ -3,9 +3,11 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "calibrate/causes/reading_change.hpp"
 #include "numerics/distributions.hpp"
+#include "numerics/linear_algebra.hpp"
 
 namespace gear3k::calibrate {
 
@@ -33,6 +35,46 @@ Eigen::VectorXd clipped_in_sessions(const Eigen::VectorXd& residual, const Noise
   for (Eigen::Index i = 0; i < residual.size(); ++i) offset[i] = median[session(i)];
   const Eigen::VectorXd within = residual - offset;
   return offset + winsorised(within, robust_deviation(within));
+}
+
+/// What sessions' own values take off rows that other columns have left.
+struct BetweenSessions {
+  double sum_of_squares = 0.0;
+  int degrees = 0;
+  double squares = 0.0;  ///< of what one unit more is in a session's rows, on average
+};
+
+/// With s_r what one unit more is in the rows of session r, all orthogonal, d_r = s_rᵀ s_r and
+/// U = D^(−1/2) Sᵀ B, the sum of squares of the rows l in the span of (I − B Bᵀ) S is
+///
+///   hᵀ h + (Uᵀ h)ᵀ (I − Uᵀ U)⁺ Uᵀ h,   h = D^(−1/2) Sᵀ l
+///
+/// and each direction of the sessions that B holds, 1 an eigenvalue of Uᵀ U, is one degree less:
+/// no matrix of rows by sessions.
+/// @param basis  B, orthonormal columns  @param left  l, orthogonal to them
+BetweenSessions between_sessions(const NoiseModel& noise, const Eigen::MatrixXd& basis,
+                                 const Eigen::VectorXd& left) {
+  const Eigen::VectorXd ones = noise.whitened_ones();
+  const std::vector<double> squares = noise.squares_by_session(ones);
+  Eigen::MatrixXd u = Eigen::MatrixXd::Zero(noise.runs, basis.cols());
+  Eigen::VectorXd h = Eigen::VectorXd::Zero(noise.runs);
+  for (Eigen::Index i = 0; i < left.size(); ++i) {
+    const int r = noise.run[static_cast<std::size_t>(i)];
+    if (r < 0) continue;
+    const double share = ones[i] / std::sqrt(squares[static_cast<std::size_t>(r)]);
+    u.row(r) += share * basis.row(i);
+    h[r] += share * left[i];
+  }
+  const Eigen::VectorXd of_basis = u.transpose() * h;
+  const Eigen::MatrixXd rest =
+      Eigen::MatrixXd::Identity(basis.cols(), basis.cols()) - u.transpose() * u;
+  constexpr double kHeld = 1e-9;
+  const auto held = (numerics::symmetric_eigenvalues(rest).array() < kHeld).count();
+  const auto with_rows = std::ranges::count_if(squares, [](double d) { return d > 0.0; });
+  return {.sum_of_squares =
+              h.squaredNorm() + of_basis.dot(numerics::least_norm_solution(rest, of_basis)),
+          .degrees = static_cast<int>(with_rows - held),
+          .squares = std::accumulate(squares.begin(), squares.end(), 0.0) / noise.runs};
 }
 
 }  // namespace
@@ -100,18 +142,11 @@ SessionScatter session_scatter(const Problem& problem, const SearchResult& found
   own << fitted, columns.other.middleCols(block.first, block.count);
   const Eigen::MatrixXd basis = orthonormal_basis(own);
   const Eigen::VectorXd left = residual - basis * (basis.transpose() * residual);
-  Eigen::MatrixXd sessions = Eigen::MatrixXd::Zero(left.size(), noise.runs);
-  for (Eigen::Index i = 0; i < left.size(); ++i) {
-    const int r = noise.run[static_cast<std::size_t>(i)];
-    if (r >= 0) sessions(i, r) = 1.0;
-  }
-  if (noise.remembers()) noise.whiten(sessions);
-  sessions -= basis * (basis.transpose() * sessions);
-  const Eigen::MatrixXd session_basis = orthonormal_basis(sessions);
-  const auto degrees = static_cast<int>(session_basis.cols());
-  const auto rest = static_cast<int>(left.size() - basis.cols() - session_basis.cols());
+  const BetweenSessions sessions = between_sessions(noise, basis, left);
+  const int degrees = sessions.degrees;
+  const auto rest = static_cast<int>(left.size() - basis.cols()) - degrees;
   if (degrees < 1 || rest < 4) return {};
-  const double between = (session_basis.transpose() * left).squaredNorm();
+  const double between = sessions.sum_of_squares;
   const double within = (left.squaredNorm() - between) / rest;
   const double f = between / degrees / within;
   // A few sessions that scatter are hardly told from one step; with more of them it is the rule
@@ -121,9 +156,8 @@ SessionScatter session_scatter(const Problem& problem, const SearchResult& found
   // The twentieth of values that chance makes smallest is guarded against: few sessions say little
   // of how much sessions scatter.
   const double guard = numerics::f_upper_quantile(0.05, rest, degrees);
-  const double rows = static_cast<double>(left.size()) / noise.runs;
-  return {.estimate = std::max(0.0, (f - 1.0) / rows),
-          .guarded = std::max(0.0, (f * std::max(1.0, guard) - 1.0) / rows)};
+  return {.estimate = std::max(0.0, (f - 1.0) / sessions.squares),
+          .guarded = std::max(0.0, (f * std::max(1.0, guard) - 1.0) / sessions.squares)};
 }
 
 }  // namespace gear3k::calibrate

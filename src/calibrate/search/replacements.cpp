@@ -219,7 +219,8 @@ std::vector<Replacement> replacements_of(const Judge& judge, const SearchResult&
       if (named) continue;
       Replacement replacement =
           best_replacement(judge, result.fit, gap.rest, level, with_level, forms);
-      if (replacement.statistic <= kAsWell &&
+      if (std::isfinite(replacement.statistic) &&
+          judge.explains_as_well(replacement.fit, result.fit) &&
           !says_what_all_share(problem.data, replacement.fit.hypothesis)) {
         found.push_back(std::move(replacement));
       }
@@ -256,7 +257,18 @@ void refit_beside(const Judge& judge, const SearchResult& result, std::size_t ot
                 judge.scale());
     r.statistic = judge.difference(r.fit, result.fit);
   }
-  std::erase_if(list, [](const Replacement& r) { return !(r.statistic <= kAsWell); });
+  std::erase_if(list, [&](const Replacement& r) {
+    return !std::isfinite(r.statistic) || !judge.explains_as_well(r.fit, result.fit);
+  });
+}
+
+}  // namespace
+
+namespace {
+
+double more_parameters(const Fit& fit, const Fit& best) {
+  return static_cast<double>(fit.hypothesis.value.size()) -
+         static_cast<double>(best.hypothesis.value.size());
 }
 
 }  // namespace
@@ -274,12 +286,16 @@ Judge::Judge(const Problem& problem, const std::vector<Candidate>& all, const Fi
 }
 
 double Judge::difference(const Fit& fit, const Fit& best) const {
-  const auto parameters = [](const Fit& f) {
-    return static_cast<double>(f.hypothesis.value.size());
-  };
   return chi(fit) - chi(best) +
-         (parameters(fit) - parameters(best)) *
-             std::log(static_cast<double>(problem_.data.rows.size()));
+         more_parameters(fit, best) * std::log(static_cast<double>(problem_.data.rows.size()));
+}
+
+bool Judge::explains_as_well(const Fit& fit, const Fit& best) const {
+  constexpr double kMostRows = 150.0;
+  const auto rows = static_cast<double>(problem_.data.rows.size());
+  const double more = more_parameters(fit, best);
+  return chi(fit) - chi(best) + more * std::log(more > 0.0 ? std::min(rows, kMostRows) : rows) <=
+         kAsWell;
 }
 
 double Judge::chi(const Fit& fit) const { return fit.sum_of_squares * scale_ * scale_ / variance_; }

@@ -22,9 +22,12 @@ class Judge {
   [[nodiscard]] double variance() const { return variance_; }
   /// χ² of a fit at that scale.
   [[nodiscard]] double chi(const Fit& fit) const;
-  /// χ² of a fit less that of another, with ln(rows) for every parameter that it has more: twice
-  /// the difference of their BIC.
+  /// χ² of a fit less that of another, with ln(rows) for every parameter that it has more: the
+  /// difference of their BIC.
   [[nodiscard]] double difference(const Fit& fit, const Fit& best) const;
+  /// Whether that is within 6 at no more than 150 rows: with many rows ln(rows) alone would leave
+  /// out what has one parameter more, and is true.
+  [[nodiscard]] bool explains_as_well(const Fit& fit, const Fit& best) const;
 
  private:
   const Problem& problem_;

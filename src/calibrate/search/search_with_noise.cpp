@@ -38,6 +38,20 @@ SearchUnderNoise search_sessions(Problem& problem, const std::vector<Candidate>&
   return result;
 }
 
+/// What the choice of each cause costs: −2 ln of the share that its form has in the weight before
+/// the data of all forms that were looked through.
+double choice_cost(const SearchResult& found) {
+  double all = 0.0;
+  for (const Candidate& c : found.candidates) {
+    if (c.form.weight > 0.0) all += std::exp(log_weight_of(c));
+  }
+  double cost = 0.0;
+  for (const Candidate& c : found.fit.hypothesis.effects) {
+    cost += 2.0 * std::max(0.0, std::log(all) - log_weight_of(c));
+  }
+  return cost;
+}
+
 /// −2 ln of the likelihood of what was found under its noise, and what its parameters cost, those
 /// of the memory and the choice of each cause among them.
 double criterion(const Problem& problem, const SearchUnderNoise& s) {
@@ -47,9 +61,8 @@ double criterion(const Problem& problem, const SearchUnderNoise& s) {
   const double parameters = static_cast<double>(s.found.fit.hypothesis.value.size()) +
                             (s.noise.remembers() ? 2.0 : 0.0) +
                             (s.noise.session_variance > 0.0 ? 1.0 : 0.0);
-  const double choice = 2.0 * std::log(static_cast<double>(causes().size()));
   return s.noise.log_determinant() + n * std::log(residual.squaredNorm() / n) +
-         parameters * std::log(n) + choice * static_cast<double>(s.found.effects.size());
+         parameters * std::log(n) + choice_cost(s.found);
 }
 
 bool same_causes(const SearchResult& a, const SearchResult& b) {
@@ -120,7 +133,7 @@ std::optional<MemoryEstimate> memory_instead(const Problem& problem,
   const double log_n = std::log(static_cast<double>(missed.size()));
   const double cost =
       (static_cast<double>(h.value.size()) + (noise.session_variance > 0.0 ? 1.0 : 0.0)) * log_n +
-      2.0 * std::log(static_cast<double>(causes().size())) * static_cast<double>(h.effects.size());
+      choice_cost(found.found);
   if (with_causes.twice_log_likelihood - cost > without.twice_log_likelihood) return std::nullopt;
   return without.likeliest;
 }

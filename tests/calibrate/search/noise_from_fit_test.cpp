@@ -136,6 +136,46 @@ TEST_F(NoiseFromFit, FindsSessionsThatScatter) {
   }
 }
 
+TEST_F(NoiseFromFit, FindsHowMuchSessionsScatterInNoiseThatRemembers) {
+  // Neighbours correlate by 0.7, so that the readings of a session say less of it than their
+  // number.
+  constexpr double kCorrelation = 0.7, kScatter = 3.0;
+  const double sigma = 0.01 * mean_;
+  for (std::size_t i = 0; i < data_.rows.size(); ++i) {
+    data_.rows[i].condition.time_s = static_cast<double>(i);
+  }
+  double logs = 0.0;
+  constexpr int kSeeds = 40;
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    RandomBits random(seed);
+    double off = random.normal();
+    for (std::size_t i = 0; i < data_.rows.size(); ++i) {
+      data_.rows[i].response = clean_[i] + sigma * off;
+      off = kCorrelation * off + std::sqrt(1.0 - kCorrelation * kCorrelation) * random.normal();
+    }
+    split(12, seed + 100, kScatter * sigma);
+    Problem p = problem();
+    p.noise.memory = {.share = 1.0, .decay = kCorrelation};
+    logs += std::log(session_scatter(p, nothing(p)).estimate / (kScatter * kScatter));
+  }
+  // The estimate of 11 degrees of freedom: its logarithm is low by 0.09 and scatters by 0.45.
+  EXPECT_NEAR(logs / kSeeds, -0.09, 0.3);
+}
+
+TEST_F(NoiseFromFit, OffersFewPlacesOfAStepAmongManySessions) {
+  const auto steps = [&](int sessions) {
+    split(sessions, 1, 0.0);
+    const auto all = candidates_for(simulation_, data_);
+    return std::ranges::count_if(all, [](const Candidate& c) { return c.cause->id == "run_step"; });
+  };
+  // From or until each of the later ones, in one alone but the last, and all with a value each, on
+  // five targets.
+  EXPECT_EQ(steps(4), 5 * (2 * 3 + 2 + 1));
+  const auto many = steps(40);
+  EXPECT_EQ(many, 5 * 2 * 31);
+  EXPECT_EQ(steps(60), many);
+}
+
 TEST_F(NoiseFromFit, TakesASingleStepForNoScatter) {
   const double sigma = 0.01 * mean_;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {

@@ -115,6 +115,40 @@ TEST_F(Replacements, OfAStepIsTheCoefficientOfFrictionWhereItDoesAsMuch) {
   EXPECT_NE(find(result.effects[0], "run_step"), nullptr);
 }
 
+TEST_F(Replacements, OfATrueCauseWithAParameterMoreIsThereInManyRows) {
+  // Friction rises as the gearbox warms up, by a law of time or of temperature: no row tells which.
+  data_ = measured_grid({.repeats = 23});
+  ASSERT_GT(data_.rows.size(), 800U);
+  const Eigen::VectorXd low = simulated(simulation_, data_, {}).value();
+  const Eigen::VectorXd high =
+      simulated(simulation_, data_,
+                hypothesis({candidate("friction_level", {.name = "coefficient"})}, {0.2}))
+          .value();
+  const auto n = static_cast<double>(data_.rows.size());
+  int listed = 0;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    rig::DeterministicRandom random(seed);
+    for (std::size_t i = 0; i < data_.rows.size(); ++i) {
+      const double share = 1.0 - std::exp(-static_cast<double>(i) / (0.55 * n));
+      Observation& row = data_.rows[i];
+      row.condition.time_s = 5.0 * static_cast<double>(i);
+      row.condition.temperature_K = 293.0 + 25.0 * share;
+      const auto k = static_cast<Eigen::Index>(i);
+      row.response = low[k] + share * (high[k] - low[k]) + random.between(-0.004, 0.004);
+    }
+    const Problem p = problem();
+    const auto all = candidates_for(simulation_, data_);
+    const auto by_temperature = std::ranges::find(all, "friction_temperature",
+                                                  [](const Candidate& c) { return c.cause->id; });
+    ASSERT_NE(by_temperature, all.end());
+    const SearchResult result = found(p, hypothesis({*by_temperature}, {0.0}));
+    const Judge judge(p, all, result.fit, result.scale);
+    const FoundEffect effect = judge_effect(judge, result, 0);
+    listed += find(effect, "drift") != nullptr ? 1 : 0;
+  }
+  EXPECT_EQ(listed, 4);
+}
+
 TEST_F(Replacements, WithAValueForEachSessionThatAllShareIsNoStep) {
   data_ = measured_grid({.repeats = 3});
   data_.runs = {"a", "b", "c"};
