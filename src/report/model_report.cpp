@@ -154,9 +154,11 @@ std::string diagnosed_model_paragraph(const ModelUse& use) {
                           lasts ? "; as that campaign left it" : "");
     });
     for (const calibrate::AppliedLaw& law : model.laws) {
-      text +=
-          fmt::format("    {}{}\n", law_text(model, law),
-                      is_of_campaign(law.law) ? "; of its campaign, no part of this result" : "");
+      const bool lasts = is_of_campaign(law.law);
+      text += fmt::format("    {}{}\n", law_text(model, law),
+                          !lasts             ? ""
+                          : left_behind(law) ? "; as that campaign left it"
+                                             : "; of its campaign, no part of this result");
     }
   }
   return text;

@@ -122,7 +122,7 @@ void apply(const Form& form, std::span<const Scalar> p, const Condition& conditi
 }
 
 /// A drift stays where it was at the last row.
-void leave_behind(const Form& form, std::span<double> /*value*/, Condition& condition) {
+void leave_behind(const Form& form, std::span<Scalar> /*value*/, Condition& condition) {
   condition.time_s = condition.cycles = form.constant("start") + form.constant("span");
 }
 

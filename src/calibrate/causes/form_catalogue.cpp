@@ -13,15 +13,15 @@ constexpr int kManyLevels = 17;  // near every place of a curve
 
 /// What the rows of a campaign differ in.
 struct WidePlan {
-  bool with_runs = false;
+  int runs = 0;
   int levels = kManyLevels;  ///< of load, speed and temperature
 };
 
-/// Rows far apart in everything that forms are made from; with runs, one of them between others.
+/// Rows far apart in everything that forms are made from; of three runs one is between others.
 MeasurementSet wide_data(Kind kind, const WidePlan& plan) {
   MeasurementSet data;
   data.kind = kind;
-  if (plan.with_runs) data.runs = {"1", "2", "3"};
+  for (int run = 0; run < plan.runs; ++run) data.runs.push_back(std::to_string(run + 1));
   for (int step = 0; step < kManyLevels; ++step) {
     const double share = 0.5 * step;
     const double level = 0.5 * (step % plan.levels);
@@ -34,7 +34,7 @@ MeasurementSet wide_data(Kind kind, const WidePlan& plan) {
     row.condition.sun_speed_rad_s = 1.0 + level;
     row.condition.output_torque_Nm = 1.0 + level;
     row.condition.test_torque_Nm = 1.0 + share;
-    row.condition.run = plan.with_runs ? step / 6 : -1;
+    row.condition.run = plan.runs > 0 ? std::min(step / 6, plan.runs - 1) : -1;
     constexpr std::array<int, 3> kTeeth{20, 30, 20};
     row.condition.driving_teeth = kTeeth[static_cast<std::size_t>(step % 3)];
     row.condition.driven_teeth = 50 - row.condition.driving_teeth;
@@ -78,7 +78,8 @@ void add_form(std::vector<CatalogueForm>& catalogue, const Form& form) {
 std::vector<CatalogueForm> form_catalogue(const Cause& cause, Kind kind) {
   const train::ToothSet teeth{.S = 12, .P1 = 39, .R1 = 90, .P2 = 32, .R2 = 81};
   std::vector<CatalogueForm> catalogue;
-  constexpr std::array<WidePlan, 6> kPlans{{{.with_runs = true},
+  constexpr std::array<WidePlan, 7> kPlans{{{.runs = 3},
+                                            {.runs = 2},
                                             {.levels = kManyLevels},
                                             {.levels = 4},
                                             {.levels = 5},
@@ -98,7 +99,7 @@ std::vector<CatalogueForm> form_catalogue(const Cause& cause, Kind kind) {
         occasion.load_unit = "Nm";
         occasion.speed_unit = "rad/s";
       }
-      occasion.temperature_K = {293.15, 294.15};
+      occasion.temperature_K = {293.15, 303.15};
       occasion.has_drag = true;
       for (const Form& form : cause.forms(occasion)) add_form(catalogue, form);
     }

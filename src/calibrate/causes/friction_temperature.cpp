@@ -7,6 +7,11 @@ namespace {
 
 constexpr const char* kDrag = "drag";
 
+/// That of the viscosity of an oil ISO VG 460 (460 mm²/s at 40 °C, 30.5 at 100 °C) at 10 °C by
+/// Ubbelohde and Walther (docs/theory §25): thicker oils are none of a gearbox, and friction goes
+/// with at most the first power of viscosity.
+constexpr double kSteepest = 0.1;
+
 std::vector<ParameterRecord> parameters(const Form& form, Kind) {
   std::vector<ParameterRecord> result;
   if (!is_smooth(form)) {
@@ -14,15 +19,15 @@ std::vector<ParameterRecord> parameters(const Form& form, Kind) {
                       .unit = "1/K",
                       .lower = -0.5,
                       .upper = 0.5,
-                      .plausible_low = -0.5,
-                      .plausible_high = 0.5});
+                      .plausible_low = -kSteepest,
+                      .plausible_high = kSteepest});
   }
   add_shape_parameters(form, result);
   return result;
 }
 
 std::vector<Form> forms(const Occasion& o) {
-  if (o.kind != Kind::kTransmission || !(o.temperature_K[1] > o.temperature_K[0])) return {};
+  if (o.kind != Kind::kTransmission || !tells_of_temperature(o)) return {};
   const auto form = [&](const char* name, double reference_K, double weight) {
     constexpr double kCelsius = 273.15;
     return Form{.name = name,

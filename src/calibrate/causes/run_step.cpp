@@ -42,6 +42,12 @@ std::vector<ParameterRecord> parameters(const Form& form, Kind kind) {
   return result;
 }
 
+/// Of two sessions a step knows that there are no more of them.
+constexpr int kTwo = 2;
+bool is_between_two(const Form& form) {
+  return !gives_each_session_a_value(form) && sessions_of(form) == kTwo;
+}
+
 /// Ends of equal parts of the time, where no runs are told apart.
 std::vector<double> instants(const MeasurementSet& data) {
   constexpr int kParts = 10;
@@ -84,8 +90,10 @@ std::vector<Form> forms(const Occasion& o) {
     };
     const auto add = [&](const std::string& shape, const FormConstant& place, double weight) {
       constexpr double kOfAdded = 0.4;
+      std::vector<FormConstant> constants{place};
+      if (runs == kTwo) constants.push_back({.name = kSessions, .unit = "", .value = kTwo});
       result.push_back({.name = name(shape),
-                        .constants = {place},
+                        .constants = std::move(constants),
                         .weight = weight * target.weight / kOfAdded,
                         .law = target.law});
     };
@@ -144,12 +152,20 @@ std::vector<DerivedParameter> session_deviation(const Form& form, std::span<cons
 }
 
 /// Steps stay as in the last session; of sessions with a value each the next one is expected at
-/// their mean.
-void leave_behind(const Form& form, std::span<double> value, Condition& condition) {
+/// their mean.  So it is of two with a step between them, which do not tell a change that stays
+/// (the last would be right, the mean half the step off, as one refitted value is) from values
+/// drawn anew in each session (of deviation τ: the last is √2 τ off, the mean and a refit √1.5 τ).
+void leave_behind(const Form& form, std::span<Scalar> value, Condition& condition) {
   if (gives_each_session_a_value(form)) {
-    const double sum = std::accumulate(value.begin(), value.end(), 0.0);
-    std::ranges::fill(value, sum / static_cast<double>(value.size()));
+    const Scalar sum = std::accumulate(value.begin(), value.end(), Scalar(0.0));
+    std::ranges::fill(value, Scalar(sum / static_cast<double>(value.size())));
     condition.run = 0;
+    return;
+  }
+  if (is_between_two(form)) {
+    for (Scalar& x : value) x = 0.5 * x;
+    const bool until = form.name.find("until") != std::string::npos;
+    condition.run = until ? 0 : std::numeric_limits<int>::max();
     return;
   }
   condition.run = std::numeric_limits<int>::max();

@@ -20,7 +20,7 @@ std::vector<ParameterRecord> parameters(const Form&, Kind) {
 }
 
 std::vector<Form> forms(const Occasion& o) {
-  if (o.kind != Kind::kLostMotion || !(o.temperature_K[1] > o.temperature_K[0])) return {};
+  if (o.kind != Kind::kLostMotion || !tells_of_temperature(o)) return {};
   if (o.teeth == nullptr) return {};
   const auto form = [&](const char* name, double reference_K, double weight) {
     return Form{.name = name,

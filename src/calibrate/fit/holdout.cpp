@@ -8,6 +8,8 @@
 #include <numbers>
 #include <utility>
 
+#include "calibrate/causes/reading_change.hpp"
+#include "calibrate/measurement/value_range.hpp"
 #include "numerics/linear_algebra.hpp"
 
 namespace gear3k::calibrate {
@@ -96,48 +98,168 @@ double log_information(const Eigen::MatrixXd& normal, const std::vector<bool>& o
   return log_det(normal) - log_det(normal(others, others));
 }
 
+/// What the rows inside and outside each block say of a hypothesis' parameters, along its
+/// linearisation.
+class WithoutBlocks {
+ public:
+  WithoutBlocks(const Problem& problem, const Hypothesis& hypothesis, const Blocks& blocks)
+      : at_(linearise(problem, hypothesis, {})) {
+    const Eigen::Index p = at_.own.cols();
+    Eigen::MatrixXd white(at_.own.rows(), p + 1);
+    white << measured(problem.data) - at_.simulated, at_.own;
+    problem.noise.whiten(white);
+    const Eigen::MatrixXd j = white.rightCols(p);
+    const Eigen::VectorXd r = winsorised(white.col(0), robust_deviation(white.col(0)));
+    normal_ = j.transpose() * j;
+    moment_ = j.transpose() * r;
+    block_normal_.assign(static_cast<std::size_t>(blocks.count), Eigen::MatrixXd::Zero(p, p));
+    block_moment_.assign(block_normal_.size(), Eigen::VectorXd::Zero(p));
+    for (Eigen::Index i = 0; i < j.rows(); ++i) {
+      const auto b = static_cast<std::size_t>(blocks.of[static_cast<std::size_t>(i)]);
+      block_normal_[b] += j.row(i).transpose() * j.row(i);
+      block_moment_[b] += j.row(i).transpose() * r[i];
+    }
+    // In units in which the full data determine every parameter equally well.
+    unit_ = normal_.diagonal().cwiseSqrt().cwiseInverse();
+  }
+
+  [[nodiscard]] const Linearisation& at() const { return at_; }
+
+  /// How the parameters change without a block; empty where they are not determined.
+  [[nodiscard]] Eigen::VectorXd change(std::size_t b, const Shown& shown) const {
+    const Eigen::MatrixXd left = left_of(b);
+    if (!(numerics::symmetric_eigenvalues(left)[0] > kDetermined)) return {};
+    if (const auto asked = static_cast<double>(std::ranges::count(shown.of, true)); asked > 0.0) {
+      const double all =
+          log_information(unit_.asDiagonal() * normal_ * unit_.asDiagonal(), shown.of);
+      if (log_information(left, shown.of) - all < asked * std::log(shown.least)) return {};
+    }
+    return unit_.asDiagonal() * numerics::solve_symmetric(left, moment_of(b));
+  }
+
+  /// The same of the parameters that other blocks show at all; NaN for those that this block alone
+  /// shows.
+  [[nodiscard]] Eigen::VectorXd change_of_shown(std::size_t b) const {
+    const Eigen::MatrixXd left = left_of(b);
+    std::vector<Eigen::Index> seen;
+    for (Eigen::Index k = 0; k < left.rows(); ++k) {
+      if (left(k, k) > kDetermined) seen.push_back(k);
+    }
+    Eigen::VectorXd change = Eigen::VectorXd::Constant(left.rows(), kUnknown);
+    if (seen.empty()) return change;
+    const Eigen::MatrixXd of_seen = left(seen, seen);
+    if (!(numerics::symmetric_eigenvalues(of_seen)[0] > kDetermined)) return {};
+    const Eigen::VectorXd moment = moment_of(b)(seen);
+    const Eigen::VectorXd solved = numerics::solve_symmetric(of_seen, moment);
+    for (std::size_t k = 0; k < seen.size(); ++k) {
+      change[seen[k]] = unit_[seen[k]] * solved[static_cast<Eigen::Index>(k)];
+    }
+    return change;
+  }
+
+ private:
+  static constexpr double kDetermined = 1e-9;
+
+  [[nodiscard]] Eigen::MatrixXd left_of(std::size_t b) const {
+    return unit_.asDiagonal() * (normal_ - block_normal_[b]) * unit_.asDiagonal();
+  }
+  [[nodiscard]] Eigen::VectorXd moment_of(std::size_t b) const {
+    return unit_.asDiagonal() * (moment_ - block_moment_[b]);
+  }
+
+  Linearisation at_;
+  Eigen::MatrixXd normal_;
+  Eigen::VectorXd moment_, unit_;
+  std::vector<Eigen::MatrixXd> block_normal_;
+  std::vector<Eigen::VectorXd> block_moment_;
+};
+
+/// Of a drift's form, the span that ends at the last of some rows.
+void end_drift_at_last_row(Form& form, const MeasurementSet& data) {
+  const auto constant = [&](std::string_view name) -> double& {
+    return std::ranges::find(form.constants, name, &FormConstant::name)->value;
+  };
+  const bool by_cycles = form.name.find("_cycles") != std::string::npos;
+  const ValueRange range = range_of(data, by_cycles ? &Condition::cycles : &Condition::time_s);
+  if (range.known()) constant("span") = range.high - constant("start");
+}
+
+bool is_left_behind(const Candidate& c) { return c.cause->leave_behind != nullptr; }
+
+bool gives_value_to_each(const Candidate& c) { return gives_each_session_a_value(c.form); }
+
+/// The rows of a block, or those of all others.
+MeasurementSet rows_of(const MeasurementSet& data, const Blocks& blocks, int block, bool inside) {
+  MeasurementSet part;
+  part.kind = data.kind;
+  part.runs = data.runs;
+  for (std::size_t i = 0; i < data.rows.size(); ++i) {
+    if ((blocks.of[i] == block) == inside) part.rows.push_back(data.rows[i]);
+  }
+  return part;
+}
+
+/// What a fit without a block says of later rows: a step that the block alone shows is none, and a
+/// drift ends at the last of the rows.
+Hypothesis fit_without(const Hypothesis& h, const Eigen::VectorXd& change,
+                       const MeasurementSet& rest) {
+  Hypothesis later = h;
+  later.left_behind = true;
+  std::size_t first = 0;
+  for (Candidate& c : later.effects) {
+    for (std::size_t k = 0; k < c.parameters.size(); ++k) {
+      double& value = later.value[first + k];
+      value += change[static_cast<Eigen::Index>(first + k)];
+      value = std::isfinite(value) ? std::clamp(value, c.parameters[k].lower, c.parameters[k].upper)
+                                   : 0.0;
+    }
+    if (c.cause->id == "drift") end_drift_at_last_row(c.form, rest);
+    first += c.parameters.size();
+  }
+  return later;
+}
+
 }  // namespace
 
 Eigen::VectorXd predict_held_out(const Problem& problem, const Hypothesis& hypothesis,
                                  const Blocks& blocks, const Shown& shown) {
-  const Linearisation at = linearise(problem, hypothesis, {});
-  Eigen::VectorXd predicted = at.simulated;
-  const Eigen::Index p = at.own.cols();
-  if (p == 0) return predicted;
-  Eigen::MatrixXd white(at.own.rows(), p + 1);
-  white << measured(problem.data) - at.simulated, at.own;
-  problem.noise.whiten(white);
-  const Eigen::MatrixXd j = white.rightCols(p);
-  const Eigen::VectorXd r = winsorised(white.col(0), robust_deviation(white.col(0)));
-  const Eigen::MatrixXd normal = j.transpose() * j;
-  const Eigen::VectorXd moment = j.transpose() * r;
-  std::vector<Eigen::MatrixXd> block_normal(static_cast<std::size_t>(blocks.count),
-                                            Eigen::MatrixXd::Zero(p, p));
-  std::vector<Eigen::VectorXd> block_moment(block_normal.size(), Eigen::VectorXd::Zero(p));
-  for (Eigen::Index i = 0; i < j.rows(); ++i) {
-    const auto b = static_cast<std::size_t>(blocks.of[static_cast<std::size_t>(i)]);
-    block_normal[b] += j.row(i).transpose() * j.row(i);
-    block_moment[b] += j.row(i).transpose() * r[i];
-  }
-  std::vector<Eigen::VectorXd> change(block_normal.size());
-  // In units in which the full data determine every parameter equally well.
-  const Eigen::VectorXd unit = normal.diagonal().cwiseSqrt().cwiseInverse();
-  const auto asked = static_cast<double>(std::ranges::count(shown.of, true));
-  const double all =
-      asked > 0.0 ? log_information(unit.asDiagonal() * normal * unit.asDiagonal(), shown.of) : 0.0;
-  for (std::size_t b = 0; b < change.size(); ++b) {
-    const Eigen::MatrixXd left = unit.asDiagonal() * (normal - block_normal[b]) * unit.asDiagonal();
-    constexpr double kDetermined = 1e-9;
-    if (!(numerics::symmetric_eigenvalues(left)[0] > kDetermined)) continue;
-    if (asked > 0.0 && log_information(left, shown.of) - all < asked * std::log(shown.least)) {
-      continue;
-    }
-    change[b] = unit.asDiagonal() *
-                numerics::solve_symmetric(left, unit.asDiagonal() * (moment - block_moment[b]));
-  }
+  if (hypothesis.value.empty()) return linearise(problem, hypothesis, {}).simulated;
+  const WithoutBlocks without(problem, hypothesis, blocks);
+  std::vector<Eigen::VectorXd> change(static_cast<std::size_t>(blocks.count));
+  for (std::size_t b = 0; b < change.size(); ++b) change[b] = without.change(b, shown);
+  Eigen::VectorXd predicted = without.at().simulated;
   for (Eigen::Index i = 0; i < predicted.size(); ++i) {
     const auto b = static_cast<std::size_t>(blocks.of[static_cast<std::size_t>(i)]);
-    predicted[i] = change[b].size() == 0 ? kUnknown : predicted[i] + at.own.row(i).dot(change[b]);
+    predicted[i] =
+        change[b].size() == 0 ? kUnknown : predicted[i] + without.at().own.row(i).dot(change[b]);
+  }
+  return predicted;
+}
+
+Eigen::VectorXd predict_left_out(const Problem& problem, const Hypothesis& hypothesis,
+                                 const Blocks& blocks, const Shown& shown) {
+  Eigen::VectorXd predicted = predict_held_out(problem, hypothesis, blocks, shown);
+  const MeasurementSet& data = problem.data;
+  // What a session of a value of its own would be without its rows is not known.
+  if (blocks.name != "run" || std::ranges::none_of(hypothesis.effects, is_left_behind) ||
+      std::ranges::any_of(hypothesis.effects, gives_value_to_each)) {
+    return predicted;
+  }
+  const auto last = std::ranges::max_element(
+      data.rows, {}, [](const Observation& row) { return row.condition.run; });
+  const int last_block = blocks.of[static_cast<std::size_t>(last - data.rows.begin())];
+  const WithoutBlocks without(problem, hypothesis, blocks);
+  const Eigen::VectorXd change = without.change_of_shown(static_cast<std::size_t>(last_block));
+  if (change.size() == 0) return predicted;
+  const MeasurementSet rows = rows_of(data, blocks, last_block, true);
+  const Problem later{.simulation = problem.simulation, .data = rows, .noise = {}};
+  const Linearisation at = linearise(
+      later, fit_without(hypothesis, change, rows_of(data, blocks, last_block, false)), {});
+  Eigen::Index next = 0;
+  for (std::size_t i = 0; i < data.rows.size(); ++i) {
+    if (blocks.of[i] != last_block) continue;
+    predicted[static_cast<Eigen::Index>(i)] = at.runs ? at.simulated[next] : kUnknown;
+    ++next;
   }
   return predicted;
 }

@@ -62,6 +62,12 @@ struct Shown {
 Eigen::VectorXd predict_held_out(const Problem& problem, const Hypothesis& hypothesis,
                                  const Blocks& blocks, const Shown& shown = {});
 
+/// The same as a model of the fit is used: of sessions that are left out (blocks "run") the last is
+/// predicted as the fit without it leaves it behind (Cause::leave_behind), drift held at the last
+/// row before it.  Sessions with a value each are undetermined, as above.
+Eigen::VectorXd predict_left_out(const Problem& problem, const Hypothesis& hypothesis,
+                                 const Blocks& blocks, const Shown& shown = {});
+
 /// Whether predictions of held-out rows miss them by no more than others do: huber_square() of the
 /// weighted rows, summed over those that both predict.
 /// @param scale  standard deviation of the weighted rows

@@ -36,6 +36,28 @@ double capped_sum(const Eigen::VectorXd& whitened, double scale) {
   return (whitened / scale).array().square().min(kWinsor * kWinsor).sum();
 }
 
+/// The block of the last session, where sessions are left out; -1: others are.
+int last_session(const MeasurementSet& data, const Blocks& blocks) {
+  if (blocks.name != "run" || data.rows.empty()) return -1;
+  const auto last = std::ranges::max_element(
+      data.rows, {}, [](const Observation& row) { return row.condition.run; });
+  return blocks.of[static_cast<std::size_t>(last - data.rows.begin())];
+}
+
+/// A law as rows leave it behind: over time and cycles as it is used in later ones.
+AppliedLaw left_by(const std::vector<Observation>& rows, const AppliedLaw& law) {
+  if (!is_of_campaign(law.law)) return law;
+  Law ended = law.law;
+  for (LawFactor& f : ended.factors) {
+    const LawCondition& condition = law_conditions()[f.condition];
+    if (!condition.of_campaign || !has_limits(f)) continue;
+    ValueRange range;
+    for (const Observation& row : rows) range.extend(condition.value(row.condition));
+    f.greatest = range.high;
+  }
+  return left_behind(applied_law(ended, law.value, rows)).value_or(law);
+}
+
 class LawSearch {
  public:
   LawSearch(const Problem& problem, const Hypothesis& hypothesis, LawScope scope,
@@ -136,6 +158,11 @@ class LawSearch {
                                    const std::vector<LawTrial>& refitted, const Blocks& blocks) {
     const Linearisation at = linearise(problem, hypothesis, {});
     Eigen::VectorXd result = at.simulated;
+    const int last = last_session(problem.data, blocks);
+    std::vector<Observation> others;
+    for (std::size_t row = 0; last >= 0 && row < problem.data.rows.size(); ++row) {
+      if (blocks.of[row] != last) others.push_back(problem.data.rows[row]);
+    }
     for (Eigen::Index i = 0; i < result.size(); ++i) {
       const auto row = static_cast<std::size_t>(i);
       const LawTrial& t = refitted[static_cast<std::size_t>(blocks.of[row])];
@@ -143,9 +170,11 @@ class LawSearch {
         result[i] += at.own(i, k) * t.value[static_cast<std::size_t>(k)];
       }
       const Condition& c = problem.data.rows[row].condition;
-      if (!acts_in(t.law, c)) continue;
-      result[i] += law_change(t.law.action, c, result[i], response_unit(problem.data.kind).si) *
-                   law_value(t.law, c, t.value.data() + at.own.cols());
+      AppliedLaw law{.law = t.law, .value = {t.value.begin() + at.own.cols(), t.value.end()}};
+      if (blocks.of[row] == last) law = left_by(others, law);
+      if (!acts_in(law.law, c)) continue;
+      result[i] += law_change(law.law.action, c, result[i], response_unit(problem.data.kind).si) *
+                   law_value(law.law, c, law.value.data());
     }
     return result;
   }
@@ -179,7 +208,8 @@ class LawSearch {
 };
 
 /// The law with the ends of what it is asked for: the range of its conditions in the rows where it
-/// acts, and as much beyond as a law is held against (exceeds_its_rows).
+/// acts, and as much beyond as a law is held against (exceeds_its_rows); of time and cycles nothing
+/// after the last row, for what goes on from there was not measured.
 Law within_its_rows(Law law, const MeasurementSet& data) {
   const Law plain = law;
   for (LawFactor& f : law.factors) {
@@ -192,7 +222,7 @@ Law within_its_rows(Law law, const MeasurementSet& data) {
     const double wider = kLawReach * (range.high - range.low);
     f.least = range.low - wider;
     if (condition.natural_zero) f.least = std::max(f.least, std::min(range.low, 0.0));
-    f.greatest = range.high + wider;
+    f.greatest = range.high + (condition.of_campaign ? 0.0 : wider);
   }
   return law;
 }

@@ -88,6 +88,14 @@ struct Occasion {
   bool has_drag = false;                 ///< the simulation has drags whose size could change
 };
 
+/// Whether the temperatures of the rows differ enough for a law of temperature: over less, whatever
+/// else went on with time looks like one, and what it says a few kelvin away was not measured.
+/// 3 K, an assumption.
+inline bool tells_of_temperature(const Occasion& o) {
+  constexpr double kLeast_K = 3.0;
+  return o.temperature_K[1] - o.temperature_K[0] >= kLeast_K;
+}
+
 /// What follows for whoever finds the cause; causes of one remedy need no telling apart.
 enum class Remedy {
   kFrictionValue,  ///< take another coefficient of friction: a parameter, not a missing effect
@@ -131,7 +139,7 @@ struct Cause {
                                            const Modification& all) = nullptr;
   /// Of a cause whose effect depends on when a row was measured: puts values and condition to what
   /// the campaign left behind, which is what later measurements meet; null for all others.
-  void (*leave_behind)(const Form& form, std::span<double> value, Condition& condition) = nullptr;
+  void (*leave_behind)(const Form& form, std::span<Scalar> value, Condition& condition) = nullptr;
 };
 
 /// All causes; where two explain data as well, the earlier one is named first.

@@ -45,10 +45,10 @@ void apply_cause(const AppliedCause& applied, const Condition& condition, Kind k
     throw std::invalid_argument(fmt::format("extended model: {} has {} parameters, allowed: {}",
                                             applied.id, applied.value.size(), count));
   }
-  std::vector<double> value = applied.value;
+  std::vector<Scalar> value = constants_of(applied.value);
   Condition at = condition;
   if (cause.leave_behind != nullptr) cause.leave_behind(applied.form, value, at);
-  cause.apply(applied.form, constants_of(value), at, kind, m);
+  cause.apply(applied.form, value, at, kind, m);
 }
 
 }  // namespace
@@ -75,7 +75,11 @@ void apply_model(const ExtendedModel& model, const Condition& condition, Kind ki
   }
   if (kind != model.kind) return;
   for (const AppliedLaw& law : model.laws) {
-    if (!is_of_campaign(law.law)) apply_law(law, condition, kind, m);
+    if (!is_of_campaign(law.law)) {
+      apply_law(law, condition, kind, m);
+    } else if (const auto left = left_behind(law)) {
+      apply_law(*left, condition, kind, m);
+    }
   }
 }
 

@@ -55,9 +55,9 @@ struct ExtendedModel {
 /// Of all causes, then of all laws: the covariance has as many rows.
 std::size_t parameter_count(const ExtendedModel& model);
 
-/// Applies the causes to a simulation, one after the other, drift and sessions as the campaign left
-/// them behind (Cause::leave_behind), then the laws of the same kind of data but
-/// those over time or cycles, which belong to their campaign.
+/// Applies the causes to a simulation, one after the other, then the laws of the same kind of data;
+/// drift, sessions and laws over time or cycles as the campaign left them behind
+/// (Cause::leave_behind, left_behind()).
 void apply_model(const ExtendedModel& model, const Condition& condition, Kind kind,
                  Modification& m);
 

@@ -52,7 +52,7 @@ Hypothesis without(const Hypothesis& h, std::size_t effect) {
 }
 
 Hypothesis subset(const Hypothesis& h, const std::vector<bool>& stays) {
-  Hypothesis result;
+  Hypothesis result{.effects = {}, .value = {}, .left_behind = h.left_behind};
   for (std::size_t k = 0; k < h.effects.size(); ++k) {
     if (!stays[k]) continue;
     const auto values = values_of(h, k);
@@ -62,11 +62,28 @@ Hypothesis subset(const Hypothesis& h, const std::vector<bool>& stays) {
   return result;
 }
 
+namespace {
+
+void apply_effect(const Candidate& effect, bool left_behind, std::span<const Scalar> value,
+                  const Condition& condition, Kind kind, Modification& m) {
+  const Cause& cause = *effect.cause;
+  if (!left_behind || cause.leave_behind == nullptr) {
+    cause.apply(effect.form, value, condition, kind, m);
+    return;
+  }
+  std::vector<Scalar> left(value.begin(), value.end());
+  Condition at = condition;
+  cause.leave_behind(effect.form, left, at);
+  cause.apply(effect.form, left, at, kind, m);
+}
+
+}  // namespace
+
 void apply(const Hypothesis& h, std::span<const Scalar> value, const Condition& condition,
            Kind kind, Modification& m) {
   for (const Candidate& effect : h.effects) {
     const std::size_t count = effect.parameters.size();
-    effect.cause->apply(effect.form, value.first(count), condition, kind, m);
+    apply_effect(effect, h.left_behind, value.first(count), condition, kind, m);
     value = value.subspan(count);
   }
 }
@@ -76,7 +93,7 @@ void apply_to_reading(const Hypothesis& h, std::span<const Scalar> value,
   for (const Candidate& effect : h.effects) {
     const std::size_t count = effect.parameters.size();
     if (effect.cause->place == Place::kMeasurement || kind == Kind::kPairLoss) {
-      effect.cause->apply(effect.form, value.first(count), condition, kind, m);
+      apply_effect(effect, h.left_behind, value.first(count), condition, kind, m);
     }
     value = value.subspan(count);
   }

@@ -22,6 +22,9 @@ struct Candidate {
 struct Hypothesis {
   std::vector<Candidate> effects;
   std::vector<double> value;  ///< of all effects, one after the other
+  /// Whether drift and sessions act in every row as the campaign left them behind
+  /// (Cause::leave_behind): what later measurements meet.
+  bool left_behind = false;
 };
 std::vector<ParameterRecord> parameters_of(const Hypothesis& h);
 

@@ -495,6 +495,55 @@ bool is_of_campaign(const Law& law) {
       law.factors, [](const LawFactor& f) { return law_conditions()[f.condition].of_campaign; });
 }
 
+AppliedLaw applied_law(const Law& law, std::span<const double> value,
+                       std::span<const Observation> rows) {
+  AppliedLaw applied{.law = law, .value = {value.begin(), value.end()}};
+  const double* next = applied.value.data() + (law.offset ? 2 : 1);
+  for (std::size_t f = 0; f < law.factors.size(); ++f) {
+    const LawFactor& factor = law.factors[f];
+    const LawCondition& condition = law_conditions()[factor.condition];
+    if (condition.of_campaign && !has_limits(factor)) {
+      double sum = 0.0;
+      int count = 0;
+      for (const Observation& row : rows) {
+        if (!acts_in(law, row.condition)) continue;
+        sum += factor_value(factor, condition.value(row.condition), next);
+        ++count;
+      }
+      if (count > 0) applied.mean[f] = sum / count;
+    }
+    next += parameter_count(factor.shape);
+  }
+  return applied;
+}
+
+std::optional<AppliedLaw> left_behind(const AppliedLaw& applied) {
+  const Law& law = applied.law;
+  const std::size_t before = law.offset ? 2 : 1;
+  AppliedLaw left{.law = law, .value = {}};
+  left.law.factors.clear();
+  left.value.assign(applied.value.begin(),
+                    applied.value.begin() + static_cast<std::ptrdiff_t>(before));
+  const double* next = applied.value.data() + before;
+  for (std::size_t f = 0; f < law.factors.size(); ++f) {
+    const LawFactor& factor = law.factors[f];
+    const int count = parameter_count(factor.shape);
+    if (law_conditions()[factor.condition].of_campaign) {
+      const double at_end = !has_limits(factor) ? applied.mean[f]
+                            : std::isfinite(factor.greatest)
+                                ? factor_value(factor, factor.greatest, next)
+                                : kUnknown;
+      if (!std::isfinite(at_end)) return std::nullopt;
+      left.value.front() *= at_end;
+    } else {
+      left.law.factors.push_back(factor);
+      left.value.insert(left.value.end(), next, next + count);
+    }
+    next += count;
+  }
+  return left;
+}
+
 void apply_law(const AppliedLaw& applied, const Condition& condition, Kind kind, Modification& m) {
   const std::size_t count = parameters_of(applied.law, kind).size();
   if (applied.value.size() != count) {

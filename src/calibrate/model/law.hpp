@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -75,7 +76,7 @@ struct LawFactor {
   double origin = 0.0, reference = 1.0;  ///< of u, in the condition's unit; reference > 0
   double constant = 0.0;                 ///< x_t or W
   /// Where x is taken as these beyond them: a formula for measured values says nothing far from
-  /// them.
+  /// them.  The greatest time, or number of cycles, is that of the last row.
   double least = -HUGE_VAL, greatest = HUGE_VAL;
 };
 
@@ -129,9 +130,21 @@ std::string law_formula(const Law& law, const std::vector<double>& value, Kind k
 struct AppliedLaw {
   Law law;
   std::vector<double> value;  ///< as parameters_of()
+  /// Of each wave and pulse over time or cycles, its mean over the campaign's rows; NaN: not known.
+  std::array<double, 2> mean{kUnknown, kUnknown};
 };
 /// Whether a law is over time or cycles, which count from where its campaign began.
 bool is_of_campaign(const Law& law);
+
+/// A law with the means over the rows where it acts.
+/// @param value  as parameters_of()
+AppliedLaw applied_law(const Law& law, std::span<const double> value,
+                       std::span<const Observation> rows);
+
+/// A law as its campaign left it behind, which is what later measurements meet: a factor over time
+/// or cycles has the value of the last row (LawFactor::greatest), a wave or pulse its mean.
+/// @returns a law of the other factors, maybe none; empty where end or mean are not known
+std::optional<AppliedLaw> left_behind(const AppliedLaw& applied);
 
 void apply_law(const AppliedLaw& applied, const Condition& condition, Kind kind, Modification& m);
 

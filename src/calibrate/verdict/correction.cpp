@@ -1,6 +1,7 @@
 #include "calibrate/verdict/correction.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -51,7 +52,7 @@ std::optional<FoundCorrection> find_correction(const Problem& problem,
   std::optional<FoundCorrection> best;
   for (const std::size_t k : tried) {
     Fit trial = fit(problem, with({}, plain[k]), scale);
-    Eigen::VectorXd predicted = predict_held_out(problem, trial.hypothesis, blocks);
+    Eigen::VectorXd predicted = predict_left_out(problem, trial.hypothesis, blocks);
     if (!predicted.allFinite()) continue;
     const double sum = missed(problem, y, predicted, scale);
     if (!(sum < least)) continue;
@@ -78,14 +79,25 @@ std::vector<Blocks> judging_blocks(const Problem& problem, const Hypothesis& fou
 
 /// Sums over rows that both predict.
 struct Compared {
-  double more = 0.0;                ///< that the refit misses, by huber_square()
-  double refit = 0.0, found = 0.0;  ///< squares
+  double refit = 0.0, found = 0.0;                ///< squares
+  double refit_missed = 0.0, found_missed = 0.0;  ///< by huber_square()
   int rows = 0;
 };
 
-/// Standard error of a sum of what rows contribute.
-double deviation_of_sum(const Eigen::VectorXd& x) {
-  return x.size() < 2 ? 0.0 : (x.array() - x.mean()).matrix().norm();
+/// Variance of a sum of what blocks contribute, k (x − x̄)² summed over k − 1: rows of a block are
+/// missed together.
+double variance_of_sum(const Eigen::VectorXd& by_row, const Blocks& blocks) {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(blocks.count);
+  for (Eigen::Index i = 0; i < by_row.size(); ++i) {
+    sum[blocks.of[static_cast<std::size_t>(i)]] += by_row[i];
+  }
+  const auto count = static_cast<double>(blocks.count);
+  return blocks.count < 2 ? 0.0 : (sum.array() - sum.mean()).square().sum() * count / (count - 1.0);
+}
+
+/// The same of what rows contribute each by itself.
+double variance_of_sum(const Eigen::VectorXd& x) {
+  return x.size() < 2 ? 0.0 : (x.array() - x.mean()).square().sum();
 }
 
 }  // namespace
@@ -109,7 +121,7 @@ std::optional<RefitContest> contest_with_refit(const Problem& problem, const Hyp
     shown.of.insert(shown.of.end(), c.parameters.size(), is_law(c));
   }
   for (const Blocks& blocks : all) {
-    by_found.push_back(predict_held_out(problem, found, blocks, shown));
+    by_found.push_back(predict_left_out(problem, found, blocks, shown));
     // The linearisation of a peak is not the peak that the other rows show.
     if (found.effects.empty() || !is_law(found.effects.back())) continue;
     const Eigen::VectorXd refitted = predict_law_held_out(problem, found, blocks, scale);
@@ -122,32 +134,46 @@ std::optional<RefitContest> contest_with_refit(const Problem& problem, const Hyp
     Compared sum;
     Eigen::VectorXd by_row = Eigen::VectorXd::Zero(y.size());
     double least = std::numeric_limits<double>::infinity();
+    double beyond_rows = 0.0;
     std::optional<Eigen::VectorXd> predicted;
     for (std::size_t k = 0; k < all.size(); ++k) {
       Eigen::VectorXd by_refit = predict_held_out(problem, trial.hypothesis, all[k]);
       Eigen::VectorXd here = Eigen::VectorXd::Zero(y.size());
+      std::array<double, 2> missed_here{};  // by the refit, by what was found
       for (Eigen::Index i = 0; i < y.size(); ++i) {
         if (!std::isfinite(by_refit[i]) || !std::isfinite(by_found[k][i])) continue;
         const double unit = scale / problem.noise.weight[i];
         const double refit_misses = y[i] - by_refit[i];
         const double found_misses = y[i] - by_found[k][i];
-        here[i] = huber_square(refit_misses / unit) - huber_square(found_misses / unit);
+        const double by_refit_here = huber_square(refit_misses / unit);
+        const double by_found_here = huber_square(found_misses / unit);
+        here[i] = by_refit_here - by_found_here;
+        missed_here[0] += by_refit_here;
+        missed_here[1] += by_found_here;
         sum.refit += refit_misses * refit_misses;
         sum.found += found_misses * found_misses;
         ++sum.rows;
       }
-      const double deviation = deviation_of_sum(here);
-      if (deviation > 0.0) least = std::min(least, here.sum() / deviation);
+      const double variance = variance_of_sum(here, all[k]);
+      beyond_rows += variance - variance_of_sum(here);
+      sum.refit_missed += missed_here[0];
+      sum.found_missed += missed_here[1];
+      // Of sessions neither knows the next: their mean and a refitted value are nearly one.
+      const bool as_good = all[k].name == "run" && !is_much_worse(missed_here[1], missed_here[0]);
+      if (variance > 0.0 && !as_good) least = std::min(least, here.sum() / std::sqrt(variance));
       by_row += here;
       if (k == 0) predicted = std::move(by_refit);
     }
-    sum.more = by_row.sum();
-    if (sum.rows == 0 || !predicted->allFinite() || (best && !(sum.more < best->gain))) continue;
+    const double gain = by_row.sum();
+    if (sum.rows == 0 || !predicted->allFinite() || (best && !(gain < best->gain))) continue;
     best = {.refit = {.fit = std::move(trial), .predicted = *std::move(predicted)},
             .refit_error = std::sqrt(sum.refit / sum.rows),
             .error = std::sqrt(sum.found / sum.rows),
-            .gain = sum.more,
-            .gain_deviation = deviation_of_sum(by_row),
+            .missed_by_refit = sum.refit_missed,
+            .missed = sum.found_missed,
+            .gain = gain,
+            // Sums over different conditions have the scatter of rows in common.
+            .gain_deviation = std::sqrt(std::max(0.0, variance_of_sum(by_row) + beyond_rows)),
             .least_gain = least};
   }
   return best;

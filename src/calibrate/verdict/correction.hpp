@@ -24,15 +24,26 @@ std::optional<FoundCorrection> find_correction(const Problem& problem,
                                                const std::vector<Candidate>& candidates,
                                                const Blocks& blocks, double scale);
 
+/// Whether one prediction misses rows by more than 5 % more than another, in the root of sums of
+/// huber_square().
+constexpr bool is_much_worse(double missed, double by_other) {
+  constexpr double kMuch = 1.05;
+  return missed > kMuch * kMuch * by_other;
+}
+
 /// A prediction against the refit of one parameter (coefficient of friction, clearance or gain), in
 /// rows held out of either: over the blocks of load, test torque, speed and session, and those that
 /// are shown.
 struct RefitContest {
   FoundCorrection refit;                  ///< that predicts them best
   double refit_error = 0.0, error = 0.0;  ///< root mean squares over all blocks [SI]
-  double gain = 0.0;            ///< of the prediction over the refit, in sums of huber_square()
-  double gain_deviation = 0.0;  ///< standard error of that, by what rows differ in
-  /// The least gain in rows left out by one condition, in standard errors of its own.
+  /// Sums of huber_square() of the weighted rows over all blocks.
+  double missed_by_refit = 0.0, missed = 0.0;
+  double gain = 0.0;  ///< of the prediction over the refit in these sums
+  /// Standard error of that, by what blocks differ in: their rows are missed together.
+  double gain_deviation = 0.0;
+  /// The least gain in rows left out by one condition, in standard errors of its own; of sessions
+  /// where the prediction is much worse there.
   double least_gain = 0.0;
   [[nodiscard]] bool refit_is_better() const { return gain < 0.0; }
   /// Whether it is not clear that what was found predicts better: over all, or along one condition.

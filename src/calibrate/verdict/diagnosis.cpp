@@ -200,7 +200,7 @@ ExtendedModel model_of(const FinalFit& final, const MeasurementSet& data) {
     const Candidate& c = final.hypothesis.effects[e];
     const auto values = values_of(final.hypothesis, e);
     if (is_law(c)) {
-      model.laws.push_back({.law = law_of(c.form), .value = {values.begin(), values.end()}});
+      model.laws.push_back(applied_law(law_of(c.form), values, data.rows));
       continue;
     }
     model.causes.push_back(
@@ -466,10 +466,9 @@ void predict_at_least_as_refit(Diagnosis& d, const Measured& m, const Hypothesis
   const bool nothing_found = causes.effects.empty() && !d.remainder.significant;
   if (contest && nothing_found) {
     // Luck makes one parameter better than none in every third campaign; a model that is found to
-    // agree stays as it is as long as it is no more than this much worse.
-    constexpr double kMuchBetter = 1.05;
+    // agree stays as it is as long as it is not much worse.
     d.refit->predicts =
-        contest->refit_is_better() && contest->error > kMuchBetter * contest->refit_error;
+        contest->refit_is_better() && is_much_worse(contest->missed, contest->missed_by_refit);
   }
   if (d.refit && d.refit->predicts) formula = contest->refit;
   add_correction(d, m, formula, blocks, scale);

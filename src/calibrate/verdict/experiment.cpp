@@ -89,7 +89,7 @@ bool is_beyond_physics(const Condition& c, double sun_torque_Nm, double ratio) {
                                                      : sun_torque_Nm > without_loss);
 }
 
-/// Rows to simulate, in the sessions of the data.
+/// Rows to simulate, of a session after those of the data.
 MeasurementSet rows_at(const std::vector<Condition>& conditions, const MeasurementSet& data) {
   MeasurementSet possible;
   possible.kind = data.kind;
@@ -97,6 +97,12 @@ MeasurementSet rows_at(const std::vector<Condition>& conditions, const Measureme
   possible.rows.reserve(conditions.size());
   for (const Condition& c : conditions) possible.rows.push_back({.condition = c});
   return possible;
+}
+
+/// An explanation in new rows: of a further session, with what drifts as the data left it.
+Hypothesis later(Hypothesis h) {
+  h.left_behind = true;
+  return h;
 }
 
 /// Conditions at which every explanation stays within physics, where there are any.
@@ -108,7 +114,7 @@ std::vector<Condition> believable(const Problem& problem,
   const Problem imagined{.simulation = problem.simulation, .data = possible, .noise = {}};
   std::vector<bool> out(conditions.size(), false);
   for (const Explanation& e : explanations) {
-    const Eigen::VectorXd torque = linearise(imagined, e.fit.hypothesis, {}).simulated;
+    const Eigen::VectorXd torque = linearise(imagined, later(e.fit.hypothesis), {}).simulated;
     for (std::size_t k = 0; k < conditions.size(); ++k) {
       out[k] = out[k] || is_beyond_physics(conditions[k], torque[static_cast<Eigen::Index>(k)],
                                            problem.simulation.ratio());
@@ -357,7 +363,7 @@ NextExperiment plan_experiment(const Problem& problem, const std::vector<Explana
   for (const Explanation& e : explanations) {
     const std::vector<Candidate> beside = candidates_beside(level, e.fit.hypothesis);
     const Columns old = columns_at(problem, e.fit.hypothesis, beside, 0.0);
-    const Linearisation fresh = linearise(imagined, e.fit.hypothesis, beside);
+    const Linearisation fresh = linearise(imagined, later(e.fit.hypothesis), beside);
     View view{.name = e.body.empty() ? e.id : fmt::format("{} at the {}", e.id, e.body),
               .old_rows = (measured_rows.col(0) - old.residual) / scale,
               .jacobian = {},

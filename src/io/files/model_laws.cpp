@@ -38,8 +38,8 @@ class LawReader {
         choice("acts_on", {calibrate::kLawActionNames.begin(), calibrate::kLawActionNames.end()}));
     applied.law.rows = static_cast<calibrate::LawRows>(
         choice("rows", {calibrate::kLawRowsNames.begin(), calibrate::kLawRowsNames.end()}));
-    read_factor(applied.law, 0);
-    if (member("shape_2") != nullptr) read_factor(applied.law, 1);
+    read_factor(applied, 0);
+    if (member("shape_2") != nullptr) read_factor(applied, 1);
     if (reader_.errors() == before) read_parameters(table, applied);
     // Of a law that is not understood no key is known to be wrong.
     if (reader_.errors() == before) {
@@ -106,7 +106,7 @@ class LawReader {
     return 1.0;
   }
 
-  void read_factor(Law& law, std::size_t place) {
+  void read_factor(AppliedLaw& applied, std::size_t place) {
     std::vector<std::string> shapes;
     shapes.reserve(calibrate::kLawShapes);
     for (int k = 0; k < calibrate::kLawShapes; ++k) {
@@ -140,8 +140,16 @@ class LawReader {
           number(law_constant_key(factor, place), width ? "a number above 0" : "a number",
                  [&](double x) { return !width || x > 0.0; });
     }
-    if (has_limits(factor)) read_limits(factor, place);
-    law.factors.push_back(factor);
+    if (has_limits(factor)) {
+      read_limits(factor, place);
+    } else if (conditions[factor.condition].of_campaign) {
+      const std::string mean = law_key("mean", place);
+      known_.push_back(mean);
+      if (member(mean) != nullptr) {
+        applied.mean[place] = number(mean, "-1 to 1", [](double x) { return std::abs(x) <= 1.0; });
+      }
+    }
+    applied.law.factors.push_back(factor);
   }
 
   /// Where the condition ends, where that is stated; what turns or goes on in waves has no end.

@@ -128,6 +128,9 @@ std::string law_text(const ExtendedModel& model, std::string_view kind, std::siz
       if (!std::isfinite(x)) continue;
       text += fmt::format("{} = {}\n", law_unit_key(name, factor, f), toml_number(x));
     }
+    if (std::isfinite(applied.mean[f])) {
+      text += fmt::format("{} = {}\n", law_key("mean", f), toml_number(applied.mean[f]));
+    }
   }
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     require(std::isfinite(applied.value[i]), "a law is not finite");

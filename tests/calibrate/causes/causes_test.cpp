@@ -126,6 +126,15 @@ TEST(Causes, AreNothingToSearchWhereTheDataCannotShowThem) {
   EXPECT_EQ(ids([](Condition&) {}).size(), 15U);
   const auto still = ids([](Condition& c) { c.temperature_K = 300.0; });
   EXPECT_FALSE(still.contains("friction_temperature"));
+  // Over less than 3 K.
+  for (const auto& [span, told] : {std::pair{2.9, false}, std::pair{3.1, true}}) {
+    bool warm = false;
+    const auto creeping = ids([&, range = span](Condition& c) {
+      c.temperature_K = warm ? 300.0 + range : 300.0;
+      warm = !warm;
+    });
+    EXPECT_EQ(creeping.contains("friction_temperature"), told) << span;
+  }
   const auto angle = ids([](Condition& c) { c.output_angle_rad = kUnknown; });
   EXPECT_FALSE(angle.contains("runout"));
   EXPECT_FALSE(angle.contains("mesh_order"));

@@ -104,6 +104,37 @@ TEST_F(HeldOut, OfTheSensorAreRefitsWithoutTheBlock) {
   }
 }
 
+TEST_F(HeldOut, TheLastSessionOfADriftIsAsTheRowsBeforeItLeftIt) {
+  const auto last_run = static_cast<int>(data_.runs.size()) - 1;
+  double end = 0.0;
+  double before = 0.0;
+  for (std::size_t i = 0; i < data_.rows.size(); ++i) {
+    Condition& c = data_.rows[i].condition;
+    c.time_s = 10.0 * static_cast<double>(i);
+    end = std::max(end, c.time_s);
+    if (c.run != last_run) before = std::max(before, c.time_s);
+  }
+  ASSERT_LT(before, end);
+  constexpr double kMost_Nm = 0.03;
+  const Hypothesis drift = hypothesis(
+      {candidate("drift", {.name = "linear_time",
+                           .constants = {{.name = "start", .unit = "s", .value = 0.0},
+                                         {.name = "span", .unit = "s", .value = end},
+                                         {.name = "time_constant", .unit = "s", .value = end}}})},
+      {kMost_Nm});
+  const Eigen::VectorXd torque = simulated(simulation_, data_, {}).value();
+  for (std::size_t i = 0; i < data_.rows.size(); ++i) {
+    data_.rows[i].response =
+        torque[static_cast<Eigen::Index>(i)] + kMost_Nm * data_.rows[i].condition.time_s / end;
+  }
+  const Eigen::VectorXd predicted = predict_left_out(problem(), drift, by("run"));
+  for (Eigen::Index i = 0; i < predicted.size(); ++i) {
+    const Condition& c = data_.rows[static_cast<std::size_t>(i)].condition;
+    const double t = c.run == last_run ? before : c.time_s;
+    EXPECT_NEAR(predicted[i], torque[i] + kMost_Nm * t / end, 1e-9) << i;
+  }
+}
+
 TEST_F(HeldOut, DecideWhetherAnEffectOnlyFitsOrAlsoPredicts) {
   const Hypothesis offset = hypothesis({candidate("sensor_offset", {.name = "offset"})}, {0.0});
   const Eigen::MatrixXd line = sensor_line();

@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "calibrate/model/extended_model.hpp"
 
@@ -172,7 +175,68 @@ TEST(Law, KeepsItsValueBeyondItsEnds) {
   EXPECT_FALSE(has_limits(law.factors[0]));
 }
 
-TEST(Law, OverTimeBelongsToItsCampaign) {
+/// What a model of one law adds to a reading of any time and session of a speed.
+double left_by(const AppliedLaw& law, double sun_speed_rpm) {
+  ExtendedModel model;
+  model.laws = {law};
+  std::vector<double> added;
+  for (const double t : {kUnknown, 0.0, 7.0, 1e6}) {
+    Condition c;
+    c.time_s = c.cycles = t;
+    c.sun_speed_rad_s = sun_speed_rpm * std::numbers::pi / 30.0;
+    Modification m;
+    apply_model(model, c, Kind::kTransmission, m);
+    added.push_back(m.added.a);
+  }
+  EXPECT_EQ(std::ranges::count(added, added.front()), std::ssize(added));
+  return added.front();
+}
+
+TEST(Law, OverTimeLeavesBehindItsValueAtTheLastRow) {
+  for (const char* name : {"time", "cycles"}) {
+    const LawFactor until_20{.shape = LawShape::kPower,
+                             .condition = condition(name),
+                             .reference = 10.0,
+                             .greatest = 20.0};
+    const LawFactor by_speed{
+        .shape = LawShape::kPower, .condition = condition("sun_speed"), .reference = 3000.0};
+    // 0.1 + 0.3 (20/10)^1.5 (rpm/3000)^2
+    for (const bool time_first : {true, false}) {
+      AppliedLaw law{
+          .law = {.action = LawAction::kAdded, .factors = {until_20, by_speed}, .offset = true},
+          .value = {0.3, 0.1, 1.5, 2.0}};
+      if (!time_first) {
+        std::swap(law.law.factors[0], law.law.factors[1]);
+        std::swap(law.value[2], law.value[3]);
+      }
+      for (const double rpm : {600.0, 3000.0}) {
+        EXPECT_NEAR(left_by(law, rpm), 0.1 + 0.3 * std::pow(2.0, 1.5) * std::pow(rpm / 3000.0, 2.0),
+                    1e-12);
+      }
+    }
+  }
+}
+
+TEST(Law, OfWavesInTimeLeavesBehindTheirMeanOverTheRows) {
+  const Law wave{
+      .action = LawAction::kAdded,
+      .factors = {{.shape = LawShape::kWave, .condition = condition("time"), .reference = 10.0}}};
+  std::vector<Observation> rows;
+  double mean = 0.0;
+  const std::vector<double> times{0.0, 0.5, 0.7, 3.0, 9.0};
+  for (const double t : times) {
+    rows.emplace_back();
+    rows.back().condition.time_s = t;
+    mean += std::cos(2.0 * std::numbers::pi * (0.6 * t / 10.0 - 0.1)) /
+            static_cast<double>(times.size());
+  }
+  const std::vector<double> value{0.5, 0.6, 0.1};
+  EXPECT_NEAR(left_by(applied_law(wave, value, rows), 600.0), 0.5 * mean, 1e-14);
+  // Of which no mean is known nothing is left.
+  EXPECT_EQ(left_by({.law = wave, .value = value}, 600.0), 0.0);
+}
+
+TEST(Law, OverTimeWithoutAnEndBelongsToItsCampaign) {
   for (const char* name : {"time", "cycles", "sun_speed", "temperature"}) {
     Condition c;
     c.time_s = c.cycles = 5.0;

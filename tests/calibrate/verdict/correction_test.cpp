@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "calibrate/search/search.hpp"
 #include "tests/calibrate/bench.hpp"
@@ -76,6 +77,45 @@ TEST_F(CorrectionOf, ARefitIsBetterOnlyWhereItPredictsHeldOutRowsBetter) {
   ASSERT_TRUE(worse.has_value());
   EXPECT_FALSE(worse->refit_is_better());
   EXPECT_LT(worse->error, worse->refit_error);
+}
+
+TEST_F(CorrectionOf, RowsOfABlockThatAreMissedTogetherAreNoMoreEvidenceTheMoreTheyAre) {
+  const double noise = 1e-3;
+  const Candidate drag = candidate("drag_constant", {.name = "sun", .body = "sun"});
+  measure(hypothesis({drag}, {0.005}), noise, 6);
+  const auto contest = [&] {
+    const Problem p = problem();
+    return contest_with_refit(p, fit(p, hypothesis({drag}, {0.0}), noise).hypothesis,
+                              candidates_for(simulation_, data_), covariate_levels(data_), noise);
+  };
+  const auto once = contest();
+  const std::vector<Observation> rows = data_.rows;
+  data_.rows.insert(data_.rows.end(), rows.begin(), rows.end());
+  const auto twice = contest();
+  ASSERT_TRUE(once && twice);
+  EXPECT_NEAR(twice->gain, 2.0 * once->gain, 1e-6 * once->gain);
+  EXPECT_NEAR(twice->least_gain, once->least_gain, 1e-6 * std::abs(once->least_gain));
+}
+
+TEST_F(CorrectionOf, RowsFarOffCountByTheirDistanceWhereASimulationIsHeldAgainstARefit) {
+  const double noise = 1e-3;
+  measure(hypothesis({candidate("friction_level", {.name = "coefficient"})}, {0.05}), noise, 6);
+  const Eigen::VectorXd torque = simulated(simulation_, data_, {}).value();
+  data_.rows[3].response += 1000.0 * noise;
+  const Problem p = problem();
+  const auto contest =
+      contest_with_refit(p, {}, candidates_for(simulation_, data_), covariate_levels(data_), noise);
+  ASSERT_TRUE(contest.has_value());
+  double expected = 0.0;
+  for (std::size_t i = 0; i < data_.rows.size(); ++i) {
+    const double off =
+        std::abs(data_.rows[i].response - torque[static_cast<Eigen::Index>(i)]) / noise;
+    expected += off <= 3.0 ? off * off : 6.0 * off - 9.0;
+  }
+  // The three loads are left out in turn, and the three speeds.
+  EXPECT_NEAR(contest->missed, 2.0 * expected, 1e-9 * expected);
+  EXPECT_FALSE(is_much_worse(1.10, 1.0));
+  EXPECT_TRUE(is_much_worse(1.11, 1.0));
 }
 
 TEST_F(CorrectionOf, RowsThatAgreeHaveNone) {

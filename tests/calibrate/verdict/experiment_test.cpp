@@ -234,6 +234,23 @@ TEST_F(Plan, GoesTenKelvinBeyondTheTemperaturesOfTheData) {
   }
 }
 
+TEST_F(Plan, ExpectsANewSessionAtTheMeanOfThoseWithAValueEach) {
+  data_ = measured_grid({.repeats = 3});
+  data_.runs = {"1", "2", "3"};
+  const std::size_t of_run = data_.rows.size() / 3;
+  for (std::size_t i = 0; i < data_.rows.size(); ++i) {
+    data_.rows[i].condition.run = static_cast<int>(i / of_run);
+  }
+  measure(hypothesis({constant()}, {0.02}));
+  // A drag that is the same in all sessions, and one of each session: of a fourth they say the
+  // same.
+  const NextExperiment next = plan(
+      {constant(), candidate("run_step", {.name = "sessions_drag",
+                                          .constants = {{.name = "sessions", .value = 3.0}}})});
+  EXPECT_EQ(next.inseparable.size(), 1U);
+  EXPECT_TRUE(next.conditions.empty());
+}
+
 TEST_F(Plan, SaysWhereNoConditionTells) {
   // At one speed a constant and a slope are one.
   data_ = measured_grid({.sun_speeds_rpm = {600.0}});
