@@ -6,7 +6,7 @@ namespace gear3k::io {
 
 namespace {
 
-std::mutex one_holder;
+std::recursive_mutex one_holder;
 constexpr int kMostSignals = 32;
 std::array<volatile std::sig_atomic_t, kMostSignals> came{};
 
@@ -16,9 +16,9 @@ void remember_signal(int signal) { came[static_cast<std::size_t>(signal)] = 1; }
 
 HeldSignals::HeldSignals() : only_one_(one_holder) {
   for (std::size_t k = 0; k < kSignals.size(); ++k) {
-    came[static_cast<std::size_t>(kSignals[k])] = 0;
     ::sigaction(kSignals[k], nullptr, &before_[k]);
-    if (before_[k].sa_handler == SIG_IGN) continue;
+    if (before_[k].sa_handler == SIG_IGN || before_[k].sa_handler == remember_signal) continue;
+    came[static_cast<std::size_t>(kSignals[k])] = 0;
     struct sigaction hold {};
     hold.sa_handler = remember_signal;
     hold.sa_flags = SA_RESTART;
@@ -27,9 +27,14 @@ HeldSignals::HeldSignals() : only_one_(one_holder) {
 }
 
 HeldSignals::~HeldSignals() {
-  for (std::size_t k = 0; k < kSignals.size(); ++k) ::sigaction(kSignals[k], &before_[k], nullptr);
-  for (const int signal : kSignals) {
-    if (came[static_cast<std::size_t>(signal)] != 0) std::raise(signal);
+  for (std::size_t k = 0; k < kSignals.size(); ++k) {
+    // Within another holder nothing was set.
+    if (before_[k].sa_handler == remember_signal) continue;
+    ::sigaction(kSignals[k], &before_[k], nullptr);
+    const auto signal = static_cast<std::size_t>(kSignals[k]);
+    if (came[signal] == 0) continue;
+    came[signal] = 0;
+    std::raise(kSignals[k]);
   }
 }
 

@@ -10,7 +10,8 @@ namespace gear3k::io {
 /// Holds back SIGHUP, SIGINT and SIGTERM while it exists, whichever thread they come to; those that
 /// came are raised at its end, with whatever was set for them before.  What was ignored stays so.
 ///
-/// Their handlers are those of the process: one holder at a time, others wait.
+/// Their handlers are those of the process: one thread holds them at a time, others wait.  What
+/// comes to a holder within another one of its thread waits for the outer one.
 class HeldSignals {
  public:
   HeldSignals();
@@ -21,7 +22,7 @@ class HeldSignals {
  private:
   static constexpr std::array<int, 3> kSignals{SIGHUP, SIGINT, SIGTERM};
 
-  std::unique_lock<std::mutex> only_one_;
+  std::unique_lock<std::recursive_mutex> only_one_;
   std::array<struct sigaction, kSignals.size()> before_{};
 };
 

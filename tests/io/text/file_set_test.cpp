@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "io/text/diagnostics.hpp"
+#include "io/text/held_signals.hpp"
 #include "tests/cli/run_program.hpp"
 
 namespace gear3k::io::file_set_test {
@@ -81,6 +82,30 @@ TEST(FileSet, EveryObstacleIsNamedAtOnce) {
   EXPECT_NE(message.find(place.file("folder").string() + ": cannot be written: a folder has"),
             std::string::npos);
   EXPECT_EQ(place.listing(), (Names{"file", "folder"}));
+}
+
+volatile std::sig_atomic_t signals_seen = 0;
+void see_signal(int) { signals_seen = signals_seen + 1; }
+
+TEST(HeldSignals, WhatComesToOneWithinAnotherWaitsForTheOuterOne) {
+  signals_seen = 0;
+  const auto before = std::signal(SIGTERM, see_signal);
+  {
+    const HeldSignals outer;
+    std::raise(SIGTERM);
+    {
+      const HeldSignals inner;
+      EXPECT_EQ(signals_seen, 0);
+    }
+    EXPECT_EQ(signals_seen, 0);
+    {
+      const HeldSignals inner;
+      std::raise(SIGTERM);
+    }
+    EXPECT_EQ(signals_seen, 0);
+  }
+  EXPECT_EQ(signals_seen, 1);
+  EXPECT_EQ(std::signal(SIGTERM, before), see_signal);
 }
 
 }  // namespace
