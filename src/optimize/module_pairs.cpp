@@ -1,6 +1,7 @@
 #include "optimize/module_pairs.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <queue>
 #include <tuple>
@@ -198,7 +199,7 @@ ModulePairs::Profile2 ModulePairs::profile2(const Module<Profile2>& module, std:
   return profile;
 }
 
-void ModulePairs::prepare(std::span<const std::uint32_t> sets, double most_distance,
+bool ModulePairs::prepare(std::span<const std::uint32_t> sets, double most_distance,
                           Progress& progress, bool counted) {
   most_distance_ = most_distance;
   struct Need {
@@ -228,8 +229,12 @@ void ModulePairs::prepare(std::span<const std::uint32_t> sets, double most_dista
   add(0, modules1_, needed1);
   add(1, modules2_, needed2);
   if (counted) progress.total += needs.size();
+  std::atomic<bool> all = true;
   numerics::parallel_for(needs.size(), [&](std::size_t i) {
-    if (progress.stop.load(std::memory_order_relaxed)) return;
+    if (progress.stop.load(std::memory_order_relaxed)) {
+      all = false;
+      return;
+    }
     const Need& need = needs[i];
     if (need.stage == 0) {
       auto& module = modules1_[need.place];
@@ -240,6 +245,7 @@ void ModulePairs::prepare(std::span<const std::uint32_t> sets, double most_dista
     }
     if (counted) ++progress.done;
   });
+  return all;
 }
 
 ModulePairs::PairResult ModulePairs::result_of(std::size_t k, const Pair& pair) const {

@@ -53,7 +53,8 @@ class ModulePairs {
   /// @param sets  not proven infeasible
   /// @param most_distance  greatest of any stage 1 [modules]
   /// @param counted  whether the progress counts the stages
-  void prepare(std::span<const std::uint32_t> sets, double most_distance, Progress& progress,
+  /// @returns whether all of them are prepared; false when the progress was stopped
+  bool prepare(std::span<const std::uint32_t> sets, double most_distance, Progress& progress,
                bool counted);
 
   /// @param k  one of the prepared sets

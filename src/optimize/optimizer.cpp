@@ -102,6 +102,18 @@ class Run {
     return order;
   }
 
+  /// Of a run that was ended: the sets that are known, as far as it did not come to them.
+  void take_known() {
+    std::vector<RefinedSet>& refined = result_.refined;
+    for (const RefinedSet& set : options_.known) {
+      if (set.index >= result_.search.candidates.size()) continue;
+      const auto same = std::ranges::lower_bound(refined, set.index, {}, &RefinedSet::index);
+      if (same != refined.end() && same->index == set.index) continue;
+      refined.insert(same, set);
+      offer(set);
+    }
+  }
+
   void refine_all() {
     const std::vector<std::uint32_t> order = ordered();
     progress_.total = 0;
@@ -148,12 +160,13 @@ class Run {
     return bound_[k] > merit_of(spec_, *result_.best) + no_gain_;
   }
 
-  /// Ties the next sets of the order, and puts those that may win among the waiting ones.
+  /// Ties the next sets of the order, and puts those that may win among the waiting ones; a run
+  /// that is stopped meanwhile leaves them where they are.
   void take_more(const std::vector<std::uint32_t>& order) {
     const std::size_t end = std::min(order.size(), taken_ + kTied);
     const std::span<const std::uint32_t> more{order.data() + taken_, end - taken_};
+    if (!bounds_->tie(more, progress_, false)) return;
     taken_ = end;
-    bounds_->tie(more, progress_, false);
     for (const std::uint32_t k : more) {
       const SetBound bound = bounds_->of(k);
       bound_[k] = merit_within(k, bound);
@@ -416,9 +429,10 @@ OptimizeResult optimize(const Specification& spec, Progress& progress,
   if (progress.stop.load()) {
     result.bounds = nullptr;
     result.interrupted = true;
-    return result;
+  } else {
+    run.refine_all();
   }
-  run.refine_all();
+  if (result.interrupted) run.take_known();
   result.pareto = pareto_front(result.refined, judged_by_model(spec));
   return result;
 }

@@ -89,17 +89,17 @@ SetBounds::SetBounds(const Specification& spec, std::span<const Candidate> candi
   }
 }
 
-void SetBounds::tie(std::span<const std::uint32_t> sets, Progress& progress, bool counted) {
-  if (!pairs_) return;
+bool SetBounds::tie(std::span<const std::uint32_t> sets, Progress& progress, bool counted) {
+  if (!pairs_) return true;
   std::vector<std::uint32_t> open;
   open.reserve(sets.size());
   for (const std::uint32_t k : sets) {
     if (!tied_[k].known && !untied(k).infeasible) open.push_back(k);
   }
-  pairs_->prepare(open, most_distance_, progress, counted);
-  if (progress.stop.load()) return;
+  if (!pairs_->prepare(open, most_distance_, progress, counted)) return false;
   numerics::parallel_for(open.size(),
                          [&](std::size_t i) { tied_[open[i]] = pairs_->bound(open[i]); });
+  return true;
 }
 
 std::optional<Infeasibility> SetBounds::loads_apart(const StageReach& stage1,
@@ -166,7 +166,8 @@ SetBound SetBounds::untied(std::size_t k) const {
 
 std::vector<ModuleBound> SetBounds::by_modules(std::size_t k) const {
   const SetBound bound = of(k);
-  if (!pairs_ || bound.infeasible) return {{.pair = std::nullopt, .bound = bound}};
+  if (!pairs_ || !tied_[k].known || bound.infeasible)
+    return {{.pair = std::nullopt, .bound = bound}};
   std::vector<ModuleBound> pairs = pairs_->in_order(k);
   for (ModuleBound& pair : pairs) {
     pair.bound.eta_b = std::min(pair.bound.eta_b, bound.eta_b);

@@ -37,7 +37,8 @@ class SetBounds {
   /// Takes it into the bounds of these sets that modules are chosen from lists, where they are;
   /// OpenMP over stages and sets.
   /// @param counted  whether the progress counts the stages that are relaxed for it
-  void tie(std::span<const std::uint32_t> sets, Progress& progress, bool counted = true);
+  /// @returns whether they are tied, or nothing is to be tied; false when the progress was stopped
+  bool tie(std::span<const std::uint32_t> sets, Progress& progress, bool counted = true);
   /// Whether tie() changes anything.
   [[nodiscard]] bool ties() const { return pairs_ != nullptr; }
 

@@ -6,11 +6,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <numeric>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include "io/files/specification_file.hpp"
 #include "optimize/optimizer.hpp"
 #include "optimize/set_bounds.hpp"
 #include "tests/optimize/random_specification.hpp"
@@ -113,6 +116,65 @@ RandomTask small_task(std::uint64_t seed) {
   spec.teeth.P2.max = spec.teeth.P2.min + 2;
   spec.ratio.tolerance = 0.02;
   return task;
+}
+
+/// The 96:1 example with modules of a list.
+Specification rp96_of_list() {
+  Specification spec = io::read_specification(GEAR3K_SOURCE_DIR "/examples/rp96.toml");
+  spec.teeth.S = {.min = 12, .max = 13};
+  for (ModuleChoice& module : spec.module) {
+    module = {.range_m = std::nullopt, .series_m = {0.4e-3, 0.5e-3, 0.6e-3}};
+  }
+  return spec;
+}
+
+TEST(ModulePairs, SetsThatAreNotTiedHaveOneBoundForAnyModules) {
+  const Specification spec = rp96_of_list();
+  Progress progress;
+  const ToothSearchResult search = search_teeth(spec, progress);
+  SetBounds bounds(spec, search.candidates, progress);
+  std::vector<std::uint32_t> all(search.candidates.size());
+  std::iota(all.begin(), all.end(), 0U);
+  progress.stop = true;
+  EXPECT_FALSE(bounds.tie(all, progress));
+  int sets = 0;
+  for (const std::uint32_t k : all) {
+    if (bounds.of(k).infeasible) continue;
+    const std::vector<ModuleBound> any = bounds.by_modules(k);
+    ASSERT_EQ(any.size(), 1U) << k;
+    EXPECT_FALSE(any.front().pair);
+    ++sets;
+  }
+  EXPECT_GT(sets, 10);
+  progress.stop = false;
+  EXPECT_TRUE(bounds.tie(all, progress));
+}
+
+/// A run that another thread stops so long after its refinement began, while its stages are bound
+/// by pairs and later: it ends, and what it refined before is of modules of the lists.
+TEST(ModulePairs, RunsThatAreStoppedWhileStagesAreBoundByPairsEnd) {
+  const Specification spec = rp96_of_list();
+  int stopped = 0;
+  for (int after_us = 0; after_us <= 50'000; after_us = 2 * after_us + 10) {
+    Progress progress;
+    std::thread other([&] {
+      while (progress.phase.load() != Progress::Phase::kRefinement) {
+      }
+      std::this_thread::sleep_for(std::chrono::microseconds(after_us));
+      progress.stop = true;
+    });
+    const OptimizeResult result = optimize(spec, progress, {.best_only = true, .certify = false});
+    progress.phase = Progress::Phase::kRefinement;
+    other.join();
+    stopped += result.interrupted ? 1 : 0;
+    for (const RefinedSet& set : result.refined) {
+      if (set.status != Status::kOptimal) continue;
+      for (std::size_t stage = 0; stage < 2; ++stage) {
+        EXPECT_EQ(std::ranges::count(spec.module[stage].series_m, set.train.module_m[stage]), 1);
+      }
+    }
+  }
+  EXPECT_GT(stopped, 3);
 }
 
 /// Small tasks, every tooth set refined once with the lists and once for each pair alone.

@@ -423,5 +423,27 @@ TEST(ParetoFront, TakesWhatRoundingLeavesOfALimitForEqual) {
   EXPECT_EQ(pareto_front(sets), (std::vector<std::size_t>{0, 2}));
 }
 
+// Between the search of the tooth sets and their bounds.
+TEST(KnownSets, AreOfARunThatIsStoppedBeforeItComesToThem) {
+  const Specification spec = few_suns(Refine::kSlsqp);
+  Progress progress;
+  const OptimizeResult whole = optimize(spec, progress);
+  Progress second;
+  const OptimizeResult run =
+      optimize(spec, second, {.known = whole.refined, .bound_before = [&](const Candidate&) {
+                                second.stop = true;
+                                return kInfinity;
+                              }});
+  EXPECT_TRUE(run.interrupted);
+  ASSERT_EQ(run.refined.size(), whole.refined.size());
+  for (std::size_t k = 0; k < run.refined.size(); ++k) {
+    EXPECT_EQ(run.refined[k].index, whole.refined[k].index);
+    EXPECT_EQ(run.refined[k].eta_b, whole.refined[k].eta_b);
+  }
+  ASSERT_TRUE(run.best);
+  EXPECT_EQ(run.best->index, whole.best->index);
+  EXPECT_EQ(run.pareto, whole.pareto);
+}
+
 }  // namespace
 }  // namespace gear3k::optimize::optimizer_test
