@@ -158,13 +158,11 @@ report::HeldBackReport held_back_by(const OptimizeTask& task,
   };
   report::HeldBackReport report{
       .best = held(*result.best), .by_planets = {}, .all_refined = !task.certify};
-  if (!result.interrupted && !progress.stop) {
+  if (!result.interrupted) {
     optimize::search_beyond(task.spec, *result.best, result.search.candidates.size(),
                             report.best.held, progress);
-    if (!progress.stop) {
-      optimize::search_relaxed(task.spec, *result.best, result.search.candidates.size(),
-                               report.best.held, progress);
-    }
+    optimize::search_relaxed(task.spec, *result.best, result.search.candidates.size(),
+                             report.best.held, progress);
   }
   for (const optimize::RefinedSet& set : optimize::best_per_planets(task.spec, result.refined)) {
     report.by_planets.push_back(held(set));
@@ -332,12 +330,16 @@ Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks,
     if (task.spec.felt) {
       outcome.felt = felt_at_best(*task.spec.felt, outcome.best->stated);
     }
-    if (task.explain) outcome.held = held_back_by(task, outcome.result, progress);
+    if (task.explain) {
+      outcome.held = held_back_by(task, outcome.result, progress);
+      outcome.interrupted = outcome.interrupted || outcome.held->best.held.interrupted;
+    }
   }
   if (task.explain && sought_in_vain(outcome.result)) {
     outcome.not_relaxed = why_not_relaxed(task, outcome.result);
     if (outcome.not_relaxed.empty()) {
       outcome.relaxed = optimize::relax_limits(to_be_relaxed(task), outcome.result, progress);
+      outcome.interrupted = outcome.interrupted || outcome.relaxed->interrupted;
       tell_with_model(task, *outcome.relaxed);
     }
   }

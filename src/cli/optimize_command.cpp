@@ -20,6 +20,7 @@
 #include "io/files/refinement_journal.hpp"
 #include "io/files/specification_file.hpp"
 #include "io/text/file_reader.hpp"
+#include "io/text/held_signals.hpp"
 #include "io/text/toml_value.hpp"
 #include "report/actuator_report.hpp"
 #include "report/analysis_report.hpp"
@@ -93,6 +94,7 @@ class RunJournal {
     io::Journal journal;
     if (options_.resume) {
       journal = io::read_journal(path, fingerprint_);
+      known_ = journal.sets.size();
       say_unless_quiet(
           journal.exists
               ? fmt::format("{}: goes on after {} {}\n", path, journal.sets.size(), what_)
@@ -106,6 +108,8 @@ class RunJournal {
     return std::move(journal.sets);
   }
   void append(std::span<const optimize::RefinedSet> sets) { writer_->append(sets); }
+  /// Sets that an earlier run refined.
+  [[nodiscard]] std::size_t known() const { return known_; }
   /// The task is done: nothing is left to go on with.
   void remove() {
     writer_.reset();
@@ -123,6 +127,7 @@ class RunJournal {
   const OptimizeOptions& options_;
   const char* name_;
   const char* what_;
+  std::size_t known_ = 0;
   std::optional<io::JournalWriter> writer_;
 };
 
@@ -175,8 +180,15 @@ struct OptimizeRun {
   bool drawn = false;  ///< the figure of the front
 };
 
-OptimizeRun run(app::OptimizeTask& task, RunJournal& journal, FrontJournal& front,
-                const OptimizeOptions& options) {
+/// As summary.json has it.
+std::string fingerprint_text(std::uint64_t fingerprint) {
+  return fmt::format("fnv1a64:{:016x}", fingerprint);
+}
+
+/// @param held  holds signals from the end of the run on
+OptimizeRun run(app::OptimizeTask& task, std::uint64_t fingerprint, RunJournal& journal,
+                FrontJournal& front, const OptimizeOptions& options,
+                std::optional<io::HeldSignals>& held) {
   const int threads = use_threads(options);
   OptimizeRun run;
   double wall_time_s = 0.0;
@@ -192,14 +204,19 @@ OptimizeRun run(app::OptimizeTask& task, RunJournal& journal, FrontJournal& fron
          .on_front_step = [&](const optimize::FrontStep& step) { front.append(step); }},
         progress);
     wall_time_s = display.elapsed_s();
+    held.emplace();
   }
   const app::Optimization& o = run.outcome;
   if (!o.searched()) return run;
   run.tally = report::tally_of(o.result);
   run.summary = report::summary_json(
       task.spec, o.result, run.tally,
-      {.wall_time_s = wall_time_s, .threads = threads, .not_relaxed = o.not_relaxed}, task.use(),
-      o.front ? &*o.front : nullptr, o.robust ? &*o.robust : nullptr,
+      {.wall_time_s = wall_time_s,
+       .threads = threads,
+       .not_relaxed = o.not_relaxed,
+       .interrupted = o.interrupted,
+       .task_fingerprint = fingerprint_text(fingerprint)},
+      task.use(), o.front ? &*o.front : nullptr, o.robust ? &*o.robust : nullptr,
       o.comparison ? &*o.comparison : nullptr, &task.stated_limits, o.held ? &*o.held : nullptr,
       o.rounding ? &*o.rounding : nullptr, o.co_design ? &o.co_design->report : nullptr, &o.felt,
       o.relaxed ? &*o.relaxed : nullptr);
@@ -276,7 +293,7 @@ void print_results(const app::OptimizeTask& task, const OptimizeRun& run,
               run.drawn ? fmt::format("{}, ", kFrontFigure) : std::string());
       const auto columns = known_columns(options.show.columns);
       print_result(
-          (o.interrupted
+          (o.result.interrupted || (o.front && o.front->interrupted)
                ? fmt::format("Stopped: {} of {} tooth sets are done, the best of them is\n",
                              sets - run.tally.open, sets)
                : std::string()) +
@@ -327,7 +344,7 @@ void say_carried_torque(const optimize::Specification& spec, const OptimizeOptio
 
 ExitCode end_without_design(const app::OptimizeTask& task, const OptimizeRun& run,
                             const OptimizeOptions& options) {
-  if (run.outcome.interrupted) return kInterrupted;
+  if (run.outcome.interrupted && !run.outcome.relaxed) return kInterrupted;
   if (const auto nearest = app::nearest_motor(task.spec, run.outcome.result)) {
     say(report::no_motor_text(
             *actuator::co_design_of(task.spec.cycle_energy.get()),
@@ -341,6 +358,7 @@ ExitCode end_without_design(const app::OptimizeTask& task, const OptimizeRun& ru
     say(fmt::format("limits that would have to give way are not told: {}\n",
                     run.outcome.not_relaxed));
   }
+  if (run.outcome.interrupted) return kInterrupted;
   if (run.tally.blocked_by_load > 0) say_carried_torque(task.spec, options);
   const auto count = [&](optimize::Status status) {
     return run.tally.status[static_cast<std::size_t>(status)];
@@ -350,15 +368,54 @@ ExitCode end_without_design(const app::OptimizeTask& task, const OptimizeRun& ru
   return all_failed ? kSolverFailure : kNoFeasibleDesign;
 }
 
+/// Whether a summary is of a task.
+bool is_summary_of(const std::string& summary, std::uint64_t fingerprint) {
+  // Within a text of JSON its quotes would be escaped.
+  const std::string field =
+      fmt::format("\"task_fingerprint\": \"{}\"", fingerprint_text(fingerprint));
+  return io::read_text(summary, "a file", io::kMostCycleBytes).find(field) != std::string::npos;
+}
+
 /// @throws io::InvalidInput where the folder holds the result of an earlier run, unless it is to be
 ///   replaced or gone on with
-void refuse_earlier_result(const ResultFolder& folder, const OptimizeOptions& options) {
+void refuse_earlier_result(const ResultFolder& folder, std::uint64_t fingerprint,
+                           const OptimizeOptions& options) {
   const std::string summary = folder.path_of("summary.json");
-  if (options.force || options.resume || !std::filesystem::exists(summary)) return;
+  if (options.force || !std::filesystem::exists(summary)) return;
+  if (options.resume) {
+    if (std::filesystem::exists(folder.path_of(kJournalName)) ||
+        std::filesystem::exists(folder.path_of(kFrontJournalName))) {
+      return;
+    }
+    if (!is_summary_of(summary, fingerprint)) {
+      throw io::InvalidInput(fmt::format(
+          "--resume: {} is the result of another task, or of another version, and there is no {} "
+          "to go on with: allowed: another folder, --force to replace it",
+          summary, kJournalName));
+    }
+    if (!options.quiet) {
+      say(fmt::format("{}: the result of this task, which ended: the run starts anew\n", summary));
+    }
+    return;
+  }
   throw io::InvalidInput(
       fmt::format("--out {}: holds the result of an earlier run ({}): allowed: another folder, "
                   "--force to replace it, --resume to go on with one that was interrupted",
                   options.out, summary));
+}
+
+/// What an interrupted run did not come to, or not to the end of.
+const char* open_part(const app::Optimization& o) {
+  if (o.result.interrupted) return "the rest";
+  if (o.front && o.front->interrupted) return "the front";
+  if (o.held && o.held->best.held.interrupted) {
+    return "the searches beyond bounds and limits, which it begins anew";
+  }
+  if (o.relaxed && o.relaxed->interrupted) {
+    return "the limits that would have to give way, which it begins anew";
+  }
+  if (o.rounding) return "the rounding, which it begins anew";
+  return "the search without the model, which it begins anew";
 }
 
 }  // namespace
@@ -381,7 +438,7 @@ ExitCode run_optimize(const OptimizeOptions& options) {
         "objectives",
         options.front_budget_s, options.file));
   }
-  refuse_earlier_result(folder, options);
+  refuse_earlier_result(folder, input.fingerprint, options);
   warn(task.model_notes, options.quiet);
   folder.open();
   if (!task.unreachable.empty()) {
@@ -391,9 +448,17 @@ ExitCode run_optimize(const OptimizeOptions& options) {
   }
   RunJournal journal(folder, input.fingerprint, options, kJournalName, "refined tooth sets");
   FrontJournal front(folder, input.fingerprint, options);
-  OptimizeRun result = run(task, journal, front, options);
+  std::optional<io::HeldSignals> held;  // until what was found is written
+  OptimizeRun result = run(task, input.fingerprint, journal, front, options, held);
   const app::Optimization& outcome = result.outcome;
   if (!outcome.searched()) return end_without_limits(task, outcome, folder);
+  if (outcome.result.search.interrupted && journal.known() > 0) {
+    say(fmt::format(
+        "interrupted before the tooth sets were found: {} is as it was, with {} refined "
+        "tooth sets; --resume goes on with the rest\n",
+        options.out, journal.known()));
+    return kInterrupted;
+  }
   write_files(folder, task, result);
   if (!options.quiet) {
     say(fmt::format("{}{}{}", report::search_counts_text(task.spec, outcome.result.search),
@@ -401,15 +466,10 @@ ExitCode run_optimize(const OptimizeOptions& options) {
                     report::certificate_text(task.spec, outcome.result)));
   }
   if (outcome.interrupted) {
-    const char* open = "the rest";
-    if (!outcome.result.interrupted) {
-      open = outcome.front ? "the front" : "the search without the model, which it begins anew";
-    }
-    if (outcome.rounding) open = "the rounding, which it begins anew";
     say(
         fmt::format("interrupted: {} holds the {} tooth sets that were refined; --resume goes on "
                     "with {}\n",
-                    options.out, outcome.result.refined.size(), open));
+                    options.out, outcome.result.refined.size(), open_part(outcome)));
   } else if (outcome.front && outcome.front->ended == optimize::ParetoFront::Ended::kBudget) {
     if (!options.quiet) {
       say(fmt::format("the front's {:g} s were spent with {} of {} designs; --resume goes on\n",
@@ -420,6 +480,7 @@ ExitCode run_optimize(const OptimizeOptions& options) {
     journal.remove();
     front.remove();
   }
+  held.reset();
   if (!outcome.best) return end_without_design(task, result, options);
   print_results(task, result, options);
   const design::Evaluation& best = outcome.best->evaluation;

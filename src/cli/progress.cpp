@@ -26,8 +26,12 @@ using Clock = std::chrono::steady_clock;
 std::atomic<std::atomic<bool>*> stop_flag{nullptr};
 
 extern "C" void on_interrupt(int signal) {
-  if (std::atomic<bool>* flag = stop_flag.load()) *flag = true;
   std::signal(signal, SIG_DFL);
+  if (std::atomic<bool>* flag = stop_flag.load()) {
+    *flag = true;
+  } else {
+    std::raise(signal);  // that was held until after the run
+  }
 }
 
 extern "C" void on_interrupt_without_progress(int) {
@@ -35,6 +39,13 @@ extern "C" void on_interrupt_without_progress(int) {
   const auto written = ::write(STDERR_FILENO, kMessage.data(), kMessage.size());
   static_cast<void>(written);
   ::_exit(kInterrupted);
+}
+
+/// Takes the handler of a display away, where no other one holds the signal since.
+void end_handler(int signal) {
+  struct sigaction now {};
+  ::sigaction(signal, nullptr, &now);
+  if (now.sa_handler == on_interrupt) std::signal(signal, SIG_DFL);
 }
 
 std::string clock_text(double seconds) {
@@ -211,8 +222,8 @@ ProgressDisplay::~ProgressDisplay() {
   state_->wake.notify_all();
   if (state_->thread.joinable()) state_->thread.join();
   if (state_->bar_shown) say_as_it_is("\r\033[K");
-  std::signal(SIGINT, SIG_DFL);
-  std::signal(SIGTERM, SIG_DFL);
+  end_handler(SIGINT);
+  end_handler(SIGTERM);
   stop_flag = nullptr;
 }
 

@@ -14,7 +14,8 @@ void end_on_interrupt();
 /// Shows the progress of a run on stderr while it exists, and turns Ctrl-C into progress.stop.
 ///
 /// On a terminal a bar with rate and remaining time, else a plain line every few seconds; nothing
-/// when quiet.  A second Ctrl-C ends the program at once.  At most one may exist at a time.
+/// when quiet.  A second Ctrl-C ends the program at once.  At most one may exist at a time.  Where
+/// signals are held (io::HeldSignals) before it ends, they stay so.
 class ProgressDisplay {
  public:
   /// What the counters count.

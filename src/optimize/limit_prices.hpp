@@ -90,6 +90,7 @@ struct HeldBack {
   std::string_view missing;        ///< why there are none; "" where they are known
   std::vector<SearchBound> at;
   std::optional<RelaxedAnswer> relaxed{};  ///< empty where no search was made
+  bool interrupted = false;  ///< a search beyond a bound, or with a limit given way, was ended
 };
 
 /// The limit of a file that gains most where it gives way by its step, to first order; null: none.

@@ -166,7 +166,10 @@ void search_beyond(const Specification& spec, const RefinedSet& best, std::size_
     ++progress.searches;
     const OptimizeResult result =
         optimize(task->spec, progress, {.best_only = true, .certify = false});
-    if (result.interrupted) break;
+    if (result.interrupted) {
+      held.interrupted = true;
+      break;
+    }
     WiderSearch wider{.value = task->value, .better = std::nullopt};
     const auto cost = [&](const RefinedSet& set) {
       return cost_in_steps(first, objective_of(spec, set, first));
@@ -189,7 +192,10 @@ void search_relaxed(const Specification& spec, const RefinedSet& best, std::size
   };
   RelaxedAnswer relaxed{.key = price->key, .value_si = price->value_si + step_si(*price)};
   const std::optional<RefinedSet> again = refine(*own, best.candidate, progress.stop);
-  if (!again) return;
+  if (!again) {
+    held.interrupted = true;
+    return;
+  }
   if (again->status == Status::kOptimal && cost(*again) < cost(best)) relaxed.better = again;
   relaxed.all_sets = is_searched_again(*own) && sets <= kMostSearchedAgain;
   if (relaxed.all_sets) {
@@ -200,7 +206,10 @@ void search_relaxed(const Specification& spec, const RefinedSet& best, std::size
     const OptimizeResult result = optimize(
         *own, progress, {.best_only = true, .certify = false, .incumbent = relaxed.better});
     progress.stage = Progress::Stage::kOne;
-    if (result.interrupted) return;
+    if (result.interrupted) {
+      held.interrupted = true;
+      return;
+    }
     const auto beaten = [&] { return cost(relaxed.better ? *relaxed.better : best); };
     if (result.best && cost(*result.best) < beaten()) relaxed.better = result.best;
   }

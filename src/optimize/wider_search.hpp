@@ -21,7 +21,8 @@ inline constexpr std::size_t kMostSearchedAgain = 20000;
 /// would have to be refined; nor, but for tooth ranges, above kMostSearchedAgain sets.
 /// @param best  whose bounds `held` has
 /// @param sets  tooth sets of the task
-/// @param progress  its stop ends the searches: what was not tried stays empty
+/// @param progress  its stop ends the searches: what was not tried stays empty, and `held` is
+///   interrupted
 void search_beyond(const Specification& spec, const RefinedSet& best, std::size_t sets,
                    HeldBack& held, Progress& progress);
 
@@ -31,7 +32,8 @@ std::size_t searches_again(const Specification& spec, std::size_t sets, const He
 /// Refines the best set, and searches all sets where the task has bounds and up to
 /// kMostSearchedAgain of them, with the dearest() limit given way by its step.  Fills
 /// HeldBack::relaxed; leaves it empty where no limit has a price or it is none of checks, shifts,
-/// modules, tips and pressure angle, and with `[robust]`.
+/// modules, tips and pressure angle, and with `[robust]`; and where it was stopped, which makes
+/// `held` interrupted.
 void search_relaxed(const Specification& spec, const RefinedSet& best, std::size_t sets,
                     HeldBack& held, Progress& progress);
 

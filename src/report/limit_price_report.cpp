@@ -214,6 +214,9 @@ std::string held_back_table(const Specification& spec, const HeldSet& best) {
   if (!free.empty()) {
     text += fmt::format("  met exactly, at no price: {}\n", fmt::join(free, ", "));
   }
+  if (best.held.interrupted) {
+    text += "  interrupted: not all bounds of the search, and limits given way, were tried\n";
+  }
   return text + bounds_text(spec, best) + better_text(spec, best);
 }
 
@@ -329,6 +332,7 @@ io::Json held_set_json(const Specification& spec, const HeldSet& best) {
 
 io::Json held_back_json(const Specification& spec, const HeldBackReport& report) {
   io::Json json = held_set_json(spec, report.best);
+  json["search_beyond_interrupted"] = report.best.held.interrupted;
   json["best_per_planets"] = list_json(report.by_planets, [&](const HeldSet& set) -> io::Json {
     io::Json entry{{"planets", set.set.candidate.planets},
                    {"teeth", train::teeth_of(set.set.candidate.teeth)},

@@ -149,7 +149,8 @@ Fields refined_fields(const RefinedSet& s, const std::optional<double>& bound,
 
 Fields refined_fields(const OptimizeResult& result, const RefinedSet& s,
                       const RefinedColumns& columns) {
-  const bool bounded = s.status != Status::kInfeasible && result.bounds->of(s.index).known;
+  const bool bounded = s.status != Status::kInfeasible && result.bounds != nullptr &&
+                       result.bounds->of(s.index).known;
   return refined_fields(s, bounded ? std::optional(result.bounds->of(s.index).eta_b) : std::nullopt,
                         columns);
 }
@@ -460,8 +461,8 @@ std::string summary_json(const Specification& spec, const OptimizeResult& result
                 {"certificate", certificate_json(spec, result)},
                 {"pareto", front != nullptr ? front->points.size() : result.pareto.size()},
                 {"pareto_front", front != nullptr ? front_json(spec, *front) : nullptr},
-                {"interrupted", result.interrupted || (front != nullptr && front->interrupted) ||
-                                    (comparison != nullptr && comparison->interrupted)},
+                {"interrupted", facts.interrupted},
+                {"task_fingerprint", facts.task_fingerprint},
                 {"wall_time_s", facts.wall_time_s},
                 {"threads", facts.threads}};
   json["limits"] = limits_json(stated_limits != nullptr ? *stated_limits : spec.limits);

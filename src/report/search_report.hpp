@@ -86,6 +86,9 @@ struct RunFacts {
   int threads = 1;
   /// Why it was not asked which limits would have to give way; "": it was, or need not be.
   std::string not_relaxed{};
+  bool interrupted = false;  ///< a part of the run was ended
+  /// Of the files of the task, and the program's version.
+  std::string task_fingerprint{};
 };
 /// @param model  with which the sets were judged; null: none
 /// @param front  of several objectives; null: none was asked for

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -15,6 +17,7 @@
 #include "io/files/model_file.hpp"
 #include "io/files/specification_file.hpp"
 #include "io/text/diagnostics.hpp"
+#include "report/limit_price_report.hpp"
 #include "report/relaxed_limits_report.hpp"
 #include "units/units.hpp"
 
@@ -306,6 +309,33 @@ TEST(Optimize, LimitsThatGiveWayAreThoseOfTheSpecificationWithAModel) {
     OptimizeTask second = optimize_task({.spec = again, .model = model, .explain = false});
     EXPECT_EQ(optimize(second, {}, progress).best.has_value(), share_rad == 0.0);
   }
+}
+
+TEST(Optimize, EndedBeyondItsBoundsIsInterrupted) {
+  optimize::Specification spec = small_spec();
+  spec.teeth.P1 = {.min = 63, .max = 64};
+  int interrupted = 0;
+  // Another thread may come too late.
+  for (int trial = 0; trial < 20 && interrupted == 0; ++trial) {
+    OptimizeTask task = optimize_task({.spec = spec});
+    optimize::Progress progress;
+    std::atomic<bool> ended = false;
+    std::thread other([&] {
+      while (progress.stage != optimize::Progress::Stage::kBeyond && !ended) {
+      }
+      progress.stop = true;
+    });
+    const Optimization run = optimize(task, {}, progress);
+    ended = true;
+    other.join();
+    ASSERT_TRUE(run.held);
+    EXPECT_FALSE(run.result.interrupted);
+    EXPECT_EQ(run.interrupted, run.held->best.held.interrupted);
+    const std::string table = report::held_back_table(task.spec, run.held->best);
+    EXPECT_EQ(table.find("interrupted") != std::string::npos, run.interrupted) << table;
+    interrupted += run.interrupted ? 1 : 0;
+  }
+  EXPECT_EQ(interrupted, 1);
 }
 
 }  // namespace

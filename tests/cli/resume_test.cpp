@@ -308,5 +308,61 @@ TEST(Resume, OfAFrontGoesOnWithItsSearches) {
   EXPECT_FALSE(std::filesystem::exists(place.file("out/front.journal")));
 }
 
+// Whatever a signal meets, the searches beyond bounds and the files too: who is told that a run is
+// done has all of it, and an interrupted one can be gone on with.
+TEST(Interrupted, RunsAreToldAsDoneOnlyWhenAllIsDone) {
+  const Workplace place;
+  place.write("spec.toml", replaced(long_task("0.001"), "S = [10, 20]", "S = [12, 14]"));
+  const auto begin = std::chrono::steady_clock::now();
+  ASSERT_EQ(place.run(optimize_arguments("whole", true)).exit_code, 0);
+  const auto whole = std::chrono::steady_clock::now() - begin;
+  const ResultFiles files = results_in(place, "whole");
+  constexpr int kTimes = 24;
+  int interrupted = 0;
+  for (int k = 1; k <= kTimes; ++k) {
+    const std::string folder = "out" + std::to_string(k);
+    RunningProgram program = place.start(optimize_arguments(folder, true));
+    std::this_thread::sleep_for(whole * k / kTimes);
+    program.send(SIGINT);
+    const auto ended = program.wait(seconds(20));
+    ASSERT_TRUE(ended);
+    if (ended->exit_code == kInterrupted) {
+      ++interrupted;
+      EXPECT_TRUE(place.has(folder + "/optimize.journal")) << ended->err;
+      const json summary = json::parse(place.read(folder + "/summary.json"));
+      EXPECT_EQ(summary.at("interrupted"), true);
+    } else if (ended->exit_code == 0) {
+      expect_same_files(results_in(place, folder), files);
+      EXPECT_FALSE(place.has(folder + "/optimize.journal"));
+    } else if (place.has(folder + "/summary.json")) {  // after, or while, what was found was told
+      EXPECT_EQ(ended->signal, SIGINT);
+      expect_same_files(results_in(place, folder), files);
+    }
+  }
+  EXPECT_GT(interrupted, 0);
+}
+
+TEST(ResumeOption, TakesAFinishedResultForThatOfItsTaskOnly) {
+  const Workplace place;
+  const std::string task = replaced(example("rp96.toml"), "S = [10, 20]", "S = [12, 12]");
+  place.write("spec.toml", task);
+  ASSERT_EQ(place.run(optimize_arguments("out", false)).exit_code, 0);
+  const auto again = place.run({"optimize", "spec.toml", "--out", "out", "--resume"});
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_NE(again.err.find("out/summary.json: the result of this task, which ended"),
+            std::string::npos)
+      << again.err;
+  const std::string best = place.read("out/best.toml");
+  place.write("spec.toml", replaced(task, "coefficient = 0.1", "coefficient = 0.11"));
+  const auto other = place.run(optimize_arguments("out", false, {"--resume"}));
+  EXPECT_EQ(other.exit_code, kInvalidInput);
+  EXPECT_NE(other.err.find("--resume: out/summary.json is the result of another task"),
+            std::string::npos)
+      << other.err;
+  EXPECT_NE(other.err.find("allowed:"), std::string::npos) << other.err;
+  EXPECT_EQ(place.read("out/best.toml"), best);
+  EXPECT_EQ(place.run(optimize_arguments("out", false, {"--force"})).exit_code, 0);
+}
+
 }  // namespace
 }  // namespace gear3k::resume_test

@@ -47,5 +47,26 @@ TEST(WiderSearch, ForeseesAsManySearchesAsItMakes) {
   expect_as_many_as_foreseen(spec, *result.best, kMostSearchedAgain + 1);
 }
 
+TEST(WiderSearch, ThatIsStoppedIsInterruptedWhereThereWasSomethingToTry) {
+  const Specification spec = io::parse_specification(kTask, "task.toml");
+  Progress progress;
+  const OptimizeResult result = optimize(spec, progress, {.best_only = true});
+  ASSERT_TRUE(result.best);
+  const std::size_t sets = result.search.candidates.size();
+  const HeldBack found = held_back(spec, *result.best, spec.limits);
+  EXPECT_FALSE(found.interrupted);
+  progress.stop = true;
+  HeldBack held = found;
+  search_beyond(spec, *result.best, sets, held, progress);
+  EXPECT_TRUE(held.interrupted);
+  held = found;
+  search_relaxed(spec, *result.best, sets, held, progress);
+  EXPECT_TRUE(held.interrupted);
+  held = found;
+  held.at.clear();
+  search_beyond(spec, *result.best, sets, held, progress);
+  EXPECT_FALSE(held.interrupted);
+}
+
 }  // namespace
 }  // namespace gear3k::optimize::wider_search_test
