@@ -47,6 +47,39 @@ void note_sizes(const Design& design, std::vector<std::string>& notes) {
   if (design.limits[CheckId::kWall] && std::ranges::none_of(layout.walled, std::identity())) {
     notes.emplace_back("wall is not checked: no gear has a bore or an outer diameter");
   }
+  const auto& room = design.limits[CheckId::kRingCutter];
+  const bool shaped = std::ranges::any_of(
+      design.train.cutter, [](const geometry::PinionCutter& cutter) { return cutter.teeth > 0; });
+  if (room && *room != *check_record(CheckId::kRingCutter).default_limit && !shaped) {
+    notes.emplace_back("ring_cutter is not checked: no ring has a pinion cutter");
+  }
+}
+
+/// Says where contact ratios over the temperatures, which no check holds, are below the limit of
+/// those as drawn.
+void note_thermal_contact(const Design& design, const Evaluation& e,
+                          std::vector<std::string>& notes) {
+  const auto& limit = design.limits[CheckId::kContactRatioMin];
+  if (!limit || !e.thermal) return;
+  const ThermalStateResult* at = nullptr;
+  std::size_t mesh = 0;
+  for (const ThermalStateResult& state : e.thermal->states) {
+    for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+      if (at != nullptr && state.meshes[k].contact_ratio >= at->meshes[mesh].contact_ratio) {
+        continue;
+      }
+      at = &state;
+      mesh = k;
+    }
+  }
+  // The first state is the drawing, whose contact ratios are checked.
+  if (at == nullptr || at == e.thermal->states.data()) return;
+  const double least = at->meshes[mesh].contact_ratio;
+  if (least >= *limit - kFeasibilityTolerance) return;
+  notes.push_back(fmt::format(
+      "over [thermal] the contact ratio is as low as {:.4f} ({} at {}), below the limit {:g}, "
+      "which is checked as drawn only",
+      least, train::kMeshNames[mesh], state_text(at->state), *limit));
 }
 
 /// Says which gears are shorter along the axis than their face width: one of both is wrong.
@@ -373,6 +406,7 @@ void add_notes(const Design& design, Evaluation& e) {
   note_axial_overlap(design, e.notes);
   note_face_widths(design, e.notes);
   note_sizes(design, e.notes);
+  note_thermal_contact(design, e, e.notes);
   note_rated_torque(design, e.notes);
   note_help_of_the_sun(e, e.notes);
   if (!design.center_distance_given) {

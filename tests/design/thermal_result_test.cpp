@@ -2,8 +2,10 @@
 
 #include "design/thermal_result.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -213,6 +215,46 @@ TEST(ThermalRange, ThatLeavesAMeshNoWorkingAngleIsSaidSo) {
   const auto* undefined = std::get_if<NotDefined>(&result);
   ASSERT_NE(undefined, nullptr);
   EXPECT_NE(undefined->message.find("at 60 C dry mesh"), std::string::npos) << undefined->message;
+}
+
+/// The contact ratio is checked as drawn: where it is less over the temperatures is told.
+TEST(ThermalResult, NotesAContactRatioThatFallsBelowItsLimit) {
+  Design design = drawn_design();
+  design.thermal = two_plastics();
+  const Evaluation e = evaluated(design);
+  double drawn = 1e9, least = 1e9;
+  for (const ThermalStateResult& state : e.thermal->states) {
+    for (const ThermalMesh& mesh : state.meshes) {
+      least = std::min(least, mesh.contact_ratio);
+      if (&state == e.thermal->states.data()) drawn = std::min(drawn, mesh.contact_ratio);
+    }
+  }
+  ASSERT_LT(least, drawn - 1e-3);
+  const auto noted = [&](double limit) {
+    design.limits[CheckId::kContactRatioMin] = limit;
+    const Evaluation with = evaluated(design);
+    std::string text;
+    for (const std::string& note : with.notes) {
+      if (note.find("over [thermal]") != std::string::npos) text += note;
+    }
+    return text;
+  };
+  EXPECT_EQ(noted(least - 1e-3), "");
+  const std::string text = noted(0.5 * (least + drawn));
+  EXPECT_NE(text.find(fmt::format("as low as {:.4f} (", least)), std::string::npos) << text;
+}
+
+TEST(Evaluation, NotesALimitOfTheCutterWithoutACutter) {
+  Design design = drawn_design();
+  const auto noted = [&] {
+    const Evaluation e = evaluated(design);
+    return std::ranges::count(e.notes, "ring_cutter is not checked: no ring has a pinion cutter");
+  };
+  EXPECT_EQ(noted(), 0);
+  design.limits[CheckId::kRingCutter] = 0.5;
+  EXPECT_EQ(noted(), 1);
+  design.train.cutter[train::kR2].teeth = 40;
+  EXPECT_EQ(noted(), 0);
 }
 
 }  // namespace

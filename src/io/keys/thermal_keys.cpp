@@ -80,6 +80,16 @@ train::Growth finish_part(const ThermalInput::Part& part, const std::string& nam
   return {.expansion_1_K = part.expansion_1_K.value_or(0.0), .swelling = part.swelling};
 }
 
+/// Limits over the temperatures want them to be stated.
+void refuse_thermal_limits(const design::Limits& limits, FileReading& reading) {
+  for (const CheckId id :
+       {CheckId::kThermalBacklash, CheckId::kThermalRootClearance, CheckId::kThermalLostMotion}) {
+    const std::string key = fmt::format("limits.{}", design::check_record(id).name);
+    if (!limits[id] || !reading.stated(key)) continue;
+    reading.error_at(key, fmt::format("{} without [thermal]: allowed: with it, or false", key));
+  }
+}
+
 /// Whether the table is in the file with nothing in it.
 bool is_empty_table(const FileReading& reading) {
   const auto stated = [&](std::string_view name) {
@@ -95,6 +105,7 @@ std::optional<train::ThermalRange> finish_thermal(const ThermalInput& input,
                                                   const LimitInput& stated, design::Limits& limits,
                                                   FileReading& reading) {
   if (!reading.stated(kTemperature)) {
+    refuse_thermal_limits(limits, reading);
     const std::string other = first_said(input);
     if (!other.empty()) {
       reading.error_at(other, fmt::format("{} without {}: allowed: both", other, kTemperature));

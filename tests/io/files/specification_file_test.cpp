@@ -311,5 +311,40 @@ TEST(ReadSpecification, Ratio96IsAGearboxThatOneCouldBuild) {
   EXPECT_EQ(spec.friction.model, efficiency::LossModel::kSliding);
 }
 
+TEST(SpecificationFile, LimitsOverTemperaturesWantTheTemperatures) {
+  for (const std::string name : {"thermal_backlash", "thermal_root_clearance"}) {
+    for (const std::string value : {"5.0", "true"}) {
+      EXPECT_NE(errors_of(kMinimal + "[limits]\n" + name + " = " + value + "\n")
+                    .find("limits." + name + " without [thermal]: allowed: with it, or false"),
+                std::string::npos);
+    }
+    EXPECT_EQ(errors_of(kMinimal + "[limits]\n" + name + " = false\n"), "");
+  }
+  EXPECT_NE(errors_of(kMinimal + "[limits]\nthermal_lost_motion = 5.0\n")
+                .find("limits.thermal_lost_motion without [thermal]"),
+            std::string::npos);
+}
+
+TEST(SpecificationFile, OfAListOfTeethOneHasToBeSearched) {
+  const std::string list = "[allowed_teeth]\nS = [14, 15]\n";
+  EXPECT_NE(errors_of(kMinimal + list)
+                .find("allowed_teeth.S = [14, 15] with teeth.S = [12, 13]: "
+                      "allowed: at least one that is searched"),
+            std::string::npos)
+      << errors_of(kMinimal + list);
+  EXPECT_EQ(errors_of(kMinimal + "[allowed_teeth]\nS = [13, 14]\n"), "");
+  EXPECT_NE(errors_of(kMinimal + "[allowed_teeth]\nR2 = 122\n").find("teeth.R2_max = 121"),
+            std::string::npos);
+  EXPECT_EQ(errors_of(kMinimal + "[allowed_teeth]\nR2 = 121\n"), "");
+}
+
+TEST(SpecificationFile, WhatAnObjectiveLacksIsToldOnce) {
+  const std::string errors = errors_of("objective = [\"mass\", \"mass\"]\n" + kMinimal);
+  EXPECT_NE(errors.find("objective: \"mass\" twice"), std::string::npos) << errors;
+  const auto first = errors.find("objective \"mass\" without");
+  ASSERT_NE(first, std::string::npos) << errors;
+  EXPECT_EQ(errors.find("objective \"mass\" without", first + 1), std::string::npos) << errors;
+}
+
 }  // namespace
 }  // namespace gear3k::io::specification_file_test
