@@ -343,6 +343,44 @@ std::string section_text(Section section, const PairEvaluation& e) {
   }
 }
 
+/// Why a part that is asked for has nothing in it.
+template <class Result>
+std::string lacking_text(Section section, const Result& e) {
+  const auto without = [](std::string_view what, std::string_view table) {
+    return fmt::format("\n{}: nothing without {}\n", what, table);
+  };
+  switch (section) {
+    case Section::kLosses:
+      return without("Losses", "[operating_point]");
+    case Section::kStrength:
+      return without("Strength", "[strength]");
+    case Section::kTolerances:
+      return without("Limits of the built gearing", "[tolerances]");
+    case Section::kThermal:
+      return without("Temperature", "[thermal]");
+    case Section::kBuilt:
+      return without("Built gearboxes", "[tolerances]");
+    case Section::kMasses:
+      if constexpr (requires { e.total_mass_missing; }) {
+        return fmt::format("\nMasses: not known: lacks {}\n", e.total_mass_missing);
+      }
+      break;
+    case Section::kNotes:
+      return "\nNotes: none\n";
+    case Section::kChecks:
+      return "";  // all failed, and were told
+    default:
+      break;
+  }
+  return fmt::format("\nNothing to show of {}\n", kSectionNames[static_cast<std::size_t>(section)]);
+}
+
+/// A part that is asked for by name.
+template <class Result>
+std::string part_or_lack(const std::string& text, Section section, const Result& e) {
+  return text.empty() ? lacking_text(section, e) : text;
+}
+
 constexpr std::array kAllSections{Section::kGears,         Section::kTeeth,    Section::kMeshes,
                                   Section::kLosses,        Section::kStrength, Section::kFlanks,
                                   Section::kPhases,        Section::kMasses,   Section::kChecks,
@@ -430,7 +468,9 @@ std::string analysis_text(const Evaluation& e, const std::vector<design::Tightes
                    choice.columns, 4);
   }
   if (shows_checks(choice)) text += failed_table(e.checks);
-  for (const Section section : choice.sections) text += section_text(section, e, s, built);
+  for (const Section section : choice.sections) {
+    text += part_or_lack(section_text(section, e, s, built), section, e);
+  }
   return text;
 }
 
@@ -440,7 +480,9 @@ std::string analysis_text(const PairEvaluation& e,
   if (choice.full) return analysis_table(e);
   std::string text = first_screen(e, tightest, choice.columns);
   if (shows_checks(choice)) text += failed_table(e.checks);
-  for (const Section section : choice.sections) text += section_text(section, e);
+  for (const Section section : choice.sections) {
+    text += part_or_lack(section_text(section, e), section, e);
+  }
   return text;
 }
 

@@ -42,18 +42,41 @@ std::string tip_text(const TightestCheck& t) {
              : fmt::format("tip of {} may be {:.3f} mm longer", t.tip->gear, mm(-t.tip->shorter_m));
 }
 
-/// Failed checks, or the tightest of those that passed.
+/// How many checks failed, as drawn and as built.
+std::string counts_text(const std::vector<CheckResult>& checks,
+                        const std::optional<design::ToleranceLimits>& built) {
+  const auto failed = std::ranges::count(checks, false, &CheckResult::ok);
+  std::string text = failed > 0 ? fmt::format("Checks: {} of {} failed", failed, checks.size())
+                                : fmt::format("Checks: all {} passed", checks.size());
+  if (!built) return text;
+  const auto failing = std::ranges::count(built->checks, false, &design::CheckLimits::holds);
+  return text + (failing == 0 ? ", as drawn and within [tolerances]"
+                              : fmt::format(" as drawn, within [tolerances] {} of {} fail (--show "
+                                            "tolerances)",
+                                            failing, built->checks.size()));
+}
+
+/// Failed checks, and the tightest of those that passed.
 std::string tightest_text(const std::vector<CheckResult>& checks,
+                          const std::optional<design::ToleranceLimits>& built,
                           const std::vector<TightestCheck>& tightest, int columns) {
-  const auto failed = std::ranges::count_if(checks, [](const CheckResult& c) { return !c.ok; });
+  const auto failed = std::ranges::count(checks, false, &CheckResult::ok);
+  const auto shown =
+      std::ranges::count_if(tightest, [](const TightestCheck& t) { return !t.check->ok; });
   constexpr double kAtLimit = 1e-6;
-  std::string text =
-      failed > 0
-          ? fmt::format("Checks: {} of {} failed\n", failed, checks.size())
-          : fmt::format("Checks: all {} passed; the nearest to their limits\n", checks.size());
+  const std::string counts = counts_text(checks, built);
+  const char* const nearest = failed > 0              ? ""
+                              : counts.ends_with(')') ? "; the nearest"
+                                                      : "; the nearest to their limits";
+  std::string text = broken(counts + nearest, columns, kIndent);
+  bool of_passed = failed == 0;
   for (const TightestCheck& t : tightest) {
     const CheckResult& c = *t.check;
-    if (failed > 0 && c.ok) continue;
+    if (c.ok && !of_passed) {
+      of_passed = true;
+      if (failed > shown) text += fmt::format("  and {} more (--show checks)\n", failed - shown);
+      text += "Passed; the nearest to their limits\n";
+    }
     std::string line = fmt::format("  {}{}", c.ok ? "" : "FAILED ", c.record->title);
     if (const std::string subject = subject_of(c); !subject.empty()) line += " " + subject;
     line += fmt::format(
@@ -63,9 +86,8 @@ std::string tightest_text(const std::vector<CheckResult>& checks,
     if (const std::string tip = tip_text(t); !tip.empty()) line += ", " + tip;
     text += broken(line, columns, kIndent);
   }
-  const auto shown = static_cast<std::ptrdiff_t>(
-      std::ranges::count_if(tightest, [](const TightestCheck& t) { return !t.check->ok; }));
-  if (failed > shown) text += fmt::format("  and {} more (--show checks)\n", failed - shown);
+  if (failed > shown && !of_passed)
+    text += fmt::format("  and {} more (--show checks)\n", failed - shown);
   return text;
 }
 
@@ -188,7 +210,7 @@ std::string first_screen(const Evaluation& e, const std::vector<TightestCheck>& 
       (cutters.empty() ? "" : "; pinion cutters: " + cutters));
   if (e.strength) add("  strength     " + capacity_summary(e));
   if (e.thermal) add("  temperature  " + thermal_summary(*e.thermal));
-  text += '\n' + tightest_text(e.checks, tightest, columns) + '\n';
+  text += '\n' + tightest_text(e.checks, e.tolerance_limits, tightest, columns) + '\n';
   if (const std::string not_checked = not_checked_text(e); !not_checked.empty()) add(not_checked);
   text += notes_text(e.notes, columns);
   add(std::string(kMore));
@@ -218,7 +240,7 @@ std::string first_screen(const PairEvaluation& e, const std::vector<TightestChec
                   fixed(um(e.mesh.normal_backlash_m), 2), e.mesh.contact_ratio,
                   degrees(e.mesh.working_pressure_angle_rad)));
   if (e.strength) add("  strength     " + capacity_summary(e));
-  text += '\n' + tightest_text(e.checks, tightest, columns) + '\n';
+  text += '\n' + tightest_text(e.checks, e.tolerance_limits, tightest, columns) + '\n';
   if (const std::string not_checked = not_checked_text(e); !not_checked.empty()) add(not_checked);
   text += notes_text(e.notes, columns);
   add(std::string(kMore));

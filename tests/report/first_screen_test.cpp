@@ -9,13 +9,16 @@
 #include <iterator>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
 #include "design/output_terms.hpp"
+#include "design/sensitivity.hpp"
 #include "design/tightest.hpp"
 #include "io/files/design_file.hpp"
 #include "io/files/subject_file.hpp"
+#include "report/analysis_report.hpp"
 
 namespace gear3k::first_screen_test {
 namespace {
@@ -130,6 +133,70 @@ TEST(Broken, KeepsEveryWordAndTheColumns) {
   const std::string text = "  one two  three " + std::string(90, 'x') + " four";
   const std::string broken = report::broken(text, 60, 4);
   EXPECT_EQ(broken, "  one two  three\n    " + std::string(90, 'x') + "\n    four\n");
+}
+
+/// Counted from the evaluation itself.
+TEST(FirstScreenWithTolerances, CountsChecksAsDrawnAndAsBuilt) {
+  design::Design design = io::read_design(kExamples + "designs/ratio_96_tolerances.toml");
+  const auto built = [&] {
+    const auto e = std::get<design::Evaluation>(design::evaluate(design));
+    return std::pair(
+        std::ranges::count(e.tolerance_limits->checks, false, &design::CheckLimits::holds),
+        e.tolerance_limits->checks.size());
+  };
+  ASSERT_GT(built().first, 0);
+  const std::string counts = "passed as drawn, within [tolerances] " +
+                             std::to_string(built().first) + " of " +
+                             std::to_string(built().second) + " fail (--show tolerances)";
+  EXPECT_NE(screen_of(design).find(counts), std::string::npos) << screen_of(design);
+  const auto e = std::get<design::Evaluation>(design::evaluate(design));
+  for (const design::CheckLimits& check : e.tolerance_limits->checks) {
+    if (!check.holds) design.limits[check.record->id].reset();
+  }
+  ASSERT_EQ(built().first, 0);
+  EXPECT_NE(screen_of(design).find(" passed, as drawn and within [tolerances]; the nearest to"),
+            std::string::npos)
+      << screen_of(design);
+  design.tolerances.reset();
+  EXPECT_NE(screen_of(design).find(" passed; the nearest to their limits\n"), std::string::npos);
+}
+
+TEST(FirstScreenOfAFailedCheck, KeepsTheTightestOfThosePassed) {
+  design::Design design = io::read_design(kExamples + "designs/loaded.toml");
+  design.limits[design::CheckId::kContactRatioMax] = 1.0;
+  const std::string screen = screen_of(design);
+  const std::size_t failed = screen.find("  FAILED ");
+  const std::size_t passed = screen.find("\nPassed; the nearest to their limits\n  ");
+  ASSERT_NE(failed, std::string::npos) << screen;
+  ASSERT_NE(passed, std::string::npos) << screen;
+  EXPECT_LT(failed, passed);
+  expect_fits(screen, 25, 100);
+}
+
+TEST(AnalysisText, SaysWhatAPartThatIsAskedForLacks) {
+  design::Design design = io::read_design(kExamples + "designs/low_backlash_prototype.toml");
+  design.tolerances.reset();
+  design.rating.reset();
+  design.operating_point.reset();
+  design.masses.face_width_m = {};
+  const auto e = std::get<design::Evaluation>(design::evaluate(design));
+  ASSERT_FALSE(e.total_mass_kg);
+  using report::Section;
+  const std::string text =
+      report::analysis_text(e, {},
+                            {.full = false,
+                             .sections = {Section::kLosses, Section::kStrength, Section::kMasses,
+                                          Section::kTolerances, Section::kThermal, Section::kBuilt},
+                             .columns = 100},
+                            design::sensitivities(design), nullptr, nullptr, nullptr, {});
+  for (const char* lack :
+       {"\nLosses: nothing without [operating_point]\n", "\nStrength: nothing without [strength]\n",
+        "\nLimits of the built gearing: nothing without [tolerances]\n",
+        "\nTemperature: nothing without [thermal]\n",
+        "\nBuilt gearboxes: nothing without [tolerances]\n"}) {
+    EXPECT_NE(text.find(lack), std::string::npos) << lack << text;
+  }
+  EXPECT_NE(text.find("lacks " + e.total_mass_missing), std::string::npos) << text;
 }
 
 }  // namespace
