@@ -139,7 +139,12 @@ Infeasibility name_empty_stage(const Specification& spec, const StageTask& empty
   for (const CheckId check : checks) {
     if (empty_without(task, check, kDropped)) continue;
     double proven = 0.0;  // still empty with so much
-    for (double step = 0.5; step > 1e-4; step *= 0.5) {
+    double step = 0.5;
+    while (proven + step < kDropped && empty_without(task, check, proven + step)) {
+      proven += step;
+      step *= 2.0;
+    }
+    for (step *= 0.5; step > 1e-4; step *= 0.5) {
       if (empty_without(task, check, proven + step)) proven += step;
     }
     const CheckId name = named(spec, check, stage);

@@ -8,8 +8,10 @@
 #include <numeric>
 #include <set>
 #include <string>
+#include <variant>
 #include <vector>
 
+#include "design/evaluation.hpp"
 #include "efficiency/train_efficiency.hpp"
 #include "io/files/specification_file.hpp"
 #include "optimize/optimizer.hpp"
@@ -381,6 +383,37 @@ TEST(BestOnlySearch, RefusesToJudgeByACalibratedModel) {
   spec.operating_point.emplace();
   Progress progress;
   EXPECT_THROW(optimize(spec, progress, best_only()), std::invalid_argument);
+}
+
+/// A gap that no gearbox has: the proven miss is of its size, and leaves room for what designs
+/// have.
+TEST(EmptyStages, MissALimitThatIsFarOffByMuch) {
+  Specification spec = io::read_specification(GEAR3K_SOURCE_DIR "/examples/rp96.toml");
+  spec.teeth.S = {.min = 12, .max = 12};
+  Progress progress;
+  const OptimizeResult free = optimize(spec, progress);
+  ASSERT_TRUE(free.best);
+  spec.limits[design::CheckId::kPlanetGap] = 60.0;
+  const ToothSearchResult search = search_teeth(spec, progress);
+  const SetBounds bounds(spec, search.candidates, progress);
+  int proven = 0;
+  for (std::size_t k = 0; k < search.candidates.size(); ++k) {
+    const auto infeasible = bounds.of(k).infeasible;
+    if (!infeasible || infeasible->check != design::CheckId::kPlanetGap) continue;
+    if (!infeasible->alone) continue;  // no amount is proven
+    ++proven;
+    EXPECT_GT(infeasible->miss_si, 5.0);
+    for (const RefinedSet& set : free.refined) {
+      if (set.status != Status::kOptimal || set.candidate != search.candidates[k]) continue;
+      const auto e = std::get<design::Evaluation>(design::evaluate(design_of(spec, set)));
+      double least = kInfinity;
+      for (const design::CheckResult& c : e.checks) {
+        if (c.record->id == design::CheckId::kPlanetGap) least = std::min(least, c.value);
+      }
+      EXPECT_LE(least, 60.0 - infeasible->miss_si + 1e-6);
+    }
+  }
+  EXPECT_GT(proven, 0);
 }
 
 }  // namespace
