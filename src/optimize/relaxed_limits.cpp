@@ -105,13 +105,14 @@ std::optional<double> value_in_design(const Specification& spec, const RefinedSe
 
 class Relaxation {
  public:
-  Relaxation(const Specification& spec, Progress& progress) : spec_(spec), progress_(progress) {}
+  Relaxation(const Specification& spec, const OptimizeResult& blocked, Progress& progress)
+      : spec_(spec), blocked_(blocked), progress_(progress) {}
 
   /// @returns empty where no design was found without them, or the search was stopped
   std::optional<Freed> free(std::span<const CheckId> checks) {
     const Specification own = without(spec_, checks);
     const OptimizeResult result = any_design(own);
-    if (!result.best) return std::nullopt;
+    if (!result.best) return checks.size() == 1 ? nearest_blocked(checks.front()) : std::nullopt;
     Freed freed{.limits = {}, .set = *result.best};
     for (const CheckId check : checks) {
       freed.limits.push_back(
@@ -122,7 +123,16 @@ class Relaxation {
     for (std::size_t k = checks.size(); k-- > 0;) {
       tighten(relaxed, result.refined, freed, k);
     }
-    if (checks.size() == 1) bisect(own, freed);
+    if (checks.size() == 1) {
+      const bool at_least = design::check_record(checks.front()).at_least;
+      if (auto nearest = nearest_blocked(checks.front())) {
+        const auto& own_limit = freed.limits.front().relaxed_si;
+        const double other = *nearest->limits.front().relaxed_si;
+        const bool nearer = !own_limit || (at_least ? other > *own_limit : other < *own_limit);
+        if (nearer) freed = *std::move(nearest);
+      }
+      bisect(own, freed);
+    }
     return freed;
   }
 
@@ -137,6 +147,33 @@ class Relaxation {
     return optimize(
         spec, progress_,
         {.best_only = true, .certify = false, .any = true, .most_refined = kMostRefinedWithout});
+  }
+
+  /// The set of the search that a check blocks alone by least, with its limit given way by that;
+  /// empty where there is none, or it has no design then.
+  [[nodiscard]] std::optional<Freed> nearest_blocked(CheckId check) const {
+    const design::CheckRecord& record = design::check_record(check);
+    const RefinedSet* nearest = nullptr;
+    double least = std::numeric_limits<double>::infinity();
+    for (const RefinedSet& set : blocked_.refined) {
+      if (set.status != Status::kNoFeasibleFound || set.blocked_together) continue;
+      for (const Miss& miss : set.blocked_by) {
+        if (miss.name != record.name || !(miss.amount > 0.0) || miss.amount >= least) continue;
+        nearest = &set;
+        least = miss.amount;
+      }
+    }
+    if (nearest == nullptr || progress_.stop.load()) return std::nullopt;
+    const double stated = *spec_.limits[check];
+    const double miss_si = least * units::si_per(record.unit);
+    Specification tried = spec_;
+    tried.limits[check] =
+        rounded_looser(record, record.at_least ? stated - miss_si : stated + miss_si);
+    RefinedSet set = refine(tried, nearest->candidate);
+    if (set.status != Status::kOptimal) return std::nullopt;
+    return Freed{
+        .limits = {{.check = check, .stated_si = stated, .relaxed_si = tried.limits[check]}},
+        .set = std::move(set)};
   }
 
   /// Searches anew half way to the stated limit while that has a design, or the way is short.
@@ -211,6 +248,7 @@ class Relaxation {
   }
 
   const Specification& spec_;
+  const OptimizeResult& blocked_;
   Progress& progress_;
 };
 
@@ -260,7 +298,7 @@ RelaxedLimits relax_limits(const Specification& spec, const OptimizeResult& bloc
   progress.stage_done = 0;
   progress.searches = 0;
   progress.stage_total = checks.size();
-  Relaxation relaxation(spec, progress);
+  Relaxation relaxation(spec, blocked, progress);
   const auto try_to_free = [&](std::span<const CheckId> together) {
     if (auto freed = relaxation.free(together)) result.freed.push_back(*std::move(freed));
     ++progress.stage_done;

@@ -46,8 +46,9 @@ std::vector<design::CheckId> limits_that_may_give_way(const Specification& spec)
 /// of those that block most sets; each time the search ends with its first wave that has a design,
 /// or at kMostRefinedWithout refined sets.  Of its sets the one that needs the limit to give way
 /// least has it relaxed to three digits and is refined anew with it, so that what is told has a
-/// design; a few more searches half way to the stated value bring it nearer.  A search of all sets
-/// might find one that needs less.
+/// design; a few more searches half way to the stated value bring it nearer, and so does the
+/// blocked set that misses this limit alone, and least.  A search of all sets might find one that
+/// needs less.
 ///
 /// @param blocked  of the specification: without a design, not interrupted
 /// @param progress  its stop ends the searches, what was found before stays
