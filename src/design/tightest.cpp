@@ -117,6 +117,10 @@ void add_tips(std::vector<TightestCheck>& tightest, GearsOf gears_of, MarginOf m
 
 }  // namespace
 
+double margin_scale(const CheckResult& check) {
+  return check.limit != 0.0 ? std::abs(check.limit) : least_scale(check.record->unit);
+}
+
 std::vector<TightestCheck> tightest_checks(const Design& design, const Evaluation& evaluation,
                                            std::size_t count) {
   std::vector<TightestCheck> tightest = ranked(evaluation.checks, count);

@@ -23,6 +23,9 @@ struct TightestCheck {
   std::optional<TipRemedy> tip;
 };
 
+/// What a margin is small against: the limit, or 0.5 mm, 1 module, 1 arcmin or 1 where that is 0.
+double margin_scale(const CheckResult& check);
+
 /// The check of every record that has the least share; failed ones first, then by rising share.
 /// Records that are met or not (assembly) are listed where they fail.  Tips are solved by
 /// evaluating the design with a tip up to half a module shorter, or 0.3 modules longer, for the

@@ -12,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#include "design/tightest.hpp"
 #include "report/analysis_report.hpp"
 #include "report/check_subject.hpp"
 #include "report/display.hpp"
@@ -195,7 +196,7 @@ class ComparisonRows {
 
  private:
   static constexpr std::size_t kNames = 3, kIndent = 2, kGap = 2;
-  static constexpr std::size_t kLeastName = 18;  ///< no name is broken to less
+  static constexpr std::size_t kLeastName = 20;  ///< no name is broken to less: "(backlash.model),"
 
   [[nodiscard]] std::size_t widest(std::size_t column) const {
     std::size_t most = 0;
@@ -264,14 +265,19 @@ std::string rims_text(std::span<const ComparedDesign> designs, std::size_t colum
     if (!designs[k].terms.outer_surface_stated) without.push_back(labels[k]);
   }
   if (without.empty() || without.size() == designs.size()) return "";
-  return broken(fmt::format("  no rims are stated of {}: its outer diameter is that of the larger "
-                            "root circle",
-                            fmt::join(without, ", ")),
-                static_cast<int>(columns), 4);
+  return broken(
+      without.size() == 1
+          ? fmt::format("  no rims are stated of {}: its outer diameter is that of the larger root "
+                        "circle",
+                        without.front())
+          : fmt::format("  no rims are stated of {}: the outer diameter of each is that of its "
+                        "larger root circle",
+                        fmt::join(without, ", ")),
+      static_cast<int>(columns), 4);
 }
 
 /// Checks that fail in one of the designs, or are met there with less than a twentieth of their
-/// limit to spare.
+/// limit to spare, or of what counts as small where that is 0.
 std::string margins_text(std::span<const ComparedDesign> designs, std::size_t columns) {
   constexpr double kTight = 0.05;
   std::vector<ComparedQuantity> margins;
@@ -292,7 +298,7 @@ std::string margins_text(std::span<const ComparedDesign> designs, std::size_t co
       // What passes may miss its limit by rounding.
       const double margin = c.ok ? std::max(0.0, c.margin) : c.margin;
       margins[place->second].values[i] = units::difference_from_si(margin, unit);
-      if (!c.ok || c.margin < kTight * std::abs(c.limit)) tight[place->second] = true;
+      if (!c.ok || c.margin < kTight * design::margin_scale(c)) tight[place->second] = true;
     }
   }
   ComparisonRows rows(designs);

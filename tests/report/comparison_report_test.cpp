@@ -140,5 +140,37 @@ TEST(Comparison, KeepsAPlaceForWhatADesignLacks) {
   EXPECT_NE(comparison_table(two).find("none"), std::string::npos);
 }
 
+TEST(Comparison, ListsATightMarginWhoseLimitIsNothing) {
+  std::vector<ComparedDesign> two{compared(example("loaded.toml"), "a"),
+                                  compared(example("loaded.toml"), "b")};
+  const auto margins = [&](double margin) {
+    for (ComparedDesign& one : two) {
+      for (auto& check : one.evaluation.checks) {
+        check.ok = true;
+        check.limit = 0.0;
+        check.margin =
+            check.record->id == design::CheckId::kUndercut && &one == &two[0] ? margin : 1e3;
+      }
+    }
+    const std::string text = comparison_table(two);
+    return text.find("Margins of checks") != std::string::npos;
+  };
+  EXPECT_TRUE(margins(0.01));
+  EXPECT_FALSE(margins(0.2));
+}
+
+TEST(Comparison, SpeaksOfTheRimsOfOneAndOfSeveral) {
+  const design::Design bare = example("loaded.toml");
+  design::Design rims = bare;
+  rims.masses.ring1_outer_radius_m = 0.05;
+  rims.masses.ring2_outer_radius_m = 0.05;
+  const std::vector<ComparedDesign> one{compared(bare, "a"), compared(rims, "c")};
+  EXPECT_NE(comparison_table(one).find("stated of a: its outer diameter is"), std::string::npos);
+  const std::vector<ComparedDesign> two{compared(bare, "a"), compared(bare, "b"),
+                                        compared(rims, "c")};
+  EXPECT_NE(comparison_table(two).find("stated of a, b: the outer diameter of each is"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace gear3k::report::comparison_report_test
