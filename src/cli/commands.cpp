@@ -569,7 +569,7 @@ ExitCode run_export(const ExportOptions& options) {
   use_threads(options);
   const Exports exports =
       std::visit([&](const auto& subject) { return exports_of(subject, options); },
-                 io::read_subject(options.file));
+                 io::read_subject(options.file, "export takes a DESIGN, or a PAIR for --sheet"));
   const drawing::ExportSummary& summary = exports.summary;
   write_exports(exports, options);
 

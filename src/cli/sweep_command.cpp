@@ -189,6 +189,9 @@ ExitCode run_sweep_merge(const SweepMergeOptions& options) {
 
 ExitCode run_atlas(const AtlasOptions& options) {
   const std::vector<sweep::AtlasPoint> points = sweep::atlas_near(options.question);
+  const std::string taken =
+      points.empty() ? std::string() : sweep::atlas_snap_text(options.question, points);
+  if (!taken.empty() && !options.quiet) say(taken + '\n');
   if (!options.task.empty()) {
     if (!options.out.empty() && whole_path(options.out) == whole_path(options.task)) {
       throw io::InvalidInput(

@@ -131,6 +131,22 @@ std::vector<AtlasPoint> atlas_near(const AtlasQuestion& question) {
   return near;
 }
 
+std::string atlas_snap_text(const AtlasQuestion& question, const std::vector<AtlasPoint>& points) {
+  const AtlasPoint& point = points.front();
+  std::vector<std::string> taken;
+  const auto add = [&](const char* text, double value, double asked) {
+    constexpr double kSame = 1e-6;
+    if (std::abs(value - asked) <= kSame * std::abs(asked)) return;
+    taken.push_back(fmt::format("{} {:g} ({:g} was asked for)", text, value, asked));
+  };
+  add("ratio", point.ratio_target, question.ratio);
+  if (question.backlash_arcmin) {
+    add("arcmin", point.backlash_arcmin, *question.backlash_arcmin);
+  }
+  if (question.friction) add("friction", point.friction, *question.friction);
+  return taken.empty() ? "" : fmt::format("the atlas's nearest: {}", fmt::join(taken, ", "));
+}
+
 Rows atlas_rows(const std::vector<AtlasPoint>& points) {
   Rows rows{.names = {"ratio_target", "planets", "max_backlash_arcmin", "friction", "eta_b",
                       "bound", "eta_f", "zS", "zP1", "zR1", "zP2", "zR2", "m1_mm", "m2_mm",

@@ -302,5 +302,15 @@ TEST(Export, StdoutThatCannotBeWrittenIsAnError) {
   EXPECT_TRUE(contains(result.err, "stdout: cannot be written")) << result.err;
 }
 
+TEST(Export, NamesItsOwnArgumentWhereTheFileIsAnotherOne) {
+  const Workplace place;
+  place.write("spec.toml", test::example("rp96.toml"));
+  const ProgramResult run = place.run({"export", "spec.toml", "--svg", "svg"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_EQ(run.err,
+            "spec.toml: looks like a SPEC: it has [ratio]; export takes a DESIGN, or a PAIR for "
+            "--sheet\n");
+}
+
 }  // namespace
 }  // namespace gear3k::export_test

@@ -92,5 +92,28 @@ TEST(Atlas, ItsTaskHasTheResultThatItTells) {
   EXPECT_FALSE(place.has("new"));
 }
 
+TEST(Atlas, SaysWhichOfItsValuesItTakes) {
+  const auto text = [](const sweep::AtlasQuestion& question) {
+    return sweep::atlas_snap_text(question, sweep::atlas_near(question));
+  };
+  const sweep::AtlasPoint& own = sweep::atlas().front();
+  EXPECT_EQ(text({.ratio = own.ratio_target,
+                  .backlash_arcmin = own.backlash_arcmin,
+                  .friction = own.friction}),
+            "");
+  const std::string taken = text({.ratio = 43.0, .backlash_arcmin = 7.0, .friction = 0.12});
+  EXPECT_NE(taken.find("(43 was asked for)"), std::string::npos) << taken;
+  EXPECT_NE(taken.find("arcmin 5 (7 was asked for)"), std::string::npos) << taken;
+  EXPECT_NE(taken.find("friction 0.1 (0.12 was asked for)"), std::string::npos) << taken;
+}
+
+TEST(Atlas, TaskHasWhatWasAskedForItself) {
+  const std::string task =
+      sweep::atlas_task({.ratio = 43.0, .backlash_arcmin = 7.0, .friction = 0.12});
+  for (const char* line : {"target = 43", "max_output_arcmin = 7", "coefficient = 0.12"}) {
+    EXPECT_NE(task.find(line), std::string::npos) << task;
+  }
+}
+
 }  // namespace
 }  // namespace gear3k::atlas_test

@@ -71,12 +71,11 @@ bool has_key(const TomlValue& document, const std::string& key) {
 
 }  // namespace
 
-calibrate::Subject read_subject(const std::string& path) {
+calibrate::Subject read_subject(const std::string& path, std::string_view takes) {
   const std::string text = read_toml_text(path);
   const TomlValue document = parse_toml(text, path);
   using enum DocumentKind;
-  refuse_other_documents(document, path, {kDesign, kPair, kBlackBox},
-                         "SUBJECT takes a DESIGN, a PAIR or a black box ([gearbox])");
+  refuse_other_documents(document, path, {kDesign, kPair, kBlackBox}, takes);
   if (has_key(document, "gearbox")) return black_box_from(document, path);
   if (has_key(document, "kind")) return parse_pair(text, path);
   return parse_design(text, path);
