@@ -159,6 +159,7 @@ report::HeldBackReport held_back_by(const OptimizeTask& task,
   report::HeldBackReport report{
       .best = held(*result.best), .by_planets = {}, .all_refined = !task.certify};
   if (!result.interrupted) {
+    optimize::refine_gains(task.spec, *result.best, report.best.held, progress);
     optimize::search_beyond(task.spec, *result.best, result.search.candidates.size(),
                             report.best.held, progress);
     optimize::search_relaxed(task.spec, *result.best, result.search.candidates.size(),
@@ -166,6 +167,10 @@ report::HeldBackReport held_back_by(const OptimizeTask& task,
   }
   for (const optimize::RefinedSet& set : optimize::best_per_planets(task.spec, result.refined)) {
     report.by_planets.push_back(held(set));
+    optimize::HeldBack& own = report.by_planets.back().held;
+    if (result.interrupted) continue;
+    optimize::refine_gains(task.spec, set, own, progress);
+    report.best.held.interrupted = report.best.held.interrupted || own.interrupted;
   }
   return report;
 }

@@ -274,10 +274,13 @@ void print_results(const app::OptimizeTask& task, const OptimizeRun& run,
     case Format::kTable: {
       const auto series = design::table_series(o.best->design);
       const std::size_t sets = o.result.search.candidates.size();
+      const auto columns = known_columns(options.show.columns);
+      const std::size_t width = columns ? static_cast<std::size_t>(*columns) : report::kAnyColumns;
       const std::string more =
           (o.co_design ? report::co_design_table(o.co_design->report) : std::string()) +
-          report::limit_checks_text(o.felt) + report::held_back_table(task.spec, o.held->best) +
-          report::planets_table(task.spec, *o.held) + rounding_text(task, o) +
+          report::limit_checks_text(o.felt) +
+          report::held_back_table(task.spec, o.held->best, width) +
+          report::planets_table(task.spec, *o.held, width) + rounding_text(task, o) +
           (o.robust ? report::robust_table(task.spec, *o.robust) : "") +
           (o.front ? report::pareto_table(task.spec, *o.front) : "") +
           (o.comparison ? report::model_change_table(*o.comparison) : "") + "\n" +
@@ -291,7 +294,6 @@ void print_results(const app::OptimizeTask& task, const OptimizeRun& run,
               o.result.search.candidates.size() - run.tally.open,
               o.front ? o.front->points.size() : o.result.pareto.size(),
               run.drawn ? fmt::format("{}, ", kFrontFigure) : std::string());
-      const auto columns = known_columns(options.show.columns);
       print_result(
           (o.result.interrupted || (o.front && o.front->interrupted)
                ? fmt::format("Stopped: {} of {} tooth sets are done, the best of them is\n",

@@ -438,6 +438,7 @@ double giving_step(const LimitPrice& price) {
 
 const LimitPrice* dearest(const HeldBack& held) {
   const auto gain = [](const LimitPrice& price) {
+    if (price.refined_gain_si) return std::abs(*price.refined_gain_si);
     return std::abs(price.loosened * units::si_per(price.unit) * giving_step(price));
   };
   const LimitPrice* most = nullptr;

@@ -57,6 +57,9 @@ struct LimitPrice {
   /// feasible is left).  They differ where the multipliers are not unique.
   double loosened = 0.0;
   std::optional<double> tightened{};
+  /// What the set gains, refined anew where the limit gives way by its step [SI], with the sense of
+  /// the objective's number; 0 where nothing better was found, empty where it was not refined.
+  std::optional<double> refined_gain_si{};
   [[nodiscard]] bool unique() const;
 };
 
@@ -93,7 +96,8 @@ struct HeldBack {
   bool interrupted = false;  ///< a search beyond a bound, or with a limit given way, was ended
 };
 
-/// The limit of a file that gains most where it gives way by its step, to first order; null: none.
+/// The limit of a file that gains most where it gives way by its step, refined anew where that is
+/// known and else to first order; null: none.
 /// The load is none: it is what the gearbox is for.
 const LimitPrice* dearest(const HeldBack& held);
 

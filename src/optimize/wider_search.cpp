@@ -152,6 +152,25 @@ std::size_t searches_again(const Specification& spec, std::size_t sets, const He
   return static_cast<std::size_t>(beyond) + (relaxed ? 1 : 0);
 }
 
+void refine_gains(const Specification& spec, const RefinedSet& best, HeldBack& held,
+                  Progress& progress) {
+  const Objective first = first_objective(spec);
+  const double before = objective_of(spec, best, first);
+  for (LimitPrice& price : held.prices) {
+    if (!price.stated || price.loosened == 0.0) continue;
+    const std::optional<Specification> own = relaxed_task(spec, &price);
+    if (!own) continue;
+    const std::optional<RefinedSet> again = refine(*own, best.candidate, progress.stop);
+    if (!again) {
+      held.interrupted = true;
+      return;
+    }
+    if (again->status != Status::kOptimal) continue;
+    const double gain = objective_of(*own, *again, first) - before;
+    price.refined_gain_si = sense_of(first) * gain > 0.0 ? gain : 0.0;
+  }
+}
+
 void search_beyond(const Specification& spec, const RefinedSet& best, std::size_t sets,
                    HeldBack& held, Progress& progress) {
   if (!is_searched_again(spec)) return;

@@ -26,6 +26,13 @@ inline constexpr std::size_t kMostSearchedAgain = 20000;
 void search_beyond(const Specification& spec, const RefinedSet& best, std::size_t sets,
                    HeldBack& held, Progress& progress);
 
+/// Refines the best set with each limit that has a price given way by its step: a price holds to
+/// first order, and ends where another limit becomes active.  Fills LimitPrice::refined_gain_si;
+/// leaves it empty where search_relaxed() does not give the limit way.
+/// @param progress  its stop ends it: what was not refined stays empty, and `held` is interrupted
+void refine_gains(const Specification& spec, const RefinedSet& best, HeldBack& held,
+                  Progress& progress);
+
 /// Searches of tooth sets that search_beyond() and search_relaxed() make together.
 std::size_t searches_again(const Specification& spec, std::size_t sets, const HeldBack& held);
 

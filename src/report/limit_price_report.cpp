@@ -33,6 +33,11 @@ double change_per_step(const Specification& spec, const LimitPrice& price) {
   return per_unit(spec, price, price.loosened) * giving_step(price);
 }
 
+/// The same of the set refined anew with it; its gain must be known.
+double refined_gain(const Specification& spec, const LimitPrice& price) {
+  return *price.refined_gain_si / record_of(spec).per_unit;
+}
+
 bool in_percent_points(const Specification& spec) {
   return optimize::is_efficiency(optimize::first_objective(spec));
 }
@@ -152,12 +157,16 @@ std::string relaxed_text(const Specification& spec, const HeldSet& best) {
 std::string better_text(const Specification& spec, const HeldSet& best) {
   const LimitPrice* const price = dearest(best.held);
   if (price == nullptr) return "";
-  const double change = change_per_step(spec, *price);
+  const bool refined = price->refined_gain_si.has_value();
+  const double change = refined ? refined_gain(spec, *price) : change_per_step(spec, *price);
   const double moved =
       clean(units::decimal_from_si(price->value_si, price->unit) + giving_step(*price));
   const double estimate = objective_of(spec, best) + change;
   std::string text =
-      is_possible(spec, estimate)
+      refined ? fmt::format("  nearest better: {} with {} = {:g} ({})\n",
+                            objective_text(spec, estimate), price->key, moved,
+                            change_text(spec, change))
+      : is_possible(spec, estimate)
           ? fmt::format("  nearest better, an estimate to first order: {} with {} = {:g} ({})\n",
                         objective_text(spec, estimate), price->key, moved,
                         change_text(spec, change))
@@ -177,11 +186,31 @@ std::string better_text(const Specification& spec, const HeldSet& best) {
   return text;
 }
 
+/// What the limit gives for its step: refined anew, or to first order.
+std::string gain_text(const Specification& spec, const HeldSet& best, const LimitPrice& price) {
+  if (price.refined_gain_si) return change_text(spec, refined_gain(spec, price));
+  const double change = change_per_step(spec, price);
+  return is_possible(spec, objective_of(spec, best) + change)
+             ? change_text(spec, change) + " (first order)"
+             : "-";
+}
+
+/// Whether no line of a text is longer.
+bool fits(std::string_view text, std::size_t columns) {
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    if (end > columns) return false;
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return true;
+}
+
 }  // namespace
 
-std::string held_back_table(const Specification& spec, const HeldSet& best) {
+std::string held_back_table(const Specification& spec, const HeldSet& best, std::size_t columns) {
   std::string text = fmt::format(
-      "\nHeld back by (price: change of the {} per unit, first order; gain: by the step)\n",
+      "\nHeld back by (price: change of the {} per unit, first order; gain: refined anew with the "
+      "step)\n",
       record_of(spec).title);
   if (!best.held.missing.empty()) {
     return text + fmt::format("  not known: {}\n", best.held.missing) + bounds_text(spec, best);
@@ -189,21 +218,28 @@ std::string held_back_table(const Specification& spec, const HeldSet& best) {
   TextTable table({"limit", "value", "at", "price", "step", "gain"});
   for (const std::size_t column : {std::size_t{2}, std::size_t{3}}) table.align_left(column);
   std::vector<std::string> free;
+  std::string lines;
   for (const LimitPrice& price : best.held.prices) {
     if (!has_price(price)) {
       free.push_back(price.key);
       continue;
     }
-    table.add({price.key + (price.stated ? "" : " (no key)") + preset_text(spec, price),
-               value_text(price), fmt::format("{}", fmt::join(price.where, ", ")),
-               price_text(spec, price),
-               with_unit(fmt::format("{:+g}", giving_step(price)), units::unit_name(price.unit)),
-               is_possible(spec, objective_of(spec, best) + change_per_step(spec, price))
-                   ? change_text(spec, change_per_step(spec, price))
-                   : "-"});
+    const std::string key =
+        price.key + (price.stated ? "" : " (no key)") + preset_text(spec, price);
+    const std::string where = fmt::format("{}", fmt::join(price.where, ", "));
+    const std::string step =
+        with_unit(fmt::format("{:+g}", giving_step(price)), units::unit_name(price.unit));
+    table.add({key, value_text(price), where, price_text(spec, price), step,
+               gain_text(spec, best, price)});
+    lines += fmt::format("  {} = {}{}{}\n    price {}, step {}, gain {}\n", key, value_text(price),
+                         where.empty() ? "" : " at ", where, price_text(spec, price), step,
+                         gain_text(spec, best, price));
   }
   const bool any = free.size() < best.held.prices.size();
-  text += any ? table.text(2) : "  no limit: the optimum is inside all of them\n";
+  const std::string rows = table.text(2);
+  text += !any                  ? "  no limit: the optimum is inside all of them\n"
+          : fits(rows, columns) ? rows
+                                : lines;
   const bool open = std::ranges::any_of(best.held.prices,
                                         [](const LimitPrice& price) { return !price.unique(); });
   if (open) {
@@ -220,23 +256,53 @@ std::string held_back_table(const Specification& spec, const HeldSet& best) {
   return text + bounds_text(spec, best) + better_text(spec, best);
 }
 
-std::string planets_table(const Specification& spec, const HeldBackReport& report) {
+namespace {
+
+/// Numbers of planets of which no set was refined to a design.
+std::vector<int> planets_left_out(const Specification& spec, const std::vector<HeldSet>& sets) {
+  std::vector<int> left_out;
+  for (const int planets : spec.planets) {
+    const bool there = std::ranges::any_of(
+        sets, [&](const HeldSet& set) { return set.set.candidate.planets == planets; });
+    if (!there) left_out.push_back(planets);
+  }
+  return left_out;
+}
+
+}  // namespace
+
+std::string planets_table(const Specification& spec, const HeldBackReport& report,
+                          std::size_t columns) {
   const std::vector<HeldSet>& sets = report.by_planets;
-  if (sets.size() < 2) return "";
+  if (spec.planets.size() < 2) return "";
   TextTable table({"planets", "S/P1/R1/P2/R2", "ratio", std::string(record_of(spec).title),
                    "held back most by"});
   for (const std::size_t column : {std::size_t{1}, std::size_t{4}}) table.align_left(column);
+  std::string lines;
   for (const HeldSet& set : sets) {
     const LimitPrice* const price = dearest(set.held);
-    table.add({fmt::format("{}", set.set.candidate.planets), teeth_text(set.set.candidate.teeth),
-               fmt::format("{:.4f}", train::ratio(set.set.candidate.teeth)),
-               objective_text(spec, objective_of(spec, set)),
-               price == nullptr ? "-"
-                                : fmt::format("{} = {} ({})", price->key, value_text(*price),
-                                              price_text(spec, *price))});
+    const std::string teeth = teeth_text(set.set.candidate.teeth);
+    const std::string ratio = fmt::format("{:.4f}", train::ratio(set.set.candidate.teeth));
+    const std::string objective = objective_text(spec, objective_of(spec, set));
+    const std::string held =
+        price == nullptr
+            ? "-"
+            : fmt::format("{} = {} ({})", price->key, value_text(*price), price_text(spec, *price));
+    table.add({fmt::format("{}", set.set.candidate.planets), teeth, ratio, objective, held});
+    lines += fmt::format("  {}: {}, ratio {}, {} {}\n    held back most by {}\n",
+                         set.set.candidate.planets, teeth, ratio, record_of(spec).title, objective,
+                         held);
   }
-  return fmt::format("\nBest by number of planets{}\n{}",
-                     report.all_refined ? "" : ", of the sets that were refined", table.text(2));
+  const std::string rows = table.text(2);
+  const std::vector<int> left_out = planets_left_out(spec, sets);
+  return fmt::format(
+      "\nBest by number of planets{}\n{}{}",
+      report.all_refined ? "" : ", of the sets that were refined",
+      fits(rows, columns) ? rows : lines,
+      left_out.empty()
+          ? ""
+          : fmt::format("  {}: {}\n", fmt::join(left_out, ", "),
+                        report.all_refined ? "no design" : "none was refined to a design"));
 }
 
 namespace {
@@ -260,6 +326,8 @@ io::Json prices_json(const Specification& spec, const HeldSet& set) {
             {"tightened_per_unit", number(price.tightened)},
             {"step", giving_step(price)},
             {"change_per_step", change},
+            {"refined_change_per_step",
+             price.refined_gain_si ? io::Json(refined_gain(spec, price)) : nullptr},
             {"percent_points_per_step",
              in_percent_points(spec) ? io::Json(100.0 * change) : io::Json(nullptr)}};
   });
@@ -304,7 +372,8 @@ io::Json held_set_json(const Specification& spec, const HeldSet& best) {
   const LimitPrice* const price = dearest(best.held);
   io::Json better = nullptr;
   if (price != nullptr) {
-    const double change = change_per_step(spec, *price);
+    const double change =
+        price->refined_gain_si ? refined_gain(spec, *price) : change_per_step(spec, *price);
     better = {{"key", price->key},
               {"value",
                clean(units::decimal_from_si(price->value_si, price->unit) + giving_step(*price))},

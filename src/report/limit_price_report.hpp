@@ -23,12 +23,19 @@ struct HeldBackReport {
   bool all_refined = true;  ///< else only sets that could be the best of all are refined
 };
 
+inline constexpr std::size_t kAnyColumns = 1000;
+
 /// "Held back by": a line for every active limit with its price, the bounds of the search that the
 /// set sits at, and the better answer that the dearest limit would give if it gave way by a step.
-std::string held_back_table(const optimize::Specification& spec, const HeldSet& best);
+/// @param columns  a table that is wider is told in lines instead
+std::string held_back_table(const optimize::Specification& spec, const HeldSet& best,
+                            std::size_t columns = kAnyColumns);
 
-/// The best design of every number of planets; "" where there is one number only.
-std::string planets_table(const optimize::Specification& spec, const HeldBackReport& report);
+/// The best design of every number of planets, and the numbers of which no set is refined; "" where
+/// there is one number only.
+/// @param columns  as above
+std::string planets_table(const optimize::Specification& spec, const HeldBackReport& report,
+                          std::size_t columns = kAnyColumns);
 
 /// Fields of summary.json: prices, prices_missing, at_bounds, better_estimate, best_per_planets.
 io::Json held_back_json(const optimize::Specification& spec, const HeldBackReport& report);

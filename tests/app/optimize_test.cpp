@@ -313,7 +313,7 @@ TEST(Optimize, LimitsThatGiveWayAreThoseOfTheSpecificationWithAModel) {
 
 TEST(Optimize, EndedBeyondItsBoundsIsInterrupted) {
   optimize::Specification spec = small_spec();
-  spec.teeth.P1 = {.min = 63, .max = 64};
+  spec.teeth.P1 = {.min = 52, .max = 54};
   int interrupted = 0;
   // Another thread may come too late.
   for (int trial = 0; trial < 20 && interrupted == 0; ++trial) {

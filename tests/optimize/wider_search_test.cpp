@@ -68,5 +68,36 @@ TEST(WiderSearch, ThatIsStoppedIsInterruptedWhereThereWasSomethingToTry) {
   EXPECT_FALSE(held.interrupted);
 }
 
+/// Against the task with the key itself stated otherwise.
+TEST(WiderSearch, GainsAreOfTheSetRefinedAnew) {
+  const Specification spec = io::parse_specification(kTask, "task.toml");
+  Progress progress;
+  const OptimizeResult result = optimize(spec, progress, {.best_only = true});
+  ASSERT_TRUE(result.best);
+  HeldBack held = held_back(spec, *result.best, spec.limits);
+  refine_gains(spec, *result.best, held, progress);
+  int compared = 0;
+  for (const LimitPrice& price : held.prices) {
+    if (price.key != "backlash.max_output_arcmin") continue;
+    std::string task = kTask;
+    const std::string stated = "max_output_arcmin = 12.0";
+    task.replace(task.find(stated), stated.size(), "max_output_arcmin = 13.0");
+    const RefinedSet again =
+        refine(io::parse_specification(task, "task.toml"), result.best->candidate);
+    ASSERT_TRUE(price.refined_gain_si);
+    EXPECT_NEAR(*price.refined_gain_si, again.eta_b - result.best->eta_b, 1e-9);
+    EXPECT_GT(*price.refined_gain_si, 0.0);
+    ++compared;
+  }
+  EXPECT_EQ(compared, 1);
+  const LimitPrice* const most = dearest(held);
+  ASSERT_NE(most, nullptr);
+  for (const LimitPrice& price : held.prices) {
+    if (price.refined_gain_si) {
+      EXPECT_LE(*price.refined_gain_si, *most->refined_gain_si) << price.key;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace gear3k::optimize::wider_search_test

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <string>
 
 namespace gear3k::report::limit_price_report_test {
 namespace {
@@ -44,6 +46,47 @@ TEST(LimitPriceReport, TellsNoEfficiencyAboveOne) {
   const nlohmann::json better = better_estimate(spec, beyond);
   EXPECT_TRUE(better.at("objective").is_null());
   EXPECT_EQ(better.at("key"), "module.stage2_mm.min");
+}
+
+TEST(LimitPriceReport, TellsWideTablesInLines) {
+  optimize::Specification spec;
+  spec.objectives = {optimize::Objective::kBackwardEfficiency};
+  spec.planets = {3, 4};
+  HeldBackReport report = held_back(0.9, 0.01);
+  report.by_planets = {report.best};
+  report.by_planets.front().set.candidate = {.teeth = {12, 64, 141, 52, 132}, .planets = 3};
+  const auto longest = [](const std::string& text) {
+    std::size_t most = 0, begin = 0;
+    for (std::size_t end = 0; begin < text.size(); begin = end + 1) {
+      end = std::min(text.find('\n', begin), text.size());
+      const bool row =
+          text.compare(begin, 2, "  ") == 0 && text.compare(begin, 9, "  nearest") != 0;
+      if (row) most = std::max(most, end - begin);
+    }
+    return most;
+  };
+  const std::string wide = held_back_table(spec, report.best) + planets_table(spec, report);
+  ASSERT_GT(longest(wide), 72U) << wide;
+  const std::string narrow =
+      held_back_table(spec, report.best, 72) + planets_table(spec, report, 72);
+  EXPECT_LE(longest(narrow), 72U) << narrow;
+  EXPECT_NE(narrow.find("\n  module.stage2_mm.min = 0.5 mm\n    price "), std::string::npos)
+      << narrow;
+}
+
+TEST(LimitPriceReport, TellsNumbersOfPlanetsWithoutADesign) {
+  optimize::Specification spec;
+  spec.objectives = {optimize::Objective::kBackwardEfficiency};
+  spec.planets = {2, 3, 4, 5};
+  HeldBackReport report = held_back(0.9, 0.01);
+  for (const int planets : {2, 3}) {
+    report.by_planets.push_back(report.best);
+    report.by_planets.back().set.candidate = {.teeth = {12, 64, 141, 52, 132}, .planets = planets};
+  }
+  EXPECT_NE(planets_table(spec, report).find("\n  4, 5: no design\n"), std::string::npos);
+  report.all_refined = false;
+  EXPECT_NE(planets_table(spec, report).find("\n  4, 5: none was refined to a design\n"),
+            std::string::npos);
 }
 
 }  // namespace
