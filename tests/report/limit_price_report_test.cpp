@@ -66,10 +66,10 @@ TEST(LimitPriceReport, TellsWideTablesInLines) {
     return most;
   };
   const std::string wide = held_back_table(spec, report.best) + planets_table(spec, report);
-  ASSERT_GT(longest(wide), 72U) << wide;
+  ASSERT_GT(longest(wide), 76U) << wide;
   const std::string narrow =
-      held_back_table(spec, report.best, 72) + planets_table(spec, report, 72);
-  EXPECT_LE(longest(narrow), 72U) << narrow;
+      held_back_table(spec, report.best, 76) + planets_table(spec, report, 76);
+  EXPECT_LE(longest(narrow), 76U) << narrow;
   EXPECT_NE(narrow.find("\n  module.stage2_mm.min = 0.5 mm\n    price "), std::string::npos)
       << narrow;
 }
