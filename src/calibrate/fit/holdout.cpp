@@ -184,7 +184,7 @@ void end_drift_at_last_row(Form& form, const MeasurementSet& data) {
   if (range.known()) constant("span") = range.high - constant("start");
 }
 
-bool is_left_behind(const Candidate& c) { return c.cause->leave_behind != nullptr; }
+bool acts_when_measured(const Candidate& c) { return c.cause->leave_behind != nullptr; }
 
 bool gives_value_to_each(const Candidate& c) { return gives_each_session_a_value(c.form); }
 
@@ -241,7 +241,7 @@ Eigen::VectorXd predict_left_out(const Problem& problem, const Hypothesis& hypot
   Eigen::VectorXd predicted = predict_held_out(problem, hypothesis, blocks, shown);
   const MeasurementSet& data = problem.data;
   // What a session of a value of its own would be without its rows is not known.
-  if (blocks.name != "run" || std::ranges::none_of(hypothesis.effects, is_left_behind) ||
+  if (blocks.name != "run" || std::ranges::none_of(hypothesis.effects, acts_when_measured) ||
       std::ranges::any_of(hypothesis.effects, gives_value_to_each)) {
     return predicted;
   }

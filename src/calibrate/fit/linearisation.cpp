@@ -102,7 +102,7 @@ class RowReadings {
   const Modification& with(const Pass& pass, const std::vector<Candidate>& others,
                            const Condition& condition) {
     if (is_kept()) {
-      static_cast<ReadingChange&>(more_) = row_;
+      static_cast<ReadingChange&>(more_) = static_cast<const ReadingChange&>(row_);
     } else {
       more_ = row_;
     }

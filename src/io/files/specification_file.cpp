@@ -117,36 +117,9 @@ void check_sizes(const optimize::Specification& spec, FileReading& reading) {
   }
 }
 
-/// Lists of tooth numbers of which none is searched.
-void check_allowed_teeth(const SpecificationInput& input, FileReading& reading) {
-  const optimize::ToothRanges& teeth = input.spec.teeth;
-  const std::array<optimize::IntegerRange, train::kGearCount> searched{
-      teeth.S,
-      teeth.P1,
-      {.min = 1, .max = teeth.R1_max},
-      teeth.P2,
-      {.min = 1, .max = teeth.R2_max}};
-  for (std::size_t i = 0; i < train::kGearCount; ++i) {
-    const std::vector<int>& list = input.limits.limits.allowed_teeth[i];
-    const bool ring = train::kind_of(static_cast<int>(i)) == geometry::GearKind::kRing;
-    const std::string range = fmt::format("teeth.{}{}", train::kGearNames[i], ring ? "_max" : "");
-    const auto is_searched = [&](int count) {
-      return count >= searched[i].min && count <= searched[i].max;
-    };
-    if (list.empty() || !reading.has(range) || std::ranges::any_of(list, is_searched)) continue;
-    reading.error_at(
-        fmt::format("allowed_teeth.{}", train::kGearNames[i]),
-        fmt::format("allowed_teeth.{} = [{}] with {} = {}: allowed: at least one that is searched",
-                    train::kGearNames[i], fmt::join(list, ", "), range,
-                    ring ? fmt::format("{}", searched[i].max)
-                         : fmt::format("[{}, {}]", searched[i].min, searched[i].max)));
-  }
-}
-
 void check_relations(const SpecificationInput& input, FileReading& reading) {
   const optimize::Specification& spec = input.spec;
   check_sizes(spec, reading);
-  check_allowed_teeth(input, reading);
   const auto& teeth = spec.teeth;
   if (reading.has("ratio.target") && spec.ratio.target == 0.0) {
     reading.error_at("ratio.target", "ratio.target = 0: allowed: any number but 0");

@@ -325,19 +325,6 @@ TEST(SpecificationFile, LimitsOverTemperaturesWantTheTemperatures) {
             std::string::npos);
 }
 
-TEST(SpecificationFile, OfAListOfTeethOneHasToBeSearched) {
-  const std::string list = "[allowed_teeth]\nS = [14, 15]\n";
-  EXPECT_NE(errors_of(kMinimal + list)
-                .find("allowed_teeth.S = [14, 15] with teeth.S = [12, 13]: "
-                      "allowed: at least one that is searched"),
-            std::string::npos)
-      << errors_of(kMinimal + list);
-  EXPECT_EQ(errors_of(kMinimal + "[allowed_teeth]\nS = [13, 14]\n"), "");
-  EXPECT_NE(errors_of(kMinimal + "[allowed_teeth]\nR2 = 122\n").find("teeth.R2_max = 121"),
-            std::string::npos);
-  EXPECT_EQ(errors_of(kMinimal + "[allowed_teeth]\nR2 = 121\n"), "");
-}
-
 TEST(SpecificationFile, WhatAnObjectiveLacksIsToldOnce) {
   const std::string errors = errors_of("objective = [\"mass\", \"mass\"]\n" + kMinimal);
   EXPECT_NE(errors.find("objective: \"mass\" twice"), std::string::npos) << errors;
