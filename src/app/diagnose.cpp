@@ -203,6 +203,11 @@ DiagnosisTask diagnosis_task(const DiagnoseRequest& request) {
     note_model(task.subject, *request.model, task.model_notes);
     const auto* design = std::get_if<design::Design>(&subject);
     note_springs(*request.model, design != nullptr && design->rating, task.model_notes);
+    for (const MeasurementSet& set : task.sets) {
+      for (std::string& note : calibrate::outside_range(task.models, set)) {
+        task.model_notes.push_back(std::move(note));
+      }
+    }
   }
   auto& notes = task.sets.front().notes;
   notes.insert(notes.end(), task.model_notes.begin(), task.model_notes.end());

@@ -98,6 +98,27 @@ std::optional<Point> middle_of_range(const std::vector<ExtendedModel>& models) {
   return std::nullopt;
 }
 
+namespace {
+
+/// How a quantity leaves a model's range; empty where it does not.  @param low, high  in its unit
+std::string leaving(const std::string& where, const Quantity& q, double low, double high,
+                    const ConditionRange& range, Kind kind) {
+  const double below = beyond(range.low - low, range);
+  const double above = beyond(high - range.high, range);
+  if (!(below > 0.0 || above > 0.0)) return {};
+  const std::string_view unit = q.condition->shown_unit;
+  std::string by;
+  if (below > 0.0) by = fmt::format("by {:.6g} {} below", below, unit);
+  if (above > 0.0)
+    by += fmt::format("{}by {:.6g} {} above", by.empty() ? "" : " and ", above, unit);
+  return fmt::format("{}: {} {} leaves the range of the {} model, {}, {}", where,
+                     q.condition->title, interval_text(low, high, q.condition->shown_unit),
+                     kKindNames[static_cast<std::size_t>(kind)],
+                     interval_text(range.low, range.high, q.condition->shown_unit), by);
+}
+
+}  // namespace
+
 std::vector<std::string> outside_range(const std::vector<ExtendedModel>& models,
                                        const UsedRange& used) {
   std::vector<std::string> notes;
@@ -105,22 +126,26 @@ std::vector<std::string> outside_range(const std::vector<ExtendedModel>& models,
     for (const Quantity& q : kQuantities) {
       const ConditionRange* range = find_range(model, q.condition->name);
       if (range == nullptr) continue;
-      const double low = in_unit(q, used.low);
-      const double high = in_unit(q, used.high);
-      const double below = beyond(range->low - low, *range);
-      const double above = beyond(high - range->high, *range);
-      if (!(below > 0.0 || above > 0.0)) continue;
-      std::string by;
-      if (below > 0.0) by = fmt::format("by {:.6g} {} below", below, q.condition->shown_unit);
-      if (above > 0.0) {
-        by += fmt::format("{}by {:.6g} {} above", by.empty() ? "" : " and ", above,
-                          q.condition->shown_unit);
-      }
-      notes.push_back(
-          fmt::format("{}: {} {} leaves the range of the {} model, {}, {}", used.where,
-                      q.condition->title, interval_text(low, high, q.condition->shown_unit),
-                      kKindNames[static_cast<std::size_t>(model.kind)],
-                      interval_text(range->low, range->high, q.condition->shown_unit), by));
+      std::string note =
+          leaving(used.where, q, in_unit(q, used.low), in_unit(q, used.high), *range, model.kind);
+      if (!note.empty()) notes.push_back(std::move(note));
+    }
+  }
+  return notes;
+}
+
+std::vector<std::string> outside_range(const std::vector<ExtendedModel>& models,
+                                       const MeasurementSet& data) {
+  const std::vector<ConditionRange> measured = ranges_of(data);
+  std::vector<std::string> notes;
+  for (const ExtendedModel& model : models) {
+    if (model.kind != data.kind) continue;
+    for (const Quantity& q : kQuantities) {
+      const ConditionRange* range = find_range(model, q.condition->name);
+      const auto own = std::ranges::find(measured, q.condition->name, &ConditionRange::name);
+      if (range == nullptr || own == measured.end()) continue;
+      std::string note = leaving("these data", q, own->low, own->high, *range, model.kind);
+      if (!note.empty()) notes.push_back(std::move(note));
     }
   }
   return notes;

@@ -27,6 +27,9 @@ struct UsedRange {
 /// lost motion is compared with the output torque.
 std::vector<std::string> outside_range(const std::vector<ExtendedModel>& models,
                                        const UsedRange& used);
+/// The same of data that are measured under models: those of models of their kind.
+std::vector<std::string> outside_range(const std::vector<ExtendedModel>& models,
+                                       const MeasurementSet& data);
 
 /// Whether a cause changes the gearbox itself, as extension_of() takes it: not the sensor, the
 /// procedure, or what repeats within a revolution.

@@ -238,6 +238,25 @@ TEST(OutsideRange, NamesEachQuantityAndByHowMuch) {
   ASSERT_EQ(notes.size(), 2U);
   EXPECT_NE(notes[0].find("by 100 rpm below and by 500 rpm above"), std::string::npos) << notes[0];
   EXPECT_NE(notes[1].find("by 10 Nm above"), std::string::npos) << notes[1];
+  MeasurementSet data;
+  data.kind = Kind::kTransmission;
+  for (const double temperature_C : {21.0, 27.0}) {
+    Observation row;
+    row.condition.sun_speed_rad_s = 600.0 * std::numbers::pi / 30.0;
+    row.condition.output_torque_Nm = 20.0;
+    row.condition.temperature_K = 273.15 + temperature_C;
+    data.rows.push_back(row);
+  }
+  EXPECT_TRUE(outside_range({model}, data).empty());
+  ExtendedModel warm = model;
+  warm.range[2] = {.name = "temperature", .unit = "c", .low = 21.0, .high = 21.8};
+  const auto of_data = outside_range({warm}, data);
+  ASSERT_EQ(of_data.size(), 1U);
+  EXPECT_NE(of_data[0].find("these data: "), std::string::npos) << of_data[0];
+  EXPECT_NE(of_data[0].find("by 5.2 C above"), std::string::npos) << of_data[0];
+  // Another kind of data is measured under other conditions.
+  data.kind = Kind::kLostMotion;
+  EXPECT_TRUE(outside_range({warm}, data).empty());
   const auto middle = middle_of_range({model});
   ASSERT_TRUE(middle);
   EXPECT_NEAR(middle->sun_speed_rad_s, 600.0 * std::numbers::pi / 30.0, 1e-12);
