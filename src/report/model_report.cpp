@@ -156,9 +156,9 @@ std::string diagnosed_model_paragraph(const ModelUse& use) {
     for (const calibrate::AppliedLaw& law : model.laws) {
       const bool lasts = is_of_campaign(law.law);
       text += fmt::format("    {}{}\n", law_text(model, law),
-                          !lasts             ? ""
-                          : left_behind(law) ? "; as that campaign left it"
-                                             : "; of its campaign, no part of this result");
+                          !lasts                ? ""
+                          : as_left_behind(law) ? "; as that campaign left it"
+                                                : "; of its campaign, no part of this result");
     }
   }
   return text;

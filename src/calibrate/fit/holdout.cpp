@@ -126,29 +126,28 @@ class WithoutBlocks {
   [[nodiscard]] const Linearisation& at() const { return at_; }
 
   /// How the parameters change without a block; empty where they are not determined.
-  [[nodiscard]] Eigen::VectorXd change(std::size_t b, const Shown& shown) const {
-    const Eigen::MatrixXd left = left_of(b);
-    if (!(numerics::symmetric_eigenvalues(left)[0] > kDetermined)) return {};
-    if (const auto asked = static_cast<double>(std::ranges::count(shown.of, true)); asked > 0.0) {
-      const double all =
-          log_information(unit_.asDiagonal() * normal_ * unit_.asDiagonal(), shown.of);
-      if (log_information(left, shown.of) - all < asked * std::log(shown.least)) return {};
-    }
-    return unit_.asDiagonal() * numerics::solve_symmetric(left, moment_of(b));
-  }
-
-  /// The same of the parameters that other blocks show at all; NaN for those that this block alone
-  /// shows.
-  [[nodiscard]] Eigen::VectorXd change_of_shown(std::size_t b) const {
+  /// @param optional  parameters, by their places, that the block alone may show: NaN where it
+  /// does; empty: none
+  [[nodiscard]] Eigen::VectorXd change(std::size_t b, const Shown& shown,
+                                       const std::vector<bool>& optional = {}) const {
     const Eigen::MatrixXd left = left_of(b);
     std::vector<Eigen::Index> seen;
+    std::vector<bool> asked;
     for (Eigen::Index k = 0; k < left.rows(); ++k) {
-      if (left(k, k) > kDetermined) seen.push_back(k);
+      const auto place = static_cast<std::size_t>(k);
+      if (!optional.empty() && optional[place] && !(left(k, k) > kDetermined)) continue;
+      seen.push_back(k);
+      asked.push_back(!shown.of.empty() && shown.of[place]);
     }
     Eigen::VectorXd change = Eigen::VectorXd::Constant(left.rows(), kUnknown);
     if (seen.empty()) return change;
     const Eigen::MatrixXd of_seen = left(seen, seen);
     if (!(numerics::symmetric_eigenvalues(of_seen)[0] > kDetermined)) return {};
+    if (const auto count = static_cast<double>(std::ranges::count(asked, true)); count > 0.0) {
+      const Eigen::MatrixXd all = unit_.asDiagonal() * normal_ * unit_.asDiagonal();
+      const double more = log_information(of_seen, asked) - log_information(all(seen, seen), asked);
+      if (more < count * std::log(shown.least)) return {};
+    }
     const Eigen::VectorXd moment = moment_of(b)(seen);
     const Eigen::VectorXd solved = numerics::solve_symmetric(of_seen, moment);
     for (std::size_t k = 0; k < seen.size(); ++k) {
@@ -199,8 +198,19 @@ MeasurementSet rows_of(const MeasurementSet& data, const Blocks& blocks, int blo
   return part;
 }
 
+/// Which parameters are of causes that act by when a row was measured: a session that alone shows
+/// them says nothing of the others, where they are 0.
+std::vector<bool> of_when_measured(const Hypothesis& h) {
+  std::vector<bool> result;
+  for (const Candidate& c : h.effects) {
+    result.insert(result.end(), c.parameters.size(), acts_when_measured(c));
+  }
+  return result;
+}
+
 /// What a fit without a block says of later rows: a step that the block alone shows is none, and a
 /// drift ends at the last of the rows.
+/// @param change  NaN for such a step
 Hypothesis fit_without(const Hypothesis& h, const Eigen::VectorXd& change,
                        const MeasurementSet& rest) {
   Hypothesis later = h;
@@ -249,7 +259,8 @@ Eigen::VectorXd predict_left_out(const Problem& problem, const Hypothesis& hypot
       data.rows, {}, [](const Observation& row) { return row.condition.run; });
   const int last_block = blocks.of[static_cast<std::size_t>(last - data.rows.begin())];
   const WithoutBlocks without(problem, hypothesis, blocks);
-  const Eigen::VectorXd change = without.change_of_shown(static_cast<std::size_t>(last_block));
+  const Eigen::VectorXd change =
+      without.change(static_cast<std::size_t>(last_block), shown, of_when_measured(hypothesis));
   if (change.size() == 0) return predicted;
   const MeasurementSet rows = rows_of(data, blocks, last_block, true);
   const Problem later{.simulation = problem.simulation, .data = rows, .noise = {}};

@@ -47,15 +47,7 @@ int last_session(const MeasurementSet& data, const Blocks& blocks) {
 /// A law as rows leave it behind: over time and cycles as it is used in later ones.
 AppliedLaw left_by(const std::vector<Observation>& rows, const AppliedLaw& law) {
   if (!is_of_campaign(law.law)) return law;
-  Law ended = law.law;
-  for (LawFactor& f : ended.factors) {
-    const LawCondition& condition = law_conditions()[f.condition];
-    if (!condition.of_campaign || !has_limits(f)) continue;
-    ValueRange range;
-    for (const Observation& row : rows) range.extend(condition.value(row.condition));
-    f.greatest = range.high;
-  }
-  return left_behind(applied_law(ended, law.value, rows)).value_or(law);
+  return as_left_behind(applied_law(law.law, law.value, rows)).value_or(law);
 }
 
 class LawSearch {
@@ -208,8 +200,7 @@ class LawSearch {
 };
 
 /// The law with the ends of what it is asked for: the range of its conditions in the rows where it
-/// acts, and as much beyond as a law is held against (exceeds_its_rows); of time and cycles nothing
-/// after the last row, for what goes on from there was not measured.
+/// acts, and as much beyond as a law is held against (exceeds_its_rows).
 Law within_its_rows(Law law, const MeasurementSet& data) {
   const Law plain = law;
   for (LawFactor& f : law.factors) {
@@ -222,7 +213,7 @@ Law within_its_rows(Law law, const MeasurementSet& data) {
     const double wider = kLawReach * (range.high - range.low);
     f.least = range.low - wider;
     if (condition.natural_zero) f.least = std::max(f.least, std::min(range.low, 0.0));
-    f.greatest = range.high + (condition.of_campaign ? 0.0 : wider);
+    f.greatest = range.high + wider;
   }
   return law;
 }

@@ -77,7 +77,7 @@ void apply_model(const ExtendedModel& model, const Condition& condition, Kind ki
   for (const AppliedLaw& law : model.laws) {
     if (!is_of_campaign(law.law)) {
       apply_law(law, condition, kind, m);
-    } else if (const auto left = left_behind(law)) {
+    } else if (const auto left = as_left_behind(law)) {
       apply_law(*left, condition, kind, m);
     }
   }

@@ -57,7 +57,7 @@ std::size_t parameter_count(const ExtendedModel& model);
 
 /// Applies the causes to a simulation, one after the other, then the laws of the same kind of data;
 /// drift, sessions and laws over time or cycles as the campaign left them behind
-/// (Cause::leave_behind, left_behind()).
+/// (Cause::leave_behind, as_left_behind()).
 void apply_model(const ExtendedModel& model, const Condition& condition, Kind kind,
                  Modification& m);
 

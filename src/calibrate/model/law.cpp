@@ -10,6 +10,7 @@
 
 #include "calibrate/measurement/condition_quantity.hpp"
 #include "calibrate/measurement/response_unit.hpp"
+#include "calibrate/measurement/value_range.hpp"
 
 namespace gear3k::calibrate {
 
@@ -502,22 +503,29 @@ AppliedLaw applied_law(const Law& law, std::span<const double> value,
   for (std::size_t f = 0; f < law.factors.size(); ++f) {
     const LawFactor& factor = law.factors[f];
     const LawCondition& condition = law_conditions()[factor.condition];
-    if (condition.of_campaign && !has_limits(factor)) {
+    if (condition.of_campaign) {
+      ValueRange range;
       double sum = 0.0;
       int count = 0;
       for (const Observation& row : rows) {
+        const double at = condition.value(row.condition);
+        range.extend(at);
         if (!acts_in(law, row.condition)) continue;
-        sum += factor_value(factor, condition.value(row.condition), next);
+        sum += factor_value(factor, at, next);
         ++count;
       }
-      if (count > 0) applied.mean[f] = sum / count;
+      if (has_limits(factor)) {
+        if (range.known()) applied.left_behind[f] = factor_value(factor, range.high, next);
+      } else if (count > 0) {
+        applied.left_behind[f] = sum / count;
+      }
     }
     next += parameter_count(factor.shape);
   }
   return applied;
 }
 
-std::optional<AppliedLaw> left_behind(const AppliedLaw& applied) {
+std::optional<AppliedLaw> as_left_behind(const AppliedLaw& applied) {
   const Law& law = applied.law;
   const std::size_t before = law.offset ? 2 : 1;
   AppliedLaw left{.law = law, .value = {}};
@@ -529,12 +537,8 @@ std::optional<AppliedLaw> left_behind(const AppliedLaw& applied) {
     const LawFactor& factor = law.factors[f];
     const int count = parameter_count(factor.shape);
     if (law_conditions()[factor.condition].of_campaign) {
-      const double at_end = !has_limits(factor) ? applied.mean[f]
-                            : std::isfinite(factor.greatest)
-                                ? factor_value(factor, factor.greatest, next)
-                                : kUnknown;
-      if (!std::isfinite(at_end)) return std::nullopt;
-      left.value.front() *= at_end;
+      if (!std::isfinite(applied.left_behind[f])) return std::nullopt;
+      left.value.front() *= applied.left_behind[f];
     } else {
       left.law.factors.push_back(factor);
       left.value.insert(left.value.end(), next, next + count);

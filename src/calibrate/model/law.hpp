@@ -130,21 +130,21 @@ std::string law_formula(const Law& law, const std::vector<double>& value, Kind k
 struct AppliedLaw {
   Law law;
   std::vector<double> value;  ///< as parameters_of()
-  /// Of each wave and pulse over time or cycles, its mean over the campaign's rows; NaN: not known.
-  std::array<double, 2> mean{kUnknown, kUnknown};
+  /// Of each factor over time or cycles, what its campaign left behind: its value at the last row,
+  /// of a wave or pulse the mean over the rows; NaN: not known.
+  std::array<double, 2> left_behind{kUnknown, kUnknown};
 };
 /// Whether a law is over time or cycles, which count from where its campaign began.
 bool is_of_campaign(const Law& law);
 
-/// A law with the means over the rows where it acts.
+/// A law with what it leaves behind in rows; means are over those where it acts.
 /// @param value  as parameters_of()
 AppliedLaw applied_law(const Law& law, std::span<const double> value,
                        std::span<const Observation> rows);
 
-/// A law as its campaign left it behind, which is what later measurements meet: a factor over time
-/// or cycles has the value of the last row (LawFactor::greatest), a wave or pulse its mean.
-/// @returns a law of the other factors, maybe none; empty where end or mean are not known
-std::optional<AppliedLaw> left_behind(const AppliedLaw& applied);
+/// A law as its campaign left it behind, which is what later measurements meet.
+/// @returns a law of the factors over other conditions, maybe none; empty where it is not known
+std::optional<AppliedLaw> as_left_behind(const AppliedLaw& applied);
 
 void apply_law(const AppliedLaw& applied, const Condition& condition, Kind kind, Modification& m);
 

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <ranges>
 #include <utility>
 
 #include "calibrate/fit/columns.hpp"
@@ -85,14 +87,19 @@ struct Compared {
 };
 
 /// Variance of a sum of what blocks contribute, k (x − x̄)² summed over k − 1: rows of a block are
-/// missed together.
-double variance_of_sum(const Eigen::VectorXd& by_row, const Blocks& blocks) {
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(blocks.count);
+/// missed together.  Blocks without a row that counts contribute nothing and are none of the k.
+/// @param by_row  NaN: does not count
+/// @returns empty for fewer than two blocks
+std::optional<double> variance_of_sum(const Eigen::VectorXd& by_row, const Blocks& blocks) {
+  std::map<int, double> sum;
   for (Eigen::Index i = 0; i < by_row.size(); ++i) {
-    sum[blocks.of[static_cast<std::size_t>(i)]] += by_row[i];
+    if (std::isfinite(by_row[i])) sum[blocks.of[static_cast<std::size_t>(i)]] += by_row[i];
   }
-  const auto count = static_cast<double>(blocks.count);
-  return blocks.count < 2 ? 0.0 : (sum.array() - sum.mean()).square().sum() * count / (count - 1.0);
+  if (sum.size() < 2) return std::nullopt;
+  Eigen::VectorXd x(static_cast<Eigen::Index>(sum.size()));
+  std::ranges::copy(std::views::values(sum), x.begin());
+  const auto count = static_cast<double>(x.size());
+  return (x.array() - x.mean()).square().sum() * count / (count - 1.0);
 }
 
 /// The same of what rows contribute each by itself.
@@ -138,7 +145,7 @@ std::optional<RefitContest> contest_with_refit(const Problem& problem, const Hyp
     std::optional<Eigen::VectorXd> predicted;
     for (std::size_t k = 0; k < all.size(); ++k) {
       Eigen::VectorXd by_refit = predict_held_out(problem, trial.hypothesis, all[k]);
-      Eigen::VectorXd here = Eigen::VectorXd::Zero(y.size());
+      Eigen::VectorXd here = Eigen::VectorXd::Constant(y.size(), kUnknown);
       std::array<double, 2> missed_here{};  // by the refit, by what was found
       for (Eigen::Index i = 0; i < y.size(); ++i) {
         if (!std::isfinite(by_refit[i]) || !std::isfinite(by_found[k][i])) continue;
@@ -154,13 +161,16 @@ std::optional<RefitContest> contest_with_refit(const Problem& problem, const Hyp
         sum.found += found_misses * found_misses;
         ++sum.rows;
       }
-      const double variance = variance_of_sum(here, all[k]);
-      beyond_rows += variance - variance_of_sum(here);
+      const std::optional<double> by_blocks = variance_of_sum(here, all[k]);
+      here = here.array().isFinite().select(here, 0.0).eval();
+      if (by_blocks) beyond_rows += *by_blocks - variance_of_sum(here);
       sum.refit_missed += missed_here[0];
       sum.found_missed += missed_here[1];
       // Of sessions neither knows the next: their mean and a refitted value are nearly one.
       const bool as_good = all[k].name == "run" && !is_much_worse(missed_here[1], missed_here[0]);
-      if (variance > 0.0 && !as_good) least = std::min(least, here.sum() / std::sqrt(variance));
+      if (by_blocks && *by_blocks > 0.0 && !as_good) {
+        least = std::min(least, here.sum() / std::sqrt(*by_blocks));
+      }
       by_row += here;
       if (k == 0) predicted = std::move(by_refit);
     }

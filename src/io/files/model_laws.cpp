@@ -140,13 +140,12 @@ class LawReader {
           number(law_constant_key(factor, place), width ? "a number above 0" : "a number",
                  [&](double x) { return !width || x > 0.0; });
     }
-    if (has_limits(factor)) {
-      read_limits(factor, place);
-    } else if (conditions[factor.condition].of_campaign) {
-      const std::string mean = law_key("mean", place);
-      known_.push_back(mean);
-      if (member(mean) != nullptr) {
-        applied.mean[place] = number(mean, "-1 to 1", [](double x) { return std::abs(x) <= 1.0; });
+    if (has_limits(factor)) read_limits(factor, place);
+    if (conditions[factor.condition].of_campaign) {
+      const std::string left = law_key("left_behind", place);
+      known_.push_back(left);
+      if (member(left) != nullptr) {
+        applied.left_behind[place] = number(left, "a number", [](double) { return true; });
       }
     }
     applied.law.factors.push_back(factor);

@@ -128,8 +128,9 @@ std::string law_text(const ExtendedModel& model, std::string_view kind, std::siz
       if (!std::isfinite(x)) continue;
       text += fmt::format("{} = {}\n", law_unit_key(name, factor, f), toml_number(x));
     }
-    if (std::isfinite(applied.mean[f])) {
-      text += fmt::format("{} = {}\n", law_key("mean", f), toml_number(applied.mean[f]));
+    if (std::isfinite(applied.left_behind[f])) {
+      text +=
+          fmt::format("{} = {}\n", law_key("left_behind", f), toml_number(applied.left_behind[f]));
     }
   }
   for (std::size_t i = 0; i < parameters.size(); ++i) {

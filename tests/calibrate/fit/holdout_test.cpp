@@ -104,6 +104,43 @@ TEST_F(HeldOut, OfTheSensorAreRefitsWithoutTheBlock) {
   }
 }
 
+TEST_F(HeldOut, WhatTheLastSessionAloneShowsIsUnknownWithoutItUnlessItIsAStep) {
+  // The last session alone is warm: what warmth does is not known without it.
+  const auto last_run = static_cast<int>(data_.runs.size()) - 1;
+  for (Observation& row : data_.rows) {
+    row.condition.temperature_K = row.condition.run == last_run ? 313.15 : 293.15;
+  }
+  const auto step_from = [&](int run) {
+    return candidate(
+        "run_step",
+        {.name = "from",
+         .constants = {{.name = "first_run", .unit = "", .value = static_cast<double>(run)}}});
+  };
+  const auto all = candidates_for(simulation_, data_);
+  const auto warmth = std::ranges::find_if(all, [](const Candidate& c) {
+    return c.cause->id == "friction_temperature" && c.form.name == "from_coldest";
+  });
+  ASSERT_NE(warmth, all.end());
+  for (const bool with_warmth : {true, false}) {
+    Hypothesis h = hypothesis({step_from(with_warmth ? 1 : last_run)}, {0.01});
+    if (with_warmth) {
+      h.effects.push_back(*warmth);
+      h.value.push_back(-0.01);
+    }
+    measure_evenly(h, 1e-4, 3);
+    const Eigen::VectorXd plain = simulated(simulation_, data_, {}).value();
+    const Eigen::VectorXd predicted = predict_left_out(problem(), h, by("run"));
+    for (Eigen::Index i = 0; i < predicted.size(); ++i) {
+      if (data_.rows[static_cast<std::size_t>(i)].condition.run != last_run) continue;
+      if (with_warmth) {
+        EXPECT_TRUE(std::isnan(predicted[i])) << i;
+      } else {
+        EXPECT_NEAR(predicted[i], plain[i], 1e-9) << i;
+      }
+    }
+  }
+}
+
 TEST_F(HeldOut, TheLastSessionOfADriftIsAsTheRowsBeforeItLeftIt) {
   const auto last_run = static_cast<int>(data_.runs.size()) - 1;
   double end = 0.0;

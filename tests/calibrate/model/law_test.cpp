@@ -197,7 +197,7 @@ TEST(Law, OverTimeLeavesBehindItsValueAtTheLastRow) {
     const LawFactor until_20{.shape = LawShape::kPower,
                              .condition = condition(name),
                              .reference = 10.0,
-                             .greatest = 20.0};
+                             .greatest = 25.0};
     const LawFactor by_speed{
         .shape = LawShape::kPower, .condition = condition("sun_speed"), .reference = 3000.0};
     // 0.1 + 0.3 (20/10)^1.5 (rpm/3000)^2
@@ -209,6 +209,13 @@ TEST(Law, OverTimeLeavesBehindItsValueAtTheLastRow) {
         std::swap(law.law.factors[0], law.law.factors[1]);
         std::swap(law.value[2], law.value[3]);
       }
+      // A file without what was left behind says where the law was asked for, not where rows ended.
+      EXPECT_EQ(left_by(law, 600.0), 0.0);
+      std::vector<Observation> rows(3);
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        rows[i].condition.time_s = rows[i].condition.cycles = 20.0 - 5.0 * static_cast<double>(i);
+      }
+      law = applied_law(law.law, law.value, rows);
       for (const double rpm : {600.0, 3000.0}) {
         EXPECT_NEAR(left_by(law, rpm), 0.1 + 0.3 * std::pow(2.0, 1.5) * std::pow(rpm / 3000.0, 2.0),
                     1e-12);

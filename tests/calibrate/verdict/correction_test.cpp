@@ -97,6 +97,52 @@ TEST_F(CorrectionOf, RowsOfABlockThatAreMissedTogetherAreNoMoreEvidenceTheMoreTh
   EXPECT_NEAR(twice->least_gain, once->least_gain, 1e-6 * std::abs(once->least_gain));
 }
 
+TEST_F(CorrectionOf, BlocksWithoutARowThatCountsAreNoEvidence) {
+  // One load alone is warm, so that without it nothing is known of what warmth does.
+  data_ = measured_grid({.sun_speeds_rpm = {600.0},
+                         .output_torques_Nm = {5.0, 15.0, 30.0, 50.0},
+                         .rotations = {1},
+                         .repeats = 6});
+  for (Observation& row : data_.rows) {
+    row.condition.temperature_K = row.condition.output_torque_Nm > 40.0 ? 313.15 : 293.15;
+  }
+  const double noise = 1e-3;
+  const auto all = candidates_for(simulation_, data_);
+  const auto warmth = std::ranges::find_if(all, [](const Candidate& c) {
+    return c.cause->id == "friction_temperature" && c.form.name == "from_coldest";
+  });
+  ASSERT_NE(warmth, all.end());
+  const Candidate drag = candidate("drag_constant", {.name = "sun", .body = "sun"});
+  const Hypothesis truth = hypothesis({drag, *warmth}, {0.004, -0.005});
+  measure(truth, noise, 8);
+  const Problem p = problem();
+  const Hypothesis found = fit(p, truth, noise).hypothesis;
+  const auto levels = covariate_levels(data_);
+  const auto contest = contest_with_refit(p, found, all, levels, noise);
+  const auto blocks = blocks_along("load", levels);
+  ASSERT_TRUE(contest && blocks);
+  ASSERT_EQ(blocks->count, 4);
+  const Eigen::VectorXd by_found = predict_left_out(p, found, *blocks);
+  const Eigen::VectorXd by_refit = predict_held_out(p, contest->refit.fit.hypothesis, *blocks);
+  std::vector<double> sums;
+  for (int b = 0; b < blocks->count; ++b) {
+    double sum = 0.0;
+    bool counts = false;
+    for (Eigen::Index i = 0; i < by_found.size(); ++i) {
+      if (blocks->of[static_cast<std::size_t>(i)] != b || std::isnan(by_found[i])) continue;
+      const double y = p.data.rows[static_cast<std::size_t>(i)].response;
+      sum += huber_square((y - by_refit[i]) / noise) - huber_square((y - by_found[i]) / noise);
+      counts = true;
+    }
+    if (counts) sums.push_back(sum);
+  }
+  ASSERT_EQ(sums.size(), 3U);
+  const double sum = sums[0] + sums[1] + sums[2];
+  double squares = 0.0;
+  for (const double x : sums) squares += (x - sum / 3.0) * (x - sum / 3.0);
+  EXPECT_NEAR(contest->least_gain, sum / std::sqrt(1.5 * squares), 1e-9);
+}
+
 TEST_F(CorrectionOf, RowsFarOffCountByTheirDistanceWhereASimulationIsHeldAgainstARefit) {
   const double noise = 1e-3;
   measure(hypothesis({candidate("friction_level", {.name = "coefficient"})}, {0.05}), noise, 6);
