@@ -329,13 +329,6 @@ Remainder remainder_of(const Problem& problem, const Contest& contest, const Hyp
   return remainder;
 }
 
-/// Squares of the baseline's residual beyond noise: what there is to explain.  Rows far off count
-/// as less far.
-double discrepancy_of(const Columns& before, double scale) {
-  const double squares = winsorised(before.raw, robust_deviation(before.raw)).squaredNorm();
-  return std::max(0.0, squares - static_cast<double>(before.raw.size()) * scale * scale);
-}
-
 std::string note_on_unknown_noise(std::size_t rows) {
   return fmt::format(
       "{} row{} without sigma or repeats: whether the simulation agrees within the noise is not "
@@ -433,6 +426,19 @@ void add_law(Diagnosis& d, const Measured& m, const Hypothesis& causes, const Bl
   d.p_value = std::min(d.p_value, d.remainder.p_value);
   d.verdict = verdict_of(d);
   set_posteriors(d.effects, true);
+}
+
+/// The noise, of a row of typical weight.
+/// @param is_known  whether the rows say it
+void tell_noise(Diagnosis& d, const Problem& problem, const NoiseLevel& noise,
+                const SessionScatter& sessions, double row_scale, bool is_known) {
+  const double typical_weight = 1.0 / root_mean_square(problem.noise.weight.cwiseInverse());
+  d.noise_source = noise.source;
+  d.errors.noise_floor = noise.scale / typical_weight;
+  d.session_deviation = std::sqrt(sessions.estimate) * row_scale / typical_weight;
+  if (is_known || !d.effects.empty()) return;
+  d.errors.noise_floor = kUnknown;
+  d.notes.push_back(note_on_unknown_noise(problem.data.rows.size()));
 }
 
 /// Predicts by a cause as a formula, where nothing explains or what does predicts no better.
@@ -533,44 +539,25 @@ std::optional<Diagnosis> diagnose_as_read(const Simulation& simulation,
   d.extrapolation =
       extrapolate(problem, standing.hypothesis, levels, baseline.measured, baseline.simulated);
 
-  // The noise, of a row of typical weight.
   const double row_scale = final.scale > 0.0 ? final.scale : found.scale;
-  const double typical_weight = 1.0 / root_mean_square(problem.noise.weight.cwiseInverse());
   const NoiseLevel noise = noise_level(problem.noise, pure, row_scale);
-  d.noise_source = noise.source;
-  d.errors.noise_floor = noise.scale / typical_weight;
-  d.session_deviation = std::sqrt(sessions.estimate) * row_scale / typical_weight;
-  if (!noise_is_known(noise.source, final) && d.effects.empty()) {
-    d.errors.noise_floor = kUnknown;
-    d.notes.push_back(note_on_unknown_noise(data.rows.size()));
-  }
+  tell_noise(d, problem, noise, sessions, row_scale, noise_is_known(noise.source, final));
   if (left.of_fit.highest_order > 0.0) d.notes.push_back(note_on_orders(left.of_fit.highest_order));
   Eigen::MatrixXd whitened = baseline.measured - final.simulated;
   problem.noise.whiten(whitened);
+  const Eigen::VectorXd whitened_left = whitened.col(0);
   d.rows =
       row_results(all_data.rows.size(), rows, problem, baseline, final, held, whitened, row_scale);
 
   // The verdict, and what would tell more.
-  if (const double chance = chance_of_scatter(problem.noise, whitened, final.degrees);
-      !contest.structure && chance <= remainder_rate) {
-    contest = {.structure = true, .stays = {}, .remainder = {}};
-    contest.remainder.p_value = chance;
-    contest.remainder.best.statistic =
-        winsorised(whitened, 1.0).squaredNorm() / (row_scale * row_scale) - final.degrees;
-  }
-  bool minor = false;
-  if (contest.structure && !standing.found.empty()) {
-    const double squares = contest.remainder.best.statistic * row_scale * row_scale;
-    const double discrepancy = discrepancy_of(left.before, row_scale);
-    minor = !matters(squares, discrepancy);
-    if (minor) {
-      contest.structure = false;
-      d.notes.push_back(note_on_minor_remainder(squares, discrepancy));
-    }
-  }
+  const std::optional<std::string> minor =
+      settle(contest, problem.noise,
+             {.whitened = whitened_left, .degrees = final.degrees, .scale = row_scale}, left.before,
+             remainder_rate, !standing.found.empty());
+  if (minor) d.notes.push_back(*minor);
   d.remainder = remainder_of(problem, contest, standing.hypothesis, found.scale, levels,
                              baseline.measured - final.simulated);
-  d.remainder.minor = minor;
+  d.remainder.minor = minor.has_value();
   d.verdict = verdict_of(d);
   set_posteriors(d.effects, contest.structure);
   d.next_experiment = next_experiment(problem, standing.hypothesis, standing.found, found.scale,

@@ -10,6 +10,7 @@
 
 #include "calibrate/laws/law_result.hpp"
 #include "calibrate/measurement/value_range.hpp"
+#include "calibrate/verdict/noise_level.hpp"
 
 namespace gear3k::calibrate {
 
@@ -179,12 +180,33 @@ Remainder structure_of(const Problem& problem, const FoundLaw& law,
   return remainder;
 }
 
-bool matters(double squares, double discrepancy) {
-  constexpr double kLeastShare = 0.02;
-  return squares >= kLeastShare * discrepancy;
+namespace {
+
+/// Squares of the baseline's residual beyond noise: what there is to explain.  Rows far off count
+/// as less far.
+double discrepancy_of(const Columns& before, double scale) {
+  const double squares = winsorised(before.raw, robust_deviation(before.raw)).squaredNorm();
+  return std::max(0.0, squares - static_cast<double>(before.raw.size()) * scale * scale);
 }
 
-std::string note_on_minor_remainder(double squares, double discrepancy) {
+}  // namespace
+
+std::optional<std::string> settle(Contest& contest, const NoiseModel& noise, const LeftOver& left,
+                                  const Columns& before, double rate, bool has_causes) {
+  const double square = left.scale * left.scale;
+  if (const double chance = chance_of_scatter(noise, left.whitened, left.degrees);
+      !contest.structure && chance <= rate) {
+    contest = {.structure = true, .stays = {}, .remainder = {}};
+    contest.remainder.p_value = chance;
+    contest.remainder.best.statistic =
+        winsorised(left.whitened, 1.0).squaredNorm() / square - left.degrees;
+  }
+  if (!contest.structure || !has_causes) return std::nullopt;
+  const double squares = contest.remainder.best.statistic * square;
+  const double discrepancy = discrepancy_of(before, left.scale);
+  constexpr double kLeastShare = 0.02;
+  if (squares >= kLeastShare * discrepancy) return std::nullopt;
+  contest.structure = false;
   return fmt::format(
       "{}{:.1f} % of the squares of the discrepancy: a law of slightly another shape",
       kMinorRemainder, 100.0 * squares / discrepancy);

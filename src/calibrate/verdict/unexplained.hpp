@@ -2,6 +2,8 @@
 // Causes against structure without a cause: which of the two the data hold, and the structure's
 // shape.
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "calibrate/laws/law_search.hpp"
@@ -42,11 +44,21 @@ void describe_shape(const Problem& problem, const Columns& columns, const Empiri
 Remainder structure_of(const Problem& problem, const FoundLaw& law,
                        const std::vector<Levels>& levels);
 
-/// Whether squares that no cause explains are more than laws of slightly wrong shape leave.
-bool matters(double squares, double discrepancy);
-
-/// What is said of squares that do not matter, and whether a note is that.
-std::string note_on_minor_remainder(double squares, double discrepancy);
+/// What the standing effects leave of the rows.
+struct LeftOver {
+  const Eigen::VectorXd& whitened;  ///< residuals of their fit
+  int degrees = 0;                  ///< of freedom of that fit
+  double scale = 0.0;               ///< standard deviation of a whitened row
+};
+/// Settles a contest by what is left: rows that scatter by more than they state hold structure, and
+/// structure beside causes that takes no more off than laws of slightly wrong shape leave (2 % of
+/// the squares of the discrepancy) is none.
+/// @param before  columns of the baseline; @param rate  of false discoveries of structure
+/// @param has_causes  whether any stands
+/// @returns what is said of structure that does not matter; empty where there is none of it
+std::optional<std::string> settle(Contest& contest, const NoiseModel& noise, const LeftOver& left,
+                                  const Columns& before, double rate, bool has_causes);
+/// Whether a note is that.
 bool tells_of_minor_remainder(const std::string& note);
 
 }  // namespace gear3k::calibrate
