@@ -153,25 +153,27 @@ Optimization::Best best_of(const OptimizeTask& task, const optimize::Specificati
 report::HeldBackReport held_back_by(const OptimizeTask& task,
                                     const optimize::OptimizeResult& result,
                                     optimize::Progress& progress) {
-  const auto held = [&](const optimize::RefinedSet& set) -> report::HeldSet {
-    return {.set = set, .held = optimize::held_back(task.spec, set, task.stated_limits)};
+  const auto held = [&](const optimize::RefinedSet& set) {
+    report::HeldSet own{.set = set,
+                        .held = optimize::held_back(task.spec, set, task.stated_limits)};
+    if (!result.interrupted) optimize::refine_gains(task.spec, set, own.held, progress);
+    return own;
   };
-  report::HeldBackReport report{
-      .best = held(*result.best), .by_planets = {}, .all_refined = !task.certify};
-  if (!result.interrupted) {
-    optimize::refine_gains(task.spec, *result.best, report.best.held, progress);
-    optimize::search_beyond(task.spec, *result.best, result.search.candidates.size(),
-                            report.best.held, progress);
-    optimize::search_relaxed(task.spec, *result.best, result.search.candidates.size(),
-                             report.best.held, progress);
-  }
+  report::HeldBackReport report{.best = held(*result.best),
+                                .by_planets = {},
+                                .all_refined = !task.certify && !result.interrupted};
+  bool interrupted = false;
   for (const optimize::RefinedSet& set : optimize::best_per_planets(task.spec, result.refined)) {
-    report.by_planets.push_back(held(set));
-    optimize::HeldBack& own = report.by_planets.back().held;
-    if (result.interrupted) continue;
-    optimize::refine_gains(task.spec, set, own, progress);
-    report.best.held.interrupted = report.best.held.interrupted || own.interrupted;
+    report.by_planets.push_back(set.index == result.best->index ? report.best : held(set));
+    interrupted = interrupted || report.by_planets.back().held.interrupted;
   }
+  optimize::HeldBack& best = report.best.held;
+  if (!result.interrupted) {
+    const std::size_t sets = result.search.candidates.size();
+    optimize::search_beyond(task.spec, *result.best, sets, best, progress);
+    optimize::search_relaxed(task.spec, *result.best, sets, best, progress);
+  }
+  best.interrupted = best.interrupted || interrupted;
   return report;
 }
 

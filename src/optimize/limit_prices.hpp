@@ -97,7 +97,7 @@ struct HeldBack {
 };
 
 /// The limit of a file that gains most where it gives way by its step, refined anew where that is
-/// known and else to first order; null: none.
+/// known and else to first order; null: none gains.
 /// The load is none: it is what the gearbox is for.
 const LimitPrice* dearest(const HeldBack& held);
 

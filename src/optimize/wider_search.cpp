@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 
+#include "numerics/parallel.hpp"
 #include "optimize/objective_value.hpp"
 #include "optimize/optimizer.hpp"
 #include "optimize/refine.hpp"
@@ -156,19 +158,23 @@ void refine_gains(const Specification& spec, const RefinedSet& best, HeldBack& h
                   Progress& progress) {
   const Objective first = first_objective(spec);
   const double before = objective_of(spec, best, first);
-  for (LimitPrice& price : held.prices) {
-    if (!price.stated || price.loosened == 0.0) continue;
+  std::atomic<bool> stopped{false};
+  numerics::parallel_for(held.prices.size(), [&](std::size_t k) {
+    LimitPrice& price = held.prices[k];
+    if (!price.stated || price.loosened == 0.0) return;
     const std::optional<Specification> own = relaxed_task(spec, &price);
-    if (!own) continue;
+    if (!own) return;
     const std::optional<RefinedSet> again = refine(*own, best.candidate, progress.stop);
     if (!again) {
-      held.interrupted = true;
+      stopped = true;
       return;
     }
-    if (again->status != Status::kOptimal) continue;
+    price.refined_gain_si = 0.0;
+    if (again->status != Status::kOptimal) return;
     const double gain = objective_of(*own, *again, first) - before;
-    price.refined_gain_si = sense_of(first) * gain > 0.0 ? gain : 0.0;
-  }
+    if (sense_of(first) * gain > 0.0) price.refined_gain_si = gain;
+  });
+  held.interrupted = held.interrupted || stopped;
 }
 
 void search_beyond(const Specification& spec, const RefinedSet& best, std::size_t sets,

@@ -126,6 +126,19 @@ TEST(Optimize, GoesOnWithWhatIsKnown) {
   EXPECT_EQ(run.best->evaluation.efficiency.backward, whole.best->evaluation.efficiency.backward);
 }
 
+TEST(Optimize, SaysThatNotAllSetsAreRefinedWhereItWasEnded) {
+  optimize::Specification spec = io::read_specification(GEAR3K_SOURCE_DIR "/examples/rp96.toml");
+  spec.planets = {3, 4};
+  OptimizeTask task = optimize_task({.spec = spec});
+  optimize::Progress progress;
+  const Optimization run =
+      optimize(task, {.on_wave = [&](auto) { progress.stop = true; }}, progress);
+  EXPECT_TRUE(run.interrupted);
+  ASSERT_TRUE(run.held);
+  EXPECT_LT(run.result.refined.size(), run.result.search.candidates.size());
+  EXPECT_FALSE(run.held->all_refined);
+}
+
 TEST(Optimize, KeepsNothingWhenItWasEndedAtOnce) {
   OptimizeTask task = optimize_task({.spec = small_spec()});
   optimize::Progress progress;

@@ -99,5 +99,30 @@ TEST(WiderSearch, GainsAreOfTheSetRefinedAnew) {
   }
 }
 
+/// Of a task in which the set has no design whatever gives way.
+TEST(WiderSearch, WhatCannotBeRefinedGainsNothing) {
+  Specification spec = io::parse_specification(kTask, "task.toml");
+  Progress progress;
+  const OptimizeResult result = optimize(spec, progress, {.best_only = true});
+  ASSERT_TRUE(result.best);
+  HeldBack held = held_back(spec, *result.best, spec.limits);
+  const HeldBack unrefined = held;
+  ASSERT_NE(dearest(held), nullptr);
+  refine_gains(spec, *result.best, held, progress);
+  spec.limits[design::CheckId::kTipThicknessLength] = 0.1;
+  HeldBack without = unrefined;
+  refine_gains(spec, *result.best, without, progress);
+  int given_way = 0;
+  for (std::size_t k = 0; k < held.prices.size(); ++k) {
+    ASSERT_EQ(held.prices[k].refined_gain_si.has_value(),
+              without.prices[k].refined_gain_si.has_value());
+    if (!held.prices[k].refined_gain_si) continue;
+    EXPECT_EQ(*without.prices[k].refined_gain_si, 0.0) << held.prices[k].key;
+    ++given_way;
+  }
+  EXPECT_GT(given_way, 1);
+  EXPECT_EQ(dearest(without), nullptr);
+}
+
 }  // namespace
 }  // namespace gear3k::optimize::wider_search_test

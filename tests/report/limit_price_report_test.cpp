@@ -48,6 +48,18 @@ TEST(LimitPriceReport, TellsNoEfficiencyAboveOne) {
   EXPECT_EQ(better.at("key"), "module.stage2_mm.min");
 }
 
+TEST(LimitPriceReport, HasNoBetterEstimateWhereNothingGains) {
+  optimize::Specification spec;
+  spec.objectives = {optimize::Objective::kBackwardEfficiency};
+  HeldBackReport report = held_back(0.9, 0.01);
+  EXPECT_FALSE(better_estimate(spec, report).is_null());
+  report.best.held.prices.front().refined_gain_si = 0.0;
+  EXPECT_TRUE(better_estimate(spec, report).is_null());
+  const std::string table = held_back_table(spec, report.best);
+  EXPECT_EQ(table.find("nearest better"), std::string::npos) << table;
+  EXPECT_NE(table.find("+0 % points"), std::string::npos) << table;  // the gain, in its row
+}
+
 TEST(LimitPriceReport, TellsWideTablesInLines) {
   optimize::Specification spec;
   spec.objectives = {optimize::Objective::kBackwardEfficiency};
