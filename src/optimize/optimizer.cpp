@@ -125,12 +125,11 @@ class Run {
     progress_.shown_per_merit = sense_of(first.id) / first.per_unit;
     progress_.total = order.size();
     std::size_t size = options_.best_only ? kFirstWave : kWave;
-    while (!progress_.stop.load()) {
+    while (!progress_.stop.load() && result_.refined.size() < options_.most_refined) {
       const std::vector<std::uint32_t> wave = next_wave(order, size);
       if (wave.empty()) break;
       refine_wave(wave);
       if (options_.any && result_.best) break;
-      if (result_.refined.size() >= options_.most_refined) break;
       size = std::min(2 * size, kWave);
     }
     result_.interrupted = progress_.stop.load();

@@ -105,8 +105,9 @@ std::optional<double> value_in_design(const Specification& spec, const RefinedSe
 
 class Relaxation {
  public:
-  Relaxation(const Specification& spec, const OptimizeResult& blocked, Progress& progress)
-      : spec_(spec), blocked_(blocked), progress_(progress) {}
+  Relaxation(const Specification& spec, const OptimizeResult& blocked, Progress& progress,
+             std::size_t most_refined)
+      : spec_(spec), blocked_(blocked), progress_(progress), most_refined_(most_refined) {}
 
   /// @returns empty where no design was found without them, or the search was stopped
   std::optional<Freed> free(std::span<const CheckId> checks) {
@@ -141,14 +142,6 @@ class Relaxation {
     return any_design(without(spec_, checks)).best.has_value();
   }
 
- private:
-  OptimizeResult any_design(const Specification& spec) {
-    ++progress_.searches;
-    return optimize(
-        spec, progress_,
-        {.best_only = true, .certify = false, .any = true, .most_refined = kMostRefinedWithout});
-  }
-
   /// The set of the search that a check blocks alone by least, with its limit given way by that;
   /// empty where there is none, or it has no design then.
   [[nodiscard]] std::optional<Freed> nearest_blocked(CheckId check) const {
@@ -174,6 +167,14 @@ class Relaxation {
     return Freed{
         .limits = {{.check = check, .stated_si = stated, .relaxed_si = tried.limits[check]}},
         .set = std::move(set)};
+  }
+
+ private:
+  OptimizeResult any_design(const Specification& spec) {
+    ++progress_.searches;
+    return optimize(
+        spec, progress_,
+        {.best_only = true, .certify = false, .any = true, .most_refined = most_refined_});
   }
 
   /// Searches anew half way to the stated limit while that has a design, or the way is short.
@@ -250,6 +251,7 @@ class Relaxation {
   const Specification& spec_;
   const OptimizeResult& blocked_;
   Progress& progress_;
+  std::size_t most_refined_;
 };
 
 bool has_walls(const Specification& spec) {
@@ -291,14 +293,14 @@ std::vector<CheckId> limits_that_may_give_way(const Specification& spec) {
 }
 
 RelaxedLimits relax_limits(const Specification& spec, const OptimizeResult& blocked,
-                           Progress& progress) {
+                           Progress& progress, std::size_t most_refined) {
   RelaxedLimits result;
   std::vector<CheckId> checks = limits_that_may_give_way(spec);
   progress.stage = Progress::Stage::kRelaxed;
   progress.stage_done = 0;
   progress.searches = 0;
   progress.stage_total = checks.size();
-  Relaxation relaxation(spec, blocked, progress);
+  Relaxation relaxation(spec, blocked, progress, most_refined);
   const auto try_to_free = [&](std::span<const CheckId> together) {
     if (auto freed = relaxation.free(together)) result.freed.push_back(*std::move(freed));
     ++progress.stage_done;
@@ -311,12 +313,17 @@ RelaxedLimits relax_limits(const Specification& spec, const OptimizeResult& bloc
     const bool rare = static_cast<double>(counts[k]) < kSeldom * static_cast<double>(most);
     if (rare) seldom.push_back(checks[k]);
   }
-  // None of those without which there is none together frees one by itself.
+  // Where a search without all of them finds none, none is made without each: the sets that miss
+  // one of them alone are left.
   const bool none_of_seldom = seldom.size() > 1 && !relaxation.frees(seldom);
   if (none_of_seldom) progress.stage_total -= seldom.size();
+  const auto try_nearest = [&](CheckId check) {
+    if (auto freed = relaxation.nearest_blocked(check)) result.freed.push_back(*std::move(freed));
+    return !progress.stop.load();
+  };
   for (const CheckId check : checks) {
     const bool skipped = none_of_seldom && std::ranges::find(seldom, check) != seldom.end();
-    if (skipped ? progress.stop.load() : !try_to_free(std::array{check})) break;
+    if (!(skipped ? try_nearest(check) : try_to_free(std::array{check}))) break;
     result.alone.push_back(check);
   }
   if (result.freed.empty() && !progress.stop.load()) {

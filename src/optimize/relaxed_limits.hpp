@@ -42,17 +42,18 @@ inline constexpr std::size_t kMostPairs = 10;
 std::vector<design::CheckId> limits_that_may_give_way(const Specification& spec);
 
 /// Leaves out each limit by itself (what holds without a preset stays; those that block few sets
-/// first together, which settles them where nothing is found), and where none suffices two
-/// of those that block most sets; each time the search ends with its first wave that has a design,
-/// or at kMostRefinedWithout refined sets.  Of its sets the one that needs the limit to give way
-/// least has it relaxed to three digits and is refined anew with it, so that what is told has a
-/// design; a few more searches half way to the stated value bring it nearer, and so does the
-/// blocked set that misses this limit alone, and least.  A search of all sets might find one that
-/// needs less.
+/// first together: where nothing is found, only the blocked sets that miss one of them alone are
+/// asked of each), and where none suffices two of those that block most sets; each time the search
+/// ends with its first wave that has a design, or at `most_refined` refined sets.  Of its sets the
+/// one that needs the limit to give way least has it relaxed to three digits and is refined anew
+/// with it, so that what is told has a design; a few more searches half way to the stated value
+/// bring it nearer, and so does the blocked set that misses this limit alone, and least.  A search
+/// of all sets might find one that needs less.
 ///
 /// @param blocked  of the specification: without a design, not interrupted
 /// @param progress  its stop ends the searches, what was found before stays
+/// @param most_refined  no wave of a search is begun when so many of its sets are refined
 RelaxedLimits relax_limits(const Specification& spec, const OptimizeResult& blocked,
-                           Progress& progress);
+                           Progress& progress, std::size_t most_refined = kMostRefinedWithout);
 
 }  // namespace gear3k::optimize

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "io/files/specification_file.hpp"
@@ -142,6 +143,48 @@ TEST(RelaxedLimit, OfOneSetIsWhatBisectionFindsToThreeDigits) {
   }
   EXPECT_LE(1e3 * *tip->limits.front().relaxed_si, greatest);
   EXPECT_GE(1e3 * *tip->limits.front().relaxed_si, least - 0.002);
+}
+
+/// Where few sets are blocked by a limit it is left out together with others first.  Where that
+/// search ends without a design, here as it refines nothing, the set that misses it alone is told.
+TEST(RelaxedLimits, AreThoseThatABlockedSetMissesAloneWhereSearchesFindNone) {
+  const Specification spec = specification(
+      "[size]\nmax_ring_root_diameter_mm = 39.0\n[limits]\ntip_thickness_mm = 0.45\n");
+  Progress progress;
+  OptimizeResult blocked = optimize(spec, progress, {.best_only = true});
+  ASSERT_FALSE(blocked.best);
+  const design::CheckRecord& tip = design::check_record(CheckId::kTipThicknessLength);
+  const auto misses_tip = [&](const RefinedSet& set) {
+    return set.status == Status::kNoFeasibleFound && !set.blocked_together &&
+           !set.blocked_by.empty() && set.blocked_by.front().name == tip.name;
+  };
+  const auto one = std::ranges::find_if(blocked.refined, misses_tip);
+  ASSERT_NE(one, blocked.refined.end());
+  const RefinedSet alone = *one;
+  // As if all other sets missed contact ratios.
+  std::vector<RefinedSet> sets;
+  for_each_set(blocked, [&](std::size_t k, const std::optional<RefinedSet>& set) {
+    sets.push_back(k == alone.index ? alone : set.value());
+    if (k == alone.index) return;
+    sets.back().status = Status::kNoFeasibleFound;
+    sets.back().blocked_together = true;
+    sets.back().blocked_by = {{.name = design::check_record(CheckId::kContactRatioMin).name,
+                               .violation = 1.0,
+                               .amount = 0.1,
+                               .unit = ""}};
+  });
+  ASSERT_GT(sets.size(), 21U) << "one of them is no twentieth";
+  blocked.refined = std::move(sets);
+  const RelaxedLimits relaxed = relax_limits(spec, blocked, progress, 0);
+  const auto freed = std::ranges::find_if(
+      relaxed.freed, [&](const Freed& each) { return each.limits.front().check == tip.id; });
+  ASSERT_NE(freed, relaxed.freed.end());
+  EXPECT_EQ(freed->set.candidate.teeth, alone.candidate.teeth);
+  const double miss_mm = alone.blocked_by.front().amount;
+  EXPECT_NEAR(1e3 * *freed->limits.front().relaxed_si, 0.45 - miss_mm, 1.001e-3);
+  Specification with = spec;
+  with.limits[tip.id] = freed->limits.front().relaxed_si;
+  EXPECT_EQ(refine(with, alone.candidate).status, Status::kOptimal);
 }
 
 }  // namespace
