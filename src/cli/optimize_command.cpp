@@ -110,6 +110,8 @@ class RunJournal {
   void append(std::span<const optimize::RefinedSet> sets) { writer_->append(sets); }
   /// Sets that an earlier run refined.
   [[nodiscard]] std::size_t known() const { return known_; }
+  /// Whether what this run refines is kept: searches that differ leave none.
+  [[nodiscard]] bool is_open() const { return writer_.has_value(); }
   /// The task is done: nothing is left to go on with.
   void remove() {
     writer_.reset();
@@ -370,12 +372,9 @@ ExitCode end_without_design(const app::OptimizeTask& task, const OptimizeRun& ru
   return all_failed ? kSolverFailure : kNoFeasibleDesign;
 }
 
-/// Whether a summary is of a task.
-bool is_summary_of(const std::string& summary, std::uint64_t fingerprint) {
-  // Within a text of JSON its quotes would be escaped.
-  const std::string field =
-      fmt::format("\"task_fingerprint\": \"{}\"", fingerprint_text(fingerprint));
-  return io::read_text(summary, "a file", io::kMostCycleBytes).find(field) != std::string::npos;
+/// Whether the text of a summary has a field: within a text of JSON its quotes would be escaped.
+bool has_field(const std::string& summary, std::string_view key, std::string_view value) {
+  return summary.find(fmt::format("\"{}\": {}", key, value)) != std::string::npos;
 }
 
 /// @throws io::InvalidInput where the folder holds the result of an earlier run, unless it is to be
@@ -389,14 +388,19 @@ void refuse_earlier_result(const ResultFolder& folder, std::uint64_t fingerprint
         std::filesystem::exists(folder.path_of(kFrontJournalName))) {
       return;
     }
-    if (!is_summary_of(summary, fingerprint)) {
+    const std::string text = io::read_text(summary, "a file", io::kMostCycleBytes);
+    if (!has_field(text, "task_fingerprint",
+                   fmt::format("\"{}\"", fingerprint_text(fingerprint)))) {
       throw io::InvalidInput(fmt::format(
           "--resume: {} is the result of another task, or of another version, and there is no {} "
           "to go on with: allowed: another folder, --force to replace it",
           summary, kJournalName));
     }
     if (!options.quiet) {
-      say(fmt::format("{}: the result of this task, which ended: the run starts anew\n", summary));
+      say(fmt::format("{}: the result of this task, which {}: the run starts anew\n", summary,
+                      has_field(text, "interrupted", "true") ? "was interrupted and left nothing "
+                                                               "to go on with"
+                                                             : "ended"));
     }
     return;
   }
@@ -468,10 +472,10 @@ ExitCode run_optimize(const OptimizeOptions& options) {
                     report::certificate_text(task.spec, outcome.result)));
   }
   if (outcome.interrupted) {
-    say(
-        fmt::format("interrupted: {} holds the {} tooth sets that were refined; --resume goes on "
-                    "with {}\n",
-                    options.out, outcome.result.refined.size(), open_part(outcome)));
+    say(fmt::format("interrupted: {} holds the {} tooth sets that were refined; --resume {}\n",
+                    options.out, outcome.result.refined.size(),
+                    journal.is_open() ? fmt::format("goes on with {}", open_part(outcome))
+                                      : std::string("begins anew")));
   } else if (outcome.front && outcome.front->ended == optimize::ParetoFront::Ended::kBudget) {
     if (!options.quiet) {
       say(fmt::format("the front's {:g} s were spent with {} of {} designs; --resume goes on\n",
@@ -491,8 +495,9 @@ ExitCode run_optimize(const OptimizeOptions& options) {
                     best.efficiency.backdriving_margin));
   }
   if (!design::all_ok(best.checks)) {
-    say(fmt::format("{}: fails a check\n", folder.path_of("best.toml")));
-    return kSolverFailure;
+    say(fmt::format("{}: fails a check{}\n", folder.path_of("best.toml"),
+                    outcome.interrupted ? " (the run was interrupted)" : ""));
+    return outcome.interrupted ? kInterrupted : kSolverFailure;
   }
   if (outcome.rounded && !design::all_ok(outcome.rounded->evaluation.checks)) {
     say(fmt::format("{}: fails a check\n", folder.path_of(kRoundedName)));

@@ -25,20 +25,19 @@ using Clock = std::chrono::steady_clock;
 // The signal handler reaches the run through this; lock-free by the standard's atomic<bool> here.
 std::atomic<std::atomic<bool>*> stop_flag{nullptr};
 
-extern "C" void on_interrupt(int signal) {
-  std::signal(signal, SIG_DFL);
-  if (std::atomic<bool>* flag = stop_flag.load()) {
-    *flag = true;
-  } else {
-    std::raise(signal);  // that was held until after the run
-  }
-}
-
 extern "C" void on_interrupt_without_progress(int) {
   constexpr std::string_view kMessage = "interrupted\n";
   const auto written = ::write(STDERR_FILENO, kMessage.data(), kMessage.size());
   static_cast<void>(written);
   ::_exit(kInterrupted);
+}
+
+extern "C" void on_interrupt(int signal) {
+  std::atomic<bool>* const flag = stop_flag.load();
+  // One that was held until after the run: what it found is written.
+  if (flag == nullptr) return on_interrupt_without_progress(signal);
+  *flag = true;
+  std::signal(signal, SIG_DFL);
 }
 
 /// Takes the handler of a display away, where no other one holds the signal since.
