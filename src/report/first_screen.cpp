@@ -50,10 +50,11 @@ std::string counts_text(const std::vector<CheckResult>& checks,
                                 : fmt::format("Checks: all {} passed", checks.size());
   if (!built) return text;
   const auto failing = std::ranges::count(built->checks, false, &design::CheckLimits::holds);
-  return text + (failing == 0 ? ", as drawn and within [tolerances]"
-                              : fmt::format(" as drawn, within [tolerances] {} of {} fail (--show "
-                                            "tolerances)",
-                                            failing, built->checks.size()));
+  if (failed == 0 && failing == 0) return text + ", as drawn and within [tolerances]";
+  const std::size_t all = built->checks.size();
+  return fmt::format(
+      "{} as drawn, within [tolerances] {} (--show tolerances)", text,
+      failing == 0 ? fmt::format("all {} hold", all) : fmt::format("{} of {} fail", failing, all));
 }
 
 /// Failed checks, and the tightest of those that passed.
@@ -66,7 +67,7 @@ std::string tightest_text(const std::vector<CheckResult>& checks,
   constexpr double kAtLimit = 1e-6;
   const std::string counts = counts_text(checks, built);
   const char* const nearest = failed > 0              ? ""
-                              : counts.ends_with(')') ? "; the nearest"
+                              : counts.ends_with(')') ? "; nearest:"
                                                       : "; the nearest to their limits";
   std::string text = broken(counts + nearest, columns, kIndent);
   bool of_passed = failed == 0;

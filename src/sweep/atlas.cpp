@@ -134,14 +134,14 @@ std::vector<AtlasPoint> atlas_near(const AtlasQuestion& question) {
 std::string atlas_snap_text(const AtlasQuestion& question, const std::vector<AtlasPoint>& points) {
   const AtlasPoint& point = points.front();
   std::vector<std::string> taken;
-  const auto add = [&](const char* text, double value, double asked) {
+  const auto add = [&](const char* text, double value, double asked, const char* unit = "") {
     constexpr double kSame = 1e-6;
     if (std::abs(value - asked) <= kSame * std::abs(asked)) return;
-    taken.push_back(fmt::format("{} {:g} ({:g} was asked for)", text, value, asked));
+    taken.push_back(fmt::format("{} {:g}{} ({:g} was asked for)", text, value, unit, asked));
   };
   add("ratio", point.ratio_target, question.ratio);
   if (question.backlash_arcmin) {
-    add("arcmin", point.backlash_arcmin, *question.backlash_arcmin);
+    add("lost motion within", point.backlash_arcmin, *question.backlash_arcmin, " arcmin");
   }
   if (question.friction) add("friction", point.friction, *question.friction);
   return taken.empty() ? "" : fmt::format("the atlas's nearest: {}", fmt::join(taken, ", "));

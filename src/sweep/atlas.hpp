@@ -43,7 +43,8 @@ struct AtlasQuestion {
 /// @throws io::InvalidInput beyond its ratios, numbers of planets or least limit
 std::vector<AtlasPoint> atlas_near(const AtlasQuestion& question);
 /// Where the points of an answer lie that is not what was asked for, "" where it is:
-/// "the atlas's nearest: ratio 39.36 (43 was asked for), at most 5 arcmin (7)".
+/// "the atlas's nearest: ratio 39.36 (43 was asked for), lost motion within 5 arcmin (7 was asked
+/// for)".
 /// @param points  of atlas_near(), at least one
 std::string atlas_snap_text(const AtlasQuestion& question, const std::vector<AtlasPoint>& points);
 Rows atlas_rows(const std::vector<AtlasPoint>& points);

@@ -161,6 +161,19 @@ TEST(FirstScreenWithTolerances, CountsChecksAsDrawnAndAsBuilt) {
   EXPECT_NE(screen_of(design).find(" passed; the nearest to their limits\n"), std::string::npos);
 }
 
+TEST(FirstScreenWithTolerances, TellsFailuresAsDrawnApartFromThoseAsBuilt) {
+  design::Design design = io::read_design(kExamples + "designs/ratio_96_tolerances.toml");
+  auto e = std::get<design::Evaluation>(design::evaluate(design));
+  for (design::CheckLimits& check : e.tolerance_limits->checks) check.holds = true;
+  e.checks.front().ok = false;
+  const std::string screen =
+      report::first_screen(e, design::tightest_checks(design, e, 6), nullptr, 100);
+  const std::string counts = "Checks: 1 of " + std::to_string(e.checks.size()) +
+                             " failed as drawn, within [tolerances] all " +
+                             std::to_string(e.tolerance_limits->checks.size()) + " hold";
+  EXPECT_NE(screen.find(counts), std::string::npos) << screen;
+}
+
 TEST(FirstScreenOfAFailedCheck, KeepsTheTightestOfThosePassed) {
   design::Design design = io::read_design(kExamples + "designs/loaded.toml");
   design.limits[design::CheckId::kContactRatioMax] = 1.0;

@@ -103,7 +103,8 @@ TEST(Atlas, SaysWhichOfItsValuesItTakes) {
             "");
   const std::string taken = text({.ratio = 43.0, .backlash_arcmin = 7.0, .friction = 0.12});
   EXPECT_NE(taken.find("(43 was asked for)"), std::string::npos) << taken;
-  EXPECT_NE(taken.find("arcmin 5 (7 was asked for)"), std::string::npos) << taken;
+  EXPECT_NE(taken.find("lost motion within 5 arcmin (7 was asked for)"), std::string::npos)
+      << taken;
   EXPECT_NE(taken.find("friction 0.1 (0.12 was asked for)"), std::string::npos) << taken;
 }
 
