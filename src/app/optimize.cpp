@@ -162,7 +162,7 @@ report::HeldBackReport held_back_by(const OptimizeTask& task,
   report::HeldBackReport report{.best = held(*result.best),
                                 .by_planets = {},
                                 .all_refined = !task.certify && !result.interrupted};
-  bool interrupted = false;
+  bool interrupted = result.interrupted;
   for (const optimize::RefinedSet& set : optimize::best_per_planets(task.spec, result.refined)) {
     report.by_planets.push_back(set.index == result.best->index ? report.best : held(set));
     interrupted = interrupted || report.by_planets.back().held.interrupted;

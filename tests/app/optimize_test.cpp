@@ -137,6 +137,7 @@ TEST(Optimize, SaysThatNotAllSetsAreRefinedWhereItWasEnded) {
   ASSERT_TRUE(run.held);
   EXPECT_LT(run.result.refined.size(), run.result.search.candidates.size());
   EXPECT_FALSE(run.held->all_refined);
+  EXPECT_TRUE(run.held->best.held.interrupted);  // nothing beyond bounds and limits was tried
 }
 
 TEST(Optimize, KeepsNothingWhenItWasEndedAtOnce) {
