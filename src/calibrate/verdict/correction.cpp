@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <ranges>
 #include <utility>
 
 #include "calibrate/fit/columns.hpp"
@@ -91,13 +90,13 @@ struct Compared {
 /// @param by_row  NaN: does not count
 /// @returns empty for fewer than two blocks
 std::optional<double> variance_of_sum(const Eigen::VectorXd& by_row, const Blocks& blocks) {
-  std::map<int, double> sum;
+  std::map<int, double> sums;
   for (Eigen::Index i = 0; i < by_row.size(); ++i) {
-    if (std::isfinite(by_row[i])) sum[blocks.of[static_cast<std::size_t>(i)]] += by_row[i];
+    if (std::isfinite(by_row[i])) sums[blocks.of[static_cast<std::size_t>(i)]] += by_row[i];
   }
-  if (sum.size() < 2) return std::nullopt;
-  Eigen::VectorXd x(static_cast<Eigen::Index>(sum.size()));
-  std::ranges::copy(std::views::values(sum), x.begin());
+  if (sums.size() < 2) return std::nullopt;
+  Eigen::VectorXd x(static_cast<Eigen::Index>(sums.size()));
+  std::ranges::transform(sums, x.begin(), [](const auto& of_block) { return of_block.second; });
   const auto count = static_cast<double>(x.size());
   return (x.array() - x.mean()).square().sum() * count / (count - 1.0);
 }
