@@ -112,7 +112,7 @@ make_output() {
   if [ ! -f "$made.status" ]; then
     status=0
     (cd "$work" && PATH="$scratch/bin:$PATH" bash -c "$base") >"$made" 2>"$made.err" </dev/null || status=$?
-    sed -i '/^[0-9]*\/[0-9]* .* left\(,\|$\)\|^[0-9]* % diagnosed/d' "$made"  # progress, where a machine is slow
+    sed -i '/^[0-9]*\/[0-9]* .* left\(,\|$\)\|.* left; [0-9]*\/[0-9]* .*\|^[0-9]* % diagnosed/d' "$made"  # progress, where a machine is slow
     echo "$status" >"$made.status"
   fi
   status=$(cat "$made.status")
