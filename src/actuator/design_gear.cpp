@@ -152,6 +152,7 @@ DesignTrain::DesignTrain(const design::Design& design)
   mass_kg_ = masses.total_mass_kg;
   if (masses.bodies) {
     bodies = *masses.bodies;
+    counts_carrier_ = masses.counts_carrier;
   } else {
     inertia_missing_ = masses.bodies_missing;
   }
@@ -193,6 +194,8 @@ std::vector<std::string> notes_of(const DesignTrain& train) {
   if (!train.inertia_missing().empty()) {
     notes.push_back(fmt::format("the gears of {} have no inertia: it lacks {}", train.name(),
                                 train.inertia_missing()));
+  } else if (!train.counts_carrier()) {
+    notes.push_back(fmt::format("{}: {}", train.name(), design::kCarrierNotCounted));
   }
   return notes;
 }

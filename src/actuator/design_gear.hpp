@@ -23,6 +23,8 @@ class DesignTrain {
   [[nodiscard]] double inertia_kgm2() const;
   /// What its inertia lacks: "" where it is known.
   [[nodiscard]] const std::string& inertia_missing() const { return inertia_missing_; }
+  /// Whether the inertia of its bodies has that of the carrier.
+  [[nodiscard]] bool counts_carrier() const { return counts_carrier_; }
   /// Titles of the checks that the design fails.
   [[nodiscard]] const std::vector<std::string_view>& failed_checks() const { return failed_; }
   [[nodiscard]] std::optional<double> mass_kg() const { return mass_kg_; }
@@ -49,6 +51,7 @@ class DesignTrain {
   std::array<double, 2> face_width_m_{};
   double temperature_K_;
   std::string inertia_missing_;
+  bool counts_carrier_ = false;
   std::vector<std::string_view> failed_;
   std::optional<double> mass_kg_, stiffness_Nm_rad_;
 };

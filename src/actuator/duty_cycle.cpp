@@ -362,20 +362,13 @@ LimitCheck limit_check(std::string name, std::string unit, std::optional<double>
 }
 
 std::vector<LimitCheck> limit_checks(const Actuator& actuator, const DutyCycle& d) {
-  const Motor& motor = actuator.motor;
-  std::vector<LimitCheck> checks;
-  if (motor.max_current_A) {
-    checks.push_back(limit_check("current", "A", d.peak_current_A, *motor.max_current_A));
-  }
-  if (actuator.drive.bus_voltage_V) {
-    checks.push_back(limit_check("voltage", "V", d.peak_voltage_V, *actuator.drive.bus_voltage_V));
-  }
-  if (motor.max_speed_rad_s) {
-    checks.push_back(
-        limit_check("speed", "rad/s", d.peak_motor_speed_rad_s, *motor.max_speed_rad_s));
-  }
-  if (motor.heat.max_winding_K && d.winding) {
-    checks.push_back(limit_check("winding", "K", d.winding->winding_K, *motor.heat.max_winding_K));
+  std::vector<LimitCheck> checks =
+      drive_checks(actuator, {.current_A = d.peak_current_A,
+                              .voltage_V = d.peak_voltage_V,
+                              .motor_speed_rad_s = d.peak_motor_speed_rad_s});
+  const MotorHeat& heat = actuator.motor.heat;
+  if (heat.max_winding_K && d.winding) {
+    checks.push_back(limit_check("winding", "K", d.winding->winding_K, *heat.max_winding_K));
   }
   return checks;
 }
@@ -475,6 +468,22 @@ DutyCycle run_with(const Actuator& actuator, const Gear& gear, const Cycle& cycl
 }
 
 }  // namespace
+
+std::vector<LimitCheck> drive_checks(const Actuator& actuator, const DrivePeaks& peaks) {
+  const Motor& motor = actuator.motor;
+  std::vector<LimitCheck> checks;
+  if (motor.max_current_A) {
+    checks.push_back(limit_check("current", "A", peaks.current_A, *motor.max_current_A));
+  }
+  if (const auto& bus_V = actuator.drive.bus_voltage_V) {
+    checks.push_back(limit_check("voltage", "V", peaks.voltage_V, *bus_V));
+  }
+  if (motor.max_speed_rad_s) {
+    checks.push_back(
+        limit_check("speed", "rad/s", peaks.motor_speed_rad_s, *motor.max_speed_rad_s));
+  }
+  return checks;
+}
 
 DutyCycle run_cycle(const Actuator& actuator, const Cycle& cycle, bool keep_instants) {
   if (actuator.train == nullptr) {

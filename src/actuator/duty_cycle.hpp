@@ -57,6 +57,13 @@ struct DutyCycle {
   std::vector<MotorInstant> instants{};  ///< ends of the parts of every piece, where asked for
 };
 
+/// What a motion asks of motor and drive at most.
+struct DrivePeaks {
+  double current_A = 0.0, voltage_V = 0.0, motor_speed_rad_s = 0.0;
+};
+/// Peaks against those limits of motor and drive that are stated.
+std::vector<LimitCheck> drive_checks(const Actuator& actuator, const DrivePeaks& peaks);
+
 /// Runs a cycle backwards from the output: torque, current and power of the motor follow from the
 /// motion at every instant.
 ///

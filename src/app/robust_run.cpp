@@ -30,6 +30,21 @@ design::Design stated_limits_of(const OptimizeTask& task, const optimize::Refine
   return design;
 }
 
+/// What gearboxes over a whole turn of two designs cost, in gearboxes built, before these are
+/// known; and one position of one of them.
+constexpr std::size_t kTurned = 8'000'000;
+constexpr double kPosition = 0.6;
+
+/// Gearboxes of a design over a whole turn.
+backlash::TurnYield turn_of_built(const design::Design& design, std::uint64_t seed) {
+  const auto model = design::clearance_model_of(design);
+  return backlash::turn_yield(*model, design.train.teeth,
+                              {.seed = seed,
+                               .scatter = {.scatter = design.tolerances->scatter,
+                                           .sigma_level = design.tolerances->sigma_level},
+                               .limit_rad = design.limits[design::CheckId::kOutputBacklashMax]});
+}
+
 /// Tolerances that cost least for the design found, instead of the stated ones.
 report::RobustRun::Cheapest cheapen(optimize::Specification& spec, const design::Design& design,
                                     const report::RobustRun& run, optimize::Progress& progress) {
@@ -37,7 +52,8 @@ report::RobustRun::Cheapest cheapen(optimize::Specification& spec, const design:
   progress.phase = optimize::Progress::Phase::kGearboxes;
   auto model = design::clearance_model_of(design);
   const auto& limit = design.limits[design::CheckId::kOutputBacklashMax];
-  report::RobustRun::Cheapest result{.model = std::move(*model), .tolerances = {}, .built = {}};
+  report::RobustRun::Cheapest result{
+      .model = std::move(*model), .tolerances = {}, .built = {}, .turn = {}};
   result.tolerances = optimize::cheapest_tolerances(
       result.model, {.yield = spec.robust.yield,
                      .limit_rad = limit.value_or(std::numeric_limits<double>::infinity()),
@@ -59,22 +75,8 @@ report::RobustRun::Cheapest cheapen(optimize::Specification& spec, const design:
   design::Design cheap = design;
   cheap.tolerances = spec.tolerances;
   result.built = optimize::built_outcome(cheap, run.samples, run.fresh_seed);
+  result.turn = turn_of_built(cheap, run.fresh_seed);
   return result;
-}
-
-/// What gearboxes over a whole turn of two designs cost, in gearboxes built, before these are
-/// known; and one position of one of them.
-constexpr std::size_t kTurned = 8'000'000;
-constexpr double kPosition = 0.6;
-
-/// Gearboxes of a design over a whole turn.
-backlash::TurnYield turn_of_built(const design::Design& design, std::uint64_t seed) {
-  const auto model = design::clearance_model_of(design);
-  return backlash::turn_yield(*model, design.train.teeth,
-                              {.seed = seed,
-                               .scatter = {.scatter = design.tolerances->scatter,
-                                           .sigma_level = design.tolerances->sigma_level},
-                               .limit_rad = design.limits[design::CheckId::kOutputBacklashMax]});
 }
 
 /// What turn_of_built() costs, in gearboxes built.

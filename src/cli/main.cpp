@@ -574,6 +574,8 @@ int run_program(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // a file too large is an error of writing, with its message
+  // Where a launcher has it ignored, no child could be waited for.
+  std::signal(SIGCHLD, SIG_DFL);
   cli::reserve_standard_streams();
   // Ceres logs what it also returns; nobody but the program itself speaks to the user.
   FLAGS_minloglevel = google::GLOG_FATAL;

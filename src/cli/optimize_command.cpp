@@ -42,6 +42,7 @@ namespace {
 constexpr const char* kJournalName = "optimize.journal";
 constexpr const char* kFrontJournalName = "front.journal";
 constexpr const char* kFrontFigure = "pareto.svg";
+constexpr const char* kSummaryName = "summary.json";
 constexpr const char* kRoundedName = "best_rounded.toml";
 constexpr const char* kActuatorName = "actuator.toml";
 
@@ -225,14 +226,18 @@ OptimizeRun run(app::OptimizeTask& task, std::uint64_t fingerprint, RunJournal& 
   return run;
 }
 
-void write_files(ResultFolder& folder, const app::OptimizeTask& task, OptimizeRun& run) {
+/// @param replaces  what is there under a result's name: else, where no summary tells that a run
+///   wrote it, it is set aside
+void write_files(ResultFolder& folder, const app::OptimizeTask& task, OptimizeRun& run,
+                 bool replaces) {
+  if (!replaces && !std::filesystem::exists(folder.path_of(kSummaryName))) folder.set_all_aside();
   const app::Optimization& o = run.outcome;
   const report::RefinedColumns columns = report::refined_columns(task.spec);
   std::vector<io::FileText> files{{.path = "refined.csv", .text = {}},
                                   {.path = "pareto.csv",
                                    .text = o.front ? report::pareto_csv(task.spec, *o.front)
                                                    : report::pareto_csv(o.result, columns)},
-                                  {.path = "summary.json", .text = run.summary}};
+                                  {.path = kSummaryName, .text = run.summary}};
   report::write_refined_csv(o.result, columns,
                             [&](std::string_view piece) { files.front().text += piece; });
   if (o.best) files.push_back({.path = "best.toml", .text = io::design_text(o.best->stated)});
@@ -372,16 +377,17 @@ ExitCode end_without_design(const app::OptimizeTask& task, const OptimizeRun& ru
   return all_failed ? kSolverFailure : kNoFeasibleDesign;
 }
 
-/// Whether the text of a summary has a field: within a text of JSON its quotes would be escaped.
-bool has_field(const std::string& summary, std::string_view key, std::string_view value) {
-  return summary.find(fmt::format("\"{}\": {}", key, value)) != std::string::npos;
+/// Whether the object of a summary has a member of its own: those within members are indented
+/// further, and a text of JSON has no end of line.
+bool has_member(const std::string& summary, std::string_view key, std::string_view value) {
+  return summary.find(fmt::format("\n  \"{}\": {}", key, value)) != std::string::npos;
 }
 
 /// @throws io::InvalidInput where the folder holds the result of an earlier run, unless it is to be
 ///   replaced or gone on with
 void refuse_earlier_result(const ResultFolder& folder, std::uint64_t fingerprint,
                            const OptimizeOptions& options) {
-  const std::string summary = folder.path_of("summary.json");
+  const std::string summary = folder.path_of(kSummaryName);
   if (options.force || !std::filesystem::exists(summary)) return;
   if (options.resume) {
     if (std::filesystem::exists(folder.path_of(kJournalName)) ||
@@ -389,8 +395,8 @@ void refuse_earlier_result(const ResultFolder& folder, std::uint64_t fingerprint
       return;
     }
     const std::string text = io::read_text(summary, "a file", io::kMostCycleBytes);
-    if (!has_field(text, "task_fingerprint",
-                   fmt::format("\"{}\"", fingerprint_text(fingerprint)))) {
+    if (!has_member(text, "task_fingerprint",
+                    fmt::format("\"{}\"", fingerprint_text(fingerprint)))) {
       throw io::InvalidInput(fmt::format(
           "--resume: {} is the result of another task, or of another version, and there is no {} "
           "to go on with: allowed: another folder, --force to replace it",
@@ -398,9 +404,9 @@ void refuse_earlier_result(const ResultFolder& folder, std::uint64_t fingerprint
     }
     if (!options.quiet) {
       say(fmt::format("{}: the result of this task, which {}: the run starts anew\n", summary,
-                      has_field(text, "interrupted", "true") ? "was interrupted and left nothing "
-                                                               "to go on with"
-                                                             : "ended"));
+                      has_member(text, "interrupted", "true") ? "was interrupted and left nothing "
+                                                                "to go on with"
+                                                              : "ended"));
     }
     return;
   }
@@ -434,7 +440,7 @@ ExitCode run_optimize(const OptimizeOptions& options) {
   ResultFolder folder({.path = options.out,
                        .inputs = std::move(inputs),
                        .files = {"best.toml", kRoundedName, kActuatorName, "refined.csv",
-                                 "pareto.csv", "summary.json"},
+                                 "pareto.csv", kSummaryName},
                        .others = {kJournalName, kFrontJournalName},
                        .figures = {kFrontFigure},
                        .quiet = options.quiet});
@@ -465,7 +471,7 @@ ExitCode run_optimize(const OptimizeOptions& options) {
         options.out, journal.known()));
     return kInterrupted;
   }
-  write_files(folder, task, result);
+  write_files(folder, task, result, options.force);
   if (!options.quiet) {
     say(fmt::format("{}{}{}", report::search_counts_text(task.spec, outcome.result.search),
                     report::optimize_counts_text(outcome.result, result.tally),

@@ -104,7 +104,8 @@ void ResultFolder::set_aside(const std::string& name) const {
   const std::string path = path_of(name);
   std::error_code status;
   if (!fs::exists(path, status)) return;
-  const std::string aside = path + ".previous";
+  std::string aside = path + ".previous";
+  for (int n = 2; fs::exists(aside, status); ++n) aside = fmt::format("{}.previous.{}", path, n);
   fs::rename(path, aside, status);
   if (status) {
     throw io::InvalidInput(

@@ -48,7 +48,8 @@ class ResultFolder {
   /// @throws io::InvalidInput where a file cannot be written
   std::vector<std::string> write(std::vector<io::FileText> files, const Figures& figures = {});
 
-  /// Moves a file that would pass for a result of this run to NAME.previous.
+  /// Moves a file that would pass for a result of this run to NAME.previous, NAME.previous.2, ...:
+  /// the first that is not there.
   /// @throws io::InvalidInput when it cannot be renamed
   void set_aside(const std::string& name) const;
   /// The same of all files of the task.

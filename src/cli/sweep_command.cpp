@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <random>
 #include <string_view>
@@ -120,7 +121,8 @@ std::optional<sweep::Shard> shard_of(std::string_view text) {
 std::optional<double> duration_s(std::string_view text) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || !(value > 0.0) || end + 1 != text.data() + text.size()) {
+  if (error != std::errc() || !(value > 0.0) || !std::isfinite(value) ||
+      end + 1 != text.data() + text.size()) {
     return std::nullopt;
   }
   constexpr double kMinute = 60.0, kHour = 3600.0;

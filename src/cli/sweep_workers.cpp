@@ -238,7 +238,9 @@ class Supervisor {
   bool has_ended(std::size_t& k) {
     int status = 0;
     const auto number = static_cast<pid_t>(workers_[k].number);
-    if (::waitpid(number, &status, WNOHANG) != number) {
+    const pid_t ended = ::waitpid(number, &status, WNOHANG);
+    const bool gone = ended < 0 && errno == ECHILD;  // somebody else has waited for it
+    if (ended != number && !gone) {
       ++k;
       return false;
     }

@@ -10,6 +10,7 @@
 #include "backlash/normal_backlash.hpp"
 #include "design/elastic_windup.hpp"
 #include "design/evaluation_parts.hpp"
+#include "design/mass_model.hpp"
 #include "design/measured_lost_motion.hpp"
 #include "design/rated_gearbox.hpp"
 #include "efficiency/train_efficiency.hpp"
@@ -177,11 +178,7 @@ void note_operation(const std::optional<OperatingResult>& operation,
 
 /// Says what the inertias leave out or count twice.
 void note_masses(const MassModel& masses, std::vector<std::string>& notes) {
-  if (masses.bodies && !masses.counts_carrier) {
-    notes.emplace_back(
-        "inertia counts no carrier: state inertia.carrier_kgm2, or its carrier_outer_diameter_mm "
-        "and carrier_thickness_mm");
-  }
+  if (masses.bodies && !masses.counts_carrier) notes.emplace_back(kCarrierNotCounted);
   if (masses.pins_in_solid_planets) {
     notes.emplace_back(
         "masses count the pins' place in the planets twice: state gears.P1.bore_mm and "

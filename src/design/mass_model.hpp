@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "design/design.hpp"
@@ -38,6 +39,11 @@ struct MassModel {
   /// Pins stand in planets without a bore: both count where the pin is.
   bool pins_in_solid_planets = false;
 };
+
+/// Of a train whose MassModel has bodies and !counts_carrier.
+inline constexpr std::string_view kCarrierNotCounted =
+    "inertia counts no carrier: state inertia.carrier_kgm2, or its carrier_outer_diameter_mm and "
+    "carrier_thickness_mm";
 
 /// Mass and inertia of every part.
 ///

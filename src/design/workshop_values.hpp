@@ -68,12 +68,8 @@ struct GearboxDiameter {
 struct GearboxLength {
   template <class T>
   static T value(const Gearing<T>& g, CheckSubject) {
-    if (g.axial != nullptr) {
-      if (const auto extent = train::whole_extent(*g.axial)) {
-        return constant<T>(extent->to_m - extent->from_m);
-      }
-    }
-    return g.bodies->face_width_m[0] + g.bodies->face_width_m[1];
+    return train::whole_length_m(g.axial != nullptr ? *g.axial : train::AxialLayout{},
+                                 g.bodies->face_width_m);
   }
 };
 

@@ -28,15 +28,6 @@ struct AxialPlaces {
   std::string note;
 };
 
-/// Where a stage lies: as its planet's step does, its ring or the sun; empty where none is stated.
-std::optional<train::AxialInterval> stated_stage(const design::Design& design, int stage) {
-  for (const int gear : {kP1, kR1, kS, kP2, kR2}) {
-    const auto& extent = design.axial.extent[static_cast<std::size_t>(gear)];
-    if (train::stage_of(gear) == stage && extent) return extent;
-  }
-  return std::nullopt;
-}
-
 AxialPlaces axial_places(const design::Design& design) {
   AxialPlaces places{.extent = design.axial.extent, .known = true, .note = {}};
   std::string missing;
@@ -51,23 +42,12 @@ AxialPlaces axial_places(const design::Design& design) {
     places.known = places.known && stated > 0.0;
     width[stage] = stated > 0.0 ? stated : kUnknownWidth * design.train.module_m[stage];
   }
-  const std::array stated{stated_stage(design, 0), stated_stage(design, 1)};
-  // A stage without a place lies beside the other.
-  const double from1_m = stated[1] ? stated[1]->from_m - width[0] : 0.0;
-  const train::AxialInterval stage1 =
-      stated[0].value_or(train::AxialInterval{.from_m = from1_m, .to_m = from1_m + width[0]});
-  const train::AxialInterval stage2 = stated[1].value_or(
-      train::AxialInterval{.from_m = stage1.to_m, .to_m = stage1.to_m + width[1]});
-  const std::array stage{stage1, stage2};
-  for (int gear = 0; gear < train::kGearCount; ++gear) {
-    auto& extent = places.extent[static_cast<std::size_t>(gear)];
-    if (extent) continue;
-    const auto k = static_cast<std::size_t>(train::stage_of(gear));
-    // About the middle of its stage, as wide as the stage's faces.
-    const double middle_m = 0.5 * (stage[k].from_m + stage[k].to_m);
-    extent = {.from_m = middle_m - 0.5 * width[k], .to_m = middle_m + 0.5 * width[k]};
+  const train::GearPlaces<double> gears = train::placed_gears(design.axial, width);
+  const bool any = std::any_of(places.extent.begin(), places.extent.begin() + train::kGearCount,
+                               [](const auto& extent) { return extent.has_value(); });
+  for (std::size_t gear = 0; gear < train::kGearCount; ++gear) {
+    places.extent[gear] = {.from_m = gears.from_m[gear], .to_m = gears.to_m[gear]};
   }
-  const bool any = stated[0] || stated[1];
   if (!places.known) {
     places.note = "face widths are not stated: gears are drawn 10 modules wide";
   } else if (any) {

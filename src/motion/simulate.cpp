@@ -385,9 +385,19 @@ void MotionRun::finish() {
 
 Motion simulate(const actuator::Actuator& actuator, const Scenario& scenario) {
   Motion motion = MotionRun(actuator, scenario).run();
-  if (actuator.train != nullptr && !actuator.train->inertia_missing().empty()) {
-    motion.notes.push_back(fmt::format("the gears of {} have no inertia: it lacks {}",
-                                       actuator.train->name(), actuator.train->inertia_missing()));
+  for (const MotionRow& row : motion.rows) {
+    motion.peak_motor_speed_rad_s = std::max(
+        motion.peak_motor_speed_rad_s, std::abs(actuator.gearbox.ratio * row.sides.fast_rad_s));
+  }
+  motion.checks =
+      actuator::drive_checks(actuator, {.current_A = motion.peak_current_A,
+                                        .voltage_V = motion.peak_voltage_V,
+                                        .motor_speed_rad_s = motion.peak_motor_speed_rad_s});
+  for (const actuator::LimitCheck& check : motion.checks) {
+    if (check.ok) continue;
+    motion.notes.push_back(fmt::format(
+        "the {} reaches {:.4g} {}, above the limit of {:.4g} {}, which does not hold it here",
+        check.name, check.value.value_or(0.0), check.unit, check.limit, check.unit));
   }
   return motion;
 }

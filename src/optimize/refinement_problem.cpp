@@ -65,7 +65,7 @@ bool is_constant(const Specification& spec, const design::CheckInstance& check) 
   }
   if (check.record->id != CheckId::kGearboxLength) return false;
   const auto& width = spec.free.face_width_m;
-  return train::whole_extent(spec.axial) || !widths_matter(spec) || (!width[0] && !width[1]);
+  return train::states_every_gear(spec.axial) || !widths_matter(spec) || (!width[0] && !width[1]);
 }
 
 bool no_mesh_interferes(const design::Limits& limits) {

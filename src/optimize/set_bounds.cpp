@@ -20,14 +20,16 @@ bool blocks_more(const Infeasibility& proof, const Infeasibility& other) {
   return proof.violation > other.violation;
 }
 
-/// Proof that the length along the axis, which is the same for every tooth set, is too much.
+/// Proof that the length along the axis, which at the least face widths is the same for every tooth
+/// set, is too much.
 std::optional<Infeasibility> too_long(const Specification& spec) {
   const auto& most = spec.limits[design::CheckId::kGearboxLength];
   if (!most) return std::nullopt;
   const auto widths = least_face_widths_m(spec);
-  const auto extent = train::whole_extent(spec.axial);
-  if (!extent && !(widths[0] > 0.0 && widths[1] > 0.0)) return std::nullopt;
-  const double length = extent ? extent->to_m - extent->from_m : widths[0] + widths[1];
+  if (!train::whole_extent(spec.axial) && !(widths[0] > 0.0 && widths[1] > 0.0)) {
+    return std::nullopt;
+  }
+  const double length = train::whole_length_m(spec.axial, widths);
   const double scale = *most > 0.0 ? *most : length_scale_m(spec);
   const double excess = length - *most;
   if (excess <= 2.0 * design::kFeasibilityTolerance * scale) return std::nullopt;

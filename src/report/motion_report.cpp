@@ -6,6 +6,7 @@
 
 #include "io/text/json.hpp"
 #include "io/text/printable.hpp"
+#include "report/actuator_report.hpp"
 #include "report/display.hpp"
 #include "report/text_table.hpp"
 
@@ -103,6 +104,8 @@ io::Json motion_json(const MotionResult& result) {
             {"events", events},
             {"peak_current_a", m.peak_current_A},
             {"peak_voltage_v", m.peak_voltage_V},
+            {"peak_motor_speed_rad_s", m.peak_motor_speed_rad_s},
+            {"checks", limit_checks_json(m.checks)},
             {"steps", m.steps},
             {"notes", m.notes}};
   return json;
@@ -144,6 +147,9 @@ std::string motion_table(const MotionResult& result) {
   if (l.gravity_J != 0.0) add("gravity", l.gravity_J);
   text += ledger.text(0);
   text += fmt::format("closes to {:.0e} of the sum\n", l.balance_error);
+  text += fmt::format("peaks: {:.4g} A, {:.4g} V, motor {:.4g} rad/s\n", m.peak_current_A,
+                      m.peak_voltage_V, m.peak_motor_speed_rad_s);
+  text += limit_checks_text(m.checks);
   for (const std::string& note : m.notes) text += fmt::format("note: {}\n", note);
   return text;
 }

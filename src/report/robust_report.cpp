@@ -87,6 +87,10 @@ std::string robust_table(const Specification& spec, const RobustRun& run) {
       clean(percent(spec.robust.yield)), c.cost, c.stated_cost, percent(c.yield),
       percent(c.stated_yield), percent(run.cheapest->built.yield),
       c.reached ? "" : "; the yield is not reached");
+  text += fmt::format(
+      "  best.toml has them; at every position of a turn {:.1f} % assemble, {:.1f} % also keep the "
+      "limit\n",
+      percent(run.cheapest->turn.assembled.value), percent(run.cheapest->turn.yield.value));
   TextTable tolerances({"tolerance", "stated um", "cheapest um", "factor"});
   for (std::size_t i = 0; i < c.factor.size(); ++i) {
     const backlash::ToleranceSource& source = run.cheapest->model.sources[i];
@@ -129,9 +133,13 @@ io::Json robust_json(const Specification& spec, const RobustRun& run) {
                          {"stated_um", um(source.half_width_m)},
                          {"factor", c.factor[i]}});
     }
-    json["cheapest"] = {{"reached", c.reached}, {"stated_cost", c.stated_cost},
-                        {"cost", c.cost},       {"stated_yield", c.stated_yield},
-                        {"yield", c.yield},     {"fresh", outcome_json(run.cheapest->built)},
+    json["cheapest"] = {{"reached", c.reached},
+                        {"stated_cost", c.stated_cost},
+                        {"cost", c.cost},
+                        {"stated_yield", c.stated_yield},
+                        {"yield", c.yield},
+                        {"fresh", outcome_json(run.cheapest->built)},
+                        {"turn", turn_json(run.cheapest->turn)},
                         {"tolerances", sources}};
   }
   return json;

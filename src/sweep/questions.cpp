@@ -68,6 +68,33 @@ Column key_column(const KeyPath& key) {
 
 Column design_column(const std::string& name) { return {.name = name, .sql = "d." + quoted(name)}; }
 
+/// Columns of the keys that newest tasks have different values of, or some have none of.
+std::vector<Column> differing_keys(const Database& database) {
+  std::set<std::string> differing;
+  Statement paths = database.prepare(fmt::format(
+      "SELECT p.path FROM task_key k JOIN key p ON p.id = k.key WHERE k.task IN (SELECT "
+      "t.id FROM {0}) GROUP BY k.key HAVING count(DISTINCT k.value) > 1 OR count(*) < "
+      "(SELECT count(*) FROM {0})",
+      kNewest));
+  while (paths.step()) differing.insert(paths.text(0));
+  std::vector<Column> columns;
+  for (const KeyPath& key : key_paths(database)) {
+    if (differing.contains(key.path)) columns.push_back(key_column(key));
+  }
+  return columns;
+}
+
+/// Takes out columns, from one on, that have one value in all rows.
+void drop_constant_columns(Rows& rows, std::size_t first) {
+  for (std::size_t k = rows.names.size(); k-- > first;) {
+    const auto same = [&](const auto& row) { return row[k] == rows.rows.front()[k]; };
+    if (!std::ranges::all_of(rows.rows, same)) continue;
+    const auto at = static_cast<std::ptrdiff_t>(k);
+    rows.names.erase(rows.names.begin() + at);
+    for (auto& row : rows.rows) row.erase(row.begin() + at);
+  }
+}
+
 }  // namespace
 
 Rows status_of(const Database& database, const std::string& run) {
@@ -164,19 +191,32 @@ Rows best_of(const Database& database, const BestQuestion& question) {
     shown += fmt::format("{} AS {}, ", column == of.name ? of.sql : "d." + quoted(column),
                          quoted(column));
   }
+  // What else the tasks of the rows differ in.
+  std::string others;
+  std::size_t other_count = 0;
+  for (const Column& column : differing_keys(database)) {
+    if (!used.insert(column.name).second) continue;
+    others += fmt::format("{} AS {}, ", column.sql, quoted(column.name));
+    ++other_count;
+  }
+  // Values that differ by rounding are equal: the greater objective is then better.
   Statement best = database.prepare(fmt::format(
-      "SELECT * FROM (SELECT {0}{1}t.status, t.merit, t.bound, t.key, row_number() OVER ({2} ORDER "
-      "BY {3} IS NULL, {3} {4}, t.key) AS place FROM {5}) WHERE place = 1 ORDER BY {6}",
+      "SELECT * FROM (SELECT {0}{1}t.status, t.merit, t.bound, t.key, {7}row_number() OVER ({2} "
+      "ORDER BY {3} IS NULL, CASE typeof({3}) WHEN 'real' THEN CAST(printf('%.9g', {3}) AS REAL) "
+      "ELSE {3} END {4}, t.merit DESC, t.key) AS place FROM {5}) WHERE place = 1 ORDER BY {6}",
       names, shown, groups.empty() ? "" : "PARTITION BY " + groups, of.sql,
-      question.least ? "ASC" : "DESC", kNewest, [&] {
+      question.least ? "ASC" : "DESC", kNewest,
+      [&] {
         std::string order;
         for (std::size_t k = 0; k < by_count; ++k) order += fmt::format("{}, ", k + 1);
         return order + "key";
-      }()));
+      }(),
+      others));
   Rows rows = rows_of(best);
   // Its place is that of all of them.
   rows.names.pop_back();
   for (auto& row : rows.rows) row.pop_back();
+  drop_constant_columns(rows, rows.names.size() - other_count);
   return rows;
 }
 

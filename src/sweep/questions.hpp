@@ -34,7 +34,9 @@ struct BestQuestion {
   bool least = false;           ///< instead of most
 };
 /// The best design for every value of the columns, of the newest revision of each task; without a
-/// design the row has its status.
+/// design the row has its status.  Of values that agree to nine digits that of the greater
+/// objective is best.  Keys that the tasks of the rows differ in, and that are not asked by, come
+/// last.
 /// @throws io::InvalidInput where there are designs, and none has a value of what is best
 Rows best_of(const Database& database, const BestQuestion& question);
 

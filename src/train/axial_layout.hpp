@@ -36,6 +36,26 @@ inline constexpr std::array<BodyPair, 5> kPassingBodies{
 /// From the first to the last body whose extent is known; empty where none is.
 std::optional<AxialInterval> whole_extent(const AxialLayout& layout);
 
+/// Where gears lie along the axis.
+template <class T>
+struct GearPlaces {
+  std::array<T, kGearCount> from_m, to_m;
+};
+
+/// Gears as the layout states them; one that it does not state about the middle of its stage, which
+/// is that of the planet's step, else of its ring or the sun, and as wide as the stage's faces; a
+/// stage of which nothing is stated beside the other.
+/// @param face_width_m  of each stage; 0 = not known
+template <class T>
+GearPlaces<T> placed_gears(const AxialLayout& layout, const std::array<T, 2>& face_width_m);
+
+/// Length from the first to the last body: gears as placed, and the carrier where it is stated.
+template <class T>
+T whole_length_m(const AxialLayout& layout, const std::array<T, 2>& face_width_m);
+
+/// Whether the layout states where every gear lies, so that no face width moves one.
+bool states_every_gear(const AxialLayout& layout);
+
 /// Indices into kPassingBodies of the pairs that overlap along the axis.
 std::vector<int> overlapping_bodies(const AxialLayout& layout);
 

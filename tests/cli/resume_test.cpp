@@ -175,6 +175,27 @@ TEST(ResumeOption, WithoutAJournalStartsAnewAndSaysSo) {
   expect_same_files(results_in(place, "out"), results_in(place, "plain"));
 }
 
+TEST(Optimize, SetsAsideWhatNoRunWroteUnderTheNamesOfItsResults) {
+  const Workplace place;
+  place.write("spec.toml", replaced(example("rp96.toml"), "S = [10, 20]", "S = [12, 12]"));
+  std::filesystem::create_directory(place.file("out"));
+  place.write("out/best.toml", "drawn by hand");
+  place.write("out/pareto.csv", "from elsewhere");
+  place.write("out/best.toml.previous", "older");
+  const std::vector<std::string> words{"optimize", "spec.toml", "--out", "out"};
+  const auto result = place.run(words);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(place.read("out/best.toml.previous"), "older");
+  EXPECT_EQ(place.read("out/best.toml.previous.2"), "drawn by hand");
+  EXPECT_EQ(place.read("out/pareto.csv.previous"), "from elsewhere");
+  EXPECT_NE(result.err.find("best.toml.previous.2"), std::string::npos) << result.err;
+  // What a run wrote is replaced where that is asked for.
+  std::vector<std::string> forced = words;
+  forced.push_back("--force");
+  EXPECT_EQ(place.run(forced).exit_code, 0);
+  EXPECT_FALSE(place.has("out/best.toml.previous.3"));
+}
+
 TEST(ResumeOption, RefusesTheJournalOfAChangedSpecificationAndLeavesIt) {
   const Workplace place;
   ASSERT_NO_FATAL_FAILURE(leave_a_killed_run(place));

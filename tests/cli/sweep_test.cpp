@@ -1,5 +1,6 @@
 // gear3k sweep: what is recorded, whatever happens to its workers.
 
+#include <cstdlib>
 #include <random>
 
 #include "sweep/model_revision.hpp"
@@ -99,6 +100,16 @@ TEST(Sweep, TheBestIsThatOfOptimize) {
   ASSERT_EQ(place.run({"optimize", "spec.toml", "--certify", "--out", "opt"}).exit_code, 0);
   EXPECT_EQ(place.run({"sweep", "query", "db", "SELECT best FROM task"}).out,
             place.read("opt/best.toml"));
+}
+
+TEST(Sweep, EndsWhereTheLauncherIgnoresEndsOfChildren) {
+  const Workplace place;
+  place.write("sweep.toml", one_task());
+  const std::string line = "cd '" + place.file("").string() +
+                           "' && timeout --signal=KILL 60 env --ignore-signal=CHLD '" +
+                           GEAR3K_PROGRAM + "' sweep sweep.toml --out db --quiet";
+  EXPECT_EQ(std::system(line.c_str()), 0);
+  EXPECT_EQ(number_of(place, "db", "SELECT count(*) FROM task WHERE status = 'optimal'"), 1);
 }
 
 TEST(Sweep, AnInvalidTaskIsAResult) {
@@ -212,8 +223,10 @@ TEST(Sweep, RefusesWhatCannotBeMeant) {
   };
   EXPECT_EQ(usage({"sweep", "sweep.toml", "--out", "db", "--shard", "5/4"}),
             "--shard: 5/4: allowed: i/n, 1 <= i <= n");
-  EXPECT_EQ(usage({"sweep", "sweep.toml", "--out", "db", "--for", "10"}),
-            "--for: 10: allowed: a time above 0, as 10h, 30m or 45s");
+  for (const std::string time : {"10", "infs", "nanh"}) {
+    EXPECT_EQ(usage({"sweep", "sweep.toml", "--out", "db", "--for", time}),
+              "--for: " + time + ": allowed: a time above 0, as 10h, 30m or 45s");
+  }
   for (const char* since : {"yesterday", "-1"}) {
     EXPECT_EQ(usage({"sweep", "compare", "db", "--since", since}),
               std::string("--since: ") + since +
@@ -273,6 +286,9 @@ TEST(Sweep, QuestionsReadOnly) {
       place.run({"sweep", "best", "db", "--by", "ratio", "--least", "eta_b", "--format", "csv"})
           .out;
   EXPECT_LT(least.substr(least.find("\n40")), most.substr(most.find("\n40")));
+  // Rows of different planets or friction say so; the limit that all have is no column.
+  EXPECT_NE(test::lines_of(most).front().find(",planets,"), std::string::npos) << most;
+  EXPECT_EQ(most.find("max_output_arcmin"), std::string::npos) << most;
 }
 
 TEST(Sweep, AnAnswerDoesNotReplaceItsDatabase) {

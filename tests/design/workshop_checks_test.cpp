@@ -87,6 +87,10 @@ TEST(WorkshopChecks, WholeSizeIsThatOfRingsWithRimsAndOfTheFaceWidths) {
   const Evaluation placed = evaluated(
       text_with(limits + "[axial]\nS_mm = [0.0, 8.0]\nP2_mm = [8.5, 20.0]\nR1_mm = [-3.0, 9.0]\n"));
   EXPECT_NEAR(values_of(placed, CheckId::kGearboxLength)[0] * 1e3, 23.0, 1e-12);
+  // A gear that has no place is as wide as the faces, about the middle of its stage: 8 and 11 mm.
+  const Evaluation steps =
+      evaluated(text_with(limits + "[axial]\nP1_mm = [0.0, 6.0]\nP2_mm = [7.0, 16.0]\n"));
+  EXPECT_NEAR(values_of(steps, CheckId::kGearboxLength)[0] * 1e3, 16.0 + 2.0, 1e-12);
 }
 
 TEST(WorkshopChecks, LengthsOfTipsAndClearancesAreThoseInModulesTimesTheModule) {

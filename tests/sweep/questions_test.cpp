@@ -120,5 +120,31 @@ TEST(SweepBest, ConditionsAreKeysAndResultsAreColumns) {
   EXPECT_EQ(std::ranges::count(rows.names, "ratio.target"), 1);
 }
 
+TEST(SweepBest, OfSizesThatDifferByRoundingTheGreaterObjectiveIsBestAndOtherKeysAreTold) {
+  const Workplace place;
+  const test::QueuedTasks tasks(place, "db", 3);
+  sweep::Store store = tasks.open();
+  const std::array sizes_mm{59.99999999999447, 60.0, 60.001};
+  const std::array merits{0.94, 0.96, 0.97};
+  for (std::size_t k = 0; k < sizes_mm.size(); ++k) {
+    sweep::TaskResult result = test::made_result(merits[k]);
+    result.designs.front().push_back(
+        {.item = "", .quantity = "ring_root_diameter_mm", .unit = "mm", .value = sizes_mm[k]});
+    store.finish(store.claim(tasks.run, sweep::this_process(), 0.0)->id, result, {});
+  }
+  const auto best = [&](std::vector<std::string> by) {
+    return sweep::best_of(store.database(),
+                          {.by = std::move(by), .of = "ring_root_diameter_mm", .least = true});
+  };
+  const sweep::Rows one = best({"planets"});
+  ASSERT_EQ(one.rows.size(), 1U);
+  const auto merit = std::ranges::find(one.names, "merit") - one.names.begin();
+  EXPECT_EQ(sweep::text_of(one.rows[0][static_cast<std::size_t>(merit)]), "0.96");
+  EXPECT_EQ(one.names.back(), "key") << "one row differs from none";
+  const sweep::Rows by_size = best({"ring_root_diameter_mm"});
+  ASSERT_EQ(by_size.rows.size(), 3U);
+  EXPECT_EQ(by_size.names.back(), "friction.coefficient");
+}
+
 }  // namespace
 }  // namespace gear3k::questions_test

@@ -107,6 +107,15 @@ void check_objectives(const optimize::Specification& spec, FileReading& reading)
 }
 
 void check_sizes(const optimize::Specification& spec, FileReading& reading) {
+  const auto& whole_m = spec.limits[design::CheckId::kGearboxDiameter];
+  if (whole_m && *whole_m <= 2.0 * spec.bodies.ring_rim_m &&
+      !any_refused(reading, {"size.ring_rim_mm"})) {
+    reading.error_at("size.max_outer_diameter_mm",
+                     fmt::format("size.max_outer_diameter_mm = {:.6g}: allowed: above twice "
+                                 "ring_rim_mm = {:.6g}",
+                                 units::from_si(*whole_m, units::Unit::kMillimetre),
+                                 units::from_si(spec.bodies.ring_rim_m, units::Unit::kMillimetre)));
+  }
   const auto widths = optimize::least_face_widths_m(spec);
   if (spec.limits[design::CheckId::kGearboxLength] && !train::whole_extent(spec.axial) &&
       !(widths[0] > 0.0 && widths[1] > 0.0) &&
