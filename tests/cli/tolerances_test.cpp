@@ -488,7 +488,7 @@ TEST(OptimizeRobust, CheapestTolerancesAreThoseOfTheFile) {
   EXPECT_NEAR(built.at("yield").at("value").get<double>(), cheapest.at("yield").get<double>(),
               5.0 * std::sqrt(0.1 * 0.9 / 20000.0));
   // Over a turn, by other gearboxes: within five standard errors of both.
-  const json& turned = data.at("turn").at("yield");
+  const json& turned = built.at("turn").at("yield");
   const json& turn = cheapest.at("turn").at("yield");
   EXPECT_LT(turn, cheapest.at("yield"));
   EXPECT_NEAR(turned.at("value").get<double>(), turn.get<double>(), 0.1);

@@ -56,8 +56,7 @@ TEST(TrainMotion, WithConstantFrictionAndNoDragIsACatalogueGearbox) {
     catalogue.gearbox.efficiency_forward = *efficiency.forward;
     catalogue.gearbox.efficiency_backward = *efficiency.backward;
     const Motion a = simulate(designed, swing());
-    ASSERT_EQ(a.notes.size(), 1U);
-    EXPECT_NE(a.notes[0].find("have no inertia"), std::string::npos);
+    EXPECT_TRUE(a.notes.empty());
     const Motion b = simulate(catalogue, swing());
     ASSERT_EQ(a.events.size(), b.events.size());
     ASSERT_GT(a.events.size(), 2U);
