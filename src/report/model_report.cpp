@@ -149,9 +149,15 @@ std::string diagnosed_model_paragraph(const ModelUse& use) {
     const ModelUse one{.file = use.file, .models = {model}};
     for_each_cause(one, [&](const ExtendedModel& m, const AppliedCause& applied,
                             const calibrate::Cause& cause, std::size_t place) {
-      const bool lasts = cause.leave_behind != nullptr;
-      text += fmt::format("    {}{}\n", cause_text(m, applied, cause, place),
-                          lasts ? "; as that campaign left it" : "");
+      std::string when;
+      if (cause.leave_behind != nullptr && std::isfinite(applied.left_behind)) {
+        when = fmt::format("; later expected to change {} by {:.4g}, as what goes on is not known",
+                           applied.left_behind_on.empty() ? "the response" : applied.left_behind_on,
+                           clean(applied.left_behind));
+      } else if (cause.leave_behind != nullptr) {
+        when = "; as that campaign left it";
+      }
+      text += fmt::format("    {}{}\n", cause_text(m, applied, cause, place), when);
     });
     for (const calibrate::AppliedLaw& law : model.laws) {
       const bool lasts = is_of_campaign(law.law);

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "calibrate/causes/reading_change.hpp"
 #include "calibrate/measurement/value_range.hpp"
@@ -126,6 +128,16 @@ void leave_behind(const Form& form, std::span<Scalar> /*value*/, Condition& cond
   condition.time_s = condition.cycles = form.constant("start") + form.constant("span");
 }
 
+/// What dies away in no time that ever passes is a constant.
+Form as_constant(const Form& form, std::string_view law) {
+  const std::string shape = holds(form, "_cycles") ? "dying_cycles" : "dying_time";
+  Form result{.name = targeted(shape, {.target = target_of(law), .law = law, .weight = 1.0}),
+              .constants = form.constants,
+              .law = law};
+  std::ranges::find(result.constants, "time_constant", &FormConstant::name)->value = HUGE_VAL;
+  return result;
+}
+
 }  // namespace
 
 extern const Cause cause;
@@ -137,6 +149,7 @@ const Cause cause{.id = "drift",
                   .parameters = parameters,
                   .forms = forms,
                   .apply = apply,
-                  .leave_behind = leave_behind};
+                  .leave_behind = leave_behind,
+                  .as_constant = as_constant};
 
 }  // namespace gear3k::calibrate::drift

@@ -62,6 +62,7 @@ inline std::string targeted(std::string name, const TargetRecord& target) {
   return name;
 }
 
+/// @param form_name  or a law by itself
 inline Target target_of(std::string_view form_name) {
   if (form_name.ends_with(kOnFriction)) return Target::kFriction;
   if (form_name.ends_with(kOnGain)) return Target::kGain;

@@ -172,6 +172,17 @@ void leave_behind(const Form& form, std::span<Scalar> value, Condition& conditio
   condition.time_s = std::numeric_limits<double>::max();
 }
 
+/// From the first session, or before all time, on.
+Form as_constant(const Form& form, std::string_view law) {
+  const bool by_time = form.constants.front().name == kInstant;
+  FormConstant place{.name = kFirstRun, .unit = "", .value = 0.0};
+  if (by_time) place = {.name = kInstant, .unit = "s", .value = -HUGE_VAL};
+  const TargetRecord target{.target = target_of(law), .law = law, .weight = 1.0};
+  return {.name = target.target == Target::kOffset ? "sensor_from" : targeted("from", target),
+          .constants = {place},
+          .law = law};
+}
+
 }  // namespace
 
 extern const Cause cause;
@@ -184,6 +195,7 @@ const Cause cause{.id = "run_step",
                   .forms = forms,
                   .apply = apply,
                   .derived = session_deviation,
-                  .leave_behind = leave_behind};
+                  .leave_behind = leave_behind,
+                  .as_constant = as_constant};
 
 }  // namespace gear3k::calibrate::run_step

@@ -140,6 +140,10 @@ struct Cause {
   /// Of a cause whose effect depends on when a row was measured: puts values and condition to what
   /// the campaign left behind, which is what later measurements meet; null for all others.
   void (*leave_behind)(const Form& form, std::span<Scalar> value, Condition& condition) = nullptr;
+  /// Of such a cause: the form of one parameter that changes all rows alike, whatever their time
+  /// and session, once leave_behind() has put the condition.
+  /// @param law  what it changes: one of kOnFriction to kOnDrag; "" the response
+  Form (*as_constant)(const Form& form, std::string_view law) = nullptr;
 };
 
 /// All causes; where two explain data as well, the earlier one is named first.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "calibrate/model/hypothesis.hpp"
@@ -48,6 +49,12 @@ void apply_cause(const AppliedCause& applied, const Condition& condition, Kind k
   std::vector<Scalar> value = constants_of(applied.value);
   Condition at = condition;
   if (cause.leave_behind != nullptr) cause.leave_behind(applied.form, value, at);
+  if (cause.as_constant != nullptr && std::isfinite(applied.left_behind)) {
+    const Scalar change(applied.left_behind);
+    const Form form = cause.as_constant(applied.form, applied.left_behind_on);
+    cause.apply(form, {&change, 1}, at, kind, m);
+    return;
+  }
   cause.apply(applied.form, value, at, kind, m);
 }
 

@@ -26,6 +26,12 @@ struct AppliedCause {
   std::vector<std::string> implausible = {};
   /// A formula that predicts what nothing explains, no finding.
   bool empirical = false;
+  /// The one change of all rows that later measurements are expected to meet, where the campaign
+  /// does not tell what goes on (change_left_behind()); NaN: as Cause::leave_behind says.
+  double left_behind = kUnknown;
+  /// What it changes: one of kOnFriction to kOnDrag, "" the response [of friction and gain a share,
+  /// else in the unit of the response].
+  std::string left_behind_on = {};
 };
 
 /// Range of a condition in the data; NaN = the data do not state it.

@@ -19,6 +19,7 @@
 #include "calibrate/search/stability.hpp"
 #include "calibrate/verdict/correction.hpp"
 #include "calibrate/verdict/experiment.hpp"
+#include "calibrate/verdict/left_behind.hpp"
 #include "calibrate/verdict/noise_level.hpp"
 #include "calibrate/verdict/posterior.hpp"
 #include "calibrate/verdict/remainder.hpp"
@@ -190,7 +191,10 @@ std::optional<NextExperiment> next_experiment(const Problem& problem, const Hypo
   return plan_experiment(problem, explanations, noise, options);
 }
 
-ExtendedModel model_of(const FinalFit& final, const MeasurementSet& data) {
+/// @param found  the effects that were found, with what explains as well
+ExtendedModel model_of(const FinalFit& final, const Problem& problem,
+                       const std::vector<Effect>& found) {
+  const MeasurementSet& data = problem.data;
   ExtendedModel model;
   model.kind = data.kind;
   model.fingerprint = data.fingerprint;
@@ -205,6 +209,10 @@ ExtendedModel model_of(const FinalFit& final, const MeasurementSet& data) {
     }
     model.causes.push_back(
         {.id = std::string(c.cause->id), .form = c.form, .value = {values.begin(), values.end()}});
+    if (const auto left = change_left_behind(problem, final.hypothesis, e, found)) {
+      model.causes.back().left_behind = left->value;
+      model.causes.back().left_behind_on = left->law;
+    }
   }
   for (Eigen::Index i = 0; i < final.covariance.rows(); ++i) {
     for (Eigen::Index k = 0; k < final.covariance.cols(); ++k) {
@@ -371,7 +379,7 @@ void predict_by(Diagnosis& d, const Measured& m, const FinalFit& final, const He
   problem.noise.whiten(whitened);
   d.rows =
       row_results(d.rows.size(), m.rows, problem, m.baseline, final, held, whitened, final.scale);
-  d.model = model_of(final, problem.data);
+  d.model = model_of(final, problem, d.effects);
 }
 
 /// What predicts against the refit of one parameter.
@@ -562,7 +570,7 @@ std::optional<Diagnosis> diagnose_as_read(const Simulation& simulation,
   set_posteriors(d.effects, contest.structure);
   d.next_experiment = next_experiment(problem, standing.hypothesis, standing.found, found.scale,
                                       noise.scale, options);
-  d.model = model_of(final, data);
+  d.model = model_of(final, problem, d.effects);
   const Measured all{
       .problem = problem, .levels = levels, .rows = rows, .baseline = baseline, .pure = pure};
   // Loops have noise in common, which looks like a law too easily.

@@ -53,6 +53,16 @@ class CauseReader {
     if (const TomlValue* flag = member(kEmpirical)) {
       applied.empirical = reader_.truth(*flag, fmt::format("{}.{}", path, kEmpirical));
     }
+    if (cause->as_constant != nullptr) {
+      known.emplace_back(kLeftBehind);
+      known.emplace_back(kLeftBehindOn);
+      if (const TomlValue* change = member(kLeftBehind)) {
+        applied.left_behind = left_behind(*change, fmt::format("{}.{}", path, kLeftBehind));
+      }
+      if (const TomlValue* law = member(kLeftBehindOn)) {
+        applied.left_behind_on = changed_law(*law, fmt::format("{}.{}", path, kLeftBehindOn));
+      }
+    }
     if (form == nullptr) {
       for (const CatalogueForm& possible : catalogue) add_keys(possible, known);
     }
@@ -213,6 +223,23 @@ class CauseReader {
       read_deviation(member_of(table, key + std::string(kDeviation)),
                      fmt::format("{}.{}{}", path, key, kDeviation));
     }
+  }
+
+  double left_behind(const TomlValue& value, const std::string& path) {
+    if (value.is_number() && std::isfinite(value.number)) return value.number;
+    reader_.refuse(value, path, "a number");
+    return calibrate::kUnknown;
+  }
+
+  std::string changed_law(const TomlValue& value, const std::string& path) {
+    constexpr std::array kLaws{calibrate::kOnFriction, calibrate::kOnGain, calibrate::kOnOffset,
+                               calibrate::kOnDrag};
+    std::string law = reader_.text(value, path);
+    if (std::ranges::find(kLaws, law) != kLaws.end()) return law;
+    if (value.kind == TomlValue::Kind::kText) {
+      reader_.refuse(value, path, fmt::format("\"{}\"", fmt::join(kLaws, "\" or \"")));
+    }
+    return "";
   }
 
   void read_deviation(const TomlValue* value, const std::string& path) {

@@ -18,6 +18,10 @@ inline constexpr std::string_view kDeviation = "_sd";
 inline constexpr std::string_view kAlternatives = "alternatives", kImplausible = "implausible",
                                   kEmpirical = "empirical";
 
+/// Of a cause that acts by when a row was measured: the change that later measurements meet, and of
+/// what.
+inline constexpr std::string_view kLeftBehind = "left_behind", kLeftBehindOn = "left_behind_on";
+
 /// Of a kind: compliance counts beyond the springs of [strength].
 inline constexpr std::string_view kBeyondSprings = "beyond_strength_springs";
 

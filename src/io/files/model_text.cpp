@@ -204,6 +204,12 @@ std::string one_model_text(const ExtendedModel& model) {
       text += fmt::format("{} = {}\n", kImplausible, texts_text(applied.implausible));
     }
     if (applied.empirical) text += fmt::format("{} = true\n", kEmpirical);
+    if (std::isfinite(applied.left_behind)) {
+      text += fmt::format("{} = {}\n", kLeftBehind, toml_number(applied.left_behind));
+      if (!applied.left_behind_on.empty()) {
+        text += fmt::format("{} = {}\n", kLeftBehindOn, toml_quoted(applied.left_behind_on));
+      }
+    }
   }
   for (std::size_t k = 0; k < model.laws.size(); ++k) {
     text += law_text(model, kind, k, total, names);

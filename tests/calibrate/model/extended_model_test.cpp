@@ -168,6 +168,31 @@ TEST(ApplyModel, DriftStaysAsAtTheEnd) {
             0.0);
 }
 
+TEST(ApplyModel, AStatedChangeIsWhatLaterRowsMeet) {
+  const std::vector<FormConstant> second{{.name = "first_run", .unit = "", .value = 1.0}};
+  const std::vector<FormConstant> noon{{.name = "instant", .unit = "s", .value = 500.0}};
+  const std::vector<FormConstant> hour{{.name = "start", .unit = "s", .value = 100.0},
+                                       {.name = "span", .unit = "s", .value = 3600.0},
+                                       {.name = "time_constant", .unit = "s", .value = 1800.0}};
+  const auto changed = [&](AppliedCause cause) {
+    cause.left_behind = 0.3;
+    return cause;
+  };
+  EXPECT_EQ(left_behind(changed(applied("run_step", "from", {0.5})), second), 0.3);
+  EXPECT_EQ(left_behind(changed(applied("run_step", "until", {0.5})), noon), 0.3);
+  EXPECT_EQ(left_behind(changed(applied("run_step", "sessions_gain", {0.5, 0.1, 0.2})),
+                        {{.name = "sessions", .unit = "", .value = 3.0}}),
+            0.3);
+  EXPECT_EQ(left_behind(changed(applied("drift", "linear_time", {0.5})), hour), 0.3);
+  AppliedCause of_gain = changed(applied("drift", "linear_cycles_friction", {0.5}));
+  of_gain.form.constants = hour;
+  of_gain.left_behind_on = kOnGain;
+  Modification m;
+  apply_model(transmission({of_gain}), {}, Kind::kTransmission, m);
+  EXPECT_EQ(m.sensor_gain.a, 1.3);
+  EXPECT_EQ(m.friction_level.a, 1.0);
+}
+
 TEST(ApplyModel, AnotherKindOfMeasurementSharesTheGearboxNotTheSensor) {
   Modification m;
   apply_model(transmission({applied("friction_level", "coefficient", {0.5}),

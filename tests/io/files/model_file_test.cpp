@@ -56,6 +56,11 @@ void expect_same(const ExtendedModel& a, const ExtendedModel& b) {
     EXPECT_EQ(one.alternatives, other.alternatives);
     EXPECT_EQ(one.implausible, other.implausible);
     EXPECT_EQ(one.empirical, other.empirical);
+    EXPECT_EQ(std::isnan(one.left_behind), std::isnan(other.left_behind));
+    if (!std::isnan(one.left_behind)) {
+      EXPECT_EQ(one.left_behind, other.left_behind);
+    }
+    EXPECT_EQ(one.left_behind_on, other.left_behind_on);
     EXPECT_EQ(one.form.name, other.form.name);
     EXPECT_EQ(one.form.body, other.form.body);
     EXPECT_EQ(one.form.order, other.form.order);
@@ -113,6 +118,10 @@ ExtendedModel everything(Kind kind, std::mt19937_64& generator) {
         if (m.causes.size() % 2 == 0) applied.alternatives = {"sensor_gain", "bearing_load"};
         if (m.causes.size() % 3 == 0) applied.implausible = {"amplitude"};
         applied.empirical = m.causes.size() % 4 == 1;
+        if (cause->as_constant != nullptr && m.causes.size() % 2 == 1) {
+          applied.left_behind = share(generator) - 0.5;
+          if (m.causes.size() % 3 != 0) applied.left_behind_on = calibrate::kOnGain;
+        }
         count += applied.value.size();
         m.causes.push_back(applied);
       }
