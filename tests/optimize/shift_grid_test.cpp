@@ -85,14 +85,12 @@ TEST(ShiftGrid, SetsAreAsGoodAsTheBestPointOfTheWholeGrid) {
   std::cout << compared << " grids, " << none << " without a feasible point\n";
 }
 
-/// A point of the grid of this set, its distance scanned: the search has to end no worse.  From the
-/// box that was cut alone, no feasible point is found in a box that holds it.
 /// A grid whose sums of shifts leave the meshes no common distance, though free shifts do.
 TEST(ShiftGrid, AGridThatIsProvenEmptyCostsNoRelaxationAndHasNoFeasiblePoint) {
   const int wanted = sample(2, 20);
   const std::atomic<bool> stop{false};
   int empty = 0;
-  for (std::uint64_t seed = 1; seed <= 400 && empty < wanted; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 4000 && empty < wanted; ++seed) {
     test::RandomTask task = grid_task(seed, 1);
     if (task.candidates.empty()) continue;
     task.spec.limits[design::CheckId::kOutputBacklashMax] = 1e-3;
@@ -114,6 +112,8 @@ TEST(ShiftGrid, AGridThatIsProvenEmptyCostsNoRelaxationAndHasNoFeasiblePoint) {
   EXPECT_EQ(empty, wanted);
 }
 
+/// A point of the grid of this set, its distance scanned: the search has to end no worse.  From the
+/// box that was cut alone, no feasible point is found in a box that holds it.
 TEST(ShiftGrid, ABoxIsNotLeftWhereOneStartAloneFindsNoFeasiblePoint) {
   Specification spec =
       io::read_specification(std::string(GEAR3K_SOURCE_DIR) + "/examples/ratio-96.toml");
