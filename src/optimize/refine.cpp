@@ -285,6 +285,9 @@ class SetSearch {
   [[nodiscard]] bool cut() const { return cut_; }
   /// The nearest point of the grid where none is feasible though free shifts are.
   [[nodiscard]] const std::optional<GridEnd>& nearest() const { return nearest_; }
+  /// See RefinedSet.
+  [[nodiscard]] std::uint32_t refinements() const { return refinements_; }
+  [[nodiscard]] std::uint32_t relaxations() const { return relaxations_; }
 
   /// @returns false when the search was stopped
   [[nodiscard]] bool search(const RefinementProblem& problem, const SetBound& bound) {
@@ -293,12 +296,18 @@ class SetSearch {
       return is_of_load(problem.objective) ? try_every_cutter(problem, bound, best)
                                            : choose_cutters(problem, bound);
     }
-    const std::optional<BestEnd> local = best_of_starts(problem, bound, stop_, known_);
+    const std::optional<BestEnd> local = from_starts(problem, bound, known_);
     if (local) take(*local);
     return local.has_value() && !stop_.load(std::memory_order_relaxed);
   }
 
  private:
+  std::optional<BestEnd> from_starts(const RefinementProblem& problem, const SetBound& bound,
+                                     const KnownTrain* known = nullptr) {
+    ++refinements_;
+    return best_of_starts(problem, bound, stop_, known);
+  }
+
   void take(const BestEnd& local) {
     if (!local.problem) return;
     if (!spec_.shift_step || !local.found) {
@@ -312,6 +321,7 @@ class SetSearch {
     }
     GridEnd end = best_on_grid(*local.problem, local.outcome, least, stop_);
     cut_ = cut_ || end.cut;
+    relaxations_ += static_cast<std::uint32_t>(end.relaxations);
     if (end.found) {
       best_.offer(*end.held, end.outcome);
     } else if (std::isfinite(least) && !end.cut) {
@@ -331,7 +341,7 @@ class SetSearch {
     RefinementProblem own = problem;
     for (const auto& choice : choices_) {
       own.cutter_teeth = choice;
-      const std::optional<BestEnd> local = best_of_starts(own, bound, stop_);
+      const std::optional<BestEnd> local = from_starts(own, bound);
       if (!local) return false;
       take(*local, best);
     }
@@ -340,7 +350,7 @@ class SetSearch {
 
   /// Cutters by how little the best design of any cutter misses with them.
   bool choose_cutters(const RefinementProblem& problem, const SetBound& bound) {
-    const std::optional<BestEnd> any = best_of_starts(without_cutter_rows(problem), bound, stop_);
+    const std::optional<BestEnd> any = from_starts(without_cutter_rows(problem), bound);
     if (!any) return false;
     if (!any->found) {
       take(*any);
@@ -372,7 +382,7 @@ class SetSearch {
     if (proven) {
       // What no cutter has a say in is a local optimum: it bounds them all as far as the starts of
       // one of them do not lead farther.
-      const std::optional<BestEnd> own = best_of_starts(chosen.front().problem, bound, stop_);
+      const std::optional<BestEnd> own = from_starts(chosen.front().problem, bound);
       if (!own) return false;
       take(*own, best);
       if (!(best.outcome.objective < any->outcome.objective - kAlike)) return true;
@@ -388,6 +398,7 @@ class SetSearch {
   const KnownTrain* known_;
   BestEnd best_;
   bool bounded_ = false, cut_ = false;
+  std::uint32_t refinements_ = 0, relaxations_ = 0;
   std::optional<GridEnd> nearest_;
 };
 
@@ -448,6 +459,8 @@ std::optional<RefinedSet> Refiner::refine(const Candidate& candidate, const Shif
     }
   }
   set.grid_cut = search.cut();
+  set.refinements = search.refinements();
+  set.relaxations = search.relaxations();
   if (!best.found && search.bounded() && !search.cut()) {
     set.status = Status::kBounded;
     return set;

@@ -52,6 +52,9 @@ struct RefinedSet {
   /// The search of a grid of shifts was cut short (Solver::grid_relaxations): it may have a better
   /// point, or one at all.
   bool grid_cut = false;
+  /// Problems that were refined from their starts, one for each choice of modules that the bounds
+  /// left, of cutters and of branches; and boxes of grids that were relaxed from one start.
+  std::uint32_t refinements = 0, relaxations = 0;
   bool blocked_together = false;  ///< none of blocked_by was found to suffice alone
   /// What blocks the set; empty when optimal, failed or grid_cut.  infeasible: the constraint that
   /// no point of the box can meet.  no_feasible_found: the constraints any one of which may give

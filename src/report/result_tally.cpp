@@ -68,6 +68,8 @@ ResultTally tally_of(const OptimizeResult& result) {
     const auto status = static_cast<std::size_t>(set->status);
     ++tally.status[status];
     tally.grid_cut += set->grid_cut ? 1 : 0;
+    tally.refinements += set->refinements;
+    tally.relaxations += set->relaxations;
     if (set->grid_cut && set->status == Status::kNoFeasibleFound) ++tally.cut_without_design;
     if (set->status == Status::kOptimal) return;
     if (!reason_of(*set).empty()) ++tally.reasons[status][std::string(reason_of(*set))];

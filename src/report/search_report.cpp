@@ -455,6 +455,8 @@ std::string summary_json(const Specification& spec, const OptimizeResult& result
                 {"search", search_counts_json(spec, result.search)},
                 {"refined", result.refined.size()},
                 {"grid_cut", tally.grid_cut},
+                {"refinements", tally.refinements},
+                {"relaxations", tally.relaxations},
                 {"status", std::move(status)},
                 {"reasons", std::move(reasons)},
                 {"best", std::move(best)},

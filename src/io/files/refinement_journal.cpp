@@ -21,7 +21,7 @@ namespace gear3k::io {
 
 namespace {
 
-constexpr std::string_view kFormat = "gear3k refinement journal 3\n";
+constexpr std::string_view kFormat = "gear3k refinement journal 4\n";
 constexpr std::uint32_t kMostBytes = 4096;  ///< of a record
 constexpr std::uint8_t kNoCheck = 255, kStage1Module = 254, kStage2Module = 253;
 
@@ -108,6 +108,8 @@ std::string record_of(const optimize::RefinedSet& s) {
   put(record, s.candidate);
   put(record, s.status);
   put(record, s.grid_cut);
+  put(record, s.refinements);
+  put(record, s.relaxations);
   put(record, s.blocked_together);
   put(record, static_cast<std::uint32_t>(s.blocked_by.size()));
   for (const optimize::Miss& miss : s.blocked_by) {
@@ -137,7 +139,8 @@ bool read_record(std::string_view bytes, optimize::RefinedSet& s) {
   Fields fields(bytes);
   std::uint32_t misses = 0;
   if (!(fields.get(s.index) && fields.get(s.candidate) && fields.get(s.status) &&
-        fields.get(s.grid_cut) && fields.get(s.blocked_together) && fields.get(misses))) {
+        fields.get(s.grid_cut) && fields.get(s.refinements) && fields.get(s.relaxations) &&
+        fields.get(s.blocked_together) && fields.get(misses))) {
     return false;
   }
   for (std::uint32_t k = 0; k < misses; ++k) {
