@@ -62,7 +62,7 @@ Specification read_example(const char* name) {
   return io::read_specification(std::string(GEAR3K_SOURCE_DIR) + "/examples/" + name);
 }
 
-void put_cutters(Specification& spec, std::vector<int> teeth) {
+void put_cutters(Specification& spec, const std::vector<int>& teeth) {
   for (const std::size_t ring : {train::kR1, train::kR2}) {
     spec.cutter[ring] = {.teeth = 20, .profile_shift = 0.0, .tip_radius = 0.2};
     spec.cutter_teeth[ring] = teeth;

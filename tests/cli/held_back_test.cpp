@@ -232,6 +232,10 @@ TEST(ShiftStep, AGridThatIsNotSearchedToTheEndIsToldEverywhere) {
   EXPECT_NE(place.read("out/refined.csv").find(",true\n"), std::string::npos);
   const json whole = summary_of(place, replaced(task, "relaxations = 3", "relaxations = 20000"));
   EXPECT_EQ(whole.at("grid_cut"), 0);
+  EXPECT_EQ(summary.at("refinements"), 1);  // of one set with a range of modules
+  EXPECT_EQ(whole.at("refinements"), 1);
+  EXPECT_GE(summary.at("relaxations"), 3);
+  EXPECT_GT(whole.at("relaxations"), summary.at("relaxations"));
   EXPECT_GE(whole.at("best").at("eta_b").get<double>(),
             summary.at("best").at("eta_b").get<double>());
 }
