@@ -66,8 +66,8 @@ const std::vector<TimedTask> kTimedTasks{
      .file = "examples/jobs/printed_30.toml",
      .lines = {{"max_ring_root_diameter_mm", "max_ring_root_diameter_mm = 45.0"}},
      .certify = true},
-    // Those that follow were looked at for fronts without lost motion and searches beyond ranges
-    // only.
+    // Those that follow were looked at for fronts, of which that of ratio-96 at 70:1 was not, and
+    // searches beyond ranges only.
     {.name = "a wrist of -100:1, certified",
      .file = "examples/jobs/wrist_150.toml",
      .lines = {{"target =", "target = -100.0"}},
@@ -97,6 +97,15 @@ const std::vector<TimedTask> kTimedTasks{
      .file = "examples/jobs/wrist_150.toml",
      .lines = {{"max_outer_diameter_mm", "max_outer_diameter_mm = 40.0"}},
      .certify = true},
+    {.name = "140:1 in the same envelope, front of three objectives",
+     .file = "examples/jobs/same_envelope_96.toml",
+     .lines = {{"target =", "target = 140.0"},
+               {"objective =",
+                "objective = [\"forward_efficiency\", \"lost_motion\", \"outer_diameter\"]"}}},
+    {.name = "ratio-96 at 70:1, front of two objectives",
+     .file = "examples/ratio-96.toml",
+     .lines = {{"target =", "target = 70.0"},
+               {"objective =", "objective = [\"backward_efficiency\", \"lost_motion\"]"}}},
     {.name = "60:1 within 45 mm, all sets",
      .file = "examples/jobs/same_envelope_96.toml",
      .lines = {{"target =", "target = 60.0"},
@@ -138,11 +147,12 @@ void print_phases(const std::vector<TimedLook>& looks) {
       continue;
     }
     fmt::print(
-        "    {:7.2f} to {:7.2f} s: stage {} search {} phase {}: {}/{}; {} sets, {} open, {} "
+        "    {:7.2f} to {:7.2f} s: stage {} search {} ({}/{}) phase {}: {}/{}; {} sets, {} open, "
+        "{} "
         "first stages, empty {} and {}\n",
         looks[begin].at_s, looks[k].at_s, static_cast<int>(seen.stage), seen.searches,
-        static_cast<int>(seen.phase), seen.done, seen.total, seen.sets, seen.open,
-        seen.first_stages, seen.empty_first, seen.empty_second);
+        seen.stage_done, seen.stage_total, static_cast<int>(seen.phase), seen.done, seen.total,
+        seen.sets, seen.open, seen.first_stages, seen.empty_first, seen.empty_second);
     begin = k + 1;
   }
 }

@@ -39,33 +39,37 @@ constexpr Foreseen kRounding{.expected = 30.0, .factor = 2.0};
 /// What is built after the passes for built gearboxes, over a pass, before any is built (8, by one
 /// task).
 constexpr Foreseen kBuiltAfter{.expected = 4.0, .factor = 2.0};
-/// What the searches for the ends of a front and in its gaps take, over the searches of all sets
-/// before.
-struct FrontForeseen {
-  double ends;
-  Foreseen gaps;
-};
-/// With lost motion among the objectives a narrow limit on it leaves many sets without a design,
-/// and finding none costs some ten times finding one: ends (0.5 to 2.5), gaps (0.6 to 25, 1.2 to 30
-/// are told; one task has 0.6).  Limits on diameters and masses bound sets at once: ends (0.05 to
-/// 0.4) and gaps (0.1 to 0.9), of tasks outside of the nine, the front of efficiency and diameter
-/// in benchmarks/time_left among them.
-constexpr FrontForeseen kWithLostMotion{.ends = 1.0, .gaps = {.expected = 6.0, .factor = 5.0}};
-constexpr FrontForeseen kWithoutLostMotion{.ends = 0.15, .gaps = {.expected = 0.35, .factor = 3.0}};
-const FrontForeseen& front_foreseen(const Progress::Plan& plan) {
-  return plan.front_lost_motion ? kWithLostMotion : kWithoutLostMotion;
+/// Sets refined as many as which a search of a front takes, at its ends or in its gaps.  A narrow
+/// limit on lost motion leaves many sets without a design, and finding none costs some ten times
+/// finding one (490 to 590).  Where a third objective is limited too, its bounds leave most of them
+/// out (85 to 190); without lost motion few are left (25 to 50, of tasks outside of the nine).
+constexpr Foreseen kLostMotionAlone{.expected = 500.0, .factor = 3.0};
+constexpr Foreseen kLostMotionAndOthers{.expected = 130.0, .factor = 2.5};
+constexpr Foreseen kWithoutLostMotion{.expected = 40.0, .factor = 2.5};
+const Foreseen& front_search(const Progress::Plan& plan) {
+  if (!plan.front_lost_motion) return kWithoutLostMotion;
+  return plan.front_objectives > 2 ? kLostMotionAndOthers : kLostMotionAlone;
 }
+/// Ends of a front as many as which what is expected of a search counts when all are made: chosen.
+constexpr double kExpectedAsEnds = 2.0;
+/// Searches in the gaps, over the designs asked for: most of them may be known before (0.7 to
+/// 0.95).
+constexpr double kInGaps = 0.8;
+/// What a search in the gaps takes may be more or less than one at the ends by (0.5 to 2.8 of it).
+constexpr double kGapsOverEnds = 2.5;
 /// Searches in the gaps as many as which the ends count; after twice as many the rest costs this
 /// share of those so far, as what they found bounds the others: chosen.
 constexpr double kEndsCountAs = 4.0, kLaterInGaps = 0.6;
+/// Standard deviation of what a search in the gaps takes, over its mean, before they show it (1.2
+/// to 1.9), and the greatest factor that follows from it: chosen.
+constexpr double kScatter = 1.5, kMostScatter = 5.0;
 /// Whole searches with ranges or limits given way: where there is a design (one or two, of 0.5
 /// to 1.3 of finding the sets; none with more than kMostSearchedAgain sets or robust limits), and
 /// where there is none (25).
 constexpr Foreseen kBeyond{.expected = 1.2, .factor = 1.5};
 constexpr Foreseen kRelaxed{.expected = 15.0, .factor = 3.0};
-/// Searches for each design in the gaps and for each limit left out, and items that count as done
-/// at it: chosen.
-constexpr double kForDesign = 1.5, kForLimit = 2.5, kItemsExpected = 4.0;
+/// Searches for each limit left out, and items that count as done at it: chosen.
+constexpr double kForLimit = 2.5, kItemsExpected = 4.0;
 /// What takes longer than expected goes on for this part of the time that it took: chosen.
 constexpr double kGoesOn = 1.0 / 3.0;
 /// A search for the best alone that has refined more than is expected at most goes by its rate.
@@ -133,7 +137,6 @@ bool RunForecast::is_over() const { return last_.stage == Stage::kOne && is_expl
 void RunForecast::account(double passed_s, const ProgressSeen& seen) {
   if (last_.phase == Phase::kCertificate) bounds_.time_s += passed_s;
   if (!is_of_all(last_.stage) || is_over()) return;
-  before_front_s_ += passed_s;
   if (last_.phase == Phase::kSearch || last_.phase == Phase::kBounds) {
     finding_s_ += passed_s;
     if (seen.phase == Phase::kRefinement) found_s_ = finding_s_;
@@ -164,6 +167,7 @@ void RunForecast::end_search(double now_s, const ProgressSeen& seen) {
     Work& over = searches(last_.stage);
     over.time_s += took_s;
     over.items += 1.0;
+    over.squared_s2 += took_s * took_s;
     over.longest_s = std::max(over.longest_s, took_s);
   }
   search_began_s_ = now_s;
@@ -203,18 +207,46 @@ double RunForecast::sharpening_s() const {
   return bounds_.mean_s(kSharpening * stages_.mean_s(0.0, 0.0), kBoundsExpected);
 }
 
+/// What a search of a front takes, as far as its ends tell: those that are not made yet count as
+/// expected, as the ends differ among themselves.  Factors, not times, are averaged: either may be
+/// far off.
+double RunForecast::front_search_s() const {
+  Work ends = searches(Stage::kFrontEnds);
+  const double running_s = last_s_ - search_began_s_;
+  if (last_.stage == Stage::kFrontEnds && running_s > ends.mean_s(0.0, 0.0)) {
+    ends.time_s += running_s;
+    ends.items += 1.0;
+  }
+  const double expected_s = front_search(last_.plan).expected * set_s();
+  const double ends_s = ends.mean_s(0.0, 0.0);
+  if (!(ends_s > 0.0 && expected_s > 0.0)) return std::max(ends_s, expected_s);
+  const auto objectives = static_cast<double>(last_.plan.front_objectives);
+  const double weight = std::max(kExpectedAsEnds, objectives * objectives - ends.items);
+  return std::exp((weight * std::log(expected_s) + ends.items * std::log(ends_s)) /
+                  (weight + ends.items));
+}
+
+/// By what factor the searches that are to come in the gaps may take more or less: the mean of
+/// those made and the sum of those to come scatter each by itself.
+double RunForecast::scatter_of_gaps(double to_come) const {
+  const Work& made = searches(Stage::kFrontGaps);
+  const double mean_s = made.mean_s(0.0, 0.0);
+  const double own = mean_s > 0.0 ? made.squared_s2 / (mean_s * mean_s) - made.items : 0.0;
+  const double squared = (kEndsCountAs * kScatter * kScatter + own) / (kEndsCountAs + made.items);
+  return std::min(kMostScatter, std::exp(std::sqrt(squared * (1.0 / (kEndsCountAs + made.items) +
+                                                              1.0 / std::max(1.0, to_come)))));
+}
+
 /// What a search of a stage takes, on average of those to come.
 double RunForecast::search_s(Stage stage) const {
   const double found_s = found_s_ > 0.0 ? found_s_ : finding_s_;
-  const auto objectives = static_cast<double>(last_.plan.front_objectives);
   switch (stage) {
     case Stage::kOne:
       break;
     case Stage::kBuilt:
       return searches(stage).mean_s(0.0, 0.0);
     case Stage::kFrontEnds:
-      return searches(stage).mean_s(
-          front_foreseen(last_.plan).ends * before_front_s_ / (objectives * objectives), 1.0);
+      return front_search_s();
     case Stage::kFrontGaps: {
       Work made = searches(stage);
       if (made.items > 2.0) {
@@ -223,7 +255,7 @@ double RunForecast::search_s(Stage stage) const {
         made.items -= 1.0;
       }
       const double later = searches(stage).items >= 2.0 * kEndsCountAs ? kLaterInGaps : 1.0;
-      return later * made.mean_s(searches(Stage::kFrontEnds).mean_s(0.0, 0.0), kEndsCountAs);
+      return later * made.mean_s(front_search_s(), kEndsCountAs);
     }
     case Stage::kBeyond:
       // Beyond a range of tooth numbers there are few sets, with a limit given way all of them.
@@ -239,7 +271,9 @@ double RunForecast::searches_left() const {
   const double items = number_left(last_.stage_done, last_.stage_total);
   const bool gaps = last_.stage == Stage::kFrontGaps;
   if (!gaps && last_.stage != Stage::kRelaxed) return items - 1.0;
-  const double expected = gaps ? kForDesign : kForLimit;
+  const double expected = gaps ? kInGaps * static_cast<double>(last_.plan.front_designs) /
+                                     std::max(1.0, static_cast<double>(last_.stage_total))
+                               : kForLimit;
   return items * (kItemsExpected * expected + searches(last_.stage).items) /
              (kItemsExpected + static_cast<double>(last_.stage_done)) -
          1.0;
@@ -391,9 +425,13 @@ void RunForecast::add_later(Range& left) const {
   const Progress::Plan& plan = last_.plan;
   const bool of_all = is_of_all(last_.stage);
   if (plan.front_objectives > 1) {
-    const FrontForeseen& front = front_foreseen(plan);
-    if (of_all) add(left, front.ends * before_front_s_);
-    if (of_all || last_.stage == Stage::kFrontEnds) add(left, front.gaps, before_front_s_);
+    const auto objectives = static_cast<double>(plan.front_objectives);
+    const double in_gaps = kInGaps * static_cast<double>(plan.front_designs);
+    if (of_all) {
+      add(left, (objectives * objectives + in_gaps) * front_search_s(), front_search(plan).factor);
+    } else if (last_.stage == Stage::kFrontEnds) {
+      add(left, in_gaps * front_search_s(), kGapsOverEnds);
+    }
   }
   if (plan.explains && last_.stage != Stage::kBeyond && last_.stage != Stage::kRelaxed) {
     const bool none = last_.feasible == 0 && last_.phase == Phase::kRefinement &&
@@ -419,8 +457,9 @@ std::optional<Range> RunForecast::range_now() const {
   if (!is_of_all(last_.stage)) {
     const bool gaps = last_.stage == Stage::kFrontGaps;
     const bool limits = last_.stage == Stage::kRelaxed;
-    add(left, std::max(0.0, searches_left()) * search_s(last_.stage),
-        gaps     ? front_foreseen(plan).gaps.factor
+    const double to_come = std::max(0.0, searches_left());
+    add(left, to_come * search_s(last_.stage),
+        gaps     ? scatter_of_gaps(to_come)
         : limits ? kRelaxed.factor
                  : 1.0);
   }

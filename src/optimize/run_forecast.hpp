@@ -52,6 +52,7 @@ class RunForecast {
   /// Time that items of one kind took.
   struct Work {
     double time_s = 0.0, items = 0.0, longest_s = 0.0;
+    double squared_s2 = 0.0;  ///< sum of the squares, of searches
     /// Of one, where so many count as done at what is expected of them; 0 while nothing is known.
     [[nodiscard]] double mean_s(double expected_s, double weight) const {
       const double all = weight + items;
@@ -67,6 +68,8 @@ class RunForecast {
   [[nodiscard]] bool is_over() const;
   [[nodiscard]] double set_s() const;
   [[nodiscard]] double sharpening_s() const;
+  [[nodiscard]] double front_search_s() const;
+  [[nodiscard]] double scatter_of_gaps(double to_come) const;
   [[nodiscard]] double search_s(Stage stage) const;
   [[nodiscard]] double searches_left() const;
   [[nodiscard]] double built_in_pass_s() const;
@@ -89,7 +92,6 @@ class RunForecast {
   WorkRate rate_;                 ///< of the phase
   double finding_s_ = 0.0;        ///< search and bounds of the latest search of all sets
   double found_s_ = 0.0;          ///< of the latest that is over
-  double before_front_s_ = 0.0;   ///< in searches of all sets
   double built_s_ = 0.0;          ///< with gearboxes in the passes
   Work stages_, sets_, bounds_;   ///< bounded, with a design; refined; sharpened
   std::array<Work, 6> searches_;  ///< that are over, by Stage
