@@ -16,7 +16,7 @@ struct Foreseen {
 };
 
 // A number with a range in brackets beside it was measured, on the first nine tasks of
-// benchmarks/time_left (others in docs/theory §12, "Time left"); the number itself was chosen with
+// benchmarks/time_left (others in docs/peers.md, "The time left"); the number itself was chosen with
 // that in sight.  All others, and every factor, were chosen so that what is told of these tasks
 // comes near: no measurement is behind them, and other tasks may be farther off.
 

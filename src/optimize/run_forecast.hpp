@@ -29,7 +29,7 @@ ProgressSeen seen_of(const Progress& progress);
 /// took so far.  How many searches are to come is known where the plan counts them, else so many
 /// for each design or limit as were needed so far.  What is only expected makes the time a range.
 /// Source: own derivation; what is expected was measured or chosen, docs/theory §12 ("Time left").
-/// Accuracy: benchmarks/time_left, docs/theory §12.
+/// Accuracy: benchmarks/time_left, docs/peers.md ("The time left").
 class RunForecast {
  public:
   void observe(double now_s, const ProgressSeen& seen);
