@@ -16,9 +16,9 @@ struct Foreseen {
 };
 
 // A number with a range in brackets beside it was measured, on the first nine tasks of
-// benchmarks/time_left (others in docs/peers.md, "The time left"); the number itself was chosen with
-// that in sight.  All others, and every factor, were chosen so that what is told of these tasks
-// comes near: no measurement is behind them, and other tasks may be farther off.
+// benchmarks/time_left (others in docs/peers.md, "The time left"); the number itself was chosen
+// with that in sight.  All others, and every factor, were chosen so that what is told of these
+// tasks comes near: no measurement is behind them, and other tasks may be farther off.
 
 /// Over bounding a stage of the first kind that has a design: refining a set (5 to 14), sharpening
 /// a bound (100 to 260), and a stage of the second kind (0.4 to 0.9).
