@@ -382,6 +382,16 @@ void note_heat(const Actuator& actuator, DutyCycle& d) {
         "thermal runaway: the copper loss grows faster with temperature than heat leaves the "
         "winding; there is no steady state");
   }
+  constexpr double kTold = 0.01;
+  const double more = kCopperSlope_1_K * (d.winding->winding_K.value_or(kResistanceTemperature_K) -
+                                          kResistanceTemperature_K);
+  if (std::abs(more) >= kTold) {
+    d.notes.push_back(fmt::format(
+        "energies count the copper loss at 25 C: at the winding's mean of {:.1f} C it is {:.0f} % "
+        "{}",
+        units::from_si(*d.winding->winding_K, units::Unit::kCelsius), 100.0 * std::abs(more),
+        more > 0.0 ? "more" : "less"));
+  }
   constexpr double kShort = 0.1;
   if (heat.winding_time_constant_s && d.period_s > kShort * *heat.winding_time_constant_s) {
     d.notes.push_back(fmt::format(

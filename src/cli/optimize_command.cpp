@@ -284,6 +284,7 @@ void print_results(const app::OptimizeTask& task, const OptimizeRun& run,
       const auto columns = known_columns(options.show.columns);
       const std::size_t width = columns ? static_cast<std::size_t>(*columns) : report::kAnyColumns;
       const std::string more =
+          report::objective_line(task.spec, *o.result.best) +
           (o.co_design ? report::co_design_table(o.co_design->report) : std::string()) +
           report::limit_checks_text(o.felt) +
           report::held_back_table(task.spec, o.held->best, width) +

@@ -23,7 +23,7 @@ struct RobustRun {
     backlash::ClearanceModel model;
     optimize::CheapestTolerances tolerances;
     optimize::BuiltOutcome built;  ///< with these tolerances, the fresh seed
-    backlash::TurnYield turn;      ///< the same over a whole turn
+    backlash::TurnYield turn{};    ///< the same over a whole turn
   };
   std::optional<Cheapest> cheapest;
 };

@@ -173,6 +173,16 @@ std::string refined_header(const RefinedColumns& columns) {
 
 }  // namespace
 
+std::string objective_line(const Specification& spec, const RefinedSet& best) {
+  using optimize::Objective;
+  const Objective first = optimize::first_objective(spec);
+  if (first == Objective::kBackwardEfficiency || first == Objective::kForwardEfficiency) return "";
+  const optimize::ObjectiveRecord& record = optimize::objective_record(first);
+  return fmt::format("\nBest {}: {:.5g}{}{}\n", record.title,
+                     optimize::objective_of(spec, best, first) / record.per_unit,
+                     record.unit.empty() ? "" : " ", record.unit);
+}
+
 std::string search_counts_text(const Specification& spec, const ToothSearchResult& search) {
   std::string text =
       fmt::format("{} tooth sets within {:g} % of {:g}:1; {} candidates", search.within_ratio,

@@ -25,6 +25,10 @@
 
 namespace gear3k::report {
 
+/// "Best torque density: 467.1 Nm/kg" of what was asked for first; "" for an efficiency, which the
+/// table of a design has.
+std::string objective_line(const optimize::Specification& spec, const optimize::RefinedSet& best);
+
 /// Counts of a tooth search in one paragraph.
 std::string search_counts_text(const optimize::Specification& spec,
                                const optimize::ToothSearchResult& search);

@@ -1,6 +1,7 @@
 // Duty cycles against published reference numbers and identities.
 #include "actuator/duty_cycle.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -197,6 +198,28 @@ TEST(DutyCycle, LimitsHaveMargins) {
   EXPECT_EQ(*d.checks[0].margin, 10.0 - d.peak_current_A);
   EXPECT_TRUE(d.checks[1].ok);
   EXPECT_EQ(d.feasible, d.checks[0].ok && !d.winding->runaway);
+}
+
+// Copper has 0.393 % more resistance for each kelvin above 25 C.
+TEST(DutyCycle, SaysWhatTheWarmWindingAddsToItsLoss) {
+  Actuator a = hip_reference();
+  a.motor.heat = {};
+  a.motor.heat.winding_housing_K_W = 1.0;
+  a.motor.heat.housing_ambient_K_W = 1.0;
+  const auto told = [&a] {
+    const DutyCycle d = run_cycle(a, knee());
+    const double more = 100.0 * 0.00393 * (d.winding->winding_K.value() - 298.15);
+    return std::pair(more, fmt::format("{}", fmt::join(d.notes, "; ")));
+  };
+  const auto [warm, text] = told();
+  ASSERT_GT(warm, 1.5);
+  EXPECT_NE(text.find(fmt::format("it is {:.0f} % more", warm)), std::string::npos) << text;
+  // Cooled as well as that, it stays at 25 C.
+  a.motor.heat.winding_housing_K_W = 1e-6;
+  a.motor.heat.housing_ambient_K_W = 1e-6;
+  const auto [cool, silent] = told();
+  EXPECT_LT(cool, 0.1);
+  EXPECT_EQ(silent.find("copper loss"), std::string::npos) << silent;
 }
 
 TEST(DutyCycle, AnOpenCycleHasKineticEnergyAndSaysSo) {

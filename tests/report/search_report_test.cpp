@@ -42,6 +42,17 @@ TEST(SearchReport, ObjectivesFollowTheColumnsOfTheFront) {
   EXPECT_EQ(std::ranges::count(row, ','), std::ranges::count(header, ','));
 }
 
+TEST(SearchReport, TellsTheBestOfAnObjectiveThatTheTableOfADesignHasNot) {
+  optimize::Specification spec;
+  optimize::RefinedSet best;
+  best.ring_root_diameter_m = 0.0621;
+  spec.bodies.ring_rim_m = 0.003;
+  EXPECT_EQ(objective_line(spec, best), "") << "backward efficiency";
+  spec.objectives = {optimize::Objective::kOuterDiameter};
+  EXPECT_NE(objective_line(spec, best).find("68.1 mm"), std::string::npos)
+      << objective_line(spec, best);
+}
+
 TEST(SearchReport, WhatIsSaidOfAFrontFitsAHundredColumnsAndTellsOfGridsThatWereCutShort) {
   optimize::Specification spec;
   spec.objectives = {optimize::Objective::kBackwardEfficiency, optimize::Objective::kLostMotion};
