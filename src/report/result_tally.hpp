@@ -17,10 +17,10 @@ struct ResultTally {
   std::array<std::size_t, optimize::kStatusCount> status{};
   /// By status, how many sets each constraint blocks.
   std::array<std::map<std::string, std::size_t>, optimize::kStatusCount> reasons;
-  std::size_t grid_cut = 0;            ///< sets the search of whose grids was cut short
+  std::size_t grid_cut = 0;                      ///< sets the search of whose grids was cut short
   std::size_t refinements = 0, relaxations = 0;  ///< of all sets, see optimize::RefinedSet
-  std::size_t cut_without_design = 0;  ///< of them those in which no design was found
-  std::size_t open = 0;                ///< not reached, as the run was interrupted
+  std::size_t cut_without_design = 0;            ///< of them those in which no design was found
+  std::size_t open = 0;                          ///< not reached, as the run was interrupted
   /// Of the sets without a feasible design the one that says most: found rather than proven so,
   /// blocked by one constraint alone, of proven ones by that which blocks most sets, by the least
   /// miss.
