@@ -49,6 +49,31 @@ double stated_value(const Specification& spec, const design::Limits& stated,
   return in_file && searched ? check.limit + (*in_file - *searched) : check.limit;
 }
 
+/// The gear whose tooth in a mesh a check is about.
+std::size_t gear_of(const design::CheckInstance& check) {
+  const auto mesh = static_cast<std::size_t>(check.subject.member);
+  return static_cast<std::size_t>(
+      train::kMeshGears[mesh][static_cast<std::size_t>(check.subject.which - 1)]);
+}
+
+/// The key that states a least safety, of the gear itself where it has its own.  An overload asks
+/// for the safeties of the load; of the roots of plastics for one that no file states.
+void name_safety(const strength::RatingTask& task, std::size_t gear, CheckId safety,
+                 LimitPrice& price) {
+  const bool root = safety == CheckId::kRootSafety;
+  if (price.limit.check == CheckId::kOverloadRootSafety &&
+      strength::is_plastic(task.material[gear]->record.group)) {
+    return;
+  }
+  const strength::StatedTeeth& own = task.gear_teeth[gear];
+  price.limit.check = safety;
+  price.key = design::check_record(safety).limit_key;
+  price.stated = true;
+  if (!(root ? own.root_safety_min : own.flank_safety_min)) return;
+  price.limit.place = static_cast<int>(gear);
+  price.key = fmt::format("gears.{}.{}", train::kGearNames[gear], price.key);
+}
+
 LimitPrice limit_of_check(const Specification& spec, const design::Limits& stated,
                           const design::CheckInstance& check) {
   const design::CheckRecord& record = *check.record;
@@ -64,23 +89,16 @@ LimitPrice limit_of_check(const Specification& spec, const design::Limits& state
       price.key = fmt::format("backlash.{}.min_normal_um", train::kMeshNames[mesh]);
       price.limit.place = check.subject.member;
       break;
-    case CheckId::kOverloadRootSafety: {
-      const auto gear = static_cast<std::size_t>(
-          train::kMeshGears[mesh][static_cast<std::size_t>(check.subject.which - 1)]);
-      if (strength::is_plastic(spec.rating->material[gear]->record.group)) break;
-      price.limit.check = CheckId::kRootSafety;
+    case CheckId::kRootSafety:
+    case CheckId::kOverloadRootSafety:
+      name_safety(*spec.rating, gear_of(check), CheckId::kRootSafety, price);
       break;
-    }
+    case CheckId::kFlankSafety:
     case CheckId::kOverloadFlankSafety:
-      price.limit.check = CheckId::kFlankSafety;
+      name_safety(*spec.rating, gear_of(check), CheckId::kFlankSafety, price);
       break;
     default:
       break;
-  }
-  // The overload asks for the safeties of the load.
-  if (price.limit.check != record.id) {
-    price.key = design::check_record(*price.limit.check).limit_key;
-    price.stated = true;
   }
   return price;
 }
@@ -232,12 +250,11 @@ class ActiveLimits {
     pull.where = train::kGearNames[gear];
     const double end = at_least ? free.tip_shortening->min : free.tip_shortening->max;
     // A least shortening is a greatest addendum.
-    pull.limit =
-        free.addendum_stated
-            ? limit_of_range(LimitKind::kTipShortening, "free.addendum", units::Unit::kModules,
-                             p_.spec->rack.addendum - end, !at_least)
-            : limit_of_range(LimitKind::kTipShortening, "free.tip_shortening",
-                             units::Unit::kModules, end, at_least);
+    pull.limit = free.addendum_stated
+                     ? limit_of_range(LimitKind::kAddendum, "free.addendum", units::Unit::kModules,
+                                      p_.spec->rack.addendum - end, !at_least)
+                     : limit_of_range(LimitKind::kTipShortening, "free.tip_shortening",
+                                      units::Unit::kModules, end, at_least);
   }
   void name_torque(bool at_least, Pull& pull) const {
     const double stated_Nm = p_.spec->rating->torque_Nm;

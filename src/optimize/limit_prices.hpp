@@ -19,6 +19,7 @@ enum class LimitKind {
   kRingShift,
   kModule,
   kTipShortening,
+  kAddendum,  ///< in the place of kTipShortening, where that is what a file states
   kPressureAngle,
   kFaceWidth,
   kTorque,
@@ -30,8 +31,9 @@ enum class LimitKind {
 struct LimitOf {
   LimitKind kind = LimitKind::kCheck;
   std::optional<design::CheckId> check{};
-  int place = -1;  ///< the mesh that has a least backlash of its own; the stage; the objective
-  bool at_least = true;  ///< what it limits is to be at least it
+  /// The mesh that has a least backlash of its own; the gear, a safety; the stage; the objective.
+  int place = -1;
+  bool at_least = true;  ///< what the number of its key limits is to be at least it
   bool operator==(const LimitOf&) const = default;
 };
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "numerics/parallel.hpp"
+#include "optimize/moved_limit.hpp"
 #include "optimize/objective_value.hpp"
 #include "optimize/optimizer.hpp"
 #include "optimize/refine.hpp"
@@ -83,62 +84,13 @@ std::optional<WiderTask> task_beyond(const Specification& spec, const SearchBoun
   return task;
 }
 
-/// The specification with a limit moved [SI]; empty where the limit is none of checks, shifts,
-/// modules, tips and pressure angle.
-std::optional<Specification> with_limit_moved(Specification spec, const LimitOf& limit,
-                                              double by_si) {
-  const auto move = [&](auto& range) {
-    if (!range) return false;
-    (limit.at_least ? range->min : range->max) += by_si;
-    return true;
-  };
-  bool moved = false;
-  switch (limit.kind) {
-    case LimitKind::kCheck: {
-      auto& value = limit.place >= 0
-                        ? spec.limits.mesh_backlash_m[static_cast<std::size_t>(limit.place)]
-                        : spec.limits[*limit.check];
-      moved = value.has_value();
-      if (moved) *value += by_si;
-      break;
-    }
-    case LimitKind::kProfileShift:
-      (limit.at_least ? spec.profile_shift.min : spec.profile_shift.max) += by_si;
-      moved = true;
-      break;
-    case LimitKind::kRingShift:
-      moved = move(spec.ring_shift);
-      break;
-    case LimitKind::kModule:
-      for (std::size_t stage = 0; stage < spec.module.size(); ++stage) {
-        if (static_cast<int>(stage) == limit.place || has_same_module(spec)) {
-          moved = move(spec.module[stage].range_m) || moved;
-        }
-      }
-      break;
-    case LimitKind::kTipShortening:
-      moved = move(spec.free.tip_shortening);
-      break;
-    case LimitKind::kPressureAngle:
-      moved = move(spec.free.pressure_angle_rad);
-      break;
-    case LimitKind::kObjective:
-    case LimitKind::kFaceWidth:
-    case LimitKind::kTorque:
-    case LimitKind::kFelt:
-    case LimitKind::kSearchSpace:
-      break;
-  }
-  return moved ? std::optional(std::move(spec)) : std::nullopt;
-}
-
 /// The task with the dearest limit given way by its step [SI]; empty where there is none, or it is
 /// not asked for.
 std::optional<Specification> relaxed_task(const Specification& spec, const LimitPrice* price) {
   if (price == nullptr || spec.robust.hold != Hold::kNominal || judged_by_model(spec)) {
     return std::nullopt;
   }
-  auto own = with_limit_moved(spec, price->limit, step_si(*price));
+  auto own = with_limit_moved(spec, *price, step_si(*price));
   if (own) own->objectives = {first_objective(spec)};
   return own;
 }
