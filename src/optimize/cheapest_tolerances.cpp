@@ -113,23 +113,24 @@ class Search {
     return yield(trial);
   }
 
-  /// One step down, the one that buys most yield per cost.
+  /// One step down, the one that buys most yield per cost; of equal ones, as where no single step
+  /// gains anything and all of them together may, the cheapest.
   bool tighten() {
     std::optional<std::size_t> best;
     double best_rate = -std::numeric_limits<double>::infinity();
-    double best_yield = 0.0;
+    double best_price = 0.0, best_yield = 0.0;
     for (std::size_t i = 0; i < steps_.size(); ++i) {
       if (!may_step(i, -1)) continue;
       const double after = yield_after(i, -1);
       const double price = cost_of(i, steps_[i] - 1) - cost_of(i, steps_[i]);
       const double rate = (after - yield_) / std::max(price, kNothing);
-      if (rate > best_rate) {
+      if (rate > best_rate || (rate == best_rate && price < best_price)) {
         best_rate = rate;
+        best_price = price;
         best = i;
         best_yield = after;
       }
     }
-    // Where no single step gains anything, all of them together may: take the cheapest.
     if (!best) return false;
     --steps_[*best];
     yield_ = best_yield;
