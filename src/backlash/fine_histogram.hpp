@@ -27,9 +27,8 @@ class FineHistogram {
   void merge(const FineHistogram& other);
 
   [[nodiscard]] std::uint64_t count() const;
-  [[nodiscard]] double bin_width() const { return 1.0 / bins_per_unit_; }
   /// Value that `rank` of the values, 0 ≤ rank ≤ count(), do not exceed; straight within its bin.
-  /// Resolution: bin_width().
+  /// Resolution: the width of a bin.
   [[nodiscard]] double value_at(double rank) const;
   /// Occupied range in at most `most` bins of a whole number of fine ones each.
   [[nodiscard]] std::vector<HistogramBin> coarse(std::size_t most) const;

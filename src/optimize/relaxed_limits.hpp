@@ -34,8 +34,6 @@ struct RelaxedLimits {
 
 /// Refinements of one search without a limit, after which it is given up.
 inline constexpr std::size_t kMostRefinedWithout = 224;
-/// Pairs of limits that are tried.
-inline constexpr std::size_t kMostPairs = 10;
 
 /// Limits that may give way: thresholds of checks, not those of the load, that are stated (by the
 /// file or its preset) tighter than what holds without.

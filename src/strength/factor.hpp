@@ -20,7 +20,6 @@ struct Factor {
 /// Where formulas and constants were read.
 namespace sources {
 inline constexpr std::string_view kM56 = "IACS UR M56 Rev.4";
-inline constexpr std::string_view kM56Rim = "IACS UR M56 Rev.4, rim";
 inline constexpr std::string_view kMekanika = "hakangunes258/mekanika (ISO 6336:2006)";
 inline constexpr std::string_view kDrivetrain = "gfsReboucas/Drivetrain (ISO 6336:2006)";
 inline constexpr std::string_view kDin3990 = "hanslhansl/din3990 (DIN 3990-11)";
