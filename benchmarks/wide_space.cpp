@@ -74,7 +74,7 @@ void compare_with_all_starts(const Specification& spec, const OptimizeResult& re
   const std::size_t count = result.search.candidates.size() / step;
   std::vector<double> difference(count, std::nan(""));
   std::vector<char> overlooked(count, 0);
-  const std::atomic<bool> never{false};
+  const optimize::StopFlag never;
   const Stopwatch stopwatch;
   numerics::parallel_for(count, [&](std::size_t i) {
     const std::size_t k = i * step;

@@ -110,7 +110,7 @@ std::optional<actuator::PairResult> nearest_motor(const optimize::Specification&
     if (!nearest || r.excess < nearest->excess) nearest = r;
   };
   for (const optimize::RefinedSet& set : result.refined) {
-    if (set.status != optimize::Status::kOptimal) continue;
+    if (!optimize::has_design(set.status)) continue;
     offer(train::ratio(set.candidate.teeth), set.eta_f, set.eta_b);
   }
   // None was refined where the bounds leave no motor: gearboxes without losses, then.

@@ -133,6 +133,15 @@ void note_objectives(const OptimizeTask& task, const optimize::RefinedSet& set, 
   }
 }
 
+void note_not_stationary(const optimize::RefinedSet& set, Notes& notes) {
+  if (set.status != optimize::Status::kNotStationary) return;
+  notes.push_back(fmt::format(
+      "the best design meets every limit, but is no optimum (KKT residual {:.2g}, above {:g}): the "
+      "solver ended beside one, and a better design may be near (solver.starts, solver.seed and "
+      "solver.refine lead it other ways)",
+      set.kkt_residual, optimize::kStationary));
+}
+
 Optimization::Best best_of(const OptimizeTask& task, const optimize::Specification& spec,
                            const optimize::RefinedSet& set) {
   design::Design found = optimize::design_of(spec, set);
@@ -189,7 +198,7 @@ std::string why_not_relaxed(const OptimizeTask& task, const optimize::OptimizeRe
            "allowances in um where modules are searched";
   }
   const bool any = std::ranges::any_of(result.refined, [](const optimize::RefinedSet& set) {
-    return set.status == optimize::Status::kOptimal;
+    return optimize::has_design(set.status);
   });
   if (any) return "there are designs, but no motor drives one within its limits";
   const report::ResultTally tally = report::tally_of(result);
@@ -198,6 +207,10 @@ std::string why_not_relaxed(const OptimizeTask& task, const optimize::OptimizeRe
         "the grids of shifts of {} of the tooth sets were not searched to the end "
         "(solver.grid_relaxations = {}), so it may be that none has to",
         tally.cut_without_design, task.spec.solver.grid_relaxations);
+  }
+  if (report::only_failed(tally)) {
+    return fmt::format("the solver failed on {} of the tooth sets, which may have designs as it is",
+                       tally.status[static_cast<std::size_t>(optimize::Status::kFailed)]);
   }
   const std::size_t by_load = tally.blocked_by_load;
   if (by_load > 0) {
@@ -322,6 +335,7 @@ Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks,
   outcome.interrupted = outcome.result.interrupted || (outcome.front && outcome.front->interrupted);
   if (outcome.result.best) {
     outcome.best = best_of(task, task.spec, *outcome.result.best);
+    note_not_stationary(*outcome.result.best, outcome.best->evaluation.notes);
     if (std::string cut =
             report::grid_cut_text(task.spec, report::tally_of(outcome.result).grid_cut);
         !cut.empty()) {
@@ -348,6 +362,10 @@ Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks,
       outcome.relaxed = optimize::relax_limits(to_be_relaxed(task), outcome.result, progress);
       outcome.interrupted = outcome.interrupted || outcome.relaxed->interrupted;
       tell_with_model(task, *outcome.relaxed);
+    } else if (!nearest_motor(task.spec, outcome.result) &&
+               report::tally_of(outcome.result).blocked_by_load > 0) {
+      outcome.carried = carried_torque(task.spec, progress);
+      outcome.interrupted = outcome.interrupted || progress.stop;
     }
   }
   if (task.model) {

@@ -64,6 +64,12 @@ struct OptimizeHooks {
   std::function<void(const optimize::FrontStep&)> on_front_step = {};
 };
 
+/// The tooth set that carries most where none carries the load.
+struct CarriedTorque {
+  train::ToothSet teeth;
+  double torque_Nm = 0.0;  ///< at R2, with every other limit kept
+};
+
 struct Optimization {
   /// Of a specification that asks for built gearboxes.  Where it chose nothing, the rest is empty.
   std::optional<report::RobustRun> robust;
@@ -86,6 +92,9 @@ struct Optimization {
   /// there is none and that was asked for.
   std::optional<optimize::RelaxedLimits> relaxed;
   std::string not_relaxed{};  ///< why that was not asked, where there is no design; else ""
+  /// What can be carried, where the load blocks sets and there is no design, and that was asked
+  /// for.
+  std::optional<CarriedTorque> carried{};
   /// The best design rounded to what is made; where that was asked for and there is one.
   std::optional<optimize::Rounding> rounding;
   /// As files state the best of `rounding`; where it has one.
@@ -107,11 +116,6 @@ struct Optimization {
 /// @throws std::invalid_argument for a task whose limits are unreachable
 Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks, optimize::Progress& progress);
 
-/// The tooth set that carries most where none carries the load.
-struct CarriedTorque {
-  train::ToothSet teeth;
-  double torque_Nm = 0.0;  ///< at R2, with every other limit kept
-};
 /// The most that a tooth set of the specification carries, found by refining all of them for it;
 /// empty where no limit stress is stated, no set has a design at a thousandth of the stated torque,
 /// or one carries what is asked for.

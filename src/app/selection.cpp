@@ -15,7 +15,7 @@ std::vector<report::MadeGearbox> make_gearboxes(io::SelectionFiles& files,
     restart(progress);
     const optimize::OptimizeResult result = optimize::optimize(spec, progress);
     for (const optimize::RefinedSet& set : result.refined) {
-      if (set.status != optimize::Status::kOptimal) continue;
+      if (!optimize::has_design(set.status)) continue;
       actuator::CatalogueGearbox g;
       g.name = report::teeth_text(set.candidate.teeth);
       g.gearbox.ratio = train::ratio(set.candidate.teeth);

@@ -33,12 +33,12 @@ TaskResult without_design(TaskStatus status, std::string reason) {
   return result;
 }
 
-/// The best of the optimal sets, first.
+/// The best of the sets with a design, first.
 std::vector<const optimize::RefinedSet*> best_sets(const optimize::Specification& spec,
                                                    const optimize::OptimizeResult& result) {
   std::vector<const optimize::RefinedSet*> sets;
   for (const optimize::RefinedSet& set : result.refined) {
-    if (set.status == optimize::Status::kOptimal) sets.push_back(&set);
+    if (optimize::has_design(set.status)) sets.push_back(&set);
   }
   std::ranges::stable_sort(sets, std::ranges::greater(), [&](const optimize::RefinedSet* set) {
     // The one that the search calls best comes first, whatever ties there are.
@@ -94,13 +94,9 @@ TaskResult solve(const optimize::Specification& spec, optimize::Progress& progre
   }
   const report::ResultTally tally = report::tally_of(found.result);
   if (!found.best) {
-    const auto count = [&](optimize::Status status) {
-      return tally.status[static_cast<std::size_t>(status)];
-    };
-    const bool all_failed =
-        count(optimize::Status::kFailed) > 0 && count(optimize::Status::kNoFeasibleFound) == 0;
-    result = without_design(all_failed ? TaskStatus::kFailed : TaskStatus::kNoFeasibleDesign,
-                            report::blocking_text(task.spec, found.result, tally));
+    result = without_design(
+        report::only_failed(tally) ? TaskStatus::kFailed : TaskStatus::kNoFeasibleDesign,
+        report::blocking_text(task.spec, found.result, tally));
   } else {
     const bool sound = design::all_ok(found.best->evaluation.checks);
     result.status = sound ? TaskStatus::kOptimal : TaskStatus::kFailed;

@@ -149,7 +149,7 @@ class FrontJournal {
       if (set.index == 2 * steps.size()) {
         step.refined.push_back(std::move(set));
       } else if (set.index == 2 * steps.size() + 1) {
-        if (set.status == optimize::Status::kOptimal) step.best = std::move(set);
+        if (optimize::has_design(set.status)) step.best = std::move(set);
         steps.push_back(std::exchange(step, {}));
       } else {
         break;
@@ -334,13 +334,7 @@ ExitCode end_without_limits(const app::OptimizeTask& task, const app::Optimizati
   return kNoFeasibleDesign;
 }
 
-/// What the load leaves: a search of its own.
-void say_carried_torque(const optimize::Specification& spec, const OptimizeOptions& options) {
-  if (!options.quiet) say("what can be carried with every other limit kept:\n");
-  optimize::Progress progress;
-  const ProgressDisplay display(progress, options.quiet);
-  const auto carried = app::carried_torque(spec, progress);
-  if (!carried) return;
+void say_carried_torque(const optimize::Specification& spec, const app::CarriedTorque& carried) {
   std::string held;
   if (const auto& k = spec.rating->factors.held_mesh_load) {
     held = fmt::format(", at the K_gamma that the last search held ({:.3g}, {:.3g}, {:.3g})",
@@ -349,16 +343,17 @@ void say_carried_torque(const optimize::Specification& spec, const OptimizeOptio
   say(fmt::format(
       "the load forbids it: with every other limit kept {} carries most, {:.4g} N m of the {:.4g} "
       "N m that are asked for{}\n",
-      report::teeth_text(carried->teeth), carried->torque_Nm, spec.rating->torque_Nm, held));
+      report::teeth_text(carried.teeth), carried.torque_Nm, spec.rating->torque_Nm, held));
 }
 
-ExitCode end_without_design(const app::OptimizeTask& task, const OptimizeRun& run,
-                            const OptimizeOptions& options) {
-  if (run.outcome.interrupted && !run.outcome.relaxed) return kInterrupted;
+ExitCode end_without_design(const app::OptimizeTask& task, const OptimizeRun& run) {
+  if (run.outcome.result.interrupted) return kInterrupted;
   if (const auto nearest = app::nearest_motor(task.spec, run.outcome.result)) {
-    say(report::no_motor_text(
-            *actuator::co_design_of(task.spec.cycle_energy.get()),
-            run.tally.status[static_cast<std::size_t>(optimize::Status::kOptimal)], *nearest) +
+    const auto designs = static_cast<std::size_t>(std::ranges::count_if(
+        run.outcome.result.refined,
+        [](const optimize::RefinedSet& set) { return optimize::has_design(set.status); }));
+    say(report::no_motor_text(*actuator::co_design_of(task.spec.cycle_energy.get()), designs,
+                              *nearest) +
         '\n');
     return kNoFeasibleDesign;
   }
@@ -369,13 +364,8 @@ ExitCode end_without_design(const app::OptimizeTask& task, const OptimizeRun& ru
                     run.outcome.not_relaxed));
   }
   if (run.outcome.interrupted) return kInterrupted;
-  if (run.tally.blocked_by_load > 0) say_carried_torque(task.spec, options);
-  const auto count = [&](optimize::Status status) {
-    return run.tally.status[static_cast<std::size_t>(status)];
-  };
-  const bool all_failed =
-      count(optimize::Status::kFailed) > 0 && count(optimize::Status::kNoFeasibleFound) == 0;
-  return all_failed ? kSolverFailure : kNoFeasibleDesign;
+  if (run.outcome.carried) say_carried_torque(task.spec, *run.outcome.carried);
+  return report::only_failed(run.tally) ? kSolverFailure : kNoFeasibleDesign;
 }
 
 /// Whether the object of a summary has a member of its own: those within members are indented
@@ -428,6 +418,7 @@ const char* open_part(const app::Optimization& o) {
     return "the limits that would have to give way, which it begins anew";
   }
   if (o.rounding) return "the rounding, which it begins anew";
+  if (!o.best) return "what can be carried, which it begins anew";
   return "the search without the model, which it begins anew";
 }
 
@@ -494,7 +485,7 @@ ExitCode run_optimize(const OptimizeOptions& options) {
     front.remove();
   }
   held.reset();
-  if (!outcome.best) return end_without_design(task, result, options);
+  if (!outcome.best) return end_without_design(task, result);
   print_results(task, result, options);
   const design::Evaluation& best = outcome.best->evaluation;
   if (!best.efficiency.backdrivable && !options.quiet) {

@@ -22,8 +22,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// The signal handler reaches the run through this; lock-free by the standard's atomic<bool> here.
-std::atomic<std::atomic<bool>*> stop_flag{nullptr};
+// The signal handler reaches the run through this; lock-free as StopFlag is.
+std::atomic<optimize::StopFlag*> stop_flag{nullptr};
 
 extern "C" void on_interrupt_without_progress(int) {
   constexpr std::string_view kMessage = "interrupted\n";
@@ -33,7 +33,7 @@ extern "C" void on_interrupt_without_progress(int) {
 }
 
 extern "C" void on_interrupt(int signal) {
-  std::atomic<bool>* const flag = stop_flag.load();
+  optimize::StopFlag* const flag = stop_flag.load();
   // One that was held until after the run: what it found is written.
   if (flag == nullptr) return on_interrupt_without_progress(signal);
   *flag = true;
@@ -117,12 +117,10 @@ struct ProgressDisplay::State {
 
   /// Ends the search of a front when its time is spent.
   void keep_budget() {
-    using Budget = optimize::Progress::Budget;
-    Budget open = Budget::kOpen;
-    if (progress.front_budget.load() != open) return;
+    if (!progress.stop.part_is_open()) return;
     if (!front_began_s) front_began_s = elapsed_s();
     if (elapsed_s() - *front_began_s < front_budget_s) return;
-    if (progress.front_budget.compare_exchange_strong(open, Budget::kSpent)) progress.stop = true;
+    progress.stop.end_part();
   }
 
   void show() {

@@ -36,11 +36,11 @@ using sweep::Database, sweep::Process, sweep::Store;
 
 // Signal handlers reach the run through these; lock-free, as atomics of these types are here.
 std::atomic<bool> sweep_stop{false};
-std::atomic<std::atomic<bool>*> task_stop{nullptr};
+std::atomic<optimize::StopFlag*> task_stop{nullptr};
 
 extern "C" void stop_sweep(int signal) {
   sweep_stop = true;
-  if (std::atomic<bool>* flag = task_stop.load()) *flag = true;
+  if (optimize::StopFlag* flag = task_stop.load()) *flag = true;
   // A second one ends the process at once.
   std::signal(signal, SIG_DFL);
 }

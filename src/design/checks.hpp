@@ -210,6 +210,9 @@ struct CheckInstance {
   std::string at{};    ///< of kThermal...: "60 C", else ""
 };
 inline constexpr double kFeasibilityTolerance = 1e-6;
+/// What bounds of feasible designs allow for: they may miss a limit by kFeasibilityTolerance of its
+/// scale, and rounding.
+inline constexpr double kFeasibilitySlack = 2.0 * kFeasibilityTolerance;
 
 /// Kinds of gears and meshes that a list of checks is made for.
 struct GearingLayout {

@@ -24,7 +24,7 @@ constexpr double kWorthOfTolerance = 10.0 * design::kFeasibilityTolerance;
 /// @param residual  of the best end; kept up to date
 /// @returns whether it took it
 bool take_polished(BestEnd& best, const SolveOutcome& polished, double& residual) {
-  if (!feasible(polished)) return false;
+  if (!polished.feasible()) return false;
   const double gain = best.outcome.objective - polished.objective;
   const double own = kkt_residual(*best.problem, polished.v);
   const bool makes_stationary = own <= kStationary && !(residual <= kStationary);
@@ -75,10 +75,6 @@ SolveOutcome solve(const RefinementProblem& problem, const Point& start,
                    const SlsqpOptions& options) {
   return problem.spec->solver.refine == Refine::kIpopt ? solve_ipopt(problem, start)
                                                        : solve_slsqp(problem, start, options);
-}
-
-bool feasible(const SolveOutcome& outcome) {
-  return outcome.violation <= design::kFeasibilityTolerance;
 }
 
 double polish(BestEnd& best) {

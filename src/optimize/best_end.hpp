@@ -14,9 +14,6 @@ namespace gear3k::optimize {
 SolveOutcome solve(const RefinementProblem& problem, const Point& start,
                    const SlsqpOptions& options = {});
 
-/// Whether every row is met to kFeasibilityTolerance.
-bool feasible(const SolveOutcome& outcome);
-
 /// The best end of all starts, or the one that violates least.
 struct BestEnd {
   std::optional<RefinementProblem> problem;
@@ -25,7 +22,7 @@ struct BestEnd {
 
   void offer(const RefinementProblem& p, const SolveOutcome& o) {
     if (!std::isfinite(o.violation)) return;
-    const bool ok = feasible(o);
+    const bool ok = o.feasible();
     const bool better =
         !problem || (ok && !found) ||
         (ok == found && (ok ? o.objective < outcome.objective : o.violation < outcome.violation));

@@ -59,7 +59,7 @@ bool others_conflict(const RefinementProblem& problem, const Point& v, std::stri
   for (std::size_t k = 0; k < at.g.size(); ++k) {
     if (problem.rows[k].name != name) violation = std::max(violation, -at.g[k]);
   }
-  if (violation <= design::kFeasibilityTolerance) return false;
+  if (is_feasible(violation)) return false;
   const auto n = static_cast<std::size_t>(problem.variables);
   const Eigen::Index rows = problem.variables + 1;
   Eigen::MatrixXd columns =
@@ -92,7 +92,7 @@ std::optional<SolveOutcome> least_violation_alone(const RefinementProblem& probl
                                                   const Point& from, std::string_view name) {
   const auto meets_others = [&](const SolveOutcome& alone) {
     return std::isfinite(alone.violation) &&
-           violation_of_others(problem, alone.v, name) <= design::kFeasibilityTolerance;
+           is_feasible(violation_of_others(problem, alone.v, name));
   };
   const SolveOutcome alone = least_violation(problem, from, {}, name);
   if (meets_others(alone)) return alone;
@@ -100,7 +100,7 @@ std::optional<SolveOutcome> least_violation_alone(const RefinementProblem& probl
   RefinementProblem without = problem;
   std::erase_if(without.rows, [&](const ConstraintRow& row) { return row.name == name; });
   const SolveOutcome others = least_violation(without, from, {});
-  if (!(others.violation <= design::kFeasibilityTolerance)) return std::nullopt;
+  if (!others.feasible()) return std::nullopt;
   const SolveOutcome again = least_violation(problem, others.v, {}, name);
   if (meets_others(again)) return again;
   return std::nullopt;
@@ -146,7 +146,7 @@ std::optional<SolveOutcome> name_blocking_constraints(const RefinementProblem& p
     if (others_conflict(problem, nearest.v, miss.name)) continue;
     const auto alone = least_violation_alone(problem, nearest.v, miss.name);
     if (!alone) continue;
-    if (alone->violation <= design::kFeasibilityTolerance) {
+    if (alone->feasible()) {
       set.blocked_by.clear();
       return alone;
     }

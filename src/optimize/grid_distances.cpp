@@ -13,8 +13,6 @@ namespace {
 using train::kMeshCount, train::kS, train::kP1, train::kR1, train::kP2, train::kR2;
 using MeshRanges = std::array<std::array<long, 2>, kMeshCount>;
 
-/// Feasible points may miss a limit by less than this, in units of its scale.
-constexpr double kEased = 2.0 * design::kFeasibilityTolerance;
 /// More sums than these rule out little, and take long to look through or for.
 constexpr std::size_t kMostSums = 10'000, kMostLooks = 4 * kMostSums;
 constexpr double kAngleSlack = 1e-9;  ///< of an angle [rad]: rounding
@@ -35,7 +33,7 @@ std::optional<BacklashLimits> backlash_limits(const RefinementProblem& problem,
   std::optional<double> most_rad;
   for (const ConstraintRow& row : problem.rows) {
     if (!row.check) continue;
-    const double eased = kEased * row.check->scale;
+    const double eased = design::kFeasibilitySlack * row.check->scale;
     if (row.check->record->id == design::CheckId::kNormalBacklash) {
       double& least = range[static_cast<std::size_t>(row.check->subject.member)].lo;
       least = std::max(least, row.check->limit - eased);

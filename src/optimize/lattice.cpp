@@ -81,9 +81,6 @@ std::optional<std::size_t> CutGains::best_axis(const LatticeBox& box,
 }
 
 SolveOutcome best_within(const RefinementProblem& problem, Point start, bool give_up) {
-  const auto feasible = [](const SolveOutcome& outcome) {
-    return outcome.violation <= design::kFeasibilityTolerance;
-  };
   for (std::size_t k = 0; k < static_cast<std::size_t>(problem.variables); ++k) {
     start[k] = std::clamp(start[k], problem.lower[k], problem.upper[k]);
   }
@@ -93,9 +90,9 @@ SolveOutcome best_within(const RefinementProblem& problem, Point start, bool giv
     near.f_tolerance = 1e-11;
   }
   const SolveOutcome end = solve_slsqp(problem, start, near);
-  if (feasible(end)) return end;
+  if (end.feasible()) return end;
   const SolveOutcome met = least_violation(problem, start, give_up ? near : SlsqpOptions{});
-  return feasible(met) ? solve_slsqp(problem, met.v, {}) : met;
+  return met.feasible() ? solve_slsqp(problem, met.v, {}) : met;
 }
 
 bool search_boxes(const BoxProblem& problem, BoxNode root) {

@@ -476,12 +476,12 @@ bool LimitPrice::unique() const {
 void lower_to_carried_torque(const RefinementProblem& problem, Point& v) {
   if (problem.torque == 0) return;
   double& torque = v[problem.torque];
-  if (outcome_at(problem, v).violation <= kActiveLimit) return;
+  if (outcome_at(problem, v).feasible()) return;
   double carried = problem.lower[problem.torque], beyond = torque;
   constexpr int kHalvings = 60;
   for (int i = 0; i < kHalvings; ++i) {
     torque = 0.5 * (carried + beyond);
-    (outcome_at(problem, v).violation <= 0.0 ? carried : beyond) = torque;
+    (outcome_at(problem, v).feasible() ? carried : beyond) = torque;
   }
   torque = carried;
 }
@@ -501,24 +501,18 @@ std::optional<SetProblem> problem_of(const Specification& spec, const RefinedSet
     const auto& range = spec.module[stage].range_m;
     if (!range || !(range->min < range->max)) fixed[stage] = set.train.module_m[stage];
   }
-  const bool parts = has_objective_branches(first_objective(spec), spec);
   const train::TrainParameters<double> train = train_of(spec, set);
   const double torque_Nm = set.torque_capacity_Nm.value_or(0.0);
   std::optional<SetProblem> best;
-  int branches = 1;
-  for (int backlash = 1; backlash <= branches; ++backlash) {
-    for (const int part : parts ? std::vector{1, 2} : std::vector{0}) {
-      SetProblem own{.problem = make_refinement_problem(spec, set.candidate, fixed,
-                                                        {.backlash = backlash, .objective = part})};
-      if (own.problem.has_branches) branches = 2;
-      own.problem.cutter_teeth = set.train.cutter_teeth;
-      own.v = point_of(own.problem, train,
-                       {.face_width_m = set.train.face_width_m, .torque_Nm = torque_Nm});
-      lower_to_carried_torque(own.problem, own.v);
-      if (!(outcome_at(own.problem, own.v).violation <= slack)) continue;
-      own.kkt_residual = kkt_residual(own.problem, own.v);
-      if (!best || own.kkt_residual < best->kkt_residual) best = std::move(own);
-    }
+  for (const ProblemBranch& branch : branches_of(spec)) {
+    SetProblem own{.problem = make_refinement_problem(spec, set.candidate, fixed, branch)};
+    own.problem.cutter_teeth = set.train.cutter_teeth;
+    own.v = point_of(own.problem, train,
+                     {.face_width_m = set.train.face_width_m, .torque_Nm = torque_Nm});
+    lower_to_carried_torque(own.problem, own.v);
+    if (!(outcome_at(own.problem, own.v).violation <= slack)) continue;
+    own.kkt_residual = kkt_residual(own.problem, own.v);
+    if (!best || own.kkt_residual < best->kkt_residual) best = std::move(own);
   }
   return best;
 }
@@ -528,6 +522,10 @@ HeldBack held_back(const Specification& spec, const RefinedSet& set, const desig
   held.at = bounds_met(spec, set);
   if (spec.shift_step) {
     held.missing = "shifts are multiples of profile_shift.step, between which nothing is";
+    return held;
+  }
+  if (set.status == Status::kNotStationary) {
+    held.missing = "the best design found is no optimum, and limits have prices at one";
     return held;
   }
   const std::optional<SetProblem> own = problem_of(spec, set);
@@ -564,7 +562,7 @@ std::vector<RefinedSet> best_per_planets(const Specification& spec,
     return std::pair(cost_in_steps(first, sense_of(first) * merit_of(spec, set)), set.index);
   };
   for (const RefinedSet& set : refined) {
-    if (set.status != Status::kOptimal) continue;
+    if (!has_design(set.status)) continue;
     const auto same = std::ranges::find_if(best, [&](const RefinedSet& other) {
       return other.candidate.planets == set.candidate.planets;
     });

@@ -60,7 +60,8 @@ struct LimitPrice {
   double loosened = 0.0;
   std::optional<double> tightened{};
   /// What the set gains, refined anew where the limit gives way by its step [SI], with the sense of
-  /// the objective's number; 0 where nothing better was found, empty where it was not refined.
+  /// the objective's number; 0 where nothing better was found, empty where it was not refined or
+  /// that failed.
   std::optional<double> refined_gain_si{};
   [[nodiscard]] bool unique() const;
 };
@@ -117,7 +118,7 @@ struct SetProblem {
 };
 /// @param slack  by how much rows may be missed at that point (scaled)
 std::optional<SetProblem> problem_of(const Specification& spec, const RefinedSet& set,
-                                     double slack = 2.0 * design::kFeasibilityTolerance);
+                                     double slack = design::kFeasibilitySlack);
 
 /// Lowers the torque of a point, where it is a variable, to the greatest that is carried there.
 void lower_to_carried_torque(const RefinementProblem& problem, Point& v);

@@ -245,16 +245,13 @@ SolveOutcome solve_one_variable(const RefinementProblem& problem, std::size_t ax
     selection = all_rows(problem);
   }
   AlongOne along(problem, axis, at);
-  const auto is_feasible = [](const SolveOutcome& of) {
-    return of.violation <= design::kFeasibilityTolerance;
-  };
   // Rows that nobody looked at let a round go far: the next one begins where the first did.
   const auto refine = [&](const Point& begin) {
     for (int round = 0; round < kMostRounds; ++round) {
       v = begin;
       const bool met = along.search(v, selection);
       outcome = outcome_at(problem, v, values);
-      if (is_feasible(outcome)) return;
+      if (outcome.feasible()) return;
       if (!std::isfinite(outcome.violation)) {
         selection = all_rows(problem);
       } else if (!met || !select(-design::kFeasibilityTolerance, -design::kFeasibilityTolerance)) {
@@ -264,7 +261,7 @@ SolveOutcome solve_one_variable(const RefinementProblem& problem, std::size_t ax
   };
   const SolveOutcome first = outcome;
   refine(Point(v));
-  if (!is_feasible(outcome) && (along.is_stuck() || !std::isfinite(outcome.violation))) {
+  if (!outcome.feasible() && (along.is_stuck() || !std::isfinite(outcome.violation))) {
     // Nothing said where to: from the best of some places of the range.
     SolveOutcome best = outcome;
     for (int k = 1; k < kPlaces; ++k) {
@@ -278,7 +275,7 @@ SolveOutcome solve_one_variable(const RefinementProblem& problem, std::size_t ax
       if (best.violation < outcome.violation) outcome = best;
     }
   }
-  return !is_feasible(outcome) && is_feasible(first) ? first : outcome;
+  return !outcome.feasible() && first.feasible() ? first : outcome;
 }
 
 }  // namespace gear3k::optimize

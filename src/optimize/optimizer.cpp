@@ -232,7 +232,7 @@ class Run {
       }
       if (!refined[i]) return;
       refined[i]->index = k;
-      if (refined[i]->status == Status::kOptimal) {
+      if (has_design(refined[i]->status)) {
         const double value = merit_of(spec_, *refined[i]);
         double seen = progress_.best_merit.load();
         while (value > seen && !progress_.best_merit.compare_exchange_weak(seen, value)) {
@@ -252,7 +252,7 @@ class Run {
   }
 
   void offer(const RefinedSet& set) {
-    if (set.status != Status::kOptimal || is_driven_by_none(set)) return;
+    if (!has_design(set.status) || is_driven_by_none(set)) return;
     if (!result_.best) {
       result_.best = set;
       return;

@@ -24,7 +24,7 @@ std::vector<std::size_t> pareto_front(const std::vector<RefinedSet>& sets, bool 
   std::vector<Entry> entries;
   entries.reserve(sets.size());
   for (std::size_t k = 0; k < sets.size(); ++k) {
-    if (sets[k].status == Status::kOptimal) {
+    if (has_design(sets[k].status)) {
       entries.push_back({.costs = costs_of(sets[k]), .index = k});
     }
   }

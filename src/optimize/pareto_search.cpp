@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <thread>
 #include <utility>
 
 #include "optimize/front_gaps.hpp"
@@ -19,7 +18,6 @@ namespace {
 /// Limits give way by this share of an objective's scale: refined values may lie beyond what is
 /// feasible, efficiencies by less than lost motion and sizes, which are themselves limits.
 constexpr double kLimitSlack = 20.0 * design::kFeasibilityTolerance;
-constexpr double kEfficiencySlack = 2.0 * design::kFeasibilityTolerance;
 /// Limits on lost motion within which sets are asked for their least first, over what bounds it:
 /// of examples/ratio-96.toml most have a design beyond.
 constexpr double kNarrow = 1.08;
@@ -60,7 +58,7 @@ Specification limited(const Specification& spec, Objective first,
 }
 
 double slack_of(const Specification& spec, Objective objective) {
-  return is_efficiency(objective) ? kEfficiencySlack
+  return is_efficiency(objective) ? design::kFeasibilitySlack
                                   : kLimitSlack * std::abs(objective_scale(objective, spec));
 }
 
@@ -74,7 +72,7 @@ class FrontSearch {
     }
     learn();
     for (const RefinedSet& set : options.known) {
-      if (set.status == Status::kOptimal) points_.push_back(point_of(set));
+      if (has_design(set.status)) points_.push_back(point_of(set));
     }
     points_ = front_of(std::move(points_));
   }
@@ -85,7 +83,7 @@ class FrontSearch {
     progress_.searches = 0;
     progress_.stage_total = count * count;
     progress_.stage = Progress::Stage::kFrontEnds;
-    progress_.front_budget = Progress::Budget::kOpen;
+    progress_.stop.open_part();
     const auto anchors = anchor_points();
     if (anchors.size() == count) {
       front_.ideal.resize(count);
@@ -105,11 +103,7 @@ class FrontSearch {
     front_.points = front_of(std::move(points_));
     measure();
     progress_.stage = Progress::Stage::kOne;
-    if (progress_.front_budget.exchange(Progress::Budget::kNone) == Progress::Budget::kSpent) {
-      while (!progress_.stop.load()) std::this_thread::yield();
-      progress_.stop = false;
-      front_.ended = ParetoFront::Ended::kBudget;
-    }
+    if (progress_.stop.close_part()) front_.ended = ParetoFront::Ended::kBudget;
     front_.interrupted = progress_.stop.load();
     if (front_.interrupted) front_.ended = ParetoFront::Ended::kInterrupted;
     return std::move(front_);
@@ -332,7 +326,7 @@ class FrontSearch {
   [[nodiscard]] bool covers(const ParetoPoint& a, const ParetoPoint& b) const {
     for (std::size_t k = 0; k < spec_.objectives.size(); ++k) {
       const double slack = is_efficiency(spec_.objectives[k])
-                               ? kEfficiencySlack
+                               ? design::kFeasibilitySlack
                                : 4.0 * kLimitSlack * objective_scale(spec_.objectives[k], spec_);
       if (cost(k, a.values[k]) > cost(k, b.values[k]) + slack) return false;
     }

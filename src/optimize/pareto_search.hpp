@@ -31,7 +31,7 @@ struct ParetoFront {
   /// Refinements in them that cut the search of a grid of shifts short.
   std::size_t grid_cut = 0;
   /// Why it ended: with the designs asked for, with less than kFrontFound missing, after
-  /// kMostSearches for each design, when its time was spent (Progress::front_budget), when the run
+  /// kMostSearches for each design, when its time was spent (StopFlag::end_part()), when the run
   /// was stopped, or because an objective alone has no design.
   enum class Ended { kDesigns, kFound, kSearches, kBudget, kInterrupted, kNoEnds };
   Ended ended = Ended::kNoEnds;

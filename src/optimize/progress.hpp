@@ -3,6 +3,8 @@
 #include <atomic>
 #include <cstddef>
 
+#include "optimize/stop_flag.hpp"
+
 namespace gear3k::optimize {
 
 /// Counters of a run that another thread may watch, and its switch.
@@ -41,11 +43,9 @@ struct Progress {
   std::atomic<std::size_t> feasible{0};
   std::atomic<double> best_merit{0.0};       ///< meaningless while feasible is 0
   std::atomic<double> shown_per_merit{1.0};  ///< of the objective in its unit
-  std::atomic<bool> stop{false};             ///< set it to end the run, keeping what is done
-  /// A front that is sought may be ended by who counts its time: whoever takes kOpen to kSpent sets
-  /// `stop`, which the front takes back.
-  enum class Budget { kNone, kOpen, kSpent };
-  std::atomic<Budget> front_budget{Budget::kNone};
+  /// Set it to end the run, keeping what is done.  A front that is sought is a part, which who
+  /// counts its time may end.
+  StopFlag stop;
 };
 
 }  // namespace gear3k::optimize

@@ -69,7 +69,7 @@ void cross_contact_ratio_kinks(BestEnd& best) {
       const RefinementProblem beyond =
           with_contact_ratio_bound(problem, mesh, above ? kink - kBeyond : kink + kBeyond, below);
       const SolveOutcome crossed = solve_slsqp(beyond, from, {});
-      if (feasible(crossed)) best.offer(problem, solve(problem, crossed.v));
+      if (crossed.feasible()) best.offer(problem, solve(problem, crossed.v));
     }
   }
 }
@@ -107,7 +107,7 @@ bool near_bound(const RefinementProblem& problem, const SolveOutcome& end, const
 std::optional<SolveOutcome> nearest_of_two(const RefinementProblem& problem, const Point& end,
                                            const Point& start) {
   const SolveOutcome one = least_violation(problem, end, {});
-  if (!std::isfinite(one.violation) || feasible(one)) return std::nullopt;
+  if (!std::isfinite(one.violation) || one.feasible()) return std::nullopt;
   const SolveOutcome two = least_violation(problem, start, {});
   constexpr double kSameViolation = 0.01;  // of it
   if (!(std::abs(two.violation - one.violation) <= kSameViolation * one.violation)) {
@@ -159,7 +159,7 @@ void fill_optimum(const Specification& spec, const BestEnd& best, double residua
                .face_width_m = load.face_width_m,
                .cutter_teeth = best.problem->cutter_teeth};
   set.kkt_residual = residual;
-  set.status = set.kkt_residual <= kStationary ? Status::kOptimal : Status::kFailed;
+  set.status = set.kkt_residual <= kStationary ? Status::kOptimal : Status::kNotStationary;
   const auto train = train::make_train_geometry(parameters);
   const auto j_bn = backlash::normal_backlashes(*train);
   set.lost_motion_rad = backlash::output_lost_motion(*train, j_bn, spec.limits.model);
@@ -212,15 +212,14 @@ bool stays_at_kink(const BestEnd& best) {
 }
 
 /// Goes on from further starts, until a feasible point is found.
-void take_more_starts(const RefinementProblem& problem, const std::atomic<bool>& stop,
-                      BestEnd& best) {
+void take_more_starts(const RefinementProblem& problem, const StopFlag& stop, BestEnd& best) {
   constexpr int kMore = 8;
   const Solver& solver = problem.spec->solver;
   const std::vector<Point> starts = starting_points(problem, solver.starts + kMore, solver.seed);
   for (std::size_t k = static_cast<std::size_t>(solver.starts); k < starts.size(); ++k) {
     if (stop.load(std::memory_order_relaxed) || best.found) return;
     const SolveOutcome nearest = least_violation(problem, solve(problem, starts[k]).v, {});
-    if (!feasible(nearest)) continue;
+    if (!nearest.feasible()) continue;
     best.offer(problem, nearest);
     best.offer(problem, solve(problem, nearest.v));
   }
@@ -229,14 +228,12 @@ void take_more_starts(const RefinementProblem& problem, const std::atomic<bool>&
 /// The best end of one problem from several starts, that of its bound first, a known design last.
 /// @returns empty when `stop` became true
 std::optional<BestEnd> best_of_starts(const RefinementProblem& problem, const SetBound& bound,
-                                      const std::atomic<bool>& stop,
-                                      const KnownTrain* known = nullptr) {
+                                      const StopFlag& stop, const KnownTrain* known = nullptr) {
   const Specification& spec = *problem.spec;
   BestEnd local;
   std::vector<Point> ends;
   std::vector<Point> starts = starting_points(problem, spec.solver.starts, spec.solver.seed,
                                               bound.known ? &bound : nullptr);
-  if (known != nullptr) starts.push_back(point_of(problem, known->train, known->load));
   for (const Point& start : starts) {
     if (stop.load(std::memory_order_relaxed)) return std::nullopt;
     if (ends.size() == 1 && !local.found && known == nullptr) {
@@ -248,17 +245,25 @@ std::optional<BestEnd> best_of_starts(const RefinementProblem& problem, const Se
     }
     const bool near = bound.known && ends.empty();
     const SolveOutcome end = solve(problem, start, near ? kNearTheEnd : SlsqpOptions{});
-    const bool alike =
-        local.found && feasible(end) && std::abs(end.objective - local.outcome.objective) <= kAlike;
+    const bool alike = local.found && end.feasible() &&
+                       std::abs(end.objective - local.outcome.objective) <= kAlike;
     ends.push_back(end.v);
     local.offer(problem, end);
     if (local.found && near_bound(problem, local.outcome, bound, alike)) break;
+  }
+  if (known != nullptr && !stop.load(std::memory_order_relaxed)) {
+    const SolveOutcome end = solve(problem, point_of(problem, known->train, known->load));
+    ends.push_back(end.v);
+    local.offer(problem, end);
+    if (!end.feasible()) {
+      local.offer(problem, outcome_at(problem, point_of(problem, known->train, known->load)));
+    }
   }
   for (std::size_t k = 0; k < ends.size() && !local.found; ++k) {
     if (stop.load(std::memory_order_relaxed)) return std::nullopt;
     const SolveOutcome nearest = least_violation(problem, ends[k], {});
     local.offer(problem, nearest);
-    if (feasible(nearest)) local.offer(problem, solve(problem, nearest.v));
+    if (nearest.feasible()) local.offer(problem, solve(problem, nearest.v));
   }
   if (stays_at_kink(local)) take_more_starts(problem, stop, local);
   if (local.found) cross_contact_ratio_kinks(local);
@@ -270,7 +275,7 @@ class SetSearch {
  public:
   /// @param to_beat  scaled objective
   /// @param known  see KnownOfSet::design
-  SetSearch(const Specification& spec, double to_beat, const std::atomic<bool>& stop,
+  SetSearch(const Specification& spec, double to_beat, const StopFlag& stop,
             const KnownTrain* known)
       : spec_(spec),
         choices_(cutter_choices(spec)),
@@ -296,16 +301,15 @@ class SetSearch {
       return is_of_load(problem.objective) ? try_every_cutter(problem, bound, best)
                                            : choose_cutters(problem, bound);
     }
-    const std::optional<BestEnd> local = from_starts(problem, bound, known_);
+    const std::optional<BestEnd> local = from_starts(problem, bound);
     if (local) take(*local);
     return local.has_value() && !stop_.load(std::memory_order_relaxed);
   }
 
  private:
-  std::optional<BestEnd> from_starts(const RefinementProblem& problem, const SetBound& bound,
-                                     const KnownTrain* known = nullptr) {
+  std::optional<BestEnd> from_starts(const RefinementProblem& problem, const SetBound& bound) {
     ++refinements_;
-    return best_of_starts(problem, bound, stop_, known);
+    return best_of_starts(problem, bound, stop_, known_);
   }
 
   void take(const BestEnd& local) {
@@ -368,11 +372,11 @@ class SetSearch {
     }
     std::ranges::stable_sort(chosen, {}, &Chosen::violation);
     BestEnd best;
-    const bool proven = chosen.front().violation <= design::kFeasibilityTolerance;
+    const bool proven = is_feasible(chosen.front().violation);
     for (const Chosen& own : chosen) {
       if (stop_.load(std::memory_order_relaxed)) return false;
       if (best_.found && !(any->outcome.objective < best_.outcome.objective)) break;
-      const bool as_it_is = own.violation <= design::kFeasibilityTolerance;
+      const bool as_it_is = is_feasible(own.violation);
       BestEnd end;
       end.offer(own.problem, as_it_is ? outcome_at(own.problem, any->outcome.v)
                                       : best_within(own.problem, any->outcome.v));
@@ -394,7 +398,7 @@ class SetSearch {
   const Specification& spec_;
   std::vector<std::array<int, 2>> choices_;
   double to_beat_;
-  const std::atomic<bool>& stop_;
+  const StopFlag& stop_;
   const KnownTrain* known_;
   BestEnd best_;
   bool bounded_ = false, cut_ = false;
@@ -419,26 +423,17 @@ Refiner::Refiner(const Specification& spec) : spec_(&spec) {
   const std::vector<FixedModules> combinations = module_combinations(spec);
   for (const int planets : spec.planets) {
     for (std::size_t modules = 0; modules < combinations.size(); ++modules) {
-      // Either branch of the paper's max() may carry the lower limit, and either part of an
-      // objective may be the larger one.
-      const bool parts = has_objective_branches(first_objective(spec), spec);
-      int branches = 1;
-      for (int backlash = 1; backlash <= branches; ++backlash) {
-        for (const int part : parts ? std::vector{1, 2} : std::vector{0}) {
-          prototypes_.push_back(
-              {.modules = modules,
-               .problem = make_problem_rows(spec, planets, combinations[modules],
-                                            {.backlash = backlash, .objective = part})});
-        }
-        if (prototypes_.back().problem.has_branches) branches = 2;
+      for (const ProblemBranch& branch : branches_of(spec)) {
+        prototypes_.push_back(
+            {.modules = modules,
+             .problem = make_problem_rows(spec, planets, combinations[modules], branch)});
       }
     }
   }
 }
 
 std::optional<RefinedSet> Refiner::refine(const Candidate& candidate, const ShiftRanges& shifts,
-                                          std::span<const ModuleBound> bounds,
-                                          const std::atomic<bool>& stop,
+                                          std::span<const ModuleBound> bounds, const StopFlag& stop,
                                           const KnownOfSet& known) const {
   const Specification& spec = *spec_;
   RefinedSet set;
@@ -495,7 +490,7 @@ std::optional<RefinedSet> Refiner::refine(const Candidate& candidate, const Shif
 }
 
 std::optional<BestOfSet> Refiner::best_end(const Candidate& candidate, const ShiftRanges& shifts,
-                                           const std::atomic<bool>& stop) const {
+                                           const StopFlag& stop) const {
   constexpr double kEndsAlike = 1e-6;
   const Specification& spec = *spec_;
   BestEnd best;
@@ -510,7 +505,7 @@ std::optional<BestOfSet> Refiner::best_end(const Candidate& candidate, const Shi
     for (const Point& start : starts) {
       if (stop.load(std::memory_order_relaxed)) return std::nullopt;
       const SolveOutcome end = solve(problem, start);
-      const bool alike = own.found && feasible(end) &&
+      const bool alike = own.found && end.feasible() &&
                          std::abs(end.objective - own.outcome.objective) <= kEndsAlike;
       own.offer(problem, end);
       if (alike) break;
@@ -519,7 +514,7 @@ std::optional<BestOfSet> Refiner::best_end(const Candidate& candidate, const Shi
     // The picture of the curvature starts afresh there.
     const SolveOutcome nearest =
         own.found ? own.outcome : least_violation(problem, own.outcome.v, {});
-    if (feasible(nearest)) own.offer(problem, solve(problem, nearest.v));
+    if (nearest.feasible()) own.offer(problem, solve(problem, nearest.v));
     best.offer(*own.problem, own.outcome);
   }
   if (!best.found) return BestOfSet{};
@@ -530,7 +525,7 @@ std::optional<BestOfSet> Refiner::best_end(const Candidate& candidate, const Shi
 }
 
 std::optional<RefinedSet> refine(const Specification& spec, const Candidate& candidate,
-                                 const std::atomic<bool>& stop) {
+                                 const StopFlag& stop, const KnownTrain* known) {
   Progress progress;
   const std::array one{candidate};
   SetBounds bounds(spec, one, progress);
@@ -540,11 +535,11 @@ std::optional<RefinedSet> refine(const Specification& spec, const Candidate& can
   Specification own = spec;
   own.planets = {candidate.planets};
   return Refiner(own).refine(candidate, bounds.shifts().of(candidate.teeth), bounds.by_modules(0),
-                             stop);
+                             stop, {.design = known});
 }
 
 RefinedSet refine(const Specification& spec, const Candidate& candidate) {
-  const std::atomic<bool> never{false};
+  const StopFlag never;
   return *refine(spec, candidate, never);
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 // Refines one tooth set.
 
-#include <atomic>
 #include <optional>
 #include <span>
 #include <vector>
@@ -9,6 +8,7 @@
 #include "optimize/refined_set.hpp"
 #include "optimize/refinement_problem.hpp"
 #include "optimize/set_bounds.hpp"
+#include "optimize/stop_flag.hpp"
 
 namespace gear3k::optimize {
 
@@ -22,8 +22,8 @@ struct KnownTrain {
 struct KnownOfSet {
   /// merit_of() that is of no use: a set whose grid has nothing above it is bounded.
   double to_beat = -kInfinity;
-  /// A feasible design: one more start, so that none is given up that has one.  Must outlive the
-  /// call.
+  /// A feasible design: one more start of every problem, the last, so that none is given up that
+  /// has one.  Must outlive the call.
   const KnownTrain* design = nullptr;
 };
 
@@ -52,7 +52,7 @@ class Refiner {
   [[nodiscard]] std::optional<RefinedSet> refine(const Candidate& candidate,
                                                  const ShiftRanges& shifts,
                                                  std::span<const ModuleBound> bounds,
-                                                 const std::atomic<bool>& stop,
+                                                 const StopFlag& stop,
                                                  const KnownOfSet& known = {}) const;
 
   /// The best end that a set's starts find, which is not polished: the last starts first, and no
@@ -60,7 +60,7 @@ class Refiner {
   /// @returns empty when `stop` became true before that
   [[nodiscard]] std::optional<BestOfSet> best_end(const Candidate& candidate,
                                                   const ShiftRanges& shifts,
-                                                  const std::atomic<bool>& stop) const;
+                                                  const StopFlag& stop) const;
 
  private:
   const Specification* spec_;
@@ -73,8 +73,9 @@ class Refiner {
 
 /// Refines one tooth set by itself.
 RefinedSet refine(const Specification& spec, const Candidate& candidate);
+/// @param known  see KnownOfSet::design
 /// @returns empty when `stop` became true before it was done
 std::optional<RefinedSet> refine(const Specification& spec, const Candidate& candidate,
-                                 const std::atomic<bool>& stop);
+                                 const StopFlag& stop, const KnownTrain* known = nullptr);
 
 }  // namespace gear3k::optimize

@@ -17,14 +17,27 @@ namespace gear3k::optimize {
 inline constexpr double kStationary = 1e-4;
 
 /// optimal: a feasible point with KKT residual ≤ kStationary.  no_feasible_found: the solver found
-/// none, which proves nothing.  infeasible: proven by SetBounds to have none.  failed: feasible
-/// points were found, but none that is stationary, or the model was defined nowhere.  bounded: not
-/// refined, as its bound is below the best that was found.
-enum class Status : std::uint8_t { kOptimal, kNoFeasibleFound, kInfeasible, kFailed, kBounded };
-inline constexpr std::size_t kStatusCount = 5;
+/// none, which proves nothing.  infeasible: proven by SetBounds to have none.  failed: the model
+/// was defined at no end of the solver.  bounded: not refined, as its bound is below the best that
+/// was found.  not_stationary: a feasible point, the best that was found, at which the solver left
+/// a greater KKT residual: a design, but no optimum.
+enum class Status : std::uint8_t {
+  kOptimal,
+  kNoFeasibleFound,
+  kInfeasible,
+  kFailed,
+  kBounded,
+  kNotStationary
+};
+inline constexpr std::size_t kStatusCount = 6;
 /// Names in result files, in the order of the enum.
 inline constexpr std::array<std::string_view, kStatusCount> kStatusNames{
-    "optimal", "no_feasible_found", "infeasible", "failed", "bounded"};
+    "optimal", "no_feasible_found", "infeasible", "failed", "bounded", "not_stationary"};
+
+/// Whether sets of a status have a design.
+inline constexpr bool has_design(Status status) {
+  return status == Status::kOptimal || status == Status::kNotStationary;
+}
 
 /// By how much one constraint is missed.
 struct Miss {
@@ -56,12 +69,12 @@ struct RefinedSet {
   /// left, of cutters and of branches; and boxes of grids that were relaxed from one start.
   std::uint32_t refinements = 0, relaxations = 0;
   bool blocked_together = false;  ///< none of blocked_by was found to suffice alone
-  /// What blocks the set; empty when optimal, failed or grid_cut.  infeasible: the constraint that
-  /// no point of the box can meet.  no_feasible_found: the constraints any one of which may give
-  /// way alone (a point was found that meets all others), least (scaled) first; or, when none was
-  /// found to suffice, those that the least violating point misses most, together.
+  /// What blocks the set; empty with a design, when failed or grid_cut.  infeasible: the constraint
+  /// that no point of the box can meet.  no_feasible_found: the constraints any one of which may
+  /// give way alone (a point was found that meets all others), least (scaled) first; or, when none
+  /// was found to suffice, those that the least violating point misses most, together.
   std::vector<Miss> blocked_by;
-  // The rest only when optimal.
+  // The rest only where it has_design().
   RefinedTrain train;
   double eta_b = 0.0, eta_f = 0.0;
   /// With all losses of the calibrated model at the operating point; empty without them, or where
@@ -74,7 +87,7 @@ struct RefinedSet {
   /// Under the load of the specification, in the worse drive direction and driven forward; empty
   /// without a load, and the capacity where no limit stress is stated.
   std::optional<double> torque_capacity_Nm, torsional_stiffness_Nm_rad;
-  double kkt_residual = 0.0;
+  double kkt_residual = 0.0;  ///< NaN where gradients are not defined
   /// With the inertia of its gears, by its power flow, and the motor; empty without inertia, and
   /// infinite where no motor keeps its limits.
   std::optional<double> cycle_energy_J;

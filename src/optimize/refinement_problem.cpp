@@ -68,13 +68,6 @@ bool is_constant(const Specification& spec, const design::CheckInstance& check) 
   return train::states_every_gear(spec.axial) || !widths_matter(spec) || (!width[0] && !width[1]);
 }
 
-bool no_mesh_interferes(const design::Limits& limits) {
-  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
-    if (!(design::least_backlash_m(limits, k).value_or(-1.0) >= 0.0)) return false;
-  }
-  return true;
-}
-
 void append_checks(RefinementProblem& p, int backlash_branch) {
   const design::Limits& limits = p.spec->limits;
   for (const design::CheckInstance& check :
@@ -90,12 +83,8 @@ void append_checks(RefinementProblem& p, int backlash_branch) {
     const bool paper = limits.model == backlash::LostMotionModel::kPaper;
     ConstraintRow row{.check = check, .objective = std::nullopt, .name = check.record->name};
     if (id == CheckId::kOutputBacklashMin) {
-      // Implied by meshes that do not interfere.
-      if (check.limit <= 0.0 && no_mesh_interferes(limits)) continue;
-      if (paper) {
-        row.check->subject.which = backlash_branch;
-        p.has_branches = true;
-      }
+      if (!has_least_lost_motion(limits)) continue;
+      if (paper) row.check->subject.which = backlash_branch;
       p.rows.push_back(row);
     } else if (id == CheckId::kOutputBacklashMax && paper) {
       for (const int branch : {1, 2}) {

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "optimize/problem_branch.hpp"
 #include "optimize/shift_range.hpp"
 #include "optimize/specification.hpp"
 #include "optimize/tooth_search.hpp"
@@ -46,15 +47,6 @@ using Point = std::array<double, kMostUnknowns>;
 inline constexpr std::size_t kAngleA = train::kGearCount;      ///< a
 inline constexpr std::size_t kAngleB = train::kGearCount + 1;  ///< b, if any
 
-/// Which smooth part of a maximum a problem takes; the best of all branches counts.
-struct ProblemBranch {
-  /// 1 or 2: which of the paper's φ_2, φ_3 has to reach the lower limit of the lost motion (either
-  /// suffices); of no effect unless the problem has_branches.
-  int backlash = 1;
-  /// 1 or 2: which part of the objective is the larger one; 0 where it has none.
-  int objective = 0;
-};
-
 /// One tooth set with its modules, as a programme in at most kMostUnknowns variables of order 1:
 ///
 ///   v = (x_S, x_P1, x_R1, x_P2, x_R2, a [, b] [, m1/scale] [, k_S .. k_R2] [, α]
@@ -86,7 +78,6 @@ struct RefinementProblem {
   Objective objective = Objective::kBackwardEfficiency;
   double objective_scale = 1.0;
   ProblemBranch branch;
-  bool has_branches = false;  ///< the lower limit of the paper's lost motion is a row: see below
   std::vector<ConstraintRow> rows;
 };
 

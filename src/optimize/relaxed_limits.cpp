@@ -163,7 +163,7 @@ class Relaxation {
     tried.limits[check] =
         rounded_looser(record, record.at_least ? stated - miss_si : stated + miss_si);
     RefinedSet set = refine(tried, nearest->candidate);
-    if (set.status != Status::kOptimal) return std::nullopt;
+    if (!has_design(set.status)) return std::nullopt;
     return Freed{
         .limits = {{.check = check, .stated_si = stated, .relaxed_si = tried.limits[check]}},
         .set = std::move(set)};
@@ -222,7 +222,7 @@ class Relaxation {
     if (place + 1 == freed.limits.size()) {
       std::size_t measured = 0;
       for (const RefinedSet& set : sets) {
-        if (set.status != Status::kOptimal || measured == kMostMeasured) continue;
+        if (!has_design(set.status) || measured == kMostMeasured) continue;
         if (progress_.stop.load()) return;
         measure(set);
         ++measured;
@@ -240,7 +240,7 @@ class Relaxation {
       if (limit.relaxed_si && !(sense * value > sense * *limit.relaxed_si)) break;
       tried.limits[limit.check] = value;
       RefinedSet set = refine(tried, near[k].set->candidate);
-      if (set.status != Status::kOptimal) continue;
+      if (!has_design(set.status)) continue;
       limit.relaxed_si = value;
       relaxed = std::move(tried);
       freed.set = std::move(set);

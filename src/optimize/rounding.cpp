@@ -223,7 +223,7 @@ class RoundingTask {
     }
     design.objective = -sense_of(problem_.objective) * problem_.objective_scale * *f;
     design.violation = worst_violation(g);
-    if (design.violation <= design::kFeasibilityTolerance) return;
+    if (is_feasible(design.violation)) return;
     design.missed = misses_of(problem_, g);
   }
 
@@ -236,7 +236,7 @@ class RoundingTask {
 /// The search over all tasks.
 class LatticeSearch {
  public:
-  LatticeSearch(const std::atomic<bool>& stop, const RoundingOptions& options)
+  LatticeSearch(const StopFlag& stop, const RoundingOptions& options)
       : stop_(stop), options_(options) {}
 
   void add(RoundingTask task) { tasks_.push_back(std::move(task)); }
@@ -251,7 +251,7 @@ class LatticeSearch {
       if (!whole) continue;
       BoxNode root{.box = *whole, .relaxed = relax(tasks_[k], *whole, tasks_[k].beginning())};
       offer(tasks_[k], root);
-      if (!feasible_node(root)) continue;
+      if (!root.relaxed.feasible()) continue;
       with_design.insert({*modules[0], *modules[1]});
       roots.emplace_back(k, std::move(root));
     }
@@ -270,15 +270,12 @@ class LatticeSearch {
     return stop_.load(std::memory_order_relaxed) ||
            result_.relaxations >= options_.most_relaxations;
   }
-  static bool feasible_node(const BoxNode& node) {
-    return node.relaxed.violation <= design::kFeasibilityTolerance;
-  }
   SolveOutcome relax(const RoundingTask& task, const LatticeBox& box, const Point& start) {
     ++result_.relaxations;
     return task.relax(box, start);
   }
   [[nodiscard]] bool can_win(const BoxNode& node) const {
-    return feasible_node(node) && node.relaxed.objective < best_ - kBetterOnLattice;
+    return node.relaxed.feasible() && node.relaxed.objective < best_ - kBetterOnLattice;
   }
 
   void descend(const RoundingTask& task, BoxNode root) {
@@ -315,7 +312,7 @@ class LatticeSearch {
     ++result_.points;
     RoundedDesign design = task.rounded(node.box, node.relaxed.v);
     const RefinementProblem& p = task.problem();
-    if (design.violation <= design::kFeasibilityTolerance) {
+    if (is_feasible(design.violation)) {
       const double f = -sense_of(p.objective) * design.objective / p.objective_scale;
       if (result_.best && !(f < best_)) return;
       best_ = f;
@@ -326,7 +323,7 @@ class LatticeSearch {
     }
   }
 
-  const std::atomic<bool>& stop_;
+  const StopFlag& stop_;
   const RoundingOptions& options_;
   std::vector<RoundingTask> tasks_;
   Rounding result_;
@@ -368,22 +365,14 @@ std::shared_ptr<const Specification> with_modules(const Specification& spec, dou
 
 }  // namespace
 
-Rounding round_design(const Specification& spec, const RefinedSet& set,
-                      const std::atomic<bool>& stop, const RoundingOptions& options) {
+Rounding round_design(const Specification& spec, const RefinedSet& set, const StopFlag& stop,
+                      const RoundingOptions& options) {
   LatticeSearch search(stop, options);
-  const bool parts = has_objective_branches(first_objective(spec), spec);
   for (const double m1 : rounded_modules(spec, set, 0, options.module_steps)) {
     for (const double m2 : rounded_modules(spec, set, 1, options.module_steps)) {
       if (has_same_module(spec) && m1 != m2) continue;
       const auto own = with_modules(spec, m1, m2);
-      int branches = 1;
-      for (int backlash = 1; backlash <= branches; ++backlash) {
-        for (const int part : parts ? std::vector{1, 2} : std::vector{0}) {
-          RoundingTask task(own, set, {.backlash = backlash, .objective = part});
-          if (task.problem().has_branches) branches = 2;
-          search.add(std::move(task));
-        }
-      }
+      for (const ProblemBranch& branch : branches_of(*own)) search.add({own, set, branch});
     }
   }
   return search.run();

@@ -1,12 +1,12 @@
 #pragma once
 // The best design on the lattice of what is made, near an optimum.
 
-#include <atomic>
 #include <cstddef>
 #include <optional>
 #include <vector>
 
 #include "optimize/refined_set.hpp"
+#include "optimize/stop_flag.hpp"
 
 namespace gear3k::optimize {
 
@@ -47,7 +47,7 @@ struct RoundingOptions {
 /// Source: own derivation, docs/theory §12.
 /// @param set  an optimum of the specification
 /// @param stop  ends the search, which is not complete then
-Rounding round_design(const Specification& spec, const RefinedSet& set,
-                      const std::atomic<bool>& stop, const RoundingOptions& options = {});
+Rounding round_design(const Specification& spec, const RefinedSet& set, const StopFlag& stop,
+                      const RoundingOptions& options = {});
 
 }  // namespace gear3k::optimize

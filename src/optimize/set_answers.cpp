@@ -26,10 +26,13 @@ std::vector<double> SetAnswers::costs_of(const RefinedSet& set) const {
 }
 
 void SetAnswers::add(std::size_t ask, const RefinedSet& set) {
-  if (set.status == Status::kOptimal) {
-    known_[set.candidate].push_back({.ask = ask, .set = &set, .costs = costs_of(set)});
+  if (has_design(set.status)) {
+    known_[set.candidate].push_back({.ask = ask,
+                                     .set = &set,
+                                     .optimal = set.status == Status::kOptimal,
+                                     .costs = costs_of(set)});
   } else if (set.status == Status::kNoFeasibleFound) {
-    known_[set.candidate].push_back({.ask = ask, .set = nullptr, .costs = {}});
+    known_[set.candidate].push_back({.ask = ask, .set = nullptr, .optimal = false, .costs = {}});
   }
 }
 
@@ -56,6 +59,7 @@ std::optional<RefinedSet> SetAnswers::answer(const CostAsk& ask, const Candidate
     const CostAsk& past = asks_[known.ask];
     if (!keeps(ask.limits, past.limits)) continue;
     if (known.set == nullptr) return none;
+    if (!known.optimal) continue;
     if (past.first == ask.first && keeps(known.costs, ask.limits)) return *known.set;
     if (known.costs[past.first] > ask.limits[past.first] + objectives_.slack[past.first]) {
       return none;
@@ -72,7 +76,7 @@ double SetAnswers::least_cost(const CostAsk& ask, const Candidate& candidate) co
     const CostAsk& past = asks_[known.ask];
     if (!keeps(ask.limits, past.limits)) continue;
     if (known.set == nullptr) return kInfinity;
-    if (past.first != ask.first) continue;
+    if (!known.optimal || past.first != ask.first) continue;
     least = std::max(least, known.costs[ask.first] - objectives_.slack[ask.first]);
   }
   return least;

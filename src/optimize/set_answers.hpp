@@ -57,6 +57,7 @@ class SetAnswers {
   struct Known {
     std::size_t ask = 0;
     const RefinedSet* set = nullptr;  ///< null: none
+    bool optimal = false;  ///< else a design beside which a better one may be: it answers nothing
     std::vector<double> costs;
   };
   void add(std::size_t ask, const RefinedSet& set);

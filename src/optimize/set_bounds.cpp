@@ -32,7 +32,7 @@ std::optional<Infeasibility> too_long(const Specification& spec) {
   const double length = train::whole_length_m(spec.axial, widths);
   const double scale = *most > 0.0 ? *most : length_scale_m(spec);
   const double excess = length - *most;
-  if (excess <= 2.0 * design::kFeasibilityTolerance * scale) return std::nullopt;
+  if (excess <= design::kFeasibilitySlack * scale) return std::nullopt;
   return Infeasibility{
       .check = design::CheckId::kGearboxLength, .miss_si = excess, .violation = excess / scale};
 }
@@ -43,7 +43,7 @@ std::optional<Infeasibility> too_much_lost_motion(const Specification& spec, con
   const auto& most = spec.limits[design::CheckId::kOutputBacklashMax];
   if (!most || !(*most > 0.0)) return std::nullopt;
   const double excess = best_value(Objective::kLostMotion, spec, set.teeth, set.planets) - *most;
-  if (!(excess > 2.0 * design::kFeasibilityTolerance * std::max(*most, 1e-3))) return std::nullopt;
+  if (!(excess > design::kFeasibilitySlack * std::max(*most, 1e-3))) return std::nullopt;
   return Infeasibility{.check = design::CheckId::kOutputBacklashMax,
                        .miss_si = excess,
                        .violation = excess / *most,
@@ -141,7 +141,7 @@ void SetBounds::refuse_felt(std::size_t k, SetBound& bound) const {
       .ratio = train::ratio(candidates_[k].teeth), .forward = bound.eta_f, .backward = bound.eta_b};
   for (const FeltLimit& limit : spec_->felt->limits) {
     const double violation = -felt_margin(*spec_->felt, limit, best);
-    if (violation <= 2.0 * design::kFeasibilityTolerance) continue;
+    if (violation <= design::kFeasibilitySlack) continue;
     if (bound.infeasible && bound.infeasible->violation >= violation) continue;
     // With efficiencies of 1 the ratio alone is too great.
     bound.infeasible = Infeasibility{.miss_si = felt_miss(*spec_->felt, limit, violation),

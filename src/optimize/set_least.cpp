@@ -25,7 +25,7 @@ bool LeastLostMotion::knows(const Specification& spec) {
 }
 
 const LeastLostMotion::Least* LeastLostMotion::of(const Candidate& candidate,
-                                                  const std::atomic<bool>& stop) {
+                                                  const StopFlag& stop) {
   if (const Least* before = known(candidate)) return before;
   ShiftRanges shifts;
   const auto z = train::teeth_of(candidate.teeth);

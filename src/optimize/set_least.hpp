@@ -1,13 +1,13 @@
 #pragma once
 // The least that each tooth set can have of one objective, found once for all limits on it.
 
-#include <atomic>
 #include <map>
 #include <mutex>
 #include <optional>
 
 #include "optimize/objective.hpp"
 #include "optimize/refine.hpp"
+#include "optimize/stop_flag.hpp"
 
 namespace gear3k::optimize {
 
@@ -33,7 +33,7 @@ class LeastLostMotion {
   };
   /// The same for a set whenever it is asked for.  Thread-safe.
   /// @returns null when `stop` became true
-  [[nodiscard]] const Least* of(const Candidate& candidate, const std::atomic<bool>& stop);
+  [[nodiscard]] const Least* of(const Candidate& candidate, const StopFlag& stop);
   /// What is known of a set so far; null: nothing.
   [[nodiscard]] const Least* known(const Candidate& candidate) const;
 

@@ -16,7 +16,7 @@ namespace {
 
 class GridSearch {
  public:
-  GridSearch(const RefinementProblem& problem, double to_beat, const std::atomic<bool>& stop)
+  GridSearch(const RefinementProblem& problem, double to_beat, const StopFlag& stop)
       : problem_(problem),
         stop_(stop),
         shifts_(*problem.spec->shift_step, units::Unit::kModules),
@@ -35,9 +35,9 @@ class GridSearch {
     root.box = whole;
     const auto left = left_of(root.box);
     if (!left) return missed_at(problem_, nearest_to(free.v, whole), free.v);
-    root.relaxed = feasible(free) && holds(root.box, free.v) ? free : root_end(*left, free.v);
+    root.relaxed = free.feasible() && holds(root.box, free.v) ? free : root_end(*left, free.v);
     root.bound = root.relaxed.objective;
-    if (!feasible(root.relaxed)) {
+    if (!root.relaxed.feasible()) {
       end_.held = confined(root.box);
       end_.outcome = root.relaxed;
       return std::move(end_);
@@ -64,7 +64,7 @@ class GridSearch {
     if (!end_.found && end_.held) {
       // Points of boxes were given up early: what the nearest one misses is asked for in full.
       const SolveOutcome full = best_within(*end_.held, end_.outcome.v);
-      if (feasible(full)) {
+      if (full.feasible()) {
         if (full.objective < best_) {
           end_.outcome = full;
           end_.found = true;
@@ -108,15 +108,12 @@ class GridSearch {
   SolveOutcome root_end(const RefinementProblem& problem, const Point& start) {
     ++end_.relaxations;
     const SolveOutcome first = best_within(problem, start);
-    if (feasible(first)) return first;
+    if (first.feasible()) return first;
     ++end_.relaxations;
     const SolveOutcome again = best_within(problem, middle_of(problem));
-    return feasible(again) ? again : first;
+    return again.feasible() ? again : first;
   }
 
-  static bool feasible(const SolveOutcome& outcome) {
-    return outcome.violation <= design::kFeasibilityTolerance;
-  }
   [[nodiscard]] bool cut() const {
     return stop_.load(std::memory_order_relaxed) ||
            end_.relaxations >= problem_.spec->solver.grid_relaxations;
@@ -149,12 +146,12 @@ class GridSearch {
     if (!problem) return;
     ++end_.relaxations;
     half.relaxed = end_of(*problem, from.relaxed.v);
-    if (!feasible(half.relaxed) && !only_free_variable(*problem)) {
+    if (!half.relaxed.feasible() && !only_free_variable(*problem)) {
       ++end_.relaxations;
       const SolveOutcome again = best_within(*problem, middle_of(*problem), true);
-      if (feasible(again)) half.relaxed = again;
+      if (again.feasible()) half.relaxed = again;
     }
-    if (feasible(half.relaxed)) half.bound = half.relaxed.objective;
+    if (half.relaxed.feasible()) half.bound = half.relaxed.objective;
   }
 
   /// The problem of a box, from which what is proven to have no feasible point is taken off.
@@ -191,7 +188,7 @@ class GridSearch {
       const SolveOutcome& half = halves[up ? 1 : 0].relaxed;
       gains_.add(
           axis, up, steps,
-          feasible(half) ? std::optional(half.objective - node.relaxed.objective) : std::nullopt);
+          half.feasible() ? std::optional(half.objective - node.relaxed.objective) : std::nullopt);
     }
   }
 
@@ -215,7 +212,7 @@ class GridSearch {
       ++end_.relaxations;
       outcome = end_of(left ? *left : held, node.relaxed.v);
     }
-    if (feasible(outcome)) {
+    if (outcome.feasible()) {
       if (!(outcome.objective < best_)) return;
       best_ = outcome.objective;
       end_.found = true;
@@ -227,7 +224,7 @@ class GridSearch {
   }
 
   const RefinementProblem& problem_;
-  const std::atomic<bool>& stop_;
+  const StopFlag& stop_;
   Multiples shifts_;
   std::optional<GridDistances> distances_;
   double best_;
@@ -239,7 +236,7 @@ class GridSearch {
 }  // namespace
 
 GridEnd best_on_grid(const RefinementProblem& problem, const SolveOutcome& free, double to_beat,
-                     const std::atomic<bool>& stop) {
+                     const StopFlag& stop) {
   return GridSearch(problem, to_beat, stop).run(free);
 }
 

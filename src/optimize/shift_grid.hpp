@@ -1,12 +1,12 @@
 #pragma once
 // The best design of one problem whose profile shifts are multiples of a step.
 
-#include <atomic>
 #include <cstddef>
 #include <optional>
 
 #include "optimize/refinement_problem.hpp"
 #include "optimize/solve_outcome.hpp"
+#include "optimize/stop_flag.hpp"
 
 namespace gear3k::optimize {
 
@@ -36,6 +36,6 @@ struct GridEnd {
 /// @param to_beat  only points of a lower (scaled) objective count
 /// @param stop  ends the search with the best point so far
 GridEnd best_on_grid(const RefinementProblem& problem, const SolveOutcome& free, double to_beat,
-                     const std::atomic<bool>& stop);
+                     const StopFlag& stop);
 
 }  // namespace gear3k::optimize

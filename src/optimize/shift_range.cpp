@@ -14,9 +14,6 @@ using design::CheckId;
 
 namespace {
 
-/// A feasible design may miss a limit by kFeasibilityTolerance of its scale.
-constexpr double kShiftSlack = 2.0 * design::kFeasibilityTolerance;
-
 /// A gear at a profile shift, with unit module.
 geometry::GearGeometry<double> unit_gear(const Specification& spec, int gear, int teeth,
                                          double shift) {
@@ -120,7 +117,7 @@ class RangeMaker {
         free_tips_(spec.free.tip_shortening.has_value()),
         free_angle_(spec.free.pressure_angle_rad.has_value()),
         result_{.range = all_, .widest = all_, .infeasible = std::nullopt} {
-    module_.hi += kShiftSlack * length_scale_m(spec);
+    module_.hi += design::kFeasibilitySlack * length_scale_m(spec);
   }
 
   ShiftRange range() {
@@ -141,7 +138,7 @@ class RangeMaker {
   }
   void miss(CheckId check, double miss_si, double violation) {
     // Two limits that are missed by the tolerance each may be met together.
-    if (violation <= 2.0 * kShiftSlack) return;
+    if (violation <= 2.0 * design::kFeasibilitySlack) return;
     if (!result_.infeasible || violation > result_.infeasible->violation) {
       result_.infeasible = {.check = check, .miss_si = miss_si, .violation = violation};
     }
@@ -151,7 +148,8 @@ class RangeMaker {
     result_.range.lo = std::max(result_.range.lo, std::min(shift, all_.hi));
   }
   void widen_by_slack() {
-    result_.widest = {result_.range.lo - kShiftSlack, result_.range.hi + kShiftSlack};
+    result_.widest = {result_.range.lo - design::kFeasibilitySlack,
+                      result_.range.hi + design::kFeasibilitySlack};
   }
 
   /// Keeps ring tips off their base circles, where the tip's curvature has no derivative: with the
@@ -180,7 +178,8 @@ class RangeMaker {
       const double excess = 2.0 * root * module_.lo + around - *diameter;
       miss(check, excess, excess / *diameter);
       const double most =
-          all_.lo + 0.5 * (*diameter * (1.0 + kShiftSlack) - around) / module_.lo - root;
+          all_.lo + 0.5 * (*diameter * (1.0 + design::kFeasibilitySlack) - around) / module_.lo -
+          root;
       result_.widest.hi = std::max(result_.widest.lo, std::min(result_.widest.hi, most));
     }
     if (const auto& wall = spec_.limits[CheckId::kWall]; wall && rim > 0.0) {
@@ -199,7 +198,8 @@ class RangeMaker {
       const double root = at(all_.hi).root_radius_m;
       const double lacking = least.radius_m - root * module_.hi;
       miss(least.check, lacking * least.per_radius, lacking / least.radius_m);
-      const double shift = all_.hi + least.radius_m * (1.0 - kShiftSlack) / module_.hi - root;
+      const double shift =
+          all_.hi + least.radius_m * (1.0 - design::kFeasibilitySlack) / module_.hi - root;
       result_.widest.lo = std::min(result_.widest.hi, std::max(result_.widest.lo, shift));
     }
   }
@@ -218,8 +218,8 @@ class RangeMaker {
     }
     result_.range.hi = tip.most;
     const TipShift eased = shift_at_tip_thickness(spec_, gear_, teeth_, {result_.range.lo, all_.hi},
-                                                  limit->modules - kShiftSlack);
-    result_.widest.hi = std::max(result_.widest.lo, kShiftSlack + eased.most);
+                                                  limit->modules - design::kFeasibilitySlack);
+    result_.widest.hi = std::max(result_.widest.lo, design::kFeasibilitySlack + eased.most);
   }
 
   const Specification& spec_;

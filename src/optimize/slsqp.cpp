@@ -227,10 +227,8 @@ bool misses_selected(const Workspace& space) {
 }
 
 bool is_better(const SolveOutcome& a, const SolveOutcome& b) {
-  const bool a_feasible = a.violation <= design::kFeasibilityTolerance;
-  const bool b_feasible = b.violation <= design::kFeasibilityTolerance;
-  if (a_feasible != b_feasible) return a_feasible;
-  return a_feasible ? a.objective < b.objective : a.violation < b.violation;
+  if (a.feasible() != b.feasible()) return a.feasible();
+  return a.feasible() ? a.objective < b.objective : a.violation < b.violation;
 }
 
 }  // namespace
@@ -248,8 +246,11 @@ SolveOutcome solve_slsqp(const RefinementProblem& problem, const Point& start,
   }
   Point from = start;
   std::optional<SolveOutcome> cut_off;  // the better end of runs that were
+  std::optional<SolveOutcome> defined;  // the latest point where the model is
+  if (std::isfinite(outcome.violation)) defined = outcome;
   const auto ended = [&](const SolveOutcome& end) {
-    return cut_off && is_better(*cut_off, end) ? *cut_off : end;
+    if (cut_off && is_better(*cut_off, end)) return *cut_off;
+    return std::isfinite(end.violation) ? end : defined.value_or(end);
   };
   int restarts = 0;
   for (int round = 0;;) {
@@ -264,10 +265,15 @@ SolveOutcome solve_slsqp(const RefinementProblem& problem, const Point& start,
       cut_off = ended(outcome);
       continue;
     }
-    if (outcome.violation <= design::kFeasibilityTolerance ||
-        space.selection.size() == problem.rows.size() ||
+    if (outcome.feasible() || space.selection.size() == problem.rows.size() ||
         (options.give_up && misses_selected(space))) {
       return ended(outcome);
+    }
+    if (std::isfinite(outcome.violation)) {
+      defined = outcome;
+    } else if (defined) {
+      // Beyond the model nothing leads back: with all rows the line search stays within it.
+      from = defined->v;
     }
     constexpr int kRounds = 4;
     if (round++ == kRounds || !std::isfinite(outcome.violation)) {
@@ -292,7 +298,9 @@ SolveOutcome least_violation(const RefinementProblem& problem, const Point& star
   }
   if (space.selection.empty()) select_all(problem, space);
   Point from = start;
+  std::optional<SolveOutcome> defined;  // the latest point where the model is
   for (int round = 0;; ++round) {
+    if (std::isfinite(outcome.violation)) defined = outcome;
     space.elastic.clear();
     for (const std::uint16_t k : space.selection) {
       space.elastic.push_back(elastic_name.empty() || problem.rows[k].name == elastic_name);
@@ -307,6 +315,10 @@ SolveOutcome least_violation(const RefinementProblem& problem, const Point& star
     run(functions, space, options, elastic_name.empty());
     from = point_of(problem, space.x);
     outcome = judge(problem, from, space);
+    if (!std::isfinite(outcome.violation) && defined) {
+      from = defined->v;
+      if (space.selection.size() == problem.rows.size()) return *defined;
+    }
     if (space.selection.size() == problem.rows.size() ||
         (options.give_up && misses_selected(space))) {
       return outcome;

@@ -4,12 +4,17 @@
 
 namespace gear3k::optimize {
 
+/// Whether every row is met to kFeasibilityTolerance.
+/// @param violation  the largest, in scaled units
+inline bool is_feasible(double violation) { return violation <= design::kFeasibilityTolerance; }
+
 /// Where a solver stopped, judged by the problem itself.
 struct SolveOutcome {
   Point v{};
   double objective = 0.0;  ///< −η
   double violation = 0.0;  ///< largest, in scaled units; infinite where the model is not defined,
                            ///< or lets a mesh lose more than its power
+  [[nodiscard]] bool feasible() const { return is_feasible(violation); }
 };
 
 /// Values of the problem at v.

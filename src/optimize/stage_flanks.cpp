@@ -16,9 +16,6 @@ namespace {
 
 using design::CheckId;
 
-/// A feasible design may miss a limit by this.
-constexpr double kFlankSlack = 2.0 * design::kFeasibilityTolerance;
-
 /// Greatest face width of a stage [m].
 double greatest_width_m(const Specification& spec, std::size_t stage) {
   const auto& range = spec.free.face_width_m[stage];
@@ -28,11 +25,12 @@ double greatest_width_m(const Specification& spec, std::size_t stage) {
 
 /// Greatest module of a stage whose ring has a greatest root diameter [m].
 double greatest_module_m(const Specification& spec, std::size_t stage, const StageGear& ring) {
-  const double most = module_range(spec.module[stage]).hi + kFlankSlack * length_scale_m(spec);
+  const double most =
+      module_range(spec.module[stage]).hi + design::kFeasibilitySlack * length_scale_m(spec);
   const auto diameter = most_ring_root_diameter_m(spec);
   const double root = 0.5 * ring.teeth + ring.root_height + ring.profile_shift.lo;
   if (!diameter || !(root > 0.0)) return most;
-  return std::min(most, 0.5 * *diameter * (1.0 + kFlankSlack) / root);
+  return std::min(most, 0.5 * *diameter * (1.0 + design::kFeasibilitySlack) / root);
 }
 
 /// ρ_red of a mesh at the pitch point at a centre distance, in modules.
@@ -172,7 +170,7 @@ std::vector<StageFlanks> stage_flanks(const Specification& spec, std::size_t sta
         .greatest_curvature = {},
         .pressure_angle_rad = spec.pressure_angle_rad,
         .dissipative = dissipative,
-        .safety_slack = kFlankSlack};
+        .safety_slack = design::kFeasibilitySlack};
     StageFlanks& at = flanks[k];
     std::array<strength::FlankNeed, train::kMeshCount> needs;
     std::array<std::array<strength::RootNeed, 2>, train::kMeshCount> roots;
@@ -218,7 +216,7 @@ StageTask with_flanks(const Specification& spec, const StageTask& task, const St
                   .planet_table = flanks.planet_table.get()};
   loaded.most_module_m = flanks.greatest_module_m;
   if (const auto diameter = most_ring_root_diameter_m(spec)) {
-    loaded.most_root_diameter_m = *diameter * (1.0 + kFlankSlack);
+    loaded.most_root_diameter_m = *diameter * (1.0 + design::kFeasibilitySlack);
   }
   return loaded;
 }

@@ -13,8 +13,6 @@ namespace {
 
 using design::CheckId;
 
-/// A feasible design may miss a limit by kFeasibilityTolerance of its scale; bounds allow for it.
-constexpr double kFeasibilitySlack = 2.0 * design::kFeasibilityTolerance;
 constexpr double kGreatestWorkingAngle_rad = 80.0 * std::numbers::pi / 180.0;
 
 /// least_friction() of one mesh.
@@ -61,7 +59,7 @@ StageTasks::StageTasks(const Specification& spec) : spec_(spec) {
   ratio_ = {std::abs(spec.ratio.target) * (1.0 - tolerance),
             std::abs(spec.ratio.target) * (1.0 + tolerance)};
   const auto& most = spec.limits[CheckId::kOutputBacklashMax];
-  if (most) budget_ = *most + kFeasibilitySlack * std::max(*most, 1e-3);
+  if (most) budget_ = *most + design::kFeasibilitySlack * std::max(*most, 1e-3);
   if (budget_ < kInfinity) {
     // A mesh that may interfere gives the others room.
     const Interval j1 = backlash_floor(train::kMeshSP1);
@@ -102,7 +100,7 @@ StageTask StageTasks::stage1(const Candidate& c, const std::array<Interval, 3>& 
   }
   if (const auto& gap = spec_.limits[CheckId::kPlanetGap]; gap && c.planets > 1) {
     task.planet_gap = {.half_spacing = std::sin(std::numbers::pi / c.planets),
-                       .half_gap = 0.5 * (*gap - kFeasibilitySlack)};
+                       .half_gap = 0.5 * (*gap - design::kFeasibilitySlack)};
   }
   return task;
 }
@@ -117,7 +115,7 @@ StageTask StageTasks::stage2(const Candidate& c, const std::array<Interval, 2>& 
   if (const auto& gap = spec_.limits[CheckId::kPlanetGap]; gap && c.planets > 1) {
     // The gap is in modules of stage 1: m1/m2 = d2/d1, d1 at most most_distance.
     const double spacing = std::sin(std::numbers::pi / c.planets);
-    const double least = *gap - kFeasibilitySlack;
+    const double least = *gap - design::kFeasibilitySlack;
     task.planet_gap = {
         .half_spacing = least > 0.0 ? spacing - 0.5 * least / most_distance : spacing,
         .half_gap = least > 0.0 ? 0.0 : 0.5 * least * module_[0].hi / module_[1].lo};
@@ -154,18 +152,18 @@ Interval StageTasks::backlash_floor(std::size_t mesh) const {
 std::optional<double> StageTasks::rolling_share() const {
   const auto& most = spec_.limits[CheckId::kSpecificSliding];
   if (!most) return std::nullopt;
-  return geometry::rolling_share(*most + kFeasibilitySlack * (1.0 + *most));
+  return geometry::rolling_share(*most + design::kFeasibilitySlack * (1.0 + *most));
 }
 
 std::optional<double> StageTasks::root_clearance(std::size_t stage) const {
   std::optional<double> least = spec_.limits[CheckId::kRootClearance];
   if (const auto& length = spec_.limits[CheckId::kRootClearanceLength]) {
-    const double greatest = module_[stage].hi + kFeasibilitySlack * length_scale_m(spec_);
+    const double greatest = module_[stage].hi + design::kFeasibilitySlack * length_scale_m(spec_);
     const double modules = *length / (*length > 0.0 ? greatest : module_[stage].lo);
     least = std::max(least.value_or(modules), modules);
   }
   if (!least) return std::nullopt;
-  return *least - kFeasibilitySlack;
+  return *least - design::kFeasibilitySlack;
 }
 
 StageTask StageTasks::common(const Candidate& c, int planet, int ring, const Interval& planet_x,
@@ -173,7 +171,7 @@ StageTask StageTasks::common(const Candidate& c, int planet, int ring, const Int
   const auto z = train::teeth_of(c.teeth);
   const int z_planet = z[static_cast<std::size_t>(planet)];
   const int z_ring = z[static_cast<std::size_t>(ring)];
-  constexpr double kSlack = kFeasibilitySlack;
+  constexpr double kSlack = design::kFeasibilitySlack;
   const auto limit = [&](CheckId id, double none) {
     return spec_.limits[id] ? *spec_.limits[id] : none;
   };

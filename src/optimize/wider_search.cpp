@@ -60,7 +60,7 @@ std::optional<WiderTask> wider_task(const Specification& spec, const std::string
     task.value = ++teeth.max_coaxial_offset;
   } else if (key == "teeth.min_internal_difference" && teeth.min_internal_difference > 1) {
     task.value = --teeth.min_internal_difference;
-  } else if (key == "ratio.tolerance") {
+  } else if (key == "ratio.tolerance" && task.spec.ratio.tolerance > 0.0) {
     task.value = task.spec.ratio.tolerance *= kMoreTolerance;
   } else {
     return std::nullopt;
@@ -82,6 +82,18 @@ std::optional<WiderTask> task_beyond(const Specification& spec, const SearchBoun
   if (!task || (!task->beyond_only && sets > kMostSearchedAgain)) return std::nullopt;
   task->spec.objectives = {first_objective(spec)};
   return task;
+}
+
+/// The optimum of a set as a start of the task with a limit moved.
+KnownTrain start_in(const Specification& moved, const Specification& spec, const RefinedSet& set) {
+  KnownTrain known{.train = train_of(spec, set),
+                   .load = {.face_width_m = set.train.face_width_m,
+                            .torque_Nm = set.torque_capacity_Nm.value_or(0.0)}};
+  // Tips are shortened from the greatest addendum.
+  for (double& shortening : known.train.tip_shortening) {
+    shortening += moved.rack.addendum - spec.rack.addendum;
+  }
+  return known;
 }
 
 /// The task with the dearest limit given way by its step [SI]; empty where there is none, or it is
@@ -116,15 +128,19 @@ void refine_gains(const Specification& spec, const RefinedSet& best, HeldBack& h
     if (!price.stated || price.loosened == 0.0) return;
     const std::optional<Specification> own = relaxed_task(spec, &price);
     if (!own) return;
-    const std::optional<RefinedSet> again = refine(*own, best.candidate, progress.stop);
+    const KnownTrain start = start_in(*own, spec, best);
+    const std::optional<RefinedSet> again = refine(*own, best.candidate, progress.stop, &start);
     if (!again) {
       stopped = true;
       return;
     }
-    price.refined_gain_si = 0.0;
-    if (again->status != Status::kOptimal) return;
+    if (!has_design(again->status)) return;
     const double gain = objective_of(*own, *again, first) - before;
-    if (sense_of(first) * gain > 0.0) price.refined_gain_si = gain;
+    if (sense_of(first) * gain > 0.0) {
+      price.refined_gain_si = gain;
+    } else if (again->status == Status::kOptimal) {
+      price.refined_gain_si = 0.0;
+    }
   });
   held.interrupted = held.interrupted || stopped;
 }
@@ -168,12 +184,13 @@ void search_relaxed(const Specification& spec, const RefinedSet& best, std::size
     return cost_in_steps(first, objective_of(*own, set, first));
   };
   RelaxedAnswer relaxed{.key = price->key, .value_si = price->value_si + step_si(*price)};
-  const std::optional<RefinedSet> again = refine(*own, best.candidate, progress.stop);
+  const KnownTrain start = start_in(*own, spec, best);
+  const std::optional<RefinedSet> again = refine(*own, best.candidate, progress.stop, &start);
   if (!again) {
     held.interrupted = true;
     return;
   }
-  if (again->status == Status::kOptimal && cost(*again) < cost(best)) relaxed.better = again;
+  if (has_design(again->status) && cost(*again) < cost(best)) relaxed.better = again;
   relaxed.all_sets = is_searched_again(*own) && sets <= kMostSearchedAgain;
   if (relaxed.all_sets) {
     progress.stage = Progress::Stage::kBeyond;

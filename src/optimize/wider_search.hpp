@@ -28,7 +28,7 @@ void search_beyond(const Specification& spec, const RefinedSet& best, std::size_
 
 /// Refines the best set with each limit that has a price given way by its step: a price holds to
 /// first order, and ends where another limit becomes active.  Fills LimitPrice::refined_gain_si;
-/// leaves it empty where search_relaxed() does not give the limit way.
+/// leaves it empty where search_relaxed() does not give the limit way, and where the solver failed.
 /// @param progress  its stop ends it: what was not refined stays empty, and `held` is interrupted
 void refine_gains(const Specification& spec, const RefinedSet& best, HeldBack& held,
                   Progress& progress);

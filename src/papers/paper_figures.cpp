@@ -124,7 +124,7 @@ std::vector<RefinedPoint> refined_points(const Specification& task, const RatioS
     }
     for (std::size_t i = 0; i < kLimits; ++i) {
       set.refined[i] = optimize::refine(limited[i], point.candidate);
-      if (set.refined[i].status == optimize::Status::kOptimal) {
+      if (optimize::has_design(set.refined[i].status)) {
         set.refined_kinematic_rad[i] =
             kinematic_lost_motion(optimize::train_of(limited[i], set.refined[i]));
       }

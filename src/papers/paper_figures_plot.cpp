@@ -106,7 +106,7 @@ std::string refined_script(const PaperFigures& f) {
     if (is_published(f, p)) published_before += zero;
     for (std::size_t i = 0; i < kLimits; ++i) {
       const RefinedSet& refined = set.refined[i];
-      if (refined.status != Status::kOptimal) continue;
+      if (!optimize::has_design(refined.status)) continue;
       const std::string at = fmt::format("{} {}\n", drawn(arcmin(refined.lost_motion_rad)),
                                          drawn(percent(refined.eta_b)));
       after[i] += at;

@@ -95,7 +95,7 @@ std::vector<std::string> refined_fields(const PaperFigures& f, const RefinedPoin
       std::string(optimize::kStatusNames[static_cast<std::size_t>(refined.status)]),
       std::string(optimize::reason_of(refined))};
   constexpr std::size_t kNumbers = 15;
-  if (refined.status != Status::kOptimal) {
+  if (!optimize::has_design(refined.status)) {
     fields.resize(fields.size() + kNumbers);
     return fields;
   }
@@ -214,7 +214,7 @@ const RefinedPoint* published_teeth(const PaperFigures& f) {
 
 std::size_t feasible_count(const PaperFigures& f, std::size_t limit) {
   return static_cast<std::size_t>(std::ranges::count_if(f.refined, [&](const RefinedPoint& set) {
-    return set.refined[limit].status == Status::kOptimal;
+    return optimize::has_design(set.refined[limit].status);
   }));
 }
 
@@ -324,7 +324,7 @@ const RefinedSet* best_refined(const PaperFigures& figures, std::size_t limit) {
   const RefinedSet* best = nullptr;
   for (const RefinedPoint& set : figures.refined) {
     const RefinedSet& refined = set.refined[limit];
-    if (refined.status != Status::kOptimal) continue;
+    if (!optimize::has_design(refined.status)) continue;
     if (best == nullptr || refined.eta_b > best->eta_b) best = &refined;
   }
   return best;
@@ -369,7 +369,7 @@ std::vector<FigureStatement> figure_statements(const PaperFigures& f) {
       ours += fmt::format(", best eta_b {} % ({})", fixed(percent(best->eta_b), 1),
                           teeth_text(best->candidate.teeth));
     }
-    if (own != nullptr && own->refined[i].status == Status::kOptimal) {
+    if (own != nullptr && optimize::has_design(own->refined[i].status)) {
       ours += fmt::format(", published teeth {} %", fixed(percent(own->refined[i].eta_b), 1));
     }
     refined.ours.push_back(std::move(ours));

@@ -251,7 +251,7 @@ class Ledger {
     const optimize::RefinedSet set =
         optimize::refine(s_.task, {.teeth = proposed_.teeth, .planets = proposed_.planets});
     std::optional<double> reached;
-    if (set.status == optimize::Status::kOptimal) reached = set.eta_b;
+    if (optimize::has_design(set.status)) reached = set.eta_b;
     add({.where = "Sec. IV, Table II",
          .paper = "\"optimal parameter set\"",
          .finding = fmt::format(

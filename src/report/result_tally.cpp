@@ -71,7 +71,7 @@ ResultTally tally_of(const OptimizeResult& result) {
     tally.refinements += set->refinements;
     tally.relaxations += set->relaxations;
     if (set->grid_cut && set->status == Status::kNoFeasibleFound) ++tally.cut_without_design;
-    if (set->status == Status::kOptimal) return;
+    if (optimize::has_design(set->status)) return;
     if (!reason_of(*set).empty()) ++tally.reasons[status][std::string(reason_of(*set))];
     if (set->blocked_by.empty()) return;
     offer(*set);
@@ -90,6 +90,11 @@ ResultTally tally_of(const OptimizeResult& result) {
   };
   if (!nearest.empty()) tally.nearest = std::ranges::min_element(nearest, {}, key)->second;
   return tally;
+}
+
+bool only_failed(const ResultTally& tally) {
+  const auto count = [&](Status status) { return tally.status[static_cast<std::size_t>(status)]; };
+  return count(Status::kFailed) > 0 && count(Status::kNoFeasibleFound) == 0;
 }
 
 std::string grid_cut_text(const Specification& spec, std::size_t sets) {
@@ -117,7 +122,7 @@ std::string optimize_counts_text(const OptimizeResult& result, const ResultTally
     const auto status = static_cast<Status>(k);
     if (tally.status[k] == 0) continue;
     text += fmt::format("; {} {}", tally.status[k], optimize::kStatusNames[k]);
-    if (status == Status::kOptimal || status == Status::kBounded) continue;
+    if (optimize::has_design(status) || status == Status::kBounded) continue;
     std::string reasons;
     for (const auto& [reason, n] : tally.reasons[k]) {
       reasons += fmt::format("{}{} {}", reasons.empty() ? "" : ", ", reason, n);

@@ -29,6 +29,10 @@ struct ResultTally {
 };
 ResultTally tally_of(const optimize::OptimizeResult& result);
 
+/// Whether the solver failed on sets, and found none that misses a limit: then no limit is known to
+/// be what blocks.
+bool only_failed(const ResultTally& tally);
+
 /// What was not found as the search of grids was cut short, and how it is; "": none was.
 std::string grid_cut_text(const optimize::Specification& spec, std::size_t sets);
 /// The same of refinements in many searches, between two texts; "": none was.

@@ -73,7 +73,7 @@ std::optional<double> capacity_per_mass(const RefinedSet& s) {
 void add_co_design(const RefinedSet& s, const actuator::CoDesign& co_design, Optimum& optimum) {
   std::optional<double> energy_J;
   std::string motor;
-  if (s.status == Status::kOptimal && s.eta_b > 0.0) {
+  if (optimize::has_design(s.status) && s.eta_b > 0.0) {
     const optimize::EnergyAt at =
         s.cycle_energy_J ? optimize::EnergyAt{.energy_J = *s.cycle_energy_J,
                                               .motor = s.motor,
@@ -102,7 +102,7 @@ Fields refined_fields(const RefinedSet& s, const std::optional<double>& bound,
   f.add_row(optimize::kStatusNames[static_cast<std::size_t>(s.status)], {"status"});
   f.add_row(reason_of(s), {"reason"});
   f.add_row(train::ratio(teeth), {"ratio"});
-  Optimum optimum(f, s.status == Status::kOptimal);
+  Optimum optimum(f, optimize::has_design(s.status));
   optimum.add("eta_b", s.eta_b);
   optimum.add("eta_f", s.eta_f);
   optimum.add("backlash_arcmin", arcmin(s.lost_motion_rad));
@@ -112,7 +112,7 @@ Fields refined_fields(const RefinedSet& s, const std::optional<double>& bound,
   optimum.add("center_distance_mm", mm(s.train.center_distance_m));
   optimum.add_each(kContactRatios, s.contact_ratio);
   f.add_row(bound, {"eta_b_bound"});
-  optimum.add("kkt_residual", s.kkt_residual);
+  optimum.add("kkt_residual", std::isfinite(s.kkt_residual) ? io::Json(s.kkt_residual) : nullptr);
   f.add_row(s.candidate.planets, {"planets"});
   optimum.add("ring_root_diameter_mm", mm(s.ring_root_diameter_m));
   const double violation = s.blocked_by.empty() ? 0.0 : s.blocked_by.front().violation;
@@ -431,7 +431,7 @@ std::string summary_json(const Specification& spec, const OptimizeResult& result
   for (std::size_t k = 0; k < optimize::kStatusCount; ++k) {
     const auto s = static_cast<Status>(k);
     status[std::string(optimize::kStatusNames[k])] = tally.status[k];
-    if (s == Status::kOptimal || s == Status::kBounded) continue;
+    if (optimize::has_design(s) || s == Status::kBounded) continue;
     io::Json by_reason = io::Json::object();
     for (const auto& [reason, count] : tally.reasons[k]) by_reason[reason] = count;
     reasons[std::string(optimize::kStatusNames[k])] = std::move(by_reason);

@@ -19,6 +19,7 @@
 #include "io/text/diagnostics.hpp"
 #include "report/limit_price_report.hpp"
 #include "report/relaxed_limits_report.hpp"
+#include "report/result_tally.hpp"
 #include "units/units.hpp"
 
 namespace gear3k::app::optimize_test {
@@ -124,6 +125,64 @@ TEST(Optimize, GoesOnWithWhatIsKnown) {
   EXPECT_EQ(refined_again, 0U);
   ASSERT_TRUE(run.best && whole.best);
   EXPECT_EQ(run.best->evaluation.efficiency.backward, whole.best->evaluation.efficiency.backward);
+}
+
+TEST(Optimize, ADesignThatIsNoOptimumIsADesignAndToldAsWhatItIs) {
+  OptimizeTask task = optimize_task({.spec = small_spec()});
+  optimize::Progress progress;
+  const Optimization whole = optimize(task, {}, progress);
+  ASSERT_TRUE(whole.best);
+  std::vector<optimize::RefinedSet> known = whole.result.refined;
+  for (optimize::RefinedSet& set : known) {
+    if (set.status != optimize::Status::kOptimal) continue;
+    set.status = optimize::Status::kNotStationary;
+    set.kkt_residual = 2e-3;
+  }
+  optimize::Progress second;
+  const Optimization run = optimize(task, {.known = [&] { return known; }}, second);
+  ASSERT_TRUE(run.best);
+  EXPECT_EQ(run.best->evaluation.efficiency.backward, whole.best->evaluation.efficiency.backward);
+  const auto told = [](const Optimization& of) {
+    return std::ranges::count_if(of.best->evaluation.notes, [](const std::string& note) {
+      return note.find("no optimum (KKT residual 0.002") != std::string::npos;
+    });
+  };
+  EXPECT_EQ(told(run), 1);
+  EXPECT_EQ(told(whole), 0);
+  ASSERT_TRUE(run.held);
+  EXPECT_TRUE(run.held->best.held.prices.empty());
+  EXPECT_FALSE(run.held->best.held.missing.empty());
+  EXPECT_FALSE(run.relaxed);
+}
+
+TEST(Optimize, WhereTheSolverFailedOnEverySetNoLimitHasToGiveWay) {
+  OptimizeTask task = optimize_task({.spec = small_spec()});
+  optimize::Progress progress;
+  std::vector<optimize::RefinedSet> known = optimize(task, {}, progress).result.refined;
+  ASSERT_FALSE(known.empty());
+  for (optimize::RefinedSet& set : known) set.status = optimize::Status::kFailed;
+  optimize::Progress second;
+  const Optimization run = optimize(task, {.known = [&] { return known; }}, second);
+  EXPECT_FALSE(run.best);
+  EXPECT_TRUE(report::only_failed(report::tally_of(run.result)));
+  EXPECT_FALSE(run.relaxed);
+  EXPECT_EQ(run.not_relaxed.find("the solver failed on "), 0U) << run.not_relaxed;
+}
+
+TEST(Optimize, HasWhatCanBeCarriedWhereTheLoadLeavesNoDesign) {
+  optimize::Specification spec =
+      io::read_specification(GEAR3K_SOURCE_DIR "/examples/ratio-96.toml");
+  spec.teeth.S = {.min = 12, .max = 12};
+  spec.teeth.P1 = {.min = 64, .max = 64};
+  spec.rating->torque_Nm = 100.0;
+  OptimizeTask task = optimize_task({.spec = spec});
+  optimize::Progress progress;
+  const Optimization run = optimize(task, {}, progress);
+  EXPECT_FALSE(run.best);
+  EXPECT_FALSE(run.interrupted);
+  ASSERT_TRUE(run.carried);
+  EXPECT_GT(run.carried->torque_Nm, 20.0);
+  EXPECT_LT(run.carried->torque_Nm, 100.0);
 }
 
 TEST(Optimize, SaysThatNotAllSetsAreRefinedWhereItWasEnded) {

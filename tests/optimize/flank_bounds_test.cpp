@@ -392,7 +392,7 @@ TEST(CertifiedUnderLoad, AgreesWithRefiningEverySetWithoutBounds) {
     ASSERT_TRUE(certified.best && certified.certificate);
     const Refiner refiner(spec);
     const ShiftTable shifts(spec, certified.search.candidates);
-    const std::atomic<bool> never{false};
+    const StopFlag never;
     double best = 0.0;
     std::size_t carried = 0, ruled_out = 0;
     for (std::size_t k = 0; k < certified.search.candidates.size(); ++k) {

@@ -12,6 +12,7 @@
 #include "io/files/specification_file.hpp"
 #include "optimize/multiplier_range.hpp"
 #include "optimize/refine.hpp"
+#include "optimize/solve_outcome.hpp"
 #include "tests/optimize/random_specification.hpp"
 #include "tests/sample.hpp"
 #include "tests/strength/steel.hpp"
@@ -282,6 +283,28 @@ TEST(LimitPrices, OfTheLoadIsWhatRefiningAnewWithAnotherOneGains) {
     EXPECT_NEAR((*up - *down) / (2.0 * step_Nm) / price->loosened, 1.0, 0.01) << torque_Nm;
   }
   EXPECT_GE(compared, 2);
+}
+
+// A row that does not depend on the torque, missed within the tolerance of feasibility.
+TEST(LimitPrices, CarriedTorqueIsFoundWhereAnotherRowIsMissedWithinTheTolerance) {
+  Specification spec =
+      io::read_specification(std::string(GEAR3K_SOURCE_DIR) + "/examples/ratio-96.toml");
+  spec.objectives = {Objective::kTorqueCapacity};
+  spec.rating->torque_Nm = 5.0;
+  const RefinedSet set =
+      refine(spec, {.teeth = {.S = 12, .P1 = 64, .R1 = 141, .P2 = 52, .R2 = 132}, .planets = 3});
+  ASSERT_EQ(set.status, Status::kOptimal);
+  *spec.limits[CheckId::kRingRootDiameter] *= 1.0 - 0.5 * design::kFeasibilityTolerance;
+  const auto own = problem_of(spec, set);
+  ASSERT_TRUE(own);
+  ASSERT_GT(own->problem.torque, 0U);
+  const double missed = outcome_at(own->problem, own->v).violation;
+  ASSERT_GT(missed, 0.0);
+  ASSERT_LE(missed, design::kFeasibilityTolerance);
+  Point v = own->v;
+  v[own->problem.torque] *= 1.1;
+  lower_to_carried_torque(own->problem, v);
+  EXPECT_NEAR(v[own->problem.torque] / own->v[own->problem.torque], 1.0, 1e-5);
 }
 
 TEST(LimitPrices, AreWhatRefiningAnewWithTheLimitMovedGains) {

@@ -51,6 +51,12 @@ const Edit kLightLoad{"output_torque_nm = 20.0", "output_torque_nm = 5.0"};
 /// With one more table or key.
 Edit with(const std::string& text) { return {"[solver]", text + "\n[solver]"}; }
 
+/// Shifts so wide that a search may leave the model, where teeth have no rim or meshes no contact.
+std::vector<Edit> wide_shifts() {
+  return {{"range = [0.0, 1.0]", "range = [0.0, 5.0]"},
+          {"tip_thickness = 0.3", "tip_thickness = 0.03"}};
+}
+
 const std::vector<Case>& cases() {
   static const std::vector<Case> kCases{
       {"contact_ratio.range[0]",
@@ -118,6 +124,18 @@ const std::vector<Case>& cases() {
        LimitKind::kPressureAngle,
        {with("[free]\npressure_angle_deg = [19.0, 21.0]\n")},
        {"pressure_angle_deg = [19.0, 21.0]", "pressure_angle_deg = [19.0, 22.0]"}},
+      {"contact_ratio.range[0]",
+       LimitKind::kCheck,
+       wide_shifts(),
+       {"range = [1.2, 2.5]", "range = [1.15, 2.5]"}},
+      {"size.max_ring_root_diameter_mm",
+       LimitKind::kCheck,
+       wide_shifts(),
+       {"max_ring_root_diameter_mm = 76.0", "max_ring_root_diameter_mm = 77.0"}},
+      {"module.stage2_mm.min",
+       LimitKind::kModule,
+       wide_shifts(),
+       {"stage2_mm = { min = 0.5,", "stage2_mm = { min = 0.45,"}},
       {"strength.output_torque_nm",
        LimitKind::kTorque,
        {{"output_torque_nm = 20.0", "output_torque_nm = 44.0"}}},
@@ -153,6 +171,7 @@ TEST_P(MovedLimit, GainsWhatTheFileStatedOtherwiseHas) {
   }
   const RefinedSet again =
       refine(io::parse_specification(edited(text, {own.moved}), "task.toml"), kSet);
+  ASSERT_TRUE(has_design(again.status));
   const double gain = merit_of(spec, again) - merit_of(spec, set);
   ASSERT_TRUE(told);
   // Two refinements of one problem end alike to the solver's 1e-9; a gain is far above it.

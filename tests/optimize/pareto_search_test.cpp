@@ -173,10 +173,7 @@ TEST(ParetoSearch, IsLeftAsItIsWhenItsTimeIsSpentAndTheRunGoesOn) {
   std::size_t steps = 0;
   const auto spend = [&](const FrontStep&) {
     if (++steps < 5) return;
-    Progress::Budget open = Progress::Budget::kOpen;
-    if (progress.front_budget.compare_exchange_strong(open, Progress::Budget::kSpent)) {
-      progress.stop = true;
-    }
+    progress.stop.end_part();
   };
   const ParetoFront front = search_pareto_front(spec, progress, {.on_step = spend});
   EXPECT_EQ(front.ended, ParetoFront::Ended::kBudget);
@@ -184,6 +181,23 @@ TEST(ParetoSearch, IsLeftAsItIsWhenItsTimeIsSpentAndTheRunGoesOn) {
   EXPECT_FALSE(progress.stop);
   EXPECT_EQ(front.searches, 5U);
   EXPECT_FALSE(front.points.empty());
+}
+
+TEST(ParetoSearch, InterruptedAsItsTimeIsSpentIsInterrupted) {
+  Specification spec = few_sets();
+  spec.objectives = {Objective::kBackwardEfficiency, Objective::kLostMotion};
+  for (const bool budget_first : {true, false}) {
+    Progress progress;
+    const auto end = [&](const FrontStep&) {
+      if (budget_first) progress.stop.end_part();
+      progress.stop = true;
+      if (!budget_first) progress.stop.end_part();
+    };
+    const ParetoFront front = search_pareto_front(spec, progress, {.on_step = end});
+    EXPECT_TRUE(front.interrupted);
+    EXPECT_TRUE(progress.stop);
+    EXPECT_EQ(front.searches, 1U);
+  }
 }
 
 TEST(ParetoSearch, NoDesignOfAnySetIsOutsideWhatItSaysMayBeMissing) {

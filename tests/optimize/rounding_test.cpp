@@ -128,7 +128,7 @@ TEST(Rounding, FindsTheBestPointOfTheWholeLattice) {
             multiples(step, std::max(range->min, middle - kSteps * step),
                       std::min(range->max, middle + kSteps * step));
       }
-      const std::atomic<bool> stop{false};
+      const StopFlag stop;
       const Rounding rounding = round_design(task.spec, set, stop, {.module_steps = kSteps});
       EXPECT_TRUE(rounding.complete);
       relaxations += rounding.relaxations;

@@ -73,6 +73,17 @@ TEST_F(Answers, ASetWithoutADesignHasNoneWithinNarrowerLimits) {
   EXPECT_FALSE(answers_.answer({.first = 0, .limits = {-0.85, 1e-3}}, candidate(13)));
 }
 
+TEST_F(Answers, ADesignThatIsNoOptimumAnswersNothingButIsADesign) {
+  RefinedSet beside = design(12, 0.9, 1e-3);
+  beside.status = Status::kNotStationary;
+  answers_.keep({.first = 0, .limits = {kAny, kAny}}, {&beside, 1});
+  EXPECT_FALSE(answers_.answer({.first = 0, .limits = {kAny, 2e-3}}, candidate(12)));
+  EXPECT_FALSE(answers_.answer({.first = 0, .limits = {-0.95, kAny}}, candidate(12)))
+      << "a better one may be beside it";
+  EXPECT_EQ(answers_.least_cost({.first = 0, .limits = {kAny, 2e-3}}, candidate(12)), -kInfinity);
+  EXPECT_EQ(answers_.best_within({.first = 0, .limits = {kAny, 2e-3}})->eta_b, 0.9);
+}
+
 TEST_F(Answers, TheBestWithinLimitsIsThatOfAnySetAndSearch) {
   EXPECT_FALSE(answers_.best_within({.first = 0, .limits = {kAny, kAny}}));
   const std::array<RefinedSet, 3> sets{design(12, 0.9, 3e-3), design(13, 0.8, 1e-3),

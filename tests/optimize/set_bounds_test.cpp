@@ -179,7 +179,7 @@ TEST_P(RandomSpecifications, NoDesignThatIsFoundLiesAboveItsBound) {
 TEST_P(RandomSpecifications, RefinedSetsLieBelowTheBoundsOfBothDirections) {
   for_each_task([&](std::uint64_t seed, const RandomTask& task, const SetBounds& bounds) {
     const Refiner refiner(task.spec);
-    const std::atomic<bool> never{false};
+    const StopFlag never;
     for (std::size_t k = 0; k < task.candidates.size(); ++k) {
       const SetBound bound = bounds.of(k);
       if (bound.infeasible) continue;

@@ -32,7 +32,7 @@ TEST(LeastLostMotion, IsThatOfAnotherSolver) {
   other.objectives = {Objective::kLostMotion};
   other.solver.refine = Refine::kIpopt;
   LeastLostMotion least(spec);
-  const std::atomic<bool> never{false};
+  const StopFlag never;
   for (const Candidate& set : kSets) {
     const RefinedSet by_ipopt = refine(other, set);
     ASSERT_EQ(by_ipopt.status, Status::kOptimal);
@@ -49,7 +49,7 @@ TEST(LeastLostMotion, IsThatOfAnotherSolver) {
 TEST(LeastLostMotion, HasADesignThatASearchWithinItMayBeginWith) {
   Specification spec = ratio_96();
   LeastLostMotion least(spec);
-  const std::atomic<bool> never{false};
+  const StopFlag never;
   for (const Candidate& set : kSets) {
     const auto* own = least.of(set, never);
     ASSERT_NE(own, nullptr);
@@ -107,7 +107,7 @@ TEST(LeastLostMotion, KnowsNothingOfLists) {
 
 TEST(LeastLostMotion, IsNotToldWhenItIsStopped) {
   LeastLostMotion least(ratio_96());
-  const std::atomic<bool> stopped{true};
+  const StopFlag stopped(true);
   EXPECT_EQ(least.of(kSets[0], stopped), nullptr);
 }
 

@@ -88,7 +88,7 @@ TEST(ShiftGrid, SetsAreAsGoodAsTheBestPointOfTheWholeGrid) {
 /// A grid whose sums of shifts leave the meshes no common distance, though free shifts do.
 TEST(ShiftGrid, AGridThatIsProvenEmptyCostsNoRelaxationAndHasNoFeasiblePoint) {
   const int wanted = sample(2, 20);
-  const std::atomic<bool> stop{false};
+  const StopFlag stop;
   int empty = 0;
   for (std::uint64_t seed = 1; seed <= 4000 && empty < wanted; ++seed) {
     test::RandomTask task = grid_task(seed, 1);
