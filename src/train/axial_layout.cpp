@@ -38,13 +38,13 @@ bool states_every_gear(const AxialLayout& layout) {
 template <class T>
 GearPlaces<T> placed_gears(const AxialLayout& layout, const std::array<T, 2>& face_width_m) {
   const std::array stated{stated_stage(layout, 0), stated_stage(layout, 1)};
-  std::array<T, 2> from, to;
+  std::array<T, 2> from{}, to{};
   from[0] = stated[0] ? T(stated[0]->from_m)
                       : (stated[1] ? T(stated[1]->from_m) - face_width_m[0] : T(0.0));
   to[0] = stated[0] ? T(stated[0]->to_m) : T(from[0] + face_width_m[0]);
   from[1] = stated[1] ? T(stated[1]->from_m) : to[0];
   to[1] = stated[1] ? T(stated[1]->to_m) : T(from[1] + face_width_m[1]);
-  GearPlaces<T> places;
+  GearPlaces<T> places{};
   for (int gear = 0; gear < kGearCount; ++gear) {
     const auto i = static_cast<std::size_t>(gear);
     if (const auto& extent = layout.extent[i]) {
