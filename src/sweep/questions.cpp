@@ -199,11 +199,15 @@ Rows best_of(const Database& database, const BestQuestion& question) {
     others += fmt::format("{} AS {}, ", column.sql, quoted(column.name));
     ++other_count;
   }
-  // Values that differ by rounding are equal: the greater objective is then better.
+  // Values that differ by rounding are equal: the greater objective is then better.  Of a number
+  // x (2^23 + 1) - (x (2^23 + 1) - x) has the first 30 bits (Veltkamp), nine digits.
+  const std::string compared = fmt::format(
+      "CASE typeof({0}) WHEN 'real' THEN {0} * 8388609.0 - ({0} * 8388609.0 - {0}) ELSE {0} END",
+      of.sql);
   Statement best = database.prepare(fmt::format(
       "SELECT * FROM (SELECT {0}{1}t.status, t.merit, t.bound, t.key, {7}row_number() OVER ({2} "
-      "ORDER BY {3} IS NULL, CASE typeof({3}) WHEN 'real' THEN CAST(printf('%.9g', {3}) AS REAL) "
-      "ELSE {3} END {4}, t.merit DESC, t.key) AS place FROM {5}) WHERE place = 1 ORDER BY {6}",
+      "ORDER BY {3} IS NULL, {8} {4}, t.merit DESC, t.key) AS place FROM {5}) WHERE place = 1 "
+      "ORDER BY {6}",
       names, shown, groups.empty() ? "" : "PARTITION BY " + groups, of.sql,
       question.least ? "ASC" : "DESC", kNewest,
       [&] {
@@ -211,7 +215,7 @@ Rows best_of(const Database& database, const BestQuestion& question) {
         for (std::size_t k = 0; k < by_count; ++k) order += fmt::format("{}, ", k + 1);
         return order + "key";
       }(),
-      others));
+      others, compared));
   Rows rows = rows_of(best);
   // Its place is that of all of them.
   rows.names.pop_back();
