@@ -396,7 +396,7 @@ Motion simulate(const actuator::Actuator& actuator, const Scenario& scenario) {
   for (const actuator::LimitCheck& check : motion.checks) {
     if (check.ok) continue;
     motion.notes.push_back(fmt::format(
-        "the {} reaches {:.4g} {}, above the limit of {:.4g} {}, which does not hold it here",
+        "the {} reaches {:.4g} {}, above the limit of {:.4g} {}, to which the motion is not held",
         check.name, check.value.value_or(0.0), check.unit, check.limit, check.unit));
   }
   return motion;
