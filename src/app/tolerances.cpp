@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "app/evaluate.hpp"
 #include "backlash/random_teeth.hpp"
 #include "io/text/diagnostics.hpp"
@@ -52,7 +54,10 @@ Tolerances tolerances(const TolerancesRequest& request, optimize::Progress& prog
   if (!progress.stop) {
     series.turn = backlash::turn_yield(
         series.model, design.train.teeth,
-        {.seed = series.seed, .scatter = series.scatter, .limit_rad = series.limit_rad});
+        {.gearboxes = std::min(backlash::TurnYieldOptions{}.gearboxes, series.result.samples),
+         .seed = series.seed,
+         .scatter = series.scatter,
+         .limit_rad = series.limit_rad});
   }
   result.turn = turn_of_first(design, series);
   result.interrupted = series.result.samples < static_cast<std::uint64_t>(design.sampling.samples);

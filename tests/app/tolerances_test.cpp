@@ -27,6 +27,15 @@ TEST(Tolerances, BuildsAsManyGearboxesAsAskedFor) {
   EXPECT_FALSE(result.turn.turn.points.empty());
 }
 
+TEST(Tolerances, TurnTheFirstGearboxesOfTheSeriesOfWhichThereMayBeFew) {
+  optimize::Progress progress;
+  design::Design design = toleranced();
+  design.sampling.samples = 20;
+  const Tolerances result = tolerances({.design = design}, progress);
+  ASSERT_TRUE(result.series.turn);
+  EXPECT_EQ(result.series.turn->gearboxes, 20U);
+}
+
 TEST(Tolerances, EndWhenAsked) {
   optimize::Progress progress;
   progress.stop = true;
