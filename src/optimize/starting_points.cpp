@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "geometry/involute.hpp"
+#include "optimize/solve_outcome.hpp"
 #include "optimize/uniform.hpp"
 
 namespace gear3k::optimize {
@@ -70,7 +71,8 @@ void start_scale(const RefinementProblem& p, Point& v) {
   if (p.scale > 0) v[p.scale] = p.upper[p.scale];
 }
 
-Point start_from(const RefinementProblem& p, const ShiftFractions& fractions) {
+/// @param reach  share of the way from the least shifts (by amount) to those of the fractions
+Point start_from(const RefinementProblem& p, const ShiftFractions& fractions, double reach) {
   const Specification& spec = *p.spec;
   const train::ToothSet& z = p.candidate.teeth;
   const double sum1 = z.S + z.P1;
@@ -83,8 +85,9 @@ Point start_from(const RefinementProblem& p, const ShiftFractions& fractions) {
   };
   const auto start = [&](int gear, double fraction) {
     const NumberRange& range = shift_limits(spec, gear);
-    v[static_cast<std::size_t>(gear)] =
-        within(gear, range.min + fraction * (range.max - range.min));
+    const double least = std::clamp(0.0, range.min, range.max);
+    const double x = range.min + fraction * (range.max - range.min);
+    v[static_cast<std::size_t>(gear)] = within(gear, least + reach * (x - least));
   };
   start(kS, fractions.S);
   start(kP1, fractions.P1);
@@ -137,6 +140,22 @@ void start_free_variables(const RefinementProblem& p, Point& v) {
   if (p.torque > 0) v[p.torque] = p.lower[p.torque];
 }
 
+/// As start_from(), nearer to gears without shift where the model is not defined so far out: of
+/// wide ranges a fraction is no gear.
+Point defined_start(const RefinementProblem& p, const ShiftFractions& fractions) {
+  constexpr int kHalvings = 4;
+  double reach = 1.0;
+  Point start{};
+  for (int k = 0; k <= kHalvings; ++k, reach *= 0.5) {
+    start = start_from(p, fractions, reach);
+    start_free_variables(p, start);
+    if (std::isfinite(outcome_at(p, start).violation)) return start;
+  }
+  start = start_from(p, fractions, 1.0);
+  start_free_variables(p, start);
+  return start;
+}
+
 /// The shifts and distances of a bound; where stage 2's module is given with stage 1's, R2 closes
 /// its mesh at stage 1's distance.
 Point start_at(const RefinementProblem& p, const SetBound& bound) {
@@ -175,22 +194,24 @@ std::vector<Point> starting_points(const RefinementProblem& problem, int count,
   Uniform uniform(stream_of(problem.candidate, seed));
   std::vector<Point> points;
   points.reserve(static_cast<std::size_t>(count) + 1);
-  if (bound != nullptr && count > 0) points.push_back(start_at(problem, *bound));
+  if (bound != nullptr && count > 0) {
+    points.push_back(start_at(problem, *bound));
+    start_free_variables(problem, points.back());
+  }
   for (int k = 0; k < count; ++k) {
     const auto index = static_cast<std::size_t>(k);
-    points.push_back(start_from(problem, index < kFixedStarts.size()
-                                             ? kFixedStarts[index]
-                                             : ShiftFractions{.S = uniform.next(),
-                                                              .P1 = uniform.next(),
-                                                              .P2 = uniform.next(),
-                                                              .R2 = uniform.next()}));
+    points.push_back(defined_start(problem, index < kFixedStarts.size()
+                                                ? kFixedStarts[index]
+                                                : ShiftFractions{.S = uniform.next(),
+                                                                 .P1 = uniform.next(),
+                                                                 .P2 = uniform.next(),
+                                                                 .R2 = uniform.next()}));
   }
   if (problem.objective == Objective::kLostMotion) {
     for (const ShiftFractions& start : kLargeBaseStarts) {
-      points.push_back(start_from(problem, start));
+      points.push_back(defined_start(problem, start));
     }
   }
-  for (Point& point : points) start_free_variables(problem, point);
   return points;
 }
 

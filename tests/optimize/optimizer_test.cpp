@@ -336,6 +336,32 @@ TEST(Optimize, TipsAreThickEnoughWhereLargeAndSmallShiftsThinThem) {
   EXPECT_GT(optima_within_limits(spec, result), 20U);
 }
 
+// Most of the wider range is no gear.
+TEST(Optimize, AWiderRangeOfShiftsLosesNoDesign) {
+  Specification spec = example("ratio-96.toml");
+  spec.module = {ModuleChoice{NumberRange{0.5e-3, 1e-3}, {}},
+                 ModuleChoice{NumberRange{0.5e-3, 1e-3}, {}}};
+  spec.limits[design::CheckId::kTipThickness] = 0.03;
+  spec.teeth.S = {.min = 13, .max = 14};
+  spec.teeth.P1 = {.min = 55, .max = 59};
+  spec.teeth.P2 = {.min = 50, .max = 56};
+  Progress progress;
+  const auto with_shifts_to = [&](double greatest) {
+    spec.profile_shift = {.min = 0.0, .max = greatest};
+    return sets_of(optimize(spec, progress));
+  };
+  const std::vector<RefinedSet> wide = with_shifts_to(5.0);
+  int designs = 0;
+  for (const RefinedSet& narrow : with_shifts_to(2.0)) {
+    if (!has_design(narrow.status)) continue;
+    ++designs;
+    const RefinedSet& same = same_teeth(wide, narrow);
+    EXPECT_TRUE(has_design(same.status));
+    EXPECT_GE(same.eta_b, narrow.eta_b - 1e-6);
+  }
+  EXPECT_GT(designs, 5);
+}
+
 TEST(Optimize, WithTheKhkTipRuleNoStartIsSpared) {
   // The same four starts without a bound to lead or to spare them.
   Specification spec = example("rp96.toml");
