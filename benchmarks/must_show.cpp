@@ -43,6 +43,7 @@
 #include "benchmarks/program.hpp"
 #include "benchmarks/rate_record.hpp"
 #include "benchmarks/second_sample.hpp"
+#include "io/text/diagnostics.hpp"
 #include "numerics/parallel.hpp"
 #include "tests/app/wide_scoring.hpp"
 #include "tests/calibrate/series_scoring.hpp"
@@ -244,6 +245,38 @@ void add_prediction(const wide_rig::Score& s, double error, double refit, double
   }
 }
 
+/// The verdict on one campaign.
+/// @throws io::InvalidInput for data that diagnose refuses to read
+void add_score(const DueCampaign& task, const wide_rig::Campaign& campaign, RateRecord& r) {
+  const wide_rig::Score s = wide_rig::score(campaign);
+  r.verdict = s.verdict;
+  r.reached = s.strength;
+  r.right = s.right;
+  r.all_right = s.all_right();
+  r.wrong_name = s.wrong_name;
+  r.false_remainder = s.false_remainder;
+  r.disclosed = s.disclosed;
+  r.lists_excluded = s.lists_excluded;
+  r.verdict_fits = s.verdict_fits;
+  r.own_order_listed = s.own_order_listed;
+  r.all_orders_listed = s.orders > 0 && s.orders == s.orders_listed;
+  r.gain = s.gain;
+  add_prediction(s, s.unseen, s.unseen_refit, r.unseen, r.unseen_read);
+  add_prediction(s, s.later, s.later_refit, r.later, r.later_read);
+  r.orders = s.orders;
+  r.intervals = s.intervals;
+  r.inside = s.inside;
+  for (const wide_rig::Claim& c : s.claims) {
+    r.claims.push_back({100.0 * c.probability, c.holds});
+  }
+  if (!s.all_right() || s.inside < s.intervals) r.answer = s.answer;
+  if (task.leave_out) {
+    const wide_rig::LeftOut left = wide_rig::leave_out(campaign, s, task.seed + r.line.size());
+    r.left_out = left.same ? "same" : left.same_or_alternatives ? "alternative" : "changed";
+    if (!left.same) r.answer = s.answer + " | left out: " + left.answer;
+  }
+}
+
 RateRecord diagnosed(const DueCampaign& task) {
   RateRecord r{.line = task.cell->name(), .strength = task.cell->strength, .seed = task.seed};
   r.gain = r.unseen = r.unseen_read = r.later = r.later_read = std::nan("");
@@ -263,35 +296,18 @@ RateRecord diagnosed(const DueCampaign& task) {
   } else {
     const wide_rig::Campaign campaign =
         wide_rig::make_campaign(*task.cell->line, task.cell->strength, task.seed);
-    const wide_rig::Score s = wide_rig::score(campaign);
     r.plan = campaign.plan;
     r.noise = campaign.noise_model;
     for (const wide_rig::Truth& t : campaign.truths) r.laws += (r.laws.empty() ? "" : "+") + t.law;
-    r.verdict = s.verdict;
-    r.reached = s.strength;
-    r.right = s.right;
-    r.all_right = s.all_right();
-    r.wrong_name = s.wrong_name;
-    r.false_remainder = s.false_remainder;
-    r.disclosed = s.disclosed;
-    r.lists_excluded = s.lists_excluded;
-    r.verdict_fits = s.verdict_fits;
-    r.own_order_listed = s.own_order_listed;
-    r.all_orders_listed = s.orders > 0 && s.orders == s.orders_listed;
-    r.gain = s.gain;
-    add_prediction(s, s.unseen, s.unseen_refit, r.unseen, r.unseen_read);
-    add_prediction(s, s.later, s.later_refit, r.later, r.later_read);
-    r.orders = s.orders;
-    r.intervals = s.intervals;
-    r.inside = s.inside;
-    for (const wide_rig::Claim& c : s.claims) {
-      r.claims.push_back({100.0 * c.probability, c.holds});
-    }
-    if (!s.all_right() || s.inside < s.intervals) r.answer = s.answer;
-    if (task.leave_out) {
-      const wide_rig::LeftOut left = wide_rig::leave_out(campaign, s, task.seed + r.line.size());
-      r.left_out = left.same ? "same" : left.same_or_alternatives ? "alternative" : "changed";
-      if (!left.same) r.answer = s.answer + " | left out: " + left.answer;
+    try {
+      add_score(task, campaign, r);
+    } catch (const io::InvalidInput& refused) {
+      if (r.verdict.empty()) {
+        r.verdict = "refused";
+      } else {
+        r.left_out = "changed";
+      }
+      r.answer = refused.what();
     }
   }
   r.processor_s = thread_seconds() - start_s;

@@ -38,6 +38,7 @@ double value_of(const std::string& text) {
 
 std::string without_commas(std::string text) {
   std::ranges::replace(text, ',', ';');
+  std::ranges::replace(text, '\n', ' ');
   return text;
 }
 

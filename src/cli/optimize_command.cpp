@@ -96,10 +96,13 @@ class RunJournal {
     if (options_.resume) {
       journal = io::read_journal(path, fingerprint_);
       known_ = journal.sets.size();
-      say_unless_quiet(
-          journal.exists
-              ? fmt::format("{}: goes on after {} {}\n", path, journal.sets.size(), what_)
-              : fmt::format("{}: there is none, the run starts anew\n", path));
+      if (journal.exists) {
+        say_unless_quiet(
+            fmt::format("{}: goes on after {} {}\n", path, journal.sets.size(), what_));
+      } else if (!std::filesystem::exists(folder_.path_of(kSummaryName))) {
+        // Of an earlier result it is said already.
+        say_unless_quiet(fmt::format("{}: there is none, the run starts anew\n", path));
+      }
     } else if (std::error_code none; std::filesystem::exists(path, none)) {
       say_unless_quiet(
           fmt::format("{}: of a run that did not end; --resume would go on with it\n", path));

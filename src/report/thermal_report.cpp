@@ -76,7 +76,7 @@ std::string_view moisture_name(train::Moisture moisture) {
 
 std::string thermal_summary(const ThermalResult& thermal) {
   double least_m = std::numeric_limits<double>::infinity();
-  double most_rad = 0.0;
+  double most_rad = -std::numeric_limits<double>::infinity();
   std::string where;
   for (const ThermalStateResult& at : thermal.states) {
     most_rad = std::max(most_rad, at.lost_motion_rad);
@@ -87,8 +87,9 @@ std::string thermal_summary(const ThermalResult& thermal) {
     }
   }
   return fmt::format(
-      "least backlash {} um ({}), lost motion up to {} arcmin; jams below: {}, above: {}",
-      fixed(um(least_m), 1), where, fixed(arcmin(most_rad), 2),
+      "least backlash {} um ({}), {}; jams below: {}, above: {}", fixed(um(least_m), 1), where,
+      most_rad < 0.0 ? "no lost motion, as meshes overlap"
+                     : fmt::format("lost motion up to {} arcmin", fixed(arcmin(most_rad), 2)),
       jam_text(nearest_jam(thermal, false)), jam_text(nearest_jam(thermal, true)));
 }
 
