@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "geometry/involute.hpp"
+#include "geometry/rack_point.hpp"
 
 namespace gear3k::geometry {
 
@@ -245,8 +246,7 @@ LeastGap least_gap(TipPassage<double>& passage, const Fillet<double>& fillet, do
 template <class T>
 T undercut_margin(const GearGeometry<T>& external) {
   const T& sin_alpha = external.angle.sin;
-  const BasicRack<T>& rack = external.gear.rack;
-  const T form_depth = rack.dedendum - rack_rounding(external) * (1.0 - sin_alpha);
+  const T form_depth = rack_depth(external) - rack_rounding(external) * (1.0 - sin_alpha);
   return external.gear.profile_shift -
          (form_depth - 0.5 * external.gear.teeth * sin_alpha * sin_alpha);
 }

@@ -8,7 +8,7 @@ namespace gear3k::geometry {
 
 /// Profile shift above the one at which a rack tool begins to undercut an external gear.
 ///
-///   x − (h_Ff* − z sin² α / 2),  h_Ff* = hfP* − ρ* (1 − sin α),  ρ* = rack_rounding()
+///   x − (h_Ff* − z sin² α / 2),  h_Ff* = rack_depth() − ρ* (1 − sin α),  ρ* = rack_rounding()
 ///
 /// h_Ff* is the depth of the basic rack's straight flank below its reference line (1.0 for the
 /// rack 1.25 / 0.38 at 20° to 4 decimals).

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "geometry/involute.hpp"
+#include "geometry/rack_point.hpp"
 
 namespace gear3k::geometry {
 
@@ -117,17 +118,15 @@ ToothForm<T> rack_form(const GearGeometry<T>& g) {
   const T& m = g.gear.module_m;
   const T& x = g.gear.profile_shift;
   const BasicRack<T>& rack = g.gear.rack;
-  const T rounding = rack_rounding(g);
-  const T form_depth = rack.dedendum - rounding * (1.0 - g.angle.sin);
-  const T half_tool_tooth =
-      std::numbers::pi / 4.0 + g.gear.machining_allowance / (2.0 * g.angle.cos);
+  const T depth = rack_depth(g), rounding = rack_rounding(g);
+  const T form_depth = depth - rounding * (1.0 - g.angle.sin);
   ToothForm<T> form;
   form.fillet = {
       .tool = RootTool::kRack,
       .rounding_radius_m = m * rounding,
       .pitch_radius_m = g.reference_radius_m,
-      .rounding_depth_m = m * (rack.dedendum - rounding - x),
-      .center_offset = m * (half_tool_tooth - form_depth * g.angle.tan - rounding * g.angle.cos),
+      .rounding_depth_m = m * (depth - rounding - x),
+      .center_offset = m * (half_rack_tooth(g) - form_depth * g.angle.tan - rounding * g.angle.cos),
       .normal_angle_rad = g.angle.alpha_rad};
   form.form_normal_angle_rad = form.fillet.normal_angle_rad;
   form.form_length_m = g.reference_radius_m * g.angle.sin - m * (form_depth - x) / g.angle.sin;
@@ -365,10 +364,9 @@ T contour_half_angle(const GearGeometry<T>& g, const ToothForm<T>& form, const T
 
 template <class T>
 T rack_rounding(const GearGeometry<T>& g) {
-  const T half_tool_tooth =
-      g.gear.machining_allowance / (2.0 * g.angle.cos) + std::numbers::pi / 4.0;
   const T greatest =
-      (half_tool_tooth - g.gear.rack.dedendum * g.angle.tan) * g.angle.cos / (1.0 - g.angle.sin);
+      (half_rack_tooth(g) - g.gear.rack.dedendum * g.angle.tan) * g.angle.cos / (1.0 - g.angle.sin);
+  if (value_of(greatest) < 0.0) return constant<T>(0.0);  // pointed
   return smaller(g.gear.rack.root_radius, greatest);
 }
 

@@ -128,7 +128,7 @@ T contour_half_angle(const GearGeometry<T>& g, const ToothForm<T>& form, const T
 
 /// Rounding radius of the rack's tip corners, in modules: ρfP*, or the radius at which both
 /// roundings become one arc where that is less:
-///   ρ ≤ (π/4 + q/(2 cos α) − hfP* tan α) cos α/(1 − sin α)
+///   0 ≤ ρ ≤ (π/4 + q/(2 cos α) − h tan α) cos α/(1 − sin α),  h = rack_depth()
 /// Source: own derivation, docs/theory §14.
 template <class T>
 T rack_rounding(const GearGeometry<T>& external);

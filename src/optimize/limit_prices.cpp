@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "geometry/rack_point.hpp"
 #include "optimize/check_row.hpp"
 #include "optimize/gradients.hpp"
 #include "optimize/kkt_residual.hpp"
@@ -215,8 +216,7 @@ class ActiveLimits {
     } else if (p_.first_tip > 0 && k >= p_.first_tip && k < p_.first_tip + train::kGearCount) {
       name_tip(k - p_.first_tip, at_least, pull);
     } else if (k == p_.pressure_angle) {
-      pull.limit = limit_of_range(LimitKind::kPressureAngle, "free.pressure_angle_deg",
-                                  units::Unit::kDegree, end_of(k, at_least), at_least);
+      pull.limit = limit_of_angle(end_of(k, at_least), at_least);
     } else if (k == p_.torque) {
       name_torque(at_least, pull);
     } else if (k == p_.face_width[0] || k == p_.face_width[1]) {
@@ -276,6 +276,14 @@ class ActiveLimits {
         .key = fmt::format("stage{}.face_width_mm.{}", stage + 1, at_least ? "min" : "max"),
         .unit = units::Unit::kMillimetre,
         .value_si = at_least ? range.min : range.max};
+  }
+  /// No file states a range by a step wider where the rack's tooth comes to a point.
+  [[nodiscard]] LimitPrice limit_of_angle(double end_rad, bool at_least) const {
+    LimitPrice limit = limit_of_range(LimitKind::kPressureAngle, "free.pressure_angle_deg",
+                                      units::Unit::kDegree, end_rad, at_least);
+    const double wider_rad = end_rad + giving_step(limit) * units::si_per(limit.unit);
+    if (wider_rad < geometry::pointed_rack_angle(p_.spec->rack)) return limit;
+    return of_search("pointed_rack", units::Unit::kDegree, end_rad, at_least);
   }
   static LimitPrice of_search(std::string key, units::Unit unit, double value_si, bool at_least) {
     return {.limit = {.kind = LimitKind::kSearchSpace, .at_least = at_least},

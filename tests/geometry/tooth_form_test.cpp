@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "geometry/interference.hpp"
+#include "geometry/rack_point.hpp"
 #include "tests/geometry/generated_space.hpp"
 #include "tests/largest_deviation.hpp"
 #include "tests/random_numbers.hpp"
@@ -175,6 +176,42 @@ TEST(RackRoot, RoundingIsTheRacksOrTheOneArcThatTouchesBothFlanks) {
   }
   EXPECT_GT(one_arc, 20);
   largest.expect_allowed("rounding");
+}
+
+TEST(RackRoot, OfADeeperRackThanItsFlanksReachIsThatOfItsPoint) {
+  Random random(35);
+  LargestDeviation largest;
+  for (int i = 0; i < 100; ++i) {
+    const auto g = random.external();
+    const double m = g.gear.module_m;
+    // The depth at which the flanks meet: RackTooth's width there is nothing.
+    double low = 0.0, high = 10.0;
+    for (int k = 0; k < 200; ++k) {
+      const double middle = 0.5 * (low + high);
+      const double thickness = m * kPi / 4.0 +
+                               0.5 * m * g.gear.machining_allowance / std::cos(g.angle.alpha_rad) -
+                               m * middle * std::tan(g.angle.alpha_rad);
+      (thickness > 0.0 ? low : high) = middle;
+    }
+    Gear<double> gear = g.gear;
+    gear.rack.dedendum = low;
+    gear.rack.root_radius = 0.0;
+    const auto pointed = make_gear_geometry(gear, g.angle);
+    if (pointed.root_radius_m < 0.2 * pointed.reference_radius_m) continue;
+    gear.rack.dedendum = low * random.between(1.0001, 1.3);
+    gear.rack.root_radius = g.gear.rack.root_radius;
+    const auto deeper = make_gear_geometry(gear, g.angle);
+    EXPECT_EQ(rack_rounding(deeper), 0.0);
+    largest.see(i, rack_depth(deeper) - low, 64.0 * kEps);
+    const auto form = make_tooth_form(deeper);
+    const RackTooth rack(pointed);
+    for (const double share : {0.05, 0.2, 0.5, 1.0}) {
+      const double radius =
+          pointed.root_radius_m + share * (g.tip_radius_m - pointed.root_radius_m);
+      largest.see(i, contour_half_angle(deeper, form, radius) - rack.at(radius).half_angle, 1e-12);
+    }
+  }
+  largest.expect_allowed("of the point");
 }
 
 TEST(RackRoot, ContourIsWhatTheRollingRackLeavesOnEveryRadius) {

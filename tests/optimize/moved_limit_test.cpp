@@ -180,6 +180,39 @@ TEST_P(MovedLimit, GainsWhatTheFileStatedOtherwiseHas) {
   EXPECT_NEAR(sense_of(first_objective(spec)) * *told, gain, 1e-7 * scale);
 }
 
+// A range that would hold racks without a tooth, a step wider, ends where the model does: no file
+// states the wider one.
+TEST(HeldBack, ByTheRackThatComesToAPointIsNoLimitOfAFile) {
+  const auto upper_end = [](const std::string& range) {
+    const std::string loaded = io::read_text(
+        std::string(GEAR3K_SOURCE_DIR) + "/examples/ratio-96.toml", "a file", 1 << 20);
+    const std::string text =
+        edited(loaded.substr(0, loaded.find("[stage1]")),
+               {{"range = [1.2, 2.5]", "range = [1.0, 2.5]"},
+                {"tip_thickness = 0.3", "tip_thickness = 0.1\nring_tip_thickness = 0.1"},
+                with("[free]\npressure_angle_deg = " + range + "\n")});
+    const Specification spec = io::parse_specification(text, "task.toml");
+    const RefinedSet set =
+        refine(spec, {.teeth = {.S = 14, .P1 = 43, .R1 = 100, .P2 = 37, .R2 = 94}, .planets = 3});
+    EXPECT_EQ(set.status, Status::kOptimal);
+    HeldBack held = held_back(spec, set, spec.limits);
+    Progress progress;
+    refine_gains(spec, set, held, progress);
+    std::erase_if(held.prices, [](const LimitPrice& price) {
+      return price.unit != units::Unit::kDegree || price.limit.at_least;
+    });
+    return held.prices.empty() ? LimitPrice{} : held.prices.front();
+  };
+  const LimitPrice far = upper_end("[28.0, 31.0]");
+  EXPECT_EQ(far.key, "free.pressure_angle_deg[1]");
+  EXPECT_TRUE(far.stated);
+  EXPECT_TRUE(far.refined_gain_si);
+  const LimitPrice near = upper_end("[28.0, 32.0]");
+  EXPECT_EQ(near.key, "pointed_rack");
+  EXPECT_FALSE(near.stated);
+  EXPECT_FALSE(near.refined_gain_si);
+}
+
 INSTANTIATE_TEST_SUITE_P(OfEveryKind, MovedLimit, testing::ValuesIn(cases()));
 
 }  // namespace

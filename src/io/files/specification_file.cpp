@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "design/rating_inputs.hpp"
+#include "geometry/rack_point.hpp"
 #include "io/files/co_design_file.hpp"
 #include "io/files/document_kind.hpp"
 #include "io/files/strength_task.hpp"
@@ -25,6 +26,12 @@ namespace gear3k::io {
 
 namespace {
 
+/// Whether one of these keys is stated with a value that is refused: what needs it is not missing.
+bool any_refused(const FileReading& reading, std::initializer_list<const char*> keys) {
+  return std::ranges::any_of(
+      keys, [&](const char* key) { return reading.stated(key) && !reading.has(key); });
+}
+
 /// What the free variables exclude.
 void check_free(const optimize::Specification& spec, FileReading& reading) {
   const char* const tips = reading.has("free.addendum") ? "free.addendum" : "free.tip_shortening";
@@ -40,6 +47,20 @@ void check_free(const optimize::Specification& spec, FileReading& reading) {
   if (spec.free.tip_shortening && (spec.khk_tip[train::kS] || spec.khk_tip[train::kP1])) {
     reading.error_at(tips, fmt::format("{} and tip_rule = \"khk\": allowed: one of them", tips));
   }
+}
+
+/// The rack must have a tooth over the whole range of its angle.
+void check_free_angle(const optimize::Specification& spec, FileReading& reading) {
+  const auto& range = spec.free.pressure_angle_rad;
+  const double greatest_rad = geometry::pointed_rack_angle(spec.rack);
+  if (!range || range->max < greatest_rad || any_refused(reading, {"rack.dedendum"})) return;
+  const auto degrees = [](double rad) { return units::from_si(rad, units::Unit::kDegree); };
+  reading.error_at(
+      "free.pressure_angle_deg",
+      fmt::format("free.pressure_angle_deg = [{:.6g}, {:.6g}]: allowed: below {:.6g}, where the "
+                  "tooth of a rack with dedendum = {} comes to a point",
+                  degrees(range->min), degrees(range->max), degrees(greatest_rad),
+                  spec.rack.dedendum));
 }
 
 /// Shifts that are multiples of a step.
@@ -61,12 +82,6 @@ void finish_shift_step(optimize::Specification& spec, FileReading& reading) {
   };
   holds_one("profile_shift.range", spec.profile_shift);
   if (spec.ring_shift) holds_one("profile_shift.ring_range", *spec.ring_shift);
-}
-
-/// Whether one of these keys is stated with a value that is refused: what needs it is not missing.
-bool any_refused(const FileReading& reading, std::initializer_list<const char*> keys) {
-  return std::ranges::any_of(
-      keys, [&](const char* key) { return reading.stated(key) && !reading.has(key); });
 }
 
 void check_objectives(const optimize::Specification& spec, FileReading& reading) {
@@ -170,6 +185,7 @@ void check_relations(const SpecificationInput& input, FileReading& reading) {
   }
   check_axial(spec.axial, reading);
   check_rack(spec.rack, spec.pressure_angle_rad, reading);
+  check_free_angle(spec, reading);
   check_friction(spec.friction, reading);
   for (const auto& [ring, teeth_of_ring] :
        {std::pair{train::kR1, teeth.R1_max}, std::pair{train::kR2, teeth.R2_max}}) {

@@ -196,6 +196,23 @@ TEST(ReadSpecification, RelationsAreCheckedBetweenKeys) {
       << backlash;
 }
 
+TEST(ReadSpecification, TheRackHasTeethOverTheWholeRangeOfAFreeAngle) {
+  const auto of = [](const std::string& range, const std::string& dedendum) {
+    return errors_of(kMinimal + "[free]\npressure_angle_deg = " + range +
+                     "\n[rack]\ndedendum = " + dedendum + "\n");
+  };
+  // tan a = pi/(4 hfP*) = 0.628319: a = 32.1419 deg
+  EXPECT_EQ(of("[28.0, 32.14]", "1.25"), "");
+  EXPECT_NE(of("[28.0, 32.15]", "1.25")
+                .find("spec.toml:13:1: free.pressure_angle_deg = [28, 32.15]: allowed: below "
+                      "32.1419, where the tooth of a rack with dedendum = 1.25 comes to a point"),
+            std::string::npos);
+  EXPECT_NE(of("[33.5, 35.0]", "1.25").find("allowed: below 32.1419"), std::string::npos);
+  EXPECT_EQ(of("[28.0, 35.0]", "1.1"), "");
+  // What is refused itself says nothing of the angle.
+  EXPECT_EQ(of("[28.0, 35.0]", "9.0").find("free.pressure_angle_deg"), std::string::npos);
+}
+
 TEST(ReadSpecification, AStepOfTheShiftsIsThatOfRoundingToo) {
   const Specification spec = parse(kMinimal + "[profile_shift]\nstep = 0.05\n");
   EXPECT_EQ(spec.shift_step, 0.05);
