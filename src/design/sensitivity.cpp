@@ -11,6 +11,7 @@
 #include "design/operation.hpp"
 #include "design/scalar_as.hpp"
 #include "design/thermal_result.hpp"
+#include "efficiency/friction_dependence.hpp"
 
 namespace gear3k::design {
 
@@ -57,6 +58,8 @@ struct ActingLosses {
   bool load_power, stribeck, schlenk;  ///< the law
   bool coefficient;                    ///< the law reads it
   bool directional, bearing, drag, speed_drag;
+  bool width_sizes;      ///< the gearbox's length, which is limited, is that of the face widths
+  bool growing_bearing;  ///< the output bearing's share of the load is another by the load
 };
 ActingLosses acting_losses(const Design& design) {
   using efficiency::FrictionLaw;
@@ -70,7 +73,10 @@ ActingLosses acting_losses(const Design& design) {
       .directional = design.friction.model == efficiency::LossModel::kDirectional,
       .bearing = shafts.planet_bearing_coefficient > 0.0 && shafts.planet_bearing_radius_m > 0.0,
       .drag = false,
-      .speed_drag = false};
+      .speed_drag = false,
+      .width_sizes = design.limits[CheckId::kGearboxLength] && !train::whole_extent(design.axial),
+      .growing_bearing = shafts.output_bearing_growth.share != 0.0 &&
+                         shafts.output_bearing_growth.exponent != 0.0};
   for (const ShaftDrag<double>& d : shafts.drag) {
     if (d.viscous_Nms > 0.0 || d.quadratic_Nms2 > 0.0) acting.speed_drag = true;
     if (d.constant_Nm > 0.0) acting.drag = true;
@@ -94,15 +100,8 @@ std::vector<Input<T>> inputs_of(const Design& design, Parameters<T>& p) {
   const bool runs = design.operating_point.has_value();
   const bool turns = runs && design.operating_point->sun_speed_rad_s > 0.0;
   const bool loaded = runs && design.operating_point->output_torque_Nm > 0.0;
-  const auto& model = design.friction.extension;
-  const bool by_speed = acting.stribeck || acting.schlenk ||
-                        design.friction.law == efficiency::FrictionLaw::kTable ||
-                        model.slow_excess != 0.0 || model.speed_exponent != 0.0;
-  const bool by_force = acting.load_power || acting.schlenk ||
-                        design.friction.law == efficiency::FrictionLaw::kTable ||
-                        model.load_exponent != 0.0;
-  const bool by_temperature = acting.schlenk || model.temperature_1_K != 0.0 ||
-                              (acting.drag && design.shafts.drag_temperature_1_K != 0.0);
+  const efficiency::StateDependence by = efficiency::state_dependence(design.friction);
+  const bool drag_by_temperature = acting.drag && design.shafts.drag_temperature_1_K != 0.0;
   std::vector<Input<T>> list;
   const auto add = [&](InputId id, const StepRule& rule, T& at, bool acts = true) {
     list.push_back({.id = id, .rule = rule, .at = &at, .acts = acts});
@@ -116,7 +115,7 @@ std::vector<Input<T>> inputs_of(const Design& design, Parameters<T>& p) {
   for (const std::size_t stage : {0U, 1U}) {
     add({kModule, stage}, kModuleLength, p.module_m[stage]);
     add({kFaceWidth, stage}, hundredth(Unit::kMillimetre), p.face_width_m[stage],
-        acting.schlenk || derived_rating(design) != nullptr);
+        acting.schlenk || acting.width_sizes || derived_rating(design) != nullptr);
   }
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
     add({kProfileShift, i}, kModules, p.profile_shift[i]);
@@ -157,10 +156,11 @@ std::vector<Input<T>> inputs_of(const Design& design, Parameters<T>& p) {
   add({kBearingRadius}, hundredth(Unit::kMillimetre), p.shafts.planet_bearing_radius_m,
       runs && acting.bearing);
   add({kSunSpeed}, hundredth(Unit::kRpm), p.point.sun_speed_rad_s,
-      turns && (by_speed || acting.speed_drag));
+      turns && (by.speed || acting.speed_drag));
   add({kOutputTorque}, hundredth(Unit::kNewtonMetre), p.point.output_torque_Nm,
-      loaded && (by_force || acting.drag));
-  add({kTemperature}, kTemperatures, p.point.temperature_K, runs && by_temperature);
+      loaded && (by.load || acting.drag || acting.growing_bearing));
+  add({kTemperature}, kTemperatures, p.point.temperature_K,
+      runs && (by.temperature || drag_by_temperature));
   return list;
 }
 
@@ -460,6 +460,7 @@ Sensitivities sensitivities(const Design& design, std::size_t tightest) {
                                                .stage1_module_m = design.train.module_m[0],
                                                .cutter = design.train.cutter,
                                                .axial = design.axial,
+                                               .bodies = bodies_of(design),
                                                .rating = derived_rating(design),
                                                .thermal = stated_range(design)}));
   // Loads that the planets' masses are part of.

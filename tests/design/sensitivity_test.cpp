@@ -164,13 +164,46 @@ auto row_of(const Sensitivities& s, const std::string& key) {
                               [&](const Sensitivity& row) { return io::key_of(row.input) == key; });
 }
 
+/// The design of a text, with what a calibrated model adds to another one.
+Design with_extension(const std::string& text, const std::string& name, const Design& model) {
+  Design design = io::parse_design(text, name);
+  design.friction.extension = model.friction.extension;
+  design.shafts.output_bearing_share = model.shafts.output_bearing_share;
+  design.shafts.output_bearing_growth = model.shafts.output_bearing_growth;
+  design.shafts.drag_temperature_1_K = model.shafts.drag_temperature_1_K;
+  design.shafts.drag_reference_temperature_K = model.shafts.drag_reference_temperature_K;
+  return design;
+}
+
+/// Of where it runs, what is not among the inputs must change no quantity.
+void expect_rest_does_not_act(const std::string& name, const Design& design, const Sensitivities& s,
+                              const Numbers& at) {
+  if (!design.operating_point) return;
+  const auto moved = [&](const char* key, double OperatingPoint<double>::*member, double by) {
+    if (row_of(s, key) != s.inputs.end()) return;
+    Design other = design;
+    (*other.operating_point).*member += by * (*other.operating_point).*member;
+    const Numbers n = numbers_of(evaluated(other));
+    for (std::size_t q = 0; q < kQuantityCount; ++q) {
+      ASSERT_EQ(n.quantity[q].has_value(), at.quantity[q].has_value()) << name << " " << key;
+      if (!n.quantity[q]) continue;
+      EXPECT_NEAR(*n.quantity[q], *at.quantity[q], 1e-12 * kSize[q]) << name << " " << key;
+    }
+  };
+  moved("operating_point.sun_speed_rpm", &OperatingPoint<double>::sun_speed_rad_s, 0.1);
+  moved("operating_point.output_torque_nm", &OperatingPoint<double>::output_torque_Nm, 0.1);
+  moved("operating_point.temperature_c", &OperatingPoint<double>::temperature_K, 0.01);
+}
+
 /// Compares every derivative of a design, as change per step.
 void compare(const std::string& name, const Design& design, Tally& tally) {
   const std::string text = io::design_text(design);
-  const Evaluation base = evaluated(io::parse_design(text, name));
-  const Sensitivities s = sensitivities(io::parse_design(text, name), kEveryCheck);
+  const Design read = with_extension(text, name, design);
+  const Evaluation base = evaluated(read);
+  const Sensitivities s = sensitivities(read, kEveryCheck);
   const Numbers at = numbers_of(base);
   ASSERT_FALSE(s.inputs.empty()) << name;
+  expect_rest_does_not_act(name, read, s, at);
   for (std::size_t q = 0; q < kQuantityCount; ++q) {
     ASSERT_EQ(s.value[q].has_value(), at.quantity[q].has_value()) << name << " " << q;
     if (s.value[q]) {
@@ -180,8 +213,8 @@ void compare(const std::string& name, const Design& design, Tally& tally) {
   for (const Sensitivity& row : s.inputs) {
     tally.inputs.insert(io::key_of(row.input));
     const auto numbers = [&](double number) {
-      return numbers_of(evaluated(io::parse_design(with_number(text, io::key_of(row.input), number),
-                                                   io::key_of(row.input))));
+      const std::string key = io::key_of(row.input);
+      return numbers_of(evaluated(with_extension(with_number(text, key, number), key, design)));
     };
     const auto difference = [&](double h) {
       std::vector<double> slope(kQuantityCount + at.margin.size(), 0.0);
@@ -360,13 +393,66 @@ TEST(Sensitivity, ToThePlanetsShiftHoldsAStatedDistanceAndFollowsAnUnstatedOne) 
   EXPECT_NEAR(slope(d), -held_open, 1e-12 * module_m);
 }
 
+/// Bores, rings that end somewhere, and face widths in the place of places along the axis.
+void add_bodies(RandomTrain& random, const train::TrainGeometry<double>& geometry, Design& d) {
+  const auto share_of_root = [&](int gear, double low, double high) {
+    return random.between(low, high) * geometry.gears[static_cast<std::size_t>(gear)].root_radius_m;
+  };
+  for (const int gear : {train::kS, train::kP1, train::kP2}) {
+    d.masses.bore_radius_m[static_cast<std::size_t>(gear)] = share_of_root(gear, 0.2, 0.8);
+  }
+  d.masses.ring1_outer_radius_m = share_of_root(train::kR1, 1.1, 1.3);
+  d.masses.ring2_outer_radius_m = share_of_root(train::kR2, 1.1, 1.3);
+  d.limits[CheckId::kWall] = random.between(0.0, 5e-3);
+  d.limits[CheckId::kGearboxLength] = random.between(5e-3, 30e-3);
+  d.masses.face_width_m = {random.between(4e-3, 12e-3), random.between(4e-3, 12e-3)};
+}
+
+efficiency::FrictionBend<double> random_bend(RandomTrain& random, double half_range) {
+  efficiency::FrictionBend<double> bend;
+  bend.quadratic = random.between(-0.1, 0.1);
+  bend.cubic = random.between(-0.1, 0.1);
+  for (double& s : bend.s) s = random.between(-0.1, 0.1);
+  bend.s[3] = 0.0;
+  bend.half_range = half_range;
+  return bend;
+}
+
+/// What a calibrated model adds to friction and to the output's bearing, where it runs.
+void add_extension(RandomTrain& random, Design& d) {
+  d.operating_point = OperatingPoint<double>{.sun_speed_rad_s = random.between(20.0, 200.0),
+                                             .output_torque_Nm = random.between(2.0, 20.0),
+                                             .temperature_K = random.between(290.0, 330.0)};
+  auto& e = d.friction.extension;
+  e.level = random.between(0.8, 1.2);
+  e.load_exponent = random.between(-0.1, 0.1);
+  e.reference_force_N = 50.0;
+  e.slow_excess = random.between(0.0, 0.3);
+  e.slow_speed_m_s = 0.05;
+  e.speed_exponent = random.between(-0.1, 0.1);
+  e.reference_speed_m_s = 0.1;
+  e.temperature_1_K = random.between(-0.01, 0.0);
+  e.load_bend = random_bend(random, 4.0);
+  e.speed_bend = random_bend(random, 4.0);
+  e.temperature_bend = random_bend(random, 40.0);
+  e.forward = random.between(0.9, 1.1);
+  e.approach = random.between(0.9, 1.1);
+  e.inner_drives = random.between(0.9, 1.1);
+  e.ring_meshes = random.between(0.9, 1.1);
+  d.shafts.output_bearing_share = random.between(0.0, 0.02);
+  d.shafts.output_bearing_growth = {.share = random.between(0.005, 0.02),
+                                    .exponent = random.between(-0.5, 0.5),
+                                    .reference_Nm = 10.0};
+}
+
 TEST(Sensitivity, OfRandomGearboxesAreTheDifferencesOfTheirEvaluation) {
   Tally tally;
   RandomTrain random(41);
+  int walled = 0, sized = 0, running = 0;
   constexpr std::array<LossModel, 4> kModels{LossModel::kSliding, LossModel::kOhlendorf,
                                              LossModel::kCoulombPath, LossModel::kDirectional};
   int done = 0;
-  while (done < 8) {
+  while (done < 16) {
     Design d;
     d.name = fmt::format("random {}", done);
     const auto geometry = random.train(done % 2 == 0);
@@ -385,8 +471,12 @@ TEST(Sensitivity, OfRandomGearboxesAreTheDifferencesOfTheirEvaluation) {
     d.train.center_distance_m = d.center_distance_given ? geometry.center_distance_m : 0.0;
     d.train.cutter[train::kR1] = {
         .teeth = d.train.teeth.R1 / 3, .profile_shift = 0.1, .tip_radius = 0.15};
-    d.axial.extent.fill(train::AxialInterval{.from_m = 0.0, .to_m = 0.01});
-    d.axial.carrier_radius_m = 0.4 * d.train.module_m[0] * d.train.teeth.R1;
+    if (done % 4 < 2) {
+      d.axial.extent.fill(train::AxialInterval{.from_m = 0.0, .to_m = 0.01});
+      d.axial.carrier_radius_m = 0.4 * d.train.module_m[0] * d.train.teeth.R1;
+    }
+    if (done % 8 > 0) add_bodies(random, geometry, d);
+    if (done % 2 > 0) add_extension(random, d);
     d.friction.coefficient = 0.05;
     d.friction.model = kModels[static_cast<std::size_t>(done) % 4];
     if (d.friction.model == LossModel::kDirectional) {
@@ -401,9 +491,120 @@ TEST(Sensitivity, OfRandomGearboxesAreTheDifferencesOfTheirEvaluation) {
       continue;
     }
     compare(d.name, d, tally);
+    const auto has = [&](CheckId id) {
+      return std::ranges::any_of(sensitivities(d, kEveryCheck).checks,
+                                 [&](const TightCheck& c) { return c.record->id == id; });
+    };
+    walled += has(CheckId::kWall) ? 1 : 0;
+    sized += has(CheckId::kGearboxLength) ? 1 : 0;
+    running += d.operating_point ? 1 : 0;
     ++done;
   }
   expect_few_kinks(tally);
+  EXPECT_EQ(walled, 14);
+  EXPECT_EQ(sized, 8);
+  EXPECT_EQ(running, 8);
+  for (const char* key : {"operating_point.sun_speed_rpm", "operating_point.output_torque_nm",
+                          "operating_point.temperature_c", "stage1.face_width_mm"}) {
+    EXPECT_TRUE(tally.inputs.contains(key)) << key;
+  }
+}
+
+// By one part of a model alone: with it the operating point acts, and nothing else makes it.
+TEST(Sensitivity, ByTheOperatingPointIsThatOfEveryPartOfAModel) {
+  using Extension = efficiency::FrictionExtension<double>;
+  const efficiency::FrictionBend<double> bend{.quadratic = 0.2,
+                                              .cubic = -0.1,
+                                              .s = {0.1, 0.05, 0.02, 0.0, -0.05, -0.04, 0.1},
+                                              .half_range = 4.0};
+  struct Case {
+    const char* key;
+    void (*add)(Design& d, const efficiency::FrictionBend<double>& bend);
+  };
+  using Bend = efficiency::FrictionBend<double>;
+  const std::array<Case, 8> cases{
+      {{"operating_point.sun_speed_rpm",
+        [](Design& d, const Bend& b) { d.friction.extension.speed_bend = b; }},
+       {"operating_point.sun_speed_rpm",
+        [](Design& d, const Bend&) { d.friction.extension.speed_exponent = -0.1; }},
+       {"operating_point.output_torque_nm",
+        [](Design& d, const Bend& b) { d.friction.extension.load_bend = b; }},
+       {"operating_point.output_torque_nm",
+        [](Design& d, const Bend& b) {
+          Extension& e = d.friction.extension;
+          e.load_bend = b;
+          e.load_is_torque = true;
+        }},
+       {"operating_point.output_torque_nm",
+        [](Design& d, const Bend&) {
+          d.shafts.output_bearing_growth = {.share = 0.02, .exponent = -0.5, .reference_Nm = 5.0};
+        }},
+       {"operating_point.temperature_c",
+        [](Design& d, const Bend& b) {
+          d.friction.extension.temperature_bend = b;
+          d.friction.extension.temperature_bend.half_range = 40.0;
+        }},
+       {"operating_point.temperature_c",
+        [](Design& d, const Bend&) { d.friction.extension.temperature_1_K = -0.01; }},
+       {"", [](Design& d, const Bend&) { d.friction.extension.level = 1.2; }}}};
+  const std::array<std::string, 3> all{"operating_point.sun_speed_rpm",
+                                       "operating_point.output_torque_nm",
+                                       "operating_point.temperature_c"};
+  Tally tally;
+  for (std::size_t n = 0; n < cases.size(); ++n) {
+    Design d = running(FrictionLaw::kConstant);
+    d.shafts = {};
+    cases[n].add(d, bend);
+    compare(fmt::format("case {}", n), d, tally);
+    const Sensitivities s = sensitivities(d);
+    for (const std::string& key : all) {
+      EXPECT_EQ(row_of(s, key) != s.inputs.end(), key == cases[n].key) << n << " " << key;
+    }
+  }
+  expect_few_kinks(tally);
+}
+
+// Checks of evaluate() that any of the inputs moves, found by moving them all.
+TEST(Sensitivity, HasTheChecksOfTheEvaluationThatItsInputsMove) {
+  Design d = thinned(published("loaded"));
+  d.masses.bore_radius_m[train::kP1] = d.masses.bore_radius_m[train::kP2] = 5e-3;
+  d.masses.ring1_outer_radius_m = 42e-3;
+  d.limits[CheckId::kWall] = 15e-3;
+  d.limits[CheckId::kGearboxLength] = 5e-3;
+  const Evaluation e = evaluated(d);
+  std::set<std::string> failed;
+  for (const CheckResult& c : e.checks) {
+    if (!c.ok) failed.insert(std::string(c.record->name));
+  }
+  EXPECT_TRUE(failed.contains("wall"));
+  EXPECT_TRUE(failed.contains("gearbox_length"));
+  std::set<std::string> expected;
+  for (const double by : {-1.0, 1.0}) {
+    Design moved = d;
+    moved.train.center_distance_m *= 1.0 + by * 1e-5;
+    for (std::size_t i = 0; i < train::kGearCount; ++i) {
+      const double step = by * 1e-4 * static_cast<double>(i + 1);
+      moved.train.profile_shift[i] += step;
+      moved.train.tip_shortening[i] -= 0.7 * step;
+      moved.train.machining_allowance[i] += 0.3 * step;
+    }
+    for (const std::size_t stage : {0U, 1U}) {
+      const double factor = 1.0 + by * 1e-4 * static_cast<double>(stage + 1);
+      moved.train.module_m[stage] *= factor;
+      moved.rating->face_width_m[stage] *= factor;
+      auto& width = moved.masses.face_width_m[stage];
+      if (width) *width *= factor;
+    }
+    const Evaluation other = evaluated(moved);
+    ASSERT_EQ(other.checks.size(), e.checks.size());
+    for (std::size_t c = 0; c < e.checks.size(); ++c) {
+      if (other.checks[c].margin != e.checks[c].margin) expected.insert(name_of(e.checks[c]));
+    }
+  }
+  std::set<std::string> told;
+  for (const TightCheck& c : sensitivities(d, kEveryCheck).checks) told.insert(name_of(c));
+  EXPECT_EQ(told, expected);
+  EXPECT_GT(told.size(), 40U);
 }
 
 TEST(Sensitivity, OfEveryFrictionLawAndLossAreTheDifferencesOfTheirEvaluation) {
