@@ -111,6 +111,30 @@ std::array<bool, train::kGearCount> gears_without_rim(const strength::RatedTrain
   return without;
 }
 
+/// A root that is rated beside the section that its formulas are for.
+void note_section(const strength::RootSection<double>& section, std::string_view gear,
+                  std::vector<std::string>& notes) {
+  if (section.on_fillet) return;
+  notes.push_back(fmt::format(
+      "the fillet of {} has no tangent at {:.0f} deg to the tooth's axis, where Y_F and Y_S are "
+      "taken: its root is rated where the fillet meets the flank",
+      gear, units::from_si(section.tangent_angle_rad, units::Unit::kDegree)));
+}
+
+void note_sections(const std::array<strength::MeshRating<double>, train::kMeshCount>& meshes,
+                   std::vector<std::string>& notes) {
+  std::array<const strength::RootSection<double>*, train::kGearCount> sections{};
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    for (const std::size_t i : {0U, 1U}) {
+      sections[static_cast<std::size_t>(train::kMeshGears[k][i])] =
+          &meshes[k].teeth[i].form.section;
+    }
+  }
+  for (std::size_t gear = 0; gear < train::kGearCount; ++gear) {
+    note_section(*sections[gear], train::kGearNames[gear], notes);
+  }
+}
+
 /// Y_M where nothing reads it, as no tooth that it is stated for is loaded on both flanks.
 void note_reversal(const strength::RatingTask& task, const train::ToothSet& teeth,
                    std::vector<std::string>& notes) {
@@ -226,6 +250,7 @@ std::optional<RatedGearbox> rate_gearbox(const Design& design,
   }
   if (shared) note_sharing(shared->sharing, geometry.planets, gearbox.notes);
   note_unknown(task, gearbox.notes);
+  note_sections(gearbox.result.forward.mesh, gearbox.notes);
   note_reversal(task, geometry.teeth, gearbox.notes);
   return gearbox;
 }
@@ -301,6 +326,9 @@ std::optional<RatedPair> rate_pair(const PairDesign& design,
           {.start_Nm = task.torque_Nm}),
       .notes = {}};
   note_unknown(task, pair.notes);
+  for (const std::size_t i : {0U, 1U}) {
+    note_section(pair.rating.teeth[i].form.section, i == 0 ? "1" : "2", pair.notes);
+  }
   return pair;
 }
 
