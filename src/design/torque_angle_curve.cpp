@@ -84,7 +84,7 @@ class LoopPath {
 
   [[nodiscard]] const LoopState& state() const { return state_; }
 
-  /// Goes on to a torque; false where no forces are in balance.
+  /// Goes on to a torque; false where no forces are in balance, or the springs' are not found.
   bool go_to(double torque_Nm, const Couples& couples) {
     LoopState next = state_;
     for (std::size_t k = 0; k < train::kMeshCount; ++k) next.normal_N[k] = lossless(k, torque_Nm);
@@ -99,10 +99,12 @@ class LoopPath {
       for (std::size_t k = 0; k < train::kMeshCount; ++k) {
         change = std::max(change, std::abs(next.normal_N[k] - before[k]));
       }
-      if (change <= 1e-12 * (lossless(1, peak_Nm_) + lossless(2, peak_Nm_))) break;
+      if (change <= 1e-12 * (lossless(1, peak_Nm_) + lossless(2, peak_Nm_))) {
+        state_ = next;
+        return true;
+      }
     }
-    state_ = next;
-    return true;
+    return false;
   }
 
  private:
@@ -343,7 +345,9 @@ std::variant<TorqueAngleCurve, std::string> torque_angle_curve(const Design& des
        .teeth = parameters.teeth,
        .efficiency = loaded.efficiency[static_cast<std::size_t>(strength::Drive::kBackward)],
        .extension = design.lost_motion});
-  if (!curve) return "with so much friction no forces of the locked train are in balance";
+  if (!curve)
+    return "no forces of the locked train were found in balance: too much friction, or springs "
+           "that no force keeps";
   return *std::move(curve);
 }
 

@@ -70,7 +70,7 @@ struct TorqueAngleTask {
 /// Does not account for: friction of bearings and seals, stiction beyond the stated friction, the
 /// give of teeth along their flanks, the change within a base pitch, the far flank of a sun that
 /// lifted off.
-/// @returns empty where a mesh jams with one of its members driving, or no forces are in balance
+/// @returns empty where a mesh jams, or no forces, or none with their own springs, are in balance
 /// @throws std::invalid_argument unless peak torque > 0, lost motion ≥ 0 and steps ≥ 1
 std::optional<TorqueAngleCurve> torque_angle_loop(const ElasticTrain& train,
                                                   const TorqueAngleTask& task);

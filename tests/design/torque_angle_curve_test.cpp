@@ -229,6 +229,43 @@ TEST(TorqueAngleCurve, RefusesWhatIsNoLoop) {
   EXPECT_FALSE(torque_angle_loop(train, task_of(g, even(0.0)))) << "meshes that jam";
 }
 
+/// The train with springs that are, up to their peak's force, by turns soft and a hundred times as
+/// soft, or that soften by a tenth.
+ElasticTrain changing_springs(ElasticTrain train, double peak_torque_Nm, bool jumps) {
+  for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+    const double compliance = train.mesh[k].front().compliance_m_N;
+    const double peak_N =
+        peak_torque_Nm * std::abs(train.train.mesh_torque[k][0]) * train.train.normal_N_per_Nm[k];
+    if (!jumps) {
+      train.mesh[k] = {{.normal_N = 0.1 * peak_N, .compliance_m_N = 1.1 * compliance},
+                       {.normal_N = peak_N, .compliance_m_N = compliance}};
+      continue;
+    }
+    train.mesh[k].clear();
+    for (int jump = 1; jump <= 8; ++jump) {
+      const double normal_N = 0.12 * jump * peak_N;
+      const double before = jump % 2 == 0 ? 100.0 : 1.0;
+      train.mesh[k].push_back({.normal_N = normal_N, .compliance_m_N = before * compliance});
+      train.mesh[k].push_back(
+          {.normal_N = normal_N * (1.0 + 1e-9), .compliance_m_N = 100.0 / before * compliance});
+    }
+  }
+  return train;
+}
+
+// At a jump the forces that one spring leaves call for the other one: no state has the springs of
+// its own forces.
+TEST(TorqueAngleCurve, IsNotThereWhereNoStateHasTheSpringsOfItsForces) {
+  RandomTrain random(578);
+  for (int n = 0; n < 60; ++n) {
+    const auto g = random.train(n % 2 == 0);
+    const ElasticTrain train = constant_springs(g, strength::random_springs(random));
+    const TorqueAngleTask task = task_of(g, random_efficiencies(random, 0.9));
+    EXPECT_TRUE(torque_angle_loop(changing_springs(train, task.peak_torque_Nm, false), task)) << n;
+    EXPECT_FALSE(torque_angle_loop(changing_springs(train, task.peak_torque_Nm, true), task)) << n;
+  }
+}
+
 TEST(TorqueAngleCurve, AreaOfTheLoopIsWhatFrictionTakes) {
   RandomTrain random(576);
   LargestDeviation energy;
