@@ -270,6 +270,7 @@ std::string rounding_text(const app::OptimizeTask& task, const app::Optimization
       *o.rounding);
 }
 
+/// For scripts also where there is no design; the table is of one.
 void print_results(const app::OptimizeTask& task, const OptimizeRun& run,
                    const OptimizeOptions& options) {
   const app::Optimization& o = run.outcome;
@@ -282,6 +283,7 @@ void print_results(const app::OptimizeTask& task, const OptimizeRun& run,
                                 [](std::string_view piece) { print_result(std::string(piece)); });
       break;
     case Format::kTable: {
+      if (!o.best) break;
       const auto series = design::table_series(o.best->design);
       const std::size_t sets = o.result.search.candidates.size();
       const auto columns = known_columns(options.show.columns);
@@ -488,8 +490,8 @@ ExitCode run_optimize(const OptimizeOptions& options) {
     front.remove();
   }
   held.reset();
-  if (!outcome.best) return end_without_design(task, result);
   print_results(task, result, options);
+  if (!outcome.best) return end_without_design(task, result);
   const design::Evaluation& best = outcome.best->evaluation;
   if (!best.efficiency.backdrivable && !options.quiet) {
     say(fmt::format("the best design found cannot be back-driven (margin {:.4f})\n",

@@ -55,9 +55,23 @@ TEST(WithoutDesign, WhyNoLimitIsRelaxedIsSaidOnTheScreenAndInTheSummary) {
   const ProgramResult told =
       place.run({"optimize", "spec.toml", "--out", "out", "--force", "--quiet"});
   EXPECT_EQ(told.exit_code, 3);
+  EXPECT_EQ(told.out, "");
   const json other = json::parse(place.read("out/summary.json"));
   EXPECT_EQ(other.at("relaxed_limits_missing"), nullptr);
   EXPECT_FALSE(other.at("relaxed_limits").at("freed").empty());
+}
+
+TEST(WithoutDesign, ScriptsGetTheFilesOnStdoutAllTheSame) {
+  const Workplace place;
+  place.write("spec.toml", replaced(kOneSet, "diameter_mm = 76.0", "diameter_mm = 40.0"));
+  for (const auto& [format, file] :
+       {std::pair{"json", "out/summary.json"}, std::pair{"csv", "out/refined.csv"}}) {
+    const ProgramResult run = place.run(
+        {"optimize", "spec.toml", "--out", "out", "--force", "--quiet", "--format", format});
+    EXPECT_EQ(run.exit_code, 3);
+    EXPECT_FALSE(run.out.empty());
+    EXPECT_EQ(run.out, place.read(file));
+  }
 }
 
 // With the default of grid_relaxations this task has a design: no limit has to give way.
