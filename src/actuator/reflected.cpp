@@ -51,6 +51,7 @@ void set_design_parts(const Actuator& actuator, const Chain& chain, Reflected& r
   const DesignTrain& train = *actuator.train;
   const auto gear = design_gear(actuator);
   r.gearbox_kgm2 = train.inertia_kgm2();
+  r.gearbox_inertia_known = train.inertia_missing().empty();
   const auto lossy = std::make_shared<DesignTrain>(train);
   lossy->shafts.drag = {};
   const OutputMotion up{.acceleration_rad_s2 = 1.0};

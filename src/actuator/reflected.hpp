@@ -12,6 +12,7 @@ namespace gear3k::actuator {
 /// By cause, times i² where it is on the motor's side; plain, without efficiencies.
 struct Reflected {
   double motor_kgm2 = 0.0, gearbox_kgm2 = 0.0, load_kgm2 = 0.0, total_kgm2 = 0.0;
+  bool gearbox_inertia_known = true;  ///< false: of a design's gears, taken as 0
   /// J2 + J1/η_b and J2 + η_f J1: torque over acceleration with the motor off, no drag; the first
   /// is empty where the output cannot drive the motor.
   std::optional<double> speeding_up_kgm2, slowing_down_kgm2;

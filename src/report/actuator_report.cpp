@@ -24,7 +24,7 @@ Json celsius_json(const std::optional<double>& kelvin) {
 Json reflected_json(const Reflected& r) {
   return {{"inertia_kgm2",
            {{"motor", r.motor_kgm2},
-            {"gearbox", r.gearbox_kgm2},
+            {"gearbox", r.gearbox_inertia_known ? Json(r.gearbox_kgm2) : Json()},
             {"load", r.load_kgm2},
             {"total", r.total_kgm2},
             {"speeding_up", r.speeding_up_kgm2},
@@ -167,7 +167,8 @@ std::string reflected_text(const ActuatorResult& result) {
   const Reflected& r = result.reflected;
   TextTable table({"at the output", "motor", "gearbox", "load", "total"});
   const auto cell = [](double value) { return fmt::format("{:.6g}", value); };
-  table.add({"inertia [kg m2]", cell(r.motor_kgm2), cell(r.gearbox_kgm2), cell(r.load_kgm2),
+  table.add({"inertia [kg m2]", cell(r.motor_kgm2),
+             r.gearbox_inertia_known ? cell(r.gearbox_kgm2) : "not known", cell(r.load_kgm2),
              cell(r.total_kgm2)});
   table.add({"damping [N m s/rad]", cell(r.motor_Nms), cell(r.gearbox_Nms), "", cell(r.total_Nms)});
   table.add({"stiffness [N m/rad]", number_or(r.motor_Nm_rad, "rigid", ""),

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -90,6 +91,12 @@ std::string values_text(const Specification& spec, const RoundedDesign& design) 
 
 io::Json rounded_values_json(const RoundedDesign& design) {
   const optimize::RefinedTrain& t = design.set.train;
+  const auto face_width_json = [&](std::size_t stage) {
+    const std::optional<double> width_m = t.face_width_m[stage] > 0.0
+                                              ? std::optional(t.face_width_m[stage])
+                                              : design.spec.bodies.face_width_m[stage];
+    return width_m ? io::Json(in_file(*width_m, Unit::kMillimetre)) : io::Json();
+  };
   return {{"module_mm",
            {in_file(t.module_m[0], Unit::kMillimetre), in_file(t.module_m[1], Unit::kMillimetre)}},
           {"profile_shift", t.profile_shift},
@@ -97,9 +104,7 @@ io::Json rounded_values_json(const RoundedDesign& design) {
           {"machining_allowance_um", allowances_um(design)},
           {"tip_shortening", t.tip_shortening},
           {"pressure_angle_deg", in_file(t.pressure_angle_rad, Unit::kDegree)},
-          {"face_width_mm",
-           {in_file(t.face_width_m[0], Unit::kMillimetre),
-            in_file(t.face_width_m[1], Unit::kMillimetre)}}};
+          {"face_width_mm", {face_width_json(0), face_width_json(1)}}};
 }
 
 /// Where it is the step of modules that leaves nothing; "": it is not.

@@ -57,6 +57,8 @@ Json felt_values_json(const actuator::Felt& felt) {
 }
 
 Json pair_json(const SelectionTask& task, const PairResult& r) {
+  // The limit with the least to spare is no limit that is exceeded.
+  const bool exceeded = r.limit && r.excess > 0.0;
   Json json{{"motor", task.motors[r.pair.motor].name},
             {"gearbox", task.gearboxes[r.pair.gearbox].name},
             {"ratio", task.gearboxes[r.pair.gearbox].gearbox.ratio},
@@ -71,8 +73,8 @@ Json pair_json(const SelectionTask& task, const PairResult& r) {
             {"inertia_kgm2", r.inertia_kgm2},
             {"winding_c",
              r.winding_K ? Json(units::from_si(*r.winding_K, units::Unit::kCelsius)) : Json()},
-            {"limit", r.limit ? Json(limit_name(*r.limit)) : Json()},
-            {"excess", r.limit ? Json(r.excess) : Json()},
+            {"limit", exceeded ? Json(limit_name(*r.limit)) : Json()},
+            {"excess", exceeded ? Json(r.excess) : Json()},
             {"unknown", unknown_names(task, r.pair)}};
   if (r.felt) json["felt"] = felt_values_json(*r.felt);
   return json;

@@ -206,6 +206,10 @@ TEST(Selection, WritesEveryPairAndTheFront) {
   const json summary = json::parse(place.read("out/summary.json"));
   EXPECT_EQ(summary.at("pairs"), 4);
   EXPECT_EQ(summary.at("front").size() + 1, lines_of(place.read("out/pareto.csv")).size());
+  for (const json& pair : summary.at("front")) {
+    EXPECT_TRUE(pair.at("limit").is_null()) << pair;
+    EXPECT_TRUE(pair.at("excess").is_null()) << pair;
+  }
   // No friction and no thermal resistance stands in the catalogue.
   EXPECT_EQ(summary.at("front").at(0).at("unknown"), json({"motor_friction", "winding"}));
   EXPECT_TRUE(contains(result.out, "no friction is published")) << result.out;

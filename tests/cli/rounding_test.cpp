@@ -49,6 +49,7 @@ TEST(OptimizeRound, WritesADesignOfWholeStepsThatPassesEveryCheck) {
   for (const json& length : rounded.at("machining_allowance_um"))
     EXPECT_TRUE(on_step(length.get<double>(), 1.0));
   EXPECT_TRUE(on_step(rounded.at("center_distance_mm").get<double>(), 0.005));
+  EXPECT_EQ(rounded.at("face_width_mm"), json({nullptr, nullptr})) << "none is stated";
   const auto objective = rounded.at("objective").get<double>();
   EXPECT_LT(objective, best.at("eta_b").get<double>());
   EXPECT_NEAR(rounded.at("loss").get<double>(), best.at("eta_b").get<double>() - objective, 1e-15);
