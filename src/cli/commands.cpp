@@ -139,7 +139,7 @@ std::string result_text(const app::Analysis& analysis, const std::optional<app::
           report::analysis_json(analysis.evaluation, analysis.sensitivities, use, built, curve),
           figures);
     case Format::kCsv:
-      return report::analysis_csv(analysis.evaluation, analysis.sensitivities, built);
+      return report::analysis_csv(analysis.evaluation, analysis.sensitivities, built, curve);
     case Format::kTable:
       break;
   }

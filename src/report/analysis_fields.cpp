@@ -32,6 +32,7 @@ enum Part : int {
   kMasses,
   kInputs,
   kStrength,
+  kTorqueAngle,
   kThermal
 };
 
@@ -46,11 +47,11 @@ Fields mesh_fields(const MeshResult& m) {
   f.add("approach_contact_ratio", m.approach_contact_ratio, {"approach_contact_ratio"});
   f.add("recess_contact_ratio", m.recess_contact_ratio, {"recess_contact_ratio"});
   f.add("normal_backlash_um", um(m.normal_backlash_m), {"normal_backlash", "um"});
-  f.add("friction_forward", m.friction_forward);
-  f.add("friction_backward", m.friction_backward);
+  f.add("friction_forward", m.friction_forward, {"friction_forward"});
+  f.add("friction_backward", m.friction_backward, {"friction_backward"});
   f.add("efficiency_forward", m.efficiency_forward, {"efficiency_forward"});
   f.add("efficiency_backward", m.efficiency_backward, {"efficiency_backward"});
-  f.add("loss_model_in_range", m.loss_model_in_range);
+  f.add("loss_model_in_range", m.loss_model_in_range, {"loss_model_in_range"});
   f.add("hunting_period_teeth", m.hunting_period_teeth, {"hunting_period", "teeth", 1});
   f.add("common_factor", m.common_factor, {"common_factor"});
   f.add("planet_phase", io::Json::array());
@@ -97,7 +98,8 @@ Fields tooth_fields(const std::string& gear, const design::ToothResult& t) {
     Fields span(gear);
     span.add("count", t.span->count, {"span_count", "", 6});
     span.add("length_mm", mm(t.span->length_m), {"span", "mm", 6});
-    span.add("contact_diameter_mm", 2.0 * mm(t.span->contact_radius_m));
+    span.add("contact_diameter_mm", 2.0 * mm(t.span->contact_radius_m),
+             {"span_contact_diameter", "mm", 6});
     f.add("span", std::move(span));
   }
   f.add("pins", nullptr);
@@ -105,7 +107,8 @@ Fields tooth_fields(const std::string& gear, const design::ToothResult& t) {
     Fields pins(gear);
     pins.add("pin_diameter_mm", mm(t.pins->pin_diameter_m), {"pin_diameter", "mm", 6});
     pins.add("over_pins_mm", mm(t.pins->over_pins_m), {"over_pins", "mm", 6});
-    pins.add("contact_diameter_mm", 2.0 * mm(t.pins->contact_radius_m));
+    pins.add("contact_diameter_mm", 2.0 * mm(t.pins->contact_radius_m),
+             {"pin_contact_diameter", "mm", 6});
     f.add("pins", std::move(pins));
   }
   f.add("chordal_thickness_mm", mm(t.chordal.chord_m), {"chordal_thickness", "mm", 6});
@@ -118,7 +121,7 @@ Fields tooth_fields(const std::string& gear, const design::ToothResult& t) {
   f.add("cutter", nullptr);
   if (t.cutter_teeth > 0) {
     Fields cutter(gear);
-    cutter.add("teeth", t.cutter_teeth);
+    cutter.add("teeth", t.cutter_teeth, {"cutter_teeth", "", 3});
     cutter.add("tip_diameter_mm", mm(t.cutter_tip_diameter_m), {"cutter_tip_diameter", "mm", 3});
     cutter.add("center_distance_mm", mm(t.cutter_center_distance_m),
                {"cutter_center_distance", "mm", 3});
@@ -234,7 +237,9 @@ Fields analysis_fields(const Evaluation& e, const design::Sensitivities& s, cons
   f.add("strength", nullptr);
   if (e.strength) f.add("strength", strength_fields(e).at_rank(kStrength));
   f.add("torque_angle", nullptr);
-  if (curve != nullptr) f.add("torque_angle", torque_angle_fields(*curve));
+  if (curve != nullptr) {
+    f.add("torque_angle", torque_angle_fields(*curve).at_rank(kTorqueAngle));
+  }
   f.add("assembly", assembly_fields(e));
   f.add_list("checks", e.checks, check_fields, kChecks);
   if (e.tolerance_limits) {
@@ -279,8 +284,8 @@ Fields analysis_quantities(const Evaluation& e) {
 }
 
 std::string analysis_csv(const Evaluation& e, const design::Sensitivities& s,
-                         const design::BuiltSeries* built) {
-  return kRowsHeader + analysis_fields(e, s, nullptr, built, nullptr).csv_rows();
+                         const design::BuiltSeries* built, const design::TorqueAngleCurve* curve) {
+  return kRowsHeader + analysis_fields(e, s, nullptr, built, curve).csv_rows();
 }
 std::string analysis_csv(const PairEvaluation& e) {
   return kRowsHeader + analysis_fields(e).csv_rows();

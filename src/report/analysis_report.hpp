@@ -56,7 +56,8 @@ Fields analysis_quantities(const design::Evaluation& e);
 
 /// CSV with the columns item, quantity, value, unit, limit, ok.
 std::string analysis_csv(const design::Evaluation& e, const design::Sensitivities& s,
-                         const design::BuiltSeries* built = nullptr);
+                         const design::BuiltSeries* built = nullptr,
+                         const design::TorqueAngleCurve* curve = nullptr);
 std::string analysis_csv(const design::PairEvaluation& e);
 
 }  // namespace gear3k::report

@@ -47,8 +47,8 @@ Fields direction_fields(const DirectedResult& directed) {
 
 Fields operation_fields(const std::string& item, const Operation<double>& o) {
   Fields f(item);
-  f.add("sun_torque_nm", o.sun_torque_Nm + 0.0, {"sun_torque", "N m"});  // no negative zero
-  f.add("output_torque_nm", o.output_torque_Nm + 0.0, {"output_torque", "N m"});
+  f.add("sun_torque_nm", o.sun_torque_Nm, {"sun_torque", "N m"});
+  f.add("output_torque_nm", o.output_torque_Nm, {"output_torque", "N m"});
   f.add("efficiency", o.efficiency, {"efficiency"});
   f.add("input_power_w", o.input_power_W, {"input_power", "W"});
   f.add("loss_w", o.loss_W, {"loss", "W"});
@@ -58,10 +58,10 @@ Fields operation_fields(const std::string& item, const Operation<double>& o) {
     Fields mesh(item);
     mesh.add("name", name);
     mesh.add("friction", m.friction, {"friction " + name});
-    mesh.add("normal_force_n", m.normal_force_N);
-    mesh.add("sliding_speed_m_s", m.sliding_speed_m_s);
+    mesh.add("normal_force_n", m.normal_force_N, {"normal_force " + name, "N"});
+    mesh.add("sliding_speed_m_s", m.sliding_speed_m_s, {"sliding_speed " + name, "m/s"});
     mesh.add("gear1_drives", m.gear1_drives);
-    mesh.add("efficiency", m.efficiency);
+    mesh.add("efficiency", m.efficiency, {"efficiency " + name});
     mesh.add("heat_w", m.loss_W, {"heat " + name, "W"});
     f.append("meshes", std::move(mesh));
   }
@@ -76,10 +76,10 @@ Fields operation_fields(const std::string& item, const Operation<double>& o) {
 }
 
 Fields operating_point_fields(const design::OperatingResult& o) {
-  Fields f;
-  f.add("sun_speed_rpm", rpm(o.point.sun_speed_rad_s));
-  f.add("output_torque_nm", o.point.output_torque_Nm);
-  f.add("temperature_c", celsius(o.point.temperature_K));
+  Fields f("operating point");
+  f.add("sun_speed_rpm", rpm(o.point.sun_speed_rad_s), {"sun_speed", "rpm"});
+  f.add("output_torque_nm", o.point.output_torque_Nm, {"output_torque", "N m"});
+  f.add("temperature_c", celsius(o.point.temperature_K), {"temperature", "C"});
   for (const DirectedResult& directed : directions(o)) {
     f.add(directed.name, direction_fields(directed));
   }

@@ -93,7 +93,8 @@ Fields rated_tooth_fields(const RatedMesh& mesh, std::size_t member) {
   f.add("y_eps", t.contact_ratio_factor, {"y_eps"});
   f.add("root_chord_mm", mm(form.section.chord_m), {"root_chord", "mm"});
   f.add("root_section_diameter_mm",
-        2.0 * mm(std::hypot(form.section.height_m, 0.5 * form.section.chord_m)));
+        2.0 * mm(std::hypot(form.section.height_m, 0.5 * form.section.chord_m)),
+        {"root_section_diameter", "mm"});
   f.add("bending_arm_mm", mm(form.bending_arm_m), {"bending_arm", "mm"});
   f.add("fillet_radius_mm", mm(form.section.fillet_radius_m), {"root_fillet_radius", "mm"});
   f.add("section_on_fillet", form.section.on_fillet);
@@ -175,7 +176,8 @@ void add_capacity(Fields& f, const design::Evaluation& e) {
   f.add("capacity_forward_nm", torque(s.capacity_forward), {"torque_capacity_forward", "N m"});
   f.add("capacity_backward_nm", torque(s.capacity_backward), {"torque_capacity_backward", "N m"});
   f.add("torque_density_nm_per_kg", torque_density(e), {"torque_density", "N m/kg"});
-  f.add("gears_torque_density_nm_per_kg", gears_torque_density(e));
+  f.add("gears_torque_density_nm_per_kg", gears_torque_density(e),
+        {"gears_torque_density", "N m/kg"});
   f.add("governing", least ? governing_json(least->capacity, least->drive) : nullptr);
   f.add("governing_forward", governing_json(s.capacity_forward, Drive::kForward));
   f.add("governing_backward", governing_json(s.capacity_backward, Drive::kBackward));
@@ -204,8 +206,8 @@ Fields force_fields(const std::string& item, const std::string& key, const char*
                     const strength::TransverseForce<double>& force) {
   Fields f(item);
   f.add(key, place);
-  f.add("radial_n", force.radial_N + 0.0, {fmt::format("force {} radial", place), "N"});
-  f.add("tangential_n", force.tangential_N + 0.0, {fmt::format("force {} tangential", place), "N"});
+  f.add("radial_n", force.radial_N, {fmt::format("force {} radial", place), "N"});
+  f.add("tangential_n", force.tangential_N, {fmt::format("force {} tangential", place), "N"});
   return f;
 }
 
@@ -231,14 +233,19 @@ Fields planet_load_fields(const strength::TrainRating<double>& rating) {
 /// Where K_γ of the meshes comes from.
 Fields sharing_fields(const design::PlanetSharing& sharing) {
   Fields f("planet_sharing");
-  f.add("quantile", sharing.quantile);
-  f.add("drawn", sharing.drawn);
-  f.add("assembled", sharing.assembled);
+  f.add("quantile", sharing.quantile, {"quantile"});
+  f.add("drawn", sharing.drawn, {"drawn"});
+  f.add("assembled", sharing.assembled, {"assembled"});
   for (const char* key : {"mean_k_gamma", "k_gamma_lower", "k_gamma_upper"}) f.add(key, nullptr);
   if (sharing.series) {
-    f.add("mean_k_gamma", io::Json(sharing.series->mean));
-    f.add("k_gamma_lower", io::Json(sharing.series->lower));
-    f.add("k_gamma_upper", io::Json(sharing.series->upper));
+    const auto add = [&](const char* key, const auto& values) {
+      for (std::size_t k = 0; k < values.size(); ++k) {
+        f.append(key, values[k], {key, "", 0, std::string(train::kMeshNames[k])});
+      }
+    };
+    add("mean_k_gamma", sharing.series->mean);
+    add("k_gamma_lower", sharing.series->lower);
+    add("k_gamma_upper", sharing.series->upper);
   }
   return f;
 }

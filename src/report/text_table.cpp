@@ -75,6 +75,8 @@ std::string with_unit(const std::string& number, std::string_view unit) {
   return unit.empty() ? number : fmt::format("{} {}", number, unit);
 }
 
-std::string exact(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
+std::string exact(double value) {
+  return std::isfinite(value) ? fmt::format("{}", value + 0.0) : "";  // minus zero is zero
+}
 
 }  // namespace gear3k::report

@@ -17,18 +17,22 @@ double millijoules(double work_J) { return work_J / kMillijoule_J; }
 }  // namespace
 
 Fields torque_angle_fields(const design::TorqueAngleCurve& curve) {
-  Fields f;
-  f.add("peak_torque_nm", curve.peak_torque_Nm);
-  f.add("lost_motion_arcmin", arcmin(curve.lost_motion_rad));
-  f.add("windup_arcmin", arcmin(curve.windup_rad));
-  f.add("elastic_windup_arcmin", arcmin(curve.elastic_rad));
-  f.add(
-      "stiffness", list_json(curve.stiffness, [](const design::StiffnessAtTorque& point) {
-        return io::Json{{"torque_nm", point.torque_Nm}, {"output_nm_per_rad", point.output_Nm_rad}};
-      }));
-  f.add("loop_mj", millijoules(curve.loop_J));
-  f.add("friction_mj", millijoules(curve.friction_J));
-  f.add("held_arcmin", arcmin(curve.held_rad));
+  Fields f("torque_angle");
+  f.add("peak_torque_nm", curve.peak_torque_Nm, {"peak_torque", "N m"});
+  f.add("lost_motion_arcmin", arcmin(curve.lost_motion_rad), {"lost_motion", "arcmin"});
+  f.add("windup_arcmin", arcmin(curve.windup_rad), {"windup", "arcmin"});
+  f.add("elastic_windup_arcmin", arcmin(curve.elastic_rad), {"elastic_windup", "arcmin"});
+  f.add("stiffness", io::Json::array());
+  for (std::size_t k = 0; k < curve.stiffness.size(); ++k) {
+    const design::StiffnessAtTorque& point = curve.stiffness[k];
+    Fields at(fmt::format("torque_angle {}", k));
+    at.add("torque_nm", point.torque_Nm, {"torque", "N m"});
+    at.add("output_nm_per_rad", point.output_Nm_rad, {"output_stiffness", "N m/rad"});
+    f.append("stiffness", std::move(at));
+  }
+  f.add("loop_mj", millijoules(curve.loop_J), {"loop", "mJ"});
+  f.add("friction_mj", millijoules(curve.friction_J), {"friction", "mJ"});
+  f.add("held_arcmin", arcmin(curve.held_rad), {"held", "arcmin"});
   f.add("sun_lifts_off", curve.sun_lifts_off);
   return f;
 }

@@ -73,7 +73,8 @@ void append_number(std::string& out, double value) {
   }
   std::array<char, 64> digits{};
   char* const begin = digits.data();
-  out.append(begin, nlohmann::detail::to_chars(begin, begin + digits.size(), value));
+  // Minus zero is zero.
+  out.append(begin, nlohmann::detail::to_chars(begin, begin + digits.size(), value + 0.0));
 }
 
 /// The text of one value after the other.

@@ -131,7 +131,7 @@ TEST(Json, NumbersHaveThePeersDigits) {
     ASSERT_EQ(Json(number).text(), peer_text(number));
   }
   using Limits = std::numeric_limits<double>;
-  for (const double number : {0.0, -0.0, 1.0, -1.0, Limits::max(), Limits::lowest(), Limits::min(),
+  for (const double number : {0.0, 1.0, -1.0, Limits::max(), Limits::lowest(), Limits::min(),
                               Limits::denorm_min(), Limits::infinity(), Limits::quiet_NaN(), 1e15,
                               1e16, 123456789012345680.0, 1e-4, 1e-5, 0.1 + 0.2}) {
     EXPECT_EQ(Json(number).text(), peer_text(number));
@@ -197,6 +197,12 @@ TEST(Json, WrongKindIsRefused) {
   EXPECT_THROW(static_cast<void>(number.items()), std::invalid_argument);
   EXPECT_THROW(static_cast<void>(number.at("key")), std::invalid_argument);
   EXPECT_THROW(Json::object().update(number), std::invalid_argument);
+}
+
+TEST(JsonText, MinusZeroIsZero) {
+  EXPECT_EQ(Json(-0.0).text(), "0.0\n");
+  EXPECT_EQ(Json(0.0).text(), "0.0\n");
+  EXPECT_EQ(Json(-0.5).text(), "-0.5\n");
 }
 
 }  // namespace
