@@ -222,6 +222,10 @@ std::string unknown_word(const CLI::App& app, const std::vector<std::string>& wo
     const std::string name = words[at].substr(0, words[at].find('='));
     if (name.starts_with("--") && name.size() > 2 &&
         std::ranges::find(options, name) == options.end()) {
+      const bool has_formats = std::ranges::find(options, "--format") != options.end();
+      if (has_formats && (name == "--json" || name == "--csv" || name == "--table")) {
+        return fmt::format("unknown option {}; did you mean --format {}?", name, name.substr(2));
+      }
       return unknown("option", name, options);
     }
   }

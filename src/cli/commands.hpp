@@ -158,6 +158,7 @@ std::optional<double> duration_s(std::string_view text);
 /// What is asked of a sweep's database.
 struct SweepQuestion : CommonOptions {
   std::string database;
+  std::optional<std::int64_t> run;  ///< whose tasks; empty = all
   std::vector<std::string> by;
   std::string most = "eta_b", least;
   std::string x, y;  ///< of a figure

@@ -229,10 +229,14 @@ ExitCode run_sweep_status(const SweepQuestion& question) {
 
 ExitCode run_sweep_best(const SweepQuestion& question) {
   const bool least = !question.least.empty();
-  deliver_rows(question,
-               sweep::best_of(asked(question), {.by = question.by,
-                                                .of = least ? question.least : question.most,
-                                                .least = least}));
+  const Database database = asked(question);
+  const sweep::AskedTasks tasks{.run = question.run};
+  const sweep::Rows rows = sweep::best_of(database, {.tasks = tasks,
+                                                     .by = question.by,
+                                                     .of = least ? question.least : question.most,
+                                                     .least = least});
+  deliver_rows(question, rows);
+  if (!question.quiet) say(sweep::pooled_text(database, tasks, rows.names));
   return kDone;
 }
 
@@ -253,11 +257,13 @@ ExitCode run_sweep_compare(const SweepQuestion& question) {
 }
 
 ExitCode run_sweep_figure(const SweepQuestion& question) {
-  const sweep::Map map =
-      sweep::map_of(asked(question), {.x = question.x,
-                                      .y = question.y,
-                                      .by = question.by.empty() ? "" : question.by[0],
-                                      .least = !question.least.empty()});
+  const Database database = asked(question);
+  const sweep::AskedTasks tasks{.run = question.run};
+  const sweep::Map map = sweep::map_of(database, {.tasks = tasks,
+                                                  .x = question.x,
+                                                  .y = question.y,
+                                                  .by = question.by.empty() ? "" : question.by[0],
+                                                  .least = !question.least.empty()});
   const Figures figures = draw({sweep::map_plot(map, "map")});
   if (figures.files.empty()) {
     throw io::InvalidInput(
@@ -265,6 +271,7 @@ ExitCode run_sweep_figure(const SweepQuestion& question) {
   }
   // As it is: not a text of lines for a terminal.
   deliver_in_pieces(question, [&](const auto& take) { take(figures.files.front().text); });
+  if (!question.quiet) say(sweep::pooled_text(database, tasks, {map.x, map.by}));
   return kDone;
 }
 

@@ -26,6 +26,11 @@ CLI::App& add_sweep_question(CLI::App& sweep, const char* name, const char* text
   return command;
 }
 
+void add_run(CLI::App& command, SweepQuestion& question) {
+  command.add_option("--run", question.run, "a run's tasks alone, by its number in sweep status")
+      ->option_text("N");
+}
+
 }  // namespace
 
 void add_sweep_commands(CLI::App& sweep, SweepCommands& commands, std::function<ExitCode()>& run) {
@@ -71,6 +76,7 @@ void add_sweep_commands(CLI::App& sweep, SweepCommands& commands, std::function<
   best.add_option("--least", question.least, "what is best, less of it")
       ->option_text("NAME")
       ->excludes(most);
+  add_run(best, question);
   add_sweep_question(sweep, "query", "the rows of an SQL statement that only reads", question, run,
                      run_sweep_query)
       .add_option("SQL", question.sql, "tables and views: docs/sweep.md")
@@ -86,6 +92,7 @@ void add_sweep_commands(CLI::App& sweep, SweepCommands& commands, std::function<
   figure.add_option("--by", question.by, "key or column, a line for each of its values")
       ->expected(1)
       ->option_text("NAME");
+  add_run(figure, question);
   CLI::App& compare =
       add_sweep_question(sweep, "compare", "what is better, worse or newly infeasible, and why",
                          question, run, run_sweep_compare);

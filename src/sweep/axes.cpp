@@ -67,13 +67,14 @@ class AxesReader {
       : folder_(std::move(folder)), reading_(reading) {}
 
   std::vector<Axis> axes;
+  io::CollectedErrors of_rows;  ///< what is wrong with files of rows
 
   void walk(const TomlValue& table, const std::string& prefix) {
     for (const TomlValue& member : table.table) {
       if (prefix.empty() && member.key == "zip") {
         zips(member);
       } else if (prefix.empty() && member.key == "rows") {
-        rows(member);
+        of_rows.attempt([&] { rows(member); });
       } else {
         key(member, prefix);
       }
@@ -304,9 +305,12 @@ class AxesReader {
         io::parse_csv(io::read_text(file, "a CSV file", kMostRowBytes), file);
     io::FileReading own(file);
     Axis axis;
-    for (const std::string& path : table.header) {
+    std::vector<std::size_t> columns;  // of the paths
+    for (std::size_t k = 0; k < table.header.size(); ++k) {
+      const std::string& path = table.header[k];
       if (is_key(path) && path != "name" && varied_.insert(path).second) {
         axis.paths.push_back(path);
+        columns.push_back(k);
         continue;
       }
       TomlValue column = io::integer_value(0);
@@ -319,13 +323,12 @@ class AxesReader {
         io::check_keys(alone(path, std::move(column)), own);
       }
     }
-    own.throw_if_invalid();
     if (table.rows.empty())
       own.error({.line = 1, .column = 1}, "has no rows: allowed: one or more");
     for (const io::CsvTable::Row& row : table.rows) {
       axis.points.emplace_back();
       for (std::size_t k = 0; k < axis.paths.size(); ++k) {
-        TomlValue value = cell(row.fields[k]);
+        TomlValue value = cell(row.fields[columns[k]]);
         value.position = {.line = row.line, .column = 1};
         for (TomlValue& element : value.list) element.position = value.position;
         io::check_keys(alone(axis.paths[k], value), own);
@@ -355,9 +358,10 @@ class AxesReader {
 }  // namespace
 
 std::vector<Axis> read_axes(const TomlValue& vary, const std::string& folder,
-                            io::FileReading& reading) {
+                            io::FileReading& reading, io::CollectedErrors& of_rows) {
   AxesReader reader(folder, reading);
   reader.walk(vary, "");
+  of_rows = std::move(reader.of_rows);
   return std::move(reader.axes);
 }
 

@@ -27,10 +27,10 @@ inline constexpr std::int64_t kMostOnAxis = 1'000'000;
 ///   with log = true min (max/min)^(k/(count - 1));  k = 0 .. count - 1, 12 significant digits.
 ///
 /// Every value is checked as one of its key; what is wrong is told in `reading`.
-/// @param folder  the one that `rows` is relative to
-/// @throws io::InvalidInput where a file of rows cannot be read
+/// @param folder   the one that `rows` is relative to
+/// @param of_rows  gets what is wrong with files of rows
 std::vector<Axis> read_axes(const io::TomlValue& vary, const std::string& folder,
-                            io::FileReading& reading);
+                            io::FileReading& reading, io::CollectedErrors& of_rows);
 
 /// How many combinations they have; the greatest number where they are more.
 std::uint64_t combinations(const std::vector<Axis>& axes);

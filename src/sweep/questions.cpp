@@ -3,21 +3,37 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <set>
 #include <sstream>
 
 #include "io/text/diagnostics.hpp"
 #include "sweep/schema.hpp"
+#include "sweep/task.hpp"
 
 namespace gear3k::sweep {
 
 namespace {
 
-/// Tasks with a result, of the newest revision that has one.
-constexpr const char* kNewest =
-    "task t LEFT JOIN design d ON d.task = t.id AND d.rank = 1 WHERE t.status IS NOT NULL AND NOT "
-    "EXISTS(SELECT 1 FROM task n WHERE n.spec_key = t.spec_key AND n.revision > t.revision AND "
-    "n.status IS NOT NULL)";
+/// Tasks with a result, and their best designs: of a run, or of the newest revision that has one.
+/// @throws io::InvalidInput for a run that there is not
+std::string tasks_of(const Database& database, const AskedTasks& asked) {
+  constexpr const char* kWithDesign = "task t LEFT JOIN design d ON d.task = t.id AND d.rank = 1";
+  if (!asked.run) {
+    return fmt::format(
+        "{} WHERE t.status IS NOT NULL AND NOT EXISTS(SELECT 1 FROM task n WHERE n.spec_key = "
+        "t.spec_key AND n.revision > t.revision AND n.status IS NOT NULL)",
+        kWithDesign);
+  }
+  if (database.count(fmt::format("SELECT count(*) FROM run WHERE id = {}", *asked.run)) == 0) {
+    throw io::InvalidInput(
+        fmt::format("{}: no run {}: allowed: a number in the column run of gear3k sweep status",
+                    database.path(), *asked.run));
+  }
+  return fmt::format(
+      "{} WHERE t.status IS NOT NULL AND t.id IN (SELECT task FROM run_task WHERE run = {})",
+      kWithDesign, *asked.run);
+}
 
 std::vector<std::string> words_of(const std::string& name) {
   std::vector<std::string> words(1);
@@ -68,14 +84,17 @@ Column key_column(const KeyPath& key) {
 
 Column design_column(const std::string& name) { return {.name = name, .sql = "d." + quoted(name)}; }
 
-/// Columns of the keys that newest tasks have different values of, or some have none of.
-std::vector<Column> differing_keys(const Database& database) {
+/// What is known of a task itself.
+constexpr std::array<const char*, 4> kTaskColumns{"status", "merit", "bound", "sets"};
+
+/// Columns of the keys that tasks have different values of, or some have none of.
+std::vector<Column> differing_keys(const Database& database, const std::string& tasks) {
   std::set<std::string> differing;
   Statement paths = database.prepare(fmt::format(
       "SELECT p.path FROM task_key k JOIN key p ON p.id = k.key WHERE k.task IN (SELECT "
       "t.id FROM {0}) GROUP BY k.key HAVING count(DISTINCT k.value) > 1 OR count(*) < "
       "(SELECT count(*) FROM {0})",
-      kNewest));
+      tasks));
   while (paths.step()) differing.insert(paths.text(0));
   std::vector<Column> columns;
   for (const KeyPath& key : key_paths(database)) {
@@ -99,7 +118,7 @@ void drop_constant_columns(Rows& rows, std::size_t first) {
 
 Rows status_of(const Database& database, const std::string& run) {
   Statement counts = database.prepare(
-      "SELECT r.name AS sweep, r.revision, r.shard, r.tasks, "
+      "SELECT r.id AS run, r.name AS sweep, r.revision, r.shard, r.tasks, "
       "coalesce(c.done, 0) AS done, coalesce(c.optimal, 0) AS optimal, "
       "coalesce(c.without, 0) AS no_feasible_design, coalesce(c.invalid, 0) AS invalid, "
       "coalesce(c.failed, 0) AS failed, r.tasks - coalesce(c.done, 0) AS open, "
@@ -133,7 +152,10 @@ Column column_of(const Database& database, const std::string& name, Role role) {
     }
     return found;
   };
-  const auto own_columns = columns_where([&](const std::string& column) { return column == name; });
+  auto own_columns = columns_where([&](const std::string& column) { return column == name; });
+  if (std::ranges::find(kTaskColumns, name) != kTaskColumns.end()) {
+    own_columns.push_back({.name = name, .sql = "t." + name});
+  }
   const auto part_columns =
       columns_where([&](const std::string& column) { return is_part(name, column); });
   std::vector<std::vector<Column>> choices{
@@ -147,12 +169,13 @@ Column column_of(const Database& database, const std::string& name, Role role) {
   const auto found = std::ranges::find_if(choices, [](const auto& c) { return !c.empty(); });
   if (found == choices.end()) {
     std::vector<std::string> all = columns;
+    all.insert(all.end(), kTaskColumns.begin(), kTaskColumns.end());
     for (const KeyPath& key : keys) all.push_back(key.path);
     const std::string hint = io::closest_word(name, all);
     throw io::InvalidInput(fmt::format(
-        "{}: no key and no column {}{}; allowed: a key that a task states, or one of {}",
+        "{}: no key and no column {}{}; allowed: a key that a task states, or one of {}, {}",
         database.path(), name, hint.empty() ? "" : fmt::format("; did you mean {}?", hint),
-        fmt::join(columns, ", ")));
+        fmt::join(kTaskColumns, ", "), fmt::join(columns, ", ")));
   }
   if (found->size() > 1) {
     std::vector<std::string> names;
@@ -164,6 +187,7 @@ Column column_of(const Database& database, const std::string& name, Role role) {
 }
 
 Rows best_of(const Database& database, const BestQuestion& question) {
+  const std::string tasks = tasks_of(database, question.tasks);
   std::string names, groups;
   std::set<std::string> used;
   for (const std::string& name : question.by) {
@@ -174,8 +198,8 @@ Rows best_of(const Database& database, const BestQuestion& question) {
   }
   const std::size_t by_count = used.size();
   const Column of = column_of(database, question.of, Role::kResult);
-  if (database.count(fmt::format("SELECT count(d.task) > 0 AND count({}) = 0 FROM {}", of.sql,
-                                 kNewest)) == 1) {
+  if (database.count(
+          fmt::format("SELECT count(d.task) > 0 AND count({}) = 0 FROM {}", of.sql, tasks)) == 1) {
     throw io::InvalidInput(
         fmt::format("{}: no design has {}: allowed: a name that designs have a "
                     "value of",
@@ -191,10 +215,13 @@ Rows best_of(const Database& database, const BestQuestion& question) {
     shown += fmt::format("{} AS {}, ", column == of.name ? of.sql : "d." + quoted(column),
                          quoted(column));
   }
+  for (const char* column : {"status", "merit", "bound"}) {
+    if (used.insert(column).second) shown += fmt::format("t.{0} AS {0}, ", column);
+  }
   // What else the tasks of the rows differ in.
   std::string others;
   std::size_t other_count = 0;
-  for (const Column& column : differing_keys(database)) {
+  for (const Column& column : differing_keys(database, tasks)) {
     if (!used.insert(column.name).second) continue;
     others += fmt::format("{} AS {}, ", column.sql, quoted(column.name));
     ++other_count;
@@ -205,11 +232,11 @@ Rows best_of(const Database& database, const BestQuestion& question) {
       "CASE typeof({0}) WHEN 'real' THEN {0} * 8388609.0 - ({0} * 8388609.0 - {0}) ELSE {0} END",
       of.sql);
   Statement best = database.prepare(fmt::format(
-      "SELECT * FROM (SELECT {0}{1}t.status, t.merit, t.bound, t.key, {7}row_number() OVER ({2} "
+      "SELECT * FROM (SELECT {0}{1}t.key, {7}row_number() OVER ({2} "
       "ORDER BY {3} IS NULL, {8} {4}, t.merit DESC, t.key) AS place FROM {5}) WHERE place = 1 "
       "ORDER BY {6}",
       names, shown, groups.empty() ? "" : "PARTITION BY " + groups, of.sql,
-      question.least ? "ASC" : "DESC", kNewest,
+      question.least ? "ASC" : "DESC", tasks,
       [&] {
         std::string order;
         for (std::size_t k = 0; k < by_count; ++k) order += fmt::format("{}, ", k + 1);
@@ -224,6 +251,47 @@ Rows best_of(const Database& database, const BestQuestion& question) {
   return rows;
 }
 
+std::string pooled_text(const Database& database, const AskedTasks& tasks,
+                        const std::vector<std::string>& shown) {
+  const std::string asked = tasks_of(database, tasks);
+  std::set<std::string> told(shown.begin(), shown.end());
+  bool of_files = false;
+  for (const KeyPath& key : key_paths(database)) {
+    if (key.varied) told.insert(key.path);
+    of_files = of_files || names_files(key.path);
+  }
+  std::vector<std::string> hidden;
+  for (const Column& column : differing_keys(database, asked)) {
+    if (told.contains(column.name)) continue;
+    std::vector<std::string> values;
+    Statement all = database.prepare(
+        fmt::format("SELECT DISTINCT {} FROM {} ORDER BY 1 LIMIT 4", column.sql, asked));
+    while (all.step()) {
+      values.push_back(all.is_null(0) ? std::string("not stated") : text_of(all.value(0)));
+    }
+    constexpr std::size_t kShown = 3;
+    if (values.size() > kShown) values.back() = "...";
+    hidden.push_back(fmt::format("{} ({})", column.name, fmt::join(values, ", ")));
+  }
+  // Tasks of the same keys are told apart by the contents of files.
+  if (of_files &&
+      database.count(fmt::format(
+          "SELECT EXISTS(SELECT 1 FROM (SELECT t.spec_key, (SELECT group_concat(s) FROM (SELECT "
+          "k.key || '=' || k.value AS s FROM task_key k WHERE k.task = t.id ORDER BY k.key)) AS "
+          "keys FROM {}) GROUP BY keys HAVING count(DISTINCT spec_key) > 1)",
+          asked)) == 1) {
+    hidden.emplace_back("the contents of files that they name");
+  }
+  if (hidden.empty()) return "";
+  const std::int64_t runs = database.count(fmt::format(
+      "SELECT count(DISTINCT run) FROM run_task WHERE task IN (SELECT t.id FROM {})", asked));
+  return fmt::format(
+      "{}: the tasks of {} runs are asked together, and differ in what is not shown: {}; --run N "
+      "asks "
+      "those of one (N as in gear3k sweep status)\n",
+      database.path(), runs, fmt::join(hidden, ", "));
+}
+
 Rows answer_to(const Database& database, const std::string& sql) {
   Statement statement = database.prepare(sql);
   return rows_of(statement);
@@ -234,11 +302,11 @@ Map map_of(const Database& database, const MapQuestion& question) {
   const Column y = column_of(database, question.y, Role::kResult);
   const Column by = question.by.empty() ? Column{.name = "", .sql = "''"}
                                         : column_of(database, question.by, Role::kCondition);
-  Statement points =
-      database.prepare(fmt::format("SELECT {0}, {1}, {2}({3}) FROM {4} AND typeof({1}) IN "
-                                   "('integer', 'real') AND typeof({3}) IN "
-                                   "('integer', 'real') GROUP BY {0}, {1} ORDER BY {0}, {1}",
-                                   by.sql, x.sql, question.least ? "min" : "max", y.sql, kNewest));
+  Statement points = database.prepare(fmt::format(
+      "SELECT {0}, {1}, {2}({3}) FROM {4} AND typeof({1}) IN "
+      "('integer', 'real') AND typeof({3}) IN "
+      "('integer', 'real') GROUP BY {0}, {1} ORDER BY {0}, {1}",
+      by.sql, x.sql, question.least ? "min" : "max", y.sql, tasks_of(database, question.tasks)));
   Map map{.title = "", .x = x.name, .y = y.name, .by = by.name, .lines = {}};
   while (points.step()) {
     const std::string name = points.is_null(0) ? "default" : text_of(points.value(0));

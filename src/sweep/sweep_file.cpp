@@ -133,23 +133,34 @@ Sweep read_sweep(const std::string& path) {
   sweep.name = input.name;
   sweep.task_file = path;
   const std::string folder = std::filesystem::path(path).parent_path().string();
+  io::CollectedErrors of_spec, of_rows;
   const bool inlined = task.has_value();
   if (inlined == input.spec.has_value()) {
     reading.error_at("spec", inlined ? "spec and [task]: allowed: one of them"
                                      : "no task: allowed: spec = \"SPEC.toml\", or a table [task]");
   } else if (input.spec) {
     sweep.task_file = (std::filesystem::path(folder) / *input.spec).string();
-    task = io::read_toml(sweep.task_file);
+    of_spec.attempt([&] { task = io::read_toml(sweep.task_file); });
   }
   if (task) {
     sweep.task = io::with_material_tables(*task, io::train_gear_tables());
     if (inlined) io::check_keys(sweep.task, reading);
   }
   if (vary) {
-    sweep.axes = read_axes(*vary, folder, reading);
+    sweep.axes = read_axes(*vary, folder, reading, of_rows);
     check_stated_twice(sweep, *vary, reading);
   }
-  reading.throw_if_invalid();
+  io::CollectedErrors errors;
+  errors.attempt([&] { reading.throw_if_invalid(); });
+  errors.attempt([&] { of_spec.raise(); });
+  errors.attempt([&] { of_rows.raise(); });
+  if (errors.any() && task && !inlined) {
+    // Without other errors it is read as a whole.
+    io::FileReading spec(sweep.task_file);
+    io::check_keys(sweep.task, spec);
+    errors.attempt([&] { spec.throw_if_invalid(); });
+  }
+  errors.raise();
   set_folder_under(sweep.task, "", std::filesystem::path(sweep.task_file).parent_path());
   for (Axis& axis : sweep.axes) {
     for (std::size_t p = 0; p < axis.paths.size(); ++p) {

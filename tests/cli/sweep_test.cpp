@@ -237,7 +237,7 @@ TEST(Sweep, RefusesWhatCannotBeMeant) {
             "sweep: allowed: SWEEP.toml and --out DB, or a subcommand");
   EXPECT_EQ(usage({"sweep", "best", "db", "--bye", "ratio"}),
             "unknown option --bye; did you mean --by?; allowed: --help, --format, --quiet, --out, "
-            "--by, --most, --least");
+            "--by, --most, --least, --run");
   for (const std::vector<std::string>& folder :
        {std::vector<std::string>{"sweep", "status", "."}, {"sweep", "merge", ".", "--out", "db"}}) {
     const ProgramResult result = place.run(folder);

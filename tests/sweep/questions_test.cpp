@@ -146,5 +146,63 @@ TEST(SweepBest, OfSizesThatDifferByRoundingTheGreaterObjectiveIsBestAndOtherKeys
   EXPECT_EQ(by_size.names.back(), "friction.coefficient");
 }
 
+TEST(SweepBest, TasksOfRunsThatDifferInWhatIsNotToldAreSaidToAndOneRunCanBeAsked) {
+  const Workplace place;
+  const std::string path = place.file("db").string();
+  sweep::Store store(sweep::open_sweep_database(path, Database::Access::kCreate));
+  std::vector<std::int64_t> runs;
+  for (const char* friction : {"0.06", "0.1"}) {
+    place.write("sweep.toml", test::kSmallTask + "planets = 4\nfriction.coefficient = " + friction +
+                                  "\n[vary]\nratio.target = [40.0, 40.1]\n");
+    const sweep::Sweep sweep = sweep::read_sweep(place.file("sweep.toml").string());
+    runs.push_back(store.begin(
+        {.uid = friction, .workers = 1, .shard = {}, .started_s = 0.0, .host = "here"}, sweep));
+    sweep::Planned planned;
+    store.plan(runs.back(), sweep, {}, 0, planned);
+    store.end_plan();
+    for (int k = 0; k < 2; ++k) {
+      const auto claimed = store.claim(runs.back(), sweep::this_process(), 0.0);
+      store.finish(claimed->id, test::made_result(runs.size() == 1 ? 0.9 : 0.8), {});
+    }
+  }
+  const Database& database = store.database();
+  const auto merits = [&](const sweep::AskedTasks& tasks) {
+    const sweep::Rows rows = sweep::best_of(
+        database, {.tasks = tasks, .by = {"ratio.target"}, .of = "merit", .least = false});
+    EXPECT_EQ(std::ranges::count(rows.names, "merit"), 1);
+    const auto merit = std::ranges::find(rows.names, "merit") - rows.names.begin();
+    std::string text;
+    for (const auto& row : rows.rows) {
+      text += sweep::text_of(row[static_cast<std::size_t>(merit)]) + " ";
+    }
+    return text;
+  };
+  EXPECT_EQ(merits({}), "0.9 0.9 ");
+  EXPECT_EQ(merits({.run = runs[0]}), "0.9 0.9 ");
+  EXPECT_EQ(merits({.run = runs[1]}), "0.8 0.8 ");
+  const std::string message = refusal_of([&] { merits({.run = 7}); });
+  EXPECT_NE(message.find(": no run 7: allowed: a number in the column run"), std::string::npos);
+
+  const std::string pooled = sweep::pooled_text(database, {}, {"ratio.target"});
+  EXPECT_NE(pooled.find(
+                "2 runs are asked together, and differ in what is not shown: friction.coefficient "
+                "(0.06, 0.1); --run N"),
+            std::string::npos)
+      << pooled;
+  EXPECT_EQ(sweep::pooled_text(database, {}, {"ratio.target", "friction.coefficient"}), "");
+  EXPECT_EQ(sweep::pooled_text(database, {.run = runs[1]}, {"ratio.target"}), "");
+}
+
+TEST(SweepBest, WhatIsVariedIsNoDifferenceOfRuns) {
+  const Workplace place;
+  const test::QueuedTasks tasks(place, "db", 3);
+  sweep::Store store = tasks.open();
+  for (int k = 0; k < 3; ++k) {
+    store.finish(store.claim(tasks.run, sweep::this_process(), 0.0)->id, test::made_result(0.9),
+                 {});
+  }
+  EXPECT_EQ(sweep::pooled_text(store.database(), {}, {"planets"}), "");
+}
+
 }  // namespace
 }  // namespace gear3k::questions_test

@@ -155,6 +155,26 @@ sweep.toml:24:1: name: names no task: allowed: keys that change a result)");
             "rows.csv:3:1: ratio.target = \"forty\": allowed: a number, -100000 to 100000");
 }
 
+TEST(SweepFile, FilesThatItNamesHideNoErrors) {
+  const Workplace place;
+  const std::string vary = "[vary]\nplanetz = [3]\nrows = \"none.csv\"\nratio.traget = [40]\n";
+  const std::string first =
+      "sweep.toml:3:1: unknown key planetz; did you mean planets?\n"
+      "sweep.toml:5:7: unknown key ratio.traget; did you mean ratio.target?\n";
+  std::string message = refused(place, "spec = \"spec.toml\"\n" + vary);
+  ASSERT_TRUE(message.starts_with(first)) << message;
+  EXPECT_NE(message.find("spec.toml"), std::string::npos) << message;
+  EXPECT_NE(message.find("none.csv"), std::string::npos) << message;
+  place.write("spec.toml", "planets = 44\n");
+  message = refused(place, "spec = \"spec.toml\"\n" + vary);
+  ASSERT_TRUE(message.starts_with(first)) << message;
+  EXPECT_NE(message.find("spec.toml:1:1: planets = 44"), std::string::npos) << message;
+  place.write("rows.csv", "planetz,ratio.target\n4,forty\n");
+  EXPECT_EQ(refused(place, kSmallTask + "[vary]\nrows = \"rows.csv\"\n"),
+            "rows.csv:1:1: unknown key planetz; did you mean planets?\n"
+            "rows.csv:2:1: ratio.target = \"forty\": allowed: a number, -100000 to 100000");
+}
+
 TEST(SweepFile, IsRefusedWhereNoTaskFitsTogether) {
   const Workplace place;
   EXPECT_EQ(

@@ -63,6 +63,14 @@ std::string closest_word(const std::string& written, const std::vector<std::stri
       best = word;
     }
   }
+  constexpr std::size_t kFewestLetters = 3;
+  if (!best.empty() || written.size() < kFewestLetters) return best;
+  // A word that was not written to its end.
+  for (const std::string& word : known) {
+    if (!word.starts_with(written)) continue;
+    if (!best.empty()) return "";
+    best = word;
+  }
   return best;
 }
 

@@ -40,6 +40,7 @@ class CollectedErrors {
       text_ += error.what();
     }
   }
+  [[nodiscard]] bool any() const { return !text_.empty(); }
   /// @throws InvalidInput where there was any
   void raise() const {
     if (!text_.empty()) throw InvalidInput(text_);
@@ -49,8 +50,8 @@ class CollectedErrors {
   std::string text_;
 };
 
-/// The known word closest to what was written, or "" when none is near (edit distance at most 3 and
-/// at most half of the word's length).
+/// The known word closest to what was written (edit distance at most 3 and at most half of the
+/// word's length), else the only one that begins with it; "" when there is none.
 std::string closest_word(const std::string& written, const std::vector<std::string>& known);
 
 }  // namespace gear3k::io

@@ -53,13 +53,13 @@ INSTANTIATE_TEST_SUITE_P(Distances, ClosestWord,
                                          Guess{"plamets", "planets"},   // one other
                                          Guess{"plantes", "planets"},   // two swapped: two edits
                                          Guess{"module",
-                                               "module_mm"},       // three, half of six letters
-                                         Guess{"modul", ""},       // four
-                                         Guess{"face_wdth", ""},   // four
-                                         Guess{"tooth", "teeth"},  // two, half of five letters
-                                         Guess{"toot", ""},        // three of four letters
-                                         Guess{"kh", "khk"},       // one, half of two letters
-                                         Guess{"k", ""},           // two of one letter
+                                               "module_mm"},           // three, half of six letters
+                                         Guess{"modul", "module_mm"},  // four, of its beginning
+                                         Guess{"face_wdth", ""},       // four
+                                         Guess{"tooth", "teeth"},      // two, half of five letters
+                                         Guess{"toot", ""},            // three of four letters
+                                         Guess{"kh", "khk"},           // one, half of two letters
+                                         Guess{"k", ""},               // two of one letter
                                          Guess{"", ""}, Guess{"weight", ""}));
 
 TEST(ClosestWord, OfTwoAtTheSameDistanceIsTheFirst) {
@@ -69,6 +69,13 @@ TEST(ClosestWord, OfTwoAtTheSameDistanceIsTheFirst) {
 
 TEST(ClosestWord, PrefersTheNearerToTheEarlier) {
   EXPECT_EQ(closest_word("min_normals_um", {"min_normal", "min_normal_um"}), "min_normal_um");
+}
+
+TEST(ClosestWord, OfABeginningIsTheOnlyWordThatGoesOn) {
+  EXPECT_EQ(closest_word("backward_eff", {"forward_efficiency", "backward_efficiency"}),
+            "backward_efficiency");
+  EXPECT_EQ(closest_word("torque", {"torque_capacity", "torque_density", "mass"}), "");
+  EXPECT_EQ(closest_word("ba", {"backward_efficiency"}), "");
 }
 
 TEST(ClosestWord, IsEmptyWithoutKnownWords) { EXPECT_EQ(closest_word("teeth", {}), ""); }
