@@ -133,6 +133,15 @@ void note_objectives(const OptimizeTask& task, const optimize::RefinedSet& set, 
   }
 }
 
+/// Of an operating point that the search does not read.
+void note_operating_point(const OptimizeTask& task, Notes& notes) {
+  if (!task.spec.operating_point || task.model || task.spec.rating) return;
+  notes.emplace_back(
+      "[operating_point] is read by a search with --model or [strength] only: designs are ranked "
+      "by "
+      "the efficiencies of the meshes alone");
+}
+
 void note_not_stationary(const optimize::RefinedSet& set, Notes& notes) {
   if (set.status != optimize::Status::kNotStationary) return;
   notes.push_back(fmt::format(
@@ -146,6 +155,8 @@ Optimization::Best best_of(const OptimizeTask& task, const optimize::Specificati
                            const optimize::RefinedSet& set) {
   design::Design found = optimize::design_of(spec, set);
   found.limits = task.stated_limits;
+  // As SPEC states it: where it does not, the middle of a model's range judges, and is no input.
+  found.operating_point = (task.without_model ? *task.without_model : spec).operating_point;
   // What is shown is what best.toml describes, to the last bit.
   design::Design stated = io::as_written(found);
   design::Design design = with_judging_model(task, stated);
@@ -157,6 +168,18 @@ Optimization::Best best_of(const OptimizeTask& task, const optimize::Specificati
           .design = std::move(design),
           .evaluation = std::move(evaluation),
           .torque_angle = std::move(curve)};
+}
+
+/// The torque that the best design carries by its own distribution of the load on the planets, in
+/// place of that by the one which the search held.
+void take_own_capacity(Optimization& outcome) {
+  const auto& strength = outcome.best->evaluation.strength;
+  const auto least = strength ? strength->least_capacity() : std::nullopt;
+  optimize::RefinedSet& best = *outcome.result.best;
+  best.torque_capacity_Nm = least ? std::optional(least->capacity.torque_Nm) : std::nullopt;
+  const auto row =
+      std::ranges::find(outcome.result.refined, best.index, &optimize::RefinedSet::index);
+  if (row != outcome.result.refined.end()) row->torque_capacity_Nm = best.torque_capacity_Nm;
 }
 
 report::HeldBackReport held_back_by(const OptimizeTask& task,
@@ -336,6 +359,8 @@ Optimization optimize(OptimizeTask& task, const OptimizeHooks& hooks,
   if (outcome.result.best) {
     outcome.best = best_of(task, task.spec, *outcome.result.best);
     note_not_stationary(*outcome.result.best, outcome.best->evaluation.notes);
+    note_operating_point(task, outcome.best->evaluation.notes);
+    if (has_own_mesh_load(task.spec)) take_own_capacity(outcome);
     if (std::string cut =
             report::grid_cut_text(task.spec, report::tally_of(outcome.result).grid_cut);
         !cut.empty()) {

@@ -360,8 +360,20 @@ class FrontSearch {
     return front;
   }
 
+  /// The box of the designs found: a search may end beyond what an objective alone has come to.
+  void hold_points() {
+    for (const ParetoPoint& point : front_.points) {
+      for (std::size_t k = 0; k < front_.ideal.size(); ++k) {
+        const double value = point.values[k];
+        if (cost(k, value) < cost(k, front_.ideal[k])) front_.ideal[k] = value;
+        if (cost(k, value) > cost(k, front_.reference[k])) front_.reference[k] = value;
+      }
+    }
+  }
+
   void measure() {
     if (front_.ideal.empty()) return;
+    hold_points();
     std::vector<std::vector<double>> unit;
     unit.reserve(front_.points.size());
     for (const ParetoPoint& point : front_.points) unit.push_back(costs_of(point));

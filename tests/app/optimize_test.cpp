@@ -271,6 +271,13 @@ TEST(Optimize, HoldsKGammaUntilTheBestDesignHasNoMore) {
     EXPECT_GT(own, 1.2) << k;
   }
   EXPECT_FALSE(shared.best->design.rating->factors.held_mesh_load);
+  // What it carries is one number, in every result.
+  const double carried_Nm = strength->least_capacity().value().capacity.torque_Nm;
+  EXPECT_EQ(shared.result.best->torque_capacity_Nm, carried_Nm);
+  const auto row = std::ranges::find(shared.result.refined, shared.result.best->index,
+                                     &optimize::RefinedSet::index);
+  ASSERT_NE(row, shared.result.refined.end());
+  EXPECT_EQ(row->torque_capacity_Nm, carried_Nm);
   for (const design::CheckResult& check : shared.best->evaluation.checks) {
     EXPECT_TRUE(check.ok);
   }
