@@ -139,9 +139,11 @@ struct ProgressDisplay::State {
     const std::string remaining = left ? range_text(*left) : "?";
     using Phase = optimize::Progress::Phase;
     const auto count_of = [&](const char* what) {
+      const double per_second = forecast.per_second().value_or(0.0);
+      const std::string speed = per_second >= 0.5 ? fmt::format(", {:.0f}/s", per_second) : "";
+      if (stage.empty() && finished >= total) return fmt::format("{}/{} {}", finished, total, what);
       return stage.empty()
-                 ? fmt::format("{}/{} {}, {:.0f}/s, {} left", finished, total, what,
-                               forecast.per_second().value_or(0.0), remaining)
+                 ? fmt::format("{}/{} {}{}, {} left", finished, total, what, speed, remaining)
                  : fmt::format("{}, {} left; {}/{} {}", stage, remaining, finished, total, what);
     };
     std::string facts;

@@ -113,6 +113,10 @@ std::string lost_motion_text(const Evaluation& e, const design::BuiltSeries* bui
     text += most ? fmt::format(", at most {} for 99 % of the built ones", fixed(arcmin(*most), 2))
                  : std::string(", more than 1 % of the built ones jam");
   }
+  if (const auto& measured = e.lost_motion.measured_rad) {
+    text += fmt::format(", measured {} with the model ({})", fixed(arcmin(*measured), 2),
+                        e.operation ? "between +T and -T" : "at T = 0 and 20 C");
+  }
   text += "; backlash";
   for (const design::MeshResult& m : e.meshes) {
     text += fmt::format(" {} {}{}", m.name, fixed(um(m.normal_backlash_m), 1),

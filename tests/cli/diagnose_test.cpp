@@ -93,6 +93,25 @@ TEST(Diagnose, AFaultlessSimulationHasNoDiscrepancy) {
   EXPECT_TRUE(data.at("effects").empty());
 }
 
+TEST(Diagnose, RowsTooFewToTellTheirNoiseSayNothingOfIt) {
+  const Workplace place;
+  place.write("gear.toml", test::example("designs/loaded.toml"));
+  place.write("data.csv",
+              "# kind: transmission\ndirection,sun_speed_rpm,output_torque_nm,sun_torque_nm\n"
+              "backward,1000,35,0.3148\nforward,200,50,0.5859\nbackward,600,35,0.3063\n"
+              "forward,800,20,0.2512\n");
+  const ProgramResult result = place.run({"diagnose", "gear.toml", "data.csv", "--out", "out"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  // One parameter predicts them better; what is noise is not known with it either.
+  EXPECT_TRUE(contains(result.out, "The model predicts by ")) << result.out;
+  EXPECT_TRUE(contains(result.out, "Verdict: no discrepancy found, but too few rows to know"))
+      << result.out;
+  EXPECT_FALSE(contains(result.out, "beyond noise")) << result.out;
+  const json data = json::parse(place.read("out/diagnosis.json"));
+  EXPECT_EQ(data.at("verdict"), "no_discrepancy");
+  EXPECT_TRUE(data.at("rmse").at("noise_floor").is_null());
+}
+
 TEST(Diagnose, WritesResultsAndFigures) {
   const Workplace place;
   prepare(place);

@@ -1,5 +1,6 @@
 // --model on analyze, map and optimize: exit codes, messages, files.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -88,6 +89,10 @@ TEST(ModelOption, LostMotionIsTheRigidOneWithClearanceAndWindUp) {
   EXPECT_EQ(with.at("kinematic_arcmin"), plain.at("kinematic_arcmin"));
   EXPECT_NEAR(with.at("measured_arcmin").get<double>(),
               plain.at("kinematic_arcmin").get<double>() + 2.5 + 2.0 * 20.0 * 0.1, 1e-9);
+  const std::string screen = place.run({"analyze", "gear.toml", "--model", "model.toml"}).out;
+  EXPECT_TRUE(contains(screen, fmt::format(", measured {:.2f} with the model (between +T and -T)",
+                                           with.at("measured_arcmin").get<double>())))
+      << screen;
 }
 
 TEST(ModelOption, LeavingTheRangeAndAnotherGearboxAreToldOnStderrAndInTheNotes) {
@@ -231,19 +236,20 @@ TEST(ModelOption, OptimizeAppendsTheEfficienciesWithTheModel) {
   const ProgramResult result =
       place.run({"optimize", "point.toml", "--out", "out", "--model", "model.toml"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  // An operating point without a model changes nothing.
-  ASSERT_EQ(place.run({"optimize", "point.toml", "--out", "point"}).exit_code, 0);
+  // An operating point without a model changes nothing, and that is said.
+  const ProgramResult unread = place.run({"optimize", "point.toml", "--out", "point"});
+  ASSERT_EQ(unread.exit_code, 0);
   EXPECT_EQ(place.read("point/refined.csv"), place.read("plain/refined.csv"));
+  EXPECT_TRUE(contains(unread.out, "Note: [operating_point] is read by a search with --model or"));
+  EXPECT_FALSE(contains(result.out, "Note: [operating_point] is read by"));
+  EXPECT_TRUE(contains(place.read("point/best.toml"), "sun_speed_rpm = 600.0"));
   const io::CsvTable table = io::parse_csv(place.read("out/refined.csv"), "refined.csv");
   ASSERT_EQ(table.rows.size(), 1U);
   const double eta_f = table.number(table.rows[0], "eta_f_model").value();
   // best.toml is the plain design; analysed with the model at the point it has that efficiency.
   EXPECT_FALSE(contains(place.read("out/best.toml"), "drag"));
-  place.write("best_at.toml", place.read("out/best.toml") +
-                                  "\n[operating_point]\nsun_speed_rpm = 600\n"
-                                  "output_torque_nm = 20\ntemperature_c = 30\n");
   const ProgramResult checked =
-      place.run({"analyze", "best_at.toml", "--model", "model.toml", "--format", "json"});
+      place.run({"analyze", "out/best.toml", "--model", "model.toml", "--format", "json"});
   const json forward = json::parse(checked.out).at("operating_point").at("forward");
   EXPECT_NEAR(forward.at("efficiency").get<double>(), eta_f, 1e-9);
   EXPECT_LT(eta_f, table.number(table.rows[0], "eta_f").value());

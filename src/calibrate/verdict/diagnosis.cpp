@@ -370,8 +370,10 @@ void predict_by(Diagnosis& d, const Measured& m, const FinalFit& final, const He
   const Problem& problem = m.problem;
   const double typical_weight = 1.0 / root_mean_square(problem.noise.weight.cwiseInverse());
   const NoiseLevel noise = noise_level(problem.noise, m.pure, final.scale);
+  // What few rows do not tell they do not tell by another fit.
+  const bool known = std::isfinite(d.errors.noise_floor);
   d.errors = errors_of(problem, m.baseline, final, held);
-  d.errors.noise_floor = noise.scale / typical_weight;
+  d.errors.noise_floor = known ? noise.scale / typical_weight : kUnknown;
   d.noise_source = noise.source;
   d.extrapolation =
       extrapolate(problem, final.hypothesis, m.levels, m.baseline.measured, m.baseline.simulated);
