@@ -44,12 +44,6 @@ constexpr CheckTarget target_of(CheckScope scope) {
   return CheckTarget::kTrain;
 }
 
-/// Whether a check is listed where a load is stated only.
-constexpr bool is_rated(CheckScope scope) {
-  return scope == CheckScope::kRatedTooth || scope == CheckScope::kRatedMesh ||
-         scope == CheckScope::kPlanetBearing || scope == CheckScope::kPlanetPin;
-}
-
 /// Whether a check is of each end of the temperatures (CheckSubject::end).
 constexpr bool is_thermal(CheckScope scope) {
   return scope == CheckScope::kThermalMesh || scope == CheckScope::kThermalMember ||

@@ -93,7 +93,7 @@ double scale_of(const CheckRecord& record, double limit, double length_scale_m) 
     case Unit::kMegapascal:
       return limit > 0.0 ? limit : 1.0;
     default:
-      return 1.0;  // degrees of temperature: one of them
+      return 1.0;  // temperatures and speeds: 1 K, 1 m/s
   }
 }
 

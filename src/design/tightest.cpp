@@ -135,8 +135,8 @@ std::vector<TightestCheck> tightest_checks(const Design& design, const Evaluatio
       if (!c.mesh.empty() && c.mesh != train::kMeshNames[m]) continue;
       for (const auto id : train::kMeshGears[m]) {
         const auto gear = static_cast<std::size_t>(id);
-        const bool own = c.mesh.empty() && c.gear != train::kGearNames[gear];
-        if (!own && !design.train.khk_tip[gear]) gears.push_back(gear);
+        const bool foreign = c.mesh.empty() && c.gear != train::kGearNames[gear];
+        if (!foreign && !design.train.khk_tip[gear]) gears.push_back(gear);
       }
     }
     return gears;

@@ -369,12 +369,11 @@ GearLimits gear_limits(BuiltGearing& built, const DrawnGearing& drawn, std::size
           .tip_thickness_m = r[5]};
 }
 
-/// The variables that a check's value depends on.
+/// The variables that the value of a check that is not rated depends on.
 std::vector<Variable> variables_of(const CheckInstance& check, const BuiltGearing& built,
                                    const DrawnGearing& drawn) {
   const int member = check.subject.member;
   const CheckScope scope = check.record->scope;
-  if (is_rated(scope)) return built.backlash_variables();
   switch (target_of(scope)) {
     case CheckTarget::kGear:
       return built.variables(std::array{member}, scope == CheckScope::kPlanetStep);
@@ -391,7 +390,7 @@ std::vector<Variable> variables_of(const CheckInstance& check, const BuiltGearin
       break;
     case CheckTarget::kPlanetBearing:
     case CheckTarget::kPlanetPin:
-      break;
+      break;  // rated
   }
   return built.backlash_variables();
 }

@@ -92,29 +92,10 @@ double least_load_factor(const RatingTask& task, const FlankExtremes& extremes, 
       stated.mesh_load_source == MeshLoadSource::kTolerances && !stated.held_mesh_load;
   const double mesh_load = unknown ? 1.0 : mesh_loads_of(task, extremes.planets)[mesh].value;
   const double shared = stated.application.value_or(1.0) * mesh_load;
-  const auto z = train::teeth_of(extremes.teeth);
-  std::array<int, 2> teeth{};
-  bool plastic = false;
-  for (std::size_t i = 0; i < 2; ++i) {
-    const auto gear = static_cast<std::size_t>(train::kMeshGears[mesh][i]);
-    teeth[i] = z[gear];
-    plastic = plastic || is_plastic(task.material[gear]->record.group);
-  }
+  const bool plastic = std::ranges::any_of(train::kMeshGears[mesh], [&](int gear) {
+    return is_plastic(task.material[static_cast<std::size_t>(gear)]->record.group);
+  });
   if (plastic) return shared;
-  const double speed_m_s = greatest_speed_m_s(task, extremes, mesh);
-  if (!stated.dynamic && speed_m_s > 0.0) {
-    // V K3 is concave in V and 0 at rest: at no smaller speed K_v is below the less of 1 and this.
-    const auto [pinion, wheel] = std::minmax(teeth[0], teeth[1]);
-    const Factor<double> dynamic =
-        dynamic_factor<double>({.tangential_N = 0.0,
-                                .face_width_m = 1.0,
-                                .contact_ratio = 1.0,
-                                .pinion_teeth = pinion,
-                                .tooth_ratio = static_cast<double>(wheel) / pinion,
-                                .speed_m_s = speed_m_s},
-                               task.accuracy_grade);
-    if (dynamic.value < 1.0) return 0.0;
-  }
   return shared * stated.dynamic.value_or(1.0) * face * transverse;
 }
 

@@ -26,8 +26,8 @@ struct FlankExtremes {
 /// F_k m/b [N] of a mesh with its module m and face width b, at least: T c_k/(N b r_k) as below.
 double least_line_force(const RatingTask& task, const FlankExtremes& extremes, std::size_t mesh);
 
-/// Least K_A K_γ K_v times a face and a transverse factor; 0 where nothing is known.  Plastics have
-/// K_A K_γ alone.
+/// Least K_A K_γ K_v times a face and a transverse factor: a K_v that is computed is 1 or more.
+/// Plastics have K_A K_γ alone.
 double least_load_factor(const RatingTask& task, const FlankExtremes& extremes, std::size_t mesh,
                          double face, double transverse);
 

@@ -6,6 +6,9 @@
 
 namespace gear3k::strength {
 
+/// Cycles taken where no life is stated.  Their life factor is divided out of the strength.
+inline constexpr double kUnstatedCycles = 5e7;
+
 /// Life factor of the root, Y_NT: straight lines in log N and log Y between
 ///
 ///   V, St, GGG       (1e4, 2.5)     Eh, IF  (1e3, 2.5)

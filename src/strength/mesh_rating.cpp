@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "geometry/interference.hpp"
+#include "strength/life_factor.hpp"
 
 namespace gear3k::strength {
 
@@ -145,15 +146,12 @@ RatedLoadFactors<T> load_factors_of(const SharedMesh<T>& m, const LoadedMesh<T>&
   return f;
 }
 
-/// A strength without a stated life: that of its knee, Y_NT = 1.
+/// A strength without a stated life: that at kUnstatedCycles with their life factor divided out.
 template <class T>
 void take_endurance_limit(Factor<T>& life, T& strength_Pa) {
   strength_Pa = strength_Pa / life.value;
   life = unstated_factor<T>("no life stated: endurance limit");
 }
-/// Cycles at which every metal's life factors are 1 or below, so that they can be divided out.
-constexpr double kEnduranceCycles = 5e7;
-
 template <class T>
 T temperature_of(const SharedMesh<T>& m, double transfer) {
   if (m.task.tooth_temperature_K) return constant<T>(*m.task.tooth_temperature_K);
@@ -205,7 +203,7 @@ void rate_metal(const SharedMesh<T>& m, std::size_t own, const ToothLoad<T>& loa
   tooth.limit_in_range = root.hardness_in_range && flank.hardness_in_range;
   if (root.stated && g.root) {
     const RootCondition<T> condition{
-        .cycles = constant<T>(g.teeth.cycles.value_or(kEnduranceCycles)),
+        .cycles = constant<T>(g.teeth.cycles.value_or(kUnstatedCycles)),
         .notch_parameter = tooth.form.notch_parameter,
         .module_m = g.gear.gear.module_m,
         .root_roughness_m = g.teeth.root_roughness_m,
@@ -230,7 +228,7 @@ void rate_metal(const SharedMesh<T>& m, std::size_t own, const ToothLoad<T>& loa
                                             .cycles = constant<T>(1.0)});
   const bool metal_mate = of_mate.stated && !is_plastic(mate.material.record.group);
   FlankCondition<T> condition{
-      .cycles = constant<T>(g.teeth.cycles.value_or(kEnduranceCycles)),
+      .cycles = constant<T>(g.teeth.cycles.value_or(kUnstatedCycles)),
       .pitting_allowed = m.task.pitting_allowed,
       .softer_limit_Pa = metal_mate ? smaller(flank.stress_Pa, of_mate.stress_Pa) : flank.stress_Pa,
       .reduced_radius_m =

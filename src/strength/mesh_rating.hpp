@@ -19,13 +19,14 @@ namespace gear3k::strength {
 template <class T>
 struct RatedGear {
   const geometry::GearGeometry<T>& gear;
+  /// Read by roots that are rated, of plastics all, without `section`, and by StiffnessPart::kPath.
   const geometry::ToothForm<T>& form;
   const GearMaterial& material;
   StatedTeeth teeth{};                 ///< cycles: N, of a stated life too
   std::optional<double> wear_turns{};  ///< meetings of a tooth with this mate; empty: not stated
   RootLoading loading = RootLoading::kPulsating;
   std::optional<T> rim_m{};  ///< material under the root circle
-  bool root = true;          ///< of metals: whether the root is rated; else `form` is not read
+  bool root = true;          ///< of metals: whether the root is rated
   /// As root_section_of(gear, form, task) has it, where that is known already.
   const RootSection<T>* section = nullptr;
 };

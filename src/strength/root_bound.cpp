@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "geometry/tooth_form.hpp"
+#include "strength/life_factor.hpp"
 #include "strength/mesh_rating.hpp"
 #include "strength/root_section.hpp"
 #include "strength/root_strength.hpp"
@@ -120,7 +121,7 @@ std::array<std::array<RootNeed, 2>, train::kMeshCount> root_needs(const RatingTa
         const auto limit = root_limit<double>(material.record, {.hardness = material.hardness});
         const RootStrength<double> at =
             root_strength<double>(material.record, limit.stress_Pa,
-                                  {.cycles = cycles[gear].value_or(5e7),
+                                  {.cycles = cycles[gear].value_or(kUnstatedCycles),
                                    .notch_parameter = 1.0,
                                    .module_m = 1e-3,
                                    .root_roughness_m = teeth.root_roughness_m,

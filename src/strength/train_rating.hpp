@@ -53,7 +53,7 @@ struct RatedTrain {
   std::optional<MeshLoadFactors> mesh_load{};
   /// Meshes that are rated; of the others a rating has the forces alone.
   std::array<bool, train::kMeshCount> rated{true, true, true};
-  /// Whether the roots of metal gears are rated, by mesh and member; else `forms` is not read.
+  /// Whether the roots of metal gears are rated, by mesh and member.
   std::array<std::array<bool, 2>, train::kMeshCount> roots{
       {{true, true}, {true, true}, {true, true}}};
   /// Rated sections by gear, where they are known: no torque changes them.
