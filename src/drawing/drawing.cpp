@@ -134,7 +134,7 @@ TrainPlacement place_train(const train::ToothSet& z, int planets) {
 }
 
 double drawn_outer_radius(const DrawnGear& ring) {
-  return ring.outer_radius_m.value_or(ring.root_radius_m + 2.5 * ring.module_m);
+  return ring.outer_radius_m.value_or(ring.root_radius_m + kDrawnRim * ring.module_m);
 }
 
 DrawingSet make_drawings(const design::Design& design, const design::Evaluation& evaluation,

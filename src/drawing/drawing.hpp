@@ -78,7 +78,9 @@ struct Drawing {
 /// Radius of a timing mark.
 inline double mark_radius_m(const DrawnGear& gear) { return 0.2 * gear.module_m; }
 
-/// The radius to which a ring's body is drawn: the one given, else root radius + 2.5 modules.
+/// A ring's body without an outer diameter is drawn to so many modules beyond its root.
+inline constexpr double kDrawnRim = 2.5;
+/// The radius to which a ring's body is drawn: the one given, else that of kDrawnRim.
 double drawn_outer_radius(const DrawnGear& ring);
 
 struct DrawingSet {

@@ -302,9 +302,7 @@ InspectionSheet planet_sheet(const design::Design& design, const design::Evaluat
 }  // namespace
 
 std::optional<int> grade_of(const GearGeometry<double>& gear, const GearTolerances& tolerances) {
-  constexpr int kFinest = 3;
-  constexpr int kCoarsest = 12;
-  for (int grade = kFinest; grade <= kCoarsest; ++grade) {
+  for (int grade = backlash::kFinestGrade; grade <= backlash::kCoarsestGrade; ++grade) {
     const auto t = backlash::pitch_grade(
         {.module_m = gear.gear.module_m, .reference_diameter_m = 2.0 * gear.reference_radius_m},
         grade);

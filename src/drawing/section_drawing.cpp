@@ -115,7 +115,7 @@ class SectionMaker {
                      .root_m = {}};
     if (g.gear.kind == GearKind::kRing) {
       body.low.y_m = g.tip_radius_m;
-      body.high.y_m = outer_radius(gear).value_or(g.root_radius_m + 2.5 * g.gear.module_m);
+      body.high.y_m = outer_radius(gear).value_or(g.root_radius_m + kDrawnRim * g.gear.module_m);
       body.reference_m = {g.reference_radius_m};
       body.root_m = {g.root_radius_m};
     } else if (gear == kS) {

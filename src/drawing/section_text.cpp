@@ -8,7 +8,9 @@
 
 #include "drawing/dxf_file.hpp"
 #include "drawing/section_drawing.hpp"
+#include "drawing/svg_style.hpp"
 #include "drawing/xml_text.hpp"
+#include "io/text/utf8.hpp"
 #include "report/display.hpp"
 
 namespace gear3k::drawing {
@@ -50,7 +52,7 @@ DimensionStrokes strokes_of(const Dimension& d, double height) {
     result.text = {.x_m = middle.x_m, .y_m = middle.y_m + kGap * height};
   } else {
     // Beside its column, at least as far up as half its length; longer than the column, beyond it.
-    const double half = 0.31 * height * static_cast<double>(d.text.size());
+    const double half = 0.31 * height * static_cast<double>(io::characters_in(d.text));
     const double top = std::max(from.y_m, to.y_m);
     const bool beyond = 2.0 * half > std::abs(to.y_m - from.y_m);
     result.text = {.x_m = middle.x_m - kGap * height,
@@ -92,17 +94,22 @@ std::string dxf_words(std::string text) {
 std::vector<std::string> lines_of(const std::string& words, std::size_t most) {
   std::vector<std::string> lines;
   std::string line;
+  std::size_t letters = 0;  // of the line
   std::size_t from = 0;
   while (from < words.size()) {
     const std::size_t to = std::min(words.find(' ', from), words.size());
     const std::string word = words.substr(from, to - from);
-    if (!line.empty() && line.size() + 1 + word.size() > most) {
+    const std::size_t more = io::characters_in(word);
+    if (!line.empty() && letters + 1 + more > most) {
       lines.push_back(line);
       line = "    ";
+      letters = line.size();
     } else if (!line.empty()) {
       line += ' ';
+      ++letters;
     }
     line += word;
+    letters += more;
     from = to + 1;
   }
   if (!line.empty()) lines.push_back(line);
@@ -125,17 +132,8 @@ std::vector<std::string> note_lines(const SectionDrawing& drawing) {
 
 constexpr double kNoteHeight = 0.9, kNoteStep = 1.6;  // of the text height
 
-std::string number(double value_mm) {
-  std::string text = fmt::format("{:.6f}", value_mm);
-  text.erase(text.find_last_not_of('0') + 1);
-  if (text.back() == '.') text.pop_back();
-  return text == "-0" ? "0" : text;
-}
-
 const char* fill_of(int body) {
-  static constexpr std::array<const char*, train::kBodyCount> kFills{
-      "#f7d3c9", "#cde7f1", "#dedede", "#d0ecd9", "#e0daf3", "none"};
-  return kFills.at(static_cast<std::size_t>(body));
+  return body == train::kCarrier ? "none" : colors_of(static_cast<train::GearId>(body)).fill;
 }
 
 /// Writes elements with y downwards from the top.
@@ -143,30 +141,31 @@ class SectionSvg {
  public:
   SectionSvg(const Point& corner, double height) : corner_(corner), height_(height) {}
 
-  [[nodiscard]] std::string x(double x_m) const { return number(mm(x_m - corner_.x_m)); }
-  [[nodiscard]] std::string y(double y_m) const { return number(mm(corner_.y_m - y_m)); }
+  [[nodiscard]] std::string x(double x_m) const { return svg_millimetres(mm(x_m - corner_.x_m)); }
+  [[nodiscard]] std::string y(double y_m) const { return svg_millimetres(mm(corner_.y_m - y_m)); }
 
   void add(const std::string& element) { text_ += element + '\n'; }
   void add_line(const Stroke& line, const char* dashes, double width) {
     add(fmt::format(R"(<path fill="none" stroke="#202020" stroke-width="{}"{} d="M{} {}L{} {}"/>)",
-                    number(mm(width * height_)), dashes, x(line.from.x_m), y(line.from.y_m),
-                    x(line.to.x_m), y(line.to.y_m)));
+                    svg_millimetres(mm(width * height_)), dashes, x(line.from.x_m),
+                    y(line.from.y_m), x(line.to.x_m), y(line.to.y_m)));
   }
   void add_body(const SectionBody& body) {
-    add(fmt::format(
-        R"(<rect id="{}" x="{}" y="{}" width="{}" height="{}" fill="{}" )"
-        R"(stroke="#202020" stroke-width="{}"{}/>)",
-        body.name, x(body.low.x_m), y(body.high.y_m), number(mm(body.high.x_m - body.low.x_m)),
-        number(mm(body.high.y_m - body.low.y_m)), fill_of(body.body), number(mm(0.08 * height_)),
-        body.body == train::kCarrier ? dashes_of(0.6, 0.4) : ""));
+    add(fmt::format(R"(<rect id="{}" x="{}" y="{}" width="{}" height="{}" fill="{}" )"
+                    R"(stroke="#202020" stroke-width="{}"{}/>)",
+                    body.name, x(body.low.x_m), y(body.high.y_m),
+                    svg_millimetres(mm(body.high.x_m - body.low.x_m)),
+                    svg_millimetres(mm(body.high.y_m - body.low.y_m)), fill_of(body.body),
+                    svg_millimetres(mm(0.08 * height_)),
+                    body.body == train::kCarrier ? dashes_of(0.6, 0.4) : ""));
   }
   [[nodiscard]] std::string dashes_of(double on, double off) const {
-    return fmt::format(R"( stroke-dasharray="{} {}")", number(mm(on * height_)),
-                       number(mm(off * height_)));
+    return fmt::format(R"( stroke-dasharray="{} {}")", svg_millimetres(mm(on * height_)),
+                       svg_millimetres(mm(off * height_)));
   }
   void add_text(const std::string& words, const Point& at, double size, const std::string& more) {
     add(fmt::format(R"(<text x="{}" y="{}" font-size="{}" fill="#202020"{}>{}</text>)", x(at.x_m),
-                    y(at.y_m), number(mm(size * height_)), more, xml_text(words)));
+                    y(at.y_m), svg_millimetres(mm(size * height_)), more, xml_text(words)));
   }
   [[nodiscard]] const std::string& text() const { return text_; }
 
@@ -195,8 +194,8 @@ void add_dimension(SectionSvg& svg, const Dimension& dimension, double height) {
 std::string svg_text(const SectionDrawing& drawing) {
   const double height = drawing.text_height_m;
   const std::vector<std::string> notes = note_lines(drawing);
-  std::size_t longest = drawing.title.size() + 12;
-  for (const std::string& line : notes) longest = std::max(longest, line.size());
+  std::size_t longest = io::characters_in(drawing.title) + 12;
+  for (const std::string& line : notes) longest = std::max(longest, io::characters_in(line));
   const double width = std::max(drawing.high.x_m - drawing.low.x_m,
                                 0.62 * kNoteHeight * height * static_cast<double>(longest)) +
                        2.0 * height;
@@ -207,10 +206,10 @@ std::string svg_text(const SectionDrawing& drawing) {
   svg.add(R"(<?xml version="1.0" encoding="UTF-8"?>)");
   svg.add(fmt::format(R"(<svg xmlns="http://www.w3.org/2000/svg" width="{0}mm" height="{1}mm" )"
                       R"(viewBox="0 0 {0} {1}" font-family="DejaVu Sans, Arial, sans-serif">)",
-                      number(mm(width)), number(mm(total))));
+                      svg_millimetres(mm(width)), svg_millimetres(mm(total))));
   svg.add(fmt::format("<title>{}</title>", xml_text(drawing.title + ": assembly")));
-  svg.add(fmt::format(R"(<rect width="{}" height="{}" fill="#ffffff"/>)", number(mm(width)),
-                      number(mm(total))));
+  svg.add(fmt::format(R"(<rect width="{}" height="{}" fill="#ffffff"/>)",
+                      svg_millimetres(mm(width)), svg_millimetres(mm(total))));
   svg.add_text(drawing.title + ": assembly",
                {.x_m = drawing.low.x_m, .y_m = drawing.high.y_m + 0.5 * height}, 1.3, "");
   for (const SectionBody& body : drawing.bodies) svg.add_body(body);

@@ -6,7 +6,9 @@
 #include <array>
 #include <cmath>
 
+#include "drawing/svg_style.hpp"
 #include "drawing/xml_text.hpp"
+#include "io/text/utf8.hpp"
 #include "report/display.hpp"
 
 namespace gear3k::drawing {
@@ -15,33 +17,6 @@ namespace {
 
 using geometry::Point;
 using report::mm;
-
-/// A length in mm, rounded to 1e-6, without trailing zeros.
-std::string millimetres(double value_mm) {
-  std::string text = fmt::format("{:.6f}", value_mm);
-  text.erase(text.find_last_not_of('0') + 1);
-  if (text.back() == '.') text.pop_back();
-  return text == "-0" ? "0" : text;
-}
-
-std::size_t letters_in(const std::string& utf8) {
-  return static_cast<std::size_t>(std::ranges::count_if(
-      utf8, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
-}
-
-struct Colors {
-  const char* line;
-  const char* fill;
-};
-
-Colors colors_of(train::GearId id) {
-  static constexpr std::array<Colors, train::kGearCount> kColors{{{"#a3331f", "#f7d3c9"},
-                                                                  {"#0f5a78", "#cde7f1"},
-                                                                  {"#3a3a3a", "#dedede"},
-                                                                  {"#22693f", "#d0ecd9"},
-                                                                  {"#4b3a86", "#e0daf3"}}};
-  return kColors[id];
-}
 
 /// A circle of construction: what it is called, its radius, how its line is dashed (in units).
 struct ConstructionCircle {
@@ -113,16 +88,16 @@ class SvgWriter {
   };
   void add_text(const std::string& words, const TextPlace& place) {
     add(fmt::format(R"(<text x="{}" y="{}" font-size="{}" fill="{}">{}</text>)",
-                    millimetres(place.x), millimetres(place.y), millimetres(place.size),
+                    svg_millimetres(place.x), svg_millimetres(place.y), svg_millimetres(place.size),
                     place.color, xml_text(words)));
   }
 
   [[nodiscard]] std::string dashed_line(const ConstructionCircle& circle) const {
     return fmt::format(
         R"(fill="none" stroke="{}" stroke-width="{}" stroke-dasharray="{} {} {} {}")", circle.color,
-        millimetres(0.05 * unit_), millimetres(circle.dashes[0] * unit_),
-        millimetres(circle.dashes[1] * unit_), millimetres(circle.dashes[2] * unit_),
-        millimetres(circle.dashes[3] * unit_));
+        svg_millimetres(0.05 * unit_), svg_millimetres(circle.dashes[0] * unit_),
+        svg_millimetres(circle.dashes[1] * unit_), svg_millimetres(circle.dashes[2] * unit_),
+        svg_millimetres(circle.dashes[3] * unit_));
   }
 
   void add_gear(const DrawnGear& gear) {
@@ -130,7 +105,7 @@ class SvgWriter {
     std::string path = "M";  // the points after the first are lines to them
     for (const Point& p : gear.contour) {
       if (path.size() > 1) path += ' ';
-      path += millimetres(mm(p.x_m)) + ' ' + millimetres(mm(p.y_m));
+      path += svg_millimetres(mm(p.x_m)) + ' ' + svg_millimetres(mm(p.y_m));
     }
     path += 'Z';
     if (is_ring(gear)) path += full_circle(gear.center, drawn_outer_radius(gear));
@@ -138,21 +113,21 @@ class SvgWriter {
     add(fmt::format(
         R"(<path id="{}" fill="{}" fill-opacity="0.8" fill-rule="evenodd" stroke="{}" stroke-width="{}" )"
         R"(stroke-linejoin="round" d="{}"/>)",
-        gear.name, colors.fill, colors.line, millimetres(0.04 * unit_), path));
+        gear.name, colors.fill, colors.line, svg_millimetres(0.04 * unit_), path));
   }
 
   void add_circle(const DrawnGear& gear, const ConstructionCircle& circle) {
     if (!(circle.radius_m > 0.0)) return;  // a root circle may fail to exist
-    add(fmt::format(R"(<circle cx="{}" cy="{}" r="{}" {}/>)", millimetres(mm(gear.center.x_m)),
-                    millimetres(mm(gear.center.y_m)), millimetres(mm(circle.radius_m)),
+    add(fmt::format(R"(<circle cx="{}" cy="{}" r="{}" {}/>)", svg_millimetres(mm(gear.center.x_m)),
+                    svg_millimetres(mm(gear.center.y_m)), svg_millimetres(mm(circle.radius_m)),
                     dashed_line(circle)));
   }
 
   void add_timing_mark(const DrawnGear& gear) {
     if (!gear.mark) return;
     add(fmt::format(R"(<circle class="timing" cx="{}" cy="{}" r="{}" fill="#d00000"/>)",
-                    millimetres(mm(gear.mark->x_m)), millimetres(mm(gear.mark->y_m)),
-                    millimetres(mm(mark_radius_m(gear)))));
+                    svg_millimetres(mm(gear.mark->x_m)), svg_millimetres(mm(gear.mark->y_m)),
+                    svg_millimetres(mm(mark_radius_m(gear)))));
   }
 
   void add_center_mark(const DrawnGear& gear) {
@@ -161,18 +136,19 @@ class SvgWriter {
     const double half = 0.2 * mm(gear.reference_radius_m);
     add(fmt::format(
         R"(<path fill="none" stroke="#202020" stroke-width="{}" d="M{} {}H{}M{} {}V{}"/>)",
-        millimetres(0.04 * unit_), millimetres(x - half), millimetres(y), millimetres(x + half),
-        millimetres(x), millimetres(y - half), millimetres(y + half)));
+        svg_millimetres(0.04 * unit_), svg_millimetres(x - half), svg_millimetres(y),
+        svg_millimetres(x + half), svg_millimetres(x), svg_millimetres(y - half),
+        svg_millimetres(y + half)));
   }
 
   [[nodiscard]] const std::string& text() const { return text_; }
 
  private:
   static std::string full_circle(const Point& center, double radius_m) {
-    const std::string r = millimetres(mm(radius_m));
-    const std::string y = millimetres(mm(center.y_m));
-    const std::string left = millimetres(mm(center.x_m - radius_m));
-    const std::string right = millimetres(mm(center.x_m + radius_m));
+    const std::string r = svg_millimetres(mm(radius_m));
+    const std::string y = svg_millimetres(mm(center.y_m));
+    const std::string left = svg_millimetres(mm(center.x_m - radius_m));
+    const std::string right = svg_millimetres(mm(center.x_m + radius_m));
     return fmt::format("M{2} {1}A{0} {0} 0 1 0 {3} {1}A{0} {0} 0 1 0 {2} {1}Z", r, y, right, left);
   }
 
@@ -190,9 +166,10 @@ void add_legend(SvgWriter& svg, const Panel& panel, double unit, Point corner) {
     y += 3.4 * unit;
   };
   const auto line_row = [&](const ConstructionCircle& circle, const std::string& words) {
-    add_row(fmt::format(R"(<path {} d="M{} {}h{}"/>)", svg.dashed_line(circle),
-                        millimetres(corner.x_m), millimetres(y), millimetres(5.6 * unit)),
-            words);
+    add_row(
+        fmt::format(R"(<path {} d="M{} {}h{}"/>)", svg.dashed_line(circle),
+                    svg_millimetres(corner.x_m), svg_millimetres(y), svg_millimetres(5.6 * unit)),
+        words);
   };
   for (const DrawnGear* gear : panel.gears) {
     if (std::ranges::find(listed, gear->id) != listed.end()) continue;
@@ -200,18 +177,19 @@ void add_legend(SvgWriter& svg, const Panel& panel, double unit, Point corner) {
     const Colors colors = colors_of(gear->id);
     add_row(fmt::format(R"(<rect x="{}" y="{}" width="{}" height="{}" fill="{}" stroke="{}" )"
                         R"(stroke-width="{}"/>)",
-                        millimetres(corner.x_m), millimetres(y - unit), millimetres(5.6 * unit),
-                        millimetres(2.0 * unit), colors.fill, colors.line, millimetres(0.1 * unit)),
+                        svg_millimetres(corner.x_m), svg_millimetres(y - unit),
+                        svg_millimetres(5.6 * unit), svg_millimetres(2.0 * unit), colors.fill,
+                        colors.line, svg_millimetres(0.1 * unit)),
             fmt::format("{}: {} teeth, module {:.6g} mm, profile shift {:.4f}",
                         train::kGearNames[gear->id], gear->teeth, mm(gear->module_m),
                         gear->profile_shift));
   }
   const DrawnGear& first = *panel.gears.front();
   if (std::ranges::any_of(panel.gears, [](const DrawnGear* g) { return g->mark.has_value(); })) {
-    add_row(
-        fmt::format(R"(<circle cx="{}" cy="{}" r="{}" fill="#d00000"/>)",
-                    millimetres(corner.x_m + 2.8 * unit), millimetres(y), millimetres(0.8 * unit)),
-        "timing mark: the teeth of P1 and P2 that belong together");
+    add_row(fmt::format(R"(<circle cx="{}" cy="{}" r="{}" fill="#d00000"/>)",
+                        svg_millimetres(corner.x_m + 2.8 * unit), svg_millimetres(y),
+                        svg_millimetres(0.8 * unit)),
+            "timing mark: the teeth of P1 and P2 that belong together");
   }
   if (panel.gears.size() > 1) {
     line_row(circles_of(first)[0], "reference circles");
@@ -245,14 +223,15 @@ std::string svg_text(const Drawing& drawing) {
   svg.add(R"(<?xml version="1.0" encoding="UTF-8"?>)");
   svg.add(fmt::format(R"(<svg xmlns="http://www.w3.org/2000/svg" width="{0}mm" height="{1}mm" )"
                       R"(viewBox="0 0 {0} {1}" font-family="DejaVu Sans, Arial, sans-serif">)",
-                      millimetres(width), millimetres(height)));
+                      svg_millimetres(width), svg_millimetres(height)));
   const std::string title =
       drawing.title.empty() ? drawing.name : fmt::format("{}: {}", drawing.title, drawing.name);
   svg.add(fmt::format("<title>{}</title>", xml_text(title)));
-  svg.add(fmt::format(R"(<rect width="{}" height="{}" fill="#ffffff"/>)", millimetres(width),
-                      millimetres(height)));
+  svg.add(fmt::format(R"(<rect width="{}" height="{}" fill="#ffffff"/>)", svg_millimetres(width),
+                      svg_millimetres(height)));
   // A letter is some 0.6 of its height wide.
-  const double fitting = (width - 2.0 * margin) / (0.62 * static_cast<double>(letters_in(title)));
+  const double fitting =
+      (width - 2.0 * margin) / (0.62 * static_cast<double>(io::characters_in(title)));
   svg.add_text(title,
                {.x = margin, .y = margin + 3.0 * unit, .size = std::min(4.0 * unit, fitting)});
   if (!drawing.remark.empty()) {
@@ -264,8 +243,8 @@ std::string svg_text(const Drawing& drawing) {
   for (const Panel& panel : panels) {
     svg.add_text(panel.caption, {.x = left, .y = panel_top - 2.5 * unit, .size = 2.6 * unit});
     svg.add(fmt::format(R"-(<g transform="translate({} {}) scale(1 -1)">)-",
-                        millimetres(left + 0.5 * panel_width(panel)),
-                        millimetres(panel_top + radius)));
+                        svg_millimetres(left + 0.5 * panel_width(panel)),
+                        svg_millimetres(panel_top + radius)));
     for (const DrawnGear* gear : panel.gears) svg.add_gear(*gear);
     for (const DrawnGear* gear : panel.gears) svg.add_timing_mark(*gear);
     for (const DrawnGear* gear : panel.gears) {
@@ -285,8 +264,8 @@ std::string svg_text(const Drawing& drawing) {
   const double length = round_length(25.0 * unit);
   svg.add(
       fmt::format(R"(<path fill="none" stroke="#202020" stroke-width="{}" d="M{} {}v{}h{}v{}"/>)",
-                  millimetres(0.2 * unit), millimetres(margin), millimetres(bar_top),
-                  millimetres(unit), millimetres(length), millimetres(-unit)));
+                  svg_millimetres(0.2 * unit), svg_millimetres(margin), svg_millimetres(bar_top),
+                  svg_millimetres(unit), svg_millimetres(length), svg_millimetres(-unit)));
   svg.add_text(fmt::format("{:g} mm", length),
                {.x = margin + length + 1.5 * unit, .y = bar_top + 1.2 * unit, .size = 2.2 * unit});
   svg.add("</svg>");

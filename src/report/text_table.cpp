@@ -7,16 +7,14 @@
 
 #include "io/text/csv_table.hpp"
 #include "io/text/printable.hpp"
+#include "io/text/utf8.hpp"
 
 namespace gear3k::report {
 
 namespace {
 
-/// Characters of a UTF-8 text (all that we print are one column wide).
-std::size_t width_of(const std::string& text) {
-  return static_cast<std::size_t>(std::ranges::count_if(
-      text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
-}
+/// All characters that we print are one column wide.
+std::size_t width_of(const std::string& text) { return io::characters_in(text); }
 
 /// A field that a spreadsheet does not take for a formula.
 std::string no_formula(std::string field) {

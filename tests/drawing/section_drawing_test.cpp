@@ -21,6 +21,7 @@
 #include "drawing/dxf_file.hpp"
 #include "drawing/planet_marks.hpp"
 #include "io/files/design_file.hpp"
+#include "io/text/utf8.hpp"
 
 namespace gear3k::drawing::section_drawing_test {
 namespace {
@@ -165,7 +166,7 @@ TEST(SectionDrawing, NoTextBesideAColumnCrossesItsEnds) {
     const auto strokes = std::sregex_iterator(part.begin(), part.end(), line);
     const double one = std::stod((*strokes)[1]), other = std::stod((*strokes)[2]);
     const double y = std::stod(text[1]);
-    const double half = 0.25 * height * static_cast<double>(text[2].length());
+    const double half = 0.25 * height * static_cast<double>(io::characters_in(text[2].str()));
     for (const double end_y : {one, other}) {
       EXPECT_GT(std::abs(end_y - y), half)
           << text[2] << " at " << y << " of " << one << ", " << other;

@@ -1,5 +1,7 @@
 #include "io/text/utf8.hpp"
 
+#include <algorithm>
+
 namespace gear3k::io {
 
 namespace {
@@ -39,6 +41,11 @@ Utf8Character first_character(std::string_view text) {
   }
   character.whole = next.count > 0 && character.bytes == wanted;
   return character;
+}
+
+std::size_t characters_in(std::string_view text) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
 }
 
 }  // namespace gear3k::io

@@ -20,4 +20,8 @@ struct Utf8Character {
 /// @param text  not empty
 Utf8Character first_character(std::string_view text);
 
+/// Characters of a text, by the bytes that begin one.
+/// @param text  UTF-8
+std::size_t characters_in(std::string_view text);
+
 }  // namespace gear3k::io

@@ -61,5 +61,17 @@ TEST(Utf8, BytesThatAreNoCharacterAreTakenAsUnicodeRecommends) {
   }
 }
 
+TEST(Utf8, CharactersOfATextAreCountedWhateverTheirBytes) {
+  std::string text = "R1 ";
+  for (std::size_t bytes = 1; bytes <= 4; ++bytes) {
+    // Code points of this many bytes: the first of them, from "A" on.
+    const std::string one = encoded(std::max<std::uint32_t>(kLeast[bytes], 'A'), bytes);
+    ASSERT_EQ(one.size(), bytes);
+    text += one + one;
+  }
+  EXPECT_EQ(characters_in(text), 11U);
+  EXPECT_EQ(characters_in(""), 0U);
+}
+
 }  // namespace
 }  // namespace gear3k::io
