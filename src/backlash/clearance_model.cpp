@@ -15,10 +15,6 @@ namespace {
 
 using train::kP1, train::kP2, train::kR1, train::kR2, train::kS;
 
-/// The central gear of each mesh, and its planet step.
-constexpr std::array<int, train::kMeshCount> kCentralGear{kS, kR1, kR2};
-constexpr std::array<int, train::kMeshCount> kPlanetGear{kP1, kP1, kP2};
-
 Body body_of(int gear) {
   switch (gear) {
     case kS:
@@ -102,7 +98,7 @@ class Builder {
   static void meshes_of(int gear, Visit visit) {
     for (int mesh = 0; mesh < train::kMeshCount; ++mesh) {
       const auto k = static_cast<std::size_t>(mesh);
-      if (kCentralGear[k] == gear || kPlanetGear[k] == gear) visit(mesh);
+      if (train::kCentralGears[k] == gear || train::kPlanetGears[k] == gear) visit(mesh);
     }
   }
   /// One deviation of a central gear, or one for every planet.
@@ -227,9 +223,8 @@ std::optional<ClearanceModel> clearance_model(const train::TrainParameters<doubl
   for (int planet = 0; planet < p.planets; ++planet) {
     for (int mesh = 0; mesh < train::kMeshCount; ++mesh) {
       const auto k = static_cast<std::size_t>(mesh);
-      const double thicker =
-          tolerances.gears[static_cast<std::size_t>(kCentralGear[k])].tooth_thickness_m.middle() +
-          tolerances.gears[static_cast<std::size_t>(kPlanetGear[k])].tooth_thickness_m.middle();
+      const double thicker = tolerances.gears[train::kCentralGears[k]].tooth_thickness_m.middle() +
+                             tolerances.gears[train::kPlanetGears[k]].tooth_thickness_m.middle();
       const double half = 0.5 * (j[k] - thicker * train->gears[kS].angle.cos);
       const double phase = mesh == train::kMeshP2R2 ? tolerances.planet_phase_rad.middle() *
                                                           train->gears[kP2].base_radius_m

@@ -33,14 +33,15 @@ struct MovingState {
 train::BodyTorques<double> with_inertia(train::BodyTorques<double> known, const MovingTrain& t,
                                         double acceleration) {
   const train::TrainGeometry<double>& g = t.lossy.geometry;
-  const train::SpeedRatios w = train::speed_ratios(g.teeth);
-  const double n = g.planets;
-  const double d = g.center_distance_m;
-  known.sun -= acceleration * w.sun * t.bodies.sun_kgm2;
-  known.planet -= acceleration * n * w.planet * (t.bodies.planet1_kgm2 + t.bodies.planet2_kgm2);
-  known.carrier -=
-      acceleration * w.carrier * (t.bodies.carrier_kgm2 + n * t.bodies.planet_mass_kg * d * d);
-  known.ring2 -= acceleration * t.bodies.ring2_kgm2;
+  const auto torques = inertia::inertia_torques<double>({.teeth = g.teeth,
+                                                         .planets = g.planets,
+                                                         .center_distance_m = g.center_distance_m,
+                                                         .bodies = t.bodies},
+                                                        acceleration);
+  known.sun += torques.sun;
+  known.planet += torques.planet;
+  known.carrier += torques.carrier;
+  known.ring2 += torques.ring2;
   return known;
 }
 

@@ -274,9 +274,7 @@ strength::MeshRating<double> rated_pair_at(const PairDesign& design,
                                        .material = *task.material[i],
                                        .teeth = teeth,
                                        .wear_turns = teeth.cycles,
-                                       .loading = teeth.load_reversal.value_or(true)
-                                                      ? strength::RootLoading::kReversed
-                                                      : strength::RootLoading::kPulsating,
+                                       .loading = strength::root_loading(teeth, false),
                                        .rim_m = {}};
   };
   const double speed2 = task.speed_rad_s * gears[0].gear.teeth / gears[1].gear.teeth;

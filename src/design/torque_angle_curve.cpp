@@ -74,9 +74,8 @@ struct LoopState {
 class LoopPath {
  public:
   LoopPath(const ElasticTrain& train, const train::ToothSet& teeth, double peak_torque_Nm)
-      : train_(train), peak_Nm_(peak_torque_Nm) {
+      : train_(train), peak_Nm_(peak_torque_Nm), lever_(train::planet_levers(teeth)) {
     for (std::size_t k = 0; k < train::kMeshCount; ++k) {
-      lever_[k] = strength::mesh_lever(teeth, k);
       sense_[k] = train.train.mesh_torque[k][0] < 0.0 ? -1.0 : 1.0;
     }
     elastic_rad_ = elastic_windup(train, peak_torque_Nm);

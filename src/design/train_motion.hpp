@@ -13,10 +13,6 @@ namespace gear3k::design {
 template <class T>
 using MeshTorques = std::array<T, train::kMeshCount>;
 
-template <class T>
-T magnitude(const T& x) {
-  return value_of(x) < 0.0 ? T(-x) : x;
-}
 inline double sign_of(double x) { return x < 0.0 ? -1.0 : 1.0; }
 
 /// The coefficient of friction of a mesh by which of its gears drives.
@@ -56,7 +52,7 @@ std::array<MeshConstants<T>, train::kMeshCount> mesh_constants(const train::Trai
     const auto [first, second] = train::kMeshGears[k];
     const auto& gear1 = g.gears[static_cast<std::size_t>(first)];
     const auto& gear2 = g.gears[static_cast<std::size_t>(second)];
-    const auto& central = k == train::kMeshSP1 ? gear1 : gear2;
+    const auto& central = g.gears[train::kCentralGears[k]];
     const auto& mesh = g.meshes[k];
     const double sign = geometry::mesh_sign(gear2.gear.kind);
     auto& c = result[k];

@@ -1,9 +1,10 @@
 #include "efficiency/mesh_loss.hpp"
 
-#include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 #include <numbers>
 #include <optional>
+
+#include "numerics/gauss_rule.hpp"
 
 namespace gear3k::efficiency {
 
@@ -28,8 +29,7 @@ template <class T>
 T sliding_factor(const T& approach, const T& recess) {
   const T epsilon = approach + recess;
   if (value_of(epsilon) <= 0.0) {
-    const T middle = recess - approach;  // twice the path's middle
-    return value_of(middle) < 0.0 ? T(-middle) : middle;
+    return magnitude(T(recess - approach));  // twice the path's middle
   }
   // Over a share f of the pitch there are pairs + 1 in contact, over the rest there are `pairs`.
   const int pairs = static_cast<int>(std::floor(value_of(epsilon)));
@@ -79,22 +79,7 @@ FlankTorques<T> flank_torques(const MeshContact<T>& c, const FlankFriction<T>& m
           .driven = 1.0 - friction * (c.tan_alpha_w - s * (kTurn / z.driven))};
 }
 
-/// Nodes and weights of the Gauss-Legendre rule on [0, 1].
-struct QuadratureNode {
-  double position, weight;
-};
 constexpr std::size_t kNodes = 12;
-std::array<QuadratureNode, kNodes> quadrature_nodes() {
-  using Rule = boost::math::quadrature::gauss<double, kNodes>;
-  std::array<QuadratureNode, kNodes> nodes{};
-  for (std::size_t i = 0; i < Rule::abscissa().size(); ++i) {
-    const double x = Rule::abscissa()[i];
-    const double weight = 0.5 * Rule::weights()[i];
-    nodes[2 * i] = {0.5 * (1.0 - x), weight};
-    nodes[2 * i + 1] = {0.5 * (1.0 + x), weight};
-  }
-  return nodes;
-}
 
 /// Pairs k = 0 .. pairs - 1 in contact while the first runs from `start` to `end`, the k-th k base
 /// pitches ahead of it.
@@ -108,7 +93,7 @@ struct ContactSpan {
 template <class T>
 std::optional<T> loss_integral(const MeshContact<T>& c, const FlankFriction<T>& mu,
                                const ContactSpan<T>& span) {
-  static const std::array<QuadratureNode, kNodes> nodes = quadrature_nodes();
+  static const auto kRule = numerics::gauss_rule<kNodes>();
   // The pair that passes the pitch point splits the span: friction changes sides there.
   std::array<T, 3> ends{span.start, span.end, span.end};
   int pieces = 1;
@@ -123,7 +108,7 @@ std::optional<T> loss_integral(const MeshContact<T>& c, const FlankFriction<T>& 
   for (std::size_t piece = 0; piece < static_cast<std::size_t>(pieces); ++piece) {
     const T length = ends[piece + 1] - ends[piece];
     const double middle = 0.5 * (value_of(ends[piece]) + value_of(ends[piece + 1]));
-    for (const QuadratureNode& node : nodes) {
+    for (const numerics::GaussNode& node : kRule) {
       const T s = ends[piece] + length * node.position;
       FlankTorques<T> sum{constant<T>(0.0), constant<T>(0.0)};
       for (int k = 0; k < span.pairs; ++k) {

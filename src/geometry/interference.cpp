@@ -16,15 +16,6 @@ namespace {
 /// form_circle_margin().  Along cot γ the rounding's centre moves evenly.
 constexpr double kSkippedShare = 0.15;
 
-/// inv(acos(rb/r)) of a radius outside the base circle; 0 inside.
-template <class T>
-T involute_at(const T& base_radius_m, const T& radius_m) {
-  using std::atan2, std::sqrt;
-  if (!(value_of(radius_m) > value_of(base_radius_m))) return constant<T>(0.0);
-  const T length = sqrt((radius_m - base_radius_m) * (radius_m + base_radius_m));
-  return length / base_radius_m - atan2(length, base_radius_m);
-}
-
 /// acos, constant where its argument leaves (−1, 1).
 template <class T>
 T bounded_acos(const T& cosine) {
@@ -58,8 +49,8 @@ InternalTips<T> internal_tips(const GearGeometry<T>& pinion, const GearGeometry<
 /// centres.
 template <class T>
 T corner_arc(const InternalTips<T>& p, const T& theta1, const T& theta2) {
-  const T lead1 = involute_at(p.base_radius1_m, p.tip_radius1_m) - p.working_involute;
-  const T lead2 = involute_at(p.base_radius2_m, p.tip_radius2_m) - p.working_involute;
+  const T lead1 = involute_to(p.base_radius1_m, p.tip_radius1_m) - p.working_involute;
+  const T lead2 = involute_to(p.base_radius2_m, p.tip_radius2_m) - p.working_involute;
   return p.tip_radius2_m * (p.teeth_ratio * (theta1 + lead1) - (theta2 + lead2));
 }
 
@@ -140,20 +131,7 @@ Gap<T> gap_at(const TipPassage<T>& p, const FilletPoint<T>& point) {
 
 /// The same in another scalar type, without derivatives.
 template <class To, class T>
-Fillet<To> values_as(const Fillet<T>& f) {
-  const auto to = [](const T& x) { return constant<To>(value_of(x)); };
-  return {.tool = f.tool,
-          .rounding_radius_m = to(f.rounding_radius_m),
-          .pitch_radius_m = to(f.pitch_radius_m),
-          .rounding_depth_m = to(f.rounding_depth_m),
-          .cutter_pitch_radius_m = to(f.cutter_pitch_radius_m),
-          .rounding_center_radius_m = to(f.rounding_center_radius_m),
-          .center_offset = to(f.center_offset),
-          .tool_teeth_ratio = f.tool_teeth_ratio,
-          .normal_angle_rad = to(f.normal_angle_rad)};
-}
-template <class To, class T>
-TipPassage<To> values_as(const TipPassage<T>& p) {
+TipPassage<To> passage_values(const TipPassage<T>& p) {
   const auto to = [](const T& x) { return constant<To>(value_of(x)); };
   return {.inside_ring = p.inside_ring,
           .from_ring = p.from_ring,
@@ -333,7 +311,7 @@ T tip_fouling_gap(const GearGeometry<T>& gear1, const GearGeometry<T>& gear2,
   const T working_involute = mesh.tan_alpha_w - mesh.alpha_w_rad;
   const bool from_ring = tip.gear.kind == GearKind::kRing;
   const double sign = from_ring ? -1.0 : 1.0;
-  const T lead = sign * (involute_at(tip.base_radius_m, tip.tip_radius_m) - working_involute);
+  const T lead = sign * (involute_to(tip.base_radius_m, tip.tip_radius_m) - working_involute);
   const T pitch_radius =
       root.base_radius_m * mesh.center_distance_m / base_radius_sum(gear1, gear2);
   TipPassage<T> passage{.inside_ring = root.gear.kind == GearKind::kRing,
@@ -348,11 +326,12 @@ T tip_fouling_gap(const GearGeometry<T>& gear1, const GearGeometry<T>& gear2,
   const T first = atan2(sin(form.form_normal_angle_rad),
                         T((1.0 - kSkippedShare) * cos(form.form_normal_angle_rad)));
   const double begin = value_of(first);
-  TipPassage<double> values = values_as<double>(passage);
+  TipPassage<double> values = passage_values<double>(passage);
   const bool beyond_pitch_point =
       value_of(which == 1 ? mesh.addendum_contact_ratio1 : mesh.addendum_contact_ratio2) > 0.0;
   const double gamma =
-      least_gap(values, values_as<double>(form.fillet), begin, beyond_pitch_point).normal_angle_rad;
+      least_gap(values, fillet_values<double>(form.fillet), begin, beyond_pitch_point)
+          .normal_angle_rad;
   passage.side = values.side;
   const T& m = tip.gear.module_m;
   if (gamma == begin) {
@@ -376,8 +355,8 @@ T tip_fouling_gap(const GearGeometry<T>& gear1, const GearGeometry<T>& gear2,
     // The minimum moves with the design: g(γ*) = g − g_γ²/(2 g_γγ) to second order, where g_γ is 0
     // but its derivatives are not.
     using Slope = ceres::Jet<double, 1>;
-    const Slope curvature = gap_at(values_as<Slope>(passage),
-                                   fillet_point(values_as<Slope>(form.fillet), Slope(gamma, 0)))
+    const Slope curvature = gap_at(passage_values<Slope>(passage),
+                                   fillet_point(fillet_values<Slope>(form.fillet), Slope(gamma, 0)))
                                 .slope_m;
     // At the root circle the minimum is no stationary point and stays.
     if (gamma >= std::numbers::pi / 2.0 || !(curvature.v[0] > 0.0)) return gap.arc_m / m;

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <cmath>
+
+#include "geometry/scalar.hpp"
+
 namespace gear3k::geometry {
 
 /// Involute function: the polar angle that the involute sweeps up to pressure angle a.
@@ -25,5 +29,19 @@ T involute(const T& angle);
 /// @throws std::invalid_argument outside that range or NaN
 template <class T>
 T inverse_involute(const T& value);
+
+/// Polar angle swept by an involute from its base circle to a radius.
+///
+///   inv(acos(rb/r)) = t/rb − atan(t/rb),   t = sqrt(r² − rb²)
+///
+/// Source: ISO 21771 (involute function).
+/// @returns [rad]; 0 without derivatives from the base circle inwards
+template <class T>
+T involute_to(const T& base_radius_m, const T& radius_m) {
+  using std::atan2, std::sqrt;
+  if (!(value_of(radius_m) > value_of(base_radius_m))) return constant<T>(0.0);
+  const T length = sqrt((radius_m - base_radius_m) * (radius_m + base_radius_m));
+  return length / base_radius_m - atan2(length, base_radius_m);
+}
 
 }  // namespace gear3k::geometry

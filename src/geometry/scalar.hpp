@@ -40,6 +40,12 @@ bool is_neutral(const ceres::Jet<double, N>& parameter, double neutral) {
   return true;
 }
 
+/// |x| with its derivatives; those of x at 0.
+template <class T>
+T magnitude(const T& x) {
+  return value_of(x) < 0.0 ? T(-x) : x;
+}
+
 /// The larger (smaller) of two scalars with its derivatives; the first one at a tie.
 template <class T>
 T larger(const T& a, const T& b) {

@@ -31,15 +31,6 @@ T other_leg(const T& hypotenuse, const T& leg) {
   return sqrt((hypotenuse - leg) * (hypotenuse + leg));
 }
 
-/// Polar angle swept by an involute from its base circle to a radius: inv(acos(rb/r)).
-template <class T>
-T involute_to(const T& base_radius_m, const T& radius_m) {
-  using std::atan2;
-  const T length = other_leg(radius_m, base_radius_m);
-  if (!(value_of(length) > 0.0)) return constant<T>(0.0);
-  return length / base_radius_m - atan2(length, base_radius_m);
-}
-
 /// The involute that bounds a tooth space: half angle on the base circle and how it goes on.
 template <class T>
 struct SpaceFlank {
@@ -64,20 +55,6 @@ SpaceFlank<T> space_flank(const GearGeometry<T>& g) {
           .base_angle_rad = std::numbers::pi / g.gear.teeth - half_tooth - sign * g.angle.involute};
 }
 
-/// The double under each member.
-template <class T>
-Fillet<double> without_derivatives(const Fillet<T>& f) {
-  return {.tool = f.tool,
-          .rounding_radius_m = value_of(f.rounding_radius_m),
-          .pitch_radius_m = value_of(f.pitch_radius_m),
-          .rounding_depth_m = value_of(f.rounding_depth_m),
-          .cutter_pitch_radius_m = value_of(f.cutter_pitch_radius_m),
-          .rounding_center_radius_m = value_of(f.rounding_center_radius_m),
-          .center_offset = value_of(f.center_offset),
-          .tool_teeth_ratio = f.tool_teeth_ratio,
-          .normal_angle_rad = value_of(f.normal_angle_rad)};
-}
-
 /// γ at which the fillet of an undercut gear crosses the flank.  At the flank's own γ the fillet
 /// runs along the involute's other branch and lies inside the space; from the base circle inwards
 /// it has cut beyond it.
@@ -87,7 +64,7 @@ T undercut_normal_angle(const GearGeometry<T>& g, const Fillet<T>& fillet) {
   const SpaceFlank<double> flank_value{.sign = flank.sign,
                                        .base_radius_m = value_of(flank.base_radius_m),
                                        .base_angle_rad = value_of(flank.base_angle_rad)};
-  const Fillet<double> fillet_value = without_derivatives(fillet);
+  const Fillet<double> fillet_value = fillet_values<double>(fillet);
   double low = fillet_value.normal_angle_rad;
   double high = kRightAngle;
   for (int i = 0; i < kFilletBisections; ++i) {
@@ -344,7 +321,7 @@ T contour_half_angle(const GearGeometry<T>& g, const ToothForm<T>& form, const T
   }
   const FilletPoint<T> root = fillet_point(form.fillet, constant<T>(kRightAngle));
   if (outwards * (radius - value_of(root.radius_m)) <= 0.0) return root.angle_rad;
-  const Fillet<double> fillet = without_derivatives(form.fillet);
+  const Fillet<double> fillet = fillet_values<double>(form.fillet);
   // The fillet's radius falls towards the root of an external gear, and rises on a ring.
   double low = value_of(form.form_normal_angle_rad), high = kRightAngle;
   for (int i = 0; i < kFilletBisections; ++i) {

@@ -41,6 +41,21 @@ struct Fillet {
   T normal_angle_rad{};           ///< γ where the flank's envelope and the fillet's meet
 };
 
+/// A fillet's values as constants of another scalar.
+template <class To, class T>
+Fillet<To> fillet_values(const Fillet<T>& f) {
+  const auto to = [](const T& x) { return constant<To>(value_of(x)); };
+  return {.tool = f.tool,
+          .rounding_radius_m = to(f.rounding_radius_m),
+          .pitch_radius_m = to(f.pitch_radius_m),
+          .rounding_depth_m = to(f.rounding_depth_m),
+          .cutter_pitch_radius_m = to(f.cutter_pitch_radius_m),
+          .rounding_center_radius_m = to(f.rounding_center_radius_m),
+          .center_offset = to(f.center_offset),
+          .tool_teeth_ratio = f.tool_teeth_ratio,
+          .normal_angle_rad = to(f.normal_angle_rad)};
+}
+
 /// Gear and tool as they stand while the fillet point of γ is cut: the distance t of the rounding's
 /// centre from the pitch point, the angle from the line of centres to the middle of the tooth
 /// space, and their derivatives by γ.

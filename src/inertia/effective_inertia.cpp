@@ -1,7 +1,5 @@
 #include "inertia/effective_inertia.hpp"
 
-#include "train/power_flow.hpp"
-
 namespace gear3k::inertia {
 
 namespace {
@@ -17,6 +15,17 @@ T orbiting_inertia(const InertialTrain<T>& t) {
 }  // namespace
 
 template <class T>
+train::BodyTorques<T> inertia_torques(const InertialTrain<T>& t, double acceleration_rad_s2) {
+  const train::SpeedRatios w = train::speed_ratios(t.teeth);
+  const double a = acceleration_rad_s2;
+  return {.sun = -(a * w.sun) * t.bodies.sun_kgm2,
+          .planet = -(a * t.planets * w.planet) * (t.bodies.planet1_kgm2 + t.bodies.planet2_kgm2),
+          .pin = constant<T>(0.0),
+          .carrier = -(a * w.carrier) * orbiting_inertia(t),
+          .ring2 = -a * t.bodies.ring2_kgm2};
+}
+
+template <class T>
 T lossless_inertia(const InertialTrain<T>& t) {
   const train::SpeedRatios w = train::speed_ratios(t.teeth);
   const double n = t.planets;
@@ -28,16 +37,10 @@ T lossless_inertia(const InertialTrain<T>& t) {
 template <class T>
 std::optional<T> effective_inertia(const InertialTrain<T>& t, const DirectionalEfficiencies<T>& eta,
                                    bool forward) {
-  // Inertia torques at unit acceleration of R2, and nothing else.
   const train::SpeedRatios w = train::speed_ratios(t.teeth);
-  const T planet_inertia = t.bodies.planet1_kgm2 + t.bodies.planet2_kgm2;
   train::LoadedTrain<T> loaded{.teeth = t.teeth,
                                .efficiency = {},
-                               .known = {.sun = -w.sun * t.bodies.sun_kgm2,
-                                         .planet = -(t.planets * w.planet) * planet_inertia,
-                                         .pin = constant<T>(0.0),
-                                         .carrier = -w.carrier * orbiting_inertia(t),
-                                         .ring2 = -t.bodies.ring2_kgm2},
+                               .known = inertia_torques(t, 1.0),
                                .given_end = forward ? train::End::kOutput : train::End::kSun,
                                .given_torque_Nm = constant<T>(0.0)};
   const bool g2_below_one = train::g2(t.teeth) < 1.0;
@@ -66,6 +69,7 @@ T paper_inertia(const InertialTrain<T>& t, const efficiency::MeshEfficiencies<T>
 }
 
 #define INSTANTIATE(T)                                                                     \
+  template train::BodyTorques<T> inertia_torques<T>(const InertialTrain<T>&, double);      \
   template T lossless_inertia<T>(const InertialTrain<T>&);                                 \
   template std::optional<T> effective_inertia<T>(const InertialTrain<T>&,                  \
                                                  const DirectionalEfficiencies<T>&, bool); \

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "efficiency/train_efficiency.hpp"
+#include "train/power_flow.hpp"
 #include "train/tooth_set.hpp"
 
 namespace gear3k::inertia {
@@ -27,6 +28,16 @@ struct InertialTrain {
   T center_distance_m;
   BodyInertias<T> bodies;
 };
+
+/// Inertia torques of the bodies (d'Alembert) where R2 accelerates, along its turn.
+///
+///   K_S = −J_S (w_S/w_R2) a,         K_P = −N (J_P1 + J_P2) (w_P/w_R2) a
+///   K_C = −(J_C + N m_P d²) (w_C/w_R2) a,   K_R2 = −J_R2 a
+///
+/// Source: docs/theory §24 (by d'Alembert).
+/// @param acceleration_rad_s2  a of R2
+template <class T>
+train::BodyTorques<T> inertia_torques(const InertialTrain<T>& train, double acceleration_rad_s2);
 
 /// Effective inertia at the output without losses.
 ///

@@ -58,16 +58,13 @@ double greatest_strength_pa(const RatingTask& task, const FavouredGear& g) {
   return g.cycles ? strength.strength_Pa : strength.strength_Pa / strength.life.value;
 }
 
-constexpr std::array<std::size_t, train::kMeshCount> kCentralGears{train::kS, train::kR1,
-                                                                   train::kR2};
-
 /// v of a mesh at its greatest module.
 double greatest_speed_m_s(const RatingTask& task, const FlankExtremes& extremes, std::size_t mesh) {
   const double output_rad_s = task.speed_rad_s / std::abs(train::speed_ratios(extremes.teeth).sun);
   const auto z = train::teeth_of(extremes.teeth);
   const auto stage = static_cast<std::size_t>(train::stage_of(train::kMeshGears[mesh][0]));
   return std::abs(train::central_rolling_speeds(extremes.teeth)[mesh]) * output_rad_s * 0.5 *
-         z[kCentralGears[mesh]] * extremes.greatest_module_m[stage];
+         z[train::kCentralGears[mesh]] * extremes.greatest_module_m[stage];
 }
 
 }  // namespace
@@ -81,7 +78,7 @@ double least_line_force(const RatingTask& task, const FlankExtremes& extremes, s
   const double half_cos = 0.5 * std::cos(extremes.pressure_angle_rad);
   return task.torque_Nm * share[mesh] /
          (extremes.planets * extremes.greatest_face_width_m[stage] * half_cos *
-          z[kCentralGears[mesh]]);
+          z[train::kCentralGears[mesh]]);
 }
 
 double least_load_factor(const RatingTask& task, const FlankExtremes& extremes, std::size_t mesh,

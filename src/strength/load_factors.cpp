@@ -57,8 +57,7 @@ T line_load_n_mm(const LoadedMesh<T>& mesh) {
 template <class T>
 T dynamic_speed(const LoadedMesh<T>& mesh) {
   const double u = mesh.tooth_ratio;
-  const T speed = value_of(mesh.speed_m_s) < 0.0 ? T(-mesh.speed_m_s) : mesh.speed_m_s;
-  return speed * (mesh.pinion_teeth / 100.0 * u / std::sqrt(1.0 + u * u));
+  return magnitude(mesh.speed_m_s) * (mesh.pinion_teeth / 100.0 * u / std::sqrt(1.0 + u * u));
 }
 
 template <class T>

@@ -16,16 +16,9 @@ void add_spring(LockedCompliance& c, const LockedLoads& force, double compliance
   }
 }
 
-std::array<double, train::kMeshCount> central_base_radii(
-    const train::TrainGeometry<double>& train) {
-  return {train.gears[train::kS].base_radius_m, train.gears[train::kR1].base_radius_m,
-          train.gears[train::kR2].base_radius_m};
-}
-
 /// t_k under each load by itself.
 std::array<LockedLoads, train::kMeshCount> mesh_torques(const train::ToothSet& teeth) {
-  const std::array<double, train::kMeshCount> lever{mesh_lever(teeth, 0), mesh_lever(teeth, 1),
-                                                    mesh_lever(teeth, 2)};
+  const std::array<double, train::kMeshCount> lever = train::planet_levers(teeth);
   std::array<LockedLoads, train::kMeshCount> result{};
   for (std::size_t load = 0; load < kLoads; ++load) {
     LockedLoads y{};
@@ -45,6 +38,7 @@ std::array<LockedLoads, train::kMeshCount> mesh_torques(const train::ToothSet& t
 void add_bearings(const train::TrainGeometry<double>& train, const PlanetBearings<double>& bearings,
                   LockedTrain& locked) {
   check_planet_axis(bearings.axis);
+  const std::array<double, train::kMeshCount> lever = train::planet_levers(train.teeth);
   std::array<LockedLoads, 4> reaction{};  // A radial, A tangential, B radial, B tangential
   for (std::size_t load = 0; load < kLoads; ++load) {
     MeshForces<double> unit{};
@@ -52,8 +46,7 @@ void add_bearings(const train::TrainGeometry<double>& train, const PlanetBearing
       const double t = locked.mesh_torque[k][load];
       const double sense = locked.mesh_torque[k][kTorque] < 0.0 ? -1.0 : 1.0;
       unit.normal_N[k] = sense * t * locked.normal_N_per_Nm[k];
-      unit.tangential_N[k] =
-          -t * (1.0 + mesh_lever(train.teeth, k)) / (train.planets * train.center_distance_m);
+      unit.tangential_N[k] = -t * (1.0 + lever[k]) / (train.planets * train.center_distance_m);
     }
     const auto both = support_reactions(bearings.axis, plane_forces(train, unit), 0.0);
     for (std::size_t i = 0; i < 2; ++i) {
@@ -72,17 +65,6 @@ void add_bearings(const train::TrainGeometry<double>& train, const PlanetBearing
 
 }  // namespace
 
-double mesh_lever(const train::ToothSet& teeth, std::size_t mesh) {
-  switch (mesh) {
-    case train::kMeshSP1:
-      return static_cast<double>(teeth.P1) / teeth.S;
-    case train::kMeshP1R1:
-      return -static_cast<double>(teeth.P1) / teeth.R1;
-    default:
-      return -static_cast<double>(teeth.P2) / teeth.R2;
-  }
-}
-
 LockedTrain locked_train(const train::TrainGeometry<double>& train,
                          const TrainSprings<double>& springs) {
   // Refuses what is no stiffness.
@@ -90,14 +72,13 @@ LockedTrain locked_train(const train::TrainGeometry<double>& train,
   LockedTrain locked;
   locked.planets = train.planets;
   locked.mesh_torque = mesh_torques(train.teeth);
-  const auto rb = central_base_radii(train);
   for (std::size_t k = 0; k < train::kMeshCount; ++k) {
-    locked.normal_N_per_Nm[k] = 1.0 / (train.planets * rb[k]);
+    locked.normal_N_per_Nm[k] = 1.0 / (train.planets * train::central_base_radius(train, k));
   }
   if (const auto& k = springs.planet_torsion_Nm_rad) {
     // Between P1 and P2, all planets together: the moment of mesh 3, λ t + m.
     LockedLoads moment{};
-    const double lever = mesh_lever(train.teeth, train::kMeshP2R2);
+    const double lever = train::planet_levers(train.teeth)[train::kMeshP2R2];
     for (std::size_t j = 0; j < kLoads; ++j) moment[j] = lever * locked.mesh_torque[2][j];
     moment[3] += 1.0;
     add_spring(locked.other, moment, 1.0 / (train.planets * *k));
@@ -126,11 +107,10 @@ LockedCompliance locked_compliance(
 
 std::optional<SlidingCouple> sliding_couple(const train::ToothSet& teeth, std::size_t mesh,
                                             const train::DriverEfficiencies<double>& efficiency) {
-  // Gear 1 of mesh S-P1 is the central gear, of the internal ones the planet.
-  const std::size_t central = mesh == train::kMeshSP1 ? 0 : 1;
+  const std::size_t central = train::central_is_gear1(mesh) ? 0 : 1;
   const double eta_central = efficiency[central];
   const double eta_planet = efficiency[1 - central];
-  const double lever = mesh_lever(teeth, mesh);
+  const double lever = train::planet_levers(teeth)[mesh];
   if (!(eta_central > 0.0 && eta_planet + std::min(lever, 0.0) > 0.0)) return std::nullopt;
   return SlidingCouple{.central_drives = lever * (eta_central - 1.0) / (1.0 + lever * eta_central),
                        .planet_drives = lever * (1.0 - eta_planet) / (eta_planet + lever)};

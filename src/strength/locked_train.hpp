@@ -34,7 +34,7 @@ struct LockedTrain {
 ///   t_3 = m_3 − T,   t_1 + t_2 = T + m_1 + m_2,   λ_1 t_1 + λ_2 t_2 + λ_3 t_3 + m_1 + m_2 + m_3 =
 ///   0
 ///
-/// λ = (zP1/zS, −zP1/zR1, −zP2/zR2).
+/// λ = train::planet_levers().
 /// Source: own derivation, docs/theory §57; without couples 1/C_TT is K_out of train_stiffness().
 /// @param springs  the meshes' are not read
 /// @throws std::invalid_argument as train_stiffness()
@@ -60,8 +60,5 @@ struct SlidingCouple {
 /// @returns empty where the mesh jams with one of its members driving
 std::optional<SlidingCouple> sliding_couple(const train::ToothSet& teeth, std::size_t mesh,
                                             const train::DriverEfficiencies<double>& efficiency);
-
-/// Planet over central gear's turn in mesh k, without its sign: λ_k of (24.4).
-double mesh_lever(const train::ToothSet& teeth, std::size_t mesh);
 
 }  // namespace gear3k::strength

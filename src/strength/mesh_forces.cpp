@@ -4,30 +4,14 @@
 
 namespace gear3k::strength {
 
-namespace {
-
-/// Base radius of the central gear of a mesh: S, R1, R2.
-template <class T>
-const T& central_base_radius(const train::TrainGeometry<T>& train, std::size_t mesh) {
-  constexpr std::array<std::size_t, train::kMeshCount> kCentral{train::kS, train::kR1, train::kR2};
-  return train.gears[kCentral[mesh]].base_radius_m;
-}
-
-template <class T>
-T unsigned_force(const T& x) {
-  return value_of(x) < 0.0 ? T(-x) : x;
-}
-
-}  // namespace
-
 template <class T>
 std::array<T, train::kMeshCount> normal_forces_per_torque(const train::TrainGeometry<T>& train) {
   const double G1 = train::g1(train.teeth);
   const double G2 = train::g2(train.teeth);
   const double i = std::abs(train::ratio(train.teeth));
-  return {1.0 / (i * central_base_radius(train, train::kMeshSP1)),
-          ((G1 + G2) / (1.0 + G1)) / central_base_radius(train, train::kMeshP1R1),
-          1.0 / central_base_radius(train, train::kMeshP2R2)};
+  return {1.0 / (i * train::central_base_radius(train, train::kMeshSP1)),
+          ((G1 + G2) / (1.0 + G1)) / train::central_base_radius(train, train::kMeshP1R1),
+          1.0 / train::central_base_radius(train, train::kMeshP2R2)};
 }
 
 template <class T>
@@ -40,7 +24,7 @@ MeshForces<T> lossless_mesh_forces(const train::TrainGeometry<T>& train,
   MeshForces<T> forces;
   for (std::size_t k = 0; k < train::kMeshCount; ++k) {
     const T force = output_torque_Nm * a[k] / static_cast<double>(train.planets);
-    forces.normal_N[k] = unsigned_force(force);
+    forces.normal_N[k] = magnitude(force);
     forces.tangential_N[k] = s[k] * force * cos(train.meshes[k].alpha_w_rad);
     forces.loss_Nm[k] = constant<T>(0.0);
   }
@@ -58,9 +42,9 @@ MeshForces<T> mesh_forces(const train::TrainGeometry<T>& train, const train::Pow
   for (std::size_t k = 0; k < train::kMeshCount; ++k) {
     const T& T_k = flow.mesh_torque_Nm[k];
     const T M_k = -(flow.mesh_loss_Nm[k] + T_k * w[k]) / w_P;
-    forces.normal_N[k] = unsigned_force(T_k) / (n * central_base_radius(train, k));
+    forces.normal_N[k] = magnitude(T_k) / (n * train::central_base_radius(train, k));
     forces.tangential_N[k] = -(T_k + M_k) / (n * train.center_distance_m);
-    forces.loss_Nm[k] = unsigned_force(flow.mesh_loss_Nm[k]) / n;
+    forces.loss_Nm[k] = magnitude(flow.mesh_loss_Nm[k]) / n;
   }
   return forces;
 }

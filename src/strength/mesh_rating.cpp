@@ -393,6 +393,11 @@ bool computes_work_hardening(const RatingTask& task, std::size_t own, std::size_
          material.record.flank_limit.law != LimitLaw::kNotStated;
 }
 
+RootLoading root_loading(const StatedTeeth& teeth, bool idler) {
+  return teeth.load_reversal.value_or(true) || idler ? RootLoading::kReversed
+                                                     : RootLoading::kPulsating;
+}
+
 double least_root_safety(const RatingTask& task, std::size_t gear) {
   return least_safety(stated_teeth(task, gear).root_safety_min, *task.material[gear],
                       kPlasticRootSafety);

@@ -126,6 +126,9 @@ bool computes_stiffness_factor(const RatingTask& task, const GearMaterial& mater
 /// @param own,mate  places of the gears in the task
 bool computes_work_hardening(const RatingTask& task, std::size_t own, std::size_t mate);
 
+/// On both flanks where the joint works both ways, as it does unless stated, and of idlers.
+RootLoading root_loading(const StatedTeeth& teeth, bool idler);
+
 /// Least safeties that are asked for of a gear with a material.
 /// @param gear  its place in the task
 double least_root_safety(const RatingTask& task, std::size_t gear);

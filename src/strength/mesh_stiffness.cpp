@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "strength/gauss_rule.hpp"
+#include "numerics/gauss_rule.hpp"
 
 namespace gear3k::strength {
 
@@ -137,10 +137,10 @@ T pair_stiffness(const ElasticMesh<T>& mesh, const T& curvature1_m) {
 
 template <class T>
 T mean_mesh_stiffness(const ElasticMesh<T>& mesh) {
-  static const auto kRule = gauss_rule<kPathNodes>();
+  static const auto kRule = numerics::gauss_rule<kPathNodes>();
   const T length = mesh.path_end_m - mesh.path_begin_m;
   T sum = constant<T>(0.0);
-  for (const GaussNode& node : kRule) {
+  for (const numerics::GaussNode& node : kRule) {
     sum = sum + node.weight * pair_stiffness(mesh, T(mesh.path_begin_m + node.position * length));
   }
   return sum * length / mesh.base_pitch_m;

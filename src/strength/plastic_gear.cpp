@@ -87,7 +87,7 @@ T active_flank_length(const GearGeometry<T>& gear, const T& active_root_length_m
   const T tip = geometry::tip_curvature_radius(gear);
   const T length =
       (tip * tip - active_root_length_m * active_root_length_m) / (2.0 * gear.base_radius_m);
-  return value_of(length) < 0.0 ? T(-length) : length;
+  return magnitude(length);
 }
 
 template <class T>

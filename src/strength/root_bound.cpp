@@ -25,13 +25,6 @@ constexpr double kTableSlack = 1e-9;
 double cosine_above(double a) { return 1.0 - a * a * (0.5 - a * a / 24.0); }
 double cosine_below(double a) { return cosine_above(a) - a * a * a * a * a * a / 720.0; }
 
-/// Loading of a tooth as train_rating has it.
-RootLoading rated_loading(int gear, const train::ToothSet& teeth, const StatedTeeth& stated) {
-  const bool idler = gear == train::kP1 && train::g2(teeth) < 1.0;
-  return stated.load_reversal.value_or(true) || idler ? RootLoading::kReversed
-                                                      : RootLoading::kPulsating;
-}
-
 }  // namespace
 
 RootTable make_root_table(const geometry::GearGeometry<double>& gear, double greatest_shift) {
@@ -106,7 +99,7 @@ std::array<std::array<RootNeed, 2>, train::kMeshCount> root_needs(const RatingTa
       const bool plastic = is_plastic(material.record.group);
       if (plastic && !task.tooth_temperature_K && !extremes.dissipative) continue;
       const StatedTeeth teeth = stated_teeth(task, gear);
-      const RootLoading loading = rated_loading(id, extremes.teeth, teeth);
+      const RootLoading loading = root_loading(teeth, is_idler(id, extremes.teeth));
       double strength_Pa = 0.0;
       RootNeed& need = needs[k][own];
       need.plastic = plastic;

@@ -6,8 +6,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "strength/fillet_values.hpp"
-
 namespace gear3k::strength {
 
 using geometry::Fillet;

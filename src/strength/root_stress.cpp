@@ -56,7 +56,7 @@ RootForm<T> root_form(const GearGeometry<T>& gear, const RootSection<T>& section
   const T& s_f = section.chord_m;
   RootForm<T> form{.section = section, .load = load};
   const T above = load.axis_height_m - section.height_m;
-  form.bending_arm_m = value_of(above) < 0.0 ? T(-above) : above;
+  form.bending_arm_m = magnitude(above);
   form.form_factor =
       6.0 * (form.bending_arm_m * m) * cos(load.angle_rad) / (s_f * s_f * gear.angle.cos);
   form.arm_ratio = s_f / form.bending_arm_m;

@@ -5,8 +5,7 @@
 #include <numbers>
 #include <type_traits>
 
-#include "strength/fillet_values.hpp"
-#include "strength/gauss_rule.hpp"
+#include "numerics/gauss_rule.hpp"
 
 namespace gear3k::strength {
 
@@ -105,7 +104,7 @@ T with_derivatives(const Point& point, const T& height_m, double value) {
 /// Slices of the contour between two parameters.
 template <std::size_t kCount, class T, class Point>
 std::array<BeamSlice<T>, kCount> slices_between(const Point& point, const T& from, const T& to) {
-  static const std::array<GaussNode, kCount> kRule = gauss_rule<kCount>();
+  static const std::array<numerics::GaussNode, kCount> kRule = numerics::gauss_rule<kCount>();
   std::array<BeamSlice<T>, kCount> slices{};
   const T span = to - from;
   for (std::size_t i = 0; i < kCount; ++i) {

@@ -34,17 +34,10 @@ TrainMotion motion_of(const train::ToothSet& teeth, double sun_rad_s) {
 }
 
 /// Meetings with one mate: a flank of P1 that both its mates load shares its cycles among them.
-std::optional<double> turns_of(const std::optional<double>& cycles, int gear,
-                               const train::ToothSet& teeth) {
+std::optional<double> turns_with_one_mate(const std::optional<double>& cycles, int gear,
+                                          const train::ToothSet& teeth) {
   const bool shared = gear == train::kP1 && same_flank(teeth);
   return cycles && shared ? std::optional(0.5 * *cycles) : cycles;
-}
-
-/// P1 with G2 < 1 is loaded on both flanks in turn; every gear is where the joint works both ways.
-RootLoading loading_of(int gear, const train::ToothSet& teeth, const StatedTeeth& stated) {
-  const bool idler = gear == train::kP1 && !same_flank(teeth);
-  return stated.load_reversal.value_or(true) || idler ? RootLoading::kReversed
-                                                      : RootLoading::kPulsating;
 }
 
 template <class T>
@@ -67,8 +60,8 @@ RatedGear<T> rated_gear(const RatedTrain<T>& train, const RatingTask& task,
           .form = train.forms[i],
           .material = *task.material[i],
           .teeth = teeth,
-          .wear_turns = turns_of(cycles[i], gear, train.geometry.teeth),
-          .loading = loading_of(gear, train.geometry.teeth, teeth),
+          .wear_turns = turns_with_one_mate(cycles[i], gear, train.geometry.teeth),
+          .loading = root_loading(teeth, is_idler(gear, train.geometry.teeth)),
           .rim_m = rim_of(train.geometry.gears[i], task, i),
           .root = root,
           .section = train.sections[i] ? &*train.sections[i] : nullptr};
@@ -104,7 +97,7 @@ MeshRating<T> rated_mesh(const RatedTrain<T>& train, const RatingTask& task, con
   const auto [first, second] = train::kMeshGears[k];
   const RatedGear<T> gear1 = rated_gear(train, task, life.cycles, first, train.roots[k][0]);
   const RatedGear<T> gear2 = rated_gear(train, task, life.cycles, second, train.roots[k][1]);
-  const geometry::GearGeometry<T>& central = k == train::kMeshSP1 ? gear1.gear : gear2.gear;
+  const geometry::GearGeometry<T>& central = train.geometry.gears[train::kCentralGears[k]];
   const bool forward = driven.drive == Drive::kForward;
   const auto direction = static_cast<std::size_t>(driven.drive);
   const bool below_one = !same_flank(train.geometry.teeth);
@@ -284,6 +277,10 @@ TrainCycles life_cycles(const train::ToothSet& teeth, int planets, const RatingT
 }
 
 }  // namespace
+
+bool is_idler(int gear, const train::ToothSet& teeth) {
+  return gear == train::kP1 && !same_flank(teeth);
+}
 
 TrainCycles train_cycles(const train::ToothSet& teeth, int planets, const RatingTask& task) {
   TrainCycles cycles = life_cycles(teeth, planets, task);

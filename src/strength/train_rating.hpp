@@ -85,6 +85,9 @@ struct TrainRating {
 using TrainCycles = std::array<std::optional<double>, train::kGearCount>;
 TrainCycles train_cycles(const train::ToothSet& teeth, int planets, const RatingTask& task);
 
+/// Whether a gear is loaded on both flanks in turn whichever way the train is: P1 with G2 < 1.
+bool is_idler(int gear, const train::ToothSet& teeth);
+
 /// K_γ as the task has it for N planets; 1 where it states none.
 /// @throws std::invalid_argument for MeshLoadSource::kTolerances, which the task alone does not say
 Factor<double> mesh_load_of(const RatingTask& task, int planets);

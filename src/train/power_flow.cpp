@@ -11,16 +11,10 @@ namespace {
 
 using Pattern = std::array<bool, kMeshCount>;  ///< by mesh: gear 1 drives
 
-/// Gear 1 of mesh S-P1 is the central gear, of the internal ones the planet.
-bool central_is_gear1(std::size_t mesh) { return mesh == kMeshSP1; }
-
 /// The train in balance when the given members drive, whether or not the powers agree.
 template <class T>
 PowerFlow<T> balance(const LoadedTrain<T>& t, const Pattern& gear1_drives) {
-  const ToothSet& z = t.teeth;
-  const std::array<double, kMeshCount> lever{static_cast<double>(z.P1) / z.S,
-                                             -static_cast<double>(z.P1) / z.R1,
-                                             -static_cast<double>(z.P2) / z.R2};
+  const std::array<double, kMeshCount> lever = planet_levers(t.teeth);
   std::array<T, kMeshCount> moment{};
   for (std::size_t k = 0; k < kMeshCount; ++k) {
     const T& eta = t.efficiency[k][gear1_drives[k] ? 0 : 1];

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <compare>
+#include <cstddef>
 #include <string_view>
 #include <vector>
 
@@ -17,6 +18,11 @@ inline constexpr std::array<std::string_view, kMeshCount> kMeshNames{"S-P1", "P1
 /// Gear 1 and gear 2 of each mesh (gear 2 is the ring in the internal ones).
 inline constexpr std::array<std::array<int, 2>, kMeshCount> kMeshGears{
     {{kS, kP1}, {kP1, kR1}, {kP2, kR2}}};
+/// The gear of each mesh that turns about the main axis, and the planet step that it meets.
+inline constexpr std::array<GearId, kMeshCount> kCentralGears{kS, kR1, kR2};
+inline constexpr std::array<GearId, kMeshCount> kPlanetGears{kP1, kP1, kP2};
+/// Whether gear 1 of a mesh is the central gear; of the internal ones it is the planet.
+constexpr bool central_is_gear1(std::size_t mesh) { return mesh == kMeshSP1; }
 
 /// Tooth numbers; those of the rings are counted positive.
 struct ToothSet {
@@ -82,6 +88,17 @@ Assembly assembly(const ToothSet& z, int planets);
 /// Source: own derivation, docs/theory §7.
 /// @throws std::invalid_argument when planets < 1
 std::vector<double> mesh_phases(const ToothSet& z, MeshId mesh, int planets);
+
+/// Moment on the planets about their own axes over the torque on the central gear of each mesh,
+/// without losses.
+///
+///   λ = (zP1/zS, −zP1/zR1, −zP2/zR2)
+///
+/// Source: own derivation, docs/theory §24.
+inline std::array<double, kMeshCount> planet_levers(const ToothSet& z) {
+  return {static_cast<double>(z.P1) / z.S, -static_cast<double>(z.P1) / z.R1,
+          -static_cast<double>(z.P2) / z.R2};
+}
 
 /// Number of teeth that must pass until the same two teeth meet again: lcm(z1, z2).
 /// gcd(z1, z2) = 1 is a hunting-tooth mesh.

@@ -41,6 +41,12 @@ struct TrainGeometry {
   std::array<geometry::MeshGeometry<T>, kMeshCount> meshes{};
 };
 
+/// Base radius of the central gear of a mesh: S, R1, R2.
+template <class T>
+const T& central_base_radius(const TrainGeometry<T>& train, std::size_t mesh) {
+  return train.gears[kCentralGears[mesh]].base_radius_m;
+}
+
 /// The gears alone.  The centre distance matters only where khk_tip asks for it; while it is not
 /// known (0), those tips are as tip_shortening says.
 template <class T>

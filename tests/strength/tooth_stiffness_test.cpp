@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "strength/gauss_rule.hpp"
+#include "numerics/gauss_rule.hpp"
 #include "tests/largest_deviation.hpp"
 
 namespace gear3k::strength::tooth_stiffness_test {
@@ -80,12 +80,12 @@ struct RossGear {
 
   /// Compliance of the tooth with its beam by the product, [m/N].
   [[nodiscard]] double compliance(double alpha) const {
-    static const auto kRule = gauss_rule<24>();
+    static const auto kRule = numerics::gauss_rule<24>();
     const double tau = turn(alpha);
     const double tau_c = turn(alpha_c);
     std::vector<BeamSlice<double>> slices;
     slices.reserve(2 * kRule.size());
-    for (const GaussNode& node : kRule) {
+    for (const numerics::GaussNode& node : kRule) {
       const double span = kAngle - 0.5 * kPi;
       const Contour root = transition(0.5 * kPi + node.position * span);
       slices.push_back({.height_m = root.y - rf,

@@ -5,7 +5,7 @@
 #include <boost/math/quadrature/gauss.hpp>
 #include <cstddef>
 
-namespace gear3k::strength {
+namespace gear3k::numerics {
 
 struct GaussNode {
   double position = 0.0, weight = 0.0;
@@ -26,4 +26,4 @@ std::array<GaussNode, kCount> gauss_rule() {
   return nodes;
 }
 
-}  // namespace gear3k::strength
+}  // namespace gear3k::numerics
