@@ -172,6 +172,64 @@ void note_sharing(const PlanetSharing& sharing, int planets, std::vector<std::st
   }
 }
 
+/// What the rating of a built gearbox takes from the drawn one.
+struct DrawnLoad {
+  const Design& design;
+  DirectionalFriction<double> friction;
+  double planet_kg = 0.0;
+
+  [[nodiscard]] strength::RatedTrain<double> of(
+      const train::TrainGeometry<double>& built,
+      std::span<const geometry::ToothForm<double>> built_forms) const {
+    auto train = loaded_train<double>(built, built_forms, design.rating->face_width_m, friction,
+                                      design.friction.model);
+    train.planet_mass_kg = planet_kg;
+    return train;
+  }
+};
+
+/// The rating in a corner of the tolerances, with K_γ of the drawn gearbox.
+GearingRating corner_rating(const DrawnLoad& drawn,
+                            const std::optional<strength::MeshLoadFactors>& mesh_load) {
+  return [drawn, mesh_load](const Gearing<double>& gearing,
+                            const std::array<bool, train::kMeshCount>& meshes_rated) {
+    const strength::RatingTask& task = *drawn.design.rating;
+    auto train = drawn.of(*gearing.train, gearing.forms);
+    train.rated = meshes_rated;
+    train.mesh_load = mesh_load;
+    const auto without_rim = gears_without_rim(train, task);
+    for (std::size_t k = 0; k < train::kMeshCount; ++k) {
+      for (const std::size_t i : {0U, 1U}) {
+        const auto gear = static_cast<std::size_t>(train::kMeshGears[k][i]);
+        train.roots[k][i] = !without_rim[gear];
+      }
+    }
+    return LoadedGearing{
+        .rating = strength::rate_train(train, task, strength::Drive::kEither, task.torque_Nm,
+                                       strength::StiffnessPart::kFactors),
+        .without_rim = without_rim};
+  };
+}
+
+/// Forces and masses that the rating leaves out.
+void note_left_out(const Design& design, std::span<const MeshResult> meshes, bool planet_weighed,
+                   std::vector<std::string>& notes) {
+  if (has_shaft_losses(design.shafts)) {
+    notes.emplace_back(
+        "drags and friction of bearings are stated: strength takes forces of the meshes' friction "
+        "alone, those of the operating point have both");
+  }
+  if (!std::ranges::all_of(meshes, has_friction)) {
+    notes.emplace_back(
+        "the friction of a mesh is not known here: strength takes its forces without losses, which "
+        "neither heat nor wear");
+  }
+  if (design.rating->supports && design.rating->speed_rad_s > 0.0 && !planet_weighed) {
+    notes.emplace_back(
+        "the mass of a planet is not known: its bearings are loaded without centrifugal force");
+  }
+}
+
 }  // namespace
 
 std::optional<RatedGearbox> rate_gearbox(const Design& design,
@@ -180,26 +238,21 @@ std::optional<RatedGearbox> rate_gearbox(const Design& design,
                                          std::span<const MeshResult> meshes,
                                          const std::vector<PartMass>& parts) {
   if (!design.rating) return std::nullopt;
-  using strength::Drive, strength::StiffnessPart;
+  using strength::Drive;
   const strength::RatingTask& task = *design.rating;
   const auto planet_kg = planet_mass_kg(parts);
-  const auto loaded_at = [&design, friction = force_friction(design.friction, meshes),
-                          planet_kg = planet_kg.value_or(0.0)](
-                             const train::TrainGeometry<double>& built,
-                             std::span<const geometry::ToothForm<double>> built_forms) {
-    auto train = loaded_train<double>(built, built_forms, design.rating->face_width_m, friction,
-                                      design.friction.model);
-    train.planet_mass_kg = planet_kg;
-    return train;
-  };
-  auto loaded = loaded_at(geometry, forms);
+  const DrawnLoad drawn{.design = design,
+                        .friction = force_friction(design.friction, meshes),
+                        .planet_kg = planet_kg.value_or(0.0)};
+  auto loaded = drawn.of(geometry, forms);
   const auto unshared = loaded;
   const auto shared = shared_mesh_load(design, unshared);
   const strength::MeshLoadFunction mesh_load =
       shared ? shared->mesh_load : strength::MeshLoadFunction{};
   if (shared) loaded.mesh_load = mesh_load(task.torque_Nm);
   const auto rated = [&](Drive drive) {
-    return strength::rate_train(loaded, task, drive, task.torque_Nm, StiffnessPart::kPath);
+    return strength::rate_train(loaded, task, drive, task.torque_Nm,
+                                strength::StiffnessPart::kPath);
   };
   RatedGearbox gearbox{
       .result = {.planet_sharing = shared ? std::optional(shared->sharing) : std::nullopt,
@@ -209,45 +262,13 @@ std::optional<RatedGearbox> rate_gearbox(const Design& design,
                      strength::train_capacity(loaded, task, Drive::kForward, mesh_load),
                  .capacity_backward =
                      strength::train_capacity(loaded, task, Drive::kBackward, mesh_load)},
-      // In every corner K_γ of the drawn gearbox.
-      .rating =
-          [&task, loaded_at, stated_mesh_load = loaded.mesh_load](
-              const Gearing<double>& gearing,
-              const std::array<bool, train::kMeshCount>& meshes_rated) {
-            auto train = loaded_at(*gearing.train, gearing.forms);
-            train.rated = meshes_rated;
-            train.mesh_load = stated_mesh_load;
-            const auto without_rim = gears_without_rim(train, task);
-            for (std::size_t k = 0; k < train::kMeshCount; ++k) {
-              for (const std::size_t i : {0U, 1U}) {
-                const auto gear = static_cast<std::size_t>(train::kMeshGears[k][i]);
-                train.roots[k][i] = !without_rim[gear];
-              }
-            }
-            return LoadedGearing{
-                .rating = strength::rate_train(train, task, Drive::kEither, task.torque_Nm,
-                                               StiffnessPart::kFactors),
-                .without_rim = without_rim};
-          },
+      .rating = corner_rating(drawn, loaded.mesh_load),
       .notes = {}};
   if (gearbox.result.backward.locked) {
     gearbox.notes.emplace_back(
         "driven backward it locks: strength takes the forces of a held load, without losses");
   }
-  if (has_shaft_losses(design.shafts)) {
-    gearbox.notes.emplace_back(
-        "drags and friction of bearings are stated: strength takes forces of the meshes' friction "
-        "alone, those of the operating point have both");
-  }
-  if (!std::ranges::all_of(meshes, has_friction)) {
-    gearbox.notes.emplace_back(
-        "the friction of a mesh is not known here: strength takes its forces without losses, which "
-        "neither heat nor wear");
-  }
-  if (task.supports && task.speed_rad_s > 0.0 && !planet_kg) {
-    gearbox.notes.emplace_back(
-        "the mass of a planet is not known: its bearings are loaded without centrifugal force");
-  }
+  note_left_out(design, meshes, planet_kg.has_value(), gearbox.notes);
   if (shared) note_sharing(shared->sharing, geometry.planets, gearbox.notes);
   note_unknown(task, gearbox.notes);
   note_sections(gearbox.result.forward.mesh, gearbox.notes);

@@ -174,54 +174,48 @@ RootSection<T> section_of(const RatedGear<T>& g, const RatingTask& task) {
   return g.section != nullptr ? *g.section : root_section_of(g.gear, g.form, task);
 }
 
-/// Root and flank of a metal gear.
+/// Stress and safety of the root of a metal gear.
 template <class T>
-void rate_metal(const SharedMesh<T>& m, std::size_t own, const ToothLoad<T>& load,
-                const MeshRating<T>& rating, ToothRating<T>& tooth) {
+void rate_metal_root(const SharedMesh<T>& m, const RatedGear<T>& g, const LimitValue<T>& limit,
+                     const ToothLoad<T>& load, const RatedLoadFactors<T>& f,
+                     ToothRating<T>& tooth) {
+  const Material& material = g.material.record;
+  tooth.form = root_form(
+      g.gear, section_of(g, m.task),
+      load_point(g.gear, outer_single_contact(g.gear, m.mesh.base_pitch_m, m.mesh.contact_ratio)));
+  tooth.rim = rim_factor(g.gear, g.rim_m);
+  tooth.root = root_stress(g.gear, tooth.form, tooth.rim.value, load,
+                           {.application = f.application.value,
+                            .mesh_load = f.mesh_load.value,
+                            .dynamic = f.dynamic.value,
+                            .face = f.root_face.value,
+                            .transverse = f.root_transverse.value});
+  if (!limit.stated) return;
+  const RootCondition<T> condition{.cycles = constant<T>(g.teeth.cycles.value_or(kUnstatedCycles)),
+                                   .notch_parameter = tooth.form.notch_parameter,
+                                   .module_m = g.gear.gear.module_m,
+                                   .root_roughness_m = g.teeth.root_roughness_m,
+                                   .loading = g.loading,
+                                   .reversal = g.teeth.reversal};
+  tooth.root_strength = root_strength(material, limit.stress_Pa, condition);
+  if (!g.teeth.cycles) {
+    take_endurance_limit(tooth.root_strength.life, tooth.root_strength.strength_Pa);
+  }
+  tooth.root_safety = root_safety(tooth.root_strength, tooth.root.stress_Pa);
+  if (m.task.overload) {
+    tooth.overload_root_safety =
+        root_safety(static_root_strength(material, limit.stress_Pa, condition),
+                    T(tooth.root.stress_Pa * (*m.task.overload) / f.dynamic.value));
+  }
+}
+
+/// Safety of the flank of a metal gear.
+template <class T>
+void rate_metal_flank(const SharedMesh<T>& m, std::size_t own, const LimitValue<T>& limit,
+                      const RatedLoadFactors<T>& f, ToothRating<T>& tooth) {
   const RatedGear<T>& g = *m.gears[own];
   const RatedGear<T>& mate = *m.gears[1 - own];
   const Material& material = g.material.record;
-  const RatedLoadFactors<T>& f = rating.factors;
-  if (g.rim_m) tooth.rim_over_least = *g.rim_m / least_rim(g.gear);
-  if (g.root) {
-    tooth.form = root_form(g.gear, section_of(g, m.task),
-                           load_point(g.gear, outer_single_contact(g.gear, m.mesh.base_pitch_m,
-                                                                   m.mesh.contact_ratio)));
-    tooth.rim = rim_factor(g.gear, g.rim_m);
-    tooth.root = root_stress(g.gear, tooth.form, tooth.rim.value, load,
-                             {.application = f.application.value,
-                              .mesh_load = f.mesh_load.value,
-                              .dynamic = f.dynamic.value,
-                              .face = f.root_face.value,
-                              .transverse = f.root_transverse.value});
-  }
-  const ToothCondition<T> at{.hardness = g.material.hardness};
-  const LimitValue<T> root = root_limit(material, at);
-  const LimitValue<T> flank = flank_limit(material, at);
-  tooth.root_limit_stated = root.stated;
-  tooth.flank_limit_stated = flank.stated;
-  tooth.limit_in_range = root.hardness_in_range && flank.hardness_in_range;
-  if (root.stated && g.root) {
-    const RootCondition<T> condition{
-        .cycles = constant<T>(g.teeth.cycles.value_or(kUnstatedCycles)),
-        .notch_parameter = tooth.form.notch_parameter,
-        .module_m = g.gear.gear.module_m,
-        .root_roughness_m = g.teeth.root_roughness_m,
-        .loading = g.loading,
-        .reversal = g.teeth.reversal};
-    tooth.root_strength = root_strength(material, root.stress_Pa, condition);
-    if (!g.teeth.cycles) {
-      take_endurance_limit(tooth.root_strength.life, tooth.root_strength.strength_Pa);
-    }
-    tooth.root_safety = root_safety(tooth.root_strength, tooth.root.stress_Pa);
-    if (m.task.overload) {
-      tooth.overload_root_safety =
-          root_safety(static_root_strength(material, root.stress_Pa, condition),
-                      T(tooth.root.stress_Pa * (*m.task.overload) / f.dynamic.value));
-    }
-  }
-  tooth.flank_stress_Pa = own == 0 ? rating.flank.stress1_Pa : rating.flank.stress2_Pa;
-  if (!flank.stated) return;
   const LimitValue<T> of_mate =
       flank_limit<T>(mate.material.record, {.hardness = mate.material.hardness,
                                             .temperature_K = constant<T>(m.task.ambient_K),
@@ -230,7 +224,7 @@ void rate_metal(const SharedMesh<T>& m, std::size_t own, const ToothLoad<T>& loa
   FlankCondition<T> condition{
       .cycles = constant<T>(g.teeth.cycles.value_or(kUnstatedCycles)),
       .pitting_allowed = m.task.pitting_allowed,
-      .softer_limit_Pa = metal_mate ? smaller(flank.stress_Pa, of_mate.stress_Pa) : flank.stress_Pa,
+      .softer_limit_Pa = metal_mate ? smaller(limit.stress_Pa, of_mate.stress_Pa) : limit.stress_Pa,
       .reduced_radius_m =
           pitch_point_curvature(m.gears[0]->gear, m.gears[1]->gear, m.mesh).reduced_m,
       .speed_m_s = m.duty.speed_m_s,
@@ -240,7 +234,7 @@ void rate_metal(const SharedMesh<T>& m, std::size_t own, const ToothLoad<T>& loa
       .mate_group = mate.material.record.group,
       .brinell_hardness = brinell_hardness(g.material)};
   tooth.brinell = condition.brinell_hardness;
-  tooth.flank_strength = flank_strength(material, flank.stress_Pa, condition);
+  tooth.flank_strength = flank_strength(material, limit.stress_Pa, condition);
   if (!g.teeth.cycles) {
     take_endurance_limit(tooth.flank_strength.life, tooth.flank_strength.strength_Pa);
   }
@@ -249,9 +243,26 @@ void rate_metal(const SharedMesh<T>& m, std::size_t own, const ToothLoad<T>& loa
     using std::sqrt;
     condition.cycles = constant<T>(0.0);
     tooth.overload_flank_safety =
-        flank_safety(flank_strength(material, flank.stress_Pa, condition),
+        flank_safety(flank_strength(material, limit.stress_Pa, condition),
                      T(tooth.flank_stress_Pa * sqrt(T(*m.task.overload / f.dynamic.value))));
   }
+}
+
+/// Root and flank of a metal gear.
+template <class T>
+void rate_metal(const SharedMesh<T>& m, std::size_t own, const ToothLoad<T>& load,
+                const MeshRating<T>& rating, ToothRating<T>& tooth) {
+  const RatedGear<T>& g = *m.gears[own];
+  if (g.rim_m) tooth.rim_over_least = *g.rim_m / least_rim(g.gear);
+  const ToothCondition<T> at{.hardness = g.material.hardness};
+  const LimitValue<T> root = root_limit(g.material.record, at);
+  const LimitValue<T> flank = flank_limit(g.material.record, at);
+  tooth.root_limit_stated = root.stated;
+  tooth.flank_limit_stated = flank.stated;
+  tooth.limit_in_range = root.hardness_in_range && flank.hardness_in_range;
+  if (g.root) rate_metal_root(m, g, root, load, rating.factors, tooth);
+  tooth.flank_stress_Pa = own == 0 ? rating.flank.stress1_Pa : rating.flank.stress2_Pa;
+  if (flank.stated) rate_metal_flank(m, own, flank, rating.factors, tooth);
 }
 
 /// Root, flank, temperatures and wear of a plastic gear.
