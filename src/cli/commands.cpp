@@ -517,6 +517,9 @@ Exports exports_of(const design::PairDesign& pair, const ExportOptions& options)
                               .files = {},
                               .notes = evaluation.notes},
                   .files = {}};
+  if (std::string failed = drawing::failed_checks_text(evaluation.checks); !failed.empty()) {
+    exports.summary.notes.push_back(std::move(failed));
+  }
   exports.add_sheets(options.sheet_folder, drawing::inspection_sheets(pair, evaluation));
   return exports;
 }

@@ -83,7 +83,8 @@ void note_thermal_contact(const Design& design, const Evaluation& e,
       least, train::kMeshNames[mesh], state_text(at->state), *limit));
 }
 
-/// Says which gears are shorter along the axis than their face width: one of both is wrong.
+/// Says which gears are shorter along the axis than their face width, and which mates have less in
+/// common: one of both is wrong.
 void note_face_widths(const Design& design, std::vector<std::string>& notes) {
   constexpr double kSlack_m = 1e-9;
   const auto mm = [](double length_m) {
@@ -100,6 +101,18 @@ void note_face_widths(const Design& design, std::vector<std::string>& notes) {
         "axial.{}_mm is {:.6g} mm long, stage{}.face_width_mm {:.6g} mm: masses and strength have "
         "the face width",
         train::kGearNames[gear], mm(length_m), stage + 1, mm(*width_m)));
+  }
+  for (const auto& [gear1, gear2] : train::kMeshGears) {
+    const int stage = train::stage_of(gear1);
+    const std::optional<double> common_m = train::common_length_m(design.axial, gear1, gear2);
+    const auto& width_m = design.masses.face_width_m[static_cast<std::size_t>(stage)];
+    if (!common_m || !width_m || *common_m >= *width_m - kSlack_m) continue;
+    notes.push_back(fmt::format(
+        "{} and {} have {:.6g} mm in common along the axis, stage{}.face_width_mm is {:.6g} mm: "
+        "strength is that of the face width",
+        train::kGearNames[static_cast<std::size_t>(gear1)],
+        train::kGearNames[static_cast<std::size_t>(gear2)], mm(*common_m), stage + 1,
+        mm(*width_m)));
   }
 }
 
@@ -400,6 +413,7 @@ void add_checks(const DrawnTrain& drawn, Evaluation& e) {
 
 void add_notes(const Design& design, Evaluation& e) {
   note_loss_model(e.meshes, e.notes);
+  note_pointed_teeth(e.gears, e.notes);
   note_axial_overlap(design, e.notes);
   note_face_widths(design, e.notes);
   note_sizes(design, e.notes);

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "backlash/normal_backlash.hpp"
 #include "efficiency/train_efficiency.hpp"
+#include "units/units.hpp"
 
 namespace gear3k::design {
 
@@ -65,6 +67,7 @@ MeshResult mesh_result(const Pairing& p, const Friction& friction, const MeshFri
   const double approach = forward.approach_contact_ratio;
   const double recess = forward.recess_contact_ratio;
   const auto efficiency = [&](const efficiency::MeshContact<double>& contact, double coefficient) {
+    if (!(p.mesh.contact_ratio > 0.0)) return std::numeric_limits<double>::quiet_NaN();
     return efficiency::mesh_efficiency(contact, efficiency::flank_friction(friction, coefficient),
                                        friction.model);
   };
@@ -121,8 +124,7 @@ void note_loss_model(const std::vector<MeshResult>& meshes, std::vector<std::str
   for (const MeshResult& mesh : meshes) {
     if (mesh.contact_ratio <= 0.0) {
       notes.push_back(
-          fmt::format("mesh {} has no contact (contact ratio {:.3f}): the train's "
-                      "efficiency is undefined",
+          fmt::format("mesh {} has no contact (contact ratio {:.3f}): efficiencies are undefined",
                       mesh.name, mesh.contact_ratio));
       continue;
     }
@@ -143,6 +145,17 @@ void note_loss_model(const std::vector<MeshResult>& meshes, std::vector<std::str
         "valid for 0 to 1 each with a sum of at least 1; it overestimates the loss there "
         "(loss_model = \"sliding\" does not)",
         mesh.name, mesh.approach_contact_ratio, mesh.recess_contact_ratio));
+  }
+}
+
+void note_pointed_teeth(const std::vector<GearResult>& gears, std::vector<std::string>& notes) {
+  for (const GearResult& gear : gears) {
+    if (gear.tip_thickness_m >= 0.0) continue;
+    notes.push_back(
+        fmt::format("the flanks of {} cross {:.4f} mm (tip thickness) before the tip circle: tip "
+                    "diameter, contact ratio and what follows from them are of teeth that cannot "
+                    "be made; shorten the tip",
+                    gear.name, units::from_si(gear.tip_thickness_m, units::Unit::kMillimetre)));
   }
 }
 

@@ -94,5 +94,7 @@ std::optional<ToleranceLimits> limits_within(const std::optional<Stated>& tolera
 
 /// Says where the loss model or the efficiency of a mesh does not hold.
 void note_loss_model(const std::vector<MeshResult>& meshes, std::vector<std::string>& notes);
+/// Says which teeth are pointed below their tip circle.
+void note_pointed_teeth(const std::vector<GearResult>& gears, std::vector<std::string>& notes);
 
 }  // namespace gear3k::design

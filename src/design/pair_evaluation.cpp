@@ -123,6 +123,7 @@ std::variant<PairEvaluation, NotDefined> evaluate(const PairDesign& design) {
                                       .rating = rated ? rated->rate : GearingRating{}},
                                      checks, e.notes);
   note_loss_model({e.mesh}, e.notes);
+  note_pointed_teeth(e.gears, e.notes);
   if (!e.center_distance_given) {
     e.notes.emplace_back("no center_distance_mm given: the zero-backlash distance is used");
   }

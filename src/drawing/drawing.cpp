@@ -71,22 +71,6 @@ DrawnGear moved(DrawnGear gear, const Place& place) {
   return gear;
 }
 
-std::string failed_checks_text(const std::vector<design::CheckResult>& checks) {
-  std::string names;
-  std::size_t failed = 0;
-  for (const design::CheckResult& c : checks) {
-    if (c.ok) continue;
-    ++failed;
-    const std::string subject =
-        fmt::format("{}{}{}", c.mesh, c.mesh.empty() || c.gear.empty() ? "" : ", ", c.gear);
-    names += fmt::format("{}{}{}", names.empty() ? "" : "; ", c.record->title,
-                         subject.empty() ? "" : fmt::format(" ({})", subject));
-  }
-  if (failed == 0) return "";
-  return fmt::format("{} of {} checks failed, drawn all the same: {}", failed, checks.size(),
-                     names);
-}
-
 std::string phases_text(const train::Assembly& assembly) {
   std::string phases;
   for (const double phase : assembly.planet_phase_rad) {
@@ -135,6 +119,22 @@ TrainPlacement place_train(const train::ToothSet& z, int planets) {
 
 double drawn_outer_radius(const DrawnGear& ring) {
   return ring.outer_radius_m.value_or(ring.root_radius_m + kDrawnRim * ring.module_m);
+}
+
+std::string failed_checks_text(const std::vector<design::CheckResult>& checks) {
+  std::string names;
+  std::size_t failed = 0;
+  for (const design::CheckResult& c : checks) {
+    if (c.ok) continue;
+    ++failed;
+    const std::string subject =
+        fmt::format("{}{}{}", c.mesh, c.mesh.empty() || c.gear.empty() ? "" : ", ", c.gear);
+    names += fmt::format("{}{}{}", names.empty() ? "" : "; ", c.record->title,
+                         subject.empty() ? "" : fmt::format(" ({})", subject));
+  }
+  if (failed == 0) return "";
+  return fmt::format("{} of {} checks failed, drawn all the same: {}", failed, checks.size(),
+                     names);
 }
 
 DrawingSet make_drawings(const design::Design& design, const design::Evaluation& evaluation,

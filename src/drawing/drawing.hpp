@@ -88,6 +88,9 @@ struct DrawingSet {
   std::vector<std::string> notes;  ///< what a reader of the drawings must know
 };
 
+/// Which checks fail; "" where all hold.
+std::string failed_checks_text(const std::vector<design::CheckResult>& checks);
+
 /// Every drawing of a design, by its evaluation (which holds the centre distance in use).
 ///
 /// Planets that cannot be equally spaced: the train shows planet 1 alone, and a note says so.

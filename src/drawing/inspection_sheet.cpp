@@ -25,7 +25,8 @@ struct SheetGear {
   const design::GearResult* result = nullptr;
   std::optional<GearTolerances> tolerances{};
   std::optional<DeviationLimits> thickness_allowance_m{};  ///< as stated
-  std::optional<double> active_root_diameter_m{};          ///< the farthest that a mate reaches
+  const design::GearLimits* limits = nullptr;  ///< of the gear as built; null without tolerances
+  std::optional<double> active_root_diameter_m{};  ///< the farthest that a mate reaches
   std::optional<double> face_width_m{}, bore_diameter_m{}, outer_diameter_m{};
   std::string material{};
 };
@@ -87,10 +88,46 @@ class SheetRows {
         ring() ? "positive: thinner teeth, larger diameters (KHK)" : "";
     add("gear", "reference diameter", "d", "mm", mm(2.0 * gear_.geometry.reference_radius_m));
     add("gear", "base diameter", "d_b", "mm", mm(2.0 * gear_.geometry.base_radius_m));
-    add("gear", "dedendum of the tool", "h_fP", "mm", mm(g.rack.dedendum * g.module_m)).note =
-        g.cutter.teeth > 0 ? fmt::format("pinion cutter of {} teeth", g.cutter.teeth) : "rack";
+    add_tool();
     if (gear_.face_width_m) add("gear", "face width", "b", "mm", mm(*gear_.face_width_m));
     if (!gear_.material.empty()) add("gear", "material", "", "", {}).note = gear_.material;
+  }
+
+  /// What cuts the root: with these the gear that is drawn, and rated, can be made.
+  void add_tool() {
+    const geometry::Gear<double>& g = gear_.geometry.gear;
+    const design::ToothResult& tooth = gear_.result->tooth;
+    const auto length = [&](const char* name, const char* symbol, double value_m) {
+      add("gear", name, symbol, "mm", mm(value_m));
+    };
+    if (tooth.tool == geometry::RootTool::kCutter) {
+      add("gear", "teeth of the pinion cutter", "z_0", "", g.cutter.teeth);
+      add("gear", "profile shift of the pinion cutter", "x_0", "modules", g.cutter.profile_shift);
+      length("tip diameter of the pinion cutter", "d_a0", tooth.cutter_tip_diameter_m);
+      length("tip rounding of the pinion cutter", "rho_a0", tooth.fillet_radius_m);
+      return;
+    }
+    const bool rack = tooth.tool == geometry::RootTool::kRack;
+    add("gear", "dedendum of the basic rack", "h_fP", "mm", mm(g.rack.dedendum * g.module_m)).note =
+        rack ? "of the tool" : "the root is rounded by an arc";
+    length(rack ? "tip rounding of the tool" : "radius of the root's arc",
+           rack ? "rho_fP" : "rho_F", tooth.fillet_radius_m);
+  }
+
+  /// The root form diameter with the farthest that a mate's tip reaches.
+  void add_form_diameter() {
+    Characteristic& form =
+        add("blank", "root form diameter", "d_Ff", "mm", mm(gear_.result->tooth.form_diameter_m));
+    if (gear_.active_root_diameter_m) {
+      (ring() ? form.lower : form.upper) = mm(*gear_.active_root_diameter_m);
+      form.note = fmt::format("limit: where the mate's tip reaches {}",
+                              gear_.limits != nullptr ? "within the tolerances" : "as drawn");
+    }
+    if (gear_.limits == nullptr) return;
+    const design::BuiltRange& built = gear_.limits->form_diameter_m;
+    if (!std::isfinite(built.least) || !std::isfinite(built.greatest)) return;
+    form.note += fmt::format("{}built {:.4f} to {:.4f} mm", form.note.empty() ? "" : "; ",
+                             mm(built.least), mm(built.greatest));
   }
 
   void add_blank() {
@@ -108,19 +145,22 @@ class SheetRows {
       root.upper = root_mm + mm(gear_.tolerances->root_diameter_m->upper);
     } else {
       // The drawn root is that of a tool at nominal depth with thicker teeth; deviations of the
-      // thickness from the drawn one are fed in.
-      const double drawn = mm(2.0 * geometry::infeed(gear_.geometry).root_radius_m);
-      limit_by_thickness(root, [&](const GearGeometry<double>& g) {
-        return root_mm + mm(2.0 * geometry::infeed(g).root_radius_m) - drawn;
-      });
-      if (root.lower) root.note = "limits: the tool fed in for the limits of the tooth thickness";
+      // thickness from the drawn one are fed in, or all of the allowance by a tool of the rack.
+      const auto fed_in = [](const GearGeometry<double>& g) -> std::optional<double> {
+        return mm(2.0 * geometry::infeed(g).root_radius_m);
+      };
+      Characteristic of_rack{};
+      limit_by_thickness(of_rack, fed_in);
+      if (of_rack.lower) {
+        const double thicker_tool = root_mm - *fed_in(gear_.geometry);
+        root.lower = *of_rack.lower + std::min(thicker_tool, 0.0);
+        root.upper = *of_rack.upper + std::max(thicker_tool, 0.0);
+        root.note =
+            "limits: of a tool of the rack fed in for the tooth thickness, and of one whose teeth "
+            "are thicker";
+      }
     }
-    Characteristic& form =
-        add("blank", "root form diameter", "d_Ff", "mm", mm(gear_.result->tooth.form_diameter_m));
-    if (gear_.active_root_diameter_m) {
-      (ring() ? form.lower : form.upper) = mm(*gear_.active_root_diameter_m);
-      form.note = "limit: where the mate's tip reaches as drawn";
-    }
+    add_form_diameter();
     if (gear_.bore_diameter_m) add("blank", "bore diameter", "", "mm", mm(*gear_.bore_diameter_m));
     if (gear_.outer_diameter_m)
       add("blank", "outer diameter", "", "mm", mm(*gear_.outer_diameter_m));
@@ -219,6 +259,14 @@ InspectionSheet sheet_of(std::string name, const std::string& title, const Sheet
   return sheet;
 }
 
+/// Where a mate's tip reaches on a gear: as built where that is known.
+std::optional<double> reached_diameter_m(const std::optional<double>& drawn_m,
+                                         const design::BuiltRange* built_m, GearKind kind) {
+  if (built_m == nullptr) return drawn_m;
+  const double worst_m = kind == GearKind::kRing ? built_m->greatest : built_m->least;
+  return std::isfinite(worst_m) ? std::optional(worst_m) : drawn_m;
+}
+
 /// Of two active root diameters of a gear the one nearer to its root form circle.
 void take_active_root(std::optional<double>& known, std::optional<double> other, GearKind kind) {
   if (!other) return;
@@ -230,16 +278,23 @@ void take_active_root(std::optional<double>& known, std::optional<double> other,
 }
 
 /// The play of a mesh as drawn, to be felt when gear and mate are together.
+/// @param built_m  with its limits; null without tolerances
 Characteristic backlash_row(std::string_view mate, double normal_backlash_m,
-                            double center_distance_m) {
-  return {.group = "mesh",
-          .name = fmt::format("normal backlash with {}", mate),
-          .symbol = "j_bn",
-          .unit = "um",
-          .nominal = um(normal_backlash_m),
-          .lower = {},
-          .upper = {},
-          .note = fmt::format("as drawn, centre distance {:.4f} mm", mm(center_distance_m))};
+                            const design::BuiltRange* built_m, double center_distance_m) {
+  Characteristic row{
+      .group = "mesh",
+      .name = fmt::format("normal backlash with {}", mate),
+      .symbol = "j_bn",
+      .unit = "um",
+      .nominal = um(normal_backlash_m),
+      .lower = {},
+      .upper = {},
+      .note = fmt::format("as drawn, centre distance {:.4f} mm", mm(center_distance_m))};
+  if (built_m != nullptr && built_m->least < built_m->greatest) {
+    row.lower = um(built_m->least);
+    row.upper = um(built_m->greatest);
+  }
+  return row;
 }
 
 std::string material_of(const std::optional<strength::RatingTask>& rating, std::size_t gear) {
@@ -286,9 +341,10 @@ InspectionSheet planet_sheet(const design::Design& design, const design::Evaluat
     add("assembly", fmt::format("planet {}: mark of P1, from the direction of its axis", i + 1),
         "psi", degrees(marks[i].p1_from_axis_rad));
   }
-  sheet.notes.emplace_back(
-      alike ? "all planets are one part: the marked teeth of P1 and P2 stand as `phi` says"
-            : "the planets are different parts: each has its own `phi`");
+  if (e.assembly.equal_spacing)
+    sheet.notes.emplace_back(
+        alike ? "all planets are one part: the marked teeth of P1 and P2 stand as `phi` says"
+              : "the planets are different parts: each has its own `phi`");
   sheet.notes.emplace_back(
       "to assemble: hold R1 and R2 with a space on the axis of planet 1 (as the train is drawn), "
       "set each planet with the mark of P1 turned by `psi` from the line sun - planet, then the "
@@ -326,11 +382,17 @@ std::vector<InspectionSheet> inspection_sheets(const design::Design& design,
     const GearKind kind = gears[id].gear.kind;
     if (design.tolerances) gear.tolerances = design.tolerances->gears[id];
     gear.thickness_allowance_m = design.thickness_allowance_m[id];
+    const auto& limits = evaluation.tolerance_limits;
+    if (limits) gear.limits = &limits->gears[id];
     for (std::size_t m = 0; m < evaluation.meshes.size(); ++m) {
       for (std::size_t side = 0; side < 2; ++side) {
         if (train::kMeshGears[m][side] != id) continue;
-        take_active_root(gear.active_root_diameter_m,
-                         evaluation.meshes[m].active_root_diameter_m[side], kind);
+        take_active_root(
+            gear.active_root_diameter_m,
+            reached_diameter_m(evaluation.meshes[m].active_root_diameter_m[side],
+                               limits ? &limits->meshes[m].active_root_diameter_m[side] : nullptr,
+                               kind),
+            kind);
       }
     }
     gear.face_width_m = design.masses.face_width_m[static_cast<std::size_t>(train::stage_of(id))];
@@ -345,9 +407,9 @@ std::vector<InspectionSheet> inspection_sheets(const design::Design& design,
       for (std::size_t side = 0; side < 2; ++side) {
         if (train::kMeshGears[m][side] != id) continue;
         const auto mate = static_cast<std::size_t>(train::kMeshGears[m][1 - side]);
-        sheets.back().rows.push_back(backlash_row(train::kGearNames[mate],
-                                                  evaluation.meshes[m].normal_backlash_m,
-                                                  evaluation.center_distance_m));
+        sheets.back().rows.push_back(backlash_row(
+            train::kGearNames[mate], evaluation.meshes[m].normal_backlash_m,
+            limits ? &limits->meshes[m].normal_backlash_m : nullptr, evaluation.center_distance_m));
       }
     }
   }
@@ -363,7 +425,11 @@ std::vector<InspectionSheet> inspection_sheets(const design::PairDesign& design,
     SheetGear gear{.geometry = gears[i], .result = &evaluation.gears[i]};
     if (design.tolerances) gear.tolerances = design.tolerances->gears[i];
     gear.thickness_allowance_m = design.thickness_allowance_m[i];
-    gear.active_root_diameter_m = evaluation.mesh.active_root_diameter_m[i];
+    const auto& limits = evaluation.tolerance_limits;
+    if (limits) gear.limits = &limits->gears[i];
+    gear.active_root_diameter_m = reached_diameter_m(
+        evaluation.mesh.active_root_diameter_m[i],
+        limits ? &limits->meshes.front().active_root_diameter_m[i] : nullptr, gears[i].gear.kind);
     if (design.rating) gear.face_width_m = design.rating->face_width_m[0];
     gear.material = material_of(design.rating, i);
     sheets.push_back(sheet_of(fmt::format("gear{}", i + 1), evaluation.name, gear));

@@ -9,9 +9,12 @@ namespace gear3k::drawing {
 
 namespace {
 
-/// Digits that a workshop reads: 1 um of lengths, 1e-4 deg, 0.1 um.
-std::string shown(const std::optional<double>& value, const std::string& unit) {
+/// Digits that a workshop reads: 1 um of lengths, 1e-4 deg, 0.1 um; what says which gear and tool
+/// it is in full, as a tool of another module in its fourth digit cuts another gear.
+std::string shown(const Characteristic& row, const std::optional<double>& value) {
   if (!value) return "";
+  if (row.group == "gear") return fmt::format("{:.10g}", *value);
+  const std::string& unit = row.unit;
   if (unit.empty()) return fmt::format("{:.6g}", *value);
   if (unit == "um") return fmt::format("{:.1f}", *value);
   if (unit == "mm") return fmt::format("{:.3f}", *value);
@@ -70,8 +73,8 @@ std::string sheet_html(const InspectionSheet& sheet) {
     text += fmt::format(
         R"(<tr><td class="text">{}</td><td class="text">{}</td><td class="text">{}</td><td>{}</td><td>{}</td><td>{}</td><td></td><td class="text">{}</td></tr>)"
         "\n",
-        xml_text(row.name), xml_text(row.symbol), xml_text(row.unit), shown(row.nominal, row.unit),
-        shown(row.lower, row.unit), shown(row.upper, row.unit), xml_text(row.note));
+        xml_text(row.name), xml_text(row.symbol), xml_text(row.unit), shown(row, row.nominal),
+        shown(row, row.lower), shown(row, row.upper), xml_text(row.note));
   }
   text += "</table>\n";
   for (const std::string& note : sheet.notes) text += fmt::format("<p>{}</p>\n", xml_text(note));

@@ -77,6 +77,9 @@ std::string tooth_table(const std::vector<GearResult>& gears) {
 }
 
 std::string mesh_table(const std::vector<MeshResult>& meshes) {
+  const auto efficiency = [](double eta) {
+    return std::isfinite(eta) ? fmt::format("{:.5f}", eta) : std::string("undefined");
+  };
   TextTable table({"mesh", "working angle", "zero-backlash d", "contact ratio", "approach",
                    "recess", "backlash j_bn", "eta forward", "eta backward"});
   for (const MeshResult& m : meshes) {
@@ -87,8 +90,7 @@ std::string mesh_table(const std::vector<MeshResult>& meshes) {
              : "none",
          fmt::format("{:.3f}", m.contact_ratio), fmt::format("{:.3f}", m.approach_contact_ratio),
          fmt::format("{:.3f}", m.recess_contact_ratio), fixed(um(m.normal_backlash_m), 2) + " um",
-         fmt::format("{:.5f}", m.efficiency_forward),
-         fmt::format("{:.5f}", m.efficiency_backward)});
+         efficiency(m.efficiency_forward), efficiency(m.efficiency_backward)});
   }
   return "\nMeshes (approach and recess of the forward drive direction)\n" + table.text(2);
 }

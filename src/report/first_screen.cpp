@@ -23,7 +23,8 @@ using units::Unit;
 constexpr std::size_t kIndent = 4;  ///< of what follows a broken line
 
 std::string percent_text(const std::optional<double>& efficiency) {
-  return efficiency ? fmt::format("{:.2f} %", 100.0 * *efficiency) : std::string("undefined");
+  const bool defined = efficiency && std::isfinite(*efficiency);
+  return defined ? fmt::format("{:.2f} %", 100.0 * *efficiency) : std::string("undefined");
 }
 
 std::string value_text(const CheckResult& c, double value) {

@@ -116,7 +116,11 @@ std::string gear_table(const ToleranceLimits& limits) {
     add_cells(row, all);
     table.add(std::move(row));
   }
-  return fmt::format("\n{}", table.text(2));
+  return fmt::format(
+      "\n{}  x_E is that of a tool of nominal thickness fed in; form and root diameters are those "
+      "of "
+      "the drawn tool\n",
+      table.text(2));
 }
 
 /// Every check that fails at its worst corner, and of each other the subject with the least margin.

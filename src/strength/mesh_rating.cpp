@@ -453,7 +453,7 @@ MeshRating<T> rate_mesh(const RatedGear<T>& gear1, const RatedGear<T>& gear2,
     rating.iso =
         iso_stiffness(pair, mesh.contact_ratio, {.material1 = elastic1, .material2 = elastic2},
                       rating.line_load_N_m);
-    rating.iso_in_range = iso_flexibility_in_range(pair);
+    rating.iso_in_range = iso_flexibility_in_range(pair) && is_of_iso_rack(gear1.gear.angle);
     if (needs_stiffness) rating.shift_sum = pair.profile_shift1 + pair.profile_shift2;
   }
   const LoadedMesh<T> loaded = loaded_mesh(shared, rating.tangential_N);

@@ -1,10 +1,12 @@
 #pragma once
 // Stiffness of a mesh: by ISO 6336-1, and over the path of contact.
 
+#include <cmath>
 #include <optional>
 
 #include "geometry/mesh.hpp"
 #include "strength/tooth_stiffness.hpp"
+#include "units/units.hpp"
 
 namespace gear3k::strength {
 
@@ -37,6 +39,13 @@ T iso_flexibility(const IsoPair<T>& pair);
 inline constexpr double kLeastShiftSum = -0.5, kGreatestShiftSum = 2.0;
 template <class T>
 bool iso_flexibility_in_range(const IsoPair<T>& pair);
+
+/// Whether the pressure angle is that of the basic rack which C_B is stated for, 20°.
+template <class T>
+bool is_of_iso_rack(const geometry::PressureAngle<T>& angle) {
+  constexpr double kIsoAngle_rad = 20.0 * units::kDegree, kSlack_rad = 1e-9;
+  return std::abs(value_of(angle.alpha_rad) - kIsoAngle_rad) <= kSlack_rad;
+}
 
 /// Mesh stiffness per face width by ISO.
 ///

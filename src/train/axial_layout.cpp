@@ -74,13 +74,19 @@ T whole_length_m(const AxialLayout& layout, const std::array<T, 2>& face_width_m
   return to - from;
 }
 
+std::optional<double> common_length_m(const AxialLayout& layout, int first, int second) {
+  const auto& a = layout.extent[static_cast<std::size_t>(first)];
+  const auto& b = layout.extent[static_cast<std::size_t>(second)];
+  if (!a || !b) return std::nullopt;
+  return std::min(a->to_m, b->to_m) - std::max(a->from_m, b->from_m);
+}
+
 std::vector<int> overlapping_bodies(const AxialLayout& layout) {
   std::vector<int> pairs;
   for (int i = 0; i < static_cast<int>(kPassingBodies.size()); ++i) {
     const BodyPair pair = kPassingBodies[static_cast<std::size_t>(i)];
-    const auto& a = layout.extent[static_cast<std::size_t>(pair.first)];
-    const auto& b = layout.extent[static_cast<std::size_t>(pair.second)];
-    if (a && b && a->from_m < b->to_m && b->from_m < a->to_m) pairs.push_back(i);
+    const std::optional<double> common_m = common_length_m(layout, pair.first, pair.second);
+    if (common_m && *common_m > 0.0) pairs.push_back(i);
   }
   return pairs;
 }

@@ -56,6 +56,10 @@ T whole_length_m(const AxialLayout& layout, const std::array<T, 2>& face_width_m
 /// Whether the layout states where every gear lies, so that no face width moves one.
 bool states_every_gear(const AxialLayout& layout);
 
+/// Length that two bodies have in common along the axis, below 0 where they are apart; empty where
+/// one of them has no place.
+std::optional<double> common_length_m(const AxialLayout& layout, int first, int second);
+
 /// Indices into kPassingBodies of the pairs that overlap along the axis.
 std::vector<int> overlapping_bodies(const AxialLayout& layout);
 

@@ -676,7 +676,38 @@ TEST(Evaluation, EfficiencyIsUndefinedWhereAMeshHasNoContact) {
   EXPECT_FALSE(e.efficiency.backward.has_value());
   EXPECT_FALSE(e.efficiency.backdrivable);
   EXPECT_FALSE(e.meshes[0].loss_model_in_range);
+  EXPECT_TRUE(std::isnan(e.meshes[0].efficiency_forward));
+  EXPECT_TRUE(std::isnan(e.meshes[0].efficiency_backward));
   EXPECT_FALSE(e.notes.empty());
+}
+
+// 20 teeth with x = 1.6: the flanks cross before the tip circle.
+TEST(PairEvaluation, SaysThatTeethArePointedBelowTheirTips) {
+  PairDesign p = pair_of(20, 40, GearKind::kExternal);
+  const auto pointed = [](const PairEvaluation& e) {
+    return std::ranges::count_if(e.notes, [](const std::string& note) {
+      return note.find("before the tip circle") != std::string::npos;
+    });
+  };
+  EXPECT_EQ(pointed(std::get<PairEvaluation>(evaluate(p))), 0);
+  p.gear1.profile_shift = 1.6;
+  const auto e = std::get<PairEvaluation>(evaluate(p));
+  ASSERT_LT(e.gears[0].tip_thickness_m, 0.0);
+  EXPECT_EQ(pointed(e), 1);
+}
+
+TEST(Evaluation, SaysWhereMatesHaveLessInCommonThanTheFaceWidth) {
+  Design d = bilateral();
+  d.masses.face_width_m = {8e-3, 8e-3};
+  d.axial.extent[train::kS] = train::AxialInterval{.from_m = 0.0, .to_m = 8e-3};
+  d.axial.extent[train::kP1] = train::AxialInterval{.from_m = 6e-3, .to_m = 14e-3};
+  const auto result = evaluate(d);
+  const auto& notes = std::get<Evaluation>(result).notes;
+  EXPECT_EQ(std::ranges::count_if(notes,
+                                  [](const std::string& note) {
+                                    return note.find("S and P1 have 2 mm in common") == 0;
+                                  }),
+            1);
 }
 
 }  // namespace

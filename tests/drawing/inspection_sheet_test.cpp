@@ -2,6 +2,7 @@
 
 #include "drawing/inspection_sheet.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -76,6 +77,43 @@ TEST(InspectionSheet, HasTheLimitsThatKissSoftPrints) {
   expect_printed(planet_ring.at(1), {{"W_8", 1047.070, 1047.474, 1047.624},
                                      {"M_dR", 2445.378, 2446.539, 2446.970},
                                      {"s_n", 54.264, 53.674, 53.834}});
+}
+
+// KISSsoft prints where the ring's tip reaches on the planet at its deepest, d_Nf,i, and the
+// planet's form circles by the allowances of its teeth.
+TEST(InspectionSheet, HoldsTheFormCircleToWhatTheMateReachesAtWorst) {
+  const Characteristic form =
+      row_of(pair_sheets("wind_turbine_planet_ring.toml", {0.110, 0.080}).at(0), "d_Ff");
+  EXPECT_NEAR(form.upper.value(), 749.084, 0.0005 + 1e-9);
+  EXPECT_NE(form.note.find("within the tolerances; built 748.2"), std::string::npos) << form.note;
+}
+
+// What a workshop types into its machine is the tool, in full.
+TEST(InspectionSheet, PrintsTheModuleInFull) {
+  const design::Design design = io::read_design(kExamples + "designs/ratio_96_tolerances.toml");
+  const std::string page = drawing::sheet_html(train_sheets("ratio_96_tolerances.toml").at(1));
+  EXPECT_NE(page.find(fmt::format("<td>{:.10g}</td>", 1e3 * design.train.module_m[0])),
+            std::string::npos);
+}
+
+// Of a tool of the rack, d_f = m (z + 2 x_E − 2 hf*) with x_E = x + A_sn/(2 m tan α); of a tool
+// whose teeth are thicker d_f = m (z + 2 x − 2 hf*): a gear that is cut with either is good.
+TEST(InspectionSheet, AcceptsTheRootsOfBothTools) {
+  const auto sheets = train_sheets("ratio_96_tolerances.toml");
+  for (const std::size_t k : {0U, 1U, 3U}) {
+    const InspectionSheet& sheet = sheets[k];
+    const auto value = [&](const char* symbol) { return row_of(sheet, symbol).nominal.value(); };
+    const Characteristic& a_sn = row_of(sheet, "A_sn");
+    const Characteristic& root = row_of(sheet, "d_f");
+    const double tan_alpha = std::tan(value("alpha") * std::numbers::pi / 180.0);
+    const double thick = value("m") * (value("z") + 2.0 * value("x")) - 2.0 * value("h_fP");
+    EXPECT_NEAR(value("d_f"), thick, 1e-9);
+    const double fed_in = thick + 1e-3 * a_sn.lower.value() / tan_alpha;
+    EXPECT_NEAR(root.lower.value(), fed_in, 1e-9);
+    EXPECT_GE(root.upper.value(), thick - 1e-9);
+    EXPECT_NEAR(root.upper.value(),
+                thick + 1e-3 * (a_sn.upper.value() - a_sn.nominal.value()) / tan_alpha, 1e-9);
+  }
 }
 
 // The allowance of a drawn gear holds its machining allowance: m q is normal to the flanks, A_sn is
@@ -161,7 +199,8 @@ TEST(InspectionSheet, HasNoLimitsOfWhatHasNoTolerance) {
     for (const Characteristic& row : sheet.rows) {
       outer = outer || row.name == "outer diameter";
       if (row.symbol == "d_Ff") continue;
-      EXPECT_FALSE(row.lower || row.upper) << sheet.name << ' ' << row.name;
+      const bool of_p1 = row.name.ends_with("with P1") && row.group == "mesh";
+      EXPECT_EQ(row.lower || row.upper, of_p1) << sheet.name << ' ' << row.name;
     }
     EXPECT_EQ(outer, sheet.name == "R1") << sheet.name;
   }

@@ -6,13 +6,20 @@ namespace gear3k::io {
 
 using units::Unit;
 
+namespace {
+
+std::string key_of(int body) {
+  return fmt::format("axial.{}_mm", train::kBodyNames[static_cast<std::size_t>(body)]);
+}
+
+}  // namespace
+
 std::vector<Key<train::AxialLayout>> axial_keys() {
   using Layout = train::AxialLayout;
   std::vector<Key<Layout>> keys;
   for (std::size_t i = 0; i < train::kBodyCount; ++i) {
     keys.push_back(make_key<Layout>(
-        number_range(fmt::format("axial.{}_mm", train::kBodyNames[i]), Unit::kMillimetre,
-                     within(-1e4, 1e4), "none",
+        number_range(key_of(static_cast<int>(i)), Unit::kMillimetre, within(-1e4, 1e4), "none",
                      "from and to along the axis; bodies that overlap are checked for "
                      "a radial gap (limits.body_gap)"),
         [i](auto& t, std::size_t) -> auto& { return t.extent[i]; }));
@@ -24,22 +31,55 @@ std::vector<Key<train::AxialLayout>> axial_keys() {
   return keys;
 }
 
+namespace {
+
+std::string stated(const train::AxialLayout& layout, int body) {
+  const train::AxialInterval& extent = *layout.extent[static_cast<std::size_t>(body)];
+  return fmt::format("{} = [{:g}, {:g}]", key_of(body),
+                     units::from_si(extent.from_m, Unit::kMillimetre),
+                     units::from_si(extent.to_m, Unit::kMillimetre));
+}
+
+/// Mates face each other, and the toothings of the planet lie side by side.
+void check_mates(const train::AxialLayout& layout, FileReading& reading) {
+  constexpr double kSlack_m = 1e-9;
+  for (const auto& [gear1, gear2] : train::kMeshGears) {
+    const std::optional<double> common_m = train::common_length_m(layout, gear1, gear2);
+    if (!common_m || *common_m > kSlack_m) continue;
+    reading.error_at(key_of(gear2),
+                     fmt::format("{} and {}: allowed: a length in common, as {} and {} mesh",
+                                 stated(layout, gear1), stated(layout, gear2),
+                                 train::kBodyNames[static_cast<std::size_t>(gear1)],
+                                 train::kBodyNames[static_cast<std::size_t>(gear2)]));
+  }
+  const std::optional<double> shared_m = train::common_length_m(layout, train::kP1, train::kP2);
+  if (!shared_m || *shared_m <= kSlack_m) return;
+  reading.error_at(key_of(train::kP2),
+                   fmt::format("{} and {}: allowed: side by side, as both are toothings of one "
+                               "planet",
+                               stated(layout, train::kP1), stated(layout, train::kP2)));
+}
+
+}  // namespace
+
 void check_axial(const train::AxialLayout& layout, FileReading& reading) {
+  bool in_order = true;
   for (std::size_t i = 0; i < train::kBodyCount; ++i) {
     const auto& body = layout.extent[i];
     if (body && !(body->from_m < body->to_m)) {
-      const std::string key = fmt::format("axial.{}_mm", train::kBodyNames[i]);
-      reading.error_at(key, fmt::format("{} = [{:g}, {:g}]: allowed: from below to", key,
-                                        units::from_si(body->from_m, Unit::kMillimetre),
-                                        units::from_si(body->to_m, Unit::kMillimetre)));
+      const auto which = static_cast<int>(i);
+      reading.error_at(key_of(which),
+                       fmt::format("{}: allowed: from below to", stated(layout, which)));
+      in_order = false;
     }
   }
+  if (in_order) check_mates(layout, reading);
   const bool extent = layout.extent[train::kCarrier].has_value();
   const bool radius = layout.carrier_radius_m > 0.0;
   if (extent == radius) return;
-  const char* stated = extent ? "axial.carrier_mm" : "axial.carrier_diameter_mm";
+  const char* given = extent ? "axial.carrier_mm" : "axial.carrier_diameter_mm";
   const char* missing = extent ? "axial.carrier_diameter_mm" : "axial.carrier_mm";
-  reading.error_at(stated, fmt::format("{} without {}: allowed: both or neither", stated, missing));
+  reading.error_at(given, fmt::format("{} without {}: allowed: both or neither", given, missing));
 }
 
 }  // namespace gear3k::io

@@ -372,9 +372,14 @@ TEST(DesignText, RoundTripsRandomDesigns) {
                            .tip_radius = uniform(0.0, 0.3)};
     }
     d.pin_diameter_m[static_cast<std::size_t>(integer(0, 4))] = uniform(5e-4, 5e-3);
-    for (std::size_t i = 0; i < train::kBodyCount; ++i) {
-      const double from = uniform(-0.02, 0.02);
-      d.axial.extent[i] = train::AxialInterval{.from_m = from, .to_m = from + uniform(1e-3, 0.02)};
+    // Mates about one plane, the planet's toothings side by side.
+    const std::array<double, 2> plane{uniform(-0.02, 0.0), uniform(0.01, 0.02)};
+    for (int i = 0; i < train::kBodyCount; ++i) {
+      const bool planet = i == train::kP1 || i == train::kP2;
+      const double most = planet ? 0.005 : 0.02;
+      const double middle = plane[i == train::kP2 || i == train::kR2 ? 1 : 0];
+      d.axial.extent[static_cast<std::size_t>(i)] = train::AxialInterval{
+          .from_m = middle - uniform(1e-3, most), .to_m = middle + uniform(1e-3, most)};
     }
     d.axial.carrier_radius_m = uniform(0.01, 0.05);
     d.friction.coefficient = uniform(0.0, 0.3);
@@ -433,6 +438,24 @@ TEST(AxialKeys, ReversedAndHalfStatedOnesAreAnError) {
             std::string::npos);
   EXPECT_NE(errors("[rack]\ndedendum = 2.5\n").find("rack.dedendum = 2.5: allowed: below 2.157"),
             std::string::npos);
+}
+
+TEST(AxialKeys, MatesThatDoNotFaceEachOtherAndToothingsInOnePlaceAreAnError) {
+  const std::string both = errors_of(
+      kBilateral + "[axial]\nS_mm = [0, 8]\nP1_mm = [8, 16]\nP2_mm = [12, 20]\nR2_mm = [30, 38]\n");
+  EXPECT_NE(both.find("axial.S_mm = [0, 8] and axial.P1_mm = [8, 16]: allowed: a length in common, "
+                      "as S and P1 mesh"),
+            std::string::npos)
+      << both;
+  EXPECT_NE(both.find("axial.P2_mm = [12, 20] and axial.R2_mm = [30, 38]: allowed: a length in "
+                      "common, as P2 and R2 mesh"),
+            std::string::npos)
+      << both;
+  EXPECT_NE(both.find("axial.P1_mm = [8, 16] and axial.P2_mm = [12, 20]: allowed: side by side, as "
+                      "both are toothings of one planet"),
+            std::string::npos)
+      << both;
+  EXPECT_NO_THROW(parse(kBilateral + "[axial]\nS_mm = [0, 8]\nP1_mm = [-1, 9]\nP2_mm = [9, 17]\n"));
 }
 
 TEST(DesignText, RoundTripsWithoutACentreDistance) {
