@@ -39,6 +39,22 @@ PowerFlow<T> balance(const LoadedTrain<T>& t, const Pattern& gear1_drives) {
   return flow;
 }
 
+/// The train without losses in its meshes, as numbers.
+template <class T>
+LoadedTrain<double> lossless(const LoadedTrain<T>& t) {
+  LoadedTrain<double> result{.teeth = t.teeth,
+                             .efficiency = {},
+                             .known = {.sun = value_of(t.known.sun),
+                                       .planet = value_of(t.known.planet),
+                                       .pin = value_of(t.known.pin),
+                                       .carrier = value_of(t.known.carrier),
+                                       .ring2 = value_of(t.known.ring2)},
+                             .given_end = t.given_end,
+                             .given_torque_Nm = value_of(t.given_torque_Nm)};
+  for (auto& mesh : result.efficiency) mesh.fill(1.0);
+  return result;
+}
+
 /// Whether every mesh can run with its driver.
 template <class T>
 bool runs(const LoadedTrain<T>& t, const Pattern& gear1_drives) {
@@ -64,7 +80,7 @@ std::array<double, kMeshCount> central_rolling_speeds(const ToothSet& z) {
 template <class T>
 std::optional<PowerFlow<T>> solve_power_flow(const LoadedTrain<T>& train) {
   const std::array<double, kMeshCount> speed = central_rolling_speeds(train.teeth);
-  const auto pattern_of = [&](const PowerFlow<T>& flow, const Pattern& at_rest) {
+  const auto pattern_of = [&](const auto& flow, const Pattern& at_rest) {
     Pattern pattern = at_rest;
     for (std::size_t k = 0; k < kMeshCount; ++k) {
       const double into_central = value_of(flow.mesh_torque_Nm[k]) * speed[k];
@@ -72,9 +88,7 @@ std::optional<PowerFlow<T>> solve_power_flow(const LoadedTrain<T>& train) {
     }
     return pattern;
   };
-  LoadedTrain<T> lossless = train;
-  for (auto& mesh : lossless.efficiency) mesh.fill(constant<T>(1.0));
-  const Pattern nominal = pattern_of(balance(lossless, Pattern{}), Pattern{});
+  const Pattern nominal = pattern_of(balance(lossless(train), Pattern{}), Pattern{});
 
   constexpr unsigned kPatterns = 1U << kMeshCount;
   for (unsigned flips = 0; flips < kPatterns; ++flips) {

@@ -21,8 +21,8 @@ std::vector<double> points_of(const LevelRange& levels) {
   if (!levels.varies()) return {0.0};
   const double middle = 0.5 * (levels.log_low + levels.log_high);
   const double half = 0.5 * (levels.log_high - levels.log_low);
-  constexpr double kWide = 0.02;
-  const std::size_t count = half < kWide ? 5 : kMostPoints;
+  constexpr double kNarrow = 0.04, kWide = 0.2;
+  const std::size_t count = half < kNarrow ? 5 : half < kWide ? 7 : kMostPoints;
   std::vector<double> points(count);
   for (std::size_t j = 0; j < count; ++j) {
     const double turn = static_cast<double>(j) / static_cast<double>(count - 1);

@@ -22,9 +22,10 @@ struct LevelRange {
 
 /// Responses by row and level of friction.
 ///
-/// Where levels vary the gearbox is simulated at Chebyshev-Lobatto points of ln(level), 5 within 4
-/// % and 9 beyond, and the response is the polynomial through them: a smooth function of the level
-/// is met to better than 1e-5 of its change over a factor of 4.
+/// Where levels vary the gearbox is simulated at Chebyshev-Lobatto points of ln(level), 5 within a
+/// factor of 1.08, 7 within 1.5 and 9 beyond, and the response is the polynomial through them: a
+/// smooth function of the level is met to better than 1e-5 of its change over a factor of 4, and
+/// its slope to 2e-7 where levels lie within a factor of 1.5.
 class LevelledResponses {
  public:
   LevelledResponses(const RowStates& states, const Simulation& simulation,

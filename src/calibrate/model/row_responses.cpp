@@ -133,9 +133,7 @@ void simulate(std::size_t count, const ResponseAt& response, ConditionOf conditi
 
 RowResponses::RowResponses(const RowStates& states, const Simulation& simulation,
                            const Modification& gearbox)
-    : RowResponses(
-          states, simulation.reads_temperature(gearbox),
-          simulation.responses(gearbox, states.count(simulation.reads_temperature(gearbox)))) {}
+    : RowResponses(states, simulation.reads_temperature(gearbox), simulation.responses(gearbox)) {}
 
 RowResponses::RowResponses(const RowStates& states, bool reads_temperature,
                            const ResponseAt& response)

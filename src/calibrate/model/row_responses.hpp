@@ -22,9 +22,6 @@ struct RowStates {
   };
 
   explicit RowStates(const std::vector<Observation>& rows);
-  [[nodiscard]] std::size_t count(bool reads_temperature) const {
-    return reads_temperature ? states.size() : cases.size();
-  }
 
   std::vector<std::size_t> state_of_row, case_of_state;
   std::vector<Condition> states, cases;  ///< conditions of the first row of each

@@ -216,7 +216,7 @@ double Simulation::ratio() const {
   return 0.0;
 }
 
-ResponseAt Simulation::sun_torques(const Modification& m, std::size_t count) const {
+ResponseAt Simulation::sun_torques(const Modification& m) const {
   if (const auto* box = std::get_if<BlackBox>(&subject_)) {
     return [box, &m](const Condition& c) { return black_box_torque(*box, c, m); };
   }
@@ -240,7 +240,6 @@ ResponseAt Simulation::sun_torques(const Modification& m, std::size_t count) con
     if (!result.operation) return std::nullopt;
     return result.operation->sun_torque_Nm;
   };
-  if (!is_quicker_at_fixed_geometry(count, m)) return iterated;
   const auto quick = std::make_shared<const design::SunTorque>(
       design::FixedTrain{.geometry = g.fixed_geometry, .face_width_m = g.face_width_m}, *losses);
   return [quick, iterated, temperature_K](const Condition& c) {
@@ -371,23 +370,10 @@ Scalar Simulation::pair_loss(const Condition& c, const Modification& m) const {
          mu * (side[0] * (flanks.approach_factor - 1.0) + side[1] * (flanks.recess_factor - 1.0));
 }
 
-bool Simulation::is_quicker_at_fixed_geometry(std::size_t count, const Modification& m) const {
-  // Where friction depends on the tooth forces, or is integrated along the path of contact, one
-  // iterated response takes as long as fifty others.
-  constexpr std::size_t kFew = 1000;
-  constexpr std::size_t kFewOfLongOnes = 20;
-  const design::Friction& friction = std::get<Gearbox>(subject_).design.friction;
-  const bool is_long = efficiency::depends_on_state(friction) ||
-                       depends_on_state(m.gearbox.friction) ||
-                       friction.model == efficiency::LossModel::kCoulombPath ||
-                       friction.model == efficiency::LossModel::kDirectional;
-  return count > (is_long ? kFewOfLongOnes : kFew);
-}
-
-ResponseAt Simulation::responses(const Modification& m, std::size_t count) const {
+ResponseAt Simulation::responses(const Modification& m) const {
   switch (kind_) {
     case Kind::kTransmission:
-      return sun_torques(m, count);
+      return sun_torques(m);
     case Kind::kLostMotion:
     case Kind::kTorqueAngle:
       return [this, &m](const Condition& c) { return lost_motion(c, m); };
@@ -398,7 +384,7 @@ ResponseAt Simulation::responses(const Modification& m, std::size_t count) const
 }
 
 std::optional<Scalar> Simulation::response(const Condition& c, const Modification& m) const {
-  return responses(m, 1)(c);
+  return responses(m)(c);
 }
 
 bool Simulation::reads_temperature(const Modification& m) const {

@@ -39,9 +39,9 @@ class Simulation {
   /// Response of the gearbox [SI] under Modification::gearbox; empty where it does not run.
   [[nodiscard]] std::optional<Scalar> response(const Condition& condition,
                                                const Modification& m) const;
-  /// The same at so many conditions, the same to rounding, by the way that is the quickest for
-  /// them; from several threads too.  Refers to this object and to the modification.
-  [[nodiscard]] ResponseAt responses(const Modification& m, std::size_t count) const;
+  /// The same at any conditions, from several threads too.  Refers to this object and to the
+  /// modification.
+  [[nodiscard]] ResponseAt responses(const Modification& m) const;
   /// Whether that response depends on Condition::temperature_K.
   [[nodiscard]] bool reads_temperature(const Modification& m) const;
   /// What is read of a response under the other parts of a modification [SI].
@@ -84,9 +84,7 @@ class Simulation {
     Scalar lost_motion_rad;
     std::optional<design::ElasticTrain> springs;
   };
-  [[nodiscard]] ResponseAt sun_torques(const Modification& m, std::size_t count) const;
-  /// Whether so many are found quicker by design::SunTorque than by design::operate().
-  [[nodiscard]] bool is_quicker_at_fixed_geometry(std::size_t count, const Modification& m) const;
+  [[nodiscard]] ResponseAt sun_torques(const Modification& m) const;
   [[nodiscard]] std::optional<Scalar> lost_motion(const Condition& c, const Modification& m) const;
   [[nodiscard]] Scalar pair_loss(const Condition& c, const Modification& m) const;
   [[nodiscard]] const design::Friction& stated_friction() const;

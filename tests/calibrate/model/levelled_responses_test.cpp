@@ -25,21 +25,24 @@ class Levelled : public Bench {
   }
 };
 
-TEST_F(Levelled, MeetTheSimulationOverAFactorOfFour) {
+TEST_F(Levelled, MeetTheSimulationWithinAnyRangeToAFactorOfFour) {
   const RowStates states(data_.rows);
-  LevelRange range;
-  range.include(0.5);
-  range.include(2.0);
-  const LevelledResponses responses(states, simulation_, {}, range);
-  for (std::size_t row = 0; row < data_.rows.size(); ++row) {
-    const double change = std::abs(direct(row, 2.0) - direct(row, 0.5));
-    for (const double level : {0.5, 0.62, 0.93, 1.0, 1.31, 1.77, 2.0}) {
-      const Scalar y = *responses.of_row(row, Scalar(level, 3));
-      EXPECT_NEAR(y.a, direct(row, level), 1e-5 * change) << level;
-      const double step = 1e-3 * level;
-      const double slope = (direct(row, level + step) - direct(row, level - step)) / (2.0 * step);
-      EXPECT_NEAR(y.v[3], slope, 1e-3 * std::abs(slope)) << level;
-      EXPECT_EQ(responses.by_level(row, Scalar(level, 3))->v[3], y.v[3]);
+  for (const double half : {0.02, 0.24, 0.26, 0.48, 0.52, std::log(2.0)}) {
+    LevelRange range;
+    range.include(std::exp(-half));
+    range.include(std::exp(half));
+    const LevelledResponses responses(states, simulation_, {}, range);
+    for (std::size_t row = 0; row < data_.rows.size(); ++row) {
+      const double change = std::abs(direct(row, 2.0) - direct(row, 0.5));
+      for (const double share : {-1.0, -0.69, -0.1, 0.0, 0.39, 0.82, 1.0}) {
+        const double level = std::exp(share * half);
+        const Scalar y = *responses.of_row(row, Scalar(level, 3));
+        EXPECT_NEAR(y.a, direct(row, level), 1e-5 * change) << level;
+        const double step = 1e-3 * level;
+        const double slope = (direct(row, level + step) - direct(row, level - step)) / (2.0 * step);
+        EXPECT_NEAR(y.v[3], slope, 1e-3 * std::abs(slope)) << level;
+        EXPECT_EQ(responses.by_level(row, Scalar(level, 3))->v[3], y.v[3]);
+      }
     }
   }
 }
