@@ -100,11 +100,16 @@ PROGRAM(real_data)(int, char**) {
                                      .data = task.sets.front(),
                                      .noise = calibrate::make_noise_model(task.sets.front())};
     const double unit = calibrate::response_unit(d.kind).si;
+    // As many parameters as rows leave rounding.
+    constexpr double kRounding = 1e-9;
+    const double left = d.errors.extended_train > kRounding * d.errors.baseline_train
+                            ? d.errors.extended_train / unit
+                            : 0.0;
     fmt::print(
         "\n{}: {} rows, {}\n  {}\n  as given {}, extended {} {}; held out by {}: {}, refit {}\n",
         record.data, d.rows.size(), calibrate::kVerdictNames[static_cast<std::size_t>(d.verdict)],
-        causes_of(d), number(d.errors.baseline_train / unit),
-        number(d.errors.extended_train / unit), calibrate::response_unit(d.kind).name,
+        causes_of(d), number(d.errors.baseline_train / unit), number(left),
+        calibrate::response_unit(d.kind).name,
         d.holdout_blocks.empty() ? "nothing" : d.holdout_blocks,
         number(d.errors.extended_holdout / unit), number(refit_error(problem) / unit));
   }

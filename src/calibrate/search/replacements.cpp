@@ -21,6 +21,10 @@ constexpr double kAsWell = 6.0;
 /// a step between sessions to a law.
 constexpr double kParameter = 4.0;
 constexpr double kPreferred = 2.0;
+/// χ², and the share of what an effect explains, below which two are alike: what rounding tells
+/// apart stays in the order of the library.
+constexpr double kSameChi = 1e-6;
+constexpr double kSameShare = 1e-9;
 /// So few forms are all fitted in the place of an effect, without screening.
 constexpr std::size_t kFewForms = 12;
 
@@ -122,10 +126,13 @@ FormsByCause likely_forms(const Judge& judge, const std::vector<Candidate>& othe
         gain >= needed || (gain >= kOfBent * gains.back().sum_of_squares && is_bent(k));
     return !(gain > 0.0 && may) && pool.size() > kFewForms;
   });
+  const double unit =
+      std::max(kSameShare * gains.back().sum_of_squares, std::numeric_limits<double>::min());
   const auto worth = [&](std::size_t k) {
-    return gains[k].sum_of_squares - static_cast<double>(pool[k].parameters.size()) *
-                                         std::log(static_cast<double>(columns.own.rows())) *
-                                         judge.variance();
+    const double value = gains[k].sum_of_squares -
+                         static_cast<double>(pool[k].parameters.size()) *
+                             std::log(static_cast<double>(columns.own.rows())) * judge.variance();
+    return std::round(value / unit);
   };
   // The pool lists the causes one after the other.
   std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
@@ -156,7 +163,7 @@ Replacement best_replacement(const Judge& judge, const Fit& best, const Hypothes
     if (!fits_variables(h)) continue;
     Fit trial = fit(judge.problem(), std::move(h), judge.scale());
     const double difference = judge.difference(trial, best);
-    if (difference < replacement.statistic) {
+    if (difference < replacement.statistic - kSameChi) {
       replacement = {.candidate = forms[k], .statistic = difference, .fit = std::move(trial)};
       replacement.with_level = has_level;
     }
@@ -226,7 +233,8 @@ std::vector<Replacement> replacements_of(const Judge& judge, const SearchResult&
       }
     }
   }
-  std::ranges::stable_sort(found, {}, &Replacement::statistic);
+  std::ranges::stable_sort(found, {},
+                           [](const Replacement& r) { return std::round(r.statistic / kSameChi); });
   return found;
 }
 
@@ -369,7 +377,8 @@ std::vector<Replacement> other_bodies_of(const Judge& judge, const SearchResult&
     other.statistic = judge.difference(other.fit, result.fit);
     if (other.statistic <= kAsWell) found.push_back(std::move(other));
   }
-  std::ranges::stable_sort(found, {}, &Replacement::statistic);
+  std::ranges::stable_sort(found, {},
+                           [](const Replacement& r) { return std::round(r.statistic / kSameChi); });
   return found;
 }
 
