@@ -24,7 +24,7 @@ constexpr double kPreferred = 2.0;
 /// χ², and the share of what an effect explains, below which two are alike: what rounding tells
 /// apart stays in the order of the library.
 constexpr double kSameChi = 1e-6;
-constexpr double kSameShare = 1e-9;
+constexpr double kRoundedShare = 1e-9;
 /// So few forms are all fitted in the place of an effect, without screening.
 constexpr std::size_t kFewForms = 12;
 
@@ -127,7 +127,7 @@ FormsByCause likely_forms(const Judge& judge, const std::vector<Candidate>& othe
     return !(gain > 0.0 && may) && pool.size() > kFewForms;
   });
   const double unit =
-      std::max(kSameShare * gains.back().sum_of_squares, std::numeric_limits<double>::min());
+      std::max(kRoundedShare * gains.back().sum_of_squares, std::numeric_limits<double>::min());
   const auto worth = [&](std::size_t k) {
     const double value = gains[k].sum_of_squares -
                          static_cast<double>(pool[k].parameters.size()) *
