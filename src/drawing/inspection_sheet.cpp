@@ -100,18 +100,21 @@ class SheetRows {
     const auto length = [&](const char* name, const char* symbol, double value_m) {
       add("gear", name, symbol, "mm", mm(value_m));
     };
-    if (tooth.tool == geometry::RootTool::kCutter) {
-      add("gear", "teeth of the pinion cutter", "z_0", "", g.cutter.teeth);
-      add("gear", "profile shift of the pinion cutter", "x_0", "modules", g.cutter.profile_shift);
-      length("tip diameter of the pinion cutter", "d_a0", tooth.cutter_tip_diameter_m);
-      length("tip rounding of the pinion cutter", "rho_a0", tooth.fillet_radius_m);
+    const bool arc = tooth.tool == geometry::RootTool::kArc;
+    const bool cutter = tooth.tool == geometry::RootTool::kCutter;
+    add("gear", "dedendum of the tool", "h_fP", "mm", mm(g.rack.dedendum * g.module_m)).note =
+        cutter ? fmt::format("pinion cutter of {} teeth", g.cutter.teeth)
+        : arc  ? "basic rack; the root is rounded by an arc"
+               : "rack";
+    if (!cutter) {
+      length(arc ? "radius of the root's arc" : "tip rounding of the tool",
+             arc ? "rho_F" : "rho_fP", tooth.fillet_radius_m);
       return;
     }
-    const bool rack = tooth.tool == geometry::RootTool::kRack;
-    add("gear", "dedendum of the basic rack", "h_fP", "mm", mm(g.rack.dedendum * g.module_m)).note =
-        rack ? "of the tool" : "the root is rounded by an arc";
-    length(rack ? "tip rounding of the tool" : "radius of the root's arc",
-           rack ? "rho_fP" : "rho_F", tooth.fillet_radius_m);
+    add("gear", "teeth of the pinion cutter", "z_0", "", g.cutter.teeth);
+    add("gear", "profile shift of the pinion cutter", "x_0", "modules", g.cutter.profile_shift);
+    length("tip diameter of the pinion cutter", "d_a0", tooth.cutter_tip_diameter_m);
+    length("tip rounding of the pinion cutter", "rho_a0", tooth.fillet_radius_m);
   }
 
   /// The root form diameter with the farthest that a mate's tip reaches.
@@ -145,19 +148,19 @@ class SheetRows {
       root.upper = root_mm + mm(gear_.tolerances->root_diameter_m->upper);
     } else {
       // The drawn root is that of a tool at nominal depth with thicker teeth; deviations of the
-      // thickness from the drawn one are fed in, or all of the allowance by a tool of the rack.
+      // thickness from the drawn one are fed in, or all of the allowance by a nominal tool.
       const auto fed_in = [](const GearGeometry<double>& g) -> std::optional<double> {
         return mm(2.0 * geometry::infeed(g).root_radius_m);
       };
-      Characteristic of_rack{};
-      limit_by_thickness(of_rack, fed_in);
-      if (of_rack.lower) {
+      Characteristic nominal_tool{};
+      limit_by_thickness(nominal_tool, fed_in);
+      if (nominal_tool.lower) {
         const double thicker_tool = root_mm - *fed_in(gear_.geometry);
-        root.lower = *of_rack.lower + std::min(thicker_tool, 0.0);
-        root.upper = *of_rack.upper + std::max(thicker_tool, 0.0);
+        root.lower = *nominal_tool.lower + std::min(thicker_tool, 0.0);
+        root.upper = *nominal_tool.upper + std::max(thicker_tool, 0.0);
         root.note =
-            "limits: of a tool of the rack fed in for the tooth thickness, and of one whose teeth "
-            "are thicker";
+            "limits: of a nominal tool fed in for the tooth thickness, and of one whose teeth are "
+            "thicker";
       }
     }
     add_form_diameter();
@@ -341,10 +344,11 @@ InspectionSheet planet_sheet(const design::Design& design, const design::Evaluat
     add("assembly", fmt::format("planet {}: mark of P1, from the direction of its axis", i + 1),
         "psi", degrees(marks[i].p1_from_axis_rad));
   }
-  if (e.assembly.equal_spacing)
+  if (e.assembly.equal_spacing) {
     sheet.notes.emplace_back(
         alike ? "all planets are one part: the marked teeth of P1 and P2 stand as `phi` says"
               : "the planets are different parts: each has its own `phi`");
+  }
   sheet.notes.emplace_back(
       "to assemble: hold R1 and R2 with a space on the axis of planet 1 (as the train is drawn), "
       "set each planet with the mark of P1 turned by `psi` from the line sun - planet, then the "
