@@ -300,6 +300,11 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
        .limits = design.limits,
        .has_pin = design.masses.planet_pin_radius_m.has_value()},
       reading);
+  std::vector<std::string> uncut;
+  for (std::size_t i = 0; i < train::kGearCount; ++i) {
+    if (places[i].ring && t.cutter[i].teeth == 0) uncut.push_back(places[i].path + ".cutter");
+  }
+  check_ring_corners(input.rack, uncut, task, reading);
   if (task) design.rating = design::rating_of(*task, design);
   return design;
 }
@@ -353,6 +358,9 @@ design::PairDesign pair_from(const TomlValue& document, const std::string& name)
   pair.rating = finish_pair_strength(
       input.strength, finish_materials(input.strength, pair_gear_tables(), reading), reading);
   if (input.internal) {
+    if (pair.gear2.cutter.teeth == 0) {
+      check_ring_corners(input.rack, {"gear2.cutter"}, pair.rating, reading);
+    }
     require_more_ring_teeth(place2, place1, pair.gear2.teeth, pair.gear1.teeth, reading);
   }
   const bool ring_fits = !input.internal || pair.gear2.teeth > pair.gear1.teeth;

@@ -307,6 +307,12 @@ void finish_rating(SpecificationInput& input, FileReading& reading) {
        .axial = spec.axial,
        .limits = spec.limits},
       reading);
+  std::vector<std::string> uncut;
+  for (const std::size_t ring : {train::kR1, train::kR2}) {
+    if (spec.cutter[ring].teeth > 0) continue;
+    uncut.push_back(fmt::format("cutter.{}", train::kGearNames[ring]));
+  }
+  check_ring_corners(spec.rack, uncut, spec.rating, reading);
   if (spec.rating && optimize::knows_masses(spec) && spec.bodies.ring_rim_m > 0.0) {
     spec.rating->ring_rim_m = spec.bodies.ring_rim_m;
   }

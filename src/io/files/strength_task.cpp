@@ -310,4 +310,16 @@ std::optional<RatingTask> finish_pair_strength(const StrengthInput& input,
   return task;
 }
 
+void check_ring_corners(const geometry::BasicRack<double>& rack,
+                        const std::vector<std::string>& cutter_tables,
+                        const std::optional<RatingTask>& task, FileReading& reading) {
+  if (!task || task->virtual_root_radius || rack.root_radius > 0.0 || cutter_tables.empty()) return;
+  reading.error_at(
+      "rack.root_radius",
+      fmt::format("rack.root_radius = 0 with [strength]: Y_S of a ring's sharp corner has no bound "
+                  "(stated for 1 <= q_s < 8): allowed: above 0, {}.teeth of a cutter, or "
+                  "strength.virtual_root_radius",
+                  fmt::join(cutter_tables, ".teeth and ")));
+}
+
 }  // namespace gear3k::io

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "design/rating_inputs.hpp"
+#include "geometry/gear.hpp"
 #include "io/keys/strength_keys.hpp"
 #include "train/axial_layout.hpp"
 
@@ -37,5 +38,13 @@ std::optional<strength::RatingTask> finish_train_strength(const StrengthInput& i
 std::optional<strength::RatingTask> finish_pair_strength(const StrengthInput& input,
                                                          const design::GearMaterials& materials,
                                                          FileReading& reading);
+
+/// Refuses rack.root_radius = 0 of rated rings whose roots it fillets: q_s = s_F/(2 ρ_F) of a sharp
+/// corner has no bound, and Y_S is stated for 1 ≤ q_s < 8 (IACS UR M56).  External gears are cut by
+/// the rack, which rounds their roots though its own corners are sharp.
+/// @param cutter_tables  of the rings that no cutter shapes, by whose teeth one would
+void check_ring_corners(const geometry::BasicRack<double>& rack,
+                        const std::vector<std::string>& cutter_tables,
+                        const std::optional<strength::RatingTask>& task, FileReading& reading);
 
 }  // namespace gear3k::io

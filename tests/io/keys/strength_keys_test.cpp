@@ -800,6 +800,35 @@ TEST(StrengthKeys, AllErrorsAreToldAtOnce) {
   }
 }
 
+// Y_S of a sharp corner has no bound; the rack rounds what it generates, and so does a cutter.
+TEST(StrengthKeys, ASharpCornerOfARatedRingIsRefused) {
+  const std::string sharp = "[rack]\nroot_radius = 0.0\n";
+  expect_only(design_errors(sharp + kSteel + kLoad),
+              "gear.toml:26:1: rack.root_radius = 0 with [strength]: Y_S of a ring's sharp corner "
+              "has no bound (stated for 1 <= q_s < 8): allowed: above 0, gears.R1.cutter.teeth and "
+              "gears.R2.cutter.teeth of a cutter, or strength.virtual_root_radius");
+  expect_only(design_errors("[gears.R1.cutter]\nteeth = 30\n" + sharp + kSteel + kLoad),
+              "allowed: above 0, gears.R2.cutter.teeth of a cutter");
+  expect_only(specification_errors(sharp + kWidths + kSteel + kLoad),
+              "spec.toml:13:1: rack.root_radius = 0 with [strength]");
+  const std::string pair =
+      "kind = \"internal\"\nmodule_mm = 1.0\nface_width_mm = 8.0\n"
+      "[gear1]\nteeth = 30\n[gear2]\nteeth = 80\n" +
+      sharp + kSteel + "[strength]\ntorque_nm = 1.0\n";
+  expect_only(errors_of([&] { return parse_pair(pair, "pair.toml"); }),
+              "pair.toml:9:1: rack.root_radius = 0 with [strength]");
+  const std::string cutters = "[gears.R1.cutter]\nteeth = 30\n[gears.R2.cutter]\nteeth = 30\n";
+  EXPECT_EQ(design_errors(sharp), "") << "not rated";
+  EXPECT_EQ(design_errors(cutters + sharp + kSteel + kLoad), "");
+  EXPECT_EQ(design_errors(sharp + kSteel + kLoad + "virtual_root_radius = 0.0\n"), "");
+  EXPECT_EQ(design_errors("[rack]\nroot_radius = 0.001\n" + kSteel + kLoad), "");
+  EXPECT_EQ(errors_of([&] {
+              return pair_of(sharp + kSteel + "[strength]\ntorque_nm = 1.0\n",
+                             "face_width_mm = 8.0\n");
+            }),
+            "");
+}
+
 TEST(MaterialKeys, SimilarNamesAreTheClosestAndThoseThatShareWords) {
   EXPECT_EQ(similar_materials("POM C"), (std::vector<std::string>{"POM", "POM Delrin 100P"}));
   const auto steels = similar_materials("case hardened MQ");
