@@ -227,6 +227,8 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
   std::array<int, train::kGearCount> teeth{};
   std::array<GearPlace, train::kGearCount> places;
   backlash::Tolerances tolerances = stated_tolerances(input.tolerances);
+  std::array<RingBody, 2> rings;
+  bool rings_known = true;
   for (std::size_t i = 0; i < train::kGearCount; ++i) {
     const int id = static_cast<int>(i);
     places[i] = {.path = fmt::format("gears.{}", train::kGearNames[i]),
@@ -261,11 +263,19 @@ design::Design finish_design(const DesignInput& input, FileReading& reading) {
       if (has_circles) check_bore(input, places[i], input.masses.bore_radius_m[i], gear, reading);
       continue;
     }
+    rings_known = rings_known && has_circles;
+    if (has_circles) {
+      const geometry::GearGeometry<double> circles = circles_of(input, gear);
+      rings[id == train::kR1 ? 0 : 1] = {.tip_radius_m = circles.tip_radius_m,
+                                         .root_radius_m = circles.root_radius_m,
+                                         .outer_radius_m = outer_radius_m};
+    }
     if (!outer_radius_m) continue;
     if (has_circles) check_rim(input, places[i], *outer_radius_m, gear, reading);
     (id == train::kR1 ? design.masses.ring1_outer_radius_m : design.masses.ring2_outer_radius_m) =
         outer_radius_m;
   }
+  if (rings_known) check_rings_apart(input.axial, rings, reading);
   if (input.tolerances.stated || states_allowance(input)) design.tolerances = tolerances;
   design.sampling = input.tolerances.sampling;
   const auto materials = finish_materials(input.strength, train_gear_tables(), reading);

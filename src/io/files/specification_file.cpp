@@ -184,6 +184,7 @@ void check_relations(const SpecificationInput& input, FileReading& reading) {
                      "allowed: all three");
   }
   check_axial(spec.axial, reading);
+  check_rings_apart(spec.axial, std::nullopt, reading);
   check_rack(spec.rack, spec.pressure_angle_rad, reading);
   check_free_angle(spec, reading);
   check_friction(spec.friction, reading);

@@ -8,6 +8,9 @@ using units::Unit;
 
 namespace {
 
+/// Of lengths along the axis that are the same.
+constexpr double kSlack_m = 1e-9;
+
 std::string key_of(int body) {
   return fmt::format("axial.{}_mm", train::kBodyNames[static_cast<std::size_t>(body)]);
 }
@@ -42,7 +45,6 @@ std::string stated(const train::AxialLayout& layout, int body) {
 
 /// Mates face each other, and the toothings of the planet lie side by side.
 void check_mates(const train::AxialLayout& layout, FileReading& reading) {
-  constexpr double kSlack_m = 1e-9;
   for (const auto& [gear1, gear2] : train::kMeshGears) {
     const std::optional<double> common_m = train::common_length_m(layout, gear1, gear2);
     if (!common_m || *common_m > kSlack_m) continue;
@@ -80,6 +82,28 @@ void check_axial(const train::AxialLayout& layout, FileReading& reading) {
   const char* given = extent ? "axial.carrier_mm" : "axial.carrier_diameter_mm";
   const char* missing = extent ? "axial.carrier_diameter_mm" : "axial.carrier_mm";
   reading.error_at(given, fmt::format("{} without {}: allowed: both or neither", given, missing));
+}
+
+void check_rings_apart(const train::AxialLayout& layout,
+                       const std::optional<std::array<RingBody, 2>>& rings, FileReading& reading) {
+  const std::optional<double> common_m = train::common_length_m(layout, train::kR1, train::kR2);
+  if (!common_m || *common_m <= kSlack_m) return;
+  std::string allowed = "apart along the axis";
+  if (rings) {
+    const bool first = (*rings)[0].tip_radius_m < (*rings)[1].tip_radius_m;
+    const RingBody& inner = (*rings)[first ? 0 : 1];
+    const double tip_m = (*rings)[first ? 1 : 0].tip_radius_m;
+    if (inner.outer_radius_m && *inner.outer_radius_m <= tip_m) return;
+    if (inner.root_radius_m < tip_m) {
+      allowed +=
+          fmt::format(", or gears.{}.outer_diameter_mm of at most {:.6g}, the tip diameter of {}",
+                      first ? "R1" : "R2", units::from_si(tip_m, Unit::kDiameterMillimetre),
+                      first ? "R2" : "R1");
+    }
+  }
+  reading.error_at(key_of(train::kR2),
+                   fmt::format("{} and {}: two rings in one place: allowed: {}",
+                               stated(layout, train::kR1), stated(layout, train::kR2), allowed));
 }
 
 }  // namespace gear3k::io

@@ -1,5 +1,6 @@
 #include "io/files/design_file.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -372,11 +373,11 @@ TEST(DesignText, RoundTripsRandomDesigns) {
                            .tip_radius = uniform(0.0, 0.3)};
     }
     d.pin_diameter_m[static_cast<std::size_t>(integer(0, 4))] = uniform(5e-4, 5e-3);
-    // Mates about one plane, the planet's toothings side by side.
+    // Mates about one plane, the planet's toothings and the rings side by side.
     const std::array<double, 2> plane{uniform(-0.02, 0.0), uniform(0.01, 0.02)};
     for (int i = 0; i < train::kBodyCount; ++i) {
-      const bool planet = i == train::kP1 || i == train::kP2;
-      const double most = planet ? 0.005 : 0.02;
+      const bool beside = i != train::kS && i != train::kCarrier;
+      const double most = beside ? 0.005 : 0.02;
       const double middle = plane[i == train::kP2 || i == train::kR2 ? 1 : 0];
       d.axial.extent[static_cast<std::size_t>(i)] = train::AxialInterval{
           .from_m = middle - uniform(1e-3, most), .to_m = middle + uniform(1e-3, most)};
@@ -456,6 +457,40 @@ TEST(AxialKeys, MatesThatDoNotFaceEachOtherAndToothingsInOnePlaceAreAnError) {
             std::string::npos)
       << both;
   EXPECT_NO_THROW(parse(kBilateral + "[axial]\nS_mm = [0, 8]\nP1_mm = [-1, 9]\nP2_mm = [9, 17]\n"));
+}
+
+// R2 from 67.6 to 71.5 mm, R1 from 73.6 to 77.2: R2 fits into R1 if its rim does.
+TEST(AxialKeys, RingsInOnePlaceAreAnErrorUnlessOneIsInsideTheOther) {
+  const auto places = [](const char* r1, const char* r2) {
+    return std::string("[axial]\nR1_mm = ") + r1 + "\nR2_mm = " + r2 + "\n";
+  };
+  const std::string crossed = places("[0, 9]", "[8.5, 16]");
+  const Design design = parse(kBilateral);
+  const auto& t = design.train;
+  const double tip_mm = t.module_m[0] * 1e3 * (90 + 2 * (t.profile_shift[train::kR1] - 1.0));
+  EXPECT_NE(errors_of(kBilateral + crossed)
+                .find(fmt::format("axial.R1_mm = [0, 9] and axial.R2_mm = [8.5, 16]: two rings in "
+                                  "one place: allowed: apart along the axis, or "
+                                  "gears.R2.outer_diameter_mm of at most {:.6g}, the tip diameter "
+                                  "of R1",
+                                  tip_mm)),
+            std::string::npos)
+      << errors_of(kBilateral + crossed);
+  const auto with_rim = [&](double outer_mm) {
+    return errors_of(
+        replaced(kBilateral, "profile_shift = 1.21",
+                 fmt::format("profile_shift = 1.21, outer_diameter_mm = {}", outer_mm)) +
+        crossed);
+  };
+  EXPECT_EQ(with_rim(tip_mm - 0.1), "");
+  EXPECT_NE(with_rim(tip_mm + 0.1).find("two rings in one place"), std::string::npos);
+  EXPECT_EQ(errors_of(kBilateral + places("[0, 8]", "[8, 16]")), "") << "faces may touch";
+  const std::string alike = errors_of(
+      replaced(kBilateral, "teeth = 81, profile_shift = 1.21", "teeth = 83, profile_shift = 2.5") +
+      crossed);
+  EXPECT_NE(alike.find("two rings in one place: allowed: apart along the axis"), std::string::npos)
+      << alike;
+  EXPECT_EQ(alike.find("outer_diameter_mm"), std::string::npos) << alike;
 }
 
 TEST(DesignText, RoundTripsWithoutACentreDistance) {

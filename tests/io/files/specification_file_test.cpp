@@ -56,6 +56,13 @@ TEST(ReadSpecification, AWidthThatIsRefusedIsNotMissing) {
   EXPECT_EQ(errors.find('\n'), std::string::npos) << errors;
 }
 
+TEST(ReadSpecification, RingsInOnePlaceAreAnError) {
+  EXPECT_EQ(errors_of(kMinimal + "[axial]\nR1_mm = [0, 9]\nR2_mm = [8.5, 16]\n"),
+            "spec.toml:14:1: axial.R1_mm = [0, 9] and axial.R2_mm = [8.5, 16]: two rings in one "
+            "place: allowed: apart along the axis");
+  EXPECT_EQ(errors_of(kMinimal + "[axial]\nR1_mm = [0, 8.5]\nR2_mm = [8.5, 16]\n"), "");
+}
+
 TEST(ReadSpecification, DefaultsAreThoseOfTheContract) {
   const Specification spec = parse(kMinimal);
   EXPECT_EQ(spec.planets, std::vector<int>{3});
