@@ -86,6 +86,11 @@ Factor<T> rim_factor(const GearGeometry<T>& gear, const std::optional<T>& rim_m)
     return factor;
   }
   factor.value = ring ? T(1.15 * log(8.324 / ratio)) : T(1.6 * log(2.242 / ratio));
+  // The ring's formula is 0.9964 at its end of 3.5, but a thinner rim is not stronger than a thick
+  // one: the factor is 1 from where the formula crosses it, s_R/m = 8.324 e^(-1/1.15) = 3.489.
+  if (value_of(factor.value) < 1.0) {
+    return {.value = constant<T>(1.0), .branch = "thick rim", .source = sources::kM56};
+  }
   factor.in_range = value_of(ratio) > (ring ? 1.75 : 0.5);
   factor.branch = factor.in_range ? "thin rim" : "rim too thin";
   return factor;

@@ -64,8 +64,9 @@ RootForm<T> root_form(const geometry::GearGeometry<T>& gear, const RootSection<T
 ///   external: 1.6 ln(2.242 h/s_R)  for s_R/h < 1.2, else 1;  a check fails at s_R/h ≤ 0.5
 ///   ring:     1.15 ln(8.324 m/s_R) for s_R/m < 3.5, else 1;  a check fails at s_R/m ≤ 1.75
 ///
-/// h: tooth height |ra − rf|.  Source: IACS UR M56.  Kinks at 1.2 and 3.5 (the formulas are within
-/// 0.4 % of 1 there).
+/// and never below 1: the ring's formula, 0.9964 at 3.5, crosses 1 at s_R/m = 3.489.
+/// h: tooth height |ra − rf|.  Source: IACS UR M56; not below 1: own choice.  Kinks where it
+/// becomes 1, at 1.2 and 3.489 (a step of 7e-5 at 1.2).
 /// @param rim_m  s_R: material under the root circle; empty: no rim is stated and Y_B = 1
 /// @throws std::invalid_argument when s_R is not positive
 template <class T>

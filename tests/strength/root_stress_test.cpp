@@ -116,6 +116,12 @@ TEST(RimFactor, HasItsBranches) {
   EXPECT_EQ(rim_factor<double>(ring, 3.6 * m).branch, "thick rim");
   EXPECT_NEAR(rim_factor<double>(ring, 2.5 * m).value, 1.15 * std::log(8.324 / 2.5), 1e-14);
   EXPECT_FALSE(rim_factor<double>(ring, 1.5 * m).in_range);
+  for (const double ratio : {3.488, 3.49, 3.495, 3.4999, 3.5}) {
+    const auto near_end = rim_factor<double>(ring, ratio * m);
+    EXPECT_EQ(near_end.value, ratio < 3.489 ? 1.15 * std::log(8.324 / ratio) : 1.0) << ratio;
+    EXPECT_GE(near_end.value, 1.0) << ratio;
+  }
+  EXPECT_GE(rim_factor<double>(sun, 1.19999 * h).value, 1.0);
   EXPECT_THROW(rim_factor<double>(sun, 0.0), std::invalid_argument);
 }
 
