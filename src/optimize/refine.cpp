@@ -296,6 +296,13 @@ class SetSearch {
 
   /// @returns false when the search was stopped
   [[nodiscard]] bool search(const RefinementProblem& problem, const SetBound& bound) {
+    const bool done = search_all(problem, bound);
+    // A grid in it may have ended early.
+    return done && !stop_.load(std::memory_order_relaxed);
+  }
+
+ private:
+  bool search_all(const RefinementProblem& problem, const SetBound& bound) {
     if (choices_.size() > 1) {
       BestEnd best;
       return is_of_load(problem.objective) ? try_every_cutter(problem, bound, best)
@@ -303,10 +310,9 @@ class SetSearch {
     }
     const std::optional<BestEnd> local = from_starts(problem, bound);
     if (local) take(*local);
-    return local.has_value() && !stop_.load(std::memory_order_relaxed);
+    return local.has_value();
   }
 
- private:
   std::optional<BestEnd> from_starts(const RefinementProblem& problem, const SetBound& bound) {
     ++refinements_;
     return best_of_starts(problem, bound, stop_, known_);

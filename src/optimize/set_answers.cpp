@@ -29,9 +29,9 @@ void SetAnswers::add(std::size_t ask, const RefinedSet& set) {
   if (has_design(set.status)) {
     known_[set.candidate].push_back({.ask = ask,
                                      .set = &set,
-                                     .optimal = set.status == Status::kOptimal,
+                                     .optimal = set.status == Status::kOptimal && !set.grid_cut,
                                      .costs = costs_of(set)});
-  } else if (set.status == Status::kNoFeasibleFound) {
+  } else if (set.status == Status::kNoFeasibleFound && !set.grid_cut) {
     known_[set.candidate].push_back({.ask = ask, .set = nullptr, .optimal = false, .costs = {}});
   }
 }

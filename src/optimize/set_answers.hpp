@@ -35,7 +35,8 @@ class SetAnswers {
   /// @param spec  must outlive it
   SetAnswers(const Specification& spec, Objectives objectives);
 
-  /// Takes refined sets of an ask; those that failed or were not refined say nothing.
+  /// Takes refined sets of an ask; those that failed or were not refined say nothing, and of grids
+  /// that were cut short only the design counts.
   /// @param sets  must outlive it
   void take(const CostAsk& ask, std::span<const RefinedSet> sets);
   /// The same for sets that do not last.

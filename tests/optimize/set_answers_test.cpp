@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <limits>
 
 namespace gear3k::optimize::set_answers_test {
@@ -82,6 +83,23 @@ TEST_F(Answers, ADesignThatIsNoOptimumAnswersNothingButIsADesign) {
       << "a better one may be beside it";
   EXPECT_EQ(answers_.least_cost({.first = 0, .limits = {kAny, 2e-3}}, candidate(12)), -kInfinity);
   EXPECT_EQ(answers_.best_within({.first = 0, .limits = {kAny, 2e-3}})->eta_b, 0.9);
+}
+
+TEST_F(Answers, AGridThatWasCutShortProvesNothingButItsDesignCounts) {
+  RefinedSet part = design(12, 0.9, 1e-3), none = part;
+  none.candidate = candidate(13);
+  none.status = Status::kNoFeasibleFound;
+  part.grid_cut = none.grid_cut = true;
+  answers_.keep({.first = 0, .limits = {kAny, kAny}}, std::array{part, none});
+  for (const int sun : {12, 13}) {
+    EXPECT_FALSE(answers_.answer({.first = 0, .limits = {kAny, 2e-3}}, candidate(sun))) << sun;
+    EXPECT_FALSE(answers_.answer({.first = 1, .limits = {-0.95, kAny}}, candidate(sun))) << sun;
+    EXPECT_EQ(answers_.least_cost({.first = 0, .limits = {kAny, 2e-3}}, candidate(sun)),
+              -kInfinity);
+  }
+  const auto best = answers_.best_within({.first = 0, .limits = {kAny, 2e-3}});
+  ASSERT_TRUE(best);
+  EXPECT_EQ(best->candidate, candidate(12));
 }
 
 TEST_F(Answers, TheBestWithinLimitsIsThatOfAnySetAndSearch) {

@@ -9,6 +9,7 @@
 #include <atomic>
 #include <cmath>
 #include <iostream>
+#include <memory>
 
 #include "io/files/specification_file.hpp"
 #include "optimize/cutter_choice.hpp"
@@ -275,6 +276,61 @@ TEST(StatedCutters, AreAllSoughtWhereTheStartsOfOneLeadFartherThanWhatBoundsThem
   const RefinedSet set = refine(task.spec, task.candidates.at(0));
   ASSERT_EQ(set.status, Status::kOptimal);
   EXPECT_GE(merit_of(task.spec, set), one_by_one(task).best - kSameMerit);
+}
+
+/// An energy that ends the run at one of its evaluations.
+class StoppingEnergy final : public CycleEnergy {
+ public:
+  StoppingEnergy(StopFlag& stop, int last) : stop_(stop), last_(last) {}
+  [[nodiscard]] EnergyAt at(const EnergyGearbox& g) const override {
+    if (++calls_ == last_) stop_ = true;
+    const double inverse = 1.0 / g.forward;
+    return {.energy_J = inverse - g.backward, .slope = {1.0, -1.0}};
+  }
+  [[nodiscard]] EnergyAt of(const design::Design& /*design*/) const override { return {}; }
+  [[nodiscard]] double least(const EnergyBox& box) const override {
+    return 1.0 / box.most_forward - box.most_backward;
+  }
+  [[nodiscard]] double scale_j() const override { return 1.0; }
+  [[nodiscard]] int calls() const { return calls_; }
+
+ private:
+  StopFlag& stop_;
+  int last_;
+  mutable int calls_ = 0;
+};
+
+/// Wherever a run ends: what it has of a set is all of it, or nothing.
+TEST(StatedCutters, ASetWhoseSearchIsEndedAmongThemIsNotDone) {
+  test::RandomTask task = cutter_task(22);
+  Specification& spec = task.spec;
+  spec.shift_step = 0.05;
+  spec.objectives = {Objective::kCycleEnergy};
+  const auto refined = [&](StoppingEnergy& energy, const StopFlag& stop) {
+    spec.cycle_energy = std::shared_ptr<const CycleEnergy>(&energy, [](const CycleEnergy*) {});
+    return refine(spec, task.candidates.at(0), stop);
+  };
+  StopFlag never;
+  StoppingEnergy counting(never, 0);
+  const auto whole = refined(counting, never);
+  ASSERT_TRUE(whole && has_design(whole->status));
+  constexpr int kEnds = 20;
+  int unfinished = 0;
+  for (int k = 1; k <= kEnds; ++k) {
+    StopFlag stop;
+    StoppingEnergy ending(stop, counting.calls() * k / kEnds);
+    const auto part = refined(ending, stop);
+    ASSERT_TRUE(stop.load()) << k;
+    if (!part) {
+      ++unfinished;
+      continue;
+    }
+    EXPECT_EQ(part->grid_cut, whole->grid_cut) << k;
+    EXPECT_EQ(part->train.profile_shift, whole->train.profile_shift) << k;
+    EXPECT_EQ(part->train.cutter_teeth, whole->train.cutter_teeth) << k;
+  }
+  std::cout << unfinished << " of " << kEnds << " ends leave the set open\n";
+  EXPECT_GT(unfinished, kEnds / 2);
 }
 
 }  // namespace
