@@ -275,7 +275,7 @@ void tell_with_model(const OptimizeTask& task, optimize::RelaxedLimits& relaxed)
   using design::CheckId;
   for (optimize::Freed& freed : relaxed.freed) {
     for (optimize::RelaxedLimit& limit : freed.limits) {
-      const CheckId id = limit.check;
+      const CheckId id = *limit.of.check;
       if (id != CheckId::kOutputBacklashMin && id != CheckId::kOutputBacklashMax) continue;
       const auto& stated = task.without_model->limits[id];
       const bool as_stated = stated && task.spec.limits[id] == task.stated_limits[id];

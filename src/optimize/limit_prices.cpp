@@ -87,8 +87,8 @@ LimitPrice limit_of_check(const Specification& spec, const design::Limits& state
   switch (record.id) {
     case CheckId::kNormalBacklash:
       if (!spec.limits.mesh_backlash_m[mesh]) break;
-      price.key = fmt::format("backlash.{}.min_normal_um", train::kMeshNames[mesh]);
       price.limit.place = check.subject.member;
+      price.key = key_of_limit(price.limit);
       break;
     case CheckId::kRootSafety:
     case CheckId::kOverloadRootSafety:
@@ -500,6 +500,22 @@ std::string key_of_limit(const design::CheckRecord& record) {
   const bool of_range =
       record.id == CheckId::kContactRatioMin || record.id == CheckId::kContactRatioMax;
   return of_range ? key + (record.at_least ? "[0]" : "[1]") : key;
+}
+
+std::string key_of_limit(const LimitOf& limit) {
+  if (limit.place < 0) return key_of_limit(design::check_record(*limit.check));
+  return fmt::format("backlash.{}.min_normal_um",
+                     train::kMeshNames[static_cast<std::size_t>(limit.place)]);
+}
+
+std::optional<double>& number_of(design::Limits& limits, const LimitOf& limit) {
+  return limit.place >= 0 ? limits.mesh_backlash_m[static_cast<std::size_t>(limit.place)]
+                          : limits[*limit.check];
+}
+
+const std::optional<double>& number_of(const design::Limits& limits, const LimitOf& limit) {
+  return limit.place >= 0 ? limits.mesh_backlash_m[static_cast<std::size_t>(limit.place)]
+                          : limits[*limit.check];
 }
 
 std::optional<SetProblem> problem_of(const Specification& spec, const RefinedSet& set,

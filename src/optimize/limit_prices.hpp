@@ -39,6 +39,11 @@ struct LimitOf {
 
 /// Path in a SPEC of the limit of a check, e.g. "limits.tip_thickness_mm".
 std::string key_of_limit(const design::CheckRecord& record);
+/// The same of a limit of kind kCheck, e.g. "backlash.P2-R2.min_normal_um"; not of a safety.
+std::string key_of_limit(const LimitOf& limit);
+/// The number of such a limit.
+std::optional<double>& number_of(design::Limits& limits, const LimitOf& limit);
+const std::optional<double>& number_of(const design::Limits& limits, const LimitOf& limit);
 
 /// An active limit with the change of the objective per unit of it.
 ///

@@ -25,9 +25,7 @@ bool move_check(Specification& spec, const LimitPrice& price, double by_si) {
     state_safety(*spec.rating, limit, price.value_si + by_si);
     return true;
   }
-  auto& value = limit.place >= 0
-                    ? spec.limits.mesh_backlash_m[static_cast<std::size_t>(limit.place)]
-                    : spec.limits[*limit.check];
+  std::optional<double>& value = number_of(spec.limits, limit);
   if (value) *value += by_si;
   return value.has_value();
 }

@@ -10,7 +10,6 @@
 
 #include "design/evaluation.hpp"
 #include "optimize/blocking.hpp"
-#include "optimize/limit_prices.hpp"
 #include "optimize/slsqp.hpp"
 
 namespace gear3k::optimize {
@@ -40,10 +39,21 @@ std::optional<double> bare_limit(CheckId check) {
   return bare[check];
 }
 
-Specification without(const Specification& spec, std::span<const CheckId> checks) {
+Specification without(const Specification& spec, std::span<const LimitOf> limits) {
   Specification own = spec;
-  for (const CheckId check : checks) own.limits[check] = bare_limit(check);
+  for (const LimitOf& limit : limits) number_of(own.limits, limit) = bare_limit(*limit.check);
   return own;
+}
+
+double stated_number(const Specification& spec, const LimitOf& limit) {
+  return *number_of(spec.limits, limit);
+}
+
+/// Whether a limit is that of a check of a mesh (negative: of none).
+bool holds_mesh(const Specification& spec, const LimitOf& limit, int mesh) {
+  if (limit.place >= 0) return mesh == limit.place;
+  return limit.check != CheckId::kNormalBacklash ||
+         !spec.limits.mesh_backlash_m[static_cast<std::size_t>(mesh)];
 }
 
 /// A limit rounded to three digits in its unit, towards what is easier to keep; one that is no more
@@ -63,39 +73,48 @@ double rounded_looser(const design::CheckRecord& record, double limit_si) {
   return units::to_si(exponent < 0.0 ? whole / power : whole * power, record.unit);
 }
 
-/// Where the limit of a check has to be that a set has a design near its own, all other limits
+/// Where a limit has to be that a set has a design near its own, all other limits
 /// kept; empty where none was found.
 /// @param own  the specification under which it is an optimum
 std::optional<double> nearest_limit(const Specification& spec, const Specification& own,
-                                    const RefinedSet& set, CheckId check) {
-  const design::CheckRecord& record = design::check_record(check);
+                                    const RefinedSet& set, const LimitOf& limit) {
+  constexpr std::string_view kGivesWay = "what gives way";
+  const design::CheckRecord& record = design::check_record(*limit.check);
+  const double stated = stated_number(spec, limit);
   Specification tight = own;
-  tight.limits[check] = spec.limits[check];
+  number_of(tight.limits, limit) = stated;
   std::optional<SetProblem> problem =
       problem_of(tight, set, std::numeric_limits<double>::infinity());
   if (!problem) return std::nullopt;
-  const SolveOutcome nearest = least_violation(problem->problem, problem->v, {}, record.name);
+  for (ConstraintRow& row : problem->problem.rows) {
+    const bool own_row = row.check && row.check->record->id == record.id &&
+                         holds_mesh(spec, limit, row.check->subject.member);
+    if (own_row) row.name = kGivesWay;
+  }
+  const SolveOutcome nearest = least_violation(problem->problem, problem->v, {}, kGivesWay);
   std::vector<double> g(problem->problem.rows.size());
   if (!std::isfinite(nearest.violation) ||
       !evaluate<double>(problem->problem, used(problem->problem, nearest.v), g)) {
     return std::nullopt;
   }
   const std::vector<Miss> misses = misses_of(problem->problem, g);
-  if (misses.empty()) return *spec.limits[check];
-  if (misses.size() > 1 || misses.front().name != record.name) return std::nullopt;
+  if (misses.empty()) return stated;
+  if (misses.size() > 1 || misses.front().name != kGivesWay) return std::nullopt;
   const double amount = misses.front().amount * units::si_per(record.unit);
-  return *spec.limits[check] + (record.at_least ? -amount : amount);
+  return stated + (record.at_least ? -amount : amount);
 }
 
-/// The value of a check in a design, the worst of its own; empty where it has none.
+/// The value that a limit is of in a design, the worst of its own; empty where it has none.
 std::optional<double> value_in_design(const Specification& spec, const RefinedSet& set,
-                                      CheckId check) {
+                                      const LimitOf& limit) {
   const auto outcome = design::evaluate(design_of(spec, set));
   const auto* const evaluation = std::get_if<design::Evaluation>(&outcome);
   if (evaluation == nullptr) return std::nullopt;
   std::optional<double> worst;
   for (const design::CheckResult& result : evaluation->checks) {
-    if (result.record->id != check) continue;
+    if (result.record->id != *limit.check) continue;
+    const auto mesh = std::ranges::find(train::kMeshNames, result.mesh) - train::kMeshNames.begin();
+    if (!holds_mesh(spec, limit, static_cast<int>(mesh))) continue;
     const bool worse =
         !worst || (result.record->at_least ? result.value < *worst : result.value > *worst);
     if (worse) worst = result.value;
@@ -110,23 +129,24 @@ class Relaxation {
       : spec_(spec), blocked_(blocked), progress_(progress), most_refined_(most_refined) {}
 
   /// @returns empty where no design was found without them, or the search was stopped
-  std::optional<Freed> free(std::span<const CheckId> checks) {
-    const Specification own = without(spec_, checks);
+  std::optional<Freed> free(std::span<const LimitOf> limits) {
+    const Specification own = without(spec_, limits);
     const OptimizeResult result = any_design(own);
-    if (!result.best) return checks.size() == 1 ? nearest_blocked(checks.front()) : std::nullopt;
+    if (!result.best) return limits.size() == 1 ? nearest_blocked(limits.front()) : std::nullopt;
     Freed freed{.limits = {}, .set = *result.best};
-    for (const CheckId check : checks) {
-      freed.limits.push_back(
-          {.check = check, .stated_si = *spec_.limits[check], .relaxed_si = bare_limit(check)});
+    for (const LimitOf& limit : limits) {
+      freed.limits.push_back({.of = limit,
+                              .stated_si = stated_number(spec_, limit),
+                              .relaxed_si = bare_limit(*limit.check)});
     }
     Specification relaxed = own;
     // The last first: the others are as far out as they may be while it is tightened.
-    for (std::size_t k = checks.size(); k-- > 0;) {
+    for (std::size_t k = limits.size(); k-- > 0;) {
       tighten(relaxed, result.refined, freed, k);
     }
-    if (checks.size() == 1) {
-      const bool at_least = design::check_record(checks.front()).at_least;
-      if (auto nearest = nearest_blocked(checks.front())) {
+    if (limits.size() == 1) {
+      const bool at_least = limits.front().at_least;
+      if (auto nearest = nearest_blocked(limits.front())) {
         const auto& own_limit = freed.limits.front().relaxed_si;
         const double other = *nearest->limits.front().relaxed_si;
         const bool nearer = !own_limit || (at_least ? other > *own_limit : other < *own_limit);
@@ -138,14 +158,14 @@ class Relaxation {
   }
 
   /// Whether a design was found with all of them left out.
-  bool frees(std::span<const CheckId> checks) {
-    return any_design(without(spec_, checks)).best.has_value();
+  bool frees(std::span<const LimitOf> limits) {
+    return any_design(without(spec_, limits)).best.has_value();
   }
 
-  /// The set of the search that a check blocks alone by least, with its limit given way by that;
-  /// empty where there is none, or it has no design then.
-  [[nodiscard]] std::optional<Freed> nearest_blocked(CheckId check) const {
-    const design::CheckRecord& record = design::check_record(check);
+  /// The set of the search that a limit's check blocks alone by least, with the limit given way by
+  /// that; empty where there is none, or it has no design then.
+  [[nodiscard]] std::optional<Freed> nearest_blocked(const LimitOf& limit) const {
+    const design::CheckRecord& record = design::check_record(*limit.check);
     const RefinedSet* nearest = nullptr;
     double least = std::numeric_limits<double>::infinity();
     for (const RefinedSet& set : blocked_.refined) {
@@ -157,16 +177,16 @@ class Relaxation {
       }
     }
     if (nearest == nullptr || progress_.stop.load()) return std::nullopt;
-    const double stated = *spec_.limits[check];
+    const double stated = stated_number(spec_, limit);
     const double miss_si = least * units::si_per(record.unit);
-    Specification tried = spec_;
-    tried.limits[check] =
+    const double given_way =
         rounded_looser(record, record.at_least ? stated - miss_si : stated + miss_si);
+    Specification tried = spec_;
+    number_of(tried.limits, limit) = given_way;
     RefinedSet set = refine(tried, nearest->candidate);
     if (!has_design(set.status)) return std::nullopt;
-    return Freed{
-        .limits = {{.check = check, .stated_si = stated, .relaxed_si = tried.limits[check]}},
-        .set = std::move(set)};
+    return Freed{.limits = {{.of = limit, .stated_si = stated, .relaxed_si = given_way}},
+                 .set = std::move(set)};
   }
 
  private:
@@ -180,14 +200,14 @@ class Relaxation {
   /// Searches anew half way to the stated limit while that has a design, or the way is short.
   void bisect(const Specification& own, Freed& freed) {
     RelaxedLimit& limit = freed.limits.front();
-    const design::CheckRecord& record = design::check_record(limit.check);
+    const design::CheckRecord& record = design::check_record(*limit.of.check);
     double refused = limit.stated_si;
     for (int k = 0; k < kRelaxedHalvings && limit.relaxed_si && !progress_.stop.load(); ++k) {
       const double middle = rounded_looser(record, 0.5 * (refused + *limit.relaxed_si));
       const double way = std::abs(*limit.relaxed_si - refused);
       if (way <= kShortWay * std::abs(limit.stated_si) || middle == *limit.relaxed_si) break;
       Specification tried = own;
-      tried.limits[limit.check] = middle;
+      number_of(tried.limits, limit.of) = middle;
       const OptimizeResult result = any_design(tried);
       if (!result.best) {
         refused = middle;
@@ -203,7 +223,7 @@ class Relaxation {
   void tighten(Specification& relaxed, const std::vector<RefinedSet>& sets, Freed& freed,
                std::size_t place) const {
     RelaxedLimit& limit = freed.limits[place];
-    const design::CheckRecord& record = design::check_record(limit.check);
+    const design::CheckRecord& record = design::check_record(*limit.of.check);
     const double sense = record.at_least ? 1.0 : -1.0;  // limits that are harder to keep are more
     struct Near {
       const RefinedSet* set;
@@ -211,11 +231,11 @@ class Relaxation {
     };
     std::vector<Near> near;
     const auto measure = [&](const RefinedSet& set) {
-      if (const auto value = nearest_limit(spec_, relaxed, set, limit.check)) {
+      if (const auto value = nearest_limit(spec_, relaxed, set, limit.of)) {
         near.push_back({.set = &set, .limit = *value});
       }
       // Where it is without being asked to be nearer.
-      if (const auto value = value_in_design(relaxed, set, limit.check)) {
+      if (const auto value = value_in_design(relaxed, set, limit.of)) {
         near.push_back({.set = &set, .limit = *value});
       }
     };
@@ -238,7 +258,7 @@ class Relaxation {
       const double value = rounded_looser(record, near[k].limit);
       if (!(sense * value < sense * limit.stated_si)) continue;
       if (limit.relaxed_si && !(sense * value > sense * *limit.relaxed_si)) break;
-      tried.limits[limit.check] = value;
+      number_of(tried.limits, limit.of) = value;
       RefinedSet set = refine(tried, near[k].set->candidate);
       if (!has_design(set.status)) continue;
       limit.relaxed_si = value;
@@ -262,14 +282,14 @@ bool has_walls(const Specification& spec) {
 
 /// Sets that each limit is named for.
 std::vector<std::size_t> sets_named(const OptimizeResult& blocked,
-                                    std::span<const CheckId> checks) {
-  std::vector<std::size_t> counts(checks.size(), 0);
+                                    std::span<const LimitOf> limits) {
+  std::vector<std::size_t> counts(limits.size(), 0);
   for_each_set(blocked, [&](std::size_t, const std::optional<RefinedSet>& set) {
     if (!set) return;
     for (const Miss& miss : set->blocked_by) {
-      const auto named = std::ranges::find(
-          checks, miss.name, [](CheckId id) { return design::check_record(id).name; });
-      if (named != checks.end()) ++counts[static_cast<std::size_t>(named - checks.begin())];
+      for (std::size_t k = 0; k < limits.size(); ++k) {
+        counts[k] += design::check_record(*limits[k].check).name == miss.name ? 1 : 0;
+      }
     }
   });
   return counts;
@@ -277,8 +297,8 @@ std::vector<std::size_t> sets_named(const OptimizeResult& blocked,
 
 }  // namespace
 
-std::vector<CheckId> limits_that_may_give_way(const Specification& spec) {
-  std::vector<CheckId> checks;
+std::vector<LimitOf> limits_that_may_give_way(const Specification& spec) {
+  std::vector<LimitOf> limits;
   for (const design::CheckRecord& record : design::check_records()) {
     const bool of_teeth =
         record.id == CheckId::kHuntingTooth || record.id == CheckId::kAllowedTeeth;
@@ -286,48 +306,57 @@ std::vector<CheckId> limits_that_may_give_way(const Specification& spec) {
     if (record.id == CheckId::kWall && !has_walls(spec)) continue;
     const double sense = record.at_least ? 1.0 : -1.0;
     const auto bare = bare_limit(record.id);
-    if (bare && !(sense * *spec.limits[record.id] > sense * *bare)) continue;
-    checks.push_back(record.id);
+    const auto add = [&](int place) {
+      const LimitOf limit{.check = record.id, .place = place, .at_least = record.at_least};
+      const double stated = stated_number(spec, limit);
+      if (!bare || sense * stated > sense * *bare) limits.push_back(limit);
+    };
+    const auto& of_mesh = spec.limits.mesh_backlash_m;
+    const bool backlash = record.id == CheckId::kNormalBacklash;
+    if (!backlash || std::ranges::any_of(of_mesh, [](const auto& own) { return !own; })) add(-1);
+    for (int mesh = 0; backlash && mesh < train::kMeshCount; ++mesh) {
+      if (of_mesh[static_cast<std::size_t>(mesh)]) add(mesh);
+    }
   }
-  return checks;
+  return limits;
 }
 
 RelaxedLimits relax_limits(const Specification& spec, const OptimizeResult& blocked,
                            Progress& progress, std::size_t most_refined) {
   RelaxedLimits result;
-  std::vector<CheckId> checks = limits_that_may_give_way(spec);
+  const std::vector<LimitOf> limits = limits_that_may_give_way(spec);
   progress.stage = Progress::Stage::kRelaxed;
   progress.stage_done = 0;
   progress.searches = 0;
-  progress.stage_total = checks.size();
+  progress.stage_total = limits.size();
   Relaxation relaxation(spec, blocked, progress, most_refined);
-  const auto try_to_free = [&](std::span<const CheckId> together) {
+  const auto try_to_free = [&](std::span<const LimitOf> together) {
     if (auto freed = relaxation.free(together)) result.freed.push_back(*std::move(freed));
     ++progress.stage_done;
     return !progress.stop.load();
   };
-  const std::vector<std::size_t> counts = sets_named(blocked, checks);
-  const std::size_t most = checks.empty() ? 0 : std::ranges::max(counts);
-  std::vector<CheckId> seldom;
-  for (std::size_t k = 0; k < checks.size(); ++k) {
+  const std::vector<std::size_t> counts = sets_named(blocked, limits);
+  const std::size_t most = limits.empty() ? 0 : std::ranges::max(counts);
+  std::vector<LimitOf> seldom;
+  for (std::size_t k = 0; k < limits.size(); ++k) {
     const bool rare = static_cast<double>(counts[k]) < kSeldom * static_cast<double>(most);
-    if (rare) seldom.push_back(checks[k]);
+    if (rare) seldom.push_back(limits[k]);
   }
   // Where a search without all of them finds none, none is made without each: the sets that miss
   // one of them alone are left.
   const bool none_of_seldom = seldom.size() > 1 && !relaxation.frees(seldom);
   if (none_of_seldom) progress.stage_total -= seldom.size();
-  const auto try_nearest = [&](CheckId check) {
-    if (auto freed = relaxation.nearest_blocked(check)) result.freed.push_back(*std::move(freed));
+  const auto try_nearest = [&](const LimitOf& limit) {
+    if (auto freed = relaxation.nearest_blocked(limit)) result.freed.push_back(*std::move(freed));
     return !progress.stop.load();
   };
-  for (const CheckId check : checks) {
-    const bool skipped = none_of_seldom && std::ranges::find(seldom, check) != seldom.end();
-    if (!(skipped ? try_nearest(check) : try_to_free(std::array{check}))) break;
-    result.alone.push_back(check);
+  for (const LimitOf& limit : limits) {
+    const bool skipped = none_of_seldom && std::ranges::find(seldom, limit) != seldom.end();
+    if (!(skipped ? try_nearest(limit) : try_to_free(std::array{limit}))) break;
+    result.alone.push_back(limit);
   }
   if (result.freed.empty() && !progress.stop.load()) {
-    std::vector<std::size_t> order(checks.size());
+    std::vector<std::size_t> order(limits.size());
     for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
     std::ranges::stable_sort(order, std::ranges::greater(),
                              [&](std::size_t k) { return counts[k]; });
@@ -335,7 +364,7 @@ RelaxedLimits relax_limits(const Specification& spec, const OptimizeResult& bloc
     progress.stage_total += order.size() * (order.size() - (order.empty() ? 0 : 1)) / 2;
     for (std::size_t b = 1; b < order.size() && !progress.stop.load(); ++b) {
       for (std::size_t a = 0; a < b; ++a) {
-        const std::array pair{checks[order[a]], checks[order[b]]};
+        const std::array pair{limits[order[a]], limits[order[b]]};
         if (!try_to_free(pair)) break;
         result.paired.push_back(pair);
       }

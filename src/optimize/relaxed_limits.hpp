@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "optimize/limit_prices.hpp"
 #include "optimize/optimizer.hpp"
 #include "optimize/progress.hpp"
 
@@ -13,7 +14,7 @@ namespace gear3k::optimize {
 
 /// A limit with a value at which there is a design.
 struct RelaxedLimit {
-  design::CheckId check{};
+  LimitOf of;  ///< of kind kCheck
   double stated_si = 0.0;
   /// Between the stated one and that which holds without a preset; empty: with the limit off.
   std::optional<double> relaxed_si{};
@@ -27,8 +28,8 @@ struct Freed {
 
 struct RelaxedLimits {
   std::vector<Freed> freed;
-  std::vector<design::CheckId> alone;                  ///< tried by themselves
-  std::vector<std::array<design::CheckId, 2>> paired;  ///< tried together, where none suffices
+  std::vector<LimitOf> alone;                  ///< tried by themselves
+  std::vector<std::array<LimitOf, 2>> paired;  ///< tried together, where none suffices
   bool interrupted = false;
 };
 
@@ -36,8 +37,9 @@ struct RelaxedLimits {
 inline constexpr std::size_t kMostRefinedWithout = 224;
 
 /// Limits that may give way: thresholds of checks, not those of the load, that are stated (by the
-/// file or its preset) tighter than what holds without.
-std::vector<design::CheckId> limits_that_may_give_way(const Specification& spec);
+/// file or its preset) tighter than what holds without.  A mesh with a least backlash of its own
+/// has a limit of its own, too.
+std::vector<LimitOf> limits_that_may_give_way(const Specification& spec);
 
 /// Leaves out each limit by itself (what holds without a preset stays; those that block few sets
 /// first together: where nothing is found, only the blocked sets that miss one of them alone are

@@ -17,26 +17,32 @@ namespace gear3k::report {
 
 namespace {
 
-using design::CheckId;
-using optimize::Freed, optimize::RelaxedLimit, optimize::Specification;
+using optimize::Freed, optimize::LimitOf, optimize::RelaxedLimit, optimize::Specification;
+using optimize::key_of_limit;
 
-std::string key_of(CheckId check) { return optimize::key_of_limit(design::check_record(check)); }
+const design::CheckRecord& record_of(const RelaxedLimit& limit) {
+  return design::check_record(*limit.of.check);
+}
 
-double in_unit_of(CheckId check, double value_si) {
-  return units::decimal_from_si(value_si, design::check_record(check).unit);
+double in_unit_of(const RelaxedLimit& limit, double value_si) {
+  return units::decimal_from_si(value_si, record_of(limit).unit);
+}
+
+/// Presets state no limit of one mesh.
+bool of_preset(const Specification& spec, const LimitOf& limit) {
+  return limit.place < 0 && is_of_preset(spec.limits, *limit.check);
 }
 
 std::string limit_text(const Specification& spec, const RelaxedLimit& limit) {
-  const std::string unit{units::unit_name(design::check_record(limit.check).unit)};
+  const std::string unit{units::unit_name(record_of(limit).unit)};
   const std::string value =
       limit.relaxed_si
-          ? fmt::format(
-                "= {}",
-                with_unit(fmt::format("{:g}", in_unit_of(limit.check, *limit.relaxed_si)), unit))
+          ? fmt::format("= {}",
+                        with_unit(fmt::format("{:g}", in_unit_of(limit, *limit.relaxed_si)), unit))
           : std::string("off");
-  return fmt::format("{} {} instead of {:g}{}", key_of(limit.check), value,
-                     in_unit_of(limit.check, limit.stated_si),
-                     is_of_preset(spec.limits, limit.check) ? " (preset)" : "");
+  return fmt::format("{} {} instead of {:g}{}", key_of_limit(limit.of), value,
+                     in_unit_of(limit, limit.stated_si),
+                     of_preset(spec, limit.of) ? " (preset)" : "");
 }
 
 /// What is left out of a design's objective that the task's model adds; "" where nothing is.
@@ -61,11 +67,11 @@ std::string objective_text(const Specification& spec, const optimize::RefinedSet
 /// The limits tried that are in no line.
 std::vector<std::string> keys_without_design(const optimize::RelaxedLimits& relaxed) {
   std::vector<std::string> keys;
-  for (const CheckId check : relaxed.alone) {
+  for (const LimitOf& limit : relaxed.alone) {
     const bool frees = std::ranges::any_of(relaxed.freed, [&](const Freed& freed) {
-      return freed.limits.size() == 1 && freed.limits.front().check == check;
+      return freed.limits.size() == 1 && freed.limits.front().of == limit;
     });
-    if (!frees) keys.push_back(key_of(check));
+    if (!frees) keys.push_back(key_of_limit(limit));
   }
   return keys;
 }
@@ -120,15 +126,15 @@ io::Json relaxed_limits_json(const Specification& spec, const optimize::RelaxedL
     const optimize::Objective first = optimize::first_objective(spec);
     return {{"limits", list_json(one.limits,
                                  [&](const RelaxedLimit& limit) -> io::Json {
-                                   const design::CheckRecord& r = design::check_record(limit.check);
-                                   const bool preset = is_of_preset(spec.limits, limit.check);
-                                   return {{"key", key_of(limit.check)},
+                                   const design::CheckRecord& r = record_of(limit);
+                                   const bool preset = of_preset(spec, limit.of);
+                                   return {{"key", key_of_limit(limit.of)},
                                            {"check", r.name},
-                                           {"stated", in_unit_of(limit.check, limit.stated_si)},
-                                           {"relaxed", limit.relaxed_si
-                                                           ? io::Json(in_unit_of(limit.check,
-                                                                                 *limit.relaxed_si))
-                                                           : nullptr},
+                                           {"stated", in_unit_of(limit, limit.stated_si)},
+                                           {"relaxed",
+                                            limit.relaxed_si
+                                                ? io::Json(in_unit_of(limit, *limit.relaxed_si))
+                                                : nullptr},
                                            {"unit", units::unit_name(r.unit)},
                                            {"at_least", r.at_least},
                                            {"of_preset", preset}};
@@ -141,10 +147,11 @@ io::Json relaxed_limits_json(const Specification& spec, const optimize::RelaxedL
             {"objective_without_model", !left_out(spec).empty()}};
   });
   return {{"freed", std::move(freed)},
-          {"tried_alone", list_json(relaxed.alone, [](CheckId check) { return key_of(check); })},
+          {"tried_alone",
+           list_json(relaxed.alone, [](const LimitOf& limit) { return key_of_limit(limit); })},
           {"tried_in_pairs", list_json(relaxed.paired,
-                                       [](const std::array<CheckId, 2>& pair) -> io::Json {
-                                         return {key_of(pair[0]), key_of(pair[1])};
+                                       [](const std::array<LimitOf, 2>& pair) -> io::Json {
+                                         return {key_of_limit(pair[0]), key_of_limit(pair[1])};
                                        })},
           {"interrupted", relaxed.interrupted}};
 }

@@ -41,15 +41,19 @@ struct Blocked {
 };
 class BlockedTask : public testing::TestWithParam<Blocked> {};
 
+std::optional<double>& limit_in(Specification& spec, const LimitOf& limit) {
+  if (limit.place < 0) return spec.limits[limit.check.value()];
+  return spec.limits.mesh_backlash_m.at(static_cast<std::size_t>(limit.place));
+}
+
 /// A set that misses one limit alone has a design where that gives way by as much: no limit is told
 /// to have to give way further, but by three digits.
-void expect_as_near_as_blocked(const Specification& spec, const OptimizeResult& blocked,
-                               const RelaxedLimits& relaxed) {
+void expect_as_near_as_blocked(const OptimizeResult& blocked, const RelaxedLimits& relaxed) {
   for (const Freed& freed : relaxed.freed) {
     if (freed.limits.size() > 1) continue;
     const RelaxedLimit& limit = freed.limits.front();
-    const design::CheckRecord& record = design::check_record(limit.check);
-    const double told = std::abs(*limit.relaxed_si - *spec.limits[limit.check]);
+    const design::CheckRecord& record = design::check_record(*limit.of.check);
+    const double told = std::abs(*limit.relaxed_si - limit.stated_si);
     for (const RefinedSet& set : blocked.refined) {
       if (set.status != Status::kNoFeasibleFound || set.blocked_together) continue;
       for (const Miss& miss : set.blocked_by) {
@@ -74,36 +78,36 @@ TEST_P(BlockedTask, IsFreedByTheLimitsWithoutWhichSearchesOfAllSetsFindADesign) 
   EXPECT_EQ(alone, GetParam().alone);
   EXPECT_EQ(relaxed.paired.empty(), alone);
   EXPECT_FALSE(relaxed.freed.empty()) << "or this case shows nothing";
-  for (const CheckId check : relaxed.alone) {
+  for (const LimitOf& limit : relaxed.alone) {
     Specification without = spec;
-    without.limits[check] = design::default_limits()[check];
+    limit_in(without, limit) = design::default_limits()[*limit.check];
     const bool told = std::ranges::any_of(relaxed.freed, [&](const Freed& freed) {
-      return freed.limits.size() == 1 && freed.limits.front().check == check;
+      return freed.limits.size() == 1 && freed.limits.front().of == limit;
     });
-    EXPECT_EQ(has_design(without), told) << design::check_record(check).name;
+    EXPECT_EQ(has_design(without), told) << key_of_limit(limit);
   }
   for (const Freed& freed : relaxed.freed) {
     Specification with = spec;
     for (const RelaxedLimit& limit : freed.limits) {
-      const bool at_least = design::check_record(limit.check).at_least;
+      const bool at_least = design::check_record(*limit.of.check).at_least;
       ASSERT_TRUE(limit.relaxed_si);
       // Three digits in the unit of files, as one would type them.
       const double told =
-          units::decimal_from_si(*limit.relaxed_si, design::check_record(limit.check).unit);
+          units::decimal_from_si(*limit.relaxed_si, design::check_record(*limit.of.check).unit);
       EXPECT_EQ(told, std::stod(fmt::format("{:.3g}", told)));
-      EXPECT_EQ(limit.stated_si, *spec.limits[limit.check]);
+      EXPECT_EQ(limit.stated_si, *limit_in(with, limit.of));
       if (at_least) {
         EXPECT_LT(*limit.relaxed_si, limit.stated_si);
       } else {
         EXPECT_GT(*limit.relaxed_si, limit.stated_si);
       }
-      with.limits[limit.check] = limit.relaxed_si;
+      limit_in(with, limit.of) = limit.relaxed_si;
     }
     const RefinedSet again = refine(with, freed.set.candidate);
     EXPECT_EQ(again.status, Status::kOptimal);
     EXPECT_NEAR(again.eta_b, freed.set.eta_b, 1e-9);
   }
-  expect_as_near_as_blocked(spec, blocked, relaxed);
+  expect_as_near_as_blocked(blocked, relaxed);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -116,6 +120,11 @@ INSTANTIATE_TEST_SUITE_P(
                 "max_outer_diameter_mm = 50.0\n",
                 true},
         Blocked{"Contact", "[contact_ratio]\nrange = [1.55, 3.0]\n", true},
+        Blocked{"BacklashOfOneMesh", "[backlash.P2-R2]\nmin_normal_um = 400.0\n", true},
+        Blocked{"BacklashOfEveryMesh",
+                "[backlash.S-P1]\nmin_normal_um = 20.0\n[backlash.P1-R1]\nmin_normal_um = 20.0\n"
+                "[backlash.P2-R2]\nmin_normal_um = 400.0\n",
+                true},
         Blocked{"Two", "[limits]\ntip_thickness_mm = 0.7\n[contact_ratio]\nrange = [1.55, 3.0]\n",
                 false}),
     [](const auto& blocked) { return std::string(blocked.param.name); });
@@ -132,7 +141,7 @@ TEST(RelaxedLimit, OfOneSetIsWhatBisectionFindsToThreeDigits) {
   ASSERT_EQ(blocked.search.candidates.size(), 1U);
   const RelaxedLimits relaxed = relax_limits(spec, blocked, progress);
   const auto tip = std::ranges::find_if(relaxed.freed, [](const Freed& freed) {
-    return freed.limits.front().check == CheckId::kTipThicknessLength;
+    return freed.limits.front().of.check == CheckId::kTipThicknessLength;
   });
   ASSERT_NE(tip, relaxed.freed.end());
   double least = 0.15, greatest = 0.9;
@@ -177,7 +186,7 @@ TEST(RelaxedLimits, AreThoseThatABlockedSetMissesAloneWhereSearchesFindNone) {
   blocked.refined = std::move(sets);
   const RelaxedLimits relaxed = relax_limits(spec, blocked, progress, 0);
   const auto freed = std::ranges::find_if(
-      relaxed.freed, [&](const Freed& each) { return each.limits.front().check == tip.id; });
+      relaxed.freed, [&](const Freed& each) { return each.limits.front().of.check == tip.id; });
   ASSERT_NE(freed, relaxed.freed.end());
   EXPECT_EQ(freed->set.candidate.teeth, alone.candidate.teeth);
   const double miss_mm = alone.blocked_by.front().amount;
