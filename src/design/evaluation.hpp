@@ -54,11 +54,16 @@ struct ToothResult {
   std::optional<double> root_space_m;
   std::optional<geometry::SpanMeasure> span;
   std::optional<geometry::PinMeasure> pins;
+  std::optional<double> stated_pin_m;              ///< diameter; empty: by geometry::pin_measure()
+  std::optional<geometry::PinRange> fitting_pins;  ///< sought where the pins find no seat
   geometry::ChordalThickness chordal;
   geometry::Infeed infeed;
   int cutter_teeth;  ///< 0 without cutter
   double cutter_tip_diameter_m, cutter_center_distance_m;
 };
+
+/// Why there is no measure over pins, with those that would fit; "" where there is one.
+std::string why_no_pins(const ToothResult& tooth);
 
 struct GearResult {
   std::string name;

@@ -18,6 +18,7 @@ namespace {
 
 ToothResult tooth_result(const GearGeometry<double>& g, const geometry::ToothForm<double>& form,
                          std::optional<double> pin_diameter_m) {
+  const auto pins = geometry::pin_measure(g, pin_diameter_m);
   return {.tool = form.fillet.tool,
           .form_diameter_m = 2.0 * form.form_radius_m,
           .undercut = form.undercut,
@@ -26,7 +27,9 @@ ToothResult tooth_result(const GearGeometry<double>& g, const geometry::ToothFor
           .form_thickness_m = geometry::form_circle_thickness(g, form),
           .root_space_m = geometry::root_space_width(g),
           .span = geometry::span_measure(g),
-          .pins = geometry::pin_measure(g, pin_diameter_m),
+          .pins = pins,
+          .stated_pin_m = pin_diameter_m,
+          .fitting_pins = pins ? std::nullopt : geometry::fitting_pins(g),
           .chordal = geometry::chordal_thickness(g),
           .infeed = geometry::infeed(g),
           .cutter_teeth = g.gear.kind == geometry::GearKind::kRing ? g.gear.cutter.teeth : 0,
@@ -35,6 +38,25 @@ ToothResult tooth_result(const GearGeometry<double>& g, const geometry::ToothFor
 }
 
 }  // namespace
+
+std::string why_no_pins(const ToothResult& tooth) {
+  if (tooth.pins) return "";
+  if (!tooth.fitting_pins) return "no pin finds a seat on the flanks";
+  const auto [least_m, greatest_m] = *tooth.fitting_pins;
+  const double least_mm = std::ceil(least_m * 1e7) * 1e-4;
+  const std::string fitting =
+      std::isfinite(greatest_m)
+          ? fmt::format("{:.4f} to {:.4f} mm", least_mm, std::floor(greatest_m * 1e7) * 1e-4)
+          : fmt::format("{:.4f} mm and more", least_mm);
+  if (!tooth.stated_pin_m) {
+    return fmt::format("no pin touches on the circle d + 2 x m; pins of {} fit (pin_diameter_mm)",
+                       fitting);
+  }
+  const bool large = *tooth.stated_pin_m > greatest_m;
+  return fmt::format("a pin of {:.6g} mm is too {}, it would touch {}; pins of {} fit",
+                     *tooth.stated_pin_m * 1e3, large ? "large" : "small",
+                     large ? "beyond the tips" : "the root or its fillets", fitting);
+}
 
 NotDefined no_working_angle(std::string_view mesh, double center_distance_m, double base_sum_m) {
   if (!(base_sum_m > 0.0)) {

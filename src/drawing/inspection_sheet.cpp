@@ -257,7 +257,7 @@ InspectionSheet sheet_of(std::string name, const std::string& title, const Sheet
     sheet.notes.emplace_back("no base tangent length: the flanks do not carry one");
   }
   if (!gear.result->tooth.pins) {
-    sheet.notes.emplace_back("no measurement with pins: none finds a seat on the flanks");
+    sheet.notes.push_back("no measurement with pins: " + design::why_no_pins(gear.result->tooth));
   }
   return sheet;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "geometry/involute.hpp"
@@ -11,6 +12,11 @@ namespace gear3k::geometry {
 namespace {
 
 constexpr double kPinStep_m = 1e-5;
+/// Circles between tip and form circle on which a pin is tried, and halvings towards the ends of
+/// the pins that fit.
+constexpr int kSeatSamples = 32, kSeatHalvings = 40;
+/// Over the reference radius: a larger pin stands for all.
+constexpr double kLargestPin = 100.0;
 
 double sign_of(const GearGeometry<double>& g) {
   return g.gear.kind == GearKind::kExternal ? 1.0 : -1.0;
@@ -29,6 +35,45 @@ bool on_flank(const GearGeometry<double>& g, double form_radius, double radius_m
 double reference_space_half_angle(const GearGeometry<double>& g) {
   return std::numbers::pi / g.gear.teeth -
          reference_tooth_thickness(g) / (2.0 * g.reference_radius_m);
+}
+
+/// The pin that touches the flanks on a circle: its centre lies on the middle of the space, on the
+/// normal of the contact point.  Empty where the normal does not meet the middle.
+std::optional<double> pin_that_touches(const GearGeometry<double>& g, double radius_m) {
+  const double sign = sign_of(g);
+  const double rb = g.base_radius_m;
+  if (!(radius_m > rb)) return std::nullopt;
+  const double rho = std::sqrt((radius_m - rb) * (radius_m + rb));
+  const double from_tangent = std::atan2(rho, rb) + sign * space_half_angle(g, radius_m);
+  const double diameter = 2.0 * sign * (rb * std::tan(from_tangent) - rho);
+  if (!(from_tangent > 0.0 && from_tangent < std::numbers::pi / 2.0 && diameter > 0.0)) {
+    return std::nullopt;
+  }
+  return diameter;
+}
+
+/// A pin in a space; empty where it finds no seat on the flanks or touches the root circle.
+std::optional<PinMeasure> seated_pin(const GearGeometry<double>& g, double form_radius,
+                                     double diameter) {
+  // Symbols as in ISO 21771.
+  const double sign = sign_of(g);
+  const double rb = g.base_radius_m;
+  const double inv_M =
+      g.angle.involute + sign * (diameter / (2.0 * rb) - reference_space_half_angle(g));
+  if (!(inv_M > 0.0)) return std::nullopt;
+  const double tan_M = std::tan(inverse_involute(inv_M));
+  const double r_M = rb * std::hypot(1.0, tan_M);
+  const double rho_contact = rb * tan_M - sign * 0.5 * diameter;
+  if (!(rho_contact > 0.0)) return std::nullopt;
+  const double odd =
+      g.gear.teeth % 2 == 0 ? 1.0 : std::cos(std::numbers::pi / (2.0 * g.gear.teeth));
+  const PinMeasure measure{.pin_diameter_m = diameter,
+                           .over_pins_m = 2.0 * r_M * odd + sign * diameter,
+                           .contact_radius_m = std::hypot(rb, rho_contact)};
+  const double bottom = r_M - sign * 0.5 * diameter;
+  const bool off_root = sign * (bottom - g.root_radius_m) >= 0.0;
+  if (!off_root || !on_flank(g, form_radius, measure.contact_radius_m)) return std::nullopt;
+  return measure;
 }
 
 }  // namespace
@@ -60,39 +105,39 @@ std::optional<SpanMeasure> span_measure(const GearGeometry<double>& g) {
 
 std::optional<PinMeasure> pin_measure(const GearGeometry<double>& g,
                                       std::optional<double> pin_diameter_m) {
-  // Symbols as in ISO 21771.
-  const double sign = sign_of(g);
-  const double rb = g.base_radius_m;
-  const double eta = reference_space_half_angle(g);
-  double diameter = pin_diameter_m.value_or(0.0);
   if (!pin_diameter_m) {
-    // The pin's centre lies on the middle of the space, on the normal of the contact point.
-    const double r = middle_radius(g);
-    if (!(r > rb)) return std::nullopt;
-    const double rho = std::sqrt((r - rb) * (r + rb));
-    const double from_tangent = std::atan2(rho, rb) + sign * space_half_angle(g, r);
-    const double exact = 2.0 * sign * (rb * std::tan(from_tangent) - rho);
-    if (!(from_tangent > 0.0 && from_tangent < std::numbers::pi / 2.0 && exact > 0.0)) {
-      return std::nullopt;
-    }
-    diameter = std::ceil(exact / kPinStep_m - 1e-9) * kPinStep_m;
+    const auto exact = pin_that_touches(g, middle_radius(g));
+    if (!exact) return std::nullopt;
+    pin_diameter_m = std::ceil(*exact / kPinStep_m - 1e-9) * kPinStep_m;
   }
-  const double inv_M = g.angle.involute + sign * (diameter / (2.0 * rb) - eta);
-  if (!(inv_M > 0.0)) return std::nullopt;
-  const double tan_M = std::tan(inverse_involute(inv_M));
-  const double r_M = rb * std::hypot(1.0, tan_M);
-  const double rho_contact = rb * tan_M - sign * 0.5 * diameter;
-  if (!(rho_contact > 0.0)) return std::nullopt;
-  const double odd =
-      g.gear.teeth % 2 == 0 ? 1.0 : std::cos(std::numbers::pi / (2.0 * g.gear.teeth));
-  const PinMeasure measure{.pin_diameter_m = diameter,
-                           .over_pins_m = 2.0 * r_M * odd + sign * diameter,
-                           .contact_radius_m = std::hypot(rb, rho_contact)};
-  const double bottom = r_M - sign * 0.5 * diameter;
-  const bool off_root = sign * (bottom - g.root_radius_m) >= 0.0;
-  if (!off_root || !on_flank(g, make_tooth_form(g).form_radius_m, measure.contact_radius_m))
-    return std::nullopt;
-  return measure;
+  return seated_pin(g, make_tooth_form(g).form_radius_m, *pin_diameter_m);
+}
+
+std::optional<PinRange> fitting_pins(const GearGeometry<double>& g) {
+  const double form_radius = make_tooth_form(g).form_radius_m;
+  const auto seated = [&](double diameter) {
+    return seated_pin(g, form_radius, diameter).has_value();
+  };
+  std::optional<double> inside;
+  for (int k = 1; k < kSeatSamples && !inside; ++k) {
+    const double share = static_cast<double>(k) / kSeatSamples;
+    const auto pin = pin_that_touches(g, g.tip_radius_m + share * (form_radius - g.tip_radius_m));
+    if (pin && seated(*pin)) inside = pin;
+  }
+  if (!inside) return std::nullopt;
+  const auto end_between = [&](double in, double out) {
+    for (int i = 0; i < kSeatHalvings; ++i) {
+      const double middle = 0.5 * (in + out);
+      (seated(middle) ? in : out) = middle;
+    }
+    return in;
+  };
+  double out = 2.0 * *inside;
+  const double most = kLargestPin * g.reference_radius_m;
+  while (out < most && seated(out)) out *= 2.0;
+  return PinRange{.least_m = end_between(*inside, 0.0),
+                  .greatest_m = seated(out) ? std::numeric_limits<double>::infinity()
+                                            : end_between(*inside, out)};
 }
 
 ChordalThickness chordal_thickness(const GearGeometry<double>& g) {

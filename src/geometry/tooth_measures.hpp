@@ -41,6 +41,15 @@ struct PinMeasure {
 std::optional<PinMeasure> pin_measure(const GearGeometry<double>& g,
                                       std::optional<double> pin_diameter_m);
 
+/// Diameters of the pins that find a seat: from the one that touches on the form circle, or clears
+/// the root circle, to the one that touches on the tip circle.
+struct PinRange {
+  double least_m = 0.0, greatest_m = 0.0;  ///< greatest_m infinite: no pin touches beyond the tip
+};
+/// Accuracy: 1e-9 of the diameter, by halving between a pin that pin_measure() seats and one that
+/// it does not.  @returns empty where no pin finds a seat
+std::optional<PinRange> fitting_pins(const GearGeometry<double>& g);
+
 /// Tooth thickness on the reference circle as a chord, and the height of that chord below the tip
 /// circle.
 ///

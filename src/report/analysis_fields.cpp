@@ -111,6 +111,13 @@ Fields tooth_fields(const std::string& gear, const design::ToothResult& t) {
              {"pin_contact_diameter", "mm", 6});
     f.add("pins", std::move(pins));
   }
+  f.add("fitting_pins", nullptr);
+  if (t.fitting_pins) {
+    Fields fitting(gear);
+    fitting.add("least_mm", mm(t.fitting_pins->least_m), {"least_pin_diameter", "mm", 6});
+    fitting.add("greatest_mm", mm(t.fitting_pins->greatest_m), {"greatest_pin_diameter", "mm", 6});
+    f.add("fitting_pins", std::move(fitting));
+  }
   f.add("chordal_thickness_mm", mm(t.chordal.chord_m), {"chordal_thickness", "mm", 6});
   f.add("chordal_height_mm", mm(t.chordal.height_m), {"chordal_height", "mm", 6});
   Fields infeed(gear);

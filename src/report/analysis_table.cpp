@@ -71,9 +71,13 @@ std::string tooth_table(const std::vector<GearResult>& gears) {
                length(t.chordal.height_m), fmt::format("{:.4f}", t.infeed.profile_shift),
                length(2.0 * t.infeed.root_radius_m)});
   }
+  std::string without;
+  for (const GearResult& g : gears) {
+    if (!g.tooth.pins) without += fmt::format("  {}: {}\n", g.name, design::why_no_pins(g.tooth));
+  }
   return "\nTeeth and measures (mm; rings: span over spaces, pins between; x_E and its root: if a "
          "nominal tool is fed deeper to thin the teeth)\n" +
-         table.text(2);
+         table.text(2) + without;
 }
 
 std::string mesh_table(const std::vector<MeshResult>& meshes) {

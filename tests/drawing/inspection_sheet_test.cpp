@@ -88,6 +88,39 @@ TEST(InspectionSheet, HoldsTheFormCircleToWhatTheMateReachesAtWorst) {
   EXPECT_NE(form.note.find("within the tolerances; built 748.2"), std::string::npos) << form.note;
 }
 
+// The pins that KISSsoft measures with fit; the ends that are told do so too, and none beyond.
+TEST(InspectionSheet, SaysWhyAPinDoesNotFitAndWhichDo) {
+  const auto notes = [](double pin1_m, double pin2_m) {
+    std::string text;
+    for (const InspectionSheet& sheet :
+         pair_sheets("wind_turbine_planet_ring.toml", {pin1_m, pin2_m})) {
+      text += fmt::format("{}\n", fmt::join(sheet.notes, "\n"));
+    }
+    return text;
+  };
+  EXPECT_EQ(notes(0.110, 0.080).find("pins"), std::string::npos);
+  const std::string large = notes(0.400, 0.300);
+  const std::string small = notes(0.040, 0.020);
+  for (const char* part : {"a pin of 400 mm is too large, it would touch beyond the tips; pins of ",
+                           "a pin of 300 mm is too large"}) {
+    EXPECT_NE(large.find(part), std::string::npos) << large;
+  }
+  EXPECT_NE(small.find("a pin of 40 mm is too small, it would touch the root or its fillets; "),
+            std::string::npos)
+      << small;
+  const auto told = [&](const std::string& pin) {
+    const auto at = large.find("pins of ", large.find(pin)) + 8;
+    return std::pair{std::stod(large.substr(at)),
+                     std::stod(large.substr(large.find("to ", at) + 3))};
+  };
+  const auto [least1, greatest1] = told("of 400 mm");
+  const auto [least2, greatest2] = told("of 300 mm");
+  EXPECT_EQ(notes(1e-3 * least1, 1e-3 * greatest2).find("a pin of"), std::string::npos);
+  EXPECT_EQ(notes(1e-3 * greatest1, 1e-3 * least2).find("a pin of"), std::string::npos);
+  EXPECT_NE(notes(1e-3 * least1 - 2e-7, 0.080).find("too small"), std::string::npos);
+  EXPECT_NE(notes(0.110, 1e-3 * greatest2 + 2e-7).find("too large"), std::string::npos);
+}
+
 // What a workshop types into its machine is the tool, in full.
 TEST(InspectionSheet, PrintsTheModuleInFull) {
   const design::Design design = io::read_design(kExamples + "designs/ratio_96_tolerances.toml");

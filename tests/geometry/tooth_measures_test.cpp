@@ -259,6 +259,41 @@ TEST_P(MeasuresOfBothKinds, PinsSeatOnFlankOrAreRefused) {
   EXPECT_GT(refused, 30);
 }
 
+TEST_P(MeasuresOfBothKinds, FittingPinsAreThoseThatFindASeat) {
+  Random random(69);
+  int none = 0, ends = 0;
+  for (int i = 0; i < 40; ++i) {
+    const auto g = random.gear(GetParam());
+    const double m = g.gear.module_m;
+    const auto circles = flank_range(g);
+    const auto room_m = [&](double pin_m) {
+      const Seat seat =
+          seat_of(pin_m, g.base_radius_m, std::max(circles.high_m, g.root_radius_m) + 2.0 * m,
+                  GetParam(), [&](double r) { return flank_half_angle(g, r); });
+      const double to_root_m = GetParam() ? g.root_radius_m - seat.axis_m - 0.5 * pin_m
+                                          : seat.axis_m - 0.5 * pin_m - g.root_radius_m;
+      return std::min({seat.contact_m - circles.low_m, circles.high_m - seat.contact_m, to_root_m});
+    };
+    const auto fitting = fitting_pins(g);
+    if (!fitting) {
+      ++none;
+      for (double pin = 1.1; pin < 3.0; pin += 0.1) {
+        EXPECT_LT(room_m(pin * m), 1e-5 * g.reference_radius_m) << i << ", pin " << pin << " m";
+      }
+      continue;
+    }
+    const auto [least_m, greatest_m] = *fitting;
+    EXPECT_GT(room_m(1.01 * least_m), 0.0) << i;
+    EXPECT_LT(room_m(0.99 * least_m), 0.0) << i;
+    if (!std::isfinite(greatest_m)) continue;
+    EXPECT_GT(room_m(0.99 * greatest_m), 0.0) << i;
+    EXPECT_LT(room_m(1.01 * greatest_m), 0.0) << i;
+    ++ends;
+  }
+  EXPECT_GT(ends, 20);
+  EXPECT_LT(none, 10);
+}
+
 TEST(PinMeasure, PinClearsTheRootThatTheRackLeaves) {
   Random random(66);
   int seen = 0;
