@@ -177,7 +177,6 @@ INSTANTIATE_TEST_SUITE_P(
         Impossible{"RingRim", "[size]\nring_rim_mm = 1.0\nmin_wall_mm = 1.5\n",
                    "wall: the nearest set"},
         Impossible{"Tip", "[limits]\ntip_thickness_mm = 2.0\n", "tip_thickness_mm: the nearest"},
-        Impossible{"List", "[allowed_teeth]\nS = 11\n", "allowed_teeth: it rejects "},
         Impossible{"Hunting",
                    "[limits]\nhunting_tooth = true\n[allowed_teeth]\nS = 12\nP1 = [36, 42]\n",
                    "allowed_teeth: it rejects "}),

@@ -121,6 +121,35 @@ void check_objectives(const optimize::Specification& spec, FileReading& reading)
   }
 }
 
+/// Lists of teeth must hold a number of the gear's range.
+void check_allowed_teeth(const optimize::Specification& spec, FileReading& reading) {
+  if (!spec.limits[design::CheckId::kAllowedTeeth]) return;
+  const optimize::ToothRanges& teeth = spec.teeth;
+  const int least = teeth.min_internal_difference;
+  const auto check = [&](int gear, const optimize::IntegerRange& range,
+                         std::initializer_list<const char*> keys, const std::string& stated) {
+    const auto i = static_cast<std::size_t>(gear);
+    const std::vector<int>& list = spec.limits.allowed_teeth[i];
+    const auto in_range = [&](int z) { return z >= range.min && z <= range.max; };
+    if (list.empty() || range.min > range.max || any_refused(reading, keys) ||
+        std::ranges::any_of(list, in_range)) {
+      return;
+    }
+    const std::string key = fmt::format("allowed_teeth.{}", train::kGearNames[i]);
+    reading.error_at(key, fmt::format("{} = [{}]: allowed: at least one of {} to {} ({})", key,
+                                      fmt::join(list, ", "), range.min, range.max, stated));
+  };
+  check(train::kS, teeth.S, {"teeth.S"}, "teeth.S");
+  check(train::kP1, teeth.P1, {"teeth.P1"}, "teeth.P1");
+  check(train::kP2, teeth.P2, {"teeth.P2"}, "teeth.P2");
+  check(train::kR1, {.min = teeth.P1.min + least, .max = teeth.R1_max},
+        {"teeth.P1", "teeth.R1_max", "teeth.min_internal_difference"},
+        "teeth.P1 and min_internal_difference to teeth.R1_max");
+  check(train::kR2, {.min = teeth.P2.min + least, .max = teeth.R2_max},
+        {"teeth.P2", "teeth.R2_max", "teeth.min_internal_difference"},
+        "teeth.P2 and min_internal_difference to teeth.R2_max");
+}
+
 void check_sizes(const optimize::Specification& spec, FileReading& reading) {
   const auto& whole_m = spec.limits[design::CheckId::kGearboxDiameter];
   if (whole_m && *whole_m <= 2.0 * spec.bodies.ring_rim_m &&
@@ -144,6 +173,7 @@ void check_sizes(const optimize::Specification& spec, FileReading& reading) {
 void check_relations(const SpecificationInput& input, FileReading& reading) {
   const optimize::Specification& spec = input.spec;
   check_sizes(spec, reading);
+  check_allowed_teeth(spec, reading);
   const auto& teeth = spec.teeth;
   if (reading.has("ratio.target") && spec.ratio.target == 0.0) {
     reading.error_at("ratio.target", "ratio.target = 0: allowed: any number but 0");

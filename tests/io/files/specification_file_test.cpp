@@ -56,6 +56,23 @@ TEST(ReadSpecification, AWidthThatIsRefusedIsNotMissing) {
   EXPECT_EQ(errors.find('\n'), std::string::npos) << errors;
 }
 
+TEST(ReadSpecification, AListOfTeethThatHoldsNoneOfTheRangeIsAnError) {
+  const auto errors = [](const std::string& lists) {
+    return errors_of(kMinimal + "[allowed_teeth]\n" + lists);
+  };
+  EXPECT_EQ(errors("S = [11, 14]\nP1 = [40, 50]\nR1 = [57, 121]\nP2 = 39\nR2 = [47, 122]\n"),
+            "spec.toml:13:1: allowed_teeth.S = [11, 14]: allowed: at least one of 12 to 13 "
+            "(teeth.S)\n"
+            "spec.toml:15:1: allowed_teeth.R1 = [57, 121]: allowed: at least one of 58 to 120 "
+            "(teeth.P1 and min_internal_difference to teeth.R1_max)\n"
+            "spec.toml:16:1: allowed_teeth.P2 = [39]: allowed: at least one of 40 to 60 "
+            "(teeth.P2)\n"
+            "spec.toml:17:1: allowed_teeth.R2 = [47, 122]: allowed: at least one of 48 to 121 "
+            "(teeth.P2 and min_internal_difference to teeth.R2_max)");
+  EXPECT_EQ(errors("S = [11, 13]\nR1 = 58\nR2 = [47, 121]\n"), "");
+  EXPECT_EQ(errors("S = 11\n[limits]\nallowed_teeth = false\n"), "") << "switched off";
+}
+
 TEST(ReadSpecification, RingsInOnePlaceAreAnError) {
   EXPECT_EQ(errors_of(kMinimal + "[axial]\nR1_mm = [0, 9]\nR2_mm = [8.5, 16]\n"),
             "spec.toml:14:1: axial.R1_mm = [0, 9] and axial.R2_mm = [8.5, 16]: two rings in one "
