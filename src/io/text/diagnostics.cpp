@@ -47,6 +47,17 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
   return row[b.size()];
 }
 
+/// The only word that begins so; "" where there is none or several.
+std::string only_beginning(const std::string& beginning, const std::vector<std::string>& known) {
+  std::string found;
+  for (const std::string& word : known) {
+    if (!word.starts_with(beginning)) continue;
+    if (!found.empty()) return "";
+    found = word;
+  }
+  return found;
+}
+
 }  // namespace
 
 std::string closest_word(const std::string& written, const std::vector<std::string>& known) {
@@ -66,12 +77,10 @@ std::string closest_word(const std::string& written, const std::vector<std::stri
   constexpr std::size_t kFewestLetters = 3;
   if (!best.empty() || written.size() < kFewestLetters) return best;
   // A word that was not written to its end.
-  for (const std::string& word : known) {
-    if (!word.starts_with(written)) continue;
-    if (!best.empty()) return "";
-    best = word;
-  }
-  return best;
+  if (std::string whole = only_beginning(written, known); !whole.empty()) return whole;
+  // One with another last word, as of another unit.
+  const std::size_t kept = written.rfind('_') + 1;
+  return 3 * kept >= 2 * written.size() ? only_beginning(written.substr(0, kept), known) : "";
 }
 
 }  // namespace gear3k::io

@@ -51,7 +51,8 @@ class CollectedErrors {
 };
 
 /// The known word closest to what was written (edit distance at most 3 and at most half of the
-/// word's length), else the only one that begins with it; "" when there is none.
+/// word's length), else the only one that begins with it, else the only one that begins as it does
+/// up to its last '_', if that is two thirds of it (another unit); "" when there is none.
 std::string closest_word(const std::string& written, const std::vector<std::string>& known);
 
 }  // namespace gear3k::io

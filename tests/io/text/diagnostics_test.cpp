@@ -78,6 +78,13 @@ TEST(ClosestWord, OfABeginningIsTheOnlyWordThatGoesOn) {
   EXPECT_EQ(closest_word("ba", {"backward_efficiency"}), "");
 }
 
+TEST(ClosestWord, OfAnotherUnitIsTheOnlyWordOfThatQuantity) {
+  EXPECT_EQ(closest_word("no_load_speed_rpm", {"no_load_current_a", "no_load_speed_rad_s"}),
+            "no_load_speed_rad_s");
+  EXPECT_EQ(closest_word("output_torque_kgfcm", {"output_torque_nm", "output_torque_nmm"}), "");
+  EXPECT_EQ(closest_word("face_depth", {"face_width_mm"}), "") << "half of it is another word";
+}
+
 TEST(ClosestWord, IsEmptyWithoutKnownWords) { EXPECT_EQ(closest_word("teeth", {}), ""); }
 
 }  // namespace
