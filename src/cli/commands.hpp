@@ -160,7 +160,7 @@ struct SweepQuestion : CommonOptions {
   std::string database;
   std::optional<std::int64_t> run;  ///< whose tasks; empty = all
   std::vector<std::string> by;
-  std::string most = "eta_b", least;
+  std::string most, least;  ///< both "": the objective of the tasks
   std::string x, y;  ///< of a figure
   std::string sql;
   std::string since;    ///< revision or date of a comparison

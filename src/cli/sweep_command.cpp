@@ -236,7 +236,9 @@ ExitCode run_sweep_best(const SweepQuestion& question) {
                                                      .of = least ? question.least : question.most,
                                                      .least = least});
   deliver_rows(question, rows);
-  if (!question.quiet) say(sweep::pooled_text(database, tasks, rows.names));
+  if (question.quiet) return kDone;
+  if (!least && question.most.empty()) say(sweep::ranking_of(database, tasks, question.by).text);
+  say(sweep::pooled_text(database, tasks, rows.names));
   return kDone;
 }
 

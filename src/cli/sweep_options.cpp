@@ -72,7 +72,7 @@ void add_sweep_commands(CLI::App& sweep, SweepCommands& commands, std::function<
       ->delimiter(',')
       ->option_text("NAME,...");
   CLI::Option* most = best.add_option("--most", question.most, "what is best, more of it")
-                          ->option_text("NAME [eta_b]");
+                          ->option_text("NAME [objective]");
   best.add_option("--least", question.least, "what is best, less of it")
       ->option_text("NAME")
       ->excludes(most);

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "io/text/diagnostics.hpp"
+#include "optimize/objective.hpp"
 #include "sweep/schema.hpp"
 #include "sweep/task.hpp"
 
@@ -186,6 +187,41 @@ Column column_of(const Database& database, const std::string& name, Role role) {
   return found->front();
 }
 
+Ranking ranking_of(const Database& database, const AskedTasks& tasks,
+                   const std::vector<std::string>& by) {
+  constexpr const char* kKey = "objective";
+  const std::string usual{
+      optimize::objective_record(optimize::Objective::kBackwardEfficiency).name};
+  const auto keys = key_paths(database);
+  const auto key = std::ranges::find(keys, kKey, &KeyPath::path);
+  std::vector<std::string> objectives{usual};
+  if (key != keys.end()) {
+    objectives.clear();
+    Statement stated =
+        database.prepare(fmt::format("SELECT DISTINCT coalesce({}, '{}') FROM {} ORDER BY 1",
+                                     key_column(*key).sql, usual, tasks_of(database, tasks)));
+    while (stated.step()) objectives.push_back(text_of(stated.value(0)));
+  }
+  constexpr const char* kOther = "--most NAME or --least NAME ranks by another column";
+  const bool one_each = std::ranges::any_of(by, [&](const std::string& name) {
+    return column_of(database, name, Role::kCondition).name == kKey;
+  });
+  if (objectives.size() > 1 && !one_each) {
+    return {.of = "eta_b",
+            .text = fmt::format("{}: ranked by eta_b, as the tasks have several objectives ({}); "
+                                "--by objective has a row for each, {}\n",
+                                database.path(), fmt::join(objectives, ", "), kOther)};
+  }
+  if (objectives.empty() || objectives == std::vector{usual}) return {.of = "eta_b", .text = ""};
+  const bool forward =
+      objectives.size() == 1 &&
+      objectives[0] == optimize::objective_record(optimize::Objective::kForwardEfficiency).name;
+  const std::string of = forward ? "eta_f" : "merit";
+  return {.of = of,
+          .text = fmt::format("{}: ranked by {}, of the objective {} of the tasks; {}\n",
+                              database.path(), of, fmt::join(objectives, ", "), kOther)};
+}
+
 Rows best_of(const Database& database, const BestQuestion& question) {
   const std::string tasks = tasks_of(database, question.tasks);
   std::string names, groups;
@@ -197,7 +233,9 @@ Rows best_of(const Database& database, const BestQuestion& question) {
     groups += fmt::format("{}{}", groups.empty() ? "" : ", ", column.sql);
   }
   const std::size_t by_count = used.size();
-  const Column of = column_of(database, question.of, Role::kResult);
+  const std::string asked =
+      question.of.empty() ? ranking_of(database, question.tasks, question.by).of : question.of;
+  const Column of = column_of(database, asked, Role::kResult);
   if (database.count(
           fmt::format("SELECT count(d.task) > 0 AND count({}) = 0 FROM {}", of.sql, tasks)) == 1) {
     throw io::InvalidInput(

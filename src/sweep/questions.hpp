@@ -38,9 +38,19 @@ struct AskedTasks {
 struct BestQuestion {
   AskedTasks tasks = {};
   std::vector<std::string> by;  ///< a row for each of their values; one that comes again is none
-  std::string of = "eta_b";     ///< what is best
+  std::string of = {};          ///< what is best; "" = ranking_of() the tasks
   bool least = false;           ///< instead of most
 };
+/// What designs are ranked by where a question does not say it.
+struct Ranking {
+  std::string of;  ///< column
+  std::string
+      text;  ///< a line of why, and how another is asked for; "" for eta_b of tasks that want it
+};
+/// The objective of the tasks: eta_b or eta_f, any other as `merit`, as are several of which each
+/// row has one (by the key objective); eta_b where the objectives in a row may differ.
+Ranking ranking_of(const Database& database, const AskedTasks& tasks,
+                   const std::vector<std::string>& by);
 /// The best design for every value of the columns; without a design the row has its status.  Of
 /// values that agree to nine digits that of the greater objective is best.  Keys that the tasks of
 /// the rows differ in, and that are not asked by, come last.

@@ -193,6 +193,61 @@ TEST(SweepBest, TasksOfRunsThatDifferInWhatIsNotToldAreSaidToAndOneRunCanBeAsked
   EXPECT_EQ(sweep::pooled_text(database, {.run = runs[1]}, {"ratio.target"}), "");
 }
 
+TEST(SweepBest, RanksByTheObjectiveOfTheTasksAndSaysSo) {
+  const Workplace place;
+  sweep::Store store(
+      sweep::open_sweep_database(place.file("db").string(), Database::Access::kCreate));
+  // Of the two tasks of a run the one of less eta_b has the greater merit and eta_f.
+  const auto run_of = [&](const std::string& objective) {
+    place.write("sweep.toml", test::kSmallTask + "planets = 4\n" + objective +
+                                  "[vary]\nratio.target = [40.0, 40.1]\n");
+    const sweep::Sweep sweep = sweep::read_sweep(place.file("sweep.toml").string());
+    const std::int64_t run = store.begin(
+        {.uid = objective, .workers = 1, .shard = {}, .started_s = 0.0, .host = "here"}, sweep);
+    sweep::Planned planned;
+    store.plan(run, sweep, {}, 0, planned);
+    store.end_plan();
+    for (const double eta_b : {0.6, 0.7}) {
+      sweep::TaskResult result = test::made_result(eta_b);
+      result.merit = 1.0 - eta_b;
+      result.designs.front().push_back(
+          {.item = "", .quantity = "eta_f", .unit = "", .value = 1.5 - eta_b});
+      store.finish(store.claim(run, sweep::this_process(), 0.0)->id, result, {});
+    }
+    return run;
+  };
+  const Database& database = store.database();
+  const auto best_eta_b = [&](std::optional<std::int64_t> run, std::vector<std::string> by) {
+    const sweep::Rows rows = sweep::best_of(database, {.tasks = {.run = run}, .by = std::move(by)});
+    const auto k = std::ranges::find(rows.names, "eta_b") - rows.names.begin();
+    std::string text;
+    for (const auto& row : rows.rows)
+      text += sweep::text_of(row[static_cast<std::size_t>(k)]) + ' ';
+    return text;
+  };
+  const auto said = [&](std::optional<std::int64_t> run, const std::vector<std::string>& by) {
+    return sweep::ranking_of(database, {.run = run}, by).text;
+  };
+  const std::int64_t backward = run_of("");
+  EXPECT_EQ(best_eta_b(backward, {}), "0.7 ");
+  EXPECT_EQ(said(backward, {}), "");
+  const std::int64_t forward = run_of("objective = \"forward_efficiency\"\n");
+  EXPECT_EQ(best_eta_b(forward, {}), "0.6 ");
+  EXPECT_NE(said(forward, {}).find("ranked by eta_f, of the objective forward_efficiency"),
+            std::string::npos);
+  const std::int64_t error = run_of("objective = \"ratio_error\"\n");
+  EXPECT_EQ(best_eta_b(error, {}), "0.6 ");
+  EXPECT_NE(said(error, {}).find("ranked by merit, of the objective ratio_error of the tasks; "
+                                 "--most NAME or --least NAME"),
+            std::string::npos);
+  EXPECT_EQ(best_eta_b(std::nullopt, {}), "0.7 ");
+  EXPECT_NE(said(std::nullopt, {})
+                .find("ranked by eta_b, as the tasks have several objectives (backward_efficiency, "
+                      "forward_efficiency, ratio_error)"),
+            std::string::npos);
+  EXPECT_EQ(best_eta_b(std::nullopt, {"objective"}), "0.6 0.6 0.6 ") << "by merit, 1 - eta_b";
+}
+
 TEST(SweepBest, WhatIsVariedIsNoDifferenceOfRuns) {
   const Workplace place;
   const test::QueuedTasks tasks(place, "db", 3);
