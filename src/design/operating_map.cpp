@@ -160,7 +160,33 @@ void note_interference(const train::TrainGeometry<double>& train, OperatingMap& 
                   fmt::join(interfering, ", ")));
 }
 
+/// Says which axes are those that the grid has where a file states none, and whose they are.
+void note_default_grid(const Design& design, OperatingMap& map) {
+  if (design.operating_point) return;
+  const MapGrid usual;
+  const auto spans = [](const GridAxis& axis, const GridAxis& other) {
+    return axis.from == other.from && axis.to == other.to;
+  };
+  std::vector<std::string> axes, keys;
+  if (const GridAxis& speed = design.map.sun_speed_rad_s; spans(speed, usual.sun_speed_rad_s)) {
+    axes.push_back(fmt::format("{:g} to {:g} rpm of the sun",
+                               units::from_si(speed.from, units::Unit::kRpm),
+                               units::from_si(speed.to, units::Unit::kRpm)));
+    keys.emplace_back("map.sun_speed_rpm");
+  }
+  if (const GridAxis& torque = design.map.output_torque_Nm; spans(torque, usual.output_torque_Nm)) {
+    axes.push_back(fmt::format("{:g} to {:g} N m at R2", torque.from, torque.to));
+    keys.emplace_back("map.output_torque_nm");
+  }
+  if (axes.empty()) return;
+  map.notes.push_back(
+      fmt::format("{}: the default of the grid, the range of the low-backlash paper's experiment; "
+                  "that of the design's own duty is stated by {}",
+                  fmt::join(axes, " and "), fmt::join(keys, " and ")));
+}
+
 void add_notes(const Design& design, OperatingMap& map) {
+  note_default_grid(design, map);
   if (!std::ranges::any_of(design.shafts.drag, drags)) {
     map.notes.emplace_back(
         "the design states no load-independent losses: no-load, back-driving and breakaway torques "

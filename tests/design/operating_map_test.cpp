@@ -333,6 +333,28 @@ TEST(OperatingMap, NamesTheMeshesThatInterfereAsDrawn) {
   EXPECT_NE(said().find(" um, P2-R2 -"), std::string::npos) << said();
 }
 
+TEST(OperatingMap, SaysWhichAxesOfItsGridNobodyStated) {
+  Design design = g2_below_one();
+  const auto said = [&] {
+    for (const std::string& note : map_of(design).notes) {
+      if (note.find("the default of the grid") != std::string::npos) return note;
+    }
+    return std::string();
+  };
+  design.map = {.sun_speed_rad_s = {.from = 20.0, .to = 100.0, .points = 3},
+                .output_torque_Nm = {.from = 4.0, .to = 40.0, .points = 3}};
+  EXPECT_EQ(said(), "");
+  design.map.output_torque_Nm = MapGrid{}.output_torque_Nm;
+  EXPECT_EQ(said(),
+            "5 to 50 N m at R2: the default of the grid, the range of the low-backlash paper's "
+            "experiment; that of the design's own duty is stated by map.output_torque_nm");
+  design.map.sun_speed_rad_s = MapGrid{}.sun_speed_rad_s;
+  EXPECT_TRUE(said().starts_with("200 to 1000 rpm of the sun and 5 to 50 N m at R2: ")) << said();
+  design.operating_point = OperatingPoint<double>{
+      .sun_speed_rad_s = 60.0, .output_torque_Nm = 20.0, .temperature_K = 293.15};
+  EXPECT_EQ(said(), "") << "where it lies is told instead";
+}
+
 TEST(OperatingMap, SaysWhereTheOperatingPointLiesOutsideIt) {
   Design design = g2_below_one();  // its map: 20 to 100 rad/s and 5 to 50 N m
   const auto says = [&](double speed_rad_s, double torque_Nm) {
