@@ -117,7 +117,7 @@ const std::vector<TablePart>& table_parts() {
                       "driving_torque_per_output_torque", "friction_torque_per_output_torque",
                       "back_driven_torque_per_output_torque", "lost_motion_kinematic",
                       "inertia_lossless", "rated_output_torque", "torque_capacity",
-                      "torque_density", "output_stiffness"},
+                      "torque_density", "gears_torque_density", "output_stiffness"},
        .of_train = true},
       {.title = "Meshes",
        .quantities = {"tooth_force_per_output_torque", "face_width", "working_pressure_angle",
@@ -173,6 +173,7 @@ class ComparisonRows {
   void add(const ComparedQuantity& q) {
     std::string name = q.quantity;
     std::ranges::replace(name, '_', ' ');
+    if (q.quantity == "output_stiffness") name += " at rated output torque";
     std::vector<std::string> row{std::move(name), q.item == "train" ? "" : q.item, q.unit};
     for (const auto& value : q.values) row.push_back(cell(value, q.rounding()));
     if (q.values.size() == 2) row.push_back(change_text(q));

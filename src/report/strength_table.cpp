@@ -386,10 +386,11 @@ std::string train_lines(const design::Evaluation& e,
   table.align_left(1);
   table.add({"torque density", density_text(e, least)});
   if (s.forward.stiffness) {
-    table.add({"torsional stiffness",
-               fmt::format("{} at the output (sun locked), {} at the sun (R2 locked)",
-                           stiffness_text(s.forward.stiffness->output_Nm_rad),
-                           stiffness_text(s.forward.stiffness->input_Nm_rad))});
+    table.add(
+        {"torsional stiffness",
+         fmt::format("{} at the output (sun locked), {} at the sun (R2 locked), at {:.5g} N m",
+                     stiffness_text(s.forward.stiffness->output_Nm_rad),
+                     stiffness_text(s.forward.stiffness->input_Nm_rad), s.forward.torque_Nm)});
   }
   if (s.forward.planet && s.backward.planet) {
     table.add({"planet bearings, forward", bearing_text(s.forward)});

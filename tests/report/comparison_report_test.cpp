@@ -70,8 +70,34 @@ TEST(Comparison, TellsWhatAChangedFaceWidthChanges) {
   ASSERT_TRUE(all.contains("train,output_stiffness"));
   EXPECT_GT(all.at("train,output_stiffness")[1], all.at("train,output_stiffness")[0]);
   const std::string table = comparison_table(two);
-  EXPECT_NE(table.find("output stiffness"), std::string::npos);
+  EXPECT_NE(table.find("output stiffness at rated output torque"), std::string::npos);
+  // Without bodies of carrier and rings the gears' own density is not known either.
+  EXPECT_EQ(table.find("torque density"), std::string::npos);
   EXPECT_EQ(table.find("contact ratio  "), std::string::npos);
+}
+
+// Of rings with rims the mass of the gears is known: theirs is the density, m_S + N m_P + m_R.
+TEST(Comparison, HasTheTorqueDensityOfTheGears) {
+  design::Design rimmed = example("loaded.toml");
+  rimmed.masses.ring1_outer_radius_m = 0.5 * 84e-3;
+  rimmed.masses.ring2_outer_radius_m = 0.5 * 84e-3;
+  design::Design heavy = rimmed;
+  heavy.masses.ring1_outer_radius_m = 0.5 * 90e-3;
+  const std::vector<ComparedDesign> two{compared(rimmed, "thin"), compared(heavy, "thick")};
+  const Quantities all = quantities_of(Json::parse(comparison_json(two)));
+  ASSERT_TRUE(all.contains("train,gears_torque_density"));
+  const auto& density = all.at("train,gears_torque_density");
+  for (std::size_t k = 0; k < 2; ++k) {
+    const design::Evaluation& e = two[k].evaluation;
+    double mass_kg = 0.0;
+    for (const design::PartMass& part : e.parts) {
+      const bool gear = std::ranges::find(train::kGearNames, part.name) != train::kGearNames.end();
+      if (gear) mass_kg += part.count * part.mass_kg.value();
+    }
+    const double capacity_Nm = e.strength->least_capacity()->capacity.torque_Nm;
+    EXPECT_NEAR(density[k].get<double>(), capacity_Nm / mass_kg, 1e-9 * capacity_Nm / mass_kg);
+  }
+  EXPECT_NE(comparison_table(two).find("gears torque density"), std::string::npos);
 }
 
 TEST(Comparison, FitsTheColumnsOfTheScreen) {
