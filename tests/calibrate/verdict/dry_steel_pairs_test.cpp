@@ -301,8 +301,8 @@ TEST(DrySteelPairs, ALossOfAllPairsMayBeBearingsOrSensorOrAnotherCoefficient) {
   const Model level = [&](const Condition& c, const Parameters& p) {
     return asymmetric(c, 1.0 + p[1], p[0]);
   };
-  const auto squares = [&](const Model& model, const Parameters& start) {
-    return errors_of(data.rows, model, refit(data.rows, model, start)).squaredNorm();
+  const auto squares = [&rows = data.rows](const Model& model, const Parameters& start) {
+    return errors_of(rows, model, refit(rows, model, start)).squaredNorm();
   };
   const double least = squares(offset, vector_of({-8.0, 0.07}));
   const double variance = least / static_cast<double>(data.rows.size() - 2);

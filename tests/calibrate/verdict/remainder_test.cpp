@@ -100,7 +100,8 @@ TEST_F(Structure, OfALossInOneCornerTakesOneValue) {
 
 TEST_F(Structure, OfAWaveInTimeIsFoundByItsNumberOfPeriods) {
   const std::vector<double> time = column_of(data_, &Condition::time_s);
-  const auto [first, last] = std::ranges::minmax(time);
+  const double first = std::ranges::min(time);
+  const double last = std::ranges::max(time);
   constexpr double kPeriods = 17.0;  // too many for levels of time
   const Eigen::VectorXd structure = rows([&](const Condition& c) {
     return 1.2 * std::cos(2.0 * std::numbers::pi * kPeriods * (c.time_s - first) / (last - first));
