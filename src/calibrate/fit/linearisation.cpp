@@ -12,7 +12,7 @@ namespace gear3k::calibrate {
 
 namespace {
 
-constexpr int kSlots = kMaxVariables;
+constexpr int kSlots = kSlotsBesideLevel;
 /// From here on rows are simulated in parallel.
 constexpr std::size_t kManyRows = 2000;
 
@@ -233,9 +233,9 @@ NearbyRows::NearbyRows(const Problem& problem, Hypothesis about, double room)
     const bool acts = c.cause->place == Place::kGearbox && !changes_row_friction(c);
     in_gearbox_.insert(in_gearbox_.end(), c.parameters.size(), acts);
   }
-  // As many parameters at a time as a Scalar has slots.
+  // As many parameters at a time as there are slots.
   for (std::size_t first = 0; first == 0 || first < about_.value.size(); first += kSlots) {
-    const auto variables = variables_of(about_.value, first);
+    const auto variables = variables_of(about_.value, first, kSlots);
     gearbox_.emplace_back(problem.states, problem.simulation,
                           gearbox_under(problem.simulation, about_, variables), levels_);
   }
@@ -260,7 +260,7 @@ Linearisation NearbyRows::at(const std::vector<double>& value) const {
   for (std::size_t block = 0; block < gearbox_.size(); ++block) {
     const auto begin = static_cast<Eigen::Index>(block) * kSlots;
     const Eigen::Index slots = std::min<Eigen::Index>(kSlots, parameters - begin);
-    const auto variables = variables_of(value, static_cast<std::size_t>(begin));
+    const auto variables = variables_of(value, static_cast<std::size_t>(begin), kSlots);
     for_rows(*problem_, about_, variables,
              [&](std::size_t row, Eigen::Index i, RowReadings& readings) {
                const Condition& condition = problem_->data.rows[row].condition;

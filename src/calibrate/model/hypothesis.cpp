@@ -103,9 +103,10 @@ std::vector<Scalar> constants_of(std::span<const double> values) {
   return {values.begin(), values.end()};
 }
 
-std::vector<Scalar> variables_of(std::span<const double> values, std::size_t first) {
+std::vector<Scalar> variables_of(std::span<const double> values, std::size_t first,
+                                 std::size_t count) {
   std::vector<Scalar> result = constants_of(values);
-  const std::size_t end = std::min(values.size(), first + kMaxVariables);
+  const std::size_t end = std::min(values.size(), first + count);
   for (std::size_t k = first; k < end; ++k) {
     result[k] = Scalar(values[k], static_cast<int>(k - first));
   }

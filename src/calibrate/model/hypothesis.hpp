@@ -57,9 +57,10 @@ void apply(const Hypothesis& h, std::span<const Scalar> value, const Condition& 
 void apply_to_reading(const Hypothesis& h, std::span<const Scalar> value,
                       const Condition& condition, Kind kind, Modification& m);
 
-/// Values without derivatives, and with the derivatives by as many of them as a Scalar has slots,
-/// from value `first` on: the derivative by value k is in slot k − first.
+/// Values without derivatives, and with the derivatives by so many of them from value `first` on:
+/// the derivative by value k is in slot k − first.
 std::vector<Scalar> constants_of(std::span<const double> values);
-std::vector<Scalar> variables_of(std::span<const double> values, std::size_t first = 0);
+std::vector<Scalar> variables_of(std::span<const double> values, std::size_t first = 0,
+                                 std::size_t count = kMaxVariables);
 
 }  // namespace gear3k::calibrate

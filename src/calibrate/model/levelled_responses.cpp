@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 namespace gear3k::calibrate {
 
 namespace {
 
-constexpr std::size_t kMostPoints = 9;
+constexpr std::size_t kLevels = 3;
 
 double log_of(double level) {
   // Friction at or below 0 is no level: what asks for it is met at the least one.
@@ -17,39 +16,40 @@ double log_of(double level) {
   return std::log(std::max(level, kLeast));
 }
 
+/// Least, middle and greatest in logarithms; about 1 the middle is 1 exactly, so that nothing
+/// changes what stands there.
 std::vector<double> points_of(const LevelRange& levels) {
-  if (!levels.varies()) return {0.0};
+  if (!levels.varies()) return {1.0};
   const double middle = 0.5 * (levels.log_low + levels.log_high);
-  const double half = 0.5 * (levels.log_high - levels.log_low);
-  constexpr double kNarrow = 0.04, kWide = 0.2;
-  const std::size_t count = half < kNarrow ? 5 : half < kWide ? 7 : kMostPoints;
-  std::vector<double> points(count);
-  for (std::size_t j = 0; j < count; ++j) {
-    const double turn = static_cast<double>(j) / static_cast<double>(count - 1);
-    points[j] = middle - half * std::cos(std::numbers::pi * turn);
-  }
-  // Exactly, so that about 1 nothing changes what stands at 1.
-  points[count / 2] = middle;
-  return points;
+  return {std::exp(levels.log_low), std::exp(middle), std::exp(levels.log_high)};
 }
 
-/// Lagrange's polynomials of some points, and their slopes, at x.
-struct Lagrange {
-  std::array<double, kMostPoints> value{}, slope{};
+/// Lagrange's polynomials ℓ_j of some points at x, and Hermite's with their slopes: h_j is 1 at its
+/// point with slope 0 at all, k_j has slope 1 at its point and is 0 at all.
+struct Polynomials {
+  std::array<double, kLevels> lagrange{}, h{}, h_slope{}, k{}, k_slope{};
 
-  Lagrange(const std::vector<double>& points, double x) {
-    const std::size_t n = points.size();
-    for (std::size_t j = 0; j < n; ++j) {
-      double v = 1.0;
-      double s = 0.0;
-      for (std::size_t k = 0; k < n; ++k) {
-        if (k == j) continue;
-        const double span = points[j] - points[k];
-        s = (s * (x - points[k]) + v) / span;
-        v *= (x - points[k]) / span;
+  Polynomials(const std::vector<double>& points, double x) {
+    for (std::size_t j = 0; j < kLevels; ++j) {
+      double value = 1.0;
+      double slope = 0.0;
+      double own_slope = 0.0;  // ℓ'_j(x_j)
+      for (std::size_t i = 0; i < kLevels; ++i) {
+        if (i == j) continue;
+        const double span = points[j] - points[i];
+        slope = (slope * (x - points[i]) + value) / span;
+        value *= (x - points[i]) / span;
+        own_slope += 1.0 / span;
       }
-      value[j] = v;
-      slope[j] = s;
+      const double square = value * value;
+      const double square_slope = 2.0 * value * slope;
+      const double from = x - points[j];
+      const double tilt = 1.0 - 2.0 * own_slope * from;
+      lagrange[j] = value;
+      h[j] = tilt * square;
+      h_slope[j] = tilt * square_slope - 2.0 * own_slope * square;
+      k[j] = from * square;
+      k_slope[j] = from * square_slope + square;
     }
   }
 };
@@ -70,30 +70,34 @@ bool LevelRange::holds(double level) const {
 
 LevelledResponses::LevelledResponses(const RowStates& states, const Simulation& simulation,
                                      const Modification& gearbox, const LevelRange& levels)
-    : log_level_(points_of(levels)) {
-  at_.reserve(log_level_.size());
-  for (const double log_level : log_level_) {
+    : level_(points_of(levels)) {
+  at_.reserve(level_.size());
+  for (const double level : level_) {
     Modification m = gearbox;
-    m.gearbox.friction.level = m.gearbox.friction.level * std::exp(log_level);
+    // Slopes are of use where there is something to interpolate.
+    const Scalar own = levels.varies() ? Scalar(level, kSlotsBesideLevel) : Scalar(level);
+    m.gearbox.friction.level = m.gearbox.friction.level * own;
     at_.emplace_back(states, simulation, m);
   }
 }
 
 std::optional<Scalar> LevelledResponses::of_row(std::size_t row, const Scalar& level) const {
   if (at_.size() == 1) return at_.front().of_row(row);
-  const double x =
-      std::clamp(std::log(std::max(level.a, 1e-300)), log_level_.front(), log_level_.back());
-  const Lagrange basis(log_level_, x);
+  const double x = std::clamp(level.a, level_.front(), level_.back());
+  const Polynomials at(level_, x);
   Scalar result(0.0);
   double slope = 0.0;
   for (std::size_t j = 0; j < at_.size(); ++j) {
     const std::optional<Scalar> y = at_[j].of_row(row);
     if (!y) return std::nullopt;
-    result.a += basis.value[j] * y->a;
-    result.v += basis.value[j] * y->v;
-    slope += basis.slope[j] * y->a;
+    const double by_level = y->v[kSlotsBesideLevel];
+    result.a += at.h[j] * y->a + at.k[j] * by_level;
+    result.v += at.lagrange[j] * y->v;
+    slope += at.h_slope[j] * y->a + at.k_slope[j] * by_level;
   }
-  result.v += slope / std::exp(x) * level.v;
+  result.v[kSlotsBesideLevel] = 0.0;
+  // Beyond the levels the response stays as it is.
+  if (x == level.a) result.v += slope * level.v;
   return result;
 }
 

@@ -222,7 +222,8 @@ TEST(MotionReadings, RippleOfTheMotorsShaftIsFoundByItsOrder) {
 
 /// A weight that turns round and round with the output, whose speed it bends once a turn; with a
 /// wave of the motor's torque over the output's angle.
-MotionRecord turning_weight(const DriveParameters& drive, std::uint64_t seed, double wave_Nm, bool angles) {
+MotionRecord turning_weight(const DriveParameters& drive, std::uint64_t seed, double wave_Nm,
+                            bool angles) {
   RandomNumbers random(seed);
   MotionStretch s;
   s.load_kgm2 = 0.1;
