@@ -22,10 +22,15 @@ class RememberingRows {
   RememberingRows(const ReadingOrder& order, const Eigen::VectorXd& residual,
                   const Eigen::MatrixXd& fitted)
       : order_(order), n_(residual.size()) {
-    // Without their sessions' levels the columns that are left are independent of those.
+    // Without their sessions' levels the columns that are left are independent of those; of one
+    // that is constant in each session only rounding is left.
     Eigen::MatrixXd own = fitted;
-    Eigen::MatrixXd ones = Eigen::MatrixXd::Ones(n_, 1);
+    const Eigen::MatrixXd ones = Eigen::MatrixXd::Ones(n_, 1);
     without_levels(ones, own);
+    constexpr double kRounding = 1e-6;
+    for (Eigen::Index k = 0; k < own.cols(); ++k) {
+      if (own.col(k).norm() <= kRounding * fitted.col(k).norm()) own.col(k).setZero();
+    }
     const Eigen::MatrixXd basis = orthonormal_basis(own);
     sessions_ = std::ranges::count(order_.step, 0);
     columns_.resize(n_, basis.cols() + 2);

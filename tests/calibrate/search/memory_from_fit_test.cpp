@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "calibrate/fit/screen.hpp"
 #include "calibrate/verdict/diagnosis.hpp"
@@ -100,6 +101,44 @@ TEST_F(MemoryFromFit, NeedsAnOrderAndRows) {
   Problem p = problem();
   p.noise.order = {};
   EXPECT_EQ(memory_of(p, {}, 0.03).p_value, 1.0);
+}
+
+TEST(MemoryOfSessions, IsRareBesideWhatIsConstantInEach) {
+  // Eight sessions of eleven: the mean of eleven equal numbers is not quite that number.
+  constexpr int kSessions = 8, kRows = 11, kSeeds = 100;
+  const Simulation simulation(some_black_box(), Kind::kLostMotion);
+  MeasurementSet data;
+  data.kind = Kind::kLostMotion;
+  for (int s = 0; s < kSessions; ++s) {
+    data.runs.push_back(std::to_string(s));
+    for (int i = 0; i < kRows; ++i) {
+      Observation row;
+      row.condition.run = s;
+      row.condition.time_s = 60.0 * (kRows * s + i);
+      row.condition.test_torque_Nm = 5.0 * (1 + (3 * i) % 5);
+      data.rows.push_back(row);
+    }
+  }
+  const std::vector<Candidate> all = candidates_for(simulation, data);
+  for (const char* id : {"clearance", "run_step"}) {
+    const auto cause = std::ranges::find_if(all, [&](const Candidate& c) {
+      return c.cause->id == id && (c.cause->id != "run_step" || c.form.name == "sessions");
+    });
+    ASSERT_NE(cause, all.end()) << id;
+    const Hypothesis h = with({}, *cause);
+    const Eigen::VectorXd clean = simulated(simulation, data, h).value();
+    int found = 0;
+    for (int seed = 1; seed <= kSeeds; ++seed) {
+      RandomBits random(static_cast<std::uint64_t>(seed));
+      for (std::size_t i = 0; i < data.rows.size(); ++i) {
+        data.rows[i].response = clean[static_cast<Eigen::Index>(i)] + 1e-4 * random.normal();
+      }
+      const Problem p{.simulation = simulation, .data = data, .noise = make_noise_model(data)};
+      found += memory_of(p, h, 0.03).p_value <= 0.03 ? 1 : 0;
+    }
+    // 99.9 % of binomial counts of 3 % are below.
+    EXPECT_LE(found, 9) << id;
+  }
 }
 
 TEST_F(MemoryFromFit, EvidenceIsTheMeanOfLikelihoodsByTheCovarianceItself) {
