@@ -193,17 +193,19 @@ double discrepancy_of(const Columns& before, double scale) {
 
 std::optional<std::string> settle(Contest& contest, const NoiseModel& noise, const LeftOver& left,
                                   const Columns& before, double rate, bool has_causes) {
-  const double square = left.scale * left.scale;
+  double scale = left.scale;
   if (const double chance = chance_of_scatter(noise, left.whitened, left.degrees);
       !contest.structure && chance <= rate) {
     contest = {.structure = true, .stays = {}, .remainder = {}};
     contest.remainder.p_value = chance;
+    // Beyond the scatter that is stated, not the one that these rows have.
+    scale = 1.0;
     contest.remainder.best.statistic =
-        winsorised(left.whitened, 1.0).squaredNorm() / square - left.degrees;
+        winsorised(left.whitened, robust_deviation(left.whitened)).squaredNorm() - left.degrees;
   }
   if (!contest.structure || !has_causes) return std::nullopt;
-  const double squares = contest.remainder.best.statistic * square;
-  const double discrepancy = discrepancy_of(before, left.scale);
+  const double squares = contest.remainder.best.statistic * scale * scale;
+  const double discrepancy = discrepancy_of(before, scale);
   constexpr double kLeastShare = 0.02;
   if (squares >= kLeastShare * discrepancy) return std::nullopt;
   contest.structure = false;

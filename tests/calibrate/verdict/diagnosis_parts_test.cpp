@@ -290,6 +290,21 @@ TEST_F(Part, FewRowsFarOutsideTheirStatedScatterAreUnexplained) {
   EXPECT_FALSE(near.remainder.significant);
 }
 
+TEST_F(Part, AScatterOfThriceTheStatedOneBesideACauseIsUnexplained) {
+  data_ = measured_grid({.sun_speeds_rpm = {200.0, 400.0, 600.0, 800.0, 1000.0},
+                         .output_torques_Nm = {10.0, 20.0, 30.0, 40.0, 50.0}});
+  measure(hypothesis({candidate("drag_constant", {.name = "sun", .body = "sun"})}, {0.015}), 0.006,
+          3);
+  for (Observation& row : data_.rows) row.sigma = 0.002;
+  const Diagnosis d = diagnosed();
+  ASSERT_EQ(d.effects.size(), 1U);
+  EXPECT_EQ(d.verdict, Verdict::kUnexplained);
+  EXPECT_TRUE(d.remainder.significant);
+  EXPECT_LT(d.remainder.p_value, 1e-6);
+  for (Observation& row : data_.rows) row.sigma = 0.006;
+  EXPECT_NE(diagnosed().verdict, Verdict::kUnexplained);
+}
+
 TEST_F(Part, ThePValueIsThatOfTheGreatestFindingWhateverItIs) {
   // Cells of load and speed off up and down at random: no cause does that, and all of it shows in
   // the remainder.

@@ -3,9 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
+#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <numbers>
+#include <string>
 
+#include "calibrate/verdict/noise_level.hpp"
 #include "tests/calibrate/rig_campaign.hpp"
 
 namespace gear3k::calibrate::unexplained_test {
@@ -79,6 +82,63 @@ TEST_F(Shape, OfAWaveIsItsTwelfths) {
                 1e-3);
     EXPECT_EQ(remainder.rows[at_k], kRows / 12);
   }
+}
+
+/// Rows of stated scatter 1 that are off by some deviations to either side in turn, beside a cause
+/// that took off others.
+struct ScatteredRows {
+  NoiseModel noise;
+  Eigen::VectorXd left;
+  Columns before;
+};
+ScatteredRows scattered_rows(Eigen::Index n, double off, double taken_off) {
+  ScatteredRows rows;
+  rows.noise.source = NoiseSource::kStated;
+  rows.noise.weight = Eigen::VectorXd::Ones(n);
+  rows.left.resize(n);
+  for (Eigen::Index i = 0; i < n; ++i) rows.left[i] = i % 2 == 0 ? off : -off;
+  rows.before.raw = Eigen::VectorXd::Constant(n, taken_off);
+  return rows;
+}
+
+TEST(UnderstatedScatter, HasTheChanceOfItsChiSquare) {
+  constexpr int kRows = 100, kDegrees = 98;
+  // Squares of 1.5² a row: more than 1.25², and the median too.
+  const ScatteredRows rows = scattered_rows(kRows, 2.0, 0.0);
+  const double p = cdf(complement(boost::math::chi_squared(kDegrees), 4.0 * kRows));
+  EXPECT_NEAR(chance_of_scatter(rows.noise, rows.left, kDegrees), p, 1e-9 * p);
+  // As stated within a quarter.
+  EXPECT_EQ(chance_of_scatter(rows.noise, 0.6 * rows.left, kDegrees), 1.0);
+  // A tenth of the rows, however far off.
+  Eigen::VectorXd outliers = 0.5 * rows.left;
+  for (Eigen::Index i = 0; i < kRows; i += 10) outliers[i] = 1e3;
+  EXPECT_EQ(chance_of_scatter(rows.noise, outliers, kDegrees), 1.0);
+  // Nothing is stated.
+  NoiseModel unknown = rows.noise;
+  unknown.source = NoiseSource::kResiduals;
+  EXPECT_EQ(chance_of_scatter(unknown, rows.left, kDegrees), 1.0);
+}
+
+TEST(UnderstatedScatter, IsStructureBesideACauseUnlessItIsLittleOfTheDiscrepancy) {
+  constexpr Eigen::Index kRows = 100;
+  constexpr int kDegrees = 99;
+  const auto settled = [](double taken_off) {
+    const ScatteredRows rows = scattered_rows(kRows, 3.0, taken_off);
+    Contest contest;
+    const auto note =
+        settle(contest, rows.noise, {.whitened = rows.left, .degrees = kDegrees, .scale = 3.0},
+               rows.before, 0.01, true);
+    EXPECT_LT(contest.remainder.p_value, 1e-6);
+    EXPECT_EQ(note.has_value(), !contest.structure);
+    return note;
+  };
+  // 3² n − ν of the squares beyond what is stated, against n (10² − 1): 8.1 %.
+  EXPECT_FALSE(settled(10.0).has_value());
+  // Against n (30² − 1): 0.89 %.
+  const auto note = settled(30.0);
+  ASSERT_TRUE(note.has_value());
+  EXPECT_TRUE(tells_of_minor_remainder(*note));
+  EXPECT_NE(note->find(" 0.9 % of the squares"), std::string::npos) << *note;
 }
 
 /// A fit of one cause to data that hold it, and a term to put beside it.
