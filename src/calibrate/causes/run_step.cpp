@@ -48,7 +48,7 @@ bool is_between_two(const Form& form) {
   return !gives_each_session_a_value(form) && sessions_of(form) == kTwo;
 }
 
-/// Ends of equal parts of the time, where no runs are told apart.
+/// Ends of equal parts of the time, where no runs are told apart, or one is all.
 std::vector<double> instants(const MeasurementSet& data) {
   constexpr int kParts = 10;
   const ValueRange time = range_of(data, &Condition::time_s);
@@ -77,7 +77,8 @@ std::vector<Form> forms(const Occasion& o) {
         few ? k : static_cast<int>(std::lround(static_cast<double>(k) * runs / (count + 1)));
     places.push_back({.name = kFirstRun, .unit = "", .value = static_cast<double>(run)});
   }
-  if (runs == 0) {
+  constexpr int kFewestToStep = 2;  // one session has no steps between sessions
+  if (runs < kFewestToStep) {
     for (const double t : instants(*o.data)) {
       places.push_back({.name = kInstant, .unit = "s", .value = t});
     }

@@ -156,6 +156,24 @@ TEST(Causes, AreNothingToSearchWhereTheDataCannotShowThem) {
   EXPECT_TRUE(time.contains("run_step"));
 }
 
+TEST(Causes, OfOneSessionAreStepsInTimeAsOfNone) {
+  MeasurementSet data = campaign(Kind::kTransmission);
+  const Simulation simulation(design_of(rig::bilateral_drive_gear()), Kind::kTransmission);
+  const auto steps = [&](int runs) {
+    data.runs.assign(static_cast<std::size_t>(runs), "one");
+    for (Observation& row : data.rows) row.condition.run = runs - 1;
+    std::vector<double> instants;
+    for (const Candidate& c : candidates_for(simulation, data)) {
+      if (c.cause->id != "run_step") continue;
+      EXPECT_EQ(c.form.constants.front().name, "instant");
+      instants.push_back(c.form.constants.front().value);
+    }
+    return instants;
+  };
+  EXPECT_FALSE(steps(0).empty());
+  EXPECT_EQ(steps(1), steps(0));
+}
+
 TEST(Causes, HaveEveryFormOfASearchInTheirCatalogue) {
   // What diagnose may write into a model is what a model may hold.
   for (const Kind kind : kKinds) {
