@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 
 #include "calibrate/causes/friction_change.hpp"
@@ -335,12 +336,17 @@ void weigh(const Judge& judge, const SearchResult& result, const Gap& gap,
   const auto parameters = static_cast<Eigen::Index>(gap.own.parameters.size());
   const auto rows = static_cast<double>(judge.problem().data.rows.size());
   // Without a known scatter the likelihood is that of the variance which each fit leaves.
-  const double likelihood_ratio =
-      judge.problem().noise.known_scale() > 0.0
-          ? added
-          : rows * std::log(gap.fit_rest.sum_of_squares / result.fit.sum_of_squares);
-  found.p_value =
-      result.first_luck.p_value(chi_square_evidence(added, parameters) + log_weight_of(searched));
+  double likelihood_ratio = added;
+  double statistic = added;  // as Screen has it: the threshold is one of such statistics
+  if (!(judge.problem().noise.known_scale() > 0.0)) {
+    const double ln_ratio = std::log(gap.fit_rest.sum_of_squares / result.fit.sum_of_squares);
+    const double degrees = rows - static_cast<double>(result.fit.hypothesis.value.size());
+    likelihood_ratio = rows * ln_ratio;
+    statistic = std::max(degrees - 0.5, 0.0) * ln_ratio;
+  }
+  const double of_side = blocks_of({searched}).front().side != 0 ? std::numbers::ln2 : 0.0;
+  found.p_value = result.first_luck.p_value(chi_square_evidence(statistic, parameters) +
+                                            log_weight_of(searched) + of_side);
   found.delta_bic = likelihood_ratio - static_cast<double>(parameters) * std::log(rows);
 }
 

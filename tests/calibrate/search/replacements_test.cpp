@@ -4,6 +4,8 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
+#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -279,6 +281,43 @@ TEST_F(OfTheSensor, BicIsThatOfTheSquaresThatAreLeft) {
   ASSERT_GT(offset, 10.0);
   EXPECT_NEAR(result.effects[0].delta_bic, gain, 1e-6 * n);
   EXPECT_NEAR(result.effects[1].delta_bic, offset, 1e-6 * n);
+}
+
+TEST_F(OfTheSensor, PValuesAreThoseOfTheEvidenceThatTheThresholdIsOf) {
+  data_ = measured_grid({.sun_speeds_rpm = {600.0, 900.0}});
+  measure(sensor(0.005, 0.002), 0.004);
+  const Problem p = problem();
+  SearchResult result = found(p, sensor(0.0, 0.0));
+  result.first_luck = {.threshold = 6.0, .rate = 0.04};
+  const Judge judge(p, result.candidates, result.fit, result.scale);
+  const Squares s = squares();
+  const auto n = static_cast<double>(data_.rows.size());
+  // X = −(ν − 1/2) ln(1 − R²), E = −ln P(χ²_1 ≥ X) + ln w, p = q e^(E_q − E).
+  const boost::math::chi_squared law(1);
+  const std::array<double, 2> without{s.without_gain, s.without_offset};
+  for (std::size_t e = 0; e < 2; ++e) {
+    const double statistic = (n - 2.0 - 0.5) * std::log(without.at(e) / s.both);
+    const double weight = std::exp(log_weight_of(result.fit.hypothesis.effects[e]));
+    const double expected =
+        std::min(1.0, 0.04 * std::exp(6.0) * cdf(complement(law, statistic)) / weight);
+    ASSERT_LT(expected, 1.0);
+    EXPECT_NEAR(judge_effect(judge, result, e).p_value, expected, 1e-5 * expected) << e;
+  }
+}
+
+TEST_F(OneSlope, OfOneSidedCausesPValuesAreHalf) {
+  // Forward at one load a drag and an offset are the same line; a drag can only brake.
+  const Candidate drag = candidate("drag_constant", {.name = "sun", .body = "sun", .weight = 1.0});
+  const Candidate offset = candidate("sensor_offset", {.name = "offset", .weight = 1.0});
+  measure(hypothesis({drag}, {0.003}), 0.004);
+  const Problem p = problem();
+  const auto p_value = [&](const Candidate& c) {
+    SearchResult result = found(p, hypothesis({c}, {0.0}));
+    result.first_luck = {.threshold = 6.0, .rate = 0.04};
+    const Judge judge(p, result.candidates, result.fit, result.scale);
+    return judge_effect(judge, result, 0).p_value * std::exp(log_weight_of(c));
+  };
+  EXPECT_NEAR(p_value(drag), 0.5 * p_value(offset), 1e-6 * p_value(offset));
 }
 
 TEST_F(OfTheSensor, BicOfFewRowsOfStatedScatterIsADifferenceOfChiSquares) {
