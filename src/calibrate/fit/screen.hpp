@@ -36,6 +36,8 @@ class Screen {
          double known_scale);
 
   [[nodiscard]] const std::vector<Block>& blocks() const { return blocks_; }
+  /// Columns of a block that are independent of each other and of what is fitted.
+  [[nodiscard]] Eigen::Index rank(std::size_t block) const { return rank_[block]; }
   /// Of every block on a residual (projected on what is free first).
   [[nodiscard]] std::vector<Gain> gains(const Eigen::VectorXd& residual) const;
 

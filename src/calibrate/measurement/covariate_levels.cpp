@@ -40,7 +40,11 @@ Levels levels_of(std::string name, const std::vector<double>& values, double per
   if (levels.binned) {
     edges.clear();
     const std::size_t bins = std::min<std::size_t>(kMostLevels, sorted.size() / 8);
-    for (std::size_t k = 1; k < bins; ++k) edges.push_back(sorted[k * sorted.size() / bins]);
+    // Many rows at the least value are one level, with nothing below it.
+    for (std::size_t k = 1; k < bins; ++k) {
+      const double edge = sorted[k * sorted.size() / bins];
+      if (edge > sorted.front()) edges.push_back(edge);
+    }
     edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   }
   levels.count = static_cast<int>(edges.size()) + 1;

@@ -91,7 +91,10 @@ struct Term {
 class TermCollection {
  public:
   TermCollection(const Problem& problem, const std::vector<Levels>& levels)
-      : problem_(problem), levels_(levels), losing_(losing_sign(problem.data)) {
+      : problem_(problem),
+        levels_(levels),
+        losing_(losing_sign(problem.data)),
+        both_ways_((losing_.array() != losing_[0]).any()) {
     add_constant();
     add_levels();
     add_cells();
@@ -145,11 +148,10 @@ class TermCollection {
         if (o != nullptr && o->name != l.name) add(crossed(l, *o), Entry::kNone, 0.5);
       }
     }
-    // What is lost adds to the sun's torque forward and takes from it backward.
-    const bool both_ways = (losing_.array() != losing_[0]).any();
     for (const Levels& l : tooth_levels(problem_.data)) add(l, Entry::kNone, 0.5);
+    // What is lost adds to the sun's torque forward and takes from it backward.
     for (const Levels& l : levels_) {
-      if (l.name == "direction" || !few(l) || is_noise(l)) continue;
+      if (!both_ways_ || l.name == "direction" || !few(l) || is_noise(l)) continue;
       add({.along = l.name,
            .count = l.count,
            .plain =
@@ -158,7 +160,7 @@ class TermCollection {
                  columns.array().colwise() *= losing.array();
                  return columns;
                },
-           .entry = both_ways ? Entry::kLosses : Entry::kNone,
+           .entry = Entry::kLosses,
            .weight = 0.7});
     }
     const Levels* load = find("load");
@@ -187,6 +189,7 @@ class TermCollection {
     const double share = 0.5 / static_cast<double>(cells.count);
     for (int k = 0; k < cells.count; ++k) {
       for (const bool losing : {false, true}) {
+        if (losing && !both_ways_) continue;
         add({.along = load->name,
              .count = 1,
              .plain =
@@ -233,6 +236,7 @@ class TermCollection {
   const Problem& problem_;
   const std::vector<Levels>& levels_;
   Eigen::VectorXd losing_;
+  bool both_ways_;  ///< rows of either direction: else what is lost is what is added
   std::vector<Term> terms_;
 };
 
@@ -283,7 +287,7 @@ std::vector<CovariateTest> test_covariates(const std::vector<Term>& terms, Entry
   for (std::size_t k = 0; k < entries.size(); ++k) {
     tests.push_back({.name = entries[k]->along,
                      .statistic = gains[k].statistic,
-                     .degrees = static_cast<int>(all.blocks[k].count) - 1,
+                     .degrees = static_cast<int>(screen.rank(k)),
                      .p_value = std::exp(all.blocks[k].log_weight - gains[k].evidence)});
   }
   return tests;
@@ -353,8 +357,8 @@ FreeResidual free_residual(const NoiseModel& noise, const Eigen::MatrixXd& own,
 void consider_order(const char* along, const std::vector<double>& phase, const OrderScan& scan,
                     const FreeResidual& residual, RemainderSearch& result) {
   const double p = std::exp(-scan.evidence);
-  const auto degrees = static_cast<double>(residual.left.size() - residual.own_basis.cols());
-  const double statistic = -std::log(1.0 - scan.share[scan.best]) * degrees;
+  // P(χ²_2 ≥ x) = e^(−x/2): x is that of the p-value by itself.
+  const double statistic = 2.0 * (scan.evidence + std::log(static_cast<double>(scan.order.size())));
   result.tests.push_back(
       {.name = along, .statistic = statistic, .degrees = 2, .p_value = std::min(1.0, p)});
   if (p >= result.p_value) return;

@@ -54,6 +54,22 @@ TEST(CovariateLevels, AreBinsOfEqualCountsWhereTheyAreMany) {
   }
 }
 
+TEST(CovariateLevels, OfManyRowsAtTheLeastValueHaveRowsInEach) {
+  // Three of five rows at 0, the others at 48 values.
+  std::vector<double> rpm;
+  for (int k = 0; k < 120; ++k) rpm.push_back(k % 5 < 3 ? 0.0 : 10.0 + 7.0 * k);
+  const auto all = covariate_levels(speeds(rpm));
+  const Levels* speed = find(all, "speed");
+  ASSERT_NE(speed, nullptr);
+  EXPECT_TRUE(speed->binned);
+  for (int level = 0; level < speed->count; ++level) {
+    EXPECT_GT(std::ranges::count(speed->of, level), 0) << level;
+  }
+  for (std::size_t i = 0; i < rpm.size(); ++i) {
+    EXPECT_TRUE(rpm[i] > 0.0 || speed->of[i] == 0);
+  }
+}
+
 TEST(CovariateLevels, CrossedAreTheCellsThatOccur) {
   const Levels a{.name = "a", .of = {0, 0, 1, 1, -1}, .count = 2};
   const Levels b{.name = "b", .of = {0, 1, 1, 1, 0}, .count = 2};

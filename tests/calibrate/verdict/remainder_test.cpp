@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
+#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -125,6 +126,30 @@ TEST_F(Structure, OfAWaveInTheAngleIsFoundByItsOrder) {
   EXPECT_EQ(found.best.along, "angle");
   // Within the resolution of the angles that were passed.
   EXPECT_NEAR(found.best.order, kOrder, 2.0 * std::numbers::pi / (high - low));
+}
+
+TEST_F(Structure, HasPValuesOfTheChiSquaresAndDegreesThatAreTold) {
+  // A covariate with blanks: its levels and the rows without one are no longer the mean.
+  Covariate oil{.name = "oil", .value = {}};
+  for (std::size_t i = 0; i < data_.rows.size(); ++i) {
+    oil.value.push_back(i % 4 == 0 ? kUnknown : static_cast<double>(i % 4));
+  }
+  data_.covariates.push_back(oil);
+  const RemainderSearch found =
+      search(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(data_.rows.size())), 3);
+  const auto named = [&](const char* name) {
+    return *std::ranges::find(found.tests, name, &CovariateTest::name);
+  };
+  EXPECT_EQ(named("oil").degrees, 3);
+  EXPECT_EQ(named("rotation").degrees, 1);
+  for (const CovariateTest& test : found.tests) {
+    const double p = cdf(complement(boost::math::chi_squared(test.degrees), test.statistic));
+    // Of two tests the clearer, or of all orders the best.
+    double choices = test.name == "direction" ? 1.0 : 2.0;
+    if (test.name == "angle") choices = static_cast<double>(found.periodogram.order.size());
+    if (test.name == "time" && test.degrees == 2) continue;  // levels and a wave
+    EXPECT_NEAR(test.p_value, std::min(1.0, choices * p), 1e-9) << test.name;
+  }
 }
 
 TEST_F(Structure, OfNoiseIsThereAsOftenAsItsPValueSays) {
