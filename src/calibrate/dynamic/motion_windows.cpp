@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "numerics/median.hpp"
 #include "numerics/square.hpp"
 
 namespace gear3k::calibrate {
@@ -382,9 +383,7 @@ double median_samples(const std::vector<std::vector<MotionPiece>>& pieces) {
     for (const MotionPiece& p : of_stretch) lengths.push_back(static_cast<double>(p.end - p.begin));
   }
   if (lengths.empty()) return 0.0;
-  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
-  std::nth_element(lengths.begin(), middle, lengths.end());
-  return *middle;
+  return numerics::upper_median(std::move(lengths));
 }
 
 }  // namespace

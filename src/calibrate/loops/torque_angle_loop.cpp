@@ -14,6 +14,7 @@
 #include "calibrate/loops/loop_creep.hpp"
 #include "calibrate/loops/torque_branch.hpp"
 #include "calibrate/loops/zero_phase_filter.hpp"
+#include "numerics/median.hpp"
 
 namespace gear3k::calibrate {
 namespace {
@@ -241,9 +242,7 @@ double median_step(const std::vector<double>& time) {
   std::vector<double> step;
   step.reserve(time.size() - 1);
   for (std::size_t i = 1; i < time.size(); ++i) step.push_back(time[i] - time[i - 1]);
-  const auto middle = step.begin() + static_cast<std::ptrdiff_t>(step.size() / 2);
-  std::nth_element(step.begin(), middle, step.end());
-  return *middle;
+  return numerics::upper_median(std::move(step));
 }
 
 /// A loop lasts twice its longest branch.

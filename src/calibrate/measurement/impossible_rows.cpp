@@ -6,9 +6,11 @@
 #include <cmath>
 #include <stdexcept>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "calibrate/measurement/left_out_rows.hpp"
+#include "numerics/median.hpp"
 
 namespace gear3k::calibrate {
 
@@ -51,9 +53,7 @@ double scatter_in_load(const MeasurementSet& set) {
     deviations.push_back(std::abs(difference) / std::sqrt(1.0 + w * w + (1.0 - w) * (1.0 - w)));
   }
   if (deviations.size() < kFewestNeighbours) return 0.0;
-  const auto middle = deviations.begin() + static_cast<std::ptrdiff_t>(deviations.size() / 2);
-  std::ranges::nth_element(deviations, middle);
-  return kMedianToDeviation * *middle;
+  return kMedianToDeviation * numerics::upper_median(std::move(deviations));
 }
 
 }  // namespace

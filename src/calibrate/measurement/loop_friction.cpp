@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "numerics/distributions.hpp"
+#include "numerics/golden_section.hpp"
 #include "numerics/square.hpp"
 
 namespace gear3k::calibrate {
@@ -117,7 +118,6 @@ FlankFit fit_flanks(const LoopPoints& points, double friction, double hardening)
 template <typename FitAt>
 FlankFit least_between(double low, double high, const FitAt& fit_at) {
   constexpr int kScan = 12, kSections = 24;
-  constexpr double kGolden = 0.6180339887498949;  // (√5 − 1)/2
   const double step = (high - low) / kScan;
   FlankFit best;
   int at = 0;
@@ -128,18 +128,15 @@ FlankFit least_between(double low, double high, const FitAt& fit_at) {
       at = k;
     }
   }
-  double a = low + std::max(0, at - 1) * step;
-  double b = low + std::min(kScan, at + 1) * step;
-  for (int k = 0; k < kSections; ++k) {
-    const double left = b - kGolden * (b - a);
-    const double right = a + kGolden * (b - a);
-    const FlankFit of_left = fit_at(left);
-    const FlankFit of_right = fit_at(right);
-    const bool is_left = of_left.chi_square < of_right.chi_square;
-    const FlankFit& lower = is_left ? of_left : of_right;
-    (is_left ? b : a) = is_left ? right : left;
-    if (lower.chi_square < best.chi_square) best = lower;
-  }
+  int sections = 0;
+  numerics::golden_sections(
+      low + std::max(0, at - 1) * step, low + std::min(kScan, at + 1) * step,
+      [&](double x) {
+        const FlankFit fit = fit_at(x);
+        if (fit.chi_square < best.chi_square) best = fit;
+        return fit.chi_square;
+      },
+      [&](double, double) { return sections++ == kSections; });
   return best;
 }
 

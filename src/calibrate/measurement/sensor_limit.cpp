@@ -13,6 +13,7 @@
 
 #include "calibrate/measurement/left_out_rows.hpp"
 #include "calibrate/measurement/noise.hpp"
+#include "numerics/median.hpp"
 
 namespace gear3k::calibrate {
 
@@ -48,12 +49,10 @@ std::optional<SunTorques> sun_torques(const std::vector<Observation>& rows) {
     if (gap > 0.0) resolution = std::min(resolution, gap);
   }
   if (!std::isfinite(resolution)) resolution = 0.0;
-  const auto middle = slopes.begin() + static_cast<std::ptrdiff_t>(slopes.size() / 2);
-  std::ranges::nth_element(slopes, middle);
   return SunTorques{.least = values.front(),
                     .greatest = values.back(),
                     .resolution = resolution,
-                    .slope = *middle};
+                    .slope = numerics::upper_median(std::move(slopes))};
 }
 
 struct RowsAtLimit {

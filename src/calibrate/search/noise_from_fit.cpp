@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "calibrate/causes/reading_change.hpp"
 #include "numerics/distributions.hpp"
 #include "numerics/linear_algebra.hpp"
+#include "numerics/median.hpp"
 
 namespace gear3k::calibrate {
 
@@ -26,10 +28,7 @@ Eigen::VectorXd clipped_in_sessions(const Eigen::VectorXd& residual, const Noise
   for (Eigen::Index i = 0; i < residual.size(); ++i) rows[session(i)].push_back(residual[i]);
   std::vector<double> median(rows.size(), 0.0);
   for (std::size_t r = 0; r < rows.size(); ++r) {
-    if (rows[r].empty()) continue;
-    const auto middle = rows[r].begin() + static_cast<std::ptrdiff_t>(rows[r].size() / 2);
-    std::ranges::nth_element(rows[r], middle);
-    median[r] = *middle;
+    if (!rows[r].empty()) median[r] = numerics::upper_median(std::move(rows[r]));
   }
   Eigen::VectorXd offset(residual.size());
   for (Eigen::Index i = 0; i < residual.size(); ++i) offset[i] = median[session(i)];

@@ -9,6 +9,7 @@
 
 #include "calibrate/measurement/noise.hpp"
 #include "numerics/distributions.hpp"
+#include "numerics/golden_section.hpp"
 
 namespace gear3k::calibrate {
 
@@ -72,18 +73,9 @@ double restricted_variance(const std::vector<UnitEstimate>& units) {
     }
   }
   if (!(best > 0.0)) return 0.0;
-  double low = best / kStep;
-  double high = best * kStep;
-  constexpr double kGolden = 0.6180339887498949;
-  while (high - low > 1e-9 * high) {
-    const double a = high - kGolden * (high - low);
-    const double b = low + kGolden * (high - low);
-    if (restricted_deviance(units, a) < restricted_deviance(units, b)) {
-      high = b;
-    } else {
-      low = a;
-    }
-  }
+  const auto [low, high] = numerics::golden_sections(
+      best / kStep, best * kStep, [&](double v) { return restricted_deviance(units, v); },
+      [](double a, double b) { return b - a <= 1e-9 * b; });
   return 0.5 * (low + high);
 }
 

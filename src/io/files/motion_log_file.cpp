@@ -16,6 +16,7 @@
 #include "io/text/fnv_hash.hpp"
 #include "io/text/printable.hpp"
 #include "io/text/text_lines.hpp"
+#include "numerics/median.hpp"
 
 namespace gear3k::io {
 
@@ -296,9 +297,7 @@ double median_step(const LogRows& rows) {
     if (rows.run[k] == rows.run[k - 1]) steps.push_back(time[k] - time[k - 1]);
   }
   if (steps.empty()) return 0.0;
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
+  return numerics::upper_median(std::move(steps));
 }
 
 /// Turns of one side between two rows, at the output: of its angle, else of its speed.
