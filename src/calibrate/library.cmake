@@ -53,6 +53,7 @@ gear3k_library(calibrate
     measurement/covariate_levels.cpp
     measurement/noise.cpp
     measurement/noise_memory.cpp
+    measurement/row_selection.cpp
     model/cause.cpp
     model/extended_model.cpp
     model/hypothesis.cpp

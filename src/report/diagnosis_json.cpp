@@ -298,9 +298,9 @@ io::Json kind_json(const Diagnosis& d, const MeasurementSet& set) {
   const double si = response_text(d.kind).si;
   io::Json json{{"kind", kind_name(d.kind)}, {"verdict", verdict_name(d.verdict)}};
   json["effects"] =
-      list_json(d.effects, [&](const Effect& effect) { return effect_json(effect, set.runs); });
+      list_json(d.effects, [&](const Effect& effect) { return effect_json(effect, d.runs); });
   json["physically_implausible"] = implausible_json(d);
-  json["correction"] = correction_json(d, set.runs);
+  json["correction"] = correction_json(d, d.runs);
   json["best_refit"] = refit_json(d);
   json["laws"] =
       list_json(d.laws, [&](const calibrate::LawResult& law) { return law_json(law, d.kind); });

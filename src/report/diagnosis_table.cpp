@@ -528,7 +528,7 @@ std::string kind_text(const Diagnosis& d, const MeasurementSet& set) {
   if (several && std::ranges::find(d.effects, "friction_level", &Effect::id) != d.effects.end()) {
     text += "One coefficient of friction cannot explain these data by itself.\n";
   }
-  for (const Effect& effect : d.effects) text += effect_text(effect, set.runs, several, d.kind);
+  for (const Effect& effect : d.effects) text += effect_text(effect, d.runs, several, d.kind);
   if (!d.effects.empty()) text += "(± is half of the 95 % interval.)\n";
   std::string laws;
   for (const calibrate::LawResult& law : d.laws) laws += law_text(law, d);

@@ -7,6 +7,7 @@
 
 #include "calibrate/fit/screen.hpp"
 #include "calibrate/measurement/response_unit.hpp"
+#include "calibrate/measurement/row_selection.hpp"
 #include "calibrate/measurement/value_range.hpp"
 
 namespace gear3k::calibrate {
@@ -30,36 +31,14 @@ std::vector<std::size_t> searched_rows(std::size_t count) {
   return rows;
 }
 
-/// Data and noise of some of the rows.
-MeasurementSet subset_of(const MeasurementSet& data, const std::vector<std::size_t>& rows) {
-  MeasurementSet part = data;
-  part.rows.clear();
-  for (const std::size_t i : rows) part.rows.push_back(data.rows[i]);
-  part.covariates.clear();
-  return part;
-}
-NoiseModel subset_of(const NoiseModel& noise, const std::vector<std::size_t>& rows) {
-  NoiseModel part = noise;
-  part.weight.resize(static_cast<Eigen::Index>(rows.size()));
-  part.run.clear();
-  std::ranges::fill(part.rows_per_run, 0.0);
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    part.weight[static_cast<Eigen::Index>(k)] = noise.weight[static_cast<Eigen::Index>(rows[k])];
-    const int run = noise.run[rows[k]];
-    part.run.push_back(run);
-    if (run >= 0) part.rows_per_run[static_cast<std::size_t>(run)] += 1.0;
-  }
-  part.order = subset_of(noise.order, rows);
-  return part;
-}
-
 }  // namespace
 
 LawData law_data(const Problem& problem, const Hypothesis& hypothesis, LawScope scope) {
   LawData d;
   d.scope = scope;
   d.rows = searched_rows(problem.data.rows.size());
-  d.data = subset_of(problem.data, d.rows);
+  d.data = select_rows(problem.data, d.rows);
+  d.data.covariates.clear();
   d.noise = subset_of(problem.noise, d.rows);
   const Problem part{.simulation = problem.simulation, .data = d.data, .noise = d.noise};
   const Linearisation at = linearise(part, hypothesis, {});

@@ -5,20 +5,9 @@
 
 #include <algorithm>
 
+#include "calibrate/measurement/row_selection.hpp"
+
 namespace gear3k::calibrate {
-
-namespace {
-
-template <class Value>
-void remove_marked(std::vector<Value>& values, const std::vector<char>& marked) {
-  std::size_t kept = 0;
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    if (marked[k] == 0) values[kept++] = values[k];
-  }
-  values.resize(kept);
-}
-
-}  // namespace
 
 std::string line_list(const std::vector<int>& lines) {
   constexpr std::size_t kShown = 10;
@@ -47,8 +36,12 @@ std::string places_of(const MeasurementSet& set, const std::vector<char>& marked
 }
 
 void leave_out(MeasurementSet& set, const std::vector<char>& marked) {
-  remove_marked(set.rows, marked);
-  for (Covariate& covariate : set.covariates) remove_marked(covariate.value, marked);
+  std::vector<std::size_t> kept;
+  for (std::size_t k = 0; k < marked.size(); ++k) {
+    if (marked[k] == 0) kept.push_back(k);
+  }
+  set = select_rows(set, kept);
+  drop_empty_runs(set);
 }
 
 }  // namespace gear3k::calibrate

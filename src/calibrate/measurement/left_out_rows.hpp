@@ -14,7 +14,7 @@ std::string line_list(const std::vector<int>& lines);
 /// The marked rows by file: "a.csv: lines 4, 9; b.csv: line 3".
 std::string places_of(const MeasurementSet& set, const std::vector<char>& marked);
 
-/// Removes the marked rows with their covariates.
+/// Removes the marked rows with their covariates, and sessions that no other row is of.
 void leave_out(MeasurementSet& set, const std::vector<char>& marked);
 
 }  // namespace gear3k::calibrate

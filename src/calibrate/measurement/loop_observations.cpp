@@ -13,6 +13,8 @@
 #include "calibrate/measurement/loop_friction.hpp"
 #include "calibrate/measurement/loop_reading.hpp"
 #include "calibrate/measurement/response_unit.hpp"
+#include "calibrate/measurement/row_selection.hpp"
+#include "numerics/median.hpp"
 
 namespace gear3k::calibrate {
 
@@ -143,12 +145,6 @@ double mean_time(const std::vector<double>& time_s, double one_sample, double ot
   return 0.5 * (at(one_sample) + at(other_sample));
 }
 
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
 /// By how much more than its travels a session's angles at zero torque scatter; 1 where not known.
 /// Only rows of one session are compared: noise slower than the filter, which all rows of a loop
 /// share, is in none of these deviations, so that faster sampling says nothing of whole loops.
@@ -162,8 +158,8 @@ double zero_scatter(const Session& session, const std::vector<UsedLoop>& used,
     for (const TravelReading& one : readings[k].travel) travel.push_back(one.variance_rad2);
   }
   if (zero.empty() || travel.empty()) return 1.0;
-  const double of_zero = median_of(std::move(zero));
-  const double of_travel = median_of(std::move(travel));
+  const double of_zero = numerics::upper_median(std::move(zero));
+  const double of_travel = numerics::upper_median(std::move(travel));
   if (!(of_zero > 0.0 && of_travel > 0.0)) return 1.0;
   return std::clamp(std::sqrt(of_zero / of_travel), 1.0 / kMostRatio, kMostRatio);
 }
@@ -171,25 +167,6 @@ double zero_scatter(const Session& session, const std::vector<UsedLoop>& used,
 std::string session_text(const Session& session) {
   return session.label.empty() ? session.name
                                : fmt::format("{}, run {}", session.name, session.label);
-}
-
-/// Sessions that no row is of, as of records without a loop, are none.
-void drop_empty_runs(MeasurementSet& set) {
-  std::vector<int> place(set.runs.size(), -1);
-  for (const Observation& row : set.rows) {
-    if (row.condition.run >= 0) place[static_cast<std::size_t>(row.condition.run)] = 0;
-  }
-  std::vector<std::string> runs;
-  for (std::size_t k = 0; k < place.size(); ++k) {
-    if (place[k] < 0) continue;
-    place[k] = static_cast<int>(runs.size());
-    runs.push_back(set.runs[k]);
-  }
-  for (Observation& row : set.rows) {
-    int& run = row.condition.run;
-    if (run >= 0) run = place[static_cast<std::size_t>(run)];
-  }
-  set.runs = std::move(runs);
 }
 
 }  // namespace

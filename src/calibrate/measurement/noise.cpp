@@ -5,11 +5,13 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "calibrate/measurement/covariate_levels.hpp"
 #include "calibrate/measurement/response_unit.hpp"
 #include "calibrate/measurement/value_range.hpp"
 #include "numerics/distributions.hpp"
+#include "numerics/median.hpp"
 
 namespace gear3k::calibrate {
 
@@ -135,6 +137,21 @@ NoiseModel make_noise_model(const MeasurementSet& data) {
   return noise;
 }
 
+NoiseModel subset_of(const NoiseModel& noise, const std::vector<std::size_t>& rows) {
+  NoiseModel part = noise;
+  part.weight.resize(static_cast<Eigen::Index>(rows.size()));
+  part.run.clear();
+  std::ranges::fill(part.rows_per_run, 0.0);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    part.weight[static_cast<Eigen::Index>(k)] = noise.weight[static_cast<Eigen::Index>(rows[k])];
+    const int run = noise.run[rows[k]];
+    part.run.push_back(run);
+    if (run >= 0) part.rows_per_run[static_cast<std::size_t>(run)] += 1.0;
+  }
+  part.order = subset_of(noise.order, rows);
+  return part;
+}
+
 Eigen::VectorXd NoiseModel::whitened_ones() const {
   Eigen::MatrixXd ones = Eigen::MatrixXd::Ones(weight.size(), 1);
   if (remembers()) MemoryFilter(order, memory).whiten(ones);
@@ -199,9 +216,10 @@ bool NoiseModel::within_rounding(const Eigen::VectorXd& whitened) const {
   return rounding > 0.0 && root_mean_square(whitened) <= kMost * least_scale();
 }
 
+bool NoiseModel::mixes_rows() const { return remembers() || (session_variance > 0.0 && runs > 0); }
+
 bool NoiseModel::counts_rows_alike() const {
-  return weight.size() > 0 && (weight.array() == weight[0]).all() && !remembers() &&
-         !(session_variance > 0.0 && runs > 0);
+  return weight.size() > 0 && (weight.array() == weight[0]).all() && !mixes_rows();
 }
 
 PureError pure_error(const Repeats& repeats, const Eigen::VectorXd& weighted) {
@@ -246,10 +264,8 @@ double robust_deviation(const Eigen::VectorXd& x) {
   std::vector<double> sizes(static_cast<std::size_t>(x.size()));
   for (std::size_t i = 0; i < sizes.size(); ++i)
     sizes[i] = std::abs(x[static_cast<Eigen::Index>(i)]);
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::ranges::nth_element(sizes, middle);
   constexpr double kNormalMedian = 0.674489750196082;
-  return *middle / kNormalMedian;
+  return numerics::upper_median(std::move(sizes)) / kNormalMedian;
 }
 
 }  // namespace gear3k::calibrate

@@ -56,18 +56,23 @@ struct NoiseModel {
   [[nodiscard]] double least_scale() const;
   /// Whether weighted residuals are no more than the last digit makes.
   [[nodiscard]] bool within_rounding(const Eigen::VectorXd& whitened) const;
+  /// Whether whiten() makes a row of several.
+  [[nodiscard]] bool mixes_rows() const;
   /// Whether whiten() only changes the unit.
   [[nodiscard]] bool counts_rows_alike() const;
 };
 
-/// Unit of the last digit of the responses: the greatest power of ten, in the column's unit, of
-/// which all are multiples; 0 below 1e-9 [SI].
+/// Unit of the last digit of the responses [SI]: the greatest power of ten from 1 down to 1e-9 of
+/// the column's unit of which all are multiples; 0 where none is.
 double resolution_of(const MeasurementSet& data);
 
 /// Whether the sun's torque was set and the output's was read: it takes a third as many values.
 bool is_commanded(const MeasurementSet& data);
 
 NoiseModel make_noise_model(const MeasurementSet& data);
+
+/// The noise of some of the rows, ascending; sessions keep their numbers.
+NoiseModel subset_of(const NoiseModel& noise, const std::vector<std::size_t>& rows);
 
 /// Sum of squares of weighted rows about the means of their cells, and its degrees of freedom.
 struct PureError {

@@ -300,6 +300,7 @@ std::vector<Candidate> candidates_for(const Simulation& simulation, const Measur
 SearchResult search_causes(const Problem& problem, const std::vector<Candidate>& all,
                            const SearchOptions& options) {
   SearchResult result;
+  result.rows = problem.data.rows.size();
   std::ranges::copy_if(all, std::back_inserter(result.candidates),
                        [](const Candidate& c) { return c.form.weight > 0.0; });
   Growth growth(problem, all, options, result);

@@ -42,6 +42,7 @@ struct SearchResult {
   std::vector<Gain> first_gains;
   Screen::Luck first_luck;
   double first_p = 1.0;
+  std::size_t rows = 0;  ///< that were searched
 };
 
 /// Forms of all causes that the data could show, with the weight of each among its cause's forms.

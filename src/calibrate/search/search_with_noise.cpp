@@ -8,6 +8,8 @@
 #include <optional>
 #include <utility>
 
+#include "calibrate/measurement/row_selection.hpp"
+
 namespace gear3k::calibrate {
 
 namespace {
@@ -193,29 +195,17 @@ SearchResult search_in_all(Problem& problem, const std::vector<Candidate>& candi
   return std::move(best.found);
 }
 
-/// Rows at random places, as many as a search needs: what so many do not show is nothing.
-struct ThinnedRows {
-  MeasurementSet data;
-  std::vector<std::size_t> place;  ///< of each in the data as given
-};
-ThinnedRows thinned(const MeasurementSet& data, std::size_t rows, std::uint64_t seed) {
-  ThinnedRows thin{.data = data, .place = {}};
-  MeasurementSet& result = thin.data;
-  result.rows.clear();
-  for (Covariate& c : result.covariates) c.value.clear();
+/// Random places of rows, as many as a search needs: what so many do not show is nothing.
+std::vector<std::size_t> thinned(std::size_t count, std::size_t wanted, std::uint64_t seed) {
   // Selection sampling: each set of so many rows is as likely, and their order stays.
+  std::vector<std::size_t> places;
+  places.reserve(wanted);
   RandomBits random(seed + 99);
-  for (std::size_t i = 0; i < data.rows.size(); ++i) {
-    const auto wanted = static_cast<double>(rows - result.rows.size());
-    const auto left = static_cast<double>(data.rows.size() - i);
-    if (!(random.uniform() * left < wanted)) continue;
-    result.rows.push_back(data.rows[i]);
-    thin.place.push_back(i);
-    for (std::size_t k = 0; k < data.covariates.size(); ++k) {
-      result.covariates[k].value.push_back(data.covariates[k].value[i]);
-    }
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto more = static_cast<double>(wanted - places.size());
+    if (random.uniform() * static_cast<double>(count - i) < more) places.push_back(i);
   }
-  return thin;
+  return places;
 }
 
 }  // namespace
@@ -228,10 +218,10 @@ SearchResult search_with_noise(Problem& problem, const std::vector<Candidate>& c
   if (problem.data.rows.size() <= 2 * kEnough) {
     return search_in_all(problem, candidates, options, tell, sessions, memory, notes);
   }
-  const ThinnedRows some = thinned(problem.data, kEnough, options.seed);
-  Problem part{
-      .simulation = problem.simulation, .data = some.data, .noise = make_noise_model(some.data)};
-  part.noise.order = subset_of(problem.noise.order, some.place);
+  const std::vector<std::size_t> places = thinned(problem.data.rows.size(), kEnough, options.seed);
+  const MeasurementSet some = select_rows(problem.data, places);
+  Problem part{.simulation = problem.simulation, .data = some, .noise = make_noise_model(some)};
+  part.noise.order = subset_of(problem.noise.order, places);
   SearchResult found = search_in_all(part, candidates, options, tell, sessions, memory, notes);
   problem.noise.session_variance = part.noise.session_variance;
   problem.noise.memory = part.noise.memory;

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "calibrate/measurement/covariate_levels.hpp"
+#include "calibrate/measurement/row_selection.hpp"
 #include "calibrate/model/model_range.hpp"
 #include "calibrate/series/series_model.hpp"
 #include "calibrate/series/series_search.hpp"
@@ -441,17 +442,11 @@ bool differ(const Eigen::VectorXd& a, const Eigen::VectorXd& b,
 
 /// Rows that were simulated.
 MeasurementSet simulated_part(const MeasurementSet& data, const std::vector<RowResult>& rows) {
-  MeasurementSet part = data;
-  part.rows.clear();
-  for (Covariate& c : part.covariates) c.value.clear();
+  std::vector<std::size_t> places;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (!std::isfinite(rows[i].baseline)) continue;
-    part.rows.push_back(data.rows[i]);
-    for (std::size_t k = 0; k < part.covariates.size(); ++k) {
-      part.covariates[k].value.push_back(data.covariates[k].value[i]);
-    }
+    if (std::isfinite(rows[i].baseline)) places.push_back(i);
   }
-  return part;
+  return select_rows(data, places);
 }
 
 /// Rows hold the parts' own again, and what the simulation as given misses is that of the data:

@@ -11,6 +11,7 @@
 #include "calibrate/fit/holdout.hpp"
 #include "calibrate/fit/row_friction.hpp"
 #include "calibrate/laws/law_result.hpp"
+#include "calibrate/measurement/row_selection.hpp"
 #include "calibrate/model/model_range.hpp"
 #include "calibrate/search/form_doubt.hpp"
 #include "calibrate/search/noise_from_fit.hpp"
@@ -43,27 +44,21 @@ struct SimulatedRows {
 /// The rows that do not run are left out, and named in the notes.
 SimulatedRows simulated_rows(const Simulation& simulation, const MeasurementSet& data,
                              std::vector<std::string>& notes) {
-  SimulatedRows result{.data = data, .place = {}};
-  result.data.rows.clear();
+  SimulatedRows result;
   std::vector<int> lines;
   const RowStates states(data.rows);
   const RowResponses responses(states, simulation, simulation.unmodified({}));
   for (std::size_t i = 0; i < data.rows.size(); ++i) {
     const std::optional<Scalar> response = responses.of_row(i);
     if (response && std::isfinite(response->a)) {
-      result.data.rows.push_back(data.rows[i]);
       result.place.push_back(i);
     } else {
       lines.push_back(data.rows[i].line);
     }
   }
+  result.data = select_rows(data, result.place);
   if (lines.empty()) return result;
-  for (Covariate& c : result.data.covariates) {
-    std::vector<double> values;
-    values.reserve(result.place.size());
-    for (const std::size_t i : result.place) values.push_back(c.value[i]);
-    c.value = std::move(values);
-  }
+  drop_empty_runs(result.data);
   notes.push_back(fmt::format(
       "{} of {} rows are left out, as the simulation does not run there (the first in line {})",
       lines.size(), data.rows.size(), lines.front()));
@@ -123,13 +118,14 @@ std::vector<Effect> effects_of(const Problem& problem, const FinalFit& final,
 }
 
 /// Evidence of each cause by itself in its best form, the greatest first.
-std::vector<CauseEvidence> first_evidence(const SearchResult& found, double rows) {
+std::vector<CauseEvidence> first_evidence(const SearchResult& found) {
+  const double ln_rows = std::log(static_cast<double>(found.rows));
   std::vector<CauseEvidence> result;
   for (std::size_t k = 0; k < found.candidates.size(); ++k) {
     const Gain& gain = found.first_gains[k];
     const auto parameters = static_cast<double>(found.candidates[k].parameters.size());
     const CauseEvidence evidence{.id = std::string(found.candidates[k].cause->id),
-                                 .delta_bic = gain.likelihood_ratio - parameters * std::log(rows),
+                                 .delta_bic = gain.likelihood_ratio - parameters * ln_rows,
                                  .evidence = gain.evidence};
     const auto at = std::ranges::find(result, evidence.id, &CauseEvidence::id);
     if (at == result.end()) {
@@ -505,6 +501,7 @@ std::optional<Diagnosis> diagnose_as_read(const Simulation& simulation,
   const SimulatedRows rows = simulated_rows(simulation, all_data, d.notes);
   const MeasurementSet& data = rows.data;
   if (data.rows.empty()) throw std::invalid_argument("diagnose: no row can be simulated");
+  d.runs = data.runs;
   Problem problem{.simulation = simulation, .data = data, .noise = make_noise_model(data)};
   const std::vector<Levels> levels = covariate_levels(data);
   if (!tell(0.05)) return std::nullopt;
@@ -530,7 +527,7 @@ std::optional<Diagnosis> diagnose_as_read(const Simulation& simulation,
   d.covariates_after = left.of_fit.tests;
   d.periodogram = left.of_fit.periodogram;
   d.p_value = std::min(found.first_p, left.of_baseline.p_value);
-  d.evidence = first_evidence(found, static_cast<double>(data.rows.size()));
+  d.evidence = first_evidence(found);
 
   // A cause stands where structure without one does not explain clearly more.
   const double remainder_rate = kRemainderShare * options.false_discovery_rate;

@@ -76,7 +76,9 @@ struct CovariateTest {
   std::string name;  ///< "load", "speed", "angle", ...
   double statistic = 0.0;
   int degrees = 0;
-  double p_value = 1.0;  ///< by itself
+  /// Of the clearer of two tests, by levels and by what they lose, doubled; along angle and time
+  /// times the number of orders.
+  double p_value = 1.0;
 };
 
 /// Lomb-Scargle periodogram of the residuals over the output's angle.
@@ -123,7 +125,7 @@ struct RowResult {
   double sigma = 0.0;                     ///< of the row [SI]
   double holdout = kUnknown;  ///< predicted by the extended model fitted without the row's block
   int block = -1;             ///< that was left out with it
-  bool outlier = false;       ///< beyond what a normal deviate shows in these many rows
+  bool outlier = false;       ///< beyond four standard deviations of what is left
 };
 
 struct Errors {
@@ -159,9 +161,10 @@ struct Diagnosis {
   std::string subject;  ///< name of the gearbox
   Verdict verdict = Verdict::kNoDiscrepancy;
   std::vector<Effect> effects;
-  std::vector<LawResult> laws;  ///< where the verdict is unexplained: at most one
-  Errors errors;                ///< root mean squares, SI
-  std::string holdout_blocks;   ///< "load", "speed", "run", "pinion", "angle", "test torque"
+  std::vector<LawResult> laws;    ///< where the verdict is unexplained: at most one
+  Errors errors;                  ///< root mean squares, SI
+  std::vector<std::string> runs;  ///< sessions with a row that runs, as forms count them
+  std::string holdout_blocks;     ///< "load", "speed", "run", "pinion", "angle", "test torque"
   Extrapolation extrapolation;
   NoiseSource noise_source = NoiseSource::kResiduals;
   int repeat_degrees = 0;

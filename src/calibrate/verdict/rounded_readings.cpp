@@ -8,6 +8,7 @@
 
 #include "calibrate/fit/rounding.hpp"
 #include "calibrate/measurement/noise.hpp"
+#include "calibrate/measurement/row_selection.hpp"
 #include "calibrate/verdict/diagnosis.hpp"
 
 namespace gear3k::calibrate {
@@ -19,21 +20,17 @@ namespace {
 std::optional<MeasurementSet> before_rounding_of(const MeasurementSet& data,
                                                  const std::vector<RowResult>& rows,
                                                  std::uint64_t seed) {
-  MeasurementSet part = data;
-  part.rows.clear();
-  part.covariates.clear();
   std::vector<std::size_t> place;
   std::vector<double> expected;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (!std::isfinite(rows[i].baseline)) continue;
-    part.rows.push_back(data.rows[i]);
     place.push_back(i);
     expected.push_back(rows[i].baseline);
   }
   if (expected.empty()) return std::nullopt;
   const Eigen::Map<const Eigen::VectorXd> y(expected.data(),
                                             static_cast<Eigen::Index>(expected.size()));
-  const auto before = before_rounding(part, y, seed);
+  const auto before = before_rounding(select_rows(data, place), y, seed);
   if (!before) return std::nullopt;
   MeasurementSet result = data;
   for (std::size_t k = 0; k < place.size(); ++k) {
