@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "calibrate/causes/reading_change.hpp"
+#include "calibrate/measurement/row_selection.hpp"
 #include "calibrate/measurement/value_range.hpp"
 #include "numerics/linear_algebra.hpp"
 
@@ -84,6 +85,13 @@ Blocks parts_of_rows(const MeasurementSet& data) {
   return blocks;
 }
 
+int last_session(const MeasurementSet& data, const Blocks& blocks) {
+  if (blocks.name != "run" || data.rows.empty()) return -1;
+  const auto last = std::ranges::max_element(
+      data.rows, {}, [](const Observation& row) { return row.condition.run; });
+  return blocks.of[static_cast<std::size_t>(last - data.rows.begin())];
+}
+
 namespace {
 
 /// ln of the information of some parameters, the others free: det(N)/det(N_others).
@@ -98,26 +106,32 @@ double log_information(const Eigen::MatrixXd& normal, const std::vector<bool>& o
   return log_det(normal) - log_det(normal(others, others));
 }
 
-/// What the rows inside and outside each block say of a hypothesis' parameters, along its
+/// What all rows and those outside each block say of a hypothesis' parameters, along its
 /// linearisation.
 class WithoutBlocks {
  public:
   WithoutBlocks(const Problem& problem, const Hypothesis& hypothesis, const Blocks& blocks)
       : at_(linearise(problem, hypothesis, {})) {
     const Eigen::Index p = at_.own.cols();
-    Eigen::MatrixXd white(at_.own.rows(), p + 1);
-    white << measured(problem.data) - at_.simulated, at_.own;
+    Eigen::MatrixXd plain(at_.own.rows(), p + 1);
+    plain << measured(problem.data) - at_.simulated, at_.own;
+    Eigen::MatrixXd white = plain;
     problem.noise.whiten(white);
+    const double bound = robust_deviation(white.col(0));
     const Eigen::MatrixXd j = white.rightCols(p);
-    const Eigen::VectorXd r = winsorised(white.col(0), robust_deviation(white.col(0)));
+    const Eigen::VectorXd r = winsorised(white.col(0), bound);
     normal_ = j.transpose() * j;
-    moment_ = j.transpose() * r;
-    block_normal_.assign(static_cast<std::size_t>(blocks.count), Eigen::MatrixXd::Zero(p, p));
-    block_moment_.assign(block_normal_.size(), Eigen::VectorXd::Zero(p));
-    for (Eigen::Index i = 0; i < j.rows(); ++i) {
-      const auto b = static_cast<std::size_t>(blocks.of[static_cast<std::size_t>(i)]);
-      block_normal_[b] += j.row(i).transpose() * j.row(i);
-      block_moment_[b] += j.row(i).transpose() * r[i];
+    const Eigen::VectorXd moment = j.transpose() * r;
+    rest_normal_.assign(static_cast<std::size_t>(blocks.count), normal_);
+    rest_moment_.assign(rest_normal_.size(), moment);
+    if (problem.noise.mixes_rows()) {
+      whiten_rests(problem.noise, blocks, plain, bound);
+    } else {
+      for (Eigen::Index i = 0; i < j.rows(); ++i) {
+        const auto b = static_cast<std::size_t>(blocks.of[static_cast<std::size_t>(i)]);
+        rest_normal_[b] -= j.row(i).transpose() * j.row(i);
+        rest_moment_[b] -= j.row(i).transpose() * r[i];
+      }
     }
     // In units in which the full data determine every parameter equally well.
     unit_ = normal_.diagonal().cwiseSqrt().cwiseInverse();
@@ -159,18 +173,37 @@ class WithoutBlocks {
  private:
   static constexpr double kDetermined = 1e-9;
 
+  /// Whitened rows that hold others say something of those: the rows outside each block are
+  /// whitened by themselves.
+  /// @param plain  residual and derivatives, not whitened
+  void whiten_rests(const NoiseModel& noise, const Blocks& blocks, const Eigen::MatrixXd& plain,
+                    double bound) {
+    for (std::size_t b = 0; b < rest_normal_.size(); ++b) {
+      std::vector<std::size_t> outside;
+      for (std::size_t i = 0; i < blocks.of.size(); ++i) {
+        if (blocks.of[i] != static_cast<int>(b)) outside.push_back(i);
+      }
+      Eigen::MatrixXd white = plain(outside, Eigen::all);
+      subset_of(noise, outside).whiten(white);
+      const Eigen::MatrixXd j = white.rightCols(white.cols() - 1);
+      rest_normal_[b] = j.transpose() * j;
+      rest_moment_[b] = j.transpose() * winsorised(white.col(0), bound);
+    }
+  }
+
   [[nodiscard]] Eigen::MatrixXd left_of(std::size_t b) const {
-    return unit_.asDiagonal() * (normal_ - block_normal_[b]) * unit_.asDiagonal();
+    return unit_.asDiagonal() * rest_normal_[b] * unit_.asDiagonal();
   }
   [[nodiscard]] Eigen::VectorXd moment_of(std::size_t b) const {
-    return unit_.asDiagonal() * (moment_ - block_moment_[b]);
+    return unit_.asDiagonal() * rest_moment_[b];
   }
 
   Linearisation at_;
   Eigen::MatrixXd normal_;
-  Eigen::VectorXd moment_, unit_;
-  std::vector<Eigen::MatrixXd> block_normal_;
-  std::vector<Eigen::VectorXd> block_moment_;
+  Eigen::VectorXd unit_;
+  // Of the rows outside each block.
+  std::vector<Eigen::MatrixXd> rest_normal_;
+  std::vector<Eigen::VectorXd> rest_moment_;
 };
 
 /// Of a drift's form, the span that ends at the last of some rows.
@@ -189,13 +222,11 @@ bool gives_value_to_each(const Candidate& c) { return gives_each_session_a_value
 
 /// The rows of a block, or those of all others.
 MeasurementSet rows_of(const MeasurementSet& data, const Blocks& blocks, int block, bool inside) {
-  MeasurementSet part;
-  part.kind = data.kind;
-  part.runs = data.runs;
+  std::vector<std::size_t> places;
   for (std::size_t i = 0; i < data.rows.size(); ++i) {
-    if ((blocks.of[i] == block) == inside) part.rows.push_back(data.rows[i]);
+    if ((blocks.of[i] == block) == inside) places.push_back(i);
   }
-  return part;
+  return select_rows(data, places);
 }
 
 /// Which parameters are of causes that act by when a row was measured: a session that alone shows
@@ -251,13 +282,12 @@ Eigen::VectorXd predict_left_out(const Problem& problem, const Hypothesis& hypot
   Eigen::VectorXd predicted = predict_held_out(problem, hypothesis, blocks, shown);
   const MeasurementSet& data = problem.data;
   // What a session of a value of its own would be without its rows is not known.
-  if (blocks.name != "run" || std::ranges::none_of(hypothesis.effects, acts_when_measured) ||
+  if (last_session(data, blocks) < 0 ||
+      std::ranges::none_of(hypothesis.effects, acts_when_measured) ||
       std::ranges::any_of(hypothesis.effects, gives_value_to_each)) {
     return predicted;
   }
-  const auto last = std::ranges::max_element(
-      data.rows, {}, [](const Observation& row) { return row.condition.run; });
-  const int last_block = blocks.of[static_cast<std::size_t>(last - data.rows.begin())];
+  const int last_block = last_session(data, blocks);
   const WithoutBlocks without(problem, hypothesis, blocks);
   const Eigen::VectorXd change =
       without.change(static_cast<std::size_t>(last_block), shown, of_when_measured(hypothesis));

@@ -46,6 +46,9 @@ Blocks holdout_blocks(const MeasurementSet& data, const std::vector<Levels>& lev
 /// Tenths of a turn where all rows state their angle, else of the rows in their order.
 Blocks parts_of_rows(const MeasurementSet& data);
 
+/// The block of the last session, where sessions are left out; -1: others are.
+int last_session(const MeasurementSet& data, const Blocks& blocks);
+
 /// Of which of a hypothesis' parameters one block must not hold all that the data say.
 struct Shown {
   std::vector<bool> of;  ///< of each parameter; empty: none
@@ -56,7 +59,9 @@ struct Shown {
 
 /// Each row as a fit without its block predicts it [SI].
 ///
-/// Along the linearisation at the full fit; exact for what is linear in its parameters.
+/// Along the linearisation at the full fit; exact for what is linear in its parameters.  What
+/// sessions share and readings remember is taken off the rows outside the block as if there were no
+/// others.
 /// @returns NaN in blocks without which the parameters are not determined, or those that are to be
 ///          shown too little
 Eigen::VectorXd predict_held_out(const Problem& problem, const Hypothesis& hypothesis,

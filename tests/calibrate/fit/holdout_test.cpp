@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
@@ -99,6 +100,71 @@ TEST_F(HeldOut, OfTheSensorAreRefitsWithoutTheBlock) {
       const Eigen::VectorXd predicted = predict_held_out(problem(), from, blocks);
       for (Eigen::Index i = 0; i < refit.size(); ++i) {
         EXPECT_NEAR(predicted[i], refit[i], 1e-9 * line.col(0).maxCoeff()) << name << ' ' << i;
+      }
+    }
+  }
+}
+
+TEST_F(HeldOut, OfRowsThatShareNoiseAreRefitsThatHaveNotSeenTheBlock) {
+  // Sessions that scatter, and readings that remember: generalised squares of the rows outside.
+  const Hypothesis sensor = hypothesis(
+      {candidate("sensor_gain", {.name = "gain"}), candidate("sensor_offset", {.name = "offset"})},
+      {0.04, 0.003});
+  measure_evenly(sensor, 0.004, 3);
+  const Eigen::MatrixXd line = sensor_line();
+  const Eigen::VectorXd y = measured(data_) - line.col(0);
+  Problem p = problem();
+  p.noise.session_variance = 0.7;
+  p.noise.order = {};
+  for (int i = 0; i < static_cast<int>(data_.rows.size()); ++i) {
+    const bool first = i == 0 || p.noise.run[static_cast<std::size_t>(i)] !=
+                                     p.noise.run[static_cast<std::size_t>(i) - 1];
+    p.noise.order.row.push_back(i);
+    p.noise.order.step.push_back(first ? 0 : 1);
+  }
+  for (const double share : {0.0, 0.6}) {
+    constexpr double kDecay = 0.8;
+    p.noise.memory = {.share = share, .decay = kDecay};
+    const Blocks blocks = by("load");
+    const Eigen::VectorXd predicted = predict_held_out(p, sensor, blocks);
+    for (int block = 0; block < blocks.count; ++block) {
+      std::vector<Eigen::Index> in;
+      for (Eigen::Index i = 0; i < y.size(); ++i) {
+        if (blocks.of[static_cast<std::size_t>(i)] != block) in.push_back(i);
+      }
+      const auto n = static_cast<Eigen::Index>(in.size());
+      Eigen::MatrixXd covariance = Eigen::MatrixXd::Identity(n, n);
+      for (Eigen::Index i = 0; i < n; ++i) {
+        for (Eigen::Index k = 0; k < n; ++k) {
+          const auto a = static_cast<std::size_t>(in[static_cast<std::size_t>(i)]);
+          const auto b = static_cast<std::size_t>(in[static_cast<std::size_t>(k)]);
+          if (p.noise.run[a] != p.noise.run[b]) continue;
+          if (i != k) {
+            const double apart = std::abs(static_cast<double>(a) - static_cast<double>(b));
+            covariance(i, k) = share * std::pow(kDecay, apart);
+          }
+        }
+      }
+      // A unit more in a session is less in rows that remember: of their whitened ones.
+      const Eigen::LLT<Eigen::MatrixXd> root(covariance);
+      Eigen::MatrixXd x = root.matrixL().solve(line(in, Eigen::all));
+      Eigen::VectorXd r = root.matrixL().solve(y(in));
+      const Eigen::VectorXd one = root.matrixL().solve(Eigen::VectorXd::Ones(n));
+      Eigen::MatrixXd shared = Eigen::MatrixXd::Identity(n, n);
+      for (Eigen::Index i = 0; i < n; ++i) {
+        for (Eigen::Index k = 0; k < n; ++k) {
+          const auto a = static_cast<std::size_t>(in[static_cast<std::size_t>(i)]);
+          const auto b = static_cast<std::size_t>(in[static_cast<std::size_t>(k)]);
+          if (p.noise.run[a] == p.noise.run[b]) shared(i, k) += 0.7 * one[i] * one[k];
+        }
+      }
+      const Eigen::LLT<Eigen::MatrixXd> of_sessions(shared);
+      x = of_sessions.matrixL().solve(x);
+      r = of_sessions.matrixL().solve(r);
+      const Eigen::VectorXd refit = numerics::least_squares(x, r);
+      for (Eigen::Index i = 0; i < y.size(); ++i) {
+        if (blocks.of[static_cast<std::size_t>(i)] != block) continue;
+        EXPECT_NEAR(predicted[i], line(i, 0) + line.row(i).dot(refit), 1e-9 * line.maxCoeff());
       }
     }
   }
