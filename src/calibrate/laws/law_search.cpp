@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 
 #include "calibrate/fit/screen.hpp"
 #include "calibrate/laws/law_fit.hpp"
@@ -36,14 +37,6 @@ double capped_sum(const Eigen::VectorXd& whitened, double scale) {
   return (whitened / scale).array().square().min(kWinsor * kWinsor).sum();
 }
 
-/// The block of the last session, where sessions are left out; -1: others are.
-int last_session(const MeasurementSet& data, const Blocks& blocks) {
-  if (blocks.name != "run" || data.rows.empty()) return -1;
-  const auto last = std::ranges::max_element(
-      data.rows, {}, [](const Observation& row) { return row.condition.run; });
-  return blocks.of[static_cast<std::size_t>(last - data.rows.begin())];
-}
-
 /// A law as rows leave it behind: over time and cycles as it is used in later ones.
 AppliedLaw left_by(const std::vector<Observation>& rows, const AppliedLaw& law) {
   if (!is_of_campaign(law.law)) return law;
@@ -71,8 +64,7 @@ class LawSearch {
     std::ranges::stable_sort(trials, {}, score);
     if (trials.empty()) return std::nullopt;
     trials.resize(std::min(trials.size(), kRefined));
-    std::vector<Eigen::Index> all(static_cast<std::size_t>(d_.residual.size()));
-    std::iota(all.begin(), all.end(), Eigen::Index{0});
+    const std::vector<Eigen::Index> all = all_rows();
     const LawFit squares(d_, 0.0);
     double best_deviation = HUGE_VAL;
     for (LawTrial& t : trials) {
@@ -87,19 +79,39 @@ class LawSearch {
       fit.refine(t, all);
       fit.polish(t, all);
     }
-    sum_without_ = fit.sum_of(fit.without_law(all), all);
-    return best_within_rows(trials);
+    std::optional<LawTrial> best = best_within_rows(trials);
+    if (best) {
+      scale_ = scale_about(*best);
+      judge(*best);
+    }
+    return best;
+  }
+
+  /// Fits a law that is known, beside the hypothesis, at the scale as it is.
+  /// @param forms  that it was chosen from
+  void judge_known(LawTrial& t, int forms) {
+    forms_ = forms;
+    judge(t);
   }
 
   [[nodiscard]] double scale() const { return scale_; }
   [[nodiscard]] double delta_bic(const LawTrial& t) const { return sum_without_ - t.sum - cost(t); }
   /// The same with rows far off as three deviations, whether or not a law describes them.
   [[nodiscard]] double sure_bic(const LawTrial& t) const {
-    std::vector<Eigen::Index> all(static_cast<std::size_t>(d_.residual.size()));
-    std::iota(all.begin(), all.end(), Eigen::Index{0});
-    const LawFit fit(d_, scale_);
-    return capped_sum(fit.without_law(all), scale_) - capped_sum(fit.at(t).residual, scale_) -
-           cost(t);
+    const auto [without, with_law] = capped_sums(t);
+    return without - with_law - cost(t);
+  }
+  /// The probability that the best of all forms takes off as much where there is nothing: of N
+  /// forms and orders at most N times that of one, whose numbers, chosen or fitted, are as many
+  /// degrees of freedom.
+  [[nodiscard]] double p_value(const LawTrial& t) const {
+    const auto [without, with_law] = capped_sums(t);
+    const double degrees = degrees_of(t);
+    const double statistic = d_.noise.known_scale() > 0.0
+                                 ? without - with_law
+                                 : std::max(degrees - 0.5, 0.0) * std::log(without / with_law);
+    const double choices = static_cast<double>(std::max(forms_, 1)) * t.orders;
+    return std::min(1.0, choices * std::exp(-chi_square_evidence(statistic, law_cost(t.law))));
   }
   [[nodiscard]] int forms() const { return forms_; }
 
@@ -172,6 +184,35 @@ class LawSearch {
   }
 
  private:
+  [[nodiscard]] std::vector<Eigen::Index> all_rows() const {
+    std::vector<Eigen::Index> all(static_cast<std::size_t>(d_.residual.size()));
+    std::iota(all.begin(), all.end(), Eigen::Index{0});
+    return all;
+  }
+  /// Rows less all that is fitted to them.
+  [[nodiscard]] double degrees_of(const LawTrial& t) const {
+    return static_cast<double>(d_.residual.size()) - static_cast<double>(t.value.size());
+  }
+  /// The robust deviation about a refined trial, what it was fitted by taken into account.
+  [[nodiscard]] double scale_about(const LawTrial& t) const {
+    if (const double known = d_.noise.known_scale(); known > 0.0) return known;
+    const Eigen::VectorXd residual = LawFit(d_, scale_).at(t).residual;
+    const double rows = static_cast<double>(residual.size());
+    return std::max(robust_deviation(residual) * std::sqrt(rows / std::max(degrees_of(t), 1.0)),
+                    d_.noise.least_scale());
+  }
+  void judge(LawTrial& t) {
+    const std::vector<Eigen::Index> all = all_rows();
+    const LawFit fit(d_, scale_);
+    fit.refine(t, all);
+    sum_without_ = fit.sum_of(fit.without_law(all), all);
+  }
+  /// capped_sum() without and with the law.
+  [[nodiscard]] std::pair<double, double> capped_sums(const LawTrial& t) const {
+    const LawFit fit(d_, scale_);
+    return {capped_sum(fit.without_law(all_rows()), scale_),
+            capped_sum(fit.at(t).residual, scale_)};
+  }
   /// Of the refined, the best that does no more where nothing was measured than its rows hold; or
   /// one that does, between them by no more than they differ, where it is better by kSureBic: what
   /// the rows hold is then no law of another form among these.
@@ -254,8 +295,10 @@ std::optional<FoundLaw> law_beside(const Problem& problem, const Hypothesis& hyp
                  .scale = search.scale(),
                  .predicted = LawSearch::predicted(problem, hypothesis, refitted, blocks),
                  .delta_bic = plain ? search.sure_bic(*best) : search.delta_bic(*best),
+                 .p_value = search.p_value(*best),
                  .change = {},
-                 .forms = search.forms()};
+                 .forms = search.forms(),
+                 .orders = best->orders};
   const auto records = parameters_of(found.hypothesis);
   const std::size_t own = hypothesis.value.size();
   for (std::size_t k = 0; k < best->value.size(); ++k) {
@@ -286,9 +329,21 @@ double criterion(const Problem& problem, const Hypothesis& h, double scale, cons
          choice;
 }
 
-/// Takes out causes that beside the law do not pay for their parameters.
+/// The law that is the last effect of a fit, with its values, as a trial beside the causes.
+LawTrial trial_of(const Hypothesis& hypothesis) {
+  const std::size_t last = hypothesis.effects.size() - 1;
+  const auto values = values_of(hypothesis, last);
+  LawTrial trial{.law = law_of(hypothesis.effects[last].form), .value = {}};
+  trial.value.assign(hypothesis.value.size() - values.size(), 0.0);
+  trial.value.insert(trial.value.end(), values.begin(), values.end());
+  return trial;
+}
+
+/// Takes out causes that beside the law do not pay for their parameters; what is said of the law is
+/// then said of it beside those that stay.
 void drop_superfluous(const Problem& problem, const Blocks& blocks, std::size_t candidates,
                       FoundLaw& found) {
+  bool dropped = false;
   for (std::size_t k = 0; k < found.hypothesis.effects.size();) {
     if (found.hypothesis.effects[k].cause == &law_cause()) {
       ++k;
@@ -301,9 +356,19 @@ void drop_superfluous(const Problem& problem, const Blocks& blocks, std::size_t 
       continue;
     }
     found.hypothesis = rest;
-    found.predicted = predict_held_out(problem, rest, blocks);
+    dropped = true;
     k = 0;
   }
+  if (!dropped) return;
+  const Hypothesis& h = found.hypothesis;
+  found.predicted = predict_law_held_out(problem, h, blocks, found.scale);
+  found.change = change_of(problem, found, fit(problem, h, found.scale));
+  LawSearch beside(problem, without(h, h.effects.size() - 1), LawScope::kEveryForm, found.scale);
+  LawTrial trial = trial_of(h);
+  trial.orders = found.orders;
+  beside.judge_known(trial, found.forms);
+  found.delta_bic = beside.delta_bic(trial);
+  found.p_value = beside.p_value(trial);
 }
 
 /// Squares of a fit, rows far off as three deviations.
@@ -367,12 +432,9 @@ Eigen::VectorXd predict_law_held_out(const Problem& problem, const Hypothesis& h
         fmt::format("predict_law_held_out: the last effect is {}, no law", cause->id));
   }
   const Hypothesis causes = without(hypothesis, last);
-  const auto values = values_of(hypothesis, last);
-  LawTrial trial{.law = law_of(hypothesis.effects[last].form), .value = {}};
-  trial.value.assign(causes.value.size(), 0.0);
-  trial.value.insert(trial.value.end(), values.begin(), values.end());
   const LawSearch search(problem, causes, LawScope::kEveryForm, scale);
-  return LawSearch::predicted(problem, causes, search.without_blocks(trial, blocks), blocks);
+  return LawSearch::predicted(problem, causes, search.without_blocks(trial_of(hypothesis), blocks),
+                              blocks);
 }
 
 std::optional<FoundLaw> find_law(const Problem& problem, const Hypothesis& hypothesis,

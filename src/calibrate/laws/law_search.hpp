@@ -23,9 +23,11 @@ struct FoundLaw {
   /// not known there: an amplitude is then 0.
   Eigen::VectorXd predicted;
   double delta_bic = 0.0;  ///< of the causes alone less that with the law; forms tried are paid for
+  double p_value = 1.0;    ///< that the best of all forms takes off as much where there is nothing
   /// What it adds to each row as given, in the fit to all of them [SI].
   Eigen::VectorXd change;
-  int forms = 0;  ///< that were tried
+  int forms = 0;   ///< that were tried
+  int orders = 1;  ///< of these that a wave or pulse was chosen from
 };
 
 /// Looks for a law in what a hypothesis leaves.
@@ -38,15 +40,16 @@ struct FoundLaw {
 ///   Σ ρ(r/s) + p ln n + 2 ln N
 ///
 /// stays: p parameters and constants, N forms that were tried (of waves and pulses times the orders
-/// that were looked through), s the robust deviation about the
-/// best.  It is a law where that is less by 10 than without it, and where rows of held-out blocks,
-/// predicted with all parameters fitted anew without them (constants stay), gain more over the
-/// hypothesis than the standard error of that gain over blocks.
-/// Causes that only imitate the law fall: where a law without them does better by 10, in the same
-/// measure with each cause paid for as one of `candidates`, it is given alone.  A form that does
-/// more between its rows than they hold (exceeds_its_rows) is none, unless it is better by 20 than
-/// all others of the 24 that are refined and does no more there than it differs by in them: what a
-/// form that was not refined would reach is not known.
+/// that were looked through), s the least robust deviation about those refined; what is said of the
+/// one that stays is said with that about it, times √(n/ν), ν the rows less all fitted numbers.  It
+/// is a law where that is less by 10 than without it, and where rows of held-out blocks, predicted
+/// with all parameters fitted anew without them (constants stay), gain more over the hypothesis
+/// than the standard error of that gain over blocks. Causes that only imitate the law fall: where a
+/// law without them does better by 10, in the same measure with each cause paid for as one of
+/// `candidates`, it is given alone.  A form that does more between its rows than they hold
+/// (exceeds_its_rows) is none, unless it is better by 20 than all others of the 24 that are refined
+/// and does no more there than it differs by in them: what a form that was not refined would reach
+/// is not known.
 ///
 /// Of the scope kPlain (nothing else tells of structure) more is asked: rows beyond three
 /// deviations count as three in every sum, so that a few far rows make no law; it is less by

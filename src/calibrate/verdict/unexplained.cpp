@@ -170,7 +170,7 @@ Remainder structure_of(const Problem& problem, const FoundLaw& law,
   }
   Remainder remainder;
   remainder.significant = true;
-  remainder.p_value = std::min(1.0, std::exp(-0.5 * law.delta_bic));
+  remainder.p_value = law.p_value;
   const Hypothesis causes =
       fit(problem, without(law.hypothesis, law.hypothesis.effects.size() - 1), law.scale)
           .hypothesis;

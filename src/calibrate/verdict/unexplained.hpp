@@ -40,7 +40,7 @@ void describe_shape(const Problem& problem, const Columns& columns, const Empiri
                     Remainder& remainder);
 
 /// What a law that was found by itself tells of as structure that no cause explains: along its
-/// first condition, beside the causes that stay.  p: exp(-delta_bic/2).
+/// first condition, beside the causes that stay.
 Remainder structure_of(const Problem& problem, const FoundLaw& law,
                        const std::vector<Levels>& levels);
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <functional>
 #include <numeric>
@@ -431,6 +432,65 @@ TEST(LawSearch, OneFormulaTakesThePlaceOfTwoCausesThatImitateIt) {
   }
   // A measurement would miss it by 1.1 of the noise.
   EXPECT_LT(std::sqrt(sum / static_cast<double>(rig.clean.size())), 0.458 * kNoise);
+}
+
+TEST(LawSearch, WithoutACauseThatItLeavesNothingToItIsWhatItIsAlone) {
+  const Rig rig = transmission_rig(
+      [](double rpm, double) { return 0.012 * std::pow(rpm / 3000.0, 1.4); }, 0.0008, 5);
+  const Simulation simulation(box(), rig.data.kind);
+  const Problem problem{
+      .simulation = simulation, .data = rig.data, .noise = make_noise_model(rig.data)};
+  const Blocks blocks = holdout_blocks(rig.data, covariate_levels(rig.data));
+  const std::vector<Candidate> candidates = candidates_for(simulation, rig.data);
+  const auto offset = std::ranges::find_if(
+      candidates, [](const Candidate& c) { return c.cause->id == "sensor_offset"; });
+  ASSERT_NE(offset, candidates.end());
+  const Hypothesis cause = fit(problem, with({}, *offset), 0.001).hypothesis;
+  const auto law = find_law(problem, cause, blocks, LawScope::kEveryForm, candidates.size());
+  ASSERT_TRUE(law);
+  ASSERT_EQ(law->hypothesis.effects.size(), 1U);
+  // Each row as all parameters of the law, and no others, say that are fitted without its block.
+  const Eigen::VectorXd refitted =
+      predict_law_held_out(problem, law->hypothesis, blocks, law->scale);
+  EXPECT_LT((law->predicted - refitted).cwiseAbs().maxCoeff(), 1e-12);
+  // The squares of the simulation as given less those with the law: the noise is far within three
+  // deviations of the law, and not of the simulation.
+  const Eigen::VectorXd changed = measured(rig.data) - linearise(problem, {}, {}).simulated;
+  const auto sum = [&](const Eigen::VectorXd& r) {
+    double s = 0.0;
+    for (const double x : r) s += huber_square(x / law->scale);
+    return s;
+  };
+  const double n = static_cast<double>(rig.data.rows.size());
+  const double price = law_cost(law->law) * std::log(n) + 2.0 * std::log(law->forms);
+  EXPECT_NEAR(law->delta_bic, sum(changed) - sum(changed - law->change) - price, 0.5);
+}
+
+TEST(LawSearch, IsJudgedByTheRowsAboutItselfAndByAllThatItWasChosenFrom) {
+  const Rig rig = lost_motion_rig([](double nm, double) { return 2.5 * nm / (nm + 4.0); }, 0.8, 7);
+  const auto found = law_in(rig);
+  ASSERT_TRUE(found);
+  const FoundLaw& law = found->law;
+  const Simulation simulation(box(), rig.data.kind);
+  const Problem problem{
+      .simulation = simulation, .data = rig.data, .noise = make_noise_model(rig.data)};
+  const Eigen::VectorXd without = measured(rig.data) - linearise(problem, {}, {}).simulated;
+  const Eigen::VectorXd left = without - law.change;
+  const auto n = static_cast<double>(left.size());
+  const double degrees = n - static_cast<double>(law.hypothesis.value.size());
+  const double scale = robust_deviation(left) * std::sqrt(n / degrees);
+  EXPECT_NEAR(law.scale, scale, 0.003 * scale);
+  // N times that of the χ² of one form, rows far off as three deviations.
+  const auto capped = [&](const Eigen::VectorXd& r) {
+    double sum = 0.0;
+    for (const double x : r) sum += std::min(x * x / (scale * scale), 9.0);
+    return sum;
+  };
+  const double statistic = (degrees - 0.5) * std::log(capped(without) / capped(left));
+  const boost::math::chi_squared one(law_cost(law.law));
+  const double p = law.forms * law.orders * cdf(complement(one, statistic));
+  ASSERT_LT(p, 1e-3);
+  EXPECT_NEAR(std::log(law.p_value), std::log(p), 0.1);
 }
 
 TEST(LawSearch, TwoCausesThatAreThereStay) {
