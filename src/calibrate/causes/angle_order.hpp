@@ -12,7 +12,7 @@ namespace gear3k::calibrate {
 /// torque at the sun, which adds forward and takes away backward).
 std::vector<ParameterRecord> angle_parameters(const Form& form, Kind kind);
 
-/// Forms for orders that the data can show: they span at least a revolution of the body.
+/// Forms for orders that the data can show: they span at least 0.6 of a period.
 std::vector<Form> angle_forms(const Occasion& occasion,
                               const std::vector<train::ShaftOrder>& orders);
 

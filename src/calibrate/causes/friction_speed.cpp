@@ -60,7 +60,7 @@ std::vector<Form> forms(const Occasion& o) {
   }
   // Once it is found: with the scale as a parameter of its own.
   result.push_back(form(kAnyScale, "speed_scale", 0.25 * o.speed[1], 0.0));
-  if (o.speed[0] > 0.0 && o.speed[1] > 1.001 * o.speed[0]) {
+  if (o.speed[0] > 0.0) {
     const double middle = std::sqrt(o.speed[0] * o.speed[1]);
     result.push_back(form("power_about_middle", "reference_speed", middle, 0.2));
     Form free = form("", "reference_speed", middle, 0.0);

@@ -17,17 +17,22 @@ int power_of_speed(const Candidate& c) {
 }
 
 /// The greatest torque of a drag that can be at a shaft: a gearbox that takes more to turn than to
-/// carry its greatest load is none.  The sun's torque is that of the load with the drag on top,
-/// backward less it.
-/// @param at_1rads  the sun's drag at 1 rad/s to the given power of the speed
-double most_drag_nm(const Problem& problem, bool at_output, double at_1rads, int power) {
+/// carry its greatest load is none.
+double most_drag_at_output_nm(const Problem& problem) {
+  double carried_Nm = 0.0;
+  for (const Observation& row : problem.data.rows) {
+    carried_Nm = std::max(carried_Nm, std::abs(row.condition.output_torque_Nm));
+  }
+  return std::max(kMostDrag_Nm, carried_Nm);
+}
+/// The sun's torque is that of the load with the drag on top, backward less it.
+/// @param at_1rads  the drag at 1 rad/s, which goes with the given power of the speed
+double most_drag_at_sun_nm(const Problem& problem, double at_1rads, int power) {
   double carried_Nm = 0.0;
   for (const Observation& row : problem.data.rows) {
     const double own_Nm = at_1rads * std::pow(row.condition.sun_speed_rad_s, power);
     const bool forward = row.condition.direction == design::Direction::kForward;
-    const double torque_Nm = at_output ? std::abs(row.condition.output_torque_Nm)
-                                       : std::abs(row.response) + (forward ? -own_Nm : own_Nm);
-    carried_Nm = std::max(carried_Nm, torque_Nm);
+    carried_Nm = std::max(carried_Nm, std::abs(row.response) + (forward ? -own_Nm : own_Nm));
   }
   return std::max(kMostDrag_Nm, carried_Nm);
 }
@@ -39,7 +44,8 @@ void judge_torques(const Problem& problem, const Candidate& own,
   for (ParameterResult& p : parameters) {
     if (p.name != "torque" && p.name != "other_torque") continue;
     const bool at_output = first_at_output == (p.name == "torque");
-    p.plausible_high = most_drag_nm(problem, at_output, p.value, 0);
+    p.plausible_high =
+        at_output ? most_drag_at_output_nm(problem) : most_drag_at_sun_nm(problem, p.value, 0);
     p.plausible = p.value <= p.plausible_high;
   }
 }
@@ -58,7 +64,9 @@ void add_implausible_drag(const Problem& problem, const FinalFit& fit, std::size
   const double slope = std::pow(sun_rad_s / ratio, power);
   const std::size_t first = value_offset(fit.hypothesis, effect);
   const double torque_Nm = slope * fit.hypothesis.value[first];
-  const double most_Nm = most_drag_nm(problem, at_output, fit.hypothesis.value[first], power);
+  const double most_Nm = at_output
+                             ? most_drag_at_output_nm(problem)
+                             : most_drag_at_sun_nm(problem, fit.hypothesis.value[first], power);
   if (torque_Nm <= most_Nm) return;
   const auto at = static_cast<Eigen::Index>(first);
   const double half =

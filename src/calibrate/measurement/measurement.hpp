@@ -55,13 +55,13 @@ struct Covariate {
   std::vector<double> value;  ///< by row; NaN = blank
 };
 
-/// Rows of one kind, of one or several files.
 /// What the digits of the responses say of how they were taken.
 struct Readings {
   double resolution = 0.0;  ///< resolution_of()
   bool commanded = false;   ///< is_commanded()
 };
 
+/// Rows of one kind, of one or several files.
 struct MeasurementSet {
   Kind kind = Kind::kTransmission;
   std::vector<std::string> files;

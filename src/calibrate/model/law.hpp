@@ -121,7 +121,7 @@ Form form_of(const Law& law);
 /// @throws std::invalid_argument for a form that is no law's
 Law law_of(const Form& form);
 
-/// "power of sun_speed, power of output_torque"
+/// "power of output_torque times power of sun_speed"
 std::string law_title(const Law& law);
 /// "loss = 0.0123 Nm * (sun_speed/3000 rpm)^1.02"
 std::string law_formula(const Law& law, const std::vector<double>& value, Kind kind);

@@ -11,8 +11,8 @@ namespace gear3k::calibrate {
 ///
 /// Of one kind the causes follow each other, earlier ones first, as they act; their covariances
 /// stay apart, and range, files and fingerprint become those of the new data.  Earlier causes of
-/// the procedure (sessions, drift) belong to data that are gone and are left out.  A kind without
-/// anything new keeps its model as it is.
+/// the procedure (sessions, drift) stay too: the new data were simulated with what they left
+/// behind. A kind without anything new keeps its model as it is.
 std::vector<ExtendedModel> updated_models(const std::vector<ExtendedModel>& earlier,
                                           const std::vector<ExtendedModel>& found);
 
