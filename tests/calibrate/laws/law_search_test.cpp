@@ -574,7 +574,8 @@ TEST(Laws, OneFoundByItselfHeedsTheRateOfFalseDiscoveries) {
   const double difference = d->laws[0].delta_bic;
   EXPECT_GT(difference, -2.0 * std::log(1e-5));
   EXPECT_LT(difference, -2.0 * std::log(1e-9));
-  EXPECT_NEAR(std::log(d->p_value), -0.5 * difference, 1e-9);
+  // What chance makes is rarer still: the price of a form's numbers is more than they are worth.
+  EXPECT_LT(d->p_value, options.false_discovery_rate);
   options.false_discovery_rate = 1e-9;
   EXPECT_TRUE(diagnose(simulation, rig.data, options)->laws.empty());
 }
