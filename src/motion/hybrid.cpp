@@ -10,13 +10,6 @@ namespace gear3k::motion {
 
 namespace {
 
-Sides sides_of(const State& x) {
-  return {.fast_rad = x[kFastAngle],
-          .fast_rad_s = x[kFastSpeed],
-          .output_rad = x[kOutputAngle],
-          .output_rad_s = x[kOutputSpeed]};
-}
-
 /// What rounding may make of torques that cancel, as a share of them.
 constexpr double kTorqueRounding = 1e-12;
 /// Of powers that cancel.
@@ -27,6 +20,13 @@ constexpr double kGapRounding = 1e-12;
 constexpr double kNothing = 1e-300;
 
 }  // namespace
+
+Sides sides_of(const State& x) {
+  return {.fast_rad = x[kFastAngle],
+          .fast_rad_s = x[kFastSpeed],
+          .output_rad = x[kOutputAngle],
+          .output_rad_s = x[kOutputSpeed]};
+}
 
 Hybrid::Hybrid(const actuator::Actuator& actuator, const Scenario& scenario)
     : chain_(chain_of(actuator)),
@@ -239,7 +239,7 @@ std::array<double, 3> Hybrid::power_margins(const Instant& now, const State& x) 
           signs_.load * load + 2.0 * kSpeedFloor_rad_s * std::abs(o.prescribed_Nm) + kNothing};
 }
 
-void Hybrid::watch(const State& x, double time_s, std::vector<double>& values) const {
+Outside Hybrid::watch(const State& x, double time_s, std::vector<double>& values) const {
   const Instant now = at(x, time_s);
   const std::array<double, 3> powers = power_margins(now, x);
   values.assign(powers.begin(), powers.end());
@@ -275,6 +275,7 @@ void Hybrid::watch(const State& x, double time_s, std::vector<double>& values) c
       break;
     }
   }
+  return o;
 }
 
 void Hybrid::take(const std::vector<double>& values, State& x) {

@@ -55,6 +55,9 @@ struct Occurrence {
 /// A side that turns has come to rest this far beyond zero, which rounding cannot make of a start.
 inline constexpr double kSpeedFloor_rad_s = 1e-15;
 
+/// Both sides in a state.
+Sides sides_of(const State& x);
+
 /// Everything at an instant of a mode.
 struct Instant {
   Outside outside{};
@@ -84,7 +87,8 @@ class Hybrid {
 
   /// Everything that could end the mode or change the sign of a power: above zero while it lasts.
   /// Their number and order are the same as long as the mode stays.
-  void watch(const State& x, double time_s, std::vector<double>& values) const;
+  /// @returns what acts from outside at that instant
+  Outside watch(const State& x, double time_s, std::vector<double>& values) const;
   /// Takes note of what has ended, values[k] ≤ 0: speeds that have become zero are so exactly.
   void take(const std::vector<double>& values, State& x);
   /// Goes on to the mode that holds from a time on; appends what happens on the way.

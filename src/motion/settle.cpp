@@ -13,13 +13,6 @@ namespace {
 
 int sign_of_speed(double speed) { return speed > 0.0 ? 1 : speed < 0.0 ? -1 : 0; }
 
-Sides sides_in(const State& x) {
-  return {.fast_rad = x[kFastAngle],
-          .fast_rad_s = x[kFastSpeed],
-          .output_rad = x[kOutputAngle],
-          .output_rad_s = x[kOutputSpeed]};
-}
-
 }  // namespace
 
 int Hybrid::started(const Outside& o, bool fast) const {
@@ -42,7 +35,7 @@ void Hybrid::settle_stick(State& x, double time_s) {
         .phase = Phase::kSlide, .sense = sign_of_speed(x[kOutputSpeed]), .contact = mode_.contact};
     return;
   }
-  const Outside o = surroundings_.at(time_s, sides_in(x));
+  const Outside o = surroundings_.at(time_s, sides_of(x));
   for (const int sense : {1, -1}) {
     if (start_excess(o, sense) >= 0.0) {
       mode_ = {.phase = Phase::kSlide, .sense = sense, .contact = mode_.contact};
@@ -53,7 +46,7 @@ void Hybrid::settle_stick(State& x, double time_s) {
 }
 
 void Hybrid::settle_slide(State& x, double time_s, std::vector<Occurrence>& happened) {
-  const Outside o = surroundings_.at(time_s, sides_in(x));
+  const Outside o = surroundings_.at(time_s, sides_of(x));
   const int sense = mode_.sense;
   const JointInput in = joint_input(o, x[kOutputSpeed], sense, false);
   Instant now;
@@ -113,7 +106,7 @@ void Hybrid::set_senses(const State& x, const Outside& o) {
 }
 
 void Hybrid::settle_gap(State& x, double time_s, std::vector<Occurrence>& happened) {
-  const Outside o = surroundings_.at(time_s, sides_in(x));
+  const Outside o = surroundings_.at(time_s, sides_of(x));
   set_senses(x, o);
   const double ahead = x[kFastAngle] - x[kOutputAngle];
   if (std::abs(ahead) < half_gap_rad_ - hidden_room(x)) return;
@@ -138,7 +131,7 @@ void Hybrid::settle_gap(State& x, double time_s, std::vector<Occurrence>& happen
 
 void Hybrid::hold_signs(const State& x, double time_s) {
   if (mode_.phase == Phase::kStick && mode_.contact != 0) {
-    const auto margins = rest_margins(surroundings_.at(time_s, sides_in(x)));
+    const auto margins = rest_margins(surroundings_.at(time_s, sides_of(x)));
     for (std::size_t k = 0; k < margins.size(); ++k) {
       if (!(margins.at(k) > 0.0)) signs_.rest.at(k) = -signs_.rest.at(k);
     }

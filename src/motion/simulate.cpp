@@ -50,6 +50,7 @@ class MotionRun {
  public:
   MotionRun(const actuator::Actuator& actuator, const Scenario& scenario)
       : scenario_(scenario),
+        ratio_(actuator.gearbox.ratio),
         hybrid_(actuator, scenario),
         max_step_s_(hybrid_.max_step_s()),
         stepper_([this](const State& x, State& dxdt, double t) { hybrid_.slopes(x, dxdt, t); },
@@ -81,10 +82,7 @@ class MotionRun {
   [[nodiscard]] MotionRow row(const State& x, double time_s) const {
     const Instant now = hybrid_.at(x, time_s);
     MotionRow r{.time_s = time_s,
-                .sides = {.fast_rad = x[kFastAngle],
-                          .fast_rad_s = x[kFastSpeed],
-                          .output_rad = x[kOutputAngle],
-                          .output_rad_s = x[kOutputSpeed]},
+                .sides = sides_of(x),
                 .acceleration_rad_s2 = now.output_rad_s2,
                 .mode = hybrid_.mode(),
                 .outside = now.outside};
@@ -93,9 +91,15 @@ class MotionRun {
   }
 
   void note(const MotionRow& r) {
-    motion_.peak_current_A = std::max(motion_.peak_current_A, std::abs(r.outside.current_A));
-    motion_.peak_voltage_V = std::max(motion_.peak_voltage_V, std::abs(r.outside.voltage_V));
+    note_peaks(r.outside, r.sides.fast_rad_s);
     motion_.rows.push_back(r);
+  }
+
+  void note_peaks(const Outside& o, double fast_rad_s) {
+    Motion& m = motion_;
+    m.peak_current_A = std::max(m.peak_current_A, std::abs(o.current_A));
+    m.peak_voltage_V = std::max(m.peak_voltage_V, std::abs(o.voltage_V));
+    m.peak_motor_speed_rad_s = std::max(m.peak_motor_speed_rad_s, std::abs(ratio_ * fast_rad_s));
   }
 
   /// Rows at multiples of the distance up to the end of a step, or of what is left of it.
@@ -135,7 +139,8 @@ class MotionRun {
                               .loss_J = loss_J});
   }
 
-  /// Where within the last step anything that is watched ends first; empty: nowhere.
+  /// Where within the last step anything that is watched ends first; empty: nowhere.  Up to there
+  /// the points of the step count for the peaks: rows may be further apart.
   std::optional<double> first_end() {
     constexpr int kPoints = 4;
     const double from = stepper_.from_s();
@@ -144,7 +149,7 @@ class MotionRun {
     for (int k = 1; k <= kPoints; ++k) {
       const double at = k == kPoints ? width : width * k / kPoints;
       const State x = k == kPoints ? stepper_.state() : stepper_.between(from + at);
-      hybrid_.watch(x, from + at, watched_);
+      const Outside outside = hybrid_.watch(x, from + at, watched_);
       std::optional<double> first;
       for (std::size_t which = 0; which < watched_.size(); ++which) {
         if (watched_[which] > 0.0) continue;
@@ -157,6 +162,7 @@ class MotionRun {
         first = first ? std::min(*first, end) : end;
       }
       if (first) return from + *first;
+      note_peaks(outside, x[kFastSpeed]);
       before = at;
     }
     return std::nullopt;
@@ -175,14 +181,12 @@ class MotionRun {
         cut(*end);
         return;
       }
-      if (static_cast<std::int64_t>(motion_.steps) >= scenario_.solver.max_steps) {
-        x_ = stepper_.state();
-        spend(stepper_.to_s());
-        motion_.complete = false;
-        return;
-      }
       sample(stepper_.to_s());
       spend(stepper_.to_s());
+      if (steps_are_spent()) {
+        x_ = stepper_.state();
+        return;
+      }
       if (stepper_.to_s() < limit) continue;
       x_ = stepper_.state();
       step_s_ = std::max(wanted, std::min(stepper_.next_step_s(), max_step_s_));
@@ -193,6 +197,22 @@ class MotionRun {
       note(row(x_, limit));
       return;
     }
+  }
+
+  /// Ends the run where it has taken solver.max_steps and is not through.
+  bool steps_are_spent() {
+    const std::int64_t most = scenario_.solver.max_steps;
+    if (static_cast<std::int64_t>(motion_.steps) < most || time_s_ >= scenario_.duration_s) {
+      return false;
+    }
+    end_early(fmt::format("solver.max_steps = {} steps, the last of {:g} s", most,
+                          stepper_.to_s() - stepper_.from_s()));
+    return true;
+  }
+
+  void end_early(std::string why) {
+    motion_.complete = false;
+    why_ = std::move(why);
   }
 
   /// The time since the last mark goes to the mode that held.
@@ -226,8 +246,12 @@ class MotionRun {
     }
     // Changes of a power's sign are no events, but cost as much.
     const std::size_t counted = std::max(motion_.events.size(), motion_.cuts / 2);
-    motion_.complete = static_cast<std::int64_t>(counted) <= scenario_.solver.max_events;
-    if (motion_.complete && chatters(end_s)) motion_.complete = false;
+    const std::int64_t most = scenario_.solver.max_events;
+    if (static_cast<std::int64_t>(counted) > most) {
+      end_early(fmt::format("more than solver.max_events = {} events", most));
+    } else if (!chatters(end_s)) {
+      steps_are_spent();
+    }
   }
 
   /// Greatest of a stretch of events.
@@ -240,7 +264,7 @@ class MotionRun {
 
   /// Whether events that repeat themselves will go on beyond solver.max_events: a quarter of them
   /// is past, the last eighth came as fast as the one before, and at that rate the rest comes
-  /// before anything that is prescribed changes.  Says so.
+  /// before anything that is prescribed changes.  Ends it and says so.
   bool chatters(double time_s) {
     const auto& events = motion_.events;
     const auto most = static_cast<std::size_t>(scenario_.solver.max_events);
@@ -284,13 +308,13 @@ class MotionRun {
       const auto count = std::count_if(from, events.end(), of);
       if (count > 1) rate = static_cast<double>(count - 1) / (other->time_s - one->time_s);
     }
-    chatter_ = fmt::format(
+    end_early(fmt::format(
         "{} {:.4g} times a second{}; to {:g} s more than solver.max_events = {} events would pass",
         what, rate,
         grows ? fmt::format(" and its impacts take {:.3g} times the energy of those before",
                             now / earlier)
               : "",
-        until, scenario_.solver.max_events);
+        until, scenario_.solver.max_events));
     return true;
   }
   [[nodiscard]] State x_at_start() const { return stepper_.between(stepper_.from_s()); }
@@ -299,6 +323,7 @@ class MotionRun {
   void fill_ledger();
 
   const Scenario& scenario_;
+  double ratio_;
   Hybrid hybrid_;
   double max_step_s_;
   Stepper stepper_;
@@ -309,7 +334,7 @@ class MotionRun {
   int idle_ = 0;
   double last_cut_s_ = -1.0;
   std::size_t looked_ = 0;  ///< events when chatters() looked last
-  std::string chatter_;     ///< why the run was ended; "" else
+  std::string why_;         ///< why the run was ended early; "" else
   actuator::CompensatedSum contact_J_, jam_J_;
   std::vector<double> watched_, trial_;
   Motion motion_;
@@ -354,15 +379,8 @@ void MotionRun::finish() {
   note(motion_.end);
   fill_ledger();
   if (!motion_.complete) {
-    const bool steps = static_cast<std::int64_t>(motion_.steps) >= scenario_.solver.max_steps;
-    const std::string why =
-        !chatter_.empty() ? chatter_
-        : steps
-            ? fmt::format("solver.max_steps = {} steps, the last of {:g} s",
-                          scenario_.solver.max_steps, stepper_.next_step_s())
-            : fmt::format("more than solver.max_events = {} events", scenario_.solver.max_events);
     motion_.ended_early =
-        fmt::format("ended at {:g} s of {:g} s: {}", time_s_, scenario_.duration_s, why);
+        fmt::format("ended at {:g} s of {:g} s: {}", time_s_, scenario_.duration_s, why_);
     motion_.notes.push_back(motion_.ended_early);
   }
   const auto jams = [](const MotionEvent& event) { return event.what == "jams"; };
@@ -385,10 +403,6 @@ void MotionRun::finish() {
 
 Motion simulate(const actuator::Actuator& actuator, const Scenario& scenario) {
   Motion motion = MotionRun(actuator, scenario).run();
-  for (const MotionRow& row : motion.rows) {
-    motion.peak_motor_speed_rad_s = std::max(
-        motion.peak_motor_speed_rad_s, std::abs(actuator.gearbox.ratio * row.sides.fast_rad_s));
-  }
   motion.checks =
       actuator::drive_checks(actuator, {.current_A = motion.peak_current_A,
                                         .voltage_V = motion.peak_voltage_V,

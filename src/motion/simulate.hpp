@@ -55,6 +55,7 @@ struct Motion {
   MotionRow end{};
   std::size_t steps = 0, cuts = 0;
   bool complete = true;  ///< false: solver.max_events or max_steps were passed
+  /// Of the rows and of four points of each step.
   double peak_current_A = 0.0, peak_voltage_V = 0.0, peak_motor_speed_rad_s = 0.0;
   std::vector<actuator::LimitCheck> checks{};  ///< of the peaks; the motion is not held to them
   std::string ended_early{};  ///< why, and when; "" of a complete one.  Among the notes too

@@ -239,6 +239,40 @@ TEST(SimulateProperties, AStiffControlEndsAndSaysSo) {
   EXPECT_NE(m.notes[0].find("solver.max_steps = 2000"), std::string::npos) << m.notes[0];
 }
 
+// Rows at the zeros of a sine see nothing of it.
+TEST(SimulateProperties, PeaksAreThoseBetweenTheRows) {
+  const Actuator a = plain_actuator({.fast_kgm2 = 1.0, .output_kgm2 = 1.0}, 0.9, 0.8);
+  Scenario s;
+  s.duration_s = 1.0;
+  s.start_speed_rad_s = 10.0;
+  s.command = {.amplitude = 3.0, .frequency_Hz = 50.0};
+  s.sample_s = 0.02;
+  const Motion m = simulate(a, s);
+  double of_rows = 0.0;
+  for (const MotionRow& row : m.rows) of_rows = std::max(of_rows, std::abs(row.outside.current_A));
+  EXPECT_LT(of_rows, 0.1);
+  // Kt = 1: the peak is the amplitude, which is missed by at most half of a 160th of the period.
+  EXPECT_LE(m.peak_current_A, 3.0);
+  EXPECT_GE(m.peak_current_A, 3.0 * std::cos(std::numbers::pi / 160.0));
+}
+
+TEST(SimulateProperties, StepsThatEventsCutCountToo) {
+  Scenario s = pendulum(0.12);
+  const Motion whole = simulate(swinging(), s);
+  ASSERT_TRUE(whole.complete);
+  ASSERT_GT(whole.cuts, 20U);
+  for (const std::int64_t most : {1, 7, 40, 100}) {
+    s.solver.max_steps = most;
+    const Motion m = simulate(swinging(), s);
+    EXPECT_FALSE(m.complete);
+    EXPECT_EQ(m.steps, static_cast<std::size_t>(most));
+    EXPECT_NE(m.ended_early.find("solver.max_steps"), std::string::npos) << m.ended_early;
+  }
+  // As many as it takes are enough.
+  s.solver.max_steps = static_cast<std::int64_t>(whole.steps);
+  EXPECT_TRUE(simulate(swinging(), s).complete);
+}
+
 TEST(SimulateProperties, TooManyEventsEndTheRunAndSaySo) {
   Scenario s = pendulum(0.12);
   s.solver.max_events = 5;
