@@ -26,7 +26,8 @@ FUZZER(tables)(const std::uint8_t* data, std::size_t size) {
       },
       [&](const std::string& text) {
         motion::Signal signal;
-        io::parse_time_table(text, file, {"torque_nm", "voltage_v"}, signal);
+        io::parse_time_table(text, file,
+                             {.columns = {"torque_nm", "load_nm"}, .torque_of_load = true}, signal);
       }};
   for (const auto& read : readers) fuzz::done_or_refused(data, size, read);
   return 0;

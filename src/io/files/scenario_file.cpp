@@ -65,20 +65,20 @@ ScenarioFiles scenario_from(const TomlValue& document, const std::string& name,
   CollectedErrors errors;
   errors.attempt([&] { reading.throw_if_invalid(); });
   const auto folder = std::filesystem::path(name).parent_path();
-  const auto read_table = [&](const std::string& file, const std::vector<std::string>& columns,
+  const auto read_table = [&](const std::string& file, const TimeTableKind& kind,
                               motion::Signal& signal, const std::string& key) {
     if (file.empty()) return;
     errors.attempt([&] {
       const std::string path = (folder / file).string();
       files.inputs.push_back(path);
-      parse_time_table(text_of_named_file(table_text, path, key, reading.place_of(key)), path,
-                       columns, signal);
+      parse_time_table(text_of_named_file(table_text, path, key, reading.place_of(key)), path, kind,
+                       signal);
     });
   };
-  read_table(input.control_table, command_columns(input.scenario.control), files.scenario.command,
-             "control.table");
-  read_table(input.load_table, {"torque_nm", "load_nm"}, files.scenario.load.torque_Nm,
-             "load.table");
+  read_table(input.control_table, {.columns = command_columns(input.scenario.control)},
+             files.scenario.command, "control.table");
+  read_table(input.load_table, {.columns = {"torque_nm", "load_nm"}, .torque_of_load = true},
+             files.scenario.load.torque_Nm, "load.table");
   errors.raise();
   return files;
 }

@@ -25,12 +25,17 @@ ScenarioFiles parse_scenario(const std::string& text, const std::string& name);
 ScenarioFiles parse_scenario(const std::string& text, const std::string& name,
                              const std::function<std::string(const std::string&)>& table_text);
 
+/// What a table over time holds.
+struct TimeTableKind {
+  std::vector<std::string> columns;  ///< names of that of the values
+  bool torque_of_load = false;       ///< reads the note whose torque it is (TorqueNote)
+};
+
 /// Rows of a table over time, into a signal: a column time_s that does not decrease (two rows of
-/// one time are a jump, of more the first and the last count) and the first of `columns` that is
-/// there.
+/// one time are a jump, of more the first and the last count) and one of the kind's.
 /// @throws InvalidInput with every error of the text
-void parse_time_table(std::string_view text, const std::string& name,
-                      const std::vector<std::string>& columns, motion::Signal& signal);
+void parse_time_table(std::string_view text, const std::string& name, const TimeTableKind& kind,
+                      motion::Signal& signal);
 
 /// Table of the keys, in Markdown.
 std::string scenario_key_table();

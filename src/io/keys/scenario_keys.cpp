@@ -116,57 +116,60 @@ std::vector<Key<ScenarioInput>> control_keys() {
           of_scenario(&Scenario::control_stiffness_Nm_rad),
           [](const In& t, std::size_t) { return t.scenario.control_stiffness_Nm_rad > 0.0; }),
       make_key<In>(number("control.damping_nms_per_rad", Unit::kViscousDrag, within(0.0, 1e9), "0",
-                          "derivative gain, at the output"),
+                          "derivative gain, at the output; a jump of the angle in control.table "
+                          "has no slope, so that it gives no torque there"),
                    of_scenario(&Scenario::control_damping_Nms))};
 }
 
 std::vector<Key<ScenarioInput>> load_keys() {
   using In = ScenarioInput;
-  return {
-      make_key<In>(number("load.inertia_kgm2", Unit::kKilogramSquareMetre, within(0.0, 1e9), "0",
-                          "besides that of the ACTUATOR's load"),
-                   of_load(&Load::inertia_kgm2)),
-      make_key<In>(
-          number("load.torque_nm", Unit::kNewtonMetre, within(-kMostTorque_Nm, kMostTorque_Nm), "0",
-                 "of the load on the output; constant part"),
-          of_load_torque(&Signal::constant)),
-      make_key<In>(number("load.torque_amplitude_nm", Unit::kNewtonMetre,
-                          within(-kMostTorque_Nm, kMostTorque_Nm), "0", "of its sine"),
-                   of_load_torque(&Signal::amplitude)),
-      make_key<In>(
-          number("load.frequency_hz", Unit::kNone, above(0.0, kMostHertz), "none",
-                 "of the sine amplitude sin(2 pi frequency t + phase)"),
-          of_load_torque(&Signal::frequency_Hz),
-          [](const In& t, std::size_t) { return t.scenario.load.torque_Nm.frequency_Hz > 0.0; }),
-      make_key<In>(
-          number("load.phase_deg", Unit::kDegree, within(-360.0, 360.0), "0", "of the sine"),
-          of_load_torque(&Signal::phase_rad)),
-      make_key<In>({.path = "load.table",
-                    .type = KeyType::kText,
-                    .default_text = "none",
-                    .help = "CSV file, its path as seen from this file: time_s and torque_nm (or "
-                            "load_nm), added to constant and sine; rows as in control.table"},
-                   &In::load_table, [](const In& t, std::size_t) { return !t.load_table.empty(); }),
-      make_key<In>(number("load.stiffness_nm_per_rad", Unit::kTorsionalStiffness, within(0.0, 1e12),
-                          "0", "of a spring from the output to the frame"),
-                   of_load(&Load::stiffness_Nm_rad)),
-      make_key<In>(
-          number("load.rest_angle_rad", Unit::kNone, within(-kMostAngle_rad, kMostAngle_rad), "0",
-                 "angle of the output at which the spring is without torque"),
-          of_load(&Load::rest_angle_rad)),
-      make_key<In>(number("load.pendulum_mass_kg", Unit::kKilogram, within(0.0, 1e6), "0",
-                          "of a mass on an arm that turns with the output, axis level"),
-                   of_pendulum(&Pendulum::mass_kg)),
-      make_key<In>(number("load.pendulum_length_m", Unit::kNone, within(0.0, 1e3), "0",
-                          "from the axis to the mass"),
-                   of_pendulum(&Pendulum::length_m)),
-      make_key<In>(
-          number("load.pendulum_angle_rad", Unit::kNone, within(-kMostAngle_rad, kMostAngle_rad),
-                 "0", "angle of the output at which the mass hangs"),
-          of_pendulum(&Pendulum::hanging_rad)),
-      make_key<In>(number("load.gravity_m_s2", Unit::kNone, within(0.0, 1e3), "9.80665",
-                          "acceleration of free fall"),
-                   of_pendulum(&Pendulum::gravity_m_s2))};
+  return {make_key<In>(number("load.inertia_kgm2", Unit::kKilogramSquareMetre, within(0.0, 1e9),
+                              "0", "besides that of the ACTUATOR's load"),
+                       of_load(&Load::inertia_kgm2)),
+          make_key<In>(
+              number("load.torque_nm", Unit::kNewtonMetre, within(-kMostTorque_Nm, kMostTorque_Nm),
+                     "0", "of the load on the output; constant part"),
+              of_load_torque(&Signal::constant)),
+          make_key<In>(number("load.torque_amplitude_nm", Unit::kNewtonMetre,
+                              within(-kMostTorque_Nm, kMostTorque_Nm), "0", "of its sine"),
+                       of_load_torque(&Signal::amplitude)),
+          make_key<In>(number("load.frequency_hz", Unit::kNone, above(0.0, kMostHertz), "none",
+                              "of the sine amplitude sin(2 pi frequency t + phase)"),
+                       of_load_torque(&Signal::frequency_Hz),
+                       [](const In& t, std::size_t) {
+                         return t.scenario.load.torque_Nm.frequency_Hz > 0.0;
+                       }),
+          make_key<In>(
+              number("load.phase_deg", Unit::kDegree, within(-360.0, 360.0), "0", "of the sine"),
+              of_load_torque(&Signal::phase_rad)),
+          make_key<In>(
+              {.path = "load.table",
+               .type = KeyType::kText,
+               .default_text = "none",
+               .help = "CSV file, its path as seen from this file: time_s and torque_nm (or "
+                       "load_nm), added to constant and sine; rows as in control.table, sign as in "
+                       "a CYCLE"},
+              &In::load_table, [](const In& t, std::size_t) { return !t.load_table.empty(); }),
+          make_key<In>(number("load.stiffness_nm_per_rad", Unit::kTorsionalStiffness,
+                              within(0.0, 1e12), "0", "of a spring from the output to the frame"),
+                       of_load(&Load::stiffness_Nm_rad)),
+          make_key<In>(
+              number("load.rest_angle_rad", Unit::kNone, within(-kMostAngle_rad, kMostAngle_rad),
+                     "0", "angle of the output at which the spring is without torque"),
+              of_load(&Load::rest_angle_rad)),
+          make_key<In>(number("load.pendulum_mass_kg", Unit::kKilogram, within(0.0, 1e6), "0",
+                              "of a mass on an arm that turns with the output, axis level"),
+                       of_pendulum(&Pendulum::mass_kg)),
+          make_key<In>(number("load.pendulum_length_m", Unit::kNone, within(0.0, 1e3), "0",
+                              "from the axis to the mass"),
+                       of_pendulum(&Pendulum::length_m)),
+          make_key<In>(number("load.pendulum_angle_rad", Unit::kNone,
+                              within(-kMostAngle_rad, kMostAngle_rad), "0",
+                              "angle of the output at which the mass hangs"),
+                       of_pendulum(&Pendulum::hanging_rad)),
+          make_key<In>(number("load.gravity_m_s2", Unit::kNone, within(0.0, 1e3), "9.80665",
+                              "acceleration of free fall"),
+                       of_pendulum(&Pendulum::gravity_m_s2))};
 }
 
 std::vector<Key<ScenarioInput>> solver_keys() {
@@ -259,6 +262,30 @@ void check_sines(const ScenarioInput& in, FileReading& reading) {
   wants("load.torque_amplitude_nm", in.scenario.load.torque_Nm.amplitude, "load.frequency_hz");
 }
 
+/// Complains of keys that change nothing, as what they are of is not stated.
+void check_idle(const ScenarioInput& in, FileReading& reading) {
+  const auto wants = [&](const char* key, bool changes, const char* owner) {
+    if (!changes || reading.stated(owner)) return;
+    reading.error_at(key, fmt::format("{}: allowed: with {}", key, owner));
+  };
+  const Control mode = in.scenario.control;
+  const char* const amplitude = mode == Control::kTorque     ? "control.torque_amplitude_nm"
+                                : mode == Control::kVoltage  ? "control.voltage_amplitude_v"
+                                : mode == Control::kPosition ? "control.angle_amplitude_rad"
+                                                             : nullptr;
+  if (amplitude != nullptr && reading.has("control.mode")) {
+    wants("control.frequency_hz", in.scenario.command.frequency_Hz != 0.0, amplitude);
+    wants("control.phase_deg", in.scenario.command.phase_rad != 0.0, amplitude);
+  }
+  const Load& load = in.scenario.load;
+  wants("load.frequency_hz", load.torque_Nm.frequency_Hz != 0.0, "load.torque_amplitude_nm");
+  wants("load.phase_deg", load.torque_Nm.phase_rad != 0.0, "load.torque_amplitude_nm");
+  wants("load.rest_angle_rad", load.rest_angle_rad != 0.0, "load.stiffness_nm_per_rad");
+  wants("load.pendulum_angle_rad", load.pendulum.hanging_rad != 0.0, "load.pendulum_mass_kg");
+  wants("load.gravity_m_s2", load.pendulum.gravity_m_s2 != Pendulum{}.gravity_m_s2,
+        "load.pendulum_mass_kg");
+}
+
 }  // namespace
 
 const Schema<ScenarioInput>& scenario_schema() {
@@ -269,6 +296,7 @@ const Schema<ScenarioInput>& scenario_schema() {
 void check_scenario(const ScenarioInput& input, FileReading& reading) {
   if (reading.has("control.mode")) check_modes(input, reading);
   check_sines(input, reading);
+  check_idle(input, reading);
   const Pendulum& pendulum = input.scenario.load.pendulum;
   if (pendulum.mass_kg > 0.0 && !reading.stated("load.pendulum_length_m")) {
     reading.error_at("load.pendulum_mass_kg",

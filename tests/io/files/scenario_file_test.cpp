@@ -24,10 +24,12 @@ std::string scenario_error(const std::string& text) {
   return "";
 }
 
+const io::TimeTableKind kLoad{.columns = {"torque_nm", "load_nm"}, .torque_of_load = true};
+
 std::string table_error(const std::string& text) {
   motion::Signal signal;
   try {
-    parse_time_table(text, "t.csv", {"torque_nm", "load_nm"}, signal);
+    parse_time_table(text, "t.csv", kLoad, signal);
   } catch (const InvalidInput& error) {
     return error.what();
   }
@@ -86,6 +88,22 @@ TEST(ScenarioFile, AModeWantsItsOwnKeys) {
   EXPECT_TRUE(has(scenario_error("[motor]\nresistance_ohm = 1\n"), "looks like an ACTUATOR"));
 }
 
+TEST(ScenarioFile, RefusesKeysThatDoNothing) {
+  const std::string error = scenario_error(
+      kTop + "[control]\nmode = \"voltage\"\nfrequency_hz = 2.0\nphase_deg = 3.0\n[load]\n" +
+      "frequency_hz = 3.0\nphase_deg = 20.0\nrest_angle_rad = 1.0\npendulum_angle_rad = 1.0\n" +
+      "gravity_m_s2 = 3.0\n");
+  for (const char* part : {"s.toml:4:1: control.frequency_hz: allowed: with control.voltage_amp",
+                           "s.toml:5:1: control.phase_deg: allowed: with control.voltage_amp",
+                           "s.toml:7:1: load.frequency_hz: allowed: with load.torque_amplitude_nm",
+                           "s.toml:8:1: load.phase_deg: allowed: with load.torque_amplitude_nm",
+                           "s.toml:9:1: load.rest_angle_rad: allowed: with load.stiffness_nm_per",
+                           "s.toml:10:1: load.pendulum_angle_rad: allowed: with load.pendulum_mass",
+                           "s.toml:11:1: load.gravity_m_s2: allowed: with load.pendulum_mass_kg"}) {
+    EXPECT_TRUE(has(error, part)) << part << " is not in\n" << error;
+  }
+}
+
 TEST(ScenarioFile, AMissingTableIsToldBesideTheKeys) {
   const std::string error =
       scenario_error("[control]\nmode = \"torque\"\ntable = \"no/such.csv\"\n");
@@ -95,8 +113,7 @@ TEST(ScenarioFile, AMissingTableIsToldBesideTheKeys) {
 
 TEST(TimeTable, TwoRowsOfATimeAreAJump) {
   motion::Signal signal;
-  parse_time_table("# note\nload_nm,time_s\n1,0\n2,1\n5,1\n7,1\n9,2\n", "t.csv",
-                   {"torque_nm", "load_nm"}, signal);
+  parse_time_table("# note\nload_nm,time_s\n1,0\n2,1\n5,1\n7,1\n9,2\n", "t.csv", kLoad, signal);
   EXPECT_EQ(signal.time_s, (std::vector<double>{0.0, 1.0, 1.0, 2.0}));
   EXPECT_EQ(signal.value, (std::vector<double>{1.0, 2.0, 7.0, 9.0}));
   EXPECT_EQ(value_at(signal, 1.0, piece_from(signal, 0.5)), 2.0);
@@ -104,6 +121,35 @@ TEST(TimeTable, TwoRowsOfATimeAreAJump) {
   EXPECT_EQ(slope_at(signal, 1.5, piece_from(signal, 1.5)), 2.0);
   EXPECT_EQ(value_at(signal, 8.0, piece_from(signal, 8.0)), 9.0);
   EXPECT_EQ(value_at(signal, -1.0, piece_from(signal, -1.0)), 1.0);
+}
+
+TEST(TimeTable, TorqueOfTheActuatorHasTheOtherSign) {
+  const auto values = [](const std::string& text, const io::TimeTableKind& kind) {
+    motion::Signal signal;
+    parse_time_table(text, "t.csv", kind, signal);
+    return signal.value;
+  };
+  const std::string rows = "time_s,torque_nm\n0,1\n1,-2\n";
+  EXPECT_EQ(values("# torque: actuator\n" + rows, kLoad), (std::vector<double>{-1.0, 2.0}));
+  EXPECT_EQ(values(rows + "#torque: actuator\n", kLoad), (std::vector<double>{-1.0, 2.0}));
+  EXPECT_EQ(values("# torque: load\n" + rows, kLoad), (std::vector<double>{1.0, -2.0}));
+  EXPECT_TRUE(
+      has(table_error("# torque: motor\n" + rows), "t.csv:1:1: # torque: motor: allowed: load"));
+  // A command is no torque of the load.
+  EXPECT_EQ(values("# torque: motor\ntime_s,angle_rad\n0,1\n", {.columns = {"angle_rad"}}),
+            (std::vector<double>{1.0}));
+}
+
+TEST(TimeTable, HasOneHeaderOfEachColumn) {
+  EXPECT_TRUE(has(table_error("time_s,torque_mm\n0,1\n"),
+                  "t.csv:1:1: column torque_nm or load_nm is missing: allowed: time_s, and "
+                  "torque_nm or load_nm; is column torque_mm it?"));
+  EXPECT_TRUE(has(table_error("time_s,load_nm,time_s\n0,1,2\n"),
+                  "t.csv:1:16: column time_s stands twice, first as column 1"));
+  EXPECT_TRUE(has(table_error("time_s,torque_nm,load_nm\n0,1,2\n"),
+                  "t.csv:1:18: columns torque_nm and load_nm: allowed: one of them"));
+  EXPECT_TRUE(has(table_error("time_s,torque_nm\n0,1\n1,-2e9\n"),
+                  "t.csv:3:3: torque_nm = \"-2e9\": allowed: a number from -1e+09 to 1e+09"));
 }
 
 TEST(TimeTable, RefusesWhatIsNoTable) {
