@@ -15,7 +15,8 @@ inline constexpr double kResistanceTemperature_K = 25.0 + 273.15;
 
 /// Heat paths of a motor; empty where they are not stated.
 struct MotorHeat {
-  std::optional<double> winding_housing_K_W, housing_ambient_K_W;
+  std::optional<double> winding_housing_K_W, housing_ambient_K_W;  ///< both or none
+  std::optional<double> winding_ambient_K_W{};                     ///< in place of both, as one
   std::optional<double> winding_time_constant_s, housing_time_constant_s;
   std::optional<double> max_winding_K;
   double ambient_K = kResistanceTemperature_K;

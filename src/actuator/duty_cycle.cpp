@@ -352,15 +352,6 @@ void CycleRun<Gear, kCauses>::add_rest(const CyclePiece& piece) {
   }
 }
 
-LimitCheck limit_check(std::string name, std::string unit, std::optional<double> value,
-                       double limit) {
-  LimitCheck check{
-      .name = std::move(name), .unit = std::move(unit), .value = value, .limit = limit};
-  if (value) check.margin = limit - *value;
-  check.ok = check.margin && *check.margin >= 0.0;
-  return check;
-}
-
 std::vector<LimitCheck> limit_checks(const Actuator& actuator, const DutyCycle& d) {
   std::vector<LimitCheck> checks =
       drive_checks(actuator, {.current_A = d.peak_current_A,
@@ -391,6 +382,13 @@ void note_heat(const Actuator& actuator, DutyCycle& d) {
         "{}",
         units::from_si(*d.winding->winding_K, units::Unit::kCelsius), 100.0 * std::abs(more),
         more > 0.0 ? "more" : "less"));
+  }
+  constexpr double kBeyondInsulation_K = 300.0 + 273.15;
+  if (d.winding->winding_K.value_or(0.0) > kBeyondInsulation_K) {
+    d.notes.push_back(fmt::format(
+        "at the winding's {:.0f} C no insulation lasts, nor do resistance and heat paths follow "
+        "the linear model: it says that the cycle is too much, not by how much",
+        units::from_si(*d.winding->winding_K, units::Unit::kCelsius)));
   }
   constexpr double kShort = 0.1;
   if (heat.winding_time_constant_s && d.period_s > kShort * *heat.winding_time_constant_s) {
@@ -478,6 +476,15 @@ DutyCycle run_with(const Actuator& actuator, const Gear& gear, const Cycle& cycl
 }
 
 }  // namespace
+
+LimitCheck limit_check(std::string name, std::string unit, std::optional<double> value,
+                       double limit) {
+  LimitCheck check{
+      .name = std::move(name), .unit = std::move(unit), .value = value, .limit = limit};
+  if (value) check.margin = limit - *value;
+  check.ok = check.margin && *check.margin >= 0.0;
+  return check;
+}
 
 std::vector<LimitCheck> drive_checks(const Actuator& actuator, const DrivePeaks& peaks) {
   const Motor& motor = actuator.motor;

@@ -18,13 +18,16 @@ struct LossEnergy {
 
 /// A limit of the actuator, held against a cycle.
 struct LimitCheck {
-  std::string name;  ///< current, voltage, speed, winding
+  std::string name;  ///< current, voltage, speed, winding; felt_inertia, breakaway, transparency
   std::string unit;
   std::optional<double> value;  ///< empty: without bound (thermal runaway)
   double limit = 0.0;
   std::optional<double> margin{};  ///< limit − value
   bool ok = false;
 };
+/// A value against its limit; one without bound keeps none.
+LimitCheck limit_check(std::string name, std::string unit, std::optional<double> value,
+                       double limit);
 
 /// Shares of the energy that the load gives while ...
 struct NegativeShares {

@@ -44,14 +44,6 @@ std::optional<double> output_at(const GearModel& gear, double input_Nm, double s
   }
 }
 
-LimitCheck held(const char* name, const char* unit, const std::optional<double>& value,
-                double limit) {
-  LimitCheck check{.name = name, .unit = unit, .value = value, .limit = limit};
-  if (value) check.margin = limit - *value;
-  check.ok = value && *value <= limit;
-  return check;
-}
-
 }  // namespace
 
 FeltTorque felt_torque(const Actuator& actuator, double motor_Nm) {
@@ -74,13 +66,15 @@ std::vector<LimitCheck> felt_checks(const Actuator& actuator, const Reflected& r
   std::vector<LimitCheck> checks;
   if (limits.max_inertia_kgm2) {
     checks.push_back(
-        held("felt_inertia", "kg m2", reflected.speeding_up_kgm2, *limits.max_inertia_kgm2));
+        limit_check("felt_inertia", "kg m2", reflected.speeding_up_kgm2, *limits.max_inertia_kgm2));
   }
   if (limits.max_breakaway_Nm) {
-    checks.push_back(held("breakaway", "N m", reflected.breakaway_Nm, *limits.max_breakaway_Nm));
+    checks.push_back(
+        limit_check("breakaway", "N m", reflected.breakaway_Nm, *limits.max_breakaway_Nm));
   }
   if (limits.max_transparency && torque) {
-    checks.push_back(held("transparency", "", torque->transparency, *limits.max_transparency));
+    checks.push_back(
+        limit_check("transparency", "", torque->transparency, *limits.max_transparency));
   }
   return checks;
 }

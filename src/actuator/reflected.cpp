@@ -14,7 +14,7 @@ namespace gear3k::actuator {
 namespace {
 
 constexpr double kNothing = 1e-9;
-constexpr double kTries = 200;
+constexpr int kTries = 200;
 
 /// Torque of the load at which a band's end passes zero: what starts the output from outside.
 std::optional<double> starting_load(const GearModel& gear, double motor_static_Nm) {

@@ -16,7 +16,8 @@ struct HeatSources {
 
 struct WindingState {
   bool runaway = false;  ///< heat grows faster with temperature than it leaves: no steady state
-  std::optional<double> winding_K, housing_K;  ///< empty at a runaway
+  /// Empty at a runaway; the housing's also where one resistance leads from winding to ambient.
+  std::optional<double> winding_K, housing_K;
   /// Of winding and housing, time constant over resistance; empty where one is not stated.
   std::optional<double> winding_J_K, housing_J_K;
 };
@@ -25,11 +26,11 @@ struct WindingState {
 ///
 ///   ΔT = ((R1 + R2) q (1 + α (T_amb − 25 °C)) + R2 P_h)/(1 − α (R1 + R2) q),   q = R25 ⟨I²⟩
 ///
-/// No steady state where the denominator is not positive.  One resistance alone is that from the
-/// winding to the surroundings.
+/// No steady state where the denominator is not positive.  One resistance R from the winding to the
+/// surroundings is passed by all heat of the motor: R in place of R1 + R2 and of R2.
 /// Source: own derivation from the heat balance of both nodes, docs/theory §61.
 /// Valid: cycles much shorter than the winding's time constant.
-/// @returns empty without a thermal resistance of the winding
+/// @returns empty without heat paths from the winding to the surroundings
 std::optional<WindingState> winding_state(const Motor& motor, const HeatSources& heat);
 
 }  // namespace gear3k::actuator

@@ -222,6 +222,25 @@ TEST(DutyCycle, SaysWhatTheWarmWindingAddsToItsLoss) {
   EXPECT_EQ(silent.find("copper loss"), std::string::npos) << silent;
 }
 
+TEST(DutyCycle, SaysWhereNoInsulationLasts) {
+  Actuator a = hip_reference();
+  a.motor.heat = {};
+  a.motor.heat.winding_ambient_K_W = 1.0;
+  const auto told = [&a] {
+    const DutyCycle d = run_cycle(a, knee());
+    const std::string notes = fmt::format("{}", fmt::join(d.notes, "; "));
+    return std::pair(d.winding->winding_K.value() - 273.15,
+                     notes.find("no insulation lasts") != std::string::npos);
+  };
+  const auto [cool_C, cool_told] = told();
+  EXPECT_LT(cool_C, 300.0);
+  EXPECT_FALSE(cool_told);
+  a.motor.heat.ambient_K = 273.15 + 301.0;
+  const auto [hot_C, hot_told] = told();
+  EXPECT_GT(hot_C, 300.0);
+  EXPECT_TRUE(hot_told);
+}
+
 TEST(DutyCycle, AnOpenCycleHasKineticEnergyAndSaysSo) {
   Cycle cycle = steady(1.0, -2.0);
   cycle.motion = {1.0, 3.0};

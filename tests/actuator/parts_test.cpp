@@ -46,6 +46,23 @@ TEST(Winding, BalancesHeatAtBothNodes) {
   EXPECT_NEAR((*state->housing_K - 313.15) / 5.0, resistance * square + 1.5, 1e-11);
 }
 
+TEST(Winding, OneResistanceIsPassedByAllHeat) {
+  actuator::Motor motor = warm_motor();
+  motor.heat = {};
+  motor.heat.winding_ambient_K_W = 3.0;
+  motor.heat.winding_time_constant_s = 60.0;
+  motor.heat.ambient_K = 290.0;
+  const auto state = winding_state(motor, {.mean_square_current_A2 = 12.0, .friction_W = 1.5});
+  const double resistance = 0.6 * (1.0 + 0.00393 * (*state->winding_K - 298.15));
+  EXPECT_NEAR((*state->winding_K - 290.0) / 3.0, resistance * 12.0 + 1.5, 1e-11);
+  EXPECT_FALSE(state->housing_K);
+  EXPECT_DOUBLE_EQ(*state->winding_J_K, 20.0);
+  // Half a path tells no temperature.
+  motor.heat = {};
+  motor.heat.winding_housing_K_W = 3.0;
+  EXPECT_FALSE(winding_state(motor, {.mean_square_current_A2 = 12.0}));
+}
+
 TEST(Reflected, HasTheReferencesBreakaway) {
   const auto r = reflected(first_reference());
   EXPECT_NEAR(*r.breakaway_Nm, 2.33333, 5e-6);

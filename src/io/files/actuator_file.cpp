@@ -25,7 +25,7 @@ void resolve_motor(const MotorInput& in, actuator::Motor& motor) {
     motor.viscous_Nms = (motor.torque_constant_Nm_A * *in.no_load_current_A - motor.coulomb_Nm) /
                         *in.no_load_speed_rad_s;
   }
-  if (in.thermal_resistance_K_W) motor.heat.winding_housing_K_W = in.thermal_resistance_K_W;
+  if (in.thermal_resistance_K_W) motor.heat.winding_ambient_K_W = in.thermal_resistance_K_W;
 }
 
 /// An efficiency that was measured with the drag in it, without: docs/theory §58.
@@ -114,7 +114,7 @@ ActuatorInput input_of(const actuator::Actuator& actuator) {
                     .no_load_current_A = std::nullopt,
                     .no_load_speed_rad_s = std::nullopt,
                     .static_Nm = actuator.motor.static_Nm,
-                    .thermal_resistance_K_W = std::nullopt},
+                    .thermal_resistance_K_W = actuator.motor.heat.winding_ambient_K_W},
           .gearbox = {},
           .drive = actuator.drive,
           .load_inertia_kgm2 = actuator.load_inertia_kgm2,

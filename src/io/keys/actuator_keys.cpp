@@ -63,13 +63,13 @@ std::vector<Key<MotorInput>> motor_keys() {
                    of_motor(&Motor::max_speed_rad_s)),
       make_key<In>(number("motor.thermal_resistance_k_per_w", Unit::kNone, above(0.0, 1e6), "none",
                           "from the winding to the surroundings as one, in place of the two "
-                          "below"),
+                          "below; all heat of the motor, friction too, passes it"),
                    &In::thermal_resistance_K_W),
       make_key<In>(number("motor.winding_housing_k_per_w", Unit::kNone, above(0.0, 1e6), "none",
-                          "thermal resistance from winding to housing"),
+                          "thermal resistance from winding to housing; with the one below"),
                    of_heat(&MotorHeat::winding_housing_K_W)),
       make_key<In>(number("motor.housing_ambient_k_per_w", Unit::kNone, above(0.0, 1e6), "none",
-                          "thermal resistance from housing to surroundings"),
+                          "thermal resistance from housing to surroundings; with the one above"),
                    of_heat(&MotorHeat::housing_ambient_K_W)),
       make_key<In>(number("motor.winding_time_constant_s", Unit::kNone, above(0.0, 1e9), "none",
                           "thermal, of the winding: its heat capacity, and whether a cycle is "
@@ -225,9 +225,14 @@ void check_motor(const MotorInput& in, FileReading& reading) {
   const auto wants = [&](const char* key, bool stated, bool there, const char* what) {
     if (stated && !there) reading.error_at(key, fmt::format("{}: allowed: with {}", key, what));
   };
-  wants("motor.housing_ambient_k_per_w", heat.housing_ambient_K_W.has_value(),
-        heat.winding_housing_K_W.has_value() || in.thermal_resistance_K_W.has_value(),
-        "motor.winding_housing_k_per_w");
+  if (!in.thermal_resistance_K_W) {
+    const bool winding = heat.winding_housing_K_W.has_value();
+    const bool housing = heat.housing_ambient_K_W.has_value();
+    wants("motor.winding_housing_k_per_w", winding, housing,
+          "motor.housing_ambient_k_per_w; from the winding to the surroundings as one: "
+          "motor.thermal_resistance_k_per_w");
+    wants("motor.housing_ambient_k_per_w", housing, winding, "motor.winding_housing_k_per_w");
+  }
   wants("motor.max_winding_c", heat.max_winding_K.has_value(), known,
         "motor.winding_housing_k_per_w or motor.thermal_resistance_k_per_w");
   wants("motor.winding_time_constant_s", heat.winding_time_constant_s.has_value(), known,

@@ -70,6 +70,12 @@ TEST(ActuatorFile, RefusesWhatContradictsItself) {
             std::string::npos);
   EXPECT_NE(error_of(kMotor + "max_winding_c = 150.0\n" + kGearbox).find("motor.max_winding_c"),
             std::string::npos);
+  EXPECT_NE(error_of(kMotor + "winding_housing_k_per_w = 2.0\n" + kGearbox)
+                .find("motor.winding_housing_k_per_w: allowed: with motor.housing_ambient_k_per_w"),
+            std::string::npos);
+  EXPECT_NE(error_of(kMotor + "housing_ambient_k_per_w = 2.0\n" + kGearbox)
+                .find("motor.housing_ambient_k_per_w: allowed: with motor.winding_housing_k_per_w"),
+            std::string::npos);
   EXPECT_NE(error_of("[gears.S]\nteeth = 3\n").find("looks like a DESIGN"), std::string::npos);
 }
 
