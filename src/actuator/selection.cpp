@@ -207,8 +207,12 @@ std::vector<Unknown> unknown_of(const SelectionTask& task, const Pair& pair) {
   add(motor.friction_known, Unknown::kMotorFriction);
   add(motor.nominal_current_A.has_value(), Unknown::kNominalCurrent);
   add(gearbox.continuous_Nm && gearbox.intermittent_Nm, Unknown::kGearboxTorque);
-  add(heat.winding_housing_K_W && heat.housing_ambient_K_W, Unknown::kWinding);
+  add(heat.winding_ambient_K_W || (heat.winding_housing_K_W && heat.housing_ambient_K_W),
+      Unknown::kWinding);
   add(motor.motor.mass_kg && gearbox.gearbox.mass_kg, Unknown::kMass);
+  // Without any friction none of its parts is known: said once.
+  add(motor.coulomb_known || !motor.friction_known, Unknown::kMotorCoulomb);
+  add(gearbox.gearbox.static_Nm > 0.0, Unknown::kGearboxDrag);
   return unknown;
 }
 

@@ -47,6 +47,7 @@ struct CatalogueMotor {
   Motor motor;
   std::optional<double> nominal_current_A, nominal_voltage_V;
   bool friction_known = true;  ///< else it runs without any
+  bool coulomb_known = true;   ///< else all of its friction is viscous
 };
 struct CatalogueGearbox {
   std::string name;
@@ -75,10 +76,13 @@ enum class Unknown {
   kNominalCurrent,  ///< no limit of the current, nor of its peak
   kGearboxTorque,   ///< no continuous or no intermittent torque
   kWinding,         ///< no temperature, and no limit of it
-  kMass
+  kMass,
+  kMotorCoulomb,  ///< all friction of the motor is viscous: none of it holds at rest
+  kGearboxDrag    ///< breakaway is without it
 };
-inline constexpr std::array<std::string_view, 5> kUnknownNames{"motor_friction", "nominal_current",
-                                                               "gearbox_torque", "winding", "mass"};
+inline constexpr std::array<std::string_view, 7> kUnknownNames{
+    "motor_friction", "nominal_current", "gearbox_torque", "winding",
+    "mass",           "motor_coulomb",   "gearbox_drag"};
 
 /// What FeltLimits limit; infinite where the output cannot be moved so.
 struct Felt {

@@ -56,6 +56,24 @@ Json felt_values_json(const actuator::Felt& felt) {
   return {{"inertia_kgm2", values[0]}, {"breakaway_nm", values[1]}, {"transparency", values[2]}};
 }
 
+/// Where breakaway is an objective or limited: how many pairs of the front lack friction in it.
+std::string breakaway_note(const SelectionTask& task, const Selection& selection) {
+  using actuator::Unknown;
+  const bool asked = task.felt.max_breakaway_Nm.has_value() ||
+                     std::ranges::count(task.objectives, actuator::Objective::kBreakaway) > 0;
+  const auto lacking = std::ranges::count_if(selection.front, [&](const PairResult& r) {
+    return std::ranges::any_of(actuator::unknown_of(task, r.pair), [](Unknown what) {
+      return what == Unknown::kMotorFriction || what == Unknown::kMotorCoulomb ||
+             what == Unknown::kGearboxDrag;
+    });
+  });
+  if (!asked || lacking == 0) return "";
+  return fmt::format(
+      "Note: breakaway of {} pairs of the front is without friction that is not known (of the "
+      "motor at rest, or the gearbox's drag), and is the better for it\n",
+      lacking);
+}
+
 Json pair_json(const SelectionTask& task, const PairResult& r) {
   // The limit with the least to spare is no limit that is exceeded.
   const bool exceeded = r.limit && r.excess > 0.0;
@@ -171,11 +189,11 @@ std::string selection_table(const SelectionTask& task, const Selection& selectio
                                  "A peak", "A rms",   "V peak", "J kg m2"};
   std::vector<std::string_view> unknown;  // each by a letter, told below the table
   const auto letters_of = [&](const PairResult& r) {
-    std::vector<char> letters;
+    std::string letters;
     for (const std::string_view name : unknown_names(task, r.pair)) {
       const auto place = std::ranges::find(unknown, name) - unknown.begin();
       if (place == std::ssize(unknown)) unknown.push_back(name);
-      letters.push_back(static_cast<char>('a' + place));
+      letters += static_cast<char>('a' + place);
     }
     std::ranges::sort(letters);
     return letters;
@@ -200,7 +218,7 @@ std::string selection_table(const SelectionTask& task, const Selection& selectio
                                    cell(r.rms_current_A),
                                    cell(r.peak_voltage_V),
                                    cell(r.inertia_kgm2)};
-    cells.push_back(fmt::format("{}", fmt::join(letters_of(r), " ")));
+    cells.push_back(letters_of(r));
     table.add(cells);
     if (!felt) continue;
     cells.resize(2);
@@ -225,6 +243,7 @@ std::string selection_table(const SelectionTask& task, const Selection& selectio
         "without, and is the better for it\n",
         frictionless);
   }
+  text += breakaway_note(task, selection);
   for (std::size_t k = 0; k < selection.rejected.size(); ++k) {
     if (selection.rejected[k] == 0) continue;
     text +=

@@ -211,7 +211,8 @@ TEST(Selection, WritesEveryPairAndTheFront) {
     EXPECT_TRUE(pair.at("excess").is_null()) << pair;
   }
   // No friction and no thermal resistance stands in the catalogue.
-  EXPECT_EQ(summary.at("front").at(0).at("unknown"), json({"motor_friction", "winding"}));
+  EXPECT_EQ(summary.at("front").at(0).at("unknown"),
+            json({"motor_friction", "winding", "gearbox_drag"}));
   EXPECT_TRUE(contains(result.out, "no friction is published")) << result.out;
 }
 
@@ -267,6 +268,44 @@ TEST(Selection, TellsAllSlipsOfCataloguesAtOnce) {
     EXPECT_TRUE(contains(result.err, message)) << message << " is not in\n" << result.err;
   }
   EXPECT_FALSE(contains(result.err, "motors.csv")) << result.err;
+}
+
+TEST(Selection, NamesTheFrictionThatBreakawayIsWithout) {
+  const Workplace place;
+  // A no-load current alone leaves open how much of it is Coulomb friction.
+  place.write("motors.csv",
+              "manufacturer,order_code,resistance_ohm,torque_constant_nm_per_a,mass_kg,"
+              "no_load_current_a,no_load_speed_rad_s,coulomb_torque_nm\n"
+              "A,open,1,0.02,0.1,0.2,500,\nA,told,1,0.02,0.1,0.2,500,0.002\n");
+  place.write("gearboxes.csv", kGearboxes);
+  place.write("c.csv", "time_s,torque_nm,speed_rad_s\n0,-3,1\n0.5,3,-1\n1,-3,1\n");
+  place.write("s.toml",
+              "motors = \"motors.csv\"\ngearboxes = \"gearboxes.csv\"\ncycles = \"c.csv\"\n"
+              "objective = [\"breakaway\", \"energy\"]\n");
+  const ProgramResult result = place.run({"actuator", "--select", "s.toml", "--out", "out"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(contains(result.out, "Note: breakaway of")) << result.out;
+  const json summary = json::parse(place.read("out/summary.json"));
+  ASSERT_FALSE(summary.at("front").empty());
+  for (const json& pair : summary.at("front")) {
+    const std::string unknown = pair.at("unknown").dump();
+    EXPECT_EQ(contains(unknown, "motor_coulomb"), pair.at("motor") == "A open") << pair;
+    EXPECT_TRUE(contains(unknown, "gearbox_drag")) << pair;
+  }
+}
+
+TEST(Selection, RefusesCataloguesWithoutRowsAndRowsTwice) {
+  const Workplace place;
+  place.write("motors.csv", kMotors + "A,small,2.0,0.02,0.1,2.0,24\n");
+  place.write("gearboxes.csv", "manufacturer,order_code,ratio,efficiency\n");
+  place.write("c.csv", "time_s,torque_nm,speed_rad_s\n0,-3,1\n0.5,3,-1\n1,-3,1\n");
+  place.write("s.toml",
+              "motors = \"motors.csv\"\ngearboxes = \"gearboxes.csv\"\ncycles = \"c.csv\"\n");
+  const ProgramResult result = place.run({"actuator", "--select", "s.toml", "--out", "out"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, "gearboxes.csv:1:1: no row below the header")) << result.err;
+  EXPECT_TRUE(contains(result.err, "motors.csv:4:1: A small stands twice, first in line 2"))
+      << result.err;
 }
 
 TEST(Selection, WithoutAFeasiblePairEndsWith3AndNamesTheLimit) {

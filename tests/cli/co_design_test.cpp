@@ -134,7 +134,7 @@ TEST(OptimizeCycleEnergy, HoldsAWindingToTheLowerLimitAndToNoneBelowItsSurroundi
   write_parts(place);
   place.write("m.toml",
               "[motor]\nresistance_ohm = 0.6\ntorque_constant_nm_per_a = 0.04\n"
-              "rotor_inertia_kgm2 = 2e-5\nwinding_housing_k_per_w = 1.0\nmax_winding_c = 110.0\n"
+              "rotor_inertia_kgm2 = 2e-5\nthermal_resistance_k_per_w = 1.0\nmax_winding_c = 110.0\n"
               "[gearbox]\nratio = 45.0\nefficiency_forward = 0.9\nefficiency_backward = 0.9\n");
   const auto run = [&](const std::string& limits) {
     place.write("spec.toml", "objective = \"cycle_energy\"\n" + kGears +

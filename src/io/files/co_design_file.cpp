@@ -61,8 +61,7 @@ std::shared_ptr<const actuator::CoDesign> read_co_design(const CoDesignInput& in
   if (!in.motors.empty()) {
     errors.attempt([&] {
       const std::string path = source(in.motors, "actuator.motors");
-      auto more = parse_motors(read_text(path, "a CSV file", kMostMotorBytes), path);
-      if (more.empty()) throw InvalidInput(path + ": no motor: allowed: a row or more");
+      const auto more = parse_motors(read_text(path, "a CSV file", kMostMotorBytes), path);
       task.motors.insert(task.motors.end(), more.begin(), more.end());
     });
   }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <map>
 
 #include "design/evaluation.hpp"
 #include "io/files/cycle_file.hpp"
@@ -46,6 +47,20 @@ class CatalogueRows {
                                   fmt::join(columns, ", ")));
     }
     if (missing) raise();
+    if (table_.rows.empty() && complaints_.none()) {
+      complaints_.add({.line = table_.header_line, .column = 1},
+                      "no row below the header: allowed: one or more");
+    }
+  }
+  /// Complains of a row whose manufacturer and order_code stand in one before.
+  void refuse_second(const CsvTable::Row& row) {
+    if (!table_.text(row, "order_code")) return;
+    const auto [first, is_new] = lines_.try_emplace(label(row), row.line);
+    if (is_new) return;
+    complaints_.add({.line = row.line, .column = 1},
+                    fmt::format("{} stands twice, first in line {}: allowed: one row of a "
+                                "manufacturer's order_code",
+                                first->first, first->second));
   }
   /// A number above `least` (or equal to it), or blank.
   std::optional<double> number(const CsvTable::Row& row, const std::string& column, double least,
@@ -90,6 +105,7 @@ class CatalogueRows {
 
   const CsvTable& table_;
   Complaints complaints_;
+  std::map<std::string, int> lines_;  ///< of the rows, by their labels
 };
 
 /// Viscous and Coulomb friction: as published, else all of the no-load torque viscous.
@@ -100,6 +116,7 @@ void set_friction(CatalogueRows& rows, const CsvTable::Row& row,
   const auto viscous = rows.number(row, "viscous_nms_per_rad", 0.0, false);
   const auto current = rows.number(row, "no_load_current_a", 0.0, false);
   const auto speed = rows.number(row, "no_load_speed_rad_s", 0.0, true);
+  catalogued.coulomb_known = coulomb.has_value();
   catalogued.friction_known = coulomb || viscous || (current && speed);
   motor.coulomb_Nm = coulomb.value_or(0.0);
   motor.static_Nm = motor.coulomb_Nm;
@@ -240,16 +257,20 @@ std::vector<actuator::CatalogueMotor> parse_motors(const std::string& text,
   std::vector<actuator::CatalogueMotor> motors;
   motors.reserve(table.rows.size());
   for (const CsvTable::Row& row : table.rows) {
+    rows.refuse_second(row);
     actuator::CatalogueMotor m;
     m.name = rows.label(row);
     m.motor.resistance_ohm = rows.required(row, "resistance_ohm", 0.0, true);
     m.motor.torque_constant_Nm_A = rows.required(row, "torque_constant_nm_per_a", 0.0, true);
     m.motor.rotor_inertia_kgm2 = rows.number(row, "rotor_inertia_kgm2", 0.0, false).value_or(0.0);
     m.motor.mass_kg = rows.number(row, "mass_kg", 0.0, false);
-    m.motor.heat.winding_housing_K_W =
-        rows.number(row, "thermal_resistance_winding_housing_k_per_w", 0.0, true);
-    m.motor.heat.housing_ambient_K_W =
-        rows.number(row, "thermal_resistance_housing_ambient_k_per_w", 0.0, true);
+    const auto winding = rows.number(row, "thermal_resistance_winding_housing_k_per_w", 0.0, true);
+    const auto housing = rows.number(row, "thermal_resistance_housing_ambient_k_per_w", 0.0, true);
+    // One of them tells no temperature.
+    if (winding && housing) {
+      m.motor.heat.winding_housing_K_W = winding;
+      m.motor.heat.housing_ambient_K_W = housing;
+    }
     m.nominal_current_A = rows.number(row, "nominal_current_a", 0.0, true);
     m.nominal_voltage_V = rows.number(row, "nominal_voltage_v", 0.0, true);
     set_friction(rows, row, m);
@@ -272,6 +293,7 @@ std::vector<actuator::CatalogueGearbox> parse_gearboxes(const std::string& text,
   std::vector<actuator::CatalogueGearbox> gearboxes;
   gearboxes.reserve(table.rows.size());
   for (const CsvTable::Row& row : table.rows) {
+    rows.refuse_second(row);
     actuator::CatalogueGearbox g;
     g.name = rows.label(row);
     g.gearbox.ratio = rows.required(row, "ratio", 0.0, true);
