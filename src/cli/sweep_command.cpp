@@ -168,10 +168,10 @@ ExitCode run_sweep(const SweepOptions& options) {
     say(fmt::format("{} tasks, {} of them known\n", planned.asked, planned.known));
   }
   const SweepEnd end = work_on_sweep(work);
-  if (!end.failure.empty()) throw io::InvalidInput(end.failure);
   {
     sweep::Store store(sweep::open_sweep_database(options.out, Database::Access::kWrite));
     store.end(work.run, now_s());
+    if (!end.failure.empty()) throw io::InvalidInput(end.failure);
     print_result(rows_text(options.format, sweep::status_of(store.database(), work.uid)));
   }
   if (end.open > 0 && !options.quiet) {

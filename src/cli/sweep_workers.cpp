@@ -14,9 +14,7 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
-#include <cstring>
 #include <exception>
-#include <set>
 #include <system_error>
 #include <vector>
 
@@ -162,13 +160,12 @@ class Supervisor {
     ::prctl(PR_SET_PDEATHSIG, SIGTERM);
     if (::getppid() != parent) ::_exit(kDone);
     ::close(pipe_[0]);
-    int code = kDone;
+    ExitCode code = kDone;
     try {
       work(sweep_);
     } catch (const std::exception& error) {
       const std::string line = std::string(error.what()) + "\n";
-      if (::write(pipe_[1], line.data(), line.size()) < 0) code = kSolverFailure;
-      code = kInvalidInput;
+      code = ::write(pipe_[1], line.data(), line.size()) < 0 ? kSolverFailure : kInvalidInput;
     }
     ::_exit(code);
   }
@@ -250,13 +247,16 @@ class Supervisor {
       const int signal = WTERMSIG(status);
       open_store(sweep_.database)
           .bury(
-              worker, is_crash(signal) ? signal : 0,
+              worker, {.signal = stopping_ || sweep_stop ? 0 : signal, .crash = is_crash(signal)},
               {.run = sweep_.uid, .host = sweep::host_name(), .finished_s = now_s(), .cpu_s = 0.0});
       return true;
     }
     // It has ended as there was nothing for it to take, or said why it could not.
     if (WEXITSTATUS(status) != kDone) {
       read_failures();
+      if (end_.failure.empty()) {
+        end_.failure = fmt::format("a worker ended with exit code {}", WEXITSTATUS(status));
+      }
       stop();
     }
     return false;

@@ -99,12 +99,8 @@ class AxesReader {
   /// Says it where a path is no key, or is varied twice.
   bool known(const std::string& path, const TomlValue& member) {
     if (!is_key(path)) {
-      TomlValue first = member;
-      if (member.kind == TomlValue::Kind::kTable && !is_range(member)) {
-        first = member;
-      } else {
-        first = io::integer_value(0);
-      }
+      const bool table = member.kind == TomlValue::Kind::kTable && !is_range(member);
+      TomlValue first = table ? member : io::integer_value(0);
       first.position = member.position;
       io::check_keys(alone(path, std::move(first)), reading_);
       return false;

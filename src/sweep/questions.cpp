@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <set>
 #include <sstream>
 
 #include "io/text/diagnostics.hpp"
 #include "optimize/objective.hpp"
+#include "sweep/process.hpp"
 #include "sweep/schema.hpp"
 #include "sweep/task.hpp"
 
@@ -115,6 +117,20 @@ void drop_constant_columns(Rows& rows, std::size_t first) {
   }
 }
 
+/// Tasks of each run that a process has whose lease lasts, and of which nothing says that it is
+/// dead.
+std::map<std::int64_t, std::int64_t> working_of(const Database& database) {
+  std::map<std::int64_t, std::int64_t> working;
+  Statement held = database.prepare(
+      "SELECT m.run, q.host, q.process, q.began FROM queue q JOIN run_task m ON m.task = q.task "
+      "WHERE q.process > 0 AND q.until > (julianday('now') - 2440587.5) * 86400.0");
+  while (held.step()) {
+    const Process holder{.host = held.text(1), .number = held.integer(2), .began = held.integer(3)};
+    if (!is_dead(holder)) ++working[held.integer(0)];
+  }
+  return working;
+}
+
 }  // namespace
 
 Rows status_of(const Database& database, const std::string& run) {
@@ -123,17 +139,23 @@ Rows status_of(const Database& database, const std::string& run) {
       "coalesce(c.done, 0) AS done, coalesce(c.optimal, 0) AS optimal, "
       "coalesce(c.without, 0) AS no_feasible_design, coalesce(c.invalid, 0) AS invalid, "
       "coalesce(c.failed, 0) AS failed, r.tasks - coalesce(c.done, 0) AS open, "
-      "coalesce(c.working, 0) AS working, datetime(r.started, 'unixepoch') AS started, "
+      "0 AS working, datetime(r.started, 'unixepoch') AS started, "
       "datetime(r.ended, 'unixepoch') AS ended, r.version, r.git, r.host "
       "FROM run r LEFT JOIN (SELECT m.run, count(t.status) AS done, "
       "sum(t.status = 'optimal') AS optimal, sum(t.status = 'no_feasible_design') AS without, "
-      "sum(t.status = 'invalid') AS invalid, sum(t.status = 'failed') AS failed, "
-      "sum(q.process > 0) AS working FROM run_task m JOIN task t ON t.id = m.task LEFT JOIN queue "
-      "q "
-      "ON q.task = t.id GROUP BY m.run) c ON c.run = r.id WHERE ?1 = '' OR r.uid = ?1 "
+      "sum(t.status = 'invalid') AS invalid, sum(t.status = 'failed') AS failed "
+      "FROM run_task m JOIN task t ON t.id = m.task GROUP BY m.run) c ON c.run = r.id WHERE ?1 = "
+      "'' OR r.uid = ?1 "
       "ORDER BY r.started DESC, r.id DESC");
   counts.with(run);
-  return rows_of(counts);
+  Rows rows = rows_of(counts);
+  const auto column = std::ranges::find(rows.names, "working") - rows.names.begin();
+  const std::map<std::int64_t, std::int64_t> working = working_of(database);
+  for (auto& row : rows.rows) {
+    const auto found = working.find(std::get<std::int64_t>(row.front()));
+    if (found != working.end()) row[static_cast<std::size_t>(column)] = found->second;
+  }
+  return rows;
 }
 
 Column column_of(const Database& database, const std::string& name, Role role) {

@@ -51,9 +51,11 @@ CREATE TABLE refusal(task INTEGER NOT NULL, status TEXT NOT NULL, reason TEXT NO
 CREATE TABLE provenance(task INTEGER PRIMARY KEY, run TEXT NOT NULL, host TEXT NOT NULL, finished REAL NOT NULL,
   cpu_s REAL NOT NULL);
 CREATE TABLE queue(task INTEGER PRIMARY KEY, host TEXT NOT NULL DEFAULT '', process INTEGER NOT NULL DEFAULT 0,
-  began INTEGER NOT NULL DEFAULT 0, until REAL NOT NULL DEFAULT 0, crashes INTEGER NOT NULL DEFAULT 0);
+  began INTEGER NOT NULL DEFAULT 0, until REAL NOT NULL DEFAULT 0, crashes INTEGER NOT NULL DEFAULT 0,
+  kills INTEGER NOT NULL DEFAULT 0);
 )";
 
+/// Columns that a database of an earlier version does not have.
 void add_missing_columns(Database& database) {
   std::vector<std::string> present;
   Statement info = database.prepare("SELECT name FROM pragma_table_info('design')");
@@ -61,6 +63,9 @@ void add_missing_columns(Database& database) {
   for (const std::string& column : design_columns()) {
     if (std::ranges::find(present, column) != present.end()) continue;
     database.execute(fmt::format("ALTER TABLE design ADD COLUMN {}", quoted(column)));
+  }
+  if (database.count("SELECT count(*) FROM pragma_table_info('queue') WHERE name = 'kills'") == 0) {
+    database.execute("ALTER TABLE queue ADD COLUMN kills INTEGER NOT NULL DEFAULT 0");
   }
 }
 

@@ -244,30 +244,34 @@ bool Store::finish(std::int64_t task, const TaskResult& result, const Provenance
   return first;
 }
 
-void Store::bury(const Process& worker, int crash, const Provenance& provenance) {
-  std::optional<std::int64_t> failed;
+void Store::bury(const Process& worker, const WorkerEnd& end, const Provenance& provenance) {
+  std::int64_t task = 0;
+  TaskResult result;
   {
     Transaction transaction(database_);
     Statement held = database_.prepare(
-        "SELECT task, crashes FROM queue WHERE host = ?1 AND process = ?2 AND began = ?3");
+        "SELECT task, crashes, kills FROM queue WHERE host = ?1 AND process = ?2 AND began = ?3");
     if (!held.with(worker.host, worker.number, worker.began).step()) return;
-    const std::int64_t task = held.integer(0);
-    const std::int64_t crashes = held.integer(1) + (crash != 0 ? 1 : 0);
+    task = held.integer(0);
+    const bool counts = end.signal != 0;
+    const std::int64_t crashes = held.integer(1) + (counts && end.crash ? 1 : 0);
+    const std::int64_t kills = held.integer(2) + (counts && !end.crash ? 1 : 0);
     held.reset();
     database_
         .prepare(
-            "UPDATE queue SET host = '', process = 0, began = 0, until = 0, crashes = ?2 "
-            "WHERE task = ?1")
-        .with(task, crashes)
+            "UPDATE queue SET host = '', process = 0, began = 0, until = 0, crashes = ?2, "
+            "kills = ?3 WHERE task = ?1")
+        .with(task, crashes, kills)
         .run();
     transaction.commit();
-    if (crashes >= kMostCrashes) failed = task;
+    if (crashes >= kMostCrashes) {
+      result.reason =
+          fmt::format("the program ended by signal {} each of {} times", end.signal, kMostCrashes);
+    } else if (kills >= kMostKills) {
+      result.reason = fmt::format("killed by signal {}, {} times", end.signal, kMostKills);
+    }
   }
-  if (!failed) return;
-  TaskResult result;
-  result.reason =
-      fmt::format("the program ended by signal {} each of {} times", crash, kMostCrashes);
-  finish(*failed, result, provenance);
+  if (!result.reason.empty()) finish(task, result, provenance);
 }
 
 std::int64_t Store::open_tasks(std::int64_t run) const {

@@ -52,6 +52,14 @@ struct Provenance {
 inline constexpr double kLeaseSeconds = 120.0;
 /// After so many crashes of its worker a task has failed.
 inline constexpr int kMostCrashes = 3;
+/// After so many kills of its worker from outside, as by a limit of memory or time, too.
+inline constexpr int kMostKills = 5;
+
+/// The signal by which a worker ended without a word.
+struct WorkerEnd {
+  int signal = 0;      ///< 0: it was asked to end, which does not count
+  bool crash = false;  ///< the program itself failed; else it was killed from outside
+};
 
 class Store {
  public:
@@ -79,9 +87,9 @@ class Store {
   void renew(const std::vector<Process>& workers, double now_s);
   /// Records a result, once.  @returns false where another worker has recorded it before
   bool finish(std::int64_t task, const TaskResult& result, const Provenance& provenance);
-  /// A worker has ended without a word: frees its task.
-  /// @param crash  the signal by which the program itself failed; 0: it was ended from outside
-  void bury(const Process& worker, int crash, const Provenance& provenance);
+  /// A worker has ended without a word: frees its task, which has failed after kMostCrashes or
+  /// kMostKills of them.
+  void bury(const Process& worker, const WorkerEnd& end, const Provenance& provenance);
 
   /// Tasks of a run that have no result.
   [[nodiscard]] std::int64_t open_tasks(std::int64_t run) const;

@@ -4,11 +4,15 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <csignal>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <set>
 
 #include "sweep/merge.hpp"
+#include "sweep/questions.hpp"
 #include "tests/sweep/small_sweep.hpp"
 
 namespace gear3k::store_test {
@@ -87,19 +91,62 @@ TEST(Store, ATaskThatCrashesItsWorkerThreeTimesHasFailed) {
   const QueuedTasks tasks(place, "db", 1);
   Store store = tasks.open();
   const Process worker = kOfAnotherMachine;
-  // Workers that are killed from outside do not count.
-  for (int k = 0; k < 2 * sweep::kMostCrashes; ++k) {
+  // Workers that were asked to end do not count.
+  for (int k = 0; k < 2 * sweep::kMostKills; ++k) {
     ASSERT_TRUE(store.claim(tasks.run, worker, 0.0));
-    store.bury(worker, 0, provenance());
+    store.bury(worker, {}, provenance());
   }
   for (int k = 0; k < sweep::kMostCrashes; ++k) {
     ASSERT_TRUE(store.claim(tasks.run, worker, 0.0)) << k;
-    store.bury(worker, SIGSEGV, provenance());
+    store.bury(worker, {.signal = SIGSEGV, .crash = true}, provenance());
   }
   EXPECT_FALSE(store.claim(tasks.run, worker, 0.0));
   EXPECT_EQ(std::get<std::string>(store.database().one("SELECT status FROM task")), "failed");
   EXPECT_EQ(std::get<std::string>(store.database().one("SELECT reason FROM task")),
             "the program ended by signal 11 each of 3 times");
+}
+
+TEST(Store, ATaskWhoseWorkersAreKilledFiveTimesHasFailed) {
+  const Workplace place;
+  const QueuedTasks tasks(place, "db", 1);
+  {
+    // A database of before: nobody counted.
+    Store store = tasks.open();
+    store.database().execute("ALTER TABLE queue DROP COLUMN kills");
+  }
+  Store store = tasks.open();
+  // A crash does not make it fewer or more.
+  ASSERT_TRUE(store.claim(tasks.run, kOfAnotherMachine, 0.0));
+  store.bury(kOfAnotherMachine, {.signal = SIGSEGV, .crash = true}, provenance());
+  for (int k = 0; k < 5; ++k) {
+    ASSERT_TRUE(store.claim(tasks.run, kOfAnotherMachine, 0.0)) << k;
+    store.bury(kOfAnotherMachine, {.signal = SIGKILL}, provenance());
+  }
+  EXPECT_FALSE(store.claim(tasks.run, kOfAnotherMachine, 0.0));
+  EXPECT_EQ(std::get<std::string>(store.database().one("SELECT status FROM task")), "failed");
+  EXPECT_EQ(std::get<std::string>(store.database().one("SELECT reason FROM task")),
+            "killed by signal 9, 5 times");
+}
+
+TEST(Store, StatusCountsThoseWhoLive) {
+  const Workplace place;
+  const QueuedTasks tasks(place, "db", 5);
+  Store store = tasks.open();
+  const double now_s = static_cast<double>(std::time(nullptr));
+  ASSERT_TRUE(store.claim(tasks.run, sweep::this_process(), now_s));
+  ASSERT_TRUE(store.claim(tasks.run, kOfAnotherMachine, now_s));
+  // One is dead, of another one nothing was heard for long.
+  Process silent = kOfAnotherMachine;
+  ++silent.number;
+  ASSERT_TRUE(store.claim(tasks.run, silent, now_s - 2.0 * sweep::kLeaseSeconds));
+  const auto working = [&] {
+    const sweep::Rows rows = sweep::status_of(store.database());
+    const auto column = std::ranges::find(rows.names, "working") - rows.names.begin();
+    return std::get<std::int64_t>(rows.rows.at(0).at(static_cast<std::size_t>(column)));
+  };
+  EXPECT_EQ(working(), 2);
+  ASSERT_TRUE(store.claim(tasks.run, dead_process(), now_s));
+  EXPECT_EQ(working(), 2);
 }
 
 TEST(Store, MergeTakesEveryResultOnce) {
