@@ -84,7 +84,8 @@ Amount amount_of(const Specification& spec, const StageTask& task, CheckId check
   switch (check) {
     case CheckId::kRootClearanceLength: {
       const double length = amount * module_range(spec.module[stage]).lo;
-      return {length, length / *spec.limits[check]};
+      const double limit = *spec.limits[check];
+      return {length, length / (limit > 0.0 ? limit : length_scale_m(spec))};
     }
     case CheckId::kNormalBacklash: {
       const double length = amount * module_range(spec.module[stage]).lo;

@@ -385,6 +385,29 @@ TEST(BestOnlySearch, RefusesToJudgeByACalibratedModel) {
   EXPECT_THROW(optimize(spec, progress, best_only()), std::invalid_argument);
 }
 
+/// Limits of 0 and below are no scale: the module is.
+TEST(EmptyStages, MissALengthThatIsNoScaleByPartsOfTheModule) {
+  Specification spec = io::read_specification(GEAR3K_SOURCE_DIR "/examples/rp96.toml");
+  spec.teeth.S = {.min = 12, .max = 12};
+  spec.rack.dedendum = 0.6;
+  spec.limits[design::CheckId::kRootClearance] = std::nullopt;
+  Progress progress;
+  const ToothSearchResult search = search_teeth(spec, progress);
+  for (const double limit_m : {0.0, -0.02e-3}) {
+    spec.limits[design::CheckId::kRootClearanceLength] = limit_m;
+    const SetBounds bounds(spec, search.candidates, progress);
+    int proven = 0;
+    for (std::size_t k = 0; k < search.candidates.size(); ++k) {
+      const auto infeasible = bounds.of(k).infeasible;
+      if (!infeasible || infeasible->check != design::CheckId::kRootClearanceLength) continue;
+      if (!infeasible->alone) continue;
+      ++proven;
+      EXPECT_NEAR(infeasible->violation, infeasible->miss_si / length_scale_m(spec), 1e-12);
+    }
+    EXPECT_GT(proven, 0) << limit_m;
+  }
+}
+
 /// A gap that no gearbox has: the proven miss is of its size, and leaves room for what designs
 /// have.
 TEST(EmptyStages, MissALimitThatIsFarOffByMuch) {
