@@ -192,6 +192,8 @@ ToothSearchResult search_teeth(const Specification& spec, Progress& progress,
                                const std::function<void(std::span<const Candidate>)>& take) {
   constexpr std::size_t kPiece = 256;
   const OuterCounts outers(spec);
+  progress.total = 0;  // while done and phase change, nothing is known
+  progress.done = 0;
   progress.phase = Progress::Phase::kSearch;
   progress.total = outers.size();
   ToothSearchResult result;

@@ -186,6 +186,15 @@ TEST(ToothSearch, OrderDoesNotDependOnTheNumberOfThreads) {
   EXPECT_EQ(one.rejected, four.rejected);
 }
 
+TEST(ToothSearch, CountsAnewWithTheProgressOfAnotherSearch) {
+  Progress progress;
+  for (int run = 0; run < 2; ++run) {
+    search_teeth(rp96(), progress);
+    EXPECT_GT(progress.total, 0U);
+    EXPECT_EQ(progress.done, progress.total) << run;
+  }
+}
+
 TEST(ToothSearch, StopEndsTheSearchAndSaysSo) {
   Progress progress;
   progress.stop = true;
