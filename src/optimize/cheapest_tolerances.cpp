@@ -1,9 +1,12 @@
 #include "optimize/cheapest_tolerances.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 
 namespace gear3k::optimize {
@@ -34,8 +37,7 @@ class Search {
       result.reached = yield >= options_.yield;
     };
     keep(result.stated_yield);
-    // As high as the search's own series can tell from 1.
-    const double most = 1.0 - 1.0 / static_cast<double>(options_.samples);
+    const double most = highest_yield(options_.samples);
     constexpr int kRounds = 5;
     for (int k = 0; k < kRounds && !stopped() && asked_ <= most; ++k) {
       descend();
@@ -212,6 +214,11 @@ void scale(DeviationLimits& limits, double factor) {
 
 CheapestTolerances cheapest_tolerances(const ClearanceModel& model,
                                        const CheapestOptions& options) {
+  if (!(options.yield <= highest_yield(options.samples))) {
+    throw std::invalid_argument(fmt::format(
+        "cheapest_tolerances: yield = {:g} of a series of {} gearboxes, allowed: at most {:g}",
+        options.yield, options.samples, highest_yield(options.samples)));
+  }
   return Search(model, options).run();
 }
 

@@ -10,8 +10,13 @@
 
 namespace gear3k::optimize {
 
+/// As high as a series of random gearboxes can tell a yield from 1: one of them fails.
+inline constexpr double highest_yield(std::uint64_t samples) {
+  return 1.0 - 1.0 / static_cast<double>(samples);
+}
+
 struct CheapestOptions {
-  double yield = 0.99;
+  double yield = 0.99;     ///< at most highest_yield(samples)
   double limit_rad = 0.0;  ///< of the lost motion
   /// By backlash::ToleranceKind: cost of one tolerance as stated.
   std::array<double, backlash::kToleranceKindNames.size()> cost{};
@@ -51,6 +56,7 @@ struct CheapestTolerances {
 ///
 /// Source: own derivation, docs/theory §35; reciprocal cost: the usual model of tolerance
 /// synthesis.
+/// @throws std::invalid_argument for a yield above highest_yield(options.samples)
 CheapestTolerances cheapest_tolerances(const backlash::ClearanceModel& model,
                                        const CheapestOptions& options);
 

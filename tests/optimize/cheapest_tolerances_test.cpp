@@ -10,6 +10,7 @@
 #include <limits>
 #include <numeric>
 #include <random>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -292,6 +293,15 @@ TEST(CheapestTolerances, StayAsStatedWhereTheMiddleItselfIsBeyondTheLimit) {
   EXPECT_EQ(result.yield, 0.0);
   EXPECT_EQ(steps_of(result), Steps(3, 0));
   EXPECT_EQ(result.cost, result.stated_cost);
+}
+
+TEST(CheapestTolerances, AreRefusedForAYieldThatTheirSeriesDoesNotTellFromOne) {
+  const ClearanceModel model = central_thicknesses();
+  CheapestOptions options = options_with(1.0, 1.0);
+  options.yield = 0.999;
+  EXPECT_TRUE(cheapest_tolerances(model, options).reached);
+  options.yield = 0.9991;
+  EXPECT_THROW(cheapest_tolerances(model, options), std::invalid_argument);
 }
 
 TEST(CheapestTolerances, ThatCostNothingStayAsStatedOnceTheYieldIsReached) {

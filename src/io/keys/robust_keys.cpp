@@ -4,6 +4,8 @@
 
 #include <string>
 
+#include "optimize/cheapest_tolerances.hpp"
+
 namespace gear3k::io {
 
 namespace {
@@ -76,7 +78,7 @@ std::vector<Key<Robust>> robust_keys() {
            .choices = {"stated", "cheapest"},
            .default_text = "\"stated\"",
            .help = "cheapest: every tolerance may be tightened or widened in steps of sqrt(2) "
-                   "until the yield is reached at the least cost"},
+                   "until the yield, to 0.99995, is reached at the least cost"},
           &Robust::cheapest)};
   for (std::size_t kind = 0; kind < backlash::kToleranceKindNames.size(); ++kind) {
     keys.push_back(make_key<Robust>(
@@ -101,6 +103,12 @@ void check_robust(const optimize::Specification& spec, const ToleranceInput& tol
   if (robust.cheapest && robust.hold != Hold::kYield) {
     reading.error_at("robust.tolerances",
                      "robust.tolerances = \"cheapest\": allowed with robust.hold = \"yield\"");
+  }
+  const double most = optimize::highest_yield(optimize::CheapestOptions{}.samples);
+  if (robust.cheapest && robust.yield > most) {
+    reading.error_at("robust.yield", fmt::format("robust.yield = {:g}: allowed up to {:g} with "
+                                                 "robust.tolerances = \"cheapest\"",
+                                                 robust.yield, most));
   }
   if (robust.hold != Hold::kNominal) check_limits(spec.limits, reading);
   check_unread(robust, reading);

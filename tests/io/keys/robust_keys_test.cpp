@@ -36,6 +36,16 @@ TEST(RobustKeys, AreRefusedWithoutWhatTheyNeed) {
             std::string::npos);
 }
 
+TEST(RobustKeys, RefuseAYieldForWhichNoCheapestTolerancesAreSought) {
+  const std::string robust = "[robust]\nhold = \"yield\"\ntolerances = \"cheapest\"\nyield = ";
+  EXPECT_EQ(spec_errors(kSpec + kTolerances + robust + "0.99995\n"), "");
+  const std::string errors = spec_errors(kSpec + kTolerances + robust + "0.99996\n");
+  EXPECT_NE(errors.find("robust.yield = 0.99996: allowed up to 0.99995 with robust.tolerances = "
+                        "\"cheapest\""),
+            std::string::npos)
+      << errors;
+}
+
 TEST(RobustKeys, RefuseLimitsThatBuiltGearboxesCannotBeHeldTo) {
   const std::string errors =
       spec_errors(kSpec + kTolerances +
