@@ -360,7 +360,7 @@ class FrontSearch {
     return front;
   }
 
-  /// The box of the designs found: a search may end beyond what an objective alone has come to.
+  /// Holds the designs found: a search may end beyond what an objective alone has come to.
   void hold_points() {
     for (const ParetoPoint& point : front_.points) {
       for (std::size_t k = 0; k < front_.ideal.size(); ++k) {
@@ -373,11 +373,14 @@ class FrontSearch {
 
   void measure() {
     if (front_.ideal.empty()) return;
-    hold_points();
+    // The gaps are of this box, too.
+    front_.box_best = front_.ideal;
+    front_.box_worst = front_.reference;
     std::vector<std::vector<double>> unit;
     unit.reserve(front_.points.size());
     for (const ParetoPoint& point : front_.points) unit.push_back(costs_of(point));
     front_.hypervolume = hypervolume(std::move(unit));
+    hold_points();
   }
 
   const Specification& spec_;

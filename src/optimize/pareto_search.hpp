@@ -21,11 +21,15 @@ struct ParetoPoint {
 /// Designs of which none is worse than another in every objective.
 struct ParetoFront {
   std::vector<ParetoPoint> points;  ///< from best to worst by the first objective
-  /// Best value of each objective alone, and its worst among the designs that are best in another.
+  /// Best value of each objective alone, and its worst among the designs that are best in another:
+  /// the box.
+  std::vector<double> box_best, box_worst;
+  /// The same, moved out to the points that lie beyond the box.
   std::vector<double> ideal, reference;
-  /// Share of the box between ideal and reference that the points dominate, see hypervolume().
+  /// Share of the box that the points dominate, see hypervolume().
   double hypervolume = 0.0;
-  /// Share of the box that designs not found may dominate besides, at most: FrontGaps::missing().
+  /// Share of the same box that designs not found may dominate besides, at most:
+  /// FrontGaps::missing().
   double missing = 1.0;
   std::size_t searches = 0;  ///< searches of the whole space that were made
   /// Refinements in them that cut the search of a grid of shifts short.
@@ -75,7 +79,7 @@ struct FrontOptions {
 ParetoFront search_pareto_front(const Specification& spec, Progress& progress,
                                 const FrontOptions& options = {});
 
-/// Of the box between ideal and reference: what a front that is found may lack.
+/// Of the box: what a front that is found may lack.
 inline constexpr double kFrontFound = 1e-3;
 /// For each design that is asked for.
 inline constexpr int kMostSearches = 4;

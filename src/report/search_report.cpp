@@ -404,6 +404,8 @@ io::Json front_json(const Specification& spec, const optimize::ParetoFront& fron
     const bool known = !front.ideal.empty();
     entry["ideal"] = known ? io::Json(front.ideal[k] / record.per_unit) : nullptr;
     entry["reference"] = known ? io::Json(front.reference[k] / record.per_unit) : nullptr;
+    entry["box_best"] = known ? io::Json(front.box_best[k] / record.per_unit) : nullptr;
+    entry["box_worst"] = known ? io::Json(front.box_worst[k] / record.per_unit) : nullptr;
     objectives.push_back(std::move(entry));
   }
   return {{"objectives", std::move(objectives)},

@@ -212,17 +212,18 @@ TEST(ParetoSearch, NoDesignOfAnySetIsOutsideWhatItSaysMayBeMissing) {
   const auto place = [&](const std::vector<double>& values) {
     std::vector<double> at;
     for (std::size_t k = 0; k < values.size(); ++k) {
-      at.push_back((values[k] - front.ideal[k]) / (front.reference[k] - front.ideal[k]));
+      at.push_back((values[k] - front.box_best[k]) / (front.box_worst[k] - front.box_best[k]));
     }
     return at;
   };
   for (const ParetoPoint& point : front.points) unit.push_back(place(point.values));
+  EXPECT_NEAR(hypervolume(unit), front.hypervolume, 1e-9) << "of one box with what is missing";
   for (const double lost_motion : {0.2, 0.45, 0.8}) {
     for (const double diameter : {0.3, 0.7}) {
       Specification limited = spec;
       limited.objectives = {Objective::kBackwardEfficiency};
       const auto between = [&](std::size_t k, double share) {
-        return front.ideal[k] + share * (front.reference[k] - front.ideal[k]);
+        return front.box_best[k] + share * (front.box_worst[k] - front.box_best[k]);
       };
       limited.limits[design::CheckId::kOutputBacklashMax] = between(1, lost_motion);
       limited.limits[design::CheckId::kRingRootDiameter] =
