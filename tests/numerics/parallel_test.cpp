@@ -1,6 +1,7 @@
 #include "numerics/parallel.hpp"
 
 #include <gtest/gtest.h>
+#include <omp.h>
 
 #include <atomic>
 #include <chrono>
@@ -9,19 +10,19 @@
 #include <thread>
 #include <vector>
 
-namespace gear3k::optimize::parallel_test {
+namespace gear3k::numerics::parallel_test {
 namespace {
 
 TEST(ParallelFor, CallsEveryIndexOnce) {
   std::vector<std::atomic<int>> calls(1000);
-  numerics::parallel_for(calls.size(), [&](std::size_t k) { ++calls[k]; });
+  parallel_for(calls.size(), [&](std::size_t k) { ++calls[k]; });
   for (const auto& count : calls) EXPECT_EQ(count.load(), 1);
 }
 
 TEST(ParallelFor, RethrowsAnExceptionAndBeginsNothingMore) {
   std::atomic<int> calls{0};
   try {
-    numerics::parallel_for(100000, [&](std::size_t k) {
+    parallel_for(100000, [&](std::size_t k) {
       ++calls;
       if (k == 3) throw std::runtime_error("three");
       // Long enough that no other thread does all the rest meanwhile.
@@ -34,5 +35,33 @@ TEST(ParallelFor, RethrowsAnExceptionAndBeginsNothingMore) {
   EXPECT_LT(calls.load(), 100000);
 }
 
+TEST(ParallelFor, RethrowsTheExceptionOfTheLowestIndexThoughAGreaterOneCameFirst) {
+  const int before = omp_get_max_threads();
+  omp_set_num_threads(2);
+  std::atomic<bool> greater{false};
+  std::string told;
+  try {
+    parallel_for(8, [&](std::size_t k) {
+      if (k == 5) {
+        greater = true;
+        throw std::runtime_error("five");
+      }
+      if (k == 2) {
+        for (int wait = 0; wait < 5000 && !greater; ++wait) {
+          std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+        // Until that is caught.
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        throw std::runtime_error("two");
+      }
+    });
+  } catch (const std::runtime_error& error) {
+    told = error.what();
+  }
+  omp_set_num_threads(before);
+  EXPECT_TRUE(greater);
+  EXPECT_EQ(told, "two");
+}
+
 }  // namespace
-}  // namespace gear3k::optimize::parallel_test
+}  // namespace gear3k::numerics::parallel_test

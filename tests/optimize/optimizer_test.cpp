@@ -399,6 +399,25 @@ TEST(Optimize, MassesWithoutARimGiveADesignThatCanBeReadBack) {
 }
 
 TEST(Optimize, StopKeepsWhatIsDone) {
+  const Specification& spec = rp96_specification(Refine::kSlsqp);
+  const OptimizeResult& whole = rp96_result(Refine::kSlsqp);
+  Progress progress;
+  const auto end = [&](std::span<const RefinedSet>) { progress.stop = true; };
+  const OptimizeResult part = optimize(spec, progress, {.on_wave = end});
+  EXPECT_TRUE(part.interrupted);
+  EXPECT_FALSE(part.refined.empty());
+  EXPECT_LT(part.refined.size(), whole.refined.size());
+  for (const RefinedSet& set : part.refined) {
+    const std::optional<RefinedSet> same = set_at(whole, set.index);
+    ASSERT_TRUE(same) << set.index;
+    EXPECT_EQ(set.candidate, same->candidate);
+    EXPECT_EQ(set.status, same->status);
+    EXPECT_EQ(set.train.profile_shift, same->train.profile_shift);
+    EXPECT_EQ(set.eta_b, same->eta_b);
+  }
+}
+
+TEST(Optimize, StoppedAtOnceHasNothing) {
   const Specification spec = example("rp96.toml");
   Progress progress;
   progress.stop = true;
@@ -421,9 +440,12 @@ TEST(ParetoFront, HoldsExactlyTheSetsThatNothingDominates) {
            (costs(a) != costs(b) || a.index < b.index);
   };
   for (std::size_t k = 0; k < r.refined.size(); ++k) {
-    if (r.refined[k].status != Status::kOptimal) continue;
+    if (!has_design(r.refined[k].status)) {
+      EXPECT_EQ(std::ranges::find(r.pareto, k), r.pareto.end()) << k;
+      continue;
+    }
     const bool dominated = std::ranges::any_of(r.refined, [&](const RefinedSet& s) {
-      return s.status == Status::kOptimal && dominates(s, r.refined[k]);
+      return has_design(s.status) && dominates(s, r.refined[k]);
     });
     const bool on_front = std::ranges::find(r.pareto, k) != r.pareto.end();
     EXPECT_EQ(on_front, !dominated);

@@ -103,6 +103,16 @@ TEST(LeastLostMotion, KnowsNothingOfLists) {
   EXPECT_TRUE(LeastLostMotion::knows(spec));
   spec.shift_step = 0.01;
   EXPECT_FALSE(LeastLostMotion::knows(spec));
+  Specification modules = ratio_96();
+  modules.module[0] = {.range_m = std::nullopt, .series_m = {0.5e-3}};
+  EXPECT_TRUE(LeastLostMotion::knows(modules)) << "of one choice";
+  modules.module[0].series_m = {0.5e-3, 0.6e-3};
+  EXPECT_FALSE(LeastLostMotion::knows(modules));
+  Specification cutters = ratio_96();
+  cutters.cutter_teeth[train::kR1] = {18};
+  EXPECT_TRUE(LeastLostMotion::knows(cutters)) << "of one cutter";
+  cutters.cutter_teeth[train::kR1] = {18, 20};
+  EXPECT_FALSE(LeastLostMotion::knows(cutters));
 }
 
 TEST(LeastLostMotion, IsNotToldWhenItIsStopped) {
